@@ -1,0 +1,29 @@
+//! Every fixed size of the core, with its reason.
+//!
+//! Two profiles: the MCU (everything within 512 KiB of RAM) and, with feature `hosted`, a Linux computer. Running out
+//! of any of these is a value that the caller handles and counts, never a silent loss.
+
+/// Laser rings of the sweep: a VLP-16 or Puck Hi-Res.
+pub const SWEEP_RINGS: usize = 16;
+/// Columns of the sweep: 1,808.4 firings per revolution at 600 rpm, rounded up to whole packets (76 × 24).
+pub const SWEEP_COLUMNS: usize = 1_824;
+/// Rings of the largest lidar that the decoder knows (VLP-32C, HDL-32E).
+pub const PACKET_RINGS_MAX: usize = 32;
+/// Firings in one lidar packet: 12 blocks of two sequences.
+pub const PACKET_COLUMNS_MAX: usize = 24;
+/// Beams of a scan: 270° at 0.5° and both ends (SICK S300).
+#[cfg(not(feature = "hosted"))]
+pub const SCAN_BEAMS_MAX: usize = 541;
+/// Beams of a scan: the microScan3 family delivers up to 2,751.
+#[cfg(feature = "hosted")]
+pub const SCAN_BEAMS_MAX: usize = 2_751;
+/// Clusters kept of one sweep; the farthest are dropped first and counted.
+pub const CLUSTERS_MAX: usize = if cfg!(feature = "hosted") { 1_024 } else { 256 };
+/// People tracked at once; the farthest are dropped first and counted.
+pub const TRACKS_MAX: usize = if cfg!(feature = "hosted") { 128 } else { 32 };
+/// Poses kept for de-skewing and stamping: 1.28 s at 100 Hz (algorithms L.2).
+pub const POSE_HISTORY: usize = 128;
+/// Vertices of a protective or warning field.
+pub const FIELD_VERTICES_MAX: usize = 16;
+/// Field sets: four speed bins, forward and reverse.
+pub const FIELD_SETS_MAX: usize = 8;

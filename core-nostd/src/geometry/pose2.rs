@@ -1,0 +1,116 @@
+//! Poses, points and velocities on the floor.
+
+use super::wrap_angle;
+
+/// A point on the floor, metres, in the frame that the name of the variable gives.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Point2 {
+    /// Forward or east, metres.
+    pub x_m: f32,
+    /// Left or north, metres.
+    pub y_m: f32,
+}
+
+impl Point2 {
+    /// A point from its coordinates in metres.
+    #[must_use]
+    pub const fn new(x_m: f32, y_m: f32) -> Self {
+        Self { x_m, y_m }
+    }
+
+    /// Distance from the origin, metres.
+    #[must_use]
+    pub fn norm(self) -> f32 {
+        libm::sqrtf(self.x_m * self.x_m + self.y_m * self.y_m)
+    }
+
+    /// Distance to another point of the same frame, metres.
+    #[must_use]
+    pub fn distance(self, other: Self) -> f32 {
+        Self::new(self.x_m - other.x_m, self.y_m - other.y_m).norm()
+    }
+}
+
+/// Where a frame stands in another one, on the floor. Invariant: `heading_rad` within [−π, π).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Pose2 {
+    /// Metres along x.
+    pub x_m: f32,
+    /// Metres along y.
+    pub y_m: f32,
+    /// Counter-clockwise from x, radians.
+    pub heading_rad: f32,
+}
+
+impl Pose2 {
+    /// A pose; the heading is wrapped.
+    #[must_use]
+    pub fn new(x_m: f32, y_m: f32, heading_rad: f32) -> Self {
+        Self { x_m, y_m, heading_rad: wrap_angle(heading_rad) }
+    }
+
+    /// `self` followed by `inner`: the pose of `inner`'s frame seen from where `self` is expressed.
+    #[must_use]
+    pub fn compose(self, inner: Self) -> Self {
+        let origin = self.transform(Point2::new(inner.x_m, inner.y_m));
+        Self::new(origin.x_m, origin.y_m, self.heading_rad + inner.heading_rad)
+    }
+
+    /// The pose that undoes this one.
+    #[must_use]
+    pub fn inverse(self) -> Self {
+        let (sin, cos) = libm::sincosf(self.heading_rad);
+        Self::new(-(cos * self.x_m + sin * self.y_m), sin * self.x_m - cos * self.y_m, -self.heading_rad)
+    }
+
+    /// A point of this frame, expressed in the outer one.
+    #[must_use]
+    pub fn transform(self, point: Point2) -> Point2 {
+        let (sin, cos) = libm::sincosf(self.heading_rad);
+        Point2::new(
+            self.x_m + cos * point.x_m - sin * point.y_m,
+            self.y_m + sin * point.x_m + cos * point.y_m,
+        )
+    }
+}
+
+/// Velocity of a body on the floor, in its own frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Twist2 {
+    /// Forward speed, m/s; negative backwards.
+    pub linear_mps: f32,
+    /// Turning rate, rad/s, counter-clockwise.
+    pub angular_radps: f32,
+}
+
+impl Twist2 {
+    /// Standing still.
+    pub const ZERO: Self = Self { linear_mps: 0.0, angular_radps: 0.0 };
+
+    /// Both numbers are finite.
+    #[must_use]
+    pub fn is_finite(self) -> bool {
+        self.linear_mps.is_finite() && self.angular_radps.is_finite()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inverse_undoes_compose() {
+        let a = Pose2::new(1.0, -2.0, 0.7);
+        let b = a.compose(a.inverse());
+        assert!(b.x_m.abs() < 1e-6 && b.y_m.abs() < 1e-6 && b.heading_rad.abs() < 1e-6);
+    }
+
+    #[test]
+    fn quarter_turn_maps_forward_to_left() {
+        let p = Pose2::new(10.0, 0.0, core::f32::consts::FRAC_PI_2).transform(Point2::new(2.0, 0.0));
+        assert!((p.x_m - 10.0).abs() < 1e-6 && (p.y_m - 2.0).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,35 @@
+//! One lidar datagram, decoded: a few columns of the range image, each with its own azimuth and stamp.
+//!
+//! This is what the guard sees first (every 1.33 ms) and what the sweep is assembled from.
+
+use heapless::Vec;
+
+use crate::capacities::{PACKET_COLUMNS_MAX, PACKET_RINGS_MAX};
+use crate::time::Stamp;
+
+/// All lasers of one firing sequence. Rings are ordered by elevation, 0 lowest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LidarColumn {
+    /// Azimuth at the middle of the sequence, hundredths of a degree, 0…35,999, clockwise seen from above as on the
+    /// wire; 0 is the sensor's forward (robot axes: x forward).
+    pub azimuth_cdeg: u16,
+    /// When the first laser of the sequence fired, microseconds after [`LidarPacket::stamp`].
+    pub offset_us: u32,
+    /// Range per ring in [`LidarPacket::range_unit_mm`]; 0 = no return, which is *unknown*, never free.
+    pub range_raw: [u16; PACKET_RINGS_MAX],
+    /// Calibrated reflectivity per ring.
+    pub reflectivity: [u8; PACKET_RINGS_MAX],
+}
+
+/// A decoded datagram.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LidarPacket {
+    /// When the first laser fired, on the robot's clock.
+    pub stamp: Stamp,
+    /// Millimetres per count of `range_raw`: 2, or 4 for a VLP-32C.
+    pub range_unit_mm: u8,
+    /// Rings in use: 16 or 32. Entries above are zero.
+    pub rings: u8,
+    /// The firing sequences, in time order.
+    pub columns: Vec<LidarColumn, PACKET_COLUMNS_MAX>,
+}

@@ -1,0 +1,78 @@
+//! One revolution of the lidar as an organised range image, kept in the integers of the wire.
+//!
+//! Neighbourhood is index arithmetic: ring ± 1, column ± 1. A column that was never measured (lost packet, blind
+//! sector) is *unknown*; a measured cell without a return is unknown too. Neither is free.
+
+use crate::capacities::{SWEEP_COLUMNS, SWEEP_RINGS};
+use crate::geometry::Pose2;
+use crate::time::Stamp;
+
+/// One column: 16 rings, ordered by elevation, 0 lowest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SweepColumn<const RINGS: usize = SWEEP_RINGS> {
+    /// Azimuth, hundredths of a degree, clockwise from the sensor's forward.
+    pub azimuth_cdeg: u16,
+    /// A packet that covers this column arrived.
+    pub measured: bool,
+    /// Microseconds after [`Sweep::stamp`].
+    pub offset_us: u32,
+    /// Range per ring in [`Sweep::range_unit_mm`]; 0 = no return = unknown.
+    pub range_raw: [u16; RINGS],
+    /// Calibrated reflectivity per ring.
+    pub reflectivity: [u8; RINGS],
+}
+
+impl<const RINGS: usize> SweepColumn<RINGS> {
+    /// A column about which nothing is known.
+    pub const UNKNOWN: Self = Self {
+        azimuth_cdeg: 0,
+        measured: false,
+        offset_us: 0,
+        range_raw: [0; RINGS],
+        reflectivity: [0; RINGS],
+    };
+}
+
+/// Where the robot stood while a column was measured, relative to where it stood at the end of the sweep.
+pub type SweepPose = Pose2;
+
+/// A revolution. About 98 KiB: keep it in a static and pass references.
+#[derive(Clone, Debug)]
+pub struct Sweep<const RINGS: usize = SWEEP_RINGS> {
+    /// When the first column was measured, on the robot's clock.
+    pub stamp: Stamp,
+    /// When the last column was measured.
+    pub end_stamp: Stamp,
+    /// Millimetres per count of `range_raw`.
+    pub range_unit_mm: u8,
+    /// Columns in use; entries above are [`SweepColumn::UNKNOWN`].
+    pub column_count: usize,
+    /// The columns, in time order (azimuth rising, clockwise).
+    pub columns: [SweepColumn<RINGS>; SWEEP_COLUMNS],
+    /// Packets that went into it.
+    pub packets: u16,
+    /// Packets that should have gone into it and did not arrive.
+    pub lost_packets: u16,
+    /// Columns that did not fit any more.
+    pub dropped_columns: u16,
+}
+
+impl<const RINGS: usize> Sweep<RINGS> {
+    /// A sweep without a single column.
+    pub const EMPTY: Self = Self {
+        stamp: Stamp::ZERO,
+        end_stamp: Stamp::ZERO,
+        range_unit_mm: 2,
+        column_count: 0,
+        columns: [SweepColumn::UNKNOWN; SWEEP_COLUMNS],
+        packets: 0,
+        lost_packets: 0,
+        dropped_columns: 0,
+    };
+
+    /// The columns in use.
+    #[must_use]
+    pub fn used_columns(&self) -> &[SweepColumn<RINGS>] {
+        self.columns.get(..self.column_count).unwrap_or(&self.columns)
+    }
+}

@@ -1,0 +1,18 @@
+//! Translates: bytes of the wire into typed measurements, and typed commands into bytes.
+//!
+//! Sans-I/O codecs and device state machines. Every decoder is total: any bytes in, a typed value or a typed error
+//! out, no panic, no over-read, and it resynchronises. Nothing here reads a clock; arrival times are arguments.
+#![no_std]
+#![forbid(unsafe_code)]
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable,
+        clippy::todo,
+        clippy::unimplemented,
+        clippy::indexing_slicing
+    )
+)]

@@ -1,0 +1,1 @@
+//! The hosted board: carriers of Linux, recordings, the simulator, and the commands of the program.

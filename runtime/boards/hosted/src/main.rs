@@ -1,0 +1,2 @@
+//! `floorguard`, the program.
+fn main() {}

@@ -1,0 +1,1 @@
+//! Judges. What the test files share: where the recordings are, and how a missing one is reported.
