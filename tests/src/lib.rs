@@ -1,1 +1,3 @@
 //! Judges. What the test files share: where the recordings are, and how a missing one is reported.
+
+pub mod data;

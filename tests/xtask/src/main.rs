@@ -1,2 +1,41 @@
-//! Automation of the project.
-fn main() {}
+//! `cargo xtask`: everything that a developer, CI or an auditor does with the project, one word each.
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+mod machine;
+mod setup;
+mod shell;
+mod test;
+
+/// Automation of floorguard. Exit codes: 0 good, 1 verdict negative, 2 usage, 3 bad input.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Install what is missing on a bare machine, and say what was done.
+    Setup,
+    /// Set up, then run everything that CI runs.
+    Test(test::Options),
+}
+
+fn main() -> ExitCode {
+    let outcome = match Arguments::parse().command {
+        Command::Setup => setup::run(),
+        Command::Test(options) => test::run(&options),
+    };
+    match outcome {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(3)
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! `cargo xtask test`: what CI runs, step by step, with a verdict at the end.
+
+use std::io::{BufRead, BufReader};
+use std::process::Stdio;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use clap::Args;
+
+use crate::machine::TARGET;
+use crate::{setup, shell};
+
+/// Which part of the test run.
+#[derive(Args)]
+pub struct Options {
+    /// Run only the steps whose name contains this word.
+    #[arg(long)]
+    only: Option<String>,
+}
+
+/// One step: a name, and the cargo call behind it.
+struct Step {
+    name: &'static str,
+    arguments: &'static [&'static str],
+}
+
+const STEPS: &[Step] = &[
+    Step { name: "format", arguments: &["fmt", "--all", "--check"] },
+    Step {
+        name: "clippy",
+        arguments: &["clippy", "--quiet", "--workspace", "--all-targets", "--", "--deny", "warnings"],
+    },
+    Step {
+        name: "no_std",
+        arguments: &[
+            "build",
+            "--quiet",
+            "--package",
+            "floorguard-core",
+            "--package",
+            "floorguard-drivers",
+            "--package",
+            "floorguard-runtime",
+            "--target",
+            TARGET,
+        ],
+    },
+    Step { name: "tests", arguments: &["test", "--workspace", "--no-fail-fast"] },
+];
+
+/// What the test harnesses counted.
+#[derive(Default)]
+struct Count {
+    passed: u64,
+    failed: u64,
+}
+
+/// Runs the steps in order; a failed step does not hide the ones after it.
+pub fn run(options: &Options) -> Result<bool> {
+    if !setup::run()? {
+        return Ok(false);
+    }
+    let mut failed_steps = Vec::new();
+    let mut count = Count::default();
+    let wanted = |step: &&Step| options.only.as_ref().is_none_or(|word| step.name.contains(word.as_str()));
+    for step in STEPS.iter().filter(wanted) {
+        println!("\n== {}: cargo {}", step.name, step.arguments.join(" "));
+        let start = Instant::now();
+        let succeeded = run_step(step, &mut count)?;
+        println!(
+            "== {}: {} after {:.0} s",
+            step.name,
+            if succeeded { "good" } else { "FAILED" },
+            start.elapsed().as_secs_f64()
+        );
+        if !succeeded {
+            failed_steps.push(step.name);
+        }
+    }
+    if failed_steps.is_empty() {
+        println!("\nall steps are good");
+    } else {
+        println!("\nfailed: {}; repeat one with: cargo xtask test --only NAME", failed_steps.join(", "));
+    }
+    println!("{} passed, {} failed", count.passed, count.failed);
+    Ok(failed_steps.is_empty())
+}
+
+/// Runs one step, shows its output as it comes, and adds up the harnesses' closing lines.
+fn run_step(step: &Step, count: &mut Count) -> Result<bool> {
+    let mut command = shell::cargo();
+    command.args(step.arguments).stdin(Stdio::null()).stdout(Stdio::piped());
+    let mut child = command.spawn().with_context(|| format!("cannot start cargo for step {}", step.name))?;
+    if let Some(output) = child.stdout.take() {
+        for line in BufReader::new(output).lines() {
+            let line = line.context("cannot read what cargo prints")?;
+            if let Some(result) = line.strip_prefix("test result: ") {
+                count.passed += number_before(result, " passed");
+                count.failed += number_before(result, " failed");
+            }
+            println!("{line}");
+        }
+    }
+    Ok(child.wait()?.success())
+}
+
+/// The number that stands before `word`, 0 if there is none.
+fn number_before(text: &str, word: &str) -> u64 {
+    text.find(word)
+        .and_then(|end| text.get(..end))
+        .and_then(|head| head.rsplit(|c: char| !c.is_ascii_digit()).next())
+        .and_then(|digits| digits.parse().ok())
+        .unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::number_before;
+
+    #[test]
+    fn reads_the_harness_line() {
+        let line = "FAILED. 12 passed; 3 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.01s";
+        assert_eq!((number_before(line, " passed"), number_before(line, " failed")), (12, 3));
+        assert_eq!(number_before("nothing", " passed"), 0);
+    }
+}
