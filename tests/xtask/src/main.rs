@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
+mod audit;
 mod machine;
 mod setup;
 mod shell;
@@ -23,12 +24,15 @@ enum Command {
     Setup,
     /// Set up, then run everything that CI runs.
     Test(test::Options),
+    /// Check every claim of the safety evidence and write it to target/audit.
+    Audit(audit::Options),
 }
 
 fn main() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Setup => setup::run(),
         Command::Test(options) => test::run(&options),
+        Command::Audit(options) => audit::run(&options),
     };
     match outcome {
         Ok(true) => ExitCode::SUCCESS,

@@ -1,0 +1,206 @@
+//! The compiled safety image: its functions, who calls whom, its loops, its stack, and what must not be in it.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result, bail};
+use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
+
+use super::thumb::{self, Flow};
+use crate::machine::TARGET;
+use crate::shell;
+
+/// One function of the image.
+pub struct Function {
+    /// Readable name.
+    pub name: String,
+    /// Address.
+    pub address: u64,
+    /// Size in bytes.
+    pub size: u64,
+    /// Branches, calls and frame.
+    pub flow: Flow,
+}
+
+/// A loop in compiled code, traced back to the sources.
+pub struct CompiledLoop {
+    /// Function that holds it.
+    pub function: String,
+    /// Address of the backward branch.
+    pub address: u64,
+    /// Inlining chain, innermost first: (file from the workspace root or library path, line).
+    pub places: Vec<(String, u32)>,
+}
+
+/// The image, read.
+pub struct Image {
+    /// Functions by address.
+    pub functions: BTreeMap<u64, Function>,
+    /// Loops in address order.
+    pub loops: Vec<CompiledLoop>,
+    /// All symbol names, undefined ones too.
+    pub symbols: BTreeSet<String>,
+    /// Bytes of program and constants.
+    pub flash_bytes: u64,
+    /// Bytes of statics.
+    pub ram_bytes: u64,
+}
+
+/// Builds the safety image with the profile of the firmware.
+pub fn build() -> Result<PathBuf> {
+    let mut command = shell::cargo();
+    command.args(["build", "--quiet", "--package", "floorguard-safety-image", "--profile", "firmware"]);
+    command.args(["--target", TARGET]);
+    command.env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS", "-C target-cpu=cortex-m7");
+    if !shell::succeeds(&mut command)? {
+        bail!("the safety image does not build");
+    }
+    let target =
+        std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| shell::root().join("target"), PathBuf::from);
+    Ok(target.join(TARGET).join("firmware/floorguard-safety-image"))
+}
+
+/// Reads a linked image.
+pub fn read(path: &Path) -> Result<Image> {
+    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let file = object::File::parse(&*bytes).context("not an ELF image")?;
+    let data_marks = mapping_symbols(&file);
+    let mut functions = BTreeMap::new();
+    let mut symbols = BTreeSet::new();
+    for symbol in file.symbols() {
+        let name = format!("{:#}", rustc_demangle::demangle(symbol.name().unwrap_or("")));
+        symbols.insert(name.clone());
+        if symbol.kind() != SymbolKind::Text || symbol.size() == 0 {
+            continue;
+        }
+        let address = symbol.address() & !1;
+        let Some(code) = code_at(&file, address, symbol.size()) else { continue };
+        let flow = thumb::decode(code, address, |at| is_data(&data_marks, at));
+        functions.insert(address, Function { name, address, size: symbol.size(), flow });
+    }
+    if functions.is_empty() {
+        bail!("{} holds no function: nothing would be proven", path.display());
+    }
+    let loops = trace_loops(path, &functions)?;
+    let size = |names: &[&str]| {
+        file.sections()
+            .filter(|section| {
+                section.name().is_ok_and(|name| names.iter().any(|start| name.starts_with(start)))
+            })
+            .map(|section| section.size())
+            .sum()
+    };
+    Ok(Image {
+        functions,
+        loops,
+        symbols,
+        flash_bytes: size(&[".text", ".rodata", ".data", ".ARM"]),
+        ram_bytes: size(&[".data", ".bss"]),
+    })
+}
+
+fn code_at<'data>(file: &object::File<'data>, address: u64, size: u64) -> Option<&'data [u8]> {
+    file.sections().find_map(|section| section.data_range(address, size).ok().flatten())
+}
+
+/// `$t` starts code, `$d` starts data inside a code section (ARM ELF specification, 5.5.5).
+fn mapping_symbols(file: &object::File) -> BTreeMap<u64, bool> {
+    let mut marks = BTreeMap::new();
+    for symbol in file.symbols() {
+        let name = symbol.name().unwrap_or("");
+        if name == "$d" || name.starts_with("$d.") {
+            marks.insert(symbol.address(), true);
+        } else if name == "$t" || name.starts_with("$t.") {
+            marks.insert(symbol.address() & !1, false);
+        }
+    }
+    marks
+}
+
+fn is_data(marks: &BTreeMap<u64, bool>, address: u64) -> bool {
+    marks.range(..=address).next_back().is_some_and(|(_, data)| *data)
+}
+
+fn trace_loops(path: &Path, functions: &BTreeMap<u64, Function>) -> Result<Vec<CompiledLoop>> {
+    let loader = addr2line::Loader::new(path).map_err(|error| anyhow::anyhow!("no line table: {error}"))?;
+    let root = format!("{}/", shell::root().display());
+    let mut loops = Vec::new();
+    for function in functions.values() {
+        for (address, _) in &function.flow.back_edges {
+            let mut places = Vec::new();
+            let mut frames =
+                loader.find_frames(*address).map_err(|error| anyhow::anyhow!("no frames: {error}"))?;
+            while let Some(frame) =
+                frames.next().map_err(|error| anyhow::anyhow!("broken line table: {error}"))?
+            {
+                if let Some(location) = frame.location {
+                    let file = location.file.unwrap_or("?");
+                    places.push((
+                        file.strip_prefix(&root).unwrap_or(file).to_owned(),
+                        location.line.unwrap_or(0),
+                    ));
+                }
+            }
+            loops.push(CompiledLoop { function: function.name.clone(), address: *address, places });
+        }
+    }
+    Ok(loops)
+}
+
+impl Image {
+    /// Who calls whom, by name; calls into the middle of nowhere are dropped.
+    pub fn call_graph(&self) -> BTreeMap<String, BTreeSet<String>> {
+        self.functions
+            .values()
+            .map(|function| {
+                let callees =
+                    function.flow.calls.iter().filter_map(|target| self.at(*target)).map(|f| f.name.clone());
+                (function.name.clone(), callees.filter(|name| *name != function.name).collect())
+            })
+            .collect()
+    }
+
+    fn at(&self, address: u64) -> Option<&Function> {
+        self.functions
+            .range(..=address)
+            .next_back()
+            .map(|(_, function)| function)
+            .filter(|function| address < function.address + function.size)
+    }
+
+    /// Deepest stack below each function, with the chain that needs it. Recursion must have been excluded before.
+    pub fn deepest_stack(&self, start: &str) -> (u32, Vec<String>) {
+        let graph = self.call_graph();
+        let frames: BTreeMap<&str, u32> = self
+            .functions
+            .values()
+            .map(|function| (function.name.as_str(), function.flow.frame_bytes))
+            .collect();
+        let mut known = BTreeMap::new();
+        depth(start, &graph, &frames, &mut known);
+        known.remove(start).unwrap_or_default()
+    }
+}
+
+fn depth(
+    name: &str,
+    graph: &BTreeMap<String, BTreeSet<String>>,
+    frames: &BTreeMap<&str, u32>,
+    known: &mut BTreeMap<String, (u32, Vec<String>)>,
+) {
+    if known.contains_key(name) {
+        return;
+    }
+    // Marks the function while it is on the path, so that a cycle (reported elsewhere) cannot hang the audit.
+    known.insert(name.to_owned(), (0, vec![]));
+    let mut deepest = (0, vec![]);
+    for callee in graph.get(name).into_iter().flatten() {
+        depth(callee, graph, frames, known);
+        if let Some(below) = known.get(callee).filter(|below| below.0 >= deepest.0) {
+            deepest = below.clone();
+        }
+    }
+    let mut chain = vec![name.to_owned()];
+    chain.extend(deepest.1);
+    known.insert(name.to_owned(), (deepest.0 + frames.get(name).copied().unwrap_or(0), chain));
+}

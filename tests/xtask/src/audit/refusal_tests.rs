@@ -1,0 +1,78 @@
+//! Each kind of mistake makes the audit fail and names its line.
+
+use super::claim::Finding;
+use super::forbidden::{self, Forbidden};
+use super::{loops, sources};
+
+fn loops_of(text: &str) -> (usize, Vec<Finding>) {
+    let file = sources::parse("core-nostd/src/example.rs", text.to_owned()).expect("the example parses");
+    let (sites, findings) = loops::list(&file);
+    (sites.len(), findings)
+}
+
+fn forbidden_in(text: &str) -> Forbidden {
+    let file = sources::parse("core-nostd/src/example.rs", text.to_owned()).expect("the example parses");
+    let mut found = Forbidden::default();
+    forbidden::inspect(&file, &mut found);
+    found
+}
+
+fn names_line(findings: &[Finding], line: usize) {
+    assert_eq!(findings.len(), 1, "{findings:?}");
+    assert_eq!((findings[0].place.as_str(), findings[0].line), ("core-nostd/src/example.rs", line));
+}
+
+#[test]
+fn bounded_loops_pass() {
+    let text = "fn f(a: &[u8; 4], n: usize) -> u32 {\n for i in 0..CAPACITY {}\n for i in 0..n.min(CAPACITY) {}\n \
+                for x in a {}\n a.iter().map(|x| u32::from(*x)).sum()\n}";
+    let (sites, findings) = loops_of(text);
+    assert_eq!((sites, findings), (4, vec![]));
+}
+
+#[test]
+fn a_loop_without_its_bound_is_refused() {
+    names_line(&loops_of("fn f(n: usize) {\n\n for i in 0..n {}\n}").1, 3);
+    names_line(&loops_of("fn f() {\n for i in 3.. {}\n}").1, 2);
+    names_line(&loops_of("fn f() -> u8 {\n core::iter::repeat(1).sum()\n}").1, 2);
+    assert!(loops_of("fn f() -> u8 { core::iter::repeat(1).take(SIZE).sum() }").1.is_empty());
+}
+
+#[test]
+fn waiting_for_a_sensor_is_refused_outside_async() {
+    names_line(&loops_of("fn f(s: &S) {\n while s.ready() {}\n}").1, 2);
+    names_line(&loops_of("async fn f(s: &S) {\n loop { s.read(); }\n}").1, 2);
+    assert!(loops_of("async fn f(s: &S) { loop { s.read().await; } }").1.is_empty());
+}
+
+#[test]
+fn the_heap_is_refused() {
+    names_line(&forbidden_in("use alloc::vec;\n").heap, 1);
+    names_line(&forbidden_in("\nfn f() { let v: Vec<u8> = x; }").heap, 2);
+    assert!(forbidden_in("use heapless::Vec;\nfn f() { let v: Vec<u8, 4> = x; }").heap.is_empty());
+}
+
+#[test]
+fn panics_are_refused() {
+    names_line(&forbidden_in("fn f(x: Option<u8>) -> u8 {\n x.unwrap()\n}").panics, 2);
+    names_line(&forbidden_in("fn f() {\n\n panic!(\"no\")\n}").panics, 3);
+    assert!(forbidden_in("#[cfg(test)]\nmod tests { fn f() { x.unwrap(); } }").panics.is_empty());
+}
+
+#[test]
+fn recursion_unsafe_code_and_pointers_are_refused() {
+    names_line(&forbidden_in("fn f(n: u8) -> u8 {\n f(n - 1)\n}").recursion, 2);
+    names_line(&forbidden_in("impl T {\nfn f(&self) {\n self.f()\n}}").recursion, 3);
+    names_line(&forbidden_in("fn f() {\n unsafe { g() }\n}").unsafe_code, 2);
+    names_line(&forbidden_in("struct S {\n call: fn(u8) -> u8,\n}").pointers, 2);
+    names_line(&forbidden_in("fn f(\n x: &dyn T) {}").pointers, 2);
+}
+
+#[test]
+fn cycles_over_several_functions_are_found() {
+    let graph = [("a", vec!["b"]), ("b", vec!["c"]), ("c", vec!["a"]), ("d", vec!["a"])]
+        .into_iter()
+        .map(|(caller, callees)| (caller.to_owned(), callees.into_iter().map(str::to_owned).collect()))
+        .collect();
+    assert_eq!(forbidden::cycles(&graph), [["a", "b", "c"].map(str::to_owned).to_vec()]);
+}
