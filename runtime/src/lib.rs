@@ -12,5 +12,6 @@ extern crate std;
 pub mod black_box;
 pub mod channel;
 pub mod clock;
+pub mod configuration;
 pub mod io;
 pub mod mission;

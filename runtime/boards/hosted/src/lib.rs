@@ -1,1 +1,5 @@
 //! The hosted board: carriers of Linux, recordings, the simulator, and the commands of the program.
+
+pub mod commands;
+pub mod configuration;
+pub mod executor;

@@ -1,0 +1,24 @@
+//! `floorguard check robot.toml`: is this file good enough to drive with?
+
+use std::path::Path;
+
+use crate::configuration::load;
+
+/// Says what the file describes, or everything that is wrong with it.
+///
+/// # Errors
+/// The file is refused.
+pub fn run(file: &Path) -> anyhow::Result<()> {
+    let configuration = load(file)?;
+    let robot = &configuration.robot;
+    anstream::eprintln!(
+        "{}: good: {} fields, lidar {:?}, scanner {:?}, {} waypoints, at most {} m/s",
+        file.display(),
+        robot.fields.len(),
+        robot.lidar.model,
+        robot.scanner.model,
+        robot.route.waypoints.len(),
+        robot.limits.speed_mps,
+    );
+    Ok(())
+}

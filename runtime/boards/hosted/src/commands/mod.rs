@@ -1,0 +1,19 @@
+//! What the user types. Human text goes to standard error, machine output to standard output.
+
+mod arguments;
+mod check;
+mod exit;
+
+pub use arguments::{Arguments, Command};
+pub use exit::{BadInput, VerdictFailed, exit_code};
+
+/// Runs the command; no command means the demo.
+///
+/// # Errors
+/// Anything that ends the program with another exit code than 0, see [`exit_code`].
+pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
+    match arguments.command {
+        Some(Command::Check { file }) => check::run(&file),
+        None => anyhow::bail!("nothing to do"),
+    }
+}

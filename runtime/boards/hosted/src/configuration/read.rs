@@ -1,0 +1,411 @@
+//! The meaning of every key of `robot.toml`.
+//!
+//! Nothing starts half-configured: all mistakes are collected and any one refuses the whole file.
+
+use std::path::Path;
+
+use floorguard_core::capacities::FIELD_SETS_MAX;
+use floorguard_core::geometry::{Point2, Point3};
+use floorguard_core::units::radians;
+use floorguard_runtime::configuration::{
+    CanConfiguration, Deadlines, DirectionOfTravel, FieldPair, Geometry, ImuConfiguration,
+    LidarConfiguration, LidarModel, Limits, Mounting, Polygon, RobotConfiguration, ScannerConfiguration,
+    ScannerModel,
+};
+use floorguard_runtime::mission::{ROUTE_WAYPOINTS_MAX, Route, RouteLimits};
+use toml::de::DeTable;
+
+use super::address::{CanAddress, DatagramAddress, SerialAddress, parse_serial};
+use super::polygon;
+use super::problem::{Problem, Refused};
+use super::reader::{Problems, Reader};
+
+/// Scanner response, two scans of 40 ms (algorithms M.1).
+const SCANNER_RESPONSE_S: f32 = 0.08;
+/// General tolerance of the scanner, metres (algorithms M.1, Z_G).
+const SCANNER_TOLERANCE_M: f32 = 0.10;
+/// Reserve for brake wear, share of the braking distance (algorithms M.1, Z_B).
+const BRAKE_WEAR: f32 = 0.10;
+
+/// The addresses of the carriers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Carriers {
+    /// Lidar.
+    pub lidar: DatagramAddress,
+    /// Safety scanner.
+    pub scanner: SerialAddress,
+    /// Inertial measurement unit.
+    pub imu: Option<SerialAddress>,
+    /// CAN bus.
+    pub can: CanAddress,
+}
+
+/// A complete, checked configuration.
+#[derive(Clone, Debug)]
+pub struct HostedConfiguration {
+    /// What the robot is.
+    pub robot: RobotConfiguration,
+    /// Where its bytes come from.
+    pub carriers: Carriers,
+}
+
+/// Reads and checks a file.
+///
+/// # Errors
+/// The file cannot be read, or [`Refused`].
+pub fn load(path: &Path) -> anyhow::Result<HostedConfiguration> {
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        anyhow::anyhow!("{}: cannot be read ({error}); give the path of a robot.toml", path.display())
+    })?;
+    Ok(parse(&path.display().to_string(), &text)?)
+}
+
+/// Checks a text; `file` is the name for messages.
+///
+/// # Errors
+/// Every mistake with its line.
+pub fn parse(file: &str, text: &str) -> Result<HostedConfiguration, Refused> {
+    let document = DeTable::parse(text).map_err(|error| {
+        let offset = error.span().map_or(0, |span| span.start);
+        let what = format!("not TOML: {}", error.message().lines().next().unwrap_or_default());
+        Refused::new(file, text, vec![Problem { offset, what, remedy: "correct the syntax".to_owned() }])
+    })?;
+    let problems = Problems::default();
+    let top = Reader::new(document.get_ref(), "", 0..0, &problems);
+    let configuration = read_top(top);
+    let problems = problems.into_inner();
+    match configuration {
+        Some(configuration) if problems.is_empty() => Ok(configuration),
+        _ => Err(Refused::new(file, text, problems)),
+    }
+}
+
+fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
+    let geometry = read_geometry(top.section("robot"));
+    let limits = read_limits(top.section("limits"));
+    let deadlines = read_deadlines(top.section("deadlines"));
+    let lidar = read_lidar(top.section("lidar"));
+    let scanner = read_scanner(top.section("scanner"));
+    let imu = top.optional_section("imu").map(read_imu);
+    let can = read_can(top.section("can"));
+    let fields = read_fields(&top, &geometry, &limits);
+    let (route, route_limits) =
+        top.optional_section("route").map_or_else(Default::default, |section| read_route(section, &limits));
+    top.finish();
+    let (lidar, lidar_address) = lidar?;
+    let (scanner, scanner_address) = scanner?;
+    let (can, can_address) = can?;
+    let (imu, imu_address) = match imu {
+        Some(read) => read.map(|(imu, address)| (Some(imu), Some(address)))?,
+        None => (None, None),
+    };
+    Some(HostedConfiguration {
+        robot: RobotConfiguration {
+            geometry: geometry?,
+            limits,
+            deadlines,
+            lidar,
+            scanner,
+            imu,
+            can,
+            fields,
+            route,
+            route_limits,
+        },
+        carriers: Carriers {
+            lidar: lidar_address,
+            scanner: scanner_address,
+            imu: imu_address,
+            can: can_address,
+        },
+    })
+}
+
+fn read_geometry(section: Reader<'_>) -> Option<Geometry> {
+    let footprint = read_polygon(&section, "footprint_m");
+    let geometry = Geometry {
+        footprint: footprint.unwrap_or_default(),
+        wheelbase_m: section.number("wheelbase_m", 0.2..=3.0),
+        track_m: section.number("track_m", 0.2..=2.0),
+        ticks_per_m: section.number("ticks_per_m", 100.0..=1.0e6),
+    };
+    section.finish();
+    (!geometry.footprint.is_empty()).then_some(geometry)
+}
+
+fn read_limits(section: Reader<'_>) -> Limits {
+    let limits = Limits {
+        speed_mps: section.number("speed_mps", 0.05..=2.0),
+        reverse_mps: section.number("reverse_mps", 0.0..=0.5),
+        turn_radps: section.number("turn_radps", 0.05..=2.0),
+        acceleration_mps2: section.number("acceleration_mps2", 0.05..=2.0),
+        braking_mps2: section.number("braking_mps2", 0.1..=5.0),
+        response_s: section.number("response_s", 0.0..=1.0),
+    };
+    section.finish();
+    limits
+}
+
+fn read_deadlines(section: Reader<'_>) -> Deadlines {
+    // Microseconds are exact for every value that passes the range check.
+    let micros = |key, longest_s| (section.number(key, 0.02..=longest_s) * 1.0e6) as u64;
+    let deadlines = Deadlines {
+        scanner_us: micros("scanner_s", 0.3),
+        lidar_us: micros("lidar_s", 0.5),
+        odometry_us: micros("odometry_s", 0.2),
+        command_us: micros("command_s", 0.5),
+    };
+    section.finish();
+    deadlines
+}
+
+fn read_mounting(section: Reader<'_>) -> Mounting {
+    let mounting = Mounting {
+        position: Point3::new(
+            section.number("x_m", -2.0..=3.0),
+            section.number("y_m", -1.5..=1.5),
+            section.number("z_m", 0.02..=3.0),
+        ),
+        roll_rad: radians(section.number_or("roll_deg", -180.0..=180.0, 0.0)),
+        pitch_rad: radians(section.number_or("pitch_deg", -90.0..=90.0, 0.0)),
+        yaw_rad: radians(section.number_or("yaw_deg", -180.0..=180.0, 0.0)),
+    };
+    section.finish();
+    mounting
+}
+
+fn read_lidar(section: Reader<'_>) -> Option<(LidarConfiguration, DatagramAddress)> {
+    let models = [
+        ("vlp16", LidarModel::Vlp16),
+        ("auto", LidarModel::Auto),
+        ("puck-hi-res", LidarModel::PuckHiRes),
+        ("vlp32c", LidarModel::Vlp32c),
+        ("hdl32e", LidarModel::Hdl32e),
+    ];
+    let model = section.choice("model", &models);
+    let source = read_source(&section, "udp:0.0.0.0:2368", DatagramAddress::parse);
+    let mounting = read_mounting(section.section("mounting"));
+    section.finish();
+    Some((LidarConfiguration { model: model?, mounting }, source?))
+}
+
+fn read_scanner(section: Reader<'_>) -> Option<(ScannerConfiguration, SerialAddress)> {
+    let model = section.choice("model", &[("s300", ScannerModel::S300)]);
+    let source = read_serial(&section);
+    let mounting = read_mounting(section.section("mounting"));
+    if mounting.position.z_m > 0.2 {
+        section.refuse(
+            section.span(),
+            format!("[scanner]: the scan plane is {} m high, allowed is up to 0.2 m", mounting.position.z_m),
+            "mount the scanner lower: feet and children must cross the plane",
+        );
+    }
+    section.finish();
+    Some((ScannerConfiguration { model: model?, mounting }, source?))
+}
+
+fn read_imu(section: Reader<'_>) -> Option<(ImuConfiguration, SerialAddress)> {
+    let source = read_serial(&section);
+    let mounting = read_mounting(section.section("mounting"));
+    section.finish();
+    Some((ImuConfiguration { mounting }, source?))
+}
+
+fn read_can(section: Reader<'_>) -> Option<(CanConfiguration, CanAddress)> {
+    let source = read_source(&section, "socketcan:can0", CanAddress::parse);
+    let node = |key| section.integer(key, 1..=127) as u8;
+    let can = CanConfiguration {
+        drive_node: node("drive_node"),
+        left_encoder_node: node("left_encoder_node"),
+        right_encoder_node: node("right_encoder_node"),
+    };
+    let nodes = [can.drive_node, can.left_encoder_node, can.right_encoder_node];
+    if nodes[0] == nodes[1] || nodes[1] == nodes[2] || nodes[0] == nodes[2] {
+        section.refuse(
+            section.span(),
+            format!("[can]: node numbers {nodes:?} are not different"),
+            "give every device on the bus its own number",
+        );
+    }
+    section.finish();
+    Some((can, source?))
+}
+
+fn read_source<T>(section: &Reader<'_>, example: &str, parse: impl Fn(&str) -> Option<T>) -> Option<T> {
+    let (text, span) = section.text("source", example)?;
+    let address = parse(text);
+    if address.is_none() {
+        section.refuse(
+            &span,
+            format!("{}: `source` is \"{text}\", no address of this kind", section.title()),
+            format!("write for example \"{example}\""),
+        );
+    }
+    address
+}
+
+fn read_serial(section: &Reader<'_>) -> Option<SerialAddress> {
+    let device = read_source(section, "serial:/dev/ttyUSB0", parse_serial);
+    let baud = section.integer("baud", 9_600..=4_000_000) as u32;
+    Some(SerialAddress { device: device?, baud })
+}
+
+fn read_polygon(section: &Reader<'_>, key: &'static str) -> Option<Polygon> {
+    let (points, span) = section.points(key)?;
+    match polygon::checked(&points) {
+        Ok(polygon) => Some(polygon),
+        Err(reason) => {
+            section.refuse(&span, format!("`{key}`: {reason}"), "give 3 to 16 corners, counter-clockwise");
+            None
+        }
+    }
+}
+
+fn read_fields(
+    top: &Reader<'_>,
+    geometry: &Option<Geometry>,
+    limits: &Limits,
+) -> heapless::Vec<FieldPair, FIELD_SETS_MAX> {
+    let mut fields = heapless::Vec::new();
+    let mut last = top.span().clone();
+    for section in top.sections("field") {
+        let span = section.span().clone();
+        last = span.clone();
+        if let Some(field) = read_field(section, geometry.as_ref(), limits)
+            && fields.push(field).is_err()
+        {
+            top.refuse(
+                &span,
+                format!("more than {FIELD_SETS_MAX} fields"),
+                "remove speed bins that are not needed",
+            );
+        }
+    }
+    if top.good_so_far() {
+        check_cover((top, &last), &fields, (DirectionOfTravel::Forward, "forward"), limits.speed_mps);
+        check_cover((top, &last), &fields, (DirectionOfTravel::Reverse, "reverse"), limits.reverse_mps);
+    }
+    fields
+}
+
+/// Every speed that the robot may drive needs a field.
+fn check_cover(
+    (top, last): (&Reader<'_>, &std::ops::Range<usize>),
+    fields: &[FieldPair],
+    direction: (DirectionOfTravel, &str),
+    speed_mps: f32,
+) {
+    let of_direction = fields.iter().filter(|field| field.direction == direction.0);
+    let covered_mps = of_direction.map(|field| field.speed_max_mps).fold(0.0, f32::max);
+    if covered_mps < speed_mps {
+        top.refuse(
+            last,
+            format!(
+                "[[field]]: {} fields end at {covered_mps} m/s, the limit is {speed_mps} m/s",
+                direction.1
+            ),
+            "add a field for the higher speeds or lower the limit",
+        );
+    }
+}
+
+fn read_field(section: Reader<'_>, geometry: Option<&Geometry>, limits: &Limits) -> Option<FieldPair> {
+    let directions = [("forward", DirectionOfTravel::Forward), ("reverse", DirectionOfTravel::Reverse)];
+    let direction = section.choice("direction", &directions);
+    let speed_max_mps = section.number("speed_max_mps", 0.05..=2.5);
+    let protective = read_polygon(&section, "protective_m");
+    let warning = read_polygon(&section, "warning_m");
+    let span = section.find("protective_m").map_or(section.span().clone(), |value| value.span());
+    if let (Some(protective), Some(warning)) = (&protective, &warning)
+        && !polygon::covers(warning, protective)
+    {
+        section.refuse(
+            &span,
+            "the protective zone reaches beyond its warning zone",
+            "make the warning zone larger",
+        );
+    }
+    if section.good_so_far()
+        && let (Some(direction), Some(protective), Some(geometry)) = (direction, &protective, geometry)
+    {
+        check_zone(&section, &span, (direction, speed_max_mps, protective), (geometry, limits));
+    }
+    section.finish();
+    Some(FieldPair { direction: direction?, speed_max_mps, protective: protective?, warning: warning? })
+}
+
+/// A zone must enclose the body and reach as far as the robot needs to stop.
+fn check_zone(
+    section: &Reader<'_>,
+    span: &std::ops::Range<usize>,
+    (direction, speed_mps, protective): (DirectionOfTravel, f32, &Polygon),
+    (geometry, limits): (&Geometry, &Limits),
+) {
+    if polygon::covers(&geometry.footprint, protective) {
+        section.refuse(span, "the protective zone lies inside the footprint", "let it reach beyond the body");
+        return;
+    }
+    if !polygon::covers(protective, &geometry.footprint) {
+        section.refuse(span, "the protective zone does not enclose the footprint", "include the whole body");
+        return;
+    }
+    let (zone, body) = (polygon::x_extent_m(protective), polygon::x_extent_m(&geometry.footprint));
+    let reach_m = match direction {
+        DirectionOfTravel::Forward => zone.1 - body.1,
+        DirectionOfTravel::Reverse => body.0 - zone.0,
+    };
+    let driven_mps = match direction {
+        DirectionOfTravel::Forward => speed_mps.min(limits.speed_mps),
+        DirectionOfTravel::Reverse => speed_mps.min(limits.reverse_mps),
+    };
+    let needed_m = field_length_m(driven_mps, limits);
+    if reach_m + 1.0e-3 < needed_m {
+        section.refuse(
+            span,
+            format!("the protective zone reaches {reach_m:.2} m ahead; stopping from {driven_mps} m/s takes {needed_m:.2} m"),
+            "lengthen the zone or lower speed_max_mps",
+        );
+    }
+}
+
+/// Field length ahead of the body that a speed needs (algorithms M.1 without retro-reflectors and ground clearance).
+fn field_length_m(speed_mps: f32, limits: &Limits) -> f32 {
+    let braking_m = speed_mps * speed_mps / (2.0 * limits.braking_mps2);
+    speed_mps * (SCANNER_RESPONSE_S + limits.response_s)
+        + braking_m * (1.0 + BRAKE_WEAR)
+        + SCANNER_TOLERANCE_M
+}
+
+fn read_route(section: Reader<'_>, limits: &Limits) -> (Route, RouteLimits) {
+    let mut route = Route { repeat: section.flag_or("repeat", false), ..Route::default() };
+    if let Some((points, span)) = section.points("waypoints_m") {
+        for [x_m, y_m] in points {
+            if route.waypoints.push(Point2::new(x_m, y_m)).is_err() {
+                section.refuse(
+                    &span,
+                    format!("more than {ROUTE_WAYPOINTS_MAX} waypoints"),
+                    "shorten the route",
+                );
+                break;
+            }
+        }
+    }
+    let defaults = RouteLimits::default();
+    let greatest_mps = if section.good_so_far() { limits.speed_mps } else { f32::MAX };
+    let speed_mps = section.number_or("speed_mps", 0.05..=greatest_mps, defaults.speed_mps.min(greatest_mps));
+    section.finish();
+    (route, RouteLimits { speed_mps, turn_radps: defaults.turn_radps.min(limits.turn_radps), ..defaults })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::configuration::EXAMPLE;
+
+    #[test]
+    fn the_example_is_accepted() {
+        let configuration = parse("robot.toml", EXAMPLE).unwrap_or_else(|refused| panic!("{refused}"));
+        assert_eq!(configuration.robot.fields.len(), 4);
+        assert_eq!(configuration.robot.can.drive_node, 5);
+    }
+}

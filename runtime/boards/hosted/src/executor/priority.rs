@@ -1,0 +1,48 @@
+//! Real-time priority for the rings where the system grants it, and a plain sentence where it does not.
+
+use thread_priority::{
+    RealtimeThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy, set_thread_priority_and_policy,
+    thread_native_id,
+};
+
+/// The two rings of the robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ring {
+    /// Sources, supervisor, drive.
+    Guard,
+    /// Sweeps, people, maps, planning.
+    Perception,
+}
+
+impl Ring {
+    /// First-in-first-out priority: the guard above perception, both below the kernel's own threads (50).
+    const fn priority(self) -> u8 {
+        match self {
+            Self::Guard => 40,
+            Self::Perception => 20,
+        }
+    }
+}
+
+/// Asks for real-time scheduling of the calling thread. Gives the line to show to the user.
+#[must_use]
+pub fn take_priority(ring: Ring) -> String {
+    let name = match ring {
+        Ring::Guard => "guard",
+        Ring::Perception => "perception",
+    };
+    let wanted = ring.priority();
+    let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
+    let outcome = wanted
+        .try_into()
+        .map(ThreadPriority::Crossplatform)
+        .map_err(|_| "priority out of range".to_owned())
+        .and_then(|priority| {
+            set_thread_priority_and_policy(thread_native_id(), priority, policy)
+                .map_err(|error| error.to_string())
+        });
+    match outcome {
+        Ok(()) => format!("{name} ring: real-time priority {wanted}"),
+        Err(reason) => format!("{name} ring: ordinary priority, the system refuses real time ({reason})"),
+    }
+}

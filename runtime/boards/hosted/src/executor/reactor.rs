@@ -1,0 +1,139 @@
+//! Tells tasks when a file descriptor may have something for them.
+//!
+//! Edge-triggered epoll, one instance per thread. A carrier tries its system call first; when that would block it
+//! leaves its waker here and sleeps. Everything happens on one thread, so no edge can fall between the two steps.
+
+use std::cell::RefCell;
+use std::io;
+use std::os::fd::{AsFd, OwnedFd};
+use std::task::{Context, Poll, Waker};
+use std::time::Duration;
+
+use rustix::event::epoll;
+
+/// Events taken from the kernel per call; more wait for the next call.
+const EVENTS_PER_WAIT: usize = 32;
+
+#[derive(Default)]
+struct Waiting {
+    reader: Option<Waker>,
+    writer: Option<Waker>,
+}
+
+#[derive(Default)]
+struct Reactor {
+    epoll: Option<OwnedFd>,
+    waiting: Vec<Waiting>,
+}
+
+thread_local! {
+    static REACTOR: RefCell<Reactor> = RefCell::new(Reactor::default());
+}
+
+impl Reactor {
+    fn epoll(&mut self) -> io::Result<&OwnedFd> {
+        if self.epoll.is_none() {
+            self.epoll = Some(epoll::create(epoll::CreateFlags::CLOEXEC)?);
+        }
+        self.epoll.as_ref().ok_or_else(|| io::Error::other("no epoll instance"))
+    }
+}
+
+/// A non-blocking file descriptor that this thread's reactor watches.
+pub struct Source<F: AsFd> {
+    /// The descriptor.
+    pub file: F,
+    index: usize,
+}
+
+impl<F: AsFd> Source<F> {
+    /// Watches a descriptor, which must be non-blocking. Must be used on the thread that made it.
+    ///
+    /// # Errors
+    /// The kernel refused the registration.
+    pub fn new(file: F) -> io::Result<Self> {
+        REACTOR.with_borrow_mut(|reactor| {
+            let index = reactor.waiting.len();
+            let flags = epoll::EventFlags::IN | epoll::EventFlags::OUT | epoll::EventFlags::ET;
+            epoll::add(reactor.epoll()?, &file, epoll::EventData::new_u64(index as u64), flags)?;
+            reactor.waiting.push(Waiting::default());
+            Ok(Self { file, index })
+        })
+    }
+
+    /// Repeats a reading call until it does not block any more.
+    ///
+    /// # Errors
+    /// What the call gives, other than "would block" and "interrupted".
+    pub async fn read_ready<T>(&self, mut call: impl FnMut(&F) -> io::Result<T>) -> io::Result<T> {
+        core::future::poll_fn(|context| self.attempt(context, &mut call, |waiting| &mut waiting.reader)).await
+    }
+
+    /// Repeats a writing call until it does not block any more.
+    ///
+    /// # Errors
+    /// What the call gives, other than "would block" and "interrupted".
+    pub async fn write_ready<T>(&self, mut call: impl FnMut(&F) -> io::Result<T>) -> io::Result<T> {
+        core::future::poll_fn(|context| self.attempt(context, &mut call, |waiting| &mut waiting.writer)).await
+    }
+
+    fn attempt<T>(
+        &self,
+        context: &mut Context<'_>,
+        call: &mut impl FnMut(&F) -> io::Result<T>,
+        side: fn(&mut Waiting) -> &mut Option<Waker>,
+    ) -> Poll<io::Result<T>> {
+        loop {
+            match call(&self.file) {
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
+                    REACTOR.with_borrow_mut(|reactor| {
+                        if let Some(waiting) = reactor.waiting.get_mut(self.index) {
+                            *side(waiting) = Some(context.waker().clone());
+                        }
+                    });
+                    return Poll::Pending;
+                }
+                result => return Poll::Ready(result),
+            }
+        }
+    }
+}
+
+impl<F: AsFd> Drop for Source<F> {
+    fn drop(&mut self) {
+        REACTOR.with_borrow_mut(|reactor| {
+            if let Some(epoll) = &reactor.epoll {
+                // A descriptor that the kernel has dropped already needs no removal.
+                let _ = epoll::delete(epoll, &self.file);
+            }
+        });
+    }
+}
+
+/// Sleeps until a watched descriptor has news or the time is over, then wakes the tasks concerned.
+pub(super) fn wait(at_most: Option<Duration>) -> io::Result<()> {
+    let mut events = Vec::with_capacity(EVENTS_PER_WAIT);
+    let timeout = at_most.map(|duration| rustix::event::Timespec {
+        tv_sec: duration.as_secs().try_into().unwrap_or(i64::MAX),
+        tv_nsec: duration.subsec_nanos().into(),
+    });
+    let wakers = REACTOR.with_borrow_mut(|reactor| -> io::Result<Vec<Waker>> {
+        match epoll::wait(reactor.epoll()?, rustix::buffer::spare_capacity(&mut events), timeout.as_ref()) {
+            Err(rustix::io::Errno::INTR) => return Ok(Vec::new()),
+            result => result?,
+        };
+        let mut wakers = Vec::new();
+        for event in &events {
+            if let Some(waiting) =
+                usize::try_from(event.data.u64()).ok().and_then(|at| reactor.waiting.get_mut(at))
+            {
+                wakers.extend(waiting.reader.take());
+                wakers.extend(waiting.writer.take());
+            }
+        }
+        Ok(wakers)
+    })?;
+    wakers.into_iter().for_each(Waker::wake);
+    Ok(())
+}

@@ -1,0 +1,168 @@
+//! A handful of futures, polled in a fixed order when they are ready.
+//!
+//! Ready tasks are polled lowest index first, round after round, until none is ready: the same events give the same
+//! order of polls on every run and every machine. Wakers may be used from any thread; a task set with a bell rings it
+//! so that its sleeping thread notices.
+
+use std::os::fd::OwnedFd;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::task::{Context, Wake, Waker};
+
+/// Tasks of a set; one bit each in the ready word.
+const TASKS_MAX: usize = 64;
+/// Polls without the clock moving after which something spins instead of waiting.
+const POLLS_WITHOUT_PROGRESS_MAX: usize = 1_000_000;
+
+/// A task keeps waking itself without waiting for anything.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("task {task} keeps waking itself: {POLLS_WITHOUT_PROGRESS_MAX} polls without the clock moving")]
+pub struct Stuck {
+    /// Index of the task, in the order of spawning.
+    pub task: usize,
+}
+
+struct Readiness {
+    bits: AtomicU64,
+    bell: Option<OwnedFd>,
+}
+
+struct TaskWaker {
+    bit: u64,
+    readiness: Arc<Readiness>,
+}
+
+impl Wake for TaskWaker {
+    fn wake(self: Arc<Self>) {
+        self.wake_by_ref();
+    }
+
+    fn wake_by_ref(self: &Arc<Self>) {
+        let before = self.readiness.bits.fetch_or(self.bit, Ordering::AcqRel);
+        if before == 0
+            && let Some(bell) = &self.readiness.bell
+        {
+            // A full eventfd counter has been rung already.
+            let _ = rustix::io::write(bell, &1u64.to_ne_bytes());
+        }
+    }
+}
+
+struct Task<'a> {
+    future: Option<Pin<Box<dyn Future<Output = ()> + 'a>>>,
+    waker: Waker,
+}
+
+/// Futures of one thread.
+pub struct TaskSet<'a> {
+    tasks: Vec<Task<'a>>,
+    readiness: Arc<Readiness>,
+}
+
+impl<'a> TaskSet<'a> {
+    /// An empty set whose thread never sleeps while it may be woken (virtual time).
+    #[must_use]
+    pub fn new() -> Self {
+        Self::with_bell(None)
+    }
+
+    /// An empty set that writes to an eventfd when a task becomes ready.
+    #[must_use]
+    pub fn with_bell(bell: Option<OwnedFd>) -> Self {
+        Self { tasks: Vec::new(), readiness: Arc::new(Readiness { bits: AtomicU64::new(0), bell }) }
+    }
+
+    /// Adds a task; it is polled for the first time by the next [`Self::poll_until_quiet`].
+    ///
+    /// # Panics
+    /// With more than 64 tasks, which is a mistake in the program.
+    pub fn spawn(&mut self, future: impl Future<Output = ()> + 'a) {
+        let index = self.tasks.len();
+        assert!(index < TASKS_MAX, "a task set holds at most {TASKS_MAX} tasks");
+        let task_waker = TaskWaker { bit: 1 << index, readiness: Arc::clone(&self.readiness) };
+        let waker = Waker::from(Arc::new(task_waker));
+        waker.wake_by_ref();
+        self.tasks.push(Task { future: Some(Box::pin(future)), waker });
+    }
+
+    /// Polls ready tasks until none is ready. Gives the number of polls.
+    ///
+    /// # Errors
+    /// [`Stuck`] when a task spins.
+    pub fn poll_until_quiet(&mut self) -> Result<usize, Stuck> {
+        let mut polls = 0;
+        loop {
+            let ready = self.readiness.bits.swap(0, Ordering::AcqRel);
+            if ready == 0 {
+                return Ok(polls);
+            }
+            for (index, task) in
+                self.tasks.iter_mut().enumerate().filter(|(index, _)| ready & (1 << index) != 0)
+            {
+                task.poll();
+                polls += 1;
+                if polls > POLLS_WITHOUT_PROGRESS_MAX {
+                    return Err(Stuck { task: index });
+                }
+            }
+        }
+    }
+
+    /// Something is ready to be polled.
+    #[must_use]
+    pub fn is_ready(&self) -> bool {
+        self.readiness.bits.load(Ordering::Acquire) != 0
+    }
+}
+
+impl Default for TaskSet<'_> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Task<'_> {
+    fn poll(&mut self) {
+        if let Some(future) = &mut self.future
+            && future.as_mut().poll(&mut Context::from_waker(&self.waker)).is_ready()
+        {
+            self.future = None;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use embassy_futures::yield_now;
+    use std::cell::RefCell;
+
+    #[test]
+    fn tasks_take_turns_in_the_order_of_spawning() {
+        let log = RefCell::new(Vec::new());
+        let log = &log;
+        let mut tasks = TaskSet::new();
+        for name in ["guard", "perception"] {
+            tasks.spawn(async move {
+                for step in 0..2 {
+                    log.borrow_mut().push((name, step));
+                    yield_now().await;
+                }
+            });
+        }
+        tasks.poll_until_quiet().unwrap();
+        assert_eq!(*log.borrow(), [("guard", 0), ("perception", 0), ("guard", 1), ("perception", 1)]);
+    }
+
+    #[test]
+    fn a_spinning_task_is_an_error_and_not_a_hang() {
+        let mut tasks = TaskSet::new();
+        tasks.spawn(async {
+            loop {
+                yield_now().await;
+            }
+        });
+        assert_eq!(tasks.poll_until_quiet(), Err(Stuck { task: 0 }));
+    }
+}

@@ -1,0 +1,34 @@
+//! Protective and warning fields per speed and direction.
+
+use floorguard_core::capacities::FIELD_VERTICES_MAX;
+use floorguard_core::geometry::Point2;
+use heapless::Vec;
+
+/// Speed bins per direction of travel (algorithms M.1: up to 0.3, 0.6, 1.0 m/s and above).
+pub const FIELD_SPEED_BINS: usize = 4;
+
+/// A polygon in the robot frame, metres, counter-clockwise.
+pub type Polygon = Vec<Point2, FIELD_VERTICES_MAX>;
+
+/// Which way the robot goes when a field applies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum DirectionOfTravel {
+    /// Forward or turning on the spot.
+    #[default]
+    Forward,
+    /// Backwards.
+    Reverse,
+}
+
+/// The fields of one speed bin and direction.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FieldPair {
+    /// Which way the robot goes.
+    pub direction: DirectionOfTravel,
+    /// The pair applies up to this speed, m/s.
+    pub speed_max_mps: f32,
+    /// Something inside: stop.
+    pub protective: Polygon,
+    /// Something inside: slow down.
+    pub warning: Polygon,
+}

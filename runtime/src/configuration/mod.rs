@@ -1,0 +1,13 @@
+//! What one `robot.toml` says, as plain data. Hosted it is read and checked at start; for the MCU a build script
+//! checks the same file and bakes it into a constant.
+
+mod fields;
+mod robot;
+mod sources;
+
+pub use fields::{DirectionOfTravel, FIELD_SPEED_BINS, FieldPair, Polygon};
+pub use robot::{Deadlines, Geometry, Limits, RobotConfiguration};
+pub use sources::{
+    CanConfiguration, ImuConfiguration, LidarConfiguration, LidarModel, Mounting, ScannerConfiguration,
+    ScannerModel,
+};

@@ -1,0 +1,76 @@
+//! The robot as a whole: geometry, limits, deadlines, and where its sensors are.
+
+use floorguard_core::capacities::FIELD_SETS_MAX;
+use heapless::Vec;
+
+use super::fields::{FieldPair, Polygon};
+use super::sources::{CanConfiguration, ImuConfiguration, LidarConfiguration, ScannerConfiguration};
+use crate::mission::{Route, RouteLimits};
+
+/// The body and its wheels. The robot frame lies on the floor in the middle of the rear axle, x forward, y left.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Geometry {
+    /// Outline, counter-clockwise, metres.
+    pub footprint: Polygon,
+    /// Rear axle to the steered front wheel, metres.
+    pub wheelbase_m: f32,
+    /// Distance between the two rear wheels, metres.
+    pub track_m: f32,
+    /// Ticks of a rear encoder per metre rolled.
+    pub ticks_per_m: f32,
+}
+
+/// What the robot may and can do.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Limits {
+    /// Greatest speed forward, m/s.
+    pub speed_mps: f32,
+    /// Greatest speed backwards, m/s, a positive number.
+    pub reverse_mps: f32,
+    /// Greatest turning rate, rad/s.
+    pub turn_radps: f32,
+    /// Greatest acceleration, m/s².
+    pub acceleration_mps2: f32,
+    /// The braking that is always reached, m/s², worn brakes on a wet floor.
+    pub braking_mps2: f32,
+    /// From the decision to the brake's full effect, seconds.
+    pub response_s: f32,
+}
+
+/// How old each source may be before the guard acts, microseconds (algorithms M.5).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Deadlines {
+    /// Safety scanner: stop.
+    pub scanner_us: u64,
+    /// Lidar packets: limited speed.
+    pub lidar_us: u64,
+    /// Wheels: stop.
+    pub odometry_us: u64,
+    /// Wanted command: stop.
+    pub command_us: u64,
+}
+
+/// Everything that `robot.toml` says.
+#[derive(Clone, Debug)]
+pub struct RobotConfiguration {
+    /// Body and wheels.
+    pub geometry: Geometry,
+    /// Speeds and accelerations.
+    pub limits: Limits,
+    /// Greatest ages.
+    pub deadlines: Deadlines,
+    /// Three-dimensional lidar.
+    pub lidar: LidarConfiguration,
+    /// Safety laser scanner.
+    pub scanner: ScannerConfiguration,
+    /// Inertial measurement unit; a robot can do without.
+    pub imu: Option<ImuConfiguration>,
+    /// Drive, encoders and inputs.
+    pub can: CanConfiguration,
+    /// Protective and warning fields, by direction and rising speed.
+    pub fields: Vec<FieldPair, FIELD_SETS_MAX>,
+    /// What to drive when nobody commands; empty: stand still.
+    pub route: Route,
+    /// How to drive it.
+    pub route_limits: RouteLimits,
+}

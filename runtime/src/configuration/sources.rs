@@ -1,0 +1,86 @@
+//! The sensors and the drive: model, mounting, and identifiers on the wire.
+//!
+//! Addresses of carriers (ports, device files) are the board's business and not part of this.
+
+use floorguard_core::geometry::{Point3, Transform3};
+
+/// Where a sensor sits on the robot.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Mounting {
+    /// Forward of the rear axle, left, above the floor, metres.
+    pub position: Point3,
+    /// Roll about x, radians.
+    pub roll_rad: f32,
+    /// Pitch about y, radians, nose down is positive.
+    pub pitch_rad: f32,
+    /// Yaw about z, radians, counter-clockwise.
+    pub yaw_rad: f32,
+}
+
+impl Mounting {
+    /// Sensor frame to robot frame.
+    #[must_use]
+    pub fn transform(&self) -> Transform3 {
+        Transform3::from_mounting(self.position, self.roll_rad, self.pitch_rad, self.yaw_rad)
+    }
+}
+
+/// Which three-dimensional lidar.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LidarModel {
+    /// Tell from the packets.
+    #[default]
+    Auto,
+    /// VLP-16 or Puck LITE.
+    Vlp16,
+    /// Puck Hi-Res.
+    PuckHiRes,
+    /// VLP-32C.
+    Vlp32c,
+    /// HDL-32E.
+    Hdl32e,
+}
+
+/// Three-dimensional lidar.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LidarConfiguration {
+    /// Model.
+    pub model: LidarModel,
+    /// Mounting.
+    pub mounting: Mounting,
+}
+
+/// Which safety laser scanner.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ScannerModel {
+    /// SICK S300 on RS-422.
+    #[default]
+    S300,
+}
+
+/// Safety laser scanner.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ScannerConfiguration {
+    /// Model.
+    pub model: ScannerModel,
+    /// Mounting.
+    pub mounting: Mounting,
+}
+
+/// Inertial measurement unit (Xsens MTi).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ImuConfiguration {
+    /// Mounting.
+    pub mounting: Mounting,
+}
+
+/// CANopen nodes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CanConfiguration {
+    /// The traction drive (CiA 402), 1…127.
+    pub drive_node: u8,
+    /// The left rear encoder (CiA 406), 1…127.
+    pub left_encoder_node: u8,
+    /// The right rear encoder (CiA 406), 1…127.
+    pub right_encoder_node: u8,
+}
