@@ -1,5 +1,6 @@
 //! The hosted board: carriers of Linux, recordings, the simulator, and the commands of the program.
 
+pub mod carriers;
 pub mod commands;
 pub mod configuration;
 pub mod executor;
