@@ -4,3 +4,4 @@ pub mod carriers;
 pub mod commands;
 pub mod configuration;
 pub mod executor;
+pub mod judge;

@@ -7,6 +7,7 @@ mod read;
 mod reader;
 
 pub use address::{CanAddress, DatagramAddress, SerialAddress};
+pub use polygon::contains as polygon_contains;
 pub use problem::{Problem, Refused};
 pub use read::{Carriers, HostedConfiguration, load, parse};
 

@@ -1,0 +1,21 @@
+//! Judges a simulated run by ground truth, independently of what the robot believes.
+//!
+//! The judge sees the true poses of robot, people and walls, and the commands that went to the drive. It never sees a
+//! scan, a track or a decision's reason, so that a blind robot cannot talk itself into a good verdict.
+
+mod contacts;
+mod digest;
+mod latency;
+mod shape;
+mod stops;
+mod truth;
+mod verdict;
+mod zone;
+
+pub use contacts::ContactJudge;
+pub use digest::Digest;
+pub use latency::Quantiles;
+pub use stops::{StopJudge, StopReason};
+pub use truth::{Truth, TruthPerson};
+pub use verdict::{Judge, Verdict};
+pub use zone::TrueZones;
