@@ -4,14 +4,13 @@ use floorguard_core::geometry::Point2;
 
 use crate::configuration::polygon_contains;
 
-/// Distance from a point to an outline, metres; zero inside.
+/// Distance from a point to an outline, metres; negative inside, where it is the way out.
 #[must_use]
 pub fn distance_m(outline: &[Point2], point: Point2) -> f32 {
-    if polygon_contains(outline, point) {
-        return 0.0;
-    }
     let ends = outline.iter().cycle().skip(1);
-    outline.iter().zip(ends).map(|(a, b)| distance_to_edge_m(point, *a, *b)).fold(f32::MAX, f32::min)
+    let to_edge_m =
+        outline.iter().zip(ends).map(|(a, b)| distance_to_edge_m(point, *a, *b)).fold(f32::MAX, f32::min);
+    if polygon_contains(outline, point) { -to_edge_m } else { to_edge_m }
 }
 
 fn distance_to_edge_m(point: Point2, a: Point2, b: Point2) -> f32 {
@@ -28,7 +27,7 @@ mod tests {
     #[test]
     fn distance_to_a_unit_square() {
         let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(x_m, y_m)| Point2::new(x_m, y_m));
-        assert_eq!(distance_m(&square, Point2::new(0.5, 0.5)), 0.0);
+        assert_eq!(distance_m(&square, Point2::new(0.5, 0.4)), -0.4);
         assert_eq!(distance_m(&square, Point2::new(2.0, 0.5)), 1.0);
         assert!((distance_m(&square, Point2::new(4.0, 5.0)) - 5.0).abs() < 1e-6);
     }
