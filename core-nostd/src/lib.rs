@@ -21,7 +21,10 @@
 extern crate std;
 
 pub mod capacities;
+pub mod cleaning;
 pub mod geometry;
+pub mod maps;
+pub mod random;
 pub mod sensing;
 pub mod time;
 pub mod units;

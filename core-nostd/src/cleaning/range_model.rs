@@ -1,0 +1,199 @@
+//! How likely a range scan is at a pose: the likelihood field.
+//!
+//! The end of every beam is looked up in the distance field of the map. A beam without a return says nothing here:
+//! it neither confirms nor refutes a place (algorithms I.5).
+
+use crate::geometry::{Point2, Pose2};
+use crate::maps::DistanceField;
+
+/// Parameters of the likelihood field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RangeModelConfig {
+    /// Share of beams that hit what the map shows, z_hit.
+    pub hit_share: f32,
+    /// Share of beams that mean nothing, z_rand.
+    pub random_share: f32,
+    /// Deviation of a hit from the map, metres, > 0.
+    pub hit_deviation_m: f32,
+    /// Range of the sensor, metres, > 0.
+    pub range_max_m: f32,
+    /// A scan counts as this many independent beams, however many it has: neighbours err together.
+    pub independent_beams: f32,
+}
+
+impl RangeModelConfig {
+    /// The published robot: a depth camera used as a scanner (I.5).
+    pub const XTION: Self = Self {
+        hit_share: 0.95,
+        random_share: 0.05,
+        hit_deviation_m: 0.2,
+        range_max_m: 4.0,
+        independent_beams: 6.0,
+    };
+    /// A safety scanner of 270°: beams 4.5° apart hit different things, and a map of 5 cm is the larger error.
+    pub const SAFETY_SCANNER: Self = Self {
+        hit_share: 0.9,
+        random_share: 0.1,
+        hit_deviation_m: 0.08,
+        range_max_m: 30.0,
+        independent_beams: 12.0,
+    };
+}
+
+/// Logarithm of the likelihood for every stored distance, one table entry a centimetre.
+#[derive(Clone, Debug)]
+pub struct RangeModel {
+    log_likelihood: [f32; 256],
+    independent_beams: f32,
+    explained_limit_cm: u8,
+}
+
+impl RangeModel {
+    /// Tabulates the model once; invalid parameters give a model that finds every pose equally likely.
+    #[must_use]
+    pub fn new(config: RangeModelConfig) -> Self {
+        let deviation = config.hit_deviation_m.max(1e-3);
+        let floor = config.random_share / config.range_max_m.max(1e-3);
+        let mut log_likelihood = [0.0; 256];
+        for (entry, centimetres) in log_likelihood.iter_mut().zip(0_u16..) {
+            let distance = f32::from(centimetres) * 0.01;
+            let gaussian = libm::expf(-0.5 * (distance / deviation) * (distance / deviation));
+            let value = libm::logf((config.hit_share * gaussian + floor).max(1e-6));
+            *entry = if value.is_finite() { value } else { 0.0 };
+        }
+        let explained_limit_cm = (deviation * 250.0).clamp(10.0, 60.0) as u8;
+        Self { log_likelihood, independent_beams: config.independent_beams.max(0.0), explained_limit_cm }
+    }
+
+    /// Likelihood at a distance from the map, for tests and reports.
+    #[must_use]
+    pub fn likelihood(&self, distance_m: f32) -> f32 {
+        let centimetres = (distance_m.max(0.0) * 100.0 + 0.5).min(255.0) as u8;
+        self.log_likelihood.get(usize::from(centimetres)).map_or(1.0, |&value| libm::expf(value))
+    }
+
+    /// Logarithm of the likelihood of a whole scan at a pose in the map frame. No beams: 0 for every pose.
+    #[inline]
+    #[must_use]
+    pub fn log_likelihood<S: AsRef<[u8]> + AsMut<[u8]>>(
+        &self,
+        field: &DistanceField<S>,
+        pose_in_map: Pose2,
+        hits_in_base: &[Point2],
+    ) -> f32 {
+        if hits_in_base.is_empty() {
+            return 0.0;
+        }
+        let lookup = Lookup::new(field, pose_in_map);
+        let mut sum = 0.0;
+        for &hit in hits_in_base {
+            sum += self.log_likelihood.get(usize::from(lookup.centimetres(hit))).copied().unwrap_or(0.0);
+        }
+        sum * self.independent_beams / hits_in_base.len() as f32
+    }
+
+    /// Share of the beams that end where the map shows something, within 2.5 deviations (0.1 m at least); the health
+    /// of the localisation. `None` without beams: not known.
+    #[must_use]
+    pub fn explained_share<S: AsRef<[u8]> + AsMut<[u8]>>(
+        &self,
+        field: &DistanceField<S>,
+        pose_in_map: Pose2,
+        hits_in_base: &[Point2],
+    ) -> Option<f32> {
+        let lookup = Lookup::new(field, pose_in_map);
+        let explained =
+            hits_in_base.iter().filter(|&&hit| lookup.centimetres(hit) <= self.explained_limit_cm);
+        (!hits_in_base.is_empty()).then(|| explained.count() as f32 / hits_in_base.len() as f32)
+    }
+}
+
+/// The distance field seen from a pose, in cells, so that a beam costs four multiplications and one byte.
+struct Lookup<'a> {
+    values: &'a [u8],
+    width: u32,
+    height: u32,
+    x: f32,
+    y: f32,
+    sin: f32,
+    cos: f32,
+}
+
+/// Shifts a coordinate so that truncation is a floor for every cell down to −4,096.
+const SHIFT: i32 = 4_096;
+
+impl<'a> Lookup<'a> {
+    #[inline]
+    fn new<S: AsRef<[u8]> + AsMut<[u8]>>(field: &'a DistanceField<S>, pose_in_map: Pose2) -> Self {
+        let geometry = field.geometry();
+        let scale = geometry.cells_per_metre();
+        let (sin, cos) = libm::sincosf(pose_in_map.heading_rad);
+        Self {
+            values: field.values(),
+            width: u32::from(geometry.width()),
+            height: u32::from(geometry.height()),
+            x: (pose_in_map.x_m - geometry.origin_in_map().x_m) * scale + SHIFT as f32,
+            y: (pose_in_map.y_m - geometry.origin_in_map().y_m) * scale + SHIFT as f32,
+            sin: sin * scale,
+            cos: cos * scale,
+        }
+    }
+
+    /// Stored distance at the end of a beam; outside the map nothing explains it.
+    #[inline]
+    fn centimetres(&self, hit: Point2) -> u8 {
+        let column = (self.x + self.cos * hit.x_m - self.sin * hit.y_m) as i32;
+        let row = (self.y + self.sin * hit.x_m + self.cos * hit.y_m) as i32;
+        let column = column.wrapping_sub(SHIFT) as u32;
+        let row = row.wrapping_sub(SHIFT) as u32;
+        if column >= self.width || row >= self.height {
+            return 200;
+        }
+        // Both below 2¹⁶: the product fits.
+        let index = row.wrapping_mul(self.width).wrapping_add(column);
+        self.values.get(index as usize).copied().unwrap_or(200)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::maps::{Grid, GridGeometry, fill_distances};
+    use std::vec;
+
+    /// T-11.
+    #[test]
+    fn golden_likelihoods() {
+        let model = RangeModel::new(RangeModelConfig::XTION);
+        for (distance, expected) in
+            [(0.0, 0.962_5), (0.1, 0.850_872), (0.2, 0.588_704), (0.5, 0.054_240), (2.0, 0.012_5)]
+        {
+            assert!((model.likelihood(distance) - expected).abs() < 1e-5, "{distance}");
+        }
+    }
+
+    #[test]
+    fn the_right_place_explains_the_scan_best() {
+        let geometry = GridGeometry::new(100, 100, 0.05, Point2::new(-1.0, -1.0)).unwrap();
+        let mut field = Grid::new(geometry, vec![0_u8; 10_000]).unwrap();
+        let mut scratch = Grid::new(geometry, vec![0_u8; 10_000]).unwrap();
+        fill_distances(&mut field, &mut scratch, |i| {
+            let (column, row) = geometry.coordinates(i);
+            column == 80 || row == 90
+        });
+        let model = RangeModel::new(RangeModelConfig::XTION);
+        let pose = Pose2::new(1.0, 1.0, 0.4);
+        let hits: std::vec::Vec<Point2> = (0..20)
+            .map(|i| pose.inverse().transform(Point2::new(3.025, 0.5 + 0.1 * i as f32)))
+            .chain((0..20).map(|i| pose.inverse().transform(Point2::new(0.1 * i as f32, 3.525))))
+            .collect();
+        let here = model.log_likelihood(&field, pose, &hits);
+        for other in [Pose2::new(1.2, 1.0, 0.4), Pose2::new(1.0, 0.8, 0.4), Pose2::new(1.0, 1.0, 0.5)] {
+            assert!(model.log_likelihood(&field, other, &hits) < here);
+        }
+        assert_eq!(model.explained_share(&field, pose, &hits), Some(1.0));
+        assert!(model.explained_share(&field, Pose2::new(0.0, 0.0, 1.4), &hits).unwrap() < 0.5);
+        assert_eq!(model.explained_share(&field, pose, &[]), None);
+        assert_eq!(model.log_likelihood(&field, Pose2::new(f32::NAN, 0.0, 0.0), &[]), 0.0);
+    }
+}
