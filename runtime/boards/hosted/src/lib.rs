@@ -1,7 +1,9 @@
 //! The hosted board: carriers of Linux, recordings, the simulator, and the commands of the program.
 
+pub mod campaign;
 pub mod carriers;
 pub mod commands;
 pub mod configuration;
+pub mod display;
 pub mod executor;
 pub mod judge;

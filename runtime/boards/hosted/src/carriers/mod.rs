@@ -1,9 +1,11 @@
 //! How bytes reach the tasks: sockets, serial lines and CAN of Linux, and in-process pipes on the virtual clock.
 
 mod pipe;
+mod reconnect;
 mod serial;
 mod socket;
 
 pub use pipe::{DatagramPipe, PipeReader, PipeWriter, byte_pipe};
+pub use reconnect::ReconnectingLine;
 pub use serial::{PseudoTerminal, SerialLine};
 pub use socket::UdpReceiver;
