@@ -1,0 +1,70 @@
+//! Two executors that sleep until an interrupt.
+//!
+//! The thread executor runs perception; the interrupt executor runs the guard and preempts it. Both idle with `wfi`:
+//! the emulator treats `wfe` as a yield and would burn a whole core of its host.
+
+use core::sync::atomic::{AtomicBool, AtomicPtr, Ordering};
+
+use cortex_m::peripheral::NVIC;
+use embassy_executor::raw::Executor;
+use embassy_executor::{SendSpawner, Spawner};
+use static_cell::StaticCell;
+
+use crate::interrupts::{self, Interrupt, priority};
+
+/// What the waker carries for the thread executor; every other value means the guard's.
+const THREAD: usize = usize::MAX;
+const GUARD: usize = 31;
+
+static THREAD_HAS_WORK: AtomicBool = AtomicBool::new(false);
+static THREAD_EXECUTOR: StaticCell<Executor> = StaticCell::new();
+static GUARD_EXECUTOR_CELL: StaticCell<Executor> = StaticCell::new();
+/// Where the guard's executor lives; null until it is started.
+static GUARD_EXECUTOR_AT: AtomicPtr<Executor> = AtomicPtr::new(core::ptr::null_mut());
+
+/// Called by wakers from any context.
+#[unsafe(export_name = "__pender")]
+fn pender(context: *mut ()) {
+    if context.addr() == THREAD {
+        THREAD_HAS_WORK.store(true, Ordering::Release);
+    } else {
+        NVIC::pend(Interrupt::GuardExecutor);
+    }
+}
+
+/// Starts the guard's executor. Call once.
+pub fn start_guard() -> SendSpawner {
+    let executor = GUARD_EXECUTOR_CELL.init(Executor::new(core::ptr::without_provenance_mut(GUARD)));
+    GUARD_EXECUTOR_AT.store(executor, Ordering::Release);
+    interrupts::enable(Interrupt::GuardExecutor, priority::GUARD);
+    // SAFETY: the cell keeps the executor for ever.
+    let executor: &'static Executor = unsafe { &*GUARD_EXECUTOR_AT.load(Ordering::Acquire) };
+    executor.spawner().make_send()
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn GUARD_EXECUTOR() {
+    // SAFETY: the pointer is null or that of a static executor, of which only shared references exist.
+    if let Some(executor) = unsafe { GUARD_EXECUTOR_AT.load(Ordering::Acquire).as_ref() } {
+        // SAFETY: only this handler polls the executor, and it does not preempt itself.
+        unsafe { executor.poll() };
+    }
+}
+
+/// Runs the thread executor for ever.
+pub fn run_thread(spawn: impl FnOnce(Spawner)) -> ! {
+    let executor: &'static Executor =
+        THREAD_EXECUTOR.init(Executor::new(core::ptr::without_provenance_mut(THREAD)));
+    spawn(executor.spawner());
+    loop {
+        // SAFETY: only this function polls the executor.
+        unsafe { executor.poll() };
+        // With interrupts masked, nothing can set the flag between the look and the sleep; a pending one still wakes.
+        cortex_m::interrupt::disable();
+        if !THREAD_HAS_WORK.swap(false, Ordering::Acquire) {
+            cortex_m::asm::wfi();
+        }
+        // SAFETY: interrupts were enabled before this loop began.
+        unsafe { cortex_m::interrupt::enable() };
+    }
+}
