@@ -64,6 +64,7 @@ unsafe extern "C" {
     fn UART3_RECEIVE();
     fn UART3_TRANSMIT();
     fn DUAL_TIMER();
+    fn ETHERNET();
     fn GUARD_EXECUTOR();
 }
 
@@ -80,6 +81,7 @@ pub static __INTERRUPTS: [Handler; 32] = {
     table[4] = UART2_RECEIVE;
     table[5] = UART2_TRANSMIT;
     table[10] = DUAL_TIMER;
+    table[13] = ETHERNET;
     table[18] = UART3_RECEIVE;
     table[19] = UART3_TRANSMIT;
     table[31] = GUARD_EXECUTOR;

@@ -9,6 +9,8 @@
 #[cfg(target_os = "none")]
 mod clock;
 #[cfg(target_os = "none")]
+mod ethernet;
+#[cfg(target_os = "none")]
 mod executor;
 #[cfg(target_os = "none")]
 mod interrupts;
