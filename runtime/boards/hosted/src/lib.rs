@@ -7,3 +7,4 @@ pub mod configuration;
 pub mod display;
 pub mod executor;
 pub mod judge;
+pub mod recording;
