@@ -16,3 +16,7 @@
         clippy::indexing_slicing
     )
 )]
+#[cfg(test)]
+extern crate std;
+
+pub mod velodyne;

@@ -1,0 +1,103 @@
+//! A packet as columns of the range image: what the guard and the sweep take.
+//!
+//! Of a dual return the nearer echo is kept: for a stop the near one counts, and behind glass or dust the far one is
+//! no proof that the near one is nothing.
+
+use floorguard_core::capacities::PACKET_RINGS_MAX;
+use floorguard_core::sensing::{LidarColumn, LidarPacket};
+use floorguard_core::time::Stamp;
+use heapless::Vec;
+
+use super::model::{LaserAngles, Model};
+use super::packet::{Block, Packet};
+
+/// Converts packets of one model.
+#[derive(Clone, Debug)]
+pub(super) struct Columns {
+    model: Model,
+    /// Ring of each laser.
+    rings: [u8; PACKET_RINGS_MAX],
+}
+
+impl Columns {
+    pub(super) fn new(model: Model, angles: &[LaserAngles; PACKET_RINGS_MAX]) -> Self {
+        let mut rings = [0; PACKET_RINGS_MAX];
+        for (ring, angle) in rings.iter_mut().zip(angles) {
+            *ring = angle.ring;
+        }
+        Self { model, rings }
+    }
+
+    /// All columns of a packet; 12 to 24 in single, 6 to 12 in dual return.
+    pub(super) fn convert(&self, packet: &Packet<'_>, stamp: Stamp) -> LidarPacket {
+        let mut columns = Vec::new();
+        let gaps = packet.gaps();
+        let step = if packet.is_dual() { 2 } else { 1 };
+        let sequences = self.model.sequences_per_block();
+        for (time_step, (index, block)) in packet.blocks().enumerate().step_by(step).enumerate() {
+            let echo = if packet.is_dual() { packet.blocks().nth(index.saturating_add(1)) } else { None };
+            let gap_cdeg = gaps.get(index).copied().unwrap_or(0);
+            for sequence in 0..sequences.min(2) {
+                let column = self.column(block, echo, sequence, gap_cdeg);
+                let start_ns = (time_step as u32)
+                    .saturating_mul(self.model.block_ns())
+                    .saturating_add((sequence as u32).saturating_mul(self.model.sequence_ns()));
+                // 12 blocks of two sequences are exactly the capacity.
+                let _ = columns.push(LidarColumn { offset_us: start_ns / 1_000, ..column });
+            }
+        }
+        LidarPacket {
+            stamp,
+            range_unit_mm: self.model.range_unit_mm(),
+            rings: self.model.lasers() as u8,
+            columns,
+        }
+    }
+
+    fn column(
+        &self,
+        block: Block<'_>,
+        echo: Option<Block<'_>>,
+        sequence: usize,
+        gap_cdeg: u16,
+    ) -> LidarColumn {
+        let lasers = self.model.lasers();
+        let mut column = LidarColumn {
+            azimuth_cdeg: self.middle_azimuth(block.azimuth_cdeg, sequence, gap_cdeg),
+            offset_us: 0,
+            range_raw: [0; PACKET_RINGS_MAX],
+            reflectivity: [0; PACKET_RINGS_MAX],
+        };
+        let first = sequence * lasers;
+        self.fill(&mut column, block, first);
+        if let Some(echo) = echo {
+            self.fill(&mut column, echo, first);
+        }
+        column
+    }
+
+    /// Enters the returns of one sequence; a nearer one replaces a farther one.
+    fn fill(&self, column: &mut LidarColumn, block: Block<'_>, first: usize) {
+        let cells = block.channels().skip(first).take(PACKET_RINGS_MAX);
+        for ((raw, reflectivity), ring) in cells.zip(self.rings.iter().take(self.model.lasers())) {
+            let ring = usize::from(*ring);
+            let (Some(range), Some(brightness)) =
+                (column.range_raw.get_mut(ring), column.reflectivity.get_mut(ring))
+            else {
+                continue;
+            };
+            if raw != 0 && (*range == 0 || raw < *range) {
+                (*range, *brightness) = (raw, reflectivity);
+            }
+        }
+    }
+
+    /// Azimuth at the middle laser of a sequence, rounded.
+    fn middle_azimuth(&self, block_cdeg: u16, sequence: usize, gap_cdeg: u16) -> u16 {
+        let middle_ns = self.model.laser_ns(self.model.lasers() - 1) / 2;
+        let within_ns = (sequence as u32).saturating_mul(self.model.sequence_ns()).saturating_add(middle_ns);
+        let block_ns = u64::from(self.model.block_ns().max(1));
+        let turned = (u64::from(gap_cdeg) * u64::from(within_ns) + block_ns / 2) / block_ns;
+        ((u64::from(block_cdeg) + turned) % 36_000) as u16
+    }
+}

@@ -1,0 +1,23 @@
+//! Velodyne lidars: VLP-16 and LITE, Puck Hi-Res, VLP-32C, HDL-32E. Bytes of a datagram in, columns of a sweep out.
+//!
+//! Source of formats, angles and times: wire-formats, section 1.
+
+mod clock;
+mod columns;
+mod decoder;
+mod model;
+mod packet;
+mod position;
+mod returns;
+mod sweep_builder;
+
+pub use clock::HourClock;
+pub use decoder::{Counters, DecodeError, Decoder, ModelChoice};
+pub use model::{LaserAngles, Model, detect_model};
+pub use packet::{Packet, PacketError, ReturnMode};
+pub use position::{PositionError, PositionPacket, PpsState};
+pub use returns::{Return, Returns, ReturnsOf};
+pub use sweep_builder::SweepBuilder;
+
+#[cfg(test)]
+mod vector_tests;

@@ -1,0 +1,215 @@
+//! A data packet of 1,206 bytes as a checked view: after [`Packet::new_checked`] no accessor can fail.
+
+/// Positions in the packet; wire-formats 1.1.
+mod field {
+    pub const BLOCK_BYTES: usize = 100;
+    pub const BLOCKS: usize = 12;
+    pub const CHANNELS: usize = 32;
+    pub const FLAG: [u8; 2] = [0xff, 0xee];
+    pub const STAMP: core::ops::Range<usize> = 1_200..1_204;
+    pub const RETURN_MODE: usize = 1_204;
+    pub const PRODUCT: usize = 1_205;
+    pub const PACKET_BYTES: usize = 1_206;
+}
+
+/// Which echoes a packet carries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ReturnMode {
+    /// The strongest echo.
+    Strongest,
+    /// The last echo.
+    Last,
+    /// Last and strongest, in pairs of blocks.
+    Dual,
+}
+
+/// A datagram that is no data packet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum PacketError {
+    /// Not 1,206 bytes long.
+    Length {
+        /// Bytes received.
+        received: usize,
+    },
+    /// A block does not start with FF EE.
+    BlockFlag {
+        /// Which block, 0…11.
+        block: u8,
+        /// What stands there.
+        found: [u8; 2],
+    },
+    /// An azimuth of 36,000 or more.
+    Azimuth {
+        /// Which block.
+        block: u8,
+        /// Hundredths of a degree.
+        azimuth_cdeg: u16,
+    },
+    /// A return mode that the manual does not know.
+    ReturnMode {
+        /// The byte.
+        found: u8,
+    },
+    /// A stamp beyond the hour (3,601 s are tolerated at the roll-over).
+    Stamp {
+        /// Microseconds since the top of the hour.
+        micros: u32,
+    },
+}
+
+impl core::fmt::Display for PacketError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Length { received } => {
+                write!(f, "lidar packet of {received} bytes; a data packet has {}", field::PACKET_BYTES)
+            }
+            Self::BlockFlag { block, found: [a, b] } => {
+                write!(f, "lidar block {block} starts with {a:02X} {b:02X}; expected FF EE")
+            }
+            Self::Azimuth { block, azimuth_cdeg } => {
+                write!(f, "lidar block {block} has azimuth {azimuth_cdeg} cdeg; the limit is 35999")
+            }
+            Self::ReturnMode { found } => {
+                write!(f, "lidar return mode 0x{found:02X}; known are 0x37, 0x38, 0x39")
+            }
+            Self::Stamp { micros } => {
+                write!(f, "lidar stamp {micros} us after the hour; the limit is {STAMP_LIMIT_US} us")
+            }
+        }
+    }
+}
+
+impl core::error::Error for PacketError {}
+
+/// Stamps up to one second into the next hour have been seen at the roll-over (wire-formats 1.8).
+pub const STAMP_LIMIT_US: u32 = 3_601_000_000;
+
+/// A checked data packet.
+///
+/// # Invariants
+/// 1,206 bytes; every block starts with FF EE and has an azimuth below 36,000; the return mode is known; the stamp is
+/// within the hour and one second.
+#[derive(Clone, Copy, Debug)]
+pub struct Packet<'a> {
+    blocks: &'a [u8],
+    stamp_us: u32,
+    return_mode: ReturnMode,
+    product_byte: u8,
+}
+
+/// One block of a packet.
+#[derive(Clone, Copy, Debug)]
+pub struct Block<'a> {
+    /// Hundredths of a degree, clockwise, at the first firing.
+    pub azimuth_cdeg: u16,
+    channels: &'a [u8],
+}
+
+impl<'a> Packet<'a> {
+    /// Checks a UDP payload.
+    ///
+    /// # Errors
+    /// [`PacketError`], with what was found; the packet is rejected whole.
+    pub fn new_checked(payload: &'a [u8]) -> Result<Self, PacketError> {
+        let bytes: &[u8; field::PACKET_BYTES] =
+            payload.try_into().map_err(|_| PacketError::Length { received: payload.len() })?;
+        let blocks = bytes.get(..field::BLOCKS * field::BLOCK_BYTES).unwrap_or_default();
+        for (block, bytes) in (0u8..12).zip(blocks.chunks_exact(field::BLOCK_BYTES)) {
+            let [flag_low, flag_high, azimuth_low, azimuth_high, ..] = *bytes else { continue };
+            if [flag_low, flag_high] != field::FLAG {
+                return Err(PacketError::BlockFlag { block, found: [flag_low, flag_high] });
+            }
+            let azimuth_cdeg = u16::from_le_bytes([azimuth_low, azimuth_high]);
+            if azimuth_cdeg >= 36_000 {
+                return Err(PacketError::Azimuth { block, azimuth_cdeg });
+            }
+        }
+        let return_mode = match bytes[field::RETURN_MODE] {
+            0x37 => ReturnMode::Strongest,
+            0x38 => ReturnMode::Last,
+            0x39 => ReturnMode::Dual,
+            found => return Err(PacketError::ReturnMode { found }),
+        };
+        let stamp = bytes.get(field::STAMP).and_then(|four| four.try_into().ok()).unwrap_or([0; 4]);
+        let stamp_us = u32::from_le_bytes(stamp);
+        if stamp_us > STAMP_LIMIT_US {
+            return Err(PacketError::Stamp { micros: stamp_us });
+        }
+        Ok(Self { blocks, stamp_us, return_mode, product_byte: bytes[field::PRODUCT] })
+    }
+
+    /// Microseconds since the top of the sensor's hour, at the first firing.
+    #[must_use]
+    pub const fn stamp_us(&self) -> u32 {
+        self.stamp_us
+    }
+
+    /// Which echoes it carries.
+    #[must_use]
+    pub const fn return_mode(&self) -> ReturnMode {
+        self.return_mode
+    }
+
+    /// Two echoes per firing, in pairs of blocks.
+    #[must_use]
+    pub fn is_dual(&self) -> bool {
+        self.return_mode == ReturnMode::Dual
+    }
+
+    /// The product byte of the wire.
+    #[must_use]
+    pub const fn product_byte(&self) -> u8 {
+        self.product_byte
+    }
+
+    /// The twelve blocks.
+    pub fn blocks(&self) -> impl ExactSizeIterator<Item = Block<'a>> + Clone + use<'a> {
+        self.blocks.chunks_exact(field::BLOCK_BYTES).map(|bytes| match bytes {
+            [_, _, low, high, channels @ ..] => {
+                Block { azimuth_cdeg: u16::from_le_bytes([*low, *high]), channels }
+            }
+            _ => Block { azimuth_cdeg: 0, channels: &[] },
+        })
+    }
+
+    /// Azimuths of the twelve blocks.
+    #[must_use]
+    pub fn azimuths(&self) -> [u16; field::BLOCKS] {
+        let mut azimuths = [0; field::BLOCKS];
+        for (azimuth, block) in azimuths.iter_mut().zip(self.blocks()) {
+            *azimuth = block.azimuth_cdeg;
+        }
+        azimuths
+    }
+
+    /// Rotation within each block, hundredths of a degree; wire-formats 1.5. The last block (pair) has no successor
+    /// and takes the gap of the one before.
+    #[must_use]
+    pub fn gaps(&self) -> [u16; field::BLOCKS] {
+        let azimuths = self.azimuths();
+        let step = if self.is_dual() { 2 } else { 1 };
+        let mut gaps = [0; field::BLOCKS];
+        let mut previous = 0;
+        let successors = azimuths.iter().skip(step).map(Some).chain(core::iter::repeat_n(None, step));
+        for ((gap, azimuth), successor) in gaps.iter_mut().zip(&azimuths).zip(successors) {
+            if let Some(next) = successor {
+                // Both are below 36,000, so the sum cannot overflow 17 bits nor underflow.
+                previous = ((u32::from(*next) + 36_000 - u32::from(*azimuth)) % 36_000) as u16;
+            }
+            *gap = previous;
+        }
+        gaps
+    }
+}
+
+impl<'a> Block<'a> {
+    /// Distance (counts, 0 = no return) and reflectivity of the 32 channels.
+    pub fn channels(&self) -> impl ExactSizeIterator<Item = (u16, u8)> + Clone + use<'a> {
+        self.channels.chunks_exact(3).take(field::CHANNELS).map(|cell| match *cell {
+            [low, high, reflectivity] => (u16::from_le_bytes([low, high]), reflectivity),
+            _ => (0, 0),
+        })
+    }
+}

@@ -1,0 +1,118 @@
+//! The single returns of a packet, each with its own azimuth, time and place: for people who want every point.
+
+use floorguard_core::capacities::PACKET_RINGS_MAX;
+use floorguard_core::geometry::Point3;
+use floorguard_core::units::centidegrees_to_radians;
+
+use super::model::{LaserAngles, Model};
+use super::packet::Packet;
+
+/// One echo.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Return {
+    /// Nanoseconds after the stamp of the packet.
+    pub offset_ns: u32,
+    /// Laser, in the order of the wire.
+    pub laser: u8,
+    /// Azimuth rounded to hundredths of a degree, 0…35,999, clockwise.
+    pub azimuth_cdeg: u16,
+    /// Counts of the model's unit, > 0.
+    pub distance_raw: u16,
+    /// Calibrated reflectivity.
+    pub reflectivity: u8,
+    /// Metres in the sensor's frame: x forward, y left, z up.
+    pub point_in_sensor: Point3,
+}
+
+/// Which echoes of a dual-return packet to give.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReturnsOf {
+    /// An echo that stands in both blocks of a pair once.
+    DistinctEchoes,
+    /// Every cell of every block.
+    AllCells,
+}
+
+/// Gives the returns of packets of one model; holds the sines of its lasers.
+#[derive(Clone, Debug)]
+pub struct Returns {
+    model: Model,
+    angles: [LaserAngles; PACKET_RINGS_MAX],
+}
+
+impl Returns {
+    /// For one model; computes 32 sines.
+    #[must_use]
+    pub fn new(model: Model) -> Self {
+        Self { model, angles: model.angles() }
+    }
+
+    /// Calls `each` for every return of the packet, in the order of the wire. At most 384.
+    pub fn for_each(&self, packet: &Packet<'_>, of: ReturnsOf, mut each: impl FnMut(Return)) {
+        let dual = packet.is_dual();
+        let gaps = packet.gaps();
+        let mut previous = None;
+        for ((index, block), gap) in packet.blocks().enumerate().zip(gaps) {
+            let second_of_pair = dual && index % 2 == 1;
+            let time_step = if dual { index / 2 } else { index } as u32;
+            let first = if second_of_pair { previous } else { None };
+            for (channel, (distance_raw, reflectivity)) in block.channels().enumerate() {
+                let repeated = of == ReturnsOf::DistinctEchoes
+                    && first.is_some_and(|first: super::packet::Block<'_>| {
+                        first.channels().nth(channel).is_some_and(|(raw, _)| raw == distance_raw)
+                    });
+                if distance_raw == 0 || repeated {
+                    continue;
+                }
+                let within_ns = self.within_block_ns(channel);
+                each(self.place(
+                    Cell { channel, distance_raw, reflectivity },
+                    block.azimuth_cdeg,
+                    (gap, within_ns),
+                    time_step.saturating_mul(self.model.block_ns()).saturating_add(within_ns),
+                ));
+            }
+            previous = Some(block);
+        }
+    }
+
+    /// From the start of the block to the channel's laser, nanoseconds.
+    fn within_block_ns(&self, channel: usize) -> u32 {
+        let lasers = self.model.lasers();
+        // 16 or 32: never zero.
+        let (sequence, laser) = (channel / lasers, channel % lasers);
+        (sequence as u32).saturating_mul(self.model.sequence_ns()).saturating_add(self.model.laser_ns(laser))
+    }
+
+    fn place(&self, cell: Cell, block_cdeg: u16, rotation: (u16, u32), offset_ns: u32) -> Return {
+        let laser = cell.channel % self.model.lasers();
+        let angles = self.angles.get(laser).copied().unwrap_or_default();
+        let (gap_cdeg, within_ns) = rotation;
+        let turned = u64::from(gap_cdeg) * u64::from(within_ns);
+        let block_ns = u64::from(self.model.block_ns().max(1));
+        let rounded = (turned + block_ns / 2) / block_ns;
+        let sum = i64::from(block_cdeg) + rounded as i64 + i64::from(angles.azimuth_cdeg);
+        let azimuth_cdeg = sum.rem_euclid(36_000) as u16;
+        let range_m = f32::from(cell.distance_raw) * f32::from(self.model.range_unit_mm()) * 1.0e-3;
+        let (sin, cos) = libm::sincosf(centidegrees_to_radians(azimuth_cdeg));
+        let horizontal_m = range_m * angles.cos;
+        Return {
+            offset_ns,
+            laser: laser as u8,
+            azimuth_cdeg,
+            distance_raw: cell.distance_raw,
+            reflectivity: cell.reflectivity,
+            point_in_sensor: Point3::new(
+                horizontal_m * cos,
+                -horizontal_m * sin,
+                range_m * angles.sin + angles.height_m,
+            ),
+        }
+    }
+}
+
+struct Cell {
+    channel: usize,
+    distance_raw: u16,
+    reflectivity: u8,
+}
