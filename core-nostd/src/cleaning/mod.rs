@@ -12,6 +12,7 @@ mod range_model;
 mod resample;
 mod swath;
 mod swath_mask;
+mod tour;
 
 pub use active_cells::{ActiveCell, ActiveCells, Collapse};
 pub use belief::{Belief, BeliefConfig, Evidence, PoseEstimate, UpdateReport};
@@ -24,3 +25,4 @@ pub use range_model::{RangeModel, RangeModelConfig};
 pub use resample::{normalise, systematic};
 pub use swath::{Brush, Swath};
 pub use swath_mask::SwathMask;
+pub use tour::{Distances, EuclideanCells, TourError, TourSolver};
