@@ -1,6 +1,7 @@
 //! The hosted board: carriers of Linux, recordings, the simulator, and the commands of the program.
 
 pub mod campaign;
+pub mod capture;
 pub mod carriers;
 pub mod commands;
 pub mod configuration;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// On-robot software for a floor-cleaning robot among people: perceives, guards, records.
 #[derive(Debug, Parser)]
@@ -16,9 +16,40 @@ pub struct Arguments {
 /// One thing to do.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Print every return of a lidar capture.
+    Decode(DecodeArguments),
     /// Check a configuration: every mistake with line, limit and remedy.
     Check {
         /// The configuration.
         file: PathBuf,
     },
+}
+
+/// What to decode.
+#[derive(Clone, Debug, Args)]
+pub struct DecodeArguments {
+    /// The capture: .pcap, .pcapng, either of them .gz.
+    pub file: PathBuf,
+    /// Which lidar made it.
+    #[arg(long, default_value = "auto")]
+    pub model: ModelArgument,
+    /// Comma-separated values on standard output.
+    #[arg(long)]
+    pub csv: bool,
+}
+
+/// Lidar models by name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ModelArgument {
+    /// Tell from the packets.
+    #[default]
+    Auto,
+    /// VLP-16 or Puck LITE.
+    Vlp16,
+    /// Puck Hi-Res.
+    PuckHiRes,
+    /// VLP-32C.
+    Vlp32c,
+    /// HDL-32E.
+    Hdl32e,
 }

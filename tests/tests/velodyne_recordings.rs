@@ -1,0 +1,218 @@
+//! Every lidar recording against the keys that independent tools made of it.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use floorguard_core::sensing::Sweep;
+use floorguard_core::time::Stamp;
+use floorguard_drivers::velodyne::{
+    DecodeError, Decoder, Model, ModelChoice, Packet, PositionPacket, PpsState, Returns, ReturnsOf,
+    SweepBuilder,
+};
+use floorguard_hosted::capture::{Capture, CaptureError};
+use floorguard_tests::data::recording;
+
+const DATA_PORT: u16 = 2_368;
+const POSITION_PORT: u16 = 8_308;
+
+/// Rows of a key as columns by name.
+fn key(path: &str) -> Option<Vec<BTreeMap<String, String>>> {
+    let text = std::fs::read_to_string(recording(path)?).expect("a key is text");
+    let mut lines = text.lines();
+    let names: Vec<_> = lines.next().expect("a key has a header").split(',').map(str::to_owned).collect();
+    Some(lines.map(|line| names.iter().cloned().zip(line.split(',').map(str::to_owned)).collect()).collect())
+}
+
+fn number(row: &BTreeMap<String, String>, name: &str) -> f64 {
+    row[name].parse().unwrap_or_else(|_| panic!("{name} is no number in {row:?}"))
+}
+
+fn payloads(path: &Path, port: u16) -> Vec<(Stamp, Vec<u8>)> {
+    Capture::open(path)
+        .expect("the recording opens")
+        .map(|datagram| datagram.expect("the recording is whole"))
+        .filter(|datagram| datagram.destination_port == port)
+        .map(|datagram| (Stamp::from_micros(datagram.captured_us), datagram.payload))
+        .collect()
+}
+
+const RECORDINGS: [(&str, &str); 5] = [
+    ("cu_vlp16_single_600rpm", "pcap.gz"),
+    ("einride_office_600rpm", "pcap.gz"),
+    ("timm_hall_last_300rpm", "pcap.gz"),
+    ("mrpt_gps_600rpm", "pcap"),
+    ("lidarutils_2014fw_600rpm", "pcap"),
+];
+
+#[test]
+fn integers_of_every_packet_equal_the_key() {
+    for (name, ending) in RECORDINGS {
+        let Some(path) = recording(&format!("vlp16_packets/{name}.{ending}")) else { continue };
+        let Some(rows) = key(&format!("vlp16_packets/keys/{name}.packets.csv")) else { continue };
+        let packets = payloads(&path, DATA_PORT);
+        assert_eq!(packets.len(), rows.len(), "{name}");
+        for ((_, payload), row) in packets.iter().zip(&rows) {
+            let packet = Packet::new_checked(payload).unwrap_or_else(|error| panic!("{name}: {error}"));
+            let azimuths = packet.azimuths();
+            assert_eq!(f64::from(packet.stamp_us()), number(row, "sensor_us"), "{name}");
+            assert_eq!(f64::from(azimuths[0]), number(row, "az0"), "{name}");
+            assert_eq!(f64::from(azimuths[11]), number(row, "az11"), "{name}");
+            let cells: Vec<_> = packet.blocks().flat_map(|block| block.channels()).collect();
+            let hits = cells.iter().filter(|(raw, _)| *raw != 0);
+            assert_eq!(hits.clone().count() as f64, number(row, "n_nonzero"), "{name}");
+            let distance: u64 = hits.clone().map(|(raw, _)| u64::from(*raw)).sum();
+            assert_eq!(distance as f64, number(row, "sum_dist_raw"), "{name}");
+            let intensity: u64 = cells.iter().map(|(_, reflectivity)| u64::from(*reflectivity)).sum();
+            assert_eq!(intensity as f64, number(row, "sum_intensity"), "{name}");
+        }
+    }
+}
+
+#[test]
+fn points_of_every_recording_equal_an_independent_decoder() {
+    for (name, ending) in RECORDINGS {
+        let Some(path) = recording(&format!("vlp16_packets/{name}.{ending}")) else { continue };
+        let Some(rows) = key(&format!("vlp16_packets/keys/{name}.velodyne_decoder.csv")) else { continue };
+        let returns = Returns::new(Model::Vlp16);
+        let (mut count, mut sums) = (0_u32, [0.0_f64; 4]);
+        for (_, payload) in payloads(&path, DATA_PORT) {
+            let packet = Packet::new_checked(&payload).expect("checked by another test");
+            returns.for_each(&packet, ReturnsOf::DistinctEchoes, |each| {
+                // The key's decoder keeps 0.1 to 200 m.
+                if each.distance_raw >= 50 {
+                    count += 1;
+                    let point = each.point_in_sensor;
+                    let values = [point.x_m, point.y_m, point.z_m, f32::from(each.reflectivity)];
+                    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += f64::from(value));
+                }
+            });
+        }
+        let total = |column: &str| rows.iter().map(|row| number(row, column)).sum::<f64>();
+        assert_eq!(f64::from(count), total("n_points"), "{name}");
+        assert_eq!(sums[3], total("sum_intensity"), "{name}");
+        // The two azimuth rules differ by at most 3 mm a point, and not always to the same side.
+        let tolerance_m = f64::from(count) * 0.003;
+        for (sum, column) in sums.iter().zip(["sum_x", "sum_y", "sum_z"]) {
+            assert!(
+                (sum - total(column)).abs() < tolerance_m,
+                "{name} {column}: {sum} against {}",
+                total(column)
+            );
+        }
+    }
+}
+
+#[test]
+fn sweeps_hold_every_return_once_and_know_the_model() {
+    for (name, ending) in RECORDINGS {
+        let Some(path) = recording(&format!("vlp16_packets/{name}.{ending}")) else { continue };
+        let Some(rows) = key(&format!("vlp16_packets/keys/{name}.packets.csv")) else { continue };
+        let mut decoder = Decoder::new(ModelChoice::Fixed(Model::Vlp16));
+        let mut builder = SweepBuilder::new(0);
+        let mut building = Box::new(Sweep::<16>::EMPTY);
+        let (mut hits, mut sweeps) = (0, 0);
+        let count = |sweep: &Sweep<16>| -> usize {
+            sweep.used_columns().iter().flat_map(|column| column.range_raw).filter(|raw| *raw != 0).count()
+        };
+        for (arrival, payload) in payloads(&path, DATA_PORT) {
+            let (packet, lost) =
+                decoder.decode(&payload, arrival).unwrap_or_else(|error| panic!("{name}: {error}"));
+            builder.add(&packet, lost, &mut building, |sweep| {
+                hits += count(sweep);
+                sweeps += 1;
+                assert_eq!(sweep.dropped_columns, 0, "{name}");
+            });
+        }
+        hits += count(&building);
+        let expected: f64 = rows.iter().map(|row| number(row, "n_nonzero")).sum();
+        if name == "timm_hall_last_300rpm" {
+            // At half the speed two firings share a column and the nearer return stays.
+            assert!(hits as f64 > expected * 0.5 && (hits as f64) < expected * 0.6, "{hits} of {expected}");
+        } else {
+            assert_eq!(hits as f64, expected, "{name}");
+        }
+        let revolutions =
+            key(&format!("vlp16_packets/keys/{name}.revs_raw.csv")).expect("present beside the other key");
+        assert_eq!(sweeps + 1, revolutions.len(), "{name}");
+        assert_eq!(decoder.counters().refused, 0, "{name}");
+    }
+}
+
+#[test]
+fn the_people_recording_decodes_to_its_key() {
+    let Some(path) = recording("vlp16_clouds/fabu_hall_people_A_reencoded.pcap.gz") else { return };
+    let Some(rows) = key("vlp16_clouds/fabu_hall_people_A_reencoded.frames.csv") else { return };
+    let packets = payloads(&path, DATA_PORT);
+    for row in &rows {
+        let first = number(row, "first_packet") as usize;
+        let count = number(row, "packets") as usize;
+        let (mut hits, mut distance) = (0_u64, 0_u64);
+        for (_, payload) in &packets[first..first + count] {
+            let packet = Packet::new_checked(payload).expect("a data packet");
+            for (raw, _) in packet.blocks().flat_map(|block| block.channels()) {
+                hits += u64::from(raw != 0);
+                distance += u64::from(raw);
+            }
+        }
+        assert_eq!(hits as f64, number(row, "n_nonzero"));
+        assert_eq!(distance as f64, number(row, "sum_dist_raw"));
+    }
+}
+
+#[test]
+fn position_packets_equal_the_key() {
+    for (name, ending) in [("mrpt_gps_600rpm", "pcap"), ("lidarutils_2014fw_600rpm", "pcap")] {
+        let Some(path) = recording(&format!("vlp16_packets/{name}.{ending}")) else { continue };
+        let Some(rows) = key(&format!("vlp16_packets/keys/{name}.position.csv")) else { continue };
+        let packets = payloads(&path, POSITION_PORT);
+        assert_eq!(packets.len(), rows.len(), "{name}");
+        for ((_, payload), row) in packets.iter().zip(&rows) {
+            let position = PositionPacket::new_checked(payload).expect("a position packet");
+            assert_eq!(f64::from(position.stamp_us()), number(row, "sensor_us"), "{name}");
+            let expected = match row["pps_status_byte202"].as_str() {
+                "0" => PpsState::Absent,
+                "1" => PpsState::Synchronising,
+                "2" => PpsState::Locked,
+                _ => PpsState::Error,
+            };
+            assert_eq!(position.pps(), expected, "{name}");
+        }
+    }
+}
+
+#[test]
+fn an_hdl32e_is_not_taken_for_a_vlp16() {
+    let Some(path) = recording("vlp16_packets/NEG_hdl32e_monterey_200pkts.pcap") else { return };
+    let mut forced = Decoder::new(ModelChoice::Fixed(Model::Vlp16));
+    let mut automatic = Decoder::new(ModelChoice::Auto);
+    let mut accepted_by_forced = 0;
+    for (arrival, payload) in payloads(&path, DATA_PORT) {
+        match forced.decode(&payload, arrival) {
+            Ok(_) => accepted_by_forced += 1,
+            Err(DecodeError::WrongModel { configured, product_byte, .. }) => {
+                assert_eq!((configured, product_byte), (Model::Vlp16, 0x21));
+            }
+            Err(other) => panic!("{other}"),
+        }
+        let _ = automatic.decode(&payload, arrival);
+    }
+    // One packet alone cannot tell; the second does, for good.
+    assert!(accepted_by_forced <= 1, "{accepted_by_forced}");
+    assert_eq!(automatic.model(), Some(Model::Hdl32E));
+}
+
+#[test]
+fn a_truncated_capture_gives_what_it_has_and_says_so() {
+    let Some(path) = recording("vlp16_packets/mrpt_gps_600rpm.pcap") else { return };
+    let bytes = std::fs::read(path).expect("the recording is readable");
+    let whole = Capture::read("whole", std::io::Cursor::new(bytes.clone())).expect("a capture").count();
+    let cut = bytes.len() - 700;
+    let mut capture = Capture::read("cut", std::io::Cursor::new(bytes[..cut].to_vec())).expect("a capture");
+    let delivered = capture.by_ref().take_while(Result::is_ok).count();
+    assert!(delivered + 2 >= whole && delivered < whole, "{delivered} of {whole}");
+    let mut again = Capture::read("cut", std::io::Cursor::new(bytes[..cut].to_vec())).expect("a capture");
+    let error = again.find_map(Result::err);
+    assert!(matches!(error, Some(CaptureError::Truncated { .. })), "{error:?}");
+    let text = Capture::read("text", std::io::Cursor::new(b"no capture at all, just words".to_vec()));
+    assert!(matches!(text.err(), Some(CaptureError::NotACapture { .. })));
+}
