@@ -126,8 +126,8 @@ fn sweeps_hold_every_return_once_and_know_the_model() {
         hits += count(&building);
         let expected: f64 = rows.iter().map(|row| number(row, "n_nonzero")).sum();
         if name == "timm_hall_last_300rpm" {
-            // At half the speed two firings share a column and the nearer return stays.
-            assert!(hits as f64 > expected * 0.5 && (hits as f64) < expected * 0.6, "{hits} of {expected}");
+            // At half the speed two or three firings share a column and the nearer return stays.
+            assert!((0.33..0.6).contains(&(hits as f64 / expected)), "{hits} of {expected}");
         } else {
             assert_eq!(hits as f64, expected, "{name}");
         }

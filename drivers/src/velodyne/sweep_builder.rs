@@ -13,13 +13,15 @@ pub struct SweepBuilder {
     step_cdeg: u16,
     /// Duration from column to column, microseconds.
     step_us: u32,
+    /// The head turns so slowly that firings share columns.
+    slow_head: bool,
 }
 
 /// A head this slow (mean rotation from firing to firing) fires more often than a sweep has columns: at 300 rpm 3,617
 /// times a revolution, 10 cdeg apart, against 20 cdeg at 600 rpm.
-const SLOW_HEAD_CDEG: u32 = 14;
-/// Firings of a slow head closer together than this share a column.
-const MERGE_CDEG: u32 = 18;
+const SLOW_HEAD_CDEG: u32 = 18;
+/// Firings of a slow head closer together than this share a column, so that 1,800 columns are enough at any speed.
+const MERGE_CDEG: u32 = 20;
 /// Columns that a gap may hold: one revolution.
 const GAP_COLUMNS_MAX: u16 = 1_824;
 
@@ -27,7 +29,7 @@ impl SweepBuilder {
     /// A builder that cuts where the azimuth passes `cut_cdeg` (0…35,999). Behind the robot is a good place.
     #[must_use]
     pub const fn new(cut_cdeg: u16) -> Self {
-        Self { cut_cdeg: cut_cdeg % 36_000, last_cdeg: None, step_cdeg: 20, step_us: 55 }
+        Self { cut_cdeg: cut_cdeg % 36_000, last_cdeg: None, step_cdeg: 20, step_us: 55, slow_head: false }
     }
 
     /// Adds a packet before which `lost_packets` are missing. `complete` is called with each revolution that ends
@@ -47,11 +49,10 @@ impl SweepBuilder {
             self.enter_gap(missing, packet.stamp, building, &mut complete);
         }
         building.lost_packets = building.lost_packets.saturating_add(lost_packets);
-        let slow_head = mean_step_cdeg(packet) < SLOW_HEAD_CDEG;
         for column in &packet.columns {
             let stamp = packet.stamp.plus_micros(u64::from(column.offset_us));
             self.enter(column.azimuth_cdeg, stamp, building, &mut complete);
-            if !(slow_head && merge(building, column)) {
+            if !(self.slow_head && merge(building, column)) {
                 push(building, stamp, packet.range_unit_mm, |slot| fill(slot, column));
             }
         }
@@ -59,6 +60,7 @@ impl SweepBuilder {
     }
 
     fn learn_steps(&mut self, packet: &LidarPacket) {
+        self.slow_head = mean_step_cdeg(packet) < SLOW_HEAD_CDEG;
         let mut columns = packet.columns.iter();
         if let (Some(first), Some(second)) = (columns.next(), columns.next()) {
             let turned = (u32::from(second.azimuth_cdeg) + 36_000 - u32::from(first.azimuth_cdeg)) % 36_000;
@@ -81,6 +83,9 @@ impl SweepBuilder {
             let before_end = u64::from(missing.saturating_sub(index)) * u64::from(self.step_us);
             let stamp = end.minus_micros(before_end);
             self.enter(azimuth_cdeg, stamp, building, complete);
+            if self.slow_head && index % 2 == 1 {
+                continue;
+            }
             let unit = building.range_unit_mm;
             push(building, stamp, unit, |slot| {
                 *slot = SweepColumn { azimuth_cdeg, ..SweepColumn::UNKNOWN };
