@@ -35,6 +35,9 @@ pub struct BeliefConfig {
     pub range: RangeModelConfig,
     /// Units that may stay in a clean cell, τ.
     pub tolerated_units: u8,
+    /// Every twentieth particle is moved by these deviations (metres, radians) beside the odometry's doubt: scouts
+    /// that find the robot after a slip or a push. Where nothing happened their weight is next to nothing.
+    pub scouts: Option<(f32, f32)>,
     /// Resample at every update, as published; otherwise when fewer than half of the particles are effective.
     pub resample_always: bool,
 }
@@ -88,6 +91,19 @@ pub struct Belief<S, const PARTICLES: usize> {
     random: Pcg32,
 }
 
+/// One particle in this many is a scout.
+const SCOUT_INTERVAL: usize = 20;
+
+/// A pose with normal deviations of position (metres) and heading (radians).
+fn scatter(pose: Pose2, (position_m, heading_rad): (f32, f32), random: &mut Pcg32) -> Pose2 {
+    let (x, y) = random.normal_pair();
+    Pose2::new(
+        pose.x_m + x * position_m,
+        pose.y_m + y * position_m,
+        pose.heading_rad + random.normal() * heading_rad,
+    )
+}
+
 impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> Belief<S, PARTICLES> {
     /// A belief that knows nothing of the pose yet: call [`Self::place`].
     #[must_use]
@@ -124,13 +140,7 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> Belief<S, PARTIC
 
     fn widen(&mut self, position_deviation_m: f32, heading_deviation_rad: f32) {
         for pose in &mut self.poses {
-            let (x, y) = self.random.normal_pair();
-            let turn = self.random.normal() * heading_deviation_rad;
-            *pose = Pose2::new(
-                pose.x_m + x * position_deviation_m,
-                pose.y_m + y * position_deviation_m,
-                pose.heading_rad + turn,
-            );
+            *pose = scatter(*pose, (position_deviation_m, heading_deviation_rad), &mut self.random);
         }
     }
 
@@ -185,6 +195,9 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> Belief<S, PARTIC
         for (particle, (pose, log_weight)) in self.poses.iter_mut().zip(&mut self.log_weights).enumerate() {
             let before = *pose;
             *pose = sample_motion(before, step, deviations, &mut self.random);
+            if let (Some(deviations), 0) = (config.scouts, particle % SCOUT_INTERVAL) {
+                *pose = scatter(*pose, deviations, &mut self.random);
+            }
             *log_weight += self.range.log_likelihood(field, *pose, evidence.hits_in_base);
             let bar = config.brush.bar_at(*pose);
             places.add(bar, &geometry);

@@ -19,6 +19,8 @@ pub struct RangeModelConfig {
     pub range_max_m: f32,
     /// A scan counts as this many independent beams, however many it has: neighbours err together.
     pub independent_beams: f32,
+    /// A beam this near to what the map shows is explained by it, metres: noise of the sensor and a cell of the map.
+    pub explained_within_m: f32,
 }
 
 impl RangeModelConfig {
@@ -29,6 +31,7 @@ impl RangeModelConfig {
         hit_deviation_m: 0.2,
         range_max_m: 4.0,
         independent_beams: 6.0,
+        explained_within_m: 0.12,
     };
     /// A safety scanner of 270°: beams 4.5° apart hit different things, and a map of 5 cm is the larger error.
     pub const SAFETY_SCANNER: Self = Self {
@@ -37,6 +40,7 @@ impl RangeModelConfig {
         hit_deviation_m: 0.08,
         range_max_m: 30.0,
         independent_beams: 12.0,
+        explained_within_m: 0.1,
     };
 }
 
@@ -61,7 +65,7 @@ impl RangeModel {
             let value = libm::logf((config.hit_share * gaussian + floor).max(1e-6));
             *entry = if value.is_finite() { value } else { 0.0 };
         }
-        let explained_limit_cm = (deviation * 250.0).clamp(10.0, 60.0) as u8;
+        let explained_limit_cm = (config.explained_within_m * 100.0 + 0.5).clamp(1.0, 199.0) as u8;
         Self { log_likelihood, independent_beams: config.independent_beams.max(0.0), explained_limit_cm }
     }
 
@@ -92,8 +96,7 @@ impl RangeModel {
         sum * self.independent_beams / hits_in_base.len() as f32
     }
 
-    /// Share of the beams that end where the map shows something, within 2.5 deviations (0.1 m at least); the health
-    /// of the localisation. `None` without beams: not known.
+    /// Share of the beams that end where the map shows something; the health of the localisation. `None` without beams: not known.
     #[must_use]
     pub fn explained_share<S: AsRef<[u8]> + AsMut<[u8]>>(
         &self,

@@ -8,4 +8,5 @@ pub mod configuration;
 pub mod display;
 pub mod executor;
 pub mod judge;
+pub mod mission;
 pub mod recording;

@@ -1,0 +1,144 @@
+//! What a mission is run with: strategy, robot, belief, and what goes wrong.
+
+use floorguard_core::cleaning::{
+    ActuatorModel, BeliefConfig, Brush, CleanRule, Collapse, DirtSensorModel, FollowConfig, MotionNoise,
+    RangeModelConfig,
+};
+
+use super::faults::FaultRates;
+use super::truth::RangeSensor;
+
+/// How the robot decides where to clean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, clap::ValueEnum)]
+pub enum Strategy {
+    /// Visits the cells of the policy and plans again until the belief says that all are clean.
+    Guarantee,
+    /// One tour over the cells that were dirty at the start.
+    NoReplanning,
+    /// Lanes over the whole floor.
+    Systematic,
+    /// Straight on until something is in the way, then any other direction.
+    Random,
+}
+
+impl Strategy {
+    /// The name on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Guarantee => "guarantee",
+            Self::NoReplanning => "no-replanning",
+            Self::Systematic => "systematic",
+            Self::Random => "random",
+        }
+    }
+}
+
+/// The robot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Robot {
+    /// Radius, metres.
+    pub radius_m: f32,
+    /// Brush.
+    pub brush: Brush,
+    /// Speeds.
+    pub follow: FollowConfig,
+    /// Range sensor.
+    pub sensor: RangeSensor,
+    /// What the belief assumes of it.
+    pub range: RangeModelConfig,
+}
+
+impl Robot {
+    /// The published robot: a small round one with a depth camera (algorithms I.10).
+    pub const PUBLISHED: Self = Self {
+        radius_m: 0.17,
+        brush: Brush { width_m: 0.17, offset_m: 0.0 },
+        follow: FollowConfig::ROOMBA,
+        sensor: RangeSensor::XTION,
+        range: RangeModelConfig::XTION,
+    };
+    /// The same base with a safety scanner, for work among people and with faults.
+    pub const WITH_SCANNER: Self = Self {
+        sensor: RangeSensor::SAFETY_SCANNER,
+        range: RangeModelConfig::SAFETY_SCANNER,
+        ..Self::PUBLISHED
+    };
+}
+
+/// A mission.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MissionConfig {
+    /// How the robot decides.
+    pub strategy: Strategy,
+    /// Units that may stay in a clean cell, τ.
+    pub tolerated_units: u8,
+    /// Probability with which a cell called clean may hold more, δ.
+    pub delta: f64,
+    /// δ is shared among all dirty cells: the guarantee holds for all of them at once.
+    pub joint: bool,
+    /// The clean rule looks at the mean alone, and particles collapse to a Poisson law, as published.
+    pub as_published: bool,
+    /// The robot.
+    pub robot: Robot,
+    /// How the belief models the brush.
+    pub actuator: ActuatorModel,
+    /// Share that a pass picks up, as the belief assumes.
+    pub assumed_pickup: f32,
+    /// Share that a pass picks up in truth.
+    pub true_pickup: f32,
+    /// The belief uses the dirt sensor.
+    pub uses_dirt_sensor: bool,
+    /// People on the floor.
+    pub people: usize,
+    /// What goes wrong.
+    pub faults: FaultRates,
+    /// Way after which the random strategy ends, metres.
+    pub distance_limit_m: Option<f32>,
+}
+
+impl MissionConfig {
+    /// The published settings with a strategy.
+    pub const fn published(strategy: Strategy) -> Self {
+        Self {
+            strategy,
+            tolerated_units: 5,
+            delta: 0.01,
+            joint: false,
+            as_published: false,
+            robot: Robot::PUBLISHED,
+            actuator: ActuatorModel::PassCoverage,
+            assumed_pickup: 0.9,
+            true_pickup: 0.9,
+            uses_dirt_sensor: true,
+            people: 0,
+            faults: FaultRates { slips: 0.0, jumps: 0.0, outages: 0.0, resets: 0.0 },
+            distance_limit_m: None,
+        }
+    }
+
+    /// Parameters of the belief.
+    pub fn belief(&self) -> BeliefConfig {
+        BeliefConfig {
+            brush: self.robot.brush,
+            pickup_probability: self.assumed_pickup,
+            actuator: self.actuator,
+            collapse: if self.as_published { Collapse::Poisson } else { Collapse::Mixture },
+            dirt_sensor: DirtSensorModel::default(),
+            motion: MotionNoise::MEASURED,
+            range: self.robot.range,
+            tolerated_units: self.tolerated_units,
+            scouts: if self.faults.are_zero() { None } else { Some((0.12, 0.1)) },
+            resample_always: self.as_published,
+        }
+    }
+
+    /// When a cell counts as clean; `dirty_cells` are those that were not clean at the start.
+    pub fn rule(&self, dirty_cells: usize) -> CleanRule {
+        let rule = if self.joint {
+            CleanRule::joint(self.tolerated_units, self.delta, dirty_cells)
+        } else {
+            CleanRule::per_cell(self.tolerated_units, self.delta)
+        };
+        if self.as_published { rule.mean_only() } else { rule }
+    }
+}

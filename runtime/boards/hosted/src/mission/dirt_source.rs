@@ -1,0 +1,125 @@
+//! Where the dirt of a mission comes from: drawn at random, or read from a file.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use anyhow::Context;
+use floorguard_core::geometry::Point2;
+use floorguard_core::random::Pcg32;
+
+use super::floor::Floor;
+
+/// What the user asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DirtSource {
+    /// A share of the reachable cells, with expected units drawn uniformly from a range.
+    Random {
+        /// Share of the reachable cells, within (0, 1].
+        share: f32,
+        /// Range of the expected units.
+        units: (f32, f32),
+    },
+    /// A fixed number of cells, the expected units going through a list in turn: the published Table I.
+    Cells {
+        /// Number of cells.
+        count: usize,
+        /// Expected units.
+        units: Vec<f32>,
+    },
+    /// A CSV file with the columns x_m, y_m, expected units.
+    File(PathBuf),
+}
+
+impl FromStr for DirtSource {
+    type Err = String;
+
+    /// `random:5%:10-15`, or the path of a CSV file.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let Some(rest) = text.strip_prefix("random:") else {
+            return Ok(Self::File(PathBuf::from(text)));
+        };
+        let wrong = || format!("'{text}' is not random:SHARE%:LOW-HIGH, for example random:5%:10-15");
+        let (share, units) = rest.split_once(':').ok_or_else(wrong)?;
+        let share: f32 = share.trim_end_matches('%').parse().map_err(|_| wrong())?;
+        let (low, high) = units.split_once('-').ok_or_else(wrong)?;
+        let (low, high): (f32, f32) = low.parse().ok().zip(high.parse().ok()).ok_or_else(wrong)?;
+        if !(share > 0.0 && share <= 100.0 && low >= 0.0 && low <= high && high <= 70.0) {
+            return Err(format!("{}: the share lies within 0-100 %, the units within 0-70", wrong()));
+        }
+        Ok(Self::Random { share: share / 100.0, units: (low, high) })
+    }
+}
+
+impl DirtSource {
+    /// Expected units for every cell of the raster. Dirt on cells that cannot be reached is kept: it is reported as
+    /// not guaranteed.
+    ///
+    /// # Errors
+    /// A file that cannot be read or has a wrong line.
+    pub fn expected_units(&self, floor: &Floor, random: &mut Pcg32) -> anyhow::Result<Vec<f32>> {
+        let mut expected = vec![0.0; floor.cells.cell_count()];
+        let mut reachable: Vec<usize> = (0..expected.len()).filter(|&i| floor.reachable[i]).collect();
+        let mut pick = |count: usize, random: &mut Pcg32| -> Vec<usize> {
+            // Fisher–Yates, as far as needed.
+            let count = count.min(reachable.len());
+            for place in 0..count {
+                let other = place + random.below((reachable.len() - place) as u32) as usize;
+                reachable.swap(place, other);
+            }
+            reachable[..count].to_vec()
+        };
+        match self {
+            Self::Random { share, units } => {
+                let all = floor.reachable.iter().filter(|&&r| r).count();
+                let count = (share * all as f32).round() as usize;
+                for cell in pick(count, random) {
+                    expected[cell] = random.uniform_between(units.0, units.1);
+                }
+            }
+            Self::Cells { count, units } => {
+                for (cell, &units) in pick(*count, random).into_iter().zip(units.iter().cycle()) {
+                    expected[cell] = units;
+                }
+            }
+            Self::File(path) => read(path, floor, &mut expected)?,
+        }
+        Ok(expected)
+    }
+}
+
+fn read(path: &PathBuf, floor: &Floor, expected: &mut [f32]) -> anyhow::Result<()> {
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    for (number, line) in text.lines().enumerate() {
+        let fields: Vec<Option<f32>> = line.split(',').map(|f| f.trim().parse().ok()).collect();
+        match fields.as_slice() {
+            [Some(x), Some(y), Some(units)] if (0.0..=70.0).contains(units) => {
+                if let Some(cell) = floor.cells.cell_at(Point2::new(*x, *y)) {
+                    expected[cell] = *units;
+                }
+            }
+            // A heading, an empty line or a comment.
+            _ if number == 0 || line.trim().is_empty() || line.starts_with('#') => {}
+            _ => anyhow::bail!(
+                "{}:{}: expected x_m,y_m,units with units within 0-70, found '{line}'",
+                path.display(),
+                number + 1
+            ),
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_the_random_form_and_refuses_others() {
+        let source: DirtSource = "random:5%:10-15".parse().unwrap();
+        assert_eq!(source, DirtSource::Random { share: 0.05, units: (10.0, 15.0) });
+        assert_eq!("a/b.csv".parse(), Ok(DirtSource::File(PathBuf::from("a/b.csv"))));
+        for wrong in ["random:5%", "random:x%:1-2", "random:5%:9-3", "random:0%:1-2", "random:5%:1-99"] {
+            assert!(wrong.parse::<DirtSource>().is_err(), "{wrong}");
+        }
+    }
+}

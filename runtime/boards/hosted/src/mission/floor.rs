@@ -1,0 +1,189 @@
+//! The floor of a mission: what is free, what the robot can reach, and the raster of cells that it answers for.
+
+use floorguard_core::cleaning::{PathSearch, SearchCell};
+use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_core::maps::{DistanceField, Grid, GridGeometry, Occupancy, fill_distances};
+
+use super::ros_map::OccupancyMap;
+
+/// Edge of a cell, metres (algorithms I.1).
+pub const CELL_M: f32 = 0.1;
+/// Cells that one mission can answer for: the hosted profile.
+pub const CELLS_MAX: usize = 65_536;
+/// Kept between the robot's rim and obstacles when planning, beyond its radius, metres.
+const MARGIN_M: f32 = 0.02;
+
+/// A floor with everything that a mission looks up.
+pub struct Floor {
+    /// Name for reports.
+    pub name: String,
+    /// The map as it was read.
+    pub occupancy: OccupancyMap,
+    /// Distance to what a beam can hit.
+    pub surfaces: DistanceField<Vec<u8>>,
+    /// Distance to what is not free floor, seen or not.
+    pub clearance: DistanceField<Vec<u8>>,
+    /// The raster of cells.
+    pub cells: GridGeometry,
+    /// The robot's centre may stand there, for every cell.
+    pub passable: Vec<bool>,
+    /// The cell can be reached from the start and is free all over: the mission answers for it.
+    pub reachable: Vec<bool>,
+    /// Cells of free floor, reachable or not.
+    pub free_cells: usize,
+    /// Free floor beyond the raster: too large for one mission, never claimed.
+    pub beyond_capacity_m2: f32,
+    /// Where a mission starts.
+    pub start: Pose2,
+    /// Radius of the robot, metres.
+    pub robot_radius_m: f32,
+}
+
+impl Floor {
+    /// Prepares a map for a round robot.
+    ///
+    /// # Errors
+    /// No floor on which the robot fits.
+    pub fn new(name: &str, occupancy: OccupancyMap, robot_radius_m: f32) -> anyhow::Result<Self> {
+        let fine = *occupancy.geometry();
+        let field = |is_obstacle: &dyn Fn(usize) -> bool| -> anyhow::Result<DistanceField<Vec<u8>>> {
+            let mut field = Grid::new(fine, vec![0_u8; fine.cell_count()])?;
+            let mut scratch = Grid::new(fine, vec![0_u8; fine.cell_count()])?;
+            fill_distances(&mut field, &mut scratch, is_obstacle);
+            Ok(field)
+        };
+        let surfaces = field(&|i| occupancy.get(i) == Some(&Occupancy::Occupied))?;
+        let clearance = field(&|i| occupancy.get(i) != Some(&Occupancy::Free))?;
+        let (cells, beyond) = raster(&occupancy, &clearance)?;
+        let mut floor = Self {
+            name: name.to_owned(),
+            occupancy,
+            surfaces,
+            clearance,
+            cells,
+            passable: Vec::new(),
+            reachable: Vec::new(),
+            free_cells: 0,
+            beyond_capacity_m2: beyond,
+            start: Pose2::default(),
+            robot_radius_m,
+        };
+        floor.find_reachable()?;
+        Ok(floor)
+    }
+
+    fn find_reachable(&mut self) -> anyhow::Result<()> {
+        let count = self.cells.cell_count();
+        let centre = |i| self.cells.centre(i);
+        let needed = self.robot_radius_m + MARGIN_M;
+        self.passable = (0..count).map(|i| self.clearance.clearance_m(centre(i)) >= needed).collect();
+        // A cell is free if its circumscribed circle, less half a pixel, holds nothing else.
+        let free: Vec<bool> =
+            (0..count).map(|i| self.clearance.clearance_m(centre(i)) >= 0.5 * CELL_M).collect();
+        self.free_cells = free.iter().filter(|&&f| f).count();
+        let mut search = PathSearch::new(self.cells, vec![SearchCell::EMPTY; count]);
+        let mut seen = vec![false; count];
+        let mut largest: Vec<usize> = Vec::new();
+        for start in 0..count {
+            if !self.passable[start] || seen[start] {
+                continue;
+            }
+            search.run(start, |i| self.passable[i]);
+            let part: Vec<usize> = (0..count).filter(|&i| search.distance(i).is_some()).collect();
+            part.iter().for_each(|&i| seen[i] = true);
+            if part.len() > largest.len() {
+                largest = part;
+            }
+        }
+        anyhow::ensure!(!largest.is_empty(), "a robot of {} m radius fits nowhere", self.robot_radius_m);
+        self.reachable = vec![false; count];
+        largest.iter().for_each(|&i| self.reachable[i] = free[i]);
+        self.passable = vec![false; count];
+        largest.iter().for_each(|&i| self.passable[i] = true);
+        let roomiest = largest.iter().copied().max_by(|&a, &b| {
+            let clearance = |i| self.clearance.clearance_m(centre(i));
+            clearance(a).total_cmp(&clearance(b)).then(b.cmp(&a))
+        });
+        let point = centre(roomiest.unwrap_or(0));
+        self.start = Pose2::new(point.x_m, point.y_m, 0.0);
+        Ok(())
+    }
+
+    /// The robot's centre can go straight from one point to the other.
+    pub fn is_clear(&self, from: Point2, to: Point2) -> bool {
+        self.is_clear_by(from, to, self.robot_radius_m + MARGIN_M)
+    }
+
+    /// As [`Self::is_clear`] with a given distance from obstacles.
+    pub fn is_clear_by(&self, from: Point2, to: Point2, clearance_m: f32) -> bool {
+        let steps = (from.distance(to) / 0.025).ceil().max(1.0) as usize;
+        (0..=steps).all(|step| {
+            let t = step as f32 / steps as f32;
+            let point = Point2::new(from.x_m + t * (to.x_m - from.x_m), from.y_m + t * (to.y_m - from.y_m));
+            self.clearance.clearance_m(point) >= clearance_m
+        })
+    }
+
+    /// Area the mission answers for, m².
+    pub fn reachable_m2(&self) -> f32 {
+        self.reachable.iter().filter(|&&r| r).count() as f32 * CELL_M * CELL_M
+    }
+
+    /// The passable cell nearest to a point, within half a metre.
+    pub fn nearest_passable(&self, point: Point2) -> Option<usize> {
+        let (column, row) = self.cells.coordinates_of(point);
+        (-5..=5)
+            .flat_map(|dy| (-5..=5).map(move |dx| (dx, dy)))
+            .filter_map(|(dx, dy)| self.cells.index(column + dx, row + dy))
+            .filter(|&cell| self.passable[cell])
+            .min_by(|&a, &b| {
+                let distance = |cell| self.cells.centre(cell).distance(point);
+                distance(a).total_cmp(&distance(b)).then(a.cmp(&b))
+            })
+    }
+}
+
+/// The raster over all free floor or, where that is more than a mission can hold, over the part around the middle of
+/// it. Returns the free area that is left out.
+fn raster(
+    occupancy: &OccupancyMap,
+    clearance: &DistanceField<Vec<u8>>,
+) -> anyhow::Result<(GridGeometry, f32)> {
+    let fine = occupancy.geometry();
+    let free: Vec<(i32, i32)> = (0..fine.cell_count())
+        .filter(|&i| clearance.get(i).is_some_and(|&cm| cm >= 10))
+        .map(|i| fine.coordinates(i))
+        .collect();
+    anyhow::ensure!(!free.is_empty(), "the map shows no free floor");
+    let mut xs: Vec<i32> = free.iter().map(|p| p.0).collect();
+    let mut ys: Vec<i32> = free.iter().map(|p| p.1).collect();
+    xs.sort_unstable();
+    ys.sort_unstable();
+    let pixel = fine.resolution_m();
+    let cells = |from: i32, to: i32| ((to - from + 1) as f32 * pixel / CELL_M).ceil() as usize + 2;
+    let (all_wide, all_high) = (cells(xs[0], xs[xs.len() - 1]), cells(ys[0], ys[ys.len() - 1]));
+    let wide = all_wide.min((CELLS_MAX / all_high.min(256)).max(1));
+    let high = all_high.min(CELLS_MAX / wide);
+    let origin = fine.origin_in_map();
+    let corner = |sorted: &[i32], count: usize, all: usize, origin: f32| {
+        if count == all {
+            return origin + sorted[0] as f32 * pixel - CELL_M;
+        }
+        let middle = sorted[sorted.len() / 2] as f32 * pixel;
+        let low = sorted[0] as f32 * pixel;
+        let high = sorted[sorted.len() - 1] as f32 * pixel - count as f32 * CELL_M;
+        origin + (middle - 0.5 * count as f32 * CELL_M).clamp(low, high.max(low))
+    };
+    let corner =
+        Point2::new(corner(&xs, wide, all_wide, origin.x_m), corner(&ys, high, all_high, origin.y_m));
+    let geometry = u16::try_from(wide)
+        .ok()
+        .zip(u16::try_from(high).ok())
+        .and_then(|(w, h)| GridGeometry::new(w, h, CELL_M, corner))
+        .ok_or_else(|| anyhow::anyhow!("the map makes no raster"))?;
+    let outside = (0..fine.cell_count())
+        .filter(|&i| occupancy.get(i) == Some(&Occupancy::Free))
+        .filter(|&i| geometry.cell_at(fine.centre(i)).is_none())
+        .count();
+    Ok((geometry, outside as f32 * pixel * pixel))
+}

@@ -1,0 +1,137 @@
+//! Runs the belief beside the wheels: where the robot is now, and whether that can be trusted.
+
+use floorguard_core::cleaning::{ActiveCell, Belief, BeliefConfig, Evidence, OdometryStep};
+use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_core::maps::{DirtCell, DirtMap};
+use floorguard_core::random::Pcg32;
+
+use super::floor::Floor;
+
+/// Particles of the hosted profile.
+pub const PARTICLES: usize = 500;
+/// Cells that the particles can hold at once (Q.1).
+const ACTIVE_CELLS: usize = 256;
+/// Way and turn after which the belief is updated (I.10).
+const UPDATE_M: f32 = 0.1;
+const UPDATE_RAD: f32 = 0.1745;
+/// Below this share of explained beams something is wrong with the pose.
+const SUSPECT_BELOW: f32 = 0.6;
+/// From this share on, and with the particles together again, it is trusted again.
+const TRUSTED_FROM: f32 = 0.75;
+const TOGETHER_M: f32 = 0.1;
+/// Doubt that is added when something is wrong.
+const DOUBT: (f32, f32) = (0.12, 0.1);
+
+/// The belief of a mission.
+pub struct Localiser {
+    belief: Belief<Vec<ActiveCell<PARTICLES>>, PARTICLES>,
+    /// The belief about dirt.
+    pub map: DirtMap<Vec<DirtCell>>,
+    odometry_at_update: Pose2,
+    mean_at_update: Pose2,
+    hits_since_update: u32,
+    is_silent_since_update: bool,
+    is_trusted: bool,
+    /// Updates so far.
+    pub updates: u32,
+    /// Times that the pose was found wrong.
+    pub distrusts: u32,
+    /// Time spent in updates, s of the computer.
+    pub busy_s: f64,
+}
+
+impl Localiser {
+    /// A belief around the start of the floor (I.10: 5 cm, 3°).
+    pub fn new(floor: &Floor, config: BeliefConfig, map: DirtMap<Vec<DirtCell>>, random: Pcg32) -> Self {
+        let mut belief = Belief::new(config, vec![ActiveCell::EMPTY; ACTIVE_CELLS], random);
+        belief.place(floor.start, 0.05, 0.052);
+        Self {
+            belief,
+            map,
+            odometry_at_update: Pose2::default(),
+            mean_at_update: floor.start,
+            hits_since_update: 0,
+            is_silent_since_update: false,
+            is_trusted: true,
+            updates: 0,
+            distrusts: 0,
+            busy_s: 0.0,
+        }
+    }
+
+    /// Where the robot is believed to be now.
+    pub fn pose(&self, odometry: Pose2) -> Pose2 {
+        self.mean_at_update.compose(self.odometry_at_update.inverse().compose(odometry))
+    }
+
+    /// Collects what a step brought.
+    pub fn collect(&mut self, dirt_hits: u32, is_silent: bool) {
+        self.hits_since_update = self.hits_since_update.saturating_add(dirt_hits);
+        self.is_silent_since_update |= is_silent;
+    }
+
+    /// Enough happened since the last update.
+    pub fn is_due(&self, odometry: Pose2) -> bool {
+        let step = OdometryStep::between(self.odometry_at_update, odometry);
+        let turned = (step.first_turn_rad + step.second_turn_rad).abs();
+        step.forward_m.abs() >= UPDATE_M || turned >= UPDATE_RAD
+    }
+
+    /// Updates the belief. `scan` are the ends of the beams in the robot's frame; they and the dirt hits are left out
+    /// while packets are lost.
+    pub fn update(&mut self, floor: &Floor, odometry: Pose2, scan: &[Point2], uses_dirt_sensor: bool) {
+        let step = OdometryStep::between(self.odometry_at_update, odometry);
+        let is_heard = !self.is_silent_since_update;
+        let evidence = Evidence {
+            hits_in_base: if is_heard { scan } else { &[] },
+            // While nothing is credited the particles remove nothing, and hits would only confuse them.
+            dirt_hits: (uses_dirt_sensor && is_heard && self.is_trusted).then_some(self.hits_since_update),
+            brush_is_cleaning: self.is_trusted,
+        };
+        let begin = std::time::Instant::now();
+        let report = self.belief.update(step, &evidence, (&floor.surfaces, &mut self.map));
+        self.busy_s += begin.elapsed().as_secs_f64();
+        self.updates += 1;
+        self.odometry_at_update = odometry;
+        self.hits_since_update = 0;
+        self.is_silent_since_update = false;
+        self.judge_health(report.explained_share);
+        self.mean_at_update = self.belief.pose().mean_in_map;
+    }
+
+    /// A pose that does not explain the scan is not believed, and neither is what was cleaned from it.
+    fn judge_health(&mut self, explained_share: Option<f32>) {
+        let Some(share) = explained_share else { return };
+        if share < SUSPECT_BELOW {
+            self.distrusts += u32::from(self.is_trusted);
+            self.is_trusted = false;
+            self.belief.distrust(&mut self.map, DOUBT);
+        } else if !self.is_trusted {
+            self.is_trusted = share >= TRUSTED_FROM && self.belief.pose().position_deviation_m < TOGETHER_M;
+        }
+    }
+
+    /// Power failed: what the particles held is lost, the stored map and the last stored pose are what is left.
+    pub fn restart(&mut self, odometry: Pose2) {
+        self.belief.distrust(&mut self.map, (0.0, 0.0));
+        self.belief.place(self.mean_at_update, DOUBT.0, DOUBT.1);
+        self.odometry_at_update = odometry;
+        self.hits_since_update = 0;
+        self.is_trusted = false;
+    }
+
+    /// The most likely particle.
+    pub fn best(&self) -> Pose2 {
+        self.belief.pose().best_in_map
+    }
+
+    /// Cells that the particles hold.
+    pub fn active_cells(&mut self) -> usize {
+        self.belief.active_cells()
+    }
+
+    /// Lets all cells fall back into the map.
+    pub fn settle(&mut self) {
+        self.belief.settle(&mut self.map);
+    }
+}

@@ -1,0 +1,21 @@
+//! Cleaning missions in simulation: any ROS map, four strategies, and the proof of what was claimed.
+
+mod config;
+mod dirt_source;
+mod faults;
+mod floor;
+mod lanes;
+mod localiser;
+mod navigator;
+mod people;
+pub mod rooms;
+pub mod ros_map;
+mod trial;
+mod truth;
+
+pub use config::{MissionConfig, Robot, Strategy};
+pub use dirt_source::DirtSource;
+pub use faults::FaultRates;
+pub use floor::{CELL_M, CELLS_MAX, Floor};
+pub use trial::{TrialResult, run};
+pub use truth::{OdometryErrors, RangeSensor};

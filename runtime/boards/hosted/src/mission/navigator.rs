@@ -1,0 +1,353 @@
+//! Decides where to drive next: tours with re-planning, one tour, lanes, or at random.
+
+use std::collections::VecDeque;
+use std::time::Instant;
+
+use floorguard_core::cleaning::{
+    CleanRule, FollowConfig, Following, PathSearch, Planner, SearchCell, choose_pass, follow,
+};
+use floorguard_core::geometry::{Point2, Pose2, Twist2};
+use floorguard_core::random::Pcg32;
+
+use super::config::Strategy;
+use super::floor::Floor;
+use super::lanes::{Lane, lanes};
+use super::localiser::Localiser;
+
+/// Nodes of a tour: 1,024 cells, the robot, and the end of the path.
+const NODES: usize = 1_026;
+/// Re-planning interval, s (AMB-12).
+const REPLAN_S: f32 = 5.0;
+/// Half the way of a pass over a cell, metres: half the cell's diagonal and a little for doubt.
+const PASS_REACH_M: f32 = 0.085;
+/// After so many visits a cell is given up, and reported.
+const VISITS_MAX: u8 = 20;
+
+/// A planner with its memory.
+type TourPlanner = Planner<Vec<SearchCell>, Vec<u16>, NODES>;
+
+/// Drives a mission.
+pub struct Navigator {
+    strategy: Strategy,
+    config: FollowConfig,
+    planner: TourPlanner,
+    routes: PathSearch<Vec<SearchCell>>,
+    waypoints: VecDeque<Point2>,
+    stretch_from: Point2,
+    stretch_age_s: f32,
+    target: Option<usize>,
+    pass_begins_at: usize,
+    next_plan_s: f32,
+    lanes: VecDeque<Lane>,
+    heading_rad: f32,
+    backing_left_m: f32,
+    leavings: u8,
+    random: Pcg32,
+    /// Visits of every cell.
+    pub visits: Vec<u8>,
+    /// Re-plannings that changed the path.
+    pub replannings: u32,
+    /// All re-plannings.
+    pub plans: u32,
+    /// Longest re-planning after the first, s of the computer.
+    pub slowest_replan_s: f64,
+    /// First planning, s of the computer.
+    pub first_plan_s: f64,
+}
+
+/// What the navigator wants.
+pub enum Wish {
+    /// Drive.
+    Drive(Twist2),
+    /// The mission is over.
+    Done,
+}
+
+impl Navigator {
+    /// Ready to start.
+    pub fn new(
+        floor: &Floor,
+        strategy: Strategy,
+        (config, brush_m): (FollowConfig, f32),
+        random: Pcg32,
+    ) -> Self {
+        let count = floor.cells.cell_count();
+        let search = || PathSearch::new(floor.cells, vec![SearchCell::EMPTY; count]);
+        let start = Point2::new(floor.start.x_m, floor.start.y_m);
+        let lanes = if strategy == Strategy::Systematic {
+            lanes(floor, brush_m, start).into()
+        } else {
+            VecDeque::new()
+        };
+        Self {
+            strategy,
+            config,
+            planner: Planner::new(search(), vec![0; NODES * NODES], random.clone()),
+            routes: search(),
+            waypoints: VecDeque::new(),
+            stretch_from: start,
+            stretch_age_s: 0.0,
+            target: None,
+            pass_begins_at: 0,
+            next_plan_s: 0.0,
+            lanes,
+            heading_rad: 0.0,
+            backing_left_m: 0.0,
+            leavings: 0,
+            random,
+            visits: vec![0; count],
+            replannings: 0,
+            plans: 0,
+            slowest_replan_s: 0.0,
+            first_plan_s: 0.0,
+        }
+    }
+
+    /// What to do from this pose at this time.
+    pub fn wish(
+        &mut self,
+        (floor, localiser, rule): (&Floor, &mut Localiser, &CleanRule),
+        (pose, now_s): (Pose2, f32),
+        period_s: f32,
+    ) -> Wish {
+        if self.backing_left_m > 0.0 {
+            self.backing_left_m -= 0.05 * period_s;
+            return Wish::Drive(Twist2 { linear_mps: -0.05, angular_radps: 0.0 });
+        }
+        if self.strategy == Strategy::Random {
+            return Wish::Drive(self.random_drive(floor, pose, period_s));
+        }
+        let is_first = self.strategy == Strategy::NoReplanning && self.plans == 0;
+        if (self.strategy == Strategy::Guarantee && now_s >= self.next_plan_s) || is_first {
+            self.replan((floor, localiser, rule), (pose, now_s));
+        }
+        // A stretch that ends at once is followed by the next; four are more than ever follow each other.
+        for _ in 0..4 {
+            if self.waypoints.is_empty() && !self.choose_next((floor, localiser, rule), (pose, now_s)) {
+                return Wish::Done;
+            }
+            let Some(&to) = self.waypoints.front() else { continue };
+            match follow(pose, (self.stretch_from, to), &self.config, period_s) {
+                Following::Drive(twist) => {
+                    self.stretch_age_s += period_s;
+                    self.give_up_if_stuck(to);
+                    return Wish::Drive(twist);
+                }
+                Following::Arrived => self.arrive(to),
+            }
+        }
+        Wish::Drive(Twist2::ZERO)
+    }
+
+    fn arrive(&mut self, to: Point2) {
+        self.waypoints.pop_front();
+        self.stretch_from = to;
+        self.stretch_age_s = 0.0;
+        if self.waypoints.is_empty() {
+            self.finish_visit();
+        }
+    }
+
+    fn finish_visit(&mut self) {
+        if let Some(target) = self.target.take() {
+            self.visits[target] = self.visits[target].saturating_add(1);
+            if self.planner.tour().next() == Some(target) {
+                self.planner.drop_first();
+            }
+        }
+    }
+
+    /// A stretch that takes four times as long as it should ends the visit.
+    fn give_up_if_stuck(&mut self, to: Point2) {
+        let expected = self.stretch_from.distance(to) / self.config.speed_mps + 6.0;
+        if self.stretch_age_s > 4.0 * expected {
+            self.waypoints.clear();
+            self.stretch_age_s = 0.0;
+            self.finish_visit();
+        }
+    }
+
+    /// Something is in the way: back off and think again.
+    pub fn bumped(&mut self) {
+        self.backing_left_m = 0.08;
+        self.waypoints.clear();
+        self.finish_visit();
+        self.next_plan_s = 0.0;
+    }
+
+    /// Time that a person costs does not count against the stretch.
+    pub fn waited(&mut self, period_s: f32) {
+        self.stretch_age_s = (self.stretch_age_s - period_s).max(0.0);
+    }
+
+    fn replan(
+        &mut self,
+        (floor, localiser, rule): (&Floor, &mut Localiser, &CleanRule),
+        (pose, now_s): (Pose2, f32),
+    ) {
+        let here = Point2::new(pose.x_m, pose.y_m);
+        let Some(cell) = floor.nearest_passable(here) else { return };
+        let passing = self.target.filter(|_| self.waypoints.len() <= self.pass_begins_at);
+        let wanted = |cell: usize| {
+            floor.reachable[cell]
+                && self.visits[cell] < VISITS_MAX
+                && passing != Some(cell)
+                && localiser.map.get(cell).is_some_and(|dirt| rule.needs_cleaning(dirt))
+        };
+        let begin = Instant::now();
+        let experiments = if self.plans == 0 { 20_000 } else { 500 };
+        let report = self.planner.replan(cell, (wanted, |c: usize| floor.passable[c]), experiments);
+        let took = begin.elapsed().as_secs_f64();
+        if self.plans == 0 {
+            self.first_plan_s = took;
+        } else {
+            self.slowest_replan_s = self.slowest_replan_s.max(took);
+            self.replannings += u32::from(report.is_ok_and(|r| r.path_changed && r.added > 0));
+        }
+        self.plans += 1;
+        self.next_plan_s = now_s + REPLAN_S;
+        if passing.is_none() && self.target.is_some() && self.planner.tour().next() != self.target {
+            self.target = None;
+            self.waypoints.clear();
+        }
+    }
+
+    /// Fills the waypoints; `false`: nothing is left to do.
+    fn choose_next(
+        &mut self,
+        (floor, localiser, rule): (&Floor, &mut Localiser, &CleanRule),
+        (pose, now_s): (Pose2, f32),
+    ) -> bool {
+        self.stretch_from = Point2::new(pose.x_m, pose.y_m);
+        self.stretch_age_s = 0.0;
+        if self.strategy == Strategy::Systematic {
+            return self.next_lane(floor, pose);
+        }
+        if self.planner.tour().next().is_none() && self.strategy == Strategy::Guarantee {
+            self.replan((floor, localiser, rule), (pose, now_s));
+            if self.planner.tour().next().is_none() {
+                // The last cells are decided only when the brush has left them.
+                if localiser.active_cells() == 0 || self.leavings >= 40 {
+                    return false;
+                }
+                self.leavings += 1;
+                self.leave(floor, pose);
+                self.next_plan_s = f32::MAX;
+                return !self.waypoints.is_empty();
+            }
+        }
+        self.next_plan_s = self.next_plan_s.min(now_s + REPLAN_S);
+        let targets = {
+            let mut tour = self.planner.tour();
+            (tour.next(), tour.next())
+        };
+        let (Some(target), next) = targets else { return false };
+        self.visit(floor, pose, (target, next.map(|cell| floor.cells.centre(cell))));
+        true
+    }
+
+    fn visit(&mut self, floor: &Floor, pose: Pose2, (target, next): (usize, Option<Point2>)) {
+        let here = Point2::new(pose.x_m, pose.y_m);
+        let is_clear = |a: Point2, b: Point2| floor.is_clear(a, b);
+        self.target = Some(target);
+        match choose_pass((here, floor.cells.centre(target), next), PASS_REACH_M, is_clear) {
+            Some(pass) => {
+                self.route(floor, here, pass.entry);
+                self.waypoints.push_back(pass.exit);
+                self.pass_begins_at = 1;
+            }
+            None => {
+                self.visits[target] = VISITS_MAX;
+                self.finish_visit();
+                self.waypoints.push_back(here);
+            }
+        }
+    }
+
+    fn next_lane(&mut self, floor: &Floor, pose: Pose2) -> bool {
+        let Some((from, to)) = self.lanes.pop_front() else { return false };
+        self.route(floor, Point2::new(pose.x_m, pose.y_m), from);
+        self.waypoints.push_back(to);
+        true
+    }
+
+    /// Drives to some place at least 0.4 m away.
+    fn leave(&mut self, floor: &Floor, pose: Pose2) {
+        let here = Point2::new(pose.x_m, pose.y_m);
+        for attempt in 0..64 {
+            let angle = pose.heading_rad + 0.4 * attempt as f32;
+            let way = 0.5 + 0.01 * attempt as f32;
+            let there = Point2::new(here.x_m + way * angle.cos(), here.y_m + way * angle.sin());
+            if floor.is_clear(here, there) {
+                self.waypoints.push_back(there);
+                return;
+            }
+        }
+        let Some(cell) = floor.nearest_passable(here) else { return };
+        self.routes.run(cell, |c| floor.passable[c]);
+        let far = (0..floor.cells.cell_count())
+            .filter(|&c| floor.passable[c] && floor.cells.centre(c).distance(here) > 0.4)
+            .min_by_key(|&c| self.routes.distance(c).unwrap_or(u32::MAX));
+        if let Some(far) = far {
+            self.route(floor, here, floor.cells.centre(far));
+        }
+    }
+
+    /// Waypoints from here to there around obstacles.
+    fn route(&mut self, floor: &Floor, here: Point2, there: Point2) {
+        if floor.is_clear(here, there) {
+            self.waypoints.push_back(there);
+            return;
+        }
+        let (Some(from), Some(to)) = (floor.nearest_passable(here), floor.nearest_passable(there)) else {
+            self.waypoints.push_back(there);
+            return;
+        };
+        self.routes.run(to, |c| floor.passable[c]);
+        let mut cells = vec![from];
+        let mut cell = from;
+        for _ in 0..floor.cells.cell_count() {
+            let Some(next) = self.routes.towards_start(cell) else { break };
+            cells.push(next);
+            cell = next;
+        }
+        let points: Vec<Point2> = cells.iter().map(|&c| floor.cells.centre(c)).chain([there]).collect();
+        // Pulls the string tight: on to the last point that is in clear sight.
+        let mut anchor = here;
+        let mut index = 0;
+        while index < points.len() {
+            let last = (index..points.len()).rev().find(|&i| floor.is_clear(anchor, points[i]));
+            let next = last.unwrap_or(index);
+            anchor = points[next];
+            self.waypoints.push_back(anchor);
+            index = next + 1;
+        }
+    }
+
+    fn random_drive(&mut self, floor: &Floor, pose: Pose2, period_s: f32) -> Twist2 {
+        let error = floorguard_core::geometry::wrap_angle(self.heading_rad - pose.heading_rad);
+        if error.abs() > 0.05 {
+            let rate = (error / period_s).clamp(-self.config.turn_radps, self.config.turn_radps);
+            return Twist2 { linear_mps: 0.0, angular_radps: rate };
+        }
+        let ahead = |angle: f32| {
+            let point = Point2::new(pose.x_m + 0.02 * angle.cos(), pose.y_m + 0.02 * angle.sin());
+            floor.clearance.clearance_m(point)
+        };
+        let here = floor.clearance.clearance_m(Point2::new(pose.x_m, pose.y_m));
+        // Stops 0.05 m before an obstacle; where it stands nearer, any way out is good.
+        let limit = floor.robot_radius_m + 0.05;
+        let is_open = |angle: f32| ahead(angle) >= limit || ahead(angle) > here;
+        if is_open(self.heading_rad) {
+            return Twist2 { linear_mps: self.config.speed_mps, angular_radps: 0.0 };
+        }
+        for _ in 0..32 {
+            let angle = self.random.uniform_between(-std::f32::consts::PI, std::f32::consts::PI);
+            if is_open(angle) {
+                self.heading_rad = angle;
+                break;
+            }
+        }
+        Twist2::ZERO
+    }
+}

@@ -1,0 +1,265 @@
+//! One mission from start to end, and what it came to.
+
+use floorguard_core::cleaning::{CleanRule, Verdict, poisson_tail};
+use floorguard_core::geometry::{Point2, Twist2};
+use floorguard_core::maps::{DirtCell, Grid};
+use floorguard_core::random::Pcg32;
+
+use super::config::{MissionConfig, Strategy};
+use super::faults::Faults;
+use super::floor::Floor;
+use super::localiser::Localiser;
+use super::navigator::{Navigator, Wish};
+use super::people::Crowd;
+use super::truth::Truth;
+
+/// Control period, s.
+const PERIOD_S: f32 = 0.1;
+/// A mission that takes longer is broken off, s: a shift.
+const TIME_LIMIT_S: f32 = 8.0 * 3_600.0;
+
+/// What a mission came to.
+#[derive(Clone, Debug, Default)]
+pub struct TrialResult {
+    /// 99 % quantile of the dirt left over the cells that were dirty at the start (criterion b of AMB-13).
+    pub quantile99: u32,
+    /// The same over all reachable cells (criterion a).
+    pub quantile99_all: u32,
+    /// Most dirt left in a reachable cell (criterion c).
+    pub max_left: u32,
+    /// The quantile over the dirty cells is at most τ.
+    pub success: bool,
+    /// Way driven, metres.
+    pub distance_m: f32,
+    /// Simulated time, s.
+    pub time_s: f32,
+    /// Part of it spent waiting for people, s.
+    pub waited_s: f32,
+    /// Re-plannings that changed the path.
+    pub replannings: u32,
+    /// Cells that were dirty at the start and can be reached.
+    pub dirty_cells: u32,
+    /// Of those, claimed to be clean at the end.
+    pub claimed_cells: u32,
+    /// Of those, in truth dirtier than tolerated.
+    pub falsely_claimed_cells: u32,
+    /// Dirty at the start, in truth clean at the end.
+    pub truly_clean_cells: u32,
+    /// Of those, claimed.
+    pub truly_clean_claimed_cells: u32,
+    /// All reachable cells that are claimed, dirty at the start or not.
+    pub claimed_all_cells: u32,
+    /// Reachable cells that are not claimed because too many of the possible paths missed them.
+    pub uncertain_cells: u32,
+    /// Dirty cells that cannot be reached: not guaranteed.
+    pub unreachable_cells: u32,
+    /// The policy was empty at the end.
+    pub is_complete: bool,
+    /// Mean error of the most likely particle, metres.
+    pub mean_error_m: f32,
+    /// Time in s and error of the most likely particle in metres, at every update.
+    pub errors: Vec<(f32, f32)>,
+    /// Times that the pose was found wrong.
+    pub distrusts: u32,
+    /// Faults that happened.
+    pub faults: u32,
+    /// Contacts with people while moving.
+    pub avoidable_contacts: u32,
+    /// Obstacles that stopped the robot.
+    pub bumps: u32,
+    /// Mean time of an update, s of the computer.
+    pub update_s: f64,
+    /// First planning and slowest re-planning, s of the computer.
+    pub planning_s: (f64, f64),
+    /// What may be said about every cell at the end.
+    pub verdicts: Vec<Option<Verdict>>,
+    /// What really lies there.
+    pub left: Vec<u32>,
+    /// Where the robot really was.
+    pub path: Vec<Point2>,
+}
+
+/// Runs one mission. The seed decides everything but the times of the computer.
+pub fn run(
+    floor: &Floor,
+    config: &MissionConfig,
+    expected: &[f32],
+    seed: u64,
+) -> anyhow::Result<TrialResult> {
+    let stream = |number| Pcg32::new(seed, number);
+    let tolerated = u32::from(config.tolerated_units);
+    let cells: Vec<DirtCell> = expected
+        .iter()
+        .map(|&units| DirtCell::poisson(units, poisson_tail(tolerated, f64::from(units)) as f32))
+        .collect();
+    let once = CleanRule::per_cell(config.tolerated_units, config.delta);
+    let dirty: Vec<bool> = cells.iter().map(|cell| once.needs_cleaning(cell)).collect();
+    let dirty_count = dirty.iter().zip(&floor.reachable).filter(|&(&d, &r)| d && r).count();
+    let mut mission = Mission {
+        floor,
+        config,
+        rule: config.rule(dirty_count),
+        truth: Truth::new(floor, expected, config.true_pickup, stream(1)),
+        localiser: Localiser::new(floor, config.belief(), Grid::new(floor.cells, cells)?, stream(2)),
+        navigator: Navigator::new(
+            floor,
+            config.strategy,
+            (config.robot.follow, config.robot.brush.width_m),
+            stream(3),
+        ),
+        faults: Faults::new(config.faults, stream(4)),
+        crowd: Crowd::new(floor, config.people, stream(5)),
+        result: TrialResult::default(),
+    };
+    mission.drive_to_the_end();
+    Ok(mission.judge(&dirty))
+}
+
+struct Mission<'a> {
+    floor: &'a Floor,
+    config: &'a MissionConfig,
+    rule: CleanRule,
+    truth: Truth,
+    localiser: Localiser,
+    navigator: Navigator,
+    faults: Faults,
+    crowd: Crowd,
+    result: TrialResult,
+}
+
+impl Mission<'_> {
+    fn drive_to_the_end(&mut self) {
+        while self.truth.time_s < TIME_LIMIT_S {
+            if self.config.distance_limit_m.is_some_and(|limit| self.truth.distance_m >= limit) {
+                break;
+            }
+            if !self.step() {
+                self.result.is_complete = true;
+                break;
+            }
+        }
+    }
+
+    /// One control period; `false` at the end of the mission.
+    fn step(&mut self) -> bool {
+        let fault = self.faults.step(PERIOD_S);
+        if fault.resets {
+            self.localiser.restart(self.truth.odometry);
+        }
+        if fault.jumps {
+            self.truth.displace(self.floor, 0.1, 0.1);
+        }
+        let pose = self.localiser.pose(self.truth.odometry);
+        let twist = match self.navigator.wish(
+            (self.floor, &mut self.localiser, &self.rule),
+            (pose, self.truth.time_s),
+            PERIOD_S,
+        ) {
+            Wish::Drive(twist) => self.permitted(twist),
+            Wish::Done => return false,
+        };
+        self.truth.grip = fault.grip;
+        let brush = Some(self.config.robot.brush);
+        let (hits, bumped) = self.truth.drive(self.floor, twist, PERIOD_S, brush);
+        if self.config.people > 0 {
+            self.crowd.step(self.floor, self.truth.pose, PERIOD_S);
+            self.crowd.judge(self.floor, self.truth.pose, twist != Twist2::ZERO);
+        }
+        if bumped {
+            self.result.bumps += 1;
+            self.navigator.bumped();
+        }
+        self.localiser.collect(hits, fault.is_silent);
+        if self.localiser.is_due(self.truth.odometry) {
+            self.update();
+        }
+        true
+    }
+
+    /// Yields to people: stands still while somebody is near.
+    fn permitted(&mut self, wanted: Twist2) -> Twist2 {
+        if self.config.people > 0 && self.crowd.is_robot_to_wait(self.floor, self.truth.pose) {
+            self.result.waited_s += PERIOD_S;
+            self.navigator.waited(PERIOD_S);
+            return Twist2::ZERO;
+        }
+        wanted
+    }
+
+    fn update(&mut self) {
+        let people = self.crowd.places();
+        let scan = self.truth.scan(self.floor, &self.config.robot.sensor, &people);
+        self.localiser.update(self.floor, self.truth.odometry, &scan, self.config.uses_dirt_sensor);
+        let (best, pose) = (self.localiser.best(), self.truth.pose);
+        let error = (best.x_m - pose.x_m).hypot(best.y_m - pose.y_m);
+        self.result.errors.push((self.truth.time_s, error));
+        self.result.path.push(Point2::new(pose.x_m, pose.y_m));
+    }
+
+    /// Compares the claims with the truth.
+    fn judge(mut self, dirty: &[bool]) -> TrialResult {
+        self.localiser.settle();
+        let mut result = self.result;
+        let tolerated = u32::from(self.config.tolerated_units);
+        let (mut left_dirty, mut left_all) = (Vec::new(), Vec::new());
+        for (cell, &was_dirty) in dirty.iter().enumerate() {
+            let left = self.truth.units(cell);
+            result.left.push(left);
+            if !self.floor.reachable[cell] {
+                result.unreachable_cells += u32::from(was_dirty);
+                result.verdicts.push(None);
+                continue;
+            }
+            let verdict = self.localiser.map.get(cell).map(|dirt| self.rule.verdict(dirt));
+            result.verdicts.push(verdict);
+            let (claimed, clean) = (verdict == Some(Verdict::Clean), left <= tolerated);
+            left_all.push(left);
+            result.claimed_all_cells += u32::from(claimed);
+            result.uncertain_cells += u32::from(verdict == Some(Verdict::Uncertain));
+            if was_dirty {
+                left_dirty.push(left);
+                result.dirty_cells += 1;
+                result.claimed_cells += u32::from(claimed);
+                result.falsely_claimed_cells += u32::from(claimed && !clean);
+                result.truly_clean_cells += u32::from(clean);
+                result.truly_clean_claimed_cells += u32::from(clean && claimed);
+            }
+        }
+        result.quantile99 = quantile99(&mut left_dirty);
+        result.quantile99_all = quantile99(&mut left_all);
+        result.max_left = left_all.last().copied().unwrap_or(0);
+        result.success = result.quantile99 <= tolerated;
+        result.is_complete &= self.config.strategy == Strategy::Guarantee;
+        result.distance_m = self.truth.distance_m;
+        result.time_s = self.truth.time_s;
+        result.replannings = self.navigator.replannings;
+        let updates = result.errors.len().max(1);
+        result.mean_error_m = result.errors.iter().map(|e| e.1).sum::<f32>() / updates as f32;
+        result.distrusts = self.localiser.distrusts;
+        result.faults = self.faults.count;
+        result.avoidable_contacts = self.crowd.avoidable_contacts;
+        result.update_s = self.localiser.busy_s / f64::from(self.localiser.updates.max(1));
+        result.planning_s = (self.navigator.first_plan_s, self.navigator.slowest_replan_s);
+        result
+    }
+}
+
+/// The smallest value that at least 99 % of the values do not exceed; sorts them.
+fn quantile99(values: &mut [u32]) -> u32 {
+    values.sort_unstable();
+    let rank = (0.99 * values.len() as f64).ceil() as usize;
+    values.get(rank.saturating_sub(1)).copied().unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantile_is_the_maximum_of_few_values() {
+        assert_eq!(quantile99(&mut [3, 9, 1]), 9);
+        let mut many: Vec<u32> = (1..=200).collect();
+        assert_eq!(quantile99(&mut many), 198);
+        assert_eq!(quantile99(&mut []), 0);
+    }
+}
