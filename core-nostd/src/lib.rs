@@ -24,6 +24,7 @@ pub mod capacities;
 pub mod cleaning;
 pub mod geometry;
 pub mod maps;
+pub mod people;
 pub mod random;
 pub mod sensing;
 pub mod time;

@@ -1,0 +1,23 @@
+//! People: from a sweep to tracks with identity, velocity and doubt.
+//!
+//! Ground → clusters → candidates → tracker, on the range image: neighbourhood is index arithmetic, no tree is built.
+//! Source: algorithms A.1, A.2, D (`fixed` behaviour).
+
+mod candidates;
+mod clusters;
+mod filter;
+mod floor_height;
+mod ground;
+mod pipeline;
+mod projection;
+mod tracker;
+mod union_find;
+mod visibility;
+
+pub use candidates::{CandidateLimits, Detection};
+pub use clusters::{Cluster, ClusterLimits};
+pub use filter::ConstantVelocity;
+pub use floor_height::FloorHeight;
+pub use pipeline::{PeopleCounters, PeopleOutput, PeoplePipeline, SweepContext};
+pub use projection::RingAngles;
+pub use tracker::{Track, TrackStatus, Tracker, TrackerParameters};

@@ -1,0 +1,249 @@
+//! The whole way from a sweep to the list of people.
+
+use heapless::Vec;
+
+use super::candidates::{CandidateLimits, Detection};
+use super::clusters::{Cluster, ClusterLimits, Clusterer};
+use super::ground::{self, Profile};
+use super::projection::{ColumnFrame, RingAngles};
+use super::tracker::{DETECTIONS_MAX, Track, Tracker, TrackerParameters};
+use super::visibility::Visibility;
+use crate::capacities::{CLUSTERS_MAX, SWEEP_RINGS};
+use crate::geometry::{Point2, Pose2, Transform3, Twist2};
+use crate::sensing::{Sweep, SweepColumn};
+
+/// Where the sensor was while it measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SweepContext {
+    /// The lidar on the robot; its z is the height above the floor.
+    pub sensor_in_base: Transform3,
+    /// The robot's speed during the sweep.
+    pub twist: Twist2,
+    /// The robot at the end of the sweep, in the fixed frame of the tracks.
+    pub base_in_odom: Pose2,
+}
+
+/// What happened to the returns of a sweep.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PeopleCounters {
+    /// Returns in the sweep.
+    pub points: u32,
+    /// Returns that are floor.
+    pub floor_points: u32,
+    /// Things found.
+    pub clusters: u32,
+    /// Things that may be people.
+    pub candidates: u32,
+    /// Things dropped for want of room.
+    pub dropped_clusters: u32,
+    /// Candidates dropped for want of room.
+    pub dropped_candidates: u32,
+    /// Columns that were not measured.
+    pub unknown_columns: u32,
+}
+
+/// What a sweep told.
+#[derive(Clone, Copy, Debug)]
+pub struct PeopleOutput<'a> {
+    /// Things of this sweep, in the robot's frame.
+    pub clusters: &'a [Cluster],
+    /// People and what looks like them, in the fixed frame.
+    pub tracks: &'a [Track],
+    /// Where the returns went.
+    pub counters: PeopleCounters,
+}
+
+/// All state of the stage; about 240 KiB, so keep it in a static or on the heap of the host.
+#[derive(Clone, Debug)]
+pub struct PeoplePipeline {
+    /// Elevations of the lidar.
+    pub angles: RingAngles,
+    /// When returns belong together.
+    pub cluster_limits: ClusterLimits,
+    /// What may be a person.
+    pub candidate_limits: CandidateLimits,
+    clusterer: Clusterer,
+    things: Vec<Cluster, CLUSTERS_MAX>,
+    visibility: Visibility,
+    detections: Vec<Detection, DETECTIONS_MAX>,
+    tracker: Tracker,
+    counters: PeopleCounters,
+}
+
+/// Measurement noise of a cluster's centre, metres (D.2, 3-D lidar), and its growth per metre of distance.
+const SIGMA_M: f32 = 0.1;
+const SIGMA_PER_M: f32 = 0.004;
+
+impl PeoplePipeline {
+    /// Nothing seen yet.
+    #[must_use]
+    pub fn new(angles: RingAngles) -> Self {
+        Self {
+            angles,
+            cluster_limits: ClusterLimits::default(),
+            candidate_limits: CandidateLimits::default(),
+            clusterer: Clusterer::new(),
+            things: Vec::new(),
+            visibility: Visibility::new(),
+            detections: Vec::new(),
+            tracker: Tracker::new(TrackerParameters::default()),
+            counters: PeopleCounters::default(),
+        }
+    }
+
+    /// Takes in a sweep. Linear in its cells, plus tracks × detections × tracks.
+    pub fn process(&mut self, sweep: &Sweep, context: &SweepContext) -> PeopleOutput<'_> {
+        self.find_things(sweep, context);
+        self.find_candidates(context);
+        self.find_upper_bodies(sweep, context);
+        self.track(sweep, context);
+        PeopleOutput { clusters: &self.things, tracks: self.tracker.tracks(), counters: self.counters }
+    }
+
+    /// Floor and clusters.
+    pub fn find_things(&mut self, sweep: &Sweep, context: &SweepContext) {
+        self.counters = PeopleCounters::default();
+        self.clusterer.clear();
+        self.visibility.clear();
+        for (index, column) in sweep.used_columns().iter().enumerate() {
+            if column.measured {
+                let frame = ColumnFrame::new(sweep, column, &context.sensor_in_base, context.twist);
+                self.enter_column(index, column, &frame);
+            } else {
+                self.counters.unknown_columns = self.counters.unknown_columns.saturating_add(1);
+            }
+        }
+        self.gather(sweep, context);
+        self.things.clone_from(&self.clusterer.clusters);
+        self.counters.clusters = self.things.len() as u32;
+        self.counters.dropped_clusters = self.clusterer.dropped;
+    }
+
+    /// Turns the entered cells into clusters.
+    fn gather(&mut self, sweep: &Sweep, context: &SweepContext) {
+        self.clusterer.close(sweep.column_count, &self.cluster_limits);
+        self.clusterer.count();
+        for (index, column) in sweep.used_columns().iter().enumerate().filter(|(_, column)| column.measured) {
+            let frame = ColumnFrame::new(sweep, column, &context.sensor_in_base, context.twist);
+            for (ring, (raw, angle)) in column.range_raw.iter().zip(self.angles.rings).enumerate() {
+                if self.clusterer.distance_m(index, ring).is_some() {
+                    self.clusterer.add(index, ring, frame.point(*raw, angle), &self.cluster_limits);
+                }
+            }
+        }
+        self.clusterer.finish();
+    }
+
+    /// People who touch a desk or a trolley are one thing with it. What stands out above it is grouped once more, on
+    /// its own, where a nearby thing is too wide for a person.
+    fn find_upper_bodies(&mut self, sweep: &Sweep, context: &SweepContext) {
+        let too_wide = |thing: &Cluster| {
+            let [width_m, depth_m, height_m] = thing.extent_m();
+            let widest_m = width_m.max(depth_m);
+            widest_m > self.candidate_limits.width_max_m
+                && height_m > 0.3
+                && thing.nearest_m < UPPER_BODY_RANGE_M
+        };
+        if !self.things.iter().any(too_wide) {
+            return;
+        }
+        self.clusterer.clear();
+        for (index, column) in sweep.used_columns().iter().enumerate().filter(|(_, column)| column.measured) {
+            let frame = ColumnFrame::new(sweep, column, &context.sensor_in_base, context.twist);
+            for (ring, (raw, angle)) in column.range_raw.iter().zip(self.angles.rings).enumerate() {
+                let distance_m = frame.range_m(*raw) * angle.1;
+                let upper = (UPPER_BODY_M..CEILING_M).contains(&frame.height_m(*raw, angle));
+                if *raw != 0 && upper && distance_m < UPPER_BODY_RANGE_M {
+                    self.clusterer.enter(index, ring, distance_m, &self.cluster_limits);
+                }
+            }
+        }
+        self.gather(sweep, context);
+        for index in 0..self.clusterer.clusters.len().min(CLUSTERS_MAX) {
+            let Some(upper) = self.clusterer.clusters.get(index) else { continue };
+            let Some(likeness) = self.candidate_limits.upper_body_likeness(upper) else { continue };
+            let detection = detection(upper, likeness, context);
+            let known = self.detections.iter().any(|other| other.position.distance(detection.position) < 0.5);
+            if !known {
+                self.propose(detection);
+            }
+        }
+    }
+
+    fn enter_column(&mut self, index: usize, column: &SweepColumn, frame: &ColumnFrame) {
+        let mut profile = [Profile::default(); SWEEP_RINGS];
+        for ((cell, raw), angle) in profile.iter_mut().zip(column.range_raw).zip(self.angles.rings) {
+            let distance_m = frame.range_m(raw) * angle.1;
+            *cell = Profile { distance_m, height_m: frame.height_m(raw, angle), present: raw != 0 };
+        }
+        self.visibility.column(column.azimuth_cdeg);
+        let floor = ground::classify(&profile);
+        for (ring, (cell, is_floor)) in profile.iter().zip(floor).enumerate() {
+            if !cell.present {
+                continue;
+            }
+            self.counters.points = self.counters.points.saturating_add(1);
+            if is_floor {
+                self.counters.floor_points = self.counters.floor_points.saturating_add(1);
+            } else if cell.distance_m <= self.cluster_limits.range_max_m && cell.height_m < CEILING_M {
+                self.clusterer.enter(index, ring, cell.distance_m, &self.cluster_limits);
+                self.visibility.obstacle(column.azimuth_cdeg, cell.distance_m);
+            }
+        }
+    }
+
+    fn find_candidates(&mut self, context: &SweepContext) {
+        self.detections.clear();
+        let sensor_height_m = context.sensor_in_base.translation.z_m;
+        for index in 0..self.things.len().min(CLUSTERS_MAX) {
+            let Some(thing) = self.things.get(index) else { continue };
+            if let Some(likeness) = self.candidate_limits.likeness(thing, sensor_height_m) {
+                self.propose(detection(thing, likeness, context));
+            }
+        }
+    }
+
+    fn propose(&mut self, detection: Detection) {
+        self.counters.candidates = self.counters.candidates.saturating_add(1);
+        if self.detections.push(detection).is_err() {
+            self.counters.dropped_candidates = self.counters.dropped_candidates.saturating_add(1);
+        }
+    }
+
+    fn track(&mut self, sweep: &Sweep, context: &SweepContext) {
+        let origin = context.sensor_in_base.translation;
+        let [[cos, ..], [sin, ..], _] = context.sensor_in_base.rotation;
+        let sensor_in_base = Pose2::new(origin.x_m, origin.y_m, libm::atan2f(sin, cos));
+        let odom_in_sensor = context.base_in_odom.compose(sensor_in_base).inverse();
+        let visibility = &self.visibility;
+        self.tracker.update(sweep.end_stamp, &self.detections, |point| {
+            visibility.is_visible(odom_in_sensor.transform(point))
+        });
+    }
+
+    /// The detections of the newest sweep, in the fixed frame.
+    #[must_use]
+    pub fn detections(&self) -> &[Detection] {
+        &self.detections
+    }
+}
+
+/// Returns above this height hang over people's heads, metres.
+const CEILING_M: f32 = 2.1;
+
+/// Above this height a desk, a trolley or a counter has ended and a torso has not, metres.
+const UPPER_BODY_M: f32 = 1.05;
+/// Farther away too few rings hit a torso alone, metres.
+const UPPER_BODY_RANGE_M: f32 = 8.0;
+
+/// A thing as a measurement for the tracker.
+fn detection(thing: &Cluster, likeness: f32, context: &SweepContext) -> Detection {
+    let centre = Point2::new(thing.centroid.x_m, thing.centroid.y_m);
+    Detection {
+        position: context.base_in_odom.transform(centre),
+        sigma_m: SIGMA_M + SIGMA_PER_M * thing.nearest_m,
+        likeness,
+        points: thing.points,
+    }
+}
