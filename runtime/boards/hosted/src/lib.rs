@@ -8,5 +8,6 @@ pub mod configuration;
 pub mod display;
 pub mod executor;
 pub mod judge;
+pub mod metrics;
 pub mod mission;
 pub mod recording;
