@@ -16,6 +16,8 @@ pub struct Arguments {
 /// One thing to do.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Feed a lidar capture through the same stages as on the robot.
+    Replay(ReplayArguments),
     /// Print every return of a lidar capture.
     Decode(DecodeArguments),
     /// Check a configuration: every mistake with line, limit and remedy.
@@ -36,6 +38,22 @@ pub struct DecodeArguments {
     /// Comma-separated values on standard output.
     #[arg(long)]
     pub csv: bool,
+}
+
+/// What to replay.
+#[derive(Clone, Debug, Args)]
+pub struct ReplayArguments {
+    /// The capture: .pcap, .pcapng, either of them .gz.
+    pub file: PathBuf,
+    /// Which lidar made it.
+    #[arg(long, default_value = "auto")]
+    pub model: ModelArgument,
+    /// One object per sweep and line on standard output.
+    #[arg(long)]
+    pub json: bool,
+    /// As fast as it was recorded instead of as fast as possible.
+    #[arg(long)]
+    pub realtime: bool,
 }
 
 /// Lidar models by name.

@@ -4,8 +4,9 @@ mod arguments;
 mod check;
 mod decode;
 mod exit;
+mod replay;
 
-pub use arguments::{Arguments, Command, DecodeArguments, ModelArgument};
+pub use arguments::{Arguments, Command, DecodeArguments, ModelArgument, ReplayArguments};
 pub use exit::{BadInput, VerdictFailed, exit_code};
 
 /// Runs the command; no command means the demo.
@@ -14,6 +15,7 @@ pub use exit::{BadInput, VerdictFailed, exit_code};
 /// Anything that ends the program with another exit code than 0, see [`exit_code`].
 pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
+        Some(Command::Replay(arguments)) => replay::run(&arguments),
         Some(Command::Decode(arguments)) => decode::run(&arguments),
         Some(Command::Check { file }) => check::run(&file),
         None => anyhow::bail!("nothing to do"),

@@ -1,0 +1,228 @@
+//! `floorguard replay`: a lidar capture through the same stages as on the robot.
+
+use std::io::Write;
+use std::time::{Duration, Instant};
+
+use floorguard_core::geometry::{Point3, Pose2, Transform3, Twist2};
+use floorguard_core::people::{
+    FloorHeight, PeopleOutput, PeoplePipeline, RingAngles, SweepContext, Track, TrackStatus,
+};
+use floorguard_core::sensing::Sweep;
+use floorguard_core::time::Stamp;
+use floorguard_drivers::velodyne::{Counters, Decoder, Model, ModelChoice, SweepBuilder};
+use serde::Serialize;
+
+use super::arguments::ReplayArguments;
+use super::decode::{LIDAR_DATA_PORT, settle_model};
+use super::exit::BadInput;
+use crate::capture::{Capture, CaptureError};
+
+/// Height assumed while no sweep has shown a floor, metres (the FLOBOT layout).
+const ASSUMED_HEIGHT_M: f32 = 0.8;
+
+/// A sweep with fewer columns began or ended in the middle of a revolution.
+const WHOLE_COLUMNS: usize = 1_500;
+
+#[derive(Serialize)]
+struct PersonRow {
+    id: u32,
+    status: &'static str,
+    x_m: f32,
+    y_m: f32,
+    vx_mps: f32,
+    vy_mps: f32,
+    sigma_position_m: f32,
+    sigma_velocity_mps: f32,
+    person_probability: f32,
+    moving_probability: f32,
+}
+
+#[derive(Serialize)]
+struct SweepRow {
+    stamp_us: u64,
+    frame: &'static str,
+    points: u32,
+    floor_points: u32,
+    clusters: u32,
+    candidates: u32,
+    people: Vec<PersonRow>,
+    lost_packets: u16,
+    unknown_columns: u32,
+    dropped_clusters: u32,
+    dropped_candidates: u32,
+    health: &'static str,
+}
+
+struct Player {
+    pipeline: Box<PeoplePipeline>,
+    context: SweepContext,
+    floor_known: bool,
+    json: bool,
+    sweeps: u64,
+    most_people: usize,
+    identities: std::collections::BTreeSet<u32>,
+    failed: std::io::Result<()>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad input; every sweep before it has been processed and printed.
+pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
+    let model = settle_model(&arguments.file, arguments.model.choice())?;
+    if !matches!(model, Model::Vlp16 | Model::HiRes) {
+        let name = model.name();
+        let reason =
+            format!("the people stages know lidars of 16 rings; this one is a {name} (decode works)");
+        return Err(BadInput(format!("{}: {reason}", arguments.file.display())).into());
+    }
+    let mut decoder = Decoder::new(ModelChoice::Fixed(model));
+    let mut builder = SweepBuilder::new(18_000);
+    let mut building = Box::new(Sweep::<16>::EMPTY);
+    let mut player = Player::new(model, arguments.json);
+    let mut pace = Pace { enabled: arguments.realtime, start: None };
+    let mut ended: Option<CaptureError> = None;
+    let started = Instant::now();
+    for datagram in Capture::open(&arguments.file)? {
+        match datagram {
+            Ok(datagram) if datagram.destination_port == LIDAR_DATA_PORT => {
+                pace.wait(datagram.captured_us);
+                let arrival = Stamp::from_micros(datagram.captured_us);
+                if let Ok((packet, lost)) = decoder.decode(&datagram.payload, arrival) {
+                    builder.add(&packet, lost, &mut building, |sweep| player.sweep(sweep));
+                }
+            }
+            Ok(_) => {}
+            Err(error) => ended = Some(error),
+        }
+    }
+    if building.column_count > 0 {
+        player.sweep(&building);
+    }
+    std::mem::replace(&mut player.failed, Ok(()))?;
+    player.summary(&decoder.counters(), started.elapsed());
+    ended.map_or(Ok(()), |error| Err(error.into()))
+}
+
+impl Player {
+    fn new(model: Model, json: bool) -> Self {
+        let angles = match model {
+            Model::HiRes => RingAngles::even(-10.0, 4.0 / 3.0),
+            _ => RingAngles::vlp16(),
+        };
+        Self {
+            pipeline: Box::new(PeoplePipeline::new(angles)),
+            context: SweepContext {
+                sensor_in_base: at_height(ASSUMED_HEIGHT_M),
+                twist: Twist2::ZERO,
+                base_in_odom: Pose2::default(),
+            },
+            floor_known: false,
+            json,
+            sweeps: 0,
+            most_people: 0,
+            identities: std::collections::BTreeSet::new(),
+            failed: Ok(()),
+        }
+    }
+
+    fn sweep(&mut self, sweep: &Sweep) {
+        if !self.floor_known
+            && sweep.column_count > WHOLE_COLUMNS
+            && let Some(height_m) = FloorHeight::estimate_m(sweep, &self.pipeline.angles)
+        {
+            self.context.sensor_in_base = at_height(height_m);
+            self.floor_known = true;
+            anstream::eprintln!(
+                "the floor lies {height_m:.2} m below the lidar (estimated from the first whole sweep)"
+            );
+        }
+        let output = self.pipeline.process(sweep, &self.context);
+        self.sweeps += 1;
+        let people = output.tracks.iter().filter(|track| is_person(track));
+        self.most_people = self.most_people.max(people.clone().count());
+        self.identities.extend(people.map(|track| track.id));
+        if self.json && self.failed.is_ok() {
+            let row = row(sweep, &output);
+            let mut out = std::io::stdout().lock();
+            self.failed =
+                serde_json::to_string(&row).map_err(Into::into).and_then(|line| writeln!(out, "{line}"));
+        }
+    }
+
+    fn summary(&self, counters: &Counters, took: Duration) {
+        let per_sweep_ms = took.as_secs_f64() * 1.0e3 / self.sweeps.max(1) as f64;
+        anstream::eprintln!(
+            "{} sweeps from {} packets ({} refused, {} lost): {} people in all, at most {} at once; {per_sweep_ms:.2} ms a sweep",
+            self.sweeps,
+            counters.accepted,
+            counters.refused,
+            counters.lost,
+            self.identities.len(),
+            self.most_people,
+        );
+    }
+}
+
+/// Confirmed, and more likely a person than not.
+fn is_person(track: &Track) -> bool {
+    track.status == TrackStatus::Confirmed && track.person_probability >= 0.5
+}
+
+fn at_height(height_m: f32) -> Transform3 {
+    Transform3 { translation: Point3::new(0.0, 0.0, height_m), ..Transform3::IDENTITY }
+}
+
+fn row(sweep: &Sweep, output: &PeopleOutput<'_>) -> SweepRow {
+    let counters = output.counters;
+    let blind = counters.unknown_columns as usize * 2 > sweep.column_count;
+    SweepRow {
+        stamp_us: sweep.end_stamp.as_micros(),
+        frame: "sensor",
+        points: counters.points,
+        floor_points: counters.floor_points,
+        clusters: counters.clusters,
+        candidates: counters.candidates,
+        people: output.tracks.iter().map(person).collect(),
+        lost_packets: sweep.lost_packets,
+        unknown_columns: counters.unknown_columns,
+        dropped_clusters: counters.dropped_clusters,
+        dropped_candidates: counters.dropped_candidates,
+        health: if blind || counters.points == 0 { "blind" } else { "healthy" },
+    }
+}
+
+fn person(track: &Track) -> PersonRow {
+    PersonRow {
+        id: track.id,
+        status: match track.status {
+            TrackStatus::Tentative => "tentative",
+            TrackStatus::Confirmed => "confirmed",
+        },
+        x_m: track.state.position.x_m,
+        y_m: track.state.position.y_m,
+        vx_mps: track.state.velocity.x_m,
+        vy_mps: track.state.velocity.y_m,
+        sigma_position_m: libm::sqrtf(track.state.position_variance),
+        sigma_velocity_mps: libm::sqrtf(track.state.velocity_variance),
+        person_probability: track.person_probability,
+        moving_probability: track.moving_probability,
+    }
+}
+
+/// Waits so that packets come as they were recorded.
+struct Pace {
+    enabled: bool,
+    start: Option<(Instant, u64)>,
+}
+
+impl Pace {
+    fn wait(&mut self, captured_us: u64) {
+        if !self.enabled {
+            return;
+        }
+        let (started, first_us) = *self.start.get_or_insert((Instant::now(), captured_us));
+        let due = Duration::from_micros(captured_us.saturating_sub(first_us));
+        std::thread::sleep(due.saturating_sub(started.elapsed()));
+    }
+}
