@@ -23,6 +23,7 @@ extern crate std;
 pub mod capacities;
 pub mod cleaning;
 pub mod geometry;
+pub mod guard;
 pub mod maps;
 pub mod people;
 pub mod random;

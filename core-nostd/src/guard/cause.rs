@@ -1,0 +1,250 @@
+//! Why the guard objects: every cause, what it demands, and how it may clear.
+
+use core::fmt;
+
+use super::action::Action;
+use super::source::Source;
+
+/// How many causes there are, counting each source's two.
+pub const CAUSES: usize = PLAIN.len() + 2 * Source::COUNT;
+
+/// Microseconds without evidence before a stop clears by itself: leave Stop after at least 1.0 s (algorithms M.5).
+pub const STOP_QUIET_US: u64 = 1_000_000;
+/// The same for a limit: long enough that a flicker of the evidence does not shake the robot.
+pub const LIMIT_QUIET_US: u64 = 500_000;
+
+/// Why the guard objects.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Cause {
+    /// Not every required source was healthy yet.
+    StartUp,
+    /// Emergency stop pressed.
+    EmergencyStop,
+    /// The channels of a safety input disagree, or its line is cut.
+    InputFault,
+    /// A safety input was not read.
+    InputUnknown,
+    /// Contact at the front.
+    BumperFront,
+    /// Contact at the rear.
+    BumperRear,
+    /// No floor at the front.
+    CliffFront,
+    /// No floor at the rear.
+    CliffRear,
+    /// The scanner sees something in the protective field.
+    ScanProtective,
+    /// A lidar packet shows something in the protective field.
+    LidarProtective,
+    /// Too many beams of the protective field say nothing.
+    BlindSector,
+    /// Something in the warning field.
+    Warning,
+    /// A person within 1.2 m.
+    PersonNear,
+    /// A person would be reached before the robot could stop.
+    CollisionStop,
+    /// A person would be reached within three seconds.
+    CollisionSlow,
+    /// Perception asks for a stop.
+    AdviceStop,
+    /// Perception asks for a lower speed.
+    AdviceLimit,
+    /// The wanted command is not a number.
+    CommandInvalid,
+    /// Faster than permitted for longer than tolerated.
+    Overspeed,
+    /// Encoders and drive disagree about the speed.
+    SpeedDisagreement,
+    /// Encoders and gyroscope disagree about the turning rate.
+    TurnDisagreement,
+    /// Encoders and steering angle disagree about the turning rate: the wheel slips.
+    SteeringDisagreement,
+    /// The drive reports a fault.
+    DriveFault,
+    /// The guard's own clock ran backwards.
+    ClockFault,
+    /// The guard's state and its copy differ.
+    StateCorrupted,
+    /// A source is late.
+    SourceLate(Source),
+    /// A source is lost.
+    SourceLost(Source),
+}
+
+/// The causes that do not belong to a source's health.
+const PLAIN: [Cause; 25] = [
+    Cause::StartUp,
+    Cause::EmergencyStop,
+    Cause::InputFault,
+    Cause::InputUnknown,
+    Cause::BumperFront,
+    Cause::BumperRear,
+    Cause::CliffFront,
+    Cause::CliffRear,
+    Cause::ScanProtective,
+    Cause::LidarProtective,
+    Cause::BlindSector,
+    Cause::Warning,
+    Cause::PersonNear,
+    Cause::CollisionStop,
+    Cause::CollisionSlow,
+    Cause::AdviceStop,
+    Cause::AdviceLimit,
+    Cause::CommandInvalid,
+    Cause::Overspeed,
+    Cause::SpeedDisagreement,
+    Cause::TurnDisagreement,
+    Cause::SteeringDisagreement,
+    Cause::DriveFault,
+    Cause::ClockFault,
+    Cause::StateCorrupted,
+];
+
+/// How a cause may clear (architecture 5).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clear {
+    /// By itself, after this many microseconds without evidence.
+    Quiet(u64),
+    /// By the operator, and only with a passed self-test.
+    Reset,
+    /// Never without a restart.
+    Restart,
+}
+
+/// In which direction the robot may leave although the cause is active.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Escape {
+    /// In none.
+    Never,
+    /// Forward only.
+    Forward,
+    /// Backward only.
+    Backward,
+    /// Wherever no piece of evidence comes nearer.
+    AwayFromEvidence,
+}
+
+impl Cause {
+    /// Every cause, in the order of [`Self::index`].
+    #[must_use]
+    pub fn all() -> [Self; CAUSES] {
+        let mut all = [Self::StartUp; CAUSES];
+        let late = Source::ALL.map(Self::SourceLate);
+        let lost = Source::ALL.map(Self::SourceLost);
+        for (slot, cause) in all.iter_mut().zip(PLAIN.iter().chain(&late).chain(&lost)) {
+            *slot = *cause;
+        }
+        all
+    }
+
+    /// Position in the table of causes.
+    #[must_use]
+    pub fn index(self) -> usize {
+        match self {
+            Self::SourceLate(source) => PLAIN.len().saturating_add(source.index()),
+            Self::SourceLost(source) => {
+                PLAIN.len().saturating_add(Source::COUNT).saturating_add(source.index())
+            }
+            plain => PLAIN.iter().position(|cause| *cause == plain).unwrap_or(0),
+        }
+    }
+
+    /// What it demands (FG-REQ-002).
+    #[must_use]
+    pub const fn action(self) -> Action {
+        match self {
+            Self::EmergencyStop | Self::DriveFault | Self::StateCorrupted => Action::Category0,
+            Self::InputFault
+            | Self::InputUnknown
+            | Self::Overspeed
+            | Self::SpeedDisagreement
+            | Self::TurnDisagreement
+            | Self::ClockFault
+            | Self::SourceLost(Source::Discrete | Source::Drive) => Action::Category1,
+            Self::Warning
+            | Self::PersonNear
+            | Self::CollisionSlow
+            | Self::AdviceLimit
+            | Self::SourceLate(_) => Action::Limit,
+            _ => Action::Category2,
+        }
+    }
+
+    /// How it may clear (FG-REQ-003). Contact, cliff, emergency stop and faults of the machine need an operator (ISO
+    /// 3691-4 4.1.14, IEC 63327 7.8); what merely stood in the way does not (IEC 63327 7.9).
+    #[must_use]
+    pub const fn clear(self) -> Clear {
+        match self {
+            Self::StateCorrupted => Clear::Restart,
+            Self::EmergencyStop
+            | Self::InputFault
+            | Self::BumperFront
+            | Self::BumperRear
+            | Self::CliffFront
+            | Self::CliffRear
+            | Self::Overspeed
+            | Self::SpeedDisagreement
+            | Self::TurnDisagreement
+            | Self::DriveFault
+            | Self::ClockFault => Clear::Reset,
+            Self::Warning
+            | Self::PersonNear
+            | Self::CollisionSlow
+            | Self::AdviceLimit
+            | Self::SourceLate(_) => Clear::Quiet(LIMIT_QUIET_US),
+            _ => Clear::Quiet(STOP_QUIET_US),
+        }
+    }
+
+    /// In which direction the robot may leave (FG-REQ-040).
+    #[must_use]
+    pub const fn escape(self) -> Escape {
+        match self {
+            Self::BumperFront | Self::CliffFront => Escape::Backward,
+            Self::BumperRear | Self::CliffRear => Escape::Forward,
+            Self::ScanProtective | Self::LidarProtective => Escape::AwayFromEvidence,
+            _ => Escape::Never,
+        }
+    }
+
+    /// In words, without the source of [`Self::SourceLate`] and [`Self::SourceLost`].
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::StartUp => "start-up check: not every required source was healthy yet",
+            Self::EmergencyStop => "emergency stop pressed",
+            Self::InputFault => "safety input faulty: its channels disagree or its line is cut",
+            Self::InputUnknown => "safety input not read",
+            Self::BumperFront => "front bumper pressed",
+            Self::BumperRear => "rear bumper pressed",
+            Self::CliffFront => "no floor at the front",
+            Self::CliffRear => "no floor at the rear",
+            Self::ScanProtective => "obstacle in the protective field (safety scanner)",
+            Self::LidarProtective => "obstacle in the protective field (lidar)",
+            Self::BlindSector => "scanner sees nothing in a part of the protective field",
+            Self::Warning => "obstacle in the warning field",
+            Self::PersonNear => "person near",
+            Self::CollisionStop => "person would be reached before standstill",
+            Self::CollisionSlow => "person ahead",
+            Self::AdviceStop => "perception asks for a stop",
+            Self::AdviceLimit => "perception asks for less speed",
+            Self::CommandInvalid => "wanted command is not a number",
+            Self::Overspeed => "faster than permitted",
+            Self::SpeedDisagreement => "encoders and drive disagree about the speed",
+            Self::TurnDisagreement => "encoders and gyroscope disagree about the turning rate",
+            Self::SteeringDisagreement => "encoders and steering disagree about the turning rate",
+            Self::DriveFault => "drive reports a fault",
+            Self::ClockFault => "clock of the guard ran backwards",
+            Self::StateCorrupted => "state of the guard is corrupted",
+            Self::SourceLate(source) | Self::SourceLost(source) => source.name(),
+        }
+    }
+}
+
+impl fmt::Display for Cause {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(self.name())
+    }
+}

@@ -1,0 +1,107 @@
+//! Time until the robot would touch a tracked person (algorithms M.3).
+
+use super::advice::AdvisedPerson;
+use super::config::{foremost_m, rearmost_m};
+use crate::geometry::{Point2, Pose2, Twist2};
+
+/// Radius of a person, metres.
+const PERSON_RADIUS_M: f32 = 0.3;
+/// Standard deviations added to the radius (k) and taken from the velocity (k_v).
+const POSITION_SIGMAS: f32 = 2.0;
+/// Steps of 0.1 s for a turning robot: three seconds.
+const STEPS: u8 = 30;
+/// Turning slower than this counts as straight, rad/s.
+const STRAIGHT_RADPS: f32 = 0.05;
+
+/// The body as three circles in a row, for times to collision, and as a box, for distances.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Body {
+    /// Least and greatest x, metres.
+    pub x_m: [f32; 2],
+    /// Least and greatest y, metres.
+    pub y_m: [f32; 2],
+}
+
+impl Body {
+    /// The box around a footprint.
+    #[must_use]
+    pub fn around(footprint: &[Point2]) -> Self {
+        let y_min = footprint.iter().fold(f32::INFINITY, |y_m, corner| y_m.min(corner.y_m));
+        let y_max = footprint.iter().fold(f32::NEG_INFINITY, |y_m, corner| y_m.max(corner.y_m));
+        Self { x_m: [rearmost_m(footprint), foremost_m(footprint)], y_m: [y_min, y_max] }
+    }
+
+    /// Distance from the box to a point, metres; 0 inside.
+    #[must_use]
+    pub fn distance_m(&self, point: Point2) -> f32 {
+        let ahead = (point.x_m - self.x_m[1]).max(self.x_m[0] - point.x_m).max(0.0);
+        let aside = (point.y_m - self.y_m[1]).max(self.y_m[0] - point.y_m).max(0.0);
+        Point2::new(ahead, aside).norm()
+    }
+
+    fn circles(&self) -> ([Point2; 3], f32) {
+        let length_m = self.x_m[1] - self.x_m[0];
+        let middle_y = 0.5 * (self.y_m[0] + self.y_m[1]);
+        let centre = |sixths: f32| Point2::new(self.x_m[0] + length_m * sixths / 6.0, middle_y);
+        let radius_m = Point2::new(length_m / 6.0, 0.5 * (self.y_m[1] - self.y_m[0])).norm();
+        ([centre(1.0), centre(3.0), centre(5.0)], radius_m)
+    }
+
+    /// Seconds until a person is touched when the robot keeps `twist`; infinite when never.
+    #[must_use]
+    pub fn time_to_person_s(&self, person: &AdvisedPerson, twist: Twist2) -> f32 {
+        let (centres, circle_m) = self.circles();
+        let radius_m = circle_m + PERSON_RADIUS_M + POSITION_SIGMAS * person.position_sigma_m;
+        if twist.angular_radps.abs() > STRAIGHT_RADPS {
+            return turning_time_s(person, twist, (&centres, radius_m));
+        }
+        let velocity = person.velocity_mps;
+        let mut least_s = f32::INFINITY;
+        for centre in centres {
+            let p = Point2::new(person.position.x_m - centre.x_m, person.position.y_m - centre.y_m);
+            let u = Point2::new(velocity.x_m - twist.linear_mps, velocity.y_m);
+            let away = person.velocity_sigma_mps / p.norm().max(1.0e-3);
+            let pessimistic = Point2::new(u.x_m - away * p.x_m, u.y_m - away * p.y_m);
+            least_s = least_s.min(time_to_collision_s(p, u, radius_m));
+            least_s = least_s.min(time_to_collision_s(p, pessimistic, radius_m));
+        }
+        least_s
+    }
+}
+
+/// Seconds until a point at `p` moving with `u` relative to us is within `radius_m`; 0 when it is, infinite when it
+/// never will be.
+#[must_use]
+pub fn time_to_collision_s(p: Point2, u: Point2, radius_m: f32) -> f32 {
+    let a = u.x_m * u.x_m + u.y_m * u.y_m;
+    let b = p.x_m * u.x_m + p.y_m * u.y_m;
+    let c = p.x_m * p.x_m + p.y_m * p.y_m - radius_m * radius_m;
+    if c <= 0.0 {
+        return 0.0;
+    }
+    let discriminant = b * b - a * c;
+    if a < 1.0e-6 || b >= 0.0 || discriminant < 0.0 {
+        return f32::INFINITY;
+    }
+    (-b - libm::sqrtf(discriminant)) / a
+}
+
+/// The same for a turning robot, by steps of 0.1 s from t = 0 on (DEV-25).
+fn turning_time_s(person: &AdvisedPerson, twist: Twist2, (centres, radius_m): (&[Point2; 3], f32)) -> f32 {
+    for step in 0..=STEPS {
+        let time_s = f32::from(step) * 0.1;
+        let turned = twist.angular_radps * time_s;
+        let (sin, cos) = libm::sincosf(turned);
+        let radius = twist.linear_mps / twist.angular_radps;
+        let robot = Pose2::new(radius * sin, radius * (1.0 - cos), turned);
+        let ahead = Point2::new(
+            person.position.x_m + person.velocity_mps.x_m * time_s,
+            person.position.y_m + person.velocity_mps.y_m * time_s,
+        );
+        let reach_m = radius_m + person.velocity_sigma_mps * time_s;
+        if centres.iter().any(|centre| robot.transform(*centre).distance(ahead) <= reach_m) {
+            return time_s;
+        }
+    }
+    f32::INFINITY
+}

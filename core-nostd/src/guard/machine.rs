@@ -1,0 +1,168 @@
+//! The decision machine: which causes hold, and which one wins.
+//!
+//! Evidence arrives as pulses: [`DecisionMachine::raise`]. A cause holds from its first pulse until its rule lets it
+//! go; no rule looks at anything but the time since the last pulse and the operator's reset, so evidence that stops
+//! arriving is not evidence of safety (its source will then raise its own cause).
+
+use super::action::{Action, GuardState};
+use super::cause::{CAUSES, Cause, Clear};
+use super::record::CauseRecord;
+use crate::time::{Age, Stamp};
+
+/// Evidence younger than this counts as present: a reset is refused, microseconds (two periods of the slowest input).
+pub const PRESENT_US: u64 = 200_000;
+/// The self-test must hold this long before a reset is granted, microseconds.
+pub const SELF_TEST_US: u64 = 300_000;
+
+/// One cause's state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Slot {
+    held: bool,
+    last_pulse: Stamp,
+    limit_mps: f32,
+    first: CauseRecord,
+}
+
+/// Which causes hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DecisionMachine {
+    slots: [Slot; CAUSES],
+    first_stop: Option<CauseRecord>,
+    reset_since: Option<Stamp>,
+    resets: u32,
+}
+
+/// What follows from the causes that hold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Verdict {
+    /// The most severe demand.
+    pub action: Action,
+    /// State to show.
+    pub state: GuardState,
+    /// Least speed limit of the causes that hold, m/s; infinite when none limits.
+    pub limit_mps: f32,
+    /// First cause of this stop; without a stop the cause with the least limit.
+    pub primary: Option<CauseRecord>,
+}
+
+impl DecisionMachine {
+    /// Nothing holds but the start-up check.
+    #[must_use]
+    pub fn new(now: Stamp) -> Self {
+        let idle = Slot {
+            held: false,
+            last_pulse: now,
+            limit_mps: 0.0,
+            first: CauseRecord::new(Cause::StartUp, now),
+        };
+        let mut machine = Self { slots: [idle; CAUSES], first_stop: None, reset_since: None, resets: 0 };
+        machine.raise(CauseRecord::new(Cause::StartUp, now));
+        machine
+    }
+
+    /// Books evidence for a cause. The first record of a cause, and the first stop of an episode, are never
+    /// overwritten (FG-REQ-004); the limit is the latest.
+    pub fn raise(&mut self, record: CauseRecord) {
+        let Some(slot) = self.slots.get_mut(record.cause.index()) else { return };
+        if !slot.held {
+            slot.first = record;
+        }
+        slot.held = true;
+        slot.last_pulse = record.raised_at;
+        slot.limit_mps = record.speed_limit_mps;
+        if record.action.stops() && self.first_stop.is_none() {
+            self.first_stop = Some(record);
+        }
+    }
+
+    /// The operator pressed reset: starts the self-test (FG-REQ-005).
+    pub fn request_reset(&mut self, now: Stamp) {
+        self.reset_since = Some(now);
+    }
+
+    /// A cause holds.
+    #[must_use]
+    pub fn holds(&self, cause: Cause) -> bool {
+        self.slots.get(cause.index()).is_some_and(|slot| slot.held)
+    }
+
+    /// The causes that hold, as they began.
+    pub fn held(&self) -> impl Iterator<Item = &CauseRecord> {
+        self.slots.iter().filter(|slot| slot.held).map(|slot| &slot.first)
+    }
+
+    /// Resets granted so far.
+    #[must_use]
+    pub fn resets(&self) -> u32 {
+        self.resets
+    }
+
+    /// Lets go what may go, and says what follows. `self_test_passed`: the machine is fit to be reset.
+    pub fn settle(&mut self, self_test_passed: bool, now: Stamp) -> Verdict {
+        let granted = self.reset_granted(self_test_passed, now);
+        for slot in &mut self.slots {
+            let quiet_us = elapsed_us(slot.last_pulse, now);
+            slot.held &= match slot.first.cause.clear() {
+                Clear::Quiet(needed_us) => quiet_us < needed_us,
+                Clear::Reset => !granted,
+                Clear::Restart => true,
+            };
+        }
+        let verdict = self.verdict();
+        if !verdict.action.stops() {
+            self.first_stop = None;
+        }
+        verdict
+    }
+
+    /// A reset is granted once, after the self-test has held; any failure of it, or evidence of what is to be reset,
+    /// cancels the request (FG-REQ-005).
+    fn reset_granted(&mut self, self_test_passed: bool, now: Stamp) -> bool {
+        let Some(since) = self.reset_since else { return false };
+        let present = self.slots.iter().any(|slot| {
+            slot.held
+                && slot.first.cause.clear() == Clear::Reset
+                && elapsed_us(slot.last_pulse, now) < PRESENT_US
+        });
+        let granted = self_test_passed && !present && elapsed_us(since, now) >= SELF_TEST_US;
+        if granted || present || !self_test_passed {
+            self.reset_since = None;
+        }
+        self.resets = self.resets.saturating_add(u32::from(granted));
+        granted
+    }
+
+    fn verdict(&self) -> Verdict {
+        let mut verdict =
+            Verdict { action: Action::None, state: GuardState::Run, limit_mps: f32::INFINITY, primary: None };
+        let mut latched = false;
+        for slot in self.slots.iter().filter(|slot| slot.held) {
+            verdict.action = verdict.action.max(slot.first.action);
+            latched |= !matches!(slot.first.cause.clear(), Clear::Quiet(_));
+            if slot.first.action == Action::Limit && slot.limit_mps < verdict.limit_mps {
+                verdict.limit_mps = slot.limit_mps;
+                verdict.primary = Some(slot.first);
+            }
+        }
+        if verdict.action.stops() {
+            verdict.limit_mps = 0.0;
+            verdict.primary = self.first_stop;
+        }
+        verdict.state = match verdict.action {
+            _ if latched => GuardState::Latched,
+            _ if self.holds(Cause::StartUp) => GuardState::Init,
+            Action::None => GuardState::Run,
+            Action::Limit => GuardState::Slow,
+            _ => GuardState::Stop,
+        };
+        verdict
+    }
+}
+
+/// Microseconds from a pulse to now; 0 when the pulse lies in the future: then nothing has been quiet.
+fn elapsed_us(pulse: Stamp, now: Stamp) -> u64 {
+    match pulse.age(now) {
+        Age::Past(us) => us,
+        Age::Future(_) => 0,
+    }
+}

@@ -1,0 +1,179 @@
+//! Safety scanner against the fields: one comparison per beam and field (algorithms M.1, N.9).
+
+use super::collision::Body;
+use super::config::{FieldSet, ScannerGeometry};
+use super::field::{Polygon, ray_exit_m};
+use crate::capacities::{FIELD_SETS_MAX, SCAN_BEAMS_MAX};
+use crate::geometry::Point2;
+use crate::sensing::{BeamReturn, Scan};
+
+/// Share of silent beams that counts as blocked, percent (algorithms M.1).
+pub const SILENT_PERCENT_MAX: f32 = 5.0;
+/// Angle of adjacent silent beams that counts as blocked, radians: 3°.
+pub const SILENT_RUN_RAD: f32 = 3.0 * crate::units::RADIANS_PER_DEGREE;
+
+type Limits = [u16; SCAN_BEAMS_MAX];
+
+/// Range per beam and field set below which something is inside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScanTable {
+    protective: [Limits; FIELD_SETS_MAX],
+    warning: [Limits; FIELD_SETS_MAX],
+    directions: [Point2; SCAN_BEAMS_MAX],
+    geometry: ScannerGeometry,
+}
+
+/// In which directions the robot would come nearer to a piece of evidence.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Blocked {
+    /// Driving straight forward.
+    pub forward: bool,
+    /// Driving straight backward.
+    pub backward: bool,
+}
+
+impl Blocked {
+    /// Adds a point in the robot frame. Driving backward cannot shorten the distance from the body's box to a point
+    /// unless it lies behind the rear edge, or inside the box; forward alike (FG-REQ-040).
+    pub fn add(&mut self, point: Point2, body: &Body) {
+        let touching = body.distance_m(point) <= 0.0;
+        self.forward |= touching || point.x_m > body.x_m[1];
+        self.backward |= touching || point.x_m < body.x_m[0];
+    }
+}
+
+/// What one scan says about one field set.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ScanFinding {
+    /// Enough adjacent beams end inside the protective field.
+    pub protective: bool,
+    /// Enough adjacent beams end inside the warning field.
+    pub warning: bool,
+    /// Least range of those, metres, and the protective limit of that beam.
+    pub nearest_m: f32,
+    /// Limit of the beam of `nearest_m`, metres.
+    pub nearest_limit_m: f32,
+    /// Silent beams within the field, percent.
+    pub silent_percent: f32,
+    /// Widest angle of adjacent silent beams, radians.
+    pub silent_run_rad: f32,
+    /// Where the robot must not go.
+    pub blocked: Blocked,
+}
+
+impl ScanFinding {
+    /// Too much of the field is not seen (FG-REQ-024).
+    #[must_use]
+    pub fn is_blind(&self) -> bool {
+        self.silent_percent > SILENT_PERCENT_MAX || self.silent_run_rad > SILENT_RUN_RAD
+    }
+}
+
+impl ScanTable {
+    /// Precomputes the limits.
+    #[must_use]
+    pub fn new(geometry: &ScannerGeometry, sets: &[FieldSet]) -> Self {
+        let mut table = Self {
+            protective: [[0; SCAN_BEAMS_MAX]; FIELD_SETS_MAX],
+            warning: [[0; SCAN_BEAMS_MAX]; FIELD_SETS_MAX],
+            directions: [Point2::default(); SCAN_BEAMS_MAX],
+            geometry: *geometry,
+        };
+        for (beam, direction) in table.directions.iter_mut().enumerate() {
+            let angle_rad = geometry.mounting.heading_rad + beam_angle_rad(geometry, beam);
+            let (sin, cos) = libm::sincosf(angle_rad);
+            *direction = Point2::new(cos, sin);
+        }
+        for (set, (protective, warning)) in
+            sets.iter().zip(table.protective.iter_mut().zip(table.warning.iter_mut()))
+        {
+            fill(protective, &set.protective, geometry, &table.directions);
+            fill(warning, &set.warning, geometry, &table.directions);
+        }
+        table
+    }
+
+    /// The scan has the beams that the table was made for.
+    #[must_use]
+    pub fn fits(&self, scan: &Scan) -> bool {
+        let same_start = (scan.first_angle_rad - self.geometry.first_angle_rad).abs() < 1.0e-3;
+        let same_step = (scan.step_rad - self.geometry.step_rad).abs() < 1.0e-5;
+        scan.beams.len() == self.geometry.beams && same_start && same_step
+    }
+
+    /// Compares each beam with the limits of a set (FG-REQ-020).
+    #[must_use]
+    pub fn check(&self, scan: &Scan, set: usize, (adjacent, body): (u8, &Body)) -> ScanFinding {
+        let mut finding = ScanFinding { nearest_m: f32::INFINITY, ..ScanFinding::default() };
+        let (Some(protective), Some(warning)) = (self.protective.get(set), self.warning.get(set)) else {
+            return finding;
+        };
+        let (mut run, mut warning_run, mut silent_run, mut widest) = (0_u8, 0_u8, 0_u16, 0_u16);
+        let (mut silent, mut watched) = (0_u16, 0_u16);
+        for (((beam, limit_mm), warning_mm), direction) in
+            scan.beams.iter().zip(protective).zip(warning).zip(&self.directions)
+        {
+            let range_mm = range_of(*beam, *limit_mm);
+            watched = watched.saturating_add(u16::from(*limit_mm > 0));
+            let is_silent = range_mm.is_none() && *limit_mm > 0;
+            silent = silent.saturating_add(u16::from(is_silent));
+            silent_run = if is_silent { silent_run.saturating_add(1) } else { 0 };
+            widest = widest.max(silent_run);
+            let range_mm = range_mm.unwrap_or(u16::MAX);
+            run = if range_mm < *limit_mm { run.saturating_add(1) } else { 0 };
+            warning_run = if range_mm < *warning_mm { warning_run.saturating_add(1) } else { 0 };
+            finding.warning |= warning_run >= adjacent;
+            finding.protective |= run >= adjacent;
+            if range_mm < *limit_mm {
+                self.note_hit(&mut finding, (range_mm, *limit_mm), (*direction, body));
+            }
+        }
+        finding.silent_percent = 100.0 * f32::from(silent) / f32::from(watched).max(1.0);
+        finding.silent_run_rad = f32::from(widest) * self.geometry.step_rad;
+        finding
+    }
+
+    fn note_hit(
+        &self,
+        finding: &mut ScanFinding,
+        (range_mm, limit_mm): (u16, u16),
+        (direction, body): (Point2, &Body),
+    ) {
+        let range_m = f32::from(range_mm) * 1.0e-3;
+        if range_m < finding.nearest_m {
+            finding.nearest_m = range_m;
+            finding.nearest_limit_m = f32::from(limit_mm) * 1.0e-3;
+        }
+        let origin = self.geometry.mounting;
+        let point = Point2::new(origin.x_m + range_m * direction.x_m, origin.y_m + range_m * direction.y_m);
+        finding.blocked.add(point, body);
+    }
+}
+
+/// Millimetres to what stands there, the greatest number where nothing does, `None` where nobody knows. A beam that
+/// is free only up to less than the limit says nothing about the rest of the field.
+fn range_of(beam: BeamReturn, limit_mm: u16) -> Option<u16> {
+    match beam {
+        BeamReturn::Hit(range_mm) => Some(range_mm),
+        BeamReturn::Free(range_mm) if range_mm >= limit_mm => Some(u16::MAX),
+        _ => None,
+    }
+}
+
+fn beam_angle_rad(geometry: &ScannerGeometry, beam: usize) -> f32 {
+    geometry.first_angle_rad + beam as f32 * geometry.step_rad
+}
+
+fn fill(limits: &mut Limits, polygon: &Polygon, geometry: &ScannerGeometry, directions: &[Point2]) {
+    let origin = Point2::new(geometry.mounting.x_m, geometry.mounting.y_m);
+    let [first_rad, last_rad] = geometry.sector_rad;
+    for (beam, (limit_mm, direction)) in limits.iter_mut().zip(directions).enumerate().take(geometry.beams) {
+        let angle_rad = beam_angle_rad(geometry, beam);
+        // Half a step of slack keeps the end beams of the sector.
+        let slack_rad = 0.5 * geometry.step_rad;
+        if angle_rad >= first_rad - slack_rad && angle_rad <= last_rad + slack_rad {
+            // Rounded up; the cast saturates.
+            *limit_mm = libm::ceilf(ray_exit_m(polygon, origin, *direction) * 1.0e3) as u16;
+        }
+    }
+}

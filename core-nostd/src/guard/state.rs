@@ -1,0 +1,75 @@
+//! Everything that changes: plain data, kept twice so that a flipped bit is noticed before it can matter.
+
+use super::config::GuardConfig;
+use super::field_selection::FieldSelection;
+use super::machine::DecisionMachine;
+use super::motion_checks::{Motion, MotionChecks};
+use super::scan_check::Blocked;
+use super::source::Source;
+use super::source_monitor::SourceMonitor;
+use crate::geometry::Twist2;
+use crate::time::{Age, Stamp};
+
+/// Evidence of an obstacle in a direction counts this long, microseconds: three revolutions of the lidar.
+const BLOCKED_US: u64 = 300_000;
+
+/// The state of the guard. No number in it is ever NaN, so that it equals its copy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State {
+    pub(super) monitors: [SourceMonitor; Source::COUNT],
+    pub(super) machine: DecisionMachine,
+    pub(super) selection: FieldSelection,
+    pub(super) motion: Motion,
+    pub(super) checks: MotionChecks,
+    pub(super) wanted: Twist2,
+    pub(super) permitted: Twist2,
+    pub(super) decided_at: Stamp,
+    pub(super) started: bool,
+    pub(super) scans_with_hit: u8,
+    pub(super) packet_returns: u8,
+    pub(super) silent_cdeg: u32,
+    blocked_forward: Option<Stamp>,
+    blocked_backward: Option<Stamp>,
+}
+
+impl State {
+    /// Nothing is known.
+    pub(super) fn new(config: &GuardConfig, now: Stamp) -> Self {
+        Self {
+            monitors: [SourceMonitor::default(); Source::COUNT],
+            machine: DecisionMachine::new(now),
+            selection: FieldSelection::new(&config.fields, now),
+            motion: Motion::default(),
+            checks: MotionChecks::default(),
+            wanted: Twist2::ZERO,
+            permitted: Twist2::ZERO,
+            decided_at: now,
+            started: false,
+            scans_with_hit: 0,
+            packet_returns: 0,
+            silent_cdeg: 0,
+            blocked_forward: None,
+            blocked_backward: None,
+        }
+    }
+
+    /// Remembers in which directions evidence lies.
+    pub(super) fn note_blocked(&mut self, blocked: Blocked, now: Stamp) {
+        if blocked.forward {
+            self.blocked_forward = Some(now);
+        }
+        if blocked.backward {
+            self.blocked_backward = Some(now);
+        }
+    }
+
+    /// No recent evidence lies in the direction.
+    pub(super) fn is_clear(&self, backward: bool, now: Stamp) -> bool {
+        let blocked = if backward { self.blocked_backward } else { self.blocked_forward };
+        match blocked.map(|stamp| stamp.age(now)) {
+            None => true,
+            Some(Age::Past(us)) => us > BLOCKED_US,
+            Some(Age::Future(_)) => false,
+        }
+    }
+}
