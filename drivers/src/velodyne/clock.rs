@@ -3,14 +3,21 @@
 //! Without PPS the sensor's clock runs free, tens of minutes off, so only its differences are used: the smallest
 //! difference between arrival and sensor time seen so far is the offset (a datagram can only be late), and it may
 //! creep up by the drift that a crystal can have.
+//!
+//! Hazard: packets that queued somewhere look like a sensor whose clock was set back. Taking them for fresh would show
+//! the guard the past as the present, so a stream that falls behind stays old; only a step that no delay can explain,
+//! or a silence long enough for a restart of the sensor, starts the mapping anew.
 
 use floorguard_core::time::Stamp;
 
 const HOUR_US: i64 = 3_600_000_000;
-/// Crystals drift by less than 200 ppm (algorithms L.3).
-const DRIFT_PPM: i64 = 200;
-/// A sensor stamp that jumps by more than this against the arrival restarts the filter (PPS locked or lost).
+/// Crystals drift by less than 200 ppm (algorithms L.3): nanoseconds of creep per millisecond.
+const DRIFT_NS_PER_MS: i64 = 200;
+/// A sensor stamp that runs ahead of the arrivals by more than this, or falls back by more than this, is a clock that
+/// was set (PPS locked or lost).
 const JUMP_US: i64 = 500_000;
+/// After this silence the sensor may have been restarted, and nothing that queued before is still on its way.
+const RESTART_SILENCE_US: i64 = 5_000_000;
 
 /// Maps the stamps of one sensor.
 #[derive(Clone, Copy, Debug, Default)]
@@ -21,10 +28,12 @@ pub struct HourClock {
 
 #[derive(Clone, Copy, Debug)]
 struct State {
+    /// Unrolled over the hours.
     last_sensor_us: i64,
     last_arrival_us: i64,
-    /// Arrival minus sensor time, lower envelope, of the unrolled sensor time.
-    offset_us: i64,
+    /// Arrival minus unrolled sensor time, lower envelope, nanoseconds: the creep within one packet is less than a
+    /// microsecond.
+    offset_ns: i64,
 }
 
 impl HourClock {
@@ -39,11 +48,11 @@ impl HourClock {
             }),
         };
         self.state = Some(state);
-        let measured_us = state.last_sensor_us.saturating_add(state.offset_us).min(arrival_us);
+        let measured_us = state.last_sensor_us.saturating_add(state.offset_ns / 1_000).min(arrival_us);
         Stamp::from_micros(u64::try_from(measured_us).unwrap_or(0))
     }
 
-    /// How often the sensor's clock jumped.
+    /// How often the mapping started anew because the sensor's clock was set.
     #[must_use]
     pub const fn restarts(&self) -> u32 {
         self.restarts
@@ -56,24 +65,33 @@ impl State {
         Self {
             last_sensor_us: sensor_us,
             last_arrival_us: arrival_us,
-            offset_us: arrival_us.saturating_sub(sensor_us),
+            offset_ns: arrival_us.saturating_sub(sensor_us).saturating_mul(1_000),
         }
     }
 
-    /// `None` if the sensor's clock jumped.
+    /// `None` if the sensor's clock was set.
     fn follow(self, sensor_us: u32, arrival_us: i64) -> Option<Self> {
         // The step within the hour, brought to ±30 minutes: the roll-over is a small step forwards.
         let hour_us = i64::from(sensor_us).saturating_sub(self.last_sensor_us).rem_euclid(HOUR_US);
         let step_us = if hour_us > HOUR_US / 2 { hour_us.saturating_sub(HOUR_US) } else { hour_us };
         let elapsed_us = arrival_us.saturating_sub(self.last_arrival_us);
-        if step_us.saturating_sub(elapsed_us).abs() > JUMP_US {
+        let ran_ahead =
+            step_us.saturating_sub(elapsed_us) > JUMP_US && !self.is_catching_up(step_us, arrival_us);
+        let fell_back = step_us < -JUMP_US;
+        if ran_ahead || fell_back || elapsed_us > RESTART_SILENCE_US {
             return None;
         }
         let last_sensor_us = self.last_sensor_us.saturating_add(step_us);
-        let seen_us = arrival_us.saturating_sub(last_sensor_us);
-        let allowed_us =
-            self.offset_us.saturating_add(elapsed_us.max(0).saturating_mul(DRIFT_PPM) / 1_000_000 + 1);
-        Some(Self { last_sensor_us, last_arrival_us: arrival_us, offset_us: seen_us.min(allowed_us) })
+        let seen_ns = arrival_us.saturating_sub(last_sensor_us).saturating_mul(1_000);
+        let creep_ns = elapsed_us.max(0).saturating_mul(DRIFT_NS_PER_MS) / 1_000;
+        let allowed_ns = self.offset_ns.saturating_add(creep_ns);
+        Some(Self { last_sensor_us, last_arrival_us: arrival_us, offset_ns: seen_ns.min(allowed_ns) })
+    }
+
+    /// A late stream loses its delay in one step: by what is known of the clock, it is still not from the future.
+    fn is_catching_up(self, step_us: i64, arrival_us: i64) -> bool {
+        let measured_us = self.last_sensor_us.saturating_add(step_us).saturating_add(self.offset_ns / 1_000);
+        measured_us <= arrival_us.saturating_add(JUMP_US)
     }
 }
 
@@ -105,5 +123,50 @@ mod tests {
         let locked = clock.stamp(900_000_000, Stamp::from_micros(50_001_327));
         assert_eq!(locked.as_micros(), 50_001_327);
         assert_eq!(clock.restarts(), 1);
+    }
+
+    #[test]
+    fn packets_that_queued_for_two_seconds_stay_old() {
+        let mut clock = HourClock::default();
+        clock.stamp(1_000_000, Stamp::from_micros(50_000_000));
+        let queued = clock.stamp(1_001_327, Stamp::from_micros(52_000_000));
+        assert!(queued.as_micros() <= 50_001_327 + 400 + 1, "{queued:?}");
+        // For as long as it lasts, but for the drift of a crystal: 200 us a second.
+        let mut last = queued;
+        for packet in 1..=1_000_u32 {
+            let passed_us = 1_327 * packet;
+            let arrival = Stamp::from_micros(52_000_000 + u64::from(passed_us));
+            last = clock.stamp(1_001_327 + passed_us, arrival);
+        }
+        assert!(last.as_micros() <= 51_328_327 + 700, "{last:?}");
+        // And what arrives in time again is fresh at once.
+        let fresh = clock.stamp(1_000_000 + 4_000_000, Stamp::from_micros(54_000_000));
+        assert!(fresh.as_micros().abs_diff(54_000_000) < 1_000, "{fresh:?}");
+        assert_eq!(clock.restarts(), 0);
+    }
+
+    #[test]
+    fn a_sensor_that_was_restarted_is_believed_again() {
+        let mut clock = HourClock::default();
+        clock.stamp(10_000_000, Stamp::from_micros(50_000_000));
+        let again = clock.stamp(11_000_000, Stamp::from_micros(70_000_000));
+        assert_eq!(again.as_micros(), 70_000_000);
+        assert_eq!(clock.restarts(), 1);
+    }
+
+    #[test]
+    fn a_drifting_sensor_is_followed() {
+        let mut clock = HourClock::default();
+        // 100 ppm slow for ten minutes: 60 ms in all, of which almost nothing may show.
+        let mut error_us = 0;
+        for second in 0..600_u64 {
+            for packet in 0..10_u64 {
+                let true_us = second * 1_000_000 + packet * 100_000;
+                let sensor_us = (true_us - true_us / 10_000) as u32;
+                let stamp = clock.stamp(sensor_us, Stamp::from_micros(true_us + 200));
+                error_us = error_us.max(stamp.as_micros().abs_diff(true_us));
+            }
+        }
+        assert!(error_us <= 210, "{error_us}");
     }
 }

@@ -2,6 +2,9 @@
 //!
 //! Of a dual return the nearer echo is kept: for a stop the near one counts, and behind glass or dust the far one is
 //! no proof that the near one is nothing.
+//!
+//! Limit: the lasers of a VLP-32C look up to 4.2° beside the azimuth of their column; [`Model::ring_angles`] tells how
+//! far. They are not moved to a neighbouring column.
 
 use floorguard_core::capacities::PACKET_RINGS_MAX;
 use floorguard_core::sensing::{LidarColumn, LidarPacket};
@@ -29,8 +32,16 @@ impl Columns {
     }
 
     /// All columns of a packet; 12 to 24 in single, 6 to 12 in dual return.
-    pub(super) fn convert(&self, packet: &Packet<'_>, stamp: Stamp) -> LidarPacket {
+    /// Returns nearer than `blind_range_mm` become unknown; their number comes second.
+    pub(super) fn convert(
+        &self,
+        packet: &Packet<'_>,
+        stamp: Stamp,
+        blind_range_mm: u16,
+    ) -> (LidarPacket, u32) {
         let mut columns = Vec::new();
+        let blind_raw = blind_range_mm.div_ceil(u16::from(self.model.range_unit_mm().max(1)));
+        let mut self_returns = 0;
         let gaps = packet.gaps();
         let step = if packet.is_dual() { 2 } else { 1 };
         let sequences = self.model.sequences_per_block();
@@ -38,7 +49,10 @@ impl Columns {
             let echo = if packet.is_dual() { packet.blocks().nth(index.saturating_add(1)) } else { None };
             let gap_cdeg = gaps.get(index).copied().unwrap_or(0);
             for sequence in 0..sequences.min(2) {
-                let column = self.column(block, echo, sequence, gap_cdeg);
+                let mut column = self.column(block, echo, sequence, gap_cdeg);
+                if blind_raw > 0 {
+                    self_returns += forget_self_returns(&mut column, blind_raw);
+                }
                 let start_ns = (time_step as u32)
                     .saturating_mul(self.model.block_ns())
                     .saturating_add((sequence as u32).saturating_mul(self.model.sequence_ns()));
@@ -46,12 +60,13 @@ impl Columns {
                 let _ = columns.push(LidarColumn { offset_us: start_ns / 1_000, ..column });
             }
         }
-        LidarPacket {
+        let packet = LidarPacket {
             stamp,
             range_unit_mm: self.model.range_unit_mm(),
             rings: self.model.lasers() as u8,
             columns,
-        }
+        };
+        (packet, self_returns)
     }
 
     fn column(
@@ -100,4 +115,16 @@ impl Columns {
         let turned = (u64::from(gap_cdeg) * u64::from(within_ns) + block_ns / 2) / block_ns;
         ((u64::from(block_cdeg) + turned) % 36_000) as u16
     }
+}
+
+/// Makes returns nearer than `blind_raw` unknown; gives their number, at most 32.
+fn forget_self_returns(column: &mut LidarColumn, blind_raw: u16) -> u32 {
+    let mut forgotten = 0;
+    for (range, reflectivity) in column.range_raw.iter_mut().zip(&mut column.reflectivity) {
+        if (1..blind_raw).contains(range) {
+            (*range, *reflectivity) = (0, 0);
+            forgotten += 1;
+        }
+    }
+    forgotten
 }

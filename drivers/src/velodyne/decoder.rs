@@ -45,6 +45,13 @@ pub enum DecodeError {
         /// Turned within one block, hundredths of a degree.
         gap_cdeg: u16,
     },
+    /// A dual-return packet whose blocks do not come in pairs of one azimuth: times and azimuths would be wrong.
+    NoPairs {
+        /// Azimuth of the first block of the pair, hundredths of a degree.
+        first_cdeg: u16,
+        /// Of the second.
+        second_cdeg: u16,
+    },
     /// Not newer than the packet before: repeated or overtaken.
     NotNewer {
         /// Microseconds since the top of the hour.
@@ -75,6 +82,13 @@ impl core::fmt::Display for DecodeError {
                     "the lidar turned {gap_cdeg} cdeg within a block; possible are 1 to 100: is the motor running?"
                 )
             }
+            Self::NoPairs { first_cdeg, second_cdeg } => {
+                write!(
+                    f,
+                    "dual return, but the blocks of a pair have azimuths {first_cdeg} and {second_cdeg} cdeg; \
+                     expected the same"
+                )
+            }
             Self::NotNewer { stamp_us } => {
                 write!(f, "lidar packet {stamp_us} us is not newer than the one before")
             }
@@ -96,22 +110,34 @@ pub struct Counters {
     pub lost: u32,
     /// Packets repeated or overtaken (also counted as refused).
     pub not_newer: u32,
+    /// Returns nearer than the blind range, taken for the robot itself and entered as unknown.
+    pub self_returns: u32,
 }
 
 /// Decodes the stream of one lidar.
 #[derive(Clone, Debug)]
 pub struct Decoder {
     choice: ModelChoice,
-    decided: Option<(Model, Columns)>,
+    decided: Option<Decided>,
+    blind_range_mm: u16,
+    /// The newest packet that is one, accepted or not: for the period.
     last: Option<LastPacket>,
+    /// Sensor time since the newest *accepted* packet: what was refused in between is missing in the sweep.
+    since_accepted_us: Option<u32>,
     clock: HourClock,
     counters: Counters,
+}
+
+#[derive(Clone, Debug)]
+struct Decided {
+    model: Model,
+    product_byte: u8,
+    columns: Columns,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct LastPacket {
     stamp_us: u32,
-    arrival: Stamp,
 }
 
 /// At 1,200 rpm a block turns 80 cdeg; the margin is for a head that overshoots (wire-formats 1.5).
@@ -120,18 +146,42 @@ const GAP_MAX_CDEG: u16 = 100;
 const LOST_MAX: u32 = 750;
 /// An hour, microseconds.
 const HOUR_US: u32 = 3_600_000_000;
+/// A packet that is older than the one before by up to this was repeated or overtaken on the way; by more, the sensor's
+/// clock was set (PPS locked or lost), and what it says now holds.
+const REORDER_US: u32 = 500_000;
 
 impl Decoder {
     /// A decoder for one lidar.
     #[must_use]
     pub fn new(choice: ModelChoice) -> Self {
-        Self { choice, decided: None, last: None, clock: HourClock::default(), counters: Counters::default() }
+        Self {
+            choice,
+            decided: None,
+            blind_range_mm: 0,
+            last: None,
+            since_accepted_us: None,
+            clock: HourClock::default(),
+            counters: Counters::default(),
+        }
+    }
+
+    /// The same decoder for a lidar that sees the robot itself up to `blind_range_mm`: nearer returns become *unknown*
+    /// in the columns (wire-formats 1.10, item 6); they are no evidence of free space.
+    #[must_use]
+    pub fn with_blind_range_mm(self, blind_range_mm: u16) -> Self {
+        Self { blind_range_mm, ..self }
     }
 
     /// The model, once it is known.
     #[must_use]
     pub fn model(&self) -> Option<Model> {
-        self.decided.as_ref().map(|(model, _)| *model)
+        self.decided.as_ref().map(|decided| decided.model)
+    }
+
+    /// How often the sensor's clock was set, see [`HourClock`].
+    #[must_use]
+    pub const fn clock_restarts(&self) -> u32 {
+        self.clock.restarts()
     }
 
     /// What happened so far.
@@ -161,42 +211,50 @@ impl Decoder {
 
     fn try_decode(&mut self, payload: &[u8], arrival: Stamp) -> Result<(LidarPacket, u16), DecodeError> {
         let packet = Packet::new_checked(payload).map_err(DecodeError::Packet)?;
-        let step_us = self.step_us(&packet, arrival)?;
+        let step_us = self.step_us(&packet)?;
         let decision = self.decide(&packet, step_us);
-        self.last = Some(LastPacket { stamp_us: packet.stamp_us(), arrival });
+        self.last = Some(LastPacket { stamp_us: packet.stamp_us() });
+        self.since_accepted_us =
+            self.since_accepted_us.zip(step_us).map(|(sum, step)| sum.saturating_add(step));
         decision?;
-        let gap = packet.gaps().into_iter().find(|gap| !(1..=GAP_MAX_CDEG).contains(gap));
-        if let Some(gap_cdeg) = gap.filter(|_| !packet.is_dual()) {
-            return Err(DecodeError::Rotation { gap_cdeg });
-        }
-        let Some((model, columns)) = &self.decided else { return Err(DecodeError::ModelUndecided) };
-        let lost = lost_packets(step_us, model.packet_us(packet.is_dual()));
+        check_rotation(&packet)?;
+        let Some(Decided { model, columns, .. }) = &self.decided else {
+            return Err(DecodeError::ModelUndecided);
+        };
+        let lost = lost_packets(self.since_accepted_us, model.packet_us(packet.is_dual()));
         let stamp = self.clock.stamp(packet.stamp_us(), arrival);
+        self.since_accepted_us = Some(0);
         self.counters.lost = self.counters.lost.saturating_add(u32::from(lost));
-        Ok((columns.convert(&packet, stamp), lost))
+        let (columns, self_returns) = columns.convert(&packet, stamp, self.blind_range_mm);
+        self.counters.self_returns = self.counters.self_returns.saturating_add(self_returns);
+        Ok((columns, lost))
     }
 
-    /// Microseconds of sensor time since the packet before; `None` for the first and after a long silence.
-    fn step_us(&self, packet: &Packet<'_>, arrival: Stamp) -> Result<Option<u32>, DecodeError> {
+    /// Microseconds of sensor time since the packet before; `None` for the first and where the clock was set.
+    fn step_us(&self, packet: &Packet<'_>) -> Result<Option<u32>, DecodeError> {
         let Some(last) = self.last else { return Ok(None) };
         let stamp_us = packet.stamp_us();
-        let forwards = stamp_us.wrapping_sub(last.stamp_us);
-        let over_the_hour = stamp_us.saturating_add(HOUR_US).wrapping_sub(last.stamp_us);
-        let step_us = if stamp_us >= last.stamp_us { forwards } else { over_the_hour };
-        // A step backwards looks like almost an hour forwards, which the arrival contradicts.
-        let silence_s = arrival.seconds_since(last.arrival);
-        if step_us == 0 || (step_us > HOUR_US / 2 && silence_s < 1.0) {
-            // A clock that was set back must not silence the lidar: after a second the new time holds.
+        // Stamps reach a second into the next hour (wire-formats 1.8), so both are taken modulo the hour.
+        let step_us =
+            (u64::from(stamp_us) + 2 * u64::from(HOUR_US) - u64::from(last.stamp_us)) % u64::from(HOUR_US);
+        let step_us = u32::try_from(step_us).unwrap_or(0);
+        let back_us = HOUR_US.saturating_sub(step_us);
+        if step_us == 0 || back_us <= REORDER_US {
             return Err(DecodeError::NotNewer { stamp_us });
         }
-        Ok(Some(step_us))
+        Ok((step_us < HOUR_US / 2).then_some(step_us))
     }
 
     fn decide(&mut self, packet: &Packet<'_>, step_us: Option<u32>) -> Result<(), DecodeError> {
-        if self.decided.is_some() && !matches!(self.choice, ModelChoice::Fixed(_)) {
-            return Ok(());
-        }
         let product_byte = packet.product_byte();
+        if let (ModelChoice::Auto, Some(decided)) = (self.choice, &self.decided) {
+            // Another lidar on the same port must not be read with the angles of the first.
+            return if decided.product_byte == product_byte {
+                Ok(())
+            } else {
+                Err(DecodeError::WrongModel { configured: decided.model, product_byte, period_us: step_us })
+            };
+        }
         let detected = step_us.and_then(|period_us| detect_model(product_byte, period_us));
         let named = Model::from_product_byte(product_byte);
         let early_firmware = product_byte == 0x21;
@@ -221,9 +279,25 @@ impl Decoder {
             }
         };
         if self.model() != Some(model) {
-            self.decided = Some((model, Columns::new(model, &model.angles())));
+            self.decided =
+                Some(Decided { model, product_byte, columns: Columns::new(model, &model.angles()) });
         }
         Ok(())
+    }
+}
+
+/// The head turns, neither too slow nor too fast, in every block; blocks of a dual return come in pairs.
+fn check_rotation(packet: &Packet<'_>) -> Result<(), DecodeError> {
+    if packet.is_dual() {
+        let [a0, a1, b0, b1, c0, c1, d0, d1, e0, e1, f0, f1] = packet.azimuths();
+        let pairs = [(a0, a1), (b0, b1), (c0, c1), (d0, d1), (e0, e1), (f0, f1)];
+        if let Some((first_cdeg, second_cdeg)) = pairs.into_iter().find(|(first, second)| first != second) {
+            return Err(DecodeError::NoPairs { first_cdeg, second_cdeg });
+        }
+    }
+    match packet.gaps().into_iter().find(|gap| !(1..=GAP_MAX_CDEG).contains(gap)) {
+        Some(gap_cdeg) => Err(DecodeError::Rotation { gap_cdeg }),
+        None => Ok(()),
     }
 }
 

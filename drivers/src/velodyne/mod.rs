@@ -5,6 +5,7 @@
 mod clock;
 mod columns;
 mod decoder;
+mod gprmc;
 mod model;
 mod packet;
 mod position;
@@ -13,11 +14,16 @@ mod sweep_builder;
 
 pub use clock::HourClock;
 pub use decoder::{Counters, DecodeError, Decoder, ModelChoice};
+pub use gprmc::{Gprmc, GprmcError, Place};
 pub use model::{LaserAngles, Model, detect_model};
 pub use packet::{Packet, PacketError, ReturnMode};
 pub use position::{PositionError, PositionPacket, PpsState};
 pub use returns::{Return, Returns, ReturnsOf};
 pub use sweep_builder::SweepBuilder;
 
+#[cfg(test)]
+mod decoder_tests;
+#[cfg(test)]
+mod sweep_builder_tests;
 #[cfg(test)]
 mod vector_tests;

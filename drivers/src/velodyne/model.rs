@@ -167,6 +167,18 @@ impl Model {
         }
         angles
     }
+
+    /// Angles of every ring, 0 lowest: the order of the columns. Entries above [`Self::lasers`] are zero.
+    #[must_use]
+    pub fn ring_angles(self) -> [LaserAngles; PACKET_RINGS_MAX] {
+        let mut rings = [LaserAngles::default(); PACKET_RINGS_MAX];
+        for angle in self.angles().into_iter().take(self.lasers()) {
+            if let Some(ring) = rings.get_mut(usize::from(angle.ring)) {
+                *ring = angle;
+            }
+        }
+        rings
+    }
 }
 
 /// Tells an early VLP-16 (product byte 0x21) from an HDL-32E by the time between two consecutive packets,

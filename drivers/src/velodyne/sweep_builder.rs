@@ -1,4 +1,10 @@
 //! Assembles revolutions: cut where the azimuth passes the cut angle, never by counting packets.
+//!
+//! A sector that was not measured is found by the azimuth that the head turned meanwhile, whatever the reason (packets
+//! lost, refused, or a sensor that was told to skip a sector), and entered as columns about which nothing is known, so
+//! that neighbours in the image are neighbours in space.
+//!
+//! Limit: a sweep of 16 rings takes the lowest 16 of a lidar of 32; use `Sweep<32>` for those.
 
 use floorguard_core::sensing::{LidarColumn, LidarPacket, Sweep, SweepColumn};
 use floorguard_core::time::Stamp;
@@ -9,10 +15,10 @@ pub struct SweepBuilder {
     cut_cdeg: u16,
     /// Azimuth of the newest column, counted from the cut.
     last_cdeg: Option<u16>,
-    /// Newest rotation from column to column, hundredths of a degree.
-    step_cdeg: u16,
-    /// Duration from column to column, microseconds.
-    step_us: u32,
+    /// Mean rotation from column to column in the newest packet, hundredths of a degree, ≥ 1.
+    step_cdeg: u32,
+    /// When the newest column was measured.
+    last_stamp: Stamp,
     /// The head turns so slowly that firings share columns.
     slow_head: bool,
 }
@@ -22,14 +28,23 @@ pub struct SweepBuilder {
 const SLOW_HEAD_CDEG: u32 = 18;
 /// Firings of a slow head closer together than this share a column, so that 1,800 columns are enough at any speed.
 const MERGE_CDEG: u32 = 20;
-/// Columns that a gap may hold: one revolution.
-const GAP_COLUMNS_MAX: u16 = 1_824;
+/// Columns that a gap may hold: two revolutions of a head at 600 rpm.
+const GAP_COLUMNS_MAX: u32 = 3_648;
+/// The head jitters; a step back by less than this is no turn of almost 360 degrees.
+const JITTER_CDEG: u32 = 500;
+const TURN_CDEG: u32 = 36_000;
 
 impl SweepBuilder {
     /// A builder that cuts where the azimuth passes `cut_cdeg` (0…35,999). Behind the robot is a good place.
     #[must_use]
     pub const fn new(cut_cdeg: u16) -> Self {
-        Self { cut_cdeg: cut_cdeg % 36_000, last_cdeg: None, step_cdeg: 20, step_us: 55, slow_head: false }
+        Self {
+            cut_cdeg: cut_cdeg % 36_000,
+            last_cdeg: None,
+            step_cdeg: 20,
+            last_stamp: Stamp::ZERO,
+            slow_head: false,
+        }
     }
 
     /// Adds a packet before which `lost_packets` are missing. `complete` is called with each revolution that ends
@@ -42,16 +57,15 @@ impl SweepBuilder {
         building: &mut Sweep<RINGS>,
         mut complete: impl FnMut(&mut Sweep<RINGS>),
     ) {
-        let columns_per_packet = packet.columns.len() as u16;
-        self.learn_steps(packet);
-        let missing = lost_packets.saturating_mul(columns_per_packet).min(GAP_COLUMNS_MAX);
-        if self.last_cdeg.is_some() {
-            self.enter_gap(missing, packet.stamp, building, &mut complete);
-        }
+        self.step_cdeg = mean_step_cdeg(packet).clamp(1, 200);
+        self.slow_head = self.step_cdeg < SLOW_HEAD_CDEG;
+        let missing = u32::from(lost_packets).saturating_mul(packet.columns.len() as u32);
+        self.enter_gap(missing, packet, building, &mut complete);
         building.lost_packets = building.lost_packets.saturating_add(lost_packets);
         for column in &packet.columns {
             let stamp = packet.stamp.plus_micros(u64::from(column.offset_us));
             self.enter(column.azimuth_cdeg, stamp, building, &mut complete);
+            self.last_stamp = stamp;
             if !(self.slow_head && merge(building, column)) {
                 push(building, stamp, packet.range_unit_mm, |slot| fill(slot, column));
             }
@@ -59,37 +73,47 @@ impl SweepBuilder {
         building.packets = building.packets.saturating_add(1);
     }
 
-    fn learn_steps(&mut self, packet: &LidarPacket) {
-        self.slow_head = mean_step_cdeg(packet) < SLOW_HEAD_CDEG;
-        let mut columns = packet.columns.iter();
-        if let (Some(first), Some(second)) = (columns.next(), columns.next()) {
-            let turned = (u32::from(second.azimuth_cdeg) + 36_000 - u32::from(first.azimuth_cdeg)) % 36_000;
-            self.step_cdeg = u16::try_from(turned).unwrap_or(20).clamp(1, 200);
-            self.step_us = second.offset_us.saturating_sub(first.offset_us).max(1);
-        }
-    }
-
+    /// Enters unknown columns between the newest column and the packet, evenly in azimuth and time.
     fn enter_gap<const RINGS: usize>(
         &mut self,
-        missing: u16,
-        end: Stamp,
+        missing: u32,
+        packet: &LidarPacket,
         building: &mut Sweep<RINGS>,
         complete: &mut impl FnMut(&mut Sweep<RINGS>),
     ) {
-        for index in 0..missing.min(GAP_COLUMNS_MAX) {
-            let last = self.last_cdeg.unwrap_or(0);
-            let from_cut = (u32::from(last) + u32::from(self.step_cdeg)) % 36_000;
-            let azimuth_cdeg = ((from_cut + u32::from(self.cut_cdeg)) % 36_000) as u16;
-            let before_end = u64::from(missing.saturating_sub(index)) * u64::from(self.step_us);
-            let stamp = end.minus_micros(before_end);
+        let (Some(last), Some(first)) = (self.last_cdeg, packet.columns.first()) else { return };
+        let last_cdeg = (u32::from(last) + u32::from(self.cut_cdeg)) % TURN_CDEG;
+        let turned_cdeg = self.turned_cdeg(last_cdeg, u32::from(first.azimuth_cdeg), missing);
+        // Steps of a packet alternate by rounding; a gap is more than half a column too many.
+        let spacing_cdeg = if self.slow_head { MERGE_CDEG } else { self.step_cdeg };
+        let columns = (turned_cdeg.saturating_add(spacing_cdeg / 2) / spacing_cdeg.max(1)).saturating_sub(1);
+        let (from, until) = (self.last_stamp.as_micros(), packet.stamp.as_micros());
+        let between_us = until.saturating_sub(from);
+        for index in 1..=columns.min(GAP_COLUMNS_MAX) {
+            let share = |whole: u64| whole.saturating_mul(u64::from(index)) / (u64::from(columns) + 1);
+            let turned = share(u64::from(turned_cdeg)) % u64::from(TURN_CDEG);
+            let azimuth_cdeg = ((u64::from(last_cdeg) + turned) % u64::from(TURN_CDEG)) as u16;
+            let stamp = Stamp::from_micros(from).plus_micros(share(between_us));
             self.enter(azimuth_cdeg, stamp, building, complete);
-            if self.slow_head && index % 2 == 1 {
-                continue;
-            }
             let unit = building.range_unit_mm;
             push(building, stamp, unit, |slot| {
                 *slot = SweepColumn { azimuth_cdeg, ..SweepColumn::UNKNOWN };
             });
+        }
+    }
+
+    /// How far the head turned from the newest column to the next packet: the azimuths tell it up to whole turns, the
+    /// missing columns tell whether there was one. At most two turns, which is as far back as anybody looks.
+    fn turned_cdeg(&self, last_cdeg: u32, first_cdeg: u32, missing: u32) -> u32 {
+        let within_turn = (first_cdeg + TURN_CDEG).saturating_sub(last_cdeg) % TURN_CDEG;
+        let expected = missing.saturating_add(1).saturating_mul(self.step_cdeg);
+        if within_turn > TURN_CDEG - JITTER_CDEG && expected < TURN_CDEG / 2 {
+            return 0;
+        }
+        if expected > within_turn.saturating_add(TURN_CDEG / 2) {
+            within_turn + TURN_CDEG
+        } else {
+            within_turn
         }
     }
 

@@ -1,0 +1,145 @@
+//! The sentence of a satellite receiver, as the lidar passes it on: `$GPRMC`, NMEA 0183.
+//!
+//! A lidar without a receiver sends one too, beginning at 2000-01-01, and week numbers roll over: the date is not
+//! given at all, and nothing may be used unless [`Gprmc::is_valid`] and the PPS is locked (wire-formats 1.8, 8).
+
+/// Time of day and place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gprmc {
+    /// The receiver's own judgement: letter A.
+    pub is_valid: bool,
+    /// Whole seconds since midnight, UTC.
+    pub seconds_of_day: u32,
+    /// Where; none while the receiver leaves the fields empty.
+    pub place: Option<Place>,
+}
+
+/// A place on the globe.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// Degrees north.
+    pub latitude_deg: f64,
+    /// Degrees east.
+    pub longitude_deg: f64,
+}
+
+/// Why a sentence gives nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum GprmcError {
+    /// It does not start with `$GPRMC,` or `$GNRMC,`.
+    Other,
+    /// The two digits behind the asterisk are missing or contradict the characters.
+    Checksum {
+        /// Exclusive or of the characters.
+        computed: u8,
+    },
+    /// A field is missing or out of its range; the number counts commas.
+    Field(u8),
+}
+
+impl core::fmt::Display for GprmcError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Other => write!(f, "no RMC sentence"),
+            Self::Checksum { computed } => write!(f, "RMC checksum is not {computed:02X}, as computed"),
+            Self::Field(number) => write!(f, "RMC field {number} is missing or out of its range"),
+        }
+    }
+}
+
+impl core::error::Error for GprmcError {}
+
+impl Gprmc {
+    /// Reads a sentence without its line end.
+    ///
+    /// # Errors
+    /// [`GprmcError`]; the sentence is not to be used.
+    pub fn parse(sentence: &str) -> Result<Self, GprmcError> {
+        let body = sentence.strip_prefix('$').ok_or(GprmcError::Other)?;
+        let (body, digits) = body.split_once('*').unwrap_or((body, ""));
+        let computed = body.bytes().fold(0, |sum, byte| sum ^ byte);
+        if u8::from_str_radix(digits, 16) != Ok(computed) {
+            return Err(GprmcError::Checksum { computed });
+        }
+        let mut fields = body.split(',');
+        if !matches!(fields.next(), Some("GPRMC" | "GNRMC")) {
+            return Err(GprmcError::Other);
+        }
+        let mut next = || fields.next().unwrap_or_default();
+        let (time, validity) = (next(), next());
+        let (latitude, north) = (next(), next());
+        let (longitude, east) = (next(), next());
+        let place = if latitude.is_empty() && longitude.is_empty() {
+            None
+        } else {
+            Some(Place {
+                latitude_deg: degrees(latitude, north, ("N", "S"), 90.0).ok_or(GprmcError::Field(3))?,
+                longitude_deg: degrees(longitude, east, ("E", "W"), 180.0).ok_or(GprmcError::Field(5))?,
+            })
+        };
+        let seconds_of_day = seconds_of_day(time).ok_or(GprmcError::Field(1))?;
+        Ok(Self { is_valid: validity == "A", seconds_of_day, place })
+    }
+}
+
+/// `hhmmss` with any fraction, which is dropped; a leap second counts.
+fn seconds_of_day(time: &str) -> Option<u32> {
+    let two = |range: core::ops::Range<usize>, limit: u32| -> Option<u32> {
+        time.get(range)?.parse().ok().filter(|value| *value < limit)
+    };
+    Some(two(0..2, 24)? * 3_600 + two(2..4, 60)? * 60 + two(4..6, 61)?)
+}
+
+/// `ddmm.mmm` or `dddmm.mmm` and its hemisphere.
+fn degrees(value: &str, hemisphere: &str, (plus, minus): (&str, &str), limit_deg: f64) -> Option<f64> {
+    let value: f64 = value.parse().ok()?;
+    let whole = libm::floor(value / 100.0);
+    let minutes = value - whole * 100.0;
+    let degrees = whole + minutes / 60.0;
+    let is_possible = (0.0..60.0).contains(&minutes) && (0.0..=limit_deg).contains(&degrees);
+    match hemisphere {
+        _ if !is_possible => None,
+        east_or_north if east_or_north == plus => Some(degrees),
+        west_or_south if west_or_south == minus => Some(-degrees),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sentence_without_a_fix_is_not_valid() {
+        let parsed = Gprmc::parse("$GPRMC,225446,V,4916.45,N,12311.12,W,000.5,054.7,191194,020.3,E*7F");
+        assert!(!parsed.expect("well-formed").is_valid);
+    }
+
+    #[test]
+    fn wrong_sentences_say_what_is_wrong() {
+        assert_eq!(Gprmc::parse(""), Err(GprmcError::Other));
+        assert_eq!(Gprmc::parse("$GPGGA*56"), Err(GprmcError::Other));
+        assert_eq!(Gprmc::parse("$GPRMC,225446*00"), Err(GprmcError::Checksum { computed: 0x64 }));
+        assert_eq!(
+            Gprmc::parse("$GPRMC,225446*64"),
+            Ok(Gprmc { is_valid: false, seconds_of_day: 82_486, place: None })
+        );
+        let half = "$GPRMC,225446,A,4916.45,X,12311.12,W*3E";
+        assert_eq!(Gprmc::parse(half), Err(GprmcError::Field(3)));
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn any_text_gives_a_value_or_an_error(text in "\\PC{0,90}", body in "[0-9.,NSEWAV-]{0,60}") {
+            let _ = Gprmc::parse(&text);
+            let body = std::format!("GPRMC,{body}");
+            let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+            if let Ok(parsed) = Gprmc::parse(&std::format!("${body}*{sum:02X}")) {
+                let inside = |place: Place| place.latitude_deg.abs() <= 90.0 && place.longitude_deg.abs() <= 180.0;
+                proptest::prop_assert!(parsed.place.is_none_or(inside));
+                proptest::prop_assert!(parsed.seconds_of_day <= 86_400);
+            }
+        }
+    }
+}

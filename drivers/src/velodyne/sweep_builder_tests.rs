@@ -1,0 +1,102 @@
+//! Revolutions with missing sectors, slow heads, and heads that jitter.
+
+extern crate std;
+use std::boxed::Box;
+use std::vec::Vec;
+
+use floorguard_core::sensing::{LidarPacket, Sweep};
+use floorguard_core::time::Stamp;
+
+use super::decoder_tests::packet;
+use super::*;
+
+const PERIOD_US: u32 = 1_327;
+
+/// Packet `number` of a head that turns 480 cdeg per packet, just under 600 rpm.
+fn columns(number: u32) -> LidarPacket {
+    let bytes = packet(480 * number, PERIOD_US * number, 500, [0x37, 0x22]);
+    let arrival = Stamp::from_micros(u64::from(PERIOD_US * number));
+    Decoder::new(ModelChoice::Auto).decode(&bytes, arrival).expect("a valid packet").0
+}
+
+/// (columns, of which measured, lost packets) of every complete sweep; azimuths must rise and stay neighbours.
+fn sweeps(received: impl IntoIterator<Item = (u32, u16)>) -> Vec<(usize, usize, u16)> {
+    let mut building = Box::new(Sweep::<16>::EMPTY);
+    let mut builder = SweepBuilder::new(18_000);
+    let mut all = Vec::new();
+    for (number, lost) in received {
+        builder.add(&columns(number), lost, &mut building, |sweep| {
+            let used = sweep.used_columns();
+            for pair in used.windows(2) {
+                let turned =
+                    (u32::from(pair[1].azimuth_cdeg) + 36_000 - u32::from(pair[0].azimuth_cdeg)) % 36_000;
+                assert!((10..=30).contains(&turned), "{turned} cdeg from column to column");
+                assert!(pair[0].offset_us < pair[1].offset_us);
+                let step_us = pair[1].offset_us - pair[0].offset_us;
+                assert!((50..=62).contains(&step_us), "{step_us} us from column to column");
+            }
+            assert!(used.iter().filter(|column| !column.measured).all(|column| column.range_raw == [0; 16]));
+            let measured = used.iter().filter(|column| column.measured).count();
+            all.push((sweep.column_count, measured, sweep.lost_packets));
+        });
+    }
+    all
+}
+
+#[test]
+fn whole_revolutions_have_all_their_columns() {
+    let all = sweeps((0..300).map(|number| (number, 0)));
+    assert_eq!(all.len(), 4);
+    assert!(all[1..].iter().all(|sweep| *sweep == (1_800, 1_800, 0)), "{all:?}");
+}
+
+#[test]
+fn a_missing_sector_is_there_and_unknown() {
+    let received = (0..300).filter(|number| !(100..105).contains(number));
+    let all = sweeps(received.map(|number| (number, if number == 105 { 5 } else { 0 })));
+    assert_eq!(all.len(), 4);
+    assert!(all.contains(&(1_800, 1_680, 5)), "{all:?}");
+}
+
+#[test]
+fn a_sector_missing_over_the_cut_makes_no_extra_sweep() {
+    // Packet 112 crosses the cut at 180 degrees (480 cdeg a packet: 37.5 packets).
+    for first in 105..113 {
+        for lost in 1..12_u16 {
+            let end = first + u32::from(lost);
+            let received = (0..300).filter(|number| !(first..end).contains(number));
+            let all = sweeps(received.map(|number| (number, if number == end { lost } else { 0 })));
+            assert_eq!(all.len(), 4, "packets {first} to {end}");
+            assert!(all[1..].iter().all(|sweep| (1_799..=1_801).contains(&sweep.0)), "{all:?}");
+        }
+    }
+}
+
+#[test]
+fn a_sector_that_nobody_reported_missing_is_unknown_too() {
+    let received = (0..200).filter(|number| !(100..105).contains(number));
+    let all = sweeps(received.map(|number| (number, 0)));
+    assert!(all.contains(&(1_800, 1_680, 0)), "{all:?}");
+}
+
+#[test]
+fn a_whole_missing_revolution_is_unknown() {
+    let received = (0..300).filter(|number| !(100..190).contains(number));
+    let all = sweeps(received.map(|number| (number, if number == 190 { 90 } else { 0 })));
+    assert_eq!(all.len(), 4);
+    let measured: usize = all[1..].iter().map(|sweep| sweep.1).sum();
+    assert_eq!(measured, 3 * 1_800 - 90 * 24);
+}
+
+#[test]
+fn a_sweep_that_is_full_counts_what_it_drops() {
+    // A head that swings back by a packet again and again never passes the cut.
+    let mut building = Box::new(Sweep::<16>::EMPTY);
+    let mut builder = SweepBuilder::new(18_000);
+    for number in 0..100_u64 {
+        let mut packet = columns(40);
+        packet.stamp = Stamp::from_micros(number * 1_327);
+        builder.add(&packet, 0, &mut building, |_| panic!("nothing is complete"));
+    }
+    assert_eq!((building.column_count, building.dropped_columns), (1_824, 2_400 - 1_824));
+}
