@@ -36,7 +36,12 @@ pub fn settle_model(path: &std::path::Path, choice: ModelChoice) -> anyhow::Resu
     let mut last_error = None;
     let mut seen = 0;
     for datagram in Capture::open(path)? {
-        let Ok(datagram) = datagram else { break };
+        let datagram = match datagram {
+            Ok(datagram) => datagram,
+            // What is wrong with the file tells more than what is missing in it.
+            Err(error) if seen == 0 => return Err(error.into()),
+            Err(_) => break,
+        };
         if datagram.destination_port != LIDAR_DATA_PORT {
             continue;
         }
