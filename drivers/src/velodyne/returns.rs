@@ -12,6 +12,8 @@ use super::packet::Packet;
 pub struct Return {
     /// Nanoseconds after the stamp of the packet.
     pub offset_ns: u32,
+    /// Block of the packet, 0…11.
+    pub block: u8,
     /// Laser, in the order of the wire.
     pub laser: u8,
     /// Azimuth rounded to hundredths of a degree, 0…35,999, clockwise.
@@ -47,6 +49,12 @@ impl Returns {
         Self { model, angles: model.angles() }
     }
 
+    /// Of which model.
+    #[must_use]
+    pub const fn model(&self) -> Model {
+        self.model
+    }
+
     /// Calls `each` for every return of the packet, in the order of the wire. At most 384.
     pub fn for_each(&self, packet: &Packet<'_>, of: ReturnsOf, mut each: impl FnMut(Return)) {
         let dual = packet.is_dual();
@@ -66,7 +74,7 @@ impl Returns {
                 }
                 let within_ns = self.within_block_ns(channel);
                 each(self.place(
-                    Cell { channel, distance_raw, reflectivity },
+                    Cell { block: index as u8, channel, distance_raw, reflectivity },
                     block.azimuth_cdeg,
                     (gap, within_ns),
                     time_step.saturating_mul(self.model.block_ns()).saturating_add(within_ns),
@@ -98,6 +106,7 @@ impl Returns {
         let horizontal_m = range_m * angles.cos;
         Return {
             offset_ns,
+            block: cell.block,
             laser: laser as u8,
             azimuth_cdeg,
             distance_raw: cell.distance_raw,
@@ -112,6 +121,7 @@ impl Returns {
 }
 
 struct Cell {
+    block: u8,
     channel: usize,
     distance_raw: u16,
     reflectivity: u8,
