@@ -20,17 +20,21 @@ pub struct CandidateLimits {
     pub top_min_m: f32,
 }
 
-impl Default for CandidateLimits {
+impl CandidateLimits {
     /// Widths and heights of algorithms A.2; bottom and top are ours, for adults and children from 0.8 m.
+    pub const DEFAULT: Self = Self {
+        width_min_m: 0.1,
+        width_max_m: 1.0,
+        height_min_m: 0.4,
+        height_max_m: 2.0,
+        bottom_max_m: 0.7,
+        top_min_m: 0.8,
+    };
+}
+
+impl Default for CandidateLimits {
     fn default() -> Self {
-        Self {
-            width_min_m: 0.1,
-            width_max_m: 1.0,
-            height_min_m: 0.4,
-            height_max_m: 2.0,
-            bottom_max_m: 0.7,
-            top_min_m: 0.8,
-        }
+        Self::DEFAULT
     }
 }
 
@@ -70,7 +74,9 @@ impl CandidateLimits {
         if !(fits && stands && reaches && tall) {
             return None;
         }
-        Some(shape_score(widest_m, cluster.upper.z_m.min(1.8), height_m))
+        let score = shape_score(widest_m, cluster.upper.z_m.min(1.8), height_m);
+        // A slice of a shelf between two customers has the breadth of a gap, not its own.
+        Some(if cluster.occluded { score * OCCLUDED_SHARE } else { score })
     }
 }
 
@@ -86,6 +92,8 @@ impl CandidateLimits {
     }
 }
 
+/// What the shape of a half-hidden thing is worth.
+const OCCLUDED_SHARE: f32 = 0.7;
 /// A pair of shoulders with arms, metres.
 const UPPER_BODY_WIDTH_MAX_M: f32 = 0.8;
 /// Returns that make a torso.

@@ -21,9 +21,14 @@ pub struct ClusterLimits {
     pub range_max_m: f32,
 }
 
+impl ClusterLimits {
+    /// The values of the parameters' own documentation.
+    pub const DEFAULT: Self = Self { gap_m: 0.2, points_min: 5, range_max_m: 40.0 };
+}
+
 impl Default for ClusterLimits {
     fn default() -> Self {
-        Self { gap_m: 0.2, points_min: 5, range_max_m: 40.0 }
+        Self::DEFAULT
     }
 }
 
@@ -42,6 +47,7 @@ pub struct Cluster {
     pub nearest_m: f32,
     /// Something nearer hides its left or its right edge.
     pub occluded: bool,
+    hidden_edges: u16,
     sums: [f32; 3],
     root: u16,
 }
@@ -50,6 +56,12 @@ pub struct Cluster {
 const COLUMNS_BACK: usize = 3;
 /// Rings looked down in the same column: bridges one missing return.
 const RINGS_DOWN: usize = 2;
+/// A smooth surface may recede by this many gaps from column to column: grazing angles down to 2° at 12 m.
+const SMOOTH_GAPS: i32 = 5;
+/// What hides must be this much nearer, counts of 2 mm: 0.3 m.
+const HIDDEN_COUNTS: u16 = 150;
+/// Rings with a hidden edge that make a thing occluded; one alone is a stray return.
+const HIDDEN_EDGES_MIN: u16 = 2;
 /// A mark with this bit holds the index of a cluster, one without it a size.
 const INDEX: u16 = 0x8000;
 /// Marks a set whose cluster was given up for a nearer one.
@@ -94,14 +106,14 @@ impl Clusterer {
         *slot = counts.max(1);
         self.sets.insert(cell);
         let gap = (limits.gap_m * 500.0) as u16;
-        for back in 1..=COLUMNS_BACK {
-            if let Some(neighbour) = cell.checked_sub(back * SWEEP_RINGS) {
-                self.join_if_close(cell, neighbour, gap);
-            }
+        let backwards = (1..=COLUMNS_BACK).filter_map(|back| cell.checked_sub(back * SWEEP_RINGS));
+        // The nearest neighbour that is close is enough: it is itself joined with those before it.
+        let joined = { backwards }.any(|neighbour| self.join_if_close(cell, neighbour, gap));
+        if !joined {
+            self.join_if_smooth(cell, gap);
         }
-        for down in 1..=RINGS_DOWN.min(ring) {
-            self.join_if_close(cell, cell.saturating_sub(down), gap);
-        }
+        let _ =
+            (1..=RINGS_DOWN.min(ring)).any(|down| self.join_if_close(cell, cell.saturating_sub(down), gap));
     }
 
     /// Joins the end of the revolution with its start.
@@ -115,20 +127,46 @@ impl Clusterer {
         }
     }
 
-    fn join_if_close(&mut self, cell: usize, neighbour: usize, gap: u16) {
-        let distance = self.distances.get(cell).copied().unwrap_or(0);
-        let other = self.distances.get(neighbour).copied().unwrap_or(0);
-        if distance != 0 && other != 0 && distance.abs_diff(other) <= gap {
+    fn join_if_close(&mut self, cell: usize, neighbour: usize, gap: u16) -> bool {
+        let (distance, other) = (self.counts(cell), self.counts(neighbour));
+        let close = distance != 0 && other != 0 && distance.abs_diff(other) <= gap;
+        if close {
             self.sets.join(cell, neighbour);
         }
+        close
+    }
+
+    /// Joins a wall or a shelf that is seen at a grazing angle: its distance grows by far more than the gap from column
+    /// to column, but steadily. Where a person stands before a wall the distance jumps once.
+    fn join_if_smooth(&mut self, cell: usize, gap: u16) {
+        let (Some(near), Some(far)) = (cell.checked_sub(SWEEP_RINGS), cell.checked_sub(2 * SWEEP_RINGS))
+        else {
+            return;
+        };
+        let distances = [self.counts(cell), self.counts(near), self.counts(far)];
+        if distances.contains(&0) {
+            return;
+        }
+        let [newest, middle, oldest] = distances.map(i32::from);
+        let (step, before) = (newest.saturating_sub(middle), middle.saturating_sub(oldest));
+        let gap = i32::from(gap);
+        if step.abs() <= gap * SMOOTH_GAPS && step.abs_diff(before) <= gap.unsigned_abs() {
+            self.sets.join(cell, near);
+            self.sets.join(near, far);
+        }
+    }
+
+    /// Distance in counts, 0 = no obstacle.
+    fn counts(&self, cell: usize) -> u16 {
+        self.distances.get(cell).copied().unwrap_or(0)
     }
 
     /// Counts the sets; must come after the last [`Self::enter`] and before [`Self::add`].
     pub(super) fn count(&mut self) {
+        self.sets.flatten();
         self.marks.fill(0);
-        for cell in 0..CELLS {
-            let root = self.sets.root(cell);
-            if let Some(size) = self.marks.get_mut(usize::from(root)).filter(|_| root != NONE) {
+        for root in self.sets.parents().iter().filter(|root| **root != NONE) {
+            if let Some(size) = self.marks.get_mut(usize::from(*root)) {
                 // At most 29,184: never reaches the index bit.
                 *size = size.saturating_add(1);
             }
@@ -138,15 +176,21 @@ impl Clusterer {
     /// Adds the point of a cell to its cluster.
     pub(super) fn add(&mut self, column: usize, ring: usize, point: Point3, limits: &ClusterLimits) {
         let cell = column.saturating_mul(SWEEP_RINGS).saturating_add(ring);
-        if !self.sets.contains(cell) {
-            return;
-        }
-        let root = self.sets.root(cell);
+        let Some(root) = self.sets.parents().get(cell).copied().filter(|root| *root != NONE) else { return };
         let nearest_m = f32::from(self.distances.get(cell).copied().unwrap_or(0)) * 0.002;
         let Some(index) = self.cluster_of(root, point, nearest_m, limits) else { return };
+        let hidden = self.is_hidden(cell);
         if let Some(cluster) = self.clusters.get_mut(index) {
             cluster.include(point, nearest_m);
+            cluster.hidden_edges = cluster.hidden_edges.saturating_add(u16::from(hidden));
         }
+    }
+
+    /// The next column of the same ring shows something nearer: it hides what may go on behind.
+    fn is_hidden(&self, cell: usize) -> bool {
+        let limit = self.counts(cell).saturating_sub(HIDDEN_COUNTS);
+        let neighbours = [cell.saturating_sub(SWEEP_RINGS), cell.saturating_add(SWEEP_RINGS)];
+        neighbours.iter().any(|neighbour| (1..limit).contains(&self.counts(*neighbour)))
     }
 
     /// Index of the cluster of a set; makes one at its first cell.
@@ -207,6 +251,7 @@ impl Clusterer {
         for cluster in &mut self.clusters {
             let count = f32::from(cluster.points.max(1));
             let [x, y, z] = cluster.sums;
+            cluster.occluded = cluster.hidden_edges >= HIDDEN_EDGES_MIN;
             cluster.centroid = Point3::new(x / count, y / count, z / count);
         }
     }
@@ -225,6 +270,7 @@ impl Cluster {
             centroid: point,
             nearest_m,
             occluded: false,
+            hidden_edges: 0,
             sums: [0.0; 3],
             root,
         }

@@ -4,39 +4,102 @@
 //! the distance walked: ramps and a pitching robot pass, a shoe does not. The allowance is a slope; the height limit
 //! keeps a low table from being called a ramp.
 
-use crate::capacities::SWEEP_RINGS;
+use super::projection::{ColumnFrame, RingAngles};
+use crate::capacities::{SWEEP_COLUMNS, SWEEP_RINGS};
+use crate::geometry::{Transform3, Twist2};
+use crate::sensing::Sweep;
 
 /// Height that a floor return may differ at any distance, metres: range noise of ±3 cm at 15° and tile gaps.
 const ROUGHNESS_M: f32 = 0.06;
 /// Slope that still is a floor: 8.5°, more than any ramp that a scrubber climbs.
 const SLOPE: f32 = 0.15;
+/// The slope is only allowed for over this much floor, metres: between far rings lie several metres, and the foot of a
+/// wall must not pass for a ramp. What goes on as steeply as before passes at any distance.
+const SLOPE_RUN_M: f32 = 0.4;
+/// Horizontal distance between a foot and the leg above it, metres: range noise of both.
+const FOOT_M: f32 = 0.1;
+/// Share of a new step in the slope that is expected to go on.
+const SLOPE_GAIN: f32 = 0.5;
 /// Highest floor at the robot, metres, and its growth with distance (half the slope: a ramp may begin later).
 const HIGHEST_M: f32 = 0.15;
 const HIGHEST_SLOPE: f32 = 0.07;
 
-/// One return of a column: horizontal distance from the robot's lidar and height above its floor.
+/// The returns of a column, per ring: horizontal distance from the lidar and height above the robot's floor, metres.
+/// Meaningless where the ring has no return.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Profile {
-    pub(super) distance_m: f32,
-    pub(super) height_m: f32,
-    /// There is a return.
-    pub(super) present: bool,
+    pub(super) distance_m: [f32; SWEEP_RINGS],
+    pub(super) height_m: [f32; SWEEP_RINGS],
 }
 
-/// Marks the returns of one column that are floor.
-pub(super) fn classify(column: &[Profile; SWEEP_RINGS]) -> [bool; SWEEP_RINGS] {
-    let mut floor = [false; SWEEP_RINGS];
-    let (mut last_distance_m, mut last_height_m) = (0.0_f32, 0.0_f32);
-    for (is_floor, cell) in floor.iter_mut().zip(column) {
-        if !cell.present {
-            continue;
+/// Which returns of a sweep are floor: one word per column, one bit per ring. 3.6 KiB.
+#[derive(Clone, Debug)]
+pub struct FloorMask {
+    columns: [u16; SWEEP_COLUMNS],
+}
+
+impl Default for FloorMask {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl FloorMask {
+    /// Nothing is floor.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { columns: [0; SWEEP_COLUMNS] }
+    }
+
+    /// Marks the floor of a sweep. Linear in its cells, constant per column.
+    pub fn find(&mut self, sweep: &Sweep, angles: &RingAngles, sensor_in_base: &Transform3) {
+        self.columns.fill(0);
+        for (marks, column) in self.columns.iter_mut().zip(sweep.used_columns()) {
+            if column.measured {
+                // Where the robot drove meanwhile does not change a height.
+                let frame = ColumnFrame::new(sweep, column, sensor_in_base, Twist2::ZERO);
+                *marks = classify(&column.range_raw, &frame.profile(&column.range_raw, angles));
+            }
         }
-        let walked_m = (cell.distance_m - last_distance_m).max(0.0);
-        let near_the_last = (cell.height_m - last_height_m).abs() <= ROUGHNESS_M + SLOPE * walked_m;
-        let low_enough = cell.height_m <= HIGHEST_M + HIGHEST_SLOPE * cell.distance_m;
-        if near_the_last && low_enough {
-            *is_floor = true;
-            (last_distance_m, last_height_m) = (cell.distance_m, cell.height_m);
+    }
+
+    /// The return of a cell is floor.
+    #[must_use]
+    pub fn is_floor(&self, column: usize, ring: usize) -> bool {
+        self.columns.get(column).is_some_and(|marks| bit(*marks, ring))
+    }
+}
+
+const _: () = assert!(SWEEP_RINGS <= 16);
+
+/// The bit of a ring.
+pub(super) const fn bit(marks: u16, ring: usize) -> bool {
+    ring < 16 && marks.wrapping_shr(ring as u32) & 1 != 0
+}
+
+/// Marks the returns of one column that are floor, a bit each.
+pub(super) fn classify(raw: &[u16; SWEEP_RINGS], profile: &Profile) -> u16 {
+    let mut floor = 0_u16;
+    let (mut last_distance_m, mut last_height_m, mut slope) = (0.0_f32, 0.0_f32, 0.0_f32);
+    // Ring and distance of the newest floor return, until something follows it.
+    let mut newest: Option<(usize, f32)> = None;
+    let cells = raw.iter().zip(&profile.distance_m).zip(&profile.height_m).enumerate();
+    for (ring, ((_, distance_m), height_m)) in cells.filter(|(_, ((raw, _), _))| **raw != 0) {
+        let walked_m = (distance_m - last_distance_m).max(0.0);
+        let rise_m = height_m - last_height_m;
+        let allowed_m = ROUGHNESS_M + SLOPE * walked_m.min(SLOPE_RUN_M);
+        let near_the_last = (rise_m - slope * walked_m).abs() <= allowed_m;
+        if near_the_last && *height_m <= HIGHEST_M + HIGHEST_SLOPE * distance_m {
+            floor |= 1_u16.wrapping_shl(ring as u32);
+            let step = rise_m / walked_m.max(SLOPE_RUN_M);
+            slope += SLOPE_GAIN * (step.clamp(-SLOPE, SLOPE) - slope);
+            (last_distance_m, last_height_m) = (*distance_m, *height_m);
+            newest = Some((ring, *distance_m));
+        } else if let Some((below, foot_m)) = newest.take()
+            && (distance_m - foot_m).abs() < FOOT_M
+        {
+            // Something upright begins right above: what looked like floor is its foot.
+            floor &= !1_u16.wrapping_shl(below as u32);
         }
     }
     floor
@@ -46,26 +109,34 @@ pub(super) fn classify(column: &[Profile; SWEEP_RINGS]) -> [bool; SWEEP_RINGS] {
 mod tests {
     use super::*;
 
-    fn column(cells: &[(f32, f32)]) -> [Profile; SWEEP_RINGS] {
-        let mut column = [Profile::default(); SWEEP_RINGS];
-        for (cell, (distance_m, height_m)) in column.iter_mut().zip(cells) {
-            *cell = Profile { distance_m: *distance_m, height_m: *height_m, present: true };
+    fn marks(cells: &[(f32, f32)]) -> u16 {
+        let (mut raw, mut profile) = ([0; SWEEP_RINGS], Profile::default());
+        for (ring, (distance_m, height_m)) in cells.iter().enumerate() {
+            raw[ring] = 1;
+            (profile.distance_m[ring], profile.height_m[ring]) = (*distance_m, *height_m);
         }
-        column
+        classify(&raw, &profile)
     }
 
     #[test]
     fn a_flat_floor_ends_at_a_leg() {
-        let marks =
-            classify(&column(&[(3.0, 0.01), (3.5, -0.02), (4.2, 0.0), (4.3, 0.18), (4.3, 0.35), (4.3, 1.0)]));
-        assert_eq!(marks[..6], [true, true, true, false, false, false]);
+        let leg = [(3.0, 0.01), (3.5, -0.02), (4.2, 0.0), (4.8, 0.18), (4.8, 0.35), (4.8, 1.0)];
+        assert_eq!(marks(&leg), 0b00_0111);
+    }
+
+    #[test]
+    fn the_foot_of_a_wall_belongs_to_the_wall() {
+        assert_eq!(marks(&[(3.0, 0.0), (4.0, 0.02), (4.02, 0.15), (4.0, 0.3)]), 0b0001);
+    }
+
+    #[test]
+    fn a_far_wall_is_no_ramp() {
+        assert_eq!(marks(&[(6.5, 0.0), (9.1, 0.02), (13.0, 0.35), (13.0, 0.8)]), 0b0011);
     }
 
     #[test]
     fn a_ramp_is_floor_and_a_table_is_not() {
-        let ramp = classify(&column(&[(3.0, 0.0), (4.0, 0.08), (5.0, 0.16), (6.0, 0.24)]));
-        assert_eq!(ramp[..4], [true; 4]);
-        let table = classify(&column(&[(3.0, 0.0), (3.2, 0.7), (3.4, 0.7), (3.7, 0.7)]));
-        assert_eq!(table[..4], [true, false, false, false]);
+        assert_eq!(marks(&[(3.0, 0.0), (4.0, 0.08), (5.0, 0.16), (6.0, 0.24)]), 0b1111);
+        assert_eq!(marks(&[(3.0, 0.0), (3.2, 0.7), (3.4, 0.7), (3.7, 0.7)]), 0b0001);
     }
 }

@@ -18,6 +18,7 @@ pub use candidates::{CandidateLimits, Detection};
 pub use clusters::{Cluster, ClusterLimits};
 pub use filter::ConstantVelocity;
 pub use floor_height::FloorHeight;
+pub use ground::FloorMask;
 pub use pipeline::{PeopleCounters, PeopleOutput, PeoplePipeline, SweepContext};
 pub use projection::RingAngles;
 pub use tracker::{Track, TrackStatus, Tracker, TrackerParameters};

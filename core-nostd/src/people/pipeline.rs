@@ -4,11 +4,11 @@ use heapless::Vec;
 
 use super::candidates::{CandidateLimits, Detection};
 use super::clusters::{Cluster, ClusterLimits, Clusterer};
-use super::ground::{self, Profile};
+use super::ground;
 use super::projection::{ColumnFrame, RingAngles};
 use super::tracker::{DETECTIONS_MAX, Track, Tracker, TrackerParameters};
 use super::visibility::Visibility;
-use crate::capacities::{CLUSTERS_MAX, SWEEP_RINGS};
+use crate::capacities::CLUSTERS_MAX;
 use crate::geometry::{Point2, Pose2, Transform3, Twist2};
 use crate::sensing::{Sweep, SweepColumn};
 
@@ -41,6 +41,18 @@ pub struct PeopleCounters {
     pub dropped_candidates: u32,
     /// Columns that were not measured.
     pub unknown_columns: u32,
+}
+
+impl PeopleCounters {
+    const ZERO: Self = Self {
+        points: 0,
+        floor_points: 0,
+        clusters: 0,
+        candidates: 0,
+        dropped_clusters: 0,
+        dropped_candidates: 0,
+        unknown_columns: 0,
+    };
 }
 
 /// What a sweep told.
@@ -78,17 +90,17 @@ const SIGMA_PER_M: f32 = 0.004;
 impl PeoplePipeline {
     /// Nothing seen yet.
     #[must_use]
-    pub fn new(angles: RingAngles) -> Self {
+    pub const fn new(angles: RingAngles) -> Self {
         Self {
             angles,
-            cluster_limits: ClusterLimits::default(),
-            candidate_limits: CandidateLimits::default(),
+            cluster_limits: ClusterLimits::DEFAULT,
+            candidate_limits: CandidateLimits::DEFAULT,
             clusterer: Clusterer::new(),
             things: Vec::new(),
             visibility: Visibility::new(),
             detections: Vec::new(),
-            tracker: Tracker::new(TrackerParameters::default()),
-            counters: PeopleCounters::default(),
+            tracker: Tracker::new(TrackerParameters::DEFAULT),
+            counters: PeopleCounters::ZERO,
         }
     }
 
@@ -115,7 +127,12 @@ impl PeoplePipeline {
             }
         }
         self.gather(sweep, context);
-        self.things.clone_from(&self.clusterer.clusters);
+        // Element by element: a clone of the whole vector would pass over the stack.
+        self.things.clear();
+        for thing in &self.clusterer.clusters {
+            // Same capacity: never full.
+            let _ = self.things.push(*thing);
+        }
         self.counters.clusters = self.things.len() as u32;
         self.counters.dropped_clusters = self.clusterer.dropped;
     }
@@ -172,23 +189,17 @@ impl PeoplePipeline {
     }
 
     fn enter_column(&mut self, index: usize, column: &SweepColumn, frame: &ColumnFrame) {
-        let mut profile = [Profile::default(); SWEEP_RINGS];
-        for ((cell, raw), angle) in profile.iter_mut().zip(column.range_raw).zip(self.angles.rings) {
-            let distance_m = frame.range_m(raw) * angle.1;
-            *cell = Profile { distance_m, height_m: frame.height_m(raw, angle), present: raw != 0 };
-        }
+        let profile = frame.profile(&column.range_raw, &self.angles);
         self.visibility.column(column.azimuth_cdeg);
-        let floor = ground::classify(&profile);
-        for (ring, (cell, is_floor)) in profile.iter().zip(floor).enumerate() {
-            if !cell.present {
-                continue;
-            }
+        let floor = ground::classify(&column.range_raw, &profile);
+        let cells = column.range_raw.iter().zip(profile.distance_m).zip(profile.height_m).enumerate();
+        for (ring, ((_, distance_m), height_m)) in cells.filter(|(_, ((raw, _), _))| **raw != 0) {
             self.counters.points = self.counters.points.saturating_add(1);
-            if is_floor {
+            if ground::bit(floor, ring) {
                 self.counters.floor_points = self.counters.floor_points.saturating_add(1);
-            } else if cell.distance_m <= self.cluster_limits.range_max_m && cell.height_m < CEILING_M {
-                self.clusterer.enter(index, ring, cell.distance_m, &self.cluster_limits);
-                self.visibility.obstacle(column.azimuth_cdeg, cell.distance_m);
+            } else if distance_m <= self.cluster_limits.range_max_m && height_m < CEILING_M {
+                self.clusterer.enter(index, ring, distance_m, &self.cluster_limits);
+                self.visibility.obstacle(column.azimuth_cdeg, distance_m);
             }
         }
     }

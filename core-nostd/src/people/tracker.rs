@@ -30,18 +30,23 @@ pub struct TrackerParameters {
     pub duplicate_m: f32,
 }
 
+impl TrackerParameters {
+    /// The values of the parameters' own documentation.
+    pub const DEFAULT: Self = Self {
+        acceleration_density: 0.4,
+        gate: 3.035,
+        sightings_min: 3,
+        tentative_misses_max: 2,
+        coast_max_us: 2_000_000,
+        missed_max_us: 700_000,
+        variance_max_m2: 1.0,
+        duplicate_m: 0.5,
+    };
+}
+
 impl Default for TrackerParameters {
     fn default() -> Self {
-        Self {
-            acceleration_density: 0.4,
-            gate: 3.035,
-            sightings_min: 3,
-            tentative_misses_max: 2,
-            coast_max_us: 2_000_000,
-            missed_max_us: 700_000,
-            variance_max_m2: 1.0,
-            duplicate_m: 0.5,
-        }
+        Self::DEFAULT
     }
 }
 
@@ -93,7 +98,21 @@ pub struct Tracker {
     pub dropped: u32,
     /// Sweeps refused because they were older than the newest one.
     pub late: u32,
+    /// Pairs of track and detection not considered for want of room.
+    pub dropped_pairs: u32,
+    pairs: Vec<Pair, PAIRS_MAX>,
 }
+
+/// A detection within the gate of a track.
+#[derive(Clone, Copy, Debug)]
+struct Pair {
+    cost: f32,
+    row: u16,
+    column: u16,
+}
+
+/// Pairs of one association: each track may have eight detections within its gate.
+const PAIRS_MAX: usize = 8 * TRACKS_MAX;
 
 /// Detections that take part in one association.
 pub const DETECTIONS_MAX: usize = 2 * TRACKS_MAX;
@@ -104,7 +123,16 @@ impl Tracker {
     /// Nobody yet.
     #[must_use]
     pub const fn new(parameters: TrackerParameters) -> Self {
-        Self { parameters, tracks: Vec::new(), next_id: 1, now: None, dropped: 0, late: 0 }
+        Self {
+            parameters,
+            tracks: Vec::new(),
+            next_id: 1,
+            now: None,
+            dropped: 0,
+            late: 0,
+            dropped_pairs: 0,
+            pairs: Vec::new(),
+        }
     }
 
     /// The tracks, oldest first.
@@ -114,7 +142,7 @@ impl Tracker {
     }
 
     /// Takes in the detections of one moment. `visible` tells whether a person at a point of the fixed frame could
-    /// have been seen. At most tracks × detections × tracks comparisons.
+    /// have been seen. Tracks × detections gate tests.
     pub fn update(&mut self, stamp: Stamp, detections: &[Detection], visible: impl Fn(Point2) -> bool) {
         if !self.predict(stamp) {
             self.late = self.late.saturating_add(1);
@@ -152,25 +180,32 @@ impl Tracker {
         true
     }
 
-    /// Greedy minimum assignment (K14) by d² + ln S, so that an uncertain track does not win (D.4).
+    /// Greedy minimum assignment (K14) by d² + ln S, so that an uncertain track does not win (D.4). Only pairs within
+    /// the gate are kept and sorted once; ties go to the older track, then to the earlier detection.
     fn associate(&mut self, stamp: Stamp, detections: &[Detection]) -> [bool; DETECTIONS_MAX] {
-        let mut used = [false; DETECTIONS_MAX];
-        for _ in 0..TRACKS_MAX {
-            let mut best: Option<(f32, usize, usize)> = None;
-            for (row, track) in self.tracks.iter().enumerate().filter(|(_, track)| track.last_seen != stamp) {
-                let free = detections.iter().zip(&used).enumerate().filter(|(_, (_, used))| !**used);
-                for (column, (detection, _)) in free {
-                    let cost = self.cost(track, detection);
-                    if cost.is_some_and(|cost| best.is_none_or(|(lowest, ..)| cost < lowest)) {
-                        best = cost.map(|cost| (cost, row, column));
-                    }
+        self.pairs.clear();
+        for row in 0..self.tracks.len().min(TRACKS_MAX) {
+            for (column, detection) in detections.iter().enumerate().take(DETECTIONS_MAX) {
+                let Some(cost) = self.tracks.get(row).and_then(|track| self.cost(track, detection)) else {
+                    continue;
+                };
+                if self.pairs.push(Pair { cost, row: row as u16, column: column as u16 }).is_err() {
+                    self.dropped_pairs = self.dropped_pairs.saturating_add(1);
                 }
             }
-            let Some((_, row, column)) = best else { break };
-            if let (Some(track), Some(detection)) = (self.tracks.get_mut(row), detections.get(column)) {
+        }
+        self.pairs.sort_unstable_by(|a, b| {
+            a.cost.total_cmp(&b.cost).then((a.row, a.column).cmp(&(b.row, b.column)))
+        });
+        let mut used = [false; DETECTIONS_MAX];
+        for pair in &self.pairs {
+            let (row, column) = (usize::from(pair.row), usize::from(pair.column));
+            let (Some(track), Some(detection)) = (self.tracks.get_mut(row), detections.get(column)) else {
+                continue;
+            };
+            let Some(taken) = used.get_mut(column).filter(|taken| !**taken) else { continue };
+            if track.last_seen != stamp {
                 track.see(stamp, detection, self.parameters.sightings_min);
-            }
-            if let Some(taken) = used.get_mut(column) {
                 *taken = true;
             }
         }
@@ -206,8 +241,10 @@ impl Tracker {
     }
 }
 
-/// A person who stands still is told from a pillar by the shape alone: the belief stays below one half until the
-/// track has walked this far, metres.
+/// What the shape alone can make a track believe: somebody who stands still and looks just like a person passes one
+/// half, a shelf or half a pillar does not. The rest comes from walking.
+const SHAPE_SHARE: f32 = 0.6;
+/// A track has walked when it is this far from where it was first seen, metres.
 const WALKED_M: f32 = 0.6;
 
 impl Track {
@@ -216,7 +253,7 @@ impl Track {
             id,
             state: ConstantVelocity::new(detection.position, Point2::default(), 0.2, 1.0),
             status: TrackStatus::Tentative,
-            person_probability: 0.5 * detection.likeness,
+            person_probability: SHAPE_SHARE * detection.likeness,
             moving_probability: 0.0,
             sightings: 1,
             created: stamp,
@@ -238,8 +275,8 @@ impl Track {
         let walking = walked_m > WALKED_M && self.state.speed_mps() > 0.25;
         self.moving_probability += 0.3 * (f32::from(u8::from(walking)) - self.moving_probability);
         // What has walked once is a person even while it stands (people stop to look at shelves).
-        let walked = (walked_m / (2.0 * WALKED_M)).min(1.0) * 0.5;
-        let looks = (0.5 * detection.likeness + walked).max(self.person_probability * 0.98);
+        let walked = (walked_m / (2.0 * WALKED_M)).min(1.0) * (1.0 - SHAPE_SHARE);
+        let looks = (SHAPE_SHARE * detection.likeness + walked).max(self.person_probability * 0.98);
         self.person_probability += 0.3 * (looks - self.person_probability);
     }
 

@@ -34,11 +34,6 @@ impl UnionFind {
         }
     }
 
-    /// The cell is in a set.
-    pub(super) fn contains(&self, cell: usize) -> bool {
-        self.parents.get(cell).is_some_and(|parent| *parent != NONE)
-    }
-
     /// The set of a cell; [`NONE`] if it is in none.
     pub(super) fn root(&mut self, cell: usize) -> u16 {
         let mut current = cell;
@@ -56,8 +51,29 @@ impl UnionFind {
         current as u16
     }
 
+    /// Lets every cell point straight at its root. Parents always have smaller indices, so one pass upwards does it.
+    pub(super) fn flatten(&mut self) {
+        for cell in 0..CELLS {
+            let Some(parent) = self.parents.get(cell).copied().filter(|parent| *parent != NONE) else {
+                continue;
+            };
+            let root = self.parents.get(usize::from(parent)).copied().unwrap_or(parent);
+            if let Some(entry) = self.parents.get_mut(cell) {
+                *entry = root;
+            }
+        }
+    }
+
+    /// The parent of each cell: after [`Self::flatten`] its root, [`NONE`] if it is in no set.
+    pub(super) const fn parents(&self) -> &[u16; CELLS] {
+        &self.parents
+    }
+
     /// Joins the sets of two cells that are both in one.
     pub(super) fn join(&mut self, first: usize, second: usize) {
+        if self.parents.get(first) == self.parents.get(second) {
+            return;
+        }
         let (a, b) = (self.root(first), self.root(second));
         if a == b || a == NONE || b == NONE {
             return;
@@ -91,5 +107,7 @@ mod tests {
         (0..CELLS).for_each(|cell| sets.insert(cell));
         (1..CELLS).rev().for_each(|cell| sets.join(cell - 1, cell));
         assert!((0..CELLS).all(|cell| sets.root(cell) == 0));
+        sets.flatten();
+        assert!(sets.parents().iter().all(|parent| *parent == 0));
     }
 }
