@@ -1,3 +1,5 @@
 //! Judges. What the test files share: where the recordings are, and how a missing one is reported.
 
+pub mod bench;
 pub mod data;
+pub mod lidar_frames;

@@ -73,6 +73,7 @@ fn three_walking_people_keep_their_identity() {
     };
     let mut pipeline = Box::new(PeoplePipeline::new(angles));
     let (mut keyed, mut followed) = ([0_u32; 3], [0_u32; 3]);
+    let (mut people, mut others) = ([0_u32; 3], 0_usize);
     let mut identities: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
     for (frame, sweep) in sweeps.iter().enumerate() {
         let output = pipeline.process(sweep, &context);
@@ -89,6 +90,8 @@ fn three_walking_people_keep_their_identity() {
             if let Some((distance_m, id)) = nearest.filter(|(distance_m, _)| *distance_m < 0.5) {
                 followed[row.person] += 1;
                 taken.insert(id);
+                let track = output.tracks.iter().find(|track| track.id == id);
+                people[row.person] += u32::from(track.is_some_and(|track| track.person_probability >= 0.5));
                 let history = identities.entry(row.person).or_default();
                 if history.last() != Some(&id) {
                     history.push(id);
@@ -96,7 +99,10 @@ fn three_walking_people_keep_their_identity() {
                 let _ = distance_m;
             }
         }
+        let claimed = output.tracks.iter().filter(|track| track.person_probability >= 0.5);
+        others += claimed.filter(|track| !taken.contains(&track.id)).count();
     }
+    println!("taken for people in {people:?} frames, and {others} others in {} frames", sweeps.len());
     println!("followed {followed:?} of {keyed:?}, identities {identities:?}, floor at {height_m} m");
     for person in 0..3 {
         let share = f64::from(followed[person]) / f64::from(keyed[person]);
