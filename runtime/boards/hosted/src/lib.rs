@@ -10,4 +10,5 @@ pub mod executor;
 pub mod judge;
 pub mod metrics;
 pub mod mission;
+pub mod picture;
 pub mod recording;

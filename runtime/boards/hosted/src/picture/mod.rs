@@ -1,0 +1,9 @@
+//! Pictures of a run for people: what the robot drove, who was there, where it stopped and why.
+
+mod canvas;
+mod content;
+mod palette;
+mod panel;
+mod top_view;
+
+pub use content::{PersonPath, StopMark, TopView};
