@@ -19,4 +19,5 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod s300;
 pub mod velodyne;

@@ -1,0 +1,265 @@
+//! From bytes in any portions to scans: searches, waits, checks, resynchronises. Wire-formats 2.6.
+
+use floorguard_core::sensing::{BeamReturn, Scan};
+use floorguard_core::time::{Age, Stamp};
+
+use super::configuration::{Bit13, Configuration};
+use super::telegram::{Telegram, TelegramError, candidate_lengths, field};
+
+/// Two telegrams suffice for any alignment.
+const BUFFER_BYTES: usize = 2_432;
+/// Every value of a scanner in stand-by.
+const STAND_BY_WORD: u16 = 0x4004;
+/// Distance of a beam without echo.
+const NO_ECHO: u16 = 0x1fff;
+
+/// What the line told.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// A scan.
+    Scan(Scan),
+    /// The scanner is in stand-by: no data, neither obstacle nor free.
+    StandBy {
+        /// Its scan number.
+        sequence: u32,
+    },
+    /// A telegram that is right and of no use.
+    Refused(TelegramError),
+}
+
+/// What happened on the line; saturating.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Counters {
+    /// Bytes received.
+    pub bytes: u32,
+    /// Places that looked like a header.
+    pub headers: u32,
+    /// Headers behind which no checksum was right.
+    pub checksum_failures: u32,
+    /// Telegrams given up after a silence.
+    pub gaps: u32,
+    /// Right telegrams.
+    pub telegrams: u32,
+    /// Scans missing between two.
+    pub lost_scans: u32,
+    /// Scan numbers that did not grow.
+    pub repeated_scans: u32,
+}
+
+/// Receives one scanner. About 2.4 KiB.
+#[derive(Clone, Debug)]
+pub struct Receiver {
+    configuration: Configuration,
+    buffer: [u8; BUFFER_BYTES],
+    length: usize,
+    last_byte: Stamp,
+    /// Index of the size rule that was right last.
+    rule: usize,
+    last_scan: Option<u32>,
+    counters: Counters,
+}
+
+/// What stands at the front of the buffer.
+enum Front {
+    /// A whole telegram of this many bytes, by this rule.
+    Telegram(usize, usize),
+    /// Perhaps one; more bytes will tell.
+    Unfinished,
+    /// None.
+    Nothing,
+}
+
+impl Receiver {
+    /// An empty receiver.
+    #[must_use]
+    pub fn new(configuration: Configuration) -> Self {
+        Self {
+            configuration,
+            buffer: [0; BUFFER_BYTES],
+            length: 0,
+            last_byte: Stamp::ZERO,
+            rule: 0,
+            last_scan: None,
+            counters: Counters::default(),
+        }
+    }
+
+    /// What happened so far.
+    #[must_use]
+    pub const fn counters(&self) -> Counters {
+        self.counters
+    }
+
+    /// Takes in bytes that arrived at `now`, in any portions. `event` is called for each telegram.
+    pub fn push(&mut self, bytes: &[u8], now: Stamp, mut event: impl FnMut(Event)) {
+        let silent = matches!(self.last_byte.age(now), Age::Past(us) if us > self.configuration.gap_max_us);
+        if silent && self.length > 0 {
+            // A telegram is sent without gaps: what is unfinished stays unfinished.
+            self.counters.gaps = self.counters.gaps.saturating_add(1);
+            self.discard(1);
+            self.consume(now, &mut event);
+        }
+        for byte in bytes {
+            self.counters.bytes = self.counters.bytes.saturating_add(1);
+            if let Some(slot) = self.buffer.get_mut(self.length) {
+                *slot = *byte;
+                self.length += 1;
+            }
+            self.consume(now, &mut event);
+        }
+        self.last_byte = now;
+    }
+
+    /// Takes telegrams off the front until it is unfinished. Each turn removes at least one byte.
+    fn consume(&mut self, now: Stamp, event: &mut impl FnMut(Event)) {
+        for _ in 0..BUFFER_BYTES {
+            match self.front() {
+                Front::Unfinished => return,
+                Front::Nothing => self.discard(1),
+                Front::Telegram(length, rule) => {
+                    self.rule = rule;
+                    self.counters.telegrams = self.counters.telegrams.saturating_add(1);
+                    if let Some(told) = self.interpret(length, now) {
+                        event(told);
+                    }
+                    self.discard(length);
+                }
+            }
+        }
+    }
+
+    /// Drops bytes, and then everything that cannot begin a header.
+    fn discard(&mut self, count: usize) {
+        let used = self.buffer.get(..self.length).unwrap_or_default();
+        let rest = used.get(count.min(used.len())..).unwrap_or_default();
+        let start = count.saturating_add(rest.iter().position(|byte| *byte == 0).unwrap_or(rest.len()));
+        let start = start.min(self.length);
+        self.buffer.copy_within(start..self.length, 0);
+        self.length -= start;
+    }
+
+    fn front(&mut self) -> Front {
+        let used = self.buffer.get(..self.length).unwrap_or_default();
+        if used.iter().take(field::ZEROS).any(|byte| *byte != 0) {
+            return Front::Nothing;
+        }
+        let Some(start) = used.first_chunk::<{ field::VERSION_END }>() else {
+            return front_of_short(used);
+        };
+        let [.., size_high, size_low, flag, address, version_low, version_high] = *start;
+        let words = u16::from_be_bytes([size_high, size_low]);
+        if !is_header(words, flag, address) {
+            return Front::Nothing;
+        }
+        let version = u16::from_le_bytes([version_low, version_high]);
+        let front = self.checked(version, words);
+        if matches!(front, Front::Nothing) {
+            self.counters.headers = self.counters.headers.saturating_add(1);
+            self.counters.checksum_failures = self.counters.checksum_failures.saturating_add(1);
+        }
+        front
+    }
+
+    /// Tries the size rules, the one that was right last first.
+    fn checked(&self, version: u16, words: u16) -> Front {
+        let used = self.buffer.get(..self.length).unwrap_or_default();
+        let lengths = candidate_lengths(version, words);
+        let order = [self.rule % 3, (self.rule + 1) % 3, (self.rule + 2) % 3];
+        let mut unfinished = false;
+        for rule in order {
+            let Some(length) = lengths.get(rule).copied().flatten() else { continue };
+            match used.get(..length) {
+                Some(whole) if Telegram::new_checked(whole).is_some() => {
+                    return Front::Telegram(length, rule);
+                }
+                Some(_) => {}
+                None => unfinished = true,
+            }
+        }
+        if unfinished { Front::Unfinished } else { Front::Nothing }
+    }
+
+    fn interpret(&mut self, length: usize, now: Stamp) -> Option<Event> {
+        let telegram = self.buffer.get(..length).and_then(Telegram::new_checked)?;
+        if telegram.status() != 0 {
+            return Some(Event::Refused(TelegramError::LockOut { status: telegram.status() }));
+        }
+        if telegram.block() != 0xbbbb {
+            return Some(Event::Refused(TelegramError::Block { found: telegram.block() }));
+        }
+        let (found, expected) = (telegram.words().len(), self.configuration.words());
+        if found != expected {
+            return Some(Event::Refused(TelegramError::Values { found, expected }));
+        }
+        let sequence = telegram.scan_number();
+        if telegram.words().all(|word| word == STAND_BY_WORD) {
+            return Some(Event::StandBy { sequence });
+        }
+        let scan = self.scan(&telegram, now);
+        self.count_scan(sequence);
+        Some(Event::Scan(scan))
+    }
+
+    fn count_scan(&mut self, sequence: u32) {
+        match self.last_scan.map(|last| sequence.wrapping_sub(last)) {
+            // A step back, or none, or more than an hour: the scanner repeats itself or restarted.
+            Some(0) | Some(90_000..) => {
+                self.counters.repeated_scans = self.counters.repeated_scans.saturating_add(1);
+            }
+            Some(step) => self.counters.lost_scans = self.counters.lost_scans.saturating_add(step - 1),
+            None => {}
+        }
+        self.last_scan = Some(sequence);
+    }
+
+    fn scan(&self, telegram: &Telegram<'_>, now: Stamp) -> Scan {
+        let configuration = &self.configuration;
+        let mut scan = Scan {
+            stamp: now.minus_micros(configuration.delay_us),
+            sequence: telegram.scan_number(),
+            first_angle_rad: configuration.first_angle_rad,
+            step_rad: configuration.step_rad,
+            ..Scan::default()
+        };
+        let mut words = telegram.words();
+        for (index, count) in configuration.values_per_field.iter().enumerate() {
+            if index > 0 {
+                // The marker between two fields.
+                let _ = words.next();
+            }
+            for word in words.by_ref().take(usize::from(*count)) {
+                // 541 of the capacity, checked against the configuration by its length.
+                let _ = scan.beams.push(beam(word, configuration));
+            }
+        }
+        if configuration.inverted {
+            scan.beams.reverse();
+        }
+        scan
+    }
+}
+
+fn front_of_short(used: &[u8]) -> Front {
+    // The start may already contradict a header: flag and address stand at 8 and 9.
+    let flag_wrong = used.get(8).is_some_and(|flag| *flag != 0xff);
+    let address_wrong = used.get(9).is_some_and(|address| !matches!(address, 7 | 8));
+    if flag_wrong || address_wrong { Front::Nothing } else { Front::Unfinished }
+}
+
+fn is_header(words: u16, flag: u8, address: u8) -> bool {
+    flag == 0xff && matches!(address, 7 | 8) && field::WORDS.contains(&words)
+}
+
+/// One measured word; wire-formats 2.4.
+fn beam(word: u16, configuration: &Configuration) -> BeamReturn {
+    let distance_cm = word & 0x1fff;
+    let dazzled = word & 0x2000 != 0 && configuration.bit13 == Bit13::Dazzled;
+    match distance_cm {
+        _ if dazzled => BeamReturn::Unknown,
+        // Not a defined value: contamination or dazzle.
+        0 => BeamReturn::Unknown,
+        NO_ECHO => BeamReturn::Free(configuration.free_range_mm),
+        _ => BeamReturn::Hit(distance_cm.saturating_mul(10)),
+    }
+}

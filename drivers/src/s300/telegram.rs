@@ -1,0 +1,139 @@
+//! One telegram as a checked view, and the three ways in which its size is written.
+
+use crc::{CRC_16_IBM_3740, Crc, NoTable};
+
+/// Positions in the telegram; wire-formats 2.2.
+pub(super) mod field {
+    /// Header and data block number: all zero in continuous mode.
+    pub const ZEROS: usize = 6;
+    /// Up to and including the protocol version.
+    pub const VERSION_END: usize = 12;
+    /// The measured words begin here.
+    pub const VALUES: usize = 24;
+    /// Longest telegram: 600 words by the longest rule.
+    pub const LONGEST: usize = 14 + 2 * 600;
+    /// Shortest: no measured word.
+    pub const SHORTEST: usize = 26;
+    /// Words that a plausible size field may claim.
+    pub const WORDS: core::ops::RangeInclusive<u16> = 11..=600;
+}
+
+/// CRC-16/CCITT-FALSE, which the catalogue calls IBM 3740. Without a table: a telegram comes every 40 ms.
+const CHECKSUM: Crc<u16, NoTable> = Crc::<u16, NoTable>::new(&CRC_16_IBM_3740);
+
+/// A telegram whose checksum is right but whose content is of no use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum TelegramError {
+    /// Not measured values: I/O data or reflectors.
+    Block {
+        /// Block identifier.
+        found: u16,
+    },
+    /// Another number of values than configured.
+    Values {
+        /// Words received, with the markers between fields.
+        found: usize,
+        /// Words expected.
+        expected: usize,
+    },
+    /// The scanner is locked out: its data are not usable.
+    LockOut {
+        /// Status word.
+        status: u16,
+    },
+}
+
+impl core::fmt::Display for TelegramError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Block { found } => {
+                write!(f, "scanner sends block {found:04X}; configure measured values (BBBB) only")
+            }
+            Self::Values { found, expected } => {
+                write!(f, "scanner sends {found} words, {expected} are configured; check its fields")
+            }
+            Self::LockOut { status } => {
+                write!(f, "scanner is locked out (status {status}); it needs a reset")
+            }
+        }
+    }
+}
+
+impl core::error::Error for TelegramError {}
+
+/// A telegram with a right checksum.
+///
+/// # Invariants
+/// At least 26 bytes, an even number of them.
+#[derive(Clone, Copy, Debug)]
+pub struct Telegram<'a> {
+    bytes: &'a [u8],
+}
+
+/// Bytes from the header to the checksum for each reading of a size field of `words`, shortest first; wire-formats 2.3.
+pub(super) fn candidate_lengths(version: u16, words: u16) -> [Option<usize>; 3] {
+    let doubled = 2 * usize::from(words);
+    let newer = version == 0x0103;
+    [4, 8, 14].map(|extra| {
+        let length = doubled + extra;
+        let fits = (field::SHORTEST..=field::LONGEST).contains(&length);
+        (fits && (newer || extra == 4)).then_some(length)
+    })
+}
+
+impl<'a> Telegram<'a> {
+    /// Checks the sum over everything behind the first four bytes.
+    #[must_use]
+    pub fn new_checked(bytes: &'a [u8]) -> Option<Self> {
+        let (body, sum) = bytes.split_last_chunk::<2>()?;
+        let covered = body.get(4..)?;
+        let whole = bytes.len() >= field::SHORTEST && bytes.len().is_multiple_of(2);
+        (whole && CHECKSUM.checksum(covered) == u16::from_le_bytes(*sum)).then_some(Self { bytes })
+    }
+
+    fn word(&self, at: usize) -> u16 {
+        let pair = self.bytes.get(at..).and_then(|rest| rest.first_chunk::<2>()).copied();
+        u16::from_le_bytes(pair.unwrap_or_default())
+    }
+
+    /// 0x0102, 0x0103, or 0x0100 from an old S3000.
+    #[must_use]
+    pub fn version(&self) -> u16 {
+        self.word(10)
+    }
+
+    /// 0 normal, 1 lock-out.
+    #[must_use]
+    pub fn status(&self) -> u16 {
+        self.word(12)
+    }
+
+    /// Rises by one with each scan.
+    #[must_use]
+    pub fn scan_number(&self) -> u32 {
+        u32::from(self.word(14)) | u32::from(self.word(16)) << 16
+    }
+
+    /// Rises by one with each telegram.
+    #[must_use]
+    pub fn telegram_number(&self) -> u16 {
+        self.word(18)
+    }
+
+    /// 0xBBBB for measured values.
+    #[must_use]
+    pub fn block(&self) -> u16 {
+        self.word(20)
+    }
+
+    /// The measured words, with the markers between fields.
+    pub fn words(&self) -> impl ExactSizeIterator<Item = u16> + Clone + use<'a> {
+        let end = self.bytes.len().saturating_sub(2);
+        let values = self.bytes.get(field::VALUES..end).unwrap_or_default();
+        values.chunks_exact(2).map(|pair| match *pair {
+            [low, high] => u16::from_le_bytes([low, high]),
+            _ => 0,
+        })
+    }
+}
