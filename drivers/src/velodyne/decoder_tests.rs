@@ -172,3 +172,39 @@ fn rings_rise_in_every_model() {
         assert!(used.iter().enumerate().all(|(ring, angle)| usize::from(angle.ring) == ring));
     }
 }
+
+proptest::proptest! {
+    /// Whatever stamps, azimuths, arrivals and losses: nothing panics, nothing is measured after it arrived, and what
+    /// does not fit is counted.
+    #[test]
+    fn any_stream_keeps_its_promises(
+        stream in proptest::collection::vec(
+            (0_u32..36_000, 0_u32..=3_601_000_000, 0_u64..20_000_000, 0_usize..8, 0_u16..),
+            1..60,
+        ),
+        regular: bool,
+    ) {
+        let tails = [SINGLE, DUAL, [0x38, 0x21], [0x37, 0x24], [0x37, 0x28], [0x39, 0x28], SINGLE, SINGLE];
+        let mut decoder = Decoder::new(ModelChoice::Auto);
+        let mut builder = SweepBuilder::new(18_000);
+        let mut building = std::boxed::Box::new(floorguard_core::sensing::Sweep::<16>::EMPTY);
+        let mut arrival_us = 0;
+        for (number, (azimuth_cdeg, stamp_us, wait_us, tail, lost)) in (0_u32..).zip(stream) {
+            let stamp_us = if regular { number * PERIOD_US } else { stamp_us };
+            arrival_us += if regular { wait_us % 3_000 } else { wait_us };
+            let arrival = Stamp::from_micros(arrival_us);
+            let Ok((columns, _)) = decoder.decode(&packet(azimuth_cdeg, stamp_us, 9, tails[tail]), arrival) else {
+                continue;
+            };
+            proptest::prop_assert!(columns.stamp <= arrival);
+            builder.add(&columns, lost, &mut building, |sweep| {
+                assert!(sweep.column_count <= sweep.columns.len());
+            });
+            let entered = building.column_count + usize::from(building.dropped_columns);
+            proptest::prop_assert!(building.column_count <= building.columns.len());
+            proptest::prop_assert!(entered >= 1);
+        }
+        let counters = decoder.counters();
+        proptest::prop_assert!(counters.accepted >= u32::from(counters.refused == 0));
+    }
+}

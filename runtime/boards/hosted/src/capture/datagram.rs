@@ -1,5 +1,7 @@
 //! From a captured frame to the UDP datagram in it.
 
+use std::net::{Ipv4Addr, SocketAddrV4};
+
 use pcap_parser::Linktype;
 
 /// One UDP datagram of a capture.
@@ -7,6 +9,8 @@ use pcap_parser::Linktype;
 pub struct Datagram {
     /// When the capturing machine saw it, microseconds since its epoch.
     pub captured_us: u64,
+    /// Who sent it.
+    pub source: SocketAddrV4,
     /// Port of the receiver.
     pub destination_port: u16,
     /// Payload.
@@ -15,7 +19,7 @@ pub struct Datagram {
 
 /// What a frame holds.
 pub(super) enum Content<'a> {
-    Udp { destination_port: u16, payload: &'a [u8] },
+    Udp { source: SocketAddrV4, destination_port: u16, payload: &'a [u8] },
     Fragment,
     Other,
 }
@@ -61,7 +65,9 @@ fn ethernet(frame: &[u8]) -> Content<'_> {
 }
 
 fn ipv4(packet: &[u8]) -> Content<'_> {
-    let [first, _, length_high, length_low, _, _, flags, fragment, _, protocol, ..] = packet else {
+    let [first, _, length_high, length_low, _, _, flags, fragment, _, protocol, _, _, a, b, c, d, ..] =
+        packet
+    else {
         return Content::Other;
     };
     if first >> 4 != 4 || *protocol != PROTOCOL_UDP {
@@ -73,10 +79,13 @@ fn ipv4(packet: &[u8]) -> Content<'_> {
     let header = usize::from(first & 0xf) * 4;
     let total = usize::from(u16::from_be_bytes([*length_high, *length_low])).min(packet.len());
     match packet.get(header..total) {
-        Some([_, _, port_high, port_low, udp_high, udp_low, _, _, payload @ ..]) => {
+        Some([source_high, source_low, port_high, port_low, udp_high, udp_low, _, _, payload @ ..]) => {
             let length = usize::from(u16::from_be_bytes([*udp_high, *udp_low])).saturating_sub(8);
             let destination_port = u16::from_be_bytes([*port_high, *port_low]);
-            Content::Udp { destination_port, payload: payload.get(..length).unwrap_or(payload) }
+            let source_port = u16::from_be_bytes([*source_high, *source_low]);
+            let source = SocketAddrV4::new(Ipv4Addr::new(*a, *b, *c, *d), source_port);
+            let payload = payload.get(..length).unwrap_or(payload);
+            Content::Udp { source, destination_port, payload }
         }
         _ => Content::Other,
     }

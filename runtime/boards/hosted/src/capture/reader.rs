@@ -220,8 +220,8 @@ fn take(
 fn frame(linktype: Linktype, captured_us: u64, data: &[u8], notes: &mut CaptureNotes) -> Found {
     notes.packets += 1;
     match datagram::content(linktype, data) {
-        Content::Udp { destination_port, payload } => {
-            Found::Datagram(Datagram { captured_us, destination_port, payload: payload.to_vec() })
+        Content::Udp { source, destination_port, payload } => {
+            Found::Datagram(Datagram { captured_us, source, destination_port, payload: payload.to_vec() })
         }
         Content::Fragment => {
             notes.fragments += 1;
