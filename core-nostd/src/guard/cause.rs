@@ -8,7 +8,7 @@ use super::source::Source;
 /// How many causes there are, counting each source's two.
 pub const CAUSES: usize = PLAIN.len() + 2 * Source::COUNT;
 
-/// Microseconds without evidence before a stop clears by itself: leave Stop after at least 1.0 s (algorithms M.5).
+/// Microseconds without evidence before a stop clears by itself: leave Stop after at least 1.0 s (algorithms M.5, FG-REQ-009).
 pub const STOP_QUIET_US: u64 = 1_000_000;
 /// The same for a limit: long enough that a flicker of the evidence does not shake the robot.
 pub const LIMIT_QUIET_US: u64 = 500_000;

@@ -39,7 +39,8 @@ pub struct FieldSet {
     pub travel: Travel,
     /// Up to this speed, m/s.
     pub speed_max_mps: f32,
-    /// Something inside: stop. Contains the footprint.
+    /// Something inside: stop. Contains the footprint, so that an obstacle at the body stops at rest too
+    /// (FG-REQ-026).
     pub protective: Polygon,
     /// Something inside: slow down.
     pub warning: Polygon,

@@ -134,7 +134,7 @@ impl Supervisor {
         self.judge_people((nearest_m, soonest_s, twist.linear_mps.abs()), age_us, now);
     }
 
-    /// Distance and time to the person that matters most (algorithms M.3).
+    /// Distance and time to the person that matters most (algorithms M.3, FG-REQ-031, FG-REQ-032).
     fn judge_people(&mut self, (nearest_m, soonest_s, speed_mps): (f32, f32, f32), age_us: u64, now: Stamp) {
         let (drive, thresholds) = (self.config.drive, self.config.thresholds);
         if nearest_m < thresholds.person_near_m {

@@ -56,7 +56,7 @@ impl Demand {
     }
 }
 
-/// The steering bin of a motion; `None` while it stands.
+/// The steering bin of a motion (FG-REQ-025); `None` while it stands.
 #[must_use]
 pub fn travel_of(twist: Twist2) -> Option<Travel> {
     let (speed, turn) = (twist.linear_mps, twist.angular_radps);

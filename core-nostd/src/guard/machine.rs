@@ -166,3 +166,20 @@ fn elapsed_us(pulse: Stamp, now: Stamp) -> u64 {
         Age::Future(_) => 0,
     }
 }
+
+#[cfg(test)]
+impl DecisionMachine {
+    /// Which causes hold, since how many steps, and how far a reset is: the state without the clock, for exploration.
+    pub(super) fn abstracted(&self, now: Stamp) -> (std::vec::Vec<(Cause, u64)>, Option<u64>) {
+        let held = self.slots.iter().filter(|slot| slot.held);
+        let ages = held.map(|slot| {
+            let longest_us = match slot.first.cause.clear() {
+                Clear::Quiet(us) => us,
+                Clear::Reset => PRESENT_US,
+                Clear::Restart => 0,
+            };
+            (slot.first.cause, elapsed_us(slot.last_pulse, now).min(longest_us))
+        });
+        (ages.collect(), self.reset_since.map(|since| elapsed_us(since, now).min(SELF_TEST_US)))
+    }
+}

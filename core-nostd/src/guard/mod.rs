@@ -24,6 +24,8 @@ mod source;
 mod source_monitor;
 mod state;
 mod supervisor;
+#[cfg(test)]
+mod tests;
 
 pub use action::{Action, GuardState};
 pub use advice::{ADVISED_PEOPLE_MAX, Advice, AdvisedPerson};

@@ -68,7 +68,7 @@ impl MotionChecks {
         self.envelope_mps = fallen_mps.max(permitted_mps);
     }
 
-    /// Every disagreement that has lasted too long (FG-REQ-050 to FG-REQ-053).
+    /// Every disagreement that has lasted too long (FG-REQ-050, FG-REQ-051, FG-REQ-052, FG-REQ-053).
     pub fn check(&mut self, motion: &Motion, config: &GuardConfig, now: Stamp) -> [Option<CauseRecord>; 4] {
         let (sin, cos) = libm::sincosf(motion.steering_rad);
         let drive_mps = motion.drive_mps * cos;

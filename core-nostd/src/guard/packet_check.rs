@@ -19,7 +19,7 @@ const BIN_CDEG: u16 = 200;
 /// A bin takes the extreme of this many rays across it.
 const SAMPLES: u16 = 5;
 /// Azimuth over which a lidar may return nothing at all before it counts as blind, hundredths of a degree: a wall of
-/// black glass is narrower, a covered window is wider.
+/// black glass is narrower, a covered window is wider (FG-REQ-016).
 pub const BLIND_RUN_CDEG: u32 = 3_000;
 
 /// How the rays of a bin relate to the robot.

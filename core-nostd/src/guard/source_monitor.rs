@@ -23,7 +23,7 @@ pub struct SourceMonitor {
 }
 
 impl SourceMonitor {
-    /// Books a sample. `fingerprint` sums up its content; equal content counts towards frozen. `false`: the stamp
+    /// Books a sample. `fingerprint` sums up its content; equal content counts towards frozen (FG-REQ-015). `false`: the stamp
     /// comes from the future, the sample proves nothing (FG-REQ-011).
     pub fn accept(&mut self, stamp: Stamp, fingerprint: u32, now: Stamp) -> bool {
         if let Age::Future(ahead_us) = stamp.age(now)
@@ -70,7 +70,8 @@ impl SourceMonitor {
         }
     }
 
-    /// What the failure of this source demands (FG-REQ-013): nothing, a limit, or a stop.
+    /// What the failure of this source demands (FG-REQ-013): nothing, a limit, or a stop; a source that
+    /// never stops still limits (FG-REQ-014).
     #[must_use]
     pub fn demand(&self, rules: &SourceRules, now: Stamp) -> Action {
         let health = self.health(rules, now);

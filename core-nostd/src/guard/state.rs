@@ -1,5 +1,6 @@
 //! Everything that changes: plain data, kept twice so that a flipped bit is noticed before it can matter.
 
+use super::cause::STOP_QUIET_US;
 use super::config::GuardConfig;
 use super::field_selection::FieldSelection;
 use super::machine::DecisionMachine;
@@ -10,8 +11,9 @@ use super::source_monitor::SourceMonitor;
 use crate::geometry::Twist2;
 use crate::time::{Age, Stamp};
 
-/// Evidence of an obstacle in a direction counts this long, microseconds: three revolutions of the lidar.
-const BLOCKED_US: u64 = 300_000;
+/// Evidence of an obstacle in a direction counts as long as the stop that it caused, microseconds: leaving towards
+/// it must not begin before the stop would end (FG-REQ-041).
+const BLOCKED_US: u64 = STOP_QUIET_US;
 
 /// The state of the guard. No number in it is ever NaN, so that it equals its copy.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +70,7 @@ impl State {
         let blocked = if backward { self.blocked_backward } else { self.blocked_forward };
         match blocked.map(|stamp| stamp.age(now)) {
             None => true,
-            Some(Age::Past(us)) => us > BLOCKED_US,
+            Some(Age::Past(us)) => us >= BLOCKED_US,
             Some(Age::Future(_)) => false,
         }
     }

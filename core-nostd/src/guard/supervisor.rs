@@ -153,7 +153,7 @@ impl Supervisor {
         self.decide(now)
     }
 
-    /// Somebody wants to move.
+    /// Somebody wants to move. A number that is none stops (FG-REQ-054).
     pub fn on_command(&mut self, wanted: Twist2, stamp: Stamp, now: Stamp) -> Decision {
         self.begin(now);
         let accepted = self.accept(Source::Command, (stamp, 0), now);

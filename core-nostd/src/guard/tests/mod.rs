@@ -1,0 +1,9 @@
+//! Tests of the guard. Names carry the requirement that they check: `fg_req_012_…`.
+
+mod exploration;
+mod fixtures;
+mod properties;
+mod second_model;
+mod timelines;
+mod truth_tables;
+mod vectors;

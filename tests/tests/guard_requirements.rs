@@ -1,0 +1,99 @@
+//! Every requirement on the stop path has code and a test, and nothing names a requirement that does not exist.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
+}
+
+fn rust_files(folder: &Path, files: &mut Vec<PathBuf>) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for path in entries.map(|entry| entry.expect("readable").path()) {
+        if path.is_dir() {
+            rust_files(&path, files);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+}
+
+/// The three digits after each `marker`.
+fn numbers(text: &str, marker: &str) -> BTreeSet<String> {
+    let after = text.split(marker).skip(1);
+    after
+        .map(|rest| rest.chars().take(3).collect::<String>())
+        .filter(|id| id.parse::<u16>().is_ok())
+        .collect()
+}
+
+fn listed(document: &str) -> BTreeSet<String> {
+    document
+        .lines()
+        .flat_map(|line| numbers(line.split(" | ").next().unwrap_or_default(), "| FG-REQ-"))
+        .collect()
+}
+
+/// What is wrong, one sentence each.
+fn findings(document: &str, code: &str, tests: &str) -> Vec<String> {
+    let (listed, in_code, in_tests) =
+        (listed(document), numbers(code, "FG-REQ-"), numbers(tests, "fn fg_req_"));
+    let mut findings = Vec::new();
+    for id in &listed {
+        if !in_code.contains(id) {
+            findings.push(format!("FG-REQ-{id} is listed and no code names it"));
+        }
+        if !in_tests.contains(id) {
+            findings.push(format!("FG-REQ-{id} is listed and no test is named fg_req_{id}_…"));
+        }
+    }
+    for id in in_code.union(&in_tests).filter(|id| !listed.contains(*id)) {
+        findings
+            .push(format!("FG-REQ-{id} is named by code or a test and not listed in docs/requirements.md"));
+    }
+    findings
+}
+
+fn sources() -> (String, String) {
+    let mut files = Vec::new();
+    rust_files(&root().join("core-nostd/src/guard"), &mut files);
+    rust_files(&root().join("tests/tests"), &mut files);
+    let this = Path::new(file!()).file_name().expect("a file name");
+    let (mut code, mut tests) = (String::new(), String::new());
+    for path in files.iter().filter(|path| path.file_name() != Some(this)) {
+        let text = fs::read_to_string(path).expect("readable");
+        let inside = path.strip_prefix(root()).expect("below the root");
+        if inside.components().any(|part| part.as_os_str() == "tests") {
+            tests.push_str(&text);
+        } else {
+            code.push_str(&text);
+        }
+    }
+    (code, tests)
+}
+
+#[test]
+fn every_requirement_has_code_and_a_test() {
+    let document = fs::read_to_string(root().join("docs/requirements.md")).expect("docs/requirements.md");
+    assert!(listed(&document).len() >= 30);
+    let (code, tests) = sources();
+    assert!(!code.is_empty() && !tests.is_empty());
+    let findings = findings(&document, &code, &tests);
+    assert!(findings.is_empty(), "{}", findings.join("\n"));
+}
+
+#[test]
+fn a_missing_test_missing_code_and_an_unknown_id_are_each_found() {
+    let document = "| FG-REQ-901 | text | code | hazard |\n| FG-REQ-902 | text | code | hazard |";
+    assert_eq!(
+        findings(document, "FG-REQ-901 FG-REQ-902", "fn fg_req_901_a fn fg_req_902_b"),
+        Vec::<String>::new()
+    );
+    assert!(findings(document, "FG-REQ-901 FG-REQ-902", "fn fg_req_901_a")[0].contains("no test"));
+    assert!(findings(document, "FG-REQ-901", "fn fg_req_901_a fn fg_req_902_b")[0].contains("no code"));
+    assert!(
+        findings(document, "FG-REQ-901 FG-REQ-902 FG-REQ-903", "fn fg_req_901_a fn fg_req_902_b")[0]
+            .contains("not listed")
+    );
+}
