@@ -30,7 +30,7 @@ fn mounting(pitch_rad: f32) -> Transform3 {
 
 /// Lasers of the wire alternate: 0 is the lowest ring, 1 the lowest of the upper half (wire-formats 1.3).
 fn ring_of_laser(laser: usize) -> usize {
-    if laser % 2 == 0 { laser / 2 } else { 8 + laser / 2 }
+    if laser.is_multiple_of(2) { laser / 2 } else { 8 + laser / 2 }
 }
 
 /// Floor marked right, marked wrongly, missed.

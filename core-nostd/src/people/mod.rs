@@ -4,6 +4,7 @@
 //! Source: algorithms A.1, A.2, D (`fixed` behaviour).
 
 mod candidates;
+pub mod classify;
 mod clusters;
 mod filter;
 mod floor_height;

@@ -10,5 +10,6 @@ pub mod executor;
 pub mod judge;
 pub mod metrics;
 pub mod mission;
+pub mod models;
 pub mod picture;
 pub mod recording;
