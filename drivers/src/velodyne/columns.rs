@@ -14,6 +14,14 @@ use heapless::Vec;
 use super::model::{LaserAngles, Model};
 use super::packet::{Block, Packet};
 
+/// A column before its first return.
+const NO_RETURN: LidarColumn = LidarColumn {
+    azimuth_cdeg: 0,
+    offset_us: 0,
+    range_raw: [0; PACKET_RINGS_MAX],
+    reflectivity: [0; PACKET_RINGS_MAX],
+};
+
 /// Converts packets of one model.
 #[derive(Clone, Debug)]
 pub(super) struct Columns {
@@ -49,9 +57,10 @@ impl Columns {
             let echo = if packet.is_dual() { packet.blocks().nth(index.saturating_add(1)) } else { None };
             let gap_cdeg = gaps.get(index).copied().unwrap_or(0);
             for sequence in 0..sequences.min(2) {
-                let mut column = self.column(block, echo, sequence, gap_cdeg);
-                if blind_raw > 0 {
-                    self_returns += forget_self_returns(&mut column, blind_raw);
+                let azimuth_cdeg = self.middle_azimuth(block.azimuth_cdeg, sequence, gap_cdeg);
+                let mut column = LidarColumn { azimuth_cdeg, ..NO_RETURN };
+                for block in [Some(block), echo].into_iter().flatten() {
+                    self_returns += self.fill(&mut column, block, sequence, blind_raw);
                 }
                 let start_ns = (time_step as u32)
                     .saturating_mul(self.model.block_ns())
@@ -69,42 +78,26 @@ impl Columns {
         (packet, self_returns)
     }
 
-    fn column(
-        &self,
-        block: Block<'_>,
-        echo: Option<Block<'_>>,
-        sequence: usize,
-        gap_cdeg: u16,
-    ) -> LidarColumn {
+    /// Enters the returns of one sequence that are not the robot itself; a nearer one replaces a farther one, so that
+    /// an echo behind a self-return stays. Gives the number of self-returns, at most 32.
+    fn fill(&self, column: &mut LidarColumn, block: Block<'_>, sequence: usize, blind_raw: u16) -> u32 {
         let lasers = self.model.lasers();
-        let mut column = LidarColumn {
-            azimuth_cdeg: self.middle_azimuth(block.azimuth_cdeg, sequence, gap_cdeg),
-            offset_us: 0,
-            range_raw: [0; PACKET_RINGS_MAX],
-            reflectivity: [0; PACKET_RINGS_MAX],
-        };
-        let first = sequence * lasers;
-        self.fill(&mut column, block, first);
-        if let Some(echo) = echo {
-            self.fill(&mut column, echo, first);
-        }
-        column
-    }
-
-    /// Enters the returns of one sequence; a nearer one replaces a farther one.
-    fn fill(&self, column: &mut LidarColumn, block: Block<'_>, first: usize) {
-        let cells = block.channels().skip(first).take(PACKET_RINGS_MAX);
-        for ((raw, reflectivity), ring) in cells.zip(self.rings.iter().take(self.model.lasers())) {
+        let mut self_returns = 0;
+        let cells = block.channels().skip(sequence * lasers).take(PACKET_RINGS_MAX);
+        for ((raw, reflectivity), ring) in cells.zip(self.rings.iter().take(lasers)) {
             let ring = usize::from(*ring);
             let (Some(range), Some(brightness)) =
                 (column.range_raw.get_mut(ring), column.reflectivity.get_mut(ring))
             else {
                 continue;
             };
-            if raw != 0 && (*range == 0 || raw < *range) {
+            if raw != 0 && raw < blind_raw {
+                self_returns += 1;
+            } else if raw != 0 && (*range == 0 || raw < *range) {
                 (*range, *brightness) = (raw, reflectivity);
             }
         }
+        self_returns
     }
 
     /// Azimuth at the middle laser of a sequence, rounded.
@@ -115,16 +108,4 @@ impl Columns {
         let turned = (u64::from(gap_cdeg) * u64::from(within_ns) + block_ns / 2) / block_ns;
         ((u64::from(block_cdeg) + turned) % 36_000) as u16
     }
-}
-
-/// Makes returns nearer than `blind_raw` unknown; gives their number, at most 32.
-fn forget_self_returns(column: &mut LidarColumn, blind_raw: u16) -> u32 {
-    let mut forgotten = 0;
-    for (range, reflectivity) in column.range_raw.iter_mut().zip(&mut column.reflectivity) {
-        if (1..blind_raw).contains(range) {
-            (*range, *reflectivity) = (0, 0);
-            forgotten += 1;
-        }
-    }
-    forgotten
 }

@@ -164,6 +164,19 @@ fn the_robot_itself_is_unknown_not_free_and_counted() {
 }
 
 #[test]
+fn an_echo_behind_the_robot_itself_stays() {
+    let mut bytes = packet(0, 0, 100, DUAL);
+    // The odd blocks of the pairs see farther.
+    for block in [1, 3, 5, 7, 9, 11] {
+        (0..32)
+            .for_each(|channel| bytes[block * 100 + 4 + channel * 3..][..2].copy_from_slice(&[0xe8, 0x03]));
+    }
+    let mut decoder = Decoder::new(ModelChoice::Auto).with_blind_range_mm(500);
+    let (columns, _) = decoder.decode(&bytes, Stamp::ZERO).expect("accepted");
+    assert!(columns.columns.iter().all(|column| column.range_raw[..16].iter().all(|raw| *raw == 1_000)));
+}
+
+#[test]
 fn rings_rise_in_every_model() {
     for model in [Model::Vlp16, Model::HiRes, Model::Vlp32C, Model::Hdl32E] {
         let rings = model.ring_angles();

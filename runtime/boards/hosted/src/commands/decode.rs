@@ -74,15 +74,22 @@ pub fn settle_model(path: &std::path::Path, choice: ModelChoice) -> anyhow::Resu
 /// # Errors
 /// Bad input; what came before it has been printed.
 pub fn run(arguments: &DecodeArguments) -> anyhow::Result<()> {
-    let model = settle_model(&arguments.file, arguments.model.choice())?;
-    let out = BufWriter::new(std::io::stdout().lock());
-    let mut printer =
-        Printer { returns: Returns::new(model), csv: arguments.csv, out, totals: Totals::default() };
-    match printer.print(&arguments.file) {
+    match decode_to(arguments, BufWriter::new(std::io::stdout().lock())) {
         // Whoever reads our output has seen enough, as `head` does.
         Err(error) if is_broken_pipe(&error) => Ok(()),
         other => other,
     }
+}
+
+/// The same, with the machine output to `out`.
+///
+/// # Errors
+/// Bad input, or `out` takes no more.
+pub fn decode_to(arguments: &DecodeArguments, out: impl Write) -> anyhow::Result<()> {
+    let model = settle_model(&arguments.file, arguments.model.choice())?;
+    let mut printer =
+        Printer { returns: Returns::new(model), csv: arguments.csv, out, totals: Totals::default() };
+    printer.print(&arguments.file)
 }
 
 fn is_broken_pipe(error: &anyhow::Error) -> bool {

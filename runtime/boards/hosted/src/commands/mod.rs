@@ -7,6 +7,7 @@ mod exit;
 mod replay;
 
 pub use arguments::{Arguments, Command, DecodeArguments, ModelArgument, ReplayArguments};
+pub use decode::decode_to;
 pub use exit::{BadInput, VerdictFailed, exit_code};
 
 /// Runs the command; no command means the demo.
