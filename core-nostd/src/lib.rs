@@ -26,6 +26,7 @@ pub mod geometry;
 pub mod guard;
 pub mod maps;
 pub mod people;
+pub mod protection;
 pub mod random;
 pub mod sensing;
 pub mod time;

@@ -58,6 +58,7 @@ fn findings(document: &str, code: &str, tests: &str) -> Vec<String> {
 fn sources() -> (String, String) {
     let mut files = Vec::new();
     rust_files(&root().join("core-nostd/src/guard"), &mut files);
+    rust_files(&root().join("core-nostd/src/protection"), &mut files);
     rust_files(&root().join("tests/tests"), &mut files);
     let this = Path::new(file!()).file_name().expect("a file name");
     let (mut code, mut tests) = (String::new(), String::new());
@@ -96,4 +97,44 @@ fn a_missing_test_missing_code_and_an_unknown_id_are_each_found() {
         findings(document, "FG-REQ-901 FG-REQ-902 FG-REQ-903", "fn fg_req_901_a fn fg_req_902_b")[0]
             .contains("not listed")
     );
+}
+
+/// Files of the room that decides, without its tests: path and code lines.
+fn guard_code() -> Vec<(PathBuf, Vec<String>)> {
+    let mut files = Vec::new();
+    rust_files(&root().join("core-nostd/src/guard"), &mut files);
+    files.retain(|path| path.parent().is_some_and(|folder| folder.ends_with("guard")));
+    let code_lines = |path: &PathBuf| {
+        let text = fs::read_to_string(path).expect("readable");
+        // A test module declared in one line has its code in `guard/tests`; any other ends the file.
+        let text = text.replace("#[cfg(test)]\nmod tests;", "");
+        let code = text.split("#[cfg(test)]").next().unwrap_or_default().to_string();
+        let is_code = |line: &&str| !line.trim().is_empty() && !line.trim_start().starts_with("//");
+        code.lines().filter(is_code).map(str::to_string).collect::<Vec<_>>()
+    };
+    files.iter().map(|path| (path.clone(), code_lines(path))).collect()
+}
+
+#[test]
+fn the_guard_has_at_most_1200_code_lines() {
+    let lines: usize = guard_code().iter().map(|(_, lines)| lines.len()).sum();
+    assert!((800..=1_200).contains(&lines), "{lines} code lines");
+}
+
+/// Logical operators of the statement with the most of them. A closure without arguments is no operator.
+fn most_operators(code: &str) -> (usize, String) {
+    let code = code.replace("= ||", "= ").replace("(||", "(").replace("=\n            || ", "= ");
+    let statements = code.split([';', '{', '}', ',']);
+    let counted =
+        statements.map(|text| (text.matches("&&").count() + text.matches("||").count(), text.to_string()));
+    counted.max_by_key(|(count, _)| *count).unwrap_or_default()
+}
+
+#[test]
+fn no_decision_of_the_guard_has_more_than_four_conditions() {
+    for (path, lines) in guard_code() {
+        let (operators, statement) = most_operators(&lines.join("\n"));
+        assert!(operators <= 3, "{}: {operators} operators in {statement}", path.display());
+    }
+    assert_eq!(most_operators("if a && b || c && d && e { x }").0, 4);
 }

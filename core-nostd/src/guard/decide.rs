@@ -1,16 +1,11 @@
 //! The decision itself: from the state, after each input, to what is permitted.
 
-use super::action::Action;
-use super::advice::Advice;
-use super::cause::Cause;
-use super::decision::Decision;
 use super::field_selection::{Demand, STANDING_MPS};
 use super::limiter::{is_straight, lets_leave, limited};
 use super::machine::Verdict;
-use super::record::{CauseRecord, Unit};
-use super::source::{FaultKind, Health, Source};
 use super::supervisor::{Supervisor, age_us};
 use crate::geometry::Twist2;
+use crate::protection::{Action, Advice, Cause, CauseRecord, Decision, FaultKind, Health, Source, Unit};
 use crate::time::Stamp;
 
 /// Added to the time to standstill before a person must be reached later (algorithms M.3), seconds.

@@ -6,9 +6,9 @@
 
 use heapless::Vec;
 
-use super::config::{FieldSet, Travel};
 use crate::capacities::FIELD_SETS_MAX;
 use crate::geometry::Twist2;
+use crate::protection::{FieldSet, Travel};
 use crate::time::{Age, Stamp};
 
 /// A smaller set is taken when the speed is this far below its limit, m/s.

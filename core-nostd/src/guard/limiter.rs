@@ -1,9 +1,8 @@
 //! From the wanted command to the permitted one: the same curve, never faster.
 
-use super::action::Action;
-use super::cause::{Cause, Escape};
-use super::config::DriveLimits;
+use super::rules::Escape;
 use crate::geometry::Twist2;
+use crate::protection::{Action, Cause, DriveLimits};
 
 /// Turning slower than this is driving straight, rad/s: only that may leave an obstacle.
 const STRAIGHT_RADPS: f32 = 0.02;

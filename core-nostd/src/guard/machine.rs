@@ -4,9 +4,8 @@
 //! go; no rule looks at anything but the time since the last pulse and the operator's reset, so evidence that stops
 //! arriving is not evidence of safety (its source will then raise its own cause).
 
-use super::action::{Action, GuardState};
-use super::cause::{CAUSES, Cause, Clear};
-use super::record::CauseRecord;
+use super::rules::Clear;
+use crate::protection::{Action, CAUSES, Cause, CauseRecord, GuardState};
 use crate::time::{Age, Stamp};
 
 /// Evidence younger than this counts as present: a reset is refused, microseconds (two periods of the slowest input).

@@ -1,10 +1,7 @@
 //! Does the robot move as it should, and do its sensors agree about it?
 
-use super::cause::Cause;
-use super::config::GuardConfig;
-use super::record::{CauseRecord, Unit};
-use super::source::Source;
 use crate::geometry::Twist2;
+use crate::protection::{Cause, CauseRecord, GuardConfig, Source, Unit};
 use crate::time::{Age, Stamp};
 
 /// Share by which the measured speed may exceed the permitted one (algorithms M.5).

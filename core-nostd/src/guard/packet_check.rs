@@ -1,48 +1,13 @@
 //! Lidar packet against the protective field: two comparisons and one product per return, decided within the packet.
-//!
-//! Per bin of azimuth the table holds how far the field and the robot's own body reach in the plane; per bin and ring
-//! the plane's share of a range, and the range at which the ray meets the floor or rises above the robot.
 
-use super::collision::Body;
-use super::config::{FieldSet, LidarGeometry};
-use super::field::ray_exit_m;
 use super::scan_check::Blocked;
-use crate::capacities::{FIELD_SETS_MAX, PACKET_RINGS_MAX};
-use crate::geometry::{Point2, Point3};
+use crate::geometry::Point2;
+use crate::protection::{BIN_CDEG, Bin, Body, PacketTable};
 use crate::sensing::{LidarColumn, LidarPacket};
-use crate::units::centidegrees_to_radians;
 
-/// Bins of azimuth.
-const BINS: usize = 180;
-/// Width of a bin, hundredths of a degree.
-const BIN_CDEG: u16 = 200;
-/// A bin takes the extreme of this many rays across it.
-const SAMPLES: u16 = 5;
 /// Azimuth over which a lidar may return nothing at all before it counts as blind, hundredths of a degree: a wall of
 /// black glass is narrower, a covered window is wider (FG-REQ-016).
 pub const BLIND_RUN_CDEG: u32 = 3_000;
-
-/// How the rays of a bin relate to the robot.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Bin {
-    /// In the plane of the floor, robot frame.
-    direction: Point2,
-    /// Share of the range that lies in the plane, 1/65,536.
-    plane_share: [u16; PACKET_RINGS_MAX],
-    /// Returns beyond are floor, or pass over the robot, millimetres.
-    height_mm: [u16; PACKET_RINGS_MAX],
-    /// Returns nearer, in the plane, come from the robot itself, millimetres.
-    own_mm: u16,
-    /// Reach of the protective fields in the plane, millimetres.
-    protective_mm: [u16; FIELD_SETS_MAX],
-}
-
-/// Precomputed limits.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PacketTable {
-    bins: [Bin; BINS],
-    origin: Point2,
-}
 
 /// What one packet says about one field set.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -58,30 +23,6 @@ pub struct PacketFinding {
 }
 
 impl PacketTable {
-    /// Precomputes the limits.
-    #[must_use]
-    pub fn new(geometry: &LidarGeometry, sets: &[FieldSet]) -> Self {
-        let empty = Bin {
-            direction: Point2::default(),
-            plane_share: [0; PACKET_RINGS_MAX],
-            height_mm: [0; PACKET_RINGS_MAX],
-            own_mm: u16::MAX,
-            protective_mm: [0; FIELD_SETS_MAX],
-        };
-        let translation = geometry.mounting.translation;
-        let mut table = Self { bins: [empty; BINS], origin: Point2::new(translation.x_m, translation.y_m) };
-        let mut first_cdeg = 0_u16;
-        for bin in &mut table.bins {
-            for sample in 0..SAMPLES {
-                let step_cdeg = BIN_CDEG / (SAMPLES - 1);
-                let azimuth_cdeg = first_cdeg.saturating_add(sample.saturating_mul(step_cdeg));
-                bin.widen(geometry, sets, azimuth_cdeg);
-            }
-            first_cdeg = first_cdeg.saturating_add(BIN_CDEG);
-        }
-        table
-    }
-
     /// Compares each return with the limits of a set (FG-REQ-023).
     #[must_use]
     pub fn check(&self, packet: &LidarPacket, set: usize, body: &Body) -> PacketFinding {
@@ -120,48 +61,6 @@ impl PacketTable {
             }
         }
     }
-}
-
-impl Bin {
-    /// Takes one ray into account: the field as large, the own body as small, as any ray of the bin has it.
-    fn widen(&mut self, geometry: &LidarGeometry, sets: &[FieldSet], azimuth_cdeg: u16) {
-        let azimuth_rad = -centidegrees_to_radians(azimuth_cdeg);
-        let origin = geometry.mounting.translation;
-        let origin_in_plane = Point2::new(origin.x_m, origin.y_m);
-        for ((share, height_mm), elevation_rad) in
-            self.plane_share.iter_mut().zip(&mut self.height_mm).zip(&geometry.elevations_rad)
-        {
-            let ray = ray_in_robot(geometry, azimuth_rad, *elevation_rad);
-            let in_plane = Point2::new(ray.x_m, ray.y_m).norm();
-            // The middle ray comes last of those that matter; casts saturate at the greatest number.
-            *share = (in_plane * 65_535.0) as u16;
-            let limit_m = if ray.z_m < 0.0 {
-                (origin.z_m - geometry.floor_clearance_m) / -ray.z_m
-            } else {
-                (geometry.body_height_m - origin.z_m).max(0.0) / ray.z_m.max(1.0e-6)
-            };
-            *height_mm = (*height_mm).max((limit_m * 1.0e3) as u16);
-        }
-        let level = ray_in_robot(geometry, azimuth_rad, 0.0);
-        let norm = Point2::new(level.x_m, level.y_m).norm().max(1.0e-6);
-        self.direction = Point2::new(level.x_m / norm, level.y_m / norm);
-        let own_m = ray_exit_m(&geometry.self_mask, origin_in_plane, self.direction);
-        self.own_mm = self.own_mm.min((own_m * 1.0e3) as u16);
-        for (reach_mm, set) in self.protective_mm.iter_mut().zip(sets) {
-            let reach_m = ray_exit_m(&set.protective, origin_in_plane, self.direction);
-            *reach_mm = (*reach_mm).max(libm::ceilf(reach_m * 1.0e3) as u16);
-        }
-    }
-}
-
-/// Unit vector of a ray, turned into the robot frame.
-fn ray_in_robot(geometry: &LidarGeometry, azimuth_rad: f32, elevation_rad: f32) -> Point3 {
-    let (sin_azimuth, cos_azimuth) = libm::sincosf(azimuth_rad);
-    let (sin_elevation, cos_elevation) = libm::sincosf(elevation_rad);
-    let in_sensor = Point3::new(cos_elevation * cos_azimuth, cos_elevation * sin_azimuth, sin_elevation);
-    let tip = geometry.mounting.transform(in_sensor);
-    let origin = geometry.mounting.translation;
-    Point3::new(tip.x_m - origin.x_m, tip.y_m - origin.y_m, tip.z_m - origin.z_m)
 }
 
 /// Azimuth that a packet covers without a single return, hundredths of a degree; 0 when it has returns.

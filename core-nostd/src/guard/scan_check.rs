@@ -1,27 +1,13 @@
 //! Safety scanner against the fields: one comparison per beam and field (algorithms M.1, N.9).
 
-use super::collision::Body;
-use super::config::{FieldSet, ScannerGeometry};
-use super::field::{Polygon, ray_exit_m};
-use crate::capacities::{FIELD_SETS_MAX, SCAN_BEAMS_MAX};
 use crate::geometry::Point2;
+use crate::protection::{Body, ScanTable};
 use crate::sensing::{BeamReturn, Scan};
 
 /// Share of silent beams that counts as blocked, percent (algorithms M.1).
 pub const SILENT_PERCENT_MAX: f32 = 5.0;
 /// Angle of adjacent silent beams that counts as blocked, radians: 3°.
 pub const SILENT_RUN_RAD: f32 = 3.0 * crate::units::RADIANS_PER_DEGREE;
-
-type Limits = [u16; SCAN_BEAMS_MAX];
-
-/// Range per beam and field set below which something is inside.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ScanTable {
-    protective: [Limits; FIELD_SETS_MAX],
-    warning: [Limits; FIELD_SETS_MAX],
-    directions: [Point2; SCAN_BEAMS_MAX],
-    geometry: ScannerGeometry,
-}
 
 /// In which directions the robot would come nearer to a piece of evidence.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -70,29 +56,6 @@ impl ScanFinding {
 }
 
 impl ScanTable {
-    /// Precomputes the limits.
-    #[must_use]
-    pub fn new(geometry: &ScannerGeometry, sets: &[FieldSet]) -> Self {
-        let mut table = Self {
-            protective: [[0; SCAN_BEAMS_MAX]; FIELD_SETS_MAX],
-            warning: [[0; SCAN_BEAMS_MAX]; FIELD_SETS_MAX],
-            directions: [Point2::default(); SCAN_BEAMS_MAX],
-            geometry: *geometry,
-        };
-        for (beam, direction) in table.directions.iter_mut().enumerate() {
-            let angle_rad = geometry.mounting.heading_rad + beam_angle_rad(geometry, beam);
-            let (sin, cos) = libm::sincosf(angle_rad);
-            *direction = Point2::new(cos, sin);
-        }
-        for (set, (protective, warning)) in
-            sets.iter().zip(table.protective.iter_mut().zip(table.warning.iter_mut()))
-        {
-            fill(protective, &set.protective, geometry, &table.directions);
-            fill(warning, &set.warning, geometry, &table.directions);
-        }
-        table
-    }
-
     /// The scan has the beams that the table was made for.
     #[must_use]
     pub fn fits(&self, scan: &Scan) -> bool {
@@ -157,23 +120,5 @@ fn range_of(beam: BeamReturn, limit_mm: u16) -> Option<u16> {
         BeamReturn::Hit(range_mm) => Some(range_mm),
         BeamReturn::Free(range_mm) if range_mm >= limit_mm => Some(u16::MAX),
         _ => None,
-    }
-}
-
-fn beam_angle_rad(geometry: &ScannerGeometry, beam: usize) -> f32 {
-    geometry.first_angle_rad + beam as f32 * geometry.step_rad
-}
-
-fn fill(limits: &mut Limits, polygon: &Polygon, geometry: &ScannerGeometry, directions: &[Point2]) {
-    let origin = Point2::new(geometry.mounting.x_m, geometry.mounting.y_m);
-    let [first_rad, last_rad] = geometry.sector_rad;
-    for (beam, (limit_mm, direction)) in limits.iter_mut().zip(directions).enumerate().take(geometry.beams) {
-        let angle_rad = beam_angle_rad(geometry, beam);
-        // Half a step of slack keeps the end beams of the sector.
-        let slack_rad = 0.5 * geometry.step_rad;
-        if angle_rad >= first_rad - slack_rad && angle_rad <= last_rad + slack_rad {
-            // Rounded up; the cast saturates.
-            *limit_mm = libm::ceilf(ray_exit_m(polygon, origin, *direction) * 1.0e3) as u16;
-        }
     }
 }

@@ -1,7 +1,6 @@
 //! Watches one source: is it fresh, alive, seeing, and honest about time?
 
-use super::action::Action;
-use super::source::{FaultKind, Health, SourceRules};
+use crate::protection::{Action, FaultKind, Health, SourceRules};
 use crate::time::{Age, Stamp};
 
 /// A stamp may lie this far in the future: rounding and jitter of clock estimates.

@@ -1,14 +1,13 @@
 //! Everything that changes: plain data, kept twice so that a flipped bit is noticed before it can matter.
 
-use super::cause::STOP_QUIET_US;
-use super::config::GuardConfig;
 use super::field_selection::FieldSelection;
 use super::machine::DecisionMachine;
 use super::motion_checks::{Motion, MotionChecks};
+use super::rules::STOP_QUIET_US;
 use super::scan_check::Blocked;
-use super::source::Source;
 use super::source_monitor::SourceMonitor;
 use crate::geometry::Twist2;
+use crate::protection::{GuardConfig, Source};
 use crate::time::{Age, Stamp};
 
 /// Evidence of an obstacle in a direction counts as long as the stop that it caused, microseconds: leaving towards

@@ -1,19 +1,15 @@
 //! The supervisor: takes evidence, answers with what is permitted. Time-driven: every input and every 10 ms tick leads
 //! to a decision, whether or not anybody commands (FG-REQ-007).
 
-use super::advice::Advice;
-use super::cause::Cause;
-use super::collision::Body;
-use super::config::GuardConfig;
-use super::config_error::GuardConfigError;
-use super::decision::{Decision, SourceReport};
-use super::packet_check::{BLIND_RUN_CDEG, PacketTable, silent_cdeg};
-use super::record::{CauseRecord, Unit};
-use super::scan_check::{ScanFinding, ScanTable};
-use super::source::{FaultKind, Source};
+use super::packet_check::{BLIND_RUN_CDEG, silent_cdeg};
+use super::scan_check::ScanFinding;
 use super::source_monitor::SourceMonitor;
 use super::state::State;
 use crate::geometry::Twist2;
+use crate::protection::{
+    Advice, Body, Cause, CauseRecord, Decision, FaultKind, GuardConfig, GuardConfigError, PacketTable,
+    ScanTable, Source, SourceReport, Unit,
+};
 use crate::sensing::{DiscreteInputs, DriveFeedback, DriveState, ImuSample, LidarPacket, SafetyInput, Scan};
 use crate::time::{Age, Stamp};
 
@@ -66,7 +62,7 @@ impl Supervisor {
         let silent = silent_cdeg(packet);
         self.state.silent_cdeg = if silent > 0 { self.state.silent_cdeg.saturating_add(silent) } else { 0 };
         let is_blind = self.state.silent_cdeg > BLIND_RUN_CDEG;
-        self.monitor(Source::Lidar).blind = is_blind;
+        self.monitor(Source::Lidar, |monitor| monitor.blind = is_blind);
         self.judge_packet(packet, now);
         self.decide(now)
     }
@@ -224,24 +220,18 @@ impl Supervisor {
     }
 
     fn accept(&mut self, source: Source, (stamp, fingerprint): (Stamp, u32), now: Stamp) -> bool {
-        self.monitor(source).accept(stamp, fingerprint, now)
+        let mut accepted = false;
+        self.monitor(source, |monitor| accepted = monitor.accept(stamp, fingerprint, now));
+        accepted
     }
 
     fn fault(&mut self, source: Source, kind: FaultKind) {
-        self.monitor(source).fault = Some(kind);
+        self.monitor(source, |monitor| monitor.fault = Some(kind));
     }
 
-    fn monitor(&mut self, source: Source) -> &mut SourceMonitor {
-        let [scanner, lidar, discrete, wheels, imu, drive, command, perception] = &mut self.state.monitors;
-        match source {
-            Source::Scanner => scanner,
-            Source::Lidar => lidar,
-            Source::Discrete => discrete,
-            Source::Wheels => wheels,
-            Source::Imu => imu,
-            Source::Drive => drive,
-            Source::Command => command,
-            Source::Perception => perception,
+    fn monitor(&mut self, source: Source, change: impl FnOnce(&mut SourceMonitor)) {
+        if let Some(monitor) = self.state.monitors.get_mut(source.index()) {
+            change(monitor);
         }
     }
 

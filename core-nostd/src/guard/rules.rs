@@ -1,0 +1,92 @@
+//! What each cause demands, how it may clear, and whether the robot may leave meanwhile.
+
+use crate::protection::{Action, Cause, Source};
+
+/// Microseconds without evidence before a stop clears by itself: leave Stop after at least 1.0 s (algorithms M.5, FG-REQ-009).
+pub const STOP_QUIET_US: u64 = 1_000_000;
+/// The same for a limit: long enough that a flicker of the evidence does not shake the robot.
+pub const LIMIT_QUIET_US: u64 = 500_000;
+
+/// How a cause may clear (architecture 5).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clear {
+    /// By itself, after this many microseconds without evidence.
+    Quiet(u64),
+    /// By the operator, and only with a passed self-test.
+    Reset,
+    /// Never without a restart.
+    Restart,
+}
+
+/// In which direction the robot may leave although the cause is active.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Escape {
+    /// In none.
+    Never,
+    /// Forward only.
+    Forward,
+    /// Backward only.
+    Backward,
+    /// Wherever no piece of evidence comes nearer.
+    AwayFromEvidence,
+}
+
+impl Cause {
+    /// What it demands (FG-REQ-002).
+    #[must_use]
+    pub const fn action(self) -> Action {
+        match self {
+            Self::EmergencyStop | Self::DriveFault | Self::StateCorrupted => Action::Category0,
+            Self::InputFault
+            | Self::InputUnknown
+            | Self::Overspeed
+            | Self::SpeedDisagreement
+            | Self::TurnDisagreement
+            | Self::ClockFault
+            | Self::SourceLost(Source::Discrete | Source::Drive) => Action::Category1,
+            Self::Warning
+            | Self::PersonNear
+            | Self::CollisionSlow
+            | Self::AdviceLimit
+            | Self::SourceLate(_) => Action::Limit,
+            _ => Action::Category2,
+        }
+    }
+
+    /// How it may clear (FG-REQ-003). Contact, cliff, emergency stop and faults of the machine need an operator (ISO
+    /// 3691-4 4.1.14, IEC 63327 7.8); what merely stood in the way does not (IEC 63327 7.9).
+    #[must_use]
+    pub const fn clear(self) -> Clear {
+        match self {
+            Self::StateCorrupted => Clear::Restart,
+            Self::EmergencyStop
+            | Self::InputFault
+            | Self::BumperFront
+            | Self::BumperRear
+            | Self::CliffFront
+            | Self::CliffRear
+            | Self::Overspeed
+            | Self::SpeedDisagreement
+            | Self::TurnDisagreement
+            | Self::DriveFault
+            | Self::ClockFault => Clear::Reset,
+            Self::Warning
+            | Self::PersonNear
+            | Self::CollisionSlow
+            | Self::AdviceLimit
+            | Self::SourceLate(_) => Clear::Quiet(LIMIT_QUIET_US),
+            _ => Clear::Quiet(STOP_QUIET_US),
+        }
+    }
+
+    /// In which direction the robot may leave (FG-REQ-040).
+    #[must_use]
+    pub const fn escape(self) -> Escape {
+        match self {
+            Self::BumperFront | Self::CliffFront => Escape::Backward,
+            Self::BumperRear | Self::CliffRear => Escape::Forward,
+            Self::ScanProtective | Self::LidarProtective => Escape::AwayFromEvidence,
+            _ => Escape::Never,
+        }
+    }
+}

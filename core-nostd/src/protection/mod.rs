@@ -1,0 +1,31 @@
+//! What the guard knows and how it speaks: configuration, precomputed field tables, geometry, and the vocabulary of
+//! sources, causes and records. Nothing here decides; the rules are in `guard`.
+
+mod action;
+mod advice;
+mod cause;
+mod collision;
+mod config;
+mod config_error;
+mod decision;
+mod field;
+mod kinematics;
+mod packet_table;
+mod record;
+mod scan_table;
+mod source;
+
+pub use action::{Action, GuardState};
+pub use advice::{ADVISED_PEOPLE_MAX, Advice, AdvisedPerson};
+pub use cause::{CAUSES, Cause};
+pub use collision::{Body, time_to_collision_s};
+pub use config::{DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeometry, Thresholds, Travel};
+pub use config_error::GuardConfigError;
+pub use decision::{Decision, SourceReport};
+pub use field::{Polygon, point_in_polygon, ray_exit_m};
+pub use kinematics::{field_length_m, stop_distance_m};
+pub use packet_table::PacketTable;
+pub(crate) use packet_table::{BIN_CDEG, Bin};
+pub use record::{CauseRecord, Unit};
+pub use scan_table::ScanTable;
+pub use source::{FaultKind, Health, Source, SourceRules};
