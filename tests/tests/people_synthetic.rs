@@ -5,7 +5,9 @@ use std::io::Read as _;
 
 use flate2::read::GzDecoder;
 use floorguard_core::geometry::{Point2, Point3, Pose2, Transform3, Twist2};
-use floorguard_core::people::{FloorMask, PeoplePipeline, RingAngles, SweepContext, TrackStatus};
+use floorguard_core::people::{
+    Association, FloorMask, PeoplePipeline, RingAngles, SweepContext, TrackStatus, TrackerParameters,
+};
 use floorguard_core::sensing::LidarPacket;
 use floorguard_tests::data::bench_input;
 use floorguard_tests::lidar_frames::{datagrams, packets, sweep_of};
@@ -108,12 +110,13 @@ struct Score {
 }
 
 /// CLEAR-MOT with greedy matching by distance; last frame's pairs are kept while they hold.
-fn score() -> Option<Score> {
+fn score(association: Association) -> Option<Score> {
     let packets = all_packets()?;
     let truth: Value = serde_json::from_slice(&unpacked("lidar/truth.json.gz")?).expect("json");
     let context =
         SweepContext { sensor_in_base: mounting(0.0), twist: Twist2::ZERO, base_in_odom: Pose2::default() };
-    let mut pipeline = Box::new(PeoplePipeline::new(RingAngles::vlp16()));
+    let parameters = TrackerParameters { association, ..TrackerParameters::DEFAULT };
+    let mut pipeline = Box::new(PeoplePipeline::with_tracker(RingAngles::vlp16(), parameters));
     let mut score = Score::default();
     let mut last: BTreeMap<u64, u32> = BTreeMap::new();
     for (index, frame) in truth["frames"].as_array()?.iter().enumerate() {
@@ -166,11 +169,14 @@ const WARM_UP: usize = 10;
 
 #[test]
 fn people_in_an_aisle_are_followed() {
-    let Some(score) = score() else { return };
-    let errors = score.misses + score.false_tracks + score.switches;
-    let mota = 1.0 - f64::from(errors) / f64::from(score.present);
-    println!("MOTA {mota:.3}, mean error {:.3} m, {score:?}", score.error_m / f64::from(score.matched));
-    assert!(mota >= 0.8, "MOTA {mota}");
+    for association in [Association::Nearest, Association::Joint] {
+        let Some(score) = score(association) else { return };
+        let errors = score.misses + score.false_tracks + score.switches;
+        let mota = 1.0 - f64::from(errors) / f64::from(score.present);
+        let error_m = score.error_m / f64::from(score.matched);
+        println!("{association:?}: MOTA {mota:.3}, mean error {error_m:.3} m, {score:?}");
+        assert!(mota >= 0.85 && score.switches <= 1 && error_m < 0.15, "{association:?}: MOTA {mota}");
+    }
 }
 
 #[test]

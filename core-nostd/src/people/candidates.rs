@@ -43,6 +43,8 @@ impl Default for CandidateLimits {
 pub struct Detection {
     /// Where it stands on the floor.
     pub position: Point2,
+    /// How far from the sensor, metres: the farthest is given up first when there is no room.
+    pub distance_m: f32,
     /// Standard deviation of the position, metres.
     pub sigma_m: f32,
     /// How much it looks like a person, 0…1.

@@ -3,23 +3,27 @@
 //! Ground → clusters → candidates → tracker, on the range image: neighbourhood is index arithmetic, no tree is built.
 //! Source: algorithms A.1, A.2, D (`fixed` behaviour).
 
+mod association;
 mod candidates;
 pub mod classify;
 mod clusters;
 mod filter;
 mod floor_height;
 mod ground;
+mod joint;
 mod pipeline;
 mod projection;
 mod tracker;
 mod union_find;
 mod visibility;
 
+pub use association::Association;
 pub use candidates::{CandidateLimits, Detection};
 pub use clusters::{Cluster, ClusterLimits};
 pub use filter::ConstantVelocity;
 pub use floor_height::FloorHeight;
 pub use ground::FloorMask;
+pub use joint::{GROUP_DETECTIONS, GROUP_TRACKS, JointGroup, Marginals};
 pub use pipeline::{PeopleCounters, PeopleOutput, PeoplePipeline, SweepContext};
 pub use projection::RingAngles;
 pub use tracker::{Track, TrackStatus, Tracker, TrackerParameters};

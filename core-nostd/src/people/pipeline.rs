@@ -2,11 +2,12 @@
 
 use heapless::Vec;
 
+use super::association::DETECTIONS_MAX;
 use super::candidates::{CandidateLimits, Detection};
 use super::clusters::{Cluster, ClusterLimits, Clusterer};
 use super::ground;
 use super::projection::{ColumnFrame, RingAngles};
-use super::tracker::{DETECTIONS_MAX, Track, Tracker, TrackerParameters};
+use super::tracker::{Track, Tracker, TrackerParameters};
 use super::visibility::Visibility;
 use crate::capacities::CLUSTERS_MAX;
 use crate::geometry::{Point2, Pose2, Transform3, Twist2};
@@ -91,6 +92,12 @@ impl PeoplePipeline {
     /// Nothing seen yet.
     #[must_use]
     pub const fn new(angles: RingAngles) -> Self {
+        Self::with_tracker(angles, TrackerParameters::DEFAULT)
+    }
+
+    /// Nothing seen yet, with a tracker of one's own parameters.
+    #[must_use]
+    pub const fn with_tracker(angles: RingAngles, parameters: TrackerParameters) -> Self {
         Self {
             angles,
             cluster_limits: ClusterLimits::DEFAULT,
@@ -99,12 +106,12 @@ impl PeoplePipeline {
             things: Vec::new(),
             visibility: Visibility::new(),
             detections: Vec::new(),
-            tracker: Tracker::new(TrackerParameters::DEFAULT),
+            tracker: Tracker::new(parameters),
             counters: PeopleCounters::ZERO,
         }
     }
 
-    /// Takes in a sweep. Linear in its cells, plus tracks × detections × tracks.
+    /// Takes in a sweep. Linear in its cells, plus tracks × detections.
     pub fn process(&mut self, sweep: &Sweep, context: &SweepContext) -> PeopleOutput<'_> {
         self.find_things(sweep, context);
         self.find_candidates(context);
@@ -215,10 +222,14 @@ impl PeoplePipeline {
         }
     }
 
+    /// Out of room: the farthest candidate goes first.
     fn propose(&mut self, detection: Detection) {
         self.counters.candidates = self.counters.candidates.saturating_add(1);
-        if self.detections.push(detection).is_err() {
-            self.counters.dropped_candidates = self.counters.dropped_candidates.saturating_add(1);
+        let Err(detection) = self.detections.push(detection) else { return };
+        self.counters.dropped_candidates = self.counters.dropped_candidates.saturating_add(1);
+        let farthest = self.detections.iter_mut().max_by(|a, b| a.distance_m.total_cmp(&b.distance_m));
+        if let Some(slot) = farthest.filter(|slot| slot.distance_m > detection.distance_m) {
+            *slot = detection;
         }
     }
 
@@ -231,6 +242,12 @@ impl PeoplePipeline {
         self.tracker.update(sweep.end_stamp, &self.detections, |point| {
             visibility.is_visible(odom_in_sensor.transform(point))
         });
+    }
+
+    /// The tracker, for its counters.
+    #[must_use]
+    pub const fn tracker(&self) -> &Tracker {
+        &self.tracker
     }
 
     /// The detections of the newest sweep, in the fixed frame.
@@ -253,6 +270,7 @@ fn detection(thing: &Cluster, likeness: f32, context: &SweepContext) -> Detectio
     let centre = Point2::new(thing.centroid.x_m, thing.centroid.y_m);
     Detection {
         position: context.base_in_odom.transform(centre),
+        distance_m: thing.nearest_m,
         sigma_m: SIGMA_M + SIGMA_PER_M * thing.nearest_m,
         likeness,
         points: thing.points,

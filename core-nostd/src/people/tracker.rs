@@ -1,7 +1,8 @@
-//! Follows people: gating, nearest-neighbour association, creation, deletion, coasting. Algorithms D.4 to D.7, `fixed`.
+//! Follows people: gating, association, creation, deletion, coasting. Algorithms D.4 to D.7, `fixed`.
 
 use heapless::Vec;
 
+use super::association::{Association, Associator, DETECTIONS_MAX};
 use super::candidates::Detection;
 use super::filter::ConstantVelocity;
 use crate::capacities::TRACKS_MAX;
@@ -14,6 +15,8 @@ pub struct TrackerParameters {
     /// Spectral density of a walker's acceleration, m²/s³ (D.1 gives 0.065 at the 30 Hz of the reference; people who
     /// start and turn need more at 10 Hz).
     pub acceleration_density: f32,
+    /// How detections are given to tracks.
+    pub association: Association,
     /// Mahalanobis gate for two dimensions (99 %, D.4).
     pub gate: f32,
     /// Sightings before a track is confirmed.
@@ -34,6 +37,7 @@ impl TrackerParameters {
     /// The values of the parameters' own documentation.
     pub const DEFAULT: Self = Self {
         acceleration_density: 0.4,
+        association: Association::Nearest,
         gate: 3.035,
         sightings_min: 3,
         tentative_misses_max: 2,
@@ -81,6 +85,8 @@ pub struct Track {
     pub last_seen: Stamp,
     /// Where it was first seen.
     pub first_position: Point2,
+    /// How far from the sensor it was when last seen, metres.
+    distance_m: f32,
     /// Misses in a row where it could have been seen.
     misses: u16,
     /// When it was last seen or could not be seen.
@@ -94,28 +100,13 @@ pub struct Tracker {
     tracks: Vec<Track, TRACKS_MAX>,
     next_id: u32,
     now: Option<Stamp>,
-    /// Tracks not created for want of room.
+    /// Tracks given up or not created for want of room.
     pub dropped: u32,
     /// Sweeps refused because they were older than the newest one.
     pub late: u32,
-    /// Pairs of track and detection not considered for want of room.
-    pub dropped_pairs: u32,
-    pairs: Vec<Pair, PAIRS_MAX>,
+    associator: Associator,
 }
 
-/// A detection within the gate of a track.
-#[derive(Clone, Copy, Debug)]
-struct Pair {
-    cost: f32,
-    row: u16,
-    column: u16,
-}
-
-/// Pairs of one association: each track may have eight detections within its gate.
-const PAIRS_MAX: usize = 8 * TRACKS_MAX;
-
-/// Detections that take part in one association.
-pub const DETECTIONS_MAX: usize = 2 * TRACKS_MAX;
 /// A longer pause than this forgets the tentative tracks, µs (D.7).
 const PAUSE_US: u64 = 2_000_000;
 
@@ -130,8 +121,7 @@ impl Tracker {
             now: None,
             dropped: 0,
             late: 0,
-            dropped_pairs: 0,
-            pairs: Vec::new(),
+            associator: Associator::new(),
         }
     }
 
@@ -148,15 +138,15 @@ impl Tracker {
             self.late = self.late.saturating_add(1);
             return;
         }
-        let used = self.associate(stamp, detections);
+        self.associate(stamp, detections);
         for track in &mut self.tracks {
             if track.last_seen != stamp {
                 track.miss(stamp, visible(track.state.position));
             }
         }
         self.delete(stamp);
-        for (detection, used) in detections.iter().zip(used) {
-            if !used {
+        for (column, detection) in detections.iter().enumerate().take(DETECTIONS_MAX) {
+            if !self.associator.is_used(column) {
                 self.create(stamp, detection);
             }
         }
@@ -180,36 +170,36 @@ impl Tracker {
         true
     }
 
-    /// Greedy minimum assignment (K14) by d² + ln S, so that an uncertain track does not win (D.4). Only pairs within
-    /// the gate are kept and sorted once; ties go to the older track, then to the earlier detection.
-    fn associate(&mut self, stamp: Stamp, detections: &[Detection]) -> [bool; DETECTIONS_MAX] {
-        self.pairs.clear();
+    /// Pairs of track and detection that were not considered for want of room, since the start.
+    #[must_use]
+    pub const fn dropped_pairs(&self) -> u32 {
+        self.associator.dropped_pairs
+    }
+
+    /// Groups too large for joint probabilities, since the start.
+    #[must_use]
+    pub const fn large_groups(&self) -> u32 {
+        self.associator.large_groups
+    }
+
+    /// Gives detections to tracks by d² + ln|S|, so that an uncertain track does not win (D.4). Only pairs within the
+    /// gate take part.
+    fn associate(&mut self, stamp: Stamp, detections: &[Detection]) {
+        self.associator.clear();
         for row in 0..self.tracks.len().min(TRACKS_MAX) {
             for (column, detection) in detections.iter().enumerate().take(DETECTIONS_MAX) {
-                let Some(cost) = self.tracks.get(row).and_then(|track| self.cost(track, detection)) else {
-                    continue;
-                };
-                if self.pairs.push(Pair { cost, row: row as u16, column: column as u16 }).is_err() {
-                    self.dropped_pairs = self.dropped_pairs.saturating_add(1);
+                if let Some(cost) = self.tracks.get(row).and_then(|track| self.cost(track, detection)) {
+                    self.associator.add(row, column, cost);
                 }
             }
         }
-        self.pairs.sort_unstable_by(|a, b| {
-            a.cost.total_cmp(&b.cost).then((a.row, a.column).cmp(&(b.row, b.column)))
-        });
-        let mut used = [false; DETECTIONS_MAX];
-        for pair in &self.pairs {
-            let (row, column) = (usize::from(pair.row), usize::from(pair.column));
-            let (Some(track), Some(detection)) = (self.tracks.get_mut(row), detections.get(column)) else {
-                continue;
-            };
-            let Some(taken) = used.get_mut(column).filter(|taken| !**taken) else { continue };
-            if track.last_seen != stamp {
+        self.associator.solve(self.parameters.association);
+        for (row, track) in self.tracks.iter_mut().enumerate() {
+            let seen = self.associator.detection_of(row).and_then(|column| detections.get(column));
+            if let Some(detection) = seen {
                 track.see(stamp, detection, self.parameters.sightings_min);
-                *taken = true;
             }
         }
-        used
     }
 
     fn cost(&self, track: &Track, detection: &Detection) -> Option<f32> {
@@ -224,6 +214,29 @@ impl Tracker {
         self.tracks.retain(|track| track.lives(stamp, &parameters));
     }
 
+    /// Out of room: the farthest track goes first, because near ones matter (algorithms 0.3). False if everybody is
+    /// nearer than `distance_m`.
+    fn make_room(&mut self, distance_m: f32) -> bool {
+        if !self.tracks.is_full() {
+            return true;
+        }
+        self.dropped = self.dropped.saturating_add(1);
+        let tracks = self.tracks.iter().enumerate();
+        let farthest = tracks.max_by(|(_, a), (_, b)| a.distance_m.total_cmp(&b.distance_m));
+        match farthest.filter(|(_, track)| track.distance_m > distance_m).map(|(row, _)| row) {
+            Some(row) => {
+                // Keeps the others in their order, oldest first.
+                let mut index = 0_usize;
+                self.tracks.retain(|_| {
+                    index = index.saturating_add(1);
+                    index != row.saturating_add(1)
+                });
+                true
+            }
+            None => false,
+        }
+    }
+
     fn create(&mut self, stamp: Stamp, detection: &Detection) {
         let duplicate = self
             .tracks
@@ -233,10 +246,8 @@ impl Tracker {
             return;
         }
         let fresh = Track::new(self.next_id, stamp, detection);
-        if self.tracks.push(fresh).is_ok() {
+        if self.make_room(detection.distance_m) && self.tracks.push(fresh).is_ok() {
             self.next_id = self.next_id.wrapping_add(1).max(1);
-        } else {
-            self.dropped = self.dropped.saturating_add(1);
         }
     }
 }
@@ -259,6 +270,7 @@ impl Track {
             created: stamp,
             last_seen: stamp,
             first_position: detection.position,
+            distance_m: detection.distance_m,
             misses: 0,
             excused: stamp,
         }
@@ -267,6 +279,7 @@ impl Track {
     fn see(&mut self, stamp: Stamp, detection: &Detection, sightings_min: u16) {
         self.state.update(detection.position, detection.sigma_m);
         self.sightings = self.sightings.saturating_add(1);
+        self.distance_m = detection.distance_m;
         (self.last_seen, self.excused, self.misses) = (stamp, stamp, 0);
         if self.sightings >= sightings_min {
             self.status = TrackStatus::Confirmed;
@@ -300,5 +313,69 @@ impl Track {
         };
         let doubtful = 2.0 * self.state.position_variance > parameters.variance_max_m2;
         !(lost || doubtful || older_than(self.last_seen, parameters.coast_max_us)) && self.state.is_finite()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sighting(x_m: f32, y_m: f32) -> Detection {
+        let position = Point2::new(x_m, y_m);
+        Detection { position, distance_m: position.norm(), sigma_m: 0.1, likeness: 1.0, points: 50 }
+    }
+
+    /// Two people meet head on and pass 0.8 m apart.
+    #[test]
+    fn passing_people_keep_their_identity_with_both_associations() {
+        for association in [Association::Nearest, Association::Joint] {
+            let mut tracker = Tracker::new(TrackerParameters { association, ..TrackerParameters::DEFAULT });
+            for step in 0..60_u64 {
+                let along_m = 0.12 * step as f32 - 3.6;
+                let stamp = Stamp::from_micros(step * 100_000);
+                tracker.update(stamp, &[sighting(along_m, 0.4), sighting(-along_m, -0.4)], |_| true);
+            }
+            let ids: std::vec::Vec<_> = tracker.tracks().iter().map(|track| track.id).collect();
+            assert_eq!(ids, [1, 2], "{association:?}");
+            assert!(tracker.tracks().iter().all(|track| track.person_probability > 0.8));
+            assert!((tracker.tracks()[0].state.velocity.x_m - 1.2).abs() < 0.05);
+        }
+    }
+
+    #[test]
+    fn hidden_people_are_waited_for_and_absent_ones_are_not() {
+        for (visible, expected) in [(false, 1), (true, 0)] {
+            let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
+            for step in 0..20_u64 {
+                tracker.update(Stamp::from_micros(step * 100_000), &[sighting(3.0, 0.0)], |_| true);
+            }
+            for step in 20..30_u64 {
+                tracker.update(Stamp::from_micros(step * 100_000), &[], |_| visible);
+            }
+            assert_eq!(tracker.tracks().len(), expected, "visible {visible}");
+        }
+    }
+
+    #[test]
+    fn near_people_push_out_far_ones() {
+        let mut tracker = std::boxed::Box::new(Tracker::new(TrackerParameters::DEFAULT));
+        let crowd: std::vec::Vec<_> =
+            (0..TRACKS_MAX).map(|index| sighting(3.0 + index as f32, 0.0)).collect();
+        tracker.update(Stamp::from_micros(0), &crowd, |_| true);
+        assert_eq!(tracker.tracks().len(), TRACKS_MAX);
+        tracker.update(Stamp::from_micros(100_000), &[sighting(1.0, 0.0)], |_| true);
+        assert!(tracker.tracks().iter().any(|track| track.state.position.x_m < 2.0));
+        assert!(tracker.tracks().iter().all(|track| track.state.position.x_m < 2.5 + TRACKS_MAX as f32));
+        assert_eq!((tracker.tracks().len(), tracker.dropped), (TRACKS_MAX, 1));
+        tracker.update(Stamp::from_micros(200_000), &[sighting(500.0, 0.0)], |_| true);
+        assert_eq!((tracker.tracks().len(), tracker.dropped), (TRACKS_MAX, 2));
+    }
+
+    #[test]
+    fn a_sweep_from_the_past_is_refused_and_counted() {
+        let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
+        tracker.update(Stamp::from_micros(200_000), &[sighting(3.0, 0.0)], |_| true);
+        tracker.update(Stamp::from_micros(100_000), &[sighting(6.0, 0.0)], |_| true);
+        assert_eq!((tracker.tracks().len(), tracker.late), (1, 1));
     }
 }
