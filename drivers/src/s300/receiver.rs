@@ -14,10 +14,10 @@ const STAND_BY_WORD: u16 = 0x4004;
 const NO_ECHO: u16 = 0x1fff;
 
 /// What the line told.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Event {
-    /// A scan.
-    Scan(Scan),
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event<'a> {
+    /// A scan. It stays in the receiver until the next one.
+    Scan(&'a Scan),
     /// The scanner is in stand-by: no data, neither obstacle nor free.
     StandBy {
         /// Its scan number.
@@ -58,6 +58,8 @@ pub struct Receiver {
     rule: usize,
     last_scan: Option<u32>,
     counters: Counters,
+    /// The newest scan, built in place: it is too large for the stack of a small machine.
+    scan: Scan,
 }
 
 /// What stands at the front of the buffer.
@@ -82,6 +84,7 @@ impl Receiver {
             rule: 0,
             last_scan: None,
             counters: Counters::default(),
+            scan: Scan::default(),
         }
     }
 
@@ -92,7 +95,7 @@ impl Receiver {
     }
 
     /// Takes in bytes that arrived at `now`, in any portions. `event` is called for each telegram.
-    pub fn push(&mut self, bytes: &[u8], now: Stamp, mut event: impl FnMut(Event)) {
+    pub fn push(&mut self, bytes: &[u8], now: Stamp, mut event: impl FnMut(Event<'_>)) {
         let silent = matches!(self.last_byte.age(now), Age::Past(us) if us > self.configuration.gap_max_us);
         if silent && self.length > 0 {
             // A telegram is sent without gaps: what is unfinished stays unfinished.
@@ -112,7 +115,7 @@ impl Receiver {
     }
 
     /// Takes telegrams off the front until it is unfinished. Each turn removes at least one byte.
-    fn consume(&mut self, now: Stamp, event: &mut impl FnMut(Event)) {
+    fn consume(&mut self, now: Stamp, event: &mut impl FnMut(Event<'_>)) {
         for _ in 0..BUFFER_BYTES {
             match self.front() {
                 Front::Unfinished => return,
@@ -135,8 +138,14 @@ impl Receiver {
         let rest = used.get(count.min(used.len())..).unwrap_or_default();
         let start = count.saturating_add(rest.iter().position(|byte| *byte == 0).unwrap_or(rest.len()));
         let start = start.min(self.length);
-        self.buffer.copy_within(start..self.length, 0);
-        self.length -= start;
+        let remaining = self.length.saturating_sub(start);
+        for to in 0..remaining.min(BUFFER_BYTES) {
+            let moved = self.buffer.get(to.saturating_add(start)).copied().unwrap_or(0);
+            if let Some(slot) = self.buffer.get_mut(to) {
+                *slot = moved;
+            }
+        }
+        self.length = remaining;
     }
 
     fn front(&mut self) -> Front {
@@ -180,7 +189,7 @@ impl Receiver {
         if unfinished { Front::Unfinished } else { Front::Nothing }
     }
 
-    fn interpret(&mut self, length: usize, now: Stamp) -> Option<Event> {
+    fn interpret(&mut self, length: usize, now: Stamp) -> Option<Event<'_>> {
         let telegram = self.buffer.get(..length).and_then(Telegram::new_checked)?;
         if telegram.status() != 0 {
             return Some(Event::Refused(TelegramError::LockOut { status: telegram.status() }));
@@ -196,9 +205,9 @@ impl Receiver {
         if telegram.words().all(|word| word == STAND_BY_WORD) {
             return Some(Event::StandBy { sequence });
         }
-        let scan = self.scan(&telegram, now);
+        fill(&mut self.scan, &telegram, &self.configuration, now);
         self.count_scan(sequence);
-        Some(Event::Scan(scan))
+        Some(Event::Scan(&self.scan))
     }
 
     fn count_scan(&mut self, sequence: u32) {
@@ -212,31 +221,27 @@ impl Receiver {
         }
         self.last_scan = Some(sequence);
     }
+}
 
-    fn scan(&self, telegram: &Telegram<'_>, now: Stamp) -> Scan {
-        let configuration = &self.configuration;
-        let mut scan = Scan {
-            stamp: now.minus_micros(configuration.delay_us),
-            sequence: telegram.scan_number(),
-            first_angle_rad: configuration.first_angle_rad,
-            step_rad: configuration.step_rad,
-            ..Scan::default()
-        };
-        let mut words = telegram.words();
-        for (index, count) in configuration.values_per_field.iter().enumerate() {
-            if index > 0 {
-                // The marker between two fields.
-                let _ = words.next();
-            }
-            for word in words.by_ref().take(usize::from(*count)) {
-                // 541 of the capacity, checked against the configuration by its length.
-                let _ = scan.beams.push(beam(word, configuration));
-            }
+fn fill(scan: &mut Scan, telegram: &Telegram<'_>, configuration: &Configuration, now: Stamp) {
+    scan.stamp = now.minus_micros(configuration.delay_us);
+    scan.sequence = telegram.scan_number();
+    scan.first_angle_rad = configuration.first_angle_rad;
+    scan.step_rad = configuration.step_rad;
+    scan.beams.clear();
+    let mut words = telegram.words();
+    for (index, count) in configuration.values_per_field.iter().enumerate() {
+        if index > 0 {
+            // The marker between two fields.
+            let _ = words.next();
         }
-        if configuration.inverted {
-            scan.beams.reverse();
+        for word in words.by_ref().take(usize::from(*count)) {
+            // 541 of the capacity, checked against the configuration by its length.
+            let _ = scan.beams.push(beam(word, configuration));
         }
-        scan
+    }
+    if configuration.inverted {
+        scan.beams.reverse();
     }
 }
 

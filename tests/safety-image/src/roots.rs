@@ -1,14 +1,95 @@
 //! One exported function per stage, so that the linker keeps it and the audit finds it by name.
 
-use floorguard_core::time::{Stamp, Unwrap32};
+use core::hint::black_box;
 
-/// Reaches every root; the linker starts here.
+use floorguard_core::geometry::Twist2;
+use floorguard_core::guard::{Advice, Decision, GuardConfig, Supervisor};
+use floorguard_core::sensing::{DiscreteInputs, DriveFeedback, ImuSample, LidarPacket, Scan};
+use floorguard_core::time::Stamp;
+use floorguard_drivers::s300;
+use floorguard_drivers::velodyne::Decoder;
+
+/// Reaches every root; the linker starts here. The image is read, never run, so the arguments do not matter.
 #[unsafe(no_mangle)]
-pub extern "C" fn entry() {
-    root_time(core::hint::black_box(&mut Unwrap32::default()), core::hint::black_box(0));
+pub extern "C" fn entry(state: Option<&mut Everything>) {
+    let Some(state) = state else { return };
+    let now = state.now;
+    root_guard_scan(&mut state.guard, &state.scan, now);
+    root_guard_packet(&mut state.guard, &state.packet, now);
+    root_guard_inputs(&mut state.guard, &state.inputs, now);
+    root_guard_motion(state, now);
+    root_guard_advice(&mut state.guard, &state.advice, now);
+    root_guard_tick(&mut state.guard, now);
+    root_velodyne(&mut state.decoder, &state.bytes, now);
+    root_s300(&mut state.receiver, &state.bytes, now);
+}
+
+/// All state of the image.
+pub struct Everything {
+    guard: Supervisor,
+    decoder: Decoder,
+    receiver: s300::Receiver,
+    scan: Scan,
+    packet: LidarPacket,
+    inputs: DiscreteInputs,
+    imu: ImuSample,
+    drive: DriveFeedback,
+    advice: Advice,
+    wanted: Twist2,
+    bytes: [u8; 1_206],
+    now: Stamp,
 }
 
 #[inline(never)]
-fn root_time(unwrap: &mut Unwrap32, counter: u32) -> Stamp {
-    core::hint::black_box(Stamp::from_micros(unwrap.extend(counter)))
+fn root_guard_scan(guard: &mut Supervisor, scan: &Scan, now: Stamp) -> Decision {
+    black_box(guard.on_scan(scan, now))
+}
+
+#[inline(never)]
+fn root_guard_packet(guard: &mut Supervisor, packet: &LidarPacket, now: Stamp) -> Decision {
+    black_box(guard.on_lidar_packet(packet, now))
+}
+
+#[inline(never)]
+fn root_guard_inputs(guard: &mut Supervisor, inputs: &DiscreteInputs, now: Stamp) -> Decision {
+    black_box(guard.on_discrete(inputs, now))
+}
+
+#[inline(never)]
+fn root_guard_motion(state: &mut Everything, now: Stamp) -> Decision {
+    state.guard.on_wheels(state.wanted, now, now);
+    state.guard.on_imu(&state.imu, now);
+    state.guard.on_drive(&state.drive, now);
+    black_box(state.guard.on_command(state.wanted, now, now))
+}
+
+#[inline(never)]
+fn root_guard_advice(guard: &mut Supervisor, advice: &Advice, now: Stamp) -> Decision {
+    black_box(guard.on_advice(advice, now))
+}
+
+#[inline(never)]
+fn root_guard_tick(guard: &mut Supervisor, now: Stamp) -> Decision {
+    guard.request_reset(now);
+    black_box(guard.tick(now))
+}
+
+/// Building the guard is start-up work; it is linked so that its code is read too.
+#[unsafe(no_mangle)]
+pub extern "C" fn root_guard_start(config: Option<&GuardConfig>, now: Option<&Stamp>) {
+    if let (Some(config), Some(now)) = (config, now) {
+        let _ = black_box(Supervisor::new(config.clone(), *now).is_ok());
+    }
+}
+
+#[inline(never)]
+fn root_velodyne(decoder: &mut Decoder, bytes: &[u8], now: Stamp) {
+    let _ = black_box(decoder.decode(bytes, now).is_ok());
+}
+
+#[inline(never)]
+fn root_s300(receiver: &mut s300::Receiver, bytes: &[u8], now: Stamp) {
+    receiver.push(bytes, now, |event| {
+        black_box(&event);
+    });
 }

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 mod audit;
+mod bench;
 mod machine;
 mod setup;
 mod shell;
@@ -26,6 +27,8 @@ enum Command {
     Test(test::Options),
     /// Check every claim of the safety evidence and write it to target/audit.
     Audit(audit::Options),
+    /// Measure the stages of the lidar path on the recordings.
+    Bench,
 }
 
 fn main() -> ExitCode {
@@ -33,6 +36,7 @@ fn main() -> ExitCode {
         Command::Setup => setup::run(),
         Command::Test(options) => test::run(&options),
         Command::Audit(options) => audit::run(&options),
+        Command::Bench => bench::run(),
     };
     match outcome {
         Ok(true) => ExitCode::SUCCESS,

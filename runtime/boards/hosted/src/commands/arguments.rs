@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 #[derive(Debug, Parser)]
 #[command(name = "floorguard", version, about)]
 pub struct Arguments {
-    /// What to do; without a command: the demo.
+    /// What to do.
     #[command(subcommand)]
     pub command: Option<Command>,
 }

@@ -8,9 +8,9 @@ mod replay;
 
 pub use arguments::{Arguments, Command, DecodeArguments, ModelArgument, ReplayArguments};
 pub use decode::decode_to;
-pub use exit::{BadInput, VerdictFailed, exit_code};
+pub use exit::{BadInput, UsageNeeded, VerdictFailed, exit_code};
 
-/// Runs the command; no command means the demo.
+/// Runs the command.
 ///
 /// # Errors
 /// Anything that ends the program with another exit code than 0, see [`exit_code`].
@@ -19,6 +19,6 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Replay(arguments)) => replay::run(&arguments),
         Some(Command::Decode(arguments)) => decode::run(&arguments),
         Some(Command::Check { file }) => check::run(&file),
-        None => anyhow::bail!("nothing to do"),
+        None => Err(UsageNeeded.into()),
     }
 }
