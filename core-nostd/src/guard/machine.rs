@@ -63,7 +63,8 @@ impl DecisionMachine {
     /// overwritten (FG-REQ-004); the limit is the latest.
     pub fn raise(&mut self, record: CauseRecord) {
         let Some(slot) = self.slots.get_mut(record.cause.index()) else { return };
-        if !slot.held {
+        // A slot that a flipped bit took for held must not keep the rules of another cause.
+        if !slot.held || slot.first.cause != record.cause {
             slot.first = record;
         }
         slot.held = true;
@@ -180,5 +181,17 @@ impl DecisionMachine {
             (slot.first.cause, elapsed_us(slot.last_pulse, now).min(longest_us))
         });
         (ages.collect(), self.reset_since.map(|since| elapsed_us(since, now).min(SELF_TEST_US)))
+    }
+
+    /// Flips one bit of the stamp of a cause's last evidence.
+    pub(super) fn flip_pulse(&mut self, cause: Cause, bit: u32) {
+        let slot = &mut self.slots[cause.index()];
+        slot.last_pulse = Stamp::from_micros(slot.last_pulse.as_micros() ^ (1 << bit));
+    }
+
+    /// A cause that holds is forgotten, or one that does not is invented.
+    pub(super) fn flip_held(&mut self, cause: Cause) {
+        let slot = &mut self.slots[cause.index()];
+        slot.held = !slot.held;
     }
 }

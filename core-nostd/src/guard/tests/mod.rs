@@ -1,5 +1,6 @@
 //! Tests of the guard. Names carry the requirement that they check: `fg_req_012_…`.
 
+mod bit_flips;
 mod exploration;
 mod fixtures;
 mod properties;
