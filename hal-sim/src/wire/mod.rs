@@ -1,0 +1,22 @@
+//! Encoders of the sensors' messages, written from wire-formats 1, 2 and 5.
+
+mod s300;
+mod velodyne;
+mod xbus;
+
+pub use s300::{ScanWords, TelegramHeader, encode_telegram};
+pub use velodyne::{DataPacket, ReturnMode, encode_position};
+pub use xbus::{XbusParser, encode_message};
+
+/// zlib CRC-32, by which the specification confirms long vectors.
+#[cfg(test)]
+pub(crate) fn tests_crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(u32::MAX, |crc, byte| {
+        (0..8).fold(
+            crc ^ u32::from(*byte),
+            |crc, _| {
+                if crc & 1 == 1 { (crc >> 1) ^ 0xEDB8_8320 } else { crc >> 1 }
+            },
+        )
+    })
+}
