@@ -1,0 +1,112 @@
+//! Moves people: the social-force model (Helbing and Molnár 1995, with the view cone of Johansson 2007).
+//!
+//! Everybody accelerates towards the wanted velocity within 0.5 s and is pushed away from others, from walls and, who
+//! sees it, from the robot by forces that fall exponentially with the distance of the bodies.
+
+use floorguard_core::geometry::Point2;
+
+use super::Person;
+use crate::scene::Scene;
+
+/// Relaxation time, seconds.
+const RELAX_S: f32 = 0.5;
+/// Strength, m/s², and reach, metres, of the push from people.
+const PEOPLE: (f32, f32) = (2.1, 0.30);
+/// The same from walls and furniture.
+const WALLS: (f32, f32) = (3.0, 0.20);
+/// The same from the robot.
+const ROBOT: (f32, f32) = (3.0, 0.40);
+/// What happens behind one's back counts this much.
+const BEHIND: f32 = 0.35;
+/// Nobody accelerates harder, m/s².
+const PUSH_MAX: f32 = 6.0;
+/// A goal counts as reached within this distance, metres.
+const REACHED_M: f32 = 0.6;
+
+/// The robot as people see it.
+#[derive(Clone, Copy, Debug)]
+pub struct RobotDisc {
+    /// Middle of the body, world frame.
+    pub position: Point2,
+    /// Metres.
+    pub radius_m: f32,
+}
+
+/// Everybody in the scene.
+#[derive(Clone, Debug, Default)]
+pub struct Crowd {
+    /// The people.
+    pub people: Vec<Person>,
+}
+
+impl Crowd {
+    /// One step of at most a few hundredths of a second.
+    pub fn step(&mut self, now_us: u64, step_s: f32, scene: &Scene, robot: RobotDisc) {
+        let bodies: Vec<(Point2, f32)> =
+            self.people.iter().map(|person| (person.position, person.kind.radius_m())).collect();
+        for (index, person) in self.people.iter_mut().enumerate() {
+            if person.starts_us > now_us || person.speed_mps <= 0.0 || person.goals.is_empty() {
+                person.velocity = Point2::default();
+                continue;
+            }
+            let mut push = drive(person);
+            for (other, body) in bodies.iter().enumerate() {
+                if other != index {
+                    add(&mut push, repel(person, body.0, body.1, PEOPLE));
+                }
+            }
+            if person.sees_robot {
+                add(&mut push, repel(person, robot.position, robot.radius_m, ROBOT));
+            }
+            if let Some((wall, _)) = scene.nearest_obstacle(person.position) {
+                add(&mut push, repel(person, wall, 0.0, WALLS));
+            }
+            accelerate(person, push, step_s);
+            person.advance(step_s);
+        }
+    }
+}
+
+fn add(sum: &mut Point2, more: Point2) {
+    sum.x_m += more.x_m;
+    sum.y_m += more.y_m;
+}
+
+fn drive(person: &mut Person) -> Point2 {
+    let goal = person.goals[person.goal % person.goals.len()];
+    let distance = goal.distance(person.position);
+    if distance < REACHED_M {
+        person.goal = (person.goal + 1) % person.goals.len();
+    }
+    let scale = person.speed_mps / distance.max(0.01);
+    Point2::new(
+        ((goal.x_m - person.position.x_m) * scale - person.velocity.x_m) / RELAX_S,
+        ((goal.y_m - person.position.y_m) * scale - person.velocity.y_m) / RELAX_S,
+    )
+}
+
+fn repel(person: &Person, from: Point2, radius_m: f32, law: (f32, f32)) -> Point2 {
+    let (dx, dy) = (person.position.x_m - from.x_m, person.position.y_m - from.y_m);
+    let distance = libm::hypotf(dx, dy).max(0.01);
+    if distance > 4.0 {
+        return Point2::default();
+    }
+    let gap = distance - radius_m - person.kind.radius_m();
+    let ahead = -(dx * libm::cosf(person.heading_rad) + dy * libm::sinf(person.heading_rad)) / distance;
+    let view = BEHIND + (1.0 - BEHIND) * (1.0 + ahead) / 2.0;
+    let force = law.0 * libm::expf((-gap / law.1).min(1.5)) * view;
+    // A little to the right as well, so that two who meet head-on do not stand before each other for ever.
+    Point2::new(force * (dx - 0.2 * dy) / distance, force * (dy + 0.2 * dx) / distance)
+}
+
+fn accelerate(person: &mut Person, push: Point2, step_s: f32) {
+    let scale = (PUSH_MAX / push.norm().max(1.0e-3)).min(1.0) * step_s;
+    person.velocity.x_m += push.x_m * scale;
+    person.velocity.y_m += push.y_m * scale;
+    let limit = 1.3 * person.speed_mps;
+    let speed = person.velocity.norm();
+    if speed > limit {
+        person.velocity.x_m *= limit / speed;
+        person.velocity.y_m *= limit / speed;
+    }
+}

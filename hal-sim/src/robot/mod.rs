@@ -1,0 +1,7 @@
+//! The three-wheeled robot: parameters and physics.
+
+mod parameters;
+mod physics;
+
+pub use parameters::{NodeIds, RobotParameters, SensorMount};
+pub use physics::{BrakeLaw, RobotBody};

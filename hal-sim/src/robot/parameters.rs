@@ -1,0 +1,85 @@
+//! Sizes, masses and mountings of the simulated robot; by default those of the example `robot.toml`.
+
+use floorguard_core::geometry::Point2;
+
+/// Where a sensor sits, robot frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SensorMount {
+    /// Forward, metres.
+    pub x_m: f32,
+    /// Left, metres.
+    pub y_m: f32,
+    /// Up, metres.
+    pub z_m: f32,
+    /// Counter-clockwise, radians.
+    pub yaw_rad: f32,
+}
+
+/// Node numbers on the CAN bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NodeIds {
+    /// Traction drive.
+    pub traction: u8,
+    /// Steering drive.
+    pub steering: u8,
+    /// Encoder of the left rear wheel.
+    pub left_encoder: u8,
+    /// Encoder of the right rear wheel.
+    pub right_encoder: u8,
+    /// Gateway of the safety controller.
+    pub gateway: u8,
+}
+
+/// Everything that is fixed about the robot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobotParameters {
+    /// Outline, counter-clockwise, metres, robot frame (origin in the middle of the rear axle).
+    pub footprint: Vec<Point2>,
+    /// Rear axle to front wheel, metres.
+    pub wheelbase_m: f32,
+    /// Between the rear wheels, metres.
+    pub track_m: f32,
+    /// Encoder counts per metre of a rear wheel.
+    pub ticks_per_m: f32,
+    /// The front wheel turns at most this fast, rad/s.
+    pub steering_rate_radps: f32,
+    /// And at most this far, radians.
+    pub steering_max_rad: f32,
+    /// Friction of the front wheel limits any acceleration of the robot to this, m/s².
+    pub grip_mps2: f32,
+    /// The mechanical brake, m/s².
+    pub brake_mps2: f32,
+    /// From the loss of power to the brake's grip, seconds.
+    pub brake_delay_s: f32,
+    /// VLP-16.
+    pub lidar: SensorMount,
+    /// S300.
+    pub scanner: SensorMount,
+    /// MTi.
+    pub imu: SensorMount,
+    /// CAN nodes.
+    pub nodes: NodeIds,
+}
+
+impl Default for RobotParameters {
+    fn default() -> Self {
+        let mount = |x_m, z_m| SensorMount { x_m, y_m: 0.0, z_m, yaw_rad: 0.0 };
+        Self {
+            footprint: [(-0.45, -0.40), (0.95, -0.40), (0.95, 0.40), (-0.45, 0.40)]
+                .map(|(x, y)| Point2::new(x, y))
+                .to_vec(),
+            wheelbase_m: 0.80,
+            track_m: 0.60,
+            ticks_per_m: 20_000.0,
+            steering_rate_radps: 1.5,
+            steering_max_rad: 1.55,
+            grip_mps2: 2.5,
+            brake_mps2: 1.5,
+            brake_delay_s: 0.05,
+            lidar: mount(0.50, 0.80),
+            scanner: mount(0.90, 0.15),
+            imu: mount(0.30, 0.40),
+            nodes: NodeIds { traction: 1, steering: 2, left_encoder: 3, right_encoder: 4, gateway: 5 },
+        }
+    }
+}

@@ -1,0 +1,11 @@
+//! What stands still: floor, walls, shelves, tables, trolleys, glass and mirrors, ramps.
+
+mod builder;
+mod file;
+mod material;
+mod scene3;
+
+pub use builder::SceneBuilder;
+pub use file::SceneFile;
+pub use material::Material;
+pub use scene3::{Hit, Scene};

@@ -1,0 +1,143 @@
+//! Casts rays at the standing world, through parry's bounding-volume hierarchy.
+
+use floorguard_core::geometry::Point2;
+use parry3d::math::Vector;
+use parry3d::query::{PointQuery, Ray};
+use parry3d::shape::{CompositeShapeRef, Compound};
+
+use super::Material;
+
+/// A beam meets at most this many panes and mirrors on its way.
+const BOUNCES_MAX: usize = 3;
+/// Cosine above which glass throws a beam back: within 6° of the right angle.
+const GLASS_COSINE: f32 = 0.9945;
+
+/// Where a beam ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Along the beam from its origin, metres.
+    pub range_m: f32,
+    /// Of the VLP-16's scale.
+    pub reflectivity: u8,
+}
+
+/// The standing world: a floor at z = 0 and parts on it.
+pub struct Scene {
+    parts: Option<Compound>,
+    materials: Vec<Material>,
+    plan: Option<Compound>,
+}
+
+impl Scene {
+    pub(super) fn new(parts: Option<Compound>, materials: Vec<Material>, plan: Option<Compound>) -> Self {
+        Self { parts, materials, plan }
+    }
+
+    /// Follows a beam (unit direction) through panes and mirrors to a surface within `range_max_m`.
+    #[must_use]
+    pub fn cast(&self, origin: Vector, direction: Vector, range_max_m: f32) -> Option<Hit> {
+        let (mut origin, mut direction, mut gone_m) = (origin, direction, 0.0);
+        for _ in 0..BOUNCES_MAX {
+            let left_m = range_max_m - gone_m;
+            let floor = floor_range(origin, direction).filter(|range| *range < left_m);
+            let part = self.nearest_part(origin, direction, floor.unwrap_or(left_m));
+            let Some((index, range_m)) = part else {
+                return floor.map(|range_m| Hit { range_m: gone_m + range_m, reflectivity: 30 });
+            };
+            let material = self.materials.get(index as usize).copied().unwrap_or_default();
+            let end = Hit { range_m: gone_m + range_m, reflectivity: material.reflectivity() };
+            if !matches!(material, Material::Glass | Material::Mirror) {
+                return Some(end);
+            }
+            let normal = self.normal(index, origin, direction);
+            if material == Material::Glass && normal.dot(direction).abs() > GLASS_COSINE {
+                return Some(end);
+            }
+            // Glass: go on behind the pane. Mirror: go on along the mirrored direction.
+            let step_m = if material == Material::Glass { range_m + 0.15 } else { range_m - 0.002 };
+            origin += direction * step_m;
+            gone_m += step_m;
+            if material == Material::Mirror {
+                direction -= normal * (2.0 * normal.dot(direction));
+            }
+        }
+        None
+    }
+
+    fn nearest_part(&self, origin: Vector, direction: Vector, range_max_m: f32) -> Option<(u32, f32)> {
+        let parts = self.parts.as_ref()?;
+        CompositeShapeRef(parts).cast_local_ray(&Ray::new(origin, direction), range_max_m, true)
+    }
+
+    fn normal(&self, part: u32, origin: Vector, direction: Vector) -> Vector {
+        let shape = self.parts.as_ref().and_then(|parts| parts.shapes().get(part as usize));
+        shape
+            .and_then(|(pose, shape)| {
+                shape.cast_ray_and_get_normal(pose, &Ray::new(origin, direction), 1.0e3, true)
+            })
+            .map_or(Vector::Z, |hit| hit.normal)
+    }
+
+    /// The nearest point of anything that stands in the way, seen from above; `None` in an empty world.
+    #[must_use]
+    pub fn nearest_obstacle(&self, point: Point2) -> Option<(Point2, f32)> {
+        let plan = self.plan.as_ref()?;
+        let at = Vector::new(point.x_m, point.y_m, 1.0);
+        let projection = plan.project_local_point(at, true);
+        let nearest = Point2::new(projection.point.x, projection.point.y);
+        Some((nearest, if projection.is_inside { 0.0 } else { nearest.distance(point) }))
+    }
+
+    /// Number of parts.
+    #[must_use]
+    pub fn parts(&self) -> usize {
+        self.materials.len()
+    }
+}
+
+fn floor_range(origin: Vector, direction: Vector) -> Option<f32> {
+    (direction.z < -1.0e-4).then(|| -origin.z / direction.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::SceneBuilder;
+
+    fn room(material: Material) -> Scene {
+        let mut builder = SceneBuilder::default();
+        builder.wall([2.0, -3.0], [2.0, 3.0], 2.0, material);
+        builder.wall([5.0, -9.0], [5.0, 9.0], 2.0, Material::Matte);
+        builder.build()
+    }
+
+    fn range(scene: &Scene, direction: Vector) -> Option<f32> {
+        scene.cast(Vector::new(0.0, 0.0, 1.0), direction.normalize(), 50.0).map(|hit| hit.range_m)
+    }
+
+    #[test]
+    fn a_wall_ends_the_beam_at_its_face_and_the_floor_at_its_height() {
+        let scene = room(Material::Matte);
+        assert!((range(&scene, Vector::X).unwrap() - 1.95).abs() < 1e-4);
+        let down = range(&scene, Vector::new(1.0, 0.0, -1.0)).unwrap();
+        assert!((down - std::f32::consts::SQRT_2).abs() < 1e-4);
+        assert_eq!(range(&scene, -Vector::X), None);
+    }
+
+    #[test]
+    fn glass_is_seen_at_right_angles_only() {
+        let scene = room(Material::Glass);
+        assert!((range(&scene, Vector::X).unwrap() - 1.95).abs() < 1e-4);
+        let oblique = range(&scene, Vector::new(1.0, 0.5, 0.0)).unwrap();
+        assert!((oblique - 4.95 * libm::sqrtf(1.25)).abs() < 1e-3, "{oblique}");
+    }
+
+    #[test]
+    fn a_mirror_shows_what_is_behind_the_sensor() {
+        let mut builder = SceneBuilder::default();
+        builder.wall([2.0, -3.0], [2.0, 3.0], 2.0, Material::Mirror);
+        builder.wall([-4.0, -9.0], [-4.0, 9.0], 2.0, Material::Matte);
+        let seen = range(&builder.build(), Vector::X).unwrap();
+        assert!((seen - (1.95 + 1.95 + 3.95)).abs() < 1e-2, "{seen}");
+    }
+}
