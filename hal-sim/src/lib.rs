@@ -3,3 +3,18 @@
 //! The encoders here are written from the wire-format specification and never call the decoders of the drivers, so
 //! that one misreading cannot cancel itself out.
 #![forbid(unsafe_code)]
+
+pub mod can;
+pub mod faults;
+pub mod people;
+pub mod robot;
+pub mod scenario;
+pub mod scene;
+pub mod sensors;
+pub mod simulation;
+pub mod wire;
+
+pub use can::CanFrame;
+pub use faults::{FaultLayer, FaultSpec};
+pub use scenario::Scenario;
+pub use simulation::{Payload, Simulation, Stream, Truth, WireEvent};

@@ -1,0 +1,172 @@
+//! Faults as text: `lidar:drop=5%,from=10s,to=20s`.
+
+use std::str::FromStr;
+
+use thiserror::Error;
+
+use crate::simulation::Stream;
+
+/// Why a fault was not understood.
+#[derive(Debug, Error, PartialEq, Eq)]
+pub enum FaultError {
+    /// There is no colon, or no such source.
+    #[error("`{0}`: a fault begins with lidar:, position:, scanner:, imu: or can:")]
+    Source(String),
+    /// No such fault.
+    #[error(
+        "`{0}`: known faults are drop, burst, delay, reorder, duplicate, truncate, flip, stuck, silent, flap, blind"
+    )]
+    Kind(String),
+    /// The number is missing or not one.
+    #[error("`{0}`: not a value such as 5%, 20ms or 10s")]
+    Value(String),
+}
+
+/// What goes wrong. Shares are of all messages, 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FaultKind {
+    /// Single messages get lost.
+    Drop(f32),
+    /// A loss takes this many messages in a row; one in a hundred messages begins one.
+    Burst(u32),
+    /// Everything comes later by this many microseconds.
+    Delay(u64),
+    /// Messages are overtaken by their successor.
+    Reorder(f32),
+    /// Messages come twice.
+    Duplicate(f32),
+    /// Messages lose their second half.
+    Truncate(f32),
+    /// One bit of a message is wrong.
+    Flip(f32),
+    /// The first message of the fault is repeated in place of every other.
+    Stuck,
+    /// Nothing comes.
+    Silent,
+    /// The link goes down and up again with this period, microseconds.
+    Flap(u64),
+    /// Lidar only: this many degrees in front of the sensor return nothing.
+    Blind(f32),
+}
+
+/// One fault on one stream.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FaultSpec {
+    /// Which line.
+    pub stream: Stream,
+    /// What.
+    pub kind: FaultKind,
+    /// Begins, world microseconds.
+    pub from_us: u64,
+    /// Ends, world microseconds.
+    pub to_us: u64,
+}
+
+impl FaultSpec {
+    /// Reads a fault from text.
+    ///
+    /// # Errors
+    /// Source, kind or value is unknown.
+    pub fn parse(text: &str) -> Result<Self, FaultError> {
+        let unknown = || FaultError::Source(text.to_owned());
+        let (source, rest) = text.split_once(':').ok_or_else(unknown)?;
+        let stream = match source.trim() {
+            "lidar" => Stream::LidarData,
+            "position" => Stream::LidarPosition,
+            "scanner" => Stream::ScannerSerial,
+            "imu" => Stream::ImuSerial,
+            "can" => Stream::Can,
+            _ => return Err(unknown()),
+        };
+        let (mut kind, mut from_us, mut to_us) = (None, 0, u64::MAX);
+        for item in rest.split(',').map(str::trim) {
+            let (name, value) = item.split_once('=').unwrap_or((item, ""));
+            match name {
+                "from" => from_us = micros(value)?,
+                "to" => to_us = micros(value)?,
+                _ => kind = Some(parse_kind(name, value)?),
+            }
+        }
+        let kind = kind.ok_or_else(|| FaultError::Kind(rest.to_owned()))?;
+        Ok(Self { stream, kind, from_us, to_us })
+    }
+
+    /// The fault is on at this moment.
+    #[must_use]
+    pub const fn applies(&self, at_us: u64) -> bool {
+        at_us >= self.from_us && at_us < self.to_us
+    }
+}
+
+impl FromStr for FaultSpec {
+    type Err = FaultError;
+
+    fn from_str(text: &str) -> Result<Self, FaultError> {
+        Self::parse(text)
+    }
+}
+
+fn parse_kind(name: &str, value: &str) -> Result<FaultKind, FaultError> {
+    Ok(match name {
+        "drop" => FaultKind::Drop(share(value)?),
+        "burst" => FaultKind::Burst(number(value)? as u32),
+        "delay" => FaultKind::Delay(micros(value)?),
+        "reorder" => FaultKind::Reorder(share(value)?),
+        "duplicate" => FaultKind::Duplicate(share(value)?),
+        "truncate" => FaultKind::Truncate(share(value)?),
+        "flip" => FaultKind::Flip(share(value)?),
+        "stuck" => FaultKind::Stuck,
+        "silent" => FaultKind::Silent,
+        "flap" => FaultKind::Flap(micros(value)?.max(2)),
+        "blind" => FaultKind::Blind(number(value.trim_end_matches("deg"))?),
+        _ => return Err(FaultError::Kind(name.to_owned())),
+    })
+}
+
+fn number(value: &str) -> Result<f32, FaultError> {
+    let parsed = value.trim().parse::<f32>().ok().filter(|number| number.is_finite() && *number >= 0.0);
+    parsed.ok_or_else(|| FaultError::Value(value.to_owned()))
+}
+
+fn share(value: &str) -> Result<f32, FaultError> {
+    let percent = value.trim().strip_suffix('%');
+    let share = match percent {
+        Some(percent) => number(percent)? / 100.0,
+        None => number(value)?,
+    };
+    if share <= 1.0 { Ok(share) } else { Err(FaultError::Value(value.to_owned())) }
+}
+
+fn micros(value: &str) -> Result<u64, FaultError> {
+    let units = [("ms", 1.0e3), ("us", 1.0), ("s", 1.0e6)];
+    let found = units.iter().find_map(|(unit, scale)| Some((value.trim().strip_suffix(unit)?, *scale)));
+    let (digits, scale) = found.ok_or_else(|| FaultError::Value(value.to_owned()))?;
+    Ok((f64::from(number(digits)?) * scale) as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_example_is_understood() {
+        let fault = FaultSpec::parse("lidar:drop=5%,from=10s,to=20s").unwrap();
+        let expected = FaultSpec {
+            stream: Stream::LidarData,
+            kind: FaultKind::Drop(0.05),
+            from_us: 10_000_000,
+            to_us: 20_000_000,
+        };
+        assert_eq!(fault, expected);
+        assert_eq!(FaultSpec::parse("imu:delay=20ms").unwrap().kind, FaultKind::Delay(20_000));
+    }
+
+    #[test]
+    fn mistakes_are_named() {
+        for wrong in
+            ["lidar", "radar:drop=1%", "lidar:melt", "lidar:drop=150%", "lidar:from=3s", "can:delay=5"]
+        {
+            assert!(FaultSpec::parse(wrong).is_err(), "{wrong}");
+        }
+    }
+}

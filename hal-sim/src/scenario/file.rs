@@ -1,0 +1,143 @@
+//! The scenario file.
+
+use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_core::random::Pcg32;
+use serde::Deserialize;
+use thiserror::Error;
+
+use crate::people::{Person, PersonKind};
+use crate::scene::SceneFile;
+
+/// Why a scenario cannot be played.
+#[derive(Debug, Error)]
+pub enum ScenarioError {
+    /// No built-in scenario of that name.
+    #[error("no scenario is called `{0}`; there are: {1}")]
+    Unknown(String, String),
+    /// The text is not a scenario.
+    #[error("the scenario is wrong: {0}")]
+    Text(#[from] toml::de::Error),
+}
+
+/// Where the robot begins.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StartFile {
+    /// World frame, metres.
+    pub at_m: [f32; 2],
+    /// Counter-clockwise, degrees.
+    #[serde(default)]
+    pub yaw_deg: f32,
+}
+
+/// Where the robot is sent; waypoints in the world frame.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RouteFile {
+    /// m/s.
+    pub speed_mps: f32,
+    /// Start over at the end.
+    #[serde(default)]
+    pub repeat: bool,
+    /// Metres.
+    pub waypoints_m: Vec<[f32; 2]>,
+}
+
+/// A person, or several of one kind.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PersonFile {
+    /// Who.
+    #[serde(default)]
+    pub kind: PersonKind,
+    /// Start, metres.
+    pub at_m: [f32; 2],
+    /// m/s; 0 stands.
+    #[serde(default)]
+    pub speed_mps: f32,
+    /// Where to walk, over and over.
+    #[serde(default)]
+    pub goals_m: Vec<[f32; 2]>,
+    /// Stands until then, seconds.
+    #[serde(default)]
+    pub starts_s: f32,
+    /// Walks around the robot.
+    #[serde(default = "yes")]
+    pub sees_robot: bool,
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// Everything that a run begins with.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scenario {
+    /// One line for people.
+    pub title: String,
+    /// The robot's start.
+    #[serde(default)]
+    pub start: StartFile,
+    /// The robot's way.
+    #[serde(default)]
+    pub route: RouteFile,
+    /// What stands still.
+    #[serde(default)]
+    pub scene: SceneFile,
+    /// Who is there.
+    #[serde(default)]
+    pub person: Vec<PersonFile>,
+    /// Adds 1 to 10 people whose straight ways cross the robot's at random.
+    #[serde(default)]
+    pub random_encounter: bool,
+}
+
+impl Scenario {
+    /// Reads a scenario file.
+    ///
+    /// # Errors
+    /// The text is not a scenario; the message names line and key.
+    pub fn from_toml(text: &str) -> Result<Self, ScenarioError> {
+        Ok(toml::from_str(text)?)
+    }
+
+    /// The robot's start, world frame.
+    #[must_use]
+    pub fn start_pose(&self) -> Pose2 {
+        Pose2::new(self.start.at_m[0], self.start.at_m[1], self.start.yaw_deg.to_radians())
+    }
+
+    /// The people of a run.
+    #[must_use]
+    pub fn people(&self, seed: u64) -> Vec<Person> {
+        let mut random = Pcg32::new(seed, 21);
+        let mut people: Vec<Person> =
+            self.person.iter().enumerate().map(|(index, file)| person(index, file, &mut random)).collect();
+        if self.random_encounter {
+            super::encounter::add_people(self.start_pose(), &mut people, &mut random);
+        }
+        people
+    }
+}
+
+fn person(index: usize, file: &PersonFile, random: &mut Pcg32) -> Person {
+    let goals: Vec<Point2> = file.goals_m.iter().map(|[x, y]| Point2::new(*x, *y)).collect();
+    let position = Point2::new(file.at_m[0], file.at_m[1]);
+    let heading_rad =
+        goals.first().map_or(0.0, |goal| libm::atan2f(goal.y_m - position.y_m, goal.x_m - position.x_m));
+    Person {
+        id: index as u32 + 1,
+        kind: file.kind,
+        position,
+        velocity: Point2::default(),
+        heading_rad,
+        gait_rad: random.uniform_between(0.0, core::f32::consts::TAU),
+        goals,
+        goal: 0,
+        // Nobody walks exactly as planned: ±10 %.
+        speed_mps: file.speed_mps * random.uniform_between(0.9, 1.1),
+        starts_us: (f64::from(file.starts_s) * 1.0e6) as u64,
+        sees_robot: file.sees_robot,
+    }
+}

@@ -1,0 +1,7 @@
+//! Scenarios: a scene, people and a route, from a text file.
+
+mod built_in;
+mod encounter;
+mod file;
+
+pub use file::{PersonFile, RouteFile, Scenario, ScenarioError, StartFile};

@@ -1,0 +1,11 @@
+//! The sensors: what they measure in the world and the bytes they send.
+
+mod imu;
+mod lidar;
+mod scanner;
+mod view;
+
+pub use imu::{Imu, Motion};
+pub use lidar::{LIDAR_PACKET_NS, Lidar};
+pub use scanner::{Scanner, ScannerState};
+pub use view::View;

@@ -1,0 +1,319 @@
+//! The world's clockwork.
+//!
+//! The robot and the bus move every millisecond, people every ten, each sensor at its own times. Events are handed out
+//! strictly in the order of their arrival.
+
+use std::collections::BTreeMap;
+
+use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_core::time::Stamp;
+use parry3d::math::Vector;
+
+use super::bus::Bus;
+use super::truth::{PersonTruth, Truth, distance_to_area};
+use super::{Payload, Stream, WireEvent};
+use crate::can::{CanFrame, SafetyChannels};
+use crate::people::{Crowd, RobotDisc};
+use crate::robot::{RobotBody, RobotParameters};
+use crate::scenario::{Scenario, ScenarioError};
+use crate::scene::Scene;
+use crate::sensors::{Imu, Lidar, Motion, Scanner, ScannerState, View};
+use crate::wire::ReturnMode;
+
+const STEP_US: u64 = 1_000;
+const PEOPLE_STEP_US: u64 = 10_000;
+/// Once per 14 data packets (wire-formats 1.7).
+const POSITION_US: u64 = 18_579;
+/// From the last firing of a packet to its arrival.
+const ETHERNET_US: u64 = 120;
+/// Bytes of ten bits at 115,200 baud.
+const IMU_BYTE_US: u64 = 87;
+
+/// A world that runs.
+pub struct Simulation {
+    parameters: RobotParameters,
+    scene: Scene,
+    crowd: Crowd,
+    body: RobotBody,
+    bus: Bus,
+    lidar: Lidar,
+    scanner: Scanner,
+    imu: Imu,
+    now_us: u64,
+    next_step_us: u64,
+    step_us: u64,
+    next_position_us: u64,
+    queue: BTreeMap<(u64, u64), WireEvent>,
+    sequence: u64,
+}
+
+impl Simulation {
+    /// A world with the default robot.
+    ///
+    /// # Errors
+    /// The scenario cannot be played.
+    pub fn new(scenario: &Scenario, seed: u64) -> Result<Self, ScenarioError> {
+        Self::with_robot(scenario, seed, RobotParameters::default())
+    }
+
+    /// A world with another robot.
+    ///
+    /// # Errors
+    /// The scenario cannot be played.
+    pub fn with_robot(
+        scenario: &Scenario,
+        seed: u64,
+        parameters: RobotParameters,
+    ) -> Result<Self, ScenarioError> {
+        Ok(Self {
+            scene: scenario.scene.build(),
+            crowd: Crowd { people: scenario.people(seed) },
+            body: RobotBody::new(parameters.clone(), scenario.start_pose()),
+            bus: Bus::new(parameters.nodes),
+            lidar: Lidar::new(seed, ReturnMode::Strongest),
+            scanner: Scanner::new(seed),
+            imu: Imu::new(seed),
+            parameters,
+            now_us: 0,
+            next_step_us: 0,
+            step_us: 0,
+            next_position_us: POSITION_US,
+            queue: BTreeMap::new(),
+            sequence: 0,
+        })
+    }
+
+    /// When something happens next, microseconds; never later than a millisecond ahead.
+    #[must_use]
+    pub fn next_event_us(&self) -> u64 {
+        let queued = self.queue.keys().next().map_or(u64::MAX, |(at_us, _)| *at_us);
+        queued.min(self.next_internal_us())
+    }
+
+    fn next_internal_us(&self) -> u64 {
+        self.next_step_us
+            .min(self.lidar.due_us())
+            .min(self.scanner.due_us())
+            .min(self.imu.due_us())
+            .min(self.next_position_us)
+    }
+
+    /// Plays up to and including this moment; every event goes to `sink`, in order.
+    pub fn advance_to(&mut self, at_us: u64, sink: &mut dyn FnMut(WireEvent)) {
+        loop {
+            let internal_us = self.next_internal_us();
+            self.hand_out(internal_us.min(at_us.saturating_add(1)), sink);
+            if internal_us > at_us {
+                break;
+            }
+            self.now_us = self.now_us.max(internal_us);
+            self.happen(internal_us);
+        }
+        self.now_us = self.now_us.max(at_us);
+    }
+
+    /// Hands out what arrives before a moment.
+    fn hand_out(&mut self, before_us: u64, sink: &mut dyn FnMut(WireEvent)) {
+        while let Some(entry) = self.queue.first_entry() {
+            if entry.key().0 >= before_us {
+                break;
+            }
+            sink(entry.remove());
+        }
+    }
+
+    fn happen(&mut self, at_us: u64) {
+        if self.next_step_us == at_us {
+            self.step();
+        }
+        if self.lidar.due_us() == at_us {
+            let mount = self.parameters.lidar;
+            let view = View::new(&self.scene, &self.crowd.people, (&self.body, mount), 60.0);
+            let bytes = self.lidar.measure(&view, self.step_us);
+            self.push(at_us + ETHERNET_US, Stream::LidarData, Payload::Bytes(bytes));
+        }
+        if self.next_position_us == at_us {
+            self.next_position_us += POSITION_US;
+            let bytes = self.lidar.position_packet(at_us);
+            self.push(at_us + ETHERNET_US, Stream::LidarPosition, Payload::Bytes(bytes));
+        }
+        if self.scanner.due_us() == at_us {
+            let mount = self.parameters.scanner;
+            let view = View::new(&self.scene, &self.crowd.people, (&self.body, mount), 31.0);
+            for (at_us, bytes) in self.scanner.measure(&view, at_us, self.step_us) {
+                self.push(at_us, Stream::ScannerSerial, Payload::Bytes(bytes));
+            }
+        }
+        if self.imu.due_us() == at_us {
+            let motion = self.felt_motion();
+            if let Some(bytes) = self.imu.sample(at_us, motion) {
+                let sent_us = at_us + 500 + bytes.len() as u64 * IMU_BYTE_US;
+                self.push(sent_us, Stream::ImuSerial, Payload::Bytes(bytes));
+            }
+        }
+    }
+
+    fn step(&mut self) {
+        let now_us = self.next_step_us;
+        let step_s = STEP_US as f32 * 1.0e-6;
+        if now_us > 0 {
+            let steering = if self.bus.power_cut() { None } else { self.bus.steering.target_rad() };
+            self.body.step(step_s, self.bus.brake_law(), steering);
+        }
+        self.step_us = now_us;
+        for frame in self.bus.tick(now_us, step_s, &self.body) {
+            self.push_frame(now_us, frame);
+        }
+        if now_us.is_multiple_of(PEOPLE_STEP_US) {
+            let middle = self.body.pose().transform(Point2::new(0.25, 0.0));
+            let robot = RobotDisc { position: middle, radius_m: 0.7 };
+            self.crowd.step(now_us, PEOPLE_STEP_US as f32 * 1.0e-6, &self.scene, robot);
+        }
+        self.next_step_us += STEP_US;
+    }
+
+    /// At the IMU's place: the rear axle's acceleration and the centripetal parts.
+    fn felt_motion(&self) -> Motion {
+        let twist = self.body.twist();
+        let turn = twist.angular_radps;
+        Motion {
+            forward_mps2: self.body.acceleration_mps2() - turn * turn * self.parameters.imu.x_m,
+            left_mps2: twist.linear_mps * turn,
+            yaw_radps: turn,
+            heading_rad: self.body.pose().heading_rad,
+        }
+    }
+
+    fn push(&mut self, at_us: u64, stream: Stream, payload: Payload) {
+        self.sequence += 1;
+        self.queue.insert((at_us.max(self.now_us), self.sequence), WireEvent { at_us, stream, payload });
+    }
+
+    fn push_frame(&mut self, ready_us: u64, frame: CanFrame) {
+        let at_us = self.bus.arrival_us(ready_us, &frame);
+        self.push(at_us, Stream::Can, Payload::Frame(frame));
+    }
+
+    /// Bytes that the robot's computer has written to a serial line; only the IMU listens.
+    pub fn receive(&mut self, stream: Stream, bytes: &[u8]) {
+        if stream != Stream::ImuSerial {
+            return;
+        }
+        let answer = self.imu.receive(bytes);
+        if !answer.is_empty() {
+            let at_us = self.now_us + 1_000 + answer.len() as u64 * IMU_BYTE_US;
+            self.push(at_us, Stream::ImuSerial, Payload::Bytes(answer));
+        }
+    }
+
+    /// A frame that the robot's computer has sent; `at_us` is not before the last moment played.
+    pub fn receive_can(&mut self, frame: CanFrame, at_us: u64) {
+        let arrives_us = self.bus.arrival_us(at_us.max(self.now_us), &frame);
+        let ahead_s = (arrives_us - self.step_us.min(arrives_us)) as f32 * 1.0e-6;
+        for answer in self.bus.receive(&frame, arrives_us, &self.body, ahead_s) {
+            self.push_frame(arrives_us, answer);
+        }
+    }
+
+    /// Presses or releases the emergency stop, both channels.
+    pub fn press_emergency_stop(&mut self, pressed: bool) {
+        self.bus.channels.emergency_stop = [!pressed; 2];
+    }
+
+    /// The safety controller's inputs, for scripted events.
+    pub const fn safety_channels(&mut self) -> &mut SafetyChannels {
+        &mut self.bus.channels
+    }
+
+    /// An internal fault of the traction drive, with an EMCY code.
+    pub fn fail_traction(&mut self, code: u16) {
+        let mut out = Vec::new();
+        self.bus.traction.fail(code, &mut out);
+        for frame in out {
+            self.push_frame(self.now_us, frame);
+        }
+    }
+
+    /// What the scanner is doing.
+    pub const fn set_scanner_state(&mut self, state: ScannerState) {
+        self.scanner.state = state;
+    }
+
+    /// Share of the front wheel's grip that is left: 1 dry, 0.3 wet soap.
+    pub const fn set_grip(&mut self, grip: f32) {
+        self.body.grip = grip;
+    }
+
+    /// The robot that is simulated.
+    #[must_use]
+    pub const fn parameters(&self) -> &RobotParameters {
+        &self.parameters
+    }
+
+    /// The true state at the last moment played.
+    #[must_use]
+    pub fn truth(&self) -> Truth {
+        let robot = self.body.pose();
+        let people: Vec<PersonTruth> = self.crowd.people.iter().map(person_truth).collect();
+        let gap = |person: &PersonTruth| {
+            let in_robot = robot.inverse().transform(person.position);
+            (distance_to_area(&self.parameters.footprint, in_robot) - person.radius_m).max(0.0)
+        };
+        let touching = people.iter().filter(|person| gap(person) <= 0.0).map(|person| person.id).collect();
+        Truth {
+            stamp: Stamp::from_micros(self.now_us),
+            robot,
+            twist: self.body.twist(),
+            steering_rad: self.body.steering_rad(),
+            nearest_person_m: people.iter().map(gap).fold(f32::INFINITY, f32::min),
+            nearest_obstacle_m: self.obstacle_distance(robot),
+            touching,
+            people,
+            emergency_stop: self.bus.power_cut(),
+        }
+    }
+
+    fn obstacle_distance(&self, robot: Pose2) -> f32 {
+        let corners = &self.parameters.footprint;
+        let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+        let samples = sides.flat_map(|(a, b)| {
+            (0..8).map(move |i| {
+                let t = i as f32 / 8.0;
+                Point2::new(a.x_m + t * (b.x_m - a.x_m), a.y_m + t * (b.y_m - a.y_m))
+            })
+        });
+        samples
+            .filter_map(|point| self.scene.nearest_obstacle(robot.transform(point)))
+            .map(|(_, distance)| distance)
+            .fold(f32::INFINITY, f32::min)
+    }
+
+    /// Points on standing things around the robot at the scanner's height, robot frame, one per 2°, within a range.
+    #[must_use]
+    pub fn obstacles_in_robot(&self, range_m: f32) -> Vec<Point2> {
+        let robot = self.body.pose();
+        let mount = self.parameters.scanner;
+        let origin = robot.transform(Point2::new(mount.x_m, mount.y_m));
+        let at = Vector::new(origin.x_m, origin.y_m, mount.z_m);
+        let beam = |step: u16| {
+            let bearing = (f32::from(step) * 2.0).to_radians();
+            let (sin, cos) = libm::sincosf(bearing + robot.heading_rad);
+            let hit = self.scene.cast(at, Vector::new(cos, sin, 0.0), range_m)?;
+            let (sin, cos) = libm::sincosf(bearing);
+            Some(Point2::new(mount.x_m + hit.range_m * cos, mount.y_m + hit.range_m * sin))
+        };
+        (0..180).filter_map(beam).collect()
+    }
+}
+
+fn person_truth(person: &crate::people::Person) -> PersonTruth {
+    PersonTruth {
+        id: person.id,
+        kind: person.kind,
+        position: person.position,
+        velocity: person.velocity,
+        feet: person.feet(),
+        radius_m: person.kind.radius_m(),
+        height_m: person.kind.height_m(),
+    }
+}

@@ -1,0 +1,10 @@
+//! Plays a scenario on virtual time: physics, people, sensors and buses in one sequence of events.
+
+mod bus;
+mod engine;
+mod event;
+mod truth;
+
+pub use engine::Simulation;
+pub use event::{Payload, Stream, WireEvent};
+pub use truth::{PersonTruth, Truth};
