@@ -168,9 +168,9 @@ mod tests {
         out: &mut [[f64; 9]; 6],
     ) {
         if detection == group.detections {
-            for track in 0..group.tracks {
+            for (track, row) in out.iter_mut().enumerate().take(group.tracks) {
                 let of = (0..group.detections).find(|index| choice[*index] == track).unwrap_or(8);
-                out[track][of] += weight * event_factor(used, group.tracks);
+                row[of] += weight * event_factor(used, group.tracks);
             }
             return;
         }
@@ -246,11 +246,10 @@ mod tests {
                 }
             }
             let (marginals, wanted) = (group.marginals(), enumerated(&group));
-            for track in 0..tracks {
-                proptest::prop_assert!((f64::from(marginals.missed[track]) - wanted[track][8]).abs() < 1e-5);
-                for detection in 0..detections {
-                    let found = f64::from(marginals.detection[track][detection]);
-                    proptest::prop_assert!((found - wanted[track][detection]).abs() < 1e-5);
+            for (track, wanted) in wanted.iter().enumerate().take(tracks) {
+                proptest::prop_assert!((f64::from(marginals.missed[track]) - wanted[8]).abs() < 1e-5);
+                for (found, wanted) in marginals.detection[track].iter().zip(wanted).take(detections) {
+                    proptest::prop_assert!((f64::from(*found) - wanted).abs() < 1e-5);
                 }
             }
         }

@@ -13,6 +13,7 @@ mod ground;
 mod joint;
 mod pipeline;
 mod projection;
+pub mod ring_clusters;
 mod tracker;
 mod union_find;
 mod visibility;
