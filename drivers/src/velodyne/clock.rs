@@ -7,6 +7,10 @@
 //! Hazard: packets that queued somewhere look like a sensor whose clock was set back. Taking them for fresh would show
 //! the guard the past as the present, so a stream that falls behind stays old; only a step that no delay can explain,
 //! or a silence long enough for a restart of the sensor, starts the mapping anew.
+//!
+//! Limit: a sensor's clock that is set back by less than half a second looks like a delay of that length, and its stamps
+//! stay that much too old, healing by 200 microseconds a second. That errs to the safe side; a restart of the decoder
+//! cures it.
 
 use floorguard_core::time::Stamp;
 
