@@ -166,9 +166,10 @@ fn pick(sets: &Vec<FieldSet, FIELD_SETS_MAX>, travel: Travel, speed_mps: f32) ->
     let travel = if known { travel } else { Travel::Straight };
     let mut best: Option<(usize, f32)> = None;
     for (index, set) in sets.iter().enumerate().filter(|(_, set)| set.travel == travel) {
+        let covers = set.speed_max_mps >= speed_mps;
         let better = match best {
             None => true,
-            Some((_, mps)) if mps >= speed_mps => (speed_mps..mps).contains(&set.speed_max_mps),
+            Some((_, mps)) if mps >= speed_mps => covers && set.speed_max_mps < mps,
             Some((_, mps)) => set.speed_max_mps > mps,
         };
         if better {
