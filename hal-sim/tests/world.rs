@@ -92,3 +92,27 @@ fn the_scanner_sees_the_wall_at_its_true_distance() {
     let word = u16::from_le_bytes([bytes[24 + 540], bytes[25 + 540]]);
     assert!((i32::from(word) - 1_505).abs() <= 5, "{word}");
 }
+
+/// Raw distance of a laser in the block whose azimuth is nearest to a direction (clockwise, hundredths of a degree).
+fn raw(events: &[WireEvent], azimuth_cdeg: i32, laser: usize) -> i32 {
+    let packets = events.iter().filter(|event| event.stream == Stream::LidarData).take(75);
+    let blocks = packets.filter_map(|event| match &event.payload {
+        Payload::Bytes(bytes) => Some(bytes[..1_200].chunks(100).map(<[u8]>::to_vec).collect::<Vec<_>>()),
+        Payload::Frame(_) => None,
+    });
+    let azimuth = |block: &Vec<u8>| i32::from(u16::from_le_bytes([block[2], block[3]]));
+    let block = blocks.flatten().min_by_key(|block| (azimuth(block) - azimuth_cdeg).abs()).unwrap();
+    i32::from(u16::from_le_bytes([block[4 + 3 * laser], block[5 + 3 * laser]]))
+}
+
+#[test]
+fn the_lidar_sees_floor_and_walls_on_the_right_sides() {
+    let events = play("empty", 3, 150_000);
+    let near = |found: i32, expected_m: f32| (found - (expected_m * 500.0) as i32).abs() <= 25;
+    let up = libm::cosf(1.0_f32.to_radians());
+    assert!(near(raw(&events, 0, 1), 15.45 / up), "ahead: {}", raw(&events, 0, 1));
+    assert!(near(raw(&events, 9_000, 1), 9.95 / up), "right: {}", raw(&events, 9_000, 1));
+    assert!(near(raw(&events, 27_000, 1), 12.95 / up), "left: {}", raw(&events, 27_000, 1));
+    let floor_m = 0.8 / libm::sinf(15.0_f32.to_radians());
+    assert!(near(raw(&events, 0, 0), floor_m), "floor: {}", raw(&events, 0, 0));
+}
