@@ -20,6 +20,8 @@ pub enum Command {
     Replay(ReplayArguments),
     /// Print every return of a lidar capture.
     Decode(DecodeArguments),
+    /// Clean a map in simulation with a guarantee, and compare strategies.
+    Mission(super::MissionArguments),
     /// Check a configuration: every mistake with line, limit and remedy.
     Check {
         /// The configuration.

@@ -4,11 +4,13 @@ mod arguments;
 mod check;
 mod decode;
 mod exit;
+mod mission;
 mod replay;
 
 pub use arguments::{Arguments, Command, DecodeArguments, ModelArgument, ReplayArguments};
 pub use decode::decode_to;
 pub use exit::{BadInput, UsageNeeded, VerdictFailed, exit_code};
+pub use mission::MissionArguments;
 
 /// Runs the command.
 ///
@@ -18,6 +20,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
         Some(Command::Replay(arguments)) => replay::run(&arguments),
         Some(Command::Decode(arguments)) => decode::run(&arguments),
+        Some(Command::Mission(arguments)) => mission::run(&arguments),
         Some(Command::Check { file }) => check::run(&file),
         None => Err(UsageNeeded.into()),
     }

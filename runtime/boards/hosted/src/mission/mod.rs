@@ -1,5 +1,6 @@
 //! Cleaning missions in simulation: any ROS map, four strategies, and the proof of what was claimed.
 
+mod campaign;
 mod config;
 mod dirt_source;
 mod faults;
@@ -8,11 +9,15 @@ mod lanes;
 mod localiser;
 mod navigator;
 mod people;
+pub mod pictures;
+pub mod report;
 pub mod rooms;
 pub mod ros_map;
+pub mod statistics;
 mod trial;
 mod truth;
 
+pub use campaign::{StrategySummary, StrategyTrials, run_strategies};
 pub use config::{MissionConfig, Robot, Strategy};
 pub use dirt_source::DirtSource;
 pub use faults::FaultRates;

@@ -1,0 +1,174 @@
+//! `floorguard mission`: cleaning missions in simulation, and what their claims are worth.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use serde::Serialize;
+
+use super::{BadInput, VerdictFailed};
+use crate::mission::{
+    DirtSource, FaultRates, Floor, MissionConfig, Robot, Strategy, StrategySummary, StrategyTrials, pictures,
+    report, rooms, ros_map, run_strategies,
+};
+use floorguard_core::random::Pcg32;
+
+/// What to clean, how, and how often.
+#[derive(Clone, Debug, Args)]
+pub struct MissionArguments {
+    /// A ROS map_server map (.yaml), a bare picture of 0.05 m a pixel, or one of: plain, furnished, supermarket.
+    #[arg(long)]
+    pub map: PathBuf,
+    /// random:SHARE%:LOW-HIGH (expected units a cell), or a CSV file with x_m,y_m,units.
+    #[arg(long)]
+    pub dirt: DirtSource,
+    /// One strategy, or several separated by commas.
+    #[arg(long, value_delimiter = ',', default_value = "guarantee")]
+    pub strategy: Vec<Strategy>,
+    /// Units that may stay in a clean cell.
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u8).range(0..=50))]
+    pub tau: u8,
+    /// Probability with which a cell that is called clean may hold more.
+    #[arg(long, default_value_t = 0.01, value_parser = probability)]
+    pub delta: f64,
+    /// Missions a strategy.
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
+    pub trials: u64,
+    /// Seed of the first mission; the next ones count on.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// People on the floor.
+    #[arg(long, default_value_t = 0)]
+    pub people: usize,
+    /// Slip, pushes, lost packets and power cuts.
+    #[arg(long)]
+    pub faults: bool,
+    /// Hold the guarantee for all dirty cells at once instead of for each.
+    #[arg(long)]
+    pub joint: bool,
+    /// One line of JSON for each strategy on standard output.
+    #[arg(long)]
+    pub json: bool,
+    /// Folder for maps and plots.
+    #[arg(long, default_value = "floorguard-mission")]
+    pub out: PathBuf,
+}
+
+fn probability(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value < 1.0 => Ok(value),
+        _ => Err(format!("'{text}' is not a probability between 0 and 1")),
+    }
+}
+
+/// A line of JSON.
+#[derive(Serialize)]
+struct JsonLine<'a> {
+    map: &'a str,
+    seed: u64,
+    tau: u8,
+    delta: f64,
+    #[serde(flatten)]
+    summary: &'a StrategySummary,
+}
+
+/// Runs the missions, reports, and writes the pictures.
+///
+/// # Errors
+/// A map or dirt that cannot be used; a false claim rate of the guarantee that is significantly above δ.
+pub fn run(arguments: &MissionArguments) -> anyhow::Result<()> {
+    let floor = load_floor(arguments)?;
+    anstream::eprintln!("{}", report::scope(&floor));
+    let config = config(arguments);
+    let missions = arguments.trials * arguments.strategy.len() as u64;
+    let bar = ProgressBar::new(missions).with_style(
+        ProgressStyle::with_template("{bar:40} {pos}/{len} missions, {eta} left")
+            .unwrap_or_else(|_| ProgressStyle::default_bar()),
+    );
+    let columns = run_strategies(
+        &floor,
+        (&arguments.strategy, &config, &arguments.dirt),
+        (arguments.trials, arguments.seed),
+        || bar.inc(1),
+    )?;
+    bar.finish_and_clear();
+    let summaries: Vec<StrategySummary> = columns.iter().map(StrategyTrials::summary).collect();
+    anstream::eprint!("{}", report::table(&summaries));
+    anstream::eprint!("{}", report::proof(&summaries, arguments.delta));
+    if arguments.json {
+        for summary in &summaries {
+            let (seed, tau, delta) = (arguments.seed, arguments.tau, arguments.delta);
+            let line = JsonLine { map: &floor.name, seed, tau, delta, summary };
+            anstream::println!("{}", serde_json::to_string(&line)?);
+        }
+    }
+    draw(arguments, &floor, &columns)?;
+    verdict(&summaries, arguments.delta)
+}
+
+fn load_floor(arguments: &MissionArguments) -> anyhow::Result<Floor> {
+    let name = arguments.map.display().to_string();
+    let map = match name.as_str() {
+        "plain" => rooms::plain(),
+        "furnished" => rooms::furnished(),
+        "supermarket" => rooms::supermarket(),
+        _ => ros_map::load(&arguments.map),
+    };
+    let stem = arguments.map.file_stem().map_or(name.clone(), |stem| stem.to_string_lossy().into_owned());
+    let floor = map.and_then(|map| Floor::new(&stem, map, Robot::PUBLISHED.radius_m));
+    floor.map_err(|error| BadInput(format!("{name}: {error:#}")).into())
+}
+
+fn config(arguments: &MissionArguments) -> MissionConfig {
+    // Among people and with faults the robot has its safety scanner; alone, the published depth camera.
+    let has_scanner = arguments.people > 0 || arguments.faults;
+    MissionConfig {
+        tolerated_units: arguments.tau,
+        delta: arguments.delta,
+        joint: arguments.joint,
+        robot: if has_scanner { Robot::WITH_SCANNER } else { Robot::PUBLISHED },
+        people: arguments.people,
+        faults: if arguments.faults { FaultRates::ROUGH } else { FaultRates::default() },
+        ..MissionConfig::published(Strategy::Guarantee)
+    }
+}
+
+fn draw(arguments: &MissionArguments, floor: &Floor, columns: &[StrategyTrials]) -> anyhow::Result<()> {
+    std::fs::create_dir_all(&arguments.out)?;
+    let expected = arguments.dirt.expected_units(floor, &mut Pcg32::new(arguments.seed, 0))?;
+    let mut lines = Vec::new();
+    for column in columns {
+        let name = column.strategy.name();
+        if let Some(first) = column.trials.first() {
+            let path = arguments.out.join(format!("{name}.png"));
+            pictures::mission_map(&path, floor, first, (&expected, u32::from(arguments.tau)))?;
+        }
+        let mut left: Vec<u32> = column.trials.iter().map(|t| t.quantile99).collect();
+        left.sort_unstable();
+        let count = left.len() as f64;
+        let points =
+            left.iter().enumerate().map(|(i, &units)| (f64::from(units), (i + 1) as f64 / count)).collect();
+        lines.push(pictures::Series { name: name.to_owned(), points });
+    }
+    let names = ("Dirt left in the dirtiest 1 % of the dirty cells", "units", "share of missions");
+    pictures::line_plot(&arguments.out.join("dirt_left.svg"), names, &lines)?;
+    anstream::eprintln!("pictures in {}", arguments.out.display());
+    Ok(())
+}
+
+/// The guarantee fails if its false claims are too many beyond doubt.
+fn verdict(summaries: &[StrategySummary], delta: f64) -> anyhow::Result<()> {
+    for s in summaries.iter().filter(|s| s.strategy == Strategy::Guarantee.name()) {
+        if s.falsely_claimed_interval95.0 > delta {
+            return Err(VerdictFailed(format!(
+                "{} of {} claimed cells are not clean: {:.2} % where {:.2} % are allowed",
+                s.falsely_claimed_cells,
+                s.claimed_cells,
+                100.0 * s.falsely_claimed_share,
+                100.0 * delta
+            ))
+            .into());
+        }
+    }
+    Ok(())
+}
