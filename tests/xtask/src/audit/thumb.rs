@@ -3,6 +3,8 @@
 //! Encodings: ARMv7-M Architecture Reference Manual, A5 and A7. Frames are added up over the whole function, so code
 //! that saves registers on two alternative paths is counted twice: never too small.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 /// What one function does, as far as the audit cares.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Flow {
@@ -22,6 +24,7 @@ pub struct Flow {
 pub fn decode(code: &[u8], start: u64, is_data: impl Fn(u64) -> bool) -> Flow {
     let end = start + code.len() as u64;
     let mut flow = Flow::default();
+    let mut edges = BTreeMap::new();
     let mut offset = 0;
     while offset + 2 <= code.len() {
         let address = start + offset as u64;
@@ -31,8 +34,9 @@ pub fn decode(code: &[u8], start: u64, is_data: impl Fn(u64) -> bool) -> Flow {
             continue;
         }
         let wide = first >> 11 >= 0b11101;
+        let second = if wide && offset + 4 <= code.len() { halfword(code, offset + 2) } else { 0 };
+        edges.insert(address, successors(first, second, address));
         if wide && offset + 4 <= code.len() {
-            let second = halfword(code, offset + 2);
             let skipped = wide_instruction(first, second, address, start..end, &mut flow);
             offset += 4 + skipped;
         } else {
@@ -40,7 +44,74 @@ pub fn decode(code: &[u8], start: u64, is_data: impl Fn(u64) -> bool) -> Flow {
             offset += 2;
         }
     }
+    // A compiler also jumps back from a block that it moved out of the way; only a branch that its target can reach
+    // again closes a loop.
+    flow.back_edges.retain(|(branch, target)| reaches(&edges, *target, *branch));
     flow
+}
+
+/// Where control may go next within the function. Returns, and jumps through a register or a table, give nothing or
+/// everything: a table is assumed to lead to every address, which can only show more loops.
+enum Next {
+    To(Vec<u64>),
+    Anywhere,
+}
+
+fn successors(first: u16, second: u16, address: u64) -> Next {
+    let wide = first >> 11 >= 0b11101;
+    let (a, b) = (u32::from(first), u32::from(second));
+    let after = address + if wide { 4 } else { 2 };
+    let mut probe = Flow::default();
+    // The whole address space is the function, so that every target is seen.
+    if wide && first >> 11 == 0b11110 && b & 0x8000 != 0 && b & 0x4000 == 0 {
+        branch_targets(a, b, address, &mut probe);
+    } else if !wide {
+        narrow_targets(first, address, &mut probe);
+    }
+    let target = probe.calls.first().copied();
+    let returns = first == 0x4770 || first >> 8 == 0xbd || (first == 0xe8bd && b & 0x8000 != 0);
+    let table = first & 0xfff0 == 0xe8d0 && b & 0xffe0 == 0xf000;
+    let unconditional = first >> 11 == 0b11100 || (wide && first >> 11 == 0b11110 && b & 0xd000 == 0x9000);
+    match target {
+        _ if table => Next::Anywhere,
+        _ if returns => Next::To(Vec::new()),
+        Some(target) if unconditional => Next::To(vec![target]),
+        Some(target) => Next::To(vec![target, after]),
+        None => Next::To(vec![after]),
+    }
+}
+
+/// Targets of a wide branch, reported as calls because no address is inside an empty function.
+fn branch_targets(a: u32, b: u32, address: u64, probe: &mut Flow) {
+    branch_or_call(a, b, address, &(0..0), probe);
+}
+
+fn narrow_targets(code: u16, address: u64, probe: &mut Flow) {
+    narrow_instruction(code, address, 0..0, probe);
+    // cbz and cbnz jump forwards only, but they can be on the way round a loop.
+    if code & 0xf500 == 0xb100 {
+        let offset = u64::from((code >> 9 & 1) << 6 | (code >> 3 & 0x1f) << 1);
+        probe.calls.push(address + 4 + offset);
+    }
+}
+
+fn reaches(edges: &BTreeMap<u64, Next>, from: u64, to: u64) -> bool {
+    let mut seen = BTreeSet::new();
+    let mut pending = vec![from];
+    while let Some(address) = pending.pop() {
+        if address == to {
+            return true;
+        }
+        if !seen.insert(address) {
+            continue;
+        }
+        match edges.get(&address) {
+            Some(Next::To(targets)) => pending.extend(targets),
+            Some(Next::Anywhere) => return true,
+            None => {}
+        }
+    }
+    false
 }
 
 fn halfword(code: &[u8], offset: usize) -> u16 {
@@ -161,6 +232,8 @@ mod tests {
         let framed = flow(&[0xe92d, 0x43f0, 0xed2d, 0x8b04, 0xf5ad, 0x5d80, 0xf000, 0xf87e, 0x4770]);
         assert_eq!(framed.frame_bytes, 28 + 16 + 4096);
         assert_eq!(framed.calls, [0x100c + 4 + 0xfc]);
+        // b 2f; 1: bx lr; 2: b 1b: a jump back that is no loop.
+        assert_eq!(flow(&[0xe000, 0x4770, 0xe7fd]).back_edges, []);
         // bne.w 1b with 1b two halfwords before; blx r3
         let conditional = flow(&[0xbf00, 0xbf00, 0xf47f, 0xaffc, 0x4798]);
         assert_eq!(conditional.back_edges, [(0x1004, 0x1000)]);
