@@ -15,3 +15,5 @@ pub mod clock;
 pub mod configuration;
 pub mod io;
 pub mod mission;
+pub mod shared;
+pub mod tasks;

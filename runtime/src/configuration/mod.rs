@@ -2,12 +2,13 @@
 //! checks the same file and bakes it into a constant.
 
 mod fields;
+mod guard;
 mod robot;
 mod sources;
 
 pub use fields::{DirectionOfTravel, FIELD_SPEED_BINS, FieldPair, Polygon};
 pub use robot::{Deadlines, Geometry, Limits, RobotConfiguration};
 pub use sources::{
-    CanConfiguration, ImuConfiguration, LidarConfiguration, LidarModel, Mounting, ScannerConfiguration,
-    ScannerModel,
+    CanConfiguration, ImuConfiguration, InputBits, InputsConfiguration, LidarConfiguration, LidarModel,
+    Mounting, ScannerConfiguration, ScannerModel,
 };

@@ -1,6 +1,7 @@
 //! The robot as a whole: geometry, limits, deadlines, and where its sensors are.
 
 use floorguard_core::capacities::FIELD_SETS_MAX;
+use floorguard_core::guard::Thresholds;
 use heapless::Vec;
 
 use super::fields::{FieldPair, Polygon};
@@ -73,4 +74,6 @@ pub struct RobotConfiguration {
     pub route: Route,
     /// How to drive it.
     pub route_limits: RouteLimits,
+    /// Thresholds of the guard.
+    pub thresholds: Thresholds,
 }

@@ -65,6 +65,8 @@ pub struct ScannerConfiguration {
     pub model: ScannerModel,
     /// Mounting.
     pub mounting: Mounting,
+    /// First and last angle in the sensor's frame that the robot's own body does not cover, radians.
+    pub sector_rad: [f32; 2],
 }
 
 /// Inertial measurement unit (Xsens MTi).
@@ -79,8 +81,36 @@ pub struct ImuConfiguration {
 pub struct CanConfiguration {
     /// The traction drive (CiA 402), 1…127.
     pub drive_node: u8,
+    /// The steering drive (CiA 402), 1…127.
+    pub steering_node: u8,
     /// The left rear encoder (CiA 406), 1…127.
     pub left_encoder_node: u8,
     /// The right rear encoder (CiA 406), 1…127.
     pub right_encoder_node: u8,
+    /// The gateway of the safety controller, 1…127.
+    pub inputs_node: u8,
+    /// What its process image means.
+    pub inputs: InputsConfiguration,
+}
+
+/// The two channels of one safety input: numbers of bits in the process image, 0 is the lowest bit of byte 0. Both are
+/// the same for an input with one channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct InputBits(pub [u8; 2]);
+
+/// Safety inputs in the gateway's process image; 1 = operating state. `None`: not fitted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct InputsConfiguration {
+    /// Emergency stop.
+    pub emergency_stop: InputBits,
+    /// Contact edge at the front.
+    pub bumper_front: InputBits,
+    /// Contact edge at the rear.
+    pub bumper_rear: Option<InputBits>,
+    /// Floor sensors at the front.
+    pub cliff_front: Option<InputBits>,
+    /// Floor sensors at the rear.
+    pub cliff_rear: Option<InputBits>,
+    /// The channels of an input may differ for this long, microseconds.
+    pub discrepancy_us: u64,
 }

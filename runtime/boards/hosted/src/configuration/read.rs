@@ -6,11 +6,12 @@ use std::path::Path;
 
 use floorguard_core::capacities::FIELD_SETS_MAX;
 use floorguard_core::geometry::{Point2, Point3};
+use floorguard_core::guard::Thresholds;
 use floorguard_core::units::radians;
 use floorguard_runtime::configuration::{
-    CanConfiguration, Deadlines, DirectionOfTravel, FieldPair, Geometry, ImuConfiguration,
-    LidarConfiguration, LidarModel, Limits, Mounting, Polygon, RobotConfiguration, ScannerConfiguration,
-    ScannerModel,
+    CanConfiguration, Deadlines, DirectionOfTravel, FieldPair, Geometry, ImuConfiguration, InputBits,
+    InputsConfiguration, LidarConfiguration, LidarModel, Limits, Mounting, Polygon, RobotConfiguration,
+    ScannerConfiguration, ScannerModel,
 };
 use floorguard_runtime::mission::{ROUTE_WAYPOINTS_MAX, Route, RouteLimits};
 use toml::de::DeTable;
@@ -88,6 +89,8 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let scanner = read_scanner(top.section("scanner"));
     let imu = top.optional_section("imu").map(read_imu);
     let can = read_can(top.section("can"));
+    let inputs = read_inputs(top.section("inputs"));
+    let thresholds = top.optional_section("guard").map_or_else(Thresholds::default, read_thresholds);
     let fields = read_fields(&top, &geometry, &limits);
     let (route, route_limits) =
         top.optional_section("route").map_or_else(Default::default, |section| read_route(section, &limits));
@@ -95,6 +98,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let (lidar, lidar_address) = lidar?;
     let (scanner, scanner_address) = scanner?;
     let (can, can_address) = can?;
+    let can = CanConfiguration { inputs: inputs?, ..can };
     let (imu, imu_address) = match imu {
         Some(read) => read.map(|(imu, address)| (Some(imu), Some(address)))?,
         None => (None, None),
@@ -111,6 +115,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
             fields,
             route,
             route_limits,
+            thresholds,
         },
         carriers: Carriers {
             lidar: lidar_address,
@@ -200,8 +205,12 @@ fn read_scanner(section: Reader<'_>) -> Option<(ScannerConfiguration, SerialAddr
             "mount the scanner lower: feet and children must cross the plane",
         );
     }
+    let sector_rad = [
+        radians(section.number_or("sector_first_deg", -135.0..=0.0, -135.0)),
+        radians(section.number_or("sector_last_deg", 0.0..=135.0, 135.0)),
+    ];
     section.finish();
-    Some((ScannerConfiguration { model: model?, mounting }, source?))
+    Some((ScannerConfiguration { model: model?, mounting, sector_rad }, source?))
 }
 
 fn read_imu(section: Reader<'_>) -> Option<(ImuConfiguration, SerialAddress)> {
@@ -216,11 +225,16 @@ fn read_can(section: Reader<'_>) -> Option<(CanConfiguration, CanAddress)> {
     let node = |key| section.integer(key, 1..=127) as u8;
     let can = CanConfiguration {
         drive_node: node("drive_node"),
+        steering_node: node("steering_node"),
         left_encoder_node: node("left_encoder_node"),
         right_encoder_node: node("right_encoder_node"),
+        inputs_node: node("inputs_node"),
+        inputs: InputsConfiguration::default(),
     };
-    let nodes = [can.drive_node, can.left_encoder_node, can.right_encoder_node];
-    if nodes[0] == nodes[1] || nodes[1] == nodes[2] || nodes[0] == nodes[2] {
+    let nodes =
+        [can.drive_node, can.steering_node, can.left_encoder_node, can.right_encoder_node, can.inputs_node];
+    let different: std::collections::BTreeSet<u8> = nodes.into_iter().collect();
+    if different.len() < nodes.len() {
         section.refuse(
             section.span(),
             format!("[can]: node numbers {nodes:?} are not different"),
@@ -229,6 +243,48 @@ fn read_can(section: Reader<'_>) -> Option<(CanConfiguration, CanAddress)> {
     }
     section.finish();
     Some((can, source?))
+}
+
+/// Which bit of the safety controller's process image means what.
+fn read_inputs(section: Reader<'_>) -> Option<InputsConfiguration> {
+    let required = |key| {
+        let bits = section.bits_or_absent(key);
+        if bits.is_none() && section.good_so_far() {
+            section.refuse(
+                section.span(),
+                format!("[inputs]: `{key}` is missing; nothing moves without it"),
+                format!("add for example `{key} = [32, 33]`: the bits of both channels in the process image"),
+            );
+        }
+        bits.map(InputBits)
+    };
+    let optional = |key| section.bits_or_absent(key).map(InputBits);
+    let (emergency_stop, bumper_front) = (required("emergency_stop_bits"), required("bumper_front_bits"));
+    let (bumper_rear, cliff_front) = (optional("bumper_rear_bits"), optional("cliff_front_bits"));
+    let cliff_rear = optional("cliff_rear_bits");
+    let discrepancy_us = (section.number_or("discrepancy_s", 0.01..=1.0, 0.5) * 1.0e6) as u64;
+    section.finish();
+    Some(InputsConfiguration {
+        emergency_stop: emergency_stop?,
+        bumper_front: bumper_front?,
+        bumper_rear,
+        cliff_front,
+        cliff_rear,
+        discrepancy_us,
+    })
+}
+
+/// The guard's thresholds that a site may want to change; the others follow from the standards.
+fn read_thresholds(section: Reader<'_>) -> Thresholds {
+    let defaults = Thresholds::default();
+    let thresholds = Thresholds {
+        warning_speed_mps: section.number_or("warning_speed_mps", 0.05..=0.5, defaults.warning_speed_mps),
+        person_speed_mps: section.number_or("person_speed_mps", 0.05..=0.5, defaults.person_speed_mps),
+        person_near_m: section.number_or("person_near_m", 0.5..=5.0, defaults.person_near_m),
+        ..defaults
+    };
+    section.finish();
+    thresholds
 }
 
 fn read_source<T>(section: &Reader<'_>, example: &str, parse: impl Fn(&str) -> Option<T>) -> Option<T> {
@@ -406,6 +462,7 @@ mod tests {
     fn the_example_is_accepted() {
         let configuration = parse("robot.toml", EXAMPLE).unwrap_or_else(|refused| panic!("{refused}"));
         assert_eq!(configuration.robot.fields.len(), 4);
-        assert_eq!(configuration.robot.can.drive_node, 5);
+        assert_eq!(configuration.robot.can.drive_node, 1);
+        configuration.robot.guard().validate().unwrap();
     }
 }

@@ -229,6 +229,27 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// The numbers of one or two bits of a process image of eight bytes, for example `[32, 33]`; twice the same for a
+    /// single one. `None` when the key is absent or wrong.
+    pub fn bits_or_absent(&self, key: &'static str) -> Option<[u8; 2]> {
+        let value = self.find(key)?;
+        let numbers: Option<Vec<u8>> = value.get_ref().as_array().and_then(|items| {
+            let bit = |item: &Spanned<DeValue<'_>>| match item.get_ref() {
+                DeValue::Integer(digits) => digits.as_str().parse().ok().filter(|bit| *bit < 64),
+                _ => None,
+            };
+            items.iter().map(bit).collect()
+        });
+        match numbers.as_deref() {
+            Some([single]) => Some([*single, *single]),
+            Some([first, second]) => Some([*first, *second]),
+            _ => {
+                self.refuse_type(&value.span(), key, "one or two bit numbers from 0 to 63", value.get_ref());
+                None
+            }
+        }
+    }
+
     /// Refuses every key that nobody asked for.
     pub fn finish(self) {
         let asked = self.asked.borrow();

@@ -1,0 +1,117 @@
+//! From the robot's configuration to what the guard must know.
+
+use core::f32::consts::PI;
+
+use floorguard_core::geometry::Pose2;
+use floorguard_core::guard::{
+    DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeometry, Source, SourceRules, Travel,
+};
+use floorguard_core::odometry::WheelGeometry;
+use floorguard_drivers::velodyne::Model;
+
+use super::fields::DirectionOfTravel;
+use super::robot::RobotConfiguration;
+use super::sources::LidarModel;
+
+/// The S300 delivers 541 beams over 270° (wire-formats 2.1).
+const S300_BEAMS: usize = 541;
+/// Lower than this a return is floor: half a brush height and the error of a tilted lidar, metres.
+const FLOOR_CLEARANCE_M: f32 = 0.08;
+/// Nothing of the robot is higher, metres.
+const BODY_HEIGHT_M: f32 = 1.40;
+
+impl RobotConfiguration {
+    /// What the guard must know. [`GuardConfig::validate`] has the last word.
+    #[must_use]
+    pub fn guard(&self) -> GuardConfig {
+        let mounting = self.scanner.mounting;
+        let mut fields = heapless::Vec::new();
+        for field in &self.fields {
+            let travel = match field.direction {
+                DirectionOfTravel::Forward => Travel::Straight,
+                DirectionOfTravel::Reverse => Travel::Reverse,
+            };
+            // Same capacity: never full.
+            let _ = fields.push(FieldSet {
+                travel,
+                speed_max_mps: field.speed_max_mps,
+                protective: field.protective.clone(),
+                warning: field.warning.clone(),
+            });
+        }
+        GuardConfig {
+            footprint: self.geometry.footprint.clone(),
+            fields,
+            scanner: ScannerGeometry {
+                mounting: Pose2::new(mounting.position.x_m, mounting.position.y_m, mounting.yaw_rad),
+                first_angle_rad: -0.75 * PI,
+                step_rad: PI / 360.0,
+                beams: S300_BEAMS,
+                sector_rad: self.scanner.sector_rad,
+            },
+            lidar: LidarGeometry {
+                mounting: self.lidar.mounting.transform(),
+                elevations_rad: self.elevations_rad(),
+                self_mask: self.geometry.footprint.clone(),
+                floor_clearance_m: FLOOR_CLEARANCE_M,
+                body_height_m: BODY_HEIGHT_M,
+            },
+            drive: DriveLimits {
+                speed_mps: self.limits.speed_mps,
+                turn_radps: self.limits.turn_radps,
+                acceleration_mps2: self.limits.acceleration_mps2,
+                braking_mps2: self.limits.braking_mps2,
+                response_s: self.limits.response_s,
+                wheelbase_m: self.geometry.wheelbase_m,
+            },
+            thresholds: self.thresholds,
+            sources: self.source_rules(),
+        }
+    }
+
+    /// The measuring wheels.
+    #[must_use]
+    pub fn wheels(&self) -> WheelGeometry {
+        WheelGeometry {
+            track_m: self.geometry.track_m,
+            ticks_per_m: self.geometry.ticks_per_m,
+            speed_max_mps: self.limits.speed_mps,
+        }
+    }
+
+    /// The decoder's name for the lidar; `None`: tell from the packets.
+    #[must_use]
+    pub const fn lidar_model(&self) -> Option<Model> {
+        match self.lidar.model {
+            LidarModel::Auto => None,
+            LidarModel::Vlp16 => Some(Model::Vlp16),
+            LidarModel::PuckHiRes => Some(Model::HiRes),
+            LidarModel::Vlp32c => Some(Model::Vlp32C),
+            LidarModel::Hdl32e => Some(Model::Hdl32E),
+        }
+    }
+
+    fn elevations_rad(&self) -> heapless::Vec<f32, { floorguard_core::capacities::PACKET_RINGS_MAX }> {
+        let model = self.lidar_model().unwrap_or(Model::Vlp16);
+        let angles = model.ring_angles();
+        angles.iter().take(model.lasers()).map(|angle| angle.elevation_deg * (PI / 180.0)).collect()
+    }
+
+    fn source_rules(&self) -> [SourceRules; Source::COUNT] {
+        let mut rules = GuardConfig::default_sources();
+        let mut stop_after = |source: Source, stop_us: u64| {
+            if let Some(rule) = rules.get_mut(source.index()) {
+                rule.stop_after_us = Some(stop_us);
+                rule.limit_after_us = rule.limit_after_us.min(stop_us);
+            }
+        };
+        stop_after(Source::Scanner, self.deadlines.scanner_us);
+        stop_after(Source::Lidar, self.deadlines.lidar_us);
+        stop_after(Source::Wheels, self.deadlines.odometry_us);
+        stop_after(Source::Command, self.deadlines.command_us);
+        if let Some(rule) = rules.get_mut(Source::Imu.index()) {
+            rule.fitted = self.imu.is_some();
+        }
+        rules
+    }
+}

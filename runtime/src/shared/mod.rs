@@ -1,0 +1,144 @@
+//! What the tasks of both rings share: the guard itself, and the signals and queues between the rings.
+//!
+//! Only tasks of the guard ring call [`Shared::decide`] and [`Shared::move_by`]. Everything else here is a latest
+//! value or a bounded queue, so that no ring ever waits for the other.
+
+mod motion;
+mod records;
+mod reports;
+
+pub use motion::{Motion, StampedPose};
+pub use records::{BoxEntry, STOPS_KEPT, StopRecord};
+pub use reports::{LinkCounters, PeopleReport, PersonReport, RobotStatus, SweepReport};
+
+use core::cell::RefCell;
+
+use embassy_sync::blocking_mutex::Mutex;
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use embassy_sync::signal::Signal;
+use floorguard_core::geometry::Twist2;
+use floorguard_core::guard::{Advice, Decision, GuardConfig, GuardConfigError, Supervisor};
+use floorguard_core::sensing::{LidarPacket, Scan};
+use floorguard_core::time::Stamp;
+
+use crate::channel::{Latest, Queue};
+
+/// Lidar packets that perception may be late by: 42 ms.
+pub const PACKETS_QUEUED: usize = 32;
+/// Poses that perception may be late by: 640 ms at 200 Hz.
+pub const POSES_QUEUED: usize = 128;
+
+/// A lidar packet on its way to perception, and how many were lost before it.
+#[derive(Clone, Debug)]
+pub struct QueuedPacket {
+    /// The packet.
+    pub packet: LidarPacket,
+    /// Packets missing before it.
+    pub lost_before: u16,
+}
+
+/// Shared by all tasks. Large (the guard's tables): place it once.
+pub struct Shared<M: RawMutex> {
+    guard: Mutex<M, RefCell<Supervisor>>,
+    motion: Mutex<M, RefCell<Motion>>,
+    /// What is permitted now. Wakes whoever talks to the drive.
+    pub decision: Latest<M, Decision>,
+    /// Guard ring → perception: every lidar packet.
+    pub packets: Queue<M, QueuedPacket, PACKETS_QUEUED>,
+    /// Guard ring → perception: where the robot was.
+    pub poses: Queue<M, StampedPose, POSES_QUEUED>,
+    /// Guard ring → whoever wants the newest: where the robot is.
+    pub pose: Latest<M, StampedPose>,
+    /// Guard ring → perception: the newest scan.
+    pub scan: Latest<M, Scan>,
+    /// Perception → guard ring: can only tighten.
+    pub advice: Latest<M, Advice>,
+    /// Mission → guard ring: what it would like.
+    pub wanted: Latest<M, (Stamp, Twist2)>,
+    /// The operator pressed reset.
+    pub reset: Signal<M, ()>,
+    /// What perception saw last.
+    pub people: Latest<M, PeopleReport>,
+    /// How everything is, ten times a second.
+    pub status: Latest<M, RobotStatus>,
+    /// Every stop, in order.
+    pub stops: Queue<M, StopRecord, STOPS_KEPT>,
+    records: Mutex<M, RefCell<records::Records>>,
+    links: Mutex<M, RefCell<LinkCounters>>,
+}
+
+impl<M: RawMutex> Shared<M> {
+    /// For a robot that stands and of which nothing is known.
+    ///
+    /// # Errors
+    /// The guard refuses its configuration.
+    pub fn new(config: GuardConfig, motion: Motion, now: Stamp) -> Result<Self, GuardConfigError> {
+        Ok(Self {
+            guard: Mutex::new(RefCell::new(Supervisor::new(config, now)?)),
+            motion: Mutex::new(RefCell::new(motion)),
+            decision: Latest::new(),
+            packets: Queue::new(),
+            poses: Queue::new(),
+            pose: Latest::new(),
+            scan: Latest::new(),
+            advice: Latest::new(),
+            wanted: Latest::new(),
+            reset: Signal::new(),
+            people: Latest::new(),
+            status: Latest::new(),
+            stops: Queue::new(),
+            records: Mutex::new(RefCell::new(records::Records::new())),
+            links: Mutex::new(RefCell::new(LinkCounters::default())),
+        })
+    }
+
+    /// Gives evidence to the guard and makes its answer known: to the drive, to the black box, to the list of stops.
+    pub fn decide(&self, evidence: impl FnOnce(&mut Supervisor) -> Decision) -> Decision {
+        let decision = self.guard.lock(|guard| evidence(&mut guard.borrow_mut()));
+        let pose = self.pose.get().unwrap_or_default();
+        let began = self.records.lock(|records| records.borrow_mut().note(&decision, &pose));
+        if let Some(stop) = began {
+            self.stops.push(stop);
+        }
+        self.decision.publish(decision);
+        decision
+    }
+
+    /// Looks at the guard without telling it anything.
+    pub fn inspect<R>(&self, look: impl FnOnce(&Supervisor) -> R) -> R {
+        self.guard.lock(|guard| look(&guard.borrow()))
+    }
+
+    /// New evidence about the robot's own motion; the newest pose is made known.
+    pub fn move_by<R>(&self, evidence: impl FnOnce(&mut Motion) -> R) -> R {
+        let (answer, pose) = self.motion.lock(|motion| {
+            let motion = &mut *motion.borrow_mut();
+            let answer = evidence(motion);
+            (answer, motion.newest())
+        });
+        if let Some(pose) = pose {
+            self.poses.push(pose);
+            self.pose.publish(pose);
+        }
+        answer
+    }
+
+    /// The last ten seconds, oldest first, given to `entry` one by one.
+    pub fn black_box(&self, mut entry: impl FnMut(Stamp, BoxEntry)) {
+        self.records.lock(|records| {
+            for (stamp, boxed) in records.borrow().ring.iter() {
+                entry(stamp, boxed);
+            }
+        });
+    }
+
+    /// Counts something on a link.
+    pub fn count(&self, change: impl FnOnce(&mut LinkCounters)) {
+        self.links.lock(|links| change(&mut links.borrow_mut()));
+    }
+
+    /// What happened on the links.
+    pub fn links(&self) -> LinkCounters {
+        self.links.lock(|links| *links.borrow())
+    }
+}

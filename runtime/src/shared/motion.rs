@@ -1,0 +1,65 @@
+//! The robot's own motion, as the guard ring estimates it.
+
+use floorguard_core::geometry::{Pose2, Twist2};
+use floorguard_core::odometry::{Odometry, OdometryNoise, WheelGeometry, WheelMotion, WheelOdometry};
+use floorguard_core::sensing::{ImuSample, WheelSample};
+use floorguard_core::time::Stamp;
+
+/// Where the robot was at a moment, and how it moved.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StampedPose {
+    /// When.
+    pub stamp: Stamp,
+    /// In the odometry frame.
+    pub pose_in_odometry: Pose2,
+    /// In the robot's frame.
+    pub twist: Twist2,
+}
+
+/// Wheels and gyroscope.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    wheels: WheelOdometry,
+    filter: Odometry,
+    known: Option<Stamp>,
+}
+
+impl Motion {
+    /// At the origin of the odometry frame.
+    #[must_use]
+    pub fn new(geometry: WheelGeometry) -> Self {
+        Self {
+            wheels: WheelOdometry::new(geometry),
+            filter: Odometry::new(OdometryNoise::DEFAULT),
+            known: None,
+        }
+    }
+
+    /// Encoders; gives the motion that they measured.
+    pub fn on_wheels(&mut self, sample: &WheelSample) -> Option<WheelMotion> {
+        let motion = self.wheels.update(sample)?;
+        self.filter.on_wheels(&motion);
+        Some(motion)
+    }
+
+    /// Inertial measurement in the robot's axes.
+    pub fn on_imu(&mut self, sample: &ImuSample) {
+        self.filter.on_imu(sample);
+    }
+
+    /// The filter, for its counters and doubts.
+    #[must_use]
+    pub const fn filter(&self) -> &Odometry {
+        &self.filter
+    }
+
+    /// The newest pose, if it is newer than the one given before.
+    pub(super) fn newest(&mut self) -> Option<StampedPose> {
+        let stamp = self.filter.stamp()?;
+        if self.known.is_some_and(|known| stamp <= known) {
+            return None;
+        }
+        self.known = Some(stamp);
+        Some(StampedPose { stamp, pose_in_odometry: self.filter.pose(), twist: self.filter.twist() })
+    }
+}

@@ -1,0 +1,41 @@
+//! Lidar datagrams: each is judged by the guard before anything else looks at it.
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use embassy_time::Timer;
+use floorguard_core::guard::{FaultKind, Source};
+use floorguard_drivers::velodyne::Decoder;
+
+use crate::clock;
+use crate::io::DatagramReceiver;
+use crate::shared::{QueuedPacket, Shared};
+
+/// Longer than the largest datagram of the family (1,206 bytes): a longer one must not pass for a right one.
+const DATAGRAM_BYTES: usize = 1_300;
+/// Pause after a failure of the socket, milliseconds.
+const RETRY_MS: u64 = 50;
+
+/// Guard ring. Runs for ever.
+pub async fn lidar_input<M: RawMutex>(
+    shared: &Shared<M>,
+    mut socket: impl DatagramReceiver,
+    mut decoder: Decoder,
+) {
+    let mut buffer = [0; DATAGRAM_BYTES];
+    loop {
+        let Ok(received) = socket.receive(&mut buffer).await else {
+            shared.count(|links| links.lidar_errors = links.lidar_errors.saturating_add(1));
+            shared.decide(|guard| guard.on_source_fault(Source::Lidar, FaultKind::LinkDown, clock::now()));
+            Timer::after_millis(RETRY_MS).await;
+            continue;
+        };
+        let bytes = buffer.get(..received.length).unwrap_or_default();
+        match decoder.decode(bytes, received.arrival) {
+            Ok((packet, lost_before)) => {
+                shared.decide(|guard| guard.on_lidar_packet(&packet, clock::now()));
+                shared.packets.push(QueuedPacket { packet, lost_before });
+            }
+            // One bad datagram is no fault of the device; if no good one comes, its age stops the robot.
+            Err(_) => shared.count(|links| links.lidar_refused = links.lidar_refused.saturating_add(1)),
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! The tasks, as plain `async fn`: a board wraps each in one line and spawns it on the ring that it belongs to.
+//!
+//! | ring | tasks |
+//! |---|---|
+//! | guard | [`lidar_input`], [`scanner_input`], [`supervise`], [`command_input`], [`advice_input`], [`operator_input`] |
+//! | perception | [`perceive`], [`drive_route`] |
+
+mod advise;
+mod inputs;
+mod lidar;
+mod perception;
+mod route;
+mod scanner;
+mod supervise;
+
+pub use inputs::{advice_input, command_input, operator_input};
+pub use lidar::lidar_input;
+pub use perception::{PerceptionState, perceive};
+pub use route::drive_route;
+pub use scanner::scanner_input;
+pub use supervise::supervise;

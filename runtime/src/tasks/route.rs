@@ -1,0 +1,22 @@
+//! Drives a route: what a mission is at its simplest.
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use embassy_time::{Duration, Ticker};
+
+use crate::clock;
+use crate::mission::RouteFollower;
+use crate::shared::Shared;
+
+/// How often the wish is renewed: the guard takes one of 200 ms for stale.
+const PERIOD_MS: u64 = 50;
+
+/// Perception ring. Runs for ever; wishes to stand when the route has ended.
+pub async fn drive_route<M: RawMutex>(shared: &Shared<M>, mut follower: RouteFollower) {
+    let mut ticker = Ticker::every(Duration::from_millis(PERIOD_MS));
+    loop {
+        ticker.next().await;
+        if let Some(pose) = shared.pose.get() {
+            shared.wanted.publish((clock::now(), follower.wanted(pose.pose_in_odometry)));
+        }
+    }
+}
