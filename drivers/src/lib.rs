@@ -19,5 +19,12 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod can;
+pub mod canopen;
+pub mod cia402;
+pub mod cia406;
+pub mod discrete_inputs;
+pub mod flexisoft;
 pub mod s300;
+pub mod three_wheel_base;
 pub mod velodyne;

@@ -6,7 +6,8 @@ use floorguard_core::geometry::Pose2;
 use floorguard_core::guard::{
     DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeometry, Source, SourceRules, Travel,
 };
-use floorguard_core::odometry::WheelGeometry;
+use floorguard_core::odometry::{Tricycle, WheelGeometry};
+use floorguard_drivers::three_wheel_base::BaseConfiguration;
 use floorguard_drivers::velodyne::Model;
 
 use super::fields::DirectionOfTravel;
@@ -19,6 +20,11 @@ const S300_BEAMS: usize = 541;
 const FLOOR_CLEARANCE_M: f32 = 0.08;
 /// Nothing of the robot is higher, metres.
 const BODY_HEIGHT_M: f32 = 1.40;
+
+/// The drives' own ramps are this much steeper than what the guard counts on: the guard shapes the motion.
+const RAMP_RESERVE: f32 = 1.8;
+/// The front wheel turns a little less than a quarter to either side, radians.
+const STEERING_MAX_RAD: f32 = 1.5;
 
 impl RobotConfiguration {
     /// What the guard must know. [`GuardConfig::validate`] has the last word.
@@ -77,6 +83,29 @@ impl RobotConfiguration {
             ticks_per_m: self.geometry.ticks_per_m,
             speed_max_mps: self.limits.speed_mps,
         }
+    }
+
+    /// The devices on the CAN bus.
+    #[must_use]
+    pub fn base(&self) -> BaseConfiguration {
+        BaseConfiguration {
+            traction_node: self.can.drive_node,
+            steering_node: self.can.steering_node,
+            left_encoder_node: self.can.left_encoder_node,
+            right_encoder_node: self.can.right_encoder_node,
+            inputs_node: self.can.inputs_node,
+            inputs: self.can.inputs,
+            acceleration_mps2: self.limits.acceleration_mps2 * RAMP_RESERVE,
+            deceleration_mps2: self.limits.braking_mps2 * RAMP_RESERVE,
+            quick_stop_mps2: self.limits.braking_mps2 * RAMP_RESERVE,
+            ..BaseConfiguration::default()
+        }
+    }
+
+    /// The kinematics.
+    #[must_use]
+    pub const fn tricycle(&self) -> Tricycle {
+        Tricycle { wheelbase_m: self.geometry.wheelbase_m, steering_max_rad: STEERING_MAX_RAD }
     }
 
     /// The decoder's name for the lidar; `None`: tell from the packets.

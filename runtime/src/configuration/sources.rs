@@ -3,6 +3,7 @@
 //! Addresses of carriers (ports, device files) are the board's business and not part of this.
 
 use floorguard_core::geometry::{Point3, Transform3};
+use floorguard_drivers::flexisoft::InputMap;
 
 /// Where a sensor sits on the robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -90,27 +91,5 @@ pub struct CanConfiguration {
     /// The gateway of the safety controller, 1…127.
     pub inputs_node: u8,
     /// What its process image means.
-    pub inputs: InputsConfiguration,
-}
-
-/// The two channels of one safety input: numbers of bits in the process image, 0 is the lowest bit of byte 0. Both are
-/// the same for an input with one channel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct InputBits(pub [u8; 2]);
-
-/// Safety inputs in the gateway's process image; 1 = operating state. `None`: not fitted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct InputsConfiguration {
-    /// Emergency stop.
-    pub emergency_stop: InputBits,
-    /// Contact edge at the front.
-    pub bumper_front: InputBits,
-    /// Contact edge at the rear.
-    pub bumper_rear: Option<InputBits>,
-    /// Floor sensors at the front.
-    pub cliff_front: Option<InputBits>,
-    /// Floor sensors at the rear.
-    pub cliff_rear: Option<InputBits>,
-    /// The channels of an input may differ for this long, microseconds.
-    pub discrepancy_us: u64,
+    pub inputs: InputMap,
 }

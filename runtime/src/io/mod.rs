@@ -1,5 +1,9 @@
-//! What a board must supply. Serial lines are `embedded-io-async`; CAN is the trait of the drivers; datagrams are here.
+//! What a board must supply: serial lines are `embedded-io-async`; datagrams and CAN buses are here.
 
+mod can_bus;
 mod datagram;
+mod slcan_bus;
 
+pub use can_bus::CanBus;
 pub use datagram::{DatagramReceiver, Received};
+pub use slcan_bus::{SlcanBus, SlcanBusError};

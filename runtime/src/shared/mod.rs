@@ -57,6 +57,8 @@ pub struct Shared<M: RawMutex> {
     pub wanted: Latest<M, (Stamp, Twist2)>,
     /// The operator pressed reset.
     pub reset: Signal<M, ()>,
+    /// The drives are to be led out of their faults, too.
+    pub drive_reset: Signal<M, ()>,
     /// What perception saw last.
     pub people: Latest<M, PeopleReport>,
     /// How everything is, ten times a second.
@@ -84,6 +86,7 @@ impl<M: RawMutex> Shared<M> {
             advice: Latest::new(),
             wanted: Latest::new(),
             reset: Signal::new(),
+            drive_reset: Signal::new(),
             people: Latest::new(),
             status: Latest::new(),
             stops: Queue::new(),

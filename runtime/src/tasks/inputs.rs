@@ -25,6 +25,7 @@ pub async fn advice_input<M: RawMutex>(shared: &Shared<M>) {
 pub async fn operator_input<M: RawMutex>(shared: &Shared<M>) {
     loop {
         shared.reset.wait().await;
+        shared.drive_reset.signal(());
         shared.decide(|guard| guard.request_reset(clock::now()));
     }
 }

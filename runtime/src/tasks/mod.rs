@@ -2,10 +2,11 @@
 //!
 //! | ring | tasks |
 //! |---|---|
-//! | guard | [`lidar_input`], [`scanner_input`], [`supervise`], [`command_input`], [`advice_input`], [`operator_input`] |
+//! | guard | [`lidar_input`], [`scanner_input`], [`can_bus`], [`supervise`], [`command_input`], [`advice_input`], [`operator_input`] |
 //! | perception | [`perceive`], [`drive_route`] |
 
 mod advise;
+mod can;
 mod inputs;
 mod lidar;
 mod perception;
@@ -13,6 +14,7 @@ mod route;
 mod scanner;
 mod supervise;
 
+pub use can::can_bus;
 pub use inputs::{advice_input, command_input, operator_input};
 pub use lidar::lidar_input;
 pub use perception::{PerceptionState, perceive};

@@ -8,10 +8,11 @@ use floorguard_core::capacities::FIELD_SETS_MAX;
 use floorguard_core::geometry::{Point2, Point3};
 use floorguard_core::guard::Thresholds;
 use floorguard_core::units::radians;
+use floorguard_drivers::flexisoft::{InputBits, InputMap};
 use floorguard_runtime::configuration::{
-    CanConfiguration, Deadlines, DirectionOfTravel, FieldPair, Geometry, ImuConfiguration, InputBits,
-    InputsConfiguration, LidarConfiguration, LidarModel, Limits, Mounting, Polygon, RobotConfiguration,
-    ScannerConfiguration, ScannerModel,
+    CanConfiguration, Deadlines, DirectionOfTravel, FieldPair, Geometry, ImuConfiguration,
+    LidarConfiguration, LidarModel, Limits, Mounting, Polygon, RobotConfiguration, ScannerConfiguration,
+    ScannerModel,
 };
 use floorguard_runtime::mission::{ROUTE_WAYPOINTS_MAX, Route, RouteLimits};
 use toml::de::DeTable;
@@ -229,7 +230,7 @@ fn read_can(section: Reader<'_>) -> Option<(CanConfiguration, CanAddress)> {
         left_encoder_node: node("left_encoder_node"),
         right_encoder_node: node("right_encoder_node"),
         inputs_node: node("inputs_node"),
-        inputs: InputsConfiguration::default(),
+        inputs: InputMap::default(),
     };
     let nodes =
         [can.drive_node, can.steering_node, can.left_encoder_node, can.right_encoder_node, can.inputs_node];
@@ -246,7 +247,7 @@ fn read_can(section: Reader<'_>) -> Option<(CanConfiguration, CanAddress)> {
 }
 
 /// Which bit of the safety controller's process image means what.
-fn read_inputs(section: Reader<'_>) -> Option<InputsConfiguration> {
+fn read_inputs(section: Reader<'_>) -> Option<InputMap> {
     let required = |key| {
         let bits = section.bits_or_absent(key);
         if bits.is_none() && section.good_so_far() {
@@ -264,7 +265,7 @@ fn read_inputs(section: Reader<'_>) -> Option<InputsConfiguration> {
     let cliff_rear = optional("cliff_rear_bits");
     let discrepancy_us = (section.number_or("discrepancy_s", 0.01..=1.0, 0.5) * 1.0e6) as u64;
     section.finish();
-    Some(InputsConfiguration {
+    Some(InputMap {
         emergency_stop: emergency_stop?,
         bumper_front: bumper_front?,
         bumper_rear,

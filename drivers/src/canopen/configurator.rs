@@ -1,0 +1,307 @@
+//! Brings one node from power-up to operational, and again whenever it comes back.
+
+use floorguard_core::time::{Age, Stamp};
+
+use super::heartbeat::{HeartbeatMonitor, NodeState};
+use super::network::{NetworkCommand, network_frame};
+use super::script::Script;
+use super::sdo::{SdoAnswer, SdoError, decode_sdo};
+use crate::can::CanFrame;
+
+/// A request is sent again after this silence, microseconds (wire-formats 6.2: 500 to 1,000 ms).
+const ANSWER_US: u64 = 500_000;
+/// Requests for the same step before the node is given up for a while.
+const TRIES_MAX: u8 = 3;
+/// Pause before a node that refused is tried again, microseconds.
+const PAUSE_US: u64 = 2_000_000;
+/// Without a heartbeat for this long the node is lost, microseconds: three of 100 ms.
+const HEARTBEAT_US: u64 = 300_000;
+/// A silent node is asked to show itself this often, microseconds.
+const CALL_US: u64 = 500_000;
+/// After the start command the node must say so within this time, microseconds.
+const START_US: u64 = 500_000;
+/// Reads kept of a script.
+const READS_KEPT: usize = 4;
+
+/// How far a node is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NodePhase {
+    /// Not heard of.
+    Absent,
+    /// Being configured: this step.
+    Configuring(usize),
+    /// Told to start.
+    Starting,
+    /// Process data flow.
+    Operational,
+    /// It refused; tried again after a pause.
+    Refused,
+}
+
+/// Why a node could not be configured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ConfigurationFailure {
+    /// Object.
+    pub index: u16,
+    /// Part of it.
+    pub subindex: u8,
+    /// Its reason; a time-out has the code of one.
+    pub error: SdoError,
+}
+
+/// The state of one node.
+#[derive(Clone, Debug)]
+pub struct NodeConfigurator {
+    node: u8,
+    script: Script,
+    phase: NodePhase,
+    monitor: HeartbeatMonitor,
+    /// When the last frame of this phase was sent.
+    sent: Option<Stamp>,
+    tries: u8,
+    failure: Option<ConfigurationFailure>,
+    reads: [u32; READS_KEPT],
+    reads_done: usize,
+}
+
+impl NodeConfigurator {
+    /// A node that was not heard of yet. The script should begin with its heartbeat (1017h).
+    #[must_use]
+    pub const fn new(node: u8, script: Script) -> Self {
+        Self {
+            node,
+            script,
+            phase: NodePhase::Absent,
+            monitor: HeartbeatMonitor::NONE,
+            sent: None,
+            tries: 0,
+            failure: None,
+            reads: [0; READS_KEPT],
+            reads_done: 0,
+        }
+    }
+
+    /// Its number.
+    #[must_use]
+    pub const fn node(&self) -> u8 {
+        self.node
+    }
+
+    /// How far it is.
+    #[must_use]
+    pub const fn phase(&self) -> NodePhase {
+        self.phase
+    }
+
+    /// Process data flow.
+    #[must_use]
+    pub fn is_operational(&self) -> bool {
+        self.phase == NodePhase::Operational
+    }
+
+    /// Why it refused last.
+    #[must_use]
+    pub const fn failure(&self) -> Option<ConfigurationFailure> {
+        self.failure
+    }
+
+    /// The answer to the n-th read of the script.
+    #[must_use]
+    pub fn read(&self, number: usize) -> Option<u32> {
+        self.reads.get(number).copied().filter(|_| number < self.reads_done)
+    }
+
+    /// A heartbeat or boot-up message of this node.
+    pub fn on_heartbeat(&mut self, byte: u8, now: Stamp) {
+        let Some(state) = NodeState::from_byte(byte) else { return };
+        self.monitor.hear(state, now);
+        match (self.phase, state) {
+            (NodePhase::Starting, NodeState::Operational) => self.phase = NodePhase::Operational,
+            (NodePhase::Starting | NodePhase::Operational, NodeState::BootUp) | (NodePhase::Absent, _) => {
+                self.begin();
+            }
+            // Somebody else, or the node itself, took it out of operation.
+            (NodePhase::Operational, NodeState::PreOperational | NodeState::Stopped) => self.begin(),
+            _ => {}
+        }
+    }
+
+    /// An SDO answer of this node.
+    pub fn on_answer(&mut self, payload: &[u8], now: Stamp) {
+        let Some((index, subindex, answer)) = decode_sdo(payload) else { return };
+        let step = match self.phase {
+            NodePhase::Configuring(number) => number,
+            // An answer to the call: it is there, although it has no heartbeat yet.
+            NodePhase::Absent => {
+                self.monitor.hear(NodeState::PreOperational, now);
+                self.begin();
+                return;
+            }
+            _ => return,
+        };
+        let Some(request) = self.script.step(step) else { return };
+        if !request.is_answered_by(index, subindex) {
+            return;
+        }
+        // Configuring shows that it lives, even before its heartbeat is set up.
+        self.monitor.hear(NodeState::PreOperational, now);
+        match answer {
+            SdoAnswer::Aborted(error) => {
+                self.give_up(ConfigurationFailure { index, subindex, error }, now);
+                return;
+            }
+            SdoAnswer::Value(value) => {
+                if let Some(slot) = self.reads.get_mut(self.reads_done) {
+                    *slot = value;
+                    self.reads_done = self.reads_done.saturating_add(1);
+                }
+            }
+            SdoAnswer::Written | SdoAnswer::Segmented(_) => {}
+        }
+        let next = step.saturating_add(1);
+        self.phase =
+            if next < self.script.len() { NodePhase::Configuring(next) } else { NodePhase::Starting };
+        self.sent = None;
+        self.tries = 0;
+    }
+
+    /// Time has passed: sends what is due. True when the node has just been lost.
+    pub fn poll(&mut self, now: Stamp, send: &mut impl FnMut(&CanFrame)) -> bool {
+        let waited_us = self.sent.map(|sent| match sent.age(now) {
+            Age::Past(us) => us,
+            Age::Future(_) => u64::MAX,
+        });
+        match self.phase {
+            NodePhase::Absent if waited_us.is_none_or(|us| us >= CALL_US) => {
+                send(&super::sdo::SdoRequest { index: 0x1000, subindex: 0, write: None }.frame(self.node));
+                self.sent = Some(now);
+            }
+            NodePhase::Configuring(step) if waited_us.is_none_or(|us| us >= ANSWER_US) => {
+                self.request(step, now, send);
+            }
+            NodePhase::Starting if waited_us.is_none_or(|us| us >= START_US) => {
+                send(&network_frame(NetworkCommand::Start, self.node));
+                self.sent = Some(now);
+                self.tries = self.tries.saturating_add(1);
+                if self.tries > TRIES_MAX {
+                    self.forget();
+                }
+            }
+            NodePhase::Operational if self.monitor.state(now, HEARTBEAT_US).is_none() => {
+                self.forget();
+                return true;
+            }
+            NodePhase::Refused if waited_us.is_none_or(|us| us >= PAUSE_US) => self.forget(),
+            _ => {}
+        }
+        false
+    }
+
+    fn request(&mut self, step: usize, now: Stamp, send: &mut impl FnMut(&CanFrame)) {
+        let Some(request) = self.script.step(step).copied() else {
+            self.phase = NodePhase::Starting;
+            return;
+        };
+        if self.tries >= TRIES_MAX {
+            let error = SdoError(0x0504_0000);
+            self.give_up(
+                ConfigurationFailure { index: request.index, subindex: request.subindex, error },
+                now,
+            );
+            return;
+        }
+        if step == 0 && self.tries == 0 {
+            // A mapping can be written in this state only.
+            send(&network_frame(NetworkCommand::PreOperational, self.node));
+        }
+        send(&request.frame(self.node));
+        self.sent = Some(now);
+        self.tries = self.tries.saturating_add(1);
+    }
+
+    fn begin(&mut self) {
+        self.phase = NodePhase::Configuring(0);
+        self.sent = None;
+        self.tries = 0;
+        self.reads_done = 0;
+    }
+
+    fn forget(&mut self) {
+        self.monitor.forget();
+        self.phase = NodePhase::Absent;
+        self.sent = None;
+        self.tries = 0;
+    }
+
+    fn give_up(&mut self, failure: ConfigurationFailure, now: Stamp) {
+        self.failure = Some(failure);
+        self.phase = NodePhase::Refused;
+        self.sent = Some(now);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec;
+
+    fn at(ms: u64) -> Stamp {
+        Stamp::from_micros(ms * 1_000)
+    }
+
+    fn poll(node: &mut NodeConfigurator, ms: u64) -> (Vec<CanFrame>, bool) {
+        let mut sent = Vec::new();
+        let lost = node.poll(at(ms), &mut |frame| sent.push(*frame));
+        (sent, lost)
+    }
+
+    fn script() -> Script {
+        Script::new().write(0x1017, 0, 100, 2).read(0x6002, 0)
+    }
+
+    #[test]
+    fn calls_configures_starts_and_starts_over_after_a_loss() {
+        let mut node = NodeConfigurator::new(5, script());
+        assert_eq!(poll(&mut node, 0).0.len(), 1);
+        assert_eq!(poll(&mut node, 10).0.len(), 0, "one request in flight");
+        node.on_heartbeat(0, at(20));
+        assert_eq!(poll(&mut node, 20).0.len(), 2, "pre-operational and the first write");
+        node.on_answer(&[0x60, 0x34, 0x12, 0, 0, 0, 0, 0], at(21));
+        assert_eq!(node.phase(), NodePhase::Configuring(0), "an answer to something else");
+        node.on_answer(&[0x60, 0x17, 0x10, 0, 0, 0, 0, 0], at(22));
+        assert_eq!(poll(&mut node, 30).0.len(), 1);
+        node.on_answer(&[0x43, 0x02, 0x60, 0, 0, 0, 0, 1], at(31));
+        assert_eq!(node.read(0), Some(1 << 24));
+        assert_eq!(poll(&mut node, 40).0, [network_frame(NetworkCommand::Start, 5)]);
+        node.on_heartbeat(5, at(100));
+        assert!(node.is_operational());
+        assert!(!poll(&mut node, 400).1);
+        assert!(poll(&mut node, 401).1, "three heartbeats are missing");
+        node.on_heartbeat(5, at(2_000));
+        assert_eq!(node.phase(), NodePhase::Configuring(0), "it may have lost its mapping");
+    }
+
+    #[test]
+    fn a_refusal_is_kept_and_tried_again_later() {
+        let mut node = NodeConfigurator::new(5, script());
+        node.on_heartbeat(0x7F, at(0));
+        poll(&mut node, 0);
+        node.on_answer(&[0x80, 0x17, 0x10, 0, 0, 0, 2, 6], at(1));
+        assert_eq!(node.phase(), NodePhase::Refused);
+        assert_eq!(node.failure().unwrap().error, SdoError(0x0602_0000));
+        poll(&mut node, 1_000);
+        assert_eq!(node.phase(), NodePhase::Refused);
+        poll(&mut node, 2_100);
+        assert_eq!(node.phase(), NodePhase::Absent);
+    }
+
+    #[test]
+    fn silence_during_configuration_is_a_time_out() {
+        let mut node = NodeConfigurator::new(5, script());
+        node.on_heartbeat(0, at(0));
+        for ms in (0..3_000).step_by(100) {
+            poll(&mut node, ms);
+        }
+        assert_eq!(node.failure().unwrap().error, SdoError(0x0504_0000));
+    }
+}

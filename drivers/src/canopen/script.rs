@@ -1,0 +1,121 @@
+//! What a node must be told before it may start: a list of SDO requests.
+
+use heapless::Vec;
+
+use super::sdo::SdoRequest;
+
+/// Steps of the longest script (a drive: 25), and reserve.
+pub const SCRIPT_STEPS_MAX: usize = 40;
+
+/// One request; the answer to a read is kept for the caller.
+pub type Step = SdoRequest;
+
+/// Steps in order.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Script {
+    steps: Vec<Step, SCRIPT_STEPS_MAX>,
+    overflowed: bool,
+}
+
+impl Script {
+    /// No steps.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { steps: Vec::new(), overflowed: false }
+    }
+
+    /// Adds a write of 1, 2 or 4 bytes.
+    #[must_use]
+    pub fn write(mut self, index: u16, subindex: u8, value: u32, bytes: u8) -> Self {
+        self.overflowed |= self.steps.push(Step { index, subindex, write: Some((value, bytes)) }).is_err();
+        self
+    }
+
+    /// Adds a read.
+    #[must_use]
+    pub fn read(mut self, index: u16, subindex: u8) -> Self {
+        self.overflowed |= self.steps.push(Step { index, subindex, write: None }).is_err();
+        self
+    }
+
+    /// Process data of the device: number 0…3, transmission type (1…240: every n-th SYNC, 255: by event), mapped
+    /// objects as index, sub-index and bits packed in 32 bits. Switched off while it is written (wire-formats 6.4).
+    #[must_use]
+    pub fn transmit(self, node: u8, pdo: u8, (kind, mapped): (u8, &[u32])) -> Self {
+        let id = 0x180 + 0x100 * u32::from(pdo & 3) + u32::from(node & 0x7F);
+        self.map((0x1800 | u16::from(pdo & 3), 0x1A00 | u16::from(pdo & 3)), id, (kind, mapped))
+    }
+
+    /// Process data to the device, see [`Self::transmit`].
+    #[must_use]
+    pub fn receive(self, node: u8, pdo: u8, (kind, mapped): (u8, &[u32])) -> Self {
+        let id = 0x200 + 0x100 * u32::from(pdo & 3) + u32::from(node & 0x7F);
+        self.map((0x1400 | u16::from(pdo & 3), 0x1600 | u16::from(pdo & 3)), id, (kind, mapped))
+    }
+
+    fn map(self, (communication, mapping): (u16, u16), id: u32, (kind, mapped): (u8, &[u32])) -> Self {
+        let mut script = self.write(communication, 1, id | 0x8000_0000, 4).write(mapping, 0, 0, 1);
+        let mut count = 0_u8;
+        for object in mapped.iter().take(8) {
+            count = count.saturating_add(1);
+            script = script.write(mapping, count, *object, 4);
+        }
+        script.write(mapping, 0, u32::from(count), 1).write(communication, 2, u32::from(kind), 1).write(
+            communication,
+            1,
+            id,
+            4,
+        )
+    }
+
+    /// A step.
+    #[must_use]
+    pub fn step(&self, number: usize) -> Option<&Step> {
+        self.steps.get(number)
+    }
+
+    /// Steps in it.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// Nothing to do.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.steps.is_empty()
+    }
+
+    /// More steps were added than fit: a mistake in the program that a test of each script rules out.
+    #[must_use]
+    pub const fn overflowed(&self) -> bool {
+        self.overflowed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::can::CanFrame;
+
+    /// The frames of wire-formats 6.4 for node 5, TPDO1.
+    #[test]
+    fn published_mapping() {
+        let script =
+            Script::new().transmit(5, 0, (1, &[0x6041_0010, 0x606C_0020])).write(0x1016, 1, 0x007F_00C8, 4);
+        let expected: [[u8; 8]; 8] = [
+            [0x23, 0x00, 0x18, 0x01, 0x85, 0x01, 0x00, 0x80],
+            [0x2F, 0x00, 0x1A, 0x00, 0x00, 0x00, 0x00, 0x00],
+            [0x23, 0x00, 0x1A, 0x01, 0x10, 0x00, 0x41, 0x60],
+            [0x23, 0x00, 0x1A, 0x02, 0x20, 0x00, 0x6C, 0x60],
+            [0x2F, 0x00, 0x1A, 0x00, 0x02, 0x00, 0x00, 0x00],
+            [0x2F, 0x00, 0x18, 0x02, 0x01, 0x00, 0x00, 0x00],
+            [0x23, 0x00, 0x18, 0x01, 0x85, 0x01, 0x00, 0x00],
+            [0x23, 0x16, 0x10, 0x01, 0xC8, 0x00, 0x7F, 0x00],
+        ];
+        assert_eq!(script.len(), expected.len());
+        for (number, payload) in expected.iter().enumerate() {
+            assert_eq!(script.step(number).unwrap().frame(5), CanFrame::standard(0x605, payload));
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! The master of the bus: boots the devices, keeps them alive, translates both ways.
+//!
+//! Sans-I/O: frames in with [`ThreeWheelBase::on_frame`], frames out from [`ThreeWheelBase::poll`] every 10 ms and, for
+//! a stop, from [`ThreeWheelBase::send_command`] at once.
+
+use floorguard_core::sensing::{DiscreteInputs, DriveFeedback, WheelSample};
+use floorguard_core::time::{Age, Stamp};
+
+use super::configuration::BaseConfiguration;
+use super::drives::{Axis, DriveCommand, Drives};
+use super::encoders::{Encoders, Side};
+use crate::can::CanFrame;
+use crate::canopen::{Emergency, NodeConfigurator, master_heartbeat, sync_frame};
+use crate::flexisoft::SafetyImage;
+
+/// Heartbeat of the master, microseconds: a quarter of what the drives tolerate.
+const HEARTBEAT_US: u64 = 50_000;
+/// An answer to a SYNC that is later than this belongs to nothing, microseconds.
+const LATE_US: u64 = 9_000;
+
+/// What the bus told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BaseEvent {
+    /// Both wheels, latched at the same moment.
+    Wheels(WheelSample),
+    /// Both drives.
+    Drive(DriveFeedback),
+    /// Emergency stop, bumpers, cliff sensors.
+    Inputs(DiscreteInputs),
+    /// A device complained; its number.
+    Emergency(u8, Emergency),
+    /// A device fell silent; its number.
+    NodeLost(u8),
+}
+
+/// What was ignored; saturating.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BaseCounters {
+    /// Frames taken in.
+    pub frames: u32,
+    /// Process data shorter than their mapping, or without meaning.
+    pub refused: u32,
+    /// Positions that came too late for their SYNC.
+    pub late: u32,
+    /// Devices lost.
+    pub losses: u32,
+}
+
+/// The five devices.
+#[derive(Clone, Debug)]
+pub struct ThreeWheelBase {
+    configuration: BaseConfiguration,
+    traction: NodeConfigurator,
+    steering: NodeConfigurator,
+    left: NodeConfigurator,
+    right: NodeConfigurator,
+    inputs: NodeConfigurator,
+    drives: Drives,
+    encoders: Encoders,
+    image: SafetyImage,
+    latched: Stamp,
+    heartbeat: Option<Stamp>,
+    counters: BaseCounters,
+}
+
+impl ThreeWheelBase {
+    /// Nobody was heard yet; the drives are to have no torque.
+    #[must_use]
+    pub fn new(configuration: BaseConfiguration) -> Self {
+        let encoder = |node| NodeConfigurator::new(node, BaseConfiguration::encoder_script(node));
+        Self {
+            traction: NodeConfigurator::new(configuration.traction_node, configuration.traction_script()),
+            steering: NodeConfigurator::new(configuration.steering_node, configuration.steering_script()),
+            left: encoder(configuration.left_encoder_node),
+            right: encoder(configuration.right_encoder_node),
+            inputs: NodeConfigurator::new(configuration.inputs_node, BaseConfiguration::inputs_script()),
+            drives: Drives::default(),
+            encoders: Encoders::default(),
+            image: SafetyImage::new(configuration.inputs),
+            latched: Stamp::ZERO,
+            heartbeat: None,
+            counters: BaseCounters::default(),
+            configuration,
+        }
+    }
+
+    /// A frame from the bus. `event` is called at most once.
+    pub fn on_frame(&mut self, frame: &CanFrame, now: Stamp, event: &mut impl FnMut(BaseEvent)) {
+        let Some(id) = frame.standard_id() else { return };
+        self.counters.frames = self.counters.frames.saturating_add(1);
+        let node = (id & 0x7F) as u8;
+        let payload = frame.payload();
+        match id & 0x780 {
+            0x080 => self.on_emergency(node, payload, event),
+            0x180 => self.on_process_data(node, payload, now, event),
+            0x580 => {
+                if let Some(device) = self.device(node) {
+                    device.on_answer(payload, now);
+                }
+            }
+            0x700 => {
+                if let (Some(device), Some(byte)) = (self.device(node), payload.first()) {
+                    device.on_heartbeat(*byte, now);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Ten milliseconds have passed: SYNC, commands, heartbeat, and whatever the devices' start needs.
+    pub fn poll(&mut self, now: Stamp, event: &mut impl FnMut(BaseEvent), send: &mut impl FnMut(&CanFrame)) {
+        let due =
+            self.heartbeat.is_none_or(|sent| !matches!(sent.age(now), Age::Past(us) if us < HEARTBEAT_US));
+        if due {
+            self.heartbeat = Some(now);
+            send(&master_heartbeat(self.configuration.master_node));
+        }
+        self.watch(now, event, send);
+        self.send_command(send);
+        self.drives.step();
+        self.encoders.begin();
+        self.latched = now;
+        send(&sync_frame());
+    }
+
+    fn watch(&mut self, now: Stamp, event: &mut impl FnMut(BaseEvent), send: &mut impl FnMut(&CanFrame)) {
+        let devices =
+            [&mut self.traction, &mut self.steering, &mut self.left, &mut self.right, &mut self.inputs];
+        let lost = devices.map(|device| device.poll(now, send).then_some(device.node()));
+        for node in lost.into_iter().flatten() {
+            self.counters.losses = self.counters.losses.saturating_add(1);
+            self.on_loss(node);
+            event(BaseEvent::NodeLost(node));
+        }
+    }
+
+    fn on_loss(&mut self, node: u8) {
+        let bus = &self.configuration;
+        match node {
+            node if node == bus.traction_node => self.drives.forget(Axis::Traction),
+            node if node == bus.steering_node => self.drives.forget(Axis::Steering),
+            node if node == bus.left_encoder_node => self.encoders.restart(Side::Left),
+            node if node == bus.right_encoder_node => self.encoders.restart(Side::Right),
+            _ => {}
+        }
+    }
+
+    /// What the drives are to do from now on; goes out with the next poll or [`Self::send_command`].
+    pub fn command(&mut self, command: DriveCommand) {
+        self.drives.command(command);
+    }
+
+    /// What the drives were last told.
+    #[must_use]
+    pub const fn commanded(&self) -> DriveCommand {
+        self.drives.commanded()
+    }
+
+    /// Sends the command at once: a stop does not wait for the next poll.
+    pub fn send_command(&self, send: &mut impl FnMut(&CanFrame)) {
+        if self.traction.is_operational()
+            && let Some(frame) = self.drives.traction_frame(self.configuration.traction_node)
+        {
+            send(&frame);
+        }
+        if self.steering.is_operational()
+            && let Some(frame) = self.drives.steering_frame(self.configuration.steering_node)
+        {
+            send(&frame);
+        }
+    }
+
+    /// The operator asked for a reset: drives in a fault are led out of it.
+    pub fn reset_faults(&mut self) {
+        self.drives.reset_faults();
+    }
+
+    /// All five devices are operational.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.devices().iter().all(|device| device.is_operational())
+    }
+
+    /// The devices, for display: traction, steering, left and right encoder, gateway.
+    #[must_use]
+    pub fn devices(&self) -> [&NodeConfigurator; 5] {
+        [&self.traction, &self.steering, &self.left, &self.right, &self.inputs]
+    }
+
+    /// What was ignored.
+    #[must_use]
+    pub const fn counters(&self) -> BaseCounters {
+        self.counters
+    }
+
+    fn device(&mut self, node: u8) -> Option<&mut NodeConfigurator> {
+        [&mut self.traction, &mut self.steering, &mut self.left, &mut self.right, &mut self.inputs]
+            .into_iter()
+            .find(|device| device.node() == node)
+    }
+
+    fn on_emergency(&mut self, node: u8, payload: &[u8], event: &mut impl FnMut(BaseEvent)) {
+        // 080h itself is SYNC.
+        let Some(emergency) = Emergency::decode(payload).filter(|_| node != 0) else { return };
+        if node == self.configuration.traction_node {
+            self.drives.on_emergency(Axis::Traction, emergency.code);
+        } else if node == self.configuration.steering_node {
+            self.drives.on_emergency(Axis::Steering, emergency.code);
+        }
+        event(BaseEvent::Emergency(node, emergency));
+    }
+
+    fn on_process_data(&mut self, node: u8, payload: &[u8], now: Stamp, event: &mut impl FnMut(BaseEvent)) {
+        let bus = self.configuration;
+        if node == bus.inputs_node {
+            event(BaseEvent::Inputs(self.image.judge(payload, now)));
+        } else if node == bus.traction_node {
+            self.on_drive(Axis::Traction, payload, now, event);
+        } else if node == bus.steering_node {
+            self.on_drive(Axis::Steering, payload, now, event);
+        } else if node == bus.left_encoder_node {
+            self.on_encoder(Side::Left, payload, now, event);
+        } else if node == bus.right_encoder_node {
+            self.on_encoder(Side::Right, payload, now, event);
+        }
+    }
+
+    fn on_drive(&mut self, axis: Axis, payload: &[u8], now: Stamp, event: &mut impl FnMut(BaseEvent)) {
+        match self.drives.on_report(axis, payload, now) {
+            Ok(Some(feedback)) => event(BaseEvent::Drive(feedback)),
+            Ok(None) => {}
+            Err(()) => self.counters.refused = self.counters.refused.saturating_add(1),
+        }
+    }
+
+    fn on_encoder(&mut self, side: Side, payload: &[u8], now: Stamp, event: &mut impl FnMut(BaseEvent)) {
+        let encoder = match side {
+            Side::Left => &self.left,
+            Side::Right => &self.right,
+        };
+        // Before the range is known a position means nothing.
+        let (&[a, b, c, d, _, _, ..], Some(range)) = (payload, encoder.read(0)) else {
+            self.counters.refused = self.counters.refused.saturating_add(1);
+            return;
+        };
+        if !matches!(self.latched.age(now), Age::Past(us) if us <= LATE_US) {
+            self.counters.late = self.counters.late.saturating_add(1);
+            return;
+        }
+        let position = (u32::from_le_bytes([a, b, c, d]), range);
+        if let Some(sample) = self.encoders.on_position(side, position, self.latched) {
+            event(BaseEvent::Wheels(sample));
+        }
+    }
+}

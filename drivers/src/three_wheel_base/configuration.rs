@@ -1,0 +1,116 @@
+//! The bus as configured, and what each device is told.
+
+use crate::canopen::Script;
+use crate::flexisoft::InputMap;
+
+/// Object 1016h: the drives stop when the master is silent for this long, milliseconds.
+const MASTER_SILENT_MS: u32 = 200;
+/// Object 1017h: heartbeat of each device, milliseconds.
+const HEARTBEAT_MS: u32 = 100;
+/// By every SYNC.
+const EVERY_SYNC: u8 = 1;
+/// At once, or by event.
+const BY_EVENT: u8 = 255;
+
+/// What the bus carries.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BaseConfiguration {
+    /// The master's own number.
+    pub master_node: u8,
+    /// Traction drive: speed of the front wheel's rim in mm/s.
+    pub traction_node: u8,
+    /// Steering drive: angle in thousandths of a degree, counter-clockwise.
+    pub steering_node: u8,
+    /// Encoder of the left rear wheel.
+    pub left_encoder_node: u8,
+    /// Encoder of the right rear wheel.
+    pub right_encoder_node: u8,
+    /// Gateway of the safety controller.
+    pub inputs_node: u8,
+    /// What its image means.
+    pub inputs: InputMap,
+    /// Ramp up, m/s².
+    pub acceleration_mps2: f32,
+    /// Ramp down of a normal stop, m/s².
+    pub deceleration_mps2: f32,
+    /// Ramp down of a quick stop, m/s².
+    pub quick_stop_mps2: f32,
+}
+
+impl Default for BaseConfiguration {
+    fn default() -> Self {
+        Self {
+            master_node: 127,
+            traction_node: 1,
+            steering_node: 2,
+            left_encoder_node: 3,
+            right_encoder_node: 4,
+            inputs_node: 5,
+            inputs: InputMap::default(),
+            acceleration_mps2: 1.0,
+            deceleration_mps2: 1.5,
+            quick_stop_mps2: 2.0,
+        }
+    }
+}
+
+impl BaseConfiguration {
+    fn watched(&self) -> Script {
+        let watch = (u32::from(self.master_node) << 16) | MASTER_SILENT_MS;
+        // Action on loss of communication: 3 = quick stop.
+        Script::new().write(0x1017, 0, HEARTBEAT_MS, 2).write(0x1016, 1, watch, 4).write(0x6007, 0, 3, 2)
+    }
+
+    pub(super) fn traction_script(&self) -> Script {
+        let node = self.traction_node;
+        let millimetres = |metres: f32| (metres * 1_000.0).max(1.0) as u32;
+        self.watched()
+            .write(0x6060, 0, 3, 1)
+            .write(0x6083, 0, millimetres(self.acceleration_mps2), 4)
+            .write(0x6084, 0, millimetres(self.deceleration_mps2), 4)
+            .write(0x6085, 0, millimetres(self.quick_stop_mps2), 4)
+            // Quick stop: its own ramp, then no torque.
+            .write(0x605A, 0, 2, 2)
+            .receive(node, 0, (BY_EVENT, &[0x6040_0010, 0x60FF_0020]))
+            .transmit(node, 0, (EVERY_SYNC, &[0x6041_0010, 0x606C_0020]))
+    }
+
+    pub(super) fn steering_script(&self) -> Script {
+        let node = self.steering_node;
+        self.watched()
+            .write(0x6060, 0, 1, 1)
+            .receive(node, 0, (BY_EVENT, &[0x6040_0010, 0x607A_0020]))
+            .transmit(node, 0, (EVERY_SYNC, &[0x6041_0010, 0x6064_0020]))
+    }
+
+    /// The measuring range is read, not assumed: positions are taken modulo it.
+    pub(super) fn encoder_script(node: u8) -> Script {
+        Script::new().write(0x1017, 0, HEARTBEAT_MS, 2).read(0x6002, 0).transmit(
+            node,
+            0,
+            (EVERY_SYNC, &[0x6004_0020, 0x6030_0110]),
+        )
+    }
+
+    /// The image is mapped by the controller's own project.
+    pub(super) fn inputs_script() -> Script {
+        Script::new().write(0x1017, 0, HEARTBEAT_MS, 2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_script_fits() {
+        let base = BaseConfiguration::default();
+        let scripts = [
+            base.traction_script(),
+            base.steering_script(),
+            BaseConfiguration::encoder_script(3),
+            BaseConfiguration::inputs_script(),
+        ];
+        assert!(scripts.iter().all(|script| !script.overflowed() && !script.is_empty()));
+    }
+}

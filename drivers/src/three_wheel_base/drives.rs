@@ -1,0 +1,290 @@
+//! Traction and steering: from a command to two process data objects, and back from two to one report.
+
+use floorguard_core::sensing::{DriveFeedback, DriveState};
+use floorguard_core::time::Stamp;
+
+use crate::can::CanFrame;
+use crate::cia402::{DriveGoal, PowerState, controlword, profile_error};
+
+/// Code reported for a drive that left operation without being told and without an emergency message.
+const LEFT_OPERATION: u16 = 0xFF01;
+/// Code reported for a fault bit without an emergency message.
+const UNNAMED_FAULT: u16 = 0x1000;
+/// Thousandths of a degree per radian.
+const MILLIDEGREES: f32 = 57_295.78;
+
+/// How the robot is to stand still.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StopKind {
+    /// Category 2: ramp down, keep the torque.
+    Hold,
+    /// Category 1: quick stop, then no torque.
+    Ramp,
+    /// Category 0: no torque at once; the brake falls in.
+    #[default]
+    TorqueOff,
+}
+
+/// What the drives are to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DriveCommand {
+    /// Turn the front wheel's rim at this speed, m/s, and to this angle, radians, counter-clockwise.
+    Move {
+        /// Speed of the rim over ground.
+        wheel_mps: f32,
+        /// Steering angle.
+        steering_rad: f32,
+    },
+    /// Stand still.
+    Stop(StopKind),
+}
+
+impl Default for DriveCommand {
+    fn default() -> Self {
+        Self::Stop(StopKind::TorqueOff)
+    }
+}
+
+impl DriveCommand {
+    const fn goal(self) -> DriveGoal {
+        match self {
+            Self::Move { .. } | Self::Stop(StopKind::Hold) => DriveGoal::Operate,
+            Self::Stop(StopKind::Ramp) => DriveGoal::QuickStop,
+            Self::Stop(StopKind::TorqueOff) => DriveGoal::TorqueOff,
+        }
+    }
+}
+
+/// One drive as it reports itself.
+#[derive(Clone, Copy, Debug, Default)]
+struct Report {
+    state: Option<PowerState>,
+    value: i32,
+    operated: bool,
+    /// Of the last emergency message; 0 when none is pending.
+    emergency: u16,
+    left_operation: bool,
+    fresh: bool,
+}
+
+impl Report {
+    fn take(&mut self, payload: &[u8], goal: DriveGoal) -> bool {
+        let &[low, high, a, b, c, d, ..] = payload else { return false };
+        self.value = i32::from_le_bytes([a, b, c, d]);
+        self.state = PowerState::from_statusword(u16::from_le_bytes([low, high]));
+        let Some(state) = self.state else { return false };
+        self.left_operation |= profile_error(state, self.operated, goal);
+        self.operated = state == PowerState::OperationEnabled;
+        self.fresh = true;
+        true
+    }
+
+    fn drive_state(&self) -> DriveState {
+        match self.state {
+            None | Some(PowerState::NotReady) => DriveState::Unknown,
+            Some(state) if state.is_fault() => {
+                DriveState::Fault(if self.emergency == 0 { UNNAMED_FAULT } else { self.emergency })
+            }
+            Some(_) if self.left_operation => DriveState::Fault(LEFT_OPERATION),
+            Some(PowerState::OperationEnabled) => DriveState::Enabled,
+            Some(PowerState::QuickStopActive) => DriveState::QuickStop,
+            Some(_) => DriveState::Disabled,
+        }
+    }
+}
+
+/// Both drives.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Drives {
+    traction: Report,
+    steering: Report,
+    command: DriveCommand,
+    /// Steps left of a fault reset: zero, then the edge.
+    reset_steps: u8,
+}
+
+/// Which drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Axis {
+    Traction,
+    Steering,
+}
+
+/// Polls of a fault reset: three without the bit, then three with it.
+const RESET_STEPS: u8 = 6;
+
+impl Drives {
+    /// A process data object of a drive. The report is complete with the second one.
+    pub fn on_report(&mut self, axis: Axis, payload: &[u8], now: Stamp) -> Result<Option<DriveFeedback>, ()> {
+        let goal = self.command.goal();
+        if !self.axis(axis).take(payload, goal) {
+            return Err(());
+        }
+        if !(self.traction.fresh && self.steering.fresh) {
+            return Ok(None);
+        }
+        self.traction.fresh = false;
+        self.steering.fresh = false;
+        Ok(Some(DriveFeedback {
+            stamp: now,
+            state: worse(self.traction.drive_state(), self.steering.drive_state()),
+            wheel_speed_mps: self.traction.value as f32 * 1.0e-3,
+            steering_rad: self.steering.value as f32 / MILLIDEGREES,
+        }))
+    }
+
+    /// An emergency code of a drive; 0 when it has recovered.
+    pub fn on_emergency(&mut self, axis: Axis, code: u16) {
+        self.axis(axis).emergency = code;
+    }
+
+    /// A drive is gone: what it said does not count any more.
+    pub fn forget(&mut self, axis: Axis) {
+        *self.axis(axis) = Report::default();
+    }
+
+    pub fn command(&mut self, command: DriveCommand) {
+        self.command = command;
+    }
+
+    pub const fn commanded(&self) -> DriveCommand {
+        self.command
+    }
+
+    /// The operator asked to leave the fault state.
+    pub fn reset_faults(&mut self) {
+        self.reset_steps = RESET_STEPS;
+        self.traction.left_operation = false;
+        self.steering.left_operation = false;
+        self.traction.operated = false;
+        self.steering.operated = false;
+    }
+
+    /// One step of a fault reset has been sent.
+    pub fn step(&mut self) {
+        self.reset_steps = self.reset_steps.saturating_sub(1);
+    }
+
+    fn axis(&mut self, axis: Axis) -> &mut Report {
+        match axis {
+            Axis::Traction => &mut self.traction,
+            Axis::Steering => &mut self.steering,
+        }
+    }
+
+    fn word(&self, report: &Report) -> Option<u16> {
+        let state = report.state?;
+        if state == PowerState::Fault && self.reset_steps > 0 {
+            return Some(controlword(state, DriveGoal::ResetFault(self.reset_steps <= RESET_STEPS / 2)));
+        }
+        // What left operation by itself stays down until the operator resets.
+        let goal = if report.left_operation { DriveGoal::TorqueOff } else { self.command.goal() };
+        Some(controlword(state, goal))
+    }
+
+    /// The frame to the traction drive; none before it has said in which state it is. The wheel turns only when both
+    /// drives operate.
+    pub fn traction_frame(&self, node: u8) -> Option<CanFrame> {
+        let both = self.traction.operated && self.steering.operated;
+        let target = match self.command {
+            DriveCommand::Move { wheel_mps, .. } if both && wheel_mps.is_finite() => {
+                libm::roundf(wheel_mps * 1_000.0) as i32
+            }
+            _ => 0,
+        };
+        Some(process_data(node, self.word(&self.traction)?, target))
+    }
+
+    /// The frame to the steering drive. It stays where it is when the robot is to stand.
+    pub fn steering_frame(&self, node: u8) -> Option<CanFrame> {
+        let target = match self.command {
+            DriveCommand::Move { steering_rad, .. } if steering_rad.is_finite() => {
+                libm::roundf(steering_rad * MILLIDEGREES) as i32
+            }
+            _ => self.steering.value,
+        };
+        // Holding an angle is no danger, losing it at speed is: the steering gives up its torque last.
+        let word = match (self.command, self.steering.state?) {
+            (DriveCommand::Stop(StopKind::Ramp), PowerState::OperationEnabled)
+                if !self.steering.left_operation =>
+            {
+                controlword(PowerState::OperationEnabled, DriveGoal::Operate)
+            }
+            _ => self.word(&self.steering)?,
+        };
+        Some(process_data(node, word, target))
+    }
+}
+
+fn process_data(node: u8, word: u16, target: i32) -> CanFrame {
+    let ([low, high], [a, b, c, d]) = (word.to_le_bytes(), target.to_le_bytes());
+    CanFrame::standard(0x200 | u16::from(node & 0x7F), &[low, high, a, b, c, d])
+}
+
+/// The worse of two states: a fault hides everything, then the unknown.
+const fn worse(a: DriveState, b: DriveState) -> DriveState {
+    match (a, b) {
+        (DriveState::Fault(code), _) | (_, DriveState::Fault(code)) => DriveState::Fault(code),
+        (DriveState::Unknown, _) | (_, DriveState::Unknown) => DriveState::Unknown,
+        (DriveState::Disabled, _) | (_, DriveState::Disabled) => DriveState::Disabled,
+        (DriveState::QuickStop, _) | (_, DriveState::QuickStop) => DriveState::QuickStop,
+        (DriveState::Enabled, DriveState::Enabled) => DriveState::Enabled,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn report(drives: &mut Drives, axis: Axis, status: u16, value: i32) -> Option<DriveFeedback> {
+        let ([low, high], [a, b, c, d]) = (status.to_le_bytes(), value.to_le_bytes());
+        drives.on_report(axis, &[low, high, a, b, c, d], Stamp::ZERO).unwrap()
+    }
+
+    /// The frames of wire-formats 6.4, node 5.
+    #[test]
+    fn published_frames() {
+        let mut drives = Drives::default();
+        report(&mut drives, Axis::Steering, 0x0237, 0);
+        let feedback = report(&mut drives, Axis::Traction, 0x0237, -1_234).unwrap();
+        assert_eq!(feedback.state, DriveState::Enabled);
+        assert!((feedback.wheel_speed_mps + 1.234).abs() < 1e-6);
+        drives.command(DriveCommand::Move { wheel_mps: -1.0, steering_rad: 0.5 });
+        let frame = drives.traction_frame(5).unwrap();
+        assert_eq!(frame, CanFrame::standard(0x205, &[0x0F, 0, 0x18, 0xFC, 0xFF, 0xFF]));
+    }
+
+    #[test]
+    fn no_wheel_turns_before_both_drives_operate() {
+        let mut drives = Drives::default();
+        assert_eq!(drives.traction_frame(1), None);
+        drives.command(DriveCommand::Move { wheel_mps: 1.0, steering_rad: 0.0 });
+        report(&mut drives, Axis::Traction, 0x0237, 0);
+        report(&mut drives, Axis::Steering, 0x0233, 0);
+        assert_eq!(drives.traction_frame(1).unwrap().payload(), [0x0F, 0, 0, 0, 0, 0]);
+    }
+
+    #[test]
+    fn a_drive_that_silently_leaves_operation_is_a_fault_until_reset() {
+        let mut drives = Drives::default();
+        drives.command(DriveCommand::Move { wheel_mps: 1.0, steering_rad: 0.0 });
+        for status in [0x0237, 0x0250, 0x0250] {
+            report(&mut drives, Axis::Traction, status, 0);
+            let feedback = report(&mut drives, Axis::Steering, 0x0237, 0).unwrap();
+            let wanted =
+                if status == 0x0237 { DriveState::Enabled } else { DriveState::Fault(LEFT_OPERATION) };
+            assert_eq!(feedback.state, wanted);
+        }
+        assert_eq!(drives.traction_frame(1).unwrap().payload(), [0; 6]);
+        drives.reset_faults();
+        report(&mut drives, Axis::Traction, 0x0250, 0);
+        assert_eq!(report(&mut drives, Axis::Steering, 0x0237, 0).unwrap().state, DriveState::Disabled);
+    }
+
+    #[test]
+    fn short_and_meaningless_reports_are_refused() {
+        let mut drives = Drives::default();
+        assert_eq!(drives.on_report(Axis::Traction, &[0x37, 2, 0, 0, 0], Stamp::ZERO), Err(()));
+        assert_eq!(drives.on_report(Axis::Traction, &[0x2B, 0, 0, 0, 0, 0], Stamp::ZERO), Err(()));
+    }
+}

@@ -1,0 +1,10 @@
+//! FLOBOT's base on one CAN bus: a traction and a steering drive, two encoders, the safety controller's gateway.
+
+mod base;
+mod configuration;
+mod drives;
+mod encoders;
+
+pub use base::{BaseCounters, BaseEvent, ThreeWheelBase};
+pub use configuration::BaseConfiguration;
+pub use drives::{DriveCommand, StopKind};

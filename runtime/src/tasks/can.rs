@@ -1,0 +1,159 @@
+//! The CAN bus: encoders, drives and safety inputs in, the permitted command out.
+//!
+//! A decision that asks for less than the drives were last told goes out at once; one that allows more waits for the
+//! next 10 ms.
+
+use embassy_futures::select::{Either3, select3};
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use embassy_time::{Duration, Ticker, Timer};
+use floorguard_core::guard::{Action, Decision, FaultKind, Source};
+use floorguard_core::odometry::Tricycle;
+use floorguard_drivers::can::CanFrame;
+use floorguard_drivers::three_wheel_base::{BaseEvent, DriveCommand, StopKind, ThreeWheelBase};
+use heapless::Vec;
+
+use super::supervise::TICK_MS;
+use crate::clock;
+use crate::io::CanBus;
+use crate::shared::Shared;
+
+/// Frames that one poll may send: SYNC, heartbeat, two commands, and two for each of five devices that start.
+const FRAMES_MAX: usize = 16;
+/// Pause after a failure of the link, milliseconds.
+const RETRY_MS: u64 = 20;
+/// A command that differs by less is the same, m/s.
+const SAME_MPS: f32 = 1.0e-3;
+
+type Frames = Vec<CanFrame, FRAMES_MAX>;
+
+/// Guard ring. Runs for ever.
+pub async fn can_bus<M: RawMutex>(
+    shared: &Shared<M>,
+    mut bus: impl CanBus,
+    (mut base, tricycle): (ThreeWheelBase, Tricycle),
+) {
+    let mut ticker = Ticker::every(Duration::from_millis(TICK_MS));
+    let mut steering_rad = 0.0;
+    loop {
+        let mut frames = Frames::new();
+        match select3(bus.receive(), shared.decision.next(), ticker.next()).await {
+            Either3::First(Ok(frame)) => {
+                let now = clock::now();
+                base.on_frame(&frame, now, &mut |event| {
+                    if let BaseEvent::Drive(drive) = &event {
+                        steering_rad = drive.steering_rad;
+                    }
+                    take_in(shared, &event);
+                });
+            }
+            Either3::First(Err(_)) => {
+                fail(shared);
+                Timer::after_millis(RETRY_MS).await;
+            }
+            Either3::Second(decision) => {
+                let command = command(&decision, &tricycle, steering_rad);
+                if is_tighter(command, base.commanded()) {
+                    base.command(command);
+                    base.send_command(&mut |frame| collect(&mut frames, frame));
+                }
+            }
+            Either3::Third(()) => {
+                if let Some(decision) = shared.decision.get() {
+                    base.command(command(&decision, &tricycle, steering_rad));
+                }
+                if shared.drive_reset.signaled() {
+                    shared.drive_reset.reset();
+                    base.reset_faults();
+                }
+                let send = &mut |frame: &CanFrame| collect(&mut frames, frame);
+                base.poll(clock::now(), &mut |event| take_in(shared, &event), send);
+            }
+        }
+        for frame in &frames {
+            if bus.send(frame).await.is_err() {
+                fail(shared);
+            }
+        }
+        let sent = frames.len() as u32;
+        shared.count(|links| links.can_sent = links.can_sent.saturating_add(sent));
+    }
+}
+
+fn collect(frames: &mut Frames, frame: &CanFrame) {
+    // Five devices that all start at once fill the list; what does not fit is asked again by time-out.
+    let _ = frames.push(*frame);
+}
+
+fn fail<M: RawMutex>(shared: &Shared<M>) {
+    shared.count(|links| links.can_errors = links.can_errors.saturating_add(1));
+    let now = clock::now();
+    shared.decide(|guard| guard.on_source_fault(Source::Drive, FaultKind::LinkDown, now));
+}
+
+fn take_in<M: RawMutex>(shared: &Shared<M>, event: &BaseEvent) {
+    let now = clock::now();
+    match event {
+        BaseEvent::Wheels(sample) => {
+            if let Some(motion) = shared.move_by(|motion| motion.on_wheels(sample)) {
+                shared.decide(|guard| guard.on_wheels(motion.twist, motion.stamp, now));
+            }
+        }
+        BaseEvent::Drive(feedback) => {
+            shared.decide(|guard| guard.on_drive(feedback, now));
+        }
+        BaseEvent::Inputs(inputs) => {
+            shared.decide(|guard| guard.on_discrete(inputs, now));
+        }
+        // The drives' reports carry the code; what a lost device no longer says grows old by itself.
+        BaseEvent::Emergency(..) | BaseEvent::NodeLost(_) => {}
+    }
+}
+
+/// What a decision means for the drives.
+fn command(decision: &Decision, tricycle: &Tricycle, steering_rad: f32) -> DriveCommand {
+    if decision.torque_off {
+        return DriveCommand::Stop(StopKind::TorqueOff);
+    }
+    let permitted = decision.permitted;
+    let moves = permitted.linear_mps != 0.0 || permitted.angular_radps != 0.0;
+    match decision.action {
+        Action::Category1 if !moves => DriveCommand::Stop(StopKind::Ramp),
+        Action::Category2 if !moves => DriveCommand::Stop(StopKind::Hold),
+        _ => {
+            let target_rad = tricycle.steering_rad(permitted, steering_rad);
+            let wheel_mps = tricycle.wheel_mps(permitted, steering_rad, target_rad);
+            DriveCommand::Move { wheel_mps, steering_rad: target_rad }
+        }
+    }
+}
+
+/// Slower, or a stop of a severer kind.
+fn is_tighter(new: DriveCommand, old: DriveCommand) -> bool {
+    let rank = |command| match command {
+        DriveCommand::Move { .. } => 0,
+        DriveCommand::Stop(StopKind::Hold) => 1,
+        DriveCommand::Stop(StopKind::Ramp) => 2,
+        DriveCommand::Stop(StopKind::TorqueOff) => 3,
+    };
+    match (new, old) {
+        (DriveCommand::Move { wheel_mps: new, .. }, DriveCommand::Move { wheel_mps: old, .. }) => {
+            libm::fabsf(new) < libm::fabsf(old) - SAME_MPS
+        }
+        (new, old) => rank(new) > rank(old),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_asks_for_less_is_urgent() {
+        let go = |wheel_mps| DriveCommand::Move { wheel_mps, steering_rad: 0.0 };
+        let stop = DriveCommand::Stop;
+        assert!(is_tighter(go(0.3), go(0.5)) && is_tighter(stop(StopKind::Hold), go(0.0)));
+        assert!(is_tighter(stop(StopKind::TorqueOff), stop(StopKind::Ramp)));
+        assert!(is_tighter(go(-0.1), go(0.5)));
+        assert!(!is_tighter(go(0.5), go(0.3)) && !is_tighter(go(0.5), stop(StopKind::Hold)));
+    }
+}

@@ -1,0 +1,233 @@
+//! The bus master of `drivers` against the simulator's devices, which were written from the specification alone.
+
+use floorguard_core::sensing::{DriveFeedback, DriveState, SafetyInput, WheelSample};
+use floorguard_core::time::Stamp;
+use floorguard_drivers::can::{CanFrame, SlcanEvent, SlcanReceiver, encode_slcan};
+use floorguard_drivers::flexisoft::{InputBits, InputMap};
+use floorguard_drivers::three_wheel_base::{
+    BaseConfiguration, BaseEvent, DriveCommand, StopKind, ThreeWheelBase,
+};
+use floorguard_sim::can as sim_can;
+use floorguard_sim::scenario::Scenario;
+use floorguard_sim::simulation::{Payload, Simulation, Stream};
+
+const INPUTS: InputMap = InputMap {
+    emergency_stop: InputBits([32, 33]),
+    bumper_front: InputBits([34, 35]),
+    bumper_rear: Some(InputBits([36, 37])),
+    cliff_front: Some(InputBits([40, 40])),
+    cliff_rear: Some(InputBits([41, 41])),
+    discrepancy_us: 100_000,
+};
+
+struct Rig {
+    simulation: Simulation,
+    base: ThreeWheelBase,
+    now_us: u64,
+    events: Vec<BaseEvent>,
+    /// Frames of this node do not arrive.
+    muted: Option<u8>,
+    /// Send everything through the text of SLCAN.
+    through_text: bool,
+}
+
+impl Rig {
+    fn new() -> Self {
+        let configuration = BaseConfiguration { inputs: INPUTS, ..BaseConfiguration::default() };
+        Self {
+            simulation: Simulation::new(&Scenario::named("empty").unwrap(), 7).unwrap(),
+            base: ThreeWheelBase::new(configuration),
+            now_us: 0,
+            events: Vec::new(),
+            muted: None,
+            through_text: false,
+        }
+    }
+
+    fn run(&mut self, seconds: f64) {
+        let end_us = self.now_us + (seconds * 1.0e6) as u64;
+        while self.now_us < end_us {
+            self.now_us += 1_000;
+            let mut frames = Vec::new();
+            self.simulation.advance_to(self.now_us, &mut |event| {
+                if let (Stream::Can, Payload::Frame(frame)) = (event.stream, event.payload) {
+                    frames.push((event.at_us, frame));
+                }
+            });
+            for (at_us, frame) in frames {
+                if self.muted.is_some_and(|node| frame.id & 0x7F == u32::from(node)) {
+                    continue;
+                }
+                let frame = self.carried(CanFrame::standard(frame.id as u16, frame.payload()));
+                let events = &mut self.events;
+                self.base.on_frame(&frame, Stamp::from_micros(at_us), &mut |event| events.push(event));
+            }
+            if self.now_us.is_multiple_of(10_000) {
+                let mut sent = Vec::new();
+                let events = &mut self.events;
+                self.base.poll(
+                    Stamp::from_micros(self.now_us),
+                    &mut |event| events.push(event),
+                    &mut |frame| sent.push(*frame),
+                );
+                self.deliver(&sent);
+            }
+        }
+    }
+
+    fn carried(&self, frame: CanFrame) -> CanFrame {
+        if !self.through_text {
+            return frame;
+        }
+        let mut receiver = SlcanReceiver::new();
+        let mut carried = None;
+        receiver.push(&encode_slcan(&frame), |event| {
+            if let SlcanEvent::Frame(frame) = event {
+                carried = Some(frame);
+            }
+        });
+        carried.expect("a frame survives its text")
+    }
+
+    fn deliver(&mut self, frames: &[CanFrame]) {
+        for frame in frames {
+            let frame = self.carried(*frame);
+            let id = u32::from(frame.standard_id().unwrap());
+            self.simulation.receive_can(sim_can::CanFrame::new(id, frame.payload()), self.now_us);
+        }
+    }
+
+    fn drive(&mut self, wheel_mps: f32, steering_rad: f32) {
+        self.base.command(DriveCommand::Move { wheel_mps, steering_rad });
+    }
+
+    fn last_drive(&self) -> DriveFeedback {
+        let mut reports = self.events.iter().rev();
+        reports
+            .find_map(|event| if let BaseEvent::Drive(drive) = event { Some(*drive) } else { None })
+            .unwrap()
+    }
+
+    fn last_wheels(&self) -> WheelSample {
+        let mut samples = self.events.iter().rev();
+        samples
+            .find_map(|event| if let BaseEvent::Wheels(wheels) = event { Some(*wheels) } else { None })
+            .unwrap()
+    }
+
+    fn last_emergency_stop(&self) -> SafetyInput {
+        let mut inputs = self.events.iter().rev();
+        inputs
+            .find_map(
+                |event| {
+                    if let BaseEvent::Inputs(inputs) = event { Some(inputs.emergency_stop) } else { None }
+                },
+            )
+            .unwrap()
+    }
+}
+
+#[test]
+fn the_bus_is_up_within_a_second_and_drives() {
+    let mut rig = Rig::new();
+    rig.run(1.0);
+    assert!(rig.base.is_complete(), "{:?}", rig.base.devices().map(|device| device.phase()));
+    assert_eq!(rig.last_drive().state, DriveState::Disabled, "no torque before anybody commands");
+    assert_eq!(rig.last_emergency_stop(), SafetyInput::Clear);
+    rig.drive(0.5, 0.0);
+    rig.run(4.0);
+    assert_eq!(rig.last_drive().state, DriveState::Enabled);
+    let driven_m = rig.simulation.truth().robot.x_m;
+    let ticks = rig.last_wheels();
+    let measured_m = (ticks.left_ticks + ticks.right_ticks) as f32 / 2.0 / 20_000.0;
+    assert!(driven_m > 1.5, "{driven_m}");
+    assert!((measured_m - driven_m).abs() < 0.01 * driven_m, "{measured_m} {driven_m}");
+    assert!((rig.last_drive().wheel_speed_mps - 0.5).abs() < 0.02);
+    assert_eq!(rig.base.counters().refused, 0);
+}
+
+#[test]
+fn steering_left_turns_left_and_the_wheels_tell_it() {
+    let mut rig = Rig::new();
+    rig.through_text = true;
+    rig.run(1.0);
+    rig.drive(0.4, 0.6);
+    rig.run(3.0);
+    let truth = rig.simulation.truth();
+    let wheels = rig.last_wheels();
+    assert!(truth.robot.heading_rad > 0.3, "{truth:?}");
+    assert!(wheels.right_ticks > wheels.left_ticks);
+    let turned_rad = (wheels.right_ticks - wheels.left_ticks) as f32 / 20_000.0 / 0.6;
+    assert!((turned_rad - truth.robot.heading_rad).abs() < 0.02, "{turned_rad} {}", truth.robot.heading_rad);
+    assert!((rig.last_drive().steering_rad - 0.6).abs() < 0.01);
+}
+
+#[test]
+fn each_kind_of_stop_stands_within_its_way() {
+    for (kind, state) in [
+        (StopKind::Hold, DriveState::Enabled),
+        (StopKind::Ramp, DriveState::Disabled),
+        (StopKind::TorqueOff, DriveState::Disabled),
+    ] {
+        let mut rig = Rig::new();
+        rig.run(1.0);
+        rig.drive(0.8, 0.0);
+        rig.run(3.0);
+        let from_m = rig.simulation.truth().robot.x_m;
+        rig.base.command(DriveCommand::Stop(kind));
+        let mut sent = Vec::new();
+        rig.base.send_command(&mut |frame| sent.push(*frame));
+        rig.deliver(&sent);
+        rig.run(2.0);
+        let truth = rig.simulation.truth();
+        let way_m = truth.robot.x_m - from_m;
+        assert!(truth.twist.linear_mps.abs() < 0.01, "{kind:?} {:?}", truth.twist);
+        // The guard counts on 0.8 m/s² after 0.15 s: 0.52 m.
+        assert!(way_m < 0.52, "{kind:?} {way_m}");
+        assert_eq!(rig.last_drive().state, state, "{kind:?}");
+    }
+}
+
+#[test]
+fn the_emergency_stop_is_a_fault_that_only_a_reset_ends() {
+    let mut rig = Rig::new();
+    rig.run(1.0);
+    rig.drive(0.5, 0.0);
+    rig.run(2.0);
+    rig.simulation.press_emergency_stop(true);
+    rig.run(1.0);
+    assert_eq!(rig.last_emergency_stop(), SafetyInput::Active);
+    assert_eq!(rig.last_drive().state, DriveState::Fault(0x5441));
+    rig.simulation.press_emergency_stop(false);
+    rig.run(1.0);
+    assert_eq!(rig.last_drive().state, DriveState::Fault(0x5441), "the command to move alone resets nothing");
+    assert!(rig.simulation.truth().twist.linear_mps.abs() < 0.01);
+    rig.base.command(DriveCommand::Stop(StopKind::TorqueOff));
+    rig.base.reset_faults();
+    rig.run(0.5);
+    assert_eq!(rig.last_drive().state, DriveState::Disabled);
+    rig.drive(0.5, 0.0);
+    rig.run(2.0);
+    assert!(rig.simulation.truth().twist.linear_mps > 0.4);
+}
+
+#[test]
+fn a_silent_encoder_is_lost_and_comes_back_without_a_jump() {
+    let mut rig = Rig::new();
+    rig.run(1.0);
+    rig.drive(0.5, 0.0);
+    rig.run(2.0);
+    let before = rig.last_wheels();
+    rig.muted = Some(3);
+    rig.run(1.0);
+    assert!(rig.events.contains(&BaseEvent::NodeLost(3)));
+    assert!(!rig.base.is_complete());
+    let silent_since = rig.last_wheels().stamp;
+    assert!(silent_since.seconds_since(before.stamp) < 0.02, "one wheel alone is no sample");
+    rig.muted = None;
+    rig.run(1.5);
+    assert!(rig.base.is_complete());
+    let after = rig.last_wheels();
+    let rolled = after.left_ticks.wrapping_sub(before.left_ticks);
+    assert!(rolled > 0 && rolled < 20_000, "{rolled}");
+}
