@@ -1,11 +1,13 @@
 //! People: bodies that lasers meet and a social-force model that moves them.
 
 mod body;
+mod discs;
 mod kind;
 mod person;
 mod social_force;
 
 pub use body::{BodyPart, body_parts};
+pub use discs::{Disc, body_discs, ground_discs};
 pub use kind::PersonKind;
 pub use person::Person;
 pub use social_force::{Crowd, RobotDisc};

@@ -6,6 +6,6 @@ mod material;
 mod scene3;
 
 pub use builder::SceneBuilder;
-pub use file::SceneFile;
+pub use file::{FurnitureKind, SceneFile};
 pub use material::Material;
 pub use scene3::{Hit, Scene};

@@ -13,7 +13,7 @@ use super::bus::Bus;
 use super::truth::{PersonTruth, Truth, distance_to_area};
 use super::{Payload, Stream, WireEvent};
 use crate::can::{CanFrame, SafetyChannels};
-use crate::people::{Crowd, RobotDisc};
+use crate::people::{Crowd, Person, RobotDisc, body_discs, ground_discs};
 use crate::robot::{RobotBody, RobotParameters};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::scene::Scene;
@@ -254,7 +254,8 @@ impl Simulation {
     #[must_use]
     pub fn truth(&self) -> Truth {
         let robot = self.body.pose();
-        let people: Vec<PersonTruth> = self.crowd.people.iter().map(person_truth).collect();
+        let people: Vec<PersonTruth> =
+            self.crowd.people.iter().map(|person| self.person_truth(person)).collect();
         let gap = |person: &PersonTruth| {
             let in_robot = robot.inverse().transform(person.position);
             (distance_to_area(&self.parameters.footprint, in_robot) - person.radius_m).max(0.0)
@@ -291,10 +292,16 @@ impl Simulation {
     /// Points on standing things around the robot at the scanner's height, robot frame, one per 2°, within a range.
     #[must_use]
     pub fn obstacles_in_robot(&self, range_m: f32) -> Vec<Point2> {
+        self.obstacles_at_height(self.parameters.scanner.z_m, range_m)
+    }
+
+    /// The same at any height above the floor, metres.
+    #[must_use]
+    pub fn obstacles_at_height(&self, height_m: f32, range_m: f32) -> Vec<Point2> {
         let robot = self.body.pose();
         let mount = self.parameters.scanner;
         let origin = robot.transform(Point2::new(mount.x_m, mount.y_m));
-        let at = Vector::new(origin.x_m, origin.y_m, mount.z_m);
+        let at = Vector::new(origin.x_m, origin.y_m, height_m);
         let beam = |step: u16| {
             let bearing = (f32::from(step) * 2.0).to_radians();
             let (sin, cos) = libm::sincosf(bearing + robot.heading_rad);
@@ -304,16 +311,30 @@ impl Simulation {
         };
         (0..180).filter_map(beam).collect()
     }
-}
 
-fn person_truth(person: &crate::people::Person) -> PersonTruth {
-    PersonTruth {
-        id: person.id,
-        kind: person.kind,
-        position: person.position,
-        velocity: person.velocity,
-        feet: person.feet(),
-        radius_m: person.kind.radius_m(),
-        height_m: person.kind.height_m(),
+    fn person_truth(&self, person: &Person) -> PersonTruth {
+        PersonTruth {
+            id: person.id,
+            kind: person.kind,
+            position: person.position,
+            velocity: person.velocity,
+            feet: person.feet(),
+            radius_m: person.kind.radius_m(),
+            height_m: person.kind.height_m(),
+            ground_discs: ground_discs(person),
+            body_discs: body_discs(person),
+            in_sight: self.is_in_sight(person),
+        }
+    }
+
+    /// A beam from the lidar to the person's chest meets nothing that stands still.
+    fn is_in_sight(&self, person: &Person) -> bool {
+        let mount = self.parameters.lidar;
+        let eye = self.body.pose().transform(Point2::new(mount.x_m, mount.y_m));
+        let from = Vector::new(eye.x_m, eye.y_m, mount.z_m);
+        let chest = Vector::new(person.position.x_m, person.position.y_m, 0.7 * person.kind.height_m());
+        let way = chest - from;
+        let distance_m = way.length();
+        distance_m < 0.1 || self.scene.cast(from, way / distance_m, distance_m - 0.05).is_none()
     }
 }

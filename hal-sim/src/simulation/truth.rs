@@ -3,10 +3,10 @@
 use floorguard_core::geometry::{Point2, Pose2, Twist2};
 use floorguard_core::time::Stamp;
 
-use crate::people::PersonKind;
+use crate::people::{Disc, PersonKind};
 
 /// A person as it is.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PersonTruth {
     /// Number in the scenario, from 1.
     pub id: u32,
@@ -22,6 +22,12 @@ pub struct PersonTruth {
     pub radius_m: f32,
     /// Metres.
     pub height_m: f32,
+    /// What crosses the scan plane of the safety scanner, world frame.
+    pub ground_discs: Vec<Disc>,
+    /// Everything of the person at any height, world frame.
+    pub body_discs: Vec<Disc>,
+    /// Nothing that stands still hides the person from the lidar.
+    pub in_sight: bool,
 }
 
 /// The true state at a moment.

@@ -14,6 +14,7 @@ mod route;
 mod scanner;
 mod supervise;
 
+pub use advise::PERSON_PROBABILITY_MIN;
 pub use can::can_bus;
 pub use inputs::{advice_input, command_input, operator_input};
 pub use lidar::lidar_input;

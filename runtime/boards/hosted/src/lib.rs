@@ -13,3 +13,5 @@ pub mod mission;
 pub mod models;
 pub mod picture;
 pub mod recording;
+pub mod report;
+pub mod world;

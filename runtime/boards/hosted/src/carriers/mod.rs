@@ -1,10 +1,12 @@
 //! How bytes reach the tasks: sockets, serial lines and CAN of Linux, and in-process pipes on the virtual clock.
 
+mod can_pipe;
 mod pipe;
 mod reconnect;
 mod serial;
 mod socket;
 
+pub use can_pipe::CanPipe;
 pub use pipe::{DatagramPipe, PipeReader, PipeWriter, byte_pipe};
 pub use reconnect::ReconnectingLine;
 pub use serial::{PseudoTerminal, SerialLine};

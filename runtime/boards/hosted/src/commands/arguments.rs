@@ -8,7 +8,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 #[derive(Debug, Parser)]
 #[command(name = "floorguard", version, about)]
 pub struct Arguments {
-    /// What to do.
+    /// What to do; without a command: the demo.
     #[command(subcommand)]
     pub command: Option<Command>,
 }
@@ -16,6 +16,10 @@ pub struct Arguments {
 /// One thing to do.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Two simulated minutes of a supermarket: live status, verdict, and a report with a picture.
+    Demo(super::DemoArguments),
+    /// Drive the simulated robot through a scenario and judge it by ground truth.
+    Simulate(super::SimulateArguments),
     /// Feed a lidar capture through the same stages as on the robot.
     Replay(ReplayArguments),
     /// Print every return of a lidar capture.

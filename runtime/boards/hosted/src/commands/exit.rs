@@ -10,19 +10,8 @@ pub struct VerdictFailed(pub String);
 #[error("{0}")]
 pub struct BadInput(pub String);
 
-/// Nothing was asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("say what to do: replay, decode, mission or check; --help explains them (the demo is not built yet)")]
-pub struct UsageNeeded;
-
-/// The exit code of an error. What is neither a verdict nor marked as usage is bad input.
+/// The exit code of an error. What is no verdict is bad input; wrong usage ends in clap with 2.
 #[must_use]
 pub fn exit_code(error: &anyhow::Error) -> u8 {
-    if error.is::<VerdictFailed>() {
-        1
-    } else if error.is::<UsageNeeded>() {
-        2
-    } else {
-        3
-    }
+    if error.is::<VerdictFailed>() { 1 } else { 3 }
 }

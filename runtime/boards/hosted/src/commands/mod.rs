@@ -3,14 +3,18 @@
 mod arguments;
 mod check;
 mod decode;
+mod demo;
 mod exit;
 mod mission;
 mod replay;
+mod simulate;
 
 pub use arguments::{Arguments, Command, DecodeArguments, ModelArgument, ReplayArguments};
 pub use decode::decode_to;
-pub use exit::{BadInput, UsageNeeded, VerdictFailed, exit_code};
+pub use demo::DemoArguments;
+pub use exit::{BadInput, VerdictFailed, exit_code};
 pub use mission::MissionArguments;
+pub use simulate::SimulateArguments;
 
 /// Runs the command.
 ///
@@ -22,6 +26,8 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Decode(arguments)) => decode::run(&arguments),
         Some(Command::Mission(arguments)) => mission::run(&arguments),
         Some(Command::Check { file }) => check::run(&file),
-        None => Err(UsageNeeded.into()),
+        Some(Command::Simulate(arguments)) => simulate::run(&arguments),
+        Some(Command::Demo(arguments)) => demo::run(&arguments),
+        None => demo::run(&DemoArguments::default()),
     }
 }

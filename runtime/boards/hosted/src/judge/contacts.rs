@@ -66,7 +66,10 @@ impl ContactJudge {
         let mut touching = BTreeSet::new();
         for person in &truth.people {
             let in_robot = to_robot.transform(person.position);
-            if distance_m(&zone, in_robot) < person.radius_m {
+            let reaches_in = |(middle, radius_m): &(Point2, f32)| {
+                distance_m(&zone, to_robot.transform(*middle)) < *radius_m
+            };
+            if person.ground.iter().any(reaches_in) {
                 inside.insert(person.id);
             }
             if distance_m(&self.footprint, in_robot) < person.radius_m {
@@ -132,13 +135,13 @@ mod tests {
         let mut judge = judge();
         for step in 0..800_u64 {
             let seconds = step as f32 * 0.01;
-            let person = TruthPerson { id: 1, position: Point2::new(person_x_m, 0.0), radius_m: 0.2 };
+            let person = TruthPerson::disc(1, Point2::new(person_x_m, 0.0), 0.2);
             let truth = Truth {
                 stamp: Stamp::from_micros(step * 10_000),
                 robot: Pose2::new(speed_mps * seconds, 0.0, 0.0),
                 twist: Twist2 { linear_mps: speed_mps, angular_radps: 0.0 },
                 people: if seconds >= appears_s { vec![person] } else { Vec::new() },
-                obstacles_in_robot: Vec::new(),
+                ..Truth::default()
             };
             judge.observe(&truth, 0.01);
         }
@@ -165,8 +168,8 @@ mod tests {
             stamp: Stamp::ZERO,
             robot: Pose2::default(),
             twist: Twist2::ZERO,
-            people: vec![TruthPerson { id: 1, position: Point2::new(0.0, 0.61), radius_m: 0.2 }],
-            obstacles_in_robot: Vec::new(),
+            people: vec![TruthPerson::disc(1, Point2::new(0.0, 0.61), 0.2)],
+            ..Truth::default()
         };
         judge.observe(&truth, 0.01);
         assert_eq!(judge.contacts(), 0);

@@ -63,7 +63,7 @@ impl StopJudge {
         let zone_speed_mps = if speed_mps.abs() > commanded_mps.abs() { speed_mps } else { commanded_mps };
         let Some(pair) = self.zones.applying(zone_speed_mps) else { return };
         // The warning field counts too: time-to-collision stops come before the protective field.
-        if TrueZones::intrusion_m(&pair.warning, truth) > -NUISANCE_MARGIN_M {
+        if TrueZones::nearness_m(&pair.warning, truth) > -NUISANCE_MARGIN_M {
             self.last_near_s = seconds;
         }
         let moving = speed_mps.abs() > STANDING_MPS;
@@ -155,8 +155,8 @@ mod tests {
                 stamp: Stamp::from_micros(step * 10_000),
                 robot: Pose2::new(x_m, 0.0, 0.0),
                 twist: Twist2 { linear_mps: speed_mps, angular_radps: 0.0 },
-                people: Vec::new(),
                 obstacles_in_robot: vec![Point2::new(5.0 - x_m, 0.0)],
+                ..Truth::default()
             };
             judge.observe(&truth, commanded_mps);
         }

@@ -33,15 +33,31 @@ impl TrueZones {
             .or_else(|| of_direction().max_by(|a, b| a.speed_max_mps.total_cmp(&b.speed_max_mps)))
     }
 
-    /// How deep something reaches into an outline, metres; negative: the gap to the nearest thing.
+    /// How deep something that the safety scanner can see reaches into an outline, metres; negative: the gap to the
+    /// nearest thing.
     #[must_use]
     pub fn intrusion_m(outline: &[Point2], truth: &Truth) -> f32 {
-        let to_robot = truth.robot.inverse();
-        let people = truth
-            .people
-            .iter()
-            .map(|person| person.radius_m - distance_m(outline, to_robot.transform(person.position)));
-        let obstacles = truth.obstacles_in_robot.iter().map(|point| -distance_m(outline, *point));
-        people.chain(obstacles).fold(f32::MIN, f32::max)
+        let people = truth.people.iter().flat_map(|person| &person.ground);
+        depth_m(outline, truth, people, &truth.obstacles_in_robot)
     }
+
+    /// The same for anything at any height of the robot.
+    #[must_use]
+    pub fn nearness_m(outline: &[Point2], truth: &Truth) -> f32 {
+        let people = truth.people.iter().flat_map(|person| &person.body);
+        let raised_m = depth_m(outline, truth, people, &truth.raised_in_robot);
+        raised_m.max(Self::intrusion_m(outline, truth))
+    }
+}
+
+fn depth_m<'a>(
+    outline: &[Point2],
+    truth: &Truth,
+    discs: impl Iterator<Item = &'a (Point2, f32)>,
+    points: &[Point2],
+) -> f32 {
+    let to_robot = truth.robot.inverse();
+    let discs = discs.map(|(middle, radius_m)| radius_m - distance_m(outline, to_robot.transform(*middle)));
+    let points = points.iter().map(|point| -distance_m(outline, *point));
+    discs.chain(points).fold(f32::MIN, f32::max)
 }

@@ -1,0 +1,50 @@
+//! `floorguard demo`: two simulated minutes of a supermarket, a verdict, and a report with a picture.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+
+use super::exit::BadInput;
+use super::simulate::{conclude, pace, play};
+use crate::report::write_report;
+use crate::world::Plan;
+
+/// How to show the demo.
+#[derive(Clone, Debug, Args)]
+pub struct DemoArguments {
+    /// Seed of all randomness.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Simulated seconds.
+    #[arg(long, default_value_t = 120.0)]
+    pub duration: f64,
+    /// Where to write the report.
+    #[arg(long, default_value = "floorguard-report")]
+    pub report: PathBuf,
+}
+
+impl Default for DemoArguments {
+    fn default() -> Self {
+        Self { seed: 1, duration: 120.0, report: PathBuf::from("floorguard-report") }
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad input, or a verdict that is not good enough.
+pub fn run(arguments: &DemoArguments) -> anyhow::Result<()> {
+    if !(arguments.duration > 0.0 && arguments.duration <= 86_400.0) {
+        return Err(BadInput(format!("--duration {}: give 1 to 86400 seconds", arguments.duration)).into());
+    }
+    let started = Instant::now();
+    let plan = Plan::named("supermarket", arguments.seed, (arguments.duration * 1.0e6) as u64)?;
+    anstream::eprintln!("floorguard demo: {} (seed {})", plan.scenario.title, plan.seed);
+    let observation = play(&plan, false)?;
+    let page = write_report(&arguments.report, &plan, &observation)?;
+    anstream::eprintln!("{}", pace(&plan, started));
+    let outcome = conclude(&plan, &observation, false);
+    anstream::eprintln!("report: {}", page.display());
+    outcome
+}

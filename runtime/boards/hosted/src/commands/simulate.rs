@@ -1,0 +1,158 @@
+//! `floorguard simulate`: a scenario, judged by ground truth.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+use floorguard_core::guard::Health;
+use floorguard_runtime::shared::RobotStatus;
+use floorguard_sim::FaultSpec;
+use floorguard_sim::scenario::Scenario;
+
+use super::exit::{BadInput, VerdictFailed};
+use crate::display::{LiveDisplay, SourceStatus, Status};
+use crate::report::write_report;
+use crate::world::{Observation, Observer, Plan, SeenStop, run_virtual};
+
+/// What to simulate.
+#[derive(Clone, Debug, Args)]
+pub struct SimulateArguments {
+    /// Name of the scenario, path of a scenario file, or `list`.
+    #[arg(long)]
+    pub scenario: String,
+    /// Seed of all randomness.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Simulated seconds.
+    #[arg(long, default_value_t = 120.0)]
+    pub duration: f64,
+    /// A fault, for example `lidar:drop=5%,from=10s,to=20s`; may be repeated.
+    #[arg(long)]
+    pub fault: Vec<String>,
+    /// Press the emergency stop from one second to another, for example `20..25`; may be repeated.
+    #[arg(long)]
+    pub emergency_stop: Vec<String>,
+    /// One verdict object on standard output, no live status.
+    #[arg(long)]
+    pub json: bool,
+    /// Write the report with the picture to this folder.
+    #[arg(long)]
+    pub report: Option<PathBuf>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad input, or a verdict that is not good enough.
+pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
+    if arguments.scenario == "list" {
+        for name in Scenario::names() {
+            anstream::println!("{name:14} {}", Scenario::named(name)?.title);
+        }
+        return Ok(());
+    }
+    let plan = plan(arguments)?;
+    let observation = play(&plan, arguments.json)?;
+    if let Some(folder) = &arguments.report {
+        write_report(folder, &plan, &observation)?;
+    }
+    conclude(&plan, &observation, arguments.json)
+}
+
+fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
+    if !(arguments.duration > 0.0 && arguments.duration <= 86_400.0) {
+        let what =
+            format!("--duration {}: give seconds, more than 0 and up to 86400 (a day)", arguments.duration);
+        return Err(BadInput(what).into());
+    }
+    let duration_us = (arguments.duration * 1.0e6) as u64;
+    let mut plan = if Path::new(&arguments.scenario).extension().is_some() {
+        let text = std::fs::read_to_string(&arguments.scenario)
+            .map_err(|error| BadInput(format!("{}: cannot be read ({error})", arguments.scenario)))?;
+        let scenario = Scenario::from_toml(&text).map_err(|error| BadInput(error.to_string()))?;
+        Plan::of(&arguments.scenario, scenario, arguments.seed, duration_us)?
+    } else {
+        Plan::named(&arguments.scenario, arguments.seed, duration_us)
+            .map_err(|error| BadInput(error.to_string()))?
+    };
+    for text in &arguments.fault {
+        plan.faults.push(FaultSpec::parse(text).map_err(|error| BadInput(format!("--fault {error}")))?);
+    }
+    for text in &arguments.emergency_stop {
+        plan.emergency_stop_us.push(parse_span(text)?);
+    }
+    Ok(plan)
+}
+
+/// `20..25`, seconds.
+fn parse_span(text: &str) -> anyhow::Result<(u64, u64)> {
+    let micros = |part: &str| part.parse::<f64>().ok().filter(|s| *s >= 0.0).map(|s| (s * 1.0e6) as u64);
+    let span = text.split_once("..").and_then(|(from, to)| Some((micros(from)?, micros(to)?)));
+    span.filter(|(from, to)| from < to).ok_or_else(|| {
+        BadInput(format!("--emergency-stop {text}: write the seconds as FROM..TO, for example 20..25")).into()
+    })
+}
+
+/// Plays a plan with a live display.
+pub(super) fn play(plan: &Plan, quiet: bool) -> anyhow::Result<Observation> {
+    let mut display = LiveDisplay::new(plan.duration_us as f64 * 1.0e-6, quiet);
+    let mut show = |seconds: f64, status: &RobotStatus, people: usize, stops: &[SeenStop]| {
+        if display.is_due(seconds) {
+            display.show(&live(seconds, status, (people, stops)));
+        }
+    };
+    let mut observer = Observer::new(plan, &mut show);
+    run_virtual(plan, &mut observer)?;
+    let observation = observer.into_observation();
+    display.finish();
+    Ok(observation)
+}
+
+fn live(elapsed_s: f64, status: &RobotStatus, (people, stops): (usize, &[SeenStop])) -> Status {
+    let sources = status.sources.iter().filter(|report| report.fitted).map(|report| SourceStatus {
+        name: report.source.name().to_owned(),
+        health: report.health.to_string(),
+        good: report.health == Health::Healthy,
+    });
+    Status {
+        elapsed_s,
+        speed_mps: status.pose.twist.linear_mps,
+        limit_mps: status.decision.speed_limit_mps,
+        people,
+        stops: stops.len() as u32,
+        last_stop: stops.last().map(|stop| format!("{:.1} s: {}", stop.at_s, stop.cause)),
+        sources: sources.collect(),
+    }
+}
+
+/// Prints the verdict; an error when it is not good enough.
+pub(super) fn conclude(plan: &Plan, observation: &Observation, json: bool) -> anyhow::Result<()> {
+    let verdict = &observation.verdict;
+    if json {
+        anstream::println!("{}", serde_json::to_string(verdict)?);
+    } else {
+        anstream::eprint!("{}", crate::report::summary(plan, observation));
+    }
+    if verdict.passed {
+        return Ok(());
+    }
+    let what = format!(
+        "{} avoidable contacts, {} missed stops; repeat it with: floorguard simulate --scenario {} --seed {} --duration {}",
+        verdict.avoidable_contacts,
+        verdict.missed_stops,
+        plan.name,
+        plan.seed,
+        plan.duration_us as f64 * 1.0e-6,
+    );
+    Err(VerdictFailed(what).into())
+}
+
+/// How long a run took, for people.
+pub(super) fn pace(plan: &Plan, started: Instant) -> String {
+    let took_s = started.elapsed().as_secs_f64();
+    let robot_s = plan.duration_us as f64 * 1.0e-6;
+    format!(
+        "{robot_s:.0} s of robot time in {took_s:.1} s ({:.0} times real time)",
+        robot_s / took_s.max(1.0e-3)
+    )
+}

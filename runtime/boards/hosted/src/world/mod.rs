@@ -1,0 +1,13 @@
+//! The robot's tasks in a world: simulated on a virtual clock, simulated over real carriers, or real devices.
+
+mod observer;
+mod operator;
+mod plan;
+mod spawn;
+mod truth;
+mod virtual_world;
+
+pub use observer::{Observation, Observer, SeenStop};
+pub use plan::{Plan, PlanError};
+pub use spawn::{GuardCarriers, new_perception, new_shared, spawn_guard_ring, spawn_perception_ring};
+pub use virtual_world::run_virtual;

@@ -1,0 +1,239 @@
+//! Watches a simulated run: feeds the judge, measures tracking, keeps what the report shows.
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_core::guard::{Cause, CauseRecord};
+use floorguard_core::people::TrackStatus;
+use floorguard_core::time::Stamp;
+use floorguard_drivers::can::CanFrame;
+use floorguard_runtime::shared::{PeopleReport, RobotStatus, Shared, StopRecord};
+use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;
+use floorguard_sim::simulation::{Simulation, Truth as SimTruth};
+
+use super::plan::Plan;
+use super::truth::judged;
+use crate::judge::{Judge, StopReason, Verdict};
+use crate::metrics::MotAccumulator;
+
+/// People farther away are not asked for, metres.
+const TRACKED_RANGE_M: f32 = 12.0;
+/// A track this near to a person whom something hides is not wrong, metres.
+const HIDDEN_M: f32 = 1.0;
+/// A way is drawn with one place per quarter of a second.
+const WAY_US: u64 = 250_000;
+/// Front wheel's target: object 60FFh in mm/s behind the controlword.
+const ENABLE_OPERATION: u8 = 0x0F;
+
+/// A stop, for the report.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeenStop {
+    /// Seconds since the start.
+    pub at_s: f64,
+    /// Where the robot really was.
+    pub position: Point2,
+    /// In words.
+    pub cause: String,
+    /// In a few words, without numbers.
+    pub kind: String,
+    /// Speed at that moment, m/s.
+    pub speed_mps: f32,
+}
+
+/// What was seen of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Observation {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Where the robot was.
+    pub robot_way: Vec<Pose2>,
+    /// Where each person was, by the person's number.
+    pub people_ways: std::collections::BTreeMap<u32, Vec<Point2>>,
+    /// Every stop.
+    pub stops: Vec<SeenStop>,
+    /// Times that the operator pressed reset.
+    pub resets: u32,
+    /// Seconds from the start until the robot could move.
+    pub ready_s: Option<f64>,
+    /// Speed and limit, one pair per second: time, speed, limit.
+    pub speeds: Vec<(f64, f32, f32)>,
+}
+
+/// Called now and then with the state of the robot.
+pub type Show<'a> = &'a mut dyn FnMut(f64, &RobotStatus, usize, &[SeenStop]);
+
+/// The watcher.
+pub struct Observer<'a> {
+    judge: Judge,
+    mot: MotAccumulator,
+    seen: Observation,
+    traction_id: u16,
+    odometry_in_world: Pose2,
+    scenario: (String, u64),
+    commanded_mps: f32,
+    last_sweep: Option<Stamp>,
+    next_way_us: u64,
+    next_speed_us: u64,
+    people_now: usize,
+    faulty: std::collections::BTreeSet<String>,
+    show: Show<'a>,
+}
+
+impl<'a> Observer<'a> {
+    /// For a plan; `show` is called every 100 ms of robot time.
+    pub fn new(plan: &Plan, show: Show<'a>) -> Self {
+        Self {
+            judge: Judge::new(&plan.robot),
+            mot: MotAccumulator::new(),
+            seen: Observation::default(),
+            traction_id: 0x200 | u16::from(plan.robot.can.drive_node),
+            odometry_in_world: plan.odometry_in_world(),
+            scenario: (plan.name.clone(), plan.seed),
+            commanded_mps: 0.0,
+            last_sweep: None,
+            next_way_us: 0,
+            next_speed_us: 0,
+            people_now: 0,
+            faulty: std::collections::BTreeSet::new(),
+            show,
+        }
+    }
+
+    /// A frame of the robot on the bus.
+    pub fn on_frame(&mut self, frame: &CanFrame, now_us: u64) {
+        let Some(id) = frame.standard_id() else { return };
+        self.judge.output(&now_us.to_le_bytes());
+        self.judge.output(&id.to_le_bytes());
+        self.judge.output(frame.payload());
+        if id == self.traction_id
+            && let &[control, _, a, b, c, d] = frame.payload()
+        {
+            let target_mps = i32::from_le_bytes([a, b, c, d]) as f32 * 1.0e-3;
+            self.commanded_mps = if control == ENABLE_OPERATION { target_mps } else { 0.0 };
+        }
+    }
+
+    /// A moment of 10 ms.
+    pub fn observe<M: RawMutex>(&mut self, simulation: &Simulation, shared: &Shared<M>) {
+        let truth = simulation.truth();
+        let now_us = truth.stamp.as_micros();
+        // The rim of the front wheel is faster than the middle of the rear axle.
+        let commanded_mps = self.commanded_mps * libm::cosf(truth.steering_rad);
+        self.judge.observe(&judged(simulation), commanded_mps);
+        while let Some(stop) = shared.stops.try_pop() {
+            self.on_stop(&stop, &truth);
+        }
+        if let Some(people) = shared.people.get().filter(|people| self.last_sweep != Some(people.sweep.stamp))
+        {
+            self.last_sweep = Some(people.sweep.stamp);
+            let believed = shared.pose.get().unwrap_or_default().pose_in_odometry;
+            self.on_people(&people, &truth, believed);
+        }
+        self.note_ways(now_us, &truth);
+        if let Some(status) = shared.status.get() {
+            self.on_status(now_us, &status);
+        }
+    }
+
+    fn on_status(&mut self, now_us: u64, status: &RobotStatus) {
+        let seconds = now_us as f64 * 1.0e-6;
+        let moves = status.decision.speed_limit_mps > 0.0 && !status.decision.action.stops();
+        if moves {
+            self.seen.ready_s.get_or_insert(seconds);
+        }
+        if now_us >= self.next_speed_us {
+            self.next_speed_us += 1_000_000;
+            let limit_mps = status.decision.speed_limit_mps;
+            self.seen.speeds.push((seconds, status.pose.twist.linear_mps, limit_mps));
+        }
+        (self.show)(seconds, status, self.people_now, &self.seen.stops);
+    }
+
+    fn on_stop(&mut self, stop: &StopRecord, truth: &SimTruth) {
+        let reason = match stop.cause.cause {
+            Cause::ScanProtective | Cause::LidarProtective | Cause::CollisionStop => {
+                StopReason::SomethingInTheWay
+            }
+            _ => StopReason::Other,
+        };
+        self.judge.stop(stop.stamp, reason);
+        if let Cause::SourceLost(source) | Cause::SourceLate(source) = stop.cause.cause {
+            self.faulty.insert(source.name().to_owned());
+        }
+        self.seen.stops.push(SeenStop {
+            at_s: stop.stamp.as_micros() as f64 * 1.0e-6,
+            position: Point2::new(truth.robot.x_m, truth.robot.y_m),
+            cause: stop.cause.to_string(),
+            kind: kind_of(&stop.cause),
+            speed_mps: stop.speed_mps,
+        });
+    }
+
+    fn on_people(&mut self, report: &PeopleReport, truth: &SimTruth, believed: Pose2) {
+        let to_world = truth.robot.compose(believed.inverse());
+        let robot = Point2::new(truth.robot.x_m, truth.robot.y_m);
+        let near = |place: Point2| place.distance(robot) < TRACKED_RANGE_M;
+        let mut tracks = Vec::new();
+        for person in &report.people {
+            self.judge.output(&person.id.to_le_bytes());
+            self.judge.output(&person.position.x_m.to_bits().to_le_bytes());
+            self.judge.output(&person.position.y_m.to_bits().to_le_bytes());
+            let counts = person.status == TrackStatus::Confirmed
+                && person.person_probability >= PERSON_PROBABILITY_MIN;
+            let place = to_world.transform(person.position);
+            let hidden = truth.people.iter().filter(|person| !person.in_sight || !near(person.position));
+            let excused = hidden.clone().any(|person| person.position.distance(place) < HIDDEN_M);
+            if counts && near(place) && !excused {
+                tracks.push((u64::from(person.id), place));
+            }
+        }
+        self.people_now = tracks.len();
+        let seen = truth.people.iter().filter(|person| person.in_sight && near(person.position));
+        let people: Vec<(u64, Point2)> = seen.map(|person| (u64::from(person.id), person.position)).collect();
+        self.mot.frame(&people, &tracks);
+    }
+
+    fn note_ways(&mut self, now_us: u64, truth: &SimTruth) {
+        if now_us < self.next_way_us {
+            return;
+        }
+        self.next_way_us += WAY_US;
+        self.seen.robot_way.push(truth.robot);
+        for person in &truth.people {
+            self.seen.people_ways.entry(person.id).or_default().push(person.position);
+        }
+    }
+
+    /// The run has ended.
+    pub fn finish(&mut self, resets: u32) {
+        let summary = self.mot.summary();
+        let (scenario, seed) = self.scenario.clone();
+        self.seen.resets = resets;
+        self.seen.verdict = Verdict {
+            scenario,
+            seed,
+            mota: summary.mota,
+            idf1: summary.idf1,
+            id_switches: summary.switches as u32,
+            localisation_error_m: summary.motp,
+            faulty_sources: self.faulty.iter().cloned().collect(),
+            ..self.judge.verdict()
+        };
+    }
+
+    /// Everything seen.
+    #[must_use]
+    pub fn into_observation(self) -> Observation {
+        self.seen
+    }
+
+    /// Where the odometry frame lies in the world.
+    #[must_use]
+    pub const fn odometry_in_world(&self) -> Pose2 {
+        self.odometry_in_world
+    }
+}
+
+/// The cause without its numbers.
+fn kind_of(record: &CauseRecord) -> String {
+    record.cause.to_string()
+}

@@ -1,0 +1,73 @@
+//! The person with the key: presses the emergency stop when the plan says so, and resets when the robot waits for it.
+
+use floorguard_core::guard::GuardState;
+
+/// How long a human looks around before pressing reset, microseconds.
+const LOOKS_AROUND_US: u64 = 3_000_000;
+
+/// What the operator does now.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Deed {
+    /// The emergency stop is pressed.
+    pub pressed: bool,
+    /// Reset is pressed once.
+    pub reset: bool,
+}
+
+/// A scripted operator.
+#[derive(Clone, Debug)]
+pub struct Operator {
+    presses_us: Vec<(u64, u64)>,
+    latched_since_us: Option<u64>,
+    resets: u32,
+}
+
+impl Operator {
+    /// Who presses the emergency stop within these times.
+    pub const fn new(presses_us: Vec<(u64, u64)>) -> Self {
+        Self { presses_us, latched_since_us: None, resets: 0 }
+    }
+
+    /// Looks at the robot.
+    pub fn act(&mut self, now_us: u64, state: GuardState) -> Deed {
+        let pressed = self.presses_us.iter().any(|(from, to)| (*from..*to).contains(&now_us));
+        if pressed || state != GuardState::Latched {
+            self.latched_since_us = None;
+            return Deed { pressed, reset: false };
+        }
+        let since_us = *self.latched_since_us.get_or_insert(now_us);
+        let reset = now_us - since_us >= LOOKS_AROUND_US;
+        if reset {
+            self.latched_since_us = None;
+            self.resets += 1;
+        }
+        Deed { pressed, reset }
+    }
+
+    /// Times that reset was pressed.
+    pub const fn resets(&self) -> u32 {
+        self.resets
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn resets_only_what_is_latched_and_released() {
+        let mut operator = Operator::new(vec![(1_000_000, 5_000_000)]);
+        let mut resets = Vec::new();
+        for step in 0..100_u64 {
+            let now_us = step * 100_000;
+            let state = if now_us >= 1_000_000 { GuardState::Latched } else { GuardState::Run };
+            let deed = operator.act(now_us, state);
+            assert_eq!(deed.pressed, (1_000_000..5_000_000).contains(&now_us));
+            if deed.reset {
+                resets.push(now_us);
+            }
+        }
+        assert_eq!(resets, [8_000_000]);
+        assert_eq!(operator.resets(), 1);
+    }
+}

@@ -1,0 +1,90 @@
+//! What to simulate: scenario, seed, duration, faults, and the robot that is told to drive the scenario's route.
+
+use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::mission::{Route, RouteLimits};
+use floorguard_sim::FaultSpec;
+use floorguard_sim::scenario::{Scenario, ScenarioError};
+
+use crate::configuration::{EXAMPLE, parse};
+
+/// A run of the simulator.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Name of the scenario, for reports.
+    pub name: String,
+    /// The scenario.
+    pub scenario: Scenario,
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// Simulated time, microseconds.
+    pub duration_us: u64,
+    /// What goes wrong.
+    pub faults: Vec<FaultSpec>,
+    /// The robot.
+    pub robot: RobotConfiguration,
+    /// When the emergency stop is pressed and released, microseconds.
+    pub emergency_stop_us: Vec<(u64, u64)>,
+}
+
+/// Why a plan cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum PlanError {
+    /// The scenario.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The robot.
+    #[error(transparent)]
+    Robot(#[from] crate::configuration::Refused),
+    /// The scenario's route is longer than the robot's memory.
+    #[error("the route of the scenario has {0} waypoints, the robot remembers {max}", max = floorguard_runtime::mission::ROUTE_WAYPOINTS_MAX)]
+    Route(usize),
+}
+
+impl Plan {
+    /// A built-in scenario with the example robot.
+    ///
+    /// # Errors
+    /// No scenario of that name.
+    pub fn named(name: &str, seed: u64, duration_us: u64) -> Result<Self, PlanError> {
+        Self::of(name, Scenario::named(name)?, seed, duration_us)
+    }
+
+    /// A scenario with the example robot, which is told to drive the scenario's route.
+    ///
+    /// # Errors
+    /// The route is too long.
+    pub fn of(name: &str, scenario: Scenario, seed: u64, duration_us: u64) -> Result<Self, PlanError> {
+        let mut robot = parse("robot.toml", EXAMPLE)?.robot;
+        let to_odometry = scenario.start_pose().inverse();
+        let waypoints = &scenario.route.waypoints_m;
+        let mut route = Route { repeat: scenario.route.repeat, ..Route::default() };
+        for [x_m, y_m] in waypoints {
+            let place = to_odometry.transform(Point2::new(*x_m, *y_m));
+            route.waypoints.push(place).map_err(|_| PlanError::Route(waypoints.len()))?;
+        }
+        let defaults = RouteLimits::default();
+        robot.route_limits = RouteLimits {
+            speed_mps: scenario.route.speed_mps.clamp(0.05, robot.limits.speed_mps),
+            turn_radps: defaults.turn_radps.min(robot.limits.turn_radps),
+            ..defaults
+        };
+        robot.route = route;
+        robot.imu = None;
+        Ok(Self {
+            name: name.to_owned(),
+            scenario,
+            seed,
+            duration_us,
+            faults: Vec::new(),
+            robot,
+            emergency_stop_us: Vec::new(),
+        })
+    }
+
+    /// Where the odometry frame lies in the world.
+    #[must_use]
+    pub fn odometry_in_world(&self) -> Pose2 {
+        self.scenario.start_pose()
+    }
+}

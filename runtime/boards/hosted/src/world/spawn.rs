@@ -1,0 +1,88 @@
+//! One line per task: which ring it runs on and what it talks to.
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use embedded_io_async::Read;
+use floorguard_core::guard::GuardConfigError;
+use floorguard_core::odometry::PoseHistory;
+use floorguard_core::people::{PeoplePipeline, RingAngles};
+use floorguard_core::sensing::Sweep;
+use floorguard_core::time::Stamp;
+use floorguard_drivers::s300::{Configuration, Receiver};
+use floorguard_drivers::three_wheel_base::ThreeWheelBase;
+use floorguard_drivers::velodyne::{Decoder, ModelChoice};
+use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
+use floorguard_runtime::io::{CanBus, DatagramReceiver};
+use floorguard_runtime::mission::RouteFollower;
+use floorguard_runtime::shared::{Motion, Shared};
+use floorguard_runtime::tasks::{
+    PerceptionState, advice_input, can_bus, command_input, drive_route, lidar_input, operator_input,
+    perceive, scanner_input, supervise,
+};
+
+use crate::executor::TaskSet;
+
+/// The lines that the guard ring listens to.
+pub struct GuardCarriers<L, S, C> {
+    /// Lidar datagrams.
+    pub lidar: L,
+    /// Safety scanner.
+    pub scanner: S,
+    /// CAN bus.
+    pub can: C,
+}
+
+/// The state that both rings share.
+///
+/// # Errors
+/// The guard refuses the configuration.
+pub fn new_shared<M: RawMutex>(
+    robot: &RobotConfiguration,
+    now: Stamp,
+) -> Result<Box<Shared<M>>, GuardConfigError> {
+    Ok(Box::new(Shared::new(robot.guard(), Motion::new(robot.wheels()), now)?))
+}
+
+/// The memory of the perception ring.
+#[must_use]
+pub fn new_perception(robot: &RobotConfiguration) -> Box<PerceptionState> {
+    let angles = match robot.lidar.model {
+        LidarModel::PuckHiRes => RingAngles::even(-10.0, 4.0 / 3.0),
+        _ => RingAngles::vlp16(),
+    };
+    Box::new(PerceptionState {
+        building: Sweep::EMPTY,
+        people: PeoplePipeline::new(angles),
+        history: PoseHistory::new(),
+        sensor_in_base: robot.lidar.mounting.transform(),
+    })
+}
+
+/// Everything that can stop the robot.
+pub fn spawn_guard_ring<'a, M: RawMutex>(
+    tasks: &mut TaskSet<'a>,
+    shared: &'a Shared<M>,
+    robot: &RobotConfiguration,
+    carriers: GuardCarriers<impl DatagramReceiver + 'a, impl Read + 'a, impl CanBus + 'a>,
+) {
+    let choice = robot.lidar_model().map_or(ModelChoice::Auto, ModelChoice::Fixed);
+    tasks.spawn(lidar_input(shared, carriers.lidar, Decoder::new(choice)));
+    tasks.spawn(scanner_input(shared, carriers.scanner, Receiver::new(Configuration::default())));
+    let base = (ThreeWheelBase::new(robot.base()), robot.tricycle());
+    tasks.spawn(can_bus(shared, carriers.can, base));
+    tasks.spawn(supervise(shared));
+    tasks.spawn(command_input(shared));
+    tasks.spawn(advice_input(shared));
+    tasks.spawn(operator_input(shared));
+}
+
+/// Everything that sees and plans.
+pub fn spawn_perception_ring<'a, M: RawMutex>(
+    tasks: &mut TaskSet<'a>,
+    shared: &'a Shared<M>,
+    robot: &RobotConfiguration,
+    state: &'a mut PerceptionState,
+) {
+    tasks.spawn(perceive(shared, state));
+    let follower = RouteFollower::new(robot.route.clone(), robot.route_limits);
+    tasks.spawn(drive_route(shared, follower));
+}

@@ -1,0 +1,103 @@
+//! Simulator and robot in one thread on a virtual clock: a day of robot time in minutes, every run repeatable.
+
+use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+use floorguard_core::time::Stamp;
+use floorguard_drivers::can::CanFrame;
+use floorguard_runtime::shared::Shared;
+use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
+use floorguard_sim::{CanFrame as SimCanFrame, FaultLayer};
+
+use super::observer::Observer;
+use super::operator::Operator;
+use super::plan::Plan;
+use super::spawn::{GuardCarriers, new_perception, new_shared, spawn_guard_ring, spawn_perception_ring};
+use crate::carriers::{CanPipe, DatagramPipe, PipeReader, PipeWriter, byte_pipe};
+use crate::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
+
+/// How often truth is compared with what the robot does, microseconds.
+const JUDGE_US: u64 = 10_000;
+
+/// The lines between simulator and robot.
+struct Lines {
+    lidar: DatagramPipe,
+    scanner: PipeWriter,
+    can: CanPipe,
+}
+
+impl Lines {
+    fn new() -> (Self, PipeReader) {
+        let (scanner, reader) = byte_pipe();
+        (Self { lidar: DatagramPipe::default(), scanner, can: CanPipe::default() }, reader)
+    }
+
+    fn deliver(&self, event: WireEvent) {
+        match (event.stream, event.payload) {
+            (Stream::LidarData, Payload::Bytes(bytes)) => {
+                self.lidar.push(Stamp::from_micros(event.at_us), bytes);
+            }
+            (Stream::ScannerSerial, Payload::Bytes(bytes)) => self.scanner.push(&bytes),
+            (Stream::Can, Payload::Frame(frame)) => {
+                self.can.push(CanFrame::standard(frame.id as u16, frame.payload()));
+            }
+            // Position packets only discipline the lidar's clock, which the arrival times already do.
+            _ => {}
+        }
+    }
+}
+
+/// Plays a plan to its end. The observer sees every moment of 10 ms.
+///
+/// # Errors
+/// The robot cannot be configured, or one of its tasks spins.
+pub fn run_virtual(plan: &Plan, observer: &mut Observer<'_>) -> anyhow::Result<()> {
+    let mut simulation = Simulation::new(&plan.scenario, plan.seed)?;
+    use_virtual_clock(0);
+    let outcome = play(plan, &mut simulation, observer);
+    use_real_clock();
+    outcome
+}
+
+fn play(plan: &Plan, simulation: &mut Simulation, observer: &mut Observer<'_>) -> anyhow::Result<()> {
+    let shared: Box<Shared<NoopRawMutex>> = new_shared(&plan.robot, Stamp::ZERO)
+        .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
+    let mut perception = new_perception(&plan.robot);
+    let (lines, scanner) = Lines::new();
+    let mut faults = FaultLayer::new(&plan.faults, plan.seed);
+    let mut operator = Operator::new(plan.emergency_stop_us.clone());
+    let mut tasks = TaskSet::new();
+    let carriers = GuardCarriers { lidar: lines.lidar.clone(), scanner, can: lines.can.clone() };
+    spawn_guard_ring(&mut tasks, &shared, &plan.robot, carriers);
+    spawn_perception_ring(&mut tasks, &shared, &plan.robot, &mut perception);
+    let mut judge_us = 0;
+    loop {
+        let now_us = simulation
+            .next_event_us()
+            .min(faults.next_event_us())
+            .min(next_timer_us().unwrap_or(u64::MAX))
+            .min(judge_us);
+        if now_us > plan.duration_us {
+            break;
+        }
+        simulation.advance_to(now_us, &mut |event| faults.pass(event, &mut |event| lines.deliver(event)));
+        faults.release(now_us, &mut |event| lines.deliver(event));
+        advance_virtual(now_us);
+        tasks.poll_until_quiet()?;
+        for frame in lines.can.drain() {
+            observer.on_frame(&frame, now_us);
+            let id = u32::from(frame.standard_id().unwrap_or_default());
+            simulation.receive_can(SimCanFrame::new(id, frame.payload()), now_us);
+        }
+        if now_us >= judge_us {
+            judge_us += JUDGE_US;
+            let state = shared.decision.get().map(|decision| decision.state).unwrap_or_default();
+            let deed = operator.act(now_us, state);
+            simulation.press_emergency_stop(deed.pressed);
+            if deed.reset {
+                shared.reset.signal(());
+            }
+            observer.observe(simulation, &shared);
+        }
+    }
+    observer.finish(operator.resets());
+    Ok(())
+}
