@@ -87,10 +87,10 @@ fn speed_plot(observation: &Observation) -> String {
             at = y(mps)
         );
     }
-    let _ = write!(
+    let _ = writeln!(
         svg,
         "<text x=\"40\" y=\"{HEIGHT}\">0 s</text><text x=\"{:.0}\" y=\"{HEIGHT}\" text-anchor=\"end\">{last_s:.0} s</text>\
-         <text x=\"48\" y=\"14\">m/s: line = speed, area = limit</text></svg>\n",
+         <text x=\"48\" y=\"14\">m/s: line = speed, area = limit</text></svg>",
         WIDTH - 10.0
     );
     svg
