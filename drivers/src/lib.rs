@@ -28,3 +28,4 @@ pub mod flexisoft;
 pub mod s300;
 pub mod three_wheel_base;
 pub mod velodyne;
+pub mod xsens;

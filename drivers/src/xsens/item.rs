@@ -1,0 +1,143 @@
+//! Data items of MTData2 (wire-formats 5.3): identifier, length, numbers in one of four formats.
+
+/// How numbers are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NumberFormat {
+    /// Four bytes, IEEE 754.
+    Float32,
+    /// Four bytes, signed, 20 bits behind the point.
+    Fixed1220,
+    /// Six bytes: 32 bits behind the point first, then 16 bits before it, signed.
+    Fixed1632,
+    /// Eight bytes, IEEE 754.
+    Float64,
+}
+
+impl NumberFormat {
+    const fn bytes(self) -> usize {
+        match self {
+            Self::Float32 | Self::Fixed1220 => 4,
+            Self::Fixed1632 => 6,
+            Self::Float64 => 8,
+        }
+    }
+
+    fn number(self, bytes: &[u8]) -> Option<f64> {
+        match (self, bytes) {
+            (Self::Float32, &[a, b, c, d]) => Some(f64::from(f32::from_be_bytes([a, b, c, d]))),
+            (Self::Fixed1220, &[a, b, c, d]) => {
+                Some(f64::from(i32::from_be_bytes([a, b, c, d])) / 1_048_576.0)
+            }
+            (Self::Fixed1632, &[a, b, c, d, e, f]) => {
+                let fraction = f64::from(u32::from_be_bytes([a, b, c, d])) / 4_294_967_296.0;
+                Some(f64::from(i16::from_be_bytes([e, f])) + fraction)
+            }
+            (Self::Float64, &[a, b, c, d, e, f, g, h]) => Some(f64::from_be_bytes([a, b, c, d, e, f, g, h])),
+            _ => None,
+        }
+    }
+}
+
+/// One item.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Item<'a> {
+    /// Group and type, without coordinate system and format.
+    pub kind: u16,
+    /// Coordinate system: 0 east-north-up, 1 north-east-down, 2 north-west-up.
+    pub coordinates: u8,
+    /// Number format.
+    pub format: NumberFormat,
+    /// The bytes.
+    pub data: &'a [u8],
+}
+
+impl Item<'_> {
+    /// Exactly `N` numbers; `None` when the length is another.
+    #[must_use]
+    pub fn numbers<const N: usize>(&self) -> Option<[f64; N]> {
+        let size = self.format.bytes();
+        if self.data.len() != size.checked_mul(N)? {
+            return None;
+        }
+        let mut numbers = [0.0; N];
+        for (slot, bytes) in numbers.iter_mut().zip(self.data.chunks(size)) {
+            *slot = self.format.number(bytes)?;
+        }
+        Some(numbers)
+    }
+
+    /// A whole number of one to four bytes; `None` when the length is another.
+    #[must_use]
+    pub fn whole(&self, bytes: usize) -> Option<u32> {
+        if self.data.len() != bytes || bytes > 4 {
+            return None;
+        }
+        Some(self.data.iter().fold(0, |value, byte| (value << 8) | u32::from(*byte)))
+    }
+}
+
+/// The items of a message, in order. Ends with an error when an item runs past the end.
+#[derive(Clone, Copy, Debug)]
+pub struct Items<'a> {
+    rest: &'a [u8],
+}
+
+/// An item runs past the end of the message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Overrun;
+
+impl<'a> Items<'a> {
+    /// Of the data of an MTData2 message.
+    #[must_use]
+    pub const fn new(data: &'a [u8]) -> Self {
+        Self { rest: data }
+    }
+}
+
+impl<'a> Iterator for Items<'a> {
+    type Item = Result<Item<'a>, Overrun>;
+
+    /// Takes at least three bytes, so that it ends.
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        let parts = self.rest.split_first_chunk::<3>().and_then(|(&[high, low, length], rest)| {
+            let (data, rest) = rest.split_at_checked(usize::from(length))?;
+            Some((u16::from_be_bytes([high, low]), data, rest))
+        });
+        let Some((id, data, rest)) = parts else {
+            self.rest = &[];
+            return Some(Err(Overrun));
+        };
+        self.rest = rest;
+        let format = match id & 3 {
+            0 => NumberFormat::Float32,
+            1 => NumberFormat::Fixed1220,
+            2 => NumberFormat::Fixed1632,
+            _ => NumberFormat::Float64,
+        };
+        Some(Ok(Item { kind: id & 0xFFF0, coordinates: ((id >> 2) & 3) as u8, format, data }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Number samples of wire-formats 5.4.
+    #[test]
+    fn published_numbers() {
+        let near = |format: NumberFormat, bytes: &[u8], value: f64, tolerance: f64| {
+            let number = format.number(bytes).unwrap();
+            assert!((number - value).abs() <= tolerance, "{number} {value}");
+        };
+        near(NumberFormat::Fixed1220, &[0x03, 0x9A, 0xDF, 0x03], 57.679_446_22, 1e-8);
+        near(NumberFormat::Fixed1220, &[0x00, 0xBE, 0x1F, 0x81], 11.882_691_38, 1e-8);
+        near(NumberFormat::Fixed1632, &[0xAD, 0xF0, 0x52, 0x98, 0x00, 0x39], 57.679_448_28, 1e-8);
+        near(NumberFormat::Fixed1632, &[0xE1, 0xF5, 0x89, 0xE9, 0x00, 0x0B], 11.882_652_87, 1e-8);
+        near(NumberFormat::Fixed1632, &[0xF6, 0x3F, 0xCA, 0xF0, 0xFF, 0xFF], -0.038_089_10, 1e-8);
+        near(NumberFormat::Float32, &[0x41, 0x1C, 0xF5, 0xC3], 9.81, 1e-6);
+        assert_eq!(NumberFormat::Float64.number(&[0; 4]), None);
+    }
+}
