@@ -6,6 +6,7 @@ pub mod carriers;
 pub mod commands;
 pub mod configuration;
 pub mod display;
+pub mod evaluate;
 pub mod executor;
 pub mod judge;
 pub mod metrics;

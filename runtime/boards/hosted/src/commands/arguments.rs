@@ -26,6 +26,8 @@ pub enum Command {
     Decode(DecodeArguments),
     /// Clean a map in simulation with a guarantee, and compare strategies.
     Mission(super::MissionArguments),
+    /// Compare a stage with recorded truth or with an independent key.
+    Eval(super::EvalArguments),
     /// Check a configuration: every mistake with line, limit and remedy.
     Check {
         /// The configuration.

@@ -4,6 +4,7 @@ mod arguments;
 mod check;
 mod decode;
 mod demo;
+mod eval;
 mod exit;
 mod mission;
 mod replay;
@@ -12,6 +13,7 @@ mod simulate;
 pub use arguments::{Arguments, Command, DecodeArguments, ModelArgument, ReplayArguments};
 pub use decode::decode_to;
 pub use demo::DemoArguments;
+pub use eval::{EvalArguments, EvalStage};
 pub use exit::{BadInput, VerdictFailed, exit_code};
 pub use mission::MissionArguments;
 pub use simulate::SimulateArguments;
@@ -25,6 +27,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Replay(arguments)) => replay::run(&arguments),
         Some(Command::Decode(arguments)) => decode::run(&arguments),
         Some(Command::Mission(arguments)) => mission::run(&arguments),
+        Some(Command::Eval(arguments)) => eval::run(&arguments),
         Some(Command::Check { file }) => check::run(&file),
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Demo(arguments)) => demo::run(&arguments),

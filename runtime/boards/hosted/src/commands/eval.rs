@@ -1,0 +1,79 @@
+//! `floorguard eval`: a stage against a key, as a table or as JSON.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+use serde::Serialize;
+
+use super::VerdictFailed;
+use crate::evaluate;
+
+/// What to evaluate.
+#[derive(Clone, Debug, Args)]
+pub struct EvalArguments {
+    /// Which stage.
+    #[command(subcommand)]
+    pub stage: EvalStage,
+    /// One JSON object on standard output instead of a table.
+    #[arg(long, global = true)]
+    pub json: bool,
+}
+
+/// A stage and its files.
+#[derive(Clone, Debug, Subcommand)]
+pub enum EvalStage {
+    /// Decision values of a libsvm model against what libsvm computed for the same rows.
+    Svm {
+        /// The model: C-SVC with a radial kernel, two classes.
+        #[arg(long)]
+        model: PathBuf,
+        /// Bounds of its features, as svm-scale writes them.
+        #[arg(long)]
+        range: PathBuf,
+        /// Label, decision value, probability of label 1, scaled features; .csv or .csv.gz.
+        #[arg(long)]
+        rows: PathBuf,
+    },
+    /// CLEAR-MOT figures of two files in the MOT15 format, rectangles paired from an overlap of one half.
+    Tracks {
+        /// What was there.
+        #[arg(long)]
+        truth: PathBuf,
+        /// What the tracker said.
+        #[arg(long)]
+        result: PathBuf,
+    },
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad input, or a verdict that is not good enough.
+pub fn run(arguments: &EvalArguments) -> anyhow::Result<()> {
+    match &arguments.stage {
+        EvalStage::Svm { model, range, rows } => {
+            let report = evaluate::svm(model, range, rows)?;
+            print(&report, arguments.json)?;
+            judge(report.passed(), "labels or decision values differ from the key")
+        }
+        EvalStage::Tracks { truth, result } => print(&evaluate::tracks(truth, result)?, arguments.json),
+    }
+}
+
+/// Exit code 1 with a reason where a verdict is not good enough.
+fn judge(passed: bool, reason: &str) -> anyhow::Result<()> {
+    if passed { Ok(()) } else { Err(VerdictFailed(reason.to_owned()).into()) }
+}
+
+/// A report on standard output: one JSON object, or one line a figure.
+fn print(report: &impl Serialize, json: bool) -> anyhow::Result<()> {
+    let value = serde_json::to_value(report)?;
+    if json {
+        anstream::println!("{value}");
+        return Ok(());
+    }
+    for (name, figure) in value.as_object().into_iter().flatten() {
+        anstream::println!("{name:28} {figure}");
+    }
+    Ok(())
+}

@@ -1,0 +1,11 @@
+//! Evaluation on recorded data: what a stage says, compared with a key that somebody else made.
+//!
+//! Each file answers one question and returns a report that serialises to the keys of the command's JSON.
+
+mod svm;
+mod text;
+mod tracks;
+
+pub use svm::{SvmReport, svm};
+pub use text::read_text;
+pub use tracks::{TracksReport, tracks};

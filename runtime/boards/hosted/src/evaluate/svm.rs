@@ -1,0 +1,91 @@
+//! Decision values of a support-vector machine against those that libsvm computed for the same rows.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::text::{numbers, read_text};
+use crate::commands::BadInput;
+use crate::models::{LibsvmModel, RangeFile};
+
+/// Features that a model may have; what a shorter one leaves out is 0 on both sides and changes no distance.
+const FEATURES_MAX: usize = 128;
+/// Cells of a row before its features: label, decision value, probability of label 1.
+const KEY_CELLS: usize = 3;
+/// Relative difference of a decision value that still is the same computation (issue: 1e-5).
+pub const DECISION_ERROR_MAX: f64 = 1.0e-5;
+/// A scaled feature beyond this lies outside of what the model was trained on (algorithms A.4).
+const EXTRAPOLATING: f64 = 5.0;
+
+/// How the rows came out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct SvmReport {
+    /// Rows compared.
+    pub rows: u64,
+    /// Features a row.
+    pub features: u64,
+    /// Rows with another label than the key.
+    pub label_mismatches: u64,
+    /// Largest difference of a decision value, relative to the key's.
+    pub max_decision_error: f64,
+    /// Largest difference of a probability of label 1.
+    pub max_probability_error: f64,
+    /// Rows with a feature so far outside of the training range that the probability means nothing.
+    pub out_of_distribution: u64,
+}
+
+impl SvmReport {
+    /// Every label is equal and every decision value within [`DECISION_ERROR_MAX`].
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        self.rows > 0 && self.label_mismatches == 0 && self.max_decision_error <= DECISION_ERROR_MAX
+    }
+}
+
+/// Compares every row: `label, decision, probability of label 1, scaled features…`, with one line of names first.
+///
+/// # Errors
+/// A file cannot be read, or rows, range and model do not fit each other.
+pub fn svm(model: &Path, range: &Path, rows: &Path) -> anyhow::Result<SvmReport> {
+    let file = LibsvmModel::<FEATURES_MAX>::open(model)?;
+    let bounds = RangeFile::open(range)?.scaling().ranges.len();
+    let text = read_text(rows)?;
+    let mut report = SvmReport::default();
+    for (index, line) in text.lines().enumerate().skip(1).filter(|(_, line)| !line.trim().is_empty()) {
+        let row = numbers(rows, index + 1, line)?;
+        let features = row.len().saturating_sub(KEY_CELLS);
+        if features != bounds || features > FEATURES_MAX {
+            return Err(BadInput(format!(
+                "{}, line {}: {features} features, but {} names {bounds}",
+                rows.display(),
+                index + 1,
+                range.display(),
+            ))
+            .into());
+        }
+        report.features = features as u64;
+        report.compare(&file, &row);
+    }
+    if report.rows == 0 {
+        return Err(BadInput(format!("{}: no rows", rows.display())).into());
+    }
+    Ok(report)
+}
+
+impl SvmReport {
+    fn compare(&mut self, file: &LibsvmModel<FEATURES_MAX>, row: &[f64]) {
+        let mut scaled = [0.0; FEATURES_MAX];
+        for (slot, value) in scaled.iter_mut().zip(&row[KEY_CELLS..]) {
+            *slot = *value;
+        }
+        let verdict = file.model().judge(&scaled);
+        self.rows += 1;
+        self.label_mismatches += u64::from(f64::from(verdict.label) != row[0]);
+        let relative = (verdict.decision - row[1]).abs() / row[1].abs().max(f64::MIN_POSITIVE);
+        self.max_decision_error = self.max_decision_error.max(relative);
+        if let Some(probability) = verdict.probability {
+            self.max_probability_error = self.max_probability_error.max((probability - row[2]).abs());
+        }
+        self.out_of_distribution += u64::from(scaled.iter().any(|value| value.abs() > EXTRAPOLATING));
+    }
+}
