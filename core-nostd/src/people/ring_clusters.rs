@@ -79,7 +79,7 @@ impl RingLimits {
         for (index, point) in points.iter().enumerate().take(usize::from(UNGROUPED)) {
             let (Some(ring), Some(point)) = (self.ring_in_slice(point), point) else { continue };
             let tolerance_m = Self::tolerance_m(ring);
-            for back in 0..=window(point, tolerance_m, columns) {
+            for back in 0..=window(point, tolerance_m, columns).min(COLUMNS_BACK_MAX) {
                 let column = (index / SWEEP_RINGS + columns).saturating_sub(back) % columns.max(1);
                 for other in (0..SWEEP_RINGS).map(|laser| column * SWEEP_RINGS + laser) {
                     let near = points.get(other).copied().flatten().is_some_and(|other| {
@@ -104,6 +104,9 @@ impl RingLimits {
         if (self.z_min_m..=self.z_max_m).contains(&point.z_m) { self.ring_of(point) } else { None }
     }
 }
+
+/// Half a revolution of the longest sweep that 16-bit labels can number.
+const COLUMNS_BACK_MAX: usize = UNGROUPED as usize / SWEEP_RINGS / 2;
 
 /// Columns to look back: a point closer than the tolerance lies within asin(tolerance / horizontal distance) of azimuth.
 /// A tenth and two columns more allow for uneven spacing; at most half a revolution.
