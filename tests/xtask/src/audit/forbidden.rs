@@ -33,20 +33,42 @@ pub struct Forbidden {
 /// Looks through one file.
 pub fn inspect(file: &SourceFile, into: &mut Forbidden) {
     let imports_fixed_vec = file.text.contains("heapless");
-    let mut visitor = Visitor { file, into, functions: vec![], imports_fixed_vec };
+    let mut visitor = Visitor { file, into, functions: vec![], owner: None, imports_fixed_vec };
     visitor.visit_file(&file.syntax);
+}
+
+/// A function, and how it can be called: a method only through a value or its type, a free function only by its path.
+struct Named {
+    name: String,
+    method: bool,
 }
 
 struct Visitor<'a> {
     file: &'a SourceFile,
     into: &'a mut Forbidden,
-    functions: Vec<String>,
+    /// Functions that enclose what is being looked at, innermost last.
+    functions: Vec<Named>,
+    /// Type of the `impl` block around it.
+    owner: Option<String>,
     imports_fixed_vec: bool,
 }
 
 impl Visitor<'_> {
     fn finding(&self, at: &impl Spanned, message: String) -> Finding {
         Finding { place: self.file.path.clone(), line: at.span().start().line, message }
+    }
+
+    /// A call by path leads back to the innermost function: `name(…)` to a free one, `Self::name(…)` or
+    /// `Type::name(…)` to a method. The call graph of the image finds what goes round over several functions.
+    fn is_the_function_itself(&self, segments: &[String]) -> bool {
+        let Some(inside) = self.functions.last() else { return false };
+        match segments {
+            [name] | [.., _, name] if *name != inside.name => false,
+            [_] => !inside.method,
+            [.., owner, _] if inside.method => owner == "Self" || Some(owner) == self.owner.as_ref(),
+            [owner, _] => owner == "self",
+            _ => false,
+        }
     }
 
     fn heap_name(&mut self, identifier: &syn::Ident) {
@@ -58,12 +80,12 @@ impl Visitor<'_> {
         }
     }
 
-    fn inside(&mut self, signature: &syn::Signature, visit: impl FnOnce(&mut Self)) {
+    fn inside(&mut self, signature: &syn::Signature, method: bool, visit: impl FnOnce(&mut Self)) {
         if let syn::Safety::Unsafe(token) = &signature.safety {
             let finding = self.finding(token, String::from("`unsafe fn`; the layer forbids unsafe code"));
             self.into.unsafe_code.push(finding);
         }
-        self.functions.push(signature.ident.to_string());
+        self.functions.push(Named { name: signature.ident.to_string(), method });
         visit(self);
         self.functions.pop();
     }
@@ -78,14 +100,28 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
 
     fn visit_item_fn(&mut self, function: &'ast syn::ItemFn) {
         if !is_test_only(&function.attrs) {
-            self.inside(&function.sig, |inner| visit::visit_item_fn(inner, function));
+            self.inside(&function.sig, false, |inner| visit::visit_item_fn(inner, function));
         }
     }
 
     fn visit_impl_item_fn(&mut self, function: &'ast syn::ImplItemFn) {
         if !is_test_only(&function.attrs) {
-            self.inside(&function.sig, |inner| visit::visit_impl_item_fn(inner, function));
+            self.inside(&function.sig, true, |inner| visit::visit_impl_item_fn(inner, function));
         }
+    }
+
+    fn visit_trait_item_fn(&mut self, function: &'ast syn::TraitItemFn) {
+        self.inside(&function.sig, true, |inner| visit::visit_trait_item_fn(inner, function));
+    }
+
+    fn visit_item_impl(&mut self, block: &'ast syn::ItemImpl) {
+        let owner = match &*block.self_ty {
+            syn::Type::Path(path) => path.path.segments.last().map(|part| part.ident.to_string()),
+            _ => None,
+        };
+        let outer = std::mem::replace(&mut self.owner, owner);
+        visit::visit_item_impl(self, block);
+        self.owner = outer;
     }
 
     /// A constant is computed by the compiler: an assertion in it fails the build, never the robot.
@@ -103,7 +139,7 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
             self.into.panics.push(finding);
         }
         let on_itself = matches!(&*call.receiver, syn::Expr::Path(path) if path.path.is_ident("self"));
-        if on_itself && self.functions.last() == Some(&method) {
+        if on_itself && self.functions.last().is_some_and(|inside| inside.method && inside.name == method) {
             let finding =
                 self.finding(&call.method, format!("`{method}` calls itself; write a bounded loop"));
             self.into.recursion.push(finding);
@@ -115,8 +151,7 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
         if let syn::Expr::Path(path) = &*call.func {
             let segments: Vec<String> =
                 path.path.segments.iter().map(|part| part.ident.to_string()).collect();
-            let direct = segments.len() == 1 || segments.first().is_some_and(|first| first == "Self");
-            if direct && segments.last() == self.functions.last() {
+            if self.is_the_function_itself(&segments) {
                 let name = segments.last().cloned().unwrap_or_default();
                 let finding = self.finding(call, format!("`{name}` calls itself; write a bounded loop"));
                 self.into.recursion.push(finding);

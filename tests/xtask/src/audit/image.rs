@@ -28,8 +28,11 @@ pub struct CompiledLoop {
     pub function: String,
     /// Address of the backward branch.
     pub address: u64,
-    /// Inlining chain, innermost first: (file from the workspace root or library path, line).
+    /// Inlining chain of the branch, innermost first: (file from the workspace root or library path, line).
     pub places: Vec<(String, u32)>,
+    /// The same of the branch's target, the head of the loop: where the compiler merged branches of several blocks
+    /// into one, only the head still tells whose loop it is.
+    pub head: Vec<(String, u32)>,
 }
 
 /// The image, read.
@@ -126,25 +129,29 @@ fn trace_loops(path: &Path, functions: &BTreeMap<u64, Function>) -> Result<Vec<C
     let root = format!("{}/", shell::root().display());
     let mut loops = Vec::new();
     for function in functions.values() {
-        for (address, _) in &function.flow.back_edges {
-            let mut places = Vec::new();
-            let mut frames =
-                loader.find_frames(*address).map_err(|error| anyhow::anyhow!("no frames: {error}"))?;
-            while let Some(frame) =
-                frames.next().map_err(|error| anyhow::anyhow!("broken line table: {error}"))?
-            {
-                if let Some(location) = frame.location {
-                    let file = location.file.unwrap_or("?");
-                    places.push((
-                        file.strip_prefix(&root).unwrap_or(file).to_owned(),
-                        location.line.unwrap_or(0),
-                    ));
-                }
-            }
-            loops.push(CompiledLoop { function: function.name.clone(), address: *address, places });
+        for (address, target) in &function.flow.back_edges {
+            loops.push(CompiledLoop {
+                function: function.name.clone(),
+                address: *address,
+                places: places(&loader, *address, &root)?,
+                head: places(&loader, *target, &root)?,
+            });
         }
     }
     Ok(loops)
+}
+
+/// Source places of an instruction, innermost inlined function first.
+fn places(loader: &addr2line::Loader, address: u64, root: &str) -> Result<Vec<(String, u32)>> {
+    let mut places = Vec::new();
+    let mut frames = loader.find_frames(address).map_err(|error| anyhow::anyhow!("no frames: {error}"))?;
+    while let Some(frame) = frames.next().map_err(|error| anyhow::anyhow!("broken line table: {error}"))? {
+        if let Some(location) = frame.location {
+            let file = location.file.unwrap_or("?");
+            places.push((file.strip_prefix(root).unwrap_or(file).to_owned(), location.line.unwrap_or(0)));
+        }
+    }
+    Ok(places)
 }
 
 impl Image {

@@ -1,18 +1,18 @@
 //! Every loop and every iterator chain of the audited layers, with its bound.
 //!
 //! `no_std` without an allocator leaves only slices, arrays and containers of fixed capacity, so walking one of them is
-//! bounded by its capacity. Ranges must end in a constant. `while` and `loop` have no bound that a reader can see and
-//! are refused, except in an `async fn` whose every turn waits for the world (the drivers' thin adaptors).
+//! bounded by its capacity. Ranges must end in something whose largest value is visible (`bounds`). `while` and `loop`
+//! have no bound that a reader can see and are refused, except in an `async fn` whose every turn waits for the world (the drivers' thin adaptors).
 //!
 //! Limits: the syntax is not typed. That a receiver is a container and not a custom endless iterator is checked by
 //! refusing the sources of endless iteration (`repeat`, `cycle`, `from_fn`, `successors`, open ranges) unless the same
 //! chain says `take(CONSTANT)` or zips with a container.
 
-use quote::ToTokens;
 use serde::Serialize;
 use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 
+use super::bounds::{self, Bound, Names, shorten, shown};
 use super::claim::Finding;
 use super::sources::{SourceFile, is_test_only};
 
@@ -84,6 +84,8 @@ const CONSUMERS: &[&str] = &[
     "partition_point",
     "map_while",
     "nth",
+    "reverse",
+    "checksum",
 ];
 
 /// Where endless iteration comes from.
@@ -91,8 +93,15 @@ const ENDLESS: &[&str] = &["repeat", "repeat_with", "cycle", "from_fn", "success
 
 /// Lists the loops of one file; what has no bound becomes a finding.
 pub fn list(file: &SourceFile) -> (Vec<LoopSite>, Vec<Finding>) {
-    let mut visitor =
-        Visitor { file, function: String::from("(constant)"), waits: false, sites: vec![], findings: vec![] };
+    let mut visitor = Visitor {
+        file,
+        function: String::from("(constant)"),
+        waits: false,
+        chain: None,
+        names: Names::default(),
+        sites: vec![],
+        findings: vec![],
+    };
     visitor.visit_file(&file.syntax);
     (visitor.sites, visitor.findings)
 }
@@ -102,22 +111,25 @@ struct Visitor<'a> {
     function: String,
     /// Inside an `async fn`.
     waits: bool,
+    /// Text of the whole chain of method calls that is being looked at from its last call inwards.
+    chain: Option<String>,
+    names: Names,
     sites: Vec<LoopSite>,
     findings: Vec<Finding>,
 }
 
 impl Visitor<'_> {
-    fn record(&mut self, at: &dyn Spanned2, kind: &str, bound: Result<(String, &'static str), String>) {
-        let (line, end_line) = at.lines();
+    fn record(&mut self, at: &impl Spanned, kind: &str, bound: Result<Bound, String>) {
+        let (line, end_line) = (at.span().start().line, at.span().end().line);
         match bound {
-            Ok((bound, how)) => self.sites.push(LoopSite {
+            Ok(bound) => self.sites.push(LoopSite {
                 file: self.file.path.clone(),
                 line,
                 end_line,
                 function: self.function.clone(),
                 kind: kind.to_owned(),
-                bound,
-                how,
+                bound: bound.text,
+                how: bound.how,
             }),
             Err(message) => {
                 self.findings.push(Finding { place: self.file.path.clone(), line, message });
@@ -125,22 +137,106 @@ impl Visitor<'_> {
         }
     }
 
-    fn within(&mut self, name: String, waits: bool, inside: impl FnOnce(&mut Self)) {
-        let outer = (std::mem::replace(&mut self.function, name), std::mem::replace(&mut self.waits, waits));
+    fn within(&mut self, signature: &syn::Signature, inside: impl FnOnce(&mut Self)) {
+        let outer = (self.function.clone(), self.waits, self.chain.take());
+        self.function = signature.ident.to_string();
+        self.waits = signature.asyncness.is_some();
+        self.names.enter();
+        for input in &signature.inputs {
+            if let syn::FnArg::Typed(typed) = input
+                && let syn::Pat::Ident(name) = &*typed.pat
+                && name.mutability.is_none()
+            {
+                self.names.bind(name.ident.to_string(), bounds::of_type(&typed.ty));
+            }
+        }
         inside(self);
-        (self.function, self.waits) = outer;
+        self.names.leave();
+        (self.function, self.waits, self.chain) = outer;
     }
-}
 
-/// Lines of a piece of syntax.
-trait Spanned2 {
-    fn lines(&self) -> (usize, usize);
-}
+    /// The bound of what a `for` walks.
+    fn bound_of(&self, expression: &syn::Expr) -> Result<Bound, String> {
+        match expression {
+            syn::Expr::Range(range) => self.range_bound(range),
+            syn::Expr::Paren(inner) => self.bound_of(&inner.expr),
+            syn::Expr::Reference(inner) => Ok(container(&inner.expr)),
+            _ => self.chain_bound(expression),
+        }
+    }
 
-impl<T: Spanned> Spanned2 for T {
-    fn lines(&self) -> (usize, usize) {
-        let span = self.span();
-        (span.start().line, span.end().line)
+    /// The bound of an iterator chain, found at its root.
+    fn chain_bound(&self, expression: &syn::Expr) -> Result<Bound, String> {
+        let text = shown(expression);
+        let taken = self.taken(expression);
+        let limited = text.contains(".zip(") || taken.is_some();
+        let endless = ENDLESS.iter().find(|source| text.contains(&format!("{source}(")));
+        if let Some(source) = endless.filter(|_| !limited) {
+            return Err(format!("`{source}` never ends; add `.take(CONSTANT)`"));
+        }
+        if let Some(bound) = taken {
+            return Ok(bound);
+        }
+        match root(expression) {
+            syn::Expr::Range(range) => match self.range_bound(range) {
+                Err(_) if limited => {
+                    Ok(Bound { text: shorten(&text), how: "zipped with a container of fixed capacity" })
+                }
+                bound => bound,
+            },
+            root => Ok(container(root)),
+        }
+    }
+
+    /// `take(BOUND)` anywhere in the chain.
+    fn taken(&self, expression: &syn::Expr) -> Option<Bound> {
+        let mut current = expression;
+        // Bounded by the nesting of the parsed expression.
+        loop {
+            current = match current {
+                syn::Expr::MethodCall(call) => {
+                    let bound = call.args.first().filter(|_| call.method == "take");
+                    if let Some(bound) = bound.and_then(|argument| self.names.largest(argument)) {
+                        return Some(bound);
+                    }
+                    &call.receiver
+                }
+                syn::Expr::Paren(inner) => &inner.expr,
+                syn::Expr::Reference(inner) => &inner.expr,
+                _ => return None,
+            };
+        }
+    }
+
+    fn range_bound(&self, range: &syn::ExprRange) -> Result<Bound, String> {
+        let Some(end) = &range.end else {
+            return Err(String::from(
+                "an open range never ends; give it a constant end or `.take(CONSTANT)`",
+            ));
+        };
+        self.names.largest(end).ok_or_else(|| {
+            format!("the range ends at `{}`, which is not a constant; write `.min(CONSTANT)`", shown(end))
+        })
+    }
+
+    /// Comparing, copying or printing a value with an array in it walks the array: the compiler writes those loops.
+    fn derived(&mut self, item: &syn::ItemStruct) {
+        let derives = item
+            .attrs
+            .iter()
+            .filter(|attribute| attribute.path().is_ident("derive"))
+            .map(shown)
+            .collect::<String>();
+        let arrays = item.fields.iter().filter_map(|field| match &field.ty {
+            syn::Type::Array(array) => Some(shown(&array.len)),
+            _ => None,
+        });
+        for length in arrays.collect::<Vec<_>>() {
+            if derives.contains("PartialEq") {
+                self.function = format!("{} (derived)", item.ident);
+                self.record(item, "comparison", Ok(Bound { text: length, how: "length of an array" }));
+            }
+        }
     }
 }
 
@@ -151,28 +247,74 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
         }
     }
 
+    fn visit_item_struct(&mut self, item: &'ast syn::ItemStruct) {
+        self.derived(item);
+    }
+
     fn visit_item_fn(&mut self, function: &'ast syn::ItemFn) {
-        if is_test_only(&function.attrs) {
-            return;
+        if !is_test_only(&function.attrs) {
+            self.within(&function.sig, |inner| visit::visit_item_fn(inner, function));
         }
-        let waits = function.sig.asyncness.is_some();
-        self.within(function.sig.ident.to_string(), waits, |inner| visit::visit_item_fn(inner, function));
     }
 
     fn visit_impl_item_fn(&mut self, function: &'ast syn::ImplItemFn) {
-        if is_test_only(&function.attrs) {
-            return;
+        if !is_test_only(&function.attrs) {
+            self.within(&function.sig, |inner| visit::visit_impl_item_fn(inner, function));
         }
-        let waits = function.sig.asyncness.is_some();
-        self.within(function.sig.ident.to_string(), waits, |inner| {
-            visit::visit_impl_item_fn(inner, function)
-        });
+    }
+
+    fn visit_trait_item_fn(&mut self, function: &'ast syn::TraitItemFn) {
+        self.within(&function.sig, |inner| visit::visit_trait_item_fn(inner, function));
+    }
+
+    /// Parameters are bound by `within`.
+    fn visit_signature(&mut self, _: &'ast syn::Signature) {}
+
+    fn visit_block(&mut self, block: &'ast syn::Block) {
+        self.names.enter();
+        visit::visit_block(self, block);
+        self.names.leave();
+    }
+
+    fn visit_arm(&mut self, arm: &'ast syn::Arm) {
+        self.names.enter();
+        visit::visit_arm(self, arm);
+        self.names.leave();
+    }
+
+    fn visit_expr_closure(&mut self, closure: &'ast syn::ExprClosure) {
+        self.names.enter();
+        let chain = self.chain.take();
+        visit::visit_expr_closure(self, closure);
+        self.chain = chain;
+        self.names.leave();
+    }
+
+    /// A pattern shadows what the name meant before.
+    fn visit_pat_ident(&mut self, name: &'ast syn::PatIdent) {
+        self.names.bind(name.ident.to_string(), None);
+    }
+
+    fn visit_local(&mut self, local: &'ast syn::Local) {
+        let value = local.init.as_ref().map(|init| &*init.expr);
+        if let Some(init) = &local.init {
+            visit::visit_local_init(self, init);
+        }
+        match &local.pat {
+            syn::Pat::Ident(name) if name.mutability.is_none() => {
+                let bound = value.and_then(|value| self.names.largest(value));
+                self.names.bind(name.ident.to_string(), bound);
+            }
+            pattern => self.visit_pat(pattern),
+        }
     }
 
     fn visit_expr_for_loop(&mut self, each: &'ast syn::ExprForLoop) {
-        let bound = bound_of(&each.expr);
+        let bound = self.bound_of(&each.expr);
         self.record(each, "for", bound);
+        self.names.enter();
         visit::visit_expr_for_loop(self, each);
+        self.names.leave();
     }
 
     fn visit_expr_while(&mut self, each: &'ast syn::ExprWhile) {
@@ -189,18 +331,42 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
 
     fn visit_expr_method_call(&mut self, call: &'ast syn::ExprMethodCall) {
         let method = call.method.to_string();
+        let chain = self.chain.take().unwrap_or_else(|| shown(call));
+        let receiver = without_parentheses(&call.receiver);
         let no_argument_extremum = (method == "max" || method == "min") && call.args.is_empty();
-        if no_argument_extremum || CONSUMERS.contains(&method.as_str()) {
-            let bound = chain_bound(&call.receiver);
+        let asks_a_range = method == "contains" && matches!(receiver, syn::Expr::Range(_));
+        if !asks_a_range && (no_argument_extremum || CONSUMERS.contains(&method.as_str())) {
+            let bound = self.chain_bound(&call.receiver);
             self.record(call, &method, bound);
+        } else if !asks_a_range
+            && !chain.contains(".zip(")
+            && let syn::Expr::Range(range) = receiver
+            && range.end.is_none()
+            && self.taken_in(&chain).is_none()
+        {
+            // Nobody may walk it here, but whoever does would never come to its end.
+            self.record(call, "range", Err(String::from("an open range never ends; add `.take(CONSTANT)`")));
         }
-        visit::visit_expr_method_call(self, call);
+        self.chain = Some(chain);
+        self.visit_expr(&call.receiver);
+        self.chain = None;
+        call.args.iter().for_each(|argument| self.visit_expr(argument));
     }
 }
 
-fn unbounded(kind: &str, waits: bool) -> Result<(String, &'static str), String> {
+impl Visitor<'_> {
+    /// `take(BOUND)` in the text of a chain.
+    fn taken_in(&self, chain: &str) -> Option<Bound> {
+        syn::parse_str::<syn::Expr>(chain).ok().and_then(|expression| self.taken(&expression))
+    }
+}
+
+fn unbounded(kind: &str, waits: bool) -> Result<Bound, String> {
     if waits {
-        return Ok((String::from("one turn per event"), "waits for the world in every turn"));
+        return Ok(Bound {
+            text: String::from("one turn per event"),
+            how: "waits for the world in every turn",
+        });
     }
     Err(format!("`{kind}` has no bound that a reader can see; write `for … in 0..CONSTANT`"))
 }
@@ -218,41 +384,11 @@ fn awaits(block: &syn::Block) -> bool {
     finder.0
 }
 
-/// The bound of what a `for` walks.
-fn bound_of(expression: &syn::Expr) -> Result<(String, &'static str), String> {
+fn without_parentheses(expression: &syn::Expr) -> &syn::Expr {
     match expression {
-        syn::Expr::Range(range) => range_bound(range),
-        syn::Expr::Paren(inner) => bound_of(&inner.expr),
-        syn::Expr::Reference(inner) => container(&inner.expr),
-        _ => chain_bound(expression),
+        syn::Expr::Paren(inner) => &inner.expr,
+        other => other,
     }
-}
-
-/// The bound of an iterator chain, found at its root.
-fn chain_bound(expression: &syn::Expr) -> Result<(String, &'static str), String> {
-    let text = shown(expression);
-    let limited = text.contains(".zip(") || taken(&text).is_some();
-    let endless = ENDLESS.iter().find(|source| text.contains(&format!("{source}(")));
-    if let Some(source) = endless.filter(|_| !limited) {
-        return Err(format!("`{source}` never ends; add `.take(CONSTANT)`"));
-    }
-    if let Some(constant) = taken(&text) {
-        return Ok((constant, "take of a constant"));
-    }
-    match root(expression) {
-        syn::Expr::Range(range) => match range_bound(range) {
-            Err(_) if limited => Ok((text, "zipped with a container of fixed capacity")),
-            bound => bound,
-        },
-        root => container(root),
-    }
-}
-
-/// `take(CONSTANT)` anywhere in the chain.
-fn taken(text: &str) -> Option<String> {
-    let after = text.split(".take(").nth(1)?;
-    let argument = after.split(')').next()?;
-    is_constant(argument).then(|| argument.to_owned())
 }
 
 /// The receiver at the start of a chain of method calls.
@@ -270,68 +406,9 @@ fn root(expression: &syn::Expr) -> &syn::Expr {
     }
 }
 
-fn container(expression: &syn::Expr) -> Result<(String, &'static str), String> {
-    let text = shown(expression);
-    Ok((format!("capacity of `{}`", shorten(&text)), "slice, array or container of fixed capacity"))
-}
-
-fn range_bound(range: &syn::ExprRange) -> Result<(String, &'static str), String> {
-    let Some(end) = &range.end else {
-        return Err(String::from("an open range never ends; give it a constant end or `.take(CONSTANT)`"));
-    };
-    let text = shown(end);
-    if is_constant(&text) {
-        return Ok((text, "range to a constant"));
+fn container(expression: &syn::Expr) -> Bound {
+    Bound {
+        text: format!("capacity of `{}`", shorten(&shown(expression))),
+        how: "slice, array or container of fixed capacity",
     }
-    if let Some(constant) = capped(&text) {
-        return Ok((constant, "range end capped by a constant"));
-    }
-    if text.ends_with(".len()") || text.ends_with(".len()-1") {
-        return Ok((
-            format!("capacity of `{}`", shorten(&text)),
-            "slice, array or container of fixed capacity",
-        ));
-    }
-    Err(format!("the range ends at `{text}`, which is not a constant; write `.min(CONSTANT)`"))
-}
-
-/// `….min(CONSTANT)` at the end of an expression.
-fn capped(text: &str) -> Option<String> {
-    let argument = text.rsplit(".min(").next()?.strip_suffix(')')?;
-    (text.contains(".min(") && is_constant(argument)).then(|| argument.to_owned())
-}
-
-/// A literal, a constant, a const generic, a conversion or simple arithmetic of those.
-fn is_constant(text: &str) -> bool {
-    let parts = text.split(['+', '-', '*', '/', '(', ')', ' ']).filter(|part| !part.is_empty());
-    let mut any = false;
-    for part in parts {
-        any = true;
-        let name = part.trim_start_matches("&").split("::").last().unwrap_or(part);
-        let number = name.chars().next().is_some_and(|first| first.is_ascii_digit());
-        let constant = name.chars().any(char::is_alphabetic)
-            && name.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_');
-        let conversion =
-            matches!(name, "as" | "usize" | "u16" | "u32" | "i32" | "u8" | "i16" | "u64" | "from");
-        if !(number || constant || conversion) {
-            return false;
-        }
-    }
-    any
-}
-
-/// Source text without spaces that syntax does not need.
-fn shown(expression: &syn::Expr) -> String {
-    let text = expression.to_token_stream().to_string();
-    [" . ", " :: ", " (", "( ", " )", " ,", " [", "[ ", " ]", "& ", " ..", ".. ", " - ", " + ", " < ", " >"]
-        .iter()
-        .fold(text, |text, spaced| text.replace(spaced, spaced.trim()))
-}
-
-fn shorten(text: &str) -> String {
-    let mut short: String = text.chars().take(60).collect();
-    if short.len() < text.len() {
-        short.push('…');
-    }
-    short
 }

@@ -2,6 +2,7 @@
 //!
 //! Each claim is checked afresh at every run. A claim that fails names the file and the line.
 
+mod bounds;
 mod claim;
 mod forbidden;
 mod image;

@@ -39,6 +39,24 @@ fn a_loop_without_its_bound_is_refused() {
 }
 
 #[test]
+fn a_bound_is_followed_to_its_let_and_no_further() {
+    assert!(loops_of("fn f(n: usize) { let last = n.min(CAPACITY); for i in 0..last / 2 {} }").1.is_empty());
+    assert!(loops_of("fn f(n: u8) { for i in 0..n {} }").1.is_empty());
+    names_line(&loops_of("fn f(n: usize) {\n let last = n;\n for i in 0..last {}\n}").1, 3);
+    names_line(&loops_of("fn f(n: usize) {\n let mut m = 3;\n m = n;\n for i in 0..m {}\n}").1, 4);
+    names_line(&loops_of("fn f(n: usize) {\n let m = 3;\n g(|m| {\n for i in 0..m {}\n })\n}").1, 4);
+    names_line(&loops_of("fn f(n: usize) {\n for i in 0..CAPACITY - n {}\n}").1, 2);
+    names_line(&loops_of("fn f(n: usize) {\n for i in 0..u64::MAX {}\n}").1, 2);
+}
+
+#[test]
+fn an_endless_range_is_refused_where_it_is_made() {
+    names_line(&loops_of("fn f() -> impl Iterator {\n (0..).map(g)\n}").1, 2);
+    assert!(loops_of("fn f(a: &[u8]) { for x in (0..).step_by(2).zip(a) {} }").1.is_empty());
+    assert!(loops_of("fn f(n: usize) -> bool { (1..n).contains(&3) }").1.is_empty());
+}
+
+#[test]
 fn waiting_for_a_sensor_is_refused_outside_async() {
     names_line(&loops_of("fn f(s: &S) {\n while s.ready() {}\n}").1, 2);
     names_line(&loops_of("async fn f(s: &S) {\n loop { s.read(); }\n}").1, 2);
@@ -63,6 +81,10 @@ fn panics_are_refused() {
 fn recursion_unsafe_code_and_pointers_are_refused() {
     names_line(&forbidden_in("fn f(n: u8) -> u8 {\n f(n - 1)\n}").recursion, 2);
     names_line(&forbidden_in("impl T {\nfn f(&self) {\n self.f()\n}}").recursion, 3);
+    names_line(&forbidden_in("impl T {\nfn f(&self) {\n T::f(self)\n}}").recursion, 3);
+    // A method that calls the free function of its name, and the other way round, go round no circle.
+    assert!(forbidden_in("impl T { fn f(&self) { f() } }").recursion.is_empty());
+    assert!(forbidden_in("fn f(t: &T) { t.f(); T::f(t) }").recursion.is_empty());
     names_line(&forbidden_in("fn f() {\n unsafe { g() }\n}").unsafe_code, 2);
     names_line(&forbidden_in("struct S {\n call: fn(u8) -> u8,\n}").pointers, 2);
     names_line(&forbidden_in("fn f(\n x: &dyn T) {}").pointers, 2);

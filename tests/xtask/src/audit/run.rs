@@ -173,11 +173,11 @@ fn hidden_loops(image: &Image, sites: &[LoopSite]) -> Claim {
     let mut findings = BTreeSet::new();
     let (mut ours, mut library) = (0, 0);
     for compiled in &image.loops {
-        let listed = compiled.places.iter().any(|(file, line)| {
-            sites
-                .iter()
-                .any(|site| site.file == *file && (site.line..=site.end_line).contains(&(*line as usize)))
-        });
+        let is_listed = |(file, line): &(String, u32)| {
+            let lines = |site: &LoopSite| site.line..=site.end_line;
+            sites.iter().any(|site| site.file == *file && lines(site).contains(&(*line as usize)))
+        };
+        let listed = compiled.places.iter().any(is_listed) || compiled.head.iter().any(is_listed);
         let innermost = compiled.places.first().map_or("", |(file, _)| file.as_str());
         let from_library =
             LIBRARIES.iter().any(|name| innermost.contains(name) || compiled.function.contains(name));

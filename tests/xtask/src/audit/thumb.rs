@@ -35,7 +35,9 @@ pub fn decode(code: &[u8], start: u64, is_data: impl Fn(u64) -> bool) -> Flow {
         }
         let wide = first >> 11 >= 0b11101;
         let second = if wide && offset + 4 <= code.len() { halfword(code, offset + 2) } else { 0 };
-        edges.insert(address, successors(first, second, address));
+        let table = || table_targets(code, start, address, (second & 0x10 != 0, &is_data));
+        let next = if is_table_jump(first, second) { table() } else { successors(first, second, address) };
+        edges.insert(address, next);
         if wide && offset + 4 <= code.len() {
             let skipped = wide_instruction(first, second, address, start..end, &mut flow);
             offset += 4 + skipped;
@@ -50,8 +52,8 @@ pub fn decode(code: &[u8], start: u64, is_data: impl Fn(u64) -> bool) -> Flow {
     flow
 }
 
-/// Where control may go next within the function. Returns, and jumps through a register or a table, give nothing or
-/// everything: a table is assumed to lead to every address, which can only show more loops.
+/// Where control may go next within the function: nowhere for a return, everywhere for a table that cannot be read,
+/// which can only show more loops.
 enum Next {
     To(Vec<u64>),
     Anywhere,
@@ -70,15 +72,43 @@ fn successors(first: u16, second: u16, address: u64) -> Next {
     }
     let target = probe.calls.first().copied();
     let returns = first == 0x4770 || first >> 8 == 0xbd || (first == 0xe8bd && b & 0x8000 != 0);
-    let table = first & 0xfff0 == 0xe8d0 && b & 0xffe0 == 0xf000;
     let unconditional = first >> 11 == 0b11100 || (wide && first >> 11 == 0b11110 && b & 0xd000 == 0x9000);
     match target {
-        _ if table => Next::Anywhere,
         _ if returns => Next::To(Vec::new()),
         Some(target) if unconditional => Next::To(vec![target]),
         Some(target) => Next::To(vec![target, after]),
         None => Next::To(vec![after]),
     }
+}
+
+/// `tbb` or `tbh`.
+fn is_table_jump(first: u16, second: u16) -> bool {
+    first & 0xfff0 == 0xe8d0 && second & 0xffe0 == 0xf000
+}
+
+/// Targets of the jump table behind `tbb` or `tbh` (A7.7.185): data up to the next code. What else lies in that data
+/// gives targets that do not exist, which can only show more loops.
+fn table_targets(
+    code: &[u8],
+    start: u64,
+    address: u64,
+    (halfwords, is_data): (bool, &impl Fn(u64) -> bool),
+) -> Next {
+    let base = address + 4;
+    let length =
+        (base..).step_by(2).take_while(|at| at - start < code.len() as u64 && is_data(*at)).count() * 2;
+    let Some(table) = code.get((base - start) as usize..).and_then(|rest| rest.get(..length)) else {
+        return Next::Anywhere;
+    };
+    let entries: Vec<u64> = if halfwords {
+        table.chunks_exact(2).map(|pair| u64::from(u16::from_le_bytes([pair[0], pair[1]]))).collect()
+    } else {
+        table.iter().map(|byte| u64::from(*byte)).collect()
+    };
+    if entries.is_empty() {
+        return Next::Anywhere;
+    }
+    Next::To(entries.iter().map(|entry| base + 2 * entry).collect())
 }
 
 /// Targets of a wide branch, reported as calls because no address is inside an empty function.
@@ -235,6 +265,15 @@ mod tests {
         // b 2f; 1: bx lr; 2: b 1b: a jump back that is no loop.
         assert_eq!(flow(&[0xe000, 0x4770, 0xe7fd]).back_edges, []);
         // bne.w 1b with 1b two halfwords before; blx r3
+        // b 2f; 1: movs r0, #0; bx lr; b 1b; 2: tbb [pc, r1] with a table; 3: b 2b; 4: bx lr. Going round needs an
+        // entry for 3.
+        let tabled = |entries: u16| {
+            let code = [0xe002_u16, 0x2000, 0x4770, 0xe7fc, 0xe8df, 0xf001, entries, 0xe7fb, 0x4770];
+            let bytes: Vec<u8> = code.iter().flat_map(|half| half.to_le_bytes()).collect();
+            decode(&bytes, 0x1000, |at| at == 0x100c).back_edges
+        };
+        assert_eq!(tabled(0x0202), []);
+        assert_eq!(tabled(0x0102), [(0x100e, 0x1008)]);
         let conditional = flow(&[0xbf00, 0xbf00, 0xf47f, 0xaffc, 0x4798]);
         assert_eq!(conditional.back_edges, [(0x1004, 0x1000)]);
         assert_eq!(conditional.indirect_calls, [0x1008]);
