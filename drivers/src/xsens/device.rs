@@ -1,65 +1,32 @@
 //! The device as a whole: brought to measure, kept measuring, read (wire-formats 5.2).
+//!
+//! Samples are delivered in every phase as long as they are whole: a robot that has to wait for an acknowledgement which
+//! some devices never send is worse off than one that uses what it gets.
 
 use floorguard_core::sensing::ImuSample;
 use floorguard_core::time::{Age, Stamp};
 
-use super::clock::DeviceClock;
+use super::clock::SampleClock;
+use super::configuration::DeviceConfiguration;
 use super::frame::{FrameCounters, FrameReceiver, Message, encode};
+use super::item::LocalFrame;
 use super::measurement::{Measurement, MeasurementError};
+use super::start_up::{DevicePhase, Echo, compare, id, profile};
 
-/// Robot profile of wire-formats 5.4: counter, fine time, quaternion, acceleration, rate of turn at 100 Hz, status.
-const PROFILE: [u8; 24] = [
-    0x10, 0x20, 0xFF, 0xFF, 0x10, 0x60, 0xFF, 0xFF, 0x20, 0x10, 0x00, 0x64, 0x40, 0x20, 0x00, 0x64, 0x80,
-    0x20, 0x00, 0x64, 0xE0, 0x20, 0xFF, 0xFF,
-];
-/// An answer that is later than this is asked for again, microseconds.
-const ANSWER_US: u64 = 100_000;
-/// Tries before the device is reset.
-const TRIES_MAX: u8 = 5;
-/// Tries after a reset: 2 s.
-const RESET_TRIES_MAX: u8 = 20;
-/// Without data for this long the start-up begins again, microseconds.
+/// Without a fresh sample for this long the start-up begins again, microseconds (wire-formats 5.2).
 const SILENCE_US: u64 = 1_000_000;
-
-/// How far the start-up is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum DevicePhase {
-    /// Asked to stop measuring.
-    #[default]
-    GoingToConfig,
-    /// Reset, because it did not answer.
-    Resetting,
-    /// Asked for its number.
-    Identifying,
-    /// Asked for its name.
-    Naming,
-    /// Told what to send.
-    Configuring,
-    /// Told to measure.
-    GoingToMeasurement,
-    /// Measures.
-    Measuring,
-}
-
-impl DevicePhase {
-    const fn request(self) -> (u8, &'static [u8]) {
-        match self {
-            Self::GoingToConfig => (0x30, &[]),
-            Self::Resetting => (0x40, &[]),
-            Self::Identifying => (0x00, &[]),
-            Self::Naming => (0x1C, &[]),
-            Self::Configuring => (0xC0, &PROFILE),
-            Self::GoingToMeasurement => (0x10, &[]),
-            // Nothing is asked while it measures.
-            Self::Measuring => (0x12, &[]),
-        }
-    }
-}
+/// Data bytes of the longest frame that the robot's profile, an answer or a warning needs. A shorter limit than the
+/// protocol's 2,048: a length that noise made too large holds up four samples, not thirty.
+const DATA_MAX: usize = 254;
+/// The device says: output exceeds the line's bandwidth.
+const ERROR_OVERFLOW: u8 = 0x29;
+/// Fewer samples than this are of no use; a line that cannot carry them is wrong.
+const RATE_MIN_HZ: u16 = 25;
 
 /// What the device told.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DeviceEvent {
-    /// A sample, in the sensor's own axes.
+    /// A sample, in the sensor's own axes. The orientation is from the sensor to east-north-up.
     Sample(ImuSample),
     /// A message of no use.
     Refused(MeasurementError),
@@ -69,53 +36,112 @@ pub enum DeviceEvent {
     OtherConfiguration,
 }
 
+/// Why a device that talks is not as it should be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum DeviceFault {
+    /// Another product than configured; not used.
+    WrongProduct,
+    /// It will not send the items that the robot needs; not used.
+    OtherItems,
+    /// It refuses the output configuration with this code; not used.
+    Rejected(u8),
+    /// It sends less often than asked; used.
+    LowerRate,
+    /// The line is too slow for the lowest useful rate; not used.
+    LineTooSlow,
+    /// It never answers and yet sends all that is needed; used.
+    NoAnswer,
+}
+
+impl core::fmt::Display for DeviceFault {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::WrongProduct => f.write_str("the inertial sensor is another product than configured"),
+            Self::OtherItems => f.write_str("the inertial sensor will not send what it is asked for"),
+            Self::Rejected(code) => write!(f, "the inertial sensor rejects its configuration: 0x{code:02X}"),
+            Self::LowerRate => f.write_str("the inertial sensor sends less often than asked"),
+            Self::LineTooSlow => {
+                write!(
+                    f,
+                    "the line is too slow for {RATE_MIN_HZ} inertial samples per second; raise its baud rate"
+                )
+            }
+            Self::NoAnswer => {
+                f.write_str("the inertial sensor sends data but never answers: check the wire to it")
+            }
+        }
+    }
+}
+
+impl core::error::Error for DeviceFault {}
+
 /// What happened; saturating.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DeviceCounters {
     /// Samples delivered.
     pub samples: u32,
     /// Samples missing between two, by the packet counter.
     pub lost_samples: u32,
+    /// Samples delivered whose packet counter stood still.
+    pub repeated_samples: u32,
+    /// Messages that lack counter, rate of turn or acceleration.
+    pub incomplete: u32,
     /// Messages refused.
     pub refused: u32,
     /// Times that the start-up began.
     pub starts: u32,
     /// Errors reported by the device.
     pub errors: u32,
+    /// Warnings reported by the device.
+    pub warnings: u32,
 }
 
-/// One device.
+/// One device. About 2.2 KiB.
 #[derive(Clone, Debug)]
 pub struct Device {
+    configuration: DeviceConfiguration,
     receiver: FrameReceiver,
     phase: DevicePhase,
-    clock: DeviceClock,
-    /// Microseconds that a byte takes on the line.
-    byte_us: u64,
+    clock: SampleClock,
+    /// When the request of the phase was sent last.
     sent: Option<Stamp>,
     tries: u8,
-    last_data: Option<Stamp>,
+    /// Arrival of the newest sample whose counter moved, or when the wait for it began.
+    last_sample: Option<Stamp>,
     last_counter: Option<u16>,
+    /// Asked for; halves with each overflow of the line.
+    rate_hz: u16,
     identifier: u32,
+    fault: Option<DeviceFault>,
     counters: DeviceCounters,
     acknowledge: bool,
 }
 
 impl Device {
-    /// A device at a bit rate (ten bits a byte).
+    /// An MTi-30 at a bit rate (ten bits a byte).
     #[must_use]
     pub fn new(baud: u32) -> Self {
+        Self::with_configuration(DeviceConfiguration { baud, ..DeviceConfiguration::default() })
+    }
+
+    /// A device.
+    #[must_use]
+    pub fn with_configuration(configuration: DeviceConfiguration) -> Self {
         Self {
-            receiver: FrameReceiver::new(),
+            rate_hz: configuration.rate_hz.clamp(1, 400),
+            configuration,
+            receiver: FrameReceiver::limited(DATA_MAX),
             phase: DevicePhase::default(),
-            clock: DeviceClock::default(),
-            byte_us: 10_000_000_u64.checked_div(u64::from(baud)).unwrap_or(87),
+            clock: SampleClock::default(),
             sent: None,
             tries: 0,
-            last_data: None,
+            last_sample: None,
             last_counter: None,
             identifier: 0,
-            counters: DeviceCounters::default(),
+            fault: None,
+            counters: DeviceCounters { starts: 1, ..DeviceCounters::default() },
             acknowledge: false,
         }
     }
@@ -124,6 +150,18 @@ impl Device {
     #[must_use]
     pub const fn phase(&self) -> DevicePhase {
         self.phase
+    }
+
+    /// What is wrong with it, as of the newest start-up.
+    #[must_use]
+    pub const fn fault(&self) -> Option<DeviceFault> {
+        self.fault
+    }
+
+    /// Samples per second that it was told to send.
+    #[must_use]
+    pub const fn rate_hz(&self) -> u16 {
+        self.rate_hz
     }
 
     /// Its serial number; 0 before it has told.
@@ -152,56 +190,52 @@ impl Device {
         self.receiver = receiver;
     }
 
-    /// Time has passed: call every 10 to 50 ms and after each push. `send` gets whole frames.
+    /// Time has passed: call every 10 to 50 ms and after each push. `send` gets whole frames, at most two.
     pub fn poll(&mut self, now: Stamp, send: &mut impl FnMut(&[u8])) {
         if core::mem::take(&mut self.acknowledge) {
-            transmit(0x3F, &[], send);
+            transmit(id::WAKE_UP_ACK, &[], send);
         }
         if self.phase == DevicePhase::Measuring {
-            let last = *self.last_data.get_or_insert(now);
-            if !matches!(last.age(now), Age::Past(us) if us <= SILENCE_US) {
-                self.enter(DevicePhase::GoingToConfig);
+            let last = *self.last_sample.get_or_insert(now);
+            if !matches!(last.age(now), Age::Past(us) if us > SILENCE_US) {
+                return;
             }
+            self.start();
+        }
+        let patience = self.phase.patience();
+        if self.sent.is_some_and(|sent| matches!(sent.age(now), Age::Past(us) if us < patience.answer_us)) {
             return;
         }
-        let waits = self.sent.is_some_and(|sent| matches!(sent.age(now), Age::Past(us) if us < ANSWER_US));
-        if waits {
-            return;
+        if self.sent.is_some() && self.tries >= patience.tries {
+            self.give_up(patience.then, now);
         }
-        self.retry(now);
-        if self.phase == DevicePhase::GoingToConfig && self.tries == 0 {
-            self.counters.starts = self.counters.starts.saturating_add(1);
-        }
-        let (id, data) = self.phase.request();
-        if self.phase != DevicePhase::Measuring {
-            transmit(id, data, send);
+        match (self.phase, self.phase.request()) {
+            (DevicePhase::Configuring, Some(request)) => transmit(request, &profile(self.rate_hz), send),
+            (_, Some(request)) => transmit(request, &[], send),
+            (_, None) => {}
         }
         self.sent = Some(now);
         self.tries = self.tries.saturating_add(1);
     }
 
-    /// After too many tries another way is taken.
-    fn retry(&mut self, now: Stamp) {
+    /// Nothing helped; another way is taken.
+    fn give_up(&mut self, then: DevicePhase, now: Stamp) {
         let data_flow =
-            self.last_data.is_some_and(|last| matches!(last.age(now), Age::Past(us) if us < ANSWER_US));
-        let (tries_max, next) = match self.phase {
-            DevicePhase::GoingToConfig => (TRIES_MAX, DevicePhase::Resetting),
-            // A reset is sent once; the request to configure is what is repeated, up to 2 s.
-            DevicePhase::Resetting => (1, DevicePhase::GoingToConfig),
-            _ => (TRIES_MAX, DevicePhase::GoingToConfig),
-        };
-        if self.tries < tries_max {
-            return;
+            self.last_sample.is_some_and(|last| matches!(last.age(now), Age::Past(us) if us < SILENCE_US));
+        match (self.phase, then) {
+            // Neither a request nor a reset is answered, and yet it sends what is needed.
+            (DevicePhase::AfterReset, _) if data_flow => {
+                self.fault = Some(DeviceFault::NoAnswer);
+                self.enter(DevicePhase::Measuring);
+            }
+            (_, DevicePhase::GoingToConfig) => self.start(),
+            _ => self.enter(then),
         }
-        // It never answers and yet sends what is needed: better than a robot that stands.
-        if data_flow
-            && self.phase == DevicePhase::Resetting
-            && self.counters.starts > u32::from(RESET_TRIES_MAX)
-        {
-            self.enter(DevicePhase::Measuring);
-            return;
-        }
-        self.enter(next);
+    }
+
+    fn start(&mut self) {
+        self.counters.starts = self.counters.starts.saturating_add(1);
+        self.enter(DevicePhase::GoingToConfig);
     }
 
     fn enter(&mut self, phase: DevicePhase) {
@@ -210,42 +244,82 @@ impl Device {
         self.tries = 0;
     }
 
+    fn refuse(&mut self, fault: DeviceFault) {
+        self.fault = Some(fault);
+        self.enter(DevicePhase::Refused);
+    }
+
     fn on_message(
         &mut self,
         message: Message<'_>,
         (length, now): (usize, Stamp),
         event: &mut impl FnMut(DeviceEvent),
     ) {
-        match (self.phase, message.id) {
-            (_, 0x36) => self.on_data(message.data, (length, now), event),
-            (_, 0x3E) => {
+        let Message { id: message_id, data } = message;
+        match (self.phase, message_id) {
+            (_, id::DATA) => self.on_data(data, (length, now), event),
+            (_, id::WAKE_UP) => {
                 // It has just started; with the acknowledgement it goes to configuration by itself.
                 self.acknowledge = true;
+                self.start();
+            }
+            (_, id::WARNING) => self.counters.warnings = self.counters.warnings.saturating_add(1),
+            (_, id::ERROR) => self.on_error(data.first().copied().unwrap_or_default(), event),
+            (DevicePhase::GoingToConfig | DevicePhase::AfterReset, id::CONFIG_ACK) => {
+                self.fault = None;
                 self.enter(DevicePhase::Identifying);
             }
-            (_, 0x42) => {
-                self.counters.errors = self.counters.errors.saturating_add(1);
-                event(DeviceEvent::Error(message.data.first().copied().unwrap_or_default()));
-            }
-            (DevicePhase::GoingToConfig, 0x31) => self.enter(DevicePhase::Identifying),
-            (DevicePhase::Resetting, 0x41) => self.enter(DevicePhase::GoingToConfig),
-            (DevicePhase::Identifying, 0x01) => {
-                self.identifier =
-                    message.data.iter().take(4).fold(0, |id, byte| (id << 8) | u32::from(*byte));
+            (DevicePhase::Resetting, id::RESET_ACK) => self.enter(DevicePhase::AfterReset),
+            (DevicePhase::Identifying, id::IDENTIFIER) => {
+                self.identifier = data.iter().take(4).fold(0, |sum, byte| (sum << 8) | u32::from(*byte));
                 self.enter(DevicePhase::Naming);
             }
-            (DevicePhase::Naming, 0x1D) => self.enter(DevicePhase::Configuring),
-            (DevicePhase::Configuring, 0xC1) => {
-                if message.data != PROFILE {
-                    event(DeviceEvent::OtherConfiguration);
+            (DevicePhase::Naming, id::PRODUCT) => {
+                if data.starts_with(self.configuration.product.as_bytes()) {
+                    self.enter(DevicePhase::Configuring);
+                } else {
+                    self.refuse(DeviceFault::WrongProduct);
                 }
-                self.enter(DevicePhase::GoingToMeasurement);
             }
-            (DevicePhase::GoingToMeasurement, 0x11) => {
-                self.last_data = Some(now);
+            (DevicePhase::Configuring, id::OUTPUT_ACK) => self.on_echo(data, event),
+            (DevicePhase::GoingToMeasurement, id::MEASUREMENT_ACK) => {
+                self.last_sample = Some(now);
+                self.last_counter = None;
+                // Its clock may have been restarted, and nothing from before is still on its way.
+                self.clock = SampleClock::default();
                 self.enter(DevicePhase::Measuring);
             }
             _ => {}
+        }
+    }
+
+    fn on_echo(&mut self, echoed: &[u8], event: &mut impl FnMut(DeviceEvent)) {
+        match compare(&profile(self.rate_hz), echoed) {
+            Echo::Same => {}
+            Echo::Slower => {
+                self.fault = Some(DeviceFault::LowerRate);
+                event(DeviceEvent::OtherConfiguration);
+            }
+            Echo::Other => {
+                event(DeviceEvent::OtherConfiguration);
+                return self.refuse(DeviceFault::OtherItems);
+            }
+        }
+        self.enter(DevicePhase::GoingToMeasurement);
+    }
+
+    fn on_error(&mut self, code: u8, event: &mut impl FnMut(DeviceEvent)) {
+        self.counters.errors = self.counters.errors.saturating_add(1);
+        event(DeviceEvent::Error(code));
+        if code == ERROR_OVERFLOW {
+            // Asking for the same again would only repeat it (wire-formats 5.5).
+            if self.rate_hz / 2 < RATE_MIN_HZ {
+                return self.refuse(DeviceFault::LineTooSlow);
+            }
+            self.rate_hz /= 2;
+            self.start();
+        } else if self.phase == DevicePhase::Configuring {
+            self.refuse(DeviceFault::Rejected(code));
         }
     }
 
@@ -254,131 +328,69 @@ impl Device {
             Ok(measurement) => measurement,
             Err(error) => {
                 self.counters.refused = self.counters.refused.saturating_add(1);
-                event(DeviceEvent::Refused(error));
-                return;
+                return event(DeviceEvent::Refused(error));
             }
         };
-        self.last_data = Some(now);
-        let (Some(rate), Some(acceleration)) =
-            (measurement.rate_of_turn_radps, measurement.acceleration_mps2)
+        let (Some(sequence), Some(rate), Some(acceleration)) =
+            (measurement.packet_counter, measurement.rate_of_turn_radps, measurement.acceleration_mps2)
         else {
+            self.counters.incomplete = self.counters.incomplete.saturating_add(1);
             return;
         };
-        let line_us = self.byte_us.saturating_mul(length as u64);
-        let stamp = match measurement.sample_time_fine {
-            Some(ticks) => self.clock.stamp(ticks, now, line_us),
-            None => now.minus_micros(line_us),
-        };
-        let sequence = measurement.packet_counter.unwrap_or_default();
-        self.count(sequence);
-        let suspect =
-            measurement.status.is_some_and(|status| status.is_clipping() || !status.self_test_passed());
+        if self.count(sequence) {
+            self.last_sample = Some(now);
+        }
         event(DeviceEvent::Sample(ImuSample {
-            stamp,
+            stamp: self.stamp(measurement.sample_time_fine, length, now),
             sequence,
             angular_radps: rate.map(|number| number as f32),
             linear_mps2: acceleration.map(|number| number as f32),
-            orientation: measurement.quaternion.map(|parts| parts.map(|part| part as f32)),
-            suspect,
+            orientation: orientation(&measurement),
+            // Without a status nobody knows that the self-test passed.
+            suspect: measurement
+                .status
+                .is_none_or(|status| status.is_clipping() || !status.self_test_passed()),
         }));
     }
 
-    fn count(&mut self, sequence: u16) {
+    /// The sampling instant of a frame of `length` bytes whose last byte arrived at `now`.
+    fn stamp(&mut self, ticks: Option<u32>, length: usize, now: Stamp) -> Stamp {
+        let line_us = (length as u64).saturating_mul(10_000_000).checked_div(self.configuration.baud.into());
+        let delay_us = line_us.unwrap_or_default().saturating_add(self.configuration.latency_us);
+        let sampled = now.minus_micros(delay_us);
+        ticks.map_or(sampled, |ticks| self.clock.stamp(ticks, sampled))
+    }
+
+    /// Books a sample's counter; `true` if it moved.
+    fn count(&mut self, sequence: u16) -> bool {
         self.counters.samples = self.counters.samples.saturating_add(1);
-        if let Some(last) = self.last_counter.replace(sequence) {
-            let missing = sequence.wrapping_sub(last).saturating_sub(1);
-            // Half the range backwards is a restart, not 32,768 lost samples.
-            if missing < 0x8000 {
-                self.counters.lost_samples = self.counters.lost_samples.saturating_add(u32::from(missing));
+        let step = self.last_counter.replace(sequence).map(|last| sequence.wrapping_sub(last));
+        match step {
+            Some(0) => {
+                self.counters.repeated_samples = self.counters.repeated_samples.saturating_add(1);
+                return false;
             }
+            // Half the range backwards is a restart, not 32,768 lost samples.
+            Some(step @ 2..0x8000) => {
+                let missing = u32::from(step).saturating_sub(1);
+                self.counters.lost_samples = self.counters.lost_samples.saturating_add(missing);
+            }
+            _ => {}
         }
+        true
     }
 }
 
-fn transmit(id: u8, data: &[u8], send: &mut impl FnMut(&[u8])) {
-    if let Some(frame) = encode(id, data) {
+/// The orientation, where the filter vouches for it and the local frame is the one that was asked for.
+fn orientation(measurement: &Measurement) -> Option<[f32; 4]> {
+    let vouched = measurement.status.is_some_and(|status| status.filter_valid());
+    let quaternion = measurement.quaternion.filter(|_| vouched)?;
+    (measurement.quaternion_frame == Some(LocalFrame::EastNorthUp))
+        .then(|| quaternion.map(|part| part as f32))
+}
+
+fn transmit(message_id: u8, data: &[u8], send: &mut impl FnMut(&[u8])) {
+    if let Some(frame) = encode(message_id, data) {
         send(&frame);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::vec::Vec;
-
-    fn at(ms: u64) -> Stamp {
-        Stamp::from_micros(ms * 1_000)
-    }
-
-    fn sent(device: &mut Device, ms: u64) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        device.poll(at(ms), &mut |frame| bytes.extend_from_slice(frame));
-        bytes
-    }
-
-    fn answer(device: &mut Device, ms: u64, id: u8, data: &[u8]) {
-        device.push(&encode(id, data).unwrap(), at(ms), |_| {});
-    }
-
-    fn data_frame(counter: u16) -> Vec<u8> {
-        let mut data = std::vec![0x10, 0x20, 2];
-        data.extend(counter.to_be_bytes());
-        for id in [0x40_u8, 0x80] {
-            data.extend([id, 0x20, 12]);
-            data.extend([0; 12]);
-        }
-        encode(0x36, &data).unwrap().to_vec()
-    }
-
-    /// The start-up of wire-formats 5.2 with its published frames, while data keep coming.
-    #[test]
-    fn start_up() {
-        let mut device = Device::new(115_200);
-        assert_eq!(sent(&mut device, 0), [0xFA, 0xFF, 0x30, 0x00, 0xD1]);
-        let mut samples = 0;
-        device.push(&data_frame(1), at(5), |_| samples += 1);
-        assert_eq!(samples, 1);
-        assert_eq!(sent(&mut device, 50), []);
-        assert_eq!(sent(&mut device, 100), [0xFA, 0xFF, 0x30, 0x00, 0xD1]);
-        answer(&mut device, 110, 0x31, &[]);
-        assert_eq!(sent(&mut device, 110), [0xFA, 0xFF, 0x00, 0x00, 0x01]);
-        answer(&mut device, 120, 0x01, &[3, 0x78, 0, 0x2A]);
-        assert_eq!(device.identifier(), 0x0378_002A);
-        assert_eq!(sent(&mut device, 120), [0xFA, 0xFF, 0x1C, 0x00, 0xE5]);
-        answer(&mut device, 130, 0x1D, b"MTi-30");
-        let configure = sent(&mut device, 130);
-        assert_eq!((configure.len(), configure[28]), (29, 0x33));
-        answer(&mut device, 140, 0xC1, &PROFILE);
-        assert_eq!(sent(&mut device, 140), [0xFA, 0xFF, 0x10, 0x00, 0xF1]);
-        answer(&mut device, 150, 0x11, &[]);
-        assert_eq!(device.phase(), DevicePhase::Measuring);
-        assert_eq!(sent(&mut device, 1_000), []);
-    }
-
-    #[test]
-    fn no_answer_leads_to_a_reset_and_a_restart_of_the_device_to_a_new_start() {
-        let mut device = Device::new(115_200);
-        let mut reset = 0;
-        for ms in (0..1_000).step_by(50) {
-            reset += sent(&mut device, ms).windows(3).filter(|bytes| *bytes == [0xFA, 0xFF, 0x40]).count();
-        }
-        assert_eq!(reset, 1);
-        answer(&mut device, 1_000, 0x3E, &[]);
-        let bytes = sent(&mut device, 1_001);
-        assert!(bytes.starts_with(&[0xFA, 0xFF, 0x3F, 0x00, 0xC2]), "{bytes:02X?}");
-        assert_eq!(device.phase(), DevicePhase::Identifying);
-    }
-
-    #[test]
-    fn silence_starts_over_and_lost_samples_are_counted() {
-        let mut device = Device::new(115_200);
-        device.enter(DevicePhase::Measuring);
-        for (ms, counter) in [(0, 65_534), (10, 65_535), (20, 2)] {
-            device.push(&data_frame(counter), at(ms), |_| {});
-        }
-        assert_eq!(device.counters().lost_samples, 2);
-        assert_eq!(sent(&mut device, 900), []);
-        sent(&mut device, 1_100);
-        assert_eq!(device.phase(), DevicePhase::GoingToConfig);
     }
 }

@@ -42,6 +42,8 @@ pub struct FrameCounters {
 pub struct FrameReceiver {
     buffer: [u8; BUFFER_BYTES],
     length: usize,
+    /// Data bytes of the longest frame that is waited for.
+    data_max: usize,
     last_byte: Stamp,
     counters: FrameCounters,
 }
@@ -59,12 +61,20 @@ enum Front {
 }
 
 impl FrameReceiver {
-    /// An empty receiver.
+    /// An empty receiver for frames of any length.
     #[must_use]
     pub const fn new() -> Self {
+        Self::limited(DATA_MAX)
+    }
+
+    /// An empty receiver that takes a length above `data_max` for noise: the longer a false length makes it wait, the
+    /// more right frames behind it are late.
+    #[must_use]
+    pub const fn limited(data_max: usize) -> Self {
         Self {
             buffer: [0; BUFFER_BYTES],
             length: 0,
+            data_max: if data_max < DATA_MAX { data_max } else { DATA_MAX },
             last_byte: Stamp::ZERO,
             counters: FrameCounters { bytes: 0, frames: 0, checksum_failures: 0, gaps: 0, skipped: 0 },
         }
@@ -75,7 +85,7 @@ impl FrameReceiver {
         let silent = matches!(self.last_byte.age(now), Age::Past(us) if us > GAP_MAX_US);
         if silent && self.length > 0 {
             self.counters.gaps = self.counters.gaps.saturating_add(1);
-            self.discard(1);
+            self.discard_preamble();
             self.consume(&mut message);
         }
         for byte in bytes {
@@ -106,13 +116,13 @@ impl FrameReceiver {
                     if let (Some(id), Some(data)) = (self.buffer.get(2), self.buffer.get(header..end)) {
                         message(Message { id: *id, data }, total);
                     }
-                    self.discard_all(total);
+                    self.discard(total);
                 }
                 Front::Broken => {
                     self.counters.checksum_failures = self.counters.checksum_failures.saturating_add(1);
-                    self.discard(1);
+                    self.discard_preamble();
                 }
-                Front::Nothing => self.discard(1),
+                Front::Nothing => self.discard_preamble(),
                 Front::Unfinished => return,
             }
         }
@@ -124,11 +134,15 @@ impl FrameReceiver {
             [] => return Front::Unfinished,
             [first, ..] if first != PREAMBLE => return Front::Nothing,
             [_, second, ..] if second != MASTER => return Front::Nothing,
-            [_, _, _, 0xFF, high, low, ..] => (6, usize::from(u16::from_be_bytes([high, low]))),
+            [_, _, _, 0xFF, high, low, ..] => match u16::from_be_bytes([high, low]) {
+                // 254 bytes and fewer are sent in the short form.
+                0..0xFF => return Front::Nothing,
+                length => (6, usize::from(length)),
+            },
             [_, _, _, length, ..] if length != 0xFF => (4, usize::from(length)),
             _ => return Front::Unfinished,
         };
-        if data > DATA_MAX {
+        if data > self.data_max {
             return Front::Nothing;
         }
         let Some(summed) = bytes.get(1..=header.saturating_add(data)) else { return Front::Unfinished };
@@ -136,12 +150,16 @@ impl FrameReceiver {
         if sum == 0 { Front::Frame(header, data) } else { Front::Broken }
     }
 
-    fn discard(&mut self, count: usize) {
+    /// Drops the first byte, and then everything that cannot begin a frame.
+    fn discard_preamble(&mut self) {
+        let used = self.buffer.get(..self.length).unwrap_or_default();
+        let next = used.iter().skip(1).position(|byte| *byte == PREAMBLE);
+        let count = next.map_or(self.length, |position| position.saturating_add(1));
         self.counters.skipped = self.counters.skipped.saturating_add(count as u32);
-        self.discard_all(count);
+        self.discard(count);
     }
 
-    fn discard_all(&mut self, count: usize) {
+    fn discard(&mut self, count: usize) {
         let kept = self.length.saturating_sub(count);
         for index in 0..BUFFER_BYTES {
             if index >= kept {

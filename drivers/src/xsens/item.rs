@@ -38,13 +38,24 @@ impl NumberFormat {
     }
 }
 
+/// Which way the axes of the local frame point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LocalFrame {
+    /// The default, and what the robot asks for.
+    EastNorthUp,
+    /// As in aviation.
+    NorthEastDown,
+    /// x north, y west.
+    NorthWestUp,
+}
+
 /// One item.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Item<'a> {
     /// Group and type, without coordinate system and format.
     pub kind: u16,
-    /// Coordinate system: 0 east-north-up, 1 north-east-down, 2 north-west-up.
-    pub coordinates: u8,
+    /// Local frame of orientations and velocities; `None` for the code that has no meaning.
+    pub local_frame: Option<LocalFrame>,
     /// Number format.
     pub format: NumberFormat,
     /// The bytes.
@@ -117,7 +128,13 @@ impl<'a> Iterator for Items<'a> {
             2 => NumberFormat::Fixed1632,
             _ => NumberFormat::Float64,
         };
-        Some(Ok(Item { kind: id & 0xFFF0, coordinates: ((id >> 2) & 3) as u8, format, data }))
+        let local_frame = match (id >> 2) & 3 {
+            0 => Some(LocalFrame::EastNorthUp),
+            1 => Some(LocalFrame::NorthEastDown),
+            2 => Some(LocalFrame::NorthWestUp),
+            _ => None,
+        };
+        Some(Ok(Item { kind: id & 0xFFF0, local_frame, format, data }))
     }
 }
 

@@ -1,12 +1,21 @@
 //! Xsens MTi inertial sensors on a serial line: Xbus frames, MTData2, start-up (wire-formats 5).
 
 mod clock;
+mod configuration;
 mod device;
 mod frame;
 mod item;
 mod measurement;
+mod start_up;
 
-pub use device::{Device, DeviceCounters, DeviceEvent, DevicePhase};
+pub use configuration::DeviceConfiguration;
+pub use device::{Device, DeviceCounters, DeviceEvent, DeviceFault};
 pub use frame::{FrameCounters, FrameReceiver, Message, encode};
-pub use item::{Item, Items, NumberFormat};
-pub use measurement::{Measurement, MeasurementError, StatusWord};
+pub use item::{Item, Items, LocalFrame, NumberFormat, Overrun};
+pub use measurement::{Measurement, MeasurementError, NoRotation, StatusWord, UtcTime};
+pub use start_up::DevicePhase;
+
+#[cfg(test)]
+mod device_tests;
+#[cfg(test)]
+mod measurement_tests;

@@ -1,0 +1,264 @@
+//! The start-up of wire-formats 5.2 and the defects of 5.5, against a device played by hand.
+
+use floorguard_core::sensing::ImuSample;
+use floorguard_core::time::Stamp;
+use std::vec::Vec;
+
+use super::start_up::profile;
+use super::{Device, DeviceConfiguration, DeviceEvent, DeviceFault, DevicePhase, encode};
+
+const PROFILE: [u8; 24] = profile(100);
+
+fn at(ms: u64) -> Stamp {
+    Stamp::from_micros(ms * 1_000)
+}
+
+/// Frames sent at a moment.
+fn sent(device: &mut Device, ms: u64) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    device.poll(at(ms), &mut |frame| bytes.extend_from_slice(frame));
+    bytes
+}
+
+fn answer(device: &mut Device, ms: u64, id: u8, data: &[u8]) {
+    device.push(&encode(id, data).unwrap(), at(ms), |_| {});
+}
+
+fn samples(device: &mut Device, ms: u64, bytes: &[u8]) -> Vec<ImuSample> {
+    let mut found = Vec::new();
+    device.push(bytes, at(ms), |event| {
+        if let DeviceEvent::Sample(sample) = event {
+            found.push(sample);
+        }
+    });
+    found
+}
+
+/// Everything but the orientation, with status bits.
+fn data_frame(counter: u16, status: u32) -> Vec<u8> {
+    let mut data = std::vec![0x10, 0x20, 2];
+    data.extend(counter.to_be_bytes());
+    for id in [0x40_u8, 0x80] {
+        data.extend([id, 0x20, 12]);
+        data.extend([0; 12]);
+    }
+    data.extend([0xE0, 0x20, 4]);
+    data.extend(status.to_be_bytes());
+    encode(0x36, &data).unwrap().to_vec()
+}
+
+/// A device that answered everything and measures; the start took until `ms`.
+fn measuring(ms: u64) -> Device {
+    let mut device = Device::new(115_200);
+    sent(&mut device, ms);
+    answer(&mut device, ms, 0x31, &[]);
+    sent(&mut device, ms);
+    answer(&mut device, ms, 0x01, &[3, 0x78, 0, 0x2A]);
+    sent(&mut device, ms);
+    answer(&mut device, ms, 0x1D, b"MTi-30-2A8G4");
+    sent(&mut device, ms);
+    answer(&mut device, ms, 0xC1, &PROFILE);
+    sent(&mut device, ms);
+    answer(&mut device, ms, 0x11, &[]);
+    assert_eq!(device.phase(), DevicePhase::Measuring);
+    device
+}
+
+/// The published frames, in their order, while data keep coming.
+#[test]
+fn start_up() {
+    let mut device = Device::new(115_200);
+    assert_eq!(sent(&mut device, 0), [0xFA, 0xFF, 0x30, 0x00, 0xD1]);
+    assert_eq!(samples(&mut device, 5, &data_frame(1, 1)).len(), 1);
+    assert_eq!(sent(&mut device, 50), []);
+    assert_eq!(sent(&mut device, 100), [0xFA, 0xFF, 0x30, 0x00, 0xD1]);
+    answer(&mut device, 110, 0x31, &[]);
+    assert_eq!(sent(&mut device, 110), [0xFA, 0xFF, 0x00, 0x00, 0x01]);
+    answer(&mut device, 120, 0x01, &[3, 0x78, 0, 0x2A]);
+    assert_eq!(device.identifier(), 0x0378_002A);
+    assert_eq!(sent(&mut device, 120), [0xFA, 0xFF, 0x1C, 0x00, 0xE5]);
+    answer(&mut device, 130, 0x1D, b"MTi-30");
+    let published = [
+        0xFA, 0xFF, 0xC0, 0x18, 0x10, 0x20, 0xFF, 0xFF, 0x10, 0x60, 0xFF, 0xFF, 0x20, 0x10, 0x00, 0x64, 0x40,
+        0x20, 0x00, 0x64, 0x80, 0x20, 0x00, 0x64, 0xE0, 0x20, 0xFF, 0xFF, 0x33,
+    ];
+    assert_eq!(sent(&mut device, 130), published);
+    answer(&mut device, 140, 0xC1, &PROFILE);
+    assert_eq!(sent(&mut device, 140), [0xFA, 0xFF, 0x10, 0x00, 0xF1]);
+    answer(&mut device, 150, 0x11, &[]);
+    assert_eq!(device.phase(), DevicePhase::Measuring);
+    assert_eq!((device.fault(), device.counters().starts), (None, 1));
+    assert_eq!(sent(&mut device, 1_000), []);
+}
+
+/// One reset, and then two seconds of patience: a device that is reset while it starts never comes up.
+#[test]
+fn no_answer_leads_to_one_reset_in_a_cycle() {
+    let mut device = Device::new(115_200);
+    let mut requests = Vec::new();
+    for ms in (0..5_200).step_by(10) {
+        requests.extend(sent(&mut device, ms).chunks_exact(5).map(|frame| (ms, frame[2])));
+    }
+    let resets: Vec<u64> = requests.iter().filter(|(_, id)| *id == 0x40).map(|(ms, _)| *ms).collect();
+    assert_eq!(resets, [500, 3_100]);
+    let asked = requests.iter().filter(|(ms, id)| (600..2_600).contains(ms) && *id == 0x30).count();
+    assert_eq!(asked, 20);
+    assert_eq!(device.counters().starts, 2);
+}
+
+#[test]
+fn a_device_that_wakes_up_is_acknowledged_and_configured() {
+    for mut device in [Device::new(115_200), measuring(0)] {
+        sent(&mut device, 1);
+        answer(&mut device, 200, 0x3E, &[]);
+        let bytes = sent(&mut device, 201);
+        assert_eq!(bytes, [0xFA, 0xFF, 0x3F, 0x00, 0xC2, 0xFA, 0xFF, 0x30, 0x00, 0xD1]);
+        answer(&mut device, 202, 0x31, &[]);
+        assert_eq!(device.phase(), DevicePhase::Identifying);
+    }
+}
+
+#[test]
+fn silence_starts_over_and_lost_samples_are_counted() {
+    let mut device = measuring(0);
+    for (ms, counter) in [(0, 65_534), (10, 65_535), (20, 2)] {
+        samples(&mut device, ms, &data_frame(counter, 3));
+    }
+    assert_eq!(device.counters().lost_samples, 2);
+    assert_eq!(sent(&mut device, 1_020), []);
+    assert_eq!(sent(&mut device, 1_021), [0xFA, 0xFF, 0x30, 0x00, 0xD1]);
+    assert_eq!((device.phase(), device.counters().starts), (DevicePhase::GoingToConfig, 2));
+}
+
+/// A counter that stands still, and data without what is needed, are silence.
+#[test]
+fn frozen_and_incomplete_data_start_over() {
+    let without_rate = encode(0x36, &[0x10, 0x20, 2, 0, 1]).unwrap();
+    for frame in [data_frame(7, 3), without_rate.to_vec()] {
+        let mut device = measuring(0);
+        for ms in (0..1_100).step_by(10) {
+            samples(&mut device, ms, &frame);
+            sent(&mut device, ms);
+        }
+        assert_eq!(device.phase(), DevicePhase::GoingToConfig);
+        assert!(device.counters().repeated_samples + device.counters().incomplete > 100);
+    }
+}
+
+/// wire-formats 5.5: the acknowledgement never comes, but data do.
+#[test]
+fn a_device_that_never_answers_is_used_as_it_is() {
+    let mut device = Device::new(115_200);
+    let mut delivered = 0;
+    for step in 0..400_u16 {
+        delivered += samples(&mut device, u64::from(step) * 10, &data_frame(step, 3)).len();
+        sent(&mut device, u64::from(step) * 10);
+    }
+    assert_eq!(delivered, 400);
+    assert_eq!((device.phase(), device.fault()), (DevicePhase::Measuring, Some(DeviceFault::NoAnswer)));
+}
+
+#[test]
+fn the_wrong_product_is_refused_and_asked_again_later() {
+    let mut device = Device::new(115_200);
+    sent(&mut device, 0);
+    answer(&mut device, 1, 0x31, &[]);
+    answer(&mut device, 2, 0x01, &[0; 4]);
+    answer(&mut device, 3, 0x1D, b"MTi-G-710");
+    assert_eq!((device.phase(), device.fault()), (DevicePhase::Refused, Some(DeviceFault::WrongProduct)));
+    assert_eq!(sent(&mut device, 4), []);
+    assert_eq!(sent(&mut device, 5_003), []);
+    assert_eq!(sent(&mut device, 5_004), [0xFA, 0xFF, 0x30, 0x00, 0xD1]);
+}
+
+/// Slower is accepted and said; other items, or other formats, are not used.
+#[test]
+fn the_echo_is_compared() {
+    let phase_after = |change: fn(&mut [u8])| {
+        let mut device = measuring(0);
+        device.push(&encode(0x3E, &[]).unwrap(), at(1), |_| {});
+        answer(&mut device, 1, 0x31, &[]);
+        answer(&mut device, 1, 0x01, &[0; 4]);
+        answer(&mut device, 1, 0x1D, b"MTi-30");
+        let mut echo = PROFILE;
+        change(&mut echo);
+        let mut told = 0;
+        device.push(&encode(0xC1, &echo).unwrap(), at(1), |event| {
+            told += u32::from(event == DeviceEvent::OtherConfiguration);
+        });
+        (device.phase(), device.fault(), told)
+    };
+    let going = DevicePhase::GoingToMeasurement;
+    assert_eq!(phase_after(|_| {}), (going, None, 0));
+    assert_eq!(phase_after(|echo| echo[11] = 50), (going, Some(DeviceFault::LowerRate), 1));
+    let refused = (DevicePhase::Refused, Some(DeviceFault::OtherItems), 1);
+    assert_eq!(phase_after(|echo| echo[13] = 0x23), refused);
+    assert_eq!(phase_after(|echo| echo[11] = 101), refused);
+    assert_eq!(phase_after(|echo| echo[11] = 0), refused);
+}
+
+/// wire-formats 5.5: after error 0x29 less is asked for, and not for ever.
+#[test]
+fn a_line_that_is_too_slow_lowers_the_rate_and_then_gives_up() {
+    let mut device = measuring(0);
+    let mut codes = Vec::new();
+    for rate_hz in [50, 25] {
+        device.push(&encode(0x42, &[0x29]).unwrap(), at(1), |event| codes.push(event));
+        assert_eq!((device.rate_hz(), device.phase()), (rate_hz, DevicePhase::GoingToConfig));
+    }
+    device.push(&encode(0x42, &[0x29]).unwrap(), at(1), |event| codes.push(event));
+    assert_eq!(codes, [DeviceEvent::Error(0x29); 3]);
+    assert_eq!((device.phase(), device.fault()), (DevicePhase::Refused, Some(DeviceFault::LineTooSlow)));
+}
+
+#[test]
+fn a_configuration_that_is_rejected_is_not_repeated_at_once() {
+    let mut device = Device::new(115_200);
+    for (id, data) in [(0x31, &[][..]), (0x01, &[0; 4]), (0x1D, b"MTi-30"), (0x42, &[0x21])] {
+        sent(&mut device, 0);
+        answer(&mut device, 0, id, data);
+    }
+    assert_eq!((device.phase(), device.fault()), (DevicePhase::Refused, Some(DeviceFault::Rejected(0x21))));
+}
+
+#[test]
+fn doubtful_samples_are_marked() {
+    let suspect = |status: u32| samples(&mut measuring(0), 1, &data_frame(1, status))[0].suspect;
+    assert!(!suspect(0x0180_0003));
+    assert!(suspect(2), "the self-test failed");
+    for bit in [8, 9, 10, 11, 12, 13, 14, 15, 16, 19] {
+        assert!(suspect(1 << bit | 3), "clipping, bit {bit}");
+    }
+    let mut without_status = data_frame(1, 3);
+    without_status[3] -= 7;
+    without_status.truncate(without_status.len() - 8);
+    let sum = without_status[1..].iter().fold(0_u8, |sum, byte| sum.wrapping_add(*byte));
+    without_status.push(sum.wrapping_neg());
+    assert!(samples(&mut measuring(0), 1, &without_status)[0].suspect, "nobody vouches for it");
+}
+
+/// Quaternions in another local frame, or from a filter that is not valid, are no orientation.
+#[test]
+fn orientation_is_east_north_up_and_valid_or_none() {
+    let orientation = |id_low: u8, status: u8| {
+        let mut data = data_frame(1, u32::from(status));
+        data.truncate(data.len() - 1);
+        data.drain(..4);
+        data.extend([0x20, id_low, 16, 0x3F, 0x80, 0, 0]);
+        data.extend([0; 12]);
+        samples(&mut measuring(0), 1, &encode(0x36, &data).unwrap())[0].orientation
+    };
+    assert_eq!(orientation(0x10, 3), Some([1.0, 0.0, 0.0, 0.0]));
+    assert_eq!(orientation(0x14, 3), None);
+    assert_eq!(orientation(0x10, 1), None);
+}
+
+#[test]
+fn without_sample_time_the_arrival_less_line_and_latency_is_the_stamp() {
+    let configuration =
+        DeviceConfiguration { baud: 100_000, latency_us: 700, ..DeviceConfiguration::default() };
+    let mut device = Device::with_configuration(configuration);
+    let frame = data_frame(1, 3);
+    let stamp = samples(&mut device, 100, &frame)[0].stamp;
+    assert_eq!(stamp.as_micros(), 100_000 - 700 - 100 * frame.len() as u64);
+}
