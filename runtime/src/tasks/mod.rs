@@ -2,11 +2,12 @@
 //!
 //! | ring | tasks |
 //! |---|---|
-//! | guard | [`lidar_input`], [`scanner_input`], [`can_bus`], [`supervise`], [`command_input`], [`advice_input`], [`operator_input`] |
+//! | guard | [`lidar_input`], [`scanner_input`], [`imu_input`], [`can_bus`], [`supervise`], [`command_input`], [`advice_input`], [`operator_input`] |
 //! | perception | [`perceive`], [`drive_route`] |
 
 mod advise;
 mod can;
+mod imu;
 mod inputs;
 mod lidar;
 mod perception;
@@ -16,6 +17,7 @@ mod supervise;
 
 pub use advise::PERSON_PROBABILITY_MIN;
 pub use can::can_bus;
+pub use imu::imu_input;
 pub use inputs::{advice_input, command_input, operator_input};
 pub use lidar::lidar_input;
 pub use perception::{PerceptionState, perceive};

@@ -7,7 +7,7 @@ mod serial;
 mod socket;
 
 pub use can_pipe::CanPipe;
-pub use pipe::{DatagramPipe, PipeReader, PipeWriter, byte_pipe};
+pub use pipe::{DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 pub use reconnect::ReconnectingLine;
 pub use serial::{PseudoTerminal, SerialLine};
 pub use socket::UdpReceiver;

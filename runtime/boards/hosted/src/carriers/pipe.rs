@@ -102,6 +102,34 @@ impl Write for PipeWriter {
     }
 }
 
+/// A line in both directions.
+pub struct DuplexPipe {
+    /// What the other side writes.
+    pub reader: PipeReader,
+    /// What the other side reads.
+    pub writer: PipeWriter,
+}
+
+impl ErrorType for DuplexPipe {
+    type Error = Infallible;
+}
+
+impl Read for DuplexPipe {
+    async fn read(&mut self, buffer: &mut [u8]) -> Result<usize, Infallible> {
+        self.reader.read(buffer).await
+    }
+}
+
+impl Write for DuplexPipe {
+    async fn write(&mut self, buffer: &[u8]) -> Result<usize, Infallible> {
+        self.writer.write(buffer).await
+    }
+
+    async fn flush(&mut self) -> Result<(), Infallible> {
+        Ok(())
+    }
+}
+
 #[derive(Default)]
 struct SharedDatagrams {
     datagrams: VecDeque<(Stamp, Vec<u8>)>,

@@ -70,7 +70,6 @@ impl Plan {
             ..defaults
         };
         robot.route = route;
-        robot.imu = None;
         Ok(Self {
             name: name.to_owned(),
             scenario,

@@ -1,7 +1,7 @@
 //! One line per task: which ring it runs on and what it talks to.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use embedded_io_async::Read;
+use embedded_io_async::{Read, Write};
 use floorguard_core::guard::GuardConfigError;
 use floorguard_core::odometry::PoseHistory;
 use floorguard_core::people::{PeoplePipeline, RingAngles};
@@ -10,23 +10,26 @@ use floorguard_core::time::Stamp;
 use floorguard_drivers::s300::{Configuration, Receiver};
 use floorguard_drivers::three_wheel_base::ThreeWheelBase;
 use floorguard_drivers::velodyne::{Decoder, ModelChoice};
+use floorguard_drivers::xsens::Device;
 use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
 use floorguard_runtime::io::{CanBus, DatagramReceiver};
 use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::{Motion, Shared};
 use floorguard_runtime::tasks::{
-    PerceptionState, advice_input, can_bus, command_input, drive_route, lidar_input, operator_input,
-    perceive, scanner_input, supervise,
+    PerceptionState, advice_input, can_bus, command_input, drive_route, imu_input, lidar_input,
+    operator_input, perceive, scanner_input, supervise,
 };
 
 use crate::executor::TaskSet;
 
 /// The lines that the guard ring listens to.
-pub struct GuardCarriers<L, S, C> {
+pub struct GuardCarriers<L, S, I, C> {
     /// Lidar datagrams.
     pub lidar: L,
     /// Safety scanner.
     pub scanner: S,
+    /// Inertial sensor and its bit rate; a robot can do without.
+    pub imu: Option<(I, u32)>,
     /// CAN bus.
     pub can: C,
 }
@@ -62,11 +65,19 @@ pub fn spawn_guard_ring<'a, M: RawMutex>(
     tasks: &mut TaskSet<'a>,
     shared: &'a Shared<M>,
     robot: &RobotConfiguration,
-    carriers: GuardCarriers<impl DatagramReceiver + 'a, impl Read + 'a, impl CanBus + 'a>,
+    carriers: GuardCarriers<
+        impl DatagramReceiver + 'a,
+        impl Read + 'a,
+        impl Read + Write + 'a,
+        impl CanBus + 'a,
+    >,
 ) {
     let choice = robot.lidar_model().map_or(ModelChoice::Auto, ModelChoice::Fixed);
     tasks.spawn(lidar_input(shared, carriers.lidar, Decoder::new(choice)));
     tasks.spawn(scanner_input(shared, carriers.scanner, Receiver::new(Configuration::default())));
+    if let (Some((line, baud)), Some(imu)) = (carriers.imu, robot.imu) {
+        tasks.spawn(imu_input(shared, line, (Device::new(baud), imu.mounting.transform())));
+    }
     let base = (ThreeWheelBase::new(robot.base()), robot.tricycle());
     tasks.spawn(can_bus(shared, carriers.can, base));
     tasks.spawn(supervise(shared));

@@ -11,7 +11,7 @@ use super::observer::Observer;
 use super::operator::Operator;
 use super::plan::Plan;
 use super::spawn::{GuardCarriers, new_perception, new_shared, spawn_guard_ring, spawn_perception_ring};
-use crate::carriers::{CanPipe, DatagramPipe, PipeReader, PipeWriter, byte_pipe};
+use crate::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 use crate::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 
 /// How often truth is compared with what the robot does, microseconds.
@@ -21,13 +21,29 @@ const JUDGE_US: u64 = 10_000;
 struct Lines {
     lidar: DatagramPipe,
     scanner: PipeWriter,
+    imu: PipeWriter,
     can: CanPipe,
 }
 
+/// The robot's ends of the serial lines.
+struct Ends {
+    scanner: PipeReader,
+    imu: DuplexPipe,
+    /// What the robot writes to the inertial sensor.
+    from_imu_line: PipeReader,
+}
+
+/// The bit rate that the simulated inertial sensor has.
+const IMU_BAUD: u32 = 115_200;
+
 impl Lines {
-    fn new() -> (Self, PipeReader) {
-        let (scanner, reader) = byte_pipe();
-        (Self { lidar: DatagramPipe::default(), scanner, can: CanPipe::default() }, reader)
+    fn new() -> (Self, Ends) {
+        let (scanner, scanner_reader) = byte_pipe();
+        let (imu, imu_reader) = byte_pipe();
+        let (to_imu, from_imu_line) = byte_pipe();
+        let lines = Self { lidar: DatagramPipe::default(), scanner, imu, can: CanPipe::default() };
+        let imu = DuplexPipe { reader: imu_reader, writer: to_imu };
+        (lines, Ends { scanner: scanner_reader, imu, from_imu_line })
     }
 
     fn deliver(&self, event: WireEvent) {
@@ -36,6 +52,7 @@ impl Lines {
                 self.lidar.push(Stamp::from_micros(event.at_us), bytes);
             }
             (Stream::ScannerSerial, Payload::Bytes(bytes)) => self.scanner.push(&bytes),
+            (Stream::ImuSerial, Payload::Bytes(bytes)) => self.imu.push(&bytes),
             (Stream::Can, Payload::Frame(frame)) => {
                 self.can.push(CanFrame::standard(frame.id as u16, frame.payload()));
             }
@@ -61,11 +78,16 @@ fn play(plan: &Plan, simulation: &mut Simulation, observer: &mut Observer<'_>) -
     let shared: Box<Shared<NoopRawMutex>> = new_shared(&plan.robot, Stamp::ZERO)
         .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
     let mut perception = new_perception(&plan.robot);
-    let (lines, scanner) = Lines::new();
+    let (lines, Ends { scanner, imu, from_imu_line }) = Lines::new();
     let mut faults = FaultLayer::new(&plan.faults, plan.seed);
     let mut operator = Operator::new(plan.emergency_stop_us.clone());
     let mut tasks = TaskSet::new();
-    let carriers = GuardCarriers { lidar: lines.lidar.clone(), scanner, can: lines.can.clone() };
+    let carriers = GuardCarriers {
+        lidar: lines.lidar.clone(),
+        scanner,
+        imu: Some((imu, IMU_BAUD)),
+        can: lines.can.clone(),
+    };
     spawn_guard_ring(&mut tasks, &shared, &plan.robot, carriers);
     spawn_perception_ring(&mut tasks, &shared, &plan.robot, &mut perception);
     let mut judge_us = 0;
@@ -86,6 +108,10 @@ fn play(plan: &Plan, simulation: &mut Simulation, observer: &mut Observer<'_>) -
             observer.on_frame(&frame, now_us);
             let id = u32::from(frame.standard_id().unwrap_or_default());
             simulation.receive_can(SimCanFrame::new(id, frame.payload()), now_us);
+        }
+        let bytes = from_imu_line.drain();
+        if !bytes.is_empty() {
+            simulation.receive(Stream::ImuSerial, &bytes);
         }
         if now_us >= judge_us {
             judge_us += JUDGE_US;
