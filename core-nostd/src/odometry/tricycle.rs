@@ -13,6 +13,9 @@ pub struct Tricycle {
     pub steering_max_rad: f32,
 }
 
+/// What the rear axle may do beyond the wanted speed so that a turn on the spot can begin, m/s.
+const CREEP_MPS: f32 = 0.02;
+
 impl Tricycle {
     /// Velocity of the middle of the rear axle from the front wheel's speed over ground and angle.
     #[must_use]
@@ -43,6 +46,9 @@ impl Tricycle {
     pub fn wheel_mps(&self, wanted: Twist2, current_rad: f32, target_rad: f32) -> f32 {
         let across_mps = wanted.angular_radps * self.wheelbase_m;
         let full_mps = libm::hypotf(wanted.linear_mps, across_mps);
+        // While the wheel is still on its way the rear axle must not be faster than permitted either.
+        let slow_mps = libm::fabsf(wanted.linear_mps) + CREEP_MPS;
+        let full_mps = full_mps.min(slow_mps / libm::fabsf(libm::cosf(current_rad)).max(1.0e-3));
         let full_mps = if wanted.linear_mps < 0.0 { -full_mps } else { full_mps };
         let error_rad = libm::fabsf(wrap_angle(target_rad - current_rad));
         let share = if error_rad < FRAC_PI_2 / 3.0 {

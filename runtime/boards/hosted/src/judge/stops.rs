@@ -1,7 +1,9 @@
 //! Stops that were missed, stops that were not needed, and how fast the needed ones came.
 
+use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_runtime::configuration::{Limits, RobotConfiguration};
 
+use super::shape::distance_m;
 use super::truth::Truth;
 use super::zone::{STANDING_MPS, TrueZones};
 
@@ -15,11 +17,40 @@ const NUISANCE_MARGIN_M: f32 = 0.15;
 /// How far back an intrusion explains a stop, seconds: the reaction time and the field switching back.
 const EXPLAINS_S: f32 = 1.0;
 
+/// A person who would touch the robot within this time, both going on as they do, is on course, seconds: the time to
+/// stand still from full speed, and the margin of half a second that algorithms M.3 adds.
+const COURSE_S: f32 = 2.0;
+/// Nobody can tell a miss by less than this from a hit, metres: half a step.
+const COURSE_MARGIN_M: f32 = 0.4;
+/// Steps in which both are moved on.
+const COURSE_STEPS: u16 = 20;
+
+/// Moves everybody on in straight lines, the robot on its arc.
+fn somebody_on_course(footprint: &[Point2], truth: &Truth) -> bool {
+    (0..=COURSE_STEPS).any(|step| {
+        let ahead_s = COURSE_S * f32::from(step) / f32::from(COURSE_STEPS);
+        let turned_rad = truth.twist.angular_radps * ahead_s;
+        let driven_m = truth.twist.linear_mps * ahead_s;
+        let half = turned_rad / 2.0;
+        let moved = Pose2::new(driven_m * half.cos(), driven_m * half.sin(), turned_rad);
+        let to_robot = truth.robot.compose(moved).inverse();
+        truth.people.iter().any(|person| {
+            let there = Point2::new(
+                person.position.x_m + person.velocity_mps.x_m * ahead_s,
+                person.position.y_m + person.velocity_mps.y_m * ahead_s,
+            );
+            distance_m(footprint, to_robot.transform(there)) < person.radius_m + COURSE_MARGIN_M
+        })
+    })
+}
+
 /// Why the robot says it stopped; only stops for something in the way can be a nuisance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopReason {
-    /// A protective field was violated or a collision is near.
+    /// A protective field was violated.
     SomethingInTheWay,
+    /// A person would be reached.
+    PersonOnCourse,
     /// Anything else: start, operator, fault, end of the route.
     Other,
 }
@@ -27,9 +58,11 @@ pub enum StopReason {
 /// Watches intrusions and stops.
 pub struct StopJudge {
     zones: TrueZones,
+    footprint: Vec<Point2>,
     limits: Limits,
     intruded_since_s: Option<(f32, f32)>,
     last_near_s: f32,
+    last_course_s: f32,
     missed_this_time: bool,
     missed: u32,
     nuisance: u32,
@@ -47,6 +80,8 @@ impl StopJudge {
             limits: robot.limits,
             intruded_since_s: None,
             last_near_s: f32::MIN,
+            last_course_s: f32::MIN,
+            footprint: robot.geometry.footprint.iter().copied().collect(),
             missed_this_time: false,
             missed: 0,
             nuisance: 0,
@@ -65,6 +100,9 @@ impl StopJudge {
         // The warning field counts too: time-to-collision stops come before the protective field.
         if TrueZones::nearness_m(&pair.warning, truth) > -NUISANCE_MARGIN_M {
             self.last_near_s = seconds;
+        }
+        if somebody_on_course(&self.footprint, truth) {
+            self.last_course_s = seconds;
         }
         let moving = speed_mps.abs() > STANDING_MPS;
         let true_pair = self.zones.applying(speed_mps);
@@ -103,7 +141,12 @@ impl StopJudge {
     /// The robot decided to stop.
     pub fn stop(&mut self, at_s: f32, reason: StopReason) {
         self.stops += 1;
-        if reason == StopReason::SomethingInTheWay && at_s - self.last_near_s > EXPLAINS_S {
+        let explained_s = match reason {
+            StopReason::SomethingInTheWay => self.last_near_s,
+            StopReason::PersonOnCourse => self.last_near_s.max(self.last_course_s),
+            StopReason::Other => return,
+        };
+        if at_s - explained_s > EXPLAINS_S {
             self.nuisance += 1;
         }
     }
@@ -137,7 +180,7 @@ impl StopJudge {
 mod tests {
     use super::*;
     use crate::configuration::{EXAMPLE, parse};
-    use floorguard_core::geometry::{Point2, Pose2, Twist2};
+    use floorguard_core::geometry::Twist2;
     use floorguard_core::time::Stamp;
 
     /// A robot at 0.8 m/s towards a wall; from `brakes_s` on it is told to stop and brakes as specified.

@@ -10,6 +10,8 @@ pub struct TruthPerson {
     pub id: u32,
     /// Middle of the body, world frame, metres.
     pub position: Point2,
+    /// World frame, m/s.
+    pub velocity_mps: Point2,
     /// Radius of the body, metres: who comes this near to the robot's outline touches it.
     pub radius_m: f32,
     /// What crosses the scan plane of the safety scanner: middle in the world frame and radius, metres.
@@ -22,7 +24,14 @@ impl TruthPerson {
     /// A person who is the same disc at every height.
     #[must_use]
     pub fn disc(id: u32, position: Point2, radius_m: f32) -> Self {
-        Self { id, position, radius_m, ground: vec![(position, radius_m)], body: vec![(position, radius_m)] }
+        Self {
+            id,
+            position,
+            radius_m,
+            ground: vec![(position, radius_m)],
+            body: vec![(position, radius_m)],
+            ..Self::default()
+        }
     }
 }
 

@@ -30,6 +30,13 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
     for (kind, count) in kinds(observation) {
         let _ = writeln!(text, "    {count:3} x {kind}");
     }
+    let mut held: Vec<_> = observation.under_cause_s.iter().collect();
+    held.sort_by(|a, b| b.1.total_cmp(a.1));
+    let held: Vec<String> =
+        held.iter().take(5).map(|(kind, seconds)| format!("{kind} {seconds:.1} s")).collect();
+    if !held.is_empty() {
+        let _ = writeln!(text, "  held back by: {}", held.join(", "));
+    }
     let latency = &verdict.stop_latency_ms;
     if latency.count > 0 {
         let _ = writeln!(

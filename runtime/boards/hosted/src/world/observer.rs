@@ -21,6 +21,8 @@ const TRACKED_RANGE_M: f32 = 12.0;
 const HIDDEN_M: f32 = 1.0;
 /// A way is drawn with one place per quarter of a second.
 const WAY_US: u64 = 250_000;
+/// A status comes every tenth tick, seconds.
+const STATUS_S: f64 = 0.1;
 /// Front wheel's target: object 60FFh in mm/s behind the controlword.
 const ENABLE_OPERATION: u8 = 0x0F;
 
@@ -54,6 +56,8 @@ pub struct Observation {
     pub resets: u32,
     /// Seconds from the start until the robot could move.
     pub ready_s: Option<f64>,
+    /// Robot time under each cause that limited or stopped, seconds.
+    pub under_cause_s: std::collections::BTreeMap<String, f64>,
     /// Speed and limit, one pair per second: time, speed, limit.
     pub speeds: Vec<(f64, f32, f32)>,
 }
@@ -71,6 +75,7 @@ pub struct Observer<'a> {
     scenario: (String, u64),
     commanded_mps: f32,
     last_sweep: Option<Stamp>,
+    last_status: Option<Stamp>,
     next_way_us: u64,
     next_speed_us: u64,
     people_now: usize,
@@ -90,6 +95,7 @@ impl<'a> Observer<'a> {
             scenario: (plan.name.clone(), plan.seed),
             commanded_mps: 0.0,
             last_sweep: None,
+            last_status: None,
             next_way_us: 0,
             next_speed_us: 0,
             people_now: 0,
@@ -140,6 +146,12 @@ impl<'a> Observer<'a> {
         if moves {
             self.seen.ready_s.get_or_insert(seconds);
         }
+        if self.last_status != Some(status.decision.stamp) {
+            self.last_status = Some(status.decision.stamp);
+            if let Some(record) = status.decision.primary_cause {
+                *self.seen.under_cause_s.entry(kind_of(&record)).or_default() += STATUS_S;
+            }
+        }
         if now_us >= self.next_speed_us {
             self.next_speed_us += 1_000_000;
             let limit_mps = status.decision.speed_limit_mps;
@@ -150,9 +162,8 @@ impl<'a> Observer<'a> {
 
     fn on_stop(&mut self, stop: &StopRecord, truth: &SimTruth) {
         let reason = match stop.cause.cause {
-            Cause::ScanProtective | Cause::LidarProtective | Cause::CollisionStop => {
-                StopReason::SomethingInTheWay
-            }
+            Cause::ScanProtective | Cause::LidarProtective => StopReason::SomethingInTheWay,
+            Cause::CollisionStop => StopReason::PersonOnCourse,
             _ => StopReason::Other,
         };
         self.judge.stop(stop.stamp, reason);

@@ -15,6 +15,7 @@ pub fn judged(simulation: &Simulation) -> Truth {
     let people = truth.people.iter().map(|person| TruthPerson {
         id: person.id,
         position: person.position,
+        velocity_mps: person.velocity,
         radius_m: person.radius_m,
         ground: person.ground_discs.clone(),
         body: person.body_discs.clone(),
