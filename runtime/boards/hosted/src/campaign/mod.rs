@@ -1,5 +1,35 @@
 //! Many seeded runs in parallel, each in its own virtual time, and one table of what came of them.
 
+mod encounters;
+mod single_faults;
 mod summary;
 
+pub use encounters::encounter;
+pub use single_faults::single_fault;
 pub use summary::{CampaignSummary, RunOutcome, run_all};
+
+use crate::world::{Observation, Observer, Plan, run_virtual};
+
+/// Large state is moved by value when a run begins.
+const STACK_BYTES: usize = 32 << 20;
+
+/// Plays a plan without showing anything.
+fn watched(plan: &Plan) -> anyhow::Result<Observation> {
+    let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
+    let mut observer = Observer::new(plan, &mut show);
+    run_virtual(plan, &mut observer)?;
+    Ok(observer.into_observation())
+}
+
+/// Runs cases on all cores, on threads with room for the robot's state.
+///
+/// # Errors
+/// The system gives no threads.
+pub fn run_seeds(
+    seeds: std::ops::Range<u64>,
+    run: impl Fn(u64) -> RunOutcome + Send + Sync,
+) -> anyhow::Result<CampaignSummary> {
+    let seeds: Vec<u64> = seeds.collect();
+    let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build()?;
+    Ok(pool.install(|| run_all(&seeds, |seed| run(*seed))))
+}

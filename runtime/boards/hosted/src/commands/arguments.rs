@@ -20,6 +20,8 @@ pub enum Command {
     Demo(super::DemoArguments),
     /// Drive the simulated robot through a scenario and judge it by ground truth.
     Simulate(super::SimulateArguments),
+    /// Many seeded runs on all cores: random encounters with people, random single faults.
+    Campaign(super::CampaignArguments),
     /// Feed a lidar capture through the same stages as on the robot.
     Replay(ReplayArguments),
     /// Print every return of a lidar capture.

@@ -1,6 +1,7 @@
 //! What the user types. Human text goes to standard error, machine output to standard output.
 
 mod arguments;
+mod campaign;
 mod check;
 mod decode;
 mod demo;
@@ -11,6 +12,7 @@ mod replay;
 mod simulate;
 
 pub use arguments::{Arguments, Command, DecodeArguments, ModelArgument, ReplayArguments};
+pub use campaign::{CampaignArguments, CampaignKind};
 pub use decode::decode_to;
 pub use demo::DemoArguments;
 pub use eval::{EvalArguments, EvalStage};
@@ -31,6 +33,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Check { file }) => check::run(&file),
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Demo(arguments)) => demo::run(&arguments),
+        Some(Command::Campaign(arguments)) => campaign::run(&arguments),
         None => demo::run(&DemoArguments::default()),
     }
 }

@@ -2,7 +2,7 @@
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::guard::{Cause, CauseRecord};
+use floorguard_core::guard::{Cause, CauseRecord, Health};
 use floorguard_core::people::TrackStatus;
 use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
@@ -150,6 +150,15 @@ impl<'a> Observer<'a> {
             self.last_status = Some(status.decision.stamp);
             if let Some(record) = status.decision.primary_cause {
                 *self.seen.under_cause_s.entry(kind_of(&record)).or_default() += STATUS_S;
+            }
+        }
+        if self.seen.ready_s.is_some() {
+            // A person at the bumper blinds the lidar: that is a reason to stand, not a fault of the device.
+            let well = [Health::Healthy, Health::Blind];
+            for report in
+                status.sources.iter().filter(|report| report.fitted && !well.contains(&report.health))
+            {
+                self.faulty.insert(report.source.name().to_owned());
             }
         }
         if now_us >= self.next_speed_us {

@@ -1,0 +1,76 @@
+//! The whole robot against the simulator: bytes in, people seen, motors stopped, in virtual time.
+
+use floorguard_hosted::campaign::{encounter, run_seeds, single_fault};
+use floorguard_hosted::world::{Observation, Observer, Plan, run_virtual};
+
+fn play(plan: &Plan) -> Observation {
+    let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
+    let mut observer = Observer::new(plan, &mut show);
+    run_virtual(plan, &mut observer).unwrap();
+    observer.into_observation()
+}
+
+fn plan(name: &str, seed: u64, seconds: u64) -> Plan {
+    Plan::named(name, seed, seconds * 1_000_000).unwrap()
+}
+
+#[test]
+fn drives_its_route_in_an_empty_hall_without_a_single_stop() {
+    let seen = play(&plan("empty", 1, 60));
+    assert!(seen.verdict.passed, "{:?}", seen.verdict);
+    assert_eq!((seen.verdict.stops, seen.verdict.faulty_sources.len()), (0, 0), "{:?}", seen.stops);
+    assert!(seen.ready_s.is_some_and(|ready_s| ready_s < 2.0), "ready within 2 s: {:?}", seen.ready_s);
+    assert!(seen.verdict.distance_m > 30.0, "{}", seen.verdict.distance_m);
+    // The route is a rectangle of 6 m × 3 m: odometry that drifts would leave it.
+    for pose in &seen.robot_way {
+        assert!((-2.0..8.0).contains(&pose.x_m) && (-1.5..4.5).contains(&pose.y_m), "{pose:?}");
+    }
+}
+
+#[test]
+fn stops_for_people_in_a_supermarket_and_hurts_nobody() {
+    let seen = play(&plan("supermarket", 1, 40));
+    assert!(seen.verdict.passed, "{:?}", seen.verdict);
+    assert!(seen.verdict.stops > 0 && seen.verdict.distance_m > 5.0, "{:?}", seen.verdict);
+    assert!(seen.verdict.mota.is_some_and(|mota| mota > 0.5), "{:?}", seen.verdict.mota);
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bits_and_another_seed_does_not() {
+    let digest = |seed| play(&plan("crossing", seed, 15)).verdict.digest;
+    assert_eq!(digest(5), digest(5));
+    assert_ne!(digest(5), digest(6));
+}
+
+#[test]
+fn the_emergency_stop_latches_until_the_operator_resets() {
+    let mut plan = plan("empty", 3, 25);
+    plan.emergency_stop_us = vec![(8_000_000, 11_000_000)];
+    let seen = play(&plan);
+    let causes: Vec<&str> = seen.stops.iter().map(|stop| stop.kind.as_str()).collect();
+    assert!(causes.iter().any(|cause| cause.contains("emergency stop")), "{causes:?}");
+    // Pressed at 8 s, released at 11 s, reset three seconds later at the earliest.
+    let moved_m = |from_s: f64, to_s: f64| {
+        let places = &seen.robot_way[(from_s * 4.0) as usize..(to_s * 4.0) as usize];
+        places
+            .windows(2)
+            .map(|pair| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m))
+            .sum::<f32>()
+    };
+    assert!(moved_m(9.5, 13.5) < 0.01, "{}", moved_m(9.5, 13.5));
+    assert!(seen.resets >= 1 && moved_m(18.0, 24.0) > 1.0, "{} {}", seen.resets, moved_m(18.0, 24.0));
+    assert!(seen.verdict.passed);
+}
+
+#[test]
+fn a_slice_of_random_encounters() {
+    let summary = run_seeds(1_000..1_016, encounter).unwrap();
+    assert!(summary.failures.is_empty(), "{:#?}", summary.failures);
+    assert!(summary.stops > 0 && summary.distance_m > 50.0, "{summary:?}");
+}
+
+#[test]
+fn a_slice_of_random_single_faults() {
+    let summary = run_seeds(1_000..1_024, single_fault).unwrap();
+    assert!(summary.failures.is_empty(), "{:#?}", summary.failures);
+}
