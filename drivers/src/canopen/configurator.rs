@@ -62,10 +62,12 @@ pub struct NodeConfigurator {
     failure: Option<ConfigurationFailure>,
     reads: [u32; READS_KEPT],
     reads_done: usize,
+    /// It left operation by itself; told with the next poll.
+    left: bool,
 }
 
 impl NodeConfigurator {
-    /// A node that was not heard of yet. The script should begin with its heartbeat (1017h).
+    /// A node that was not heard of yet. The script must set its heartbeat (1017h).
     #[must_use]
     pub const fn new(node: u8, script: Script) -> Self {
         Self {
@@ -78,6 +80,7 @@ impl NodeConfigurator {
             failure: None,
             reads: [0; READS_KEPT],
             reads_done: 0,
+            left: false,
         }
     }
 
@@ -117,11 +120,14 @@ impl NodeConfigurator {
         self.monitor.hear(state, now);
         match (self.phase, state) {
             (NodePhase::Starting, NodeState::Operational) => self.phase = NodePhase::Operational,
-            (NodePhase::Starting | NodePhase::Operational, NodeState::BootUp) | (NodePhase::Absent, _) => {
+            (NodePhase::Absent, _) => self.begin(),
+            // It restarted, or somebody else took it out of operation.
+            (NodePhase::Operational, NodeState::BootUp | NodeState::PreOperational | NodeState::Stopped) => {
+                self.left = true;
                 self.begin();
             }
-            // Somebody else, or the node itself, took it out of operation.
-            (NodePhase::Operational, NodeState::PreOperational | NodeState::Stopped) => self.begin(),
+            // Whatever was written before is forgotten.
+            (_, NodeState::BootUp) => self.begin(),
             _ => {}
         }
     }
@@ -145,18 +151,26 @@ impl NodeConfigurator {
         }
         // Configuring shows that it lives, even before its heartbeat is set up.
         self.monitor.hear(NodeState::PreOperational, now);
-        match answer {
-            SdoAnswer::Aborted(error) => {
+        match (answer, request.write) {
+            (SdoAnswer::Aborted(error), _) => {
                 self.give_up(ConfigurationFailure { index, subindex, error }, now);
                 return;
             }
-            SdoAnswer::Value(value) => {
+            // No script reads text.
+            (SdoAnswer::Segmented(_), None) => {
+                let error = SdoError::TOO_LONG;
+                self.give_up(ConfigurationFailure { index, subindex, error }, now);
+                return;
+            }
+            (SdoAnswer::Value(value), None) => {
                 if let Some(slot) = self.reads.get_mut(self.reads_done) {
                     *slot = value;
                     self.reads_done = self.reads_done.saturating_add(1);
                 }
             }
-            SdoAnswer::Written | SdoAnswer::Segmented(_) => {}
+            (SdoAnswer::Written, Some(_)) => {}
+            // An answer to another kind of request, late from before: the time-out asks again.
+            (SdoAnswer::Value(_) | SdoAnswer::Segmented(_), Some(_)) | (SdoAnswer::Written, None) => return,
         }
         let next = step.saturating_add(1);
         self.phase =
@@ -165,8 +179,9 @@ impl NodeConfigurator {
         self.tries = 0;
     }
 
-    /// Time has passed: sends what is due. True when the node has just been lost.
+    /// Time has passed: sends what is due. True when the node was lost or left operation since the last call.
     pub fn poll(&mut self, now: Stamp, send: &mut impl FnMut(&CanFrame)) -> bool {
+        let left = core::mem::take(&mut self.left);
         let waited_us = self.sent.map(|sent| match sent.age(now) {
             Age::Past(us) => us,
             Age::Future(_) => u64::MAX,
@@ -194,7 +209,7 @@ impl NodeConfigurator {
             NodePhase::Refused if waited_us.is_none_or(|us| us >= PAUSE_US) => self.forget(),
             _ => {}
         }
-        false
+        left
     }
 
     fn request(&mut self, step: usize, now: Stamp, send: &mut impl FnMut(&CanFrame)) {
@@ -203,7 +218,7 @@ impl NodeConfigurator {
             return;
         };
         if self.tries >= TRIES_MAX {
-            let error = SdoError(0x0504_0000);
+            let error = SdoError::TIME_OUT;
             self.give_up(
                 ConfigurationFailure { index: request.index, subindex: request.subindex, error },
                 now,
@@ -295,6 +310,55 @@ mod tests {
         assert_eq!(node.phase(), NodePhase::Absent);
     }
 
+    /// It may have lost what it was told: everything is told again, and whoever depends on it hears of it.
+    #[test]
+    fn a_restart_starts_over_from_any_phase() {
+        for phase in [
+            NodePhase::Absent,
+            NodePhase::Configuring(1),
+            NodePhase::Starting,
+            NodePhase::Operational,
+            NodePhase::Refused,
+        ] {
+            let mut node = NodeConfigurator::new(5, script());
+            node.phase = phase;
+            node.monitor.hear(NodeState::Operational, at(0));
+            node.on_heartbeat(0, at(10));
+            assert_eq!(node.phase(), NodePhase::Configuring(0), "{phase:?}");
+            let (sent, lost) = poll(&mut node, 20);
+            assert_eq!(sent.len(), 2, "pre-operational and the first write, {phase:?}");
+            assert_eq!(lost, phase == NodePhase::Operational);
+            assert!(!poll(&mut node, 30).1, "told once");
+        }
+    }
+
+    #[test]
+    fn an_operational_node_that_is_taken_out_of_operation_is_a_loss() {
+        for state in [0x04, 0x7F] {
+            let mut node = NodeConfigurator::new(5, script());
+            node.phase = NodePhase::Operational;
+            node.on_heartbeat(state, at(10));
+            assert_eq!((node.phase(), poll(&mut node, 20).1), (NodePhase::Configuring(0), true));
+        }
+    }
+
+    /// A read is answered by a value, a write by an acknowledgement; text is of no use.
+    #[test]
+    fn an_answer_of_the_wrong_kind_is_no_answer() {
+        let mut node = NodeConfigurator::new(5, Script::new().read(0x6002, 0));
+        node.on_heartbeat(0, at(0));
+        poll(&mut node, 0);
+        node.on_answer(&[0x60, 0x02, 0x60, 0, 0, 0, 0, 0], at(1));
+        assert_eq!((node.phase(), node.read(0)), (NodePhase::Configuring(0), None));
+        node.on_answer(&[0x41, 0x02, 0x60, 0, 9, 0, 0, 0], at(2));
+        assert_eq!(node.failure().unwrap().error, SdoError::TOO_LONG);
+        let mut node = NodeConfigurator::new(5, script());
+        node.on_heartbeat(0, at(0));
+        poll(&mut node, 0);
+        node.on_answer(&[0x43, 0x17, 0x10, 0, 1, 0, 0, 0], at(1));
+        assert_eq!(node.phase(), NodePhase::Configuring(0));
+    }
+
     #[test]
     fn silence_during_configuration_is_a_time_out() {
         let mut node = NodeConfigurator::new(5, script());
@@ -302,6 +366,6 @@ mod tests {
         for ms in (0..3_000).step_by(100) {
             poll(&mut node, ms);
         }
-        assert_eq!(node.failure().unwrap().error, SdoError(0x0504_0000));
+        assert_eq!(node.failure().unwrap().error, SdoError::TIME_OUT);
     }
 }

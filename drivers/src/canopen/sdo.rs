@@ -32,6 +32,13 @@ pub enum SdoAnswer {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SdoError(pub u32);
 
+impl SdoError {
+    /// No answer.
+    pub const TIME_OUT: Self = Self(0x0504_0000);
+    /// The object is longer than the request can take.
+    pub const TOO_LONG: Self = Self(0x0607_0012);
+}
+
 impl fmt::Display for SdoError {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let what = match self.0 {
