@@ -231,3 +231,56 @@ fn a_silent_encoder_is_lost_and_comes_back_without_a_jump() {
     let rolled = after.left_ticks.wrapping_sub(before.left_ticks);
     assert!(rolled > 0 && rolled < 20_000, "{rolled}");
 }
+
+/// Only the way from the drive to the master is broken: the master's heartbeat still reaches the drive, so that its
+/// own watchdog stays quiet. The stop has to be sent although nobody answers.
+#[test]
+fn a_drive_that_is_not_heard_any_more_is_still_told_to_stop() {
+    for deaf_s in [0.05, 1.0] {
+        let mut rig = Rig::new();
+        rig.run(1.0);
+        rig.drive(0.5, 0.0);
+        rig.run(2.0);
+        rig.muted = Some(1);
+        rig.run(deaf_s);
+        rig.base.command(DriveCommand::Stop(StopKind::TorqueOff));
+        rig.run(1.0);
+        let speed_mps = rig.simulation.truth().twist.linear_mps;
+        assert!(speed_mps.abs() < 0.01, "after {deaf_s} s of silence: {speed_mps}");
+    }
+}
+
+/// Some other master, or a service tool, takes the drive out of operation, or restarts its communication. Process data
+/// do not reach it any more while it is configured anew, and its power stage may still be on.
+#[test]
+fn a_drive_that_was_taken_out_of_operation_stands_and_is_reported() {
+    for command in [0x80, 0x82] {
+        let mut rig = Rig::new();
+        rig.run(1.0);
+        rig.drive(0.5, 0.0);
+        rig.run(2.0);
+        rig.deliver(&[CanFrame::standard(0x000, &[command, 1])]);
+        rig.run(0.02);
+        rig.base.command(DriveCommand::Stop(StopKind::TorqueOff));
+        rig.run(0.6);
+        let speed_mps = rig.simulation.truth().twist.linear_mps;
+        assert!(speed_mps.abs() < 0.01, "{command:02X}: {speed_mps}");
+        assert!(rig.events.contains(&BaseEvent::NodeLost(1)), "{command:02X}");
+        assert_eq!(rig.base.counters().losses, 1, "{command:02X}");
+        rig.run(1.0);
+        assert!(rig.base.is_complete(), "{command:02X}");
+    }
+}
+
+/// A device that restarts in the middle of its configuration has forgotten the first half of it.
+#[test]
+fn a_device_that_restarts_while_it_is_configured_gets_everything_again() {
+    let mut rig = Rig::new();
+    rig.run(0.08);
+    assert!(!rig.base.is_complete());
+    rig.deliver(&[CanFrame::standard(0x000, &[0x82, 0])]);
+    rig.run(1.5);
+    assert!(rig.base.is_complete(), "{:?}", rig.base.devices().map(|device| device.phase()));
+    assert_eq!(rig.last_drive().state, DriveState::Disabled);
+    assert!(rig.last_wheels().stamp.seconds_since(Stamp::ZERO) > 1.5);
+}

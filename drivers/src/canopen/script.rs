@@ -38,6 +38,13 @@ impl Script {
         self
     }
 
+    /// Adds the steps of another one.
+    #[must_use]
+    pub fn followed_by(mut self, other: &Self) -> Self {
+        self.overflowed |= other.overflowed || self.steps.extend_from_slice(&other.steps).is_err();
+        self
+    }
+
     /// Process data of the device: number 0…3, transmission type (1…240: every n-th SYNC, 255: by event), mapped
     /// objects as index, sub-index and bits packed in 32 bits. Switched off while it is written (wire-formats 6.4).
     #[must_use]

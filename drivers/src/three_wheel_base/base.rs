@@ -109,18 +109,23 @@ impl ThreeWheelBase {
 
     /// Ten milliseconds have passed: SYNC, commands, heartbeat, and whatever the devices' start needs.
     pub fn poll(&mut self, now: Stamp, event: &mut impl FnMut(BaseEvent), send: &mut impl FnMut(&CanFrame)) {
+        // The command first: a serial line sends in order, and nothing may hold a stop up.
+        self.send_command(send);
+        self.drives.step();
+        self.encoders.begin();
+        self.latched = now;
+        send(&sync_frame());
         let due =
             self.heartbeat.is_none_or(|sent| !matches!(sent.age(now), Age::Past(us) if us < HEARTBEAT_US));
         if due {
             self.heartbeat = Some(now);
             send(&master_heartbeat(self.configuration.master_node));
         }
+        let losses = self.counters.losses;
         self.watch(now, event, send);
-        self.send_command(send);
-        self.drives.step();
-        self.encoders.begin();
-        self.latched = now;
-        send(&sync_frame());
+        if self.counters.losses != losses {
+            self.send_command(send);
+        }
     }
 
     fn watch(&mut self, now: Stamp, event: &mut impl FnMut(BaseEvent), send: &mut impl FnMut(&CanFrame)) {
@@ -157,15 +162,22 @@ impl ThreeWheelBase {
     }
 
     /// Sends the command at once: a stop does not wait for the next poll.
+    ///
+    /// A drive that is not operational, as far as is known, is told to stop: perhaps only its answers are lost, and
+    /// the master's heartbeat keeps its own watchdog quiet.
     pub fn send_command(&self, send: &mut impl FnMut(&CanFrame)) {
-        if self.traction.is_operational()
-            && let Some(frame) = self.drives.traction_frame(self.configuration.traction_node)
-        {
-            send(&frame);
-        }
-        if self.steering.is_operational()
-            && let Some(frame) = self.drives.steering_frame(self.configuration.steering_node)
-        {
+        let (traction, steering) = (self.configuration.traction_node, self.configuration.steering_node);
+        send(&if self.traction.is_operational() {
+            self.drives.traction_frame(traction)
+        } else {
+            self.drives.traction_stop_frame(traction)
+        });
+        let steering_frame = if self.steering.is_operational() {
+            self.drives.steering_frame(steering)
+        } else {
+            self.drives.steering_stop_frame(steering)
+        };
+        if let Some(frame) = steering_frame {
             send(&frame);
         }
     }
@@ -243,12 +255,17 @@ impl ThreeWheelBase {
             self.counters.refused = self.counters.refused.saturating_add(1);
             return;
         };
+        let position = u32::from_le_bytes([a, b, c, d]);
+        // A range of 0 stands for the whole word.
+        if range != 0 && position >= range {
+            self.counters.refused = self.counters.refused.saturating_add(1);
+            return;
+        }
         if !matches!(self.latched.age(now), Age::Past(us) if us <= LATE_US) {
             self.counters.late = self.counters.late.saturating_add(1);
             return;
         }
-        let position = (u32::from_le_bytes([a, b, c, d]), range);
-        if let Some(sample) = self.encoders.on_position(side, position, self.latched) {
+        if let Some(sample) = self.encoders.on_position(side, (position, range), self.latched) {
             event(BaseEvent::Wheels(sample));
         }
     }

@@ -7,6 +7,8 @@ use crate::flexisoft::InputMap;
 const MASTER_SILENT_MS: u32 = 200;
 /// Object 1017h: heartbeat of each device, milliseconds.
 const HEARTBEAT_MS: u32 = 100;
+/// Controlword; leads to "switch-on disabled" from every state but a fault.
+const QUICK_STOP: u32 = 0x0002;
 /// By every SYNC.
 const EVERY_SYNC: u8 = 1;
 /// At once, or by event.
@@ -64,7 +66,10 @@ impl BaseConfiguration {
     pub(super) fn traction_script(&self) -> Script {
         let node = self.traction_node;
         let millimetres = |metres: f32| (metres * 1_000.0).max(1.0) as u32;
-        self.watched()
+        // Process data do not reach the drive before it is started again: if it turns, it must not go on turning.
+        Script::new()
+            .write(0x6040, 0, QUICK_STOP, 2)
+            .followed_by(&self.watched())
             .write(0x6060, 0, 3, 1)
             .write(0x6083, 0, millimetres(self.acceleration_mps2), 4)
             .write(0x6084, 0, millimetres(self.deceleration_mps2), 4)

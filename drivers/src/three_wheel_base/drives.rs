@@ -71,10 +71,16 @@ impl Report {
     fn take(&mut self, payload: &[u8], goal: DriveGoal) -> bool {
         let &[low, high, a, b, c, d, ..] = payload else { return false };
         self.value = i32::from_le_bytes([a, b, c, d]);
+        let was_fault = self.state.is_some_and(PowerState::is_fault);
         self.state = PowerState::from_statusword(u16::from_le_bytes([low, high]));
         let Some(state) = self.state else { return false };
+        if was_fault && !state.is_fault() {
+            // The next fault has its own code.
+            self.emergency = 0;
+        }
         self.left_operation |= profile_error(state, self.operated, goal);
-        self.operated = state == PowerState::OperationEnabled;
+        // Only what operates as told can leave operation by itself.
+        self.operated = state == PowerState::OperationEnabled && goal == DriveGoal::Operate;
         self.fresh = true;
         true
     }
@@ -172,31 +178,53 @@ impl Drives {
         }
     }
 
-    fn word(&self, report: &Report) -> Option<u16> {
-        let state = report.state?;
+    /// What stops a drive in any state, also in one that is not known.
+    fn stop_word(&self) -> u16 {
+        match self.command.goal() {
+            DriveGoal::TorqueOff | DriveGoal::ResetFault(_) => 0x0000,
+            DriveGoal::QuickStop | DriveGoal::Operate => {
+                controlword(PowerState::QuickStopActive, DriveGoal::QuickStop)
+            }
+        }
+    }
+
+    fn word(&self, report: &Report) -> u16 {
+        let Some(state) = report.state else { return self.stop_word() };
         if state == PowerState::Fault && self.reset_steps > 0 {
-            return Some(controlword(state, DriveGoal::ResetFault(self.reset_steps <= RESET_STEPS / 2)));
+            return controlword(state, DriveGoal::ResetFault(self.reset_steps <= RESET_STEPS / 2));
         }
         // What left operation by itself stays down until the operator resets.
         let goal = if report.left_operation { DriveGoal::TorqueOff } else { self.command.goal() };
-        Some(controlword(state, goal))
+        controlword(state, goal)
     }
 
-    /// The frame to the traction drive; none before it has said in which state it is. The wheel turns only when both
-    /// drives operate.
-    pub fn traction_frame(&self, node: u8) -> Option<CanFrame> {
-        let both = self.traction.operated && self.steering.operated;
+    /// The frame to a traction drive that is not operational: no target, no way to operate.
+    pub fn traction_stop_frame(&self, node: u8) -> CanFrame {
+        process_data(node, self.stop_word(), 0)
+    }
+
+    /// The frame to a steering drive that is not operational. It loses its torque only where that is demanded: an
+    /// angle that is held is no danger.
+    pub fn steering_stop_frame(&self, node: u8) -> Option<CanFrame> {
+        (self.command.goal() == DriveGoal::TorqueOff).then(|| process_data(node, 0x0000, self.steering.value))
+    }
+
+    /// The frame to the traction drive. The wheel turns only when both drives operate; a state that is not known is
+    /// answered by a stop.
+    pub fn traction_frame(&self, node: u8) -> CanFrame {
+        let both = [self.traction.state, self.steering.state] == [Some(PowerState::OperationEnabled); 2];
         let target = match self.command {
             DriveCommand::Move { wheel_mps, .. } if both && wheel_mps.is_finite() => {
                 libm::roundf(wheel_mps * 1_000.0) as i32
             }
             _ => 0,
         };
-        Some(process_data(node, self.word(&self.traction)?, target))
+        process_data(node, self.word(&self.traction), target)
     }
 
     /// The frame to the steering drive. It stays where it is when the robot is to stand.
     pub fn steering_frame(&self, node: u8) -> Option<CanFrame> {
+        let Some(state) = self.steering.state else { return self.steering_stop_frame(node) };
         let target = match self.command {
             DriveCommand::Move { steering_rad, .. } if steering_rad.is_finite() => {
                 libm::roundf(steering_rad * MILLIDEGREES) as i32
@@ -204,13 +232,13 @@ impl Drives {
             _ => self.steering.value,
         };
         // Holding an angle is no danger, losing it at speed is: the steering gives up its torque last.
-        let word = match (self.command, self.steering.state?) {
+        let word = match (self.command, state) {
             (DriveCommand::Stop(StopKind::Ramp), PowerState::OperationEnabled)
                 if !self.steering.left_operation =>
             {
                 controlword(PowerState::OperationEnabled, DriveGoal::Operate)
             }
-            _ => self.word(&self.steering)?,
+            _ => self.word(&self.steering),
         };
         Some(process_data(node, word, target))
     }
@@ -250,18 +278,17 @@ mod tests {
         assert_eq!(feedback.state, DriveState::Enabled);
         assert!((feedback.wheel_speed_mps + 1.234).abs() < 1e-6);
         drives.command(DriveCommand::Move { wheel_mps: -1.0, steering_rad: 0.5 });
-        let frame = drives.traction_frame(5).unwrap();
-        assert_eq!(frame, CanFrame::standard(0x205, &[0x0F, 0, 0x18, 0xFC, 0xFF, 0xFF]));
+        assert_eq!(drives.traction_frame(5), CanFrame::standard(0x205, &[0x0F, 0, 0x18, 0xFC, 0xFF, 0xFF]));
     }
 
     #[test]
     fn no_wheel_turns_before_both_drives_operate() {
         let mut drives = Drives::default();
-        assert_eq!(drives.traction_frame(1), None);
+        assert_eq!(drives.traction_frame(1).payload(), [0; 6]);
         drives.command(DriveCommand::Move { wheel_mps: 1.0, steering_rad: 0.0 });
         report(&mut drives, Axis::Traction, 0x0237, 0);
         report(&mut drives, Axis::Steering, 0x0233, 0);
-        assert_eq!(drives.traction_frame(1).unwrap().payload(), [0x0F, 0, 0, 0, 0, 0]);
+        assert_eq!(drives.traction_frame(1).payload(), [0x0F, 0, 0, 0, 0, 0]);
     }
 
     #[test]
@@ -275,10 +302,68 @@ mod tests {
                 if status == 0x0237 { DriveState::Enabled } else { DriveState::Fault(LEFT_OPERATION) };
             assert_eq!(feedback.state, wanted);
         }
-        assert_eq!(drives.traction_frame(1).unwrap().payload(), [0; 6]);
+        assert_eq!(drives.traction_frame(1).payload(), [0; 6]);
         drives.reset_faults();
         report(&mut drives, Axis::Traction, 0x0250, 0);
         assert_eq!(report(&mut drives, Axis::Steering, 0x0237, 0).unwrap().state, DriveState::Disabled);
+    }
+
+    /// A statusword that the profile does not know (ready, but with the quick-stop bit low) silences no stop.
+    #[test]
+    fn a_drive_in_an_unknown_state_is_stopped() {
+        let go = DriveCommand::Move { wheel_mps: 1.0, steering_rad: 0.1 };
+        let stop = DriveCommand::Stop;
+        let stops = [
+            (go, 0x02, None),
+            (stop(StopKind::Hold), 0x02, None),
+            (stop(StopKind::Ramp), 0x02, None),
+            (stop(StopKind::TorqueOff), 0x00, Some(0x00)),
+        ];
+        for (command, word, steering_word) in stops {
+            let mut drives = Drives::default();
+            drives.command(go);
+            report(&mut drives, Axis::Traction, 0x0237, 900);
+            report(&mut drives, Axis::Steering, 0x0237, 0);
+            assert_eq!(drives.traction_frame(1).payload(), [0x0F, 0, 0xE8, 3, 0, 0]);
+            for axis in [Axis::Traction, Axis::Steering] {
+                assert_eq!(drives.on_report(axis, &[0x01, 2, 0, 0, 0, 0], Stamp::ZERO), Err(()));
+            }
+            drives.command(command);
+            let frame = drives.traction_frame(1);
+            assert_eq!(frame.payload().first(), Some(&word), "{command:?}");
+            assert_eq!(drives.traction_stop_frame(1).payload(), [word, 0, 0, 0, 0, 0]);
+            let steering = drives.steering_frame(2);
+            assert_eq!(steering, drives.steering_stop_frame(2));
+            assert_eq!(steering.and_then(|frame| frame.payload().first().copied()), steering_word);
+        }
+    }
+
+    /// The report that was under way while a stop was taken back shows no drive that left operation by itself.
+    #[test]
+    fn a_stop_that_is_taken_back_at_once_is_no_fault() {
+        let mut drives = Drives::default();
+        let go = DriveCommand::Move { wheel_mps: 1.0, steering_rad: 0.0 };
+        drives.command(go);
+        report(&mut drives, Axis::Traction, 0x0237, 0);
+        drives.command(DriveCommand::Stop(StopKind::Ramp));
+        report(&mut drives, Axis::Traction, 0x0237, 0);
+        drives.command(go);
+        report(&mut drives, Axis::Traction, 0x0217, 0);
+        report(&mut drives, Axis::Steering, 0x0237, 0);
+        assert_eq!(drives.traction_frame(1).payload(), [0; 6], "through switch-on disabled");
+        assert!(!drives.traction.left_operation);
+    }
+
+    #[test]
+    fn the_code_of_a_fault_ends_with_it() {
+        let mut drives = Drives::default();
+        drives.on_emergency(Axis::Traction, 0x5441);
+        let mut state = |status| {
+            report(&mut drives, Axis::Steering, 0x0240, 0);
+            report(&mut drives, Axis::Traction, status, 0).unwrap().state
+        };
+        let seen = [0x0218, 0x0240, 0x0218].map(&mut state);
+        assert_eq!(seen, [DriveState::Fault(0x5441), DriveState::Disabled, DriveState::Fault(UNNAMED_FAULT)]);
     }
 
     #[test]
