@@ -27,3 +27,10 @@ pub const POSE_HISTORY: usize = 128;
 pub const FIELD_VERTICES_MAX: usize = 16;
 /// Field sets: four speed bins, forward and reverse.
 pub const FIELD_SETS_MAX: usize = 8;
+/// Things of a sweep whose motion is judged; the farthest are dropped first and counted (algorithms H: 256 and 64; the
+/// correspondence compares all pairs).
+pub const MOTION_THINGS_MAX: usize = if cfg!(feature = "hosted") { 256 } else { 64 };
+/// Moving things believed in at once (algorithms Q.1, T_m).
+pub const MOTION_TRACKED_MAX: usize = if cfg!(feature = "hosted") { 64 } else { 16 };
+/// Columns along each side of the motion voxels, 0.1 m each; a power of two. Memory: four bytes a column, twice.
+pub const MOTION_VOXEL_SIDE: usize = if cfg!(feature = "hosted") { 256 } else { 128 };

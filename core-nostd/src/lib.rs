@@ -25,6 +25,7 @@ pub mod cleaning;
 pub mod geometry;
 pub mod guard;
 pub mod maps;
+pub mod motion;
 pub mod odometry;
 pub mod people;
 pub mod protection;

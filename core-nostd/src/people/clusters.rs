@@ -240,6 +240,14 @@ impl Clusterer {
         Some(index)
     }
 
+    /// Index of the cluster of a cell.
+    pub(super) fn index_of(&self, column: usize, ring: usize) -> Option<usize> {
+        let cell = column.saturating_mul(SWEEP_RINGS).saturating_add(ring);
+        let root = self.sets.parents().get(cell).copied().filter(|root| *root != NONE)?;
+        let mark = self.marks.get(usize::from(root)).copied()?;
+        (mark != DROPPED && mark & INDEX != 0).then(|| usize::from(mark & !INDEX))
+    }
+
     /// Horizontal distance of the obstacle in a cell, metres; `None` if there is none.
     pub(super) fn distance_m(&self, column: usize, ring: usize) -> Option<f32> {
         let counts = self.distances.get(column.saturating_mul(SWEEP_RINGS).saturating_add(ring)).copied()?;

@@ -26,5 +26,6 @@ pub use floor_height::FloorHeight;
 pub use ground::FloorMask;
 pub use joint::{GROUP_DETECTIONS, GROUP_TRACKS, JointGroup, Marginals};
 pub use pipeline::{PeopleCounters, PeopleOutput, PeoplePipeline, SweepContext};
+pub(crate) use projection::ColumnFrame;
 pub use projection::RingAngles;
 pub use tracker::{Track, TrackStatus, Tracker, TrackerParameters};

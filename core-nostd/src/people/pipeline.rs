@@ -114,6 +114,12 @@ impl PeoplePipeline {
     /// Takes in a sweep. Linear in its cells, plus tracks × detections.
     pub fn process(&mut self, sweep: &Sweep, context: &SweepContext) -> PeopleOutput<'_> {
         self.find_things(sweep, context);
+        self.find_people(sweep, context)
+    }
+
+    /// People among the things of the same sweep; after [`Self::find_things`]. Between the two, motion can be judged
+    /// (see [`Self::thing_of`]).
+    pub fn find_people(&mut self, sweep: &Sweep, context: &SweepContext) -> PeopleOutput<'_> {
         self.find_candidates(context);
         self.find_upper_bodies(sweep, context);
         self.track(sweep, context);
@@ -248,6 +254,19 @@ impl PeoplePipeline {
     #[must_use]
     pub const fn tracker(&self) -> &Tracker {
         &self.tracker
+    }
+
+    /// The things of the newest sweep, in the robot's frame.
+    #[must_use]
+    pub fn things(&self) -> &[Cluster] {
+        &self.things
+    }
+
+    /// Index of the thing to which a cell belongs; `None` if to none. Valid from [`Self::find_things`] to
+    /// [`Self::find_people`], which groups once more.
+    #[must_use]
+    pub fn thing_of(&self, column: usize, ring: usize) -> Option<usize> {
+        self.clusterer.index_of(column, ring)
     }
 
     /// The detections of the newest sweep, in the fixed frame.

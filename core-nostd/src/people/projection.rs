@@ -36,7 +36,7 @@ impl RingAngles {
 
 /// The affine map of one column: point = range · (cos · horizontal + sin · vertical) + height · vertical + origin.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ColumnFrame {
+pub(crate) struct ColumnFrame {
     horizontal: [f32; 3],
     vertical: [f32; 3],
     origin: [f32; 3],
@@ -46,7 +46,7 @@ pub(super) struct ColumnFrame {
 impl ColumnFrame {
     /// For a column of a sweep, with the robot's motion during the sweep taken out: the point is expressed in the
     /// robot's frame at the end of the sweep (algorithms X.8, constant speed within the sweep).
-    pub(super) fn new(sweep: &Sweep, column: &SweepColumn, mounting: &Transform3, twist: Twist2) -> Self {
+    pub(crate) fn new(sweep: &Sweep, column: &SweepColumn, mounting: &Transform3, twist: Twist2) -> Self {
         let (sin, cos) = sincos_cdeg(column.azimuth_cdeg);
         let [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]] = mounting.rotation;
         // Azimuth runs clockwise: forward is x, right is −y.
@@ -91,12 +91,12 @@ impl ColumnFrame {
     }
 
     /// Range in metres.
-    pub(super) fn range_m(&self, raw: u16) -> f32 {
+    pub(crate) fn range_m(&self, raw: u16) -> f32 {
         f32::from(raw) * self.metres_per_count
     }
 
     /// The point of a return.
-    pub(super) fn point(&self, raw: u16, (sin, cos, height_m): (f32, f32, f32)) -> Point3 {
+    pub(crate) fn point(&self, raw: u16, (sin, cos, height_m): (f32, f32, f32)) -> Point3 {
         let range_m = self.range_m(raw);
         let (along, up) = (range_m * cos, range_m * sin + height_m);
         let [hx, hy, hz] = self.horizontal;

@@ -1,0 +1,276 @@
+//! From the things of a sweep to verdicts: moving or static. Algorithms H, N.5, on the clusters of `people`.
+
+use heapless::Vec;
+
+use super::confidence::{Confidence, MovingThing};
+use super::correspondence::{Thing, correspond};
+use super::parameters::MotionParameters;
+use super::reference::References;
+use super::seen_through::Before;
+use super::voxels::REACH_M;
+use crate::capacities::{CLUSTERS_MAX, MOTION_THINGS_MAX};
+use crate::geometry::{Point2, Point3, Pose2};
+use crate::people::{Cluster, ColumnFrame, PeoplePipeline, SweepContext};
+use crate::sensing::Sweep;
+use crate::time::Stamp;
+
+/// Without a sweep for longer, chains and references are given up, microseconds (H.7).
+const GAP_MAX_US: u64 = 300_000;
+/// A robot that is farther from where it was has not driven there, metres per second.
+const JUMP_MPS: f32 = 6.0;
+
+/// What is known of one thing of the sweep.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Verdict {
+    /// It was judged: near enough, and there was room.
+    pub judged: bool,
+    /// It moves, with the confidence of several sweeps.
+    pub moving: bool,
+    /// It changed against the moment before, in this sweep alone.
+    pub changed: bool,
+    /// Sweeps in a row in which it changed.
+    pub run: u8,
+    /// Its returns within reach.
+    pub points: u16,
+    /// Of them those that fill space which was free, or which the thing itself hid.
+    pub new_points: u16,
+    /// Of them those about whose place nothing was known.
+    pub unknown_points: u16,
+}
+
+/// What happened, counted since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MotionCounters {
+    /// Sweeps taken in.
+    pub sweeps: u32,
+    /// Times that the past was given up: a gap, a step back in time, or a jump of the pose.
+    pub resets: u32,
+    /// Things that were not judged for want of room.
+    pub dropped_things: u32,
+    /// Moving things that found no room.
+    pub dropped_moving: u32,
+}
+
+/// What a sweep told.
+#[derive(Clone, Copy, Debug)]
+pub struct MotionOutput<'a> {
+    /// One per thing of the sweep, in the same order.
+    pub verdicts: &'a [Verdict],
+    /// Moving things, in the frame of the odometry.
+    pub moving: &'a [MovingThing],
+}
+
+/// All state; about 600 KiB hosted, 190 KiB on the MCU: keep it in a static or on the heap of the host.
+#[derive(Clone, Debug)]
+pub struct MotionDetector {
+    parameters: MotionParameters,
+    references: References,
+    confidence: Confidence,
+    before: Vec<Thing, MOTION_THINGS_MAX>,
+    verdicts: Vec<Verdict, CLUSTERS_MAX>,
+    last: Option<(Stamp, Pose2)>,
+    counters: MotionCounters,
+}
+
+impl MotionDetector {
+    /// Nothing seen yet.
+    #[must_use]
+    pub const fn new(parameters: MotionParameters) -> Self {
+        Self {
+            parameters,
+            references: References::new(),
+            confidence: Confidence::new(),
+            before: Vec::new(),
+            verdicts: Vec::new(),
+            last: None,
+            counters: MotionCounters { sweeps: 0, resets: 0, dropped_things: 0, dropped_moving: 0 },
+        }
+    }
+
+    /// Judges the things that the pipeline has just found in the same sweep: call it between
+    /// [`PeoplePipeline::find_things`] and [`PeoplePipeline::find_people`]. Linear in the cells, quadratic in the things
+    /// (at most 256).
+    pub fn process(
+        &mut self,
+        people: &PeoplePipeline,
+        sweep: &Sweep,
+        context: &SweepContext,
+    ) -> MotionOutput<'_> {
+        self.counters.sweeps = self.counters.sweeps.saturating_add(1);
+        let elapsed_s = self.elapsed_s(sweep.end_stamp, context.base_in_odom);
+        self.last = Some((sweep.end_stamp, context.base_in_odom));
+        self.choose(people.things());
+        self.look(people, sweep, context);
+        self.conclude(people.things(), context.base_in_odom, elapsed_s);
+        MotionOutput { verdicts: &self.verdicts, moving: &self.confidence.moving }
+    }
+
+    /// Seconds since the sweep before. Gives up the past where it cannot be compared with.
+    fn elapsed_s(&mut self, now: Stamp, base_in_odom: Pose2) -> f32 {
+        let Some((before, pose)) = self.last else { return 0.0 };
+        let elapsed_us = now.as_micros().checked_sub(before.as_micros()).filter(|us| *us <= GAP_MAX_US);
+        let driven_m =
+            Point2::new(pose.x_m, pose.y_m).distance(Point2::new(base_in_odom.x_m, base_in_odom.y_m));
+        match elapsed_us.map(|us| us as f32 * 1.0e-6) {
+            Some(elapsed_s) if driven_m <= JUMP_MPS * elapsed_s + 0.1 => elapsed_s,
+            _ => {
+                self.counters.resets = self.counters.resets.saturating_add(1);
+                self.references.clear();
+                self.before.clear();
+                self.confidence.break_chains(&self.parameters);
+                0.0
+            }
+        }
+    }
+
+    /// Chooses what is judged: things within reach, the nearest where there are too many.
+    fn choose(&mut self, things: &[Cluster]) {
+        self.verdicts.clear();
+        let in_reach = |thing: &Cluster| thing.nearest_m < REACH_M;
+        let count = things.iter().filter(|thing| in_reach(thing)).count();
+        let farthest_m = if count > MOTION_THINGS_MAX { nth_distance_m(things) } else { f32::INFINITY };
+        let mut judged = 0;
+        for thing in things {
+            let chosen = in_reach(thing) && thing.nearest_m <= farthest_m && judged < MOTION_THINGS_MAX;
+            judged += usize::from(chosen);
+            // Same capacity: never full.
+            let _ = self.verdicts.push(Verdict { judged: chosen, ..Verdict::default() });
+        }
+        let dropped = count.saturating_sub(judged) as u32;
+        self.counters.dropped_things = self.counters.dropped_things.saturating_add(dropped);
+    }
+
+    /// Asks for every return of a thing what was there before, and enters it where a new reference is due.
+    fn look(&mut self, people: &PeoplePipeline, sweep: &Sweep, context: &SweepContext) {
+        let odom = Place::new(context.base_in_odom);
+        if let Some(reference) = self.references.current() {
+            for_each_return(people, sweep, context, |thing, in_base| {
+                let Some(verdict) = self.verdicts.get_mut(thing).filter(|verdict| verdict.judged) else {
+                    return;
+                };
+                verdict.points = verdict.points.saturating_add(1);
+                let point = odom.transform(in_base);
+                if reference.voxels.holds_near(point) {
+                    return;
+                }
+                match reference.seen.before(point, &people.angles) {
+                    Before::Free | Before::JustInFront => {
+                        verdict.new_points = verdict.new_points.saturating_add(1);
+                    }
+                    Before::Hidden | Before::Unknown => {
+                        verdict.unknown_points = verdict.unknown_points.saturating_add(1);
+                    }
+                    Before::Same => {}
+                }
+            });
+        }
+        if let Some(reference) = self.references.renew(sweep.end_stamp) {
+            reference.seen.take(sweep, context);
+            for_each_return(people, sweep, context, |_, in_base| {
+                reference.voxels.insert(odom.transform(in_base))
+            });
+        }
+    }
+
+    /// Correspondence, results and confidence.
+    fn conclude(&mut self, things: &[Cluster], base_in_odom: Pose2, elapsed_s: f32) {
+        let odom = Place::new(base_in_odom);
+        let mut now: Vec<Thing, MOTION_THINGS_MAX> = Vec::new();
+        let mut changed: Vec<bool, MOTION_THINGS_MAX> = Vec::new();
+        for (thing, verdict) in things.iter().zip(&mut self.verdicts).filter(|(_, verdict)| verdict.judged) {
+            let [width_m, depth_m, height_m] = thing.extent_m();
+            let centroid = odom.transform(thing.centroid);
+            let volume_m3 = width_m * depth_m * height_m;
+            verdict.changed = self.parameters.has_changed(verdict.new_points, verdict.points);
+            // No more were chosen than there is room for.
+            let _ = now.push(Thing { centroid, volume_m3, points: thing.points });
+            let _ = changed.push(verdict.changed);
+        }
+        let predecessors = correspond(&self.before, &now, elapsed_s, &self.parameters);
+        self.confidence.update(&now, &changed, &predecessors, &self.parameters);
+        self.counters.dropped_moving = self.confidence.dropped;
+        for (index, verdict) in self.verdicts.iter_mut().filter(|verdict| verdict.judged).enumerate() {
+            verdict.run = self.confidence.run(index);
+            verdict.moving = self.confidence.is_moving(index);
+        }
+        self.before = now;
+    }
+
+    /// What happened so far.
+    #[must_use]
+    pub const fn counters(&self) -> MotionCounters {
+        self.counters
+    }
+
+    /// The parameters.
+    #[must_use]
+    pub const fn parameters(&self) -> &MotionParameters {
+        &self.parameters
+    }
+}
+
+impl MotionParameters {
+    /// The decision of step 6, multiplied out (DEV-22): the thing before is taken to have had as many returns.
+    fn has_changed(&self, new_points: u16, points: u16) -> bool {
+        u32::from(new_points) * u32::from(self.sensitivity) > 2 * u32::from(points)
+    }
+}
+
+/// A pose with its sine and cosine worked out once.
+#[derive(Clone, Copy)]
+struct Place {
+    x_m: f32,
+    y_m: f32,
+    sin: f32,
+    cos: f32,
+}
+
+impl Place {
+    fn new(pose: Pose2) -> Self {
+        let (sin, cos) = libm::sincosf(pose.heading_rad);
+        Self { x_m: pose.x_m, y_m: pose.y_m, sin, cos }
+    }
+
+    fn transform(&self, point: Point3) -> Point3 {
+        let Point3 { x_m, y_m, z_m } = point;
+        Point3::new(
+            self.x_m + self.cos * x_m - self.sin * y_m,
+            self.y_m + self.sin * x_m + self.cos * y_m,
+            z_m,
+        )
+    }
+}
+
+/// Every return within reach that belongs to a thing, in the robot's frame, with the index of the thing.
+fn for_each_return(
+    people: &PeoplePipeline,
+    sweep: &Sweep,
+    context: &SweepContext,
+    mut act: impl FnMut(usize, Point3),
+) {
+    for (index, column) in sweep.used_columns().iter().enumerate().filter(|(_, column)| column.measured) {
+        let frame = ColumnFrame::new(sweep, column, &context.sensor_in_base, context.twist);
+        for (ring, (raw, angle)) in column.range_raw.iter().zip(people.angles.rings).enumerate() {
+            if *raw == 0 || frame.range_m(*raw) * angle.1 > REACH_M {
+                continue;
+            }
+            if let Some(thing) = people.thing_of(index, ring) {
+                act(thing, frame.point(*raw, angle));
+            }
+        }
+    }
+}
+
+/// The distance within which as many things lie as there is room for; by halving an interval, 16 times.
+fn nth_distance_m(things: &[Cluster]) -> f32 {
+    let (mut within_m, mut beyond_m) = (0.0, REACH_M);
+    for _ in 0..16 {
+        let middle_m = 0.5 * (within_m + beyond_m);
+        if things.iter().filter(|thing| thing.nearest_m <= middle_m).count() <= MOTION_THINGS_MAX {
+            within_m = middle_m;
+        } else {
+            beyond_m = middle_m;
+        }
+    }
+    within_m
+}

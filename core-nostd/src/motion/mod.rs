@@ -1,0 +1,18 @@
+//! Moving things: which cluster of a sweep moves by itself, after the robot's own motion is taken out (DATMO).
+//!
+//! Seven steps (algorithms H, N.5). Pose, floor and clusters come from `odometry` and `people`; here are the
+//! correspondence of things between sweeps, the change of each against what the space held a moment before, and the
+//! confidence that turns single results into a verdict.
+
+mod confidence;
+mod correspondence;
+mod detector;
+mod parameters;
+mod reference;
+mod seen_through;
+mod voxels;
+
+pub use confidence::MovingThing;
+pub use correspondence::Thing;
+pub use detector::{MotionCounters, MotionDetector, MotionOutput, Verdict};
+pub use parameters::{CHAIN_MAX, MotionParameters};

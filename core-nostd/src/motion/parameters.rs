@@ -1,0 +1,65 @@
+//! What the detector of moving things may be told, with the published values and ours.
+//!
+//! Symbols of the source in brackets (algorithms H).
+
+/// Frames of history that a chain may need at most (H.7: ζ ≤ 8).
+pub const CHAIN_MAX: u8 = 8;
+
+/// Steps 4 to 7.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionParameters {
+    /// Sweeps in a row in which a thing must have changed before it is reported (ζ).
+    pub chain: u8,
+    /// Sweeps at rest after which a reported thing is forgotten: one more than this (β_max).
+    pub rest_max: u8,
+    /// A thing has changed if `changed · sensitivity > points before + points now` (η).
+    pub sensitivity: u16,
+    /// A centroid closer than this to a reported one is the same thing, metres (Δ_catch-up).
+    pub catch_up_m: f32,
+    /// A reported thing whose nearest thing is farther than this has left, metres (Δ_leave-off, true distance: AMB-27).
+    pub leave_off_m: f32,
+    /// |v₁−v₂| / (v₁+v₂) of two boxes that may be the same thing (δ).
+    pub volume_change_max: f32,
+    /// Fastest thing, m/s: gate of the correspondence (H.4).
+    pub speed_max_mps: f32,
+    /// Added to the gate for noise and the shift of a centroid, metres.
+    pub gate_m: f32,
+}
+
+impl MotionParameters {
+    /// P1's optimum.
+    pub const PAPER: Self = Self {
+        chain: 4,
+        rest_max: 3,
+        sensitivity: 20,
+        catch_up_m: 0.2,
+        leave_off_m: 0.5,
+        volume_change_max: 0.3,
+        speed_max_mps: 6.0,
+        gate_m: 0.1,
+    };
+
+    /// Chosen on simulated corridors (seeds 100 to 119): nothing on a floor among people runs faster than 3 m/s, and a
+    /// walker's box breathes with the stride, so the volume may change more.
+    pub const FIXED: Self = Self { volume_change_max: 0.6, speed_max_mps: 3.0, ..Self::PAPER };
+
+    /// Every value is within its range: chain 1 to 8, sensitivity at least 1, distances positive and finite.
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        let positive = |value: f32| value.is_finite() && value > 0.0;
+        (1..=CHAIN_MAX).contains(&self.chain)
+            && self.sensitivity > 0
+            && positive(self.catch_up_m)
+            && positive(self.leave_off_m)
+            && positive(self.volume_change_max)
+            && positive(self.speed_max_mps)
+            && self.gate_m.is_finite()
+            && self.gate_m >= 0.0
+    }
+}
+
+impl Default for MotionParameters {
+    fn default() -> Self {
+        Self::FIXED
+    }
+}

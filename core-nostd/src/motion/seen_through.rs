@@ -1,0 +1,155 @@
+//! What the space held a moment ago, as the lidar saw it then: free, the same surface, hidden, or unknown.
+//!
+//! A static thing that comes out from behind another fills voxels that were empty before, just like one that moves. The
+//! range image of the moment before tells them apart: only where the lidar looked through, something has come.
+
+use crate::capacities::{SWEEP_COLUMNS, SWEEP_RINGS};
+use crate::geometry::{Point3, Pose2, Transform3, Twist2};
+use crate::people::{RingAngles, SweepContext};
+use crate::sensing::Sweep;
+
+/// Sectors of 0.4°: two columns of a revolution.
+const SECTORS: usize = 900;
+const SECTOR_CDEG: u32 = 40;
+/// No beam went there.
+const UNMEASURED: u16 = 0;
+/// Beams went there and none came back.
+const NO_RETURN: u16 = u16::MAX;
+/// Ranges that differ by less are the same surface, metres: noise of both and half a beam at a grazing angle.
+const SAME_M: f32 = 0.2;
+/// What stood nearer by at most this may be the thing itself, which has receded since, metres: a person and a stride.
+const RECEDED_M: f32 = 0.8;
+
+/// What was where a point is now.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Before {
+    /// The lidar looked through.
+    Free,
+    /// A surface just in front: the thing itself before it receded, or an edge.
+    JustInFront,
+    /// The same surface.
+    Same,
+    /// Hidden behind something else.
+    Hidden,
+    /// Not measured, or no beam came back.
+    Unknown,
+}
+
+/// Nearest return per direction of one sweep, and where the lidar stood. 28 KiB.
+#[derive(Clone, Debug)]
+pub(super) struct SeenThrough {
+    /// Counts of `metres_per_count`.
+    nearest: [[u16; SWEEP_RINGS]; SECTORS],
+    metres_per_count: f32,
+    first_azimuth_cdeg: u16,
+    duration_s: f32,
+    base_in_odom: Pose2,
+    sensor_in_base: Transform3,
+    twist: Twist2,
+}
+
+impl SeenThrough {
+    pub(super) const fn new() -> Self {
+        Self {
+            nearest: [[UNMEASURED; SWEEP_RINGS]; SECTORS],
+            metres_per_count: 0.002,
+            first_azimuth_cdeg: 0,
+            duration_s: 0.0,
+            base_in_odom: Pose2 { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 },
+            sensor_in_base: Transform3::IDENTITY,
+            twist: Twist2::ZERO,
+        }
+    }
+
+    /// Takes a sweep as the moment before.
+    pub(super) fn take(&mut self, sweep: &Sweep, context: &SweepContext) {
+        self.nearest.fill([UNMEASURED; SWEEP_RINGS]);
+        self.metres_per_count = f32::from(sweep.range_unit_mm) * 1.0e-3;
+        self.first_azimuth_cdeg = sweep.used_columns().first().map_or(0, |column| column.azimuth_cdeg);
+        self.duration_s = sweep.end_stamp.seconds_since(sweep.stamp);
+        self.base_in_odom = context.base_in_odom;
+        self.sensor_in_base = context.sensor_in_base;
+        self.twist = context.twist;
+        for column in sweep.used_columns().iter().take(SWEEP_COLUMNS).filter(|column| column.measured) {
+            let Some(nearest) = self.nearest.get_mut(sector(u32::from(column.azimuth_cdeg))) else {
+                continue;
+            };
+            for (nearest, raw) in nearest.iter_mut().zip(&column.range_raw) {
+                let range = if *raw == 0 { NO_RETURN } else { *raw };
+                *nearest = if *nearest == UNMEASURED { range } else { range.min(*nearest) };
+            }
+        }
+    }
+
+    /// What was at a point of the frame of the odometry.
+    pub(super) fn before(&self, point: Point3, angles: &RingAngles) -> Before {
+        let (cdeg, horizontal_m, up_m) = self.direction(point);
+        let range_m = libm::sqrtf(horizontal_m * horizontal_m + up_m * up_m);
+        let rings = neighbours(angles, up_m, range_m);
+        let middle = sector(cdeg);
+        let (mut nearest, mut unknown) = (NO_RETURN, false);
+        for step in [SECTORS - 1, 0, 1] {
+            let Some(sector) = self.nearest.get((middle + step) % SECTORS) else { continue };
+            for ring in rings {
+                let range = sector.get(ring).copied().unwrap_or(UNMEASURED);
+                unknown |= range == UNMEASURED || range == NO_RETURN;
+                nearest = nearest.min(if range == UNMEASURED { NO_RETURN } else { range });
+            }
+        }
+        let behind_m = range_m - f32::from(nearest) * self.metres_per_count;
+        if nearest != NO_RETURN && behind_m > RECEDED_M {
+            Before::Hidden
+        } else if nearest != NO_RETURN && behind_m > SAME_M {
+            Before::JustInFront
+        } else if nearest != NO_RETURN && behind_m >= -SAME_M {
+            Before::Same
+        } else if unknown {
+            Before::Unknown
+        } else {
+            Before::Free
+        }
+    }
+
+    /// Azimuth in hundredths of a degree, horizontal distance and height of a point as the lidar saw it then. While it
+    /// turned, the robot drove: the beam's moment follows from the azimuth, in two rounds.
+    fn direction(&self, point: Point3) -> (u32, f32, f32) {
+        let mut before_end_s = 0.0;
+        let mut seen = (0, 0.0, 0.0);
+        for _ in 0..2 {
+            let moved = Pose2::new(
+                self.twist.linear_mps * before_end_s,
+                0.0,
+                self.twist.angular_radps * before_end_s,
+            );
+            seen = self.direction_from(self.base_in_odom.compose(moved), point);
+            let turned_cdeg = (seen.0 + 36_000).saturating_sub(u32::from(self.first_azimuth_cdeg)) % 36_000;
+            before_end_s = (turned_cdeg as f32 / 36_000.0 - 1.0) * self.duration_s;
+        }
+        seen
+    }
+
+    fn direction_from(&self, base_in_odom: Pose2, point: Point3) -> (u32, f32, f32) {
+        let [[cos, ..], [sin, ..], _] = self.sensor_in_base.rotation;
+        let origin = self.sensor_in_base.translation;
+        let sensor = base_in_odom.compose(Pose2::new(origin.x_m, origin.y_m, libm::atan2f(sin, cos)));
+        let (dx, dy) = (point.x_m - sensor.x_m, point.y_m - sensor.y_m);
+        let (sin, cos) = libm::sincosf(sensor.heading_rad);
+        let (forward_m, left_m) = (cos * dx + sin * dy, cos * dy - sin * dx);
+        let azimuth_rad = -libm::atan2f(left_m, forward_m);
+        let cdeg = (azimuth_rad * (18_000.0 / core::f32::consts::PI) + 36_000.0) as u32 % 36_000;
+        (cdeg, libm::sqrtf(dx * dx + dy * dy), point.z_m - origin.z_m)
+    }
+}
+
+fn sector(cdeg: u32) -> usize {
+    (cdeg / SECTOR_CDEG) as usize % SECTORS
+}
+
+/// The rings whose beams pass just below and just above a point.
+fn neighbours(angles: &RingAngles, up_m: f32, range_m: f32) -> [usize; 2] {
+    let above = angles.rings.iter().position(|(sin, _, height_m)| sin * range_m + height_m >= up_m);
+    let above = above.unwrap_or(SWEEP_RINGS - 1);
+    [above.saturating_sub(1), above]
+}
+
+const _: () = assert!(SECTORS as u32 * SECTOR_CDEG == 36_000);

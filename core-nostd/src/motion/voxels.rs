@@ -1,0 +1,112 @@
+//! Which voxels around the robot held something: a bit each, in a window that moves with the robot. Algorithms H.6, K16.
+//!
+//! The lattice is fixed to the frame of the odometry and wraps around at the edge of the window, so nothing is moved
+//! when the robot drives. Only points within [`REACH_M`] of the robot may be entered or asked for: nothing else maps to
+//! the same bit.
+
+use crate::capacities::MOTION_VOXEL_SIDE;
+use crate::geometry::Point3;
+
+/// Edge of a voxel, metres.
+pub(super) const VOXEL_M: f32 = 0.1;
+/// Lowest voxel, metres above the floor at the robot.
+const LOWEST_M: f32 = -0.5;
+/// Levels: up to 2.7 m.
+const LEVELS: i32 = 32;
+/// Farthest from the robot, along x and y each, metres: half the window, less what the robot may drive between two
+/// sweeps that are compared.
+pub(super) const REACH_M: f32 = MOTION_VOXEL_SIDE as f32 * VOXEL_M * 0.5 - 1.0;
+
+const _: () = assert!(MOTION_VOXEL_SIDE.is_power_of_two());
+
+/// A set of voxels: per column of the ground a word, a bit per level.
+#[derive(Clone, Debug)]
+pub(super) struct Voxels {
+    columns: [u32; MOTION_VOXEL_SIDE * MOTION_VOXEL_SIDE],
+}
+
+/// Column along x, along y, and level.
+type Cell = (i32, i32, i32);
+
+/// Coordinates beyond ±2²⁴ voxels saturate: their neighbours are wrong, but nothing breaks.
+fn cell(point: Point3) -> Cell {
+    let index = |metres: f32| libm::floorf(metres * (1.0 / VOXEL_M)) as i32;
+    (index(point.x_m), index(point.y_m), index(point.z_m - LOWEST_M).clamp(0, LEVELS - 1))
+}
+
+impl Voxels {
+    pub(super) const fn new() -> Self {
+        Self { columns: [0; MOTION_VOXEL_SIDE * MOTION_VOXEL_SIDE] }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.columns.fill(0);
+    }
+
+    fn slot(x: i32, y: i32) -> usize {
+        let wrap = |index: i32| index as u32 as usize & (MOTION_VOXEL_SIDE - 1);
+        wrap(y) * MOTION_VOXEL_SIDE + wrap(x)
+    }
+
+    /// Enters the voxel of a point.
+    pub(super) fn insert(&mut self, point: Point3) {
+        let (x, y, level) = cell(point);
+        if let Some(column) = self.columns.get_mut(Self::slot(x, y)) {
+            *column |= 1_u32.wrapping_shl(level as u32);
+        }
+    }
+
+    /// The voxel of a point, or one of the 26 around it, is entered: noise at the border of a voxel is no change.
+    pub(super) fn holds_near(&self, point: Point3) -> bool {
+        let (x, y, level) = cell(point);
+        let bit = 1_u32.wrapping_shl(level as u32);
+        let bits = bit | bit << 1 | bit >> 1;
+        let column = |dx: i32, dy: i32| {
+            let slot = Self::slot(x.wrapping_add(dx), y.wrapping_add(dy));
+            self.columns.get(slot).copied().unwrap_or(0)
+        };
+        // The own column first: it settles most points.
+        const AROUND: [(i32, i32); 9] =
+            [(0, 0), (-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
+        AROUND.iter().any(|(dx, dy)| column(*dx, *dy) & bits != 0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::boxed::Box;
+
+    #[test]
+    fn holds_what_was_entered_and_its_neighbours_only() {
+        let mut voxels = Box::new(Voxels::new());
+        voxels.insert(Point3::new(-3.05, 2.05, 0.95));
+        for (offset_m, held) in [(0.0, true), (0.1, true), (-0.1, true), (0.2, false), (-0.2, false)] {
+            assert_eq!(voxels.holds_near(Point3::new(-3.05 + offset_m, 2.05, 0.95)), held);
+            assert_eq!(voxels.holds_near(Point3::new(-3.05, 2.05 + offset_m, 0.95)), held);
+            assert_eq!(voxels.holds_near(Point3::new(-3.05, 2.05, 0.95 + offset_m)), held);
+        }
+        voxels.clear();
+        assert!(!voxels.holds_near(Point3::new(-3.05, 2.05, 0.95)));
+    }
+
+    #[test]
+    fn the_window_has_no_double_within_reach() {
+        let mut voxels = Box::new(Voxels::new());
+        for robot_m in [0.0_f32, 7.3, -1_234.5] {
+            voxels.clear();
+            voxels.insert(Point3::new(robot_m + REACH_M, 0.0, 1.0));
+            let other = Point3::new(robot_m - REACH_M, 0.0, 1.0);
+            assert!(!voxels.holds_near(other), "at {robot_m}");
+        }
+    }
+
+    #[test]
+    fn numbers_that_are_none_do_no_harm() {
+        let mut voxels = Box::new(Voxels::new());
+        for broken in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX] {
+            voxels.insert(Point3::new(broken, broken, broken));
+            let _ = voxels.holds_near(Point3::new(broken, broken, broken));
+        }
+    }
+}
