@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
+use floorguard_core::motion::MotionParameters;
 use serde::Serialize;
 
 use super::VerdictFailed;
@@ -34,6 +35,14 @@ pub enum EvalStage {
         #[arg(long)]
         rows: PathBuf,
     },
+    /// Which things move, in a recording of a lidar that stands still, against a key of walking people.
+    Motion {
+        /// The capture: .pcap, .pcapng, either of them .gz; a lidar of 16 rings.
+        recording: PathBuf,
+        /// Who was where: rows of frame, time_s, track, x, y, named in the first line.
+        #[arg(long)]
+        key: PathBuf,
+    },
     /// CLEAR-MOT figures of two files in the MOT15 format, rectangles paired from an overlap of one half.
     Tracks {
         /// What was there.
@@ -55,6 +64,10 @@ pub fn run(arguments: &EvalArguments) -> anyhow::Result<()> {
             let report = evaluate::svm(model, range, rows)?;
             print(&report, arguments.json)?;
             judge(report.passed(), "labels or decision values differ from the key")
+        }
+        EvalStage::Motion { recording, key } => {
+            let report = evaluate::motion(recording, key, MotionParameters::FIXED)?;
+            print(&report, arguments.json)
         }
         EvalStage::Tracks { truth, result } => print(&evaluate::tracks(truth, result)?, arguments.json),
     }

@@ -14,6 +14,7 @@ mod simulate;
 pub use arguments::{Arguments, Command, DecodeArguments, ModelArgument, ReplayArguments};
 pub use campaign::{CampaignArguments, CampaignKind};
 pub use decode::decode_to;
+pub(crate) use decode::{LIDAR_DATA_PORT, settle_model};
 pub use demo::DemoArguments;
 pub use eval::{EvalArguments, EvalStage};
 pub use exit::{BadInput, VerdictFailed, exit_code};

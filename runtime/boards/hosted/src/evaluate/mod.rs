@@ -2,10 +2,13 @@
 //!
 //! Each file answers one question and returns a report that serialises to the keys of the command's JSON.
 
+mod motion;
+mod motion_key;
 mod svm;
 mod text;
 mod tracks;
 
+pub use motion::{MotionReport, TrackReport, motion};
 pub use svm::{SvmReport, svm};
 pub use text::read_text;
 pub use tracks::{TracksReport, tracks};
