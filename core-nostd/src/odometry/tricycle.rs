@@ -37,7 +37,8 @@ impl Tricycle {
         } else {
             libm::atan2f(across_mps, wanted.linear_mps)
         };
-        angle_rad.clamp(-self.steering_max_rad, self.steering_max_rad)
+        // Not `clamp`: it panics where the limit is negative or no number.
+        angle_rad.min(self.steering_max_rad).max(-self.steering_max_rad)
     }
 
     /// Speed of the front wheel over ground for a wanted velocity, m/s, while the wheel still stands at `current_rad`

@@ -7,6 +7,10 @@
 #![allow(missing_docs)]
 
 #[cfg(target_os = "none")]
+mod drivers;
+#[cfg(target_os = "none")]
+mod perception;
+#[cfg(target_os = "none")]
 mod roots;
 
 #[cfg(target_os = "none")]

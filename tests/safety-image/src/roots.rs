@@ -6,8 +6,8 @@ use floorguard_core::geometry::Twist2;
 use floorguard_core::guard::{Advice, Decision, GuardConfig, Supervisor};
 use floorguard_core::sensing::{DiscreteInputs, DriveFeedback, ImuSample, LidarPacket, Scan};
 use floorguard_core::time::Stamp;
-use floorguard_drivers::s300;
-use floorguard_drivers::velodyne::Decoder;
+
+use crate::{drivers, perception};
 
 /// Reaches every root; the linker starts here. The image is read, never run, so the arguments do not matter.
 #[unsafe(no_mangle)]
@@ -20,15 +20,18 @@ pub extern "C" fn entry(state: Option<&mut Everything>) {
     root_guard_motion(state, now);
     root_guard_advice(&mut state.guard, &state.advice, now);
     root_guard_tick(&mut state.guard, now);
-    root_velodyne(&mut state.decoder, &state.bytes, now);
-    root_s300(&mut state.receiver, &state.bytes, now);
+    root_guard_start(&mut state.built, &state.config, now);
+    drivers::all(&mut state.drivers, now);
+    perception::all(&mut state.perception, now);
 }
 
 /// All state of the image.
 pub struct Everything {
     guard: Supervisor,
-    decoder: Decoder,
-    receiver: s300::Receiver,
+    built: Option<Supervisor>,
+    config: GuardConfig,
+    drivers: drivers::Drivers,
+    perception: perception::Perception,
     scan: Scan,
     packet: LidarPacket,
     inputs: DiscreteInputs,
@@ -36,7 +39,6 @@ pub struct Everything {
     drive: DriveFeedback,
     advice: Advice,
     wanted: Twist2,
-    bytes: [u8; 1_206],
     now: Stamp,
 }
 
@@ -74,22 +76,9 @@ fn root_guard_tick(guard: &mut Supervisor, now: Stamp) -> Decision {
     black_box(guard.tick(now))
 }
 
-/// Building the guard is start-up work; it is linked so that its code is read too.
-#[unsafe(no_mangle)]
-pub extern "C" fn root_guard_start(config: Option<&GuardConfig>, now: Option<&Stamp>) {
-    if let (Some(config), Some(now)) = (config, now) {
-        let _ = black_box(Supervisor::new(config.clone(), *now).is_ok());
-    }
-}
-
+/// Building the guard is start-up work; it is linked so that its code is read too. The place for it is given, as the
+/// boards give a static.
 #[inline(never)]
-fn root_velodyne(decoder: &mut Decoder, bytes: &[u8], now: Stamp) {
-    let _ = black_box(decoder.decode(bytes, now).is_ok());
-}
-
-#[inline(never)]
-fn root_s300(receiver: &mut s300::Receiver, bytes: &[u8], now: Stamp) {
-    receiver.push(bytes, now, |event| {
-        black_box(&event);
-    });
+fn root_guard_start(place: &mut Option<Supervisor>, config: &GuardConfig, now: Stamp) {
+    *place = Supervisor::new(config.clone(), now).ok();
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 
+use super::sources;
 use super::thumb::{self, Flow};
 use crate::machine::TARGET;
 use crate::shell;
@@ -33,6 +34,19 @@ pub struct CompiledLoop {
     /// The same of the branch's target, the head of the loop: where the compiler merged branches of several blocks
     /// into one, only the head still tells whose loop it is.
     pub head: Vec<(String, u32)>,
+    /// Name of the innermost inlined function where no instruction of the loop has a line, as in copies that the
+    /// compiler wrote.
+    pub without_lines_in: Option<String>,
+}
+
+/// A call of what panics.
+pub struct PanicCall {
+    /// Compiled function that holds it.
+    pub function: String,
+    /// Source place, in our layers if possible.
+    pub place: (String, u32),
+    /// What is called.
+    pub callee: String,
 }
 
 /// The image, read.
@@ -41,6 +55,10 @@ pub struct Image {
     pub functions: BTreeMap<u64, Function>,
     /// Loops in address order.
     pub loops: Vec<CompiledLoop>,
+    /// Calls of what panics.
+    pub panic_calls: Vec<PanicCall>,
+    /// Source files with code in the image, inlined code included.
+    pub files: BTreeSet<String>,
     /// All symbol names, undefined ones too.
     pub symbols: BTreeSet<String>,
     /// Bytes of program and constants.
@@ -84,7 +102,10 @@ pub fn read(path: &Path) -> Result<Image> {
     if functions.is_empty() {
         bail!("{} holds no function: nothing would be proven", path.display());
     }
-    let loops = trace_loops(path, &functions)?;
+    let lines = Lines::of(path)?;
+    let loops = trace_loops(&lines, &functions)?;
+    let panic_calls = panic_calls(&lines, &functions)?;
+    let files = linked_files(&lines, &functions)?;
     let size = |names: &[&str]| {
         file.sections()
             .filter(|section| {
@@ -96,6 +117,8 @@ pub fn read(path: &Path) -> Result<Image> {
     Ok(Image {
         functions,
         loops,
+        panic_calls,
+        files,
         symbols,
         flash_bytes: size(&[".text", ".rodata", ".data", ".ARM"]),
         ram_bytes: size(&[".data", ".bss"]),
@@ -124,34 +147,109 @@ fn is_data(marks: &BTreeMap<u64, bool>, address: u64) -> bool {
     marks.range(..=address).next_back().is_some_and(|(_, data)| *data)
 }
 
-fn trace_loops(path: &Path, functions: &BTreeMap<u64, Function>) -> Result<Vec<CompiledLoop>> {
-    let loader = addr2line::Loader::new(path).map_err(|error| anyhow::anyhow!("no line table: {error}"))?;
-    let root = format!("{}/", shell::root().display());
+/// The line table, inlining included.
+struct Lines {
+    loader: addr2line::Loader,
+    root: String,
+}
+
+impl Lines {
+    fn of(path: &Path) -> Result<Self> {
+        let loader =
+            addr2line::Loader::new(path).map_err(|error| anyhow::anyhow!("no line table: {error}"))?;
+        Ok(Self { loader, root: format!("{}/", shell::root().display()) })
+    }
+
+    /// Source places of an instruction, innermost inlined function first.
+    fn places(&self, address: u64) -> Result<Vec<(String, u32)>> {
+        let mut places = Vec::new();
+        let mut frames =
+            self.loader.find_frames(address).map_err(|error| anyhow::anyhow!("no frames: {error}"))?;
+        while let Some(frame) =
+            frames.next().map_err(|error| anyhow::anyhow!("broken line table: {error}"))?
+        {
+            if let Some(location) = frame.location {
+                let file = location.file.unwrap_or("?");
+                let file = file.strip_prefix(&self.root).unwrap_or(file);
+                places.push((file.to_owned(), location.line.unwrap_or(0)));
+            }
+        }
+        Ok(places)
+    }
+
+    /// Name of the innermost inlined function, without path and parameters.
+    fn innermost(&self, address: u64) -> Result<Option<String>> {
+        let mut frames =
+            self.loader.find_frames(address).map_err(|error| anyhow::anyhow!("no frames: {error}"))?;
+        let frame = frames.next().map_err(|error| anyhow::anyhow!("broken line table: {error}"))?;
+        let name =
+            frame.and_then(|frame| frame.function).and_then(|name| name.raw_name().ok().map(String::from));
+        Ok(name.map(|name| name.split('<').next().unwrap_or_default().to_owned()))
+    }
+
+    /// As `places`; for an instruction without a line, those of the nearest of `others` that has one.
+    fn places_near(&self, address: u64, others: impl Iterator<Item = u64>) -> Result<Vec<(String, u32)>> {
+        for candidate in std::iter::once(address).chain(others) {
+            let places = self.places(candidate)?;
+            if places.first().is_some_and(|(_, line)| *line != 0) {
+                return Ok(places);
+            }
+        }
+        self.places(address)
+    }
+}
+
+fn trace_loops(lines: &Lines, functions: &BTreeMap<u64, Function>) -> Result<Vec<CompiledLoop>> {
     let mut loops = Vec::new();
     for function in functions.values() {
-        for (address, target) in &function.flow.back_edges {
+        for (branch, head) in &function.flow.back_edges {
+            let places = lines.places_near(*branch, (*head..*branch).rev().step_by(2))?;
+            let lineless = places.first().is_none_or(|(_, line)| *line == 0);
             loops.push(CompiledLoop {
                 function: function.name.clone(),
-                address: *address,
-                places: places(&loader, *address, &root)?,
-                head: places(&loader, *target, &root)?,
+                address: *branch,
+                without_lines_in: if lineless { lines.innermost(*branch)? } else { None },
+                places,
+                head: lines.places_near(*head, (*head..*branch).step_by(2).skip(1))?,
             });
         }
     }
     Ok(loops)
 }
 
-/// Source places of an instruction, innermost inlined function first.
-fn places(loader: &addr2line::Loader, address: u64, root: &str) -> Result<Vec<(String, u32)>> {
-    let mut places = Vec::new();
-    let mut frames = loader.find_frames(address).map_err(|error| anyhow::anyhow!("no frames: {error}"))?;
-    while let Some(frame) = frames.next().map_err(|error| anyhow::anyhow!("broken line table: {error}"))? {
-        if let Some(location) = frame.location {
-            let file = location.file.unwrap_or("?");
-            places.push((file.strip_prefix(root).unwrap_or(file).to_owned(), location.line.unwrap_or(0)));
+/// A function that does not come back.
+pub fn is_panic(name: &str) -> bool {
+    name.contains("core::panicking")
+        || name.contains("panic_fmt")
+        || name.contains("_fail::")
+        || name.ends_with("_fail")
+}
+
+fn panic_calls(lines: &Lines, functions: &BTreeMap<u64, Function>) -> Result<Vec<PanicCall>> {
+    let mut found = Vec::new();
+    for function in functions.values().filter(|function| !is_panic(&function.name)) {
+        for (call, target) in &function.flow.calls {
+            let Some(callee) = functions.get(target).filter(|callee| is_panic(&callee.name)) else {
+                continue;
+            };
+            let places = lines.places(*call)?;
+            let own = places.iter().find(|(file, _)| sources::is_own(file)).or(places.first());
+            let place = own.cloned().unwrap_or_default();
+            found.push(PanicCall { function: function.name.clone(), place, callee: callee.name.clone() });
         }
     }
-    Ok(places)
+    Ok(found)
+}
+
+fn linked_files(lines: &Lines, functions: &BTreeMap<u64, Function>) -> Result<BTreeSet<String>> {
+    let mut files = BTreeSet::new();
+    for function in functions.values() {
+        for address in (function.address..function.address + function.size).step_by(4) {
+            files.extend(lines.places(address)?.into_iter().map(|(file, _)| file));
+        }
+    }
+    files.retain(|file| sources::is_own(file));
+    Ok(files)
 }
 
 impl Image {
@@ -160,8 +258,12 @@ impl Image {
         self.functions
             .values()
             .map(|function| {
-                let callees =
-                    function.flow.calls.iter().filter_map(|target| self.at(*target)).map(|f| f.name.clone());
+                let callees = function
+                    .flow
+                    .calls
+                    .iter()
+                    .filter_map(|(_, target)| self.at(*target))
+                    .map(|f| f.name.clone());
                 (function.name.clone(), callees.filter(|name| *name != function.name).collect())
             })
             .collect()

@@ -329,6 +329,13 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
         visit::visit_expr_loop(self, each);
     }
 
+    /// The compiler fills `[value; N]` in a loop.
+    fn visit_expr_repeat(&mut self, array: &'ast syn::ExprRepeat) {
+        let how = "length of an array, which the compiler fills";
+        self.record(array, "fill", Ok(Bound { text: shown(&array.len), how }));
+        visit::visit_expr_repeat(self, array);
+    }
+
     fn visit_expr_method_call(&mut self, call: &'ast syn::ExprMethodCall) {
         let method = call.method.to_string();
         let chain = self.chain.take().unwrap_or_else(|| shown(call));

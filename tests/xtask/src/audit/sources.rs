@@ -18,6 +18,11 @@ pub struct SourceFile {
 /// The layers of the safety image.
 pub const LAYERS: [&str; 2] = ["core-nostd/src", "drivers/src"];
 
+/// The file belongs to an audited layer.
+pub fn is_own(file: &str) -> bool {
+    LAYERS.iter().any(|layer| file.starts_with(layer))
+}
+
 /// All source files of the audited layers, in the order of their paths.
 pub fn read_layers(root: &Path) -> Result<Vec<SourceFile>> {
     let mut paths = Vec::new();

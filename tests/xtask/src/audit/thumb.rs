@@ -8,8 +8,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// What one function does, as far as the audit cares.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Flow {
-    /// Direct calls and tail jumps out of the function: target addresses.
-    pub calls: Vec<u64>,
+    /// Direct calls and tail jumps out of the function: (address of the call, target).
+    pub calls: Vec<(u64, u64)>,
     /// Backward branches within the function: (branch address, target address).
     pub back_edges: Vec<(u64, u64)>,
     /// Addresses of calls through a register.
@@ -70,7 +70,7 @@ fn successors(first: u16, second: u16, address: u64) -> Next {
     } else if !wide {
         narrow_targets(first, address, &mut probe);
     }
-    let target = probe.calls.first().copied();
+    let target = probe.calls.first().map(|(_, target)| *target);
     let returns = first == 0x4770 || first >> 8 == 0xbd || (first == 0xe8bd && b & 0x8000 != 0);
     let unconditional = first >> 11 == 0b11100 || (wide && first >> 11 == 0b11110 && b & 0xd000 == 0x9000);
     match target {
@@ -121,7 +121,7 @@ fn narrow_targets(code: u16, address: u64, probe: &mut Flow) {
     // cbz and cbnz jump forwards only, but they can be on the way round a loop.
     if code & 0xf500 == 0xb100 {
         let offset = u64::from((code >> 9 & 1) << 6 | (code >> 3 & 0x1f) << 1);
-        probe.calls.push(address + 4 + offset);
+        probe.calls.push((address, address + 4 + offset));
     }
 }
 
@@ -156,7 +156,7 @@ fn sign_extend(value: u32, bits: u32) -> i64 {
 fn jump(flow: &mut Flow, address: u64, displacement: i64, function: &std::ops::Range<u64>) {
     let target = (address + 4).wrapping_add_signed(displacement);
     if !function.contains(&target) {
-        flow.calls.push(target);
+        flow.calls.push((address, target));
     } else if target <= address {
         flow.back_edges.push((address, target));
     }
@@ -215,7 +215,7 @@ fn branch_or_call(a: u32, b: u32, address: u64, function: &std::ops::Range<u64>,
         sign_extend((s << 24) | (i1 << 23) | (i2 << 22) | ((a & 0x3ff) << 12) | ((b & 0x7ff) << 1), 25)
     };
     match (b >> 12) & 0b101 {
-        0b101 => flow.calls.push((address + 4).wrapping_add_signed(long())),
+        0b101 => flow.calls.push((address, (address + 4).wrapping_add_signed(long()))),
         0b001 => jump(flow, address, long(), function),
         0b000 if (a >> 6) & 0xf < 0xe => {
             let value = (s << 20) | (j2 << 19) | (j1 << 18) | ((a & 0x3f) << 12) | ((b & 0x7ff) << 1);
@@ -261,7 +261,7 @@ mod tests {
         // stmdb sp!, {r4-r9, lr}; vpush {d8, d9}; sub.w sp, sp, #4096; bl .+0x100; bx lr
         let framed = flow(&[0xe92d, 0x43f0, 0xed2d, 0x8b04, 0xf5ad, 0x5d80, 0xf000, 0xf87e, 0x4770]);
         assert_eq!(framed.frame_bytes, 28 + 16 + 4096);
-        assert_eq!(framed.calls, [0x100c + 4 + 0xfc]);
+        assert_eq!(framed.calls, [(0x100c, 0x100c + 4 + 0xfc)]);
         // b 2f; 1: bx lr; 2: b 1b: a jump back that is no loop.
         assert_eq!(flow(&[0xe000, 0x4770, 0xe7fd]).back_edges, []);
         // bne.w 1b with 1b two halfwords before; blx r3

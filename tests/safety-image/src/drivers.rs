@@ -1,0 +1,125 @@
+//! Every driver: bytes in, events out, and what it sends.
+
+use core::hint::black_box;
+
+use floorguard_core::sensing::{LidarPacket, Sweep};
+use floorguard_core::time::Stamp;
+use floorguard_drivers::can::{CanFrame, SlcanReceiver, encode_slcan};
+use floorguard_drivers::canopen::{HeartbeatMonitor, NetworkCommand, SdoRequest, decode_sdo, network_frame};
+use floorguard_drivers::s300;
+use floorguard_drivers::three_wheel_base::{BaseConfiguration, DriveCommand, ThreeWheelBase};
+use floorguard_drivers::velodyne::{Decoder, Gprmc, PositionPacket, SweepBuilder};
+use floorguard_drivers::xsens;
+
+/// State of the drivers.
+pub struct Drivers {
+    decoder: Decoder,
+    sweeps: SweepBuilder,
+    packet: LidarPacket,
+    sweep: Sweep,
+    receiver: s300::Receiver,
+    lines: SlcanReceiver,
+    base: ThreeWheelBase,
+    configuration: BaseConfiguration,
+    heartbeat: HeartbeatMonitor,
+    request: SdoRequest,
+    imu: xsens::Device,
+    command: DriveCommand,
+    frame: CanFrame,
+    bytes: [u8; 1_206],
+}
+
+/// Reaches every root.
+#[inline(always)]
+pub fn all(state: &mut Drivers, now: Stamp) {
+    root_velodyne(&mut state.decoder, &state.bytes, now);
+    root_sweep(&mut state.sweeps, &state.packet, &mut state.sweep);
+    root_position(&state.bytes);
+    root_s300(&mut state.receiver, &state.bytes, now);
+    root_slcan(&mut state.lines, &state.bytes);
+    root_base_start(&mut state.base, state.configuration);
+    root_base_frame(&mut state.base, &state.frame, now);
+    root_base_poll(&mut state.base, state.command, now);
+    root_canopen(state, now);
+    root_xsens(&mut state.imu, &state.bytes, now);
+}
+
+#[inline(never)]
+fn root_velodyne(decoder: &mut Decoder, bytes: &[u8], now: Stamp) {
+    let _ = black_box(decoder.decode(bytes, now).is_ok());
+}
+
+#[inline(never)]
+fn root_sweep(sweeps: &mut SweepBuilder, packet: &LidarPacket, sweep: &mut Sweep) {
+    sweeps.add(packet, 1, sweep, |complete| {
+        black_box(complete);
+    });
+}
+
+#[inline(never)]
+fn root_position(bytes: &[u8]) {
+    if let Ok(packet) = PositionPacket::new_checked(bytes) {
+        black_box((packet.stamp_us(), Gprmc::parse(packet.sentence()).is_ok()));
+    }
+}
+
+#[inline(never)]
+fn root_s300(receiver: &mut s300::Receiver, bytes: &[u8], now: Stamp) {
+    receiver.push(bytes, now, |event| {
+        black_box(&event);
+    });
+}
+
+#[inline(never)]
+fn root_slcan(lines: &mut SlcanReceiver, bytes: &[u8]) {
+    lines.push(bytes, |event| {
+        black_box(&event);
+    });
+}
+
+#[inline(never)]
+fn root_base_start(base: &mut ThreeWheelBase, configuration: BaseConfiguration) {
+    *base = ThreeWheelBase::new(configuration);
+}
+
+#[inline(never)]
+fn root_base_frame(base: &mut ThreeWheelBase, frame: &CanFrame, now: Stamp) {
+    base.on_frame(frame, now, &mut |event| {
+        black_box(&event);
+    });
+}
+
+#[inline(never)]
+fn root_base_poll(base: &mut ThreeWheelBase, command: DriveCommand, now: Stamp) {
+    base.command(command);
+    base.reset_faults();
+    let mut send = |frame: &CanFrame| {
+        black_box(encode_slcan(frame));
+    };
+    base.send_command(&mut send);
+    base.poll(
+        now,
+        &mut |event| {
+            black_box(&event);
+        },
+        &mut send,
+    );
+}
+
+#[inline(never)]
+fn root_canopen(state: &mut Drivers, now: Stamp) {
+    black_box(decode_sdo(&state.bytes));
+    black_box(state.request.frame(1));
+    black_box(network_frame(NetworkCommand::Start, 1));
+    black_box(state.heartbeat.state(now, 100_000));
+}
+
+#[inline(never)]
+fn root_xsens(imu: &mut xsens::Device, bytes: &[u8], now: Stamp) {
+    imu.push(bytes, now, |event| {
+        black_box(&event);
+    });
+    imu.poll(now, &mut |bytes| {
+        black_box(bytes);
+    });
+}

@@ -1,0 +1,45 @@
+//! Perception on the MCU: odometry and people.
+
+use core::hint::black_box;
+
+use floorguard_core::odometry::{Odometry, PoseHistory, Tricycle, WheelOdometry};
+use floorguard_core::people::{PeoplePipeline, SweepContext};
+use floorguard_core::sensing::{ImuSample, Sweep, WheelSample};
+use floorguard_core::time::Stamp;
+
+/// State of perception.
+pub struct Perception {
+    people: PeoplePipeline,
+    context: SweepContext,
+    sweep: Sweep,
+    odometry: Odometry,
+    wheels: WheelOdometry,
+    tricycle: Tricycle,
+    history: PoseHistory,
+    wheel_sample: WheelSample,
+    imu_sample: ImuSample,
+}
+
+/// Reaches every root.
+#[inline(always)]
+pub fn all(state: &mut Perception, now: Stamp) {
+    root_people(&mut state.people, &state.sweep, &state.context);
+    root_odometry(state, now);
+}
+
+#[inline(never)]
+fn root_people(people: &mut PeoplePipeline, sweep: &Sweep, context: &SweepContext) {
+    black_box(people.process(sweep, context).tracks.len());
+}
+
+#[inline(never)]
+fn root_odometry(state: &mut Perception, now: Stamp) {
+    if let Some(motion) = state.wheels.update(&state.wheel_sample) {
+        state.odometry.on_wheels(&motion);
+    }
+    state.odometry.on_imu(&state.imu_sample);
+    state.history.record(now, state.odometry.pose());
+    let _ = black_box(state.history.at(now).is_ok());
+    let twist = state.odometry.twist();
+    black_box(state.tricycle.steering_rad(twist, 0.0));
+}
