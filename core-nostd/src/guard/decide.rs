@@ -54,8 +54,7 @@ impl Supervisor {
     /// Every failing source raises its own cause (FG-REQ-013); `true` when all that are required are healthy.
     fn judge_sources(&mut self, now: Stamp) -> bool {
         let mut all_healthy = true;
-        let rules = self.config.sources;
-        let monitors = self.state.monitors;
+        let (rules, monitors) = (self.config.sources, self.state.monitors);
         for ((source, rules), monitor) in Source::ALL.into_iter().zip(rules).zip(monitors) {
             let health = monitor.health(&rules, now);
             all_healthy &= health == Health::Healthy || !rules.fitted || !rules.required_at_start;
@@ -113,24 +112,28 @@ impl Supervisor {
                 .raise(CauseRecord::new(Cause::AdviceLimit, now).aged(age_us).limited_to(limit_mps));
         }
         let twist = self.likely_motion();
-        let (mut nearest_m, mut soonest_s) = (f32::INFINITY, f32::INFINITY);
+        let (mut nearest_m, mut soonest_s) = (f32::INFINITY, [f32::INFINITY; 2]);
         for person in &advice.people {
             if !person.is_finite() {
                 self.state.machine.raise(CauseRecord::new(Cause::AdviceStop, now).aged(age_us));
                 continue;
             }
             let distance_m = self.body.distance_m(person.position);
-            let time_s = self.body.time_to_person_s(person, twist);
+            let times_s = self.body.times_to_person_s(person, twist);
             nearest_m = nearest_m.min(distance_m);
-            if time_s > 0.0 || distance_m < TOUCHING_M {
-                soonest_s = soonest_s.min(time_s);
+            for (soonest_s, time_s) in soonest_s.iter_mut().zip(times_s) {
+                if time_s > 0.0 || distance_m < TOUCHING_M {
+                    *soonest_s = soonest_s.min(time_s);
+                }
             }
         }
         self.judge_people((nearest_m, soonest_s, twist.linear_mps.abs()), age_us, now);
     }
 
-    /// Distance and time to the person that matters most (algorithms M.3, FG-REQ-031, FG-REQ-032).
-    fn judge_people(&mut self, (nearest_m, soonest_s, speed_mps): (f32, f32, f32), age_us: u64, now: Stamp) {
+    /// Distance and times to the person that matters most (algorithms M.3, FG-REQ-031, FG-REQ-032). What only the doubt
+    /// about a velocity makes a collision slows down and does not stop: else nobody could stand beside the robot.
+    fn judge_people(&mut self, people: (f32, [f32; 2], f32), age_us: u64, now: Stamp) {
+        let (nearest_m, [soonest_s, doubtful_s], speed_mps) = people;
         let (drive, thresholds) = (self.config.drive, self.config.thresholds);
         if nearest_m < thresholds.person_near_m {
             let record =
@@ -141,11 +144,13 @@ impl Supervisor {
         if soonest_s < stop_s {
             let record = CauseRecord::new(Cause::CollisionStop, now).aged(age_us);
             self.state.machine.raise(record.measured(soonest_s, stop_s, Unit::Seconds));
-        } else if soonest_s < COLLISION_HORIZON_S {
-            let share = (soonest_s - stop_s) / (COLLISION_HORIZON_S - stop_s).max(1.0e-3);
-            let record = CauseRecord::new(Cause::CollisionSlow, now).aged(age_us);
-            let record = record.limited_to(drive.speed_mps * share.clamp(0.0, 1.0));
-            self.state.machine.raise(record.measured(soonest_s, COLLISION_HORIZON_S, Unit::Seconds));
+        } else if doubtful_s < COLLISION_HORIZON_S {
+            let horizon_s = (COLLISION_HORIZON_S - stop_s).max(1.0e-3);
+            let scaled_mps = |time_s: f32| drive.speed_mps * ((time_s - stop_s) / horizon_s).clamp(0.0, 1.0);
+            let limit_mps =
+                scaled_mps(doubtful_s).max(thresholds.person_speed_mps).min(scaled_mps(soonest_s));
+            let record = CauseRecord::new(Cause::CollisionSlow, now).aged(age_us).limited_to(limit_mps);
+            self.state.machine.raise(record.measured(doubtful_s, COLLISION_HORIZON_S, Unit::Seconds));
         }
     }
 

@@ -47,23 +47,27 @@ impl Body {
         ([centre(1.0), centre(3.0), centre(5.0)], radius_m)
     }
 
-    /// Seconds until a person is touched when the robot keeps `twist`; infinite when never.
+    /// Seconds until a person is touched when the robot keeps `twist`; infinite when never. First as estimated, then
+    /// with the person coming one standard deviation of the velocity faster (k_v): never later than the first.
     #[must_use]
-    pub fn time_to_person_s(&self, person: &AdvisedPerson, twist: Twist2) -> f32 {
+    pub fn times_to_person_s(&self, person: &AdvisedPerson, twist: Twist2) -> [f32; 2] {
         let (centres, circle_m) = self.circles();
         let radius_m = circle_m + PERSON_RADIUS_M + POSITION_SIGMAS * person.position_sigma_m;
         if twist.angular_radps.abs() > STRAIGHT_RADPS {
-            return turning_time_s(person, twist, (&centres, radius_m));
+            return [0.0, person.velocity_sigma_mps]
+                .map(|growth_mps| turning_time_s(person, twist, (&centres, radius_m, growth_mps)));
         }
         let velocity = person.velocity_mps;
-        let mut least_s = f32::INFINITY;
+        let mut least_s = [f32::INFINITY; 2];
         for centre in centres {
             let p = Point2::new(person.position.x_m - centre.x_m, person.position.y_m - centre.y_m);
             let u = Point2::new(velocity.x_m - twist.linear_mps, velocity.y_m);
             let away = person.velocity_sigma_mps / p.norm().max(1.0e-3);
             let pessimistic = Point2::new(u.x_m - away * p.x_m, u.y_m - away * p.y_m);
-            least_s = least_s.min(time_to_collision_s(p, u, radius_m));
-            least_s = least_s.min(time_to_collision_s(p, pessimistic, radius_m));
+            let [estimated_s, doubtful_s] = least_s;
+            let estimated_s = estimated_s.min(time_to_collision_s(p, u, radius_m));
+            let doubtful_s = doubtful_s.min(time_to_collision_s(p, pessimistic, radius_m));
+            least_s = [estimated_s, doubtful_s.min(estimated_s)];
         }
         least_s
     }
@@ -87,7 +91,11 @@ pub fn time_to_collision_s(p: Point2, u: Point2, radius_m: f32) -> f32 {
 }
 
 /// The same for a turning robot, by steps of 0.1 s from t = 0 on (DEV-25).
-fn turning_time_s(person: &AdvisedPerson, twist: Twist2, (centres, radius_m): (&[Point2; 3], f32)) -> f32 {
+fn turning_time_s(
+    person: &AdvisedPerson,
+    twist: Twist2,
+    (centres, radius_m, growth_mps): (&[Point2; 3], f32, f32),
+) -> f32 {
     for step in 0..=STEPS {
         let time_s = f32::from(step) * 0.1;
         let turned = twist.angular_radps * time_s;
@@ -98,7 +106,7 @@ fn turning_time_s(person: &AdvisedPerson, twist: Twist2, (centres, radius_m): (&
             person.position.x_m + person.velocity_mps.x_m * time_s,
             person.position.y_m + person.velocity_mps.y_m * time_s,
         );
-        let reach_m = radius_m + person.velocity_sigma_mps * time_s;
+        let reach_m = radius_m + growth_mps * time_s;
         if centres.iter().any(|centre| robot.transform(*centre).distance(ahead) <= reach_m) {
             return time_s;
         }

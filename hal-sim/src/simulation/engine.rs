@@ -166,7 +166,7 @@ impl Simulation {
         }
         if now_us.is_multiple_of(PEOPLE_STEP_US) {
             let middle = self.body.pose().transform(Point2::new(0.25, 0.0));
-            let robot = RobotDisc { position: middle, radius_m: 0.7 };
+            let robot = RobotDisc { position: middle, radius_m: 0.85 };
             self.crowd.step(now_us, PEOPLE_STEP_US as f32 * 1.0e-6, &self.scene, robot);
         }
         self.next_step_us += STEP_US;

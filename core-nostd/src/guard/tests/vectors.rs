@@ -45,8 +45,8 @@ fn fg_req_030_time_to_collision_of_the_closed_form() {
     let body = Body::around(&config().footprint);
     let aside = AdvisedPerson { position: Point2::new(1.5, 1.6), ..AdvisedPerson::default() };
     let twist = |angular_radps| crate::geometry::Twist2 { linear_mps: 0.6, angular_radps };
-    assert!(body.time_to_person_s(&aside, twist(0.0)).is_infinite());
-    assert!(body.time_to_person_s(&aside, twist(0.6)) < 3.0);
+    assert!(body.times_to_person_s(&aside, twist(0.0))[0].is_infinite());
+    assert!(body.times_to_person_s(&aside, twist(0.6))[0] < 3.0);
 }
 
 #[test]

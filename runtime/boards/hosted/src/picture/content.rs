@@ -17,6 +17,8 @@ pub struct TopView {
     pub robot_path: Vec<Pose2>,
     /// Outline of the robot in its own frame.
     pub robot_outline: Vec<Point2>,
+    /// Width of the swath that the brush leaves behind the robot, metres; 0 draws none.
+    pub swath_width_m: f32,
     /// Where people were.
     pub people: Vec<PersonPath>,
     /// Where the robot stopped, in time order.

@@ -95,6 +95,10 @@ impl TopView {
     fn draw_robot(&self, canvas: &mut Canvas, mapping: &Mapping) {
         let places = self.robot_path.iter().map(|pose| Point2::new(pose.x_m, pose.y_m));
         let way = mapping.way_px(places);
+        if self.swath_width_m > 0.0 {
+            let width_px = self.swath_width_m * mapping.px_per_m;
+            canvas.path(&way, false, Ink { opacity: 0.16, ..line(palette::ROBOT, width_px) });
+        }
         canvas.path(&way, false, Ink { opacity: 0.85, ..line(palette::PAPER, 5.0) });
         canvas.path(&way, false, line(palette::ROBOT, 2.6));
         for arrow in arrows(&way) {

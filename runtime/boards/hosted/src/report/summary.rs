@@ -12,8 +12,8 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "  {}: {:.0} s, {:.1} m driven, seed {}",
-        verdict.scenario, verdict.duration_s, verdict.distance_m, verdict.seed
+        "  {}: {:.0} s, {:.1} m driven, {:.1} m² brushed, seed {}",
+        verdict.scenario, verdict.duration_s, verdict.distance_m, observation.cleaned_m2, verdict.seed
     );
     if let Some(ready_s) = observation.ready_s {
         let _ = writeln!(text, "  ready to move after {ready_s:.1} s");

@@ -4,7 +4,7 @@ use floorguard_core::geometry::Point2;
 use floorguard_sim::scene::{FurnitureKind, SceneFile};
 
 use crate::picture::{PersonPath, StopMark, TopView};
-use crate::world::{Observation, Plan};
+use crate::world::{BRUSH_M, Observation, Plan};
 
 /// Half the thickness of a wall in the picture, metres.
 const WALL_HALF_M: f32 = 0.06;
@@ -33,6 +33,7 @@ pub fn top_view(plan: &Plan, observation: &Observation) -> TopView {
         obstacles: furniture(&plan.scenario.scene),
         robot_path: observation.robot_way.clone(),
         robot_outline: plan.robot.geometry.footprint.iter().copied().collect(),
+        swath_width_m: BRUSH_M,
         people: people.collect(),
         stops: stops.collect(),
     }

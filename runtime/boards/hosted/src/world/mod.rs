@@ -4,10 +4,12 @@ mod observer;
 mod operator;
 mod plan;
 mod spawn;
+mod swath;
 mod truth;
 mod virtual_world;
 
 pub use observer::{Observation, Observer, SeenStop};
 pub use plan::{Plan, PlanError};
 pub use spawn::{GuardCarriers, new_perception, new_shared, spawn_guard_ring, spawn_perception_ring};
+pub use swath::BRUSH_M;
 pub use virtual_world::run_virtual;

@@ -11,6 +11,7 @@ use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;
 use floorguard_sim::simulation::{Simulation, Truth as SimTruth};
 
 use super::plan::Plan;
+use super::swath::Swath;
 use super::truth::judged;
 use crate::judge::{Judge, StopReason, Verdict};
 use crate::metrics::MotAccumulator;
@@ -56,6 +57,8 @@ pub struct Observation {
     pub resets: u32,
     /// Seconds from the start until the robot could move.
     pub ready_s: Option<f64>,
+    /// Floor that the brush went over, m².
+    pub cleaned_m2: f64,
     /// Robot time under each cause that limited or stopped, seconds.
     pub under_cause_s: std::collections::BTreeMap<String, f64>,
     /// Speed and limit, one pair per second: time, speed, limit.
@@ -75,6 +78,7 @@ pub struct Observer<'a> {
     scenario: (String, u64),
     commanded_mps: f32,
     last_sweep: Option<Stamp>,
+    swath: Swath,
     last_status: Option<Stamp>,
     next_way_us: u64,
     next_speed_us: u64,
@@ -95,6 +99,7 @@ impl<'a> Observer<'a> {
             scenario: (plan.name.clone(), plan.seed),
             commanded_mps: 0.0,
             last_sweep: None,
+            swath: Swath::default(),
             last_status: None,
             next_way_us: 0,
             next_speed_us: 0,
@@ -134,6 +139,7 @@ impl<'a> Observer<'a> {
             let believed = shared.pose.get().unwrap_or_default().pose_in_odometry;
             self.on_people(&people, &truth, believed);
         }
+        self.swath.touch(truth.robot);
         self.note_ways(now_us, &truth);
         if let Some(status) = shared.status.get() {
             self.on_status(now_us, &status);
@@ -228,6 +234,7 @@ impl<'a> Observer<'a> {
         let summary = self.mot.summary();
         let (scenario, seed) = self.scenario.clone();
         self.seen.resets = resets;
+        self.seen.cleaned_m2 = self.swath.area_m2();
         self.seen.verdict = Verdict {
             scenario,
             seed,
