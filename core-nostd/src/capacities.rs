@@ -34,3 +34,12 @@ pub const MOTION_THINGS_MAX: usize = if cfg!(feature = "hosted") { 256 } else { 
 pub const MOTION_TRACKED_MAX: usize = if cfg!(feature = "hosted") { 64 } else { 16 };
 /// Columns along each side of the motion voxels, 0.1 m each; a power of two. Memory: four bytes a column, twice.
 pub const MOTION_VOXEL_SIDE: usize = if cfg!(feature = "hosted") { 256 } else { 128 };
+/// Columns of the widest depth or colour image of the floor: 640 × 480, or 160 × 120 on the MCU (algorithms Q.1).
+pub const FLOOR_IMAGE_COLUMNS_MAX: usize = if cfg!(feature = "hosted") { 640 } else { 160 };
+/// Points among which the floor is searched when nothing is known: five times those of algorithms B.1.
+pub const FLOOR_SEARCH_SAMPLES: usize = if cfg!(feature = "hosted") { 1_024 } else { 512 };
+/// Objects on the floor in one image; the farthest are dropped first and counted (algorithms Q.1).
+pub const FLOOR_OBJECTS_MAX: usize = if cfg!(feature = "hosted") { 32 } else { 16 };
+/// Connected parts of an image that may be open at once: one can begin at every second column of a row, and on the
+/// target at every second one of a quarter of the columns.
+pub const FLOOR_PARTS_MAX: usize = if cfg!(feature = "hosted") { 1_024 } else { 256 };

@@ -22,6 +22,7 @@ extern crate std;
 
 pub mod capacities;
 pub mod cleaning;
+pub mod floor;
 pub mod geometry;
 pub mod guard;
 pub mod maps;

@@ -1,13 +1,17 @@
 //! What drivers deliver: typed measurements with stamps, before anybody interprets them.
 
+mod depth_image;
 mod discrete;
 mod lidar_packet;
 mod motion_samples;
+mod pinhole;
 mod scan;
 mod sweep;
 
+pub use depth_image::{DepthImage, WrongImageSize};
 pub use discrete::{DiscreteInputs, SafetyInput};
 pub use lidar_packet::{LidarColumn, LidarPacket};
 pub use motion_samples::{DriveFeedback, DriveState, ImuSample, WheelSample};
+pub use pinhole::PinholeCamera;
 pub use scan::{BeamReturn, Scan};
 pub use sweep::{Sweep, SweepColumn, SweepPose};

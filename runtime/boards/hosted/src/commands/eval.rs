@@ -52,6 +52,24 @@ pub enum EvalStage {
         #[arg(long)]
         result: PathBuf,
     },
+    /// The floor of a depth picture: plane, mask and objects.
+    Floor {
+        /// Depth in millimetres, one channel of 16 bits.
+        #[arg(long)]
+        depth: PathBuf,
+        /// Focal lengths and principal point in pixels: fx,fy,cx,cy.
+        #[arg(long, value_parser = evaluate::parse_intrinsics)]
+        intrinsics: [f32; 4],
+        /// A mask of the floor to compare with.
+        #[arg(long)]
+        truth: Option<PathBuf>,
+        /// Height of the camera in metres, if known.
+        #[arg(long, requires = "pitch_deg")]
+        height_m: Option<f32>,
+        /// How far the camera looks down, in degrees, if known.
+        #[arg(long, requires = "height_m", allow_hyphen_values = true)]
+        pitch_deg: Option<f32>,
+    },
 }
 
 /// Runs the command.
@@ -68,6 +86,16 @@ pub fn run(arguments: &EvalArguments) -> anyhow::Result<()> {
         EvalStage::Motion { recording, key } => {
             let report = evaluate::motion(recording, key, MotionParameters::FIXED)?;
             print(&report, arguments.json)
+        }
+        EvalStage::Floor { depth, intrinsics, truth, height_m, pitch_deg } => {
+            let mounting = height_m.zip(*pitch_deg).map(|(height, pitch)| [height, pitch.to_radians()]);
+            let task = evaluate::FloorTask {
+                depth: depth.clone(),
+                intrinsics: *intrinsics,
+                truth: truth.clone(),
+                mounting,
+            };
+            print(&evaluate::floor(&task)?, arguments.json)
         }
         EvalStage::Tracks { truth, result } => print(&evaluate::tracks(truth, result)?, arguments.json),
     }

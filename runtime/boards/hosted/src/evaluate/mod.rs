@@ -2,12 +2,16 @@
 //!
 //! Each file answers one question and returns a report that serialises to the keys of the command's JSON.
 
+mod floor;
+mod images;
 mod motion;
 mod motion_key;
 mod svm;
 mod text;
 mod tracks;
 
+pub use floor::{FloorReport, FloorTask, floor, parse_intrinsics};
+pub use images::{ColourFile, DepthFile, MaskFile, read_colour, read_depth, read_mask};
 pub use motion::{MotionReport, TrackReport, motion};
 pub use svm::{SvmReport, svm};
 pub use text::read_text;

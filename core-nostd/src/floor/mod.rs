@@ -1,0 +1,25 @@
+//! The floor before the robot: where it lies, what stands on it, where it is dirty.
+//!
+//! Depth image → lattice → plane → gate → curvature → objects; colour image → blocks → novelty → dirt.
+//! Source: algorithms E and F.
+
+mod curvature;
+mod depth_noise;
+mod gate;
+mod lattice;
+mod model;
+mod normal_equations;
+mod plane;
+mod refine;
+mod search;
+
+pub use curvature::Curvature;
+pub use depth_noise::DepthNoise;
+pub use gate::{FitFault, FitLimits};
+pub use model::{
+    FROZEN_FRAMES, FloorEstimate, FloorFault, FloorModel, FloorParameters, FloorSource, KNOWN_MAX_US,
+    REUSE_MAX_US,
+};
+pub use plane::{Plane, cross, dot, unit};
+pub use refine::FitQuality;
+pub use search::Expectation;

@@ -1,0 +1,130 @@
+//! The floor of one depth picture: plane, mask and objects, against a mask that somebody else made.
+
+use std::path::PathBuf;
+
+use floorguard_core::floor::{Expectation, FloorModel, FloorParameters, Plane};
+use floorguard_core::sensing::{DepthImage, PinholeCamera};
+use floorguard_core::time::Stamp;
+use serde::Serialize;
+
+use super::images::{MaskFile, read_depth, read_mask};
+use crate::commands::{BadInput, VerdictFailed};
+
+/// Half thickness of the floor in masks, metres: the convention of the recorded masks.
+const MASK_BAND_M: f32 = 0.03;
+/// Without a mounting the camera may look down or up by this, radians (50°).
+const ANY_TILT_RAD: f32 = 0.872_665;
+/// Without a mounting the camera is this high, metres.
+const ANY_HEIGHT_M: [f32; 2] = [0.15, 3.0];
+/// The search is seeded, so that the same picture gives the same answer.
+const SEED: u64 = 1;
+
+/// What to evaluate.
+#[derive(Clone, Debug)]
+pub struct FloorTask {
+    /// The depth picture.
+    pub depth: PathBuf,
+    /// fx, fy, cx, cy in pixels.
+    pub intrinsics: [f32; 4],
+    /// Which pixels are floor.
+    pub truth: Option<PathBuf>,
+    /// Height (m) and downward pitch (rad) of the camera; without them any floor is searched.
+    pub mounting: Option<[f32; 2]>,
+}
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FloorReport {
+    /// Unit normal that points up, in the camera's frame: x right, y down, z forward.
+    pub normal: [f32; 3],
+    /// Height of the camera above the plane, metres.
+    pub distance_m: f32,
+    /// Intersection over union of the floor pixels with the mask, among the pixels that have a depth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub floor_iou: Option<f64>,
+    /// Pixels within 3 cm of the plane.
+    pub floor_pixels: u64,
+    /// Pixels with a depth.
+    pub returns: u64,
+    /// Root mean square of the heights of the floor, metres.
+    pub rms_m: f32,
+    /// Coefficients of the curvature, 1/m.
+    pub curvature_per_m: [f32; 3],
+}
+
+/// Fits the floor of one picture.
+///
+/// # Errors
+/// A file or the intrinsics cannot be used; or the picture shows no floor, which is a failed verdict: the floor is
+/// unknown.
+pub fn floor(task: &FloorTask) -> anyhow::Result<FloorReport> {
+    let file = read_depth(&task.depth)?;
+    let size = (file.width, file.height);
+    let truth = task.truth.as_deref().map(|path| read_mask(path, size)).transpose()?;
+    let camera = camera(task.intrinsics)?;
+    let parameters = parameters(camera, task.mounting)?;
+    let bad = |problem: String| BadInput(format!("{}: {problem}", task.depth.display()));
+    let image = DepthImage::new(Stamp::ZERO, size, &file.depth_mm).map_err(|p| bad(p.to_string()))?;
+    let estimate = FloorModel::new(parameters, SEED).update(&image, Stamp::ZERO);
+    if let Some(fault) = estimate.fault {
+        return Err(VerdictFailed(format!("{}: floor unknown: {fault}", task.depth.display())).into());
+    }
+    let mask = band(&image, &camera, &estimate.plane);
+    Ok(FloorReport {
+        normal: estimate.plane.normal,
+        distance_m: estimate.plane.distance_m,
+        floor_iou: truth.as_ref().map(|truth| overlap(&mask, truth, &file.depth_mm)),
+        floor_pixels: mask.iter().filter(|is_floor| **is_floor).count() as u64,
+        returns: image.returns() as u64,
+        rms_m: estimate.quality.rms_m,
+        curvature_per_m: estimate.curvature.coefficients_per_m,
+    })
+}
+
+fn camera([fx, fy, cx, cy]: [f32; 4]) -> anyhow::Result<PinholeCamera> {
+    PinholeCamera::new([fx, fy], [cx, cy])
+        .ok_or_else(|| BadInput(format!("intrinsics {fx},{fy},{cx},{cy}: no such camera")).into())
+}
+
+fn parameters(camera: PinholeCamera, mounting: Option<[f32; 2]>) -> anyhow::Result<FloorParameters> {
+    let parameters = match mounting {
+        Some([height_m, pitch_rad]) => FloorParameters::mounted(camera, height_m, pitch_rad),
+        None => Plane::of_mounting(1.0, 0.0).map(|mounted| {
+            let expectation =
+                Expectation { mounted, tilt_max_rad: ANY_TILT_RAD, distance_range_m: ANY_HEIGHT_M };
+            FloorParameters::expecting(camera, expectation)
+        }),
+    };
+    parameters.ok_or_else(|| BadInput("a camera below the floor".to_owned()).into())
+}
+
+/// Pixels within the band around the plane.
+fn band(image: &DepthImage<'_>, camera: &PinholeCamera, plane: &Plane) -> Vec<bool> {
+    let mut mask = Vec::with_capacity(image.depth_mm().len());
+    for (row, depths) in image.rows().enumerate() {
+        for (column, depth) in depths.iter().enumerate() {
+            let z = f32::from(*depth) * 0.001;
+            let point = camera.ray(column as f32, row as f32).map(|value| value * z);
+            mask.push(*depth > 0 && plane.height_m(point).abs() < MASK_BAND_M);
+        }
+    }
+    mask
+}
+
+/// Intersection over union where there is a depth: what the camera did not see, neither side can know.
+fn overlap(found: &[bool], truth: &MaskFile, depth_mm: &[u16]) -> f64 {
+    let seen = || found.iter().zip(&truth.marked).zip(depth_mm).filter(|(_, depth)| **depth > 0);
+    let both = seen().filter(|((a, b), _)| **a && **b).count();
+    let either = seen().filter(|((a, b), _)| **a || **b).count();
+    if either == 0 { 0.0 } else { both as f64 / either as f64 }
+}
+
+/// `fx,fy,cx,cy` as typed on the command line.
+///
+/// # Errors
+/// Not four numbers.
+pub fn parse_intrinsics(text: &str) -> Result<[f32; 4], String> {
+    let numbers: Result<Vec<f32>, _> = text.split(',').map(|cell| cell.trim().parse::<f32>()).collect();
+    let numbers = numbers.map_err(|problem| format!("`{text}`: {problem}"))?;
+    numbers.try_into().map_err(|_| format!("`{text}`: four numbers are needed: fx,fy,cx,cy"))
+}

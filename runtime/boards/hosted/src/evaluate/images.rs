@@ -1,0 +1,100 @@
+//! Pictures from files as what the stages take: depth in millimetres, colour, masks. Whatever does not fit is refused.
+
+use std::path::Path;
+
+use image::{ColorType, ImageReader};
+
+use crate::commands::BadInput;
+
+/// A depth picture: whole millimetres, 0 for no return.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DepthFile {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Depths, row by row.
+    pub depth_mm: Vec<u16>,
+}
+
+/// A colour picture, three bytes a pixel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ColourFile {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Red, green, blue, row by row.
+    pub rgb: Vec<u8>,
+}
+
+/// A mask: true where it is not black.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MaskFile {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Row by row.
+    pub marked: Vec<bool>,
+}
+
+fn open(path: &Path) -> anyhow::Result<image::DynamicImage> {
+    let bad = |problem: String| BadInput(format!("{}: {problem}", path.display()));
+    let reader = ImageReader::open(path)
+        .and_then(ImageReader::with_guessed_format)
+        .map_err(|problem| bad(problem.to_string()))?;
+    if reader.format().is_none() {
+        return Err(bad("this is no picture in a known format (PNG, JPEG or PNM)".to_owned()).into());
+    }
+    Ok(reader.decode().map_err(|problem| bad(problem.to_string()))?)
+}
+
+/// Reads a depth picture: one channel of 16 bits, millimetres (Z16).
+///
+/// # Errors
+/// The file is missing, cut off, or has other pixels.
+pub fn read_depth(path: &Path) -> anyhow::Result<DepthFile> {
+    let picture = open(path)?;
+    if picture.color() != ColorType::L16 {
+        return Err(BadInput(format!(
+            "{}: depth is one channel of 16 bits in millimetres, but this has {} channels of {} bits",
+            path.display(),
+            picture.color().channel_count(),
+            picture.color().bytes_per_pixel() / picture.color().channel_count() * 8,
+        ))
+        .into());
+    }
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    Ok(DepthFile { width, height, depth_mm: picture.into_luma16().into_raw() })
+}
+
+/// Reads a colour picture; a grey one has three equal channels.
+///
+/// # Errors
+/// The file is missing, cut off or no picture.
+pub fn read_colour(path: &Path) -> anyhow::Result<ColourFile> {
+    let picture = open(path)?;
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    Ok(ColourFile { width, height, rgb: picture.into_rgb8().into_raw() })
+}
+
+/// Reads a mask and checks that it belongs to a picture of the given size.
+///
+/// # Errors
+/// The file is missing, cut off or no picture, or it has another size.
+pub fn read_mask(path: &Path, size: (usize, usize)) -> anyhow::Result<MaskFile> {
+    let picture = open(path)?;
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    if (width, height) != size {
+        return Err(BadInput(format!(
+            "{}: {width} × {height} pixels, but the picture it belongs to has {} × {}",
+            path.display(),
+            size.0,
+            size.1
+        ))
+        .into());
+    }
+    let marked = picture.into_luma8().into_raw().into_iter().map(|value| value > 0).collect();
+    Ok(MaskFile { width, height, marked })
+}

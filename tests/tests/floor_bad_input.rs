@@ -1,0 +1,150 @@
+//! Bad depth pictures: each is refused with a reason, and the floor is unknown, not free.
+
+use std::path::{Path, PathBuf};
+
+use floorguard_core::floor::{FloorFault, FloorModel, FloorParameters, FloorSource, Plane};
+use floorguard_core::sensing::{DepthImage, PinholeCamera};
+use floorguard_core::time::Stamp;
+use floorguard_hosted::evaluate::{FloorTask, floor};
+
+const WIDTH: usize = 160;
+const HEIGHT: usize = 120;
+const CAMERA_HEIGHT_M: f32 = 0.72;
+const PITCH_RAD: f32 = 0.7;
+
+fn camera() -> PinholeCamera {
+    PinholeCamera::new([131.25, 131.25], [79.5, 59.5]).expect("a camera")
+}
+
+fn model() -> FloorModel {
+    FloorModel::new(FloorParameters::mounted(camera(), CAMERA_HEIGHT_M, PITCH_RAD).expect("a mounting"), 7)
+}
+
+/// A level floor; `salt` moves single millimetres, as depth noise does.
+fn level_floor(salt: usize) -> Vec<u16> {
+    let plane = Plane::of_mounting(CAMERA_HEIGHT_M, PITCH_RAD).expect("a plane");
+    let camera = camera();
+    let pixel = |index: usize| {
+        let ray = camera.ray((index % WIDTH) as f32, (index / WIDTH) as f32);
+        let towards: f32 = plane.normal.iter().zip(ray).map(|(n, r)| n * r).sum();
+        let jitter = (index * 7 + salt * 13) % 3;
+        let depth_mm = 1_000.0 * plane.distance_m / -towards;
+        if towards < -0.05 { depth_mm as u16 + jitter as u16 } else { 0 }
+    };
+    (0..WIDTH * HEIGHT).map(pixel).collect()
+}
+
+fn image(depth_mm: &[u16], at_us: u64) -> DepthImage<'_> {
+    DepthImage::new(Stamp::from_micros(at_us), (WIDTH, HEIGHT), depth_mm).expect("the size fits")
+}
+
+#[test]
+fn without_a_fit_the_plane_is_reused_and_the_floor_becomes_unknown() {
+    let mut model = model();
+    let (good, dark) = (level_floor(0), vec![0; WIDTH * HEIGHT]);
+    let measured = model.update(&image(&good, 1_000_000), Stamp::from_micros(1_000_000));
+    assert_eq!((measured.source, measured.is_known, measured.fault), (FloorSource::Measured, true, None));
+    for (age_us, source, is_known) in [
+        (900_000, FloorSource::Reused(900_000), true),
+        (1_000_001, FloorSource::Reused(1_000_001), false),
+        (2_000_000, FloorSource::Reused(2_000_000), false),
+        (2_000_001, FloorSource::Configured, false),
+    ] {
+        let now = Stamp::from_micros(1_000_000 + age_us);
+        let estimate = model.update(&image(&dark, 1_000_000 + age_us), now);
+        assert_eq!((estimate.source, estimate.is_known), (source, is_known), "{age_us} µs");
+        assert_eq!(estimate.fault, Some(FloorFault::NoReturns(0, WIDTH * HEIGHT)));
+        if source == FloorSource::Configured {
+            assert_eq!(estimate.plane, model.parameters().expectation.mounted);
+        } else {
+            assert_eq!(estimate.plane, measured.plane);
+        }
+    }
+}
+
+#[test]
+fn a_model_that_has_seen_nothing_knows_nothing() {
+    let estimate = model().without_frame(Stamp::from_micros(5));
+    assert_eq!((estimate.source, estimate.is_known), (FloorSource::Configured, false));
+}
+
+#[test]
+fn a_frozen_camera_is_told_from_a_still_one() {
+    let mut model = model();
+    let (frozen, other) = (level_floor(0), level_floor(1));
+    let mut faults = Vec::new();
+    for frame in 0..5_u64 {
+        let now = Stamp::from_micros(100_000 * (frame + 1));
+        let estimate = model.update(&image(&frozen, 100_000 * (frame + 1)), now);
+        faults.push((estimate.fault, estimate.is_known));
+    }
+    assert_eq!(faults[1], (None, true));
+    assert_eq!(faults[2], (Some(FloorFault::Frozen(3)), false));
+    assert_eq!(faults[4], (Some(FloorFault::Frozen(5)), false));
+    let moved = model.update(&image(&other, 600_000), Stamp::from_micros(600_000));
+    assert_eq!((moved.fault, moved.is_known), (None, true));
+}
+
+#[test]
+fn stamps_from_the_future_and_from_before_are_refused() {
+    let mut model = model();
+    let good = level_floor(0);
+    let early = model.update(&image(&good, 1_000), Stamp::from_micros(400));
+    assert_eq!(early.fault, Some(FloorFault::FromTheFuture(600)));
+    assert!(!early.is_known);
+    assert!(model.update(&image(&good, 1_000), Stamp::from_micros(1_000)).is_known);
+    let again = model.update(&image(&good, 1_000), Stamp::from_micros(2_000));
+    assert_eq!(again.fault, Some(FloorFault::OutOfOrder));
+}
+
+#[test]
+fn a_wall_is_no_floor() {
+    let mut model = model();
+    let wall: Vec<u16> = (0..WIDTH * HEIGHT).map(|index| 800 + (index % 2) as u16).collect();
+    let estimate = model.update(&image(&wall, 1_000), Stamp::from_micros(1_000));
+    assert!(estimate.fault.is_some() && !estimate.is_known, "{estimate:?}");
+}
+
+fn task(depth: PathBuf) -> FloorTask {
+    FloorTask { depth, intrinsics: [525.0, 525.0, 319.5, 239.5], truth: None, mounting: None }
+}
+
+fn message(depth: &Path) -> String {
+    floor(&task(depth.to_owned())).expect_err("refused").to_string()
+}
+
+/// A depth picture as a portable grey map, big-endian as that format has it.
+fn write_depth(path: &Path, depth_mm: &[u16]) {
+    let mut bytes = format!("P5\n{WIDTH} {HEIGHT}\n65535\n").into_bytes();
+    bytes.extend(depth_mm.iter().flat_map(|depth| depth.to_be_bytes()));
+    std::fs::write(path, bytes).expect("written");
+}
+
+#[test]
+fn bad_files_are_refused_with_a_reason() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("depth.pgm");
+    assert!(message(&path).contains("depth.pgm"));
+    let text = folder.path().join("text");
+    std::fs::write(&text, b"no picture").expect("written");
+    assert!(message(&text).contains("no picture in a known format"));
+    write_depth(&path, &vec![0; WIDTH * HEIGHT]);
+    assert!(message(&path).contains("floor unknown: only 0 of 19200 pixels have a depth"));
+    write_depth(&path, &level_floor(0)[..WIDTH * 7]);
+    assert!(!message(&path).is_empty());
+    std::fs::write(&path, format!("P5\n{WIDTH} 1\n255\n{}", "a".repeat(WIDTH))).expect("written");
+    assert!(message(&path).contains("one channel of 16 bits"));
+    write_depth(&path, &level_floor(0));
+    let mut broken = task(path);
+    for intrinsics in [[f32::NAN, 1.0, 0.0, 0.0], [0.0, 525.0, 319.5, 239.5]] {
+        broken.intrinsics = intrinsics;
+        assert!(floor(&broken).expect_err("refused").to_string().contains("no such camera"));
+    }
+    broken.intrinsics = [131.25, 131.25, 79.5, 59.5];
+    broken.truth = Some(folder.path().join("absent.png"));
+    assert!(floor(&broken).expect_err("refused").to_string().contains("absent.png"));
+    let small = folder.path().join("mask.pgm");
+    std::fs::write(&small, "P5\n2 1\n255\nab").expect("written");
+    broken.truth = Some(small);
+    assert!(floor(&broken).expect_err("refused").to_string().contains("2 × 1 pixels"));
+}
