@@ -47,7 +47,7 @@ pub struct Detection {
     pub distance_m: f32,
     /// Standard deviation of the position, metres.
     pub sigma_m: f32,
-    /// How much it looks like a person, 0…1.
+    /// Probability that it is a person, from this one look at its shape.
     pub likeness: f32,
     /// Returns that speak for it.
     pub points: u16,
@@ -57,10 +57,9 @@ pub struct Detection {
 const RING_STEP: f32 = 0.035;
 
 impl CandidateLimits {
-    /// How much a cluster looks like a person, 0…1; `None` if it cannot be one. `sensor_height_m` tells how much of a
-    /// body is in view at this distance.
+    /// Whether a cluster may be a person. `sensor_height_m` tells how much of a body is in view at this distance.
     #[must_use]
-    pub fn likeness(&self, cluster: &Cluster, sensor_height_m: f32) -> Option<f32> {
+    pub fn admits(&self, cluster: &Cluster, sensor_height_m: f32) -> bool {
         let [width_m, depth_m, height_m] = cluster.extent_m();
         let spacing_m = RING_STEP * cluster.nearest_m;
         // The beams look 15° down and up: nearer than this, feet or head are out of view.
@@ -73,42 +72,23 @@ impl CandidateLimits {
         let reaches =
             cluster.upper.z_m >= visible_top_m - 0.05 && cluster.upper.z_m <= self.height_max_m + 0.1;
         let tall = height_m >= self.height_min_m.min((view_top_m - view_bottom_m) * 0.5);
-        if !(fits && stands && reaches && tall) {
-            return None;
-        }
-        let score = shape_score(widest_m, cluster.upper.z_m.min(1.8), height_m);
-        // A slice of a shelf between two customers has the breadth of a gap, not its own.
-        Some(if cluster.occluded { score * OCCLUDED_SHARE } else { score })
+        fits && stands && reaches && tall
     }
-}
 
-impl CandidateLimits {
-    /// How much a cluster of returns above the height of desks looks like head and torso, 0…1.
+    /// Whether a cluster of returns above the height of desks may be head and torso.
     #[must_use]
-    pub fn upper_body_likeness(&self, cluster: &Cluster) -> Option<f32> {
+    pub fn admits_upper_body(&self, cluster: &Cluster) -> bool {
         let [width_m, depth_m, height_m] = cluster.extent_m();
         let widest_m = width_m.max(depth_m);
         let fits = (0.15..=UPPER_BODY_WIDTH_MAX_M).contains(&widest_m);
         let enough = cluster.points >= UPPER_BODY_POINTS_MIN && height_m >= UPPER_BODY_HEIGHT_MIN_M;
-        (fits && enough && cluster.upper.z_m <= self.height_max_m).then_some(UPPER_BODY_LIKENESS)
+        fits && enough && cluster.upper.z_m <= self.height_max_m
     }
 }
 
-/// What the shape of a half-hidden thing is worth.
-const OCCLUDED_SHARE: f32 = 0.7;
 /// A pair of shoulders with arms, metres.
 const UPPER_BODY_WIDTH_MAX_M: f32 = 0.8;
 /// Returns that make a torso.
 const UPPER_BODY_POINTS_MIN: u16 = 12;
 /// At least two rings at 3 m.
 const UPPER_BODY_HEIGHT_MIN_M: f32 = 0.08;
-/// A torso alone says less than a whole body: it becomes a person by walking.
-const UPPER_BODY_LIKENESS: f32 = 0.5;
-
-/// 1 for an upright body of a shoulder's width, less for anything broader, lower or squatter.
-fn shape_score(widest_m: f32, top_m: f32, height_m: f32) -> f32 {
-    let breadth = (1.0 - (widest_m - 0.5).abs() / 0.6).clamp(0.0, 1.0);
-    let stature = ((top_m - 0.6) / 0.8).clamp(0.0, 1.0);
-    let slender = (height_m / widest_m.max(0.1) / 2.0).clamp(0.0, 1.0);
-    (breadth + stature + slender) / 3.0
-}

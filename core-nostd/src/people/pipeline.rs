@@ -6,7 +6,10 @@ use super::association::DETECTIONS_MAX;
 use super::candidates::{CandidateLimits, Detection};
 use super::clusters::{Cluster, ClusterLimits, Clusterer};
 use super::ground;
+use super::looks::Looks;
+use super::person_model::{person_log_odds, probability};
 use super::projection::{ColumnFrame, RingAngles};
+use super::shape::{ShapeBuilder, ShapeVector};
 use super::tracker::{Track, Tracker, TrackerParameters};
 use super::visibility::Visibility;
 use crate::capacities::CLUSTERS_MAX;
@@ -80,6 +83,7 @@ pub struct PeoplePipeline {
     things: Vec<Cluster, CLUSTERS_MAX>,
     visibility: Visibility,
     detections: Vec<Detection, DETECTIONS_MAX>,
+    looks: Looks,
     tracker: Tracker,
     counters: PeopleCounters,
 }
@@ -106,6 +110,7 @@ impl PeoplePipeline {
             things: Vec::new(),
             visibility: Visibility::new(),
             detections: Vec::new(),
+            looks: Looks::new(),
             tracker: Tracker::new(parameters),
             counters: PeopleCounters::ZERO,
         }
@@ -120,10 +125,16 @@ impl PeoplePipeline {
     /// People among the things of the same sweep; after [`Self::find_things`]. Between the two, motion can be judged
     /// (see [`Self::thing_of`]).
     pub fn find_people(&mut self, sweep: &Sweep, context: &SweepContext) -> PeopleOutput<'_> {
-        self.find_candidates(context);
-        self.find_upper_bodies(sweep, context);
+        self.find_detections(sweep, context);
         self.track(sweep, context);
         PeopleOutput { clusters: &self.things, tracks: self.tracker.tracks(), counters: self.counters }
+    }
+
+    /// Which things may be people, and how probably; after [`Self::find_things`].
+    pub fn find_detections(&mut self, sweep: &Sweep, context: &SweepContext) {
+        self.find_candidates(context);
+        self.look(sweep, context);
+        self.find_upper_bodies(sweep, context);
     }
 
     /// Floor and clusters.
@@ -191,14 +202,41 @@ impl PeoplePipeline {
         }
         self.gather(sweep, context);
         for index in 0..self.clusterer.clusters.len().min(CLUSTERS_MAX) {
-            let Some(upper) = self.clusterer.clusters.get(index) else { continue };
-            let Some(likeness) = self.candidate_limits.upper_body_likeness(upper) else { continue };
-            let detection = detection(upper, likeness, context);
-            let known = self.detections.iter().any(|other| other.position.distance(detection.position) < 0.5);
-            if !known {
-                self.propose(detection);
+            let Some(upper) = self.clusterer.clusters.get(index).copied() else { continue };
+            if self.candidate_limits.admits_upper_body(&upper) {
+                let detection = detection(&upper, context);
+                let known =
+                    self.detections.iter().any(|other| other.position.distance(detection.position) < 0.5);
+                if !known {
+                    self.propose(detection, index, &upper, context);
+                }
             }
         }
+        self.look(sweep, context);
+    }
+
+    /// Gathers the shape of the new candidates and asks the classifier.
+    fn look(&mut self, sweep: &Sweep, context: &SweepContext) {
+        if !self.looks.begin() {
+            return;
+        }
+        for (index, column) in sweep.used_columns().iter().enumerate().filter(|(_, column)| column.measured) {
+            let mut frame: Option<ColumnFrame> = None;
+            for (ring, (raw, angle)) in column.range_raw.iter().zip(self.angles.rings).enumerate() {
+                let cluster = self.clusterer.index_of(index, ring);
+                let Some(slot) = cluster.and_then(|cluster| self.looks.slot(cluster)) else { continue };
+                let frame = frame.get_or_insert_with(|| {
+                    ColumnFrame::new(sweep, column, &context.sensor_in_base, context.twist)
+                });
+                self.looks.add(slot, frame.point(*raw, angle), ring);
+            }
+        }
+        let detections = &mut self.detections;
+        self.looks.finish(|slot, shape| {
+            if let Some(detection) = detections.get_mut(slot) {
+                detection.likeness = probability(person_log_odds(shape));
+            }
+        });
     }
 
     fn enter_column(&mut self, index: usize, column: &SweepColumn, frame: &ColumnFrame) {
@@ -219,24 +257,34 @@ impl PeoplePipeline {
 
     fn find_candidates(&mut self, context: &SweepContext) {
         self.detections.clear();
+        self.looks.clear();
         let sensor_height_m = context.sensor_in_base.translation.z_m;
         for index in 0..self.things.len().min(CLUSTERS_MAX) {
-            let Some(thing) = self.things.get(index) else { continue };
-            if let Some(likeness) = self.candidate_limits.likeness(thing, sensor_height_m) {
-                self.propose(detection(thing, likeness, context));
+            let Some(thing) = self.things.get(index).copied() else { continue };
+            if self.candidate_limits.admits(&thing, sensor_height_m) {
+                self.propose(detection(&thing, context), index, &thing, context);
             }
         }
     }
 
     /// Out of room: the farthest candidate goes first.
-    fn propose(&mut self, detection: Detection) {
+    fn propose(&mut self, detection: Detection, index: usize, thing: &Cluster, context: &SweepContext) {
         self.counters.candidates = self.counters.candidates.saturating_add(1);
-        let Err(detection) = self.detections.push(detection) else { return };
-        self.counters.dropped_candidates = self.counters.dropped_candidates.saturating_add(1);
-        let farthest = self.detections.iter_mut().max_by(|a, b| a.distance_m.total_cmp(&b.distance_m));
-        if let Some(slot) = farthest.filter(|slot| slot.distance_m > detection.distance_m) {
-            *slot = detection;
+        let mut slot = self.detections.len();
+        if let Err(detection) = self.detections.push(detection) {
+            self.counters.dropped_candidates = self.counters.dropped_candidates.saturating_add(1);
+            let others = self.detections.iter_mut().enumerate();
+            let farthest = others.max_by(|(_, a), (_, b)| a.distance_m.total_cmp(&b.distance_m));
+            let Some((row, worse)) = farthest.filter(|(_, other)| other.distance_m > detection.distance_m)
+            else {
+                return;
+            };
+            *worse = detection;
+            slot = row;
         }
+        let heights_m = (thing.lower.z_m, thing.upper.z_m);
+        let builder = ShapeBuilder::new(context.sensor_in_base.translation, thing.centroid, heights_m);
+        self.looks.set(slot, index, builder, thing.occluded);
     }
 
     fn track(&mut self, sweep: &Sweep, context: &SweepContext) {
@@ -274,6 +322,12 @@ impl PeoplePipeline {
     pub fn detections(&self) -> &[Detection] {
         &self.detections
     }
+
+    /// The shape of a detection of the newest sweep, by its index: what the classifier saw.
+    #[must_use]
+    pub fn shape(&self, detection: usize) -> Option<&ShapeVector> {
+        self.looks.shape(detection)
+    }
 }
 
 /// Returns above this height hang over people's heads, metres.
@@ -284,14 +338,14 @@ const UPPER_BODY_M: f32 = 1.05;
 /// Farther away too few rings hit a torso alone, metres.
 const UPPER_BODY_RANGE_M: f32 = 8.0;
 
-/// A thing as a measurement for the tracker.
-fn detection(thing: &Cluster, likeness: f32, context: &SweepContext) -> Detection {
+/// A thing as a measurement for the tracker; nobody has looked at its shape yet.
+fn detection(thing: &Cluster, context: &SweepContext) -> Detection {
     let centre = Point2::new(thing.centroid.x_m, thing.centroid.y_m);
     Detection {
         position: context.base_in_odom.transform(centre),
         distance_m: thing.nearest_m,
         sigma_m: SIGMA_M + SIGMA_PER_M * thing.nearest_m,
-        likeness,
+        likeness: 0.5,
         points: thing.points,
     }
 }

@@ -5,6 +5,7 @@ use heapless::Vec;
 use super::association::{Association, Associator, DETECTIONS_MAX};
 use super::candidates::Detection;
 use super::filter::ConstantVelocity;
+use super::person_model::probability;
 use crate::capacities::TRACKS_MAX;
 use crate::geometry::Point2;
 use crate::time::{Age, Stamp};
@@ -73,7 +74,7 @@ pub struct Track {
     pub state: ConstantVelocity,
     /// How sure.
     pub status: TrackStatus,
-    /// Belief that it is a person, 0…1: from its shape and from its walking.
+    /// Probability that it is a person: the looks at its shape and its walking, fused over its life.
     pub person_probability: f32,
     /// Belief that it moves, 0…1.
     pub moving_probability: f32,
@@ -85,6 +86,8 @@ pub struct Track {
     pub last_seen: Stamp,
     /// Where it was first seen.
     pub first_position: Point2,
+    /// Log-odds that it is a person.
+    belief: f32,
     /// How far from the sensor it was when last seen, metres.
     distance_m: f32,
     /// Misses in a row where it could have been seen.
@@ -252,11 +255,22 @@ impl Tracker {
     }
 }
 
-/// What the shape alone can make a track believe: somebody who stands still and looks just like a person passes one
-/// half, a shelf or half a pillar does not. The rest comes from walking.
-const SHAPE_SHARE: f32 = 0.6;
+/// Share of a look's log-odds that a sighting adds: looks of a tenth of a second apart are not independent.
+const LOOK_SHARE: f32 = 0.25;
+/// One look never says more than this, log-odds.
+const LOOK_MAX: f32 = 2.0;
+/// What walking adds a sighting, log-odds: shelves do not walk.
+const WALK_GAIN: f32 = 0.2;
+/// The belief never becomes so firm that ten sightings to the contrary cannot turn it, log-odds.
+const BELIEF_MAX: f32 = 4.0;
 /// A track has walked when it is this far from where it was first seen, metres.
 const WALKED_M: f32 = 0.6;
+
+/// What a look says, log-odds.
+fn look(detection: &Detection) -> f32 {
+    let probability = detection.likeness.clamp(1.0e-3, 1.0 - 1.0e-3);
+    libm::logf(probability / (1.0 - probability)).clamp(-LOOK_MAX, LOOK_MAX)
+}
 
 impl Track {
     fn new(id: u32, stamp: Stamp, detection: &Detection) -> Self {
@@ -264,7 +278,8 @@ impl Track {
             id,
             state: ConstantVelocity::new(detection.position, Point2::default(), 0.2, 1.0),
             status: TrackStatus::Tentative,
-            person_probability: SHAPE_SHARE * detection.likeness,
+            person_probability: probability(look(detection)),
+            belief: look(detection),
             moving_probability: 0.0,
             sightings: 1,
             created: stamp,
@@ -287,10 +302,9 @@ impl Track {
         let walked_m = self.state.position.distance(self.first_position);
         let walking = walked_m > WALKED_M && self.state.speed_mps() > 0.25;
         self.moving_probability += 0.3 * (f32::from(u8::from(walking)) - self.moving_probability);
-        // What has walked once is a person even while it stands (people stop to look at shelves).
-        let walked = (walked_m / (2.0 * WALKED_M)).min(1.0) * (1.0 - SHAPE_SHARE);
-        let looks = (SHAPE_SHARE * detection.likeness + walked).max(self.person_probability * 0.98);
-        self.person_probability += 0.3 * (looks - self.person_probability);
+        let gain = LOOK_SHARE * look(detection) + if walking { WALK_GAIN } else { 0.0 };
+        self.belief = (self.belief + gain).clamp(-BELIEF_MAX, BELIEF_MAX);
+        self.person_probability = probability(self.belief);
     }
 
     fn miss(&mut self, stamp: Stamp, visible: bool) {

@@ -15,4 +15,5 @@ pub mod models;
 pub mod picture;
 pub mod recording;
 pub mod report;
+pub mod train;
 pub mod world;

@@ -28,6 +28,8 @@ pub enum Command {
     Decode(DecodeArguments),
     /// Clean a map in simulation with a guarantee, and compare strategies.
     Mission(super::MissionArguments),
+    /// Learn a classifier and write it as a table of the core.
+    Train(super::TrainArguments),
     /// Compare a stage with recorded truth or with an independent key.
     Eval(super::EvalArguments),
     /// Check a configuration: every mistake with line, limit and remedy.

@@ -43,6 +43,14 @@ pub enum EvalStage {
         #[arg(long)]
         key: PathBuf,
     },
+    /// People claimed in a capture of a standing VLP-16 against a key of where people stood.
+    Clusters {
+        /// The capture; a list `NAME.frames.csv` beside it is used where there is one.
+        file: PathBuf,
+        /// Where people stood: columns `frame`, and `x`, `y` or `cx`, `cy`.
+        #[arg(long)]
+        key: PathBuf,
+    },
     /// CLEAR-MOT figures of two files in the MOT15 format, rectangles paired from an overlap of one half.
     Tracks {
         /// What was there.
@@ -87,6 +95,7 @@ pub fn run(arguments: &EvalArguments) -> anyhow::Result<()> {
             let report = evaluate::motion(recording, key, MotionParameters::FIXED)?;
             print(&report, arguments.json)
         }
+        EvalStage::Clusters { file, key } => print(&evaluate::clusters(file, key)?, arguments.json),
         EvalStage::Floor { depth, intrinsics, truth, height_m, pitch_deg } => {
             let mounting = height_m.zip(*pitch_deg).map(|(height, pitch)| [height, pitch.to_radians()]);
             let task = evaluate::FloorTask {

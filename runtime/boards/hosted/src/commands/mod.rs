@@ -10,6 +10,7 @@ mod exit;
 mod mission;
 mod replay;
 mod simulate;
+mod train;
 
 pub use arguments::{Arguments, Command, DecodeArguments, ModelArgument, ReplayArguments};
 pub use campaign::{CampaignArguments, CampaignKind};
@@ -20,6 +21,7 @@ pub use eval::{EvalArguments, EvalStage};
 pub use exit::{BadInput, VerdictFailed, exit_code};
 pub use mission::MissionArguments;
 pub use simulate::SimulateArguments;
+pub use train::{TrainArguments, TrainPeopleArguments, TrainWhat};
 
 /// Runs the command.
 ///
@@ -30,6 +32,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Replay(arguments)) => replay::run(&arguments),
         Some(Command::Decode(arguments)) => decode::run(&arguments),
         Some(Command::Mission(arguments)) => mission::run(&arguments),
+        Some(Command::Train(arguments)) => train::run(&arguments),
         Some(Command::Eval(arguments)) => eval::run(&arguments),
         Some(Command::Check { file }) => check::run(&file),
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),

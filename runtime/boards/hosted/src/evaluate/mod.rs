@@ -2,7 +2,9 @@
 //!
 //! Each file answers one question and returns a report that serialises to the keys of the command's JSON.
 
+mod clusters;
 mod floor;
+mod frames;
 mod images;
 mod motion;
 mod motion_key;
@@ -10,7 +12,9 @@ mod svm;
 mod text;
 mod tracks;
 
+pub use clusters::{ClustersReport, clusters};
 pub use floor::{FloorReport, FloorTask, floor, parse_intrinsics};
+pub use frames::{capture_frames, standing_context};
 pub use images::{ColourFile, DepthFile, MaskFile, read_colour, read_depth, read_mask};
 pub use motion::{MotionReport, TrackReport, motion};
 pub use svm::{SvmReport, svm};

@@ -1,0 +1,89 @@
+//! Looks at the candidates once more: all their returns, for the shape of each.
+
+use heapless::Vec;
+
+use super::association::DETECTIONS_MAX;
+use super::shape::{SHAPE_FEATURES, ShapeBuilder, ShapeVector};
+use crate::capacities::CLUSTERS_MAX;
+use crate::geometry::Point3;
+
+/// No candidate.
+const NOBODY: u16 = u16::MAX;
+
+/// Which cluster each candidate came from, and its shape. Slots are those of the list of detections.
+#[derive(Clone, Debug)]
+pub(super) struct Looks {
+    slot_of_cluster: [u16; CLUSTERS_MAX],
+    candidates: Vec<Look, DETECTIONS_MAX>,
+}
+
+/// One candidate.
+#[derive(Clone, Copy, Debug)]
+struct Look {
+    /// Index of its cluster while its returns are gathered, then [`NOBODY`].
+    cluster: u16,
+    occluded: bool,
+    builder: ShapeBuilder,
+    shape: ShapeVector,
+}
+
+impl Looks {
+    pub(super) const fn new() -> Self {
+        Self { slot_of_cluster: [NOBODY; CLUSTERS_MAX], candidates: Vec::new() }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.candidates.clear();
+    }
+
+    /// The candidate of a slot; the slot is the next one or a used one, whose candidate is given up.
+    pub(super) fn set(&mut self, slot: usize, cluster: usize, builder: ShapeBuilder, occluded: bool) {
+        let look = Look { cluster: cluster as u16, occluded, builder, shape: [0.0; SHAPE_FEATURES] };
+        match self.candidates.get_mut(slot) {
+            Some(used) => *used = look,
+            // As many slots as detections: never full.
+            None => drop(self.candidates.push(look)),
+        }
+    }
+
+    /// Begins a pass over the returns; false where nobody is to be looked at.
+    pub(super) fn begin(&mut self) -> bool {
+        self.slot_of_cluster.fill(NOBODY);
+        let mut any = false;
+        for (slot, look) in self.candidates.iter().enumerate().filter(|(_, look)| look.cluster != NOBODY) {
+            if let Some(entry) = self.slot_of_cluster.get_mut(usize::from(look.cluster)) {
+                *entry = slot as u16;
+                any = true;
+            }
+        }
+        any
+    }
+
+    /// The candidate that a cluster belongs to.
+    pub(super) fn slot(&self, cluster: usize) -> Option<usize> {
+        let slot = self.slot_of_cluster.get(cluster).copied().filter(|slot| *slot != NOBODY);
+        slot.map(usize::from)
+    }
+
+    /// A return of a candidate.
+    pub(super) fn add(&mut self, slot: usize, point: Point3, ring: usize) {
+        if let Some(look) = self.candidates.get_mut(slot) {
+            look.builder.add(point, ring);
+        }
+    }
+
+    /// Ends the pass; hands out slot and shape of every candidate that was looked at in it.
+    pub(super) fn finish(&mut self, mut found: impl FnMut(usize, &ShapeVector)) {
+        for (slot, look) in self.candidates.iter_mut().enumerate().filter(|(_, look)| look.cluster != NOBODY)
+        {
+            look.shape = look.builder.finish(look.occluded);
+            look.cluster = NOBODY;
+            found(slot, &look.shape);
+        }
+    }
+
+    /// The shape of a candidate.
+    pub(super) fn shape(&self, slot: usize) -> Option<&ShapeVector> {
+        self.candidates.get(slot).map(|look| &look.shape)
+    }
+}

@@ -1,0 +1,87 @@
+//! `floorguard train`: learns the tables that the core carries.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+use floorguard_core::people::shape::SHAPE_NAMES;
+
+use super::BadInput;
+use crate::train::{
+    Boosting, Forest, boost, built_in_scenes, person_samples, person_table, quality, random_scenes, stretched,
+};
+
+/// What to learn.
+#[derive(Clone, Debug, Args)]
+pub struct TrainArguments {
+    /// Which classifier.
+    #[command(subcommand)]
+    pub what: TrainWhat,
+}
+
+/// A classifier.
+#[derive(Clone, Debug, Subcommand)]
+pub enum TrainWhat {
+    /// The shape of people in lidar sweeps, from simulated rooms and the built-in scenarios.
+    People(TrainPeopleArguments),
+}
+
+/// How to learn people.
+#[derive(Clone, Debug, Args)]
+pub struct TrainPeopleArguments {
+    /// Where the table goes.
+    #[arg(long)]
+    pub out: PathBuf,
+    /// First seed; a quarter of as many scenes again, with later seeds, is held out for the figures.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Random rooms to learn from; half as many built-in scenes are added.
+    #[arg(long, default_value_t = 400, value_parser = clap::value_parser!(u64).range(4..))]
+    pub scenes: u64,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// The table cannot be written.
+pub fn run(arguments: &TrainArguments) -> anyhow::Result<()> {
+    match &arguments.what {
+        TrainWhat::People(arguments) => people(arguments),
+    }
+}
+
+fn people(arguments: &TrainPeopleArguments) -> anyhow::Result<()> {
+    let TrainPeopleArguments { out, seed, scenes } = arguments;
+    let draw = |first: u64, count: u64| {
+        let mut runs = random_scenes(first, count);
+        runs.extend(built_in_scenes(first, count / 2));
+        stretched(&person_samples(&runs), first)
+    };
+    let (training, held_out) = (draw(*seed, *scenes), draw(seed + scenes, (scenes / 4).max(1)));
+    let forest = boost(&training, &Boosting::DEFAULT);
+    let (seen, unseen) = (quality(&forest, &training), quality(&forest, &held_out));
+    anstream::eprintln!("on what it learnt from: {seen:?}\non other seeds:         {unseen:?}");
+    print_use(&forest);
+    let provenance = [
+        format!("Simulated only: {scenes} random rooms and {} built-in scenes from seed {seed};", scenes / 2),
+        format!(
+            "{} candidates, {} of them people. On {} of later seeds:",
+            seen.samples, seen.positives, unseen.samples
+        ),
+        format!(
+            "precision {:.3}, recall {:.3}, calibration error {:.3}.",
+            unseen.precision, unseen.recall, unseen.calibration_error
+        ),
+    ];
+    std::fs::write(out, person_table(&forest, &provenance))
+        .map_err(|error| BadInput(format!("{}: {error}", out.display())).into())
+}
+
+/// How often each number is looked at.
+fn print_use(forest: &Forest) {
+    for (index, name) in SHAPE_NAMES.iter().enumerate() {
+        let nodes = forest.trees.iter().flat_map(|tree| tree.features.iter().zip(tree.thresholds));
+        let used =
+            nodes.filter(|(feature, border)| usize::from(**feature) == index && *border < f32::MAX).count();
+        anstream::eprintln!("{used:5} decisions by {name}");
+    }
+}

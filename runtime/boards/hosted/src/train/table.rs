@@ -1,0 +1,38 @@
+//! Writes what was learnt as a source file of the core.
+
+use std::fmt::Write as _;
+
+use floorguard_core::people::person_model::Tree;
+
+use super::boosting::Forest;
+
+/// The file `person_table.rs`; `provenance` says in comment lines how it was trained.
+#[must_use]
+pub fn person_table(forest: &Forest, provenance: &[String]) -> String {
+    let mut text = String::from(
+        "//! The trees of the person classifier. Written by `floorguard train people`; not edited by hand.\n//!\n",
+    );
+    for line in provenance {
+        let _ = writeln!(text, "//! {line}");
+    }
+    let _ = writeln!(text, "\nuse super::person_model::Tree;\n");
+    let _ = writeln!(text, "/// Log-odds before any tree.\npub const OFFSET: f32 = {:?};\n", forest.offset);
+    let _ = writeln!(
+        text,
+        "/// The trees.\n#[rustfmt::skip]\npub static TREES: [Tree; {}] = [",
+        forest.trees.len()
+    );
+    for Tree { features, thresholds, leaves } in &forest.trees {
+        let _ = writeln!(
+            text,
+            "    Tree {{ features: {features:?}, thresholds: [{}], leaves: {leaves:?} }},",
+            thresholds.map(threshold).join(", ")
+        );
+    }
+    text.push_str("];\n");
+    text
+}
+
+fn threshold(value: f32) -> String {
+    if value == f32::MAX { "f32::MAX".to_owned() } else { format!("{value:?}") }
+}
