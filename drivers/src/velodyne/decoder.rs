@@ -221,8 +221,11 @@ impl Decoder {
         let Some(Decided { model, columns, .. }) = &self.decided else {
             return Err(DecodeError::ModelUndecided);
         };
-        let lost = lost_packets(self.since_accepted_us, model.packet_us(packet.is_dual()));
-        let stamp = self.clock.stamp(packet.stamp_us(), arrival);
+        let packet_us = model.packet_us(packet.is_dual());
+        let lost = lost_packets(self.since_accepted_us, packet_us);
+        // The datagram is sent after its last firing; the sensor's stamp is that of the first (wire-formats 1.1).
+        let first_firing = arrival.minus_micros(u64::from(packet_us));
+        let stamp = self.clock.stamp(packet.stamp_us(), first_firing);
         self.since_accepted_us = Some(0);
         self.counters.lost = self.counters.lost.saturating_add(u32::from(lost));
         let (columns, self_returns) = columns.convert(&packet, stamp, self.blind_range_mm);

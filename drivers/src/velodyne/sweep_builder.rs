@@ -138,12 +138,14 @@ impl SweepBuilder {
     }
 }
 
-/// Mean rotation from column to column of a packet; that of a normal head where the packet cannot tell.
+/// Mean rotation from column to column of a packet, rounded; that of a normal head where the packet cannot tell. Cut off
+/// instead, 19.9 would become 19 and a gap of 24 columns would be filled with 25.
 fn mean_step_cdeg(packet: &LidarPacket) -> u32 {
     let steps = packet.columns.len().saturating_sub(1) as u32;
     match (packet.columns.first(), packet.columns.last()) {
         (Some(first), Some(last)) => (u32::from(last.azimuth_cdeg) + 36_000 - u32::from(first.azimuth_cdeg))
             .wrapping_rem(36_000)
+            .saturating_add(steps / 2)
             .checked_div(steps)
             .unwrap_or(20),
         _ => 20,

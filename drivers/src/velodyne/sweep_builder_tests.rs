@@ -15,7 +15,7 @@ const PERIOD_US: u32 = 1_327;
 /// Packet `number` of a head that turns 480 cdeg per packet, just under 600 rpm.
 fn columns(number: u32) -> LidarPacket {
     let bytes = packet(480 * number, PERIOD_US * number, 500, [0x37, 0x22]);
-    let arrival = Stamp::from_micros(u64::from(PERIOD_US * number));
+    let arrival = Stamp::from_micros(u64::from(PERIOD_US * (number + 1)));
     Decoder::new(ModelChoice::Auto).decode(&bytes, arrival).expect("a valid packet").0
 }
 
