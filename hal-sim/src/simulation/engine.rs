@@ -199,7 +199,7 @@ impl Simulation {
         if stream != Stream::ImuSerial {
             return;
         }
-        let answer = self.imu.receive(bytes);
+        let answer = self.imu.receive(bytes, self.now_us);
         if !answer.is_empty() {
             let at_us = self.now_us + 1_000 + answer.len() as u64 * IMU_BYTE_US;
             self.push(at_us, Stream::ImuSerial, Payload::Bytes(answer));
@@ -232,6 +232,17 @@ impl Simulation {
         for frame in out {
             self.push_frame(self.now_us, frame);
         }
+    }
+
+    /// Takes the power from the inertial sensor for some time.
+    pub fn power_cycle_imu(&mut self, off_us: u64) {
+        self.imu.power_cycle(self.now_us, off_us);
+    }
+
+    /// The inertial sensor, for what only its maker knows.
+    #[must_use]
+    pub const fn imu(&self) -> &Imu {
+        &self.imu
     }
 
     /// What the scanner is doing.
