@@ -12,11 +12,11 @@ use floorguard_sim::scenario::Scenario;
 use floorguard_sim::simulation::{Payload, Simulation, Stream};
 
 const INPUTS: InputMap = InputMap {
-    emergency_stop: InputBits([32, 33]),
-    bumper_front: InputBits([34, 35]),
-    bumper_rear: Some(InputBits([36, 37])),
-    cliff_front: Some(InputBits([40, 40])),
-    cliff_rear: Some(InputBits([41, 41])),
+    emergency_stop: InputBits::new([32, 33]),
+    bumper_front: InputBits::new([34, 35]),
+    bumper_rear: Some(InputBits::new([36, 37])),
+    cliff_front: Some(InputBits::new([40, 40])),
+    cliff_rear: Some(InputBits::new([41, 41])),
     discrepancy_us: 100_000,
 };
 

@@ -1,5 +1,7 @@
 //! The gateway of a SICK Flexi Soft safety controller (wire-formats 4.1).
 
 mod image;
+mod map;
 
-pub use image::{InputBits, InputMap, SafetyImage};
+pub use image::SafetyImage;
+pub use map::{IMAGE_OBJECTS, InputBits, InputMap};

@@ -11,6 +11,7 @@ use super::drives::{Axis, DriveCommand, Drives};
 use super::encoders::{Encoders, Side};
 use crate::can::CanFrame;
 use crate::canopen::{Emergency, NodeConfigurator, master_heartbeat, sync_frame};
+use crate::cia406::EncoderReport;
 use crate::flexisoft::SafetyImage;
 
 /// Heartbeat of the master, microseconds: a quarter of what the drives tolerate.
@@ -93,6 +94,9 @@ impl ThreeWheelBase {
         match id & 0x780 {
             0x080 => self.on_emergency(node, payload, event),
             0x180 => self.on_process_data(node, payload, now, event),
+            0x280 => self.on_image(node, (1, payload), now, event),
+            0x380 => self.on_image(node, (2, payload), now, event),
+            0x480 => self.on_image(node, (3, payload), now, event),
             0x580 => {
                 if let Some(device) = self.device(node) {
                     device.on_answer(payload, now);
@@ -225,7 +229,7 @@ impl ThreeWheelBase {
     fn on_process_data(&mut self, node: u8, payload: &[u8], now: Stamp, event: &mut impl FnMut(BaseEvent)) {
         let bus = self.configuration;
         if node == bus.inputs_node {
-            event(BaseEvent::Inputs(self.image.judge(payload, now)));
+            self.on_image(node, (0, payload), now, event);
         } else if node == bus.traction_node {
             self.on_drive(Axis::Traction, payload, now, event);
         } else if node == bus.steering_node {
@@ -234,6 +238,20 @@ impl ThreeWheelBase {
             self.on_encoder(Side::Left, payload, now, event);
         } else if node == bus.right_encoder_node {
             self.on_encoder(Side::Right, payload, now, event);
+        }
+    }
+
+    fn on_image(
+        &mut self,
+        node: u8,
+        (object, payload): (usize, &[u8]),
+        now: Stamp,
+        event: &mut impl FnMut(BaseEvent),
+    ) {
+        if node == self.configuration.inputs_node
+            && let Some(inputs) = self.image.take(object, payload, now)
+        {
+            event(BaseEvent::Inputs(inputs));
         }
     }
 
@@ -251,13 +269,12 @@ impl ThreeWheelBase {
             Side::Right => &self.right,
         };
         // Before the range is known a position means nothing.
-        let (&[a, b, c, d, _, _, ..], Some(range)) = (payload, encoder.read(0)) else {
+        let (Some(report), Some(range)) = (EncoderReport::decode(payload), encoder.read(0)) else {
             self.counters.refused = self.counters.refused.saturating_add(1);
             return;
         };
-        let position = u32::from_le_bytes([a, b, c, d]);
         // A range of 0 stands for the whole word.
-        if range != 0 && position >= range {
+        if range != 0 && report.position >= range {
             self.counters.refused = self.counters.refused.saturating_add(1);
             return;
         }
@@ -265,7 +282,7 @@ impl ThreeWheelBase {
             self.counters.late = self.counters.late.saturating_add(1);
             return;
         }
-        if let Some(sample) = self.encoders.on_position(side, (position, range), self.latched) {
+        if let Some(sample) = self.encoders.on_position(side, (report.position, range), self.latched) {
             event(BaseEvent::Wheels(sample));
         }
     }

@@ -1,6 +1,7 @@
 //! The bus as configured, and what each device is told.
 
 use crate::canopen::Script;
+use crate::cia406::EncoderReport;
 use crate::flexisoft::InputMap;
 
 /// Object 1016h: the drives stop when the master is silent for this long, milliseconds.
@@ -93,7 +94,7 @@ impl BaseConfiguration {
         Script::new().write(0x1017, 0, HEARTBEAT_MS, 2).read(0x6002, 0).transmit(
             node,
             0,
-            (EVERY_SYNC, &[0x6004_0020, 0x6030_0110]),
+            (EVERY_SYNC, &EncoderReport::MAPPING),
         )
     }
 

@@ -248,6 +248,8 @@ fn read_can(section: Reader<'_>) -> Option<(CanConfiguration, CanAddress)> {
 
 /// Which bit of the safety controller's process image means what.
 fn read_inputs(section: Reader<'_>) -> Option<InputMap> {
+    let inverted = section.bit_list("inverted_bits");
+    let with_polarity = |bits: [u8; 2]| InputBits { bits, inverted: bits.map(|bit| inverted.contains(&bit)) };
     let required = |key| {
         let bits = section.bits_or_absent(key);
         if bits.is_none() && section.good_so_far() {
@@ -257,9 +259,9 @@ fn read_inputs(section: Reader<'_>) -> Option<InputMap> {
                 format!("add for example `{key} = [32, 33]`: the bits of both channels in the process image"),
             );
         }
-        bits.map(InputBits)
+        bits.map(with_polarity)
     };
-    let optional = |key| section.bits_or_absent(key).map(InputBits);
+    let optional = |key| section.bits_or_absent(key).map(with_polarity);
     let (emergency_stop, bumper_front) = (required("emergency_stop_bits"), required("bumper_front_bits"));
     let (bumper_rear, cliff_front) = (optional("bumper_rear_bits"), optional("cliff_front_bits"));
     let cliff_rear = optional("cliff_rear_bits");

@@ -229,25 +229,40 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The numbers of one or two bits of a process image of eight bytes, for example `[32, 33]`; twice the same for a
-    /// single one. `None` when the key is absent or wrong.
+    /// The numbers of one or two bits of a process image of four times eight bytes, for example `[32, 33]`; twice the
+    /// same for a single one. `None` when the key is absent or wrong.
     pub fn bits_or_absent(&self, key: &'static str) -> Option<[u8; 2]> {
+        match self.bits(key, "one or two bit numbers from 0 to 255", 1..=2)?[..] {
+            [single] => Some([single, single]),
+            [first, second] => Some([first, second]),
+            _ => None,
+        }
+    }
+
+    /// The numbers of any bits of a process image; none when the key is absent or wrong.
+    pub fn bit_list(&self, key: &'static str) -> Vec<u8> {
+        self.bits(key, "a list of bit numbers from 0 to 255", 0..=256).unwrap_or_default()
+    }
+
+    fn bits(
+        &self,
+        key: &'static str,
+        expected: &str,
+        count: core::ops::RangeInclusive<usize>,
+    ) -> Option<Vec<u8>> {
         let value = self.find(key)?;
         let numbers: Option<Vec<u8>> = value.get_ref().as_array().and_then(|items| {
             let bit = |item: &Spanned<DeValue<'_>>| match item.get_ref() {
-                DeValue::Integer(digits) => digits.as_str().parse().ok().filter(|bit| *bit < 64),
+                DeValue::Integer(digits) => digits.as_str().parse().ok(),
                 _ => None,
             };
             items.iter().map(bit).collect()
         });
-        match numbers.as_deref() {
-            Some([single]) => Some([*single, *single]),
-            Some([first, second]) => Some([*first, *second]),
-            _ => {
-                self.refuse_type(&value.span(), key, "one or two bit numbers from 0 to 63", value.get_ref());
-                None
-            }
+        let numbers = numbers.filter(|numbers| count.contains(&numbers.len()));
+        if numbers.is_none() {
+            self.refuse_type(&value.span(), key, expected, value.get_ref());
         }
+        numbers
     }
 
     /// Refuses every key that nobody asked for.
