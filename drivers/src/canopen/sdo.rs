@@ -208,6 +208,30 @@ mod tests {
         assert_eq!(decode_sdo(&[0x4F, 0, 0x14, 2, 0xFE]), Some((0x1400, 2, SdoAnswer::Value(0xFE))));
         assert_eq!(decode_sdo(&[0x42, 0, 0x14, 2, 0xFE, 0, 0, 0]), Some((0x1400, 2, SdoAnswer::Value(0xFE))));
         assert_eq!(decode_sdo(&[0x43, 0, 0x14, 2, 0xFE]), None);
+        let identity = SdoRequest { index: 0x1018, subindex: 1, write: None };
+        assert_eq!(identity.frame(2), CanFrame::standard(0x602, &[0x40, 0x18, 0x10, 1, 0, 0, 0, 0]));
+        assert_eq!(decode_sdo(&[0x43, 0x18, 0x10, 1, 4, 0, 0, 0]), Some((0x1018, 1, SdoAnswer::Value(4))));
+        // A multi-turn encoder (wire-formats 4.2).
+        assert_eq!(
+            decode_sdo(&[0x43, 0, 0x10, 0, 0x96, 1, 2, 0]),
+            Some((0x1000, 0, SdoAnswer::Value(0x0002_0196)))
+        );
+    }
+
+    /// Texts are told by their size and not read; a stray segment of one is no answer.
+    #[test]
+    fn segments_are_no_answers() {
+        let size = decode_sdo(&[0x41, 8, 0x10, 0, 0x1A, 0, 0, 0]);
+        assert_eq!(size, Some((0x1008, 0, SdoAnswer::Segmented(26))));
+        let segments: [[u8; 8]; 6] = [
+            [0x00, 0x46, 0x4C, 0x4F, 0x4F, 0x52, 0x42, 0x4F],
+            [0x11, 0x54, 0x2D, 0x44, 0x52, 0x49, 0x56, 0x45],
+            [0x00, 0x54, 0x69, 0x6E, 0x79, 0x20, 0x4E, 0x6F],
+            [0x10, 0x64, 0x65, 0x20, 0x2D, 0x20, 0x4D, 0x65],
+            [0x00, 0x67, 0x61, 0x20, 0x44, 0x6F, 0x6D, 0x61],
+            [0x15, 0x69, 0x6E, 0x73, 0x20, 0x21, 0x00, 0x00],
+        ];
+        assert_eq!(segments.map(|segment| decode_sdo(&segment)), [None; 6]);
     }
 
     proptest! {

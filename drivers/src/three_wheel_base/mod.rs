@@ -8,3 +8,6 @@ mod encoders;
 pub use base::{BaseCounters, BaseEvent, ThreeWheelBase};
 pub use configuration::BaseConfiguration;
 pub use drives::{DriveCommand, StopKind};
+
+#[cfg(test)]
+mod base_tests;
