@@ -32,7 +32,7 @@ pub const FIELD_SETS_MAX: usize = 8;
 pub const MOTION_THINGS_MAX: usize = if cfg!(feature = "hosted") { 256 } else { 64 };
 /// Moving things believed in at once (algorithms Q.1, T_m).
 pub const MOTION_TRACKED_MAX: usize = if cfg!(feature = "hosted") { 64 } else { 16 };
-/// Columns along each side of the motion voxels, 0.1 m each; a power of two. Memory: four bytes a column, twice.
+/// Columns along each side of the motion voxels, 0.1 m each; a power of two. Memory: four bytes a column and reference.
 pub const MOTION_VOXEL_SIDE: usize = if cfg!(feature = "hosted") { 256 } else { 128 };
 /// Columns of the widest depth or colour image of the floor: 640 × 480, or 160 × 120 on the MCU (algorithms Q.1).
 pub const FLOOR_IMAGE_COLUMNS_MAX: usize = if cfg!(feature = "hosted") { 640 } else { 160 };
@@ -43,3 +43,5 @@ pub const FLOOR_OBJECTS_MAX: usize = if cfg!(feature = "hosted") { 32 } else { 1
 /// Connected parts of an image that may be open at once: one can begin at every second column of a row, and on the
 /// target at every second one of a quarter of the columns.
 pub const FLOOR_PARTS_MAX: usize = if cfg!(feature = "hosted") { 1_024 } else { 256 };
+/// Sweeps kept to compare with: the more, the steadier the age of the oldest.
+pub const MOTION_REFERENCES: usize = if cfg!(feature = "hosted") { 3 } else { 2 };

@@ -18,7 +18,8 @@ pub struct MovingThing {
     pub centroid: Point3,
     /// Sweeps at rest, less those in motion (β).
     pub rest: u8,
-    /// Index of its thing in the newest sweep; `None` if none is near.
+    /// Index of what was seen of it in the newest sweep (a part, or a thing of the published steps); `None` if nothing
+    /// near it changed.
     pub thing: Option<u16>,
 }
 
@@ -58,6 +59,7 @@ impl Confidence {
             moving.observe(things, changed, parameters);
         }
         self.moving.retain(|moving| moving.rest <= parameters.rest_max);
+        self.merge(parameters);
         let mut runs = Vec::new();
         for (changed, predecessor) in changed.iter().zip(predecessors) {
             let before = predecessor.and_then(|index| self.runs.get(usize::from(index))).copied();
@@ -71,6 +73,21 @@ impl Confidence {
                 self.believe(index, thing.centroid, parameters);
             }
         }
+    }
+
+    /// Two that met and cannot be told apart any more are one: the one that has rested less, the first of equals.
+    fn merge(&mut self, parameters: &MotionParameters) {
+        let catch_up2 = parameters.catch_up_m * parameters.catch_up_m;
+        let all = self.moving.clone();
+        let mut index = 0_usize;
+        self.moving.retain(|moving| {
+            let own = index;
+            index += 1;
+            !all.iter().enumerate().any(|(other, rival)| {
+                let better = (rival.rest, other) < (moving.rest, own);
+                better && squared(rival.centroid, moving.centroid) <= catch_up2
+            })
+        });
     }
 
     /// Enters a thing at the end of a chain, or moves the one that it is.
@@ -93,14 +110,10 @@ impl Confidence {
         }
     }
 
-    /// A thing of the newest sweep belongs to a moving one.
-    pub(super) fn is_moving(&self, index: usize) -> bool {
-        self.moving.iter().any(|moving| moving.thing.map(usize::from) == Some(index))
-    }
-
-    /// Sweeps in a row in which a thing changed.
-    pub(super) fn run(&self, index: usize) -> u8 {
-        self.runs.get(index).copied().unwrap_or(0)
+    /// A moving thing was last seen here.
+    pub(super) fn is_near(&self, centroid: Point3, parameters: &MotionParameters) -> bool {
+        let leave_off2 = parameters.leave_off_m * parameters.leave_off_m;
+        self.moving.iter().any(|moving| squared(moving.centroid, centroid) <= leave_off2)
     }
 }
 
@@ -143,7 +156,7 @@ mod tests {
             let thing =
                 Thing { centroid: Point3::new(frame as f32 * 0.1, 0.0, 0.0), volume_m3: 0.3, points: 100 };
             confidence.update(&[thing], &[result == 1], &[(frame > 0).then_some(0)], &parameters);
-            reported.push(confidence.is_moving(0));
+            reported.push(confidence.moving.iter().any(|moving| moving.thing == Some(0)));
             rests.push(confidence.moving.first().map(|moving| moving.rest));
         }
         let (no, yes) = (false, true);

@@ -1,10 +1,14 @@
 //! From the things of a sweep to verdicts: moving or static. Algorithms H, N.5, on the clusters of `people`.
+//!
+//! Differs from the source where measuring showed why (see `parts`, `reference`, `seen_through`): what is followed from
+//! sweep to sweep is what changed, not the cluster around it, and it is compared with half a second ago.
 
 use heapless::Vec;
 
 use super::confidence::{Confidence, MovingThing};
 use super::correspondence::{Thing, correspond};
 use super::parameters::MotionParameters;
+use super::parts::{Part, Parts};
 use super::reference::References;
 use super::seen_through::Before;
 use super::voxels::REACH_M;
@@ -24,12 +28,10 @@ const JUMP_MPS: f32 = 6.0;
 pub struct Verdict {
     /// It was judged: near enough, and there was room.
     pub judged: bool,
-    /// It moves, with the confidence of several sweeps.
+    /// It moves, with the confidence of several sweeps: it changed, and a moving thing is where its middle is.
     pub moving: bool,
     /// It changed against the moment before, in this sweep alone.
     pub changed: bool,
-    /// Sweeps in a row in which it changed.
-    pub run: u8,
     /// Its returns within reach.
     pub points: u16,
     /// Of them those that fill space which was free, or which the thing itself hid.
@@ -45,6 +47,8 @@ pub struct MotionCounters {
     pub sweeps: u32,
     /// Times that the past was given up: a gap, a step back in time, or a jump of the pose.
     pub resets: u32,
+    /// Sweeps of which less than half was measured: not judged.
+    pub blind_sweeps: u32,
     /// Things that were not judged for want of room.
     pub dropped_things: u32,
     /// Moving things that found no room.
@@ -65,10 +69,13 @@ pub struct MotionOutput<'a> {
 pub struct MotionDetector {
     parameters: MotionParameters,
     references: References,
+    parts: Parts,
     confidence: Confidence,
     before: Vec<Thing, MOTION_THINGS_MAX>,
     verdicts: Vec<Verdict, CLUSTERS_MAX>,
     last: Option<(Stamp, Pose2)>,
+    /// Measured columns of the fullest sweep of late.
+    most_columns: usize,
     counters: MotionCounters,
 }
 
@@ -79,11 +86,19 @@ impl MotionDetector {
         Self {
             parameters,
             references: References::new(),
+            parts: Parts::new(),
             confidence: Confidence::new(),
             before: Vec::new(),
             verdicts: Vec::new(),
             last: None,
-            counters: MotionCounters { sweeps: 0, resets: 0, dropped_things: 0, dropped_moving: 0 },
+            most_columns: 0,
+            counters: MotionCounters {
+                sweeps: 0,
+                resets: 0,
+                blind_sweeps: 0,
+                dropped_things: 0,
+                dropped_moving: 0,
+            },
         }
     }
 
@@ -97,10 +112,19 @@ impl MotionDetector {
         context: &SweepContext,
     ) -> MotionOutput<'_> {
         self.counters.sweeps = self.counters.sweeps.saturating_add(1);
+        let measured = sweep.used_columns().iter().filter(|column| column.measured).count();
+        let whole = measured.saturating_mul(20) >= self.most_columns.saturating_mul(19);
+        // Slowly forgotten: a lidar may be told to look at a narrower sector.
+        self.most_columns = measured.max(self.most_columns.saturating_sub(self.most_columns / 64));
+        self.choose(people.things());
+        if measured.saturating_mul(2) < self.most_columns {
+            // Almost nothing was measured: no verdict, and the past stays what it was.
+            self.counters.blind_sweeps = self.counters.blind_sweeps.saturating_add(1);
+            return MotionOutput { verdicts: &self.verdicts, moving: &self.confidence.moving };
+        }
         let elapsed_s = self.elapsed_s(sweep.end_stamp, context.base_in_odom);
         self.last = Some((sweep.end_stamp, context.base_in_odom));
-        self.choose(people.things());
-        self.look(people, sweep, context);
+        self.look(people, sweep, context, whole.then_some(measured));
         self.conclude(people.things(), context.base_in_odom, elapsed_s);
         MotionOutput { verdicts: &self.verdicts, moving: &self.confidence.moving }
     }
@@ -141,21 +165,31 @@ impl MotionDetector {
     }
 
     /// Asks for every return of a thing what was there before, and enters it where a new reference is due.
-    fn look(&mut self, people: &PeoplePipeline, sweep: &Sweep, context: &SweepContext) {
+    fn look(
+        &mut self,
+        people: &PeoplePipeline,
+        sweep: &Sweep,
+        context: &SweepContext,
+        whole_columns: Option<usize>,
+    ) {
         let odom = Place::new(context.base_in_odom);
-        if let Some(reference) = self.references.current() {
+        let parts = &mut self.parts;
+        parts.clear();
+        if let Some(reference) = self.references.oldest() {
             for_each_return(people, sweep, context, |thing, in_base| {
                 let Some(verdict) = self.verdicts.get_mut(thing).filter(|verdict| verdict.judged) else {
                     return;
                 };
                 verdict.points = verdict.points.saturating_add(1);
                 let point = odom.transform(in_base);
-                if reference.voxels.holds_near(point) {
+                parts.count(point);
+                if reference.voxels.holds(point) {
                     return;
                 }
                 match reference.seen.before(point, &people.angles) {
                     Before::Free | Before::JustInFront => {
                         verdict.new_points = verdict.new_points.saturating_add(1);
+                        parts.add(point);
                     }
                     Before::Hidden | Before::Unknown => {
                         verdict.unknown_points = verdict.unknown_points.saturating_add(1);
@@ -164,7 +198,9 @@ impl MotionDetector {
                 }
             });
         }
-        if let Some(reference) = self.references.renew(sweep.end_stamp) {
+        if let Some(measured) = whole_columns
+            && let Some(reference) = self.references.renew(sweep.end_stamp, measured)
+        {
             reference.seen.take(sweep, context);
             for_each_return(people, sweep, context, |_, in_base| {
                 reference.voxels.insert(odom.transform(in_base))
@@ -175,23 +211,22 @@ impl MotionDetector {
     /// Correspondence, results and confidence.
     fn conclude(&mut self, things: &[Cluster], base_in_odom: Pose2, elapsed_s: f32) {
         let odom = Place::new(base_in_odom);
+        self.parts.finish(self.parameters.points_min, self.parameters.sensitivity);
         let mut now: Vec<Thing, MOTION_THINGS_MAX> = Vec::new();
         let mut changed: Vec<bool, MOTION_THINGS_MAX> = Vec::new();
-        for (thing, verdict) in things.iter().zip(&mut self.verdicts).filter(|(_, verdict)| verdict.judged) {
-            let [width_m, depth_m, height_m] = thing.extent_m();
-            let centroid = odom.transform(thing.centroid);
-            let volume_m3 = width_m * depth_m * height_m;
-            verdict.changed = self.parameters.has_changed(verdict.new_points, verdict.points);
-            // No more were chosen than there is room for.
-            let _ = now.push(Thing { centroid, volume_m3, points: thing.points });
-            let _ = changed.push(verdict.changed);
+        for part in &self.parts.list {
+            // Same capacities: never full.
+            let _ =
+                now.push(Thing { centroid: part.centroid, volume_m3: part.volume_m3(), points: part.points });
+            let _ = changed.push(true);
         }
         let predecessors = correspond(&self.before, &now, elapsed_s, &self.parameters);
         self.confidence.update(&now, &changed, &predecessors, &self.parameters);
         self.counters.dropped_moving = self.confidence.dropped;
-        for (index, verdict) in self.verdicts.iter_mut().filter(|verdict| verdict.judged).enumerate() {
-            verdict.run = self.confidence.run(index);
-            verdict.moving = self.confidence.is_moving(index);
+        for (thing, verdict) in things.iter().zip(&mut self.verdicts).filter(|(_, verdict)| verdict.judged) {
+            verdict.changed = self.parameters.has_changed(verdict.new_points, verdict.points);
+            let centroid = odom.transform(thing.centroid);
+            verdict.moving = verdict.changed && self.confidence.is_near(centroid, &self.parameters);
         }
         self.before = now;
     }
@@ -200,6 +235,12 @@ impl MotionDetector {
     #[must_use]
     pub const fn counters(&self) -> MotionCounters {
         self.counters
+    }
+
+    /// What changed in the newest sweep, in the frame of the odometry, whether believed in yet or not.
+    #[must_use]
+    pub fn parts(&self) -> &[Part] {
+        &self.parts.list
     }
 
     /// The parameters.

@@ -31,8 +31,36 @@ pub(super) enum Before {
     Same,
     /// Hidden behind something else.
     Hidden,
-    /// Not measured, or no beam came back.
+    /// Not measured, no beam came back, or nearer and farther surfaces side by side.
     Unknown,
+}
+
+/// The returns in the directions around a point.
+#[derive(Clone, Copy, Debug, Default)]
+struct Around {
+    /// How far the point lies behind the farthest and the nearest of them, metres.
+    behind_m: Option<(f32, f32)>,
+    same: bool,
+    unmeasured: bool,
+}
+
+impl Around {
+    fn note(&mut self, behind_m: f32) {
+        self.same |= behind_m.abs() <= SAME_M;
+        let (least_m, most_m) = self.behind_m.unwrap_or((behind_m, behind_m));
+        self.behind_m = Some((least_m.min(behind_m), most_m.max(behind_m)));
+    }
+
+    /// One surface that agrees settles it; otherwise all must tell the same.
+    fn verdict(&self) -> Before {
+        match self.behind_m {
+            _ if self.same => Before::Same,
+            Some((_, most_m)) if most_m < -SAME_M && !self.unmeasured => Before::Free,
+            Some((least_m, _)) if least_m > RECEDED_M => Before::Hidden,
+            Some((least_m, _)) if least_m > SAME_M => Before::JustInFront,
+            _ => Before::Unknown,
+        }
+    }
 }
 
 /// Nearest return per direction of one sweep, and where the lidar stood. 28 KiB.
@@ -87,27 +115,18 @@ impl SeenThrough {
         let range_m = libm::sqrtf(horizontal_m * horizontal_m + up_m * up_m);
         let rings = neighbours(angles, up_m, range_m);
         let middle = sector(cdeg);
-        let (mut nearest, mut unknown) = (NO_RETURN, false);
+        let mut around = Around::default();
         for step in [SECTORS - 1, 0, 1] {
             let Some(sector) = self.nearest.get((middle + step) % SECTORS) else { continue };
             for ring in rings {
-                let range = sector.get(ring).copied().unwrap_or(UNMEASURED);
-                unknown |= range == UNMEASURED || range == NO_RETURN;
-                nearest = nearest.min(if range == UNMEASURED { NO_RETURN } else { range });
+                match sector.get(ring).copied().unwrap_or(UNMEASURED) {
+                    UNMEASURED => around.unmeasured = true,
+                    NO_RETURN => {}
+                    counts => around.note(range_m - f32::from(counts) * self.metres_per_count),
+                }
             }
         }
-        let behind_m = range_m - f32::from(nearest) * self.metres_per_count;
-        if nearest != NO_RETURN && behind_m > RECEDED_M {
-            Before::Hidden
-        } else if nearest != NO_RETURN && behind_m > SAME_M {
-            Before::JustInFront
-        } else if nearest != NO_RETURN && behind_m >= -SAME_M {
-            Before::Same
-        } else if unknown {
-            Before::Unknown
-        } else {
-            Before::Free
-        }
+        around.verdict()
     }
 
     /// Azimuth in hundredths of a degree, horizontal distance and height of a point as the lidar saw it then. While it

@@ -9,6 +9,8 @@ use crate::geometry::Point3;
 
 /// Edge of a voxel, metres.
 pub(super) const VOXEL_M: f32 = 0.1;
+/// What is entered reaches this far, metres; less than a voxel, so that two voxels per axis cover it.
+const MARGIN_M: f32 = 0.05;
 /// Lowest voxel, metres above the floor at the robot.
 const LOWEST_M: f32 = -0.5;
 /// Levels: up to 2.7 m.
@@ -48,27 +50,24 @@ impl Voxels {
         wrap(y) * MOTION_VOXEL_SIDE + wrap(x)
     }
 
-    /// Enters the voxel of a point.
+    /// Enters the voxels within [`MARGIN_M`] of a point, along the axes: noise at the border of a voxel is no change.
     pub(super) fn insert(&mut self, point: Point3) {
-        let (x, y, level) = cell(point);
-        if let Some(column) = self.columns.get_mut(Self::slot(x, y)) {
-            *column |= 1_u32.wrapping_shl(level as u32);
+        let Point3 { x_m, y_m, z_m } = point;
+        let (low_x, low_y, low_level) = cell(Point3::new(x_m - MARGIN_M, y_m - MARGIN_M, z_m - MARGIN_M));
+        let (high_x, high_y, high_level) = cell(Point3::new(x_m + MARGIN_M, y_m + MARGIN_M, z_m + MARGIN_M));
+        let bits = 1_u32.wrapping_shl(low_level as u32) | 1_u32.wrapping_shl(high_level as u32);
+        for (x, y) in [(low_x, low_y), (high_x, low_y), (low_x, high_y), (high_x, high_y)] {
+            if let Some(column) = self.columns.get_mut(Self::slot(x, y)) {
+                *column |= bits;
+            }
         }
     }
 
-    /// The voxel of a point, or one of the 26 around it, is entered: noise at the border of a voxel is no change.
-    pub(super) fn holds_near(&self, point: Point3) -> bool {
+    /// The voxel of a point is entered.
+    pub(super) fn holds(&self, point: Point3) -> bool {
         let (x, y, level) = cell(point);
-        let bit = 1_u32.wrapping_shl(level as u32);
-        let bits = bit | bit << 1 | bit >> 1;
-        let column = |dx: i32, dy: i32| {
-            let slot = Self::slot(x.wrapping_add(dx), y.wrapping_add(dy));
-            self.columns.get(slot).copied().unwrap_or(0)
-        };
-        // The own column first: it settles most points.
-        const AROUND: [(i32, i32); 9] =
-            [(0, 0), (-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (1, -1), (-1, 1), (1, 1)];
-        AROUND.iter().any(|(dx, dy)| column(*dx, *dy) & bits != 0)
+        let column = self.columns.get(Self::slot(x, y)).copied().unwrap_or(0);
+        column & 1_u32.wrapping_shl(level as u32) != 0
     }
 }
 
@@ -78,16 +77,19 @@ mod tests {
     use std::boxed::Box;
 
     #[test]
-    fn holds_what_was_entered_and_its_neighbours_only() {
+    fn holds_the_voxels_within_the_margin_only() {
         let mut voxels = Box::new(Voxels::new());
-        voxels.insert(Point3::new(-3.05, 2.05, 0.95));
-        for (offset_m, held) in [(0.0, true), (0.1, true), (-0.1, true), (0.2, false), (-0.2, false)] {
-            assert_eq!(voxels.holds_near(Point3::new(-3.05 + offset_m, 2.05, 0.95)), held);
-            assert_eq!(voxels.holds_near(Point3::new(-3.05, 2.05 + offset_m, 0.95)), held);
-            assert_eq!(voxels.holds_near(Point3::new(-3.05, 2.05, 0.95 + offset_m)), held);
+        voxels.insert(Point3::new(-3.02, 2.02, 0.92));
+        // Entered per axis: the voxel of the point, and the next one, whose border is 2 cm away.
+        for (offset_m, held) in [(0.0, true), (0.03, true), (-0.07, true), (0.14, false), (-0.1, false)] {
+            assert_eq!(voxels.holds(Point3::new(-3.02 + offset_m, 2.02, 0.92)), held, "x {offset_m}");
+        }
+        for (offset_m, held) in [(0.03, true), (-0.07, true), (0.1, false), (-0.14, false)] {
+            assert_eq!(voxels.holds(Point3::new(-3.02, 2.02 + offset_m, 0.92)), held, "y {offset_m}");
+            assert_eq!(voxels.holds(Point3::new(-3.02, 2.02, 0.92 + offset_m)), held, "z {offset_m}");
         }
         voxels.clear();
-        assert!(!voxels.holds_near(Point3::new(-3.05, 2.05, 0.95)));
+        assert!(!voxels.holds(Point3::new(-3.02, 2.02, 0.92)));
     }
 
     #[test]
@@ -97,7 +99,7 @@ mod tests {
             voxels.clear();
             voxels.insert(Point3::new(robot_m + REACH_M, 0.0, 1.0));
             let other = Point3::new(robot_m - REACH_M, 0.0, 1.0);
-            assert!(!voxels.holds_near(other), "at {robot_m}");
+            assert!(!voxels.holds(other), "at {robot_m}");
         }
     }
 
@@ -106,7 +108,7 @@ mod tests {
         let mut voxels = Box::new(Voxels::new());
         for broken in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX] {
             voxels.insert(Point3::new(broken, broken, broken));
-            let _ = voxels.holds_near(Point3::new(broken, broken, broken));
+            let _ = voxels.holds(Point3::new(broken, broken, broken));
         }
     }
 }

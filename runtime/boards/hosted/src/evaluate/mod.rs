@@ -8,6 +8,7 @@ mod frames;
 mod images;
 mod motion;
 mod motion_key;
+mod motion_play;
 mod svm;
 mod text;
 mod tracks;

@@ -1,18 +1,14 @@
 //! Which things move, against a key of walking people: a recording of a lidar that stands still.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
-use floorguard_core::geometry::{Point2, Point3, Pose2, Transform3, Twist2};
-use floorguard_core::motion::{MotionDetector, MotionParameters};
-use floorguard_core::people::{FloorHeight, PeoplePipeline, RingAngles, SweepContext};
-use floorguard_core::sensing::Sweep;
-use floorguard_core::time::Stamp;
-use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
+use floorguard_core::geometry::Point2;
+use floorguard_core::motion::MotionParameters;
 use serde::Serialize;
 
 use super::motion_key::{KeyRow, read_key};
-use crate::capture::Capture;
-use crate::commands::{BadInput, LIDAR_DATA_PORT, settle_model};
+use super::motion_play::{Moment, play};
 
 /// A moving thing this near to a keyed position is that person, metres.
 pub const MATCH_M: f32 = 0.5;
@@ -20,13 +16,12 @@ pub const MATCH_M: f32 = 0.5;
 /// not a false alarm; metres.
 const BELONGS_M: f32 = 0.7;
 const AROUND_S: f64 = 0.5;
+/// The same after the last position of a person, seconds: a key loses people behind furniture, where they go on moving.
+const BEYOND_END_S: f64 = 2.0;
+/// From the start of a frame to its middle, seconds.
+const HALF_FRAME_S: f64 = 0.05;
 /// A sweep and a frame of the key are the same moment within this time, seconds: half a revolution and a bit.
 const SAME_TIME_S: f64 = 0.06;
-/// Height assumed while no sweep has shown a floor, metres (the FLOBOT layout).
-const ASSUMED_HEIGHT_M: f32 = 0.8;
-/// A sweep with fewer columns began or ended in the middle of a revolution.
-const WHOLE_COLUMNS: usize = 1_500;
-
 /// One person of the key.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TrackReport {
@@ -61,120 +56,21 @@ pub struct MotionReport {
     pub tracks: Vec<TrackReport>,
 }
 
-/// One thing of one sweep.
-struct Found {
-    position: Point2,
-    moving: bool,
-}
-
-/// One sweep: its middle in seconds after the first packet, and its things.
-struct Moment {
-    middle_s: f64,
-    found: Vec<Found>,
-}
-
 /// Judges a recording of a lidar that stands still, upright, and compares with its key.
 ///
 /// # Errors
 /// A file cannot be read, holds no lidar of 16 rings, or is no key.
 pub fn motion(recording: &Path, key: &Path, parameters: MotionParameters) -> anyhow::Result<MotionReport> {
     let rows = read_key(key)?;
-    let mut player = Player::new(parameters);
-    let (sweeps, angles) = sweeps(recording)?;
-    player.people.angles = angles;
-    let moments: Vec<Moment> = sweeps.iter().map(|sweep| player.judge(sweep)).collect();
-    let mut report = compare(&rows, &moments);
-    report.ns_per_sweep = player.spent_ns / report.sweeps.max(1) as f64;
-    Ok(report)
-}
-
-struct Player {
-    people: Box<PeoplePipeline>,
-    motion: Box<MotionDetector>,
-    context: SweepContext,
-    floor_known: bool,
-    first: Option<Stamp>,
-    spent_ns: f64,
-}
-
-impl Player {
-    fn new(parameters: MotionParameters) -> Self {
-        Self {
-            people: Box::new(PeoplePipeline::new(RingAngles::vlp16())),
-            motion: Box::new(MotionDetector::new(parameters)),
-            context: SweepContext {
-                sensor_in_base: at_height(ASSUMED_HEIGHT_M),
-                twist: Twist2::ZERO,
-                base_in_odom: Pose2::default(),
-            },
-            floor_known: false,
-            first: None,
-            spent_ns: 0.0,
-        }
-    }
-
-    fn judge(&mut self, sweep: &Sweep) -> Moment {
-        if !self.floor_known
-            && sweep.column_count > WHOLE_COLUMNS
-            && let Some(height_m) = FloorHeight::estimate_m(sweep, &self.people.angles)
-        {
-            self.context.sensor_in_base = at_height(height_m);
-            self.floor_known = true;
-        }
-        self.people.find_things(sweep, &self.context);
-        let started = std::time::Instant::now();
-        let output = self.motion.process(&self.people, sweep, &self.context);
-        self.spent_ns += started.elapsed().as_nanos() as f64;
-        let first = *self.first.get_or_insert(sweep.stamp);
-        let middle_us = (sweep.stamp.as_micros() + sweep.end_stamp.as_micros()) / 2;
-        let judged = self.people.things().iter().zip(output.verdicts).filter(|(_, verdict)| verdict.judged);
-        let found = judged.map(|(thing, verdict)| Found {
-            position: Point2::new(thing.centroid.x_m, thing.centroid.y_m),
-            moving: verdict.moving,
-        });
-        Moment { middle_s: (middle_us as f64 - first.as_micros() as f64) * 1.0e-6, found: found.collect() }
-    }
-}
-
-fn at_height(height_m: f32) -> Transform3 {
-    Transform3 { translation: Point3::new(0.0, 0.0, height_m), ..Transform3::IDENTITY }
-}
-
-/// All sweeps of a recording, and the elevations of its lidar.
-fn sweeps(recording: &Path) -> anyhow::Result<(Vec<Box<Sweep>>, RingAngles)> {
-    let model = settle_model(recording, ModelChoice::Auto)?;
-    let angles = match model {
-        Model::Vlp16 => RingAngles::vlp16(),
-        Model::HiRes => RingAngles::even(-10.0, 4.0 / 3.0),
-        _ => {
-            let reason = format!("{}: motion knows lidars of 16 rings", recording.display());
-            return Err(BadInput(reason).into());
-        }
-    };
-    let mut decoder = Decoder::new(ModelChoice::Fixed(model));
-    let mut builder = SweepBuilder::new(18_000);
-    let mut building = Box::new(Sweep::<16>::EMPTY);
-    let mut sweeps = Vec::new();
-    for datagram in Capture::open(recording)? {
-        let datagram = datagram?;
-        let arrival = Stamp::from_micros(datagram.captured_us);
-        if datagram.destination_port == LIDAR_DATA_PORT
-            && let Ok((packet, lost)) = decoder.decode(&datagram.payload, arrival)
-        {
-            builder.add(&packet, lost, &mut building, |sweep| sweeps.push(Box::new(sweep.clone())));
-        }
-    }
-    if building.column_count > 0 {
-        sweeps.push(building);
-    }
-    Ok((sweeps, angles))
+    let (moments, ns_per_sweep) = play(recording, parameters)?;
+    Ok(MotionReport { ns_per_sweep, ..compare(&rows, &moments) })
 }
 
 fn compare(rows: &[KeyRow], moments: &[Moment]) -> MotionReport {
     let mut report = MotionReport { sweeps: moments.len() as u64, ..MotionReport::default() };
-    let mut tracks: std::collections::BTreeMap<u64, [u64; 4]> = std::collections::BTreeMap::new();
+    let mut tracks: BTreeMap<u64, [u64; 4]> = BTreeMap::new();
     for row in rows {
-        let frame_s = row.time_s + 0.05;
+        let frame_s = row.time_s + HALF_FRAME_S;
         let moment = moments
             .iter()
             .min_by(|a, b| (a.middle_s - frame_s).abs().total_cmp(&(b.middle_s - frame_s).abs()))
@@ -213,6 +109,8 @@ fn compare(rows: &[KeyRow], moments: &[Moment]) -> MotionReport {
 /// No keyed person was near this place around this time.
 fn is_nobody(rows: &[KeyRow], middle_s: f64, position: Point2) -> bool {
     !rows.iter().any(|row| {
-        (row.time_s + 0.05 - middle_s).abs() <= AROUND_S && row.position.distance(position) <= BELONGS_M
+        let later_s = middle_s - row.time_s - HALF_FRAME_S;
+        let until_s = if row.is_last { BEYOND_END_S } else { AROUND_S };
+        (-AROUND_S..=until_s).contains(&later_s) && row.position.distance(position) <= BELONGS_M
     })
 }

@@ -26,6 +26,8 @@ pub struct KeyRow {
     pub track: u64,
     /// In the sensor's axes, metres.
     pub position: Point2,
+    /// It is the last one of this person.
+    pub is_last: bool,
     /// He walks, by the key itself.
     pub walking: bool,
 }
@@ -55,17 +57,24 @@ pub fn read_key(path: &Path) -> anyhow::Result<Vec<KeyRow>> {
             return Err(bad(format!("line {}: a cell is missing or no place or number", index + 1)).into());
         }
         let position = Point2::new(x as f32, y as f32);
-        rows.push(KeyRow { frame: frame as u64, time_s, track: track as u64, position, walking: false });
+        rows.push(KeyRow {
+            frame: frame as u64,
+            time_s,
+            track: track as u64,
+            position,
+            is_last: false,
+            walking: false,
+        });
     }
     if rows.is_empty() {
         return Err(bad("no rows".to_owned()).into());
     }
-    mark_walking(&mut rows);
+    complete(&mut rows);
     Ok(rows)
 }
 
-/// The speed of each track around each of its rows, from the key's own positions.
-fn mark_walking(rows: &mut [KeyRow]) {
+/// What a row does not say but its track does: speed, from the key's own positions, and end.
+fn complete(rows: &mut [KeyRow]) {
     let mut tracks: BTreeMap<u64, Vec<(f64, Point2)>> = BTreeMap::new();
     for row in rows.iter() {
         tracks.entry(row.track).or_default().push((row.time_s, row.position));
@@ -79,6 +88,7 @@ fn mark_walking(rows: &mut [KeyRow]) {
         let Some(first) = around.next() else { continue };
         let last = around.next_back().unwrap_or(first);
         let elapsed_s = (last.0 - first.0) as f32;
+        row.is_last = !tracks.get(&row.track).into_iter().flatten().any(|(time_s, _)| *time_s > row.time_s);
         row.walking = elapsed_s > 0.0 && first.1.distance(last.1) >= WALKING_MPS * elapsed_s;
     }
 }
@@ -95,10 +105,11 @@ mod tests {
                 time_s: frame as f64 * 0.1,
                 track: 7,
                 position: Point2::new((frame as f32 - 20.0).max(0.0) * 0.08, 0.0),
+                is_last: false,
                 walking: false,
             })
             .collect();
-        mark_walking(&mut rows);
+        complete(&mut rows);
         assert!(rows[..17].iter().all(|row| !row.walking));
         assert!(rows[20..].iter().all(|row| row.walking));
     }
