@@ -106,7 +106,7 @@ fn a_wall_is_no_floor() {
 }
 
 fn task(depth: PathBuf) -> FloorTask {
-    FloorTask { depth, intrinsics: [525.0, 525.0, 319.5, 239.5], truth: None, mounting: None }
+    FloorTask { depth, intrinsics: [525.0, 525.0, 319.5, 239.5], truth: None, mounting: None, out: None }
 }
 
 fn message(depth: &Path) -> String {

@@ -35,7 +35,7 @@ fn real_floors_lie_where_the_keys_say() {
         ) else {
             return;
         };
-        let task = FloorTask { depth, intrinsics: KINECT, truth: Some(truth), mounting: None };
+        let task = FloorTask { depth, intrinsics: KINECT, truth: Some(truth), mounting: None, out: None };
         let report = floor(&task).expect("a floor");
         assert_eq!(report.returns, number(1) as u64, "{name}: pixels with a depth");
         compare(name, &report, ([number(2), number(3), number(4)], number(5)));
@@ -55,7 +55,7 @@ fn synthetic_floors_lie_where_they_were_put() {
     for frame in truth["frames"].as_array().expect("frames") {
         let name = format!("depth/depth_{}.png", frame["k"]);
         let Some(depth) = bench_input(&name).filter(|path| path.exists()) else { continue };
-        let task = FloorTask { depth, intrinsics: KINECT, truth: None, mounting: None };
+        let task = FloorTask { depth, intrinsics: KINECT, truth: None, mounting: None, out: None };
         let report = floor(&task).expect("a floor");
         // That file's normals point down.
         let component = |index: usize| -frame["normal"][index].as_f64().expect("a number");

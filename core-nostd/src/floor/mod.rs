@@ -3,16 +3,21 @@
 //! Depth image → lattice → plane → gate → curvature → objects; colour image → blocks → novelty → dirt.
 //! Source: algorithms E and F.
 
+mod classes;
+mod confirmation;
 mod curvature;
 mod depth_noise;
 mod gate;
 mod lattice;
 mod model;
 mod normal_equations;
+mod objects;
 mod plane;
 mod refine;
 mod search;
 
+pub use classes::PixelClass;
+pub use confirmation::{ConfirmedObject, ObjectMemory};
 pub use curvature::Curvature;
 pub use depth_noise::DepthNoise;
 pub use gate::{FitFault, FitLimits};
@@ -20,6 +25,7 @@ pub use model::{
     FROZEN_FRAMES, FloorEstimate, FloorFault, FloorModel, FloorParameters, FloorSource, KNOWN_MAX_US,
     REUSE_MAX_US,
 };
+pub use objects::{FloorObject, FloorObjects, ImageTooWide, ObjectFinder};
 pub use plane::{Plane, cross, dot, unit};
 pub use refine::FitQuality;
 pub use search::Expectation;

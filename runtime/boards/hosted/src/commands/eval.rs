@@ -77,6 +77,9 @@ pub enum EvalStage {
         /// How far the camera looks down, in degrees, if known.
         #[arg(long, requires = "height_m", allow_hyphen_values = true)]
         pitch_deg: Option<f32>,
+        /// A folder for a picture: floor green, objects red, holes blue.
+        #[arg(long)]
+        out: Option<PathBuf>,
     },
 }
 
@@ -96,13 +99,14 @@ pub fn run(arguments: &EvalArguments) -> anyhow::Result<()> {
             print(&report, arguments.json)
         }
         EvalStage::Clusters { file, key } => print(&evaluate::clusters(file, key)?, arguments.json),
-        EvalStage::Floor { depth, intrinsics, truth, height_m, pitch_deg } => {
+        EvalStage::Floor { depth, intrinsics, truth, height_m, pitch_deg, out } => {
             let mounting = height_m.zip(*pitch_deg).map(|(height, pitch)| [height, pitch.to_radians()]);
             let task = evaluate::FloorTask {
                 depth: depth.clone(),
                 intrinsics: *intrinsics,
                 truth: truth.clone(),
                 mounting,
+                out: out.clone(),
             };
             print(&evaluate::floor(&task)?, arguments.json)
         }

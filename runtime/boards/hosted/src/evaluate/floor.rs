@@ -2,9 +2,12 @@
 
 use std::path::PathBuf;
 
-use floorguard_core::floor::{Expectation, FloorModel, FloorParameters, Plane};
+use floorguard_core::floor::{
+    Expectation, FloorModel, FloorObject, FloorParameters, ObjectFinder, PixelClass, Plane,
+};
 use floorguard_core::sensing::{DepthImage, PinholeCamera};
 use floorguard_core::time::Stamp;
+use image::{Rgb, RgbImage};
 use serde::Serialize;
 
 use super::images::{MaskFile, read_depth, read_mask};
@@ -28,6 +31,8 @@ pub struct FloorTask {
     pub intrinsics: [f32; 4],
     /// Which pixels are floor.
     pub truth: Option<PathBuf>,
+    /// A folder for the picture of the classes.
+    pub out: Option<PathBuf>,
     /// Height (m) and downward pitch (rad) of the camera; without them any floor is searched.
     pub mounting: Option<[f32; 2]>,
 }
@@ -50,6 +55,42 @@ pub struct FloorReport {
     pub rms_m: f32,
     /// Coefficients of the curvature, 1/m.
     pub curvature_per_m: [f32; 3],
+    /// What stands on the floor within the working range, nearest first.
+    pub objects: Vec<ObjectReport>,
+    /// Objects for which there was no room.
+    pub objects_dropped: u32,
+}
+
+/// One object.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ObjectReport {
+    /// Middle of the footprint: metres right of and before the camera's foot point.
+    pub position_m: [f32; 2],
+    /// Sides of the footprint, metres.
+    pub size_m: [f32; 2],
+    /// Greatest height above the floor, metres.
+    pub height_m: f32,
+    /// Pixels.
+    pub pixels: u32,
+    /// Belief within 0..=1.
+    pub confidence: f32,
+    /// Rectangle in the picture: left, top, width, height.
+    pub rectangle_px: [u16; 4],
+}
+
+impl From<&FloorObject> for ObjectReport {
+    fn from(object: &FloorObject) -> Self {
+        let ([lx, ly], [hx, hy]) = (object.low_m, object.high_m);
+        let ([left, top], [right, bottom]) = (object.first_px, object.last_px);
+        Self {
+            position_m: [0.5 * (lx + hx), 0.5 * (ly + hy)],
+            size_m: [hx - lx, hy - ly],
+            height_m: object.height_m,
+            pixels: object.pixels,
+            confidence: object.confidence,
+            rectangle_px: [left, top, right - left + 1, bottom - top + 1],
+        }
+    }
 }
 
 /// Fits the floor of one picture.
@@ -66,10 +107,19 @@ pub fn floor(task: &FloorTask) -> anyhow::Result<FloorReport> {
     let bad = |problem: String| BadInput(format!("{}: {problem}", task.depth.display()));
     let image = DepthImage::new(Stamp::ZERO, size, &file.depth_mm).map_err(|p| bad(p.to_string()))?;
     let estimate = FloorModel::new(parameters, SEED).update(&image, Stamp::ZERO);
+    let mut classes = vec![PixelClass::Unknown; file.depth_mm.len()];
     if let Some(fault) = estimate.fault {
         return Err(VerdictFailed(format!("{}: floor unknown: {fault}", task.depth.display())).into());
     }
     let mask = band(&image, &camera, &estimate.plane);
+    let found = ObjectFinder::default()
+        .find(&image, (&parameters, &estimate), &mut classes)
+        .map_err(|problem| bad(problem.to_string()))?;
+    if let Some(folder) = &task.out {
+        let stem = task.depth.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        std::fs::create_dir_all(folder)?;
+        picture(&image, (&mask, &classes), &found.objects).save(folder.join(format!("{stem}_floor.png")))?;
+    }
     Ok(FloorReport {
         normal: estimate.plane.normal,
         distance_m: estimate.plane.distance_m,
@@ -78,6 +128,8 @@ pub fn floor(task: &FloorTask) -> anyhow::Result<FloorReport> {
         returns: image.returns() as u64,
         rms_m: estimate.quality.rms_m,
         curvature_per_m: estimate.curvature.coefficients_per_m,
+        objects: found.objects.iter().map(ObjectReport::from).collect(),
+        objects_dropped: found.dropped,
     })
 }
 
@@ -109,6 +161,40 @@ fn band(image: &DepthImage<'_>, camera: &PinholeCamera, plane: &Plane) -> Vec<bo
         }
     }
     mask
+}
+
+/// Depth in grey, floor green (lighter where it is beyond the working range), objects red in a frame, holes blue.
+fn picture(
+    image: &DepthImage<'_>,
+    (mask, classes): (&[bool], &[PixelClass]),
+    objects: &[FloorObject],
+) -> RgbImage {
+    let (width, height) = (image.width() as u32, image.height() as u32);
+    let mut picture = RgbImage::new(width, height);
+    let pixels = image.depth_mm().iter().zip(mask).zip(classes).zip(picture.pixels_mut());
+    for (((depth, is_floor), class), pixel) in pixels {
+        let grey = if *depth == 0 { 0 } else { 230 - (u32::from(*depth).min(6_000) / 32) as u8 };
+        *pixel = match class {
+            PixelClass::Object => Rgb([215, grey / 3, grey / 3]),
+            PixelClass::Hole => Rgb([grey / 4, grey / 3, 220]),
+            PixelClass::Floor => Rgb([grey / 2, 90 + grey / 2, grey / 2]),
+            _ if *is_floor => Rgb([grey - grey / 4, 60 + grey / 2, grey - grey / 4]),
+            _ => Rgb([grey; 3]),
+        };
+    }
+    for object in objects {
+        let ([left, top], [right, bottom]) = (object.first_px, object.last_px);
+        let frame = Rgb([255, 210, 40]);
+        for column in u32::from(left)..=u32::from(right) {
+            picture.put_pixel(column, u32::from(top), frame);
+            picture.put_pixel(column, u32::from(bottom), frame);
+        }
+        for row in u32::from(top)..=u32::from(bottom) {
+            picture.put_pixel(u32::from(left), row, frame);
+            picture.put_pixel(u32::from(right), row, frame);
+        }
+    }
+    picture
 }
 
 /// Intersection over union where there is a depth: what the camera did not see, neither side can know.

@@ -14,7 +14,7 @@ mod text;
 mod tracks;
 
 pub use clusters::{ClustersReport, clusters};
-pub use floor::{FloorReport, FloorTask, floor, parse_intrinsics};
+pub use floor::{FloorReport, FloorTask, ObjectReport, floor, parse_intrinsics};
 pub use frames::{capture_frames, standing_context};
 pub use images::{ColourFile, DepthFile, MaskFile, read_colour, read_depth, read_mask};
 pub use motion::{MotionReport, TrackReport, motion};

@@ -1,0 +1,383 @@
+//! Things on the floor: connected pixels that are higher than it, row by row, in fixed memory.
+//!
+//! Three rows are open at once. A pixel counts where most of its neighbourhood is high too; neighbours belong
+//! together unless their depths jump; parts that meet are united. What is too small to be anything is dropped, and
+//! what does not fit is dropped farthest first and counted. Source: algorithms E.3, K9.
+
+use heapless::Vec;
+
+use super::classes::{Judge, Judged, PixelClass};
+use super::model::{FloorEstimate, FloorParameters};
+use super::plane::{Plane, dot};
+use crate::capacities::{FLOOR_IMAGE_COLUMNS_MAX, FLOOR_OBJECTS_MAX, FLOOR_PARTS_MAX};
+use crate::sensing::DepthImage;
+
+/// Something on the floor.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FloorObject {
+    /// Smallest place along the axes of the plane (right, forward), metres from the camera's foot point.
+    pub low_m: [f32; 2],
+    /// Largest place, the same.
+    pub high_m: [f32; 2],
+    /// Greatest height above the floor, metres.
+    pub height_m: f32,
+    /// Pixels.
+    pub pixels: u32,
+    /// Corner of the rectangle in the image: column, row.
+    pub first_px: [u16; 2],
+    /// Opposite corner, included.
+    pub last_px: [u16; 2],
+    /// Belief within 0..=1 that this is an object, from its height and its size.
+    pub confidence: f32,
+}
+
+/// What one image shows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FloorObjects {
+    /// Nearest first.
+    pub objects: Vec<FloorObject, FLOOR_OBJECTS_MAX>,
+    /// Objects and parts for which there was no room: there is more than the list says.
+    pub dropped: u32,
+    /// Pixels of each class: floor, object, hole.
+    pub counts: [u32; 3],
+}
+
+/// The image has more columns than the profile has room for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ImageTooWide {
+    /// Columns of the image.
+    pub width: usize,
+}
+
+impl core::fmt::Display for ImageTooWide {
+    fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(
+            formatter,
+            "the image has {} columns, but there is room for {FLOOR_IMAGE_COLUMNS_MAX}",
+            self.width
+        )
+    }
+}
+
+impl core::error::Error for ImageTooWide {}
+
+/// Least pixels of an object in an image of 640 × 480 (algorithms E.3 step 3); as many square degrees in a smaller one.
+const PIXELS_MIN_VGA: u32 = 30;
+/// Pixels of that image.
+const VGA: u32 = 307_200;
+/// Even in a small image an object has this many pixels.
+const PIXELS_MIN: u32 = 4;
+/// Least extent of an object along one axis, metres (algorithms E.3 step 3).
+const EXTENT_MIN_M: f32 = 0.01;
+/// Least height of an object, metres: lower ones are floor that is not quite even.
+const HEIGHT_MIN_M: f32 = 0.015;
+/// Neighbours of one object differ in depth by less than this and three standard deviations, metres.
+const DEPTH_STEP_M: f32 = 0.03;
+/// Pixels of a neighbourhood of nine that must be high (algorithms E.3 step 2).
+const MAJORITY: u8 = 5;
+
+/// A part of an object that grows from row to row, or points to the one it was united with.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    parent: u16,
+    object: FloorObject,
+}
+
+/// One pixel of the row above: its part, if any, and its depth.
+#[derive(Clone, Copy, Debug, Default)]
+struct Above {
+    part: Option<u16>,
+    depth_m: f32,
+}
+
+type Row<T> = [T; FLOOR_IMAGE_COLUMNS_MAX];
+
+/// Working memory of the search; one for each camera. Nothing of it lasts from image to image.
+#[derive(Clone, Debug)]
+pub struct ObjectFinder {
+    judged: [Row<Judged>; 3],
+    above: Row<Above>,
+    parts: Vec<Part, FLOOR_PARTS_MAX>,
+}
+
+impl Default for ObjectFinder {
+    fn default() -> Self {
+        Self {
+            judged: [[Judged::default(); FLOOR_IMAGE_COLUMNS_MAX]; 3],
+            above: [Above::default(); FLOOR_IMAGE_COLUMNS_MAX],
+            parts: Vec::new(),
+        }
+    }
+}
+
+impl ObjectFinder {
+    /// Finds the objects of an image whose floor is known. `classes`, one a pixel, is filled for those who look at
+    /// the same pixels; a shorter slice is filled as far as it goes.
+    ///
+    /// # Errors
+    /// The image is wider than this profile's rows.
+    pub fn find(
+        &mut self,
+        image: &DepthImage<'_>,
+        (parameters, floor): (&FloorParameters, &FloorEstimate),
+        classes: &mut [PixelClass],
+    ) -> Result<FloorObjects, ImageTooWide> {
+        let width = image.width();
+        if width > FLOOR_IMAGE_COLUMNS_MAX {
+            return Err(ImageTooWide { width });
+        }
+        let judge = Judge::new(parameters, &floor.plane, &floor.curvature);
+        let scene = Scene { parameters, plane: &floor.plane, axes: floor.plane.axes() };
+        self.parts.clear();
+        self.above = [Above::default(); FLOOR_IMAGE_COLUMNS_MAX];
+        self.judged = [[Judged::default(); FLOOR_IMAGE_COLUMNS_MAX]; 3];
+        let mut found = FloorObjects::default();
+        let mut outputs = classes.chunks_mut(width.max(1));
+        let mut before: &[u16] = &[];
+        // One row more than the image has, so that the last one gets its lower neighbours: none.
+        for (row, depths) in image.rows().map(Some).chain(core::iter::once(None)).enumerate() {
+            self.judged.rotate_left(1);
+            let [_, _, newest] = &mut self.judged;
+            match depths {
+                Some(depths) => judge.row(row, depths, newest),
+                None => *newest = [Judged::default(); FLOOR_IMAGE_COLUMNS_MAX],
+            }
+            if let Some(middle) = row.checked_sub(1) {
+                let output = outputs.next().unwrap_or(&mut []);
+                self.row(middle, before, (&scene, output), &mut found);
+            }
+            before = depths.unwrap_or(&[]);
+        }
+        self.collect(image, &mut found);
+        Ok(found)
+    }
+
+    /// The middle row, once both neighbours are judged.
+    fn row(
+        &mut self,
+        row: usize,
+        depths: &[u16],
+        (scene, output): (&Scene<'_>, &mut [PixelClass]),
+        found: &mut FloorObjects,
+    ) {
+        let [upper, middle, lower] = &self.judged;
+        let [mut floor, mut objects, mut holes] = [0_u32; 3];
+        for judged in middle.iter().take(depths.len()) {
+            floor = floor.wrapping_add(u32::from(judged.class == PixelClass::Floor));
+            objects = objects.wrapping_add(u32::from(judged.class == PixelClass::Object));
+            holes = holes.wrapping_add(u32::from(judged.class == PixelClass::Hole));
+        }
+        for (sum, count) in found.counts.iter_mut().zip([floor, objects, holes]) {
+            *sum = sum.saturating_add(count);
+        }
+        for (class, judged) in output.iter_mut().zip(middle) {
+            *class = judged.class;
+        }
+        if objects == 0 {
+            self.above = [Above::default(); FLOOR_IMAGE_COLUMNS_MAX];
+            return;
+        }
+        let mut votes: Row<u8> = [0; FLOOR_IMAGE_COLUMNS_MAX];
+        for (vote, ((a, b), c)) in votes.iter_mut().zip(upper.iter().zip(middle).zip(lower)) {
+            let is_high = |judged: &Judged| u8::from(judged.class == PixelClass::Object);
+            *vote = is_high(a).wrapping_add(is_high(b)).wrapping_add(is_high(c));
+        }
+        let mut current: Row<Above> = [Above::default(); FLOOR_IMAGE_COLUMNS_MAX];
+        let (mut left_votes, mut left) = (0_u8, Above::default());
+        for (column, depth) in depths.iter().enumerate() {
+            let at = |index: usize| votes.get(index).copied().unwrap_or(0);
+            let own = at(column);
+            let right =
+                if column.saturating_add(1) < depths.len() { at(column.saturating_add(1)) } else { 0 };
+            let sum = left_votes.wrapping_add(own).wrapping_add(right);
+            left_votes = own;
+            let judged = self.judged.get(1).and_then(|row| row.get(column)).copied().unwrap_or_default();
+            if judged.class != PixelClass::Object {
+                left = Above::default();
+                continue;
+            }
+            if sum < MAJORITY {
+                if let Some(class) = output.get_mut(column) {
+                    *class = PixelClass::Unknown;
+                }
+                left = Above::default();
+                continue;
+            }
+            let pixel = Pixel { column, row, depth_m: f32::from(*depth) * 0.001, height_m: judged.height_m };
+            left = Above { part: self.join(&pixel, left, scene, found), depth_m: pixel.depth_m };
+            if let Some(slot) = current.get_mut(column) {
+                *slot = left;
+            }
+        }
+        self.above = current;
+    }
+
+    /// Adds a pixel to the parts of its neighbours, united, or to a new one.
+    fn join(
+        &mut self,
+        pixel: &Pixel,
+        left: Above,
+        scene: &Scene<'_>,
+        found: &mut FloorObjects,
+    ) -> Option<u16> {
+        let limit_m = scene.depth_step_m(pixel.depth_m);
+        let mut joined: Option<u16> = None;
+        let first = pixel.column.saturating_sub(1);
+        let neighbours: [Above; 3] = core::array::from_fn(|offset| {
+            self.above.get(first.saturating_add(offset)).copied().unwrap_or_default()
+        });
+        // At the first column there is nobody on the upper left: two neighbours above instead of three.
+        let count = if pixel.column == 0 { 2 } else { 3 };
+        for neighbour in core::iter::once(left).chain(neighbours.into_iter().take(count)) {
+            let Some(part) = neighbour.part.filter(|_| (neighbour.depth_m - pixel.depth_m).abs() < limit_m)
+            else {
+                continue;
+            };
+            let root = self.root(part);
+            joined = Some(joined.map_or(root, |other| self.unite(other, root)));
+        }
+        let object = scene.object(pixel);
+        if let Some(root) = joined {
+            if let Some(part) = self.parts.get_mut(usize::from(root)) {
+                part.object.absorb(&object);
+            }
+            return Some(root);
+        }
+        let index = u16::try_from(self.parts.len()).ok()?;
+        if self.parts.push(Part { parent: index, object }).is_err() {
+            found.dropped = found.dropped.saturating_add(1);
+            return None;
+        }
+        Some(index)
+    }
+
+    /// The part that a part was united with in the end. Parents have smaller numbers, so the walk ends.
+    fn root(&mut self, part: u16) -> u16 {
+        let mut index = part;
+        for _ in 0..FLOOR_PARTS_MAX {
+            let parent = self.parts.get(usize::from(index)).map_or(index, |part| part.parent);
+            if parent == index {
+                break;
+            }
+            index = parent;
+        }
+        // The next walk from here is one step.
+        if let Some(part) = self.parts.get_mut(usize::from(part)) {
+            part.parent = index;
+        }
+        index
+    }
+
+    fn unite(&mut self, a: u16, b: u16) -> u16 {
+        if a == b {
+            return a;
+        }
+        let (kept, given) = (a.min(b), a.max(b));
+        let object = self.parts.get(usize::from(given)).map(|part| part.object);
+        if let Some(part) = self.parts.get_mut(usize::from(given)) {
+            part.parent = kept;
+        }
+        if let (Some(part), Some(object)) = (self.parts.get_mut(usize::from(kept)), object) {
+            part.object.absorb(&object);
+        }
+        kept
+    }
+
+    /// Keeps what is large enough to be something, the nearest ones first.
+    fn collect(&self, image: &DepthImage<'_>, found: &mut FloorObjects) {
+        let pixels = u32::try_from(image.depth_mm().len()).unwrap_or(u32::MAX);
+        let pixels_min = (pixels.saturating_mul(PIXELS_MIN_VGA) / VGA).max(PIXELS_MIN);
+        for (index, part) in self.parts.iter().enumerate() {
+            let is_root = usize::from(part.parent) == index;
+            let mut object = part.object;
+            let ([lx, ly], [hx, hy]) = (object.low_m, object.high_m);
+            let extends = (hx - lx).max(hy - ly) >= EXTENT_MIN_M;
+            if !is_root || object.pixels < pixels_min || object.height_m < HEIGHT_MIN_M || !extends {
+                continue;
+            }
+            let size = object.pixels as f32 / (4 * pixels_min) as f32;
+            object.confidence = (object.height_m / (2.0 * HEIGHT_MIN_M)).min(1.0) * size.min(1.0);
+            insert(found, object);
+        }
+    }
+}
+
+/// Sorted by the distance of the nearest point; the farthest falls out when the list is full.
+fn insert(found: &mut FloorObjects, object: FloorObject) {
+    let near = |object: &FloorObject| {
+        let [_, forward] = object.low_m;
+        forward
+    };
+    if found.objects.is_full() {
+        found.dropped = found.dropped.saturating_add(1);
+        if found.objects.last().is_some_and(|last| near(last) <= near(&object)) {
+            return;
+        }
+        found.objects.pop();
+    }
+    let place = found.objects.iter().position(|other| near(other) > near(&object));
+    let place = place.unwrap_or(found.objects.len());
+    if found.objects.insert(place, object).is_err() {
+        found.dropped = found.dropped.saturating_add(1);
+    }
+}
+
+/// One pixel of an object.
+struct Pixel {
+    column: usize,
+    row: usize,
+    depth_m: f32,
+    height_m: f32,
+}
+
+/// What places a pixel on the floor.
+struct Scene<'a> {
+    parameters: &'a FloorParameters,
+    plane: &'a Plane,
+    axes: [[f32; 3]; 2],
+}
+
+impl Scene<'_> {
+    fn depth_step_m(&self, depth_m: f32) -> f32 {
+        DEPTH_STEP_M + 3.0 * libm::sqrtf(self.parameters.noise.variance_m2(depth_m))
+    }
+
+    fn object(&self, pixel: &Pixel) -> FloorObject {
+        let ray = self.parameters.camera.ray(pixel.column as f32, pixel.row as f32);
+        let point = ray.map(|value| value * pixel.depth_m);
+        // The camera's foot point is straight below it, where both axes are zero.
+        let foot = self.plane.normal.map(|value| -value * self.plane.distance_m);
+        let place = self.axes.map(|axis| dot(axis, point) - dot(axis, foot));
+        let at = [pixel.column, pixel.row].map(|value| u16::try_from(value).unwrap_or(u16::MAX));
+        FloorObject {
+            low_m: place,
+            high_m: place,
+            height_m: pixel.height_m,
+            pixels: 1,
+            first_px: at,
+            last_px: at,
+            confidence: 0.0,
+        }
+    }
+}
+
+impl FloorObject {
+    /// Takes in another part.
+    fn absorb(&mut self, other: &Self) {
+        for (low, value) in self.low_m.iter_mut().zip(other.low_m) {
+            *low = low.min(value);
+        }
+        for (high, value) in self.high_m.iter_mut().zip(other.high_m) {
+            *high = high.max(value);
+        }
+        for (first, value) in self.first_px.iter_mut().zip(other.first_px) {
+            *first = (*first).min(value);
+        }
+        for (last, value) in self.last_px.iter_mut().zip(other.last_px) {
+            *last = (*last).max(value);
+        }
+        self.height_m = self.height_m.max(other.height_m);
+        self.pixels = self.pixels.saturating_add(other.pixels);
+    }
+}
