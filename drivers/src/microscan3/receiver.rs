@@ -1,0 +1,241 @@
+//! From datagrams to scans.
+
+use floorguard_core::sensing::{BeamReturn, Scan};
+use floorguard_core::time::Stamp;
+use floorguard_core::units::radians;
+
+use super::assembler::{Assembler, AssemblyCounters};
+use super::blocks::{BeamStatus, DeviceStatus, Geometry};
+use super::configuration::Configuration;
+use super::fragment::FragmentError;
+use super::message::{Message, MessageError};
+
+/// What the scanner told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Event<'a> {
+    /// A scan. It stays in the receiver until the next one.
+    Scan(&'a Scan),
+    /// The scanner does not measure: no data, neither obstacle nor free.
+    StandBy {
+        /// Its scan number.
+        sequence: u32,
+    },
+    /// A datagram or message of no use.
+    Refused(ScanError),
+}
+
+/// Why there is no scan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ScanError {
+    /// The datagram is no piece of a message.
+    Fragment(FragmentError),
+    /// The message is none.
+    Message(MessageError),
+    /// No angles are sent.
+    NoGeometry,
+    /// No measured values are sent, or fewer than announced.
+    NoMeasurement,
+    /// Angles, resolution or distance factor are impossible.
+    Geometry,
+    /// The blocks of the message disagree, or the scan is larger than there is room.
+    Beams {
+        /// Beams measured.
+        found: usize,
+        /// Beams announced.
+        announced: u16,
+    },
+    /// The scanner reports an error of itself or of its application.
+    Device,
+}
+
+impl core::fmt::Display for ScanError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Fragment(error) => write!(f, "{error}"),
+            Self::Message(error) => write!(f, "{error}"),
+            Self::NoGeometry => {
+                f.write_str("scanner sends no angles: enable derived values in its data output")
+            }
+            Self::NoMeasurement => {
+                f.write_str("scanner sends no distances: enable measurement data in its output")
+            }
+            Self::Geometry => f.write_str("scanner sends impossible angles or units"),
+            Self::Beams { found, announced } => {
+                write!(
+                    f,
+                    "scanner sends {found} beams and announces {announced}; room is for fewer or as many"
+                )
+            }
+            Self::Device => f.write_str("scanner reports an error; see its display"),
+        }
+    }
+}
+
+impl core::error::Error for ScanError {}
+
+/// What happened; saturating.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Counters {
+    /// Datagrams and messages.
+    pub assembly: AssemblyCounters,
+    /// Scans delivered.
+    pub scans: u32,
+    /// Messages that gave no scan.
+    pub refused: u32,
+    /// Scans missing between two.
+    pub lost_scans: u32,
+    /// Scan numbers that did not grow.
+    pub repeated_scans: u32,
+}
+
+/// Receives one scanner. About 47 KiB with room for 2,751 beams.
+#[derive(Clone, Debug)]
+pub struct Receiver {
+    configuration: Configuration,
+    assembler: Assembler,
+    last_scan: Option<u32>,
+    status: Option<DeviceStatus>,
+    counters: Counters,
+    scan: Scan,
+}
+
+impl Receiver {
+    /// An empty receiver.
+    #[must_use]
+    pub fn new(configuration: Configuration) -> Self {
+        Self {
+            configuration,
+            assembler: Assembler::new(),
+            last_scan: None,
+            status: None,
+            counters: Counters::default(),
+            scan: Scan::default(),
+        }
+    }
+
+    /// What happened so far.
+    #[must_use]
+    pub const fn counters(&self) -> Counters {
+        Counters { assembly: self.assembler.counters(), ..self.counters }
+    }
+
+    /// State of the device in the newest message; `None` where it sends none.
+    #[must_use]
+    pub const fn status(&self) -> Option<DeviceStatus> {
+        self.status
+    }
+
+    /// Takes in a UDP payload that arrived at `now`. `event` is called at most once.
+    pub fn push(&mut self, datagram: &[u8], now: Stamp, mut event: impl FnMut(Event<'_>)) {
+        let (bytes, began) = match self.assembler.push(datagram, now) {
+            Ok(Some(complete)) => complete,
+            Ok(None) => return,
+            Err(error) => return event(Event::Refused(ScanError::Fragment(error))),
+        };
+        let message = Message::new_checked(bytes).map_err(ScanError::Message);
+        let outcome = message.and_then(|message| {
+            let sequence = message.scan_number();
+            self.status = message.status();
+            if let Some(status) = self.status {
+                if status.has_device_error() || status.has_application_error() {
+                    return Err(ScanError::Device);
+                }
+                if status.stands_by() || !status.runs() {
+                    return Ok((sequence, false));
+                }
+            }
+            fill(&mut self.scan, &message, &self.configuration, began)?;
+            Ok((sequence, true))
+        });
+        match outcome {
+            Ok((sequence, true)) => {
+                self.counters.scans = self.counters.scans.saturating_add(1);
+                self.count_scan(sequence);
+                event(Event::Scan(&self.scan));
+            }
+            Ok((sequence, false)) => event(Event::StandBy { sequence }),
+            Err(error) => {
+                self.counters.refused = self.counters.refused.saturating_add(1);
+                event(Event::Refused(error));
+            }
+        }
+    }
+
+    fn count_scan(&mut self, sequence: u32) {
+        match self.last_scan.map(|last| sequence.wrapping_sub(last)) {
+            // A step back, or none, or more than an hour: the scanner repeats itself or restarted.
+            Some(0) | Some(90_000..) => {
+                self.counters.repeated_scans = self.counters.repeated_scans.saturating_add(1);
+            }
+            Some(step) => {
+                self.counters.lost_scans = self.counters.lost_scans.saturating_add(step.saturating_sub(1));
+            }
+            None => {}
+        }
+        self.last_scan = Some(sequence);
+    }
+}
+
+fn fill(
+    scan: &mut Scan,
+    message: &Message<'_>,
+    configuration: &Configuration,
+    began: Stamp,
+) -> Result<(), ScanError> {
+    let geometry = message.geometry().ok_or(ScanError::NoGeometry)?;
+    let measured = message.measured().ok_or(ScanError::NoMeasurement)?;
+    check(&geometry)?;
+    let beams = measured.beams();
+    let found = beams.len();
+    let error = ScanError::Beams { found, announced: geometry.beams };
+    if found != usize::from(geometry.beams) || found > scan.beams.capacity() || found == 0 {
+        return Err(error);
+    }
+    scan.stamp = began.minus_micros(since_middle_us(&geometry).saturating_add(configuration.latency_us));
+    scan.sequence = message.scan_number();
+    scan.step_rad = radians(geometry.resolution_deg);
+    let first_deg = geometry.start_deg - configuration.forward_deg;
+    scan.first_angle_rad = radians(first_deg);
+    scan.beams.clear();
+    for (distance, _, status) in beams {
+        // Their number was compared with the capacity.
+        scan.beams.push(beam(distance, status, &geometry, configuration)).map_err(|_| error)?;
+    }
+    if configuration.inverted {
+        let steps = found.saturating_sub(1) as f32;
+        scan.first_angle_rad = -radians(first_deg + steps * geometry.resolution_deg);
+        scan.beams.reverse();
+    }
+    Ok(())
+}
+
+/// What no device of the family can mean.
+fn check(geometry: &Geometry) -> Result<(), ScanError> {
+    let span_deg = geometry.resolution_deg * f32::from(geometry.beams);
+    let possible = geometry.factor_mm > 0
+        && geometry.resolution_deg > 0.01
+        && span_deg <= 361.0
+        && (-360.0..=360.0).contains(&geometry.start_deg);
+    if possible { Ok(()) } else { Err(ScanError::Geometry) }
+}
+
+/// From the middle beam to the last one, microseconds; a sweep of the mirror takes no longer than the scan time.
+fn since_middle_us(geometry: &Geometry) -> u64 {
+    let sweep_us = u64::from(geometry.beams).saturating_mul(u64::from(geometry.beam_period_us));
+    let scan_us = u64::from(geometry.scan_time_ms).saturating_mul(1_000);
+    sweep_us.min(scan_us) / 2
+}
+
+/// One beam: dazzled or dirty says nothing, whatever distance stands beside it.
+fn beam(distance: u16, status: BeamStatus, geometry: &Geometry, configuration: &Configuration) -> BeamReturn {
+    let range_mm = u32::from(distance).saturating_mul(u32::from(geometry.factor_mm));
+    match (status.is_valid(), status.is_infinite()) {
+        _ if status.has_glare() || status.is_contaminated() => BeamReturn::Unknown,
+        (false, true) => BeamReturn::Free(configuration.free_range_mm),
+        (true, false) if distance > 0 => BeamReturn::Hit(u16::try_from(range_mm).unwrap_or(u16::MAX)),
+        // Neither measured nor infinite, both at once, or measured at zero.
+        _ => BeamReturn::Unknown,
+    }
+}
