@@ -84,3 +84,29 @@ impl CanFrame {
         Self::new(ExtendedId::new(id)?, payload)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keeps_what_the_ecosystem_expects_of_a_frame() {
+        let id = StandardId::new(0x201).unwrap();
+        let frame = CanFrame::new(id, &[0x0F, 0, 0x10]).unwrap();
+        assert_eq!(frame, CanFrame::standard(0x201, &[0x0F, 0, 0x10]));
+        assert_eq!((frame.id(), frame.dlc(), frame.data()), (Id::Standard(id), 3, &[0x0F, 0, 0x10][..]));
+        assert!(frame.is_standard() && frame.is_data_frame());
+        assert_eq!(CanFrame::new(id, &[0; 9]), None);
+        assert_eq!(CanFrame::new_remote(id, 9), None);
+        let remote = CanFrame::new_remote(id, 8).unwrap();
+        assert_eq!((remote.dlc(), remote.data().len(), remote.standard_id()), (8, 0, None));
+    }
+
+    #[test]
+    fn extended_identifiers_are_never_taken_for_standard_ones() {
+        let frame = CanFrame::extended(0x201, &[1]).unwrap();
+        assert!(frame.is_extended() && frame.standard_id().is_none());
+        assert_eq!(CanFrame::extended(0x2000_0000, &[]), None);
+        assert_eq!(CanFrame::standard(0xFA01, &[]).standard_id(), Some(0x201), "higher bits are cut");
+    }
+}

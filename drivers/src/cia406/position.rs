@@ -42,6 +42,7 @@ impl PositionCounter {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn wraps_both_ways() {
@@ -52,6 +53,26 @@ mod tests {
         counter.restart();
         assert_eq!(counter.update(77, range), -20);
         assert_eq!(counter.update(78, range), -19);
+    }
+
+    proptest! {
+        /// Against the sum of the steps, for any range and any start.
+        #[test]
+        fn the_sum_of_all_steps(
+            range in prop_oneof![Just(1_u32 << 24), 16_u32..=u32::MAX],
+            start: u32,
+            shares in proptest::collection::vec(-0.49_f64..0.49, 1..50),
+        ) {
+            let mut counter = PositionCounter::new();
+            let mut position = i64::from(start % range);
+            counter.update(start % range, range);
+            let mut sum = 0_i64;
+            for share in shares {
+                let step = (share * f64::from(range)) as i64;
+                (position, sum) = ((position + step).rem_euclid(i64::from(range)), sum + step);
+                prop_assert_eq!(counter.update(position as u32, range), sum as i32);
+            }
+        }
     }
 
     #[test]

@@ -50,6 +50,7 @@ impl DualChannel {
 mod tests {
     use super::*;
     use SafetyInput::{Active, Clear, Fault};
+    use proptest::prelude::*;
 
     fn judged(steps: &[(u64, [bool; 2])]) -> std::vec::Vec<SafetyInput> {
         let mut input = DualChannel::new(100_000);
@@ -74,6 +75,34 @@ mod tests {
             (400, [true, true]),
         ]);
         assert_eq!(seen, [Active, Active, Fault, Fault, Active, Clear]);
+    }
+
+    proptest! {
+        /// Against the sentences of wire-formats 7.1, each judged over the whole history.
+        #[test]
+        fn as_the_specification_says(
+            steps in proptest::collection::vec((0_u64..80, any::<[bool; 2]>()), 1..60)
+        ) {
+            let mut now_ms = 0;
+            let history: std::vec::Vec<(u64, [bool; 2])> =
+                steps.iter().map(|(step_ms, channels)| { now_ms += step_ms; (now_ms, *channels) }).collect();
+            for (end, seen) in judged(&history).into_iter().enumerate() {
+                let past = &history[..=end];
+                let (_, [a, b]) = past[end];
+                // The fault: some run of different channels lasted too long, and no full press since.
+                let since = past.iter().rposition(|(_, channels)| *channels == [false, false]).map_or(0, |at| at + 1);
+                let lasted_too_long = (since..=end).any(|last| {
+                    let run = past[since..=last].iter().rev().take_while(|(_, [a, b])| a != b);
+                    run.last().is_some_and(|(first_ms, _)| past[last].0 - first_ms > 100)
+                });
+                let expected = match (lasted_too_long, a && b) {
+                    (true, _) => Fault,
+                    (false, true) => Clear,
+                    (false, false) => Active,
+                };
+                prop_assert_eq!(seen, expected);
+            }
+        }
     }
 
     #[test]
