@@ -27,8 +27,52 @@ struct Rig {
     events: Vec<BaseEvent>,
     /// Frames of this node do not arrive.
     muted: Option<u8>,
+    /// Nothing arrives in either direction.
+    cut: bool,
     /// Send everything through the text of SLCAN.
-    through_text: bool,
+    through_text: Option<TextLine>,
+}
+
+/// A serial line with an adapter: the host's end is ours, the adapter's end is the simulator's own codec.
+#[derive(Default)]
+struct TextLine {
+    to_host: Vec<u8>,
+    host: SlcanReceiver,
+    adapter: sim_can::SlcanDecoder,
+    portions: usize,
+}
+
+impl TextLine {
+    /// From the bus to the host, in portions that respect no line, between the adapter's answers.
+    fn receive(&mut self, frame: sim_can::CanFrame) -> Vec<CanFrame> {
+        self.to_host.extend(sim_can::encode_slcan(&frame).bytes());
+        let mut frames = Vec::new();
+        self.portions += 1;
+        // The end of the line is held back in two of three turns: it arrives with the next frame.
+        let held = [0, 3, 7][self.portions % 3].min(self.to_host.len());
+        let arrived: Vec<u8> = self.to_host.drain(..self.to_host.len() - held).collect();
+        for portion in arrived.chunks(1 + self.portions % 11) {
+            self.host.push(portion, |event| match event {
+                SlcanEvent::Frame(frame) => frames.push(frame),
+                SlcanEvent::AdapterError => panic!("the adapter refused a line"),
+            });
+        }
+        frames
+    }
+
+    /// From the host to the bus.
+    fn send(&mut self, frame: &CanFrame) -> sim_can::CanFrame {
+        let line = encode_slcan(frame);
+        let (start, end) = line.split_at(line.len() / 2);
+        let first = self.adapter.push(start);
+        assert!(first.0.is_empty());
+        let (frames, answers) = self.adapter.push(end);
+        // Answers stand between frames on the same line.
+        if self.to_host.is_empty() {
+            self.to_host.extend(answers);
+        }
+        frames[0]
+    }
 }
 
 impl Rig {
@@ -40,7 +84,8 @@ impl Rig {
             now_us: 0,
             events: Vec::new(),
             muted: None,
-            through_text: false,
+            cut: false,
+            through_text: None,
         }
     }
 
@@ -55,12 +100,17 @@ impl Rig {
                 }
             });
             for (at_us, frame) in frames {
-                if self.muted.is_some_and(|node| frame.id & 0x7F == u32::from(node)) {
+                if self.cut || self.muted.is_some_and(|node| frame.id & 0x7F == u32::from(node)) {
                     continue;
                 }
-                let frame = self.carried(CanFrame::standard(frame.id as u16, frame.payload()));
-                let events = &mut self.events;
-                self.base.on_frame(&frame, Stamp::from_micros(at_us), &mut |event| events.push(event));
+                let frames = match &mut self.through_text {
+                    Some(line) => line.receive(frame),
+                    None => vec![CanFrame::standard(frame.id as u16, frame.payload())],
+                };
+                for frame in frames {
+                    let events = &mut self.events;
+                    self.base.on_frame(&frame, Stamp::from_micros(at_us), &mut |event| events.push(event));
+                }
             }
             if self.now_us.is_multiple_of(10_000) {
                 let mut sent = Vec::new();
@@ -75,25 +125,19 @@ impl Rig {
         }
     }
 
-    fn carried(&self, frame: CanFrame) -> CanFrame {
-        if !self.through_text {
-            return frame;
-        }
-        let mut receiver = SlcanReceiver::new();
-        let mut carried = None;
-        receiver.push(&encode_slcan(&frame), |event| {
-            if let SlcanEvent::Frame(frame) = event {
-                carried = Some(frame);
-            }
-        });
-        carried.expect("a frame survives its text")
-    }
-
     fn deliver(&mut self, frames: &[CanFrame]) {
         for frame in frames {
-            let frame = self.carried(*frame);
-            let id = u32::from(frame.standard_id().unwrap());
-            self.simulation.receive_can(sim_can::CanFrame::new(id, frame.payload()), self.now_us);
+            if self.cut {
+                continue;
+            }
+            let frame = match &mut self.through_text {
+                Some(line) => line.send(frame),
+                None => {
+                    let id = u32::from(frame.standard_id().unwrap());
+                    sim_can::CanFrame::new(id, frame.payload())
+                }
+            };
+            self.simulation.receive_can(frame, self.now_us);
         }
     }
 
@@ -149,7 +193,7 @@ fn the_bus_is_up_within_a_second_and_drives() {
 #[test]
 fn steering_left_turns_left_and_the_wheels_tell_it() {
     let mut rig = Rig::new();
-    rig.through_text = true;
+    rig.through_text = Some(TextLine::default());
     rig.run(1.0);
     rig.drive(0.4, 0.6);
     rig.run(3.0);
@@ -160,6 +204,9 @@ fn steering_left_turns_left_and_the_wheels_tell_it() {
     let turned_rad = (wheels.right_ticks - wheels.left_ticks) as f32 / 20_000.0 / 0.6;
     assert!((turned_rad - truth.robot.heading_rad).abs() < 0.02, "{turned_rad} {}", truth.robot.heading_rad);
     assert!((rig.last_drive().steering_rad - 0.6).abs() < 0.01);
+    let line = rig.through_text.unwrap();
+    assert!(line.host.counters().frames > 1_000);
+    assert_eq!(line.host.counters().refused, 0);
 }
 
 #[test]
@@ -283,4 +330,117 @@ fn a_device_that_restarts_while_it_is_configured_gets_everything_again() {
     assert!(rig.base.is_complete(), "{:?}", rig.base.devices().map(|device| device.phase()));
     assert_eq!(rig.last_drive().state, DriveState::Disabled);
     assert!(rig.last_wheels().stamp.seconds_since(Stamp::ZERO) > 1.5);
+}
+
+/// The cable breaks: the drive's own watchdog (1016h, 6007h) has to stop the robot.
+#[test]
+fn a_broken_cable_stops_the_robot_without_us() {
+    let mut rig = Rig::new();
+    rig.run(1.0);
+    rig.drive(0.8, 0.0);
+    rig.run(3.0);
+    let from_m = rig.simulation.truth().robot.x_m;
+    rig.cut = true;
+    rig.run(1.0);
+    let truth = rig.simulation.truth();
+    assert!(truth.twist.linear_mps.abs() < 0.01, "{:?}", truth.twist);
+    // 0.2 s of silence, a heartbeat's distance before it, then 2 m/s².
+    let way_m = truth.robot.x_m - from_m;
+    assert!(way_m < 0.8 * 0.26 + 0.16 + 0.02, "{way_m}");
+    for node in 1..=5 {
+        assert!(rig.events.contains(&BaseEvent::NodeLost(node)), "{node}");
+    }
+    assert_eq!(rig.base.counters().losses, 5);
+    rig.base.command(DriveCommand::Stop(StopKind::TorqueOff));
+    rig.cut = false;
+    rig.run(1.5);
+    assert!(rig.base.is_complete());
+    assert_eq!(rig.last_drive().state, DriveState::Disabled);
+    rig.drive(0.5, 0.0);
+    rig.run(2.0);
+    assert!(rig.simulation.truth().twist.linear_mps > 0.4);
+}
+
+/// Too short a break for us to miss a heartbeat, long enough for the drive: it has stopped by itself, and that is a
+/// fault until somebody resets it.
+#[test]
+fn a_drive_that_stopped_by_itself_is_a_fault_until_the_reset() {
+    let mut rig = Rig::new();
+    rig.run(1.0);
+    rig.drive(0.8, 0.0);
+    // In the middle between two heartbeats: two of them are missed.
+    rig.run(2.05);
+    rig.cut = true;
+    rig.run(0.21);
+    rig.cut = false;
+    rig.run(1.0);
+    assert_eq!(rig.base.counters().losses, 0);
+    assert!(matches!(rig.last_drive().state, DriveState::Fault(_)), "{:?}", rig.last_drive());
+    assert!(rig.simulation.truth().twist.linear_mps.abs() < 0.01, "although the command is still to move");
+    let watchdog = |event: &BaseEvent| matches!(event, BaseEvent::Emergency(1, lost) if lost.code == 0x8130);
+    assert!(rig.events.iter().any(watchdog));
+    rig.base.reset_faults();
+    rig.run(2.0);
+    assert_eq!(rig.last_drive().state, DriveState::Enabled);
+}
+
+/// Our own computer restarts while the robot moves: the new master stops it before it configures anything.
+#[test]
+fn a_new_master_on_a_running_bus_stops_the_robot_first() {
+    let mut rig = Rig::new();
+    rig.run(1.0);
+    rig.drive(0.8, 0.0);
+    rig.run(3.0);
+    let from_m = rig.simulation.truth().robot.x_m;
+    let configuration = BaseConfiguration { inputs: INPUTS, ..BaseConfiguration::default() };
+    rig.base = ThreeWheelBase::new(configuration);
+    rig.run(0.7);
+    let truth = rig.simulation.truth();
+    assert!(truth.twist.linear_mps.abs() < 0.01, "{:?}", truth.twist);
+    // The brake's 1.5 m/s² and two polls.
+    let way_m = truth.robot.x_m - from_m;
+    assert!(way_m < 0.30, "{way_m}");
+    rig.run(0.5);
+    assert!(rig.base.is_complete());
+}
+
+/// Without the gateway no input is judged any more: what it last said must not stay.
+#[test]
+fn a_silent_gateway_says_nothing_instead_of_clear() {
+    let mut rig = Rig::new();
+    rig.run(1.0);
+    rig.muted = Some(5);
+    let before = rig.events.len();
+    rig.run(1.0);
+    let inputs = |event: &&BaseEvent| matches!(event, BaseEvent::Inputs(_));
+    assert_eq!(rig.events[before..].iter().find(inputs), None);
+    assert!(rig.events.contains(&BaseEvent::NodeLost(5)));
+    rig.simulation.safety_channels().bumper_front = [true, false];
+    rig.muted = None;
+    rig.run(1.5);
+    assert!(rig.base.is_complete());
+    let last = rig.events.iter().rev().find_map(|event| match event {
+        BaseEvent::Inputs(inputs) => Some(*inputs),
+        _ => None,
+    });
+    assert_eq!(
+        last.map(|inputs| inputs.bumper_front),
+        Some(SafetyInput::Fault),
+        "one channel for over 100 ms"
+    );
+}
+
+/// From the command to the drive's target: the frame leaves within the call, or with the very next poll.
+#[test]
+fn a_stop_is_the_first_frame_of_the_next_poll() {
+    let mut rig = Rig::new();
+    rig.run(1.0);
+    rig.drive(0.5, 0.0);
+    rig.run(2.0);
+    for (kind, word) in [(StopKind::Hold, 0x0F), (StopKind::Ramp, 0x02), (StopKind::TorqueOff, 0x00)] {
+        rig.base.command(DriveCommand::Stop(kind));
+        let mut sent = Vec::new();
+        rig.base.poll(Stamp::from_micros(rig.now_us), &mut |_| {}, &mut |frame| sent.push(*frame));
+        assert_eq!(sent.first(), Some(&CanFrame::standard(0x201, &[word, 0, 0, 0, 0, 0])));
+    }
 }
