@@ -6,6 +6,8 @@ mod bounds;
 mod claim;
 mod forbidden;
 mod image;
+#[cfg(test)]
+mod injection_tests;
 mod loops;
 #[cfg(test)]
 mod refusal_tests;

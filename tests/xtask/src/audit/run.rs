@@ -47,22 +47,27 @@ const LIBRARIES: &[&str] = &[
 pub fn run(options: &Options) -> Result<bool> {
     let root = shell::root();
     let files = sources::read_layers(&root)?;
-    let mut forbidden = Forbidden::default();
-    let mut sites = Vec::new();
-    let mut unbounded = Vec::new();
-    for file in &files {
-        forbidden::inspect(file, &mut forbidden);
-        let (listed, findings) = loops::list(file);
-        sites.extend(listed);
-        unbounded.extend(findings);
-    }
+    let (mut claims, sites) = judge_sources(&files);
     let compiled = image::read(&image::build()?)?;
-    let mut claims = source_claims(files.len(), sites.len(), unbounded, forbidden);
     claims.extend(image_claims(&compiled, &files, &sites));
     let folder = root.join("target/audit");
     report::write(&folder, &claims, &sites, &compiled)?;
     report::print(&folder, &claims, options.json)?;
     Ok(claims.iter().all(Claim::holds))
+}
+
+/// What the sources alone prove, and their loops.
+pub fn judge_sources(files: &[SourceFile]) -> (Vec<Claim>, Vec<LoopSite>) {
+    let mut forbidden = Forbidden::default();
+    let mut sites = Vec::new();
+    let mut unbounded = Vec::new();
+    for file in files {
+        forbidden::inspect(file, &mut forbidden);
+        let (listed, findings) = loops::list(file);
+        sites.extend(listed);
+        unbounded.extend(findings);
+    }
+    (source_claims(files.len(), sites.len(), unbounded, forbidden), sites)
 }
 
 fn source_claims(files: usize, sites: usize, unbounded: Vec<Finding>, found: Forbidden) -> Vec<Claim> {
