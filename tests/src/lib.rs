@@ -1,5 +1,7 @@
 //! Judges. What the test files share: where the recordings are, and how a missing one is reported.
 
 pub mod bench;
+pub mod campaign;
 pub mod data;
+pub mod fuzz;
 pub mod lidar_frames;

@@ -6,6 +6,7 @@ use clap::{Parser, Subcommand};
 
 mod audit;
 mod bench;
+mod campaign;
 mod machine;
 mod setup;
 mod shell;
@@ -27,6 +28,8 @@ enum Command {
     Test(test::Options),
     /// Check every claim of the safety evidence and write it to target/audit.
     Audit(audit::Options),
+    /// Run one of the long campaigns on all cores, or go on where it was cut.
+    Campaign(campaign::Options),
     /// Measure the stages of the lidar path on the recordings.
     Bench,
 }
@@ -36,6 +39,7 @@ fn main() -> ExitCode {
         Command::Setup => setup::run(),
         Command::Test(options) => test::run(&options),
         Command::Audit(options) => audit::run(&options),
+        Command::Campaign(options) => campaign::run(&options),
         Command::Bench => bench::run(),
     };
     match outcome {

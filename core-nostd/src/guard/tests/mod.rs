@@ -4,7 +4,6 @@ mod bit_flips;
 mod exploration;
 mod fixtures;
 mod properties;
-mod second_model;
 mod timelines;
 mod truth_tables;
 mod vectors;

@@ -1,10 +1,12 @@
-//! A second model of the decision machine, written from the rules in `docs/requirements.md` and not from the code, run
-//! against it. `FLOORGUARD_DIFFERENTIAL_STEPS` sets the number of random steps.
+//! A second model of the guard's decision machine, written from the rules in `docs/requirements.md` and not from the
+//! code, run against it step by step. `cargo xtask campaign model` runs as many steps as one likes.
 
-use std::vec::Vec;
+use floorguard_core::guard::{Action, Cause, CauseRecord, DecisionMachine, GuardState};
+use floorguard_core::time::Stamp;
+use floorguard_tests::campaign::{Random, Slice, report};
 
-use crate::guard::*;
-use crate::time::Stamp;
+/// Steps of one trial: both models start anew, so that what never clears does not hide the rest.
+const STEPS: u64 = 2_000;
 
 /// Remembers, per cause, when evidence was last seen; everything else is computed from that history.
 struct Model {
@@ -36,6 +38,7 @@ impl Model {
         )
     }
 
+    /// Action, and whether it is latched.
     fn step(&mut self, fit: bool, now: u64) -> (Action, bool) {
         let disturbed =
             self.evidence.iter().any(|(cause, at)| Self::needs_operator(*cause) && now - at < 200_000);
@@ -64,50 +67,45 @@ impl Model {
     }
 }
 
-/// SplitMix64: the test needs no more than that.
-fn random(state: &mut u64) -> u64 {
-    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let mut z = *state;
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
-}
-
-#[test]
-fn fg_req_005_two_models_agree_on_every_random_step() {
-    let steps: u64 = std::env::var("FLOORGUARD_DIFFERENTIAL_STEPS")
-        .ok()
-        .and_then(|text| text.parse().ok())
-        .unwrap_or(1_000_000);
+/// How often each action was decided, by its order.
+fn trial(mut random: Random, reached: &mut [u64; 5]) {
     let causes = Cause::all();
-    let mut seed = 7_u64;
     let mut now = 10_000_000_u64;
     let mut machine = DecisionMachine::new(Stamp::from_micros(now));
     let mut model = Model { evidence: [(Cause::StartUp, now)].into(), pressed: None };
-    let mut reached = [0_u64; 5];
-    for step in 0..steps {
-        if step % 2_000 == 0 {
-            machine = DecisionMachine::new(Stamp::from_micros(now));
-            model = Model { evidence: [(Cause::StartUp, now)].into(), pressed: None };
-        }
-        now += 1 + random(&mut seed) % 150_000;
-        if random(&mut seed).is_multiple_of(12) {
-            let cause = causes[(random(&mut seed) % causes.len() as u64) as usize];
+    for step in 0..STEPS {
+        now += 1 + random.below(150_000);
+        if random.seldom(12) {
+            let cause = causes[random.below(causes.len() as u64) as usize];
             // A corrupted state never clears: seldom, or nothing else would be seen.
-            if cause != Cause::StateCorrupted || random(&mut seed).is_multiple_of(50) {
+            if cause != Cause::StateCorrupted || random.seldom(50) {
                 machine.raise(CauseRecord::new(cause, Stamp::from_micros(now)));
                 model.raise(cause, now);
             }
         }
-        if random(&mut seed).is_multiple_of(9) {
+        if random.seldom(9) {
             machine.request_reset(Stamp::from_micros(now));
             model.pressed = Some(now);
         }
-        let fit = !random(&mut seed).is_multiple_of(30);
+        let fit = !random.seldom(30);
         let verdict = machine.settle(fit, Stamp::from_micros(now));
         let (action, latched) = model.step(fit, now);
-        assert_eq!((verdict.action, verdict.state == GuardState::Latched), (action, latched), "step {step}");
+        let decided = (verdict.action, verdict.state == GuardState::Latched);
+        assert_eq!(decided, (action, latched), "step {step} of the trial");
         reached[action as usize] += 1;
     }
-    assert!(reached.iter().all(|count| *count > steps / 1_000), "{reached:?}");
+}
+
+#[test]
+fn fg_req_005_two_models_agree_on_every_random_step() {
+    let slice = Slice::from_environment(500);
+    let mut reached = [0_u64; 5];
+    for number in slice.trials.clone() {
+        trial(slice.random(number), &mut reached);
+    }
+    let steps: u64 = reached.iter().sum();
+    assert!(reached.iter().all(|count| *count > steps / 1_000), "an action was hardly seen: {reached:?}");
+    let [none, limit, hold, ramp, off] = reached;
+    report(&[("steps", steps), ("none", none), ("limit", limit), ("category 2", hold)]);
+    report(&[("category 1", ramp), ("category 0", off)]);
 }

@@ -1,0 +1,69 @@
+//! One block of a campaign: the test in a process of its own, so that a crash is a finding and not an end.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, Result, bail};
+
+use super::kinds::Kind;
+use crate::shell;
+
+/// Builds the test, optimised but with overflow checks, and tells where it is.
+pub fn build(kind: &Kind) -> Result<PathBuf> {
+    let mut command = shell::cargo();
+    command.args(["test", "--quiet", "--no-run", "--message-format=json", "--package", kind.package]);
+    command.args(kind.target).stderr(Stdio::inherit());
+    let output = command.output().context("cannot start cargo")?;
+    if !output.status.success() {
+        bail!("the test of campaign {} does not build", kind.name);
+    }
+    let text = String::from_utf8_lossy(&output.stdout);
+    let mut executables = text.lines().filter_map(|line| {
+        let message: serde_json::Value = serde_json::from_str(line).ok()?;
+        message.get("executable")?.as_str().map(PathBuf::from)
+    });
+    executables.next_back().context("cargo names no test executable")
+}
+
+/// Runs the trials; what was counted, or the output of the run that failed.
+pub fn run(test: &Path, kind: &Kind, seed: u64, trials: std::ops::Range<u64>) -> Result<Counts, String> {
+    let output = Command::new(test)
+        .args(["--exact", kind.test, "--nocapture", "--test-threads=1"])
+        .env("FLOORGUARD_CAMPAIGN_SEED", seed.to_string())
+        .env("FLOORGUARD_CAMPAIGN_FROM", trials.start.to_string())
+        .env("FLOORGUARD_CAMPAIGN_TO", trials.end.to_string())
+        .env("RUST_BACKTRACE", "0")
+        .env("RUST_MIN_STACK", "33554432")
+        .current_dir(shell::root().join("tests"))
+        .output()
+        .map_err(|error| format!("cannot start {}: {error}", test.display()))?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let counts = counts_in(&text);
+    if output.status.success() && !counts.is_empty() {
+        return Ok(counts);
+    }
+    let errors = String::from_utf8_lossy(&output.stderr);
+    Err(format!("{}: {text}{errors}", output.status))
+}
+
+/// What a run counted, by name.
+pub type Counts = BTreeMap<String, u64>;
+
+/// Lines `campaign: NAME = NUMBER`. The harness writes its own words before the first.
+fn counts_in(text: &str) -> Counts {
+    let counted = text.lines().filter_map(|line| line.split_once("campaign: "));
+    let pairs = counted.filter_map(|(_, pair)| pair.split_once(" = "));
+    pairs.filter_map(|(name, number)| Some((name.to_owned(), number.trim().parse().ok()?))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::counts_in;
+
+    #[test]
+    fn counts_are_read_behind_the_words_of_the_harness() {
+        let counts = counts_in("running 1 test\ntest f ... campaign: steps = 12\ncampaign: stops = 3\nok\n");
+        assert_eq!(counts.into_iter().collect::<Vec<_>>(), [("steps".into(), 12), ("stops".into(), 3)]);
+    }
+}

@@ -1,0 +1,54 @@
+//! The campaigns that there are. Each is a test, whose short slice CI runs too.
+
+/// A test that takes its part of the campaign from the environment.
+pub struct Kind {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// What a trial is.
+    pub trial: &'static str,
+    /// Package and target that hold the test.
+    pub package: &'static str,
+    /// `--lib`, or `--test` with the name of the file.
+    pub target: &'static [&'static str],
+    /// Path of the test.
+    pub test: &'static str,
+    /// Trials of one process: some seconds of work.
+    pub block: u64,
+    /// Trials of a whole campaign.
+    pub trials: u64,
+}
+
+const fn fuzz(name: &'static str, test: &'static str, block: u64, trials: u64) -> Kind {
+    let target = &["--test", "fuzz_decoders"];
+    Kind { name, trial: "damaged messages", package: "floorguard-tests", target, test, block, trials }
+}
+
+/// All campaigns.
+pub const KINDS: &[Kind] = &[
+    Kind {
+        name: "model",
+        trial: "runs of 2,000 steps against a second model of the decision machine",
+        package: "floorguard-tests",
+        target: &["--test", "guard_second_model"],
+        test: "fg_req_005_two_models_agree_on_every_random_step",
+        block: 1_000,
+        trials: 50_000,
+    },
+    fuzz("fuzz-velodyne", "fuzz_velodyne", 500_000, 100_000_000),
+    fuzz("fuzz-position", "fuzz_position", 1_000_000, 100_000_000),
+    fuzz("fuzz-s300", "fuzz_s300", 200_000, 100_000_000),
+    fuzz("fuzz-slcan", "fuzz_slcan", 1_000_000, 100_000_000),
+    fuzz("fuzz-base", "fuzz_base", 100_000, 10_000_000),
+    fuzz("fuzz-xsens", "fuzz_xsens", 200_000, 100_000_000),
+    fuzz("fuzz-configuration", "fuzz_configuration", 5_000, 1_000_000),
+    fuzz("fuzz-recording", "fuzz_recording", 20_000, 1_000_000),
+];
+
+/// By its name, or the names that there are.
+pub fn find(name: &str) -> Result<&'static Kind, String> {
+    let names = || KINDS.iter().map(|kind| kind.name).collect::<Vec<_>>().join(", ");
+    KINDS
+        .iter()
+        .find(|kind| kind.name == name)
+        .ok_or_else(|| format!("no campaign `{name}`; there are: {}", names()))
+}

@@ -1,0 +1,8 @@
+//! `cargo xtask campaign`: the long runs, on all cores, with progress, resumed where they were cut.
+
+mod block;
+mod kinds;
+mod run;
+mod state;
+
+pub use run::{Options, run};

@@ -1,0 +1,93 @@
+//! Cuts a campaign into blocks, runs them on all cores and adds up.
+
+use std::collections::hash_map::DefaultHasher;
+use std::hash::Hasher as _;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::{Context, Result};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
+
+use super::state::State;
+use super::{block, kinds, state};
+
+/// Which campaign and how much of it.
+#[derive(Args)]
+pub struct Options {
+    /// model, fuzz-velodyne, fuzz-s300 …: a wrong name lists them.
+    name: String,
+    /// Trials; without it as many as the campaign asks for.
+    #[arg(long)]
+    trials: Option<u64>,
+    /// Seed: the same seed repeats the same trials.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Forget what was done before.
+    #[arg(long)]
+    fresh: bool,
+}
+
+/// Runs to the end or to the first finding. True if there is none.
+pub fn run(options: &Options) -> Result<bool> {
+    let kind = kinds::find(&options.name).map_err(anyhow::Error::msg)?;
+    let trials = options.trials.unwrap_or(kind.trials);
+    let test = block::build(kind)?;
+    let path = state::path(kind.name, options.seed)?;
+    if options.fresh {
+        let _ = std::fs::remove_file(&path);
+    }
+    let state = State::load(&path, &fingerprint(&test)?);
+    let starts: Vec<u64> =
+        (0..trials).step_by(kind.block as usize).filter(|at| !state.done.contains(at)).collect();
+    println!("{}: {trials} {}, seed {}; {} done before", kind.name, kind.trial, options.seed, state.trials);
+    let bar = ProgressBar::new(trials);
+    let style =
+        ProgressStyle::with_template("  {bar:50} {human_pos}/{human_len}, {elapsed} passed, {eta} to go");
+    bar.set_style(style.unwrap_or(ProgressStyle::default_bar()));
+    bar.set_position(state.trials);
+    let (state, findings, stop) = (Mutex::new(state), Mutex::new(Vec::new()), AtomicBool::new(false));
+    starts.into_par_iter().try_for_each(|start| -> Result<()> {
+        if stop.load(Ordering::Relaxed) {
+            return Ok(());
+        }
+        let part = start..(start + kind.block).min(trials);
+        match block::run(&test, kind, options.seed, part.clone()) {
+            Ok(counts) => {
+                bar.inc(part.end - part.start);
+                // A block that the end of this run cut short is repeated in full by a longer one.
+                let mut state = state.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+                state.book(&path, part, counts)?;
+            }
+            Err(output) => {
+                stop.store(true, Ordering::Relaxed);
+                findings.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push((part, output));
+            }
+        }
+        Ok(())
+    })?;
+    bar.finish_and_clear();
+    let state = state.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    let findings = findings.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    for (name, count) in &state.counts {
+        println!("  {name:>20} {count}");
+    }
+    for (part, output) in &findings {
+        println!("FINDING in trials {}..{} of seed {}:\n{output}", part.start, part.end, options.seed);
+    }
+    println!("{}: {} trials, {} findings; kept in {}", kind.name, state.trials, findings.len(), shown(&path));
+    Ok(findings.is_empty())
+}
+
+fn shown(path: &std::path::Path) -> String {
+    path.strip_prefix(crate::shell::root()).unwrap_or(path).display().to_string()
+}
+
+/// Of the test's executable: the same sources give the same one.
+fn fingerprint(test: &std::path::Path) -> Result<String> {
+    let bytes = std::fs::read(test).with_context(|| format!("cannot read {}", test.display()))?;
+    let mut hasher = DefaultHasher::new();
+    hasher.write(&bytes);
+    Ok(format!("{:016x}", hasher.finish()))
+}
