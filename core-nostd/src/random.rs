@@ -10,6 +10,8 @@ pub struct Pcg32 {
     increment: u64,
 }
 
+/// Largest Poisson number: 80 + 12·√80 + 20.
+const POISSON_MAX: u32 = 208;
 const MULTIPLIER: u64 = 6_364_136_223_846_793_005;
 /// Smallest uniform number that Box–Muller sees: 2⁻²⁴.
 const UNIFORM_FLOOR: f32 = 1.0 / 16_777_216.0;
@@ -101,7 +103,7 @@ impl Pcg32 {
     pub fn poisson_with(&mut self, rate: f32, exp_of_minus_rate: f32) -> u32 {
         let mut left = self.uniform();
         let mut term = exp_of_minus_rate;
-        let bound = (rate + 12.0 * libm::sqrtf(rate.max(0.0)) + 20.0) as u32;
+        let bound = ((rate + 12.0 * libm::sqrtf(rate.max(0.0)) + 20.0) as u32).min(POISSON_MAX);
         for count in 0..bound {
             if left < term {
                 return count;

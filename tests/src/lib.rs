@@ -5,3 +5,4 @@ pub mod campaign;
 pub mod data;
 pub mod fuzz;
 pub mod lidar_frames;
+pub mod reproduce;

@@ -1,7 +1,9 @@
 //! Shortest collision-free ways over the raster: Dijkstra with circular buckets.
 //!
 //! Steps cost 29 (straight) and 41 (diagonal), which is √2 to 0.03 %. Corners are not cut. Every cell is settled at
-//! most once, so the search ends after as many steps as there are cells (algorithms N.8).
+//! most once, so the search ends after as many steps as there are cells (algorithms N.8). A search may end as soon as
+//! what it was asked for is settled, and costs nothing for the rest of the map: cells of an older search are told by
+//! their round.
 
 use crate::maps::GridGeometry;
 
@@ -9,8 +11,12 @@ use crate::maps::GridGeometry;
 pub const STRAIGHT: u32 = 29;
 /// Cost of a diagonal step.
 pub const DIAGONAL: u32 = 41;
+/// Cells that a search may cover: the hosted profile. Beyond them nothing is reached, so nothing is claimed.
+pub const SEARCH_CELLS_MAX: usize = 65_536;
 /// Circular buckets: a power of two above the largest step.
 const BUCKETS: usize = 64;
+/// Turns of a search: every one settles a cell or passes an empty bucket, of which at most all come in a row.
+const TURNS_MAX: usize = (SEARCH_CELLS_MAX + 1) * BUCKETS;
 const NOBODY: u32 = u32::MAX;
 
 /// Working memory of the search for one cell.
@@ -19,11 +25,13 @@ pub struct SearchCell {
     distance: u32,
     next: u32,
     previous: u32,
+    /// The search that reached the cell; 0 is none.
+    round: u32,
 }
 
 impl SearchCell {
     /// Not reached.
-    pub const EMPTY: Self = Self { distance: NOBODY, next: NOBODY, previous: NOBODY };
+    pub const EMPTY: Self = Self { distance: NOBODY, next: NOBODY, previous: NOBODY, round: 0 };
 }
 
 /// A search over a raster; `S` stores one [`SearchCell`] a cell.
@@ -32,6 +40,9 @@ pub struct PathSearch<S> {
     geometry: GridGeometry,
     cells: S,
     heads: [u32; BUCKETS],
+    round: u32,
+    /// Distances up to this one are final.
+    horizon: u32,
 }
 
 /// Neighbours: column and row offset, cost.
@@ -50,7 +61,7 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
     /// A search over this raster. Cells beyond the storage count as impassable.
     #[must_use]
     pub const fn new(geometry: GridGeometry, cells: S) -> Self {
-        Self { geometry, cells, heads: [NOBODY; BUCKETS] }
+        Self { geometry, cells, heads: [NOBODY; BUCKETS], round: 0, horizon: 0 }
     }
 
     /// The raster.
@@ -62,18 +73,24 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
     /// Distances from `start` to all cells that can be reached over passable cells. The start itself may be
     /// impassable: a robot that stands too near a wall still gets away.
     pub fn run(&mut self, start: usize, passable: impl Fn(usize) -> bool) {
-        for cell in self.cells.as_mut() {
-            *cell = SearchCell::EMPTY;
-        }
-        self.heads = [NOBODY; BUCKETS];
+        self.run_until(start, passable, |_| false);
+    }
+
+    /// As [`Self::run`], but ends with the first cell for which `is_enough(cell)` says so. Cells are settled in the
+    /// order of their distance; farther ones then count as not reached.
+    pub fn run_until(
+        &mut self,
+        start: usize,
+        passable: impl Fn(usize) -> bool,
+        mut is_enough: impl FnMut(usize) -> bool,
+    ) {
+        self.begin();
         self.relax(start, 0);
         let count = self.geometry.cell_count();
         let mut settled = 0_usize;
         let mut empty_run = 0_usize;
-        // Every turn settles a cell or passes an empty bucket; at most BUCKETS empty ones come in a row.
-        let turns = count.saturating_add(1).saturating_mul(BUCKETS);
         let mut bucket = 0_usize;
-        for _ in 0..turns {
+        for _ in 0..TURNS_MAX {
             let head = self.heads.get(bucket).copied().unwrap_or(NOBODY);
             if head == NOBODY {
                 bucket = bucket.wrapping_add(1) % BUCKETS;
@@ -85,11 +102,25 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
             }
             empty_run = 0;
             self.unlink(head as usize);
-            self.expand(head as usize, &passable);
+            self.horizon = self.raw(head as usize);
             settled = settled.saturating_add(1);
-            if settled >= count {
-                break;
+            if is_enough(head as usize) || settled >= count {
+                return;
             }
+            self.expand(head as usize, &passable);
+        }
+    }
+
+    /// Forgets the last search: a new round, and once in four thousand million rounds a sweep.
+    fn begin(&mut self) {
+        self.heads = [NOBODY; BUCKETS];
+        self.horizon = 0;
+        self.round = self.round.wrapping_add(1);
+        if self.round == 0 {
+            for cell in self.cells.as_mut() {
+                *cell = SearchCell::EMPTY;
+            }
+            self.round = 1;
         }
     }
 
@@ -120,23 +151,26 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
     }
 
     fn raw(&self, cell: usize) -> u32 {
-        self.cells.as_ref().get(cell).map_or(NOBODY, |c| c.distance)
+        match self.cells.as_ref().get(cell) {
+            Some(entry) if entry.round == self.round => entry.distance,
+            _ => NOBODY,
+        }
     }
 
     /// Lowers the distance of a cell and moves it to the bucket where it now belongs.
     #[inline]
     fn relax(&mut self, cell: usize, distance: u32) {
-        let old = match self.cells.as_ref().get(cell) {
-            Some(entry) if distance < entry.distance => entry.distance,
-            _ => return,
-        };
+        let old = self.raw(cell);
+        if distance >= old {
+            return;
+        }
         if old != NOBODY {
             self.unlink(cell);
         }
         let slot = distance as usize % BUCKETS;
         let head = self.heads.get(slot).copied().unwrap_or(NOBODY);
         if let Some(entry) = self.cells.as_mut().get_mut(cell) {
-            *entry = SearchCell { distance, next: head, previous: NOBODY };
+            *entry = SearchCell { distance, next: head, previous: NOBODY, round: self.round };
         }
         if let Some(entry) = self.cells.as_mut().get_mut(head as usize) {
             entry.previous = cell as u32;
@@ -148,7 +182,9 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
 
     #[inline]
     fn unlink(&mut self, cell: usize) {
-        let Some(&SearchCell { distance, next, previous }) = self.cells.as_ref().get(cell) else { return };
+        let Some(&SearchCell { distance, next, previous, .. }) = self.cells.as_ref().get(cell) else {
+            return;
+        };
         if previous == NOBODY {
             if let Some(head) = self.heads.get_mut(distance as usize % BUCKETS) {
                 *head = next;
@@ -165,7 +201,7 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
     #[inline]
     #[must_use]
     pub fn distance(&self, cell: usize) -> Option<u32> {
-        Some(self.raw(cell)).filter(|&d| d != NOBODY)
+        Some(self.raw(cell)).filter(|&d| d != NOBODY && d <= self.horizon)
     }
 
     /// The next cell on a shortest way from `cell` to the start; `None` at the start and where there is no way.
@@ -192,8 +228,7 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
     }
 
     fn has_clear_sides(&self, (column, row): (i32, i32), (dx, dy): (i32, i32)) -> bool {
-        let reached =
-            |x: i32, y: i32| self.geometry.index(x, y).is_some_and(|cell| self.distance(cell).is_some());
+        let reached = |x: i32, y: i32| self.geometry.index(x, y).is_some_and(|cell| self.raw(cell) != NOBODY);
         dx == 0 || dy == 0 || (reached(column.wrapping_add(dx), row) && reached(column, row.wrapping_add(dy)))
     }
 }
@@ -206,6 +241,18 @@ mod tests {
     use std::vec;
     use std::vec::Vec;
 
+    /// A search that ends at its goal knows the goal's distance and nothing farther.
+    fn reached_early(
+        search: &mut PathSearch<Vec<SearchCell>>,
+        (start, goal): (usize, usize),
+        free: &[bool],
+        expected: u32,
+    ) -> bool {
+        search.run_until(start, |i| free[i], |cell| cell == goal);
+        let farthest = (0..free.len()).filter_map(|i| search.distance(i)).max();
+        search.distance(goal) == Some(expected) && farthest == Some(expected)
+    }
+
     /// Against Bellman–Ford sweeps until nothing changes.
     #[test]
     fn equals_an_exhaustive_relaxation() {
@@ -217,6 +264,7 @@ mod tests {
             let mut search = PathSearch::new(geometry, vec![SearchCell::EMPTY; count]);
             let start = random.below(count as u32) as usize;
             search.run(start, |i| free[i]);
+            let mut early = PathSearch::new(geometry, vec![SearchCell::EMPTY; count]);
             let mut slow = vec![u32::MAX; count];
             slow[start] = 0;
             let is_free = |x, y| geometry.index(x, y).is_some_and(|i| free[i]);
@@ -238,6 +286,7 @@ mod tests {
             for (cell, &expected) in slow.iter().enumerate() {
                 assert_eq!(search.distance(cell).unwrap_or(u32::MAX), expected);
                 if expected != u32::MAX && expected > 0 {
+                    assert!(reached_early(&mut early, (start, cell), &free, expected));
                     let mut here = cell;
                     for _ in 0..count {
                         let Some(next) = search.towards_start(here) else { break };

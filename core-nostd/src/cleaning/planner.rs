@@ -1,11 +1,12 @@
 //! Plans and re-plans the visits: which cells of the policy in which order, with distances around obstacles.
 //!
 //! A cell keeps its row of distances as long as it stays in the policy, so a re-planning costs one search for the
-//! robot and one for every new cell, and the tour starts from the previous one (algorithms I.8).
+//! robot and one for every new cell, and the tour starts from the previous one. Without a new cell nothing is solved:
+//! what fell away is only taken out (algorithms I.8).
 
 use heapless::Vec;
 
-use super::path_search::{PathSearch, STRAIGHT, SearchCell};
+use super::path_search::{PathSearch, SEARCH_CELLS_MAX, STRAIGHT, SearchCell};
 use super::tour::{Distances, TourError, TourSolver};
 use crate::maps::GridGeometry;
 use crate::random::Pcg32;
@@ -112,26 +113,42 @@ where
         let before: Vec<u16, N> = self.order.clone();
         let before_cells = self.cells;
         self.drop_unwanted(&wanted);
-        self.search.run(robot_cell, &passable);
-        if let Some(cell) = self.cells.first_mut() {
-            *cell = robot_cell as u32;
+        if self.has_new(&wanted, &mut report) {
+            self.search.run(robot_cell, &passable);
+            if let Some(cell) = self.cells.first_mut() {
+                *cell = robot_cell as u32;
+            }
+            let first_new = self.order.len();
+            self.add_wanted(&wanted, &mut report);
+            self.fill_row(0);
+            for index in first_new..self.order.len() {
+                let node = self.order.get(index).copied().unwrap_or(0);
+                self.search.run(self.cell_of(node), &passable);
+                self.fill_row(node);
+            }
+            self.insert_cheapest(first_new);
+            if report.added > 0 {
+                self.solve(experiments)?;
+            }
         }
-        let first_new = self.order.len();
-        self.add_wanted(&wanted, &mut report);
-        self.fill_row(0);
-        for index in first_new..self.order.len() {
-            let node = self.order.get(index).copied().unwrap_or(0);
-            self.search.run(self.cell_of(node), &passable);
-            self.fill_row(node);
-        }
-        self.insert_cheapest(first_new);
-        self.solve(experiments)?;
         report.planned = self.order.len();
         report.path_changed = self.order.len() != before.len()
             || self.order.iter().zip(&before).any(|(&now, &then)| {
                 self.cell_of(now) != before_cells.get(usize::from(then)).map_or(usize::MAX, |&c| c as usize)
             });
         Ok(report)
+    }
+
+    /// Some cell of the policy should join the tour. While more wait than fit, they come in batches of an eighth of the
+    /// room, so that not every visit leads to a new tour.
+    fn has_new(&self, wanted: &impl Fn(usize) -> bool, report: &mut PlanReport) -> bool {
+        let cells = (0..self.search.geometry().cell_count()).take(SEARCH_CELLS_MAX);
+        let all = cells.filter(|&cell| wanted(cell)).count();
+        let new = all.saturating_sub(self.order.len());
+        let room = N.saturating_sub(2).saturating_sub(self.order.len());
+        let is_batch = new <= room || room >= N / 8;
+        report.postponed = if is_batch { 0 } else { new };
+        new > 0 && is_batch
     }
 
     fn drop_unwanted(&mut self, wanted: &impl Fn(usize) -> bool) {
@@ -151,7 +168,7 @@ where
     fn add_wanted(&mut self, wanted: &impl Fn(usize) -> bool, report: &mut PlanReport) {
         let room = N.saturating_sub(2).saturating_sub(self.order.len());
         let limit = self.distance_limit(wanted, room);
-        for cell in 0..self.search.geometry().cell_count() {
+        for cell in 0..self.search.geometry().cell_count().min(SEARCH_CELLS_MAX) {
             if !wanted(cell) || self.is_planned(cell) {
                 continue;
             }
@@ -187,7 +204,7 @@ where
         let per_bin = STRAIGHT.saturating_mul(20);
         let mut bins = [0_usize; BINS];
         let mut all = 0_usize;
-        for cell in 0..self.search.geometry().cell_count() {
+        for cell in 0..self.search.geometry().cell_count().min(SEARCH_CELLS_MAX) {
             if !wanted(cell) {
                 continue;
             }

@@ -74,7 +74,7 @@ impl Swath {
     /// A point of the ground was swept.
     #[must_use]
     pub fn contains(&self, point: Point2) -> bool {
-        self.pieces().any(|corners| contains(corners, point))
+        self.pieces().any(|corners| is_inside_outline(corners, point))
     }
 
     /// Share of the square with this corner and edge that was swept, within [0, 1]; exact (Sutherland–Hodgman and the
@@ -107,7 +107,7 @@ fn crossing(first: [Point2; 2], second: [Point2; 2]) -> Option<Point2> {
 }
 
 /// Crossing-number test (K15).
-fn contains(corners: &[Point2], point: Point2) -> bool {
+fn is_inside_outline(corners: &[Point2], point: Point2) -> bool {
     let mut inside = false;
     let mut previous = corners.last().copied().unwrap_or(point);
     for &corner in corners {

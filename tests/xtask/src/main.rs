@@ -8,6 +8,7 @@ mod audit;
 mod bench;
 mod campaign;
 mod machine;
+mod reproduce;
 mod setup;
 mod shell;
 mod test;
@@ -32,6 +33,8 @@ enum Command {
     Campaign(campaign::Options),
     /// Measure the stages of the lidar path on the recordings.
     Bench,
+    /// Repeat published experiments, beside the published figures.
+    Reproduce(reproduce::Options),
 }
 
 fn main() -> ExitCode {
@@ -41,6 +44,7 @@ fn main() -> ExitCode {
         Command::Audit(options) => audit::run(&options),
         Command::Campaign(options) => campaign::run(&options),
         Command::Bench => bench::run(),
+        Command::Reproduce(options) => reproduce::run(&options),
     };
     match outcome {
         Ok(true) => ExitCode::SUCCESS,

@@ -81,7 +81,7 @@ impl<const N: usize> Cycle<N> {
 
     /// Takes back everything since [`Self::begin`].
     pub fn undo(&mut self) {
-        for index in (0..self.logged).rev() {
+        for index in (0..self.logged.min(LOG_MAX)).rev() {
             if let Some(&(from, to)) = self.log.get(index) {
                 self.turn(usize::from(from), usize::from(to));
             }
@@ -116,7 +116,7 @@ impl<const N: usize> Cycle<N> {
             let high = if from == 0 { count.wrapping_sub(1) } else { from.wrapping_sub(1) };
             (low, high, count.wrapping_sub(inner) / 2)
         };
-        for _ in 0..swaps {
+        for _ in 0..swaps.min(N) {
             self.swap(low, high);
             low = if low.wrapping_add(1) >= count { 0 } else { low.wrapping_add(1) };
             high = if high == 0 { count.wrapping_sub(1) } else { high.wrapping_sub(1) };

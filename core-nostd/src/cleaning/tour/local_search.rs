@@ -7,6 +7,8 @@ use super::cycle::Cycle;
 use super::distances::Distances;
 use super::neighbours::Neighbours;
 
+/// Looks that one call may take, whatever the caller asks.
+pub(super) const LOOKS_MAX: u32 = 4_096;
 /// Longest stretch that Or-opt moves.
 const SEGMENT_MAX: usize = 3;
 
@@ -83,7 +85,7 @@ impl<const N: usize> LocalSearch<N> {
     /// Looks at the nodes of the queue, at most `looks` times. Returns the sum of all gains, ≥ 0.
     pub fn run(&mut self, distances: &impl Distances, looks: u32) -> i32 {
         let mut gained = 0_i32;
-        for _ in 0..looks {
+        for _ in 0..looks.min(LOOKS_MAX) {
             if self.cycle.is_log_full() {
                 break;
             }

@@ -34,6 +34,10 @@ impl<const N: usize> Neighbours<N> {
                 *place = other;
             }
         }
+        // The node that closes an open path is near to nobody; an earlier, larger tour may have left a list there.
+        if let Some(list) = self.lists.get_mut(count) {
+            *list = [NOBODY; NEIGHBOURS];
+        }
     }
 
     /// The nearest nodes of a node, nearest first.

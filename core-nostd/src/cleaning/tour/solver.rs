@@ -10,6 +10,10 @@ use crate::random::Pcg32;
 
 /// Looks at nodes, for every node, that the first local search may take (N.7: 50·n improving moves).
 const LOOKS_PER_NODE: u32 = 50;
+/// Rounds of the first local search, whatever the number of nodes.
+const ROUNDS_MAX: u32 = 65_536;
+/// Experiments that one call may make; a caller with more time calls again.
+const EXPERIMENTS_MAX: u32 = 1_000_000;
 /// Looks of one experiment.
 const LOOKS_PER_EXPERIMENT: u32 = 400;
 /// Longest stretch that an experiment moves.
@@ -132,7 +136,7 @@ impl<const N: usize> TourSolver<N> {
         for (place, node) in order.iter_mut().zip(0_u16..) {
             *place = node;
         }
-        for done in 1..self.nodes {
+        for done in 1..self.nodes.min(N) {
             let here = order.get(done.wrapping_sub(1)).copied().unwrap_or(0);
             let mut best = (i32::MAX, done);
             for (offset, &node) in order.iter().take(self.nodes).skip(done).enumerate() {
@@ -151,12 +155,12 @@ impl<const N: usize> TourSolver<N> {
         if self.nodes < 3 {
             return;
         }
-        for node in 0..self.end() {
+        for node in (0..self.end()).take(N) {
             self.search.wake(node);
         }
         let looks = (self.nodes as u32).saturating_mul(LOOKS_PER_NODE);
         // The first search has nothing to take back; beginning anew whenever the log is full keeps it going.
-        for _ in 0..=looks / 64 {
+        for _ in 0..(looks / 64).saturating_add(1).min(ROUNDS_MAX) {
             self.search.cycle.begin();
             let gained =
                 if self.closed { self.search.run(distances, 64) } else { self.run_open(distances, 64) };
@@ -178,7 +182,7 @@ impl<const N: usize> TourSolver<N> {
             return 0;
         }
         let mut gained = 0_i32;
-        for _ in 0..experiments {
+        for _ in 0..experiments.min(EXPERIMENTS_MAX) {
             self.search.cycle.begin();
             let gain = if self.closed {
                 self.experiment(distances)
@@ -329,6 +333,25 @@ mod tests {
                 assert_eq!(solver.length(&distances), best, "{count} nodes");
             }
         }
+    }
+
+    /// A solver that served a larger tour before finds what a new one finds: nothing stale misleads it.
+    #[test]
+    fn an_earlier_tour_leaves_no_trace() {
+        let mut random = Pcg32::new(8, 8);
+        let points: Vec<(f32, f32)> = (0..60).map(|_| (random.uniform(), random.uniform())).collect();
+        let distances = EuclideanCells { points: &points, scale: 10_000.0 };
+        let mut used = TourSolver::<64>::new(Pcg32::new(1, 1));
+        used.start(60, &distances).unwrap();
+        let mut new = TourSolver::<64>::new(Pcg32::new(1, 1));
+        let order: Vec<u16> = (0..40).collect();
+        used.start_from(&order, &distances).unwrap();
+        new.start_from(&order, &distances).unwrap();
+        assert!(used.order().eq(new.order()));
+        let before = new.length(&distances);
+        let gained = used.improve(500, &distances);
+        assert_eq!(gained, new.improve(500, &distances));
+        assert_eq!(before - used.length(&distances), i64::from(gained));
     }
 
     #[test]

@@ -46,12 +46,24 @@ pub struct MissionArguments {
     /// Hold the guarantee for all dirty cells at once instead of for each.
     #[arg(long)]
     pub joint: bool,
+    /// What the robot sees its surroundings with; people and faults need the scanner.
+    #[arg(long, default_value = "scanner")]
+    pub sensor: Sensor,
     /// One line of JSON for each strategy on standard output.
     #[arg(long)]
     pub json: bool,
     /// Folder for maps and plots.
     #[arg(long, default_value = "floorguard-mission")]
     pub out: PathBuf,
+}
+
+/// The range sensor of the robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Sensor {
+    /// A safety scanner of 270°.
+    Scanner,
+    /// The depth camera of the published robot: 57°, 4 m. Enough for a room, not for a hall.
+    DepthCamera,
 }
 
 fn probability(text: &str) -> Result<f64, String> {
@@ -120,8 +132,7 @@ fn load_floor(arguments: &MissionArguments) -> anyhow::Result<Floor> {
 }
 
 fn config(arguments: &MissionArguments) -> MissionConfig {
-    // Among people and with faults the robot has its safety scanner; alone, the published depth camera.
-    let has_scanner = arguments.people > 0 || arguments.faults;
+    let has_scanner = arguments.sensor == Sensor::Scanner || arguments.people > 0 || arguments.faults;
     MissionConfig {
         tolerated_units: arguments.tau,
         delta: arguments.delta,

@@ -62,6 +62,8 @@ pub struct StrategySummary {
     pub completion: f64,
     /// Reachable cells not claimed because too many of the possible paths missed them, mean.
     pub uncertain_cells: f64,
+    /// Reachable cells given up after visits in vain, mean.
+    pub given_up_cells: f64,
     /// Dirty cells that cannot be reached, mean.
     pub unreachable_cells: f64,
     /// Mean error of the most likely particle, metres.
@@ -165,6 +167,7 @@ impl StrategyTrials {
             claimed_interval95: wilson95(clean_claimed, clean),
             completion: average(|t| f64::from(u8::from(t.is_complete))),
             uncertain_cells: average(|t| f64::from(t.uncertain_cells)),
+            given_up_cells: average(|t| f64::from(t.given_up_cells)),
             unreachable_cells: average(|t| f64::from(t.unreachable_cells)),
             localisation_error_m: average(|t| f64::from(t.mean_error_m)),
             avoidable_contacts: sum(|t| t.avoidable_contacts),

@@ -10,6 +10,11 @@ use super::ros_map::OccupancyMap;
 pub const CELL_M: f32 = 0.1;
 /// Cells that one mission can answer for: the hosted profile.
 pub const CELLS_MAX: usize = 65_536;
+/// Half the way of a pass over a cell, metres: half the cell's diagonal and a little for doubt.
+pub const PASS_REACH_M: f32 = 0.085;
+/// Directions and share of that way of which one must be clear for a cell to be cleanable.
+const PASS_DIRECTIONS: u8 = 16;
+const PASS_SHARE: f32 = 0.75;
 /// Kept between the robot's rim and obstacles when planning, beyond its radius, metres.
 const MARGIN_M: f32 = 0.02;
 
@@ -27,7 +32,8 @@ pub struct Floor {
     pub cells: GridGeometry,
     /// The robot's centre may stand there, for every cell.
     pub passable: Vec<bool>,
-    /// The cell can be reached from the start and is free all over: the mission answers for it.
+    /// The cell can be reached from the start, is free all over, and the brush can pass over the whole of it: the
+    /// mission answers for it.
     pub reachable: Vec<bool>,
     /// Cells of free floor, reachable or not.
     pub free_cells: usize,
@@ -97,7 +103,9 @@ impl Floor {
         }
         anyhow::ensure!(!largest.is_empty(), "a robot of {} m radius fits nowhere", self.robot_radius_m);
         self.reachable = vec![false; count];
-        largest.iter().for_each(|&i| self.reachable[i] = free[i]);
+        for &cell in &largest {
+            self.reachable[cell] = free[cell] && self.can_be_passed(self.cells.centre(cell));
+        }
         self.passable = vec![false; count];
         largest.iter().for_each(|&i| self.passable[i] = true);
         let roomiest = largest.iter().copied().max_by(|&a, &b| {
@@ -107,6 +115,16 @@ impl Floor {
         let point = centre(roomiest.unwrap_or(0));
         self.start = Pose2::new(point.x_m, point.y_m, 0.0);
         Ok(())
+    }
+
+    /// A straight pass over the cell around `centre` is possible. Without one its rim would stay dirty.
+    fn can_be_passed(&self, centre: Point2) -> bool {
+        (0..PASS_DIRECTIONS / 2).any(|direction| {
+            let angle = f32::from(direction) * (std::f32::consts::TAU / f32::from(PASS_DIRECTIONS));
+            let (dx, dy) = (PASS_SHARE * PASS_REACH_M * angle.cos(), PASS_SHARE * PASS_REACH_M * angle.sin());
+            let end = |sign: f32| Point2::new(centre.x_m + sign * dx, centre.y_m + sign * dy);
+            self.is_clear(end(-1.0), end(1.0))
+        })
     }
 
     /// The robot's centre can go straight from one point to the other.

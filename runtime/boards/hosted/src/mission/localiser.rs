@@ -125,6 +125,11 @@ impl Localiser {
         self.belief.pose().best_in_map
     }
 
+    /// Deviation of the position, metres.
+    pub fn doubt_m(&self) -> f32 {
+        self.belief.pose().position_deviation_m
+    }
+
     /// Cells that the particles hold.
     pub fn active_cells(&mut self) -> usize {
         self.belief.active_cells()

@@ -4,13 +4,13 @@ use std::collections::VecDeque;
 use std::time::Instant;
 
 use floorguard_core::cleaning::{
-    CleanRule, FollowConfig, Following, PathSearch, Planner, SearchCell, choose_pass, follow,
+    CleanRule, FollowConfig, Following, Pass, PathSearch, Planner, SearchCell, choose_pass, follow,
 };
 use floorguard_core::geometry::{Point2, Pose2, Twist2};
 use floorguard_core::random::Pcg32;
 
 use super::config::Strategy;
-use super::floor::Floor;
+use super::floor::{Floor, PASS_REACH_M};
 use super::lanes::{Lane, lanes};
 use super::localiser::Localiser;
 
@@ -18,10 +18,14 @@ use super::localiser::Localiser;
 const NODES: usize = 1_026;
 /// Re-planning interval, s (AMB-12).
 const REPLAN_S: f32 = 5.0;
-/// Half the way of a pass over a cell, metres: half the cell's diagonal and a little for doubt.
-const PASS_REACH_M: f32 = 0.085;
 /// After so many visits a cell is given up, and reported.
-const VISITS_MAX: u8 = 20;
+pub const VISITS_MAX: u8 = 40;
+/// With more doubt about the position than this, metres, a pass would prove little: the robot first turns once round to
+/// see where it is.
+const LOOK_ROUND_ABOVE_M: f32 = 0.05;
+/// Later passes over a cell run this far to the left and to the right of it in turn, metres, for the rim that the ones
+/// before may have missed.
+const SIDE_STEP_M: f32 = 0.035;
 
 /// A planner with its memory.
 type TourPlanner = Planner<Vec<SearchCell>, Vec<u16>, NODES>;
@@ -41,6 +45,8 @@ pub struct Navigator {
     lanes: VecDeque<Lane>,
     heading_rad: f32,
     backing_left_m: f32,
+    looking_left_rad: f32,
+    has_looked_round: bool,
     leavings: u8,
     random: Pcg32,
     /// Visits of every cell.
@@ -93,6 +99,8 @@ impl Navigator {
             lanes,
             heading_rad: 0.0,
             backing_left_m: 0.0,
+            looking_left_rad: 0.0,
+            has_looked_round: false,
             leavings: 0,
             random,
             visits: vec![0; count],
@@ -121,12 +129,16 @@ impl Navigator {
         if (self.strategy == Strategy::Guarantee && now_s >= self.next_plan_s) || is_first {
             self.replan((floor, localiser, rule), (pose, now_s));
         }
+        if self.looking_left_rad > 0.0 {
+            self.looking_left_rad -= self.config.turn_radps * period_s;
+            return Wish::Drive(Twist2 { linear_mps: 0.0, angular_radps: self.config.turn_radps });
+        }
         // A stretch that ends at once is followed by the next; four are more than ever follow each other.
         for _ in 0..4 {
             if self.waypoints.is_empty() && !self.choose_next((floor, localiser, rule), (pose, now_s)) {
                 return Wish::Done;
             }
-            let Some(&to) = self.waypoints.front() else { continue };
+            let Some(&to) = self.waypoints.front() else { break };
             match follow(pose, (self.stretch_from, to), &self.config, period_s) {
                 Following::Drive(twist) => {
                     self.stretch_age_s += period_s;
@@ -149,6 +161,7 @@ impl Navigator {
     }
 
     fn finish_visit(&mut self) {
+        self.has_looked_round = false;
         if let Some(target) = self.target.take() {
             self.visits[target] = self.visits[target].saturating_add(1);
             if self.planner.tour().next() == Some(target) {
@@ -242,6 +255,12 @@ impl Navigator {
             (tour.next(), tour.next())
         };
         let (Some(target), next) = targets else { return false };
+        let may_look = self.strategy == Strategy::Guarantee && !self.has_looked_round;
+        if may_look && localiser.doubt_m() > LOOK_ROUND_ABOVE_M {
+            self.has_looked_round = true;
+            self.looking_left_rad = std::f32::consts::TAU;
+            return true;
+        }
         self.visit(floor, pose, (target, next.map(|cell| floor.cells.centre(cell))));
         true
     }
@@ -250,7 +269,9 @@ impl Navigator {
         let here = Point2::new(pose.x_m, pose.y_m);
         let is_clear = |a: Point2, b: Point2| floor.is_clear(a, b);
         self.target = Some(target);
-        match choose_pass((here, floor.cells.centre(target), next), PASS_REACH_M, is_clear) {
+        let centre = floor.cells.centre(target);
+        let chosen = choose_pass((here, centre, next), PASS_REACH_M, is_clear);
+        match chosen.map(|pass| side_step(pass, self.visits[target], is_clear)) {
             Some(pass) => {
                 self.route(floor, here, pass.entry);
                 self.waypoints.push_back(pass.exit);
@@ -284,10 +305,16 @@ impl Navigator {
             }
         }
         let Some(cell) = floor.nearest_passable(here) else { return };
-        self.routes.run(cell, |c| floor.passable[c]);
-        let far = (0..floor.cells.cell_count())
-            .filter(|&c| floor.passable[c] && floor.cells.centre(c).distance(here) > 0.4)
-            .min_by_key(|&c| self.routes.distance(c).unwrap_or(u32::MAX));
+        let mut far = None;
+        self.routes.run_until(
+            cell,
+            |c| floor.passable[c],
+            |c| {
+                let is_far = floor.cells.centre(c).distance(here) > 0.4;
+                far = is_far.then_some(c);
+                is_far
+            },
+        );
         if let Some(far) = far {
             self.route(floor, here, floor.cells.centre(far));
         }
@@ -303,7 +330,7 @@ impl Navigator {
             self.waypoints.push_back(there);
             return;
         };
-        self.routes.run(to, |c| floor.passable[c]);
+        self.routes.run_until(to, |c| floor.passable[c], |c| c == from);
         let mut cells = vec![from];
         let mut cell = from;
         for _ in 0..floor.cells.cell_count() {
@@ -350,4 +377,18 @@ impl Navigator {
         }
         Twist2::ZERO
     }
+}
+
+/// The first pass goes over the middle of the cell, the next ones beside it where there is room.
+fn side_step(pass: Pass, visits: u8, is_clear: impl Fn(Point2, Point2) -> bool) -> Pass {
+    let side_m = match visits % 3 {
+        0 => return pass,
+        1 => SIDE_STEP_M,
+        _ => -SIDE_STEP_M,
+    };
+    let length_m = pass.entry.distance(pass.exit).max(1e-6);
+    let (ux, uy) = ((pass.exit.x_m - pass.entry.x_m) / length_m, (pass.exit.y_m - pass.entry.y_m) / length_m);
+    let beside = |point: Point2| Point2::new(point.x_m - uy * side_m, point.y_m + ux * side_m);
+    let beside = Pass { entry: beside(pass.entry), exit: beside(pass.exit) };
+    if is_clear(beside.entry, beside.exit) { beside } else { pass }
 }

@@ -38,7 +38,7 @@ pub fn proof(summaries: &[StrategySummary], delta: f64) -> String {
         let _infallible = writeln!(
             text,
             "{}: falsely claimed {} of {} cells = {:.3} % (95 %: {}; allowed {:.3} %); of the truly clean cells {:.2} % \
-             claimed (95 %: {}); complete {:.1} % of the missions, {:.2} cells uncertain, {:.2} unreachable",
+             claimed (95 %: {}); complete {:.1} % of the missions; not claimed, cells a mission: {:.2} uncertain, {:.2} given up, {:.2} unreachable",
             s.strategy,
             s.falsely_claimed_cells,
             s.claimed_cells,
@@ -49,6 +49,7 @@ pub fn proof(summaries: &[StrategySummary], delta: f64) -> String {
             percent(s.claimed_interval95),
             100.0 * s.completion,
             s.uncertain_cells,
+            s.given_up_cells,
             s.unreachable_cells,
         );
         if s.waited_for_people_s > 0.0 || s.avoidable_contacts > 0 {

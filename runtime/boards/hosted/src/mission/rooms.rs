@@ -29,6 +29,37 @@ fn fill(map: &mut OccupancyMap, (x0, y0, x1, y1): (f32, f32, f32, f32), state: O
     }
 }
 
+/// 4.2 m × 3.6 m without anything in it: as much floor as the published robot cleaned (about 12 m², algorithms I.10).
+///
+/// # Errors
+/// None in practice: the sizes are fixed.
+pub fn laboratory() -> anyhow::Result<OccupancyMap> {
+    room(4.2, 3.6)
+}
+
+/// Cuts a rectangle out of a map, given by its smallest and largest corner in metres, and closes it with a wall.
+///
+/// # Errors
+/// A rectangle that is empty or does not lie within the map.
+pub fn cut_out(map: &OccupancyMap, low: Point2, high: Point2) -> anyhow::Result<OccupancyMap> {
+    let fine = map.geometry();
+    let pixel_m = fine.resolution_m();
+    let pixels = |from: f32, to: f32| ((to - from) / pixel_m).round().clamp(0.0, 65_535.0) as u16;
+    let geometry = GridGeometry::new(pixels(low.x_m, high.x_m), pixels(low.y_m, high.y_m), pixel_m, low);
+    let geometry = geometry.ok_or_else(|| anyhow::anyhow!("nothing to cut out of the map"))?;
+    let mut part = Grid::new(geometry, vec![Occupancy::Occupied; geometry.cell_count()])?;
+    let (last_column, last_row) = (i32::from(geometry.width()) - 1, i32::from(geometry.height()) - 1);
+    for (index, cell) in part.values_mut().iter_mut().enumerate() {
+        let (column, row) = geometry.coordinates(index);
+        let source = fine.cell_at(geometry.centre(index)).and_then(|i| map.get(i));
+        let source = source.ok_or_else(|| anyhow::anyhow!("the cut reaches beyond the map"))?;
+        if column > 0 && row > 0 && column < last_column && row < last_row {
+            *cell = *source;
+        }
+    }
+    Ok(part)
+}
+
 /// 6 m × 4 m without anything in it (algorithms I.10).
 ///
 /// # Errors

@@ -9,7 +9,7 @@ use super::config::{MissionConfig, Strategy};
 use super::faults::Faults;
 use super::floor::Floor;
 use super::localiser::Localiser;
-use super::navigator::{Navigator, Wish};
+use super::navigator::{Navigator, VISITS_MAX, Wish};
 use super::people::Crowd;
 use super::truth::Truth;
 
@@ -51,9 +51,11 @@ pub struct TrialResult {
     pub claimed_all_cells: u32,
     /// Reachable cells that are not claimed because too many of the possible paths missed them.
     pub uncertain_cells: u32,
+    /// Reachable cells that are not claimed because they were visited in vain too often, or no pass was found.
+    pub given_up_cells: u32,
     /// Dirty cells that cannot be reached: not guaranteed.
     pub unreachable_cells: u32,
-    /// The policy was empty at the end.
+    /// The mission came to its end, and every cell that it answers for is claimed.
     pub is_complete: bool,
     /// Mean error of the most likely particle, metres.
     pub mean_error_m: f32,
@@ -149,7 +151,11 @@ impl Mission<'_> {
         if fault.jumps {
             self.truth.displace(self.floor, 0.1, 0.1);
         }
-        let pose = self.localiser.pose(self.truth.odometry);
+        // Driving at random needs no map: its bumper feels where the walls really are.
+        let pose = match self.config.strategy {
+            Strategy::Random => self.truth.pose,
+            _ => self.localiser.pose(self.truth.odometry),
+        };
         let twist = match self.navigator.wish(
             (self.floor, &mut self.localiser, &self.rule),
             (pose, self.truth.time_s),
@@ -216,6 +222,7 @@ impl Mission<'_> {
             left_all.push(left);
             result.claimed_all_cells += u32::from(claimed);
             result.uncertain_cells += u32::from(verdict == Some(Verdict::Uncertain));
+            result.given_up_cells += u32::from(!claimed && self.navigator.visits[cell] >= VISITS_MAX);
             if was_dirty {
                 left_dirty.push(left);
                 result.dirty_cells += 1;
@@ -225,6 +232,8 @@ impl Mission<'_> {
                 result.truly_clean_claimed_cells += u32::from(clean && claimed);
             }
         }
+        // Cells that were given up are no reason to call the floor complete.
+        result.is_complete &= result.claimed_all_cells as usize == left_all.len();
         result.quantile99 = quantile99(&mut left_dirty);
         result.quantile99_all = quantile99(&mut left_all);
         result.max_left = left_all.last().copied().unwrap_or(0);

@@ -1,0 +1,37 @@
+//! `cargo xtask reproduce`: published experiments, repeated, beside the published figures.
+
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+
+use crate::shell;
+
+/// What to repeat, and how often.
+#[derive(Args)]
+pub struct Options {
+    /// The publication.
+    experiment: Experiment,
+    /// Missions for each combination; the published number is 100, which takes hours for Figure 5.
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u64).range(1..))]
+    trials: u64,
+}
+
+/// The publications that can be repeated.
+#[derive(Clone, Copy, ValueEnum)]
+enum Experiment {
+    /// Guaranteed cleaning: Table I, Figures 5 and 6.
+    Cleaning,
+}
+
+/// Builds and runs the experiments. True if everything that must show did.
+pub fn run(options: &Options) -> Result<bool> {
+    let name = match options.experiment {
+        Experiment::Cleaning => "cleaning",
+    };
+    let folder = shell::root().join("target/reproduce").join(name);
+    let mut command = shell::cargo();
+    command.args(["run", "--quiet", "--release", "--package", "floorguard-tests"]);
+    command.args(["--bin", "floorguard-reproduce", "--"]).arg(options.trials.to_string()).arg(&folder);
+    let holds = shell::succeeds(&mut command)?;
+    println!("tables and pictures in {}", folder.display());
+    Ok(holds)
+}
