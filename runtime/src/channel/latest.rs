@@ -13,6 +13,7 @@ struct Slot<T> {
     value: Option<T>,
     unread: bool,
     overwritten: u32,
+    published: u32,
 }
 
 /// A slot that holds the newest value only.
@@ -26,7 +27,7 @@ impl<M: RawMutex, T: Clone> Latest<M, T> {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            slot: Mutex::new(RefCell::new(Slot { value: None, unread: false, overwritten: 0 })),
+            slot: Mutex::new(RefCell::new(Slot { value: None, unread: false, overwritten: 0, published: 0 })),
             changed: Signal::new(),
         }
     }
@@ -39,6 +40,7 @@ impl<M: RawMutex, T: Clone> Latest<M, T> {
                 slot.overwritten = slot.overwritten.saturating_add(1);
             }
             slot.value = Some(value);
+            slot.published = slot.published.wrapping_add(1);
             slot.unread = true;
         });
         self.changed.signal(());
@@ -62,6 +64,11 @@ impl<M: RawMutex, T: Clone> Latest<M, T> {
                 return value;
             }
         }
+    }
+
+    /// Publications so far: a cheap way to see whether there is a new one. Wraps.
+    pub fn published(&self) -> u32 {
+        self.slot.lock(|slot| slot.borrow().published)
     }
 
     /// Values that nobody took before they were replaced.

@@ -4,7 +4,6 @@ pub mod campaign;
 pub mod capture;
 pub mod carriers;
 pub mod commands;
-pub mod configuration;
 pub mod display;
 pub mod evaluate;
 pub mod executor;
@@ -17,3 +16,5 @@ pub mod recording;
 pub mod report;
 pub mod train;
 pub mod world;
+
+pub use floorguard_configuration as configuration;

@@ -8,7 +8,7 @@ use clap::Args;
 use super::exit::BadInput;
 use super::simulate::{conclude, pace, play};
 use crate::report::write_report;
-use crate::world::Plan;
+use crate::world::{Plan, Tape};
 
 /// How to show the demo.
 #[derive(Clone, Debug, Args)]
@@ -41,7 +41,7 @@ pub fn run(arguments: &DemoArguments) -> anyhow::Result<()> {
     let started = Instant::now();
     let plan = Plan::named("supermarket", arguments.seed, (arguments.duration * 1.0e6) as u64)?;
     anstream::eprintln!("floorguard demo: {} (seed {})", plan.scenario.title, plan.seed);
-    let observation = play(&plan, false)?;
+    let observation = play(&plan, false, &mut Tape::none())?;
     let page = write_report(&arguments.report, &plan, &observation)?;
     anstream::eprintln!("{}", pace(&plan, started));
     let outcome = conclude(&plan, &observation, false);

@@ -12,7 +12,7 @@ use floorguard_sim::scenario::Scenario;
 use super::exit::{BadInput, VerdictFailed};
 use crate::display::{LiveDisplay, SourceStatus, Status};
 use crate::report::write_report;
-use crate::world::{Observation, Observer, Plan, SeenStop, run_virtual};
+use crate::world::{Observation, Observer, Plan, SeenStop, Tape, run_recorded};
 
 /// What to simulate.
 #[derive(Clone, Debug, Args)]
@@ -32,6 +32,9 @@ pub struct SimulateArguments {
     /// Press the emergency stop from one second to another, for example `20..25`; may be repeated.
     #[arg(long)]
     pub emergency_stop: Vec<String>,
+    /// Write every byte that reaches the robot to this file, for the emulated board.
+    #[arg(long)]
+    pub tape: Option<PathBuf>,
     /// One verdict object on standard output, no live status.
     #[arg(long)]
     pub json: bool,
@@ -52,7 +55,12 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
         return Ok(());
     }
     let plan = plan(arguments)?;
-    let observation = play(&plan, arguments.json)?;
+    let mut tape = if arguments.tape.is_some() { Tape::new(plan.duration_us) } else { Tape::none() };
+    let observation = play(&plan, arguments.json, &mut tape)?;
+    if let Some(path) = &arguments.tape {
+        std::fs::write(path, tape.finish())
+            .map_err(|error| BadInput(format!("{}: cannot be written ({error})", path.display())))?;
+    }
     if let Some(folder) = &arguments.report {
         write_report(folder, &plan, &observation)?;
     }
@@ -94,7 +102,7 @@ fn parse_span(text: &str) -> anyhow::Result<(u64, u64)> {
 }
 
 /// Plays a plan with a live display.
-pub(super) fn play(plan: &Plan, quiet: bool) -> anyhow::Result<Observation> {
+pub(super) fn play(plan: &Plan, quiet: bool, tape: &mut Tape) -> anyhow::Result<Observation> {
     let mut display = LiveDisplay::new(plan.duration_us as f64 * 1.0e-6, quiet);
     let mut show = |seconds: f64, status: &RobotStatus, people: usize, stops: &[SeenStop]| {
         if display.is_due(seconds) {
@@ -102,7 +110,7 @@ pub(super) fn play(plan: &Plan, quiet: bool) -> anyhow::Result<Observation> {
         }
     };
     let mut observer = Observer::new(plan, &mut show);
-    run_virtual(plan, &mut observer)?;
+    run_recorded(plan, &mut observer, tape)?;
     let observation = observer.into_observation();
     display.finish();
     Ok(observation)

@@ -5,7 +5,6 @@ use floorguard_runtime::configuration::RobotConfiguration;
 use serde::Serialize;
 
 use super::contacts::ContactJudge;
-use super::digest::Digest;
 use super::latency::Quantiles;
 use super::stops::{StopJudge, StopReason};
 use super::truth::Truth;
@@ -53,7 +52,6 @@ pub struct Verdict {
 pub struct Judge {
     contacts: ContactJudge,
     stops: StopJudge,
-    digest: Digest,
     last: Option<Stamp>,
     first: Option<Stamp>,
 }
@@ -62,13 +60,7 @@ impl Judge {
     /// For a robot.
     #[must_use]
     pub fn new(robot: &RobotConfiguration) -> Self {
-        Self {
-            contacts: ContactJudge::new(robot),
-            stops: StopJudge::new(robot),
-            digest: Digest::new(),
-            last: None,
-            first: None,
-        }
+        Self { contacts: ContactJudge::new(robot), stops: StopJudge::new(robot), last: None, first: None }
     }
 
     /// Looks at the next moment. `commanded_mps` is what the drive was last told.
@@ -85,11 +77,6 @@ impl Judge {
         self.stops.stop(at.as_micros() as f32 * 1.0e-6, reason);
     }
 
-    /// Something that the robot put out.
-    pub fn output(&mut self, bytes: &[u8]) {
-        self.digest.add(bytes);
-    }
-
     /// The verdict so far; the caller adds names and tracking.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
@@ -104,7 +91,6 @@ impl Judge {
             nuisance_stops: self.stops.nuisance(),
             stops: self.stops.stops(),
             stop_latency_ms: Quantiles::of_micros(self.stops.latencies_us().to_vec()),
-            digest: self.digest.hex(),
             ..Verdict::default()
         }
     }

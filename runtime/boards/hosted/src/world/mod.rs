@@ -5,6 +5,7 @@ mod operator;
 mod plan;
 mod spawn;
 mod swath;
+mod tape;
 mod truth;
 mod virtual_world;
 
@@ -12,4 +13,5 @@ pub use observer::{Observation, Observer, SeenStop};
 pub use plan::{Plan, PlanError};
 pub use spawn::{GuardCarriers, new_perception, new_shared, spawn_guard_ring, spawn_perception_ring};
 pub use swath::BRUSH_M;
-pub use virtual_world::run_virtual;
+pub use tape::Tape;
+pub use virtual_world::{run_recorded, run_virtual};

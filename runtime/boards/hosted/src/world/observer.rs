@@ -6,6 +6,7 @@ use floorguard_core::guard::{Cause, CauseRecord, Health};
 use floorguard_core::people::TrackStatus;
 use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
+use floorguard_runtime::digest::OutputDigest;
 use floorguard_runtime::shared::{PeopleReport, RobotStatus, Shared, StopRecord};
 use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;
 use floorguard_sim::simulation::{Simulation, Truth as SimTruth};
@@ -71,6 +72,9 @@ pub type Show<'a> = &'a mut dyn FnMut(f64, &RobotStatus, usize, &[SeenStop]);
 /// The watcher.
 pub struct Observer<'a> {
     judge: Judge,
+    digest: OutputDigest,
+    seen_people: u32,
+    seen_status: u32,
     mot: MotAccumulator,
     seen: Observation,
     traction_id: u16,
@@ -92,6 +96,9 @@ impl<'a> Observer<'a> {
     pub fn new(plan: &Plan, show: Show<'a>) -> Self {
         Self {
             judge: Judge::new(&plan.robot),
+            digest: OutputDigest::default(),
+            seen_people: 0,
+            seen_status: 0,
             mot: MotAccumulator::new(),
             seen: Observation::default(),
             traction_id: 0x200 | u16::from(plan.robot.can.drive_node),
@@ -112,14 +119,29 @@ impl<'a> Observer<'a> {
     /// A frame of the robot on the bus.
     pub fn on_frame(&mut self, frame: &CanFrame, now_us: u64) {
         let Some(id) = frame.standard_id() else { return };
-        self.judge.output(&now_us.to_le_bytes());
-        self.judge.output(&id.to_le_bytes());
-        self.judge.output(frame.payload());
+        self.digest.on_frame(frame, now_us);
         if id == self.traction_id
             && let &[control, _, a, b, c, d] = frame.payload()
         {
             let target_mps = i32::from_le_bytes([a, b, c, d]) as f32 * 1.0e-3;
             self.commanded_mps = if control == ENABLE_OPERATION { target_mps } else { 0.0 };
+        }
+    }
+
+    /// The tasks have run: what they put out goes into the fingerprint.
+    pub fn after_tasks<M: RawMutex>(&mut self, shared: &Shared<M>) {
+        let (people, status) = (shared.people.published(), shared.status.published());
+        if self.seen_people != people
+            && let Some(report) = shared.people.get()
+        {
+            self.seen_people = people;
+            self.digest.on_people(&report);
+        }
+        if self.seen_status != status
+            && let Some(report) = shared.status.get()
+        {
+            self.seen_status = status;
+            self.digest.on_status(&report);
         }
     }
 
@@ -200,9 +222,6 @@ impl<'a> Observer<'a> {
         let near = |place: Point2| place.distance(robot) < TRACKED_RANGE_M;
         let mut tracks = Vec::new();
         for person in &report.people {
-            self.judge.output(&person.id.to_le_bytes());
-            self.judge.output(&person.position.x_m.to_bits().to_le_bytes());
-            self.judge.output(&person.position.y_m.to_bits().to_le_bytes());
             let counts = person.status == TrackStatus::Confirmed
                 && person.person_probability >= PERSON_PROBABILITY_MIN;
             let place = to_world.transform(person.position);
@@ -242,9 +261,16 @@ impl<'a> Observer<'a> {
             idf1: summary.idf1,
             id_switches: summary.switches as u32,
             localisation_error_m: summary.motp,
+            digest: format!("{:016x}", self.digest.value()),
             faulty_sources: self.faulty.iter().cloned().collect(),
             ..self.judge.verdict()
         };
+    }
+
+    /// The fingerprint of the outputs.
+    #[must_use]
+    pub const fn digest(&self) -> &OutputDigest {
+        &self.digest
     }
 
     /// Everything seen.

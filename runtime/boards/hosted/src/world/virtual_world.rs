@@ -4,6 +4,7 @@ use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
 use floorguard_runtime::shared::Shared;
+use floorguard_runtime::tape::TapeLine;
 use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
 use floorguard_sim::{CanFrame as SimCanFrame, FaultLayer};
 
@@ -11,6 +12,7 @@ use super::observer::Observer;
 use super::operator::Operator;
 use super::plan::Plan;
 use super::spawn::{GuardCarriers, new_perception, new_shared, spawn_guard_ring, spawn_perception_ring};
+use super::tape::Tape;
 use crate::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 use crate::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 
@@ -46,14 +48,25 @@ impl Lines {
         (lines, Ends { scanner: scanner_reader, imu, from_imu_line })
     }
 
-    fn deliver(&self, event: WireEvent) {
+    fn deliver(&self, event: WireEvent, now_us: u64, tape: &mut Tape) {
+        let when = (now_us, event.at_us);
         match (event.stream, event.payload) {
             (Stream::LidarData, Payload::Bytes(bytes)) => {
+                tape.record(when, TapeLine::Lidar, &bytes);
                 self.lidar.push(Stamp::from_micros(event.at_us), bytes);
             }
-            (Stream::ScannerSerial, Payload::Bytes(bytes)) => self.scanner.push(&bytes),
-            (Stream::ImuSerial, Payload::Bytes(bytes)) => self.imu.push(&bytes),
+            (Stream::ScannerSerial, Payload::Bytes(bytes)) => {
+                tape.record(when, TapeLine::Scanner, &bytes);
+                self.scanner.push(&bytes);
+            }
+            (Stream::ImuSerial, Payload::Bytes(bytes)) => {
+                tape.record(when, TapeLine::Imu, &bytes);
+                self.imu.push(&bytes);
+            }
             (Stream::Can, Payload::Frame(frame)) => {
+                let [low, high] = (frame.id as u16).to_le_bytes();
+                let bytes: Vec<u8> = [low, high].iter().chain(frame.payload()).copied().collect();
+                tape.record(when, TapeLine::Can, &bytes);
                 self.can.push(CanFrame::standard(frame.id as u16, frame.payload()));
             }
             // Position packets only discipline the lidar's clock, which the arrival times already do.
@@ -67,14 +80,26 @@ impl Lines {
 /// # Errors
 /// The robot cannot be configured, or one of its tasks spins.
 pub fn run_virtual(plan: &Plan, observer: &mut Observer<'_>) -> anyhow::Result<()> {
+    run_recorded(plan, observer, &mut Tape::none())
+}
+
+/// The same, and every byte that reaches the robot goes to a tape.
+///
+/// # Errors
+/// As [`run_virtual`].
+pub fn run_recorded(plan: &Plan, observer: &mut Observer<'_>, tape: &mut Tape) -> anyhow::Result<()> {
     let mut simulation = Simulation::new(&plan.scenario, plan.seed)?;
     use_virtual_clock(0);
-    let outcome = play(plan, &mut simulation, observer);
+    let outcome = play(plan, &mut simulation, (observer, tape));
     use_real_clock();
     outcome
 }
 
-fn play(plan: &Plan, simulation: &mut Simulation, observer: &mut Observer<'_>) -> anyhow::Result<()> {
+fn play(
+    plan: &Plan,
+    simulation: &mut Simulation,
+    (observer, tape): (&mut Observer<'_>, &mut Tape),
+) -> anyhow::Result<()> {
     let shared: Box<Shared<NoopRawMutex>> = new_shared(&plan.robot, Stamp::ZERO)
         .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
     let mut perception = new_perception(&plan.robot);
@@ -91,6 +116,7 @@ fn play(plan: &Plan, simulation: &mut Simulation, observer: &mut Observer<'_>) -
     spawn_guard_ring(&mut tasks, &shared, &plan.robot, carriers);
     spawn_perception_ring(&mut tasks, &shared, &plan.robot, &mut perception);
     let mut judge_us = 0;
+    let mut reset = false;
     loop {
         let now_us = simulation
             .next_event_us()
@@ -100,10 +126,17 @@ fn play(plan: &Plan, simulation: &mut Simulation, observer: &mut Observer<'_>) -
         if now_us > plan.duration_us {
             break;
         }
-        simulation.advance_to(now_us, &mut |event| faults.pass(event, &mut |event| lines.deliver(event)));
-        faults.release(now_us, &mut |event| lines.deliver(event));
+        simulation.advance_to(now_us, &mut |event| {
+            faults.pass(event, &mut |event| lines.deliver(event, now_us, tape))
+        });
+        faults.release(now_us, &mut |event| lines.deliver(event, now_us, tape));
         advance_virtual(now_us);
+        if std::mem::take(&mut reset) {
+            shared.reset.signal(());
+            tape.record((now_us, now_us), TapeLine::Reset, &[]);
+        }
         tasks.poll_until_quiet()?;
+        observer.after_tasks(&shared);
         for frame in lines.can.drain() {
             observer.on_frame(&frame, now_us);
             let id = u32::from(frame.standard_id().unwrap_or_default());
@@ -118,9 +151,8 @@ fn play(plan: &Plan, simulation: &mut Simulation, observer: &mut Observer<'_>) -
             let state = shared.decision.get().map(|decision| decision.state).unwrap_or_default();
             let deed = operator.act(now_us, state);
             simulation.press_emergency_stop(deed.pressed);
-            if deed.reset {
-                shared.reset.signal(());
-            }
+            // The button reaches the tasks with the next moment.
+            reset = deed.reset;
             observer.observe(simulation, &shared);
         }
     }

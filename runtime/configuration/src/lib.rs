@@ -1,15 +1,17 @@
 //! `robot.toml`: read strictly, refused with file, line, the limit broken and a remedy.
 
 mod address;
+mod bake;
 mod polygon;
 mod problem;
 mod read;
 mod reader;
 
 pub use address::{CanAddress, DatagramAddress, SerialAddress};
+pub use bake::bake;
 pub use polygon::contains as polygon_contains;
 pub use problem::{Problem, Refused};
 pub use read::{Carriers, HostedConfiguration, load, parse};
 
 /// The example configuration at the root of the workspace; the simulated robot is built like this.
-pub const EXAMPLE: &str = include_str!("../../../../../robot.toml");
+pub const EXAMPLE: &str = include_str!("../../../robot.toml");

@@ -459,7 +459,7 @@ fn read_route(section: Reader<'_>, limits: &Limits) -> (Route, RouteLimits) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::configuration::EXAMPLE;
+    use crate::EXAMPLE;
 
     #[test]
     fn the_example_is_accepted() {

@@ -1,0 +1,139 @@
+//! The checked configuration as Rust source, for boards that have no file system: their build script writes it to a
+//! file that the firmware includes.
+
+use std::fmt::Write;
+
+use floorguard_core::geometry::Point2;
+use floorguard_core::guard::{Action, Thresholds};
+use floorguard_drivers::flexisoft::InputBits;
+use floorguard_runtime::configuration::{FieldPair, Mounting, RobotConfiguration};
+
+/// A function `robot()` that gives the same configuration. Numbers are written with all their digits.
+#[must_use]
+pub fn bake(robot: &RobotConfiguration) -> String {
+    let mut code =
+        String::from("/// The robot that `robot.toml` describes.\npub fn robot() -> RobotConfiguration {\n");
+    code.push_str("    RobotConfiguration {\n");
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(code, "        {name}: {value},");
+    };
+    let geometry = &robot.geometry;
+    line(
+        "geometry",
+        format!(
+            "Geometry {{ footprint: {}, wheelbase_m: {:?}, track_m: {:?}, ticks_per_m: {:?} }}",
+            points(&geometry.footprint),
+            geometry.wheelbase_m,
+            geometry.track_m,
+            geometry.ticks_per_m
+        ),
+    );
+    // These print as valid Rust by themselves: structures of numbers and plain variants.
+    line("limits", format!("{:?}", robot.limits));
+    line("deadlines", format!("{:?}", robot.deadlines));
+    line(
+        "lidar",
+        format!(
+            "LidarConfiguration {{ model: LidarModel::{:?}, mounting: {} }}",
+            robot.lidar.model,
+            mounting(&robot.lidar.mounting)
+        ),
+    );
+    line(
+        "scanner",
+        format!(
+            "ScannerConfiguration {{ model: ScannerModel::{:?}, mounting: {}, sector_rad: {:?} }}",
+            robot.scanner.model,
+            mounting(&robot.scanner.mounting),
+            robot.scanner.sector_rad
+        ),
+    );
+    line(
+        "imu",
+        robot.imu.map_or("None".to_owned(), |imu| {
+            format!("Some(ImuConfiguration {{ mounting: {} }})", mounting(&imu.mounting))
+        }),
+    );
+    line("can", can(robot));
+    let fields: Vec<String> = robot.fields.iter().map(field).collect();
+    line("fields", format!("list(&[{}])", fields.join(", ")));
+    let route = &robot.route;
+    line("route", format!("Route {{ waypoints: {}, repeat: {} }}", points(&route.waypoints), route.repeat));
+    line("route_limits", format!("{:?}", robot.route_limits));
+    line("thresholds", thresholds(&robot.thresholds));
+    code.push_str("    }\n}\n");
+    code
+}
+
+fn points(points: &[Point2]) -> String {
+    let corners: Vec<String> =
+        points.iter().map(|point| format!("Point2::new({:?}, {:?})", point.x_m, point.y_m)).collect();
+    format!("list(&[{}])", corners.join(", "))
+}
+
+fn mounting(mounting: &Mounting) -> String {
+    format!("{mounting:?}")
+}
+
+fn field(field: &FieldPair) -> String {
+    format!(
+        "FieldPair {{ direction: DirectionOfTravel::{:?}, speed_max_mps: {:?}, protective: {}, warning: {} }}",
+        field.direction,
+        field.speed_max_mps,
+        points(&field.protective),
+        points(&field.warning)
+    )
+}
+
+fn can(robot: &RobotConfiguration) -> String {
+    let can = &robot.can;
+    let bits = |bits: InputBits| format!("InputBits({:?})", bits.0);
+    let fitted =
+        |input: Option<InputBits>| input.map_or("None".to_owned(), |input| format!("Some({})", bits(input)));
+    format!(
+        "CanConfiguration {{ drive_node: {}, steering_node: {}, left_encoder_node: {}, right_encoder_node: {}, \
+         inputs_node: {}, inputs: InputMap {{ emergency_stop: {}, bumper_front: {}, bumper_rear: {}, cliff_front: {}, \
+         cliff_rear: {}, discrepancy_us: {} }} }}",
+        can.drive_node,
+        can.steering_node,
+        can.left_encoder_node,
+        can.right_encoder_node,
+        can.inputs_node,
+        bits(can.inputs.emergency_stop),
+        bits(can.inputs.bumper_front),
+        fitted(can.inputs.bumper_rear),
+        fitted(can.inputs.cliff_front),
+        fitted(can.inputs.cliff_rear),
+        can.inputs.discrepancy_us
+    )
+}
+
+fn thresholds(thresholds: &Thresholds) -> String {
+    let action = match thresholds.emergency_action {
+        Action::Category1 => "Category1",
+        _ => "Category0",
+    };
+    let text = format!("{thresholds:?}");
+    text.replace(&format!("emergency_action: {action}"), &format!("emergency_action: Action::{action}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{EXAMPLE, parse};
+
+    #[test]
+    fn every_number_of_the_example_is_in_the_source() {
+        let robot = parse("robot.toml", EXAMPLE).unwrap().robot;
+        let source = bake(&robot);
+        for text in [
+            "speed_mps: 1.0",
+            "braking_mps2: 0.8",
+            "InputBits([32, 33])",
+            "Point2::new(3.2, -0.6)",
+            "Action::Category0",
+        ] {
+            assert!(source.contains(text), "{text} is missing in\n{source}");
+        }
+    }
+}
