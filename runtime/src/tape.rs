@@ -7,6 +7,10 @@
 //! arrival, `u16` line, `u16` length, the bytes, and zeros up to a multiple of 4. The first record with line 0xFFFF
 //! ends it.
 
+use floorguard_core::geometry::Point2;
+
+use crate::mission::{ROUTE_WAYPOINTS_MAX, Route, RouteLimits};
+
 /// First bytes of a tape.
 pub const TAPE_MAGIC: &[u8; 8] = b"FGTAPE02";
 /// Line number of the record that ends a tape.
@@ -29,6 +33,8 @@ pub enum TapeLine {
     Can,
     /// The operator pressed reset.
     Reset,
+    /// What the mission drives: the first record of a tape, see [`decode_route`].
+    Route,
 }
 
 impl TapeLine {
@@ -41,6 +47,7 @@ impl TapeLine {
             Self::Imu => 3,
             Self::Can => 4,
             Self::Reset => 5,
+            Self::Route => 6,
         }
     }
 
@@ -51,6 +58,7 @@ impl TapeLine {
             3 => Some(Self::Imu),
             4 => Some(Self::Can),
             5 => Some(Self::Reset),
+            6 => Some(Self::Route),
             _ => None,
         }
     }
@@ -117,6 +125,27 @@ impl<'a> Iterator for TapeReader<'a> {
         }
         record
     }
+}
+
+/// A route and its limits: speed, turning rate, look-ahead, reach and repeat (0 or 1), then x and y of each waypoint, all
+/// `f32`. `None` when the numbers are too few.
+#[must_use]
+pub fn decode_route(data: &[u8]) -> Option<(Route, RouteLimits)> {
+    let (numbers, _) = data.as_chunks::<4>();
+    let mut numbers = numbers.iter().map(|bytes| f32::from_le_bytes(*bytes));
+    let limits = RouteLimits {
+        speed_mps: numbers.next()?,
+        turn_radps: numbers.next()?,
+        look_ahead_m: numbers.next()?,
+        reached_m: numbers.next()?,
+    };
+    let mut route = Route { repeat: numbers.next()? > 0.5, ..Route::default() };
+    for _ in 0..ROUTE_WAYPOINTS_MAX {
+        let (Some(x_m), Some(y_m)) = (numbers.next(), numbers.next()) else { break };
+        // The loop ends with the capacity.
+        let _ = route.waypoints.push(Point2::new(x_m, y_m));
+    }
+    Some((route, limits))
 }
 
 #[cfg(test)]

@@ -1,20 +1,26 @@
-//! Link arguments of the image: start-up code, and which half of the common memory map applies.
-fn main() {
+//! Link arguments of the images, and the robot's configuration as constants.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use floorguard_configuration::{bake, load};
+
+fn main() -> anyhow::Result<()> {
+    // Cargo does not follow linker scripts.
+    println!("cargo:rerun-if-changed=../../../memory.x");
+    println!("cargo:rerun-if-changed=../../../robot.toml");
+    println!("cargo:rerun-if-changed=build.rs");
+    let folder = PathBuf::from(std::env::var_os("OUT_DIR").context("cargo gives OUT_DIR")?);
+    // The same checks as on the robot's computer: a wrong file stops the build with its line and the remedy.
+    let robot = load(Path::new("../../../robot.toml"))?.robot;
+    std::fs::write(folder.join("robot.rs"), bake(&robot))?;
     if std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|system| system == "none") {
-        provide_device_script();
+        // The start-up code asks for the interrupt names of a device; ours are all defined in Rust.
+        std::fs::write(folder.join("device.x"), "/* every handler is defined in Rust */\n")?;
+        println!("cargo:rustc-link-search={}", folder.display());
         println!("cargo:rustc-link-arg-bins=-Tlink.x");
         println!("cargo:rustc-link-arg-bins=--nmagic");
         println!("cargo:rustc-link-arg-bins=--defsym=_board_mps2=1");
     }
-    // Cargo does not follow linker scripts.
-    println!("cargo:rerun-if-changed=../../../memory.x");
-    println!("cargo:rerun-if-changed=build.rs");
-}
-
-/// The start-up code asks for the interrupt names of a device; ours are all defined in Rust.
-fn provide_device_script() {
-    let Some(folder) = std::env::var_os("OUT_DIR").map(std::path::PathBuf::from) else { return };
-    if std::fs::write(folder.join("device.x"), "/* every handler is defined in Rust */\n").is_ok() {
-        println!("cargo:rustc-link-search={}", folder.display());
-    }
+    Ok(())
 }

@@ -25,6 +25,7 @@ impl Register {
         unsafe { core::ptr::with_exposed_provenance_mut::<u32>(self.0).write_volatile(value) }
     }
 
+    #[allow(dead_code, reason = "the images share this file, one of them only reads and writes")]
     /// Sets and clears bits; callers hold a critical section where an interrupt writes the same register.
     pub fn modify(self, clear: u32, set: u32) {
         self.write(self.read() & !clear | set);

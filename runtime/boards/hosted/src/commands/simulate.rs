@@ -55,7 +55,7 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
         return Ok(());
     }
     let plan = plan(arguments)?;
-    let mut tape = if arguments.tape.is_some() { Tape::new(plan.duration_us) } else { Tape::none() };
+    let mut tape = if arguments.tape.is_some() { Tape::new(&plan) } else { Tape::none() };
     let observation = play(&plan, arguments.json, &mut tape)?;
     if let Some(path) = &arguments.tape {
         std::fs::write(path, tape.finish())

@@ -2,6 +2,8 @@
 
 use floorguard_runtime::tape::{TAPE_END, TAPE_MAGIC, TapeLine};
 
+use super::plan::Plan;
+
 /// A tape that is being written, or none.
 #[derive(Clone, Debug, Default)]
 pub struct Tape {
@@ -15,12 +17,19 @@ impl Tape {
         Self { bytes: None }
     }
 
-    /// An empty tape for a run of this length.
+    /// A tape for a plan: its duration and its route.
     #[must_use]
-    pub fn new(duration_us: u64) -> Self {
+    pub fn new(plan: &Plan) -> Self {
         let mut bytes = TAPE_MAGIC.to_vec();
-        bytes.extend(duration_us.to_le_bytes());
-        Self { bytes: Some(bytes) }
+        bytes.extend(plan.duration_us.to_le_bytes());
+        let mut tape = Self { bytes: Some(bytes) };
+        let (route, limits) = (&plan.robot.route, plan.robot.route_limits);
+        let repeat = if route.repeat { 1.0 } else { 0.0 };
+        let head = [limits.speed_mps, limits.turn_radps, limits.look_ahead_m, limits.reached_m, repeat];
+        let places = route.waypoints.iter().flat_map(|place| [place.x_m, place.y_m]);
+        let numbers: Vec<u8> = head.into_iter().chain(places).flat_map(f32::to_le_bytes).collect();
+        tape.record((0, 0), TapeLine::Route, &numbers);
+        tape
     }
 
     /// Adds a delivery: moments of delivery and arrival, microseconds.
