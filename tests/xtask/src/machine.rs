@@ -25,3 +25,27 @@ pub fn add_target() -> Result<bool> {
     add.current_dir(shell::root()).args(["target", "add", TARGET]);
     Ok(shell::succeeds(&mut add)? && has_target())
 }
+
+/// The emulator of the Cortex-M7 board.
+const EMULATOR: &str = "qemu-system-arm";
+
+/// The emulator is there.
+pub fn has_emulator() -> bool {
+    shell::is_installed(EMULATOR)
+}
+
+/// Lets apt install the emulator, which needs root. False if that did not work.
+pub fn add_emulator() -> Result<bool> {
+    if !shell::is_installed("apt-get") {
+        return Ok(false);
+    }
+    println!("setup: installing {EMULATOR} with apt-get");
+    let mut refresh = Command::new("apt-get");
+    refresh.args(["update", "--quiet"]);
+    let mut install = Command::new("apt-get");
+    install.env("DEBIAN_FRONTEND", "noninteractive");
+    install.args(["install", "--yes", "--quiet", "--no-install-recommends", EMULATOR]);
+    // Old package lists may do: what counts is whether the program is there in the end.
+    let _ = shell::succeeds(&mut refresh)?;
+    Ok(shell::succeeds(&mut install)? && has_emulator())
+}

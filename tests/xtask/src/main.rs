@@ -7,6 +7,7 @@ use clap::{Parser, Subcommand};
 mod audit;
 mod bench;
 mod campaign;
+mod firmware;
 mod machine;
 mod reproduce;
 mod setup;
@@ -31,6 +32,8 @@ enum Command {
     Audit(audit::Options),
     /// Run one of the long campaigns on all cores, or go on where it was cut.
     Campaign(campaign::Options),
+    /// Play a scenario on the emulated Cortex-M7 and compare with the host, bit for bit.
+    Firmware(firmware::Options),
     /// Measure the stages of the lidar path on the recordings.
     Bench,
     /// Repeat published experiments, beside the published figures.
@@ -43,6 +46,7 @@ fn main() -> ExitCode {
         Command::Test(options) => test::run(&options),
         Command::Audit(options) => audit::run(&options),
         Command::Campaign(options) => campaign::run(&options),
+        Command::Firmware(options) => firmware::run(&options),
         Command::Bench => bench::run(),
         Command::Reproduce(options) => reproduce::run(&options),
     };

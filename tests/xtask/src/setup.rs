@@ -15,5 +15,13 @@ pub fn run() -> Result<bool> {
             return Ok(false);
         }
     }
+    if machine::has_emulator() {
+        println!("setup: the emulator of the Cortex-M7 board is there");
+    } else if !machine::add_emulator()? {
+        eprintln!(
+            "setup: cannot install it here; please run as root: apt-get install --no-install-recommends qemu-system-arm"
+        );
+        return Ok(false);
+    }
     Ok(true)
 }

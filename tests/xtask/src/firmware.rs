@@ -1,0 +1,208 @@
+//! `cargo xtask firmware`: the robot's tasks on the emulated Cortex-M7, fed from a tape that the host recorded.
+//!
+//! Equal bytes in must give equal outputs: people, decisions and drive frames have the same fingerprint on both
+//! machines, or the command fails. What each kind of work costs in instructions is compared with a golden file.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use serde::{Deserialize, Serialize};
+
+use crate::machine::{self, TARGET};
+use crate::shell;
+
+/// The image that plays tapes.
+const IMAGE: &str = "floorguard-mps2-an500-tape";
+/// The board's PSRAM.
+const TAPE_AT: u32 = 0x6000_0000;
+const TAPE_BYTES_MAX: u64 = 16 << 20;
+/// Instruction counts may differ from the golden file by this share.
+const GATE: f64 = 0.005;
+
+/// What to play.
+#[derive(Args)]
+pub struct Options {
+    /// Scenario of the simulator.
+    #[arg(long, default_value = "crossing")]
+    scenario: String,
+    /// Seed of all randomness.
+    #[arg(long, default_value_t = 2)]
+    seed: u64,
+    /// Simulated seconds; 16 MiB of memory hold about 16.
+    #[arg(long, default_value_t = 8)]
+    duration: u32,
+    /// Write the counts to the golden file instead of comparing them.
+    #[arg(long)]
+    update: bool,
+    /// One object on standard output.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What one kind of work costs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Cost {
+    count: u64,
+    mean: u64,
+    max: u64,
+}
+
+/// What came of a run on the board.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Outcome {
+    digest: String,
+    flash_bytes: u64,
+    ram_bytes: u64,
+    instructions: BTreeMap<String, Cost>,
+}
+
+/// Runs the command; false when host and board differ, or a count leaves its gate.
+pub fn run(options: &Options) -> Result<bool> {
+    if !machine::has_emulator() && !machine::add_emulator()? {
+        bail!(
+            "the emulator is missing; please run as root: apt-get install --no-install-recommends qemu-system-arm"
+        );
+    }
+    let folder = target_folder()?;
+    std::fs::create_dir_all(folder.join("firmware-run"))?;
+    let tape = folder.join("firmware-run").join("input.tape");
+    let hosted = record(options, &tape)?;
+    let image = build(&folder)?;
+    let outcome = play(&image, &tape)?;
+    if options.json {
+        println!("{}", serde_json::to_string(&outcome)?);
+    } else {
+        show(&outcome, &hosted);
+    }
+    let equal = outcome.digest == hosted;
+    if !equal {
+        eprintln!(
+            "firmware: the board's outputs differ from the host's: {} against {hosted}",
+            outcome.digest
+        );
+    }
+    let standard = (options.scenario.as_str(), options.seed, options.duration) == ("crossing", 2, 8);
+    Ok(equal && (!standard || compare(&outcome, options.update)?))
+}
+
+/// Plays the scenario on the host; gives the fingerprint.
+fn record(options: &Options, tape: &Path) -> Result<String> {
+    let mut simulate = shell::cargo();
+    simulate.args(["run", "--quiet", "--package", "floorguard", "--", "simulate", "--json"]);
+    simulate.args(["--scenario", &options.scenario, "--seed", &options.seed.to_string()]);
+    simulate.args(["--duration", &options.duration.to_string(), "--tape"]).arg(tape);
+    let printed =
+        shell::output(&mut simulate).context("the hosted run failed; try `cargo run -- simulate`")?;
+    let length = std::fs::metadata(tape)?.len();
+    if length > TAPE_BYTES_MAX {
+        bail!(
+            "the tape has {length} bytes, the board's memory {TAPE_BYTES_MAX}: choose a shorter --duration"
+        );
+    }
+    let verdict: serde_json::Value = serde_json::from_str(printed.trim())?;
+    Ok(verdict["digest"].as_str().context("the verdict has no digest")?.to_owned())
+}
+
+fn build(folder: &Path) -> Result<PathBuf> {
+    let mut build = shell::cargo();
+    build.args(["build", "--quiet", "--package", "floorguard-mps2-an500", "--bin", IMAGE]);
+    build.args(["--profile", "firmware", "--target", TARGET]);
+    if !shell::succeeds(&mut build)? {
+        bail!("the firmware does not build");
+    }
+    Ok(folder.join(TARGET).join("firmware").join(IMAGE))
+}
+
+/// Where cargo builds.
+fn target_folder() -> Result<PathBuf> {
+    let mut metadata = shell::cargo();
+    metadata.args(["metadata", "--format-version", "1", "--no-deps", "--offline"]);
+    let text = shell::output(&mut metadata).context("cargo metadata failed")?;
+    let value: serde_json::Value = serde_json::from_str(&text)?;
+    Ok(PathBuf::from(value["target_directory"].as_str().context("cargo names no target folder")?))
+}
+
+fn play(image: &Path, tape: &Path) -> Result<Outcome> {
+    let mut emulator = Command::new("qemu-system-arm");
+    emulator.args(["-M", "mps2-an500", "-display", "none", "-monitor", "none", "-serial", "null"]);
+    emulator.args(["-semihosting-config", "enable=on,target=native", "-icount", "shift=6,sleep=off"]);
+    let loader = format!("loader,file={},addr={TAPE_AT:#x},force-raw=on", tape.display());
+    emulator.args(["-device", &loader, "-kernel"]).arg(image);
+    let output = emulator.stdin(Stdio::null()).output().context("cannot start qemu-system-arm")?;
+    // Semihosting writes to standard error.
+    let text =
+        String::from_utf8_lossy(&output.stderr).into_owned() + &String::from_utf8_lossy(&output.stdout);
+    if !output.status.success() {
+        bail!("the firmware failed: {}", text.trim());
+    }
+    let mut outcome = Outcome::default();
+    for line in text.lines() {
+        match line.split_whitespace().collect::<Vec<_>>().as_slice() {
+            ["digest", digest] => outcome.digest = (*digest).to_owned(),
+            ["instructions", name, "count", count, "mean", mean, "max", max] => {
+                let cost = Cost { count: count.parse()?, mean: mean.parse()?, max: max.parse()? };
+                outcome.instructions.insert((*name).to_owned(), cost);
+            }
+            _ => {}
+        }
+    }
+    (outcome.flash_bytes, outcome.ram_bytes) = sizes(image)?;
+    Ok(outcome)
+}
+
+/// Bytes of program and constants, and of statics.
+fn sizes(image: &Path) -> Result<(u64, u64)> {
+    use object::{Object, ObjectSection, SectionKind};
+    let bytes = std::fs::read(image)?;
+    let file = object::File::parse(&*bytes)?;
+    let (mut flash, mut ram) = (0, 0);
+    for section in file.sections() {
+        match section.kind() {
+            SectionKind::Text | SectionKind::ReadOnlyData => flash += section.size(),
+            // Initial values lie in flash and are copied.
+            SectionKind::Data => (flash, ram) = (flash + section.size(), ram + section.size()),
+            SectionKind::UninitializedData => ram += section.size(),
+            _ => {}
+        }
+    }
+    Ok((flash, ram))
+}
+
+fn show(outcome: &Outcome, hosted: &str) {
+    println!("firmware: fingerprint on the host {hosted}, on the emulated Cortex-M7 {}", outcome.digest);
+    println!("firmware: {} bytes of flash, {} bytes of statics", outcome.flash_bytes, outcome.ram_bytes);
+    println!("  {:16} {:>8} {:>12} {:>12}", "instructions", "times", "mean", "most");
+    for (name, cost) in &outcome.instructions {
+        println!("  {name:16} {:>8} {:>12} {:>12}", cost.count, cost.mean, cost.max);
+    }
+}
+
+/// Compares with the golden file, or writes it.
+fn compare(outcome: &Outcome, update: bool) -> Result<bool> {
+    let path = shell::root().join("tests/goldens/firmware.json");
+    if update {
+        std::fs::write(&path, serde_json::to_string_pretty(outcome)? + "\n")?;
+        println!("firmware: wrote {}", path.display());
+        return Ok(true);
+    }
+    let golden: Outcome = serde_json::from_str(&std::fs::read_to_string(&path).context("no golden file")?)?;
+    let mut good = true;
+    for (name, wanted) in &golden.instructions {
+        let seen = outcome.instructions.get(name).copied().unwrap_or_default();
+        for (what, seen, wanted) in [("mean", seen.mean, wanted.mean), ("most", seen.max, wanted.max)] {
+            let change = seen as f64 / (wanted.max(1)) as f64 - 1.0;
+            if change.abs() > GATE {
+                good = false;
+                let percent = change * 100.0;
+                eprintln!("firmware: {name}, {what}: {seen} instructions, golden {wanted} ({percent:+.1} %)");
+            }
+        }
+    }
+    if !good {
+        eprintln!("firmware: if that is meant, run: cargo xtask firmware --update");
+    }
+    Ok(good)
+}
