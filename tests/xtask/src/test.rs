@@ -46,6 +46,10 @@ const STEPS: &[Step] = &[
         ],
     },
     Step { name: "tests", arguments: &["test", "--workspace", "--no-fail-fast"] },
+    Step {
+        name: "firmware",
+        arguments: &["run", "--quiet", "--package", "floorguard-xtask", "--", "firmware"],
+    },
 ];
 
 /// What the test harnesses counted.
