@@ -59,6 +59,8 @@ impl Supervisor {
             let health = monitor.health(&rules, now);
             all_healthy &= health == Health::Healthy || !rules.fitted || !rules.required_at_start;
             let (cause, limit_us) = match monitor.demand(&rules, now) {
+                // Before the start the start-up check holds the robot, and power that comes up is no loss.
+                _ if !self.state.started => continue,
                 Action::None => continue,
                 Action::Limit => (Cause::SourceLate(source), rules.limit_after_us),
                 _ => (Cause::SourceLost(source), rules.stop_after_us.unwrap_or(u64::MAX)),

@@ -54,7 +54,7 @@ impl Cause {
     }
 
     /// How it may clear (FG-REQ-003). Contact, cliff, emergency stop and faults of the machine need an operator (ISO
-    /// 3691-4 4.1.14, IEC 63327 7.8); what merely stood in the way does not (IEC 63327 7.9).
+    /// 3691-4 4.1.14, IEC 63327 7.8), and so does power that comes back; what merely stood in the way does not (IEC 63327 7.9).
     #[must_use]
     pub const fn clear(self) -> Clear {
         match self {
@@ -69,12 +69,9 @@ impl Cause {
             | Self::SpeedDisagreement
             | Self::TurnDisagreement
             | Self::DriveFault
-            | Self::ClockFault => Clear::Reset,
-            Self::Warning
-            | Self::PersonNear
-            | Self::CollisionSlow
-            | Self::AdviceLimit
-            | Self::SourceLate(_) => Clear::Quiet(LIMIT_QUIET_US),
+            | Self::ClockFault
+            | Self::SourceLost(Source::Discrete | Source::Drive) => Clear::Reset,
+            _ if matches!(self.action(), Action::Limit) => Clear::Quiet(LIMIT_QUIET_US),
             _ => Clear::Quiet(STOP_QUIET_US),
         }
     }
