@@ -162,8 +162,14 @@ impl ShapeBuilder {
         if z > self.top_m - HEAD_M {
             self.head.include(across);
         }
-        let above = self.slices.iter_mut().zip(BORDERS_M).rev().find(|(_, border_m)| z >= *border_m);
-        if let Some((slice, _)) = above {
+        // The highest border below the point. Not from the top down: a reversed `zip` can panic.
+        let mut above = None;
+        for (slice, border_m) in self.slices.iter_mut().zip(BORDERS_M) {
+            if z >= border_m {
+                above = Some(slice);
+            }
+        }
+        if let Some(slice) = above {
             slice.across.include(across);
             slice.along_sum += along;
             slice.count += 1.0;

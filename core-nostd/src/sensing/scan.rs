@@ -32,3 +32,39 @@ pub struct Scan {
     /// The beams.
     pub beams: Vec<BeamReturn, SCAN_BEAMS_MAX>,
 }
+
+impl Scan {
+    /// Puts the last beam first: a scanner that is mounted upside down.
+    pub fn turn_round(&mut self) {
+        // `reverse` keeps a panic in the image where the compiler shares it between two callers.
+        let half = self.beams.len() / 2;
+        let (front, back) = self.beams.split_at_mut_checked(half).unwrap_or_default();
+        for (first, last) in front.iter_mut().zip(back.iter_mut().rev()) {
+            core::mem::swap(first, last);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turning_round_twice_changes_nothing() {
+        for beams in 0..6_u16 {
+            let mut scan = Scan { beams: (0..beams).map(BeamReturn::Hit).collect(), ..Scan::default() };
+            scan.turn_round();
+            assert!(
+                scan.beams.iter().eq((0..beams)
+                    .rev()
+                    .map(BeamReturn::Hit)
+                    .collect::<std::vec::Vec<_>>()
+                    .iter())
+            );
+            scan.turn_round();
+            assert!(
+                scan.beams.iter().eq((0..beams).map(BeamReturn::Hit).collect::<std::vec::Vec<_>>().iter())
+            );
+        }
+    }
+}

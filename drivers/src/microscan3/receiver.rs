@@ -206,7 +206,7 @@ fn fill(
     if configuration.inverted {
         let steps = found.saturating_sub(1) as f32;
         scan.first_angle_rad = -radians(first_deg + steps * geometry.resolution_deg);
-        scan.beams.reverse();
+        scan.turn_round();
     }
     Ok(())
 }

@@ -241,7 +241,7 @@ fn fill(scan: &mut Scan, telegram: &Telegram<'_>, configuration: &Configuration,
         }
     }
     if configuration.inverted {
-        scan.beams.reverse();
+        scan.turn_round();
     }
 }
 

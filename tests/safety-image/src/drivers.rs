@@ -6,6 +6,7 @@ use floorguard_core::sensing::{LidarPacket, Sweep};
 use floorguard_core::time::Stamp;
 use floorguard_drivers::can::{CanFrame, SlcanReceiver, encode_slcan};
 use floorguard_drivers::canopen::{HeartbeatMonitor, NetworkCommand, SdoRequest, decode_sdo, network_frame};
+use floorguard_drivers::microscan3;
 use floorguard_drivers::s300;
 use floorguard_drivers::three_wheel_base::{BaseConfiguration, DriveCommand, ThreeWheelBase};
 use floorguard_drivers::velodyne::{Decoder, Gprmc, PositionPacket, SweepBuilder};
@@ -18,6 +19,7 @@ pub struct Drivers {
     packet: LidarPacket,
     sweep: Sweep,
     receiver: s300::Receiver,
+    microscan: microscan3::Receiver,
     lines: SlcanReceiver,
     base: ThreeWheelBase,
     configuration: BaseConfiguration,
@@ -36,6 +38,7 @@ pub fn all(state: &mut Drivers, now: Stamp) {
     root_sweep(&mut state.sweeps, &state.packet, &mut state.sweep);
     root_position(&state.bytes);
     root_s300(&mut state.receiver, &state.bytes, now);
+    root_microscan3(&mut state.microscan, &state.bytes, now);
     root_slcan(&mut state.lines, &state.bytes);
     root_base_start(&mut state.base, state.configuration);
     root_base_frame(&mut state.base, &state.frame, now);
@@ -66,6 +69,13 @@ fn root_position(bytes: &[u8]) {
 #[inline(never)]
 fn root_s300(receiver: &mut s300::Receiver, bytes: &[u8], now: Stamp) {
     receiver.push(bytes, now, |event| {
+        black_box(&event);
+    });
+}
+
+#[inline(never)]
+fn root_microscan3(receiver: &mut microscan3::Receiver, datagram: &[u8], now: Stamp) {
+    receiver.push(datagram, now, |event| {
         black_box(&event);
     });
 }

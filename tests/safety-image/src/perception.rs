@@ -1,10 +1,13 @@
-//! Perception on the MCU: odometry and people.
+//! Perception on the MCU: odometry, people, what moves, the floor.
 
 use core::hint::black_box;
 
+use floorguard_core::floor::{FloorModel, ObjectFinder, ObjectMemory, PixelClass};
+use floorguard_core::geometry::Pose2;
+use floorguard_core::motion::MotionDetector;
 use floorguard_core::odometry::{Odometry, PoseHistory, Tricycle, WheelOdometry};
 use floorguard_core::people::{PeoplePipeline, SweepContext};
-use floorguard_core::sensing::{ImuSample, Sweep, WheelSample};
+use floorguard_core::sensing::{DepthImage, ImuSample, Sweep, WheelSample};
 use floorguard_core::time::Stamp;
 
 /// State of perception.
@@ -12,6 +15,13 @@ pub struct Perception {
     people: PeoplePipeline,
     context: SweepContext,
     sweep: Sweep,
+    motion: MotionDetector,
+    floor: FloorModel,
+    finder: ObjectFinder,
+    memory: ObjectMemory,
+    depth: &'static [u16],
+    classes: &'static mut [PixelClass],
+    pose: Pose2,
     odometry: Odometry,
     wheels: WheelOdometry,
     tricycle: Tricycle,
@@ -24,7 +34,24 @@ pub struct Perception {
 #[inline(always)]
 pub fn all(state: &mut Perception, now: Stamp) {
     root_people(&mut state.people, &state.sweep, &state.context);
+    root_motion(&mut state.motion, &state.people, &state.sweep, &state.context);
+    root_floor(state, now);
     root_odometry(state, now);
+}
+
+#[inline(never)]
+fn root_motion(motion: &mut MotionDetector, people: &PeoplePipeline, sweep: &Sweep, context: &SweepContext) {
+    black_box(motion.process(people, sweep, context).moving.len());
+}
+
+#[inline(never)]
+fn root_floor(state: &mut Perception, now: Stamp) {
+    let Ok(image) = DepthImage::new(now, (640, 480), state.depth) else { return };
+    let estimate = state.floor.update(&image, now);
+    let parameters = *state.floor.parameters();
+    if let Ok(found) = state.finder.find(&image, (&parameters, &estimate), state.classes) {
+        black_box(state.memory.update(&found, state.pose));
+    }
 }
 
 #[inline(never)]

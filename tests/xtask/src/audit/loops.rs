@@ -88,6 +88,23 @@ const CONSUMERS: &[&str] = &[
     "checksum",
 ];
 
+/// Methods that make an iterator of another: somebody else walks it, but the compiled loop may keep the place where it
+/// was made.
+const ADAPTERS: &[&str] = &[
+    "filter",
+    "filter_map",
+    "flat_map",
+    "flatten",
+    "skip",
+    "skip_while",
+    "step_by",
+    "take_while",
+    "scan",
+    "chain",
+    "zip",
+    "map",
+];
+
 /// Where endless iteration comes from.
 const ENDLESS: &[&str] = &["repeat", "repeat_with", "cycle", "from_fn", "successors"];
 
@@ -338,6 +355,7 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
 
     fn visit_expr_method_call(&mut self, call: &'ast syn::ExprMethodCall) {
         let method = call.method.to_string();
+        let outermost = self.chain.is_none();
         let chain = self.chain.take().unwrap_or_else(|| shown(call));
         let receiver = without_parentheses(&call.receiver);
         let no_argument_extremum = (method == "max" || method == "min") && call.args.is_empty();
@@ -345,6 +363,9 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
         if !asks_a_range && (no_argument_extremum || CONSUMERS.contains(&method.as_str())) {
             let bound = self.chain_bound(&call.receiver);
             self.record(call, &method, bound);
+        } else if outermost && ADAPTERS.contains(&method.as_str()) && is_iterator(&chain) {
+            let bound = self.chain_bound(&syn::Expr::MethodCall(call.clone()));
+            self.record(call, "iterator", bound);
         } else if !asks_a_range
             && !chain.contains(".zip(")
             && let syn::Expr::Range(range) = receiver
@@ -366,6 +387,22 @@ impl Visitor<'_> {
     fn taken_in(&self, chain: &str) -> Option<Bound> {
         syn::parse_str::<syn::Expr>(chain).ok().and_then(|expression| self.taken(&expression))
     }
+}
+
+/// The chain names something that only iterators have: `map` and `filter` alone may belong to an `Option`.
+fn is_iterator(chain: &str) -> bool {
+    let sources = [
+        ".iter()",
+        ".iter_mut()",
+        ".into_iter()",
+        ".enumerate()",
+        ".step_by(",
+        ".chunks",
+        ".windows(",
+        ".flatten()",
+        "..",
+    ];
+    sources.iter().any(|source| chain.contains(source))
 }
 
 fn unbounded(kind: &str, waits: bool) -> Result<Bound, String> {
