@@ -25,6 +25,7 @@ pub mod cleaning;
 pub mod floor;
 pub mod geometry;
 pub mod guard;
+pub mod legs;
 pub mod maps;
 pub mod motion;
 pub mod odometry;

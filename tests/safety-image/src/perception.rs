@@ -3,11 +3,12 @@
 use core::hint::black_box;
 
 use floorguard_core::floor::{FloorModel, ObjectFinder, ObjectMemory, PixelClass};
-use floorguard_core::geometry::Pose2;
+use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_core::legs::{LegDetector, LegTracker};
 use floorguard_core::motion::MotionDetector;
 use floorguard_core::odometry::{Odometry, PoseHistory, Tricycle, WheelOdometry};
 use floorguard_core::people::{PeoplePipeline, SweepContext};
-use floorguard_core::sensing::{DepthImage, ImuSample, Sweep, WheelSample};
+use floorguard_core::sensing::{DepthImage, ImuSample, Scan, Sweep, WheelSample};
 use floorguard_core::time::Stamp;
 
 /// State of perception.
@@ -16,6 +17,9 @@ pub struct Perception {
     context: SweepContext,
     sweep: Sweep,
     motion: MotionDetector,
+    scan: Scan,
+    legs: LegDetector,
+    leg_tracker: LegTracker,
     floor: FloorModel,
     finder: ObjectFinder,
     memory: ObjectMemory,
@@ -35,6 +39,7 @@ pub struct Perception {
 pub fn all(state: &mut Perception, now: Stamp) {
     root_people(&mut state.people, &state.sweep, &state.context);
     root_motion(&mut state.motion, &state.people, &state.sweep, &state.context);
+    root_legs(&mut state.legs, &mut state.leg_tracker, &state.scan);
     root_floor(state, now);
     root_odometry(state, now);
 }
@@ -42,6 +47,16 @@ pub fn all(state: &mut Perception, now: Stamp) {
 #[inline(never)]
 fn root_motion(motion: &mut MotionDetector, people: &PeoplePipeline, sweep: &Sweep, context: &SweepContext) {
     black_box(motion.process(people, sweep, context).moving.len());
+}
+
+#[inline(never)]
+fn root_legs(detector: &mut LegDetector, tracker: &mut LegTracker, scan: &Scan) {
+    let wall_m = black_box(3.0);
+    let found = detector.process(scan, Some(|at: Point2| at.x_m > wall_m));
+    tracker.update(scan.stamp, found.legs);
+    tracker.people(|person| {
+        black_box(person.sigma_m());
+    });
 }
 
 #[inline(never)]

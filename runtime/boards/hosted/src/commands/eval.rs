@@ -43,6 +43,18 @@ pub enum EvalStage {
         #[arg(long)]
         key: PathBuf,
     },
+    /// Legs in labelled scans: each recording tested with a committee that learnt from the others.
+    Legs {
+        /// Lines of source, scan, number of legs, legs `x:y;x:y`, ranges; the first line names the geometry.
+        #[arg(long)]
+        scans: PathBuf,
+        /// Test the table of this build instead of learning anew.
+        #[arg(long)]
+        table: bool,
+        /// Folder for the picture of precision over recall, `legs_precision_recall.svg`.
+        #[arg(long)]
+        out: Option<PathBuf>,
+    },
     /// People claimed in a capture of a standing VLP-16 against a key of where people stood.
     Clusters {
         /// The capture; a list `NAME.frames.csv` beside it is used where there is one.
@@ -96,6 +108,13 @@ pub fn run(arguments: &EvalArguments) -> anyhow::Result<()> {
         }
         EvalStage::Motion { recording, key } => {
             let report = evaluate::motion(recording, key, MotionParameters::FIXED)?;
+            print(&report, arguments.json)
+        }
+        EvalStage::Legs { scans, table, out } => {
+            let report = evaluate::legs(scans, *table)?;
+            if let Some(folder) = out {
+                evaluate::draw_legs(folder, &report)?;
+            }
             print(&report, arguments.json)
         }
         EvalStage::Clusters { file, key } => print(&evaluate::clusters(file, key)?, arguments.json),

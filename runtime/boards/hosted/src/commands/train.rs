@@ -1,13 +1,16 @@
 //! `floorguard train`: learns the tables that the core carries.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
+use floorguard_core::legs::LEG_FEATURES;
 use floorguard_core::people::shape::SHAPE_NAMES;
 
 use super::BadInput;
+use crate::evaluate::{learn_legs, recordings, training_samples};
 use crate::train::{
-    Boosting, Forest, boost, built_in_scenes, person_samples, person_table, quality, random_scenes, stretched,
+    Boosting, Forest, Sample, boost, built_in_scenes, leg_table, person_samples, person_table, quality,
+    random_scenes, read_leg_scans, stretched,
 };
 
 /// What to learn.
@@ -23,6 +26,15 @@ pub struct TrainArguments {
 pub enum TrainWhat {
     /// The shape of people in lidar sweeps, from simulated rooms and the built-in scenarios.
     People(TrainPeopleArguments),
+    /// Legs in scans, from labelled recordings.
+    Legs {
+        /// Lines of source, scan, number of legs, legs `x:y;x:y`, ranges; the first line names the geometry.
+        #[arg(long)]
+        scans: PathBuf,
+        /// Where the table goes.
+        #[arg(long)]
+        out: PathBuf,
+    },
 }
 
 /// How to learn people.
@@ -46,6 +58,7 @@ pub struct TrainPeopleArguments {
 pub fn run(arguments: &TrainArguments) -> anyhow::Result<()> {
     match &arguments.what {
         TrainWhat::People(arguments) => people(arguments),
+        TrainWhat::Legs { scans, out } => legs(scans, out),
     }
 }
 
@@ -73,6 +86,24 @@ fn people(arguments: &TrainPeopleArguments) -> anyhow::Result<()> {
         ),
     ];
     std::fs::write(out, person_table(&forest, &provenance))
+        .map_err(|error| BadInput(format!("{}: {error}", out.display())).into())
+}
+
+fn legs(scans: &Path, out: &Path) -> anyhow::Result<()> {
+    let recordings = recordings(read_leg_scans(scans)?);
+    let samples = [true, false].map(|with_map| training_samples(recordings.iter(), with_map));
+    let [with_map, without_map] = samples.each_ref().map(|samples| learn_legs(samples));
+    let count = |samples: &[Sample<LEG_FEATURES>]| {
+        let positives = samples.iter().filter(|sample| sample.positive).count();
+        format!("{positives} legs among {} segments", samples.len())
+    };
+    let sources: Vec<&str> = recordings.iter().map(|each| each.source.as_str()).collect();
+    let provenance = [
+        format!("From the labelled recordings {}, each scan as it is", sources.join(", ")),
+        format!("and with every second beam. With a map: {};", count(&samples[0])),
+        format!("without: {}.", count(&samples[1])),
+    ];
+    std::fs::write(out, leg_table([&with_map, &without_map], &provenance))
         .map_err(|error| BadInput(format!("{}: {error}", out.display())).into())
 }
 

@@ -3,9 +3,11 @@
 //! Each file answers one question and returns a report that serialises to the keys of the command's JSON.
 
 mod clusters;
+mod curve;
 mod floor;
 mod frames;
 mod images;
+mod legs;
 mod motion;
 mod motion_key;
 mod motion_play;
@@ -14,9 +16,11 @@ mod text;
 mod tracks;
 
 pub use clusters::{ClustersReport, clusters};
+pub use curve::draw_legs;
 pub use floor::{FloorReport, FloorTask, ObjectReport, floor, parse_intrinsics};
 pub use frames::{capture_frames, standing_context};
 pub use images::{ColourFile, DepthFile, MaskFile, read_colour, read_depth, read_mask};
+pub use legs::{FoldReport, LegsReport, Recording, learn_legs, legs, recordings, training_samples};
 pub use motion::{MotionReport, TrackReport, motion};
 pub use svm::{SvmReport, svm};
 pub use text::read_text;

@@ -1,15 +1,21 @@
 //! Training of what the core carries as constant tables: on the host, from simulation and from labelled scans, seeded.
 
+mod adaboost;
 mod boosting;
+mod leg_scans;
 mod person_samples;
 mod quality;
 mod scenes;
 mod simulated;
+mod standing_map;
 mod table;
 
+pub use adaboost::{adaboost, lean};
 pub use boosting::{Boosting, Forest, Sample, boost};
+pub use leg_scans::{LabelledScan, LegSample, coarser, leg_samples, read_leg_scans};
 pub use person_samples::{Samples, person_samples, stretched};
 pub use quality::{Quality, quality};
 pub use scenes::{built_in_scenes, random_scenes};
 pub use simulated::{LabelledSweep, SceneRun, play};
-pub use table::person_table;
+pub use standing_map::StandingMap;
+pub use table::{leg_table, person_table};

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use floorguard_core::legs::Stump;
 use floorguard_core::people::person_model::Tree;
 
 use super::boosting::Forest;
@@ -33,6 +34,39 @@ pub fn person_table(forest: &Forest, provenance: &[String]) -> String {
     text
 }
 
+/// The file `leg_table.rs`: committees for a known map and for none.
+#[must_use]
+pub fn leg_table(committees: [&[Stump]; 2], provenance: &[String]) -> String {
+    let mut text = String::from(
+        "//! The committees of the leg detector. Written by `floorguard train legs`; not edited by hand.\n//!\n",
+    );
+    for line in provenance {
+        let _ = writeln!(text, "//! {line}");
+    }
+    let _ = writeln!(text, "\nuse super::stumps::Stump;");
+    let names = [
+        ("WITH_MAP", "for segments that no map explains"),
+        ("WITHOUT_MAP", "for all segments, without a map"),
+    ];
+    for ((name, what), stumps) in names.into_iter().zip(committees) {
+        let _ = writeln!(text, "\n/// The committee {what}.\n#[rustfmt::skip]");
+        let _ = writeln!(text, "pub static {name}: [Stump; {}] = [", stumps.len());
+        for Stump { feature, threshold, vote } in stumps {
+            let _ = writeln!(
+                text,
+                "    Stump {{ feature: {feature}, threshold: {}, vote: {vote:?} }},",
+                self::threshold(*threshold)
+            );
+        }
+        text.push_str("];\n");
+    }
+    text
+}
+
 fn threshold(value: f32) -> String {
-    if value == f32::MAX { "f32::MAX".to_owned() } else { format!("{value:?}") }
+    match value {
+        f32::MAX => "f32::MAX".to_owned(),
+        f32::MIN => "f32::MIN".to_owned(),
+        _ => format!("{value:?}"),
+    }
 }

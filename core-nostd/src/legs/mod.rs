@@ -1,0 +1,17 @@
+//! Legs in the scans of a two-dimensional scanner: segments, what each looks like, which are legs, and whose.
+//!
+//! Source: algorithms C (Arras et al. 2007 as coded in the people package), thresholds for coarse scanners from its
+//! edge cases. The classifier is ours, trained by `floorguard train legs`.
+
+mod detector;
+mod features;
+mod leg_table;
+mod segments;
+mod stumps;
+mod tracks;
+
+pub use detector::{Leg, LegDetector, LegLimits, LegOutput};
+pub use features::{LEG_FEATURE_NAMES, LEG_FEATURES, LegFeatures, leg_features};
+pub use segments::{Segment, Segments};
+pub use stumps::{Stump, leg_score, score};
+pub use tracks::{LEG_TRACKS_MAX, LegTrack, LegTracker, PersonByLegs};
