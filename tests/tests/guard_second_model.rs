@@ -1,7 +1,7 @@
 //! A second model of the guard's decision machine, written from the rules in `docs/requirements.md` and not from the
 //! code, run against it step by step. `cargo xtask campaign model` runs as many steps as one likes.
 
-use floorguard_core::guard::{Action, Cause, CauseRecord, DecisionMachine, GuardState};
+use floorguard_core::guard::{Action, Cause, CauseRecord, DecisionMachine, GuardState, Source};
 use floorguard_core::time::Stamp;
 use floorguard_tests::campaign::{Random, Slice, report};
 
@@ -35,6 +35,8 @@ impl Model {
                 | TurnDisagreement
                 | DriveFault
                 | ClockFault
+                // Their power was gone: what comes back must not start the robot (ISO 3691-4 4.1.14).
+                | SourceLost(Source::Drive | Source::Discrete)
         )
     }
 

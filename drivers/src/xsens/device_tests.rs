@@ -2,10 +2,11 @@
 
 use floorguard_core::sensing::ImuSample;
 use floorguard_core::time::Stamp;
+use proptest::prelude::*;
 use std::vec::Vec;
 
 use super::start_up::profile;
-use super::{Device, DeviceConfiguration, DeviceEvent, DeviceFault, DevicePhase, encode};
+use super::{Device, DeviceConfiguration, DeviceEvent, DeviceFault, DevicePhase, FrameReceiver, encode};
 
 const PROFILE: [u8; 24] = profile(100);
 
@@ -261,4 +262,89 @@ fn without_sample_time_the_arrival_less_line_and_latency_is_the_stamp() {
     let frame = data_frame(1, 3);
     let stamp = samples(&mut device, 100, &frame)[0].stamp;
     assert_eq!(stamp.as_micros(), 100_000 - 700 - 100 * frame.len() as u64);
+}
+
+/// Pieces of a line's life: right frames of all kinds, and bytes of no kind.
+fn any_piece() -> impl Strategy<Value = Vec<u8>> {
+    let ids = std::vec![0x01_u8, 0x11, 0x1D, 0x31, 0x36, 0x3E, 0x41, 0x42, 0x43, 0xC1];
+    let frame = (proptest::sample::select(ids), proptest::collection::vec(any::<u8>(), 0..40))
+        .prop_map(|(id, data)| encode(id, &data).unwrap().to_vec());
+    prop_oneof![
+        frame,
+        proptest::collection::vec(prop_oneof![Just(0xFA_u8), Just(0xFF), any::<u8>()], 0..30),
+        (any::<u16>(), any::<u32>()).prop_map(|(counter, status)| data_frame(counter, status)),
+        Just(encode(0xC1, &PROFILE).unwrap().to_vec()),
+        Just(encode(0x1D, b"MTi-30").unwrap().to_vec()),
+    ]
+}
+
+proptest! {
+    /// Any life of the line, at any times, even backwards: no panic, no request longer than the profile, no sample from
+    /// the future, and a device that then behaves is measuring within ten seconds.
+    #[test]
+    fn any_line_is_survived(life in proptest::collection::vec((any_piece(), 0_u64..2_000, any::<bool>()), 0..60)) {
+        let mut device = Device::new(115_200);
+        let mut ms = 1_000;
+        for (bytes, step_ms, back) in life {
+            ms = if back { ms - (ms - 1_000).min(step_ms) } else { ms + step_ms };
+            for sample in samples(&mut device, ms, &bytes) {
+                prop_assert!(sample.stamp <= at(ms));
+                prop_assert!(sample.angular_radps.iter().chain(&sample.linear_mps2).all(|number| number.is_finite()));
+            }
+            prop_assert!(sent(&mut device, ms).len() <= 34);
+        }
+        // From here on it answers everything and measures.
+        let end_ms = ms + 10_000;
+        let (mut measuring, mut counter) = (false, 0_u16);
+        for ms in (ms..end_ms).step_by(10) {
+            for request in requests(&sent(&mut device, ms)) {
+                let (id, data): (u8, &[u8]) = match request {
+                    0x00 => (0x01, &[1, 2, 3, 4]),
+                    0x10 => (0x11, &[]),
+                    0x1C => (0x1D, b"MTi-30"),
+                    0x30 => (0x31, &[]),
+                    0x40 => (0x41, &[]),
+                    0xC0 => (0xC1, &[]),
+                    _ => continue,
+                };
+                measuring = request == 0x10;
+                if id == 0xC1 {
+                    let echo = profile(device.rate_hz());
+                    answer(&mut device, ms, id, &echo);
+                } else {
+                    answer(&mut device, ms, id, data);
+                }
+            }
+            if measuring {
+                counter = counter.wrapping_add(1);
+                samples(&mut device, ms, &data_frame(counter, 3));
+            }
+        }
+        prop_assert_eq!(device.phase(), DevicePhase::Measuring);
+    }
+
+    /// However a stream is cut, the same samples with the same numbers come out.
+    #[test]
+    fn portions_do_not_matter(
+        pieces in proptest::collection::vec(any_piece(), 0..30),
+        sizes in proptest::collection::vec(1_usize..90, 1..20),
+    ) {
+        let stream = pieces.concat();
+        let whole = samples(&mut Device::new(115_200), 50, &stream);
+        let mut device = Device::new(115_200);
+        let (mut cut, mut rest) = (Vec::new(), stream.as_slice());
+        for size in sizes.iter().cycle().take(stream.len()) {
+            let (portion, after) = rest.split_at((*size).min(rest.len()));
+            cut.extend(samples(&mut device, 50, portion));
+            rest = after;
+        }
+        prop_assert_eq!(cut, whole);
+    }
+}
+
+/// Identifiers of the frames that were sent.
+fn requests(bytes: &[u8]) -> Vec<u8> {
+    let mut found = Vec::new();
+    FrameReceiver::new().push(bytes, Stamp::ZERO, |message, _| found.push(message.id));
+    found
 }

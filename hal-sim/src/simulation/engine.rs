@@ -39,6 +39,7 @@ pub struct Simulation {
     lidar: Lidar,
     scanner: Scanner,
     imu: Imu,
+    turn_radps2: f32,
     now_us: u64,
     next_step_us: u64,
     step_us: u64,
@@ -73,6 +74,7 @@ impl Simulation {
             lidar: Lidar::new(seed, ReturnMode::Strongest),
             scanner: Scanner::new(seed),
             imu: Imu::new(seed),
+            turn_radps2: 0.0,
             parameters,
             now_us: 0,
             next_step_us: 0,
@@ -158,7 +160,9 @@ impl Simulation {
         let step_s = STEP_US as f32 * 1.0e-6;
         if now_us > 0 {
             let steering = if self.bus.power_cut() { None } else { self.bus.steering.target_rad() };
+            let turn_before = self.body.twist().angular_radps;
             self.body.step(step_s, self.bus.brake_law(), steering);
+            self.turn_radps2 = (self.body.twist().angular_radps - turn_before) / step_s;
         }
         self.step_us = now_us;
         for frame in self.bus.tick(now_us, step_s, &self.body) {
@@ -172,13 +176,13 @@ impl Simulation {
         self.next_step_us += STEP_US;
     }
 
-    /// At the IMU's place: the rear axle's acceleration and the centripetal parts.
+    /// At the IMU's place: the rear axle's acceleration, and what the turn about it adds.
     fn felt_motion(&self) -> Motion {
         let twist = self.body.twist();
         let turn = twist.angular_radps;
         Motion {
             forward_mps2: self.body.acceleration_mps2() - turn * turn * self.parameters.imu.x_m,
-            left_mps2: twist.linear_mps * turn,
+            left_mps2: twist.linear_mps * turn + self.turn_radps2 * self.parameters.imu.x_m,
             yaw_radps: turn,
             heading_rad: self.body.pose().heading_rad,
         }

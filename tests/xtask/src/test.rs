@@ -50,6 +50,8 @@ const STEPS: &[Step] = &[
         name: "firmware",
         arguments: &["run", "--quiet", "--package", "floorguard-xtask", "--", "firmware"],
     },
+    // After the firmware, whose figures it shows.
+    Step { name: "audit", arguments: &["run", "--quiet", "--package", "floorguard-xtask", "--", "audit"] },
 ];
 
 /// What the test harnesses counted.

@@ -244,7 +244,7 @@ impl<const N: usize> TourSolver<N> {
         // The end of an open path is beside node 0; it says which way round the path runs.
         let backwards =
             !self.closed && self.nodes > 0 && self.search.cycle.next(0) == self.end() && count > 2;
-        (0..self.nodes).map(move |step| {
+        (0..self.nodes.min(N)).map(move |step| {
             let offset = if backwards { count.wrapping_sub(step) } else { step };
             self.search.cycle.at(start.wrapping_add(offset) % count.max(1))
         })
