@@ -5,6 +5,7 @@
 
 mod dirt_map;
 mod distance_field;
+pub mod environment;
 mod grid;
 mod occupancy;
 

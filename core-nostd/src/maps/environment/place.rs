@@ -1,0 +1,273 @@
+//! One place of 2 m: how many visitors an hour, when, and how surely; how dirty it gets.
+//!
+//! What is seen is gathered for ten minutes, then every model predicts it, is judged, and learns it. Rates, not
+//! yes-or-no, because a robot that watched for two minutes has not seen that nobody came in ten: the visits are a
+//! Poisson process whose rate is the signal (after Jovan and others 2016), and a slice weighs as much as it was watched.
+
+use crate::cleaning::DirtRate;
+
+use super::contest::Contest;
+use super::evidence::Rate;
+use super::spectrum::{ORDER_MAX, Spectrum, Tone};
+use super::wall_time::{LocalTime, WallTime};
+use super::week::Week;
+
+/// Length of a slice, s (algorithms G.4: steps of ten minutes).
+pub const SLICE_S: i64 = 600;
+/// Slices watched for less teach nothing, hundredths of a second.
+const WATCHED_CS_MIN: u32 = 1_500;
+/// The spectrum's orders 0 to 4, the day and the week.
+const FORMULAS: usize = ORDER_MAX + 3;
+/// A predicted rate is at least this share of the mean: a spectrum rings below zero around sharp edges.
+const FLOOR: f32 = 0.05;
+/// An hour of the day watched for less was not really seen, h.
+const SEEN_HOURS: f32 = 0.25;
+/// What is said of an hour that was not seen is at most a guess, h.
+const UNSEEN_EVIDENCE_HOURS: f32 = 0.5;
+
+/// Which model predicts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RateModel {
+    /// The same at all times.
+    Mean,
+    /// A spectrum with this many periods.
+    Spectrum(u8),
+    /// A histogram of the hours of the day.
+    Day,
+    /// A histogram of the hours of the week.
+    Week,
+}
+
+impl RateModel {
+    fn of(formula: usize) -> Self {
+        match formula {
+            0 => Self::Mean,
+            order @ 1..=ORDER_MAX => Self::Spectrum(order as u8),
+            5 => Self::Day,
+            _ => Self::Week,
+        }
+    }
+
+    /// The name, for reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Mean => "mean",
+            Self::Spectrum(_) => "spectrum",
+            Self::Day => "hours of the day",
+            Self::Week => "hours of the week",
+        }
+    }
+}
+
+/// What was seen in the ten minutes that are going on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PlaceSlice {
+    /// Number of the slice since 1970.
+    pub number: i64,
+    /// Visits.
+    pub visits: u16,
+    /// Time watched, hundredths of a second.
+    pub watched_cs: u32,
+}
+
+/// A place: `HOURS` bins and `PERIODS` periods.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place<const HOURS: usize, const PERIODS: usize> {
+    /// The histogram.
+    pub week: Week<HOURS>,
+    /// The spectrum of the rate, visits an hour; samples weigh the hours watched.
+    pub spectrum: Spectrum<PERIODS>,
+    /// Whose predictions are best.
+    pub contest: Contest<FORMULAS>,
+    /// Sum of the squared errors by their Poisson variance, and how many: how much visits come in groups.
+    pub spread: (f32, f32),
+    /// Visits whose length is known, and the time they took, tenths of a second.
+    pub stays: (u32, u32),
+    /// How fast dirt arrives, units an hour.
+    pub dirt: DirtRate,
+    /// When it was last cleaned, and the units that were left.
+    pub cleaned: Option<(WallTime, f32)>,
+    slice: PlaceSlice,
+}
+
+impl<const HOURS: usize, const PERIODS: usize> Default for Place<HOURS, PERIODS> {
+    fn default() -> Self {
+        Self::EMPTY
+    }
+}
+
+impl<const HOURS: usize, const PERIODS: usize> Place<HOURS, PERIODS> {
+    /// A place of which nothing is known.
+    pub const EMPTY: Self = Self {
+        week: Week::EMPTY,
+        spectrum: Spectrum::weekly(),
+        contest: Contest::EMPTY,
+        spread: (0.0, 0.0),
+        stays: (0, 0),
+        dirt: DirtRate::PRIOR,
+        cleaned: None,
+        slice: PlaceSlice { number: 0, visits: 0, watched_cs: 0 },
+    };
+
+    /// What is going on.
+    #[must_use]
+    pub const fn slice(&self) -> PlaceSlice {
+        self.slice
+    }
+
+    /// The same, from a file.
+    pub const fn restore_slice(&mut self, slice: PlaceSlice) {
+        self.slice = slice;
+    }
+
+    /// Somebody was there, and entered if `is_visit`.
+    pub fn note(&mut self, (at, offset_s): (WallTime, i32), is_visit: bool, dwell_ds: u32) {
+        self.turn_to(at, offset_s);
+        self.slice.visits = self.slice.visits.saturating_add(u16::from(is_visit));
+        let (visits, dwell) =
+            (self.stays.0.checked_add(u32::from(is_visit)), self.stays.1.checked_add(dwell_ds));
+        self.stays = visits.zip(dwell).unwrap_or((self.stays.0 / 2, self.stays.1 / 2));
+    }
+
+    /// It was watched for `watched_cs` hundredths of a second that ended now.
+    pub fn watch(&mut self, (at, offset_s): (WallTime, i32), watched_cs: u32) {
+        self.turn_to(at, offset_s);
+        self.slice.watched_cs = self.slice.watched_cs.saturating_add(watched_cs);
+    }
+
+    /// Learns the slice that is over, if it is.
+    pub fn turn_to(&mut self, at: WallTime, offset_s: i32) {
+        let number = at.as_seconds().div_euclid(SLICE_S);
+        if number > self.slice.number {
+            let slice = self.slice;
+            self.slice = PlaceSlice { number, visits: 0, watched_cs: 0 };
+            if slice.watched_cs >= WATCHED_CS_MIN {
+                self.learn(slice, offset_s);
+            }
+        }
+    }
+
+    fn learn(&mut self, slice: PlaceSlice, offset_s: i32) {
+        let middle_s = slice.number.saturating_mul(SLICE_S).saturating_add(SLICE_S / 2);
+        let at = WallTime::from_seconds(middle_s).local(offset_s);
+        let hours = slice.watched_cs as f32 * (1.0 / 360_000.0);
+        let visits = f32::from(slice.visits);
+        let forecast = self.forecast();
+        let rates = forecast.all(at);
+        if self.week.total().hours > 0.0 {
+            // The Poisson score: its expectation is smallest at the true rate, which that of the absolute error is not.
+            let losses = rates.map(|rate| rate * hours - visits * libm::logf(rate * hours));
+            let expected = forecast.rate(at).per_hour * hours;
+            self.contest.add(&losses);
+            let error = visits - expected;
+            let kept = 0.999;
+            self.spread =
+                (self.spread.0 * kept + error * error / expected.max(0.05), self.spread.1 * kept + 1.0);
+        }
+        self.spectrum.add(at, visits / hours, hours);
+        self.week.add(at, slice.visits, slice.watched_cs / 10);
+    }
+
+    /// How much more visits vary than independent people would: 1 or more.
+    #[must_use]
+    pub fn spread(&self) -> f32 {
+        let (sum, count) = self.spread;
+        if count > 10.0 { (sum / count).max(1.0) } else { 1.0 }
+    }
+
+    /// Hours that a visit lasts, on average; a second each if none is known.
+    #[must_use]
+    pub fn stay_hours(&self) -> f32 {
+        let (visits, dwell_ds) = self.stays;
+        if visits == 0 { 1.0 / 3_600.0 } else { dwell_ds as f32 / visits as f32 / 36_000.0 }
+    }
+
+    /// Dirt expected now: what the last cleaning left, and what has arrived since. Without a cleaning on record: of one
+    /// day.
+    #[must_use]
+    pub fn expected_dirt(&self, now: WallTime) -> f32 {
+        let (hours, left) = self.cleaned.map_or((24.0, 0.0), |(at, left)| (now.hours_since(at), left));
+        self.dirt.predict(left, hours)
+    }
+
+    /// Predicts, with what does not depend on the moment worked out once.
+    #[must_use]
+    pub fn forecast(&self) -> Forecast<'_, HOURS, PERIODS> {
+        let model = RateModel::of(self.contest.best());
+        let mean = Rate::mean_of(self.week.total());
+        Forecast { place: self, tones: self.spectrum.tones(), mean, spread: self.spread(), model }
+    }
+}
+
+/// Predictions of one place.
+#[derive(Clone, Copy, Debug)]
+pub struct Forecast<'a, const HOURS: usize, const PERIODS: usize> {
+    place: &'a Place<HOURS, PERIODS>,
+    tones: [Tone; ORDER_MAX],
+    mean: f32,
+    spread: f32,
+    model: RateModel,
+}
+
+impl<const HOURS: usize, const PERIODS: usize> Forecast<'_, HOURS, PERIODS> {
+    /// The model that predicts.
+    #[must_use]
+    pub const fn model(&self) -> RateModel {
+        self.model
+    }
+
+    /// Hours watched in all.
+    #[must_use]
+    pub fn watched_hours(&self) -> f32 {
+        self.place.week.total().hours
+    }
+
+    /// Rates of all formulas, visits an hour: orders 0 to 4, the day, the week.
+    #[must_use]
+    pub fn all(&self, at: LocalTime) -> [f32; FORMULAS] {
+        let floor = FLOOR * self.mean;
+        let orders = self.place.spectrum.predict_all(at, &self.tones);
+        let day = Rate::of(self.place.week.around_any_day(at), self.mean, 1.0);
+        let week = Rate::of(self.place.week.around(at), self.mean, 1.0);
+        let usual = |rate: Rate| if rate.hours > 0.0 { rate.per_hour } else { self.mean };
+        let [_, one, two, three, four] = orders;
+        [self.mean, one, two, three, four, usual(day), usual(week)].map(|rate| rate.max(floor))
+    }
+
+    /// Visits an hour with the model that has predicted best so far. Unknown where nobody watched; a guess for an hour
+    /// of the day at which nobody did.
+    #[must_use]
+    pub fn rate(&self, at: LocalTime) -> Rate {
+        let week = &self.place.week;
+        let day = week.around_any_day(at);
+        let total = week.total();
+        let rate = match self.model {
+            RateModel::Mean => Rate::with_doubt(self.mean, total.hours, self.spread),
+            RateModel::Spectrum(order) => {
+                let [_, one, two, three, four, ..] = self.all(at);
+                let value = match order {
+                    1 => one,
+                    2 => two,
+                    3 => three,
+                    _ => four,
+                };
+                // Each period costs two numbers of what the samples can tell.
+                Rate::with_doubt(value, total.hours / (1.0 + 2.0 * f32::from(order)), self.spread)
+            }
+            RateModel::Day => Rate::of(day, self.mean, self.spread),
+            RateModel::Week => {
+                let week = week.around(at);
+                Rate::of(if week.hours >= SEEN_HOURS { week } else { day }, self.mean, self.spread)
+            }
+        };
+        if day.hours >= SEEN_HOURS {
+            return rate;
+        }
+        Rate::with_doubt(self.mean, total.hours.min(UNSEEN_EVIDENCE_HOURS), self.spread)
+    }
+}
+
+#[cfg(test)]
+#[path = "place_tests.rs"]
+mod tests;
