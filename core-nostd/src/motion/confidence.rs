@@ -11,6 +11,10 @@ use super::parameters::MotionParameters;
 use crate::capacities::{MOTION_THINGS_MAX, MOTION_TRACKED_MAX};
 use crate::geometry::Point3;
 
+/// Sweeps for which a moving thing is believed in while it cannot be told whether it still moves: a person who passes
+/// behind a pillar or another person.
+const HELD_MAX: u8 = 10;
+
 /// A moving thing that is believed in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MovingThing {
@@ -21,6 +25,20 @@ pub struct MovingThing {
     /// Index of what was seen of it in the newest sweep (a part, or a thing of the published steps); `None` if nothing
     /// near it changed.
     pub thing: Option<u16>,
+    /// Sweeps since it was last seen to change, without having been seen at rest.
+    held: u8,
+    /// Returns around it that the moment before says nothing about: their number and sum. Of the newest sweep.
+    unknown: (u16, [f32; 3]),
+    /// Something hides the place.
+    hidden: bool,
+}
+
+impl MovingThing {
+    /// A thing that has just been found moving.
+    const fn new(centroid: Point3, thing: u16) -> Self {
+        let unknown = (0, [0.0; 3]);
+        Self { centroid, rest: 0, thing: Some(thing), held: 0, unknown, hidden: false }
+    }
 }
 
 /// Run lengths and the set of moving things.
@@ -45,6 +63,26 @@ impl Confidence {
             moving.thing = None;
         }
         self.moving.retain(|moving| moving.rest <= parameters.rest_max);
+    }
+
+    /// Before the returns of a sweep: which places are hidden now.
+    pub(super) fn begin(&mut self, is_hidden: impl Fn(Point3) -> bool) {
+        for moving in &mut self.moving {
+            moving.unknown = (0, [0.0; 3]);
+            moving.hidden = is_hidden(moving.centroid);
+        }
+    }
+
+    /// A return about which the moment before says nothing belongs to the moving things around it.
+    pub(super) fn note_unknown(&mut self, point: Point3, parameters: &MotionParameters) {
+        let near_m = parameters.leave_off_m;
+        for moving in &mut self.moving {
+            let (dx, dy) = (moving.centroid.x_m - point.x_m, moving.centroid.y_m - point.y_m);
+            if dx * dx + dy * dy <= near_m * near_m {
+                let (count, [x, y, z]) = moving.unknown;
+                moving.unknown = (count.saturating_add(1), [x + point.x_m, y + point.y_m, z + point.z_m]);
+            }
+        }
     }
 
     /// Takes in the results of a sweep: per thing, whether it changed and its predecessor.
@@ -104,7 +142,7 @@ impl Confidence {
             (moving.centroid, moving.thing) = (centroid, Some(index as u16));
             return;
         }
-        let fresh = MovingThing { centroid, rest: 0, thing: Some(index as u16) };
+        let fresh = MovingThing::new(centroid, index as u16);
         if self.moving.push(fresh).is_err() {
             self.dropped = self.dropped.saturating_add(1);
         }
@@ -118,15 +156,31 @@ impl Confidence {
 }
 
 impl MovingThing {
+    /// Nothing near it changed. It rests, unless that cannot be told for a while: unknown is not at rest (own).
+    fn hold(&mut self, parameters: &MotionParameters) {
+        self.thing = None;
+        let (count, [x, y, z]) = self.unknown;
+        let is_unknown = count >= parameters.points_min;
+        if self.held >= HELD_MAX || !(is_unknown || self.hidden) {
+            self.rest = self.rest.saturating_add(1);
+            return;
+        }
+        self.held = self.held.saturating_add(1);
+        if is_unknown {
+            let share = 1.0 / f32::from(count.max(1));
+            self.centroid = Point3::new(x * share, y * share, z * share);
+        }
+    }
+
     /// Policies 1 to 3 with the nearest thing.
     fn observe(&mut self, things: &[Thing], changed: &[bool], parameters: &MotionParameters) {
         let leave_off2 = parameters.leave_off_m * parameters.leave_off_m;
         let near = nearest(things, self.centroid).filter(|(_, distance2)| *distance2 <= leave_off2);
         let Some((index, _)) = near else {
-            self.rest = self.rest.saturating_add(1);
-            self.thing = None;
+            self.hold(parameters);
             return;
         };
+        self.held = 0;
         self.rest = if changed.get(index).copied().unwrap_or(false) {
             self.rest.saturating_sub(1)
         } else {

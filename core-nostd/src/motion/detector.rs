@@ -10,11 +10,11 @@ use super::correspondence::{Thing, correspond};
 use super::parameters::MotionParameters;
 use super::parts::{Part, Parts};
 use super::reference::References;
-use super::seen_through::Before;
+use super::seen_through::{Before, SeenThrough};
 use super::voxels::REACH_M;
-use crate::capacities::{CLUSTERS_MAX, MOTION_THINGS_MAX};
+use crate::capacities::{CLUSTERS_MAX, MOTION_THINGS_MAX, SWEEP_RINGS};
 use crate::geometry::{Point2, Point3, Pose2};
-use crate::people::{Cluster, ColumnFrame, PeoplePipeline, SweepContext};
+use crate::people::{Cluster, ColumnFrame, PeoplePipeline, RingAngles, SweepContext};
 use crate::sensing::Sweep;
 use crate::time::Stamp;
 
@@ -69,6 +69,8 @@ pub struct MotionOutput<'a> {
 pub struct MotionDetector {
     parameters: MotionParameters,
     references: References,
+    /// This sweep's own range image.
+    now: SeenThrough,
     parts: Parts,
     confidence: Confidence,
     before: Vec<Thing, MOTION_THINGS_MAX>,
@@ -86,6 +88,7 @@ impl MotionDetector {
         Self {
             parameters,
             references: References::new(),
+            now: SeenThrough::new(),
             parts: Parts::new(),
             confidence: Confidence::new(),
             before: Vec::new(),
@@ -175,8 +178,12 @@ impl MotionDetector {
         let odom = Place::new(context.base_in_odom);
         let parts = &mut self.parts;
         parts.clear();
+        self.now.take(sweep, context);
+        let (now, confidence) = (&self.now, &mut self.confidence);
+        confidence.begin(|place| now.is_hidden(place, &people.angles));
         if let Some(reference) = self.references.oldest() {
-            for_each_return(people, sweep, context, |thing, in_base| {
+            let mut below: Option<(usize, Point3)> = None;
+            for_each_return(people, sweep, context, |thing, place, in_base| {
                 let Some(verdict) = self.verdicts.get_mut(thing).filter(|verdict| verdict.judged) else {
                     return;
                 };
@@ -187,14 +194,18 @@ impl MotionDetector {
                     return;
                 }
                 match reference.seen.before(point, &people.angles) {
-                    Before::Free | Before::JustInFront => {
-                        verdict.new_points = verdict.new_points.saturating_add(1);
-                        parts.add(point);
-                    }
-                    Before::Hidden | Before::Unknown => {
-                        verdict.unknown_points = verdict.unknown_points.saturating_add(1);
-                    }
                     Before::Same => {}
+                    before if is_new(before, now, &people.angles) => {
+                        verdict.new_points = verdict.new_points.saturating_add(1);
+                        let is_upright =
+                            below.is_some_and(|(other, low)| other + 1 == place && stands_on(point, low));
+                        below = Some((place, point));
+                        parts.add(point, is_upright);
+                    }
+                    _ => {
+                        verdict.unknown_points = verdict.unknown_points.saturating_add(1);
+                        confidence.note_unknown(point, &self.parameters);
+                    }
                 }
             });
         }
@@ -202,7 +213,7 @@ impl MotionDetector {
             && let Some(reference) = self.references.renew(sweep.end_stamp, measured)
         {
             reference.seen.take(sweep, context);
-            for_each_return(people, sweep, context, |_, in_base| {
+            for_each_return(people, sweep, context, |_, _, in_base| {
                 reference.voxels.insert(odom.transform(in_base))
             });
         }
@@ -257,6 +268,22 @@ impl MotionParameters {
     }
 }
 
+/// The place was free, or what stood before it is gone now: then it has receded. Otherwise it has only come out of a
+/// shadow.
+fn is_new(before: Before, now: &SeenThrough, angles: &RingAngles) -> bool {
+    match before {
+        Before::Free => true,
+        Before::JustBehind(front) => now.is_gone(front, angles),
+        Before::Same | Before::Hidden | Before::Unknown => false,
+    }
+}
+
+/// Two returns of neighbouring rings belong to a surface that stands rather than lies.
+fn stands_on(above: Point3, below: Point3) -> bool {
+    let (x, y, z) = (above.x_m - below.x_m, above.y_m - below.y_m, above.z_m - below.z_m);
+    x * x + y * y <= z * z
+}
+
 /// A pose with its sine and cosine worked out once.
 #[derive(Clone, Copy)]
 struct Place {
@@ -287,7 +314,7 @@ fn for_each_return(
     people: &PeoplePipeline,
     sweep: &Sweep,
     context: &SweepContext,
-    mut act: impl FnMut(usize, Point3),
+    mut act: impl FnMut(usize, usize, Point3),
 ) {
     for (index, column) in sweep.used_columns().iter().enumerate().filter(|(_, column)| column.measured) {
         let frame = ColumnFrame::new(sweep, column, &context.sensor_in_base, context.twist);
@@ -296,7 +323,7 @@ fn for_each_return(
                 continue;
             }
             if let Some(thing) = people.thing_of(index, ring) {
-                act(thing, frame.point(*raw, angle));
+                act(thing, index * SWEEP_RINGS + ring, frame.point(*raw, angle));
             }
         }
     }

@@ -14,6 +14,9 @@ use crate::geometry::Point3;
 const JOIN_M: f32 = 0.25;
 /// No part is wider than this, metres: a walking person with swinging arms, or a pushed trolley in two.
 const WIDEST_M: f32 = 1.2;
+/// Of the returns of a part at least one in so many continues a surface that stands: a board between two rings shows
+/// itself line by line as the robot drives, and runs along with it.
+const UPRIGHT_ONE_IN: u32 = 4;
 /// Edge of a floor cell that counts returns, metres.
 const CELL_M: f32 = 0.4;
 /// Floor cells along each side: as wide as the voxels; wraps around like them.
@@ -34,6 +37,8 @@ pub struct Part {
     pub points: u16,
     /// Returns of things on the floor cells below it, new or not.
     pub points_around: u16,
+    /// Of the new ones those that stand on another of the ring below.
+    upright: u16,
     sums: [f32; 3],
 }
 
@@ -76,13 +81,13 @@ impl Parts {
 
     /// Adds a new return to the first part that is near, or starts one. Returns come column by column, so that parts
     /// grow from their neighbours.
-    pub(super) fn add(&mut self, point: Point3) {
+    pub(super) fn add(&mut self, point: Point3, is_upright: bool) {
         if let Some(part) = self.list.iter_mut().find(|part| part.takes(point)) {
-            part.include(point);
+            part.include(point, is_upright);
             return;
         }
         let mut part = Part { lower: point, upper: point, ..Part::default() };
-        part.include(point);
+        part.include(point, is_upright);
         if self.list.push(part).is_err() {
             self.dropped = self.dropped.saturating_add(1);
         }
@@ -98,6 +103,7 @@ impl Parts {
         }
         self.list.retain(|part| {
             part.points >= points_min
+                && u32::from(part.upright) * UPRIGHT_ONE_IN >= u32::from(part.points)
                 && u32::from(part.points) * u32::from(sensitivity) > 2 * u32::from(part.points_around)
         });
     }
@@ -130,7 +136,8 @@ impl Part {
         fits(self.lower.x_m, self.upper.x_m, point.x_m) && fits(self.lower.y_m, self.upper.y_m, point.y_m)
     }
 
-    fn include(&mut self, point: Point3) {
+    fn include(&mut self, point: Point3, is_upright: bool) {
+        self.upright = self.upright.saturating_add(u16::from(is_upright));
         let Point3 { x_m, y_m, z_m } = point;
         self.points = self.points.saturating_add(1);
         self.lower = Point3::new(self.lower.x_m.min(x_m), self.lower.y_m.min(y_m), self.lower.z_m.min(z_m));
@@ -144,6 +151,7 @@ impl Part {
         let most = |a: Point3, b: Point3| Point3::new(a.x_m.max(b.x_m), a.y_m.max(b.y_m), a.z_m.max(b.z_m));
         (self.lower, self.upper) = (least(self.lower, other.lower), most(self.upper, other.upper));
         self.points = self.points.saturating_add(other.points);
+        self.upright = self.upright.saturating_add(other.upright);
         let ([x, y, z], [dx, dy, dz]) = (self.sums, other.sums);
         self.sums = [x + dx, y + dy, z + dz];
     }

@@ -17,22 +17,37 @@ const UNMEASURED: u16 = 0;
 const NO_RETURN: u16 = u16::MAX;
 /// Ranges that differ by less are the same surface, metres: noise of both and half a beam at a grazing angle.
 const SAME_M: f32 = 0.2;
+/// What stood in front is gone if the lidar now looks through by more than this, metres: noise of both.
+const GONE_M: f32 = 0.1;
 /// What stood nearer by at most this may be the thing itself, which has receded since, metres: a person and a stride.
 const RECEDED_M: f32 = 0.8;
 
 /// What was where a point is now.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Before {
     /// The lidar looked through.
     Free,
-    /// A surface just in front: the thing itself before it receded, or an edge.
-    JustInFront,
+    /// Hidden behind a surface not far in front, here in the frame of the odometry: if that is gone now, it was the
+    /// thing itself, which has receded since.
+    JustBehind(Point3),
     /// The same surface.
     Same,
     /// Hidden behind something else.
     Hidden,
     /// Not measured, no beam came back, or nearer and farther surfaces side by side.
     Unknown,
+}
+
+/// Where the lidar must look to see a point.
+#[derive(Clone, Copy, Debug, Default)]
+struct Direction {
+    /// Azimuth, hundredths of a degree.
+    cdeg: u32,
+    range_m: f32,
+    /// Above the lidar, metres.
+    up_m: f32,
+    /// The lidar, in the frame of the odometry.
+    sensor: Point3,
 }
 
 /// The returns in the directions around a point.
@@ -45,19 +60,19 @@ struct Around {
 }
 
 impl Around {
-    fn note(&mut self, behind_m: f32) {
-        self.same |= behind_m.abs() <= SAME_M;
+    fn note(&mut self, behind_m: f32, same_m: f32) {
+        self.same |= behind_m.abs() <= same_m;
         let (least_m, most_m) = self.behind_m.unwrap_or((behind_m, behind_m));
         self.behind_m = Some((least_m.min(behind_m), most_m.max(behind_m)));
     }
 
     /// One surface that agrees settles it; otherwise all must tell the same.
-    fn verdict(&self) -> Before {
+    fn verdict(&self, point: Point3, seen: &Direction) -> Before {
         match self.behind_m {
             _ if self.same => Before::Same,
             Some((_, most_m)) if most_m < -SAME_M && !self.unmeasured => Before::Free,
             Some((least_m, _)) if least_m > RECEDED_M => Before::Hidden,
-            Some((least_m, _)) if least_m > SAME_M => Before::JustInFront,
+            Some((least_m, _)) if least_m > SAME_M => Before::JustBehind(towards(point, seen, least_m)),
             _ => Before::Unknown,
         }
     }
@@ -111,10 +126,25 @@ impl SeenThrough {
 
     /// What was at a point of the frame of the odometry.
     pub(super) fn before(&self, point: Point3, angles: &RingAngles) -> Before {
-        let (cdeg, horizontal_m, up_m) = self.direction(point);
-        let range_m = libm::sqrtf(horizontal_m * horizontal_m + up_m * up_m);
-        let rings = neighbours(angles, up_m, range_m);
-        let middle = sector(cdeg);
+        let seen = self.direction(point);
+        self.around(&seen, SAME_M, angles).verdict(point, &seen)
+    }
+
+    /// The lidar looked through a point of the frame of the odometry, where something stood at another time.
+    pub(super) fn is_gone(&self, point: Point3, angles: &RingAngles) -> bool {
+        let around = self.around(&self.direction(point), GONE_M, angles);
+        !around.same && !around.unmeasured && around.behind_m.is_some_and(|(_, most_m)| most_m < 0.0)
+    }
+
+    /// Something stands before a point of the frame of the odometry.
+    pub(super) fn is_hidden(&self, point: Point3, angles: &RingAngles) -> bool {
+        matches!(self.before(point, angles), Before::Hidden | Before::JustBehind(_))
+    }
+
+    fn around(&self, seen: &Direction, same_m: f32, angles: &RingAngles) -> Around {
+        let range_m = seen.range_m;
+        let rings = neighbours(angles, seen.up_m, range_m);
+        let middle = sector(seen.cdeg);
         let mut around = Around::default();
         for step in [SECTORS - 1, 0, 1] {
             let Some(sector) = self.nearest.get((middle + step) % SECTORS) else { continue };
@@ -122,18 +152,17 @@ impl SeenThrough {
                 match sector.get(ring).copied().unwrap_or(UNMEASURED) {
                     UNMEASURED => around.unmeasured = true,
                     NO_RETURN => {}
-                    counts => around.note(range_m - f32::from(counts) * self.metres_per_count),
+                    counts => around.note(range_m - f32::from(counts) * self.metres_per_count, same_m),
                 }
             }
         }
-        around.verdict()
+        around
     }
 
-    /// Azimuth in hundredths of a degree, horizontal distance and height of a point as the lidar saw it then. While it
-    /// turned, the robot drove: the beam's moment follows from the azimuth, in two rounds.
-    fn direction(&self, point: Point3) -> (u32, f32, f32) {
+    /// How the lidar saw a point then. While it turned, the robot drove: the beam's moment follows from the azimuth, in two rounds.
+    fn direction(&self, point: Point3) -> Direction {
         let mut before_end_s = 0.0;
-        let mut seen = (0, 0.0, 0.0);
+        let mut seen = Direction::default();
         for _ in 0..2 {
             let moved = Pose2::new(
                 self.twist.linear_mps * before_end_s,
@@ -141,13 +170,14 @@ impl SeenThrough {
                 self.twist.angular_radps * before_end_s,
             );
             seen = self.direction_from(self.base_in_odom.compose(moved), point);
-            let turned_cdeg = (seen.0 + 36_000).saturating_sub(u32::from(self.first_azimuth_cdeg)) % 36_000;
+            let turned_cdeg =
+                (seen.cdeg + 36_000).saturating_sub(u32::from(self.first_azimuth_cdeg)) % 36_000;
             before_end_s = (turned_cdeg as f32 / 36_000.0 - 1.0) * self.duration_s;
         }
         seen
     }
 
-    fn direction_from(&self, base_in_odom: Pose2, point: Point3) -> (u32, f32, f32) {
+    fn direction_from(&self, base_in_odom: Pose2, point: Point3) -> Direction {
         let [[cos, ..], [sin, ..], _] = self.sensor_in_base.rotation;
         let origin = self.sensor_in_base.translation;
         let sensor = base_in_odom.compose(Pose2::new(origin.x_m, origin.y_m, libm::atan2f(sin, cos)));
@@ -156,8 +186,21 @@ impl SeenThrough {
         let (forward_m, left_m) = (cos * dx + sin * dy, cos * dy - sin * dx);
         let azimuth_rad = -libm::atan2f(left_m, forward_m);
         let cdeg = (azimuth_rad * (18_000.0 / core::f32::consts::PI) + 36_000.0) as u32 % 36_000;
-        (cdeg, libm::sqrtf(dx * dx + dy * dy), point.z_m - origin.z_m)
+        let up_m = point.z_m - origin.z_m;
+        let range_m = libm::sqrtf(dx * dx + dy * dy + up_m * up_m);
+        Direction { cdeg, range_m, up_m, sensor: Point3::new(sensor.x_m, sensor.y_m, origin.z_m) }
     }
+}
+
+/// A point this much nearer to the sensor.
+fn towards(point: Point3, seen: &Direction, nearer_m: f32) -> Point3 {
+    let share = (nearer_m / seen.range_m.max(0.1)).clamp(0.0, 1.0);
+    let along = |from: f32, to: f32| from + share * (to - from);
+    Point3::new(
+        along(point.x_m, seen.sensor.x_m),
+        along(point.y_m, seen.sensor.y_m),
+        along(point.z_m, seen.sensor.z_m),
+    )
 }
 
 fn sector(cdeg: u32) -> usize {
