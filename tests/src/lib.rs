@@ -2,6 +2,7 @@
 
 pub mod bench;
 pub mod campaign;
+pub mod corridor;
 pub mod data;
 pub mod fuzz;
 pub mod lidar_frames;
