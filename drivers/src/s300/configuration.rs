@@ -31,7 +31,8 @@ pub struct Configuration {
     /// From the middle of the scan to the last byte of its telegram, µs: 22 ms on the line at 500 kBd and 20 to 45 ms
     /// within the scanner (wire-formats 2.1).
     pub delay_us: u64,
-    /// Silence within a telegram after which it is given up, µs.
+    /// Silence within a telegram after which it is given up, µs. Less than the 18 ms between two telegrams at 500 kBd, and
+    /// more than a busy Linux computer is late by: a telegram that was cut is recognised by its checksum anyway.
     pub gap_max_us: u64,
 }
 
@@ -49,7 +50,7 @@ impl Default for Configuration {
             inverted: false,
             free_range_mm: 30_000,
             delay_us: 54_660,
-            gap_max_us: 5_000,
+            gap_max_us: 15_000,
         }
     }
 }

@@ -57,13 +57,22 @@ impl<L: Read + Write> SlcanBus<L> {
         let mut rest = bytes;
         // Each turn writes at least a byte or ends.
         for _ in 0..bytes.len() {
-            let count = self.line.write(rest).await.map_err(SlcanBusError::Line)?;
+            let count = match self.line.write(rest).await {
+                Ok(count) => count,
+                Err(error) => return Err(self.lost(SlcanBusError::Line(error))),
+            };
             rest = rest.get(count..).unwrap_or_default();
             if rest.is_empty() {
                 return Ok(());
             }
         }
-        Err(SlcanBusError::Ended)
+        Err(self.lost(SlcanBusError::Ended))
+    }
+
+    /// An adapter that comes back has forgotten that it was opened.
+    fn lost(&mut self, error: SlcanBusError<L::Error>) -> SlcanBusError<L::Error> {
+        self.opened = false;
+        error
     }
 
     /// The next frame in the portion that was read.
@@ -91,12 +100,11 @@ impl<L: Read + Write> CanBus for SlcanBus<L> {
             if let Some(frame) = self.buffered() {
                 return Ok(frame);
             }
-            let count = self.line.read(&mut self.portion).await.map_err(SlcanBusError::Line)?;
-            if count == 0 {
-                self.opened = false;
-                return Err(SlcanBusError::Ended);
+            match self.line.read(&mut self.portion).await {
+                Ok(0) => return Err(self.lost(SlcanBusError::Ended)),
+                Ok(count) => (self.from, self.to) = (0, count),
+                Err(error) => return Err(self.lost(SlcanBusError::Line(error))),
             }
-            (self.from, self.to) = (0, count);
         }
     }
 

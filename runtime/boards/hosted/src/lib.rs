@@ -14,6 +14,7 @@ pub mod models;
 pub mod picture;
 pub mod recording;
 pub mod report;
+pub mod robot;
 pub mod train;
 pub mod world;
 

@@ -1,13 +1,17 @@
 //! How bytes reach the tasks: sockets, serial lines and CAN of Linux, and in-process pipes on the virtual clock.
 
+mod can_link;
 mod can_pipe;
 mod pipe;
 mod reconnect;
 mod serial;
 mod socket;
+mod socket_can;
 
+pub use can_link::CanLink;
 pub use can_pipe::CanPipe;
 pub use pipe::{DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 pub use reconnect::ReconnectingLine;
 pub use serial::{PseudoTerminal, SerialLine};
 pub use socket::UdpReceiver;
+pub use socket_can::SocketCanBus;

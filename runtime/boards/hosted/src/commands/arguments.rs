@@ -18,6 +18,8 @@ pub struct Arguments {
 pub enum Command {
     /// Two simulated minutes of a supermarket: live status, verdict, and a report with a picture.
     Demo(super::DemoArguments),
+    /// Run the robot on real devices.
+    Run(super::RunArguments),
     /// Drive the simulated robot through a scenario and judge it by ground truth.
     Simulate(super::SimulateArguments),
     /// Many seeded runs on all cores: random encounters with people, random single faults.

@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::Args;
 
 use super::exit::BadInput;
-use super::simulate::{conclude, pace, play};
+use super::simulate::{conclude, pace, play, play_real};
 use crate::report::write_report;
 use crate::world::{Plan, Tape};
 
@@ -19,6 +19,9 @@ pub struct DemoArguments {
     /// Simulated seconds.
     #[arg(long, default_value_t = 120.0)]
     pub duration: f64,
+    /// In real time over real carriers: UDP on the loopback, pseudo-terminals, SLCAN.
+    #[arg(long)]
+    pub real_io: bool,
     /// Where to write the report.
     #[arg(long, default_value = "floorguard-report")]
     pub report: PathBuf,
@@ -26,7 +29,7 @@ pub struct DemoArguments {
 
 impl Default for DemoArguments {
     fn default() -> Self {
-        Self { seed: 1, duration: 120.0, report: PathBuf::from("floorguard-report") }
+        Self { seed: 1, duration: 120.0, real_io: false, report: PathBuf::from("floorguard-report") }
     }
 }
 
@@ -41,7 +44,8 @@ pub fn run(arguments: &DemoArguments) -> anyhow::Result<()> {
     let started = Instant::now();
     let plan = Plan::named("supermarket", arguments.seed, (arguments.duration * 1.0e6) as u64)?;
     anstream::eprintln!("floorguard demo: {} (seed {})", plan.scenario.title, plan.seed);
-    let observation = play(&plan, false, &mut Tape::none())?;
+    let observation =
+        if arguments.real_io { play_real(&plan, false)? } else { play(&plan, false, &mut Tape::none())? };
     let page = write_report(&arguments.report, &plan, &observation)?;
     anstream::eprintln!("{}", pace(&plan, started));
     let outcome = conclude(&plan, &observation, false);

@@ -7,8 +7,10 @@ mod decode;
 mod demo;
 mod eval;
 mod exit;
+mod live;
 mod mission;
 mod replay;
+mod run;
 mod simulate;
 mod train;
 
@@ -20,6 +22,7 @@ pub use demo::DemoArguments;
 pub use eval::{EvalArguments, EvalStage};
 pub use exit::{BadInput, VerdictFailed, exit_code};
 pub use mission::MissionArguments;
+pub use run::RunArguments;
 pub use simulate::SimulateArguments;
 pub use train::{TrainArguments, TrainPeopleArguments, TrainWhat};
 
@@ -36,6 +39,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Eval(arguments)) => eval::run(&arguments),
         Some(Command::Check { file }) => check::run(&file),
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
+        Some(Command::Run(arguments)) => run::run(&arguments),
         Some(Command::Demo(arguments)) => demo::run(&arguments),
         Some(Command::Campaign(arguments)) => campaign::run(&arguments),
         None => demo::run(&DemoArguments::default()),

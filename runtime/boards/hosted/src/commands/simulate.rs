@@ -4,15 +4,15 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use floorguard_core::guard::Health;
 use floorguard_runtime::shared::RobotStatus;
 use floorguard_sim::FaultSpec;
 use floorguard_sim::scenario::Scenario;
 
 use super::exit::{BadInput, VerdictFailed};
-use crate::display::{LiveDisplay, SourceStatus, Status};
+use super::live::status_of;
+use crate::display::LiveDisplay;
 use crate::report::write_report;
-use crate::world::{Observation, Observer, Plan, SeenStop, Tape, run_recorded};
+use crate::world::{Observation, Observer, Plan, SeenStop, Tape, run_real, run_recorded};
 
 /// What to simulate.
 #[derive(Clone, Debug, Args)]
@@ -35,6 +35,9 @@ pub struct SimulateArguments {
     /// Write every byte that reaches the robot to this file, for the emulated board.
     #[arg(long)]
     pub tape: Option<PathBuf>,
+    /// In real time over real carriers: UDP on the loopback, pseudo-terminals, SLCAN.
+    #[arg(long, conflicts_with = "tape")]
+    pub real_io: bool,
     /// One verdict object on standard output, no live status.
     #[arg(long)]
     pub json: bool,
@@ -56,7 +59,11 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
     }
     let plan = plan(arguments)?;
     let mut tape = if arguments.tape.is_some() { Tape::new(&plan) } else { Tape::none() };
-    let observation = play(&plan, arguments.json, &mut tape)?;
+    let observation = if arguments.real_io {
+        play_real(&plan, arguments.json)?
+    } else {
+        play(&plan, arguments.json, &mut tape)?
+    };
     if let Some(path) = &arguments.tape {
         std::fs::write(path, tape.finish())
             .map_err(|error| BadInput(format!("{}: cannot be written ({error})", path.display())))?;
@@ -103,34 +110,37 @@ fn parse_span(text: &str) -> anyhow::Result<(u64, u64)> {
 
 /// Plays a plan with a live display.
 pub(super) fn play(plan: &Plan, quiet: bool, tape: &mut Tape) -> anyhow::Result<Observation> {
-    let mut display = LiveDisplay::new(plan.duration_us as f64 * 1.0e-6, quiet);
-    let mut show = |seconds: f64, status: &RobotStatus, people: usize, stops: &[SeenStop]| {
-        if display.is_due(seconds) {
-            display.show(&live(seconds, status, (people, stops)));
-        }
-    };
-    let mut observer = Observer::new(plan, &mut show);
-    run_recorded(plan, &mut observer, tape)?;
-    let observation = observer.into_observation();
-    display.finish();
+    watched(plan, quiet, |observer| run_recorded(plan, observer, tape)).map(|(observation, ())| observation)
+}
+
+/// The same in real time over real carriers.
+pub(super) fn play_real(plan: &Plan, quiet: bool) -> anyhow::Result<Observation> {
+    let (observation, figures) = watched(plan, quiet, |observer| run_real(plan, observer))?;
+    let late_ms = figures.latest_us as f64 / 1_000.0;
+    anstream::eprintln!(
+        "  real carriers: the simulator was late by {late_ms:.1} ms at most, {} messages refused by full lines",
+        figures.refused
+    );
     Ok(observation)
 }
 
-fn live(elapsed_s: f64, status: &RobotStatus, (people, stops): (usize, &[SeenStop])) -> Status {
-    let sources = status.sources.iter().filter(|report| report.fitted).map(|report| SourceStatus {
-        name: report.source.name().to_owned(),
-        health: report.health.to_string(),
-        good: report.health == Health::Healthy,
-    });
-    Status {
-        elapsed_s,
-        speed_mps: status.pose.twist.linear_mps,
-        limit_mps: status.decision.speed_limit_mps,
-        people,
-        stops: stops.len() as u32,
-        last_stop: stops.last().map(|stop| format!("{:.1} s: {}", stop.at_s, stop.cause)),
-        sources: sources.collect(),
-    }
+fn watched<T>(
+    plan: &Plan,
+    quiet: bool,
+    run: impl FnOnce(&mut Observer<'_>) -> anyhow::Result<T>,
+) -> anyhow::Result<(Observation, T)> {
+    let mut display = LiveDisplay::new(plan.duration_us as f64 * 1.0e-6, quiet);
+    let mut show = |seconds: f64, status: &RobotStatus, people: usize, stops: &[SeenStop]| {
+        if display.is_due(seconds) {
+            let last = stops.last().map(|stop| format!("{:.1} s: {}", stop.at_s, stop.cause));
+            display.show(&status_of(seconds, status, (people, stops.len() as u32, last)));
+        }
+    };
+    let mut observer = Observer::new(plan, &mut show);
+    let outcome = run(&mut observer)?;
+    let observation = observer.into_observation();
+    display.finish();
+    Ok((observation, outcome))
 }
 
 /// Prints the verdict; an error when it is not good enough.

@@ -5,21 +5,24 @@ use thread_priority::{
     thread_native_id,
 };
 
-/// The two rings of the robot.
+/// The two rings of the robot, and the simulated world when it plays in real time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ring {
     /// Sources, supervisor, drive.
     Guard,
     /// Sweeps, people, maps, planning.
     Perception,
+    /// Simulated devices: real ones do not wait for anybody.
+    World,
 }
 
 impl Ring {
-    /// First-in-first-out priority: the guard above perception, both below the kernel's own threads (50).
+    /// First-in-first-out priority: the guard above perception, all below the kernel's own threads (50).
     const fn priority(self) -> u8 {
         match self {
             Self::Guard => 40,
             Self::Perception => 20,
+            Self::World => 45,
         }
     }
 }
@@ -28,8 +31,9 @@ impl Ring {
 #[must_use]
 pub fn take_priority(ring: Ring) -> String {
     let name = match ring {
-        Ring::Guard => "guard",
-        Ring::Perception => "perception",
+        Ring::Guard => "guard ring",
+        Ring::Perception => "perception ring",
+        Ring::World => "simulated world",
     };
     let wanted = ring.priority();
     let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
@@ -42,7 +46,7 @@ pub fn take_priority(ring: Ring) -> String {
                 .map_err(|error| error.to_string())
         });
     match outcome {
-        Ok(()) => format!("{name} ring: real-time priority {wanted}"),
-        Err(reason) => format!("{name} ring: ordinary priority, the system refuses real time ({reason})"),
+        Ok(()) => format!("{name}: real-time priority {wanted}"),
+        Err(reason) => format!("{name}: ordinary priority, the system refuses real time ({reason})"),
     }
 }

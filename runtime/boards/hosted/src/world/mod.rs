@@ -3,6 +3,7 @@
 mod observer;
 mod operator;
 mod plan;
+mod real_world;
 mod spawn;
 mod swath;
 mod tape;
@@ -11,6 +12,7 @@ mod virtual_world;
 
 pub use observer::{Observation, Observer, SeenStop};
 pub use plan::{Plan, PlanError};
+pub use real_world::{CarrierFigures, run_real};
 pub use spawn::{GuardCarriers, new_perception, new_shared, spawn_guard_ring, spawn_perception_ring};
 pub use swath::BRUSH_M;
 pub use tape::Tape;

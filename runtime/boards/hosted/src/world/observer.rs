@@ -89,6 +89,8 @@ pub struct Observer<'a> {
     people_now: usize,
     faulty: std::collections::BTreeSet<String>,
     show: Show<'a>,
+    /// What the robot's clock showed when the world began.
+    clock_start: Stamp,
 }
 
 impl<'a> Observer<'a> {
@@ -113,7 +115,18 @@ impl<'a> Observer<'a> {
             people_now: 0,
             faulty: std::collections::BTreeSet::new(),
             show,
+            clock_start: Stamp::ZERO,
         }
+    }
+
+    /// The robot's clock showed this when the world began.
+    pub const fn set_clock_start(&mut self, start: Stamp) {
+        self.clock_start = start;
+    }
+
+    /// A moment of the robot's clock in the world's time.
+    const fn in_world(&self, stamp: Stamp) -> Stamp {
+        stamp.minus_micros(self.clock_start.as_micros())
     }
 
     /// A frame of the robot on the bus.
@@ -203,12 +216,13 @@ impl<'a> Observer<'a> {
             Cause::CollisionStop => StopReason::PersonOnCourse,
             _ => StopReason::Other,
         };
-        self.judge.stop(stop.stamp, reason);
+        let stamp = self.in_world(stop.stamp);
+        self.judge.stop(stamp, reason);
         if let Cause::SourceLost(source) | Cause::SourceLate(source) = stop.cause.cause {
             self.faulty.insert(source.name().to_owned());
         }
         self.seen.stops.push(SeenStop {
-            at_s: stop.stamp.as_micros() as f64 * 1.0e-6,
+            at_s: stamp.as_micros() as f64 * 1.0e-6,
             position: Point2::new(truth.robot.x_m, truth.robot.y_m),
             cause: stop.cause.to_string(),
             kind: kind_of(&stop.cause),

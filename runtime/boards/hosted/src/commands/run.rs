@@ -1,0 +1,163 @@
+//! `floorguard run robot.toml`: the robot on real devices, until Ctrl-C.
+
+use std::io::{BufRead, IsTerminal};
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use floorguard_core::guard::GuardState;
+use floorguard_runtime::clock;
+use floorguard_runtime::shared::{RobotStatus, StopRecord};
+use serde_json::json;
+
+use super::exit::BadInput;
+use super::live::status_of;
+use crate::configuration::load;
+use crate::display::LiveDisplay;
+use crate::executor::StopFlag;
+use crate::robot::{HostedShared, Links, run_rings, write_stop_file};
+use crate::world::new_shared;
+
+/// How often the display looks at the robot.
+const LOOK: Duration = Duration::from_millis(50);
+/// With `--json` a status comes this often, seconds.
+const JSON_STATUS_S: f64 = 1.0;
+
+/// What to run.
+#[derive(Clone, Debug, Args)]
+pub struct RunArguments {
+    /// The configuration; `floorguard check` explains its mistakes.
+    pub file: PathBuf,
+    /// End after so many seconds instead of at Ctrl-C.
+    #[arg(long)]
+    pub duration: Option<f64>,
+    /// One object per line on standard output: a status every second, and every stop.
+    #[arg(long)]
+    pub json: bool,
+    /// Write the last ten seconds before each stop into this folder.
+    #[arg(long)]
+    pub black_box: Option<PathBuf>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// The configuration is refused, the lidar's port is taken, or a ring failed.
+pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
+    let configuration = load(&arguments.file)?;
+    if let Some(duration) = arguments.duration.filter(|duration| !(*duration > 0.0 && duration.is_finite())) {
+        return Err(BadInput(format!("--duration {duration}: give seconds, more than 0")).into());
+    }
+    let links = Links::bind(&configuration.carriers).map_err(|error| BadInput(error.to_string()))?;
+    let shared: Box<HostedShared> = new_shared(&configuration.robot, clock::now())
+        .map_err(|error| BadInput(format!("{}: {error}", arguments.file.display())))?;
+    let flag = StopFlag::default();
+    ctrlc::set_handler({
+        let flag = flag.clone();
+        move || flag.stop()
+    })?;
+    anstream::eprintln!("floorguard run: {}; Ctrl-C ends it, r and Enter resets", arguments.file.display());
+    let mut watch = Watch::new(arguments, &shared);
+    let outcome = run_rings((&configuration.robot, links), &shared, &flag, || {
+        watch.until_stopped(&flag, &typed_lines())
+    });
+    outcome??;
+    anstream::eprintln!("floorguard run: the robot stands, {} stops", watch.stops);
+    Ok(())
+}
+
+/// Lines from a terminal; a pipe is not an operator.
+fn typed_lines() -> Receiver<String> {
+    let (sender, receiver) = channel();
+    if std::io::stdin().is_terminal() {
+        thread::spawn(move || {
+            for line in std::io::stdin().lock().lines().map_while(Result::ok) {
+                if sender.send(line).is_err() {
+                    break;
+                }
+            }
+        });
+    }
+    receiver
+}
+
+/// Shows the robot while it runs.
+struct Watch<'a> {
+    arguments: &'a RunArguments,
+    shared: &'a HostedShared,
+    display: LiveDisplay,
+    began: Instant,
+    next_json_s: f64,
+    stops: u32,
+    last_stop: Option<String>,
+}
+
+impl<'a> Watch<'a> {
+    fn new(arguments: &'a RunArguments, shared: &'a HostedShared) -> Self {
+        let display = LiveDisplay::new(arguments.duration.unwrap_or(0.0), arguments.json);
+        let began = Instant::now();
+        Self { arguments, shared, display, began, next_json_s: 0.0, stops: 0, last_stop: None }
+    }
+
+    fn until_stopped(&mut self, flag: &StopFlag, typed: &Receiver<String>) -> anyhow::Result<()> {
+        let ends_s = self.arguments.duration.unwrap_or(f64::INFINITY);
+        while !flag.is_stopped() && self.began.elapsed().as_secs_f64() < ends_s {
+            thread::sleep(LOOK);
+            if typed.try_iter().any(|line| line.trim().eq_ignore_ascii_case("r")) {
+                self.shared.reset.signal(());
+            }
+            while let Some(stop) = self.shared.stops.try_pop() {
+                self.on_stop(&stop)?;
+            }
+            if let Some(status) = self.shared.status.get() {
+                self.on_status(&status)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn on_stop(&mut self, stop: &StopRecord) -> anyhow::Result<()> {
+        self.stops += 1;
+        let at_s = stop.stamp.as_micros() as f64 * 1.0e-6;
+        self.last_stop = Some(format!("{at_s:.1} s: {}", stop.cause));
+        if let Some(folder) = &self.arguments.black_box {
+            write_stop_file(folder, self.stops, (stop, self.shared))?;
+        }
+        if self.arguments.json {
+            let cause = stop.cause.to_string();
+            let latched = stop.state == GuardState::Latched;
+            anstream::println!(
+                "{}",
+                json!({"type": "stop", "time_s": at_s, "cause": cause, "speed_mps": stop.speed_mps, "latched": latched})
+            );
+        }
+        Ok(())
+    }
+
+    fn on_status(&mut self, status: &RobotStatus) -> anyhow::Result<()> {
+        let elapsed_s = self.began.elapsed().as_secs_f64();
+        let people = self.shared.people.get().map_or(0, |report| report.people.len());
+        let seen = status_of(elapsed_s, status, (people, self.stops, self.last_stop.clone()));
+        if self.arguments.json && elapsed_s >= self.next_json_s {
+            self.next_json_s = elapsed_s + JSON_STATUS_S;
+            let sources: serde_json::Map<String, serde_json::Value> = seen
+                .sources
+                .iter()
+                .map(|source| (source.name.clone(), source.health.clone().into()))
+                .collect();
+            let links = self.shared.links();
+            anstream::println!(
+                "{}",
+                json!({"type": "status", "time_s": elapsed_s, "state": format!("{:?}", status.decision.state),
+                    "speed_mps": seen.speed_mps, "limit_mps": seen.limit_mps, "people": seen.people,
+                    "sources": sources, "can_sent": links.can_sent, "can_errors": links.can_errors})
+            );
+        }
+        if self.display.is_due(elapsed_s) {
+            self.display.show(&seen);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,72 @@
+//! Opens what `robot.toml` names. A device that is not there yet is said and waited for; a port that is taken is not.
+
+use std::io;
+use std::net::UdpSocket;
+
+use crate::carriers::{CanLink, ReconnectingLine, UdpReceiver};
+use crate::configuration::{CanAddress, Carriers, SerialAddress};
+use crate::world::GuardCarriers;
+
+/// Where the bytes come from, before the guard's thread opens it.
+#[derive(Debug)]
+pub struct Links {
+    /// The lidar's port, bound already: a port that is taken is an error at the start.
+    pub lidar: UdpSocket,
+    /// The safety scanner's line.
+    pub scanner: SerialAddress,
+    /// The inertial sensor's line.
+    pub imu: Option<SerialAddress>,
+    /// The CAN bus.
+    pub can: CanAddress,
+}
+
+/// A device that is not there yet.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Missing {
+    /// Which.
+    pub source: &'static str,
+    /// What the system says.
+    pub why: String,
+}
+
+/// The carriers of the guard ring.
+type Opened = GuardCarriers<UdpReceiver, ReconnectingLine, ReconnectingLine, CanLink>;
+
+impl Links {
+    /// Of a configuration.
+    ///
+    /// # Errors
+    /// The lidar's port is taken or not ours.
+    pub fn bind(carriers: &Carriers) -> io::Result<Self> {
+        let address = carriers.lidar.0;
+        let lidar = UdpSocket::bind(address).map_err(|error| {
+            let remedy = "end the other program that listens there, or correct [lidar] source";
+            io::Error::new(error.kind(), format!("[lidar] udp:{address}: {error}; {remedy}"))
+        })?;
+        let (scanner, imu) = (carriers.scanner.clone(), carriers.imu.clone());
+        Ok(Self { lidar, scanner, imu, can: carriers.can.clone() })
+    }
+
+    /// Opens everything on the calling thread; `missing` hears of what is not there yet.
+    ///
+    /// # Errors
+    /// The socket cannot be watched.
+    pub(super) fn open(self, missing: &mut dyn FnMut(Missing)) -> io::Result<Opened> {
+        let mut note = |source, problem: Option<io::Error>| {
+            if let Some(error) = problem {
+                missing(Missing { source, why: error.to_string() });
+            }
+        };
+        let lidar = UdpReceiver::from_socket(self.lidar)?;
+        let (scanner, problem) = ReconnectingLine::new(self.scanner.device, self.scanner.baud);
+        note("safety scanner", problem);
+        let imu = self.imu.map(|address| {
+            let (line, problem) = ReconnectingLine::new(address.device, address.baud);
+            note("inertial sensor", problem);
+            (line, address.baud)
+        });
+        let (can, problem) = CanLink::new(&self.can);
+        note("CAN bus", problem);
+        Ok(GuardCarriers { lidar, scanner, imu, can })
+    }
+}

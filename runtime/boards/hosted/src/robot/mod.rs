@@ -1,0 +1,9 @@
+//! The robot on this computer: both rings on threads of their own, on the carriers that `robot.toml` names.
+
+mod links;
+mod rings;
+mod stop_files;
+
+pub use links::{Links, Missing};
+pub use rings::{HostedShared, run_rings};
+pub use stop_files::write_stop_file;

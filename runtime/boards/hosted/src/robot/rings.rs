@@ -1,0 +1,120 @@
+//! Two threads, one for each ring, and an orderly end: first the mission ends, the robot stops, then the guard ends.
+
+use std::io;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::shared::Shared;
+
+use super::links::{Links, Missing};
+use crate::executor::{Ring, StopFlag, run_until, take_priority};
+use crate::world::{new_perception, spawn_guard_ring, spawn_perception_ring};
+
+/// What both threads share.
+pub type HostedShared = Shared<CriticalSectionRawMutex>;
+
+/// The guard's tables are built on the stack before they are placed.
+const STACK_BYTES: usize = 16 * 1024 * 1024;
+/// The longest wait for the robot to stand at the end: response and braking from full speed, twice.
+const STANDS_WITHIN: Duration = Duration::from_secs(3);
+/// Slower counts as standing, m/s.
+const STANDING_MPS: f32 = 0.01;
+
+/// Runs both rings while `beside` runs on the calling thread. When it returns, the robot is brought to a stand, the
+/// rings end, and what it returned is given back. When a ring fails, `flag` is stopped: `beside` should look at it.
+///
+/// # Errors
+/// A ring could not start, or failed.
+pub fn run_rings<T>(
+    (robot, links): (&RobotConfiguration, Links),
+    shared: &HostedShared,
+    flag: &StopFlag,
+    beside: impl FnOnce() -> T,
+) -> anyhow::Result<T> {
+    let (guard_flag, perception_flag) = (StopFlag::default(), StopFlag::default());
+    thread::scope(|scope| {
+        let guard = start(scope, "guard", flag, || guard_ring((robot, links), shared, &guard_flag))?;
+        let perception =
+            start(scope, "perception", flag, || perception_ring(robot, shared, &perception_flag))?;
+        let answer = beside();
+        perception_flag.stop();
+        let seen = perception.join();
+        await_stand(shared, &guard);
+        guard_flag.stop();
+        finished(guard.join(), "guard")?;
+        finished(seen, "perception")?;
+        Ok(answer)
+    })
+}
+
+/// Stops a flag when it goes out of scope, in a panic too.
+struct StopsAtEnd(StopFlag);
+
+impl Drop for StopsAtEnd {
+    fn drop(&mut self) {
+        self.0.stop();
+    }
+}
+
+/// A ring's thread. However it ends, the others hear of it.
+fn start<'scope>(
+    scope: &'scope thread::Scope<'scope, '_>,
+    name: &str,
+    flag: &StopFlag,
+    ring: impl FnOnce() -> io::Result<()> + Send + 'scope,
+) -> io::Result<thread::ScopedJoinHandle<'scope, io::Result<()>>> {
+    let at_end = StopsAtEnd(flag.clone());
+    let run = move || {
+        let _at_end = at_end;
+        ring()
+    };
+    thread::Builder::new().name(name.to_owned()).stack_size(STACK_BYTES).spawn_scoped(scope, run)
+}
+
+fn guard_ring(
+    (robot, links): (&RobotConfiguration, Links),
+    shared: &HostedShared,
+    flag: &StopFlag,
+) -> io::Result<()> {
+    anstream::eprintln!("  {}", take_priority(Ring::Guard));
+    run_until(flag, |tasks| {
+        let carriers = links.open(&mut |Missing { source, why }| {
+            anstream::eprintln!(
+                "  {source}: not there yet ({why}); waiting for it, the robot stands until then"
+            );
+        })?;
+        spawn_guard_ring(tasks, shared, robot, carriers);
+        Ok(())
+    })
+}
+
+fn perception_ring(robot: &RobotConfiguration, shared: &HostedShared, flag: &StopFlag) -> io::Result<()> {
+    anstream::eprintln!("  {}", take_priority(Ring::Perception));
+    let mut state = new_perception(robot);
+    run_until(flag, |tasks| {
+        spawn_perception_ring(tasks, shared, robot, &mut state);
+        Ok(())
+    })
+}
+
+/// Without a mission the wanted command grows old and the guard stops the robot; the drives then hear it stand.
+fn await_stand(shared: &HostedShared, guard: &thread::ScopedJoinHandle<'_, io::Result<()>>) {
+    let began = Instant::now();
+    while began.elapsed() < STANDS_WITHIN && !guard.is_finished() {
+        let held = shared.decision.get().is_none_or(|decision| decision.action.stops());
+        let stands = shared.pose.get().is_none_or(|pose| pose.twist.linear_mps.abs() < STANDING_MPS);
+        if held && stands {
+            break;
+        }
+        thread::sleep(Duration::from_millis(20));
+    }
+}
+
+fn finished(outcome: thread::Result<io::Result<()>>, ring: &str) -> anyhow::Result<()> {
+    outcome
+        .map_err(|_| anyhow::anyhow!("the {ring} ring panicked; this is a defect, please report it"))?
+        .with_context(|| format!("the {ring} ring failed"))
+}

@@ -1,0 +1,53 @@
+//! `floorguard run` as a user meets it: devices that are not there yet, and a port that is taken.
+
+use std::net::UdpSocket;
+use std::process::Command;
+
+/// The robot's file with devices that are not there: it waits for them, says so, stands, and ends in order.
+#[test]
+fn missing_devices_are_named_and_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let file = robot_file(folder.path(), port);
+    let output = Command::new(env!("CARGO_BIN_EXE_floorguard"))
+        .args(["run", &file, "--duration", "0.6", "--json"])
+        .output()
+        .unwrap();
+    let (said, told) = (String::from_utf8(output.stderr).unwrap(), String::from_utf8(output.stdout).unwrap());
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    for source in ["safety scanner", "inertial sensor", "CAN bus"] {
+        assert!(said.contains(&format!("{source}: not there yet")), "{said}");
+    }
+    assert!(told.contains("\"lidar\":\"absent\"") && told.contains("\"drive\":\"faulty\""), "{told}");
+    assert!(told.contains("\"limit_mps\":0.0"), "{told}");
+}
+
+/// A port that another program holds is bad input, not a robot without a lidar.
+#[test]
+fn a_taken_port_is_refused_with_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let taken = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let port = taken.local_addr().unwrap().port();
+    let file = robot_file(folder.path(), port);
+    let output = Command::new(env!("CARGO_BIN_EXE_floorguard"))
+        .args(["run", &file, "--duration", "5"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(3), "{said}");
+    assert!(
+        said.contains(&format!("[lidar] udp:127.0.0.1:{port}")) && said.contains("end the other program"),
+        "{said}"
+    );
+}
+
+fn robot_file(folder: &std::path::Path, port: u16) -> String {
+    let devices = folder.display();
+    let text = floorguard_hosted::configuration::EXAMPLE
+        .replace("udp:0.0.0.0:2368", &format!("udp:127.0.0.1:{port}"))
+        .replace("/dev/tty", &format!("{devices}/tty"))
+        .replace("socketcan:can0", &format!("slcan:{devices}/ttyACM0"));
+    let file = folder.join("robot.toml");
+    std::fs::write(&file, text).unwrap();
+    file.display().to_string()
+}
