@@ -45,3 +45,5 @@ pub const FLOOR_OBJECTS_MAX: usize = if cfg!(feature = "hosted") { 32 } else { 1
 pub const FLOOR_PARTS_MAX: usize = if cfg!(feature = "hosted") { 1_024 } else { 256 };
 /// Sweeps kept to compare with: the more, the steadier the age of the oldest.
 pub const MOTION_REFERENCES: usize = if cfg!(feature = "hosted") { 3 } else { 2 };
+/// Blocks of 16 × 16 pixels in the largest colour image (algorithms F, capacities).
+pub const FLOOR_BLOCKS_MAX: usize = if cfg!(feature = "hosted") { 1_200 } else { 300 };

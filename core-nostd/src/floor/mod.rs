@@ -7,6 +7,7 @@ mod classes;
 mod confirmation;
 mod curvature;
 mod depth_noise;
+pub mod dirt;
 mod gate;
 mod lattice;
 mod model;

@@ -1,5 +1,6 @@
 //! What drivers deliver: typed measurements with stamps, before anybody interprets them.
 
+mod color_image;
 mod depth_image;
 mod discrete;
 mod lidar_packet;
@@ -8,6 +9,7 @@ mod pinhole;
 mod scan;
 mod sweep;
 
+pub use color_image::ColorImage;
 pub use depth_image::{DepthImage, WrongImageSize};
 pub use discrete::{DiscreteInputs, SafetyInput};
 pub use lidar_packet::{LidarColumn, LidarPacket};

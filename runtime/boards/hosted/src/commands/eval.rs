@@ -72,6 +72,14 @@ pub enum EvalStage {
         #[arg(long)]
         result: PathBuf,
     },
+    /// Dirt in a folder of frames with masks: the published detector and ours.
+    Dirt {
+        /// NAME.png or .jpg with NAME_mask.png; NAME_floor.png and NAME_laser.png if there are.
+        folder: PathBuf,
+        /// A folder for pictures: truth, published, ours.
+        #[arg(long)]
+        out: Option<PathBuf>,
+    },
     /// The floor of a depth picture: plane, mask and objects.
     Floor {
         /// Depth in millimetres, one channel of 16 bits.
@@ -118,6 +126,7 @@ pub fn run(arguments: &EvalArguments) -> anyhow::Result<()> {
             print(&report, arguments.json)
         }
         EvalStage::Clusters { file, key } => print(&evaluate::clusters(file, key)?, arguments.json),
+        EvalStage::Dirt { folder, out } => print(&evaluate::dirt(folder, out.as_deref())?, arguments.json),
         EvalStage::Floor { depth, intrinsics, truth, height_m, pitch_deg, out } => {
             let mounting = height_m.zip(*pitch_deg).map(|(height, pitch)| [height, pitch.to_radians()]);
             let task = evaluate::FloorTask {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use floorguard_core::floor::{
-    Expectation, FloorModel, FloorObject, FloorParameters, ObjectFinder, PixelClass, Plane,
+    Expectation, FloorFault, FloorModel, FloorObject, FloorParameters, ObjectFinder, PixelClass, Plane,
 };
 use floorguard_core::sensing::{DepthImage, PinholeCamera};
 use floorguard_core::time::Stamp;
@@ -96,8 +96,8 @@ impl From<&FloorObject> for ObjectReport {
 /// Fits the floor of one picture.
 ///
 /// # Errors
-/// A file or the intrinsics cannot be used; or the picture shows no floor, which is a failed verdict: the floor is
-/// unknown.
+/// A file or the intrinsics cannot be used, or nothing returned; or the picture shows no floor, which is a failed
+/// verdict. Either way the floor is unknown.
 pub fn floor(task: &FloorTask) -> anyhow::Result<FloorReport> {
     let file = read_depth(&task.depth)?;
     let size = (file.width, file.height);
@@ -108,6 +108,9 @@ pub fn floor(task: &FloorTask) -> anyhow::Result<FloorReport> {
     let image = DepthImage::new(Stamp::ZERO, size, &file.depth_mm).map_err(|p| bad(p.to_string()))?;
     let estimate = FloorModel::new(parameters, SEED).update(&image, Stamp::ZERO);
     let mut classes = vec![PixelClass::Unknown; file.depth_mm.len()];
+    if let Some(fault @ FloorFault::NoReturns(..)) = estimate.fault {
+        return Err(bad(format!("floor unknown: {fault}")).into());
+    }
     if let Some(fault) = estimate.fault {
         return Err(VerdictFailed(format!("{}: floor unknown: {fault}", task.depth.display())).into());
     }

@@ -4,6 +4,9 @@
 
 mod clusters;
 mod curve;
+mod dirt;
+mod dirt_figures;
+mod dirt_folder;
 mod floor;
 mod frames;
 mod images;
@@ -11,12 +14,16 @@ mod legs;
 mod motion;
 mod motion_key;
 mod motion_play;
+mod roc;
 mod svm;
 mod text;
 mod tracks;
 
 pub use clusters::{ClustersReport, clusters};
 pub use curve::draw_legs;
+pub use dirt::{DirtReport, dirt};
+pub use dirt_figures::DirtFigures;
+pub use dirt_folder::{DirtFolder, DirtFrame};
 pub use floor::{FloorReport, FloorTask, ObjectReport, floor, parse_intrinsics};
 pub use frames::{capture_frames, standing_context};
 pub use images::{ColourFile, DepthFile, MaskFile, read_colour, read_depth, read_mask};
