@@ -3,6 +3,7 @@
 pub mod bench;
 pub mod campaign;
 pub mod corridor;
+pub mod crowds;
 pub mod data;
 pub mod fuzz;
 pub mod lidar_frames;

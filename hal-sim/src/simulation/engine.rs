@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_core::geometry::{Point2, Pose2, Twist2};
 use floorguard_core::time::Stamp;
 use parry3d::math::Vector;
 
@@ -14,7 +14,7 @@ use super::truth::{PersonTruth, Truth, distance_to_area};
 use super::{Payload, Stream, WireEvent};
 use crate::can::{CanFrame, SafetyChannels};
 use crate::people::{Crowd, Person, RobotDisc, body_discs, ground_discs};
-use crate::robot::{RobotBody, RobotParameters};
+use crate::robot::{BrakeLaw, RobotBody, RobotParameters};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::scene::Scene;
 use crate::sensors::{Imu, Lidar, Motion, Scanner, ScannerState, View};
@@ -40,6 +40,7 @@ pub struct Simulation {
     scanner: Scanner,
     imu: Imu,
     turn_radps2: f32,
+    towed: Option<(f32, f32)>,
     now_us: u64,
     next_step_us: u64,
     step_us: u64,
@@ -75,6 +76,7 @@ impl Simulation {
             scanner: Scanner::new(seed),
             imu: Imu::new(seed),
             turn_radps2: 0.0,
+            towed: None,
             parameters,
             now_us: 0,
             next_step_us: 0,
@@ -159,9 +161,13 @@ impl Simulation {
         let now_us = self.next_step_us;
         let step_s = STEP_US as f32 * 1.0e-6;
         if now_us > 0 {
-            let steering = if self.bus.power_cut() { None } else { self.bus.steering.target_rad() };
+            let driven = if self.bus.power_cut() { None } else { self.bus.steering.target_rad() };
+            let (law, steering) = match self.towed {
+                Some((rim_mps, steering_rad)) => (BrakeLaw::Driven(rim_mps), Some(steering_rad)),
+                None => (self.bus.brake_law(), driven),
+            };
             let turn_before = self.body.twist().angular_radps;
-            self.body.step(step_s, self.bus.brake_law(), steering);
+            self.body.step(step_s, law, steering);
             self.turn_radps2 = (self.body.twist().angular_radps - turn_before) / step_s;
         }
         self.step_us = now_us;
@@ -219,6 +225,12 @@ impl Simulation {
         }
     }
 
+    /// Moves the robot past its drives, for experiments that only need sensors on the way: rim speed of the front wheel
+    /// (m/s) and steering angle (radians, counter-clockwise).
+    pub const fn tow(&mut self, rim_mps: f32, steering_rad: f32) {
+        self.towed = Some((rim_mps, steering_rad));
+    }
+
     /// Presses or releases the emergency stop, both channels.
     pub fn press_emergency_stop(&mut self, pressed: bool) {
         self.bus.channels.emergency_stop = [!pressed; 2];
@@ -263,6 +275,12 @@ impl Simulation {
     #[must_use]
     pub const fn parameters(&self) -> &RobotParameters {
         &self.parameters
+    }
+
+    /// Pose (world frame) and speed of the robot at the last moment played.
+    #[must_use]
+    pub fn robot(&self) -> (Pose2, Twist2) {
+        (self.body.pose(), self.body.twist())
     }
 
     /// The true state at the last moment played.

@@ -1,20 +1,29 @@
-//! Repeats published experiments: `cargo xtask reproduce cleaning`.
+//! Repeats published experiments and our own: `cargo xtask reproduce`.
 
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Arguments: the number of missions for each combination, and the folder for tables and pictures.
+/// Arguments: the experiment, the number of runs for each combination, and the folder for tables and pictures.
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [trials, folder] = arguments.as_slice() else {
-        eprintln!("usage: floorguard-reproduce TRIALS FOLDER");
+    let [experiment, trials, folder] = arguments.as_slice() else {
+        eprintln!("usage: floorguard-reproduce EXPERIMENT TRIALS FOLDER");
         return ExitCode::from(2);
     };
     let Some(trials) = trials.parse().ok().filter(|&trials: &u64| trials > 0) else {
-        eprintln!("'{trials}' is not a number of missions");
+        eprintln!("'{trials}' is not a number of runs");
         return ExitCode::from(2);
     };
-    match floorguard_tests::reproduce::cleaning(trials, Path::new(folder)) {
+    let folder = Path::new(folder);
+    let outcome = match experiment.as_str() {
+        "cleaning" => floorguard_tests::reproduce::cleaning(trials, folder),
+        "crowds" => floorguard_tests::crowds::crowds(trials, folder),
+        other => {
+            eprintln!("no experiment is called '{other}'");
+            return ExitCode::from(2);
+        }
+    };
+    match outcome {
         Ok((_, true)) => ExitCode::SUCCESS,
         Ok((_, false)) => {
             eprintln!("not everything that must show did");
