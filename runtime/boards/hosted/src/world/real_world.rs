@@ -164,6 +164,7 @@ fn play(
             let state = shared.decision.get().map(|decision| decision.state).unwrap_or_default();
             let deed = operator.act(to_us, state);
             simulation.press_emergency_stop(deed.pressed);
+            observer.on_emergency_stop(deed.pressed, to_us);
             if deed.reset {
                 shared.reset.signal(());
             }

@@ -151,6 +151,7 @@ fn play(
             let state = shared.decision.get().map(|decision| decision.state).unwrap_or_default();
             let deed = operator.act(now_us, state);
             simulation.press_emergency_stop(deed.pressed);
+            observer.on_emergency_stop(deed.pressed, now_us);
             // The button reaches the tasks with the next moment.
             reset = deed.reset;
             observer.observe(simulation, &shared);
