@@ -171,16 +171,19 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// A moment of 10 ms.
-    pub fn observe<M: RawMutex>(&mut self, simulation: &Simulation, shared: &Shared<M>) {
+    /// A moment of 10 ms, and the stops that began since the one before.
+    pub fn observe<M: RawMutex>(
+        &mut self,
+        simulation: &Simulation,
+        shared: &Shared<M>,
+        stops: &[StopRecord],
+    ) {
         let truth = simulation.truth();
         let now_us = truth.stamp.as_micros();
         // The rim of the front wheel is faster than the middle of the rear axle.
         let commanded_mps = self.commanded_mps * libm::cosf(truth.steering_rad);
         self.judge.observe(&judged(simulation), commanded_mps);
-        while let Some(stop) = shared.stops.try_pop() {
-            self.on_stop(&stop, &truth);
-        }
+        stops.iter().for_each(|stop| self.on_stop(stop, &truth));
         if let Some(people) = shared.people.get().filter(|people| self.last_sweep != Some(people.sweep.stamp))
         {
             self.last_sweep = Some(people.sweep.stamp);

@@ -3,7 +3,7 @@
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
-use floorguard_runtime::shared::Shared;
+use floorguard_runtime::shared::{Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
 use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
 use floorguard_sim::{CanFrame as SimCanFrame, FaultLayer};
@@ -12,7 +12,7 @@ use super::observer::Observer;
 use super::operator::Operator;
 use super::plan::Plan;
 use super::spawn::{GuardCarriers, new_perception, new_shared, spawn_guard_ring, spawn_perception_ring};
-use super::tape::Tape;
+use super::witnesses::Witnesses;
 use crate::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 use crate::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 
@@ -36,7 +36,7 @@ struct Ends {
 }
 
 /// The bit rate that the simulated inertial sensor has.
-const IMU_BAUD: u32 = 115_200;
+pub(super) const IMU_BAUD: u32 = 115_200;
 
 impl Lines {
     fn new() -> (Self, Ends) {
@@ -48,25 +48,25 @@ impl Lines {
         (lines, Ends { scanner: scanner_reader, imu, from_imu_line })
     }
 
-    fn deliver(&self, event: WireEvent, now_us: u64, tape: &mut Tape) {
+    fn deliver(&self, event: WireEvent, now_us: u64, witnesses: &mut Witnesses) {
         let when = (now_us, event.at_us);
         match (event.stream, event.payload) {
             (Stream::LidarData, Payload::Bytes(bytes)) => {
-                tape.record(when, TapeLine::Lidar, &bytes);
+                witnesses.delivered(when, TapeLine::Lidar, &bytes);
                 self.lidar.push(Stamp::from_micros(event.at_us), bytes);
             }
             (Stream::ScannerSerial, Payload::Bytes(bytes)) => {
-                tape.record(when, TapeLine::Scanner, &bytes);
+                witnesses.delivered(when, TapeLine::Scanner, &bytes);
                 self.scanner.push(&bytes);
             }
             (Stream::ImuSerial, Payload::Bytes(bytes)) => {
-                tape.record(when, TapeLine::Imu, &bytes);
+                witnesses.delivered(when, TapeLine::Imu, &bytes);
                 self.imu.push(&bytes);
             }
             (Stream::Can, Payload::Frame(frame)) => {
                 let [low, high] = (frame.id as u16).to_le_bytes();
                 let bytes: Vec<u8> = [low, high].iter().chain(frame.payload()).copied().collect();
-                tape.record(when, TapeLine::Can, &bytes);
+                witnesses.delivered(when, TapeLine::Can, &bytes);
                 self.can.push(CanFrame::standard(frame.id as u16, frame.payload()));
             }
             // Position packets only discipline the lidar's clock, which the arrival times already do.
@@ -80,17 +80,21 @@ impl Lines {
 /// # Errors
 /// The robot cannot be configured, or one of its tasks spins.
 pub fn run_virtual(plan: &Plan, observer: &mut Observer<'_>) -> anyhow::Result<()> {
-    run_recorded(plan, observer, &mut Tape::none())
+    run_recorded(plan, observer, &mut Witnesses::default())
 }
 
-/// The same, and every byte that reaches the robot goes to a tape.
+/// The same, with witnesses.
 ///
 /// # Errors
 /// As [`run_virtual`].
-pub fn run_recorded(plan: &Plan, observer: &mut Observer<'_>, tape: &mut Tape) -> anyhow::Result<()> {
+pub fn run_recorded(
+    plan: &Plan,
+    observer: &mut Observer<'_>,
+    witnesses: &mut Witnesses,
+) -> anyhow::Result<()> {
     let mut simulation = Simulation::new(&plan.scenario, plan.seed)?;
     use_virtual_clock(0);
-    let outcome = play(plan, &mut simulation, (observer, tape));
+    let outcome = play(plan, &mut simulation, (observer, witnesses));
     use_real_clock();
     outcome
 }
@@ -98,7 +102,7 @@ pub fn run_recorded(plan: &Plan, observer: &mut Observer<'_>, tape: &mut Tape) -
 fn play(
     plan: &Plan,
     simulation: &mut Simulation,
-    (observer, tape): (&mut Observer<'_>, &mut Tape),
+    (observer, witnesses): (&mut Observer<'_>, &mut Witnesses),
 ) -> anyhow::Result<()> {
     let shared: Box<Shared<NoopRawMutex>> = new_shared(&plan.robot, Stamp::ZERO)
         .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
@@ -127,18 +131,19 @@ fn play(
             break;
         }
         simulation.advance_to(now_us, &mut |event| {
-            faults.pass(event, &mut |event| lines.deliver(event, now_us, tape))
+            faults.pass(event, &mut |event| lines.deliver(event, now_us, witnesses))
         });
-        faults.release(now_us, &mut |event| lines.deliver(event, now_us, tape));
+        faults.release(now_us, &mut |event| lines.deliver(event, now_us, witnesses));
         advance_virtual(now_us);
         if std::mem::take(&mut reset) {
             shared.reset.signal(());
-            tape.record((now_us, now_us), TapeLine::Reset, &[]);
+            witnesses.delivered((now_us, now_us), TapeLine::Reset, &[]);
         }
         tasks.poll_until_quiet()?;
         observer.after_tasks(&shared);
         for frame in lines.can.drain() {
             observer.on_frame(&frame, now_us);
+            witnesses.sent(&frame, now_us);
             let id = u32::from(frame.standard_id().unwrap_or_default());
             simulation.receive_can(SimCanFrame::new(id, frame.payload()), now_us);
         }
@@ -146,6 +151,7 @@ fn play(
         if !bytes.is_empty() {
             simulation.receive(Stream::ImuSerial, &bytes);
         }
+        witnesses.after_tasks(&shared, (now_us, observer.digest().value()));
         if now_us >= judge_us {
             judge_us += JUDGE_US;
             let state = shared.decision.get().map(|decision| decision.state).unwrap_or_default();
@@ -154,9 +160,11 @@ fn play(
             observer.on_emergency_stop(deed.pressed, now_us);
             // The button reaches the tasks with the next moment.
             reset = deed.reset;
-            observer.observe(simulation, &shared);
+            let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
+            stops.iter().for_each(|stop| witnesses.stop(stop));
+            observer.observe(simulation, &shared, &stops);
         }
     }
     observer.finish(operator.resets());
-    Ok(())
+    Ok(witnesses.finish((plan.duration_us, observer.digest().value()))?)
 }
