@@ -3,6 +3,7 @@
 
 use floorguard_core::motion::MotionParameters;
 use floorguard_tests::corridor::{Method, Score, judge, record};
+use floorguard_tests::reproduce::motion_figures;
 
 /// Issue 4: accuracy and false positives. The parameters were chosen on seeds from 100 to 119.
 const ACCURACY_MIN: f64 = 95.0;
@@ -21,4 +22,11 @@ fn a_walker_past_a_driving_robot_is_found_moving() {
     assert!(total.present > 400, "{total:?}");
     assert!(total.accuracy() >= ACCURACY_MIN, "{:.2} %: {total:?}", total.accuracy());
     assert!(total.false_positives <= FALSE_MAX, "{total:?}");
+}
+
+#[test]
+fn the_published_figures_keep_their_trends() {
+    let figures = motion_figures(1, 30);
+    println!("{}", figures.text());
+    assert!(figures.trends_hold());
 }

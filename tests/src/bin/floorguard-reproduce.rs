@@ -17,6 +17,7 @@ fn main() -> ExitCode {
     let folder = Path::new(folder);
     let outcome = match experiment.as_str() {
         "cleaning" => floorguard_tests::reproduce::cleaning(trials, folder),
+        "motion" => floorguard_tests::reproduce::motion(trials, folder),
         "crowds" => floorguard_tests::crowds::crowds(trials, folder),
         other => {
             eprintln!("no experiment is called '{other}'");

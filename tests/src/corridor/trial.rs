@@ -8,8 +8,10 @@ use floorguard_core::sensing::Sweep;
 use floorguard_core::time::Stamp;
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
 
-use super::{Moment, Score, World};
+use super::{Moment, Published, Score, World};
 
+/// Half a walker, metres.
+const BODY_M: f32 = 0.3;
 /// Noise of a pose (algorithms H, "GT"): metres and radians.
 const POSITION_NOISE_M: f32 = 0.005;
 const HEADING_NOISE_RAD: f32 = 0.1 * std::f32::consts::PI / 180.0;
@@ -30,6 +32,23 @@ pub enum Method {
         /// Metres.
         reach_m: f32,
     },
+    /// The published steps on what lies within this distance along x and y.
+    Published {
+        /// Metres.
+        crop_m: f32,
+        /// Smallest cluster.
+        points_min: usize,
+    },
+}
+
+impl Method {
+    /// A walker here, in the frame of the lidar, is one to be found: wholly within what is judged.
+    fn covers(self, walker: Point2) -> bool {
+        match self {
+            Self::Own { reach_m } => walker.norm() <= reach_m,
+            Self::Published { crop_m, .. } => walker.x_m.abs().max(walker.y_m.abs()) <= crop_m - BODY_M,
+        }
+    }
 }
 
 /// Plays a seed for some sweeps.
@@ -79,21 +98,24 @@ pub fn judge(run: &Run, method: Method, parameters: MotionParameters) -> Score {
     let mut truth = Vec::new();
     let mut people = Box::new(PeoplePipeline::new(RingAngles::vlp16()));
     let mut motion = Box::new(MotionDetector::new(parameters));
+    let mut published = match method {
+        Method::Published { crop_m, points_min } => Some(Published::new(parameters, crop_m, points_min)),
+        Method::Own { .. } => None,
+    };
     for (sweep, context, moment) in &run.sweeps {
         truth.push(*moment);
         let lidar = run.sensor_in_base.translation;
         let lidar_in_odom = moment.robot.compose(Pose2::new(lidar.x_m, lidar.y_m, 0.0));
         let walker = lidar_in_odom.inverse().transform(moment.walker);
-        let (moving, present): (Vec<Point2>, bool) = match method {
-            Method::Own { reach_m } => {
-                people.find_things(sweep, context);
-                let output = motion.process(&people, sweep, context);
-                let places =
-                    output.moving.iter().map(|thing| Point2::new(thing.centroid.x_m, thing.centroid.y_m));
-                (places.collect(), walker.norm() <= reach_m)
+        people.find_things(sweep, context);
+        let moving: Vec<Point2> = match &mut published {
+            Some(published) => published.process(&people, sweep, context),
+            None => {
+                let moving = motion.process(&people, sweep, context).moving.iter();
+                moving.map(|thing| Point2::new(thing.centroid.x_m, thing.centroid.y_m)).collect()
             }
         };
-        score.enter(&moving, &truth, present);
+        score.enter(&moving, &truth, method.covers(walker));
     }
     score
 }

@@ -1,11 +1,12 @@
-//! The published experiments on guaranteed cleaning, repeated in simulation: `cargo xtask reproduce cleaning`.
+//! The published experiments, repeated in simulation: `cargo xtask reproduce cleaning` and `motion`.
 //!
 //! Every table stands beside the published figures, and every number comes from the missions that were just run. The
-//! protocol is that of algorithms I.10; what it leaves open is said in the table that it matters for.
+//! protocol of cleaning is that of algorithms I.10; what it leaves open is said in the table that it matters for.
 
 mod environments;
 mod figure_five;
 mod figure_six;
+mod motion;
 mod published;
 mod table_one;
 
@@ -16,6 +17,7 @@ use floorguard_hosted::mission::{MissionConfig, Strategy};
 pub use environments::{Environment, environments};
 pub use figure_five::{Cell, FigureFive, figure_five};
 pub use figure_six::{FigureSix, figure_six};
+pub use motion::{MotionFigures, motion, motion_figures};
 pub use table_one::{TableOne, table_one};
 
 /// Seed of the first mission of every experiment.
