@@ -6,7 +6,6 @@
 
 pub mod can;
 pub mod faults;
-pub mod floor;
 pub mod people;
 pub mod robot;
 pub mod scenario;

@@ -51,9 +51,7 @@ impl TapeLine {
         }
     }
 
-    /// The line of a number.
-    #[must_use]
-    pub const fn from_number(number: u16) -> Option<Self> {
+    const fn from_number(number: u16) -> Option<Self> {
         match number {
             1 => Some(Self::Lidar),
             2 => Some(Self::Scanner),

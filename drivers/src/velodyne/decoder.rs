@@ -196,22 +196,7 @@ impl Decoder {
     /// # Errors
     /// [`DecodeError`]; the datagram is counted and changes nothing else.
     pub fn decode(&mut self, payload: &[u8], arrival: Stamp) -> Result<(LidarPacket, u16), DecodeError> {
-        let mut packet = LidarPacket::EMPTY;
-        let lost = self.decode_into(payload, arrival, &mut packet)?;
-        Ok((packet, lost))
-    }
-
-    /// The same into a packet that is there already: nothing large is moved.
-    ///
-    /// # Errors
-    /// [`DecodeError`]; the datagram is counted, and what stands in `out` has no meaning.
-    pub fn decode_into(
-        &mut self,
-        payload: &[u8],
-        arrival: Stamp,
-        out: &mut LidarPacket,
-    ) -> Result<u16, DecodeError> {
-        let outcome = self.try_decode(payload, arrival, out);
+        let outcome = self.try_decode(payload, arrival);
         match outcome {
             Ok(_) => self.counters.accepted = self.counters.accepted.saturating_add(1),
             Err(error) => {
@@ -224,12 +209,7 @@ impl Decoder {
         outcome
     }
 
-    fn try_decode(
-        &mut self,
-        payload: &[u8],
-        arrival: Stamp,
-        out: &mut LidarPacket,
-    ) -> Result<u16, DecodeError> {
+    fn try_decode(&mut self, payload: &[u8], arrival: Stamp) -> Result<(LidarPacket, u16), DecodeError> {
         let packet = Packet::new_checked(payload).map_err(DecodeError::Packet)?;
         let step_us = self.step_us(&packet)?;
         let decision = self.decide(&packet, step_us);
@@ -248,9 +228,9 @@ impl Decoder {
         let stamp = self.clock.stamp(packet.stamp_us(), first_firing);
         self.since_accepted_us = Some(0);
         self.counters.lost = self.counters.lost.saturating_add(u32::from(lost));
-        let self_returns = columns.convert(&packet, (stamp, self.blind_range_mm), out);
+        let (columns, self_returns) = columns.convert(&packet, stamp, self.blind_range_mm);
         self.counters.self_returns = self.counters.self_returns.saturating_add(self_returns);
-        Ok(lost)
+        Ok((columns, lost))
     }
 
     /// Microseconds of sensor time since the packet before; `None` for the first and where the clock was set.

@@ -4,8 +4,11 @@ use super::week::Evidence;
 
 /// Two-sided 95 % of the normal law, halved by the square-root transform.
 const HALF_Z: f32 = 0.98;
-/// What a place without any visits counts as: one visit in the first hour (algorithms G.1, Gamma(1, 1 h)).
-const PRIOR: Evidence = Evidence { visits: 1.0, hours: 1.0 };
+/// What an hour of the week is shrunk towards its place's mean with.
+const BIN_PRIOR_HOURS: f32 = 1.0;
+/// What a place counts as before it was watched: one visit an hour, as in algorithms G.1, but worth a quarter of an
+/// hour only, or a busy place that was watched for ten minutes would pass for a quiet one.
+const PLACE_PRIOR: Evidence = Evidence { visits: 0.25, hours: 0.25 };
 
 /// How much an answer is worth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -51,14 +54,18 @@ impl Rate {
     /// watching is worth. `spread` ≥ 1 says how much more visits vary than independent people would.
     #[must_use]
     pub fn of(seen: Evidence, usual: f32, spread: f32) -> Self {
-        let hours = seen.hours.max(0.0) + PRIOR.hours;
-        Self::with_doubt((seen.visits.max(0.0) + usual.max(0.0) * PRIOR.hours) / hours, seen.hours, spread)
+        let hours = seen.hours.max(0.0) + BIN_PRIOR_HOURS;
+        Self::with_doubt(
+            (seen.visits.max(0.0) + usual.max(0.0) * BIN_PRIOR_HOURS) / hours,
+            seen.hours,
+            spread,
+        )
     }
 
-    /// The mean rate of a place, with the prior of algorithms G.1.
+    /// The mean rate of a place, with a weak prior.
     #[must_use]
     pub fn mean_of(seen: Evidence) -> f32 {
-        (seen.visits.max(0.0) + PRIOR.visits) / (seen.hours.max(0.0) + PRIOR.hours)
+        (seen.visits.max(0.0) + PLACE_PRIOR.visits) / (seen.hours.max(0.0) + PLACE_PRIOR.hours)
     }
 
     /// A predicted rate that rests on `hours` of watching. The interval is that of a Poisson count by the square-root
@@ -112,7 +119,7 @@ mod tests {
     fn unwatched_is_unknown_and_not_empty() {
         assert_eq!(Rate::of(Evidence::default(), 3.0, 1.0).confidence(), Confidence::Unknown);
         assert_eq!(Rate::mean_of(Evidence::default()), 1.0);
-        assert_eq!(Rate::mean_of(Evidence { visits: 0.0, hours: 9.0 }), 0.1);
+        assert_eq!(Rate::mean_of(Evidence { visits: 0.0, hours: 2.25 }), 0.1);
         assert_eq!(Rate::with_doubt(f32::NAN, 1.0, 1.0), Rate::default());
     }
 

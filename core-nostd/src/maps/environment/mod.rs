@@ -23,13 +23,13 @@ pub use environment_map::{Environment, Sighting};
 pub use evidence::{Confidence, Rate};
 pub use heat::{HEAT_CELL_M, HeatCell, PeopleHeat};
 pub use hour_table::{HourEntry, HourTable};
-pub use place::{Forecast, Place, PlaceSlice, RateModel, SLICE_S};
+pub use place::{FORMULAS, Forecast, Place, PlaceSlice, RateModel, SLICE_S};
 pub use places::{PLACE_CELL_M, Places};
 pub use questions::{
     BestTime, DRYING_HOURS, PROFILE_STEP_S, PROFILE_STEPS, Profile, ProfileStep, STARTS_MAX, Wetness,
     best_time, cost_multiplier, presence, removal_per_encounter, wetness,
 };
-pub use spectrum::{Complex, ORDER_MAX, Spectrum, Tone};
+pub use spectrum::{Complex, ORDER_MAX, Spectrum, SpectrumParts, Tone};
 pub use visitors::{Footprint, PersonAt, Visitors};
 pub use wall_time::{HOURS_OF_WEEK, LocalTime, WallTime};
 pub use week::{Evidence, HourBin, Week};

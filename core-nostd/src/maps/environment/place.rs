@@ -17,7 +17,7 @@ pub const SLICE_S: i64 = 600;
 /// Slices watched for less teach nothing, hundredths of a second.
 const WATCHED_CS_MIN: u32 = 1_500;
 /// The spectrum's orders 0 to 4, the day and the week.
-const FORMULAS: usize = ORDER_MAX + 3;
+pub const FORMULAS: usize = ORDER_MAX + 3;
 /// A predicted rate is at least this share of the mean: a spectrum rings below zero around sharp edges.
 const FLOOR: f32 = 0.05;
 /// An hour of the day watched for less was not really seen, h.
@@ -140,11 +140,17 @@ impl<const HOURS: usize, const PERIODS: usize> Place<HOURS, PERIODS> {
     pub fn turn_to(&mut self, at: WallTime, offset_s: i32) {
         let number = at.as_seconds().div_euclid(SLICE_S);
         if number > self.slice.number {
-            let slice = self.slice;
-            self.slice = PlaceSlice { number, visits: 0, watched_cs: 0 };
-            if slice.watched_cs >= WATCHED_CS_MIN {
-                self.learn(slice, offset_s);
-            }
+            self.close(offset_s);
+            self.slice.number = number;
+        }
+    }
+
+    /// Learns what was seen of the slice that is going on, because the watching ends here.
+    pub fn close(&mut self, offset_s: i32) {
+        let slice = self.slice;
+        self.slice = PlaceSlice { number: slice.number, visits: 0, watched_cs: 0 };
+        if slice.watched_cs >= WATCHED_CS_MIN {
+            self.learn(slice, offset_s);
         }
     }
 

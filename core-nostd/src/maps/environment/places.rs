@@ -85,4 +85,9 @@ where
     pub fn turn_to(&mut self, at: WallTime, offset_s: i32) {
         self.grid.values_mut().iter_mut().for_each(|place| place.turn_to(at, offset_s));
     }
+
+    /// Learns also the slices that are going on, because the watching ends here.
+    pub fn close(&mut self, offset_s: i32) {
+        self.grid.values_mut().iter_mut().for_each(|place| place.close(offset_s));
+    }
 }

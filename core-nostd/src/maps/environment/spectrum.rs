@@ -34,6 +34,21 @@ pub struct Tone {
     pub phase_rad: f32,
 }
 
+/// The sums of a [`Spectrum`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpectrumParts<const PERIODS: usize> {
+    /// Weight of all samples.
+    pub weight: f32,
+    /// Σ w·s.
+    pub sum: f32,
+    /// First and last sample, seconds of local time.
+    pub span: Option<(i64, i64)>,
+    /// Σ w·s·e^(−jωt).
+    pub signal: [Complex; PERIODS],
+    /// Σ w·e^(−jωt).
+    pub sampling: [Complex; PERIODS],
+}
+
 /// Sums of a signal over `PERIODS` harmonics of a base period. Time counts from Monday 00:00 local time, so the base
 /// must divide a week.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,6 +80,22 @@ impl<const PERIODS: usize> Spectrum<PERIODS> {
     const fn of_base(base_s: u32) -> Self {
         let zero = [Complex { re: 0.0, im: 0.0 }; PERIODS];
         Self { base_s, weight: 0.0, sum: 0.0, span: None, signal: zero, sampling: zero }
+    }
+
+    /// All sums, to be kept in a file: weight, Σ w·s, first and last second, Σ w·s·e^(−jωt), Σ w·e^(−jωt).
+    #[must_use]
+    pub const fn parts(&self) -> SpectrumParts<PERIODS> {
+        let Self { weight, sum, span, signal, sampling, .. } = *self;
+        SpectrumParts { weight, sum, span, signal, sampling }
+    }
+
+    /// Takes the sums that [`Self::parts`] gave.
+    pub const fn restore(&mut self, parts: SpectrumParts<PERIODS>) {
+        self.weight = parts.weight;
+        self.sum = parts.sum;
+        self.span = parts.span;
+        self.signal = parts.signal;
+        self.sampling = parts.sampling;
     }
 
     /// Weight of all samples.

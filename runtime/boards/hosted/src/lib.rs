@@ -5,6 +5,7 @@ pub mod capture;
 pub mod carriers;
 pub mod commands;
 pub mod display;
+pub mod environment;
 pub mod evaluate;
 pub mod executor;
 pub mod judge;

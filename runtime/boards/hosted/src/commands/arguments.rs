@@ -30,6 +30,10 @@ pub enum Command {
     Decode(DecodeArguments),
     /// Clean a map in simulation with a guarantee, and compare strategies.
     Mission(super::MissionArguments),
+    /// Learn where and when people walk, from recorded tracks, into the environment model of a place.
+    Learn(super::LearnArguments),
+    /// Ask the environment model: best time, best zone, wet or dry, where dirt, where people.
+    Ask(super::AskArguments),
     /// Learn a classifier and write it as a table of the core.
     Train(super::TrainArguments),
     /// Compare a stage with recorded truth or with an independent key.

@@ -1,12 +1,14 @@
 //! What the user types. Human text goes to standard error, machine output to standard output.
 
 mod arguments;
+mod ask;
 mod campaign;
 mod check;
 mod decode;
 mod demo;
 mod eval;
 mod exit;
+mod learn;
 mod live;
 mod mission;
 mod replay;
@@ -15,12 +17,14 @@ mod simulate;
 mod train;
 
 pub use arguments::{Arguments, Command, DecodeArguments, ModelArgument, ReplayArguments};
+pub use ask::{AskArguments, AskQuestion};
 pub use campaign::{CampaignArguments, CampaignKind};
 pub use decode::decode_to;
 pub(crate) use decode::{LIDAR_DATA_PORT, settle_model};
 pub use demo::DemoArguments;
 pub use eval::{EvalArguments, EvalStage};
 pub use exit::{BadInput, VerdictFailed, exit_code};
+pub use learn::{LearnArguments, PlaceArguments};
 pub use mission::MissionArguments;
 pub use run::RunArguments;
 pub use simulate::SimulateArguments;
@@ -35,6 +39,8 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Replay(arguments)) => replay::run(&arguments),
         Some(Command::Decode(arguments)) => decode::run(&arguments),
         Some(Command::Mission(arguments)) => mission::run(&arguments),
+        Some(Command::Learn(arguments)) => learn::run(&arguments),
+        Some(Command::Ask(arguments)) => ask::run(&arguments),
         Some(Command::Train(arguments)) => train::run(&arguments),
         Some(Command::Eval(arguments)) => eval::run(&arguments),
         Some(Command::Check { file }) => check::run(&file),

@@ -6,7 +6,6 @@
 mod contacts;
 mod digest;
 mod latency;
-mod orders;
 mod shape;
 mod stops;
 mod truth;
@@ -16,7 +15,6 @@ mod zone;
 pub use contacts::ContactJudge;
 pub use digest::Digest;
 pub use latency::Quantiles;
-pub use orders::StopOrders;
 pub use stops::{StopJudge, StopReason};
 pub use truth::{Truth, TruthPerson};
 pub use verdict::{Judge, Verdict};

@@ -6,3 +6,4 @@ mod view;
 
 pub use page::write_report;
 pub use summary::summary;
+pub use view::outlines;

@@ -39,6 +39,12 @@ pub fn top_view(plan: &Plan, observation: &Observation) -> TopView {
     }
 }
 
+/// Walls and furniture that people cannot be seen through.
+#[must_use]
+pub fn outlines(scene: &SceneFile) -> Vec<Vec<Point2>> {
+    walls(scene).into_iter().chain(furniture(scene)).collect()
+}
+
 fn walls(scene: &SceneFile) -> Vec<Vec<Point2>> {
     let outline = |[ax, ay]: [f32; 2], [bx, by]: [f32; 2]| {
         let length_m = (bx - ax).hypot(by - ay).max(1.0e-3);

@@ -14,15 +14,17 @@ use floorguard_sim::simulation::{Simulation, Truth as SimTruth};
 use super::plan::Plan;
 use super::swath::Swath;
 use super::truth::judged;
-use crate::judge::{Judge, Quantiles, StopOrders, StopReason, Verdict};
+use crate::judge::{Judge, StopReason, Verdict};
 use crate::metrics::MotAccumulator;
 
 /// People farther away are not asked for, metres.
-const TRACKED_RANGE_M: f32 = 12.0;
+pub const TRACKED_RANGE_M: f32 = 12.0;
 /// A track this near to a person whom something hides is not wrong, metres.
 const HIDDEN_M: f32 = 1.0;
 /// A way is drawn with one place per quarter of a second.
 const WAY_US: u64 = 250_000;
+/// The list of people is kept at most this often.
+const PEOPLE_US: u64 = 200_000;
 /// A status comes every tenth tick, seconds.
 const STATUS_S: f64 = 0.1;
 /// Front wheel's target: object 60FFh in mm/s behind the controlword.
@@ -43,6 +45,17 @@ pub struct SeenStop {
     pub speed_mps: f32,
 }
 
+/// The people that the robot saw at a moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PeopleSeen {
+    /// Microseconds since the start.
+    pub at_us: u64,
+    /// Where the robot was, in the world.
+    pub robot: Pose2,
+    /// Confirmed tracks by their number, in the world.
+    pub people: Vec<(u64, Point2)>,
+}
+
 /// What was seen of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Observation {
@@ -52,6 +65,8 @@ pub struct Observation {
     pub robot_way: Vec<Pose2>,
     /// Where each person was, by the person's number.
     pub people_ways: std::collections::BTreeMap<u32, Vec<Point2>>,
+    /// The robot's own list of people, five times a second.
+    pub people_seen: Vec<PeopleSeen>,
     /// Every stop.
     pub stops: Vec<SeenStop>,
     /// Times that the operator pressed reset.
@@ -72,8 +87,6 @@ pub type Show<'a> = &'a mut dyn FnMut(f64, &RobotStatus, usize, &[SeenStop]);
 /// The watcher.
 pub struct Observer<'a> {
     judge: Judge,
-    orders: StopOrders,
-    pressed: bool,
     digest: OutputDigest,
     seen_people: u32,
     seen_status: u32,
@@ -100,8 +113,6 @@ impl<'a> Observer<'a> {
     pub fn new(plan: &Plan, show: Show<'a>) -> Self {
         Self {
             judge: Judge::new(&plan.robot),
-            orders: StopOrders::default(),
-            pressed: false,
             digest: OutputDigest::default(),
             seen_people: 0,
             seen_status: 0,
@@ -142,16 +153,7 @@ impl<'a> Observer<'a> {
         {
             let target_mps = i32::from_le_bytes([a, b, c, d]) as f32 * 1.0e-3;
             self.commanded_mps = if control == ENABLE_OPERATION { target_mps } else { 0.0 };
-            self.orders.order(now_us, self.commanded_mps);
         }
-    }
-
-    /// The emergency stop is pressed or not. When it is pressed, the truth says when; the robot learns of it later.
-    pub fn on_emergency_stop(&mut self, pressed: bool, now_us: u64) {
-        if pressed && !self.pressed {
-            self.orders.stop(now_us, now_us);
-        }
-        self.pressed = pressed;
     }
 
     /// The tasks have run: what they put out goes into the fingerprint.
@@ -171,19 +173,16 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// A moment of 10 ms, and the stops that began since the one before.
-    pub fn observe<M: RawMutex>(
-        &mut self,
-        simulation: &Simulation,
-        shared: &Shared<M>,
-        stops: &[StopRecord],
-    ) {
+    /// A moment of 10 ms.
+    pub fn observe<M: RawMutex>(&mut self, simulation: &Simulation, shared: &Shared<M>) {
         let truth = simulation.truth();
         let now_us = truth.stamp.as_micros();
         // The rim of the front wheel is faster than the middle of the rear axle.
         let commanded_mps = self.commanded_mps * libm::cosf(truth.steering_rad);
         self.judge.observe(&judged(simulation), commanded_mps);
-        stops.iter().for_each(|stop| self.on_stop(stop, &truth));
+        while let Some(stop) = shared.stops.try_pop() {
+            self.on_stop(&stop, &truth);
+        }
         if let Some(people) = shared.people.get().filter(|people| self.last_sweep != Some(people.sweep.stamp))
         {
             self.last_sweep = Some(people.sweep.stamp);
@@ -234,10 +233,6 @@ impl<'a> Observer<'a> {
         };
         let stamp = self.in_world(stop.stamp);
         self.judge.stop(stamp, reason);
-        let measured_us = stamp.as_micros().saturating_sub(stop.cause.age_us);
-        if stop.cause.cause != Cause::EmergencyStop {
-            self.orders.stop(measured_us, stamp.as_micros());
-        }
         if let Cause::SourceLost(source) | Cause::SourceLate(source) = stop.cause.cause {
             self.faulty.insert(source.name().to_owned());
         }
@@ -255,15 +250,23 @@ impl<'a> Observer<'a> {
         let robot = Point2::new(truth.robot.x_m, truth.robot.y_m);
         let near = |place: Point2| place.distance(robot) < TRACKED_RANGE_M;
         let mut tracks = Vec::new();
+        let mut seen_people = Vec::new();
         for person in &report.people {
             let counts = person.status == TrackStatus::Confirmed
                 && person.person_probability >= PERSON_PROBABILITY_MIN;
             let place = to_world.transform(person.position);
             let hidden = truth.people.iter().filter(|person| !person.in_sight || !near(person.position));
             let excused = hidden.clone().any(|person| person.position.distance(place) < HIDDEN_M);
+            if counts && near(place) {
+                seen_people.push((u64::from(person.id), place));
+            }
             if counts && near(place) && !excused {
                 tracks.push((u64::from(person.id), place));
             }
+        }
+        let at_us = report.sweep.stamp.as_micros();
+        if self.seen.people_seen.last().is_none_or(|last| at_us >= last.at_us.saturating_add(PEOPLE_US)) {
+            self.seen.people_seen.push(PeopleSeen { at_us, robot: truth.robot, people: seen_people });
         }
         self.people_now = tracks.len();
         let seen = truth.people.iter().filter(|person| person.in_sight && near(person.position));
@@ -295,7 +298,6 @@ impl<'a> Observer<'a> {
             idf1: summary.idf1,
             id_switches: summary.switches as u32,
             localisation_error_m: summary.motp,
-            stop_latency_ms: Quantiles::of_micros(self.orders.latencies_us().to_vec()),
             digest: format!("{:016x}", self.digest.value()),
             faulty_sources: self.faulty.iter().cloned().collect(),
             ..self.judge.verdict()

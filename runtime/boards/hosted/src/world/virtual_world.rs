@@ -3,7 +3,7 @@
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
-use floorguard_runtime::shared::{Shared, StopRecord};
+use floorguard_runtime::shared::Shared;
 use floorguard_runtime::tape::TapeLine;
 use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
 use floorguard_sim::{CanFrame as SimCanFrame, FaultLayer};
@@ -12,7 +12,7 @@ use super::observer::Observer;
 use super::operator::Operator;
 use super::plan::Plan;
 use super::spawn::{GuardCarriers, new_perception, new_shared, spawn_guard_ring, spawn_perception_ring};
-use super::witnesses::Witnesses;
+use super::tape::Tape;
 use crate::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 use crate::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 
@@ -36,7 +36,7 @@ struct Ends {
 }
 
 /// The bit rate that the simulated inertial sensor has.
-pub(super) const IMU_BAUD: u32 = 115_200;
+const IMU_BAUD: u32 = 115_200;
 
 impl Lines {
     fn new() -> (Self, Ends) {
@@ -48,25 +48,25 @@ impl Lines {
         (lines, Ends { scanner: scanner_reader, imu, from_imu_line })
     }
 
-    fn deliver(&self, event: WireEvent, now_us: u64, witnesses: &mut Witnesses) {
+    fn deliver(&self, event: WireEvent, now_us: u64, tape: &mut Tape) {
         let when = (now_us, event.at_us);
         match (event.stream, event.payload) {
             (Stream::LidarData, Payload::Bytes(bytes)) => {
-                witnesses.delivered(when, TapeLine::Lidar, &bytes);
+                tape.record(when, TapeLine::Lidar, &bytes);
                 self.lidar.push(Stamp::from_micros(event.at_us), bytes);
             }
             (Stream::ScannerSerial, Payload::Bytes(bytes)) => {
-                witnesses.delivered(when, TapeLine::Scanner, &bytes);
+                tape.record(when, TapeLine::Scanner, &bytes);
                 self.scanner.push(&bytes);
             }
             (Stream::ImuSerial, Payload::Bytes(bytes)) => {
-                witnesses.delivered(when, TapeLine::Imu, &bytes);
+                tape.record(when, TapeLine::Imu, &bytes);
                 self.imu.push(&bytes);
             }
             (Stream::Can, Payload::Frame(frame)) => {
                 let [low, high] = (frame.id as u16).to_le_bytes();
                 let bytes: Vec<u8> = [low, high].iter().chain(frame.payload()).copied().collect();
-                witnesses.delivered(when, TapeLine::Can, &bytes);
+                tape.record(when, TapeLine::Can, &bytes);
                 self.can.push(CanFrame::standard(frame.id as u16, frame.payload()));
             }
             // Position packets only discipline the lidar's clock, which the arrival times already do.
@@ -80,21 +80,17 @@ impl Lines {
 /// # Errors
 /// The robot cannot be configured, or one of its tasks spins.
 pub fn run_virtual(plan: &Plan, observer: &mut Observer<'_>) -> anyhow::Result<()> {
-    run_recorded(plan, observer, &mut Witnesses::default())
+    run_recorded(plan, observer, &mut Tape::none())
 }
 
-/// The same, with witnesses.
+/// The same, and every byte that reaches the robot goes to a tape.
 ///
 /// # Errors
 /// As [`run_virtual`].
-pub fn run_recorded(
-    plan: &Plan,
-    observer: &mut Observer<'_>,
-    witnesses: &mut Witnesses,
-) -> anyhow::Result<()> {
+pub fn run_recorded(plan: &Plan, observer: &mut Observer<'_>, tape: &mut Tape) -> anyhow::Result<()> {
     let mut simulation = Simulation::new(&plan.scenario, plan.seed)?;
     use_virtual_clock(0);
-    let outcome = play(plan, &mut simulation, (observer, witnesses));
+    let outcome = play(plan, &mut simulation, (observer, tape));
     use_real_clock();
     outcome
 }
@@ -102,7 +98,7 @@ pub fn run_recorded(
 fn play(
     plan: &Plan,
     simulation: &mut Simulation,
-    (observer, witnesses): (&mut Observer<'_>, &mut Witnesses),
+    (observer, tape): (&mut Observer<'_>, &mut Tape),
 ) -> anyhow::Result<()> {
     let shared: Box<Shared<NoopRawMutex>> = new_shared(&plan.robot, Stamp::ZERO)
         .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
@@ -131,19 +127,18 @@ fn play(
             break;
         }
         simulation.advance_to(now_us, &mut |event| {
-            faults.pass(event, &mut |event| lines.deliver(event, now_us, witnesses))
+            faults.pass(event, &mut |event| lines.deliver(event, now_us, tape))
         });
-        faults.release(now_us, &mut |event| lines.deliver(event, now_us, witnesses));
+        faults.release(now_us, &mut |event| lines.deliver(event, now_us, tape));
         advance_virtual(now_us);
         if std::mem::take(&mut reset) {
             shared.reset.signal(());
-            witnesses.delivered((now_us, now_us), TapeLine::Reset, &[]);
+            tape.record((now_us, now_us), TapeLine::Reset, &[]);
         }
         tasks.poll_until_quiet()?;
         observer.after_tasks(&shared);
         for frame in lines.can.drain() {
             observer.on_frame(&frame, now_us);
-            witnesses.sent(&frame, now_us);
             let id = u32::from(frame.standard_id().unwrap_or_default());
             simulation.receive_can(SimCanFrame::new(id, frame.payload()), now_us);
         }
@@ -151,20 +146,16 @@ fn play(
         if !bytes.is_empty() {
             simulation.receive(Stream::ImuSerial, &bytes);
         }
-        witnesses.after_tasks(&shared, (now_us, observer.digest().value()));
         if now_us >= judge_us {
             judge_us += JUDGE_US;
             let state = shared.decision.get().map(|decision| decision.state).unwrap_or_default();
             let deed = operator.act(now_us, state);
             simulation.press_emergency_stop(deed.pressed);
-            observer.on_emergency_stop(deed.pressed, now_us);
             // The button reaches the tasks with the next moment.
             reset = deed.reset;
-            let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
-            stops.iter().for_each(|stop| witnesses.stop(stop));
-            observer.observe(simulation, &shared, &stops);
+            observer.observe(simulation, &shared);
         }
     }
     observer.finish(operator.resets());
-    Ok(witnesses.finish((plan.duration_us, observer.digest().value()))?)
+    Ok(())
 }
