@@ -3,10 +3,12 @@
 //! Only tasks of the guard ring call [`Shared::decide`] and [`Shared::move_by`]. Everything else here is a latest
 //! value or a bounded queue, so that no ring ever waits for the other.
 
+mod devices;
 mod motion;
 mod records;
 mod reports;
 
+pub use devices::{BusReport, DeviceReport};
 pub use motion::{Motion, StampedPose};
 pub use records::{BoxEntry, STOPS_KEPT, StopRecord};
 pub use reports::{LinkCounters, PeopleReport, PersonReport, RobotStatus, SweepReport};
@@ -63,6 +65,8 @@ pub struct Shared<M: RawMutex> {
     pub people: Latest<M, PeopleReport>,
     /// How everything is, ten times a second.
     pub status: Latest<M, RobotStatus>,
+    /// How far the devices on the CAN bus are; published when it changes.
+    pub bus: Latest<M, BusReport>,
     /// Every stop, in order.
     pub stops: Queue<M, StopRecord, STOPS_KEPT>,
     records: Mutex<M, RefCell<records::Records>>,
@@ -89,6 +93,7 @@ impl<M: RawMutex> Shared<M> {
             drive_reset: Signal::new(),
             people: Latest::new(),
             status: Latest::new(),
+            bus: Latest::new(),
             stops: Queue::new(),
             records: Mutex::new(RefCell::new(records::Records::new())),
             links: Mutex::new(RefCell::new(LinkCounters::default())),

@@ -15,7 +15,7 @@ use heapless::Vec;
 use super::supervise::TICK_MS;
 use crate::clock;
 use crate::io::CanBus;
-use crate::shared::Shared;
+use crate::shared::{BusReport, Shared};
 
 /// Frames that one poll may send: SYNC, heartbeat, two commands, and two for each of five devices that start.
 const FRAMES_MAX: usize = 16;
@@ -34,6 +34,7 @@ pub async fn can_bus<M: RawMutex>(
 ) {
     let mut ticker = Ticker::every(Duration::from_millis(TICK_MS));
     let mut steering_rad = 0.0;
+    let mut told = None;
     loop {
         let mut frames = Frames::new();
         match select3(bus.receive(), shared.decision.next(), ticker.next()).await {
@@ -67,6 +68,7 @@ pub async fn can_bus<M: RawMutex>(
                 }
                 let send = &mut |frame: &CanFrame| collect(&mut frames, frame);
                 base.poll(clock::now(), &mut |event| take_in(shared, &event), send);
+                tell_changes(shared, &base, &mut told);
             }
         }
         for frame in &frames {
@@ -76,6 +78,15 @@ pub async fn can_bus<M: RawMutex>(
         }
         let sent = frames.len() as u32;
         shared.count(|links| links.can_sent = links.can_sent.saturating_add(sent));
+    }
+}
+
+/// Makes known how far the devices are, if that is news.
+fn tell_changes<M: RawMutex>(shared: &Shared<M>, base: &ThreeWheelBase, told: &mut Option<BusReport>) {
+    let report = Some(BusReport::of(base));
+    if *told != report {
+        *told = report;
+        report.into_iter().for_each(|report| shared.bus.publish(report));
     }
 }
 

@@ -8,8 +8,9 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use floorguard_core::guard::GuardState;
+use floorguard_drivers::canopen::NodePhase;
 use floorguard_runtime::clock;
-use floorguard_runtime::shared::{RobotStatus, StopRecord};
+use floorguard_runtime::shared::{BusReport, RobotStatus, StopRecord};
 use serde_json::json;
 
 use super::exit::BadInput;
@@ -92,13 +93,14 @@ struct Watch<'a> {
     next_json_s: f64,
     stops: u32,
     last_stop: Option<String>,
+    bus: Option<BusReport>,
 }
 
 impl<'a> Watch<'a> {
     fn new(arguments: &'a RunArguments, shared: &'a HostedShared) -> Self {
         let display = LiveDisplay::new(arguments.duration.unwrap_or(0.0), arguments.json);
         let began = Instant::now();
-        Self { arguments, shared, display, began, next_json_s: 0.0, stops: 0, last_stop: None }
+        Self { arguments, shared, display, began, next_json_s: 0.0, stops: 0, last_stop: None, bus: None }
     }
 
     fn until_stopped(&mut self, flag: &StopFlag, typed: &Receiver<String>) -> anyhow::Result<()> {
@@ -111,11 +113,26 @@ impl<'a> Watch<'a> {
             while let Some(stop) = self.shared.stops.try_pop() {
                 self.on_stop(&stop)?;
             }
+            if let Some(report) = self.shared.bus.get() {
+                self.on_bus(&report);
+            }
             if let Some(status) = self.shared.status.get() {
                 self.on_status(&status)?;
             }
         }
         Ok(())
+    }
+
+    /// Says what has changed on the CAN bus.
+    fn on_bus(&mut self, report: &BusReport) {
+        for (index, device) in report.devices.iter().enumerate() {
+            let known = self.bus.and_then(|known| known.devices.get(index).copied());
+            let silent_at_start = known.is_none() && device.phase == NodePhase::Absent;
+            if known != Some(*device) && !silent_at_start {
+                self.display.note(&format!("  {device}"));
+            }
+        }
+        self.bus = Some(*report);
     }
 
     fn on_stop(&mut self, stop: &StopRecord) -> anyhow::Result<()> {

@@ -65,6 +65,15 @@ impl LiveDisplay {
         }
     }
 
+    /// A line that stays, above the bar.
+    pub fn note(&self, line: &str) {
+        if self.terminal {
+            self.bar.println(line);
+        } else if !self.quiet {
+            anstream::eprintln!("{line}");
+        }
+    }
+
     /// Takes the bar away so that the summary starts on a clean line.
     pub fn finish(self) {
         self.bar.finish_and_clear();

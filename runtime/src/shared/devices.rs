@@ -1,0 +1,84 @@
+//! How far the devices on the CAN bus are, in words that name device, object and reason.
+
+use core::fmt;
+
+use floorguard_drivers::canopen::{ConfigurationFailure, NodePhase};
+use floorguard_drivers::three_wheel_base::ThreeWheelBase;
+
+/// What the devices are, in the order of [`BusReport::devices`].
+const NAMES: [&str; 5] =
+    ["traction drive", "steering drive", "left encoder", "right encoder", "safety controller"];
+
+/// A device on the bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DeviceReport {
+    /// What it is.
+    pub name: &'static str,
+    /// Its node number.
+    pub node: u8,
+    /// How far its start is.
+    pub phase: NodePhase,
+    /// Why it refused last.
+    pub failure: Option<ConfigurationFailure>,
+}
+
+/// All devices on the bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BusReport {
+    /// Traction, steering, left and right encoder, gateway of the safety controller.
+    pub devices: [DeviceReport; 5],
+}
+
+impl BusReport {
+    /// Of a base. A device that is being configured counts as at the first step, so that a report is not news at each.
+    #[must_use]
+    pub fn of(base: &ThreeWheelBase) -> Self {
+        let mut names = NAMES.into_iter();
+        let devices = base.devices().map(|device| DeviceReport {
+            name: names.next().unwrap_or_default(),
+            node: device.node(),
+            phase: match device.phase() {
+                NodePhase::Configuring(_) | NodePhase::Starting => NodePhase::Configuring(0),
+                phase => phase,
+            },
+            failure: device.failure().filter(|_| device.phase() == NodePhase::Refused),
+        });
+        Self { devices }
+    }
+}
+
+impl fmt::Display for DeviceReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} (node {}): ", self.name, self.node)?;
+        match (self.phase, self.failure) {
+            (NodePhase::Absent, _) => {
+                f.write_str("not heard of; check its power, the cable and its node number")
+            }
+            (NodePhase::Configuring(_) | NodePhase::Starting, _) => f.write_str("being configured"),
+            (NodePhase::Operational, _) => f.write_str("operational"),
+            (NodePhase::Refused, None) => f.write_str("refused its configuration; tried again in 2 s"),
+            (NodePhase::Refused, Some(failure)) => {
+                let ConfigurationFailure { index, subindex, error } = failure;
+                write!(f, "refused object {index:04X}h:{subindex:02X}h: {error}; tried again in 2 s")
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use floorguard_drivers::canopen::SdoError;
+    use std::string::ToString;
+
+    #[test]
+    fn a_refusal_names_device_object_and_reason() {
+        let failure = ConfigurationFailure { index: 0x1A00, subindex: 1, error: SdoError(0x0609_0030) };
+        let report =
+            DeviceReport { name: "left encoder", node: 3, phase: NodePhase::Refused, failure: Some(failure) };
+        let text = report.to_string();
+        assert!(text.starts_with("left encoder (node 3): refused object 1A00h:01h: "), "{text}");
+        let silent = DeviceReport { phase: NodePhase::Absent, failure: None, ..report };
+        assert!(silent.to_string().contains("not heard of"));
+    }
+}
