@@ -6,6 +6,7 @@
 
 pub mod can;
 pub mod faults;
+pub mod floor;
 pub mod people;
 pub mod robot;
 pub mod scenario;
@@ -15,6 +16,6 @@ pub mod simulation;
 pub mod wire;
 
 pub use can::CanFrame;
-pub use faults::{FaultKind, FaultLayer, FaultSpec, FaultTarget};
+pub use faults::{FaultLayer, FaultSpec};
 pub use scenario::Scenario;
 pub use simulation::{Payload, Simulation, Stream, Truth, WireEvent};

@@ -51,7 +51,9 @@ impl TapeLine {
         }
     }
 
-    const fn from_number(number: u16) -> Option<Self> {
+    /// The line of a number.
+    #[must_use]
+    pub const fn from_number(number: u16) -> Option<Self> {
         match number {
             1 => Some(Self::Lidar),
             2 => Some(Self::Scanner),

@@ -214,7 +214,7 @@ fn fuzz_recording() {
         .expect("memory takes everything");
     for round in 0..20 {
         let sample = floorguard_core::sensing::ImuSample { stamp: at(round * 10_000), ..Default::default() };
-        recorder.imu(&sample).expect("memory takes everything");
+        recorder.imu(sample.stamp, &sample).expect("memory takes everything");
     }
     let whole = recorder.finish().expect("memory takes everything").into_inner();
     campaign(1_000, |random| {

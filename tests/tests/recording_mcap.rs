@@ -7,7 +7,7 @@ use floorguard_core::sensing::{BeamReturn, ImuSample, Scan};
 use floorguard_core::time::Stamp;
 use floorguard_hosted::recording::{
     Diagnostic, GridImage, Marker, MarkerShape, MotionRow, PointRow, RawStream, ReadError, Recorder,
-    Recording, Severity,
+    Recording, Severity, count_messages, octets_of, topics,
 };
 
 fn at(millis: u64) -> Stamp {
@@ -28,17 +28,17 @@ fn every_kind(rounds: u64) -> Vec<u8> {
     recorder.mounting(at(0), "lidar", &mounting).expect("written");
     for round in 0..rounds {
         let now = at(round * 40);
-        let points = [PointRow { position_m: [1.0, 2.0, 3.0], reflectivity: 9, ring: 4, time_s: 0.01 }; 20];
+        let points = [PointRow { position_m: [1.0, 2.0, 3.0], reflectivity: 9, ring: 4, time_s: 0.01 }; 100];
         recorder.points(now, "lidar", &points).expect("written");
-        recorder.scan(&scan(now)).expect("written");
-        recorder.imu(&ImuSample { stamp: now, ..ImuSample::default() }).expect("written");
+        recorder.scan(now, &scan(now)).expect("written");
+        recorder.imu(now, &ImuSample { stamp: now, ..ImuSample::default() }).expect("written");
         let motion = MotionRow {
             stamp: now,
             pose_in_odom: Pose2::new(1.0, 2.0, 0.5),
             twist: Twist2 { linear_mps: 0.4, angular_radps: 0.1 },
             covariance: [[0.01, 0.0, 0.0], [0.0, 0.02, 0.0], [0.0, 0.0, 0.03]],
         };
-        recorder.motion(&motion).expect("written");
+        recorder.motion(now, &motion).expect("written");
         recorder.raw(RawStream::Scanner, now, &[1, 2, 3, round as u8]).expect("written");
     }
     let grid = GridImage { resolution_m: 0.05, width: 2, origin: Pose2::default(), cells: &[0, 100, -1, 50] };
@@ -51,15 +51,16 @@ fn every_kind(rounds: u64) -> Vec<u8> {
         size_m: [0.5, 0.5, 1.7],
         color: [0.1, 0.6, 1.0, 0.8],
         text: String::from("7"),
+        points: Vec::new(),
     };
-    recorder.markers(at(2), "odom", &[person]).expect("written");
+    recorder.markers(topics::PEOPLE, (at(2), "odom"), &[person]).expect("written");
     let stop = Diagnostic {
         severity: Severity::Error,
         name: String::from("scanner"),
         message: String::from("no telegram for 212 ms"),
         values: vec![(String::from("limit"), String::from("200 ms"))],
     };
-    recorder.diagnostics(at(3), &[stop]).expect("written");
+    recorder.diagnostics(topics::STOPS, at(3), &[stop]).expect("written");
     recorder.finish().expect("closed").into_inner()
 }
 
@@ -72,11 +73,11 @@ fn what_goes_in_comes_out() {
     let messages: Vec<_> =
         Recording::new(Cursor::new(file)).collect::<Result<_, _>>().expect("a whole file reads to its end");
     assert_eq!(messages.len(), 1 + 3 * 6 + 3);
-    let raw: Vec<_> = messages.iter().filter(|message| message.topic == "/raw/scanner").collect();
-    assert_eq!(raw[2].data, [1, 2, 3, 2]);
-    assert_eq!((raw[2].at, raw[2].schema.as_str()), (at(80), ""));
-    let scan = messages.iter().find(|message| message.topic == "/scanner/scan").expect("a scan");
-    assert_eq!(scan.schema, "sensor_msgs/msg/LaserScan");
+    let raw: Vec<_> = messages.iter().filter(|message| &*message.topic == "/raw/scanner").collect();
+    assert_eq!(octets_of(&raw[2].data), Some([1, 2, 3, 2].as_slice()));
+    assert_eq!((raw[2].at, &*raw[2].schema), (at(80), "std_msgs/msg/UInt8MultiArray"));
+    let scan = messages.iter().find(|message| &*message.topic == topics::SCAN).expect("a scan");
+    assert_eq!(&*scan.schema, "sensor_msgs/msg/LaserScan");
     let ranges: Vec<f32> = scan.data[scan.data.len() - 16..scan.data.len() - 4]
         .chunks(4)
         .map(|four| f32::from_le_bytes(four.try_into().expect("four bytes")))
@@ -104,25 +105,57 @@ fn complete_at(file: &[u8]) -> Vec<usize> {
     ends
 }
 
+/// Reads a file that was cut; gives the messages delivered and those that the error speaks of.
+fn read_cut(file: &[u8]) -> (u64, Option<u64>) {
+    let (mut delivered, mut told) = (0, None);
+    for message in Recording::new(file) {
+        match message {
+            Ok(_) => delivered += 1,
+            Err(ReadError::Cut { messages } | ReadError::Broken { messages, .. }) => told = Some(messages),
+            Err(ReadError::Io(error)) => panic!("memory cannot fail: {error}"),
+        }
+    }
+    (delivered, told)
+}
+
 #[test]
 fn a_cut_at_any_byte_keeps_every_complete_message() {
     let file = every_kind(8);
     let ends = complete_at(&file);
     assert_eq!(ends.len(), 1 + 8 * 6 + 3);
     for cut in 0..file.len() {
-        let expected = ends.iter().filter(|end| **end <= cut).count();
-        let mut delivered = 0;
-        let mut error = None;
-        for message in Recording::new(Cursor::new(&file[..cut])) {
-            match message {
-                Ok(_) => delivered += 1,
-                Err(problem) => error = Some(problem),
-            }
-        }
+        let expected = ends.iter().filter(|end| **end <= cut).count() as u64;
+        let (delivered, told) = read_cut(&file[..cut]);
         assert_eq!(delivered, expected, "cut at byte {cut}");
-        if let Some(ReadError::Cut { messages } | ReadError::Broken { messages, .. }) = error {
-            assert_eq!(messages, expected as u64, "cut at byte {cut}");
+        assert!(told.is_none_or(|told| told == expected), "cut at byte {cut}");
+    }
+}
+
+/// Every one of the 1,048,576 offsets of a file of 1 MiB and more: nothing that was complete is lost.
+#[test]
+fn every_offset_of_a_mebibyte() {
+    const MEBIBYTE: usize = 1 << 20;
+    let file = every_kind(300);
+    assert!(file.len() > MEBIBYTE, "{}", file.len());
+    let ends = complete_at(&file);
+    let halves = [0..MEBIBYTE / 2, MEBIBYTE / 2..MEBIBYTE];
+    std::thread::scope(|scope| {
+        for half in halves {
+            let (file, ends) = (&file, &ends);
+            scope.spawn(move || {
+                for cut in half {
+                    let expected = ends.partition_point(|end| *end <= cut);
+                    let last = expected.checked_sub(1).map_or(0, |last| ends[last]);
+                    assert_eq!(count_messages(&file[..cut]), (expected as u64, last), "cut at byte {cut}");
+                }
+            });
         }
+    });
+    // The reader that users have, which copies: around every fifth end of a message.
+    for (index, end) in ends.iter().enumerate().step_by(5).filter(|(_, end)| **end < MEBIBYTE) {
+        let complete = index as u64 + 1;
+        assert_eq!(read_cut(&file[..end - 1]).0, complete - 1);
+        assert_eq!(read_cut(&file[..end + 5]), (complete, Some(complete)));
     }
 }
 
@@ -130,4 +163,45 @@ fn a_cut_at_any_byte_keeps_every_complete_message() {
 fn other_bytes_are_refused_with_a_reason() {
     let error = Recording::new(Cursor::new(b"this is no recording at all".to_vec())).next();
     assert!(matches!(error, Some(Err(ReadError::Broken { messages: 0, .. }))), "{error:?}");
+}
+
+#[test]
+fn the_reference_library_reads_what_we_write() {
+    let file = every_kind(3);
+    let messages: Vec<_> = mcap::MessageStream::new(&file)
+        .expect("a readable file")
+        .collect::<Result<_, _>>()
+        .expect("to its end");
+    let ours: Vec<_> = Recording::new(file.as_slice()).collect::<Result<_, _>>().expect("to its end");
+    assert_eq!(messages.len(), ours.len());
+    for (theirs, ours) in messages.iter().zip(&ours) {
+        assert_eq!((theirs.channel.topic.as_str(), &*theirs.data), (&*ours.topic, ours.data.as_slice()));
+    }
+}
+
+/// Files of other recorders: in chunks, packed or not.
+#[test]
+fn chunks_of_other_recorders_are_unfolded() {
+    let options = mcap::WriteOptions::new().use_chunks(true).chunk_size(Some(512)).compression(None);
+    let mut writer = options.create(Cursor::new(Vec::new())).expect("memory takes everything");
+    let schema = writer.add_schema("std_msgs/msg/String", "ros2msg", b"string data").expect("added");
+    let channel = writer.add_channel(schema, "/words", "cdr", &Default::default()).expect("added");
+    for sequence in 0..100 {
+        let times = u64::from(sequence) * 1_000_000;
+        let header = mcap::records::MessageHeader {
+            channel_id: channel,
+            sequence,
+            log_time: times,
+            publish_time: times,
+        };
+        writer.write_to_known_channel(&header, &[sequence as u8; 40]).expect("written");
+    }
+    writer.finish().expect("closed");
+    let file = writer.into_inner().into_inner();
+    let messages: Vec<_> = Recording::new(file.as_slice()).collect::<Result<_, _>>().expect("to its end");
+    assert_eq!(messages.len(), 100);
+    assert_eq!((messages[99].at, messages[99].data[0]), (at(99), 99));
+    for cut in 0..file.len() {
+        assert!(read_cut(&file[..cut]).0 <= 100);
+    }
 }

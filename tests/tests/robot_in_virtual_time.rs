@@ -2,6 +2,7 @@
 
 use floorguard_hosted::campaign::{encounter, run_seeds, single_fault};
 use floorguard_hosted::world::{Observation, Observer, Plan, run_virtual};
+use floorguard_sim::FaultSpec;
 
 fn play(plan: &Plan) -> Observation {
     let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
@@ -73,4 +74,34 @@ fn a_slice_of_random_encounters() {
 fn a_slice_of_random_single_faults() {
     let summary = run_seeds(1_000..1_024, single_fault).unwrap();
     assert!(summary.failures.is_empty(), "{:#?}", summary.failures);
+}
+
+/// Each device in turn comes four seconds late, and later its line is cut for two seconds: the robot is ready within two
+/// seconds after the last source, stands while the line is cut, and goes on afterwards.
+#[test]
+fn late_devices_and_cut_lines_are_survived() {
+    for line in ["lidar", "scanner", "imu", "can"] {
+        let mut plan = plan("empty", 3, 20);
+        for text in [format!("{line}:silent,from=0s,to=4s"), format!("{line}:silent,from=8s,to=10s")] {
+            plan.faults.push(FaultSpec::parse(&text).unwrap());
+        }
+        let seen = play(&plan);
+        assert!(seen.verdict.passed, "{line}: {:?}", seen.verdict);
+        assert!(
+            seen.ready_s.is_some_and(|at_s| (4.0..6.0).contains(&at_s)),
+            "{line}: ready {:?}",
+            seen.ready_s
+        );
+        let driven_m = |from_s: usize, to_s: usize| -> f32 {
+            let places = &seen.robot_way[from_s * 4..to_s * 4];
+            places.windows(2).map(|pair| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m)).sum()
+        };
+        assert!(driven_m(5, 8) > 0.5, "{line}: {} m before", driven_m(5, 8));
+        assert!(driven_m(16, 20) > 0.5, "{line}: {} m after; {:?}", driven_m(16, 20), seen.under_cause_s);
+        println!(
+            "{line}: ready {:?}, stops {:?}",
+            seen.ready_s,
+            seen.stops.iter().map(|stop| &stop.cause).collect::<Vec<_>>()
+        );
+    }
 }

@@ -36,7 +36,7 @@ impl Supervisor {
         let braking = (self.config.drive.braking_mps2, response_us);
         self.state.checks.follow(permitted.linear_mps.abs(), braking, now);
         self.state.decided_at = self.state.decided_at.max(now);
-        self.copy = self.state;
+        self.copy.follow(&self.state);
         Decision {
             stamp: now,
             permitted,
@@ -54,11 +54,11 @@ impl Supervisor {
     /// Every failing source raises its own cause (FG-REQ-013); `true` when all that are required are healthy.
     fn judge_sources(&mut self, now: Stamp) -> bool {
         let mut all_healthy = true;
-        let (rules, monitors) = (self.config.sources, self.state.monitors);
-        for ((source, rules), monitor) in Source::ALL.into_iter().zip(rules).zip(monitors) {
-            let health = monitor.health(&rules, now);
+        let watched = self.config.sources.iter().zip(&self.state.monitors);
+        for (source, (rules, monitor)) in Source::ALL.into_iter().zip(watched) {
+            let health = monitor.health(rules, now);
             all_healthy &= health == Health::Healthy || !rules.fitted || !rules.required_at_start;
-            let (cause, limit_us) = match monitor.demand(&rules, now) {
+            let (cause, limit_us) = match monitor.demand(rules, now) {
                 // Before the start the start-up check holds the robot, and power that comes up is no loss.
                 _ if !self.state.started => continue,
                 Action::None => continue,

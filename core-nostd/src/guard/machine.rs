@@ -5,7 +5,7 @@
 //! arriving is not evidence of safety (its source will then raise its own cause).
 
 use super::rules::Clear;
-use crate::protection::{Action, CAUSES, Cause, CauseRecord, GuardState};
+use crate::protection::{Action, Cause, CauseRecord, GuardState, HeldCauses};
 use crate::time::{Age, Stamp};
 
 /// Evidence younger than this counts as present: a reset is refused, microseconds (two periods of the slowest input).
@@ -13,19 +13,10 @@ pub const PRESENT_US: u64 = 200_000;
 /// The self-test must hold this long before a reset is granted, microseconds.
 pub const SELF_TEST_US: u64 = 300_000;
 
-/// One cause's state.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Slot {
-    held: bool,
-    last_pulse: Stamp,
-    limit_mps: f32,
-    first: CauseRecord,
-}
-
 /// Which causes hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DecisionMachine {
-    slots: [Slot; CAUSES],
+    held: HeldCauses,
     first_stop: Option<CauseRecord>,
     reset_since: Option<Stamp>,
     resets: u32,
@@ -48,13 +39,7 @@ impl DecisionMachine {
     /// Nothing holds but the start-up check.
     #[must_use]
     pub fn new(now: Stamp) -> Self {
-        let idle = Slot {
-            held: false,
-            last_pulse: now,
-            limit_mps: 0.0,
-            first: CauseRecord::new(Cause::StartUp, now),
-        };
-        let mut machine = Self { slots: [idle; CAUSES], first_stop: None, reset_since: None, resets: 0 };
+        let mut machine = Self { held: HeldCauses::new(), first_stop: None, reset_since: None, resets: 0 };
         machine.raise(CauseRecord::new(Cause::StartUp, now));
         machine
     }
@@ -62,14 +47,7 @@ impl DecisionMachine {
     /// Books evidence for a cause. The first record of a cause, and the first stop of an episode, are never
     /// overwritten (FG-REQ-004); the limit is the latest.
     pub fn raise(&mut self, record: CauseRecord) {
-        let Some(slot) = self.slots.get_mut(record.cause.index()) else { return };
-        // A slot that a flipped bit took for held must not keep the rules of another cause.
-        if !slot.held || slot.first.cause != record.cause {
-            slot.first = record;
-        }
-        slot.held = true;
-        slot.last_pulse = record.raised_at;
-        slot.limit_mps = record.speed_limit_mps;
+        self.held.pulse(record);
         if record.action.stops() && self.first_stop.is_none() {
             self.first_stop = Some(record);
         }
@@ -83,12 +61,12 @@ impl DecisionMachine {
     /// A cause holds.
     #[must_use]
     pub fn holds(&self, cause: Cause) -> bool {
-        self.slots.get(cause.index()).is_some_and(|slot| slot.held)
+        self.held.holds(cause)
     }
 
     /// The causes that hold, as they began.
     pub fn held(&self) -> impl Iterator<Item = &CauseRecord> {
-        self.slots.iter().filter(|slot| slot.held).map(|slot| &slot.first)
+        self.held.iter().map(|held| &held.first)
     }
 
     /// Resets granted so far.
@@ -97,17 +75,21 @@ impl DecisionMachine {
         self.resets
     }
 
+    /// Becomes equal to another one, at the price of what differs.
+    pub fn follow(&mut self, other: &Self) {
+        self.held.follow(&other.held);
+        (self.first_stop, self.reset_since, self.resets) =
+            (other.first_stop, other.reset_since, other.resets);
+    }
+
     /// Lets go what may go, and says what follows. `self_test_passed`: the machine is fit to be reset.
     pub fn settle(&mut self, self_test_passed: bool, now: Stamp) -> Verdict {
         let granted = self.reset_granted(self_test_passed, now);
-        for slot in &mut self.slots {
-            let quiet_us = elapsed_us(slot.last_pulse, now);
-            slot.held &= match slot.first.cause.clear() {
-                Clear::Quiet(needed_us) => quiet_us < needed_us,
-                Clear::Reset => !granted,
-                Clear::Restart => true,
-            };
-        }
+        self.held.retain(|held| match held.first.cause.clear() {
+            Clear::Quiet(needed_us) => elapsed_us(held.last_pulse, now) < needed_us,
+            Clear::Reset => !granted,
+            Clear::Restart => true,
+        });
         let verdict = self.verdict();
         if !verdict.action.stops() {
             self.first_stop = None;
@@ -119,10 +101,8 @@ impl DecisionMachine {
     /// cancels the request (FG-REQ-005).
     fn reset_granted(&mut self, self_test_passed: bool, now: Stamp) -> bool {
         let Some(since) = self.reset_since else { return false };
-        let present = self.slots.iter().any(|slot| {
-            slot.held
-                && slot.first.cause.clear() == Clear::Reset
-                && elapsed_us(slot.last_pulse, now) < PRESENT_US
+        let present = self.held.iter().any(|held| {
+            held.first.cause.clear() == Clear::Reset && elapsed_us(held.last_pulse, now) < PRESENT_US
         });
         let granted = self_test_passed && !present && elapsed_us(since, now) >= SELF_TEST_US;
         if granted || present || !self_test_passed {
@@ -136,7 +116,7 @@ impl DecisionMachine {
         let mut verdict =
             Verdict { action: Action::None, state: GuardState::Run, limit_mps: f32::INFINITY, primary: None };
         let mut latched = false;
-        for slot in self.slots.iter().filter(|slot| slot.held) {
+        for slot in self.held.iter() {
             verdict.action = verdict.action.max(slot.first.action);
             latched |= !matches!(slot.first.cause.clear(), Clear::Quiet(_));
             if slot.first.action == Action::Limit && slot.limit_mps < verdict.limit_mps {
@@ -171,7 +151,7 @@ fn elapsed_us(pulse: Stamp, now: Stamp) -> u64 {
 impl DecisionMachine {
     /// Which causes hold, since how many steps, and how far a reset is: the state without the clock, for exploration.
     pub(super) fn abstracted(&self, now: Stamp) -> (std::vec::Vec<(Cause, u64)>, Option<u64>) {
-        let held = self.slots.iter().filter(|slot| slot.held);
+        let held = self.held.iter();
         let ages = held.map(|slot| {
             let longest_us = match slot.first.cause.clear() {
                 Clear::Quiet(us) => us,
@@ -183,15 +163,11 @@ impl DecisionMachine {
         (ages.collect(), self.reset_since.map(|since| elapsed_us(since, now).min(SELF_TEST_US)))
     }
 
-    /// Flips one bit of the stamp of a cause's last evidence.
     pub(super) fn flip_pulse(&mut self, cause: Cause, bit: u32) {
-        let slot = &mut self.slots[cause.index()];
-        slot.last_pulse = Stamp::from_micros(slot.last_pulse.as_micros() ^ (1 << bit));
+        self.held.flip_pulse(cause, bit);
     }
 
-    /// A cause that holds is forgotten, or one that does not is invented.
     pub(super) fn flip_held(&mut self, cause: Cause) {
-        let slot = &mut self.slots[cause.index()];
-        slot.held = !slot.held;
+        self.held.flip_held(cause);
     }
 }

@@ -44,7 +44,15 @@ impl PacketTable {
     ) {
         let reach_mm = u32::from(bin.protective_mm.get(set).copied().unwrap_or(u16::MAX));
         let own_mm = u32::from(bin.own_mm);
-        for ((raw, share), height_mm) in column.range_raw.iter().zip(&bin.plane_share).zip(&bin.height_mm) {
+        // A return that far lies beyond the field at any elevation; no return, 0, wraps round to far.
+        let beyond_mm = reach_mm.wrapping_shl(16).checked_div(u32::from(bin.least_share)).unwrap_or(u32::MAX);
+        let beyond_raw = beyond_mm.checked_div(unit_mm).unwrap_or(u32::MAX).saturating_add(1);
+        for (ring, raw) in column.range_raw.iter().enumerate() {
+            if u32::from(raw.wrapping_sub(1)) >= beyond_raw {
+                continue;
+            }
+            let (share, height_mm) = (bin.plane_share.get(ring), bin.height_mm.get(ring));
+            let (Some(share), Some(height_mm)) = (share, height_mm) else { continue };
             let range_mm = u32::from(*raw).saturating_mul(unit_mm);
             let plane_mm = range_mm.saturating_mul(u32::from(*share)) >> 16;
             let below_and_above = *raw != 0 && range_mm < u32::from(*height_mm);

@@ -68,16 +68,18 @@ impl ScanTable {
     #[must_use]
     pub fn check(&self, scan: &Scan, set: usize, (adjacent, body): (u8, &Body)) -> ScanFinding {
         let mut finding = ScanFinding { nearest_m: f32::INFINITY, ..ScanFinding::default() };
-        let (Some(protective), Some(warning)) = (self.protective.get(set), self.warning.get(set)) else {
-            return finding;
-        };
-        let (mut run, mut warning_run, mut silent_run, mut widest) = (0_u8, 0_u8, 0_u16, 0_u16);
-        let (mut silent, mut watched) = (0_u16, 0_u16);
-        for (((beam, limit_mm), warning_mm), direction) in
-            scan.beams.iter().zip(protective).zip(warning).zip(&self.directions)
-        {
+        let sets = (self.protective.get(set), self.warning.get(set), self.watched.get(set));
+        let (Some(protective), Some(warning), Some(watched)) = sets else { return finding };
+        let (mut run, mut warning_run, mut silent_run) = (0_u8, 0_u8, 0_u16);
+        let (mut silent, mut widest) = (0_u16, 0_u16);
+        let beams = scan.beams.iter().zip(protective).zip(warning).zip(&self.directions);
+        for (((beam, limit_mm), warning_mm), direction) in beams {
             let range_mm = range_of(*beam, *limit_mm);
-            watched = watched.saturating_add(u16::from(*limit_mm > 0));
+            // Most beams end behind both fields.
+            if range_mm.is_some_and(|range_mm| range_mm >= *limit_mm && range_mm >= *warning_mm) {
+                (run, warning_run, silent_run) = (0, 0, 0);
+                continue;
+            }
             let is_silent = range_mm.is_none() && *limit_mm > 0;
             silent = silent.saturating_add(u16::from(is_silent));
             silent_run = if is_silent { silent_run.saturating_add(1) } else { 0 };
@@ -91,7 +93,7 @@ impl ScanTable {
                 self.note_hit(&mut finding, (range_mm, *limit_mm), (*direction, body));
             }
         }
-        finding.silent_percent = 100.0 * f32::from(silent) / f32::from(watched).max(1.0);
+        finding.silent_percent = 100.0 * f32::from(silent) / f32::from(*watched).max(1.0);
         finding.silent_run_rad = f32::from(widest) * self.geometry.step_rad;
         finding
     }

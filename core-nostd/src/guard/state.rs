@@ -54,6 +54,13 @@ impl State {
         }
     }
 
+    /// Becomes equal to another one. By fields: the machine's table is large and mostly without meaning.
+    pub(super) fn follow(&mut self, other: &Self) {
+        self.machine.follow(&other.machine);
+        let machine = self.machine;
+        *self = Self { machine, ..*other };
+    }
+
     /// Remembers in which directions evidence lies.
     pub(super) fn note_blocked(&mut self, blocked: Blocked, now: Stamp) {
         if blocked.forward {

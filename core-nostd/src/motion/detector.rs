@@ -14,7 +14,7 @@ use super::seen_through::{Before, SeenThrough};
 use super::voxels::REACH_M;
 use crate::capacities::{CLUSTERS_MAX, MOTION_THINGS_MAX, SWEEP_RINGS};
 use crate::geometry::{Point2, Point3, Pose2};
-use crate::people::{Cluster, ColumnFrame, PeoplePipeline, RingAngles, SweepContext};
+use crate::people::{Cluster, PeoplePipeline, RingAngles, SweepContext, SweepFrame};
 use crate::sensing::Sweep;
 use crate::time::Stamp;
 
@@ -316,8 +316,9 @@ fn for_each_return(
     context: &SweepContext,
     mut act: impl FnMut(usize, usize, Point3),
 ) {
+    let frames = SweepFrame::new(sweep, &context.sensor_in_base, context.twist);
     for (index, column) in sweep.used_columns().iter().enumerate().filter(|(_, column)| column.measured) {
-        let frame = ColumnFrame::new(sweep, column, &context.sensor_in_base, context.twist);
+        let frame = frames.column(column);
         for (ring, (raw, angle)) in column.range_raw.iter().zip(people.angles.rings).enumerate() {
             if *raw == 0 || frame.range_m(*raw) * angle.1 > REACH_M {
                 continue;

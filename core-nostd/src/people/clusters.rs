@@ -6,8 +6,9 @@
 
 use heapless::Vec;
 
-use super::union_find::{CELLS, NONE, UnionFind};
-use crate::capacities::{CLUSTERS_MAX, SWEEP_COLUMNS, SWEEP_RINGS};
+use super::labels::{Labels, Mark, NONE};
+use super::projection::{ColumnFrame, RingAngles};
+use crate::capacities::{CLUSTERS_MAX, LABELS_MAX, SWEEP_COLUMNS, SWEEP_RINGS};
 use crate::geometry::Point3;
 
 /// When cells belong together.
@@ -54,27 +55,66 @@ pub struct Cluster {
 
 /// Columns looked back in the same ring: bridges two missing returns.
 const COLUMNS_BACK: usize = 3;
-/// Rings looked down in the same column: bridges one missing return.
-const RINGS_DOWN: usize = 2;
 /// A smooth surface may recede by this many gaps from column to column: grazing angles down to 2° at 12 m.
 const SMOOTH_GAPS: i32 = 5;
 /// What hides must be this much nearer, counts of 2 mm: 0.3 m.
 const HIDDEN_COUNTS: u16 = 150;
 /// Rings with a hidden edge that make a thing occluded; one alone is a stray return.
 const HIDDEN_EDGES_MIN: u16 = 2;
-/// A mark with this bit holds the index of a cluster, one without it a size.
-const INDEX: u16 = 0x8000;
-/// Marks a set whose cluster was given up for a nearer one.
-const DROPPED: u16 = NONE - 1;
+/// Set in the label of a cell that has something nearer beside it.
+const HIDDEN: u16 = 0x8000;
 
-/// Working memory: 29,184 cells.
+/// The obstacles of a column.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Obstacles {
+    /// A bit per ring that shows one.
+    pub(super) present: u16,
+    /// Their horizontal distances, counts of 2 mm, at least 1; meaningless where there is none.
+    pub(super) counts: [u16; SWEEP_RINGS],
+}
+
+const _: () = assert!(SWEEP_RINGS <= 16);
+
+/// The rings of the bits that are set, lowest first.
+pub(super) fn rings_of(bits: u16) -> impl Iterator<Item = usize> {
+    let mut left = bits;
+    (0..SWEEP_RINGS).map_while(move |_| {
+        let ring = left.trailing_zeros() as usize;
+        left &= left.wrapping_sub(1);
+        (ring < SWEEP_RINGS).then_some(ring)
+    })
+}
+
+/// A cell of a column that was entered.
+#[derive(Clone, Copy, Debug)]
+struct Cell {
+    count: u16,
+    label: u16,
+}
+
+impl Cell {
+    const EMPTY: Self = Self { count: 0, label: NONE };
+}
+
+/// A column that was entered.
+type Entered = [Cell; SWEEP_RINGS];
+const NO_OBSTACLES: Entered = [Cell::EMPTY; SWEEP_RINGS];
+/// Columns at hand while another is entered, a power of two: those looked back at, and itself.
+const RECENT: usize = 4;
+const _: () = assert!(COLUMNS_BACK < RECENT && RECENT.is_power_of_two());
+
+/// Working memory: a label per cell, the labels, and what is known of each thing.
 #[derive(Clone, Debug)]
 pub(super) struct Clusterer {
-    sets: UnionFind,
-    /// Per root: first the size, then the index of its cluster.
-    marks: [u16; CELLS],
-    /// Horizontal distance per cell, counts of 2 mm; 0 = no obstacle.
-    distances: [u16; CELLS],
+    labels: Labels,
+    cells: [[u16; SWEEP_RINGS]; SWEEP_COLUMNS],
+    /// Where the cells have labels, a bit per ring.
+    present: [u16; SWEEP_COLUMNS],
+    /// The newest columns, column c at c modulo their number.
+    recent: [Entered; RECENT],
+    /// The first columns of the revolution.
+    first: [Entered; COLUMNS_BACK],
+    columns: usize,
     pub(super) clusters: Vec<Cluster, CLUSTERS_MAX>,
     pub(super) dropped: u32,
 }
@@ -82,9 +122,12 @@ pub(super) struct Clusterer {
 impl Clusterer {
     pub(super) const fn new() -> Self {
         Self {
-            sets: UnionFind::new(),
-            marks: [NONE; CELLS],
-            distances: [0; CELLS],
+            labels: Labels::new(),
+            cells: [[NONE; SWEEP_RINGS]; SWEEP_COLUMNS],
+            present: [0; SWEEP_COLUMNS],
+            recent: [NO_OBSTACLES; RECENT],
+            first: [NO_OBSTACLES; COLUMNS_BACK],
+            columns: 0,
             clusters: Vec::new(),
             dropped: 0,
         }
@@ -92,132 +135,189 @@ impl Clusterer {
 
     /// Starts a sweep.
     pub(super) fn clear(&mut self) {
-        self.sets.clear();
-        self.distances.fill(0);
+        self.labels.clear();
+        (self.recent, self.first) = ([NO_OBSTACLES; RECENT], [NO_OBSTACLES; COLUMNS_BACK]);
+        self.columns = 0;
         self.clusters.clear();
         self.dropped = 0;
     }
 
-    /// Enters a return that is no floor and joins it with what was entered before. Columns must come in order.
-    pub(super) fn enter(&mut self, column: usize, ring: usize, distance_m: f32, limits: &ClusterLimits) {
-        let cell = column.saturating_mul(SWEEP_RINGS).saturating_add(ring);
-        let counts = (distance_m * 500.0) as u16;
-        let Some(slot) = self.distances.get_mut(cell) else { return };
-        *slot = counts.max(1);
-        self.sets.insert(cell);
+    /// Enters the obstacles of the next column and joins them with those before. Columns without any are entered, too.
+    pub(super) fn enter_column(&mut self, obstacles: &Obstacles, limits: &ClusterLimits) {
         let gap = (limits.gap_m * 500.0) as u16;
-        let backwards = (1..=COLUMNS_BACK).filter_map(|back| cell.checked_sub(back * SWEEP_RINGS));
-        // The nearest neighbour that is close is enough: it is itself joined with those before it.
-        let joined = { backwards }.any(|neighbour| self.join_if_close(cell, neighbour, gap));
-        if !joined {
-            self.join_if_smooth(cell, gap);
-        }
-        let _ =
-            (1..=RINGS_DOWN.min(ring)).any(|down| self.join_if_close(cell, cell.saturating_sub(down), gap));
-    }
-
-    /// Joins the end of the revolution with its start.
-    pub(super) fn close(&mut self, columns: usize, limits: &ClusterLimits) {
-        let gap = (limits.gap_m * 500.0) as u16;
-        for ring in 0..SWEEP_RINGS {
-            let last = columns.saturating_sub(1).saturating_mul(SWEEP_RINGS).saturating_add(ring);
-            for ahead in 0..COLUMNS_BACK {
-                self.join_if_close(ahead * SWEEP_RINGS + ring, last, gap);
+        let column = self.columns;
+        self.forget(column);
+        // The two cells below, of which the second bridges one missing return.
+        let (mut below, mut under, mut expected) = (Cell::EMPTY, Cell::EMPTY, 0);
+        for ring in rings_of(obstacles.present) {
+            // Rings that show nothing lie between.
+            match ring.wrapping_sub(expected) {
+                0 => {}
+                1 => (below, under) = (Cell::EMPTY, below),
+                _ => (below, under) = (Cell::EMPTY, Cell::EMPTY),
             }
+            let count = obstacles.counts.get(ring).copied().unwrap_or(0);
+            let before = self.recent(column.wrapping_sub(1), ring);
+            let (beside, hidden) = if is_close(count, before.count, gap) {
+                (before.label, false)
+            } else {
+                self.label_behind((column, ring), (count, gap))
+            };
+            let label = self.label(beside, count, [below, under], gap);
+            let cell = Cell { count, label };
+            if let Some(slot) = self.recent.get_mut(column % RECENT).and_then(|entered| entered.get_mut(ring))
+            {
+                *slot = cell;
+            }
+            if let Some(slot) = self.cells.get_mut(column).and_then(|row| row.get_mut(ring)) {
+                *slot = if hidden && label != NONE { label | HIDDEN } else { label };
+            }
+            (below, under, expected) = (cell, below, ring.wrapping_add(1));
+        }
+        if let Some(present) = self.present.get_mut(column) {
+            *present = obstacles.present;
+        }
+        if let (Some(first), Some(entered)) = (self.first.get_mut(column), self.recent.get(column % RECENT)) {
+            *first = *entered;
+        }
+        self.columns = column.saturating_add(1);
+    }
+
+    /// A cell of one of the newest columns; empty beside the image.
+    #[inline]
+    fn recent(&self, column: usize, ring: usize) -> Cell {
+        let entered = self.recent.get(column % RECENT);
+        entered.and_then(|entered| entered.get(ring)).copied().unwrap_or(Cell::EMPTY)
+    }
+
+    fn forget(&mut self, column: usize) {
+        if let Some(entered) = self.recent.get_mut(column % RECENT) {
+            *entered = NO_OBSTACLES;
+        }
+        if let Some(row) = self.cells.get_mut(column) {
+            *row = [NONE; SWEEP_RINGS];
         }
     }
 
-    fn join_if_close(&mut self, cell: usize, neighbour: usize, gap: u16) -> bool {
-        let (distance, other) = (self.counts(cell), self.counts(neighbour));
-        let close = distance != 0 && other != 0 && distance.abs_diff(other) <= gap;
-        if close {
-            self.sets.join(cell, neighbour);
+    /// The label of an obstacle whose neighbour in its ring is not close: that of one farther back. Where one of the two
+    /// is much nearer, it hides what may go on behind: the other one is marked. True if that is the new one.
+    #[inline(never)]
+    fn label_behind(&mut self, (column, ring): (usize, usize), (count, gap): (u16, u16)) -> (u16, bool) {
+        let [one, two, three] = [1, 2, 3].map(|back| self.recent(column.wrapping_sub(back), ring));
+        if count != 0
+            && one.count.saturating_sub(count) > HIDDEN_COUNTS
+            && let Some(label) = self.cells.get_mut(column.wrapping_sub(1)).and_then(|row| row.get_mut(ring))
+            && *label != NONE
+        {
+            *label |= HIDDEN;
         }
-        close
-    }
-
-    /// Joins a wall or a shelf that is seen at a grazing angle: its distance grows by far more than the gap from column
-    /// to column, but steadily. Where a person stands before a wall the distance jumps once.
-    fn join_if_smooth(&mut self, cell: usize, gap: u16) {
-        let (Some(near), Some(far)) = (cell.checked_sub(SWEEP_RINGS), cell.checked_sub(2 * SWEEP_RINGS))
-        else {
-            return;
+        let hidden = one.count != 0 && count.saturating_sub(one.count) > HIDDEN_COUNTS;
+        let label = if is_close(count, two.count, gap) {
+            two.label
+        } else if is_close(count, three.count, gap) {
+            three.label
+        } else if is_smooth([count, one.count, two.count], gap) {
+            self.labels.join(one.label, two.label);
+            one.label
+        } else {
+            NONE
         };
-        let distances = [self.counts(cell), self.counts(near), self.counts(far)];
-        if distances.contains(&0) {
-            return;
-        }
-        let [newest, middle, oldest] = distances.map(i32::from);
-        let (step, before) = (newest.saturating_sub(middle), middle.saturating_sub(oldest));
-        let gap = i32::from(gap);
-        if step.abs() <= gap * SMOOTH_GAPS && step.abs_diff(before) <= gap.unsigned_abs() {
-            self.sets.join(cell, near);
-            self.sets.join(near, far);
-        }
+        (label, hidden)
     }
 
-    /// Distance in counts, 0 = no obstacle.
-    fn counts(&self, cell: usize) -> u16 {
-        self.distances.get(cell).copied().unwrap_or(0)
+    /// Joins an obstacle with those below it, nearest first, and names it.
+    #[inline]
+    fn label(&mut self, beside: u16, count: u16, [below, under]: [Cell; 2], gap: u16) -> u16 {
+        let lower = if is_close(count, below.count, gap) {
+            below.label
+        } else if is_close(count, under.count, gap) {
+            under.label
+        } else {
+            NONE
+        };
+        let mut label = beside.min(lower);
+        if lower != beside && lower != NONE && beside != NONE {
+            self.labels.join(lower, beside);
+        } else if label == NONE {
+            // Out of labels, a cell stays alone, and that is counted.
+            label = self.labels.fresh().unwrap_or(NONE);
+            self.dropped = self.dropped.saturating_add(u32::from(label == NONE));
+        }
+        self.labels.count(label);
+        label
     }
 
-    /// Counts the sets; must come after the last [`Self::enter`] and before [`Self::add`].
-    pub(super) fn count(&mut self) {
-        self.sets.flatten();
-        self.marks.fill(0);
-        for root in self.sets.parents().iter().filter(|root| **root != NONE) {
-            if let Some(size) = self.marks.get_mut(usize::from(*root)) {
-                // At most 29,184: never reaches the index bit.
-                *size = size.saturating_add(1);
+    /// Joins the end of the revolution with its start. After the last [`Self::enter_column`], before
+    /// [`Self::add_column`].
+    pub(super) fn close(&mut self, limits: &ClusterLimits) {
+        let gap = (limits.gap_m * 500.0) as u16;
+        let newest = self.columns.wrapping_sub(1);
+        for ring in 0..SWEEP_RINGS {
+            let last = self.recent(newest, ring);
+            for ahead in 0..COLUMNS_BACK {
+                let cell = self.first.get(ahead).and_then(|first| first.get(ring)).copied();
+                let cell = cell.unwrap_or(Cell::EMPTY);
+                if cell.count != 0 && is_close(cell.count, last.count, gap) {
+                    self.labels.join(cell.label, last.label);
+                }
             }
         }
+        self.labels.flatten();
     }
 
-    /// Adds the point of a cell to its cluster.
-    pub(super) fn add(&mut self, column: usize, ring: usize, point: Point3, limits: &ClusterLimits) {
-        let cell = column.saturating_mul(SWEEP_RINGS).saturating_add(ring);
-        let Some(root) = self.sets.parents().get(cell).copied().filter(|root| *root != NONE) else { return };
-        let nearest_m = f32::from(self.distances.get(cell).copied().unwrap_or(0)) * 0.002;
-        let Some(index) = self.cluster_of(root, point, nearest_m, limits) else { return };
-        let hidden = self.is_hidden(cell);
-        if let Some(cluster) = self.clusters.get_mut(index) {
-            cluster.include(point, nearest_m);
-            cluster.hidden_edges = cluster.hidden_edges.saturating_add(u16::from(hidden));
-        }
-    }
-
-    /// The next column of the same ring shows something nearer: it hides what may go on behind.
-    fn is_hidden(&self, cell: usize) -> bool {
-        let limit = self.counts(cell).saturating_sub(HIDDEN_COUNTS);
-        let neighbours = [cell.saturating_sub(SWEEP_RINGS), cell.saturating_add(SWEEP_RINGS)];
-        neighbours.iter().any(|neighbour| (1..limit).contains(&self.counts(*neighbour)))
-    }
-
-    /// Index of the cluster of a set; makes one at its first cell.
-    fn cluster_of(
+    /// Adds the points of a column to their clusters.
+    pub(super) fn add_column(
         &mut self,
-        root: u16,
-        point: Point3,
-        nearest_m: f32,
+        index: usize,
+        (frame, raw, angles): (&ColumnFrame, &[u16; SWEEP_RINGS], &RingAngles),
         limits: &ClusterLimits,
-    ) -> Option<usize> {
-        let mark = self.marks.get(usize::from(root)).copied()?;
-        if mark == DROPPED {
-            return None;
+    ) {
+        let Some(labels) = self.cells.get(index).copied() else { return };
+        // Neighbours mostly belong to the same thing: it is looked up once.
+        let (mut known, mut run) = (NONE, None::<(usize, Bounds)>);
+        for ring in rings_of(self.present_in(index)) {
+            let (Some(label), Some(raw), Some(angle)) =
+                (labels.get(ring), raw.get(ring), angles.rings.get(ring))
+            else {
+                continue;
+            };
+            let Some(plain) = plain_label(*label) else { continue };
+            let (point, nearest_m) = (frame.point(*raw, *angle), frame.range_m(*raw) * angle.1);
+            let fresh = Bounds::new(point, nearest_m, label.wrapping_shr(15));
+            match &mut run {
+                Some((_, bounds)) if known == plain => bounds.include(&fresh),
+                _ => {
+                    self.include(run);
+                    known = plain;
+                    run = self.cluster_of(plain, &fresh, limits).map(|cluster| (cluster, fresh));
+                }
+            }
         }
-        if mark & INDEX != 0 {
-            return Some(usize::from(mark & !INDEX));
+        self.include(run);
+    }
+
+    fn include(&mut self, run: Option<(usize, Bounds)>) {
+        if let Some((cluster, bounds)) = run
+            && let Some(cluster) = self.clusters.get_mut(cluster)
+        {
+            cluster.include(&bounds);
         }
-        if mark < limits.points_min {
-            return None;
+    }
+
+    /// Index of the cluster of a label; makes one at its first cell.
+    fn cluster_of(&mut self, label: u16, first: &Bounds, limits: &ClusterLimits) -> Option<usize> {
+        let root = self.labels.root_of(label)?;
+        match self.labels.mark(root) {
+            Mark::Dropped => return None,
+            Mark::Cluster(index) => return Some(index),
+            Mark::Cells(cells) if cells < limits.points_min => return None,
+            Mark::Cells(_) => {}
         }
-        let index = match self.clusters.push(Cluster::start(root, point, nearest_m)) {
+        let index = match self.clusters.push(Cluster::start(root, first)) {
             Ok(()) => self.clusters.len().checked_sub(1),
             Err(fresh) => self.replace_farthest(fresh),
         };
-        if let Some(mark) = self.marks.get_mut(usize::from(root)) {
-            *mark = index.map_or(DROPPED, |index| INDEX | index as u16);
-        }
+        self.labels.set_cluster(root, index);
         index
     }
 
@@ -234,24 +334,32 @@ impl Clusterer {
             return None;
         }
         let given_up = core::mem::replace(farthest, fresh).root;
-        if let Some(mark) = self.marks.get_mut(usize::from(given_up)) {
-            *mark = DROPPED;
-        }
+        self.labels.set_cluster(given_up, None);
         Some(index)
+    }
+
+    /// Where something stands in a column of the newest image, a bit per ring.
+    pub(super) fn present_in(&self, column: usize) -> u16 {
+        self.present.get(column).copied().unwrap_or(0)
+    }
+
+    /// The labels of a column, for [`Self::cluster_of_label`].
+    pub(super) fn labels_of(&self, column: usize) -> Option<&[u16; SWEEP_RINGS]> {
+        self.cells.get(column).filter(|_| column < self.columns)
+    }
+
+    /// Index of the cluster that a label names.
+    pub(super) fn cluster_of_label(&self, label: u16) -> Option<usize> {
+        let root = self.labels.root_of(plain_label(label)?)?;
+        match self.labels.mark(root) {
+            Mark::Cluster(index) => Some(index),
+            Mark::Cells(_) | Mark::Dropped => None,
+        }
     }
 
     /// Index of the cluster of a cell.
     pub(super) fn index_of(&self, column: usize, ring: usize) -> Option<usize> {
-        let cell = column.saturating_mul(SWEEP_RINGS).saturating_add(ring);
-        let root = self.sets.parents().get(cell).copied().filter(|root| *root != NONE)?;
-        let mark = self.marks.get(usize::from(root)).copied()?;
-        (mark != DROPPED && mark & INDEX != 0).then(|| usize::from(mark & !INDEX))
-    }
-
-    /// Horizontal distance of the obstacle in a cell, metres; `None` if there is none.
-    pub(super) fn distance_m(&self, column: usize, ring: usize) -> Option<f32> {
-        let counts = self.distances.get(column.saturating_mul(SWEEP_RINGS).saturating_add(ring)).copied()?;
-        (counts != 0).then(|| f32::from(counts) * 0.002)
+        self.labels_of(column)?.get(ring).and_then(|label| self.cluster_of_label(*label))
     }
 
     /// Finishes the means.
@@ -265,18 +373,83 @@ impl Clusterer {
     }
 }
 
-/// Columns of a sweep that a cell index can name.
-const _: () =
-    assert!(CELLS == SWEEP_COLUMNS * SWEEP_RINGS && CELLS < INDEX as usize && CLUSTERS_MAX < 0x7ff0);
+/// Two obstacles at about the same distance; `other` may be none.
+fn is_close(count: u16, other: u16, gap: u16) -> bool {
+    other != 0 && count.abs_diff(other) <= gap
+}
+
+/// A wall or a shelf that is seen at a grazing angle: its distance grows by far more than the gap from column to column,
+/// but steadily. Where a person stands before a wall the distance jumps once. Newest first.
+fn is_smooth(counts: Obstacles3, gap: u16) -> bool {
+    if counts.contains(&0) {
+        return false;
+    }
+    let [newest, middle, oldest] = counts.map(i32::from);
+    let (step, before) = (newest.saturating_sub(middle), middle.saturating_sub(oldest));
+    let gap = i32::from(gap);
+    step.abs() <= gap.saturating_mul(SMOOTH_GAPS) && step.abs_diff(before) <= gap.unsigned_abs()
+}
+
+/// Distances of three cells of a ring.
+type Obstacles3 = [u16; 3];
+
+/// A label without its mark; `None` if the cell belongs to nothing.
+fn plain_label(label: u16) -> Option<u16> {
+    (label != NONE).then_some(label & !HIDDEN)
+}
+
+/// Labels fit beside the mark, cells of a sweep beside the index of a cluster.
+const _: () = assert!(LABELS_MAX < HIDDEN as usize && CLUSTERS_MAX < 0x7ff0);
+const _: () = assert!(SWEEP_COLUMNS * SWEEP_RINGS < HIDDEN as usize);
+
+/// A few returns of one thing.
+#[derive(Clone, Copy, Debug)]
+struct Bounds {
+    points: u16,
+    hidden_edges: u16,
+    lower: Point3,
+    upper: Point3,
+    sums: [f32; 3],
+    nearest_m: f32,
+}
+
+impl Bounds {
+    fn new(point: Point3, nearest_m: f32, hidden_edges: u16) -> Self {
+        let sums = [point.x_m, point.y_m, point.z_m];
+        Self { points: 1, hidden_edges, lower: point, upper: point, sums, nearest_m }
+    }
+
+    fn include(&mut self, other: &Self) {
+        self.points = self.points.saturating_add(other.points);
+        self.hidden_edges = self.hidden_edges.saturating_add(other.hidden_edges);
+        self.lower = least(self.lower, other.lower);
+        self.upper = greatest(self.upper, other.upper);
+        self.sums = sum(self.sums, other.sums);
+        self.nearest_m = self.nearest_m.min(other.nearest_m);
+    }
+}
+
+fn least(a: Point3, b: Point3) -> Point3 {
+    Point3::new(a.x_m.min(b.x_m), a.y_m.min(b.y_m), a.z_m.min(b.z_m))
+}
+
+fn greatest(a: Point3, b: Point3) -> Point3 {
+    Point3::new(a.x_m.max(b.x_m), a.y_m.max(b.y_m), a.z_m.max(b.z_m))
+}
+
+fn sum([ax, ay, az]: [f32; 3], [bx, by, bz]: [f32; 3]) -> [f32; 3] {
+    [ax + bx, ay + by, az + bz]
+}
 
 impl Cluster {
-    fn start(root: u16, point: Point3, nearest_m: f32) -> Self {
+    /// A thing of which the first returns are known; they are not included yet.
+    fn start(root: u16, first: &Bounds) -> Self {
         Self {
             points: 0,
-            lower: point,
-            upper: point,
-            centroid: point,
-            nearest_m,
+            lower: first.lower,
+            upper: first.upper,
+            centroid: first.lower,
+            nearest_m: first.nearest_m,
             occluded: false,
             hidden_edges: 0,
             sums: [0.0; 3],
@@ -284,14 +457,13 @@ impl Cluster {
         }
     }
 
-    fn include(&mut self, point: Point3, nearest_m: f32) {
-        self.points = self.points.saturating_add(1);
-        let Point3 { x_m, y_m, z_m } = point;
-        self.lower = Point3::new(self.lower.x_m.min(x_m), self.lower.y_m.min(y_m), self.lower.z_m.min(z_m));
-        self.upper = Point3::new(self.upper.x_m.max(x_m), self.upper.y_m.max(y_m), self.upper.z_m.max(z_m));
-        let [x, y, z] = self.sums;
-        self.sums = [x + x_m, y + y_m, z + z_m];
-        self.nearest_m = self.nearest_m.min(nearest_m);
+    fn include(&mut self, bounds: &Bounds) {
+        self.points = self.points.saturating_add(bounds.points);
+        self.hidden_edges = self.hidden_edges.saturating_add(bounds.hidden_edges);
+        self.lower = least(self.lower, bounds.lower);
+        self.upper = greatest(self.upper, bounds.upper);
+        self.sums = sum(self.sums, bounds.sums);
+        self.nearest_m = self.nearest_m.min(bounds.nearest_m);
     }
 
     /// Width, depth and height of the box around it, metres.

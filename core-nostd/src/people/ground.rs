@@ -4,7 +4,7 @@
 //! the distance walked: ramps and a pitching robot pass, a shoe does not. The allowance is a slope; the height limit
 //! keeps a low table from being called a ramp.
 
-use super::projection::{ColumnFrame, RingAngles};
+use super::projection::{RingAngles, SweepFrame};
 use crate::capacities::{SWEEP_COLUMNS, SWEEP_RINGS};
 use crate::geometry::{Transform3, Twist2};
 use crate::sensing::Sweep;
@@ -23,14 +23,6 @@ const SLOPE_GAIN: f32 = 0.5;
 /// Highest floor at the robot, metres, and its growth with distance (half the slope: a ramp may begin later).
 const HIGHEST_M: f32 = 0.15;
 const HIGHEST_SLOPE: f32 = 0.07;
-
-/// The returns of a column, per ring: horizontal distance from the lidar and height above the robot's floor, metres.
-/// Meaningless where the ring has no return.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Profile {
-    pub(super) distance_m: [f32; SWEEP_RINGS],
-    pub(super) height_m: [f32; SWEEP_RINGS],
-}
 
 /// Which returns of a sweep are floor: one word per column, one bit per ring. 3.6 KiB.
 #[derive(Clone, Debug)]
@@ -54,11 +46,18 @@ impl FloorMask {
     /// Marks the floor of a sweep. Linear in its cells, constant per column.
     pub fn find(&mut self, sweep: &Sweep, angles: &RingAngles, sensor_in_base: &Transform3) {
         self.columns.fill(0);
+        // Where the robot drove meanwhile does not change a height.
+        let frames = SweepFrame::new(sweep, sensor_in_base, Twist2::ZERO);
         for (marks, column) in self.columns.iter_mut().zip(sweep.used_columns()) {
             if column.measured {
-                // Where the robot drove meanwhile does not change a height.
-                let frame = ColumnFrame::new(sweep, column, sensor_in_base, Twist2::ZERO);
-                *marks = classify(&column.range_raw, &frame.profile(&column.range_raw, angles));
+                let frame = frames.still(column);
+                let mut walk = FloorWalk::default();
+                let cells = column.range_raw.iter().zip(&angles.rings).enumerate();
+                for (ring, (raw, angle)) in cells.filter(|(_, (raw, _))| **raw != 0) {
+                    let bit = 1_u16.wrapping_shl(ring as u32);
+                    walk.step(bit, frame.range_m(*raw) * angle.1, frame.height_m(*raw, *angle));
+                }
+                *marks = walk.floor();
             }
         }
     }
@@ -73,36 +72,49 @@ impl FloorMask {
 const _: () = assert!(SWEEP_RINGS <= 16);
 
 /// The bit of a ring.
-pub(super) const fn bit(marks: u16, ring: usize) -> bool {
+const fn bit(marks: u16, ring: usize) -> bool {
     ring < 16 && marks.wrapping_shr(ring as u32) & 1 != 0
 }
 
-/// Marks the returns of one column that are floor, a bit each.
-pub(super) fn classify(raw: &[u16; SWEEP_RINGS], profile: &Profile) -> u16 {
-    let mut floor = 0_u16;
-    let (mut last_distance_m, mut last_height_m, mut slope) = (0.0_f32, 0.0_f32, 0.0_f32);
-    // Ring and distance of the newest floor return, until something follows it.
-    let mut newest: Option<(usize, f32)> = None;
-    let cells = raw.iter().zip(&profile.distance_m).zip(&profile.height_m).enumerate();
-    for (ring, ((_, distance_m), height_m)) in cells.filter(|(_, ((raw, _), _))| **raw != 0) {
-        let walked_m = (distance_m - last_distance_m).max(0.0);
-        let rise_m = height_m - last_height_m;
+/// Walks up one column, from the lowest ring on, and marks the returns that are floor.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct FloorWalk {
+    floor: u16,
+    last_distance_m: f32,
+    last_height_m: f32,
+    slope: f32,
+    /// Bit and distance of the newest floor return, until something follows it; no bit otherwise.
+    newest: (u16, f32),
+}
+
+impl FloorWalk {
+    /// The next return upwards: the bit of its ring, horizontal distance from the lidar and height above the robot's floor, metres.
+    #[inline]
+    pub(super) fn step(&mut self, bit: u16, distance_m: f32, height_m: f32) {
+        let walked_m = (distance_m - self.last_distance_m).max(0.0);
+        let rise_m = height_m - self.last_height_m;
         let allowed_m = ROUGHNESS_M + SLOPE * walked_m.min(SLOPE_RUN_M);
-        let near_the_last = (rise_m - slope * walked_m).abs() <= allowed_m;
-        if near_the_last && *height_m <= HIGHEST_M + HIGHEST_SLOPE * distance_m {
-            floor |= 1_u16.wrapping_shl(ring as u32);
+        let near_the_last = (rise_m - self.slope * walked_m).abs() <= allowed_m;
+        if near_the_last && height_m <= HIGHEST_M + HIGHEST_SLOPE * distance_m {
+            self.floor |= bit;
             let step = rise_m / walked_m.max(SLOPE_RUN_M);
-            slope += SLOPE_GAIN * (step.clamp(-SLOPE, SLOPE) - slope);
-            (last_distance_m, last_height_m) = (*distance_m, *height_m);
-            newest = Some((ring, *distance_m));
-        } else if let Some((below, foot_m)) = newest.take()
-            && (distance_m - foot_m).abs() < FOOT_M
-        {
-            // Something upright begins right above: what looked like floor is its foot.
-            floor &= !1_u16.wrapping_shl(below as u32);
+            self.slope += SLOPE_GAIN * (step.clamp(-SLOPE, SLOPE) - self.slope);
+            (self.last_distance_m, self.last_height_m) = (distance_m, height_m);
+            self.newest = (bit, distance_m);
+        } else {
+            let (below, foot_m) = self.newest;
+            if below != 0 && (distance_m - foot_m).abs() < FOOT_M {
+                // Something upright begins right above: what looked like floor is its foot.
+                self.floor &= !below;
+            }
+            self.newest.0 = 0;
         }
     }
-    floor
+
+    /// The returns that are floor, a bit each; complete after the last step.
+    pub(super) fn floor(&self) -> u16 {
+        self.floor
+    }
 }
 
 #[cfg(test)]
@@ -110,12 +122,11 @@ mod tests {
     use super::*;
 
     fn marks(cells: &[(f32, f32)]) -> u16 {
-        let (mut raw, mut profile) = ([0; SWEEP_RINGS], Profile::default());
+        let mut walk = FloorWalk::default();
         for (ring, (distance_m, height_m)) in cells.iter().enumerate() {
-            raw[ring] = 1;
-            (profile.distance_m[ring], profile.height_m[ring]) = (*distance_m, *height_m);
+            walk.step(1 << ring, *distance_m, *height_m);
         }
-        classify(&raw, &profile)
+        walk.floor()
     }
 
     #[test]

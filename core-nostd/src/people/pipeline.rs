@@ -4,15 +4,16 @@ use heapless::Vec;
 
 use super::association::DETECTIONS_MAX;
 use super::candidates::{CandidateLimits, Detection};
-use super::clusters::{Cluster, ClusterLimits, Clusterer};
-use super::ground;
+use super::clusters::{Cluster, ClusterLimits, Clusterer, Obstacles, rings_of};
+use super::ground::FloorWalk;
+use super::labels::NONE;
 use super::looks::Looks;
 use super::person_model::{person_log_odds, probability};
-use super::projection::{ColumnFrame, RingAngles};
+use super::projection::{ColumnFrame, RingAngles, SweepFrame};
 use super::shape::{ShapeBuilder, ShapeVector};
 use super::tracker::{Track, Tracker, TrackerParameters};
 use super::visibility::Visibility;
-use crate::capacities::CLUSTERS_MAX;
+use crate::capacities::{CLUSTERS_MAX, SWEEP_RINGS};
 use crate::geometry::{Point2, Pose2, Transform3, Twist2};
 use crate::sensing::{Sweep, SweepColumn};
 
@@ -142,15 +143,17 @@ impl PeoplePipeline {
         self.counters = PeopleCounters::default();
         self.clusterer.clear();
         self.visibility.clear();
-        for (index, column) in sweep.used_columns().iter().enumerate() {
+        let frames = SweepFrame::new(sweep, &context.sensor_in_base, context.twist);
+        for column in sweep.used_columns() {
+            let mut obstacles = Obstacles::default();
             if column.measured {
-                let frame = ColumnFrame::new(sweep, column, &context.sensor_in_base, context.twist);
-                self.enter_column(index, column, &frame);
+                self.find_obstacles(column, &frames.still(column), &mut obstacles);
             } else {
                 self.counters.unknown_columns = self.counters.unknown_columns.saturating_add(1);
             }
+            self.clusterer.enter_column(&obstacles, &self.cluster_limits);
         }
-        self.gather(sweep, context);
+        self.gather(sweep, &frames);
         // Element by element: a clone of the whole vector would pass over the stack.
         self.things.clear();
         for thing in &self.clusterer.clusters {
@@ -161,16 +164,44 @@ impl PeoplePipeline {
         self.counters.dropped_clusters = self.clusterer.dropped;
     }
 
-    /// Turns the entered cells into clusters.
-    fn gather(&mut self, sweep: &Sweep, context: &SweepContext) {
-        self.clusterer.close(sweep.column_count, &self.cluster_limits);
-        self.clusterer.count();
-        for (index, column) in sweep.used_columns().iter().enumerate().filter(|(_, column)| column.measured) {
-            let frame = ColumnFrame::new(sweep, column, &context.sensor_in_base, context.twist);
-            for (ring, (raw, angle)) in column.range_raw.iter().zip(self.angles.rings).enumerate() {
-                if self.clusterer.distance_m(index, ring).is_some() {
-                    self.clusterer.add(index, ring, frame.point(*raw, angle), &self.cluster_limits);
-                }
+    /// What of a column is neither floor nor too far nor too high.
+    fn find_obstacles(&mut self, column: &SweepColumn, frame: &ColumnFrame, obstacles: &mut Obstacles) {
+        let range_max_m = self.cluster_limits.range_max_m;
+        let mut walk = FloorWalk::default();
+        let (mut returns, mut near) = (0_u16, 0_u16);
+        for ring in 0..SWEEP_RINGS {
+            let raw = column.range_raw.get(ring).copied().unwrap_or(0);
+            let (Some(angle), Some(count)) = (self.angles.rings.get(ring), obstacles.counts.get_mut(ring))
+            else {
+                continue;
+            };
+            if raw == 0 {
+                continue;
+            }
+            let bit = 1_u16.wrapping_shl(ring as u32);
+            returns |= bit;
+            let (distance_m, height_m) = (frame.range_m(raw) * angle.1, frame.height_m(raw, *angle));
+            walk.step(bit, distance_m, height_m);
+            if distance_m <= range_max_m && height_m < CEILING_M {
+                near |= bit;
+                *count = counts(distance_m);
+            }
+        }
+        // Only the walk's end tells what was floor.
+        let floor = walk.floor();
+        obstacles.present = near & !floor;
+        self.counters.points = self.counters.points.saturating_add(returns.count_ones());
+        self.counters.floor_points = self.counters.floor_points.saturating_add(floor.count_ones());
+        self.visibility.column(column.azimuth_cdeg, obstacles);
+    }
+
+    /// Turns the entered columns into clusters.
+    fn gather(&mut self, sweep: &Sweep, frames: &SweepFrame) {
+        self.clusterer.close(&self.cluster_limits);
+        for (index, column) in sweep.used_columns().iter().enumerate() {
+            if self.clusterer.present_in(index) != 0 {
+                let cells = (&frames.column(column), &column.range_raw, &self.angles);
+                self.clusterer.add_column(index, cells, &self.cluster_limits);
             }
         }
         self.clusterer.finish();
@@ -190,17 +221,17 @@ impl PeoplePipeline {
             return;
         }
         self.clusterer.clear();
-        for (index, column) in sweep.used_columns().iter().enumerate().filter(|(_, column)| column.measured) {
-            let frame = ColumnFrame::new(sweep, column, &context.sensor_in_base, context.twist);
-            for (ring, (raw, angle)) in column.range_raw.iter().zip(self.angles.rings).enumerate() {
-                let distance_m = frame.range_m(*raw) * angle.1;
-                let upper = (UPPER_BODY_M..CEILING_M).contains(&frame.height_m(*raw, angle));
-                if *raw != 0 && upper && distance_m < UPPER_BODY_RANGE_M {
-                    self.clusterer.enter(index, ring, distance_m, &self.cluster_limits);
-                }
+        let frames = SweepFrame::new(sweep, &context.sensor_in_base, context.twist);
+        for (index, column) in sweep.used_columns().iter().enumerate() {
+            let mut obstacles = Obstacles::default();
+            // What stands that high is an obstacle among the first things, too.
+            let before = self.clusterer.present_in(index);
+            if before != 0 {
+                self.find_upper_obstacles((column, before), &frames.still(column), &mut obstacles);
             }
+            self.clusterer.enter_column(&obstacles, &self.cluster_limits);
         }
-        self.gather(sweep, context);
+        self.gather(sweep, &frames);
         for index in 0..self.clusterer.clusters.len().min(CLUSTERS_MAX) {
             let Some(upper) = self.clusterer.clusters.get(index).copied() else { continue };
             if self.candidate_limits.admits_upper_body(&upper) {
@@ -215,20 +246,53 @@ impl PeoplePipeline {
         self.look(sweep, context);
     }
 
+    /// What of the obstacles of a column stands out above desks.
+    fn find_upper_obstacles(
+        &self,
+        (column, before): (&SweepColumn, u16),
+        frame: &ColumnFrame,
+        obstacles: &mut Obstacles,
+    ) {
+        for ring in rings_of(before) {
+            let (Some(raw), Some(angle)) = (column.range_raw.get(ring), self.angles.rings.get(ring)) else {
+                continue;
+            };
+            let (distance_m, height_m) = (frame.range_m(*raw) * angle.1, frame.height_m(*raw, *angle));
+            if height_m >= UPPER_BODY_M
+                && distance_m < UPPER_BODY_RANGE_M
+                && let Some(count) = obstacles.counts.get_mut(ring)
+            {
+                *count = counts(distance_m);
+                obstacles.present |= 1_u16.wrapping_shl(ring as u32);
+            }
+        }
+    }
+
     /// Gathers the shape of the new candidates and asks the classifier.
     fn look(&mut self, sweep: &Sweep, context: &SweepContext) {
         if !self.looks.begin() {
             return;
         }
+        let frames = SweepFrame::new(sweep, &context.sensor_in_base, context.twist);
         for (index, column) in sweep.used_columns().iter().enumerate().filter(|(_, column)| column.measured) {
+            let Some(labels) = self.clusterer.labels_of(index) else { continue };
             let mut frame: Option<ColumnFrame> = None;
-            for (ring, (raw, angle)) in column.range_raw.iter().zip(self.angles.rings).enumerate() {
-                let cluster = self.clusterer.index_of(index, ring);
-                let Some(slot) = cluster.and_then(|cluster| self.looks.slot(cluster)) else { continue };
-                let frame = frame.get_or_insert_with(|| {
-                    ColumnFrame::new(sweep, column, &context.sensor_in_base, context.twist)
-                });
-                self.looks.add(slot, frame.point(*raw, angle), ring);
+            let mut known = (NONE, None);
+            for ring in rings_of(self.clusterer.present_in(index)) {
+                let (Some(label), Some(raw), Some(angle)) =
+                    (labels.get(ring), column.range_raw.get(ring), self.angles.rings.get(ring))
+                else {
+                    continue;
+                };
+                // Neighbours mostly belong to the same thing: it is looked up once.
+                if *label != known.0 {
+                    let cluster = self.clusterer.cluster_of_label(*label);
+                    known = (*label, cluster.and_then(|cluster| self.looks.slot(cluster)));
+                }
+                if let Some(slot) = known.1 {
+                    let frame = frame.get_or_insert_with(|| frames.column(column));
+                    self.looks.add(slot, frame.point(*raw, *angle), ring);
+                }
             }
         }
         let detections = &mut self.detections;
@@ -237,22 +301,6 @@ impl PeoplePipeline {
                 detection.likeness = probability(person_log_odds(shape));
             }
         });
-    }
-
-    fn enter_column(&mut self, index: usize, column: &SweepColumn, frame: &ColumnFrame) {
-        let profile = frame.profile(&column.range_raw, &self.angles);
-        self.visibility.column(column.azimuth_cdeg);
-        let floor = ground::classify(&column.range_raw, &profile);
-        let cells = column.range_raw.iter().zip(profile.distance_m).zip(profile.height_m).enumerate();
-        for (ring, ((_, distance_m), height_m)) in cells.filter(|(_, ((raw, _), _))| **raw != 0) {
-            self.counters.points = self.counters.points.saturating_add(1);
-            if ground::bit(floor, ring) {
-                self.counters.floor_points = self.counters.floor_points.saturating_add(1);
-            } else if distance_m <= self.cluster_limits.range_max_m && height_m < CEILING_M {
-                self.clusterer.enter(index, ring, distance_m, &self.cluster_limits);
-                self.visibility.obstacle(column.azimuth_cdeg, distance_m);
-            }
-        }
     }
 
     fn find_candidates(&mut self, context: &SweepContext) {
@@ -337,6 +385,11 @@ const CEILING_M: f32 = 2.1;
 const UPPER_BODY_M: f32 = 1.05;
 /// Farther away too few rings hit a torso alone, metres.
 const UPPER_BODY_RANGE_M: f32 = 8.0;
+
+/// Horizontal distance in counts of 2 mm, as the clusterer takes it: an obstacle is never 0.
+fn counts(distance_m: f32) -> u16 {
+    ((distance_m * 500.0) as u16).max(1)
+}
 
 /// A thing as a measurement for the tracker; nobody has looked at its shape yet.
 fn detection(thing: &Cluster, context: &SweepContext) -> Detection {

@@ -1,6 +1,7 @@
 //! From cells of the range image to points of the robot's frame.
 
-use super::ground::Profile;
+use core::f32::consts::FRAC_PI_4;
+
 use crate::capacities::SWEEP_RINGS;
 use crate::geometry::{Point3, Transform3, Twist2};
 use crate::sensing::{Sweep, SweepColumn};
@@ -34,6 +35,55 @@ impl RingAngles {
     }
 }
 
+/// What the columns of a sweep have in common.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SweepFrame {
+    mounting: Transform3,
+    twist: Twist2,
+    metres_per_count: f32,
+    /// From the first to the last column.
+    duration_us: u32,
+}
+
+impl SweepFrame {
+    /// With the robot's motion during the sweep taken out: points are expressed in the robot's frame at the end of the
+    /// sweep (algorithms X.8, constant speed within the sweep).
+    pub(crate) fn new(sweep: &Sweep, mounting: &Transform3, twist: Twist2) -> Self {
+        let duration_us = sweep.end_stamp.as_micros().saturating_sub(sweep.stamp.as_micros());
+        Self {
+            mounting: *mounting,
+            twist,
+            metres_per_count: f32::from(sweep.range_unit_mm) * 1.0e-3,
+            duration_us: u32::try_from(duration_us).unwrap_or(u32::MAX),
+        }
+    }
+
+    /// The map of a column.
+    pub(crate) fn column(&self, column: &SweepColumn) -> ColumnFrame {
+        let before_end_us = self.duration_us.saturating_sub(column.offset_us);
+        let frame = self.still(column);
+        if self.twist == Twist2::ZERO {
+            frame
+        } else {
+            frame.moved(before_end_us as f32 * -1.0e-6, self.twist)
+        }
+    }
+
+    /// The map of a column for a robot that does not move: heights and distances do not depend on that.
+    pub(crate) fn still(&self, column: &SweepColumn) -> ColumnFrame {
+        let (sin, cos) = sincos_cdeg(column.azimuth_cdeg);
+        let [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]] = self.mounting.rotation;
+        let Point3 { x_m, y_m, z_m } = self.mounting.translation;
+        ColumnFrame {
+            // Azimuth runs clockwise: forward is x, right is −y.
+            horizontal: [xx * cos - xy * sin, yx * cos - yy * sin, zx * cos - zy * sin],
+            vertical: [xz, yz, zz],
+            origin: [x_m, y_m, z_m],
+            metres_per_count: self.metres_per_count,
+        }
+    }
+}
+
 /// The affine map of one column: point = range · (cos · horizontal + sin · vertical) + height · vertical + origin.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ColumnFrame {
@@ -44,32 +94,12 @@ pub(crate) struct ColumnFrame {
 }
 
 impl ColumnFrame {
-    /// For a column of a sweep, with the robot's motion during the sweep taken out: the point is expressed in the
-    /// robot's frame at the end of the sweep (algorithms X.8, constant speed within the sweep).
-    pub(crate) fn new(sweep: &Sweep, column: &SweepColumn, mounting: &Transform3, twist: Twist2) -> Self {
-        let (sin, cos) = sincos_cdeg(column.azimuth_cdeg);
-        let [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]] = mounting.rotation;
-        // Azimuth runs clockwise: forward is x, right is −y.
-        let horizontal = [xx * cos - xy * sin, yx * cos - yy * sin, zx * cos - zy * sin];
-        let vertical = [xz, yz, zz];
-        let origin = [mounting.translation.x_m, mounting.translation.y_m, mounting.translation.z_m];
-        let measured = sweep.stamp.plus_micros(u64::from(column.offset_us));
-        let before_end_s = measured.seconds_since(sweep.end_stamp);
-        let frame =
-            Self { horizontal, vertical, origin, metres_per_count: f32::from(sweep.range_unit_mm) * 1.0e-3 };
-        frame.moved(before_end_s, twist)
-    }
-
     fn moved(self, seconds: f32, twist: Twist2) -> Self {
         let turned_rad = twist.angular_radps * seconds;
         let driven_m = twist.linear_mps * seconds;
-        if turned_rad == 0.0 && driven_m == 0.0 {
-            return self;
-        }
-        let (sin, cos) = libm::sincosf(turned_rad);
+        let (sin, cos) = sincos_small(turned_rad);
         let turn = |[x, y, z]: [f32; 3]| [cos * x - sin * y, sin * x + cos * y, z];
-        let half = turned_rad * 0.5;
-        let (half_sin, half_cos) = libm::sincosf(half);
+        let (half_sin, half_cos) = sincos_small(turned_rad * 0.5);
         let [x, y, z] = turn(self.origin);
         Self {
             horizontal: turn(self.horizontal),
@@ -77,17 +107,6 @@ impl ColumnFrame {
             origin: [x + driven_m * half_cos, y + driven_m * half_sin, z],
             ..self
         }
-    }
-
-    /// Distances and heights of a column.
-    pub(super) fn profile(&self, raw: &[u16; SWEEP_RINGS], angles: &RingAngles) -> Profile {
-        let mut profile = Profile::default();
-        let cells = profile.distance_m.iter_mut().zip(&mut profile.height_m);
-        for (((distance_m, height_m), raw), angle) in cells.zip(raw).zip(&angles.rings) {
-            *distance_m = self.range_m(*raw) * angle.1;
-            *height_m = self.height_m(*raw, *angle);
-        }
-        profile
     }
 
     /// Range in metres.
@@ -112,15 +131,25 @@ impl ColumnFrame {
     }
 }
 
+/// The series, for ±45°. Products with constants instead of divisions.
+fn sincos_series(x: f32) -> (f32, f32) {
+    let x2 = x * x;
+    let sin = x * (1.0 + x2 * (-1.0 / 6.0 + x2 * (1.0 / 120.0 - x2 * (1.0 / 5_040.0))));
+    let cos = 1.0 + x2 * (-0.5 + x2 * (1.0 / 24.0 + x2 * (-1.0 / 720.0 + x2 * (1.0 / 40_320.0))));
+    (sin, cos)
+}
+
+/// Sine and cosine of an angle that is mostly small: what a robot turns during a sweep.
+fn sincos_small(angle_rad: f32) -> (f32, f32) {
+    if angle_rad.abs() < FRAC_PI_4 { sincos_series(angle_rad) } else { libm::sincosf(angle_rad) }
+}
+
 /// Sine and cosine of hundredths of a degree. The reduction to ±45° is exact in integers, so two short Taylor series
 /// (to x⁷ and x⁸, error below 4·10⁻⁷) replace the general function in the hottest loop.
 fn sincos_cdeg(azimuth_cdeg: u16) -> (f32, f32) {
     let quarter = (u32::from(azimuth_cdeg) + 4_500) / 9_000;
     let rest_cdeg = i32::from(azimuth_cdeg) - (quarter * 9_000) as i32;
-    let x = rest_cdeg as f32 * (RADIANS_PER_DEGREE / 100.0);
-    let x2 = x * x;
-    let sin = x * (1.0 - x2 / 6.0 * (1.0 - x2 / 20.0 * (1.0 - x2 / 42.0)));
-    let cos = 1.0 - x2 / 2.0 * (1.0 - x2 / 12.0 * (1.0 - x2 / 30.0 * (1.0 - x2 / 56.0)));
+    let (sin, cos) = sincos_series(rest_cdeg as f32 * (RADIANS_PER_DEGREE / 100.0));
     match quarter % 4 {
         0 => (sin, cos),
         1 => (cos, -sin),

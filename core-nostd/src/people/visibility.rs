@@ -1,5 +1,6 @@
 //! Where the lidar could have seen a person: a track behind something, or in a sector without data, is not missed.
 
+use super::clusters::{Obstacles, rings_of};
 use crate::geometry::Point2;
 
 /// Sectors of 2°.
@@ -8,36 +9,35 @@ const SECTORS: usize = 180;
 /// Horizontal distance up to which each sector is open.
 #[derive(Clone, Debug)]
 pub(super) struct Visibility {
-    /// Second nearest obstacle of the sector, metres: one stray return hides nothing. 0 = not measured.
-    nearest_m: [[f32; 2]; SECTORS],
+    /// Nearest and second nearest obstacle of the sector, counts of 2 mm: one stray return hides nothing.
+    nearest: [[u16; 2]; SECTORS],
     measured: [u16; SECTORS],
 }
 
 impl Visibility {
     pub(super) const fn new() -> Self {
-        Self { nearest_m: [[f32::INFINITY; 2]; SECTORS], measured: [0; SECTORS] }
+        Self { nearest: [[u16::MAX; 2]; SECTORS], measured: [0; SECTORS] }
     }
 
     pub(super) fn clear(&mut self) {
         *self = Self::new();
     }
 
-    /// A column was measured.
-    pub(super) fn column(&mut self, azimuth_cdeg: u16) {
-        if let Some(count) = self.measured.get_mut(sector_of_cdeg(azimuth_cdeg)) {
-            *count = count.saturating_add(1);
+    /// A column was measured, with its obstacles.
+    pub(super) fn column(&mut self, azimuth_cdeg: u16, obstacles: &Obstacles) {
+        let sector = sector_of_cdeg(azimuth_cdeg);
+        let (Some(count), Some(nearest)) = (self.measured.get_mut(sector), self.nearest.get_mut(sector))
+        else {
+            return;
+        };
+        *count = count.saturating_add(1);
+        let [mut first, mut second] = *nearest;
+        for ring in rings_of(obstacles.present) {
+            let distance = obstacles.counts.get(ring).copied().unwrap_or(u16::MAX);
+            second = second.min(first.max(distance));
+            first = first.min(distance);
         }
-    }
-
-    /// An obstacle in a column.
-    pub(super) fn obstacle(&mut self, azimuth_cdeg: u16, distance_m: f32) {
-        if let Some([first, second]) = self.nearest_m.get_mut(sector_of_cdeg(azimuth_cdeg)) {
-            if distance_m < *first {
-                (*first, *second) = (distance_m, *first);
-            } else if distance_m < *second {
-                *second = distance_m;
-            }
-        }
+        *nearest = [first, second];
     }
 
     /// A person at `point_in_sensor` (x forward, y left) could have been seen.
@@ -46,8 +46,10 @@ impl Visibility {
         let cdeg = (bearing_rad * (18_000.0 / core::f32::consts::PI) + 36_000.0) as u32 % 36_000;
         let sector = sector_of_cdeg(cdeg as u16);
         let measured = self.measured.get(sector).copied().unwrap_or(0);
-        let [_, nearest_m] = self.nearest_m.get(sector).copied().unwrap_or([0.0; 2]);
-        measured > 2 && nearest_m > point_in_sensor.norm() - 0.6
+        let [_, nearest] = self.nearest.get(sector).copied().unwrap_or([0; 2]);
+        // Farther than people are looked for is open.
+        let open = nearest == u16::MAX || f32::from(nearest) * 0.002 > point_in_sensor.norm() - 0.6;
+        measured > 2 && open
     }
 }
 

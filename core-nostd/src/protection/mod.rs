@@ -9,6 +9,7 @@ mod config;
 mod config_error;
 mod decision;
 mod field;
+mod held;
 mod kinematics;
 mod packet_table;
 mod record;
@@ -23,6 +24,7 @@ pub use config::{DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeome
 pub use config_error::GuardConfigError;
 pub use decision::{Decision, SourceReport};
 pub use field::{Polygon, point_in_polygon, ray_exit_m};
+pub use held::{HeldCause, HeldCauses};
 pub use kinematics::{field_length_m, stop_distance_m};
 pub use packet_table::PacketTable;
 pub(crate) use packet_table::{BIN_CDEG, Bin};

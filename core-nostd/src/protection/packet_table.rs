@@ -22,6 +22,8 @@ pub(crate) struct Bin {
     pub(crate) direction: Point2,
     /// Share of the range that lies in the plane, 1/65,536.
     pub(crate) plane_share: [u16; PACKET_RINGS_MAX],
+    /// The least of them.
+    pub(crate) least_share: u16,
     /// Returns beyond are floor, or pass over the robot, millimetres.
     pub(crate) height_mm: [u16; PACKET_RINGS_MAX],
     /// Returns nearer, in the plane, come from the robot itself, millimetres.
@@ -44,6 +46,7 @@ impl PacketTable {
         let empty = Bin {
             direction: Point2::default(),
             plane_share: [0; PACKET_RINGS_MAX],
+            least_share: u16::MAX,
             height_mm: [0; PACKET_RINGS_MAX],
             own_mm: u16::MAX,
             protective_mm: [0; FIELD_SETS_MAX],
@@ -83,6 +86,8 @@ impl Bin {
             };
             *height_mm = (*height_mm).max((limit_m * 1.0e3) as u16);
         }
+        let rings = geometry.elevations_rad.len();
+        self.least_share = self.plane_share.iter().take(rings).copied().min().unwrap_or(0);
         let level = ray_in_robot(geometry, azimuth_rad, 0.0);
         let norm = Point2::new(level.x_m, level.y_m).norm().max(1.0e-6);
         self.direction = Point2::new(level.x_m / norm, level.y_m / norm);

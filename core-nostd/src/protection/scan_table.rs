@@ -12,6 +12,8 @@ type Limits = [u16; SCAN_BEAMS_MAX];
 pub struct ScanTable {
     pub(crate) protective: [Limits; FIELD_SETS_MAX],
     pub(crate) warning: [Limits; FIELD_SETS_MAX],
+    /// Beams that a protective field watches.
+    pub(crate) watched: [u16; FIELD_SETS_MAX],
     pub(crate) directions: [Point2; SCAN_BEAMS_MAX],
     pub(crate) geometry: ScannerGeometry,
 }
@@ -23,6 +25,7 @@ impl ScanTable {
         let mut table = Self {
             protective: [[0; SCAN_BEAMS_MAX]; FIELD_SETS_MAX],
             warning: [[0; SCAN_BEAMS_MAX]; FIELD_SETS_MAX],
+            watched: [0; FIELD_SETS_MAX],
             directions: [Point2::default(); SCAN_BEAMS_MAX],
             geometry: *geometry,
         };
@@ -36,6 +39,9 @@ impl ScanTable {
         {
             fill(protective, &set.protective, geometry, &table.directions);
             fill(warning, &set.warning, geometry, &table.directions);
+        }
+        for (watched, limits) in table.watched.iter_mut().zip(&table.protective) {
+            *watched = limits.iter().filter(|limit| **limit > 0).count() as u16;
         }
         table
     }

@@ -21,6 +21,16 @@ pub struct LidarColumn {
     pub reflectivity: [u8; PACKET_RINGS_MAX],
 }
 
+impl LidarColumn {
+    /// A column without a return.
+    pub const SILENT: Self = Self {
+        azimuth_cdeg: 0,
+        offset_us: 0,
+        range_raw: [0; PACKET_RINGS_MAX],
+        reflectivity: [0; PACKET_RINGS_MAX],
+    };
+}
+
 /// A decoded datagram.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LidarPacket {
@@ -32,4 +42,19 @@ pub struct LidarPacket {
     pub rings: u8,
     /// The firing sequences, in time order.
     pub columns: Vec<LidarColumn, PACKET_COLUMNS_MAX>,
+}
+
+impl LidarPacket {
+    /// No columns. A place to decode into.
+    pub const EMPTY: Self = Self { stamp: Stamp::ZERO, range_unit_mm: 2, rings: 0, columns: Vec::new() };
+
+    /// Becomes equal to another one without a copy on the way.
+    pub fn copy_from(&mut self, other: &Self) {
+        (self.stamp, self.range_unit_mm, self.rings) = (other.stamp, other.range_unit_mm, other.rings);
+        // The same capacity: always room.
+        let _ = self.columns.resize(other.columns.len(), LidarColumn::SILENT);
+        for (to, from) in self.columns.iter_mut().zip(&other.columns) {
+            *to = *from;
+        }
+    }
 }

@@ -56,9 +56,13 @@ impl Default for Configuration {
 }
 
 impl Configuration {
+    /// Measured values of a telegram.
+    pub(super) fn values(&self) -> usize {
+        self.values_per_field.iter().map(|count| usize::from(*count)).sum()
+    }
+
     /// Measured words of a telegram, with the markers between fields.
     pub(super) fn words(&self) -> usize {
-        let values: usize = self.values_per_field.iter().map(|count| usize::from(*count)).sum();
-        values.saturating_add(self.values_per_field.len().saturating_sub(1))
+        self.values().saturating_add(self.values_per_field.len().saturating_sub(1))
     }
 }

@@ -4,7 +4,7 @@ use floorguard_core::sensing::{BeamReturn, Scan};
 use floorguard_core::time::{Age, Stamp};
 
 use super::configuration::{Bit13, Configuration};
-use super::telegram::{Telegram, TelegramError, candidate_lengths, field};
+use super::telegram::{RunningSum, Telegram, TelegramError, candidate_lengths, field};
 
 /// Two telegrams suffice for any alignment.
 const BUFFER_BYTES: usize = 2_432;
@@ -53,6 +53,10 @@ pub struct Receiver {
     configuration: Configuration,
     buffer: [u8; BUFFER_BYTES],
     length: usize,
+    /// Bytes that must arrive before it is worth looking again, at least 1.
+    wanted: usize,
+    /// The sum of what stands at the front of the buffer.
+    sum: RunningSum,
     last_byte: Stamp,
     /// Index of the size rule that was right last.
     rule: usize,
@@ -66,8 +70,8 @@ pub struct Receiver {
 enum Front {
     /// A whole telegram of this many bytes, by this rule.
     Telegram(usize, usize),
-    /// Perhaps one; more bytes will tell.
-    Unfinished,
+    /// Perhaps one; so many bytes more will tell.
+    Unfinished(usize),
     /// None.
     Nothing,
 }
@@ -80,6 +84,8 @@ impl Receiver {
             configuration,
             buffer: [0; BUFFER_BYTES],
             length: 0,
+            wanted: 1,
+            sum: RunningSum::START,
             last_byte: Stamp::ZERO,
             rule: 0,
             last_scan: None,
@@ -103,22 +109,37 @@ impl Receiver {
             self.discard(1);
             self.consume(now, &mut event);
         }
-        for byte in bytes {
-            self.counters.bytes = self.counters.bytes.saturating_add(1);
-            if let Some(slot) = self.buffer.get_mut(self.length) {
-                *slot = *byte;
-                self.length += 1;
-            }
+        self.counters.bytes = self.counters.bytes.saturating_add(bytes.len() as u32);
+        let mut rest = bytes;
+        for _ in bytes {
+            let count = self.wanted.clamp(1, rest.len().max(1));
+            let Some((portion, later)) = rest.split_at_checked(count) else { break };
+            self.append(portion);
             self.consume(now, &mut event);
+            rest = later;
         }
         self.last_byte = now;
+    }
+
+    fn append(&mut self, portion: &[u8]) {
+        let end = self.length.saturating_add(portion.len());
+        // Always room: what is wanted never exceeds the longest telegram, of which two fit.
+        if let Some(room) = self.buffer.get_mut(self.length..end) {
+            for (slot, byte) in room.iter_mut().zip(portion) {
+                *slot = *byte;
+            }
+            self.length = end;
+        }
     }
 
     /// Takes telegrams off the front until it is unfinished. Each turn removes at least one byte.
     fn consume(&mut self, now: Stamp, event: &mut impl FnMut(Event<'_>)) {
         for _ in 0..BUFFER_BYTES {
             match self.front() {
-                Front::Unfinished => return,
+                Front::Unfinished(wanted) => {
+                    self.wanted = wanted;
+                    return;
+                }
                 Front::Nothing => self.discard(1),
                 Front::Telegram(length, rule) => {
                     self.rule = rule;
@@ -146,6 +167,7 @@ impl Receiver {
             }
         }
         self.length = remaining;
+        self.sum = RunningSum::START;
     }
 
     fn front(&mut self) -> Front {
@@ -171,26 +193,30 @@ impl Receiver {
     }
 
     /// Tries the size rules, the one that was right last first.
-    fn checked(&self, version: u16, words: u16) -> Front {
+    fn checked(&mut self, version: u16, words: u16) -> Front {
         let used = self.buffer.get(..self.length).unwrap_or_default();
         let lengths = candidate_lengths(version, words);
+        // As far as every rule agrees; what follows may be the sum itself.
+        let shortest = lengths.iter().flatten().min().copied().unwrap_or(0);
+        self.sum.extend(used, shortest.saturating_sub(2));
         let order = [self.rule % 3, (self.rule + 1) % 3, (self.rule + 2) % 3];
-        let mut unfinished = false;
+        let mut wanted: Option<usize> = None;
         for rule in order {
             let Some(length) = lengths.get(rule).copied().flatten() else { continue };
             match used.get(..length) {
-                Some(whole) if Telegram::new_checked(whole).is_some() => {
-                    return Front::Telegram(length, rule);
-                }
+                Some(whole) if self.sum.confirms(whole) => return Front::Telegram(length, rule),
                 Some(_) => {}
-                None => unfinished = true,
+                None => {
+                    let missing = length.saturating_sub(used.len());
+                    wanted = Some(wanted.map_or(missing, |least| least.min(missing)));
+                }
             }
         }
-        if unfinished { Front::Unfinished } else { Front::Nothing }
+        wanted.map_or(Front::Nothing, |missing| Front::Unfinished(missing.max(1)))
     }
 
     fn interpret(&mut self, length: usize, now: Stamp) -> Option<Event<'_>> {
-        let telegram = self.buffer.get(..length).and_then(Telegram::new_checked)?;
+        let telegram = Telegram::confirmed(self.buffer.get(..length)?);
         if telegram.status() != 0 {
             return Some(Event::Refused(TelegramError::LockOut { status: telegram.status() }));
         }
@@ -228,16 +254,17 @@ fn fill(scan: &mut Scan, telegram: &Telegram<'_>, configuration: &Configuration,
     scan.sequence = telegram.scan_number();
     scan.first_angle_rad = configuration.first_angle_rad;
     scan.step_rad = configuration.step_rad;
-    scan.beams.clear();
+    // The number never changes after the first scan; it was checked against the configuration.
+    let _ = scan.beams.resize_default(configuration.values());
     let mut words = telegram.words();
+    let mut beams = scan.beams.iter_mut();
     for (index, count) in configuration.values_per_field.iter().enumerate() {
         if index > 0 {
             // The marker between two fields.
             let _ = words.next();
         }
-        for word in words.by_ref().take(usize::from(*count)) {
-            // 541 of the capacity, checked against the configuration by its length.
-            let _ = scan.beams.push(beam(word, configuration));
+        for (slot, word) in beams.by_ref().take(usize::from(*count)).zip(words.by_ref()) {
+            *slot = beam(word, configuration);
         }
     }
     if configuration.inverted {
@@ -247,9 +274,10 @@ fn fill(scan: &mut Scan, telegram: &Telegram<'_>, configuration: &Configuration,
 
 fn front_of_short(used: &[u8]) -> Front {
     // The start may already contradict a header: flag and address stand at 8 and 9.
+    let missing = field::VERSION_END.saturating_sub(used.len()).max(1);
     let flag_wrong = used.get(8).is_some_and(|flag| *flag != 0xff);
     let address_wrong = used.get(9).is_some_and(|address| !matches!(address, 7 | 8));
-    if flag_wrong || address_wrong { Front::Nothing } else { Front::Unfinished }
+    if flag_wrong || address_wrong { Front::Nothing } else { Front::Unfinished(missing) }
 }
 
 fn is_header(words: u16, flag: u8, address: u8) -> bool {

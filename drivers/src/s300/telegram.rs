@@ -1,6 +1,6 @@
 //! One telegram as a checked view, and the three ways in which its size is written.
 
-use crc::{CRC_16_IBM_3740, Crc, NoTable};
+use crc::{CRC_16_IBM_3740, Crc, Table};
 
 /// Positions in the telegram; wire-formats 2.2.
 pub(super) mod field {
@@ -18,8 +18,44 @@ pub(super) mod field {
     pub const WORDS: core::ops::RangeInclusive<u16> = 11..=600;
 }
 
-/// CRC-16/CCITT-FALSE, which the catalogue calls IBM 3740. Without a table: a telegram comes every 40 ms.
-const CHECKSUM: Crc<u16, NoTable> = Crc::<u16, NoTable>::new(&CRC_16_IBM_3740);
+/// CRC-16/CCITT-FALSE, which the catalogue calls IBM 3740.
+static CHECKSUM: Crc<u16, Table<1>> = Crc::<u16, Table<1>>::new(&CRC_16_IBM_3740);
+
+/// Everything behind the first four bytes, up to the checksum, is covered by it.
+pub(super) const UNCOVERED: usize = 4;
+
+/// A checksum that grows with the bytes that arrive, so that little is left to do for the last of them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RunningSum {
+    /// Bytes of the telegram that were looked at.
+    length: usize,
+    sum: u16,
+}
+
+impl RunningSum {
+    pub(super) const START: Self = Self { length: UNCOVERED, sum: CRC_16_IBM_3740.init };
+
+    /// Takes in the telegram up to `length` bytes, as far as it is there.
+    pub(super) fn extend(&mut self, telegram: &[u8], length: usize) {
+        let length = length.min(telegram.len());
+        if length < self.length {
+            *self = Self::START;
+        }
+        if let Some(fresh) = telegram.get(self.length..length) {
+            // Neither reflected nor inverted at its end: what it gives can go on.
+            let mut digest = CHECKSUM.digest_with_initial(self.sum);
+            digest.update(fresh);
+            (self.sum, self.length) = (digest.finalize(), length);
+        }
+    }
+
+    /// The checksum of a whole telegram is right.
+    pub(super) fn confirms(&mut self, telegram: &[u8]) -> bool {
+        let Some((body, wanted)) = telegram.split_last_chunk::<2>() else { return false };
+        self.extend(telegram, body.len());
+        self.length == body.len() && self.sum == u16::from_le_bytes(*wanted)
+    }
+}
 
 /// A telegram whose checksum is right but whose content is of no use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,9 +123,14 @@ impl<'a> Telegram<'a> {
     #[must_use]
     pub fn new_checked(bytes: &'a [u8]) -> Option<Self> {
         let (body, sum) = bytes.split_last_chunk::<2>()?;
-        let covered = body.get(4..)?;
+        let covered = body.get(UNCOVERED..)?;
         let whole = bytes.len() >= field::SHORTEST && bytes.len().is_multiple_of(2);
         (whole && CHECKSUM.checksum(covered) == u16::from_le_bytes(*sum)).then_some(Self { bytes })
+    }
+
+    /// A telegram whose checksum was found right and whose length is one of [`candidate_lengths`].
+    pub(super) const fn confirmed(bytes: &'a [u8]) -> Self {
+        Self { bytes }
     }
 
     fn word(&self, at: usize) -> u16 {

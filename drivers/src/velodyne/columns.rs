@@ -9,18 +9,9 @@
 use floorguard_core::capacities::PACKET_RINGS_MAX;
 use floorguard_core::sensing::{LidarColumn, LidarPacket};
 use floorguard_core::time::Stamp;
-use heapless::Vec;
 
 use super::model::{LaserAngles, Model};
-use super::packet::{Block, Packet};
-
-/// A column before its first return.
-const NO_RETURN: LidarColumn = LidarColumn {
-    azimuth_cdeg: 0,
-    offset_us: 0,
-    range_raw: [0; PACKET_RINGS_MAX],
-    reflectivity: [0; PACKET_RINGS_MAX],
-};
+use super::packet::{BLOCKS, Block, Packet};
 
 /// Converts packets of one model.
 #[derive(Clone, Debug)]
@@ -39,43 +30,44 @@ impl Columns {
         Self { model, rings }
     }
 
-    /// All columns of a packet; 12 to 24 in single, 6 to 12 in dual return.
-    /// Returns nearer than `blind_range_mm` become unknown; their number comes second.
+    /// Writes all columns of a packet: 12 to 24 in single, 6 to 12 in dual return. Returns nearer than `blind_range_mm`
+    /// become unknown; gives their number.
     pub(super) fn convert(
         &self,
         packet: &Packet<'_>,
-        stamp: Stamp,
-        blind_range_mm: u16,
-    ) -> (LidarPacket, u32) {
-        let mut columns = Vec::new();
+        (stamp, blind_range_mm): (Stamp, u16),
+        out: &mut LidarPacket,
+    ) -> u32 {
         let blind_raw = blind_range_mm.div_ceil(u16::from(self.model.range_unit_mm().max(1)));
-        let mut self_returns = 0;
-        let gaps = packet.gaps();
+        let sequences = self.model.sequences_per_block().clamp(1, 2);
         let step = if packet.is_dual() { 2 } else { 1 };
-        let sequences = self.model.sequences_per_block();
-        for (time_step, (index, block)) in packet.blocks().enumerate().step_by(step).enumerate() {
-            let echo = if packet.is_dual() { packet.blocks().nth(index.saturating_add(1)) } else { None };
-            let gap_cdeg = gaps.get(index).copied().unwrap_or(0);
-            for sequence in 0..sequences.min(2) {
-                let azimuth_cdeg = self.middle_azimuth(block.azimuth_cdeg, sequence, gap_cdeg);
-                let mut column = LidarColumn { azimuth_cdeg, ..NO_RETURN };
-                for block in [Some(block), echo].into_iter().flatten() {
-                    self_returns += self.fill(&mut column, block, sequence, blind_raw);
-                }
+        out.stamp = stamp;
+        out.range_unit_mm = self.model.range_unit_mm();
+        out.rings = self.model.lasers() as u8;
+        // 12 blocks of two sequences are exactly the capacity.
+        let _ = out.columns.resize(BLOCKS / step * sequences, LidarColumn::SILENT);
+        let gaps = packet.gaps();
+        let blocks = packet.blocks().zip(gaps).step_by(step);
+        // The second blocks of the pairs.
+        let mut echoes = packet.blocks().skip(1).step_by(step);
+        let mut columns = out.columns.iter_mut();
+        let mut self_returns = 0;
+        for (time_step, (block, gap_cdeg)) in blocks.enumerate() {
+            let echo = if packet.is_dual() { echoes.next() } else { None };
+            for (sequence, column) in columns.by_ref().take(sequences).enumerate() {
+                *column = LidarColumn::SILENT;
+                column.azimuth_cdeg = self.middle_azimuth(block.azimuth_cdeg, sequence, gap_cdeg);
                 let start_ns = (time_step as u32)
                     .saturating_mul(self.model.block_ns())
                     .saturating_add((sequence as u32).saturating_mul(self.model.sequence_ns()));
-                // 12 blocks of two sequences are exactly the capacity.
-                let _ = columns.push(LidarColumn { offset_us: start_ns / 1_000, ..column });
+                column.offset_us = start_ns / 1_000;
+                self_returns += self.fill(column, block, sequence, blind_raw);
+                if let Some(echo) = echo {
+                    self_returns += self.fill(column, echo, sequence, blind_raw);
+                }
             }
         }
-        let packet = LidarPacket {
-            stamp,
-            range_unit_mm: self.model.range_unit_mm(),
-            rings: self.model.lasers() as u8,
-            columns,
-        };
-        (packet, self_returns)
+        self_returns
     }
 
     /// Enters the returns of one sequence that are not the robot itself; a nearer one replaces a farther one, so that
@@ -83,17 +75,22 @@ impl Columns {
     fn fill(&self, column: &mut LidarColumn, block: Block<'_>, sequence: usize, blind_raw: u16) -> u32 {
         let lasers = self.model.lasers();
         let mut self_returns = 0;
-        let cells = block.channels().skip(sequence * lasers).take(PACKET_RINGS_MAX);
-        for ((raw, reflectivity), ring) in cells.zip(self.rings.iter().take(lasers)) {
+        for ((raw, reflectivity), ring) in
+            block.channels_from(sequence * lasers).zip(&self.rings).take(lasers)
+        {
+            if raw == 0 {
+                continue;
+            }
             let ring = usize::from(*ring);
             let (Some(range), Some(brightness)) =
                 (column.range_raw.get_mut(ring), column.reflectivity.get_mut(ring))
             else {
                 continue;
             };
-            if raw != 0 && raw < blind_raw {
+            if raw < blind_raw {
                 self_returns += 1;
-            } else if raw != 0 && (*range == 0 || raw < *range) {
+            } else if raw <= range.wrapping_sub(1) {
+                // Nothing yet, 0, wraps round to the greatest number.
                 (*range, *brightness) = (raw, reflectivity);
             }
         }
@@ -104,8 +101,9 @@ impl Columns {
     fn middle_azimuth(&self, block_cdeg: u16, sequence: usize, gap_cdeg: u16) -> u16 {
         let middle_ns = self.model.laser_ns(self.model.lasers() - 1) / 2;
         let within_ns = (sequence as u32).saturating_mul(self.model.sequence_ns()).saturating_add(middle_ns);
-        let block_ns = u64::from(self.model.block_ns().max(1));
-        let turned = (u64::from(gap_cdeg) * u64::from(within_ns) + block_ns / 2) / block_ns;
-        ((u64::from(block_cdeg) + turned) % 36_000) as u16
+        let block_ns = self.model.block_ns().max(1);
+        // At most 36,000 times 73 us: fits.
+        let turned = u32::from(gap_cdeg).saturating_mul(within_ns).saturating_add(block_ns / 2) / block_ns;
+        (u32::from(block_cdeg).saturating_add(turned) % 36_000) as u16
     }
 }

@@ -196,7 +196,22 @@ impl Decoder {
     /// # Errors
     /// [`DecodeError`]; the datagram is counted and changes nothing else.
     pub fn decode(&mut self, payload: &[u8], arrival: Stamp) -> Result<(LidarPacket, u16), DecodeError> {
-        let outcome = self.try_decode(payload, arrival);
+        let mut packet = LidarPacket::EMPTY;
+        let lost = self.decode_into(payload, arrival, &mut packet)?;
+        Ok((packet, lost))
+    }
+
+    /// The same into a packet that is there already: nothing large is moved.
+    ///
+    /// # Errors
+    /// [`DecodeError`]; the datagram is counted, and what stands in `out` has no meaning.
+    pub fn decode_into(
+        &mut self,
+        payload: &[u8],
+        arrival: Stamp,
+        out: &mut LidarPacket,
+    ) -> Result<u16, DecodeError> {
+        let outcome = self.try_decode(payload, arrival, out);
         match outcome {
             Ok(_) => self.counters.accepted = self.counters.accepted.saturating_add(1),
             Err(error) => {
@@ -209,7 +224,12 @@ impl Decoder {
         outcome
     }
 
-    fn try_decode(&mut self, payload: &[u8], arrival: Stamp) -> Result<(LidarPacket, u16), DecodeError> {
+    fn try_decode(
+        &mut self,
+        payload: &[u8],
+        arrival: Stamp,
+        out: &mut LidarPacket,
+    ) -> Result<u16, DecodeError> {
         let packet = Packet::new_checked(payload).map_err(DecodeError::Packet)?;
         let step_us = self.step_us(&packet)?;
         let decision = self.decide(&packet, step_us);
@@ -228,9 +248,9 @@ impl Decoder {
         let stamp = self.clock.stamp(packet.stamp_us(), first_firing);
         self.since_accepted_us = Some(0);
         self.counters.lost = self.counters.lost.saturating_add(u32::from(lost));
-        let (columns, self_returns) = columns.convert(&packet, stamp, self.blind_range_mm);
+        let self_returns = columns.convert(&packet, (stamp, self.blind_range_mm), out);
         self.counters.self_returns = self.counters.self_returns.saturating_add(self_returns);
-        Ok((columns, lost))
+        Ok(lost)
     }
 
     /// Microseconds of sensor time since the packet before; `None` for the first and where the clock was set.

@@ -12,6 +12,9 @@ mod field {
     pub const PACKET_BYTES: usize = 1_206;
 }
 
+/// Data blocks of a packet.
+pub(super) const BLOCKS: usize = field::BLOCKS;
+
 /// Which echoes a packet carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -207,7 +210,16 @@ impl<'a> Packet<'a> {
 impl<'a> Block<'a> {
     /// Distance (counts, 0 = no return) and reflectivity of the 32 channels.
     pub fn channels(&self) -> impl ExactSizeIterator<Item = (u16, u8)> + Clone + use<'a> {
-        self.channels.chunks_exact(3).take(field::CHANNELS).map(|cell| match *cell {
+        self.channels_from(0)
+    }
+
+    /// The same from one of the channels on.
+    pub(super) fn channels_from(
+        &self,
+        first: usize,
+    ) -> impl ExactSizeIterator<Item = (u16, u8)> + Clone + use<'a> {
+        let cells = self.channels.get(first.saturating_mul(3)..).unwrap_or_default();
+        cells.chunks_exact(3).take(field::CHANNELS).map(|cell| match *cell {
             [low, high, reflectivity] => (u16::from_le_bytes([low, high]), reflectivity),
             _ => (0, 0),
         })

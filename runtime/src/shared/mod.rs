@@ -23,7 +23,7 @@ use floorguard_core::guard::{Advice, Decision, GuardConfig, GuardConfigError, Su
 use floorguard_core::sensing::{LidarPacket, Scan};
 use floorguard_core::time::Stamp;
 
-use crate::channel::{Latest, Queue};
+use crate::channel::{Belt, Latest, Queue};
 
 /// Lidar packets that perception may be late by: 42 ms.
 pub const PACKETS_QUEUED: usize = 32;
@@ -39,6 +39,17 @@ pub struct QueuedPacket {
     pub lost_before: u16,
 }
 
+impl QueuedPacket {
+    /// Nothing. A place to decode into.
+    pub const EMPTY: Self = Self { packet: LidarPacket::EMPTY, lost_before: 0 };
+
+    /// Becomes equal to another one without a copy on the way.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.packet.copy_from(&other.packet);
+        self.lost_before = other.lost_before;
+    }
+}
+
 /// Shared by all tasks. Large (the guard's tables): place it once.
 pub struct Shared<M: RawMutex> {
     guard: Mutex<M, RefCell<Supervisor>>,
@@ -46,7 +57,7 @@ pub struct Shared<M: RawMutex> {
     /// What is permitted now. Wakes whoever talks to the drive.
     pub decision: Latest<M, Decision>,
     /// Guard ring → perception: every lidar packet.
-    pub packets: Queue<M, QueuedPacket, PACKETS_QUEUED>,
+    pub packets: Belt<M, QueuedPacket, PACKETS_QUEUED>,
     /// Guard ring → perception: where the robot was.
     pub poses: Queue<M, StampedPose, POSES_QUEUED>,
     /// Guard ring → whoever wants the newest: where the robot is.
@@ -83,7 +94,7 @@ impl<M: RawMutex> Shared<M> {
             guard: Mutex::new(RefCell::new(Supervisor::new(config, now)?)),
             motion: Mutex::new(RefCell::new(motion)),
             decision: Latest::new(),
-            packets: Queue::new(),
+            packets: Belt::new([const { QueuedPacket::EMPTY }; PACKETS_QUEUED]),
             poses: Queue::new(),
             pose: Latest::new(),
             scan: Latest::new(),

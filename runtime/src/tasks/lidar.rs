@@ -21,6 +21,7 @@ pub async fn lidar_input<M: RawMutex>(
     mut decoder: Decoder,
 ) {
     let mut buffer = [0; DATAGRAM_BYTES];
+    let mut newest = QueuedPacket::EMPTY;
     loop {
         let Ok(received) = socket.receive(&mut buffer).await else {
             shared.count(|links| links.lidar_errors = links.lidar_errors.saturating_add(1));
@@ -29,10 +30,11 @@ pub async fn lidar_input<M: RawMutex>(
             continue;
         };
         let bytes = buffer.get(..received.length).unwrap_or_default();
-        match decoder.decode(bytes, received.arrival) {
-            Ok((packet, lost_before)) => {
-                shared.decide(|guard| guard.on_lidar_packet(&packet, clock::now()));
-                shared.packets.push(QueuedPacket { packet, lost_before });
+        match decoder.decode_into(bytes, received.arrival, &mut newest.packet) {
+            Ok(lost_before) => {
+                newest.lost_before = lost_before;
+                shared.decide(|guard| guard.on_lidar_packet(&newest.packet, clock::now()));
+                shared.packets.push(|slot| slot.copy_from(&newest));
             }
             // One bad datagram is no fault of the device; if no good one comes, its age stops the robot.
             Err(_) => shared.count(|links| links.lidar_refused = links.lidar_refused.saturating_add(1)),

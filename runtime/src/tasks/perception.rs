@@ -8,7 +8,7 @@ use floorguard_core::sensing::Sweep;
 use floorguard_drivers::velodyne::SweepBuilder;
 
 use super::advise::advice;
-use crate::shared::{PeopleReport, PersonReport, Shared, SweepReport};
+use crate::shared::{PeopleReport, PersonReport, QueuedPacket, Shared, SweepReport};
 
 /// Revolutions are cut behind the robot.
 const CUT_CDEG: u16 = 18_000;
@@ -30,8 +30,9 @@ pub async fn perceive<M: RawMutex>(shared: &Shared<M>, state: &mut PerceptionSta
     let mut builder = SweepBuilder::new(CUT_CDEG);
     let mut twist = Twist2::ZERO;
     let mut unposed_sweeps = 0_u32;
+    let mut queued = QueuedPacket::EMPTY;
     loop {
-        let queued = shared.packets.pop().await;
+        shared.packets.pop(|slot| queued.copy_from(slot)).await;
         for _ in 0..crate::shared::POSES_QUEUED {
             let Some(known) = shared.poses.try_pop() else { break };
             state.history.record(known.stamp, known.pose_in_odometry);

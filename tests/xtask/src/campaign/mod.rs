@@ -2,7 +2,6 @@
 
 mod block;
 mod kinds;
-mod matrix;
 mod run;
 mod state;
 

@@ -8,7 +8,7 @@ use clap::Args;
 use super::exit::BadInput;
 use super::simulate::{conclude, pace, play, play_real};
 use crate::report::write_report;
-use crate::world::{Plan, Tape};
+use crate::world::{Plan, Witnesses};
 
 /// How to show the demo.
 #[derive(Clone, Debug, Args)]
@@ -25,11 +25,20 @@ pub struct DemoArguments {
     /// Where to write the report.
     #[arg(long, default_value = "floorguard-report")]
     pub report: PathBuf,
+    /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.
+    #[arg(long, value_name = "FILE.mcap", conflicts_with = "real_io")]
+    pub record: Option<PathBuf>,
 }
 
 impl Default for DemoArguments {
     fn default() -> Self {
-        Self { seed: 1, duration: 120.0, real_io: false, report: PathBuf::from("floorguard-report") }
+        Self {
+            seed: 1,
+            duration: 120.0,
+            real_io: false,
+            report: PathBuf::from("floorguard-report"),
+            record: None,
+        }
     }
 }
 
@@ -44,8 +53,12 @@ pub fn run(arguments: &DemoArguments) -> anyhow::Result<()> {
     let started = Instant::now();
     let plan = Plan::named("supermarket", arguments.seed, (arguments.duration * 1.0e6) as u64)?;
     anstream::eprintln!("floorguard demo: {} (seed {})", plan.scenario.title, plan.seed);
+    let mut witnesses = Witnesses::default();
+    if let Some(path) = &arguments.record {
+        witnesses.record(&plan, path)?;
+    }
     let observation =
-        if arguments.real_io { play_real(&plan, false)? } else { play(&plan, false, &mut Tape::none())? };
+        if arguments.real_io { play_real(&plan, false)? } else { play(&plan, false, &mut witnesses)? };
     let page = write_report(&arguments.report, &plan, &observation)?;
     anstream::eprintln!("{}", pace(&plan, started));
     let outcome = conclude(&plan, &observation, false);

@@ -12,7 +12,7 @@ use super::exit::{BadInput, VerdictFailed};
 use super::live::status_of;
 use crate::display::LiveDisplay;
 use crate::report::write_report;
-use crate::world::{Observation, Observer, Plan, SeenStop, Tape, run_real, run_recorded};
+use crate::world::{Observation, Observer, Plan, SeenStop, Tape, Witnesses, run_real, run_recorded};
 
 /// What to simulate.
 #[derive(Clone, Debug, Args)]
@@ -38,6 +38,9 @@ pub struct SimulateArguments {
     /// In real time over real carriers: UDP on the loopback, pseudo-terminals, SLCAN.
     #[arg(long, conflicts_with = "tape")]
     pub real_io: bool,
+    /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.
+    #[arg(long, value_name = "FILE.mcap", conflicts_with = "real_io")]
+    pub record: Option<PathBuf>,
     /// One verdict object on standard output, no live status.
     #[arg(long)]
     pub json: bool,
@@ -64,14 +67,20 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
         return Ok(());
     }
     let plan = plan(arguments)?;
-    let mut tape = if arguments.tape.is_some() { Tape::new(&plan) } else { Tape::none() };
+    let mut witnesses = Witnesses::default();
+    if arguments.tape.is_some() {
+        witnesses.tape = Tape::new(&plan);
+    }
+    if let Some(path) = &arguments.record {
+        witnesses.record(&plan, path)?;
+    }
     let observation = if arguments.real_io {
         play_real(&plan, arguments.json)?
     } else {
-        play(&plan, arguments.json, &mut tape)?
+        play(&plan, arguments.json, &mut witnesses)?
     };
     if let Some(path) = &arguments.tape {
-        std::fs::write(path, tape.finish())
+        std::fs::write(path, witnesses.tape.finish())
             .map_err(|error| BadInput(format!("{}: cannot be written ({error})", path.display())))?;
     }
     if let Some(folder) = &arguments.report {
@@ -118,8 +127,9 @@ fn parse_span(text: &str) -> anyhow::Result<(u64, u64)> {
 }
 
 /// Plays a plan with a live display.
-pub(super) fn play(plan: &Plan, quiet: bool, tape: &mut Tape) -> anyhow::Result<Observation> {
-    watched(plan, quiet, |observer| run_recorded(plan, observer, tape)).map(|(observation, ())| observation)
+pub(super) fn play(plan: &Plan, quiet: bool, witnesses: &mut Witnesses) -> anyhow::Result<Observation> {
+    watched(plan, quiet, |observer| run_recorded(plan, observer, witnesses))
+        .map(|(observation, ())| observation)
 }
 
 /// The same in real time over real carriers.

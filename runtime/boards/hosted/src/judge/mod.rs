@@ -6,6 +6,7 @@
 mod contacts;
 mod digest;
 mod latency;
+mod orders;
 mod shape;
 mod stops;
 mod truth;
@@ -15,6 +16,7 @@ mod zone;
 pub use contacts::ContactJudge;
 pub use digest::Digest;
 pub use latency::Quantiles;
+pub use orders::StopOrders;
 pub use stops::{StopJudge, StopReason};
 pub use truth::{Truth, TruthPerson};
 pub use verdict::{Judge, Verdict};

@@ -32,8 +32,13 @@ pub struct Verdict {
     pub nuisance_stops: u32,
     /// All stops.
     pub stops: u32,
-    /// From the intrusion to the command to the drive, milliseconds.
+    /// From the measurement that made the robot stop to the order on the bus, milliseconds. A lidar
+    /// revolution counts from its end, a lost source from its last good message, the emergency stop from its being
+    /// pressed. Stops of a robot that stood need no order and do not count.
     pub stop_latency_ms: Quantiles,
+    /// By ground truth: from the moment something was 5 cm deep in the protective zone of the true speed to the order, ms;
+    /// most stops come earlier, by time to collision, and do not count.
+    pub intrusion_latency_ms: Quantiles,
     /// Tracking accuracy (CLEAR MOT), up to 1; none when nobody was to be tracked.
     pub mota: Option<f64>,
     /// Identity F1 score, 0 to 1.
@@ -90,7 +95,7 @@ impl Judge {
             missed_stops: self.stops.missed(),
             nuisance_stops: self.stops.nuisance(),
             stops: self.stops.stops(),
-            stop_latency_ms: Quantiles::of_micros(self.stops.latencies_us().to_vec()),
+            intrusion_latency_ms: Quantiles::of_micros(self.stops.latencies_us().to_vec()),
             ..Verdict::default()
         }
     }

@@ -1,6 +1,6 @@
 //! Our measurements and results as ROS 2 messages.
 
-use floorguard_core::geometry::{Pose2, Transform3, Twist2};
+use floorguard_core::geometry::{Point2, Pose2, Transform3, Twist2};
 use floorguard_core::sensing::{BeamReturn, ImuSample, Scan};
 use floorguard_core::time::Stamp;
 
@@ -54,6 +54,8 @@ pub enum MarkerShape {
     Arrow = 0,
     /// Upright.
     Cylinder = 3,
+    /// Along the points; the size along x is its width.
+    LineStrip = 4,
     /// Words that face the viewer.
     Text = 9,
 }
@@ -75,6 +77,8 @@ pub struct Marker {
     pub color: [f32; 4],
     /// Words of a text marker.
     pub text: String,
+    /// Corners of a line, in the frame of the pose.
+    pub points: Vec<Point2>,
 }
 
 /// A map to be written: row by row from the origin; −1 unknown, 0 free … 100 occupied.
@@ -93,6 +97,42 @@ pub struct GridImage<'a> {
 const POINT_FIELDS: [(&str, u32, u8); 6] =
     [("x", 0, 7), ("y", 4, 7), ("z", 8, 7), ("intensity", 12, 7), ("time", 16, 7), ("ring", 20, 4)];
 const POINT_BYTES: u32 = 22;
+
+/// `std_msgs/msg/UInt8MultiArray`: bytes, without dimensions.
+pub fn octets(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = Encoder::new();
+    encoder.length(0).u32(0).octets(bytes);
+    encoder.finish()
+}
+
+/// The bytes of a message that [`octets`] made.
+pub fn octets_of(message: &[u8]) -> Option<&[u8]> {
+    const FRONT: [u8; 12] = [0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
+    let (length, bytes) = message.strip_prefix(&FRONT)?.split_first_chunk::<4>()?;
+    bytes.get(..usize::try_from(u32::from_le_bytes(*length)).ok()?)
+}
+
+/// `std_msgs/msg/Float32`.
+pub fn number(value: f32) -> Vec<u8> {
+    let mut encoder = Encoder::new();
+    encoder.f32(value);
+    encoder.finish()
+}
+
+/// `std_msgs/msg/String`.
+pub fn text(text: &str) -> Vec<u8> {
+    let mut encoder = Encoder::new();
+    encoder.text(text);
+    encoder.finish()
+}
+
+/// `geometry_msgs/msg/TwistStamped` in the robot's frame.
+pub fn twist(stamp: Stamp, twist: Twist2) -> Vec<u8> {
+    let mut encoder = Encoder::new();
+    header(&mut encoder, stamp, "base_link");
+    encoder.f64s(&[f64::from(twist.linear_mps), 0.0, 0.0, 0.0, 0.0, f64::from(twist.angular_radps)]);
+    encoder.finish()
+}
 
 fn header(encoder: &mut Encoder, stamp: Stamp, frame: &str) {
     time(encoder, stamp);
@@ -254,6 +294,7 @@ pub fn markers(stamp: Stamp, frame: &str, drawn: &[Marker]) -> Vec<u8> {
         size_m: [0.0; 3],
         color: [0.0; 4],
         text: String::new(),
+        points: Vec::new(),
     };
     let mut encoder = Encoder::new();
     encoder.length(drawn.len() + 1);
@@ -269,8 +310,13 @@ fn marker(encoder: &mut Encoder, stamp: Stamp, frame: &str, drawn: &Marker, acti
     quaternion_about_z(encoder, drawn.pose.heading_rad);
     encoder.f64s(&drawn.size_m);
     drawn.color.iter().for_each(|channel| _ = encoder.f32(*channel));
-    // lifetime, not locked, no points, no colours, no texture
-    encoder.i32(0).u32(0).u8(0).length(0).length(0).text("");
+    // lifetime, not locked
+    encoder.i32(0).u32(0).u8(0).length(drawn.points.len());
+    for point in &drawn.points {
+        encoder.f64s(&[f64::from(point.x_m), f64::from(point.y_m), 0.0]);
+    }
+    // no colours, no texture
+    encoder.length(0).text("");
     header(encoder, Stamp::ZERO, "");
     encoder.text("").octets(&[]).length(0);
     encoder.text(&drawn.text).text("").text("").octets(&[]).u8(0);

@@ -3,13 +3,22 @@
 //! The raw bytes of every sensor are in them too, so a recording can be replayed through the same tasks.
 
 mod cdr;
+mod chunk;
+pub mod describe;
+mod lidar_view;
 mod messages;
+mod raw;
 mod reader;
 mod recorder;
+mod records;
+mod run;
 mod schemas;
-mod topics;
+pub mod topics;
 
-pub use messages::{Diagnostic, GridImage, Marker, MarkerShape, PointRow, Severity};
+pub use messages::{Diagnostic, GridImage, Marker, MarkerShape, PointRow, Severity, octets_of};
+pub use raw::RawStream;
 pub use reader::{ReadError, Recorded, Recording};
-pub use recorder::{RawStream, RecordError, Recorder};
+pub use recorder::{RecordError, Recorder, Times};
+pub use records::count_messages;
+pub use run::{END_METADATA, RUN_METADATA, RunInfo, RunRecorder};
 pub use topics::MotionRow;

@@ -7,45 +7,11 @@ use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 
 use floorguard_core::time::Stamp;
-use mcap::records::MessageHeader;
+use mcap::records::{MessageHeader, Metadata};
 
-use super::schemas::Schema;
-
-/// Raw bytes of a stream, as they came off the wire.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum RawStream {
-    /// Lidar datagrams, port 2368.
-    LidarData,
-    /// Lidar position datagrams, port 8308.
-    LidarPosition,
-    /// Serial line of the safety scanner.
-    Scanner,
-    /// Serial line of the inertial unit.
-    Imu,
-    /// CAN frames towards the robot's computer: identifier (u32 little-endian, bit 31 = 29-bit), length, data.
-    CanReceived,
-    /// CAN frames from the robot's computer, in the same form.
-    CanSent,
-}
-
-impl RawStream {
-    /// All streams.
-    pub const ALL: [Self; 6] =
-        [Self::LidarData, Self::LidarPosition, Self::Scanner, Self::Imu, Self::CanReceived, Self::CanSent];
-
-    /// The topic that holds it.
-    #[must_use]
-    pub const fn topic(self) -> &'static str {
-        match self {
-            Self::LidarData => "/raw/lidar",
-            Self::LidarPosition => "/raw/lidar_position",
-            Self::Scanner => "/raw/scanner",
-            Self::Imu => "/raw/imu",
-            Self::CanReceived => "/raw/can_received",
-            Self::CanSent => "/raw/can_sent",
-        }
-    }
-}
+use super::messages;
+use super::raw::RawStream;
+use super::schemas::{self, Schema};
 
 /// A recording could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -56,6 +22,21 @@ pub struct RecordError(#[from] mcap::McapError);
 pub struct Recorder<W: Write + Seek> {
     writer: mcap::Writer<W>,
     channels: BTreeMap<&'static str, (u16, u32)>,
+}
+
+/// When something was recorded, and when it was made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Times {
+    /// Recorded: the order of the file.
+    pub logged: Stamp,
+    /// Made, or for raw bytes: arrived.
+    pub published: Stamp,
+}
+
+impl From<Stamp> for Times {
+    fn from(stamp: Stamp) -> Self {
+        Self { logged: stamp, published: stamp }
+    }
 }
 
 impl<W: Write + Seek> Recorder<W> {
@@ -72,6 +53,14 @@ impl<W: Write + Seek> Recorder<W> {
         Ok(Self { writer: options.create(sink)?, channels: BTreeMap::new() })
     }
 
+    /// Writes named texts about the recording.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn metadata(&mut self, name: &str, texts: BTreeMap<String, String>) -> Result<(), RecordError> {
+        Ok(self.writer.write_metadata(&Metadata { name: name.to_owned(), metadata: texts })?)
+    }
+
     /// Writes one ROS 2 message.
     ///
     /// # Errors
@@ -80,7 +69,7 @@ impl<W: Write + Seek> Recorder<W> {
         &mut self,
         topic: &'static str,
         schema: &Schema,
-        at: Stamp,
+        times: impl Into<Times>,
         data: &[u8],
     ) -> Result<(), RecordError> {
         if !self.channels.contains_key(topic) {
@@ -88,33 +77,29 @@ impl<W: Write + Seek> Recorder<W> {
             let channel = self.writer.add_channel(id, topic, "cdr", &BTreeMap::new())?;
             self.channels.insert(topic, (channel, 0));
         }
-        self.write(topic, at, data)
-    }
-
-    /// Writes raw bytes of a stream with their time of arrival.
-    ///
-    /// # Errors
-    /// When the file cannot be written.
-    pub fn raw(&mut self, stream: RawStream, at: Stamp, data: &[u8]) -> Result<(), RecordError> {
-        let topic = stream.topic();
-        if !self.channels.contains_key(topic) {
-            let channel = self.writer.add_channel(0, topic, "application/octet-stream", &BTreeMap::new())?;
-            self.channels.insert(topic, (channel, 0));
-        }
-        self.write(topic, at, data)
-    }
-
-    fn write(&mut self, topic: &'static str, at: Stamp, data: &[u8]) -> Result<(), RecordError> {
         let Some((channel_id, sequence)) = self.channels.get_mut(topic) else { return Ok(()) };
-        let time = at.as_micros().saturating_mul(1_000);
+        let times = times.into();
         let header = MessageHeader {
             channel_id: *channel_id,
             sequence: *sequence,
-            log_time: time,
-            publish_time: time,
+            log_time: times.logged.as_micros().saturating_mul(1_000),
+            publish_time: times.published.as_micros().saturating_mul(1_000),
         };
         *sequence = sequence.wrapping_add(1);
         Ok(self.writer.write_to_known_channel(&header, data)?)
+    }
+
+    /// Writes raw bytes of a stream: recorded when the tasks got them, published when they arrived.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn raw(
+        &mut self,
+        stream: RawStream,
+        times: impl Into<Times>,
+        data: &[u8],
+    ) -> Result<(), RecordError> {
+        self.message(stream.topic(), &schemas::OCTETS, times, &messages::octets(data))
     }
 
     /// Pushes everything written so far towards the disk.

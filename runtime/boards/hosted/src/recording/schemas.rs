@@ -43,6 +43,12 @@ part!(
     "uint8 INT8=1\nuint8 UINT8=2\nuint8 INT16=3\nuint8 UINT16=4\nuint8 INT32=5\nuint8 UINT32=6\nuint8 FLOAT32=7\n\
      uint8 FLOAT64=8\nstring name\nuint32 offset\nuint8 datatype\nuint32 count\n"
 );
+part!(MULTI_ARRAY_DIMENSION, "std_msgs/MultiArrayDimension", "string label\nuint32 size\nuint32 stride\n");
+part!(
+    MULTI_ARRAY_LAYOUT,
+    "std_msgs/MultiArrayLayout",
+    "std_msgs/MultiArrayDimension[] dim\nuint32 data_offset\n"
+);
 part!(VECTOR3, "geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z\n");
 part!(POINT, "geometry_msgs/Point", "float64 x\nfloat64 y\nfloat64 z\n");
 part!(QUATERNION, "geometry_msgs/Quaternion", "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n");
@@ -100,6 +106,22 @@ part!(
      visualization_msgs/MeshFile mesh_file\nbool mesh_use_embedded_materials\n"
 );
 
+/// Raw bytes.
+pub static OCTETS: Schema = Schema {
+    name: "std_msgs/msg/UInt8MultiArray",
+    fields: "std_msgs/MultiArrayLayout layout\nuint8[] data\n",
+    uses: &[&MULTI_ARRAY_LAYOUT, &MULTI_ARRAY_DIMENSION],
+};
+/// One number.
+pub static NUMBER: Schema = Schema { name: "std_msgs/msg/Float32", fields: "float32 data\n", uses: &[] };
+/// Words.
+pub static TEXT: Schema = Schema { name: "std_msgs/msg/String", fields: "string data\n", uses: &[] };
+/// A command.
+pub static TWIST_STAMPED: Schema = Schema {
+    name: "geometry_msgs/msg/TwistStamped",
+    fields: "std_msgs/Header header\ngeometry_msgs/Twist twist\n",
+    uses: &[&HEADER, &TIME, &TWIST, &VECTOR3],
+};
 /// Lidar sweeps.
 pub static POINT_CLOUD: Schema = Schema {
     name: "sensor_msgs/msg/PointCloud2",

@@ -7,8 +7,35 @@ use floorguard_core::sensing::{ImuSample, Scan};
 use floorguard_core::time::Stamp;
 
 use super::messages::{self, Diagnostic, GridImage, Marker, PointRow};
-use super::recorder::{RecordError, Recorder};
+use super::recorder::{RecordError, Recorder, Times};
 use super::schemas;
+
+/// Points of a sweep.
+pub const CLOUD: &str = "/lidar/points";
+/// Scans of the safety scanner.
+pub const SCAN: &str = "/scanner/scan";
+/// Inertial samples.
+pub const IMU: &str = "/imu";
+/// The robot's motion.
+pub const ODOMETRY: &str = "/odometry";
+/// Moving frames.
+pub const TF: &str = "/tf";
+/// Mountings.
+pub const TF_STATIC: &str = "/tf_static";
+/// Tracks of people.
+pub const PEOPLE: &str = "/people";
+/// The fields that the guard watches.
+pub const FIELDS: &str = "/guard/fields";
+/// The permitted command.
+pub const PERMITTED: &str = "/guard/permitted";
+/// The greatest permitted speed.
+pub const SPEED_LIMIT: &str = "/guard/speed_limit";
+/// Every stop.
+pub const STOPS: &str = "/guard/stops";
+/// Sources and counters.
+pub const DIAGNOSTICS: &str = "/diagnostics";
+/// The fingerprint of the outputs, now and then.
+pub const DIGEST: &str = "/floorguard/digest";
 
 /// The robot's motion at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,44 +56,37 @@ impl<W: Write + Seek> Recorder<W> {
     /// # Errors
     /// When the file cannot be written.
     pub fn points(&mut self, stamp: Stamp, frame: &str, points: &[PointRow]) -> Result<(), RecordError> {
-        self.message(
-            "/lidar/points",
-            &schemas::POINT_CLOUD,
-            stamp,
-            &messages::point_cloud(stamp, frame, points),
-        )
+        self.message(CLOUD, &schemas::POINT_CLOUD, stamp, &messages::point_cloud(stamp, frame, points))
     }
 
     /// A scan of the safety scanner.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn scan(&mut self, scan: &Scan) -> Result<(), RecordError> {
-        self.message(
-            "/scanner/scan",
-            &schemas::LASER_SCAN,
-            scan.stamp,
-            &messages::laser_scan(scan, "scanner"),
-        )
+    pub fn scan(&mut self, logged: Stamp, scan: &Scan) -> Result<(), RecordError> {
+        let times = Times { logged, published: scan.stamp };
+        self.message(SCAN, &schemas::LASER_SCAN, times, &messages::laser_scan(scan, "scanner"))
     }
 
     /// A sample of the inertial unit.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn imu(&mut self, sample: &ImuSample) -> Result<(), RecordError> {
-        self.message("/imu", &schemas::IMU, sample.stamp, &messages::imu(sample, "imu"))
+    pub fn imu(&mut self, logged: Stamp, sample: &ImuSample) -> Result<(), RecordError> {
+        let times = Times { logged, published: sample.stamp };
+        self.message(IMU, &schemas::IMU, times, &messages::imu(sample, "imu"))
     }
 
     /// The robot's motion: odometry and the frame tree.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn motion(&mut self, row: &MotionRow) -> Result<(), RecordError> {
+    pub fn motion(&mut self, logged: Stamp, row: &MotionRow) -> Result<(), RecordError> {
+        let times = Times { logged, published: row.stamp };
         let odometry = messages::odometry(row.stamp, row.pose_in_odom, row.twist, &row.covariance);
-        self.message("/odometry", &schemas::ODOMETRY, row.stamp, &odometry)?;
+        self.message(ODOMETRY, &schemas::ODOMETRY, times, &odometry)?;
         let frame = messages::robot_pose(row.stamp, "odom", row.pose_in_odom);
-        self.message("/tf", &schemas::TF_MESSAGE, row.stamp, &frame)
+        self.message(TF, &schemas::TF_MESSAGE, times, &frame)
     }
 
     /// Where a sensor is mounted.
@@ -75,7 +95,7 @@ impl<W: Write + Seek> Recorder<W> {
     /// When the file cannot be written.
     pub fn mounting(&mut self, at: Stamp, child: &str, in_base: &Transform3) -> Result<(), RecordError> {
         self.message(
-            "/tf_static",
+            TF_STATIC,
             &schemas::TF_MESSAGE,
             at,
             &messages::mounting(at, "base_link", child, in_base),
@@ -94,15 +114,42 @@ impl<W: Write + Seek> Recorder<W> {
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn markers(&mut self, at: Stamp, frame: &str, drawn: &[Marker]) -> Result<(), RecordError> {
-        self.message("/people", &schemas::MARKER_ARRAY, at, &messages::markers(at, frame, drawn))
+    pub fn markers(
+        &mut self,
+        topic: &'static str,
+        (at, frame): (Stamp, &str),
+        drawn: &[Marker],
+    ) -> Result<(), RecordError> {
+        self.message(topic, &schemas::MARKER_ARRAY, at, &messages::markers(at, frame, drawn))
     }
 
-    /// Health of the sources and causes of stops.
+    /// Health of the sources, counters, stops.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn diagnostics(&mut self, at: Stamp, list: &[Diagnostic]) -> Result<(), RecordError> {
-        self.message("/diagnostics", &schemas::DIAGNOSTIC_ARRAY, at, &messages::diagnostics(at, list))
+    pub fn diagnostics(
+        &mut self,
+        topic: &'static str,
+        at: Stamp,
+        list: &[Diagnostic],
+    ) -> Result<(), RecordError> {
+        self.message(topic, &schemas::DIAGNOSTIC_ARRAY, at, &messages::diagnostics(at, list))
+    }
+
+    /// What the guard permits: command and limit.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn permitted(&mut self, at: Stamp, command: Twist2, limit_mps: f32) -> Result<(), RecordError> {
+        self.message(PERMITTED, &schemas::TWIST_STAMPED, at, &messages::twist(at, command))?;
+        self.message(SPEED_LIMIT, &schemas::NUMBER, at, &messages::number(limit_mps))
+    }
+
+    /// The fingerprint of everything that the robot has put out up to this moment.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn digest(&mut self, at: Stamp, digest: u64) -> Result<(), RecordError> {
+        self.message(DIGEST, &schemas::TEXT, at, &messages::text(&format!("{digest:016x}")))
     }
 }

@@ -41,7 +41,7 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
     if latency.count > 0 {
         let _ = writeln!(
             text,
-            "  from something in the way to the order to stop: median {:.0} ms, 99 % within {:.0} ms ({} times)",
+            "  from measurement to the order to stop: median {:.0} ms, 99 % within {:.0} ms ({} times)",
             latency.median, latency.p99, latency.count
         );
     }

@@ -14,7 +14,7 @@ use floorguard_sim::simulation::{Simulation, Truth as SimTruth};
 use super::plan::Plan;
 use super::swath::Swath;
 use super::truth::judged;
-use crate::judge::{Judge, StopReason, Verdict};
+use crate::judge::{Judge, Quantiles, StopOrders, StopReason, Verdict};
 use crate::metrics::MotAccumulator;
 
 /// People farther away are not asked for, metres.
@@ -87,6 +87,8 @@ pub type Show<'a> = &'a mut dyn FnMut(f64, &RobotStatus, usize, &[SeenStop]);
 /// The watcher.
 pub struct Observer<'a> {
     judge: Judge,
+    orders: StopOrders,
+    pressed: bool,
     digest: OutputDigest,
     seen_people: u32,
     seen_status: u32,
@@ -113,6 +115,8 @@ impl<'a> Observer<'a> {
     pub fn new(plan: &Plan, show: Show<'a>) -> Self {
         Self {
             judge: Judge::new(&plan.robot),
+            orders: StopOrders::default(),
+            pressed: false,
             digest: OutputDigest::default(),
             seen_people: 0,
             seen_status: 0,
@@ -153,7 +157,16 @@ impl<'a> Observer<'a> {
         {
             let target_mps = i32::from_le_bytes([a, b, c, d]) as f32 * 1.0e-3;
             self.commanded_mps = if control == ENABLE_OPERATION { target_mps } else { 0.0 };
+            self.orders.order(now_us, self.commanded_mps);
         }
+    }
+
+    /// The emergency stop is pressed or not. When it is pressed, the truth says when; the robot learns of it later.
+    pub fn on_emergency_stop(&mut self, pressed: bool, now_us: u64) {
+        if pressed && !self.pressed {
+            self.orders.stop(now_us, now_us);
+        }
+        self.pressed = pressed;
     }
 
     /// The tasks have run: what they put out goes into the fingerprint.
@@ -173,26 +186,19 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// A moment of 10 ms in which the robot's computer is off.
-    pub fn observe_without_computer(&mut self, simulation: &Simulation) {
-        self.commanded_mps = 0.0;
-        self.judge.observe(&judged(simulation), 0.0);
-        let truth = simulation.truth();
-        self.note_ways(truth.stamp.as_micros(), &truth);
-        // A new life counts its publications from zero.
-        (self.seen_people, self.seen_status) = (0, 0);
-    }
-
-    /// A moment of 10 ms.
-    pub fn observe<M: RawMutex>(&mut self, simulation: &Simulation, shared: &Shared<M>) {
+    /// A moment of 10 ms, and the stops that began since the one before.
+    pub fn observe<M: RawMutex>(
+        &mut self,
+        simulation: &Simulation,
+        shared: &Shared<M>,
+        stops: &[StopRecord],
+    ) {
         let truth = simulation.truth();
         let now_us = truth.stamp.as_micros();
         // The rim of the front wheel is faster than the middle of the rear axle.
         let commanded_mps = self.commanded_mps * libm::cosf(truth.steering_rad);
         self.judge.observe(&judged(simulation), commanded_mps);
-        while let Some(stop) = shared.stops.try_pop() {
-            self.on_stop(&stop, &truth);
-        }
+        stops.iter().for_each(|stop| self.on_stop(stop, &truth));
         if let Some(people) = shared.people.get().filter(|people| self.last_sweep != Some(people.sweep.stamp))
         {
             self.last_sweep = Some(people.sweep.stamp);
@@ -243,6 +249,10 @@ impl<'a> Observer<'a> {
         };
         let stamp = self.in_world(stop.stamp);
         self.judge.stop(stamp, reason);
+        let measured_us = stamp.as_micros().saturating_sub(stop.cause.age_us);
+        if stop.cause.cause != Cause::EmergencyStop {
+            self.orders.stop(measured_us, stamp.as_micros());
+        }
         if let Cause::SourceLost(source) | Cause::SourceLate(source) = stop.cause.cause {
             self.faulty.insert(source.name().to_owned());
         }
@@ -308,6 +318,7 @@ impl<'a> Observer<'a> {
             idf1: summary.idf1,
             id_switches: summary.switches as u32,
             localisation_error_m: summary.motp,
+            stop_latency_ms: Quantiles::of_micros(self.orders.latencies_us().to_vec()),
             digest: format!("{:016x}", self.digest.value()),
             faulty_sources: self.faulty.iter().cloned().collect(),
             ..self.judge.verdict()

@@ -8,6 +8,7 @@ use anyhow::Context;
 use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
 use floorguard_runtime::clock;
+use floorguard_runtime::shared::StopRecord;
 use floorguard_sim::can::{SlcanDecoder, encode_slcan};
 use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
 use floorguard_sim::{CanFrame as SimCanFrame, FaultLayer};
@@ -164,10 +165,12 @@ fn play(
             let state = shared.decision.get().map(|decision| decision.state).unwrap_or_default();
             let deed = operator.act(to_us, state);
             simulation.press_emergency_stop(deed.pressed);
+            observer.on_emergency_stop(deed.pressed, to_us);
             if deed.reset {
                 shared.reset.signal(());
             }
-            observer.observe(simulation, shared);
+            let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
+            observer.observe(simulation, shared, &stops);
         }
         let due_us = simulation.next_event_us().min(faults.next_event_us()).min(judge_us);
         ends.wait(due_us.saturating_sub(clock_us()))?;

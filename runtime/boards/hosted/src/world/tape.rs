@@ -1,5 +1,6 @@
 //! Writes tapes (the format is the runtime's).
 
+use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::tape::{TAPE_END, TAPE_MAGIC, TapeLine};
 
 use super::plan::Plan;
@@ -23,12 +24,7 @@ impl Tape {
         let mut bytes = TAPE_MAGIC.to_vec();
         bytes.extend(plan.duration_us.to_le_bytes());
         let mut tape = Self { bytes: Some(bytes) };
-        let (route, limits) = (&plan.robot.route, plan.robot.route_limits);
-        let repeat = if route.repeat { 1.0 } else { 0.0 };
-        let head = [limits.speed_mps, limits.turn_radps, limits.look_ahead_m, limits.reached_m, repeat];
-        let places = route.waypoints.iter().flat_map(|place| [place.x_m, place.y_m]);
-        let numbers: Vec<u8> = head.into_iter().chain(places).flat_map(f32::to_le_bytes).collect();
-        tape.record((0, 0), TapeLine::Route, &numbers);
+        tape.record((0, 0), TapeLine::Route, &encode_route(&plan.robot));
         tape
     }
 
@@ -54,4 +50,14 @@ impl Tape {
         self.raw((0, 0), TAPE_END, &[]);
         self.bytes.unwrap_or_default()
     }
+}
+
+/// What the robot is told to drive, as `floorguard_runtime::tape::decode_route` reads it.
+#[must_use]
+pub fn encode_route(robot: &RobotConfiguration) -> Vec<u8> {
+    let (route, limits) = (&robot.route, robot.route_limits);
+    let repeat = if route.repeat { 1.0 } else { 0.0 };
+    let head = [limits.speed_mps, limits.turn_radps, limits.look_ahead_m, limits.reached_m, repeat];
+    let places = route.waypoints.iter().flat_map(|place| [place.x_m, place.y_m]);
+    head.into_iter().chain(places).flat_map(f32::to_le_bytes).collect()
 }

@@ -1,57 +1,24 @@
-//! `floorguard replay`: a lidar capture through the same stages as on the robot.
+//! A lidar capture through the people stages.
 
-use std::io::Write;
 use std::time::{Duration, Instant};
 
 use floorguard_core::geometry::{Point3, Pose2, Transform3, Twist2};
-use floorguard_core::people::{
-    FloorHeight, PeopleOutput, PeoplePipeline, RingAngles, SweepContext, Track, TrackStatus,
-};
+use floorguard_core::people::{FloorHeight, PeoplePipeline, RingAngles, SweepContext, Track, TrackStatus};
 use floorguard_core::sensing::Sweep;
 use floorguard_core::time::Stamp;
 use floorguard_drivers::velodyne::{Counters, Decoder, Model, ModelChoice, SweepBuilder};
-use serde::Serialize;
 
-use super::arguments::ReplayArguments;
-use super::decode::{LIDAR_DATA_PORT, settle_model};
-use super::exit::BadInput;
+use super::rows::{SweepRow, print};
 use crate::capture::{Capture, CaptureError};
+use crate::commands::arguments::ReplayArguments;
+use crate::commands::exit::BadInput;
+use crate::commands::{LIDAR_DATA_PORT, settle_model};
 
 /// Height assumed while no sweep has shown a floor, metres (the FLOBOT layout).
 const ASSUMED_HEIGHT_M: f32 = 0.8;
 
 /// A sweep with fewer columns began or ended in the middle of a revolution.
 const WHOLE_COLUMNS: usize = 1_500;
-
-#[derive(Serialize)]
-struct PersonRow {
-    id: u32,
-    status: &'static str,
-    x_m: f32,
-    y_m: f32,
-    vx_mps: f32,
-    vy_mps: f32,
-    sigma_position_m: f32,
-    sigma_velocity_mps: f32,
-    person_probability: f32,
-    moving_probability: f32,
-}
-
-#[derive(Serialize)]
-struct SweepRow {
-    stamp_us: u64,
-    frame: &'static str,
-    points: u32,
-    floor_points: u32,
-    clusters: u32,
-    candidates: u32,
-    people: Vec<PersonRow>,
-    lost_packets: u16,
-    unknown_columns: u32,
-    dropped_clusters: u32,
-    dropped_candidates: u32,
-    health: &'static str,
-}
 
 struct Player {
     pipeline: Box<PeoplePipeline>,
@@ -143,10 +110,7 @@ impl Player {
         self.most_people = self.most_people.max(people.clone().count());
         self.identities.extend(people.map(|track| track.id));
         if self.json && self.failed.is_ok() {
-            let row = row(sweep, &output);
-            let mut out = std::io::stdout().lock();
-            self.failed =
-                serde_json::to_string(&row).map_err(Into::into).and_then(|line| writeln!(out, "{line}"));
+            self.failed = print(&SweepRow::of_output(sweep, &output));
         }
     }
 
@@ -171,43 +135,6 @@ fn is_person(track: &Track) -> bool {
 
 fn at_height(height_m: f32) -> Transform3 {
     Transform3 { translation: Point3::new(0.0, 0.0, height_m), ..Transform3::IDENTITY }
-}
-
-fn row(sweep: &Sweep, output: &PeopleOutput<'_>) -> SweepRow {
-    let counters = output.counters;
-    let blind = counters.unknown_columns as usize * 2 > sweep.column_count;
-    SweepRow {
-        stamp_us: sweep.end_stamp.as_micros(),
-        frame: "sensor",
-        points: counters.points,
-        floor_points: counters.floor_points,
-        clusters: counters.clusters,
-        candidates: counters.candidates,
-        people: output.tracks.iter().map(person).collect(),
-        lost_packets: sweep.lost_packets,
-        unknown_columns: counters.unknown_columns,
-        dropped_clusters: counters.dropped_clusters,
-        dropped_candidates: counters.dropped_candidates,
-        health: if blind || counters.points == 0 { "blind" } else { "healthy" },
-    }
-}
-
-fn person(track: &Track) -> PersonRow {
-    PersonRow {
-        id: track.id,
-        status: match track.status {
-            TrackStatus::Tentative => "tentative",
-            TrackStatus::Confirmed => "confirmed",
-        },
-        x_m: track.state.position.x_m,
-        y_m: track.state.position.y_m,
-        vx_mps: track.state.velocity.x_m,
-        vy_mps: track.state.velocity.y_m,
-        sigma_position_m: libm::sqrtf(track.state.position_variance),
-        sigma_velocity_mps: libm::sqrtf(track.state.velocity_variance),
-        person_probability: track.person_probability,
-        moving_probability: track.moving_probability,
-    }
 }
 
 /// Waits so that packets come as they were recorded.

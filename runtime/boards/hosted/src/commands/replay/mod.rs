@@ -1,0 +1,49 @@
+//! `floorguard replay`: anybody's data through the same stages as on the robot.
+//!
+//! What a file is, its first bytes tell: a recording or bag (MCAP), a capture (pcap, pcapng, gzip), or a CARMEN log.
+
+mod capture;
+mod own;
+mod rows;
+
+use std::fs::File;
+use std::io::{BufReader, Read as _};
+use std::path::Path;
+
+use super::arguments::ReplayArguments;
+use super::exit::BadInput;
+use crate::recording::Recording;
+use crate::world::is_replayable;
+
+/// First bytes of an MCAP file.
+const MCAP_MAGIC: &[u8] = b"\x89MCAP";
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad input; everything before it has been processed and printed.
+pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
+    if begins_with(&arguments.file, MCAP_MAGIC) { recording(arguments) } else { capture::run(arguments) }
+}
+
+fn begins_with(path: &Path, magic: &[u8]) -> bool {
+    let mut found = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(magic.len() as u64).read_to_end(&mut found));
+    read.is_ok() && found == magic
+}
+
+fn recording(arguments: &ReplayArguments) -> anyhow::Result<()> {
+    let name = arguments.file.display().to_string();
+    let bad = |error: &dyn std::fmt::Display| BadInput(format!("{name}: {error}"));
+    let file = File::open(&arguments.file).map_err(|error| bad(&error))?;
+    let mut recording = Recording::new(BufReader::new(file));
+    let first = match recording.next() {
+        Some(Ok(first)) => first,
+        Some(Err(error)) => return Err(bad(&error).into()),
+        None => return Err(bad(&"the recording holds no message").into()),
+    };
+    if is_replayable(&recording) {
+        return own::run(first, &mut recording, (&name, arguments.json, arguments.realtime));
+    }
+    Err(bad(&"it holds no raw bytes of floorguard").into())
+}

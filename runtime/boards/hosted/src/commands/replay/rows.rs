@@ -1,0 +1,131 @@
+//! What `--json` prints: one object per sweep or scan and line, whatever the input was.
+
+use std::io::Write;
+
+use floorguard_core::people::{PeopleCounters, PeopleOutput, Track, TrackStatus};
+use floorguard_core::sensing::Sweep;
+use floorguard_runtime::shared::{PeopleReport, PersonReport};
+use serde::Serialize;
+
+/// A track.
+#[derive(Serialize)]
+pub struct PersonRow {
+    id: u32,
+    status: &'static str,
+    x_m: f32,
+    y_m: f32,
+    vx_mps: f32,
+    vy_mps: f32,
+    sigma_position_m: f32,
+    sigma_velocity_mps: f32,
+    person_probability: f32,
+    moving_probability: f32,
+}
+
+/// A sweep of the three-dimensional lidar.
+#[derive(Serialize)]
+pub struct SweepRow {
+    stamp_us: u64,
+    frame: &'static str,
+    points: u32,
+    floor_points: u32,
+    clusters: u32,
+    candidates: u32,
+    people: Vec<PersonRow>,
+    lost_packets: u16,
+    unknown_columns: u32,
+    dropped_clusters: u32,
+    dropped_candidates: u32,
+    health: &'static str,
+    /// Fingerprint of everything that the robot has put out so far; only of recordings of whole robots.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    digest: Option<String>,
+}
+
+impl SweepRow {
+    /// From the people stages alone, in the frame in which they worked.
+    pub fn of_output(sweep: &Sweep, output: &PeopleOutput<'_>) -> Self {
+        let blind = output.counters.unknown_columns as usize * 2 > sweep.column_count;
+        Self {
+            lost_packets: sweep.lost_packets,
+            people: output.tracks.iter().map(PersonRow::of_track).collect(),
+            ..Self::counted(sweep.end_stamp.as_micros(), ("sensor", blind), &output.counters)
+        }
+    }
+
+    /// From the robot's tasks, in the odometry frame.
+    pub fn of_report(report: &PeopleReport, digest: u64) -> Self {
+        Self {
+            lost_packets: report.sweep.lost_packets,
+            people: report.people.iter().map(PersonRow::of_report).collect(),
+            digest: Some(format!("{digest:016x}")),
+            ..Self::counted(report.sweep.stamp.as_micros(), ("odom", false), &report.sweep.counters)
+        }
+    }
+
+    fn counted(stamp_us: u64, (frame, blind): (&'static str, bool), counters: &PeopleCounters) -> Self {
+        Self {
+            stamp_us,
+            frame,
+            points: counters.points,
+            floor_points: counters.floor_points,
+            clusters: counters.clusters,
+            candidates: counters.candidates,
+            people: Vec::new(),
+            lost_packets: 0,
+            unknown_columns: counters.unknown_columns,
+            dropped_clusters: counters.dropped_clusters,
+            dropped_candidates: counters.dropped_candidates,
+            health: if blind || counters.points == 0 { "blind" } else { "healthy" },
+            digest: None,
+        }
+    }
+}
+
+impl PersonRow {
+    fn of_track(track: &Track) -> Self {
+        Self {
+            id: track.id,
+            status: word(track.status),
+            x_m: track.state.position.x_m,
+            y_m: track.state.position.y_m,
+            vx_mps: track.state.velocity.x_m,
+            vy_mps: track.state.velocity.y_m,
+            sigma_position_m: libm::sqrtf(track.state.position_variance),
+            sigma_velocity_mps: libm::sqrtf(track.state.velocity_variance),
+            person_probability: track.person_probability,
+            moving_probability: track.moving_probability,
+        }
+    }
+
+    fn of_report(track: &PersonReport) -> Self {
+        Self {
+            id: track.id,
+            status: word(track.status),
+            x_m: track.position.x_m,
+            y_m: track.position.y_m,
+            vx_mps: track.velocity_mps.x_m,
+            vy_mps: track.velocity_mps.y_m,
+            sigma_position_m: track.position_sigma_m,
+            sigma_velocity_mps: track.velocity_sigma_mps,
+            person_probability: track.person_probability,
+            moving_probability: track.moving_probability,
+        }
+    }
+}
+
+const fn word(status: TrackStatus) -> &'static str {
+    match status {
+        TrackStatus::Tentative => "tentative",
+        TrackStatus::Confirmed => "confirmed",
+    }
+}
+
+/// One line on standard output.
+///
+/// # Errors
+/// Standard output is closed.
+pub fn print(row: &impl Serialize) -> std::io::Result<()> {
+    let line = serde_json::to_string(row)?;
+    writeln!(std::io::stdout().lock(), "{line}")
+}

@@ -1,0 +1,55 @@
+//! Chunks: records packed together, as other people's recorders write them. Ours writes none.
+
+use std::io::Read as _;
+
+use super::records::Fields;
+
+/// A chunk must not unfold to more: a damaged length must not fill the memory.
+const CHUNK_BYTES_MAX: u64 = 1 << 30;
+
+/// A chunk that cannot be unfolded.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum ChunkError {
+    /// The record is shorter than a chunk's head.
+    #[error("a chunk is too short")]
+    Short,
+    /// Packed in a way that we do not know.
+    #[error("a chunk is packed with {0:?}; known are none, lz4 and zstd")]
+    Compression(String),
+    /// It does not unfold.
+    #[error("a chunk packed with {compression} does not unfold: {cause}")]
+    Damaged {
+        /// How it is packed.
+        compression: String,
+        /// What the library says.
+        cause: String,
+    },
+}
+
+/// The records of a chunk, from the content of its record.
+pub(super) fn unpack(mut fields: Fields<'_>) -> Result<Vec<u8>, ChunkError> {
+    // Times of the first and the last message.
+    fields.bytes(16).ok_or(ChunkError::Short)?;
+    let size = fields.u64().ok_or(ChunkError::Short)?;
+    // A checksum, zero where the recorder computes none.
+    fields.u32().ok_or(ChunkError::Short)?;
+    let compression = fields.text().ok_or(ChunkError::Short)?;
+    let length = fields.u64().ok_or(ChunkError::Short)?;
+    let packed = fields.bytes(length).ok_or(ChunkError::Short)?;
+    let damaged = |cause: String| ChunkError::Damaged { compression: compression.clone(), cause };
+    if size > CHUNK_BYTES_MAX {
+        return Err(damaged(format!("it claims to hold {size} bytes")));
+    }
+    let mut records = Vec::new();
+    let unfolded = match compression.as_str() {
+        "" => return Ok(packed.to_vec()),
+        "zstd" => ruzstd::decoding::StreamingDecoder::new(packed)
+            .map_err(|error| damaged(error.to_string()))?
+            .take(CHUNK_BYTES_MAX)
+            .read_to_end(&mut records),
+        "lz4" => lz4_flex::frame::FrameDecoder::new(packed).take(CHUNK_BYTES_MAX).read_to_end(&mut records),
+        _ => return Err(ChunkError::Compression(compression)),
+    };
+    unfolded.map_err(|error| damaged(error.to_string()))?;
+    Ok(records)
+}

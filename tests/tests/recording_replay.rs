@@ -1,0 +1,95 @@
+//! A recorded run, replayed from its file: the same bits, whole or cut, with faults and with the operator's buttons.
+
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
+
+use floorguard_hosted::recording::{ReadError, Recording};
+use floorguard_hosted::world::{
+    Observer, Plan, ReplayAudience, ReplayOutcome, Witnesses, replay_recording, run_recorded,
+};
+use floorguard_runtime::shared::{PeopleReport, StopRecord};
+use floorguard_sim::FaultSpec;
+
+#[derive(Default)]
+struct Counter {
+    sweeps: usize,
+    stops: usize,
+}
+
+impl ReplayAudience for Counter {
+    fn on_people(&mut self, _report: &PeopleReport, _digest: u64) {
+        self.sweeps += 1;
+    }
+
+    fn on_stop(&mut self, _stop: &StopRecord) {
+        self.stops += 1;
+    }
+}
+
+fn record(plan: &Plan, path: &Path) -> (String, usize) {
+    let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
+    let mut observer = Observer::new(plan, &mut show);
+    let mut witnesses = Witnesses::default();
+    witnesses.record(plan, path).unwrap();
+    run_recorded(plan, &mut observer, &mut witnesses).unwrap();
+    let seen = observer.into_observation();
+    (seen.verdict.digest, seen.stops.len())
+}
+
+fn replay(source: impl Read) -> (ReplayOutcome, Counter) {
+    let mut recording = Recording::new(source);
+    let first = recording.next().unwrap().unwrap();
+    let mut counter = Counter::default();
+    (replay_recording(first, &mut recording, &mut counter).unwrap(), counter)
+}
+
+fn check(plan: &Plan) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let (digest, stops) = record(plan, &path);
+    let (outcome, counter) = replay(BufReader::new(File::open(&path).unwrap()));
+    assert_eq!(format!("{:016x}", outcome.digest), digest);
+    assert!(outcome.is_identical() && outcome.ended.is_none(), "{outcome:?}");
+    assert!(u64::from(outcome.compared) >= plan.duration_us / 1_000_000, "{outcome:?}");
+    assert_eq!(counter.stops, stops);
+    assert!(counter.sweeps as u64 >= plan.duration_us / 100_000 - 10, "{}", counter.sweeps);
+    // Cut anywhere: identical up to the cut, and the cut is told.
+    let bytes = std::fs::read(&path).unwrap();
+    for share in [0.2, 0.613] {
+        let cut = (bytes.len() as f64 * share) as usize;
+        let (outcome, _) = replay(&bytes[..cut]);
+        assert!(outcome.is_identical() && outcome.compared > 0, "{outcome:?}");
+        assert!(matches!(outcome.ended, Some(ReadError::Cut { .. })), "{:?}", outcome.ended);
+    }
+}
+
+#[test]
+fn people_crossing_replay_to_the_bit() {
+    check(&Plan::named("crossing", 5, 10_000_000).unwrap());
+}
+
+#[test]
+fn faults_and_the_operators_buttons_replay_to_the_bit() {
+    let mut plan = Plan::named("supermarket", 2, 16_000_000).unwrap();
+    plan.faults =
+        vec![FaultSpec::parse("lidar:drop=5%").unwrap(), FaultSpec::parse("scanner:drop=1%").unwrap()];
+    plan.emergency_stop_us = vec![(4_000_000, 6_000_000)];
+    check(&plan);
+}
+
+/// Another byte anywhere must not pass for the same run.
+#[test]
+fn a_changed_byte_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    record(&Plan::named("crossing", 5, 4_000_000).unwrap(), &path);
+    let mut bytes = std::fs::read(&path).unwrap();
+    // A lidar datagram in the middle: its first block begins with FF EE.
+    let middle = bytes.len() / 2;
+    let block = middle + bytes[middle..].windows(2).position(|pair| pair == [0xFF, 0xEE]).unwrap();
+    bytes[block + 4..block + 100].fill(0);
+    let (outcome, _) = replay(bytes.as_slice());
+    assert!(!outcome.is_identical());
+    assert!(outcome.first_difference.is_some(), "{outcome:?}");
+}
