@@ -16,6 +16,6 @@ pub mod simulation;
 pub mod wire;
 
 pub use can::CanFrame;
-pub use faults::{FaultLayer, FaultSpec};
+pub use faults::{FaultKind, FaultLayer, FaultSpec, FaultTarget};
 pub use scenario::Scenario;
 pub use simulation::{Payload, Simulation, Stream, Truth, WireEvent};

@@ -1,22 +1,34 @@
 //! Applies faults to events.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 
 use floorguard_core::random::Pcg32;
 
+use super::edit::{self, Edit};
 use super::{FaultKind, FaultSpec};
 use crate::simulation::{Payload, Stream, WireEvent};
+
+/// Where a telegram of the scanner tells its size, and what the size leaves out (wire-formats 2.3, rule B).
+const TELEGRAM_SIZE: std::ops::Range<usize> = 6..8;
+const TELEGRAM_EXCLUDED: usize = 8;
 
 struct Active {
     spec: FaultSpec,
     lost_in_burst: u32,
     first: Option<Payload>,
     held: Option<WireEvent>,
+    /// Messages seen.
+    count: u32,
+    /// Pieces of a telegram that is to be changed as a whole.
+    telegram: Vec<u8>,
+    /// What the bus carried, to be repeated later.
+    past: VecDeque<WireEvent>,
 }
 
 /// Stands between a simulation and its listener; events leave in the order of their time.
 pub struct FaultLayer {
     faults: Vec<Active>,
+    output: bool,
     random: Pcg32,
     late: BTreeMap<(u64, u64), WireEvent>,
     sequence: u64,
@@ -26,10 +38,29 @@ impl FaultLayer {
     /// With these faults; the same seed chooses the same messages.
     #[must_use]
     pub fn new(specs: &[FaultSpec], seed: u64) -> Self {
-        let active = |spec: &FaultSpec| Active { spec: *spec, lost_in_burst: 0, first: None, held: None };
+        Self::between(specs, false, Pcg32::new(seed, 31))
+    }
+
+    /// The same on the way from the robot's computer to the bus.
+    #[must_use]
+    pub fn for_output(specs: &[FaultSpec], seed: u64) -> Self {
+        Self::between(specs, true, Pcg32::new(seed, 32))
+    }
+
+    fn between(specs: &[FaultSpec], output: bool, random: Pcg32) -> Self {
+        let active = |spec: &FaultSpec| Active {
+            spec: *spec,
+            lost_in_burst: 0,
+            first: None,
+            held: None,
+            count: 0,
+            telegram: Vec::new(),
+            past: VecDeque::new(),
+        };
         Self {
-            faults: specs.iter().map(active).collect(),
-            random: Pcg32::new(seed, 31),
+            faults: specs.iter().filter(|spec| spec.target.is_output() == output).map(active).collect(),
+            output,
+            random,
             late: BTreeMap::new(),
             sequence: 0,
         }
@@ -56,7 +87,7 @@ impl FaultLayer {
         for fault in &mut self.faults {
             let mut next = Vec::new();
             for event in events {
-                if event.stream == fault.spec.stream && fault.spec.applies(now_us) {
+                if fault.spec.target.concerns(&event, self.output) && fault.spec.applies(now_us) {
                     spoil(fault, &mut self.random, event, &mut next);
                 } else {
                     next.push(event);
@@ -106,10 +137,81 @@ fn spoil(fault: &mut Active, random: &mut Pcg32, mut event: WireEvent, out: &mut
         FaultKind::Stuck => event.payload = fault.first.get_or_insert(event.payload).clone(),
         FaultKind::Silent => return,
         FaultKind::Flap(period_us) if (event.at_us / (period_us / 2)) % 2 == 1 => return,
-        FaultKind::Blind(degrees) => blind(&mut event, degrees),
-        _ => {}
+        FaultKind::Reset => return,
+        FaultKind::Rate(of) => {
+            fault.count = fault.count.wrapping_add(1);
+            if !fault.count.is_multiple_of(of) {
+                return;
+            }
+        }
+        FaultKind::Past(back_us) if event.stream == Stream::Can => repeat_past(fault, back_us, &mut event),
+        _ => {
+            if let Some((edit, share)) = edit_of(&fault.spec, event.at_us, random) {
+                change(fault, (edit, share), random, (event, out));
+                return;
+            }
+        }
     }
     out.push(event);
+}
+
+/// The change that a fault makes inside a message, and in which share of the messages.
+fn edit_of(spec: &FaultSpec, at_us: u64, random: &mut Pcg32) -> Option<(Edit, f32)> {
+    let since_us = at_us.saturating_sub(spec.from_us) as f32;
+    Some(match spec.kind {
+        FaultKind::Extreme(share) => (Edit::Extreme(random.below(12)), share),
+        FaultKind::Stranger(share) => (Edit::Stranger, share),
+        FaultKind::Past(back_us) => (Edit::Clock(-(back_us as i64)), 1.0),
+        FaultKind::Future(ahead_us) => (Edit::Clock(ahead_us as i64), 1.0),
+        FaultKind::Drift(share) => (Edit::Clock((since_us * share) as i64), 1.0),
+        FaultKind::Blind(degrees) => (Edit::Blind(degrees), 1.0),
+        _ => return None,
+    })
+}
+
+/// Changes a message as a whole; those of the scanner come in pieces and are put together first.
+fn change(
+    fault: &mut Active,
+    (edit, share): (Edit, f32),
+    random: &mut Pcg32,
+    (mut event, out): (WireEvent, &mut Vec<WireEvent>),
+) {
+    if let (Stream::ScannerSerial, Payload::Bytes(bytes)) = (event.stream, &event.payload) {
+        fault.telegram.extend(bytes);
+        let size = fault.telegram.get(TELEGRAM_SIZE).map_or(0, |size| u16::from_be_bytes([size[0], size[1]]));
+        let whole = usize::from(size) * 2 + TELEGRAM_EXCLUDED;
+        if !fault.telegram.starts_with(&[0; 6]) {
+            // The fault began in the middle of a telegram.
+            fault.telegram.clear();
+        } else if fault.telegram.len() < whole {
+            return;
+        } else {
+            event.payload = Payload::Bytes(std::mem::take(&mut fault.telegram));
+        }
+    }
+    if random.bernoulli(share) {
+        edit::apply(edit, &mut event);
+    }
+    out.push(event);
+}
+
+/// What the same device said some time ago, in place of what it says now.
+fn repeat_past(fault: &mut Active, back_us: u64, event: &mut WireEvent) {
+    let id = |event: &WireEvent| match &event.payload {
+        Payload::Frame(frame) => frame.id,
+        Payload::Bytes(_) => u32::MAX,
+    };
+    fault.past.push_back(event.clone());
+    while fault.past.front().is_some_and(|old| old.at_us + 2 * back_us < event.at_us) {
+        fault.past.pop_front();
+    }
+    let old_enough = |old: &&WireEvent| id(old) == id(event) && old.at_us + back_us <= event.at_us;
+    let same = |old: &&WireEvent| id(old) == id(event);
+    // In the beginning: the oldest that there is.
+    let old = fault.past.iter().rev().find(old_enough).or_else(|| fault.past.iter().find(same));
+    if let Some(payload) = old.map(|old| old.payload.clone()) {
+        event.payload = payload;
+    }
 }
 
 fn truncate(payload: &mut Payload) {
@@ -129,21 +231,9 @@ fn flip(payload: &mut Payload, random: &mut Pcg32) {
         Payload::Bytes(bytes) => bytes.as_mut_slice(),
         Payload::Frame(frame) => &mut frame.data[..usize::from(frame.len)],
     };
-    let at = random.below(bytes.len() as u32 * 8);
+    let at = random.below((bytes.len() as u32 * 8).max(1));
     if let Some(byte) = bytes.get_mut((at / 8) as usize) {
         *byte ^= 1 << (at % 8);
-    }
-}
-
-/// Dirt on the lidar's window: no returns from half the angle on either side of azimuth 0.
-fn blind(event: &mut WireEvent, degrees: f32) {
-    let (Stream::LidarData, Payload::Bytes(bytes)) = (event.stream, &mut event.payload) else { return };
-    let half_cdeg = (degrees * 50.0) as u16;
-    for block in bytes.chunks_exact_mut(100).take(12) {
-        let azimuth = u16::from_le_bytes([block[2], block[3]]);
-        if azimuth.min(36_000_u16.saturating_sub(azimuth)) <= half_cdeg {
-            block[4..].fill(0);
-        }
     }
 }
 
@@ -171,6 +261,92 @@ mod tests {
         assert_eq!(run("imu:silent,from=1s,to=2s", 3_000).len(), 2_000);
         assert_eq!(run("imu:flap=200ms", 1_000).len(), 500);
         assert_eq!(run("scanner:silent", 100).len(), 100, "another stream is untouched");
+    }
+
+    /// What of the real devices' messages reaches the listener under a fault, and without it.
+    fn world(text: &str, stream: Stream) -> (Vec<WireEvent>, Vec<WireEvent>) {
+        let scenario = crate::scenario::Scenario::named("empty").unwrap();
+        let mut simulation = crate::simulation::Simulation::new(&scenario, 3).unwrap();
+        let mut layer = FaultLayer::new(&[FaultSpec::parse(text).unwrap()], 7);
+        let (mut plain, mut spoilt) = (Vec::new(), Vec::new());
+        simulation.advance_to(900_000, &mut |event| {
+            if event.stream == stream {
+                plain.push(event.clone());
+                layer.pass(event, &mut |event| spoilt.push(event));
+            }
+        });
+        (plain, spoilt)
+    }
+
+    fn bytes(events: &[WireEvent]) -> Vec<u8> {
+        let parts = events.iter().map(|event| match &event.payload {
+            Payload::Bytes(bytes) => bytes.as_slice(),
+            Payload::Frame(_) => &[],
+        });
+        parts.flatten().copied().collect()
+    }
+
+    #[test]
+    fn telegrams_of_the_scanner_are_changed_as_a_whole() {
+        for kind in ["extreme", "past=200ms", "future=200ms", "drift=10%", "stranger", "blind=90deg"] {
+            let (plain, spoilt) = world(&format!("scanner:{kind}"), Stream::ScannerSerial);
+            let (plain, spoilt) = (bytes(&plain), bytes(&spoilt));
+            assert_eq!(plain.len(), spoilt.len(), "{kind}: nothing gets lost");
+            // The clock of a drift has not gone wrong by a whole scan yet in the first ones.
+            let pairs = plain.chunks_exact(1_108).zip(spoilt.chunks_exact(1_108));
+            assert!(pairs.clone().any(|(a, b)| a != b), "{kind}: changed");
+            for (before, after) in pairs {
+                assert_eq!(before[..9], after[..9], "{kind}: the frame is kept");
+                let mut sealed = after.to_vec();
+                crate::wire::reseal_telegram(&mut sealed);
+                assert_eq!(sealed, after, "{kind}: the checksum is right");
+            }
+        }
+    }
+
+    #[test]
+    fn clocks_of_the_lidar_go_wrong_and_its_values_are_spoilt() {
+        let clock = |event: &WireEvent| {
+            let bytes = bytes(std::slice::from_ref(event));
+            i64::from(u32::from_le_bytes([bytes[1200], bytes[1201], bytes[1202], bytes[1203]]))
+        };
+        for (kind, wanted_us) in [("past=30ms", -30_000_i64), ("future=30ms", 30_000), ("drift=1%", 8_999)] {
+            let (plain, spoilt) = world(&format!("lidar:{kind}"), Stream::LidarData);
+            let off_us = clock(spoilt.last().unwrap()) - clock(plain.last().unwrap());
+            assert!((off_us - wanted_us).abs() < 20, "{kind}: {off_us}");
+        }
+        for kind in ["extreme", "stranger", "blind=120deg"] {
+            let (plain, spoilt) = world(&format!("lidar:{kind}"), Stream::LidarData);
+            assert!(plain.len() == spoilt.len() && plain != spoilt, "{kind}");
+        }
+        let (plain, spoilt) = world("lidar:rate=3", Stream::LidarData);
+        assert_eq!(plain.len() / 3, spoilt.len());
+    }
+
+    #[test]
+    fn the_bus_repeats_what_it_said_and_devices_swap_their_numbers() {
+        let run = |text: &str| {
+            let mut layer = FaultLayer::new(&[FaultSpec::parse(text).unwrap()], 7);
+            let mut seen = Vec::new();
+            for step in 0..100_u8 {
+                let frame = crate::can::CanFrame::new(0x181 + u32::from(step % 2), &[step]);
+                let at_us = u64::from(step) * 1_000;
+                let event = WireEvent { at_us, stream: Stream::Can, payload: Payload::Frame(frame) };
+                layer.pass(event, &mut |event| seen.push(event));
+            }
+            let frames = seen.into_iter().filter_map(|event| match event.payload {
+                Payload::Frame(frame) => Some((frame.id, frame.data[0])),
+                Payload::Bytes(_) => None,
+            });
+            frames.collect::<Vec<_>>()
+        };
+        assert_eq!(run("can:past=20ms")[98..], [(0x181, 78), (0x182, 79)]);
+        assert_eq!(run("can:stranger")[98..], [(0x182, 98), (0x181, 99)]);
+        assert_eq!(run("traction:silent").len(), 50);
+        // Three of the four extreme bytes are at least 7Fh.
+        let extreme = run("can:extreme=50%").iter().filter(|(_, byte)| *byte >= 0x7F).count();
+        assert!((25..50).contains(&extreme), "{extreme}");
+        assert_eq!(run("commands:silent").len(), 100, "the other direction is untouched");
     }
 
     #[test]

@@ -1,7 +1,10 @@
 //! Faults as seeded middleware between the devices and whoever listens.
 
+mod edit;
 mod layer;
 mod spec;
+mod target;
 
 pub use layer::FaultLayer;
 pub use spec::{FaultError, FaultKind, FaultSpec};
+pub use target::FaultTarget;

@@ -4,19 +4,23 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
-use crate::simulation::Stream;
+use super::FaultTarget;
 
 /// Why a fault was not understood.
 #[derive(Debug, Error, PartialEq, Eq)]
 pub enum FaultError {
     /// There is no colon, or no such source.
-    #[error("`{0}`: a fault begins with lidar:, position:, scanner:, imu: or can:")]
+    #[error("`{0}`: a fault begins with one of {names}", names = FaultTarget::names())]
     Source(String),
     /// No such fault.
     #[error(
-        "`{0}`: known faults are drop, burst, delay, reorder, duplicate, truncate, flip, stuck, silent, flap, blind"
+        "`{0}`: known faults are drop, burst, delay, reorder, duplicate, truncate, flip, stuck, silent, flap, blind, \
+         extreme, past, future, drift, stranger, rate on a line; stall, overload, reset of guard, perception, computer"
     )]
     Kind(String),
+    /// The fault cannot happen there.
+    #[error("`{0}`: this fault cannot happen there")]
+    Place(String),
     /// The number is missing or not one.
     #[error("`{0}`: not a value such as 5%, 20ms or 10s")]
     Value(String),
@@ -45,15 +49,41 @@ pub enum FaultKind {
     Silent,
     /// The link goes down and up again with this period, microseconds.
     Flap(u64),
-    /// Lidar only: this many degrees in front of the sensor return nothing.
+    /// Lidar and safety scanner: this many degrees in front of the sensor return nothing.
     Blind(f32),
+    /// Values are extreme or no numbers, in messages that are otherwise well-formed.
+    Extreme(f32),
+    /// The device's clock stands this many microseconds back.
+    Past(u64),
+    /// The device's clock is this many microseconds ahead.
+    Future(u64),
+    /// The device's clock runs too fast by this share of the time since the beginning of the fault; may be negative.
+    Drift(f32),
+    /// Messages carry the mark of another device.
+    Stranger(f32),
+    /// Only every n-th message comes.
+    Rate(u32),
+    /// Tasks do not run for this many microseconds of every second.
+    Stall(u64),
+    /// Tasks run during the rest of every 50 ms only.
+    Overload(f32),
+    /// Power is gone; afterwards the device or computer starts anew.
+    Reset,
 }
 
-/// One fault on one stream.
+impl FaultKind {
+    /// The fault concerns tasks and not messages.
+    #[must_use]
+    pub const fn halts_tasks(self) -> bool {
+        matches!(self, Self::Stall(_) | Self::Overload(_))
+    }
+}
+
+/// One fault at one place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaultSpec {
-    /// Which line.
-    pub stream: Stream,
+    /// Where.
+    pub target: FaultTarget,
     /// What.
     pub kind: FaultKind,
     /// Begins, world microseconds.
@@ -66,18 +96,11 @@ impl FaultSpec {
     /// Reads a fault from text.
     ///
     /// # Errors
-    /// Source, kind or value is unknown.
+    /// Source, kind or value is unknown, or they do not fit.
     pub fn parse(text: &str) -> Result<Self, FaultError> {
         let unknown = || FaultError::Source(text.to_owned());
         let (source, rest) = text.split_once(':').ok_or_else(unknown)?;
-        let stream = match source.trim() {
-            "lidar" => Stream::LidarData,
-            "position" => Stream::LidarPosition,
-            "scanner" => Stream::ScannerSerial,
-            "imu" => Stream::ImuSerial,
-            "can" => Stream::Can,
-            _ => return Err(unknown()),
-        };
+        let target = FaultTarget::named(source.trim()).ok_or_else(unknown)?;
         let (mut kind, mut from_us, mut to_us) = (None, 0, u64::MAX);
         for item in rest.split(',').map(str::trim) {
             let (name, value) = item.split_once('=').unwrap_or((item, ""));
@@ -88,13 +111,28 @@ impl FaultSpec {
             }
         }
         let kind = kind.ok_or_else(|| FaultError::Kind(rest.to_owned()))?;
-        Ok(Self { stream, kind, from_us, to_us })
+        if !target.can_suffer(kind) {
+            return Err(FaultError::Place(text.to_owned()));
+        }
+        Ok(Self { target, kind, from_us, to_us })
     }
 
     /// The fault is on at this moment.
     #[must_use]
     pub const fn applies(&self, at_us: u64) -> bool {
         at_us >= self.from_us && at_us < self.to_us
+    }
+
+    /// The tasks that it concerns do not run at this moment.
+    #[must_use]
+    pub fn halts_at(&self, at_us: u64) -> bool {
+        let since_us = at_us.saturating_sub(self.from_us);
+        self.applies(at_us)
+            && match self.kind {
+                FaultKind::Stall(stall_us) => since_us % 1_000_000 < stall_us,
+                FaultKind::Overload(share) => since_us % 50_000 < (share * 50_000.0) as u64,
+                _ => false,
+            }
     }
 }
 
@@ -107,6 +145,7 @@ impl FromStr for FaultSpec {
 }
 
 fn parse_kind(name: &str, value: &str) -> Result<FaultKind, FaultError> {
+    let all = |value: &str| if value.is_empty() { Ok(1.0) } else { share(value) };
     Ok(match name {
         "drop" => FaultKind::Drop(share(value)?),
         "burst" => FaultKind::Burst(number(value)? as u32),
@@ -119,6 +158,18 @@ fn parse_kind(name: &str, value: &str) -> Result<FaultKind, FaultError> {
         "silent" => FaultKind::Silent,
         "flap" => FaultKind::Flap(micros(value)?.max(2)),
         "blind" => FaultKind::Blind(number(value.trim_end_matches("deg"))?),
+        "extreme" => FaultKind::Extreme(all(value)?),
+        "past" => FaultKind::Past(micros(value)?),
+        "future" => FaultKind::Future(micros(value)?),
+        "drift" => match value.trim().strip_prefix('-') {
+            Some(back) => FaultKind::Drift(-share(back)?),
+            None => FaultKind::Drift(share(value)?),
+        },
+        "stranger" => FaultKind::Stranger(all(value)?),
+        "rate" => FaultKind::Rate((number(value)? as u32).max(1)),
+        "stall" => FaultKind::Stall(micros(value)?),
+        "overload" => FaultKind::Overload(share(value)?),
+        "reset" => FaultKind::Reset,
         _ => return Err(FaultError::Kind(name.to_owned())),
     })
 }
@@ -147,26 +198,48 @@ fn micros(value: &str) -> Result<u64, FaultError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simulation::Stream;
 
     #[test]
     fn the_example_is_understood() {
         let fault = FaultSpec::parse("lidar:drop=5%,from=10s,to=20s").unwrap();
         let expected = FaultSpec {
-            stream: Stream::LidarData,
+            target: FaultTarget::Line(Stream::LidarData),
             kind: FaultKind::Drop(0.05),
             from_us: 10_000_000,
             to_us: 20_000_000,
         };
         assert_eq!(fault, expected);
         assert_eq!(FaultSpec::parse("imu:delay=20ms").unwrap().kind, FaultKind::Delay(20_000));
+        assert_eq!(FaultSpec::parse("imu:drift=-1%").unwrap().kind, FaultKind::Drift(-0.01));
     }
 
     #[test]
     fn mistakes_are_named() {
-        for wrong in
-            ["lidar", "radar:drop=1%", "lidar:melt", "lidar:drop=150%", "lidar:from=3s", "can:delay=5"]
-        {
+        for wrong in [
+            "lidar",
+            "radar:drop=1%",
+            "lidar:melt",
+            "lidar:drop=150%",
+            "lidar:from=3s",
+            "can:delay=5",
+            "lidar:stall=1s",
+            "guard:drop=1%",
+            "guard:reset",
+            "imu:blind=30deg",
+        ] {
             assert!(FaultSpec::parse(wrong).is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn tasks_halt_for_their_share() {
+        let halted = |text: &str| {
+            let fault = FaultSpec::parse(text).unwrap();
+            (0..2_000_u64).filter(|ms| fault.halts_at(ms * 1_000)).count()
+        };
+        assert_eq!(halted("guard:stall=300ms"), 600);
+        assert_eq!(halted("computer:overload=40%,from=1s,to=2s"), 400);
+        assert_eq!(halted("computer:reset"), 0);
     }
 }

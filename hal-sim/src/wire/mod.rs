@@ -4,9 +4,9 @@ mod s300;
 mod velodyne;
 mod xbus;
 
-pub use s300::{ScanWords, TelegramHeader, encode_telegram};
+pub use s300::{ScanWords, TelegramHeader, encode_telegram, reseal_telegram};
 pub use velodyne::{DataPacket, ReturnMode, encode_position};
-pub use xbus::{XbusParser, encode_message};
+pub use xbus::{XbusParser, encode_message, reseal_message};
 
 /// zlib CRC-32, by which the specification confirms long vectors.
 #[cfg(test)]

@@ -48,6 +48,13 @@ pub fn encode_telegram(header: TelegramHeader, words: &[u16]) -> Vec<u8> {
     bytes
 }
 
+/// Makes the checksum of a telegram right again after a change.
+pub fn reseal_telegram(bytes: &mut [u8]) {
+    let Some(end) = bytes.len().checked_sub(2).filter(|end| *end > 4) else { return };
+    let crc = crc16(&bytes[4..end]);
+    bytes[end..].copy_from_slice(&crc.to_le_bytes());
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -11,6 +11,13 @@ pub fn encode_message(id: u8, data: &[u8]) -> Vec<u8> {
     bytes
 }
 
+/// Makes the checksum of a frame right again after a change.
+pub fn reseal_message(bytes: &mut [u8]) {
+    if let Some((last, rest)) = bytes.split_last_mut() {
+        *last = rest.iter().skip(1).fold(0_u8, |sum, byte| sum.wrapping_add(*byte)).wrapping_neg();
+    }
+}
+
 /// Takes the host's messages out of a byte stream.
 #[derive(Clone, Debug, Default)]
 pub struct XbusParser {

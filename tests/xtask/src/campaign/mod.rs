@@ -2,6 +2,7 @@
 
 mod block;
 mod kinds;
+mod matrix;
 mod run;
 mod state;
 

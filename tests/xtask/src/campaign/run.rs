@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 
 use super::state::State;
-use super::{block, kinds, state};
+use super::{block, kinds, matrix, state};
 
 /// Which campaign and how much of it.
 #[derive(Args)]
@@ -70,8 +70,11 @@ pub fn run(options: &Options) -> Result<bool> {
     bar.finish_and_clear();
     let state = state.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
     let findings = findings.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    for (name, count) in &state.counts {
+    for (name, count) in state.counts.iter().filter(|(name, _)| !matrix::is_cell(name)) {
         println!("  {name:>20} {count}");
+    }
+    if let Some(table) = matrix::table(&state.counts) {
+        println!("{table}");
     }
     for (part, output) in &findings {
         println!("FINDING in trials {}..{} of seed {}:\n{output}", part.start, part.end, options.seed);

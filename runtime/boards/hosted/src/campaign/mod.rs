@@ -1,10 +1,14 @@
 //! Many seeded runs in parallel, each in its own virtual time, and one table of what came of them.
 
 mod encounters;
+mod fault_class;
+mod fault_matrix;
+mod fault_phase;
 mod single_faults;
 mod summary;
 
 pub use encounters::encounter;
+pub use fault_matrix::{Cell, cell_of, cells, coverage, fault_trial, name};
 pub use single_faults::single_fault;
 pub use summary::{CampaignSummary, RunOutcome, run_all};
 

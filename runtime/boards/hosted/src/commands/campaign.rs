@@ -6,7 +6,9 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::exit::VerdictFailed;
-use crate::campaign::{CampaignSummary, encounter, run_seeds, single_fault};
+use crate::campaign::{
+    CampaignSummary, Cell, cell_of, coverage, encounter, fault_trial, run_seeds, single_fault,
+};
 
 /// Kinds of campaigns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -15,6 +17,8 @@ pub enum CampaignKind {
     Encounters,
     /// One random fault on one line.
     SingleFaults,
+    /// Twenty classes of faults × each source × each phase of a mission, with the table of what was covered.
+    Faults,
 }
 
 /// How many of what.
@@ -28,6 +32,9 @@ pub struct CampaignArguments {
     /// Seed of the first run; each next one has the next number.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// Faults only: number of the first trial, to repeat one.
+    #[arg(long, default_value_t = 0)]
+    pub first: u64,
     /// One object on standard output.
     #[arg(long)]
     pub json: bool,
@@ -48,16 +55,23 @@ pub fn run(arguments: &CampaignArguments) -> anyhow::Result<()> {
         let outcome = match arguments.kind {
             CampaignKind::Encounters => encounter(seed),
             CampaignKind::SingleFaults => single_fault(seed),
+            CampaignKind::Faults => fault_trial(arguments.seed, seed).1,
         };
         bar.inc(1);
         outcome
     };
-    let summary = run_seeds(arguments.seed..arguments.seed.saturating_add(arguments.trials), one)?;
+    let is_matrix = arguments.kind == CampaignKind::Faults;
+    let first = if is_matrix { arguments.first } else { arguments.seed };
+    let trials = first..first.saturating_add(arguments.trials);
+    let summary = run_seeds(trials.clone(), one)?;
     bar.finish_and_clear();
     if arguments.json {
         anstream::println!("{}", serde_json::to_string(&summary)?);
     } else {
         show(&summary);
+        if is_matrix {
+            show_coverage(trials);
+        }
     }
     if summary.failures.is_empty() {
         return Ok(());
@@ -92,4 +106,16 @@ fn show(summary: &CampaignSummary) {
         );
     }
     anstream::eprintln!("digest of all runs {}", summary.digest);
+}
+
+fn show_coverage(trials: std::ops::Range<u64>) {
+    let mut counts = std::collections::BTreeMap::<Cell, u64>::new();
+    for trial in trials {
+        *counts.entry(cell_of(trial)).or_default() += 1;
+    }
+    let (table, share) = coverage(&counts);
+    anstream::eprintln!(
+        "runs by class, source and phase (start/cruise/approach/hold/operator), - where it cannot be:\n{table}"
+    );
+    anstream::eprintln!("{:.1} % of the possible cells have a run", share * 100.0);
 }

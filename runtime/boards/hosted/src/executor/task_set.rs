@@ -91,9 +91,18 @@ impl<'a> TaskSet<'a> {
     /// # Errors
     /// [`Stuck`] when a task spins.
     pub fn poll_until_quiet(&mut self) -> Result<usize, Stuck> {
+        self.poll_until_quiet_if(|_| true)
+    }
+
+    /// As [`Self::poll_until_quiet`], but only the tasks that run now; the others stay ready.
+    ///
+    /// # Errors
+    /// [`Stuck`] when a task spins.
+    pub fn poll_until_quiet_if(&mut self, runs: impl Fn(usize) -> bool) -> Result<usize, Stuck> {
+        let running = (0..self.tasks.len()).filter(|task| runs(*task)).fold(0, |bits, task| bits | 1 << task);
         let mut polls = 0;
         loop {
-            let ready = self.readiness.bits.swap(0, Ordering::AcqRel);
+            let ready = self.readiness.bits.fetch_and(!running, Ordering::AcqRel) & running;
             if ready == 0 {
                 return Ok(polls);
             }
@@ -107,6 +116,18 @@ impl<'a> TaskSet<'a> {
                 }
             }
         }
+    }
+
+    /// Tasks spawned so far.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.tasks.len()
+    }
+
+    /// No task was spawned.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.tasks.is_empty()
     }
 
     /// Something is ready to be polled.

@@ -186,6 +186,16 @@ impl<'a> Observer<'a> {
         }
     }
 
+    /// A moment of 10 ms in which the robot's computer is off.
+    pub fn observe_without_computer(&mut self, simulation: &Simulation) {
+        self.commanded_mps = 0.0;
+        self.judge.observe(&judged(simulation), 0.0);
+        let truth = simulation.truth();
+        self.note_ways(truth.stamp.as_micros(), &truth);
+        // A new life counts its publications from zero.
+        (self.seen_people, self.seen_status) = (0, 0);
+    }
+
     /// A moment of 10 ms, and the stops that began since the one before.
     pub fn observe<M: RawMutex>(
         &mut self,

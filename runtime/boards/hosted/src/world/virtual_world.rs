@@ -6,7 +6,7 @@ use floorguard_drivers::can::CanFrame;
 use floorguard_runtime::shared::{Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
 use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
-use floorguard_sim::{CanFrame as SimCanFrame, FaultLayer};
+use floorguard_sim::{CanFrame as SimCanFrame, FaultKind, FaultLayer, FaultSpec, FaultTarget};
 
 use super::observer::Observer;
 use super::operator::Operator;
@@ -99,17 +99,61 @@ pub fn run_recorded(
     outcome
 }
 
+/// Everything around the robot's computer; it outlives the computer's lives.
+struct World<'a, 'b> {
+    simulation: &'a mut Simulation,
+    observer: &'a mut Observer<'b>,
+    witnesses: &'a mut Witnesses,
+    faults: FaultLayer,
+    /// On the way from the computer to the bus.
+    output_faults: FaultLayer,
+    operator: Operator,
+    judge_us: u64,
+    now_us: u64,
+}
+
+/// Why the computer stopped.
+#[derive(PartialEq, Eq)]
+enum End {
+    OfThePlan,
+    PowerLost,
+}
+
 fn play(
     plan: &Plan,
     simulation: &mut Simulation,
     (observer, witnesses): (&mut Observer<'_>, &mut Witnesses),
 ) -> anyhow::Result<()> {
-    let shared: Box<Shared<NoopRawMutex>> = new_shared(&plan.robot, Stamp::ZERO)
+    let mut world = World {
+        simulation,
+        observer,
+        witnesses,
+        faults: FaultLayer::new(&plan.faults, plan.seed),
+        output_faults: FaultLayer::for_output(&plan.faults, plan.seed),
+        operator: Operator::new(plan.emergency_stop_us.clone()),
+        judge_us: 0,
+        now_us: 0,
+    };
+    let dead = |at_us| plan.faults.iter().any(|fault| is_reset(fault) && fault.applies(at_us));
+    while live(plan, &mut world, dead)? == End::PowerLost {
+        let off = plan.faults.iter().filter(|fault| is_reset(fault) && fault.applies(world.now_us));
+        let until_us = off.map(|fault| fault.to_us).max().unwrap_or(world.now_us).min(plan.duration_us);
+        world.without_computer(until_us);
+    }
+    world.observer.finish(world.operator.resets());
+    Ok(world.witnesses.finish((plan.duration_us, world.observer.digest().value()))?)
+}
+
+fn is_reset(fault: &FaultSpec) -> bool {
+    fault.target == FaultTarget::Computer && fault.kind == FaultKind::Reset
+}
+
+/// One life of the robot's computer, from power on.
+fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> anyhow::Result<End> {
+    let shared: Box<Shared<NoopRawMutex>> = new_shared(&plan.robot, Stamp::from_micros(world.now_us))
         .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
     let mut perception = new_perception(&plan.robot);
     let (lines, Ends { scanner, imu, from_imu_line }) = Lines::new();
-    let mut faults = FaultLayer::new(&plan.faults, plan.seed);
-    let mut operator = Operator::new(plan.emergency_stop_us.clone());
     let mut tasks = TaskSet::new();
     let carriers = GuardCarriers {
         lidar: lines.lidar.clone(),
@@ -118,53 +162,110 @@ fn play(
         can: lines.can.clone(),
     };
     spawn_guard_ring(&mut tasks, &shared, &plan.robot, carriers);
+    let guard_tasks = tasks.len();
     spawn_perception_ring(&mut tasks, &shared, &plan.robot, &mut perception);
-    let mut judge_us = 0;
     let mut reset = false;
     loop {
-        let now_us = simulation
-            .next_event_us()
-            .min(faults.next_event_us())
-            .min(next_timer_us().unwrap_or(u64::MAX))
-            .min(judge_us);
+        let now_us = world.next_us().min(next_timer_us().unwrap_or(u64::MAX)).max(world.now_us);
         if now_us > plan.duration_us {
-            break;
+            return Ok(End::OfThePlan);
         }
+        world.now_us = now_us;
+        if dead(now_us) {
+            return Ok(End::PowerLost);
+        }
+        world.advance(&lines);
+        advance_virtual(now_us);
+        if std::mem::take(&mut reset) {
+            shared.reset.signal(());
+            world.witnesses.delivered((now_us, now_us), TapeLine::Reset, &[]);
+        }
+        let halted = |target| halts(plan, target, now_us);
+        let runs =
+            |task| !halted(if task < guard_tasks { FaultTarget::Guard } else { FaultTarget::Perception });
+        tasks.poll_until_quiet_if(runs)?;
+        world.observer.after_tasks(&shared);
+        for frame in lines.can.drain() {
+            world.observer.on_frame(&frame, now_us);
+            world.witnesses.sent(&frame, now_us);
+            let id = u32::from(frame.standard_id().unwrap_or_default());
+            world.send(SimCanFrame::new(id, frame.payload()));
+        }
+        let bytes = from_imu_line.drain();
+        if !bytes.is_empty() {
+            world.simulation.receive(Stream::ImuSerial, &bytes);
+        }
+        world.witnesses.after_tasks(&shared, (now_us, world.observer.digest().value()));
+        if now_us >= world.judge_us {
+            world.judge_us += JUDGE_US;
+            let state = shared.decision.get().map(|decision| decision.state).unwrap_or_default();
+            let deed = world.operator.act(now_us, state);
+            world.simulation.press_emergency_stop(deed.pressed);
+            world.observer.on_emergency_stop(deed.pressed, now_us);
+            // The button reaches the tasks with the next moment.
+            reset = deed.reset;
+            let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
+            stops.iter().for_each(|stop| world.witnesses.stop(stop));
+            world.observer.observe(world.simulation, &shared, &stops);
+        }
+    }
+}
+
+/// A fault keeps these tasks from running.
+fn halts(plan: &Plan, ring: FaultTarget, now_us: u64) -> bool {
+    let concerned = |fault: &&FaultSpec| fault.target == ring || fault.target == FaultTarget::Computer;
+    plan.faults.iter().filter(concerned).any(|fault| fault.halts_at(now_us))
+}
+
+impl World<'_, '_> {
+    fn next_us(&self) -> u64 {
+        self.simulation
+            .next_event_us()
+            .min(self.faults.next_event_us())
+            .min(self.output_faults.next_event_us())
+            .min(self.judge_us)
+    }
+
+    /// Plays up to now; what reaches the computer goes into its lines.
+    fn advance(&mut self, lines: &Lines) {
+        let Self { simulation, faults, output_faults, witnesses, now_us, .. } = self;
+        let now_us = *now_us;
+        output_faults.release(now_us, &mut |event| hear(simulation, event, now_us));
         simulation.advance_to(now_us, &mut |event| {
             faults.pass(event, &mut |event| lines.deliver(event, now_us, witnesses))
         });
         faults.release(now_us, &mut |event| lines.deliver(event, now_us, witnesses));
-        advance_virtual(now_us);
-        if std::mem::take(&mut reset) {
-            shared.reset.signal(());
-            witnesses.delivered((now_us, now_us), TapeLine::Reset, &[]);
-        }
-        tasks.poll_until_quiet()?;
-        observer.after_tasks(&shared);
-        for frame in lines.can.drain() {
-            observer.on_frame(&frame, now_us);
-            witnesses.sent(&frame, now_us);
-            let id = u32::from(frame.standard_id().unwrap_or_default());
-            simulation.receive_can(SimCanFrame::new(id, frame.payload()), now_us);
-        }
-        let bytes = from_imu_line.drain();
-        if !bytes.is_empty() {
-            simulation.receive(Stream::ImuSerial, &bytes);
-        }
-        witnesses.after_tasks(&shared, (now_us, observer.digest().value()));
-        if now_us >= judge_us {
-            judge_us += JUDGE_US;
-            let state = shared.decision.get().map(|decision| decision.state).unwrap_or_default();
-            let deed = operator.act(now_us, state);
-            simulation.press_emergency_stop(deed.pressed);
-            observer.on_emergency_stop(deed.pressed, now_us);
-            // The button reaches the tasks with the next moment.
-            reset = deed.reset;
-            let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
-            stops.iter().for_each(|stop| witnesses.stop(stop));
-            observer.observe(simulation, &shared, &stops);
+    }
+
+    /// A frame of the computer on its way to the bus.
+    fn send(&mut self, frame: SimCanFrame) {
+        let Self { simulation, output_faults, now_us, .. } = self;
+        let now_us = *now_us;
+        let event = WireEvent { at_us: now_us, stream: Stream::Can, payload: Payload::Frame(frame) };
+        output_faults.pass(event, &mut |event| hear(simulation, event, now_us));
+    }
+
+    /// The computer is off: nobody listens and nobody speaks, and the judge looks on.
+    fn without_computer(&mut self, until_us: u64) {
+        while self.now_us < until_us {
+            self.now_us = self.next_us().clamp(self.now_us, until_us);
+            let now_us = self.now_us;
+            let Self { simulation, faults, output_faults, .. } = self;
+            output_faults.release(now_us, &mut |event| hear(simulation, event, now_us));
+            simulation.advance_to(now_us, &mut |event| faults.pass(event, &mut |_| {}));
+            faults.release(now_us, &mut |_| {});
+            advance_virtual(now_us);
+            if now_us >= self.judge_us {
+                self.judge_us += JUDGE_US;
+                self.observer.observe_without_computer(self.simulation);
+            }
         }
     }
-    observer.finish(operator.resets());
-    Ok(witnesses.finish((plan.duration_us, observer.digest().value()))?)
+}
+
+/// The devices hear a frame.
+fn hear(simulation: &mut Simulation, event: WireEvent, now_us: u64) {
+    if let Payload::Frame(frame) = event.payload {
+        simulation.receive_can(frame, now_us);
+    }
 }

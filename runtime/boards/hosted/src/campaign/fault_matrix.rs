@@ -1,0 +1,121 @@
+//! {fault class} × {source} × {mission phase}: every possible cell in turn, judged by the simulator's truth.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use floorguard_core::random::Pcg32;
+use floorguard_sim::FaultSpec;
+
+use super::fault_class::{self, CLASSES, SOURCES, is_possible};
+use super::fault_phase::{self, PHASES};
+use super::summary::RunOutcome;
+use super::watched;
+
+/// A cell of the matrix: indices of class, source and phase.
+pub type Cell = (usize, usize, usize);
+
+/// Every cell that can be.
+#[must_use]
+pub fn cells() -> Vec<Cell> {
+    let pairs = (0..CLASSES.len()).flat_map(|class| (0..SOURCES.len()).map(move |source| (class, source)));
+    pairs
+        .filter(|(class, source)| is_possible(*class, *source))
+        .flat_map(|(class, source)| (0..PHASES.len()).map(move |phase| (class, source, phase)))
+        .collect()
+}
+
+/// The cell of a trial: a walk over all of them, in an order in which neighbours differ.
+#[must_use]
+pub fn cell_of(trial: u64) -> Cell {
+    let cells = cells();
+    // 127 pairs × 5 phases: a stride without a common factor visits every cell once in a round.
+    let stride = (cells.len() as u64 * 618 / 1_000..)
+        .find(|stride| gcd(*stride, cells.len() as u64) == 1)
+        .unwrap_or(1);
+    cells[(trial.wrapping_mul(stride) % cells.len() as u64) as usize]
+}
+
+fn gcd(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+/// `class | source | phase`.
+#[must_use]
+pub fn name((class, source, phase): Cell) -> String {
+    format!("{} | {} | {}", CLASSES[class], SOURCES[source], PHASES[phase])
+}
+
+/// Plays one trial.
+#[must_use]
+pub fn fault_trial(seed: u64, trial: u64) -> (Cell, RunOutcome) {
+    let cell = cell_of(trial);
+    let (class, source, phase) = cell;
+    let mut random = Pcg32::new(seed ^ trial.wrapping_mul(0x9e37_79b9_7f4a_7c15), 61);
+    let world_seed = u64::from(random.next_u32());
+    let broken = |error: String| RunOutcome {
+        command: format!("trial {trial} of seed {seed} ({})", name(cell)),
+        failure: Some(error),
+        verdict: None,
+    };
+    let mut run = match fault_phase::draw(phase, world_seed, &mut random) {
+        Ok(run) => run,
+        Err(error) => return (cell, broken(error.to_string())),
+    };
+    let text = fault_class::draw(class, source, &mut random);
+    let tenths = |tenths: u64| format!("{}.{}s", tenths / 10, tenths % 10);
+    let text = format!("{text},from={},to={}", tenths(run.from_ds), tenths(run.to_ds));
+    let command = format!(
+        "floorguard campaign faults --seed {seed} --first {trial} --trials 1   # {}, {} --seed {world_seed} --fault {text}",
+        PHASES[phase], run.plan.name
+    );
+    match FaultSpec::parse(&text) {
+        Ok(fault) => run.plan.faults.push(fault),
+        Err(error) => return (cell, broken(error.to_string())),
+    }
+    let outcome = match watched(&run.plan) {
+        Ok(seen) => RunOutcome { command, failure: run.judge(&seen), verdict: Some(seen.verdict) },
+        Err(error) => RunOutcome { command, failure: Some(error.to_string()), verdict: None },
+    };
+    (cell, outcome)
+}
+
+/// How often each cell was run, as a table: a row for each class, a column for each source, `-` where the class cannot
+/// be. Gives the table and the share of possible cells that have a run.
+#[must_use]
+pub fn coverage(counts: &BTreeMap<Cell, u64>) -> (String, f64) {
+    let mut table = format!("{:18}", "");
+    for source in SOURCES {
+        let _ = write!(table, " {source:>16}");
+    }
+    for (class, class_name) in CLASSES.iter().enumerate() {
+        let _ = write!(table, "\n{class_name:18}");
+        for source in 0..SOURCES.len() {
+            let runs = (0..PHASES.len()).map(|phase| counts.get(&(class, source, phase)).copied());
+            let text = if is_possible(class, source) {
+                runs.map(|runs| runs.unwrap_or(0).to_string()).collect::<Vec<_>>().join("/")
+            } else {
+                "-".to_owned()
+            };
+            let _ = write!(table, " {text:>16}");
+        }
+    }
+    let cells = cells();
+    let filled = cells.iter().filter(|cell| counts.get(*cell).is_some_and(|runs| *runs > 0)).count();
+    (table, filled as f64 / cells.len() as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn a_round_of_trials_visits_every_cell_once() {
+        let cells = cells();
+        let visited: BTreeSet<Cell> = (0..cells.len() as u64).map(cell_of).collect();
+        assert_eq!(visited.len(), cells.len());
+        let counts = visited.into_iter().map(|cell| (cell, 1)).collect();
+        let (table, share) = coverage(&counts);
+        assert!(share == 1.0 && table.contains("1/1/1/1/1") && table.lines().count() == 21, "{table}");
+    }
+}

@@ -1,0 +1,87 @@
+//! The phases of a mission in which a fault can begin, each as a short run of its own.
+
+use floorguard_core::random::Pcg32;
+use floorguard_sim::scenario::Scenario;
+
+use crate::world::{Observation, Plan, PlanError};
+
+/// Phases.
+pub const PHASES: [&str; 5] = ["start", "cruise", "approach", "hold", "operator"];
+
+/// A box stands in the way, and stays.
+const HOLD: &str = r#"
+title = "something stands in the way"
+[route]
+speed_mps = 0.8
+waypoints_m = [[12.0, 0.0]]
+[scene]
+wall = [
+  { from_m = [-6.0, -6.0], to_m = [16.0, -6.0] },
+  { from_m = [-6.0, 6.0], to_m = [16.0, 6.0] },
+  { from_m = [16.0, -6.0], to_m = [16.0, 6.0] },
+]
+furniture = [{ kind = "box", at_m = [2.4, 0.0], size_m = [0.6, 0.8], height_m = 1.6 }]
+"#;
+
+/// The robot may settle this far after it must stand, metres.
+const ROLLS_M: f32 = 0.05;
+/// Places are noted four times a second.
+const PLACES_PER_S: f64 = 4.0;
+
+/// A run in which a fault is on from `from_s` to `to_s`.
+pub struct PhaseRun {
+    /// What to play, still without the fault.
+    pub plan: Plan,
+    /// Begin of the fault, tenths of a second.
+    pub from_ds: u64,
+    /// End of the fault, tenths of a second.
+    pub to_ds: u64,
+    /// The robot must not move within these seconds, whatever the fault.
+    pub stands_s: Option<(f64, f64)>,
+}
+
+/// Draws a run.
+///
+/// # Errors
+/// A built-in scenario is broken.
+pub fn draw(phase: usize, seed: u64, random: &mut Pcg32) -> Result<PhaseRun, PlanError> {
+    let mut between = |low: u32, high: u32| u64::from(low + random.below(high - low));
+    let (scenario, seconds, from_ds, lasts_ds, stands_s) = match PHASES[phase] {
+        "start" => ("encounter", 9, between(0, 8), between(15, 40), None),
+        "cruise" => {
+            (["empty", "crossing"][between(0, 2) as usize], 9, between(30, 50), between(10, 35), None)
+        }
+        "approach" => ("encounter", 12, between(30, 75), between(10, 40), None),
+        // It stands before the box after 6.5 s.
+        "hold" => ("hold", 11, between(70, 80), between(10, 25), Some((7.0, 11.0))),
+        // Pressed at 3 s, released at 4 s; the operator resets not before 7 s.
+        _ => ("crossing", 10, between(20, 45), between(10, 25), Some((4.75, 6.75))),
+    };
+    let duration_us = seconds * 1_000_000;
+    let mut plan = match scenario {
+        "hold" => Plan::of("hold", Scenario::from_toml(HOLD)?, seed, duration_us)?,
+        name => Plan::named(name, seed, duration_us)?,
+    };
+    if PHASES[phase] == "operator" {
+        plan.emergency_stop_us = vec![(3_000_000, 4_000_000)];
+    }
+    Ok(PhaseRun { plan, from_ds, to_ds: from_ds + lasts_ds, stands_s })
+}
+
+impl PhaseRun {
+    /// Why it counts as failed.
+    #[must_use]
+    pub fn judge(&self, seen: &Observation) -> Option<String> {
+        let verdict = &seen.verdict;
+        if !verdict.passed {
+            let (contacts, missed) = (verdict.avoidable_contacts, verdict.missed_stops);
+            return Some(format!("{contacts} avoidable contacts, {missed} missed stops"));
+        }
+        let (from_s, to_s) = self.stands_s?;
+        let index = |seconds: f64| (seconds * PLACES_PER_S) as usize;
+        let places = seen.robot_way.get(index(from_s)..index(to_s)).unwrap_or_default();
+        let rolled_m: f32 =
+            places.windows(2).map(|pair| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m)).sum();
+        (rolled_m > ROLLS_M).then(|| format!("it rolled {rolled_m:.2} m between {from_s} s and {to_s} s"))
+    }
+}
