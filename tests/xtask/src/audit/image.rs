@@ -67,18 +67,18 @@ pub struct Image {
     pub ram_bytes: u64,
 }
 
-/// Builds the safety image with the profile of the firmware.
-pub fn build() -> Result<PathBuf> {
+/// Builds the safety image with the profile of the firmware. The compiler says itself why it cannot.
+pub fn build() -> Result<Option<PathBuf>> {
     let mut command = shell::cargo();
     command.args(["build", "--quiet", "--package", "floorguard-safety-image", "--profile", "firmware"]);
     command.args(["--target", TARGET]);
     command.env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS", "-C target-cpu=cortex-m7");
     if !shell::succeeds(&mut command)? {
-        bail!("the safety image does not build");
+        return Ok(None);
     }
     let target =
         std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| shell::root().join("target"), PathBuf::from);
-    Ok(target.join(TARGET).join("firmware/floorguard-safety-image"))
+    Ok(Some(target.join(TARGET).join("firmware/floorguard-safety-image")))
 }
 
 /// Reads a linked image.

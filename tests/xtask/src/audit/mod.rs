@@ -4,16 +4,21 @@
 
 mod bounds;
 mod claim;
+mod dependencies;
+mod evidence;
 mod forbidden;
 mod image;
 #[cfg(test)]
 mod injection_tests;
 mod loops;
+mod records;
 #[cfg(test)]
 mod refusal_tests;
 mod report;
+mod results;
 mod run;
 mod sources;
 mod thumb;
+mod trace;
 
 pub use run::{Options, run};

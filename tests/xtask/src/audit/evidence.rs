@@ -1,0 +1,31 @@
+//! Everything that the report shows.
+
+use super::claim::Claim;
+use super::dependencies::Dependency;
+use super::image::Image;
+use super::loops::LoopSite;
+use super::records::Records;
+use super::trace::Trace;
+
+/// The whole evidence of one run.
+pub struct Evidence {
+    /// What is claimed, and whether it holds.
+    pub claims: Vec<Claim>,
+    /// Every loop of the sources.
+    pub sites: Vec<LoopSite>,
+    /// The compiled image; none when it does not build.
+    pub image: Option<Image>,
+    /// Requirements and hazards.
+    pub trace: Trace,
+    /// Crates of the image.
+    pub dependencies: Vec<Dependency>,
+    /// What other commands measured.
+    pub records: Records,
+}
+
+impl Evidence {
+    /// All claims hold.
+    pub fn holds(&self) -> bool {
+        self.claims.iter().all(Claim::holds)
+    }
+}

@@ -1,0 +1,24 @@
+//! What other commands measured and the report shows: instruction counts, the equal fingerprint, long campaigns.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+
+/// Records of other commands; each may be absent, and the report says so.
+#[derive(Default)]
+pub struct Records {
+    /// `tests/goldens/firmware.json`: counts on the emulated Cortex-M7, and the fingerprint of all outputs.
+    pub firmware: Option<Value>,
+    /// `docs/evidence/campaigns.json`: long campaigns that were run, with their counts.
+    pub campaigns: Option<Value>,
+}
+
+/// Reads what there is.
+pub fn read(root: &Path) -> Records {
+    let value = |path: &str| serde_json::from_str(&fs::read_to_string(root.join(path)).ok()?).ok();
+    Records {
+        firmware: value("tests/goldens/firmware.json"),
+        campaigns: value("docs/evidence/campaigns.json"),
+    }
+}

@@ -1,0 +1,72 @@
+//! Writes the evidence: one HTML file for people, one JSON file for machines, a few lines for the terminal.
+
+mod page;
+mod table;
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+
+use super::evidence::Evidence;
+
+/// Most findings that the terminal shows for one claim; the files hold all.
+const SHOWN_FINDINGS: usize = 12;
+
+/// Writes `index.html` and `audit.json`.
+pub fn write(folder: &Path, evidence: &Evidence) -> Result<()> {
+    fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
+    fs::write(folder.join("audit.json"), json(evidence)?)?;
+    fs::write(folder.join("index.html"), page::html(evidence))?;
+    Ok(())
+}
+
+/// Prints the verdict.
+pub fn print(folder: &Path, evidence: &Evidence, as_json: bool) -> Result<()> {
+    if as_json {
+        println!("{}", fs::read_to_string(folder.join("audit.json"))?);
+        return Ok(());
+    }
+    for claim in &evidence.claims {
+        println!("{} {:26} {}", if claim.holds() { "holds " } else { "FAILS " }, claim.id, claim.evidence);
+        for finding in claim.findings.iter().take(SHOWN_FINDINGS) {
+            println!("         {}:{} {}", finding.place, finding.line, finding.message);
+        }
+        if claim.findings.len() > SHOWN_FINDINGS {
+            println!("         … and {} more in the report", claim.findings.len() - SHOWN_FINDINGS);
+        }
+    }
+    let failed = evidence.claims.iter().filter(|claim| !claim.holds()).count();
+    println!("{} claims, {failed} fail; the evidence is in target/audit/index.html", evidence.claims.len());
+    Ok(())
+}
+
+fn json(evidence: &Evidence) -> Result<String> {
+    let image = evidence.image.as_ref().map(|image| {
+        let functions = image.functions.values().map(|function| {
+            serde_json::json!({
+                "name": function.name,
+                "bytes": function.size,
+                "frame_bytes": function.flow.frame_bytes,
+                "loops": function.flow.back_edges.len(),
+            })
+        });
+        serde_json::json!({
+            "flash_bytes": image.flash_bytes,
+            "ram_bytes": image.ram_bytes,
+            "functions": functions.collect::<Vec<_>>(),
+        })
+    });
+    let value = serde_json::json!({
+        "verdict": if evidence.holds() { "holds" } else { "fails" },
+        "claims": evidence.claims,
+        "requirements": evidence.trace.requirements,
+        "hazards": evidence.trace.hazards,
+        "dependencies": evidence.dependencies,
+        "instructions": evidence.records.firmware,
+        "campaigns": evidence.records.campaigns,
+        "loops": evidence.sites,
+        "image": image,
+    });
+    Ok(serde_json::to_string_pretty(&value)?)
+}

@@ -1,0 +1,243 @@
+//! The page for people: verdicts first, then each piece of evidence, in one file without scripts or links outwards.
+
+use std::fmt::Write as _;
+
+use serde_json::Value;
+
+use super::table::{Table, code, escape, grouped, verdict};
+use crate::audit::evidence::Evidence;
+use crate::audit::image::Image;
+use crate::audit::loops::LoopSite;
+use crate::audit::trace::{Place, Requirement, Trace};
+
+/// Sections: anchor, heading.
+const SECTIONS: [(&str, &str); 8] = [
+    ("claims", "Claims"),
+    ("requirements", "Requirements, both ways"),
+    ("hazards", "Hazards and causes"),
+    ("instructions", "Instructions and determinism"),
+    ("campaigns", "Campaigns"),
+    ("stack", "Stack and functions"),
+    ("dependencies", "Crates of the safety image"),
+    ("loops", "Loops and their bounds"),
+];
+
+/// The page.
+pub fn html(evidence: &Evidence) -> String {
+    let mut page = String::from(HEAD);
+    let good = evidence.holds();
+    let _ = write!(
+        page,
+        "<h1>floorguard: the evidence</h1><p class=big>{}</p>",
+        verdict(good, if good { "every claim holds" } else { "a claim fails" })
+    );
+    page.push_str(INTRODUCTION);
+    page.push_str("<nav>");
+    for (anchor, heading) in SECTIONS {
+        let _ = write!(page, "<a href='#{anchor}'>{heading}</a> ");
+    }
+    page.push_str("</nav>");
+    let bodies = [
+        claims(evidence),
+        requirements(&evidence.trace),
+        hazards(&evidence.trace),
+        instructions(evidence.records.firmware.as_ref()),
+        campaigns(evidence.records.campaigns.as_ref()),
+        functions(evidence.image.as_ref()),
+        dependencies(evidence),
+        loops(&evidence.sites),
+    ];
+    for ((anchor, heading), body) in SECTIONS.iter().zip(bodies) {
+        let _ = write!(page, "<h2 id={anchor}>{heading}</h2>{body}");
+    }
+    page
+}
+
+fn claims(evidence: &Evidence) -> String {
+    let mut table = Table::new(&["verdict", "claim", "evidence"]);
+    for claim in &evidence.claims {
+        let mut text = escape(&claim.evidence);
+        for finding in &claim.findings {
+            let _ = write!(
+                text,
+                "<br>{} {}",
+                code(&format!("{}:{}", finding.place, finding.line)),
+                escape(&finding.message)
+            );
+        }
+        let shown = verdict(claim.holds(), if claim.holds() { "holds" } else { "fails" });
+        table.row(&[shown, format!("<b>{}</b><br>{}", claim.id, escape(claim.text)), text]);
+    }
+    table.finish()
+}
+
+fn requirements(trace: &Trace) -> String {
+    let mut table = Table::new(&[
+        "requirement",
+        "code",
+        "tests and their last result",
+        "hazards",
+        "clauses it has an eye on",
+    ]);
+    for line in &trace.requirements {
+        let tests: Vec<String> = line
+            .tests
+            .iter()
+            .map(|test| {
+                let result = match test.passed {
+                    Some(true) => verdict(true, "passed"),
+                    Some(false) => verdict(false, "failed"),
+                    None => verdict(false, "did not run"),
+                };
+                format!("{result} {} {}", escape(&test.name), place(&test.place))
+            })
+            .collect();
+        let links = line.hazards.iter().map(|id| format!("<a href='#{id}'>{id}</a>"));
+        table.row(&[
+            format!("<b id={}>{}</b><br>{}", line.id, line.id, escape(&line.text)),
+            line.code.iter().map(place).collect::<Vec<_>>().join("<br>"),
+            tests.join("<br>"),
+            links.collect::<Vec<_>>().join("<br>"),
+            escape(&line.serves),
+        ]);
+    }
+    let back = backwards(&trace.requirements);
+    format!(
+        "<p>The clauses are orientation and no claim of conformity.</p>{}<h3>From code back to requirements</h3>{back}",
+        table.finish()
+    )
+}
+
+/// Each file with the requirements that it carries or tests.
+fn backwards(requirements: &[Requirement]) -> String {
+    let mut files = std::collections::BTreeMap::<&str, std::collections::BTreeSet<&str>>::new();
+    for line in requirements {
+        let tests = line.tests.iter().map(|test| &test.place);
+        for place in line.code.iter().chain(tests) {
+            files.entry(&place.file).or_default().insert(&line.id);
+        }
+    }
+    let mut table = Table::new(&["file", "requirements"]);
+    for (file, ids) in files {
+        let links = ids.iter().map(|id| format!("<a href='#{id}'>{id}</a>")).collect::<Vec<_>>();
+        table.row(&[code(file), links.join(" ")]);
+    }
+    table.finish()
+}
+
+fn place(place: &Place) -> String {
+    code(&format!("{}:{}", place.file, place.line))
+}
+
+fn hazards(trace: &Trace) -> String {
+    let mut table = Table::new(&["hazard", "causes of the guard that answer it", "requirements"]);
+    for hazard in &trace.hazards {
+        let links =
+            hazard.requirements.iter().map(|id| format!("<a href='#{id}'>{id}</a>")).collect::<Vec<_>>();
+        table.row(&[
+            format!("<b id={}>{}</b><br>{}", hazard.id, hazard.id, escape(&hazard.text)),
+            hazard.causes.iter().map(|cause| code(cause)).collect::<Vec<_>>().join(" "),
+            links.join(" "),
+        ]);
+    }
+    table.finish()
+}
+
+fn instructions(firmware: Option<&Value>) -> String {
+    let Some(firmware) = firmware else {
+        return String::from("<p>Not measured: <code>cargo xtask firmware --update</code> measures.</p>");
+    };
+    let number = |value: &Value| value.as_u64().map_or_else(|| String::from("?"), grouped);
+    let mut table = Table::new(&["stage", "times", "mean", "most"]);
+    for (name, cost) in firmware["instructions"].as_object().into_iter().flatten() {
+        table.row(&[code(name), number(&cost["count"]), number(&cost["mean"]), number(&cost["max"])]);
+    }
+    format!(
+        "<p>Instructions of each stage on the emulated Cortex-M7, for one recorded mission. <code>cargo xtask firmware</code> \
+         repeats it and fails when a count differs by more than 0.5 %, or when the fingerprint of all outputs on the \
+         Cortex-M7 differs from the one on the host. Both gave {}. These are instructions, not cycles.</p>{}",
+        code(firmware["digest"].as_str().unwrap_or("?")),
+        table.finish()
+    )
+}
+
+fn campaigns(records: Option<&Value>) -> String {
+    let mut table = Table::new(&["campaign", "trials", "findings", "counted", "repeat with"]);
+    let listed = records.and_then(Value::as_array);
+    for record in listed.into_iter().flatten() {
+        let text = |name: &str| escape(record[name].as_str().unwrap_or(""));
+        let number = |name: &str| record[name].as_u64().map_or_else(|| String::from("?"), grouped);
+        let counts = record["counts"].as_object().into_iter().flatten();
+        let counts: Vec<String> = counts
+            .map(|(name, count)| {
+                format!("{} {}", escape(name), count.as_u64().map_or_else(|| count.to_string(), grouped))
+            })
+            .collect();
+        table.row(&[
+            format!("<b>{}</b><br>{}", text("name"), text("what")),
+            number("trials"),
+            number("findings"),
+            counts.join("<br>"),
+            format!("<code>{}</code>", text("command")),
+        ]);
+    }
+    format!(
+        "<p>Long runs, recorded in <code>docs/evidence/campaigns.json</code> when they were made; a short slice of each \
+         runs with every <code>cargo xtask test</code>. This audit does not repeat them.</p>{}",
+        table.finish()
+    )
+}
+
+fn functions(image: Option<&Image>) -> String {
+    let Some(image) = image else { return String::from("<p>The image does not build.</p>") };
+    let mut table = Table::new(&["function", "bytes", "frame, bytes", "loops"]);
+    for function in image.functions.values() {
+        table.row(&[
+            code(&function.name),
+            grouped(function.size),
+            grouped(u64::from(function.flow.frame_bytes)),
+            function.flow.back_edges.len().to_string(),
+        ]);
+    }
+    format!(
+        "<p>{} functions, {} B of program and constants, {} B of statics. The deepest chains are in the claim \
+         <b>stack-budget</b>.</p>{}",
+        image.functions.len(),
+        grouped(image.flash_bytes),
+        grouped(image.ram_bytes),
+        table.finish()
+    )
+}
+
+fn dependencies(evidence: &Evidence) -> String {
+    let mut table = Table::new(&["crate", "licence", "reason"]);
+    for found in &evidence.dependencies {
+        table.row(&[code(&found.name), escape(&found.licence), escape(&found.reason)]);
+    }
+    table.finish()
+}
+
+fn loops(sites: &[LoopSite]) -> String {
+    let mut table = Table::new(&["place", "function", "kind", "bound", "how it is known"]);
+    for site in sites {
+        table.row(&[
+            code(&format!("{}:{}", site.file, site.line)),
+            escape(&site.function),
+            escape(&site.kind),
+            escape(&site.bound),
+            escape(site.how),
+        ]);
+    }
+    table.finish()
+}
+
+const INTRODUCTION: &str = "<p>Made by <code>cargo xtask audit</code> from the sources, the linked Cortex-M7 image and \
+the tests of this tree. Each claim is checked afresh; one that fails names a file and a line. What the machine around it \
+must provide, and what is not claimed, stands in <code>docs/safety-manual.md</code>.</p>";
+
+const HEAD: &str = "<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>\
+<title>floorguard audit</title><style>body{font:15px/1.5 system-ui,sans-serif;margin:2em auto;max-width:80em;\
+padding:0 1em;color:#222}table{border-collapse:collapse;width:100%;margin:.7em 0}td,th{border:1px solid #ccc;\
+padding:.3em .5em;text-align:left;vertical-align:top}th{background:#f3f3f3}code{font-size:.88em}\
+.wide{overflow-x:auto}.big{font-size:1.4em}.good{background:#dff2df;padding:0 .3em}.bad{background:#f9d6d6;\
+padding:0 .3em}nav a{margin-right:1em}</style>";

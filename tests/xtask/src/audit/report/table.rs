@@ -1,0 +1,81 @@
+//! A table of the page, and text that cannot break it.
+
+use std::fmt::Write as _;
+
+/// A table under construction.
+pub struct Table {
+    html: String,
+}
+
+impl Table {
+    /// With these columns.
+    pub fn new(columns: &[&str]) -> Self {
+        let mut html = String::from("<div class=wide><table><thead><tr>");
+        for column in columns {
+            let _ = write!(html, "<th>{}", escape(column));
+        }
+        html.push_str("</tr></thead><tbody>");
+        Self { html }
+    }
+
+    /// A row of cells that are HTML already.
+    pub fn row(&mut self, cells: &[String]) {
+        self.html.push_str("<tr>");
+        for cell in cells {
+            let _ = write!(self.html, "<td>{cell}");
+        }
+        self.html.push_str("</tr>");
+    }
+
+    /// The finished table.
+    pub fn finish(mut self) -> String {
+        self.html.push_str("</tbody></table></div>");
+        self.html
+    }
+}
+
+/// Text as HTML.
+pub fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+/// Text in the type of code.
+pub fn code(text: &str) -> String {
+    format!("<code>{}</code>", escape(text))
+}
+
+/// A verdict, in colour and in words.
+pub fn verdict(good: bool, words: &str) -> String {
+    let class = if good { "good" } else { "bad" };
+    format!("<span class={class}>{}</span>", escape(words))
+}
+
+/// `1234567` as `1 234 567`.
+pub fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push('\u{202f}');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_cannot_break_a_page() {
+        let mut table = Table::new(&["a<b"]);
+        table.row(&[code("Vec<u8>"), grouped(1_234_567)]);
+        let html = table.finish();
+        assert!(
+            html.contains("a&lt;b")
+                && html.contains("Vec&lt;u8&gt;")
+                && html.contains("1\u{202f}234\u{202f}567")
+        );
+    }
+}

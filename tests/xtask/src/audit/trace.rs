@@ -1,0 +1,370 @@
+//! Requirements: identifier → text → code → tests → last result, both ways; hazards and the causes that answer them.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use serde::Serialize;
+
+use super::claim::{Claim, Finding};
+
+const REQUIREMENTS: &str = "docs/requirements.md";
+const HAZARDS: &str = "docs/hazards.md";
+const CAUSES: &str = "core-nostd/src/protection/cause.rs";
+/// Where code and tests may name a requirement.
+const FOLDERS: [&str; 4] = ["core-nostd/src", "drivers/src", "runtime", "tests/tests"];
+
+/// A place in the sources.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct Place {
+    /// File from the workspace root.
+    pub file: String,
+    /// Line.
+    pub line: usize,
+}
+
+/// A test that checks a requirement.
+#[derive(Debug, Clone, Serialize)]
+pub struct Test {
+    /// Name of the function.
+    pub name: String,
+    /// Where it stands.
+    pub place: Place,
+    /// Last result; `None` when it did not run.
+    pub passed: Option<bool>,
+}
+
+/// A line of `docs/requirements.md` and what belongs to it.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Requirement {
+    /// `FG-REQ-…`.
+    pub id: String,
+    /// The sentence.
+    pub text: String,
+    /// Clauses, as orientation.
+    pub serves: String,
+    /// Line in the document.
+    pub line: usize,
+    /// Where code names it.
+    pub code: Vec<Place>,
+    /// Its tests.
+    pub tests: Vec<Test>,
+    /// Hazards that it answers.
+    pub hazards: Vec<String>,
+}
+
+/// A line of `docs/hazards.md`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Hazard {
+    /// `FG-HAZ-…`.
+    pub id: String,
+    /// The sentence.
+    pub text: String,
+    /// Variants of `enum Cause`.
+    pub causes: Vec<String>,
+    /// Identifiers.
+    pub requirements: Vec<String>,
+    /// Line in the document.
+    pub line: usize,
+}
+
+/// All of it.
+#[derive(Debug, Default, Serialize)]
+pub struct Trace {
+    /// By identifier.
+    pub requirements: Vec<Requirement>,
+    /// By identifier.
+    pub hazards: Vec<Hazard>,
+}
+
+/// What the documents and sources hold; results are filled in by [`Trace::book`].
+pub struct Sources {
+    requirements: String,
+    hazards: String,
+    causes: BTreeSet<String>,
+    code: Vec<(String, Place)>,
+    tests: Vec<(String, Test)>,
+}
+
+impl Sources {
+    /// Reads them.
+    pub fn read(root: &Path) -> Result<Self> {
+        let text =
+            |path: &str| fs::read_to_string(root.join(path)).with_context(|| format!("cannot read {path}"));
+        let mut files = Vec::new();
+        FOLDERS.iter().for_each(|folder| rust_files(&root.join(folder), &mut files));
+        files.sort();
+        let (mut code, mut tests) = (Vec::new(), Vec::new());
+        for path in files {
+            let name = path.strip_prefix(root).unwrap_or(&path).to_string_lossy().replace('\\', "/");
+            let text = fs::read_to_string(&path).with_context(|| format!("cannot read {name}"))?;
+            scan(&name, &text, &mut code, &mut tests);
+        }
+        Ok(Self {
+            requirements: text(REQUIREMENTS)?,
+            hazards: text(HAZARDS)?,
+            causes: variants(&text(CAUSES)?)?,
+            code,
+            tests,
+        })
+    }
+
+    /// The integration tests that hold tests of requirements, for `cargo test --test`.
+    pub fn targets(&self) -> BTreeSet<String> {
+        let files = self.tests.iter().map(|(_, test)| test.place.file.as_str());
+        let stems = files.filter_map(|file| file.strip_prefix("tests/tests/")?.strip_suffix(".rs"));
+        stems.map(str::to_owned).collect()
+    }
+
+    /// Puts everything together, and says what does not fit.
+    pub fn trace(&self, results: &BTreeMap<String, bool>) -> (Trace, Vec<Claim>) {
+        let mut findings = Vec::new();
+        let mut trace =
+            Trace { requirements: requirements_in(&self.requirements), hazards: hazards_in(&self.hazards) };
+        let known: BTreeSet<String> = trace.requirements.iter().map(|line| line.id.clone()).collect();
+        for (id, place) in &self.code {
+            match trace.requirements.iter_mut().find(|line| line.id == *id) {
+                Some(line) => line.code.push(place.clone()),
+                None => {
+                    findings.push(at(place, format!("{id} is named here and not listed in {REQUIREMENTS}")))
+                }
+            }
+        }
+        for (id, test) in &self.tests {
+            match trace.requirements.iter_mut().find(|line| line.id == *id) {
+                Some(line) => {
+                    line.tests.push(Test { passed: results.get(&test.name).copied(), ..test.clone() });
+                }
+                None => findings
+                    .push(at(&test.place, format!("{id} is tested here and not listed in {REQUIREMENTS}"))),
+            }
+        }
+        for line in &mut trace.requirements {
+            let answers = trace.hazards.iter().filter(|hazard| hazard.requirements.contains(&line.id));
+            line.hazards = answers.map(|hazard| hazard.id.clone()).collect();
+            findings.extend(orphaned(line));
+        }
+        let hazards = self.judge_hazards(&trace.hazards, &known);
+        let claims = claims(&trace, findings, hazards);
+        (trace, claims)
+    }
+
+    /// A hazard names only what there is, and every cause answers one.
+    fn judge_hazards(&self, hazards: &[Hazard], known: &BTreeSet<String>) -> Vec<Finding> {
+        let mut findings = Vec::new();
+        for hazard in hazards {
+            let mut complain = |message: String| {
+                findings.push(Finding { place: HAZARDS.to_owned(), line: hazard.line, message });
+            };
+            for cause in hazard.causes.iter().filter(|cause| !self.causes.contains(*cause)) {
+                complain(format!("{}: there is no cause `{cause}`", hazard.id));
+            }
+            for id in hazard.requirements.iter().filter(|id| !known.contains(*id)) {
+                complain(format!("{}: there is no requirement {id}", hazard.id));
+            }
+            if hazard.causes.is_empty() || hazard.requirements.is_empty() {
+                complain(format!("{} has no cause or no requirement", hazard.id));
+            }
+        }
+        for cause in
+            self.causes.iter().filter(|cause| !hazards.iter().any(|hazard| hazard.causes.contains(cause)))
+        {
+            let message = format!("cause `{cause}` answers no hazard of {HAZARDS}");
+            findings.push(Finding { place: CAUSES.to_owned(), line: 0, message });
+        }
+        findings
+    }
+}
+
+fn claims(trace: &Trace, requirements: Vec<Finding>, hazards: Vec<Finding>) -> Vec<Claim> {
+    let tests = trace.requirements.iter().flat_map(|line| &line.tests);
+    let passed = tests.clone().filter(|test| test.passed == Some(true)).count();
+    let places: usize = trace.requirements.iter().map(|line| line.code.len()).sum();
+    vec![
+        Claim {
+            id: "requirements-traced",
+            text: "Every requirement has code, and tests that passed in this run; nothing names a requirement that does not exist.",
+            evidence: format!(
+                "{} requirements, {places} places in code, {} tests, {passed} passed",
+                trace.requirements.len(),
+                tests.count()
+            ),
+            findings: requirements,
+        },
+        Claim {
+            id: "hazards-answered",
+            text: "Every hazard has causes and requirements, and every cause and requirement answers a hazard.",
+            evidence: format!("{} hazards", trace.hazards.len()),
+            findings: hazards,
+        },
+    ]
+}
+
+fn at(place: &Place, message: String) -> Finding {
+    Finding { place: place.file.clone(), line: place.line, message }
+}
+
+/// What a requirement lacks.
+fn orphaned(line: &Requirement) -> Vec<Finding> {
+    let complain = |message: String| Finding {
+        place: REQUIREMENTS.to_owned(),
+        line: line.line,
+        message: format!("{} {message}", line.id),
+    };
+    let mut findings = Vec::new();
+    for (lacking, what) in [
+        (line.code.is_empty(), "is named by no code"),
+        (line.tests.is_empty(), "has no test"),
+        (line.hazards.is_empty(), "answers no hazard"),
+        (line.serves.is_empty(), "says not which clauses it has an eye on"),
+    ] {
+        findings.extend(lacking.then(|| complain(what.to_owned())));
+    }
+    for test in line.tests.iter().filter(|test| test.passed != Some(true)) {
+        let how = if test.passed.is_some() { "failed" } else { "did not run" };
+        findings.push(at(&test.place, format!("{}: test {} {how}", line.id, test.name)));
+    }
+    findings
+}
+
+/// Cells of the rows whose first cell begins with `prefix`, with the line.
+fn rows<'a>(document: &'a str, prefix: &'a str) -> impl Iterator<Item = (usize, Vec<&'a str>)> {
+    document.lines().enumerate().filter_map(move |(index, line)| {
+        let cells: Vec<&str> = line.trim().trim_matches('|').split('|').map(str::trim).collect();
+        cells.first().is_some_and(|cell| cell.starts_with(prefix)).then_some((index + 1, cells))
+    })
+}
+
+fn requirements_in(document: &str) -> Vec<Requirement> {
+    let cell = |cells: &[&str], at: usize| cells.get(at).map_or_else(String::new, |text| (*text).to_owned());
+    rows(document, "FG-REQ-")
+        .map(|(line, cells)| Requirement {
+            id: cell(&cells, 0),
+            text: cell(&cells, 1),
+            serves: cell(&cells, 4),
+            line,
+            ..Requirement::default()
+        })
+        .collect()
+}
+
+fn hazards_in(document: &str) -> Vec<Hazard> {
+    let list = |text: &str| {
+        text.split(',').map(|word| word.trim().to_owned()).filter(|word| !word.is_empty()).collect()
+    };
+    rows(document, "FG-HAZ-")
+        .filter_map(|(line, cells)| {
+            let &[id, text, causes, requirements] = cells.as_slice() else { return None };
+            Some(Hazard {
+                id: id.to_owned(),
+                text: text.to_owned(),
+                causes: list(causes),
+                requirements: list(requirements),
+                line,
+            })
+        })
+        .collect()
+}
+
+/// Names in comments of code; functions `fg_req_NNN_…` anywhere.
+fn scan(file: &str, text: &str, code: &mut Vec<(String, Place)>, tests: &mut Vec<(String, Test)>) {
+    let is_test_file = file.contains("/tests/") || file.ends_with("_tests.rs") || file.ends_with("/tests.rs");
+    let (mut in_tests, mut is_test) = (is_test_file, false);
+    for (index, line) in text.lines().enumerate() {
+        let place = Place { file: file.to_owned(), line: index + 1 };
+        in_tests |= line.trim() == "mod tests {";
+        if let Some((_, name)) = line.split_once("fn fg_req_") {
+            let name: String = name.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            let number: String = name.chars().take(3).collect();
+            if is_test {
+                let test = Test { name: format!("fg_req_{name}"), place: place.clone(), passed: None };
+                tests.push((format!("FG-REQ-{number}"), test));
+            }
+        }
+        // Attributes stand between `#[test]` and the function, and so do doc comments.
+        is_test = line.trim() == "#[test]" || (is_test && !line.contains("fn "));
+        if !in_tests {
+            let ids = line.split("FG-REQ-").skip(1).map(|rest| rest.chars().take(3).collect::<String>());
+            let ids =
+                ids.filter(|number| number.len() == 3 && number.bytes().all(|byte| byte.is_ascii_digit()));
+            code.extend(ids.map(|number| (format!("FG-REQ-{number}"), place.clone())));
+        }
+    }
+}
+
+/// Names of the variants of `enum Cause`.
+fn variants(text: &str) -> Result<BTreeSet<String>> {
+    let file = syn::parse_file(text).context(CAUSES)?;
+    let found = file.items.into_iter().find_map(|item| match item {
+        syn::Item::Enum(item) if item.ident == "Cause" => Some(item),
+        _ => None,
+    });
+    let causes = found.with_context(|| format!("no `enum Cause` in {CAUSES}"))?;
+    Ok(causes.variants.iter().map(|variant| variant.ident.to_string()).collect())
+}
+
+fn rust_files(folder: &Path, files: &mut Vec<PathBuf>) {
+    for path in fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()) {
+        if path.is_dir() {
+            rust_files(&path, files);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            files.push(path);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CODE: &str = "/// Stops (FG-REQ-901).\nfn stop() {}\n#[cfg(test)]\nmod tests {\n    // FG-REQ-999\n    #[test]\n    fn fg_req_901_stops() {}\n    fn fg_req_902_is_no_test() {}\n}\n";
+
+    fn sources(requirements: &str, hazards: &str) -> Sources {
+        let (mut code, mut tests) = (Vec::new(), Vec::new());
+        scan("core-nostd/src/example.rs", CODE, &mut code, &mut tests);
+        let causes = variants("pub enum Cause { A, B(u8) }").expect("an enum");
+        Sources { requirements: requirements.to_owned(), hazards: hazards.to_owned(), causes, code, tests }
+    }
+
+    fn messages(sources: &Sources, passed: Option<bool>) -> Vec<(usize, String)> {
+        let results = passed.map(|passed| ("fg_req_901_stops".to_owned(), passed)).into_iter().collect();
+        let (_, claims) = sources.trace(&results);
+        claims
+            .into_iter()
+            .flat_map(|claim| claim.findings)
+            .map(|finding| (finding.line, finding.message))
+            .collect()
+    }
+
+    const LINE: &str = "| FG-REQ-901 | It stops. | `example.rs` | moves | ISO 1 |";
+    const HAZARD: &str = "| FG-HAZ-01 | It moves. | A, B | FG-REQ-901 |";
+
+    #[test]
+    fn a_whole_chain_holds() {
+        assert_eq!(messages(&sources(LINE, HAZARD), Some(true)), []);
+    }
+
+    #[test]
+    fn every_break_of_the_chain_is_named_with_its_line() {
+        let one = |requirements: &str, hazards: &str, passed, line: usize, words: &str| {
+            let found = messages(&sources(requirements, hazards), passed);
+            assert!(found.iter().any(|(at, text)| *at == line && text.contains(words)), "{words}: {found:?}");
+        };
+        one(LINE, HAZARD, Some(false), 7, "failed");
+        one(LINE, HAZARD, None, 7, "did not run");
+        one("", HAZARD, Some(true), 1, "not listed");
+        one("", HAZARD, Some(true), 1, "no requirement FG-REQ-901");
+        one(
+            &format!("{LINE}\n| FG-REQ-903 | No. | - | - | ISO 1 |"),
+            HAZARD,
+            Some(true),
+            2,
+            "named by no code",
+        );
+        one(&format!("{LINE}\n| FG-REQ-903 | No. | - | - | ISO 1 |"), HAZARD, Some(true), 2, "has no test");
+        one(&format!("{LINE}\n| FG-REQ-903 | No. | - | - | |"), HAZARD, Some(true), 2, "answers no hazard");
+        one(LINE, "| FG-HAZ-01 | It moves. | A, C | FG-REQ-901 |", Some(true), 1, "no cause `C`");
+        one(LINE, "| FG-HAZ-01 | It moves. | A | FG-REQ-901 |", Some(true), 0, "`B` answers no hazard");
+    }
+}
