@@ -2,6 +2,7 @@
 
 pub mod campaign;
 pub mod capture;
+pub mod carmen;
 pub mod carriers;
 pub mod commands;
 pub mod display;

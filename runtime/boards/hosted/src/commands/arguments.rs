@@ -24,7 +24,7 @@ pub enum Command {
     Simulate(super::SimulateArguments),
     /// Many seeded runs on all cores: random encounters with people, random single faults.
     Campaign(super::CampaignArguments),
-    /// Feed a lidar capture through the same stages as on the robot.
+    /// Feed a recording, a lidar capture, a ROS 2 bag or a laser log through the same stages as on the robot.
     Replay(ReplayArguments),
     /// Print every return of a lidar capture.
     Decode(DecodeArguments),
@@ -61,14 +61,18 @@ pub struct DecodeArguments {
 /// What to replay.
 #[derive(Clone, Debug, Args)]
 pub struct ReplayArguments {
-    /// The capture: .pcap, .pcapng, either of them .gz.
+    /// A recording of `--record` or a ROS 2 bag (.mcap), a lidar capture (.pcap, .pcapng, .gz), or a CARMEN log (.clf,
+    /// .log, .gz, .bz2).
     pub file: PathBuf,
-    /// Which lidar made it.
+    /// Which lidar made a capture.
     #[arg(long, default_value = "auto")]
     pub model: ModelArgument,
-    /// One object per sweep and line on standard output.
+    /// One object per sweep or scan and line on standard output.
     #[arg(long)]
     pub json: bool,
+    /// Of a bag, only this topic of point clouds or scans.
+    #[arg(long)]
+    pub topic: Option<String>,
     /// As fast as it was recorded instead of as fast as possible.
     #[arg(long)]
     pub realtime: bool,

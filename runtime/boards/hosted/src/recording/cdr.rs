@@ -86,9 +86,126 @@ impl Encoder {
     }
 }
 
+/// Reads one serialised message, of either byte order. Every answer is `None` once the bytes have run out.
+#[derive(Clone, Copy, Debug)]
+pub struct Decoder<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    little: bool,
+}
+
+impl<'a> Decoder<'a> {
+    /// `None` for anything but plain CDR.
+    pub fn new(message: &'a [u8]) -> Option<Self> {
+        match message.split_first_chunk::<4>()? {
+            ([0, 0, ..], bytes) => Some(Self { bytes, at: 0, little: false }),
+            ([0, 1, ..], bytes) => Some(Self { bytes, at: 0, little: true }),
+            _ => None,
+        }
+    }
+
+    /// So many bytes.
+    pub fn bytes(&mut self, count: usize) -> Option<&'a [u8]> {
+        let end = self.at.checked_add(count)?;
+        let bytes = self.bytes.get(self.at..end)?;
+        self.at = end;
+        Some(bytes)
+    }
+
+    fn number<const N: usize>(&mut self) -> Option<[u8; N]> {
+        self.at = self.at.checked_next_multiple_of(N)?;
+        let mut bytes: [u8; N] = self.bytes(N)?.try_into().ok()?;
+        if !self.little {
+            bytes.reverse();
+        }
+        Some(bytes)
+    }
+
+    /// One byte or truth value.
+    pub fn u8(&mut self) -> Option<u8> {
+        self.number().map(u8::from_le_bytes)
+    }
+
+    /// Unsigned, 32 bits.
+    pub fn u32(&mut self) -> Option<u32> {
+        self.number().map(u32::from_le_bytes)
+    }
+
+    /// Signed, 32 bits.
+    pub fn i32(&mut self) -> Option<i32> {
+        self.number().map(i32::from_le_bytes)
+    }
+
+    /// Single precision.
+    pub fn f32(&mut self) -> Option<f32> {
+        self.number().map(f32::from_le_bytes)
+    }
+
+    /// Double precision.
+    pub fn f64(&mut self) -> Option<f64> {
+        self.number().map(f64::from_le_bytes)
+    }
+
+    /// A fixed-size array of doubles.
+    pub fn f64s<const N: usize>(&mut self) -> Option<[f64; N]> {
+        let mut values = [0.0; N];
+        for value in &mut values {
+            *value = self.f64()?;
+        }
+        Some(values)
+    }
+
+    /// The length of a sequence.
+    pub fn length(&mut self) -> Option<usize> {
+        usize::try_from(self.u32()?).ok()
+    }
+
+    /// Text; bytes that are no text are replaced.
+    pub fn text(&mut self) -> Option<String> {
+        let length = self.length()?;
+        let bytes = self.bytes(length)?;
+        let bytes = bytes.strip_suffix(&[0]).unwrap_or(bytes);
+        Some(String::from_utf8_lossy(bytes).into_owned())
+    }
+
+    /// A sequence of bytes.
+    pub fn octets(&mut self) -> Option<&'a [u8]> {
+        let length = self.length()?;
+        self.bytes(length)
+    }
+
+    /// A sequence of singles. Its length is believed only as far as there are bytes.
+    pub fn singles(&mut self) -> Option<Vec<f32>> {
+        let length = self.length()?;
+        (0..length).map(|_| self.f32()).collect()
+    }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::Encoder;
+    use super::{Decoder, Encoder};
+
+    #[test]
+    fn what_is_written_is_read_and_never_more() {
+        let mut encoder = Encoder::new();
+        encoder.u8(7).u32(1).text("ab").f64(1.5).octets(&[1, 2, 3]).f32(2.5);
+        let bytes = encoder.finish();
+        let read = |bytes: &[u8]| {
+            let mut decoder = Decoder::new(bytes)?;
+            let head = (decoder.u8()?, decoder.u32()?, decoder.text()?);
+            Some((head, decoder.f64()?, decoder.octets()?.to_vec(), decoder.f32()?))
+        };
+        assert_eq!(read(&bytes), Some(((7, 1, "ab".to_owned()), 1.5, vec![1, 2, 3], 2.5)));
+        for cut in 0..bytes.len() {
+            assert_eq!(read(&bytes[..cut]), None, "cut at {cut}");
+        }
+    }
+
+    #[test]
+    fn big_endian_numbers_are_turned() {
+        let mut decoder = Decoder::new(&[0, 0, 0, 0, 0, 0, 1, 2]).unwrap();
+        assert_eq!(decoder.u32(), Some(258));
+    }
 
     #[test]
     fn aligns_each_number_to_its_size() {

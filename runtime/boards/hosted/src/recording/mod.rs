@@ -4,6 +4,7 @@
 
 mod cdr;
 mod chunk;
+pub mod decode;
 pub mod describe;
 mod lidar_view;
 mod messages;

@@ -21,6 +21,8 @@ pub struct Recorded {
     pub topic: Arc<str>,
     /// Type of the message.
     pub schema: Arc<str>,
+    /// How it is serialised: `cdr` for ROS 2.
+    pub encoding: Arc<str>,
     /// When it was recorded.
     pub at: Stamp,
     /// When it was made: for raw bytes their arrival.
@@ -55,6 +57,7 @@ pub enum ReadError {
 struct Topic {
     name: Arc<str>,
     schema: Arc<str>,
+    encoding: Arc<str>,
 }
 
 /// A recording being read.
@@ -93,6 +96,11 @@ impl<R: Read> Recording<R> {
     /// Named texts that were met so far.
     pub fn metadata(&self, name: &str) -> Option<&BTreeMap<String, String>> {
         self.metadata.get(name)
+    }
+
+    /// Topics that were met so far, with their types.
+    pub fn topics(&self) -> Vec<(Arc<str>, Arc<str>)> {
+        self.channels.values().map(|topic| (topic.name.clone(), topic.schema.clone())).collect()
     }
 
     fn broken(&self, cause: impl Into<String>) -> ReadError {
@@ -199,9 +207,9 @@ impl<R: Read> Recording<R> {
             }
             opcode::CHANNEL => {
                 let (id, schema) = fields.u16().zip(fields.u16()).ok_or_else(short)?;
-                let name = fields.text().ok_or_else(short)?;
+                let (name, encoding) = fields.text().zip(fields.text()).ok_or_else(short)?;
                 let schema = self.schemas.get(&schema).cloned().unwrap_or_else(|| "".into());
-                self.channels.insert(id, Topic { name: name.into(), schema });
+                self.channels.insert(id, Topic { name: name.into(), schema, encoding: encoding.into() });
             }
             opcode::MESSAGE => return message(fields).ok_or_else(short).map(|message| self.accept(message)),
             opcode::METADATA => {
@@ -227,6 +235,7 @@ impl<R: Read> Recording<R> {
         Some(Recorded {
             topic: topic.name,
             schema: topic.schema,
+            encoding: topic.encoding,
             at: Stamp::from_micros(message.logged_ns / 1_000),
             published: Stamp::from_micros(message.published_ns / 1_000),
             data: message.data.to_vec(),

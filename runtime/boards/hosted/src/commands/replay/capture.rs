@@ -15,7 +15,7 @@ use crate::commands::exit::BadInput;
 use crate::commands::{LIDAR_DATA_PORT, settle_model};
 
 /// Height assumed while no sweep has shown a floor, metres (the FLOBOT layout).
-const ASSUMED_HEIGHT_M: f32 = 0.8;
+pub(super) const ASSUMED_HEIGHT_M: f32 = 0.8;
 
 /// A sweep with fewer columns began or ended in the middle of a revolution.
 const WHOLE_COLUMNS: usize = 1_500;
@@ -129,7 +129,7 @@ impl Player {
 }
 
 /// Confirmed, and more likely a person than not.
-fn is_person(track: &Track) -> bool {
+pub(super) fn is_person(track: &Track) -> bool {
     track.status == TrackStatus::Confirmed && track.person_probability >= 0.5
 }
 

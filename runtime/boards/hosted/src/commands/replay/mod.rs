@@ -2,9 +2,14 @@
 //!
 //! What a file is, its first bytes tell: a recording or bag (MCAP), a capture (pcap, pcapng, gzip), or a CARMEN log.
 
+mod bag;
 mod capture;
+mod carmen;
+mod cloud;
 mod own;
 mod rows;
+mod scans;
+mod summary;
 
 use std::fs::File;
 use std::io::{BufReader, Read as _};
@@ -23,7 +28,20 @@ const MCAP_MAGIC: &[u8] = b"\x89MCAP";
 /// # Errors
 /// Bad input; everything before it has been processed and printed.
 pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
-    if begins_with(&arguments.file, MCAP_MAGIC) { recording(arguments) } else { capture::run(arguments) }
+    if begins_with(&arguments.file, MCAP_MAGIC) {
+        recording(arguments)
+    } else if is_log(&arguments.file) {
+        carmen::run(arguments)
+    } else {
+        capture::run(arguments)
+    }
+}
+
+/// `.clf` or `.log`, packed or not.
+fn is_log(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let bare = name.strip_suffix(".gz").or_else(|| name.strip_suffix(".bz2")).unwrap_or(&name);
+    bare.ends_with(".clf") || bare.ends_with(".log")
 }
 
 fn begins_with(path: &Path, magic: &[u8]) -> bool {
@@ -45,5 +63,5 @@ fn recording(arguments: &ReplayArguments) -> anyhow::Result<()> {
     if is_replayable(&recording) {
         return own::run(first, &mut recording, (&name, arguments.json, arguments.realtime));
     }
-    Err(bad(&"it holds no raw bytes of floorguard").into())
+    bag::run(first, &mut recording, (&name, arguments.json, arguments.topic.as_deref()))
 }

@@ -2,13 +2,14 @@
 
 use std::io::Write;
 
+use floorguard_core::legs::{LegTrack, PersonByLegs};
 use floorguard_core::people::{PeopleCounters, PeopleOutput, Track, TrackStatus};
 use floorguard_core::sensing::Sweep;
 use floorguard_runtime::shared::{PeopleReport, PersonReport};
 use serde::Serialize;
 
 /// A track.
-#[derive(Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct PersonRow {
     id: u32,
     status: &'static str,
@@ -19,6 +20,7 @@ pub struct PersonRow {
     sigma_position_m: f32,
     sigma_velocity_mps: f32,
     person_probability: f32,
+    #[serde(skip_serializing_if = "is_unknown")]
     moving_probability: f32,
 }
 
@@ -53,6 +55,12 @@ impl SweepRow {
         }
     }
 
+    /// The same in another frame.
+    pub fn in_frame(mut self, frame: &'static str) -> Self {
+        self.frame = frame;
+        self
+    }
+
     /// From the robot's tasks, in the odometry frame.
     pub fn of_report(report: &PeopleReport, digest: u64) -> Self {
         Self {
@@ -83,6 +91,28 @@ impl SweepRow {
 }
 
 impl PersonRow {
+    /// Number of the track, if it is confirmed.
+    pub fn confirmed_id(&self) -> Option<u32> {
+        (self.status == word(TrackStatus::Confirmed)).then_some(self.id)
+    }
+
+    /// Two legs that belong together, the person's number, and whether they have walked: only then is it confirmed.
+    pub fn of_legs(person: &PersonByLegs, [one, other]: [&LegTrack; 2], (id, walked): (u32, bool)) -> Self {
+        let mean = |a: f32, b: f32| (a + b) * 0.5;
+        Self {
+            id,
+            status: word(if walked { TrackStatus::Confirmed } else { TrackStatus::Tentative }),
+            x_m: person.position.x_m,
+            y_m: person.position.y_m,
+            vx_mps: mean(one.state.velocity.x_m, other.state.velocity.x_m),
+            vy_mps: mean(one.state.velocity.y_m, other.state.velocity.y_m),
+            sigma_position_m: person.sigma_m(),
+            sigma_velocity_mps: libm::sqrtf(one.state.velocity_variance.max(other.state.velocity_variance)),
+            person_probability: person.reliability,
+            moving_probability: f32::NAN,
+        }
+    }
+
     fn of_track(track: &Track) -> Self {
         Self {
             id: track.id,
@@ -119,6 +149,11 @@ const fn word(status: TrackStatus) -> &'static str {
         TrackStatus::Tentative => "tentative",
         TrackStatus::Confirmed => "confirmed",
     }
+}
+
+/// Legs tell nothing about it.
+fn is_unknown(probability: &f32) -> bool {
+    probability.is_nan()
 }
 
 /// One line on standard output.

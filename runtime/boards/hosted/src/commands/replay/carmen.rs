@@ -1,0 +1,55 @@
+//! A CARMEN log: legs and people out of its scans, in the frame of its odometry.
+
+use floorguard_core::geometry::Pose2;
+use floorguard_core::time::Stamp;
+
+use super::rows::print;
+use super::scans::{ScanPlayer, to_scan};
+use super::summary::Summary;
+use crate::carmen::{CarmenLine, CarmenLog, LaserLine};
+use crate::commands::arguments::ReplayArguments;
+use crate::commands::exit::BadInput;
+
+/// Runs the command on a log.
+///
+/// # Errors
+/// Bad input; every scan before it has been processed and printed.
+pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
+    let bad = |error: &dyn std::fmt::Display| BadInput(error.to_string());
+    let name = arguments.file.display();
+    let mut player = ScanPlayer::new();
+    let mut summary = Summary::new();
+    let mut ended = None;
+    for line in CarmenLog::open(&arguments.file).map_err(|error| bad(&error))? {
+        match line {
+            Ok(CarmenLine::Laser(scan)) => {
+                let row = play(&mut player, &scan);
+                summary.legs += row.legs() as u64;
+                summary.people(row.people());
+                if arguments.json {
+                    print(&row)?;
+                }
+            }
+            Ok(_) => {}
+            Err(error) => ended = Some(bad(&error)),
+        }
+    }
+    if summary.frames == 0 && ended.is_none() {
+        return Err(BadInput(format!(
+            "{name}: no scan in it; a CARMEN log has lines FLASER, ROBOTLASER1 or RAWLASER1"
+        ))
+        .into());
+    }
+    anstream::eprintln!("{}", summary.line("scans"));
+    ended.map_or(Ok(()), |error| Err(error.into()))
+}
+
+fn play(player: &mut ScanPlayer, line: &LaserLine) -> super::scans::ScanRow {
+    let micros = (line.time_s.max(0.0) * 1.0e6) as u64;
+    let angles = (line.first_angle_rad, line.step_rad);
+    let scan = to_scan(Stamp::from_micros(micros), angles, &line.ranges_m, [0.0, line.range_max_m]);
+    match line.laser_in_odom {
+        Some(laser) => player.scan(&scan, (laser, "odom")),
+        None => player.scan(&scan, (Pose2::default(), "sensor")),
+    }
+}
