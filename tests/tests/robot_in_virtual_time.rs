@@ -1,7 +1,7 @@
 //! The whole robot against the simulator: bytes in, people seen, motors stopped, in virtual time.
 
 use floorguard_hosted::campaign::{encounter, run_seeds, single_fault};
-use floorguard_hosted::world::{Observation, Observer, Plan, run_virtual};
+use floorguard_hosted::world::{Observation, Observer, Plan, load_scenario, run_virtual};
 use floorguard_sim::FaultSpec;
 
 fn play(plan: &Plan) -> Observation {
@@ -104,4 +104,38 @@ fn late_devices_and_cut_lines_are_survived() {
             seen.stops.iter().map(|stop| &stop.cause).collect::<Vec<_>>()
         );
     }
+}
+
+/// A scenario file with a map of walls and a recording of people beside it, as a user would write them.
+#[test]
+fn walls_of_a_map_and_people_of_a_recording_are_in_the_world() {
+    let folder = tempfile::tempdir().unwrap();
+    // A room of 8 m × 4 m with walls of one cell; the robot drives along it, a person walks across its end.
+    let mut picture = image::GrayImage::from_pixel(82, 42, image::Luma([254]));
+    for (x, y, pixel) in picture.enumerate_pixels_mut() {
+        if x == 0 || y == 0 || x == 81 || y == 41 {
+            *pixel = image::Luma([0]);
+        }
+    }
+    picture.save(folder.path().join("room.png")).unwrap();
+    let map = "image: room.png\nresolution: 0.1\norigin: [-2.0, -2.1, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+    std::fs::write(folder.path().join("room.yaml"), map).unwrap();
+    let walk: String = (0..40)
+        .map(|i| format!("{:.1},7,4.5,{:.2}\n", f64::from(i) * 0.5, 1.6 - f64::from(i) * 0.08))
+        .collect();
+    std::fs::write(folder.path().join("walk.csv"), format!("time_s,id,x_m,y_m\n{walk}")).unwrap();
+    let scenario = "title = \"a room\"\n[route]\nspeed_mps = 0.5\nwaypoints_m = [[5.0, 0.0]]\n\
+        [scene.map]\nfile = \"room.yaml\"\n[recorded]\nfile = \"walk.csv\"\n";
+    std::fs::write(folder.path().join("room.toml"), scenario).unwrap();
+    let scenario = load_scenario(&folder.path().join("room.toml")).unwrap();
+    let seen = play(&Plan::of("room", scenario, 1, 19_000_000).unwrap());
+    assert!(seen.verdict.passed, "{:?}", seen.verdict);
+    let way = &seen.people_ways[&1];
+    assert!(way.iter().all(|place| (place.x_m - 4.5).abs() < 1e-3) && way.len() > 70, "{}", way.len());
+    assert!(seen.verdict.mota.is_some_and(|mota| mota > 0.5), "{:?}", seen.verdict);
+    let farthest_m = seen.robot_way.iter().map(|pose| pose.x_m).fold(f32::MIN, f32::max);
+    // The wall is at 6 m, the body reaches 0.95 m ahead.
+    assert!((1.0..5.0).contains(&farthest_m), "{farthest_m}");
+    let missing = load_scenario(&folder.path().join("none.toml")).unwrap_err();
+    assert!(format!("{missing:#}").contains("none.toml"), "{missing:#}");
 }

@@ -5,9 +5,11 @@ mod discs;
 mod kind;
 mod person;
 mod social_force;
+mod walk;
 
 pub use body::{BodyPart, body_parts};
 pub use discs::{Disc, body_discs, ground_discs};
 pub use kind::PersonKind;
 pub use person::Person;
 pub use social_force::{Crowd, RobotDisc};
+pub use walk::RecordedWalk;

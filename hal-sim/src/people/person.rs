@@ -2,7 +2,7 @@
 
 use floorguard_core::geometry::Point2;
 
-use super::PersonKind;
+use super::{PersonKind, RecordedWalk};
 
 /// A person.
 #[derive(Clone, Debug)]
@@ -29,6 +29,8 @@ pub struct Person {
     pub starts_us: u64,
     /// Walks around the robot; one who looks at a telephone does not.
     pub sees_robot: bool,
+    /// Goes this way at these times, whatever happens; instead of the goals.
+    pub walk: Option<RecordedWalk>,
 }
 
 impl Person {
@@ -36,6 +38,11 @@ impl Person {
     pub fn advance(&mut self, step_s: f32) {
         self.position.x_m += self.velocity.x_m * step_s;
         self.position.y_m += self.velocity.y_m * step_s;
+        self.swing(step_s);
+    }
+
+    /// Looks where it goes and moves its legs.
+    pub(super) fn swing(&mut self, step_s: f32) {
         let speed = self.velocity.norm();
         if speed > 0.05 {
             self.heading_rad = libm::atan2f(self.velocity.y_m, self.velocity.x_m);

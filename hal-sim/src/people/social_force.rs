@@ -37,14 +37,42 @@ pub struct RobotDisc {
 pub struct Crowd {
     /// The people.
     pub people: Vec<Person>,
+    /// Those who come later or have gone.
+    absent: Vec<Person>,
 }
 
 impl Crowd {
+    /// The people of a scenario; whoever follows a recording comes with its first moment.
+    #[must_use]
+    pub fn new(people: Vec<Person>) -> Self {
+        let (absent, people) = people.into_iter().partition(|person| person.walk.is_some());
+        Self { people, absent }
+    }
+
+    /// Lets people of recordings come, go and walk.
+    fn follow_recordings(&mut self, now_us: u64, step_s: f32) {
+        let is_there = |person: &Person| person.walk.as_ref().is_none_or(|walk| walk.at(now_us).is_some());
+        let came: Vec<Person> = self.absent.extract_if(.., |person| is_there(person)).collect();
+        let left: Vec<Person> = self.people.extract_if(.., |person| !is_there(person)).collect();
+        self.people.extend(came);
+        self.absent.extend(left);
+        for person in &mut self.people {
+            if let Some((place, velocity)) = person.walk.as_ref().and_then(|walk| walk.at(now_us)) {
+                (person.position, person.velocity) = (place, velocity);
+                person.swing(step_s);
+            }
+        }
+    }
+
     /// One step of at most a few hundredths of a second.
     pub fn step(&mut self, now_us: u64, step_s: f32, scene: &Scene, robot: RobotDisc) {
+        self.follow_recordings(now_us, step_s);
         let bodies: Vec<(Point2, f32)> =
             self.people.iter().map(|person| (person.position, person.kind.radius_m())).collect();
         for (index, person) in self.people.iter_mut().enumerate() {
+            if person.walk.is_some() {
+                continue;
+            }
             if person.starts_us > now_us || person.speed_mps <= 0.0 || person.goals.is_empty() {
                 person.velocity = Point2::default();
                 continue;

@@ -42,6 +42,7 @@ pub fn add_people(start: Pose2, people: &mut Vec<Person>, random: &mut Pcg32) {
             speed_mps: if moves { random.uniform_between(0.2, 2.0) } else { 0.0 },
             starts_us: u64::from(random.below(8_000)) * 1_000 + 3_000_000,
             sees_robot: random.bernoulli(0.5),
+            walk: None,
         });
     }
 }

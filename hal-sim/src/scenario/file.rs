@@ -5,7 +5,7 @@ use floorguard_core::random::Pcg32;
 use serde::Deserialize;
 use thiserror::Error;
 
-use crate::people::{Person, PersonKind};
+use crate::people::{Person, PersonKind, RecordedWalk};
 use crate::scene::SceneFile;
 
 /// Why a scenario cannot be played.
@@ -70,6 +70,23 @@ fn yes() -> bool {
     true
 }
 
+/// People who go where others have really gone.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RecordedFile {
+    /// The recording, beside the scenario file.
+    pub file: String,
+    /// Where its origin lies in the world, metres.
+    #[serde(default)]
+    pub at_m: [f32; 2],
+    /// How it is turned, counter-clockwise, degrees.
+    #[serde(default)]
+    pub yaw_deg: f32,
+    /// The run begins at this moment of the recording, seconds.
+    #[serde(default)]
+    pub from_s: f32,
+}
+
 /// Everything that a run begins with.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -91,6 +108,11 @@ pub struct Scenario {
     /// Adds 1 to 10 people whose straight ways cross the robot's at random.
     #[serde(default)]
     pub random_encounter: bool,
+    /// A recording of people; whoever loads the file reads it into `walks`.
+    pub recorded: Option<RecordedFile>,
+    /// What the recording says, in the world frame.
+    #[serde(skip)]
+    pub walks: Vec<RecordedWalk>,
 }
 
 impl Scenario {
@@ -117,8 +139,24 @@ impl Scenario {
         if self.random_encounter {
             super::encounter::add_people(self.start_pose(), &mut people, &mut random);
         }
+        for walk in &self.walks {
+            people.push(Person { walk: Some(walk.clone()), ..somebody(people.len(), &mut random) });
+        }
         people
     }
+}
+
+/// Of a recording nothing is known but the way.
+fn somebody(index: usize, random: &mut Pcg32) -> Person {
+    let adult = PersonFile {
+        at_m: [0.0; 2],
+        kind: PersonKind::Adult,
+        speed_mps: 0.0,
+        goals_m: Vec::new(),
+        starts_s: 0.0,
+        sees_robot: false,
+    };
+    person(index, &adult, random)
 }
 
 fn person(index: usize, file: &PersonFile, random: &mut Pcg32) -> Person {
@@ -139,5 +177,6 @@ fn person(index: usize, file: &PersonFile, random: &mut Pcg32) -> Person {
         speed_mps: file.speed_mps * random.uniform_between(0.9, 1.1),
         starts_us: (f64::from(file.starts_s) * 1.0e6) as u64,
         sees_robot: file.sees_robot,
+        walk: None,
     }
 }

@@ -4,4 +4,4 @@ mod built_in;
 mod encounter;
 mod file;
 
-pub use file::{PersonFile, RouteFile, Scenario, ScenarioError, StartFile};
+pub use file::{PersonFile, RecordedFile, RouteFile, Scenario, ScenarioError, StartFile};

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::{Material, Scene, SceneBuilder};
+use super::{Material, OccupiedCells, Scene, SceneBuilder};
 
 /// A wall or panel.
 #[derive(Clone, Debug, Deserialize)]
@@ -58,6 +58,17 @@ pub enum FurnitureKind {
     Ramp,
 }
 
+/// A map that stands in the scene.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MapFile {
+    /// Description or picture of a ROS `map_server` map, beside the scenario file.
+    pub file: String,
+    /// Metres.
+    #[serde(default = "wall_height")]
+    pub height_m: f32,
+}
+
 /// Everything that stands still.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -68,6 +79,11 @@ pub struct SceneFile {
     /// Furniture.
     #[serde(default)]
     pub furniture: Vec<FurnitureFile>,
+    /// A map of walls; whoever loads the file reads it into `occupied`.
+    pub map: Option<MapFile>,
+    /// What the map says.
+    #[serde(skip)]
+    pub occupied: OccupiedCells,
 }
 
 fn wall_height() -> f32 {
@@ -96,6 +112,9 @@ impl SceneFile {
                 FurnitureKind::Trolley => builder.trolley(place),
                 FurnitureKind::Ramp => builder.ramp(place, size, piece.height_m),
             }
+        }
+        if let Some(map) = &self.map {
+            self.occupied.build(map.height_m, &mut builder);
         }
         builder.build()
     }

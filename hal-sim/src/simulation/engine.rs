@@ -69,7 +69,7 @@ impl Simulation {
     ) -> Result<Self, ScenarioError> {
         Ok(Self {
             scene: scenario.scene.build(),
-            crowd: Crowd { people: scenario.people(seed) },
+            crowd: Crowd::new(scenario.people(seed)),
             body: RobotBody::new(parameters.clone(), scenario.start_pose()),
             bus: Bus::new(parameters.nodes),
             lidar: Lidar::new(seed, ReturnMode::Strongest),

@@ -50,6 +50,7 @@ impl World {
         let speed_mps = random.uniform_between(0.5, 1.5);
         let lane_m = random.uniform_between(0.45, 0.75);
         let walker = Person {
+            walk: None,
             id: 1,
             kind: PersonKind::Adult,
             position: Point2::new(random.uniform_between(4.0, TURN_M), lane_m),

@@ -12,7 +12,9 @@ use super::exit::{BadInput, VerdictFailed};
 use super::live::status_of;
 use crate::display::LiveDisplay;
 use crate::report::write_report;
-use crate::world::{Observation, Observer, Plan, SeenStop, Tape, Witnesses, run_real, run_recorded};
+use crate::world::{
+    Observation, Observer, Plan, SeenStop, Tape, Witnesses, load_scenario, run_real, run_recorded,
+};
 
 /// What to simulate.
 #[derive(Clone, Debug, Args)]
@@ -100,9 +102,7 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
     }
     let duration_us = (arguments.duration * 1.0e6) as u64;
     let mut plan = if Path::new(&arguments.scenario).extension().is_some() {
-        let text = std::fs::read_to_string(&arguments.scenario)
-            .map_err(|error| BadInput(format!("{}: cannot be read ({error})", arguments.scenario)))?;
-        let scenario = Scenario::from_toml(&text).map_err(|error| BadInput(error.to_string()))?;
+        let scenario = load_scenario(Path::new(&arguments.scenario))?;
         Plan::of(&arguments.scenario, scenario, arguments.seed, duration_us)?
     } else {
         Plan::named(&arguments.scenario, arguments.seed, duration_us)

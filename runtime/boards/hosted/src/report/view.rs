@@ -30,7 +30,10 @@ pub fn top_view(plan: &Plan, observation: &Observation) -> TopView {
             verdict.seed, verdict.duration_s, verdict.distance_m, verdict.stops
         ),
         walls: walls(&plan.scenario.scene),
-        obstacles: furniture(&plan.scenario.scene),
+        obstacles: furniture(&plan.scenario.scene)
+            .into_iter()
+            .chain(map_boxes(&plan.scenario.scene))
+            .collect(),
         robot_path: observation.robot_way.clone(),
         robot_outline: plan.robot.geometry.footprint.iter().copied().collect(),
         swath_width_m: BRUSH_M,
@@ -54,6 +57,13 @@ fn walls(scene: &SceneFile) -> Vec<Vec<Point2>> {
             .to_vec()
     };
     scene.wall.iter().map(|wall| outline(wall.from_m, wall.to_m)).collect()
+}
+
+fn map_boxes(scene: &SceneFile) -> Vec<Vec<Point2>> {
+    let outline = |[low, high]: [Point2; 2]| {
+        vec![low, Point2::new(high.x_m, low.y_m), high, Point2::new(low.x_m, high.y_m)]
+    };
+    scene.occupied.boxes().into_iter().map(outline).collect()
 }
 
 /// A trolley's basket, metres.

@@ -5,6 +5,7 @@ mod operator;
 mod plan;
 mod real_world;
 mod replayed_world;
+mod scenario_file;
 mod spawn;
 mod swath;
 mod tape;
@@ -16,6 +17,7 @@ pub use observer::{Observation, Observer, PeopleSeen, SeenStop, TRACKED_RANGE_M}
 pub use plan::{Plan, PlanError};
 pub use real_world::{CarrierFigures, run_real};
 pub use replayed_world::{ReplayAudience, ReplayError, ReplayOutcome, is_replayable, replay_recording};
+pub use scenario_file::load_scenario;
 pub use spawn::{GuardCarriers, new_perception, new_shared, spawn_guard_ring, spawn_perception_ring};
 pub use swath::BRUSH_M;
 pub use tape::Tape;
