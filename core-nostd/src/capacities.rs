@@ -7,8 +7,9 @@
 pub const SWEEP_RINGS: usize = 16;
 /// Columns of the sweep: 1,808.4 firings per revolution at 600 rpm, rounded up to whole packets (76 × 24).
 pub const SWEEP_COLUMNS: usize = 1_824;
-/// Rings of the largest lidar that the decoder knows (VLP-32C, HDL-32E).
-pub const PACKET_RINGS_MAX: usize = 32;
+/// Rings of the largest lidar: VLP-32C and HDL-32E, or on the MCU VLP-16 and Puck Hi-Res. Packets of a larger one are
+/// refused.
+pub const PACKET_RINGS_MAX: usize = if cfg!(feature = "hosted") { 32 } else { 16 };
 /// Firings in one lidar packet: 12 blocks of two sequences.
 pub const PACKET_COLUMNS_MAX: usize = 24;
 /// Beams of a scan: 270° at 0.5° and both ends (SICK S300).

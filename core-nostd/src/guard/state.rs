@@ -57,8 +57,12 @@ impl State {
     /// Becomes equal to another one. By fields: the machine's table is large and mostly without meaning.
     pub(super) fn follow(&mut self, other: &Self) {
         self.machine.follow(&other.machine);
-        let machine = self.machine;
-        *self = Self { machine, ..*other };
+        (self.monitors, self.selection, self.motion) = (other.monitors, other.selection, other.motion);
+        (self.checks, self.wanted, self.permitted) = (other.checks, other.wanted, other.permitted);
+        (self.decided_at, self.started) = (other.decided_at, other.started);
+        (self.scans_with_hit, self.packet_returns) = (other.scans_with_hit, other.packet_returns);
+        self.silent_cdeg = other.silent_cdeg;
+        (self.blocked_forward, self.blocked_backward) = (other.blocked_forward, other.blocked_backward);
     }
 
     /// Remembers in which directions evidence lies.

@@ -228,7 +228,9 @@ impl Clusterer {
     /// Joins an obstacle with those below it, nearest first, and names it.
     #[inline]
     fn label(&mut self, beside: u16, count: u16, [below, under]: [Cell; 2], gap: u16) -> u16 {
-        let lower = if is_close(count, below.count, gap) {
+        // Beside and below mostly are the same thing already.
+        let known = beside != NONE && below.label == beside;
+        let lower = if known || is_close(count, below.count, gap) {
             below.label
         } else if is_close(count, under.count, gap) {
             under.label
@@ -274,7 +276,7 @@ impl Clusterer {
     ) {
         let Some(labels) = self.cells.get(index).copied() else { return };
         // Neighbours mostly belong to the same thing: it is looked up once.
-        let (mut known, mut run) = (NONE, None::<(usize, Bounds)>);
+        let (mut known, mut cluster) = (NONE, None);
         for ring in rings_of(self.present_in(index)) {
             let (Some(label), Some(raw), Some(angle)) =
                 (labels.get(ring), raw.get(ring), angles.rings.get(ring))
@@ -283,29 +285,19 @@ impl Clusterer {
             };
             let Some(plain) = plain_label(*label) else { continue };
             let (point, nearest_m) = (frame.point(*raw, *angle), frame.range_m(*raw) * angle.1);
-            let fresh = Bounds::new(point, nearest_m, label.wrapping_shr(15));
-            match &mut run {
-                Some((_, bounds)) if known == plain => bounds.include(&fresh),
-                _ => {
-                    self.include(run);
-                    known = plain;
-                    run = self.cluster_of(plain, &fresh, limits).map(|cluster| (cluster, fresh));
-                }
+            if plain != known {
+                known = plain;
+                cluster = self.cluster_of(plain, (point, nearest_m), limits);
             }
-        }
-        self.include(run);
-    }
-
-    fn include(&mut self, run: Option<(usize, Bounds)>) {
-        if let Some((cluster, bounds)) = run
-            && let Some(cluster) = self.clusters.get_mut(cluster)
-        {
-            cluster.include(&bounds);
+            if let Some(cluster) = cluster.and_then(|cluster| self.clusters.get_mut(cluster)) {
+                cluster.include(point, nearest_m, label.wrapping_shr(15));
+            }
         }
     }
 
     /// Index of the cluster of a label; makes one at its first cell.
-    fn cluster_of(&mut self, label: u16, first: &Bounds, limits: &ClusterLimits) -> Option<usize> {
+    #[inline(never)]
+    fn cluster_of(&mut self, label: u16, first: (Point3, f32), limits: &ClusterLimits) -> Option<usize> {
         let root = self.labels.root_of(label)?;
         match self.labels.mark(root) {
             Mark::Dropped => return None,
@@ -402,54 +394,15 @@ fn plain_label(label: u16) -> Option<u16> {
 const _: () = assert!(LABELS_MAX < HIDDEN as usize && CLUSTERS_MAX < 0x7ff0);
 const _: () = assert!(SWEEP_COLUMNS * SWEEP_RINGS < HIDDEN as usize);
 
-/// A few returns of one thing.
-#[derive(Clone, Copy, Debug)]
-struct Bounds {
-    points: u16,
-    hidden_edges: u16,
-    lower: Point3,
-    upper: Point3,
-    sums: [f32; 3],
-    nearest_m: f32,
-}
-
-impl Bounds {
-    fn new(point: Point3, nearest_m: f32, hidden_edges: u16) -> Self {
-        let sums = [point.x_m, point.y_m, point.z_m];
-        Self { points: 1, hidden_edges, lower: point, upper: point, sums, nearest_m }
-    }
-
-    fn include(&mut self, other: &Self) {
-        self.points = self.points.saturating_add(other.points);
-        self.hidden_edges = self.hidden_edges.saturating_add(other.hidden_edges);
-        self.lower = least(self.lower, other.lower);
-        self.upper = greatest(self.upper, other.upper);
-        self.sums = sum(self.sums, other.sums);
-        self.nearest_m = self.nearest_m.min(other.nearest_m);
-    }
-}
-
-fn least(a: Point3, b: Point3) -> Point3 {
-    Point3::new(a.x_m.min(b.x_m), a.y_m.min(b.y_m), a.z_m.min(b.z_m))
-}
-
-fn greatest(a: Point3, b: Point3) -> Point3 {
-    Point3::new(a.x_m.max(b.x_m), a.y_m.max(b.y_m), a.z_m.max(b.z_m))
-}
-
-fn sum([ax, ay, az]: [f32; 3], [bx, by, bz]: [f32; 3]) -> [f32; 3] {
-    [ax + bx, ay + by, az + bz]
-}
-
 impl Cluster {
-    /// A thing of which the first returns are known; they are not included yet.
-    fn start(root: u16, first: &Bounds) -> Self {
+    /// A thing of which the first return and its distance are known; it is not included yet.
+    fn start(root: u16, (point, nearest_m): (Point3, f32)) -> Self {
         Self {
             points: 0,
-            lower: first.lower,
-            upper: first.upper,
-            centroid: first.lower,
-            nearest_m: first.nearest_m,
+            lower: point,
+            upper: point,
+            centroid: point,
+            nearest_m,
             occluded: false,
             hidden_edges: 0,
             sums: [0.0; 3],
@@ -457,13 +410,16 @@ impl Cluster {
         }
     }
 
-    fn include(&mut self, bounds: &Bounds) {
-        self.points = self.points.saturating_add(bounds.points);
-        self.hidden_edges = self.hidden_edges.saturating_add(bounds.hidden_edges);
-        self.lower = least(self.lower, bounds.lower);
-        self.upper = greatest(self.upper, bounds.upper);
-        self.sums = sum(self.sums, bounds.sums);
-        self.nearest_m = self.nearest_m.min(bounds.nearest_m);
+    #[inline]
+    fn include(&mut self, point: Point3, nearest_m: f32, hidden_edges: u16) {
+        self.points = self.points.saturating_add(1);
+        self.hidden_edges = self.hidden_edges.saturating_add(hidden_edges);
+        let Point3 { x_m, y_m, z_m } = point;
+        self.lower = Point3::new(self.lower.x_m.min(x_m), self.lower.y_m.min(y_m), self.lower.z_m.min(z_m));
+        self.upper = Point3::new(self.upper.x_m.max(x_m), self.upper.y_m.max(y_m), self.upper.z_m.max(z_m));
+        let [x, y, z] = self.sums;
+        self.sums = [x + x_m, y + y_m, z + z_m];
+        self.nearest_m = self.nearest_m.min(nearest_m);
     }
 
     /// Width, depth and height of the box around it, metres.

@@ -50,12 +50,12 @@ impl FloorMask {
         let frames = SweepFrame::new(sweep, sensor_in_base, Twist2::ZERO);
         for (marks, column) in self.columns.iter_mut().zip(sweep.used_columns()) {
             if column.measured {
-                let frame = frames.still(column);
+                let profile = frames.still(column).profile(angles);
                 let mut walk = FloorWalk::default();
-                let cells = column.range_raw.iter().zip(&angles.rings).enumerate();
-                for (ring, (raw, angle)) in cells.filter(|(_, (raw, _))| **raw != 0) {
-                    let bit = 1_u16.wrapping_shl(ring as u32);
-                    walk.step(bit, frame.range_m(*raw) * angle.1, frame.height_m(*raw, *angle));
+                let cells = column.range_raw.iter().zip(&profile).enumerate();
+                for (ring, (raw, (along, rise, height_m))) in cells.filter(|(_, (raw, _))| **raw != 0) {
+                    let (bit, counts) = (1_u16.wrapping_shl(ring as u32), f32::from(*raw));
+                    walk.step(bit, counts * along, counts * rise + height_m);
                 }
                 *marks = walk.floor();
             }

@@ -9,7 +9,7 @@ use super::ground::FloorWalk;
 use super::labels::NONE;
 use super::looks::Looks;
 use super::person_model::{person_log_odds, probability};
-use super::projection::{ColumnFrame, RingAngles, SweepFrame};
+use super::projection::{ColumnFrame, RingAngles, RingProfile, SweepFrame};
 use super::shape::{ShapeBuilder, ShapeVector};
 use super::tracker::{Track, Tracker, TrackerParameters};
 use super::visibility::Visibility;
@@ -144,10 +144,15 @@ impl PeoplePipeline {
         self.clusterer.clear();
         self.visibility.clear();
         let frames = SweepFrame::new(sweep, &context.sensor_in_base, context.twist);
+        let mut obstacles = Obstacles::default();
+        let mut profile = frames.still(&SweepColumn::UNKNOWN).profile(&self.angles);
         for column in sweep.used_columns() {
-            let mut obstacles = Obstacles::default();
+            obstacles.present = 0;
             if column.measured {
-                self.find_obstacles(column, &frames.still(column), &mut obstacles);
+                if !frames.is_level() {
+                    profile = frames.still(column).profile(&self.angles);
+                }
+                self.find_obstacles(column, &profile, &mut obstacles);
             } else {
                 self.counters.unknown_columns = self.counters.unknown_columns.saturating_add(1);
             }
@@ -165,13 +170,14 @@ impl PeoplePipeline {
     }
 
     /// What of a column is neither floor nor too far nor too high.
-    fn find_obstacles(&mut self, column: &SweepColumn, frame: &ColumnFrame, obstacles: &mut Obstacles) {
+    fn find_obstacles(&mut self, column: &SweepColumn, profile: &RingProfile, obstacles: &mut Obstacles) {
         let range_max_m = self.cluster_limits.range_max_m;
         let mut walk = FloorWalk::default();
         let (mut returns, mut near) = (0_u16, 0_u16);
         for ring in 0..SWEEP_RINGS {
             let raw = column.range_raw.get(ring).copied().unwrap_or(0);
-            let (Some(angle), Some(count)) = (self.angles.rings.get(ring), obstacles.counts.get_mut(ring))
+            let (Some((along, rise, height_m)), Some(count)) =
+                (profile.get(ring), obstacles.counts.get_mut(ring))
             else {
                 continue;
             };
@@ -180,7 +186,8 @@ impl PeoplePipeline {
             }
             let bit = 1_u16.wrapping_shl(ring as u32);
             returns |= bit;
-            let (distance_m, height_m) = (frame.range_m(raw) * angle.1, frame.height_m(raw, *angle));
+            let raw = f32::from(raw);
+            let (distance_m, height_m) = (raw * along, raw * rise + height_m);
             walk.step(bit, distance_m, height_m);
             if distance_m <= range_max_m && height_m < CEILING_M {
                 near |= bit;
@@ -222,12 +229,17 @@ impl PeoplePipeline {
         }
         self.clusterer.clear();
         let frames = SweepFrame::new(sweep, &context.sensor_in_base, context.twist);
+        let mut obstacles = Obstacles::default();
+        let mut profile = frames.still(&SweepColumn::UNKNOWN).profile(&self.angles);
         for (index, column) in sweep.used_columns().iter().enumerate() {
-            let mut obstacles = Obstacles::default();
+            obstacles.present = 0;
             // What stands that high is an obstacle among the first things, too.
             let before = self.clusterer.present_in(index);
             if before != 0 {
-                self.find_upper_obstacles((column, before), &frames.still(column), &mut obstacles);
+                if !frames.is_level() {
+                    profile = frames.still(column).profile(&self.angles);
+                }
+                find_upper_obstacles((column, before), &profile, &mut obstacles);
             }
             self.clusterer.enter_column(&obstacles, &self.cluster_limits);
         }
@@ -244,28 +256,6 @@ impl PeoplePipeline {
             }
         }
         self.look(sweep, context);
-    }
-
-    /// What of the obstacles of a column stands out above desks.
-    fn find_upper_obstacles(
-        &self,
-        (column, before): (&SweepColumn, u16),
-        frame: &ColumnFrame,
-        obstacles: &mut Obstacles,
-    ) {
-        for ring in rings_of(before) {
-            let (Some(raw), Some(angle)) = (column.range_raw.get(ring), self.angles.rings.get(ring)) else {
-                continue;
-            };
-            let (distance_m, height_m) = (frame.range_m(*raw) * angle.1, frame.height_m(*raw, *angle));
-            if height_m >= UPPER_BODY_M
-                && distance_m < UPPER_BODY_RANGE_M
-                && let Some(count) = obstacles.counts.get_mut(ring)
-            {
-                *count = counts(distance_m);
-                obstacles.present |= 1_u16.wrapping_shl(ring as u32);
-            }
-        }
     }
 
     /// Gathers the shape of the new candidates and asks the classifier.
@@ -385,6 +375,27 @@ const CEILING_M: f32 = 2.1;
 const UPPER_BODY_M: f32 = 1.05;
 /// Farther away too few rings hit a torso alone, metres.
 const UPPER_BODY_RANGE_M: f32 = 8.0;
+
+/// What of the obstacles of a column stands out above desks.
+fn find_upper_obstacles(
+    (column, before): (&SweepColumn, u16),
+    profile: &RingProfile,
+    obstacles: &mut Obstacles,
+) {
+    for ring in rings_of(before) {
+        let (Some(raw), Some((along, rise, height_m)), Some(count)) =
+            (column.range_raw.get(ring), profile.get(ring), obstacles.counts.get_mut(ring))
+        else {
+            continue;
+        };
+        let raw = f32::from(*raw);
+        let (distance_m, height_m) = (raw * along, raw * rise + height_m);
+        if height_m >= UPPER_BODY_M && distance_m < UPPER_BODY_RANGE_M {
+            *count = counts(distance_m);
+            obstacles.present |= 1_u16.wrapping_shl(ring as u32);
+        }
+    }
+}
 
 /// Horizontal distance in counts of 2 mm, as the clusterer takes it: an obstacle is never 0.
 fn counts(distance_m: f32) -> u16 {

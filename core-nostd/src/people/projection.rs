@@ -69,6 +69,12 @@ impl SweepFrame {
         }
     }
 
+    /// The lidar stands upright: heights do not depend on the azimuth, so one profile serves all columns.
+    pub(crate) fn is_level(&self) -> bool {
+        let [.., [zx, zy, _]] = self.mounting.rotation;
+        zx == 0.0 && zy == 0.0
+    }
+
     /// The map of a column for a robot that does not move: heights and distances do not depend on that.
     pub(crate) fn still(&self, column: &SweepColumn) -> ColumnFrame {
         let (sin, cos) = sincos_cdeg(column.azimuth_cdeg);
@@ -83,6 +89,9 @@ impl SweepFrame {
         }
     }
 }
+
+/// What a count of range means along each ring: horizontal distance, height, and height at range 0, metres.
+pub(crate) type RingProfile = [(f32, f32, f32); SWEEP_RINGS];
 
 /// The affine map of one column: point = range · (cos · horizontal + sin · vertical) + height · vertical + origin.
 #[derive(Clone, Copy, Debug)]
@@ -124,10 +133,14 @@ impl ColumnFrame {
         Point3::new(along * hx + up * vx + ox, along * hy + up * vy + oy, along * hz + up * vz + oz)
     }
 
-    /// Height of a return above the floor of the robot's frame, metres.
-    pub(super) fn height_m(&self, raw: u16, (sin, cos, height_m): (f32, f32, f32)) -> f32 {
-        let range_m = self.range_m(raw);
-        range_m * cos * self.horizontal[2] + (range_m * sin + height_m) * self.vertical[2] + self.origin[2]
+    /// Distances and heights along each ring.
+    pub(super) fn profile(&self, angles: &RingAngles) -> RingProfile {
+        let ([.., horizontal], [.., vertical], [.., origin]) = (self.horizontal, self.vertical, self.origin);
+        let unit = self.metres_per_count;
+        angles.rings.map(|(sin, cos, height_m)| {
+            let rise = unit * (cos * horizontal + sin * vertical);
+            (unit * cos, rise, height_m * vertical + origin)
+        })
     }
 }
 

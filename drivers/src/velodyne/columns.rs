@@ -75,9 +75,9 @@ impl Columns {
     fn fill(&self, column: &mut LidarColumn, block: Block<'_>, sequence: usize, blind_raw: u16) -> u32 {
         let lasers = self.model.lasers();
         let mut self_returns = 0;
-        for ((raw, reflectivity), ring) in
-            block.channels_from(sequence * lasers).zip(&self.rings).take(lasers)
-        {
+        let cells = block.cells(sequence * lasers, lasers);
+        for ([low, high, reflectivity], ring) in cells.iter().zip(&self.rings) {
+            let raw = u16::from_le_bytes([*low, *high]);
             if raw == 0 {
                 continue;
             }
@@ -91,7 +91,7 @@ impl Columns {
                 self_returns += 1;
             } else if raw <= range.wrapping_sub(1) {
                 // Nothing yet, 0, wraps round to the greatest number.
-                (*range, *brightness) = (raw, reflectivity);
+                (*range, *brightness) = (raw, *reflectivity);
             }
         }
         self_returns

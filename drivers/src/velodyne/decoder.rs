@@ -1,5 +1,6 @@
 //! From a datagram to a stamped [`LidarPacket`]: model, clock, losses, plausibility.
 
+use floorguard_core::capacities::PACKET_RINGS_MAX;
 use floorguard_core::sensing::LidarPacket;
 use floorguard_core::time::Stamp;
 
@@ -40,6 +41,11 @@ pub enum DecodeError {
         /// The byte.
         product_byte: u8,
     },
+    /// The lidar has more lasers than this build has room for.
+    TooManyLasers {
+        /// Which one sends.
+        model: Model,
+    },
     /// The head does not turn, or turns impossibly fast: azimuths cannot be trusted.
     Rotation {
         /// Turned within one block, hundredths of a degree.
@@ -75,6 +81,14 @@ impl core::fmt::Display for DecodeError {
             }
             Self::UnknownProduct { product_byte } => {
                 write!(f, "unknown lidar product byte 0x{product_byte:02X}; set the model by hand")
+            }
+            Self::TooManyLasers { model } => {
+                write!(
+                    f,
+                    "a {} has {} lasers, this build takes {PACKET_RINGS_MAX}",
+                    model.name(),
+                    model.lasers()
+                )
             }
             Self::Rotation { gap_cdeg } => {
                 write!(
@@ -301,6 +315,9 @@ impl Decoder {
                 model
             }
         };
+        if model.lasers() > PACKET_RINGS_MAX {
+            return Err(DecodeError::TooManyLasers { model });
+        }
         if self.model() != Some(model) {
             self.decided =
                 Some(Decided { model, product_byte, columns: Columns::new(model, &model.angles()) });

@@ -137,7 +137,8 @@ impl Model {
         (self.block_ns() * blocks + 500) / 1_000
     }
 
-    /// Angles of every laser, in the order of the wire; entries above [`Self::lasers`] are zero. 32 sines: compute
+    /// Angles of every laser, in the order of the wire; entries above [`Self::lasers`] are zero, lasers above the
+    /// capacity are left out. 32 sines: compute
     /// once.
     #[must_use]
     pub fn angles(self) -> [LaserAngles; PACKET_RINGS_MAX] {

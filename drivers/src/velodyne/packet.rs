@@ -210,18 +210,15 @@ impl<'a> Packet<'a> {
 impl<'a> Block<'a> {
     /// Distance (counts, 0 = no return) and reflectivity of the 32 channels.
     pub fn channels(&self) -> impl ExactSizeIterator<Item = (u16, u8)> + Clone + use<'a> {
-        self.channels_from(0)
+        self.cells(0, field::CHANNELS)
+            .iter()
+            .map(|[low, high, reflectivity]| (u16::from_le_bytes([*low, *high]), *reflectivity))
     }
 
-    /// The same from one of the channels on.
-    pub(super) fn channels_from(
-        &self,
-        first: usize,
-    ) -> impl ExactSizeIterator<Item = (u16, u8)> + Clone + use<'a> {
-        let cells = self.channels.get(first.saturating_mul(3)..).unwrap_or_default();
-        cells.chunks_exact(3).take(field::CHANNELS).map(|cell| match *cell {
-            [low, high, reflectivity] => (u16::from_le_bytes([low, high]), reflectivity),
-            _ => (0, 0),
-        })
+    /// The cells of some channels: distance, low byte first, and reflectivity.
+    pub(super) fn cells(&self, first: usize, count: usize) -> &'a [[u8; 3]] {
+        let (cells, _) = self.channels.as_chunks::<3>();
+        let end = first.saturating_add(count).min(field::CHANNELS);
+        cells.get(first..end).unwrap_or_default()
     }
 }

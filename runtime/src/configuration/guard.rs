@@ -2,6 +2,7 @@
 
 use core::f32::consts::PI;
 
+use floorguard_core::capacities::PACKET_RINGS_MAX;
 use floorguard_core::geometry::Pose2;
 use floorguard_core::guard::{
     DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeometry, Source, SourceRules, Travel,
@@ -120,10 +121,15 @@ impl RobotConfiguration {
         }
     }
 
-    fn elevations_rad(&self) -> heapless::Vec<f32, { floorguard_core::capacities::PACKET_RINGS_MAX }> {
+    /// As many as there is room for: packets of a larger lidar are refused.
+    fn elevations_rad(&self) -> heapless::Vec<f32, PACKET_RINGS_MAX> {
         let model = self.lidar_model().unwrap_or(Model::Vlp16);
         let angles = model.ring_angles();
-        angles.iter().take(model.lasers()).map(|angle| angle.elevation_deg * (PI / 180.0)).collect()
+        angles
+            .iter()
+            .take(model.lasers().min(PACKET_RINGS_MAX))
+            .map(|angle| angle.elevation_deg * (PI / 180.0))
+            .collect()
     }
 
     fn source_rules(&self) -> [SourceRules; Source::COUNT] {

@@ -66,9 +66,7 @@ impl DatagramReceiver for &LidarLine {
     async fn receive(&mut self, buffer: &mut [u8]) -> Result<Received, Infallible> {
         let (arrival, datagram) = self.0.next().await;
         let length = datagram.len().min(buffer.len());
-        for (slot, byte) in buffer.iter_mut().zip(datagram) {
-            *slot = *byte;
-        }
+        buffer[..length].copy_from_slice(&datagram[..length]);
         Ok(Received { length, arrival })
     }
 }
