@@ -19,6 +19,7 @@ fn main() -> ExitCode {
         "cleaning" => floorguard_tests::reproduce::cleaning(trials, folder),
         "motion" => floorguard_tests::reproduce::motion(trials, folder),
         "crowds" => floorguard_tests::crowds::crowds(trials, folder),
+        "environment" => floorguard_tests::environment::environment(trials, folder),
         other => {
             eprintln!("no experiment is called '{other}'");
             return ExitCode::from(2);

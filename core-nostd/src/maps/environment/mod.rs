@@ -5,6 +5,7 @@
 //! predicts it. Both know how long they were watched: a place that nobody looked at is unknown, not empty.
 
 mod contest;
+mod correction;
 mod environment_map;
 mod evidence;
 mod heat;
@@ -13,12 +14,14 @@ mod line;
 mod place;
 mod places;
 mod questions;
+mod rhythm;
 mod spectrum;
 mod visitors;
 mod wall_time;
 mod week;
 
 pub use contest::Contest;
+pub use correction::Correction;
 pub use environment_map::{Environment, Sighting};
 pub use evidence::{Confidence, Rate};
 pub use heat::{HEAT_CELL_M, HeatCell, PeopleHeat};
@@ -29,6 +32,7 @@ pub use questions::{
     BestTime, DRYING_HOURS, PROFILE_STEP_S, PROFILE_STEPS, Profile, ProfileStep, STARTS_MAX, Wetness,
     best_time, cost_multiplier, presence, removal_per_encounter, wetness,
 };
+pub use rhythm::Rhythm;
 pub use spectrum::{Complex, ORDER_MAX, Spectrum, SpectrumParts, Tone};
 pub use visitors::{Footprint, PersonAt, Visitors};
 pub use wall_time::{HOURS_OF_WEEK, LocalTime, WallTime};

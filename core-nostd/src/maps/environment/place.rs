@@ -7,19 +7,25 @@
 use crate::cleaning::DirtRate;
 
 use super::contest::Contest;
+use super::correction::Correction;
 use super::evidence::Rate;
+use super::rhythm::Rhythm;
 use super::spectrum::{ORDER_MAX, Spectrum, Tone};
 use super::wall_time::{LocalTime, WallTime};
-use super::week::Week;
+use super::week::{Evidence, Week};
 
 /// Length of a slice, s (algorithms G.4: steps of ten minutes).
 pub const SLICE_S: i64 = 600;
 /// Slices watched for less teach nothing, hundredths of a second.
 const WATCHED_CS_MIN: u32 = 1_500;
-/// The spectrum's orders 0 to 4, the day and the week.
-pub const FORMULAS: usize = ORDER_MAX + 3;
+/// The rhythm, the spectrum's orders 0 to 4, the day and the week.
+pub const FORMULAS: usize = ORDER_MAX + 4;
 /// A predicted rate is at least this share of the mean: a spectrum rings below zero around sharp edges.
 const FLOOR: f32 = 0.05;
+/// 1970-01-05, a Monday.
+const MONDAY_S: i64 = 345_600;
+/// Nothing is ever impossible: one visit in a thousand hours.
+const RATE_MIN: f32 = 0.001;
 /// An hour of the day watched for less was not really seen, h.
 const SEEN_HOURS: f32 = 0.25;
 /// What is said of an hour that was not seen is at most a guess, h.
@@ -28,6 +34,8 @@ const UNSEEN_EVIDENCE_HOURS: f32 = 0.5;
 /// Which model predicts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RateModel {
+    /// Hours of the day and weekdays, each believed as far as the data carry it.
+    Rhythm,
     /// The same at all times.
     Mean,
     /// A spectrum with this many periods.
@@ -41,9 +49,10 @@ pub enum RateModel {
 impl RateModel {
     fn of(formula: usize) -> Self {
         match formula {
-            0 => Self::Mean,
-            order @ 1..=ORDER_MAX => Self::Spectrum(order as u8),
-            5 => Self::Day,
+            0 => Self::Rhythm,
+            1 => Self::Mean,
+            place @ 2..=5 => Self::Spectrum(place.saturating_sub(1) as u8),
+            6 => Self::Day,
             _ => Self::Week,
         }
     }
@@ -52,6 +61,7 @@ impl RateModel {
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Rhythm => "hours and weekdays",
             Self::Mean => "mean",
             Self::Spectrum(_) => "spectrum",
             Self::Day => "hours of the day",
@@ -201,8 +211,17 @@ impl<const HOURS: usize, const PERIODS: usize> Place<HOURS, PERIODS> {
     #[must_use]
     pub fn forecast(&self) -> Forecast<'_, HOURS, PERIODS> {
         let model = RateModel::of(self.contest.best());
-        let mean = Rate::mean_of(self.week.total());
-        Forecast { place: self, tones: self.spectrum.tones(), mean, spread: self.spread(), model }
+        let (mean, spread) = (Rate::mean_of(self.week.total()), self.spread());
+        let (tones, rhythm) = (self.spectrum.tones(), Rhythm::new(&self.week, spread));
+        let of_rhythm = rhythm.correction(&self.week, spread);
+        let mut forecast =
+            Forecast { place: self, tones, rhythm, correction: of_rhythm, of_rhythm, mean, model };
+        if let RateModel::Spectrum(order) = model {
+            let fitted = 1.0 + 2.0 * f32::from(order);
+            forecast.correction =
+                Correction::new(&self.week, (spread, fitted), |index| forecast.swing(index, order));
+        }
+        forecast
     }
 }
 
@@ -211,8 +230,11 @@ impl<const HOURS: usize, const PERIODS: usize> Place<HOURS, PERIODS> {
 pub struct Forecast<'a, const HOURS: usize, const PERIODS: usize> {
     place: &'a Place<HOURS, PERIODS>,
     tones: [Tone; ORDER_MAX],
+    rhythm: Rhythm,
+    /// What puts the chosen formula right, and what puts the rhythm right.
+    correction: Correction,
+    of_rhythm: Correction,
     mean: f32,
-    spread: f32,
     model: RateModel,
 }
 
@@ -229,48 +251,57 @@ impl<const HOURS: usize, const PERIODS: usize> Forecast<'_, HOURS, PERIODS> {
         self.place.week.total().hours
     }
 
-    /// Rates of all formulas, visits an hour: orders 0 to 4, the day, the week.
+    /// The spectrum's rate at some orders, never far below the mean.
+    fn orders(&self, at: LocalTime) -> [f32; ORDER_MAX] {
+        let floor = FLOOR * self.mean;
+        let [_, one, two, three, four] = self.place.spectrum.predict_all(at, &self.tones);
+        [one, two, three, four].map(|rate| rate.max(floor))
+    }
+
+    fn order(&self, at: LocalTime, order: u8) -> f32 {
+        let index = usize::from(order).saturating_sub(1);
+        self.orders(at).get(index).copied().unwrap_or(self.mean)
+    }
+
+    /// The spectrum's rate in the middle of an hour of the week.
+    fn swing(&self, hour_of_week: usize, order: u8) -> f32 {
+        let second =
+            i64::try_from(hour_of_week).unwrap_or_default().saturating_mul(3_600).saturating_add(1_800);
+        self.order(LocalTime::from_seconds(second.saturating_add(MONDAY_S)), order)
+    }
+
+    /// Rates of all formulas, visits an hour: the rhythm, orders 0 to 4, the day, the week.
     #[must_use]
     pub fn all(&self, at: LocalTime) -> [f32; FORMULAS] {
-        let floor = FLOOR * self.mean;
-        let orders = self.place.spectrum.predict_all(at, &self.tones);
-        let day = Rate::of(self.place.week.around_any_day(at), self.mean, 1.0);
-        let week = Rate::of(self.place.week.around(at), self.mean, 1.0);
-        let usual = |rate: Rate| if rate.hours > 0.0 { rate.per_hour } else { self.mean };
-        let [_, one, two, three, four] = orders;
-        [self.mean, one, two, three, four, usual(day), usual(week)].map(|rate| rate.max(floor))
+        let week = &self.place.week;
+        let usual = |seen: Evidence| {
+            if seen.hours > 0.0 { Rate::of(seen, self.mean, 1.0).per_hour } else { self.mean }
+        };
+        let (rhythm, _) = self.rhythm.rate(week, &self.of_rhythm, at);
+        let [one, two, three, four] = self.orders(at);
+        [rhythm, self.mean, one, two, three, four, usual(week.around_any_day(at)), usual(week.around(at))]
+            .map(|rate| rate.max(RATE_MIN))
     }
 
     /// Visits an hour with the model that has predicted best so far. Unknown where nobody watched; a guess for an hour
     /// of the day at which nobody did.
     #[must_use]
     pub fn rate(&self, at: LocalTime) -> Rate {
-        let week = &self.place.week;
-        let day = week.around_any_day(at);
-        let total = week.total();
-        let rate = match self.model {
-            RateModel::Mean => Rate::with_doubt(self.mean, total.hours, self.spread),
-            RateModel::Spectrum(order) => {
-                let [_, one, two, three, four, ..] = self.all(at);
-                let value = match order {
-                    1 => one,
-                    2 => two,
-                    3 => three,
-                    _ => four,
-                };
-                // Each period costs two numbers of what the samples can tell.
-                Rate::with_doubt(value, total.hours / (1.0 + 2.0 * f32::from(order)), self.spread)
+        let (week, spread) = (&self.place.week, self.place.spread());
+        let (day, total) = (week.around_any_day(at), week.total());
+        let is_seen = day.hours >= SEEN_HOURS;
+        let (value, hours) = match self.model {
+            RateModel::Spectrum(order) if is_seen => self.correction.apply(week, (at, self.order(at, order))),
+            RateModel::Mean => (self.mean, total.hours),
+            RateModel::Day if is_seen => return Rate::of(day, self.mean, spread),
+            RateModel::Week if week.around(at).hours >= SEEN_HOURS => {
+                return Rate::of(week.around(at), self.mean, spread);
             }
-            RateModel::Day => Rate::of(day, self.mean, self.spread),
-            RateModel::Week => {
-                let week = week.around(at);
-                Rate::of(if week.hours >= SEEN_HOURS { week } else { day }, self.mean, self.spread)
-            }
+            // A spectrum says something of hours that nobody has seen, but nothing to rely on.
+            _ => self.rhythm.rate(week, &self.of_rhythm, at),
         };
-        if day.hours >= SEEN_HOURS {
-            return rate;
-        }
-        Rate::with_doubt(self.mean, total.hours.min(UNSEEN_EVIDENCE_HOURS), self.spread)
+        let hours = if is_seen { hours } else { total.hours.min(UNSEEN_EVIDENCE_HOURS) };
+        Rate::with_doubt(value.max(RATE_MIN), hours, spread)
     }
 }
 

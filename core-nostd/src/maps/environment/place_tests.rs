@@ -59,7 +59,7 @@ fn learns_the_hours_of_the_week() {
         "{noon:?} {forecast:?}"
     );
     assert!(night.per_hour < 1.5 && saturday.per_hour < 1.5, "{night:?} {saturday:?}");
-    assert_eq!(forecast.model(), RateModel::Week);
+    assert_eq!(forecast.model(), RateModel::Rhythm);
     assert!((place.stay_hours() * 3_600.0 - 2.0).abs() < 0.01);
 }
 

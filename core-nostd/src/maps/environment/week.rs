@@ -72,7 +72,7 @@ impl<const HOURS: usize> Week<HOURS> {
     /// Everything.
     #[must_use]
     pub fn total(&self) -> Evidence {
-        self.bins.iter().fold(Evidence::default(), |sum, bin| sum.plus(evidence(bin), 1.0))
+        self.bins.iter().fold(Evidence::default(), |sum, bin| sum.plus(bin.into(), 1.0))
     }
 
     /// What was seen around this hour of this weekday: the hour with half weight, its neighbours with a quarter each,
@@ -84,7 +84,7 @@ impl<const HOURS: usize> Week<HOURS> {
             Evidence::default(),
             |sum, (ahead, share)| {
                 let bin = self.bins.get(Self::place(hour.saturating_add(*ahead)));
-                sum.plus(bin.map_or(Evidence::default(), evidence), *share)
+                sum.plus(bin.map(Evidence::from).unwrap_or_default(), *share)
             },
         )
     }
@@ -95,13 +95,15 @@ impl<const HOURS: usize> Week<HOURS> {
         let hour = usize::from(at.hour());
         [(23_usize, 0.25), (0, 0.5), (1, 0.25)].iter().fold(Evidence::default(), |sum, (ahead, share)| {
             let same = hour.saturating_add(*ahead) % 24;
-            self.bins.iter().skip(same).step_by(24).fold(sum, |sum, bin| sum.plus(evidence(bin), *share))
+            self.bins.iter().skip(same).step_by(24).fold(sum, |sum, bin| sum.plus(bin.into(), *share))
         })
     }
 }
 
-fn evidence(bin: &HourBin) -> Evidence {
-    Evidence { visits: f32::from(bin.visits), hours: bin.watched_ds as f32 * (1.0 / 36_000.0) }
+impl From<&HourBin> for Evidence {
+    fn from(bin: &HourBin) -> Self {
+        Self { visits: f32::from(bin.visits), hours: bin.watched_ds as f32 * (1.0 / 36_000.0) }
+    }
 }
 
 #[cfg(test)]

@@ -25,6 +25,8 @@ enum Experiment {
     Motion,
     /// People followed in crowds, nearest neighbours against joint probabilities.
     Crowds,
+    /// Weekly patterns found again, predictions against a plain histogram, real tracks as heat maps.
+    Environment,
 }
 
 /// Builds and runs the experiments. True if everything that must show did.
@@ -33,6 +35,7 @@ pub fn run(options: &Options) -> Result<bool> {
         Experiment::Cleaning => ("cleaning", 5),
         Experiment::Motion => ("motion", 20),
         Experiment::Crowds => ("crowds", 5),
+        Experiment::Environment => ("environment", 20),
     };
     let trials = options.trials.unwrap_or(trials);
     let folder = shell::root().join("target/reproduce").join(name);
