@@ -26,6 +26,8 @@ pub enum Command {
     Campaign(super::CampaignArguments),
     /// Feed a recording, a lidar capture, a ROS 2 bag or a laser log through the same stages as on the robot.
     Replay(ReplayArguments),
+    /// Write the report of a recording: one HTML file with map, stops, speeds, people and health.
+    Report(super::ReportArguments),
     /// Print every return of a lidar capture.
     Decode(DecodeArguments),
     /// Clean a map in simulation with a guarantee, and compare strategies.

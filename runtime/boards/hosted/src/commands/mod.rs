@@ -12,6 +12,7 @@ mod learn;
 mod live;
 mod mission;
 mod replay;
+mod report;
 mod run;
 mod simulate;
 mod train;
@@ -26,6 +27,7 @@ pub use eval::{EvalArguments, EvalStage};
 pub use exit::{BadInput, VerdictFailed, exit_code};
 pub use learn::{LearnArguments, PlaceArguments};
 pub use mission::MissionArguments;
+pub use report::ReportArguments;
 pub use run::RunArguments;
 pub use simulate::SimulateArguments;
 pub use train::{TrainArguments, TrainPeopleArguments, TrainWhat};
@@ -37,6 +39,7 @@ pub use train::{TrainArguments, TrainPeopleArguments, TrainWhat};
 pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
         Some(Command::Replay(arguments)) => replay::run(&arguments),
+        Some(Command::Report(arguments)) => report::run(&arguments),
         Some(Command::Decode(arguments)) => decode::run(&arguments),
         Some(Command::Mission(arguments)) => mission::run(&arguments),
         Some(Command::Learn(arguments)) => learn::run(&arguments),

@@ -1,9 +1,17 @@
-//! What is left of a run for people: a summary in words, and a folder with a page and a picture.
+//! What is left of a run for people: a summary in words, a folder with a page and a picture, and the report of a
+//! recording.
 
+mod charts;
+mod document;
+mod grids;
+mod history;
 mod page;
+mod sketch;
 mod summary;
 mod view;
 
+pub use document::document;
+pub use history::{History, read_history};
 pub use page::write_report;
 pub use summary::summary;
 pub use view::outlines;
