@@ -9,8 +9,11 @@ use floorguard_core::time::{Age, Stamp};
 use super::configuration::BaseConfiguration;
 use super::drives::{Axis, DriveCommand, Drives};
 use super::encoders::{Encoders, Side};
+use super::obedience::Obedience;
 use crate::can::CanFrame;
-use crate::canopen::{Emergency, NodeConfigurator, master_heartbeat, sync_frame};
+use crate::canopen::{
+    Emergency, NetworkCommand, NodeConfigurator, master_heartbeat, network_frame, sync_frame,
+};
 use crate::cia406::EncoderReport;
 use crate::flexisoft::SafetyImage;
 
@@ -45,6 +48,8 @@ pub struct BaseCounters {
     pub late: u32,
     /// Devices lost.
     pub losses: u32,
+    /// Polls during which the traction drive, which did not obey, was left without heartbeat.
+    pub silences: u32,
 }
 
 /// The five devices.
@@ -61,6 +66,7 @@ pub struct ThreeWheelBase {
     image: SafetyImage,
     latched: Stamp,
     heartbeat: Option<Stamp>,
+    obedience: Obedience,
     counters: BaseCounters,
 }
 
@@ -80,6 +86,7 @@ impl ThreeWheelBase {
             image: SafetyImage::new(configuration.inputs),
             latched: Stamp::ZERO,
             heartbeat: None,
+            obedience: Obedience::default(),
             counters: BaseCounters::default(),
             configuration,
         }
@@ -115,21 +122,43 @@ impl ThreeWheelBase {
     pub fn poll(&mut self, now: Stamp, event: &mut impl FnMut(BaseEvent), send: &mut impl FnMut(&CanFrame)) {
         // The command first: a serial line sends in order, and nothing may hold a stop up.
         self.send_command(send);
+        let silent = self.is_disobeyed(now);
+        let start = network_frame(NetworkCommand::Start, self.configuration.traction_node);
+        if silent {
+            self.counters.silences = self.counters.silences.saturating_add(1);
+            // It may obey the next frame that reaches it; what counts is its own watch over the heartbeat.
+            send(&network_frame(NetworkCommand::Stop, self.configuration.traction_node));
+        }
         self.drives.step();
         self.encoders.begin();
         self.latched = now;
         send(&sync_frame());
         let due =
             self.heartbeat.is_none_or(|sent| !matches!(sent.age(now), Age::Past(us) if us < HEARTBEAT_US));
-        if due {
+        if due && !silent {
             self.heartbeat = Some(now);
             send(&master_heartbeat(self.configuration.master_node));
         }
         let losses = self.counters.losses;
-        self.watch(now, event, send);
+        self.watch(now, event, &mut |frame| {
+            // A drive that is to stop by itself is not started again meanwhile.
+            if !silent || *frame != start {
+                send(frame);
+            }
+        });
         if self.counters.losses != losses {
             self.send_command(send);
         }
+    }
+
+    /// The traction drive does not do what it is told (FG-REQ-055).
+    fn is_disobeyed(&mut self, now: Stamp) -> bool {
+        let ordered_mps = match self.drives.commanded() {
+            DriveCommand::Move { wheel_mps, .. } if wheel_mps.is_finite() => wheel_mps,
+            _ => 0.0,
+        };
+        let ramp_mps2 = self.configuration.deceleration_mps2.min(self.configuration.quick_stop_mps2);
+        self.obedience.watch(ordered_mps, self.drives.traction_mps(), ramp_mps2, now)
     }
 
     fn watch(&mut self, now: Stamp, event: &mut impl FnMut(BaseEvent), send: &mut impl FnMut(&CanFrame)) {

@@ -139,6 +139,11 @@ impl Drives {
         }))
     }
 
+    /// Speed that the traction drive last reported, m/s of the wheel's rim.
+    pub fn traction_mps(&self) -> f32 {
+        self.traction.value as f32 * 1.0e-3
+    }
+
     /// An emergency code of a drive; 0 when it has recovered.
     pub fn on_emergency(&mut self, axis: Axis, code: u16) {
         self.axis(axis).emergency = code;

@@ -4,6 +4,7 @@ mod base;
 mod configuration;
 mod drives;
 mod encoders;
+mod obedience;
 
 pub use base::{BaseCounters, BaseEvent, ThreeWheelBase};
 pub use configuration::BaseConfiguration;

@@ -144,7 +144,8 @@ impl Drive {
     }
 
     fn watch_master(&mut self, out: &mut Vec<CanFrame>) {
-        if !self.node.master_lost || !self.powered() {
+        // Object 6007h names both as a loss of the connection (CiA 402).
+        if !(self.node.master_lost || self.node.stopped()) || !self.powered() {
             return;
         }
         match self.node.objects.get(0x6007, 0) {

@@ -75,6 +75,12 @@ impl Node {
         self.state == OPERATIONAL
     }
 
+    /// The master took it out of operation on purpose.
+    #[must_use]
+    pub const fn stopped(&self) -> bool {
+        self.state == STOPPED
+    }
+
     /// Takes a frame from the master; answers are appended. True when an object may have changed.
     pub fn receive(&mut self, frame: &CanFrame, now_us: u64, out: &mut Vec<CanFrame>) -> bool {
         let payload = frame.payload();

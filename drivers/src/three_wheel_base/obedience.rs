@@ -1,0 +1,104 @@
+//! Does the wheel slow down when it is told to? If not, the orders do not reach the drive, however often they are sent.
+//!
+//! What is left then is the drive's own watch over the bus: told to leave operation, or without the master's heartbeat,
+//! it stops by itself (CiA 402, object 6007h).
+
+use floorguard_core::time::{Age, Stamp};
+
+/// A drive begins to follow an order within this time, microseconds.
+const RESPONSE_US: u64 = 150_000;
+/// Share of the configured ramp that a loaded drive reaches at least.
+const RAMP_SHARE: f32 = 0.5;
+/// Measuring noise and overshoot, m/s.
+const MARGIN_MPS: f32 = 0.08;
+/// Polls in a row that must show it.
+const POLLS: u8 = 4;
+/// Polls during which the bus stays without heartbeat: the drives' watch, the ramp from full speed, and some more.
+const SILENT_POLLS: u16 = 200;
+/// Seconds between two polls.
+const POLL_S: f32 = 0.01;
+
+/// Watches one drive.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Obedience {
+    /// What the wheel may still do, m/s.
+    allowed_mps: f32,
+    /// The order that was last tightened.
+    tightened: Option<Stamp>,
+    ordered_mps: f32,
+    disobeyed: u8,
+    silent: u16,
+}
+
+impl Obedience {
+    /// Every poll: what is ordered (0 for any stop), what the wheel reports, and the configured ramp. True while the
+    /// drive must be stopped by silence.
+    pub fn watch(&mut self, ordered_mps: f32, reported_mps: f32, ramp_mps2: f32, now: Stamp) -> bool {
+        let ordered_mps = libm::fabsf(ordered_mps);
+        if ordered_mps < self.ordered_mps {
+            self.tightened = Some(now);
+        }
+        self.ordered_mps = ordered_mps;
+        let waits =
+            self.tightened.is_some_and(|since| matches!(since.age(now), Age::Past(us) if us < RESPONSE_US));
+        let slower_mps = if waits { 0.0 } else { ramp_mps2 * RAMP_SHARE * POLL_S };
+        self.allowed_mps = ordered_mps.max(self.allowed_mps - slower_mps);
+        let obeys = libm::fabsf(reported_mps) <= self.allowed_mps + MARGIN_MPS;
+        self.disobeyed = if obeys { 0 } else { self.disobeyed.saturating_add(1) };
+        if self.disobeyed >= POLLS {
+            self.silent = SILENT_POLLS;
+            self.disobeyed = 0;
+        }
+        self.silent = self.silent.saturating_sub(1);
+        self.silent > 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Polls until silence, if any within two seconds, for a wheel that brakes with `brakes_mps2` from 0.8 m/s.
+    fn silence_after(brakes_mps2: f32) -> Option<u64> {
+        let mut watch = Obedience::default();
+        let mut now = Stamp::from_micros(1_000_000);
+        for _ in 0..100 {
+            assert!(!watch.watch(0.8, 0.8, 1.5, now));
+            now = now.plus_micros(10_000);
+        }
+        let mut speed_mps = 0.8_f32;
+        (0..200).find(|poll| {
+            now = now.plus_micros(10_000);
+            if *poll > 14 {
+                speed_mps = (speed_mps - brakes_mps2 * 0.01).max(0.0);
+            }
+            watch.watch(0.0, speed_mps, 1.5, now)
+        })
+    }
+
+    #[test]
+    fn a_wheel_that_brakes_is_left_alone_and_one_that_does_not_is_stopped_by_silence() {
+        assert_eq!(silence_after(1.5), None);
+        assert_eq!(silence_after(0.75), None);
+        let polls = silence_after(0.0).expect("silence");
+        assert!((20..35).contains(&polls), "{polls}");
+    }
+
+    #[test]
+    fn a_standing_wheel_that_starts_without_an_order_is_stopped_too() {
+        let mut watch = Obedience::default();
+        let now = Stamp::from_micros(1_000_000);
+        let silent = (0..10).filter(|_| watch.watch(0.0, 0.3, 1.5, now)).count();
+        assert_eq!(silent, 7);
+    }
+
+    #[test]
+    fn silence_ends() {
+        let mut watch = Obedience::default();
+        let now = Stamp::from_micros(1_000_000);
+        (0..4).for_each(|_| {
+            watch.watch(0.0, 0.3, 1.5, now);
+        });
+        assert_eq!((0..400).filter(|_| watch.watch(0.0, 0.0, 1.5, now)).count(), 198);
+    }
+}
