@@ -1,7 +1,7 @@
 //! Does the wheel slow down when it is told to? If not, the orders do not reach the drive, however often they are sent.
 //!
 //! What is left then is the drive's own watch over the bus: told to leave operation, or without the master's heartbeat,
-//! it stops by itself (CiA 402, object 6007h).
+//! it stops by itself (CiA 402, object 6007h; FG-REQ-055).
 
 use floorguard_core::time::{Age, Stamp};
 

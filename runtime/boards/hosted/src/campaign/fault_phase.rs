@@ -51,7 +51,9 @@ pub fn draw(phase: usize, seed: u64, random: &mut Pcg32) -> Result<PhaseRun, Pla
         "cruise" => {
             (["empty", "crossing"][between(0, 2) as usize], 9, between(30, 50), between(10, 35), None)
         }
-        "approach" => ("encounter", 12, between(30, 75), between(10, 40), None),
+        // People come, or it drives up to the box.
+        "approach" if between(0, 2) == 0 => ("encounter", 12, between(30, 75), between(10, 40), None),
+        "approach" => ("hold", 9, between(12, 50), between(20, 40), None),
         // It stands before the box after 6.5 s.
         "hold" => ("hold", 11, between(70, 80), between(10, 25), Some((7.0, 11.0))),
         // Pressed at 3 s, released at 4 s; the operator resets not before 7 s.
@@ -59,13 +61,21 @@ pub fn draw(phase: usize, seed: u64, random: &mut Pcg32) -> Result<PhaseRun, Pla
     };
     let duration_us = seconds * 1_000_000;
     let mut plan = match scenario {
-        "hold" => Plan::of("hold", Scenario::from_toml(HOLD)?, seed, duration_us)?,
+        "hold" => box_in_the_way(seed, duration_us)?,
         name => Plan::named(name, seed, duration_us)?,
     };
     if PHASES[phase] == "operator" {
         plan.emergency_stop_us = vec![(3_000_000, 4_000_000)];
     }
     Ok(PhaseRun { plan, from_ds, to_ds: from_ds + lasts_ds, stands_s })
+}
+
+/// The robot drives up to a box and has to stand before it.
+///
+/// # Errors
+/// The scenario is broken.
+pub fn box_in_the_way(seed: u64, duration_us: u64) -> Result<Plan, PlanError> {
+    Plan::of("hold", Scenario::from_toml(HOLD)?, seed, duration_us)
 }
 
 impl PhaseRun {

@@ -9,6 +9,7 @@ mod summary;
 
 pub use encounters::encounter;
 pub use fault_matrix::{Cell, cell_of, cells, coverage, fault_trial, name};
+pub use fault_phase::box_in_the_way;
 pub use single_faults::single_fault;
 pub use summary::{CampaignSummary, RunOutcome, run_all};
 

@@ -1,0 +1,55 @@
+//! What the fault campaigns found, each as a test of its own.
+
+use floorguard_hosted::campaign::box_in_the_way;
+use floorguard_hosted::world::{Observation, Observer, Plan, run_virtual};
+use floorguard_sim::FaultSpec;
+
+/// The robot's state is large, and moved by value when a run begins.
+const STACK_BYTES: usize = 64 << 20;
+
+fn play(plan: Plan) -> Observation {
+    let run = move || {
+        let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
+        let mut observer = Observer::new(&plan, &mut show);
+        run_virtual(&plan, &mut observer).expect("the run");
+        observer.into_observation()
+    };
+    std::thread::Builder::new()
+        .stack_size(STACK_BYTES)
+        .spawn(run)
+        .expect("a thread")
+        .join()
+        .expect("no panic")
+}
+
+/// Drives up to a box under a fault; the front of the robot must stay off it.
+fn stays_off_the_box(fault: &str) {
+    let mut plan = box_in_the_way(7, 9_000_000).expect("a plan");
+    plan.faults.push(FaultSpec::parse(fault).expect("a fault"));
+    let seen = play(plan);
+    let farthest_m = seen.robot_way.iter().map(|pose| pose.x_m).fold(0.0_f32, f32::max);
+    assert!(seen.verdict.missed_stops == 0 && seen.verdict.passed, "{fault}: {:?}", seen.verdict);
+    // The box begins at 2.1 m, the body ends 0.95 m before the origin.
+    assert!(
+        farthest_m > 0.5 && farthest_m + 0.95 < 2.1,
+        "{fault}: the front came to {:.2} m",
+        farthest_m + 0.95
+    );
+}
+
+/// The process data to the traction drive are stuck at "drive on" while the master's heartbeat goes on: the drive's
+/// watchdog had no reason to stop it.
+#[test]
+fn fg_req_055_orders_that_are_stuck_on_the_way_to_the_drive_do_not_carry_the_robot_on() {
+    for from in ["1.5s", "2s", "2.5s", "3s", "4s"] {
+        stays_off_the_box(&format!("traction-command:stuck,from={from},to=9s"));
+    }
+}
+
+/// The bus repeats what the computer said two seconds ago, heartbeats included.
+#[test]
+fn fg_req_055_old_orders_do_not_carry_the_robot_on() {
+    for from in ["2.5s", "3s", "4s"] {
+        stays_off_the_box(&format!("commands:past=2000ms,from={from},to=9s"));
+    }
+}
