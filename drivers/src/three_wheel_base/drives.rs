@@ -139,9 +139,9 @@ impl Drives {
         }))
     }
 
-    /// Speed that the traction drive last reported, m/s of the wheel's rim.
-    pub fn traction_mps(&self) -> f32 {
-        self.traction.value as f32 * 1.0e-3
+    /// Speed that the traction drive last reported, m/s of the wheel's rim; none before it is heard.
+    pub fn traction_mps(&self) -> Option<f32> {
+        self.traction.state.map(|_| self.traction.value as f32 * 1.0e-3)
     }
 
     /// An emergency code of a drive; 0 when it has recovered.

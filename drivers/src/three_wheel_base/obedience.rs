@@ -28,12 +28,29 @@ pub(super) struct Obedience {
     ordered_mps: f32,
     disobeyed: u8,
     silent: u16,
+    /// The wheel has reported: what it does from now on must follow the orders.
+    heard: bool,
 }
 
 impl Obedience {
-    /// Every poll: what is ordered (0 for any stop), what the wheel reports, and the configured ramp. True while the
-    /// drive must be stopped by silence.
-    pub fn watch(&mut self, ordered_mps: f32, reported_mps: f32, ramp_mps2: f32, now: Stamp) -> bool {
+    /// Every poll: what is ordered (0 for any stop), what the wheel reports if anything, and the configured ramp. True
+    /// while the drive must be stopped by silence.
+    pub fn watch(&mut self, ordered_mps: f32, reported_mps: Option<f32>, ramp_mps2: f32, now: Stamp) -> bool {
+        self.silent = self.silent.saturating_sub(1);
+        let Some(reported_mps) = reported_mps.map(libm::fabsf) else {
+            *self = Self { silent: self.silent, ..Self::default() };
+            return self.silent > 0;
+        };
+        if !self.heard {
+            // A drive that turns when it is first heard was told so by somebody else, and may take the ramp to stop.
+            *self = Self {
+                heard: true,
+                allowed_mps: reported_mps,
+                tightened: Some(now),
+                silent: self.silent,
+                ..Self::default()
+            };
+        }
         let ordered_mps = libm::fabsf(ordered_mps);
         if ordered_mps < self.ordered_mps {
             self.tightened = Some(now);
@@ -43,13 +60,12 @@ impl Obedience {
             self.tightened.is_some_and(|since| matches!(since.age(now), Age::Past(us) if us < RESPONSE_US));
         let slower_mps = if waits { 0.0 } else { ramp_mps2 * RAMP_SHARE * POLL_S };
         self.allowed_mps = ordered_mps.max(self.allowed_mps - slower_mps);
-        let obeys = libm::fabsf(reported_mps) <= self.allowed_mps + MARGIN_MPS;
+        let obeys = reported_mps <= self.allowed_mps + MARGIN_MPS;
         self.disobeyed = if obeys { 0 } else { self.disobeyed.saturating_add(1) };
         if self.disobeyed >= POLLS {
             self.silent = SILENT_POLLS;
             self.disobeyed = 0;
         }
-        self.silent = self.silent.saturating_sub(1);
         self.silent > 0
     }
 }
@@ -63,7 +79,7 @@ mod tests {
         let mut watch = Obedience::default();
         let mut now = Stamp::from_micros(1_000_000);
         for _ in 0..100 {
-            assert!(!watch.watch(0.8, 0.8, 1.5, now));
+            assert!(!watch.watch(0.8, Some(0.8), 1.5, now));
             now = now.plus_micros(10_000);
         }
         let mut speed_mps = 0.8_f32;
@@ -72,7 +88,7 @@ mod tests {
             if *poll > 14 {
                 speed_mps = (speed_mps - brakes_mps2 * 0.01).max(0.0);
             }
-            watch.watch(0.0, speed_mps, 1.5, now)
+            watch.watch(0.0, Some(speed_mps), 1.5, now)
         })
     }
 
@@ -85,20 +101,27 @@ mod tests {
     }
 
     #[test]
-    fn a_standing_wheel_that_starts_without_an_order_is_stopped_too() {
+    fn a_standing_wheel_that_starts_without_an_order_is_stopped_and_silence_ends() {
         let mut watch = Obedience::default();
         let now = Stamp::from_micros(1_000_000);
-        let silent = (0..10).filter(|_| watch.watch(0.0, 0.3, 1.5, now)).count();
+        assert!(!watch.watch(0.0, Some(0.0), 1.5, now));
+        let silent = (0..10).filter(|_| watch.watch(0.0, Some(0.3), 1.5, now)).count();
         assert_eq!(silent, 7);
+        // What says nothing any more cannot obey: the silence goes on for its time and no longer.
+        assert_eq!((0..400).filter(|_| watch.watch(0.0, None, 1.5, now)).count(), 197);
     }
 
     #[test]
-    fn silence_ends() {
+    fn a_drive_that_turns_when_it_is_first_heard_has_the_time_of_the_ramp() {
         let mut watch = Obedience::default();
-        let now = Stamp::from_micros(1_000_000);
-        (0..4).for_each(|_| {
-            watch.watch(0.0, 0.3, 1.5, now);
-        });
-        assert_eq!((0..400).filter(|_| watch.watch(0.0, 0.0, 1.5, now)).count(), 198);
+        let mut now = Stamp::from_micros(1_000_000);
+        let silent = |watch: &mut Obedience, speed_mps: f32, now: &mut Stamp| {
+            *now = now.plus_micros(10_000);
+            watch.watch(0.0, Some(speed_mps), 1.5, *now)
+        };
+        assert!(!watch.watch(0.0, None, 1.5, now));
+        assert!((0..80).all(|poll| !silent(&mut watch, 0.8 - 0.01 * poll as f32, &mut now)));
+        let mut watch = Obedience::default();
+        assert!((0..60).any(|_| silent(&mut watch, 0.8, &mut now)));
     }
 }
