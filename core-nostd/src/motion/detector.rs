@@ -62,6 +62,8 @@ pub struct MotionOutput<'a> {
     pub verdicts: &'a [Verdict],
     /// Moving things, in the frame of the odometry.
     pub moving: &'a [MovingThing],
+    /// Everything this near to the robot was judged, metres; `None` while there is nothing to compare with.
+    pub judged_within_m: Option<f32>,
 }
 
 /// All state; about 600 KiB hosted, 190 KiB on the MCU: keep it in a static or on the heap of the host.
@@ -123,13 +125,18 @@ impl MotionDetector {
         if measured.saturating_mul(2) < self.most_columns {
             // Almost nothing was measured: no verdict, and the past stays what it was.
             self.counters.blind_sweeps = self.counters.blind_sweeps.saturating_add(1);
-            return MotionOutput { verdicts: &self.verdicts, moving: &self.confidence.moving };
+            return self.output(None);
         }
         let elapsed_s = self.elapsed_s(sweep.end_stamp, context.base_in_odom);
+        let judged_within_m = self.references.oldest().map(|_| REACH_M);
         self.last = Some((sweep.end_stamp, context.base_in_odom));
         self.look(people, sweep, context, whole.then_some(measured));
         self.conclude(people.things(), context.base_in_odom, elapsed_s);
-        MotionOutput { verdicts: &self.verdicts, moving: &self.confidence.moving }
+        self.output(judged_within_m)
+    }
+
+    fn output(&self, judged_within_m: Option<f32>) -> MotionOutput<'_> {
+        MotionOutput { verdicts: &self.verdicts, moving: &self.confidence.moving, judged_within_m }
     }
 
     /// Seconds since the sweep before. Gives up the past where it cannot be compared with.

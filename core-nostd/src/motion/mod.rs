@@ -7,6 +7,7 @@
 mod confidence;
 mod correspondence;
 mod detector;
+mod live;
 mod parameters;
 mod parts;
 mod reference;
@@ -16,5 +17,6 @@ mod voxels;
 pub use confidence::MovingThing;
 pub use correspondence::Thing;
 pub use detector::{MotionCounters, MotionDetector, MotionOutput, Verdict};
+pub use live::find_moving_people;
 pub use parameters::{CHAIN_MAX, MotionParameters};
 pub use parts::Part;

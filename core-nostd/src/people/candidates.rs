@@ -51,6 +51,8 @@ pub struct Detection {
     pub likeness: f32,
     /// Returns that speak for it.
     pub points: u16,
+    /// Whether it moves by itself; `None` if that was not judged.
+    pub moving: Option<bool>,
 }
 
 /// Vertical distance between two rings per metre of range: 2°.

@@ -48,6 +48,8 @@ pub struct Cluster {
     pub nearest_m: f32,
     /// Something nearer hides its left or its right edge.
     pub occluded: bool,
+    /// Whether it moves by itself; `None` if that was not judged.
+    pub moving: Option<bool>,
     hidden_edges: u16,
     sums: [f32; 3],
     root: u16,
@@ -404,6 +406,7 @@ impl Cluster {
             centroid: point,
             nearest_m,
             occluded: false,
+            moving: None,
             hidden_edges: 0,
             sums: [0.0; 3],
             root,

@@ -38,6 +38,8 @@ pub struct PeopleCounters {
     pub floor_points: u32,
     /// Things found.
     pub clusters: u32,
+    /// Of them those that move by themselves.
+    pub moving_clusters: u32,
     /// Things that may be people.
     pub candidates: u32,
     /// Things dropped for want of room.
@@ -53,6 +55,7 @@ impl PeopleCounters {
         points: 0,
         floor_points: 0,
         clusters: 0,
+        moving_clusters: 0,
         candidates: 0,
         dropped_clusters: 0,
         dropped_candidates: 0,
@@ -126,9 +129,31 @@ impl PeoplePipeline {
     /// People among the things of the same sweep; after [`Self::find_things`]. Between the two, motion can be judged
     /// (see [`Self::thing_of`]).
     pub fn find_people(&mut self, sweep: &Sweep, context: &SweepContext) -> PeopleOutput<'_> {
+        self.find_people_moving(sweep, context, |_| None)
+    }
+
+    /// The same, told which places of the fixed frame something moves at; `None` where nobody knows.
+    pub fn find_people_moving(
+        &mut self,
+        sweep: &Sweep,
+        context: &SweepContext,
+        moving_at: impl Fn(Point2) -> Option<bool>,
+    ) -> PeopleOutput<'_> {
         self.find_detections(sweep, context);
+        for detection in &mut self.detections {
+            detection.moving = moving_at(detection.position);
+        }
         self.track(sweep, context);
         PeopleOutput { clusters: &self.things, tracks: self.tracker.tracks(), counters: self.counters }
+    }
+
+    /// Enters for each thing, in their order, whether it moves; after [`Self::find_things`].
+    pub fn note_motion(&mut self, verdicts: impl Iterator<Item = Option<bool>>) {
+        for (thing, moving) in self.things.iter_mut().zip(verdicts) {
+            thing.moving = moving;
+            let moves = u32::from(moving == Some(true));
+            self.counters.moving_clusters = self.counters.moving_clusters.saturating_add(moves);
+        }
     }
 
     /// Which things may be people, and how probably; after [`Self::find_things`].
@@ -411,5 +436,6 @@ fn detection(thing: &Cluster, context: &SweepContext) -> Detection {
         sigma_m: SIGMA_M + SIGMA_PER_M * thing.nearest_m,
         likeness: 0.5,
         points: thing.points,
+        moving: None,
     }
 }

@@ -301,7 +301,9 @@ impl Track {
         }
         let walked_m = self.state.position.distance(self.first_position);
         let walking = walked_m > WALKED_M && self.state.speed_mps() > 0.25;
-        self.moving_probability += 0.3 * (f32::from(u8::from(walking)) - self.moving_probability);
+        // What walks goes from place to place; what moves need not, and two views that differ leave it open.
+        let moves = u8::from(walking).saturating_add(u8::from(detection.moving.unwrap_or(walking)));
+        self.moving_probability += 0.3 * (0.5 * f32::from(moves) - self.moving_probability);
         let gain = LOOK_SHARE * look(detection) + if walking { WALK_GAIN } else { 0.0 };
         self.belief = (self.belief + gain).clamp(-BELIEF_MAX, BELIEF_MAX);
         self.person_probability = probability(self.belief);
@@ -336,7 +338,14 @@ mod tests {
 
     fn sighting(x_m: f32, y_m: f32) -> Detection {
         let position = Point2::new(x_m, y_m);
-        Detection { position, distance_m: position.norm(), sigma_m: 0.1, likeness: 1.0, points: 50 }
+        Detection {
+            position,
+            distance_m: position.norm(),
+            sigma_m: 0.1,
+            likeness: 1.0,
+            points: 50,
+            moving: None,
+        }
     }
 
     /// Two people meet head on and pass 0.8 m apart.

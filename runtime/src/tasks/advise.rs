@@ -8,14 +8,17 @@ use floorguard_core::time::Stamp;
 /// A confirmed track counts as a person from this probability on.
 pub const PERSON_PROBABILITY_MIN: f32 = 0.5;
 
+/// What more probably moves than not is taken for a person too, whatever its shape: motion only ever adds to the advice.
+pub const MOVING_PROBABILITY_MIN: f32 = 0.5;
+
 /// The advice of one sweep. Tracks beyond the capacity are the farthest ones; the guard's own sensors see those near.
 pub fn advice(stamp: Stamp, tracks: &[Track], base_in_odom: Pose2) -> Advice {
     let mut advice = Advice { stamp, ..Advice::default() };
     let to_robot = base_in_odom.inverse();
-    let people = tracks
-        .iter()
-        .filter(|track| track.status == TrackStatus::Confirmed)
-        .filter(|track| track.person_probability >= PERSON_PROBABILITY_MIN);
+    let people = tracks.iter().filter(|track| track.status == TrackStatus::Confirmed).filter(|track| {
+        track.person_probability >= PERSON_PROBABILITY_MIN
+            || track.moving_probability >= MOVING_PROBABILITY_MIN
+    });
     for track in people {
         let person = AdvisedPerson {
             id: track.id,

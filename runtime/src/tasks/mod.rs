@@ -20,7 +20,7 @@ pub use can::can_bus;
 pub use imu::imu_input;
 pub use inputs::{advice_input, command_input, operator_input};
 pub use lidar::lidar_input;
-pub use perception::{PerceptionState, perceive};
+pub use perception::{JudgeMotion, NoMotion, PerceptionState, perceive};
 pub use route::drive_route;
 pub use scanner::scanner_input;
 pub use supervise::supervise;

@@ -5,7 +5,7 @@ use core::hint::black_box;
 use floorguard_core::floor::{FloorModel, ObjectFinder, ObjectMemory, PixelClass};
 use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_core::legs::{LegDetector, LegTracker};
-use floorguard_core::motion::MotionDetector;
+use floorguard_core::motion::{MotionDetector, find_moving_people};
 use floorguard_core::odometry::{Odometry, PoseHistory, Tricycle, WheelOdometry};
 use floorguard_core::people::{PeoplePipeline, SweepContext};
 use floorguard_core::sensing::{DepthImage, ImuSample, Scan, Sweep, WheelSample};
@@ -38,15 +38,20 @@ pub struct Perception {
 #[inline(always)]
 pub fn all(state: &mut Perception, now: Stamp) {
     root_people(&mut state.people, &state.sweep, &state.context);
-    root_motion(&mut state.motion, &state.people, &state.sweep, &state.context);
+    root_motion(&mut state.motion, &mut state.people, &state.sweep, &state.context);
     root_legs(&mut state.legs, &mut state.leg_tracker, &state.scan);
     root_floor(state, now);
     root_odometry(state, now);
 }
 
 #[inline(never)]
-fn root_motion(motion: &mut MotionDetector, people: &PeoplePipeline, sweep: &Sweep, context: &SweepContext) {
-    black_box(motion.process(people, sweep, context).moving.len());
+fn root_motion(
+    motion: &mut MotionDetector,
+    people: &mut PeoplePipeline,
+    sweep: &Sweep,
+    context: &SweepContext,
+) {
+    black_box(find_moving_people(people, motion, sweep, context).tracks.len());
 }
 
 #[inline(never)]

@@ -13,7 +13,7 @@ use super::live::status_of;
 use crate::display::LiveDisplay;
 use crate::report::write_report;
 use crate::world::{
-    Observation, Observer, Plan, SeenStop, Tape, Witnesses, load_scenario, run_real, run_recorded,
+    Observation, Observer, Plan, SeenStop, Stages, Tape, Witnesses, load_scenario, run_real, run_recorded,
 };
 
 /// What to simulate.
@@ -68,7 +68,10 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
         }
         return Ok(());
     }
-    let plan = plan(arguments)?;
+    let mut plan = plan(arguments)?;
+    if arguments.tape.is_some() {
+        plan.stages = Stages::AsOnBoard;
+    }
     let mut witnesses = Witnesses::default();
     if arguments.tape.is_some() {
         witnesses.tape = Tape::new(&plan);

@@ -11,7 +11,7 @@ use floorguard_runtime::shared::Shared;
 
 use super::links::{Links, Missing};
 use crate::executor::{Ring, StopFlag, run_until, take_priority};
-use crate::world::{new_perception, spawn_guard_ring, spawn_perception_ring};
+use crate::world::{Stages, new_perception, spawn_guard_ring, spawn_perception_ring};
 
 /// What both threads share.
 pub type HostedShared = Shared<CriticalSectionRawMutex>;
@@ -93,7 +93,7 @@ fn guard_ring(
 
 fn perception_ring(robot: &RobotConfiguration, shared: &HostedShared, flag: &StopFlag) -> io::Result<()> {
     anstream::eprintln!("  {}", take_priority(Ring::Perception));
-    let mut state = new_perception(robot);
+    let mut state = new_perception(robot, Stages::All);
     run_until(flag, |tasks| {
         spawn_perception_ring(tasks, shared, robot, &mut state);
         Ok(())

@@ -18,7 +18,10 @@ pub use plan::{Plan, PlanError};
 pub use real_world::{CarrierFigures, run_real};
 pub use replayed_world::{ReplayAudience, ReplayError, ReplayOutcome, is_replayable, replay_recording};
 pub use scenario_file::load_scenario;
-pub use spawn::{GuardCarriers, new_perception, new_shared, spawn_guard_ring, spawn_perception_ring};
+pub use spawn::{
+    GuardCarriers, HostedMotion, HostedPerception, Stages, new_perception, new_shared, spawn_guard_ring,
+    spawn_perception_ring,
+};
 pub use swath::BRUSH_M;
 pub use tape::Tape;
 pub use virtual_world::{run_recorded, run_virtual};

@@ -6,6 +6,7 @@ use floorguard_runtime::mission::{Route, RouteLimits};
 use floorguard_sim::FaultSpec;
 use floorguard_sim::scenario::{Scenario, ScenarioError};
 
+use super::spawn::Stages;
 use crate::configuration::{EXAMPLE, parse};
 
 /// A run of the simulator.
@@ -23,6 +24,8 @@ pub struct Plan {
     pub faults: Vec<FaultSpec>,
     /// The robot.
     pub robot: RobotConfiguration,
+    /// Which stages of the robot run.
+    pub stages: Stages,
     /// When the emergency stop is pressed and released, microseconds.
     pub emergency_stop_us: Vec<(u64, u64)>,
 }
@@ -77,6 +80,7 @@ impl Plan {
             duration_us,
             faults: Vec::new(),
             robot,
+            stages: Stages::All,
             emergency_stop_us: Vec::new(),
         })
     }

@@ -11,7 +11,9 @@ use floorguard_runtime::digest::OutputDigest;
 use floorguard_runtime::shared::{PeopleReport, RobotStatus, Shared, StopRecord};
 use floorguard_runtime::tape::{TapeLine, decode_route};
 
-use super::spawn::{GuardCarriers, new_perception, new_shared, spawn_guard_ring, spawn_perception_ring};
+use super::spawn::{
+    GuardCarriers, Stages, new_perception, new_shared, spawn_guard_ring, spawn_perception_ring,
+};
 use crate::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 use crate::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 use crate::recording::{
@@ -109,20 +111,21 @@ pub fn replay_recording<R: Read>(
     (robot.route, robot.route_limits) = route
         .and_then(decode_route)
         .ok_or_else(|| ReplayError::Robot("the recording does not begin with its route".to_owned()))?;
+    let stages = texts.get("stages").map_or(Stages::All, |text| Stages::named(text));
     use_virtual_clock(0);
-    let outcome = play(&robot, baud, (recording, audience));
+    let outcome = play((&robot, stages), baud, (recording, audience));
     use_real_clock();
     outcome
 }
 
 fn play<R: Read>(
-    robot: &RobotConfiguration,
+    (robot, stages): (&RobotConfiguration, Stages),
     baud: u32,
     (recording, audience): (&mut Recording<R>, &mut dyn ReplayAudience),
 ) -> Result<ReplayOutcome, ReplayError> {
     let shared = new_shared(robot, Stamp::ZERO)
         .map_err(|error| ReplayError::Robot(format!("the guard refuses the robot: {error}")))?;
-    let mut perception = new_perception(robot);
+    let mut perception = new_perception(robot, stages);
     let (scanner, scanner_reader) = byte_pipe();
     let (imu, imu_reader) = byte_pipe();
     let (to_imu, from_imu_line) = byte_pipe();

@@ -3,8 +3,9 @@
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embedded_io_async::{Read, Write};
 use floorguard_core::guard::GuardConfigError;
+use floorguard_core::motion::{MotionDetector, MotionParameters};
 use floorguard_core::odometry::PoseHistory;
-use floorguard_core::people::{PeoplePipeline, RingAngles};
+use floorguard_core::people::{PeopleOutput, PeoplePipeline, RingAngles, SweepContext};
 use floorguard_core::sensing::Sweep;
 use floorguard_core::time::Stamp;
 use floorguard_drivers::s300::{Configuration, Receiver};
@@ -16,8 +17,8 @@ use floorguard_runtime::io::{CanBus, DatagramReceiver};
 use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::{Motion, Shared};
 use floorguard_runtime::tasks::{
-    PerceptionState, advice_input, can_bus, command_input, drive_route, imu_input, lidar_input,
-    operator_input, perceive, scanner_input, supervise,
+    JudgeMotion, NoMotion, PerceptionState, advice_input, can_bus, command_input, drive_route, imu_input,
+    lidar_input, operator_input, perceive, scanner_input, supervise,
 };
 
 use crate::executor::TaskSet;
@@ -45,9 +46,66 @@ pub fn new_shared<M: RawMutex>(
     Ok(Box::new(Shared::new(robot.guard(), Motion::new(robot.wheels()), now)?))
 }
 
+/// Which stages run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Stages {
+    /// Everything.
+    #[default]
+    All,
+    /// What also runs on the microcontroller, bit for bit: without the verdict on what moves, which takes more memory
+    /// than it has.
+    AsOnBoard,
+}
+
+const AS_ON_BOARD: &str = "as-on-board";
+
+impl Stages {
+    /// For recordings.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::All => "all",
+            Self::AsOnBoard => AS_ON_BOARD,
+        }
+    }
+
+    /// By its name; everything if the name says nothing else.
+    #[must_use]
+    pub fn named(name: &str) -> Self {
+        if name == AS_ON_BOARD { Self::AsOnBoard } else { Self::All }
+    }
+}
+
+/// The perception ring of a hosted robot.
+pub type HostedPerception = PerceptionState<HostedMotion>;
+
+/// Judges what moves, if that stage runs.
+pub struct HostedMotion(Option<Box<MotionDetector>>);
+
+impl HostedMotion {
+    fn new(stages: Stages) -> Self {
+        let runs = stages == Stages::All;
+        Self(runs.then(|| Box::new(MotionDetector::new(MotionParameters::FIXED))))
+    }
+}
+
+impl JudgeMotion for HostedMotion {
+    fn people<'a>(
+        &mut self,
+        people: &'a mut PeoplePipeline,
+        sweep: &Sweep,
+        context: &SweepContext,
+    ) -> PeopleOutput<'a> {
+        match &mut self.0 {
+            Some(motion) => motion.people(people, sweep, context),
+            None => NoMotion.people(people, sweep, context),
+        }
+    }
+}
+
 /// The memory of the perception ring.
 #[must_use]
-pub fn new_perception(robot: &RobotConfiguration) -> Box<PerceptionState> {
+pub fn new_perception(robot: &RobotConfiguration, stages: Stages) -> Box<HostedPerception> {
     let angles = match robot.lidar.model {
         LidarModel::PuckHiRes => RingAngles::even(-10.0, 4.0 / 3.0),
         _ => RingAngles::vlp16(),
@@ -55,6 +113,7 @@ pub fn new_perception(robot: &RobotConfiguration) -> Box<PerceptionState> {
     Box::new(PerceptionState {
         building: Sweep::EMPTY,
         people: PeoplePipeline::new(angles),
+        motion: HostedMotion::new(stages),
         history: PoseHistory::new(),
         sensor_in_base: robot.lidar.mounting.transform(),
     })
@@ -91,7 +150,7 @@ pub fn spawn_perception_ring<'a, M: RawMutex>(
     tasks: &mut TaskSet<'a>,
     shared: &'a Shared<M>,
     robot: &RobotConfiguration,
-    state: &'a mut PerceptionState,
+    state: &'a mut HostedPerception,
 ) {
     tasks.spawn(perceive(shared, state));
     let follower = RouteFollower::new(robot.route.clone(), robot.route_limits);

@@ -152,7 +152,7 @@ fn is_reset(fault: &FaultSpec) -> bool {
 fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> anyhow::Result<End> {
     let shared: Box<Shared<NoopRawMutex>> = new_shared(&plan.robot, Stamp::from_micros(world.now_us))
         .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
-    let mut perception = new_perception(&plan.robot);
+    let mut perception = new_perception(&plan.robot, plan.stages);
     let (lines, Ends { scanner, imu, from_imu_line }) = Lines::new();
     let mut tasks = TaskSet::new();
     let carriers = GuardCarriers {

@@ -48,6 +48,7 @@ impl Witnesses {
             ("scenario", plan.name.clone()),
             ("title", plan.scenario.title.clone()),
             ("seed", plan.seed.to_string()),
+            ("stages", plan.stages.name().to_owned()),
         ];
         let info = RunInfo {
             robot: &plan.robot,

@@ -19,7 +19,7 @@ use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::{Motion, Shared};
 use floorguard_runtime::tape::{TapeLine, TapeReader, TapeRecord, decode_route};
 use floorguard_runtime::tasks::{
-    PerceptionState, advice_input, can_bus, command_input, drive_route, imu_input, lidar_input,
+    NoMotion, PerceptionState, advice_input, can_bus, command_input, drive_route, imu_input, lidar_input,
     operator_input, perceive, scanner_input, supervise,
 };
 use static_cell::StaticCell;
@@ -94,6 +94,7 @@ pub fn play(tape: TapeReader<'static>) -> bool {
     let perception = PERCEPTION.init(PerceptionState {
         building: Sweep::EMPTY,
         people: PeoplePipeline::new(RingAngles::vlp16()),
+        motion: NoMotion,
         history: PoseHistory::new(),
         sensor_in_base: robot.lidar.mounting.transform(),
     });

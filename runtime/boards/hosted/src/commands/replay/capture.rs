@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use floorguard_core::geometry::{Point3, Pose2, Transform3, Twist2};
+use floorguard_core::motion::{MotionDetector, MotionParameters, find_moving_people};
 use floorguard_core::people::{FloorHeight, PeoplePipeline, RingAngles, SweepContext, Track, TrackStatus};
 use floorguard_core::sensing::Sweep;
 use floorguard_core::time::Stamp;
@@ -22,6 +23,7 @@ const WHOLE_COLUMNS: usize = 1_500;
 
 struct Player {
     pipeline: Box<PeoplePipeline>,
+    motion: Box<MotionDetector>,
     context: SweepContext,
     floor_known: bool,
     json: bool,
@@ -79,6 +81,7 @@ impl Player {
         };
         Self {
             pipeline: Box::new(PeoplePipeline::new(angles)),
+            motion: Box::new(MotionDetector::new(MotionParameters::FIXED)),
             context: SweepContext {
                 sensor_in_base: at_height(ASSUMED_HEIGHT_M),
                 twist: Twist2::ZERO,
@@ -104,7 +107,7 @@ impl Player {
                 "the floor lies {height_m:.2} m below the lidar (estimated from the first whole sweep)"
             );
         }
-        let output = self.pipeline.process(sweep, &self.context);
+        let output = find_moving_people(&mut self.pipeline, &mut self.motion, sweep, &self.context);
         self.sweeps += 1;
         let people = output.tracks.iter().filter(|track| is_person(track));
         self.most_people = self.most_people.max(people.clone().count());
