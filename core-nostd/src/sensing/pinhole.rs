@@ -24,6 +24,12 @@ impl PinholeCamera {
         self.focal_px
     }
 
+    /// Column and row of the optical axis, pixels.
+    #[must_use]
+    pub const fn centre_px(&self) -> [f32; 2] {
+        self.centre_px
+    }
+
     /// The same camera after its images were made smaller by a whole factor ≥ 1.
     #[must_use]
     pub fn shrunk(&self, factor: u16) -> Self {

@@ -1,17 +1,25 @@
 //! Dirt: what is new on a floor that nobody has seen before, without training on dirt or on floors.
 //!
 //! Two detectors on the same image. The published one compares the texture of blocks with a mixture fitted to all
-//! blocks; ours asks of every pixel how rare its colour is. Source: algorithms F.
+//! blocks; ours asks of every pixel how rare its colour and texture are, and whether they stay where they are while the
+//! robot moves. Source: algorithms F.
 
 mod blocks;
 mod lab;
+mod lines;
 mod mixture;
+mod novelty;
 mod order;
+mod pixels;
 mod published;
 mod rarity;
+mod recall;
+mod surroundings;
 
 pub use blocks::{Block, BlockGrid, DirtFault};
 pub use lab::{Lab, LabTables};
 pub use mixture::{COMPONENTS_MAX, Component, FitRules, Mixture, PASSES_MAX, Point, Scorer};
+pub use novelty::{NOVELTY_BIN, NoveltyDetector, NoveltyMemory};
+pub use pixels::Pixel;
 pub use published::{PublishedDetector, PublishedParameters};
-pub use rarity::{RARITY_BIN, RarityDetector, RarityMemory};
+pub use recall::{FloorView, Remembered};

@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use floorguard_core::floor::dirt::{
-    DirtFault, Lab, PublishedDetector, RARITY_BIN, RarityDetector, RarityMemory,
-};
+use floorguard_core::floor::dirt::{DirtFault, NOVELTY_BIN, NoveltyDetector, PublishedDetector};
 use floorguard_core::sensing::ColorImage;
 use floorguard_core::time::Stamp;
 use image::{Rgb, RgbImage};
@@ -12,6 +10,7 @@ use serde::Serialize;
 
 use super::dirt_figures::{Answer, DirtFigures, Totals};
 use super::dirt_folder::{DirtFolder, DirtFrame};
+use super::dirt_memory::NoveltyBuffers;
 use super::images::ColourFile;
 use crate::commands::BadInput;
 
@@ -85,10 +84,8 @@ pub fn dirt(root: &Path, out: Option<&Path>) -> anyhow::Result<DirtReport> {
 #[derive(Default)]
 struct Detectors {
     published: Box<PublishedDetector>,
-    ours: Box<RarityDetector>,
-    colours: Vec<Lab>,
-    smooth: Vec<Lab>,
-    scores: Vec<f32>,
+    ours: Box<NoveltyDetector>,
+    memory: NoveltyBuffers,
 }
 
 impl Detectors {
@@ -109,16 +106,16 @@ impl Detectors {
             scores: (0..pixels).map(|index| lookup(index).copied().unwrap_or(f32::NAN)).collect(),
             is_dirty: (0..pixels).map(|index| dirty(index) == Some(&true)).collect(),
         };
-        self.colours.resize(pixels, [0.0; 3]);
-        self.smooth.resize(pixels, [0.0; 3]);
-        self.scores.resize(pixels, 0.0);
-        let mut memory =
-            RarityMemory { colours: &mut self.colours, smooth: &mut self.smooth, scores: &mut self.scores };
-        self.ours.detect(&image, usable, &mut memory)?;
-        let (columns, rows) = (self.ours.columns(), file.height / RARITY_BIN);
+        self.memory.resize(pixels);
+        self.ours.detect(&image, usable, None, &mut self.memory.lend())?;
+        let (columns, rows) = (self.ours.columns(), self.ours.rows());
         let score = |index: usize| {
-            let (column, row) = (index % file.width / RARITY_BIN, index / file.width / RARITY_BIN);
-            if column < columns && row < rows { self.scores[row * columns + column] } else { f32::NAN }
+            let (column, row) = (index % file.width / NOVELTY_BIN, index / file.width / NOVELTY_BIN);
+            if column < columns && row < rows {
+                self.memory.scores()[row * columns + column]
+            } else {
+                f32::NAN
+            }
         };
         let scores: Vec<f32> = (0..pixels).map(score).collect();
         let is_dirty = scores.iter().map(|score| *score > self.ours.threshold()).collect();

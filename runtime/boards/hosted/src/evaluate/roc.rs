@@ -1,7 +1,8 @@
 //! How well scores separate two classes, whatever threshold one chooses.
 
 /// Area under the curve of hits over false alarms; equal scores count half. 0.5 where one class is missing.
-pub(super) fn area_under_curve(pairs: &mut [(f32, bool)]) -> f64 {
+#[must_use]
+pub fn area_under_curve(pairs: &mut [(f32, bool)]) -> f64 {
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let positives = pairs.iter().filter(|(_, is_true)| *is_true).count() as f64;
     let negatives = pairs.len() as f64 - positives;
@@ -20,7 +21,8 @@ pub(super) fn area_under_curve(pairs: &mut [(f32, bool)]) -> f64 {
 }
 
 /// Largest intersection over union of "score at least t" with the truth, over all t; 0 without a positive.
-pub(super) fn best_overlap(pairs: &mut [(f32, bool)]) -> f64 {
+#[must_use]
+pub fn best_overlap(pairs: &mut [(f32, bool)]) -> f64 {
     pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
     let positives = pairs.iter().filter(|(_, is_true)| *is_true).count();
     let (mut called, mut hits, mut best) = (0, 0, 0.0_f64);
