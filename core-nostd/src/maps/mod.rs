@@ -8,6 +8,7 @@ mod distance_field;
 pub mod environment;
 mod grid;
 mod occupancy;
+pub mod seen_dirt;
 
 pub use dirt_map::{DirtCell, DirtMap, NO_SLOT};
 pub use distance_field::{DISTANCE_LIMIT_M, DistanceField, fill_distances};

@@ -1,0 +1,171 @@
+//! The map of seen dirt: pixels fall into cells of the floor, cells collect observations from different viewpoints.
+
+use super::cell::{CellState, SeenCell};
+use crate::capacities::FLOOR_IMAGE_COLUMNS_MAX;
+use crate::floor::dirt::{FloorView, NOVELTY_BIN};
+use crate::geometry::Pose2;
+use crate::maps::GridGeometry;
+use crate::time::Stamp;
+
+/// Another viewpoint after this way or turn (algorithms F.2). Time alone makes none: a reflection stays while the robot
+/// stands.
+const MOVED_M: f32 = 0.1;
+const TURNED_RAD: f32 = 0.087_27;
+/// Dirty part of the pixels of a cell that makes it dirty: a quarter.
+const DIRTY_PART: u16 = 4;
+/// Fewest pixels of a cell that are an observation.
+const PIXELS_MIN: u16 = 6;
+/// Pixels of the result that are looked at: every second column and row.
+const STEP: usize = 2;
+const COLUMNS_MAX: usize = FLOOR_IMAGE_COLUMNS_MAX / NOVELTY_BIN;
+
+/// Which of the two states of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SeenLayer {
+    /// As it was when the mission first perceived it.
+    First,
+    /// As it is now.
+    Live,
+}
+
+/// What became of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum ViewOutcome {
+    /// So many cells were observed.
+    Observed(u32),
+    /// From where the robot stood before: not counted.
+    SameView,
+}
+
+/// The map over cells that the caller keeps, one for each of the geometry.
+#[derive(Debug)]
+pub struct SeenDirtMap<'a> {
+    geometry: GridGeometry,
+    cells: &'a mut [SeenCell],
+    last_view: Option<Pose2>,
+}
+
+/// A half-size image of scores, and from which on one is dirt.
+#[derive(Clone, Copy, Debug)]
+pub struct Scores<'a> {
+    /// Row by row; NaN where no floor was judged.
+    pub values: &'a [f32],
+    /// Pixels in a row.
+    pub columns: usize,
+    /// The detector's threshold.
+    pub threshold: f32,
+}
+
+impl<'a> SeenDirtMap<'a> {
+    /// A map over cells; `None` if they are fewer than the geometry's.
+    #[must_use]
+    pub fn new(geometry: GridGeometry, cells: &'a mut [SeenCell]) -> Option<Self> {
+        (cells.len() >= geometry.cell_count()).then_some(Self { geometry, cells, last_view: None })
+    }
+
+    /// Where the cells lie.
+    #[must_use]
+    pub const fn geometry(&self) -> &GridGeometry {
+        &self.geometry
+    }
+
+    /// The cells, row by row.
+    #[must_use]
+    pub fn cells(&self) -> &[SeenCell] {
+        self.cells.get(..self.geometry.cell_count()).unwrap_or(&[])
+    }
+
+    /// Starts a mission: what is first perceived is open again.
+    pub fn begin_mission(&mut self) {
+        self.cells.iter_mut().for_each(SeenCell::begin_mission);
+        self.last_view = None;
+    }
+
+    /// Square metres of a layer in a state.
+    #[must_use]
+    pub fn area_m2(&self, layer: SeenLayer, state: CellState) -> f32 {
+        let count = self.cells().iter().filter(|cell| cell.state(layer) == state).count();
+        count as f32 * self.geometry.resolution_m() * self.geometry.resolution_m()
+    }
+
+    /// Adds the scores of a frame from a view whose poses are in the map's frame.
+    pub fn add(&mut self, view: &FloorView, scores: &Scores<'_>, now: Stamp) -> ViewOutcome {
+        if self.last_view.is_some_and(|last| !is_elsewhere(last, view.robot_in_map)) {
+            return ViewOutcome::SameView;
+        }
+        self.last_view = Some(view.robot_in_map);
+        let bounds = self.collect(view, scores);
+        // Seconds of a 64-bit clock: 32 bits are 136 years.
+        let now_s = u32::try_from(now.as_micros() / 1_000_000).unwrap_or(u32::MAX);
+        ViewOutcome::Observed(self.decide(bounds, now_s))
+    }
+
+    /// Counts pixels in cells; the columns and rows that were touched.
+    fn collect(&mut self, view: &FloorView, scores: &Scores<'_>) -> [i32; 4] {
+        let mut bounds = [i32::MAX, i32::MAX, i32::MIN, i32::MIN];
+        let bin = NOVELTY_BIN as f32;
+        let middle = |index: usize| bin * (index as f32 + 0.5) - 0.5;
+        let columns = scores.columns.clamp(1, COLUMNS_MAX);
+        for (row, line) in scores.values.chunks_exact(columns).enumerate().step_by(STEP) {
+            for (column, score) in line.iter().enumerate().step_by(STEP) {
+                if score.is_nan() {
+                    continue;
+                }
+                let Some(place) = view.place_in_map(middle(column), middle(row)) else { continue };
+                let (x, y) = self.geometry.coordinates_of(place);
+                let Some(cell) = self.geometry.index(x, y).and_then(|index| self.cells.get_mut(index)) else {
+                    continue;
+                };
+                let [left, low, right, high] = &mut bounds;
+                (*left, *low) = ((*left).min(x), (*low).min(y));
+                (*right, *high) = ((*right).max(x), (*high).max(y));
+                cell.pixels = cell.pixels.saturating_add(1);
+                if *score > scores.threshold {
+                    cell.dirty_pixels = cell.dirty_pixels.saturating_add(1);
+                    cell.score_sum += *score - scores.threshold;
+                }
+            }
+        }
+        bounds
+    }
+
+    /// Turns counts into observations; how many.
+    fn decide(&mut self, [left, low, right, high]: [i32; 4], now_s: u32) -> u32 {
+        let width = usize::from(self.geometry.width());
+        let mut observed = 0_u32;
+        let count = |first: i32, last: i32| {
+            usize::try_from(last.saturating_sub(first).saturating_add(1)).unwrap_or(0)
+        };
+        let start = |first: i32| usize::try_from(first).unwrap_or(0);
+        let rows = self.cells.chunks_mut(width.max(1)).skip(start(low)).take(count(low, high));
+        for row in rows {
+            for cell in row.iter_mut().skip(start(left)).take(count(left, right)) {
+                if cell.pixels >= PIXELS_MIN {
+                    let is_dirt = cell.dirty_pixels.saturating_mul(DIRTY_PART) >= cell.pixels;
+                    let mean = cell.score_sum / f32::from(cell.dirty_pixels.max(1));
+                    cell.observe(is_dirt.then_some(mean), now_s);
+                    observed = observed.saturating_add(1);
+                }
+                (cell.pixels, cell.dirty_pixels, cell.score_sum) = (0, 0, 0.0);
+            }
+        }
+        observed
+    }
+}
+
+impl SeenCell {
+    /// The state in a layer.
+    #[must_use]
+    pub const fn state(&self, layer: SeenLayer) -> CellState {
+        match layer {
+            SeenLayer::First => self.first(),
+            SeenLayer::Live => self.live(),
+        }
+    }
+}
+
+fn is_elsewhere(last: Pose2, robot: Pose2) -> bool {
+    let moved = last.inverse().compose(robot);
+    libm::hypotf(moved.x_m, moved.y_m) >= MOVED_M || moved.heading_rad.abs() >= TURNED_RAD
+}
