@@ -17,6 +17,7 @@ pub mod picture;
 pub mod recording;
 pub mod report;
 pub mod robot;
+pub mod status;
 pub mod train;
 pub mod world;
 

@@ -1,16 +1,18 @@
 //! `floorguard mission`: cleaning missions in simulation, and what their claims are worth.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::{BadInput, VerdictFailed};
+use crate::environment::read_zones;
 use crate::mission::{
     DirtSource, FaultRates, Floor, MissionConfig, Robot, Strategy, StrategySummary, StrategyTrials, pictures,
     report, rooms, ros_map, run_strategies,
 };
+use crate::status::{MissionStatus, write_status};
 use floorguard_core::random::Pcg32;
 
 /// What to clean, how, and how often.
@@ -55,6 +57,12 @@ pub struct MissionArguments {
     /// Folder for maps and plots.
     #[arg(long, default_value = "floorguard-mission")]
     pub out: PathBuf,
+    /// Write the operator's status report of the first mission, before and after, to this folder.
+    #[arg(long)]
+    pub report: Option<PathBuf>,
+    /// Zones by name for the report: a TOML file with [[zone]] name, corners_m.
+    #[arg(long, requires = "report")]
+    pub zones: Option<PathBuf>,
 }
 
 /// The range sensor of the robot.
@@ -115,6 +123,9 @@ pub fn run(arguments: &MissionArguments) -> anyhow::Result<()> {
         }
     }
     draw(arguments, &floor, &columns)?;
+    if let Some(folder) = &arguments.report {
+        status_report(arguments, folder, (&floor, &config), &columns)?;
+    }
     verdict(&summaries, arguments.delta)
 }
 
@@ -164,6 +175,31 @@ fn draw(arguments: &MissionArguments, floor: &Floor, columns: &[StrategyTrials])
     let names = ("Dirt left in the dirtiest 1 % of the dirty cells", "units", "share of missions");
     pictures::line_plot(&arguments.out.join("dirt_left.svg"), names, &lines)?;
     anstream::eprintln!("pictures in {}", arguments.out.display());
+    Ok(())
+}
+
+/// The first mission of the first strategy, for the operator.
+fn status_report(
+    arguments: &MissionArguments,
+    folder: &Path,
+    (floor, config): (&Floor, &MissionConfig),
+    columns: &[StrategyTrials],
+) -> anyhow::Result<()> {
+    let Some((column, first)) = columns.first().and_then(|column| Some((column, column.trials.first()?)))
+    else {
+        return Ok(());
+    };
+    let zones = match &arguments.zones {
+        Some(path) => read_zones(path).map_err(|error| BadInput(format!("{error:#}")))?,
+        None => Vec::new(),
+    };
+    let expected = arguments.dirt.expected_units(floor, &mut Pcg32::new(arguments.seed, 0))?;
+    let brush_m = config.robot.brush.width_m;
+    let promise = (arguments.tau, arguments.delta);
+    let status = MissionStatus::new((floor, first, &expected), promise, brush_m, &zones);
+    let page = write_status(folder, &status, column.strategy.name())
+        .map_err(|error| BadInput(format!("{error:#}")))?;
+    anstream::eprintln!("{}\nreport in {}", status.sentence(), page.display());
     Ok(())
 }
 
