@@ -15,7 +15,7 @@ fn real_carriers_give_the_verdict_of_virtual_time() {
     let virtual_time = observer.into_observation();
     let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
     let mut observer = Observer::new(&plan, &mut show);
-    let figures = run_real(&plan, &mut observer).unwrap();
+    let figures = run_real(&plan, None, &mut observer).unwrap();
     let real_time = observer.into_observation();
     println!("{figures:?} {:?}", real_time.verdict);
     assert!(virtual_time.verdict.passed && real_time.verdict.passed, "{:?}", real_time.verdict);

@@ -1,5 +1,6 @@
 //! What this machine lacks, and how Debian calls it.
 
+use std::path::PathBuf;
 use std::process::Command;
 
 use anyhow::Result;
@@ -36,16 +37,39 @@ pub fn has_emulator() -> bool {
 
 /// Lets apt install the emulator, which needs root. False if that did not work.
 pub fn add_emulator() -> Result<bool> {
+    Ok(install(&[EMULATOR])? && has_emulator())
+}
+
+/// What `cargo xtask vcan` needs: a Linux that runs as a process, and what its file system is made with.
+pub const VCAN_PACKAGES: [&str; 3] = ["user-mode-linux", "busybox-static", "cpio"];
+
+/// All of it is there.
+pub fn has_user_mode_linux() -> bool {
+    ["linux.uml", "busybox", "cpio"].into_iter().all(shell::is_installed)
+}
+
+/// Lets apt install it. False if that did not work.
+pub fn add_user_mode_linux() -> Result<bool> {
+    Ok(install(&VCAN_PACKAGES)? && has_user_mode_linux())
+}
+
+/// The folder of its kernel modules.
+pub fn user_mode_modules() -> Option<PathBuf> {
+    let versions = std::fs::read_dir("/usr/lib/uml/modules").ok()?;
+    versions.filter_map(Result::ok).map(|entry| entry.path()).find(|path| path.join("kernel").is_dir())
+}
+
+fn install(packages: &[&str]) -> Result<bool> {
     if !shell::is_installed("apt-get") {
         return Ok(false);
     }
-    println!("setup: installing {EMULATOR} with apt-get");
+    println!("setup: installing {} with apt-get", packages.join(", "));
     let mut refresh = Command::new("apt-get");
     refresh.args(["update", "--quiet"]);
     let mut install = Command::new("apt-get");
     install.env("DEBIAN_FRONTEND", "noninteractive");
-    install.args(["install", "--yes", "--quiet", "--no-install-recommends", EMULATOR]);
-    // Old package lists may do: what counts is whether the program is there in the end.
+    install.args(["install", "--yes", "--quiet", "--no-install-recommends"]).args(packages);
+    // Old package lists may do: what counts is whether the programs are there in the end.
     let _ = shell::succeeds(&mut refresh)?;
-    Ok(shell::succeeds(&mut install)? && has_emulator())
+    shell::succeeds(&mut install)
 }

@@ -13,6 +13,7 @@ mod reproduce;
 mod setup;
 mod shell;
 mod test;
+mod vcan;
 
 /// Automation of floorguard. Exit codes: 0 good, 1 verdict negative, 2 usage, 3 bad input.
 #[derive(Parser)]
@@ -34,6 +35,8 @@ enum Command {
     Campaign(campaign::Options),
     /// Play a scenario on the emulated Cortex-M7 and compare with the host, bit for bit.
     Firmware(firmware::Options),
+    /// Try the SocketCAN carrier on vcan0 of a Linux that runs as a process.
+    Vcan(vcan::Options),
     /// Measure the stages of the lidar path on the recordings.
     Bench,
     /// Repeat published experiments, beside the published figures.
@@ -47,6 +50,7 @@ fn main() -> ExitCode {
         Command::Audit(options) => audit::run(&options),
         Command::Campaign(options) => campaign::run(&options),
         Command::Firmware(options) => firmware::run(&options),
+        Command::Vcan(options) => vcan::run(&options),
         Command::Bench => bench::run(),
         Command::Reproduce(options) => reproduce::run(&options),
     };

@@ -98,8 +98,8 @@ mod tests {
     #[test]
     fn every_class_happens_somewhere_and_every_text_is_understood() {
         let mut random = Pcg32::new(1, 1);
-        for class in 0..CLASSES.len() {
-            assert!((0..SOURCES.len()).any(|source| is_possible(class, source)), "{}", CLASSES[class]);
+        for (class, name) in CLASSES.iter().enumerate() {
+            assert!((0..SOURCES.len()).any(|source| is_possible(class, source)), "{name}");
             for source in (0..SOURCES.len()).filter(|source| is_possible(class, *source)) {
                 for _ in 0..20 {
                     let text = draw(class, source, &mut random);

@@ -58,7 +58,7 @@ pub fn run(arguments: &DemoArguments) -> anyhow::Result<()> {
         witnesses.record(&plan, path)?;
     }
     let observation =
-        if arguments.real_io { play_real(&plan, false)? } else { play(&plan, false, &mut witnesses)? };
+        if arguments.real_io { play_real(&plan, None, false)? } else { play(&plan, false, &mut witnesses)? };
     let page = write_report(&arguments.report, &plan, &observation)?;
     anstream::eprintln!("{}", pace(&plan, started));
     let outcome = conclude(&plan, &observation, false);

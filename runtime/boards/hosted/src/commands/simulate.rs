@@ -43,6 +43,9 @@ pub struct SimulateArguments {
     /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.
     #[arg(long, value_name = "FILE.mcap", conflicts_with = "real_io")]
     pub record: Option<PathBuf>,
+    /// With --real-io: an interface of the kernel as the CAN bus, for example vcan0, instead of SLCAN.
+    #[arg(long, requires = "real_io")]
+    pub can_interface: Option<String>,
     /// One verdict object on standard output, no live status.
     #[arg(long)]
     pub json: bool,
@@ -80,7 +83,7 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
         witnesses.record(&plan, path)?;
     }
     let observation = if arguments.real_io {
-        play_real(&plan, arguments.json)?
+        play_real(&plan, arguments.can_interface.as_deref(), arguments.json)?
     } else {
         play(&plan, arguments.json, &mut witnesses)?
     };
@@ -136,8 +139,12 @@ pub(super) fn play(plan: &Plan, quiet: bool, witnesses: &mut Witnesses) -> anyho
 }
 
 /// The same in real time over real carriers.
-pub(super) fn play_real(plan: &Plan, quiet: bool) -> anyhow::Result<Observation> {
-    let (observation, figures) = watched(plan, quiet, |observer| run_real(plan, observer))?;
+pub(super) fn play_real(
+    plan: &Plan,
+    can_interface: Option<&str>,
+    quiet: bool,
+) -> anyhow::Result<Observation> {
+    let (observation, figures) = watched(plan, quiet, |observer| run_real(plan, can_interface, observer))?;
     let late_ms = figures.latest_us as f64 / 1_000.0;
     anstream::eprintln!(
         "  real carriers: the simulator was late by {late_ms:.1} ms at most, {} messages refused by full lines",
