@@ -20,6 +20,8 @@ pub struct Verdict {
     pub seed: u64,
     /// Simulated time, seconds.
     pub duration_s: f64,
+    /// Seconds until the robot could move; none if it never could.
+    pub ready_s: Option<f64>,
     /// Driven way, metres.
     pub distance_m: f64,
     /// Times that the robot and a person touched.

@@ -329,6 +329,7 @@ impl<'a> Observer<'a> {
             id_switches: summary.switches as u32,
             localisation_error_m: summary.motp,
             stop_latency_ms: Quantiles::of_micros(self.orders.latencies_us().to_vec()),
+            ready_s: self.seen.ready_s,
             digest: format!("{:016x}", self.digest.value()),
             faulty_sources: self.faulty.iter().cloned().collect(),
             ..self.judge.verdict()
