@@ -126,6 +126,8 @@ impl Associator {
             && !self.is_used(usize::from(pair.detection))
     }
 
+    // Not inlined, here and below: each frame is gone before the next one comes.
+    #[inline(never)]
     fn solve_group_of(&mut self, seed: usize) {
         if !self.unsolved.get(seed).copied().unwrap_or(false) {
             return;

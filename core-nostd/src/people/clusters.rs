@@ -358,12 +358,7 @@ impl Clusterer {
 
     /// Finishes the means.
     pub(super) fn finish(&mut self) {
-        for cluster in &mut self.clusters {
-            let count = f32::from(cluster.points.max(1));
-            let [x, y, z] = cluster.sums;
-            cluster.occluded = cluster.hidden_edges >= HIDDEN_EDGES_MIN;
-            cluster.centroid = Point3::new(x / count, y / count, z / count);
-        }
+        self.clusters.iter_mut().for_each(Cluster::finish);
     }
 }
 
@@ -398,7 +393,7 @@ const _: () = assert!(SWEEP_COLUMNS * SWEEP_RINGS < HIDDEN as usize);
 
 impl Cluster {
     /// A thing of which the first return and its distance are known; it is not included yet.
-    fn start(root: u16, (point, nearest_m): (Point3, f32)) -> Self {
+    pub(super) fn start(root: u16, (point, nearest_m): (Point3, f32)) -> Self {
         Self {
             points: 0,
             lower: point,
@@ -414,7 +409,7 @@ impl Cluster {
     }
 
     #[inline]
-    fn include(&mut self, point: Point3, nearest_m: f32, hidden_edges: u16) {
+    pub(super) fn include(&mut self, point: Point3, nearest_m: f32, hidden_edges: u16) {
         self.points = self.points.saturating_add(1);
         self.hidden_edges = self.hidden_edges.saturating_add(hidden_edges);
         let Point3 { x_m, y_m, z_m } = point;
@@ -423,6 +418,13 @@ impl Cluster {
         let [x, y, z] = self.sums;
         self.sums = [x + x_m, y + y_m, z + z_m];
         self.nearest_m = self.nearest_m.min(nearest_m);
+    }
+
+    pub(super) fn finish(&mut self) {
+        let count = f32::from(self.points.max(1));
+        let [x, y, z] = self.sums;
+        self.occluded = self.hidden_edges >= HIDDEN_EDGES_MIN;
+        self.centroid = Point3::new(x / count, y / count, z / count);
     }
 
     /// Width, depth and height of the box around it, metres.

@@ -51,6 +51,14 @@ impl ConstantVelocity {
         self.velocity_variance = vv + density * t;
     }
 
+    /// Keeps a `share` 0…1 of the velocity: a walker of whom nothing is known slows down. Covariances follow.
+    pub fn slow_down(&mut self, share: f32) {
+        self.velocity.x_m *= share;
+        self.velocity.y_m *= share;
+        self.cross_covariance *= share;
+        self.velocity_variance = (self.velocity_variance * share * share).max(VARIANCE_MIN);
+    }
+
     /// Squared Mahalanobis distance of a measured position with standard deviation `sigma_m`.
     #[must_use]
     pub fn distance2(&self, measured: Point2, sigma_m: f32) -> f32 {

@@ -13,12 +13,14 @@ mod ground;
 mod joint;
 mod labels;
 mod looks;
+mod memory;
 pub mod person_model;
 mod person_table;
 mod pipeline;
 mod projection;
 pub mod ring_clusters;
 pub mod shape;
+mod splits;
 mod tracker;
 mod visibility;
 

@@ -11,6 +11,7 @@ use super::looks::Looks;
 use super::person_model::{person_log_odds, probability};
 use super::projection::{ColumnFrame, RingAngles, RingProfile, SweepFrame};
 use super::shape::{ShapeBuilder, ShapeVector};
+use super::splits::{SEEDS_MAX, Splits};
 use super::tracker::{Track, Tracker, TrackerParameters};
 use super::visibility::Visibility;
 use crate::capacities::{CLUSTERS_MAX, SWEEP_RINGS};
@@ -88,6 +89,7 @@ pub struct PeoplePipeline {
     visibility: Visibility,
     detections: Vec<Detection, DETECTIONS_MAX>,
     looks: Looks,
+    splits: Splits,
     tracker: Tracker,
     counters: PeopleCounters,
 }
@@ -95,6 +97,8 @@ pub struct PeoplePipeline {
 /// Measurement noise of a cluster's centre, metres (D.2, 3-D lidar), and its growth per metre of distance.
 const SIGMA_M: f32 = 0.1;
 const SIGMA_PER_M: f32 = 0.004;
+/// The middle of what is left of somebody half hidden is not the middle of the body, and wanders with what hides it.
+const OCCLUDED: f32 = 1.3;
 
 impl PeoplePipeline {
     /// Nothing seen yet.
@@ -115,6 +119,7 @@ impl PeoplePipeline {
             visibility: Visibility::new(),
             detections: Vec::new(),
             looks: Looks::new(),
+            splits: Splits::new(),
             tracker: Tracker::new(parameters),
             counters: PeopleCounters::ZERO,
         }
@@ -158,8 +163,10 @@ impl PeoplePipeline {
 
     /// Which things may be people, and how probably; after [`Self::find_things`].
     pub fn find_detections(&mut self, sweep: &Sweep, context: &SweepContext) {
+        self.share_out(sweep, context);
         self.find_candidates(context);
         self.look(sweep, context);
+        self.splits.clear();
         self.find_upper_bodies(sweep, context);
     }
 
@@ -284,6 +291,8 @@ impl PeoplePipeline {
     }
 
     /// Gathers the shape of the new candidates and asks the classifier.
+    // Not inlined, here and below: each frame is gone before the next one comes.
+    #[inline(never)]
     fn look(&mut self, sweep: &Sweep, context: &SweepContext) {
         if !self.looks.begin() {
             return;
@@ -302,12 +311,16 @@ impl PeoplePipeline {
                 // Neighbours mostly belong to the same thing: it is looked up once.
                 if *label != known.0 {
                     let cluster = self.clusterer.cluster_of_label(*label);
-                    known = (*label, cluster.and_then(|cluster| self.looks.slot(cluster)));
+                    let slot = cluster.and_then(|cluster| Some((cluster, self.looks.slot(cluster)?)));
+                    known = (*label, slot);
                 }
-                if let Some(slot) = known.1 {
-                    let frame = frame.get_or_insert_with(|| frames.column(column));
-                    self.looks.add(slot, frame.point(*raw, *angle), ring);
+                let Some((cluster, mut slot)) = known.1 else { continue };
+                let point = frame.get_or_insert_with(|| frames.column(column)).point(*raw, *angle);
+                if self.splits.is_shared(cluster) {
+                    let Some(share) = self.splits.slot(cluster, point) else { continue };
+                    slot = share;
                 }
+                self.looks.add(slot, point, ring);
             }
         }
         let detections = &mut self.detections;
@@ -318,38 +331,81 @@ impl PeoplePipeline {
         });
     }
 
+    /// Things in which the tracker expects several people are shared out among them.
+    #[inline(never)]
+    fn share_out(&mut self, sweep: &Sweep, context: &SweepContext) {
+        self.splits.clear();
+        let odom_in_base = context.base_in_odom.inverse();
+        for (index, thing) in self.things.iter().enumerate() {
+            let expected = self.tracker.expected(sweep.end_stamp);
+            self.splits.consider(index, thing, expected.map(|place| odom_in_base.transform(place)));
+        }
+        if self.splits.is_empty() {
+            return;
+        }
+        let frames = SweepFrame::new(sweep, &context.sensor_in_base, context.twist);
+        for (index, column) in sweep.used_columns().iter().enumerate() {
+            let mut frame: Option<ColumnFrame> = None;
+            for ring in rings_of(self.clusterer.present_in(index)) {
+                let (Some(raw), Some(angle)) = (column.range_raw.get(ring), self.angles.rings.get(ring))
+                else {
+                    continue;
+                };
+                let index =
+                    self.clusterer.index_of(index, ring).filter(|thing| self.splits.is_shared(*thing));
+                if let Some((index, thing)) = index.and_then(|index| Some((index, self.things.get(index)?))) {
+                    let point = frame.get_or_insert_with(|| frames.column(column)).point(*raw, *angle);
+                    self.splits.add(index, point, thing.nearest_m);
+                }
+            }
+        }
+    }
+
+    #[inline(never)]
     fn find_candidates(&mut self, context: &SweepContext) {
         self.detections.clear();
         self.looks.clear();
         let sensor_height_m = context.sensor_in_base.translation.z_m;
         for index in 0..self.things.len().min(CLUSTERS_MAX) {
             let Some(thing) = self.things.get(index).copied() else { continue };
-            if self.candidate_limits.admits(&thing, sensor_height_m) {
+            if !self.splits.is_shared(index) && self.candidate_limits.admits(&thing, sensor_height_m) {
                 self.propose(detection(&thing, context), index, &thing, context);
+            }
+        }
+        for index in 0..SEEDS_MAX {
+            let Some((thing, part)) = self.splits.part(index) else { continue };
+            if self.candidate_limits.admits(&part, sensor_height_m) {
+                let slot = self.propose(detection(&part, context), thing, &part, context);
+                self.splits.assign(index, slot);
             }
         }
     }
 
-    /// Out of room: the farthest candidate goes first.
-    fn propose(&mut self, detection: Detection, index: usize, thing: &Cluster, context: &SweepContext) {
+    /// Slot of the new candidate. Out of room: the farthest candidate goes first.
+    fn propose(
+        &mut self,
+        detection: Detection,
+        index: usize,
+        thing: &Cluster,
+        context: &SweepContext,
+    ) -> Option<usize> {
         self.counters.candidates = self.counters.candidates.saturating_add(1);
         let mut slot = self.detections.len();
         if let Err(detection) = self.detections.push(detection) {
             self.counters.dropped_candidates = self.counters.dropped_candidates.saturating_add(1);
             let others = self.detections.iter_mut().enumerate();
             let farthest = others.max_by(|(_, a), (_, b)| a.distance_m.total_cmp(&b.distance_m));
-            let Some((row, worse)) = farthest.filter(|(_, other)| other.distance_m > detection.distance_m)
-            else {
-                return;
-            };
+            let (row, worse) = farthest.filter(|(_, other)| other.distance_m > detection.distance_m)?;
             *worse = detection;
             slot = row;
         }
         let heights_m = (thing.lower.z_m, thing.upper.z_m);
         let builder = ShapeBuilder::new(context.sensor_in_base.translation, thing.centroid, heights_m);
         self.looks.set(slot, index, builder, thing.occluded);
+        Some(slot)
     }
 
+    #[inline(never)]
     fn track(&mut self, sweep: &Sweep, context: &SweepContext) {
         let origin = context.sensor_in_base.translation;
         let [[cos, ..], [sin, ..], _] = context.sensor_in_base.rotation;
@@ -433,7 +489,7 @@ fn detection(thing: &Cluster, context: &SweepContext) -> Detection {
     Detection {
         position: context.base_in_odom.transform(centre),
         distance_m: thing.nearest_m,
-        sigma_m: SIGMA_M + SIGMA_PER_M * thing.nearest_m,
+        sigma_m: (SIGMA_M + SIGMA_PER_M * thing.nearest_m) * if thing.occluded { OCCLUDED } else { 1.0 },
         likeness: 0.5,
         points: thing.points,
         moving: None,

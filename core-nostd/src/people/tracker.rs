@@ -5,6 +5,7 @@ use heapless::Vec;
 use super::association::{Association, Associator, DETECTIONS_MAX};
 use super::candidates::Detection;
 use super::filter::ConstantVelocity;
+use super::memory::{Memory, best_of};
 use super::person_model::probability;
 use crate::capacities::TRACKS_MAX;
 use crate::geometry::Point2;
@@ -16,7 +17,8 @@ pub struct TrackerParameters {
     /// Spectral density of a walker's acceleration, m²/s³ (D.1 gives 0.065 at the 30 Hz of the reference; people who
     /// start and turn need more at 10 Hz).
     pub acceleration_density: f32,
-    /// How detections are given to tracks.
+    /// How detections are given to tracks; joint probabilities lose fewer people in crowds (`cargo xtask reproduce
+    /// crowds`).
     pub association: Association,
     /// Mahalanobis gate for two dimensions (99 %, D.4).
     pub gate: f32,
@@ -32,13 +34,21 @@ pub struct TrackerParameters {
     pub variance_max_m2: f32,
     /// A new track nearer to an old one than this is a duplicate, metres (D.5).
     pub duplicate_m: f32,
+    /// A person out of sight keeps to the last speed for about this long, seconds.
+    pub coast_s: f32,
+    /// Whoever is lost for a moment may be this far from where the track says, metres, and so much farther per second.
+    pub reach_m: f32,
+    /// See `reach_m`, m/s.
+    pub reach_mps: f32,
+    /// A track that nobody saw for this long may have gone astray, µs.
+    pub astray_us: u64,
 }
 
 impl TrackerParameters {
     /// The values of the parameters' own documentation.
     pub const DEFAULT: Self = Self {
         acceleration_density: 0.4,
-        association: Association::Nearest,
+        association: Association::Joint,
         gate: 3.035,
         sightings_min: 3,
         tentative_misses_max: 2,
@@ -46,6 +56,10 @@ impl TrackerParameters {
         missed_max_us: 700_000,
         variance_max_m2: 1.0,
         duplicate_m: 0.5,
+        coast_s: 1.5,
+        reach_m: 0.5,
+        reach_mps: 1.6,
+        astray_us: 250_000,
     };
 }
 
@@ -108,8 +122,11 @@ pub struct Tracker {
     /// Sweeps refused because they were older than the newest one.
     pub late: u32,
     associator: Associator,
+    memory: Memory,
 }
 
+/// Somebody seen within this time is expected to be seen again, µs.
+const EXPECTED_US: u64 = 1_500_000;
 /// A longer pause than this forgets the tentative tracks, µs (D.7).
 const PAUSE_US: u64 = 2_000_000;
 
@@ -125,6 +142,7 @@ impl Tracker {
             dropped: 0,
             late: 0,
             associator: Associator::new(),
+            memory: Memory::new(),
         }
     }
 
@@ -147,12 +165,29 @@ impl Tracker {
                 track.miss(stamp, visible(track.state.position));
             }
         }
+        self.recall(stamp);
         self.delete(stamp);
         for (column, detection) in detections.iter().enumerate().take(DETECTIONS_MAX) {
             if !self.associator.is_used(column) {
                 self.create(stamp, detection);
             }
         }
+    }
+
+    /// Where the people who were seen a moment ago are expected at `stamp`, fixed frame.
+    pub fn expected(&self, stamp: Stamp) -> impl Iterator<Item = Point2> {
+        let seconds = match self.now.map(|now| now.age(stamp)) {
+            Some(Age::Past(age_us)) => age_us as f32 * 1.0e-6,
+            _ => 0.0,
+        };
+        let fresh = move |track: &&Track| {
+            let seen = matches!(track.last_seen.age(stamp), Age::Past(age_us) if age_us < EXPECTED_US);
+            seen && track.status == TrackStatus::Confirmed && track.belief > 0.0
+        };
+        self.tracks.iter().filter(fresh).map(move |track| {
+            let ConstantVelocity { position, velocity, .. } = track.state;
+            Point2::new(position.x_m + seconds * velocity.x_m, position.y_m + seconds * velocity.y_m)
+        })
     }
 
     /// Moves every track to `stamp`; false if that lies in the past.
@@ -168,9 +203,41 @@ impl Tracker {
         }
         let seconds = stamp.seconds_since(now);
         for track in &mut self.tracks {
+            // People slow down in a crowd; who is out of sight is rather waited for than chased.
+            if track.last_seen != now {
+                track.state.slow_down(libm::expf(-seconds / self.parameters.coast_s.max(1.0e-3)));
+            }
             track.state.predict(seconds, self.parameters.acceleration_density);
         }
         true
+    }
+
+    /// Who is confirmed by this sighting may be somebody who was lost, or whose track went astray while unseen.
+    // Not inlined, here and below: each frame is gone before the next one comes.
+    #[inline(never)]
+    fn recall(&mut self, stamp: Stamp) {
+        self.memory.forget(stamp);
+        for row in 0..self.tracks.len().min(TRACKS_MAX) {
+            let sightings_min = self.parameters.sightings_min;
+            let fresh = self.tracks.get(row).copied();
+            let confirmed = |track: &Track| track.last_seen == stamp && track.sightings == sightings_min;
+            let Some(fresh) = fresh.filter(|track| confirmed(track) && track.belief > 0.0) else { continue };
+            let place = fresh.state.position;
+            let (astray_us, reach) =
+                (self.parameters.astray_us, [self.parameters.reach_m, self.parameters.reach_mps]);
+            let astray = self.tracks.iter().filter(|track| track.may_be_astray(stamp, astray_us, &fresh));
+            let (astray, lost) =
+                (best_of(astray, (place, stamp), reach), self.memory.best((place, stamp), reach));
+            let best = astray.into_iter().chain(lost).min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((_, id)) = best else { continue };
+            let old = self.tracks.iter().find(|track| track.id == id).copied();
+            let Some(old) = self.memory.take(id).or(old) else { continue };
+            if let Some(track) = self.tracks.get_mut(row) {
+                track.continue_from(&old);
+            }
+            // The older of the two, which nobody sees; the younger one has its number now.
+            self.tracks.retain(|track| track.id != id || track.last_seen == stamp);
+        }
     }
 
     /// Pairs of track and detection that were not considered for want of room, since the start.
@@ -187,6 +254,7 @@ impl Tracker {
 
     /// Gives detections to tracks by d² + ln|S|, so that an uncertain track does not win (D.4). Only pairs within the
     /// gate take part.
+    #[inline(never)]
     fn associate(&mut self, stamp: Stamp, detections: &[Detection]) {
         self.associator.clear();
         for row in 0..self.tracks.len().min(TRACKS_MAX) {
@@ -213,8 +281,14 @@ impl Tracker {
     }
 
     fn delete(&mut self, stamp: Stamp) {
-        let parameters = self.parameters;
-        self.tracks.retain(|track| track.lives(stamp, &parameters));
+        let (parameters, memory) = (self.parameters, &mut self.memory);
+        self.tracks.retain(|track| {
+            let lives = track.lives(stamp, &parameters);
+            if !lives && track.status == TrackStatus::Confirmed && track.belief > 0.0 {
+                memory.keep(track);
+            }
+            lives
+        });
     }
 
     /// Out of room: the farthest track goes first, because near ones matter (algorithms 0.3). False if everybody is
@@ -240,6 +314,7 @@ impl Tracker {
         }
     }
 
+    #[inline(never)]
     fn create(&mut self, stamp: Stamp, detection: &Detection) {
         let duplicate = self
             .tracks
@@ -306,6 +381,20 @@ impl Track {
         self.moving_probability += 0.3 * (0.5 * f32::from(moves) - self.moving_probability);
         let gain = LOOK_SHARE * look(detection) + if walking { WALK_GAIN } else { 0.0 };
         self.belief = (self.belief + gain).clamp(-BELIEF_MAX, BELIEF_MAX);
+        self.person_probability = probability(self.belief);
+    }
+
+    /// A confirmed person, older than `fresh`, whom nobody saw for a while.
+    fn may_be_astray(&self, now: Stamp, astray_us: u64, fresh: &Self) -> bool {
+        let unseen = matches!(self.last_seen.age(now), Age::Past(age_us) if age_us > astray_us);
+        unseen && self.status == TrackStatus::Confirmed && self.belief > 0.0 && self.created < fresh.created
+    }
+
+    /// It is the same person.
+    fn continue_from(&mut self, old: &Self) {
+        (self.id, self.created, self.first_position) = (old.id, old.created, old.first_position);
+        self.sightings = self.sightings.saturating_add(old.sightings);
+        self.belief = self.belief.max(old.belief);
         self.person_probability = probability(self.belief);
     }
 
@@ -400,5 +489,28 @@ mod tests {
         tracker.update(Stamp::from_micros(200_000), &[sighting(3.0, 0.0)], |_| true);
         tracker.update(Stamp::from_micros(100_000), &[sighting(6.0, 0.0)], |_| true);
         assert_eq!((tracker.tracks().len(), tracker.late), (1, 1));
+    }
+
+    /// Somebody who vanished behind a column and comes out on its other side is the same person; somebody who appears
+    /// too far away is not.
+    #[test]
+    fn who_returns_after_a_long_time_out_of_sight_is_known_again() {
+        for (returns_at_m, expected) in [(3.5, 1), (12.0, 2)] {
+            let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
+            let stamp = |step: u64| Stamp::from_micros(step * 100_000);
+            for step in 0..20 {
+                tracker.update(stamp(step), &[sighting(0.1 * step as f32, 3.0)], |_| true);
+            }
+            for step in 20..50 {
+                tracker.update(stamp(step), &[], |_| false);
+            }
+            assert!(tracker.tracks().is_empty());
+            for step in 50..54 {
+                let along_m = returns_at_m + 0.1 * (step - 50) as f32;
+                tracker.update(stamp(step), &[sighting(along_m, 3.0)], |_| true);
+            }
+            let ids: std::vec::Vec<_> = tracker.tracks().iter().map(|track| track.id).collect();
+            assert_eq!(ids, [expected], "{returns_at_m}");
+        }
     }
 }

@@ -20,6 +20,9 @@ const ROBOT: (f32, f32) = (3.0, 0.40);
 const BEHIND: f32 = 0.35;
 /// Nobody accelerates harder, m/s².
 const PUSH_MAX: f32 = 6.0;
+/// Bodies that touch push each other apart, m/s² per metre of overlap, and at most this hard, m/s² (Helbing, Farkas and
+/// Vicsek 2000: nobody walks through anybody).
+const CONTACT: (f32, f32) = (150.0, 15.0);
 /// A goal counts as reached within this distance, metres.
 const REACHED_M: f32 = 0.6;
 
@@ -90,6 +93,14 @@ impl Crowd {
                 add(&mut push, repel(person, wall, 0.0, WALLS));
             }
             accelerate(person, push, step_s);
+            let others = bodies.iter().enumerate().filter(|(other, _)| *other != index);
+            let contacts = others.filter_map(|(_, body)| contact(person, body.0, body.1));
+            let contact = contacts.fold(Point2::default(), |mut sum, push| {
+                add(&mut sum, push);
+                sum
+            });
+            person.velocity.x_m += contact.x_m * step_s;
+            person.velocity.y_m += contact.y_m * step_s;
             person.advance(step_s);
         }
     }
@@ -125,6 +136,15 @@ fn repel(person: &Person, from: Point2, radius_m: f32, law: (f32, f32)) -> Point
     let force = law.0 * libm::expf((-gap / law.1).min(1.5)) * view;
     // A little to the right as well, so that two who meet head-on do not stand before each other for ever.
     Point2::new(force * (dx - 0.2 * dy) / distance, force * (dy + 0.2 * dx) / distance)
+}
+
+/// Push of a body that overlaps with the person's.
+fn contact(person: &Person, from: Point2, radius_m: f32) -> Option<Point2> {
+    let (dx, dy) = (person.position.x_m - from.x_m, person.position.y_m - from.y_m);
+    let distance = libm::hypotf(dx, dy).max(0.01);
+    let overlap_m = radius_m + person.kind.radius_m() - distance;
+    let force = (CONTACT.0 * overlap_m).min(CONTACT.1) / distance;
+    (overlap_m > 0.0).then(|| Point2::new(force * dx, force * dy))
 }
 
 fn accelerate(person: &mut Person, push: Point2, step_s: f32) {

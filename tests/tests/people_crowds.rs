@@ -1,0 +1,26 @@
+//! Thirty people who hide each other are followed: accuracy, identity and time to find. The whole table is made by
+//! `cargo xtask reproduce crowds`.
+
+use floorguard_tests::crowds::{CROWDS, totals};
+
+#[test]
+fn thirty_people_keep_their_identity() {
+    let crowd = CROWDS.iter().find(|scene| scene.name == "30 milling").expect("a built-in crowd");
+    let [nearest, joint] = totals(crowd, 2, 15).expect("the scene is readable");
+    for (name, total) in [("NN", &nearest), ("NNJPDA", &joint)] {
+        println!(
+            "{name}: MOTA {:.3}, {} switches, {:.2} per person-minute, 95 % found within {:.2} s",
+            total.mota(),
+            total.summary.switches,
+            total.switches_per_person_minute(),
+            total.acquired_within_s(0.95)
+        );
+    }
+    // Issue 4, "It must show".
+    assert!(joint.mota() >= 0.85 && joint.acquired_within_s(0.95) <= 0.3);
+    assert!(joint.switches_per_person_minute() <= 1.0);
+    assert!(
+        joint.summary.switches <= nearest.summary.switches,
+        "joint probabilities are there to lose fewer"
+    );
+}
