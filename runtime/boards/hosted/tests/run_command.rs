@@ -9,8 +9,9 @@ fn missing_devices_are_named_and_waited_for() {
     let folder = tempfile::tempdir().unwrap();
     let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
     let file = robot_file(folder.path(), port);
+    let model = folder.path().join("m").display().to_string();
     let output = Command::new(env!("CARGO_BIN_EXE_floorguard"))
-        .args(["run", &file, "--duration", "0.6", "--json"])
+        .args(["run", &file, "--duration", "0.6", "--json", "--learn", &model])
         .output()
         .unwrap();
     let (said, told) = (String::from_utf8(output.stderr).unwrap(), String::from_utf8(output.stdout).unwrap());
@@ -20,6 +21,10 @@ fn missing_devices_are_named_and_waited_for() {
     }
     assert!(told.contains("\"lidar\":\"absent\"") && told.contains("\"drive\":\"faulty\""), "{told}");
     assert!(told.contains("\"limit_mps\":0.0"), "{told}");
+    // Without a scanner nothing was watched: nothing is known of the place, and the file says so.
+    let asked =
+        Command::new(env!("CARGO_BIN_EXE_floorguard")).args(["ask", "people", "--model", &model]).output();
+    assert!(String::from_utf8(asked.unwrap().stdout).unwrap().starts_with("I do not know"));
 }
 
 /// A port that another program holds is bad input, not a robot without a lidar.

@@ -17,6 +17,7 @@ use super::exit::BadInput;
 use super::live::status_of;
 use crate::configuration::load;
 use crate::display::LiveDisplay;
+use crate::environment::{Calendar, LiveLearner};
 use crate::executor::StopFlag;
 use crate::robot::{HostedShared, Links, run_rings, write_stop_file};
 use crate::world::new_shared;
@@ -40,6 +41,10 @@ pub struct RunArguments {
     /// Write the last ten seconds before each stop into this folder.
     #[arg(long)]
     pub black_box: Option<PathBuf>,
+    /// Let this environment model learn from the list of people, saved every minute; made if there is none. Places are
+    /// told from where the robot was switched on.
+    #[arg(long)]
+    pub learn: Option<PathBuf>,
 }
 
 /// Runs the command.
@@ -61,10 +66,19 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     })?;
     anstream::eprintln!("floorguard run: {}; Ctrl-C ends it, r and Enter resets", arguments.file.display());
     let mut watch = Watch::new(arguments, &shared);
+    if let Some(path) = &arguments.learn {
+        let mounting = configuration.robot.guard().scanner.mounting;
+        let learner = LiveLearner::open(path, mounting, Calendar::now());
+        watch.learner = Some(learner.map_err(|error| BadInput(format!("{}: {error:#}", path.display())))?);
+    }
     let outcome = run_rings((&configuration.robot, links), &shared, &flag, || {
         watch.until_stopped(&flag, &typed_lines())
     });
     outcome??;
+    if let Some(learner) = watch.learner.take() {
+        let positions = learner.finish(Calendar::now())?;
+        anstream::eprintln!("floorguard run: learned {positions} positions of people");
+    }
     anstream::eprintln!("floorguard run: the robot stands, {} stops", watch.stops);
     Ok(())
 }
@@ -94,13 +108,24 @@ struct Watch<'a> {
     stops: u32,
     last_stop: Option<String>,
     bus: Option<BusReport>,
+    learner: Option<LiveLearner>,
 }
 
 impl<'a> Watch<'a> {
     fn new(arguments: &'a RunArguments, shared: &'a HostedShared) -> Self {
         let display = LiveDisplay::new(arguments.duration.unwrap_or(0.0), arguments.json);
         let began = Instant::now();
-        Self { arguments, shared, display, began, next_json_s: 0.0, stops: 0, last_stop: None, bus: None }
+        Self {
+            arguments,
+            shared,
+            display,
+            began,
+            next_json_s: 0.0,
+            stops: 0,
+            last_stop: None,
+            bus: None,
+            learner: None,
+        }
     }
 
     fn until_stopped(&mut self, flag: &StopFlag, typed: &Receiver<String>) -> anyhow::Result<()> {
@@ -112,6 +137,9 @@ impl<'a> Watch<'a> {
             }
             while let Some(stop) = self.shared.stops.try_pop() {
                 self.on_stop(&stop)?;
+            }
+            if let Some(learner) = &mut self.learner {
+                learner.look(self.shared, Calendar::now())?;
             }
             if let Some(report) = self.shared.bus.get() {
                 self.on_bus(&report);

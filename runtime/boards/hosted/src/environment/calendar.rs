@@ -18,6 +18,13 @@ impl Default for Calendar {
 }
 
 impl Calendar {
+    /// That of this computer; UTC where it has no name.
+    #[must_use]
+    pub fn of_this_computer() -> Self {
+        let zone = TimeZone::system();
+        zone.iana_name().and_then(|name| Self::named(name).ok()).unwrap_or_default()
+    }
+
     /// By a name such as `Europe/Berlin`, by `UTC`, or by an offset such as `+02:00`.
     ///
     /// # Errors
