@@ -9,3 +9,4 @@ pub mod environment;
 pub mod fuzz;
 pub mod lidar_frames;
 pub mod reproduce;
+pub mod wired;

@@ -15,7 +15,9 @@ use crate::machine::{self, TARGET};
 use crate::shell;
 
 /// The image that plays tapes.
-const IMAGE: &str = "floorguard-mps2-an500-tape";
+const TAPE_IMAGE: &str = "floorguard-mps2-an500-tape";
+/// The image that listens to devices.
+const WIRED_IMAGE: &str = "floorguard-mps2-an500";
 /// The board's PSRAM.
 const TAPE_AT: u32 = 0x6000_0000;
 const TAPE_BYTES_MAX: u64 = 16 << 20;
@@ -31,9 +33,15 @@ pub struct Options {
     /// Seed of all randomness.
     #[arg(long, default_value_t = 2)]
     seed: u64,
-    /// Simulated seconds; 16 MiB of memory hold about 16.
-    #[arg(long, default_value_t = 8)]
-    duration: u32,
+    /// Simulated seconds: 8 from a tape, of which 16 MiB of memory hold about 16; 60 over wires.
+    #[arg(long)]
+    duration: Option<u32>,
+    /// Over the board's devices instead of from a tape: UDP and serial lines, the simulator at their other end.
+    #[arg(long, conflicts_with = "update")]
+    wired: bool,
+    /// Break the wired firmware on purpose, one fault after the other: each must stop the drives and tell its cause.
+    #[arg(long, conflicts_with_all = ["update", "wired"])]
+    faults: bool,
     /// Write the counts to the golden file instead of comparing them.
     #[arg(long)]
     update: bool,
@@ -66,11 +74,14 @@ pub fn run(options: &Options) -> Result<bool> {
             "the emulator is missing; please run as root: apt-get install --no-install-recommends qemu-system-arm"
         );
     }
+    if options.wired || options.faults {
+        return wired(options);
+    }
     let folder = target_folder()?;
     std::fs::create_dir_all(folder.join("firmware-run"))?;
     let tape = folder.join("firmware-run").join("input.tape");
     let hosted = record(options, &tape)?;
-    let image = build(&folder)?;
+    let image = build(&folder, TAPE_IMAGE)?;
     let outcome = play(&image, &tape)?;
     if options.json {
         println!("{}", serde_json::to_string(&outcome)?);
@@ -84,8 +95,39 @@ pub fn run(options: &Options) -> Result<bool> {
             outcome.digest
         );
     }
-    let standard = (options.scenario.as_str(), options.seed, options.duration) == ("crossing", 2, 8);
+    let standard = (options.scenario.as_str(), options.seed, options.tape_seconds()) == ("crossing", 2, 8);
     Ok(equal && (!standard || compare(&outcome, options.update)?))
+}
+
+impl Options {
+    fn tape_seconds(&self) -> u32 {
+        self.duration.unwrap_or(8)
+    }
+}
+
+/// Runs the image that listens to devices, with the simulator on its wires; false when something was lost or late.
+fn wired(options: &Options) -> Result<bool> {
+    let image = build(&target_folder()?, WIRED_IMAGE)?;
+    let mut play = shell::cargo();
+    play.args([
+        "run",
+        "--quiet",
+        "--package",
+        "floorguard-tests",
+        "--bin",
+        "floorguard-wired",
+        "--",
+        "--image",
+    ]);
+    play.arg(image).args(["--scenario", &options.scenario, "--seed", &options.seed.to_string()]);
+    play.args(["--duration", &options.duration.unwrap_or(60).to_string()]);
+    if options.faults {
+        play.arg("--faults");
+    }
+    if options.json {
+        play.arg("--json");
+    }
+    shell::succeeds(&mut play)
 }
 
 /// Plays the scenario on the host; gives the fingerprint.
@@ -93,7 +135,7 @@ fn record(options: &Options, tape: &Path) -> Result<String> {
     let mut simulate = shell::cargo();
     simulate.args(["run", "--quiet", "--package", "floorguard", "--", "simulate", "--json"]);
     simulate.args(["--scenario", &options.scenario, "--seed", &options.seed.to_string()]);
-    simulate.args(["--duration", &options.duration.to_string(), "--tape"]).arg(tape);
+    simulate.args(["--duration", &options.tape_seconds().to_string(), "--tape"]).arg(tape);
     let printed =
         shell::output(&mut simulate).context("the hosted run failed; try `cargo run -- simulate`")?;
     let length = std::fs::metadata(tape)?.len();
@@ -106,14 +148,14 @@ fn record(options: &Options, tape: &Path) -> Result<String> {
     Ok(verdict["digest"].as_str().context("the verdict has no digest")?.to_owned())
 }
 
-fn build(folder: &Path) -> Result<PathBuf> {
+fn build(folder: &Path, image: &str) -> Result<PathBuf> {
     let mut build = shell::cargo();
-    build.args(["build", "--quiet", "--package", "floorguard-mps2-an500", "--bin", IMAGE]);
+    build.args(["build", "--quiet", "--package", "floorguard-mps2-an500", "--bin", image]);
     build.args(["--profile", "firmware", "--target", TARGET]);
     if !shell::succeeds(&mut build)? {
         bail!("the firmware does not build");
     }
-    Ok(folder.join(TARGET).join("firmware").join(IMAGE))
+    Ok(folder.join(TARGET).join("firmware").join(image))
 }
 
 /// Where cargo builds.

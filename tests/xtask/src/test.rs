@@ -50,6 +50,20 @@ const STEPS: &[Step] = &[
         name: "firmware",
         arguments: &["run", "--quiet", "--package", "floorguard-xtask", "--", "firmware"],
     },
+    Step {
+        name: "wired",
+        arguments: &[
+            "run",
+            "--quiet",
+            "--package",
+            "floorguard-xtask",
+            "--",
+            "firmware",
+            "--wired",
+            "--duration",
+            "2",
+        ],
+    },
     // After the firmware, whose figures it shows.
     Step { name: "audit", arguments: &["run", "--quiet", "--package", "floorguard-xtask", "--", "audit"] },
 ];

@@ -49,12 +49,8 @@ pub fn start() {
     interrupts::enable(Interrupt::DualTimer, priority::CLOCK);
 }
 
-/// Raw 25 MHz ticks since the start: the stop-watch of the instruction counts.
-pub fn ticks() -> u64 {
-    CLOCK.ticks()
-}
-
 impl Clock {
+    /// Raw 25 MHz ticks since the start.
     fn ticks(&self) -> u64 {
         critical_section::with(|_| {
             let mut wraps = u64::from(self.wraps.load(Ordering::Relaxed));

@@ -16,6 +16,9 @@ use crate::interrupts::{self, Interrupt, priority};
 const THREAD: usize = usize::MAX;
 const GUARD: usize = 31;
 
+/// Spent between two looks at the devices while the thread has nothing to do and must not sleep.
+const AWAKE_CYCLES: u32 = 4_000;
+
 static THREAD_HAS_WORK: AtomicBool = AtomicBool::new(false);
 static THREAD_EXECUTOR: StaticCell<Executor> = StaticCell::new();
 static GUARD_EXECUTOR_CELL: StaticCell<Executor> = StaticCell::new();
@@ -51,8 +54,9 @@ extern "C" fn GUARD_EXECUTOR() {
     }
 }
 
-/// Runs the thread executor for ever.
-pub fn run_thread(spawn: impl FnOnce(Spawner)) -> ! {
+/// Runs the thread executor for ever. One that does not sleep keeps the emulator's virtual time in step with the
+/// instructions that it executes.
+pub fn run_thread(sleeps: bool, spawn: impl FnOnce(Spawner)) -> ! {
     let executor: &'static Executor =
         THREAD_EXECUTOR.init(Executor::new(core::ptr::without_provenance_mut(THREAD)));
     spawn(executor.spawner());
@@ -62,7 +66,13 @@ pub fn run_thread(spawn: impl FnOnce(Spawner)) -> ! {
         // With interrupts masked, nothing can set the flag between the look and the sleep; a pending one still wakes.
         cortex_m::interrupt::disable();
         if !THREAD_HAS_WORK.swap(false, Ordering::Acquire) {
-            cortex_m::asm::wfi();
+            if sleeps {
+                cortex_m::asm::wfi();
+            } else {
+                // Time goes on by some instructions, then the emulator looks after its devices.
+                cortex_m::asm::delay(AWAKE_CYCLES);
+                cortex_m::asm::wfe();
+            }
         }
         // SAFETY: interrupts were enabled before this loop began.
         unsafe { cortex_m::interrupt::enable() };

@@ -13,15 +13,25 @@ mod ethernet;
 #[cfg(target_os = "none")]
 mod executor;
 #[cfg(target_os = "none")]
+mod faults;
+#[cfg(target_os = "none")]
 mod interrupts;
 #[cfg(target_os = "none")]
+mod last_words;
+#[cfg(target_os = "none")]
 mod register;
+#[cfg(target_os = "none")]
+mod robot;
+#[cfg(target_os = "none")]
+mod stack_guard;
 #[cfg(target_os = "none")]
 mod start;
 #[cfg(target_os = "none")]
 mod uart;
 #[cfg(target_os = "none")]
 mod watchdog;
+#[cfg(target_os = "none")]
+mod wired;
 
 #[cfg(not(target_os = "none"))]
 fn main() {

@@ -1,50 +1,60 @@
 //! Start-up, faults, and what happens when everything else has failed.
 
 use cortex_m_rt::{entry, exception};
-use cortex_m_semihosting::{debug, hprintln};
-use embassy_executor::Spawner;
-use embassy_time::{Duration, Instant, Timer};
+use floorguard_runtime::clock::now;
+use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::shared::Motion;
+use static_cell::StaticCell;
 
-use crate::{clock, executor};
+use crate::last_words::{self, Cause};
+use crate::wired::{RobotShared, options, start_guard_ring, start_perception_ring};
+use crate::{clock, executor, robot, stack_guard, watchdog};
+
+/// A guard that decides nothing for this long is dead, milliseconds; after twice as long the machine is reset.
+const WATCHDOG_MS: u32 = 100;
+
+static ROBOT: StaticCell<RobotConfiguration> = StaticCell::new();
+static SHARED: StaticCell<RobotShared> = StaticCell::new();
 
 #[entry]
 fn main() -> ! {
+    stack_guard::start();
     clock::start();
-    let guard = executor::start_guard();
-    guard.spawn(tick().unwrap());
-    executor::run_thread(|spawner: Spawner| spawner.spawn(check().unwrap()))
-}
-
-#[embassy_executor::task]
-async fn tick() {
-    loop {
-        Timer::after(Duration::from_millis(10)).await;
-    }
-}
-
-#[embassy_executor::task]
-async fn check() {
-    let start = Instant::now();
-    Timer::after(Duration::from_millis(250)).await;
-    let begin = clock::ticks();
-    for _ in 0..1000 {
-        cortex_m::asm::nop();
-    }
-    hprintln!("waited {} us, {} ticks", start.elapsed().as_micros(), clock::ticks() - begin);
-    debug::exit(debug::EXIT_SUCCESS);
+    // From here on, whatever hangs is ended.
+    watchdog::start(WATCHDOG_MS);
+    let options = options::read();
+    let robot = ROBOT.init(robot::tape().and_then(robot::robot_for).unwrap_or_else(robot::robot));
+    let shared: &'static RobotShared =
+        match RobotShared::new(robot.guard(), Motion::new(robot.wheels()), now()) {
+            Ok(shared) => SHARED.init(shared),
+            Err(error) => panic!("the guard refuses the robot: {error}"),
+        };
+    start_guard_ring(executor::start_guard(), shared, robot, options);
+    executor::run_thread(!options.never_sleep, |spawner| {
+        start_perception_ring(spawner, shared, (robot, options))
+    })
 }
 
 #[exception]
 unsafe fn DefaultHandler(number: i16) {
-    hprintln!("unexpected interrupt {}", number);
-    debug::exit(debug::EXIT_FAILURE);
+    last_words::die(Cause::Interrupt, number as u32);
+}
+
+#[exception]
+unsafe fn NonMaskableInt() {
+    // The watchdog's first expiry; its second one resets the machine.
+    last_words::die(Cause::Watchdog, 0);
+}
+
+#[exception]
+unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
+    // The frame may lie where the stack has no room any more: it is not looked at.
+    // SAFETY: the register can always be read.
+    let status = unsafe { (*cortex_m::peripheral::SCB::PTR).cfsr.read() };
+    last_words::die(Cause::Fault, status)
 }
 
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo) -> ! {
-    hprintln!("{}", info);
-    debug::exit(debug::EXIT_FAILURE);
-    loop {
-        cortex_m::asm::wfi();
-    }
+    last_words::die(Cause::Panic, info.location().map_or(0, |location| location.line()))
 }

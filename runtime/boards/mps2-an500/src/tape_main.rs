@@ -9,14 +9,16 @@
 #[cfg(target_os = "none")]
 mod register;
 #[cfg(target_os = "none")]
+mod robot;
+#[cfg(target_os = "none")]
 mod tape;
 
 #[cfg(target_os = "none")]
 mod start {
     use cortex_m_rt::{entry, exception};
     use cortex_m_semihosting::{debug, hprintln};
-    use floorguard_runtime::tape::TapeReader;
 
+    use crate::robot;
     use crate::tape::{play, stopwatch};
 
     /// No interrupt is used: every vector leads to the default handler.
@@ -29,20 +31,13 @@ mod start {
         fn unexpected();
     }
 
-    /// Where the emulator puts the tape, and how large it may be.
-    const TAPE_AT: usize = 0x6000_0000;
-    const TAPE_BYTES: usize = 16 << 20;
-
     #[entry]
     fn main() -> ! {
         stopwatch::start();
-        // SAFETY: the board has 16 MiB of PSRAM there, which nothing in this program writes.
-        let bytes: &'static [u8] =
-            unsafe { core::slice::from_raw_parts(core::ptr::with_exposed_provenance(TAPE_AT), TAPE_BYTES) };
-        let played = match TapeReader::new(bytes) {
+        let played = match robot::tape() {
             Some(tape) => play::play(tape),
             None => {
-                hprintln!("there is no tape at {:#010x}: load one with -device loader", TAPE_AT);
+                hprintln!("there is no tape at {:#010x}: load one with -device loader", robot::TAPE_AT);
                 false
             }
         };

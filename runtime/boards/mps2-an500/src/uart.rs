@@ -4,12 +4,14 @@
 //! buffer is full the byte stays in the device, the interrupt is switched off, and the reader switches it on again.
 
 use core::convert::Infallible;
+use core::sync::atomic::{AtomicU32, Ordering};
 
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::pipe::Pipe;
 use embassy_sync::signal::Signal;
 use embedded_io_async::{ErrorType, Read, Write};
 
+use crate::faults::STORM;
 use crate::interrupts::{self, Interrupt, priority};
 use crate::register::Register;
 
@@ -21,6 +23,8 @@ const CONTROL_TRANSMIT_INTERRUPT: u32 = 1 << 2;
 const CONTROL_RECEIVE_INTERRUPT: u32 = 1 << 3;
 /// Bytes taken per interrupt: bounds the time that the line can steal from the rings.
 const BYTES_PER_INTERRUPT: usize = 32;
+/// Looks at the state of the device per byte of the last words: ten milliseconds of a fast processor.
+const LAST_WORDS_POLLS: u32 = 1_000_000;
 /// Software buffer, bytes: more than one S300 telegram (1,108).
 const BUFFER: usize = 2_048;
 
@@ -30,6 +34,8 @@ pub struct Uart {
     receive: Interrupt,
     transmit: Interrupt,
     received: Pipe<CriticalSectionRawMutex, BUFFER>,
+    /// Bytes taken from the device since the start.
+    taken: AtomicU32,
     sent: Signal<CriticalSectionRawMutex, ()>,
 }
 
@@ -44,7 +50,7 @@ pub static LOG: Uart = Uart::new(0x4000_7000, Interrupt::Uart3Receive, Interrupt
 
 impl Uart {
     const fn new(base: usize, receive: Interrupt, transmit: Interrupt) -> Self {
-        Self { base, receive, transmit, received: Pipe::new(), sent: Signal::new() }
+        Self { base, receive, transmit, received: Pipe::new(), taken: AtomicU32::new(0), sent: Signal::new() }
     }
 
     const fn data(&self) -> Register {
@@ -85,6 +91,7 @@ impl Uart {
             let byte = self.data().read() as u8;
             // There is room: checked above, and only this handler writes.
             let _ = self.received.try_write(&[byte]);
+            self.taken.fetch_add(1, Ordering::Relaxed);
         }
         if self.state().read() & STATE_RECEIVE_FULL != 0 {
             cortex_m::peripheral::NVIC::pend(self.receive);
@@ -95,13 +102,21 @@ impl Uart {
         self.clear().write(1);
         self.control().modify(CONTROL_TRANSMIT_INTERRUPT, 0);
         self.sent.signal(());
+        if STORM.load(Ordering::Relaxed) {
+            cortex_m::peripheral::NVIC::pend(self.transmit);
+        }
+    }
+
+    /// Bytes taken from the device since the start; wraps.
+    pub fn taken(&self) -> u32 {
+        self.taken.load(Ordering::Relaxed)
     }
 
     /// Writes without waiting for the executor: for last words.
     pub fn write_blocking(&self, bytes: &[u8]) {
         for byte in bytes {
-            // The emulated device drains at once; the bound keeps a dead one from hanging the last words.
-            for _ in 0..10_000 {
+            // The bound keeps a dead device from hanging the last words.
+            for _ in 0..LAST_WORDS_POLLS {
                 if self.state().read() & STATE_TRANSMIT_FULL == 0 {
                     break;
                 }

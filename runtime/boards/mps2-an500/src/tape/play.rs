@@ -17,7 +17,7 @@ use floorguard_drivers::xsens::Device;
 use floorguard_runtime::digest::OutputDigest;
 use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::{Motion, Shared};
-use floorguard_runtime::tape::{TapeLine, TapeReader, TapeRecord, decode_route};
+use floorguard_runtime::tape::{TapeLine, TapeReader, TapeRecord};
 use floorguard_runtime::tasks::{
     NoMotion, PerceptionState, advice_input, can_bus, command_input, drive_route, imu_input, lidar_input,
     operator_input, perceive, scanner_input, supervise,
@@ -26,9 +26,9 @@ use static_cell::StaticCell;
 
 use super::carriers::{CanLine, LidarLine, SerialLine};
 use super::clock;
-use super::robot::robot;
 use super::stopwatch::Stopwatch;
 use super::task_set::TaskSet;
+use crate::robot::robot_for;
 
 type RobotShared = Shared<NoopRawMutex>;
 
@@ -78,14 +78,10 @@ struct Costs {
 
 /// Plays a tape to its end and prints what came of it. False when the guard refuses the robot.
 pub fn play(tape: TapeReader<'static>) -> bool {
-    let mut robot = robot();
-    let mut first = tape;
-    let route = first.next().filter(|record| record.line == TapeLine::Route);
-    let Some((route, limits)) = route.and_then(|record| decode_route(record.data)) else {
+    let Some(robot) = robot_for(tape) else {
         hprintln!("the tape does not begin with a route");
         return false;
     };
-    (robot.route, robot.route_limits) = (route, limits);
     let Ok(shared) = RobotShared::new(robot.guard(), Motion::new(robot.wheels()), Stamp::ZERO) else {
         hprintln!("the guard refuses the robot");
         return false;

@@ -1,0 +1,133 @@
+//! Everything that can stop the robot, on the executor of interrupt priority. One thin wrapper per task.
+
+use embassy_executor::{SendSpawner, Spawner};
+use embassy_net::Runner;
+use embassy_time::{Duration, Instant, Ticker};
+use floorguard_core::geometry::Transform3;
+use floorguard_core::odometry::Tricycle;
+use floorguard_drivers::s300::{Configuration, Receiver};
+use floorguard_drivers::three_wheel_base::ThreeWheelBase;
+use floorguard_drivers::velodyne::{Decoder, ModelChoice};
+use floorguard_drivers::xsens::Device;
+use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::io::SlcanBus;
+use floorguard_runtime::tasks::{
+    advice_input, can_bus, command_input, imu_input, lidar_input, operator_input, scanner_input, supervise,
+};
+
+use super::network::{self, LidarSocket};
+use super::options::Options;
+use super::{RobotShared, witness};
+use crate::ethernet::Ethernet;
+use crate::faults::{Fault, STARVED_AT, break_guard};
+use crate::uart::{self, Port};
+use crate::watchdog;
+
+/// Several times within the watchdog's patience.
+const FEED_EVERY: Duration = Duration::from_millis(20);
+/// Bit rates of the lines; the emulator does not simulate them.
+const SCANNER_BAUD: u32 = 500_000;
+const IMU_BAUD: u32 = 115_200;
+const CAN_BAUD: u32 = 1_000_000;
+
+/// Starts the ring. `robot` lives as long as the program.
+pub fn start_guard_ring(
+    spawner: SendSpawner,
+    shared: &'static RobotShared,
+    robot: &'static RobotConfiguration,
+    options: Options,
+) {
+    spawner.spawn(ring(shared, robot, options).unwrap());
+}
+
+/// Starts the others: what they are made of may not leave this executor.
+#[embassy_executor::task]
+async fn ring(shared: &'static RobotShared, robot: &'static RobotConfiguration, options: Options) {
+    // SAFETY: the spawner stays in this task, which stays on its executor.
+    let spawner = unsafe { Spawner::for_current_executor().await };
+    uart::SCANNER.start(SCANNER_BAUD);
+    uart::IMU.start(IMU_BAUD);
+    uart::CAN.start(CAN_BAUD);
+    let (stack, runner) = network::stack(Ethernet::start());
+    let choice = robot.lidar_model().map_or(ModelChoice::Auto, ModelChoice::Fixed);
+    spawner.spawn(network(runner).unwrap());
+    spawner.spawn(lidar(shared, LidarSocket::open(stack), Decoder::new(choice)).unwrap());
+    spawner.spawn(scanner(shared).unwrap());
+    if let Some(configured) = robot.imu {
+        spawner.spawn(imu(shared, configured.mounting.transform()).unwrap());
+    }
+    spawner.spawn(can(shared, (ThreeWheelBase::new(robot.base()), robot.tricycle())).unwrap());
+    spawner.spawn(supervisor(shared).unwrap());
+    spawner.spawn(command(shared).unwrap());
+    spawner.spawn(advice(shared).unwrap());
+    spawner.spawn(operator(shared).unwrap());
+    spawner.spawn(watchdog(shared, options.fault).unwrap());
+    if let Some(fault) = options.fault {
+        spawner.spawn(break_guard(fault).unwrap());
+    }
+    spawner.spawn(witness::lateness().unwrap());
+    if options.bench {
+        spawner.spawn(witness::witness(shared, network::witness_socket(stack)).unwrap());
+    }
+}
+
+/// Feeds the watchdog for as long as the guard decides.
+#[embassy_executor::task]
+async fn watchdog(shared: &'static RobotShared, fault: Option<Fault>) {
+    let mut ticker = Ticker::every(FEED_EVERY);
+    let mut seen = shared.decision.published();
+    loop {
+        ticker.next().await;
+        let decided = shared.decision.published();
+        let starved = fault == Some(Fault::Starvation) && Instant::now() > STARVED_AT;
+        if decided != seen && !starved {
+            watchdog::feed();
+        }
+        seen = decided;
+    }
+}
+
+#[embassy_executor::task]
+async fn network(mut runner: Runner<'static, Ethernet>) -> ! {
+    runner.run().await
+}
+
+#[embassy_executor::task]
+async fn lidar(shared: &'static RobotShared, socket: LidarSocket, decoder: Decoder) {
+    lidar_input(shared, socket, decoder).await;
+}
+
+#[embassy_executor::task]
+async fn scanner(shared: &'static RobotShared) {
+    scanner_input(shared, Port(&uart::SCANNER), Receiver::new(Configuration::default())).await;
+}
+
+#[embassy_executor::task]
+async fn imu(shared: &'static RobotShared, mounting: Transform3) {
+    imu_input(shared, Port(&uart::IMU), (Device::new(IMU_BAUD), mounting)).await;
+}
+
+#[embassy_executor::task]
+async fn can(shared: &'static RobotShared, base: (ThreeWheelBase, Tricycle)) {
+    can_bus(shared, SlcanBus::new(Port(&uart::CAN)), base).await;
+}
+
+#[embassy_executor::task]
+async fn supervisor(shared: &'static RobotShared) {
+    supervise(shared).await;
+}
+
+#[embassy_executor::task]
+async fn command(shared: &'static RobotShared) {
+    command_input(shared).await;
+}
+
+#[embassy_executor::task]
+async fn advice(shared: &'static RobotShared) {
+    advice_input(shared).await;
+}
+
+#[embassy_executor::task]
+async fn operator(shared: &'static RobotShared) {
+    operator_input(shared).await;
+}

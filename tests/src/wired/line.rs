@@ -1,0 +1,75 @@
+//! A serial line of the emulated board: bytes wait until the device takes them, none is dropped.
+
+use std::collections::VecDeque;
+use std::io::{ErrorKind, Read, Write};
+use std::os::unix::net::UnixStream;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+
+/// The emulator opens its sockets within this.
+const OPENS_WITHIN: Duration = Duration::from_secs(20);
+
+/// One end of a line.
+pub struct Line {
+    stream: UnixStream,
+    waiting: VecDeque<u8>,
+    /// Bytes given to the line since the start.
+    pub sent: u64,
+}
+
+impl Line {
+    /// Connects to the emulator's socket, as soon as it is there.
+    ///
+    /// # Errors
+    /// It never is.
+    pub fn open(path: &Path) -> anyhow::Result<Self> {
+        let began = Instant::now();
+        let stream = loop {
+            match UnixStream::connect(path) {
+                Ok(stream) => break stream,
+                Err(_) if began.elapsed() < OPENS_WITHIN => std::thread::sleep(Duration::from_millis(10)),
+                Err(error) => return Err(error).context("the emulator does not open its serial lines"),
+            }
+        };
+        stream.set_nonblocking(true)?;
+        Ok(Self { stream, waiting: VecDeque::new(), sent: 0 })
+    }
+
+    /// Sends bytes, now or as soon as the line takes them.
+    pub fn send(&mut self, bytes: &[u8]) {
+        self.waiting.extend(bytes);
+        self.sent += bytes.len() as u64;
+    }
+
+    /// Hands over what waits.
+    ///
+    /// # Errors
+    /// The emulator has gone.
+    pub fn flush(&mut self) -> anyhow::Result<()> {
+        while !self.waiting.is_empty() {
+            let (front, _) = self.waiting.as_slices();
+            match self.stream.write(front) {
+                Ok(count) => drop(self.waiting.drain(..count)),
+                Err(error) if error.kind() == ErrorKind::WouldBlock => return Ok(()),
+                Err(error) => return Err(error).context("a serial line of the emulator broke"),
+            }
+        }
+        Ok(())
+    }
+
+    /// What the board has written.
+    ///
+    /// # Errors
+    /// The emulator has gone.
+    pub fn receive(&mut self) -> anyhow::Result<Vec<u8>> {
+        let mut bytes = vec![0; 4_096];
+        match self.stream.read(&mut bytes) {
+            Ok(count) => bytes.truncate(count),
+            Err(error) if error.kind() == ErrorKind::WouldBlock => bytes.clear(),
+            Err(error) => return Err(error).context("a serial line of the emulator broke"),
+        }
+        Ok(bytes)
+    }
+}

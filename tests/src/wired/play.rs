@@ -1,0 +1,185 @@
+//! Plays the simulated world on the board's own clock.
+//!
+//! The world never runs ahead of the board: it is advanced to the time that the board reports, and no more datagrams are
+//! under way than its Ethernet controller holds. So a busy host makes the run slower, not worse.
+
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use floorguard_hosted::world::{Plan, Tape};
+use floorguard_sim::can::{SlcanDecoder, encode_slcan};
+use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
+
+use super::board::Board;
+use super::outcome::Outcome;
+use super::report::Report;
+
+/// What to play.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The linked image.
+    pub image: PathBuf,
+    /// Scenario of the simulator.
+    pub scenario: String,
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// Board's time, microseconds.
+    pub duration_us: u64,
+}
+
+/// Datagrams under way: the emulated controller holds eight.
+const WINDOW: u32 = 6;
+/// After the end, what is under way has this long to arrive, microseconds of the board's time.
+const DRAIN_US: u64 = 500_000;
+/// NMT: stop, all nodes.
+const STOP_ALL_NODES: [u8; 2] = [2, 0];
+/// State of the guard that waits for an operator.
+const LATCHED: u32 = 4;
+/// How long the operator looks around first, microseconds.
+const LOOKS_AROUND_US: u64 = 3_000_000;
+
+/// The world's end of the wires.
+pub(super) struct World {
+    simulation: Simulation,
+    adapter: SlcanDecoder,
+    datagrams: VecDeque<Vec<u8>>,
+    pub(super) outcome: Outcome,
+    /// The board told all nodes of the bus to stop.
+    pub(super) stopped_nodes: bool,
+    latched_since_us: Option<u64>,
+}
+
+/// Runs the image with the world on its wires.
+///
+/// # Errors
+/// The emulator or the firmware fails.
+pub fn run(options: &Options) -> anyhow::Result<Outcome> {
+    let plan = Plan::named(&options.scenario, options.seed, options.duration_us)?;
+    let folder = tempfile::tempdir()?;
+    let mut board = Board::start(&options.image, &Tape::new(&plan).finish(), 0, folder.path())?;
+    let mut world = World::new(&plan)?;
+    let began = Instant::now();
+    let start = greet(&board)?;
+    let began_at = world.simulation.robot().0;
+    let end_us = start.now_us + plan.duration_us;
+    let mut newest = start;
+    while newest.now_us < end_us + DRAIN_US && !(newest.now_us >= end_us && world.is_drained(&board, &newest))
+    {
+        newest = newest_report(&board)?;
+        world.serve(&mut board, &newest, newest.now_us.min(end_us) - start.now_us)?;
+    }
+    let lines = [&board.scanner, &board.imu, &board.can];
+    let mut outcome = world.outcome;
+    outcome.bytes_sent = lines.map(|line| line.sent);
+    let ended_at = world.simulation.robot().0;
+    outcome.driven_m = (ended_at.x_m - began_at.x_m).hypot(ended_at.y_m - began_at.y_m);
+    outcome.seconds = [(newest.now_us - start.now_us) as f64 * 1.0e-6, began.elapsed().as_secs_f64()];
+    outcome.board = newest;
+    board.quit()?;
+    Ok(outcome)
+}
+
+/// Says hello until the board answers.
+pub(super) fn greet(board: &Board) -> anyhow::Result<Report> {
+    let patience = Instant::now() + Duration::from_secs(30);
+    board.witness.set_read_timeout(Some(Duration::from_millis(100)))?;
+    while Instant::now() < patience {
+        board.witness.send(b"H")?;
+        let mut bytes = [0; 256];
+        let answer = board.witness.recv(&mut bytes).ok();
+        if let Some(report) = answer.and_then(|length| Report::parse(bytes.get(..length)?)) {
+            board.witness.set_read_timeout(Some(Duration::from_secs(20)))?;
+            return Ok(report);
+        }
+    }
+    anyhow::bail!("the firmware does not answer on its network")
+}
+
+/// Waits for a report, and takes the newest that is there.
+pub(super) fn newest_report(board: &Board) -> anyhow::Result<Report> {
+    let mut bytes = [0; 256];
+    let length = board.witness.recv(&mut bytes).context("the firmware has fallen silent")?;
+    let mut newest = bytes.get(..length).and_then(Report::parse);
+    board.witness.set_nonblocking(true)?;
+    while let Ok(length) = board.witness.recv(&mut bytes) {
+        newest = bytes.get(..length).and_then(Report::parse).or(newest);
+    }
+    board.witness.set_nonblocking(false)?;
+    newest.context("the firmware reports in words that nobody knows")
+}
+
+impl World {
+    /// At its beginning.
+    ///
+    /// # Errors
+    /// The scenario cannot be played.
+    pub(super) fn new(plan: &Plan) -> anyhow::Result<Self> {
+        Ok(Self {
+            simulation: Simulation::new(&plan.scenario, plan.seed)?,
+            adapter: SlcanDecoder::default(),
+            datagrams: VecDeque::new(),
+            outcome: Outcome::default(),
+            stopped_nodes: false,
+            latched_since_us: None,
+        })
+    }
+
+    /// Everything has arrived.
+    fn is_drained(&self, board: &Board, report: &Report) -> bool {
+        let lines = [(&board.scanner, report.scanner_bytes), (&board.imu, report.imu_bytes)];
+        let can = (&board.can, report.can_bytes);
+        let datagrams = self.datagrams.is_empty() && self.outcome.lidar_sent == report.lidar;
+        datagrams && lines.into_iter().chain([can]).all(|(line, taken)| line.sent == u64::from(taken))
+    }
+
+    /// Brings the world to `to_us`, and what it says to the board.
+    pub(super) fn serve(&mut self, board: &mut Board, report: &Report, to_us: u64) -> anyhow::Result<()> {
+        let datagrams = &mut self.datagrams;
+        self.simulation.advance_to(to_us, &mut |WireEvent { stream, payload, .. }| match (stream, payload) {
+            (Stream::LidarData, Payload::Bytes(bytes)) => datagrams.push_back(bytes),
+            (Stream::ScannerSerial, Payload::Bytes(bytes)) => board.scanner.send(&bytes),
+            (Stream::ImuSerial, Payload::Bytes(bytes)) => board.imu.send(&bytes),
+            (Stream::Can, Payload::Frame(frame)) => board.can.send(encode_slcan(&frame).as_bytes()),
+            _ => {}
+        });
+        self.listen(board, to_us)?;
+        let orders = board.imu.receive()?;
+        if !orders.is_empty() {
+            self.simulation.receive(Stream::ImuSerial, &orders);
+        }
+        for line in [&mut board.scanner, &mut board.imu, &mut board.can] {
+            line.flush()?;
+        }
+        while self.outcome.lidar_sent.wrapping_sub(report.lidar) < WINDOW {
+            let Some(datagram) = self.datagrams.pop_front() else { break };
+            board.lidar.send(&datagram)?;
+            self.outcome.lidar_sent += 1;
+        }
+        self.operate(board, report, to_us)
+    }
+
+    /// Takes what the board has put on the bus.
+    pub(super) fn listen(&mut self, board: &mut Board, to_us: u64) -> anyhow::Result<()> {
+        let (frames, replies) = self.adapter.push(&board.can.receive()?);
+        board.can.send(&replies);
+        for frame in frames {
+            self.outcome.frames_received += 1;
+            self.stopped_nodes |= frame.id == 0 && frame.payload() == STOP_ALL_NODES;
+            self.simulation.receive_can(frame, to_us);
+        }
+        Ok(())
+    }
+
+    /// The person with the key: resets what is latched.
+    fn operate(&mut self, board: &Board, report: &Report, to_us: u64) -> anyhow::Result<()> {
+        if report.state != LATCHED {
+            self.latched_since_us = None;
+        } else if to_us - *self.latched_since_us.get_or_insert(to_us) >= LOOKS_AROUND_US {
+            self.latched_since_us = None;
+            board.witness.send(b"R")?;
+        }
+        Ok(())
+    }
+}
