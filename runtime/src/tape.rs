@@ -35,6 +35,10 @@ pub enum TapeLine {
     Reset,
     /// What the mission drives: the first record of a tape, see [`decode_route`].
     Route,
+    /// The operator pressed pause.
+    Pause,
+    /// The operator pressed resume.
+    Resume,
 }
 
 impl TapeLine {
@@ -48,6 +52,8 @@ impl TapeLine {
             Self::Can => 4,
             Self::Reset => 5,
             Self::Route => 6,
+            Self::Pause => 7,
+            Self::Resume => 8,
         }
     }
 
@@ -61,6 +67,8 @@ impl TapeLine {
             4 => Some(Self::Can),
             5 => Some(Self::Reset),
             6 => Some(Self::Route),
+            7 => Some(Self::Pause),
+            8 => Some(Self::Resume),
             _ => None,
         }
     }

@@ -14,6 +14,7 @@ pub use records::{BoxEntry, STOPS_KEPT, StopRecord};
 pub use reports::{LinkCounters, PeopleReport, PersonReport, RobotStatus, SweepReport};
 
 use core::cell::RefCell;
+use core::sync::atomic::{AtomicBool, Ordering};
 
 use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::RawMutex;
@@ -80,6 +81,7 @@ pub struct Shared<M: RawMutex> {
     pub bus: Latest<M, BusReport>,
     /// Every stop, in order.
     pub stops: Queue<M, StopRecord, STOPS_KEPT>,
+    paused: AtomicBool,
     records: Mutex<M, RefCell<records::Records>>,
     links: Mutex<M, RefCell<LinkCounters>>,
 }
@@ -106,6 +108,7 @@ impl<M: RawMutex> Shared<M> {
             status: Latest::new(),
             bus: Latest::new(),
             stops: Queue::new(),
+            paused: AtomicBool::new(false),
             records: Mutex::new(RefCell::new(records::Records::new())),
             links: Mutex::new(RefCell::new(LinkCounters::default())),
         })
@@ -149,6 +152,17 @@ impl<M: RawMutex> Shared<M> {
                 entry(stamp, boxed);
             }
         });
+    }
+
+    /// The operator wants the mission to wait, or to go on. Only the mission listens: it can hold the robot, never
+    /// release it.
+    pub fn pause(&self, paused: bool) {
+        self.paused.store(paused, Ordering::Relaxed);
+    }
+
+    /// The mission waits.
+    pub fn is_paused(&self) -> bool {
+        self.paused.load(Ordering::Relaxed)
     }
 
     /// Counts something on a link.

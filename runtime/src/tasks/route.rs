@@ -2,6 +2,7 @@
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::{Duration, Ticker};
+use floorguard_core::geometry::Twist2;
 
 use crate::clock;
 use crate::mission::RouteFollower;
@@ -10,13 +11,15 @@ use crate::shared::Shared;
 /// How often the wish is renewed: the guard takes one of 200 ms for stale.
 const PERIOD_MS: u64 = 50;
 
-/// Perception ring. Runs for ever; wishes to stand when the route has ended.
+/// Perception ring. Runs for ever; wishes to stand when the route has ended or the operator pauses.
 pub async fn drive_route<M: RawMutex>(shared: &Shared<M>, mut follower: RouteFollower) {
     let mut ticker = Ticker::every(Duration::from_millis(PERIOD_MS));
     loop {
         ticker.next().await;
         if let Some(pose) = shared.pose.get() {
-            shared.wanted.publish((clock::now(), follower.wanted(pose.pose_in_odometry)));
+            let wanted =
+                if shared.is_paused() { Twist2::ZERO } else { follower.wanted(pose.pose_in_odometry) };
+            shared.wanted.publish((clock::now(), wanted));
         }
     }
 }

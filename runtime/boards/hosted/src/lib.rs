@@ -13,6 +13,7 @@ pub mod judge;
 pub mod metrics;
 pub mod mission;
 pub mod models;
+pub mod panel;
 pub mod picture;
 pub mod recording;
 pub mod report;

@@ -1,11 +1,13 @@
 //! `floorguard demo`: two simulated minutes of a supermarket, a verdict, and a report with a picture.
 
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
 
 use super::exit::BadInput;
+use super::panel::open_panel;
 use super::simulate::{conclude, pace, play, play_real};
 use crate::report::write_report;
 use crate::world::{Plan, Witnesses};
@@ -28,6 +30,9 @@ pub struct DemoArguments {
     /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.
     #[arg(long, value_name = "FILE.mcap", conflicts_with = "real_io")]
     pub record: Option<PathBuf>,
+    /// Show the run live in a browser, in real time: `--panel 127.0.0.1:8080`.
+    #[arg(long, value_name = "ADDRESS:PORT", conflicts_with = "real_io")]
+    pub panel: Option<SocketAddr>,
 }
 
 impl Default for DemoArguments {
@@ -38,6 +43,7 @@ impl Default for DemoArguments {
             real_io: false,
             report: PathBuf::from("floorguard-report"),
             record: None,
+            panel: None,
         }
     }
 }
@@ -56,6 +62,9 @@ pub fn run(arguments: &DemoArguments) -> anyhow::Result<()> {
     let mut witnesses = Witnesses::default();
     if let Some(path) = &arguments.record {
         witnesses.record(&plan, path)?;
+    }
+    if let Some(address) = arguments.panel {
+        witnesses.panel = Some(open_panel(address, &plan.scenario.title, &plan.robot)?);
     }
     let observation =
         if arguments.real_io { play_real(&plan, None, false)? } else { play(&plan, false, &mut witnesses)? };

@@ -1,6 +1,7 @@
 //! `floorguard run robot.toml`: the robot on real devices, until Ctrl-C.
 
 use std::io::{BufRead, IsTerminal};
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
@@ -15,10 +16,12 @@ use serde_json::json;
 
 use super::exit::BadInput;
 use super::live::status_of;
+use super::panel::open_panel;
 use crate::configuration::load;
 use crate::display::LiveDisplay;
 use crate::environment::{Calendar, LiveLearner};
 use crate::executor::StopFlag;
+use crate::panel::Panel;
 use crate::robot::{HostedShared, Links, run_rings, write_stop_file};
 use crate::world::new_shared;
 
@@ -45,6 +48,9 @@ pub struct RunArguments {
     /// told from where the robot was switched on.
     #[arg(long)]
     pub learn: Option<PathBuf>,
+    /// Show the robot live in a browser: `--panel 127.0.0.1:8080`.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    pub panel: Option<SocketAddr>,
 }
 
 /// Runs the command.
@@ -70,6 +76,11 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
         let mounting = configuration.robot.guard().scanner.mounting;
         let learner = LiveLearner::open(path, mounting, Calendar::now());
         watch.learner = Some(learner.map_err(|error| BadInput(format!("{}: {error:#}", path.display())))?);
+    }
+    if let Some(address) = arguments.panel {
+        let mut panel = open_panel(address, &arguments.file.display().to_string(), &configuration.robot)?;
+        panel.set_clock_start(clock::now());
+        watch.panel = Some(panel);
     }
     let outcome = run_rings((&configuration.robot, links), &shared, &flag, || {
         watch.until_stopped(&flag, &typed_lines())
@@ -109,6 +120,7 @@ struct Watch<'a> {
     last_stop: Option<String>,
     bus: Option<BusReport>,
     learner: Option<LiveLearner>,
+    panel: Option<Panel>,
 }
 
 impl<'a> Watch<'a> {
@@ -125,6 +137,7 @@ impl<'a> Watch<'a> {
             last_stop: None,
             bus: None,
             learner: None,
+            panel: None,
         }
     }
 
@@ -135,7 +148,12 @@ impl<'a> Watch<'a> {
             if typed.try_iter().any(|line| line.trim().eq_ignore_ascii_case("r")) {
                 self.shared.reset.signal(());
             }
+            if let Some(panel) = &mut self.panel {
+                panel.look(self.shared);
+                std::iter::from_fn(|| panel.order()).for_each(|order| order.apply(self.shared));
+            }
             while let Some(stop) = self.shared.stops.try_pop() {
+                self.panel.iter_mut().for_each(|panel| panel.stop(&stop));
                 self.on_stop(&stop)?;
             }
             if let Some(learner) = &mut self.learner {

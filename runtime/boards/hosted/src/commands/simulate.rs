@@ -1,5 +1,6 @@
 //! `floorguard simulate`: a scenario, judged by ground truth.
 
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -10,6 +11,7 @@ use floorguard_sim::scenario::Scenario;
 
 use super::exit::{BadInput, VerdictFailed};
 use super::live::status_of;
+use super::panel::open_panel;
 use crate::display::LiveDisplay;
 use crate::report::write_report;
 use crate::world::{
@@ -46,6 +48,9 @@ pub struct SimulateArguments {
     /// With --real-io: an interface of the kernel as the CAN bus, for example vcan0, instead of SLCAN.
     #[arg(long, requires = "real_io")]
     pub can_interface: Option<String>,
+    /// Show the run live in a browser, in real time: `--panel 127.0.0.1:8080`.
+    #[arg(long, value_name = "ADDRESS:PORT", conflicts_with = "real_io")]
+    pub panel: Option<SocketAddr>,
     /// One verdict object on standard output, no live status.
     #[arg(long)]
     pub json: bool,
@@ -81,6 +86,9 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
     }
     if let Some(path) = &arguments.record {
         witnesses.record(&plan, path)?;
+    }
+    if let Some(address) = arguments.panel {
+        witnesses.panel = Some(open_panel(address, &plan.scenario.title, &plan.robot)?);
     }
     let observation = if arguments.real_io {
         play_real(&plan, arguments.can_interface.as_deref(), arguments.json)?

@@ -14,6 +14,7 @@ use floorguard_runtime::tape::{TapeLine, decode_route};
 use super::spawn::{
     GuardCarriers, Stages, new_perception, new_shared, spawn_guard_ring, spawn_perception_ring,
 };
+use super::witnesses::REPEATABLE;
 use crate::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 use crate::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 use crate::recording::{
@@ -35,6 +36,8 @@ pub trait ReplayAudience {
 pub struct ReplayOutcome {
     /// Fingerprint of all outputs.
     pub digest: u64,
+    /// The raw bytes alone do not tell the whole run: nothing was compared.
+    pub unrepeatable: bool,
     /// The recording's own, when it was closed properly.
     pub recorded_digest: Option<u64>,
     /// Fingerprints of moments within the recording that were compared.
@@ -112,10 +115,15 @@ pub fn replay_recording<R: Read>(
         .and_then(decode_route)
         .ok_or_else(|| ReplayError::Robot("the recording does not begin with its route".to_owned()))?;
     let stages = texts.get("stages").map_or(Stages::All, |text| Stages::named(text));
+    let unrepeatable = texts.get(REPEATABLE).is_some_and(|text| text == "no");
     use_virtual_clock(0);
     let outcome = play((&robot, stages), baud, (recording, audience));
     use_real_clock();
-    outcome
+    let outcome = outcome?;
+    if !unrepeatable {
+        return Ok(outcome);
+    }
+    Ok(ReplayOutcome { unrepeatable, recorded_digest: None, first_difference: None, compared: 0, ..outcome })
 }
 
 fn play<R: Read>(
@@ -252,6 +260,8 @@ impl Stage<'_> {
                 }
             }
             TapeLine::Reset => self.shared.reset.signal(()),
+            TapeLine::Pause => self.shared.pause(true),
+            TapeLine::Resume => self.shared.pause(false),
             TapeLine::Route => {}
         }
     }

@@ -15,6 +15,7 @@ use super::spawn::{GuardCarriers, new_perception, new_shared, spawn_guard_ring, 
 use super::witnesses::Witnesses;
 use crate::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 use crate::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
+use crate::panel::Order;
 
 /// How often truth is compared with what the robot does, microseconds.
 const JUDGE_US: u64 = 10_000;
@@ -164,7 +165,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     spawn_guard_ring(&mut tasks, &shared, &plan.robot, carriers);
     let guard_tasks = tasks.len();
     spawn_perception_ring(&mut tasks, &shared, &plan.robot, &mut perception);
-    let mut reset = false;
+    let mut orders = Vec::new();
     loop {
         let now_us = world.next_us().min(next_timer_us().unwrap_or(u64::MAX)).max(world.now_us);
         if now_us > plan.duration_us {
@@ -176,10 +177,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
         }
         world.advance(&lines);
         advance_virtual(now_us);
-        if std::mem::take(&mut reset) {
-            shared.reset.signal(());
-            world.witnesses.delivered((now_us, now_us), TapeLine::Reset, &[]);
-        }
+        orders.drain(..).for_each(|order| world.witnesses.order(order, &shared, now_us));
         let halted = |target| halts(plan, target, now_us);
         let runs =
             |task| !halted(if task < guard_tasks { FaultTarget::Guard } else { FaultTarget::Perception });
@@ -202,8 +200,11 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
             let deed = world.operator.act(now_us, state);
             world.simulation.press_emergency_stop(deed.pressed);
             world.observer.on_emergency_stop(deed.pressed, now_us);
-            // The button reaches the tasks with the next moment.
-            reset = deed.reset;
+            // A button reaches the tasks with the next moment.
+            orders = world.witnesses.attend(&shared, now_us);
+            if deed.reset && world.witnesses.panel.is_none() {
+                orders.push(Order::Reset);
+            }
             let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
             stops.iter().for_each(|stop| world.witnesses.stop(stop));
             world.observer.observe(world.simulation, &shared, &stops);

@@ -60,6 +60,8 @@ impl Lines {
                 }
             }
             TapeLine::Reset => shared.reset.signal(()),
+            TapeLine::Pause => shared.pause(true),
+            TapeLine::Resume => shared.pause(false),
             TapeLine::Route => {}
         }
     }

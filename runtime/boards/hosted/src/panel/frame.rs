@@ -1,0 +1,101 @@
+//! One picture for the browsers.
+
+use floorguard_core::geometry::Point2;
+use serde::Serialize;
+
+/// A place, metres, to the centimetre.
+pub type Place = [f32; 2];
+
+/// Rounds: a browser needs no micrometres.
+pub fn place(point: Point2) -> Place {
+    [round(point.x_m), round(point.y_m)]
+}
+
+/// To the hundredth.
+pub fn round(value: f32) -> f32 {
+    (value * 100.0).round() / 100.0
+}
+
+/// A track.
+#[derive(Clone, Debug, Serialize)]
+pub struct PersonFrame {
+    /// Number.
+    pub id: u32,
+    /// In the odometry frame.
+    pub at_m: Place,
+    /// In the odometry frame.
+    pub velocity_mps: Place,
+    /// Taken for a person.
+    pub person: bool,
+}
+
+/// A source.
+#[derive(Clone, Debug, Serialize)]
+pub struct SourceFrame {
+    /// Name.
+    pub name: &'static str,
+    /// In one word.
+    pub health: String,
+    /// The guard accepts it.
+    pub good: bool,
+    /// Age of its newest measurement, ms; none before the first.
+    pub age_ms: Option<u64>,
+}
+
+/// A cause, now or of an earlier stop.
+#[derive(Clone, Debug, Serialize)]
+pub struct CauseFrame {
+    /// Robot time, seconds.
+    pub at_s: f64,
+    /// What happened, in words and numbers.
+    pub text: String,
+    /// What helps.
+    pub remedy: &'static str,
+}
+
+/// Everything that a page shows.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Frame {
+    /// Counts pictures.
+    pub number: u64,
+    /// Robot time, seconds.
+    pub time_s: f64,
+    /// What runs: scenario or configuration.
+    pub title: String,
+    /// The guard's state.
+    pub state: String,
+    /// The most severe demand, in words.
+    pub action: String,
+    /// Speed now, m/s.
+    pub speed_mps: f32,
+    /// Greatest speed permitted now, m/s.
+    pub limit_mps: f32,
+    /// The operator has pressed pause.
+    pub paused: bool,
+    /// The guard waits for a reset.
+    pub reset_allowed: bool,
+    /// Where the robot is in the odometry frame: x, y, heading.
+    pub pose: [f32; 3],
+    /// Metres driven since the start.
+    pub driven_m: f32,
+    /// Waypoints of the mission, and whether it begins again at the end.
+    pub route: Vec<Place>,
+    /// Outline of the robot, in its frame.
+    pub footprint: Vec<Place>,
+    /// The watched field, in the robot's frame.
+    pub protective: Vec<Place>,
+    /// The warning field, in the robot's frame.
+    pub warning: Vec<Place>,
+    /// What the safety scanner saw, in the robot's frame.
+    pub scan: Vec<Place>,
+    /// What the lidar saw above the floor, in the robot's frame.
+    pub lidar: Vec<Place>,
+    /// Tracks.
+    pub people: Vec<PersonFrame>,
+    /// Sources.
+    pub sources: Vec<SourceFrame>,
+    /// What limits or stops the robot now.
+    pub cause: Option<CauseFrame>,
+    /// The last stops, newest first.
+    pub stops: Vec<CauseFrame>,
+}

@@ -1,0 +1,16 @@
+//! The operator's panel: a page in any browser that shows the robot live, with buttons for pause, resume and reset.
+//!
+//! It runs on a thread of its own and looks at the newest picture only: slow or many browsers lose pictures, they never
+//! hold anybody up. A command goes into a short queue that the robot's side empties when it likes. Nothing here can
+//! release a stop: reset is a wish that the guard judges, as from a button on the machine.
+
+mod access;
+mod frame;
+mod hub;
+mod plain;
+mod server;
+mod view;
+
+pub use access::{Access, AccessError};
+pub use hub::{Order, Panel};
+pub use view::PanelView;
