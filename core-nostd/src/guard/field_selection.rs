@@ -27,9 +27,9 @@ pub struct FieldSelection {
     pub active: usize,
     /// Something inside this one only keeps it from becoming active.
     pub candidate: Option<usize>,
-    candidate_clear_since: Stamp,
-    held_cap_mps: f32,
-    held_until: Stamp,
+    pub(super) candidate_clear_since: Stamp,
+    pub(super) held_cap_mps: f32,
+    pub(super) held_until: Stamp,
 }
 
 /// What the robot does and wants.

@@ -16,10 +16,10 @@ pub const SELF_TEST_US: u64 = 300_000;
 /// Which causes hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DecisionMachine {
-    held: HeldCauses,
-    first_stop: Option<CauseRecord>,
-    reset_since: Option<Stamp>,
-    resets: u32,
+    pub(super) held: HeldCauses,
+    pub(super) first_stop: Option<CauseRecord>,
+    pub(super) reset_since: Option<Stamp>,
+    pub(super) resets: u32,
 }
 
 /// What follows from the causes that hold.
@@ -161,13 +161,5 @@ impl DecisionMachine {
             (slot.first.cause, elapsed_us(slot.last_pulse, now).min(longest_us))
         });
         (ages.collect(), self.reset_since.map(|since| elapsed_us(since, now).min(SELF_TEST_US)))
-    }
-
-    pub(super) fn flip_pulse(&mut self, cause: Cause, bit: u32) {
-        self.held.flip_pulse(cause, bit);
-    }
-
-    pub(super) fn flip_held(&mut self, cause: Cause) {
-        self.held.flip_held(cause);
     }
 }

@@ -14,7 +14,7 @@ const SLIP_US: u64 = 200_000;
 /// A condition that must persist.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Persistence {
-    since: Option<Stamp>,
+    pub(super) since: Option<Stamp>,
 }
 
 impl Persistence {
@@ -45,13 +45,13 @@ pub struct Motion {
 /// What is remembered between checks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotionChecks {
-    envelope_mps: f32,
-    checked_at: Stamp,
-    falling: Persistence,
-    overspeed: Persistence,
-    speed: Persistence,
-    turn: Persistence,
-    steering: Persistence,
+    pub(super) envelope_mps: f32,
+    pub(super) checked_at: Stamp,
+    pub(super) falling: Persistence,
+    pub(super) overspeed: Persistence,
+    pub(super) speed: Persistence,
+    pub(super) turn: Persistence,
+    pub(super) steering: Persistence,
 }
 
 impl MotionChecks {

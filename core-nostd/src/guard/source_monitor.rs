@@ -17,8 +17,8 @@ pub struct SourceMonitor {
     pub fault: Option<FaultKind>,
     /// It sees nothing where it must see something.
     pub blind: bool,
-    fingerprint: u32,
-    identical: u16,
+    pub(super) fingerprint: u32,
+    pub(super) identical: u16,
 }
 
 impl SourceMonitor {

@@ -29,8 +29,8 @@ pub struct State {
     pub(super) scans_with_hit: u8,
     pub(super) packet_returns: u8,
     pub(super) silent_cdeg: u32,
-    blocked_forward: Option<Stamp>,
-    blocked_backward: Option<Stamp>,
+    pub(super) blocked_forward: Option<Stamp>,
+    pub(super) blocked_backward: Option<Stamp>,
 }
 
 impl State {

@@ -7,8 +7,8 @@ use super::source_monitor::SourceMonitor;
 use super::state::State;
 use crate::geometry::Twist2;
 use crate::protection::{
-    Advice, Body, Cause, CauseRecord, Decision, FaultKind, GuardConfig, GuardConfigError, PacketTable,
-    ScanTable, Source, SourceReport, Unit,
+    Advice, Body, Cause, CauseRecord, Decision, FaultKind, GuardConfig, GuardConfigError, Integrity,
+    PacketTable, ScanTable, Source, SourceReport, Unit,
 };
 use crate::sensing::{DiscreteInputs, DriveFeedback, DriveState, ImuSample, LidarPacket, SafetyInput, Scan};
 use crate::time::{Age, Stamp};
@@ -18,8 +18,9 @@ use crate::time::{Age, Stamp};
 pub struct Supervisor {
     pub(super) config: GuardConfig,
     pub(super) body: Body,
-    scan_table: ScanTable,
-    packet_table: PacketTable,
+    pub(super) scan_table: ScanTable,
+    pub(super) packet_table: PacketTable,
+    pub(super) integrity: Integrity,
     pub(super) state: State,
     pub(super) copy: State,
 }
@@ -32,10 +33,14 @@ impl Supervisor {
     pub fn new(config: GuardConfig, now: Stamp) -> Result<Self, GuardConfigError> {
         config.validate()?;
         let state = State::new(&config, now);
+        let body = Body::around(&config.footprint);
+        let scan_table = ScanTable::new(&config.scanner, &config.fields);
+        let packet_table = PacketTable::new(&config.lidar, &config.fields);
         Ok(Self {
-            body: Body::around(&config.footprint),
-            scan_table: ScanTable::new(&config.scanner, &config.fields),
-            packet_table: PacketTable::new(&config.lidar, &config.fields),
+            integrity: Integrity::of(&config, body, (&scan_table, &packet_table)),
+            body,
+            scan_table,
+            packet_table,
             config,
             state,
             copy: state,
@@ -175,9 +180,13 @@ impl Supervisor {
         self.decide(now)
     }
 
-    /// Time has passed: call every 10 ms.
+    /// Time has passed: call every 10 ms. Looks at a sixteenth of the constants (FG-REQ-017).
     pub fn tick(&mut self, now: Stamp) -> Decision {
         self.begin(now);
+        let tables = (&self.scan_table, &self.packet_table);
+        if !self.integrity.check_next(&self.config, self.body, tables) {
+            self.state.machine.raise(CauseRecord::new(Cause::StateCorrupted, now));
+        }
         self.decide(now)
     }
 

@@ -19,8 +19,8 @@ pub struct HeldCause {
 /// All causes that hold. What is stored of others has no meaning and takes no part in a comparison.
 #[derive(Clone, Copy, Debug)]
 pub struct HeldCauses {
-    bits: u64,
-    slots: [HeldCause; CAUSES],
+    pub(crate) bits: u64,
+    pub(crate) slots: [HeldCause; CAUSES],
 }
 
 const _: () = assert!(CAUSES <= 64);
@@ -91,19 +91,6 @@ impl HeldCauses {
                 *slot = *held;
             }
         }
-    }
-
-    /// Flips one bit of the stamp of a cause's last evidence.
-    #[cfg(test)]
-    pub(crate) fn flip_pulse(&mut self, cause: Cause, bit: u32) {
-        let slot = &mut self.slots[cause.index()];
-        slot.last_pulse = Stamp::from_micros(slot.last_pulse.as_micros() ^ (1 << bit));
-    }
-
-    /// A cause that holds is forgotten, or one that does not is invented.
-    #[cfg(test)]
-    pub(crate) fn flip_held(&mut self, cause: Cause) {
-        self.bits ^= 1 << cause.index();
     }
 }
 

@@ -1,124 +1,197 @@
-//! Every bit of every number in the guard's state, flipped at several moments of a mission, one at a time.
+//! Every bit of the guard's state, flipped at moments all over a mission, one at a time; and of its constants.
 //!
-//! Classes: no effect, stop within the same decision, silent unsafe. The last must not occur. Values that have no
-//! bits of their own to flip without leaving Rust's rules (flags, choices) are replaced by their other values.
+//! Classes: no effect, stop within the same decision, silent unsafe. The last must not occur. A short slice of the
+//! moments runs here; `cargo xtask campaign flips` takes them all.
 
-use std::boxed::Box;
-use std::vec::Vec;
-
-use super::fixtures::Rig;
+use super::bits::Bits;
+use super::fixtures::{Rig, forward};
 use crate::geometry::{Point2, Twist2};
-use crate::guard::state::State;
 use crate::guard::*;
+use crate::protection::PARTS;
 use crate::sensing::SafetyInput;
-use crate::time::Stamp;
 
-type Flip = Box<dyn Fn(&mut State)>;
+/// Moments of the mission that can be asked for.
+const MOMENTS: u64 = 2_000;
+/// Ticks of the mission between two moments.
+const TICKS: u64 = 2;
 
-fn flip_f32(number: &mut f32, bit: u32) {
-    *number = f32::from_bits(number.to_bits() ^ (1 << bit));
-}
-
-fn flip_stamp(stamp: &mut Stamp, bit: u32) {
-    *stamp = Stamp::from_micros(stamp.as_micros() ^ (1 << bit));
-}
-
-fn flip_twist(twist: &mut Twist2, bit: u32) {
-    flip_f32(if bit < 32 { &mut twist.linear_mps } else { &mut twist.angular_radps }, bit % 32);
-}
-
-fn flips() -> Vec<Flip> {
-    let mut flips: Vec<Flip> = Vec::new();
-    flips.push(Box::new(|state| state.started = !state.started));
-    for bit in 0..64_u32 {
-        flips.push(Box::new(move |state| flip_twist(&mut state.wanted, bit)));
-        flips.push(Box::new(move |state| flip_twist(&mut state.permitted, bit)));
-        flips.push(Box::new(move |state| flip_twist(&mut state.motion.wheels, bit)));
-        flips.push(Box::new(move |state| flip_stamp(&mut state.decided_at, bit)));
-        for source in Source::ALL {
-            flips.push(Box::new(move |state| {
-                let newest = &mut state.monitors[source.index()].newest;
-                newest.iter_mut().for_each(|stamp| flip_stamp(stamp, bit));
-            }));
-            flips.push(Box::new(move |state| state.monitors[source.index()].ahead_us ^= 1 << bit));
+/// 40 s in which everything happens: start, cruise, warning, stop, leaving backwards, clear way, lidar stop, lost
+/// sources, emergency stop, reset, a stamp from the future, contact.
+fn mission(mut visit: impl FnMut(u64, &Supervisor)) {
+    let mut rig = Rig::new();
+    for tick in 0..MOMENTS * TICKS {
+        match tick {
+            600 => rig.obstacles.push(Point2::new(3.0, 0.0)),
+            750 => rig.obstacles = std::vec![Point2::new(1.1, 0.0)],
+            950 => rig.wanted = forward(-0.2),
+            1_150 => {
+                rig.obstacles.clear();
+                rig.wanted = forward(0.8);
+            }
+            1_700 => rig.lidar_range_m = 1.5,
+            1_750 => rig.lidar_range_m = 20.0,
+            2_000 => rig.silent = std::vec![Source::Perception],
+            2_100 => rig.silent = std::vec![Source::Imu],
+            2_200 => rig.silent.clear(),
+            2_600 => rig.inputs.emergency_stop = SafetyInput::Active,
+            2_650 => rig.inputs.emergency_stop = SafetyInput::Clear,
+            2_800 => {
+                rig.guard.request_reset(rig.now);
+            }
+            3_300 => rig.stamp_ahead_us[Source::Scanner.index()] = 50_000,
+            3_350 => rig.stamp_ahead_us[Source::Scanner.index()] = 0,
+            3_700 => rig.inputs.bumper_front = SafetyInput::Active,
+            _ => {}
         }
-        for cause in Cause::all() {
-            flips.push(Box::new(move |state| state.machine.flip_pulse(cause, bit)));
+        rig.step();
+        if tick % TICKS == 0 {
+            visit(tick / TICKS, &rig.guard);
         }
     }
-    for bit in 0..32_u32 {
-        flips.push(Box::new(move |state| flip_f32(&mut state.motion.gyro_radps, bit)));
-        flips.push(Box::new(move |state| flip_f32(&mut state.motion.drive_mps, bit)));
-        flips.push(Box::new(move |state| flip_f32(&mut state.motion.steering_rad, bit)));
-        flips.push(Box::new(move |state| state.silent_cdeg ^= 1 << bit));
-        flips.push(Box::new(move |state| state.selection.active ^= 1 << bit));
-    }
-    for bit in 0..8_u32 {
-        flips.push(Box::new(move |state| state.scans_with_hit ^= 1 << bit));
-        flips.push(Box::new(move |state| state.packet_returns ^= 1 << bit));
-    }
-    for source in Source::ALL {
-        flips.push(Box::new(move |state| {
-            let monitor = &mut state.monitors[source.index()];
-            monitor.blind = !monitor.blind;
-        }));
-        flips.push(Box::new(move |state| {
-            let fault = &mut state.monitors[source.index()].fault;
-            *fault = if fault.is_some() { None } else { Some(FaultKind::LinkDown) };
-        }));
-    }
-    for cause in Cause::all() {
-        flips.push(Box::new(move |state| state.machine.flip_held(cause)));
-    }
-    flips
 }
 
-/// Moments of a mission: starting, cruising, slowed, stopped by an obstacle, latched.
-fn moments() -> Vec<Supervisor> {
-    let mut moments = Vec::new();
-    for offset_ms in [0, 10, 20, 30] {
-        let mut starting = Rig::new();
-        starting.run_ms(200 + offset_ms);
-        let mut rig = Rig::cruising();
-        rig.run_ms(10 + offset_ms);
-        let cruising = rig.guard.clone();
-        rig.obstacles.push(Point2::new(3.0, 0.0));
-        rig.run_ms(500 + offset_ms);
-        let slowed = rig.guard.clone();
-        rig.obstacles = std::vec![Point2::new(1.1, 0.0)];
-        rig.run_ms(500 + offset_ms);
-        let stopped = rig.guard.clone();
-        rig.inputs.emergency_stop = SafetyInput::Active;
-        rig.run_ms(500);
-        rig.inputs.emergency_stop = SafetyInput::Clear;
-        rig.run_ms(2_000 + offset_ms);
-        moments.extend([starting.guard, cruising, slowed, stopped, rig.guard]);
+/// The moments to look at: those that the campaign asks for, or a few of all.
+fn is_asked_for(moment: u64) -> bool {
+    let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());
+    match (number("FLOORGUARD_CAMPAIGN_FROM"), number("FLOORGUARD_CAMPAIGN_TO")) {
+        (Some(from), Some(to)) => (from..to).contains(&moment),
+        _ => moment % 100 == 50,
     }
-    moments
+}
+
+/// Flips without effect, and flips that stop.
+#[derive(Default)]
+struct Classes {
+    no_effect: u64,
+    stops: u64,
+}
+
+impl Classes {
+    fn book(&mut self, decision: &Decision, expected: &Decision, bit: u32) {
+        if decision == expected {
+            self.no_effect += 1;
+            return;
+        }
+        let stands = decision.permitted == Twist2::ZERO && decision.action == Action::Category0;
+        assert!(stands, "silent unsafe, bit {bit}: {decision:?} instead of {expected:?}");
+        self.stops += 1;
+    }
 }
 
 #[test]
 fn fg_req_008_no_flipped_bit_of_the_state_is_silently_unsafe() {
-    let (mut no_effect, mut stops) = (0_u32, 0_u32);
-    let flips = flips();
-    for mut guard in moments() {
+    let (mut classes, mut moments) = (Classes::default(), 0);
+    mission(|moment, guard| {
+        if !is_asked_for(moment) {
+            return;
+        }
+        moments += 1;
+        let mut guard = guard.clone();
         // Only the state and its copy change: the tables need not be cloned for each flip.
         let (state, copy) = (guard.state, guard.copy);
         let now = state.decided_at.plus_micros(10_000);
         let expected = guard.tick(now);
-        for (flip, in_copy) in flips.iter().flat_map(|flip| [(flip, false), (flip, true)]) {
+        for bit in 0..state.bits() {
             (guard.state, guard.copy) = (state, copy);
-            flip(if in_copy { &mut guard.copy } else { &mut guard.state });
-            let decision = guard.tick(now);
-            if decision == expected {
-                no_effect += 1;
-            } else {
-                let stands = decision.permitted == Twist2::ZERO && decision.action == Action::Category0;
-                assert!(stands, "silent unsafe: {decision:?} instead of {expected:?}");
-                stops += 1;
-            }
+            guard.state.flip(bit);
+            classes.book(&guard.tick(now), &expected, bit);
         }
+        for bit in 0..copy.bits() {
+            (guard.state, guard.copy) = (state, copy);
+            guard.copy.flip(bit);
+            classes.book(&guard.tick(now), &expected, bit);
+        }
+    });
+    let Classes { no_effect, stops } = classes;
+    assert!(moments > 0 && stops > 1_000 * moments, "{no_effect} without effect, {stops} stops");
+    let counts =
+        [("moments", moments), ("no effect", no_effect), ("stop at once", stops), ("silent unsafe", 0)];
+    for (name, count) in counts {
+        std::println!("campaign: {name} = {count}");
     }
-    assert!(stops > 50_000, "{no_effect} without effect, {stops} stops");
-    std::println!("{no_effect} without effect, {stops} stops within the decision, 0 silent unsafe");
+}
+
+/// Ticks until a constant that was changed stops the robot; `None` if it does not within all parts.
+fn found_after(guard: &mut Supervisor) -> Option<usize> {
+    let (state, copy) = (guard.state, guard.copy);
+    let found = (1..=PARTS).find(|tick| {
+        let decision = guard.tick(state.decided_at.plus_micros(10_000 * *tick as u64));
+        decision.action == Action::Category0 && decision.permitted == Twist2::ZERO
+    });
+    (guard.state, guard.copy) = (state, copy);
+    found
+}
+
+#[test]
+fn fg_req_017_every_flipped_bit_of_the_configuration_stops() {
+    let mut guard = Rig::cruising().guard;
+    let (mut found, mut equal) = (0, 0);
+    let original = guard.config.clone();
+    macro_rules! flip_all {
+        ($($part:ident).+) => {
+            for bit in 0..guard.$($part).+.bits() {
+                guard.$($part).+.flip(bit);
+                match found_after(&mut guard) {
+                    Some(_) => found += 1,
+                    // The sign of a zero has no meaning.
+                    None if guard.config == original => equal += 1,
+                    None => panic!("bit {bit} of {}", stringify!($($part).+)),
+                }
+                guard.config = original.clone();
+            }
+        };
+    }
+    flip_all!(config.drive);
+    flip_all!(config.thresholds);
+    flip_all!(config.sources);
+    flip_all!(config.fields);
+    flip_all!(config.footprint);
+    flip_all!(config.scanner);
+    flip_all!(config.lidar.elevations_rad);
+    flip_all!(config.lidar.floor_clearance_m);
+    flip_all!(config.lidar.body_height_m);
+    assert!(found > 3_000 && equal < 50, "{found} found, {equal} zeros with another sign");
+    for bit in 0..guard.body.x_m.bits() {
+        guard.body.x_m.flip(bit);
+        assert!(found_after(&mut guard).is_some(), "bit {bit} of the body");
+        guard.body.x_m.flip(bit);
+    }
+}
+
+#[test]
+fn fg_req_017_every_changed_word_of_the_tables_stops() {
+    let mut guard = Rig::cruising().guard;
+    // One bit of each word, another one each time.
+    macro_rules! flip_word {
+        ($number:expr, $($word:tt)+) => {{
+            let bit = $number as u32 % guard.$($word)+.bits();
+            guard.$($word)+.flip(bit);
+            assert!(found_after(&mut guard).is_some(), "word {} of {}", $number, stringify!($($word)+));
+            guard.$($word)+.flip(bit);
+        }};
+    }
+    // Every word would take minutes; the strides have no common factor with the parts.
+    for set in 0..guard.scan_table.protective.len() {
+        for beam in (set..guard.scan_table.protective[set].len()).step_by(37) {
+            flip_word!(beam, scan_table.protective[set][beam]);
+            flip_word!(beam, scan_table.warning[set][beam]);
+        }
+        flip_word!(set, scan_table.watched[set]);
+    }
+    for beam in (0..guard.scan_table.directions.len()).step_by(37) {
+        flip_word!(beam, scan_table.directions[beam].x_m);
+        flip_word!(beam, scan_table.directions[beam].y_m);
+    }
+    for bin in 0..guard.packet_table.bins.len() {
+        for ring in (bin % 5..16).step_by(5) {
+            flip_word!(ring, packet_table.bins[bin].plane_share[ring]);
+            flip_word!(ring, packet_table.bins[bin].height_mm[ring]);
+        }
+        flip_word!(bin, packet_table.bins[bin].protective_mm[bin % 8]);
+        flip_word!(bin, packet_table.bins[bin].own_mm);
+        flip_word!(bin, packet_table.bins[bin].least_share);
+        flip_word!(bin, packet_table.bins[bin].direction.x_m);
+    }
+    flip_word!(3, packet_table.origin.x_m);
+    assert!(found_after(&mut guard).is_none(), "unchanged again");
 }

@@ -1,6 +1,7 @@
 //! Tests of the guard. Names carry the requirement that they check: `fg_req_012_…`.
 
 mod bit_flips;
+mod bits;
 mod exploration;
 mod fixtures;
 mod properties;

@@ -152,10 +152,11 @@ fn fg_req_024_a_dazzled_sector_counts_as_blocked() {
 
 #[test]
 fn fg_req_022_a_larger_field_must_be_clear_before_its_speed_is_allowed() {
-    let mut rig = Rig::new();
+    let mut config = config();
+    config.thresholds.warning_speed_mps = 1.0;
+    let mut rig = Rig::with(config);
     // Outside the fields up to 0.6 m/s, inside the one up to 1.1 m/s; beside the warning fields of the former.
     rig.obstacles.push(Point2::new(1.9, 0.48));
-    rig.guard.config.thresholds.warning_speed_mps = 1.0;
     for _ in 0..800 {
         let decision = rig.step();
         assert!(decision.permitted.linear_mps <= 0.6 + 1.0e-6, "{decision:?}");

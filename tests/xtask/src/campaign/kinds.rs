@@ -35,6 +35,15 @@ pub const KINDS: &[Kind] = &[
         trials: 50_000,
     },
     Kind {
+        name: "flips",
+        trial: "moments of a mission, at each of which every bit of the guard's state and of its copy is flipped",
+        package: "floorguard-core",
+        target: &["--lib"],
+        test: "guard::tests::bit_flips::fg_req_008_no_flipped_bit_of_the_state_is_silently_unsafe",
+        block: 25,
+        trials: 2_000,
+    },
+    Kind {
         name: "faults",
         trial: "runs of the whole robot, each with one fault of one class at one source in one phase",
         package: "floorguard-tests",

@@ -1,0 +1,86 @@
+//! Are the guard's constants still what they were at start? Tables by a sum over each part, the rest by a second copy.
+//!
+//! The tables are too large to be kept twice or looked at in every tick, so one part of sixteen is looked at in each:
+//! a flipped bit is found within 160 ms. Each step of the sum is one-to-one in what was summed before, so that a single
+//! changed word always changes it.
+
+use super::collision::Body;
+use super::config::GuardConfig;
+use super::packet_table::{Bin, PacketTable};
+use super::scan_table::ScanTable;
+
+/// Parts of the tables.
+pub const PARTS: usize = 16;
+/// Odd, so that multiplying is one-to-one (the 32-bit FNV prime).
+const FACTOR: u32 = 0x0100_0193;
+
+/// What the constants were when the guard was built.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Integrity {
+    sums: [u32; PARTS],
+    config: GuardConfig,
+    body: Body,
+    next: usize,
+}
+
+impl Integrity {
+    /// Remembers them.
+    #[must_use]
+    pub fn of(config: &GuardConfig, body: Body, tables: (&ScanTable, &PacketTable)) -> Self {
+        let mut sums = [0; PARTS];
+        for (part, sum) in sums.iter_mut().enumerate() {
+            *sum = sum_of(part, tables);
+        }
+        Self { sums, config: config.clone(), body, next: 0 }
+    }
+
+    /// Looks at the next part; `false` when something changed. The configuration is a part of its own.
+    pub fn check_next(
+        &mut self,
+        config: &GuardConfig,
+        body: Body,
+        tables: (&ScanTable, &PacketTable),
+    ) -> bool {
+        let part = self.next % PARTS;
+        self.next = part.wrapping_add(1);
+        let configured = part != 0
+            || (self.config == *config && self.body == body && self.config.scanner == tables.0.geometry);
+        configured && self.sums.get(part).copied() == Some(sum_of(part, tables))
+    }
+}
+
+fn sum_of(part: usize, (scan, packet): (&ScanTable, &PacketTable)) -> u32 {
+    let mut sum = Sum(part as u32);
+    for limits in [&scan.protective, &scan.warning] {
+        // Two parts for each set: even and odd beams.
+        for limit_mm in limits.iter().skip(part / 2).take(1).flatten().skip(part % 2).step_by(2) {
+            sum.add(u32::from(*limit_mm));
+        }
+    }
+    for direction in scan.directions.iter().skip(part).step_by(PARTS) {
+        sum.add(direction.x_m.to_bits());
+        sum.add(direction.y_m.to_bits());
+    }
+    scan.watched.iter().for_each(|beams| sum.add(u32::from(*beams)));
+    sum.add(packet.origin.x_m.to_bits());
+    sum.add(packet.origin.y_m.to_bits());
+    packet.bins.iter().skip(part).step_by(PARTS).for_each(|bin| sum.bin(bin));
+    sum.0
+}
+
+struct Sum(u32);
+
+impl Sum {
+    fn add(&mut self, word: u32) {
+        self.0 = (self.0 ^ word).wrapping_mul(FACTOR).rotate_left(5);
+    }
+
+    fn bin(&mut self, bin: &Bin) {
+        self.add(bin.direction.x_m.to_bits());
+        self.add(bin.direction.y_m.to_bits());
+        for word in bin.plane_share.iter().chain(&bin.height_mm).chain(&bin.protective_mm) {
+            self.add(u32::from(*word));
+        }
+        self.add(u32::from(bin.least_share) | (u32::from(bin.own_mm) << 16));
+    }
+}
