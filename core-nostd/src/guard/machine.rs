@@ -162,4 +162,15 @@ impl DecisionMachine {
         });
         (ages.collect(), self.reset_since.map(|since| elapsed_us(since, now).min(SELF_TEST_US)))
     }
+
+    /// As [`Self::abstracted`], with times in steps.
+    pub(super) fn abstracted_in(
+        &self,
+        now: Stamp,
+        step_us: u64,
+    ) -> (std::vec::Vec<(Cause, u64)>, Option<u64>) {
+        let (ages, reset) = self.abstracted(now);
+        let steps = |us: u64| us / step_us;
+        (ages.into_iter().map(|(cause, us)| (cause, steps(us))).collect(), reset.map(steps))
+    }
 }

@@ -5,6 +5,7 @@ mod bits;
 mod exploration;
 mod fixtures;
 mod properties;
+mod reachable;
 mod timelines;
 mod truth_tables;
 mod vectors;
