@@ -2,6 +2,7 @@
 
 use std::io::Write;
 
+use floorguard_core::geometry::Point2;
 use floorguard_core::legs::{LegTrack, PersonByLegs};
 use floorguard_core::people::{PeopleCounters, PeopleOutput, Track, TrackStatus};
 use floorguard_core::sensing::Sweep;
@@ -13,15 +14,33 @@ use serde::Serialize;
 pub struct PersonRow {
     id: u32,
     status: &'static str,
-    x_m: f32,
-    y_m: f32,
-    vx_mps: f32,
-    vy_mps: f32,
+    #[serde(flatten)]
+    motion: Motion,
     sigma_position_m: f32,
     sigma_velocity_mps: f32,
     person_probability: f32,
     #[serde(skip_serializing_if = "is_unknown")]
     moving_probability: f32,
+}
+
+/// Place and velocity, metres and m/s: by the short names of tracking formats, and by names with units.
+#[derive(Clone, Copy, Debug, Serialize)]
+struct Motion {
+    x: f32,
+    y: f32,
+    vx: f32,
+    vy: f32,
+    x_m: f32,
+    y_m: f32,
+    vx_mps: f32,
+    vy_mps: f32,
+}
+
+impl Motion {
+    const fn new(place: Point2, velocity: Point2) -> Self {
+        let (x, y, vx, vy) = (place.x_m, place.y_m, velocity.x_m, velocity.y_m);
+        Self { x, y, vx, vy, x_m: x, y_m: y, vx_mps: vx, vy_mps: vy }
+    }
 }
 
 /// A sweep of the three-dimensional lidar.
@@ -104,10 +123,13 @@ impl PersonRow {
         Self {
             id,
             status: word(if walked { TrackStatus::Confirmed } else { TrackStatus::Tentative }),
-            x_m: person.position.x_m,
-            y_m: person.position.y_m,
-            vx_mps: mean(one.state.velocity.x_m, other.state.velocity.x_m),
-            vy_mps: mean(one.state.velocity.y_m, other.state.velocity.y_m),
+            motion: Motion::new(
+                person.position,
+                Point2::new(
+                    mean(one.state.velocity.x_m, other.state.velocity.x_m),
+                    mean(one.state.velocity.y_m, other.state.velocity.y_m),
+                ),
+            ),
             sigma_position_m: person.sigma_m(),
             sigma_velocity_mps: libm::sqrtf(one.state.velocity_variance.max(other.state.velocity_variance)),
             person_probability: person.reliability,
@@ -119,10 +141,7 @@ impl PersonRow {
         Self {
             id: track.id,
             status: word(track.status),
-            x_m: track.state.position.x_m,
-            y_m: track.state.position.y_m,
-            vx_mps: track.state.velocity.x_m,
-            vy_mps: track.state.velocity.y_m,
+            motion: Motion::new(track.state.position, track.state.velocity),
             sigma_position_m: libm::sqrtf(track.state.position_variance),
             sigma_velocity_mps: libm::sqrtf(track.state.velocity_variance),
             person_probability: track.person_probability,
@@ -134,10 +153,7 @@ impl PersonRow {
         Self {
             id: track.id,
             status: word(track.status),
-            x_m: track.position.x_m,
-            y_m: track.position.y_m,
-            vx_mps: track.velocity_mps.x_m,
-            vy_mps: track.velocity_mps.y_m,
+            motion: Motion::new(track.position, track.velocity_mps),
             sigma_position_m: track.position_sigma_m,
             sigma_velocity_mps: track.velocity_sigma_mps,
             person_probability: track.person_probability,
