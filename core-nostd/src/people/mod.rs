@@ -8,6 +8,7 @@ mod candidates;
 pub mod classify;
 mod clusters;
 mod filter;
+pub mod filters;
 mod floor_height;
 mod ground;
 mod joint;
