@@ -10,6 +10,7 @@
 extern crate std;
 
 pub mod black_box;
+pub mod black_box_log;
 pub mod channel;
 pub mod clock;
 pub mod configuration;

@@ -28,6 +28,8 @@ pub enum Command {
     Replay(ReplayArguments),
     /// Write the report of a recording: one HTML file with map, stops, speeds, people and health.
     Report(super::ReportArguments),
+    /// Read the log of a black box and make it a recording.
+    Blackbox(super::BlackBoxArguments),
     /// Print every return of a lidar capture.
     Decode(DecodeArguments),
     /// Clean a map in simulation with a guarantee, and compare strategies.

@@ -2,6 +2,7 @@
 
 mod arguments;
 mod ask;
+mod blackbox;
 mod campaign;
 mod check;
 mod decode;
@@ -20,6 +21,7 @@ mod train;
 
 pub use arguments::{Arguments, Command, DecodeArguments, ModelArgument, ReplayArguments};
 pub use ask::{AskArguments, AskQuestion};
+pub use blackbox::BlackBoxArguments;
 pub use campaign::{CampaignArguments, CampaignKind};
 pub use decode::decode_to;
 pub(crate) use decode::{LIDAR_DATA_PORT, settle_model};
@@ -41,6 +43,7 @@ pub use train::{TrainArguments, TrainPeopleArguments, TrainWhat};
 pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
         Some(Command::Replay(arguments)) => replay::run(&arguments),
+        Some(Command::Blackbox(arguments)) => blackbox::run(&arguments),
         Some(Command::Report(arguments)) => report::run(&arguments),
         Some(Command::Decode(arguments)) => decode::run(&arguments),
         Some(Command::Mission(arguments)) => mission::run(&arguments),

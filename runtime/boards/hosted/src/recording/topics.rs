@@ -28,6 +28,8 @@ pub const PEOPLE: &str = "/people";
 pub const FIELDS: &str = "/guard/fields";
 /// The permitted command.
 pub const PERMITTED: &str = "/guard/permitted";
+/// The measured speed, where there is no odometry.
+pub const MEASURED: &str = "/guard/measured";
 /// The greatest permitted speed.
 pub const SPEED_LIMIT: &str = "/guard/speed_limit";
 /// Every stop.
@@ -143,6 +145,14 @@ impl<W: Write + Seek> Recorder<W> {
     pub fn permitted(&mut self, at: Stamp, command: Twist2, limit_mps: f32) -> Result<(), RecordError> {
         self.message(PERMITTED, &schemas::TWIST_STAMPED, at, &messages::twist(at, command))?;
         self.message(SPEED_LIMIT, &schemas::NUMBER, at, &messages::number(limit_mps))
+    }
+
+    /// How the robot moved, from a log without poses.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn measured(&mut self, at: Stamp, speed: Twist2) -> Result<(), RecordError> {
+        self.message(MEASURED, &schemas::TWIST_STAMPED, at, &messages::twist(at, speed))
     }
 
     /// The fingerprint of everything that the robot has put out up to this moment.

@@ -6,4 +6,4 @@ mod stop_files;
 
 pub use links::{Links, Missing};
 pub use rings::{HostedShared, run_rings};
-pub use stop_files::write_stop_file;
+pub use stop_files::{black_box_log, write_stop_file};

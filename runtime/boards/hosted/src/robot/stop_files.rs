@@ -1,4 +1,4 @@
-//! The black box on disk: the last ten seconds before each stop as a table.
+//! The black box on disk: the last ten seconds before each stop, as a table and as the log that the MCU sends.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -6,9 +6,11 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use floorguard_core::time::Stamp;
+use floorguard_runtime::black_box_log::{LOG_VERSION, LogMoment, LogRow, encode_row};
 use floorguard_runtime::shared::{BoxEntry, Shared, StopRecord};
 
-/// Writes `stop-0001.csv` and so on: first line the cause, then one line per moment, oldest first. Gives the path.
+/// Writes `stop-0001.csv` and so on: first line the cause, then one line per moment, oldest first; and the same moments
+/// as `stop-0001.fgbox` for `floorguard blackbox`. Gives the path of the table.
 ///
 /// # Errors
 /// The folder cannot be made or written.
@@ -21,10 +23,22 @@ pub fn write_stop_file<M: RawMutex>(
         .with_context(|| format!("{}: cannot make this folder", folder.display()))?;
     let mut moments: Vec<(Stamp, BoxEntry)> = Vec::new();
     shared.black_box(|stamp, entry| moments.push((stamp, entry)));
+    let log = folder.join(format!("stop-{number:04}.fgbox"));
+    std::fs::write(&log, black_box_log(&moments))
+        .with_context(|| format!("{}: cannot be written", log.display()))?;
     let path = folder.join(format!("stop-{number:04}.csv"));
     std::fs::write(&path, table(stop, &moments))
         .with_context(|| format!("{}: cannot be written", path.display()))?;
     Ok(path)
+}
+
+/// Moments as the MCU sends them.
+#[must_use]
+pub fn black_box_log(moments: &[(Stamp, BoxEntry)]) -> Vec<u8> {
+    let count = u32::try_from(moments.len()).unwrap_or(u32::MAX);
+    let begin = [LogRow::Begin(LOG_VERSION, count.into())];
+    let rows = moments.iter().map(|(stamp, entry)| LogRow::Moment(LogMoment::new(*stamp, entry)));
+    begin.into_iter().chain(rows).chain([LogRow::End(count)]).flat_map(|row| encode_row(&row)).collect()
 }
 
 fn table(stop: &StopRecord, moments: &[(Stamp, BoxEntry)]) -> String {

@@ -1,0 +1,71 @@
+//! `floorguard blackbox`: a log comes out whole, and damage costs the damaged rows only.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use floorguard_core::guard::{Action, Cause, GuardState};
+use floorguard_core::time::Stamp;
+use floorguard_hosted::recording::{Recording, topics};
+use floorguard_hosted::robot::black_box_log;
+use floorguard_runtime::shared::BoxEntry;
+
+fn blackbox(path: &Path) -> (Output, usize) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_floorguard"));
+    let output = command.arg("blackbox").arg(path).arg("--json").output().expect("the program starts");
+    let rows = String::from_utf8_lossy(&output.stdout).lines().count();
+    (output, rows)
+}
+
+/// Five seconds of driving, then the emergency stop.
+fn moments() -> Vec<(Stamp, BoxEntry)> {
+    let entry = |index: u64| {
+        let stopped = index >= 500;
+        let entry = BoxEntry {
+            state: if stopped { GuardState::Latched } else { GuardState::Run },
+            action: if stopped { Action::Category0 } else { Action::None },
+            cause: stopped.then_some(Cause::EmergencyStop),
+            permitted_mps: if stopped { 0.0 } else { 0.8 },
+            measured_mps: 0.75,
+            limit_mps: 1.0,
+            field_set: 2,
+        };
+        (Stamp::from_micros(index * 10_000), entry)
+    };
+    (0..1_000).map(entry).collect()
+}
+
+#[test]
+fn a_log_becomes_a_recording_and_damage_costs_only_itself() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("stop.fgbox");
+    let log = black_box_log(&moments());
+    assert!(log.len() < 1_000 * 28, "compact: {} bytes", log.len());
+    std::fs::write(&path, &log).expect("written");
+    let (output, rows) = blackbox(&path);
+    assert_eq!((output.status.code(), rows), (Some(0), 1_000), "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("0 damaged rows, complete"), "{output:?}");
+    let file = std::fs::File::open(folder.path().join("stop.mcap")).expect("a recording beside the log");
+    let messages: Vec<_> = Recording::new(file).collect::<Result<_, _>>().expect("readable");
+    let count = |topic: &str| messages.iter().filter(|message| &*message.topic == topic).count();
+    assert_eq!((count(topics::PERMITTED), count(topics::MEASURED), count(topics::STOPS)), (1_000, 1_000, 1));
+    // Noise before it, a hole in it, cut in the middle of a row.
+    let mut damaged = b"noise of a serial line".to_vec();
+    damaged.extend(&log[..5_000]);
+    damaged.extend(&log[5_100..log.len() - 30]);
+    std::fs::write(&path, &damaged).expect("written");
+    let (output, rows) = blackbox(&path);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    assert!((985..1_000).contains(&rows), "{rows}");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("cut"), "{output:?}");
+}
+
+#[test]
+fn what_is_no_log_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("words.fgbox");
+    for bytes in [b"".as_slice(), b"words\0and more words\0", &[0; 1_000]] {
+        std::fs::write(&path, bytes).expect("written");
+        let (output, rows) = blackbox(&path);
+        assert_eq!((output.status.code(), rows), (Some(3), 0), "{output:?}");
+    }
+}
