@@ -181,8 +181,12 @@ fn people_in_an_aisle_are_followed() {
 
 #[test]
 fn every_stage_has_a_time() {
-    for time in floorguard_tests::bench::run() {
-        println!("{time:?}");
-        assert!(time.ns_per_sweep > 0.0 && time.ns_per_point.is_finite(), "{time:?}");
+    for measured in floorguard_tests::bench::run() {
+        println!("{measured:?}");
+        for stage in ["decode", "sweep", "floor", "clusters", "motion", "people", "track", "guard"] {
+            let time = measured.stages.iter().find(|time| time.stage == stage).expect("every stage");
+            assert!(time.ns_per_sweep > 0.0 && time.ns_per_point.is_finite(), "{time:?}");
+        }
+        assert!(measured.decisions.is_in_time(), "{:?}", measured.decisions);
     }
 }

@@ -1,9 +1,9 @@
 //! The lidar path, stage by stage: datagrams to tracks of people.
 
 use std::hint::black_box;
-use std::time::Instant;
 
 use floorguard_core::geometry::{Point3, Pose2, Transform3, Twist2};
+use floorguard_core::motion::{MotionDetector, MotionParameters};
 use floorguard_core::people::{
     Detection, FloorHeight, FloorMask, PeoplePipeline, RingAngles, SweepContext, Tracker, TrackerParameters,
 };
@@ -12,6 +12,7 @@ use floorguard_core::time::Stamp;
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
 use floorguard_hosted::capture::Datagram;
 
+use super::{DecisionTime, decisions, median, nanoseconds};
 use crate::data::{bench_input, recording};
 use crate::lidar_frames::{datagrams, packets, revolutions};
 
@@ -31,21 +32,32 @@ pub struct StageTime {
 /// Every recording is gone through this often; the median of all rounds counts.
 const ROUNDS: usize = 20;
 
+/// All stages on one input.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// Input.
+    pub input: &'static str,
+    /// In the order of the data.
+    pub stages: Vec<StageTime>,
+    /// The guard, packet by packet.
+    pub decisions: DecisionTime,
+}
+
 /// Measures all stages on `einride_office_600rpm` and `synthetic_vlp16`. An absent input is left out, with a line.
 #[must_use]
-pub fn run() -> Vec<StageTime> {
+pub fn run() -> Vec<Measured> {
     let inputs = [
         ("einride_office_600rpm", recording("vlp16_packets/einride_office_600rpm.pcap.gz"), None),
         ("synthetic_vlp16", bench_input("lidar/synthetic_vlp16.pcap.gz"), Some(0.9)),
     ];
     let present = inputs.into_iter().filter_map(|(name, path, height_m)| Some((name, path?, height_m)));
-    present.flat_map(|(name, path, height_m)| measure(name, &datagrams(&path), height_m)).collect()
+    present.filter_map(|(name, path, height_m)| measure(name, &datagrams(&path), height_m)).collect()
 }
 
-fn measure(input: &'static str, datagrams: &[Datagram], height_m: Option<f32>) -> Vec<StageTime> {
+fn measure(input: &'static str, datagrams: &[Datagram], height_m: Option<f32>) -> Option<Measured> {
     let packets = packets(datagrams);
     let sweeps = revolutions(&packets);
-    let Some(first) = sweeps.first() else { return Vec::new() };
+    let first = sweeps.first()?;
     let angles = RingAngles::vlp16();
     let height_m = height_m.or_else(|| FloorHeight::estimate_m(first, &angles)).unwrap_or(0.8);
     let context = SweepContext {
@@ -61,32 +73,26 @@ fn measure(input: &'static str, datagrams: &[Datagram], height_m: Option<f32>) -
         ns_per_sweep,
         ns_per_point: ns_per_sweep / returns,
     };
-    let (floor, things, whole, track) = perception(&sweeps, &context);
+    let times = perception(&sweeps, &context);
     let (decode, assemble) = (decode(datagrams) * per_sweep, assemble(&packets) * per_sweep);
-    vec![
+    let decisions = decisions(datagrams);
+    let stages = vec![
         row("decode", decode),
         row("sweep", assemble),
-        row("floor", floor),
-        row("floor and clusters", things),
-        row("track", track),
-        row("sweep to tracks", whole),
-        row("datagrams to tracks", decode + assemble + whole),
-    ]
+        row("floor", times.floor),
+        row("clusters", (times.things - times.floor).max(0.0)),
+        row("motion", times.motion),
+        row("people", times.people),
+        row("track", times.track),
+        row("guard", decisions.median_ns * per_sweep),
+        row("sweep to tracks", times.whole),
+        row("datagrams to tracks", decode + assemble + times.whole),
+    ];
+    Some(Measured { input, stages, decisions })
 }
 
 fn returns(sweep: &Sweep) -> usize {
     sweep.used_columns().iter().flat_map(|column| column.range_raw).filter(|raw| *raw != 0).count()
-}
-
-fn nanoseconds(mut work: impl FnMut()) -> f64 {
-    let start = Instant::now();
-    work();
-    start.elapsed().as_nanos() as f64
-}
-
-fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times.get(times.len() / 2).copied().unwrap_or(f64::NAN)
 }
 
 /// Per datagram.
@@ -119,24 +125,43 @@ fn assemble(packets: &[LidarPacket]) -> f64 {
     median(rounds.collect()) / packets.len() as f64
 }
 
-/// Floor, floor and clusters, everything, tracker alone.
-fn perception(sweeps: &[Box<Sweep>], context: &SweepContext) -> (f64, f64, f64, f64) {
+/// Medians per sweep, nanoseconds.
+struct Perception {
+    floor: f64,
+    /// Floor and clusters.
+    things: f64,
+    motion: f64,
+    /// Candidates, their shapes and the classifier.
+    people: f64,
+    track: f64,
+    /// Floor to tracks without motion.
+    whole: f64,
+}
+
+fn perception(sweeps: &[Box<Sweep>], context: &SweepContext) -> Perception {
     let angles = RingAngles::vlp16();
-    let mut times: [Vec<f64>; 4] = Default::default();
+    let mut times: [Vec<f64>; 6] = Default::default();
     let mut mask = Box::new(FloorMask::new());
     for _ in 0..ROUNDS {
         let mut pipeline = Box::new(PeoplePipeline::new(angles));
+        let mut staged = Box::new(PeoplePipeline::new(angles));
+        let mut motion = Box::new(MotionDetector::new(MotionParameters::FIXED));
         let mut tracker = Box::new(Tracker::new(TrackerParameters::default()));
         for sweep in sweeps {
-            times[0].push(nanoseconds(|| mask.find(black_box(sweep), &angles, &context.sensor_in_base)));
-            times[1].push(nanoseconds(|| pipeline.find_things(black_box(sweep), context)));
-            times[2].push(nanoseconds(|| {
+            let [floor, things, moving, people, track, whole] = &mut times;
+            floor.push(nanoseconds(|| mask.find(black_box(sweep), &angles, &context.sensor_in_base)));
+            things.push(nanoseconds(|| staged.find_things(black_box(sweep), context)));
+            moving.push(nanoseconds(|| {
+                black_box(motion.process(&staged, black_box(sweep), context));
+            }));
+            people.push(nanoseconds(|| staged.find_detections(black_box(sweep), context)));
+            let detections: Vec<Detection> = staged.detections().to_vec();
+            track.push(nanoseconds(|| tracker.update(sweep.end_stamp, black_box(&detections), |_| true)));
+            whole.push(nanoseconds(|| {
                 black_box(pipeline.process(black_box(sweep), context));
             }));
-            let detections: Vec<Detection> = pipeline.detections().to_vec();
-            times[3].push(nanoseconds(|| tracker.update(sweep.end_stamp, black_box(&detections), |_| true)));
         }
     }
-    let [floor, things, whole, track] = times;
-    (median(floor), median(things), median(whole), median(track))
+    let [floor, things, motion, people, track, whole] = times.map(median);
+    Perception { floor, things, motion, people, track, whole }
 }

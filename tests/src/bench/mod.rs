@@ -1,5 +1,22 @@
 //! How long the stages take: medians over many rounds, on the recordings that everybody else is measured on.
 
+mod guard;
 mod lidar;
+mod peers;
+mod tracking;
 
-pub use lidar::{StageTime, run};
+pub use guard::{DECISION_MAX_NS, DecisionTime, decisions};
+pub use lidar::{Measured, StageTime, run};
+pub use peers::{OurTime, ours};
+
+fn nanoseconds(mut work: impl FnMut()) -> f64 {
+    let start = std::time::Instant::now();
+    work();
+    start.elapsed().as_nanos() as f64
+}
+
+/// NaN without any.
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times.get(times.len() / 2).copied().unwrap_or(f64::NAN)
+}

@@ -1,18 +1,58 @@
 //! Prints how long each stage of the lidar path takes: `cargo xtask bench`.
 
-use floorguard_tests::bench;
+use std::path::Path;
+use std::process::ExitCode;
 
-fn main() {
-    let rows = bench::run();
-    println!("{:24} {:28} {:>12} {:>10}", "input", "stage", "us / sweep", "ns / point");
-    for row in &rows {
+use floorguard_tests::bench::{DECISION_MAX_NS, ours, run};
+
+/// Without arguments, times of the stages; fails where the guard decides too late. With `--peers FOLDER`, the inputs of
+/// the peers go there, and our times are printed as JSON, one object a line.
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match arguments.as_slice() {
+        [] => stages(),
+        [option, folder] if option == "--peers" => peers(Path::new(folder)),
+        _ => {
+            eprintln!("usage: floorguard-bench [--peers FOLDER]");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn peers(folder: &Path) -> ExitCode {
+    match ours(folder) {
+        Ok(times) => {
+            for time in times {
+                let row = serde_json::json!({
+                    "task": time.task, "peer": "floorguard", "input": time.input, "ns": time.ns, "note": time.note,
+                });
+                println!("{row}");
+            }
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(3)
+        }
+    }
+}
+
+fn stages() -> ExitCode {
+    let measured = run();
+    println!("{:24} {:22} {:>12} {:>10}", "input", "stage", "ns / sweep", "ns / point");
+    let mut in_time = true;
+    for input in &measured {
+        for row in &input.stages {
+            println!("{:24} {:22} {:12.0} {:10.2}", row.input, row.stage, row.ns_per_sweep, row.ns_per_point);
+        }
+        let decisions = &input.decisions;
+        let verdict = if decisions.is_in_time() { "in time" } else { "TOO LATE" };
         println!(
-            "{:24} {:28} {:12.1} {:10.2}",
-            row.input,
-            row.stage,
-            row.ns_per_sweep / 1e3,
-            row.ns_per_point
+            "{:24} guard, one packet: median {:.0} ns, the slowest packet {:.0} ns, allowed {DECISION_MAX_NS:.0} ns: {verdict}",
+            input.input, decisions.median_ns, decisions.worst_ns
         );
+        in_time &= decisions.is_in_time();
     }
     println!("medians on this machine, one core; quote ratios measured in one run, not these absolutes");
+    if in_time { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

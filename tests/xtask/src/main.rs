@@ -38,7 +38,7 @@ enum Command {
     /// Try the SocketCAN carrier on vcan0 of a Linux that runs as a process.
     Vcan(vcan::Options),
     /// Measure the stages of the lidar path on the recordings.
-    Bench,
+    Bench(bench::Options),
     /// Repeat published experiments, beside the published figures.
     Reproduce(reproduce::Options),
 }
@@ -51,7 +51,7 @@ fn main() -> ExitCode {
         Command::Campaign(options) => campaign::run(&options),
         Command::Firmware(options) => firmware::run(&options),
         Command::Vcan(options) => vcan::run(&options),
-        Command::Bench => bench::run(),
+        Command::Bench(options) => bench::run(&options),
         Command::Reproduce(options) => reproduce::run(&options),
     };
     match outcome {

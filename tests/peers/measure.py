@@ -1,0 +1,280 @@
+"""Times what a user would install today, on the inputs that `floorguard-bench --peers` wrote.
+
+Usage: measure.py FOLDER MODELS TRACKS. Prints one JSON object a line: {"task", "input", "peer", "version", "ns", "note"},
+or {"task", "peer", "skipped"}. A peer that is not installed, or fails, is a line and no error.
+"""
+
+import gzip
+import importlib.metadata
+import json
+import os
+import statistics
+import sys
+import time
+
+# One core, as for ours.
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ[name] = "1"
+
+import numpy as np
+
+FOLDER, MODELS, TRACKS = sys.argv[1:4]
+GAP_M = 0.3
+TARGETS = (10, 50, 100)
+
+
+def tell(task, peer, package, **what):
+    what["version"] = importlib.metadata.version(package)
+    print(json.dumps({"task": task, "peer": peer, **what}), flush=True)
+
+
+def median_ns(work, rounds):
+    """The first call warms up and does not count."""
+    work()
+    times = []
+    for _ in range(rounds):
+        start = time.perf_counter_ns()
+        work()
+        times.append(time.perf_counter_ns() - start)
+    return statistics.median(times)
+
+
+def clouds(kind):
+    for name in sorted(os.listdir(FOLDER)):
+        if name.startswith(kind + "-") and name.endswith(".f32"):
+            stem = name[len(kind) + 1 : -4]
+            yield stem, np.fromfile(os.path.join(FOLDER, name), "<f4").reshape(-1, 3)
+
+
+def clusters_sklearn():
+    from sklearn.cluster import DBSCAN
+
+    for name, points in clouds("things"):
+        ns = median_ns(lambda: DBSCAN(eps=GAP_M, min_samples=1, n_jobs=1).fit_predict(points), 5)
+        tell("clusters", "scikit-learn DBSCAN", "scikit-learn", input=name, ns=ns, note=f"{len(points)} points")
+
+
+def clusters_open3d():
+    import open3d
+
+    for name, points in clouds("things"):
+        cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(points.astype(float)))
+        ns = median_ns(lambda: cloud.cluster_dbscan(GAP_M, 1), 5)
+        tell("clusters", "Open3D cluster_dbscan", "open3d", input=name, ns=ns, note=f"{len(points)} points")
+
+
+def told(floor, truth):
+    right = int(np.count_nonzero(floor & truth))
+    return right / max(1, np.count_nonzero(floor)), right / max(1, np.count_nonzero(truth))
+
+
+def ground(peer, package, find, rounds):
+    """Precision and recall over all labelled frames together, time of the median frame."""
+    times, floors, truths = [], [], []
+    for name, points in clouds("labelled"):
+        truth = np.fromfile(os.path.join(FOLDER, f"labelled-{name}.u8"), "u1") == 0
+        times.append(median_ns(lambda: find(points), rounds))
+        floor = np.zeros(len(points), bool)
+        floor[find(points)] = True
+        floors.append(floor)
+        truths.append(truth)
+    precision, recall = told(np.concatenate(floors), np.concatenate(truths))
+    note = f"precision {precision:.3f}, recall {recall:.3f}"
+    tell("ground", peer, package, input="synthetic_vlp16", ns=statistics.median(times), note=note)
+
+
+def ground_open3d():
+    import open3d
+
+    open3d.utility.random.seed(1)
+
+    def find(points):
+        cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(points.astype(float)))
+        return cloud.segment_plane(0.05, 3, 100)[1]
+
+    ground("Open3D segment_plane", "open3d", find, 5)
+
+
+def ground_patchwork():
+    import pypatchworkpp
+
+    parameters = pypatchworkpp.Parameters()
+    parameters.sensor_height = 0.9
+    finder = pypatchworkpp.patchworkpp(parameters)
+
+    def find(points):
+        # The frame of the sensor, which is 0.9 m above the floor.
+        shifted = np.column_stack([points[:, :2], points[:, 2] - 0.9, np.zeros(len(points))])
+        finder.estimateGround(shifted.astype(np.float32))
+        return finder.getGroundIndices()
+
+    ground("Patchwork++", "pypatchworkpp", find, 5)
+
+
+def svm_libsvm():
+    import ctypes
+
+    from libsvm import svmutil
+    from libsvm.svm import gen_svm_nodearray, libsvm
+
+    model = svmutil.svm_load_model(os.path.join(MODELS, "flobot_pedestrian.model"))
+    with gzip.open(os.path.join(MODELS, "flobot_svm_key.csv.gz"), "rt") as key:
+        rows = [list(map(float, line.split(",")))[3:] for line in key.read().splitlines()[1:]][:81]
+    # Nodes are made before: only the machine itself is timed.
+    nodes = [gen_svm_nodearray({i + 1: value for i, value in enumerate(row)})[0] for row in rows]
+    shares = (ctypes.c_double * 2)()
+
+    def work():
+        for node in nodes:
+            libsvm.svm_predict_probability(model, node, shares)
+
+    tell("svm", "libsvm", "libsvm-official", input="81 vectors", ns=median_ns(work, 20), note="C library, called from Python")
+
+
+def tracks(targets):
+    steps = {}
+    with gzip.open(os.path.join(TRACKS, f"track_{targets:03}.csv.gz"), "rt") as rows:
+        for line in rows:
+            if not line.startswith("#"):
+                step, kind, identity, x, y = line.split(",")
+                steps.setdefault(int(step), ([], []))[int(kind)].append((float(x), float(y)))
+    return [steps[step] for step in sorted(steps)]
+
+
+def per_step(targets, begin, follow, steps=None):
+    """Median over the second half, when everybody is followed."""
+    times, state = [], begin()
+    for step, (_, detections) in enumerate(tracks(targets)[:steps]):
+        start = time.perf_counter_ns()
+        state = follow(state, step, detections)
+        times.append(time.perf_counter_ns() - start)
+    return statistics.median(times[len(times) // 2 :])
+
+
+def tracker_norfair():
+    import norfair
+
+    for targets in TARGETS:
+        begin = lambda: norfair.Tracker(distance_function="euclidean", distance_threshold=1.0)
+
+        def follow(tracker, _, detections):
+            tracker.update([norfair.Detection(np.array([place])) for place in detections])
+            return tracker
+
+        tell("tracker", "norfair", "norfair", input=f"{targets} targets", ns=per_step(targets, begin, follow))
+
+
+def stone_soup(targets, associate, steps):
+    from datetime import datetime, timedelta
+
+    from stonesoup.models.measurement.linear import LinearGaussian
+    from stonesoup.models.transition.linear import CombinedLinearGaussianTransitionModel, ConstantVelocity
+    from stonesoup.predictor.kalman import KalmanPredictor
+    from stonesoup.types.detection import Detection
+    from stonesoup.types.state import GaussianState
+    from stonesoup.types.track import Track
+    from stonesoup.updater.kalman import KalmanUpdater
+
+    start = datetime(2026, 1, 1)
+    model = LinearGaussian(4, (0, 2), np.diag([0.01, 0.01]))
+    transition = CombinedLinearGaussianTransitionModel([ConstantVelocity(0.4), ConstantVelocity(0.4)])
+    predictor, updater = KalmanPredictor(transition), KalmanUpdater(model)
+    associator, update = associate(predictor, updater)
+
+    def begin():
+        places = tracks(targets)[0][0]
+        covariance = np.diag([0.04, 1.0, 0.04, 1.0])
+        states = [GaussianState([[x], [0], [y], [0]], covariance, timestamp=start) for x, y in places]
+        return {Track([state]) for state in states}
+
+    def follow(people, step, places):
+        now = start + timedelta(seconds=0.1 * (step + 1))
+        seen = {Detection([[x], [y]], timestamp=now, measurement_model=model) for x, y in places}
+        for track, hypotheses in associator.associate(people, seen, now).items():
+            update(track, hypotheses)
+        return people
+
+    return per_step(targets, begin, follow, steps)
+
+
+def tracker_stone_soup():
+    def nearest(predictor, updater):
+        from stonesoup.dataassociator.neighbour import NearestNeighbour
+        from stonesoup.hypothesiser.distance import DistanceHypothesiser
+        from stonesoup.measures import Mahalanobis
+
+        hypothesiser = DistanceHypothesiser(predictor, updater, Mahalanobis(), missed_distance=3)
+
+        def update(track, hypothesis):
+            track.append(updater.update(hypothesis) if hypothesis else hypothesis.prediction)
+
+        return NearestNeighbour(hypothesiser), update
+
+    for targets in (10, 50):
+        ns = stone_soup(targets, nearest, 12)
+        tell("tracker", "Stone Soup, nearest", "stonesoup", input=f"{targets} targets", ns=ns)
+
+
+def joint_stone_soup():
+    from stonesoup.dataassociator.probability import JPDA
+    from stonesoup.hypothesiser.probability import PDAHypothesiser
+    from stonesoup.types.array import StateVectors
+    from stonesoup.functions import gm_reduce_single
+    from stonesoup.types.update import GaussianStateUpdate
+
+    def joint(predictor, updater):
+        hypothesiser = PDAHypothesiser(predictor, updater, clutter_spatial_density=0.00125, prob_detect=0.95)
+
+        def update(track, hypotheses):
+            states = [updater.update(one) if one else one.prediction for one in hypotheses]
+            weights = np.array([float(one.probability) for one in hypotheses])
+            means = StateVectors([state.state_vector for state in states])
+            covariances = np.stack([state.covar for state in states], axis=2)
+            mean, covariance = gm_reduce_single(means, covariances, weights)
+            track.append(GaussianStateUpdate(mean, covariance, hypotheses, hypotheses[0].measurement.timestamp))
+
+        return JPDA(hypothesiser=hypothesiser), update
+
+    ns = stone_soup(10, joint, 12)
+    tell("joint", "Stone Soup JPDA", "stonesoup", input="10 targets, spread", ns=ns, note="all events; who is far apart is pruned")
+
+
+def filter_filterpy():
+    from filterpy.kalman import KalmanFilter
+
+    people = []
+    for index in range(100):
+        one = KalmanFilter(dim_x=4, dim_z=2)
+        one.F = np.array([[1, 0.1, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0.1], [0, 0, 0, 1]])
+        one.H = np.array([[1, 0, 0, 0], [0, 0, 1, 0]])
+        one.R *= 0.01
+        one.Q *= 0.001
+        people.append((one, np.array([index * 1.0, index * 2.0])))
+
+    def work():
+        for one, place in people:
+            one.predict()
+            one.update(place)
+
+    tell("filter", "filterpy KalmanFilter", "filterpy", input="100 targets", ns=median_ns(work, 20), note="predict and update")
+
+
+MEASURES = [
+    ("clusters", "scikit-learn DBSCAN", clusters_sklearn),
+    ("clusters", "Open3D cluster_dbscan", clusters_open3d),
+    ("ground", "Open3D segment_plane", ground_open3d),
+    ("ground", "Patchwork++", ground_patchwork),
+    ("svm", "libsvm", svm_libsvm),
+    ("tracker", "norfair", tracker_norfair),
+    ("tracker", "Stone Soup, nearest", tracker_stone_soup),
+    ("joint", "Stone Soup JPDA", joint_stone_soup),
+    ("filter", "filterpy KalmanFilter", filter_filterpy),
+]
+
+for task, peer, measure in MEASURES:
+    try:
+        measure()
+    except ImportError as error:
+        print(json.dumps({"task": task, "peer": peer, "skipped": f"not installed ({error})"}), flush=True)
+    except Exception as error:  # A peer that fails is a line, not the end.
+        print(json.dumps({"task": task, "peer": peer, "skipped": f"{type(error).__name__}: {error}"}), flush=True)
