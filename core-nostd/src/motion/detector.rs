@@ -11,7 +11,7 @@ use super::parameters::MotionParameters;
 use super::parts::{Part, Parts};
 use super::reference::References;
 use super::seen_through::{Before, SeenThrough};
-use super::voxels::REACH_M;
+use super::voxels::{REACH_M, cell};
 use crate::capacities::{CLUSTERS_MAX, MOTION_THINGS_MAX, SWEEP_RINGS};
 use crate::geometry::{Point2, Point3, Pose2};
 use crate::people::{Cluster, PeoplePipeline, RingAngles, SweepContext, SweepFrame};
@@ -196,8 +196,9 @@ impl MotionDetector {
                 };
                 verdict.points = verdict.points.saturating_add(1);
                 let point = odom.transform(in_base);
-                parts.count(point);
-                if reference.voxels.holds(point) {
+                let voxel = cell(point);
+                parts.count(voxel);
+                if reference.voxels.holds(voxel) {
                     return;
                 }
                 match reference.seen.before(point, &people.angles) {

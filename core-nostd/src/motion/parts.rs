@@ -6,7 +6,7 @@
 
 use heapless::Vec;
 
-use super::voxels::REACH_M;
+use super::voxels::{Cell, REACH_M, VOXEL_M, floor};
 use crate::capacities::{MOTION_THINGS_MAX, MOTION_VOXEL_SIDE};
 use crate::geometry::Point3;
 
@@ -17,12 +17,15 @@ const WIDEST_M: f32 = 1.2;
 /// Of the returns of a part at least one in so many continues a surface that stands: a board between two rings shows
 /// itself line by line as the robot drives, and runs along with it.
 const UPRIGHT_ONE_IN: u32 = 4;
-/// Edge of a floor cell that counts returns, metres.
-const CELL_M: f32 = 0.4;
+/// Edge of a floor cell that counts returns, in voxels: a power of two.
+const CELL_VOXELS: usize = 4;
+/// The same, metres.
+const CELL_M: f32 = VOXEL_M * CELL_VOXELS as f32;
 /// Floor cells along each side: as wide as the voxels; wraps around like them.
-const SIDE: usize = MOTION_VOXEL_SIDE / 4;
+const SIDE: usize = MOTION_VOXEL_SIDE / CELL_VOXELS;
 
-const _: () = assert!(SIDE.is_power_of_two() && SIDE as f32 * CELL_M > 2.0 * REACH_M);
+const _: () =
+    assert!(CELL_VOXELS.is_power_of_two() && SIDE.is_power_of_two() && SIDE as f32 * CELL_M > 2.0 * REACH_M);
 
 /// Returns that are new and close together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -53,7 +56,7 @@ pub(super) struct Parts {
 }
 
 fn index(metres: f32) -> i32 {
-    libm::floorf(metres * (1.0 / CELL_M)) as i32
+    floor(metres * (1.0 / VOXEL_M)) >> CELL_VOXELS.trailing_zeros()
 }
 
 fn slot(x: i32, y: i32) -> usize {
@@ -72,9 +75,10 @@ impl Parts {
         self.counts.fill(0);
     }
 
-    /// Counts a return of a thing, new or not.
-    pub(super) fn count(&mut self, point: Point3) {
-        if let Some(count) = self.counts.get_mut(slot(index(point.x_m), index(point.y_m))) {
+    /// Counts a return of a thing in a voxel, new or not.
+    pub(super) fn count(&mut self, (x, y, _): Cell) {
+        let coarse = |index: i32| index >> CELL_VOXELS.trailing_zeros();
+        if let Some(count) = self.counts.get_mut(slot(coarse(x), coarse(y))) {
             *count = count.saturating_add(1);
         }
     }

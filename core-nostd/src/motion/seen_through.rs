@@ -4,7 +4,7 @@
 //! range image of the moment before tells them apart: only where the lidar looked through, something has come.
 
 use crate::capacities::{SWEEP_COLUMNS, SWEEP_RINGS};
-use crate::geometry::{Point3, Pose2, Transform3, Twist2};
+use crate::geometry::{Point3, Twist2};
 use crate::people::{RingAngles, SweepContext};
 use crate::sensing::Sweep;
 
@@ -86,9 +86,7 @@ pub(super) struct SeenThrough {
     metres_per_count: f32,
     first_azimuth_cdeg: u16,
     duration_s: f32,
-    base_in_odom: Pose2,
-    sensor_in_base: Transform3,
-    twist: Twist2,
+    lidar: LidarWay,
 }
 
 impl SeenThrough {
@@ -98,9 +96,7 @@ impl SeenThrough {
             metres_per_count: 0.002,
             first_azimuth_cdeg: 0,
             duration_s: 0.0,
-            base_in_odom: Pose2 { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 },
-            sensor_in_base: Transform3::IDENTITY,
-            twist: Twist2::ZERO,
+            lidar: LidarWay::NEW,
         }
     }
 
@@ -110,9 +106,7 @@ impl SeenThrough {
         self.metres_per_count = f32::from(sweep.range_unit_mm) * 1.0e-3;
         self.first_azimuth_cdeg = sweep.used_columns().first().map_or(0, |column| column.azimuth_cdeg);
         self.duration_s = sweep.end_stamp.seconds_since(sweep.stamp);
-        self.base_in_odom = context.base_in_odom;
-        self.sensor_in_base = context.sensor_in_base;
-        self.twist = context.twist;
+        self.lidar = LidarWay::new(context);
         for column in sweep.used_columns().iter().take(SWEEP_COLUMNS).filter(|column| column.measured) {
             let Some(nearest) = self.nearest.get_mut(sector(u32::from(column.azimuth_cdeg))) else {
                 continue;
@@ -159,37 +153,98 @@ impl SeenThrough {
         around
     }
 
-    /// How the lidar saw a point then. While it turned, the robot drove: the beam's moment follows from the azimuth, in two rounds.
+    /// How the lidar saw a point then. While it turned, the robot drove: the beam's moment follows from the azimuth, in
+    /// two rounds.
     fn direction(&self, point: Point3) -> Direction {
-        let mut before_end_s = 0.0;
-        let mut seen = Direction::default();
-        for _ in 0..2 {
-            let moved = Pose2::new(
-                self.twist.linear_mps * before_end_s,
-                0.0,
-                self.twist.angular_radps * before_end_s,
-            );
-            seen = self.direction_from(self.base_in_odom.compose(moved), point);
-            let turned_cdeg =
-                (seen.cdeg + 36_000).saturating_sub(u32::from(self.first_azimuth_cdeg)) % 36_000;
-            before_end_s = (turned_cdeg as f32 / 36_000.0 - 1.0) * self.duration_s;
+        let first = self.lidar.direction(point, 0.0);
+        if self.lidar.is_still {
+            return first;
         }
-        seen
+        let turned_cdeg = (first.cdeg + 36_000).saturating_sub(u32::from(self.first_azimuth_cdeg)) % 36_000;
+        let before_end_s = (turned_cdeg as f32 / 36_000.0 - 1.0) * self.duration_s;
+        self.lidar.direction(point, before_end_s)
+    }
+}
+
+/// The lidar at the end of a sweep and how it moved, in the frame of the odometry.
+#[derive(Clone, Copy, Debug)]
+struct LidarWay {
+    place: Point3,
+    sin: f32,
+    cos: f32,
+    velocity: [f32; 2],
+    turn_radps: f32,
+    is_still: bool,
+}
+
+impl LidarWay {
+    const NEW: Self = Self {
+        place: Point3 { x_m: 0.0, y_m: 0.0, z_m: 0.0 },
+        sin: 0.0,
+        cos: 1.0,
+        velocity: [0.0; 2],
+        turn_radps: 0.0,
+        is_still: true,
+    };
+
+    fn new(context: &SweepContext) -> Self {
+        let [[cos, ..], [sin, ..], _] = context.sensor_in_base.rotation;
+        let mount = context.sensor_in_base.translation;
+        let base = context.base_in_odom;
+        let (base_sin, base_cos) = libm::sincosf(base.heading_rad);
+        let turned = |x: f32, y: f32| (base_cos * x - base_sin * y, base_sin * x + base_cos * y);
+        let (dx, dy) = turned(mount.x_m, mount.y_m);
+        // The yaw of the mounting; a small roll or pitch does not matter here.
+        let scale = 1.0 / libm::sqrtf(sin * sin + cos * cos).max(1.0e-6);
+        let (cos, sin) = turned(cos * scale, sin * scale);
+        let twist = context.twist;
+        let (vx, vy) =
+            turned(twist.linear_mps - twist.angular_radps * mount.y_m, twist.angular_radps * mount.x_m);
+        Self {
+            place: Point3::new(base.x_m + dx, base.y_m + dy, mount.z_m),
+            sin,
+            cos,
+            velocity: [vx, vy],
+            turn_radps: twist.angular_radps,
+            is_still: twist == Twist2::ZERO,
+        }
     }
 
-    fn direction_from(&self, base_in_odom: Pose2, point: Point3) -> Direction {
-        let [[cos, ..], [sin, ..], _] = self.sensor_in_base.rotation;
-        let origin = self.sensor_in_base.translation;
-        let sensor = base_in_odom.compose(Pose2::new(origin.x_m, origin.y_m, libm::atan2f(sin, cos)));
-        let (dx, dy) = (point.x_m - sensor.x_m, point.y_m - sensor.y_m);
-        let (sin, cos) = libm::sincosf(sensor.heading_rad);
-        let (forward_m, left_m) = (cos * dx + sin * dy, cos * dy - sin * dx);
-        let azimuth_rad = -libm::atan2f(left_m, forward_m);
-        let cdeg = (azimuth_rad * (18_000.0 / core::f32::consts::PI) + 36_000.0) as u32 % 36_000;
-        let up_m = point.z_m - origin.z_m;
+    /// Within a sweep the way is short: straight, and turns are small angles.
+    fn direction(&self, point: Point3, before_end_s: f32) -> Direction {
+        let [vx, vy] = self.velocity;
+        let turn_rad = self.turn_radps * before_end_s;
+        let place = Point3::new(
+            self.place.x_m + vx * before_end_s,
+            self.place.y_m + vy * before_end_s,
+            self.place.z_m,
+        );
+        let (dx, dy) = (point.x_m - place.x_m, point.y_m - place.y_m);
+        let (x, y) = (self.cos * dx + self.sin * dy, self.cos * dy - self.sin * dx);
+        // The turn, to second order: 10⁻³ rad at most for a turn of 0.2 rad a sweep.
+        let shrink = 1.0 - 0.5 * turn_rad * turn_rad;
+        let (forward_m, left_m) = (shrink * x + turn_rad * y, shrink * y - turn_rad * x);
+        let up_m = point.z_m - place.z_m;
         let range_m = libm::sqrtf(dx * dx + dy * dy + up_m * up_m);
-        Direction { cdeg, range_m, up_m, sensor: Point3::new(sensor.x_m, sensor.y_m, origin.z_m) }
+        Direction { cdeg: azimuth_cdeg(forward_m, left_m), range_m, up_m, sensor: place }
     }
+}
+
+/// Clockwise from ahead, hundredths of a degree, right to 2: a polynomial of the tangent within ±45°, and symmetry.
+fn azimuth_cdeg(forward_m: f32, left_m: f32) -> u32 {
+    const CDEG_PER_RAD: f32 = 18_000.0 / core::f32::consts::PI;
+    let right_m = -left_m;
+    let (far, near) = (forward_m.abs().max(right_m.abs()), forward_m.abs().min(right_m.abs()));
+    let tangent = near / far.max(1.0e-6);
+    let square = tangent * tangent;
+    // Abramowitz and Stegun 4.4.49: within 10⁻⁵ rad.
+    let series = 0.999_866
+        + square * (-0.330_299_5 + square * (0.180_141 + square * (-0.085_133 + square * 0.020_835_1)));
+    let angle = tangent * series * CDEG_PER_RAD;
+    let from_ahead = if right_m.abs() > forward_m.abs() { 9_000.0 - angle } else { angle };
+    let half = if forward_m < 0.0 { 18_000.0 - from_ahead } else { from_ahead };
+    let whole = if right_m < 0.0 { 36_000.0 - half } else { half };
+    whole as u32 % 36_000
 }
 
 /// A point this much nearer to the sensor.
@@ -215,3 +270,21 @@ fn neighbours(angles: &RingAngles, up_m: f32, range_m: f32) -> [usize; 2] {
 }
 
 const _: () = assert!(SECTORS as u32 * SECTOR_CDEG == 36_000);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn azimuths_agree_with_the_library_all_around() {
+        for step in 0..3_600 {
+            let angle_rad = step as f64 / 1_800.0 * core::f64::consts::PI;
+            let (forward, right) = (libm::cos(angle_rad) * 3.0, libm::sin(angle_rad) * 3.0);
+            let found = i64::from(azimuth_cdeg(forward as f32, -right as f32));
+            let apart = (found - i64::from(step) * 10).rem_euclid(36_000);
+            assert!(apart.min(36_000 - apart) <= 2, "{step}: {found}");
+        }
+        let _ = azimuth_cdeg(f32::NAN, 0.0);
+        assert_eq!(azimuth_cdeg(0.0, 0.0), 0);
+    }
+}

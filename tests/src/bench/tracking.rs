@@ -119,7 +119,7 @@ pub fn crowd_pipeline_ns() -> anyhow::Result<f64> {
     });
     let context = context(simulation.parameters().lidar.z_m);
     let mut pipeline = Box::new(PeoplePipeline::new(RingAngles::vlp16()));
-    let sweep_ns = |sweep: &Sweep| {
+    let mut sweep_ns = |sweep: &Sweep| {
         nanoseconds(|| {
             black_box(pipeline.process(black_box(sweep), &context));
         })
