@@ -5,6 +5,7 @@ pub mod campaign;
 pub mod corridor;
 pub mod crowds;
 pub mod data;
+pub mod dirt;
 pub mod environment;
 pub mod fuzz;
 pub mod lidar_frames;

@@ -20,6 +20,7 @@ fn main() -> ExitCode {
         "motion" => floorguard_tests::reproduce::motion(trials, folder),
         "crowds" => floorguard_tests::crowds::crowds(trials, folder),
         "environment" => floorguard_tests::environment::environment(trials, folder),
+        "dirt" => floorguard_tests::dirt::dirt(trials, folder),
         other => {
             eprintln!("no experiment is called '{other}'");
             return ExitCode::from(2);

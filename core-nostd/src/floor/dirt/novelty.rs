@@ -12,7 +12,7 @@ use super::order::quantiles;
 use super::pixels::{Pixel, box_mean, halve, shrink};
 use super::rarity::Rarity;
 use super::recall::{FloorView, Remembered, recall, remember};
-use super::surroundings::Surroundings;
+use super::surroundings::{CELL, Surroundings};
 use crate::capacities::FLOOR_IMAGE_COLUMNS_MAX;
 use crate::sensing::ColorImage;
 
@@ -122,7 +122,7 @@ impl NoveltyDetector {
         box_mean::<2>(first, self.columns / 2, second);
         halve(colours, self.columns, first);
         self.score_texture(first, second, cues);
-        self.surroundings.learn(first, (self.columns / 2, self.rows / 2));
+        self.surroundings.learn(first, (self.columns / 2, self.rows / 2), 3);
         box_mean::<2>(first, self.columns / 2, second);
         self.score_coarse(second, cues);
         box_mean::<1>(colours, self.columns, smooth);
@@ -173,9 +173,9 @@ impl NoveltyDetector {
             *texture = [0.5 * libm::logf(along + TEXTURE_MIN), 0.0, 0.0, *weight];
         }
         let columns = self.columns / 2;
-        self.surroundings.learn(tensor, (columns, self.rows / 2));
-        relate(&self.surroundings, tensor, (columns, SURROUNDING_QUARTERS));
-        self.texture.learn(known(tensor), TEXTURE_SPREAD_MIN);
+        self.surroundings.learn(tensor, (columns, self.rows / 2), 1);
+        relate(&self.surroundings, tensor, (columns, CELL));
+        self.texture.learn(tensor, TEXTURE_SPREAD_MIN);
         for (cue, [value, ..]) in cues.iter_mut().zip(tensor.iter()) {
             *cue = [self.texture.of([*value, 0.0, 0.0]), 0.0, 0.0, 1.0];
         }
@@ -188,8 +188,8 @@ impl NoveltyDetector {
 
     /// Colours of centimetres, relative to their surroundings: the second of the cues.
     fn score_coarse(&mut self, colours: &mut [Pixel], cues: &mut [Pixel]) {
-        relate(&self.surroundings, colours, (self.columns / 2, SURROUNDING_QUARTERS));
-        self.coarse.learn(known(colours), COLOUR_SPREAD_MIN);
+        relate(&self.surroundings, colours, (self.columns / 2, CELL));
+        self.coarse.learn(colours, COLOUR_SPREAD_MIN);
         for ([texture, coarse, _, weight], [l, a, b, _]) in cues.iter_mut().zip(colours.iter()) {
             *coarse = self.coarse.of([*l, *a, *b]);
             *weight = if (*texture + *coarse).is_nan() { 0.0 } else { 1.0 };
@@ -202,8 +202,8 @@ impl NoveltyDetector {
             *weight = if *class == FLOOR { 1.0 } else { 0.0 };
         }
         let columns = self.columns.max(1);
-        relate(&self.surroundings, colours, (columns, 2 * SURROUNDING_QUARTERS));
-        self.fine.learn(known(colours), COLOUR_SPREAD_MIN);
+        relate(&self.surroundings, colours, (columns, 2 * CELL));
+        self.fine.learn(colours, COLOUR_SPREAD_MIN);
         let cue_columns = (columns / 2).max(1);
         let last = (self.rows / 2).saturating_sub(1);
         let rows = colours.chunks_exact_mut(columns).zip(class.chunks_exact(columns));
@@ -238,18 +238,10 @@ impl NoveltyDetector {
     }
 }
 
-/// Pixels of quarter size along a cell of the surroundings.
-const SURROUNDING_QUARTERS: usize = 4;
-
 /// The first values of a slice.
 fn front<T>(values: &mut [T], count: usize) -> &mut [T] {
     let count = count.min(values.len());
     values.split_at_mut(count).0
-}
-
-/// The values that count.
-fn known(pixels: &[Pixel]) -> impl Iterator<Item = [f32; 3]> + Clone {
-    pixels.iter().filter(|[.., weight]| *weight > 0.0).map(|[x, y, z, _]| [*x, *y, *z])
 }
 
 /// Takes gaps out of the colours.

@@ -4,6 +4,7 @@
 //! values are counted in units of their own spread, so that nothing has to be known about the floor.
 
 use super::order::quantiles;
+use super::pixels::Pixel;
 
 /// Levels along each axis: −7…7 spreads, and one that stays empty.
 const LEVELS: usize = 16;
@@ -13,6 +14,8 @@ const CELLS: usize = LEVELS * LEVELS * LEVELS;
 const DISTANCE_WEIGHT: f32 = 2.0;
 /// Steps of the table of distances: sixteenths of a spread, up to 32 spreads.
 const STEPS: usize = 512;
+/// Every so many pixels one gives its distance for the spread.
+const SAMPLED: usize = 5;
 
 /// Frequencies of values of three channels.
 #[derive(Clone, Debug)]
@@ -34,19 +37,23 @@ impl Default for Rarity {
 }
 
 impl Rarity {
-    /// Learns from values relative to their surroundings; NaN is left out. `spread_min` is the least spread of a
-    /// channel; the spread is taken from every third value.
-    pub(super) fn learn(&mut self, values: impl Iterator<Item = [f32; 3]> + Clone, spread_min: f32) {
+    /// Learns from values relative to their surroundings, of the pixels that count. `spread_min` is the least spread of
+    /// a channel; the spread is taken from every fifth pixel.
+    pub(super) fn learn(&mut self, pixels: &[Pixel], spread_min: f32) {
         for (channel, inverse) in self.inverse_spread.iter_mut().enumerate() {
-            let distances =
-                values.clone().step_by(3).map(|value| value.get(channel).copied().unwrap_or(f32::NAN).abs());
+            let distance = |pixel: &Pixel| {
+                let [.., weight] = *pixel;
+                let value = pixel.get(channel).copied().unwrap_or(f32::NAN).abs();
+                if weight > 0.0 { value } else { f32::NAN }
+            };
+            let distances = pixels.iter().step_by(SAMPLED).map(distance);
             let [median] = quantiles(distances, [0.5]).unwrap_or([0.0]);
             *inverse = 1.0 / (1.482_6 * median + spread_min);
         }
         self.cells = [0.0; CELLS];
         let mut total = 0.0_f32;
-        for value in values {
-            if let Some((cell, _)) = self.cell(value)
+        for [x, y, z, weight] in pixels {
+            if let Some((cell, _)) = self.cell([*x, *y, *z]).filter(|_| *weight > 0.0)
                 && let Some(slot) = self.cells.get_mut(cell)
             {
                 *slot += 1.0;
@@ -100,14 +107,14 @@ mod tests {
     /// What recurs is not rare, however different it is; the same value seen once is.
     #[test]
     fn what_recurs_is_common() {
-        let value = |index: usize| {
-            if index.is_multiple_of(20) { [6.0, 0.0, 0.0] } else { [(index % 3) as f32 - 1.0, 0.0, 0.0] }
-        };
-        let mut values: std::vec::Vec<[f32; 3]> = (0..4_000).map(value).collect();
-        values[7] = [0.0, 6.0, 0.0];
-        values[8] = [f32::NAN; 3];
+        let value = |index: usize| if index.is_multiple_of(20) { 6.0 } else { (index % 3) as f32 - 1.0 };
+        let mut pixels: std::vec::Vec<Pixel> =
+            (0..4_000).map(|index| [value(index), 0.0, 0.0, 1.0]).collect();
+        pixels[7] = [0.0, 6.0, 0.0, 1.0];
+        pixels[8] = [f32::NAN, 0.0, 0.0, 1.0];
+        pixels[9] = [0.0, 0.0, 6.0, 0.0];
         let mut rarity = Rarity::default();
-        rarity.learn(values.iter().copied(), 0.3);
+        rarity.learn(&pixels, 0.3);
         let (usual, gap, dirt) =
             (rarity.of([0.0; 3]), rarity.of([6.0, 0.0, 0.0]), rarity.of([0.0, 6.0, 0.0]));
         assert!(usual < gap && gap + 2.0 < dirt, "{usual} {gap} {dirt}");

@@ -143,12 +143,13 @@ pub(super) fn remember(scores: &[f32], next: &mut [Remembered]) {
 /// Between four pixels; nothing outside of the image.
 #[inline]
 fn sample(past: &[Remembered], columns: usize, (column, row): (f32, f32)) -> Remembered {
-    let (left, top) = (libm::floorf(column), libm::floorf(row));
-    if !(left >= 0.0 && top >= 0.0 && column < columns.saturating_sub(1) as f32) {
+    if !(column >= 0.0 && row >= 0.0 && column < columns.saturating_sub(1) as f32) {
         return [0.0; 2];
     }
-    // Both are whole and not negative.
-    let start = (top as usize).saturating_mul(columns).saturating_add(left as usize);
+    // Neither is negative: cutting off is rounding down.
+    let (whole_column, whole_row) = (column as u32, row as u32);
+    let (left, top) = (whole_column as f32, whole_row as f32);
+    let start = (whole_row as usize).saturating_mul(columns).saturating_add(whole_column as usize);
     let pair = |start: usize| past.get(start..start.saturating_add(2));
     let (Some([a, b]), Some([c, d])) = (pair(start), pair(start.saturating_add(columns))) else {
         return [0.0; 2];

@@ -27,6 +27,8 @@ enum Experiment {
     Crowds,
     /// Weekly patterns found again, predictions against a plain histogram, real tracks as heat maps.
     Environment,
+    /// Dirt on six floors, published detector against ours; spills found by the map.
+    Dirt,
 }
 
 /// Builds and runs the experiments. True if everything that must show did.
@@ -36,6 +38,7 @@ pub fn run(options: &Options) -> Result<bool> {
         Experiment::Motion => ("motion", 20),
         Experiment::Crowds => ("crowds", 5),
         Experiment::Environment => ("environment", 20),
+        Experiment::Dirt => ("dirt", 4),
     };
     let trials = options.trials.unwrap_or(trials);
     let folder = shell::root().join("target/reproduce").join(name);

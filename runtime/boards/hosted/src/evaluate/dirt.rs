@@ -2,20 +2,17 @@
 
 use std::path::Path;
 
-use floorguard_core::floor::dirt::{DirtFault, NOVELTY_BIN, NoveltyDetector, PublishedDetector};
+use floorguard_core::floor::dirt::DirtFault;
 use floorguard_core::sensing::ColorImage;
 use floorguard_core::time::Stamp;
 use image::{Rgb, RgbImage};
 use serde::Serialize;
 
-use super::dirt_figures::{Answer, DirtFigures, Totals};
-use super::dirt_folder::{DirtFolder, DirtFrame};
-use super::dirt_memory::NoveltyBuffers;
+use super::dirt_detectors::{DirtAnswer, DirtDetectors};
+use super::dirt_figures::{DirtFigures, DirtTotals};
+use super::dirt_folder::DirtFolder;
 use super::images::ColourFile;
 use crate::commands::BadInput;
-
-/// Pixels along a block.
-const BLOCK: usize = 16;
 
 /// Both detectors on the frames of one folder. The figures of ours stand also at the top.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -44,12 +41,14 @@ pub struct DirtReport {
 pub fn dirt(root: &Path, out: Option<&Path>) -> anyhow::Result<DirtReport> {
     let folder = DirtFolder::open(root)?;
     let mut report = DirtReport { other_pictures: folder.others, ..DirtReport::default() };
-    let (mut published, mut ours) = (Totals::default(), Totals::default());
-    let mut detectors = Detectors::default();
+    let (mut published, mut ours) = (DirtTotals::default(), DirtTotals::default());
+    let mut detectors = DirtDetectors::default();
     for path in &folder.frames {
         let frame = folder.read(path)?;
         report.reduced_by = report.reduced_by.max(frame.reduced_by);
-        let [first, second] = match detectors.judge(&frame) {
+        let size = (frame.picture.width, frame.picture.height);
+        let image = ColorImage::new(Stamp::ZERO, size, &frame.picture.rgb)?;
+        let [first, second] = match detectors.judge(&image, &frame.usable, None) {
             Ok(answers) => answers,
             Err(problem @ DirtFault::TooLittleFloor(..)) => {
                 anstream::eprintln!("{}: floor unknown: {problem}", path.display());
@@ -80,51 +79,8 @@ pub fn dirt(root: &Path, out: Option<&Path>) -> anyhow::Result<DirtReport> {
     Ok(report)
 }
 
-/// Both detectors and their memory.
-#[derive(Default)]
-struct Detectors {
-    published: Box<PublishedDetector>,
-    ours: Box<NoveltyDetector>,
-    memory: NoveltyBuffers,
-}
-
-impl Detectors {
-    fn judge(&mut self, frame: &DirtFrame) -> Result<[Answer; 2], DirtFault> {
-        let (file, usable) = (&frame.picture, frame.usable.as_slice());
-        let pixels = file.width * file.height;
-        let too_little = |_| DirtFault::TooLittleFloor(0, pixels);
-        let image = ColorImage::new(Stamp::ZERO, (file.width, file.height), &file.rgb).map_err(too_little)?;
-        self.published.detect(&image, usable)?;
-        let columns = self.published.columns();
-        let of_block = |index: usize| {
-            let (column, row) = (index % file.width / BLOCK, index / file.width / BLOCK);
-            (column < columns).then_some(row * columns + column)
-        };
-        let lookup = |index: usize| of_block(index).and_then(|block| self.published.scores().get(block));
-        let dirty = |index: usize| of_block(index).and_then(|block| self.published.dirty().get(block));
-        let first = Answer {
-            scores: (0..pixels).map(|index| lookup(index).copied().unwrap_or(f32::NAN)).collect(),
-            is_dirty: (0..pixels).map(|index| dirty(index) == Some(&true)).collect(),
-        };
-        self.memory.resize(pixels);
-        self.ours.detect(&image, usable, None, &mut self.memory.lend())?;
-        let (columns, rows) = (self.ours.columns(), self.ours.rows());
-        let score = |index: usize| {
-            let (column, row) = (index % file.width / NOVELTY_BIN, index / file.width / NOVELTY_BIN);
-            if column < columns && row < rows {
-                self.memory.scores()[row * columns + column]
-            } else {
-                f32::NAN
-            }
-        };
-        let scores: Vec<f32> = (0..pixels).map(score).collect();
-        let is_dirty = scores.iter().map(|score| *score > self.ours.threshold()).collect();
-        Ok([first, Answer { scores, is_dirty }])
-    }
-}
-
 /// The frame with the true dirt in green, the published answer in blue and ours in red, side by side.
-fn picture(file: &ColourFile, truth: &[bool], [published, ours]: [&Answer; 2]) -> RgbImage {
+fn picture(file: &ColourFile, truth: &[bool], [published, ours]: [&DirtAnswer; 2]) -> RgbImage {
     let (width, height) = (file.width as u32, file.height as u32);
     let mut picture = RgbImage::new(width * 3, height);
     let panels = [

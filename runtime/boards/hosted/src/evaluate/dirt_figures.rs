@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::dirt_detectors::DirtAnswer;
 use super::roc::{area_under_curve, best_overlap};
 
 /// Pixels along a block.
@@ -27,15 +28,9 @@ pub struct DirtFigures {
     pub recall: f64,
 }
 
-/// One detector's answer for the pixels of a frame; NaN where it has none.
-pub(super) struct Answer {
-    pub(super) scores: Vec<f32>,
-    pub(super) is_dirty: Vec<bool>,
-}
-
 /// Sums over frames.
-#[derive(Default)]
-pub(super) struct Totals {
+#[derive(Clone, Debug, Default)]
+pub struct DirtTotals {
     overlap: f64,
     area: f64,
     block_area: f64,
@@ -45,8 +40,9 @@ pub(super) struct Totals {
     dirty: u64,
 }
 
-impl Totals {
-    pub(super) fn add(&mut self, answer: &Answer, (truth, judged): (&[bool], &[bool]), width: usize) {
+impl DirtTotals {
+    /// Adds a frame: the answer, where dirt is, and which pixels count.
+    pub fn add(&mut self, answer: &DirtAnswer, (truth, judged): (&[bool], &[bool]), width: usize) {
         let pixels = || answer.scores.iter().zip(truth).zip(judged).filter(|(_, is_judged)| **is_judged);
         let mut pairs: Vec<(f32, bool)> = pixels().map(|((score, truth), _)| (*score, *truth)).collect();
         if pairs.iter().any(|(_, is_dirt)| *is_dirt) {
@@ -62,7 +58,9 @@ impl Totals {
         }
     }
 
-    pub(super) fn figures(&self) -> DirtFigures {
+    /// The figures so far.
+    #[must_use]
+    pub fn figures(&self) -> DirtFigures {
         let frames = f64::from(self.dirty_frames.max(1));
         let part = |of: u64| if of == 0 { 0.0 } else { self.hits as f64 / of as f64 };
         DirtFigures {
@@ -78,7 +76,7 @@ impl Totals {
 
 /// Score and truth of every whole block: the mean of the highest sixteenth of its pixels, so that a detector of pixels
 /// is not punished for being finer than a block.
-fn block_pairs(answer: &Answer, (truth, judged): (&[bool], &[bool]), width: usize) -> Vec<(f32, bool)> {
+fn block_pairs(answer: &DirtAnswer, (truth, judged): (&[bool], &[bool]), width: usize) -> Vec<(f32, bool)> {
     let (columns, rows) = (width / BLOCK, truth.len() / width.max(1) / BLOCK);
     let mut pairs = Vec::with_capacity(columns * rows);
     for block in 0..columns * rows {

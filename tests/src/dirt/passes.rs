@@ -1,0 +1,124 @@
+//! A hall is driven lane by lane: which spills the map of seen dirt finds, and what it invents.
+
+use std::time::Duration;
+
+use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_core::maps::GridGeometry;
+use floorguard_core::maps::seen_dirt::{DirtSpot, SeenCell, SeenDirtMap, SeenLayer};
+use floorguard_core::random::Pcg32;
+use floorguard_core::sensing::ColorImage;
+use floorguard_core::time::Stamp;
+use floorguard_hosted::evaluate::DirtDetectors;
+use floorguard_sim::floor::{DirtKind, FloorCamera, FloorKind, FloorScene, Spill};
+
+use super::scenes::view;
+
+/// Edge of a cell of the map, metres.
+const CELL_M: f32 = 0.05;
+/// Between lanes, and between frames along a lane, metres.
+const LANE_M: f32 = 0.7;
+const STEP_M: f32 = 0.12;
+/// At 0.5 m/s.
+const STEP_S: f32 = 0.24;
+/// Shadows that pass in a lane.
+const SHADOWS_A_LANE: u32 = 2;
+
+/// A pass over a hall.
+#[derive(Clone, Debug)]
+pub struct Pass {
+    /// The floor.
+    pub floor: FloorKind,
+    /// Square metres of the hall.
+    pub area_m2: f32,
+    /// Spills of each kind that were found, and that there were.
+    pub found: [(DirtKind, u32, u32); 4],
+    /// Spots where nothing was spilled.
+    pub false_spots: u32,
+    /// Frames.
+    pub frames: u32,
+    /// Of the detector and the map, all frames.
+    pub took: Duration,
+}
+
+/// Drives lanes of a length over a hall with spills.
+///
+/// # Errors
+/// A frame could not be judged.
+pub fn pass(floor: FloorKind, (lanes, length_m): (u32, f32), seed: u64) -> anyhow::Result<Pass> {
+    let mut random = Pcg32::new(seed, 77);
+    let mut scene = FloorScene::new(floor, length_m.max(LANE_M * lanes as f32), seed);
+    let width_m = LANE_M * lanes as f32;
+    for (number, kind) in DirtKind::ALL.into_iter().cycle().take(2 * lanes as usize).enumerate() {
+        let lane = number as u32 / 2;
+        let along =
+            length_m * (0.25 + 0.5 * (number % 2) as f32) + random.uniform_between(-0.15, 0.15) * length_m;
+        let across = LANE_M * (lane as f32 + 0.5) + random.uniform_between(-0.2, 0.2);
+        scene.spills.push(Spill::random(kind, Point2::new(along, across), &mut random));
+    }
+    let camera = FloorCamera::default();
+    let geometry = GridGeometry::new(
+        ((length_m + 1.0) / CELL_M) as u16,
+        ((width_m + 1.0) / CELL_M) as u16,
+        CELL_M,
+        Point2::new(-0.5, -0.5),
+    )
+    .expect("a hall has an area");
+    let mut cells = vec![SeenCell::default(); geometry.cell_count()];
+    let mut map = SeenDirtMap::new(geometry, &mut cells).expect("as many cells");
+    let mut detectors = DirtDetectors::default();
+    let (mut frame, mut took) = (0_u32, Duration::ZERO);
+    for lane in 0..lanes {
+        detectors.forget();
+        let across = LANE_M * (lane as f32 + 0.5);
+        scene.lighting.shadows.clear();
+        let steps = ((length_m + 1.5) / STEP_M) as u32;
+        for _ in 0..SHADOWS_A_LANE {
+            let near = Point2::new(random.uniform_between(0.0, length_m), across);
+            let at_s = (near.x_m + 0.5) / STEP_M * STEP_S;
+            scene.lighting.add_shadow(near, at_s, &mut random);
+        }
+        for step in 0..steps {
+            let forward = -1.5 + STEP_M * step as f32;
+            // Lanes are driven there and back.
+            let pose = if lane % 2 == 0 {
+                Pose2::new(forward, across, random.uniform_between(-0.02, 0.02))
+            } else {
+                Pose2::new(
+                    length_m - forward,
+                    across,
+                    core::f32::consts::PI + random.uniform_between(-0.02, 0.02),
+                )
+            };
+            let picture = scene.picture(&camera, pose, (frame, STEP_S * step as f32));
+            frame += 1;
+            let started = std::time::Instant::now();
+            let image = ColorImage::new(Stamp::ZERO, picture.size, &picture.rgb)?;
+            let view = view(&camera, pose);
+            detectors.watch(&image, &picture.usable(), Some(&view))?;
+            map.add(&view, &detectors.scores(), Stamp::from_micros(u64::from(frame) * 240_000));
+            took += started.elapsed();
+        }
+    }
+    let spots = map.spots(SeenLayer::First, Stamp::from_micros(u64::from(frame + 1) * 240_000)).spots;
+    let inside =
+        |place: Point2| place.x_m >= 0.0 && place.x_m <= length_m && place.y_m >= 0.0 && place.y_m <= width_m;
+    let is_of = |spot: &DirtSpot, spill: &Spill| touches(spot, spill);
+    let found = DirtKind::ALL.map(|kind| {
+        let of_kind = || scene.spills.iter().filter(move |spill| spill.kind == kind);
+        let hits = of_kind().filter(|spill| spots.iter().any(|spot| is_of(spot, spill))).count();
+        (kind, hits as u32, of_kind().count() as u32)
+    });
+    let false_spots = spots
+        .iter()
+        .filter(|spot| inside(spot.centre_in_map) && !scene.spills.iter().any(|spill| is_of(spot, spill)));
+    let false_spots = false_spots.count() as u32;
+    Ok(Pass { floor, area_m2: length_m * width_m, found, false_spots, frames: frame, took })
+}
+
+/// A spot belongs to a spill if its rectangle reaches within a cell of the spill's outline.
+fn touches(spot: &DirtSpot, spill: &Spill) -> bool {
+    let centre = spill.centre_in_world;
+    let (low, high) = (spot.low_in_map, spot.high_in_map);
+    let (x, y) = (centre.x_m.clamp(low.x_m, high.x_m), centre.y_m.clamp(low.y_m, high.y_m));
+    centre.distance(Point2::new(x, y)) <= spill.radii_m[0].max(spill.radii_m[1]) + CELL_M
+}
