@@ -195,14 +195,16 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> Belief<S, PARTIC
         for (particle, (pose, log_weight)) in self.poses.iter_mut().zip(&mut self.log_weights).enumerate() {
             let before = *pose;
             *pose = sample_motion(before, step, deviations, &mut self.random);
-            if let (Some(deviations), 0) = (config.scouts, particle % SCOUT_INTERVAL) {
+            let scouting = config.scouts.filter(|_| particle % SCOUT_INTERVAL == 0);
+            if let Some(deviations) = scouting {
                 *pose = scatter(*pose, deviations, &mut self.random);
             }
             *log_weight += self.range.log_likelihood(field, *pose, evidence.hits_in_base);
             let bar = config.brush.bar_at(*pose);
             places.add(bar, &geometry);
             let mut removed = 0_u32;
-            if evidence.brush_is_cleaning {
+            // A scout leaps; the ground below its leap was not cleaned.
+            if evidence.brush_is_cleaning && scouting.is_none() {
                 let swath = Swath::between(config.brush.bar_at(before), bar);
                 let mask = SwathMask::of(&swath, &geometry);
                 report.is_swath_clipped |= mask.is_clipped();

@@ -9,8 +9,8 @@ use serde::Serialize;
 use super::{BadInput, VerdictFailed};
 use crate::environment::read_zones;
 use crate::mission::{
-    DirtSource, FaultRates, Floor, MissionConfig, Robot, Strategy, StrategySummary, StrategyTrials, pictures,
-    report, rooms, ros_map, run_strategies,
+    DirtSource, FaultKind, FaultRates, Floor, MissionConfig, Robot, Strategy, StrategySummary,
+    StrategyTrials, pictures, report, rooms, ros_map, run_strategies,
 };
 use crate::status::{MissionStatus, write_status};
 use floorguard_core::random::Pcg32;
@@ -42,9 +42,9 @@ pub struct MissionArguments {
     /// People on the floor.
     #[arg(long, default_value_t = 0)]
     pub people: usize,
-    /// Slip, pushes, lost packets and power cuts.
-    #[arg(long)]
-    pub faults: bool,
+    /// What goes wrong, about every twenty seconds in all; without a list, everything does.
+    #[arg(long, value_delimiter = ',', num_args = 0..=1, default_missing_value = "all")]
+    pub faults: Vec<FaultKind>,
     /// Hold the guarantee for all dirty cells at once instead of for each.
     #[arg(long)]
     pub joint: bool,
@@ -143,14 +143,15 @@ fn load_floor(arguments: &MissionArguments) -> anyhow::Result<Floor> {
 }
 
 fn config(arguments: &MissionArguments) -> MissionConfig {
-    let has_scanner = arguments.sensor == Sensor::Scanner || arguments.people > 0 || arguments.faults;
+    let has_scanner =
+        arguments.sensor == Sensor::Scanner || arguments.people > 0 || !arguments.faults.is_empty();
     MissionConfig {
         tolerated_units: arguments.tau,
         delta: arguments.delta,
         joint: arguments.joint,
         robot: if has_scanner { Robot::WITH_SCANNER } else { Robot::PUBLISHED },
         people: arguments.people,
-        faults: if arguments.faults { FaultRates::ROUGH } else { FaultRates::default() },
+        faults: FaultRates::of(&arguments.faults),
         ..MissionConfig::published(Strategy::Guarantee)
     }
 }

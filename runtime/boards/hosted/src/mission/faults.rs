@@ -19,10 +19,40 @@ impl FaultRates {
     /// Something goes wrong about every twenty seconds.
     pub const ROUGH: Self = Self { slips: 1.5, jumps: 0.5, outages: 0.75, resets: 0.25 };
 
+    /// The rough rates of some kinds only.
+    #[must_use]
+    pub fn of(kinds: &[FaultKind]) -> Self {
+        let rate = |kind, rate: f32| {
+            let is_asked = kinds.iter().any(|&k| k == kind || k == FaultKind::All);
+            if is_asked { rate } else { 0.0 }
+        };
+        Self {
+            slips: rate(FaultKind::Slip, Self::ROUGH.slips),
+            jumps: rate(FaultKind::Jump, Self::ROUGH.jumps),
+            outages: rate(FaultKind::Loss, Self::ROUGH.outages),
+            resets: rate(FaultKind::Reset, Self::ROUGH.resets),
+        }
+    }
+
     /// Nothing goes wrong.
     pub fn are_zero(&self) -> bool {
         *self == Self::default()
     }
+}
+
+/// What can go wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum FaultKind {
+    /// All of it.
+    All,
+    /// Wheels slip.
+    Slip,
+    /// The robot is pushed.
+    Jump,
+    /// Packets of scanner and dirt sensor are lost.
+    Loss,
+    /// Power is cut.
+    Reset,
 }
 
 /// What goes wrong at one moment.

@@ -19,6 +19,8 @@ const SUSPECT_BELOW: f32 = 0.6;
 /// From this share on, and with the particles together again, it is trusted again.
 const TRUSTED_FROM: f32 = 0.75;
 const TOGETHER_M: f32 = 0.1;
+/// The mean of the particles differs by more than this from where the wheels said it would be, metres: a slip or a push.
+const LEAP_M: f32 = 0.05;
 /// Doubt that is added when something is wrong.
 const DOUBT: (f32, f32) = (0.12, 0.1);
 
@@ -36,6 +38,8 @@ pub struct Localiser {
     pub updates: u32,
     /// Times that the pose was found wrong.
     pub distrusts: u32,
+    /// Times that the belief leapt.
+    pub leaps: u32,
     /// Time spent in updates, s of the computer.
     pub busy_s: f64,
 }
@@ -55,6 +59,7 @@ impl Localiser {
             is_trusted: true,
             updates: 0,
             distrusts: 0,
+            leaps: 0,
             busy_s: 0.0,
         }
     }
@@ -88,6 +93,7 @@ impl Localiser {
             dirt_hits: (uses_dirt_sensor && is_heard && self.is_trusted).then_some(self.hits_since_update),
             brush_is_cleaning: self.is_trusted,
         };
+        let predicted = self.pose(odometry);
         let begin = std::time::Instant::now();
         let report = self.belief.update(step, &evidence, (&floor.surfaces, &mut self.map));
         self.busy_s += begin.elapsed().as_secs_f64();
@@ -96,6 +102,7 @@ impl Localiser {
         self.hits_since_update = 0;
         self.is_silent_since_update = false;
         self.judge_health(report.explained_share);
+        self.judge_leap(predicted);
         self.mean_at_update = self.belief.pose().mean_in_map;
     }
 
@@ -108,6 +115,16 @@ impl Localiser {
             self.belief.distrust(&mut self.map, DOUBT);
         } else if !self.is_trusted {
             self.is_trusted = share >= TRUSTED_FROM && self.belief.pose().position_deviation_m < TOGETHER_M;
+        }
+    }
+
+    /// A belief that leaps was wrong for a while: what the brush was credited with in that while is given up. Cells that
+    /// it left before keep their credit.
+    fn judge_leap(&mut self, predicted: Pose2) {
+        let mean = self.belief.pose().mean_in_map;
+        if self.is_trusted && (mean.x_m - predicted.x_m).hypot(mean.y_m - predicted.y_m) > LEAP_M {
+            self.belief.distrust(&mut self.map, (0.0, 0.0));
+            self.leaps += 1;
         }
     }
 

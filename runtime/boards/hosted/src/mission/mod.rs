@@ -20,7 +20,7 @@ mod truth;
 pub use campaign::{StrategySummary, StrategyTrials, run_strategies};
 pub use config::{MissionConfig, Robot, Strategy};
 pub use dirt_source::DirtSource;
-pub use faults::FaultRates;
+pub use faults::{FaultKind, FaultRates};
 pub use floor::{CELL_M, CELLS_MAX, Floor};
 pub use trial::{TrialResult, run};
 pub use truth::{OdometryErrors, RangeSensor};
