@@ -58,7 +58,7 @@ pub struct Evidence<'a> {
 pub struct UpdateReport {
     /// 1/Σw² before resampling.
     pub effective_particles: f32,
-    /// Share of the beams that the map explains at the best particle; `None`: no beams.
+    /// Share of the beams that the map explains at the best particle; `None`: too few beams to tell.
     pub explained_share: Option<f32>,
     /// All weights were lost; the poses are kept with equal weights.
     pub is_degenerate: bool,

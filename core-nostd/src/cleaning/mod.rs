@@ -28,7 +28,7 @@ pub use path_search::{PathSearch, SEARCH_CELLS_MAX, SearchCell};
 pub use planner::{PlanReport, Planner};
 pub use poisson::{negative_binomial_quantile, poisson_cdf, poisson_quantile, poisson_tail, threshold_rate};
 pub use policy::{CleanRule, Verdict};
-pub use range_model::{RangeModel, RangeModelConfig};
+pub use range_model::{BEAMS_TO_JUDGE, RangeModel, RangeModelConfig};
 pub use resample::{normalise, systematic};
 pub use swath::{Brush, Swath};
 pub use swath_mask::SwathMask;

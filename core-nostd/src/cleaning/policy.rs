@@ -45,6 +45,16 @@ impl CleanRule {
         Self::per_cell(tolerated_units, delta / (dirty_cells as f64).max(1.0))
     }
 
+    /// As much of δ for every cell as lets all but one cell in a hundred of `dirty_cells` hold at most
+    /// `tolerated_units` with a confidence of 1 − `delta`: the published criterion of success, the 99 % quantile over
+    /// the dirty cells. The number of cells that fail is taken as Poisson, whose tail is the heavier one.
+    #[must_use]
+    pub fn mission(tolerated_units: u8, delta: f64, dirty_cells: usize) -> Self {
+        let cells = u32::try_from(dirty_cells).unwrap_or(u32::MAX);
+        let share = threshold_rate(cells / 100, delta) / f64::from(cells).max(1.0);
+        Self::per_cell(tolerated_units, share.min(delta))
+    }
+
     /// The published rule, which looks at the mean alone.
     #[must_use]
     pub const fn mean_only(self) -> Self {
@@ -111,6 +121,18 @@ mod tests {
         };
         assert_eq!(rule.verdict(&mixed), Verdict::Uncertain);
         assert_eq!(rule.mean_only().verdict(&mixed), Verdict::Clean);
+    }
+
+    /// Few cells: none may fail, as in the joint rule. Many: one in a hundred may, and nearly all of δ is left for each.
+    #[test]
+    fn the_rule_of_a_mission_lies_between() {
+        let threshold = |dirty_cells| CleanRule::mission(5, 0.01, dirty_cells).threshold_units();
+        let joint = |dirty_cells| CleanRule::joint(5, 0.01, dirty_cells).threshold_units();
+        assert!((threshold(25) - joint(25)).abs() < 1e-3);
+        assert!(threshold(200) > joint(200) && threshold(2_000) > threshold(200));
+        let one = CleanRule::per_cell(5, 0.01).threshold_units();
+        assert!(threshold(60_000) < one && threshold(60_000) > 0.9 * one);
+        assert_eq!(threshold(0), one);
     }
 
     #[test]

@@ -12,7 +12,7 @@ mod table_one;
 
 use std::path::Path;
 
-use floorguard_hosted::mission::{MissionConfig, Strategy};
+use floorguard_hosted::mission::{Guarantee, MissionConfig, Strategy};
 
 pub use environments::{Environment, environments};
 pub use figure_five::{Cell, FigureFive, figure_five};
@@ -31,7 +31,7 @@ pub const STRATEGIES: [Strategy; 4] =
 /// them at once: 0.01 a cell would allow one mission in four to miss it with 25 cells (algorithms I.7, AMB-34).
 #[must_use]
 pub fn protocol() -> MissionConfig {
-    MissionConfig { joint: true, ..MissionConfig::published(Strategy::Guarantee) }
+    MissionConfig { guarantee: Guarantee::Mission, ..MissionConfig::published(Strategy::Guarantee) }
 }
 
 /// Runs everything with `trials` missions for each combination, writes tables and pictures into `folder`, and returns

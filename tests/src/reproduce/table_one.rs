@@ -6,7 +6,7 @@ use std::path::Path;
 use floorguard_hosted::mission::pictures::{Series, line_plot};
 use floorguard_hosted::mission::statistics::paired_t_test;
 use floorguard_hosted::mission::{
-    DirtSource, Floor, MissionConfig, Robot, StrategyTrials, rooms, run_strategies,
+    DirtSource, Floor, Guarantee, MissionConfig, Robot, StrategyTrials, rooms, run_strategies,
 };
 
 use super::published::{DISTANCE_RATIO, TABLE_ONE};
@@ -37,8 +37,12 @@ pub fn table_one(trials: u64) -> anyhow::Result<TableOne> {
         |config| run(ours, &config)?.pop().ok_or_else(|| anyhow::anyhow!("a strategy without missions"));
     Ok(TableOne {
         columns: run(&STRATEGIES, &protocol())?,
-        per_cell: alone(MissionConfig { joint: false, ..protocol() })?,
-        as_printed: alone(MissionConfig { joint: false, as_published: true, ..protocol() })?,
+        per_cell: alone(MissionConfig { guarantee: Guarantee::EachCell, ..protocol() })?,
+        as_printed: alone(MissionConfig {
+            guarantee: Guarantee::EachCell,
+            as_published: true,
+            ..protocol()
+        })?,
     })
 }
 

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::{BadInput, VerdictFailed};
 use crate::environment::read_zones;
 use crate::mission::{
-    DirtSource, FaultKind, FaultRates, Floor, MissionConfig, Robot, Strategy, StrategySummary,
+    DirtSource, FaultKind, FaultRates, Floor, Guarantee, MissionConfig, Robot, Strategy, StrategySummary,
     StrategyTrials, pictures, report, rooms, ros_map, run_strategies,
 };
 use crate::status::{MissionStatus, write_status};
@@ -45,9 +45,9 @@ pub struct MissionArguments {
     /// What goes wrong, about every twenty seconds in all; without a list, everything does.
     #[arg(long, value_delimiter = ',', num_args = 0..=1, default_missing_value = "all")]
     pub faults: Vec<FaultKind>,
-    /// Hold the guarantee for all dirty cells at once instead of for each.
-    #[arg(long)]
-    pub joint: bool,
+    /// What holds with a confidence of 1 − δ: the mission succeeds, each cell is clean, or all cells are at once.
+    #[arg(long, default_value = "mission")]
+    pub guarantee: Guarantee,
     /// What the robot sees its surroundings with; people and faults need the scanner.
     #[arg(long, default_value = "scanner")]
     pub sensor: Sensor,
@@ -148,7 +148,7 @@ fn config(arguments: &MissionArguments) -> MissionConfig {
     MissionConfig {
         tolerated_units: arguments.tau,
         delta: arguments.delta,
-        joint: arguments.joint,
+        guarantee: arguments.guarantee,
         robot: if has_scanner { Robot::WITH_SCANNER } else { Robot::PUBLISHED },
         people: arguments.people,
         faults: FaultRates::of(&arguments.faults),

@@ -33,6 +33,17 @@ impl Strategy {
     }
 }
 
+/// What holds with a confidence of 1 − δ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Guarantee {
+    /// Each dirty cell holds at most τ, one by one: the published rule. Of many cells some fail.
+    EachCell,
+    /// The 99 % quantile over the dirty cells is at most τ: the mission succeeds.
+    Mission,
+    /// All dirty cells hold at most τ at once.
+    AllCells,
+}
+
 /// The robot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Robot {
@@ -74,8 +85,8 @@ pub struct MissionConfig {
     pub tolerated_units: u8,
     /// Probability with which a cell called clean may hold more, δ.
     pub delta: f64,
-    /// δ is shared among all dirty cells: the guarantee holds for all of them at once.
-    pub joint: bool,
+    /// What δ is the risk of.
+    pub guarantee: Guarantee,
     /// The clean rule looks at the mean alone, and particles collapse to a Poisson law, as published.
     pub as_published: bool,
     /// The robot.
@@ -103,7 +114,7 @@ impl MissionConfig {
             strategy,
             tolerated_units: 5,
             delta: 0.01,
-            joint: false,
+            guarantee: Guarantee::EachCell,
             as_published: false,
             robot: Robot::PUBLISHED,
             actuator: ActuatorModel::PassCoverage,
@@ -134,10 +145,11 @@ impl MissionConfig {
 
     /// When a cell counts as clean; `dirty_cells` are those that were not clean at the start.
     pub fn rule(&self, dirty_cells: usize) -> CleanRule {
-        let rule = if self.joint {
-            CleanRule::joint(self.tolerated_units, self.delta, dirty_cells)
-        } else {
-            CleanRule::per_cell(self.tolerated_units, self.delta)
+        let (tolerated, delta) = (self.tolerated_units, self.delta);
+        let rule = match self.guarantee {
+            Guarantee::EachCell => CleanRule::per_cell(tolerated, delta),
+            Guarantee::Mission => CleanRule::mission(tolerated, delta, dirty_cells),
+            Guarantee::AllCells => CleanRule::joint(tolerated, delta, dirty_cells),
         };
         if self.as_published { rule.mean_only() } else { rule }
     }

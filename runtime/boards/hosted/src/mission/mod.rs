@@ -18,7 +18,7 @@ mod trial;
 mod truth;
 
 pub use campaign::{StrategySummary, StrategyTrials, run_strategies};
-pub use config::{MissionConfig, Robot, Strategy};
+pub use config::{Guarantee, MissionConfig, Robot, Strategy};
 pub use dirt_source::DirtSource;
 pub use faults::{FaultKind, FaultRates};
 pub use floor::{CELL_M, CELLS_MAX, Floor};

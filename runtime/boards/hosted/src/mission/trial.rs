@@ -69,6 +69,8 @@ pub struct TrialResult {
     pub avoidable_contacts: u32,
     /// Obstacles that stopped the robot.
     pub bumps: u32,
+    /// Visits of cells.
+    pub visits: u32,
     /// Mean time of an update, s of the computer.
     pub update_s: f64,
     /// First planning and slowest re-planning, s of the computer.
@@ -245,6 +247,7 @@ impl Mission<'_> {
         let updates = result.errors.len().max(1);
         result.mean_error_m = result.errors.iter().map(|e| e.1).sum::<f32>() / updates as f32;
         result.distrusts = self.localiser.distrusts;
+        result.visits = self.navigator.visits.iter().map(|&visits| u32::from(visits)).sum();
         result.faults = self.faults.count;
         result.avoidable_contacts = self.crowd.avoidable_contacts;
         result.update_s = self.localiser.busy_s / f64::from(self.localiser.updates.max(1));
