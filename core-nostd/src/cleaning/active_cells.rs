@@ -15,6 +15,8 @@ const UNTOUCHED: u8 = u8::MAX;
 const UNITS_MAX: u32 = 254;
 /// Marks a free slot.
 const NO_CELL: u32 = u32::MAX;
+/// Bits of the mask of a swept cell.
+const SAMPLES: f32 = 64.0;
 /// Expected dirt below this is not worth a slot: its tail beyond any tolerated amount is nil.
 const NEGLIGIBLE_UNITS: f32 = 1e-3;
 
@@ -165,6 +167,20 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> ActiveCells<S, P
         self.shrink();
     }
 
+    /// Calls `look(cell, what the map said before, share of the cell that the brush has swept since)` for every cell
+    /// that is held; the share is the mean over the particles, within [0, 1].
+    pub fn look(&mut self, weights: &[f32; PARTICLES], mut look: impl FnMut(usize, &DirtCell, f32)) {
+        for slot in self.slots() {
+            if slot.cell == NO_CELL {
+                continue;
+            }
+            let swept = |(weight, mask): (&f32, &u64)| weight * mask.count_ones() as f32 / SAMPLES;
+            let share: f32 = weights.iter().zip(&slot.covered).map(swept).sum();
+            let prior = DirtCell { slot: NO_SLOT, ..slot.prior };
+            look(slot.cell as usize, &prior, share);
+        }
+    }
+
     /// Gives up what was cleaned since the cells became active: they fall back to what the map said before. For a
     /// robot that finds that it was not where it believed to be.
     pub fn distrust<M: AsRef<[DirtCell]> + AsMut<[DirtCell]>>(&mut self, map: &mut DirtMap<M>) {
@@ -302,6 +318,20 @@ mod tests {
         }
         assert!((sum as f32 / 20_000.0 - 2.9).abs() < 0.15);
         assert!((heavy as f32 / 20_000.0 - 0.1).abs() < 0.01);
+    }
+
+    #[test]
+    fn tells_how_much_was_swept() {
+        let mut map = map(DirtCell::poisson(8.0, 0.8));
+        let mut cells = ActiveCells::<_, 2>::new(vec![ActiveCell::EMPTY; 2]);
+        let mut random = Pcg32::new(1, 1);
+        let touched = cells.touch(&mut map, 3, (0, &mut random)).unwrap();
+        touched.set(CellDirt { units: 3, covered: u64::MAX >> 16 });
+        let mut seen = Vec::new();
+        cells.look(&[0.8, 0.2], |cell, prior, share| seen.push((cell, prior.expected_units, share)));
+        assert_eq!(seen.len(), 1);
+        assert_eq!((seen[0].0, seen[0].1), (3, 8.0));
+        assert!((seen[0].2 - 0.6).abs() < 1e-6);
     }
 
     #[test]

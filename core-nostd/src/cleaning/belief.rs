@@ -284,6 +284,12 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> Belief<S, PARTIC
         self.cells.empty(map, (&self.weights, self.config.tolerated_units), |_| true);
     }
 
+    /// Calls `look(cell, what the map said before, share that the brush has swept since)` for every cell that the
+    /// particles hold: a cell that the brush only grazed must stay on the tour.
+    pub fn look_at_active(&mut self, look: impl FnMut(usize, &DirtCell, f32)) {
+        self.cells.look(&self.weights, look);
+    }
+
     /// Number of cells that the particles hold at the moment.
     #[must_use]
     pub fn active_cells(&mut self) -> usize {

@@ -33,4 +33,4 @@ pub use resample::{normalise, systematic};
 pub use swath::{Brush, Swath};
 pub use swath_mask::SwathMask;
 pub use tour::{Distances, EuclideanCells, TourError, TourSolver};
-pub use visit::{Pass, choose_pass};
+pub use visit::{Pass, PassShape, choose_pass};

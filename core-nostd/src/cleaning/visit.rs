@@ -14,13 +14,37 @@ pub struct Pass {
     pub exit: Point2,
 }
 
+/// What a pass has to cover.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PassShape {
+    /// Edge of a cell, metres.
+    pub cell_m: f32,
+    /// Way before and behind the cell, for doubt about the position, metres.
+    pub margin_m: f32,
+    /// Way that a turn in the middle of a cell costs beside its way: its corners have less room than the rim of a straight
+    /// pass.
+    pub turn_cost_m: f32,
+}
+
+impl PassShape {
+    /// Half the way of a pass: half of the cell as seen in the direction of travel, and the margin.
+    fn reach_m(&self, (sin, cos): (f32, f32)) -> f32 {
+        self.half_extent_m((sin, cos)) + self.margin_m
+    }
+
+    /// A square is as wide across a direction as along it.
+    fn half_extent_m(&self, (sin, cos): (f32, f32)) -> f32 {
+        0.5 * self.cell_m * (libm::fabsf(sin) + libm::fabsf(cos))
+    }
+}
+
 /// Chooses the pass over the cell around `centre` that costs the least way from `from` and on to `towards`.
-/// `reach_m` is half the way of the pass; `is_clear(a, b)` says that the robot can drive straight from a to b. Falls
-/// back to shorter passes beside walls; `None` where not even the centre can be reached.
+/// `is_clear(a, b)` says that the robot can drive straight from a to b. Falls back to shorter passes beside walls;
+/// `None` where not even the centre can be reached.
 #[must_use]
 pub fn choose_pass(
     (from, centre, towards): (Point2, Point2, Option<Point2>),
-    reach_m: f32,
+    shape: &PassShape,
     is_clear: impl Fn(Point2, Point2) -> bool,
 ) -> Option<Pass> {
     for share in [1.0_f32, 0.75, 0.5] {
@@ -28,14 +52,25 @@ pub fn choose_pass(
         for direction in 0..DIRECTIONS {
             let angle = f32::from(direction) * (core::f32::consts::TAU / f32::from(DIRECTIONS));
             let (sin, cos) = libm::sincosf(angle);
-            let (dx, dy) = (cos * reach_m * share, sin * reach_m * share);
+            let reach_m = share * shape.reach_m((sin, cos));
+            let (dx, dy) = (cos * reach_m, sin * reach_m);
             let pass = Pass {
                 entry: Point2::new(centre.x_m - dx, centre.y_m - dy),
                 exit: Point2::new(centre.x_m + dx, centre.y_m + dy),
             };
             let onward = towards.map_or(0.0, |next| pass.exit.distance(next));
-            let cost = from.distance(pass.entry) + onward;
+            let cost = from.distance(pass.entry) + 2.0 * reach_m + onward;
             if best.is_none_or(|(least, _)| cost < least) && is_clear(pass.entry, pass.exit) {
+                best = Some((cost, pass));
+            }
+        }
+        if share >= 1.0
+            && let Some((cost, pass)) = turn_in_the_middle((from, centre, towards), shape)
+        {
+            if best.is_none_or(|(least, _)| cost < least)
+                && is_clear(from, centre)
+                && is_clear(centre, centre)
+            {
                 best = Some((cost, pass));
             }
         }
@@ -46,6 +81,20 @@ pub fn choose_pass(
     is_clear(centre, centre).then_some(Pass { entry: centre, exit: centre })
 }
 
+/// In to the middle of the cell, a turn on the spot, and out again: the bar sweeps the strip before, its own circle,
+/// and the strip behind, so nothing of the cell is left out, and no way is spent on a straight line through it. Both
+/// ways must begin outside the cell.
+fn turn_in_the_middle(
+    (from, centre, towards): (Point2, Point2, Option<Point2>),
+    shape: &PassShape,
+) -> Option<(f32, Pass)> {
+    let next = towards?;
+    let (way_in_m, way_out_m) = (from.distance(centre), centre.distance(next));
+    let needed_m = 0.5 * core::f32::consts::SQRT_2 * shape.cell_m;
+    let cost = way_in_m + way_out_m + shape.turn_cost_m;
+    (way_in_m >= needed_m && way_out_m >= needed_m).then_some((cost, Pass { entry: centre, exit: centre }))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -54,11 +103,12 @@ mod tests {
     fn passes_in_the_direction_of_travel_and_along_walls() {
         let (from, centre) = (Point2::new(0.0, 0.0), Point2::new(1.0, 0.0));
         let next = Some(Point2::new(2.0, 0.0));
-        let pass = choose_pass((from, centre, next), 0.1, |_, _| true).unwrap();
+        let shape = PassShape { cell_m: 0.1, margin_m: 0.05, turn_cost_m: 1.0 };
+        let pass = choose_pass((from, centre, next), &shape, |_, _| true).unwrap();
         assert!((pass.entry.x_m - 0.9).abs() < 1e-6 && pass.entry.y_m.abs() < 1e-6);
         // A wall right behind the cell: only passes that stay left of it.
-        let beside = choose_pass((from, centre, next), 0.1, |a, b| a.x_m.max(b.x_m) < 1.001).unwrap();
+        let beside = choose_pass((from, centre, next), &shape, |a, b| a.x_m.max(b.x_m) < 1.001).unwrap();
         assert!((beside.entry.x_m - beside.exit.x_m).abs() < 1e-6);
-        assert!(choose_pass((from, centre, next), 0.1, |_, _| false).is_none());
+        assert!(choose_pass((from, centre, next), &shape, |_, _| false).is_none());
     }
 }

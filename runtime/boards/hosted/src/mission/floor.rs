@@ -11,7 +11,7 @@ pub const CELL_M: f32 = 0.1;
 /// Cells that one mission can answer for: the hosted profile.
 pub const CELLS_MAX: usize = 65_536;
 /// Half the way of a pass over a cell, metres: half the cell's diagonal and a little for doubt.
-pub const PASS_REACH_M: f32 = 0.085;
+const PASS_REACH_M: f32 = 0.085;
 /// Directions and share of that way of which one must be clear for a cell to be cleanable.
 const PASS_DIRECTIONS: u8 = 16;
 const PASS_SHARE: f32 = 0.75;

@@ -1,6 +1,6 @@
 //! Runs the belief beside the wheels: where the robot is now, and whether that can be trusted.
 
-use floorguard_core::cleaning::{ActiveCell, Belief, BeliefConfig, Evidence, OdometryStep};
+use floorguard_core::cleaning::{ActiveCell, Belief, BeliefConfig, CleanRule, Evidence, OdometryStep};
 use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_core::maps::{DirtCell, DirtMap};
 use floorguard_core::random::Pcg32;
@@ -21,6 +21,8 @@ const TRUSTED_FROM: f32 = 0.75;
 const TOGETHER_M: f32 = 0.1;
 /// The mean of the particles differs by more than this from where the wheels said it would be, metres: a slip or a push.
 const LEAP_M: f32 = 0.05;
+/// From this share on a cell counts as visited (algorithms I.8).
+const SWEPT_SHARE: f32 = 0.8;
 /// Doubt that is added when something is wrong.
 const DOUBT: (f32, f32) = (0.12, 0.1);
 
@@ -150,6 +152,19 @@ impl Localiser {
     /// Cells that the particles hold.
     pub fn active_cells(&mut self) -> usize {
         self.belief.active_cells()
+    }
+
+    /// Cells under the brush that were dirty before and are not swept yet, sorted: grazed in passing, and still to be
+    /// visited.
+    pub fn grazed(&mut self, rule: &CleanRule) -> Vec<usize> {
+        let mut cells = Vec::new();
+        self.belief.look_at_active(|cell, prior, swept| {
+            if swept < SWEPT_SHARE && rule.needs_cleaning(prior) {
+                cells.push(cell);
+            }
+        });
+        cells.sort_unstable();
+        cells
     }
 
     /// Lets all cells fall back into the map.

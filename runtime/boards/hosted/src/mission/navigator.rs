@@ -4,13 +4,13 @@ use std::collections::VecDeque;
 use std::time::Instant;
 
 use floorguard_core::cleaning::{
-    CleanRule, FollowConfig, Following, Pass, PathSearch, Planner, SearchCell, choose_pass, follow,
+    CleanRule, FollowConfig, Following, Pass, PassShape, PathSearch, Planner, SearchCell, choose_pass, follow,
 };
 use floorguard_core::geometry::{Point2, Pose2, Twist2};
 use floorguard_core::random::Pcg32;
 
 use super::config::Strategy;
-use super::floor::{Floor, PASS_REACH_M};
+use super::floor::{CELL_M, Floor};
 use super::lanes::{Lane, lanes};
 use super::localiser::Localiser;
 
@@ -26,6 +26,10 @@ const LOOK_ROUND_ABOVE_M: f32 = 0.05;
 /// Later passes over a cell run this far to the left and to the right of it in turn, metres, for the rim that the ones
 /// before may have missed.
 const SIDE_STEP_M: f32 = 0.035;
+
+/// A pass begins and ends 15 mm outside the cell. A turn in its middle leaves 14 mm of room at the corners, less than the
+/// 35 mm beside a straight pass, and is worth it where it saves 40 mm: measured in rooms with 5 and 20 % of dirty cells.
+const PASS: PassShape = PassShape { cell_m: CELL_M, margin_m: 0.015, turn_cost_m: 0.04 };
 
 /// A planner with its memory.
 type TourPlanner = Planner<Vec<SearchCell>, Vec<u16>, NODES>;
@@ -51,6 +55,7 @@ pub struct Navigator {
     random: Pcg32,
     /// Visits of every cell.
     pub visits: Vec<u8>,
+    shape: PassShape,
     /// Re-plannings that changed the path.
     pub replannings: u32,
     /// All re-plannings.
@@ -104,6 +109,7 @@ impl Navigator {
             leavings: 0,
             random,
             visits: vec![0; count],
+            shape: PASS,
             replannings: 0,
             plans: 0,
             slowest_replan_s: 0.0,
@@ -201,11 +207,13 @@ impl Navigator {
         let here = Point2::new(pose.x_m, pose.y_m);
         let Some(cell) = floor.nearest_passable(here) else { return };
         let passing = self.target.filter(|_| self.waypoints.len() <= self.pass_begins_at);
+        let grazed = localiser.grazed(rule);
+        let is_dirty = |cell: usize| {
+            localiser.map.get(cell).is_some_and(|dirt| rule.needs_cleaning(dirt))
+                || grazed.binary_search(&cell).is_ok()
+        };
         let wanted = |cell: usize| {
-            floor.reachable[cell]
-                && self.visits[cell] < VISITS_MAX
-                && passing != Some(cell)
-                && localiser.map.get(cell).is_some_and(|dirt| rule.needs_cleaning(dirt))
+            floor.reachable[cell] && self.visits[cell] < VISITS_MAX && passing != Some(cell) && is_dirty(cell)
         };
         let begin = Instant::now();
         let experiments = if self.plans == 0 { 20_000 } else { 500 };
@@ -270,7 +278,7 @@ impl Navigator {
         let is_clear = |a: Point2, b: Point2| floor.is_clear(a, b);
         self.target = Some(target);
         let centre = floor.cells.centre(target);
-        let chosen = choose_pass((here, centre, next), PASS_REACH_M, is_clear);
+        let chosen = choose_pass((here, centre, next), &self.shape, is_clear);
         match chosen.map(|pass| side_step(pass, self.visits[target], is_clear)) {
             Some(pass) => {
                 self.route(floor, here, pass.entry);
