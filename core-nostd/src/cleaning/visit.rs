@@ -66,13 +66,11 @@ pub fn choose_pass(
         }
         if share >= 1.0
             && let Some((cost, pass)) = turn_in_the_middle((from, centre, towards), shape)
+            && best.is_none_or(|(least, _)| cost < least)
+            && is_clear(from, centre)
+            && is_clear(centre, centre)
         {
-            if best.is_none_or(|(least, _)| cost < least)
-                && is_clear(from, centre)
-                && is_clear(centre, centre)
-            {
-                best = Some((cost, pass));
-            }
+            best = Some((cost, pass));
         }
         if let Some((_, pass)) = best {
             return Some(pass);
@@ -98,6 +96,18 @@ fn turn_in_the_middle(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn turns_in_the_middle_where_that_is_shorter() {
+        let (from, centre) = (Point2::new(0.8, 0.0), Point2::new(1.0, 0.0));
+        let shape = PassShape { cell_m: 0.1, margin_m: 0.015, turn_cost_m: 0.0 };
+        let back = choose_pass((from, centre, Some(Point2::new(0.8, 0.1))), &shape, |_, _| true).unwrap();
+        assert_eq!((back.entry, back.exit), (centre, centre));
+        // A way that begins within the cell would leave the part behind it: a straight pass.
+        let near = Point2::new(0.97, 0.0);
+        let pass = choose_pass((near, centre, Some(Point2::new(0.8, 0.1))), &shape, |_, _| true).unwrap();
+        assert!(pass.entry.distance(pass.exit) > 0.1);
+    }
 
     #[test]
     fn passes_in_the_direction_of_travel_and_along_walls() {
