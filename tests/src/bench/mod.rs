@@ -1,5 +1,6 @@
 //! How long the stages take: medians over many rounds, on the recordings that everybody else is measured on.
 
+pub mod cleaning;
 mod guard;
 mod lidar;
 mod peers;

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use floorguard_tests::bench::{DECISION_MAX_NS, ours, run};
+use floorguard_tests::bench::{DECISION_MAX_NS, cleaning, ours, run};
 
 /// Without arguments, times of the stages; fails where the guard decides too late. With `--peers FOLDER`, the inputs of
 /// the peers go there, and our times are printed as JSON, one object a line.
@@ -52,6 +52,10 @@ fn stages() -> ExitCode {
             input.input, decisions.median_ns, decisions.worst_ns
         );
         in_time &= decisions.is_in_time();
+    }
+    println!();
+    for line in cleaning::run() {
+        println!("{:46} {:36} {}", line.stage, line.value, line.beside);
     }
     println!("medians on this machine, one core; quote ratios measured in one run, not these absolutes");
     if in_time { ExitCode::SUCCESS } else { ExitCode::FAILURE }
