@@ -4,6 +4,7 @@ mod block;
 mod kinds;
 mod matrix;
 mod run;
+mod shares;
 mod state;
 
 pub use run::{Options, run};

@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 
 use super::state::State;
-use super::{block, kinds, matrix, state};
+use super::{block, kinds, matrix, shares, state};
 
 /// Which campaign and how much of it.
 #[derive(Args)]
@@ -76,11 +76,12 @@ pub fn run(options: &Options) -> Result<bool> {
     if let Some(table) = matrix::table(&state.counts) {
         println!("{table}");
     }
+    let holds = shares::judge(kind.name, &state.counts);
     for (part, output) in &findings {
         println!("FINDING in trials {}..{} of seed {}:\n{output}", part.start, part.end, options.seed);
     }
     println!("{}: {} trials, {} findings; kept in {}", kind.name, state.trials, findings.len(), shown(&path));
-    Ok(findings.is_empty())
+    Ok(findings.is_empty() && holds)
 }
 
 fn shown(path: &std::path::Path) -> String {

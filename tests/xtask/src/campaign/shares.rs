@@ -1,0 +1,99 @@
+//! Shares that a campaign is about, with their confidence intervals.
+
+use std::collections::BTreeMap;
+
+/// A share of counts, and what it must keep to.
+pub struct Share {
+    campaign: &'static str,
+    part: &'static str,
+    whole: &'static str,
+    limit: Limit,
+}
+
+enum Limit {
+    AtMost(f64),
+    AtLeast(f64),
+}
+
+/// All shares of all campaigns.
+const SHARES: &[Share] = &[
+    Share {
+        campaign: "claims",
+        part: "falsely with faults",
+        whole: "claimed with faults",
+        limit: Limit::AtMost(0.01),
+    },
+    Share {
+        campaign: "claims",
+        part: "falsely without faults",
+        whole: "claimed without faults",
+        limit: Limit::AtMost(0.01),
+    },
+    Share {
+        campaign: "claims",
+        part: "truly clean and claimed",
+        whole: "truly clean",
+        limit: Limit::AtLeast(0.99),
+    },
+];
+
+/// Prints the shares of a campaign. False if one lies beyond its limit by more than chance explains.
+pub fn judge(campaign: &str, counts: &BTreeMap<String, u64>) -> bool {
+    let mut holds = true;
+    for share in SHARES.iter().filter(|share| share.campaign == campaign) {
+        let count = |name: &str| counts.get(name).copied().unwrap_or(0);
+        let (part, whole) = (count(share.part), count(share.whole));
+        let (low, high) = wilson95(part, whole);
+        let (word, limit, proven, refuted) = match share.limit {
+            Limit::AtMost(limit) => ("at most", limit, high <= limit, low > limit),
+            Limit::AtLeast(limit) => ("at least", limit, low >= limit, high < limit),
+        };
+        let verdict = match (proven, refuted) {
+            (true, _) => "shown",
+            (_, true) => "MISSED",
+            _ => "too few trials to tell",
+        };
+        let percent = |share: f64| 100.0 * share;
+        println!(
+            "  {} {part} of {whole} = {:.3} % (95 %: {:.3}–{:.3} %); {word} {:.1} %: {verdict}",
+            share.part,
+            percent(part as f64 / whole.max(1) as f64),
+            percent(low),
+            percent(high),
+            percent(limit),
+        );
+        holds &= !refuted;
+    }
+    holds
+}
+
+/// Wilson 95 % interval of a share. No observations: everything is possible.
+fn wilson95(part: u64, whole: u64) -> (f64, f64) {
+    if whole == 0 {
+        return (0.0, 1.0);
+    }
+    let (k, n, z) = (part as f64, whole as f64, 1.959_964);
+    let share = k / n;
+    let middle = share + z * z / (2.0 * n);
+    let spread = z * (share * (1.0 - share) / n + z * z / (4.0 * n * n)).sqrt();
+    let scale = 1.0 + z * z / n;
+    (((middle - spread) / scale).max(0.0), ((middle + spread) / scale).min(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_beyond_chance_fails() {
+        let counts = |falsely| {
+            [("falsely with faults", falsely), ("claimed with faults", 10_000)]
+                .into_iter()
+                .map(|(name, count)| (name.to_owned(), count))
+                .collect::<BTreeMap<_, _>>()
+        };
+        assert!(judge("claims", &counts(20)));
+        assert!(!judge("claims", &counts(200)));
+        assert!(judge("another", &counts(200)));
+    }
+}
