@@ -157,7 +157,7 @@ impl Supervisor {
     }
 
     /// The motion that people must be safe from: what the robot does, or while it stands, a slow start of what it wants.
-    fn likely_motion(&self) -> Twist2 {
+    pub(super) fn likely_motion(&self) -> Twist2 {
         let measured = self.state.motion.wheels;
         if measured.linear_mps.abs() > STANDING_MPS {
             return measured;
@@ -169,7 +169,7 @@ impl Supervisor {
     }
 
     /// The wanted command as far as the causes allow its speed: nothing larger needs a larger field.
-    fn desired(&self, verdict: &Verdict) -> Twist2 {
+    pub(super) fn desired(&self, verdict: &Verdict) -> Twist2 {
         let limit_mps = verdict.limit_mps.min(self.config.drive.speed_mps);
         // While stopped, the direction still tells which field the robot would need: a crawl in that direction.
         let limit_mps = limit_mps.max(self.config.thresholds.escape_speed_mps);

@@ -50,7 +50,7 @@ impl Demand {
     }
 
     /// Where the robot goes: what it does while it moves, what it wants while it stands.
-    fn travel(&self) -> Option<Travel> {
+    pub(super) fn travel(&self) -> Option<Travel> {
         let moves = self.measured.linear_mps.abs() > STANDING_MPS;
         travel_of(if moves { self.measured } else { self.wanted })
     }

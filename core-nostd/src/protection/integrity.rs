@@ -6,8 +6,9 @@
 
 use super::collision::Body;
 use super::config::GuardConfig;
-use super::packet_table::{Bin, PacketTable};
+use super::packet_table::{BINS, Bin, PacketTable};
 use super::scan_table::ScanTable;
+use crate::capacities::SCAN_BEAMS_MAX;
 
 /// Parts of the tables.
 pub const PARTS: usize = 16;
@@ -52,19 +53,23 @@ impl Integrity {
 fn sum_of(part: usize, (scan, packet): (&ScanTable, &PacketTable)) -> u32 {
     let mut sum = Sum(part as u32);
     for limits in [&scan.protective, &scan.warning] {
-        // Two parts for each set: even and odd beams.
-        for limit_mm in limits.iter().skip(part / 2).take(1).flatten().skip(part % 2).step_by(2) {
-            sum.add(u32::from(*limit_mm));
-        }
+        // Two parts for each set.
+        let set = limits.iter().skip(part / 2).take(1);
+        let half = set.flat_map(|beams| beams.chunks(SCAN_BEAMS_MAX.div_ceil(2)).skip(part % 2).take(1));
+        half.flatten().for_each(|limit_mm| sum.add(u32::from(*limit_mm)));
     }
-    for direction in scan.directions.iter().skip(part).step_by(PARTS) {
-        sum.add(direction.x_m.to_bits());
-        sum.add(direction.y_m.to_bits());
+    for directions in scan.directions.chunks(SCAN_BEAMS_MAX.div_ceil(PARTS)).skip(part).take(1) {
+        for direction in directions {
+            sum.add(direction.x_m.to_bits());
+            sum.add(direction.y_m.to_bits());
+        }
     }
     scan.watched.iter().for_each(|beams| sum.add(u32::from(*beams)));
     sum.add(packet.origin.x_m.to_bits());
     sum.add(packet.origin.y_m.to_bits());
-    packet.bins.iter().skip(part).step_by(PARTS).for_each(|bin| sum.bin(bin));
+    for bins in packet.bins.chunks(BINS.div_ceil(PARTS)).skip(part).take(1) {
+        bins.iter().for_each(|bin| sum.bin(bin));
+    }
     sum.0
 }
 

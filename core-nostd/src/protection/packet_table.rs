@@ -10,7 +10,7 @@ use crate::geometry::{Point2, Point3};
 use crate::units::centidegrees_to_radians;
 
 /// Bins of azimuth.
-const BINS: usize = 180;
+pub(crate) const BINS: usize = 180;
 /// Width of a bin, hundredths of a degree.
 pub(crate) const BIN_CDEG: u16 = 200;
 /// A bin takes the extreme of this many rays across it.

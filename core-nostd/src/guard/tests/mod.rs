@@ -4,6 +4,7 @@ mod bit_flips;
 mod bits;
 mod exploration;
 mod fixtures;
+mod numbers;
 mod properties;
 mod reachable;
 mod timelines;

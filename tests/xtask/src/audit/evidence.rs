@@ -21,6 +21,8 @@ pub struct Evidence {
     pub dependencies: Vec<Dependency>,
     /// What other commands measured.
     pub records: Records,
+    /// States and transitions of the guard, as SVG.
+    pub states: String,
 }
 
 impl Evidence {

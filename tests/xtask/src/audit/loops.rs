@@ -78,6 +78,8 @@ const CONSUMERS: &[&str] = &[
     "swap_with_slice",
     "retain",
     "truncate",
+    "resize",
+    "resize_default",
     "clear",
     "binary_search_by",
     "binary_search_by_key",

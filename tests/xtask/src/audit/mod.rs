@@ -11,6 +11,7 @@ mod image;
 #[cfg(test)]
 mod injection_tests;
 mod loops;
+mod picture;
 mod records;
 #[cfg(test)]
 mod refusal_tests;

@@ -1,6 +1,6 @@
 //! Collects the claims, writes the report, gives the verdict.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use anyhow::Result;
 use clap::Args;
@@ -10,8 +10,9 @@ use super::evidence::Evidence;
 use super::forbidden::{self, Forbidden};
 use super::image::{self, Image};
 use super::loops::{self, LoopSite};
+use super::results::{self, Results};
 use super::sources::SourceFile;
-use super::{dependencies, records, report, results, sources, trace};
+use super::{dependencies, picture, records, report, sources, trace};
 use crate::shell;
 
 /// How the audit speaks.
@@ -56,11 +57,13 @@ pub fn run(options: &Options) -> Result<bool> {
         claims.extend(image_claims(image, &files, &sites));
     }
     let documents = trace::Sources::read(&root)?;
-    let results = if image.is_some() { results::run(&documents.targets())? } else { BTreeMap::new() };
-    let (trace, traced) = documents.trace(&results);
+    let results = if image.is_some() { results::run(&documents.targets())? } else { Results::default() };
+    let (trace, traced) = documents.trace(&results.passed);
     let (dependencies, known) = dependencies::read(&root)?;
-    claims.extend(traced.into_iter().chain([known]));
-    let evidence = Evidence { claims, sites, image, trace, dependencies, records: records::read(&root) };
+    claims.extend(traced.into_iter().chain([known, picture::claim(&root, &results.transitions)]));
+    let states = picture::svg(&results.transitions);
+    let evidence =
+        Evidence { claims, sites, image, trace, dependencies, records: records::read(&root), states };
     let folder = root.join("target/audit");
     report::write(&folder, &evidence)?;
     report::print(&folder, &evidence, options.json)?;

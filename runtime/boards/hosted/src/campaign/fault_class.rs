@@ -90,6 +90,17 @@ pub fn draw(class: usize, source: usize, random: &mut Pcg32) -> String {
     format!("{}:{kind}", SOURCES[source])
 }
 
+/// Any class at any source where it can be.
+#[must_use]
+pub fn random_fault(random: &mut Pcg32) -> String {
+    let pairs: Vec<(usize, usize)> = (0..CLASSES.len())
+        .flat_map(|class| (0..SOURCES.len()).map(move |source| (class, source)))
+        .filter(|(class, source)| is_possible(*class, *source))
+        .collect();
+    let (class, source) = pairs[random.below(pairs.len() as u32) as usize];
+    draw(class, source, random)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

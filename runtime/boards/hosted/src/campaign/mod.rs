@@ -8,6 +8,7 @@ mod single_faults;
 mod summary;
 
 pub use encounters::encounter;
+pub use fault_class::random_fault;
 pub use fault_matrix::{Cell, cell_of, cells, coverage, fault_trial, name};
 pub use fault_phase::box_in_the_way;
 pub use single_faults::single_fault;

@@ -13,11 +13,12 @@ use super::evidence::Evidence;
 /// Most findings that the terminal shows for one claim; the files hold all.
 const SHOWN_FINDINGS: usize = 12;
 
-/// Writes `index.html` and `audit.json`.
+/// Writes `index.html`, `audit.json` and the picture of the states.
 pub fn write(folder: &Path, evidence: &Evidence) -> Result<()> {
     fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
     fs::write(folder.join("audit.json"), json(evidence)?)?;
     fs::write(folder.join("index.html"), page::html(evidence))?;
+    fs::write(folder.join("guard-states.svg"), &evidence.states)?;
     Ok(())
 }
 

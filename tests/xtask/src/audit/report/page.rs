@@ -11,10 +11,11 @@ use crate::audit::loops::LoopSite;
 use crate::audit::trace::{Place, Requirement, Trace};
 
 /// Sections: anchor, heading.
-const SECTIONS: [(&str, &str); 8] = [
+const SECTIONS: [(&str, &str); 9] = [
     ("claims", "Claims"),
     ("requirements", "Requirements, both ways"),
     ("hazards", "Hazards and causes"),
+    ("states", "States and transitions of the guard"),
     ("instructions", "Instructions and determinism"),
     ("campaigns", "Campaigns"),
     ("stack", "Stack and functions"),
@@ -41,6 +42,7 @@ pub fn html(evidence: &Evidence) -> String {
         claims(evidence),
         requirements(&evidence.trace),
         hazards(&evidence.trace),
+        format!("<p>Every transition that the search over all reachable states saw.</p>{}", evidence.states),
         instructions(evidence.records.firmware.as_ref()),
         campaigns(evidence.records.campaigns.as_ref()),
         functions(evidence.image.as_ref()),
