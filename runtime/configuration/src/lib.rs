@@ -6,12 +6,14 @@ mod polygon;
 mod problem;
 mod read;
 mod reader;
+mod reference;
 
 pub use address::{CanAddress, DatagramAddress, SerialAddress};
 pub use bake::bake;
 pub use polygon::contains as polygon_contains;
 pub use problem::{Problem, Refused};
 pub use read::{Carriers, HostedConfiguration, load, parse};
+pub use reference::reference;
 
 /// The example configuration at the root of the workspace; the simulated robot is built like this.
 pub const EXAMPLE: &str = include_str!("../../../robot.toml");

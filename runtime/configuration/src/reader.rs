@@ -11,6 +11,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::problem::Problem;
+use super::reference::{Asked, note};
 
 /// Endings of keys that carry a unit.
 const UNITS: [&str; 22] = [
@@ -129,14 +130,21 @@ impl<'a> Reader<'a> {
         readers
     }
 
+    fn note(&self, key: &'static str, kind: &'static str, (allowed, default): (String, Option<String>)) {
+        note(|| Asked { section: self.name.clone(), key, kind, allowed, default });
+    }
+
     /// A number that must be there and within a range.
     pub fn number(&self, key: &'static str, range: RangeInclusive<f32>) -> f32 {
+        self.note(key, "number", (format!("{} to {}", range.start(), range.end()), None));
         let example = format!("{}", range.start().max(0.0).midpoint(*range.end()));
         self.require(key, &example).map_or(*range.start(), |value| self.checked_number(key, value, &range))
     }
 
     /// A number within a range, or a default when absent.
     pub fn number_or(&self, key: &'static str, range: RangeInclusive<f32>, default: f32) -> f32 {
+        let allowed = format!("{} to {}", range.start(), range.end());
+        self.note(key, "number", (allowed, Some(default.to_string())));
         self.find(key).map_or(default, |value| self.checked_number(key, value, &range))
     }
 
@@ -162,6 +170,7 @@ impl<'a> Reader<'a> {
 
     /// A whole number within a range that must be there.
     pub fn integer(&self, key: &'static str, range: RangeInclusive<i64>) -> i64 {
+        self.note(key, "whole number", (format!("{} to {}", range.start(), range.end()), None));
         let Some(value) = self.require(key, &range.start().to_string()) else { return *range.start() };
         let DeValue::Integer(digits) = value.get_ref() else {
             self.refuse_type(&value.span(), key, "a whole number", value.get_ref());
@@ -181,6 +190,7 @@ impl<'a> Reader<'a> {
 
     /// True or false; a default when absent.
     pub fn flag_or(&self, key: &'static str, default: bool) -> bool {
+        self.note(key, "flag", ("true, false".to_owned(), Some(default.to_string())));
         let Some(value) = self.find(key) else { return default };
         value.get_ref().as_bool().unwrap_or_else(|| {
             self.refuse_type(&value.span(), key, "true or false", value.get_ref());
@@ -190,6 +200,11 @@ impl<'a> Reader<'a> {
 
     /// A text that must be there, with its place.
     pub fn text(&self, key: &'static str, example: &str) -> Option<(&'a str, Range<usize>)> {
+        self.note(key, "text", (format!("for example `{example}`"), None));
+        self.words(key, example)
+    }
+
+    fn words(&self, key: &'static str, example: &str) -> Option<(&'a str, Range<usize>)> {
         let value = self.require(key, &format!("\"{example}\""))?;
         let text = value.get_ref().as_str();
         if text.is_none() {
@@ -200,7 +215,9 @@ impl<'a> Reader<'a> {
 
     /// One of a list of words.
     pub fn choice<T: Copy>(&self, key: &'static str, choices: &[(&str, T)]) -> Option<T> {
-        let (text, span) = self.text(key, choices.first().map_or("", |(word, _)| word))?;
+        let words: Vec<String> = choices.iter().map(|(word, _)| format!("`{word}`")).collect();
+        self.note(key, "word", (words.join(", "), None));
+        let (text, span) = self.words(key, choices.first().map_or("", |(word, _)| word))?;
         let chosen = choices.iter().find(|(word, _)| *word == text).map(|(_, value)| *value);
         if chosen.is_none() {
             let words: Vec<&str> = choices.iter().map(|(word, _)| *word).collect();
@@ -215,6 +232,7 @@ impl<'a> Reader<'a> {
 
     /// A list of `[x, y]` pairs in metres, with its place.
     pub fn points(&self, key: &'static str) -> Option<(Vec<[f32; 2]>, Range<usize>)> {
+        self.note(key, "list of points", ("pairs `[x, y]` in metres".to_owned(), None));
         let value = self.require(key, "[[0.0, 0.0], [1.0, 0.0]]")?;
         let points = value
             .get_ref()
@@ -250,6 +268,7 @@ impl<'a> Reader<'a> {
         expected: &str,
         count: core::ops::RangeInclusive<usize>,
     ) -> Option<Vec<u8>> {
+        self.note(key, "bits", (expected.to_owned(), Some("not connected".to_owned())));
         let value = self.find(key)?;
         let numbers: Option<Vec<u8>> = value.get_ref().as_array().and_then(|items| {
             let bit = |item: &Spanned<DeValue<'_>>| match item.get_ref() {
