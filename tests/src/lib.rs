@@ -2,6 +2,7 @@
 
 pub mod bench;
 pub mod campaign;
+pub mod candidates;
 pub mod corridor;
 pub mod crowds;
 pub mod data;

@@ -3,6 +3,7 @@
 use heapless::Vec;
 
 use super::association::DETECTIONS_MAX;
+use super::clusters::Cluster;
 use super::shape::{SHAPE_FEATURES, ShapeBuilder, ShapeVector};
 use crate::capacities::CLUSTERS_MAX;
 use crate::geometry::Point3;
@@ -23,6 +24,7 @@ struct Look {
     /// Index of its cluster while its returns are gathered, then [`NOBODY`].
     cluster: u16,
     occluded: bool,
+    bounds: [Point3; 2],
     builder: ShapeBuilder,
     shape: ShapeVector,
 }
@@ -37,8 +39,14 @@ impl Looks {
     }
 
     /// The candidate of a slot; the slot is the next one or a used one, whose candidate is given up.
-    pub(super) fn set(&mut self, slot: usize, cluster: usize, builder: ShapeBuilder, occluded: bool) {
-        let look = Look { cluster: cluster as u16, occluded, builder, shape: [0.0; SHAPE_FEATURES] };
+    pub(super) fn set(&mut self, slot: usize, index: usize, builder: ShapeBuilder, thing: &Cluster) {
+        let look = Look {
+            cluster: index as u16,
+            occluded: thing.occluded,
+            bounds: [thing.lower, thing.upper],
+            builder,
+            shape: [0.0; SHAPE_FEATURES],
+        };
         match self.candidates.get_mut(slot) {
             Some(used) => *used = look,
             // As many slots as detections: never full.
@@ -80,6 +88,11 @@ impl Looks {
             look.cluster = NOBODY;
             found(slot, &look.shape);
         }
+    }
+
+    /// Lowest and highest coordinates of a candidate's returns, robot frame.
+    pub(super) fn bounds(&self, slot: usize) -> Option<[Point3; 2]> {
+        self.candidates.get(slot).map(|look| look.bounds)
     }
 
     /// The shape of a candidate.

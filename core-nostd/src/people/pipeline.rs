@@ -15,7 +15,7 @@ use super::splits::{SEEDS_MAX, Splits};
 use super::tracker::{Track, Tracker, TrackerParameters};
 use super::visibility::Visibility;
 use crate::capacities::{CLUSTERS_MAX, SWEEP_RINGS};
-use crate::geometry::{Point2, Pose2, Transform3, Twist2};
+use crate::geometry::{Point2, Point3, Pose2, Transform3, Twist2};
 use crate::sensing::{Sweep, SweepColumn};
 
 /// Where the sensor was while it measured.
@@ -401,7 +401,7 @@ impl PeoplePipeline {
         }
         let heights_m = (thing.lower.z_m, thing.upper.z_m);
         let builder = ShapeBuilder::new(context.sensor_in_base.translation, thing.centroid, heights_m);
-        self.looks.set(slot, index, builder, thing.occluded);
+        self.looks.set(slot, index, builder, thing);
         Some(slot)
     }
 
@@ -440,6 +440,12 @@ impl PeoplePipeline {
     #[must_use]
     pub fn detections(&self) -> &[Detection] {
         &self.detections
+    }
+
+    /// Lowest and highest coordinates of the returns of a detection of the newest sweep, by its index; robot frame, metres.
+    #[must_use]
+    pub fn bounds(&self, detection: usize) -> Option<[Point3; 2]> {
+        self.looks.bounds(detection)
     }
 
     /// The shape of a detection of the newest sweep, by its index: what the classifier saw.

@@ -18,6 +18,7 @@ fn main() -> ExitCode {
     let outcome = match experiment.as_str() {
         "cleaning" => floorguard_tests::reproduce::cleaning(trials, folder),
         "motion" => floorguard_tests::reproduce::motion(trials, folder),
+        "candidates" => floorguard_tests::candidates::candidates(trials, folder),
         "crowds" => floorguard_tests::crowds::crowds(trials, folder),
         "environment" => floorguard_tests::environment::environment(trials, folder),
         "dirt" => floorguard_tests::dirt::dirt(trials, folder),

@@ -14,7 +14,7 @@ use floorguard_core::people::{Association, TrackerParameters};
 use floorguard_hosted::metrics::MotSummary;
 use rayon::prelude::*;
 
-pub use play::{Following, follow};
+pub use play::{Following, follow, play};
 pub use scenes::{CROWDS, CrowdScene, Ways};
 
 /// Seconds of each run.

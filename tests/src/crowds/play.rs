@@ -65,6 +65,22 @@ pub fn follow(
         simulation.tow(TOWED.0, TOWED.1);
     }
     let mut followers: Vec<Follower> = trackers.iter().map(Follower::new).collect();
+    play(&mut simulation, seconds, &mut |sweep, context, truth| {
+        let mount = context.sensor_in_base.translation;
+        let eye = truth.robot.transform(Point2::new(mount.x_m, mount.y_m));
+        let shares = shares_in_sight(truth, eye);
+        for follower in &mut followers {
+            follower.take(sweep, context, (truth, &shares, eye));
+        }
+    });
+    Ok(followers.into_iter().map(Follower::finish).collect())
+}
+
+/// What becomes of a sweep, where it was taken, and the truth at its end.
+pub type Sink<'a> = &'a mut dyn FnMut(&Sweep, &SweepContext, &Truth);
+
+/// Plays a world; every whole sweep goes to `sink`.
+pub fn play(simulation: &mut Simulation, seconds: u64, sink: Sink<'_>) {
     let mut decoder = Decoder::new(ModelChoice::Fixed(Model::Vlp16));
     let mut builder = SweepBuilder::new(18_000);
     let (mut building, mut complete) = (Box::new(Sweep::EMPTY), Box::new(Sweep::EMPTY));
@@ -90,25 +106,14 @@ pub fn follow(
         sweeps += u32::from(fresh);
         // The first sweep began in the middle of a revolution.
         if fresh && sweeps > 1 {
-            let truth = simulation.truth();
             let (_, pose, twist) = at(&poses, complete.end_stamp.as_micros());
             let mount = simulation.parameters().lidar;
-            let context = SweepContext {
-                sensor_in_base: Transform3 {
-                    translation: Point3::new(mount.x_m, mount.y_m, mount.z_m),
-                    ..Transform3::IDENTITY
-                },
-                twist,
-                base_in_odom: pose,
-            };
-            let eye = truth.robot.transform(Point2::new(mount.x_m, mount.y_m));
-            let shares = shares_in_sight(&truth, eye);
-            for follower in &mut followers {
-                follower.take(&complete, &context, (&truth, &shares, eye));
-            }
+            let translation = Point3::new(mount.x_m, mount.y_m, mount.z_m);
+            let sensor_in_base = Transform3 { translation, ..Transform3::IDENTITY };
+            let context = SweepContext { sensor_in_base, twist, base_in_odom: pose };
+            sink(&complete, &context, &simulation.truth());
         }
     }
-    Ok(followers.into_iter().map(Follower::finish).collect())
 }
 
 /// The pose nearest to a moment.
