@@ -12,6 +12,8 @@ const RANGE_STEP_M: f32 = 0.002;
 const FLOOR_M: f32 = 0.1;
 /// A return this near to a body belongs to it, metres: the noise of the lidar.
 const SKIN_M: f32 = 0.06;
+/// What is broader than this near the floor is a suitcase, metres.
+const FOOT_MAX_M: f32 = 0.15;
 /// People of whom fewer returns are left are not labelled: two rings of eight.
 const RETURNS_MIN: usize = 16;
 /// Nor are those who are farther away, metres.
@@ -91,8 +93,13 @@ pub fn labels(points: &[Option<Point3>], truth: &Truth) -> Vec<Bounds> {
     let mut labels = Vec::new();
     for person in &truth.people {
         let middle = into_base.transform(person.position);
-        let discs: Vec<(Point2, f32)> =
-            person.body_discs.iter().map(|(at, radius_m)| (into_base.transform(*at), *radius_m)).collect();
+        // The body and the feet; what a person pushes or pulls is no part of the person.
+        let feet = person.ground_discs.iter().filter(|(_, radius_m)| *radius_m < FOOT_MAX_M);
+        let discs: Vec<(Point2, f32)> = feet
+            .copied()
+            .chain([(person.position, person.radius_m)])
+            .map(|(at, radius_m)| (into_base.transform(at), radius_m))
+            .collect();
         let mut bounds: Option<Bounds> = None;
         for point in points.iter().flatten() {
             let at = Point2::new(point.x_m, point.y_m);

@@ -1,6 +1,6 @@
 //! Which things are people, after the published Table 4: `cargo xtask reproduce candidates`.
 //!
-//! The protocol of algorithms A.2: 415 labelled people a scene, a claim is right where its box overlaps a label's by half
+//! The protocol of algorithms A.2: up to 415 labelled people a scene, a claim is right where its box overlaps a label's by half
 //! of their joint volume, one to one. The scenes are ours, so the published detector runs beside ours on the very same
 //! sweeps: nested rings and the volume test.
 
