@@ -21,9 +21,12 @@ pub struct Told {
 }
 
 impl Told {
-    /// One object a line.
+    /// One object a line; some peers print lines of their own between them.
     pub fn read(text: &str) -> Result<Vec<Self>> {
-        text.lines().map(|line| Ok(serde_json::from_str(line)?)).collect()
+        text.lines()
+            .filter(|line| line.starts_with('{'))
+            .map(|line| Ok(serde_json::from_str(line)?))
+            .collect()
     }
 }
 
