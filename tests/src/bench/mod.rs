@@ -1,11 +1,13 @@
 //! How long the stages take: medians over many rounds, on the recordings that everybody else is measured on.
 
 pub mod cleaning;
+mod floor;
 mod guard;
 mod lidar;
 mod peers;
 mod tracking;
 
+pub use floor::{FrameTime, run_floor};
 pub use guard::{DECISION_MAX_NS, DecisionTime, decisions};
 pub use lidar::{Measured, StageTime, run};
 pub use peers::{OurTime, ours};

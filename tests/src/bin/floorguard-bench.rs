@@ -57,6 +57,11 @@ fn stages() -> ExitCode {
     for line in cleaning::run() {
         println!("{:46} {:36} {}", line.stage, line.value, line.beside);
     }
+    println!();
+    println!("{:24} {:28} {:>12} {:>10}", "input", "stage", "ms / frame", "fastest");
+    for row in floorguard_tests::bench::run_floor() {
+        println!("{:24} {:28} {:12.2} {:10.2}", row.input, row.stage, row.median_ms, row.fastest_ms);
+    }
     println!("medians on this machine, one core; quote ratios measured in one run, not these absolutes");
     if in_time { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

@@ -34,6 +34,8 @@ pub struct Pass {
     pub found: [(DirtKind, u32, u32); 4],
     /// Spots where nothing was spilled.
     pub false_spots: u32,
+    /// Every spot of the map within the hall, and whether something was spilled there.
+    pub spots: Vec<(DirtSpot, bool)>,
     /// Frames.
     pub frames: u32,
     /// Of the detector and the map, all frames.
@@ -102,17 +104,16 @@ pub fn pass(floor: FloorKind, (lanes, length_m): (u32, f32), seed: u64) -> anyho
     let spots = map.spots(SeenLayer::First, Stamp::from_micros(u64::from(frame + 1) * 240_000)).spots;
     let inside =
         |place: Point2| place.x_m >= 0.0 && place.x_m <= length_m && place.y_m >= 0.0 && place.y_m <= width_m;
-    let is_of = |spot: &DirtSpot, spill: &Spill| touches(spot, spill);
     let found = DirtKind::ALL.map(|kind| {
         let of_kind = || scene.spills.iter().filter(move |spill| spill.kind == kind);
-        let hits = of_kind().filter(|spill| spots.iter().any(|spot| is_of(spot, spill))).count();
+        let hits = of_kind().filter(|spill| spots.iter().any(|spot| touches(spot, spill))).count();
         (kind, hits as u32, of_kind().count() as u32)
     });
-    let false_spots = spots
-        .iter()
-        .filter(|spot| inside(spot.centre_in_map) && !scene.spills.iter().any(|spill| is_of(spot, spill)));
-    let false_spots = false_spots.count() as u32;
-    Ok(Pass { floor, area_m2: length_m * width_m, found, false_spots, frames: frame, took })
+    let within = spots.iter().filter(|spot| inside(spot.centre_in_map));
+    let spots: Vec<(DirtSpot, bool)> =
+        within.map(|spot| (*spot, scene.spills.iter().any(|spill| touches(spot, spill)))).collect();
+    let false_spots = spots.iter().filter(|(_, is_spill)| !is_spill).count() as u32;
+    Ok(Pass { floor, area_m2: length_m * width_m, found, false_spots, spots, frames: frame, took })
 }
 
 /// A spot belongs to a spill if its rectangle reaches within a cell of the spill's outline.

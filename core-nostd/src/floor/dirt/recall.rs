@@ -33,7 +33,8 @@ pub type Remembered = [f32; 2];
 
 impl FloorView {
     /// The camera's foot point and direction in the map.
-    fn foot_in_map(&self) -> Pose2 {
+    #[must_use]
+    pub fn foot_in_map(&self) -> Pose2 {
         self.robot_in_map.compose(self.camera_in_robot)
     }
 

@@ -3,7 +3,7 @@
 use super::cell::{CellState, SeenCell};
 use crate::capacities::FLOOR_IMAGE_COLUMNS_MAX;
 use crate::floor::dirt::{FloorView, NOVELTY_BIN};
-use crate::geometry::Pose2;
+use crate::geometry::{Point2, Pose2};
 use crate::maps::GridGeometry;
 use crate::time::Stamp;
 
@@ -15,6 +15,9 @@ const TURNED_RAD: f32 = 0.087_27;
 const DIRTY_PART: u16 = 4;
 /// Fewest pixels of a cell that are an observation.
 const PIXELS_MIN: u16 = 6;
+/// Farther from the camera's foot point the view is too flat to be an observation, metres (the range within which
+/// objects must be found; algorithms E.3).
+const REACH_M: f32 = 1.3;
 /// Pixels of the result that are looked at: every second column and row.
 const STEP: usize = 2;
 const COLUMNS_MAX: usize = FLOOR_IMAGE_COLUMNS_MAX / NOVELTY_BIN;
@@ -105,6 +108,8 @@ impl<'a> SeenDirtMap<'a> {
     fn collect(&mut self, view: &FloorView, scores: &Scores<'_>) -> [i32; 4] {
         let mut bounds = [i32::MAX, i32::MAX, i32::MIN, i32::MIN];
         let bin = NOVELTY_BIN as f32;
+        let foot = view.foot_in_map();
+        let foot = Point2::new(foot.x_m, foot.y_m);
         let middle = |index: usize| bin * (index as f32 + 0.5) - 0.5;
         let columns = scores.columns.clamp(1, COLUMNS_MAX);
         for (row, line) in scores.values.chunks_exact(columns).enumerate().step_by(STEP) {
@@ -112,7 +117,8 @@ impl<'a> SeenDirtMap<'a> {
                 if score.is_nan() {
                     continue;
                 }
-                let Some(place) = view.place_in_map(middle(column), middle(row)) else { continue };
+                let place = view.place_in_map(middle(column), middle(row));
+                let Some(place) = place.filter(|place| place.distance(foot) <= REACH_M) else { continue };
                 let (x, y) = self.geometry.coordinates_of(place);
                 let Some(cell) = self.geometry.index(x, y).and_then(|index| self.cells.get_mut(index)) else {
                     continue;

@@ -1,0 +1,106 @@
+//! Times of the floor camera's stages on the shared pictures of 640 × 480.
+
+use std::path::Path;
+use std::time::Instant;
+
+use floorguard_core::floor::dirt::PublishedDetector;
+use floorguard_core::floor::{FloorModel, FloorParameters, ObjectFinder, PixelClass, Plane};
+use floorguard_core::sensing::{ColorImage, DepthImage, PinholeCamera};
+use floorguard_core::time::Stamp;
+use floorguard_hosted::evaluate::{DirtDetectors, read_colour, read_depth};
+
+use crate::data::bench_input;
+use crate::dirt::view;
+use floorguard_core::geometry::Pose2;
+use floorguard_sim::floor::FloorCamera;
+
+const ROUNDS: usize = 60;
+
+/// How long a stage takes, milliseconds a frame.
+#[derive(Clone, Debug)]
+pub struct FrameTime {
+    /// The picture.
+    pub input: &'static str,
+    /// What was measured.
+    pub stage: &'static str,
+    /// Median over the rounds.
+    pub median_ms: f64,
+    /// The fastest round: what the machine can do when nobody else is at it.
+    pub fastest_ms: f64,
+}
+
+/// Measures floor, objects and dirt; an absent picture is left out, with a line.
+#[must_use]
+pub fn run_floor() -> Vec<FrameTime> {
+    let mut rows = Vec::new();
+    for (input, path) in [("depth_0", "depth/depth_0.png"), ("depth_6", "depth/depth_6.png")] {
+        if let Some(path) = bench_input(path) {
+            rows.extend(depth(input, &path));
+        }
+    }
+    for (input, path) in [("floor_0", "dirt/floor_0.png"), ("floor_3", "dirt/floor_3.png")] {
+        if let Some(path) = bench_input(path) {
+            rows.extend(dirt(input, &path));
+        }
+    }
+    rows
+}
+
+fn times(input: &'static str, stage: &'static str, mut once: impl FnMut(usize)) -> FrameTime {
+    let mut all: Vec<f64> = (0..ROUNDS)
+        .map(|round| {
+            let started = Instant::now();
+            once(round);
+            started.elapsed().as_secs_f64() * 1e3
+        })
+        .collect();
+    all.sort_by(f64::total_cmp);
+    FrameTime { input, stage, median_ms: all[ROUNDS / 2], fastest_ms: all[0] }
+}
+
+fn depth(input: &'static str, path: &Path) -> Option<FrameTime> {
+    let file = read_depth(path).ok()?;
+    let camera = PinholeCamera::new([525.0, 525.0], [319.5, 239.5])?;
+    let any = floorguard_core::floor::Expectation {
+        mounted: Plane::of_mounting(1.0, 0.0)?,
+        tilt_max_rad: 0.872_665,
+        distance_range_m: [0.15, 3.0],
+    };
+    let parameters = FloorParameters::expecting(camera, any);
+    let mut model = Box::new(FloorModel::new(parameters, 1));
+    let mut finder = Box::<ObjectFinder>::default();
+    let mut classes = vec![PixelClass::Unknown; file.depth_mm.len()];
+    let mut pixels = file.depth_mm.clone();
+    Some(times(input, "floor plane and objects", |round| {
+        // Another last bit in every round, as from a living camera: identical frames would be a frozen one.
+        pixels[0] = round as u16 % 2;
+        let stamp = Stamp::from_micros(33_333 * (round as u64 + 1));
+        if let Ok(image) = DepthImage::new(stamp, (file.width, file.height), &pixels) {
+            let estimate = model.update(&image, stamp);
+            let _ = std::hint::black_box(finder.find(&image, (&parameters, &estimate), &mut classes));
+        }
+    }))
+}
+
+fn dirt(input: &'static str, path: &Path) -> Vec<FrameTime> {
+    let Ok(file) = read_colour(path) else { return Vec::new() };
+    let Ok(image) = ColorImage::new(Stamp::ZERO, (file.width, file.height), &file.rgb) else {
+        return Vec::new();
+    };
+    let usable = vec![true; file.width * file.height];
+    let mut published = Box::<PublishedDetector>::default();
+    let mut ours = DirtDetectors::default();
+    let camera = FloorCamera::default();
+    vec![
+        times(input, "dirt, published", |_| {
+            let _ = std::hint::black_box(published.detect(&image, &usable));
+        }),
+        times(input, "dirt, ours", |_| {
+            let _ = std::hint::black_box(ours.watch(&image, &usable, None));
+        }),
+        times(input, "dirt, ours over frames", |round| {
+            let view = view(&camera, Pose2::new(0.1 * round as f32, 0.0, 0.0));
+            let _ = std::hint::black_box(ours.watch(&image, &usable, Some(&view)));
+        }),
+    ]
+}
