@@ -99,6 +99,12 @@ struct JsonLine<'a> {
 pub fn run(arguments: &MissionArguments) -> anyhow::Result<()> {
     let floor = load_floor(arguments)?;
     anstream::eprintln!("{}", report::scope(&floor));
+    let beyond = arguments.dirt.lines_beyond(&floor).map_err(|error| BadInput(format!("{error:#}")))?;
+    if beyond > 0 {
+        anstream::eprintln!(
+            "{beyond} lines of dirt lie beyond the part of the map that one mission answers for"
+        );
+    }
     let config = config(arguments);
     let missions = arguments.trials * arguments.strategy.len() as u64;
     let bar = ProgressBar::new(missions).with_style(

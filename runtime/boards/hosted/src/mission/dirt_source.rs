@@ -81,20 +81,50 @@ impl DirtSource {
                     expected[cell] = units;
                 }
             }
-            Self::File(path) => read(path, floor, &mut expected)?,
+            Self::File(path) => {
+                read(path, floor, &mut expected)?;
+            }
         }
         Ok(expected)
     }
 }
 
-fn read(path: &PathBuf, floor: &Floor, expected: &mut [f32]) -> anyhow::Result<()> {
+impl DirtSource {
+    /// Lines of the file whose place lies beyond the raster of the mission: nothing is known or claimed there. 0 where
+    /// dirt is drawn.
+    ///
+    /// # Errors
+    /// A file that cannot be read, has a wrong line, or has no dirt within the raster.
+    pub fn lines_beyond(&self, floor: &Floor) -> anyhow::Result<usize> {
+        let Self::File(path) = self else { return Ok(0) };
+        let mut expected = vec![0.0; floor.cells.cell_count()];
+        let beyond = read(path, floor, &mut expected)?;
+        let (origin, cells) = (floor.cells.origin_in_map(), &floor.cells);
+        let size = |count: u16| f32::from(count) * cells.resolution_m();
+        anyhow::ensure!(
+            expected.iter().any(|&units| units > 0.0),
+            "{}: no dirt within x {:.1} to {:.1} m, y {:.1} to {:.1} m of the map; {beyond} lines lie beyond",
+            path.display(),
+            origin.x_m,
+            origin.x_m + size(cells.width()),
+            origin.y_m,
+            origin.y_m + size(cells.height()),
+        );
+        Ok(beyond)
+    }
+}
+
+/// Returns the number of lines whose place lies beyond the raster.
+fn read(path: &PathBuf, floor: &Floor, expected: &mut [f32]) -> anyhow::Result<usize> {
+    let mut beyond = 0;
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
     for (number, line) in text.lines().enumerate() {
         let fields: Vec<Option<f32>> = line.split(',').map(|f| f.trim().parse().ok()).collect();
         match fields.as_slice() {
             [Some(x), Some(y), Some(units)] if (0.0..=70.0).contains(units) => {
-                if let Some(cell) = floor.cells.cell_at(Point2::new(*x, *y)) {
-                    expected[cell] = *units;
+                match floor.cells.cell_at(Point2::new(*x, *y)) {
+                    Some(cell) => expected[cell] = *units,
+                    None => beyond += 1,
                 }
             }
             // A heading, an empty line or a comment.
@@ -106,12 +136,26 @@ fn read(path: &PathBuf, floor: &Floor, expected: &mut [f32]) -> anyhow::Result<(
             ),
         }
     }
-    Ok(())
+    Ok(beyond)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_file_without_dirt_on_the_map_is_refused() {
+        let floor = Floor::new("plain", super::super::rooms::plain().unwrap(), 0.17).unwrap();
+        let path = std::env::temp_dir().join(format!("floorguard-dirt-{}.csv", std::process::id()));
+        let beyond = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            DirtSource::File(path.clone()).lines_beyond(&floor)
+        };
+        assert_eq!(beyond("x_m,y_m,units\n1,1,12\n1,100,12\n").unwrap(), 1);
+        assert!(beyond("").is_err() && beyond("x_m,y_m,units\n1,100,12\n").is_err());
+        assert!(beyond("x_m,y_m,units\n1,1\n").unwrap_err().to_string().contains(":2:"));
+        std::fs::remove_file(&path).unwrap();
+    }
 
     #[test]
     fn reads_the_random_form_and_refuses_others() {
