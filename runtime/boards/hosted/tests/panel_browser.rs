@@ -1,0 +1,46 @@
+//! The panel's page in a real browser without a screen: its script runs and shows the robot.
+
+use std::io::{BufRead, BufReader};
+use std::process::{Command, Stdio};
+
+/// Names under which Chromium is installed.
+const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
+
+#[test]
+fn a_browser_shows_the_driving_robot() {
+    let there =
+        |name: &&&str| Command::new(name).arg("--version").output().is_ok_and(|it| it.status.success());
+    let Some(browser) = BROWSERS.iter().find(there) else {
+        println!("skipped: no Chromium is installed");
+        return;
+    };
+    let mut child = Command::new(env!("CARGO_BIN_EXE_floorguard"))
+        .args(["simulate", "--scenario", "empty", "--duration", "14", "--panel", "127.0.0.1:0", "--json"])
+        .env_remove("FLOORGUARD_PANEL_TOKEN")
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut lines = BufReader::new(child.stderr.take().expect("its words")).lines();
+    let line = lines.find_map(|line| line.ok().filter(|line| line.contains("http://"))).expect("an address");
+    let address = line.trim().trim_start_matches("panel: ");
+    std::thread::sleep(std::time::Duration::from_secs(3));
+    let folder = tempfile::tempdir().expect("a folder");
+    let profile = format!("--user-data-dir={}", folder.path().join("profile").display());
+    let picture = folder.path().join("panel.png");
+    let output = Command::new(browser)
+        .args(["--headless=new", "--no-sandbox", "--disable-gpu", "--window-size=1280,800", &profile])
+        .args(["--timeout=3000", &format!("--screenshot={}", picture.display())])
+        .arg(address)
+        .output()
+        .expect("the browser starts");
+    let _ = child.kill();
+    let _ = child.wait();
+    let picture = image::open(&picture).unwrap_or_else(|error| panic!("{error}: {output:?}")).to_rgb8();
+    let count = |colour: [u8; 3], columns: std::ops::Range<u32>| {
+        picture.enumerate_pixels().filter(|(x, _, pixel)| columns.contains(x) && pixel.0 == colour).count()
+    };
+    // The body of the robot on the map, the dots of healthy sources, and not a single grey "no connection".
+    let (body, healthy) = (count([0x0b, 0x53, 0x94], 0..900), count([0x2e, 0x7d, 0x32], 940..980));
+    assert!(body > 500 && healthy > 300, "body {body}, healthy sources {healthy}");
+}
