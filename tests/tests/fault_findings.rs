@@ -53,3 +53,26 @@ fn fg_req_055_old_orders_do_not_carry_the_robot_on() {
         stays_off_the_box(&format!("commands:past=2000ms,from={from},to=9s"));
     }
 }
+
+/// The way between two moments, metres.
+fn way_m(seen: &Observation, from_s: f64, to_s: f64) -> f32 {
+    // Four places a second.
+    let places = &seen.robot_way[(from_s * 4.0) as usize..(to_s * 4.0) as usize];
+    places.windows(2).map(|pair| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m)).sum()
+}
+
+/// The computer loses its power while the emergency stop is pressed, and comes back after its release: what was latched
+/// is forgotten, and the drives were never switched off.
+#[test]
+fn fg_req_018_a_computer_that_comes_back_does_not_start_the_robot_by_itself() {
+    let runs = [("2.9s", "4.2s", vec![(3_000_000, 4_000_000)], 4.75), ("3s", "3.5s", vec![], 4.25)];
+    for (from, to, pressed_us, stands_from_s) in runs {
+        let mut plan = Plan::named("empty", 11, 12_000_000).expect("a plan");
+        plan.emergency_stop_us = pressed_us;
+        plan.faults.push(FaultSpec::parse(&format!("computer:reset,from={from},to={to}")).expect("a fault"));
+        let seen = play(plan);
+        // The operator of the simulator resets when the robot has waited for three seconds.
+        assert!(way_m(&seen, stands_from_s, stands_from_s + 2.0) < 0.05, "{from}: it started by itself");
+        assert!(seen.resets >= 1 && way_m(&seen, 9.0, 11.75) > 0.5, "{from}: {} resets", seen.resets);
+    }
+}

@@ -147,6 +147,14 @@ impl Supervisor {
         self.decide(now)
     }
 
+    /// The drive kept its power while this computer had none: whatever was latched is forgotten, so the operator must
+    /// look, as after a drive that was lost (FG-REQ-018).
+    pub fn on_found_running(&mut self, now: Stamp) -> Decision {
+        self.begin(now);
+        self.state.machine.raise(CauseRecord::new(Cause::SourceLost(Source::Drive), now));
+        self.decide(now)
+    }
+
     /// A driver cannot use its device. Holds until the next good sample.
     pub fn on_source_fault(&mut self, source: Source, kind: FaultKind, now: Stamp) -> Decision {
         self.begin(now);

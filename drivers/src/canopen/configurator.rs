@@ -115,6 +115,13 @@ impl NodeConfigurator {
         self.reads.get(number).copied().filter(|_| number < self.reads_done)
     }
 
+    /// It would be operational without us having started it: somebody else did, before we came.
+    #[must_use]
+    pub fn is_found_running(&self, byte: u8) -> bool {
+        let ours = matches!(self.phase, NodePhase::Starting | NodePhase::Operational);
+        !ours && NodeState::from_byte(byte) == Some(NodeState::Operational)
+    }
+
     /// A heartbeat or boot-up message of this node.
     pub fn on_heartbeat(&mut self, byte: u8, now: Stamp) {
         let Some(state) = NodeState::from_byte(byte) else { return };

@@ -35,6 +35,8 @@ pub enum BaseEvent {
     Emergency(u8, Emergency),
     /// A device fell silent; its number.
     NodeLost(u8),
+    /// The traction drive was in operation before this master started it: the master was away, the drive was not.
+    FoundRunning,
 }
 
 /// What was ignored; saturating.
@@ -111,7 +113,11 @@ impl ThreeWheelBase {
             }
             0x700 => {
                 if let (Some(device), Some(byte)) = (self.device(node), payload.first()) {
+                    let found_running = device.is_found_running(*byte);
                     device.on_heartbeat(*byte, now);
+                    if found_running && node == self.configuration.traction_node {
+                        event(BaseEvent::FoundRunning);
+                    }
                 }
             }
             _ => {}

@@ -115,6 +115,9 @@ fn take_in<M: RawMutex>(shared: &Shared<M>, event: &BaseEvent) {
         BaseEvent::Inputs(inputs) => {
             shared.decide(|guard| guard.on_discrete(inputs, now));
         }
+        BaseEvent::FoundRunning => {
+            shared.decide(|guard| guard.on_found_running(now));
+        }
         // The drives' reports carry the code; what a lost device no longer says grows old by itself.
         BaseEvent::Emergency(..) | BaseEvent::NodeLost(_) => {}
     }
