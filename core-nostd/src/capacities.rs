@@ -22,7 +22,7 @@ pub const SCAN_BEAMS_MAX: usize = 2_751;
 pub const CLUSTERS_MAX: usize = if cfg!(feature = "hosted") { 1_024 } else { 256 };
 /// Provisional names of things while a sweep is grouped: one for each place where something begins. A sweep of a hall needs
 /// some hundred, one through a tree some thousand; cells beyond stay ungrouped and are counted.
-pub const LABELS_MAX: usize = if cfg!(feature = "hosted") { 16_384 } else { 8_192 };
+pub const LABELS_MAX: usize = if cfg!(feature = "hosted") { 16_384 } else { 4_096 };
 /// People tracked at once; the farthest are dropped first and counted.
 pub const TRACKS_MAX: usize = if cfg!(feature = "hosted") { 128 } else { 32 };
 /// Poses kept for de-skewing and stamping: 1.28 s at 100 Hz (algorithms L.2).

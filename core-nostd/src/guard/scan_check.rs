@@ -72,8 +72,9 @@ impl ScanTable {
         let (Some(protective), Some(warning), Some(watched)) = sets else { return finding };
         let (mut run, mut warning_run, mut silent_run) = (0_u8, 0_u8, 0_u16);
         let (mut silent, mut widest) = (0_u16, 0_u16);
-        let beams = scan.beams.iter().zip(protective).zip(warning).zip(&self.directions);
-        for (((beam, limit_mm), warning_mm), direction) in beams {
+        for (index, (beam, (limit_mm, warning_mm))) in
+            scan.beams.iter().zip(protective.iter().zip(warning)).enumerate()
+        {
             let range_mm = range_of(*beam, *limit_mm);
             // Most beams end behind both fields.
             if range_mm.is_some_and(|range_mm| range_mm >= *limit_mm && range_mm >= *warning_mm) {
@@ -89,7 +90,7 @@ impl ScanTable {
             warning_run = if range_mm < *warning_mm { warning_run.saturating_add(1) } else { 0 };
             finding.warning |= warning_run >= adjacent;
             finding.protective |= run >= adjacent;
-            if range_mm < *limit_mm {
+            if let Some(direction) = self.directions.get(index).filter(|_| range_mm < *limit_mm) {
                 self.note_hit(&mut finding, (range_mm, *limit_mm), (*direction, body));
             }
         }

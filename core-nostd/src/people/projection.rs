@@ -15,6 +15,9 @@ pub struct RingAngles {
 }
 
 impl RingAngles {
+    /// No angles yet.
+    pub const NONE: Self = Self { rings: [(0.0, 1.0, 0.0); SWEEP_RINGS] };
+
     /// Evenly spaced rings from `lowest_deg` in steps of `step_deg`: −15° and 2° for a VLP-16 (wire-formats 1.3). The
     /// origin of each laser lies 41.91 mm · tan(elevation) below or above the centre.
     #[must_use]

@@ -7,6 +7,25 @@ use heapless::Vec;
 use crate::capacities::{PACKET_COLUMNS_MAX, PACKET_RINGS_MAX};
 use crate::time::Stamp;
 
+/// Calibrated reflectivity per ring. Only hosted: no stage on the MCU asks for it, and there it takes no room.
+#[cfg(feature = "hosted")]
+pub type Reflectivity<const RINGS: usize> = [u8; RINGS];
+/// Calibrated reflectivity per ring. Only hosted: no stage on the MCU asks for it, and there it takes no room.
+#[cfg(not(feature = "hosted"))]
+pub type Reflectivity<const RINGS: usize> = [u8; 0];
+
+/// Nothing reflects.
+#[cfg(feature = "hosted")]
+pub(super) const fn no_reflectivity<const RINGS: usize>() -> Reflectivity<RINGS> {
+    [0; RINGS]
+}
+
+/// Nothing reflects.
+#[cfg(not(feature = "hosted"))]
+pub(super) const fn no_reflectivity<const RINGS: usize>() -> Reflectivity<RINGS> {
+    []
+}
+
 /// All lasers of one firing sequence. Rings are ordered by elevation, 0 lowest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LidarColumn {
@@ -18,7 +37,7 @@ pub struct LidarColumn {
     /// Range per ring in [`LidarPacket::range_unit_mm`]; 0 = no return, which is *unknown*, never free.
     pub range_raw: [u16; PACKET_RINGS_MAX],
     /// Calibrated reflectivity per ring.
-    pub reflectivity: [u8; PACKET_RINGS_MAX],
+    pub reflectivity: Reflectivity<PACKET_RINGS_MAX>,
 }
 
 impl LidarColumn {
@@ -27,7 +46,7 @@ impl LidarColumn {
         azimuth_cdeg: 0,
         offset_us: 0,
         range_raw: [0; PACKET_RINGS_MAX],
-        reflectivity: [0; PACKET_RINGS_MAX],
+        reflectivity: no_reflectivity::<PACKET_RINGS_MAX>(),
     };
 }
 

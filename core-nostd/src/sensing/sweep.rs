@@ -3,6 +3,7 @@
 //! Neighbourhood is index arithmetic: ring ± 1, column ± 1. A column that was never measured (lost packet, blind
 //! sector) is *unknown*; a measured cell without a return is unknown too. Neither is free.
 
+use super::lidar_packet::{Reflectivity, no_reflectivity};
 use crate::capacities::{SWEEP_COLUMNS, SWEEP_RINGS};
 use crate::geometry::Pose2;
 use crate::time::Stamp;
@@ -19,7 +20,7 @@ pub struct SweepColumn<const RINGS: usize = SWEEP_RINGS> {
     /// Range per ring in [`Sweep::range_unit_mm`]; 0 = no return = unknown.
     pub range_raw: [u16; RINGS],
     /// Calibrated reflectivity per ring.
-    pub reflectivity: [u8; RINGS],
+    pub reflectivity: Reflectivity<RINGS>,
 }
 
 impl<const RINGS: usize> SweepColumn<RINGS> {
@@ -29,14 +30,14 @@ impl<const RINGS: usize> SweepColumn<RINGS> {
         measured: false,
         offset_us: 0,
         range_raw: [0; RINGS],
-        reflectivity: [0; RINGS],
+        reflectivity: no_reflectivity::<RINGS>(),
     };
 }
 
 /// Where the robot stood while a column was measured, relative to where it stood at the end of the sweep.
 pub type SweepPose = Pose2;
 
-/// A revolution. About 98 KiB: keep it in a static and pass references.
+/// A revolution. About 100 KiB, 71 KiB on the MCU: keep it in a static and pass references.
 #[derive(Clone, Debug)]
 pub struct Sweep<const RINGS: usize = SWEEP_RINGS> {
     /// When the first column was measured, on the robot's clock.

@@ -12,6 +12,8 @@ const BUFFER_BYTES: usize = 2_432;
 const STAND_BY_WORD: u16 = 0x4004;
 /// Distance of a beam without echo.
 const NO_ECHO: u16 = 0x1fff;
+/// Dazzled or a reflector, as the scanner is configured.
+const DAZZLED: u16 = 0x2000;
 
 /// What the line told.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -256,16 +258,22 @@ fn fill(scan: &mut Scan, telegram: &Telegram<'_>, configuration: &Configuration,
     scan.step_rad = configuration.step_rad;
     // The number never changes after the first scan; it was checked against the configuration.
     let _ = scan.beams.resize_default(configuration.values());
-    let mut words = telegram.words();
-    let mut beams = scan.beams.iter_mut();
-    for (index, count) in configuration.values_per_field.iter().enumerate() {
-        if index > 0 {
-            // The marker between two fields.
-            let _ = words.next();
+    let mut words = telegram.values();
+    let mut beams = scan.beams.as_mut_slice();
+    let dazzled = if configuration.bit13 == Bit13::Dazzled { DAZZLED } else { 0 };
+    let free = BeamReturn::Free(configuration.free_range_mm);
+    for count in &configuration.values_per_field {
+        let count = usize::from(*count);
+        let (Some((field, later)), Some((slots, rest))) =
+            (words.split_at_checked(count), beams.split_at_mut_checked(count))
+        else {
+            return;
+        };
+        for (slot, word) in slots.iter_mut().zip(field) {
+            *slot = beam(u16::from_le_bytes(*word), dazzled, free);
         }
-        for (slot, word) in beams.by_ref().take(usize::from(*count)).zip(words.by_ref()) {
-            *slot = beam(word, configuration);
-        }
+        // The marker between two fields.
+        (words, beams) = (later.get(1..).unwrap_or_default(), rest);
     }
     if configuration.inverted {
         scan.turn_round();
@@ -284,15 +292,13 @@ fn is_header(words: u16, flag: u8, address: u8) -> bool {
     flag == 0xff && matches!(address, 7 | 8) && field::WORDS.contains(&words)
 }
 
-/// One measured word; wire-formats 2.4.
-fn beam(word: u16, configuration: &Configuration) -> BeamReturn {
-    let distance_cm = word & 0x1fff;
-    let dazzled = word & 0x2000 != 0 && configuration.bit13 == Bit13::Dazzled;
-    match distance_cm {
-        _ if dazzled => BeamReturn::Unknown,
+/// One measured word; wire-formats 2.4. A word with a bit of `dazzled` says nothing, one without echo is `free`.
+fn beam(word: u16, dazzled: u16, free: BeamReturn) -> BeamReturn {
+    match word & 0x1fff {
+        _ if word & dazzled != 0 => BeamReturn::Unknown,
         // Not a defined value: contamination or dazzle.
         0 => BeamReturn::Unknown,
-        NO_ECHO => BeamReturn::Free(configuration.free_range_mm),
-        _ => BeamReturn::Hit(distance_cm.saturating_mul(10)),
+        NO_ECHO => free,
+        distance_cm => BeamReturn::Hit(distance_cm.saturating_mul(10)),
     }
 }

@@ -168,13 +168,15 @@ impl<'a> Telegram<'a> {
         self.word(20)
     }
 
+    /// The measured words as they stand on the wire, low byte first, with the markers between fields.
+    pub(super) fn values(&self) -> &'a [[u8; 2]] {
+        let end = self.bytes.len().saturating_sub(2);
+        let (values, _) = self.bytes.get(field::VALUES..end).unwrap_or_default().as_chunks::<2>();
+        values
+    }
+
     /// The measured words, with the markers between fields.
     pub fn words(&self) -> impl ExactSizeIterator<Item = u16> + Clone + use<'a> {
-        let end = self.bytes.len().saturating_sub(2);
-        let values = self.bytes.get(field::VALUES..end).unwrap_or_default();
-        values.chunks_exact(2).map(|pair| match *pair {
-            [low, high] => u16::from_le_bytes([low, high]),
-            _ => 0,
-        })
+        self.values().iter().map(|pair| u16::from_le_bytes(*pair))
     }
 }

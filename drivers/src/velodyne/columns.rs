@@ -82,16 +82,15 @@ impl Columns {
                 continue;
             }
             let ring = usize::from(*ring);
-            let (Some(range), Some(brightness)) =
-                (column.range_raw.get_mut(ring), column.reflectivity.get_mut(ring))
-            else {
-                continue;
-            };
+            let Some(range) = column.range_raw.get_mut(ring) else { continue };
             if raw < blind_raw {
                 self_returns += 1;
             } else if raw <= range.wrapping_sub(1) {
                 // Nothing yet, 0, wraps round to the greatest number.
-                (*range, *brightness) = (raw, *reflectivity);
+                *range = raw;
+                if let Some(brightness) = column.reflectivity.get_mut(ring) {
+                    *brightness = *reflectivity;
+                }
             }
         }
         self_returns

@@ -188,12 +188,12 @@ fn merge<const RINGS: usize>(sweep: &mut Sweep<RINGS>, column: &LidarColumn) -> 
     if !slot.measured || turned >= MERGE_CDEG {
         return false;
     }
-    let held = slot.range_raw.iter_mut().zip(slot.reflectivity.iter_mut());
-    for ((range, brightness), (raw, reflectivity)) in
-        held.zip(column.range_raw.iter().zip(&column.reflectivity))
-    {
+    for (ring, (range, raw)) in slot.range_raw.iter_mut().zip(&column.range_raw).enumerate() {
         if *raw != 0 && (*range == 0 || *raw < *range) {
-            (*range, *brightness) = (*raw, *reflectivity);
+            *range = *raw;
+            if let (Some(to), Some(from)) = (slot.reflectivity.get_mut(ring), column.reflectivity.get(ring)) {
+                *to = *from;
+            }
         }
     }
     true

@@ -26,8 +26,8 @@ use floorguard_core::time::Stamp;
 
 use crate::channel::{Belt, Latest, Queue};
 
-/// Lidar packets that perception may be late by: 42 ms.
-pub const PACKETS_QUEUED: usize = 32;
+/// Lidar packets that perception may be late by: 32 ms.
+pub const PACKETS_QUEUED: usize = 24;
 /// Poses that perception may be late by: 640 ms at 200 Hz.
 pub const POSES_QUEUED: usize = 128;
 

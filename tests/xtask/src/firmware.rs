@@ -24,6 +24,17 @@ const TAPE_BYTES_MAX: u64 = 16 << 20;
 /// Instruction counts may differ from the golden file by this share.
 const GATE: f64 = 0.005;
 
+/// First budgets: instructions at most, by what is counted.
+const BUDGETS: &[(&str, u64)] = &[
+    ("lidar-packet", 40_000),
+    ("stage-guard-packet", 40_000),
+    ("stage-guard-scan", 20_000),
+    ("sweep", 6_000_000),
+];
+/// Bytes of flash and of statics.
+const FLASH_MAX: u64 = 512 << 10;
+const RAM_MAX: u64 = 448 << 10;
+
 /// What to play.
 #[derive(Args)]
 pub struct Options {
@@ -216,9 +227,15 @@ fn sizes(image: &Path) -> Result<(u64, u64)> {
 fn show(outcome: &Outcome, hosted: &str) {
     println!("firmware: fingerprint on the host {hosted}, on the emulated Cortex-M7 {}", outcome.digest);
     println!("firmware: {} bytes of flash, {} bytes of statics", outcome.flash_bytes, outcome.ram_bytes);
-    println!("  {:16} {:>8} {:>12} {:>12}", "instructions", "times", "mean", "most");
+    println!("  {:22} {:>8} {:>12} {:>12} {:>12}", "instructions", "times", "mean", "most", "budget");
     for (name, cost) in &outcome.instructions {
-        println!("  {name:16} {:>8} {:>12} {:>12}", cost.count, cost.mean, cost.max);
+        let budget = BUDGETS.iter().find(|(wanted, _)| wanted == name).map(|(_, budget)| *budget);
+        let verdict = match budget {
+            Some(budget) if cost.max > budget => format!("{budget:>12}, over it"),
+            Some(budget) => format!("{budget:>12}"),
+            None => String::new(),
+        };
+        println!("  {name:22} {:>8} {:>12} {:>12} {verdict}", cost.count, cost.mean, cost.max);
     }
 }
 
@@ -232,6 +249,11 @@ fn compare(outcome: &Outcome, update: bool) -> Result<bool> {
     }
     let golden: Outcome = serde_json::from_str(&std::fs::read_to_string(&path).context("no golden file")?)?;
     let mut good = true;
+    let sizes = [("flash", outcome.flash_bytes, FLASH_MAX), ("statics", outcome.ram_bytes, RAM_MAX)];
+    for (what, bytes, limit) in sizes.into_iter().filter(|(_, bytes, limit)| bytes > limit) {
+        good = false;
+        eprintln!("firmware: {bytes} bytes of {what}, {limit} are allowed");
+    }
     for (name, wanted) in &golden.instructions {
         let seen = outcome.instructions.get(name).copied().unwrap_or_default();
         for (what, seen, wanted) in [("mean", seen.mean, wanted.mean), ("most", seen.max, wanted.max)] {

@@ -83,7 +83,7 @@ pub fn packet(stamp: Stamp, azimuth_cdeg: u16, range_m: f32) -> LidarPacket {
             azimuth_cdeg: (azimuth_cdeg + index * 20) % 36_000,
             offset_us: u32::from(index) * 55,
             range_raw,
-            reflectivity: [10; crate::capacities::PACKET_RINGS_MAX],
+            ..LidarColumn::SILENT
         }
     });
     LidarPacket { stamp, range_unit_mm: 2, rings: 16, columns: columns.collect() }

@@ -3,5 +3,6 @@
 pub mod carriers;
 pub mod clock;
 pub mod play;
+pub mod stages;
 pub mod stopwatch;
 pub mod task_set;

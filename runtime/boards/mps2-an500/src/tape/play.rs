@@ -26,6 +26,7 @@ use static_cell::StaticCell;
 
 use super::carriers::{CanLine, LidarLine, SerialLine};
 use super::clock;
+use super::stages::{self, Stages};
 use super::stopwatch::Stopwatch;
 use super::task_set::TaskSet;
 use crate::robot::robot_for;
@@ -89,13 +90,16 @@ pub fn play(tape: TapeReader<'static>) -> bool {
         return false;
     };
     let shared: &RobotShared = SHARED.init(shared);
-    let perception = PERCEPTION.init(PerceptionState {
+    let fresh = || PerceptionState {
         building: Sweep::EMPTY,
         people: PeoplePipeline::new(RingAngles::vlp16()),
         motion: NoMotion,
         history: PoseHistory::new(),
         sensor_in_base: robot.lidar.mounting.transform(),
-    });
+    };
+    let perception = PERCEPTION.init(fresh());
+    let stages = stages::measure(tape, &robot, perception);
+    *perception = fresh();
     let lines = Lines {
         lidar: LidarLine::new(),
         scanner: SerialLine::new(),
@@ -119,7 +123,7 @@ pub fn play(tape: TapeReader<'static>) -> bool {
     let mut tasks =
         TaskSet::new([lidar, scanner, imu, can, supervisor, command, advice, operator, perception, mission]);
     let (digest, costs) = run(tape, (shared, &lines), &mut tasks);
-    report(&digest, &costs);
+    report(&digest, &costs, &stages);
     true
 }
 
@@ -187,7 +191,7 @@ fn run<const N: usize>(
     (digest, costs)
 }
 
-fn report(digest: &OutputDigest, costs: &Costs) {
+fn report(digest: &OutputDigest, costs: &Costs, stages: &Stages) {
     let [frames, people, decisions] = digest.counts();
     hprintln!("digest {:016x}", digest.value());
     hprintln!("frames {} people {} decisions {}", frames, people, decisions);
@@ -198,6 +202,14 @@ fn report(digest: &OutputDigest, costs: &Costs) {
         ("imu-bytes", &costs.imu),
         ("tick", &costs.tick),
         ("sweep", &costs.sweep),
+        ("stage-decode", &stages.decode),
+        ("stage-guard-packet", &stages.guard_packet),
+        ("stage-build", &stages.build),
+        ("stage-floor", &stages.floor),
+        ("stage-floor-clusters", &stages.things),
+        ("stage-features", &stages.features),
+        ("stage-features-track", &stages.people),
+        ("stage-guard-scan", &stages.guard_scan),
     ];
     for (name, watch) in rows {
         let (count, mean, largest) = watch.instructions(SHIFT);

@@ -17,8 +17,8 @@ const GATEWAY: Ipv4Address = Ipv4Address::new(10, 0, 2, 2);
 const LIDAR_PORT: u16 = 2_368;
 /// Port of the witness.
 const WITNESS_PORT: u16 = 2_369;
-/// Datagrams that the socket holds: 21 ms of lidar.
-const DATAGRAMS: usize = 16;
+/// Datagrams that the socket holds: 10 ms of lidar.
+const DATAGRAMS: usize = 8;
 const DATAGRAM_BYTES: usize = 1_300;
 
 /// Lidar datagrams that reached the task.

@@ -1,0 +1,126 @@
+//! What each stage costs: the tape's bytes given to one stage after the other, without tasks around them.
+
+use floorguard_core::geometry::{Pose2, Twist2};
+use floorguard_core::guard::Supervisor;
+use floorguard_core::people::{FloorMask, SweepContext};
+use floorguard_core::sensing::{LidarPacket, Sweep};
+use floorguard_core::time::Stamp;
+use floorguard_drivers::s300::{Configuration, Event, Receiver};
+use floorguard_drivers::velodyne::{Decoder, ModelChoice, SweepBuilder};
+use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::tape::{TapeLine, TapeReader};
+use floorguard_runtime::tasks::PerceptionState;
+
+use super::stopwatch::Stopwatch;
+
+/// Bytes of a serial line arrive in portions like these.
+const PORTION_BYTES: usize = 128;
+
+/// Costs by stage.
+#[derive(Default)]
+pub struct Stages {
+    /// A datagram to a packet.
+    pub decode: Stopwatch,
+    /// A packet to the guard's decision.
+    pub guard_packet: Stopwatch,
+    /// A packet into the sweep.
+    pub build: Stopwatch,
+    /// The floor of a sweep, by itself.
+    pub floor: Stopwatch,
+    /// Floor and clusters of a sweep, in one pass.
+    pub things: Stopwatch,
+    /// Candidates, shapes, classifier and upper bodies of a sweep.
+    pub features: Stopwatch,
+    /// The same, and the tracker.
+    pub people: Stopwatch,
+    /// The last portion of a telegram to the guard's decision.
+    pub guard_scan: Stopwatch,
+}
+
+/// Plays the tape through the stages. Leaves what it finds in `state`.
+pub fn measure(tape: TapeReader<'static>, robot: &RobotConfiguration, state: &mut PerceptionState) -> Stages {
+    let mut stages = Stages::default();
+    let Ok(mut guard) = Supervisor::new(robot.guard(), Stamp::ZERO) else { return stages };
+    let mut decoder = Decoder::new(robot.lidar_model().map_or(ModelChoice::Auto, ModelChoice::Fixed));
+    let mut receiver = Receiver::new(Configuration::default());
+    let mut builder = SweepBuilder::new(18_000);
+    let mut packet = LidarPacket::EMPTY;
+    let mut sweeps = 0_u32;
+    for record in tape {
+        let now = Stamp::from_micros(record.deliver_us);
+        match record.line {
+            TapeLine::Lidar => {
+                stages.decode.begin();
+                let lost =
+                    decoder.decode_into(record.data, Stamp::from_micros(record.arrival_us), &mut packet);
+                stages.decode.end();
+                let Ok(lost) = lost else { continue };
+                stages.guard_packet.begin();
+                guard.on_lidar_packet(&packet, now);
+                stages.guard_packet.end();
+                let mut build = stages.build;
+                build.begin();
+                let seen = sweeps;
+                builder.add(&packet, lost, &mut state.building, |sweep| {
+                    sweeps += 1;
+                    look(&mut stages, (&mut state.people, robot), sweep, sweeps);
+                });
+                // The sweep's own stages do not count as building it.
+                if sweeps == seen {
+                    build.end();
+                    stages.build = build;
+                }
+            }
+            TapeLine::Scanner => {
+                for portion in record.data.chunks(PORTION_BYTES) {
+                    let mut watch = stages.guard_scan;
+                    watch.begin();
+                    let mut judged = false;
+                    receiver.push(portion, now, |event| {
+                        if let Event::Scan(scan) = event {
+                            guard.on_scan(scan, now);
+                            judged = true;
+                        }
+                    });
+                    if judged {
+                        watch.end();
+                        stages.guard_scan = watch;
+                    }
+                }
+            }
+            _ => {}
+        }
+    }
+    stages
+}
+
+fn look(
+    stages: &mut Stages,
+    (people, robot): (&mut floorguard_core::people::PeoplePipeline, &RobotConfiguration),
+    sweep: &Sweep,
+    number: u32,
+) {
+    let context = SweepContext {
+        sensor_in_base: robot.lidar.mounting.transform(),
+        twist: Twist2 { linear_mps: 0.5, angular_radps: 0.1 },
+        base_in_odom: Pose2::default(),
+    };
+    let mut mask = FloorMask::new();
+    stages.floor.begin();
+    mask.find(sweep, &people.angles, &context.sensor_in_base);
+    stages.floor.end();
+    core::hint::black_box(&mask);
+    stages.things.begin();
+    people.find_things(sweep, &context);
+    stages.things.end();
+    // The tracker cannot be asked without the detections before it: one sweep with it, the next one without.
+    if number.is_multiple_of(2) {
+        stages.features.begin();
+        people.find_detections(sweep, &context);
+        stages.features.end();
+    } else {
+        stages.people.begin();
+        core::hint::black_box(people.find_people(sweep, &context).tracks.len());
+        stages.people.end();
+    }
+}

@@ -1,0 +1,122 @@
+//! Everything that can stop the robot, on the executor of interrupt priority. One thin wrapper per task.
+
+use embassy_executor::Spawner;
+use embassy_net::Runner;
+use embassy_stm32::peripherals::IWDG1;
+use embassy_stm32::wdg::IndependentWatchdog;
+use embassy_time::{Duration, Ticker};
+use floorguard_core::geometry::Transform3;
+use floorguard_core::odometry::Tricycle;
+use floorguard_drivers::s300::{Configuration, Receiver};
+use floorguard_drivers::three_wheel_base::ThreeWheelBase;
+use floorguard_drivers::velodyne::{Decoder, ModelChoice};
+use floorguard_drivers::xsens::Device as ImuDevice;
+use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::tasks::{
+    advice_input, can_bus, command_input, imu_input, lidar_input, operator_input, scanner_input, supervise,
+};
+
+use crate::can::FdcanBus;
+use crate::inputs::{Pair, direct_inputs};
+use crate::network::{self, Device, LidarSocket};
+use crate::serial::Line;
+use crate::start::{IMU_BAUD, RobotShared};
+
+/// Several times within the watchdog's 100 ms.
+const FEED_EVERY: Duration = Duration::from_millis(20);
+
+/// The devices of the ring.
+pub struct Devices {
+    pub ethernet: Device,
+    pub scanner: Line,
+    pub imu: Line,
+    pub can: FdcanBus,
+    pub inputs: [Pair; 5],
+    pub watchdog: IndependentWatchdog<'static, IWDG1>,
+}
+
+/// Starts all tasks of the ring on the executor that runs this.
+pub fn spawn_ring(
+    spawner: Spawner,
+    shared: &'static RobotShared,
+    robot: &'static RobotConfiguration,
+    devices: Devices,
+) {
+    let (stack, runner) = network::stack(devices.ethernet);
+    let choice = robot.lidar_model().map_or(ModelChoice::Auto, ModelChoice::Fixed);
+    spawner.spawn(network_task(runner).unwrap());
+    spawner.spawn(lidar(shared, LidarSocket::open(stack), Decoder::new(choice)).unwrap());
+    spawner.spawn(scanner(shared, devices.scanner).unwrap());
+    if let Some(configured) = robot.imu {
+        spawner.spawn(imu(shared, devices.imu, configured.mounting.transform()).unwrap());
+    }
+    let base = (ThreeWheelBase::new(robot.base()), robot.tricycle());
+    spawner.spawn(can(shared, devices.can, base).unwrap());
+    spawner.spawn(direct_inputs(shared, devices.inputs).unwrap());
+    spawner.spawn(supervisor(shared).unwrap());
+    spawner.spawn(command(shared).unwrap());
+    spawner.spawn(advice(shared).unwrap());
+    spawner.spawn(operator(shared).unwrap());
+    spawner.spawn(watchdog(shared, devices.watchdog).unwrap());
+}
+
+/// Feeds the watchdog for as long as the guard decides.
+#[embassy_executor::task]
+async fn watchdog(shared: &'static RobotShared, mut watchdog: IndependentWatchdog<'static, IWDG1>) {
+    watchdog.unleash();
+    let mut ticker = Ticker::every(FEED_EVERY);
+    let mut seen = shared.decision.published();
+    loop {
+        ticker.next().await;
+        let decided = shared.decision.published();
+        if decided != seen {
+            watchdog.pet();
+        }
+        seen = decided;
+    }
+}
+
+#[embassy_executor::task]
+async fn network_task(mut runner: Runner<'static, Device>) -> ! {
+    runner.run().await
+}
+
+#[embassy_executor::task]
+async fn lidar(shared: &'static RobotShared, socket: LidarSocket, decoder: Decoder) {
+    lidar_input(shared, socket, decoder).await;
+}
+
+#[embassy_executor::task]
+async fn scanner(shared: &'static RobotShared, line: Line) {
+    scanner_input(shared, line, Receiver::new(Configuration::default())).await;
+}
+
+#[embassy_executor::task]
+async fn imu(shared: &'static RobotShared, line: Line, mounting: Transform3) {
+    imu_input(shared, line, (ImuDevice::new(IMU_BAUD), mounting)).await;
+}
+
+#[embassy_executor::task]
+async fn can(shared: &'static RobotShared, bus: FdcanBus, base: (ThreeWheelBase, Tricycle)) {
+    can_bus(shared, bus, base).await;
+}
+
+#[embassy_executor::task]
+async fn supervisor(shared: &'static RobotShared) {
+    supervise(shared).await;
+}
+
+#[embassy_executor::task]
+async fn command(shared: &'static RobotShared) {
+    command_input(shared).await;
+}
+
+#[embassy_executor::task]
+async fn advice(shared: &'static RobotShared) {
+    advice_input(shared).await;
+}
+
+#[embassy_executor::task]
+async fn operator(shared: &'static RobotShared) {
+    operator_input(shared).await;
+}

@@ -1,0 +1,60 @@
+//! Everything that sees and plans, on the thread executor.
+
+use core::mem::MaybeUninit;
+
+use embassy_executor::Spawner;
+use floorguard_core::geometry::Transform3;
+use floorguard_core::odometry::PoseHistory;
+use floorguard_core::people::{PeoplePipeline, RingAngles};
+use floorguard_core::sensing::Sweep;
+use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::mission::RouteFollower;
+use floorguard_runtime::tasks::{NoMotion, PerceptionState, drive_route, perceive};
+use static_cell::StaticCell;
+
+use crate::start::RobotShared;
+
+/// Starts the ring. Call once.
+pub fn start_perception_ring(
+    spawner: Spawner,
+    shared: &'static RobotShared,
+    robot: &'static RobotConfiguration,
+) {
+    static STATE: StaticCell<PerceptionState> = StaticCell::new();
+    let state = place(STATE.uninit(), robot.lidar.mounting.transform());
+    spawner.spawn(perception(shared, state).unwrap());
+    spawner.spawn(mission(shared, RouteFollower::new(robot.route.clone(), robot.route_limits)).unwrap());
+}
+
+/// Builds the state where it stays, field by field: as a whole it would pass over the stack.
+fn place(
+    slot: &'static mut MaybeUninit<PerceptionState>,
+    sensor_in_base: Transform3,
+) -> &'static mut PerceptionState {
+    const PEOPLE: PeoplePipeline = PeoplePipeline::new(RingAngles::NONE);
+    // Nothing but zeros, which take no room in the program; the first packet brings the unit.
+    const BUILDING: Sweep = Sweep { range_unit_mm: 0, ..Sweep::EMPTY };
+    const HISTORY: PoseHistory = PoseHistory::new();
+    let state = slot.as_mut_ptr();
+    // SAFETY: the pointer is that of the slot; each field is written once, and then all are.
+    let state = unsafe {
+        (&raw mut (*state).building).write(BUILDING);
+        (&raw mut (*state).people).write(PEOPLE);
+        (&raw mut (*state).motion).write(NoMotion);
+        (&raw mut (*state).history).write(HISTORY);
+        (&raw mut (*state).sensor_in_base).write(sensor_in_base);
+        &mut *state
+    };
+    state.people.angles = RingAngles::vlp16();
+    state
+}
+
+#[embassy_executor::task]
+async fn perception(shared: &'static RobotShared, state: &'static mut PerceptionState) {
+    perceive(shared, state).await;
+}
+
+#[embassy_executor::task]
+async fn mission(shared: &'static RobotShared, follower: RouteFollower) {
+    drive_route(shared, follower).await;
+}

@@ -1,0 +1,17 @@
+//! Configuration, baked from `robot.toml` by the build script.
+
+use floorguard_core::geometry::{Point2, Point3};
+use floorguard_core::guard::{Action, Thresholds};
+use floorguard_drivers::flexisoft::{InputBits, InputMap};
+use floorguard_runtime::configuration::{
+    CanConfiguration, Deadlines, DirectionOfTravel, FieldPair, Geometry, ImuConfiguration, LidarConfiguration,
+    LidarModel, Limits, Mounting, RobotConfiguration, ScannerConfiguration, ScannerModel,
+};
+use floorguard_runtime::mission::{Route, RouteLimits};
+
+/// A list with a capacity; the build script has checked that it fits.
+fn list<T: Clone, const N: usize>(elements: &[T]) -> heapless::Vec<T, N> {
+    elements.iter().cloned().collect()
+}
+
+include!(concat!(env!("OUT_DIR"), "/robot.rs"));
