@@ -47,6 +47,9 @@ pub struct Options {
     /// Simulated seconds: 8 from a tape, of which 16 MiB of memory hold about 16; 60 over wires.
     #[arg(long)]
     duration: Option<u32>,
+    /// `mps2-an500`, which the emulator has, or `stm32h743`, which is only built, linked and measured.
+    #[arg(long, default_value = "mps2-an500", value_parser = ["mps2-an500", "stm32h743"])]
+    board: String,
     /// Over the board's devices instead of from a tape: UDP and serial lines, the simulator at their other end.
     #[arg(long, conflicts_with = "update")]
     wired: bool,
@@ -80,6 +83,9 @@ struct Outcome {
 
 /// Runs the command; false when host and board differ, or a count leaves its gate.
 pub fn run(options: &Options) -> Result<bool> {
+    if options.board == "stm32h743" {
+        return link_for_the_chip();
+    }
     if !machine::has_emulator() && !machine::add_emulator()? {
         bail!(
             "the emulator is missing; please run as root: apt-get install --no-install-recommends qemu-system-arm"
@@ -108,6 +114,24 @@ pub fn run(options: &Options) -> Result<bool> {
     }
     let standard = (options.scenario.as_str(), options.seed, options.tape_seconds()) == ("crossing", 2, 8);
     Ok(equal && (!standard || compare(&outcome, options.update)?))
+}
+
+/// Builds the image of the real chip and measures it; nothing here can run it.
+fn link_for_the_chip() -> Result<bool> {
+    let target = target_folder()?.join("stm32h743");
+    let mut build = shell::cargo();
+    build.current_dir(shell::root().join("runtime/boards/stm32h743"));
+    build.args(["build", "--quiet", "--release", "--target", TARGET]);
+    build.env("CARGO_TARGET_DIR", &target);
+    if !shell::succeeds(&mut build)? {
+        bail!("the firmware of the stm32h743 does not build");
+    }
+    let (flash, ram) = sizes(&target.join(TARGET).join("release/floorguard-stm32h743"))?;
+    println!(
+        "firmware: stm32h743 linked, {flash} of {FLASH_MAX} bytes of flash, {ram} of {RAM_MAX} of statics"
+    );
+    println!("firmware: it has never run on hardware");
+    Ok(flash <= FLASH_MAX && ram <= RAM_MAX)
 }
 
 impl Options {

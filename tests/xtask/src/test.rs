@@ -64,6 +64,19 @@ const STEPS: &[Step] = &[
             "2",
         ],
     },
+    Step {
+        name: "board",
+        arguments: &[
+            "run",
+            "--quiet",
+            "--package",
+            "floorguard-xtask",
+            "--",
+            "firmware",
+            "--board",
+            "stm32h743",
+        ],
+    },
     // After the firmware, whose figures it shows.
     Step { name: "audit", arguments: &["run", "--quiet", "--package", "floorguard-xtask", "--", "audit"] },
 ];

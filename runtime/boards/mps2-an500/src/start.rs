@@ -24,15 +24,21 @@ fn main() -> ! {
     watchdog::start(WATCHDOG_MS);
     let options = options::read();
     let robot = ROBOT.init(robot::tape().and_then(robot::robot_for).unwrap_or_else(robot::robot));
-    let shared: &'static RobotShared =
-        match RobotShared::new(robot.guard(), Motion::new(robot.wheels()), now()) {
-            Ok(shared) => SHARED.init(shared),
-            Err(error) => panic!("the guard refuses the robot: {error}"),
-        };
+    let shared = place(robot);
     start_guard_ring(executor::start_guard(), shared, robot, options);
     executor::run_thread(!options.never_sleep, |spawner| {
         start_perception_ring(spawner, shared, (robot, options))
     })
+}
+
+/// Builds what both rings share. Apart from `main`, which never returns: its tables pass over the stack, and that is free
+/// again afterwards.
+#[inline(never)]
+fn place(robot: &RobotConfiguration) -> &'static RobotShared {
+    match RobotShared::new(robot.guard(), Motion::new(robot.wheels()), now()) {
+        Ok(shared) => SHARED.init(shared),
+        Err(error) => panic!("the guard refuses the robot: {error}"),
+    }
 }
 
 #[exception]

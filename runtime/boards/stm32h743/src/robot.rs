@@ -4,8 +4,8 @@ use floorguard_core::geometry::{Point2, Point3};
 use floorguard_core::guard::{Action, Thresholds};
 use floorguard_drivers::flexisoft::{InputBits, InputMap};
 use floorguard_runtime::configuration::{
-    CanConfiguration, Deadlines, DirectionOfTravel, FieldPair, Geometry, ImuConfiguration, LidarConfiguration,
-    LidarModel, Limits, Mounting, RobotConfiguration, ScannerConfiguration, ScannerModel,
+    CanConfiguration, Deadlines, DirectionOfTravel, FieldPair, Geometry, ImuConfiguration,
+    LidarConfiguration, LidarModel, Limits, Mounting, RobotConfiguration, ScannerConfiguration, ScannerModel,
 };
 use floorguard_runtime::mission::{Route, RouteLimits};
 

@@ -75,16 +75,21 @@ unsafe fn CEC() {
 fn main() -> ! {
     let chip = embassy_stm32::init(clocks::config());
     let robot = ROBOT.init(robot::robot());
-    let shared: &'static RobotShared = SHARED.init_with(|| {
-        match RobotShared::new(robot.guard(), Motion::new(robot.wheels()), now()) {
-            Ok(shared) => shared,
-            Err(_) => defmt::panic!("the guard refuses the robot"),
-        }
-    });
+    let shared = place(robot);
     interrupt::CEC.set_priority(Priority::P6);
     // What the devices are made of may be sent to the guard's executor, where they stay.
     GUARD.start(interrupt::CEC).spawn(guard_ring(shared, robot, chip).unwrap());
     PERCEPTION.init(Executor::new()).run(|spawner| start_perception_ring(spawner, shared, robot))
+}
+
+/// Builds what both rings share. Apart from `main`, which never returns: its tables pass over the stack, and that is free
+/// again afterwards.
+#[inline(never)]
+fn place(robot: &RobotConfiguration) -> &'static RobotShared {
+    match RobotShared::new(robot.guard(), Motion::new(robot.wheels()), now()) {
+        Ok(shared) => SHARED.init(shared),
+        Err(_) => defmt::panic!("the guard refuses the robot"),
+    }
 }
 
 #[embassy_executor::task]
