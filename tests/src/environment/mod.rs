@@ -4,6 +4,7 @@
 //! the day, and the others predict the weeks after. Then the recorded tracks of three places become heat maps, and an
 //! independent count says whether anything was lost.
 
+mod dirt;
 mod patterns;
 mod recorded;
 mod recovery;
@@ -11,6 +12,7 @@ mod trials;
 
 use std::path::Path;
 
+pub use dirt::{Evening, dirt_days, holds as dirt_holds};
 pub use patterns::{PATTERNS, Pattern};
 pub use recorded::{RECORDED, Recorded, recorded};
 pub use recovery::{Recovery, recovery};
@@ -44,6 +46,10 @@ pub fn environment(runs: u64, folder: &Path) -> anyhow::Result<(String, bool)> {
         places.extend(recorded(file, Some(folder))?);
     }
     add((recorded::table(&places), places.iter().all(Recorded::holds)));
+    // Whole missions: a few runs of seven evenings each.
+    let runs = runs.min(4);
+    let evenings = dirt_days(runs)?;
+    add((dirt::table(&evenings, runs), dirt::holds(&evenings)));
     std::fs::write(folder.join("environment.txt"), &text)?;
     Ok((text, holds))
 }

@@ -6,6 +6,7 @@
 
 mod contest;
 mod correction;
+mod dirt_seen;
 mod environment_map;
 mod evidence;
 mod heat;
@@ -22,6 +23,7 @@ mod week;
 
 pub use contest::Contest;
 pub use correction::Correction;
+pub use dirt_seen::{Cleaning, DirtPerVisit, DirtSeen};
 pub use environment_map::{Environment, Sighting};
 pub use evidence::{Confidence, Rate};
 pub use heat::{HEAT_CELL_M, HeatCell, PeopleHeat};

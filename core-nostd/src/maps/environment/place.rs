@@ -4,10 +4,9 @@
 //! yes-or-no, because a robot that watched for two minutes has not seen that nobody came in ten: the visits are a
 //! Poisson process whose rate is the signal (after Jovan and others 2016), and a slice weighs as much as it was watched.
 
-use crate::cleaning::DirtRate;
-
 use super::contest::Contest;
 use super::correction::Correction;
+use super::dirt_seen::DirtSeen;
 use super::evidence::Rate;
 use super::rhythm::Rhythm;
 use super::spectrum::{ORDER_MAX, Spectrum, Tone};
@@ -94,8 +93,8 @@ pub struct Place<const HOURS: usize, const PERIODS: usize> {
     pub spread: (f32, f32),
     /// Visits whose length is known, and the time they took, tenths of a second.
     pub stays: (u32, u32),
-    /// How fast dirt arrives, units an hour.
-    pub dirt: DirtRate,
+    /// Dirt that was picked up.
+    pub dirt: DirtSeen,
     /// When it was last cleaned, and the units that were left.
     pub cleaned: Option<(WallTime, f32)>,
     slice: PlaceSlice,
@@ -115,7 +114,7 @@ impl<const HOURS: usize, const PERIODS: usize> Place<HOURS, PERIODS> {
         contest: Contest::EMPTY,
         spread: (0.0, 0.0),
         stays: (0, 0),
-        dirt: DirtRate::PRIOR,
+        dirt: DirtSeen { units: 0.0, hours: 0.0 },
         cleaned: None,
         slice: PlaceSlice { number: 0, visits: 0, watched_cs: 0 },
     };
@@ -197,14 +196,6 @@ impl<const HOURS: usize, const PERIODS: usize> Place<HOURS, PERIODS> {
     pub fn stay_hours(&self) -> f32 {
         let (visits, dwell_ds) = self.stays;
         if visits == 0 { 1.0 / 3_600.0 } else { dwell_ds as f32 / visits as f32 / 36_000.0 }
-    }
-
-    /// Dirt expected now: what the last cleaning left, and what has arrived since. Without a cleaning on record: of one
-    /// day.
-    #[must_use]
-    pub fn expected_dirt(&self, now: WallTime) -> f32 {
-        let (hours, left) = self.cleaned.map_or((24.0, 0.0), |(at, left)| (now.hours_since(at), left));
-        self.dirt.predict(left, hours)
     }
 
     /// Predicts, with what does not depend on the moment worked out once.

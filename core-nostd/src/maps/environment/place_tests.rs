@@ -84,14 +84,6 @@ fn a_short_look_without_visitors_is_weak_evidence() {
 }
 
 #[test]
-fn dirt_grows_from_the_last_cleaning() {
-    let mut place = Office { dirt: DirtRate { shape: 6.0, hours: 3.0 }, ..Office::default() };
-    let now = WallTime::from_seconds(MONDAY_S);
-    place.cleaned = Some((now.plus_micros(-7_200_000_000), 1.0));
-    assert_eq!(place.expected_dirt(now), 5.0);
-}
-
-#[test]
 fn the_sizes_of_both_profiles() {
     // Algorithms Q.1: 64 × 12 on the target, 4,096 × 24 hosted.
     assert!(core::mem::size_of::<Place<24, 12>>() <= 640, "{}", core::mem::size_of::<Place<24, 12>>());

@@ -55,3 +55,42 @@ fn the_report_is_one_page_whose_numbers_add_up() {
     assert!(page.contains("west &lt;1&gt;") && page.contains("width=device-width"));
     assert!(page.len() < 1_000_000);
 }
+
+/// The first evening sets the clock, the second shows how fast which place gets dirty, and then the robot knows.
+#[test]
+fn missions_teach_the_model_what_to_expect() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let mut dirt = String::from("x_m,y_m,units\n");
+    for (column, row) in (0..14).flat_map(|column| (0..14).map(move |row| (column, row))) {
+        let _infallible =
+            writeln!(dirt, "{:.1},{:.1},8", 0.3 + 0.1 * f64::from(column), 0.3 + 0.1 * f64::from(row));
+    }
+    std::fs::write(path("dirt.csv"), dirt).unwrap();
+    let mission = |strategy: &str, day: &str| {
+        let now = format!("2026-04-{day}T22:00");
+        let output = Command::new(env!("CARGO_BIN_EXE_floorguard"))
+            .args(["mission", "--map", "plain", "--dirt", &path("dirt.csv"), "--strategy", strategy])
+            .args(["--trials", "1", "--seed", day, "--json", "--out", &path("out")])
+            .args(["--environment", &path("model"), "--now", &now])
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(0), "{said}");
+        serde_json::from_slice::<Value>(&output.stdout).unwrap()
+    };
+    // Nobody knows anything: every cell counts as dirty.
+    assert!(mission("systematic", "06")["dirty_cells"].as_u64().unwrap() > 2_000);
+    mission("systematic", "07");
+    let third = mission("guarantee", "08");
+    let dirty = third["dirty_cells"].as_u64().unwrap();
+    assert!((150..500).contains(&dirty), "the dirty corner and little else: {third}");
+    assert!(third["falsely_claimed_cells"].as_u64().unwrap() <= 4, "{third}");
+    let output = Command::new(env!("CARGO_BIN_EXE_floorguard"))
+        .args(["ask", "dirt", "--model", &path("model"), "--now", "2026-04-09T22:00", "--json"])
+        .output()
+        .unwrap();
+    let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(answer["details"]["zones"][0]["zone"], "A1", "{answer}");
+    assert!(answer["details"]["zones"][0]["measured_places"].as_u64().unwrap() > 0);
+}

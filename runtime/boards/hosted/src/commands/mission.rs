@@ -7,12 +7,13 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::{BadInput, VerdictFailed};
-use crate::environment::read_zones;
+use crate::environment::{Calendar, Model, expected_units, load, read_zones, save, teach_cleaning};
 use crate::mission::{
     DirtSource, FaultKind, FaultRates, Floor, Guarantee, MissionConfig, Robot, Strategy, StrategySummary,
-    StrategyTrials, pictures, report, rooms, ros_map, run_strategies,
+    StrategyTrials, pictures, report, rooms, ros_map, run_strategies_believing,
 };
 use crate::status::{MissionStatus, write_status};
+use floorguard_core::maps::environment::WallTime;
 use floorguard_core::random::Pcg32;
 
 /// What to clean, how, and how often.
@@ -60,6 +61,13 @@ pub struct MissionArguments {
     /// Write the operator's status report of the first mission, before and after, to this folder.
     #[arg(long)]
     pub report: Option<PathBuf>,
+    /// The robot expects the dirt that this environment model expects, whatever `--dirt` puts there; the model, made
+    /// if there is none, learns from the first mission of the first strategy how fast which place gets dirty.
+    #[arg(long)]
+    pub environment: Option<PathBuf>,
+    /// When the missions are, for `--environment`: 2026-04-06T22:00; without it, now.
+    #[arg(long, requires = "environment")]
+    pub now: Option<String>,
     /// Zones by name for the report: a TOML file with [[zone]] name, corners_m.
     #[arg(long, requires = "report")]
     pub zones: Option<PathBuf>,
@@ -111,9 +119,11 @@ pub fn run(arguments: &MissionArguments) -> anyhow::Result<()> {
         ProgressStyle::with_template("{bar:40} {pos}/{len} missions, {eta} left")
             .unwrap_or_else(|_| ProgressStyle::default_bar()),
     );
-    let columns = run_strategies(
+    let mut prior = Prior::load(arguments, &floor)?;
+    let columns = run_strategies_believing(
         &floor,
         (&arguments.strategy, &config, &arguments.dirt),
+        prior.as_ref().map(|prior| prior.believed.as_slice()),
         (arguments.trials, arguments.seed),
         || bar.inc(1),
     )?;
@@ -129,8 +139,12 @@ pub fn run(arguments: &MissionArguments) -> anyhow::Result<()> {
         }
     }
     draw(arguments, &floor, &columns)?;
+    if let Some(prior) = &mut prior {
+        prior.learn((&floor, &config), &columns)?;
+    }
     if let Some(folder) = &arguments.report {
-        status_report(arguments, folder, (&floor, &config), &columns)?;
+        let believed = prior.as_ref().map(|prior| prior.believed.as_slice());
+        status_report(arguments, (folder, believed), (&floor, &config), &columns)?;
     }
     verdict(&summaries, arguments.delta)
 }
@@ -185,10 +199,55 @@ fn draw(arguments: &MissionArguments, floor: &Floor, columns: &[StrategyTrials])
     Ok(())
 }
 
+/// What the environment model expects, and where it learns.
+struct Prior {
+    path: PathBuf,
+    model: Model,
+    now: WallTime,
+    believed: Vec<f32>,
+}
+
+impl Prior {
+    fn load(arguments: &MissionArguments, floor: &Floor) -> anyhow::Result<Option<Self>> {
+        let Some(path) = &arguments.environment else { return Ok(None) };
+        let bad = |error: anyhow::Error| BadInput(format!("{error:#}"));
+        let corner = |index: usize| floor.cells.centre(index);
+        let corners = (corner(0), corner(floor.cells.cell_count().saturating_sub(1)));
+        let model = match load(path).map_err(bad)? {
+            Some(loaded) => loaded.model,
+            None => Model::over(&floor.name, Calendar::of_this_computer(), corners).map_err(bad)?,
+        };
+        let now = match &arguments.now {
+            Some(text) => model.calendar.parse(text).map_err(bad)?,
+            None => Calendar::now(),
+        };
+        let believed = expected_units(&model, floor, now, Some(arguments.delta));
+        Ok(Some(Self { path: path.clone(), model, now, believed }))
+    }
+
+    fn learn(
+        &mut self,
+        (floor, config): (&Floor, &MissionConfig),
+        columns: &[StrategyTrials],
+    ) -> anyhow::Result<()> {
+        let Some(first) = columns.first().and_then(|column| column.trials.first()) else { return Ok(()) };
+        let brush = (config.assumed_pickup, config.robot.brush.width_m);
+        let lesson = teach_cleaning(&mut self.model, (floor, first), brush, self.now);
+        save(&self.path, &mut self.model).map_err(|error| BadInput(format!("{error:#}")))?;
+        anstream::eprintln!(
+            "{}: {:.0} units in {} places learned",
+            self.path.display(),
+            lesson.units,
+            lesson.places
+        );
+        Ok(())
+    }
+}
+
 /// The first mission of the first strategy, for the operator.
 fn status_report(
     arguments: &MissionArguments,
-    folder: &Path,
+    (folder, believed): (&Path, Option<&[f32]>),
     (floor, config): (&Floor, &MissionConfig),
     columns: &[StrategyTrials],
 ) -> anyhow::Result<()> {
@@ -203,7 +262,7 @@ fn status_report(
     let expected = arguments.dirt.expected_units(floor, &mut Pcg32::new(arguments.seed, 0))?;
     let brush_m = config.robot.brush.width_m;
     let promise = (arguments.tau, arguments.delta);
-    let status = MissionStatus::new((floor, first, &expected), promise, brush_m, &zones);
+    let status = MissionStatus::new((floor, first, believed.unwrap_or(&expected)), promise, brush_m, &zones);
     let page = write_status(folder, &status, column.strategy.name())
         .map_err(|error| BadInput(format!("{error:#}")))?;
     anstream::eprintln!("{}\nreport in {}", status.sentence(), page.display());

@@ -14,8 +14,6 @@ use super::zones::Zone;
 
 /// Floor that the robot cleans in a minute, m²: half a metre at half a metre a second, less turns.
 const M2_PER_MINUTE: f32 = 12.0;
-/// Dirt that a passer-by leaves in a place, where no dirt has been measured yet: an assumption, and said so.
-const UNITS_PER_VISIT: f32 = 0.05;
 
 /// An answer.
 #[derive(Clone, Debug, Serialize)]
@@ -129,17 +127,10 @@ fn when(
 }
 
 /// Dirt expected in a place, and whether dirt was ever measured there.
-fn expected_units(place: &Place<HOURS, PERIODS>, now: WallTime) -> (f32, bool) {
-    let measured = place.dirt != Place::<HOURS, PERIODS>::EMPTY.dirt;
-    if measured {
-        return (place.expected_dirt(now), true);
-    }
-    let total = place.week.total();
-    if total.hours <= 0.0 {
-        return (0.0, false);
-    }
-    let (hours, left) = place.cleaned.map_or((24.0, 0.0), |(at, left)| (now.hours_since(at).max(0.0), left));
-    (left + total.visits / total.hours * hours * UNITS_PER_VISIT, false)
+fn expected_units(model: &Model, place: &Place<HOURS, PERIODS>, now: WallTime) -> (f32, bool) {
+    let is_measured = place.dirt.hours > 0.0;
+    let is_known = is_measured || place.week.total().hours > 0.0;
+    (if is_known { place.expected_dirt(now, &model.per_visit) } else { 0.0 }, is_measured)
 }
 
 /// What is expected in a zone.
@@ -156,7 +147,7 @@ fn zone_dirt(model: &Model, zone: &Zone, now: WallTime) -> ZoneDirt {
     let places = model.places_of(zone);
     let mut sum = ZoneDirt { units: 0.0, measured: 0, known: 0, places: places.len(), area_m2: 0.0 };
     for place in places.iter().filter_map(|index| grid.get(*index)) {
-        let (units, is_measured) = expected_units(place, now);
+        let (units, is_measured) = expected_units(model, place, now);
         sum.units += units;
         sum.measured += usize::from(is_measured);
         sum.known += usize::from(is_measured || place.week.total().hours > 0.0);
@@ -165,10 +156,13 @@ fn zone_dirt(model: &Model, zone: &Zone, now: WallTime) -> ZoneDirt {
     sum
 }
 
-fn dirt_source(measured: usize, known: usize) -> String {
+fn dirt_source(model: &Model, measured: usize, known: usize) -> String {
     let assumed = known.saturating_sub(measured);
+    let origin =
+        if model.per_visit.is_learned() { "as learned where dirt was measured" } else { "an assumption" };
     format!(
-        "dirt measured in {measured} places; in {assumed} it is only inferred from people ({UNITS_PER_VISIT} units a visit, an assumption)"
+        "dirt measured in {measured} places; in {assumed} it is only inferred from people ({:.2} units a visit, {origin})",
+        model.per_visit.mean()
     )
 }
 
@@ -213,7 +207,7 @@ fn which_zone(model: &Model, minutes: u32, now: WallTime) -> Answer {
                 "{} zones compared by dirt removed for each person met; {unseen} zones not watched",
                 ranked.len()
             ),
-            dirt_source(measured, known),
+            dirt_source(model, measured, known),
         ],
         details: json!({
             "zone": zone.name, "minutes": minutes,
@@ -290,7 +284,7 @@ fn dirt(model: &Model, now: WallTime) -> Answer {
         question: "dirt",
         answer: format!("Most dirt for its size is expected in {}.", words.join(", then ")),
         confidence: confidence.name(),
-        evidence: vec![dirt_source(measured, known), format!("{unseen} zones not watched")],
+        evidence: vec![dirt_source(model, measured, known), format!("{unseen} zones not watched")],
         details: json!({
             "at": model.calendar.iso(now),
             "zones": ranked.iter().map(|(zone, expected)| json!({

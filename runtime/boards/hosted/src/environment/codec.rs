@@ -13,10 +13,10 @@ use std::io::{Read as _, Write as _};
 
 use anyhow::{Context, bail, ensure};
 use crc::{CRC_32_ISO_HDLC, Crc};
-use floorguard_core::cleaning::DirtRate;
 use floorguard_core::geometry::Point2;
 use floorguard_core::maps::environment::{
-    Complex, Contest, Environment, HeatCell, HourBin, Place, PlaceSlice, SpectrumParts, WallTime, Week,
+    Complex, Contest, DirtPerVisit, DirtSeen, Environment, HeatCell, HourBin, Place, PlaceSlice,
+    SpectrumParts, WallTime, Week,
 };
 
 use super::bytes::{Reader, Writer};
@@ -25,7 +25,7 @@ use super::model::{HOURS, Model, PERIODS};
 use super::zones::Zone;
 
 /// Version of the format.
-pub const FORMAT_VERSION: u16 = 1;
+pub const FORMAT_VERSION: u16 = 2;
 const MAGIC: &[u8; 8] = b"FLGENV\r\n";
 const HEADER: usize = 8 + 2 + 8 + 4;
 const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
@@ -101,6 +101,8 @@ fn content(model: &Model) -> Writer {
     to.f32(geometry.origin_in_map().x_m);
     to.f32(geometry.origin_in_map().y_m);
     to.i64(model.core.newest().map_or(i64::MIN, WallTime::as_micros));
+    to.f32(model.per_visit.units);
+    to.f32(model.per_visit.visits);
     to.u16(model.zones.len().min(usize::from(u16::MAX)) as u16);
     for zone in model.zones.iter().take(usize::from(u16::MAX)) {
         to.text(&zone.name);
@@ -151,7 +153,7 @@ fn write_place(to: &mut Writer, place: &Place<HOURS, PERIODS>) {
     losses.iter().chain([&weight, &place.spread.0, &place.spread.1]).for_each(|value| to.f32(*value));
     to.u32(place.stays.0);
     to.u32(place.stays.1);
-    to.f32(place.dirt.shape);
+    to.f32(place.dirt.units);
     to.f32(place.dirt.hours);
     to.i64(place.cleaned.map_or(i64::MIN, |(at, _)| at.as_micros()));
     to.f32(place.cleaned.map_or(0.0, |(_, left)| left));
@@ -167,6 +169,7 @@ fn read_content(from: &mut Reader) -> anyhow::Result<Model> {
     let corner = Point2::new(from.f32()?, from.f32()?);
     let newest = Some(from.i64()?).filter(|micros| *micros != i64::MIN).map(WallTime::from_micros);
     let mut model = Model::of_places(&name, calendar, sides, corner)?;
+    model.per_visit = DirtPerVisit { units: from.f32()?, visits: from.f32()? };
     for _ in 0..from.u16()? {
         let (name, is_always_dry, count) = (from.text()?, from.u8()? != 0, from.u8()?);
         let corners =
@@ -214,7 +217,7 @@ fn read_place(from: &mut Reader) -> anyhow::Result<Place<HOURS, PERIODS>> {
     place.contest = Contest::from_parts(losses, from.f32()?);
     place.spread = (from.f32()?, from.f32()?);
     place.stays = (from.u32()?, from.u32()?);
-    place.dirt = DirtRate { shape: from.f32()?, hours: from.f32()? };
+    place.dirt = DirtSeen { units: from.f32()?, hours: from.f32()? };
     let (cleaned, left) = (from.i64()?, from.f32()?);
     place.cleaned = (cleaned != i64::MIN).then_some((WallTime::from_micros(cleaned), left));
     place.restore_slice(PlaceSlice { number: from.i64()?, visits: from.u16()?, watched_cs: from.u32()? });

@@ -4,7 +4,8 @@ use anyhow::ensure;
 use floorguard_core::geometry::Point2;
 use floorguard_core::maps::GridGeometry;
 use floorguard_core::maps::environment::{
-    Environment, HEAT_CELL_M, HeatCell, HourEntry, PLACE_CELL_M, PeopleHeat, Place, Places, WallTime,
+    DirtPerVisit, Environment, HEAT_CELL_M, HeatCell, HourEntry, PLACE_CELL_M, PeopleHeat, Place, Places,
+    WallTime,
 };
 
 use super::calendar::Calendar;
@@ -34,7 +35,9 @@ pub struct Model {
     pub calendar: Calendar,
     /// Zones by name; none: the map is divided.
     pub zones: Vec<Zone>,
-    /// What was learned.
+    /// What a visitor leaves on the floor.
+    pub per_visit: DirtPerVisit,
+    /// What was learned of people and places.
     pub core: Box<CoreModel>,
     /// How often it was saved.
     pub generation: u64,
@@ -88,7 +91,14 @@ impl Model {
         )?;
         let places = Places::new(coarse, vec![Place::EMPTY; coarse.cell_count()])?;
         let core = Box::new(Environment::new(heat, places, None));
-        Ok(Self { name: name.to_owned(), calendar, zones: Vec::new(), core, generation: 0 })
+        Ok(Self {
+            name: name.to_owned(),
+            calendar,
+            zones: Vec::new(),
+            per_visit: DirtPerVisit::PRIOR,
+            core,
+            generation: 0,
+        })
     }
 
     /// Learns all that was seen up to a moment: the watching ends there.

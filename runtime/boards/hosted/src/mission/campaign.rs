@@ -9,7 +9,7 @@ use super::config::{MissionConfig, Strategy};
 use super::dirt_source::DirtSource;
 use super::floor::Floor;
 use super::statistics::{mean, wilson95};
-use super::trial::{TrialResult, run};
+use super::trial::{TrialResult, run_believing};
 
 /// Trials of one strategy, in the order of their seeds.
 pub struct StrategyTrials {
@@ -85,9 +85,25 @@ pub fn run_strategies(
     (trials, seed): (u64, u64),
     progress: impl Fn() + Sync,
 ) -> anyhow::Result<Vec<StrategyTrials>> {
+    run_strategies_believing(floor, (strategies, config, dirt), None, (trials, seed), progress)
+}
+
+/// As [`run_strategies`], with a robot that believes in `believed` units in each cell, whatever lies there.
+///
+/// # Errors
+/// Dirt that cannot be read.
+pub fn run_strategies_believing(
+    floor: &Floor,
+    (strategies, config, dirt): (&[Strategy], &MissionConfig, &DirtSource),
+    believed: Option<&[f32]>,
+    (trials, seed): (u64, u64),
+    progress: impl Fn() + Sync,
+) -> anyhow::Result<Vec<StrategyTrials>> {
     let rows: Vec<Vec<TrialResult>> = (0..trials)
         .into_par_iter()
-        .map(|trial| run_trial(floor, (strategies, config, dirt), seed.wrapping_add(trial), &progress))
+        .map(|trial| {
+            run_trial(floor, (strategies, config, dirt), believed, (seed.wrapping_add(trial), &progress))
+        })
         .collect::<anyhow::Result<_>>()?;
     let mut columns: Vec<StrategyTrials> =
         strategies.iter().map(|&strategy| StrategyTrials { strategy, trials: Vec::new() }).collect();
@@ -103,17 +119,18 @@ pub fn run_strategies(
 fn run_trial(
     floor: &Floor,
     (strategies, config, dirt): (&[Strategy], &MissionConfig, &DirtSource),
-    seed: u64,
-    progress: &(impl Fn() + Sync),
+    believed: Option<&[f32]>,
+    (seed, progress): (u64, &(impl Fn() + Sync)),
 ) -> anyhow::Result<Vec<TrialResult>> {
     let expected = dirt.expected_units(floor, &mut Pcg32::new(seed, 0))?;
+    let dirt = (expected.as_slice(), believed.unwrap_or(&expected));
     let with = |strategy, distance_limit_m| MissionConfig { strategy, distance_limit_m, ..*config };
     let mut guarantee_m = None;
     let mut results: Vec<Option<TrialResult>> = strategies.iter().map(|_| None).collect();
     // The guarantee first: it tells how far the random strategy may drive.
     for (slot, &strategy) in results.iter_mut().zip(strategies) {
         if strategy == Strategy::Guarantee {
-            let result = run(floor, &with(strategy, None), &expected, seed)?;
+            let result = run_believing(floor, &with(strategy, None), dirt, seed)?;
             guarantee_m = Some(result.distance_m);
             *slot = Some(result);
             progress();
@@ -126,11 +143,11 @@ fn run_trial(
         let limit = match (strategy, guarantee_m) {
             (Strategy::Random, Some(way)) => Some(way),
             (Strategy::Random, None) => {
-                Some(run(floor, &with(Strategy::Guarantee, None), &expected, seed)?.distance_m)
+                Some(run_believing(floor, &with(Strategy::Guarantee, None), dirt, seed)?.distance_m)
             }
             _ => None,
         };
-        *slot = Some(run(floor, &with(strategy, limit), &expected, seed)?);
+        *slot = Some(run_believing(floor, &with(strategy, limit), dirt, seed)?);
         progress();
     }
     Ok(results.into_iter().flatten().collect())

@@ -17,10 +17,10 @@ pub mod statistics;
 mod trial;
 mod truth;
 
-pub use campaign::{StrategySummary, StrategyTrials, run_strategies};
+pub use campaign::{StrategySummary, StrategyTrials, run_strategies, run_strategies_believing};
 pub use config::{Guarantee, MissionConfig, Robot, Strategy};
 pub use dirt_source::DirtSource;
 pub use faults::{FaultKind, FaultRates};
 pub use floor::{CELL_M, CELLS_MAX, Floor};
-pub use trial::{TrialResult, run};
+pub use trial::{TrialResult, run, run_believing};
 pub use truth::{OdometryErrors, RangeSensor};

@@ -81,24 +81,42 @@ pub struct TrialResult {
     pub left: Vec<u32>,
     /// Where the robot really was.
     pub path: Vec<Point2>,
+    /// Units picked up, and where the robot believed to be.
+    pub hits: Vec<(Point2, u32)>,
 }
 
-/// Runs one mission. The seed decides everything but the times of the computer.
+/// Runs one mission on dirt of which the robot knows what is to be expected. The seed decides everything but the times
+/// of the computer.
 pub fn run(
     floor: &Floor,
     config: &MissionConfig,
     expected: &[f32],
     seed: u64,
 ) -> anyhow::Result<TrialResult> {
+    run_believing(floor, config, (expected, expected), seed)
+}
+
+/// As [`run`], with dirt of which `expected` units lie in each cell while the robot believes in `believed`.
+pub fn run_believing(
+    floor: &Floor,
+    config: &MissionConfig,
+    (expected, believed): (&[f32], &[f32]),
+    seed: u64,
+) -> anyhow::Result<TrialResult> {
     let stream = |number| Pcg32::new(seed, number);
     let tolerated = u32::from(config.tolerated_units);
-    let cells: Vec<DirtCell> = expected
+    let cells: Vec<DirtCell> = believed
         .iter()
         .map(|&units| DirtCell::poisson(units, poisson_tail(tolerated, f64::from(units)) as f32))
         .collect();
     let once = CleanRule::per_cell(config.tolerated_units, config.delta);
-    let dirty: Vec<bool> = cells.iter().map(|cell| once.needs_cleaning(cell)).collect();
+    let mut dirty: Vec<bool> = cells.iter().map(|cell| once.needs_cleaning(cell)).collect();
     let dirty_count = dirty.iter().zip(&floor.reachable).filter(|&(&d, &r)| d && r).count();
+    // Judged are also the cells that are dirtier than the robot believes.
+    for (dirty, &units) in dirty.iter_mut().zip(expected) {
+        let tail = poisson_tail(tolerated, f64::from(units)) as f32;
+        *dirty |= once.needs_cleaning(&DirtCell::poisson(units, tail));
+    }
     let mut mission = Mission {
         floor,
         config,
@@ -176,6 +194,9 @@ impl Mission<'_> {
         if bumped {
             self.result.bumps += 1;
             self.navigator.bumped();
+        }
+        if hits > 0 {
+            self.result.hits.push((Point2::new(pose.x_m, pose.y_m), hits));
         }
         self.localiser.collect(hits, fault.is_silent);
         if self.localiser.is_due(self.truth.odometry) {
