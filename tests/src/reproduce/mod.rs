@@ -27,8 +27,9 @@ pub const SEED: u64 = 2_014;
 pub const STRATEGIES: [Strategy; 4] =
     [Strategy::Guarantee, Strategy::NoReplanning, Strategy::Systematic, Strategy::Random];
 
-/// The published robot and rule. δ is shared among all dirty cells, because the published criterion looks at all of
-/// them at once: 0.01 a cell would allow one mission in four to miss it with 25 cells (algorithms I.7, AMB-34).
+/// The published robot and rule. δ is the risk that the mission misses the published criterion, the 99 % quantile over
+/// the dirty cells: 0.01 for each cell alone would allow one mission in four to miss it with 25 cells (algorithms I.7,
+/// AMB-34).
 #[must_use]
 pub fn protocol() -> MissionConfig {
     MissionConfig { guarantee: Guarantee::Mission, ..MissionConfig::published(Strategy::Guarantee) }

@@ -72,7 +72,7 @@ impl TableOne {
             let beside = format!("{}/10, {way}, {:.2} s", published.successes, published.time_s);
             line(published.strategy, column, &beside);
         }
-        line("guarantee, a cell alone", &self.per_cell, "δ for each cell instead of all together");
+        line("guarantee, a cell alone", &self.per_cell, "δ for each cell instead of for the mission");
         line("guarantee, as printed", &self.as_printed, "mean alone decides, Poisson collapse");
         let _infallible = writeln!(
             text,
