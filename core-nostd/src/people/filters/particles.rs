@@ -99,19 +99,21 @@ impl<const N: usize> PersonFilter for Particles<N> {
         let step = sum / Self::count();
         let mut reached = step * self.random.uniform();
         let mut below = 0.0;
-        let mut next = self.particles.iter_mut();
-        let mut free = next.next();
-        for (particle, weight) in old.iter().zip(&weights) {
-            below += weight;
-            for _ in 0..N {
-                if reached >= below {
-                    break;
-                }
-                let Some(slot) = free.as_deref_mut() else { break };
-                *slot = *particle;
-                free = next.next();
-                reached += step;
+        for weight in &mut weights {
+            below += *weight;
+            *weight = below;
+        }
+        // Both run upwards, so the search goes on where it ended.
+        let mut sources = old.iter().zip(&weights);
+        let mut source = sources.next();
+        for slot in &mut self.particles {
+            if source.is_none_or(|(_, below)| *below <= reached) {
+                source = sources.by_ref().find(|(_, below)| **below > reached).or(source);
             }
+            if let Some((particle, _)) = source {
+                *slot = *particle;
+            }
+            reached += step;
         }
         self.roughen();
         Ok(())
