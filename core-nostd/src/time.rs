@@ -40,6 +40,12 @@ impl Stamp {
         if self.0 <= now.0 { Age::Past(now.0 - self.0) } else { Age::Future(self.0 - now.0) }
     }
 
+    /// Microseconds that it lies in the past of `now`; 0 when it claims to come from the future.
+    #[must_use]
+    pub const fn past_us(self, now: Self) -> u64 {
+        now.0.saturating_sub(self.0)
+    }
+
     /// This stamp moved later by `micros`, saturating at the end of time.
     #[must_use]
     pub const fn plus_micros(self, micros: u64) -> Self {

@@ -3,7 +3,7 @@
 use super::field_selection::{Demand, STANDING_MPS};
 use super::limiter::{is_straight, lets_leave, limited};
 use super::machine::Verdict;
-use super::supervisor::{Supervisor, age_us};
+use super::supervisor::Supervisor;
 use crate::geometry::Twist2;
 use crate::protection::{Action, Advice, Cause, CauseRecord, Decision, FaultKind, Health, Source, Unit};
 use crate::time::Stamp;
@@ -103,7 +103,7 @@ impl Supervisor {
 
     /// People, and what perception asks for. A number that is none is a fault of perception, not a licence.
     pub(super) fn judge_advice(&mut self, advice: &Advice, now: Stamp) {
-        let age_us = age_us(advice.stamp, now);
+        let age_us = advice.stamp.past_us(now);
         if advice.stop {
             self.state.machine.raise(CauseRecord::new(Cause::AdviceStop, now).aged(age_us));
         }

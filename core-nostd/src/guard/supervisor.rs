@@ -11,7 +11,7 @@ use crate::protection::{
     PacketTable, ScanTable, Source, SourceReport, Unit,
 };
 use crate::sensing::{DiscreteInputs, DriveFeedback, DriveState, ImuSample, LidarPacket, SafetyInput, Scan};
-use crate::time::{Age, Stamp};
+use crate::time::Stamp;
 
 /// Decides. About 60 KiB of tables on the MCU: keep it in a static.
 #[derive(Clone, Debug)]
@@ -90,7 +90,7 @@ impl Supervisor {
                 SafetyInput::Fault => Cause::InputFault,
                 SafetyInput::Unknown => Cause::InputUnknown,
             };
-            let mut record = CauseRecord::new(cause, now).aged(age_us(inputs.stamp, now));
+            let mut record = CauseRecord::new(cause, now).aged(inputs.stamp.past_us(now));
             if cause == Cause::EmergencyStop {
                 record.action = self.config.thresholds.emergency_action;
             }
@@ -132,7 +132,7 @@ impl Supervisor {
         self.accept(Source::Drive, (feedback.stamp, 0), now);
         match feedback.state {
             DriveState::Fault(code) => {
-                let record = CauseRecord::new(Cause::DriveFault, now).aged(age_us(feedback.stamp, now));
+                let record = CauseRecord::new(Cause::DriveFault, now).aged(feedback.stamp.past_us(now));
                 self.state.machine.raise(record.measured(f32::from(code), 0.0, Unit::Code));
             }
             DriveState::Unknown => self.fault(Source::Drive, FaultKind::StandBy),
@@ -167,7 +167,7 @@ impl Supervisor {
         self.begin(now);
         let accepted = self.accept(Source::Command, (stamp, 0), now);
         if !wanted.is_finite() {
-            self.state.machine.raise(CauseRecord::new(Cause::CommandInvalid, now).aged(age_us(stamp, now)));
+            self.state.machine.raise(CauseRecord::new(Cause::CommandInvalid, now).aged(stamp.past_us(now)));
         }
         self.state.wanted = if accepted && wanted.is_finite() { wanted } else { Twist2::ZERO };
         self.decide(now)
@@ -257,16 +257,12 @@ impl Supervisor {
         let thresholds = self.config.thresholds;
         let how = (thresholds.scan_adjacent_beams, &self.body);
         let finding = self.scan_table.check(scan, self.state.selection.active, how);
-        let age_us = age_us(scan.stamp, now);
+        let age_us = scan.stamp.past_us(now);
         self.state.scans_with_hit =
             if finding.protective { self.state.scans_with_hit.saturating_add(1) } else { 0 };
         if self.state.scans_with_hit >= thresholds.scan_consecutive {
             let record = CauseRecord::new(Cause::ScanProtective, now).aged(age_us);
-            self.state.machine.raise(record.measured(
-                finding.nearest_m,
-                finding.nearest_limit_m,
-                Unit::Metres,
-            ));
+            self.state.machine.raise(record.metres(finding.nearest_m, finding.nearest_limit_m));
         }
         if finding.warning {
             let record = CauseRecord::new(Cause::Warning, now).aged(age_us);
@@ -291,12 +287,8 @@ impl Supervisor {
         let returns = finding.returns.saturating_add(self.state.packet_returns);
         self.state.packet_returns = finding.returns;
         if returns >= needed && finding.returns > 0 {
-            let record = CauseRecord::new(Cause::LidarProtective, now).aged(age_us(packet.stamp, now));
-            self.state.machine.raise(record.measured(
-                finding.nearest_m,
-                finding.nearest_limit_m,
-                Unit::Metres,
-            ));
+            let record = CauseRecord::new(Cause::LidarProtective, now).aged(packet.stamp.past_us(now));
+            self.state.machine.raise(record.metres(finding.nearest_m, finding.nearest_limit_m));
             self.state.note_blocked(finding.blocked, now);
         }
         if let Some(candidate) = self.state.selection.candidate
@@ -310,12 +302,4 @@ impl Supervisor {
 fn blind_record(finding: &ScanFinding, now: Stamp) -> CauseRecord {
     let limit = super::scan_check::SILENT_PERCENT_MAX;
     CauseRecord::new(Cause::BlindSector, now).measured(finding.silent_percent, limit, Unit::Percent)
-}
-
-/// Microseconds since a measurement; 0 when it claims to come from the future.
-pub(super) fn age_us(stamp: Stamp, now: Stamp) -> u64 {
-    match stamp.age(now) {
-        Age::Past(us) => us,
-        Age::Future(_) => 0,
-    }
 }

@@ -72,6 +72,12 @@ impl CauseRecord {
         }
     }
 
+    /// With a measured distance and the limit that it broke.
+    #[must_use]
+    pub const fn metres(self, measured_m: f32, limit_m: f32) -> Self {
+        self.measured(measured_m, limit_m, Unit::Metres)
+    }
+
     /// With the measured value, the limit that it broke, and their unit.
     #[must_use]
     pub const fn measured(mut self, measured: f32, limit: f32, unit: Unit) -> Self {
