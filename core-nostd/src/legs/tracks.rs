@@ -100,7 +100,7 @@ impl LegTracker {
             }
             let seconds = stamp.seconds_since(now);
             for track in &mut self.tracks {
-                track.state.predict(seconds, DENSITY);
+                track.state.advance(seconds, DENSITY);
                 track.reliability_variance += RELIABILITY_GROWTH;
             }
         }
@@ -194,7 +194,7 @@ impl LegTracker {
 
 impl LegTrack {
     fn see(&mut self, stamp: Stamp, leg: &Leg) {
-        self.state.update(leg.position, SIGMA_M);
+        self.state.correct(leg.position, SIGMA_M);
         self.last_seen = stamp;
         let gain = self.reliability_variance / (self.reliability_variance + RELIABILITY_NOISE);
         self.reliability += gain * (leg.probability - self.reliability);

@@ -41,7 +41,7 @@ impl ConstantVelocity {
     }
 
     /// Moves on by `seconds` ≥ 0 with white acceleration of spectral density `density`, m²/s³ (D.1, rate-independent).
-    pub fn predict(&mut self, seconds: f32, density: f32) {
+    pub fn advance(&mut self, seconds: f32, density: f32) {
         let t = seconds.max(0.0);
         let (xx, xv, vv) = (self.position_variance, self.cross_covariance, self.velocity_variance);
         self.position.x_m += t * self.velocity.x_m;
@@ -73,7 +73,7 @@ impl ConstantVelocity {
     }
 
     /// Takes in a measured position.
-    pub fn update(&mut self, measured: Point2, sigma_m: f32) {
+    pub fn correct(&mut self, measured: Point2, sigma_m: f32) {
         let noise = (sigma_m * sigma_m).max(VARIANCE_MIN);
         let (xx, xv, vv) = (self.position_variance, self.cross_covariance, self.velocity_variance);
         let innovation_variance = self.innovation_variance(sigma_m);
@@ -130,7 +130,7 @@ mod tests {
             velocity_variance: 1.019_6,
         };
         assert!((filter.distance2(Point2::new(1.10, 1.90), 0.1) - 0.367_840 * 0.367_840).abs() < 1.0e-4);
-        filter.update(Point2::new(1.10, 1.90), 0.1);
+        filter.correct(Point2::new(1.10, 1.90), 0.1);
         let found = [
             filter.position.x_m,
             filter.velocity.x_m,
@@ -152,9 +152,9 @@ mod tests {
     fn prediction_does_not_depend_on_the_rate() {
         let mut whole = ConstantVelocity::new(Point2::new(0.0, 0.0), Point2::new(1.0, 0.0), 0.2, 1.0);
         let mut halves = whole;
-        whole.predict(0.2, 0.065);
-        halves.predict(0.1, 0.065);
-        halves.predict(0.1, 0.065);
+        whole.advance(0.2, 0.065);
+        halves.advance(0.1, 0.065);
+        halves.advance(0.1, 0.065);
         assert!((whole.position_variance - halves.position_variance).abs() < 1.0e-6);
         assert!((whole.cross_covariance - halves.cross_covariance).abs() < 1.0e-6);
         assert!((whole.velocity_variance - halves.velocity_variance).abs() < 1.0e-6);
@@ -164,7 +164,7 @@ mod tests {
     #[test]
     fn noise_free_prediction_equals_the_vector() {
         let mut filter = ConstantVelocity::new(Point2::new(1.0, 2.0), Point2::new(0.5, -0.25), 0.2, 1.0);
-        filter.predict(0.1, 0.0);
+        filter.advance(0.1, 0.0);
         assert!((filter.position.x_m - 1.05).abs() < 1.0e-6 && (filter.position.y_m - 1.975).abs() < 1.0e-6);
         assert!((filter.position_variance - 0.05).abs() < 1.0e-6);
         assert!((filter.cross_covariance - 0.1).abs() < 1.0e-6);

@@ -93,8 +93,8 @@ pub fn filter_ns(targets: usize) -> f64 {
     let round = |_| {
         nanoseconds(|| {
             for filter in &mut filters {
-                filter.predict(0.1, 0.4);
-                filter.update(black_box(Point2::new(0.1, 0.2)), SIGMA_M);
+                filter.advance(0.1, 0.4);
+                filter.correct(black_box(Point2::new(0.1, 0.2)), SIGMA_M);
             }
         })
     };

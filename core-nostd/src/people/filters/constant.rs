@@ -8,7 +8,7 @@ use crate::people::ConstantVelocity;
 
 impl PersonFilter for ConstantVelocity {
     fn predict(&mut self, seconds: f32, density: f32) {
-        Self::predict(self, seconds, density);
+        self.advance(seconds, density);
     }
 
     /// A bearing and range is taken as the place with the larger of both doubts.
@@ -27,7 +27,7 @@ impl PersonFilter for ConstantVelocity {
     fn update(&mut self, seen: &Observation) -> Result<(), Degenerate> {
         let (place, sigma_m) = seen.place();
         let mut next = *self;
-        Self::update(&mut next, place, sigma_m);
+        next.correct(place, sigma_m);
         if !next.is_finite() {
             return Err(Degenerate);
         }
