@@ -44,6 +44,17 @@ fn somebody_on_course(footprint: &[Point2], truth: &Truth) -> bool {
     })
 }
 
+/// Simulated people who do not look walk on through a robot that stands in their way, which no real body can. That they
+/// touched it is the business of the judge of contacts; who is inside its body is no intrusion into its field.
+fn without_bodies_inside(truth: &Truth, footprint: &[Point2]) -> Truth {
+    let mut truth = truth.clone();
+    let to_robot = truth.robot.inverse();
+    for person in &mut truth.people {
+        person.ground.retain(|(middle, _)| distance_m(footprint, to_robot.transform(*middle)) > 0.0);
+    }
+    truth
+}
+
 /// Why the robot says it stopped; only stops for something in the way can be a nuisance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopReason {
@@ -104,6 +115,7 @@ impl StopJudge {
         if somebody_on_course(&self.footprint, truth) {
             self.last_course_s = seconds;
         }
+        let truth = &without_bodies_inside(truth, &self.footprint);
         let moving = speed_mps.abs() > STANDING_MPS;
         let true_pair = self.zones.applying(speed_mps);
         let depth_m = true_pair.map_or(f32::MIN, |pair| TrueZones::intrusion_m(&pair.protective, truth));
@@ -180,6 +192,7 @@ impl StopJudge {
 mod tests {
     use super::*;
     use crate::configuration::{EXAMPLE, parse};
+    use crate::judge::TruthPerson;
     use floorguard_core::geometry::Twist2;
     use floorguard_core::time::Stamp;
 
@@ -213,6 +226,17 @@ mod tests {
         assert_eq!(approach(4.3).missed(), 1);
         let latency_us = approach(3.65).latencies_us()[0];
         assert!((60_000..=100_000).contains(&latency_us), "{latency_us}");
+    }
+
+    #[test]
+    fn a_body_inside_the_robot_is_no_intrusion_and_one_at_its_edge_is() {
+        let judge = approach(3.65);
+        let person =
+            |x_m: f32| TruthPerson { ground: vec![(Point2::new(x_m, 0.0), 0.06)], ..TruthPerson::default() };
+        // The body reaches to 0.95 m.
+        let truth = Truth { people: vec![person(0.5), person(0.96)], ..Truth::default() };
+        let left = without_bodies_inside(&truth, &judge.footprint);
+        assert_eq!(left.people.iter().map(|person| person.ground.len()).collect::<Vec<_>>(), [0, 1]);
     }
 
     #[test]
