@@ -50,11 +50,6 @@ const UNSEEN: f32 = -1.0;
 const COLUMN_STEP: f32 = 0.003_47;
 /// Angle from ring to ring of a VLP-16, radians.
 const RING_STEP: f32 = 0.034_9;
-/// Height of a head, metres.
-const HEAD_M: f32 = 0.25;
-/// Half the breadth of the middle of a body, and where its sides begin, metres.
-const MIDDLE_M: f32 = 0.08;
-const SIDES_M: f32 = 0.13;
 
 /// A range of numbers.
 #[derive(Clone, Copy, Debug)]
@@ -267,6 +262,12 @@ fn closed_share(slices: &[Slice], beam_m: f32) -> f32 {
     }
     if open_m > 0.0 { covered_m / open_m } else { UNSEEN }
 }
+
+/// Height of a head, metres.
+const HEAD_M: f32 = 0.25;
+/// Half the breadth of the middle of a body, and where its sides begin, metres.
+const MIDDLE_M: f32 = 0.08;
+const SIDES_M: f32 = 0.13;
 
 #[cfg(test)]
 mod tests {

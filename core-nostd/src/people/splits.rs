@@ -8,16 +8,6 @@ use crate::geometry::{Point2, Point3};
 
 /// Expected people who are close to a thing, of one sweep. More than this touch nobody.
 pub(super) const SEEDS_MAX: usize = 32;
-/// Things narrower than this are one person, metres.
-const WIDTH_MIN_M: f32 = 0.6;
-/// Wider things are walls and shelves, metres.
-const WIDTH_MAX_M: f32 = 3.0;
-/// Somebody expected this far outside a thing's box may belong to it, metres.
-const MARGIN_M: f32 = 0.15;
-/// Two expected places nearer to each other than this are one person, metres.
-const APART_MIN_M: f32 = 0.1;
-/// A return farther from the expected place than this is somebody else's, metres.
-const REACH_M: f32 = 0.7;
 
 /// One person's share of a thing.
 #[derive(Clone, Copy, Debug)]
@@ -118,6 +108,17 @@ impl Splits {
         nearest.filter(|(distance_m, _)| *distance_m < REACH_M).map(|(_, index)| index)
     }
 }
+
+/// Things narrower than this are one person, metres.
+const WIDTH_MIN_M: f32 = 0.6;
+/// Wider things are walls and shelves, metres.
+const WIDTH_MAX_M: f32 = 3.0;
+/// Somebody expected this far outside a thing's box may belong to it, metres.
+const MARGIN_M: f32 = 0.15;
+/// Two expected places nearer to each other than this are one person, metres.
+const APART_MIN_M: f32 = 0.1;
+/// A return farther from the expected place than this is somebody else's, metres.
+const REACH_M: f32 = 0.7;
 
 fn is_within(place: Point2, thing: &Cluster) -> bool {
     (thing.lower.x_m - MARGIN_M..=thing.upper.x_m + MARGIN_M).contains(&place.x_m)
