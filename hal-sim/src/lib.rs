@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 pub mod can;
+pub mod dirt;
 pub mod faults;
 pub mod floor;
 pub mod people;

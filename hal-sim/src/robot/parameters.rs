@@ -1,5 +1,6 @@
 //! Sizes, masses and mountings of the simulated robot; by default those of the example `robot.toml`.
 
+use floorguard_core::cleaning::Brush;
 use floorguard_core::geometry::Point2;
 
 /// Where a sensor sits, robot frame.
@@ -28,6 +29,8 @@ pub struct NodeIds {
     pub right_encoder: u8,
     /// Gateway of the safety controller.
     pub gateway: u8,
+    /// Dirt sensor.
+    pub dirt_sensor: u8,
 }
 
 /// Everything that is fixed about the robot.
@@ -59,6 +62,8 @@ pub struct RobotParameters {
     pub imu: SensorMount,
     /// CAN nodes.
     pub nodes: NodeIds,
+    /// The scrubbing deck, a bar across the robot.
+    pub brush: Brush,
 }
 
 impl Default for RobotParameters {
@@ -79,7 +84,15 @@ impl Default for RobotParameters {
             lidar: mount(0.50, 0.80),
             scanner: mount(0.90, 0.15),
             imu: mount(0.30, 0.40),
-            nodes: NodeIds { traction: 1, steering: 2, left_encoder: 3, right_encoder: 4, gateway: 5 },
+            nodes: NodeIds {
+                traction: 1,
+                steering: 2,
+                left_encoder: 3,
+                right_encoder: 4,
+                gateway: 5,
+                dirt_sensor: 6,
+            },
+            brush: Brush { width_m: 0.65, offset_m: 0.25 },
         }
     }
 }

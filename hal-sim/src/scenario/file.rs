@@ -5,8 +5,12 @@ use floorguard_core::random::Pcg32;
 use serde::Deserialize;
 use thiserror::Error;
 
+use crate::dirt::{DirtFile, DirtyPatch};
 use crate::people::{Person, PersonKind, RecordedWalk};
-use crate::scene::SceneFile;
+use crate::scene::{Scene, SceneFile};
+
+/// Dirt lies at least this far from what stands on the floor, metres: half the diagonal of a patch.
+const BESIDE_M: f32 = 0.071;
 
 /// Why a scenario cannot be played.
 #[derive(Debug, Error)]
@@ -110,6 +114,8 @@ pub struct Scenario {
     pub random_encounter: bool,
     /// A recording of people; whoever loads the file reads it into `walks`.
     pub recorded: Option<RecordedFile>,
+    /// Dirt on the floor.
+    pub dirt: Option<DirtFile>,
     /// What the recording says, in the world frame.
     #[serde(skip)]
     pub walks: Vec<RecordedWalk>,
@@ -128,6 +134,13 @@ impl Scenario {
     #[must_use]
     pub fn start_pose(&self) -> Pose2 {
         Pose2::new(self.start.at_m[0], self.start.at_m[1], self.start.yaw_deg.to_radians())
+    }
+
+    /// The dirt of a run, patch by patch; none lies under what stands on the floor.
+    #[must_use]
+    pub fn dirt_patches(&self, scene: &Scene, seed: u64) -> Vec<DirtyPatch> {
+        let is_floor = |place| scene.nearest_obstacle(place).is_none_or(|(_, gap_m)| gap_m > BESIDE_M);
+        self.dirt.as_ref().map_or_else(Vec::new, |dirt| dirt.patches(seed, is_floor))
     }
 
     /// The people of a run.

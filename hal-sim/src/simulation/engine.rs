@@ -10,9 +10,11 @@ use floorguard_core::time::Stamp;
 use parry3d::math::Vector;
 
 use super::bus::Bus;
+use super::dirt::DirtyWorld;
 use super::truth::{PersonTruth, Truth, distance_to_area};
 use super::{Payload, Stream, WireEvent};
 use crate::can::{CanFrame, SafetyChannels};
+use crate::dirt::DirtyFloor;
 use crate::people::{Crowd, Person, RobotDisc, body_discs, ground_discs};
 use crate::robot::{BrakeLaw, RobotBody, RobotParameters};
 use crate::scenario::{Scenario, ScenarioError};
@@ -39,6 +41,7 @@ pub struct Simulation {
     lidar: Lidar,
     scanner: Scanner,
     imu: Imu,
+    dirt: Option<DirtyWorld>,
     turn_radps2: f32,
     towed: Option<(f32, f32)>,
     now_us: u64,
@@ -67,8 +70,10 @@ impl Simulation {
         seed: u64,
         parameters: RobotParameters,
     ) -> Result<Self, ScenarioError> {
+        let scene = scenario.scene.build();
         Ok(Self {
-            scene: scenario.scene.build(),
+            dirt: DirtyWorld::new((scenario, &scene), &parameters, seed),
+            scene,
             crowd: Crowd::new(scenario.people(seed)),
             body: RobotBody::new(parameters.clone(), scenario.start_pose()),
             bus: Bus::new(parameters.nodes),
@@ -178,8 +183,18 @@ impl Simulation {
             let middle = self.body.pose().transform(Point2::new(0.25, 0.0));
             let robot = RobotDisc { position: middle, radius_m: 0.85 };
             self.crowd.step(now_us, PEOPLE_STEP_US as f32 * 1.0e-6, &self.scene, robot);
+            self.clean(now_us);
         }
         self.next_step_us += STEP_US;
+    }
+
+    /// The brush has moved on, and the dirt sensor speaks when it is time.
+    fn clean(&mut self, now_us: u64) {
+        let pose = self.body.pose();
+        let frame = self.dirt.as_mut().and_then(|dirt| dirt.step(pose, (now_us, PEOPLE_STEP_US)));
+        if let Some(frame) = frame {
+            self.push_frame(now_us, frame);
+        }
     }
 
     /// At the IMU's place: the rear axle's acceleration, and what the turn about it adds.
@@ -269,6 +284,12 @@ impl Simulation {
     /// Share of the front wheel's grip that is left: 1 dry, 0.3 wet soap.
     pub const fn set_grip(&mut self, grip: f32) {
         self.body.grip = grip;
+    }
+
+    /// The dirt that really lies on the floor; `None` in a scenario without.
+    #[must_use]
+    pub fn dirt(&self) -> Option<&DirtyFloor> {
+        self.dirt.as_ref().map(DirtyWorld::floor)
     }
 
     /// The robot that is simulated.

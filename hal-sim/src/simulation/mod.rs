@@ -1,6 +1,7 @@
 //! Plays a scenario on virtual time: physics, people, sensors and buses in one sequence of events.
 
 mod bus;
+mod dirt;
 mod engine;
 mod event;
 mod truth;

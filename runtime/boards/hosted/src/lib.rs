@@ -4,6 +4,7 @@ pub mod campaign;
 pub mod capture;
 pub mod carmen;
 pub mod carriers;
+pub mod cleaner;
 pub mod commands;
 pub mod display;
 pub mod environment;

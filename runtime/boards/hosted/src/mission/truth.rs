@@ -1,16 +1,14 @@
 //! What really happens: where the robot is, which specks of dirt lie where, and what its sensors say.
 //!
-//! Dirt here is single specks at places of their own. The belief counts units in cells; the two share no code, so one
-//! judges the other.
+//! Dirt here is single specks at places of their own, as in the simulator of the whole robot. The belief counts units in
+//! cells; the two share no code, so one judges the other.
 
 use floorguard_core::cleaning::{Brush, Swath};
 use floorguard_core::geometry::{Point2, Pose2, Twist2};
 use floorguard_core::random::Pcg32;
+use floorguard_sim::dirt::DirtyFloor;
 
-use super::floor::{CELL_M, Floor};
-
-/// After this long without the brush, the next contact is a new pass, s (algorithms I.3).
-const PASS_ENDS_S: f32 = 0.5;
+use super::floor::Floor;
 
 /// A range sensor in the plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,18 +50,6 @@ impl OdometryErrors {
     pub const PUBLISHED: Self = Self { drive: 0.05, drift_rad_per_m: 0.02, turn: 0.03 };
 }
 
-struct Speck {
-    place: Point2,
-    is_passed: bool,
-    is_removed: bool,
-}
-
-/// The dirt of one cell, and when the brush last was there.
-struct DirtyCell {
-    specks: Vec<Speck>,
-    last_swept_s: f32,
-}
-
 /// The world as it is.
 pub struct Truth {
     /// Where the robot is, in the map frame.
@@ -76,7 +62,7 @@ pub struct Truth {
     pub time_s: f32,
     /// Wheels turn, but the robot does not follow fully: share of the motion that is real.
     pub grip: f32,
-    cells: Vec<Option<Box<DirtyCell>>>,
+    dirt: DirtyFloor,
     pickup_probability: f32,
     errors: OdometryErrors,
     drive_bias: f32,
@@ -88,22 +74,7 @@ pub struct Truth {
 impl Truth {
     /// Draws the dirt from what is expected and places the robot near the start.
     pub fn new(floor: &Floor, expected: &[f32], pickup_probability: f32, mut random: Pcg32) -> Self {
-        let cells = expected
-            .iter()
-            .enumerate()
-            .map(|(index, &units)| {
-                let count = random.poisson(units);
-                let centre = floor.cells.centre(index);
-                let specks: Vec<Speck> = (0..count)
-                    .map(|_| {
-                        let x = centre.x_m + random.uniform_between(-0.5, 0.5) * CELL_M;
-                        let y = centre.y_m + random.uniform_between(-0.5, 0.5) * CELL_M;
-                        Speck { place: Point2::new(x, y), is_passed: false, is_removed: false }
-                    })
-                    .collect();
-                (!specks.is_empty()).then(|| Box::new(DirtyCell { specks, last_swept_s: -1.0 }))
-            })
-            .collect();
+        let dirt = DirtyFloor::draw(floor.cells, expected, &mut random);
         let errors = OdometryErrors::PUBLISHED;
         let (x, y) = random.normal_pair();
         let (turn, drive) = random.normal_pair();
@@ -115,7 +86,7 @@ impl Truth {
             distance_m: 0.0,
             time_s: 0.0,
             grip: 1.0,
-            cells,
+            dirt,
             pickup_probability,
             errors,
             // Half of the error stays the same for the whole run (wheel diameter), the rest comes and goes.
@@ -148,7 +119,7 @@ impl Truth {
         }
         self.pose = after;
         self.distance_m += (forward * self.grip).abs();
-        let hits = brush.map_or(0, |brush| self.sweep(floor, brush, before));
+        let hits = brush.map_or(0, |brush| self.sweep(brush, before));
         (hits, false)
     }
 
@@ -175,30 +146,14 @@ impl Truth {
         self.odometry = self.odometry.compose(Pose2::new(way, 0.0, angle));
     }
 
-    fn sweep(&mut self, floor: &Floor, brush: Brush, before: Pose2) -> u32 {
+    fn sweep(&mut self, brush: Brush, before: Pose2) -> u32 {
         let swath = Swath::between(brush.bar_at(before), brush.bar_at(self.pose));
-        let corners: Vec<Point2> = swath.pieces().flatten().copied().collect();
-        let bound = |pick: fn(&Point2) -> f32, fold: fn(f32, f32) -> f32, start| {
-            corners.iter().map(pick).fold(start, fold)
-        };
-        let low = Point2::new(bound(|p| p.x_m, f32::min, f32::MAX), bound(|p| p.y_m, f32::min, f32::MAX));
-        let high = Point2::new(bound(|p| p.x_m, f32::max, f32::MIN), bound(|p| p.y_m, f32::max, f32::MIN));
-        let (first, last) = (floor.cells.coordinates_of(low), floor.cells.coordinates_of(high));
-        let mut hits = 0;
-        for row in first.1..=last.1 {
-            for column in first.0..=last.0 {
-                let Some(cell) = floor.cells.index(column, row) else { continue };
-                let Some(dirty) = self.cells[cell].as_deref_mut() else { continue };
-                hits += sweep_cell(dirty, &swath, self.time_s, (self.pickup_probability, &mut self.random));
-            }
-        }
-        hits
+        self.dirt.sweep(&swath, self.time_s, (self.pickup_probability, &mut self.random))
     }
 
     /// Units that really lie in a cell.
     pub fn units(&self, cell: usize) -> u32 {
-        let left = |dirty: &DirtyCell| dirty.specks.iter().filter(|s| !s.is_removed).count() as u32;
-        self.cells[cell].as_deref().map_or(0, left)
+        self.dirt.units(cell)
     }
 
     /// Ends of the beams that hit something, in the robot's frame; people hide what is behind them.
@@ -224,24 +179,6 @@ impl Truth {
         }
         hits
     }
-}
-
-fn sweep_cell(dirty: &mut DirtyCell, swath: &Swath, now_s: f32, (pickup, random): (f32, &mut Pcg32)) -> u32 {
-    let is_new_pass = now_s - dirty.last_swept_s > PASS_ENDS_S;
-    dirty.last_swept_s = now_s;
-    let mut removed = 0;
-    for speck in &mut dirty.specks {
-        if is_new_pass {
-            speck.is_passed = false;
-        }
-        if speck.is_removed || speck.is_passed || !swath.contains(speck.place) {
-            continue;
-        }
-        speck.is_passed = true;
-        speck.is_removed = random.bernoulli(pickup);
-        removed += u32::from(speck.is_removed);
-    }
-    removed
 }
 
 /// Distance to the nearest surface along a ray: marches by the distance field.

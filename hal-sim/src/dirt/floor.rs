@@ -1,0 +1,146 @@
+//! Single specks at places of their own.
+//!
+//! A robot believes in units in cells; the truth counts specks, so that one judges the other. A speck that the brush
+//! passes is picked up with a fixed probability, once a pass (algorithms I.3: the truth always covers whole passes).
+
+use floorguard_core::cleaning::Swath;
+use floorguard_core::geometry::Point2;
+use floorguard_core::maps::GridGeometry;
+use floorguard_core::random::Pcg32;
+
+/// After this long without the brush, the next contact is a new pass, s (algorithms I.3).
+const PASS_ENDS_S: f32 = 0.5;
+
+#[derive(Clone, Debug)]
+struct Speck {
+    place: Point2,
+    is_passed: bool,
+    is_removed: bool,
+}
+
+/// The dirt of one cell, and when the brush last was there.
+#[derive(Clone, Debug)]
+struct DirtyCell {
+    specks: Vec<Speck>,
+    last_swept_s: f32,
+}
+
+/// All dirt of a floor. The raster only finds the specks quickly.
+#[derive(Clone, Debug)]
+pub struct DirtyFloor {
+    raster: GridGeometry,
+    cells: Vec<Option<Box<DirtyCell>>>,
+}
+
+impl DirtyFloor {
+    /// Draws the specks of every cell of a raster: their number is Poisson with the expected units, their places are
+    /// uniform within the cell.
+    #[must_use]
+    pub fn draw(raster: GridGeometry, expected_units: &[f32], random: &mut Pcg32) -> Self {
+        let edge_m = raster.resolution_m();
+        let mut cell = |(index, units): (usize, &f32)| {
+            let count = random.poisson(*units);
+            let centre = raster.centre(index);
+            let mut speck = || {
+                let x_m = centre.x_m + random.uniform_between(-0.5, 0.5) * edge_m;
+                let y_m = centre.y_m + random.uniform_between(-0.5, 0.5) * edge_m;
+                Speck { place: Point2::new(x_m, y_m), is_passed: false, is_removed: false }
+            };
+            let specks: Vec<Speck> = (0..count).map(|_| speck()).collect();
+            (!specks.is_empty()).then(|| Box::new(DirtyCell { specks, last_swept_s: -1.0 }))
+        };
+        let cells = expected_units.iter().take(raster.cell_count()).enumerate().map(&mut cell).collect();
+        Self { raster, cells }
+    }
+
+    /// The brush sweeps the ground at `now_s`, seconds since the start. Gives the units that it picked up; each speck that
+    /// it meets is picked up with probability `pickup`.
+    pub fn sweep(&mut self, swath: &Swath, now_s: f32, (pickup, random): (f32, &mut Pcg32)) -> u32 {
+        let corners = || swath.pieces().flatten();
+        let bound = |pick: fn(&Point2) -> f32, fold: fn(f32, f32) -> f32, start: f32| {
+            corners().map(pick).fold(start, fold)
+        };
+        let low = Point2::new(bound(|p| p.x_m, f32::min, f32::MAX), bound(|p| p.y_m, f32::min, f32::MAX));
+        let high = Point2::new(bound(|p| p.x_m, f32::max, f32::MIN), bound(|p| p.y_m, f32::max, f32::MIN));
+        let (first, last) = (self.raster.coordinates_of(low), self.raster.coordinates_of(high));
+        let mut units = 0;
+        for row in first.1..=last.1 {
+            for column in first.0..=last.0 {
+                let Some(cell) = self.raster.index(column, row) else { continue };
+                let Some(Some(dirty)) = self.cells.get_mut(cell) else { continue };
+                units += sweep_cell(dirty, swath, now_s, (pickup, random));
+            }
+        }
+        units
+    }
+
+    /// Units that really lie in a cell of the raster.
+    #[must_use]
+    pub fn units(&self, cell: usize) -> u32 {
+        let left = |dirty: &DirtyCell| dirty.specks.iter().filter(|speck| !speck.is_removed).count() as u32;
+        self.cells.get(cell).and_then(Option::as_deref).map_or(0, left)
+    }
+
+    /// Units that really lie in each cell of any other raster.
+    #[must_use]
+    pub fn units_on(&self, raster: &GridGeometry) -> Vec<u32> {
+        let mut units = vec![0; raster.cell_count()];
+        for speck in self.cells.iter().flatten().flat_map(|dirty| &dirty.specks) {
+            if let Some(cell) = raster.cell_at(speck.place).filter(|_| !speck.is_removed) {
+                units[cell] += 1;
+            }
+        }
+        units
+    }
+}
+
+fn sweep_cell(dirty: &mut DirtyCell, swath: &Swath, now_s: f32, (pickup, random): (f32, &mut Pcg32)) -> u32 {
+    let is_new_pass = now_s - dirty.last_swept_s > PASS_ENDS_S;
+    dirty.last_swept_s = now_s;
+    let mut removed = 0;
+    for speck in &mut dirty.specks {
+        if is_new_pass {
+            speck.is_passed = false;
+        }
+        if speck.is_removed || speck.is_passed || !swath.contains(speck.place) {
+            continue;
+        }
+        speck.is_passed = true;
+        speck.is_removed = random.bernoulli(pickup);
+        removed += u32::from(speck.is_removed);
+    }
+    removed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use floorguard_core::cleaning::Brush;
+    use floorguard_core::geometry::Pose2;
+
+    /// A bar of 0.2 m that rolls over three rows of cells of 0.1 m, of which only the inner two lie under it.
+    #[test]
+    fn a_pass_takes_its_share_of_what_lies_under_the_brush_and_nothing_else() {
+        let raster = GridGeometry::new(100, 3, 0.1, Point2::new(0.0, -0.1)).unwrap();
+        let mut random = Pcg32::new(5, 0);
+        let mut floor = DirtyFloor::draw(raster, &[20.0; 300], &mut random);
+        let row = |floor: &DirtyFloor, row: usize| (0..100).map(|c| floor.units(row * 100 + c)).sum::<u32>();
+        let before = [0, 1, 2].map(|index| row(&floor, index));
+        assert!(before.iter().all(|units| (1_800..2_200).contains(units)), "{before:?}");
+        let brush = Brush { width_m: 0.2, offset_m: 0.0 };
+        let mut taken = 0;
+        for step in 0..1_100 {
+            let bar = |x_m: f32| brush.bar_at(Pose2::new(x_m, 0.0, 0.0));
+            let from_m = step as f32 * 0.01 - 0.5;
+            let swath = Swath::between(bar(from_m), bar(from_m + 0.01));
+            taken += floor.sweep(&swath, step as f32 * 0.01, (0.9, &mut random));
+        }
+        let after = [0, 1, 2].map(|index| row(&floor, index));
+        assert_eq!(after[2], before[2]);
+        assert_eq!(taken, before[0] + before[1] - after[0] - after[1]);
+        let share = taken as f32 / (before[0] + before[1]) as f32;
+        assert!((share - 0.9).abs() < 0.02, "{share}");
+        let coarse = GridGeometry::new(10, 1, 1.0, Point2::new(0.0, -0.5)).unwrap();
+        assert_eq!(floor.units_on(&coarse).iter().sum::<u32>(), after.iter().sum::<u32>());
+    }
+}
