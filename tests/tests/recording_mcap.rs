@@ -29,7 +29,7 @@ fn every_kind(rounds: u64) -> Vec<u8> {
     for round in 0..rounds {
         let now = at(round * 40);
         let points = [PointRow { position_m: [1.0, 2.0, 3.0], reflectivity: 9, ring: 4, time_s: 0.01 }; 100];
-        recorder.points(now, "lidar", &points).expect("written");
+        recorder.points(now, (now, "lidar"), &points).expect("written");
         recorder.scan(now, &scan(now)).expect("written");
         recorder.imu(now, &ImuSample { stamp: now, ..ImuSample::default() }).expect("written");
         let motion = MotionRow {

@@ -1,6 +1,14 @@
 //! The same robot over what a real one has: UDP on the loopback, pseudo-terminals, an SLCAN adapter, two threads.
 
-use floorguard_hosted::world::{Observer, Plan, run_real, run_virtual};
+use std::fs::File;
+use std::io::BufReader;
+
+use floorguard_hosted::recording::{RawStream, Recording, topics};
+use floorguard_hosted::world::{
+    Observer, Plan, ReplayAudience, ReplayOutcome, Witnesses, replay_recording, run_real_recorded,
+    run_virtual,
+};
+use floorguard_runtime::shared::PeopleReport;
 
 const DURATION_US: u64 = 10_000_000;
 
@@ -15,11 +23,61 @@ fn real_carriers_give_the_verdict_of_virtual_time() {
     let virtual_time = observer.into_observation();
     let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
     let mut observer = Observer::new(&plan, &mut show);
-    let figures = run_real(&plan, None, &mut observer).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("run.mcap");
+    let mut witnesses = Witnesses::default();
+    witnesses.record_in_real_time(&plan, &file).unwrap();
+    let figures = run_real_recorded((&plan, None), &mut observer, &mut witnesses).unwrap();
     let real_time = observer.into_observation();
     println!("{figures:?} {:?}", real_time.verdict);
     assert!(virtual_time.verdict.passed && real_time.verdict.passed, "{:?}", real_time.verdict);
     assert!(real_time.ready_s.is_some(), "never ready: {:?}", real_time.under_cause_s);
     assert!(real_time.verdict.distance_m > 1.0, "{:?}", real_time.under_cause_s);
     assert!(real_time.verdict.mota.is_some_and(|mota| mota > 0.5), "{:?}", real_time.verdict);
+    everything_is_recorded(&file);
+    let (outcome, sweeps) = replay(&file);
+    // Threads in real time do not repeat; the recording does, and it says so.
+    assert!(outcome.unrepeatable.is_some() && outcome.recorded_digest.is_none(), "{outcome:?}");
+    assert!(sweeps > 80, "{sweeps} sweeps");
+    assert_eq!((outcome.digest, sweeps), (replay(&file).0.digest, sweeps));
+}
+
+/// Every line has its bytes, and what the robot made of them stands beside it.
+fn everything_is_recorded(file: &std::path::Path) {
+    let mut recording = Recording::new(BufReader::new(File::open(file).unwrap()));
+    let mut counts = std::collections::BTreeMap::<String, u32>::new();
+    for message in recording.by_ref() {
+        *counts.entry(message.unwrap().topic.to_string()).or_default() += 1;
+    }
+    let least = [
+        (RawStream::Lidar.topic(), 6_000),
+        (RawStream::Scanner.topic(), 200),
+        (RawStream::Imu.topic(), 500),
+        (RawStream::CanReceived.topic(), 1_000),
+        (RawStream::CanSent.topic(), 100),
+        (topics::SCAN, 180),
+        (topics::PEOPLE, 80),
+        (topics::ODOMETRY, 200),
+        (topics::PERMITTED, 80),
+        (topics::CLOUD, 15),
+    ];
+    for (topic, least) in least {
+        assert!(counts.get(topic).is_some_and(|count| *count >= least), "{topic}: {counts:?}");
+    }
+}
+
+#[derive(Default)]
+struct Sweeps(u32);
+
+impl ReplayAudience for Sweeps {
+    fn on_people(&mut self, _report: &PeopleReport, _digest: u64) {
+        self.0 += 1;
+    }
+}
+
+fn replay(file: &std::path::Path) -> (ReplayOutcome, u32) {
+    let mut recording = Recording::new(BufReader::new(File::open(file).unwrap()));
+    let first = recording.next().unwrap().unwrap();
+    let mut sweeps = Sweeps::default();
+    (replay_recording(first, &mut recording, &mut sweeps).unwrap(), sweeps.0)
 }

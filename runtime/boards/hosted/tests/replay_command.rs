@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use floorguard_core::time::Stamp;
-use floorguard_hosted::recording::{PointRow, Recorder};
+use floorguard_hosted::recording::{PointRow, Recorder, Recording, topics};
 use serde_json::Value;
 
 fn floorguard(arguments: &[&str]) -> Output {
@@ -86,7 +86,7 @@ fn bag(folder: &Path, seconds: u64) -> PathBuf {
     let mut recorder = Recorder::new(file).expect("written");
     for round in 0..seconds * 10 {
         let stamp = Stamp::from_micros(1_700_000_000_000_000 + round * 100_000);
-        recorder.points(stamp, "velodyne", &hall(round as f32 * 0.1)).expect("written");
+        recorder.points(stamp, (stamp, "velodyne"), &hall(round as f32 * 0.1)).expect("written");
     }
     recorder.finish().expect("closed");
     path
@@ -105,6 +105,34 @@ fn somebody_walks_through_a_bag() {
         near("x_m", 3.0) && near("y_m", -2.0 + 1.2 * 3.0) && near("vy_mps", 1.2)
     });
     assert!(walker.is_some_and(|person| person["status"] == "confirmed"), "{people:?}");
+    check_written(&folder.path().join("hall.mcap"), topics::CLOUD);
+}
+
+/// What was found is written beside what it was found in, and the report of it shows both.
+fn check_written(source: &Path, cloud_or_scan: &str) {
+    let written = source.with_extension("found.mcap");
+    let output = floorguard(&["replay", text(source), "--record", text(&written)]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let file = std::fs::File::open(&written).expect("a recording");
+    let messages: Vec<_> = Recording::new(file).collect::<Result<_, _>>().expect("readable to its end");
+    let count = |topic: &str| messages.iter().filter(|message| &*message.topic == topic).count();
+    let frames = count(cloud_or_scan);
+    assert!(frames >= 30 && count(topics::PEOPLE) == frames && count(topics::ODOMETRY) == frames, "{frames}");
+    assert!(count(topics::TF_STATIC) >= 1);
+    let (_, again) = replay(&written);
+    let everybody = |row: &Value| row["people"].as_array().is_some_and(|people| !people.is_empty());
+    assert!(again.iter().filter(|row| everybody(row)).count() > 5, "found again in the recording");
+    let output = floorguard(&["report", text(&written)]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let page = std::fs::read_to_string(written.with_extension("html")).expect("a report");
+    assert!(page.contains("people followed") && page.contains("<svg"), "no report");
+    // The cylinder in the hall moves, but does not look like somebody; legs that walk are.
+    assert_eq!(page.contains("<b>1</b>people followed"), cloud_or_scan == topics::SCAN);
+    // Over its own source: refused before anything is lost.
+    let size = std::fs::metadata(source).expect("a file").len();
+    let output = floorguard(&["replay", text(source), "--record", text(source)]);
+    assert_eq!(output.status.code(), Some(3), "{output:?}");
+    assert_eq!(std::fs::metadata(source).expect("still there").len(), size);
 }
 
 #[test]
@@ -128,6 +156,7 @@ fn legs_walk_through_a_laser_log() {
         rows.iter().filter(|row| row[key].as_array().is_some_and(|found| found.len() >= least)).count()
     };
     assert!(count("legs", 2) > 30 && count("people", 1) > 10, "{} {}", count("legs", 2), count("people", 1));
+    check_written(&path, topics::SCAN);
     // A damaged line ends it with its number.
     std::fs::write(&path, log.replacen("FLASER 361", "FLASER 400", 1)).expect("written");
     let told = refusal(&path);

@@ -3,6 +3,8 @@
 use std::net::UdpSocket;
 use std::process::Command;
 
+use floorguard_hosted::recording::{Recording, topics};
+
 /// The robot's file with devices that are not there: it waits for them, says so, stands, and ends in order.
 #[test]
 fn missing_devices_are_named_and_waited_for() {
@@ -10,8 +12,12 @@ fn missing_devices_are_named_and_waited_for() {
     let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
     let file = robot_file(folder.path(), port);
     let model = folder.path().join("m").display().to_string();
+    let record = folder.path().join("run.mcap");
     let output = Command::new(env!("CARGO_BIN_EXE_floorguard"))
-        .args(["run", &file, "--duration", "0.6", "--json", "--learn", &model])
+        .args(["run", &file, "--duration", "1.5", "--json", "--learn", &model, "--panel", "127.0.0.1:0"])
+        .arg("--record")
+        .arg(&record)
+        .env_remove("FLOORGUARD_PANEL_TOKEN")
         .output()
         .unwrap();
     let (said, told) = (String::from_utf8(output.stderr).unwrap(), String::from_utf8(output.stdout).unwrap());
@@ -21,10 +27,23 @@ fn missing_devices_are_named_and_waited_for() {
     }
     assert!(told.contains("\"lidar\":\"absent\"") && told.contains("\"drive\":\"faulty\""), "{told}");
     assert!(told.contains("\"limit_mps\":0.0"), "{told}");
+    the_recording_tells(&record);
     // Without a scanner nothing was watched: nothing is known of the place, and the file says so.
     let asked =
         Command::new(env!("CARGO_BIN_EXE_floorguard")).args(["ask", "people", "--model", &model]).output();
     assert!(String::from_utf8(asked.unwrap().stdout).unwrap().starts_with("I do not know"));
+}
+
+/// Nothing came, and that is what the recording says; it can be replayed.
+fn the_recording_tells(record: &std::path::Path) {
+    let file = std::fs::File::open(record).unwrap();
+    let messages: Vec<_> = Recording::new(file).collect::<Result<_, _>>().unwrap();
+    let count = |topic: &str| messages.iter().filter(|message| &*message.topic == topic).count();
+    assert!(count(topics::PERMITTED) > 5 && count(topics::DIAGNOSTICS) > 1, "{}", messages.len());
+    assert_eq!(count("/raw/lidar"), 0);
+    let output = Command::new(env!("CARGO_BIN_EXE_floorguard")).arg("replay").arg(record).output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && said.contains("it ran in real time"), "{said}");
 }
 
 /// A port that another program holds is bad input, not a robot without a lidar.

@@ -77,6 +77,9 @@ pub struct ReplayArguments {
     /// Of a bag, only this topic of point clouds or scans.
     #[arg(long)]
     pub topic: Option<String>,
+    /// Of a capture, a bag or a log: write what it holds and what was found as a recording, for viewers and `report`.
+    #[arg(long, value_name = "FILE.mcap")]
+    pub record: Option<PathBuf>,
     /// As fast as it was recorded instead of as fast as possible.
     #[arg(long)]
     pub realtime: bool,

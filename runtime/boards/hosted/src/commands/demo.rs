@@ -7,8 +7,7 @@ use std::time::Instant;
 use clap::Args;
 
 use super::exit::BadInput;
-use super::panel::open_panel;
-use super::simulate::{conclude, pace, play, play_real};
+use super::simulate::{conclude, open_witnesses, pace, play, play_real};
 use crate::report::write_report;
 use crate::world::{Plan, Witnesses};
 
@@ -28,10 +27,10 @@ pub struct DemoArguments {
     #[arg(long, default_value = "floorguard-report")]
     pub report: PathBuf,
     /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.
-    #[arg(long, value_name = "FILE.mcap", conflicts_with = "real_io")]
+    #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
     /// Show the run live in a browser, in real time: `--panel 127.0.0.1:8080`.
-    #[arg(long, value_name = "ADDRESS:PORT", conflicts_with = "real_io")]
+    #[arg(long, value_name = "ADDRESS:PORT")]
     pub panel: Option<SocketAddr>,
 }
 
@@ -60,14 +59,13 @@ pub fn run(arguments: &DemoArguments) -> anyhow::Result<()> {
     let plan = Plan::named("supermarket", arguments.seed, (arguments.duration * 1.0e6) as u64)?;
     anstream::eprintln!("floorguard demo: {} (seed {})", plan.scenario.title, plan.seed);
     let mut witnesses = Witnesses::default();
-    if let Some(path) = &arguments.record {
-        witnesses.record(&plan, path)?;
-    }
-    if let Some(address) = arguments.panel {
-        witnesses.panel = Some(open_panel(address, &plan.scenario.title, &plan.robot)?);
-    }
-    let observation =
-        if arguments.real_io { play_real(&plan, None, false)? } else { play(&plan, false, &mut witnesses)? };
+    let (record, panel) = (arguments.record.as_deref(), arguments.panel);
+    open_witnesses(&mut witnesses, &plan, (record, panel, arguments.real_io))?;
+    let observation = if arguments.real_io {
+        play_real((&plan, None), false, &mut witnesses)?
+    } else {
+        play(&plan, false, &mut witnesses)?
+    };
     let page = write_report(&arguments.report, &plan, &observation)?;
     anstream::eprintln!("{}", pace(&plan, started));
     let outcome = conclude(&plan, &observation, false);

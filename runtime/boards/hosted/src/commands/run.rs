@@ -17,16 +17,18 @@ use serde_json::json;
 use super::exit::BadInput;
 use super::live::status_of;
 use super::panel::open_panel;
-use crate::configuration::load;
+use crate::configuration::{HostedConfiguration, load};
 use crate::display::LiveDisplay;
 use crate::environment::{Calendar, LiveLearner};
 use crate::executor::StopFlag;
-use crate::panel::Panel;
+use crate::panel::Order;
 use crate::robot::{HostedShared, Links, run_rings, write_stop_file};
-use crate::world::new_shared;
+use crate::world::{Notes, Witnesses, new_shared, with_onlooker};
 
 /// How often the display looks at the robot.
 const LOOK: Duration = Duration::from_millis(50);
+/// Stands in the recording of a robot without an inertial sensor.
+const IMU_BAUD: u32 = 115_200;
 /// With `--json` a status comes this often, seconds.
 const JSON_STATUS_S: f64 = 1.0;
 
@@ -48,6 +50,9 @@ pub struct RunArguments {
     /// told from where the robot was switched on.
     #[arg(long)]
     pub learn: Option<PathBuf>,
+    /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.
+    #[arg(long, value_name = "FILE.mcap")]
+    pub record: Option<PathBuf>,
     /// Show the robot live in a browser: `--panel 127.0.0.1:8080`.
     #[arg(long, value_name = "ADDRESS:PORT")]
     pub panel: Option<SocketAddr>,
@@ -62,7 +67,7 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     if let Some(duration) = arguments.duration.filter(|duration| !(*duration > 0.0 && duration.is_finite())) {
         return Err(BadInput(format!("--duration {duration}: give seconds, more than 0")).into());
     }
-    let links = Links::bind(&configuration.carriers).map_err(|error| BadInput(error.to_string()))?;
+    let mut links = Links::bind(&configuration.carriers).map_err(|error| BadInput(error.to_string()))?;
     let shared: Box<HostedShared> = new_shared(&configuration.robot, clock::now())
         .map_err(|error| BadInput(format!("{}: {error}", arguments.file.display())))?;
     let flag = StopFlag::default();
@@ -77,21 +82,41 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
         let learner = LiveLearner::open(path, mounting, Calendar::now());
         watch.learner = Some(learner.map_err(|error| BadInput(format!("{}: {error:#}", path.display())))?);
     }
-    if let Some(address) = arguments.panel {
-        let mut panel = open_panel(address, &arguments.file.display().to_string(), &configuration.robot)?;
-        panel.set_clock_start(clock::now());
-        watch.panel = Some(panel);
-    }
-    let outcome = run_rings((&configuration.robot, links), &shared, &flag, || {
-        watch.until_stopped(&flag, &typed_lines())
-    });
-    outcome??;
+    let mut witnesses = open_witnesses(arguments, &configuration)?;
+    with_onlooker(&mut witnesses, &shared, |tap, notes| {
+        links.tap = tap;
+        run_rings((&configuration.robot, links), &shared, &flag, || {
+            watch.until_stopped(&flag, &typed_lines(), notes)
+        })?
+    })?;
     if let Some(learner) = watch.learner.take() {
         let positions = learner.finish(Calendar::now())?;
         anstream::eprintln!("floorguard run: learned {positions} positions of people");
     }
     anstream::eprintln!("floorguard run: the robot stands, {} stops", watch.stops);
     Ok(())
+}
+
+/// A recording and a panel, where they are wanted.
+fn open_witnesses(
+    arguments: &RunArguments,
+    configuration: &HostedConfiguration,
+) -> anyhow::Result<Witnesses> {
+    let name = arguments.file.display().to_string();
+    let robot = &configuration.robot;
+    let mut witnesses = Witnesses::default();
+    if let Some(path) = &arguments.record {
+        let text =
+            std::fs::read_to_string(&arguments.file).map_err(|error| BadInput(format!("{name}: {error}")))?;
+        let imu_baud = configuration.carriers.imu.as_ref().map_or(IMU_BAUD, |line| line.baud);
+        witnesses.record_devices(robot, (&name, &text, imu_baud), path)?;
+    }
+    if let Some(address) = arguments.panel {
+        let mut panel = open_panel(address, &name, robot)?;
+        panel.set_clock_start(clock::now());
+        witnesses.panel = Some(panel);
+    }
+    Ok(witnesses)
 }
 
 /// Lines from a terminal; a pipe is not an operator.
@@ -120,7 +145,6 @@ struct Watch<'a> {
     last_stop: Option<String>,
     bus: Option<BusReport>,
     learner: Option<LiveLearner>,
-    panel: Option<Panel>,
 }
 
 impl<'a> Watch<'a> {
@@ -137,23 +161,23 @@ impl<'a> Watch<'a> {
             last_stop: None,
             bus: None,
             learner: None,
-            panel: None,
         }
     }
 
-    fn until_stopped(&mut self, flag: &StopFlag, typed: &Receiver<String>) -> anyhow::Result<()> {
+    fn until_stopped(
+        &mut self,
+        flag: &StopFlag,
+        typed: &Receiver<String>,
+        notes: &Notes<'_>,
+    ) -> anyhow::Result<()> {
         let ends_s = self.arguments.duration.unwrap_or(f64::INFINITY);
         while !flag.is_stopped() && self.began.elapsed().as_secs_f64() < ends_s {
             thread::sleep(LOOK);
             if typed.try_iter().any(|line| line.trim().eq_ignore_ascii_case("r")) {
-                self.shared.reset.signal(());
-            }
-            if let Some(panel) = &mut self.panel {
-                panel.look(self.shared);
-                std::iter::from_fn(|| panel.order()).for_each(|order| order.apply(self.shared));
+                notes.order(Order::Reset);
             }
             while let Some(stop) = self.shared.stops.try_pop() {
-                self.panel.iter_mut().for_each(|panel| panel.stop(&stop));
+                notes.stop(&stop);
                 self.on_stop(&stop)?;
             }
             if let Some(learner) = &mut self.learner {

@@ -15,7 +15,8 @@ use super::panel::open_panel;
 use crate::display::LiveDisplay;
 use crate::report::write_report;
 use crate::world::{
-    Observation, Observer, Plan, SeenStop, Stages, Tape, Witnesses, load_scenario, run_real, run_recorded,
+    Observation, Observer, Plan, SeenStop, Stages, Tape, Witnesses, load_scenario, run_real_recorded,
+    run_recorded,
 };
 
 /// What to simulate.
@@ -43,13 +44,13 @@ pub struct SimulateArguments {
     #[arg(long, conflicts_with = "tape")]
     pub real_io: bool,
     /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.
-    #[arg(long, value_name = "FILE.mcap", conflicts_with = "real_io")]
+    #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
     /// With --real-io: an interface of the kernel as the CAN bus, for example vcan0, instead of SLCAN.
     #[arg(long, requires = "real_io")]
     pub can_interface: Option<String>,
     /// Show the run live in a browser, in real time: `--panel 127.0.0.1:8080`.
-    #[arg(long, value_name = "ADDRESS:PORT", conflicts_with = "real_io")]
+    #[arg(long, value_name = "ADDRESS:PORT")]
     pub panel: Option<SocketAddr>,
     /// One verdict object on standard output, no live status.
     #[arg(long)]
@@ -84,14 +85,10 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
     if arguments.tape.is_some() {
         witnesses.tape = Tape::new(&plan);
     }
-    if let Some(path) = &arguments.record {
-        witnesses.record(&plan, path)?;
-    }
-    if let Some(address) = arguments.panel {
-        witnesses.panel = Some(open_panel(address, &plan.scenario.title, &plan.robot)?);
-    }
+    let (record, panel) = (arguments.record.as_deref(), arguments.panel);
+    open_witnesses(&mut witnesses, &plan, (record, panel, arguments.real_io))?;
     let observation = if arguments.real_io {
-        play_real(&plan, arguments.can_interface.as_deref(), arguments.json)?
+        play_real((&plan, arguments.can_interface.as_deref()), arguments.json, &mut witnesses)?
     } else {
         play(&plan, arguments.json, &mut witnesses)?
     };
@@ -140,6 +137,23 @@ fn parse_span(text: &str) -> anyhow::Result<(u64, u64)> {
     })
 }
 
+/// A recording and a panel, where they are wanted.
+pub(super) fn open_witnesses(
+    witnesses: &mut Witnesses,
+    plan: &Plan,
+    (record, panel, real_io): (Option<&Path>, Option<SocketAddr>, bool),
+) -> anyhow::Result<()> {
+    match record {
+        Some(path) if real_io => witnesses.record_in_real_time(plan, path)?,
+        Some(path) => witnesses.record(plan, path)?,
+        None => {}
+    }
+    if let Some(address) = panel {
+        witnesses.panel = Some(open_panel(address, &plan.scenario.title, &plan.robot)?);
+    }
+    Ok(())
+}
+
 /// Plays a plan with a live display.
 pub(super) fn play(plan: &Plan, quiet: bool, witnesses: &mut Witnesses) -> anyhow::Result<Observation> {
     watched(plan, quiet, |observer| run_recorded(plan, observer, witnesses))
@@ -148,11 +162,12 @@ pub(super) fn play(plan: &Plan, quiet: bool, witnesses: &mut Witnesses) -> anyho
 
 /// The same in real time over real carriers.
 pub(super) fn play_real(
-    plan: &Plan,
-    can_interface: Option<&str>,
+    (plan, can_interface): (&Plan, Option<&str>),
     quiet: bool,
+    witnesses: &mut Witnesses,
 ) -> anyhow::Result<Observation> {
-    let (observation, figures) = watched(plan, quiet, |observer| run_real(plan, can_interface, observer))?;
+    let (observation, figures) =
+        watched(plan, quiet, |observer| run_real_recorded((plan, can_interface), observer, witnesses))?;
     let late_ms = figures.latest_us as f64 / 1_000.0;
     anstream::eprintln!(
         "  real carriers: the simulator was late by {late_ms:.1} ms at most, {} messages refused by full lines",

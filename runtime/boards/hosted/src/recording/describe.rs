@@ -30,7 +30,8 @@ pub fn people(report: &PeopleReport) -> Vec<Marker> {
     report.people.iter().flat_map(person).collect()
 }
 
-fn person(track: &PersonReport) -> Vec<Marker> {
+/// A track: a cylinder, and an arrow where it moves.
+pub fn person(track: &PersonReport) -> Vec<Marker> {
     const STILL_MPS: f32 = 0.1;
     let id = track.id.cast_signed();
     let heading_rad = libm::atan2f(track.velocity_mps.y_m, track.velocity_mps.x_m);
@@ -176,6 +177,16 @@ pub fn links(counters: &LinkCounters) -> Diagnostic {
         ("CAN frames sent", counters.can_sent),
     ];
     counted("links", &counts)
+}
+
+/// What the recorder has missed of the lines.
+pub fn lost(rows: u64) -> Diagnostic {
+    let rows = u32::try_from(rows).unwrap_or(u32::MAX);
+    Diagnostic {
+        severity: Severity::Warning,
+        message: "the recorder was too slow".to_owned(),
+        ..counted("recording", &[("rows lost", rows)])
+    }
 }
 
 /// What perception made of the newest sweep.

@@ -16,7 +16,7 @@ mod run;
 mod schemas;
 pub mod topics;
 
-pub use lidar_view::LidarView;
+pub use lidar_view::{LidarView, points as sweep_points};
 pub use messages::{Diagnostic, GridImage, Marker, MarkerShape, PointRow, Severity, octets_of};
 pub use raw::RawStream;
 pub use reader::{ReadError, Recorded, Recording};

@@ -122,11 +122,8 @@ impl<W: Write + Seek> RunRecorder<W> {
         match line {
             TapeLine::Lidar => {
                 if let Some((stamp, points)) = self.lidar.push(data, published) {
-                    self.write(|out| {
-                        let message = super::messages::point_cloud(stamp, "lidar", &points);
-                        let times = Times { logged, published: stamp };
-                        out.message(topics::CLOUD, &super::schemas::POINT_CLOUD, times, &message)
-                    });
+                    let times = Times { logged, published: stamp };
+                    self.write(|out| out.points(times, (stamp, "lidar"), &points));
                 }
             }
             TapeLine::Imu => {
@@ -231,15 +228,21 @@ impl<W: Write + Seek> RunRecorder<W> {
         self.write(|out| out.digest(Stamp::from_micros(now_us), digest));
     }
 
-    /// The run has ended: how long it was, and the fingerprint of all outputs.
+    /// Rows of the lines that the recorder has missed, if any.
+    pub fn lost(&mut self, now_us: u64, rows: u64) {
+        if rows > 0 {
+            let list = [describe::lost(rows)];
+            self.write(|out| out.diagnostics(topics::DIAGNOSTICS, Stamp::from_micros(now_us), &list));
+        }
+    }
+
+    /// The run has ended: how long it was, and the fingerprint of all outputs, if it has one.
     ///
     /// # Errors
     /// The first thing that could not be written.
-    pub fn finish(mut self, duration_us: u64, digest: u64) -> Result<W, RecordError> {
-        let texts = BTreeMap::from([
-            ("duration_us".to_owned(), duration_us.to_string()),
-            ("digest".to_owned(), format!("{digest:016x}")),
-        ]);
+    pub fn finish(mut self, duration_us: u64, digest: Option<u64>) -> Result<W, RecordError> {
+        let mut texts = BTreeMap::from([("duration_us".to_owned(), duration_us.to_string())]);
+        texts.extend(digest.map(|digest| ("digest".to_owned(), format!("{digest:016x}"))));
         self.write(|out| out.metadata(END_METADATA, texts));
         match self.failed {
             Some(error) => Err(error),

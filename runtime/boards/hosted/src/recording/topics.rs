@@ -57,8 +57,13 @@ impl<W: Write + Seek> Recorder<W> {
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn points(&mut self, stamp: Stamp, frame: &str, points: &[PointRow]) -> Result<(), RecordError> {
-        self.message(CLOUD, &schemas::POINT_CLOUD, stamp, &messages::point_cloud(stamp, frame, points))
+    pub fn points(
+        &mut self,
+        times: impl Into<Times>,
+        (stamp, frame): (Stamp, &str),
+        points: &[PointRow],
+    ) -> Result<(), RecordError> {
+        self.message(CLOUD, &schemas::POINT_CLOUD, times, &messages::point_cloud(stamp, frame, points))
     }
 
     /// A scan of the safety scanner.

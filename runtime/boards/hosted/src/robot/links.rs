@@ -3,6 +3,9 @@
 use std::io;
 use std::net::UdpSocket;
 
+use floorguard_runtime::tape::TapeLine;
+
+use super::tap::{Tap, Tapped};
 use crate::carriers::{CanLink, ReconnectingLine, UdpReceiver};
 use crate::configuration::{CanAddress, Carriers, SerialAddress};
 use crate::world::GuardCarriers;
@@ -18,6 +21,8 @@ pub struct Links {
     pub imu: Option<SerialAddress>,
     /// The CAN bus.
     pub can: CanAddress,
+    /// Who listens to all of them.
+    pub tap: Option<Tap>,
 }
 
 /// A device that is not there yet.
@@ -30,7 +35,8 @@ pub struct Missing {
 }
 
 /// The carriers of the guard ring.
-type Opened = GuardCarriers<UdpReceiver, ReconnectingLine, ReconnectingLine, CanLink>;
+type Opened =
+    GuardCarriers<Tapped<UdpReceiver>, Tapped<ReconnectingLine>, Tapped<ReconnectingLine>, Tapped<CanLink>>;
 
 impl Links {
     /// Of a configuration.
@@ -44,7 +50,7 @@ impl Links {
             io::Error::new(error.kind(), format!("[lidar] udp:{address}: {error}; {remedy}"))
         })?;
         let (scanner, imu) = (carriers.scanner.clone(), carriers.imu.clone());
-        Ok(Self { lidar, scanner, imu, can: carriers.can.clone() })
+        Ok(Self { lidar, scanner, imu, can: carriers.can.clone(), tap: None })
     }
 
     /// Opens everything on the calling thread; `missing` hears of what is not there yet.
@@ -67,6 +73,12 @@ impl Links {
         });
         let (can, problem) = CanLink::new(&self.can);
         note("CAN bus", problem);
-        Ok(GuardCarriers { lidar, scanner, imu, can })
+        let tap = self.tap;
+        Ok(GuardCarriers {
+            lidar: Tapped::new(lidar, TapeLine::Lidar, tap.clone()),
+            scanner: Tapped::new(scanner, TapeLine::Scanner, tap.clone()),
+            imu: imu.map(|(line, baud)| (Tapped::new(line, TapeLine::Imu, tap.clone()), baud)),
+            can: Tapped::new(can, TapeLine::Can, tap),
+        })
     }
 }

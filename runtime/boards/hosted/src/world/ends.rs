@@ -65,6 +65,7 @@ impl Ends {
             scanner: SerialAddress { device: scanner.device.clone(), baud: SCANNER_BAUD },
             imu: Some(SerialAddress { device: imu.device.clone(), baud: IMU_BAUD }),
             can: address,
+            tap: None,
         };
         Ok((Self { lidar, scanner, imu, can, refused: 0 }, links))
     }

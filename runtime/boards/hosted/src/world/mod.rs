@@ -2,6 +2,7 @@
 
 mod ends;
 mod observer;
+mod onlooker;
 mod operator;
 mod plan;
 mod real_world;
@@ -15,8 +16,9 @@ mod virtual_world;
 mod witnesses;
 
 pub use observer::{Observation, Observer, PeopleSeen, SeenStop, TRACKED_RANGE_M};
+pub use onlooker::{Notes, with_onlooker};
 pub use plan::{Plan, PlanError};
-pub use real_world::{CarrierFigures, run_real};
+pub use real_world::{CarrierFigures, run_real, run_real_recorded};
 pub use replayed_world::{ReplayAudience, ReplayError, ReplayOutcome, is_replayable, replay_recording};
 pub use scenario_file::load_scenario;
 pub use spawn::{

@@ -10,10 +10,13 @@ use floorguard_sim::simulation::{Simulation, Stream};
 
 use super::ends::Ends;
 use super::observer::Observer;
+use super::onlooker::{Notes, with_onlooker};
 use super::operator::Operator;
 use super::plan::Plan;
 use super::spawn::new_shared;
+use super::witnesses::Witnesses;
 use crate::executor::{Ring, StopFlag, take_priority};
+use crate::panel::Order;
 use crate::robot::{HostedShared, run_rings};
 
 /// How often truth is compared with what the robot does, microseconds.
@@ -37,63 +40,95 @@ pub fn run_real(
     can_interface: Option<&str>,
     observer: &mut Observer<'_>,
 ) -> anyhow::Result<CarrierFigures> {
+    run_real_recorded((plan, can_interface), observer, &mut Witnesses::default())
+}
+
+/// The same, with a recording or a panel.
+///
+/// # Errors
+/// As [`run_real`]; and the recording could not be written.
+pub fn run_real_recorded(
+    (plan, can_interface): (&Plan, Option<&str>),
+    observer: &mut Observer<'_>,
+    witnesses: &mut Witnesses,
+) -> anyhow::Result<CarrierFigures> {
     let mut simulation = Simulation::new(&plan.scenario, plan.seed)?;
-    let (mut ends, links) = Ends::open(can_interface)?;
+    let (mut ends, mut links) = Ends::open(can_interface)?;
     let start = clock::now();
     observer.set_clock_start(start);
+    if let Some(panel) = &mut witnesses.panel {
+        panel.set_clock_start(start);
+    }
+    let operated = witnesses.panel.is_some();
     let shared: Box<HostedShared> = new_shared(&plan.robot, start)
         .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
     let flag = StopFlag::default();
     anstream::eprintln!("  {}", take_priority(Ring::World));
-    let beside = || play((plan, start), &mut simulation, (&mut ends, &shared, &flag), observer);
-    run_rings((&plan.robot, links), &shared, &flag, beside)?
+    with_onlooker(witnesses, &shared, |tap, notes| {
+        links.tap = tap;
+        let mut world = World { plan, start, operated, simulation: &mut simulation, ends: &mut ends };
+        run_rings((&plan.robot, links), &shared, &flag, || world.play((&shared, &flag, notes), observer))?
+    })
 }
 
-fn play(
-    (plan, start): (&Plan, Stamp),
-    simulation: &mut Simulation,
-    (ends, shared, flag): (&mut Ends, &HostedShared, &StopFlag),
-    observer: &mut Observer<'_>,
-) -> anyhow::Result<CarrierFigures> {
-    let mut faults = FaultLayer::new(&plan.faults, plan.seed);
-    let mut operator = Operator::new(plan.emergency_stop_us.clone());
-    let mut judge_us = 0;
-    let mut latest_us = 0;
-    let clock_us = || clock::now().as_micros().saturating_sub(start.as_micros());
-    while !flag.is_stopped() {
-        let now_us = clock_us();
-        if now_us > plan.duration_us {
-            break;
-        }
-        // Truth is looked at every 10 ms of the world's time, however late this thread is.
-        let to_us = now_us.min(judge_us);
-        latest_us = latest_us.max(now_us - to_us);
-        simulation.advance_to(to_us, &mut |event| faults.pass(event, &mut |event| ends.deliver(event)));
-        faults.release(to_us, &mut |event| ends.deliver(event));
-        let (frames, imu) = ends.receive();
-        for frame in frames {
-            observer.on_frame(&CanFrame::standard(frame.id as u16, frame.payload()), to_us);
-            simulation.receive_can(frame, to_us);
-        }
-        if !imu.is_empty() {
-            simulation.receive(Stream::ImuSerial, &imu);
-        }
-        observer.after_tasks(shared);
-        if to_us >= judge_us {
-            judge_us += JUDGE_US;
-            let state = shared.decision.get().map(|decision| decision.state).unwrap_or_default();
-            let deed = operator.act(to_us, state);
-            simulation.press_emergency_stop(deed.pressed);
-            observer.on_emergency_stop(deed.pressed, to_us);
-            if deed.reset {
-                shared.reset.signal(());
+/// The simulated surroundings of the robot.
+struct World<'a> {
+    plan: &'a Plan,
+    start: Stamp,
+    /// Somebody at the panel presses reset; the plan's operator does not.
+    operated: bool,
+    simulation: &'a mut Simulation,
+    ends: &'a mut Ends,
+}
+
+impl World<'_> {
+    fn play(
+        &mut self,
+        (shared, flag, notes): (&HostedShared, &StopFlag, &Notes<'_>),
+        observer: &mut Observer<'_>,
+    ) -> anyhow::Result<CarrierFigures> {
+        let Self { plan, start, operated, simulation, ends } = self;
+        let mut faults = FaultLayer::new(&plan.faults, plan.seed);
+        let mut operator = Operator::new(plan.emergency_stop_us.clone());
+        let mut judge_us = 0;
+        let mut latest_us = 0;
+        let clock_us = || clock::now().as_micros().saturating_sub(start.as_micros());
+        while !flag.is_stopped() {
+            let now_us = clock_us();
+            if now_us > plan.duration_us {
+                break;
             }
-            let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
-            observer.observe(simulation, shared, &stops);
+            // Truth is looked at every 10 ms of the world's time, however late this thread is.
+            let to_us = now_us.min(judge_us);
+            latest_us = latest_us.max(now_us - to_us);
+            simulation.advance_to(to_us, &mut |event| faults.pass(event, &mut |event| ends.deliver(event)));
+            faults.release(to_us, &mut |event| ends.deliver(event));
+            let (frames, imu) = ends.receive();
+            for frame in frames {
+                observer.on_frame(&CanFrame::standard(frame.id as u16, frame.payload()), to_us);
+                simulation.receive_can(frame, to_us);
+            }
+            if !imu.is_empty() {
+                simulation.receive(Stream::ImuSerial, &imu);
+            }
+            observer.after_tasks(shared);
+            if to_us >= judge_us {
+                judge_us += JUDGE_US;
+                let state = shared.decision.get().map(|decision| decision.state).unwrap_or_default();
+                let deed = operator.act(to_us, state);
+                simulation.press_emergency_stop(deed.pressed);
+                observer.on_emergency_stop(deed.pressed, to_us);
+                if deed.reset && !*operated {
+                    notes.order(Order::Reset);
+                }
+                let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
+                stops.iter().for_each(|stop| notes.stop(stop));
+                observer.observe(simulation, shared, &stops);
+            }
+            let due_us = simulation.next_event_us().min(faults.next_event_us()).min(judge_us);
+            ends.wait(due_us.saturating_sub(clock_us()))?;
         }
-        let due_us = simulation.next_event_us().min(faults.next_event_us()).min(judge_us);
-        ends.wait(due_us.saturating_sub(clock_us()))?;
+        observer.finish(operator.resets());
+        Ok(CarrierFigures { latest_us, refused: ends.refused })
     }
-    observer.finish(operator.resets());
-    Ok(CarrierFigures { latest_us, refused: ends.refused })
 }

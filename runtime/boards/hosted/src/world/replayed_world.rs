@@ -36,8 +36,8 @@ pub trait ReplayAudience {
 pub struct ReplayOutcome {
     /// Fingerprint of all outputs.
     pub digest: u64,
-    /// The raw bytes alone do not tell the whole run: nothing was compared.
-    pub unrepeatable: bool,
+    /// Why the raw bytes alone do not tell the whole run; nothing was compared then.
+    pub unrepeatable: Option<String>,
     /// The recording's own, when it was closed properly.
     pub recorded_digest: Option<u64>,
     /// Fingerprints of moments within the recording that were compared.
@@ -115,12 +115,15 @@ pub fn replay_recording<R: Read>(
         .and_then(decode_route)
         .ok_or_else(|| ReplayError::Robot("the recording does not begin with its route".to_owned()))?;
     let stages = texts.get("stages").map_or(Stages::All, |text| Stages::named(text));
-    let unrepeatable = texts.get(REPEATABLE).is_some_and(|text| text == "no");
+    let unrepeatable = texts.get(REPEATABLE).filter(|text| *text != "yes").map(|text| {
+        let reason = text.strip_prefix("no: ").unwrap_or("faults of the computer itself were recorded");
+        reason.to_owned()
+    });
     use_virtual_clock(0);
     let outcome = play((&robot, stages), baud, (recording, audience));
     use_real_clock();
     let outcome = outcome?;
-    if !unrepeatable {
+    if unrepeatable.is_none() {
         return Ok(outcome);
     }
     Ok(ReplayOutcome { unrepeatable, recorded_digest: None, first_difference: None, compared: 0, ..outcome })

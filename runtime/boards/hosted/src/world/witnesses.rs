@@ -9,13 +9,16 @@ use std::time::{Duration, Instant};
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
+use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::shared::{Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
 
 use floorguard_sim::{FaultSpec, FaultTarget};
 
 use super::plan::Plan;
+use super::spawn::Stages;
 use super::tape::{Tape, encode_route};
+use crate::commands::BadInput;
 use crate::panel::{Order, Panel};
 use crate::recording::{RecordError, RunInfo, RunRecorder};
 
@@ -28,6 +31,8 @@ const BUFFER_BYTES: usize = 1 << 20;
 
 /// Name of the text that says whether the raw bytes alone tell the whole run.
 pub(super) const REPEATABLE: &str = "repeatable";
+/// The threads of a robot in real time are not scheduled the same way twice.
+const IN_REAL_TIME: &str = "no: it ran in real time";
 
 /// A computer that halts or loses its power does other things with the same bytes.
 fn hits_computer(fault: &FaultSpec) -> bool {
@@ -56,16 +61,24 @@ impl Witnesses {
     /// # Errors
     /// The file cannot be made.
     pub fn record(&mut self, plan: &Plan, path: &Path) -> anyhow::Result<()> {
-        let unwritable = |error: &dyn std::fmt::Display| {
-            anyhow::anyhow!("{}: cannot be written ({error}); give another place", path.display())
-        };
-        let file = File::create(path).map_err(|error| unwritable(&error))?;
+        self.record_plan(plan, path, if plan.faults.iter().any(hits_computer) { "no" } else { "yes" })
+    }
+
+    /// Starts a recording of a plan that is played in real time.
+    ///
+    /// # Errors
+    /// The file cannot be made.
+    pub fn record_in_real_time(&mut self, plan: &Plan, path: &Path) -> anyhow::Result<()> {
+        self.record_plan(plan, path, IN_REAL_TIME)
+    }
+
+    fn record_plan(&mut self, plan: &Plan, path: &Path, repeatable: &str) -> anyhow::Result<()> {
         let texts = [
             ("scenario", plan.name.clone()),
             ("title", plan.scenario.title.clone()),
             ("seed", plan.seed.to_string()),
             ("stages", plan.stages.name().to_owned()),
-            (REPEATABLE, if plan.faults.iter().any(hits_computer) { "no" } else { "yes" }.to_owned()),
+            (REPEATABLE, repeatable.to_owned()),
         ];
         let info = RunInfo {
             robot: &plan.robot,
@@ -74,11 +87,31 @@ impl Witnesses {
             clouds_every: CLOUDS_EVERY,
             texts: texts.into_iter().map(|(name, text)| (name.to_owned(), text)).collect::<BTreeMap<_, _>>(),
         };
-        let mut recorder = RunRecorder::new(BufWriter::with_capacity(BUFFER_BYTES, file), &info)
-            .map_err(|error| unwritable(&error))?;
-        recorder.delivered((0, 0), TapeLine::Route, &encode_route(&plan.robot));
-        self.recording = Some(recorder);
+        self.recording = Some(open_recording(path, &info)?);
         Ok(())
+    }
+
+    /// Starts a recording of real devices, with the robot's file and the bit rate of its inertial sensor.
+    ///
+    /// # Errors
+    /// The file cannot be made.
+    pub fn record_devices(
+        &mut self,
+        robot: &RobotConfiguration,
+        (name, robot_toml, imu_baud): (&str, &str, u32),
+        path: &Path,
+    ) -> anyhow::Result<()> {
+        let texts = [("title", name), ("stages", Stages::All.name()), (REPEATABLE, IN_REAL_TIME)];
+        let texts = texts.into_iter().map(|(name, text)| (name.to_owned(), text.to_owned())).collect();
+        let info = RunInfo { robot, robot_toml, imu_baud, clouds_every: CLOUDS_EVERY, texts };
+        self.recording = Some(open_recording(path, &info)?);
+        Ok(())
+    }
+
+    /// Somebody listens at all.
+    #[must_use]
+    pub const fn listen(&self) -> bool {
+        self.recording.is_some() || self.panel.is_some()
     }
 
     /// Bytes that the tasks get now: moments of delivery and of arrival, microseconds.
@@ -124,10 +157,17 @@ impl Witnesses {
         self.delivered((now_us, now_us), order.line(), &[]);
     }
 
+    /// What the tasks have published meanwhile is written.
+    pub fn look<M: RawMutex>(&mut self, shared: &Shared<M>, now_us: u64) {
+        if let Some(recording) = &mut self.recording {
+            recording.after_tasks(shared, now_us);
+        }
+    }
+
     /// The tasks have run, and everything that they put out is in the fingerprint.
     pub fn after_tasks<M: RawMutex>(&mut self, shared: &Shared<M>, (now_us, digest): (u64, u64)) {
+        self.look(shared, now_us);
         let Some(recording) = &mut self.recording else { return };
-        recording.after_tasks(shared, now_us);
         if now_us >= self.next_digest_us {
             self.next_digest_us = now_us - now_us % DIGEST_EVERY_US + DIGEST_EVERY_US;
             recording.digest(now_us, digest);
@@ -140,8 +180,29 @@ impl Witnesses {
     /// The recording could not be written.
     pub fn finish(&mut self, (duration_us, digest): (u64, u64)) -> Result<(), RecordError> {
         match self.recording.take() {
-            Some(recording) => recording.finish(duration_us, digest).map(drop),
+            Some(recording) => recording.finish(duration_us, Some(digest)).map(drop),
             None => Ok(()),
         }
     }
+
+    /// A run in real time has ended; `lost` rows are missing in its recording.
+    ///
+    /// # Errors
+    /// The recording could not be written.
+    pub fn finish_in_real_time(&mut self, now_us: u64, lost: u64) -> Result<(), RecordError> {
+        let Some(mut recording) = self.recording.take() else { return Ok(()) };
+        recording.lost(now_us, lost);
+        recording.finish(now_us, None).map(drop)
+    }
+}
+
+fn open_recording(path: &Path, info: &RunInfo<'_>) -> anyhow::Result<FileRecorder> {
+    let unwritable = |error: &dyn std::fmt::Display| {
+        BadInput(format!("{}: cannot be written ({error}); give another place", path.display()))
+    };
+    let file = File::create(path).map_err(|error| unwritable(&error))?;
+    let mut recorder = RunRecorder::new(BufWriter::with_capacity(BUFFER_BYTES, file), info)
+        .map_err(|error| unwritable(&error))?;
+    recorder.delivered((0, 0), TapeLine::Route, &encode_route(info.robot));
+    Ok(recorder)
 }

@@ -14,9 +14,11 @@ use floorguard_core::time::Stamp;
 
 use super::capture::{ASSUMED_HEIGHT_M, is_person};
 use super::cloud::CloudSorter;
+use super::recorded::Recorded as Written;
 use super::rows::{SweepRow, print};
 use super::scans::{ScanPlayer, to_scan};
 use super::summary::Summary;
+use crate::commands::arguments::ReplayArguments;
 use crate::commands::exit::BadInput;
 use crate::recording::decode::{self, LaserScan};
 use crate::recording::{ReadError, Recorded, Recording};
@@ -39,6 +41,7 @@ struct Player<'a> {
     sweeps: Summary,
     scans: Summary,
     damaged: u64,
+    written: Written,
 }
 
 struct Lidar {
@@ -56,12 +59,12 @@ struct Lidar {
 pub fn run<R: Read>(
     first: Recorded,
     recording: &mut Recording<R>,
-    (name, json, topic): (&str, bool, Option<&str>),
+    (name, arguments): (&str, &ReplayArguments),
 ) -> anyhow::Result<()> {
     let mut player = Player {
         name,
-        topic,
-        json,
+        topic: arguments.topic.as_deref(),
+        json: arguments.json,
         lidar: None,
         scanners: BTreeMap::new(),
         mountings: BTreeMap::new(),
@@ -70,6 +73,7 @@ pub fn run<R: Read>(
         sweeps: Summary::new(),
         scans: Summary::new(),
         damaged: 0,
+        written: Written::open(&arguments.file, arguments.record.as_deref())?,
     };
     let mut ended: Option<ReadError> = None;
     player.message(&first)?;
@@ -80,6 +84,7 @@ pub fn run<R: Read>(
         }
     }
     player.conclude(recording)?;
+    player.written.finish()?;
     ended.map_or(Ok(()), |error| Err(BadInput(format!("{name}: {error}")).into()))
 }
 
@@ -194,8 +199,10 @@ impl Player<'_> {
         let output = pipeline.process(&lidar.sweep, &SweepContext { sensor_in_base, twist, base_in_odom });
         let frame = if pose.is_some() { "odom" } else { "sensor" };
         self.sweeps.people(output.tracks.iter().filter(|track| is_person(track)).map(|track| track.id));
+        let row = SweepRow::of_output(&lidar.sweep, &output).in_frame(frame);
+        self.written.sweep((&lidar.sweep, &angles), (&sensor_in_base, (base_in_odom, twist)), row.people());
         if self.json {
-            print(&SweepRow::of_output(&lidar.sweep, &output).in_frame(frame))?;
+            print(&row)?;
         }
         Ok(Some(()))
     }
@@ -213,6 +220,7 @@ impl Player<'_> {
         let row = player.scan(&scan, (sensor, frame));
         self.scans.legs += row.legs() as u64;
         self.scans.people(row.people());
+        self.written.scan(&scan, sensor, row.everybody());
         if self.json {
             print(&row)?;
         }

@@ -9,6 +9,7 @@ use floorguard_core::sensing::Sweep;
 use floorguard_core::time::Stamp;
 use floorguard_drivers::velodyne::{Counters, Decoder, Model, ModelChoice, SweepBuilder};
 
+use super::recorded::Recorded;
 use super::rows::{SweepRow, print};
 use crate::capture::{Capture, CaptureError};
 use crate::commands::arguments::ReplayArguments;
@@ -23,6 +24,7 @@ const WHOLE_COLUMNS: usize = 1_500;
 
 struct Player {
     pipeline: Box<PeoplePipeline>,
+    angles: RingAngles,
     motion: Box<MotionDetector>,
     context: SweepContext,
     floor_known: bool,
@@ -31,6 +33,7 @@ struct Player {
     most_people: usize,
     identities: std::collections::BTreeSet<u32>,
     failed: std::io::Result<()>,
+    recorded: Recorded,
 }
 
 /// Runs the command.
@@ -48,7 +51,8 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
     let mut decoder = Decoder::new(ModelChoice::Fixed(model));
     let mut builder = SweepBuilder::new(18_000);
     let mut building = Box::new(Sweep::<16>::EMPTY);
-    let mut player = Player::new(model, arguments.json);
+    let recorded = Recorded::open(&arguments.file, arguments.record.as_deref())?;
+    let mut player = Player::new(model, arguments.json, recorded);
     let mut pace = Pace { enabled: arguments.realtime, start: None };
     let mut ended: Option<CaptureError> = None;
     let started = Instant::now();
@@ -57,6 +61,7 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
             Ok(datagram) if datagram.destination_port == LIDAR_DATA_PORT => {
                 pace.wait(datagram.captured_us);
                 let arrival = Stamp::from_micros(datagram.captured_us);
+                player.recorded.datagram(arrival, &datagram.payload);
                 if let Ok((packet, lost)) = decoder.decode(&datagram.payload, arrival) {
                     builder.add(&packet, lost, &mut building, |sweep| player.sweep(sweep));
                 }
@@ -70,17 +75,19 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
     }
     std::mem::replace(&mut player.failed, Ok(()))?;
     player.summary(&decoder.counters(), started.elapsed());
+    player.recorded.finish()?;
     ended.map_or(Ok(()), |error| Err(error.into()))
 }
 
 impl Player {
-    fn new(model: Model, json: bool) -> Self {
+    fn new(model: Model, json: bool, recorded: Recorded) -> Self {
         let angles = match model {
             Model::HiRes => RingAngles::even(-10.0, 4.0 / 3.0),
             _ => RingAngles::vlp16(),
         };
         Self {
             pipeline: Box::new(PeoplePipeline::new(angles)),
+            angles,
             motion: Box::new(MotionDetector::new(MotionParameters::FIXED)),
             context: SweepContext {
                 sensor_in_base: at_height(ASSUMED_HEIGHT_M),
@@ -93,6 +100,7 @@ impl Player {
             most_people: 0,
             identities: std::collections::BTreeSet::new(),
             failed: Ok(()),
+            recorded,
         }
     }
 
@@ -112,9 +120,12 @@ impl Player {
         let people = output.tracks.iter().filter(|track| is_person(track));
         self.most_people = self.most_people.max(people.clone().count());
         self.identities.extend(people.map(|track| track.id));
+        let row = SweepRow::of_output(sweep, &output);
         if self.json && self.failed.is_ok() {
-            self.failed = print(&SweepRow::of_output(sweep, &output));
+            self.failed = print(&row);
         }
+        let SweepContext { sensor_in_base, twist, base_in_odom } = &self.context;
+        self.recorded.sweep((sweep, &self.angles), (sensor_in_base, (*base_in_odom, *twist)), row.people());
     }
 
     fn summary(&self, counters: &Counters, took: Duration) {

@@ -3,8 +3,9 @@
 use floorguard_core::geometry::Pose2;
 use floorguard_core::time::Stamp;
 
+use super::recorded::Recorded;
 use super::rows::print;
-use super::scans::{ScanPlayer, to_scan};
+use super::scans::{ScanPlayer, ScanRow, to_scan};
 use super::summary::Summary;
 use crate::carmen::{CarmenLine, CarmenLog, LaserLine};
 use crate::commands::arguments::ReplayArguments;
@@ -18,12 +19,13 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
     let bad = |error: &dyn std::fmt::Display| BadInput(error.to_string());
     let name = arguments.file.display();
     let mut player = ScanPlayer::new();
+    let mut recorded = Recorded::open(&arguments.file, arguments.record.as_deref())?;
     let mut summary = Summary::new();
     let mut ended = None;
     for line in CarmenLog::open(&arguments.file).map_err(|error| bad(&error))? {
         match line {
             Ok(CarmenLine::Laser(scan)) => {
-                let row = play(&mut player, &scan);
+                let row = play(&mut player, &scan, &mut recorded);
                 summary.legs += row.legs() as u64;
                 summary.people(row.people());
                 if arguments.json {
@@ -41,15 +43,16 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
         .into());
     }
     anstream::eprintln!("{}", summary.line("scans"));
+    recorded.finish()?;
     ended.map_or(Ok(()), |error| Err(error.into()))
 }
 
-fn play(player: &mut ScanPlayer, line: &LaserLine) -> super::scans::ScanRow {
+fn play(player: &mut ScanPlayer, line: &LaserLine, recorded: &mut Recorded) -> ScanRow {
     let micros = (line.time_s.max(0.0) * 1.0e6) as u64;
     let angles = (line.first_angle_rad, line.step_rad);
     let scan = to_scan(Stamp::from_micros(micros), angles, &line.ranges_m, [0.0, line.range_max_m]);
-    match line.laser_in_odom {
-        Some(laser) => player.scan(&scan, (laser, "odom")),
-        None => player.scan(&scan, (Pose2::default(), "sensor")),
-    }
+    let (laser, frame) = line.laser_in_odom.map_or((Pose2::default(), "sensor"), |laser| (laser, "odom"));
+    let row = player.scan(&scan, (laser, frame));
+    recorded.scan(&scan, laser, row.everybody());
+    row
 }

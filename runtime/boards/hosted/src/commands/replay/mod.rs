@@ -7,6 +7,7 @@ mod capture;
 mod carmen;
 mod cloud;
 mod own;
+mod recorded;
 mod rows;
 mod scans;
 mod summary;
@@ -61,7 +62,10 @@ fn recording(arguments: &ReplayArguments) -> anyhow::Result<()> {
         None => return Err(bad(&"the recording holds no message").into()),
     };
     if is_replayable(&recording) {
+        if arguments.record.is_some() {
+            return Err(bad(&"it is a recording already; --record is for captures, bags and logs").into());
+        }
         return own::run(first, &mut recording, (&name, arguments.json, arguments.realtime));
     }
-    bag::run(first, &mut recording, (&name, arguments.json, arguments.topic.as_deref()))
+    bag::run(first, &mut recording, (&name, arguments))
 }

@@ -90,9 +90,9 @@ fn verdict(name: &str, outcome: ReplayOutcome) -> anyhow::Result<()> {
             anstream::eprintln!("digest {digest:016x}, as recorded at {seconds} moments before the cut");
             Err(BadInput(format!("{name}: {error}")).into())
         }
-        None if outcome.unrepeatable => {
+        None if let Some(reason) = &outcome.unrepeatable => {
             anstream::eprintln!(
-                "digest {digest:016x}; faults of the computer itself were recorded, so it cannot be compared"
+                "digest {digest:016x}; {reason}, so it cannot be compared with the recording"
             );
             Ok(())
         }

@@ -75,6 +75,11 @@ impl SweepRow {
         }
     }
 
+    /// Everybody in it.
+    pub fn people(&self) -> &[PersonRow] {
+        &self.people
+    }
+
     /// The same in another frame.
     pub fn in_frame(mut self, frame: &'static str) -> Self {
         self.frame = frame;
@@ -115,6 +120,21 @@ impl PersonRow {
     /// Number of the track, if it is confirmed.
     pub fn confirmed_id(&self) -> Option<u32> {
         (self.status == word(TrackStatus::Confirmed)).then_some(self.id)
+    }
+
+    /// As the robot tells it.
+    pub fn report(&self) -> PersonReport {
+        let confirmed = self.status == word(TrackStatus::Confirmed);
+        PersonReport {
+            id: self.id,
+            status: if confirmed { TrackStatus::Confirmed } else { TrackStatus::Tentative },
+            position: Point2::new(self.motion.x_m, self.motion.y_m),
+            velocity_mps: Point2::new(self.motion.vx_mps, self.motion.vy_mps),
+            position_sigma_m: self.sigma_position_m,
+            velocity_sigma_mps: self.sigma_velocity_mps,
+            person_probability: self.person_probability,
+            moving_probability: self.moving_probability,
+        }
     }
 
     /// Two legs that belong together, the person's number, and whether they have walked: only then is it confirmed.

@@ -49,6 +49,11 @@ impl ScanRow {
         self.people.iter().filter_map(PersonRow::confirmed_id)
     }
 
+    /// Everybody in it, confirmed or not.
+    pub fn everybody(&self) -> &[PersonRow] {
+        &self.people
+    }
+
     /// Legs in it.
     pub fn legs(&self) -> usize {
         self.legs.len()
