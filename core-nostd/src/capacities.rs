@@ -51,3 +51,22 @@ pub const FLOOR_PARTS_MAX: usize = if cfg!(feature = "hosted") { 1_024 } else { 
 pub const MOTION_REFERENCES: usize = if cfg!(feature = "hosted") { 3 } else { 2 };
 /// Blocks of 16 × 16 pixels in the largest colour image (algorithms F, capacities).
 pub const FLOOR_BLOCKS_MAX: usize = if cfg!(feature = "hosted") { 1_200 } else { 300 };
+/// Regions of a depth picture in which people are looked for; the farthest are dropped first and counted (algorithms
+/// Q.1, B).
+pub const RGBD_REGIONS_MAX: usize = if cfg!(feature = "hosted") { 16 } else { 8 };
+/// Provisional names of occupied cells while they are grouped: a byte, 0 for none.
+pub const RGBD_LABELS_MAX: usize = 255;
+/// Heads tried in a region (algorithms Q.1: components times maxima would be 64 and 12; the outline has no components).
+pub const RGBD_HEADS_MAX: usize = if cfg!(feature = "hosted") { 16 } else { 8 };
+/// Columns of a region at the size of the silhouette: 3.7 m of a body of 1.75 m.
+pub const RGBD_CROP_COLUMNS: usize = if cfg!(feature = "hosted") { 192 } else { 160 };
+/// Its rows: from above the head to below the shoulders of whoever is a head shorter.
+pub const RGBD_CROP_ROWS: usize = 64;
+/// Heads that fit the silhouette, before one stays for each person.
+pub const RGBD_CANDIDATES_MAX: usize = if cfg!(feature = "hosted") { 64 } else { 24 };
+/// People of one depth picture; the farthest are dropped first and counted.
+pub const RGBD_PEOPLE_MAX: usize = if cfg!(feature = "hosted") { 32 } else { 16 };
+/// Things of the shape of a leg in one depth picture (algorithms Q.1, B.3).
+pub const RGBD_LEGS_MAX: usize = if cfg!(feature = "hosted") { 32 } else { 16 };
+/// Things in the band of the legs that may be open at once while a picture is read.
+pub const RGBD_LEG_PARTS_MAX: usize = if cfg!(feature = "hosted") { 512 } else { 192 };

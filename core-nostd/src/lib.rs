@@ -32,6 +32,7 @@ pub mod odometry;
 pub mod people;
 pub mod protection;
 pub mod random;
+pub mod rgbd_people;
 pub mod sensing;
 pub mod time;
 pub mod units;

@@ -101,6 +101,30 @@ pub enum EvalStage {
         #[arg(long)]
         out: Option<PathBuf>,
     },
+    /// People in depth pictures: upper bodies by their silhouette, legs near the camera.
+    RgbdPeople {
+        /// Depth in millimetres, one channel of 16 bits; once or more often.
+        #[arg(long, required = true, num_args = 1..)]
+        depth: Vec<PathBuf>,
+        /// Colour pictures of the same size and view, one for each depth picture, in the same order.
+        #[arg(long, alias = "color", num_args = 1..)]
+        colour: Vec<PathBuf>,
+        /// Focal lengths and principal point in pixels: fx,fy,cx,cy.
+        #[arg(long, value_parser = evaluate::parse_intrinsics)]
+        intrinsics: [f32; 4],
+        /// Height of the camera in metres, if known.
+        #[arg(long, requires = "pitch_deg")]
+        height_m: Option<f32>,
+        /// How far the camera looks down, in degrees, if known.
+        #[arg(long, requires = "height_m", allow_hyphen_values = true)]
+        pitch_deg: Option<f32>,
+        /// Who stood where: columns `file`, `x`, `y`, metres ahead and to the left of the camera.
+        #[arg(long)]
+        key: Option<PathBuf>,
+        /// A folder for pictures: upper bodies yellow, both green, legs blue.
+        #[arg(long)]
+        out: Option<PathBuf>,
+    },
 }
 
 /// Runs the command.
@@ -137,6 +161,18 @@ pub fn run(arguments: &EvalArguments) -> anyhow::Result<()> {
                 out: out.clone(),
             };
             print(&evaluate::floor(&task)?, arguments.json)
+        }
+        EvalStage::RgbdPeople { depth, colour, intrinsics, height_m, pitch_deg, key, out } => {
+            let mounting = height_m.zip(*pitch_deg).map(|(height, pitch)| [height, pitch.to_radians()]);
+            let task = evaluate::RgbdTask {
+                depths: depth.clone(),
+                colours: colour.clone(),
+                intrinsics: *intrinsics,
+                mounting,
+                key: key.clone(),
+                out: out.clone(),
+            };
+            print(&evaluate::rgbd_people(&task)?, arguments.json)
         }
         EvalStage::Tracks { truth, result } => print(&evaluate::tracks(truth, result)?, arguments.json),
     }

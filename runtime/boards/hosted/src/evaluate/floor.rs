@@ -136,12 +136,15 @@ pub fn floor(task: &FloorTask) -> anyhow::Result<FloorReport> {
     })
 }
 
-fn camera([fx, fy, cx, cy]: [f32; 4]) -> anyhow::Result<PinholeCamera> {
+pub(super) fn camera([fx, fy, cx, cy]: [f32; 4]) -> anyhow::Result<PinholeCamera> {
     PinholeCamera::new([fx, fy], [cx, cy])
         .ok_or_else(|| BadInput(format!("intrinsics {fx},{fy},{cx},{cy}: no such camera")).into())
 }
 
-fn parameters(camera: PinholeCamera, mounting: Option<[f32; 2]>) -> anyhow::Result<FloorParameters> {
+pub(super) fn parameters(
+    camera: PinholeCamera,
+    mounting: Option<[f32; 2]>,
+) -> anyhow::Result<FloorParameters> {
     let parameters = match mounting {
         Some([height_m, pitch_rad]) => FloorParameters::mounted(camera, height_m, pitch_rad),
         None => Plane::of_mounting(1.0, 0.0).map(|mounted| {
