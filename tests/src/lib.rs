@@ -11,4 +11,5 @@ pub mod environment;
 pub mod fuzz;
 pub mod lidar_frames;
 pub mod reproduce;
+pub mod rgbd;
 pub mod wired;

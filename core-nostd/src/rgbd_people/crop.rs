@@ -15,8 +15,10 @@ use crate::sensing::DepthImage;
 /// What a pixel of a crop shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum CropPixel {
-    /// Nobody knows: no return, outside of the picture, or hidden by something nearer.
+    /// Outside of the picture.
     #[default]
+    Outside,
+    /// Nobody knows: no return, or hidden by something nearer.
     Unknown,
     /// Something behind or beside the region.
     Behind,
@@ -26,6 +28,9 @@ pub(super) enum CropPixel {
 
 /// Whatever is nearer than the region by this much hides it, metres.
 const HIDES_M: f32 = 0.3;
+
+/// Where the top of the head is in a crop around one head.
+pub(super) const HEAD_IN_CROP: (usize, usize) = (28, 12);
 
 /// Where a crop lies in the picture.
 #[derive(Clone, Copy, Debug)]
@@ -56,6 +61,22 @@ impl CropPlace {
         Some(Self { corner_px, ratio, size })
     }
 
+    /// A crop around one head: its top at a place of the picture, at a depth, for a body of the given height in metres.
+    pub(super) fn at_head(
+        [u, v]: [f32; 2],
+        frame: &FloorFrame,
+        (depth_m, body_m): (f32, f32),
+    ) -> Option<Self> {
+        let [_, fy] = frame.camera().focal_px();
+        let ratio = fy * body_m / depth_m.max(0.1) / (3 * SILHOUETTE_SIDE) as f32;
+        let (column, row) = HEAD_IN_CROP;
+        (0.1..100.0).contains(&ratio).then_some(Self {
+            corner_px: [u - column as f32 * ratio, v - row as f32 * ratio],
+            ratio,
+            size: [2 * column, row + SILHOUETTE_SIDE + 6],
+        })
+    }
+
     /// The place in the picture of a place in the crop.
     pub(super) fn pixel(&self, column: f32, row: f32) -> [f32; 2] {
         let [left, top] = self.corner_px;
@@ -71,7 +92,7 @@ pub(super) struct Crop {
 
 impl Default for Crop {
     fn default() -> Self {
-        Self { rows: [[CropPixel::Unknown; RGBD_CROP_COLUMNS]; RGBD_CROP_ROWS] }
+        Self { rows: [[CropPixel::Outside; RGBD_CROP_COLUMNS]; RGBD_CROP_ROWS] }
     }
 }
 
@@ -88,10 +109,12 @@ impl Crop {
         let width = image.width();
         let [_, highest] = rules.heights_m;
         let hidden_m = region.depth_m() - HIDES_M;
-        for (row, out) in self.rows.iter_mut().enumerate() {
-            out.fill(CropPixel::Unknown);
+        for line in &mut self.rows {
+            line.fill(CropPixel::Outside);
+        }
+        for (row, out) in self.rows.iter_mut().enumerate().take(rows) {
             let [_, v] = place.pixel(0.0, row as f32 + 0.5);
-            if row >= rows || v < 0.0 || v >= image.height() as f32 {
+            if v < 0.0 || v >= image.height() as f32 {
                 continue;
             }
             let source_row = v as usize;
@@ -102,9 +125,11 @@ impl Crop {
                 if u < 0.0 {
                     continue;
                 }
-                let Some(depth_mm) = line.get(u as usize).copied().filter(|depth| *depth > 0) else {
+                let Some(depth_mm) = line.get(u as usize).copied() else { continue };
+                if depth_mm == 0 {
+                    *out = CropPixel::Unknown;
                     continue;
-                };
+                }
                 let depth_m = f32::from(depth_mm) * 0.001;
                 let point = rays.point(u as usize, depth_m);
                 let is_body = point.height_m < highest && regions.label(&point) == region.label;
@@ -119,7 +144,21 @@ impl Crop {
         }
     }
 
-    /// A pixel; unknown beyond the crop.
+    /// Mean depth of the region below the top of a head, metres; `None` where too little of it is there.
+    pub(super) fn head_depth_m(&self, (column, row): (usize, usize)) -> Option<f32> {
+        let (mut sum, mut count) = (0.0_f32, 0_u32);
+        for line in self.window(column.saturating_sub(2), row.saturating_add(1)).take(6) {
+            for pixel in line.iter().take(5) {
+                if let CropPixel::Body(depth_mm) = pixel {
+                    sum += f32::from(*depth_mm) * 0.001;
+                    count = count.saturating_add(1);
+                }
+            }
+        }
+        (count >= 6).then(|| sum / count as f32)
+    }
+
+    /// A pixel; outside beyond the crop.
     #[inline]
     pub(super) fn get(&self, column: usize, row: usize) -> CropPixel {
         self.rows.get(row).and_then(|line| line.get(column)).copied().unwrap_or_default()

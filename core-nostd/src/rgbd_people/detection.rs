@@ -2,6 +2,7 @@
 
 use heapless::Vec;
 
+use super::silhouette::AREAS;
 use crate::capacities::RGBD_PEOPLE_MAX;
 use crate::geometry::Point2;
 
@@ -34,6 +35,8 @@ pub struct RgbdDetection {
     pub confidence: f32,
     /// Mean squared difference from the silhouette; 0 for legs.
     pub score: f32,
+    /// Mean squared difference of each area of the silhouette: head, torso, left and right of the head, beside the torso.
+    pub differences: [f32; AREAS],
     /// Part of the silhouette that had a depth, within 0..=1; what has none speaks neither way.
     pub seen_share: f32,
     /// Corner of the rectangle in the picture, column and row.

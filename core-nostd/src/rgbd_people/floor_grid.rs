@@ -83,7 +83,7 @@ impl FloorGrid {
             }
             let Some(cell) = cell_of(&point) else { continue };
             if let (Some(weight), Some(top)) = (self.weights.get_mut(cell), self.tops_cm.get_mut(cell)) {
-                *weight += depth_m * density;
+                *weight += depth_m * (0.2 * depth_m).max(1.0) * density;
                 *top = (*top).max((point.height_m * 100.0) as u8);
             }
         }

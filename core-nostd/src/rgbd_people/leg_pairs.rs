@@ -9,6 +9,7 @@ use super::detection::{RgbdDetection, RgbdKind, turned_covariance};
 use super::floor_frame::FloorPoint;
 use super::floor_grid::FloorGrid;
 use super::leg_parts::LegCandidate;
+use super::silhouette::AREAS;
 use super::upper_bodies::Scene;
 use crate::capacities::{RGBD_LEGS_MAX, RGBD_PEOPLE_MAX};
 
@@ -116,6 +117,7 @@ fn detection(scene: &Scene<'_>, a: &LegCandidate, b: &LegCandidate, belief: f32)
         top_m: a_top.max(b_top),
         confidence: belief,
         score: 0.0,
+        differences: [0.0; AREAS],
         seen_share: 1.0,
         first_px: [al.min(bl), at.min(bt)],
         last_px: [ar.max(br), ab.max(bb)],

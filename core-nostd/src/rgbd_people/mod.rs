@@ -24,4 +24,4 @@ pub use finder::RgbdPeopleFinder;
 pub use floor_frame::CameraMount;
 pub use leg_parts::LegCandidate;
 pub use parameters::{LegRules, RgbdParameters, UpperBodyRules};
-pub use silhouette::{SILHOUETTE_SIDE, Silhouette, SilhouetteShape};
+pub use silhouette::{AREAS, Area, SILHOUETTE_SIDE, Silhouette, SilhouettePixel, SilhouetteShape};

@@ -29,18 +29,25 @@ pub struct SilhouetteShape {
 }
 
 impl SilhouetteShape {
-    /// A person in everyday clothes: head 9 × 13 % of the height, shoulders 26 % wide (Drillis and Contini 1966, with
-    /// 2 cm of cloth on each side).
-    pub const PERSON: Self = Self {
+    /// An adult from the front: head with hair 11 × 13 % of the height, shoulders 27 % wide (Drillis and Contini 1966, with
+    /// a centimetre of cloth on each side).
+    pub const ADULT_FRONT: Self = Self {
         side: 1.0 / 3.0,
         above_head: 0.058,
-        head: [0.05, 0.065],
-        neck: 0.036,
+        head: [0.055, 0.065],
+        neck: 0.038,
         shoulder_drop: 0.148,
-        shoulders: 0.142,
-        slope: 0.09,
+        shoulders: 0.135,
+        slope: 0.08,
         torso_depth: 0.07,
     };
+    /// An adult from the side: the chest is 16 to 18 % deep.
+    pub const ADULT_SIDE: Self = Self { shoulders: 0.088, torso_depth: 0.12, ..Self::ADULT_FRONT };
+    /// A child from the front: the head is hardly smaller than an adult's, the rest is.
+    pub const CHILD_FRONT: Self =
+        Self { head: [0.085, 0.095], neck: 0.05, shoulder_drop: 0.185, ..Self::ADULT_FRONT };
+    /// A child from the side.
+    pub const CHILD_SIDE: Self = Self { shoulders: 0.1, torso_depth: 0.12, ..Self::CHILD_FRONT };
 
     /// Half of the width of the body at a distance below the top of the head, in parts of the height; 0 above it.
     fn half_width(&self, below_top: f32) -> f32 {
@@ -60,11 +67,52 @@ impl SilhouetteShape {
     }
 }
 
-/// The silhouette as the matcher uses it: depth relative to the middle of the torso, 0 beside the body.
+/// What a pixel of the silhouette stands for. Each area counts as a whole, so that a box, which is right in most pixels,
+/// cannot make up for the head that it does not have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Area {
+    /// Head and neck.
+    Head,
+    /// Shoulders and chest.
+    Torso,
+    /// Left of the head and above its left half, over the shoulder: nothing of the body is here.
+    LeftOfHead,
+    /// The same on the right.
+    RightOfHead,
+    /// Beside the shoulders.
+    BesideTorso,
+}
+
+/// Areas.
+pub const AREAS: usize = 5;
+
+impl Area {
+    /// Its place in lists.
+    pub(super) const fn index(self) -> usize {
+        match self {
+            Self::Head => 0,
+            Self::Torso => 1,
+            Self::LeftOfHead => 2,
+            Self::RightOfHead => 3,
+            Self::BesideTorso => 4,
+        }
+    }
+}
+
+/// One pixel of the silhouette.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SilhouettePixel {
+    /// Depth relative to the middle of the torso; 0 beside the body.
+    pub depth: f32,
+    /// What it stands for.
+    pub area: Area,
+}
+
+/// The silhouette as the matcher uses it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Silhouette {
-    rows: [[f32; SILHOUETTE_SIDE]; SILHOUETTE_SIDE],
-    body: u32,
+    rows: [[SilhouettePixel; SILHOUETTE_SIDE]; SILHOUETTE_SIDE],
+    sizes: [u32; AREAS],
     head_row: f32,
 }
 
@@ -75,32 +123,45 @@ impl Silhouette {
     /// Draws a shape.
     #[must_use]
     pub fn new(shape: &SilhouetteShape) -> Self {
-        let mut rows = [[0.0; SILHOUETTE_SIDE]; SILHOUETTE_SIDE];
-        let (mut body, pixel) = (0_u32, shape.side / SILHOUETTE_SIDE as f32);
+        let nothing = SilhouettePixel { depth: 0.0, area: Area::BesideTorso };
+        let mut rows = [[nothing; SILHOUETTE_SIDE]; SILHOUETTE_SIDE];
+        let (mut sizes, pixel) = ([0_u32; AREAS], shape.side / SILHOUETTE_SIDE as f32);
         for (row, values) in rows.iter_mut().enumerate() {
-            let half = shape.half_width((row as f32 + 0.5) * pixel - shape.above_head);
+            let below_top = (row as f32 + 0.5) * pixel - shape.above_head;
+            let half = shape.half_width(below_top);
             for (column, value) in values.iter_mut().enumerate() {
-                let beside = (column as f32 + 0.5 - 0.5 * SILHOUETTE_SIDE as f32) * pixel;
-                if beside.abs() < half {
+                let beside = ((column as f32 + 0.5 - 0.5 * SILHOUETTE_SIDE as f32) * pixel).abs();
+                let is_body = beside < half;
+                let above_shoulders = below_top < shape.shoulder_drop;
+                if is_body {
                     let round = 1.0 - libm::sqrtf(1.0 - (beside / half) * (beside / half));
-                    *value = 1.0 + round * shape.torso_depth / DISTANCE;
-                    body = body.saturating_add(1);
+                    value.depth = 1.0 + round * shape.torso_depth / DISTANCE;
+                }
+                let is_left = column < SILHOUETTE_SIDE / 2;
+                value.area = match (is_body, above_shoulders && beside < shape.shoulders, is_left) {
+                    (true, _, _) if above_shoulders => Area::Head,
+                    (true, _, _) => Area::Torso,
+                    (false, true, true) => Area::LeftOfHead,
+                    (false, true, false) => Area::RightOfHead,
+                    (false, false, _) => Area::BesideTorso,
+                };
+                if let Some(size) = sizes.get_mut(value.area.index()) {
+                    *size = size.saturating_add(1);
                 }
             }
         }
-        Self { rows, body, head_row: shape.above_head / pixel }
+        Self { rows, sizes, head_row: shape.above_head / pixel }
     }
 
     /// Row by row from the top.
     #[must_use]
-    pub const fn rows(&self) -> &[[f32; SILHOUETTE_SIDE]; SILHOUETTE_SIDE] {
+    pub const fn rows(&self) -> &[[SilhouettePixel; SILHOUETTE_SIDE]; SILHOUETTE_SIDE] {
         &self.rows
     }
 
-    /// Pixels of the body.
-    #[must_use]
-    pub const fn body(&self) -> u32 {
-        self.body
+    /// Pixels of each area.
+    pub(super) const fn sizes(&self) -> [u32; AREAS] {
+        self.sizes
     }
 
     /// Row in which the head begins.
@@ -112,7 +173,7 @@ impl Silhouette {
 
 impl Default for Silhouette {
     fn default() -> Self {
-        Self::new(&SilhouetteShape::PERSON)
+        Self::new(&SilhouetteShape::ADULT_FRONT)
     }
 }
 
@@ -123,7 +184,8 @@ mod tests {
     #[test]
     fn a_head_a_neck_and_shoulders_in_mirror_symmetry() {
         let silhouette = Silhouette::default();
-        let widths = silhouette.rows().map(|row| row.iter().filter(|value| **value > 0.0).count());
+        let is_body = |pixel: &SilhouettePixel| pixel.depth > 0.0;
+        let widths = silhouette.rows().map(|row| row.iter().filter(|pixel| is_body(pixel)).count());
         let head = *widths[5..16].iter().max().unwrap();
         let neck = *widths[15..18].iter().min().unwrap();
         assert_eq!(widths[..5], [0; 5]);
@@ -132,9 +194,11 @@ mod tests {
         for row in silhouette.rows() {
             let mut mirrored = *row;
             mirrored.reverse();
-            assert!(row.iter().zip(mirrored).all(|(a, b)| (a - b).abs() < 1e-6));
+            assert!(row.iter().zip(mirrored).all(|(a, b)| (a.depth - b.depth).abs() < 1e-6));
         }
-        let share = silhouette.body() as f32 / 900.0;
+        let [head, torso, left, right, _] = silhouette.sizes();
+        assert!(head > 60 && left > 60 && left == right, "{head} {left} {right}");
+        let share = (head + torso) as f32 / 900.0;
         assert!((0.35..0.55).contains(&share), "{share}");
     }
 }

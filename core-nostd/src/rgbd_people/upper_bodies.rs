@@ -1,14 +1,17 @@
 //! Upper bodies: regions → crops at three sizes → heads → silhouette → one detection each.
 
+use heapless::Vec;
+
 use super::contour::heads;
-use super::crop::{Crop, CropPlace};
+use super::crop::{Crop, CropPlace, HEAD_IN_CROP};
 use super::detection::{RgbdCounters, RgbdDetection, RgbdKind, turned_covariance};
 use super::floor_frame::{CameraMount, FloorFrame};
-use super::matching::{Fit, best_fit};
+use super::matching::{Fit, coarse_fit, fine_fit};
 use super::parameters::RgbdParameters;
 use super::regions::{Region, Regions};
-use super::silhouette::{SILHOUETTE_SIDE, Silhouette};
+use super::silhouette::{SILHOUETTE_SIDE, Silhouette, SilhouetteShape};
 use super::suppression::{Candidates, insert, is_same};
+use crate::capacities::RGBD_HEADS_MAX;
 use crate::sensing::DepthImage;
 
 /// From the surface that the camera sees to the middle of a body, metres.
@@ -17,13 +20,17 @@ const HALF_BODY_M: f32 = 0.12;
 const POSE_M: [f32; 2] = [0.07, 0.05];
 /// Bodies for which the size of the silhouette is drawn, metres.
 const BODY_M: [f32; 2] = [1.1, 1.95];
+/// Below this height a body has a child's proportions, metres.
+const CHILD_M: f32 = 1.35;
 /// Fewest pixels of a region, of those that are looked at.
 const PIXELS_MIN: u32 = 60;
 
 /// Working memory of the search.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct UpperBodies {
-    silhouette: Silhouette,
+    /// From the front and from the side.
+    adults: [Silhouette; 2],
+    children: [Silhouette; 2],
     crop: Crop,
     candidates: Candidates,
 }
@@ -37,6 +44,18 @@ pub(super) struct Scene<'a> {
     pub parameters: RgbdParameters,
 }
 
+impl Default for UpperBodies {
+    fn default() -> Self {
+        let draw = |shapes: [SilhouetteShape; 2]| shapes.map(|shape| Silhouette::new(&shape));
+        Self {
+            adults: draw([SilhouetteShape::ADULT_FRONT, SilhouetteShape::ADULT_SIDE]),
+            children: draw([SilhouetteShape::CHILD_FRONT, SilhouetteShape::CHILD_SIDE]),
+            crop: Crop::default(),
+            candidates: Candidates::new(),
+        }
+    }
+}
+
 impl UpperBodies {
     /// Finds the people of all regions; best first.
     pub(super) fn find(
@@ -47,7 +66,7 @@ impl UpperBodies {
     ) -> &[RgbdDetection] {
         self.candidates.clear();
         let rules = scene.parameters.upper_body;
-        let [top_min, top_max] = rules.top_m;
+        let [top_min, _] = rules.top_m;
         for region in &regions.found {
             counters.regions = counters.regions.saturating_add(1);
             if region.pixels < PIXELS_MIN {
@@ -55,44 +74,81 @@ impl UpperBodies {
             } else if !(region.top_m > top_min && region.top_m < rules.structure_m + 0.05) {
                 counters.wrong_top = counters.wrong_top.saturating_add(1);
             } else {
-                let body_m = region.top_m.clamp(BODY_M[0], BODY_M[1].min(top_max));
-                for scale in rules.scales {
-                    self.search(scene, (region, regions), body_m * scale, counters);
-                }
+                self.search(scene, (region, regions), counters);
             }
         }
         self.suppress(rules.overlap_max, counters);
         &self.candidates
     }
 
-    /// Tries all heads of one region at one size.
+    /// Finds the heads in the outline of one region and tries each at its own size.
     fn search(
         &mut self,
         scene: &Scene<'_>,
         (region, regions): (&Region, &Regions),
-        body_m: f32,
         counters: &mut RgbdCounters,
     ) {
         let rules = scene.parameters.upper_body;
-        let Some(place) = CropPlace::around(region, &scene.frame, body_m) else {
+        let Some(place) = CropPlace::around(region, &scene.frame, body_m(region.top_m)) else {
             counters.out_of_view = counters.out_of_view.saturating_add(1);
             return;
         };
         self.crop.fill(&place, (&scene.image, &scene.frame), (region, regions), &rules);
-        for head in heads(&self.crop, place.size, &mut counters.dropped) {
-            counters.heads = counters.heads.saturating_add(1);
-            let Some(fit) = best_fit(&self.crop, &self.silhouette, head) else {
-                counters.unseen = counters.unseen.saturating_add(1);
-                continue;
-            };
-            let detection = detection(scene, &place, &fit, self.silhouette.head_row());
-            let [top_min, top_max] = rules.top_m;
-            if fit.score >= rules.score_max || !(detection.top_m > top_min && detection.top_m < top_max) {
-                counters.no_silhouette = counters.no_silhouette.saturating_add(1);
-            } else if insert(&mut self.candidates, detection) {
-                counters.dropped = counters.dropped.saturating_add(1);
+        let heads = heads(&self.crop, place.size, &mut counters.dropped);
+        let mut tops: Vec<([f32; 2], f32), RGBD_HEADS_MAX> = Vec::new();
+        for head in &heads {
+            let top = place.pixel(head.0 as f32 + 0.5, head.1 as f32);
+            match self.crop.head_depth_m(*head) {
+                // There are at most as many tops as heads: a push cannot fail.
+                Some(depth_m) => drop(tops.push((top, depth_m))),
+                None => counters.unseen = counters.unseen.saturating_add(1),
             }
         }
+        for top in &tops {
+            counters.heads = counters.heads.saturating_add(1);
+            match self.try_head(scene, (region, regions), *top) {
+                None => counters.unseen = counters.unseen.saturating_add(1),
+                Some(detection) => {
+                    let [top_min, top_max] = rules.top_m;
+                    let stands = detection.top_m > top_min && detection.top_m < top_max;
+                    if detection.score >= rules.score_max || !stands {
+                        counters.no_silhouette = counters.no_silhouette.saturating_add(1);
+                    } else if insert(&mut self.candidates, detection) {
+                        counters.dropped = counters.dropped.saturating_add(1);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The best fit of the silhouette at one head, over a few sizes around the one that its height suggests.
+    fn try_head(
+        &mut self,
+        scene: &Scene<'_>,
+        of: (&Region, &Regions),
+        (top, depth_m): ([f32; 2], f32),
+    ) -> Option<RgbdDetection> {
+        let rules = scene.parameters.upper_body;
+        let [u, v] = top;
+        let height_m = body_m(scene.frame.point(u, v, depth_m).height_m);
+        let place = CropPlace::at_head(top, &scene.frame, (depth_m, height_m))?;
+        self.crop.fill(&place, (&scene.image, &scene.frame), of, &rules);
+        let silhouettes = if height_m < CHILD_M { &self.children } else { &self.adults };
+        let coarse = silhouettes.iter().filter_map(|silhouette| {
+            coarse_fit(&self.crop, silhouette, HEAD_IN_CROP).map(|fit| (fit, silhouette))
+        });
+        let (coarse, silhouette) = coarse.min_by(|(a, _), (b, _)| a.score.total_cmp(&b.score))?;
+        let mut best: Option<(Fit, CropPlace)> = None;
+        for scale in rules.scales {
+            let place = CropPlace::at_head(top, &scene.frame, (depth_m, height_m * scale))?;
+            self.crop.fill(&place, (&scene.image, &scene.frame), of, &rules);
+            if let Some(fit) = fine_fit(&self.crop, silhouette, coarse.corner)
+                && best.is_none_or(|(best, _)| fit.score < best.score)
+            {
+                best = Some((fit, place));
+            }
+        }
+        best.map(|(fit, place)| detection(scene, &place, &fit, silhouette.head_row()))
     }
 
     /// Keeps the best of everybody; the list is sorted by score.
@@ -107,6 +163,12 @@ impl UpperBodies {
         }
         self.candidates = kept;
     }
+}
+
+/// A body's height within what silhouettes are drawn for, metres.
+fn body_m(top_m: f32) -> f32 {
+    let [least, most] = BODY_M;
+    top_m.clamp(least, most)
 }
 
 /// Place, doubt and belief of a fit; the head begins in row `head_row` of the silhouette.
@@ -141,6 +203,7 @@ fn detection(scene: &Scene<'_>, place: &CropPlace, fit: &Fit, head_row: f32) -> 
         top_m,
         confidence: 1.0 / (1.0 + libm::expf((fit.score - even) / width.max(1.0e-3))),
         score: fit.score,
+        differences: fit.differences,
         seen_share: fit.seen_share,
         first_px: [pixel(left), pixel(top)],
         last_px: [pixel(right), pixel(bottom)],

@@ -22,6 +22,7 @@ fn main() -> ExitCode {
         "crowds" => floorguard_tests::crowds::crowds(trials, folder),
         "environment" => floorguard_tests::environment::environment(trials, folder),
         "dirt" => floorguard_tests::dirt::dirt(trials, folder),
+        "rgbd-people" => floorguard_tests::rgbd::rgbd_people(trials, folder),
         other => {
             eprintln!("no experiment is called '{other}'");
             return ExitCode::from(2);

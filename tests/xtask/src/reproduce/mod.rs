@@ -29,6 +29,8 @@ enum Experiment {
     Environment,
     /// Dirt on six floors, published detector against ours; spills found by the map.
     Dirt,
+    /// People in depth pictures of simulated rooms, both profiles.
+    RgbdPeople,
 }
 
 /// Builds and runs the experiments. True if everything that must show did.
@@ -39,6 +41,7 @@ pub fn run(options: &Options) -> Result<bool> {
         Experiment::Crowds => ("crowds", 5),
         Experiment::Environment => ("environment", 20),
         Experiment::Dirt => ("dirt", 4),
+        Experiment::RgbdPeople => ("rgbd-people", 100),
     };
     let trials = options.trials.unwrap_or(trials);
     let folder = shell::root().join("target/reproduce").join(name);
