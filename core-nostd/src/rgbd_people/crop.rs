@@ -15,10 +15,10 @@ use crate::sensing::DepthImage;
 /// What a pixel of a crop shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum CropPixel {
-    /// Outside of the picture.
+    /// Out of view: outside of the picture, or hidden by something nearer.
     #[default]
     Outside,
-    /// Nobody knows: no return, or hidden by something nearer.
+    /// Nobody knows: no return.
     Unknown,
     /// Something behind or beside the region.
     Behind,
@@ -136,7 +136,7 @@ impl Crop {
                 *out = if is_body {
                     CropPixel::Body(depth_mm)
                 } else if depth_m < hidden_m {
-                    CropPixel::Unknown
+                    CropPixel::Outside
                 } else {
                     CropPixel::Behind
                 };
