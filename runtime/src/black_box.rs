@@ -4,6 +4,7 @@
 //! it on request. Entries are small and typed, so that the ring costs a copy of a few words per tick.
 
 use floorguard_core::time::Stamp;
+use heapless::Vec;
 
 /// Ten seconds at one entry per 10 ms tick, plus room for 24 events a second between the ticks.
 pub const BLACK_BOX_ENTRIES: usize = 1_240;
@@ -11,7 +12,7 @@ pub const BLACK_BOX_ENTRIES: usize = 1_240;
 /// A ring of stamped entries.
 #[derive(Clone, Debug)]
 pub struct BlackBox<T, const N: usize = BLACK_BOX_ENTRIES> {
-    entries: [Option<(Stamp, T)>; N],
+    entries: Vec<(Stamp, T), N>,
     next: usize,
     written: u64,
 }
@@ -20,13 +21,15 @@ impl<T: Copy, const N: usize> BlackBox<T, N> {
     /// An empty ring.
     #[must_use]
     pub const fn new() -> Self {
-        Self { entries: [None; N], next: 0, written: 0 }
+        Self { entries: Vec::new(), next: 0, written: 0 }
     }
 
     /// Appends an entry; the oldest one makes room.
     pub fn record(&mut self, stamp: Stamp, entry: T) {
-        if let Some(slot) = self.entries.get_mut(self.next) {
-            *slot = Some((stamp, entry));
+        if let Err(entry) = self.entries.push((stamp, entry))
+            && let Some(slot) = self.entries.get_mut(self.next)
+        {
+            *slot = entry;
         }
         self.next = self.next.saturating_add(1).checked_rem(N).unwrap_or(0);
         self.written = self.written.saturating_add(1);
@@ -34,8 +37,8 @@ impl<T: Copy, const N: usize> BlackBox<T, N> {
 
     /// All entries, oldest first.
     pub fn iter(&self) -> impl Iterator<Item = (Stamp, T)> + '_ {
-        let (newer, older) = self.entries.split_at(self.next.min(N));
-        older.iter().chain(newer).flatten().copied()
+        let (newer, older) = self.entries.split_at(self.next.min(self.entries.len()));
+        older.iter().chain(newer).copied()
     }
 
     /// Entries ever written; those before the last `N` are gone.

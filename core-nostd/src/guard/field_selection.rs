@@ -80,16 +80,20 @@ pub fn travel_of(twist: Twist2) -> Option<Travel> {
 }
 
 impl FieldSelection {
+    /// There is no set.
+    pub(super) const NONE: Self = Self {
+        active: 0,
+        candidate: None,
+        candidate_clear_since: Stamp::ZERO,
+        held_cap_mps: 0.0,
+        held_until: Stamp::ZERO,
+    };
+
     /// Starts with the slowest straight set.
     #[must_use]
     pub fn new(sets: &Vec<FieldSet, FIELD_SETS_MAX>, now: Stamp) -> Self {
-        Self {
-            active: pick(sets, Travel::Straight, 0.0),
-            candidate: None,
-            candidate_clear_since: now,
-            held_cap_mps: 0.0,
-            held_until: now,
-        }
+        let active = pick(sets, Travel::Straight, 0.0);
+        Self { active, candidate_clear_since: now, held_until: now, ..Self::NONE }
     }
 
     /// Follows the motion. `activation_us`: how long a set is watched before its speed is allowed (FG-REQ-022).

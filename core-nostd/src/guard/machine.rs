@@ -36,10 +36,14 @@ pub struct Verdict {
 }
 
 impl DecisionMachine {
+    /// Nothing holds.
+    pub(super) const IDLE: Self =
+        Self { held: HeldCauses::new(), first_stop: None, reset_since: None, resets: 0 };
+
     /// Nothing holds but the start-up check.
     #[must_use]
     pub fn new(now: Stamp) -> Self {
-        let mut machine = Self { held: HeldCauses::new(), first_stop: None, reset_since: None, resets: 0 };
+        let mut machine = Self::IDLE;
         machine.raise(CauseRecord::new(Cause::StartUp, now));
         machine
     }

@@ -18,6 +18,8 @@ pub struct Persistence {
 }
 
 impl Persistence {
+    const NEVER: Self = Self { since: None };
+
     /// The condition has been true for at least `hold_us`.
     pub fn check(&mut self, condition: bool, (hold_us, now): (u64, Stamp)) -> bool {
         if !condition {
@@ -42,6 +44,11 @@ pub struct Motion {
     pub steering_rad: f32,
 }
 
+impl Motion {
+    /// Nothing moves.
+    pub const STILL: Self = Self { wheels: Twist2::ZERO, gyro_radps: 0.0, drive_mps: 0.0, steering_rad: 0.0 };
+}
+
 /// What is remembered between checks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotionChecks {
@@ -55,6 +62,17 @@ pub struct MotionChecks {
 }
 
 impl MotionChecks {
+    /// Nothing to remember.
+    pub const NONE: Self = Self {
+        envelope_mps: 0.0,
+        checked_at: Stamp::ZERO,
+        falling: Persistence::NEVER,
+        overspeed: Persistence::NEVER,
+        speed: Persistence::NEVER,
+        turn: Persistence::NEVER,
+        steering: Persistence::NEVER,
+    };
+
     /// The braking envelope: what the robot may still do while it obeys `permitted_mps`. After the response time it
     /// falls with the braking that is always reached; a robot above it does not obey (FG-REQ-050).
     pub fn follow(&mut self, permitted_mps: f32, (braking_mps2, response_us): (f32, u64), now: Stamp) {

@@ -1,8 +1,7 @@
 //! Lidar packet against the protective field: two comparisons and one product per return, decided within the packet.
 
-use super::scan_check::Blocked;
 use crate::geometry::Point2;
-use crate::protection::{BIN_CDEG, Bin, Body, PacketTable};
+use crate::protection::{BIN_CDEG, Bin, Blocked, Body, PacketTable};
 use crate::sensing::{LidarColumn, LidarPacket};
 
 /// Azimuth over which a lidar may return nothing at all before it counts as blind, hundredths of a degree: a wall of
@@ -68,21 +67,5 @@ impl PacketTable {
                 finding.blocked.add(Point2::new(x_m, y_m), body);
             }
         }
-    }
-}
-
-/// Azimuth that a packet covers without a single return, hundredths of a degree; 0 when it has returns.
-#[must_use]
-pub fn silent_cdeg(packet: &LidarPacket) -> u32 {
-    let has_return = packet.columns.iter().any(|column| column.range_raw.iter().any(|raw| *raw != 0));
-    match (packet.columns.first(), packet.columns.last()) {
-        (Some(first), Some(last)) if !has_return => {
-            let span = u32::from(last.azimuth_cdeg)
-                .saturating_add(36_000)
-                .saturating_sub(u32::from(first.azimuth_cdeg));
-            // One column more than the difference of the first and the last.
-            (span % 36_000).saturating_add(20)
-        }
-        _ => 0,
     }
 }

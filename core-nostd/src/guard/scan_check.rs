@@ -1,32 +1,13 @@
 //! Safety scanner against the fields: one comparison per beam and field (algorithms M.1, N.9).
 
 use crate::geometry::Point2;
-use crate::protection::{Body, ScanTable};
+use crate::protection::{Blocked, Body, ScanTable};
 use crate::sensing::{BeamReturn, Scan};
 
 /// Share of silent beams that counts as blocked, percent (algorithms M.1).
 pub const SILENT_PERCENT_MAX: f32 = 5.0;
 /// Angle of adjacent silent beams that counts as blocked, radians: 3°.
 pub const SILENT_RUN_RAD: f32 = 3.0 * crate::units::RADIANS_PER_DEGREE;
-
-/// In which directions the robot would come nearer to a piece of evidence.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Blocked {
-    /// Driving straight forward.
-    pub forward: bool,
-    /// Driving straight backward.
-    pub backward: bool,
-}
-
-impl Blocked {
-    /// Adds a point in the robot frame. Driving backward cannot shorten the distance from the body's box to a point
-    /// unless it lies behind the rear edge, or inside the box; forward alike (FG-REQ-040).
-    pub fn add(&mut self, point: Point2, body: &Body) {
-        let touching = body.distance_m(point) <= 0.0;
-        self.forward |= touching || point.x_m > body.x_m[1];
-        self.backward |= touching || point.x_m < body.x_m[0];
-    }
-}
 
 /// What one scan says about one field set.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -22,6 +22,10 @@ pub struct SourceMonitor {
 }
 
 impl SourceMonitor {
+    /// Nothing arrived yet.
+    pub const UNKNOWN: Self =
+        Self { newest: None, ahead_us: 0, fault: None, blind: false, fingerprint: 0, identical: 0 };
+
     /// Books a sample. `fingerprint` sums up its content; equal content counts towards frozen (FG-REQ-015). `false`: the stamp
     /// comes from the future, the sample proves nothing (FG-REQ-011).
     pub fn accept(&mut self, stamp: Stamp, fingerprint: u32, now: Stamp) -> bool {

@@ -4,10 +4,9 @@ use super::field_selection::FieldSelection;
 use super::machine::DecisionMachine;
 use super::motion_checks::{Motion, MotionChecks};
 use super::rules::STOP_QUIET_US;
-use super::scan_check::Blocked;
 use super::source_monitor::SourceMonitor;
 use crate::geometry::Twist2;
-use crate::protection::{GuardConfig, Source};
+use crate::protection::{Blocked, GuardConfig, Source};
 use crate::time::{Age, Stamp};
 
 /// Evidence of an obstacle in a direction counts as long as the stop that it caused, microseconds: leaving towards
@@ -34,24 +33,28 @@ pub struct State {
 }
 
 impl State {
-    /// Nothing is known.
+    /// Nothing is known, not even the robot.
+    pub(super) const UNKNOWN: Self = Self {
+        monitors: [SourceMonitor::UNKNOWN; Source::COUNT],
+        machine: DecisionMachine::IDLE,
+        selection: FieldSelection::NONE,
+        motion: Motion::STILL,
+        checks: MotionChecks::NONE,
+        wanted: Twist2::ZERO,
+        permitted: Twist2::ZERO,
+        decided_at: Stamp::ZERO,
+        started: false,
+        scans_with_hit: 0,
+        packet_returns: 0,
+        silent_cdeg: 0,
+        blocked_forward: None,
+        blocked_backward: None,
+    };
+
+    /// Nothing but the robot is known.
     pub(super) fn new(config: &GuardConfig, now: Stamp) -> Self {
-        Self {
-            monitors: [SourceMonitor::default(); Source::COUNT],
-            machine: DecisionMachine::new(now),
-            selection: FieldSelection::new(&config.fields, now),
-            motion: Motion::default(),
-            checks: MotionChecks::default(),
-            wanted: Twist2::ZERO,
-            permitted: Twist2::ZERO,
-            decided_at: now,
-            started: false,
-            scans_with_hit: 0,
-            packet_returns: 0,
-            silent_cdeg: 0,
-            blocked_forward: None,
-            blocked_backward: None,
-        }
+        let selection = FieldSelection::new(&config.fields, now);
+        Self { machine: DecisionMachine::new(now), selection, decided_at: now, ..Self::UNKNOWN }
     }
 
     /// Becomes equal to another one. By fields: the machine's table is large and mostly without meaning.

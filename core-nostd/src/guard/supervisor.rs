@@ -1,7 +1,7 @@
 //! The supervisor: takes evidence, answers with what is permitted. Time-driven: every input and every 10 ms tick leads
 //! to a decision, whether or not anybody commands (FG-REQ-007).
 
-use super::packet_check::{BLIND_RUN_CDEG, silent_cdeg};
+use super::packet_check::BLIND_RUN_CDEG;
 use super::scan_check::ScanFinding;
 use super::source_monitor::SourceMonitor;
 use super::state::State;
@@ -10,7 +10,9 @@ use crate::protection::{
     Advice, Body, Cause, CauseRecord, Decision, FaultKind, GuardConfig, GuardConfigError, Integrity,
     PacketTable, ScanTable, Source, SourceReport, Unit,
 };
-use crate::sensing::{DiscreteInputs, DriveFeedback, DriveState, ImuSample, LidarPacket, SafetyInput, Scan};
+use crate::sensing::{
+    DiscreteInputs, DriveFeedback, DriveState, ImuSample, LidarPacket, SafetyInput, Scan, silent_cdeg,
+};
 use crate::time::Stamp;
 
 /// Decides. About 60 KiB of tables on the MCU: keep it in a static.
@@ -26,25 +28,42 @@ pub struct Supervisor {
 }
 
 impl Supervisor {
-    /// Checks the configuration and precomputes the tables. Nothing moves before every required source was healthy.
+    /// Knows no robot and lets nothing move: a place for [`Self::configure`], which needs none on the stack.
+    pub const UNCONFIGURED: Self = Self {
+        config: GuardConfig::NONE,
+        body: Body { x_m: [0.0; 2], y_m: [0.0; 2] },
+        scan_table: ScanTable::EMPTY,
+        packet_table: PacketTable::EMPTY,
+        integrity: Integrity::NONE,
+        state: State::UNKNOWN,
+        copy: State::UNKNOWN,
+    };
+
+    /// A configured guard, by value.
     ///
     /// # Errors
-    /// The first rule that the configuration breaks.
+    /// As [`Self::configure`].
     pub fn new(config: GuardConfig, now: Stamp) -> Result<Self, GuardConfigError> {
+        let mut guard = Self::UNCONFIGURED;
+        guard.configure(config, now)?;
+        Ok(guard)
+    }
+
+    /// Checks the configuration and precomputes the tables where they stay. What was known before is forgotten; nothing
+    /// moves before every required source was healthy.
+    ///
+    /// # Errors
+    /// The first rule that the configuration breaks; then nothing is changed.
+    pub fn configure(&mut self, config: GuardConfig, now: Stamp) -> Result<(), GuardConfigError> {
         config.validate()?;
-        let state = State::new(&config, now);
-        let body = Body::around(&config.footprint);
-        let scan_table = ScanTable::new(&config.scanner, &config.fields);
-        let packet_table = PacketTable::new(&config.lidar, &config.fields);
-        Ok(Self {
-            integrity: Integrity::of(&config, body, (&scan_table, &packet_table)),
-            body,
-            scan_table,
-            packet_table,
-            config,
-            state,
-            copy: state,
-        })
+        self.body = Body::around(&config.footprint);
+        self.scan_table.fill(&config.scanner, &config.fields);
+        self.packet_table.fill(&config.lidar, &config.fields);
+        self.integrity.remember(&config, self.body, (&self.scan_table, &self.packet_table));
+        self.state = State::new(&config, now);
+        self.copy = self.state;
+        self.config = config;
+        Ok(())
     }
 
     /// A scan of the safety scanner.
@@ -203,7 +222,7 @@ impl Supervisor {
     pub fn health(&self) -> [SourceReport; Source::COUNT] {
         let now = self.state.decided_at;
         Source::ALL.map(|source| {
-            let monitor = self.state.monitors.get(source.index()).copied().unwrap_or_default();
+            let monitor = self.state.monitors.get(source.index()).copied().unwrap_or(SourceMonitor::UNKNOWN);
             let rules = self.config.rules(source);
             SourceReport {
                 source,

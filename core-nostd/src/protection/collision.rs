@@ -73,6 +73,25 @@ impl Body {
     }
 }
 
+/// In which directions the robot would come nearer to a piece of evidence.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Blocked {
+    /// Driving straight forward.
+    pub forward: bool,
+    /// Driving straight backward.
+    pub backward: bool,
+}
+
+impl Blocked {
+    /// Adds a point in the robot frame. Driving backward cannot shorten the distance from the body's box to a point
+    /// unless it lies behind the rear edge, or inside the box; forward alike (FG-REQ-040).
+    pub fn add(&mut self, point: Point2, body: &Body) {
+        let touching = body.distance_m(point) <= 0.0;
+        self.forward |= touching || point.x_m > body.x_m[1];
+        self.backward |= touching || point.x_m < body.x_m[0];
+    }
+}
+
 /// Seconds until a point at `p` moving with `u` relative to us is within `radius_m`; 0 when it is, infinite when it
 /// never will be.
 #[must_use]

@@ -61,6 +61,17 @@ pub struct ScannerGeometry {
     pub sector_rad: [f32; 2],
 }
 
+impl ScannerGeometry {
+    /// There is no beam.
+    pub const NONE: Self = Self {
+        mounting: Pose2 { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 },
+        first_angle_rad: 0.0,
+        step_rad: 0.0,
+        beams: 0,
+        sector_rad: [0.0; 2],
+    };
+}
+
 /// Where the lidar looks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LidarGeometry {
@@ -126,24 +137,29 @@ pub struct Thresholds {
     pub disagreement_us: u64,
 }
 
+impl Thresholds {
+    /// The values of algorithms M.1, M.3 and M.5.
+    pub const DEFAULT: Self = Self {
+        scanner_response_s: 0.08,
+        scan_adjacent_beams: 2,
+        scan_consecutive: 2,
+        packet_returns: 6,
+        field_activation_us: 120_000,
+        warning_speed_mps: 0.3,
+        person_speed_mps: 0.3,
+        person_near_m: 1.2,
+        escape_speed_mps: 0.1,
+        emergency_action: Action::Category0,
+        overspeed_us: 100_000,
+        speed_disagreement_mps: 0.25,
+        turn_disagreement_radps: 0.3,
+        disagreement_us: 500_000,
+    };
+}
+
 impl Default for Thresholds {
     fn default() -> Self {
-        Self {
-            scanner_response_s: 0.08,
-            scan_adjacent_beams: 2,
-            scan_consecutive: 2,
-            packet_returns: 6,
-            field_activation_us: 120_000,
-            warning_speed_mps: 0.3,
-            person_speed_mps: 0.3,
-            person_near_m: 1.2,
-            escape_speed_mps: 0.1,
-            emergency_action: Action::Category0,
-            overspeed_us: 100_000,
-            speed_disagreement_mps: 0.25,
-            turn_disagreement_radps: 0.3,
-            disagreement_us: 500_000,
-        }
+        Self::DEFAULT
     }
 }
 
@@ -167,6 +183,30 @@ pub struct GuardConfig {
 }
 
 impl GuardConfig {
+    /// No robot: it may not move, and every sensor is missing. What the guard has before it is configured.
+    pub const NONE: Self = Self {
+        footprint: Vec::new(),
+        fields: Vec::new(),
+        scanner: ScannerGeometry::NONE,
+        lidar: LidarGeometry {
+            mounting: Transform3::IDENTITY,
+            elevations_rad: Vec::new(),
+            self_mask: Vec::new(),
+            floor_clearance_m: 0.0,
+            body_height_m: 0.0,
+        },
+        drive: DriveLimits {
+            speed_mps: 0.0,
+            turn_radps: 0.0,
+            acceleration_mps2: 0.0,
+            braking_mps2: 0.0,
+            response_s: 0.0,
+            wheelbase_m: 1.0,
+        },
+        thresholds: Thresholds::DEFAULT,
+        sources: Self::default_sources(),
+    };
+
     /// Deadlines of algorithms M.5, in the order of [`Source::ALL`].
     #[must_use]
     pub const fn default_sources() -> [SourceRules; Source::COUNT] {

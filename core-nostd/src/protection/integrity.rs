@@ -25,14 +25,21 @@ pub struct Integrity {
 }
 
 impl Integrity {
+    /// Knows nothing: no tables have this sum.
+    pub const NONE: Self = Self {
+        sums: [0; PARTS],
+        config: GuardConfig::NONE,
+        body: Body { x_m: [0.0; 2], y_m: [0.0; 2] },
+        next: 0,
+    };
+
     /// Remembers them.
-    #[must_use]
-    pub fn of(config: &GuardConfig, body: Body, tables: (&ScanTable, &PacketTable)) -> Self {
-        let mut sums = [0; PARTS];
-        for (part, sum) in sums.iter_mut().enumerate() {
+    pub fn remember(&mut self, config: &GuardConfig, body: Body, tables: (&ScanTable, &PacketTable)) {
+        for (part, sum) in self.sums.iter_mut().enumerate() {
             *sum = sum_of(part, tables);
         }
-        Self { sums, config: config.clone(), body, next: 0 }
+        self.config.clone_from(config);
+        (self.body, self.next) = (body, 0);
     }
 
     /// Looks at the next part; `false` when something changed. The configuration is a part of its own.

@@ -40,21 +40,16 @@ pub struct PacketTable {
 }
 
 impl PacketTable {
-    /// Precomputes the limits.
-    #[must_use]
-    pub fn new(geometry: &LidarGeometry, sets: &[FieldSet]) -> Self {
-        let empty = Bin {
-            direction: Point2::default(),
-            plane_share: [0; PACKET_RINGS_MAX],
-            least_share: u16::MAX,
-            height_mm: [0; PACKET_RINGS_MAX],
-            own_mm: u16::MAX,
-            protective_mm: [0; FIELD_SETS_MAX],
-        };
+    /// No ray is known.
+    pub const EMPTY: Self = Self { bins: [Bin::EMPTY; BINS], origin: Point2::new(0.0, 0.0) };
+
+    /// Precomputes the limits, in place.
+    pub fn fill(&mut self, geometry: &LidarGeometry, sets: &[FieldSet]) {
         let translation = geometry.mounting.translation;
-        let mut table = Self { bins: [empty; BINS], origin: Point2::new(translation.x_m, translation.y_m) };
+        self.origin = Point2::new(translation.x_m, translation.y_m);
         let mut first_cdeg = 0_u16;
-        for bin in &mut table.bins {
+        for bin in &mut self.bins {
+            *bin = Bin { least_share: u16::MAX, own_mm: u16::MAX, ..Bin::EMPTY };
             for sample in 0..SAMPLES {
                 let step_cdeg = BIN_CDEG / (SAMPLES - 1);
                 let azimuth_cdeg = first_cdeg.saturating_add(sample.saturating_mul(step_cdeg));
@@ -62,11 +57,20 @@ impl PacketTable {
             }
             first_cdeg = first_cdeg.saturating_add(BIN_CDEG);
         }
-        table
     }
 }
 
 impl Bin {
+    /// Nothing but zeros, which take no room in a program.
+    const EMPTY: Self = Self {
+        direction: Point2::new(0.0, 0.0),
+        plane_share: [0; PACKET_RINGS_MAX],
+        least_share: 0,
+        height_mm: [0; PACKET_RINGS_MAX],
+        own_mm: 0,
+        protective_mm: [0; FIELD_SETS_MAX],
+    };
+
     /// Takes one ray into account: the field as large, the own body as small, as any ray of the bin has it.
     fn widen(&mut self, geometry: &LidarGeometry, sets: &[FieldSet], azimuth_cdeg: u16) {
         let azimuth_rad = -centidegrees_to_radians(azimuth_cdeg);

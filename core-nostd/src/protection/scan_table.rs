@@ -19,16 +19,22 @@ pub struct ScanTable {
 }
 
 impl ScanTable {
-    /// Precomputes the limits.
-    #[must_use]
-    pub fn new(geometry: &ScannerGeometry, sets: &[FieldSet]) -> Self {
-        let mut table = Self {
-            protective: [[0; SCAN_BEAMS_MAX]; FIELD_SETS_MAX],
-            warning: [[0; SCAN_BEAMS_MAX]; FIELD_SETS_MAX],
-            watched: [0; FIELD_SETS_MAX],
-            directions: [Point2::default(); SCAN_BEAMS_MAX],
-            geometry: *geometry,
-        };
+    /// No beam is watched.
+    pub const EMPTY: Self = Self {
+        protective: [[0; SCAN_BEAMS_MAX]; FIELD_SETS_MAX],
+        warning: [[0; SCAN_BEAMS_MAX]; FIELD_SETS_MAX],
+        watched: [0; FIELD_SETS_MAX],
+        directions: [Point2::new(0.0, 0.0); SCAN_BEAMS_MAX],
+        geometry: ScannerGeometry::NONE,
+    };
+
+    /// Precomputes the limits, in place.
+    pub fn fill(&mut self, geometry: &ScannerGeometry, sets: &[FieldSet]) {
+        let table = self;
+        for limits in table.protective.iter_mut().chain(&mut table.warning) {
+            limits.fill(0);
+        }
+        table.geometry = *geometry;
         for (beam, direction) in table.directions.iter_mut().enumerate() {
             let angle_rad = geometry.mounting.heading_rad + beam_angle_rad(geometry, beam);
             let (sin, cos) = libm::sincosf(angle_rad);
@@ -37,13 +43,12 @@ impl ScanTable {
         for (set, (protective, warning)) in
             sets.iter().zip(table.protective.iter_mut().zip(table.warning.iter_mut()))
         {
-            fill(protective, &set.protective, geometry, &table.directions);
-            fill(warning, &set.warning, geometry, &table.directions);
+            fill_limits(protective, &set.protective, geometry, &table.directions);
+            fill_limits(warning, &set.warning, geometry, &table.directions);
         }
         for (watched, limits) in table.watched.iter_mut().zip(&table.protective) {
             *watched = limits.iter().filter(|limit| **limit > 0).count() as u16;
         }
-        table
     }
 }
 
@@ -51,7 +56,7 @@ fn beam_angle_rad(geometry: &ScannerGeometry, beam: usize) -> f32 {
     geometry.first_angle_rad + beam as f32 * geometry.step_rad
 }
 
-fn fill(limits: &mut Limits, polygon: &Polygon, geometry: &ScannerGeometry, directions: &[Point2]) {
+fn fill_limits(limits: &mut Limits, polygon: &Polygon, geometry: &ScannerGeometry, directions: &[Point2]) {
     let origin = Point2::new(geometry.mounting.x_m, geometry.mounting.y_m);
     let [first_rad, last_rad] = geometry.sector_rad;
     for (beam, (limit_mm, direction)) in limits.iter_mut().zip(directions).enumerate().take(geometry.beams) {

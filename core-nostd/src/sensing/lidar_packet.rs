@@ -77,3 +77,19 @@ impl LidarPacket {
         }
     }
 }
+
+/// Azimuth that a packet covers without a single return, hundredths of a degree; 0 when it has returns.
+#[must_use]
+pub fn silent_cdeg(packet: &LidarPacket) -> u32 {
+    let has_return = packet.columns.iter().any(|column| column.range_raw.iter().any(|raw| *raw != 0));
+    match (packet.columns.first(), packet.columns.last()) {
+        (Some(first), Some(last)) if !has_return => {
+            let span = u32::from(last.azimuth_cdeg)
+                .saturating_add(36_000)
+                .saturating_sub(u32::from(first.azimuth_cdeg));
+            // One column more than the difference of the first and the last.
+            (span % 36_000).saturating_add(20)
+        }
+        _ => 0,
+    }
+}

@@ -12,7 +12,7 @@ mod sweep;
 pub use color_image::ColorImage;
 pub use depth_image::{DepthImage, WrongImageSize};
 pub use discrete::{DiscreteInputs, SafetyInput};
-pub use lidar_packet::{LidarColumn, LidarPacket, Reflectivity};
+pub use lidar_packet::{LidarColumn, LidarPacket, Reflectivity, silent_cdeg};
 pub use motion_samples::{DriveFeedback, DriveState, ImuSample, WheelSample};
 pub use pinhole::PinholeCamera;
 pub use scan::{BeamReturn, Scan};

@@ -23,6 +23,7 @@ use floorguard_core::geometry::Twist2;
 use floorguard_core::guard::{Advice, Decision, GuardConfig, GuardConfigError, Supervisor};
 use floorguard_core::sensing::{LidarPacket, Scan};
 use floorguard_core::time::Stamp;
+use heapless::Vec;
 
 use crate::channel::{Belt, Latest, Queue};
 
@@ -43,6 +44,12 @@ pub struct QueuedPacket {
 impl QueuedPacket {
     /// Nothing. A place to decode into.
     pub const EMPTY: Self = Self { packet: LidarPacket::EMPTY, lost_before: 0 };
+
+    /// Nothing but zeros, which take no room in a program: a place to decode into, too.
+    const BLANK: Self = Self {
+        packet: LidarPacket { stamp: Stamp::ZERO, range_unit_mm: 0, rings: 0, columns: Vec::new() },
+        lost_before: 0,
+    };
 
     /// Becomes equal to another one without a copy on the way.
     pub fn copy_from(&mut self, other: &Self) {
@@ -92,11 +99,20 @@ impl<M: RawMutex> Shared<M> {
     /// # Errors
     /// The guard refuses its configuration.
     pub fn new(config: GuardConfig, motion: Motion, now: Stamp) -> Result<Self, GuardConfigError> {
-        Ok(Self {
-            guard: Mutex::new(RefCell::new(Supervisor::new(config, now)?)),
+        let shared = Self::unconfigured(motion);
+        shared.configure(config, now)?;
+        Ok(shared)
+    }
+
+    /// The same with a guard that lets nothing move until [`Self::configure`]. The large parts are constants, so that a
+    /// static can be filled with it without a copy on the stack.
+    #[inline(never)]
+    pub fn unconfigured(motion: Motion) -> Self {
+        Self {
+            guard: const { Mutex::new(RefCell::new(Supervisor::UNCONFIGURED)) },
             motion: Mutex::new(RefCell::new(motion)),
             decision: Latest::new(),
-            packets: Belt::new([const { QueuedPacket::EMPTY }; PACKETS_QUEUED]),
+            packets: const { Belt::new([const { QueuedPacket::BLANK }; PACKETS_QUEUED]) },
             poses: Queue::new(),
             pose: Latest::new(),
             scan: Latest::new(),
@@ -111,7 +127,15 @@ impl<M: RawMutex> Shared<M> {
             paused: AtomicBool::new(false),
             records: Mutex::new(RefCell::new(records::Records::new())),
             links: Mutex::new(RefCell::new(LinkCounters::default())),
-        })
+        }
+    }
+
+    /// Tells the guard its robot, in place.
+    ///
+    /// # Errors
+    /// The guard refuses its configuration, and goes on as it was.
+    pub fn configure(&self, config: GuardConfig, now: Stamp) -> Result<(), GuardConfigError> {
+        self.guard.lock(|guard| guard.borrow_mut().configure(config, now))
     }
 
     /// Gives evidence to the guard and makes its answer known: to the drive, to the black box, to the list of stops.

@@ -12,7 +12,7 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 
 use crate::machine::{self, TARGET};
-use crate::shell;
+use crate::{shell, stack};
 
 /// The image that plays tapes.
 const TAPE_IMAGE: &str = "floorguard-mps2-an500-tape";
@@ -34,6 +34,17 @@ const BUDGETS: &[(&str, u64)] = &[
 /// Bytes of flash and of statics.
 const FLASH_MAX: u64 = 512 << 10;
 const RAM_MAX: u64 = 448 << 10;
+/// Bytes of stack: three quarters of what the chip has for it, SRAM1 to 3.
+const STACK_MAX: u64 = (288 << 10) / 4 * 3;
+/// Interrupt handlers of the images by level, the guard's executor first.
+const BOARD_HANDLERS: &[&[&str]] = &[
+    &["GUARD_EXECUTOR"],
+    &["ETHERNET", "UART0_RECEIVE", "UART0_TRANSMIT", "UART1_RECEIVE", "UART1_TRANSMIT", "UART2_RECEIVE"],
+    &["DUAL_TIMER"],
+    &["HardFault", "NonMaskableInt"],
+];
+const CHIP_HANDLERS: &[&[&str]] =
+    &[&["CEC"], &["ETH", "USART2", "USART6", "FDCAN1_IT0", "FDCAN1_IT1"], &["TIM2"], &["HardFault"]];
 
 /// What to play.
 #[derive(Args)]
@@ -51,7 +62,7 @@ pub struct Options {
     #[arg(long, default_value = "mps2-an500", value_parser = ["mps2-an500", "stm32h743"])]
     board: String,
     /// Over the board's devices instead of from a tape: UDP and serial lines, the simulator at their other end.
-    #[arg(long, conflicts_with = "update")]
+    #[arg(long)]
     wired: bool,
     /// Break the wired firmware on purpose, one fault after the other: each must stop the drives and tell its cause.
     #[arg(long, conflicts_with_all = ["update", "wired"])]
@@ -76,15 +87,26 @@ struct Cost {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Outcome {
     digest: String,
-    flash_bytes: u64,
-    ram_bytes: u64,
+    /// By image; the run itself knows one.
+    images: BTreeMap<String, Size>,
     instructions: BTreeMap<String, Cost>,
+}
+
+/// Bytes of an image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Size {
+    /// Program and constants.
+    flash_bytes: u64,
+    /// Statics.
+    ram_bytes: u64,
+    /// The deepest stack, start-up included; 0: not asked.
+    stack_bytes: u64,
 }
 
 /// Runs the command; false when host and board differ, or a count leaves its gate.
 pub fn run(options: &Options) -> Result<bool> {
     if options.board == "stm32h743" {
-        return link_for_the_chip();
+        return link_for_the_chip(options.update);
     }
     if !machine::has_emulator() && !machine::add_emulator()? {
         bail!(
@@ -117,7 +139,7 @@ pub fn run(options: &Options) -> Result<bool> {
 }
 
 /// Builds the image of the real chip and measures it; nothing here can run it.
-fn link_for_the_chip() -> Result<bool> {
+fn link_for_the_chip(update: bool) -> Result<bool> {
     let target = target_folder()?.join("stm32h743");
     let mut build = shell::cargo();
     build.current_dir(shell::root().join("runtime/boards/stm32h743"));
@@ -126,12 +148,42 @@ fn link_for_the_chip() -> Result<bool> {
     if !shell::succeeds(&mut build)? {
         bail!("the firmware of the stm32h743 does not build");
     }
-    let (flash, ram) = sizes(&target.join(TARGET).join("release/floorguard-stm32h743"))?;
+    let size = measure(&target.join(TARGET).join("release/floorguard-stm32h743"), Some(CHIP_HANDLERS))?;
+    println!("firmware: stm32h743 linked; it has never run on hardware");
+    fits("stm32h743", size, update)
+}
+
+/// Shows and judges the size of an image: against the limits, and against the golden file, which `update` writes.
+fn fits(image: &str, size: Size, update: bool) -> Result<bool> {
+    let Size { flash_bytes, ram_bytes, stack_bytes } = size;
     println!(
-        "firmware: stm32h743 linked, {flash} of {FLASH_MAX} bytes of flash, {ram} of {RAM_MAX} of statics"
+        "firmware: {image}: {flash_bytes} of {FLASH_MAX} bytes of flash, {ram_bytes} of {RAM_MAX} of statics, \
+         {stack_bytes} of {STACK_MAX} of stack"
     );
-    println!("firmware: it has never run on hardware");
-    Ok(flash <= FLASH_MAX && ram <= RAM_MAX)
+    let mut golden = golden()?;
+    if update {
+        golden.images.insert(image.to_owned(), size);
+        write_golden(&golden)?;
+    }
+    let before = golden.images.get(image).copied().unwrap_or_default();
+    let judged = [
+        ("flash", flash_bytes, FLASH_MAX, before.flash_bytes),
+        ("statics", ram_bytes, RAM_MAX, before.ram_bytes),
+        ("stack", stack_bytes, STACK_MAX, before.stack_bytes),
+    ];
+    let mut good = true;
+    for (what, bytes, limit, golden) in judged {
+        if bytes > limit {
+            good = false;
+            eprintln!("firmware: {image}: {bytes} bytes of {what}, {limit} are allowed");
+        } else if bytes as f64 > golden as f64 * (1.0 + GATE) {
+            good = false;
+            eprintln!(
+                "firmware: {image}: {bytes} bytes of {what}, golden {golden}; if that is meant: --update"
+            );
+        }
+    }
+    Ok(good)
 }
 
 impl Options {
@@ -143,6 +195,7 @@ impl Options {
 /// Runs the image that listens to devices, with the simulator on its wires; false when something was lost or late.
 fn wired(options: &Options) -> Result<bool> {
     let image = build(&target_folder()?, WIRED_IMAGE)?;
+    let small = fits("mps2-an500", measure(&image, Some(BOARD_HANDLERS))?, options.update)?;
     let mut play = shell::cargo();
     play.args([
         "run",
@@ -162,7 +215,7 @@ fn wired(options: &Options) -> Result<bool> {
     if options.json {
         play.arg("--json");
     }
-    shell::succeeds(&mut play)
+    Ok(shell::succeeds(&mut play)? && small)
 }
 
 /// Plays the scenario on the host; gives the fingerprint.
@@ -226,8 +279,25 @@ fn play(image: &Path, tape: &Path) -> Result<Outcome> {
             _ => {}
         }
     }
-    (outcome.flash_bytes, outcome.ram_bytes) = sizes(image)?;
+    outcome.images.insert("mps2-an500-tape".to_owned(), measure(image, None)?);
     Ok(outcome)
+}
+
+/// How large an image is; its stack where the interrupt handlers are told.
+fn measure(image: &Path, handlers: Option<&[&[&str]]>) -> Result<Size> {
+    let (flash_bytes, ram_bytes) = sizes(image)?;
+    let stack_bytes = match handlers {
+        Some(handlers) => {
+            let need = stack::need(image, handlers)?;
+            let stack::Need { start, task, interrupts } = need;
+            println!(
+                "firmware: stack: start-up {start} bytes, a task {task}, interrupts above it {interrupts}"
+            );
+            u64::from(need.most())
+        }
+        None => 0,
+    };
+    Ok(Size { flash_bytes, ram_bytes, stack_bytes })
 }
 
 /// Bytes of program and constants, and of statics.
@@ -250,7 +320,6 @@ fn sizes(image: &Path) -> Result<(u64, u64)> {
 
 fn show(outcome: &Outcome, hosted: &str) {
     println!("firmware: fingerprint on the host {hosted}, on the emulated Cortex-M7 {}", outcome.digest);
-    println!("firmware: {} bytes of flash, {} bytes of statics", outcome.flash_bytes, outcome.ram_bytes);
     println!("  {:22} {:>8} {:>12} {:>12} {:>12}", "instructions", "times", "mean", "most", "budget");
     for (name, cost) in &outcome.instructions {
         let budget = BUDGETS.iter().find(|(wanted, _)| wanted == name).map(|(_, budget)| *budget);
@@ -263,20 +332,32 @@ fn show(outcome: &Outcome, hosted: &str) {
     }
 }
 
+fn golden_path() -> PathBuf {
+    shell::root().join("tests/goldens/firmware.json")
+}
+
+fn golden() -> Result<Outcome> {
+    Ok(serde_json::from_str(&std::fs::read_to_string(golden_path()).context("no golden file")?)?)
+}
+
+fn write_golden(golden: &Outcome) -> Result<()> {
+    std::fs::write(golden_path(), serde_json::to_string_pretty(golden)? + "\n")?;
+    println!("firmware: wrote {}", golden_path().display());
+    Ok(())
+}
+
 /// Compares with the golden file, or writes it.
 fn compare(outcome: &Outcome, update: bool) -> Result<bool> {
-    let path = shell::root().join("tests/goldens/firmware.json");
+    let golden = golden()?;
     if update {
-        std::fs::write(&path, serde_json::to_string_pretty(outcome)? + "\n")?;
-        println!("firmware: wrote {}", path.display());
+        let mut images = golden.images;
+        images.extend(outcome.images.clone());
+        write_golden(&Outcome { images, ..outcome.clone() })?;
         return Ok(true);
     }
-    let golden: Outcome = serde_json::from_str(&std::fs::read_to_string(&path).context("no golden file")?)?;
     let mut good = true;
-    let sizes = [("flash", outcome.flash_bytes, FLASH_MAX), ("statics", outcome.ram_bytes, RAM_MAX)];
-    for (what, bytes, limit) in sizes.into_iter().filter(|(_, bytes, limit)| bytes > limit) {
-        good = false;
-        eprintln!("firmware: {bytes} bytes of {what}, {limit} are allowed");
+    for (image, size) in &outcome.images {
+        good &= fits(image, *size, false)?;
     }
     for (name, wanted) in &golden.instructions {
         let seen = outcome.instructions.get(name).copied().unwrap_or_default();

@@ -12,6 +12,7 @@ mod machine;
 mod reproduce;
 mod setup;
 mod shell;
+mod stack;
 mod test;
 mod vcan;
 

@@ -250,3 +250,26 @@ fn fg_req_011_a_measurement_ahead_of_the_clock_is_fresh_within_its_tolerance_onl
     assert_eq!(monitor.age_us(before(2_001)), u64::MAX);
     assert_eq!(monitor.age_us(stamp.plus_micros(7)), 7);
 }
+
+#[test]
+fn a_guard_without_a_robot_lets_nothing_move_and_one_configured_in_place_is_as_a_new_one() {
+    let mut rig = Rig::new();
+    rig.guard = Supervisor::UNCONFIGURED;
+    for _ in 0..500 {
+        assert_eq!(rig.step().permitted, Twist2::ZERO);
+    }
+    // Whatever it was told before it knew the robot is forgotten.
+    rig.guard.configure(config(), rig.now).unwrap();
+    let mut fresh = Rig::new();
+    (fresh.guard, fresh.now) = (Supervisor::new(config(), rig.now).unwrap(), rig.now);
+    (rig.measured, fresh.measured) = (Twist2::ZERO, Twist2::ZERO);
+    assert_eq!(rig.guard.state, fresh.guard.state);
+    assert_eq!(rig.guard.scan_table, fresh.guard.scan_table);
+    assert_eq!(rig.guard.packet_table, fresh.guard.packet_table);
+    assert_eq!(rig.run_ms(5_000).permitted, forward(0.8));
+    // A refused configuration changes nothing.
+    let mut wrong = config();
+    wrong.drive.speed_mps = f32::NAN;
+    assert!(rig.guard.configure(wrong, rig.now).is_err());
+    assert_eq!(rig.run_ms(100).permitted, forward(0.8));
+}

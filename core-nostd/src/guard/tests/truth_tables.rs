@@ -2,10 +2,11 @@
 
 use super::fixtures::{config, forward};
 use crate::geometry::{Point2, Twist2};
+use crate::guard::Blocked;
 use crate::guard::field_selection::travel_of;
 use crate::guard::limiter::{is_straight, lets_leave, limited};
 use crate::guard::motion_checks::Persistence;
-use crate::guard::scan_check::{Blocked, ScanFinding};
+use crate::guard::scan_check::ScanFinding;
 use crate::guard::*;
 use crate::time::Stamp;
 

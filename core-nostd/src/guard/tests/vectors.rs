@@ -52,7 +52,8 @@ fn fg_req_030_time_to_collision_of_the_closed_form() {
 #[test]
 fn fg_req_026_every_scan_point_inside_a_field_is_seen_and_the_zone_contains_the_footprint_at_rest() {
     let config = config();
-    let table = crate::guard::ScanTable::new(&config.scanner, &config.fields);
+    let mut table = crate::guard::ScanTable::EMPTY;
+    table.fill(&config.scanner, &config.fields);
     let body = Body::around(&config.footprint);
     for (x, y) in (-40..130).flat_map(|x| (-30..31).map(move |y| (x as f32 * 0.02, y as f32 * 0.02))) {
         let (dx, dy): (f32, f32) = (x - 0.9, y);
@@ -78,7 +79,8 @@ fn fg_req_026_every_scan_point_inside_a_field_is_seen_and_the_zone_contains_the_
 #[test]
 fn fg_req_024_free_beams_that_end_inside_the_field_say_nothing() {
     let config = config();
-    let table = crate::guard::ScanTable::new(&config.scanner, &config.fields);
+    let mut table = crate::guard::ScanTable::EMPTY;
+    table.fill(&config.scanner, &config.fields);
     let mut scan = super::fixtures::scan(Stamp::ZERO, 1, &[]);
     for beam in scan.beams.iter_mut().skip(265).take(10) {
         *beam = BeamReturn::Free(200);

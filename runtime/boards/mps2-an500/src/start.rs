@@ -1,5 +1,7 @@
 //! Start-up, faults, and what happens when everything else has failed.
 
+use core::mem::MaybeUninit;
+
 use cortex_m_rt::{entry, exception};
 use floorguard_runtime::clock::now;
 use floorguard_runtime::configuration::RobotConfiguration;
@@ -24,20 +26,24 @@ fn main() -> ! {
     watchdog::start(WATCHDOG_MS);
     let options = options::read();
     let robot = ROBOT.init(robot::tape().and_then(robot::robot_for).unwrap_or_else(robot::robot));
-    let shared = place(robot);
+    let shared = place(SHARED.uninit(), Motion::new(robot.wheels()));
+    configure(shared, robot);
     start_guard_ring(executor::start_guard(), shared, robot, options);
     executor::run_thread(!options.never_sleep, |spawner| {
         start_perception_ring(spawner, shared, (robot, options))
     })
 }
 
-/// Builds what both rings share. Apart from `main`, which never returns: its tables pass over the stack, and that is free
-/// again afterwards.
+/// Builds what both rings share, where it stays.
 #[inline(never)]
-fn place(robot: &RobotConfiguration) -> &'static RobotShared {
-    match RobotShared::new(robot.guard(), Motion::new(robot.wheels()), now()) {
-        Ok(shared) => SHARED.init(shared),
-        Err(error) => panic!("the guard refuses the robot: {error}"),
+fn place(slot: &'static mut MaybeUninit<RobotShared>, motion: Motion) -> &'static RobotShared {
+    slot.write(RobotShared::unconfigured(motion))
+}
+
+/// Tells the guard its robot.
+fn configure(shared: &RobotShared, robot: &RobotConfiguration) {
+    if let Err(error) = shared.configure(robot.guard(), now()) {
+        panic!("the guard refuses the robot: {error}");
     }
 }
 

@@ -1,6 +1,7 @@
 //! Start-up: clocks, pins, both executors.
 
 use core::arch::global_asm;
+use core::mem::MaybeUninit;
 
 use cortex_m_rt::entry;
 use defmt_rtt as _;
@@ -75,20 +76,24 @@ unsafe fn CEC() {
 fn main() -> ! {
     let chip = embassy_stm32::init(clocks::config());
     let robot = ROBOT.init(robot::robot());
-    let shared = place(robot);
+    let shared = place(SHARED.uninit(), Motion::new(robot.wheels()));
+    configure(shared, robot);
     interrupt::CEC.set_priority(Priority::P6);
     // What the devices are made of may be sent to the guard's executor, where they stay.
     GUARD.start(interrupt::CEC).spawn(guard_ring(shared, robot, chip).unwrap());
     PERCEPTION.init(Executor::new()).run(|spawner| start_perception_ring(spawner, shared, robot))
 }
 
-/// Builds what both rings share. Apart from `main`, which never returns: its tables pass over the stack, and that is free
-/// again afterwards.
+/// Builds what both rings share, where it stays.
 #[inline(never)]
-fn place(robot: &RobotConfiguration) -> &'static RobotShared {
-    match RobotShared::new(robot.guard(), Motion::new(robot.wheels()), now()) {
-        Ok(shared) => SHARED.init(shared),
-        Err(_) => defmt::panic!("the guard refuses the robot"),
+fn place(slot: &'static mut MaybeUninit<RobotShared>, motion: Motion) -> &'static RobotShared {
+    slot.write(RobotShared::unconfigured(motion))
+}
+
+/// Tells the guard its robot.
+fn configure(shared: &RobotShared, robot: &RobotConfiguration) {
+    if shared.configure(robot.guard(), now()).is_err() {
+        defmt::panic!("the guard refuses the robot");
     }
 }
 

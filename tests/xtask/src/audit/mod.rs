@@ -19,7 +19,7 @@ mod report;
 mod results;
 mod run;
 mod sources;
-mod thumb;
+pub(crate) mod thumb;
 mod trace;
 
 pub use run::{Options, run};
