@@ -1,19 +1,14 @@
-//! Link arguments of the images, and the robot's configuration as constants.
+//! Link arguments of the images.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::Context;
-use floorguard_configuration::{bake, load};
 
 fn main() -> anyhow::Result<()> {
     // Cargo does not follow linker scripts.
     println!("cargo:rerun-if-changed=../../../memory.x");
-    println!("cargo:rerun-if-changed=../../../robot.toml");
     println!("cargo:rerun-if-changed=build.rs");
     let folder = PathBuf::from(std::env::var_os("OUT_DIR").context("cargo gives OUT_DIR")?);
-    // The same checks as on the robot's computer: a wrong file stops the build with its line and the remedy.
-    let robot = load(Path::new("../../../robot.toml"))?.robot;
-    std::fs::write(folder.join("robot.rs"), bake(&robot))?;
     if std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|system| system == "none") {
         // The start-up code asks for the interrupt names of a device; ours are all defined in Rust.
         std::fs::write(folder.join("device.x"), "/* every handler is defined in Rust */\n")?;

@@ -1,25 +1,12 @@
-//! Configuration, baked from `robot.toml` by the build script, and the route that a tape brings along.
+//! The robot, with the route that a tape brings along.
 
-use floorguard_core::geometry::{Point2, Point3};
-use floorguard_core::guard::{Action, Thresholds};
-use floorguard_drivers::flexisoft::{InputBits, InputMap};
-use floorguard_runtime::configuration::{
-    CanConfiguration, Deadlines, DirectionOfTravel, FieldPair, Geometry, ImuConfiguration,
-    LidarConfiguration, LidarModel, Limits, Mounting, RobotConfiguration, ScannerConfiguration, ScannerModel,
-};
-use floorguard_runtime::mission::{Route, RouteLimits};
+use floorguard_board_support::robot;
+use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::tape::{TapeLine, TapeReader, decode_route};
 
 /// Where the emulator puts the tape, and how large it may be: the board's PSRAM.
 pub const TAPE_AT: usize = 0x6000_0000;
 const TAPE_BYTES: usize = 0x00ff_ff00;
-
-/// A list with a capacity; the build script has checked that it fits.
-fn list<T: Clone, const N: usize>(elements: &[T]) -> heapless::Vec<T, N> {
-    elements.iter().cloned().collect()
-}
-
-include!(concat!(env!("OUT_DIR"), "/robot.rs"));
 
 /// The tape in the board's memory; `None` where the emulator loaded none.
 pub fn tape() -> Option<TapeReader<'static>> {

@@ -1,22 +1,20 @@
 //! Start-up, faults, and what happens when everything else has failed.
 
-use core::mem::MaybeUninit;
-
 use cortex_m_rt::{entry, exception};
-use floorguard_runtime::clock::now;
+use floorguard_board_support::{robot, share, start_perception_ring};
 use floorguard_runtime::configuration::RobotConfiguration;
-use floorguard_runtime::shared::Motion;
 use static_cell::StaticCell;
 
+use crate::faults::break_perception;
 use crate::last_words::{self, Cause};
-use crate::wired::{RobotShared, options, start_guard_ring, start_perception_ring};
-use crate::{clock, executor, robot, stack_guard, watchdog};
+use crate::robot::{robot_for, tape};
+use crate::wired::{options, start_guard_ring};
+use crate::{clock, executor, stack_guard, watchdog};
 
 /// A guard that decides nothing for this long is dead, milliseconds; after twice as long the machine is reset.
 const WATCHDOG_MS: u32 = 100;
 
 static ROBOT: StaticCell<RobotConfiguration> = StaticCell::new();
-static SHARED: StaticCell<RobotShared> = StaticCell::new();
 
 #[entry]
 fn main() -> ! {
@@ -25,26 +23,18 @@ fn main() -> ! {
     // From here on, whatever hangs is ended.
     watchdog::start(WATCHDOG_MS);
     let options = options::read();
-    let robot = ROBOT.init(robot::tape().and_then(robot::robot_for).unwrap_or_else(robot::robot));
-    let shared = place(SHARED.uninit(), Motion::new(robot.wheels()));
-    configure(shared, robot);
+    let robot = ROBOT.init(tape().and_then(robot_for).unwrap_or_else(robot));
+    let shared = match share(robot) {
+        Ok(shared) => shared,
+        Err(error) => panic!("the guard refuses the robot: {error}"),
+    };
     start_guard_ring(executor::start_guard(), shared, robot, options);
     executor::run_thread(!options.never_sleep, |spawner| {
-        start_perception_ring(spawner, shared, (robot, options))
+        start_perception_ring(spawner, shared, robot);
+        if let Some(fault) = options.fault {
+            spawner.spawn(break_perception(fault).unwrap());
+        }
     })
-}
-
-/// Builds what both rings share, where it stays.
-#[inline(never)]
-fn place(slot: &'static mut MaybeUninit<RobotShared>, motion: Motion) -> &'static RobotShared {
-    slot.write(RobotShared::unconfigured(motion))
-}
-
-/// Tells the guard its robot.
-fn configure(shared: &RobotShared, robot: &RobotConfiguration) {
-    if let Err(error) = shared.configure(robot.guard(), now()) {
-        panic!("the guard refuses the robot: {error}");
-    }
 }
 
 #[exception]

@@ -4,7 +4,7 @@ use embassy_executor::Spawner;
 use embassy_net::Runner;
 use embassy_stm32::peripherals::IWDG1;
 use embassy_stm32::wdg::IndependentWatchdog;
-use embassy_time::{Duration, Ticker};
+use floorguard_board_support::{RobotShared, feed_while_deciding, spawn_deciders};
 use floorguard_core::geometry::Transform3;
 use floorguard_core::odometry::Tricycle;
 use floorguard_drivers::s300::{Configuration, Receiver};
@@ -12,18 +12,13 @@ use floorguard_drivers::three_wheel_base::ThreeWheelBase;
 use floorguard_drivers::velodyne::{Decoder, ModelChoice};
 use floorguard_drivers::xsens::Device as ImuDevice;
 use floorguard_runtime::configuration::RobotConfiguration;
-use floorguard_runtime::tasks::{
-    advice_input, can_bus, command_input, imu_input, lidar_input, operator_input, scanner_input, supervise,
-};
+use floorguard_runtime::tasks::{can_bus, imu_input, lidar_input, scanner_input};
 
 use crate::can::FdcanBus;
 use crate::inputs::{Pair, direct_inputs};
 use crate::network::{self, Device, LidarSocket};
 use crate::serial::Line;
-use crate::start::{IMU_BAUD, RobotShared};
-
-/// Several times within the watchdog's 100 ms.
-const FEED_EVERY: Duration = Duration::from_millis(20);
+use crate::start::IMU_BAUD;
 
 /// The devices of the ring.
 pub struct Devices {
@@ -53,10 +48,7 @@ pub fn spawn_ring(
     let base = (ThreeWheelBase::new(robot.base()), robot.tricycle());
     spawner.spawn(can(shared, devices.can, base).unwrap());
     spawner.spawn(direct_inputs(shared, devices.inputs).unwrap());
-    spawner.spawn(supervisor(shared).unwrap());
-    spawner.spawn(command(shared).unwrap());
-    spawner.spawn(advice(shared).unwrap());
-    spawner.spawn(operator(shared).unwrap());
+    spawn_deciders(spawner, shared);
     spawner.spawn(watchdog(shared, devices.watchdog).unwrap());
 }
 
@@ -64,16 +56,7 @@ pub fn spawn_ring(
 #[embassy_executor::task]
 async fn watchdog(shared: &'static RobotShared, mut watchdog: IndependentWatchdog<'static, IWDG1>) {
     watchdog.unleash();
-    let mut ticker = Ticker::every(FEED_EVERY);
-    let mut seen = shared.decision.published();
-    loop {
-        ticker.next().await;
-        let decided = shared.decision.published();
-        if decided != seen {
-            watchdog.pet();
-        }
-        seen = decided;
-    }
+    feed_while_deciding(shared, || watchdog.pet()).await;
 }
 
 #[embassy_executor::task]
@@ -99,24 +82,4 @@ async fn imu(shared: &'static RobotShared, line: Line, mounting: Transform3) {
 #[embassy_executor::task]
 async fn can(shared: &'static RobotShared, bus: FdcanBus, base: (ThreeWheelBase, Tricycle)) {
     can_bus(shared, bus, base).await;
-}
-
-#[embassy_executor::task]
-async fn supervisor(shared: &'static RobotShared) {
-    supervise(shared).await;
-}
-
-#[embassy_executor::task]
-async fn command(shared: &'static RobotShared) {
-    command_input(shared).await;
-}
-
-#[embassy_executor::task]
-async fn advice(shared: &'static RobotShared) {
-    advice_input(shared).await;
-}
-
-#[embassy_executor::task]
-async fn operator(shared: &'static RobotShared) {
-    operator_input(shared).await;
 }

@@ -3,10 +3,9 @@
 
 use embassy_stm32::gpio::Input;
 use embassy_time::{Duration, Ticker};
+use floorguard_board_support::RobotShared;
 use floorguard_core::sensing::{DiscreteInputs, SafetyInput};
 use floorguard_runtime::clock;
-
-use crate::start::RobotShared;
 
 /// How often the pins are read; test pulses of the devices are shorter and filtered in hardware.
 const READ_EVERY: Duration = Duration::from_millis(5);

@@ -10,7 +10,5 @@ mod clocks;
 mod guard_ring;
 mod inputs;
 mod network;
-mod perception_ring;
-mod robot;
 mod serial;
 mod start;

@@ -1,7 +1,6 @@
 //! Start-up: clocks, pins, both executors.
 
 use core::arch::global_asm;
-use core::mem::MaybeUninit;
 
 use cortex_m_rt::entry;
 use defmt_rtt as _;
@@ -14,21 +13,15 @@ use embassy_stm32::interrupt::{InterruptExt, Priority};
 use embassy_stm32::usart::BufferedUart;
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Peri, Peripherals, bind_interrupts, peripherals};
-use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use floorguard_runtime::clock::now;
+use floorguard_board_support::{RobotShared, robot, share, start_perception_ring};
 use floorguard_runtime::configuration::RobotConfiguration;
-use floorguard_runtime::shared::{Motion, Shared};
 use panic_probe as _;
 use static_cell::StaticCell;
 
 use crate::can::FdcanBus;
 use crate::guard_ring::{Devices, spawn_ring};
 use crate::inputs::Pair;
-use crate::perception_ring::start_perception_ring;
-use crate::{clocks, network, robot, serial};
-
-/// What both rings share.
-pub type RobotShared = Shared<CriticalSectionRawMutex>;
+use crate::{clocks, network, serial};
 
 const SCANNER_BAUD: u32 = 500_000;
 /// Bit rate of the inertial sensor.
@@ -63,7 +56,6 @@ global_asm!(
 static GUARD: InterruptExecutor = InterruptExecutor::new();
 static PERCEPTION: StaticCell<Executor> = StaticCell::new();
 static ROBOT: StaticCell<RobotConfiguration> = StaticCell::new();
-static SHARED: StaticCell<RobotShared> = StaticCell::new();
 
 /// No device of this robot has this line: it carries the guard's executor.
 #[interrupt]
@@ -75,26 +67,15 @@ unsafe fn CEC() {
 #[entry]
 fn main() -> ! {
     let chip = embassy_stm32::init(clocks::config());
-    let robot = ROBOT.init(robot::robot());
-    let shared = place(SHARED.uninit(), Motion::new(robot.wheels()));
-    configure(shared, robot);
+    let robot = ROBOT.init(robot());
+    let shared = match share(robot) {
+        Ok(shared) => shared,
+        Err(_) => defmt::panic!("the guard refuses the robot"),
+    };
     interrupt::CEC.set_priority(Priority::P6);
     // What the devices are made of may be sent to the guard's executor, where they stay.
     GUARD.start(interrupt::CEC).spawn(guard_ring(shared, robot, chip).unwrap());
     PERCEPTION.init(Executor::new()).run(|spawner| start_perception_ring(spawner, shared, robot))
-}
-
-/// Builds what both rings share, where it stays.
-#[inline(never)]
-fn place(slot: &'static mut MaybeUninit<RobotShared>, motion: Motion) -> &'static RobotShared {
-    slot.write(RobotShared::unconfigured(motion))
-}
-
-/// Tells the guard its robot.
-fn configure(shared: &RobotShared, robot: &RobotConfiguration) {
-    if shared.configure(robot.guard(), now()).is_err() {
-        defmt::panic!("the guard refuses the robot");
-    }
 }
 
 #[embassy_executor::task]

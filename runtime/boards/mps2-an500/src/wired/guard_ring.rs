@@ -2,7 +2,8 @@
 
 use embassy_executor::{SendSpawner, Spawner};
 use embassy_net::Runner;
-use embassy_time::{Duration, Instant, Ticker};
+use embassy_time::Instant;
+use floorguard_board_support::{RobotShared, feed_while_deciding, spawn_deciders};
 use floorguard_core::geometry::Transform3;
 use floorguard_core::odometry::Tricycle;
 use floorguard_drivers::s300::{Configuration, Receiver};
@@ -11,20 +12,16 @@ use floorguard_drivers::velodyne::{Decoder, ModelChoice};
 use floorguard_drivers::xsens::Device;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::io::SlcanBus;
-use floorguard_runtime::tasks::{
-    advice_input, can_bus, command_input, imu_input, lidar_input, operator_input, scanner_input, supervise,
-};
+use floorguard_runtime::tasks::{can_bus, imu_input, lidar_input, scanner_input};
 
 use super::network::{self, LidarSocket};
 use super::options::Options;
-use super::{RobotShared, witness};
+use super::witness;
 use crate::ethernet::Ethernet;
 use crate::faults::{Fault, STARVED_AT, break_guard};
 use crate::uart::{self, Port};
 use crate::watchdog;
 
-/// Several times within the watchdog's patience.
-const FEED_EVERY: Duration = Duration::from_millis(20);
 /// Bit rates of the lines; the emulator does not simulate them.
 const SCANNER_BAUD: u32 = 500_000;
 const IMU_BAUD: u32 = 115_200;
@@ -57,10 +54,7 @@ async fn ring(shared: &'static RobotShared, robot: &'static RobotConfiguration, 
         spawner.spawn(imu(shared, configured.mounting.transform()).unwrap());
     }
     spawner.spawn(can(shared, (ThreeWheelBase::new(robot.base()), robot.tricycle())).unwrap());
-    spawner.spawn(supervisor(shared).unwrap());
-    spawner.spawn(command(shared).unwrap());
-    spawner.spawn(advice(shared).unwrap());
-    spawner.spawn(operator(shared).unwrap());
+    spawn_deciders(spawner, shared);
     spawner.spawn(watchdog(shared, options.fault).unwrap());
     if let Some(fault) = options.fault {
         spawner.spawn(break_guard(fault).unwrap());
@@ -74,17 +68,12 @@ async fn ring(shared: &'static RobotShared, robot: &'static RobotConfiguration, 
 /// Feeds the watchdog for as long as the guard decides.
 #[embassy_executor::task]
 async fn watchdog(shared: &'static RobotShared, fault: Option<Fault>) {
-    let mut ticker = Ticker::every(FEED_EVERY);
-    let mut seen = shared.decision.published();
-    loop {
-        ticker.next().await;
-        let decided = shared.decision.published();
-        let starved = fault == Some(Fault::Starvation) && Instant::now() > STARVED_AT;
-        if decided != seen && !starved {
+    feed_while_deciding(shared, || {
+        if fault != Some(Fault::Starvation) || Instant::now() <= STARVED_AT {
             watchdog::feed();
         }
-        seen = decided;
-    }
+    })
+    .await;
 }
 
 #[embassy_executor::task]
@@ -110,24 +99,4 @@ async fn imu(shared: &'static RobotShared, mounting: Transform3) {
 #[embassy_executor::task]
 async fn can(shared: &'static RobotShared, base: (ThreeWheelBase, Tricycle)) {
     can_bus(shared, SlcanBus::new(Port(&uart::CAN)), base).await;
-}
-
-#[embassy_executor::task]
-async fn supervisor(shared: &'static RobotShared) {
-    supervise(shared).await;
-}
-
-#[embassy_executor::task]
-async fn command(shared: &'static RobotShared) {
-    command_input(shared).await;
-}
-
-#[embassy_executor::task]
-async fn advice(shared: &'static RobotShared) {
-    advice_input(shared).await;
-}
-
-#[embassy_executor::task]
-async fn operator(shared: &'static RobotShared) {
-    operator_input(shared).await;
 }

@@ -9,8 +9,9 @@ use cortex_m_semihosting::debug;
 use embassy_futures::select::{Either, select};
 use embassy_net::udp::UdpSocket;
 use embassy_time::{Duration, Instant, Ticker, Timer};
+use floorguard_board_support::RobotShared;
 
-use super::{RobotShared, network};
+use super::network;
 use crate::ethernet::Ethernet;
 use crate::{last_words, uart};
 

@@ -12,7 +12,7 @@ use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::tasks::{NoMotion, PerceptionState, drive_route, perceive};
 use static_cell::StaticCell;
 
-use crate::start::RobotShared;
+use crate::RobotShared;
 
 /// Starts the ring. Call once.
 pub fn start_perception_ring(
@@ -21,13 +21,13 @@ pub fn start_perception_ring(
     robot: &'static RobotConfiguration,
 ) {
     static STATE: StaticCell<PerceptionState> = StaticCell::new();
-    let state = place(STATE.uninit(), robot.lidar.mounting.transform());
+    let state = fresh_perception(STATE.uninit(), robot.lidar.mounting.transform());
     spawner.spawn(perception(shared, state).unwrap());
     spawner.spawn(mission(shared, RouteFollower::new(robot.route.clone(), robot.route_limits)).unwrap());
 }
 
 /// Builds the state where it stays, field by field: as a whole it would pass over the stack.
-fn place(
+pub fn fresh_perception(
     slot: &'static mut MaybeUninit<PerceptionState>,
     sensor_in_base: Transform3,
 ) -> &'static mut PerceptionState {
