@@ -55,7 +55,7 @@ fn find(picture: &DepthPicture) -> Vec<RgbdDetection> {
     let image = DepthImage::new(Stamp::ZERO, picture.size, &picture.depth_mm).unwrap();
     let plane = Plane::of_mounting(CAMERA.height_m, CAMERA.pitch_rad).unwrap();
     let mut finder = Box::new(RgbdPeopleFinder::new(RgbdParameters::new(pinhole(&CAMERA))));
-    finder.find((&image, None), &plane, Pose2::default()).unwrap().people.to_vec()
+    finder.find_people((&image, None), &plane, Pose2::default()).unwrap().people.to_vec()
 }
 
 fn is_at(found: &[RgbdDetection], x_m: f32, y_m: f32) -> bool {

@@ -98,7 +98,7 @@ impl Default for Crop {
 
 impl Crop {
     /// Fills the crop from the picture, nearest pixel.
-    pub(super) fn fill(
+    pub(super) fn cut(
         &mut self,
         place: &CropPlace,
         (image, frame): (&DepthImage<'_>, &FloorFrame),

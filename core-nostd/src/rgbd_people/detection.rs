@@ -84,7 +84,7 @@ pub struct RgbdPeople {
 
 impl RgbdPeople {
     /// Adds a person; the farthest is given up when there is no room.
-    pub(super) fn insert(&mut self, person: RgbdDetection) {
+    pub(super) fn keep(&mut self, person: RgbdDetection) {
         if self.people.is_full() {
             self.counters.dropped = self.counters.dropped.saturating_add(1);
             if self.people.last().is_some_and(|last| last.distance_m <= person.distance_m) {

@@ -52,7 +52,7 @@ impl RgbdPeopleFinder {
     ///
     /// # Errors
     /// The picture is wider than this profile's rows.
-    pub fn find(
+    pub fn find_people(
         &mut self,
         (image, colour): (&DepthImage<'_>, Option<&ColorImage<'_>>),
         plane: &Plane,
@@ -66,10 +66,10 @@ impl RgbdPeopleFinder {
         let scene = Scene { image: *image, frame, mount, parameters: self.parameters };
         let rules = self.parameters.upper_body;
         let mut found = RgbdPeople::default();
-        found.counters.returns = self.grid.fill(image, &frame, &rules);
-        self.regions.find(&self.grid, (image, &frame), &rules);
+        found.counters.returns = self.grid.project(image, &frame, &rules);
+        self.regions.locate(&self.grid, (image, &frame), &rules);
         self.find_legs(&scene, colour, &mut found.counters);
-        let bodies = self.upper_bodies.find(&scene, &self.regions, &mut found.counters);
+        let bodies = self.upper_bodies.search_all(&scene, &self.regions, &mut found.counters);
         let legs = pairs(&scene, &self.legs, &self.grid);
         merge(bodies, &legs, &mut found);
         found.counters.dropped = found.counters.dropped.saturating_add(self.regions.dropped);
@@ -111,13 +111,13 @@ fn merge(bodies: &[RgbdDetection], legs: &[RgbdDetection], found: &mut RgbdPeopl
             person.kind = RgbdKind::UpperBodyAndLegs;
             person.confidence = 1.0 - (1.0 - body.confidence) * (1.0 - pair.confidence);
         }
-        found.insert(person);
+        found.keep(person);
     }
     for pair in legs {
         let near =
             |body: &RgbdDetection| body.position_in_base.distance(pair.position_in_base) < SAME_PERSON_M;
         if !bodies.iter().any(near) {
-            found.insert(*pair);
+            found.keep(*pair);
         }
     }
 }

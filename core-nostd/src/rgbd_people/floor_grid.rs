@@ -68,7 +68,12 @@ impl Default for FloorGrid {
 
 impl FloorGrid {
     /// Projects a picture on the floor and smooths it. Returns how many pixels had a depth within the rules.
-    pub(super) fn fill(&mut self, image: &DepthImage<'_>, frame: &FloorFrame, rules: &UpperBodyRules) -> u32 {
+    pub(super) fn project(
+        &mut self,
+        image: &DepthImage<'_>,
+        frame: &FloorFrame,
+        rules: &UpperBodyRules,
+    ) -> u32 {
         self.weights.fill(0.0);
         self.tops_cm.fill(0);
         let [fx, fy] = frame.camera().focal_px();

@@ -64,7 +64,7 @@ impl Regions {
     }
 
     /// Finds the regions of a grid and their extent in the picture.
-    pub(super) fn find(
+    pub(super) fn locate(
         &mut self,
         grid: &FloorGrid,
         (image, frame): (&DepthImage<'_>, &FloorFrame),
@@ -166,12 +166,12 @@ impl Regions {
         for (index, (cells, nearest)) in counts.into_iter().enumerate() {
             let label = u8::try_from(index.saturating_add(1)).unwrap_or(0);
             if cells >= CELLS_MIN && label > 0 {
-                self.insert(Region { label, nearest, ..Region::EMPTY });
+                self.keep(Region { label, nearest, ..Region::EMPTY });
             }
         }
     }
 
-    fn insert(&mut self, region: Region) {
+    fn keep(&mut self, region: Region) {
         if self.found.is_full() {
             self.dropped = self.dropped.saturating_add(1);
             if self.found.last().is_some_and(|last| last.nearest <= region.nearest) {
@@ -258,8 +258,8 @@ mod tests {
         let frame = FloorFrame::new(camera, Plane::of_mounting(1.0, 0.0).unwrap());
         let (mut grid, mut regions) = (Box::<FloorGrid>::default(), Box::<Regions>::default());
         let rules = UpperBodyRules::DEFAULT;
-        assert_eq!(grid.fill(&image, &frame, &rules) as usize, image.returns());
-        regions.find(&grid, (&image, &frame), &rules);
+        assert_eq!(grid.project(&image, &frame, &rules) as usize, image.returns());
+        regions.locate(&grid, (&image, &frame), &rules);
         assert_eq!(regions.found.len(), 2);
         for region in &regions.found {
             assert!((region.top_m - 1.5).abs() < 0.03 && (region.depth_m() - 3.0).abs() < 1e-3);

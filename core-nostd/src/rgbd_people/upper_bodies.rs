@@ -10,7 +10,7 @@ use super::matching::{Fit, coarse_fit, fine_fit};
 use super::parameters::RgbdParameters;
 use super::regions::{Region, Regions};
 use super::silhouette::{SILHOUETTE_SIDE, Silhouette, SilhouetteShape};
-use super::suppression::{Candidates, insert, is_same};
+use super::suppression::{Candidates, enlist, is_same};
 use crate::capacities::RGBD_HEADS_MAX;
 use crate::sensing::DepthImage;
 
@@ -58,7 +58,7 @@ impl Default for UpperBodies {
 
 impl UpperBodies {
     /// Finds the people of all regions; best first.
-    pub(super) fn find(
+    pub(super) fn search_all(
         &mut self,
         scene: &Scene<'_>,
         regions: &Regions,
@@ -93,7 +93,7 @@ impl UpperBodies {
             counters.out_of_view = counters.out_of_view.saturating_add(1);
             return;
         };
-        self.crop.fill(&place, (&scene.image, &scene.frame), (region, regions), &rules);
+        self.crop.cut(&place, (&scene.image, &scene.frame), (region, regions), &rules);
         let heads = heads(&self.crop, place.size, &mut counters.dropped);
         let mut tops: Vec<([f32; 2], f32), RGBD_HEADS_MAX> = Vec::new();
         for head in &heads {
@@ -113,7 +113,7 @@ impl UpperBodies {
                     let stands = detection.top_m > top_min && detection.top_m < top_max;
                     if detection.score >= rules.score_max || !stands {
                         counters.no_silhouette = counters.no_silhouette.saturating_add(1);
-                    } else if insert(&mut self.candidates, detection) {
+                    } else if enlist(&mut self.candidates, detection) {
                         counters.dropped = counters.dropped.saturating_add(1);
                     }
                 }
@@ -132,7 +132,7 @@ impl UpperBodies {
         let [u, v] = top;
         let height_m = body_m(scene.frame.point(u, v, depth_m).height_m);
         let place = CropPlace::at_head(top, &scene.frame, (depth_m, height_m))?;
-        self.crop.fill(&place, (&scene.image, &scene.frame), of, &rules);
+        self.crop.cut(&place, (&scene.image, &scene.frame), of, &rules);
         let silhouettes = if height_m < CHILD_M { &self.children } else { &self.adults };
         let coarse = silhouettes.iter().filter_map(|silhouette| {
             coarse_fit(&self.crop, silhouette, HEAD_IN_CROP).map(|fit| (fit, silhouette))
@@ -141,7 +141,7 @@ impl UpperBodies {
         let mut best: Option<(Fit, CropPlace)> = None;
         for scale in rules.scales {
             let place = CropPlace::at_head(top, &scene.frame, (depth_m, height_m * scale))?;
-            self.crop.fill(&place, (&scene.image, &scene.frame), of, &rules);
+            self.crop.cut(&place, (&scene.image, &scene.frame), of, &rules);
             if let Some(fit) = fine_fit(&self.crop, silhouette, coarse.corner)
                 && best.is_none_or(|(best, _)| fit.score < best.score)
             {

@@ -205,7 +205,7 @@ fn search(
     let mount = Pose2::new(scene.camera.forward_m, 0.0, 0.0);
     let started = std::time::Instant::now();
     let floor = model.update(&image, Stamp::ZERO);
-    let found = finder.find((&image, Some(&colour)), &floor.plane, mount).expect("640 columns");
+    let found = finder.find_people((&image, Some(&colour)), &floor.plane, mount).expect("640 columns");
     let time_ms = started.elapsed().as_secs_f64() * 1e3;
     (found.people.to_vec(), floor.fault.is_none(), time_ms)
 }

@@ -233,7 +233,7 @@ fn one(task: &RgbdTask, path: &Path, colour: Option<ColourFile>) -> anyhow::Resu
     let view = view.map_err(|problem| bad(problem.to_string()))?;
     let mut finder = Box::new(RgbdPeopleFinder::new(RgbdParameters::new(camera)));
     let found = finder
-        .find((&image, view.as_ref()), &estimate.plane, Pose2::default())
+        .find_people((&image, view.as_ref()), &estimate.plane, Pose2::default())
         .map_err(|problem| bad(problem.to_string()))?;
     if let Some(folder) = &task.out {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
