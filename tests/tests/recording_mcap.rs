@@ -42,7 +42,7 @@ fn every_kind(rounds: u64) -> Vec<u8> {
         recorder.raw(RawStream::Scanner, now, &[1, 2, 3, round as u8]).expect("written");
     }
     let grid = GridImage { resolution_m: 0.05, width: 2, origin: Pose2::default(), cells: &[0, 100, -1, 50] };
-    recorder.map("/map", at(1), &grid).expect("written");
+    recorder.map("/map", (at(1), "odom"), &grid).expect("written");
     let person = Marker {
         group: "people",
         id: 7,
@@ -86,21 +86,25 @@ fn what_goes_in_comes_out() {
     assert!(ranges[2].is_nan());
 }
 
-/// Offsets at which a message is complete, from the file format itself: opcode, length, content.
+/// Offsets at which a message is complete, from the file format itself: opcode, length, content. A chunk's content is
+/// 28 bytes of times, size and checksum, the name of its packing (none), its length, and records.
 fn complete_at(file: &[u8]) -> Vec<usize> {
+    const CHUNK_HEAD: usize = 28 + 4 + 8;
     let mut offset = 8;
     let mut ends = Vec::new();
     while offset + 9 <= file.len() {
         let length =
             u64::from_le_bytes(file[offset + 1..offset + 9].try_into().expect("eight bytes")) as usize;
-        if file[offset] == 5 {
-            ends.push(offset + 9 + length);
+        match file[offset] {
+            // A chunk: its records stand in the file one after the other, too.
+            6 => offset += 9 + CHUNK_HEAD,
+            // 0x0f ends the data section.
+            0x0F => break,
+            opcode => {
+                offset += 9 + length;
+                ends.extend((opcode == 5).then_some(offset));
+            }
         }
-        // 0x0f ends the data section.
-        if file[offset] == 0x0f {
-            break;
-        }
-        offset += 9 + length;
     }
     ends
 }

@@ -7,6 +7,7 @@ use clap::{Parser, Subcommand};
 mod audit;
 mod bench;
 mod campaign;
+mod check_recording;
 mod firmware;
 mod machine;
 mod reproduce;
@@ -40,6 +41,8 @@ enum Command {
     Vcan(vcan::Options),
     /// Measure the stages of the lidar path on the recordings.
     Bench(bench::Options),
+    /// Read a recording with readers that others wrote: Python's mcap and rosbags, Rerun's importer.
+    CheckRecording(check_recording::Options),
     /// Repeat published experiments, beside the published figures.
     Reproduce(reproduce::Options),
 }
@@ -53,6 +56,7 @@ fn main() -> ExitCode {
         Command::Firmware(options) => firmware::run(&options),
         Command::Vcan(options) => vcan::run(&options),
         Command::Bench(options) => bench::run(&options),
+        Command::CheckRecording(options) => check_recording::run(&options),
         Command::Reproduce(options) => reproduce::run(&options),
     };
     match outcome {

@@ -77,6 +77,19 @@ const STEPS: &[Step] = &[
             "stm32h743",
         ],
     },
+    Step {
+        name: "readers",
+        arguments: &[
+            "run",
+            "--quiet",
+            "--package",
+            "floorguard-xtask",
+            "--",
+            "check-recording",
+            "--cuts",
+            "20",
+        ],
+    },
     // After the firmware, whose figures it shows.
     Step { name: "audit", arguments: &["run", "--quiet", "--package", "floorguard-xtask", "--", "audit"] },
 ];

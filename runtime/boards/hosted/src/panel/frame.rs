@@ -3,6 +3,8 @@
 use floorguard_core::geometry::Point2;
 use serde::Serialize;
 
+use super::layers::MissionFrame;
+
 /// A place, metres, to the centimetre.
 pub type Place = [f32; 2];
 
@@ -96,6 +98,8 @@ pub struct Frame {
     pub sources: Vec<SourceFrame>,
     /// What limits or stops the robot now.
     pub cause: Option<CauseFrame>,
+    /// How far the cleaning mission is, if there is one.
+    pub mission: Option<MissionFrame>,
     /// The last stops, newest first.
     pub stops: Vec<CauseFrame>,
 }

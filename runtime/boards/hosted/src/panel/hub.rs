@@ -16,6 +16,7 @@ use tokio::sync::watch;
 use super::access::Access;
 use super::server;
 use super::view::PanelView;
+use crate::cleaner::MissionProgress;
 
 /// Pictures come this often at most.
 const EVERY: Duration = Duration::from_millis(100);
@@ -61,6 +62,8 @@ pub(super) struct Hub {
     pub access: Arc<Access>,
     /// Number and text of the newest picture.
     pub newest: watch::Receiver<(u64, Arc<str>)>,
+    /// Number and text of the newest floor of a mission.
+    pub layers: watch::Receiver<(u64, Arc<str>)>,
     /// Whether the newest picture says that a reset is waited for.
     pub reset_allowed: watch::Receiver<bool>,
     orders: Arc<Mutex<SyncSender<Order>>>,
@@ -78,6 +81,7 @@ impl Hub {
 pub struct Panel {
     view: PanelView,
     newest: watch::Sender<(u64, Arc<str>)>,
+    layers: watch::Sender<(u64, Arc<str>)>,
     reset_allowed: watch::Sender<bool>,
     orders: Receiver<Order>,
     drawn: Option<Instant>,
@@ -96,17 +100,19 @@ impl Panel {
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
         let (newest, newest_seen) = watch::channel((0, Arc::from("{}")));
+        let (layers, layers_seen) = watch::channel((0, Arc::from("{}")));
         let (reset_allowed, reset_seen) = watch::channel(false);
         let (sender, orders) = sync_channel(ORDERS_MAX);
         let hub = Hub {
             access: Arc::new(access),
             newest: newest_seen,
+            layers: layers_seen,
             reset_allowed: reset_seen,
             orders: Arc::new(Mutex::new(sender)),
         };
         anstream::eprintln!("  panel: http://{address}/#{}", hub.access.token);
         std::thread::Builder::new().name("panel".to_owned()).spawn(move || server::serve(listener, hub))?;
-        Ok(Self { view, newest, reset_allowed, orders, drawn: None, address, start: Stamp::ZERO })
+        Ok(Self { view, newest, layers, reset_allowed, orders, drawn: None, address, start: Stamp::ZERO })
     }
 
     /// Where it listens; with port 0 the system has chosen one.
@@ -128,6 +134,14 @@ impl Panel {
     /// A stop that began.
     pub fn stop(&mut self, record: &StopRecord) {
         self.view.stop(record, self.start);
+    }
+
+    /// The cleaning mission has told its progress.
+    pub fn mission(&mut self, progress: &Arc<MissionProgress>) {
+        let layers = self.view.mission(progress);
+        if let Ok(text) = serde_json::to_string(&layers) {
+            self.layers.send_replace((layers.number, text.into()));
+        }
     }
 
     /// Makes a picture when it is time for one. Cheap to call at any rate.

@@ -7,6 +7,7 @@
 mod access;
 mod frame;
 mod hub;
+mod layers;
 mod plain;
 mod server;
 mod view;

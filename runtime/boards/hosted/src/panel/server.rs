@@ -38,6 +38,7 @@ fn router(hub: Hub) -> Router {
     Router::new()
         .route("/", get(page))
         .route("/state", get(state))
+        .route("/layers", get(layers))
         .route("/order", post(order))
         .layer(DefaultBodyLimit::max(ORDER_BYTES_MAX))
         .with_state(hub)
@@ -93,21 +94,42 @@ async fn state(
     headers: HeaderMap,
     query: Result<Query<After>, QueryRejection>,
 ) -> Response {
-    if !is_for_us(&hub, &headers) {
+    let newest = hub.newest.clone();
+    look(&hub, &headers, (query, newest)).await
+}
+
+/// The floor of the mission, in the same way.
+async fn layers(
+    State(hub): State<Hub>,
+    headers: HeaderMap,
+    query: Result<Query<After>, QueryRejection>,
+) -> Response {
+    let newest = hub.layers.clone();
+    look(&hub, &headers, (query, newest)).await
+}
+
+type Newest = tokio::sync::watch::Receiver<(u64, std::sync::Arc<str>)>;
+
+async fn look(
+    hub: &Hub,
+    headers: &HeaderMap,
+    (query, mut newest): (Result<Query<After>, QueryRejection>, Newest),
+) -> Response {
+    if !is_for_us(hub, headers) {
         return refusal(StatusCode::MISDIRECTED_REQUEST, "this panel has another name");
     }
-    if !(hub.access.is_open_to_lookers() || has_token(&hub, &headers)) {
+    if !(hub.access.is_open_to_lookers() || has_token(hub, headers)) {
         return refusal(StatusCode::UNAUTHORIZED, "show the token");
     }
     let Ok(Query(After { after })) = query else {
         return refusal(StatusCode::BAD_REQUEST, "after= is the number of a picture");
     };
-    let mut newest = hub.newest.clone();
+    let held = newest.clone();
     let fresh = newest.wait_for(|(number, _)| after.is_none_or(|after| *number != after));
     let text = match tokio::time::timeout(WAIT, fresh).await {
         Ok(Ok(newest)) => newest.1.clone(),
         Ok(Err(_)) => return refusal(StatusCode::GONE, "the robot's program has ended"),
-        Err(_) => hub.newest.borrow().1.clone(),
+        Err(_) => held.borrow().1.clone(),
     };
     let json = [(header::CONTENT_TYPE, "application/json"), (header::CACHE_CONTROL, "no-store")];
     (StatusCode::OK, json, text.to_string()).into_response()

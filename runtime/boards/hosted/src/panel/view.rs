@@ -1,6 +1,7 @@
 //! Makes pictures of what the tasks share. Called from beside the rings, never from within them.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use floorguard_core::geometry::{Point2, Pose2, Transform3};
@@ -13,7 +14,9 @@ use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
 use floorguard_runtime::shared::{RobotStatus, Shared, StopRecord};
 
 use super::frame::{CauseFrame, Frame, PersonFrame, Place, SourceFrame, place, round};
+use super::layers::{Layers, layers, mission_frame};
 use super::plain::remedy;
+use crate::cleaner::MissionProgress;
 use crate::recording::{LidarView, describe};
 
 /// Stops that the page lists.
@@ -33,6 +36,8 @@ pub struct PanelView {
     last_place: Option<Point2>,
     driven_m: f32,
     number: u64,
+    mission: Option<Arc<MissionProgress>>,
+    layers: u64,
 }
 
 impl PanelView {
@@ -53,6 +58,8 @@ impl PanelView {
             last_place: None,
             driven_m: 0.0,
             number: 0,
+            mission: None,
+            layers: 0,
         }
     }
 
@@ -112,8 +119,16 @@ impl PanelView {
                 text: record.to_string(),
                 remedy: remedy(&record),
             }),
+            mission: self.mission.as_ref().map(|progress| mission_frame(progress, self.layers)),
             stops: self.stops.iter().cloned().collect(),
         })
+    }
+
+    /// The cleaning mission has told its progress; gives the floor as it is now.
+    pub fn mission(&mut self, progress: &Arc<MissionProgress>) -> Layers {
+        self.layers += 1;
+        self.mission = Some(Arc::clone(progress));
+        layers(progress, self.layers)
     }
 }
 

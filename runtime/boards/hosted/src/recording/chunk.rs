@@ -1,4 +1,4 @@
-//! Chunks: records packed together, as other people's recorders write them. Ours writes none.
+//! Chunks: records packed together. Ours are not packed tight; those of other people's recorders may be.
 
 use std::io::Read as _;
 
@@ -24,6 +24,17 @@ pub(super) enum ChunkError {
         /// What the library says.
         cause: String,
     },
+}
+
+/// The records in as much of an unpacked chunk as is there, the last of them perhaps cut. Nothing of a packed one.
+pub(super) fn salvage(content: &[u8]) -> Option<&[u8]> {
+    let mut fields = Fields(content);
+    fields.bytes(8 + 8 + 8 + 4)?;
+    if !fields.text()?.is_empty() {
+        return None;
+    }
+    fields.u64()?;
+    Some(fields.0)
 }
 
 /// The records of a chunk, from the content of its record.

@@ -252,12 +252,12 @@ pub fn mounting(stamp: Stamp, parent: &str, child: &str, transform: &Transform3)
     encoder.finish()
 }
 
-/// `tf2_msgs/msg/TFMessage` with the robot's pose.
-pub fn robot_pose(stamp: Stamp, parent: &str, at: Pose2) -> Vec<u8> {
+/// `tf2_msgs/msg/TFMessage` with the pose of `child` on the plane of `parent`.
+pub fn flat_frame(stamp: Stamp, (parent, child): (&str, &str), at: Pose2) -> Vec<u8> {
     let mut encoder = Encoder::new();
     encoder.length(1);
     header(&mut encoder, stamp, parent);
-    encoder.text("base_link");
+    encoder.text(child);
     encoder.f64s(&[f64::from(at.x_m), f64::from(at.y_m), 0.0]);
     quaternion_about_z(&mut encoder, at.heading_rad);
     encoder.finish()

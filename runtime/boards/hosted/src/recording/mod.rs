@@ -8,11 +8,13 @@ pub mod decode;
 pub mod describe;
 mod lidar_view;
 mod messages;
+pub mod mission;
 mod raw;
 mod reader;
 mod recorder;
 mod records;
 mod run;
+mod scan_map;
 mod schemas;
 pub mod topics;
 

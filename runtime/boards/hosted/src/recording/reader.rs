@@ -6,8 +6,10 @@ use std::sync::Arc;
 
 use floorguard_core::time::Stamp;
 
-use super::chunk::{ChunkError, unpack};
-use super::records::{Fields, MAGIC, RECORD_HEAD_BYTES, RecordView, Step, first_record, opcode};
+use super::chunk::{ChunkError, salvage, unpack};
+use super::records::{
+    Fields, MAGIC, RECORD_HEAD_BYTES, RecordView, Step, first_record, first_record_head, opcode,
+};
 
 /// A single record must not be longer: a damaged length must not fill the memory.
 const RECORD_BYTES_MAX: u64 = 1 << 30;
@@ -73,6 +75,8 @@ pub struct Recording<R: Read> {
     channels: BTreeMap<u16, Topic>,
     metadata: BTreeMap<String, BTreeMap<String, String>>,
     messages: u64,
+    /// The file ends within the chunk that is being read.
+    cut: bool,
     finished: bool,
 }
 
@@ -89,6 +93,7 @@ impl<R: Read> Recording<R> {
             channels: BTreeMap::new(),
             metadata: BTreeMap::new(),
             messages: 0,
+            cut: false,
             finished: false,
         }
     }
@@ -156,7 +161,16 @@ impl<R: Read> Recording<R> {
             };
             // The head of a record tells how much there is to come: two rounds at most.
             if !self.fill(needed)? {
-                return Err(ReadError::Cut { messages: self.messages });
+                let rest = self.buffer.get(self.used..).unwrap_or_default();
+                let records = first_record_head(rest).filter(|_| !self.cut).and_then(|(opcode, content)| {
+                    if opcode == opcode::CHUNK { salvage(content).map(<[u8]>::to_vec) } else { None }
+                });
+                self.cut = true;
+                match records {
+                    Some(records) if !records.is_empty() => self.chunk = (records, 0),
+                    _ => return Err(ReadError::Cut { messages: self.messages }),
+                }
+                continue;
             }
             if let Some(message) = self.step_in_buffer()? {
                 return Ok(Some(message));
@@ -191,6 +205,7 @@ impl<R: Read> Recording<R> {
                 self.chunk = (bytes, at + length.max(RECORD_HEAD_BYTES));
                 taken
             }
+            Step::Needs(_) if self.cut => Err(ReadError::Cut { messages: self.messages }),
             Step::Needs(_) => Err(self.broken("a chunk ends within a record")),
         }
     }

@@ -1,17 +1,24 @@
-//! Writes a recording, message by message, so that a cut at any byte keeps every complete message before it.
+//! Writes a recording so that a cut at any byte keeps every complete message before it.
 //!
-//! Messages stand in the data section without chunks: a chunk would be lost as a whole. The index at the end, which
-//! viewers like and nobody needs, is written by [`Recorder::finish`].
+//! Messages stand in chunks of a quarter of a second: viewers seek by them, and one of them (Rerun) sees nothing else. A
+//! chunk is not packed, so that the messages of a cut one can still be read, and it goes into the file as a whole, so
+//! that a computer that loses its power has lost a quarter of a second. The index at the end is written by
+//! [`Recorder::finish`]; without it everything can still be read.
 
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 
 use floorguard_core::time::Stamp;
 use mcap::records::{MessageHeader, Metadata};
+use mcap::write::NoSeek;
 
 use super::messages;
 use super::raw::RawStream;
 use super::schemas::{self, Schema};
+
+/// A chunk holds messages of this much recorded time, and not many more bytes than this.
+const CHUNK_US: u64 = 250_000;
+const CHUNK_BYTES: u64 = 1 << 20;
 
 /// A recording could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -20,7 +27,9 @@ pub struct RecordError(#[from] mcap::McapError);
 
 /// A recording in the making.
 pub struct Recorder<W: Write + Seek> {
-    writer: mcap::Writer<W>,
+    writer: mcap::Writer<NoSeek<W>>,
+    /// When the first message of the chunk was recorded.
+    chunk_began: Option<Stamp>,
     channels: BTreeMap<&'static str, (u16, u32)>,
 }
 
@@ -48,9 +57,12 @@ impl<W: Write + Seek> Recorder<W> {
         let options = mcap::WriteOptions::new()
             .profile("ros2")
             .library("floorguard")
-            .use_chunks(false)
+            .use_chunks(true)
+            .chunk_size(Some(CHUNK_BYTES))
+            .disable_seeking(true)
             .compression(None);
-        Ok(Self { writer: options.create(sink)?, channels: BTreeMap::new() })
+        let writer = options.create(NoSeek::new(sink))?;
+        Ok(Self { writer, chunk_began: None, channels: BTreeMap::new() })
     }
 
     /// Writes named texts about the recording.
@@ -77,8 +89,13 @@ impl<W: Write + Seek> Recorder<W> {
             let channel = self.writer.add_channel(id, topic, "cdr", &BTreeMap::new())?;
             self.channels.insert(topic, (channel, 0));
         }
-        let Some((channel_id, sequence)) = self.channels.get_mut(topic) else { return Ok(()) };
         let times = times.into();
+        let began = *self.chunk_began.get_or_insert(times.logged);
+        if times.logged.as_micros() >= began.as_micros().saturating_add(CHUNK_US) {
+            self.flush()?;
+            self.chunk_began = Some(times.logged);
+        }
+        let Some((channel_id, sequence)) = self.channels.get_mut(topic) else { return Ok(()) };
         let header = MessageHeader {
             channel_id: *channel_id,
             sequence: *sequence,
@@ -116,6 +133,6 @@ impl<W: Write + Seek> Recorder<W> {
     /// When the file cannot be written.
     pub fn finish(mut self) -> Result<W, RecordError> {
         self.writer.finish()?;
-        Ok(self.writer.into_inner())
+        Ok(self.writer.into_inner().into_inner())
     }
 }

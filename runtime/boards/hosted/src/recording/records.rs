@@ -2,6 +2,8 @@
 //!
 //! Source: MCAP specification, version 0. All numbers little-endian.
 
+use super::chunk::salvage;
+
 /// First and last bytes of a file.
 pub const MAGIC: &[u8; 8] = b"\x89MCAP0\r\n";
 /// In front of the content of a record: opcode and length.
@@ -52,6 +54,13 @@ pub fn first_record(bytes: &[u8]) -> Step<'_> {
         Some(content) => Step::Whole(RecordView { opcode, content }, RECORD_HEAD_BYTES + content.len()),
         None => Step::Needs(length.saturating_add(RECORD_HEAD_BYTES as u64)),
     }
+}
+
+/// Opcode and content of the first record, as much of it as is there.
+#[must_use]
+pub fn first_record_head(bytes: &[u8]) -> Option<(u8, &[u8])> {
+    let (head, content) = bytes.split_first_chunk::<RECORD_HEAD_BYTES>()?;
+    Some((head[0], content))
 }
 
 /// Takes numbers, texts and byte strings off the front of a record's content.
@@ -105,22 +114,34 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// Complete messages in the bytes of a recording without chunks, and how many bytes the last of them ends at. The
-/// quickest of readers, for tests of files that were cut.
+/// Complete messages in the bytes of a recording whose chunks are not packed, and how many bytes the last of them ends
+/// at. The quickest of readers, for tests of files that were cut.
 #[must_use]
 pub fn count_messages(file: &[u8]) -> (u64, usize) {
-    let (mut messages, mut end) = (0, 0);
-    let Some(mut rest) = file.strip_prefix(MAGIC.as_slice()) else { return (0, 0) };
+    let mut found = (0, 0);
+    let Some(mut rest) = file.strip_prefix(MAGIC.as_slice()) else { return found };
     while let Step::Whole(record, length) = first_record(rest) {
         rest = rest.get(length..).unwrap_or_default();
         match record.opcode {
-            opcode::MESSAGE => {
-                messages += 1;
-                end = file.len() - rest.len();
-            }
-            opcode::DATA_END => break,
+            opcode::CHUNK => count_in_chunk(record.content, file.len() - rest.len(), &mut found),
+            opcode::MESSAGE => found = (found.0 + 1, file.len() - rest.len()),
+            opcode::DATA_END => return found,
             _ => {}
         }
     }
-    (messages, end)
+    if let Some((opcode::CHUNK, content)) = first_record_head(rest) {
+        count_in_chunk(content, file.len(), &mut found);
+    }
+    found
+}
+
+/// The same within the content of a chunk that ends so many bytes from the beginning of the file.
+fn count_in_chunk(content: &[u8], end: usize, found: &mut (u64, usize)) {
+    let mut rest = salvage(content).unwrap_or_default();
+    while let Step::Whole(record, length) = first_record(rest) {
+        rest = rest.get(length..).unwrap_or_default();
+        if record.opcode == opcode::MESSAGE {
+            *found = (found.0 + 1, end - rest.len());
+        }
+    }
 }

@@ -5,10 +5,12 @@
 
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
+use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use floorguard_core::guard::GuardState;
 use floorguard_core::people::RingAngles;
+use floorguard_core::sensing::Scan;
 use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
 use floorguard_drivers::velodyne::ModelChoice;
@@ -17,10 +19,15 @@ use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
 use floorguard_runtime::shared::{RobotStatus, Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
 
+use crate::cleaner::{MissionPhase, MissionProgress};
+
 use super::describe;
 use super::lidar_view::LidarView;
+use super::messages::GridImage;
+use super::mission;
 use super::raw::RawStream;
 use super::recorder::{RecordError, Recorder, Times};
+use super::scan_map::{self, ScanMap};
 use super::topics::{self, MotionRow};
 
 /// Name of the texts about the run.
@@ -31,6 +38,10 @@ pub const END_METADATA: &str = "floorguard end";
 const MOTION_EVERY_US: u64 = 20_000;
 /// Health, counters, frames of mountings and the fingerprint: once a second, microseconds.
 const SLOW_EVERY_US: u64 = 1_000_000;
+/// The map takes two scans a second, microseconds.
+const MAP_SCAN_US: u64 = 500_000;
+/// Maps are written this often, microseconds.
+const MAPS_EVERY_US: u64 = 5_000_000;
 
 /// What is known before the run begins.
 #[derive(Clone, Debug)]
@@ -55,6 +66,8 @@ pub struct RunRecorder<W: Write + Seek> {
     imu_samples: Vec<floorguard_core::sensing::ImuSample>,
     fields: Vec<Vec<super::Marker>>,
     mountings: Vec<(&'static str, floorguard_core::geometry::Transform3)>,
+    map: ScanMap,
+    mission: Option<Arc<MissionProgress>>,
     seen: Seen,
     failed: Option<RecordError>,
 }
@@ -66,7 +79,13 @@ struct Seen {
     status: u32,
     scan: u32,
     motion_us: Option<u64>,
+    /// The newest moment of the recording.
+    now_us: u64,
     slow_us: u64,
+    map_scan_us: u64,
+    map_us: u64,
+    mission_us: Option<u64>,
+    phase: Option<MissionPhase>,
     field_set: Option<usize>,
     state: Option<(GuardState, bool)>,
 }
@@ -101,6 +120,8 @@ impl<W: Write + Seek> RunRecorder<W> {
             imu_samples: Vec::new(),
             fields: robot.fields.iter().map(describe::fields).collect(),
             mountings,
+            map: ScanMap::default(),
+            mission: None,
             seen: Seen::default(),
             failed: None,
         })
@@ -155,6 +176,7 @@ impl<W: Write + Seek> RunRecorder<W> {
 
     /// The tasks have run: what they published is written.
     pub fn after_tasks<M: RawMutex>(&mut self, shared: &Shared<M>, now_us: u64) {
+        self.seen.now_us = now_us;
         let now = Stamp::from_micros(now_us);
         let (people, status, scan) =
             (shared.people.published(), shared.status.published(), shared.scan.published());
@@ -162,6 +184,7 @@ impl<W: Write + Seek> RunRecorder<W> {
             && let Some(scan) = shared.scan.get()
         {
             self.write(|out| out.scan(now, &scan));
+            self.map(shared, &scan, now_us);
         }
         if self.seen.motion_us.is_none_or(|last_us| now_us >= last_us + MOTION_EVERY_US)
             && let Some(pose) = shared.pose.get()
@@ -191,6 +214,65 @@ impl<W: Write + Seek> RunRecorder<W> {
             self.slow(shared, now);
         }
         (self.seen.people, self.seen.status, self.seen.scan) = (people, status, scan);
+    }
+
+    fn map<M: RawMutex>(&mut self, shared: &Shared<M>, scan: &Scan, now_us: u64) {
+        let mounting = self.mountings.iter().find(|(name, _)| *name == "scanner").map(|(_, at)| *at);
+        if now_us >= self.seen.map_scan_us
+            && let (Some(pose), Some(mounting)) = (shared.pose.get(), mounting)
+        {
+            self.seen.map_scan_us = now_us + MAP_SCAN_US;
+            self.map.add(scan, &mounting, pose.pose_in_odometry);
+        }
+        if now_us >= self.seen.map_us {
+            self.seen.map_us = now_us + MAPS_EVERY_US;
+            self.write_map(now_us);
+        }
+    }
+
+    fn write_map(&mut self, now_us: u64) {
+        let Some(picture) = self.map.picture() else { return };
+        let grid = GridImage {
+            resolution_m: scan_map::CELL_M,
+            width: picture.width,
+            origin: picture.origin,
+            cells: &picture.cells,
+        };
+        self.write(|out| out.map(topics::MAP, (Stamp::from_micros(now_us), "odom"), &grid));
+    }
+
+    /// The cleaning mission has told its progress.
+    pub fn mission(&mut self, progress: &Arc<MissionProgress>) {
+        let now_us = self.seen.now_us;
+        let now = Stamp::from_micros(now_us);
+        let odometry = progress.odometry_in_map;
+        self.write(|out| out.frame(now, now, (("map", "odom"), odometry)));
+        self.write(|out| out.diagnostics(topics::DIAGNOSTICS, now, &[mission::diagnostic(progress)]));
+        if self.seen.mission_us.is_none() {
+            self.write_dirt(progress, &progress.expected_before, now);
+        }
+        let due = self.seen.mission_us.is_none_or(|last_us| now_us >= last_us + MAPS_EVERY_US);
+        if due || self.seen.phase != Some(progress.phase) {
+            self.seen.phase = Some(progress.phase);
+            self.write_mission(progress, now_us);
+            self.mission = None;
+        } else {
+            // Written at the end, should nothing newer come.
+            self.mission = Some(Arc::clone(progress));
+        }
+    }
+
+    fn write_mission(&mut self, progress: &MissionProgress, now_us: u64) {
+        let now = Stamp::from_micros(now_us);
+        self.seen.mission_us = Some(now_us);
+        let cells = mission::claimed_cells(progress);
+        self.write(|out| out.map(topics::CLAIMED, (now, "map"), &mission::grid(progress, &cells)));
+        self.write_dirt(progress, &progress.expected_now, now);
+    }
+
+    fn write_dirt(&mut self, progress: &MissionProgress, units: &[f32], now: Stamp) {
+        let cells = mission::dirt_cells(progress, units);
+        self.write(|out| out.map(topics::DIRT, (now, "map"), &mission::grid(progress, &cells)));
     }
 
     fn on_status(&mut self, status: &RobotStatus, now: Stamp) {
@@ -241,6 +323,10 @@ impl<W: Write + Seek> RunRecorder<W> {
     /// # Errors
     /// The first thing that could not be written.
     pub fn finish(mut self, duration_us: u64, digest: Option<u64>) -> Result<W, RecordError> {
+        self.write_map(duration_us);
+        if let Some(progress) = self.mission.take() {
+            self.write_mission(&progress, duration_us);
+        }
         let mut texts = BTreeMap::from([("duration_us".to_owned(), duration_us.to_string())]);
         texts.extend(digest.map(|digest| ("digest".to_owned(), format!("{digest:016x}"))));
         self.write(|out| out.metadata(END_METADATA, texts));

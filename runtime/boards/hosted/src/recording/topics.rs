@@ -22,6 +22,12 @@ pub const ODOMETRY: &str = "/odometry";
 pub const TF: &str = "/tf";
 /// Mountings.
 pub const TF_STATIC: &str = "/tf_static";
+/// What the scanner has seen free and occupied, in the odometry frame.
+pub const MAP: &str = "/map";
+/// What the mission claims to be clean, percent: 0 dirty, 50 uncertain, 100 claimed.
+pub const CLAIMED: &str = "/mission/claimed_clean";
+/// Expected dirt, percent of the dirtiest cell before the mission; the first message is that before it.
+pub const DIRT: &str = "/mission/dirt";
 /// Tracks of people.
 pub const PEOPLE: &str = "/people";
 /// The fields that the guard watches.
@@ -92,7 +98,20 @@ impl<W: Write + Seek> Recorder<W> {
         let times = Times { logged, published: row.stamp };
         let odometry = messages::odometry(row.stamp, row.pose_in_odom, row.twist, &row.covariance);
         self.message(ODOMETRY, &schemas::ODOMETRY, times, &odometry)?;
-        let frame = messages::robot_pose(row.stamp, "odom", row.pose_in_odom);
+        self.frame(times, row.stamp, (("odom", "base_link"), row.pose_in_odom))
+    }
+
+    /// A moving frame on the plane of its parent.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn frame(
+        &mut self,
+        times: impl Into<Times>,
+        stamp: Stamp,
+        ((parent, child), at): ((&str, &str), Pose2),
+    ) -> Result<(), RecordError> {
+        let frame = messages::flat_frame(stamp, (parent, child), at);
         self.message(TF, &schemas::TF_MESSAGE, times, &frame)
     }
 
@@ -109,12 +128,17 @@ impl<W: Write + Seek> Recorder<W> {
         )
     }
 
-    /// A map.
+    /// A map in a frame.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn map(&mut self, topic: &'static str, at: Stamp, grid: &GridImage) -> Result<(), RecordError> {
-        self.message(topic, &schemas::OCCUPANCY_GRID, at, &messages::occupancy_grid(at, "odom", grid))
+    pub fn map(
+        &mut self,
+        topic: &'static str,
+        (at, frame): (Stamp, &str),
+        grid: &GridImage,
+    ) -> Result<(), RecordError> {
+        self.message(topic, &schemas::OCCUPANCY_GRID, at, &messages::occupancy_grid(at, frame, grid))
     }
 
     /// People, fields and the like, drawn.

@@ -6,9 +6,11 @@ use std::fmt::Write;
 use floorguard_core::geometry::Point2;
 
 use super::charts;
-use super::grids;
+use super::grids::{self, Scale};
 use super::history::{History, Stop};
+use super::mission;
 use super::sketch;
+use crate::recording::topics;
 
 const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;margin:1rem auto;max-width:64rem;padding:0 1rem;\
 color:#1c2733;background:#fff}h1{font-size:1.5rem;margin-bottom:0}h2{font-size:1.15rem;margin-top:2rem}\
@@ -19,7 +21,8 @@ border-bottom:1px solid #d8dee5}.num{text-align:right;font-variant-numeric:tabul
 .stop{display:flex;flex-wrap:wrap;gap:1rem;border-top:1px solid #d8dee5;padding:1rem 0;break-inside:avoid}\
 .stop>div{flex:1 1 16rem}.stop svg{flex:0 1 300px;max-width:300px}dl{display:grid;grid-template-columns:max-content 1fr;\
 gap:.1rem .8rem;margin:0}dt{color:#5b6770}dd{margin:0}.cut{background:#fdf2d0;padding:.5rem 1rem;border-radius:.5rem}\
-.legend{color:#5b6770;font-size:.88rem}@media print{body{max-width:none;font-size:11px}h2{break-after:avoid}a{color:inherit}}";
+.pair{display:flex;flex-wrap:wrap;gap:1rem}figure{flex:1 1 18rem;margin:0;break-inside:avoid}\
+figcaption{text-align:center}h3{font-size:1rem;margin:1rem 0 .3rem}.legend{color:#5b6770;font-size:.88rem}@media print{body{max-width:none;font-size:11px}h2{break-after:avoid}a{color:inherit}}";
 
 /// Text that means nothing to HTML.
 pub fn escaped(text: &str) -> String {
@@ -38,17 +41,21 @@ pub fn document(history: &History, name: &str) -> String {
     );
     head(&mut html, history, name);
     section(&mut html, "Map, way and stops", &sketch::overview(history), OVERVIEW_LEGEND);
+    mission::section(&mut html, history);
     section(&mut html, "Speed and limit", &charts::speeds(history), SPEED_LEGEND);
     stops(&mut html, history);
     if !history.heat.is_empty() {
         let legend = "Darker: people were there longer, each step four times as long.";
         section(&mut html, "Where people were", &sketch::heat(history), legend);
     }
-    for (topic, (first, last)) in &history.grids {
+    // The map is drawn above, and the mission has a section of its own.
+    let drawn = [topics::MAP, topics::CLAIMED, topics::DIRT];
+    for (topic, (first, last)) in history.grids.iter().filter(|(topic, _)| !drawn.contains(&topic.as_str())) {
+        let picture = |grid| grids::picture(grid, Scale::Occupied);
         let both = if first.cells == last.cells {
-            grids::picture(last)
+            picture(last)
         } else {
-            format!("<p>before:</p>{}<p>after:</p>{}", grids::picture(first), grids::picture(last))
+            format!("<p>before:</p>{}<p>after:</p>{}", picture(first), picture(last))
         };
         section(&mut html, &format!("Map {}", escaped(topic)), &both, GRID_LEGEND);
     }

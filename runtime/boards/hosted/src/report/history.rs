@@ -7,6 +7,7 @@ use floorguard_core::geometry::{Point2, Pose2, Transform3};
 use floorguard_core::time::Stamp;
 
 use crate::recording::decode::{self, Drawn, Grid, LaserScan, Status};
+use crate::recording::mission::MISSION;
 use crate::recording::{RUN_METADATA, ReadError, Recorded, Recording, describe, topics};
 
 /// The way has a place every quarter of a second.
@@ -89,6 +90,8 @@ pub struct History {
     pub sources: BTreeMap<String, Vec<(f64, u8, String)>>,
     /// Counters at the end: name, value, by group.
     pub counters: BTreeMap<String, Vec<(String, String)>>,
+    /// How far the cleaning mission was, and when: named values.
+    pub mission: Vec<(f64, Vec<(String, String)>)>,
     /// Every stop.
     pub stops: Vec<Stop>,
     /// Scans for the map.
@@ -253,8 +256,12 @@ impl Reader {
 
     fn on_status(&mut self, at_s: f64, list: Vec<Status>) {
         for status in list {
-            if ["links", "sweep"].contains(&status.name.as_str()) {
+            if ["links", "sweep", "recording"].contains(&status.name.as_str()) {
                 self.history.counters.insert(status.name, status.values);
+                continue;
+            }
+            if status.name == MISSION {
+                self.history.mission.push((at_s, status.values));
                 continue;
             }
             let (level, word) = match status.value("state") {

@@ -5,6 +5,7 @@ mod charts;
 mod document;
 mod grids;
 mod history;
+mod mission;
 mod page;
 mod sketch;
 mod summary;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
@@ -18,6 +19,7 @@ use floorguard_sim::{FaultSpec, FaultTarget};
 use super::plan::Plan;
 use super::spawn::Stages;
 use super::tape::{Tape, encode_route};
+use crate::cleaner::MissionProgress;
 use crate::commands::BadInput;
 use crate::panel::{Order, Panel};
 use crate::recording::{RecordError, RunInfo, RunRecorder};
@@ -129,6 +131,16 @@ impl Witnesses {
     pub fn sent(&mut self, frame: &CanFrame, now_us: u64) {
         if let Some(recording) = &mut self.recording {
             recording.sent(frame, now_us);
+        }
+    }
+
+    /// The cleaning mission has told its progress, about once a second.
+    pub fn mission(&mut self, progress: &Arc<MissionProgress>) {
+        if let Some(recording) = &mut self.recording {
+            recording.mission(progress);
+        }
+        if let Some(panel) = &mut self.panel {
+            panel.mission(progress);
         }
     }
 

@@ -1,0 +1,127 @@
+//! A cleaning mission in recording, report and panel: whoever tells its progress, it is seen.
+
+use std::fs::File;
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::process::Command;
+use std::sync::Arc;
+
+use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_core::maps::GridGeometry;
+use floorguard_core::time::Stamp;
+use floorguard_hosted::cleaner::{CellState, Doubt, MissionPhase, MissionProgress, UncertainCell};
+use floorguard_hosted::panel::{Access, Panel, PanelView};
+use floorguard_hosted::recording::{Recording, decode, topics};
+use floorguard_hosted::world::{Observer, Plan, Witnesses, run_recorded};
+
+/// A floor of 4 × 3 m of which so much is clean.
+fn progress(share: f32) -> Arc<MissionProgress> {
+    let geometry = GridGeometry::new(40, 30, 0.1, Point2::new(-2.0, -1.5)).expect("a floor");
+    let cells = geometry.cell_count();
+    let state = |cell: usize| match cell {
+        cell if cell % 40 == 0 => CellState::OffLimits,
+        cell if (cell as f32) < cells as f32 * share => CellState::Clean,
+        cell if cell % 7 == 0 => CellState::Uncertain,
+        _ => CellState::Dirty,
+    };
+    let states: Vec<CellState> = (0..cells).map(state).collect();
+    let expected = |state: &CellState| if *state == CellState::Clean { 0.1 } else { 2.0 };
+    Arc::new(MissionProgress {
+        stamp: Stamp::ZERO,
+        phase: if share < 1.0 { MissionPhase::Cleaning } else { MissionPhase::Done },
+        geometry,
+        odometry_in_map: Pose2::new(0.2, 0.1, 0.05),
+        position_deviation_m: 0.02,
+        expected_before: vec![2.0; cells],
+        expected_now: states.iter().map(expected).collect(),
+        cells: states,
+        completion: share,
+        claimed_fraction: share,
+        uncertain: vec![UncertainCell { cell: 1_190, expected_units: 2.0, doubt: Doubt::Obstructed }],
+        unreachable_cells: 3,
+        tour: vec![Point2::new(0.0, 0.0), Point2::new(1.0, 0.5)],
+        waypoints: Vec::new(),
+        distance_m: 12.0,
+        waited_s: 4.0,
+        detours: 1,
+    })
+}
+
+#[test]
+fn a_mission_is_in_the_recording_and_in_its_report() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("mission.mcap");
+    let plan = Plan::named("empty", 1, 3_000_000).expect("a plan");
+    let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
+    let mut observer = Observer::new(&plan, &mut show);
+    let mut witnesses = Witnesses::default();
+    witnesses.record(&plan, &path).expect("a recording");
+    [0.0, 0.25, 0.5].into_iter().for_each(|share| witnesses.mission(&progress(share)));
+    run_recorded(&plan, &mut observer, &mut witnesses).expect("a run");
+    let messages: Vec<_> =
+        Recording::new(File::open(&path).expect("the file")).collect::<Result<_, _>>().expect("whole");
+    let grids = |topic: &str| -> Vec<decode::Grid> {
+        let wanted = messages.iter().filter(|message| &*message.topic == topic);
+        wanted.map(|message| decode::grid(&message.data).expect("a grid")).collect()
+    };
+    let (claimed, dirt, map) = (grids(topics::CLAIMED), grids(topics::DIRT), grids(topics::MAP));
+    let count = |grid: &decode::Grid, wanted: i8| grid.cells.iter().filter(|cell| **cell == wanted).count();
+    // At the beginning, and what was newest at the end.
+    assert_eq!((claimed.len(), dirt.len()), (2, 3));
+    assert_eq!((count(&claimed[0], 100), count(&claimed[1], 100)), (0, 585));
+    assert_eq!((count(&dirt[0], 100), count(&dirt[2], 5)), (1_170, 585));
+    assert_eq!(
+        (claimed[1].header.frame.as_str(), claimed[1].width, claimed[1].resolution_m),
+        ("map", 40, 0.1)
+    );
+    let known = |grid: &decode::Grid| grid.cells.iter().filter(|cell| **cell >= 0).count();
+    assert!(map.len() >= 2 && known(map.last().expect("a map")) > 5_000, "{}", map.len());
+    assert_eq!(map[0].header.frame, "odom");
+    let report = Command::new(env!("CARGO_BIN_EXE_floorguard")).arg("report").arg(&path).output();
+    let report = report.expect("the program starts");
+    assert!(report.status.success(), "{report:?}");
+    let page = std::fs::read_to_string(path.with_extension("html")).expect("the page");
+    for words in ["Cleaning mission", "<b>50.0 %</b>of the dirty floor", "Claimed clean", "before", "after"] {
+        assert!(page.contains(words), "{words}");
+    }
+    assert!(page.contains("#7fb77e"), "no green: nothing is shown as clean");
+}
+
+#[test]
+fn the_panel_serves_the_floor_when_it_has_changed() {
+    let plan = Plan::named("empty", 1, 1_000_000).expect("a plan");
+    let access = Access::new("127.0.0.1:0".parse().expect("an address"), None).expect("on the loopback");
+    let mut panel = Panel::open(access, PanelView::new("a test", &plan.robot)).expect("open");
+    let address = panel.address();
+    let ask = |path: &str| {
+        let mut stream = TcpStream::connect(address).expect("it answers");
+        let request = format!("GET {path} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n");
+        stream.write_all(request.as_bytes()).expect("sent");
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).expect("read");
+        answer.split_once("\r\n\r\n").expect("a body").1.to_owned()
+    };
+    assert_eq!(ask("/layers?after=0"), "{}");
+    panel.mission(&progress(0.5));
+    let floor: serde_json::Value = serde_json::from_str(&ask("/layers?after=0")).expect("a floor");
+    assert_eq!((&floor["width"], &floor["number"]), (&40.into(), &1.into()));
+    let cells = |text: &serde_json::Value, letter: char| -> usize {
+        // Count, colon, letter.
+        let text: Vec<char> = text.as_str().expect("a text").chars().collect();
+        let mut count = 0;
+        let mut number = String::new();
+        let mut letters = text.into_iter();
+        while let Some(next) = letters.next() {
+            match next {
+                ':' if letters.next() == Some(letter) => {
+                    count += std::mem::take(&mut number).parse::<usize>().expect("a count");
+                }
+                ':' => number.clear(),
+                digit => number.push(digit),
+            }
+        }
+        count
+    };
+    assert_eq!((cells(&floor["claimed"], 'c'), cells(&floor["claimed"], '.')), (585, 30));
+    assert_eq!(cells(&floor["dirt"], '9') + cells(&floor["dirt"], '0'), 1_170);
+}
