@@ -27,7 +27,7 @@ pub use motion_model::{MotionNoise, OdometryStep, sample_motion};
 pub use path_search::{PathSearch, SEARCH_CELLS_MAX, SearchCell};
 pub use planner::{PlanReport, Planner};
 pub use poisson::{negative_binomial_quantile, poisson_cdf, poisson_quantile, poisson_tail, threshold_rate};
-pub use policy::{CleanRule, Verdict};
+pub use policy::{CleanRule, MissionRisk, Verdict};
 pub use range_model::{BEAMS_TO_JUDGE, RangeModel, RangeModelConfig};
 pub use resample::{normalise, systematic};
 pub use swath::{Brush, Swath};

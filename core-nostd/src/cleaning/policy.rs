@@ -90,6 +90,73 @@ impl CleanRule {
     }
 }
 
+/// Steps of the limit for a single cell, each [`STEP`] of the one before: from δ down to a millionth of it.
+const STEPS: usize = 48;
+const STEP: f64 = 0.75;
+
+/// The risk of a mission, shared among its cells by what each still needs.
+///
+/// The published criterion of success is the 99 % quantile over the cells that were dirty at the start: one cell in a
+/// hundred may hold more than τ. With n cells the number that fails is taken as Poisson (its tail is the heavier one),
+/// so the mission may expect at most λ*(⌊n/100⌋, δ) failing cells in all. Most cleaned cells need next to nothing of
+/// that; what they leave goes to those whose last doubt is dear, so that no cell is visited again for a risk that the
+/// mission can bear. No single cell gets more than δ.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MissionRisk {
+    allowance: f32,
+    dirty_cells: f32,
+    steps: [CleanRule; STEPS],
+}
+
+impl MissionRisk {
+    /// The risk `delta` of a mission with `dirty_cells` cells that were not clean at the start.
+    #[must_use]
+    pub fn new(tolerated_units: u8, delta: f64, dirty_cells: usize) -> Self {
+        let cells = u32::try_from(dirty_cells).unwrap_or(u32::MAX);
+        let mut limit = delta;
+        let steps = core::array::from_fn(|_| {
+            let rule = CleanRule::per_cell(tolerated_units, limit);
+            limit *= STEP;
+            rule
+        });
+        Self { allowance: threshold_rate(cells / 100, delta) as f32, dirty_cells: cells.max(1) as f32, steps }
+    }
+
+    /// The rule for a single cell at this moment, from what is believed of the `dirty` ones now: the loosest with which
+    /// the cells that it calls clean keep to their part of the mission's risk.
+    #[must_use]
+    pub fn rule<'a>(&self, dirty: impl Iterator<Item = &'a DirtCell>) -> CleanRule {
+        // Risk of the cells that a step calls clean and the next one does not.
+        let mut risks = [0.0_f32; STEPS];
+        let mut decided = 0.0_f32;
+        for cell in dirty {
+            let clean_at = self.steps.iter().take_while(|rule| rule.verdict(cell) == Verdict::Clean).count();
+            let Some(last) = clean_at.checked_sub(1) else { continue };
+            decided += 1.0;
+            if let (Some(risk), Some(rule)) = (risks.get_mut(last), self.steps.get(last)) {
+                // Cells far below the last step are worth nothing.
+                *risk += if clean_at < STEPS { rule.delta } else { 0.0 };
+            }
+        }
+        // Cells that are still to be cleaned keep their part.
+        let allowance = self.allowance * (decided / self.dirty_cells).min(1.0);
+        let mut sum = 0.0_f32;
+        let mut loosest = STEPS.saturating_sub(1);
+        for (index, risk) in risks.iter().enumerate().rev() {
+            sum += *risk;
+            if sum > allowance {
+                break;
+            }
+            loosest = index;
+        }
+        self.steps.get(loosest).copied().unwrap_or(CleanRule {
+            threshold_units: 0.0,
+            delta: 0.0,
+            looks_at_mixture: true,
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::poisson::poisson_tail;
@@ -133,6 +200,49 @@ mod tests {
         let one = CleanRule::per_cell(5, 0.01).threshold_units();
         assert!(threshold(60_000) < one && threshold(60_000) > 0.9 * one);
         assert_eq!(threshold(0), one);
+    }
+
+    /// 100 cells may expect 0.149 failures: 0.0015 for each alike. Where 90 of them need nothing, the last ten get more.
+    #[test]
+    fn the_risk_goes_to_the_cells_that_need_it() {
+        let risk = MissionRisk::new(5, 0.01, 100);
+        let all = |few: f32, rest: f32| -> std::vec::Vec<DirtCell> {
+            (0..100).map(|i| cell(if i < 10 { few } else { rest })).collect()
+        };
+        let threshold = |cells: &[DirtCell]| risk.rule(cells.iter()).threshold_units();
+        let alike = CleanRule::mission(5, 0.01, 100).threshold_units();
+        let shared = threshold(&all(1.7, 0.1));
+        assert!(shared > 1.7 && shared > 1.4 * alike, "{shared} {alike}");
+        // All of them at 0.0075 would be 0.75 failures: none of them is clean enough.
+        assert!(threshold(&all(1.7, 1.7)) < 1.7);
+        // No single cell gets more than δ, and one that may not be clean at all takes nothing from the others.
+        assert!(threshold(&all(9.0, 0.1)) <= CleanRule::per_cell(5, 0.01).threshold_units());
+        assert!(threshold(&all(9.0, 0.1)) > 1.7);
+        assert_eq!(
+            MissionRisk::new(5, 0.01, 0).rule([].iter()).threshold_units(),
+            CleanRule::per_cell(5, 0.01).threshold_units()
+        );
+    }
+
+    /// The sum of what is granted never exceeds the mission's allowance, whatever the beliefs are.
+    #[test]
+    fn the_sum_of_the_risks_stays_within_the_allowance() {
+        let mut random = crate::random::Pcg32::new(3, 3);
+        for count in [25_u32, 120, 400] {
+            let risk = MissionRisk::new(5, 0.01, count as usize);
+            let allowance = threshold_rate(count / 100, 0.01) as f32;
+            for _ in 0..50 {
+                let cells: std::vec::Vec<DirtCell> =
+                    (0..count).map(|_| cell(random.uniform_between(0.0, 2.5))).collect();
+                let rule = risk.rule(cells.iter());
+                let granted: f32 = cells
+                    .iter()
+                    .filter(|c| rule.verdict(c) == Verdict::Clean)
+                    .map(|c| poisson_tail(5, f64::from(c.expected_units)) as f32)
+                    .sum();
+                assert!(granted <= allowance, "{granted} of {allowance}");
+            }
+        }
     }
 
     #[test]

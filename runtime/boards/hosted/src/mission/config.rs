@@ -1,7 +1,7 @@
 //! What a mission is run with: strategy, robot, belief, and what goes wrong.
 
 use floorguard_core::cleaning::{
-    ActuatorModel, BeliefConfig, Brush, CleanRule, Collapse, DirtSensorModel, FollowConfig, MotionNoise,
+    ActuatorModel, BeliefConfig, Brush, Collapse, DirtSensorModel, FollowConfig, MotionNoise,
     RangeModelConfig,
 };
 
@@ -141,16 +141,5 @@ impl MissionConfig {
             scouts: if self.faults.are_zero() { None } else { Some((0.12, 0.1)) },
             resample_always: self.as_published,
         }
-    }
-
-    /// When a cell counts as clean; `dirty_cells` are those that were not clean at the start.
-    pub fn rule(&self, dirty_cells: usize) -> CleanRule {
-        let (tolerated, delta) = (self.tolerated_units, self.delta);
-        let rule = match self.guarantee {
-            Guarantee::EachCell => CleanRule::per_cell(tolerated, delta),
-            Guarantee::Mission => CleanRule::mission(tolerated, delta, dirty_cells),
-            Guarantee::AllCells => CleanRule::joint(tolerated, delta, dirty_cells),
-        };
-        if self.as_published { rule.mean_only() } else { rule }
     }
 }

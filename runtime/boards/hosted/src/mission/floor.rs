@@ -58,7 +58,17 @@ impl Floor {
             fill_distances(&mut field, &mut scratch, is_obstacle);
             Ok(field)
         };
-        let surfaces = field(&|i| occupancy.get(i) == Some(&Occupancy::Occupied))?;
+        let is_occupied = |i: usize| occupancy.get(i) == Some(&Occupancy::Occupied);
+        // A beam ends on the face of a wall. Were its inside as good an explanation, a robot that sees one wall would
+        // believe to be nearer to it than it is.
+        let surfaces = field(&|i| {
+            let (column, row) = fine.coordinates(i);
+            let is_face = || {
+                let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (column + dx, row + dy)));
+                around.filter_map(|(x, y)| fine.index(x, y)).any(|n| !is_occupied(n))
+            };
+            is_occupied(i) && is_face()
+        })?;
         let clearance = field(&|i| occupancy.get(i) != Some(&Occupancy::Free))?;
         let (cells, beyond) = raster(&occupancy, &clearance)?;
         let mut floor = Self {

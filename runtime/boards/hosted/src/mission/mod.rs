@@ -10,6 +10,7 @@ mod localiser;
 mod navigator;
 mod people;
 pub mod pictures;
+mod promise;
 pub mod report;
 pub mod rooms;
 pub mod ros_map;

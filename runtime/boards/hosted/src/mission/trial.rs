@@ -11,6 +11,7 @@ use super::floor::Floor;
 use super::localiser::Localiser;
 use super::navigator::{Navigator, VISITS_MAX, Wish};
 use super::people::Crowd;
+use super::promise::Promise;
 use super::truth::Truth;
 
 /// Control period, s.
@@ -79,6 +80,8 @@ pub struct TrialResult {
     pub verdicts: Vec<Option<Verdict>>,
     /// What really lies there.
     pub left: Vec<u32>,
+    /// Share of the reachable cells over whose middle the brush really passed.
+    pub covered_share: f32,
     /// Where the robot really was.
     pub path: Vec<Point2>,
     /// Units picked up, and where the robot believed to be.
@@ -111,7 +114,7 @@ pub fn run_believing(
         .collect();
     let once = CleanRule::per_cell(config.tolerated_units, config.delta);
     let mut dirty: Vec<bool> = cells.iter().map(|cell| once.needs_cleaning(cell)).collect();
-    let dirty_count = dirty.iter().zip(&floor.reachable).filter(|&(&d, &r)| d && r).count();
+    let believed_dirty = (0..dirty.len()).filter(|&i| dirty[i] && floor.reachable[i]).collect();
     // Judged are also the cells that are dirtier than the robot believes.
     for (dirty, &units) in dirty.iter_mut().zip(expected) {
         let tail = poisson_tail(tolerated, f64::from(units)) as f32;
@@ -120,7 +123,7 @@ pub fn run_believing(
     let mut mission = Mission {
         floor,
         config,
-        rule: config.rule(dirty_count),
+        promise: Promise::new(config, believed_dirty),
         truth: Truth::new(floor, expected, config.true_pickup, stream(1)),
         localiser: Localiser::new(floor, config.belief(), Grid::new(floor.cells, cells)?, stream(2)),
         navigator: Navigator::new(
@@ -140,7 +143,7 @@ pub fn run_believing(
 struct Mission<'a> {
     floor: &'a Floor,
     config: &'a MissionConfig,
-    rule: CleanRule,
+    promise: Promise,
     truth: Truth,
     localiser: Localiser,
     navigator: Navigator,
@@ -177,7 +180,7 @@ impl Mission<'_> {
             _ => self.localiser.pose(self.truth.odometry),
         };
         let twist = match self.navigator.wish(
-            (self.floor, &mut self.localiser, &self.rule),
+            (self.floor, &mut self.localiser, &self.promise),
             (pose, self.truth.time_s),
             PERIOD_S,
         ) {
@@ -193,7 +196,7 @@ impl Mission<'_> {
         }
         if bumped {
             self.result.bumps += 1;
-            self.navigator.bumped();
+            self.navigator.bumped(pose);
         }
         if hits > 0 {
             self.result.hits.push((Point2::new(pose.x_m, pose.y_m), hits));
@@ -228,6 +231,7 @@ impl Mission<'_> {
     /// Compares the claims with the truth.
     fn judge(mut self, dirty: &[bool]) -> TrialResult {
         self.localiser.settle();
+        let rule = self.promise.rule(&self.localiser.map);
         let mut result = self.result;
         let tolerated = u32::from(self.config.tolerated_units);
         let (mut left_dirty, mut left_all) = (Vec::new(), Vec::new());
@@ -239,7 +243,7 @@ impl Mission<'_> {
                 result.verdicts.push(None);
                 continue;
             }
-            let verdict = self.localiser.map.get(cell).map(|dirt| self.rule.verdict(dirt));
+            let verdict = self.localiser.map.get(cell).map(|dirt| rule.verdict(dirt));
             result.verdicts.push(verdict);
             let (claimed, clean) = (verdict == Some(Verdict::Clean), left <= tolerated);
             left_all.push(left);
@@ -255,6 +259,8 @@ impl Mission<'_> {
                 result.truly_clean_claimed_cells += u32::from(clean && claimed);
             }
         }
+        let passed = self.truth.passed.iter().zip(&self.floor.reachable).filter(|&(&p, &r)| p && r).count();
+        result.covered_share = passed as f32 / left_all.len().max(1) as f32;
         // Cells that were given up are no reason to call the floor complete.
         result.is_complete &= result.claimed_all_cells as usize == left_all.len();
         result.quantile99 = quantile99(&mut left_dirty);

@@ -62,6 +62,8 @@ pub struct Truth {
     pub time_s: f32,
     /// Wheels turn, but the robot does not follow fully: share of the motion that is real.
     pub grip: f32,
+    /// Cells over whose middle the brush has passed.
+    pub passed: Vec<bool>,
     dirt: DirtyFloor,
     pickup_probability: f32,
     errors: OdometryErrors,
@@ -86,6 +88,7 @@ impl Truth {
             distance_m: 0.0,
             time_s: 0.0,
             grip: 1.0,
+            passed: vec![false; expected.len()],
             dirt,
             pickup_probability,
             errors,
@@ -112,14 +115,15 @@ impl Truth {
         let real = Pose2::new(forward * self.grip, 0.0, turn * (0.5 + 0.5 * self.grip));
         let before = self.pose;
         let after = before.compose(real);
-        let here = Point2::new(after.x_m, after.y_m);
-        let bumped = forward > 0.0 && floor.clearance.clearance_m(here) < floor.robot_radius_m - 0.02;
-        if bumped {
+        // An obstacle stops what goes towards it, forwards or backwards; away from it the robot comes free.
+        let room = |pose: Pose2| floor.clearance.clearance_m(Point2::new(pose.x_m, pose.y_m));
+        let room_m = room(after);
+        if forward != 0.0 && room_m < floor.robot_radius_m - 0.02 && room_m <= room(before) {
             return (0, true);
         }
         self.pose = after;
         self.distance_m += (forward * self.grip).abs();
-        let hits = brush.map_or(0, |brush| self.sweep(brush, before));
+        let hits = brush.map_or(0, |brush| self.sweep(floor, brush, before));
         (hits, false)
     }
 
@@ -146,8 +150,13 @@ impl Truth {
         self.odometry = self.odometry.compose(Pose2::new(way, 0.0, angle));
     }
 
-    fn sweep(&mut self, brush: Brush, before: Pose2) -> u32 {
+    fn sweep(&mut self, floor: &Floor, brush: Brush, before: Pose2) -> u32 {
         let swath = Swath::between(brush.bar_at(before), brush.bar_at(self.pose));
+        let (column, row) = floor.cells.coordinates_of(Point2::new(self.pose.x_m, self.pose.y_m));
+        for (dx, dy) in (-2..=2).flat_map(|dx| (-2..=2).map(move |dy| (dx, dy))) {
+            let Some(cell) = floor.cells.index(column + dx, row + dy) else { continue };
+            self.passed[cell] |= swath.contains(floor.cells.centre(cell));
+        }
         self.dirt.sweep(&swath, self.time_s, (self.pickup_probability, &mut self.random))
     }
 
