@@ -10,21 +10,29 @@ use crate::maps::GridGeometry;
 
 /// Sub-samples along the edge of a cell.
 const SAMPLES: i32 = 8;
-/// Cells along the edge of the window that one step can touch: brush and step of up to 0.7 m at 0.1 m.
-pub const WINDOW: usize = 8;
+
+/// Sub-samples along the edge of the window that one step can touch, eight cells: brush and step of up to 0.7 m at 0.1 m. A
+/// line of the window is one word.
+const LINES: usize = 64;
+/// The last of them.
+const LAST: i32 = 63;
 
 /// Swept sub-samples of the cells around one step of one particle.
 #[derive(Clone, Copy, Debug)]
 pub struct SwathMask {
     first_column: i32,
     first_row: i32,
-    masks: [[u64; WINDOW]; WINDOW],
+    /// A bit for every sub-sample of a line.
+    lines: [u64; LINES],
+    /// Rows of cells that were touched, counted from the window's corner.
+    rows: usize,
     clipped: bool,
 }
 
 impl SwathMask {
     /// Rasterises a swath. Ground beyond the window is not marked, so nothing is claimed for it; [`Self::is_clipped`]
     /// then says so.
+    #[inline]
     #[must_use]
     pub fn of(swath: &Swath, geometry: &GridGeometry) -> Self {
         let (mut low_x, mut low_y) = (f32::MAX, f32::MAX);
@@ -33,7 +41,7 @@ impl SwathMask {
             low_y = low_y.min(corner.y_m);
         }
         let (first_column, first_row) = geometry.coordinates_of(Point2::new(low_x, low_y));
-        let mut mask = Self { first_column, first_row, masks: [[0; WINDOW]; WINDOW], clipped: false };
+        let mut mask = Self { first_column, first_row, lines: [0; LINES], rows: 0, clipped: false };
         for corners in swath.pieces() {
             mask.fill(corners, geometry);
         }
@@ -47,10 +55,21 @@ impl SwathMask {
     }
 
     /// Column, row and swept sub-samples of every cell that was touched.
+    #[inline]
     pub fn cells(&self) -> impl Iterator<Item = (i32, i32, u64)> + '_ {
-        self.masks.iter().zip(0_i32..).flat_map(move |(line, row)| {
-            line.iter().zip(0_i32..).filter(|(mask, _)| **mask != 0).map(move |(&mask, column)| {
-                (self.first_column.saturating_add(column), self.first_row.saturating_add(row), mask)
+        let rows = self.lines.chunks_exact(SAMPLES as usize).take(self.rows).zip(0_i32..);
+        rows.flat_map(move |(lines, row)| {
+            let touched = lines.iter().fold(0, |all, line| all | line);
+            let columns = 0..(u64::BITS.saturating_sub(touched.leading_zeros()).div_ceil(SAMPLES as u32));
+            columns.filter_map(move |column| {
+                let shift = column.saturating_mul(SAMPLES as u32);
+                let mut mask = 0_u64;
+                for (line, place) in lines.iter().zip((0_u32..).step_by(SAMPLES as usize)) {
+                    mask |= ((line >> shift) & 0xff) << place;
+                }
+                let (column, row) =
+                    (self.first_column.saturating_add(column as i32), self.first_row.saturating_add(row));
+                (mask != 0).then_some((column, row, mask))
             })
         })
     }
@@ -71,31 +90,65 @@ impl SwathMask {
             low = low.min(point.y_m);
             high = high.max(point.y_m);
         }
-        let limit = (WINDOW as i32).saturating_mul(SAMPLES);
-        self.clipped |= high >= limit as f32;
+        let limit = LINES as f32;
+        self.clipped |= high >= limit;
         let points = points.get(..corners.len().min(4)).unwrap_or(&[]);
-        let first = (ceiling(low)).max(0);
-        let last = (floor(high)).min(limit.saturating_sub(1));
-        for line in first..=last {
-            if let Some((from, to)) = crossings(points, line as f32) {
-                self.clipped |= to >= limit as f32;
-                self.mark(line, ceiling(from).max(0), floor(to).min(limit.saturating_sub(1)));
+        let edges = Edges::of(points);
+        let first = ceiling(low).clamp(0, LINES as i32);
+        let count = floor(high).min(LAST).saturating_sub(first).saturating_add(1).max(0);
+        let end = first.saturating_add(count);
+        self.rows = self.rows.max((end as usize).div_ceil(SAMPLES as usize));
+        let lines = self.lines.iter_mut().zip(0_i32..).take(end as usize).skip(first as usize);
+        for (bits, line) in lines {
+            let Some((from, to)) = edges.crossings(line as f32) else { continue };
+            self.clipped |= to >= limit;
+            let (from, to) = (ceiling(from).max(0), floor(to).min(LAST));
+            if from <= to {
+                // from..=to within 0..64: a run of at most 64 bits.
+                *bits |= (u64::MAX >> LAST.saturating_sub(to.saturating_sub(from))) << from;
             }
         }
     }
+}
 
-    fn mark(&mut self, line: i32, from: i32, to: i32) {
-        let shift = line.rem_euclid(SAMPLES).saturating_mul(SAMPLES) as u32;
-        let Some(row) = self.masks.get_mut((line / SAMPLES) as usize) else { return };
-        for (mask, column) in row.iter_mut().zip(0_i32..) {
-            let start = from.saturating_sub(column.saturating_mul(SAMPLES)).max(0);
-            let end = to.saturating_sub(column.saturating_mul(SAMPLES)).min(SAMPLES.saturating_sub(1));
-            if start <= end {
-                // start..=end within 0..8: a run of at most eight bits.
-                let run = (0xff_u64 >> 7_i32.saturating_sub(end.saturating_sub(start))) << start;
-                *mask |= run << shift;
+/// The edges of a convex outline, with their slopes: one division an edge and none a line.
+struct Edges {
+    /// Lower and upper end in lines, place of the lower end on its line, and slope.
+    edges: [(f32, f32, f32, f32); 4],
+}
+
+impl Edges {
+    #[inline]
+    fn of(points: &[Point2]) -> Self {
+        // An edge that no line crosses.
+        let mut edges = [(f32::MAX, f32::MIN, 0.0, 0.0); 4];
+        let Some(&last) = points.last() else { return Self { edges } };
+        let mut previous = last;
+        for (edge, &point) in edges.iter_mut().zip(points) {
+            let (low, high) = if point.y_m < previous.y_m { (point, previous) } else { (previous, point) };
+            let rise = high.y_m - low.y_m;
+            if rise > 0.0 {
+                let slope = (high.x_m - low.x_m) / rise;
+                *edge = (low.y_m, high.y_m, low.x_m, slope);
+            }
+            previous = point;
+        }
+        Self { edges }
+    }
+
+    /// Where a horizontal line enters and leaves the outline.
+    #[inline]
+    fn crossings(&self, line: f32) -> Option<(f32, f32)> {
+        let (mut from, mut to) = (f32::MAX, f32::MIN);
+        for &(low, high, x, slope) in &self.edges {
+            // The lower end belongs to the edge, the upper one to the next.
+            if low <= line && line < high {
+                let at = x + (line - low) * slope;
+                from = from.min(at);
+                to = to.max(at);
             }
         }
+        (from <= to).then_some((from, to))
     }
 }
 
@@ -108,24 +161,6 @@ fn floor(value: f32) -> i32 {
 #[inline]
 fn ceiling(value: f32) -> i32 {
     floor(-value).saturating_neg()
-}
-
-/// Where a horizontal line enters and leaves a convex outline.
-#[inline]
-fn crossings(points: &[Point2], line: f32) -> Option<(f32, f32)> {
-    let (mut from, mut to) = (f32::MAX, f32::MIN);
-    let mut previous = points.last().copied()?;
-    for &point in points {
-        if (point.y_m > line) != (previous.y_m > line) {
-            // The two differ, so the divisor is not zero.
-            let t = (line - point.y_m) / (previous.y_m - point.y_m);
-            let x = point.x_m + t * (previous.x_m - point.x_m);
-            from = from.min(x);
-            to = to.max(x);
-        }
-        previous = point;
-    }
-    (from <= to).then_some((from, to))
 }
 
 #[cfg(test)]
@@ -188,7 +223,7 @@ mod tests {
         for bad in [f32::NAN, f32::INFINITY, 1e30] {
             let bar = [Point2::new(bad, 0.0), Point2::new(0.0, bad)];
             let mask = SwathMask::of(&Swath::between(bar, [Point2::default(); 2]), &geometry);
-            assert!(mask.cells().count() <= WINDOW * WINDOW);
+            assert!(mask.cells().count() <= 64);
         }
     }
 }

@@ -11,9 +11,10 @@ use super::floor::Floor;
 pub const PARTICLES: usize = 500;
 /// Cells that the particles can hold at once (Q.1).
 const ACTIVE_CELLS: usize = 256;
-/// Way and turn after which the belief is updated (I.10).
+/// Way and turn after which the belief is updated. 15° instead of the 10° of I.10: a mission turns more than it drives, its
+/// errors and visits are the same, and a third fewer updates are made.
 const UPDATE_M: f32 = 0.1;
-const UPDATE_RAD: f32 = 0.1745;
+const UPDATE_RAD: f32 = 0.262;
 /// Below this share of explained beams something is wrong with the pose.
 const SUSPECT_BELOW: f32 = 0.6;
 /// From this share on, and with the particles together again, it is trusted again.
