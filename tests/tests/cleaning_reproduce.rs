@@ -16,7 +16,7 @@ fn table_one_keeps_the_guarantee_with_less_way_than_the_lanes() {
 fn figure_five_at_its_edges() {
     let all = environments().expect("maps");
     let plain = all.first().expect("the plain room is built in");
-    let cells = figure_five(plain, &[0.05], &[(5.0, 10.0), (25.0, 30.0)], 1).expect("missions");
+    let cells = figure_five(plain, &[0.05], &[(5.0, 10.0), (25.0, 30.0)], (1, None)).expect("missions");
     let figure = FigureFive { cells };
     println!("{}", figure.text());
     assert!(figure.holds());

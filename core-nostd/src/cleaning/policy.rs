@@ -45,16 +45,6 @@ impl CleanRule {
         Self::per_cell(tolerated_units, delta / (dirty_cells as f64).max(1.0))
     }
 
-    /// As much of δ for every cell as lets all but one cell in a hundred of `dirty_cells` hold at most
-    /// `tolerated_units` with a confidence of 1 − `delta`: the published criterion of success, the 99 % quantile over
-    /// the dirty cells. The number of cells that fail is taken as Poisson, whose tail is the heavier one.
-    #[must_use]
-    pub fn mission(tolerated_units: u8, delta: f64, dirty_cells: usize) -> Self {
-        let cells = u32::try_from(dirty_cells).unwrap_or(u32::MAX);
-        let share = threshold_rate(cells / 100, delta) / f64::from(cells).max(1.0);
-        Self::per_cell(tolerated_units, share.min(delta))
-    }
-
     /// The published rule, which looks at the mean alone.
     #[must_use]
     pub const fn mean_only(self) -> Self {
@@ -98,7 +88,7 @@ const STEP: f64 = 0.75;
 ///
 /// The published criterion of success is the 99 % quantile over the cells that were dirty at the start: one cell in a
 /// hundred may hold more than τ. With n cells the number that fails is taken as Poisson (its tail is the heavier one),
-/// so the mission may expect at most λ*(⌊n/100⌋, δ) failing cells in all. Most cleaned cells need next to nothing of
+/// so the mission may expect at most λ*(⌊n/100⌋, risk) failing cells in all. Most cleaned cells need next to nothing of
 /// that; what they leave goes to those whose last doubt is dear, so that no cell is visited again for a risk that the
 /// mission can bear. No single cell gets more than δ.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,9 +99,10 @@ pub struct MissionRisk {
 }
 
 impl MissionRisk {
-    /// The risk `delta` of a mission with `dirty_cells` cells that were not clean at the start.
+    /// A mission with `dirty_cells` cells that were not clean at the start: no cell gets more than `delta`, and the mission
+    /// misses its criterion with a probability of at most `risk`.
     #[must_use]
-    pub fn new(tolerated_units: u8, delta: f64, dirty_cells: usize) -> Self {
+    pub fn new(tolerated_units: u8, (delta, risk): (f64, f64), dirty_cells: usize) -> Self {
         let cells = u32::try_from(dirty_cells).unwrap_or(u32::MAX);
         let mut limit = delta;
         let steps = core::array::from_fn(|_| {
@@ -119,7 +110,7 @@ impl MissionRisk {
             limit *= STEP;
             rule
         });
-        Self { allowance: threshold_rate(cells / 100, delta) as f32, dirty_cells: cells.max(1) as f32, steps }
+        Self { allowance: threshold_rate(cells / 100, risk) as f32, dirty_cells: cells.max(1) as f32, steps }
     }
 
     /// The rule for a single cell at this moment, from what is believed of the `dirty` ones now: the loosest with which
@@ -190,27 +181,15 @@ mod tests {
         assert_eq!(rule.mean_only().verdict(&mixed), Verdict::Clean);
     }
 
-    /// Few cells: none may fail, as in the joint rule. Many: one in a hundred may, and nearly all of δ is left for each.
-    #[test]
-    fn the_rule_of_a_mission_lies_between() {
-        let threshold = |dirty_cells| CleanRule::mission(5, 0.01, dirty_cells).threshold_units();
-        let joint = |dirty_cells| CleanRule::joint(5, 0.01, dirty_cells).threshold_units();
-        assert!((threshold(25) - joint(25)).abs() < 1e-3);
-        assert!(threshold(200) > joint(200) && threshold(2_000) > threshold(200));
-        let one = CleanRule::per_cell(5, 0.01).threshold_units();
-        assert!(threshold(60_000) < one && threshold(60_000) > 0.9 * one);
-        assert_eq!(threshold(0), one);
-    }
-
     /// 100 cells may expect 0.149 failures: 0.0015 for each alike. Where 90 of them need nothing, the last ten get more.
     #[test]
     fn the_risk_goes_to_the_cells_that_need_it() {
-        let risk = MissionRisk::new(5, 0.01, 100);
+        let risk = MissionRisk::new(5, (0.01, 0.01), 100);
         let all = |few: f32, rest: f32| -> std::vec::Vec<DirtCell> {
             (0..100).map(|i| cell(if i < 10 { few } else { rest })).collect()
         };
         let threshold = |cells: &[DirtCell]| risk.rule(cells.iter()).threshold_units();
-        let alike = CleanRule::mission(5, 0.01, 100).threshold_units();
+        let alike = CleanRule::per_cell(5, threshold_rate(1, 0.01) / 100.0).threshold_units();
         let shared = threshold(&all(1.7, 0.1));
         assert!(shared > 1.7 && shared > 1.4 * alike, "{shared} {alike}");
         // All of them at 0.0075 would be 0.75 failures: none of them is clean enough.
@@ -219,7 +198,7 @@ mod tests {
         assert!(threshold(&all(9.0, 0.1)) <= CleanRule::per_cell(5, 0.01).threshold_units());
         assert!(threshold(&all(9.0, 0.1)) > 1.7);
         assert_eq!(
-            MissionRisk::new(5, 0.01, 0).rule([].iter()).threshold_units(),
+            MissionRisk::new(5, (0.01, 0.01), 0).rule([].iter()).threshold_units(),
             CleanRule::per_cell(5, 0.01).threshold_units()
         );
     }
@@ -229,7 +208,7 @@ mod tests {
     fn the_sum_of_the_risks_stays_within_the_allowance() {
         let mut random = crate::random::Pcg32::new(3, 3);
         for count in [25_u32, 120, 400] {
-            let risk = MissionRisk::new(5, 0.01, count as usize);
+            let risk = MissionRisk::new(5, (0.01, 0.01), count as usize);
             let allowance = threshold_rate(count / 100, 0.01) as f32;
             for _ in 0..50 {
                 let cells: std::vec::Vec<DirtCell> =

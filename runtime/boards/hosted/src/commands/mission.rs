@@ -168,6 +168,7 @@ fn config(arguments: &MissionArguments) -> MissionConfig {
     MissionConfig {
         tolerated_units: arguments.tau,
         delta: arguments.delta,
+        mission_risk: arguments.delta,
         guarantee: arguments.guarantee,
         robot: if has_scanner { Robot::WITH_SCANNER } else { Robot::PUBLISHED },
         people: arguments.people,

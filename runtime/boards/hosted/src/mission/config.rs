@@ -85,7 +85,9 @@ pub struct MissionConfig {
     pub tolerated_units: u8,
     /// Probability with which a cell called clean may hold more, δ.
     pub delta: f64,
-    /// What δ is the risk of.
+    /// Probability with which a mission may miss its criterion; for [`Guarantee::Mission`].
+    pub mission_risk: f64,
+    /// What is promised.
     pub guarantee: Guarantee,
     /// The clean rule looks at the mean alone, and particles collapse to a Poisson law, as published.
     pub as_published: bool,
@@ -114,6 +116,7 @@ impl MissionConfig {
             strategy,
             tolerated_units: 5,
             delta: 0.01,
+            mission_risk: 0.01,
             guarantee: Guarantee::EachCell,
             as_published: false,
             robot: Robot::PUBLISHED,

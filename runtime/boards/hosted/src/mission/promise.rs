@@ -23,7 +23,7 @@ impl Promise {
         let shares = config.guarantee == Guarantee::Mission && !config.as_published;
         Self {
             fixed: if config.as_published { fixed.mean_only() } else { fixed },
-            risk: shares.then(|| MissionRisk::new(tolerated, delta, dirty.len())),
+            risk: shares.then(|| MissionRisk::new(tolerated, (delta, config.mission_risk), dirty.len())),
             dirty,
         }
     }
