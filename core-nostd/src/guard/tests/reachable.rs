@@ -17,9 +17,21 @@ use crate::time::{Age, Stamp};
 
 const STEP_MS: u64 = 200;
 
-/// What happens during a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Happening {
+/// The names of what can happen, once for the type and for the list of all.
+macro_rules! happenings {
+    ($($(#[$meaning:meta])* $name:ident,)*) => {
+        /// What happens during a step.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        enum Happening {
+            $($(#[$meaning])* $name,)*
+        }
+        use Happening::*;
+
+        const ALL: &[Happening] = &[$($name),*];
+    };
+}
+
+happenings! {
     Nothing,
     Obstacle,
     Warning,
@@ -34,22 +46,6 @@ enum Happening {
     Leave,
     LeaveWhilePressed,
 }
-use Happening::*;
-
-const ALL: [Happening; 12] = [
-    Nothing,
-    Obstacle,
-    Warning,
-    EmergencyStop,
-    Contact,
-    Person,
-    ImuSilent,
-    Reset,
-    ResetBesideObstacle,
-    ResetWhilePressed,
-    Leave,
-    LeaveWhilePressed,
-];
 
 impl Happening {
     const fn is_pressed(self) -> bool {
@@ -171,7 +167,7 @@ fn fg_req_005_every_reachable_state_of_the_supervisor_stops_for_hazards_and_latc
     let mut shown = BTreeMap::from([(key(&start, &config), GuardState::Init)]);
     while let Some(node) = queue.pop_front() {
         let from = shown.get(&key(&node, &config)).copied().unwrap_or_default();
-        for happening in ALL {
+        for happening in ALL.iter().copied() {
             let (next, decision) = play(&mut rig, node, happening);
             judge(&node.0, (&next.0, &decision), happening);
             *transitions.entry(format!("{from:?} to {:?}", decision.state)).or_default() += 1;
