@@ -134,7 +134,7 @@ impl Supervisor {
 
     /// Distance and times to the person that matters most (algorithms M.3, FG-REQ-031, FG-REQ-032). What only the doubt
     /// about a velocity makes a collision slows down and does not stop: else nobody could stand beside the robot.
-    fn judge_people(&mut self, people: (f32, [f32; 2], f32), age_us: u64, now: Stamp) {
+    pub(super) fn judge_people(&mut self, people: (f32, [f32; 2], f32), age_us: u64, now: Stamp) {
         let (nearest_m, [soonest_s, doubtful_s], speed_mps) = people;
         let (drive, thresholds) = (self.config.drive, self.config.thresholds);
         if nearest_m < thresholds.person_near_m {

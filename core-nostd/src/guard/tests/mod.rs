@@ -2,11 +2,13 @@
 
 mod bit_flips;
 mod bits;
+mod boundaries;
 mod exploration;
 mod fixtures;
 mod numbers;
 mod properties;
 mod reachable;
+mod selection;
 mod timelines;
 mod truth_tables;
 mod vectors;

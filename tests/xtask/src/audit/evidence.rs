@@ -6,6 +6,7 @@ use super::image::Image;
 use super::loops::LoopSite;
 use super::records::Records;
 use super::trace::Trace;
+use crate::mutants::Record;
 
 /// The whole evidence of one run.
 pub struct Evidence {
@@ -21,6 +22,8 @@ pub struct Evidence {
     pub dependencies: Vec<Dependency>,
     /// What other commands measured.
     pub records: Records,
+    /// What mutation runs left alive.
+    pub mutants: Vec<Record>,
     /// States and transitions of the guard, as SVG.
     pub states: String,
 }

@@ -12,8 +12,11 @@ use serde::Serialize;
 use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 
+use crate::counting::{self, Edit};
+
 use super::bounds::{self, Bound, Names, shorten, shown};
 use super::claim::Finding;
+use super::seen::Seen;
 use super::sources::{SourceFile, is_test_only};
 
 /// One loop or iterator chain.
@@ -33,6 +36,12 @@ pub struct LoopSite {
     pub bound: String,
     /// How the bound is known.
     pub how: &'static str,
+    /// What to write into the source so that it counts its turns; nothing where that cannot be done.
+    #[serde(skip)]
+    pub edits: Vec<Edit>,
+    /// What the counters saw.
+    #[serde(flatten)]
+    pub seen: Seen,
 }
 
 /// Methods that walk their receiver to its end, or may.
@@ -116,6 +125,7 @@ pub fn list(file: &SourceFile) -> (Vec<LoopSite>, Vec<Finding>) {
         file,
         function: String::from("(constant)"),
         waits: false,
+        constant: true,
         chain: None,
         names: Names::default(),
         sites: vec![],
@@ -130,6 +140,8 @@ struct Visitor<'a> {
     function: String,
     /// Inside an `async fn`.
     waits: bool,
+    /// What the compiler computes cannot count.
+    constant: bool,
     /// Text of the whole chain of method calls that is being looked at from its last call inwards.
     chain: Option<String>,
     names: Names,
@@ -139,9 +151,21 @@ struct Visitor<'a> {
 
 impl Visitor<'_> {
     fn record(&mut self, at: &impl Spanned, kind: &str, bound: Result<Bound, String>) {
+        self.record_with(at, kind, bound, |_| vec![]);
+    }
+
+    fn record_with(
+        &mut self,
+        at: &impl Spanned,
+        kind: &str,
+        bound: Result<Bound, String>,
+        edits: impl FnOnce(&str) -> Vec<Edit>,
+    ) {
         let (line, end_line) = (at.span().start().line, at.span().end().line);
         match bound {
             Ok(bound) => self.sites.push(LoopSite {
+                edits: if self.constant { vec![] } else { edits(&bound.text) },
+                seen: Seen::default(),
                 file: self.file.path.clone(),
                 line,
                 end_line,
@@ -157,9 +181,10 @@ impl Visitor<'_> {
     }
 
     fn within(&mut self, signature: &syn::Signature, inside: impl FnOnce(&mut Self)) {
-        let outer = (self.function.clone(), self.waits, self.chain.take());
+        let outer = (self.function.clone(), self.waits, self.constant, self.chain.take());
         self.function = signature.ident.to_string();
         self.waits = signature.asyncness.is_some();
+        self.constant = signature.constness.is_some();
         self.names.enter();
         for input in &signature.inputs {
             if let syn::FnArg::Typed(typed) = input
@@ -171,7 +196,7 @@ impl Visitor<'_> {
         }
         inside(self);
         self.names.leave();
-        (self.function, self.waits, self.chain) = outer;
+        (self.function, self.waits, self.constant, self.chain) = outer;
     }
 
     /// The bound of what a `for` walks.
@@ -330,7 +355,7 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
 
     fn visit_expr_for_loop(&mut self, each: &'ast syn::ExprForLoop) {
         let bound = self.bound_of(&each.expr);
-        self.record(each, "for", bound);
+        self.record_with(each, "for", bound, |bound| counting::of_for_loop(each, bound));
         self.names.enter();
         visit::visit_expr_for_loop(self, each);
         self.names.leave();
@@ -364,10 +389,10 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
         let asks_a_range = method == "contains" && matches!(receiver, syn::Expr::Range(_));
         if !asks_a_range && (no_argument_extremum || CONSUMERS.contains(&method.as_str())) {
             let bound = self.chain_bound(&call.receiver);
-            self.record(call, &method, bound);
+            self.record_with(call, &method, bound, |bound| counting::of_chain(call, ADAPTERS, bound));
         } else if outermost && ADAPTERS.contains(&method.as_str()) && is_iterator(&chain) {
             let bound = self.chain_bound(&syn::Expr::MethodCall(call.clone()));
-            self.record(call, "iterator", bound);
+            self.record_with(call, "iterator", bound, |bound| counting::of_chain(call, ADAPTERS, bound));
         } else if !asks_a_range
             && !chain.contains(".zip(")
             && let syn::Expr::Range(range) = receiver

@@ -11,6 +11,7 @@ mod image;
 #[cfg(test)]
 mod injection_tests;
 mod loops;
+mod mutation;
 mod picture;
 mod records;
 #[cfg(test)]
@@ -18,8 +19,13 @@ mod refusal_tests;
 mod report;
 mod results;
 mod run;
+mod seen;
 mod sources;
 pub(crate) mod thumb;
 mod trace;
 
+pub use bounds::shown;
+pub use loops::{LoopSite, list as loops_of};
 pub use run::{Options, run};
+pub use seen::{RECORD, Record, numbers};
+pub use sources::{SourceFile, read_layers};

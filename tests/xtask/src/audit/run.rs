@@ -12,7 +12,7 @@ use super::image::{self, Image};
 use super::loops::{self, LoopSite};
 use super::results::{self, Results};
 use super::sources::SourceFile;
-use super::{dependencies, picture, records, report, sources, trace};
+use super::{dependencies, mutation, picture, records, report, seen, sources, trace};
 use crate::shell;
 
 /// How the audit speaks.
@@ -49,7 +49,8 @@ const LIBRARIES: &[&str] = &[
 pub fn run(options: &Options) -> Result<bool> {
     let root = shell::root();
     let files = sources::read_layers(&root)?;
-    let (mut claims, sites) = judge_sources(&files);
+    let (mut claims, mut sites) = judge_sources(&files);
+    claims.push(seen::compare(&root, &mut sites));
     // What does not compile can still be read: the mistakes in the sources are named all the same.
     let image = image::build()?.map(|path| image::read(&path)).transpose()?;
     claims.push(image_builds(image.is_some()));
@@ -61,9 +62,19 @@ pub fn run(options: &Options) -> Result<bool> {
     let (trace, traced) = documents.trace(&results.passed);
     let (dependencies, known) = dependencies::read(&root)?;
     claims.extend(traced.into_iter().chain([known, picture::claim(&root, &results.transitions)]));
+    let (mutants, noticed) = mutation::read(&root);
+    claims.push(noticed);
     let states = picture::svg(&results.transitions);
-    let evidence =
-        Evidence { claims, sites, image, trace, dependencies, records: records::read(&root), states };
+    let evidence = Evidence {
+        claims,
+        sites,
+        image,
+        trace,
+        dependencies,
+        records: records::read(&root),
+        mutants,
+        states,
+    };
     let folder = root.join("target/audit");
     report::write(&folder, &evidence)?;
     report::print(&folder, &evidence, options.json)?;

@@ -82,7 +82,10 @@ pub const KINDS: &[Kind] = &[
 
 /// By its name, or the names that there are.
 pub fn find(name: &str) -> Result<&'static Kind, String> {
-    let names = || KINDS.iter().map(|kind| kind.name).collect::<Vec<_>>().join(", ");
+    let names = || {
+        KINDS.iter().map(|kind| kind.name).collect::<Vec<_>>().join(", ")
+            + ", loops, mutants-guard, mutants-drivers"
+    };
     KINDS
         .iter()
         .find(|kind| kind.name == name)

@@ -12,6 +12,7 @@ use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 
 use super::state::State;
 use super::{block, kinds, matrix, shares, state};
+use crate::{counting, mutants};
 
 /// Which campaign and how much of it.
 #[derive(Args)]
@@ -31,6 +32,12 @@ pub struct Options {
 
 /// Runs to the end or to the first finding. True if there is none.
 pub fn run(options: &Options) -> Result<bool> {
+    if options.name == "loops" {
+        return counting::run(options.seed);
+    }
+    if let Some(caught) = mutants::run(&options.name, options.fresh)? {
+        return Ok(caught);
+    }
     let kind = kinds::find(&options.name).map_err(anyhow::Error::msg)?;
     let trials = options.trials.unwrap_or(kind.trials);
     let test = block::build(kind)?;

@@ -66,6 +66,7 @@ fn json(evidence: &Evidence) -> Result<String> {
         "dependencies": evidence.dependencies,
         "instructions": evidence.records.firmware,
         "campaigns": evidence.records.campaigns,
+        "mutants": evidence.mutants,
         "loops": evidence.sites,
         "image": image,
     });

@@ -9,15 +9,17 @@ use crate::audit::evidence::Evidence;
 use crate::audit::image::Image;
 use crate::audit::loops::LoopSite;
 use crate::audit::trace::{Place, Requirement, Trace};
+use crate::mutants::Record;
 
 /// Sections: anchor, heading.
-const SECTIONS: [(&str, &str); 9] = [
+const SECTIONS: [(&str, &str); 10] = [
     ("claims", "Claims"),
     ("requirements", "Requirements, both ways"),
     ("hazards", "Hazards and causes"),
     ("states", "States and transitions of the guard"),
     ("instructions", "Instructions and determinism"),
     ("campaigns", "Campaigns"),
+    ("mutants", "Mutants"),
     ("stack", "Stack and functions"),
     ("dependencies", "Crates of the safety image"),
     ("loops", "Loops and their bounds"),
@@ -45,6 +47,7 @@ pub fn html(evidence: &Evidence) -> String {
         format!("<p>Every transition that the search over all reachable states saw.</p>{}", evidence.states),
         instructions(evidence.records.firmware.as_ref()),
         campaigns(evidence.records.campaigns.as_ref()),
+        mutants(&evidence.mutants),
         functions(evidence.image.as_ref()),
         dependencies(evidence),
         loops(&evidence.sites),
@@ -190,6 +193,35 @@ fn campaigns(records: Option<&Value>) -> String {
     )
 }
 
+fn mutants(records: &[Record]) -> String {
+    let mut parts = Table::new(&["part", "viable", "caught", "caught or explained", "wanted", "repeat with"]);
+    let mut table = Table::new(&["place", "source", "what no test notices", "why nobody can"]);
+    for record in records {
+        let good = record.percent() >= record.wanted_percent;
+        parts.row(&[
+            escape(&record.name),
+            record.viable.to_string(),
+            record.caught.to_string(),
+            verdict(good, &format!("{:.1} %", record.percent())),
+            format!("{:.0} %", record.wanted_percent),
+            code(&record.command),
+        ]);
+        for survivor in &record.survivors {
+            table.row(&[
+                code(&format!("{}:{}", survivor.file, survivor.line)),
+                code(&survivor.source),
+                escape(&survivor.mutation),
+                escape(&survivor.reason),
+            ]);
+        }
+    }
+    format!(
+        "<p>cargo-mutants spoils the code in one place at a time; the tests of the package must fail.</p>{}{}",
+        parts.finish(),
+        table.finish()
+    )
+}
+
 fn functions(image: Option<&Image>) -> String {
     let Some(image) = image else { return String::from("<p>The image does not build.</p>") };
     let mut table = Table::new(&["function", "bytes", "frame, bytes", "loops"]);
@@ -220,13 +252,27 @@ fn dependencies(evidence: &Evidence) -> String {
 }
 
 fn loops(sites: &[LoopSite]) -> String {
-    let mut table = Table::new(&["place", "function", "kind", "bound", "how it is known"]);
+    let mut table = Table::new(&[
+        "place",
+        "function",
+        "kind",
+        "bound",
+        "its value",
+        "most turns seen",
+        "how the bound is known",
+    ]);
     for site in sites {
         table.row(&[
             code(&format!("{}:{}", site.file, site.line)),
             escape(&site.function),
             escape(&site.kind),
             escape(&site.bound),
+            site.seen.bound_value.map_or_else(String::new, grouped),
+            match (site.seen.counted, site.seen.largest_seen) {
+                (true, Some(largest)) => grouped(largest),
+                (true, None) => String::from("never ran"),
+                (false, _) => String::from("not counted"),
+            },
             escape(site.how),
         ]);
     }

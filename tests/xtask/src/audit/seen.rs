@@ -1,0 +1,144 @@
+//! How often each loop was seen to turn at most, beside its bound.
+//!
+//! `cargo xtask campaign loops` counts and records; the audit compares. A record names a loop by its function, its kind
+//! and its number among those of that kind there, so that it outlives a change elsewhere in the file.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::claim::{Claim, Finding};
+use super::loops::LoopSite;
+
+/// Where the counts are kept.
+pub const RECORD: &str = "docs/evidence/loops.json";
+
+/// What is known of one loop from running it.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct Seen {
+    /// Most turns of one run through it. `None`: no test reached it, or it cannot be counted.
+    pub largest_seen: Option<u64>,
+    /// The bound as a number, as the program computed it where the largest count was seen.
+    pub bound_value: Option<u64>,
+    /// Counters were compiled into it.
+    pub counted: bool,
+}
+
+/// One counted loop, as it is kept.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Record {
+    /// File from the workspace root.
+    pub file: String,
+    /// Function that holds it.
+    pub function: String,
+    /// `for`, or the method.
+    pub kind: String,
+    /// Number among those of its kind in functions of that name in the file.
+    pub number: usize,
+    /// The bound as its text says.
+    pub bound: String,
+    /// Most turns; `None`: it never ran.
+    pub largest: Option<u64>,
+    /// The bound as a number, 0 where the type of a slice does not tell.
+    pub bound_value: u64,
+}
+
+/// What a record is found by.
+type Name = (String, String, String, usize, String);
+
+impl Record {
+    fn name(&self) -> Name {
+        let text = |text: &String| text.clone();
+        (text(&self.file), text(&self.function), text(&self.kind), self.number, text(&self.bound))
+    }
+}
+
+/// The names of all loops, in their order.
+pub fn numbers(sites: &[LoopSite]) -> Vec<usize> {
+    let mut next = BTreeMap::new();
+    let number = |site: &LoopSite| {
+        let count: &mut usize =
+            next.entry((site.file.clone(), site.function.clone(), site.kind.clone())).or_default();
+        let number = *count;
+        *count += 1;
+        number
+    };
+    sites.iter().map(number).collect()
+}
+
+/// Puts what was recorded beside the loops.
+pub fn compare(root: &Path, sites: &mut [LoopSite]) -> Claim {
+    let text = std::fs::read_to_string(root.join(RECORD)).unwrap_or_default();
+    judge(serde_json::from_str(&text).unwrap_or_default(), sites)
+}
+
+fn judge(records: Vec<Record>, sites: &mut [LoopSite]) -> Claim {
+    let records: BTreeMap<Name, Record> = records.into_iter().map(|record| (record.name(), record)).collect();
+    let mut findings = Vec::new();
+    let (mut countable, mut ran, mut unknown) = (0, 0, 0);
+    let numbers = numbers(sites);
+    for (site, number) in sites.iter_mut().zip(numbers) {
+        let text = |text: &String| text.clone();
+        let name = (text(&site.file), text(&site.function), text(&site.kind), number, text(&site.bound));
+        countable += usize::from(!site.edits.is_empty());
+        let Some(record) = records.get(&name) else {
+            unknown += usize::from(!site.edits.is_empty());
+            continue;
+        };
+        let bound_value = Some(record.bound_value).filter(|value| *value > 0);
+        site.seen = Seen { largest_seen: record.largest, bound_value, counted: true };
+        ran += usize::from(record.largest.is_some());
+        if let (Some(largest), Some(bound)) = (record.largest, bound_value)
+            && largest > bound
+        {
+            let message = format!("was seen to turn {largest} times; its bound `{}` is {bound}", site.bound);
+            findings.push(Finding { place: site.file.clone(), line: site.line, message });
+        }
+    }
+    Claim {
+        id: "loops-within-bounds",
+        text: "No loop was ever seen to turn more often than its bound.",
+        evidence: format!(
+            "{ran} of {countable} countable loops ran in the tests and were counted, {unknown} cannot be counted or are \
+             new since; `cargo xtask campaign loops` counts again"
+        ),
+        findings,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::audit::loops;
+    use crate::audit::sources;
+
+    fn sites() -> Vec<LoopSite> {
+        let text = "fn f() {\n for i in 0..4 {}\n for i in 0..4 {}\n}";
+        loops::list(&sources::parse("core-nostd/src/example.rs", text.to_owned()).expect("it parses")).0
+    }
+
+    fn record(number: usize, largest: Option<u64>) -> Record {
+        let text = str::to_owned;
+        let (file, function) = (text("core-nostd/src/example.rs"), text("f"));
+        Record { file, function, kind: text("for"), number, bound: text("4"), largest, bound_value: 4 }
+    }
+
+    #[test]
+    fn a_count_above_its_bound_is_named() {
+        let mut sites = sites();
+        let claim = judge(vec![record(0, Some(4)), record(1, Some(5))], &mut sites);
+        assert_eq!(claim.findings.iter().map(|finding| finding.line).collect::<Vec<_>>(), [3]);
+        assert_eq!(sites[0].seen.largest_seen, Some(4));
+        assert_eq!(sites[1].seen.bound_value, Some(4));
+    }
+
+    #[test]
+    fn what_never_ran_or_has_no_record_is_told() {
+        let mut sites = sites();
+        let claim = judge(vec![record(1, None)], &mut sites);
+        assert!(claim.holds() && claim.evidence.starts_with("0 of 2 countable"), "{}", claim.evidence);
+        assert!(claim.evidence.contains("1 cannot"), "{}", claim.evidence);
+        assert_eq!((sites[0].seen.counted, sites[1].seen.counted), (false, true));
+    }
+}
