@@ -3,6 +3,7 @@
 mod block;
 mod kinds;
 mod matrix;
+mod record;
 mod run;
 mod shares;
 mod state;

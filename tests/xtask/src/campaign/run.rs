@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 
 use super::state::State;
-use super::{block, kinds, matrix, shares, state};
+use super::{block, kinds, matrix, record, shares, state};
 use crate::{counting, mutants};
 
 /// Which campaign and how much of it.
@@ -28,6 +28,9 @@ pub struct Options {
     /// Forget what was done before.
     #[arg(long)]
     fresh: bool,
+    /// Keep the result in docs/evidence, where the audit shows it.
+    #[arg(long)]
+    record: bool,
 }
 
 /// Runs to the end or to the first finding. True if there is none.
@@ -88,6 +91,9 @@ pub fn run(options: &Options) -> Result<bool> {
         println!("FINDING in trials {}..{} of seed {}:\n{output}", part.start, part.end, options.seed);
     }
     println!("{}: {} trials, {} findings; kept in {}", kind.name, state.trials, findings.len(), shown(&path));
+    if options.record {
+        record::keep(kind, (options.seed, state.trials), findings.len(), &state.counts)?;
+    }
     Ok(findings.is_empty() && holds)
 }
 

@@ -53,6 +53,16 @@ impl Tree {
         self.folder.join("tree")
     }
 
+    /// The folder of the counts, without those of another run.
+    pub fn empty_counts(&self) -> Result<PathBuf> {
+        let counts = self.folder.join("counts");
+        if counts.exists() {
+            fs::remove_dir_all(&counts)?;
+        }
+        fs::create_dir_all(&counts)?;
+        Ok(counts)
+    }
+
     /// Writes the counters into the copy.
     pub fn instrument(&self, files: &[SourceFile], sites: &[LoopSite], refused: &Refused) -> Result<()> {
         for file in files {
