@@ -13,3 +13,4 @@ pub mod lidar_frames;
 pub mod reproduce;
 pub mod rgbd;
 pub mod wired;
+pub mod worst;
