@@ -28,7 +28,7 @@ pub enum GuardConfigError {
     },
     /// The scanner has no beams, more than there is room for, or no positive step.
     Scanner,
-    /// The lidar has no rings or no positive range unit.
+    /// The lidar has no rings, or the body ends below the floor clearance.
     Lidar,
     /// A source limits later than it stops, or has no positive deadline.
     Deadline(Source),
@@ -53,7 +53,9 @@ impl fmt::Display for GuardConfigError {
                 "the protective field of set {set} reaches {given_m:.2} m beyond the body, stopping needs {needed_m:.2} m"
             ),
             Self::Scanner => out.write_str("the scanner needs beams, room for them, and a positive step"),
-            Self::Lidar => out.write_str("the lidar needs rings and a positive range unit"),
+            Self::Lidar => {
+                out.write_str("the lidar needs rings, and a body height above its floor clearance")
+            }
             Self::Deadline(source) => write!(out, "the deadlines of the {} are not in order", source.name()),
         }
     }
