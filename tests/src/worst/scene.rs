@@ -67,7 +67,8 @@ impl Scene {
         let mut scene = self.clone();
         let ring = if random.seldom(3) { &mut scene.scanner } else { &mut scene.lidar };
         let length = ring.len() as u64;
-        let (from, count) = (random.below(length), 1 + random.below(1 + random.below(length / 2)));
+        let (from, longest) = (random.below(length), 1 + random.below(length / 2));
+        let count = 1 + random.below(longest);
         let (new, shift, source) = (drawn(random), random.below(21) as i16 - 10, random.below(length));
         let kind = random.below(4);
         let before = ring.clone();

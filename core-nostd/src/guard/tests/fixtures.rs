@@ -54,6 +54,14 @@ pub fn config() -> GuardConfig {
     }
 }
 
+/// The tables of a configuration.
+pub fn tables(config: &GuardConfig) -> (ScanTable, PacketTable) {
+    let (mut scan, mut packet) = (ScanTable::EMPTY, PacketTable::EMPTY);
+    scan.fill(&config.scanner, &config.fields);
+    packet.fill(&config.lidar, &config.fields);
+    (scan, packet)
+}
+
 pub fn forward(mps: f32) -> Twist2 {
     Twist2 { linear_mps: mps, angular_radps: 0.0 }
 }

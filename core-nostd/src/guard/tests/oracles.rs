@@ -1,13 +1,14 @@
 //! The two checks against fields, beside plain ones that look at everything and know no short cuts.
 
-use super::fixtures::{config, packet, scan};
+use super::fixtures::{config, packet, scan, tables};
 use crate::capacities::PACKET_RINGS_MAX;
 use crate::geometry::Point2;
-use crate::guard::packet_check::{PacketFinding, silent_cdeg};
-use crate::guard::scan_check::{Blocked, SILENT_PERCENT_MAX, SILENT_RUN_RAD, ScanFinding};
+use crate::guard::packet_check::PacketFinding;
+use crate::guard::scan_check::{SILENT_PERCENT_MAX, SILENT_RUN_RAD, ScanFinding};
 use crate::guard::*;
+use crate::protection::Blocked;
 use crate::random::Pcg32;
-use crate::sensing::{BeamReturn, LidarColumn, LidarPacket, Scan};
+use crate::sensing::{BeamReturn, LidarColumn, LidarPacket, Scan, silent_cdeg};
 use crate::time::Stamp;
 
 /// Distance to a box, by its definition.
@@ -64,7 +65,7 @@ fn tricky_raw(bin: &crate::protection::Bin, ring: usize, unit_mm: u32, random: &
 #[test]
 fn fg_req_023_each_return_is_judged_as_a_plain_check_judges_it() {
     let config = config();
-    let (table, body) = (PacketTable::new(&config.lidar, &config.fields), Body::around(&config.footprint));
+    let ((_, table), body) = (tables(&config), Body::around(&config.footprint));
     let mut random = Pcg32::new(11, 1);
     let mut judged = [0_u32; 3];
     for round in 0..4_000_u32 {
@@ -147,7 +148,7 @@ fn plain_scan(table: &ScanTable, scan: &Scan, set: usize, (adjacent, body): (u8,
 #[test]
 fn fg_req_020_each_beam_is_judged_as_a_plain_check_judges_it() {
     let config = config();
-    let table = ScanTable::new(&config.scanner, &config.fields);
+    let (table, _) = tables(&config);
     let body = Body::around(&config.footprint);
     let mut random = Pcg32::new(12, 1);
     let mut seen = [0_u32; 5];
@@ -200,7 +201,7 @@ fn fg_req_024_blindness_begins_above_its_limits() {
 #[test]
 fn fg_req_020_a_scan_of_another_geometry_does_not_fit() {
     let config = config();
-    let table = ScanTable::new(&config.scanner, &config.fields);
+    let (table, _) = tables(&config);
     let good = scan(Stamp::ZERO, 1, &[]);
     let with = |start_rad: f32, step_rad: f32| Scan {
         first_angle_rad: good.first_angle_rad + start_rad,

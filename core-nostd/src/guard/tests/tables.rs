@@ -1,6 +1,6 @@
 //! The precomputed tables against plane geometry in 64 bits.
 
-use super::fixtures::{config, rectangle};
+use super::fixtures::{config, rectangle, tables};
 use crate::geometry::{Point2, Point3, Pose2, Transform3};
 use crate::guard::*;
 use crate::units::radians;
@@ -96,7 +96,7 @@ fn fg_req_023_each_bin_holds_the_extremes_of_its_rays() {
     let mut config = config();
     // Not level with the edge of the body, and not on the middle line.
     config.lidar.mounting = Transform3::from_mounting(Point3::new(0.4, 0.1, 0.8), 0.0, 0.0, 0.0);
-    let table = PacketTable::new(&config.lidar, &config.fields);
+    let (_, table) = tables(&config);
     assert_eq!((table.origin.x_m, table.origin.y_m), (0.4, 0.1));
     let saturated = |value: f64| value.clamp(0.0, 65_535.0);
     for (index, bin) in table.bins.iter().enumerate() {
@@ -136,7 +136,7 @@ fn fg_req_023_a_tilted_lidar_sees_the_floor_where_it_is() {
     let pitch = radians(10.0);
     config.lidar.mounting = Transform3::from_mounting(Point3::new(0.5, 0.0, 0.8), 0.0, pitch, radians(90.0));
     config.lidar.elevations_rad = [0.0].into_iter().collect();
-    let table = PacketTable::new(&config.lidar, &config.fields);
+    let (_, table) = tables(&config);
     let bin = |azimuth_deg: usize| table.bins[azimuth_deg / 2];
     // Its front looks to the left of the robot, and down by 10°.
     let reach_mm = 0.7e3 / f64::from(pitch).sin();
@@ -152,7 +152,7 @@ fn fg_req_020_each_beam_has_the_reach_of_its_field() {
     let mut config = config();
     config.scanner.mounting = Pose2::new(0.8, 0.1, radians(10.0));
     config.scanner.sector_rad = [radians(-120.0), radians(110.0)];
-    let table = ScanTable::new(&config.scanner, &config.fields);
+    let (table, _) = tables(&config);
     for beam in 0..541_usize {
         let in_sensor_deg = beam as f64 * 0.5 - 135.0;
         let angle = (in_sensor_deg + 10.0).to_radians();
@@ -183,14 +183,19 @@ fn fg_req_020_each_beam_has_the_reach_of_its_field() {
 fn fg_req_017_every_part_of_the_tables_is_looked_at() {
     let config = config();
     let body = Body::around(&config.footprint);
-    let (scan, packet) =
-        (ScanTable::new(&config.scanner, &config.fields), PacketTable::new(&config.lidar, &config.fields));
-    let fresh = || Integrity::of(&config, body, (&scan, &packet));
+    let (scan, packet) = tables(&config);
+    let fresh = || {
+        let mut integrity = Integrity::NONE;
+        integrity.remember(&config, body, (&scan, &packet));
+        integrity
+    };
     let noticed = |config: &GuardConfig, body: Body, tables: (&ScanTable, &PacketTable)| {
         let mut integrity = fresh();
         (0..PARTS).filter(|_| !integrity.check_next(config, body, tables)).count()
     };
     assert_eq!(noticed(&config, body, (&scan, &packet)), 0);
+    let mut nothing = Integrity::NONE;
+    assert!(!nothing.check_next(&config, body, (&scan, &packet)), "nothing is remembered");
     let mut twice = fresh();
     assert!((0..2 * PARTS).all(|_| twice.check_next(&config, body, (&scan, &packet))));
     let other_config = {
