@@ -4,48 +4,13 @@ use std::fs::File;
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::process::Command;
-use std::sync::Arc;
 
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::maps::GridGeometry;
-use floorguard_core::time::Stamp;
-use floorguard_hosted::cleaner::{CellState, Doubt, MissionPhase, MissionProgress, UncertainCell};
+mod seen_support;
+
 use floorguard_hosted::panel::{Access, Panel, PanelView};
 use floorguard_hosted::recording::{Recording, decode, topics};
 use floorguard_hosted::world::{Observer, Plan, Witnesses, run_recorded};
-
-/// A floor of 4 × 3 m of which so much is clean.
-fn progress(share: f32) -> Arc<MissionProgress> {
-    let geometry = GridGeometry::new(40, 30, 0.1, Point2::new(-2.0, -1.5)).expect("a floor");
-    let cells = geometry.cell_count();
-    let state = |cell: usize| match cell {
-        cell if cell % 40 == 0 => CellState::OffLimits,
-        cell if (cell as f32) < cells as f32 * share => CellState::Clean,
-        cell if cell % 7 == 0 => CellState::Uncertain,
-        _ => CellState::Dirty,
-    };
-    let states: Vec<CellState> = (0..cells).map(state).collect();
-    let expected = |state: &CellState| if *state == CellState::Clean { 0.1 } else { 2.0 };
-    Arc::new(MissionProgress {
-        stamp: Stamp::ZERO,
-        phase: if share < 1.0 { MissionPhase::Cleaning } else { MissionPhase::Done },
-        geometry,
-        odometry_in_map: Pose2::new(0.2, 0.1, 0.05),
-        position_deviation_m: 0.02,
-        expected_before: vec![2.0; cells],
-        expected_now: states.iter().map(expected).collect(),
-        cells: states,
-        completion: share,
-        claimed_fraction: share,
-        uncertain: vec![UncertainCell { cell: 1_190, expected_units: 2.0, doubt: Doubt::Obstructed }],
-        unreachable_cells: 3,
-        tour: vec![Point2::new(0.0, 0.0), Point2::new(1.0, 0.5)],
-        waypoints: Vec::new(),
-        distance_m: 12.0,
-        waited_s: 4.0,
-        detours: 1,
-    })
-}
+use seen_support::{browser, progress, screenshot};
 
 #[test]
 fn a_mission_is_in_the_recording_and_in_its_report() {
@@ -124,4 +89,80 @@ fn the_panel_serves_the_floor_when_it_has_changed() {
     };
     assert_eq!((cells(&floor["claimed"], 'c'), cells(&floor["claimed"], '.')), (585, 30));
     assert_eq!(cells(&floor["dirt"], '9') + cells(&floor["dirt"], '0'), 1_170);
+}
+
+/// A run in real time with a panel and a mission, looked at with a wide and with a narrow browser.
+#[test]
+fn a_browser_shows_the_floor_on_a_screen_and_on_a_phone() {
+    let Some(browser) = browser() else {
+        println!("skipped: no Chromium is installed");
+        return;
+    };
+    let plan = Plan::named("empty", 1, 60_000_000).expect("a plan");
+    let access = Access::new("127.0.0.1:0".parse().expect("an address"), None).expect("on the loopback");
+    let panel = Panel::open(access, PanelView::new("a test", &plan.robot)).expect("open");
+    let address = format!("http://{}/", panel.address());
+    let run = std::thread::spawn(move || {
+        let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
+        let mut observer = Observer::new(&plan, &mut show);
+        let mut witnesses = Witnesses::default();
+        witnesses.panel = Some(panel);
+        witnesses.mission(&progress(0.5));
+        run_recorded(&plan, &mut observer, &mut witnesses).map_err(|error| error.to_string())
+    });
+    std::thread::scope(|scope| {
+        for size in [(1280, 800), (390, 1400)] {
+            let address = &address;
+            scope.spawn(move || {
+                // A browser without a screen takes its picture when it likes: perhaps before it has the floor.
+                let pictures = (0..8).map(|_| Seen::of(&screenshot(browser, address, size)));
+                let seen: Vec<Seen> = take_through(pictures, Seen::is_all);
+                println!("{size:?}: {seen:?}");
+                assert!(seen.last().is_some_and(Seen::is_all), "{size:?}: {seen:?}");
+            });
+        }
+    });
+    // The run goes on in its thread; it has been seen.
+    drop(run);
+}
+
+/// Everything up to the first that is good.
+fn take_through<T>(items: impl Iterator<Item = T>, good: impl Fn(&T) -> bool) -> Vec<T> {
+    let mut taken = Vec::new();
+    for item in items {
+        taken.push(item);
+        if taken.last().is_some_and(&good) {
+            break;
+        }
+    }
+    taken
+}
+
+/// Pixels of what must be seen, on the narrow screen too: claimed clean and dirty floor as they blend with the
+/// background, the bar of the progress, the robot's body and the buttons.
+#[derive(Debug)]
+struct Seen {
+    clean: usize,
+    dirty: usize,
+    bar: usize,
+    blue: usize,
+}
+
+impl Seen {
+    fn of(picture: &image::RgbImage) -> Self {
+        let near = |pixel: &image::Rgb<u8>, colour: [u8; 3]| {
+            pixel.0.iter().zip(colour).all(|(a, b)| a.abs_diff(b) <= 6)
+        };
+        let count = |colour: [u8; 3]| picture.pixels().filter(|pixel| near(pixel, colour)).count();
+        Self {
+            clean: count([152, 189, 159]),
+            dirty: count([165, 131, 106]),
+            bar: count([0x2E, 0x7D, 0x32]),
+            blue: count([0x0B, 0x53, 0x94]),
+        }
+    }
+
+    const fn is_all(&self) -> bool {
+        self.clean > 1_000 && self.dirty > 500 && self.bar > 1_000 && self.blue > 2_000
+    }
 }

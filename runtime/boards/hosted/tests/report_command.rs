@@ -3,6 +3,9 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
+use floorguard_core::geometry::{Pose2, Twist2};
+use floorguard_core::time::Stamp;
+use floorguard_hosted::recording::{MotionRow, PointRow, Recorder};
 use serde_json::Value;
 
 fn floorguard(arguments: &[&str]) -> Output {
@@ -55,4 +58,37 @@ fn what_is_no_recording_is_refused() {
         assert_eq!(output.status.code(), Some(3), "{output:?}");
         assert!(String::from_utf8_lossy(&output.stderr).contains(text(path)));
     }
+}
+
+/// A capture has no scanner and no odometry, and still there is a map of it.
+#[test]
+fn a_cloud_alone_gives_a_map() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("cloud.mcap");
+    let file = std::fs::File::create(&path).expect("a file");
+    let mut recorder = Recorder::new(file).expect("written");
+    let wall = |index: u16| PointRow {
+        position_m: [4.0, f32::from(index) * 0.01 - 5.0, 0.8],
+        reflectivity: 9,
+        ring: 4,
+        time_s: 0.0,
+    };
+    let wall: Vec<PointRow> = (0..1_000).map(wall).collect();
+    for round in 0..4 {
+        let stamp = Stamp::from_micros(round * 600_000);
+        let row = MotionRow {
+            stamp,
+            pose_in_odom: Pose2::default(),
+            twist: Twist2::ZERO,
+            covariance: [[0.0; 3]; 3],
+        };
+        recorder.motion(stamp, &row).expect("written");
+        recorder.points(stamp, (stamp, "lidar"), &wall).expect("written");
+    }
+    recorder.finish().expect("closed");
+    assert_eq!(floorguard(&["report", text(&path)]).status.code(), Some(0));
+    let page = std::fs::read_to_string(path.with_extension("html")).expect("a page");
+    // The wall as a dark column of cells.
+    let dark = page.split("fill=\"#46525e\"").next().and_then(|before| before.rsplit("<path d=\"").next());
+    assert!(dark.is_some_and(|path| path.matches('M').count() > 80), "{page}");
 }

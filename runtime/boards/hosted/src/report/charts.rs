@@ -7,15 +7,18 @@ use super::history::History;
 const WIDTH: f64 = 960.0;
 const HEIGHT: f64 = 220.0;
 const LEFT: f64 = 44.0;
+/// Names of sources stand before their strips.
+const NAMES: f64 = 150.0;
 const STRIP: f64 = 26.0;
 
 struct Axis {
+    left: f64,
     last_s: f64,
 }
 
 impl Axis {
     fn x(&self, at_s: f64) -> f64 {
-        LEFT + at_s / self.last_s * (WIDTH - LEFT - 10.0)
+        self.left + at_s / self.last_s * (WIDTH - self.left - 14.0)
     }
 
     /// Marks at round times.
@@ -43,14 +46,14 @@ impl Axis {
 
 fn open(height: f64, label: &str) -> String {
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.0}\" font-size=\"12\" role=\"img\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.0}\" font-size=\"14\" role=\"img\" \
          aria-label=\"{label}\">"
     )
 }
 
 /// Speed as a line before the limit as an area, stops as ticks.
 pub fn speeds(history: &History) -> String {
-    let axis = Axis { last_s: history.duration_s.max(1.0) };
+    let axis = Axis { left: LEFT, last_s: history.duration_s.max(1.0) };
     let top_mps = history
         .speeds
         .iter()
@@ -99,7 +102,7 @@ const fn colour(level: u8) -> &'static str {
 
 /// A strip for each source: how it was, when.
 pub fn sources(history: &History) -> String {
-    let axis = Axis { last_s: history.duration_s.max(1.0) };
+    let axis = Axis { left: NAMES, last_s: history.duration_s.max(1.0) };
     let count = history.sources.len() as f64;
     let bottom = 4.0 + count * STRIP;
     let mut svg = open(bottom + 20.0, "health of the sources over time");
@@ -120,9 +123,9 @@ pub fn sources(history: &History) -> String {
         }
         let _ = write!(
             svg,
-            "<text x=\"{:.0}\" y=\"{:.1}\" font-weight=\"600\">{}</text>",
-            LEFT + 6.0,
-            top + 15.0,
+            "<text x=\"{:.0}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+            NAMES - 8.0,
+            top + 16.0,
             super::document::escaped(name)
         );
     }

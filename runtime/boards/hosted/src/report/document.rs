@@ -21,6 +21,8 @@ border-bottom:1px solid #d8dee5}.num{text-align:right;font-variant-numeric:tabul
 .stop{display:flex;flex-wrap:wrap;gap:1rem;border-top:1px solid #d8dee5;padding:1rem 0;break-inside:avoid}\
 .stop>div{flex:1 1 16rem}.stop svg{flex:0 1 300px;max-width:300px}dl{display:grid;grid-template-columns:max-content 1fr;\
 gap:.1rem .8rem;margin:0}dt{color:#5b6770}dd{margin:0}.cut{background:#fdf2d0;padding:.5rem 1rem;border-radius:.5rem}\
+.chart{overflow-x:auto}\
+@media screen and (max-width:40rem){.chart svg{min-width:44rem}.stop svg{flex-basis:100%;max-width:22rem}}\
 .pair{display:flex;flex-wrap:wrap;gap:1rem}figure{flex:1 1 18rem;margin:0;break-inside:avoid}\
 figcaption{text-align:center}h3{font-size:1rem;margin:1rem 0 .3rem}.legend{color:#5b6770;font-size:.88rem}@media print{body{max-width:none;font-size:11px}h2{break-after:avoid}a{color:inherit}}";
 
@@ -42,7 +44,7 @@ pub fn document(history: &History, name: &str) -> String {
     head(&mut html, history, name);
     section(&mut html, "Map, way and stops", &sketch::overview(history), OVERVIEW_LEGEND);
     mission::section(&mut html, history);
-    section(&mut html, "Speed and limit", &charts::speeds(history), SPEED_LEGEND);
+    section(&mut html, "Speed and limit", &chart(&charts::speeds(history)), SPEED_LEGEND);
     stops(&mut html, history);
     if !history.heat.is_empty() {
         let legend = "Darker: people were there longer, each step four times as long.";
@@ -61,7 +63,7 @@ pub fn document(history: &History, name: &str) -> String {
     }
     if !history.sources.is_empty() {
         let legend = "Green: healthy. Yellow: limits the robot. Red: stops it. Grey: says nothing.";
-        section(&mut html, "Health of the sources", &charts::sources(history), legend);
+        section(&mut html, "Health of the sources", &chart(&charts::sources(history)), legend);
     }
     counters(&mut html, history);
     html + "</html>\n"
@@ -71,6 +73,11 @@ const OVERVIEW_LEGEND: &str = "White: seen free. Dark: something stands there. B
 lines: tracked people. Red: stops, numbered as below. In the odometry frame, without correction.";
 const SPEED_LEGEND: &str = "Line: measured speed in m/s. Area: what the guard permits. Red ticks: stops.";
 const GRID_LEGEND: &str = "White: 0. Dark: 100. Blue-grey: unknown.";
+
+/// On a phone a chart is wider than the page, so that its words can be read.
+pub(super) fn chart(svg: &str) -> String {
+    format!("<div class=chart>{svg}</div>")
+}
 
 fn section(html: &mut String, title: &str, picture: &str, legend: &str) {
     let _ = write!(html, "<h2>{title}</h2>{picture}<p class=legend>{legend}</p>");
@@ -156,7 +163,7 @@ fn one_stop(html: &mut String, (number, stop): (usize, &Stop), footprint: &[Poin
         ("limit", value("limit").map(|value| format!("{value} {unit}"))),
         ("age", value("age_ms").map(|value| format!("{value} ms"))),
         ("speed", value("speed_mps").map(|value| format!("{value} m/s"))),
-        ("place", Some(format!("{:.2} m, {:.2} m", stop.pose.x_m, stop.pose.y_m))),
+        ("place", Some(format!("{:.2} m, {:.2} m", plain(stop.pose.x_m), plain(stop.pose.y_m)))),
         ("in full", Some(stop.status.message.clone())),
     ];
     for (name, text) in rows {
@@ -169,6 +176,11 @@ fn one_stop(html: &mut String, (number, stop): (usize, &Stop), footprint: &[Poin
         html.push_str(&sketch::moment(stop, moment, footprint));
     }
     html.push_str("</div>");
+}
+
+/// To the centimetre, and nothing is nothing: no −0.
+fn plain(metres: f32) -> f32 {
+    (metres * 100.0).round() / 100.0 + 0.0
 }
 
 fn counters(html: &mut String, history: &History) {

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::io::Read;
 
-use floorguard_core::geometry::{Point2, Pose2, Transform3};
+use floorguard_core::geometry::{Point2, Point3, Pose2, Transform3};
 use floorguard_core::time::Stamp;
 
-use crate::recording::decode::{self, Drawn, Grid, LaserScan, Status};
+use crate::recording::decode::{self, Cloud, Drawn, Grid, LaserScan, Status};
 use crate::recording::mission::MISSION;
 use crate::recording::{RUN_METADATA, ReadError, Recorded, Recording, describe, topics};
 
@@ -16,6 +16,11 @@ const WAY_S: f64 = 0.25;
 const MAP_S: f64 = 0.5;
 /// Speeds are drawn five times a second.
 const SPEED_S: f64 = 0.2;
+/// Points of a cloud that the map takes, and the heights above the floor at which they count, metres.
+const CLOUD_POINTS: usize = 4_000;
+const STANDS_M: std::ops::Range<f32> = 0.2..1.8;
+/// Number of the type in `sensor_msgs/msg/PointField`.
+const FLOAT32: u8 = 7;
 /// More pictures of stops than this make the page too long for a phone.
 const MOMENTS_MAX: usize = 80;
 
@@ -163,6 +168,9 @@ impl Reader {
         let kind = message.schema.rsplit('/').next().unwrap_or_default();
         match (kind, &*message.topic) {
             ("Odometry", _) => self.motion(at_s, &decode::odometry(&message.data)?),
+            ("PointCloud2", _) if self.scan.is_none() => {
+                self.on_cloud(at_s, &decode::cloud(&message.data)?)?
+            }
             ("LaserScan", _) => self.on_scan(at_s, decode::laser_scan(&message.data)?),
             ("TFMessage", topics::TF_STATIC) => {
                 for frame in decode::frames(&message.data)? {
@@ -208,6 +216,33 @@ impl Reader {
             self.history.scans.push(MapScan { sensor, hits: hits(&scan, upside_down) });
         }
         self.scan = Some(scan);
+    }
+
+    /// A capture has no scanner: what stands above the floor makes the map.
+    fn on_cloud(&mut self, at_s: f64, cloud: &Cloud<'_>) -> Option<()> {
+        if at_s < self.next_map_s || cloud.big_endian || cloud.point_step == 0 {
+            return Some(());
+        }
+        self.next_map_s = at_s + MAP_S;
+        let offset = |name: &str| {
+            let found = cloud.fields.iter().find(|field| field.name == name && field.datatype == FLOAT32);
+            found.map(|field| field.offset)
+        };
+        let (x, y, z) = (offset("x")?, offset("y")?, offset("z")?);
+        let number =
+            |point: &[u8], at: usize| Some(f32::from_le_bytes(*point.get(at..)?.first_chunk::<4>()?));
+        let mounting = self.mountings.get(&cloud.header.frame).copied().unwrap_or(Transform3::IDENTITY);
+        let every = (cloud.width * cloud.height).div_ceil(CLOUD_POINTS).max(1);
+        let mut hits = Vec::new();
+        for point in cloud.data.chunks_exact(cloud.point_step).step_by(every) {
+            let place = Point3::new(number(point, x)?, number(point, y)?, number(point, z)?);
+            let place = mounting.transform(place);
+            if STANDS_M.contains(&place.z_m) && place.x_m.is_finite() && place.y_m.is_finite() {
+                hits.push(Point2::new(place.x_m, place.y_m));
+            }
+        }
+        self.history.scans.push(MapScan { sensor: self.pose, hits });
+        Some(())
     }
 
     fn mounting(&self, frame: &str) -> (Pose2, bool) {

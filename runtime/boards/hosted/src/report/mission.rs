@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::document::escaped;
+use super::document::{chart, escaped};
 use super::grids::{self, Scale};
 use super::history::History;
 use crate::recording::topics;
@@ -26,7 +26,7 @@ pub fn section(html: &mut String, history: &History) {
     for (value, what) in tiles {
         let _ = write!(html, "<li><b>{}</b>{what}</li>", escaped(&value));
     }
-    let _ = write!(html, "</ul>{}", progress(history));
+    let _ = write!(html, "</ul>{}", chart(&progress(history)));
     html.push_str("<p class=legend>Line: dirty floor claimed clean, percent, over the time of the run.</p>");
     if let Some((_, claimed)) = history.grids.get(topics::CLAIMED) {
         html.push_str("<h3>Claimed clean</h3>");
