@@ -111,6 +111,19 @@ impl LegDetector {
         }
         LegOutput { legs: &self.legs, segments: looked_at, dropped }
     }
+
+    /// The legs of the newest scan.
+    #[must_use]
+    pub fn legs(&self) -> &[Leg] {
+        &self.legs
+    }
+
+    /// Turns the positions of the newest scan's legs into another frame.
+    pub fn move_legs(&mut self, into: impl Fn(Point2) -> Point2) {
+        for leg in &mut self.legs {
+            leg.position = into(leg.position);
+        }
+    }
 }
 
 /// Mean of some points.

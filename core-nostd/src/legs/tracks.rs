@@ -5,7 +5,7 @@ use heapless::Vec;
 
 use super::detector::{LEGS_MAX, Leg};
 use crate::geometry::Point2;
-use crate::people::ConstantVelocity;
+use crate::people::{ConstantVelocity, Detection};
 use crate::time::{Age, Stamp};
 
 /// Legs followed at once.
@@ -57,6 +57,19 @@ impl PersonByLegs {
     #[must_use]
     pub fn sigma_m(&self) -> f32 {
         0.3 / self.reliability.max(0.1)
+    }
+
+    /// As a sighting, of a scanner at `eye`.
+    #[must_use]
+    pub fn detection(&self, eye: Point2) -> Detection {
+        Detection {
+            position: self.position,
+            distance_m: self.position.distance(eye),
+            sigma_m: self.sigma_m(),
+            likeness: self.reliability,
+            points: 2,
+            moving: None,
+        }
     }
 }
 
@@ -153,6 +166,12 @@ impl LegTracker {
         } else {
             self.next_id = self.next_id.wrapping_add(1).max(1);
         }
+    }
+
+    /// One at least of two legs was seen in the newest scan.
+    pub(super) fn is_seen_now(&self, legs: [u32; 2]) -> bool {
+        let mut seen = self.tracks.iter().filter(|track| Some(track.last_seen) == self.now);
+        seen.any(|track| legs.contains(&track.id))
     }
 
     /// Pairs legs into people, the closest two first; hands out each person.

@@ -5,7 +5,7 @@
 
 use heapless::Vec;
 
-use super::tracker::Track;
+use super::track::Track;
 use crate::capacities::TRACKS_MAX;
 use crate::geometry::Point2;
 use crate::time::{Age, Stamp};

@@ -6,7 +6,8 @@ use super::association::{Association, Associator, DETECTIONS_MAX};
 use super::candidates::Detection;
 use super::filter::ConstantVelocity;
 use super::memory::{Memory, best_of};
-use super::person_model::probability;
+use super::sensors::PeopleSensor;
+use super::track::{Track, TrackStatus};
 use crate::capacities::TRACKS_MAX;
 use crate::geometry::Point2;
 use crate::time::{Age, Stamp};
@@ -24,11 +25,11 @@ pub struct TrackerParameters {
     pub gate: f32,
     /// Sightings before a track is confirmed.
     pub sightings_min: u16,
-    /// Misses in a row, where the sensor could see, that end a tentative track.
+    /// Misses in a row, where the sensor that found it could see it, that end a tentative track.
     pub tentative_misses_max: u16,
     /// A confirmed track that nobody saw, or could see, for this long is given up, µs (D.6).
     pub coast_max_us: u64,
-    /// A confirmed track that should have been seen and was not, for this long, µs.
+    /// A confirmed track that a sensor should have seen and did not, for this long after the first miss, µs.
     pub missed_max_us: u64,
     /// Sum of the position variances above which a track is given up, m² (D.6).
     pub variance_max_m2: f32,
@@ -53,7 +54,7 @@ impl TrackerParameters {
         sightings_min: 3,
         tentative_misses_max: 2,
         coast_max_us: 2_000_000,
-        missed_max_us: 700_000,
+        missed_max_us: 600_000,
         variance_max_m2: 1.0,
         duplicate_m: 0.5,
         coast_s: 1.5,
@@ -69,45 +70,15 @@ impl Default for TrackerParameters {
     }
 }
 
-/// How sure a track is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub enum TrackStatus {
-    /// Seen once or twice.
-    Tentative,
-    /// Seen often enough.
-    Confirmed,
-}
-
-/// One person, or something that looks like one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Track {
-    /// Unique since the start.
-    pub id: u32,
-    /// Position and velocity in the fixed frame.
-    pub state: ConstantVelocity,
-    /// How sure.
-    pub status: TrackStatus,
-    /// Probability that it is a person: the looks at its shape and its walking, fused over its life.
-    pub person_probability: f32,
-    /// Belief that it moves, 0…1.
-    pub moving_probability: f32,
-    /// Sightings since the creation.
-    pub sightings: u16,
-    /// First sighting.
-    pub created: Stamp,
-    /// Newest sighting.
-    pub last_seen: Stamp,
-    /// Where it was first seen.
-    pub first_position: Point2,
-    /// Log-odds that it is a person.
-    belief: f32,
-    /// How far from the sensor it was when last seen, metres.
-    distance_m: f32,
-    /// Misses in a row where it could have been seen.
-    misses: u16,
-    /// When it was last seen or could not be seen.
-    excused: Stamp,
+/// What one sensor saw at one moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Sightings<'a> {
+    /// Who looked.
+    pub sensor: PeopleSensor,
+    /// When.
+    pub stamp: Stamp,
+    /// What was seen, in the fixed frame.
+    pub detections: &'a [Detection],
 }
 
 /// The tracks and what happened to them.
@@ -127,6 +98,10 @@ pub struct Tracker {
 
 /// Somebody seen within this time is expected to be seen again, µs.
 const EXPECTED_US: u64 = 1_500_000;
+/// Who is unseen for longer than a revolution of the lidar is out of sight, µs.
+const UNSEEN_US: u64 = 90_000;
+/// Older sightings than this are refused, µs (D.7).
+const LATE_MAX_US: u64 = 200_000;
 /// A longer pause than this forgets the tentative tracks, µs (D.7).
 const PAUSE_US: u64 = 2_000_000;
 
@@ -152,26 +127,39 @@ impl Tracker {
         &self.tracks
     }
 
-    /// Takes in the detections of one moment. `visible` tells whether a person at a point of the fixed frame could
-    /// have been seen. Tracks × detections gate tests.
+    /// Takes in what the lidar saw at one moment, see [`Self::take`].
     pub fn update(&mut self, stamp: Stamp, detections: &[Detection], visible: impl Fn(Point2) -> bool) {
-        if !self.predict(stamp) {
+        self.take(&Sightings { sensor: PeopleSensor::Lidar, stamp, detections }, visible);
+    }
+
+    /// Takes in what a sensor saw at one moment. `visible` tells whether this sensor could have seen a person at a point
+    /// of the fixed frame. Tracks × detections gate tests.
+    ///
+    /// What is up to 0.2 s older than the newest update moves the people whom it fits, with more doubt, and does nothing
+    /// else (D.7); what is older still is refused and counted.
+    pub fn take(&mut self, seen: &Sightings<'_>, visible: impl Fn(Point2) -> bool) {
+        let Some(late_s) = self.predict(seen.stamp) else {
             self.late = self.late.saturating_add(1);
             return;
+        };
+        let look = (seen.sensor, seen.stamp);
+        self.associate(look, (seen.detections, late_s));
+        if late_s > 0.0 {
+            return;
         }
-        self.associate(stamp, detections);
-        for track in &mut self.tracks {
-            if track.last_seen != stamp {
-                track.miss(stamp, visible(track.state.position));
+        for (row, track) in self.tracks.iter_mut().enumerate() {
+            if self.associator.detection_of(row).is_none() {
+                track.miss(look, visible(track.state.position), &self.parameters);
             }
         }
-        self.recall(stamp);
-        self.delete(stamp);
-        for (column, detection) in detections.iter().enumerate().take(DETECTIONS_MAX) {
+        self.recall(seen.stamp);
+        self.delete(seen.stamp);
+        for (column, detection) in seen.detections.iter().enumerate().take(DETECTIONS_MAX) {
             if !self.associator.is_used(column) {
-                self.create(stamp, detection);
+                self.create(look, detection);
             }
         }
+        self.unite(seen.stamp);
     }
 
     /// Where the people who were seen a moment ago are expected at `stamp`, fixed frame.
@@ -190,13 +178,18 @@ impl Tracker {
         })
     }
 
-    /// Moves every track to `stamp`; false if that lies in the past.
-    fn predict(&mut self, stamp: Stamp) -> bool {
+    /// Moves every track to `stamp`. How much older than the tracks it is, seconds: 0 as a rule; `None` if too much.
+    fn predict(&mut self, stamp: Stamp) -> Option<f32> {
         let Some(now) = self.now else {
             self.now = Some(stamp);
-            return true;
+            return Some(0.0);
         };
-        let Age::Past(elapsed_us) = now.age(stamp) else { return false };
+        let elapsed_us = match now.age(stamp) {
+            Age::Past(elapsed_us) => elapsed_us,
+            Age::Future(late_us) => {
+                return (late_us <= LATE_MAX_US).then_some((late_us as f32 * 1.0e-6).max(1.0e-6));
+            }
+        };
         self.now = Some(stamp);
         if elapsed_us > PAUSE_US {
             self.tracks.retain(|track| track.status == TrackStatus::Confirmed);
@@ -204,12 +197,12 @@ impl Tracker {
         let seconds = stamp.seconds_since(now);
         for track in &mut self.tracks {
             // People slow down in a crowd; who is out of sight is rather waited for than chased.
-            if track.last_seen != now {
+            if track.last_seen.past_us(now) > UNSEEN_US {
                 track.state.slow_down(libm::expf(-seconds / self.parameters.coast_s.max(1.0e-3)));
             }
             track.state.advance(seconds, self.parameters.acceleration_density);
         }
-        true
+        Some(0.0)
     }
 
     /// Who is confirmed by this sighting may be somebody who was lost, or whose track went astray while unseen.
@@ -218,9 +211,8 @@ impl Tracker {
     fn recall(&mut self, stamp: Stamp) {
         self.memory.forget(stamp);
         for row in 0..self.tracks.len().min(TRACKS_MAX) {
-            let sightings_min = self.parameters.sightings_min;
             let fresh = self.tracks.get(row).copied();
-            let confirmed = |track: &Track| track.last_seen == stamp && track.sightings == sightings_min;
+            let confirmed = |track: &Track| track.confirmed == Some(stamp);
             let Some(fresh) = fresh.filter(|track| confirmed(track) && track.belief > 0.0) else { continue };
             let place = fresh.state.position;
             let (astray_us, reach) =
@@ -255,7 +247,7 @@ impl Tracker {
     /// Gives detections to tracks by d² + ln|S|, so that an uncertain track does not win (D.4). Only pairs within the
     /// gate take part.
     #[inline(never)]
-    fn associate(&mut self, stamp: Stamp, detections: &[Detection]) {
+    fn associate(&mut self, look: (PeopleSensor, Stamp), (detections, late_s): (&[Detection], f32)) {
         self.associator.clear();
         for row in 0..self.tracks.len().min(TRACKS_MAX) {
             for (column, detection) in detections.iter().enumerate().take(DETECTIONS_MAX) {
@@ -268,7 +260,7 @@ impl Tracker {
         for (row, track) in self.tracks.iter_mut().enumerate() {
             let seen = self.associator.detection_of(row).and_then(|column| detections.get(column));
             if let Some(detection) = seen {
-                track.see(stamp, detection, self.parameters.sightings_min);
+                track.see(look, (detection, late_s), self.parameters.sightings_min);
             }
         }
     }
@@ -315,7 +307,7 @@ impl Tracker {
     }
 
     #[inline(never)]
-    fn create(&mut self, stamp: Stamp, detection: &Detection) {
+    fn create(&mut self, look: (PeopleSensor, Stamp), detection: &Detection) {
         let duplicate = self
             .tracks
             .iter()
@@ -323,101 +315,23 @@ impl Tracker {
         if duplicate {
             return;
         }
-        let fresh = Track::new(self.next_id, stamp, detection);
+        let fresh = Track::new(self.next_id, look, detection);
         if self.make_room(detection.distance_m) && self.tracks.push(fresh).is_ok() {
             self.next_id = self.next_id.wrapping_add(1).max(1);
         }
     }
-}
 
-/// Share of a look's log-odds that a sighting adds: looks of a tenth of a second apart are not independent.
-const LOOK_SHARE: f32 = 0.25;
-/// One look never says more than this, log-odds.
-const LOOK_MAX: f32 = 2.0;
-/// What walking adds a sighting, log-odds: shelves do not walk.
-const WALK_GAIN: f32 = 0.2;
-/// The belief never becomes so firm that ten sightings to the contrary cannot turn it, log-odds.
-const BELIEF_MAX: f32 = 4.0;
-/// A track has walked when it is this far from where it was first seen, metres.
-const WALKED_M: f32 = 0.6;
-
-/// What a look says, log-odds.
-fn look(detection: &Detection) -> f32 {
-    let probability = detection.likeness.clamp(1.0e-3, 1.0 - 1.0e-3);
-    libm::logf(probability / (1.0 - probability)).clamp(-LOOK_MAX, LOOK_MAX)
-}
-
-impl Track {
-    fn new(id: u32, stamp: Stamp, detection: &Detection) -> Self {
-        Self {
-            id,
-            state: ConstantVelocity::new(detection.position, Point2::default(), 0.2, 1.0),
-            status: TrackStatus::Tentative,
-            person_probability: probability(look(detection)),
-            belief: look(detection),
-            moving_probability: 0.0,
-            sightings: 1,
-            created: stamp,
-            last_seen: stamp,
-            first_position: detection.position,
-            distance_m: detection.distance_m,
-            misses: 0,
-            excused: stamp,
+    /// Two tracks that no sensor saw both of late, and that go the same way at the same place, are one person in the
+    /// eyes of two sensors: the older one stays.
+    fn unite(&mut self, now: Stamp) {
+        let limit_m = self.parameters.duplicate_m;
+        for row in 1..self.tracks.len().min(TRACKS_MAX) {
+            let Some(younger) = self.tracks.get(row).copied() else { break };
+            let twin = self.tracks.iter_mut().take(row).find(|older| older.is_twin(&younger, now, limit_m));
+            let Some(older) = twin else { continue };
+            older.join(&younger);
+            self.tracks.retain(|track| track.id != younger.id);
         }
-    }
-
-    fn see(&mut self, stamp: Stamp, detection: &Detection, sightings_min: u16) {
-        self.state.correct(detection.position, detection.sigma_m);
-        self.sightings = self.sightings.saturating_add(1);
-        self.distance_m = detection.distance_m;
-        (self.last_seen, self.excused, self.misses) = (stamp, stamp, 0);
-        if self.sightings >= sightings_min {
-            self.status = TrackStatus::Confirmed;
-        }
-        let walked_m = self.state.position.distance(self.first_position);
-        let walking = walked_m > WALKED_M && self.state.speed_mps() > 0.25;
-        // What walks goes from place to place; what moves need not, and two views that differ leave it open.
-        let moves = u8::from(walking).saturating_add(u8::from(detection.moving.unwrap_or(walking)));
-        self.moving_probability += 0.3 * (0.5 * f32::from(moves) - self.moving_probability);
-        let gain = LOOK_SHARE * look(detection) + if walking { WALK_GAIN } else { 0.0 };
-        self.belief = (self.belief + gain).clamp(-BELIEF_MAX, BELIEF_MAX);
-        self.person_probability = probability(self.belief);
-    }
-
-    /// A confirmed person, older than `fresh`, whom nobody saw for a while.
-    fn may_be_astray(&self, now: Stamp, astray_us: u64, fresh: &Self) -> bool {
-        let unseen = matches!(self.last_seen.age(now), Age::Past(age_us) if age_us > astray_us);
-        unseen && self.status == TrackStatus::Confirmed && self.belief > 0.0 && self.created < fresh.created
-    }
-
-    /// It is the same person.
-    fn continue_from(&mut self, old: &Self) {
-        (self.id, self.created, self.first_position) = (old.id, old.created, old.first_position);
-        self.sightings = self.sightings.saturating_add(old.sightings);
-        self.belief = self.belief.max(old.belief);
-        self.person_probability = probability(self.belief);
-    }
-
-    fn miss(&mut self, stamp: Stamp, visible: bool) {
-        if visible {
-            self.misses = self.misses.saturating_add(1);
-        } else {
-            self.excused = stamp;
-        }
-        self.moving_probability *= 0.98;
-    }
-
-    fn lives(&self, now: Stamp, parameters: &TrackerParameters) -> bool {
-        let older_than = |stamp: Stamp, limit_us: u64| match stamp.age(now) {
-            Age::Past(age_us) => age_us > limit_us,
-            Age::Future(_) => false,
-        };
-        let lost = match self.status {
-            TrackStatus::Tentative => self.misses > parameters.tentative_misses_max,
-            TrackStatus::Confirmed => older_than(self.excused, parameters.missed_max_us),
-        };
-        let doubtful = 2.0 * self.state.position_variance > parameters.variance_max_m2;
-        !(lost || doubtful || older_than(self.last_seen, parameters.coast_max_us)) && self.state.is_finite()
     }
 }
 

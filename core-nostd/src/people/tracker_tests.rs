@@ -1,6 +1,7 @@
 //! Lives of tracks: birth, hiding, return, crowds, time that runs backwards.
 
 use super::*;
+use crate::people::SensorSet;
 
 fn sighting(x_m: f32, y_m: f32) -> Detection {
     let position = Point2::new(x_m, y_m);
@@ -52,12 +53,104 @@ fn near_people_push_out_far_ones() {
     assert_eq!((tracker.tracks().len(), tracker.dropped), (TRACKS_MAX, 2));
 }
 
+/// D.7: a little late moves whom it fits, with more doubt, and begins nobody; much too late is refused.
 #[test]
-fn a_sweep_from_the_past_is_refused_and_counted() {
+fn what_is_late_only_moves_and_what_is_too_late_is_refused_and_counted() {
     let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
-    tracker.update(Stamp::from_micros(200_000), &[sighting(3.0, 0.0)], |_| true);
-    tracker.update(Stamp::from_micros(100_000), &[sighting(6.0, 0.0)], |_| true);
-    assert_eq!((tracker.tracks().len(), tracker.late), (1, 1));
+    tracker.update(Stamp::from_micros(400_000), &[sighting(3.0, 0.0)], |_| true);
+    let before = tracker.tracks()[0].state;
+    tracker.update(Stamp::from_micros(300_000), &[sighting(3.2, 0.0), sighting(8.0, 0.0)], |_| true);
+    let after = tracker.tracks()[0].state;
+    assert_eq!((tracker.tracks().len(), tracker.late), (1, 0));
+    assert!(after.position.x_m > before.position.x_m && after.position.x_m < 3.15, "{after:?}");
+    tracker.update(Stamp::from_micros(150_000), &[sighting(3.2, 0.0)], |_| true);
+    assert_eq!((tracker.tracks()[0].state, tracker.late), (after, 1));
+}
+
+fn take(tracker: &mut Tracker, sensor: PeopleSensor, at_us: u64, detections: &[Detection], visible: bool) {
+    tracker.take(&Sightings { sensor, stamp: Stamp::from_micros(at_us), detections }, |_| visible);
+}
+
+/// Legs five times are a person, too, and lidar and scanner share one track.
+#[test]
+fn sensors_share_their_tracks() {
+    let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
+    let legs = Detection { sigma_m: 0.3, likeness: 0.9, ..sighting(2.0, 0.1) };
+    for scan in 0..5_u64 {
+        let expected = if scan < 5 { TrackStatus::Tentative } else { TrackStatus::Confirmed };
+        assert!(tracker.tracks().iter().all(|track| track.status == expected), "scan {scan}");
+        take(&mut tracker, PeopleSensor::Scanner, scan * 40_000, &[legs], true);
+    }
+    assert_eq!(tracker.tracks()[0].status, TrackStatus::Confirmed);
+    take(&mut tracker, PeopleSensor::Lidar, 200_000, &[sighting(2.0, 0.0)], true);
+    assert_eq!(tracker.tracks().len(), 1);
+    let set = tracker.tracks()[0].sensors(Stamp::from_micros(200_000));
+    assert_eq!(set.bits(), 3);
+    let later = tracker.tracks()[0].sensors(Stamp::from_micros(690_000));
+    assert_eq!(later, SensorSet::NONE.with(PeopleSensor::Lidar));
+}
+
+/// Misses of the scanner end a track only where it saw that person before and could see the place.
+#[test]
+fn a_sensor_misses_only_whom_it_knew_and_could_see() {
+    for (legs_before, visible, expected) in [(true, true, 0), (true, false, 1), (false, true, 1)] {
+        let mut tracker = Tracker::new(TrackerParameters {
+            coast_max_us: 9_000_000,
+            variance_max_m2: 99.0,
+            ..TrackerParameters::DEFAULT
+        });
+        for step in 0..10_u64 {
+            take(&mut tracker, PeopleSensor::Lidar, step * 100_000, &[sighting(2.0, 0.0)], true);
+            if legs_before {
+                let legs = Detection { sigma_m: 0.3, ..sighting(2.0, 0.0) };
+                take(&mut tracker, PeopleSensor::Scanner, step * 100_000 + 1, &[legs], true);
+            }
+        }
+        for scan in 0..40_u64 {
+            take(&mut tracker, PeopleSensor::Scanner, 1_000_000 + scan * 40_000, &[], visible);
+        }
+        assert_eq!(tracker.tracks().len(), expected, "legs {legs_before}, visible {visible}");
+    }
+}
+
+/// What the scanner takes for legs and the lidar, which looks there, for nothing, is hardly a person; where the lidar
+/// cannot look, the scanner's word stands.
+#[test]
+fn legs_without_a_body_are_doubted() {
+    for (lidar_looks, is_person) in [(true, false), (false, true)] {
+        let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
+        let legs = Detection { sigma_m: 0.3, likeness: 0.9, ..sighting(2.0, 0.0) };
+        for scan in 0..50_u64 {
+            take(&mut tracker, PeopleSensor::Scanner, scan * 40_000, &[legs], true);
+            if scan % 5 == 4 {
+                take(&mut tracker, PeopleSensor::Lidar, scan * 40_000 + 1, &[], lidar_looks);
+                take(&mut tracker, PeopleSensor::Lidar, scan * 40_000 + 2, &[], lidar_looks);
+            }
+        }
+        let probability = tracker.tracks()[0].person_probability;
+        assert_eq!(probability > 0.5, is_person, "{probability}");
+    }
+}
+
+/// Two tracks that grow together, each in the eyes of one sensor only, are one person; those of one sensor are two.
+#[test]
+fn one_person_in_the_eyes_of_two_sensors_is_one_track() {
+    for (other, expected) in [(PeopleSensor::Scanner, 1), (PeopleSensor::Lidar, 2)] {
+        let mut tracker = Tracker::new(TrackerParameters { gate: 0.5, ..TrackerParameters::DEFAULT });
+        for step in 0..20_u64 {
+            let aside_m = 0.7 - 0.02 * step as f32;
+            let one = sighting(2.0, 0.0);
+            let two = sighting(2.0, aside_m);
+            if other == PeopleSensor::Lidar {
+                take(&mut tracker, PeopleSensor::Lidar, step * 100_000, &[one, two], true);
+            } else {
+                take(&mut tracker, PeopleSensor::Lidar, step * 100_000, &[one], true);
+                take(&mut tracker, other, step * 100_000 + 1, &[two], true);
+            }
+        }
+        assert_eq!(tracker.tracks().len(), expected, "{other:?}");
+        assert_eq!(tracker.tracks()[0].id, 1);
+    }
 }
 
 /// Somebody who vanished behind a column and comes out on its other side is the same person; somebody who appears

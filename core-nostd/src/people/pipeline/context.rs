@@ -2,7 +2,7 @@
 
 use crate::geometry::{Pose2, Transform3, Twist2};
 use crate::people::clusters::Cluster;
-use crate::people::tracker::Track;
+use crate::people::track::Track;
 
 /// Where the sensor was while it measured.
 #[derive(Clone, Copy, Debug, PartialEq)]

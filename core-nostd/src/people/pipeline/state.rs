@@ -12,7 +12,9 @@ use crate::people::looks::Looks;
 use crate::people::projection::RingAngles;
 use crate::people::shape::ShapeVector;
 use crate::people::splits::Splits;
+use crate::people::track::Track;
 use crate::people::tracker::{Tracker, TrackerParameters};
+use crate::people::views::{PeopleView, WaitingViews};
 use crate::people::visibility::Visibility;
 use crate::sensing::Sweep;
 
@@ -33,6 +35,7 @@ pub struct PeoplePipeline {
     pub(super) splits: Splits,
     pub(super) tracker: Tracker,
     pub(super) counters: PeopleCounters,
+    waiting: WaitingViews,
 }
 
 impl PeoplePipeline {
@@ -57,6 +60,7 @@ impl PeoplePipeline {
             splits: Splits::new(),
             tracker: Tracker::new(parameters),
             counters: PeopleCounters::ZERO,
+            waiting: WaitingViews::new(),
         }
     }
 
@@ -87,6 +91,13 @@ impl PeoplePipeline {
         PeopleOutput { clusters: &self.things, tracks: self.tracker.tracks(), counters: self.counters }
     }
 
+    /// Takes in what another sensor saw. It waits for the sweep of its time; when the lidar is silent for longer than
+    /// 0.2 s, it goes to the tracker without one. True if the tracks are newer now.
+    pub fn add_view(&mut self, view: &PeopleView) -> bool {
+        self.waiting.add(view, &mut self.tracker);
+        self.waiting.give_overdue(&mut self.tracker)
+    }
+
     /// Enters for each thing, in their order, whether it moves; after [`Self::find_things`].
     pub fn note_motion(&mut self, verdicts: impl Iterator<Item = Option<bool>>) {
         for (thing, moving) in self.things.iter_mut().zip(verdicts) {
@@ -98,6 +109,7 @@ impl PeoplePipeline {
 
     /// Which things may be people, and how probably; after [`Self::find_things`].
     pub fn find_detections(&mut self, sweep: &Sweep, context: &SweepContext) {
+        self.waiting.give_until(sweep.end_stamp, &mut self.tracker);
         self.share_out(sweep, context);
         self.find_candidates(context);
         self.look(sweep, context);
@@ -115,6 +127,18 @@ impl PeoplePipeline {
         self.tracker.update(sweep.end_stamp, &self.detections, |point| {
             visibility.is_visible(odom_in_sensor.transform(point))
         });
+    }
+
+    /// The tracks, as of the newest sweep or view.
+    #[must_use]
+    pub fn tracks(&self) -> &[Track] {
+        self.tracker.tracks()
+    }
+
+    /// Views of other sensors that went to the tracker before their turn, since the start.
+    #[must_use]
+    pub const fn hurried_views(&self) -> u32 {
+        self.waiting.hurried
     }
 
     /// The tracker, for its counters.
