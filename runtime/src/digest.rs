@@ -61,6 +61,7 @@ impl OutputDigest {
         self.people.add(&report.sweep.counters.clusters.to_le_bytes());
         for person in &report.people {
             self.people.add(&person.id.to_le_bytes());
+            self.people.add(&[person.sensors.bits()]);
             let place = [person.position, person.velocity_mps];
             for number in place.iter().flat_map(|place| [place.x_m, place.y_m]) {
                 self.people.add(&number.to_bits().to_le_bytes());

@@ -1,5 +1,7 @@
 //! Rigid transforms in space: where a sensor is mounted on the robot.
 
+use super::Pose2;
+
 /// A point in space, metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -50,6 +52,13 @@ impl Transform3 {
             ],
             translation,
         }
+    }
+
+    /// What it is on the floor: place and heading, height and tilt forgotten.
+    #[must_use]
+    pub fn on_floor(&self) -> Pose2 {
+        let [[cos, ..], [sin, ..], _] = self.rotation;
+        Pose2::new(self.translation.x_m, self.translation.y_m, libm::atan2f(sin, cos))
     }
 
     /// A point of the inner frame, expressed in the outer one.

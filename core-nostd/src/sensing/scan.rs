@@ -34,6 +34,23 @@ pub struct Scan {
 }
 
 impl Scan {
+    /// Nothing. A place to measure into.
+    pub const EMPTY: Self =
+        Self { stamp: Stamp::ZERO, sequence: 0, first_angle_rad: 0.0, step_rad: 0.0, beams: Vec::new() };
+
+    /// Becomes equal to another one without a copy on the way.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.stamp = other.stamp;
+        self.sequence = other.sequence;
+        self.first_angle_rad = other.first_angle_rad;
+        self.step_rad = other.step_rad;
+        self.beams.clear();
+        for beam in &other.beams {
+            // Same capacity: never full.
+            let _ = self.beams.push(*beam);
+        }
+    }
+
     /// Puts the last beam first: a scanner that is mounted upside down.
     pub fn turn_round(&mut self) {
         // `reverse` keeps a panic in the image where the compiler shares it between two callers.

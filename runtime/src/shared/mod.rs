@@ -29,6 +29,8 @@ use crate::channel::{Belt, Latest, Queue};
 
 /// Lidar packets that perception may be late by: 32 ms.
 pub const PACKETS_QUEUED: usize = 24;
+/// Scans that perception may be late by: it looks at all of them for legs, after each packet.
+pub const SCANS_QUEUED: usize = 3;
 /// Poses that perception may be late by: 640 ms at 200 Hz.
 pub const POSES_QUEUED: usize = 128;
 
@@ -70,7 +72,9 @@ pub struct Shared<M: RawMutex> {
     pub poses: Queue<M, StampedPose, POSES_QUEUED>,
     /// Guard ring → whoever wants the newest: where the robot is.
     pub pose: Latest<M, StampedPose>,
-    /// Guard ring → perception: the newest scan.
+    /// Guard ring → perception: every scan.
+    pub scans: Belt<M, Scan, SCANS_QUEUED>,
+    /// Guard ring → whoever wants the newest: a scan.
     pub scan: Latest<M, Scan>,
     /// Perception → guard ring: can only tighten.
     pub advice: Latest<M, Advice>,
@@ -115,6 +119,7 @@ impl<M: RawMutex> Shared<M> {
             packets: const { Belt::new([const { QueuedPacket::BLANK }; PACKETS_QUEUED]) },
             poses: Queue::new(),
             pose: Latest::new(),
+            scans: Belt::new([const { Scan::EMPTY }; SCANS_QUEUED]),
             scan: Latest::new(),
             advice: Latest::new(),
             wanted: Latest::new(),

@@ -3,7 +3,7 @@
 use floorguard_core::capacities::TRACKS_MAX;
 use floorguard_core::geometry::Point2;
 use floorguard_core::guard::{Decision, Source, SourceReport};
-use floorguard_core::people::{PeopleCounters, TrackStatus};
+use floorguard_core::people::{PeopleCounters, SensorSet, TrackStatus};
 use floorguard_core::time::Stamp;
 use heapless::Vec;
 
@@ -28,6 +28,8 @@ pub struct PersonReport {
     pub person_probability: f32,
     /// Belief that it moves, 0…1.
     pub moving_probability: f32,
+    /// Who has seen it within the last half second.
+    pub sensors: SensorSet,
 }
 
 /// About one sweep.
@@ -41,7 +43,7 @@ pub struct SweepReport {
     pub lost_packets: u16,
 }
 
-/// What perception made of the newest sweep.
+/// What perception made of the newest sweep; while the lidar is silent, of the newest scan: then it counts no returns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PeopleReport {
     /// The sweep.
@@ -50,6 +52,8 @@ pub struct PeopleReport {
     pub people: Vec<PersonReport, TRACKS_MAX>,
     /// Sweeps whose pose was not known and which were not used.
     pub unposed_sweeps: u32,
+    /// The same of scans, which were not searched for legs.
+    pub unposed_scans: u32,
 }
 
 /// How everything is.

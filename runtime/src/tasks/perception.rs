@@ -1,11 +1,14 @@
-//! From packets to people and advice.
+//! From packets and scans to one list of people, and to advice.
 
+use embassy_futures::select::{Either, select};
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use floorguard_core::geometry::{Transform3, Twist2};
+use floorguard_core::geometry::{Point2, Pose2, Transform3, Twist2};
+use floorguard_core::legs::PeopleByLegs;
 use floorguard_core::motion::{MotionDetector, find_moving_people};
-use floorguard_core::odometry::PoseHistory;
+use floorguard_core::odometry::{PoseHistory, PoseLookupError};
 use floorguard_core::people::{PeopleOutput, PeoplePipeline, SweepContext, Track};
-use floorguard_core::sensing::Sweep;
+use floorguard_core::sensing::{Scan, Sweep};
+use floorguard_core::time::Stamp;
 use floorguard_drivers::velodyne::SweepBuilder;
 
 use super::advise::advice;
@@ -51,7 +54,7 @@ impl JudgeMotion for MotionDetector {
     }
 }
 
-/// All memory of the stage, about 350 KiB and what judging motion takes: the board places it once.
+/// All memory of the stage, about 380 KiB and what judging motion takes: the board places it once.
 pub struct PerceptionState<D = NoMotion> {
     /// Sweep under construction.
     pub building: Sweep,
@@ -59,48 +62,88 @@ pub struct PerceptionState<D = NoMotion> {
     pub people: PeoplePipeline,
     /// What moves.
     pub motion: D,
+    /// Legs in the safety scanner's scans.
+    pub legs: PeopleByLegs,
+    /// The scan that is searched for them.
+    pub scan: Scan,
     /// Where the robot was.
     pub history: PoseHistory,
     /// Lidar on the robot.
     pub sensor_in_base: Transform3,
+    /// Safety scanner on the robot.
+    pub scanner_in_base: Pose2,
 }
 
-/// Perception ring. Runs for ever.
+impl<D> PerceptionState<D> {
+    /// The scan that was read: its legs go into the same list of people. True if that changed it at once, because the
+    /// lidar is silent; an error if nobody knows where the robot was.
+    fn search_legs(&mut self) -> Result<bool, PoseLookupError> {
+        let sensor_in_odom = self.history.at(self.scan.stamp)?.compose(self.scanner_in_base);
+        let view = self.legs.process(&self.scan, sensor_in_odom, None::<fn(Point2) -> bool>);
+        Ok(self.people.add_view(view))
+    }
+}
+
+/// Perception ring. Runs for ever. Packets come before scans, so that two runs with the same bytes take the same way.
 pub async fn perceive<M: RawMutex, D: JudgeMotion>(shared: &Shared<M>, state: &mut PerceptionState<D>) {
     let mut builder = SweepBuilder::new(CUT_CDEG);
     let mut twist = Twist2::ZERO;
-    let mut unposed_sweeps = 0_u32;
+    // Of sweeps and of scans.
+    let mut unposed = [0_u32; 2];
     let mut queued = QueuedPacket::EMPTY;
     loop {
-        shared.packets.pop(|slot| queued.copy_from(slot)).await;
+        let packet = shared.packets.pop(|slot| queued.copy_from(slot));
+        let scan = shared.scans.pop(|slot| state.scan.copy_from(slot));
+        let next = select(packet, scan).await;
         for _ in 0..crate::shared::POSES_QUEUED {
             let Some(known) = shared.poses.try_pop() else { break };
             state.history.record(known.stamp, known.pose_in_odometry);
             twist = known.twist;
         }
-        let PerceptionState { building, people, motion, history, sensor_in_base } = &mut *state;
+        if let Either::Second(()) = next {
+            match state.search_legs() {
+                // No advice from legs alone: where the lidar is blind, silence must stay silence.
+                Ok(true) => {
+                    shared.people.publish(legs_report(&state.people, state.scan.stamp, unposed));
+                }
+                Ok(false) => {}
+                Err(_) => unposed[1] = unposed[1].saturating_add(1),
+            }
+            continue;
+        }
+        let PerceptionState { building, people, motion, history, sensor_in_base, .. } = &mut *state;
         builder.add(&queued.packet, queued.lost_before, building, |sweep| {
             let Ok(base_in_odom) = history.at(sweep.end_stamp) else {
-                unposed_sweeps = unposed_sweeps.saturating_add(1);
+                unposed[0] = unposed[0].saturating_add(1);
                 return;
             };
             let context = SweepContext { sensor_in_base: *sensor_in_base, twist, base_in_odom };
             let output = motion.people(people, sweep, &context);
             shared.advice.publish(advice(sweep.end_stamp, output.tracks, base_in_odom));
-            shared.people.publish(report(sweep, &output, unposed_sweeps));
+            shared.people.publish(report(sweep, &output, unposed));
         });
     }
 }
 
-fn report(sweep: &Sweep, output: &PeopleOutput<'_>, unposed_sweeps: u32) -> PeopleReport {
-    let sweep =
-        SweepReport { stamp: sweep.end_stamp, counters: output.counters, lost_packets: sweep.lost_packets };
-    // The tracker has the same capacity.
-    let people = output.tracks.iter().map(person).collect();
-    PeopleReport { sweep, people, unposed_sweeps }
+fn report(sweep: &Sweep, output: &PeopleOutput<'_>, unposed: [u32; 2]) -> PeopleReport {
+    let stamp = sweep.end_stamp;
+    let sweep = SweepReport { stamp, counters: output.counters, lost_packets: sweep.lost_packets };
+    of_tracks(output.tracks, sweep, unposed)
 }
 
-fn person(track: &Track) -> PersonReport {
+/// What the legs of the newest scan changed.
+fn legs_report(people: &PeoplePipeline, stamp: Stamp, unposed: [u32; 2]) -> PeopleReport {
+    of_tracks(people.tracks(), SweepReport { stamp, ..SweepReport::default() }, unposed)
+}
+
+fn of_tracks(tracks: &[Track], sweep: SweepReport, unposed: [u32; 2]) -> PeopleReport {
+    let [unposed_sweeps, unposed_scans] = unposed;
+    // The tracker has the same capacity.
+    let people = tracks.iter().map(|track| person(track, sweep.stamp)).collect();
+    PeopleReport { sweep, people, unposed_sweeps, unposed_scans }
+}
+
+fn person(track: &Track, now: Stamp) -> PersonReport {
     PersonReport {
         id: track.id,
         status: track.status,
@@ -110,5 +153,6 @@ fn person(track: &Track) -> PersonReport {
         velocity_sigma_mps: libm::sqrtf(track.state.velocity_variance.max(0.0)),
         person_probability: track.person_probability,
         moving_probability: track.moving_probability,
+        sensors: track.sensors(now),
     }
 }

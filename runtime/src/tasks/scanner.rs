@@ -34,6 +34,7 @@ pub async fn scanner_input<M: RawMutex>(shared: &Shared<M>, mut line: impl Read,
         receiver.push(bytes, now, |event| match event {
             Event::Scan(scan) => {
                 shared.decide(|guard| guard.on_scan(scan, now));
+                shared.scans.push(|slot| slot.copy_from(scan));
                 shared.scan.publish(scan.clone());
             }
             Event::StandBy { .. } => {

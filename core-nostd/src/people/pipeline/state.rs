@@ -4,7 +4,7 @@ use heapless::Vec;
 
 use super::context::{PeopleCounters, PeopleOutput, SweepContext};
 use crate::capacities::CLUSTERS_MAX;
-use crate::geometry::{Point2, Point3, Pose2};
+use crate::geometry::{Point2, Point3};
 use crate::people::association::DETECTIONS_MAX;
 use crate::people::candidates::{CandidateLimits, Detection};
 use crate::people::clusters::{Cluster, ClusterLimits, Clusterer};
@@ -119,9 +119,7 @@ impl PeoplePipeline {
 
     #[inline(never)]
     fn track(&mut self, sweep: &Sweep, context: &SweepContext) {
-        let origin = context.sensor_in_base.translation;
-        let [[cos, ..], [sin, ..], _] = context.sensor_in_base.rotation;
-        let sensor_in_base = Pose2::new(origin.x_m, origin.y_m, libm::atan2f(sin, cos));
+        let sensor_in_base = context.sensor_in_base.on_floor();
         let odom_in_sensor = context.base_in_odom.compose(sensor_in_base).inverse();
         let visibility = &self.visibility;
         self.tracker.update(sweep.end_stamp, &self.detections, |point| {

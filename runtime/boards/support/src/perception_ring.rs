@@ -4,9 +4,10 @@ use core::mem::MaybeUninit;
 
 use embassy_executor::Spawner;
 use floorguard_core::geometry::Transform3;
+use floorguard_core::legs::PeopleByLegs;
 use floorguard_core::odometry::PoseHistory;
 use floorguard_core::people::{PeoplePipeline, RingAngles};
-use floorguard_core::sensing::Sweep;
+use floorguard_core::sensing::{Scan, Sweep};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::tasks::{NoMotion, PerceptionState, drive_route, perceive};
@@ -21,19 +22,22 @@ pub fn start_perception_ring(
     robot: &'static RobotConfiguration,
 ) {
     static STATE: StaticCell<PerceptionState> = StaticCell::new();
-    let state = fresh_perception(STATE.uninit(), robot.lidar.mounting.transform());
+    let mountings = [robot.lidar.mounting.transform(), robot.scanner.mounting.transform()];
+    let state = fresh_perception(STATE.uninit(), mountings);
     spawner.spawn(perception(shared, state).unwrap());
     spawner.spawn(mission(shared, RouteFollower::new(robot.route.clone(), robot.route_limits)).unwrap());
 }
 
-/// Builds the state where it stays, field by field: as a whole it would pass over the stack.
+/// Builds the state where it stays, with the mountings of lidar and safety scanner, field by field: as a whole it would pass over the stack.
 pub fn fresh_perception(
     slot: &'static mut MaybeUninit<PerceptionState>,
-    sensor_in_base: Transform3,
+    [sensor_in_base, scanner_in_base]: [Transform3; 2],
 ) -> &'static mut PerceptionState {
     const PEOPLE: PeoplePipeline = PeoplePipeline::new(RingAngles::NONE);
     // Nothing but zeros, which take no room in the program; the first packet brings the unit.
     const BUILDING: Sweep = Sweep { range_unit_mm: 0, ..Sweep::EMPTY };
+    const LEGS: PeopleByLegs = PeopleByLegs::new();
+    const SCAN: Scan = Scan::EMPTY;
     const HISTORY: PoseHistory = PoseHistory::new();
     let state = slot.as_mut_ptr();
     // SAFETY: the pointer is that of the slot; each field is written once, and then all are.
@@ -41,8 +45,11 @@ pub fn fresh_perception(
         (&raw mut (*state).building).write(BUILDING);
         (&raw mut (*state).people).write(PEOPLE);
         (&raw mut (*state).motion).write(NoMotion);
+        (&raw mut (*state).legs).write(LEGS);
+        (&raw mut (*state).scan).write(SCAN);
         (&raw mut (*state).history).write(HISTORY);
         (&raw mut (*state).sensor_in_base).write(sensor_in_base);
+        (&raw mut (*state).scanner_in_base).write(scanner_in_base.on_floor());
         &mut *state
     };
     state.people.angles = RingAngles::vlp16();

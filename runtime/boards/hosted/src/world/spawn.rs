@@ -3,10 +3,11 @@
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embedded_io_async::{Read, Write};
 use floorguard_core::guard::GuardConfigError;
+use floorguard_core::legs::PeopleByLegs;
 use floorguard_core::motion::{MotionDetector, MotionParameters};
 use floorguard_core::odometry::PoseHistory;
 use floorguard_core::people::{PeopleOutput, PeoplePipeline, RingAngles, SweepContext};
-use floorguard_core::sensing::Sweep;
+use floorguard_core::sensing::{Scan, Sweep};
 use floorguard_core::time::Stamp;
 use floorguard_drivers::s300::{Configuration, Receiver};
 use floorguard_drivers::three_wheel_base::ThreeWheelBase;
@@ -114,8 +115,11 @@ pub fn new_perception(robot: &RobotConfiguration, stages: Stages) -> Box<HostedP
         building: Sweep::EMPTY,
         people: PeoplePipeline::new(angles),
         motion: HostedMotion::new(stages),
+        legs: PeopleByLegs::new(),
+        scan: Scan::EMPTY,
         history: PoseHistory::new(),
         sensor_in_base: robot.lidar.mounting.transform(),
+        scanner_in_base: robot.scanner.mounting.transform().on_floor(),
     })
 }
 

@@ -5,9 +5,10 @@ use core::pin::pin;
 use cortex_m_semihosting::hprintln;
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use floorguard_core::geometry::Transform3;
+use floorguard_core::legs::PeopleByLegs;
 use floorguard_core::odometry::PoseHistory;
 use floorguard_core::people::{PeoplePipeline, RingAngles};
-use floorguard_core::sensing::Sweep;
+use floorguard_core::sensing::{Scan, Sweep};
 use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
 use floorguard_drivers::s300::{Configuration, Receiver};
@@ -94,8 +95,11 @@ pub fn play(tape: TapeReader<'static>) -> bool {
         building: Sweep::EMPTY,
         people: PeoplePipeline::new(RingAngles::vlp16()),
         motion: NoMotion,
+        legs: PeopleByLegs::new(),
+        scan: Scan::EMPTY,
         history: PoseHistory::new(),
         sensor_in_base: robot.lidar.mounting.transform(),
+        scanner_in_base: robot.scanner.mounting.transform().on_floor(),
     };
     let perception = PERCEPTION.init(fresh());
     let stages = stages::measure(tape, &robot, perception);

@@ -4,8 +4,9 @@ use std::io::Write;
 
 use floorguard_core::geometry::Point2;
 use floorguard_core::legs::{LegTrack, PersonByLegs};
-use floorguard_core::people::{PeopleCounters, PeopleOutput, Track, TrackStatus};
+use floorguard_core::people::{PeopleCounters, PeopleOutput, PeopleSensor, SensorSet, Track, TrackStatus};
 use floorguard_core::sensing::Sweep;
+use floorguard_core::time::Stamp;
 use floorguard_runtime::shared::{PeopleReport, PersonReport};
 use serde::Serialize;
 
@@ -21,6 +22,8 @@ pub struct PersonRow {
     person_probability: f32,
     #[serde(skip_serializing_if = "is_unknown")]
     moving_probability: f32,
+    /// Who has seen it within the last half second.
+    sensors: Vec<&'static str>,
 }
 
 /// Place and velocity, metres and m/s: by the short names of tracking formats, and by names with units.
@@ -70,7 +73,7 @@ impl SweepRow {
         let blind = output.counters.unknown_columns as usize * 2 > sweep.column_count;
         Self {
             lost_packets: sweep.lost_packets,
-            people: output.tracks.iter().map(PersonRow::of_track).collect(),
+            people: output.tracks.iter().map(|track| PersonRow::of_track(track, sweep.end_stamp)).collect(),
             ..Self::counted(sweep.end_stamp.as_micros(), ("sensor", blind), &output.counters)
         }
     }
@@ -154,10 +157,11 @@ impl PersonRow {
             sigma_velocity_mps: libm::sqrtf(one.state.velocity_variance.max(other.state.velocity_variance)),
             person_probability: person.reliability,
             moving_probability: f32::NAN,
+            sensors: words(SensorSet::NONE.with(PeopleSensor::Scanner)),
         }
     }
 
-    fn of_track(track: &Track) -> Self {
+    fn of_track(track: &Track, now: Stamp) -> Self {
         Self {
             id: track.id,
             status: word(track.status),
@@ -166,6 +170,7 @@ impl PersonRow {
             sigma_velocity_mps: libm::sqrtf(track.state.velocity_variance),
             person_probability: track.person_probability,
             moving_probability: track.moving_probability,
+            sensors: words(track.sensors(now)),
         }
     }
 
@@ -178,6 +183,7 @@ impl PersonRow {
             sigma_velocity_mps: track.velocity_sigma_mps,
             person_probability: track.person_probability,
             moving_probability: track.moving_probability,
+            sensors: words(track.sensors),
         }
     }
 }
@@ -187,6 +193,15 @@ const fn word(status: TrackStatus) -> &'static str {
         TrackStatus::Tentative => "tentative",
         TrackStatus::Confirmed => "confirmed",
     }
+}
+
+fn words(sensors: SensorSet) -> Vec<&'static str> {
+    let word = |sensor: PeopleSensor| match sensor {
+        PeopleSensor::Lidar => "lidar",
+        PeopleSensor::Scanner => "scanner",
+        PeopleSensor::DepthCamera => "depth-camera",
+    };
+    PeopleSensor::ALL.into_iter().filter(|sensor| sensors.contains(*sensor)).map(word).collect()
 }
 
 /// Legs tell nothing about it.
