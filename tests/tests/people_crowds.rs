@@ -6,8 +6,8 @@ use floorguard_tests::crowds::{CROWDS, totals};
 #[test]
 fn thirty_people_keep_their_identity() {
     let crowd = CROWDS.iter().find(|scene| scene.name == "30 milling").expect("a built-in crowd");
-    let [nearest, joint] = totals(crowd, 2, 15).expect("the scene is readable");
-    for (name, total) in [("NN", &nearest), ("NNJPDA", &joint)] {
+    let [nearest, joint, fused] = totals(crowd, 2, 15).expect("the scene is readable");
+    for (name, total) in [("NN", &nearest), ("NNJPDA", &joint), ("with legs", &fused)] {
         println!(
             "{name}: MOTA {:.3}, {} switches, {:.2} per person-minute, 95 % found within {:.2} s",
             total.mota(),

@@ -3,11 +3,13 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use floorguard_core::geometry::{Point2, Point3, Pose2, Transform3, Twist2};
+use floorguard_core::legs::PeopleByLegs;
 use floorguard_core::people::{
     PeoplePipeline, RingAngles, SweepContext, Track, TrackStatus, TrackerParameters,
 };
-use floorguard_core::sensing::Sweep;
+use floorguard_core::sensing::{Scan, Sweep};
 use floorguard_core::time::Stamp;
+use floorguard_drivers::s300::{Configuration, Event, Receiver};
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
 use floorguard_hosted::metrics::{MotAccumulator, MotSummary};
 use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;
@@ -46,26 +48,38 @@ pub struct Following {
 
 struct Follower {
     pipeline: Box<PeoplePipeline>,
+    uses_legs: bool,
     mot: MotAccumulator,
     first_seen_us: BTreeMap<u64, Option<u64>>,
     result: Following,
 }
 
-/// Plays `seconds` of a crowd; one result a tracker.
+/// Plays `seconds` of a crowd; one result a tracker, of which each sees the legs of the scanner, too, or does not.
 ///
 /// # Errors
 /// None in practice: the scenes are built in.
 pub fn follow(
     scene: &CrowdScene,
     (seed, seconds): (u64, u64),
-    trackers: &[TrackerParameters],
+    trackers: &[(TrackerParameters, bool)],
 ) -> anyhow::Result<Vec<Following>> {
     let mut simulation = Simulation::new(&scene.scenario(seed)?, seed)?;
     if scene.drives {
         simulation.tow(TOWED.0, TOWED.1);
     }
     let mut followers: Vec<Follower> = trackers.iter().map(Follower::new).collect();
-    play(&mut simulation, seconds, &mut |sweep, context, truth| {
+    let mut legs = Box::new(PeopleByLegs::new());
+    play_all(&mut simulation, seconds, &mut |seen, truth| {
+        let (sweep, context) = match seen {
+            Seen::Sweep(sweep, context) => (sweep, context),
+            Seen::Scan(scan, scanner_in_odom) => {
+                let view = legs.process(scan, scanner_in_odom, None::<fn(Point2) -> bool>);
+                for follower in followers.iter_mut().filter(|follower| follower.uses_legs) {
+                    follower.pipeline.add_view(view);
+                }
+                return;
+            }
+        };
         let mount = context.sensor_in_base.translation;
         let eye = truth.robot.transform(Point2::new(mount.x_m, mount.y_m));
         let shares = shares_in_sight(truth, eye);
@@ -79,8 +93,27 @@ pub fn follow(
 /// What becomes of a sweep, where it was taken, and the truth at its end.
 pub type Sink<'a> = &'a mut dyn FnMut(&Sweep, &SweepContext, &Truth);
 
+/// What a robot looks at.
+pub enum Seen<'a> {
+    /// A whole sweep, and where it was taken.
+    Sweep(&'a Sweep, &'a SweepContext),
+    /// A scan, and where the scanner was in the fixed frame.
+    Scan(&'a Scan, Pose2),
+}
+
 /// Plays a world; every whole sweep goes to `sink`.
 pub fn play(simulation: &mut Simulation, seconds: u64, sink: Sink<'_>) {
+    play_all(simulation, seconds, &mut |seen, truth| {
+        if let Seen::Sweep(sweep, context) = seen {
+            sink(sweep, context, truth);
+        }
+    });
+}
+
+/// Plays a world; every scan and every whole sweep goes to `sink`, in the order in which a robot gets them.
+pub fn play_all(simulation: &mut Simulation, seconds: u64, sink: &mut dyn FnMut(Seen<'_>, &Truth)) {
+    let mut receiver = Receiver::new(Configuration::default());
+    let mut scans: Vec<Scan> = Vec::new();
     let mut decoder = Decoder::new(ModelChoice::Fixed(Model::Vlp16));
     let mut builder = SweepBuilder::new(18_000);
     let (mut building, mut complete) = (Box::new(Sweep::EMPTY), Box::new(Sweep::EMPTY));
@@ -90,8 +123,19 @@ pub fn play(simulation: &mut Simulation, seconds: u64, sink: Sink<'_>) {
         let now_us = step * STEP_US;
         let mut fresh = false;
         simulation.advance_to(now_us, &mut |event| {
-            let (Stream::LidarData, Payload::Bytes(bytes)) = (event.stream, &event.payload) else { return };
-            if let Ok((packet, lost)) = decoder.decode(bytes, Stamp::from_micros(event.at_us)) {
+            let Payload::Bytes(bytes) = &event.payload else { return };
+            let arrival = Stamp::from_micros(event.at_us);
+            if event.stream == Stream::ScannerSerial {
+                receiver.push(bytes, arrival, |event| {
+                    if let Event::Scan(scan) = event {
+                        scans.push(scan.clone());
+                    }
+                });
+            }
+            if event.stream != Stream::LidarData {
+                return;
+            }
+            if let Ok((packet, lost)) = decoder.decode(bytes, arrival) {
                 builder.add(&packet, lost, &mut building, |sweep| {
                     (*complete).clone_from(sweep);
                     fresh = true;
@@ -103,6 +147,12 @@ pub fn play(simulation: &mut Simulation, seconds: u64, sink: Sink<'_>) {
         if poses.len() > POSES {
             poses.pop_front();
         }
+        for scan in scans.drain(..) {
+            let (_, pose, _) = at(&poses, scan.stamp.as_micros());
+            let mount = simulation.parameters().scanner;
+            let scanner_in_odom = pose.compose(Pose2::new(mount.x_m, mount.y_m, 0.0));
+            sink(Seen::Scan(&scan, scanner_in_odom), &simulation.truth());
+        }
         sweeps += u32::from(fresh);
         // The first sweep began in the middle of a revolution.
         if fresh && sweeps > 1 {
@@ -111,7 +161,7 @@ pub fn play(simulation: &mut Simulation, seconds: u64, sink: Sink<'_>) {
             let translation = Point3::new(mount.x_m, mount.y_m, mount.z_m);
             let sensor_in_base = Transform3 { translation, ..Transform3::IDENTITY };
             let context = SweepContext { sensor_in_base, twist, base_in_odom: pose };
-            sink(&complete, &context, &simulation.truth());
+            sink(Seen::Sweep(&complete, &context), &simulation.truth());
         }
     }
 }
@@ -123,8 +173,9 @@ fn at(poses: &VecDeque<(u64, Pose2, Twist2)>, at_us: u64) -> (u64, Pose2, Twist2
 }
 
 impl Follower {
-    fn new(parameters: &TrackerParameters) -> Self {
+    fn new((parameters, uses_legs): &(TrackerParameters, bool)) -> Self {
         Self {
+            uses_legs: *uses_legs,
             pipeline: Box::new(PeoplePipeline::with_tracker(RingAngles::vlp16(), *parameters)),
             mot: MotAccumulator::new(),
             first_seen_us: BTreeMap::new(),
