@@ -19,13 +19,16 @@ pub struct LegLimits {
     pub points_min: usize,
     /// Segments farther than this have too few returns, metres.
     pub range_max_m: f32,
+    /// Wider segments are walls, whatever else they look like, metres: nobody needs to look closer at them.
+    pub width_max_m: f32,
     /// Score from which a segment is a leg.
     pub score_min: f32,
 }
 
 impl LegLimits {
     /// The values of the parameters' own documentation.
-    pub const DEFAULT: Self = Self { gap_m: 0.13, points_min: 3, range_max_m: 10.0, score_min: 0.0 };
+    pub const DEFAULT: Self =
+        Self { gap_m: 0.13, points_min: 3, range_max_m: 10.0, width_max_m: 0.8, score_min: 0.0 };
 }
 
 impl Default for LegLimits {
@@ -88,11 +91,13 @@ impl LegDetector {
         self.legs.clear();
         let (mut looked_at, mut dropped) = (0_u32, 0_u32);
         for segment in self.segments.iter().filter(|segment| segment.points.len() >= self.limits.points_min) {
-            let Some(features) = leg_features(&segment) else { continue };
             let position = centre(segment.points);
-            if position.norm() > self.limits.range_max_m {
+            let width_m =
+                segment.points.first().zip(segment.points.last()).map_or(0.0, |(a, b)| a.distance(*b));
+            if position.norm() > self.limits.range_max_m || width_m > self.limits.width_max_m {
                 continue;
             }
+            let Some(features) = leg_features(&segment) else { continue };
             looked_at = looked_at.saturating_add(1);
             let score = leg_score(&features, map.is_some());
             if score < self.limits.score_min || map.as_ref().is_some_and(|knows| knows(position)) {

@@ -16,6 +16,9 @@ pub enum TrackStatus {
     Tentative,
     /// Seen often enough.
     Confirmed,
+    /// Once confirmed, and out of sight for so long that nobody knows where exactly: kept, so that whoever comes out
+    /// there again is the same person, but no longer told.
+    Hidden,
 }
 
 /// One person, or something that looks like one.
@@ -45,6 +48,10 @@ pub struct Track {
     pub(super) belief: f32,
     /// How far from the sensor it was when last seen, metres.
     pub(super) distance_m: f32,
+    /// Where it was last seen.
+    pub(super) seen_position: Point2,
+    /// The velocity then: what is left of it later says less.
+    pub(super) seen_velocity: Point2,
     /// The sighting that confirmed it.
     pub(super) confirmed: Option<Stamp>,
     /// What its sightings weigh, see [`PeopleSensor::weight`].
@@ -101,6 +108,8 @@ impl Track {
             seen_by: [None; PEOPLE_SENSORS],
             belief: look(detection),
             distance_m: detection.distance_m,
+            seen_position: detection.position,
+            seen_velocity: Point2::default(),
             confirmed: None,
             weight: sensor.weight(),
             origin: sensor,
@@ -148,11 +157,11 @@ impl Track {
         self.distance_m = detection.distance_m;
         self.last_seen = self.last_seen.max(stamp);
         self.note_seen_by(sensor, stamp);
+        (self.seen_position, self.seen_velocity) = (self.state.position, self.state.velocity);
         (self.misses, self.missing_since, self.is_lost) = (0, [None; PEOPLE_SENSORS], false);
-        if self.weight >= sightings_min.saturating_mul(PeopleSensor::Lidar.weight())
-            && self.confirmed.is_none()
-        {
-            (self.status, self.confirmed) = (TrackStatus::Confirmed, Some(stamp));
+        if self.weight >= sightings_min.saturating_mul(PeopleSensor::Lidar.weight()) {
+            self.status = TrackStatus::Confirmed;
+            self.confirmed.get_or_insert(stamp);
         }
         let walked_m = self.state.position.distance(self.first_position);
         let walking = walked_m > WALKED_M && self.state.speed_mps() > 0.25;
@@ -177,7 +186,7 @@ impl Track {
     /// A confirmed person, older than `fresh`, whom nobody saw for a while.
     pub(super) fn may_be_astray(&self, now: Stamp, astray_us: u64, fresh: &Self) -> bool {
         let unseen = is_older(self.last_seen, now, astray_us);
-        unseen && self.status == TrackStatus::Confirmed && self.belief > 0.0 && self.created < fresh.created
+        unseen && self.status != TrackStatus::Tentative && self.belief > 0.0 && self.created < fresh.created
     }
 
     /// It is the same person.
@@ -217,14 +226,23 @@ impl Track {
         self.is_lost |= is_older(first, stamp, limit_us);
     }
 
-    pub(super) fn lives(&self, now: Stamp, parameters: &TrackerParameters) -> bool {
-        let lost = match self.status {
-            TrackStatus::Tentative => self.misses > parameters.tentative_misses_max,
-            TrackStatus::Confirmed => self.is_lost,
-        };
+    /// Where it may be seen again at once; who was missed in plain sight is somewhere else.
+    pub(super) fn is_expected(&self) -> bool {
+        !self.is_lost
+    }
+
+    /// Judges what became of it; false if it is given up. People are remembered for a while.
+    pub(super) fn grow_old(&mut self, now: Stamp, parameters: &TrackerParameters) -> bool {
+        if self.status == TrackStatus::Tentative {
+            let doubtful = 2.0 * self.state.position_variance > parameters.variance_max_m2;
+            return self.misses <= parameters.tentative_misses_max && !doubtful && self.state.is_finite();
+        }
         let doubtful = 2.0 * self.state.position_variance > parameters.variance_max_m2;
-        !(lost || doubtful || is_older(self.last_seen, now, parameters.coast_max_us))
-            && self.state.is_finite()
+        if self.is_lost || doubtful || is_older(self.last_seen, now, parameters.coast_max_us) {
+            self.status = TrackStatus::Hidden;
+        }
+        let forgotten = self.belief <= 0.0 || is_older(self.last_seen, now, parameters.remembered_us);
+        !(self.status == TrackStatus::Hidden && forgotten) && self.state.is_finite()
     }
 
     /// The same person, seen by another sensor only: both fresh, at one place, with about one speed.

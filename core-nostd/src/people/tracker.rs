@@ -5,7 +5,7 @@ use heapless::Vec;
 use super::association::{Association, Associator, DETECTIONS_MAX};
 use super::candidates::Detection;
 use super::filter::ConstantVelocity;
-use super::memory::{Memory, best_of};
+use super::memory::best_of;
 use super::sensors::PeopleSensor;
 use super::track::{Track, TrackStatus};
 use crate::capacities::TRACKS_MAX;
@@ -27,22 +27,27 @@ pub struct TrackerParameters {
     pub sightings_min: u16,
     /// Misses in a row, where the sensor that found it could see it, that end a tentative track.
     pub tentative_misses_max: u16,
-    /// A confirmed track that nobody saw, or could see, for this long is given up, µs (D.6).
+    /// A confirmed track that nobody saw, or could see, for this long is told no longer, µs (D.6).
     pub coast_max_us: u64,
     /// A confirmed track that a sensor should have seen and did not, for this long after the first miss, µs.
     pub missed_max_us: u64,
-    /// Sum of the position variances above which a track is given up, m² (D.6).
+    /// Sum of the position variances above which a track is told no longer, m² (D.6).
     pub variance_max_m2: f32,
     /// A new track nearer to an old one than this is a duplicate, metres (D.5).
     pub duplicate_m: f32,
     /// A person out of sight keeps to the last speed for about this long, seconds.
     pub coast_s: f32,
-    /// Whoever is lost for a moment may be this far from where the track says, metres, and so much farther per second.
+    /// Whoever is lost for a moment may be this far from where the way led, metres, and so much farther per second.
     pub reach_m: f32,
     /// See `reach_m`, m/s.
     pub reach_mps: f32,
     /// A track that nobody saw for this long may have gone astray, µs.
     pub astray_us: u64,
+    /// How long somebody out of sight is remembered, µs.
+    pub remembered_us: u64,
+    /// Nobody who was out of sight for a moment is looked for farther from where the track says than this, metres: its
+    /// doubt grows faster than people walk, and a wide gate takes in strangers.
+    pub hidden_gate_m: f32,
 }
 
 impl TrackerParameters {
@@ -61,6 +66,8 @@ impl TrackerParameters {
         reach_m: 0.5,
         reach_mps: 1.6,
         astray_us: 250_000,
+        remembered_us: 8_000_000,
+        hidden_gate_m: 1.5,
     };
 }
 
@@ -93,7 +100,6 @@ pub struct Tracker {
     /// Sweeps refused because they were older than the newest one.
     pub late: u32,
     associator: Associator,
-    memory: Memory,
 }
 
 /// Somebody seen within this time is expected to be seen again, µs.
@@ -117,7 +123,6 @@ impl Tracker {
             dropped: 0,
             late: 0,
             associator: Associator::new(),
-            memory: Memory::new(),
         }
     }
 
@@ -192,7 +197,7 @@ impl Tracker {
         };
         self.now = Some(stamp);
         if elapsed_us > PAUSE_US {
-            self.tracks.retain(|track| track.status == TrackStatus::Confirmed);
+            self.tracks.retain(|track| track.status != TrackStatus::Tentative);
         }
         let seconds = stamp.seconds_since(now);
         for track in &mut self.tracks {
@@ -209,21 +214,15 @@ impl Tracker {
     // Not inlined, here and below: each frame is gone before the next one comes.
     #[inline(never)]
     fn recall(&mut self, stamp: Stamp) {
-        self.memory.forget(stamp);
         for row in 0..self.tracks.len().min(TRACKS_MAX) {
             let fresh = self.tracks.get(row).copied();
             let confirmed = |track: &Track| track.confirmed == Some(stamp);
             let Some(fresh) = fresh.filter(|track| confirmed(track) && track.belief > 0.0) else { continue };
-            let place = fresh.state.position;
             let (astray_us, reach) =
                 (self.parameters.astray_us, [self.parameters.reach_m, self.parameters.reach_mps]);
             let astray = self.tracks.iter().filter(|track| track.may_be_astray(stamp, astray_us, &fresh));
-            let (astray, lost) =
-                (best_of(astray, (place, stamp), reach), self.memory.best((place, stamp), reach));
-            let best = astray.into_iter().chain(lost).min_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((_, id)) = best else { continue };
-            let old = self.tracks.iter().find(|track| track.id == id).copied();
-            let Some(old) = self.memory.take(id).or(old) else { continue };
+            let Some(id) = best_of(astray, (fresh.state.position, stamp), reach) else { continue };
+            let Some(old) = self.tracks.iter().find(|track| track.id == id).copied() else { continue };
             if let Some(track) = self.tracks.get_mut(row) {
                 track.continue_from(&old);
             }
@@ -268,19 +267,16 @@ impl Tracker {
     fn cost(&self, track: &Track, detection: &Detection) -> Option<f32> {
         let gate = self.parameters.gate;
         let distance2 = track.state.distance2(detection.position, detection.sigma_m);
-        let inside = distance2 <= gate * gate;
+        let unseen = self.now.is_some_and(|now| track.last_seen.past_us(now) > self.parameters.astray_us);
+        let distance_m = track.state.position.distance(detection.position);
+        let near = !unseen || distance_m <= self.parameters.hidden_gate_m;
+        let inside = distance2 <= gate * gate && near && track.is_expected();
         inside.then(|| distance2 + 2.0 * libm::logf(track.state.innovation_variance(detection.sigma_m)))
     }
 
     fn delete(&mut self, stamp: Stamp) {
-        let (parameters, memory) = (self.parameters, &mut self.memory);
-        self.tracks.retain(|track| {
-            let lives = track.lives(stamp, &parameters);
-            if !lives && track.status == TrackStatus::Confirmed && track.belief > 0.0 {
-                memory.keep(track);
-            }
-            lives
-        });
+        let parameters = self.parameters;
+        self.tracks.retain_mut(|track| track.grow_old(stamp, &parameters));
     }
 
     /// Out of room: the farthest track goes first, because near ones matter (algorithms 0.3). False if everybody is
@@ -291,8 +287,11 @@ impl Tracker {
         }
         self.dropped = self.dropped.saturating_add(1);
         let tracks = self.tracks.iter().enumerate();
-        let farthest = tracks.max_by(|(_, a), (_, b)| a.distance_m.total_cmp(&b.distance_m));
-        match farthest.filter(|(_, track)| track.distance_m > distance_m).map(|(row, _)| row) {
+        let hidden = |track: &Track| track.status == TrackStatus::Hidden;
+        let farthest = tracks
+            .max_by(|(_, a), (_, b)| hidden(a).cmp(&hidden(b)).then(a.distance_m.total_cmp(&b.distance_m)));
+        match farthest.filter(|(_, track)| hidden(track) || track.distance_m > distance_m).map(|(row, _)| row)
+        {
             Some(row) => {
                 // Keeps the others in their order, oldest first.
                 let mut index = 0_usize;
@@ -311,6 +310,7 @@ impl Tracker {
         let duplicate = self
             .tracks
             .iter()
+            .filter(|track| track.status != TrackStatus::Hidden)
             .any(|track| track.state.position.distance(detection.position) < self.parameters.duplicate_m);
         if duplicate {
             return;

@@ -8,6 +8,12 @@ fn sighting(x_m: f32, y_m: f32) -> Detection {
     Detection { position, distance_m: position.norm(), sigma_m: 0.1, likeness: 1.0, points: 50, moving: None }
 }
 
+/// Numbers of those who are told, oldest first.
+fn told(tracker: &Tracker) -> std::vec::Vec<u32> {
+    let told = tracker.tracks().iter().filter(|track| track.status != TrackStatus::Hidden);
+    told.map(|track| track.id).collect()
+}
+
 /// Two people meet head on and pass 0.8 m apart.
 #[test]
 fn passing_people_keep_their_identity_with_both_associations() {
@@ -35,7 +41,7 @@ fn hidden_people_are_waited_for_and_absent_ones_are_not() {
         for step in 20..30_u64 {
             tracker.update(Stamp::from_micros(step * 100_000), &[], |_| visible);
         }
-        assert_eq!(tracker.tracks().len(), expected, "visible {visible}");
+        assert_eq!(told(&tracker).len(), expected, "visible {visible}");
     }
 }
 
@@ -109,7 +115,7 @@ fn a_sensor_misses_only_whom_it_knew_and_could_see() {
         for scan in 0..40_u64 {
             take(&mut tracker, PeopleSensor::Scanner, 1_000_000 + scan * 40_000, &[], visible);
         }
-        assert_eq!(tracker.tracks().len(), expected, "legs {legs_before}, visible {visible}");
+        assert_eq!(told(&tracker).len(), expected, "legs {legs_before}, visible {visible}");
     }
 }
 
@@ -166,12 +172,68 @@ fn who_returns_after_a_long_time_out_of_sight_is_known_again() {
         for step in 20..50 {
             tracker.update(stamp(step), &[], |_| false);
         }
-        assert!(tracker.tracks().is_empty());
+        assert!(tracker.tracks().iter().all(|track| track.status == TrackStatus::Hidden));
         for step in 50..54 {
             let along_m = returns_at_m + 0.1 * (step - 50) as f32;
             tracker.update(stamp(step), &[sighting(along_m, 3.0)], |_| true);
         }
-        let ids: std::vec::Vec<_> = tracker.tracks().iter().map(|track| track.id).collect();
-        assert_eq!(ids, [expected], "{returns_at_m}");
+        assert_eq!(told(&tracker), [expected], "{returns_at_m}");
     }
+}
+
+/// One walks, one stands, and both vanish: who appears three seconds later between them, nearer to where the other one
+/// stood, is the one whose way led there.
+#[test]
+fn who_walks_on_out_of_sight_is_expected_farther_along() {
+    let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
+    let stamp = |step: u64| Stamp::from_micros(step * 100_000);
+    for step in 0..30 {
+        let walker = sighting(0.1 * step as f32 - 3.0, 3.0);
+        tracker.update(stamp(step), &[walker, sighting(4.2, 3.0)], |_| true);
+    }
+    for step in 30..60 {
+        tracker.update(stamp(step), &[], |_| false);
+    }
+    assert!(told(&tracker).is_empty());
+    for step in 60..64 {
+        tracker.update(stamp(step), &[sighting(2.4 + 0.1 * (step - 60) as f32, 3.0)], |_| false);
+    }
+    assert_eq!(told(&tracker), [1]);
+}
+
+/// Who has been out of sight for a while is no reason to take somebody 2 m away for that person.
+#[test]
+fn a_doubtful_track_does_not_take_in_strangers() {
+    let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
+    let stamp = |step: u64| Stamp::from_micros(step * 100_000);
+    for step in 0..20 {
+        tracker.update(stamp(step), &[sighting(3.0, 0.0)], |_| true);
+    }
+    for step in 20..32 {
+        tracker.update(stamp(step), &[], |_| false);
+    }
+    tracker.update(stamp(32), &[sighting(3.0, 1.7)], |_| false);
+    assert_eq!(tracker.tracks().len(), 2);
+    assert!(tracker.tracks()[0].state.position.y_m.abs() < 0.2);
+}
+
+#[test]
+fn people_are_forgotten_and_make_room_first() {
+    let mut tracker = std::boxed::Box::new(Tracker::new(TrackerParameters::DEFAULT));
+    let stamp = |step: u64| Stamp::from_micros(step * 100_000);
+    for step in 0..10 {
+        tracker.update(stamp(step), &[sighting(1.0, 0.0)], |_| true);
+    }
+    for step in 10..40 {
+        tracker.update(stamp(step), &[], |_| false);
+    }
+    assert_eq!(tracker.tracks()[0].status, TrackStatus::Hidden);
+    let mut other = tracker.clone();
+    for step in 40..100 {
+        other.update(stamp(step), &[], |_| false);
+    }
+    assert!(other.tracks().is_empty());
+    let crowd: std::vec::Vec<_> = (0..TRACKS_MAX).map(|index| sighting(5.0 + index as f32, 0.0)).collect();
+    tracker.update(stamp(40), &crowd, |_| true);
+    assert_eq!((told(&tracker).len(), tracker.dropped), (TRACKS_MAX, 1));
 }

@@ -49,7 +49,8 @@ pub struct Total {
 }
 
 impl Total {
-    fn add(&mut self, run: &Following) {
+    /// One run more.
+    pub fn add(&mut self, run: &Following) {
         self.summary.objects += run.summary.objects;
         self.summary.matches += run.summary.matches;
         self.summary.misses += run.summary.misses;
@@ -70,6 +71,12 @@ impl Total {
         1.0 - wrong as f64 / self.summary.objects.max(1) as f64
     }
 
+    /// Mean IDF1 of the runs.
+    #[must_use]
+    pub fn idf1(&self) -> f64 {
+        self.idf1.0 / self.idf1.1.max(1) as f64
+    }
+
     /// Changes of identity per minute that a person is in sight.
     #[must_use]
     pub fn switches_per_person_minute(&self) -> f64 {
@@ -87,7 +94,7 @@ impl Total {
         format!(
             "{scene:<18} {tracker:<7} {:>6.3} {:>6.3} {:>7.3} {:>6.2} % {:>6.2} % {:>8} {:>10.3} {:>7.2} {:>7.2} {:>7}\n",
             self.mota(),
-            self.idf1.0 / self.idf1.1.max(1) as f64,
+            self.idf1(),
             self.distance_m / self.summary.matches.max(1) as f64,
             100.0 * self.summary.misses as f64 / self.summary.objects.max(1) as f64,
             100.0 * self.summary.false_positives as f64 / self.summary.objects.max(1) as f64,

@@ -192,6 +192,7 @@ const fn word(status: TrackStatus) -> &'static str {
     match status {
         TrackStatus::Tentative => "tentative",
         TrackStatus::Confirmed => "confirmed",
+        TrackStatus::Hidden => "hidden",
     }
 }
 
