@@ -8,7 +8,7 @@ use floorguard_core::people::{PeopleCounters, PeopleOutput, PeopleSensor, Sensor
 use floorguard_core::sensing::Sweep;
 use floorguard_core::time::Stamp;
 use floorguard_runtime::shared::{PeopleReport, PersonReport};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// A track.
 #[derive(Clone, Debug, Serialize)]
@@ -23,7 +23,8 @@ pub struct PersonRow {
     #[serde(skip_serializing_if = "is_unknown")]
     moving_probability: f32,
     /// Who has seen it within the last half second.
-    sensors: Vec<&'static str>,
+    #[serde(serialize_with = "words")]
+    sensors: SensorSet,
 }
 
 /// Place and velocity, metres and m/s: by the short names of tracking formats, and by names with units.
@@ -127,16 +128,18 @@ impl PersonRow {
 
     /// As the robot tells it.
     pub fn report(&self) -> PersonReport {
-        let confirmed = self.status == word(TrackStatus::Confirmed);
+        let all = [TrackStatus::Confirmed, TrackStatus::Hidden];
+        let status = all.into_iter().find(|status| word(*status) == self.status);
         PersonReport {
             id: self.id,
-            status: if confirmed { TrackStatus::Confirmed } else { TrackStatus::Tentative },
+            status: status.unwrap_or(TrackStatus::Tentative),
             position: Point2::new(self.motion.x_m, self.motion.y_m),
             velocity_mps: Point2::new(self.motion.vx_mps, self.motion.vy_mps),
             position_sigma_m: self.sigma_position_m,
             velocity_sigma_mps: self.sigma_velocity_mps,
             person_probability: self.person_probability,
             moving_probability: self.moving_probability,
+            sensors: self.sensors,
         }
     }
 
@@ -157,7 +160,7 @@ impl PersonRow {
             sigma_velocity_mps: libm::sqrtf(one.state.velocity_variance.max(other.state.velocity_variance)),
             person_probability: person.reliability,
             moving_probability: f32::NAN,
-            sensors: words(SensorSet::NONE.with(PeopleSensor::Scanner)),
+            sensors: SensorSet::NONE.with(PeopleSensor::Scanner),
         }
     }
 
@@ -170,7 +173,7 @@ impl PersonRow {
             sigma_velocity_mps: libm::sqrtf(track.state.velocity_variance),
             person_probability: track.person_probability,
             moving_probability: track.moving_probability,
-            sensors: words(track.sensors(now)),
+            sensors: track.sensors(now),
         }
     }
 
@@ -183,7 +186,7 @@ impl PersonRow {
             sigma_velocity_mps: track.velocity_sigma_mps,
             person_probability: track.person_probability,
             moving_probability: track.moving_probability,
-            sensors: words(track.sensors),
+            sensors: track.sensors,
         }
     }
 }
@@ -196,13 +199,15 @@ const fn word(status: TrackStatus) -> &'static str {
     }
 }
 
-fn words(sensors: SensorSet) -> Vec<&'static str> {
+/// The names of some sensors. The signature is that of the serialiser.
+#[allow(clippy::trivially_copy_pass_by_ref)]
+fn words<S: Serializer>(sensors: &SensorSet, out: S) -> Result<S::Ok, S::Error> {
     let word = |sensor: PeopleSensor| match sensor {
         PeopleSensor::Lidar => "lidar",
         PeopleSensor::Scanner => "scanner",
         PeopleSensor::DepthCamera => "depth-camera",
     };
-    PeopleSensor::ALL.into_iter().filter(|sensor| sensors.contains(*sensor)).map(word).collect()
+    out.collect_seq(PeopleSensor::ALL.into_iter().filter(|sensor| sensors.contains(*sensor)).map(word))
 }
 
 /// Legs tell nothing about it.
