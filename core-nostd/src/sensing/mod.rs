@@ -2,6 +2,7 @@
 
 mod color_image;
 mod depth_image;
+mod dirt;
 mod discrete;
 mod lidar_packet;
 mod motion_samples;
@@ -11,6 +12,7 @@ mod sweep;
 
 pub use color_image::ColorImage;
 pub use depth_image::{DepthImage, WrongImageSize};
+pub use dirt::DirtReading;
 pub use discrete::{DiscreteInputs, SafetyInput};
 pub use lidar_packet::{LidarColumn, LidarPacket, Reflectivity, silent_cdeg};
 pub use motion_samples::{DriveFeedback, DriveState, ImuSample, WheelSample};

@@ -3,7 +3,7 @@
 //! Sans-I/O: frames in with [`ThreeWheelBase::on_frame`], frames out from [`ThreeWheelBase::poll`] every 10 ms and, for
 //! a stop, from [`ThreeWheelBase::send_command`] at once.
 
-use floorguard_core::sensing::{DiscreteInputs, DriveFeedback, WheelSample};
+use floorguard_core::sensing::{DirtReading, DiscreteInputs, DriveFeedback, WheelSample};
 use floorguard_core::time::{Age, Stamp};
 
 use super::configuration::BaseConfiguration;
@@ -31,6 +31,8 @@ pub enum BaseEvent {
     Drive(DriveFeedback),
     /// Emergency stop, bumpers, cliff sensors.
     Inputs(DiscreteInputs),
+    /// The dirt sensor.
+    Dirt(DirtReading),
     /// A device complained; its number.
     Emergency(u8, Emergency),
     /// A device fell silent; its number.
@@ -273,7 +275,19 @@ impl ThreeWheelBase {
             self.on_encoder(Side::Left, payload, now, event);
         } else if node == bus.right_encoder_node {
             self.on_encoder(Side::Right, payload, now, event);
+        } else if Some(node) == bus.dirt_sensor_node {
+            self.on_dirt(payload, now, event);
         }
+    }
+
+    /// Count so far, flags, number of the message; longer messages may say more than is known here.
+    fn on_dirt(&mut self, payload: &[u8], now: Stamp, event: &mut impl FnMut(BaseEvent)) {
+        let Some(&[low, high, flags, sequence]) = payload.first_chunk::<4>() else {
+            self.counters.refused = self.counters.refused.saturating_add(1);
+            return;
+        };
+        let count = u16::from_le_bytes([low, high]);
+        event(BaseEvent::Dirt(DirtReading { stamp: now, count, brush_turns: flags & 1 != 0, sequence }));
     }
 
     fn on_image(

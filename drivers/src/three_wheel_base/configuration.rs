@@ -30,6 +30,8 @@ pub struct BaseConfiguration {
     pub right_encoder_node: u8,
     /// Gateway of the safety controller.
     pub inputs_node: u8,
+    /// The dirt sensor, where there is one. It speaks without being asked and needs no configuration.
+    pub dirt_sensor_node: Option<u8>,
     /// What its image means.
     pub inputs: InputMap,
     /// Ramp up, m/s².
@@ -49,6 +51,7 @@ impl Default for BaseConfiguration {
             left_encoder_node: 3,
             right_encoder_node: 4,
             inputs_node: 5,
+            dirt_sensor_node: None,
             inputs: InputMap::default(),
             acceleration_mps2: 1.0,
             deceleration_mps2: 1.5,

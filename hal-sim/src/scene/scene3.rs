@@ -88,6 +88,21 @@ impl Scene {
         Some((nearest, if projection.is_inside { 0.0 } else { nearest.distance(point) }))
     }
 
+    /// Distance of a place at a height above the floor from the nearest part, metres; 0 inside one. `None` in an empty
+    /// world.
+    #[must_use]
+    pub fn distance_at(&self, place: Point2, height_m: f32) -> Option<f32> {
+        let at = Vector::new(place.x_m, place.y_m, height_m);
+        Some(self.parts.as_ref()?.distance_to_local_point(at, true))
+    }
+
+    /// Lower left and upper right corner of everything that stands in the way, seen from above.
+    #[must_use]
+    pub fn bounds(&self) -> Option<[Point2; 2]> {
+        let around = self.plan.as_ref()?.local_aabb();
+        Some([Point2::new(around.mins.x, around.mins.y), Point2::new(around.maxs.x, around.maxs.y)])
+    }
+
     /// Number of parts.
     #[must_use]
     pub fn parts(&self) -> usize {

@@ -92,13 +92,14 @@ fn can(robot: &RobotConfiguration) -> String {
         |input: Option<InputBits>| input.map_or("None".to_owned(), |input| format!("Some({})", bits(input)));
     format!(
         "CanConfiguration {{ drive_node: {}, steering_node: {}, left_encoder_node: {}, right_encoder_node: {}, \
-         inputs_node: {}, inputs: InputMap {{ emergency_stop: {}, bumper_front: {}, bumper_rear: {}, cliff_front: {}, \
+         inputs_node: {}, dirt_sensor_node: {:?}, inputs: InputMap {{ emergency_stop: {}, bumper_front: {}, bumper_rear: {}, cliff_front: {}, \
          cliff_rear: {}, discrepancy_us: {} }} }}",
         can.drive_node,
         can.steering_node,
         can.left_encoder_node,
         can.right_encoder_node,
         can.inputs_node,
+        can.dirt_sensor_node,
         bits(can.inputs.emergency_stop),
         bits(can.inputs.bumper_front),
         fitted(can.inputs.bumper_rear),

@@ -230,11 +230,18 @@ fn read_can(section: Reader<'_>) -> Option<(CanConfiguration, CanAddress)> {
         left_encoder_node: node("left_encoder_node"),
         right_encoder_node: node("right_encoder_node"),
         inputs_node: node("inputs_node"),
+        dirt_sensor_node: section.integer_or_absent("dirt_sensor_node", 1..=127).map(|node| node as u8),
         inputs: InputMap::default(),
     };
-    let nodes =
-        [can.drive_node, can.steering_node, can.left_encoder_node, can.right_encoder_node, can.inputs_node];
-    let different: std::collections::BTreeSet<u8> = nodes.into_iter().collect();
+    let mut nodes = vec![
+        can.drive_node,
+        can.steering_node,
+        can.left_encoder_node,
+        can.right_encoder_node,
+        can.inputs_node,
+    ];
+    nodes.extend(can.dirt_sensor_node);
+    let different: std::collections::BTreeSet<u8> = nodes.iter().copied().collect();
     if different.len() < nodes.len() {
         section.refuse(
             section.span(),

@@ -172,6 +172,17 @@ impl<'a> Reader<'a> {
     pub fn integer(&self, key: &'static str, range: RangeInclusive<i64>) -> i64 {
         self.note(key, "whole number", (format!("{} to {}", range.start(), range.end()), None));
         let Some(value) = self.require(key, &range.start().to_string()) else { return *range.start() };
+        self.checked_integer(key, value, &range)
+    }
+
+    /// A whole number within a range, if the key is there.
+    pub fn integer_or_absent(&self, key: &'static str, range: RangeInclusive<i64>) -> Option<i64> {
+        let allowed = format!("{} to {}", range.start(), range.end());
+        self.note(key, "whole number", (allowed, Some("not fitted".to_owned())));
+        self.find(key).map(|value| self.checked_integer(key, value, &range))
+    }
+
+    fn checked_integer(&self, key: &str, value: &Spanned<DeValue<'_>>, range: &RangeInclusive<i64>) -> i64 {
         let DeValue::Integer(digits) = value.get_ref() else {
             self.refuse_type(&value.span(), key, "a whole number", value.get_ref());
             return *range.start();

@@ -95,6 +95,7 @@ impl RobotConfiguration {
             left_encoder_node: self.can.left_encoder_node,
             right_encoder_node: self.can.right_encoder_node,
             inputs_node: self.can.inputs_node,
+            dirt_sensor_node: self.can.dirt_sensor_node,
             inputs: self.can.inputs,
             acceleration_mps2: self.limits.acceleration_mps2 * RAMP_RESERVE,
             deceleration_mps2: self.limits.braking_mps2 * RAMP_RESERVE,

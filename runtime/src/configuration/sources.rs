@@ -90,6 +90,8 @@ pub struct CanConfiguration {
     pub right_encoder_node: u8,
     /// The gateway of the safety controller, 1…127.
     pub inputs_node: u8,
+    /// Node of the dirt sensor; a robot can do without.
+    pub dirt_sensor_node: Option<u8>,
     /// What its process image means.
     pub inputs: InputMap,
 }

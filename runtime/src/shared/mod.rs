@@ -21,7 +21,7 @@ use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_sync::signal::Signal;
 use floorguard_core::geometry::Twist2;
 use floorguard_core::guard::{Advice, Decision, GuardConfig, GuardConfigError, Supervisor};
-use floorguard_core::sensing::{LidarPacket, Scan};
+use floorguard_core::sensing::{DirtReading, LidarPacket, Scan};
 use floorguard_core::time::Stamp;
 use heapless::Vec;
 
@@ -76,6 +76,8 @@ pub struct Shared<M: RawMutex> {
     pub scans: Belt<M, Scan, SCANS_QUEUED>,
     /// Guard ring → whoever wants the newest: a scan.
     pub scan: Latest<M, Scan>,
+    /// Guard ring → mission: what the dirt sensor has counted.
+    pub dirt: Latest<M, DirtReading>,
     /// Perception → guard ring: can only tighten.
     pub advice: Latest<M, Advice>,
     /// Mission → guard ring: what it would like.
@@ -121,6 +123,7 @@ impl<M: RawMutex> Shared<M> {
             pose: Latest::new(),
             scans: Belt::new([const { Scan::EMPTY }; SCANS_QUEUED]),
             scan: Latest::new(),
+            dirt: Latest::new(),
             advice: Latest::new(),
             wanted: Latest::new(),
             reset: Signal::new(),

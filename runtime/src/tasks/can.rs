@@ -115,6 +115,7 @@ fn take_in<M: RawMutex>(shared: &Shared<M>, event: &BaseEvent) {
         BaseEvent::Inputs(inputs) => {
             shared.decide(|guard| guard.on_discrete(inputs, now));
         }
+        BaseEvent::Dirt(reading) => shared.dirt.publish(*reading),
         BaseEvent::FoundRunning => {
             shared.decide(|guard| guard.on_found_running(now));
         }

@@ -3,10 +3,11 @@
 //! | ring | tasks |
 //! |---|---|
 //! | guard | [`lidar_input`], [`scanner_input`], [`imu_input`], [`can_bus`], [`supervise`], [`command_input`], [`advice_input`], [`operator_input`] |
-//! | perception | [`perceive`], [`drive_route`] |
+//! | perception | [`perceive`], [`drive_route`] or [`clean`] |
 
 mod advise;
 mod can;
+mod clean;
 mod imu;
 mod inputs;
 mod lidar;
@@ -17,6 +18,7 @@ mod supervise;
 
 pub use advise::PERSON_PROBABILITY_MIN;
 pub use can::can_bus;
+pub use clean::{CleaningMission, MissionMoment, clean};
 pub use imu::imu_input;
 pub use inputs::{advice_input, command_input, operator_input};
 pub use lidar::lidar_input;

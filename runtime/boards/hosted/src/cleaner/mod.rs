@@ -1,5 +1,22 @@
-//! The cleaning mission of the robot that drives: the same belief and navigator as in trials, with real bytes around.
+//! The cleaning mission of the robot that drives: the belief and the tours of the trials, with real bytes around, and a way
+//! for a long robot among people.
 
+mod body;
+mod ground;
+mod lattice;
+mod mission;
+mod obstacles;
+mod outcome;
+mod plan;
 mod progress;
+mod setup;
+mod store;
+mod tell;
+mod track;
 
+pub use mission::{Cleaner, SharedWatch};
+pub use outcome::{MissionJudge, MissionOutcome, MissionReport};
+pub use plan::{ExpectedDirt, MissionPlan, MissionStrategy};
 pub use progress::{CellState, Doubt, MissionPhase, MissionProgress, MissionWatch, UncertainCell};
+pub use setup::MissionSetup;
+pub use store::Store;

@@ -8,6 +8,7 @@ use clap::Args;
 
 use super::exit::BadInput;
 use super::simulate::{conclude, open_witnesses, pace, play, play_real};
+use crate::cleaner::MissionStrategy;
 use crate::report::write_report;
 use crate::world::{Plan, Witnesses};
 
@@ -17,6 +18,10 @@ pub struct DemoArguments {
     /// Seed of all randomness.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// Where to clean: what is dirty until that is guaranteed, lanes over the whole floor, or the scenario's route. Without it:
+    /// the guarantee where the scenario has dirt, and the route without a mission elsewhere.
+    #[arg(long, value_enum)]
+    pub strategy: Option<MissionStrategy>,
     /// Simulated seconds.
     #[arg(long, default_value_t = 120.0)]
     pub duration: f64,
@@ -38,6 +43,7 @@ impl Default for DemoArguments {
     fn default() -> Self {
         Self {
             seed: 1,
+            strategy: None,
             duration: 120.0,
             real_io: false,
             report: PathBuf::from("floorguard-report"),
@@ -56,7 +62,8 @@ pub fn run(arguments: &DemoArguments) -> anyhow::Result<()> {
         return Err(BadInput(format!("--duration {}: give 1 to 86400 seconds", arguments.duration)).into());
     }
     let started = Instant::now();
-    let plan = Plan::named("supermarket", arguments.seed, (arguments.duration * 1.0e6) as u64)?;
+    let plan = Plan::named("supermarket", arguments.seed, (arguments.duration * 1.0e6) as u64)?
+        .cleaning(arguments.strategy)?;
     anstream::eprintln!("floorguard demo: {} (seed {})", plan.scenario.title, plan.seed);
     let mut witnesses = Witnesses::default();
     let (record, panel) = (arguments.record.as_deref(), arguments.panel);

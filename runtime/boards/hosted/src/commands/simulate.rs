@@ -12,6 +12,7 @@ use floorguard_sim::scenario::Scenario;
 use super::exit::{BadInput, VerdictFailed};
 use super::live::status_of;
 use super::panel::open_panel;
+use crate::cleaner::MissionStrategy;
 use crate::display::LiveDisplay;
 use crate::report::write_report;
 use crate::world::{
@@ -28,6 +29,10 @@ pub struct SimulateArguments {
     /// Seed of all randomness.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
+    /// Where to clean: what is dirty until that is guaranteed, lanes over the whole floor, or the scenario's route. Without it:
+    /// the guarantee where the scenario has dirt, and the route without a mission elsewhere.
+    #[arg(long, value_enum)]
+    pub strategy: Option<MissionStrategy>,
     /// Simulated seconds.
     #[arg(long, default_value_t = 120.0)]
     pub duration: f64,
@@ -119,6 +124,14 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
         Plan::named(&arguments.scenario, arguments.seed, duration_us)
             .map_err(|error| BadInput(error.to_string()))?
     };
+    if arguments.tape.is_some() && arguments.strategy.is_some() {
+        let what =
+            "--tape: the emulated board drives the route and has no room for a mission; leave --strategy out";
+        return Err(BadInput(what.to_owned()).into());
+    }
+    if arguments.tape.is_none() {
+        plan = plan.cleaning(arguments.strategy)?;
+    }
     for text in &arguments.fault {
         plan.faults.push(FaultSpec::parse(text).map_err(|error| BadInput(format!("--fault {error}")))?);
     }

@@ -17,6 +17,7 @@ mod tracks;
 mod zones;
 
 pub use answer::{Answer, answer};
+pub(crate) use bytes::{Reader, Writer};
 pub use calendar::Calendar;
 pub use codec::{FORMAT_VERSION, decode, encode};
 pub use dirt::{CleaningLesson, expected_units, teach_cleaning};
@@ -24,6 +25,7 @@ pub use live::LiveLearner;
 pub use model::{CoreModel, HOURS, Model, PERIODS};
 pub use question::{Question, WeekHours};
 pub use store::{Loaded, load, save};
+pub(crate) use store::{read_newest, replace_file};
 pub use teach::{Lesson, teach_recording, teach_run};
 pub use tracks::{Recording, TrackFormat, TrackPoint, read_tracks};
 pub use zones::{Zone, read_zones};

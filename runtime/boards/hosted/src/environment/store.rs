@@ -33,11 +33,18 @@ fn beside(path: &Path, suffix: &str) -> PathBuf {
 pub fn save(path: &Path, model: &mut Model) -> anyhow::Result<()> {
     let there = load(path).ok().flatten().map_or(0, |loaded| loaded.model.generation);
     model.generation = model.generation.max(there).saturating_add(1);
-    let bytes = encode(model)?;
+    replace_file(path, &encode(model)?)
+}
+
+/// Puts bytes in the place of a file; the one before is kept as `.old`.
+///
+/// # Errors
+/// The disk is full, or the folder cannot be written; what was there stays.
+pub fn replace_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     let (new, old) = (beside(path, ".new"), beside(path, ".old"));
     let fail = |what: &str| format!("{}: cannot be {what}", path.display());
     let mut file = File::create(&new).with_context(|| fail("written"))?;
-    file.write_all(&bytes).and_then(|()| file.sync_all()).with_context(|| fail("written"))?;
+    file.write_all(bytes).and_then(|()| file.sync_all()).with_context(|| fail("written"))?;
     drop(file);
     if path.exists() {
         std::fs::rename(path, &old).with_context(|| fail("put aside"))?;
@@ -47,6 +54,12 @@ pub fn save(path: &Path, model: &mut Model) -> anyhow::Result<()> {
     // The names, too, must reach the disk. Some file systems cannot do that for folders.
     let _ = File::open(folder).and_then(|folder| folder.sync_all());
     Ok(())
+}
+
+/// The newest whole one of a file's versions, as [`replace_file`] left them.
+pub fn read_newest<T>(path: &Path, decode: impl Fn(&[u8]) -> anyhow::Result<T>) -> Option<T> {
+    let versions = [beside(path, ".new"), path.to_owned(), beside(path, ".old")];
+    versions.iter().find_map(|version| decode(&std::fs::read(version).ok()?).ok())
 }
 
 /// Reads the newest whole model. `None` if there has never been one.

@@ -8,6 +8,7 @@ use super::contacts::ContactJudge;
 use super::latency::Quantiles;
 use super::stops::{StopJudge, StopReason};
 use super::truth::Truth;
+use crate::cleaner::MissionReport;
 
 /// The result of `floorguard simulate --json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -51,6 +52,9 @@ pub struct Verdict {
     pub localisation_error_m: Option<f64>,
     /// Sources that the records name as faulty.
     pub faulty_sources: Vec<String>,
+    /// What was cleaned, if that was the mission.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mission: Option<MissionReport>,
     /// Fingerprint of all outputs, 16 hexadecimal digits.
     pub digest: String,
 }

@@ -37,6 +37,8 @@ pub struct Localiser {
     hits_since_update: u32,
     is_silent_since_update: bool,
     is_trusted: bool,
+    /// The brush is down and turns; otherwise nothing counts as cleaned.
+    pub brush_turns: bool,
     /// Updates so far.
     pub updates: u32,
     /// Times that the pose was found wrong.
@@ -60,6 +62,7 @@ impl Localiser {
             hits_since_update: 0,
             is_silent_since_update: false,
             is_trusted: true,
+            brush_turns: true,
             updates: 0,
             distrusts: 0,
             leaps: 0,
@@ -94,7 +97,7 @@ impl Localiser {
             hits_in_base: if is_heard { scan } else { &[] },
             // While nothing is credited the particles remove nothing, and hits would only confuse them.
             dirt_hits: (uses_dirt_sensor && is_heard && self.is_trusted).then_some(self.hits_since_update),
-            brush_is_cleaning: self.is_trusted,
+            brush_is_cleaning: self.is_trusted && self.brush_turns,
         };
         let predicted = self.pose(odometry);
         let begin = std::time::Instant::now();

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
+use crate::cleaner::MissionReport;
 use crate::world::{Observation, Plan};
 
 /// Plain words, ending with the verdict.
@@ -53,6 +54,9 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
             verdict.localisation_error_m.unwrap_or(0.0)
         );
     }
+    if let Some(mission) = &verdict.mission {
+        text.push_str(&mission_lines(mission));
+    }
     if !verdict.faulty_sources.is_empty() {
         let _ = writeln!(text, "  sources that failed: {}", verdict.faulty_sources.join(", "));
     }
@@ -61,6 +65,41 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
     }
     let word = if verdict.passed { "good" } else { "FAILED" };
     let _ = writeln!(text, "  verdict: {word}   (digest {} of {})", verdict.digest, plan.name);
+    text
+}
+
+/// What was cleaned, in plain words.
+fn mission_lines(mission: &MissionReport) -> String {
+    let percent = |share: f32| 100.0 * f64::from(share);
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "  cleaning ({}): dirt {} -> {} units; {} of {} dirty cells claimed clean ({:.1} %), {} of them falsely",
+        mission.strategy,
+        mission.dirt_before_units,
+        mission.dirt_after_units,
+        mission.claimed_cells,
+        mission.dirty_cells,
+        percent(mission.completion),
+        mission.falsely_claimed_cells
+    );
+    let end = match mission.finished_after_s {
+        Some(seconds) => format!("guarantee reached after {seconds:.0} s"),
+        None => "not finished".to_owned(),
+    };
+    let _ = writeln!(
+        text,
+        "    {end}; people and things in the way cost {:.0} s, {} detours; {:.2} m off the true place",
+        mission.people_cost_s,
+        mission.detours,
+        mission.localisation_error_m.unwrap_or_default()
+    );
+    for (reason, count) in &mission.uncertain_cells {
+        let _ = writeln!(text, "    {count:3} cells not claimed: {reason}");
+    }
+    if mission.unreachable_cells > 0 {
+        let _ = writeln!(text, "    {:3} dirty cells cannot be reached", mission.unreachable_cells);
+    }
     text
 }
 

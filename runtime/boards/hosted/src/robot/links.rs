@@ -7,6 +7,7 @@ use floorguard_runtime::tape::TapeLine;
 
 use super::tap::{Tap, Tapped};
 use crate::carriers::{CanLink, ReconnectingLine, UdpReceiver};
+use crate::cleaner::MissionSetup;
 use crate::configuration::{CanAddress, Carriers, SerialAddress};
 use crate::world::GuardCarriers;
 
@@ -23,6 +24,8 @@ pub struct Links {
     pub can: CanAddress,
     /// Who listens to all of them.
     pub tap: Option<Tap>,
+    /// What the robot cleans; without it, it drives its route.
+    pub mission: Option<MissionSetup>,
 }
 
 /// A device that is not there yet.
@@ -50,7 +53,7 @@ impl Links {
             io::Error::new(error.kind(), format!("[lidar] udp:{address}: {error}; {remedy}"))
         })?;
         let (scanner, imu) = (carriers.scanner.clone(), carriers.imu.clone());
-        Ok(Self { lidar, scanner, imu, can: carriers.can.clone(), tap: None })
+        Ok(Self { lidar, scanner, imu, can: carriers.can.clone(), tap: None, mission: None })
     }
 
     /// Opens everything on the calling thread; `missing` hears of what is not there yet.

@@ -9,7 +9,10 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::shared::Shared;
 
+use floorguard_runtime::tasks::{clean, perceive};
+
 use super::links::{Links, Missing};
+use crate::cleaner::Cleaner;
 use crate::executor::{Ring, StopFlag, run_until, take_priority};
 use crate::world::{Stages, new_perception, spawn_guard_ring, spawn_perception_ring};
 
@@ -29,23 +32,31 @@ const STANDING_MPS: f32 = 0.01;
 /// # Errors
 /// A ring could not start, or failed.
 pub fn run_rings<T>(
-    (robot, links): (&RobotConfiguration, Links),
+    (robot, mut links): (&RobotConfiguration, Links),
     shared: &HostedShared,
     flag: &StopFlag,
     beside: impl FnOnce() -> T,
 ) -> anyhow::Result<T> {
     let (guard_flag, perception_flag) = (StopFlag::default(), StopFlag::default());
+    let mission = links.mission.take().map(|setup| setup.begin(robot)).transpose()?;
+    let drives_route = mission.is_none();
     thread::scope(|scope| {
         let guard = start(scope, "guard", flag, || guard_ring((robot, links), shared, &guard_flag))?;
-        let perception =
-            start(scope, "perception", flag, || perception_ring(robot, shared, &perception_flag))?;
+        let perception = start(scope, "perception", flag, || {
+            perception_ring((robot, drives_route), shared, &perception_flag)
+        })?;
+        let mission = mission
+            .map(|mission| start(scope, "mission", flag, || mission_ring(mission, shared, &perception_flag)))
+            .transpose()?;
         let answer = beside();
         perception_flag.stop();
         let seen = perception.join();
+        let cleaned = mission.map_or(Ok(Ok(())), thread::ScopedJoinHandle::join);
         await_stand(shared, &guard);
         guard_flag.stop();
         finished(guard.join(), "guard")?;
         finished(seen, "perception")?;
+        finished(cleaned, "mission")?;
         Ok(answer)
     })
 }
@@ -91,11 +102,27 @@ fn guard_ring(
     })
 }
 
-fn perception_ring(robot: &RobotConfiguration, shared: &HostedShared, flag: &StopFlag) -> io::Result<()> {
+fn perception_ring(
+    (robot, drives_route): (&RobotConfiguration, bool),
+    shared: &HostedShared,
+    flag: &StopFlag,
+) -> io::Result<()> {
     anstream::eprintln!("  {}", take_priority(Ring::Perception));
     let mut state = new_perception(robot, Stages::All);
     run_until(flag, |tasks| {
-        spawn_perception_ring(tasks, shared, robot, &mut state);
+        if drives_route {
+            spawn_perception_ring(tasks, shared, robot, &mut state);
+        } else {
+            tasks.spawn(perceive(shared, &mut state));
+        }
+        Ok(())
+    })
+}
+
+/// A thread of its own: planning a tour takes longer than people may wait to be seen.
+fn mission_ring(mut mission: Cleaner, shared: &HostedShared, flag: &StopFlag) -> io::Result<()> {
+    run_until(flag, |tasks| {
+        tasks.spawn(clean(shared, &mut mission));
         Ok(())
     })
 }

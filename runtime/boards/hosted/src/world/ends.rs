@@ -66,6 +66,7 @@ impl Ends {
             imu: Some(SerialAddress { device: imu.device.clone(), baud: IMU_BAUD }),
             can: address,
             tap: None,
+            mission: None,
         };
         Ok((Self { lidar, scanner, imu, can, refused: 0 }, links))
     }

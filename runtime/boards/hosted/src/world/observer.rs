@@ -1,5 +1,7 @@
 //! Watches a simulated run: feeds the judge, measures tracking, keeps what the report shows.
 
+use std::sync::Arc;
+
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_core::guard::{Cause, CauseRecord, Health};
@@ -14,6 +16,7 @@ use floorguard_sim::simulation::{Simulation, Truth as SimTruth};
 use super::plan::Plan;
 use super::swath::Swath;
 use super::truth::judged;
+use crate::cleaner::{MissionJudge, MissionOutcome, MissionProgress};
 use crate::judge::{Judge, Quantiles, StopOrders, StopReason, Verdict};
 use crate::metrics::MotAccumulator;
 
@@ -79,6 +82,8 @@ pub struct Observation {
     pub under_cause_s: std::collections::BTreeMap<String, f64>,
     /// Speed and limit, one pair per second: time, speed, limit.
     pub speeds: Vec<(f64, f32, f32)>,
+    /// What was cleaned, if that was the mission.
+    pub mission: Option<MissionOutcome>,
 }
 
 /// Called now and then with the state of the robot.
@@ -100,6 +105,7 @@ pub struct Observer<'a> {
     commanded_mps: f32,
     last_sweep: Option<Stamp>,
     swath: Swath,
+    mission: Option<MissionJudge>,
     last_status: Option<Stamp>,
     next_way_us: u64,
     next_speed_us: u64,
@@ -128,6 +134,7 @@ impl<'a> Observer<'a> {
             commanded_mps: 0.0,
             last_sweep: None,
             swath: Swath::default(),
+            mission: None,
             last_status: None,
             next_way_us: 0,
             next_speed_us: 0,
@@ -220,6 +227,29 @@ impl<'a> Observer<'a> {
         if let Some(status) = shared.status.get() {
             self.on_status(now_us, &status);
         }
+    }
+
+    /// The floor before a mission.
+    pub fn begin_mission(&mut self, plan: &Plan, simulation: &Simulation) {
+        self.mission = plan.mission.as_ref().map(|mission| MissionJudge::new(mission, simulation.dirt()));
+    }
+
+    /// The mission has told its progress, while the robot believed in a pose of the odometry frame.
+    pub fn on_mission(
+        &mut self,
+        progress: &Arc<MissionProgress>,
+        (simulation, pose_in_odometry): (&Simulation, Pose2),
+    ) {
+        let truth = simulation.truth();
+        let seconds = truth.stamp.as_micros() as f64 * 1.0e-6;
+        if let Some(mission) = &mut self.mission {
+            mission.observe(progress, (truth.robot, pose_in_odometry, seconds));
+        }
+    }
+
+    /// The floor after a mission.
+    pub fn finish_mission(&mut self, simulation: &Simulation) {
+        self.seen.mission = self.mission.as_ref().and_then(|mission| mission.judge(simulation.dirt()));
     }
 
     fn on_status(&mut self, now_us: u64, status: &RobotStatus) {
@@ -330,6 +360,7 @@ impl<'a> Observer<'a> {
             localisation_error_m: summary.motp,
             stop_latency_ms: Quantiles::of_micros(self.orders.latencies_us().to_vec()),
             ready_s: self.seen.ready_s,
+            mission: self.seen.mission.as_ref().map(|mission| mission.report.clone()),
             digest: format!("{:016x}", self.digest.value()),
             faulty_sources: self.faulty.iter().cloned().collect(),
             ..self.judge.verdict()

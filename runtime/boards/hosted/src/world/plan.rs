@@ -4,9 +4,11 @@ use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::mission::{Route, RouteLimits};
 use floorguard_sim::FaultSpec;
+use floorguard_sim::dirt::DirtFile;
 use floorguard_sim::scenario::{Scenario, ScenarioError};
 
 use super::spawn::Stages;
+use crate::cleaner::{MissionPlan, MissionStrategy};
 use crate::configuration::{EXAMPLE, parse};
 
 /// A run of the simulator.
@@ -16,6 +18,8 @@ pub struct Plan {
     pub name: String,
     /// The scenario.
     pub scenario: Scenario,
+    /// The scenario's dirt, until a mission is planned.
+    dirt: Option<DirtFile>,
     /// Seed of all randomness.
     pub seed: u64,
     /// Simulated time, microseconds.
@@ -26,6 +30,8 @@ pub struct Plan {
     pub robot: RobotConfiguration,
     /// Which stages of the robot run.
     pub stages: Stages,
+    /// What the robot cleans; without a mission it drives the scenario's route, and no dirt lies there.
+    pub mission: Option<MissionPlan>,
     /// When the emergency stop is pressed and released, microseconds.
     pub emergency_stop_us: Vec<(u64, u64)>,
 }
@@ -39,6 +45,9 @@ pub enum PlanError {
     /// The robot.
     #[error(transparent)]
     Robot(#[from] crate::configuration::Refused),
+    /// The mission.
+    #[error("the mission: {0:#}")]
+    Mission(anyhow::Error),
     /// The scenario's route is longer than the robot's memory.
     #[error("the route of the scenario has {0} waypoints, the robot remembers {max}", max = floorguard_runtime::mission::ROUTE_WAYPOINTS_MAX)]
     Route(usize),
@@ -57,7 +66,7 @@ impl Plan {
     ///
     /// # Errors
     /// The route is too long.
-    pub fn of(name: &str, scenario: Scenario, seed: u64, duration_us: u64) -> Result<Self, PlanError> {
+    pub fn of(name: &str, mut scenario: Scenario, seed: u64, duration_us: u64) -> Result<Self, PlanError> {
         let mut robot = parse("robot.toml", EXAMPLE)?.robot;
         let to_odometry = scenario.start_pose().inverse();
         let waypoints = &scenario.route.waypoints_m;
@@ -73,9 +82,12 @@ impl Plan {
             ..defaults
         };
         robot.route = route;
+        let dirt = scenario.dirt.take();
         Ok(Self {
             name: name.to_owned(),
             scenario,
+            dirt,
+            mission: None,
             seed,
             duration_us,
             faults: Vec::new(),
@@ -83,6 +95,22 @@ impl Plan {
             stages: Stages::All,
             emergency_stop_us: Vec::new(),
         })
+    }
+
+    /// With dirt on the floor and a robot that cleans it. Without a wish: the guarantee where the scenario has dirt, otherwise
+    /// the route and no mission.
+    ///
+    /// # Errors
+    /// The scene makes no map.
+    pub fn cleaning(mut self, strategy: Option<MissionStrategy>) -> Result<Self, PlanError> {
+        if strategy.is_none() && self.dirt.is_none() {
+            return Ok(self);
+        }
+        self.scenario.dirt = self.dirt.take();
+        let strategy = strategy.unwrap_or(MissionStrategy::Guarantee);
+        let mission = MissionPlan::of_scenario(&self.scenario, strategy, self.seed);
+        self.mission = Some(mission.map_err(PlanError::Mission)?);
+        Ok(self)
     }
 
     /// Where the odometry frame lies in the world.

@@ -15,6 +15,7 @@ use super::operator::Operator;
 use super::plan::Plan;
 use super::spawn::new_shared;
 use super::witnesses::Witnesses;
+use crate::cleaner::{MissionSetup, Store};
 use crate::executor::{Ring, StopFlag, take_priority};
 use crate::panel::Order;
 use crate::robot::{HostedShared, run_rings};
@@ -63,12 +64,33 @@ pub fn run_real_recorded(
     let shared: Box<HostedShared> = new_shared(&plan.robot, start)
         .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
     let flag = StopFlag::default();
+    let mission = plan.mission.clone().map(|mission| MissionSetup::new(mission, Store::None));
+    observer.begin_mission(plan, &simulation);
     anstream::eprintln!("  {}", take_priority(Ring::World));
     with_onlooker(witnesses, &shared, |tap, notes| {
         links.tap = tap;
-        let mut world = World { plan, start, operated, simulation: &mut simulation, ends: &mut ends };
+        links.mission.clone_from(&mission);
+        let mut world = World {
+            plan,
+            start,
+            operated,
+            simulation: &mut simulation,
+            ends: &mut ends,
+            mission: mission.clone(),
+        };
         run_rings((&plan.robot, links), &shared, &flag, || world.play((&shared, &flag, notes), observer))?
     })
+}
+
+/// The mission has told its progress.
+fn tell(
+    observer: &mut Observer<'_>,
+    (simulation, shared): (&Simulation, &HostedShared),
+    setup: &MissionSetup,
+) {
+    if let (Some(progress), Some(pose)) = (setup.watch.get(), shared.pose.get()) {
+        observer.on_mission(&progress, (simulation, pose.pose_in_odometry));
+    }
 }
 
 /// The simulated surroundings of the robot.
@@ -77,6 +99,8 @@ struct World<'a> {
     start: Stamp,
     /// Somebody at the panel presses reset; the plan's operator does not.
     operated: bool,
+    /// What the robot cleans.
+    mission: Option<MissionSetup>,
     simulation: &'a mut Simulation,
     ends: &'a mut Ends,
 }
@@ -87,7 +111,8 @@ impl World<'_> {
         (shared, flag, notes): (&HostedShared, &StopFlag, &Notes<'_>),
         observer: &mut Observer<'_>,
     ) -> anyhow::Result<CarrierFigures> {
-        let Self { plan, start, operated, simulation, ends } = self;
+        let Self { plan, start, operated, mission, simulation, ends } = self;
+        let mut told = 0;
         let mut faults = FaultLayer::new(&plan.faults, plan.seed);
         let mut operator = Operator::new(plan.emergency_stop_us.clone());
         let mut judge_us = 0;
@@ -124,10 +149,15 @@ impl World<'_> {
                 let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
                 stops.iter().for_each(|stop| notes.stop(stop));
                 observer.observe(simulation, shared, &stops);
+                if let Some(setup) = mission.as_ref().filter(|setup| setup.watch.published() != told) {
+                    told = setup.watch.published();
+                    tell(observer, (simulation, shared), setup);
+                }
             }
             let due_us = simulation.next_event_us().min(faults.next_event_us()).min(judge_us);
             ends.wait(due_us.saturating_sub(clock_us()))?;
         }
+        observer.finish_mission(simulation);
         observer.finish(operator.resets());
         Ok(CarrierFigures { latest_us, refused: ends.refused })
     }

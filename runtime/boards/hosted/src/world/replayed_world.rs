@@ -12,10 +12,12 @@ use floorguard_runtime::shared::{PeopleReport, RobotStatus, Shared, StopRecord};
 use floorguard_runtime::tape::{TapeLine, decode_route};
 
 use super::spawn::{
-    GuardCarriers, Stages, new_perception, new_shared, spawn_guard_ring, spawn_perception_ring,
+    GuardCarriers, Stages, new_perception, new_shared, spawn_cleaning_ring, spawn_guard_ring,
+    spawn_perception_ring,
 };
-use super::witnesses::REPEATABLE;
+use super::witnesses::{MISSION, REPEATABLE};
 use crate::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
+use crate::cleaner::{Cleaner, MissionPlan, MissionSetup, Store};
 use crate::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 use crate::recording::{
     END_METADATA, RUN_METADATA, RawStream, ReadError, Recorded, Recording, octets_of, topics,
@@ -120,7 +122,8 @@ pub fn replay_recording<R: Read>(
         reason.to_owned()
     });
     use_virtual_clock(0);
-    let outcome = play((&robot, stages), baud, (recording, audience));
+    let mission = mission_of(texts, &robot)?;
+    let outcome = play((&robot, stages, mission), baud, (recording, audience));
     use_real_clock();
     let outcome = outcome?;
     if unrepeatable.is_none() {
@@ -129,8 +132,19 @@ pub fn replay_recording<R: Read>(
     Ok(ReplayOutcome { unrepeatable, recorded_digest: None, first_difference: None, compared: 0, ..outcome })
 }
 
+/// The mission of the recording, from its beginning.
+fn mission_of(
+    texts: &std::collections::BTreeMap<String, String>,
+    robot: &RobotConfiguration,
+) -> Result<Option<Cleaner>, ReplayError> {
+    let wrong = |error: anyhow::Error| ReplayError::Robot(format!("its mission: {error:#}"));
+    let Some(text) = texts.get(MISSION) else { return Ok(None) };
+    let plan = MissionPlan::from_text(text).map_err(wrong)?;
+    MissionSetup::new(plan, Store::None).begin(robot).map(Some).map_err(wrong)
+}
+
 fn play<R: Read>(
-    (robot, stages): (&RobotConfiguration, Stages),
+    (robot, stages, mut mission): (&RobotConfiguration, Stages, Option<Cleaner>),
     baud: u32,
     (recording, audience): (&mut Recording<R>, &mut dyn ReplayAudience),
 ) -> Result<ReplayOutcome, ReplayError> {
@@ -150,7 +164,10 @@ fn play<R: Read>(
         can: lines.can.clone(),
     };
     spawn_guard_ring(&mut tasks, &shared, robot, carriers);
-    spawn_perception_ring(&mut tasks, &shared, robot, &mut perception);
+    match &mut mission {
+        Some(mission) => spawn_cleaning_ring(&mut tasks, &shared, (&mut perception, mission)),
+        None => spawn_perception_ring(&mut tasks, &shared, robot, &mut perception),
+    }
     let mut stage =
         Stage { shared: &shared, lines, tasks, digest: OutputDigest::default(), seen: (0, 0), now_us: 0 };
     stage.run(recording, audience)

@@ -18,10 +18,11 @@ use floorguard_runtime::io::{CanBus, DatagramReceiver};
 use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::{Motion, Shared};
 use floorguard_runtime::tasks::{
-    JudgeMotion, NoMotion, PerceptionState, advice_input, can_bus, command_input, drive_route, imu_input,
-    lidar_input, operator_input, perceive, scanner_input, supervise,
+    JudgeMotion, NoMotion, PerceptionState, advice_input, can_bus, clean, command_input, drive_route,
+    imu_input, lidar_input, operator_input, perceive, scanner_input, supervise,
 };
 
+use crate::cleaner::Cleaner;
 use crate::executor::TaskSet;
 
 /// The lines that the guard ring listens to.
@@ -159,4 +160,14 @@ pub fn spawn_perception_ring<'a, M: RawMutex>(
     tasks.spawn(perceive(shared, state));
     let follower = RouteFollower::new(robot.route.clone(), robot.route_limits);
     tasks.spawn(drive_route(shared, follower));
+}
+
+/// The same with a mission instead of the route.
+pub fn spawn_cleaning_ring<'a, M: RawMutex>(
+    tasks: &mut TaskSet<'a>,
+    shared: &'a Shared<M>,
+    (state, mission): (&'a mut HostedPerception, &'a mut Cleaner),
+) {
+    tasks.spawn(perceive(shared, state));
+    tasks.spawn(clean(shared, mission));
 }

@@ -1,5 +1,7 @@
 //! Simulator and robot in one thread on a virtual clock: a day of robot time in minutes, every run repeatable.
 
+use std::sync::Arc;
+
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
@@ -11,9 +13,12 @@ use floorguard_sim::{CanFrame as SimCanFrame, FaultKind, FaultLayer, FaultSpec, 
 use super::observer::Observer;
 use super::operator::Operator;
 use super::plan::Plan;
-use super::spawn::{GuardCarriers, new_perception, new_shared, spawn_guard_ring, spawn_perception_ring};
+use super::spawn::{
+    GuardCarriers, new_perception, new_shared, spawn_cleaning_ring, spawn_guard_ring, spawn_perception_ring,
+};
 use super::witnesses::Witnesses;
 use crate::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
+use crate::cleaner::{MissionSetup, Store};
 use crate::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 use crate::panel::Order;
 
@@ -109,6 +114,8 @@ struct World<'a, 'b> {
     /// On the way from the computer to the bus.
     output_faults: FaultLayer,
     operator: Operator,
+    /// What the robot cleans, with the disk that outlives its computer's lives.
+    mission: Option<MissionSetup>,
     judge_us: u64,
     now_us: u64,
 }
@@ -132,15 +139,21 @@ fn play(
         faults: FaultLayer::new(&plan.faults, plan.seed),
         output_faults: FaultLayer::for_output(&plan.faults, plan.seed),
         operator: Operator::new(plan.emergency_stop_us.clone()),
+        mission: plan
+            .mission
+            .clone()
+            .map(|mission| MissionSetup::new(mission, Store::Memory(Arc::default()))),
         judge_us: 0,
         now_us: 0,
     };
     let dead = |at_us| plan.faults.iter().any(|fault| is_reset(fault) && fault.applies(at_us));
+    world.observer.begin_mission(plan, world.simulation);
     while live(plan, &mut world, dead)? == End::PowerLost {
         let off = plan.faults.iter().filter(|fault| is_reset(fault) && fault.applies(world.now_us));
         let until_us = off.map(|fault| fault.to_us).max().unwrap_or(world.now_us).min(plan.duration_us);
         world.without_computer(until_us);
     }
+    world.observer.finish_mission(world.simulation);
     world.observer.finish(world.operator.resets());
     Ok(world.witnesses.finish((plan.duration_us, world.observer.digest().value()))?)
 }
@@ -154,6 +167,9 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     let shared: Box<Shared<NoopRawMutex>> = new_shared(&plan.robot, Stamp::from_micros(world.now_us))
         .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
     let mut perception = new_perception(&plan.robot, plan.stages);
+    let setup = world.mission.clone();
+    let mut mission = setup.as_ref().map(|setup| setup.begin(&plan.robot)).transpose()?;
+    let mut told = setup.as_ref().map_or(0, |setup| setup.watch.published());
     let (lines, Ends { scanner, imu, from_imu_line }) = Lines::new();
     let mut tasks = TaskSet::new();
     let carriers = GuardCarriers {
@@ -164,7 +180,10 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     };
     spawn_guard_ring(&mut tasks, &shared, &plan.robot, carriers);
     let guard_tasks = tasks.len();
-    spawn_perception_ring(&mut tasks, &shared, &plan.robot, &mut perception);
+    match &mut mission {
+        Some(mission) => spawn_cleaning_ring(&mut tasks, &shared, (&mut perception, mission)),
+        None => spawn_perception_ring(&mut tasks, &shared, &plan.robot, &mut perception),
+    }
     let mut orders = Vec::new();
     loop {
         let now_us = world.next_us().min(next_timer_us().unwrap_or(u64::MAX)).max(world.now_us);
@@ -207,6 +226,10 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
             }
             let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
             stops.iter().for_each(|stop| world.witnesses.stop(stop));
+            if let Some(setup) = setup.as_ref().filter(|setup| setup.watch.published() != told) {
+                told = setup.watch.published();
+                world.tell(&shared, setup);
+            }
             world.observer.observe(world.simulation, &shared, &stops);
         }
     }
@@ -236,6 +259,13 @@ impl World<'_, '_> {
             faults.pass(event, &mut |event| lines.deliver(event, now_us, witnesses))
         });
         faults.release(now_us, &mut |event| lines.deliver(event, now_us, witnesses));
+    }
+
+    /// The mission has told its progress.
+    fn tell(&mut self, shared: &Shared<NoopRawMutex>, setup: &MissionSetup) {
+        let (Some(progress), Some(pose)) = (setup.watch.get(), shared.pose.get()) else { return };
+        self.observer.on_mission(&progress, (self.simulation, pose.pose_in_odometry));
+        self.witnesses.mission(&progress);
     }
 
     /// A frame of the computer on its way to the bus.

@@ -33,6 +33,8 @@ const BUFFER_BYTES: usize = 1 << 20;
 
 /// Name of the text that says whether the raw bytes alone tell the whole run.
 pub(super) const REPEATABLE: &str = "repeatable";
+/// Name of the text that holds the cleaning mission.
+pub(super) const MISSION: &str = "mission";
 /// The threads of a robot in real time are not scheduled the same way twice.
 const IN_REAL_TIME: &str = "no: it ran in real time";
 
@@ -53,6 +55,8 @@ pub struct Witnesses {
     pub recording: Option<FileRecorder>,
     /// A panel: the run then goes in real time, and nobody but its operators resets the robot.
     pub panel: Option<Panel>,
+    /// What the cleaning mission told last.
+    pub newest_mission: Option<Arc<MissionProgress>>,
     next_digest_us: u64,
     started: Option<Instant>,
 }
@@ -82,12 +86,18 @@ impl Witnesses {
             ("stages", plan.stages.name().to_owned()),
             (REPEATABLE, repeatable.to_owned()),
         ];
+        let mission = plan.mission.as_ref().map(|mission| mission.to_text()).transpose()?;
+        let mission = mission.map(|text| (MISSION.to_owned(), text));
         let info = RunInfo {
             robot: &plan.robot,
             robot_toml: crate::configuration::EXAMPLE,
             imu_baud: super::virtual_world::IMU_BAUD,
             clouds_every: CLOUDS_EVERY,
-            texts: texts.into_iter().map(|(name, text)| (name.to_owned(), text)).collect::<BTreeMap<_, _>>(),
+            texts: texts
+                .into_iter()
+                .map(|(name, text)| (name.to_owned(), text))
+                .chain(mission)
+                .collect::<BTreeMap<_, _>>(),
         };
         self.recording = Some(open_recording(path, &info)?);
         Ok(())
@@ -136,12 +146,16 @@ impl Witnesses {
 
     /// The cleaning mission has told its progress, about once a second.
     pub fn mission(&mut self, progress: &Arc<MissionProgress>) {
+<<<<<<< HEAD
         if let Some(recording) = &mut self.recording {
             recording.mission(progress);
         }
         if let Some(panel) = &mut self.panel {
             panel.mission(progress);
         }
+=======
+        self.newest_mission = Some(progress.clone());
+>>>>>>> 19f4ada (wip: clean with the robot that drives)
     }
 
     /// A stop that began.

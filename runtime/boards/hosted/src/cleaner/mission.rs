@@ -1,0 +1,533 @@
+//! The mission itself: where the robot is, what is still dirty, which way leads there, and what to do when somebody stands
+//! in it.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use floorguard_core::cleaning::{CleanRule, PathSearch, Planner, SearchCell};
+use floorguard_core::geometry::{Point2, Pose2, Twist2, wrap_angle};
+use floorguard_core::guard::{Cause, Decision};
+use floorguard_core::maps::Grid;
+use floorguard_core::random::Pcg32;
+use floorguard_core::sensing::{BeamReturn, DirtReading, Scan};
+use floorguard_core::time::{Age, Stamp};
+use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::mission::RouteFollower;
+use floorguard_runtime::shared::StampedPose;
+use floorguard_runtime::tasks::{CleaningMission, MissionMoment};
+
+use super::body::Body;
+use super::ground::Ground;
+use super::lattice::{Gear, Lattice, Pace, STEP_M, Waypoint};
+use super::obstacles::Obstacles;
+use super::plan::{MissionPlan, MissionStrategy};
+use super::progress::{MissionPhase, MissionWatch};
+use super::store::{Saved, Store};
+use super::track::{Track, Tracking};
+use crate::mission::{Lane, Localiser, lanes, scrubber};
+
+/// Nodes of a tour: 1,024 cells, the robot, and the end of the path.
+const NODES: usize = 1_026;
+/// The way is planned again this often, seconds (AMB-12).
+const REPLAN_S: f32 = 5.0;
+/// Held by the guard for this long, the robot looks for a way round, seconds.
+const PATIENCE_S: f32 = 3.0;
+/// A cell that nobody can get to now is tried again after this, seconds.
+const POSTPONED_S: f32 = 12.0;
+/// After so many visits a cell is given up, and reported.
+pub(super) const VISITS_MAX: u8 = 12;
+/// Progress is made known this often, seconds.
+const PROGRESS_S: f32 = 1.0;
+/// What was cleaned is saved this often, seconds: a power cut loses no more.
+const SAVE_S: f32 = 2.0;
+/// Without a word of the dirt sensor for this long nothing counts as cleaned, microseconds.
+const DEAF_US: u64 = 500_000;
+/// One beam in this many is matched with the map, and one in this many looked at for obstacles.
+const BEAMS: (usize, usize) = (9, 3);
+/// Poses of the last second, to find the one of a scan.
+const POSES: usize = 24;
+/// Slower than this is standing, m/s and rad/s.
+const STANDS: (f32, f32) = (0.02, 0.02);
+/// From the last cell the robot drives off by this, so that the brush has left it, metres.
+const LEAVES_M: f32 = 0.9;
+/// Times that it does so at the end.
+const LEAVINGS_MAX: u8 = 6;
+/// Cells of the tour that are tried before the robot waits.
+const TRIES: usize = 4;
+
+/// A progress that anybody may watch.
+pub type SharedWatch = Arc<MissionWatch<CriticalSectionRawMutex>>;
+
+/// Where the scanner sits on the robot.
+#[derive(Clone, Copy, Debug)]
+struct Eye {
+    in_base: Pose2,
+}
+
+/// The mission of a driving robot.
+pub struct Cleaner {
+    pub(super) plan: MissionPlan,
+    pub(super) ground: Ground,
+    pub(super) localiser: Localiser,
+    pub(super) rule: CleanRule,
+    pub(super) planner: Planner<Vec<SearchCell>, Vec<u16>, NODES>,
+    pub(super) visits: Vec<u8>,
+    pub(super) obstructed: Vec<bool>,
+    pub(super) track: Track,
+    pub(super) odometry: StampedPose,
+    pub(super) phase: MissionPhase,
+    pub(super) waited_s: f32,
+    pub(super) detours: u32,
+    pub(super) distance_m: f32,
+    watch: SharedWatch,
+    store: Store,
+    lattice: Lattice,
+    guess: PathSearch<Vec<SearchCell>>,
+    obstacles: Obstacles,
+    pace: Pace,
+    eye: Eye,
+    route: RouteFollower,
+    lanes: VecDeque<Lane>,
+    poses: VecDeque<StampedPose>,
+    dirt: Option<DirtReading>,
+    began: Option<Stamp>,
+    target: Option<usize>,
+    postponed: Vec<(usize, f32)>,
+    leavings: u8,
+    wish: Twist2,
+    held_s: f32,
+    last_s: f32,
+    plan_s: f32,
+    tell_s: f32,
+    save_s: f32,
+}
+
+impl Cleaner {
+    /// Ready to begin, or to go on where `store` says that a mission was broken off.
+    ///
+    /// # Errors
+    /// The plan has no floor for this robot.
+    pub fn new(
+        plan: &MissionPlan,
+        robot: &RobotConfiguration,
+        (watch, store): (SharedWatch, Store),
+    ) -> anyhow::Result<Self> {
+        let pace = Pace {
+            speed_mps: robot.route_limits.speed_mps.min(0.5),
+            turn_radps: robot.route_limits.turn_radps,
+            reverse_mps: robot.limits.reverse_mps.min(0.2),
+            change_s: 1.2,
+        };
+        let brush = scrubber::BRUSH;
+        let mut ground = Ground::new(plan, (Body::of(robot), brush))?;
+        let raster = *ground.raster();
+        let mut lattice = Lattice::new(raster, pace);
+        ground.explore(&mut lattice);
+        let mut cells = plan.prior(&ground.expected);
+        let saved = store.load(plan, cells.len());
+        if let Some(saved) = &saved {
+            saved.restore(&mut cells);
+            ground.floor.start = saved.pose_in_map;
+        }
+        let stream = |number| Pcg32::new(plan.seed, number);
+        let map = Grid::new(raster, cells)?;
+        let config = scrubber::belief(plan.tolerated_units);
+        let mut localiser = Localiser::new(&ground.floor, config, map, stream(71));
+        if saved.is_some() {
+            localiser.restart(Pose2::default());
+        }
+        let search = || PathSearch::new(raster, vec![SearchCell::EMPTY; raster.cell_count()]);
+        let start = Point2::new(ground.floor.start.x_m, ground.floor.start.y_m);
+        let lanes = match plan.strategy {
+            MissionStrategy::Systematic => lanes(&ground.floor, brush.width_m, start).into(),
+            _ => VecDeque::new(),
+        };
+        let mounting = robot.scanner.mounting;
+        Ok(Self {
+            rule: CleanRule::per_cell(plan.tolerated_units, plan.delta),
+            planner: Planner::new(search(), vec![0; NODES * NODES], stream(72)),
+            visits: vec![0; raster.cell_count()],
+            obstructed: vec![false; raster.cell_count()],
+            track: Track::default(),
+            odometry: StampedPose::default(),
+            phase: MissionPhase::Starting,
+            waited_s: 0.0,
+            detours: 0,
+            distance_m: 0.0,
+            watch,
+            store,
+            lattice,
+            guess: search(),
+            obstacles: Obstacles::new(raster),
+            pace,
+            eye: Eye { in_base: Pose2::new(mounting.position.x_m, mounting.position.y_m, mounting.yaw_rad) },
+            route: RouteFollower::new(robot.route.clone(), robot.route_limits),
+            lanes,
+            poses: VecDeque::new(),
+            dirt: None,
+            began: None,
+            target: None,
+            postponed: Vec::new(),
+            leavings: 0,
+            wish: Twist2::ZERO,
+            held_s: 0.0,
+            last_s: 0.0,
+            plan_s: 0.0,
+            tell_s: 0.0,
+            save_s: 0.0,
+            plan: plan.clone(),
+            ground,
+            localiser,
+        })
+    }
+
+    /// Where the robot is believed to be, map frame.
+    pub(super) fn pose(&self) -> Pose2 {
+        self.localiser.pose(self.odometry.pose_in_odometry)
+    }
+
+    fn remember(&mut self, pose: StampedPose) {
+        let before = std::mem::replace(&mut self.odometry, pose);
+        let (from, to) = (before.pose_in_odometry, pose.pose_in_odometry);
+        self.distance_m += (to.x_m - from.x_m).hypot(to.y_m - from.y_m);
+        self.poses.push_back(pose);
+        if self.poses.len() > POSES {
+            self.poses.pop_front();
+        }
+    }
+
+    /// What the dirt sensor has counted since it was asked last; a sensor that is silent leaves everything open.
+    fn hear(&mut self, dirt: Option<DirtReading>, now: Stamp) {
+        let fresh = dirt.filter(|dirt| matches!(dirt.stamp.age(now), Age::Past(us) if us <= DEAF_US));
+        let hits = match (self.dirt, fresh) {
+            (Some(before), Some(dirt)) => dirt.hits_since(&before),
+            (None, Some(_)) => Some(0),
+            (_, None) => None,
+        };
+        self.localiser.collect(hits.map_or(0, u32::from), hits.is_none());
+        self.localiser.brush_turns = fresh.is_some_and(|dirt| dirt.brush_turns);
+        self.dirt = fresh.or(self.dirt);
+    }
+
+    /// A scan, at the pose where it was measured.
+    fn see(&mut self, scan: &Scan, now_s: f32) {
+        let odometry = self.odometry_at(scan.stamp);
+        let ends = |every: usize| -> Vec<Point2> {
+            let beams = scan.beams.iter().enumerate().step_by(every);
+            let hits = beams.filter_map(|(beam, hit)| match hit {
+                BeamReturn::Hit(range_mm) => {
+                    let angle = scan.first_angle_rad + beam as f32 * scan.step_rad;
+                    let range_m = f32::from(*range_mm) * 1.0e-3;
+                    let end = Point2::new(range_m * angle.cos(), range_m * angle.sin());
+                    Some(self.eye.in_base.transform(end))
+                }
+                _ => None,
+            });
+            hits.collect()
+        };
+        let (matched, looked) = (ends(BEAMS.0), ends(BEAMS.1));
+        if self.localiser.is_due(odometry) {
+            self.localiser.update(&self.ground.floor, odometry, &matched, true);
+        }
+        let pose = self.localiser.pose(odometry);
+        self.obstacles.see(&self.ground.floor, pose, (&looked, now_s));
+    }
+
+    /// Between the poses around a moment; the nearest one outside.
+    fn odometry_at(&self, stamp: Stamp) -> Pose2 {
+        let after = self.poses.iter().position(|known| known.stamp >= stamp);
+        let pair =
+            after.and_then(|after| Some((self.poses.get(after.checked_sub(1)?)?, self.poses.get(after)?)));
+        let Some((from, to)) = pair else {
+            let edge = if after.is_some() { self.poses.front() } else { self.poses.back() };
+            return edge.map_or(self.odometry.pose_in_odometry, |known| known.pose_in_odometry);
+        };
+        let micros = |stamp: Stamp| stamp.as_micros().saturating_sub(from.stamp.as_micros()) as f32;
+        let t = micros(stamp) / micros(to.stamp).max(1.0);
+        let (a, b) = (from.pose_in_odometry, to.pose_in_odometry);
+        let turned = wrap_angle(b.heading_rad - a.heading_rad);
+        Pose2::new(
+            a.x_m + t * (b.x_m - a.x_m),
+            a.y_m + t * (b.y_m - a.y_m),
+            wrap_angle(a.heading_rad + t * turned),
+        )
+    }
+
+    /// The guard does not let the robot do what it wishes.
+    fn notice_hold(&mut self, decision: Option<Decision>, lasted_s: f32) {
+        let wishes = self.wish != Twist2::ZERO;
+        let stands = decision.is_none_or(|decision| {
+            decision.permitted.linear_mps.abs() < STANDS.0
+                && decision.permitted.angular_radps.abs() < STANDS.1
+        });
+        if !(wishes && stands) {
+            self.held_s = 0.0;
+            return;
+        }
+        let cause = decision.and_then(|decision| decision.primary_cause).map(|record| record.cause);
+        let in_the_way = [Cause::ScanProtective, Cause::LidarProtective, Cause::CollisionStop];
+        if cause.is_none_or(|cause| in_the_way.contains(&cause)) {
+            self.held_s += lasted_s;
+            self.waited_s += lasted_s;
+        }
+    }
+
+    /// What the robot wishes to do now.
+    fn decide(&mut self, now_s: f32) -> Twist2 {
+        if self.plan.strategy == MissionStrategy::Route {
+            return self.route.wanted(self.odometry.pose_in_odometry);
+        }
+        let pose = self.pose();
+        if self.plan.strategy == MissionStrategy::Guarantee && now_s >= self.plan_s {
+            self.replan(pose, now_s);
+        }
+        if self.held_s > PATIENCE_S {
+            self.held_s = 0.0;
+            self.go_round(pose, now_s);
+        }
+        // A way that ends at once is followed by the next; four are more than ever follow each other.
+        for _ in 0..4 {
+            if self.track.is_over() && !self.choose(pose, now_s) {
+                return Twist2::ZERO;
+            }
+            match self.track.follow(pose, &self.pace) {
+                Tracking::Drive(twist) => return twist,
+                Tracking::Arrived => self.arrive(),
+                Tracking::Lost => self.track = Track::default(),
+            }
+        }
+        Twist2::ZERO
+    }
+
+    fn arrive(&mut self) {
+        self.track = Track::default();
+        if let Some(target) = self.target.take() {
+            self.visits[target] = self.visits[target].saturating_add(1);
+            if self.planner.tour().next() == Some(target) {
+                self.planner.drop_first();
+            }
+        }
+    }
+
+    /// The tour over what is dirty; a cell that became clean on the way is no target any more.
+    fn replan(&mut self, pose: Pose2, now_s: f32) {
+        self.plan_s = now_s + REPLAN_S;
+        let here = Point2::new(pose.x_m, pose.y_m);
+        let Some(cell) = self.ground.floor.nearest_passable(here) else { return };
+        let grazed = self.localiser.grazed(&self.rule);
+        let (map, rule, visits) = (&self.localiser.map, &self.rule, &self.visits);
+        let floor = &self.ground.floor;
+        let wanted = |cell: usize| {
+            let is_dirty = map.get(cell).is_some_and(|dirt| rule.needs_cleaning(dirt));
+            floor.reachable[cell]
+                && visits[cell] < VISITS_MAX
+                && (is_dirty || grazed.binary_search(&cell).is_ok())
+        };
+        let passable = |cell: usize| floor.passable[cell] || floor.reachable[cell];
+        // A tour that does not fit its memory is the one before, without what is clean by now.
+        let _ = self.planner.replan(cell, (wanted, passable), 500);
+        if self.target.is_some_and(|target| {
+            !wanted(target) && map.get(target).is_some_and(|dirt| dirt.slot == floorguard_core::maps::NO_SLOT)
+        }) {
+            self.target = None;
+            self.track = Track::default();
+        }
+    }
+
+    /// Somebody or something stands in the way: another way, or another cell first.
+    fn go_round(&mut self, pose: Pose2, now_s: f32) {
+        self.detours += 1;
+        let target = self.target;
+        self.track = Track::default();
+        if let Some(target) = target
+            && !self.plan_to(target, pose, now_s)
+        {
+            self.postpone(target, now_s);
+        }
+    }
+
+    fn postpone(&mut self, cell: usize, now_s: f32) {
+        self.obstructed[cell] = true;
+        self.target = None;
+        self.postponed.retain(|(other, until_s)| *other != cell && *until_s > now_s);
+        self.postponed.push((cell, now_s + POSTPONED_S));
+    }
+
+    /// Finds something to do; false: wait, or the mission is over.
+    fn choose(&mut self, pose: Pose2, now_s: f32) -> bool {
+        if self.plan.strategy == MissionStrategy::Systematic {
+            return self.next_lane(pose, now_s);
+        }
+        if self.planner.tour().next().is_none() {
+            self.replan(pose, now_s);
+        }
+        self.postponed.retain(|(_, until_s)| *until_s > now_s);
+        let is_postponed = |cell: &usize| self.postponed.iter().any(|(other, _)| other == cell);
+        let next: Vec<usize> = self.planner.tour().filter(|cell| !is_postponed(cell)).take(TRIES).collect();
+        for cell in next {
+            if self.plan_to(cell, pose, now_s) {
+                self.leavings = 0;
+                return true;
+            }
+            self.postpone(cell, now_s);
+        }
+        if self.planner.tour().next().is_some() {
+            return false;
+        }
+        self.end(pose, now_s)
+    }
+
+    /// Nothing is left: the last cells are decided only when the brush has left them.
+    fn end(&mut self, pose: Pose2, now_s: f32) -> bool {
+        if self.localiser.active_cells() == 0 || self.leavings >= LEAVINGS_MAX {
+            self.phase = MissionPhase::Done;
+            return false;
+        }
+        self.leavings += 1;
+        let here = Point2::new(pose.x_m, pose.y_m);
+        let is_far = |pose: Pose2| Point2::new(pose.x_m, pose.y_m).distance(here) > LEAVES_M;
+        self.search(pose, now_s, (|_: Pose2| Some(0.0), is_far)).is_some_and(|way| {
+            self.track = Track::new(way);
+            self.plan_s = now_s;
+            true
+        })
+    }
+
+    /// The way to a cell, and straight on until the brush has passed it.
+    fn plan_to(&mut self, cell: usize, pose: Pose2, now_s: f32) -> bool {
+        let place = self.ground.raster().centre(cell);
+        let floor = &self.ground.floor;
+        self.guess.run(cell, |cell| floor.passable[cell] || floor.reachable[cell]);
+        let speed_mps = self.pace.speed_mps;
+        let guess = std::mem::replace(&mut self.guess, PathSearch::new(*self.ground.raster(), Vec::new()));
+        let raster = *self.ground.raster();
+        let left_s = |pose: Pose2| {
+            let axle = Point2::new(pose.x_m, pose.y_m);
+            let units = raster.cell_at(axle).and_then(|cell| guess.distance(cell));
+            let way_m = units.map_or(1.5 * axle.distance(place), |units| units as f32 / 290.0);
+            Some((way_m - 0.5).max(0.0) / speed_mps)
+        };
+        let barred = self.barred(now_s);
+        let past_m = |pose: Pose2| pose.inverse().transform(place).x_m - self.ground.brush.offset_m + 0.15;
+        let is_enough = |pose: Pose2| {
+            self.ground.is_before_brush(pose, place)
+                && [0.5, 1.0].iter().all(|share| {
+                    let next = pose.compose(Pose2::new(share * past_m(pose), 0.0, 0.0));
+                    self.ground.is_free_of(next, Gear::Ahead, |cell| barred[cell])
+                })
+        };
+        let ground = &self.ground;
+        let is_free = |pose: Pose2, gear: Gear| ground.is_free_of(pose, gear, |cell| barred[cell]);
+        let way = self.lattice.find(pose, (is_free, left_s), is_enough);
+        let end = way.as_ref().and_then(|way| way.last()).map(|last| last.pose);
+        let last = end.map(|pose| Waypoint {
+            pose: pose.compose(Pose2::new(past_m(pose), 0.0, 0.0)),
+            gear: Gear::Ahead,
+        });
+        self.guess = guess;
+        let (Some(mut way), Some(last)) = (way, last) else { return false };
+        way.push(last);
+        self.track = Track::new(way);
+        self.target = Some(cell);
+        true
+    }
+
+    fn search(
+        &mut self,
+        pose: Pose2,
+        now_s: f32,
+        (left_s, is_enough): (impl Fn(Pose2) -> Option<f32>, impl Fn(Pose2) -> bool),
+    ) -> Option<Vec<Waypoint>> {
+        let barred = self.barred(now_s);
+        let ground = &self.ground;
+        let is_free = |pose: Pose2, gear: Gear| ground.is_free_of(pose, gear, |cell| barred[cell]);
+        self.lattice.find(pose, (is_free, left_s), is_enough)
+    }
+
+    /// Cells where no disc of the robot may be, because of what is not on the map.
+    fn barred(&self, now_s: f32) -> Vec<bool> {
+        let raster = self.ground.raster();
+        let mut barred = vec![false; raster.cell_count()];
+        let radius_m = self.ground.body.ahead.radius_m;
+        let reach = (radius_m * raster.cells_per_metre()).ceil() as i32;
+        for place in self.obstacles.places(now_s) {
+            let (column, row) = raster.coordinates_of(place);
+            for (dx, dy) in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy))) {
+                let Some(cell) = raster.index(column + dx, row + dy) else { continue };
+                barred[cell] |= raster.centre(cell).distance(place) < radius_m;
+            }
+        }
+        barred
+    }
+
+    /// The next lane that can be got to; one that nobody can get to is left out.
+    fn next_lane(&mut self, pose: Pose2, now_s: f32) -> bool {
+        for _ in 0..TRIES {
+            let Some((from, to)) = self.lanes.pop_front() else {
+                self.phase = MissionPhase::Done;
+                return false;
+            };
+            let heading_rad = (to.y_m - from.y_m).atan2(to.x_m - from.x_m);
+            let start = |pose: Pose2| {
+                let is_there = Point2::new(pose.x_m, pose.y_m).distance(from) < 0.15;
+                is_there && wrap_angle(pose.heading_rad - heading_rad).abs() < 0.2
+            };
+            let speed_mps = self.pace.speed_mps;
+            let left_s = move |pose: Pose2| Some(Point2::new(pose.x_m, pose.y_m).distance(from) / speed_mps);
+            let Some(mut way) = self.search(pose, now_s, (left_s, start)) else { continue };
+            let steps = (from.distance(to) / STEP_M).floor() as i32;
+            for step in 1..=steps {
+                let share = step as f32 * STEP_M;
+                let next = Pose2::new(from.x_m, from.y_m, heading_rad).compose(Pose2::new(share, 0.0, 0.0));
+                if !self.ground.is_free(next, Gear::Ahead) {
+                    break;
+                }
+                way.push(Waypoint { pose: next, gear: Gear::Ahead });
+            }
+            self.track = Track::new(way);
+            return true;
+        }
+        false
+    }
+
+    /// What a power cut must not take.
+    fn save(&mut self, now_s: f32) {
+        if now_s < self.save_s {
+            return;
+        }
+        self.save_s = now_s + SAVE_S;
+        let prior = self.plan.prior(&self.ground.expected);
+        let saved = Saved::of(self.pose(), self.localiser.map.values(), &prior);
+        self.store.save(&self.plan, &saved);
+    }
+}
+
+impl CleaningMission for Cleaner {
+    fn step(&mut self, moment: &MissionMoment<'_>) -> Twist2 {
+        let began = *self.began.get_or_insert(moment.now);
+        let now_s = moment.now.as_micros().saturating_sub(began.as_micros()) as f32 * 1.0e-6;
+        let lasted_s = now_s - std::mem::replace(&mut self.last_s, now_s);
+        self.remember(moment.pose);
+        self.hear(moment.dirt, moment.now);
+        if let Some(scan) = moment.scan {
+            self.see(scan, now_s);
+        }
+        if self.phase == MissionPhase::Done {
+            self.wish = Twist2::ZERO;
+        } else if moment.is_paused {
+            self.phase = MissionPhase::Paused;
+            self.wish = Twist2::ZERO;
+        } else {
+            self.notice_hold(moment.decision, lasted_s);
+            self.phase = if self.held_s > 0.5 { MissionPhase::Waiting } else { MissionPhase::Cleaning };
+            self.wish = self.decide(now_s);
+        }
+        self.save(now_s);
+        if now_s >= self.tell_s {
+            self.tell_s = now_s + PROGRESS_S;
+            self.watch.publish(Arc::new(self.progress(moment.now)));
+        }
+        self.wish
+    }
+}

@@ -1,0 +1,273 @@
+//! What a mission is told before it begins: the map, the dirt that is expected, and how to decide where to clean.
+
+use floorguard_core::cleaning::poisson_tail;
+use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_core::maps::{DirtCell, Grid, GridGeometry, Occupancy};
+use floorguard_sim::scenario::Scenario;
+use floorguard_sim::scene::Scene;
+use serde::{Deserialize, Serialize};
+
+use crate::mission::ros_map::OccupancyMap;
+
+/// Edge of a pixel of a map that is drawn from a scene, metres.
+const PIXEL_M: f32 = 0.05;
+/// A pixel this near to a thing belongs to it, metres.
+const TOUCHES_M: f32 = 0.03;
+/// Height of the safety scanner's plane, and of what it sees nothing of, metres.
+const HEIGHTS_M: (f32, f32) = (0.15, 0.06);
+/// Floor around the start and the route that belongs to a map of a scene without walls, metres.
+const AROUND_M: f32 = 4.0;
+
+/// How the robot decides where to clean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum MissionStrategy {
+    /// Visits what is dirty and plans again until the belief says that all is clean.
+    Guarantee,
+    /// Lanes over the whole floor.
+    Systematic,
+    /// The scenario's route, whatever lies there.
+    Route,
+}
+
+impl MissionStrategy {
+    /// The name on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Guarantee => "guarantee",
+            Self::Systematic => "systematic",
+            Self::Route => "route",
+        }
+    }
+}
+
+/// A map as runs of equal pixels, along x first.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Runs {
+    size: [u16; 2],
+    resolution_m: f32,
+    origin_m: [f32; 2],
+    /// Kind of pixel (0 unknown, 1 free, 2 occupied) and how many.
+    runs: Vec<(u8, u32)>,
+}
+
+/// Dirt that is expected on a square of the map.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ExpectedDirt {
+    /// Lower left corner, map frame, metres.
+    pub corner_m: [f32; 2],
+    /// Edge, metres.
+    pub edge_m: f32,
+    /// Units.
+    pub units: f32,
+}
+
+/// A mission.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MissionPlan {
+    /// How to decide.
+    pub strategy: MissionStrategy,
+    /// Where the robot begins: x, y in metres and heading in radians, map frame.
+    pub start: [f32; 3],
+    /// Seed of the belief's randomness.
+    pub seed: u64,
+    /// Units that may stay in a clean cell, τ.
+    pub tolerated_units: u8,
+    /// Probability with which a cell called clean may hold more, δ.
+    pub delta: f64,
+    /// What is expected where.
+    pub dirt: Vec<ExpectedDirt>,
+    map: Runs,
+}
+
+impl MissionPlan {
+    /// Of a scenario: the map is drawn from its scene as a survey would, and the expectation is the one that the simulator
+    /// draws the dirt from.
+    ///
+    /// # Errors
+    /// The scene is too large for a map.
+    pub fn of_scenario(scenario: &Scenario, strategy: MissionStrategy, seed: u64) -> anyhow::Result<Self> {
+        let scene = scenario.scene.build();
+        let start = scenario.start_pose();
+        let dirt = scenario.dirt_patches(&scene, seed).into_iter().map(|patch| {
+            let corner = patch.corner();
+            ExpectedDirt {
+                corner_m: [corner.x_m, corner.y_m],
+                edge_m: floorguard_sim::dirt::DirtyPatch::EDGE_M,
+                units: patch.units,
+            }
+        });
+        Ok(Self {
+            strategy,
+            start: [start.x_m, start.y_m, start.heading_rad],
+            seed,
+            tolerated_units: 5,
+            delta: 0.01,
+            dirt: dirt.collect(),
+            map: Runs::of(&survey(scenario, &scene)?),
+        })
+    }
+
+    /// Where the robot begins, map frame.
+    #[must_use]
+    pub fn start_pose(&self) -> Pose2 {
+        let [x_m, y_m, heading_rad] = self.start;
+        Pose2::new(x_m, y_m, heading_rad)
+    }
+
+    /// The map.
+    ///
+    /// # Errors
+    /// The runs do not make one.
+    pub fn occupancy(&self) -> anyhow::Result<OccupancyMap> {
+        self.map.map()
+    }
+
+    /// What is expected in each cell of a raster. Dirt is spread evenly over its square.
+    #[must_use]
+    pub fn expected_on(&self, raster: &GridGeometry) -> Vec<f32> {
+        let mut expected = vec![0.0; raster.cell_count()];
+        for dirt in &self.dirt {
+            let [x_m, y_m] = dirt.corner_m;
+            let (low, high) = (Point2::new(x_m, y_m), Point2::new(x_m + dirt.edge_m, y_m + dirt.edge_m));
+            let (first, last) = (raster.coordinates_of(low), raster.coordinates_of(high));
+            for (column, row) in
+                (first.1..=last.1).flat_map(|row| (first.0..=last.0).map(move |column| (column, row)))
+            {
+                let Some(cell) = raster.index(column, row) else { continue };
+                let (centre, half_m) = (raster.centre(cell), 0.5 * raster.resolution_m());
+                let overlap = |from: f32, to: f32, middle: f32| {
+                    (to.min(middle + half_m) - from.max(middle - half_m)).max(0.0)
+                };
+                let area = overlap(low.x_m, high.x_m, centre.x_m) * overlap(low.y_m, high.y_m, centre.y_m);
+                expected[cell] += dirt.units * area / (dirt.edge_m * dirt.edge_m);
+            }
+        }
+        expected
+    }
+
+    /// The belief about each cell before the mission.
+    #[must_use]
+    pub fn prior(&self, expected: &[f32]) -> Vec<DirtCell> {
+        let tolerated = u32::from(self.tolerated_units);
+        let cell = |units: &f32| DirtCell::poisson(*units, poisson_tail(tolerated, f64::from(*units)) as f32);
+        expected.iter().map(cell).collect()
+    }
+
+    /// As one line of text, for recordings.
+    ///
+    /// # Errors
+    /// A number that is none.
+    pub fn to_text(&self) -> anyhow::Result<String> {
+        Ok(serde_json::to_string(self)?)
+    }
+
+    /// From such a line.
+    ///
+    /// # Errors
+    /// It is no plan.
+    pub fn from_text(text: &str) -> anyhow::Result<Self> {
+        Ok(serde_json::from_str(text)?)
+    }
+}
+
+/// Draws the map of a scene: what the scanner's plane meets is a surface, what stands above or below it is no floor.
+fn survey(scenario: &Scenario, scene: &Scene) -> anyhow::Result<OccupancyMap> {
+    let route = scenario.route.waypoints_m.iter().chain([&scenario.start.at_m]);
+    let (mut low, mut high) = ([f32::MAX; 2], [f32::MIN; 2]);
+    let mut cover = |x_m: f32, y_m: f32, around_m: f32| {
+        low = [low[0].min(x_m - around_m), low[1].min(y_m - around_m)];
+        high = [high[0].max(x_m + around_m), high[1].max(y_m + around_m)];
+    };
+    let bounds = scene.bounds();
+    // Walls say where the floor ends; without them it goes on around the route.
+    let around_m = if bounds.is_some() { 1.0 } else { AROUND_M };
+    route.for_each(|[x_m, y_m]| cover(*x_m, *y_m, around_m));
+    bounds.into_iter().flatten().for_each(|corner| cover(corner.x_m, corner.y_m, 0.0));
+    let count = |axis: usize| u16::try_from(((high[axis] - low[axis]) / PIXEL_M).ceil() as u32 + 1);
+    let (width, height) = (count(0)?, count(1)?);
+    let geometry = GridGeometry::new(width, height, PIXEL_M, Point2::new(low[0], low[1]))
+        .ok_or_else(|| anyhow::anyhow!("the scene makes no map"))?;
+    let pixel = |index: usize| {
+        let place = geometry.centre(index);
+        let touches = |height_m| scene.distance_at(place, height_m).is_some_and(|gap_m| gap_m <= TOUCHES_M);
+        if touches(HEIGHTS_M.0) {
+            Occupancy::Occupied
+        } else if touches(HEIGHTS_M.1)
+            || scene.nearest_obstacle(place).is_some_and(|(_, gap_m)| gap_m <= TOUCHES_M)
+        {
+            Occupancy::Unknown
+        } else {
+            Occupancy::Free
+        }
+    };
+    Ok(Grid::new(geometry, (0..geometry.cell_count()).map(pixel).collect())?)
+}
+
+impl Runs {
+    fn of(map: &OccupancyMap) -> Self {
+        let geometry = map.geometry();
+        let mut runs: Vec<(u8, u32)> = Vec::new();
+        for cell in map.values() {
+            let kind = *cell as u8;
+            match runs.last_mut().filter(|(last, _)| *last == kind) {
+                Some((_, count)) => *count += 1,
+                None => runs.push((kind, 1)),
+            }
+        }
+        let origin = geometry.origin_in_map();
+        Self {
+            size: [geometry.width(), geometry.height()],
+            resolution_m: geometry.resolution_m(),
+            origin_m: [origin.x_m, origin.y_m],
+            runs,
+        }
+    }
+
+    fn map(&self) -> anyhow::Result<OccupancyMap> {
+        let corner = Point2::new(self.origin_m[0], self.origin_m[1]);
+        let geometry = GridGeometry::new(self.size[0], self.size[1], self.resolution_m, corner)
+            .ok_or_else(|| anyhow::anyhow!("the map of the mission has no size"))?;
+        let count: u64 = self.runs.iter().map(|(_, count)| u64::from(*count)).sum();
+        anyhow::ensure!(count == geometry.cell_count() as u64, "the map of the mission is incomplete");
+        let kind = |kind: u8| match kind {
+            1 => Occupancy::Free,
+            2 => Occupancy::Occupied,
+            _ => Occupancy::Unknown,
+        };
+        let cells =
+            self.runs.iter().flat_map(|(run, count)| std::iter::repeat_n(kind(*run), *count as usize));
+        Ok(Grid::new(geometry, cells.collect())?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plan_survives_its_text_and_its_map_shows_the_scene() {
+        let scenario = Scenario::named("supermarket").unwrap();
+        let plan = MissionPlan::of_scenario(&scenario, MissionStrategy::Guarantee, 1).unwrap();
+        assert_eq!(MissionPlan::from_text(&plan.to_text().unwrap()).unwrap(), plan);
+        let map = plan.occupancy().unwrap();
+        let at = |x_m, y_m| map.get(map.geometry().cell_at(Point2::new(x_m, y_m)).unwrap()).copied().unwrap();
+        assert_eq!(at(5.0, 0.0), Occupancy::Free);
+        assert_eq!(at(5.0, 2.1), Occupancy::Occupied);
+        // Under the table there is no floor for a robot, and no surface for its scanner.
+        assert_eq!(at(16.8, 2.0), Occupancy::Unknown);
+        assert!(MissionPlan::from_text("{}").is_err());
+    }
+
+    #[test]
+    fn expectation_is_kept_on_any_raster() {
+        let scenario = Scenario::named("supermarket").unwrap();
+        let plan = MissionPlan::of_scenario(&scenario, MissionStrategy::Guarantee, 1).unwrap();
+        let raster = GridGeometry::new(300, 300, 0.1, Point2::new(-8.03, -8.07)).unwrap();
+        let all: f32 = plan.dirt.iter().map(|dirt| dirt.units).sum();
+        assert!(all > 0.0);
+        let spread: f32 = plan.expected_on(&raster).iter().sum();
+        assert!((spread - all).abs() < 0.001 * all, "{spread} of {all}");
+    }
+}

@@ -1,0 +1,177 @@
+//! What a power cut must not take: where the robot was, and what it had cleaned.
+//!
+//! A save is a version, the fingerprint of the plan that it belongs to, the pose, and every cell of which more is known than
+//! at the start, closed by a CRC-32. In a file it replaces the one before only when it is whole on the disk.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use anyhow::ensure;
+use floorguard_core::geometry::Pose2;
+use floorguard_core::maps::{DirtCell, NO_SLOT};
+use floorguard_runtime::digest::Fnv64;
+
+use super::plan::MissionPlan;
+use crate::environment::{Reader, Writer, read_newest, replace_file};
+
+const MAGIC: &[u8; 8] = b"FGMISS01";
+const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+
+/// Where saves are kept.
+#[derive(Clone, Debug, Default)]
+pub enum Store {
+    /// Nowhere.
+    #[default]
+    None,
+    /// In memory: what a disk is to a robot whose computer is simulated.
+    Memory(Arc<Mutex<Vec<u8>>>),
+    /// In a file.
+    File(PathBuf),
+}
+
+/// A mission that can go on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Saved {
+    /// Where the robot was believed to be, map frame.
+    pub pose_in_map: Pose2,
+    cells: Vec<(u32, DirtCell)>,
+}
+
+impl Saved {
+    /// Of a belief; only what differs from the `prior` is kept.
+    pub fn of(pose_in_map: Pose2, cells: &[DirtCell], prior: &[DirtCell]) -> Self {
+        // A cell under the brush is worth what it was before: the particles' credit dies with the computer.
+        let settled = cells.iter().map(|cell| DirtCell { slot: NO_SLOT, ..*cell });
+        let changed = settled.zip(prior).enumerate().filter(|(_, (cell, before))| cell != *before);
+        Self { pose_in_map, cells: changed.map(|(index, (cell, _))| (index as u32, cell)).collect() }
+    }
+
+    /// Puts what was known back.
+    pub fn restore(&self, cells: &mut [DirtCell]) {
+        for (index, known) in &self.cells {
+            if let Some(cell) = cells.get_mut(*index as usize) {
+                *cell = *known;
+            }
+        }
+    }
+
+    fn encode(&self, plan: u64) -> Vec<u8> {
+        let mut out = Writer::default();
+        out.bytes(MAGIC);
+        out.bytes(&plan.to_le_bytes());
+        out.f32(self.pose_in_map.x_m);
+        out.f32(self.pose_in_map.y_m);
+        out.f32(self.pose_in_map.heading_rad);
+        out.u32(self.cells.len() as u32);
+        for (index, cell) in &self.cells {
+            out.u32(*index);
+            out.f32(cell.expected_units);
+            out.u16(cell.tail);
+            out.u8(cell.heavy_units);
+        }
+        let crc = CRC.checksum(&out.0);
+        out.u32(crc);
+        out.0
+    }
+
+    fn decode(bytes: &[u8], (plan, cells_max): (u64, usize)) -> anyhow::Result<Self> {
+        let (body, crc) =
+            bytes.split_last_chunk::<4>().ok_or_else(|| anyhow::anyhow!("it ends too early"))?;
+        ensure!(CRC.checksum(body) == u32::from_le_bytes(*crc), "its checksum is wrong");
+        let mut input = Reader(body);
+        ensure!(input.bytes(MAGIC.len())? == MAGIC, "it is no mission of this version");
+        ensure!(input.bytes(8)? == plan.to_le_bytes(), "it belongs to another mission");
+        let pose_in_map = Pose2::new(input.f32()?, input.f32()?, input.f32()?);
+        let count = input.u32()? as usize;
+        ensure!(count <= cells_max, "it has more cells than the floor");
+        let mut cell = || {
+            let (index, expected_units, tail) = (input.u32()?, input.f32()?.max(0.0), input.u16()?);
+            Ok((index, DirtCell { expected_units, tail, slot: NO_SLOT, heavy_units: input.u8()? }))
+        };
+        let cells = (0..count).map(|_| cell()).collect::<anyhow::Result<_>>()?;
+        Ok(Self { pose_in_map, cells })
+    }
+}
+
+/// A save belongs to one plan only.
+fn fingerprint(plan: &MissionPlan) -> u64 {
+    let mut digest = Fnv64::new();
+    digest.add(plan.to_text().unwrap_or_default().as_bytes());
+    digest.value()
+}
+
+impl Store {
+    /// Saves a mission. A disk that fails does not stop a robot: it is told, and the save before stays.
+    pub fn save(&self, plan: &MissionPlan, saved: &Saved) {
+        match self {
+            Self::None => {}
+            Self::Memory(memory) => {
+                *memory.lock().unwrap_or_else(PoisonError::into_inner) = saved.encode(fingerprint(plan));
+            }
+            Self::File(path) => {
+                if let Err(error) = replace_file(path, &saved.encode(fingerprint(plan))) {
+                    anstream::eprintln!("  mission: not saved ({error:#})");
+                }
+            }
+        }
+    }
+
+    /// The mission to go on with, if there is one for this plan.
+    pub fn load(&self, plan: &MissionPlan, cells: usize) -> Option<Saved> {
+        let wanted = (fingerprint(plan), cells);
+        match self {
+            Self::None => None,
+            Self::Memory(memory) => {
+                Saved::decode(&memory.lock().unwrap_or_else(PoisonError::into_inner), wanted).ok()
+            }
+            Self::File(path) => read_newest(path, |bytes| Saved::decode(bytes, wanted)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn saved() -> Saved {
+        let prior = vec![DirtCell::poisson(12.0, 0.9); 50];
+        let mut cells = prior.clone();
+        cells[7] = DirtCell { expected_units: 0.5, tail: 12, slot: NO_SLOT, heavy_units: 9 };
+        cells[9].slot = 3;
+        Saved::of(Pose2::new(1.0, -2.0, 0.5), &cells, &prior)
+    }
+
+    #[test]
+    fn a_save_comes_back_and_every_damaged_byte_is_noticed() {
+        let bytes = saved().encode(5);
+        let back = Saved::decode(&bytes, (5, 50)).unwrap();
+        assert_eq!(back, saved());
+        let mut cells = vec![DirtCell::poisson(12.0, 0.9); 50];
+        back.restore(&mut cells);
+        assert_eq!((cells[7].expected_units, cells[9].slot), (0.5, NO_SLOT));
+        assert!(Saved::decode(&bytes, (6, 50)).is_err());
+        for index in 0..bytes.len() {
+            let mut damaged = bytes.clone();
+            damaged[index] ^= 0x10;
+            assert!(Saved::decode(&damaged, (5, 50)).is_err(), "{index}");
+            assert!(Saved::decode(&bytes[..index], (5, 50)).is_err(), "{index}");
+        }
+    }
+
+    #[test]
+    fn a_file_that_is_cut_leaves_the_save_before() {
+        let folder = std::env::temp_dir().join(format!("floorguard-mission-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let path = folder.join("mission.fgm");
+        let old = saved().encode(5);
+        replace_file(&path, &old).unwrap();
+        let mut newer = saved();
+        newer.pose_in_map.x_m = 9.0;
+        replace_file(&path, &newer.encode(5)).unwrap();
+        let read = || read_newest(&path, |bytes| Saved::decode(bytes, (5, 50)));
+        assert_eq!(read().unwrap().pose_in_map.x_m, 9.0);
+        std::fs::write(&path, &newer.encode(5)[..20]).unwrap();
+        assert_eq!(read().unwrap().pose_in_map.x_m, 1.0);
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

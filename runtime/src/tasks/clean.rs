@@ -1,0 +1,72 @@
+//! Runs a cleaning mission: collects what it needs to know, and makes known what it wishes.
+//!
+//! The mission is a value behind a trait, as the verdict on what moves is: the hosted robot has room for a belief of 500
+//! particles, another board may have another. Whatever it wishes, the guard permits or not.
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use embassy_time::{Duration, Ticker};
+use floorguard_core::geometry::Twist2;
+use floorguard_core::guard::Decision;
+use floorguard_core::sensing::{DirtReading, Scan};
+use floorguard_core::time::Stamp;
+
+use crate::clock;
+use crate::shared::{PeopleReport, Shared, StampedPose};
+
+/// How often the wish is renewed: the guard takes one of 200 ms for stale.
+const PERIOD_MS: u64 = 50;
+
+/// What a mission learns at a moment.
+#[derive(Clone, Copy, Debug)]
+pub struct MissionMoment<'a> {
+    /// Now.
+    pub now: Stamp,
+    /// Where the robot is, in the odometry frame.
+    pub pose: StampedPose,
+    /// The newest scan, if it is one that the mission has not seen.
+    pub scan: Option<&'a Scan>,
+    /// The newest message of the dirt sensor, seen or not.
+    pub dirt: Option<DirtReading>,
+    /// What the guard permits now.
+    pub decision: Option<Decision>,
+    /// The newest list of people.
+    pub people: Option<&'a PeopleReport>,
+    /// The operator has paused the mission.
+    pub is_paused: bool,
+}
+
+/// A mission that drives a robot.
+pub trait CleaningMission {
+    /// Takes in a moment and gives the wanted command.
+    fn step(&mut self, moment: &MissionMoment<'_>) -> Twist2;
+}
+
+/// Perception ring. Runs for ever; wishes to stand when nothing is left to be done or the operator pauses.
+pub async fn clean<M: RawMutex>(shared: &Shared<M>, mission: &mut impl CleaningMission) {
+    let mut ticker = Ticker::every(Duration::from_millis(PERIOD_MS));
+    let mut seen_scan = 0;
+    let (mut seen_people, mut people) = (0, None);
+    loop {
+        ticker.next().await;
+        let Some(pose) = shared.pose.get() else { continue };
+        let published = shared.scan.published();
+        let scan = (published != seen_scan).then(|| shared.scan.get()).flatten();
+        seen_scan = published;
+        if seen_people != shared.people.published() {
+            seen_people = shared.people.published();
+            people = shared.people.get();
+        }
+        let moment = MissionMoment {
+            now: clock::now(),
+            pose,
+            scan: scan.as_ref(),
+            dirt: shared.dirt.get(),
+            decision: shared.decision.get(),
+            people: people.as_ref(),
+            is_paused: shared.is_paused(),
+        };
+        let wish = mission.step(&moment);
+        let wanted = if moment.is_paused { Twist2::ZERO } else { wish };
+        shared.wanted.publish((clock::now(), wanted));
+    }
+}
