@@ -1,6 +1,7 @@
 //! People: bodies that lasers meet and a social-force model that moves them.
 
 mod body;
+mod bump;
 mod discs;
 mod kind;
 mod person;
@@ -8,8 +9,9 @@ mod social_force;
 mod walk;
 
 pub use body::{BodyPart, body_parts};
+pub use bump::RobotShape;
 pub use discs::{Disc, body_discs, ground_discs};
 pub use kind::PersonKind;
 pub use person::Person;
-pub use social_force::{Crowd, RobotDisc};
+pub use social_force::Crowd;
 pub use walk::RecordedWalk;

@@ -6,6 +6,7 @@
 use floorguard_core::geometry::Point2;
 
 use super::Person;
+use super::bump::{RobotShape, slide_off};
 use crate::scene::Scene;
 
 /// Relaxation time, seconds.
@@ -25,15 +26,6 @@ const PUSH_MAX: f32 = 6.0;
 const CONTACT: (f32, f32) = (150.0, 15.0);
 /// A goal counts as reached within this distance, metres.
 const REACHED_M: f32 = 0.6;
-
-/// The robot as people see it.
-#[derive(Clone, Copy, Debug)]
-pub struct RobotDisc {
-    /// Middle of the body, world frame.
-    pub position: Point2,
-    /// Metres.
-    pub radius_m: f32,
-}
 
 /// Everybody in the scene.
 #[derive(Clone, Debug, Default)]
@@ -68,8 +60,9 @@ impl Crowd {
     }
 
     /// One step of at most a few hundredths of a second.
-    pub fn step(&mut self, now_us: u64, step_s: f32, scene: &Scene, robot: RobotDisc) {
+    pub fn step(&mut self, now_us: u64, step_s: f32, scene: &Scene, robot: &RobotShape<'_>) {
         self.follow_recordings(now_us, step_s);
+        let (middle, radius_m) = (robot.pose.transform(robot.seen_as.0), robot.seen_as.1);
         let bodies: Vec<(Point2, f32)> =
             self.people.iter().map(|person| (person.position, person.kind.radius_m())).collect();
         for (index, person) in self.people.iter_mut().enumerate() {
@@ -87,7 +80,7 @@ impl Crowd {
                 }
             }
             if person.sees_robot {
-                add(&mut push, repel(person, robot.position, robot.radius_m, ROBOT));
+                add(&mut push, repel(person, middle, radius_m, ROBOT));
             }
             if let Some((wall, _)) = scene.nearest_obstacle(person.position) {
                 add(&mut push, repel(person, wall, 0.0, WALLS));
@@ -102,6 +95,7 @@ impl Crowd {
             person.velocity.x_m += contact.x_m * step_s;
             person.velocity.y_m += contact.y_m * step_s;
             person.advance(step_s);
+            slide_off(person, robot);
         }
     }
 }

@@ -15,7 +15,7 @@ use super::truth::{PersonTruth, Truth, distance_to_area};
 use super::{Payload, Stream, WireEvent};
 use crate::can::{CanFrame, SafetyChannels};
 use crate::dirt::DirtyFloor;
-use crate::people::{Crowd, Person, RobotDisc, body_discs, ground_discs};
+use crate::people::{Crowd, Person, RobotShape, body_discs, ground_discs};
 use crate::robot::{BrakeLaw, RobotBody, RobotParameters};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::scene::Scene;
@@ -180,9 +180,12 @@ impl Simulation {
             self.push_frame(now_us, frame);
         }
         if now_us.is_multiple_of(PEOPLE_STEP_US) {
-            let middle = self.body.pose().transform(Point2::new(0.25, 0.0));
-            let robot = RobotDisc { position: middle, radius_m: 0.85 };
-            self.crowd.step(now_us, PEOPLE_STEP_US as f32 * 1.0e-6, &self.scene, robot);
+            let robot = RobotShape {
+                pose: self.body.pose(),
+                outline: &self.parameters.footprint,
+                seen_as: (Point2::new(0.25, 0.0), 0.85),
+            };
+            self.crowd.step(now_us, PEOPLE_STEP_US as f32 * 1.0e-6, &self.scene, &robot);
             self.clean(now_us);
         }
         self.next_step_us += STEP_US;

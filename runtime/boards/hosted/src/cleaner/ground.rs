@@ -96,10 +96,14 @@ impl Ground {
 
     /// The cell lies before the brush of a robot at this pose, so that it only has to go on straight to pass over it.
     pub fn is_before_brush(&self, pose: Pose2, place: Point2) -> bool {
+        self.is_before(pose, place, (0.05, 0.3), 0.5 * self.brush.width_m - RIM_M)
+    }
+
+    /// A place lies within these distances ahead of the brush and at most this far aside, metres.
+    pub fn is_before(&self, pose: Pose2, place: Point2, (from_m, to_m): (f32, f32), aside_m: f32) -> bool {
         let in_robot = pose.inverse().transform(place);
         let ahead_m = in_robot.x_m - self.brush.offset_m;
-        let aside_m = 0.5 * self.brush.width_m - RIM_M;
-        (0.05..=0.3).contains(&ahead_m) && in_robot.y_m.abs() <= aside_m
+        (from_m..=to_m).contains(&ahead_m) && in_robot.y_m.abs() <= aside_m
     }
 
     /// The raster.

@@ -8,14 +8,15 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use floorguard_core::cleaning::{CleanRule, PathSearch, Planner, SearchCell};
 use floorguard_core::geometry::{Point2, Pose2, Twist2, wrap_angle};
 use floorguard_core::guard::{Cause, Decision};
-use floorguard_core::maps::Grid;
+use floorguard_core::maps::{Grid, NO_SLOT};
+use floorguard_core::people::TrackStatus;
 use floorguard_core::random::Pcg32;
 use floorguard_core::sensing::{BeamReturn, DirtReading, Scan};
 use floorguard_core::time::{Age, Stamp};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::mission::RouteFollower;
-use floorguard_runtime::shared::StampedPose;
-use floorguard_runtime::tasks::{CleaningMission, MissionMoment};
+use floorguard_runtime::shared::{PeopleReport, StampedPose};
+use floorguard_runtime::tasks::{CleaningMission, MissionMoment, PERSON_PROBABILITY_MIN};
 
 use super::body::Body;
 use super::ground::Ground;
@@ -53,6 +54,14 @@ const STANDS: (f32, f32) = (0.02, 0.02);
 const LEAVES_M: f32 = 0.9;
 /// Times that it does so at the end.
 const LEAVINGS_MAX: u8 = 6;
+/// Dirt within this distance of a target is passed over with it, metres.
+const CLUSTER_M: f32 = 0.35;
+/// A pass goes on over what lies before the brush for at most this, metres.
+const AHEAD_M: f32 = 1.3;
+/// The brush goes on behind a cell by this, metres.
+const PAST_M: f32 = 0.15;
+/// Held again within this distance, the robot does something else first, metres.
+const SAME_PLACE_M: f32 = 0.3;
 /// Cells of the tour that are tried before the robot waits.
 const TRIES: usize = 4;
 
@@ -97,6 +106,7 @@ pub struct Cleaner {
     leavings: u8,
     wish: Twist2,
     held_s: f32,
+    held_at: Option<Point2>,
     last_s: f32,
     plan_s: f32,
     tell_s: f32,
@@ -114,7 +124,7 @@ impl Cleaner {
         (watch, store): (SharedWatch, Store),
     ) -> anyhow::Result<Self> {
         let pace = Pace {
-            speed_mps: robot.route_limits.speed_mps.min(0.5),
+            speed_mps: robot.route_limits.speed_mps.min(0.7),
             turn_radps: robot.route_limits.turn_radps,
             reverse_mps: robot.limits.reverse_mps.min(0.2),
             change_s: 1.2,
@@ -172,6 +182,7 @@ impl Cleaner {
             leavings: 0,
             wish: Twist2::ZERO,
             held_s: 0.0,
+            held_at: None,
             last_s: 0.0,
             plan_s: 0.0,
             tell_s: 0.0,
@@ -232,6 +243,16 @@ impl Cleaner {
         }
         let pose = self.localiser.pose(odometry);
         self.obstacles.see(&self.ground.floor, pose, (&looked, now_s));
+    }
+
+    /// People are in the way where they are, also behind the robot, where the scanner does not look.
+    fn see_people(&mut self, people: &PeopleReport, now_s: f32) {
+        let to_map = self.pose().compose(self.odometry.pose_in_odometry.inverse());
+        let real = people.people.iter().filter(|person| {
+            person.status == TrackStatus::Confirmed && person.person_probability >= PERSON_PROBABILITY_MIN
+        });
+        let places: Vec<Point2> = real.map(|person| to_map.transform(person.position)).collect();
+        self.obstacles.see_people(&places, now_s);
     }
 
     /// Between the poses around a moment; the nearest one outside.
@@ -327,9 +348,10 @@ impl Cleaner {
         let passable = |cell: usize| floor.passable[cell] || floor.reachable[cell];
         // A tour that does not fit its memory is the one before, without what is clean by now.
         let _ = self.planner.replan(cell, (wanted, passable), 500);
-        if self.target.is_some_and(|target| {
-            !wanted(target) && map.get(target).is_some_and(|dirt| dirt.slot == floorguard_core::maps::NO_SLOT)
-        }) {
+        if self
+            .target
+            .is_some_and(|target| !wanted(target) && map.get(target).is_some_and(|dirt| dirt.slot == NO_SLOT))
+        {
             self.target = None;
             self.track = Track::default();
         }
@@ -338,10 +360,12 @@ impl Cleaner {
     /// Somebody or something stands in the way: another way, or another cell first.
     fn go_round(&mut self, pose: Pose2, now_s: f32) {
         self.detours += 1;
-        let target = self.target;
+        let here = Point2::new(pose.x_m, pose.y_m);
+        let is_again = self.held_at.is_some_and(|before| before.distance(here) < SAME_PLACE_M);
+        self.held_at = Some(here);
         self.track = Track::default();
-        if let Some(target) = target
-            && !self.plan_to(target, pose, now_s)
+        if let Some(target) = self.target
+            && (is_again || !self.plan_to(target, pose, now_s))
         {
             self.postpone(target, now_s);
         }
@@ -394,43 +418,90 @@ impl Cleaner {
         })
     }
 
-    /// The way to a cell, and straight on until the brush has passed it.
+    /// The way to a cell: to the middle of the dirt around it if that can be, and straight on until the brush has passed all
+    /// that lies before it.
     fn plan_to(&mut self, cell: usize, pose: Pose2, now_s: f32) -> bool {
         let place = self.ground.raster().centre(cell);
-        let floor = &self.ground.floor;
-        self.guess.run(cell, |cell| floor.passable[cell] || floor.reachable[cell]);
-        let speed_mps = self.pace.speed_mps;
-        let guess = std::mem::replace(&mut self.guess, PathSearch::new(*self.ground.raster(), Vec::new()));
-        let raster = *self.ground.raster();
-        let left_s = |pose: Pose2| {
-            let axle = Point2::new(pose.x_m, pose.y_m);
-            let units = raster.cell_at(axle).and_then(|cell| guess.distance(cell));
-            let way_m = units.map_or(1.5 * axle.distance(place), |units| units as f32 / 290.0);
-            Some((way_m - 0.5).max(0.0) / speed_mps)
-        };
+        let dirty = self.dirty_around(place);
+        let near: Vec<Point2> =
+            dirty.iter().copied().filter(|other| other.distance(place) < CLUSTER_M).collect();
+        let count = near.len().max(1) as f32;
+        let sum = near.iter().fold((0.0, 0.0), |(x, y), place| (x + place.x_m, y + place.y_m));
+        let middle = if near.is_empty() { place } else { Point2::new(sum.0 / count, sum.1 / count) };
         let barred = self.barred(now_s);
-        let past_m = |pose: Pose2| pose.inverse().transform(place).x_m - self.ground.brush.offset_m + 0.15;
-        let is_enough = |pose: Pose2| {
-            self.ground.is_before_brush(pose, place)
-                && [0.5, 1.0].iter().all(|share| {
-                    let next = pose.compose(Pose2::new(share * past_m(pose), 0.0, 0.0));
-                    self.ground.is_free_of(next, Gear::Ahead, |cell| barred[cell])
-                })
+        let before_all = |ground: &Ground, pose: Pose2| ground.is_before(pose, middle, (0.25, 0.6), 0.1);
+        let before_one = |ground: &Ground, pose: Pose2| ground.is_before_brush(pose, place);
+        let way = self.way_before(cell, pose, (&barred, before_all));
+        let Some(mut way) = way.or_else(|| self.way_before(cell, pose, (&barred, before_one))) else {
+            return false;
         };
-        let ground = &self.ground;
-        let is_free = |pose: Pose2, gear: Gear| ground.is_free_of(pose, gear, |cell| barred[cell]);
-        let way = self.lattice.find(pose, (is_free, left_s), is_enough);
-        let end = way.as_ref().and_then(|way| way.last()).map(|last| last.pose);
-        let last = end.map(|pose| Waypoint {
-            pose: pose.compose(Pose2::new(past_m(pose), 0.0, 0.0)),
-            gear: Gear::Ahead,
-        });
-        self.guess = guess;
-        let (Some(mut way), Some(last)) = (way, last) else { return false };
-        way.push(last);
+        if let Some(last) = way.last().copied() {
+            let past_m = self.pass_m(last.pose, (place, &dirty), &barred);
+            let end = last.pose.compose(Pose2::new(past_m, 0.0, 0.0));
+            way.push(Waypoint { pose: end, gear: Gear::Ahead });
+        }
         self.track = Track::new(way);
         self.target = Some(cell);
         true
+    }
+
+    /// Middles of the cells around a place that are to be cleaned.
+    fn dirty_around(&self, place: Point2) -> Vec<Point2> {
+        let raster = self.ground.raster();
+        let (column, row) = raster.coordinates_of(place);
+        let reach = (AHEAD_M * raster.cells_per_metre()).ceil() as i32;
+        let cells = (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (column + dx, row + dy)));
+        let dirty = cells.filter_map(|(column, row)| raster.index(column, row)).filter(|cell| {
+            let is_dirty = self.localiser.map.get(*cell).is_some_and(|dirt| self.rule.needs_cleaning(dirt));
+            is_dirty && self.ground.floor.reachable[*cell] && self.visits[*cell] < VISITS_MAX
+        });
+        dirty.map(|cell| raster.centre(cell)).collect()
+    }
+
+    /// How far straight on the robot goes so that the brush passes the target, and all dirt before it while there is room.
+    fn pass_m(&self, pose: Pose2, (target, dirty): (Point2, &[Point2]), barred: &[bool]) -> f32 {
+        let ahead_m = |place: Point2| pose.inverse().transform(place).x_m - self.ground.brush.offset_m;
+        let least_m = ahead_m(target) + PAST_M;
+        let lane_m = 0.5 * self.ground.brush.width_m;
+        let in_lane = dirty.iter().filter(|place| {
+            let in_robot = pose.inverse().transform(**place);
+            in_robot.y_m.abs() < lane_m && (0.0..AHEAD_M).contains(&ahead_m(**place))
+        });
+        let most_m = in_lane.map(|place| ahead_m(*place) + PAST_M).fold(least_m, f32::max);
+        let is_free = |way_m: f32| {
+            let next = pose.compose(Pose2::new(way_m, 0.0, 0.0));
+            self.ground.is_free_of(next, Gear::Ahead, |cell| barred[cell])
+        };
+        let steps = ((most_m - least_m) / STEP_M).ceil() as i32;
+        let more =
+            (1..=steps).take_while(|step| is_free(least_m + *step as f32 * STEP_M)).last().unwrap_or(0);
+        (least_m + more as f32 * STEP_M).min(most_m).max(least_m)
+    }
+
+    /// The way to a pose before a cell from where the robot can go straight on over it.
+    fn way_before(
+        &mut self,
+        cell: usize,
+        pose: Pose2,
+        (barred, is_before): (&[bool], impl Fn(&Ground, Pose2) -> bool),
+    ) -> Option<Vec<Waypoint>> {
+        let (ground, guess, pace) = (&self.ground, &mut self.guess, self.pace);
+        let place = ground.raster().centre(cell);
+        guess.run(cell, |cell| ground.floor.passable[cell] || ground.floor.reachable[cell]);
+        let left_s = |pose: Pose2| {
+            let axle = Point2::new(pose.x_m, pose.y_m);
+            let units = ground.raster().cell_at(axle).and_then(|cell| guess.distance(cell));
+            let way_m = units.map_or(1.5 * axle.distance(place), |units| units as f32 / 290.0);
+            Some((way_m - 0.5).max(0.0) / pace.speed_mps)
+        };
+        let is_free = |pose: Pose2, gear: Gear| ground.is_free_of(pose, gear, |cell| barred[cell]);
+        let is_enough = |pose: Pose2| {
+            let past_m = pose.inverse().transform(place).x_m - ground.brush.offset_m + PAST_M;
+            let is_clear =
+                |share: f32| is_free(pose.compose(Pose2::new(share * past_m, 0.0, 0.0)), Gear::Ahead);
+            is_before(ground, pose) && is_clear(0.5) && is_clear(1.0)
+        };
+        self.lattice.find(pose, (is_free, left_s), is_enough)
     }
 
     fn search(
@@ -449,9 +520,9 @@ impl Cleaner {
     fn barred(&self, now_s: f32) -> Vec<bool> {
         let raster = self.ground.raster();
         let mut barred = vec![false; raster.cell_count()];
-        let radius_m = self.ground.body.ahead.radius_m;
-        let reach = (radius_m * raster.cells_per_metre()).ceil() as i32;
-        for place in self.obstacles.places(now_s) {
+        for (place, around_m) in self.obstacles.places(now_s) {
+            let radius_m = self.ground.body.ahead.radius_m + around_m;
+            let reach = (radius_m * raster.cells_per_metre()).ceil() as i32;
             let (column, row) = raster.coordinates_of(place);
             for (dx, dy) in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy))) {
                 let Some(cell) = raster.index(column + dx, row + dy) else { continue };
@@ -512,6 +583,9 @@ impl CleaningMission for Cleaner {
         self.hear(moment.dirt, moment.now);
         if let Some(scan) = moment.scan {
             self.see(scan, now_s);
+        }
+        if let Some(people) = moment.people {
+            self.see_people(people, now_s);
         }
         if self.phase == MissionPhase::Done {
             self.wish = Twist2::ZERO;

@@ -15,17 +15,28 @@ const RANGE_M: f32 = 6.0;
 /// A mark counts this long, seconds.
 const FADES_S: f32 = 4.0;
 
+/// Half a person, metres; the room of the robot has a margin of its own.
+const PERSON_M: f32 = 0.15;
+
 /// Marks on the raster of a floor.
 pub struct Obstacles {
     raster: GridGeometry,
     seen_s: Vec<f32>,
     marked: Vec<u32>,
+    people: Vec<Point2>,
+    people_s: f32,
 }
 
 impl Obstacles {
     /// Nothing seen.
     pub fn new(raster: GridGeometry) -> Self {
-        Self { raster, seen_s: vec![f32::NEG_INFINITY; raster.cell_count()], marked: Vec::new() }
+        Self {
+            raster,
+            seen_s: vec![f32::NEG_INFINITY; raster.cell_count()],
+            marked: Vec::new(),
+            people: Vec::new(),
+            people_s: 0.0,
+        }
     }
 
     /// Ends of beams, in the robot's frame, seen from a pose in the map frame.
@@ -47,9 +58,18 @@ impl Obstacles {
         }
     }
 
-    /// Middles of the cells that are marked now.
-    pub fn places(&self, now_s: f32) -> Vec<Point2> {
+    /// The people that the robot knows of now, map frame.
+    pub fn see_people(&mut self, places: &[Point2], now_s: f32) {
+        self.people.clear();
+        self.people.extend_from_slice(places);
+        self.people_s = now_s;
+    }
+
+    /// Places that are taken now, each with a disc around it, metres.
+    pub fn places(&self, now_s: f32) -> Vec<(Point2, f32)> {
         let recent = |cell: &&u32| now_s - self.seen_s[**cell as usize] <= FADES_S;
-        self.marked.iter().filter(recent).map(|cell| self.raster.centre(*cell as usize)).collect()
+        let marks = self.marked.iter().filter(recent).map(|cell| (self.raster.centre(*cell as usize), 0.0));
+        let people = self.people.iter().filter(|_| now_s - self.people_s <= FADES_S);
+        marks.chain(people.map(|place| (*place, PERSON_M))).collect()
     }
 }

@@ -2,6 +2,7 @@
 //! recording.
 
 mod charts;
+mod cleaning;
 mod document;
 mod grids;
 mod history;

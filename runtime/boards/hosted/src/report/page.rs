@@ -37,11 +37,12 @@ pub fn write_report(folder: &Path, plan: &Plan, observation: &Observation) -> an
 fn page(plan: &Plan, observation: &Observation, (picture, speed): (&str, &str)) -> String {
     let mut html = String::new();
     let title = escaped(&plan.scenario.title);
+    let cleaning = observation.mission.as_ref().map(super::cleaning::section).unwrap_or_default();
     let _ = write!(
         html,
         "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" \
          content=\"width=device-width\"><title>floorguard: {title}</title><style>{STYLE}</style>\
-         <h1>{title}</h1><pre>{}</pre>{picture}<h2>Speed and limit</h2>{speed}<h2>Stops</h2>",
+         <h1>{title}</h1><pre>{}</pre>{picture}{cleaning}<h2>Speed and limit</h2>{speed}<h2>Stops</h2>",
         escaped(&summary(plan, observation)),
     );
     html.push_str("<table><tr><th class=num>time, s<th class=num>speed, m/s<th>why</tr>");

@@ -55,8 +55,6 @@ pub struct Witnesses {
     pub recording: Option<FileRecorder>,
     /// A panel: the run then goes in real time, and nobody but its operators resets the robot.
     pub panel: Option<Panel>,
-    /// What the cleaning mission told last.
-    pub newest_mission: Option<Arc<MissionProgress>>,
     next_digest_us: u64,
     started: Option<Instant>,
 }
@@ -146,16 +144,12 @@ impl Witnesses {
 
     /// The cleaning mission has told its progress, about once a second.
     pub fn mission(&mut self, progress: &Arc<MissionProgress>) {
-<<<<<<< HEAD
         if let Some(recording) = &mut self.recording {
             recording.mission(progress);
         }
         if let Some(panel) = &mut self.panel {
             panel.mission(progress);
         }
-=======
-        self.newest_mission = Some(progress.clone());
->>>>>>> 19f4ada (wip: clean with the robot that drives)
     }
 
     /// A stop that began.

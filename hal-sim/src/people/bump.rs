@@ -1,0 +1,134 @@
+//! Nobody walks through the robot: who bumps into its body slides along it.
+
+use floorguard_core::geometry::{Point2, Pose2};
+
+use super::{Person, body_discs};
+
+/// A body may press this deep into the outline, metres: touching stays a contact for judges.
+const PRESS_M: f32 = 0.01;
+
+/// The robot as people see it and bump into it.
+#[derive(Clone, Copy, Debug)]
+pub struct RobotShape<'a> {
+    /// World frame.
+    pub pose: Pose2,
+    /// Outline, robot frame, metres.
+    pub outline: &'a [Point2],
+    /// Middle of the disc that people walk around, robot frame, and its radius, metres.
+    pub seen_as: (Point2, f32),
+}
+
+/// Puts a person who walks beside the robot, and takes away the speed towards it. Who has bumped into it has noticed it.
+pub fn slide_off(person: &mut Person, robot: &RobotShape<'_>) {
+    let to_robot = robot.pose.inverse();
+    for (middle, radius_m) in body_discs(person) {
+        let Some(push) = push_out(robot.outline, to_robot.transform(middle), radius_m - PRESS_M) else {
+            continue;
+        };
+        let turn = Pose2::new(0.0, 0.0, robot.pose.heading_rad);
+        let push = turn.transform(push);
+        let length_m = push.norm().max(1.0e-6);
+        person.sees_robot = true;
+        person.position.x_m += push.x_m;
+        person.position.y_m += push.y_m;
+        let inward_mps = -(person.velocity.x_m * push.x_m + person.velocity.y_m * push.y_m) / length_m;
+        if inward_mps > 0.0 {
+            person.velocity.x_m += inward_mps * push.x_m / length_m;
+            person.velocity.y_m += inward_mps * push.y_m / length_m;
+        }
+        return;
+    }
+}
+
+/// The way that takes a disc out of an outline; `None` when it is out already.
+fn push_out(outline: &[Point2], middle: Point2, radius_m: f32) -> Option<Point2> {
+    let mut nearest: Option<(f32, Point2)> = None;
+    let mut inside = false;
+    for (a, b) in outline.iter().zip(outline.iter().cycle().skip(1)) {
+        let (dx, dy) = (b.x_m - a.x_m, b.y_m - a.y_m);
+        let along = ((middle.x_m - a.x_m) * dx + (middle.y_m - a.y_m) * dy) / (dx * dx + dy * dy).max(1.0e-9);
+        let along = along.clamp(0.0, 1.0);
+        let foot = Point2::new(a.x_m + along * dx, a.y_m + along * dy);
+        let distance_m = middle.distance(foot);
+        if nearest.is_none_or(|(best_m, _)| distance_m < best_m) {
+            nearest = Some((distance_m, foot));
+        }
+        let crosses = (a.y_m > middle.y_m) != (b.y_m > middle.y_m);
+        if crosses && middle.x_m < a.x_m + (middle.y_m - a.y_m) / dy * dx {
+            inside = !inside;
+        }
+    }
+    let (distance_m, foot) = nearest?;
+    let deep_m = if inside { radius_m + distance_m } else { radius_m - distance_m };
+    if deep_m <= 0.0 || distance_m < 1.0e-6 {
+        return None;
+    }
+    let scale = if inside { -deep_m } else { deep_m } / distance_m;
+    Some(Point2::new((middle.x_m - foot.x_m) * scale, (middle.y_m - foot.y_m) * scale))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Crowd, PersonKind};
+    use super::*;
+    use crate::robot::RobotParameters;
+    use crate::scene::SceneBuilder;
+
+    fn walker(kind: PersonKind, from: Point2, goal: Point2) -> Person {
+        Person {
+            id: 1,
+            kind,
+            position: from,
+            velocity: Point2::default(),
+            heading_rad: 0.0,
+            gait_rad: 0.0,
+            goals: vec![goal],
+            goal: 0,
+            speed_mps: 1.5,
+            starts_us: 0,
+            sees_robot: false,
+            walk: None,
+        }
+    }
+
+    /// Somebody who looks at a telephone walks straight at a robot that stands, from every side.
+    #[test]
+    fn nobody_gets_into_the_body_of_the_robot_and_everybody_gets_past_it() {
+        let robot = RobotParameters::default();
+        let scene = SceneBuilder::default().build();
+        let shape = RobotShape {
+            pose: Pose2::new(1.0, 2.0, 0.4),
+            outline: &robot.footprint,
+            seen_as: (Point2::new(0.25, 0.0), 0.85),
+        };
+        // Distance from the outline, a rectangle, to the middle of the body.
+        let gap_m = |person: &Person| {
+            let place = shape.pose.inverse().transform(person.position);
+            ((place.x_m - 0.25).abs() - 0.7).max(0.0).hypot((place.y_m.abs() - 0.4).max(0.0))
+        };
+        for kind in [PersonKind::Adult, PersonKind::Child, PersonKind::Trolley, PersonKind::Wheelchair] {
+            for side in 0..12 {
+                let angle = side as f32 * 0.523 + 0.1;
+                let at =
+                    |way_m: f32| Point2::new(1.25 + way_m * angle.cos(), 2.1 + way_m * angle.sin() + 0.13);
+                let mut crowd = Crowd::new(vec![walker(kind, at(-4.0), at(4.0))]);
+                let mut arrived = false;
+                for step in 0..1_500_u64 {
+                    crowd.step(step * 10_000, 0.01, &scene, &shape);
+                    let person = &crowd.people[0];
+                    assert!(
+                        !touches(person),
+                        "{kind:?} from {angle} is inside the robot at {:?}",
+                        person.position
+                    );
+                    arrived |= person.position.distance(at(4.0)) < 0.7;
+                }
+                assert!(
+                    arrived,
+                    "{kind:?} from {angle} never got past, stands at {:?}",
+                    crowd.people[0].position
+                );
+            }
+        }
+    }
+}
