@@ -1,8 +1,8 @@
 //! The two checks against fields, beside plain ones that look at everything and know no short cuts.
 
-use super::fixtures::{config, packet, scan, tables};
+use super::fixtures::{config, packet, rectangle, scan, tables};
 use crate::capacities::PACKET_RINGS_MAX;
-use crate::geometry::Point2;
+use crate::geometry::{Point2, Pose2};
 use crate::guard::packet_check::PacketFinding;
 use crate::guard::scan_check::{SILENT_PERCENT_MAX, SILENT_RUN_RAD, ScanFinding};
 use crate::guard::*;
@@ -10,6 +10,17 @@ use crate::protection::Blocked;
 use crate::random::Pcg32;
 use crate::sensing::{BeamReturn, LidarColumn, LidarPacket, Scan, silent_cdeg};
 use crate::time::Stamp;
+use crate::units::radians;
+
+/// Nothing of it is symmetric; one warning field is smaller than its protective field, and the body hides some beams.
+fn crooked() -> (GuardConfig, Body) {
+    let mut config = config();
+    config.lidar.mounting.translation.y_m = 0.1;
+    config.scanner.mounting = Pose2::new(0.9, 0.1, 0.05);
+    config.scanner.sector_rad = [radians(-130.0), radians(120.0)];
+    config.fields[1].warning = rectangle([-0.45, 1.1], 0.55);
+    (config, Body { x_m: [-0.45, 0.95], y_m: [-0.3, 0.45] })
+}
 
 /// Distance to a box, by its definition.
 fn is_inside(body: &Body, point: Point2) -> bool {
@@ -64,8 +75,8 @@ fn tricky_raw(bin: &crate::protection::Bin, ring: usize, unit_mm: u32, random: &
 
 #[test]
 fn fg_req_023_each_return_is_judged_as_a_plain_check_judges_it() {
-    let config = config();
-    let ((_, table), body) = (tables(&config), Body::around(&config.footprint));
+    let (config, body) = crooked();
+    let (_, table) = tables(&config);
     let mut random = Pcg32::new(11, 1);
     let mut judged = [0_u32; 3];
     for round in 0..4_000_u32 {
@@ -147,9 +158,8 @@ fn plain_scan(table: &ScanTable, scan: &Scan, set: usize, (adjacent, body): (u8,
 
 #[test]
 fn fg_req_020_each_beam_is_judged_as_a_plain_check_judges_it() {
-    let config = config();
+    let (config, body) = crooked();
     let (table, _) = tables(&config);
-    let body = Body::around(&config.footprint);
     let mut random = Pcg32::new(12, 1);
     let mut seen = [0_u32; 5];
     for round in 0..3_000_u32 {
@@ -212,6 +222,12 @@ fn fg_req_020_a_scan_of_another_geometry_does_not_fit() {
     for (start_rad, step_rad) in [(1.1e-3, 0.0), (-1.1e-3, 0.0), (0.0, 1.1e-5), (0.0, -1.1e-5)] {
         assert!(!table.fits(&with(start_rad, step_rad)), "{start_rad} {step_rad}");
     }
+    // Exactly at the tolerance: numbers whose difference has no rounding.
+    let mut exact = table.clone();
+    (exact.geometry.first_angle_rad, exact.geometry.step_rad) = (0.0, 1.0e-5);
+    let scan_at = |first_angle_rad: f32, step_rad: f32| Scan { first_angle_rad, step_rad, ..good.clone() };
+    assert!(exact.fits(&scan_at(1.0e-3_f32.next_down(), 1.0e-5)) && !exact.fits(&scan_at(1.0e-3, 1.0e-5)));
+    assert!(exact.fits(&scan_at(0.0, 2.0e-5_f32.next_down())) && !exact.fits(&scan_at(0.0, 2.0e-5)));
     let mut short = good.clone();
     short.beams.pop();
     assert!(!table.fits(&short));

@@ -122,3 +122,30 @@ fn fg_req_021_no_set_lets_the_robot_go_the_other_way() {
     assert_eq!([cap(1, 0.2), cap(1, 0.0), cap(1, -0.2)], [0.6, 0.6, 0.0]);
     assert_eq!([cap(3, 0.2), cap(3, 0.0), cap(3, -0.2)], [0.0, 0.3, 0.3]);
 }
+
+#[test]
+fn fg_req_021_the_order_of_the_sets_does_not_matter() {
+    let orders: [[usize; 5]; 4] = [[0, 1, 2, 3, 4], [4, 3, 2, 1, 0], [2, 0, 4, 1, 3], [1, 2, 3, 4, 0]];
+    let spin = Twist2 { linear_mps: 0.0, angular_radps: 0.5 };
+    let right = Twist2 { linear_mps: 0.2, angular_radps: -0.4 };
+    for order in orders {
+        let sets: Vec<_, FIELD_SETS_MAX> =
+            order.iter().filter_map(|index| sets().get(*index).cloned()).collect();
+        let needed = |drives: Twist2| {
+            let mut selection = FieldSelection::new(&sets, NOW);
+            assert_eq!(sets[selection.active].speed_max_mps, 0.3, "it begins with the slowest");
+            selection.update(&sets, &demand(drives, drives), (0, NOW));
+            let set = &sets[selection.active];
+            (set.travel, set.speed_max_mps)
+        };
+        for (speed_mps, set_mps) in [(0.2, 0.3), (0.3, 0.3), (0.4, 0.6), (0.7, 1.1), (2.0, 1.1)] {
+            assert_eq!(needed(forward(speed_mps)), (Travel::Straight, set_mps), "{order:?} {speed_mps}");
+        }
+        assert_eq!(needed(forward(-0.2)), (Travel::Reverse, 0.3), "{order:?}");
+        assert_eq!(needed(forward(-0.9)), (Travel::Reverse, 0.3), "the largest of its direction");
+        // Directions without sets of their own are watched straight ahead.
+        for twist in [spin, right] {
+            assert_eq!(needed(twist), (Travel::Straight, 0.3), "{order:?} {twist:?}");
+        }
+    }
+}
