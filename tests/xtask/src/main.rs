@@ -18,6 +18,7 @@ mod shell;
 mod stack;
 mod test;
 mod vcan;
+mod worst;
 
 /// Automation of floorguard. Exit codes: 0 good, 1 verdict negative, 2 usage, 3 bad input.
 #[derive(Parser)]

@@ -10,6 +10,8 @@ use serde_json::Value;
 pub struct Records {
     /// `tests/goldens/firmware.json`: counts on the emulated Cortex-M7, and the fingerprint of all outputs.
     pub firmware: Option<Value>,
+    /// `tests/goldens/worst-inputs.json`: the inputs that cost a stage the most.
+    pub worst: Option<Value>,
     /// `docs/evidence/campaigns.json`: long campaigns that were run, with their counts.
     pub campaigns: Option<Value>,
 }
@@ -19,6 +21,7 @@ pub fn read(root: &Path) -> Records {
     let value = |path: &str| serde_json::from_str(&fs::read_to_string(root.join(path)).ok()?).ok();
     Records {
         firmware: value("tests/goldens/firmware.json"),
+        worst: value(crate::worst::GOLDEN),
         campaigns: value("docs/evidence/campaigns.json"),
     }
 }

@@ -84,7 +84,7 @@ pub const KINDS: &[Kind] = &[
 pub fn find(name: &str) -> Result<&'static Kind, String> {
     let names = || {
         KINDS.iter().map(|kind| kind.name).collect::<Vec<_>>().join(", ")
-            + ", loops, mutants-guard, mutants-drivers"
+            + ", loops, worst, mutants-guard, mutants-drivers"
     };
     KINDS
         .iter()

@@ -12,7 +12,7 @@ use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 
 use super::state::State;
 use super::{block, kinds, matrix, record, shares, state};
-use crate::{counting, mutants};
+use crate::{counting, mutants, worst};
 
 /// Which campaign and how much of it.
 #[derive(Args)]
@@ -37,6 +37,9 @@ pub struct Options {
 pub fn run(options: &Options) -> Result<bool> {
     if options.name == "loops" {
         return counting::run(options.seed);
+    }
+    if options.name == "worst" {
+        return worst::search(options.trials, options.seed);
     }
     if let Some(caught) = mutants::run(&options.name, options.fresh)? {
         return Ok(caught);

@@ -65,6 +65,7 @@ fn json(evidence: &Evidence) -> Result<String> {
         "hazards": evidence.trace.hazards,
         "dependencies": evidence.dependencies,
         "instructions": evidence.records.firmware,
+        "worst_inputs": evidence.records.worst,
         "campaigns": evidence.records.campaigns,
         "mutants": evidence.mutants,
         "loops": evidence.sites,

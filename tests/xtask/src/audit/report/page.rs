@@ -9,6 +9,7 @@ use crate::audit::evidence::Evidence;
 use crate::audit::image::Image;
 use crate::audit::loops::LoopSite;
 use crate::audit::trace::{Place, Requirement, Trace};
+use crate::firmware::BUDGETS;
 use crate::mutants::Record;
 
 /// Sections: anchor, heading.
@@ -45,7 +46,7 @@ pub fn html(evidence: &Evidence) -> String {
         requirements(&evidence.trace),
         hazards(&evidence.trace),
         format!("<p>Every transition that the search over all reachable states saw.</p>{}", evidence.states),
-        instructions(evidence.records.firmware.as_ref()),
+        instructions(evidence.records.firmware.as_ref(), evidence.records.worst.as_ref()),
         campaigns(evidence.records.campaigns.as_ref()),
         mutants(&evidence.mutants),
         functions(evidence.image.as_ref()),
@@ -148,19 +149,38 @@ fn hazards(trace: &Trace) -> String {
     table.finish()
 }
 
-fn instructions(firmware: Option<&Value>) -> String {
+/// Most instructions of the worst input that was searched for a stage, with the seed of the search.
+fn worst_of(worst: Option<&Value>, stage: &str) -> Option<(u64, String)> {
+    let kept = worst?.as_array()?.iter().find(|kept| kept["stage"] == stage)?;
+    let search = format!("{} scenes, seed {}", kept["trials"], kept["seed"]);
+    Some((kept["instructions"].as_u64()?, search))
+}
+
+fn instructions(firmware: Option<&Value>, worst: Option<&Value>) -> String {
     let Some(firmware) = firmware else {
         return String::from("<p>Not measured: <code>cargo xtask firmware --update</code> measures.</p>");
     };
     let number = |value: &Value| value.as_u64().map_or_else(|| String::from("?"), grouped);
-    let mut table = Table::new(&["stage", "times", "mean", "most"]);
+    let mut table = Table::new(&["stage", "times", "mean", "most", "worst input", "searched in", "budget"]);
     for (name, cost) in firmware["instructions"].as_object().into_iter().flatten() {
-        table.row(&[code(name), number(&cost["count"]), number(&cost["mean"]), number(&cost["max"])]);
+        let (searched, how) = worst_of(worst, name).unzip();
+        let most = searched.unwrap_or(0).max(cost["max"].as_u64().unwrap_or(0));
+        let budget = BUDGETS.iter().find(|(stage, _)| stage == name).map(|(_, budget)| *budget);
+        table.row(&[
+            code(name),
+            number(&cost["count"]),
+            number(&cost["mean"]),
+            number(&cost["max"]),
+            searched.map_or_else(String::new, grouped),
+            how.unwrap_or_default(),
+            budget.map_or_else(String::new, |budget| verdict(most <= budget, &grouped(budget))),
+        ]);
     }
     format!(
         "<p>Instructions of each stage on the emulated Cortex-M7, for one recorded mission. <code>cargo xtask firmware</code> \
          repeats it and fails when a count differs by more than 0.5 %, or when the fingerprint of all outputs on the \
-         Cortex-M7 differs from the one on the host. Both gave {}. These are instructions, not cycles.</p>{}",
+         Cortex-M7 differs from the one on the host. The worst inputs are rooms that a search made as costly as it could: it \
+         climbs on these very counts and proves no bound. Both gave {}. These are instructions, not cycles.</p>{}",
         code(firmware["digest"].as_str().unwrap_or("?")),
         table.finish()
     )
