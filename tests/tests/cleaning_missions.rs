@@ -1,7 +1,9 @@
 //! Whole missions in small rooms: what is claimed, against what is true.
 
 use floorguard_core::random::Pcg32;
-use floorguard_hosted::mission::{DirtSource, Floor, MissionConfig, Strategy, rooms, run};
+use floorguard_hosted::mission::{
+    DirtSource, Floor, Keeping, Memory, MissionConfig, Strategy, rooms, run, run_keeping,
+};
 
 #[test]
 fn the_guarantee_is_kept_in_a_plain_room() {
@@ -49,4 +51,67 @@ fn the_guarantee_is_kept_in_a_plain_room() {
     let (guarantee, others) = ways_m.split_at(3);
     let (once, lanes) = others.split_at(3);
     assert!(mean(once) < mean(guarantee) && mean(guarantee) < mean(lanes));
+}
+
+/// Power fails again and again until the mission is done: nothing that was cleaned is forgotten, nothing is claimed that is
+/// not clean, and the way is hardly longer than in one go.
+#[test]
+fn power_cuts_cost_neither_claims_nor_much_way() {
+    let floor = Floor::new("plain", rooms::plain().expect("a room"), 0.17).expect("a floor");
+    let dirt = DirtSource::Cells { count: 25, units: vec![8.0, 15.0] };
+    for (strategy, every_s) in [(Strategy::Guarantee, 120.0), (Strategy::Systematic, 500.0)] {
+        let expected = dirt.expected_units(&floor, &mut Pcg32::new(5, 77)).expect("dirt");
+        let config = MissionConfig::published(strategy);
+        let whole = run(&floor, &config, &expected, 5).expect("a mission");
+        let mut memory: Option<Memory> = None;
+        let mut cuts = 0;
+        let result = loop {
+            let begin_s = memory.as_ref().map_or(0.0, |memory| memory.time_s);
+            let mut newest = None;
+            let mut keep = |now: &Memory| {
+                if now.time_s > begin_s + every_s {
+                    anyhow::bail!("power fails");
+                }
+                newest = Some(Memory::decode(&now.encode())?);
+                Ok(())
+            };
+            let keeping = Keeping { from: memory.as_ref(), keep: Some(&mut keep) };
+            match run_keeping(&floor, &config, (&expected, &expected), (5, keeping)) {
+                Ok(result) => break result,
+                Err(_) => cuts += 1,
+            }
+            assert!(newest.is_some() && cuts < 40, "{}: does not come on", strategy.name());
+            memory = newest;
+        };
+        println!(
+            "{}: {cuts} cuts, {:.1} m instead of {:.1} m, covered {:.3} instead of {:.3}, {} of {} claimed, {} falsely",
+            strategy.name(),
+            result.distance_m,
+            whole.distance_m,
+            result.covered_share,
+            whole.covered_share,
+            result.claimed_cells,
+            result.dirty_cells,
+            result.falsely_claimed_cells
+        );
+        assert!(cuts >= 2);
+        assert!(result.distance_m < 1.35 * whole.distance_m);
+        assert!(result.falsely_claimed_cells <= 1);
+        if strategy == Strategy::Guarantee {
+            assert!(result.is_complete && result.claimed_cells == result.dirty_cells);
+        } else {
+            assert!(result.covered_share > 0.98);
+        }
+    }
+}
+
+#[test]
+fn a_memory_of_another_mission_is_refused() {
+    let floor = Floor::new("plain", rooms::plain().expect("a room"), 0.17).expect("a floor");
+    let dirt = DirtSource::Cells { count: 3, units: vec![8.0] };
+    let expected = dirt.expected_units(&floor, &mut Pcg32::new(5, 77)).expect("dirt");
+    let config = MissionConfig::published(Strategy::Guarantee);
+    let other = Memory { about: 1, ..Memory::default() };
+    let keeping = Keeping { from: Some(&other), keep: None };
+    assert!(run_keeping(&floor, &config, (&expected, &expected), (5, keeping)).is_err());
 }

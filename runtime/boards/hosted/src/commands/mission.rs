@@ -9,8 +9,8 @@ use serde::Serialize;
 use super::{BadInput, VerdictFailed};
 use crate::environment::{Calendar, Model, expected_units, load, read_zones, save, teach_cleaning};
 use crate::mission::{
-    DirtSource, FaultKind, FaultRates, Floor, Guarantee, MissionConfig, Robot, Strategy, StrategySummary,
-    StrategyTrials, pictures, report, rooms, ros_map, run_strategies_believing,
+    DirtSource, FaultKind, FaultRates, Floor, Guarantee, Keeping, Memory, MissionConfig, Robot, Strategy,
+    StrategySummary, StrategyTrials, pictures, report, rooms, ros_map, run_keeping, run_strategies_believing,
 };
 use crate::status::{MissionStatus, write_status};
 use floorguard_core::maps::environment::WallTime;
@@ -52,6 +52,10 @@ pub struct MissionArguments {
     /// What the robot sees its surroundings with; people and faults need the scanner.
     #[arg(long, default_value = "scanner")]
     pub sensor: Sensor,
+    /// Keep what is known of the mission in this file about once a second, and go on from it after a power cut; it is
+    /// removed at the end. For one mission of one strategy.
+    #[arg(long)]
+    pub resume: Option<PathBuf>,
     /// One line of JSON for each strategy on standard output.
     #[arg(long)]
     pub json: bool,
@@ -120,13 +124,17 @@ pub fn run(arguments: &MissionArguments) -> anyhow::Result<()> {
             .unwrap_or_else(|_| ProgressStyle::default_bar()),
     );
     let mut prior = Prior::load(arguments, &floor)?;
-    let columns = run_strategies_believing(
-        &floor,
-        (&arguments.strategy, &config, &arguments.dirt),
-        prior.as_ref().map(|prior| prior.believed.as_slice()),
-        (arguments.trials, arguments.seed),
-        || bar.inc(1),
-    )?;
+    let believed = prior.as_ref().map(|prior| prior.believed.as_slice());
+    let columns = match &arguments.resume {
+        Some(file) => vec![kept_mission(arguments, file, (&floor, &config), believed)?],
+        None => run_strategies_believing(
+            &floor,
+            (&arguments.strategy, &config, &arguments.dirt),
+            believed,
+            (arguments.trials, arguments.seed),
+            || bar.inc(1),
+        )?,
+    };
     bar.finish_and_clear();
     let summaries: Vec<StrategySummary> = columns.iter().map(StrategyTrials::summary).collect();
     anstream::eprint!("{}", report::table(&summaries));
@@ -175,6 +183,34 @@ fn config(arguments: &MissionArguments) -> MissionConfig {
         faults: FaultRates::of(&arguments.faults),
         ..MissionConfig::published(Strategy::Guarantee)
     }
+}
+
+/// One mission whose memory is a file.
+fn kept_mission(
+    arguments: &MissionArguments,
+    file: &Path,
+    (floor, config): (&Floor, &MissionConfig),
+    believed: Option<&[f32]>,
+) -> anyhow::Result<StrategyTrials> {
+    let bad = |error: anyhow::Error| BadInput(format!("{error:#}"));
+    let &[strategy] = arguments.strategy.as_slice() else {
+        return Err(BadInput("--resume keeps the mission of one strategy".to_owned()).into());
+    };
+    if arguments.trials != 1 {
+        return Err(BadInput("--resume keeps one mission: --trials 1".to_owned()).into());
+    }
+    let config = MissionConfig { strategy, ..*config };
+    let expected = arguments.dirt.expected_units(floor, &mut Pcg32::new(arguments.seed, 0)).map_err(bad)?;
+    let before = Memory::load(file).map_err(bad)?;
+    if let Some(memory) = &before {
+        anstream::eprintln!("{}: goes on after {:.0} s", file.display(), memory.time_s);
+    }
+    let mut keep = |memory: &Memory| memory.save(file);
+    let keeping = Keeping { from: before.as_ref(), keep: Some(&mut keep) };
+    let dirt = (expected.as_slice(), believed.unwrap_or(&expected));
+    let result = run_keeping(floor, &config, dirt, (arguments.seed, keeping)).map_err(bad)?;
+    std::fs::remove_file(file).map_err(|error| bad(error.into()))?;
+    Ok(StrategyTrials { strategy, trials: vec![result] })
 }
 
 fn draw(arguments: &MissionArguments, floor: &Floor, columns: &[StrategyTrials]) -> anyhow::Result<()> {

@@ -134,12 +134,40 @@ impl Localiser {
         }
     }
 
-    /// Power failed: what the particles held is lost, the stored map and the last stored pose are what is left.
+    /// What is believed of every cell that is not plainly clean, as the stored map would say it: cells under the brush
+    /// are as they were before it came.
+    pub fn remembered(&mut self) -> Vec<(u32, DirtCell)> {
+        let mut under_brush = Vec::new();
+        self.belief.look_at_active(|cell, prior, _| under_brush.push((cell, *prior)));
+        under_brush.sort_unstable_by_key(|&(cell, _)| cell);
+        let stored = |(cell, dirt): (usize, &DirtCell)| {
+            let before = under_brush.binary_search_by_key(&cell, |&(held, _)| held).ok();
+            let dirt = before.and_then(|i| under_brush.get(i)).map_or(*dirt, |&(_, prior)| prior);
+            (dirt != DirtCell::CLEAN).then_some((cell as u32, dirt))
+        };
+        self.map.values().iter().enumerate().filter_map(stored).collect()
+    }
+
+    /// Power came back: the stored cells and the stored pose are what is left.
+    pub fn restore(&mut self, (cells, pose_in_map): (&[(u32, DirtCell)], Pose2), odometry: Pose2) {
+        self.belief.distrust(&mut self.map, (0.0, 0.0));
+        self.map.values_mut().fill(DirtCell::CLEAN);
+        for &(cell, dirt) in cells {
+            if let Some(place) = self.map.get_mut(cell as usize) {
+                *place = dirt;
+            }
+        }
+        self.mean_at_update = pose_in_map;
+        self.restart(odometry);
+    }
+
+    /// As after a power cut, with the map and the pose as they are: what the particles held is lost.
     pub fn restart(&mut self, odometry: Pose2) {
         self.belief.distrust(&mut self.map, (0.0, 0.0));
         self.belief.place(self.mean_at_update, DOUBT.0, DOUBT.1);
         self.odometry_at_update = odometry;
         self.hits_since_update = 0;
+        self.is_silent_since_update = false;
         self.is_trusted = false;
     }
 

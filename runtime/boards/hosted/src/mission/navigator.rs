@@ -130,6 +130,24 @@ impl Navigator {
         }
     }
 
+    /// Lanes that are not finished, the one under way included.
+    pub fn lanes_left(&self) -> usize {
+        self.lanes.len() + usize::from(self.lane.is_some())
+    }
+
+    /// Goes on after a power cut: what was planned is lost, what was tried is not. `self` is as new.
+    pub fn resume(&mut self, (lanes_left, visits): (usize, &[(u32, u8)]), before: &Self) {
+        let done = self.lanes.len().saturating_sub(lanes_left);
+        self.lanes.drain(..done);
+        for &(cell, count) in visits {
+            if let Some(place) = self.visits.get_mut(cell as usize) {
+                *place = count;
+            }
+        }
+        (self.replannings, self.slowest_replan_s) = (before.replannings, before.slowest_replan_s);
+        self.first_plan_s = before.first_plan_s;
+    }
+
     /// What to do from this pose at this time.
     pub fn wish(
         &mut self,
@@ -247,7 +265,7 @@ impl Navigator {
         let report = self.planner.replan(cell, (wanted, |c: usize| floor.passable[c]), experiments);
         let took = begin.elapsed().as_secs_f64();
         if self.plans == 0 {
-            self.first_plan_s = took;
+            self.first_plan_s = self.first_plan_s.max(took);
         } else {
             self.slowest_replan_s = self.slowest_replan_s.max(took);
             self.replannings += u32::from(report.is_ok_and(|r| r.path_changed && r.added > 0));

@@ -9,6 +9,7 @@ use super::config::{MissionConfig, Strategy};
 use super::faults::Faults;
 use super::floor::Floor;
 use super::localiser::Localiser;
+use super::memory::{Memory, about};
 use super::navigator::{Navigator, VISITS_MAX, Wish};
 use super::people::Crowd;
 use super::promise::Promise;
@@ -16,6 +17,8 @@ use super::truth::Truth;
 
 /// Control period, s.
 const PERIOD_S: f32 = 0.1;
+/// A memory is kept this often, s: the robot goes 0.1 m meanwhile, which is within the doubt of a restart.
+const MEMORY_S: f32 = 1.0;
 /// A mission that takes longer is broken off, s: a shift.
 const TIME_LIMIT_S: f32 = 8.0 * 3_600.0;
 
@@ -103,8 +106,31 @@ pub fn run(
 pub fn run_believing(
     floor: &Floor,
     config: &MissionConfig,
-    (expected, believed): (&[f32], &[f32]),
+    dirt: (&[f32], &[f32]),
     seed: u64,
+) -> anyhow::Result<TrialResult> {
+    run_keeping(floor, config, dirt, (seed, Keeping::default()))
+}
+
+/// What becomes of the memory of a mission.
+#[derive(Default)]
+pub struct Keeping<'a> {
+    /// The memory with which the mission goes on. The simulated world, which has no memory of its own, is driven up to
+    /// the same moment first; the robot then knows what it remembers and nothing else.
+    pub from: Option<&'a Memory>,
+    /// Called with the memory about once a second of the mission.
+    pub keep: Option<&'a mut dyn FnMut(&Memory) -> anyhow::Result<()>>,
+}
+
+/// As [`run_believing`], for a mission that outlives a power cut.
+///
+/// # Errors
+/// A memory of another mission, or one that cannot be kept.
+pub fn run_keeping(
+    floor: &Floor,
+    config: &MissionConfig,
+    (expected, believed): (&[f32], &[f32]),
+    (seed, keeping): (u64, Keeping<'_>),
 ) -> anyhow::Result<TrialResult> {
     let stream = |number| Pcg32::new(seed, number);
     let tolerated = u32::from(config.tolerated_units);
@@ -134,10 +160,32 @@ pub fn run_believing(
         ),
         faults: Faults::new(config.faults, stream(4)),
         crowd: Crowd::new(floor, config.people, stream(5)),
+        seed,
+        about: about(identity(floor, config, (expected, believed), seed)),
+        memory: None,
+        remembers: false,
+        next_memory_s: 0.0,
+        cuts_s: Vec::new(),
         result: TrialResult::default(),
     };
-    mission.drive_to_the_end();
+    mission.drive_to_the_end(keeping)?;
     Ok(mission.judge(&dirty))
+}
+
+/// What makes a mission this one and no other.
+fn identity<'a>(
+    floor: &'a Floor,
+    config: &MissionConfig,
+    (expected, believed): (&'a [f32], &'a [f32]),
+    seed: u64,
+) -> impl Iterator<Item = u32> + use<'a> {
+    let settings = format!("{config:?}").into_bytes();
+    let cells = (floor.cells.width(), floor.cells.height());
+    [seed as u32, (seed >> 32) as u32, u32::from(cells.0), u32::from(cells.1)]
+        .into_iter()
+        .chain(settings.into_iter().map(u32::from))
+        .chain(expected.iter().chain(believed).map(|units| units.to_bits()))
+        .chain(floor.reachable.iter().map(|&reachable| u32::from(reachable)))
 }
 
 struct Mission<'a> {
@@ -149,27 +197,107 @@ struct Mission<'a> {
     navigator: Navigator,
     faults: Faults,
     crowd: Crowd,
+    seed: u64,
+    about: u32,
+    /// What would be left after a power cut.
+    memory: Option<Memory>,
+    remembers: bool,
+    next_memory_s: f32,
+    cuts_s: Vec<f32>,
     result: TrialResult,
 }
 
 impl Mission<'_> {
-    fn drive_to_the_end(&mut self) {
+    fn drive_to_the_end(&mut self, mut keeping: Keeping<'_>) -> anyhow::Result<()> {
+        self.remembers = self.config.faults.resets > 0.0 || keeping.from.is_some() || keeping.keep.is_some();
+        if let Some(memory) = keeping.from {
+            anyhow::ensure!(memory.about == self.about, "the memory is that of another mission");
+            for &cut_s in &memory.cuts_s {
+                self.drive_until(cut_s);
+                let then = self.remember();
+                self.go_on(&then);
+            }
+            self.drive_until(memory.time_s);
+            self.go_on(memory);
+        }
         while self.truth.time_s < TIME_LIMIT_S {
             if self.config.distance_limit_m.is_some_and(|limit| self.truth.distance_m >= limit) {
                 break;
+            }
+            if self.remember_if_due()
+                && let (Some(keep), Some(memory)) = (&mut keeping.keep, &self.memory)
+            {
+                keep(memory)?;
             }
             if !self.step() {
                 self.result.is_complete = true;
                 break;
             }
         }
+        Ok(())
+    }
+
+    /// What the world was until a power cut: the same steps again.
+    fn drive_until(&mut self, time_s: f32) {
+        while self.truth.time_s < time_s {
+            self.remember_if_due();
+            if !self.step() {
+                break;
+            }
+        }
+    }
+
+    /// Goes on after a power cut that came to all of the robot.
+    fn go_on(&mut self, memory: &Memory) {
+        self.restart(memory);
+        self.cuts_s.push(memory.time_s);
+        self.next_memory_s = self.truth.time_s;
+    }
+
+    fn remember_if_due(&mut self) -> bool {
+        let is_due = self.remembers && self.truth.time_s >= self.next_memory_s;
+        if is_due {
+            self.next_memory_s = self.truth.time_s + MEMORY_S;
+            self.memory = Some(self.remember());
+        }
+        is_due
+    }
+
+    fn remember(&mut self) -> Memory {
+        let visits = self.navigator.visits.iter().enumerate();
+        Memory {
+            about: self.about,
+            time_s: self.truth.time_s,
+            pose_in_map: self.localiser.pose(self.truth.odometry),
+            lanes_left: self.navigator.lanes_left() as u32,
+            cuts_s: self.cuts_s.clone(),
+            cells: self.localiser.remembered(),
+            visits: visits.filter(|v| *v.1 > 0).map(|(cell, &count)| (cell as u32, count)).collect(),
+        }
+    }
+
+    /// Power comes back: the robot knows what the memory says.
+    fn restart(&mut self, memory: &Memory) {
+        self.localiser.restore((&memory.cells, memory.pose_in_map), self.truth.odometry);
+        let robot = &self.config.robot;
+        let mut navigator = Navigator::new(
+            self.floor,
+            self.config.strategy,
+            (robot.follow, robot.brush.width_m),
+            Pcg32::new(self.seed, 3),
+        );
+        navigator.resume((memory.lanes_left as usize, &memory.visits), &self.navigator);
+        self.navigator = navigator;
     }
 
     /// One control period; `false` at the end of the mission.
     fn step(&mut self) -> bool {
         let fault = self.faults.step(PERIOD_S);
-        if fault.resets {
-            self.localiser.restart(self.truth.odometry);
+        if fault.resets
+            && let Some(memory) = self.memory.take()
+        {
+            self.restart(&memory);
+            self.memory = Some(memory);
         }
         if fault.jumps {
             self.truth.displace(self.floor, 0.1, 0.1);
