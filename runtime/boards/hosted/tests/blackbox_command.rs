@@ -48,6 +48,12 @@ fn a_log_becomes_a_recording_and_damage_costs_only_itself() {
     let messages: Vec<_> = Recording::new(file).collect::<Result<_, _>>().expect("readable");
     let count = |topic: &str| messages.iter().filter(|message| &*message.topic == topic).count();
     assert_eq!((count(topics::PERMITTED), count(topics::MEASURED), count(topics::STOPS)), (1_000, 1_000, 1));
+    // Two read-outs one after the other, as a serial line carries them.
+    std::fs::write(&path, [log.as_slice(), b"words of a boot loader\0", log.as_slice()].concat())
+        .expect("written");
+    let (output, rows) = blackbox(&path);
+    assert_eq!((output.status.code(), rows), (Some(0), 2_000), "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("1 damaged rows, complete"), "{output:?}");
     // Noise before it, a hole in it, cut in the middle of a row.
     let mut damaged = b"noise of a serial line".to_vec();
     damaged.extend(&log[..5_000]);

@@ -6,6 +6,7 @@ use std::net::TcpStream;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use floorguard_hosted::recording::{Recording, topics};
 use serde_json::Value;
 
 const SECONDS: u64 = 13;
@@ -22,12 +23,11 @@ fn program() -> Command {
     command
 }
 
-fn start() -> Run {
-    let seconds = SECONDS.to_string();
-    let arguments = ["simulate", "--scenario", "empty", "--json", "--panel", "127.0.0.1:0", "--duration"];
+fn start(more: &[&str]) -> Run {
+    let arguments = ["simulate", "--scenario", "empty", "--json", "--panel", "127.0.0.1:0"];
     let mut child = program()
         .args(arguments)
-        .arg(seconds)
+        .args(more)
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
@@ -89,7 +89,7 @@ fn speed(state: &Value) -> f64 {
 
 #[test]
 fn pause_and_resume_by_the_panel_and_nobody_else() {
-    let mut run = start();
+    let mut run = start(&["--duration", &SECONDS.to_string()]);
     let started = Instant::now();
     // Sixty browsers that ask and never read.
     let slow: Vec<TcpStream> = (0..60)
@@ -121,6 +121,47 @@ fn pause_and_resume_by_the_panel_and_nobody_else() {
     assert!(took < Duration::from_secs(SECONDS + 5), "slow browsers must not slow the robot: {took:?}");
     let verdict: Value = serde_json::from_str(&verdict).expect("a verdict");
     assert!(verdict["faulty_sources"].as_array().is_some_and(Vec::is_empty), "{verdict}");
+    drop(slow);
+}
+
+/// The robot on threads and real lines while 150 browsers ask and do not read, and one reads: it drives, every row of
+/// its lines is in the recording, and who reads gets a picture every tenth of a second.
+#[test]
+fn browsers_in_real_time_lose_pictures_and_the_robot_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("run.mcap");
+    let path = file.to_str().expect("a readable path");
+    let mut run = start(&["--duration", "7", "--real-io", "--record", path]);
+    let slow: Vec<TcpStream> = (0..150)
+        .map(|_| {
+            let mut stream = TcpStream::connect(&run.address).expect("the panel answers");
+            let request = format!("GET /state HTTP/1.1\r\nHost: {}\r\n\r\n", run.address).repeat(100);
+            stream.write_all(request.as_bytes()).expect("sent");
+            stream
+        })
+        .collect();
+    let (mut pictures, mut newest, began) = (0, 0, Instant::now());
+    while began.elapsed() < Duration::from_secs(4) {
+        let (code, body) = run.ask(&format!("GET /state?after={newest} HTTP/1.1"), "");
+        let number =
+            serde_json::from_str::<Value>(&body).map_or(0, |state| state["number"].as_u64().unwrap_or(0));
+        pictures += u64::from(code == 200 && number > newest);
+        newest = number.max(newest);
+    }
+    let mut verdict = String::new();
+    run.child.stdout.take().expect("its verdict").read_to_string(&mut verdict).expect("readable");
+    assert!(run.child.wait().expect("ended").success(), "{verdict}");
+    println!("{pictures} pictures in 4 s; {verdict}");
+    assert!(pictures > 15, "{pictures} pictures in 4 s");
+    let verdict: Value = serde_json::from_str(&verdict).expect("a verdict");
+    assert!(verdict["distance_m"].as_f64().is_some_and(|driven_m| driven_m > 0.5), "{verdict}");
+    let messages = Recording::new(std::fs::File::open(&file).expect("a recording"));
+    let messages: Vec<_> = messages.collect::<Result<_, _>>().expect("whole");
+    let lidar = messages.iter().filter(|message| &*message.topic == "/raw/lidar").count();
+    assert!(lidar > 4_500, "{lidar} of 5,277 lidar datagrams");
+    let text = messages.iter().filter(|message| &*message.topic == topics::DIAGNOSTICS);
+    let lost = text.filter(|message| message.data.windows(9).any(|words| words == b"rows lost")).count();
+    assert_eq!(lost, 0, "the recording misses rows");
     drop(slow);
 }
 

@@ -90,16 +90,23 @@ fn read(bytes: &[u8]) -> Contents {
     let mut rows: Vec<&[u8]> = bytes.split(|byte| *byte == 0).collect();
     // What stands behind the last zero was cut, or is nothing.
     let rest = rows.pop().unwrap_or_default();
+    // A file may hold several read-outs: each counts its own moments.
+    let mut begun_at = 0;
     contents.damaged += u64::from(!rest.is_empty());
     for packed in rows.into_iter().filter(|packed| !packed.is_empty()) {
         match decode_row(&mut packed.to_vec()) {
-            Some(LogRow::Begin(LOG_VERSION, _)) => {}
+            Some(LogRow::Begin(LOG_VERSION, _)) => {
+                begun_at = contents.moments.len();
+                contents.complete = false;
+            }
             Some(LogRow::Begin(version, _)) => contents.other_version = Some(version),
             Some(LogRow::Moment(moment)) => match moment.entry() {
                 Some(entry) => contents.moments.push(entry),
                 None => contents.damaged += 1,
             },
-            Some(LogRow::End(moments)) => contents.complete = moments as usize == contents.moments.len(),
+            Some(LogRow::End(moments)) => {
+                contents.complete = moments as usize == contents.moments.len() - begun_at;
+            }
             None => contents.damaged += 1,
         }
     }

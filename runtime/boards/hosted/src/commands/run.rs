@@ -20,7 +20,7 @@ use super::panel::open_panel;
 use crate::configuration::{HostedConfiguration, load};
 use crate::display::LiveDisplay;
 use crate::environment::{Calendar, LiveLearner};
-use crate::executor::StopFlag;
+use crate::executor::{Ring, StopFlag, take_priority};
 use crate::panel::Order;
 use crate::robot::{HostedShared, Links, run_rings, write_stop_file};
 use crate::world::{Notes, Witnesses, new_shared, with_onlooker};
@@ -86,7 +86,10 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     with_onlooker(&mut witnesses, &shared, |tap, notes| {
         links.tap = tap;
         run_rings((&configuration.robot, links), &shared, &flag, || {
-            watch.until_stopped(&flag, &typed_lines(), notes)
+            let typed = typed_lines();
+            // The display reads what the rings share; the word for it is on the console already.
+            let _ = take_priority(Ring::Onlooker);
+            watch.until_stopped(&flag, &typed, notes)
         })?
     })?;
     if let Some(learner) = watch.learner.take() {

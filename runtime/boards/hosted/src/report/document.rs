@@ -101,7 +101,8 @@ fn head(html: &mut String, history: &History, name: &str) {
             write!(html, "<p class=cut>Incomplete: {}. Everything before it is shown.</p>", escaped(ended));
     }
     let moving_s = history.speeds.windows(2).filter(|pair| pair[0].speed_mps.abs() > 0.02);
-    let moving_s: f64 = moving_s.map(|pair| pair[1].at_s - pair[0].at_s).sum();
+    // The sum of nothing is −0.
+    let moving_s = moving_s.map(|pair| pair[1].at_s - pair[0].at_s).sum::<f64>() + 0.0;
     let people = history.people.values().filter(|way| way.len() > 5).count();
     let tiles = [
         (format!("{:.0} s", history.duration_s), "recorded"),

@@ -11,6 +11,7 @@ use floorguard_runtime::clock;
 use floorguard_runtime::shared::StopRecord;
 
 use super::witnesses::Witnesses;
+use crate::executor::{Ring, take_priority};
 use crate::panel::Order;
 use crate::robot::{HostedShared, Tap, TapRow, TapRows, tap};
 
@@ -90,6 +91,8 @@ fn look_on(
     shared: &HostedShared,
     ((rows, notes), ended): ((&TapRows, &Receiver<Note>), &AtomicBool),
 ) -> anyhow::Result<()> {
+    // Also because a thread begins with the priority of the one that started it, be it the simulated world's.
+    anstream::eprintln!("  {}", take_priority(Ring::Onlooker));
     loop {
         // Read before the queues: what was put in before the end is still taken out.
         let last = ended.load(Ordering::Acquire);
