@@ -1,6 +1,7 @@
 //! Recording and panel of a robot in real time, on a thread of their own: neither a slow disk nor a slow browser holds
 //! up a ring or the display.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread;
@@ -11,6 +12,7 @@ use floorguard_runtime::clock;
 use floorguard_runtime::shared::StopRecord;
 
 use super::witnesses::Witnesses;
+use crate::cleaner::MissionProgress;
 use crate::executor::{Ring, take_priority};
 use crate::panel::Order;
 use crate::robot::{HostedShared, Tap, TapRow, TapRows, tap};
@@ -21,6 +23,7 @@ const LOOK: Duration = Duration::from_millis(5);
 /// What the thread with the display tells the onlooker.
 enum Note {
     Stop(StopRecord),
+    Mission(Arc<MissionProgress>),
     Order(Order),
 }
 
@@ -34,6 +37,11 @@ impl Notes<'_> {
     /// A stop that began.
     pub fn stop(&self, record: &StopRecord) {
         self.note(Note::Stop(*record));
+    }
+
+    /// The cleaning mission has told its progress.
+    pub fn mission(&self, progress: &Arc<MissionProgress>) {
+        self.note(Note::Mission(Arc::clone(progress)));
     }
 
     /// An operator's order: the tasks get it, and so does the recording.
@@ -124,6 +132,7 @@ fn take_in(witnesses: &mut Witnesses, shared: &HostedShared, (rows, notes): (&Ta
     for note in notes.try_iter() {
         match note {
             Note::Stop(record) => witnesses.stop(&record),
+            Note::Mission(progress) => witnesses.mission(&progress),
             Note::Order(order) => witnesses.order(order, shared, now_us),
         }
     }

@@ -84,12 +84,13 @@ pub fn run_real_recorded(
 
 /// The mission has told its progress.
 fn tell(
-    observer: &mut Observer<'_>,
+    (observer, notes): (&mut Observer<'_>, &Notes<'_>),
     (simulation, shared): (&Simulation, &HostedShared),
     setup: &MissionSetup,
 ) {
     if let (Some(progress), Some(pose)) = (setup.watch.get(), shared.pose.get()) {
         observer.on_mission(&progress, (simulation, pose.pose_in_odometry));
+        notes.mission(&progress);
     }
 }
 
@@ -151,7 +152,7 @@ impl World<'_> {
                 observer.observe(simulation, shared, &stops);
                 if let Some(setup) = mission.as_ref().filter(|setup| setup.watch.published() != told) {
                     told = setup.watch.published();
-                    tell(observer, (simulation, shared), setup);
+                    tell((observer, notes), (simulation, shared), setup);
                 }
             }
             let due_us = simulation.next_event_us().min(faults.next_event_us()).min(judge_us);
