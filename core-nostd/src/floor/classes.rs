@@ -5,7 +5,8 @@
 
 use super::curvature::Curvature;
 use super::model::FloorParameters;
-use super::plane::{Plane, dot};
+use super::plane::Plane;
+use crate::capacities::FLOOR_IMAGE_COLUMNS_MAX;
 
 /// The class of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,62 +32,65 @@ const HOLE_MIN_M: f32 = 0.02;
 /// Heights beyond this many standard deviations are not noise: one pixel in 30,000 is, if noise is Gaussian.
 const SIGMAS: f32 = 4.0;
 
-/// One pixel's class and height.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Judged {
-    pub class: PixelClass,
-    pub height_m: f32,
-}
-
 /// Judges the pixels of one row after another.
-#[derive(Clone, Copy)]
 pub(super) struct Judge {
     parameters: FloorParameters,
     plane: Plane,
     curvature: Option<Curvature>,
+    /// The first component of every column's ray.
+    rays_x: [f32; FLOOR_IMAGE_COLUMNS_MAX],
 }
 
 impl Judge {
     pub(super) fn new(parameters: &FloorParameters, plane: &Plane, curvature: &Curvature) -> Self {
-        Self {
-            parameters: *parameters,
-            plane: *plane,
-            curvature: Some(*curvature).filter(Curvature::is_bent),
+        let mut rays_x = [0.0; FLOOR_IMAGE_COLUMNS_MAX];
+        for (column, slot) in rays_x.iter_mut().enumerate() {
+            [*slot, _, _] = parameters.camera.ray(column as f32, 0.0);
         }
+        let curvature = Some(*curvature).filter(Curvature::is_bent);
+        Self { parameters: *parameters, plane: *plane, curvature, rays_x }
     }
 
-    /// Judges a row into `judged`; both have the width of the image.
-    pub(super) fn row(&self, row: usize, depths: &[u16], judged: &mut [Judged]) {
-        let camera = self.parameters.camera;
-        let [_, ray_y, _] = camera.ray(0.0, row as f32);
-        for ((column, depth), judged) in depths.iter().enumerate().zip(judged) {
-            let [ray_x, _, _] = camera.ray(column as f32, 0.0);
-            *judged = self.pixel(*depth, [ray_x, ray_y, 1.0]);
+    /// Judges a row into `classes`; both have the width of the image, at most the profile's.
+    pub(super) fn row(&self, row: usize, depths: &[u16], classes: &mut [PixelClass]) {
+        // Told apart once a row, so that the loop over the pixels has no branch and compilers vectorise it.
+        let [_, ray_y, _] = self.parameters.camera.ray(0.0, row as f32);
+        match self.curvature.as_ref().map(|curvature| curvature.row(ray_y)) {
+            None => self.row_over(ray_y, depths, classes, |_, _| 0.0),
+            Some(floor) => self.row_over(ray_y, depths, classes, |z, ray_x| floor.height_m(z, ray_x)),
         }
     }
 
     #[inline]
-    fn pixel(&self, depth_mm: u16, ray: [f32; 3]) -> Judged {
-        let z = f32::from(depth_mm) * 0.001;
-        let along_ray = dot(self.plane.normal, ray);
-        let mut height_m = z * along_ray + self.plane.distance_m;
-        if let Some(curvature) = &self.curvature {
-            height_m -= curvature.height_m(ray.map(|value| value * z));
+    fn row_over(
+        &self,
+        ray_y: f32,
+        depths: &[u16],
+        classes: &mut [PixelClass],
+        floor_m: impl Fn(f32, f32) -> f32,
+    ) {
+        let Self { parameters: FloorParameters { noise, working_range_m, .. }, plane, .. } = self;
+        let [nx, ny, nz] = plane.normal;
+        let along_row = ny * ray_y + nz;
+        for ((depth, ray_x), class) in depths.iter().zip(&self.rays_x).zip(classes) {
+            let z = f32::from(*depth) * 0.001;
+            let along_ray = nx * ray_x + along_row;
+            let height_m = z * along_ray + plane.distance_m - floor_m(z, *ray_x);
+            // Squares are compared, so that no pixel needs a root.
+            let variance = noise.variance_m2(z) * along_ray * along_ray;
+            let exceeds_noise = height_m * height_m > SIGMAS * SIGMAS * variance;
+            let mut found = PixelClass::Floor;
+            found = if exceeds_noise & (height_m > OBJECT_MIN_M) { PixelClass::Object } else { found };
+            found = if exceeds_noise & (height_m < -HOLE_MIN_M) { PixelClass::Hole } else { found };
+            found = if z > *working_range_m { PixelClass::Far } else { found };
+            *class = if *depth == 0 { PixelClass::Unknown } else { found };
         }
-        // Squares are compared, so that no pixel needs a root.
-        let variance = self.parameters.noise.variance_m2(z) * along_ray * along_ray;
-        let exceeds_noise = height_m * height_m > SIGMAS * SIGMAS * variance;
-        let class = if depth_mm == 0 {
-            PixelClass::Unknown
-        } else if z > self.parameters.working_range_m {
-            PixelClass::Far
-        } else if exceeds_noise && height_m > OBJECT_MIN_M {
-            PixelClass::Object
-        } else if exceeds_noise && height_m < -HOLE_MIN_M {
-            PixelClass::Hole
-        } else {
-            PixelClass::Floor
-        };
-        Judged { class, height_m }
+    }
+
+    /// Height of a pixel above the floor, metres.
+    #[inline]
+    pub(super) fn height_m(&self, point: [f32; 3]) -> f32 {
+        let floor_m = self.curvature.as_ref().map_or(0.0, |curvature| curvature.height_m(point));
+        self.plane.height_m(point) - floor_m
     }
 }

@@ -3,6 +3,8 @@
 //! The standard deviation grows with the square of the depth; what the camera rounds to is added in quadrature.
 //! Source: algorithms E.1 (Nguyen 2012, Khoshelham 2012, coefficients of the elevation-mapping configurations).
 
+use super::lanes::Lanes;
+
 /// `σ_z = constant_m + growth_per_m · (z − nearest_m)²`, and steps of `step_per_m · z²`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthNoise {
@@ -54,6 +56,17 @@ impl DepthNoise {
     pub fn variance_m2(&self, depth_m: f32) -> f32 {
         let axial = self.axial_m(depth_m);
         let rounding = ROUNDING * self.step_per_m * depth_m * depth_m;
+        axial * axial + rounding * rounding
+    }
+}
+
+impl DepthNoise {
+    /// [`Self::variance_m2`] of four depths.
+    #[inline]
+    pub(super) fn variances_m2(&self, depths: Lanes) -> Lanes {
+        let beyond = depths + -self.nearest_m;
+        let axial = beyond * beyond * self.growth_per_m + self.constant_m;
+        let rounding = depths * depths * (ROUNDING * self.step_per_m);
         axial * axial + rounding * rounding
     }
 }

@@ -9,6 +9,7 @@ mod curvature;
 mod depth_noise;
 pub mod dirt;
 mod gate;
+mod lanes;
 mod lattice;
 mod model;
 mod normal_equations;

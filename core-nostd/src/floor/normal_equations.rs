@@ -25,14 +25,9 @@ impl NormalEquations {
         }
     }
 
-    /// Adds the sums of another part; summing rows of an image first keeps the rounding of 10⁵ samples small.
-    pub fn merge(&mut self, part: &Self) {
-        for (sum, value) in self.matrix.iter_mut().zip(part.matrix) {
-            *sum += value;
-        }
-        for (sum, value) in self.right.iter_mut().zip(part.right) {
-            *sum += value;
-        }
+    /// From sums of the upper triangle and of the right side, as [`Self::add`] makes them.
+    pub(super) const fn of_sums(matrix: [f32; 6], right: [f32; 3]) -> Self {
+        Self { matrix, right }
     }
 
     /// The solution by `L D Lᵀ`; `None` where the rows do not determine it.

@@ -6,9 +6,9 @@
 
 use heapless::Vec;
 
-use super::classes::{Judge, Judged, PixelClass};
+use super::classes::{Judge, PixelClass};
 use super::model::{FloorEstimate, FloorParameters};
-use super::plane::{Plane, dot};
+use super::plane::dot;
 use crate::capacities::{FLOOR_IMAGE_COLUMNS_MAX, FLOOR_OBJECTS_MAX, FLOOR_PARTS_MAX};
 use crate::sensing::DepthImage;
 
@@ -96,7 +96,7 @@ type Row<T> = [T; FLOOR_IMAGE_COLUMNS_MAX];
 /// Working memory of the search; one for each camera. Nothing of it lasts from image to image.
 #[derive(Clone, Debug)]
 pub struct ObjectFinder {
-    judged: [Row<Judged>; 3],
+    classes: [Row<PixelClass>; 3],
     above: Row<Above>,
     parts: Vec<Part, FLOOR_PARTS_MAX>,
 }
@@ -104,7 +104,7 @@ pub struct ObjectFinder {
 impl Default for ObjectFinder {
     fn default() -> Self {
         Self {
-            judged: [[Judged::default(); FLOOR_IMAGE_COLUMNS_MAX]; 3],
+            classes: [[PixelClass::Unknown; FLOOR_IMAGE_COLUMNS_MAX]; 3],
             above: [Above::default(); FLOOR_IMAGE_COLUMNS_MAX],
             parts: Vec::new(),
         }
@@ -128,20 +128,20 @@ impl ObjectFinder {
             return Err(ImageTooWide { width });
         }
         let judge = Judge::new(parameters, &floor.plane, &floor.curvature);
-        let scene = Scene { parameters, plane: &floor.plane, axes: floor.plane.axes() };
+        let scene = Scene { parameters, judge: &judge, axes: floor.plane.axes() };
         self.parts.clear();
         self.above = [Above::default(); FLOOR_IMAGE_COLUMNS_MAX];
-        self.judged = [[Judged::default(); FLOOR_IMAGE_COLUMNS_MAX]; 3];
+        self.classes = [[PixelClass::Unknown; FLOOR_IMAGE_COLUMNS_MAX]; 3];
         let mut found = FloorObjects::default();
         let mut outputs = classes.chunks_mut(width.max(1));
         let mut before: &[u16] = &[];
         // One row more than the image has, so that the last one gets its lower neighbours: none.
         for (row, depths) in image.rows().map(Some).chain(core::iter::once(None)).enumerate() {
-            self.judged.rotate_left(1);
-            let [_, _, newest] = &mut self.judged;
+            self.classes.rotate_left(1);
+            let [_, _, newest] = &mut self.classes;
             match depths {
                 Some(depths) => judge.row(row, depths, newest),
-                None => *newest = [Judged::default(); FLOOR_IMAGE_COLUMNS_MAX],
+                None => *newest = [PixelClass::Unknown; FLOOR_IMAGE_COLUMNS_MAX],
             }
             if let Some(middle) = row.checked_sub(1) {
                 let output = outputs.next().unwrap_or(&mut []);
@@ -161,39 +161,40 @@ impl ObjectFinder {
         (scene, output): (&Scene<'_>, &mut [PixelClass]),
         found: &mut FloorObjects,
     ) {
-        let [upper, middle, lower] = &self.judged;
-        let [mut floor, mut objects, mut holes] = [0_u32; 3];
-        for judged in middle.iter().take(depths.len()) {
-            floor = floor.wrapping_add(u32::from(judged.class == PixelClass::Floor));
-            objects = objects.wrapping_add(u32::from(judged.class == PixelClass::Object));
-            holes = holes.wrapping_add(u32::from(judged.class == PixelClass::Hole));
-        }
+        let [upper, middle, lower] = self.classes;
+        let judged = middle.get(..depths.len()).unwrap_or(&middle);
+        let [floor, objects, holes] = counts(judged);
         for (sum, count) in found.counts.iter_mut().zip([floor, objects, holes]) {
             *sum = sum.saturating_add(count);
         }
-        for (class, judged) in output.iter_mut().zip(middle) {
-            *class = judged.class;
+        for (class, judged) in output.iter_mut().zip(judged) {
+            *class = *judged;
         }
         if objects == 0 {
             self.above = [Above::default(); FLOOR_IMAGE_COLUMNS_MAX];
             return;
         }
         let mut votes: Row<u8> = [0; FLOOR_IMAGE_COLUMNS_MAX];
-        for (vote, ((a, b), c)) in votes.iter_mut().zip(upper.iter().zip(middle).zip(lower)) {
-            let is_high = |judged: &Judged| u8::from(judged.class == PixelClass::Object);
+        for (vote, ((a, b), c)) in votes.iter_mut().zip(upper.iter().zip(&middle).zip(&lower)) {
+            let is_high = |class: &PixelClass| u8::from(*class == PixelClass::Object);
             *vote = is_high(a).wrapping_add(is_high(b)).wrapping_add(is_high(c));
         }
         let mut current: Row<Above> = [Above::default(); FLOOR_IMAGE_COLUMNS_MAX];
-        let (mut left_votes, mut left) = (0_u8, Above::default());
-        for (column, depth) in depths.iter().enumerate() {
+        let is_object = |class: &PixelClass| *class == PixelClass::Object;
+        let first = judged.iter().position(is_object).unwrap_or(0);
+        let last = judged.iter().rposition(is_object).unwrap_or(0);
+        let columns = depths.iter().zip(judged).enumerate().take(last.saturating_add(1)).skip(first);
+        let mut left = Above::default();
+        // Nothing is high on the left of the first object, but what is above and below it may be.
+        let mut left_votes = first.checked_sub(1).and_then(|column| votes.get(column)).copied().unwrap_or(0);
+        for (column, (depth, class)) in columns {
             let at = |index: usize| votes.get(index).copied().unwrap_or(0);
             let own = at(column);
             let right =
                 if column.saturating_add(1) < depths.len() { at(column.saturating_add(1)) } else { 0 };
             let sum = left_votes.wrapping_add(own).wrapping_add(right);
             left_votes = own;
-            let judged = self.judged.get(1).and_then(|row| row.get(column)).copied().unwrap_or_default();
-            if judged.class != PixelClass::Object {
+            if *class != PixelClass::Object {
                 left = Above::default();
                 continue;
             }
@@ -204,7 +205,7 @@ impl ObjectFinder {
                 left = Above::default();
                 continue;
             }
-            let pixel = Pixel { column, row, depth_m: f32::from(*depth) * 0.001, height_m: judged.height_m };
+            let pixel = Pixel { column, row, depth_m: f32::from(*depth) * 0.001 };
             left = Above { part: self.join(&pixel, left, scene, found), depth_m: pixel.depth_m };
             if let Some(slot) = current.get_mut(column) {
                 *slot = left;
@@ -221,7 +222,7 @@ impl ObjectFinder {
         scene: &Scene<'_>,
         found: &mut FloorObjects,
     ) -> Option<u16> {
-        let limit_m = scene.depth_step_m(pixel.depth_m);
+        let noise_m2 = scene.parameters.noise.variance_m2(pixel.depth_m);
         let mut joined: Option<u16> = None;
         let first = pixel.column.saturating_sub(1);
         let neighbours: [Above; 3] = core::array::from_fn(|offset| {
@@ -230,10 +231,8 @@ impl ObjectFinder {
         // At the first column there is nobody on the upper left: two neighbours above instead of three.
         let count = if pixel.column == 0 { 2 } else { 3 };
         for neighbour in core::iter::once(left).chain(neighbours.into_iter().take(count)) {
-            let Some(part) = neighbour.part.filter(|_| (neighbour.depth_m - pixel.depth_m).abs() < limit_m)
-            else {
-                continue;
-            };
+            let jump_m = (neighbour.depth_m - pixel.depth_m).abs();
+            let Some(part) = neighbour.part.filter(|_| is_one_surface(jump_m, noise_m2)) else { continue };
             let root = self.root(part);
             joined = Some(joined.map_or(root, |other| self.unite(other, root)));
         }
@@ -303,6 +302,27 @@ impl ObjectFinder {
     }
 }
 
+/// True where the depths of neighbours differ by less than a step and three standard deviations. Squares are compared,
+/// so that no pixel needs a root.
+#[inline]
+fn is_one_surface(jump_m: f32, noise_m2: f32) -> bool {
+    let beyond_m = jump_m - DEPTH_STEP_M;
+    beyond_m < 0.0 || beyond_m * beyond_m < 9.0 * noise_m2
+}
+
+/// Pixels of a row that are floor, object, hole.
+fn counts(row: &[PixelClass]) -> [u32; 3] {
+    // Sixteen bits are enough for a row and let compilers count eight pixels at once.
+    let mut counts = [0_u16; 3];
+    for class in row {
+        let [floor, objects, holes] = &mut counts;
+        *floor = floor.wrapping_add(u16::from(*class == PixelClass::Floor));
+        *objects = objects.wrapping_add(u16::from(*class == PixelClass::Object));
+        *holes = holes.wrapping_add(u16::from(*class == PixelClass::Hole));
+    }
+    counts.map(u32::from)
+}
+
 /// Sorted by the distance of the nearest point; the farthest falls out when the list is full.
 fn insert(found: &mut FloorObjects, object: FloorObject) {
     let near = |object: &FloorObject| {
@@ -328,32 +348,26 @@ struct Pixel {
     column: usize,
     row: usize,
     depth_m: f32,
-    height_m: f32,
 }
 
 /// What places a pixel on the floor.
 struct Scene<'a> {
     parameters: &'a FloorParameters,
-    plane: &'a Plane,
+    judge: &'a Judge,
     axes: [[f32; 3]; 2],
 }
 
 impl Scene<'_> {
-    fn depth_step_m(&self, depth_m: f32) -> f32 {
-        DEPTH_STEP_M + 3.0 * libm::sqrtf(self.parameters.noise.variance_m2(depth_m))
-    }
-
     fn object(&self, pixel: &Pixel) -> FloorObject {
         let ray = self.parameters.camera.ray(pixel.column as f32, pixel.row as f32);
         let point = ray.map(|value| value * pixel.depth_m);
-        // The camera's foot point is straight below it, where both axes are zero.
-        let foot = self.plane.normal.map(|value| -value * self.plane.distance_m);
-        let place = self.axes.map(|axis| dot(axis, point) - dot(axis, foot));
+        // The camera's foot point is straight below it, and the axes lie in the plane: there both are zero.
+        let place = self.axes.map(|axis| dot(axis, point));
         let at = [pixel.column, pixel.row].map(|value| u16::try_from(value).unwrap_or(u16::MAX));
         FloorObject {
             low_m: place,
             high_m: place,
-            height_m: pixel.height_m,
+            height_m: self.judge.height_m(point),
             pixels: 1,
             first_px: at,
             last_px: at,

@@ -5,6 +5,7 @@
 //! weights keep shoes and cables from pulling. Source: algorithms E.1 (height noise), E.2 step 4.
 
 use super::depth_noise::DepthNoise;
+use super::lanes::{LaneSums, Lanes};
 use super::lattice::Lattice;
 use super::normal_equations::NormalEquations;
 use super::plane::{Plane, dot};
@@ -24,12 +25,10 @@ pub(super) const BANDS_AFTER_SEARCH_M: [f32; 6] = [0.03, 0.025, 0.02, 0.02, 0.02
 /// The same from a prediction (algorithms E.2 step 2).
 pub(super) const BANDS_AFTER_PREDICTION_M: [f32; 4] = [0.045, 0.03, 0.02, 0.02];
 
-/// Expected variance of the height of a floor point, m².
+/// Expected variance of the heights of floor points, m², from the products of the plane's normal with their rays.
 #[inline]
-pub(super) fn height_variance_m2(noise: &DepthNoise, plane: &Plane, point: [f32; 3]) -> f32 {
-    let [_, _, z] = point;
-    let along_ray = dot(plane.normal, point) / z.max(1.0e-3);
-    noise.variance_m2(z) * along_ray * along_ray
+pub(super) fn height_variances_m2(noise: &DepthNoise, along_rays: Lanes, depths: Lanes) -> Lanes {
+    noise.variances_m2(depths) * along_rays * along_rays
 }
 
 /// The plane after one pass for each band; `None` where too few points were left or the system is degenerate.
@@ -48,18 +47,23 @@ pub(super) fn refine(
 
 fn pass(lattice: &Lattice<'_>, noise: &DepthNoise, plane: &Plane, band_m: f32) -> Option<Plane> {
     let [across, along] = plane.axes();
-    let mut system = NormalEquations::default();
-    for row in lattice.rows(0.0) {
-        let mut part = NormalEquations::default();
-        for point in row {
-            let height = plane.height_m(point);
-            if height.abs() < band_m {
-                let weight = weight(height, height_variance_m2(noise, plane, point));
-                part.add(weight, [dot(across, point), dot(along, point), 1.0], -height);
-            }
+    let mut sums = [0.0; 9];
+    for row in lattice.rows() {
+        let mut part = LaneSums::default();
+        for points in row {
+            let along_rays = points.along_rays(plane.normal);
+            let height = along_rays * points.z + plane.distance_m;
+            let is_near = height.size().is_below(Lanes::all(band_m)) * points.is_return;
+            let variance = height_variances_m2(noise, along_rays, points.z);
+            let weight = weight(height, variance) * is_near;
+            let (x, y) = (points.along_rays(across) * points.z, points.along_rays(along) * points.z);
+            let (wx, wy, wh) = (weight * x, weight * y, weight * height * -1.0);
+            part.take([wx * x, wx * y, wx, wy * y, wy, weight, wh * x, wh * y, wh]);
         }
-        system.merge(&part);
+        part.pour_into(&mut sums);
     }
+    let [xx, xy, x, yy, y, one, hx, hy, h] = sums;
+    let system = NormalEquations::of_sums([xx, xy, x, yy, y, one], [hx, hy, h]);
     let [turn_x, turn_y, shift] = system.solve()?;
     let turn = libm::sqrtf(turn_x * turn_x + turn_y * turn_y);
     let scale = if turn > TURN_MAX_RAD { TURN_MAX_RAD / turn } else { 1.0 };
@@ -71,15 +75,16 @@ fn pass(lattice: &Lattice<'_>, noise: &DepthNoise, plane: &Plane, band_m: f32) -
     Plane::new(normal, distance / length)
 }
 
-/// Weight of a floor point, 1 for one without depth error at the height of the plane.
+/// Variance of the unevenness, m².
+const UNEVEN_M2: f32 = UNEVENNESS_M * UNEVENNESS_M;
+
+/// Weights of floor points, 1 for one without depth error at the height of the plane: over the variance within Huber's
+/// threshold, over the standard deviation and the height beyond it. Both are one over the root of one product.
 #[inline]
-fn weight(height_m: f32, variance_m2: f32) -> f32 {
-    const UNEVEN: f32 = UNEVENNESS_M * UNEVENNESS_M;
-    let variance = variance_m2 + UNEVEN;
-    let limit_m2 = HUBER * HUBER * variance;
-    let squared = height_m * height_m;
-    let huber = if squared > limit_m2 { libm::sqrtf(limit_m2 / squared) } else { 1.0 };
-    huber * UNEVEN / variance
+fn weight(height_m: Lanes, variance_m2: Lanes) -> Lanes {
+    let variance = variance_m2 + UNEVEN_M2;
+    let squared = height_m * height_m * (1.0 / (HUBER * HUBER));
+    (variance * variance.larger(squared)).inverse_root() * UNEVEN_M2
 }
 
 /// How well a plane explains the points.
@@ -104,24 +109,35 @@ pub(super) fn quality(lattice: &Lattice<'_>, noise: &DepthNoise, plane: &Plane) 
     const MARGIN_M: f32 = 0.03;
     const SIGMAS: f32 = 3.0;
     const BELOW_M: f32 = 0.05;
-    let mut quality = FitQuality::default();
-    let (mut squares, mut normalised) = (0.0_f32, 0.0_f32);
-    for point in lattice.rows(0.0).flatten() {
-        let height = plane.height_m(point);
-        let variance = height_variance_m2(noise, plane, point) + UNEVENNESS_M * UNEVENNESS_M;
-        let three_sigmas = SIGMAS * libm::sqrtf(variance);
-        quality.returns = quality.returns.saturating_add(1);
-        quality.below = quality.below.saturating_add(u32::from(height < -BELOW_M - three_sigmas));
-        quality.candidates =
-            quality.candidates.saturating_add(u32::from(height.abs() < MARGIN_M + three_sigmas));
-        if height.abs() < three_sigmas {
-            quality.inliers = quality.inliers.saturating_add(1);
-            squares += height * height;
-            normalised += height * height / variance;
+    // Returns, points below, candidates, inliers, their squared heights, and those over the variances.
+    let mut sums = [0.0; 6];
+    for row in lattice.rows() {
+        let mut part = LaneSums::default();
+        for points in row {
+            let along_rays = points.along_rays(plane.normal);
+            let height = along_rays * points.z + plane.distance_m;
+            let variance = height_variances_m2(noise, along_rays, points.z) + UNEVEN_M2;
+            let inverse_root = variance.inverse_root();
+            let three_sigmas = variance * inverse_root * SIGMAS;
+            let is_return = points.is_return;
+            let is_below = (height + BELOW_M).is_below(three_sigmas * -1.0) * is_return;
+            let is_candidate = height.size().is_below(three_sigmas + MARGIN_M) * is_return;
+            let is_inlier = height.size().is_below(three_sigmas) * is_return;
+            let squared = height * height * is_inlier;
+            let normalised = squared * inverse_root * inverse_root;
+            part.take([is_return, is_below, is_candidate, is_inlier, squared, normalised]);
         }
+        part.pour_into(&mut sums);
     }
-    let count = (quality.inliers as f32).max(1.0);
-    quality.rms_m = libm::sqrtf(squares / count);
-    quality.normalised_rms = libm::sqrtf(normalised / count);
-    quality
+    let [returns, below, candidates, inliers, squares, normalised] = sums;
+    let count = inliers.max(1.0);
+    FitQuality {
+        // Whole numbers below 2²⁴ are exact.
+        returns: returns as u32,
+        candidates: candidates as u32,
+        inliers: inliers as u32,
+        below: below as u32,
+        normalised_rms: libm::sqrtf(normalised / count),
+        rms_m: libm::sqrtf(squares / count),
+    }
 }

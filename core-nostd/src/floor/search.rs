@@ -67,7 +67,7 @@ pub(super) fn search(lattice: &Lattice<'_>, expectation: &Expectation, random: &
 fn samples(lattice: &Lattice<'_>, random: &mut Pcg32) -> Samples {
     let mut samples = Samples::new();
     let mut seen = 0_u32;
-    for point in lattice.rows(UPPER_PART).flatten() {
+    for point in lattice.points(UPPER_PART) {
         seen = seen.saturating_add(1);
         if samples.push(point).is_err() {
             // Full: the new point takes the place of another with the probability that keeps the choice even.

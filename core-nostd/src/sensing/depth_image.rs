@@ -87,7 +87,10 @@ impl<'a> DepthImage<'a> {
     /// How many pixels brought a depth back.
     #[must_use]
     pub fn returns(&self) -> usize {
-        self.depth_mm.iter().filter(|depth| **depth > 0).count()
+        // Sixteen bits hold the count of a piece and let compilers count eight pixels at once.
+        let count =
+            |piece: &[u16]| piece.iter().fold(0_u16, |sum, depth| sum.wrapping_add(u16::from(*depth > 0)));
+        self.depth_mm.chunks(4_096).map(|piece| usize::from(count(piece))).sum()
     }
 }
 

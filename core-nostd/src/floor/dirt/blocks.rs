@@ -7,6 +7,7 @@ use heapless::Vec;
 
 use super::lab::LabTables;
 use super::mixture::Point;
+use super::root::square_root;
 use crate::capacities::{FLOOR_BLOCKS_MAX, FLOOR_IMAGE_COLUMNS_MAX};
 use crate::sensing::ColorImage;
 
@@ -234,28 +235,10 @@ fn magnitudes((above, own, below): (&Row, &Row, &Row), width: usize, scale: f32,
     }
 }
 
-/// √x for x ≥ 0 within 10⁻⁶ of its value, in plain arithmetic that compilers vectorise: three steps of Newton's method
-/// for 1/√x from a guess by halving the exponent.
-#[inline]
-fn square_root(x: f32) -> f32 {
-    let mut inverse = f32::from_bits(0x5f37_59df_u32.wrapping_sub(x.to_bits() >> 1));
-    for _ in 0..3 {
-        inverse *= 1.5 - 0.5 * x * inverse * inverse;
-    }
-    x * inverse
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::time::Stamp;
-
-    #[test]
-    fn roots() {
-        for x in [0.0_f32, 1.0e-12, 0.3, 2.0, 400.0, 1.0e6] {
-            assert!((square_root(x) - x.sqrt()).abs() <= 2e-6 * x.sqrt(), "{x}");
-        }
-    }
 
     /// A ramp in lightness across, and a step down the middle of the second block: both by direct computation.
     #[test]

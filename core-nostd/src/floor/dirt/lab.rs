@@ -8,6 +8,10 @@ pub type Lab = [f32; 3];
 
 /// Steps of the table of cube roots.
 const ROOT_STEPS: usize = 1_024;
+/// 2²³: the smallest number whose neighbours are one apart.
+const WHOLE: f32 = 8_388_608.0;
+/// Bits of a step, and of the one that white rounds to.
+const MASK: u32 = 2_047;
 /// Below this the cube root is replaced by a line (CIE 1976).
 const LINEAR_BELOW: f32 = 0.008_856;
 /// sRGB to XYZ, each row over the white point (algorithms F.1).
@@ -23,12 +27,12 @@ pub struct LabTables {
     /// sRGB's curve: byte to linear light 0..=1.
     linear: [f32; 256],
     /// Cube root at the start of each step, and its rise over the step.
-    roots: [[f32; 2]; ROOT_STEPS],
+    roots: [[f32; 2]; ROOT_STEPS + 1],
 }
 
 impl Default for LabTables {
     fn default() -> Self {
-        let (mut linear, mut roots) = ([0.0; 256], [[0.0; 2]; ROOT_STEPS]);
+        let (mut linear, mut roots) = ([0.0; 256], [[0.0; 2]; ROOT_STEPS + 1]);
         for (byte, slot) in linear.iter_mut().enumerate() {
             let c = byte as f32 / 255.0;
             *slot = if c <= 0.04045 { c / 12.92 } else { libm::powf((c + 0.055) / 1.055, 2.4) };
@@ -48,16 +52,22 @@ impl LabTables {
     pub fn lab(&self, [red, green, blue]: [u8; 3]) -> Lab {
         let linear = |byte: u8| self.linear.get(usize::from(byte)).copied().unwrap_or(0.0);
         let (r, g, b) = (linear(red), linear(green), linear(blue));
-        let [x, y, z] = TO_WHITE.map(|[wr, wg, wb]| self.curve(wr * r + wg * g + wb * b));
+        let [[xr, xg, xb], [yr, yg, yb], [zr, zg, zb]] = TO_WHITE;
+        let x = self.curve(xr * r + xg * g + xb * b);
+        let y = self.curve(yr * r + yg * g + yb * b);
+        let z = self.curve(zr * r + zg * g + zb * b);
         [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
     }
 
     #[inline]
     fn curve(&self, t: f32) -> f32 {
         let place = t * ROOT_STEPS as f32;
-        let step = (place as usize).min(ROOT_STEPS - 1);
-        let [start, rise] = self.roots.get(step).copied().unwrap_or_default();
-        if t > LINEAR_BELOW { start + rise * (place - step as f32) } else { 7.787 * t + 16.0 / 116.0 }
+        // Adding 2²³ leaves the nearest whole number in the low bits; half a step less makes it the step before. On the
+        // border of two steps both give the same root.
+        let shifted = place + (WHOLE - 0.5);
+        let step = shifted - WHOLE;
+        let [start, rise] = self.roots.get((shifted.to_bits() & MASK) as usize).copied().unwrap_or_default();
+        if t > LINEAR_BELOW { start + rise * (place - step) } else { 7.787 * t + 16.0 / 116.0 }
     }
 }
 

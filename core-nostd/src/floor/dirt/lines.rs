@@ -5,6 +5,7 @@
 //! so that eigenvalue is the texture by which they are found.
 
 use super::pixels::{HALF_COLUMNS_MAX, Pixel};
+use super::root::square_root;
 
 /// Pixels to each side of the square: 7 × 7 at half size closes gaps of up to 6 pixels, a centimetre at 1 m.
 const REACH: usize = 3;
@@ -27,7 +28,7 @@ const SOBEL: f32 = 1.0 / 8.0;
 #[inline]
 pub(super) fn eigenvalues([xx, yy, xy, _]: Pixel) -> [f32; 2] {
     let (sum, difference) = (xx + yy, xx - yy);
-    let root = libm::sqrtf(difference * difference + 4.0 * xy * xy);
+    let root = square_root(difference * difference + 4.0 * xy * xy);
     [0.5 * (sum + root), (0.5 * (sum - root)).max(0.0)]
 }
 

@@ -9,7 +9,7 @@ use super::blocks::DirtFault;
 use super::lab::LabTables;
 use super::lines::{Bytes, FLOOR, LINE, NO_FLOOR, classify, eigenvalues, tensor};
 use super::order::quantiles;
-use super::pixels::{Pixel, box_mean, halve, shrink};
+use super::pixels::{Pixel, box_mean, box_mean_of_first, halve, shrink};
 use super::rarity::Rarity;
 use super::recall::{FloorView, Remembered, recall, remember};
 use super::surroundings::{CELL, Surroundings};
@@ -127,10 +127,12 @@ impl NoveltyDetector {
         self.score_coarse(second, cues);
         box_mean::<1>(colours, self.columns, smooth);
         self.score_fine((smooth, bytes.class), cues);
-        box_mean::<1>(smooth, self.columns, colours);
         let scores = front(memory.scores, pixels);
-        for ((score, class), [sum, ..]) in scores.iter_mut().zip(bytes.class.iter()).zip(colours.iter()) {
-            *score = if *class == NO_FLOOR { f32::NAN } else { *sum };
+        box_mean_of_first(smooth, self.columns, scores);
+        for (score, class) in scores.iter_mut().zip(bytes.class.iter()) {
+            // What is floor, but nobody knows how rare, is not dirty.
+            let known = if score.is_nan() { 0.0 } else { *score };
+            *score = if *class == NO_FLOOR { f32::NAN } else { known };
         }
         if let Some(view) = view {
             self.carry(view, scores, &mut memory.remembered);
@@ -256,10 +258,6 @@ fn leave_out_lines(colours: &mut [Pixel], class: &[u8]) {
 /// Values minus their surroundings.
 fn relate(surroundings: &Surroundings, pixels: &mut [Pixel], (columns, cell): (usize, usize)) {
     for (row, pixels) in pixels.chunks_exact_mut(columns.max(1)).enumerate() {
-        let line = surroundings.line(row, cell);
-        for (column, [x, y, z, _]) in pixels.iter_mut().enumerate() {
-            let [ax, ay, az] = line.at(column);
-            (*x, *y, *z) = (*x - ax, *y - ay, *z - az);
-        }
+        surroundings.line(row, cell).subtract(pixels);
     }
 }

@@ -29,8 +29,9 @@ pub(super) fn shrink(tables: &LabTables, (image, usable): (&ColorImage<'_>, &[bo
         for (((upper, lower), (free_upper, free_lower)), slot) in quads.zip(frees).zip(row) {
             let ([[ar, ag, ab], [br, bg, bb]], [[cr, cg, cb], [dr, dg, db]]) = (*upper, *lower);
             // Four bytes and two for rounding fit 16 bits; a quarter of them fits a byte.
-            let mean = |values: [u8; 4]| {
-                (values.iter().map(|value| u16::from(*value)).sum::<u16>().wrapping_add(2) >> 2) as u8
+            let mean = |[a, b, c, d]: [u8; 4]| {
+                let [a, b, c, d] = [u16::from(a), u16::from(b), u16::from(c), u16::from(d)];
+                (a.wrapping_add(b).wrapping_add(c).wrapping_add(d).wrapping_add(2) >> 2) as u8
             };
             let is_free = free_upper == &[true; 2] && free_lower == &[true; 2];
             let [l, a, b] =
@@ -68,7 +69,8 @@ pub(super) fn box_mean<const REACH: usize>(pixels: &[Pixel], columns: usize, out
         let above = row.min(reach);
         let rows = pixels.chunks_exact(columns).skip(row.saturating_sub(reach));
         for near in rows.take(above.saturating_add(reach).saturating_add(1)) {
-            for (sum, pixel) in sums.iter_mut().skip(reach).zip(near) {
+            let (_, inner) = sums.split_at_mut(REACH.min(REACH_MAX));
+            for (sum, pixel) in inner.iter_mut().zip(near) {
                 add(sum, pixel);
             }
         }
@@ -79,6 +81,29 @@ pub(super) fn box_mean<const REACH: usize>(pixels: &[Pixel], columns: usize, out
                 (*tx, *ty, *tz, *total_weight) = (*tx + x, *ty + y, *tz + z, *total_weight + weight);
             }
             *slot = mean(total, (side.saturating_mul(side)) as f32);
+        }
+    }
+}
+
+/// The first channel of [`box_mean`] with a reach of one pixel, and NaN where nothing counts: for the last step, whose
+/// pixels have one channel only.
+pub(super) fn box_mean_of_first(pixels: &[Pixel], columns: usize, output: &mut [f32]) {
+    let columns = columns.clamp(1, HALF_COLUMNS_MAX);
+    for (row, output) in output.chunks_exact_mut(columns).enumerate() {
+        let (mut sums, mut weights) = ([0.0_f32; HALF_COLUMNS_MAX + 2], [0.0_f32; HALF_COLUMNS_MAX + 2]);
+        let rows = pixels.chunks_exact(columns).skip(row.saturating_sub(1));
+        for near in rows.take(row.min(1).saturating_add(2)) {
+            let ([_, sums @ ..], [_, weights @ ..]) = (&mut sums, &mut weights);
+            for ((sum, total), [value, .., weight]) in sums.iter_mut().zip(weights).zip(near) {
+                *sum += value * weight;
+                *total += weight;
+            }
+        }
+        for ((sums, weights), slot) in sums.array_windows::<3>().zip(weights.array_windows::<3>()).zip(output)
+        {
+            let ([a, b, c], [p, q, r]) = (sums, weights);
+            // Zero over zero is NaN.
+            *slot = (a + b + c) / (p + q + r);
         }
     }
 }
@@ -120,6 +145,12 @@ mod tests {
             let (sum, weight) = near
                 .fold((0.0, 0.0), |(sum, weight), (_, pixel)| (sum + pixel[1] * pixel[3], weight + pixel[3]));
             assert!((found[1] - sum / weight).abs() < 1e-5 && (found[3] - weight / 25.0).abs() < 1e-6);
+        }
+        let (mut ones, mut firsts) = (std::vec![[9.0; 4]; columns * rows], std::vec![9.0; columns * rows]);
+        box_mean::<1>(&pixels, columns, &mut ones);
+        box_mean_of_first(&pixels, columns, &mut firsts);
+        for ([mean, .., weight], found) in ones.iter().zip(firsts) {
+            assert!((mean - found).abs() < 1e-6 || (*weight == 0.0 && found.is_nan()), "{mean} {found}");
         }
         let mut halved = std::vec![[9.0; 4]; 3 * 3];
         halve(&pixels, columns - 1, &mut halved);

@@ -17,6 +17,28 @@ const STEPS: usize = 512;
 /// Every so many pixels one gives its distance for the spread.
 const SAMPLED: usize = 5;
 
+/// The last of them, in spreads.
+const DISTANCE_MAX: f32 = (STEPS - 1) as f32 / 16.0;
+
+/// The whole number next to a value within 0..=2²², by the rounding of one addition: no saturating conversion.
+#[inline]
+fn nearest(value: f32) -> usize {
+    const WHOLE: f32 = 8_388_608.0;
+    ((value + WHOLE).to_bits() & 0x003f_ffff) as usize
+}
+
+/// The smaller of two, the second for NaN: one instruction, which `min` is not.
+#[inline]
+fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The larger of two, the second for NaN.
+#[inline]
+fn greater(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
 /// Frequencies of values of three channels.
 #[derive(Clone, Debug)]
 pub(super) struct Rarity {
@@ -83,7 +105,7 @@ impl Rarity {
     #[inline]
     pub(super) fn of(&self, value: [f32; 3]) -> f32 {
         let Some((cell, distance)) = self.cell(value) else { return f32::NAN };
-        let step = ((distance * 16.0) as usize).min(STEPS - 1);
+        let step = nearest(greater(16.0 * lesser(distance, DISTANCE_MAX) - 0.5, 0.0));
         let rarity = self.cells.get(cell).copied().unwrap_or(0.0);
         rarity + self.distances.get(step).copied().unwrap_or(0.0)
     }
@@ -93,8 +115,8 @@ impl Rarity {
     fn cell(&self, [x, y, z]: [f32; 3]) -> Option<(usize, f32)> {
         let [ix, iy, iz] = self.inverse_spread;
         let (x, y, z) = (x * ix, y * iy, z * iz);
-        let distance = x.abs().max(y.abs()).max(z.abs());
-        let bin = |value: f32| (value.clamp(-LEVEL_MAX, LEVEL_MAX) + LEVEL_MAX + 1.5) as usize;
+        let distance = greater(greater(x.abs(), y.abs()), z.abs());
+        let bin = |value: f32| nearest(greater(lesser(value, LEVEL_MAX), -LEVEL_MAX) + LEVEL_MAX + 1.0);
         let cell = bin(x).wrapping_mul(LEVELS).wrapping_add(bin(y)).wrapping_mul(LEVELS).wrapping_add(bin(z));
         (!(x + y + z).is_nan()).then_some((cell, distance))
     }

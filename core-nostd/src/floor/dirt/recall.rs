@@ -105,7 +105,8 @@ impl Homography {
     fn map(&self, column: f32, row: f32) -> Option<(f32, f32)> {
         let [[a, d, g], [b, e, h], [c, f, i]] = self.columns;
         let scale = g * column + h * row + i;
-        (scale > 1.0e-6).then(|| ((a * column + b * row + c) / scale, (d * column + e * row + f) / scale))
+        let inverse = 1.0 / scale;
+        (scale > 1.0e-6).then(|| ((a * column + b * row + c) * inverse, (d * column + e * row + f) * inverse))
     }
 }
 

@@ -28,9 +28,9 @@ impl Default for Surroundings {
 
 /// One row of surroundings, interpolated downwards; across it is interpolated for every pixel.
 pub(super) struct Line {
-    values: [[f32; 3]; CELL_COLUMNS_MAX],
-    last: usize,
-    cell: f32,
+    /// At every cell's centre, and the rise to the next one.
+    values: [[[f32; 3]; 2]; CELL_COLUMNS_MAX],
+    cell: usize,
 }
 
 impl Surroundings {
@@ -104,26 +104,52 @@ impl Surroundings {
 
     /// The surroundings along a row of pixels, of which `pixels_a_cell` make a cell.
     pub(super) fn line(&self, row: usize, pixels_a_cell: usize) -> Line {
-        let cell = pixels_a_cell.max(1) as f32;
         let last_row = self.rows.saturating_sub(1);
-        let (upper, down) = place(row, cell, last_row);
+        let (upper, down) = place(row, pixels_a_cell.max(1) as f32, last_row);
         let line = |row: usize| self.around.chunks(CELL_COLUMNS_MAX).nth(row.min(last_row)).unwrap_or(&[]);
-        let mut values = [[0.0_f32; 3]; CELL_COLUMNS_MAX];
-        for (slot, (a, b)) in values.iter_mut().zip(line(upper).iter().zip(line(upper.saturating_add(1)))) {
+        let mut values = [[[f32::NAN; 3]; 2]; CELL_COLUMNS_MAX];
+        for ([slot, _], (a, b)) in
+            values.iter_mut().zip(line(upper).iter().zip(line(upper.saturating_add(1))))
+        {
             *slot = mix(*a, *b, down);
         }
-        Line { values, last: self.columns.saturating_sub(1), cell }
+        let last = self.columns.saturating_sub(1);
+        let own = values;
+        let next = own.iter().skip(1).take(last).chain(core::iter::repeat(&[[f32::NAN; 3]; 2]));
+        for ([value, rise], ([own, _], [next, _])) in values.iter_mut().zip(own.iter().zip(next)) {
+            // Where only one of two neighbours is known it stands for both, so that no pixel has to ask.
+            let (left, right) = (mix(*own, *next, 0.0), mix(*own, *next, 1.0));
+            *value = left;
+            for (rise, (left, right)) in rise.iter_mut().zip(left.iter().zip(right)) {
+                *rise = right - left;
+            }
+        }
+        Line { values, cell: pixels_a_cell.max(1) }
     }
 }
 
 impl Line {
-    /// What surrounds the pixel at a column; NaN where nothing is known.
-    #[inline]
-    pub(super) fn at(&self, column: usize) -> [f32; 3] {
-        let (left, across) = place(column, self.cell, self.last);
-        let at = |cell: usize| self.values.get(cell.min(self.last)).copied().unwrap_or([f32::NAN; 3]);
-        mix(at(left), at(left.saturating_add(1)), across)
+    /// Takes what surrounds them from the pixels of the row; NaN where nothing is known.
+    pub(super) fn subtract(&self, pixels: &mut [Pixel]) {
+        // Before the first cell's centre its value counts, from there on it rises to the next one's.
+        let (first, others) = pixels.split_at_mut((self.cell / 2).min(pixels.len()));
+        let [[start, _], ..] = self.values;
+        first.iter_mut().for_each(|pixel| take(pixel, start));
+        let step = 1.0 / self.cell as f32;
+        for (pixels, [value, rise]) in others.chunks_mut(self.cell).zip(&self.values) {
+            let mut part = 0.5 * step;
+            let ([x, y, z], [rx, ry, rz]) = (*value, *rise);
+            for pixel in pixels {
+                take(pixel, [x + part * rx, y + part * ry, z + part * rz]);
+                part += step;
+            }
+        }
     }
+}
+
+#[inline]
+fn take([x, y, z, _]: &mut Pixel, [ax, ay, az]: [f32; 3]) {
+    (*x, *y, *z) = (*x - ax, *y - ay, *z - az);
 }
 
 /// Cell before a pixel and how far the pixel is towards the next, by the cells' centres.
@@ -198,8 +224,10 @@ mod tests {
         let mut around = Surroundings::default();
         around.learn(&image, (columns, rows), 3);
         for column in [30, 40, 50] {
-            let [l, a, b] = around.line(30, CELL).at(column);
-            assert!((l - ramp(column)).abs() < 2.5 && a == 1.0 && b == 2.0, "{column}: {l}");
+            let mut row = [[0.0_f32; 4]; 80];
+            around.line(30, CELL).subtract(&mut row);
+            let [l, a, b, _] = row[column];
+            assert!((l + ramp(column)).abs() < 2.5 && a == -1.0 && b == -2.0, "{column}: {l}");
         }
     }
 }

@@ -1,16 +1,29 @@
-//! One cell of the map of seen dirt: its last nine observations and what they first said.
+//! One cell of the map of seen dirt: how dirty its last nine observations were, and what they first said.
 //!
-//! The observations are bits of a register, newest lowest; their median is a count of bits (algorithms F.2). What the
-//! mission first perceived is frozen as soon as nine are in or the cell was out of view for a while, so that cleaning
-//! does not change the report of what was there before.
+//! An observation is the score that an eighth of the cell's pixels exceed; the cell is worth the median of the newest
+//! nine (algorithms F.2). Scores are kept and not only verdicts, because how dirty is dirty depends on the floor, and a
+//! floor is known only after much of it was seen. What the mission first perceived is frozen when the cell, well seen,
+//! was out of view for a while, so that cleaning does not change the report of what was there before.
 
 /// Observations that are kept.
-pub(super) const WINDOW: u8 = 9;
-const WINDOW_BITS: u16 = (1 << WINDOW) - 1;
+pub(super) const WINDOW: usize = 9;
 /// Fewer say nothing.
-const OBSERVATIONS_MIN: u8 = 3;
+const OBSERVATIONS_MIN: u16 = 3;
+/// Fewer do not close the question what a cell was at first: a glance from the edge of another lane proves nothing, and
+/// a lane over the cell itself brings as many.
+const FIRST_MIN: u16 = WINDOW as u16;
 /// Out of view for longer than this, what was first perceived is final, seconds.
 const OUT_OF_VIEW_S: u32 = 10;
+/// Steps of a kept score: sixths of a natural logarithm up to 42.
+const STEPS: f32 = 6.0;
+/// Counters of pixels by score, the first for scores from here on.
+pub(super) const BINS: usize = 16;
+const BINS_FROM: f32 = 12.0;
+const BIN: f32 = 1.5;
+/// Part of the pixels that exceed an observation: an eighth.
+const UPPER_PART: u16 = 8;
+/// Fewest pixels of a cell that are an observation.
+const PIXELS_MIN: u16 = 6;
 
 /// What is known about a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -19,52 +32,91 @@ pub enum CellState {
     /// Too few observations: neither clean nor dirty.
     #[default]
     Unknown,
-    /// Most observations saw no dirt.
+    /// The median observation saw nothing that the floor does not show elsewhere.
     Clean,
-    /// Most observations saw dirt.
+    /// The median observation saw dirt.
     Dirty,
+}
+
+/// Which of the two states of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SeenLayer {
+    /// As it was when the mission first perceived it.
+    First,
+    /// As it is now.
+    Live,
+}
+
+/// A score in the steps in which cells keep it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct KeptScore(pub(super) u8);
+
+impl KeptScore {
+    /// The nearest step; NaN is the lowest.
+    #[must_use]
+    pub fn of(score: f32) -> Self {
+        // Within 0..=255 before it is cut.
+        Self((score * STEPS + 0.5).clamp(0.0, 255.0) as u8)
+    }
+
+    /// Natural logarithms.
+    #[must_use]
+    pub fn score(self) -> f32 {
+        f32::from(self.0) / STEPS
+    }
 }
 
 /// One cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SeenCell {
-    /// Observations, newest in the lowest bit; 1 is dirt.
-    history: u16,
-    /// Observations so far, up to the window.
-    count: u8,
+    /// The newest observations; the next one goes to the place `total` modulo nine.
+    window: [u8; WINDOW],
     /// All observations so far.
     total: u16,
-    first: CellState,
-    is_frozen: bool,
-    /// Score above the detector's threshold, sixteenths of a natural logarithm; mean of the dirty observations.
-    score: u8,
+    first: Option<KeptScore>,
     /// Seconds of the monotonic clock when the live median became dirty, and of the last observation.
     dirty_since_s: u32,
     last_s: u32,
-    /// Pixels of the frame that is being added, and dirty ones.
-    pub(super) pixels: u16,
-    pub(super) dirty_pixels: u16,
-    /// Sum of the scores of those, units.
-    pub(super) score_sum: f32,
+    /// Pixels of the frame that is being added, by score.
+    pixels: u16,
+    bins: [u8; BINS],
 }
 
 impl SeenCell {
-    /// What the newest observations say.
+    /// Median of the newest observations; `None` for too few.
     #[must_use]
-    pub const fn live(&self) -> CellState {
-        if self.count < OBSERVATIONS_MIN {
-            CellState::Unknown
-        } else if self.history.count_ones().saturating_mul(2) > self.count as u32 {
-            CellState::Dirty
-        } else {
-            CellState::Clean
+    pub fn live(&self) -> Option<KeptScore> {
+        let count = usize::from(self.total).min(WINDOW);
+        let known = self.window.iter().take(count);
+        let rank = |value: u8| known.clone().filter(|other| **other < value).count();
+        // The largest value with at most half of the others below it: the upper median.
+        let median = known.clone().copied().filter(|value| rank(*value) <= count / 2).max();
+        median.filter(|_| self.total >= OBSERVATIONS_MIN).map(KeptScore)
+    }
+
+    /// What the mission first perceived; `None` for too few observations.
+    #[must_use]
+    pub fn first(&self) -> Option<KeptScore> {
+        self.first.or_else(|| self.live())
+    }
+
+    /// How dirty the cell is in a layer; `None` for too few observations.
+    #[must_use]
+    pub fn score(&self, layer: SeenLayer) -> Option<KeptScore> {
+        match layer {
+            SeenLayer::First => self.first(),
+            SeenLayer::Live => self.live(),
         }
     }
 
-    /// What the mission first perceived.
+    /// The state in a layer, where dirt is what exceeds a limit.
     #[must_use]
-    pub const fn first(&self) -> CellState {
-        if self.is_frozen { self.first } else { self.live() }
+    pub fn state(&self, layer: SeenLayer, limit: KeptScore) -> CellState {
+        match self.score(layer) {
+            None => CellState::Unknown,
+            Some(score) if score > limit => CellState::Dirty,
+            Some(_) => CellState::Clean,
+        }
     }
 
     /// Observations in this mission.
@@ -73,46 +125,70 @@ impl SeenCell {
         self.total
     }
 
-    /// Mean by which dirty observations exceeded the detector's threshold, natural logarithms.
-    #[must_use]
-    pub fn score(&self) -> f32 {
-        f32::from(self.score) / 16.0
-    }
-
     /// Second of the monotonic clock at which the cell became dirty; 0 if it never was.
     #[must_use]
     pub const fn dirty_since_s(&self) -> u32 {
         self.dirty_since_s
     }
 
-    /// Adds an observation from a new viewpoint, with the score above the threshold where it is dirt.
-    pub(super) fn observe(&mut self, excess: Option<f32>, now_s: u32) {
+    /// Takes a pixel of the frame that is being added.
+    pub(super) fn take(&mut self, score: f32) {
+        self.pixels = self.pixels.saturating_add(1);
+        if score >= BINS_FROM {
+            // Within the counters before it is cut.
+            let bin = ((score - BINS_FROM) / BIN).min((BINS - 1) as f32) as usize;
+            if let Some(slot) = self.bins.get_mut(bin) {
+                *slot = slot.saturating_add(1);
+            }
+        }
+    }
+
+    /// Ends the frame: its pixels become an observation, if they are enough.
+    pub(super) fn close(&mut self, limit: KeptScore, now_s: u32) -> bool {
+        let is_seen = self.pixels >= PIXELS_MIN;
+        if is_seen {
+            self.observe(KeptScore::of(self.upper_score()), limit, now_s);
+        }
+        (self.pixels, self.bins) = (0, [0; BINS]);
+        is_seen
+    }
+
+    /// The score that an eighth of the pixels exceed.
+    fn upper_score(&self) -> f32 {
+        let wanted = f32::from(self.pixels) / f32::from(UPPER_PART);
+        let mut above = 0.0_f32;
+        for (bin, count) in self.bins.iter().enumerate().rev() {
+            let count = f32::from(*count);
+            if above + count >= wanted && count > 0.0 {
+                let part = (wanted - above) / count;
+                return BINS_FROM + BIN * (bin as f32 + 1.0 - part);
+            }
+            above += count;
+        }
+        BINS_FROM
+    }
+
+    /// Adds an observation from a new viewpoint.
+    pub(super) fn observe(&mut self, score: KeptScore, limit: KeptScore, now_s: u32) {
+        let was_dirty = self.live() > Some(limit);
         let was_away = self.total > 0 && now_s.saturating_sub(self.last_s) > OUT_OF_VIEW_S;
-        if !self.is_frozen && (self.count == WINDOW || (was_away && self.count >= OBSERVATIONS_MIN)) {
-            (self.first, self.is_frozen) = (self.live(), true);
+        if self.first.is_none() && was_away && self.total >= FIRST_MIN {
+            self.first = self.live();
         }
-        let was_dirty = self.live() == CellState::Dirty;
-        self.history = ((self.history << 1) | u16::from(excess.is_some())) & WINDOW_BITS;
-        self.count = self.count.saturating_add(1).min(WINDOW);
-        self.total = self.total.saturating_add(1);
+        if let Some(slot) = self.window.get_mut(usize::from(self.total) % WINDOW) {
+            *slot = score.0;
+        }
+        // Where the count ends, the next place must still be the one of the oldest: 65,529 is a multiple of nine.
+        self.total = if self.total >= 65_529 { WINDOW as u16 } else { self.total.saturating_add(1) };
         self.last_s = now_s;
-        if let Some(excess) = excess {
-            let new = (excess * 16.0).clamp(0.0, 255.0);
-            let old = f32::from(self.score);
-            self.score = (if old > 0.0 { 0.75 * old + 0.25 * new } else { new }) as u8;
-        }
-        if self.live() == CellState::Dirty && !was_dirty {
+        if self.live() > Some(limit) && !was_dirty {
             self.dirty_since_s = now_s;
         }
     }
 
-    /// Starts a mission: what is first perceived is open again; the live state is kept.
+    /// Starts a mission: everything is open again.
     pub(super) fn begin_mission(&mut self) {
-        self.is_frozen = false;
-        self.history = 0;
-        self.count = 0;
-        self.total = 0;
-        self.score = 0;
+        *self = Self::default();
     }
 }
 
@@ -120,33 +196,68 @@ impl SeenCell {
 mod tests {
     use super::*;
 
+    const LIMIT: KeptScore = KeptScore(100);
+
+    fn seen(scores: &[f32]) -> SeenCell {
+        let mut cell = SeenCell::default();
+        for (index, score) in scores.iter().enumerate() {
+            cell.observe(KeptScore::of(*score), LIMIT, index as u32);
+        }
+        cell
+    }
+
     #[test]
     fn the_median_decides() {
-        let mut cell = SeenCell::default();
-        for (index, is_dirt) in [true, true, false, true, false].into_iter().enumerate() {
-            let expected = [
-                CellState::Unknown,
-                CellState::Unknown,
-                CellState::Unknown,
-                CellState::Dirty,
-                CellState::Dirty,
-            ];
-            assert_eq!(cell.live(), expected[index], "{index}");
-            cell.observe(is_dirt.then_some(2.0), index as u32);
+        let (dirt, floor) = (30.0, 8.0);
+        assert_eq!(seen(&[dirt, dirt]).live(), None);
+        assert_eq!(seen(&[dirt, dirt, floor]).state(SeenLayer::Live, LIMIT), CellState::Dirty);
+        assert_eq!(seen(&[dirt, dirt, floor, floor, floor]).state(SeenLayer::Live, LIMIT), CellState::Clean);
+        // A highlight that stays for four of nine views is none, and the tenth view replaces the first.
+        let mut scores = [floor; 10];
+        scores[..5].fill(dirt);
+        assert_eq!(seen(&scores[..9]).live(), Some(KeptScore::of(dirt)));
+        assert_eq!(seen(&scores).live(), Some(KeptScore::of(floor)));
+    }
+
+    #[test]
+    fn medians_are_those_of_sorting() {
+        let mut random = crate::random::Pcg32::new(3, 9);
+        for count in 3..20_usize {
+            let scores: std::vec::Vec<f32> = (0..count).map(|_| random.below(40) as f32).collect();
+            let mut newest = scores[count.saturating_sub(WINDOW)..].to_vec();
+            newest.sort_by(f32::total_cmp);
+            assert_eq!(seen(&scores).live(), Some(KeptScore::of(newest[newest.len() / 2])), "{scores:?}");
         }
-        assert_eq!((cell.live(), cell.score(), cell.dirty_since_s()), (CellState::Dirty, 2.0, 2));
-        cell.observe(None, 6);
-        assert_eq!(cell.live(), CellState::Clean, "three of six are no majority");
     }
 
     /// Cleaning changes the live state and not what was first perceived.
     #[test]
     fn the_first_perception_stays() {
-        let mut cell = SeenCell::default();
-        (0..4).for_each(|second| cell.observe(Some(1.0), second));
-        (60..72).for_each(|second| cell.observe(None, second));
-        assert_eq!((cell.first(), cell.live()), (CellState::Dirty, CellState::Clean));
+        let mut cell = seen(&[30.0; 9]);
+        (60..72).for_each(|second| cell.observe(KeptScore::of(9.0), LIMIT, second));
+        assert_eq!(cell.state(SeenLayer::First, LIMIT), CellState::Dirty);
+        assert_eq!((cell.state(SeenLayer::Live, LIMIT), cell.dirty_since_s()), (CellState::Clean, 2));
         cell.begin_mission();
-        assert_eq!((cell.first(), cell.live()), (CellState::Unknown, CellState::Unknown));
+        assert_eq!((cell.first(), cell.live()), (None, None));
+    }
+
+    /// Four glances that saw nothing do not keep a closer look from finding dirt; nine looks do.
+    #[test]
+    fn a_glance_proves_no_floor_clean() {
+        for (glances, expected) in [(4, CellState::Dirty), (9, CellState::Clean)] {
+            let mut cell = seen(&std::vec![9.0; glances]);
+            (60..72).for_each(|second| cell.observe(KeptScore::of(30.0), LIMIT, second));
+            assert_eq!(cell.state(SeenLayer::First, LIMIT), expected, "{glances}");
+        }
+    }
+
+    /// An eighth of the pixels exceeds what is observed.
+    #[test]
+    fn an_observation_is_the_upper_eighth() {
+        let mut cell = SeenCell::default();
+        (0..40_u8).for_each(|pixel| cell.take(f32::from(pixel)));
+        assert!((cell.upper_score() - 35.0).abs() < 0.6, "{}", cell.upper_score());
+        assert!(cell.close(LIMIT, 1) && !cell.close(LIMIT, 1));
+        assert_eq!(cell.observations(), 1);
     }
 }

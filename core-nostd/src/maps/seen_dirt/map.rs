@@ -1,6 +1,6 @@
 //! The map of seen dirt: pixels fall into cells of the floor, cells collect observations from different viewpoints.
 
-use super::cell::{CellState, SeenCell};
+use super::cell::{CellState, KeptScore, SeenCell, SeenLayer};
 use crate::capacities::FLOOR_IMAGE_COLUMNS_MAX;
 use crate::floor::dirt::{FloorView, NOVELTY_BIN};
 use crate::geometry::{Point2, Pose2};
@@ -11,25 +11,20 @@ use crate::time::Stamp;
 /// stands.
 const MOVED_M: f32 = 0.1;
 const TURNED_RAD: f32 = 0.087_27;
-/// Dirty part of the pixels of a cell that makes it dirty: a quarter.
-const DIRTY_PART: u16 = 4;
-/// Fewest pixels of a cell that are an observation.
-const PIXELS_MIN: u16 = 6;
 /// Farther from the camera's foot point the view is too flat to be an observation, metres (the range within which
 /// objects must be found; algorithms E.3).
 const REACH_M: f32 = 1.3;
 /// Pixels of the result that are looked at: every second column and row.
 const STEP: usize = 2;
 const COLUMNS_MAX: usize = FLOOR_IMAGE_COLUMNS_MAX / NOVELTY_BIN;
-
-/// Which of the two states of a cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SeenLayer {
-    /// As it was when the mission first perceived it.
-    First,
-    /// As it is now.
-    Live,
-}
+/// Part of the cells that are clean floor, whatever the floor: how dirty they look is what the floor looks like.
+const USUAL_PART: f32 = 0.97;
+/// Dirt exceeds that by this factor; but never must it exceed more than the detector's own threshold, and never is
+/// anything dirt below this part of it. Found on 24 rendered halls of six floors.
+const BEYOND_USUAL: f32 = 1.28;
+const LEAST_PART: f32 = 0.8;
+/// Fewer known cells are no floor to compare with.
+const KNOWN_MIN: u32 = 200;
 
 /// What became of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +42,10 @@ pub struct SeenDirtMap<'a> {
     geometry: GridGeometry,
     cells: &'a mut [SeenCell],
     last_view: Option<Pose2>,
+    /// How many cells have which live score.
+    histogram: [u32; 256],
+    /// The detector's.
+    threshold: f32,
 }
 
 /// A half-size image of scores, and from which on one is dirt.
@@ -64,7 +63,12 @@ impl<'a> SeenDirtMap<'a> {
     /// A map over cells; `None` if they are fewer than the geometry's.
     #[must_use]
     pub fn new(geometry: GridGeometry, cells: &'a mut [SeenCell]) -> Option<Self> {
-        (cells.len() >= geometry.cell_count()).then_some(Self { geometry, cells, last_view: None })
+        let count = geometry.cell_count();
+        let mut histogram = [0; 256];
+        for score in cells.get(..count)?.iter().filter_map(SeenCell::live) {
+            count_cell(&mut histogram, score, 1);
+        }
+        Some(Self { geometry, cells, last_view: None, histogram, threshold: f32::INFINITY })
     }
 
     /// Where the cells lie.
@@ -83,12 +87,45 @@ impl<'a> SeenDirtMap<'a> {
     pub fn begin_mission(&mut self) {
         self.cells.iter_mut().for_each(SeenCell::begin_mission);
         self.last_view = None;
+        self.histogram = [0; 256];
+    }
+
+    /// The detector's threshold, where no frame has told it.
+    #[cfg(test)]
+    pub(super) const fn expect(&mut self, threshold: f32) {
+        self.threshold = threshold;
+    }
+
+    /// From which score on a cell of this floor is dirty: what most of the floor does not reach. On a floor of chips that
+    /// is little, on a glossy one under lamps as much as the detector demands of a single pixel.
+    #[must_use]
+    pub fn limit(&self) -> KeptScore {
+        let known = self.histogram.iter().fold(0_u32, |sum, count| sum.saturating_add(*count));
+        if known < KNOWN_MIN {
+            return KeptScore::of(self.threshold);
+        }
+        let wanted = (USUAL_PART * known as f32) as u32;
+        let mut below = 0_u32;
+        let usual = self.histogram.iter().zip(0_u8..).find_map(|(count, score)| {
+            below = below.saturating_add(*count);
+            (below > wanted).then_some(KeptScore(score))
+        });
+        let usual = usual.map_or(f32::INFINITY, KeptScore::score);
+        let limit = (BEYOND_USUAL * usual).max(LEAST_PART * self.threshold).min(self.threshold);
+        KeptScore::of(limit)
+    }
+
+    /// The state of a cell in a layer.
+    #[must_use]
+    pub fn state(&self, cell: &SeenCell, layer: SeenLayer) -> CellState {
+        cell.state(layer, self.limit())
     }
 
     /// Square metres of a layer in a state.
     #[must_use]
     pub fn area_m2(&self, layer: SeenLayer, state: CellState) -> f32 {
-        let count = self.cells().iter().filter(|cell| cell.state(layer) == state).count();
+        let limit = self.limit();
+        let count = self.cells().iter().filter(|cell| cell.state(layer, limit) == state).count();
         count as f32 * self.geometry.resolution_m() * self.geometry.resolution_m()
     }
 
@@ -98,6 +135,7 @@ impl<'a> SeenDirtMap<'a> {
             return ViewOutcome::SameView;
         }
         self.last_view = Some(view.robot_in_map);
+        self.threshold = scores.threshold;
         let bounds = self.collect(view, scores);
         // Seconds of a 64-bit clock: 32 bits are 136 years.
         let now_s = u32::try_from(now.as_micros() / 1_000_000).unwrap_or(u32::MAX);
@@ -126,11 +164,7 @@ impl<'a> SeenDirtMap<'a> {
                 let [left, low, right, high] = &mut bounds;
                 (*left, *low) = ((*left).min(x), (*low).min(y));
                 (*right, *high) = ((*right).max(x), (*high).max(y));
-                cell.pixels = cell.pixels.saturating_add(1);
-                if *score > scores.threshold {
-                    cell.dirty_pixels = cell.dirty_pixels.saturating_add(1);
-                    cell.score_sum += *score - scores.threshold;
-                }
+                cell.take(*score);
             }
         }
         bounds
@@ -139,7 +173,7 @@ impl<'a> SeenDirtMap<'a> {
     /// Turns counts into observations; how many.
     fn decide(&mut self, [left, low, right, high]: [i32; 4], now_s: u32) -> u32 {
         let width = usize::from(self.geometry.width());
-        let mut observed = 0_u32;
+        let (limit, mut observed) = (self.limit(), 0_u32);
         let count = |first: i32, last: i32| {
             usize::try_from(last.saturating_sub(first).saturating_add(1)).unwrap_or(0)
         };
@@ -147,27 +181,22 @@ impl<'a> SeenDirtMap<'a> {
         let rows = self.cells.chunks_mut(width.max(1)).skip(start(low)).take(count(low, high));
         for row in rows {
             for cell in row.iter_mut().skip(start(left)).take(count(left, right)) {
-                if cell.pixels >= PIXELS_MIN {
-                    let is_dirt = cell.dirty_pixels.saturating_mul(DIRTY_PART) >= cell.pixels;
-                    let mean = cell.score_sum / f32::from(cell.dirty_pixels.max(1));
-                    cell.observe(is_dirt.then_some(mean), now_s);
+                let before = cell.live();
+                if cell.close(limit, now_s) {
                     observed = observed.saturating_add(1);
+                    before.into_iter().for_each(|score| count_cell(&mut self.histogram, score, -1));
+                    cell.live().into_iter().for_each(|score| count_cell(&mut self.histogram, score, 1));
                 }
-                (cell.pixels, cell.dirty_pixels, cell.score_sum) = (0, 0, 0.0);
             }
         }
         observed
     }
 }
 
-impl SeenCell {
-    /// The state in a layer.
-    #[must_use]
-    pub const fn state(&self, layer: SeenLayer) -> CellState {
-        match layer {
-            SeenLayer::First => self.first(),
-            SeenLayer::Live => self.live(),
-        }
+/// Counts a cell in or out.
+fn count_cell(histogram: &mut [u32; 256], score: KeptScore, step: i32) {
+    if let Some(slot) = histogram.get_mut(usize::from(score.0)) {
+        *slot = slot.saturating_add_signed(step);
     }
 }
 

@@ -4,6 +4,6 @@ mod cell;
 mod map;
 mod spots;
 
-pub use cell::{CellState, SeenCell};
-pub use map::{Scores, SeenDirtMap, SeenLayer, ViewOutcome};
+pub use cell::{CellState, KeptScore, SeenCell, SeenLayer};
+pub use map::{Scores, SeenDirtMap, ViewOutcome};
 pub use spots::{DirtSpot, DirtSpots, SPOTS_MAX};

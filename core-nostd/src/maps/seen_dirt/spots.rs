@@ -5,8 +5,8 @@
 
 use heapless::Vec;
 
-use super::cell::{CellState, SeenCell};
-use super::map::{SeenDirtMap, SeenLayer};
+use super::cell::{CellState, KeptScore, SeenCell, SeenLayer};
+use super::map::SeenDirtMap;
 use crate::geometry::Point2;
 use crate::time::Stamp;
 
@@ -15,8 +15,11 @@ pub const SPOTS_MAX: usize = 128;
 /// Parts of spots while the rows are read, and runs of a row.
 const PARTS_MAX: usize = 512;
 const RUNS_MAX: usize = 256;
-/// Fewest cells of a spot (algorithms F.2).
-const CELLS_MIN: u32 = 2;
+/// Least evidence of a spot: sum over its cells of what exceeds the limit, natural logarithms. It takes two cells of
+/// which one sees little (algorithms F.2), or a single one that sees much: a puddle of 6 cm fits into one.
+const EVIDENCE_MIN: f32 = 1.5;
+/// Some cell must exceed the limit by this much: many that hardly do are a shade of the floor.
+const PEAK_MIN: f32 = 1.0;
 
 /// A spot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,7 +33,7 @@ pub struct DirtSpot {
     pub high_in_map: Point2,
     /// Area of its cells, square metres.
     pub area_m2: f32,
-    /// Mean by which it exceeded the detector's threshold, natural logarithms.
+    /// Mean by which its cells exceed the limit, natural logarithms.
     pub score: f32,
     /// Seconds since it was first perceived as dirt.
     pub age_s: f32,
@@ -64,6 +67,7 @@ struct Part {
     low: [f32; 2],
     high: [f32; 2],
     score: f32,
+    peak: f32,
     since_s: u32,
     observations: u16,
 }
@@ -78,17 +82,19 @@ impl SeenDirtMap<'_> {
     /// The spots of a layer, at the time `now`.
     #[must_use]
     pub fn spots(&self, layer: SeenLayer, now: Stamp) -> DirtSpots {
+        let limit = self.limit();
         let mut parts = Parts::default();
         let mut above: Vec<Run, RUNS_MAX> = Vec::new();
         let width = usize::from(self.geometry().width()).max(1);
         for (row, cells) in self.cells().chunks(width).enumerate() {
-            let mut runs = runs(cells, layer, &mut parts.dropped);
+            let mut runs = runs(cells, (layer, limit), &mut parts.dropped);
             for run in &mut runs {
                 run.part = parts.open();
                 for cell in run.first..=run.last.min(usize::from(u16::MAX)) {
                     let centre = self.geometry().centre(row.saturating_mul(width).saturating_add(cell));
                     if let Some(cell) = cells.get(cell) {
-                        parts.grow(run.part, centre, cell);
+                        let excess = cell.score(layer).map_or(0.0, KeptScore::score) - limit.score();
+                        parts.grow(run.part, (centre, excess), cell);
                     }
                 }
                 let touching = above.iter().filter(|other| {
@@ -105,10 +111,10 @@ impl SeenDirtMap<'_> {
 }
 
 /// Runs of dirty cells of a row, without a part yet.
-fn runs(cells: &[SeenCell], layer: SeenLayer, dropped: &mut u32) -> Vec<Run, RUNS_MAX> {
+fn runs(cells: &[SeenCell], (layer, limit): (SeenLayer, KeptScore), dropped: &mut u32) -> Vec<Run, RUNS_MAX> {
     let mut runs: Vec<Run, RUNS_MAX> = Vec::new();
     for (column, cell) in cells.iter().enumerate() {
-        if cell.state(layer) != CellState::Dirty {
+        if cell.state(layer, limit) != CellState::Dirty {
             continue;
         }
         match runs.last_mut().filter(|run| run.last.saturating_add(1) == column) {
@@ -142,7 +148,7 @@ impl Parts {
         index
     }
 
-    fn grow(&mut self, part: u16, centre: Point2, cell: &SeenCell) {
+    fn grow(&mut self, part: u16, (centre, excess): (Point2, f32), cell: &SeenCell) {
         let root = self.root(part);
         let Some(part) = self.list.get_mut(usize::from(root)) else { return };
         part.cells = part.cells.saturating_add(1);
@@ -154,7 +160,8 @@ impl Parts {
             *low = low.min(value);
             *high = high.max(value);
         }
-        part.score += cell.score();
+        part.score += excess;
+        part.peak = part.peak.max(excess);
         part.since_s = part.since_s.min(cell.dirty_since_s());
         part.observations = part.observations.max(cell.observations());
     }
@@ -198,6 +205,7 @@ impl Parts {
                 *high = high.max(value);
             }
             part.score += moved.score;
+            part.peak = part.peak.max(moved.peak);
             part.since_s = part.since_s.min(moved.since_s);
             part.observations = part.observations.max(moved.observations);
         }
@@ -206,7 +214,8 @@ impl Parts {
     /// Spots, largest first.
     fn finish(self, cell_m: f32, now: Stamp) -> DirtSpots {
         let mut found = DirtSpots { spots: Vec::new(), dropped: self.dropped };
-        let large = self.list.iter().filter(|part| part.cells >= CELLS_MIN);
+        let is_evident = |part: &&Part| part.score >= EVIDENCE_MIN && part.peak >= PEAK_MIN;
+        let large = self.list.iter().filter(is_evident);
         for spot in large.map(|part| part.spot(cell_m, now)) {
             let place = found.spots.iter().position(|other| other.area_m2 < spot.area_m2);
             let place = place.unwrap_or(found.spots.len());
@@ -246,11 +255,16 @@ mod tests {
     use super::*;
     use crate::maps::GridGeometry;
 
-    /// Cells with dirt from a drawing: `#` is dirty.
+    /// Cells with dirt from a drawing: `#` is dirty, `*` very.
     fn map(drawing: &[&str]) -> std::vec::Vec<SeenCell> {
         let cell = |mark: char| {
             let mut cell = SeenCell::default();
-            (5..9).for_each(|second| cell.observe((mark == '#').then_some(1.0), second));
+            let score = KeptScore::of(match mark {
+                '#' => 22.3,
+                '*' => 23.5,
+                _ => 9.0,
+            });
+            (5..9).for_each(|second| cell.observe(score, KeptScore::of(21.0), second));
             cell
         };
         drawing.iter().flat_map(|line| line.chars().map(cell)).collect()
@@ -263,15 +277,17 @@ mod tests {
             "#...#..#.", //
             "#.###....", //
             ".#.....##", //
-            ".......##", //
+            "...*...##", //
         ]);
         let geometry = GridGeometry::new(9, 5, 0.1, Point2::new(1.0, 2.0)).unwrap();
-        let map = SeenDirtMap::new(geometry, &mut cells).unwrap();
+        let mut map = SeenDirtMap::new(geometry, &mut cells).unwrap();
+        map.expect(21.0);
         let found = map.spots(SeenLayer::Live, Stamp::from_micros(67_000_000));
-        assert_eq!((found.spots.len(), found.dropped), (2, 0), "{found:?}");
-        let [large, small] = &found.spots[..] else { panic!("{found:?}") };
+        assert_eq!((found.spots.len(), found.dropped), (3, 0), "a weak cell alone is none: {found:?}");
+        let [large, small, single] = &found.spots[..] else { panic!("{found:?}") };
         assert!((large.area_m2 - 0.09).abs() < 1e-4 && (small.area_m2 - 0.04).abs() < 1e-4);
         assert!(small.centre_in_map.distance(Point2::new(1.8, 2.4)) < 1e-4, "{small:?}");
+        assert!(single.centre_in_map.distance(Point2::new(1.35, 2.45)) < 1e-4, "{single:?}");
         assert!((small.age_s - 60.0).abs() < 1e-3 && small.observations == 4);
         assert!(large.low_in_map.distance(Point2::new(1.0, 2.0)) < 1e-4, "{large:?}");
     }
