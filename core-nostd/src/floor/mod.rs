@@ -4,6 +4,7 @@
 //! Source: algorithms E and F.
 
 mod classes;
+mod cloud;
 mod confirmation;
 mod curvature;
 mod depth_noise;
@@ -19,6 +20,7 @@ mod refine;
 mod search;
 
 pub use classes::PixelClass;
+pub use cloud::floor_of_points;
 pub use confirmation::{ConfirmedObject, ObjectMemory};
 pub use curvature::Curvature;
 pub use depth_noise::DepthNoise;

@@ -42,20 +42,24 @@ const UPPER_PART: f32 = 0.5;
 /// Fewest samples, as in algorithms B.1.
 const SAMPLES_MIN: usize = 10;
 
-type Samples = Vec<[f32; 3], FLOOR_SEARCH_SAMPLES>;
+pub(super) type Samples = Vec<[f32; 3], FLOOR_SEARCH_SAMPLES>;
 
 /// The most supported plane that the expectation allows; `None` without points or without such a plane.
 pub(super) fn search(lattice: &Lattice<'_>, expectation: &Expectation, random: &mut Pcg32) -> Option<Plane> {
-    let samples = samples(lattice, random);
+    best(&samples(lattice.points(UPPER_PART), random), expectation, random)
+}
+
+/// The same among any points.
+pub(super) fn best(samples: &Samples, expectation: &Expectation, random: &mut Pcg32) -> Option<Plane> {
     if samples.len() < SAMPLES_MIN {
         return None;
     }
     let mut best: Option<(i32, Plane)> = None;
     for _ in 0..HYPOTHESES {
-        let Some(plane) = hypothesis(&samples, random).filter(|plane| expectation.allows(plane)) else {
+        let Some(plane) = hypothesis(samples, random).filter(|plane| expectation.allows(plane)) else {
             continue;
         };
-        let score = score(&samples, &plane);
+        let score = score(samples, &plane);
         if score > 0 && best.is_none_or(|(highest, _)| score > highest) {
             best = Some((score, plane));
         }
@@ -63,11 +67,11 @@ pub(super) fn search(lattice: &Lattice<'_>, expectation: &Expectation, random: &
     best.map(|(_, plane)| plane)
 }
 
-/// An even choice of the lower part of the image: reservoir sampling, so that any number of points fits.
-fn samples(lattice: &Lattice<'_>, random: &mut Pcg32) -> Samples {
+/// An even choice of points: reservoir sampling, so that any number of them fits.
+pub(super) fn samples(points: impl Iterator<Item = [f32; 3]>, random: &mut Pcg32) -> Samples {
     let mut samples = Samples::new();
     let mut seen = 0_u32;
-    for point in lattice.points(UPPER_PART) {
+    for point in points {
         seen = seen.saturating_add(1);
         if samples.push(point).is_err() {
             // Full: the new point takes the place of another with the probability that keeps the choice even.
