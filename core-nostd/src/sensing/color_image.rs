@@ -1,14 +1,13 @@
 //! A colour image as the camera delivers it: three bytes a pixel, sRGB.
 
-use super::depth_image::WrongImageSize;
+use super::image_size::{ImageView, WrongImageSize};
 use crate::time::Stamp;
 
 /// A checked view of colour pixels, row by row from the top left. Invariant: `width × height` pixels, both ≥ 1.
 #[derive(Clone, Copy, Debug)]
 pub struct ColorImage<'a> {
     stamp: Stamp,
-    width: usize,
-    pixels: &'a [[u8; 3]],
+    view: ImageView<'a, [u8; 3]>,
 }
 
 impl<'a> ColorImage<'a> {
@@ -18,12 +17,8 @@ impl<'a> ColorImage<'a> {
     /// The slice has another length, or a side is zero: the frame was cut or belongs to another camera mode. Drop it.
     pub fn new(stamp: Stamp, (width, height): (usize, usize), rgb: &'a [u8]) -> Result<Self, WrongImageSize> {
         let (pixels, rest) = rgb.as_chunks::<3>();
-        let is_whole = width > 0 && height > 0 && width.checked_mul(height) == Some(pixels.len());
-        if is_whole && rest.is_empty() {
-            Ok(Self { stamp, width, pixels })
-        } else {
-            Err(WrongImageSize { width, height, values: rgb.len() })
-        }
+        let view = ImageView::new((width, height), pixels).filter(|_| rest.is_empty());
+        view.map(|view| Self { stamp, view }).ok_or(WrongImageSize { width, height, values: rgb.len() })
     }
 
     /// When the image was taken.
@@ -35,24 +30,24 @@ impl<'a> ColorImage<'a> {
     /// Columns, ≥ 1.
     #[must_use]
     pub const fn width(&self) -> usize {
-        self.width
+        self.view.width()
     }
 
     /// Rows, ≥ 1.
     #[must_use]
     pub fn height(&self) -> usize {
-        self.pixels.len().checked_div(self.width).unwrap_or(0)
+        self.view.height()
     }
 
     /// All pixels, row by row.
     #[must_use]
     pub const fn pixels(&self) -> &'a [[u8; 3]] {
-        self.pixels
+        self.view.pixels()
     }
 
     /// The rows, from the top.
     pub fn rows(&self) -> core::slice::ChunksExact<'a, [u8; 3]> {
-        self.pixels.chunks_exact(self.width.max(1))
+        self.view.rows()
     }
 }
 

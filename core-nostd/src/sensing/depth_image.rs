@@ -3,39 +3,15 @@
 //! The pixels stay with whoever received them; an image is a checked view, so no stage has to ask again whether the
 //! size fits. What did not come back is unknown, never far away and never floor.
 
+use super::image_size::{ImageView, WrongImageSize};
 use crate::time::Stamp;
 
 /// A checked view of depth pixels, row by row from the top left. Invariant: `width × height` pixels, both ≥ 1.
 #[derive(Clone, Copy, Debug)]
 pub struct DepthImage<'a> {
     stamp: Stamp,
-    width: usize,
-    depth_mm: &'a [u16],
+    view: ImageView<'a, u16>,
 }
-
-/// An image whose pixels and size do not belong together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct WrongImageSize {
-    /// Columns that were announced.
-    pub width: usize,
-    /// Rows that were announced.
-    pub height: usize,
-    /// Values that were delivered.
-    pub values: usize,
-}
-
-impl core::fmt::Display for WrongImageSize {
-    fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(
-            formatter,
-            "an image of {} × {} pixels came with {} values",
-            self.width, self.height, self.values
-        )
-    }
-}
-
-impl core::error::Error for WrongImageSize {}
 
 impl<'a> DepthImage<'a> {
     /// A view of `width × height` depths in millimetres along the optical axis, 0 for no return, taken at `stamp`.
@@ -47,12 +23,8 @@ impl<'a> DepthImage<'a> {
         (width, height): (usize, usize),
         depth_mm: &'a [u16],
     ) -> Result<Self, WrongImageSize> {
-        let is_whole = width > 0 && height > 0 && width.checked_mul(height) == Some(depth_mm.len());
-        if is_whole {
-            Ok(Self { stamp, width, depth_mm })
-        } else {
-            Err(WrongImageSize { width, height, values: depth_mm.len() })
-        }
+        let view = ImageView::new((width, height), depth_mm);
+        view.map(|view| Self { stamp, view }).ok_or(WrongImageSize { width, height, values: depth_mm.len() })
     }
 
     /// When the image was taken.
@@ -64,24 +36,24 @@ impl<'a> DepthImage<'a> {
     /// Columns, ≥ 1.
     #[must_use]
     pub const fn width(&self) -> usize {
-        self.width
+        self.view.width()
     }
 
     /// Rows, ≥ 1.
     #[must_use]
     pub fn height(&self) -> usize {
-        self.depth_mm.len().checked_div(self.width).unwrap_or(0)
+        self.view.height()
     }
 
     /// All depths, millimetres, row by row.
     #[must_use]
     pub const fn depth_mm(&self) -> &'a [u16] {
-        self.depth_mm
+        self.view.pixels()
     }
 
     /// The rows, from the top.
     pub fn rows(&self) -> core::slice::ChunksExact<'a, u16> {
-        self.depth_mm.chunks_exact(self.width.max(1))
+        self.view.rows()
     }
 
     /// How many pixels brought a depth back.
@@ -90,7 +62,7 @@ impl<'a> DepthImage<'a> {
         // Sixteen bits hold the count of a piece and let compilers count eight pixels at once.
         let count =
             |piece: &[u16]| piece.iter().fold(0_u16, |sum, depth| sum.wrapping_add(u16::from(*depth > 0)));
-        self.depth_mm.chunks(4_096).map(|piece| usize::from(count(piece))).sum()
+        self.depth_mm().chunks(4_096).map(|piece| usize::from(count(piece))).sum()
     }
 }
 
