@@ -149,11 +149,15 @@ pub fn table(evenings: &[Evening; DAYS], runs: u64) -> String {
     text
 }
 
-/// Once the rates are known, no more than δ of the claimed cells are claimed falsely, with less way than lanes.
+/// What knowing the rates must save of the way of lanes: a tenth.
+const WAY_MAX: f64 = 0.9;
+
+/// Once the rates are known, no more than δ of the claimed cells are claimed falsely, with a tenth less way than lanes on
+/// every evening.
 #[must_use]
 pub fn holds(evenings: &[Evening; DAYS]) -> bool {
     let learned = || evenings.iter().skip(DAYS_OF_LANES);
     let claimed: u64 = learned().map(|one| one.claimed).sum();
     let falsely: u64 = learned().map(|one| one.falsely).sum();
-    falsely as f64 <= DELTA * claimed as f64 && learned().all(|one| one.way_m < evenings[0].way_m)
+    falsely as f64 <= DELTA * claimed as f64 && learned().all(|one| one.way_m <= WAY_MAX * evenings[0].way_m)
 }
