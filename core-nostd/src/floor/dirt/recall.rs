@@ -106,7 +106,8 @@ impl Homography {
         let [[a, d, g], [b, e, h], [c, f, i]] = self.columns;
         let scale = g * column + h * row + i;
         let inverse = 1.0 / scale;
-        (scale > 1.0e-6).then(|| ((a * column + b * row + c) * inverse, (d * column + e * row + f) * inverse))
+        let place = ((a * column + b * row + c) * inverse, (d * column + e * row + f) * inverse);
+        (scale > 1.0e-6).then_some(place)
     }
 }
 
