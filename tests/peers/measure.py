@@ -1,6 +1,6 @@
 """Times what a user would install today, on the inputs that `floorguard-bench --peers` wrote.
 
-Usage: measure.py FOLDER MODELS TRACKS. Prints one JSON object a line: {"task", "input", "peer", "version", "ns", "note"},
+Usage: measure.py FOLDER MODELS BENCH, where BENCH holds the benchmark's inputs. Prints one JSON object a line: {"task", "input", "peer", "version", "ns", "note"},
 or {"task", "peer", "skipped"}. A peer that is not installed, or fails, is a line and no error.
 """
 
@@ -18,7 +18,8 @@ for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 
 import numpy as np
 
-FOLDER, MODELS, TRACKS = sys.argv[1:4]
+FOLDER, MODELS, BENCH = sys.argv[1:4]
+TRACKS = os.path.join(BENCH, "track")
 GAP_M = 0.3
 TARGETS = (10, 50, 100)
 
@@ -259,11 +260,145 @@ def filter_filterpy():
     tell("filter", "filterpy KalmanFilter", "filterpy", input="100 targets", ns=median_ns(work, 20), note="predict and update")
 
 
+def degrees_between(a, b):
+    a, b = np.asarray(a, float), np.asarray(b, float)
+    return float(np.degrees(np.arccos(min(1.0, abs(a @ b) / np.linalg.norm(a) / np.linalg.norm(b)))))
+
+
+def depth_frames():
+    """Name, points in the camera's frame as 64-bit numbers, and the true plane."""
+    import cv2
+
+    with open(os.path.join(BENCH, "depth", "truth.json")) as file:
+        truth = json.load(file)
+    for frame in truth["frames"]:
+        path = os.path.join(BENCH, "depth", f"depth_{frame['k']}.png")
+        depth = cv2.imread(path, cv2.IMREAD_UNCHANGED) if os.path.exists(path) else None
+        if depth is None:
+            continue
+        rows, columns = np.nonzero(depth)
+        z = depth[rows, columns] * 0.001
+        x, y = (columns - truth["cx"]) * z / truth["fx"], (rows - truth["cy"]) * z / truth["fy"]
+        yield f"depth_{frame['k']}", np.column_stack([x, y, z]), frame
+
+
+def plane_note(normal, distance, frame, more=""):
+    angle, height = degrees_between(normal, frame["normal"]), abs(abs(distance) - frame["h"])
+    return f"{angle:.3f}°, {1000 * height:.1f} mm off{more}"
+
+
+def plane_open3d():
+    import open3d
+
+    open3d.utility.random.seed(1)
+    for name, points, frame in depth_frames():
+        cloud = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(points))
+        found = []
+        ns = median_ns(lambda: found.append(cloud.segment_plane(0.02, 3, 100)[0]), 5)
+        note = plane_note(found[-1][:3], found[-1][3], frame, "; points made before")
+        tell("plane", "Open3D segment_plane", "open3d", input=name, ns=ns, note=note)
+
+
+def plane_numpy():
+    """Least squares on what lies near the plane before, ten times: what one writes without a library."""
+    for name, points, frame in depth_frames():
+        start = np.array([0.0, -0.8, -0.6, 0.8])
+
+        def fit():
+            plane = start
+            for band in (0.3, 0.2, 0.1, 0.08, 0.06, 0.05, 0.04, 0.03, 0.03, 0.03):
+                near = points[np.abs(points @ plane[:3] + plane[3]) < band]
+                centre = near.mean(axis=0)
+                shifted = near - centre
+                normal = np.linalg.eigh(shifted.T @ shifted)[1][:, 0]
+                plane = np.append(normal, -normal @ centre)
+            return plane
+
+        plane = fit()
+        ns = median_ns(fit, 5)
+        tell("plane", "NumPy, trimmed least squares", "numpy", input=name, ns=ns, note=plane_note(plane[:3], plane[3], frame, "; points made before"))
+
+
+def dirt_frames():
+    import cv2
+
+    cv2.setNumThreads(1)
+    folder = os.path.join(BENCH, "dirt")
+    for name in sorted(os.listdir(folder)):
+        if name.endswith(".png") and not name.endswith("_mask.png"):
+            image = cv2.imread(os.path.join(folder, name))
+            mask = cv2.imread(os.path.join(folder, name[:-4] + "_mask.png"), cv2.IMREAD_GRAYSCALE)
+            if image is not None and mask is not None:
+                yield name[:-4], image, mask > 0
+
+
+def block_features(image):
+    """Mean and standard deviation of the gradient of L, a and b in blocks of 16 x 16."""
+    import cv2
+
+    lab = cv2.cvtColor(image.astype(np.float32) / 255, cv2.COLOR_BGR2Lab)
+    features = []
+    for channel in cv2.split(lab):
+        gradient = cv2.magnitude(cv2.Sobel(channel, cv2.CV_32F, 1, 0, ksize=1) / 2, cv2.Sobel(channel, cv2.CV_32F, 0, 1, ksize=1) / 2)
+        size = (gradient.shape[1] // 16, gradient.shape[0] // 16)
+        gradient = gradient[: size[1] * 16, : size[0] * 16]
+        mean = cv2.resize(gradient, size, interpolation=cv2.INTER_AREA)
+        squares = cv2.resize(gradient * gradient, size, interpolation=cv2.INTER_AREA)
+        features.append(np.column_stack([mean.ravel(), np.sqrt(np.maximum(squares - mean * mean, 0)).ravel()]))
+    return features
+
+
+def block_auc(scores, mask):
+    """Area under the curve of blocks, of which one is dirty from five dirty pixels on."""
+    from sklearn.metrics import roc_auc_score
+
+    rows, columns = mask.shape[0] // 16, mask.shape[1] // 16
+    counts = mask[: rows * 16, : columns * 16].reshape(rows, 16, columns, 16).sum(axis=(1, 3))
+    return roc_auc_score((counts.ravel() / 256 >= 0.02), scores)
+
+
+def dirt(peer, package, score_channel):
+    def score(image):
+        return -sum(score_channel(features) for features in block_features(image))
+
+    for name, image, mask in dirt_frames():
+        note = f"block AUC {block_auc(score(image), mask):.4f}; the published method"
+        tell("dirt", peer, package, input=name, ns=median_ns(lambda: score(image), 5), note=note)
+
+
+def dirt_opencv():
+    import cv2
+
+    def em(features):
+        cv2.setRNGSeed(1)
+        model = cv2.ml.EM_create()
+        model.setClustersNumber(3)
+        model.setCovarianceMatrixType(cv2.ml.EM_COV_MAT_GENERIC)
+        model.setTermCriteria((cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 30, 1e-3))
+        samples = features.astype(np.float64)
+        return model.trainEM(samples)[1].ravel()
+
+    dirt("OpenCV and its EM", "opencv-python-headless", em)
+
+
+def dirt_sklearn():
+    from sklearn.mixture import GaussianMixture
+
+    def fit(features):
+        return GaussianMixture(3, tol=1e-3, max_iter=30, random_state=1).fit(features).score_samples(features)
+
+    dirt("OpenCV and scikit-learn GaussianMixture", "scikit-learn", fit)
+
+
 MEASURES = [
     ("clusters", "scikit-learn DBSCAN", clusters_sklearn),
     ("clusters", "Open3D cluster_dbscan", clusters_open3d),
     ("ground", "Open3D segment_plane", ground_open3d),
     ("ground", "Patchwork++", ground_patchwork),
+    ("plane", "Open3D segment_plane", plane_open3d),
+    ("plane", "NumPy, trimmed least squares", plane_numpy),
+    ("dirt", "OpenCV and its EM", dirt_opencv),
+    ("dirt", "OpenCV and scikit-learn GaussianMixture", dirt_sklearn),
     ("svm", "libsvm", svm_libsvm),
     ("tracker", "norfair", tracker_norfair),
     ("tracker", "Stone Soup, nearest", tracker_stone_soup),

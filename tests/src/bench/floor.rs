@@ -7,8 +7,11 @@ use floorguard_core::floor::dirt::PublishedDetector;
 use floorguard_core::floor::{FloorModel, FloorParameters, ObjectFinder, PixelClass, Plane};
 use floorguard_core::sensing::{ColorImage, DepthImage, PinholeCamera};
 use floorguard_core::time::Stamp;
-use floorguard_hosted::evaluate::{DirtDetectors, read_colour, read_depth};
+use floorguard_hosted::evaluate::{
+    DepthFile, DirtDetectors, DirtTotals, read_colour, read_depth, read_mask,
+};
 
+use super::peers::OurTime;
 use crate::data::bench_input;
 use crate::dirt::view;
 use floorguard_core::geometry::Pose2;
@@ -59,15 +62,8 @@ fn times(input: &'static str, stage: &'static str, mut once: impl FnMut(usize)) 
 }
 
 fn depth(input: &'static str, path: &Path) -> Option<FrameTime> {
-    let file = read_depth(path).ok()?;
-    let camera = PinholeCamera::new([525.0, 525.0], [319.5, 239.5])?;
-    let any = floorguard_core::floor::Expectation {
-        mounted: Plane::of_mounting(1.0, 0.0)?,
-        tilt_max_rad: 0.872_665,
-        distance_range_m: [0.15, 3.0],
-    };
-    let parameters = FloorParameters::expecting(camera, any);
-    let mut model = Box::new(FloorModel::new(parameters, 1));
+    let (mut model, file) = model_and_picture(path)?;
+    let parameters = *model.parameters();
     let mut finder = Box::<ObjectFinder>::default();
     let mut classes = vec![PixelClass::Unknown; file.depth_mm.len()];
     let mut pixels = file.depth_mm.clone();
@@ -80,6 +76,84 @@ fn depth(input: &'static str, path: &Path) -> Option<FrameTime> {
             let _ = std::hint::black_box(finder.find(&image, (&parameters, &estimate), &mut classes));
         }
     }))
+}
+
+/// Plane fits of the benchmark's depth pictures, with how far they are from the truth.
+///
+/// # Errors
+/// The truth cannot be read.
+pub(super) fn planes() -> anyhow::Result<Vec<OurTime>> {
+    let Some(truth) = bench_input("depth/truth.json") else { return Ok(Vec::new()) };
+    let truth: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(truth)?)?;
+    let mut times = Vec::new();
+    for frame in truth["frames"].as_array().into_iter().flatten() {
+        let input = format!("depth_{}", frame["k"]);
+        let path = bench_input(&format!("depth/{input}.png")).filter(|path| path.exists());
+        let Some((mut model, mut file)) = path.and_then(|path| model_and_picture(&path)) else { continue };
+        let mut found = None;
+        let all = (0..ROUNDS as u64).map(|round| {
+            file.depth_mm[0] = round as u16 % 2;
+            let stamp = Stamp::from_micros(33_333 * (round + 1));
+            let image = DepthImage::new(stamp, (file.width, file.height), &file.depth_mm).ok();
+            super::nanoseconds(|| found = image.map(|image| model.update(&image, stamp).plane))
+        });
+        let ns = super::median(all.collect());
+        let Some(found) = found else { continue };
+        // That file's normals point down.
+        let component = |index: usize| -frame["normal"][index].as_f64().unwrap_or(0.0) as f32;
+        let Some(exact) = Plane::new([component(0), component(1), component(2)], 1.0) else { continue };
+        let angle = found.tilt_from_rad(&exact).to_degrees();
+        let off_mm = 1e3 * (f64::from(found.distance_m) - frame["h"].as_f64().unwrap_or(0.0)).abs();
+        let note = format!("{angle:.3}°, {off_mm:.1} mm off; from the picture, with curvature");
+        times.push(OurTime { task: "plane", input, ns, note });
+    }
+    Ok(times)
+}
+
+/// Our detector of dirt on the benchmark's floors, with how well it tells blocks apart.
+///
+/// # Errors
+/// A picture cannot be judged.
+pub(super) fn dirt_blocks() -> anyhow::Result<Vec<OurTime>> {
+    let mut times = Vec::new();
+    for number in 0..10 {
+        let input = format!("floor_{number}");
+        let at = |name: String| bench_input(&name).filter(|path| path.exists());
+        let (Some(path), Some(mask)) =
+            (at(format!("dirt/{input}.png")), at(format!("dirt/{input}_mask.png")))
+        else {
+            continue;
+        };
+        let (file, truth) = (read_colour(&path)?, read_mask(&mask)?);
+        let image = ColorImage::new(Stamp::ZERO, (file.width, file.height), &file.rgb)?;
+        let usable = vec![true; file.width * file.height];
+        let mut detectors = DirtDetectors::default();
+        let [_, answer] = detectors.judge(&image, &usable, None)?;
+        let judged: Vec<bool> = answer.scores.iter().map(|score| !score.is_nan()).collect();
+        let mut totals = DirtTotals::default();
+        totals.add(&answer, (&truth.marked, &judged), file.width);
+        let once = || drop(std::hint::black_box(detectors.watch(&image, &usable, None)));
+        let ns = super::median(std::iter::repeat_with(once_timed(once)).take(ROUNDS).collect());
+        let note = format!("block AUC {:.4}; our method", totals.figures().block_auc);
+        times.push(OurTime { task: "dirt", input, ns, note });
+    }
+    Ok(times)
+}
+
+/// Times one call after another.
+fn once_timed(mut once: impl FnMut()) -> impl FnMut() -> f64 {
+    move || super::nanoseconds(&mut once)
+}
+
+fn model_and_picture(path: &Path) -> Option<(Box<FloorModel>, DepthFile)> {
+    let file = read_depth(path).ok()?;
+    let camera = PinholeCamera::new([525.0, 525.0], [319.5, 239.5])?;
+    let any = floorguard_core::floor::Expectation {
+        mounted: Plane::of_mounting(1.0, 0.0)?,
+        tilt_max_rad: 0.872_665,
+        distance_range_m: [0.15, 3.0],
+    };
+    Some((Box::new(FloorModel::new(FloorParameters::expecting(camera, any), 1)), file))
 }
 
 fn dirt(input: &'static str, path: &Path) -> Vec<FrameTime> {

@@ -59,6 +59,8 @@ pub fn ours(folder: &Path) -> anyhow::Result<Vec<OurTime>> {
     if let Some(path) = &synthetic {
         times.push(ground(folder, path)?);
     }
+    times.extend(super::floor::planes()?);
+    times.extend(super::floor::dirt_blocks()?);
     times.extend(vectors()?);
     for targets in [10, 50, 100] {
         let step_ns = tracker_step_ns(targets, Association::Nearest)?;

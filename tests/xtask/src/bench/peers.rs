@@ -22,7 +22,7 @@ pub fn run() -> Result<()> {
     let data = shared();
     let mut measure = Command::new(&python);
     measure.arg(shell::root().join("tests/peers/measure.py")).arg(&inputs);
-    measure.arg(data.join("data/models")).arg(data.join("bench/track"));
+    measure.arg(data.join("data/models")).arg(data.join("bench"));
     println!("measuring the peers: a few minutes");
     let theirs = shell::output(&mut measure).context("the peers' measurement failed")?;
     // Ours once more, on the machine as it is now: the better half of a noisy pair is nobody's.
