@@ -7,9 +7,7 @@ use floorguard_core::floor::dirt::PublishedDetector;
 use floorguard_core::floor::{FloorModel, FloorParameters, ObjectFinder, PixelClass, Plane};
 use floorguard_core::sensing::{ColorImage, DepthImage, PinholeCamera};
 use floorguard_core::time::Stamp;
-use floorguard_hosted::evaluate::{
-    DepthFile, DirtDetectors, DirtTotals, read_colour, read_depth, read_mask,
-};
+use floorguard_hosted::evaluate::{DepthFile, DirtDetectors, DirtTotals, read_colour, read_depth, read_mask};
 
 use super::peers::OurTime;
 use crate::data::bench_input;
@@ -124,7 +122,11 @@ pub(super) fn dirt_blocks() -> anyhow::Result<Vec<OurTime>> {
         else {
             continue;
         };
-        let (file, truth) = (read_colour(&path)?, read_mask(&mask)?);
+        let (file, truth) = {
+            let file = read_colour(&path)?;
+            let truth = read_mask(&mask, (file.width, file.height))?;
+            (file, truth)
+        };
         let image = ColorImage::new(Stamp::ZERO, (file.width, file.height), &file.rgb)?;
         let usable = vec![true; file.width * file.height];
         let mut detectors = DirtDetectors::default();
