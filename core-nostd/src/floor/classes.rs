@@ -89,7 +89,7 @@ impl Judge {
 
     /// Height of a pixel above the floor, metres.
     #[inline]
-    pub(super) fn height_m(&self, point: [f32; 3]) -> f32 {
+    pub(super) fn above_floor_m(&self, point: [f32; 3]) -> f32 {
         let floor_m = self.curvature.as_ref().map_or(0.0, |curvature| curvature.height_m(point));
         self.plane.height_m(point) - floor_m
     }

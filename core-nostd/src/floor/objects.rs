@@ -367,7 +367,7 @@ impl Scene<'_> {
         FloorObject {
             low_m: place,
             high_m: place,
-            height_m: self.judge.height_m(point),
+            height_m: self.judge.above_floor_m(point),
             pixels: 1,
             first_px: at,
             last_px: at,

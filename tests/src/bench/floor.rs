@@ -134,7 +134,7 @@ pub(super) fn dirt_blocks() -> anyhow::Result<Vec<OurTime>> {
         let judged: Vec<bool> = answer.scores.iter().map(|score| !score.is_nan()).collect();
         let mut totals = DirtTotals::default();
         totals.add(&answer, (&truth.marked, &judged), file.width);
-        let once = || drop(std::hint::black_box(detectors.watch(&image, &usable, None)));
+        let once = || assert!(std::hint::black_box(detectors.watch(&image, &usable, None)).is_ok());
         let ns = super::median(std::iter::repeat_with(once_timed(once)).take(ROUNDS).collect());
         let note = format!("block AUC {:.4}; our method", totals.figures().block_auc);
         times.push(OurTime { task: "dirt", input, ns, note });
