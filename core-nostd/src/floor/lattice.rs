@@ -56,7 +56,7 @@ impl<'a> Lattice<'a> {
         let across = stride as f32 / fx;
         image.rows().enumerate().skip(half).step_by(stride).map(move |(row, depths)| {
             let [_, ray_y, _] = camera.ray(0.0, row as f32);
-            let groups = depths.chunks(stride.saturating_mul(LANES)).enumerate();
+            let groups = depths.chunks(stride.saturating_mul(LANES).max(1)).enumerate();
             groups.map(move |(group, depths)| {
                 let at = |lane: usize| depths.get(lane.wrapping_mul(stride).wrapping_add(half));
                 let raw = [at(0), at(1), at(2), at(3)].map(|depth| depth.copied().unwrap_or(0));

@@ -136,7 +136,7 @@ impl Line {
         let [[start, _], ..] = self.values;
         first.iter_mut().for_each(|pixel| take(pixel, start));
         let step = 1.0 / self.cell as f32;
-        for (pixels, [value, rise]) in others.chunks_mut(self.cell).zip(&self.values) {
+        for (pixels, [value, rise]) in others.chunks_mut(self.cell.max(1)).zip(&self.values) {
             let mut part = 0.5 * step;
             let ([x, y, z], [rx, ry, rz]) = (*value, *rise);
             for pixel in pixels {
