@@ -176,3 +176,25 @@ fn fg_req_020_stopping_distances_are_those_of_a_simulated_stop() {
     assert!(stop_distance_m(1.0, 0.1, 0.0, -1.0).is_infinite());
     assert_eq!(field_length_m(1.0, 0.5, 1.0, 0.25), stop_distance_m(1.0, 0.5, 0.0, 1.0) + 0.25);
 }
+
+#[test]
+fn fg_req_020_a_field_of_exactly_the_needed_length_is_long_enough() {
+    let with_front = |speed_mps: f32, front_m: f32| {
+        with(|config| {
+            config.fields[1].protective = rectangle([-0.45, front_m], 0.5);
+            config.fields[1].speed_max_mps = speed_mps;
+        })
+    };
+    // A speed whose length has no rounding when it is added to the front edge of the body.
+    let speeds = core::iter::successors(Some(0.5_f32), |speed_mps| Some(speed_mps.next_up())).take(1_000);
+    let exact = speeds.into_iter().find_map(|speed_mps| match with_front(speed_mps, 1.0) {
+        Err(GuardConfigError::FieldTooShort { needed_m, .. }) => {
+            let front_m = 0.95 + needed_m;
+            (front_m - 0.95 == needed_m).then_some((speed_mps, front_m))
+        }
+        _ => None,
+    });
+    let (speed_mps, front_m) = exact.expect("such a speed");
+    assert_eq!(with_front(speed_mps, front_m), Ok(()));
+    assert!(with_front(speed_mps, front_m.next_down()).is_err());
+}

@@ -16,6 +16,7 @@ use crate::counting::{self, Edit};
 
 use super::bounds::{self, Bound, Names, shorten, shown};
 use super::claim::Finding;
+use super::loop_words::{ADAPTERS, CONSUMERS, ENDLESS};
 use super::seen::Seen;
 use super::sources::{SourceFile, is_test_only};
 
@@ -43,81 +44,6 @@ pub struct LoopSite {
     #[serde(flatten)]
     pub seen: Seen,
 }
-
-/// Methods that walk their receiver to its end, or may.
-const CONSUMERS: &[&str] = &[
-    "for_each",
-    "fold",
-    "sum",
-    "product",
-    "count",
-    "any",
-    "all",
-    "find",
-    "find_map",
-    "position",
-    "rposition",
-    "max_by",
-    "min_by",
-    "max_by_key",
-    "min_by_key",
-    "last",
-    "collect",
-    "extend",
-    "try_fold",
-    "try_for_each",
-    "reduce",
-    "partition",
-    "eq",
-    "ne",
-    "lt",
-    "cmp",
-    "is_sorted",
-    "rev",
-    "copy_from_slice",
-    "clone_from_slice",
-    "fill",
-    "fill_with",
-    "extend_from_slice",
-    "contains",
-    "starts_with",
-    "ends_with",
-    "rotate_left",
-    "rotate_right",
-    "swap_with_slice",
-    "retain",
-    "truncate",
-    "resize",
-    "resize_default",
-    "clear",
-    "binary_search_by",
-    "binary_search_by_key",
-    "partition_point",
-    "map_while",
-    "nth",
-    "reverse",
-    "checksum",
-];
-
-/// Methods that make an iterator of another: somebody else walks it, but the compiled loop may keep the place where it
-/// was made.
-const ADAPTERS: &[&str] = &[
-    "filter",
-    "filter_map",
-    "flat_map",
-    "flatten",
-    "skip",
-    "skip_while",
-    "step_by",
-    "take_while",
-    "scan",
-    "chain",
-    "zip",
-    "map",
-];
-
-/// Where endless iteration comes from.
-const ENDLESS: &[&str] = &["repeat", "repeat_with", "cycle", "from_fn", "successors"];
 
 /// Lists the loops of one file; what has no bound becomes a finding.
 pub fn list(file: &SourceFile) -> (Vec<LoopSite>, Vec<Finding>) {
@@ -228,7 +154,7 @@ impl Visitor<'_> {
                 }
                 bound => bound,
             },
-            root => Ok(container(root)),
+            root => Ok(chained(expression, container(root))),
         }
     }
 
@@ -258,9 +184,18 @@ impl Visitor<'_> {
                 "an open range never ends; give it a constant end or `.take(CONSTANT)`",
             ));
         };
-        self.names.largest(end).ok_or_else(|| {
+        let bound = self.names.largest(end).ok_or_else(|| {
             format!("the range ends at `{}`, which is not a constant; write `.min(CONSTANT)`", shown(end))
-        })
+        })?;
+        // From below zero, and through the last number itself, there are more turns than the end says.
+        let below = match range.start.as_deref() {
+            Some(syn::Expr::Unary(start)) if matches!(start.op, syn::UnOp::Neg(_)) => {
+                format!(" + {}", shown(&start.expr))
+            }
+            _ => String::new(),
+        };
+        let last = if matches!(range.limits, syn::RangeLimits::Closed(_)) { " + 1" } else { "" };
+        Ok(Bound { text: format!("{}{below}{last}", bound.text), ..bound })
     }
 
     /// Comparing, copying or printing a value with an array in it walks the array: the compiler writes those loops.
@@ -475,6 +410,19 @@ fn root(expression: &syn::Expr) -> &syn::Expr {
             _ => return current,
         };
     }
+}
+
+/// What is chained behind the first container turns too.
+fn chained(expression: &syn::Expr, first: Bound) -> Bound {
+    let mut current = expression;
+    let mut text = String::new();
+    while let syn::Expr::MethodCall(call) = current {
+        if let Some(argument) = call.args.first().filter(|_| call.method == "chain") {
+            text.insert_str(0, &format!(" + that of `{}`", shorten(&shown(root(argument)))));
+        }
+        current = &call.receiver;
+    }
+    Bound { text: first.text + &text, ..first }
 }
 
 fn container(expression: &syn::Expr) -> Bound {

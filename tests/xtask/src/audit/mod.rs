@@ -10,6 +10,7 @@ mod forbidden;
 mod image;
 #[cfg(test)]
 mod injection_tests;
+mod loop_words;
 mod loops;
 mod mutation;
 mod picture;

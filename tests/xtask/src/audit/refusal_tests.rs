@@ -98,3 +98,15 @@ fn cycles_over_several_functions_are_found() {
         .collect();
     assert_eq!(forbidden::cycles(&graph), [["a", "b", "c"].map(str::to_owned).to_vec()]);
 }
+
+#[test]
+fn a_bound_counts_every_turn() {
+    let bound = |text: &str| {
+        let file = sources::parse("core-nostd/src/example.rs", text.to_owned()).expect("the example parses");
+        loops::list(&file).0.first().map(|site| site.bound.clone()).unwrap_or_default()
+    };
+    assert_eq!(bound("fn f() { for i in 0..N {} }"), "N");
+    assert_eq!(bound("fn f() { for i in 0..=N {} }"), "N + 1");
+    assert_eq!(bound("fn f() { for i in -REACH..=REACH {} }"), "REACH + REACH + 1");
+    assert_eq!(bound("fn f() { for x in a.iter().chain(&b) {} }"), "capacity of `a` + that of `b`");
+}

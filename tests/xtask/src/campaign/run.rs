@@ -19,7 +19,7 @@ use crate::{counting, mutants, worst};
 pub struct Options {
     /// model, fuzz-velodyne, fuzz-s300 …: a wrong name lists them.
     name: String,
-    /// Trials; without it as many as the campaign asks for.
+    /// Trials; without it as many as the campaign asks for. For `loops` stages: 1 is core and drivers, 2 all tests.
     #[arg(long)]
     trials: Option<u64>,
     /// Seed: the same seed repeats the same trials.
@@ -36,7 +36,7 @@ pub struct Options {
 /// Runs to the end or to the first finding. True if there is none.
 pub fn run(options: &Options) -> Result<bool> {
     if options.name == "loops" {
-        return counting::run(options.seed);
+        return counting::run(options.seed, options.trials);
     }
     if options.name == "worst" {
         return worst::search(options.trials, options.seed);

@@ -63,7 +63,9 @@ const CHANGERS: &[&str] = &[
 
 /// Counts the turns of a `for`.
 pub fn of_for_loop(each: &syn::ExprForLoop, bound: &str) -> Vec<Edit> {
-    let bound = value_of(bound).or_else(|| room_of(start(&each.expr)));
+    // A chain of several containers turns for each of them, one of iterators within iterators for each of those.
+    let several = [".chain(", "flat_map(", "flatten("].iter().any(|word| shown(&each.expr).contains(word));
+    let bound = value_of(bound).or_else(|| room_of(start(&each.expr)).filter(|_| !several));
     let open = format!(
         "{{ let mut floorguard_turns = ::floorguard_core::loop_counts::Turns::new({SITE}, {}); ",
         marked(bound)
