@@ -70,3 +70,13 @@ pub const RGBD_PEOPLE_MAX: usize = if cfg!(feature = "hosted") { 32 } else { 16 
 pub const RGBD_LEGS_MAX: usize = if cfg!(feature = "hosted") { 32 } else { 16 };
 /// Things in the band of the legs that may be open at once while a picture is read.
 pub const RGBD_LEG_PARTS_MAX: usize = if cfg!(feature = "hosted") { 512 } else { 192 };
+/// Labelled shapes of each class from which a robot learns: algorithms A.6 keeps 1,005 of each for an SVM; waves need fewer.
+pub const LEARNING_SAMPLES: usize = if cfg!(feature = "hosted") { 1_024 } else { 128 };
+/// Labelled shapes of each class by which what was learnt is judged.
+pub const LEARNING_HELD_OUT: usize = if cfg!(feature = "hosted") { 256 } else { 64 };
+/// Shapes with a known truth, of both classes together, on which nothing may get worse.
+pub const LEARNING_ANCHORS: usize = if cfg!(feature = "hosted") { 2_048 } else { 128 };
+/// Tracks whose diary is kept.
+pub const LEARNING_TRACKS: usize = TRACKS_MAX;
+/// Looks kept of one track.
+pub const LEARNING_LOOKS: usize = if cfg!(feature = "hosted") { 12 } else { 4 };

@@ -29,6 +29,7 @@ pub mod legs;
 pub mod maps;
 pub mod motion;
 pub mod odometry;
+pub mod online_learning;
 pub mod people;
 pub mod protection;
 pub mod random;

@@ -10,6 +10,7 @@ pub mod dirt;
 pub mod environment;
 pub mod fuzz;
 pub mod lidar_frames;
+pub mod online;
 pub mod reproduce;
 pub mod rgbd;
 pub mod wired;

@@ -23,6 +23,7 @@ fn main() -> ExitCode {
         "environment" => floorguard_tests::environment::environment(trials, folder),
         "dirt" => floorguard_tests::dirt::dirt(trials, folder),
         "rgbd-people" => floorguard_tests::rgbd::rgbd_people(trials, folder),
+        "online-learning" => floorguard_tests::online::online_learning(trials, folder),
         other => {
             eprintln!("no experiment is called '{other}'");
             return ExitCode::from(2);

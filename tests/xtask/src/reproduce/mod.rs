@@ -31,6 +31,8 @@ enum Experiment {
     Dirt,
     /// People in depth pictures of simulated rooms, both profiles.
     RgbdPeople,
+    /// What a robot learns about people in new places, precision and recall over time; a trial is a minute.
+    OnlineLearning,
 }
 
 /// Builds and runs the experiments. True if everything that must show did.
@@ -41,6 +43,7 @@ pub fn run(options: &Options) -> Result<bool> {
         Experiment::Crowds => ("crowds", 5),
         Experiment::Environment => ("environment", 20),
         Experiment::Dirt => ("dirt", 4),
+        Experiment::OnlineLearning => ("online-learning", 3),
         Experiment::RgbdPeople => ("rgbd-people", 100),
     };
     let trials = options.trials.unwrap_or(trials);

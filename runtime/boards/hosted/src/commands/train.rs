@@ -5,12 +5,14 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 use floorguard_core::legs::LEG_FEATURES;
 use floorguard_core::people::shape::SHAPE_NAMES;
+use floorguard_sim::Scenario;
 
 use super::BadInput;
 use crate::evaluate::{learn_legs, recordings, training_samples};
 use crate::train::{
-    Boosting, Forest, Sample, boost, built_in_scenes, leg_table, person_samples, person_table, quality,
-    random_scenes, read_leg_scans, stretched,
+    Boosting, Forest, OnlinePlace, Sample, anchors, boost, built_in_scenes, draw_online, learn_place,
+    leg_table, load_weights, person_samples, person_table, quality, random_scenes, read_leg_scans,
+    save_weights, stretched,
 };
 
 /// What to learn.
@@ -26,6 +28,8 @@ pub struct TrainArguments {
 pub enum TrainWhat {
     /// The shape of people in lidar sweeps, from simulated rooms and the built-in scenarios.
     People(TrainPeopleArguments),
+    /// What people look like in a new place, from tracks, without anybody's labels; the truth of the simulation judges.
+    Online(TrainOnlineArguments),
     /// Legs in scans, from labelled recordings.
     Legs {
         /// Lines of source, scan, number of legs, legs `x:y;x:y`, ranges; the first line names the geometry.
@@ -51,6 +55,35 @@ pub struct TrainPeopleArguments {
     pub scenes: u64,
 }
 
+/// How to learn online.
+#[derive(Clone, Debug, Args)]
+pub struct TrainOnlineArguments {
+    /// A built-in scenario, or a scenario file; the robot stands at its start.
+    #[arg(long, default_value = "supermarket")]
+    pub place: String,
+    /// Seed of the run.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// How long the robot stands there.
+    #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=86_400))]
+    pub seconds: u32,
+    /// Every length is multiplied by this: people and things of other sizes than those that the shipped table knows.
+    #[arg(long, default_value_t = 1.0)]
+    pub scale: f32,
+    /// Rooms of the anchors, on which nothing may get worse.
+    #[arg(long, default_value_t = 24, value_parser = clap::value_parser!(u64).range(4..=400))]
+    pub anchor_scenes: u64,
+    /// What was learned: read if it is there, written at the end.
+    #[arg(long)]
+    pub model: Option<PathBuf>,
+    /// A folder for the picture of precision and recall over time.
+    #[arg(long)]
+    pub out: Option<PathBuf>,
+    /// One JSON object on standard output.
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Runs the command.
 ///
 /// # Errors
@@ -58,6 +91,7 @@ pub struct TrainPeopleArguments {
 pub fn run(arguments: &TrainArguments) -> anyhow::Result<()> {
     match &arguments.what {
         TrainWhat::People(arguments) => people(arguments),
+        TrainWhat::Online(arguments) => online(arguments),
         TrainWhat::Legs { scans, out } => legs(scans, out),
     }
 }
@@ -87,6 +121,52 @@ fn people(arguments: &TrainPeopleArguments) -> anyhow::Result<()> {
     ];
     std::fs::write(out, person_table(&forest, &provenance))
         .map_err(|error| BadInput(format!("{}: {error}", out.display())).into())
+}
+
+fn online(arguments: &TrainOnlineArguments) -> anyhow::Result<()> {
+    let bad = |error: anyhow::Error| anyhow::Error::from(BadInput(format!("{error:#}")));
+    if !(0.3..=3.0).contains(&arguments.scale) {
+        return Err(BadInput(format!("--scale {}: 0.3 to 3", arguments.scale)).into());
+    }
+    let name = Path::new(&arguments.place).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let scenario = if Path::new(&arguments.place).is_file() {
+        let text = std::fs::read_to_string(&arguments.place)
+            .map_err(|error| BadInput(format!("{}: {error}", arguments.place)))?;
+        Scenario::from_toml(&text)
+    } else {
+        Scenario::named(&arguments.place)
+    };
+    let scenario = scenario.map_err(|error| BadInput(format!("{}: {error}", arguments.place)))?;
+    let before = arguments.model.as_deref().map(load_weights).transpose().map_err(bad)?.flatten();
+    let place = OnlinePlace {
+        name,
+        scenario,
+        seed: arguments.seed,
+        seconds: arguments.seconds as usize,
+        scale: arguments.scale,
+        sensor_height_m: 0.8,
+    };
+    let (report, weights) = learn_place(&place, &anchors(arguments.anchor_scenes), before.as_ref());
+    if let Some(model) = &arguments.model {
+        save_weights(model, &weights).map_err(bad)?;
+    }
+    if let Some(folder) = &arguments.out {
+        draw_online(folder, &report)?;
+    }
+    if arguments.json {
+        anstream::println!("{}", serde_json::to_string(&report)?);
+        return Ok(());
+    }
+    for window in &report.windows {
+        let [[precision, recall], [learned_precision, learned_recall]] = window.precision_recall;
+        anstream::println!(
+            "{:6.0} s  shipped {precision:.3} {recall:.3}  learned {learned_precision:.3} {learned_recall:.3}  people, nobody, silent {:?}  taken, refused {:?}",
+            window.until_s,
+            window.labelled,
+            window.judged
+        );
+    }
+    Ok(())
 }
 
 fn legs(scans: &Path, out: &Path) -> anyhow::Result<()> {

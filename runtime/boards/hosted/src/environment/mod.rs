@@ -2,7 +2,7 @@
 
 mod answer;
 mod answer_people;
-mod bytes;
+pub(crate) mod bytes;
 mod calendar;
 mod codec;
 mod dirt;
@@ -25,7 +25,7 @@ pub use live::LiveLearner;
 pub use model::{CoreModel, HOURS, Model, PERIODS};
 pub use question::{Question, WeekHours};
 pub use store::{Loaded, load, save};
-pub(crate) use store::{read_newest, replace_file};
+pub(crate) use store::{places, read_newest, replace_file};
 pub use teach::{Lesson, teach_recording, teach_run};
 pub use tracks::{Recording, TrackFormat, TrackPoint, read_tracks};
 pub use zones::{Zone, read_zones};

@@ -56,6 +56,11 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// The names under which a cut may have left a file, the likeliest first.
+pub fn places(path: &Path) -> [PathBuf; 3] {
+    [path.to_owned(), beside(path, ".new"), beside(path, ".old")]
+}
+
 /// The newest whole one of a file's versions, as [`replace_file`] left them.
 pub fn read_newest<T>(path: &Path, decode: impl Fn(&[u8]) -> anyhow::Result<T>) -> Option<T> {
     let versions = [beside(path, ".new"), path.to_owned(), beside(path, ".old")];
@@ -69,7 +74,7 @@ pub fn read_newest<T>(path: &Path, decode: impl Fn(&[u8]) -> anyhow::Result<T>) 
 pub fn load(path: &Path) -> anyhow::Result<Option<Loaded>> {
     let mut best: Option<Model> = None;
     let mut passed_over = Vec::new();
-    for candidate in [path.to_owned(), beside(path, ".new"), beside(path, ".old")] {
+    for candidate in places(path) {
         let bytes = match std::fs::read(&candidate) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => continue,

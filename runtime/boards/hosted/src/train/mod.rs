@@ -3,19 +3,25 @@
 mod adaboost;
 mod boosting;
 mod leg_scans;
+mod online;
+mod online_picture;
 mod person_samples;
 mod quality;
 mod scenes;
 mod simulated;
 mod standing_map;
 mod table;
+mod weights_file;
 
 pub use adaboost::{adaboost, lean};
 pub use boosting::{Boosting, Forest, Sample, boost};
 pub use leg_scans::{LabelledScan, LegSample, coarser, leg_samples, read_leg_scans};
-pub use person_samples::{Samples, person_samples, stretched};
+pub use online::{OnlinePlace, OnlineReport, OnlineWindow, anchors, learn_place};
+pub use online_picture::draw_online;
+pub use person_samples::{Samples, is_person, person_samples, stretched};
 pub use quality::{Quality, quality};
 pub use scenes::{built_in_scenes, random_scenes};
 pub use simulated::{LabelledSweep, SceneRun, play};
 pub use standing_map::StandingMap;
 pub use table::{leg_table, person_table};
+pub use weights_file::{load_weights, save_weights};

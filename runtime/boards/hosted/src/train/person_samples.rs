@@ -100,7 +100,8 @@ fn label(pipeline: &mut PeoplePipeline, labelled: &LabelledSweep, samples: &mut 
 }
 
 /// Somebody stands where the candidate does; `None` where the truth cannot say.
-fn is_person(position: Point2, labelled: &LabelledSweep) -> Option<bool> {
+#[must_use]
+pub fn is_person(position: Point2, labelled: &LabelledSweep) -> Option<bool> {
     let near = labelled.people.iter().map(|(_, kind, place)| (place.distance(position), *kind));
     let (distance_m, kind) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
     // The middle of the returns lies before the middle of the body, and that of a trolley's pusher before both.
