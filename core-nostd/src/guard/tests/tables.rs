@@ -54,6 +54,10 @@ fn fg_req_020_a_ray_leaves_a_field_where_geometry_says() {
     assert_eq!(ray_exit_m(&square, Point2::new(-1.0, 0.0), Point2::new(-1.0, 0.0)), 0.0, "behind");
     assert_eq!(ray_exit_m(&square, Point2::new(-1.0, 3.0), Point2::new(1.0, 0.0)), 0.0, "beside");
     assert_eq!(ray_exit_m(&square, Point2::new(0.5, 0.0), Point2::new(0.0, 1.0)), 0.5);
+    // A ray that meets the far edge a hair beside its corner, where the neighbouring edge is parallel to it.
+    for y_m in [-0.499_96, -0.5, -0.500_04, 0.499_96, 0.500_04] {
+        assert_eq!(ray_exit_m(&square, Point2::new(-1.0, y_m), Point2::new(1.0, 0.0)), 2.0, "{y_m}");
+    }
     assert_eq!(ray_exit_m(&[], Point2::default(), Point2::new(1.0, 0.0)), 0.0);
 }
 

@@ -142,24 +142,25 @@ fn start(expression: &syn::Expr) -> &syn::Expr {
     }
 }
 
-/// The bound as an expression, where its text is one: a literal, a constant, or arithmetic with those.
+/// The bound as an expression of 64 bits, where its text is a literal, a constant, or arithmetic with those.
 fn value_of(bound: &str) -> Option<String> {
     let value = bound.split(" (from ").next().unwrap_or(bound);
-    let parsed = syn::parse_str::<syn::Expr>(value).ok()?;
-    is_constant(&parsed).then(|| format!("({value}) as u64"))
+    wide(&syn::parse_str::<syn::Expr>(value).ok()?)
 }
 
-fn is_constant(expression: &syn::Expr) -> bool {
+/// Each number is widened before it is reckoned with: `u16::MAX + 1` is one more than fits.
+fn wide(expression: &syn::Expr) -> Option<String> {
     match expression {
-        syn::Expr::Lit(_) => true,
-        syn::Expr::Path(path) => path
-            .path
-            .segments
-            .last()
-            .is_some_and(|last| !last.ident.to_string().chars().any(char::is_lowercase)),
-        syn::Expr::Binary(binary) => is_constant(&binary.left) && is_constant(&binary.right),
-        syn::Expr::Paren(inner) => is_constant(&inner.expr),
-        _ => false,
+        syn::Expr::Lit(_) => Some(format!("({} as u64)", shown(expression))),
+        syn::Expr::Path(path) => {
+            let name = path.path.segments.last()?.ident.to_string();
+            (!name.chars().any(char::is_lowercase)).then(|| format!("({} as u64)", shown(expression)))
+        }
+        syn::Expr::Binary(binary) => {
+            Some(format!("({} {} {})", wide(&binary.left)?, shown(&binary.op), wide(&binary.right)?))
+        }
+        syn::Expr::Paren(inner) => wide(&inner.expr),
+        _ => None,
     }
 }
 
@@ -177,4 +178,16 @@ fn room_of(expression: &syn::Expr) -> Option<String> {
 
 fn marked(bound: Option<String>) -> String {
     bound.map_or_else(|| String::from("0"), |bound| format!("{BOUND}{bound}{BOUND}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::value_of;
+
+    #[test]
+    fn bounds_become_numbers_of_64_bits() {
+        assert_eq!(value_of("u16::MAX + 1").as_deref(), Some("((u16::MAX as u64) + (1 as u64))"));
+        assert_eq!(value_of("HALF (from HALF / 2)").as_deref(), Some("(HALF as u64)"));
+        assert_eq!((value_of("capacity of `x`"), value_of("count")), (None, None));
+    }
 }
