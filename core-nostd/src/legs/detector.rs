@@ -4,7 +4,7 @@ use heapless::Vec;
 
 use super::features::leg_features;
 use super::segments::Segments;
-use super::stumps::leg_score;
+use super::stumps::{leg_score, leg_score_near_floor};
 use crate::geometry::Point2;
 use crate::people::person_model::probability;
 use crate::sensing::Scan;
@@ -67,6 +67,8 @@ pub struct LegOutput<'a> {
 pub struct LegDetector {
     /// What may be a leg.
     pub limits: LegLimits,
+    /// The scanner is a coarse one near the floor: a committee of its own judges where no map is known.
+    pub near_floor: bool,
     segments: Segments,
     legs: Vec<Leg, LEGS_MAX>,
 }
@@ -81,7 +83,15 @@ impl LegDetector {
     /// With the default limits.
     #[must_use]
     pub const fn new() -> Self {
-        Self { limits: LegLimits::DEFAULT, segments: Segments::new(), legs: Vec::new() }
+        Self { limits: LegLimits::DEFAULT, near_floor: false, segments: Segments::new(), legs: Vec::new() }
+    }
+
+    /// With the default limits, for a coarse scanner near the floor, such as a safety scanner.
+    #[must_use]
+    pub const fn near_floor() -> Self {
+        let mut detector = Self::new();
+        detector.near_floor = true;
+        detector
     }
 
     /// Takes in a scan. The map tells of a point of the sensor's frame whether something stands there, which is then no
@@ -99,7 +109,10 @@ impl LegDetector {
             }
             let Some(features) = leg_features(&segment) else { continue };
             looked_at = looked_at.saturating_add(1);
-            let score = leg_score(&features, map.is_some());
+            let score = match self.near_floor && map.is_none() {
+                true => leg_score_near_floor(&features),
+                false => leg_score(&features, map.is_some()),
+            };
             if score < self.limits.score_min || map.as_ref().is_some_and(|knows| knows(position)) {
                 continue;
             }

@@ -14,6 +14,6 @@ mod view;
 pub use detector::{Leg, LegDetector, LegLimits, LegOutput};
 pub use features::{LEG_FEATURE_NAMES, LEG_FEATURES, LegFeatures, leg_features};
 pub use segments::{Segment, Segments};
-pub use stumps::{Stump, leg_score, score};
+pub use stumps::{Stump, leg_score, leg_score_near_floor, score};
 pub use tracks::{LEG_TRACKS_MAX, LegTrack, LegTracker, PersonByLegs};
 pub use view::PeopleByLegs;

@@ -1,7 +1,7 @@
 //! A committee of single comparisons (AdaBoost on decision stumps). Algorithms C.3.
 
 use super::features::LegFeatures;
-use super::leg_table::{WITH_MAP, WITHOUT_MAP};
+use super::leg_table::{NEAR_FLOOR, WITH_MAP, WITHOUT_MAP};
 
 /// One comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +30,12 @@ pub fn score(stumps: &[Stump], features: &[f32]) -> f32 {
 #[must_use]
 pub fn leg_score(features: &LegFeatures, map_known: bool) -> f32 {
     score(if map_known { &WITH_MAP } else { &WITHOUT_MAP }, features)
+}
+
+/// The same for a coarse scanner near the floor, where two legs are often one segment, and without a map.
+#[must_use]
+pub fn leg_score_near_floor(features: &LegFeatures) -> f32 {
+    score(&NEAR_FLOOR, features)
 }
 
 #[cfg(test)]

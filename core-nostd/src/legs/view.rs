@@ -30,7 +30,7 @@ impl PeopleByLegs {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            detector: LegDetector::new(),
+            detector: LegDetector::near_floor(),
             tracker: LegTracker::new(),
             view: PeopleView::new(PeopleSensor::Scanner),
             dropped: 0,

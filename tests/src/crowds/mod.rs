@@ -14,7 +14,7 @@ use floorguard_core::people::{Association, TrackerParameters};
 use floorguard_hosted::metrics::MotSummary;
 use rayon::prelude::*;
 
-pub use play::{Following, follow, play};
+pub use play::{Following, Seen, follow, play, play_all};
 pub use scenes::{CROWDS, CrowdScene, Ways};
 
 /// Seconds of each run.

@@ -12,7 +12,7 @@ use crate::evaluate::{learn_legs, recordings, training_samples};
 use crate::train::{
     Boosting, Forest, OnlinePlace, Sample, anchors, boost, built_in_scenes, draw_online, learn_place,
     leg_table, load_weights, person_samples, person_table, quality, random_scenes, read_leg_scans,
-    save_weights, stretched,
+    save_weights, simulated_leg_samples, stretched,
 };
 
 /// What to learn.
@@ -172,7 +172,13 @@ fn online(arguments: &TrainOnlineArguments) -> anyhow::Result<()> {
 fn legs(scans: &Path, out: &Path) -> anyhow::Result<()> {
     let recordings = recordings(read_leg_scans(scans)?);
     let samples = [true, false].map(|with_map| training_samples(recordings.iter(), with_map));
+    // Half recorded, half simulated: what is learnt must not depend on how either looks alone.
+    let mut near_floor = simulated_leg_samples(&random_scenes(0, LEG_SCENES));
+    near_floor.extend(simulated_leg_samples(&built_in_scenes(0, LEG_SCENES)));
+    let simulated = near_floor.len();
+    near_floor.extend(samples[1].iter().step_by((samples[1].len() / simulated.max(1)).max(1)));
     let [with_map, without_map] = samples.each_ref().map(|samples| learn_legs(samples));
+    let learnt_near_floor = learn_legs(&near_floor);
     let count = |samples: &[Sample<LEG_FEATURES>]| {
         let positives = samples.iter().filter(|sample| sample.positive).count();
         format!("{positives} legs among {} segments", samples.len())
@@ -182,10 +188,14 @@ fn legs(scans: &Path, out: &Path) -> anyhow::Result<()> {
         format!("From the labelled recordings {}, each scan as it is", sources.join(", ")),
         format!("and with every second beam. With a map: {};", count(&samples[0])),
         format!("without: {}.", count(&samples[1])),
+        format!("Near the floor: {}, of which {simulated} come from simulated scans.", count(&near_floor)),
     ];
-    std::fs::write(out, leg_table([&with_map, &without_map], &provenance))
+    std::fs::write(out, leg_table([&with_map, &without_map, &learnt_near_floor], &provenance))
         .map_err(|error| BadInput(format!("{}: {error}", out.display())).into())
 }
+
+/// Simulated scenes of either kind in which legs are learnt.
+const LEG_SCENES: u64 = 100;
 
 /// How often each number is looked at.
 fn print_use(forest: &Forest) {
