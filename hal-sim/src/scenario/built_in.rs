@@ -2,8 +2,9 @@
 
 use super::{Scenario, ScenarioError};
 
-const ALL: [(&str, &str); 7] = [
+const ALL: [(&str, &str); 8] = [
     ("supermarket", include_str!("../../scenarios/supermarket.toml")),
+    ("busy-supermarket", include_str!("../../scenarios/busy-supermarket.toml")),
     ("corridor", include_str!("../../scenarios/corridor.toml")),
     ("airport", include_str!("../../scenarios/airport.toml")),
     ("warehouse", include_str!("../../scenarios/warehouse.toml")),

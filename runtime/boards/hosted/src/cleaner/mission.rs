@@ -38,6 +38,8 @@ const PATIENCE_S: f32 = 3.0;
 const POSTPONED_S: f32 = 12.0;
 /// After so many visits a cell is given up, and reported.
 pub(super) const VISITS_MAX: u8 = 12;
+/// After tries in vain the robot waits this long before the next, seconds.
+const TRY_AGAIN_S: f32 = 1.0;
 /// Progress is made known this often, seconds.
 const PROGRESS_S: f32 = 1.0;
 /// What was cleaned is saved this often, seconds: a power cut loses no more.
@@ -104,6 +106,8 @@ pub struct Cleaner {
     target: Option<usize>,
     postponed: Vec<(usize, f32)>,
     leavings: u8,
+    try_s: f32,
+    is_waiting: bool,
     wish: Twist2,
     held_s: f32,
     held_at: Option<Point2>,
@@ -180,6 +184,8 @@ impl Cleaner {
             target: None,
             postponed: Vec::new(),
             leavings: 0,
+            try_s: 0.0,
+            is_waiting: false,
             wish: Twist2::ZERO,
             held_s: 0.0,
             held_at: None,
@@ -277,6 +283,9 @@ impl Cleaner {
 
     /// The guard does not let the robot do what it wishes.
     fn notice_hold(&mut self, decision: Option<Decision>, lasted_s: f32) {
+        if std::mem::take(&mut self.is_waiting) {
+            self.waited_s += lasted_s;
+        }
         let wishes = self.wish != Twist2::ZERO;
         let stands = decision.is_none_or(|decision| {
             decision.permitted.linear_mps.abs() < STANDS.0
@@ -310,6 +319,7 @@ impl Cleaner {
         // A way that ends at once is followed by the next; four are more than ever follow each other.
         for _ in 0..4 {
             if self.track.is_over() && !self.choose(pose, now_s) {
+                self.is_waiting = self.phase != MissionPhase::Done;
                 return Twist2::ZERO;
             }
             match self.track.follow(pose, &self.pace) {
@@ -371,6 +381,12 @@ impl Cleaner {
         }
     }
 
+    /// What is not on the map keeps the robot from any first step.
+    fn is_shut_in(&self, pose: Pose2, now_s: f32) -> bool {
+        let barred = self.barred(now_s);
+        !self.ground.is_free_of(pose, Gear::Ahead, |cell| barred[cell])
+    }
+
     fn postpone(&mut self, cell: usize, now_s: f32) {
         self.obstructed[cell] = true;
         self.target = None;
@@ -386,6 +402,9 @@ impl Cleaner {
         if self.planner.tour().next().is_none() {
             self.replan(pose, now_s);
         }
+        if now_s < self.try_s {
+            return false;
+        }
         self.postponed.retain(|(_, until_s)| *until_s > now_s);
         let is_postponed = |cell: &usize| self.postponed.iter().any(|(other, _)| other == cell);
         let next: Vec<usize> = self.planner.tour().filter(|cell| !is_postponed(cell)).take(TRIES).collect();
@@ -394,8 +413,13 @@ impl Cleaner {
                 self.leavings = 0;
                 return true;
             }
+            if self.is_shut_in(pose, now_s) {
+                // Somebody stands beside the robot: no cell is farther away than the others.
+                break;
+            }
             self.postpone(cell, now_s);
         }
+        self.try_s = now_s + TRY_AGAIN_S;
         if self.planner.tour().next().is_some() {
             return false;
         }

@@ -1,0 +1,63 @@
+//! The robot that drives cleans: judged by the dirt that really lies there.
+
+use floorguard_hosted::cleaner::MissionStrategy;
+use floorguard_hosted::world::{Observation, Observer, Plan, Witnesses, run_recorded};
+use floorguard_sim::scenario::Scenario;
+
+/// A room of 10 x 7 m with two spills and nobody in it.
+const ROOM: &str = r#"
+title = "a room with two spills"
+start = { at_m = [2.0, 3.5] }
+[route]
+speed_mps = 0.8
+waypoints_m = [[7.0, 3.5]]
+[scene]
+wall = [
+  { from_m = [0.0, 0.0], to_m = [10.0, 0.0] },
+  { from_m = [10.0, 0.0], to_m = [10.0, 7.0] },
+  { from_m = [10.0, 7.0], to_m = [0.0, 7.0] },
+  { from_m = [0.0, 7.0], to_m = [0.0, 0.0] },
+]
+furniture = [{ kind = "box", at_m = [5.0, 0.6], size_m = [0.8, 0.8] }]
+[dirt]
+spill = [
+  { at_m = [4.5, 3.6], radius_m = 0.25, units = 12.0 },
+  { at_m = [6.5, 3.0], radius_m = 0.25, units = 15.0 },
+]
+"#;
+
+fn plan(seconds: u64) -> Plan {
+    let scenario = Scenario::from_toml(ROOM).unwrap();
+    Plan::of("room", scenario, 1, seconds * 1_000_000).unwrap().cleaning(None).unwrap()
+}
+
+fn played(plan: &Plan, witnesses: &mut Witnesses) -> Observation {
+    let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
+    let mut observer = Observer::new(plan, &mut show);
+    run_recorded(plan, &mut observer, witnesses).unwrap();
+    observer.into_observation()
+}
+
+/// Nobody in the way: the spills are gone by the truth, and nothing is claimed that is not clean.
+#[test]
+fn an_empty_room_is_cleaned_and_nothing_is_claimed_falsely() {
+    let seen = played(&plan(60), &mut Witnesses::default());
+    let mission = &seen.mission.as_ref().unwrap().report;
+    assert!(mission.dirty_cells >= 35 && mission.claimed_cells * 2 > mission.dirty_cells, "{mission:?}");
+    assert_eq!(mission.falsely_claimed_cells, 0, "{mission:?}");
+    assert!(mission.dirt_after_units * 10 < mission.dirt_before_units, "{mission:?}");
+    assert!(mission.localisation_error_max_m.unwrap() < 0.1, "{mission:?}");
+    assert!(seen.verdict.passed);
+}
+
+/// Without a mission no dirt lies there and nothing is judged; the route alone misses a spill beside it.
+#[test]
+fn the_route_cleans_only_what_lies_on_it() {
+    let scenario = Scenario::from_toml(ROOM).unwrap();
+    let bare = Plan::of("room", scenario, 1, 20_000_000).unwrap();
+    assert!(played(&bare, &mut Witnesses::default()).mission.is_none());
+    let route = bare.cleaning(Some(MissionStrategy::Route)).unwrap();
+    let report = played(&route, &mut Witnesses::default()).mission.unwrap().report;
+    assert!(report.completion < 0.95, "{report:?}");
+    assert!(report.dirt_after_units < report.dirt_before_units, "{report:?}");
+}
