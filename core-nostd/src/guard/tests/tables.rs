@@ -142,6 +142,7 @@ fn fg_req_023_a_tilted_lidar_sees_the_floor_where_it_is() {
     config.lidar.elevations_rad = [0.0].into_iter().collect();
     let (_, table) = tables(&config);
     let bin = |azimuth_deg: usize| table.bins[azimuth_deg / 2];
+    assert!(table.bins.iter().all(|bin| (bin.direction.norm() - 1.0).abs() < 1.0e-5), "unit vectors");
     // Its front looks to the left of the robot, and down by 10°.
     let reach_mm = 0.7e3 / f64::from(pitch).sin();
     assert!((f64::from(bin(0).height_mm[0]) - reach_mm).abs() < 30.0, "{}", bin(0).height_mm[0]);
@@ -149,6 +150,14 @@ fn fg_req_023_a_tilted_lidar_sees_the_floor_where_it_is() {
     let up_mm = 0.2e3 / f64::from(pitch).sin();
     assert!((f64::from(bin(180).height_mm[0]) - up_mm).abs() < 10.0, "{}", bin(180).height_mm[0]);
     assert!((f64::from(bin(0).plane_share[0]) - 65_535.0 * f64::from(pitch).cos()).abs() < 30.0);
+}
+
+#[test]
+fn fg_req_023_a_level_ray_meets_neither_floor_nor_ceiling() {
+    let mut config = config();
+    config.lidar.elevations_rad = [0.0].into_iter().collect();
+    let (_, table) = tables(&config);
+    assert!(table.bins.iter().all(|bin| bin.height_mm[0] == u16::MAX));
 }
 
 #[test]
