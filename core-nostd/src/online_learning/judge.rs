@@ -37,18 +37,20 @@ fn standing<'a>(
     others: impl Iterator<Item = &'a ShapeVector>,
     people: impl Iterator<Item = &'a ShapeVector>,
 ) -> Standing {
-    let mean = |values: &mut dyn Iterator<Item = f32>| {
-        let (mut right, mut surprise, mut count) = (0.0_f32, 0.0_f32, 0.0_f32);
-        for toward in values {
-            right += f32::from(u8::from(toward > 0.0));
-            surprise += libm::log1pf(libm::expf(-toward.clamp(-30.0, 30.0)));
-            count += 1.0;
-        }
-        (right / count.max(1.0), surprise / count.max(1.0))
-    };
-    let (recall, missed) = mean(&mut people.map(&log_odds));
-    let (rejected, fooled) = mean(&mut others.map(|shape| -log_odds(shape)));
+    let (recall, missed) = towards(people.map(&log_odds));
+    let (rejected, fooled) = towards(others.map(|shape| -log_odds(shape)));
     Standing { recall, rejected, surprise: 0.5 * (missed + fooled) }
+}
+
+/// Of log-odds towards the truth: the share that is right, and the mean surprise.
+fn towards(values: impl Iterator<Item = f32>) -> (f32, f32) {
+    let (mut right, mut surprise, mut count) = (0.0_f32, 0.0_f32, 0.0_f32);
+    for toward in values {
+        right += f32::from(u8::from(toward > 0.0));
+        surprise += libm::log1pf(libm::expf(-toward.clamp(-30.0, 30.0)));
+        count += 1.0;
+    }
+    (right / count.max(1.0), surprise / count.max(1.0))
 }
 
 /// On the samples held out in the place; `None` while there are too few.

@@ -6,7 +6,7 @@
 use heapless::Vec;
 
 use super::crop::{Crop, CropPixel};
-use crate::capacities::{RGBD_CROP_COLUMNS, RGBD_HEADS_MAX};
+use crate::capacities::{RGBD_CROP_COLUMNS, RGBD_CROP_ROWS, RGBD_HEADS_MAX};
 
 /// A head may be here: column and row in the crop.
 pub(super) type HeadPlace = (usize, usize);
@@ -21,7 +21,7 @@ pub(super) fn heads(crop: &Crop, size: [usize; 2], dropped: &mut u32) -> Vec<Hea
     let [columns, rows] = size;
     let mut outline = [0.0_f32; RGBD_CROP_COLUMNS];
     for (column, height) in outline.iter_mut().enumerate().take(columns) {
-        let first = (0..rows).find(|row| is_solid(crop, column, *row));
+        let first = (0..rows.min(RGBD_CROP_ROWS)).find(|row| is_solid(crop, column, *row));
         *height = first.map_or(0.0, |row| rows.saturating_sub(row) as f32);
     }
     let smooth = smoothed(&outline, columns);
