@@ -1,5 +1,6 @@
 //! Two rounds: every mutant against the quick tests, then what survived against all of them.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -40,6 +41,8 @@ const PARTS: &[Part] = &[
     },
 ];
 
+/// What did not compile in any round.
+const UNVIABLE: &str = "unviable.txt";
 /// Seconds after which a mutant counts as endless, and so as noticed.
 const ENDLESS_S: &str = "60";
 
@@ -97,9 +100,16 @@ fn round(part: &Part, folder: &Path, skipped: &[&str]) -> Result<()> {
     let status = command.status()?;
     // 0: all caught; 2: some survive; 3: some never end.
     match status.code() {
-        Some(0 | 2 | 3) => Ok(()),
+        Some(0 | 2 | 3) => remember_unviable(folder),
         _ => bail!("cargo-mutants failed: {status}"),
     }
+}
+
+/// The next round lists what does not compile among what was caught.
+fn remember_unviable(folder: &Path) -> Result<()> {
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap_or_default();
+    std::fs::write(folder.join(UNVIABLE), read(UNVIABLE) + &read("mutants.out/unviable.txt"))?;
+    Ok(())
 }
 
 /// Reads the lists of cargo-mutants.
@@ -114,15 +124,17 @@ fn result(part: &Part, folder: &Path) -> Result<Record> {
     let missed = lines("missed.txt");
     let survivors: Vec<Survivor> =
         missed.iter().filter_map(|line| Survivor::parse(line, &root, &equivalents)).collect();
-    let caught =
-        lines("caught.txt").len() + lines("timeout.txt").len() + lines("previously_caught.txt").len();
+    let kept = std::fs::read_to_string(folder.join(UNVIABLE)).unwrap_or_default();
+    let unviable: BTreeSet<String> = kept.lines().map(str::to_owned).collect();
+    let listed = ["caught.txt", "timeout.txt", "previously_caught.txt"].map(lines).concat();
+    let caught: BTreeSet<String> = listed.into_iter().filter(|line| !unviable.contains(line)).collect();
     Ok(Record {
         name: part.name.to_owned(),
         command: format!("cargo xtask campaign {}", part.name),
         wanted_percent: part.wanted_percent,
-        viable: caught + survivors.len(),
-        caught,
-        unviable: lines("unviable.txt").len(),
+        viable: caught.len() + survivors.len(),
+        caught: caught.len(),
+        unviable: unviable.len(),
         survivors,
     })
 }
