@@ -389,8 +389,53 @@ def dirt_sklearn():
 
     dirt("OpenCV and scikit-learn GaussianMixture", "scikit-learn", fit)
 
+def tours():
+    for name in sorted(os.listdir(FOLDER)):
+        if name.startswith("tour-") and name.endswith(".i32"):
+            stem = os.path.join(FOLDER, name[:-4])
+            flat = np.fromfile(stem + ".i32", "<i4")
+            count = int(round(len(flat) ** 0.5))
+            with open(stem + ".length") as file:
+                ours = int(file.read())
+            yield name[5:-4].replace("_", ", ") + " cells", flat.reshape(count, count), ours
+
+
+def told_tour(peer, package, name, ours, length, ns):
+    note = f"closed tour of {length} units; ours is {100 * (ours / length - 1):+.2f} % longer"
+    tell("tour", peer, package, input=name, ns=ns, note=note)
+
+
+def tour_lkh():
+    import elkai
+
+    for name, distances, ours in tours():
+        start = time.perf_counter_ns()
+        order = elkai.DistanceMatrix(distances.tolist()).solve_tsp(runs=1 if len(distances) > 500 else 10)
+        ns = time.perf_counter_ns() - start
+        length = int(sum(distances[a, b] for a, b in zip(order, order[1:])))
+        told_tour("LKH (elkai)", "elkai", name, ours, length, ns)
+
+
+def tour_or_tools():
+    from ortools.constraint_solver import pywrapcp, routing_enums_pb2
+
+    for name, distances, ours in tours():
+        table = distances.tolist()
+        manager = pywrapcp.RoutingIndexManager(len(table), 1, 0)
+        routing = pywrapcp.RoutingModel(manager)
+        way = lambda a, b: table[manager.IndexToNode(a)][manager.IndexToNode(b)]
+        routing.SetArcCostEvaluatorOfAllVehicles(routing.RegisterTransitCallback(way))
+        parameters = pywrapcp.DefaultRoutingSearchParameters()
+        parameters.local_search_metaheuristic = routing_enums_pb2.LocalSearchMetaheuristic.GUIDED_LOCAL_SEARCH
+        parameters.time_limit.FromSeconds(10)
+        start = time.perf_counter_ns()
+        solution = routing.SolveWithParameters(parameters)
+        told_tour("OR-Tools, guided local search, 10 s", "ortools", name, ours, solution.ObjectiveValue(), time.perf_counter_ns() - start)
+
 
 MEASURES = [
+    ("tour", "LKH (elkai)", tour_lkh),
+    ("tour", "OR-Tools, guided local search, 10 s", tour_or_tools),
     ("clusters", "scikit-learn DBSCAN", clusters_sklearn),
     ("clusters", "Open3D cluster_dbscan", clusters_open3d),
     ("ground", "Open3D segment_plane", ground_open3d),

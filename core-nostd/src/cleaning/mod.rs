@@ -24,7 +24,7 @@ pub use dirt_model::{ActuatorModel, CellDirt, DirtSensorModel, sweep_cell};
 pub use dirt_rate::{DirtRate, RunObservation, attribute_hits, observed_share};
 pub use follow::{FollowConfig, Following, follow};
 pub use motion_model::{MotionNoise, OdometryStep, sample_motion};
-pub use path_search::{PathSearch, SEARCH_CELLS_MAX, SearchCell};
+pub use path_search::{PathSearch, SEARCH_CELLS_MAX, STRAIGHT, SearchCell};
 pub use planner::{PlanReport, Planner};
 pub use poisson::{negative_binomial_quantile, poisson_cdf, poisson_quantile, poisson_tail, threshold_rate};
 pub use policy::{CleanRule, MissionRisk, Verdict};

@@ -5,6 +5,7 @@ mod floor;
 mod guard;
 mod lidar;
 mod peers;
+mod tours;
 mod tracking;
 
 pub use floor::{FrameTime, run_floor};
