@@ -169,8 +169,11 @@ fn fg_req_020_each_beam_is_judged_as_a_plain_check_judges_it() {
             let set = random.below(4) as usize;
             let kind = random.below(8);
             for index in from..(from + count).min(541) {
-                let limit_mm =
-                    if kind % 2 == 0 { table.protective[set][index] } else { table.warning[set][index] };
+                let limit_mm = if kind.is_multiple_of(2) {
+                    table.protective[set][index]
+                } else {
+                    table.warning[set][index]
+                };
                 let near_mm = limit_mm.saturating_add(random.below(3) as u16).saturating_sub(1);
                 scan.beams[index] = match kind {
                     0..=2 => BeamReturn::Hit(near_mm),

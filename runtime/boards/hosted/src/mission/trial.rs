@@ -112,6 +112,9 @@ pub fn run_believing(
     run_keeping(floor, config, dirt, (seed, Keeping::default()))
 }
 
+/// Takes the memory of a mission and keeps it.
+pub type Keeper<'a> = dyn FnMut(&Memory) -> anyhow::Result<()> + 'a;
+
 /// What becomes of the memory of a mission.
 #[derive(Default)]
 pub struct Keeping<'a> {
@@ -119,7 +122,7 @@ pub struct Keeping<'a> {
     /// the same moment first; the robot then knows what it remembers and nothing else.
     pub from: Option<&'a Memory>,
     /// Called with the memory about once a second of the mission.
-    pub keep: Option<&'a mut dyn FnMut(&Memory) -> anyhow::Result<()>>,
+    pub keep: Option<&'a mut Keeper<'a>>,
 }
 
 /// As [`run_believing`], for a mission that outlives a power cut.
