@@ -75,15 +75,19 @@ pub(super) struct Obstacles {
     pub(super) counts: [u16; SWEEP_RINGS],
 }
 
-const _: () = assert!(SWEEP_RINGS <= 16);
+const _: () = assert!(SWEEP_RINGS == 16);
+
+/// One round per ring: a slice counts cheaper than a range.
+const AT_MOST: &[(); SWEEP_RINGS] = &[(); SWEEP_RINGS];
 
 /// The rings of the bits that are set, lowest first.
 pub(super) fn rings_of(bits: u16) -> impl Iterator<Item = usize> {
-    let mut left = bits;
-    (0..SWEEP_RINGS).map_while(move |_| {
-        let ring = left.trailing_zeros() as usize;
+    let mut left = u32::from(bits);
+    AT_MOST.iter().map_while(move |()| {
+        let ring = left.trailing_zeros() as usize % SWEEP_RINGS;
+        let there = left != 0;
         left &= left.wrapping_sub(1);
-        (ring < SWEEP_RINGS).then_some(ring)
+        there.then_some(ring)
     })
 }
 
@@ -165,7 +169,13 @@ impl Clusterer {
             } else {
                 self.label_behind((column, ring), (count, gap))
             };
-            let label = self.label(beside, count, [below, under], gap);
+            let label = if beside != NONE && below.label == beside {
+                // Beside and below mostly are the same thing already.
+                self.labels.count(beside);
+                beside
+            } else {
+                self.label(beside, count, [below, under], gap)
+            };
             let cell = Cell { count, label };
             if let Some(slot) = self.recent.get_mut(column % RECENT).and_then(|entered| entered.get_mut(ring))
             {
@@ -227,12 +237,10 @@ impl Clusterer {
         (label, hidden)
     }
 
-    /// Joins an obstacle with those below it, nearest first, and names it.
-    #[inline]
+    /// Joins an obstacle with those below it, nearest first, and names it. That below is not what is beside it.
+    #[inline(never)]
     fn label(&mut self, beside: u16, count: u16, [below, under]: [Cell; 2], gap: u16) -> u16 {
-        // Beside and below mostly are the same thing already.
-        let known = beside != NONE && below.label == beside;
-        let lower = if known || is_close(count, below.count, gap) {
+        let lower = if is_close(count, below.count, gap) {
             below.label
         } else if is_close(count, under.count, gap) {
             under.label
@@ -277,8 +285,8 @@ impl Clusterer {
         limits: &ClusterLimits,
     ) {
         let Some(labels) = self.cells.get(index).copied() else { return };
-        // Neighbours mostly belong to the same thing: it is looked up once.
-        let (mut known, mut cluster) = (NONE, None);
+        // Neighbours mostly belong to the same thing: it is looked up once, and written back when another one follows.
+        let (mut known, mut growing) = (NONE, None);
         for ring in rings_of(self.present_in(index)) {
             let (Some(label), Some(raw), Some(angle)) =
                 (labels.get(ring), raw.get(ring), angles.rings.get(ring))
@@ -288,12 +296,23 @@ impl Clusterer {
             let Some(plain) = plain_label(*label) else { continue };
             let (point, nearest_m) = (frame.point(*raw, *angle), frame.range_m(*raw) * angle.1);
             if plain != known {
+                self.put_back(growing);
                 known = plain;
-                cluster = self.cluster_of(plain, (point, nearest_m), limits);
+                let cluster = self.cluster_of(plain, (point, nearest_m), limits);
+                growing = cluster.and_then(|at| Some((at, Growth::of(self.clusters.get(at)?))));
             }
-            if let Some(cluster) = cluster.and_then(|cluster| self.clusters.get_mut(cluster)) {
-                cluster.include(point, nearest_m, label.wrapping_shr(15));
+            if let Some((_, growth)) = &mut growing {
+                growth.include(point, nearest_m, label.wrapping_shr(15));
             }
+        }
+        self.put_back(growing);
+    }
+
+    fn put_back(&mut self, growing: Option<(usize, Growth)>) {
+        if let Some((at, growth)) = growing
+            && let Some(cluster) = self.clusters.get_mut(at)
+        {
+            growth.put_back(cluster);
         }
     }
 
@@ -408,16 +427,10 @@ impl Cluster {
         }
     }
 
-    #[inline]
     pub(super) fn include(&mut self, point: Point3, nearest_m: f32, hidden_edges: u16) {
-        self.points = self.points.saturating_add(1);
-        self.hidden_edges = self.hidden_edges.saturating_add(hidden_edges);
-        let Point3 { x_m, y_m, z_m } = point;
-        self.lower = Point3::new(self.lower.x_m.min(x_m), self.lower.y_m.min(y_m), self.lower.z_m.min(z_m));
-        self.upper = Point3::new(self.upper.x_m.max(x_m), self.upper.y_m.max(y_m), self.upper.z_m.max(z_m));
-        let [x, y, z] = self.sums;
-        self.sums = [x + x_m, y + y_m, z + z_m];
-        self.nearest_m = self.nearest_m.min(nearest_m);
+        let mut growth = Growth::of(self);
+        growth.include(point, nearest_m, hidden_edges);
+        growth.put_back(self);
     }
 
     pub(super) fn finish(&mut self) {
@@ -431,5 +444,43 @@ impl Cluster {
     #[must_use]
     pub fn extent_m(&self) -> [f32; 3] {
         [self.upper.x_m - self.lower.x_m, self.upper.y_m - self.lower.y_m, self.upper.z_m - self.lower.z_m]
+    }
+}
+
+/// What of a thing changes with each of its returns: in registers, as long as returns of the same thing follow.
+#[derive(Clone, Copy)]
+struct Growth {
+    points: u16,
+    hidden_edges: u16,
+    lower: Point3,
+    upper: Point3,
+    sums: [f32; 3],
+    nearest_m: f32,
+}
+
+impl Growth {
+    #[inline]
+    fn of(cluster: &Cluster) -> Self {
+        let Cluster { points, hidden_edges, lower, upper, sums, nearest_m, .. } = *cluster;
+        Self { points, hidden_edges, lower, upper, sums, nearest_m }
+    }
+
+    #[inline]
+    fn put_back(self, cluster: &mut Cluster) {
+        (cluster.points, cluster.hidden_edges) = (self.points, self.hidden_edges);
+        (cluster.lower, cluster.upper) = (self.lower, self.upper);
+        (cluster.sums, cluster.nearest_m) = (self.sums, self.nearest_m);
+    }
+
+    #[inline]
+    fn include(&mut self, point: Point3, nearest_m: f32, hidden_edges: u16) {
+        self.points = self.points.saturating_add(1);
+        self.hidden_edges = self.hidden_edges.saturating_add(hidden_edges);
+        let Point3 { x_m, y_m, z_m } = point;
+        self.lower = Point3::new(self.lower.x_m.min(x_m), self.lower.y_m.min(y_m), self.lower.z_m.min(z_m));
+        self.upper = Point3::new(self.upper.x_m.max(x_m), self.upper.y_m.max(y_m), self.upper.z_m.max(z_m));
+        let [x, y, z] = self.sums;
+        self.sums = [x + x_m, y + y_m, z + z_m];
+        self.nearest_m = self.nearest_m.min(nearest_m);
     }
 }

@@ -93,9 +93,12 @@ impl FloorWalk {
     pub(super) fn step(&mut self, bit: u16, distance_m: f32, height_m: f32) {
         let walked_m = (distance_m - self.last_distance_m).max(0.0);
         let rise_m = height_m - self.last_height_m;
-        let allowed_m = ROUGHNESS_M + SLOPE * walked_m.min(SLOPE_RUN_M);
-        let near_the_last = (rise_m - self.slope * walked_m).abs() <= allowed_m;
-        if near_the_last && height_m <= HIGHEST_M + HIGHEST_SLOPE * distance_m {
+        let near_the_last = || {
+            let allowed_m = ROUGHNESS_M + SLOPE * walked_m.min(SLOPE_RUN_M);
+            (rise_m - self.slope * walked_m).abs() <= allowed_m
+        };
+        // The cheap question first: most returns are walls.
+        if height_m <= HIGHEST_M + HIGHEST_SLOPE * distance_m && near_the_last() {
             self.floor |= bit;
             let step = rise_m / walked_m.max(SLOPE_RUN_M);
             self.slope += SLOPE_GAIN * (step.clamp(-SLOPE, SLOPE) - self.slope);

@@ -45,8 +45,11 @@ impl Visibility {
         *count = count.saturating_add(1);
         let [mut first, mut second] = *nearest;
         for distance in distances {
-            second = second.min(first.max(distance));
-            first = first.min(distance);
+            // Most stand behind both.
+            if distance < second {
+                second = first.max(distance);
+                first = first.min(distance);
+            }
         }
         *nearest = [first, second];
     }
