@@ -117,8 +117,9 @@ impl PeoplePipeline {
         self.find_upper_bodies(sweep, context);
     }
 
+    /// Takes the detections of the same sweep into the tracks; after [`Self::find_detections`].
     #[inline(never)]
-    fn track(&mut self, sweep: &Sweep, context: &SweepContext) {
+    pub fn track(&mut self, sweep: &Sweep, context: &SweepContext) {
         let sensor_in_base = context.sensor_in_base.on_floor();
         let odom_in_sensor = context.base_in_odom.compose(sensor_in_base).inverse();
         let visibility = &self.visibility;

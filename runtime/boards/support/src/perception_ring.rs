@@ -56,6 +56,20 @@ pub fn fresh_perception(
     state
 }
 
+/// A field that is new, and that [`fresh_perception`] would leave unwritten, does not compile here.
+fn _all_fields_are_written(state: &PerceptionState) {
+    let PerceptionState {
+        building: _,
+        people: _,
+        motion: NoMotion,
+        legs: _,
+        scan: _,
+        history: _,
+        sensor_in_base: _,
+        scanner_in_base: _,
+    } = state;
+}
+
 #[embassy_executor::task]
 async fn perception(shared: &'static RobotShared, state: &'static mut PerceptionState) {
     perceive(shared, state).await;

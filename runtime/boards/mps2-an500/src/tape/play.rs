@@ -212,7 +212,7 @@ fn report(digest: &OutputDigest, costs: &Costs, stages: &Stages) {
         ("stage-floor", &stages.floor),
         ("stage-floor-clusters", &stages.things),
         ("stage-features", &stages.features),
-        ("stage-features-track", &stages.people),
+        ("stage-track", &stages.track),
         ("stage-guard-scan", &stages.guard_scan),
     ];
     for (name, watch) in rows {

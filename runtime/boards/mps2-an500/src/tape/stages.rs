@@ -31,8 +31,8 @@ pub struct Stages {
     pub things: Stopwatch,
     /// Candidates, shapes, classifier and upper bodies of a sweep.
     pub features: Stopwatch,
-    /// The same, and the tracker.
-    pub people: Stopwatch,
+    /// The tracker.
+    pub track: Stopwatch,
     /// The last portion of a telegram to the guard's decision.
     pub guard_scan: Stopwatch,
 }
@@ -63,7 +63,7 @@ pub fn measure(tape: TapeReader<'static>, robot: &RobotConfiguration, state: &mu
                 let seen = sweeps;
                 builder.add(&packet, lost, &mut state.building, |sweep| {
                     sweeps += 1;
-                    look(&mut stages, (&mut state.people, robot), sweep, sweeps);
+                    look(&mut stages, (&mut state.people, robot), sweep);
                 });
                 // The sweep's own stages do not count as building it.
                 if sweeps == seen {
@@ -98,7 +98,6 @@ fn look(
     stages: &mut Stages,
     (people, robot): (&mut floorguard_core::people::PeoplePipeline, &RobotConfiguration),
     sweep: &Sweep,
-    number: u32,
 ) {
     let context = SweepContext {
         sensor_in_base: robot.lidar.mounting.transform(),
@@ -113,14 +112,10 @@ fn look(
     stages.things.begin();
     people.find_things(sweep, &context);
     stages.things.end();
-    // The tracker cannot be asked without the detections before it: one sweep with it, the next one without.
-    if number.is_multiple_of(2) {
-        stages.features.begin();
-        people.find_detections(sweep, &context);
-        stages.features.end();
-    } else {
-        stages.people.begin();
-        core::hint::black_box(people.find_people(sweep, &context).tracks.len());
-        stages.people.end();
-    }
+    stages.features.begin();
+    people.find_detections(sweep, &context);
+    stages.features.end();
+    stages.track.begin();
+    people.track(sweep, &context);
+    stages.track.end();
 }
