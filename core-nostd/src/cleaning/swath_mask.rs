@@ -14,6 +14,8 @@ const SAMPLES: i32 = 8;
 /// Sub-samples along the edge of the window that one step can touch, eight cells: brush and step of up to 0.7 m at 0.1 m. A
 /// line of the window is one word.
 const LINES: usize = 64;
+/// Cells of a line.
+const LINE_CELLS: u32 = 8;
 /// The last of them.
 const LAST: i32 = 63;
 
@@ -60,11 +62,11 @@ impl SwathMask {
         let rows = self.lines.chunks_exact(SAMPLES as usize).take(self.rows).zip(0_i32..);
         rows.flat_map(move |(lines, row)| {
             let touched = lines.iter().fold(0, |all, line| all | line);
-            let columns = 0..(u64::BITS.saturating_sub(touched.leading_zeros()).div_ceil(SAMPLES as u32));
-            columns.filter_map(move |column| {
+            let width = u64::BITS.saturating_sub(touched.leading_zeros()).div_ceil(SAMPLES as u32);
+            (0..width.min(LINE_CELLS)).filter_map(move |column| {
                 let shift = column.saturating_mul(SAMPLES as u32);
                 let mut mask = 0_u64;
-                for (line, place) in lines.iter().zip((0_u32..).step_by(SAMPLES as usize)) {
+                for (line, place) in lines.iter().zip((0..64).step_by(SAMPLES as usize)) {
                     mask |= ((line >> shift) & 0xff) << place;
                 }
                 let (column, row) =

@@ -27,8 +27,8 @@ use heapless::Vec;
 
 use crate::channel::{Belt, Latest, Queue};
 
-/// Lidar packets that perception may be late by: 32 ms.
-pub const PACKETS_QUEUED: usize = 24;
+/// Lidar packets that perception may be late by: 21 ms. Eight more do not fit beside the legs into the memory of the boards.
+pub const PACKETS_QUEUED: usize = 16;
 /// Scans that perception may be late by: it looks at all of them for legs, after each packet.
 pub const SCANS_QUEUED: usize = 3;
 /// Poses that perception may be late by: 640 ms at 200 Hz.

@@ -115,7 +115,8 @@ impl Surroundings {
         }
         let last = self.columns.saturating_sub(1);
         let own = values;
-        let next = own.iter().skip(1).take(last).chain(core::iter::repeat(&[[f32::NAN; 3]; 2]));
+        let unknown = [[[f32::NAN; 3]; 2]; CELL_COLUMNS_MAX];
+        let next = own.iter().skip(1).take(last).chain(&unknown);
         for ([value, rise], ([own, _], [next, _])) in values.iter_mut().zip(own.iter().zip(next)) {
             // Where only one of two neighbours is known it stands for both, so that no pixel has to ask.
             let (left, right) = (mix(*own, *next, 0.0), mix(*own, *next, 1.0));

@@ -12,7 +12,8 @@ fn book() -> PathBuf {
 
 fn chapters() -> Vec<(PathBuf, String)> {
     let files = std::fs::read_dir(book()).expect("the book").map(|entry| entry.expect("a file").path());
-    files.map(|path| (path.clone(), std::fs::read_to_string(&path).expect("a chapter"))).collect()
+    let chapters = files.filter(|path| path.extension().is_some_and(|extension| extension == "md"));
+    chapters.map(|path| (path.clone(), std::fs::read_to_string(&path).expect("a chapter"))).collect()
 }
 
 /// Targets of links and pictures within the repository.

@@ -42,6 +42,7 @@ pub const CONSUMERS: &[&str] = &[
     "rotate_right",
     "swap_with_slice",
     "retain",
+    "retain_mut",
     "truncate",
     "resize",
     "resize_default",
