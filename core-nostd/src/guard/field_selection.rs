@@ -90,7 +90,6 @@ impl FieldSelection {
     };
 
     /// Starts with the slowest straight set.
-    #[must_use]
     pub fn new(sets: &Vec<FieldSet, FIELD_SETS_MAX>, now: Stamp) -> Self {
         let active = pick(sets, Travel::Straight, 0.0);
         Self { active, candidate_clear_since: now, held_until: now, ..Self::NONE }

@@ -41,7 +41,6 @@ impl DecisionMachine {
         Self { held: HeldCauses::new(), first_stop: None, reset_since: None, resets: 0 };
 
     /// Nothing holds but the start-up check.
-    #[must_use]
     pub fn new(now: Stamp) -> Self {
         let mut machine = Self::IDLE;
         machine.raise(CauseRecord::new(Cause::StartUp, now));

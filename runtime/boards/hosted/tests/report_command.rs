@@ -20,7 +20,7 @@ fn text(path: &Path) -> &str {
 fn a_run_with_stops_is_one_page_with_each_of_them() {
     let folder = tempfile::tempdir().expect("a folder");
     let (recording, page) = (folder.path().join("run.mcap"), folder.path().join("run.html"));
-    let run = ["simulate", "--scenario", "supermarket", "--seed", "1", "--duration", "24", "--json"];
+    let run = ["simulate", "--scenario", "supermarket", "--strategy", "route", "--duration", "24", "--json"];
     let output =
         floorguard(&[run.as_slice(), &["--emergency-stop", "15..17", "--record", text(&recording)]].concat());
     let verdict: Value = serde_json::from_slice(&output.stdout).expect("a verdict");
