@@ -15,7 +15,7 @@ pub const STAGES: [&str; 6] = [
     "stage-floor",
     "stage-floor-clusters",
     "stage-features",
-    "stage-features-track",
+    "stage-track",
 ];
 /// A third of the trials looks anywhere, the rest climbs.
 const ANYWHERE: u64 = 3;
