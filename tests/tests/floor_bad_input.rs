@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use floorguard_core::floor::{FloorFault, FloorModel, FloorParameters, FloorSource, Plane};
-use floorguard_core::sensing::{DepthImage, PinholeCamera};
+use floorguard_core::sensing::{DepthImage, FrameFault, PinholeCamera};
 use floorguard_core::time::Stamp;
 use floorguard_hosted::evaluate::{FloorTask, floor};
 
@@ -79,8 +79,8 @@ fn a_frozen_camera_is_told_from_a_still_one() {
         faults.push((estimate.fault, estimate.is_known));
     }
     assert_eq!(faults[1], (None, true));
-    assert_eq!(faults[2], (Some(FloorFault::Frozen(3)), false));
-    assert_eq!(faults[4], (Some(FloorFault::Frozen(5)), false));
+    assert_eq!(faults[2], (Some(FloorFault::Frame(FrameFault::Frozen(3))), false));
+    assert_eq!(faults[4], (Some(FloorFault::Frame(FrameFault::Frozen(5))), false));
     let moved = model.update(&image(&other, 600_000), Stamp::from_micros(600_000));
     assert_eq!((moved.fault, moved.is_known), (None, true));
 }
@@ -90,11 +90,11 @@ fn stamps_from_the_future_and_from_before_are_refused() {
     let mut model = model();
     let good = level_floor(0);
     let early = model.update(&image(&good, 1_000), Stamp::from_micros(400));
-    assert_eq!(early.fault, Some(FloorFault::FromTheFuture(600)));
+    assert_eq!(early.fault, Some(FloorFault::Frame(FrameFault::FromTheFuture(600))));
     assert!(!early.is_known);
     assert!(model.update(&image(&good, 1_000), Stamp::from_micros(1_000)).is_known);
     let again = model.update(&image(&good, 1_000), Stamp::from_micros(2_000));
-    assert_eq!(again.fault, Some(FloorFault::OutOfOrder));
+    assert_eq!(again.fault, Some(FloorFault::Frame(FrameFault::OutOfOrder)));
 }
 
 #[test]

@@ -26,8 +26,7 @@ pub use curvature::Curvature;
 pub use depth_noise::DepthNoise;
 pub use gate::{FitFault, FitLimits};
 pub use model::{
-    FROZEN_FRAMES, FloorEstimate, FloorFault, FloorModel, FloorParameters, FloorSource, KNOWN_MAX_US,
-    REUSE_MAX_US,
+    FloorEstimate, FloorFault, FloorModel, FloorParameters, FloorSource, KNOWN_MAX_US, REUSE_MAX_US,
 };
 pub use objects::{FloorObject, FloorObjects, ImageTooWide, ObjectFinder};
 pub use plane::{Plane, cross, dot, unit};

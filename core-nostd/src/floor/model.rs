@@ -12,15 +12,13 @@ use super::plane::Plane;
 use super::refine::{BANDS_AFTER_PREDICTION_M, BANDS_AFTER_SEARCH_M, FitQuality, quality, refine};
 use super::search::{Expectation, search};
 use crate::random::Pcg32;
-use crate::sensing::{DepthImage, PinholeCamera};
+use crate::sensing::{DepthImage, FrameFault, FrameWatch, PinholeCamera};
 use crate::time::{Age, Stamp};
 
 /// A good plane serves this long after its frame, µs (algorithms B.1 step 5).
 pub const REUSE_MAX_US: u64 = 2_000_000;
 /// Without a good frame for this long the floor is unknown, µs (algorithms E.2 step 5).
 pub const KNOWN_MAX_US: u64 = 1_000_000;
-/// Identical frames in a row that mean a frozen camera: real depth noise never repeats 10⁴ values once.
-pub const FROZEN_FRAMES: u8 = 3;
 /// Fewest returns of an image, as a part of its pixels; fewer are sunlight or a covered lens (algorithms E, edge
 /// cases).
 const RETURNS_MIN: f32 = 0.02;
@@ -75,12 +73,8 @@ impl FloorParameters {
 pub enum FloorFault {
     /// Too few pixels have a depth: how many, of how many.
     NoReturns(usize, usize),
-    /// The same image again and again: how often.
-    Frozen(u8),
-    /// Stamped later than now, µs.
-    FromTheFuture(u64),
-    /// Not newer than the frame before.
-    OutOfOrder,
+    /// The frame is none of a living camera's.
+    Frame(FrameFault),
     /// No plane that faces up and has nothing below it.
     NoPlane,
     /// A plane, but not the floor.
@@ -93,9 +87,7 @@ impl core::fmt::Display for FloorFault {
             Self::NoReturns(found, of) => {
                 write!(formatter, "only {found} of {of} pixels have a depth: sunlight, or a covered camera")
             }
-            Self::Frozen(times) => write!(formatter, "the camera is frozen: the same image {times} times"),
-            Self::FromTheFuture(early) => write!(formatter, "the image is stamped {early} µs from now"),
-            Self::OutOfOrder => write!(formatter, "the image is not newer than the one before"),
+            Self::Frame(fault) => write!(formatter, "{fault}"),
             Self::NoPlane => write!(formatter, "no floor in the image"),
             Self::Rejected(fault) => write!(formatter, "{fault}"),
         }
@@ -146,15 +138,14 @@ pub struct FloorModel {
     parameters: FloorParameters,
     random: Pcg32,
     good: Option<Good>,
-    last: Option<(Stamp, u64)>,
-    repeats: u8,
+    watch: FrameWatch,
 }
 
 impl FloorModel {
     /// A model that has seen nothing; `seed` drives the search.
     #[must_use]
     pub const fn new(parameters: FloorParameters, seed: u64) -> Self {
-        Self { parameters, random: Pcg32::new(seed, 0xF1), good: None, last: None, repeats: 0 }
+        Self { parameters, random: Pcg32::new(seed, 0xF1), good: None, watch: FrameWatch::NEW }
     }
 
     /// What the model was made with.
@@ -206,26 +197,17 @@ impl FloorModel {
 
     /// Questions to the frame before anybody looks for a plane in it.
     fn accept(&mut self, image: &DepthImage<'_>, now: Stamp) -> Result<(), FloorFault> {
-        if let Age::Future(early) = image.stamp().age(now) {
-            return Err(FloorFault::FromTheFuture(early));
+        let fingerprint = image.fingerprint();
+        let living = self.watch.accept(image.stamp(), fingerprint, now).map_err(FloorFault::Frame);
+        // A frozen image without a return is a dark camera first.
+        if let Err(FloorFault::Frame(FrameFault::FromTheFuture(_) | FrameFault::OutOfOrder)) = living {
+            return living;
         }
-        let fingerprint = fingerprint(image);
-        if let Some((stamp, before)) = self.last {
-            if image.stamp() <= stamp {
-                return Err(FloorFault::OutOfOrder);
-            }
-            self.repeats = if before == fingerprint { self.repeats.saturating_add(1) } else { 0 };
-        }
-        self.last = Some((image.stamp(), fingerprint));
         let (returns, pixels) = (image.returns(), image.depth_mm().len());
         if (returns as f32) < RETURNS_MIN * pixels as f32 || returns == 0 {
             return Err(FloorFault::NoReturns(returns, pixels));
         }
-        let times = self.repeats.saturating_add(1);
-        if times >= FROZEN_FRAMES {
-            return Err(FloorFault::Frozen(times));
-        }
-        Ok(())
+        living
     }
 
     fn estimate(&self, now: Stamp, result: Result<FitQuality, FloorFault>) -> FloorEstimate {
@@ -242,7 +224,7 @@ impl FloorModel {
             curvature: usable.map_or(Curvature::none(&configured), |good| good.curvature),
             source,
             // A frozen camera shows an old floor, however young its stamps are.
-            is_known: age <= KNOWN_MAX_US && !matches!(result, Err(FloorFault::Frozen(_))),
+            is_known: age <= KNOWN_MAX_US && !matches!(result, Err(FloorFault::Frame(FrameFault::Frozen(_)))),
             quality: result.unwrap_or_default(),
             fault: result.err(),
         }
@@ -266,12 +248,4 @@ fn age_us(stamp: Stamp, now: Stamp) -> u64 {
         Age::Past(age) => age,
         Age::Future(_) => u64::MAX,
     }
-}
-
-/// A number that differs, but for one chance in 2⁶⁴, where two images differ in one of every sixteenth pixels.
-fn fingerprint(image: &DepthImage<'_>) -> u64 {
-    // FNV-1a over 16-bit words: offset basis and prime of its authors.
-    image.depth_mm().iter().step_by(16).fold(0xcbf2_9ce4_8422_2325, |hash: u64, depth| {
-        (hash ^ u64::from(*depth)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
 }

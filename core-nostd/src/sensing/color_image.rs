@@ -1,5 +1,6 @@
 //! A colour image as the camera delivers it: three bytes a pixel, sRGB.
 
+use super::frame_watch::fingerprint;
 use super::image_size::{ImageView, WrongImageSize};
 use crate::time::Stamp;
 
@@ -48,6 +49,15 @@ impl<'a> ColorImage<'a> {
     /// The rows, from the top.
     pub fn rows(&self) -> core::slice::ChunksExact<'a, [u8; 3]> {
         self.view.rows()
+    }
+}
+
+impl ColorImage<'_> {
+    /// A number that differs where two images do in one of every 16th pixels.
+    #[must_use]
+    pub fn fingerprint(&self) -> u64 {
+        let values = self.pixels().iter().step_by(16);
+        fingerprint(values.map(|[r, g, b]| u64::from(u32::from_le_bytes([*r, *g, *b, 0]))))
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod address;
 mod bake;
+mod camera;
 mod polygon;
 mod problem;
 mod read;
@@ -10,6 +11,7 @@ mod reference;
 
 pub use address::{CanAddress, DatagramAddress, SerialAddress};
 pub use bake::bake;
+pub use camera::CameraConfiguration;
 pub use polygon::contains as polygon_contains;
 pub use problem::{Problem, Refused};
 pub use read::{Carriers, HostedConfiguration, load, parse};

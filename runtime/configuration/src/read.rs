@@ -7,6 +7,7 @@ use std::path::Path;
 use floorguard_core::capacities::FIELD_SETS_MAX;
 use floorguard_core::geometry::{Point2, Point3};
 use floorguard_core::guard::Thresholds;
+use floorguard_core::sensing::PinholeCamera;
 use floorguard_core::units::radians;
 use floorguard_drivers::flexisoft::{InputBits, InputMap};
 use floorguard_runtime::configuration::{
@@ -18,6 +19,7 @@ use floorguard_runtime::mission::{ROUTE_WAYPOINTS_MAX, Route, RouteLimits};
 use toml::de::DeTable;
 
 use super::address::{CanAddress, DatagramAddress, SerialAddress, parse_serial};
+use super::camera::{CameraConfiguration, parse_video};
 use super::polygon;
 use super::problem::{Problem, Refused};
 use super::reader::{Problems, Reader};
@@ -30,7 +32,7 @@ const SCANNER_TOLERANCE_M: f32 = 0.10;
 const BRAKE_WEAR: f32 = 0.10;
 
 /// The addresses of the carriers.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Carriers {
     /// Lidar.
     pub lidar: DatagramAddress,
@@ -40,6 +42,8 @@ pub struct Carriers {
     pub imu: Option<SerialAddress>,
     /// CAN bus.
     pub can: CanAddress,
+    /// Floor camera.
+    pub camera: Option<CameraConfiguration>,
 }
 
 /// A complete, checked configuration.
@@ -90,6 +94,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let scanner = read_scanner(top.section("scanner"));
     let imu = top.optional_section("imu").map(read_imu);
     let can = read_can(top.section("can"));
+    let camera = top.optional_section("camera").map(read_camera);
     let inputs = read_inputs(top.section("inputs"));
     let thresholds = top.optional_section("guard").map_or_else(Thresholds::default, read_thresholds);
     let fields = read_fields(&top, &geometry, &limits);
@@ -123,6 +128,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
             scanner: scanner_address,
             imu: imu_address,
             can: can_address,
+            camera: camera.flatten(),
         },
     })
 }
@@ -251,6 +257,38 @@ fn read_can(section: Reader<'_>) -> Option<(CanConfiguration, CanAddress)> {
     }
     section.finish();
     Some((can, source?))
+}
+
+/// A camera that looks down at the floor before the robot.
+fn read_camera(section: Reader<'_>) -> Option<CameraConfiguration> {
+    let depth = read_source(&section, "v4l2:/dev/video2", parse_video);
+    let colour = section.find("colour_source").and_then(|_| {
+        let (text, span) = section.text("colour_source", "v4l2:/dev/video4")?;
+        let device = parse_video(text);
+        if device.is_none() {
+            section.refuse(
+                &span,
+                format!("[camera]: `colour_source` is \"{text}\", no address of this kind"),
+                "write for example \"v4l2:/dev/video4\"",
+            );
+        }
+        device
+    });
+    // The core has room for pictures of this size.
+    let size = (section.integer("width", 64..=640) as usize, section.integer("height", 48..=480) as usize);
+    let focal = [section.number("fx", 30.0..=2_000.0), section.number("fy", 30.0..=2_000.0)];
+    let centre = [section.number("cx", 0.0..=640.0), section.number("cy", 0.0..=480.0)];
+    let mounting = read_mounting(section.section("mounting"));
+    if mounting.roll_rad.abs() > 0.1 || !(0.2..1.5).contains(&mounting.pitch_rad) {
+        section.refuse(
+            section.span(),
+            "[camera]: rolled by more than 6°, or not pitched down by 11° to 86°",
+            "mount the camera so that it looks down at the floor before the robot",
+        );
+    }
+    section.finish();
+    let camera = PinholeCamera::new(focal, centre)?;
+    Some(CameraConfiguration { depth: depth?, colour, size, camera, mounting })
 }
 
 /// Which bit of the safety controller's process image means what.
@@ -467,6 +505,24 @@ fn read_route(section: Reader<'_>, limits: &Limits) -> (Route, RouteLimits) {
 mod tests {
     use super::*;
     use crate::EXAMPLE;
+
+    const CAMERA: &str = "[camera]\nsource = \"v4l2:/dev/video2\"\ncolour_source = \"v4l2:/dev/video4\"\n\
+        width = 640\nheight = 480\nfx = 525.0\nfy = 525.0\ncx = 319.5\ncy = 239.5\n\
+        mounting = { x_m = 0.9, y_m = 0.0, z_m = 0.72, pitch_deg = 45.0 }\n";
+
+    #[test]
+    fn a_camera_is_read_and_one_that_looks_up_is_refused() {
+        let text = format!("{EXAMPLE}\n{CAMERA}");
+        let camera = parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).carriers.camera;
+        let camera = camera.expect("there is a camera");
+        assert_eq!((camera.size, camera.mounting.position.z_m), ((640, 480), 0.72));
+        assert_eq!(camera.colour.as_deref(), Some(std::path::Path::new("/dev/video4")));
+        for (from, to) in [("45.0", "-45.0"), ("v4l2:/dev/video4", "udp:1"), ("width = 640", "width = 6400")]
+        {
+            let refused = parse("robot.toml", &text.replace(from, to)).expect_err("refused").to_string();
+            assert!(refused.contains("[camera]") || refused.contains("width"), "{refused}");
+        }
+    }
 
     #[test]
     fn the_example_is_accepted() {

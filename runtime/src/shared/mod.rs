@@ -26,6 +26,7 @@ use floorguard_core::time::Stamp;
 use heapless::Vec;
 
 use crate::channel::{Belt, Latest, Queue};
+use crate::tasks::FloorSight;
 
 /// Lidar packets that perception may be late by: 21 ms. Eight more do not fit beside the legs into the memory of the boards.
 pub const PACKETS_QUEUED: usize = 16;
@@ -80,6 +81,8 @@ pub struct Shared<M: RawMutex> {
     pub dirt: Latest<M, DirtReading>,
     /// Perception → guard ring: can only tighten.
     pub advice: Latest<M, Advice>,
+    /// Floor camera → perception: what lies on the floor. Nothing without a camera.
+    pub floor: Latest<M, FloorSight>,
     /// Mission → guard ring: what it would like.
     pub wanted: Latest<M, (Stamp, Twist2)>,
     /// The operator pressed reset.
@@ -125,6 +128,7 @@ impl<M: RawMutex> Shared<M> {
             scan: Latest::new(),
             dirt: Latest::new(),
             advice: Latest::new(),
+            floor: Latest::new(),
             wanted: Latest::new(),
             reset: Signal::new(),
             drive_reset: Signal::new(),

@@ -12,6 +12,8 @@ use floorguard_core::time::Stamp;
 use floorguard_drivers::velodyne::SweepBuilder;
 
 use super::advise::advice;
+use super::floor_camera::with_floor;
+use crate::clock;
 use crate::shared::{PeopleReport, PersonReport, QueuedPacket, Shared, SweepReport};
 
 /// Revolutions are cut behind the robot.
@@ -119,7 +121,8 @@ pub async fn perceive<M: RawMutex, D: JudgeMotion>(shared: &Shared<M>, state: &m
             };
             let context = SweepContext { sensor_in_base: *sensor_in_base, twist, base_in_odom };
             let output = motion.people(people, sweep, &context);
-            shared.advice.publish(advice(sweep.end_stamp, output.tracks, base_in_odom));
+            let people = advice(sweep.end_stamp, output.tracks, base_in_odom);
+            shared.advice.publish(with_floor(people, shared.floor.get().as_ref(), clock::now()));
             shared.people.publish(report(sweep, &output, unposed));
         });
     }

@@ -1,5 +1,6 @@
 //! The hosted board: carriers of Linux, recordings, the simulator, and the commands of the program.
 
+pub mod camera;
 pub mod campaign;
 pub mod capture;
 pub mod carmen;

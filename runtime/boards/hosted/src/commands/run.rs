@@ -17,6 +17,7 @@ use serde_json::json;
 use super::exit::BadInput;
 use super::live::status_of;
 use super::panel::open_panel;
+use crate::camera::watch_floor;
 use crate::configuration::{HostedConfiguration, load};
 use crate::display::LiveDisplay;
 use crate::environment::{Calendar, LiveLearner};
@@ -89,7 +90,7 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
             let typed = typed_lines();
             // The display reads what the rings share; the word for it is on the console already.
             let _ = take_priority(Ring::Onlooker);
-            watch.until_stopped(&flag, &typed, notes)
+            with_camera(&configuration, &shared, || watch.until_stopped(&flag, &typed, notes))
         })?
     })?;
     if let Some(learner) = watch.learner.take() {
@@ -98,6 +99,24 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     }
     anstream::eprintln!("floorguard run: the robot stands, {} stops", watch.stops);
     Ok(())
+}
+
+/// Runs `beside` while the floor camera, if there is one, looks at the floor on a thread of its own.
+fn with_camera<T>(
+    configuration: &HostedConfiguration,
+    shared: &HostedShared,
+    beside: impl FnOnce() -> T,
+) -> T {
+    let flag = &StopFlag::default();
+    thread::scope(|scope| {
+        if let Some(camera) = &configuration.carriers.camera {
+            let say = |what: String| anstream::eprintln!("floorguard run: {what}");
+            scope.spawn(move || watch_floor((&configuration.robot, camera), shared, flag, say));
+        }
+        let answer = beside();
+        flag.stop();
+        answer
+    })
 }
 
 /// A recording and a panel, where they are wanted.

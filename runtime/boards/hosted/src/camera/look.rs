@@ -1,0 +1,190 @@
+//! From a depth picture to what the rings hear of it: floor, things on it, and whether it is known.
+
+use floorguard_core::floor::{
+    ConfirmedObject, FloorModel, FloorParameters, ObjectFinder, ObjectMemory, PixelClass,
+};
+use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_core::sensing::DepthImage;
+use floorguard_core::time::Stamp;
+use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::tasks::{FloorLimits, FloorSight, FloorThing};
+
+use crate::configuration::CameraConfiguration;
+
+/// The search for the floor is seeded.
+const SEED: u64 = 1;
+/// Beside the robot, metres.
+const SIDE_MARGIN_M: f32 = 0.05;
+/// A frame takes this long from the light to here, seconds.
+const FRAME_S: f32 = 0.1;
+
+/// The memory of one camera.
+pub struct FloorLook {
+    size: (usize, usize),
+    model: FloorModel,
+    finder: Box<ObjectFinder>,
+    seen: ObjectMemory,
+    classes: Vec<PixelClass>,
+    camera_in_robot: Pose2,
+    limits: FloorLimits,
+}
+
+impl FloorLook {
+    /// For a camera on a robot; `None` for a mounting that makes no plane.
+    #[must_use]
+    pub fn new(robot: &RobotConfiguration, camera: &CameraConfiguration) -> Option<Self> {
+        let mounting = &camera.mounting;
+        let parameters = FloorParameters::mounted(camera.camera, mounting.position.z_m, mounting.pitch_rad)?;
+        let corners = robot.geometry.footprint.iter();
+        let (front_m, half_width_m) = corners.fold((f32::MIN, 0.0_f32), |(front, side), corner| {
+            (front.max(corner.x_m), side.max(corner.y_m.abs()))
+        });
+        Some(Self {
+            size: camera.size,
+            model: FloorModel::new(parameters, SEED),
+            finder: Box::default(),
+            seen: ObjectMemory::default(),
+            classes: vec![PixelClass::Unknown; camera.size.0 * camera.size.1],
+            camera_in_robot: Pose2::new(mounting.position.x_m, mounting.position.y_m, mounting.yaw_rad),
+            limits: FloorLimits {
+                half_width_m: half_width_m + SIDE_MARGIN_M,
+                front_m,
+                braking_mps2: robot.limits.braking_mps2,
+                response_s: robot.limits.response_s + FRAME_S,
+                unknown_speed_mps: robot.thresholds.warning_speed_mps,
+            },
+        })
+    }
+
+    /// What is told while no picture says anything.
+    #[must_use]
+    pub fn blind(&self, stamp: Stamp) -> FloorSight {
+        FloorSight { stamp, limits: self.limits, ..FloorSight::default() }
+    }
+
+    /// Looks at a picture; the robot's pose is the odometry's.
+    #[must_use]
+    pub fn look(
+        &mut self,
+        depth_mm: &[u16],
+        robot_in_odom: Pose2,
+        (stamp, now): (Stamp, Stamp),
+    ) -> FloorSight {
+        let mut sight = self.blind(stamp);
+        let Ok(image) = DepthImage::new(stamp, self.size, depth_mm) else { return sight };
+        let estimate = self.model.update(&image, now);
+        let parameters = *self.model.parameters();
+        let Ok(found) = self.finder.find(&image, (&parameters, &estimate), &mut self.classes) else {
+            return sight;
+        };
+        // Without a floor in this very picture its heights mean nothing.
+        sight.is_known = estimate.is_known && estimate.fault.is_none();
+        if sight.is_known {
+            let camera_in_odom = robot_in_odom.compose(self.camera_in_robot);
+            for thing in self.seen.update(&found, camera_in_odom).iter().map(|seen| self.thing(seen)) {
+                // The list is sorted by distance: what does not fit is farther away.
+                let _ = sight.things.push(thing);
+            }
+        }
+        sight
+    }
+
+    fn thing(&self, seen: &ConfirmedObject) -> FloorThing {
+        let ([left, near], [right, _]) = (seen.object.low_m, seen.object.high_m);
+        FloorThing {
+            position: self.camera_in_robot.transform(Point2::new(near, -0.5 * (left + right))),
+            half_width_m: 0.5 * (right - left),
+            height_m: seen.object.height_m,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::configuration::{EXAMPLE, parse};
+    use floorguard_core::floor::Plane;
+    use floorguard_core::sensing::PinholeCamera;
+    use floorguard_runtime::tasks::with_floor;
+
+    const SIZE: (usize, usize) = (160, 120);
+    const PITCH_RAD: f32 = 0.8;
+    const HEIGHT_M: f32 = 0.72;
+
+    fn look() -> FloorLook {
+        let configuration = parse("robot.toml", EXAMPLE).expect("the example is right");
+        let mut mounting = configuration.robot.lidar.mounting;
+        (mounting.position.x_m, mounting.position.z_m, mounting.pitch_rad) = (0.9, HEIGHT_M, PITCH_RAD);
+        let camera = CameraConfiguration {
+            depth: "/dev/video0".into(),
+            colour: None,
+            size: SIZE,
+            camera: PinholeCamera::new([131.0, 131.0], [79.5, 59.5]).expect("a camera"),
+            mounting,
+        };
+        FloorLook::new(&configuration.robot, &camera).expect("above the floor")
+    }
+
+    /// A level floor with a block of a height, 12 cm wide, from `ahead_m` before the camera on.
+    fn picture(frame: u64, block: Option<(f32, f32)>) -> Vec<u16> {
+        let camera = PinholeCamera::new([131.0, 131.0], [79.5, 59.5]).expect("a camera");
+        let plane = Plane::of_mounting(HEIGHT_M, PITCH_RAD).expect("a plane");
+        let [right, along] = plane.axes();
+        let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let pixel = |index: usize| {
+            let ray = camera.ray((index % SIZE.0) as f32, (index / SIZE.0) as f32);
+            let down = -dot(plane.normal, ray);
+            if down < 0.05 {
+                return 0;
+            }
+            let mut z = HEIGHT_M / down;
+            if let Some((ahead_m, height_m)) = block {
+                let top = (HEIGHT_M - height_m) / down;
+                let (x, y) = (dot(right, ray) * top, dot(along, ray) * top);
+                if x.abs() < 0.06 && (ahead_m..ahead_m + 0.12).contains(&y) {
+                    z = top;
+                }
+            }
+            // A millimetre to and fro, as living cameras have it.
+            (1_000.0 * z) as u16 + ((index as u64 * 7 + frame * 13) % 3) as u16
+        };
+        (0..SIZE.0 * SIZE.1).map(pixel).collect()
+    }
+
+    fn limit(look: &mut FloorLook, frames: &[Vec<u16>]) -> (FloorSight, Option<f32>) {
+        let mut sight = FloorSight::default();
+        for (frame, depth_mm) in (1_u64..).zip(frames) {
+            let at = Stamp::from_micros(33_333 * frame);
+            sight = look.look(depth_mm, Pose2::default(), (at, at));
+        }
+        let limit = with_floor(Default::default(), Some(&sight), sight.stamp).speed_limit_mps;
+        (sight, limit)
+    }
+
+    #[test]
+    fn a_thing_ahead_slows_the_robot_and_free_floor_does_not() {
+        let free: Vec<Vec<u16>> = (0..3).map(|frame| picture(frame, None)).collect();
+        let (sight, unlimited) = limit(&mut look(), &free);
+        assert!(sight.is_known && sight.things.is_empty(), "{sight:?}");
+        assert_eq!(unlimited, None);
+        let blocked: Vec<Vec<u16>> = (0..3).map(|frame| picture(frame, Some((0.7, 0.05)))).collect();
+        let (sight, slow) = limit(&mut look(), &blocked);
+        let thing = sight.things.first().expect("it is seen");
+        assert!((thing.position.x_m - 1.6).abs() < 0.06 && thing.position.y_m.abs() < 0.03, "{thing:?}");
+        assert!((thing.height_m - 0.05).abs() < 0.015 && thing.half_width_m < 0.1, "{thing:?}");
+        assert!(slow.is_some_and(|speed| (0.3..0.9).contains(&speed)), "{slow:?}");
+    }
+
+    /// Frozen, dark and cut pictures are floor that nobody knows.
+    #[test]
+    fn bad_pictures_are_unknown_floor() {
+        let frozen = vec![picture(0, None); 3];
+        let dark = vec![vec![0; SIZE.0 * SIZE.1]; 3];
+        let cut = vec![vec![700; 99]; 3];
+        for (name, frames) in [("frozen", frozen), ("dark", dark), ("cut", cut)] {
+            let (sight, slow) = limit(&mut look(), &frames);
+            assert!(!sight.is_known, "{name}");
+            assert_eq!(slow, Some(0.3), "{name}");
+        }
+    }
+}
