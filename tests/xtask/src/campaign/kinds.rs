@@ -74,7 +74,9 @@ pub const KINDS: &[Kind] = &[
     fuzz("fuzz-position", "fuzz_position", 1_000_000, 100_000_000),
     fuzz("fuzz-s300", "fuzz_s300", 200_000, 100_000_000),
     fuzz("fuzz-slcan", "fuzz_slcan", 1_000_000, 100_000_000),
-    fuzz("fuzz-base", "fuzz_base", 100_000, 10_000_000),
+    fuzz("fuzz-microscan3", "fuzz_microscan3", 500_000, 100_000_000),
+    // Twenty frames each.
+    fuzz("fuzz-base", "fuzz_base", 100_000, 5_000_000),
     fuzz("fuzz-xsens", "fuzz_xsens", 200_000, 100_000_000),
     fuzz("fuzz-configuration", "fuzz_configuration", 5_000, 1_000_000),
     fuzz("fuzz-recording", "fuzz_recording", 20_000, 1_000_000),

@@ -28,6 +28,9 @@ pub struct Options {
     /// Forget what was done before.
     #[arg(long)]
     fresh: bool,
+    /// Go on with the program that the campaign began with, without building: for runs of days, and beside other work.
+    #[arg(long, conflicts_with = "fresh")]
+    same_program: bool,
     /// Keep the result in docs/evidence, where the audit shows it.
     #[arg(long)]
     record: bool,
@@ -46,11 +49,11 @@ pub fn run(options: &Options) -> Result<bool> {
     }
     let kind = kinds::find(&options.name).map_err(anyhow::Error::msg)?;
     let trials = options.trials.unwrap_or(kind.trials);
-    let test = block::build(kind)?;
     let path = state::path(kind.name, options.seed)?;
     if options.fresh {
         let _ = std::fs::remove_file(&path);
     }
+    let test = program(kind, &path, options.same_program)?;
     let state = State::load(&path, &fingerprint(&test)?);
     let starts: Vec<u64> =
         (0..trials).step_by(kind.block as usize).filter(|at| !state.done.contains(at)).collect();
@@ -98,6 +101,19 @@ pub fn run(options: &Options) -> Result<bool> {
         record::keep(kind, (options.seed, state.trials), findings.len(), &state.counts)?;
     }
     Ok(findings.is_empty() && holds)
+}
+
+/// The campaign's own copy of the test: a build that goes on beside it must not change what the blocks run.
+fn program(kind: &kinds::Kind, state: &std::path::Path, same: bool) -> Result<std::path::PathBuf> {
+    let copy = state.with_extension("program");
+    if same && copy.is_file() {
+        return Ok(copy);
+    }
+    let beside = state.with_extension("building");
+    std::fs::copy(block::build(kind)?, &beside)
+        .and_then(|_| std::fs::rename(&beside, &copy))
+        .with_context(|| format!("cannot copy the test to {}", copy.display()))?;
+    Ok(copy)
 }
 
 fn shown(path: &std::path::Path) -> String {
