@@ -111,7 +111,7 @@ impl FloorGrid {
     fn smooth(&mut self) {
         for row in self.weights.chunks_exact_mut(GRID_COLUMNS) {
             let mut line = [0.0_f32; GRID_COLUMNS];
-            line.copy_from_slice(row);
+            line.iter_mut().zip(row.iter()).for_each(|(copy, weight)| *copy = *weight);
             convolve(&line, row.iter_mut());
         }
         for column in 0..GRID_COLUMNS {

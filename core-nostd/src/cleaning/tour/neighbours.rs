@@ -23,7 +23,7 @@ impl<const N: usize> Neighbours<N> {
     pub fn fill(&mut self, count: usize, distances: &impl Distances) {
         for (list, node) in self.lists.iter_mut().take(count).zip(0_u16..) {
             let mut nearest = [(i32::MAX, NOBODY); NEIGHBOURS];
-            for (other, _) in (0_u16..).zip(0..count) {
+            for (other, _) in (0_u16..).zip(0..count.min(N)) {
                 let distance = distances.between(node, other);
                 if other == node || nearest.last().is_some_and(|last| distance >= last.0) {
                     continue;

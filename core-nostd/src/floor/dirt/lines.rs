@@ -137,7 +137,7 @@ fn extreme<const LARGEST: bool>(
         *slot = if LARGEST { (*slot).max(*value) } else { (*slot).min(*value) };
     };
     for (row, slots) in input.chunks_exact(columns).zip(across.chunks_exact_mut(columns)) {
-        slots.copy_from_slice(row);
+        slots.iter_mut().zip(row).for_each(|(slot, value)| *slot = *value);
         for shift in 1..=reach.min(CROSSING) {
             slots.iter_mut().zip(row.iter().skip(shift)).for_each(|(slot, value)| take(slot, value));
             slots.iter_mut().skip(shift).zip(row).for_each(|(slot, value)| take(slot, value));
