@@ -12,6 +12,8 @@ use quote::ToTokens;
 #[derive(Default)]
 pub struct Names {
     scopes: Vec<BTreeMap<String, Option<Bound>>>,
+    /// Names that may be walked for ever, and why, by scope; `None`: bound anew to something that ends.
+    endless: Vec<BTreeMap<String, Option<String>>>,
 }
 
 /// An upper bound and how it is known.
@@ -33,22 +35,40 @@ impl Names {
     /// Opens a scope.
     pub fn enter(&mut self) {
         self.scopes.push(BTreeMap::new());
+        self.endless.push(BTreeMap::new());
     }
 
     /// Closes the innermost scope.
     pub fn leave(&mut self) {
         self.scopes.pop();
+        self.endless.pop();
     }
 
     /// A name is bound in the innermost scope.
     pub fn bind(&mut self, name: String, bound: Option<Bound>) {
+        if let Some(scope) = self.endless.last_mut() {
+            scope.insert(name.clone(), None);
+        }
         if let Some(scope) = self.scopes.last_mut() {
             scope.insert(name, bound);
         }
     }
 
-    fn bound(&self, name: &str) -> Option<Bound> {
-        self.scopes.iter().rev().find_map(|scope| scope.get(name)).cloned().flatten()
+    /// Walking what the name holds may never end.
+    pub fn unbounded(&mut self, name: String, why: &str) {
+        if let Some(scope) = self.endless.last_mut() {
+            scope.insert(name, Some(why.to_owned()));
+        }
+    }
+
+    /// Why walking what the name holds may never end.
+    pub fn endless(&self, name: &str) -> Option<String> {
+        self.endless.iter().rev().find_map(|scope| scope.get(name)).cloned().flatten()
+    }
+
+    /// What the name is bound to; the outer `None`: nothing in sight binds it.
+    fn bound(&self, name: &str) -> Option<Option<Bound>> {
+        self.scopes.iter().rev().find_map(|scope| scope.get(name)).cloned()
     }
 
     /// The largest value that an expression can have, if that can be seen.
@@ -73,7 +93,7 @@ impl Names {
         if path.segments.len() == 1
             && let Some(bound) = self.bound(&name)
         {
-            return Some(bound);
+            return bound;
         }
         let of_type = path.segments.len() > 1
             && path.segments.first().is_some_and(|first| is_wide_number(&first.ident.to_string()));

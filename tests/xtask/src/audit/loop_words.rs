@@ -75,3 +75,13 @@ pub const ADAPTERS: &[&str] = &[
 
 /// Where endless iteration comes from.
 pub const ENDLESS: &[&str] = &["repeat", "repeat_with", "cycle", "from_fn", "successors"];
+
+/// Methods whose argument is a range of places, not something to walk.
+pub const RANGE_TAKERS: &[&str] = &["get", "get_mut", "contains", "drain", "set_range"];
+
+/// Iterators that the layers write themselves: file, type, and why each comes to its end.
+pub const OWN_ITERATORS: &[(&str, &str, &str)] = &[(
+    "drivers/src/xsens/item.rs",
+    "Items",
+    "a third of the message's bytes: each turn takes three or more of them, or all",
+)];

@@ -4,9 +4,10 @@
 //! bounded by its capacity. Ranges must end in something whose largest value is visible (`bounds`). `while` and `loop`
 //! have no bound that a reader can see and are refused, except in an `async fn` whose every turn waits for the world (the drivers' thin adaptors).
 //!
-//! Limits: the syntax is not typed. That a receiver is a container and not a custom endless iterator is checked by
-//! refusing the sources of endless iteration (`repeat`, `cycle`, `from_fn`, `successors`, open ranges) unless the same
-//! chain says `take(CONSTANT)` or zips with a container.
+//! Limits: the syntax is not typed. That a receiver is a container and not an endless iterator is checked by refusing
+//! the sources of endless iteration (`repeat`, `cycle`, `from_fn`, `successors`, open ranges, a range kept in a name or
+//! chosen by a caller) wherever they stand, unless the same chain says `take(CONSTANT)` or zips with a container; and
+//! by refusing iterators of our own but for those in `OWN_ITERATORS`.
 
 use serde::Serialize;
 use syn::spanned::Spanned;
@@ -16,7 +17,8 @@ use crate::counting::{self, Edit};
 
 use super::bounds::{self, Bound, Names, shorten, shown};
 use super::claim::Finding;
-use super::loop_words::{ADAPTERS, CONSUMERS, ENDLESS};
+use super::loop_words::{ADAPTERS, CONSUMERS, ENDLESS, OWN_ITERATORS, RANGE_TAKERS};
+use super::macros;
 use super::seen::Seen;
 use super::sources::{SourceFile, is_test_only};
 
@@ -54,11 +56,15 @@ pub fn list(file: &SourceFile) -> (Vec<LoopSite>, Vec<Finding>) {
         constant: true,
         chain: None,
         names: Names::default(),
+        limited: false,
         sites: vec![],
         findings: vec![],
     };
     visitor.visit_file(&file.syntax);
-    (visitor.sites, visitor.findings)
+    // A loop and the endless source in its head are one mistake.
+    let mut findings = visitor.findings;
+    findings.dedup_by_key(|finding| finding.line);
+    (visitor.sites, findings)
 }
 
 struct Visitor<'a> {
@@ -71,6 +77,8 @@ struct Visitor<'a> {
     /// Text of the whole chain of method calls that is being looked at from its last call inwards.
     chain: Option<String>,
     names: Names,
+    /// Inside a chain that comes to its end whatever stands in it.
+    limited: bool,
     sites: Vec<LoopSite>,
     findings: Vec<Finding>,
 }
@@ -118,6 +126,9 @@ impl Visitor<'_> {
                 && name.mutability.is_none()
             {
                 self.names.bind(name.ident.to_string(), bounds::of_type(&typed.ty));
+                if is_range_type(&typed.ty) {
+                    self.names.unbounded(name.ident.to_string(), "a range that the caller chooses");
+                }
             }
         }
         inside(self);
@@ -137,13 +148,12 @@ impl Visitor<'_> {
 
     /// The bound of an iterator chain, found at its root.
     fn chain_bound(&self, expression: &syn::Expr) -> Result<Bound, String> {
+        if let Some(problem) = self.never_ends(expression) {
+            return Err(problem);
+        }
         let text = shown(expression);
         let taken = self.taken(expression);
         let limited = text.contains(".zip(") || taken.is_some();
-        let endless = ENDLESS.iter().find(|source| text.contains(&format!("{source}(")));
-        if let Some(source) = endless.filter(|_| !limited) {
-            return Err(format!("`{source}` never ends; add `.take(CONSTANT)`"));
-        }
         if let Some(bound) = taken {
             return Ok(bound);
         }
@@ -155,6 +165,51 @@ impl Visitor<'_> {
                 bound => bound,
             },
             root => Ok(chained(expression, container(root))),
+        }
+    }
+
+    /// Why walking the expression may go on for ever; `None`: it comes to an end.
+    fn never_ends(&self, expression: &syn::Expr) -> Option<String> {
+        match expression {
+            syn::Expr::Range(range) => self.range_bound(range).err(),
+            syn::Expr::Paren(inner) => self.never_ends(&inner.expr),
+            syn::Expr::Group(inner) => self.never_ends(&inner.expr),
+            syn::Expr::Reference(inner) => self.never_ends(&inner.expr),
+            syn::Expr::Path(path) => {
+                path.path.get_ident().and_then(|name| self.names.endless(&name.to_string()))
+            }
+            syn::Expr::Call(call) => self.call_never_ends(call),
+            syn::Expr::MethodCall(call) => {
+                let receiver = self.never_ends(&call.receiver);
+                let argument = || call.args.first().and_then(|argument| self.never_ends(argument));
+                match call.method.to_string().as_str() {
+                    "take" if call.args.first().is_some_and(|n| self.names.largest(n).is_some()) => None,
+                    "zip" => receiver.filter(|_| argument().is_some()),
+                    "chain" => receiver.or_else(argument),
+                    "cycle" => Some(endless("cycle")),
+                    _ => receiver,
+                }
+            }
+            _ => None,
+        }
+    }
+
+    fn call_never_ends(&self, call: &syn::ExprCall) -> Option<String> {
+        let (source, owner) = called(call)?;
+        let argument = |number: usize| call.args.iter().nth(number);
+        match source.as_str() {
+            "zip" => argument(0)
+                .and_then(|a| self.never_ends(a))
+                .filter(|_| argument(1).is_some_and(|b| self.never_ends(b).is_some())),
+            "repeat_n" => {
+                let times = argument(1).and_then(|times| self.names.largest(times));
+                times.is_none().then(|| {
+                    String::from("the number of repetitions is not a constant; write `.min(CONSTANT)`")
+                })
+            }
+            // An array has a length.
+            "from_fn" if owner.as_deref() == Some("array") => None,
+            name => ENDLESS.contains(&name).then(|| endless(name)),
         }
     }
 
@@ -263,10 +318,83 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
 
     fn visit_expr_closure(&mut self, closure: &'ast syn::ExprClosure) {
         self.names.enter();
-        let chain = self.chain.take();
-        visit::visit_expr_closure(self, closure);
-        self.chain = chain;
+        let (chain, limited) = (self.chain.take(), std::mem::replace(&mut self.limited, false));
+        closure.inputs.iter().for_each(|input| self.visit_pat(input));
+        closure.inputs.iter().for_each(|input| {
+            if let syn::Pat::Type(typed) = input
+                && let syn::Pat::Ident(name) = &*typed.pat
+                && is_range_type(&typed.ty)
+            {
+                self.names.unbounded(name.ident.to_string(), "a range that the caller chooses");
+            }
+        });
+        self.visit_expr(&closure.body);
+        (self.chain, self.limited) = (chain, limited);
         self.names.leave();
+    }
+
+    /// An iterator of our own has no container behind it that bounds it.
+    fn visit_item_impl(&mut self, block: &'ast syn::ItemImpl) {
+        let name = shown(&block.self_ty);
+        let of_trait = block.trait_.as_ref().map(|implemented| shown(&implemented.0)).unwrap_or_default();
+        if of_trait.rsplit("::").next() == Some("Iterator") {
+            let known =
+                OWN_ITERATORS.iter().find(|(file, own, _)| self.file.path == *file && name.starts_with(own));
+            let bound = known.map(|(_, _, why)| Bound { text: (*why).to_owned(), how: "argued, and fuzzed" });
+            let message = "an iterator of our own; argue its end in OWN_ITERATORS (tests/xtask/src/audit/loop_words.rs)";
+            self.function = name;
+            self.record(&block.self_ty, "own iterator", bound.ok_or_else(|| message.to_owned()));
+        }
+        visit::visit_item_impl(self, block);
+    }
+
+    /// What is walked is excused by its loop or its chain; anything else would hand an endless walk on.
+    fn visit_expr_call(&mut self, call: &'ast syn::ExprCall) {
+        if !self.limited
+            && let Some(problem) = self.call_never_ends(call)
+        {
+            self.record(call, "endless source", Err(problem));
+        }
+        let limited = std::mem::replace(&mut self.limited, false);
+        call.args.iter().for_each(|argument| self.handed_on(argument));
+        visit::visit_expr_call(self, call);
+        self.limited = limited;
+    }
+
+    fn visit_expr_range(&mut self, range: &'ast syn::ExprRange) {
+        if let (false, Err(problem)) = (self.limited, self.range_bound(range)) {
+            self.record(range, "range", Err(problem));
+        }
+        visit::visit_expr_range(self, range);
+    }
+
+    /// `a[1..]` is a slice.
+    fn visit_expr_index(&mut self, access: &'ast syn::ExprIndex) {
+        self.visit_expr(&access.expr);
+        match &*access.index {
+            syn::Expr::Range(range) => visit::visit_expr_range(self, range),
+            index => self.visit_expr(index),
+        }
+    }
+
+    fn visit_macro(&mut self, invocation: &'ast syn::Macro) {
+        let Some(arguments) = macros::arguments(invocation) else {
+            for (word, line) in macros::words(&invocation.tokens) {
+                if ["loop", "while", "for"].contains(&word.as_str()) || ENDLESS.contains(&word.as_str()) {
+                    let message = format!("`{word}` inside a macro cannot be judged; write a function");
+                    self.findings.push(Finding { place: self.file.path.clone(), line, message });
+                }
+            }
+            return;
+        };
+        arguments.iter().for_each(|argument| Visit::visit_expr(self, argument));
+    }
+
+    /// `90_000..` in a pattern is no walk.
+    fn visit_pat(&mut self, pattern: &'ast syn::Pat) {
+        if !matches!(pattern, syn::Pat::Range(_)) {
+            visit::visit_pat(self, pattern);
+        }
     }
 
     /// A pattern shadows what the name meant before.
@@ -276,8 +404,12 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
 
     fn visit_local(&mut self, local: &'ast syn::Local) {
         let value = local.init.as_ref().map(|init| &*init.expr);
+        let problem = value.and_then(|value| self.never_ends(value));
         if let Some(init) = &local.init {
+            let kept = problem.is_some() && name_of(&local.pat).is_some();
+            let limited = std::mem::replace(&mut self.limited, kept);
             visit::visit_local_init(self, init);
+            self.limited = limited;
         }
         match &local.pat {
             syn::Pat::Ident(name) if name.mutability.is_none() => {
@@ -286,13 +418,22 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
             }
             pattern => self.visit_pat(pattern),
         }
+        // A range or an endless chain that is kept is judged where it is walked.
+        if let (Some(name), Some(problem)) = (name_of(&local.pat), problem) {
+            self.names.unbounded(name, &problem);
+        }
     }
 
     fn visit_expr_for_loop(&mut self, each: &'ast syn::ExprForLoop) {
         let bound = self.bound_of(&each.expr);
         self.record_with(each, "for", bound, |bound| counting::of_for_loop(each, bound));
         self.names.enter();
-        visit::visit_expr_for_loop(self, each);
+        self.visit_pat(&each.pat);
+        let limited = std::mem::replace(&mut self.limited, true);
+        self.visit_expr(&each.expr);
+        self.limited = false;
+        self.visit_block(&each.body);
+        self.limited = limited;
         self.names.leave();
     }
 
@@ -327,7 +468,9 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
             self.record_with(call, &method, bound, |bound| counting::of_chain(call, ADAPTERS, bound));
         } else if outermost && ADAPTERS.contains(&method.as_str()) && is_iterator(&chain) {
             let bound = self.chain_bound(&syn::Expr::MethodCall(call.clone()));
-            self.record_with(call, "iterator", bound, |bound| counting::of_chain(call, ADAPTERS, bound));
+            if bound.is_ok() || !self.limited {
+                self.record_with(call, "iterator", bound, |bound| counting::of_chain(call, ADAPTERS, bound));
+            }
         } else if !asks_a_range
             && !chain.contains(".zip(")
             && let syn::Expr::Range(range) = receiver
@@ -337,14 +480,42 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
             // Nobody may walk it here, but whoever does would never come to its end.
             self.record(call, "range", Err(String::from("an open range never ends; add `.take(CONSTANT)`")));
         }
+        // An endless source within a chain that ends is no mistake; one that is handed to a method may be.
+        let limited = self.limited
+            || asks_a_range
+            || outermost && self.never_ends(&syn::Expr::MethodCall(call.clone())).is_none();
+        let outer = std::mem::replace(&mut self.limited, limited);
         self.chain = Some(chain);
         self.visit_expr(&call.receiver);
         self.chain = None;
-        call.args.iter().for_each(|argument| self.visit_expr(argument));
+        self.limited = limited && (method == "zip" || method == "chain");
+        for argument in &call.args {
+            match argument {
+                syn::Expr::Range(range) if RANGE_TAKERS.contains(&method.as_str()) => {
+                    visit::visit_expr_range(self, range);
+                }
+                other => {
+                    if !self.limited && !RANGE_TAKERS.contains(&method.as_str()) {
+                        self.handed_on(other);
+                    }
+                    self.visit_expr(other);
+                }
+            }
+        }
+        self.limited = outer;
     }
 }
 
 impl Visitor<'_> {
+    /// A name that holds an endless walk, given to somebody else who may walk it.
+    fn handed_on(&mut self, argument: &syn::Expr) {
+        if let syn::Expr::Path(path) = argument
+            && let Some(problem) = self.never_ends(argument)
+        {
+            self.record(path, "endless source", Err(problem));
+        }
+    }
+
     /// `take(BOUND)` in the text of a chain.
     fn taken_in(&self, chain: &str) -> Option<Bound> {
         syn::parse_str::<syn::Expr>(chain).ok().and_then(|expression| self.taken(&expression))
@@ -377,13 +548,49 @@ fn unbounded(kind: &str, waits: bool) -> Result<Bound, String> {
     Err(format!("`{kind}` has no bound that a reader can see; write `for … in 0..CONSTANT`"))
 }
 
-/// The block contains `.await`.
+fn endless(source: &str) -> String {
+    format!("`{source}` never ends; add `.take(CONSTANT)`")
+}
+
+/// Name of the called function, and what stands before it.
+fn called(call: &syn::ExprCall) -> Option<(String, Option<String>)> {
+    let syn::Expr::Path(path) = &*call.func else { return None };
+    let mut segments = path.path.segments.iter().rev().map(|segment| segment.ident.to_string());
+    Some((segments.next()?, segments.next()))
+}
+
+fn is_range_type(kind: &syn::Type) -> bool {
+    let syn::Type::Path(path) = kind else { return false };
+    path.path.segments.last().is_some_and(|last| last.ident.to_string().starts_with("Range"))
+}
+
+fn name_of(pattern: &syn::Pat) -> Option<String> {
+    match pattern {
+        syn::Pat::Ident(name) => Some(name.ident.to_string()),
+        syn::Pat::Type(typed) => name_of(&typed.pat),
+        _ => None,
+    }
+}
+
+/// Every turn of the block passes an `.await`: one that a branch, a closure or an inner loop may skip does not count.
 fn awaits(block: &syn::Block) -> bool {
     struct Finder(bool);
     impl<'ast> Visit<'ast> for Finder {
         fn visit_expr_await(&mut self, _: &'ast syn::ExprAwait) {
             self.0 = true;
         }
+        fn visit_expr_if(&mut self, branch: &'ast syn::ExprIf) {
+            self.visit_expr(&branch.cond);
+        }
+        fn visit_expr_match(&mut self, choice: &'ast syn::ExprMatch) {
+            self.visit_expr(&choice.expr);
+        }
+        fn visit_expr_closure(&mut self, _: &'ast syn::ExprClosure) {}
+        fn visit_expr_async(&mut self, _: &'ast syn::ExprAsync) {}
+        fn visit_expr_for_loop(&mut self, _: &'ast syn::ExprForLoop) {}
+        fn visit_expr_while(&mut self, _: &'ast syn::ExprWhile) {}
+        fn visit_expr_loop(&mut self, _: &'ast syn::ExprLoop) {}
+        fn visit_item(&mut self, _: &'ast syn::Item) {}
     }
     let mut finder = Finder(false);
     finder.visit_block(block);

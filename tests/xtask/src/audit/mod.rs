@@ -3,15 +3,18 @@
 //! Each claim is checked afresh at every run. A claim that fails names the file and the line.
 
 mod bounds;
+mod circles;
 mod claim;
 mod dependencies;
 mod evidence;
 mod forbidden;
+mod forbidden_words;
 mod image;
 #[cfg(test)]
 mod injection_tests;
 mod loop_words;
 mod loops;
+mod macros;
 mod mutation;
 mod picture;
 mod records;
@@ -21,6 +24,8 @@ mod report;
 mod results;
 mod run;
 mod seen;
+#[cfg(test)]
+mod sneaky_tests;
 mod sources;
 pub(crate) mod thumb;
 mod trace;

@@ -2,7 +2,7 @@
 
 use super::claim::Finding;
 use super::forbidden::{self, Forbidden};
-use super::{loops, sources};
+use super::{circles, loops, sources};
 
 fn loops_of(text: &str) -> (usize, Vec<Finding>) {
     let file = sources::parse("core-nostd/src/example.rs", text.to_owned()).expect("the example parses");
@@ -96,7 +96,7 @@ fn cycles_over_several_functions_are_found() {
         .into_iter()
         .map(|(caller, callees)| (caller.to_owned(), callees.into_iter().map(str::to_owned).collect()))
         .collect();
-    assert_eq!(forbidden::cycles(&graph), [["a", "b", "c"].map(str::to_owned).to_vec()]);
+    assert_eq!(circles::cycles(&graph), [["a", "b", "c"].map(str::to_owned).to_vec()]);
 }
 
 #[test]

@@ -12,7 +12,7 @@ use super::image::{self, Image};
 use super::loops::{self, LoopSite};
 use super::results::{self, Results};
 use super::sources::SourceFile;
-use super::{dependencies, mutation, picture, records, report, seen, sources, trace};
+use super::{circles, dependencies, mutation, picture, records, report, seen, sources, trace};
 use crate::shell;
 
 /// How the audit speaks.
@@ -98,6 +98,7 @@ pub fn judge_sources(files: &[SourceFile]) -> (Vec<Claim>, Vec<LoopSite>) {
         sites.extend(listed);
         unbounded.extend(findings);
     }
+    forbidden.recursion.extend(circles::inspect(files));
     (source_claims(files.len(), sites.len(), unbounded, forbidden), sites)
 }
 
@@ -179,7 +180,7 @@ fn image_claims(image: &Image, files: &[SourceFile], sites: &[LoopSite]) -> Vec<
             id: "no-recursion-linked",
             text: "The call graph of the safety image has no cycle.",
             evidence: functions.clone(),
-            findings: forbidden::cycles(&image.call_graph())
+            findings: circles::cycles(&image.call_graph())
                 .into_iter()
                 .map(|cycle| finding(&cycle.join(" → "), "these functions call one another in a circle"))
                 .collect(),
