@@ -109,6 +109,7 @@ fn pause_and_resume_by_the_panel_and_nobody_else() {
     assert!(moving["sources"].as_array().is_some_and(|sources| sources.len() > 4), "{moving}");
     refusals(&run);
     assert_eq!(run.order("reset").0, 409, "no stop waits for a reset");
+    nonsense(&run);
     assert_eq!(run.order("pause").0, 202);
     let standing = run.wait_for("standing", |state| speed(state).abs() < 0.01 && state["paused"] == true);
     assert_ne!(standing["state"], "Latched");
@@ -165,6 +166,37 @@ fn browsers_in_real_time_lose_pictures_and_the_robot_nothing() {
     drop(slow);
 }
 
+/// Three hundred damaged requests, each on a line of its own, all with the right token: none is an order.
+fn nonsense(run: &Run) {
+    let right = format!(
+        "POST /order HTTP/1.1\r\nHost: {}\r\nAuthorization: Bearer {}\r\nContent-Type: application/json\r\n\
+         Content-Length: 17\r\n\r\n{{\"order\":\"pausf\"}}",
+        run.address, run.token
+    );
+    let mut seed = 20_261_121_u64;
+    let mut random = move |below: usize| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 33) as usize % below
+    };
+    for _ in 0..300 {
+        let mut bytes = right.clone().into_bytes();
+        for _ in 0..=random(6) {
+            let at = random(bytes.len());
+            match random(4) {
+                0 => bytes[at] = random(256) as u8,
+                1 => bytes.truncate(at.max(1)),
+                2 => bytes.insert(at, random(256) as u8),
+                _ => bytes.extend_from_within(at..),
+            }
+        }
+        let mut stream = TcpStream::connect(&run.address).expect("the panel answers");
+        // It may close the line at the first wrong byte.
+        let _ = stream.write_all(&bytes);
+    }
+    assert_eq!(run.state()["paused"], Value::from(false));
+}
+
+/// A page that the panel did not send has nobody's leave, whatever it knows; nor has one without a name.
 fn refusals(run: &Run) {
     let json = "Content-Type: application/json";
     let token = format!("Authorization: Bearer {}", run.token);
@@ -180,6 +212,10 @@ fn refusals(run: &Run) {
         (format!("POST /order HTTP/1.1\r\n{token}\r\n{json}"), long.as_str(), 413),
         (format!("POST /order HTTP/1.1\r\n{token}\r\n{json}\r\nHost: evil.example"), pause, 421),
         ("GET /state HTTP/1.1\r\nHost: evil.example".to_owned(), "", 421),
+        (format!("POST /order HTTP/1.1\r\n{token}\r\n{json}\r\nOrigin: http://evil.example"), pause, 403),
+        (format!("POST /order HTTP/1.1\r\n{token}\r\n{json}\r\nOrigin: null"), pause, 403),
+        (format!("POST /order HTTP/1.1\r\n{token}\r\n{json}\r\nOrigin: \u{e4}"), pause, 403),
+        ("GET /state HTTP/1.1\r\nOrigin: http://evil.example".to_owned(), "", 403),
         ("GET /state?after=x HTTP/1.1".to_owned(), "", 400),
         ("GET /../etc/passwd HTTP/1.1".to_owned(), "", 404),
         ("GET /order HTTP/1.1".to_owned(), "", 405),

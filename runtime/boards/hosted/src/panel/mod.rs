@@ -5,6 +5,7 @@
 //! release a stop: reset is a wish that the guard judges, as from a button on the machine.
 
 mod access;
+mod connections;
 mod frame;
 mod hub;
 mod layers;

@@ -11,6 +11,7 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use serde::Deserialize;
 
+use super::connections::Bounded;
 use super::hub::{Hub, Order};
 
 /// The page: everything in one file, so that it works without a network.
@@ -26,7 +27,7 @@ pub fn serve(listener: std::net::TcpListener, hub: Hub) {
     let served = runtime.and_then(|runtime| {
         runtime.block_on(async {
             let listener = tokio::net::TcpListener::from_std(listener)?;
-            axum::serve(listener, router(hub)).await
+            axum::serve(Bounded::new(listener), router(hub)).await
         })
     });
     if let Err(error) = served {
@@ -57,13 +58,26 @@ fn has_token(hub: &Hub, headers: &HeaderMap) -> bool {
     hub.access.is_token(shown)
 }
 
-fn is_for_us(hub: &Hub, headers: &HeaderMap) -> bool {
-    hub.access.is_host(text(headers, &header::HOST))
+/// Refuses what was meant for another name, or comes from a page of somebody else.
+fn stranger(hub: &Hub, headers: &HeaderMap) -> Option<Response> {
+    let host = text(headers, &header::HOST);
+    if !hub.access.is_host(host) {
+        return Some(refusal(StatusCode::MISDIRECTED_REQUEST, "this panel has another name"));
+    }
+    let foreign =
+        headers.contains_key(header::ORIGIN) && !is_own_origin(text(headers, &header::ORIGIN), host);
+    foreign.then(|| refusal(StatusCode::FORBIDDEN, "another page may not speak to this panel"))
+}
+
+/// Whether the page that asks came from here. A browser names it in every order and cannot be made to lie.
+fn is_own_origin(origin: &str, host: &str) -> bool {
+    let name = origin.strip_prefix("http://").or_else(|| origin.strip_prefix("https://"));
+    name.is_some_and(|name| name.eq_ignore_ascii_case(host))
 }
 
 async fn page(State(hub): State<Hub>, headers: HeaderMap) -> Response {
-    if !is_for_us(&hub, &headers) {
-        return refusal(StatusCode::MISDIRECTED_REQUEST, "this panel has another name");
+    if let Some(refused) = stranger(&hub, &headers) {
+        return refused;
     }
     // The page itself says nothing about the robot; what it loads needs the token where there must be one.
     let mut response = (StatusCode::OK, PAGE).into_response();
@@ -115,8 +129,8 @@ async fn look(
     headers: &HeaderMap,
     (query, mut newest): (Result<Query<After>, QueryRejection>, Newest),
 ) -> Response {
-    if !is_for_us(hub, headers) {
-        return refusal(StatusCode::MISDIRECTED_REQUEST, "this panel has another name");
+    if let Some(refused) = stranger(hub, headers) {
+        return refused;
     }
     if !(hub.access.is_open_to_lookers() || has_token(hub, headers)) {
         return refusal(StatusCode::UNAUTHORIZED, "show the token");
@@ -142,8 +156,8 @@ struct OrderBody {
 }
 
 async fn order(State(hub): State<Hub>, headers: HeaderMap, body: Bytes) -> Response {
-    if !is_for_us(&hub, &headers) {
-        return refusal(StatusCode::MISDIRECTED_REQUEST, "this panel has another name");
+    if let Some(refused) = stranger(&hub, &headers) {
+        return refused;
     }
     if !has_token(&hub, &headers) {
         return refusal(StatusCode::UNAUTHORIZED, "open the panel with the address that the console shows");

@@ -86,6 +86,22 @@ impl Canvas {
         ));
     }
 
+    /// Text whose middle is at its place also from top to bottom, whatever size a page gives it.
+    pub(super) fn centred_text(&mut self, text: &str, lettering: Lettering) {
+        self.add(format_args!("<g dominant-baseline=\"central\">"));
+        self.text(text, lettering);
+        self.close_group();
+    }
+
+    /// What follows belongs to a class, so that a page can change its looks.
+    pub(super) fn open_group(&mut self, class: &'static str) {
+        self.add(format_args!("<g class=\"{class}\">"));
+    }
+
+    pub(super) fn close_group(&mut self) {
+        self.add(format_args!("</g>"));
+    }
+
     pub(super) fn finish(mut self) -> String {
         self.text.push_str("</svg>\n");
         self.text

@@ -4,6 +4,9 @@ mod canvas;
 mod content;
 mod palette;
 mod panel;
+mod spread;
 mod top_view;
 
 pub use content::{PersonPath, StopMark, TopView};
+pub use panel::cause_colours;
+pub use spread::spread;

@@ -6,23 +6,34 @@ use super::palette;
 use super::top_view::{area, line};
 
 /// Width of the panel, pixels.
-pub(super) const WIDTH_PX: f32 = 300.0;
+pub(super) const WIDTH_PX: f32 = 390.0;
 const ROW_PX: f32 = 22.0;
 /// Letters of a cause that fit into the panel.
-const CAUSE_LETTERS: usize = 34;
+const CAUSE_LETTERS: usize = 44;
 /// Stops with a number of their own; more would hide the map.
 const NUMBERED_MAX: usize = 99;
 
 /// The causes of the stops and how often each was one, in the order of their first stop.
 pub(super) fn causes(view: &TopView) -> Vec<(&str, usize)> {
+    counted(view.stops.iter().map(|stop| stop.cause.as_str()))
+}
+
+fn counted<'a>(stops: impl Iterator<Item = &'a str>) -> Vec<(&'a str, usize)> {
     let mut causes: Vec<(&str, usize)> = Vec::new();
-    for stop in &view.stops {
-        match causes.iter_mut().find(|(cause, _)| *cause == stop.cause) {
+    for stop in stops {
+        match causes.iter_mut().find(|(cause, _)| *cause == stop) {
             Some((_, count)) => *count += 1,
-            None => causes.push((&stop.cause, 1)),
+            None => causes.push((stop, 1)),
         }
     }
     causes
+}
+
+/// The colour in which the picture draws each of these stops.
+pub fn cause_colours<'a>(stops: impl Iterator<Item = &'a str> + Clone) -> Vec<&'static str> {
+    let causes = counted(stops.clone());
+    let place = |stop| causes.iter().position(|(cause, _)| *cause == stop).unwrap_or(0);
+    stops.map(|stop| palette::cause(place(stop))).collect()
 }
 
 /// The mark of a stop: a disc with its number.
@@ -30,13 +41,13 @@ pub(super) fn draw_stop(canvas: &mut Canvas, (x, y): (f32, f32), colour: &'stati
     canvas.circle((x, y), 9.0, Ink { stroke: palette::PAPER, width_px: 1.6, ..area(colour) });
     if number <= NUMBERED_MAX {
         let lettering = Lettering {
-            at_px: (x, y + 3.8),
+            at_px: (x, y + 0.5),
             size_px: 11.0,
             colour: palette::PAPER,
             anchor: "middle",
             is_bold: true,
         };
-        canvas.text(&number.to_string(), lettering);
+        canvas.centred_text(&number.to_string(), lettering);
     }
 }
 

@@ -6,6 +6,7 @@ use super::canvas::{Canvas, Ink, Lettering, Mapping};
 use super::content::TopView;
 use super::palette;
 use super::panel;
+use super::spread::spread;
 
 /// Space around everything, pixels.
 pub(super) const BORDER_PX: f32 = 24.0;
@@ -15,6 +16,8 @@ const FOOTER_PX: f32 = 40.0;
 const MAP_AREA_PX: (f32, f32) = (1_060.0, 860.0);
 /// The legend needs this height even beside a flat map.
 const HEIGHT_MIN_PX: f32 = 420.0;
+/// Marks of stops are this far from each other, pixels.
+const STOP_APART_PX: f32 = 24.0;
 /// From arrow to arrow along the robot's way, pixels.
 const ARROW_SPACING_PX: f32 = 90.0;
 
@@ -23,11 +26,7 @@ impl TopView {
     #[must_use]
     pub fn to_svg(&self) -> String {
         let origin_px = (BORDER_PX, BORDER_PX + HEADER_PX);
-        let robot: Vec<Point2> = self.robot_path.iter().map(|pose| Point2::new(pose.x_m, pose.y_m)).collect();
-        let shown = (self.walls.iter().chain(&self.obstacles).flatten())
-            .chain(self.people.iter().flat_map(|person| &person.points))
-            .chain(&robot);
-        let mapping = Mapping::fit(shown, origin_px, MAP_AREA_PX);
+        let mapping = self.mapping(origin_px);
         let (width_px, height_px) = mapping.size_px();
         let panel_x = origin_px.0 + width_px + BORDER_PX;
         let body_px = height_px.max(HEIGHT_MIN_PX);
@@ -35,15 +34,37 @@ impl TopView {
         let mut canvas = Canvas::new(total.0, total.1, &self.title);
         canvas.rectangle((0.0, 0.0), total, area(palette::PAPER));
         self.draw_header(&mut canvas);
-        canvas.rectangle(origin_px, (width_px, height_px), area(palette::FLOOR));
-        draw_grid(&mut canvas, &mapping);
-        self.draw_building(&mut canvas, &mapping);
-        self.draw_people(&mut canvas, &mapping);
-        self.draw_robot(&mut canvas, &mapping);
-        self.draw_stops(&mut canvas, &mapping);
-        draw_scale(&mut canvas, &mapping);
+        self.draw_map(&mut canvas, &mapping);
         panel::draw(self, &mut canvas, (panel_x, origin_px.1), body_px);
         canvas.finish()
+    }
+
+    /// The map alone, for a page that says in words what the lines mean.
+    #[must_use]
+    pub fn map_svg(&self) -> String {
+        let mapping = self.mapping((0.0, 0.0));
+        let (width_px, height_px) = mapping.size_px();
+        let mut canvas = Canvas::new(width_px, height_px + FOOTER_PX, &self.title);
+        self.draw_map(&mut canvas, &mapping);
+        canvas.finish()
+    }
+
+    fn mapping(&self, origin_px: (f32, f32)) -> Mapping {
+        let robot: Vec<Point2> = self.robot_path.iter().map(|pose| Point2::new(pose.x_m, pose.y_m)).collect();
+        let shown = (self.walls.iter().chain(&self.obstacles).flatten())
+            .chain(self.people.iter().flat_map(|person| &person.points))
+            .chain(&robot);
+        Mapping::fit(shown, origin_px, MAP_AREA_PX)
+    }
+
+    fn draw_map(&self, canvas: &mut Canvas, mapping: &Mapping) {
+        canvas.rectangle(mapping.origin_px, mapping.size_px(), area(palette::FLOOR));
+        draw_grid(canvas, mapping);
+        self.draw_building(canvas, mapping);
+        self.draw_people(canvas, mapping);
+        self.draw_robot(canvas, mapping);
+        self.draw_stops(canvas, mapping);
+        draw_scale(canvas, mapping);
     }
 
     fn draw_header(&self, canvas: &mut Canvas) {
@@ -130,12 +151,20 @@ impl TopView {
 
     fn draw_stops(&self, canvas: &mut Canvas, mapping: &Mapping) {
         let causes = panel::causes(self);
+        let shown: Vec<_> =
+            self.stops.iter().enumerate().filter(|(_, stop)| is_finite(stop.position)).collect();
+        let places: Vec<_> = shown.iter().map(|(_, stop)| mapping.px(stop.position)).collect();
+        let drawn = spread(&places, STOP_APART_PX);
+        canvas.open_group("mark");
         // The first ones are painted last, on top: their numbers stand in the list.
-        let places = self.stops.iter().enumerate().rev();
-        for (index, stop) in places.filter(|(_, stop)| is_finite(stop.position)) {
-            let place = causes.iter().position(|(cause, _)| *cause == stop.cause).unwrap_or(0);
-            panel::draw_stop(canvas, mapping.px(stop.position), palette::cause(place), index + 1);
+        for (((index, stop), place), at) in shown.iter().zip(&places).zip(&drawn).rev() {
+            let cause = causes.iter().position(|(cause, _)| *cause == stop.cause).unwrap_or(0);
+            if place != at {
+                canvas.path(&[*place, *at], false, line(palette::cause(cause), 1.5));
+            }
+            panel::draw_stop(canvas, *at, palette::cause(cause), index + 1);
         }
+        canvas.close_group();
     }
 }
 

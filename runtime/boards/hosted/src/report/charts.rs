@@ -3,13 +3,20 @@
 use std::fmt::Write;
 
 use super::history::History;
+use super::style::escaped;
 
 const WIDTH: f64 = 960.0;
-const HEIGHT: f64 = 220.0;
-const LEFT: f64 = 44.0;
+const HEIGHT: f64 = 300.0;
+const LEFT: f64 = 60.0;
+/// Room for half the word of the last mark.
+const RIGHT: f64 = 36.0;
+/// The unit stands above the curve.
+const TOP: f64 = 36.0;
+/// Words of the marks, as large as a phone shows them.
+const FOOT: f64 = 30.0;
 /// Names of sources stand before their strips.
-const NAMES: f64 = 150.0;
-const STRIP: f64 = 26.0;
+const NAMES: f64 = 225.0;
+const STRIP: f64 = 30.0;
 
 struct Axis {
     left: f64,
@@ -18,7 +25,7 @@ struct Axis {
 
 impl Axis {
     fn x(&self, at_s: f64) -> f64 {
-        self.left + at_s / self.last_s * (WIDTH - self.left - 14.0)
+        self.left + at_s / self.last_s * (WIDTH - self.left - RIGHT)
     }
 
     /// Marks at round times.
@@ -33,11 +40,14 @@ impl Axis {
             let x = self.x(at_s);
             let label =
                 if step_s >= 60.0 { format!("{:.0} min", at_s / 60.0) } else { format!("{at_s:.0} s") };
+            let class = if mark % 2 == 1 { " class=\"odd\"" } else { "" };
+            // The first one would touch the values at the left.
+            let anchor = if mark == 0 { "start" } else { "middle" };
             let _ = write!(
                 svg,
-                "<path d=\"M{x:.1} {from_y:.0}V{to_y:.0}\" stroke=\"#d8dee5\"/><text x=\"{x:.1}\" y=\"{:.0}\" \
-                 text-anchor=\"middle\">{label}</text>",
-                to_y + 14.0
+                "<path d=\"M{x:.1} {from_y:.0}V{to_y:.0}\" stroke=\"#d8dee5\"/><text{class} x=\"{x:.1}\" \
+                 y=\"{:.0}\" text-anchor=\"{anchor}\">{label}</text>",
+                to_y + FOOT - 6.0
             );
         }
         svg
@@ -46,49 +56,82 @@ impl Axis {
 
 fn open(height: f64, label: &str) -> String {
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.0}\" font-size=\"14\" role=\"img\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {height:.0}\" font-size=\"15\" role=\"img\" \
          aria-label=\"{label}\">"
     )
 }
 
+/// A value at the left edge with its line across.
+fn level(svg: &mut String, y: f64, word: &str) {
+    let _ = write!(
+        svg,
+        "<path d=\"M{LEFT} {y:.1}H{:.0}\" stroke=\"#e9edf1\"/><text x=\"{:.0}\" y=\"{y:.1}\" text-anchor=\"end\" \
+         dominant-baseline=\"central\">{word}</text>",
+        WIDTH - RIGHT,
+        LEFT - 8.0
+    );
+}
+
+/// Speed and what was permitted at a time: seconds, m/s, m/s.
+pub type SpeedAt = (f64, f32, f32);
+
 /// Speed as a line before the limit as an area, stops as ticks.
-pub fn speeds(history: &History) -> String {
-    let axis = Axis { left: LEFT, last_s: history.duration_s.max(1.0) };
-    let top_mps = history
-        .speeds
-        .iter()
-        .flat_map(|speed| [speed.speed_mps.abs(), speed.limit_mps.unwrap_or(0.0)])
-        .fold(0.6_f32, f32::max)
-        * 1.1;
-    let bottom = HEIGHT - 20.0;
-    let y = |mps: f32| bottom - f64::from(mps.clamp(0.0, top_mps) / top_mps) * (bottom - 10.0);
+pub fn speeds(duration_s: f64, speeds: &[SpeedAt], stops_s: impl Iterator<Item = f64>) -> String {
+    let axis = Axis { left: LEFT, last_s: duration_s.max(1.0) };
+    let fastest = speeds.iter().flat_map(|(_, speed, limit)| [speed.abs(), *limit]).fold(0.6_f32, f32::max);
+    let top_mps = fastest * 1.1;
+    let bottom = HEIGHT - FOOT;
+    let y = |mps: f32| bottom - f64::from(mps.clamp(0.0, top_mps) / top_mps) * (bottom - TOP);
     let mut svg = open(HEIGHT, "speed and limit over time");
-    svg.push_str(&axis.marks(6.0, bottom));
+    let step_mps = if top_mps > 2.0 { 0.5 } else { 0.2 };
+    for step in 0..=(top_mps / step_mps) as u8 {
+        let mps = f32::from(step) * step_mps;
+        level(&mut svg, y(mps), &format!("{mps:.1}"));
+    }
     let (mut limit, mut speed) = (format!("M{:.1} {bottom:.1}", axis.x(0.0)), String::new());
     let mut last_x = axis.x(0.0);
-    for sample in &history.speeds {
-        let x = axis.x(sample.at_s);
+    for (at_s, speed_mps, limit_mps) in speeds {
+        let x = axis.x(*at_s);
         // A limit holds until the next one: steps, not slopes.
-        let _ = write!(limit, "H{x:.1}V{:.1}", y(sample.limit_mps.unwrap_or(0.0)));
+        let _ = write!(limit, "H{x:.1}V{:.1}", y(*limit_mps));
         let word = if speed.is_empty() { 'M' } else { 'L' };
-        let _ = write!(speed, "{word}{x:.1} {:.1}", y(sample.speed_mps.abs()));
+        let _ = write!(speed, "{word}{x:.1} {:.1}", y(speed_mps.abs()));
         last_x = x;
     }
     let _ = write!(
         svg,
-        "<path d=\"{limit}H{last_x:.1}V{bottom:.1}z\" fill=\"#cfe3f5\"/><path d=\"{speed}\" fill=\"none\" \
-         stroke=\"#0b5394\" stroke-width=\"1.6\"/>"
+        "<path d=\"{limit}H{last_x:.1}V{bottom:.1}z\" fill=\"#cfe3f5\"/><text x=\"4\" y=\"17\">m/s</text>"
     );
-    for stop in &history.stops {
-        let x = axis.x(stop.at_s);
-        let _ = write!(svg, "<path d=\"M{x:.1} {bottom:.0}v-12\" stroke=\"#c0392b\" stroke-width=\"2\"/>");
-    }
-    let mut mps = 0.0_f32;
-    while mps < top_mps {
-        let _ = write!(svg, "<text x=\"4\" y=\"{:.1}\">{mps:.1}</text>", y(mps) + 4.0);
-        mps += if top_mps > 2.0 { 0.5 } else { 0.2 };
+    svg.push_str(&axis.marks(TOP, bottom));
+    let _ = write!(svg, "<path d=\"{speed}\" fill=\"none\" stroke=\"#0b5394\" stroke-width=\"1.8\"/>");
+    for at_s in stops_s {
+        let x = axis.x(at_s);
+        let _ = write!(svg, "<path d=\"M{x:.1} {bottom:.0}v-16\" stroke=\"#c0392b\" stroke-width=\"3\"/>");
     }
     svg + "</svg>"
+}
+
+/// Completion of a mission over time.
+pub fn progress(history: &History) -> String {
+    const HEIGHT: f64 = 180.0;
+    let axis = Axis { left: LEFT, last_s: history.duration_s.max(1.0) };
+    let bottom = HEIGHT - FOOT;
+    let y = |percent: f64| bottom - percent.clamp(0.0, 100.0) / 100.0 * (bottom - TOP);
+    let mut svg = open(HEIGHT, "progress of the mission over time");
+    for percent in [0.0, 50.0, 100.0] {
+        level(&mut svg, y(percent), &format!("{percent:.0}"));
+    }
+    svg.push_str("<text x=\"4\" y=\"17\">%</text>");
+    svg.push_str(&axis.marks(TOP, bottom));
+    let mut line = String::new();
+    for (at_s, values) in &history.mission {
+        let done = values.iter().find(|(key, _)| key == "completion_percent");
+        let Some(percent) = done.and_then(|(_, value)| value.parse::<f64>().ok()) else { continue };
+        let word = if line.is_empty() { 'M' } else { 'L' };
+        let _ = write!(line, "{word}{:.1} {:.1}", axis.x(*at_s), y(percent));
+    }
+    let _ = write!(svg, "<path d=\"{line}\" fill=\"none\" stroke=\"#2e7d32\" stroke-width=\"2.5\"/></svg>");
+    svg
 }
 
 const fn colour(level: u8) -> &'static str {
@@ -105,7 +148,7 @@ pub fn sources(history: &History) -> String {
     let axis = Axis { left: NAMES, last_s: history.duration_s.max(1.0) };
     let count = history.sources.len() as f64;
     let bottom = 4.0 + count * STRIP;
-    let mut svg = open(bottom + 20.0, "health of the sources over time");
+    let mut svg = open(bottom + FOOT, "health of the sources over time");
     for (row, (name, spans)) in history.sources.iter().enumerate() {
         let top = 4.0 + row as f64 * STRIP;
         for (index, (from_s, level, word)) in spans.iter().enumerate() {
@@ -117,16 +160,16 @@ pub fn sources(history: &History) -> String {
                  {from_s:.1} to {to_s:.1} s: {}</title></rect>",
                 STRIP - 4.0,
                 colour(*level),
-                super::document::escaped(name),
-                super::document::escaped(word)
+                escaped(name),
+                escaped(word)
             );
         }
         let _ = write!(
             svg,
-            "<text x=\"{:.0}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
+            "<text x=\"{:.0}\" y=\"{:.1}\" text-anchor=\"end\" dominant-baseline=\"central\">{}</text>",
             NAMES - 8.0,
-            top + 16.0,
-            super::document::escaped(name)
+            top + STRIP / 2.0 - 2.0,
+            escaped(name)
         );
     }
     svg.push_str(&axis.marks(bottom, bottom));

@@ -55,7 +55,7 @@ pub fn section(mission: &MissionOutcome) -> String {
     let claims: Vec<Option<usize>> = cells.iter().zip(&mission.after).map(claim).collect();
     let _ = write!(
         html,
-        "<h3>Dirt before: {} units</h3>{}<h3>Dirt after: {} units</h3>{}<h3>Claimed clean: {} of {} dirty cells</h3>{}",
+        "<div class=pair><figure><h3>Dirt before: {} units</h3>{}</figure><figure><h3>Dirt after: {} units</h3>{}</figure></div><h3>Claimed clean: {} of {} dirty cells</h3>{}",
         mission.report.dirt_before_units,
         picture(mission, &dirt(&mission.before), &DIRT),
         mission.report.dirt_after_units,
@@ -89,7 +89,7 @@ fn picture(mission: &MissionOutcome, shades: &[Option<usize>], legend: &[Legend]
     let (first, last) = (first.saturating_sub(AROUND), (last + AROUND).min(width - 1));
     let (wide, high) = (last - first + 1, last_row - first_row + 1);
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {wide} {high}\" width=\"960\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {wide} {high}\" \
          shape-rendering=\"crispEdges\" role=\"img\"><rect width=\"100%\" height=\"100%\" fill=\"{OFF_LIMITS}\"/>"
     );
     for (shade, (colour, _)) in legend.iter().enumerate() {
@@ -106,13 +106,9 @@ fn picture(mission: &MissionOutcome, shades: &[Option<usize>], legend: &[Legend]
         }
         let _ = write!(svg, "<path d=\"{path}\" fill=\"{colour}\"/>");
     }
-    svg.push_str("</svg><p>");
+    svg.push_str("</svg><p class=legend>");
     for (colour, words) in legend {
-        let _ = write!(
-            svg,
-            "<span style=\"display:inline-block;width:1em;height:1em;background:{colour};border:1px solid #888\"></span> \
-             {words}&emsp;"
-        );
+        let _ = write!(svg, "<span class=key><i style=\"background:{colour}\"></i>{words}</span> ");
     }
     svg + "</p>"
 }

@@ -10,45 +10,30 @@ use super::grids::{self, Scale};
 use super::history::{History, Stop};
 use super::mission;
 use super::sketch;
+use super::style::{self, chart, escaped, grouped, map, tiles};
 use crate::recording::topics;
-
-const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;margin:1rem auto;max-width:64rem;padding:0 1rem;\
-color:#1c2733;background:#fff}h1{font-size:1.5rem;margin-bottom:0}h2{font-size:1.15rem;margin-top:2rem}\
-svg{width:100%;height:auto;max-height:90vh}.sum{display:flex;flex-wrap:wrap;gap:.6rem;padding:0;list-style:none}\
-.sum li{background:#f4f6f8;border-radius:.5rem;padding:.4rem .8rem;flex:1 1 8rem}.sum b{display:block;font-size:1.25rem}\
-table{border-collapse:collapse;width:100%;font-size:.92rem}td,th{padding:.25rem .5rem;text-align:left;\
-border-bottom:1px solid #d8dee5}.num{text-align:right;font-variant-numeric:tabular-nums}.wide{overflow-x:auto}\
-.stop{display:flex;flex-wrap:wrap;gap:1rem;border-top:1px solid #d8dee5;padding:1rem 0;break-inside:avoid}\
-.stop>div{flex:1 1 16rem}.stop svg{flex:0 1 300px;max-width:300px}dl{display:grid;grid-template-columns:max-content 1fr;\
-gap:.1rem .8rem;margin:0}dt{color:#5b6770}dd{margin:0}.cut{background:#fdf2d0;padding:.5rem 1rem;border-radius:.5rem}\
-.chart{overflow-x:auto}\
-@media screen and (max-width:40rem){.chart svg{min-width:44rem}.stop svg{flex-basis:100%;max-width:22rem}}\
-.pair{display:flex;flex-wrap:wrap;gap:1rem}figure{flex:1 1 18rem;margin:0;break-inside:avoid}\
-figcaption{text-align:center}h3{font-size:1rem;margin:1rem 0 .3rem}.legend{color:#5b6770;font-size:.88rem}@media print{body{max-width:none;font-size:11px}h2{break-after:avoid}a{color:inherit}}";
-
-/// Text that means nothing to HTML.
-pub fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
 
 /// The page.
 #[must_use]
 pub fn document(history: &History, name: &str) -> String {
     let title = history.texts.get("title").cloned().unwrap_or_else(|| name.to_owned());
-    let mut html = format!(
-        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" \
-         content=\"width=device-width,initial-scale=1\"><title>floorguard: {t}</title><style>{STYLE}</style>\
-         <h1>{t}</h1>",
-        t = escaped(&title)
-    );
+    let mut html = style::head(&title);
     head(&mut html, history, name);
-    section(&mut html, "Map, way and stops", &sketch::overview(history), OVERVIEW_LEGEND);
+    section(&mut html, "Map, way and stops", &map(&sketch::overview(history)), OVERVIEW_LEGEND);
     mission::section(&mut html, history);
-    section(&mut html, "Speed and limit", &chart(&charts::speeds(history)), SPEED_LEGEND);
-    stops(&mut html, history);
+    let speeds: Vec<_> =
+        history.speeds.iter().map(|s| (s.at_s, s.speed_mps, s.limit_mps.unwrap_or(0.0))).collect();
+    let speeds = charts::speeds(history.duration_s, &speeds, history.stops.iter().map(|stop| stop.at_s));
+    // A bag of somebody else's robot knows of no guard: nothing is said about its stops.
+    if history.speeds.iter().any(|speed| speed.limit_mps.is_some()) || !history.stops.is_empty() {
+        section(&mut html, "Speed and limit", &chart(&speeds), SPEED_LEGEND);
+        stops(&mut html, history);
+    } else {
+        section(&mut html, "Speed", &chart(&speeds), "Line: measured speed in m/s.");
+    }
     if !history.heat.is_empty() {
         let legend = "Darker: people were there longer, each step four times as long.";
-        section(&mut html, "Where people were", &sketch::heat(history), legend);
+        section(&mut html, "Where people were", &map(&sketch::heat(history)), legend);
     }
     // The map is drawn above, and the mission has a section of its own.
     let drawn = [topics::MAP, topics::CLAIMED, topics::DIRT];
@@ -59,7 +44,8 @@ pub fn document(history: &History, name: &str) -> String {
         } else {
             format!("<p>before:</p>{}<p>after:</p>{}", picture(first), picture(last))
         };
-        section(&mut html, &format!("Map {}", escaped(topic)), &both, GRID_LEGEND);
+        let legend = format!("{GRID_LEGEND} {}", grids::size(last));
+        section(&mut html, &format!("Map {}", escaped(topic)), &both, &legend);
     }
     if !history.sources.is_empty() {
         let legend = "Green: healthy. Yellow: limits the robot. Red: stops it. Grey: says nothing.";
@@ -73,11 +59,6 @@ const OVERVIEW_LEGEND: &str = "White: seen free. Dark: something stands there. B
 lines: tracked people. Red: stops, numbered as below. In the odometry frame, without correction.";
 const SPEED_LEGEND: &str = "Line: measured speed in m/s. Area: what the guard permits. Red ticks: stops.";
 const GRID_LEGEND: &str = "White: 0. Dark: 100. Blue-grey: unknown.";
-
-/// On a phone a chart is wider than the page, so that its words can be read.
-pub(super) fn chart(svg: &str) -> String {
-    format!("<div class=chart>{svg}</div>")
-}
 
 fn section(html: &mut String, title: &str, picture: &str, legend: &str) {
     let _ = write!(html, "<h2>{title}</h2>{picture}<p class=legend>{legend}</p>");
@@ -104,19 +85,14 @@ fn head(html: &mut String, history: &History, name: &str) {
     // The sum of nothing is −0.
     let moving_s = moving_s.map(|pair| pair[1].at_s - pair[0].at_s).sum::<f64>() + 0.0;
     let people = history.people.values().filter(|way| way.len() > 5).count();
-    let tiles = [
-        (format!("{:.0} s", history.duration_s), "recorded"),
-        (format!("{:.1} m", history.driven_m), "driven"),
-        (format!("{moving_s:.0} s"), "moving"),
-        (history.stops.len().to_string(), "stops"),
-        (people.to_string(), "people followed"),
-        (history.messages.to_string(), "messages"),
-    ];
-    html.push_str("<ul class=sum>");
-    for (value, what) in tiles {
-        let _ = write!(html, "<li><b>{value}</b>{what}</li>");
-    }
-    html.push_str("</ul>");
+    html.push_str(&tiles([
+        (format!("{:.0} s", history.duration_s), "recorded", ""),
+        (format!("{:.1} m", history.driven_m), "driven", ""),
+        (format!("{moving_s:.0} s"), "moving", ""),
+        (grouped(history.stops.len() as u64), "stops", ""),
+        (grouped(people as u64), "people followed", ""),
+        (grouped(history.messages), "messages", ""),
+    ]));
 }
 
 fn stops(html: &mut String, history: &History) {
@@ -165,7 +141,8 @@ fn one_stop(html: &mut String, (number, stop): (usize, &Stop), footprint: &[Poin
         ("age", value("age_ms").map(|value| format!("{value} ms"))),
         ("speed", value("speed_mps").map(|value| format!("{value} m/s"))),
         ("place", Some(format!("{:.2} m, {:.2} m", plain(stop.pose.x_m), plain(stop.pose.y_m)))),
-        ("in full", Some(stop.status.message.clone())),
+        // The message repeats the values; it stands for them where there are none.
+        ("in full", value("value").is_none().then(|| stop.status.message.clone())),
     ];
     for (name, text) in rows {
         if let Some(text) = text {

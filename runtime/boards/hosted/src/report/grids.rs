@@ -34,15 +34,28 @@ impl Scale {
     }
 }
 
-/// The picture, cut to what is known; unknown cells are the background.
-pub fn picture(grid: &Grid, scale: Scale) -> String {
+/// Rows from below, and what is known of them: first and last column, first and last row, the last ones exclusive.
+fn known(grid: &Grid) -> (Vec<&[i8]>, [usize; 4]) {
     let rows: Vec<&[i8]> = grid.cells.chunks(grid.width.max(1)).collect();
-    let known = |cells: &&[i8]| cells.iter().any(|cell| *cell >= 0);
-    let bottom = rows.iter().position(known).unwrap_or(0);
-    let top = rows.iter().rposition(known).map_or(grid.height, |row| row + 1);
+    let any = |cells: &&[i8]| cells.iter().any(|cell| *cell >= 0);
+    let bottom = rows.iter().position(any).unwrap_or(0);
+    let top = rows.iter().rposition(any).map_or(grid.height, |row| row + 1);
     let column = |index: usize| rows.iter().any(|cells| cells.get(index).is_some_and(|cell| *cell >= 0));
     let left = (0..grid.width).find(|index| column(*index)).unwrap_or(0);
     let right = (0..grid.width).rev().find(|index| column(*index)).map_or(grid.width, |index| index + 1);
+    (rows, [left, right, bottom, top])
+}
+
+/// How large the floor of the picture is.
+pub fn size(grid: &Grid) -> String {
+    let (_, [left, right, bottom, top]) = known(grid);
+    let metres = |cells: usize| cells as f32 * grid.resolution_m;
+    format!("{:.1} m × {:.1} m.", metres(right - left), metres(top - bottom))
+}
+
+/// The picture, cut to what is known; unknown cells are the background.
+pub fn picture(grid: &Grid, scale: Scale) -> String {
+    let (rows, [left, right, bottom, top]) = known(grid);
     // A cell more on each side, so that the edge is seen to be one.
     let (width, height) = (right - left + 2, top - bottom + 2);
     let mut svg = format!(

@@ -4,11 +4,13 @@
 mod charts;
 mod cleaning;
 mod document;
+mod facts;
 mod grids;
 mod history;
 mod mission;
 mod page;
 mod sketch;
+mod style;
 mod summary;
 mod view;
 

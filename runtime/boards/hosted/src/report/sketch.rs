@@ -6,6 +6,7 @@ use std::fmt::Write;
 use floorguard_core::geometry::{Point2, Pose2};
 
 use super::history::{HEAT_M, History, MapScan, Moment, Stop};
+use crate::picture::spread;
 
 /// Edge of a cell of the map, metres.
 const CELL_M: f32 = 0.1;
@@ -13,6 +14,8 @@ const CELL_M: f32 = 0.1;
 const MAP_RANGE_M: f32 = 20.0;
 /// Pixels of the longer side of a picture.
 const PICTURE_PX: f32 = 960.0;
+/// Marks of stops are this far from each other, pixels.
+const MARKS_APART_PX: f32 = 24.0;
 /// The picture of a moment shows this much around the robot, metres.
 const AROUND_M: f32 = 5.0;
 
@@ -173,16 +176,19 @@ pub fn overview(history: &History) -> String {
     }
     let line = frame.line(history.way.iter().map(place));
     let _ = write!(svg, "<path d=\"{line}\" fill=\"none\" stroke=\"#0b5394\" stroke-width=\"3\"/>");
-    for (number, stop) in history.stops.iter().enumerate() {
-        let (x, y) = frame.at(place(&stop.pose));
+    let places: Vec<_> = history.stops.iter().map(|stop| frame.at(place(&stop.pose))).collect();
+    let drawn = spread(&places, MARKS_APART_PX);
+    svg.push_str("<g class=\"mark\" dominant-baseline=\"central\">");
+    for (number, ((from_x, from_y), (x, y))) in places.iter().zip(&drawn).enumerate().rev() {
         let _ = write!(
             svg,
-            "<a href=\"#stop{n}\"><circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"8\" fill=\"#c0392b\"/><text x=\"{x:.1}\" \
-             y=\"{:.1}\" font-size=\"10\" fill=\"#fff\" text-anchor=\"middle\">{n}</text></a>",
-            y + 3.5,
+            "<a href=\"#stop{n}\"><path d=\"M{from_x:.1} {from_y:.1}L{x:.1} {y:.1}\" stroke=\"#c0392b\"/><circle \
+             cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"9\" fill=\"#c0392b\" stroke=\"#fff\"/><text x=\"{x:.1}\" y=\"{y:.1}\" \
+             font-size=\"11\" fill=\"#fff\" text-anchor=\"middle\">{n}</text></a>",
             n = number + 1
         );
     }
+    svg.push_str("</g>");
     svg.push_str(&frame.scale());
     svg + "</svg>"
 }
@@ -251,5 +257,11 @@ pub fn moment(stop: &Stop, moment: &Moment, footprint: &[Point2]) -> String {
             y + 3.5
         );
     }
-    svg + "</svg>"
+    let _ = write!(
+        svg,
+        "<path d=\"M10 290h{:.0}\" stroke=\"#1c2733\" stroke-width=\"2\"/><text x=\"10\" y=\"283\" font-size=\"12\">2 \
+         m</text></svg>",
+        2.0 * PX / (2.0 * AROUND_M)
+    );
+    svg
 }

@@ -61,7 +61,8 @@ fn recording(arguments: &ReplayArguments) -> anyhow::Result<()> {
         Some(Err(error)) => return Err(bad(&error).into()),
         None => return Err(bad(&"the recording holds no message").into()),
     };
-    if is_replayable(&recording) {
+    // Who names a topic wants people out of it, whoever wrote it.
+    if is_replayable(&recording) && arguments.topic.is_none() {
         if arguments.record.is_some() {
             return Err(bad(&"it is a recording already; --record is for captures, bags and logs").into());
         }
