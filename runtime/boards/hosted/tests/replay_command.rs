@@ -155,8 +155,9 @@ fn legs_walk_through_a_laser_log() {
     let count = |key: &str, least: usize| {
         rows.iter().filter(|row| row[key].as_array().is_some_and(|found| found.len() >= least)).count()
     };
-    // Pieces of the wall do not count as legs, and of these circles without noise only some do.
-    assert!(count("legs", 1) > 10 && count("people", 1) > 10, "{} {}", count("legs", 1), count("people", 1));
+    // A wall far behind the legs does not hide them: measured 60, 54 and 60.
+    let found = [count("legs", 1), count("legs", 2), count("people", 1)];
+    assert!(found.into_iter().all(|scans| scans > 50), "{found:?}");
     check_written(&path, topics::SCAN);
     // A damaged line ends it with its number.
     std::fs::write(&path, log.replacen("FLASER 361", "FLASER 400", 1)).expect("written");

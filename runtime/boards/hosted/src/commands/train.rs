@@ -8,7 +8,7 @@ use floorguard_core::people::shape::SHAPE_NAMES;
 use floorguard_sim::Scenario;
 
 use super::BadInput;
-use crate::evaluate::{learn_legs, recordings, training_samples};
+use crate::evaluate::{in_any_room, learn_legs, recordings, training_samples};
 use crate::train::{
     Boosting, Forest, OnlinePlace, Sample, anchors, boost, built_in_scenes, draw_online, learn_place,
     leg_table, load_weights, person_samples, person_table, quality, random_scenes, read_leg_scans,
@@ -176,7 +176,9 @@ fn legs(scans: &Path, out: &Path) -> anyhow::Result<()> {
     let mut near_floor = simulated_leg_samples(&random_scenes(0, LEG_SCENES));
     near_floor.extend(simulated_leg_samples(&built_in_scenes(0, LEG_SCENES)));
     let simulated = near_floor.len();
-    near_floor.extend(samples[1].iter().step_by((samples[1].len() / simulated.max(1)).max(1)));
+    let recorded = samples[1].iter().map(|each| each.sample);
+    near_floor.extend(recorded.step_by((samples[1].len() / simulated.max(1)).max(1)));
+    let samples = samples.map(|each| in_any_room(&each));
     let [with_map, without_map] = samples.each_ref().map(|samples| learn_legs(samples));
     let learnt_near_floor = learn_legs(&near_floor);
     let count = |samples: &[Sample<LEG_FEATURES>]| {

@@ -90,7 +90,10 @@ pub fn legs(scans: &Path, table: bool) -> anyhow::Result<LegsReport> {
     for recording in tested {
         let learn = |with_map: bool| {
             let others = recordings.iter().filter(|other| other.source != recording.source);
-            crossed.then(|| learn_legs(&training_samples(others, with_map)))
+            crossed.then(|| {
+                let samples = training_samples(others, with_map);
+                learn_legs(&in_any_room(&samples))
+            })
         };
         let committee = learn(true);
         let found = recording.find(committee.as_deref(), true, 1);
@@ -147,13 +150,19 @@ pub fn recordings(scans: Vec<LabelledScan>) -> Vec<Recording> {
     by_source.into_iter().map(recording).collect()
 }
 
+/// Each segment where it was and in another room.
+#[must_use]
+pub fn in_any_room(samples: &[LegSample]) -> Vec<Sample<LEG_FEATURES>> {
+    samples.iter().flat_map(|each| [each.sample, each.elsewhere]).collect()
+}
+
 /// What a committee learns from: segments of scans as they are and of every second beam, so that it knows fine and
 /// coarse scanners. With a map: what the map does not explain, in recordings with legs where the scanner stood.
 #[must_use]
 pub fn training_samples<'a>(
     recordings: impl Iterator<Item = &'a Recording>,
     with_map: bool,
-) -> Vec<Sample<LEG_FEATURES>> {
+) -> Vec<LegSample> {
     let mut segments = Box::new(Segments::new());
     let mut samples = Vec::new();
     for recording in recordings.filter(|each| !with_map || each.map.is_some() && each.has_legs()) {
@@ -161,7 +170,7 @@ pub fn training_samples<'a>(
         for labelled in &recording.scans {
             for scan in [&labelled.scan, &coarser(&labelled.scan, COARSER)] {
                 let (some, _) = leg_samples(labelled, scan, &mut segments, map);
-                samples.extend(some.iter().filter(|each| !each.known).map(|each| each.sample));
+                samples.extend(some.into_iter().filter(|each| !each.known));
             }
         }
     }
@@ -182,7 +191,7 @@ impl Recording {
             let (samples, missed) = leg_samples(labelled, &coarser(&labelled.scan, step), &mut segments, map);
             found.missed += missed as u64;
             found.scans += 1;
-            found.scores.extend(samples.iter().map(|LegSample { sample, known }| {
+            found.scores.extend(samples.iter().map(|LegSample { sample, known, .. }| {
                 let score = match committee {
                     _ if *known => f32::NEG_INFINITY,
                     Some(stumps) => score(stumps, &sample.features),

@@ -34,7 +34,9 @@ pub use dirt_memory::NoveltyBuffers;
 pub use floor::{FloorReport, FloorTask, ObjectReport, floor, parse_intrinsics};
 pub use frames::{capture_frames, standing_context};
 pub use images::{ColourFile, DepthFile, MaskFile, read_colour, read_depth, read_mask};
-pub use legs::{FoldReport, LegsReport, Recording, learn_legs, legs, recordings, training_samples};
+pub use legs::{
+    FoldReport, LegsReport, Recording, in_any_room, learn_legs, legs, recordings, training_samples,
+};
 pub use motion::{MotionReport, TrackReport, motion};
 pub use rgbd_people::{RgbdAccount, RgbdPersonReport, RgbdPictureReport, RgbdReport, RgbdTask, rgbd_people};
 pub use svm::{SvmReport, svm};
