@@ -25,6 +25,8 @@ enum Experiment {
     Motion,
     /// People followed in crowds, nearest neighbours against joint probabilities.
     Crowds,
+    /// People among things as a lidar sees them: our candidates against the published ones; a trial is a place.
+    Candidates,
     /// Weekly patterns found again, predictions against a plain histogram, real tracks as heat maps.
     Environment,
     /// Dirt on six floors, published detector against ours; spills found by the map.
@@ -41,6 +43,7 @@ pub fn run(options: &Options) -> Result<bool> {
         Experiment::Cleaning => ("cleaning", 5),
         Experiment::Motion => ("motion", 20),
         Experiment::Crowds => ("crowds", 5),
+        Experiment::Candidates => ("candidates", 30),
         Experiment::Environment => ("environment", 20),
         Experiment::Dirt => ("dirt", 4),
         Experiment::OnlineLearning => ("online-learning", 3),
