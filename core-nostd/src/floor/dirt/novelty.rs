@@ -12,6 +12,7 @@ use super::order::quantiles;
 use super::pixels::{Pixel, box_mean, box_mean_of_first, halve, shrink};
 use super::rarity::Rarity;
 use super::recall::{FloorView, Remembered, recall, remember};
+use super::root::{lesser, logarithm};
 use super::surroundings::{CELL, Surroundings};
 use crate::capacities::FLOOR_IMAGE_COLUMNS_MAX;
 use crate::sensing::ColorImage;
@@ -28,6 +29,8 @@ const PIXELS_MIN: usize = 60 * 64;
 /// Part of the floor whose texture is usual, and what differences within it count: a floor of chips has all textures.
 const USUAL: f32 = 0.8;
 const USUAL_WEIGHT: f32 = 0.3;
+/// Every so many pixels one says what is usual.
+const USUAL_STEP: usize = 3;
 /// Most by which a wide cue may exceed the fine one.
 const BEYOND_FINE: f32 = 3.0;
 /// From this sum of logarithms of rarity on it is dirt. Tuned on rendered floors of six kinds, where three of four
@@ -114,18 +117,18 @@ impl NoveltyDetector {
         }
         tensor(colours, self.columns, smooth);
         halve(smooth, self.columns, first);
-        box_mean::<2>(first, self.columns / 2, second);
+        box_mean::<5>(first, self.columns / 2, second);
         classify(colours, self.columns, second, &mut bytes);
         leave_out_lines(colours, bytes.class);
         tensor(colours, self.columns, smooth);
         halve(smooth, self.columns, first);
-        box_mean::<2>(first, self.columns / 2, second);
+        box_mean::<5>(first, self.columns / 2, second);
         halve(colours, self.columns, first);
         self.score_texture(first, second, cues);
         self.surroundings.learn(first, (self.columns / 2, self.rows / 2), 3);
-        box_mean::<2>(first, self.columns / 2, second);
+        box_mean::<5>(first, self.columns / 2, second);
         self.score_coarse(second, cues);
-        box_mean::<1>(colours, self.columns, smooth);
+        box_mean::<3>(colours, self.columns, smooth);
         self.score_fine((smooth, bytes.class), cues);
         let scores = front(memory.scores, pixels);
         box_mean_of_first(smooth, self.columns, scores);
@@ -172,7 +175,7 @@ impl NoveltyDetector {
     fn score_texture(&mut self, colours: &[Pixel], tensor: &mut [Pixel], cues: &mut [Pixel]) {
         for (texture, [.., weight]) in tensor.iter_mut().zip(colours) {
             let [_, along] = eigenvalues(*texture);
-            *texture = [0.5 * libm::logf(along + TEXTURE_MIN), 0.0, 0.0, *weight];
+            *texture = [0.5 * logarithm(along + TEXTURE_MIN), 0.0, 0.0, *weight];
         }
         let columns = self.columns / 2;
         self.surroundings.learn(tensor, (columns, self.rows / 2), 1);
@@ -181,7 +184,8 @@ impl NoveltyDetector {
         for (cue, [value, ..]) in cues.iter_mut().zip(tensor.iter()) {
             *cue = [self.texture.of([*value, 0.0, 0.0]), 0.0, 0.0, 1.0];
         }
-        let [usual] = quantiles(cues.iter().map(|[value, ..]| *value), [USUAL]).unwrap_or([0.0]);
+        let [usual] =
+            quantiles(cues.iter().step_by(USUAL_STEP).map(|[value, ..]| *value), [USUAL]).unwrap_or([0.0]);
         for [value, ..] in cues.iter_mut() {
             let over = *value - usual;
             *value = if over > 0.0 { over } else { USUAL_WEIGHT * over };
@@ -211,15 +215,18 @@ impl NoveltyDetector {
         let rows = colours.chunks_exact_mut(columns).zip(class.chunks_exact(columns));
         for (row, (colours, class)) in rows.enumerate() {
             let cues = cues.chunks_exact(cue_columns).nth((row / 2).min(last)).unwrap_or(&[]);
-            for (column, (colour, class)) in colours.iter_mut().zip(class).enumerate() {
-                let cue = cues.get((column / 2).min(cue_columns.saturating_sub(1)));
-                let [texture, coarse, _, weight] = cue.copied().unwrap_or_default();
-                let [l, a, b, _] = *colour;
-                let fine = if *class == FLOOR { self.fine.of([l, a, b]) } else { coarse };
-                // Wide cues reach beyond the edge of a spot; where the fine one sees nothing they count little.
-                let (coarse, texture) = (coarse.min(fine + BEYOND_FINE), texture.min(fine + BEYOND_FINE));
-                let is_known = *class != NO_FLOOR && weight > 0.0 && !fine.is_nan();
-                *colour = if is_known { [fine + coarse + texture, 0.0, 0.0, 1.0] } else { [0.0; 4] };
+            let pairs = colours.chunks_mut(2).zip(class.chunks(2));
+            for ((colours, class), cue) in pairs.zip(cues.iter().chain(cues.last())) {
+                let [texture, coarse, _, weight] = *cue;
+                for (colour, class) in colours.iter_mut().zip(class) {
+                    let [l, a, b, _] = *colour;
+                    let fine = if *class == FLOOR { self.fine.of([l, a, b]) } else { coarse };
+                    // Wide cues reach beyond the edge of a spot; where the fine one sees nothing they count little.
+                    let most = fine + BEYOND_FINE;
+                    let sum = fine + lesser(coarse, most) + lesser(texture, most);
+                    let is_known = *class != NO_FLOOR && weight > 0.0 && !fine.is_nan();
+                    *colour = if is_known { [sum, 0.0, 0.0, 1.0] } else { [0.0; 4] };
+                }
             }
         }
     }

@@ -58,10 +58,10 @@ pub(super) fn halve(pixels: &[Pixel], columns: usize, output: &mut [Pixel]) {
     }
 }
 
-/// Weighted means of boxes of `2 REACH + 1` pixels along each side. The weight is the part of the box that counts.
-pub(super) fn box_mean<const REACH: usize>(pixels: &[Pixel], columns: usize, output: &mut [Pixel]) {
-    let reach = REACH.min(REACH_MAX);
-    let side = reach.saturating_mul(2).saturating_add(1);
+/// Weighted means of boxes of an odd number of pixels along each side, up to 5. The weight is the part of the box that
+/// counts.
+pub(super) fn box_mean<const SIDE: usize>(pixels: &[Pixel], columns: usize, output: &mut [Pixel]) {
+    let reach = (SIDE / 2).min(REACH_MAX);
     let columns = columns.clamp(1, HALF_COLUMNS_MAX);
     for (row, output) in output.chunks_exact_mut(columns).enumerate() {
         // Beyond both ends stand pixels of weight 0.
@@ -69,18 +69,18 @@ pub(super) fn box_mean<const REACH: usize>(pixels: &[Pixel], columns: usize, out
         let above = row.min(reach);
         let rows = pixels.chunks_exact(columns).skip(row.saturating_sub(reach));
         for near in rows.take(above.saturating_add(reach).saturating_add(1)) {
-            let (_, inner) = sums.split_at_mut(REACH.min(REACH_MAX));
+            let (_, inner) = sums.split_at_mut(reach);
             for (sum, pixel) in inner.iter_mut().zip(near) {
                 add(sum, pixel);
             }
         }
-        for (window, slot) in sums.windows(side).zip(output) {
+        for (window, slot) in sums.array_windows::<SIDE>().zip(output) {
             let mut total = [0.0; 4];
             for [x, y, z, weight] in window {
                 let [tx, ty, tz, total_weight] = &mut total;
                 (*tx, *ty, *tz, *total_weight) = (*tx + x, *ty + y, *tz + z, *total_weight + weight);
             }
-            *slot = mean(total, (side.saturating_mul(side)) as f32);
+            *slot = mean(total, SIDE.saturating_mul(SIDE) as f32);
         }
     }
 }
@@ -136,7 +136,7 @@ mod tests {
             .map(|_| [random.normal(), random.normal(), random.normal(), f32::from(random.below(3) > 0)])
             .collect();
         let mut output = std::vec![[9.0; 4]; columns * rows];
-        box_mean::<2>(&pixels, columns, &mut output);
+        box_mean::<5>(&pixels, columns, &mut output);
         for (index, found) in output.iter().enumerate() {
             let near = pixels.iter().enumerate().filter(|(other, _)| {
                 (other % columns).abs_diff(index % columns) <= 2
@@ -147,7 +147,7 @@ mod tests {
             assert!((found[1] - sum / weight).abs() < 1e-5 && (found[3] - weight / 25.0).abs() < 1e-6);
         }
         let (mut ones, mut firsts) = (std::vec![[9.0; 4]; columns * rows], std::vec![9.0; columns * rows]);
-        box_mean::<1>(&pixels, columns, &mut ones);
+        box_mean::<3>(&pixels, columns, &mut ones);
         box_mean_of_first(&pixels, columns, &mut firsts);
         for ([mean, .., weight], found) in ones.iter().zip(firsts) {
             assert!((mean - found).abs() < 1e-6 || (*weight == 0.0 && found.is_nan()), "{mean} {found}");

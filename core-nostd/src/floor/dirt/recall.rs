@@ -5,6 +5,7 @@
 //! less weight. From one viewpoint no second frame is remembered, however long the robot stands.
 
 use super::pixels::HALF_COLUMNS_MAX;
+use super::root::{greater, nearest};
 use crate::floor::{Plane, dot};
 use crate::geometry::{Point2, Pose2};
 use crate::sensing::PinholeCamera;
@@ -149,12 +150,12 @@ fn sample(past: &[Remembered], columns: usize, (column, row): (f32, f32)) -> Rem
     if !(column >= 0.0 && row >= 0.0 && column < columns.saturating_sub(1) as f32) {
         return [0.0; 2];
     }
-    // Neither is negative: cutting off is rounding down.
-    let (whole_column, whole_row) = (column as u32, row as u32);
+    // The nearest of half a pixel before is the pixel before; on a pixel, both it and the one before it mix to the same.
+    let (whole_column, whole_row) = (nearest(greater(column - 0.5, 0.0)), nearest(greater(row - 0.5, 0.0)));
     let (left, top) = (whole_column as f32, whole_row as f32);
-    let start = (whole_row as usize).saturating_mul(columns).saturating_add(whole_column as usize);
-    let pair = |start: usize| past.get(start..start.saturating_add(2));
-    let (Some([a, b]), Some([c, d])) = (pair(start), pair(start.saturating_add(columns))) else {
+    let start = whole_row.wrapping_mul(columns).wrapping_add(whole_column);
+    let pair = |start: usize| past.get(start..start.wrapping_add(2));
+    let (Some([a, b]), Some([c, d])) = (pair(start), pair(start.wrapping_add(columns))) else {
         return [0.0; 2];
     };
     let (x, y) = (column - left, row - top);

@@ -178,17 +178,16 @@ fn mix([ax, ay, az]: [f32; 3], [bx, by, bz]: [f32; 3], part: f32) -> [f32; 3] {
 fn median(taps: &[f32; TAPS]) -> f32 {
     let known = taps.iter().filter(|value| !value.is_nan()).count();
     let wanted = known / 2;
-    let mut found = f32::NAN;
     for value in taps {
         // Comparisons with NaN are false, so unknown values count nowhere; counting is faster than sorting 25 values.
         let below: u32 = taps.iter().map(|other| u32::from(other < value)).sum();
         let equal: u32 = taps.iter().map(|other| u32::from(other == value)).sum();
         let rank = below as usize;
         if rank <= wanted && wanted < rank.saturating_add(equal as usize) {
-            found = *value;
+            return *value;
         }
     }
-    found
+    f32::NAN
 }
 
 #[cfg(test)]
