@@ -3,13 +3,30 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Arguments: the experiment, the number of runs for each combination, and the folder for tables and pictures.
+/// Seed of the experiments that take one: a day on which nothing was tuned.
+const SEED: u64 = 20_261_121;
+
+/// Arguments: the experiment, the number of runs for each combination, the folder for tables and pictures, and the seed of
+/// the experiments that take one.
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [experiment, trials, folder] = arguments.as_slice() else {
-        eprintln!("usage: floorguard-reproduce EXPERIMENT TRIALS FOLDER");
+    let (experiment, trials, folder, seed) = match arguments.as_slice() {
+        [experiment, trials, folder] => (experiment, trials, folder, None),
+        [experiment, trials, folder, seed] => (experiment, trials, folder, Some(seed)),
+        _ => {
+            eprintln!("usage: floorguard-reproduce EXPERIMENT TRIALS FOLDER [SEED]");
+            return ExitCode::from(2);
+        }
+    };
+    let Ok(seed) = seed.map(|seed| seed.parse()).transpose() else {
+        eprintln!("a seed is a whole number");
         return ExitCode::from(2);
     };
+    let is_seeded = matches!(experiment.as_str(), "environment" | "dirt");
+    if seed.is_some() && !is_seeded {
+        eprintln!("'{experiment}' has its own seeds");
+        return ExitCode::from(2);
+    }
     let Some(trials) = trials.parse().ok().filter(|&trials: &u64| trials > 0) else {
         eprintln!("'{trials}' is not a number of runs");
         return ExitCode::from(2);
@@ -20,8 +37,8 @@ fn main() -> ExitCode {
         "motion" => floorguard_tests::reproduce::motion(trials, folder),
         "candidates" => floorguard_tests::candidates::candidates(trials, folder),
         "crowds" => floorguard_tests::crowds::crowds(trials, folder),
-        "environment" => floorguard_tests::environment::environment(trials, folder),
-        "dirt" => floorguard_tests::dirt::dirt(trials, folder),
+        "environment" => floorguard_tests::environment::environment(trials, seed.unwrap_or(SEED), folder),
+        "dirt" => floorguard_tests::dirt::dirt(trials, seed.unwrap_or(SEED), folder),
         "rgbd-people" => floorguard_tests::rgbd::rgbd_people(trials, folder),
         "online-learning" => floorguard_tests::online::online_learning(trials, folder),
         other => {

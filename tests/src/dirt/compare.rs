@@ -24,16 +24,16 @@ pub struct Cell {
     pub curves: [Vec<(f32, bool)>; 2],
 }
 
-/// Runs the scenes of a floor and a dirt.
+/// Runs so many scenes of a floor and a dirt, drawn from a seed.
 ///
 /// # Errors
 /// A frame could not be judged.
-pub fn compare(floor: FloorKind, dirt: DirtKind, scenes: u64) -> anyhow::Result<Cell> {
+pub fn compare(floor: FloorKind, dirt: DirtKind, (scenes, seed): (u64, u64)) -> anyhow::Result<Cell> {
     let mut detectors = DirtDetectors::default();
     let mut totals: [DirtTotals; 3] = Default::default();
     let mut curves = [Vec::new(), Vec::new()];
     for number in 0..scenes {
-        let approach = Approach::new(floor, dirt, number);
+        let approach = Approach::new(floor, dirt, (number, seed));
         detectors.forget();
         let mut last = None;
         for frame in 0..FRAMES {

@@ -42,6 +42,20 @@ pub struct Pass {
     pub took: Duration,
 }
 
+impl Pass {
+    /// Adds another hall of the same floor.
+    pub fn add(&mut self, other: &Self) {
+        self.area_m2 += other.area_m2;
+        for ((_, hits, all), (_, other_hits, other_all)) in self.found.iter_mut().zip(other.found) {
+            (*hits, *all) = (*hits + other_hits, *all + other_all);
+        }
+        self.false_spots += other.false_spots;
+        self.spots.extend_from_slice(&other.spots);
+        self.frames += other.frames;
+        self.took += other.took;
+    }
+}
+
 /// Drives lanes of a length over a hall with spills.
 ///
 /// # Errors

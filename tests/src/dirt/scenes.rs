@@ -26,12 +26,13 @@ pub struct Approach {
 }
 
 impl Approach {
-    /// The scene of a floor, a kind of dirt and a number.
-    pub fn new(floor: FloorKind, dirt: DirtKind, number: u64) -> Self {
+    /// The scene of a floor, a kind of dirt and a number; another seed is another scene.
+    pub fn new(floor: FloorKind, dirt: DirtKind, (number, seed): (u64, u64)) -> Self {
         let index = |position: Option<usize>| position.unwrap_or(0) as u64;
         let floor_index = index(FloorKind::ALL.iter().position(|kind| *kind == floor));
         let dirt_index = index(DirtKind::ALL.iter().position(|kind| *kind == dirt));
-        let seed = 10_000 * floor_index + 1_000 * dirt_index + number;
+        let seed =
+            seed.wrapping_mul(100_000).wrapping_add(10_000 * floor_index + 1_000 * dirt_index + number);
         let mut random = Pcg32::new(seed, 1);
         let mut scene = FloorScene::new(floor, 4.0, seed);
         let last = Pose2::new(0.0, 0.0, random.uniform_between(-3.0, 3.0));

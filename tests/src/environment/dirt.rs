@@ -8,8 +8,6 @@ use floorguard_hosted::environment::{Calendar, Model, expected_units, teach_clea
 use floorguard_hosted::mission::{Floor, MissionConfig, Robot, Strategy, rooms, run_believing};
 use rayon::prelude::*;
 
-use super::SEED;
-
 /// Days, the first two with lanes over everything: the first sets the clock, the second shows the rates.
 pub const DAYS: usize = 7;
 const DAYS_OF_LANES: usize = 2;
@@ -104,9 +102,11 @@ fn run(seed: u64) -> anyhow::Result<[Evening; DAYS]> {
 ///
 /// # Errors
 /// None in practice: the room is built in.
-pub fn dirt_days(runs: u64) -> anyhow::Result<[Evening; DAYS]> {
-    let all: Vec<[Evening; DAYS]> =
-        (0..runs).into_par_iter().map(|index| run(SEED + 100 * index)).collect::<anyhow::Result<_>>()?;
+pub fn dirt_days(runs: u64, seed: u64) -> anyhow::Result<[Evening; DAYS]> {
+    let all: Vec<[Evening; DAYS]> = (0..runs)
+        .into_par_iter()
+        .map(|index| run(seed.wrapping_add(100 * index)))
+        .collect::<anyhow::Result<_>>()?;
     let mut sum = [Evening::default(); DAYS];
     for evenings in all {
         for (sum, one) in sum.iter_mut().zip(evenings) {

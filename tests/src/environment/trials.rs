@@ -7,7 +7,6 @@ use floorguard_core::random::Pcg32;
 use floorguard_hosted::environment::{HOURS, PERIODS};
 use rayon::prelude::*;
 
-use super::SEED;
 use super::patterns::{PATTERNS, Pattern};
 
 /// A Monday, 00:00 UTC.
@@ -154,7 +153,7 @@ fn hourly_rate(pattern: &Pattern, at: LocalTime) -> f64 {
 
 /// The mean of `runs` runs of every place, way of watching and number of weeks.
 #[must_use]
-pub fn trials(runs: u64) -> Vec<Row> {
+pub fn trials(runs: u64, seed: u64) -> Vec<Row> {
     let mut all = Vec::new();
     for watching in [Watching::Always, Watching::Patrol] {
         for pattern in &PATTERNS {
@@ -163,7 +162,8 @@ pub fn trials(runs: u64) -> Vec<Row> {
     }
     all.into_par_iter()
         .map(|(pattern, watching, weeks)| {
-            let rows: Vec<Row> = (0..runs).map(|run| trial(pattern, watching, (weeks, SEED + run))).collect();
+            let rows: Vec<Row> =
+                (0..runs).map(|run| trial(pattern, watching, (weeks, seed.wrapping_add(run)))).collect();
             average(rows)
         })
         .collect()

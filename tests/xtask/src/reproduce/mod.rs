@@ -14,6 +14,9 @@ pub struct Options {
     /// moving things 20.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     trials: Option<u64>,
+    /// Another seed than the fresh one, for dirt and environment.
+    #[arg(long)]
+    seed: Option<u64>,
 }
 
 /// The publications that can be repeated.
@@ -54,6 +57,7 @@ pub fn run(options: &Options) -> Result<bool> {
     let mut command = shell::cargo();
     command.args(["run", "--quiet", "--release", "--package", "floorguard-tests"]);
     command.args(["--bin", "floorguard-reproduce", "--", name]).arg(trials.to_string()).arg(&folder);
+    command.args(options.seed.map(|seed| seed.to_string()));
     let holds = shell::succeeds(&mut command)?;
     println!("tables and pictures in {}", folder.display());
     Ok(holds)
