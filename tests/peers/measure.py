@@ -299,6 +299,26 @@ def plane_open3d():
         tell("plane", "Open3D segment_plane", "open3d", input=name, ns=ns, note=note)
 
 
+def plane_pcl():
+    """PCL is in no Python registry: its own program, if the system has the library (libpcl-dev); PCL_FLAGS says where."""
+    import subprocess
+
+    source, program = os.path.join(os.path.dirname(__file__), "plane_pcl.cpp"), os.path.join(FOLDER, "plane_pcl")
+    flags = os.environ.get("PCL_FLAGS", "-I/usr/include/pcl-1.13 -I/usr/include/eigen3").split()
+    libraries = ["-lpcl_segmentation", "-lpcl_sample_consensus", "-lpcl_search", "-lpcl_kdtree", "-lpcl_common"]
+    build = ["g++", "-O3", "-DNDEBUG", "-std=c++17", source, "-o", program, *flags, *libraries]
+    if subprocess.run(build, capture_output=True).returncode != 0:
+        raise ImportError("libpcl-dev")
+    for name, points, frame in depth_frames():
+        path = os.path.join(FOLDER, f"{name}.xyz")
+        points.astype("<f4").tofile(path)
+        answer = subprocess.run([program, path, "9"], capture_output=True, text=True, check=True).stdout.split()
+        ns, *plane = map(float, answer)
+        note = plane_note(plane[:3], plane[3], frame, "; points made before")
+        told = {"task": "plane", "input": name, "peer": "PCL SACSegmentation", "version": "1.13", "ns": ns, "note": note}
+        print(json.dumps(told), flush=True)
+
+
 def plane_numpy():
     """Least squares on what lies near the plane before, ten times: what one writes without a library."""
     for name, points, frame in depth_frames():
@@ -441,6 +461,7 @@ MEASURES = [
     ("ground", "Open3D segment_plane", ground_open3d),
     ("ground", "Patchwork++", ground_patchwork),
     ("plane", "Open3D segment_plane", plane_open3d),
+    ("plane", "PCL SACSegmentation", plane_pcl),
     ("plane", "NumPy, trimmed least squares", plane_numpy),
     ("dirt", "OpenCV and its EM", dirt_opencv),
     ("dirt", "OpenCV and scikit-learn GaussianMixture", dirt_sklearn),
