@@ -3,11 +3,13 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use floorguard_hosted::commands::{Arguments, dispatch, exit_code};
+use floorguard_hosted::commands::{Arguments, dispatch, exit_code, is_broken_pipe};
 
 fn main() -> ExitCode {
     match dispatch(Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
+        // `| head`: who reads has seen enough.
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             anstream::eprintln!("{error:#}");
             ExitCode::from(exit_code(&error))

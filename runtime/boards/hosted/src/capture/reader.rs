@@ -22,7 +22,9 @@ pub enum CaptureError {
         cause: std::io::Error,
     },
     /// The bytes are no capture.
-    #[error("{path} is no .pcap or .pcapng capture (nor one packed with gzip)")]
+    #[error(
+        "{path} is no .pcap or .pcapng capture (nor one packed with gzip); recordings and bags are .mcap, laser logs .clf or .log"
+    )]
     NotACapture {
         /// The file.
         path: String,

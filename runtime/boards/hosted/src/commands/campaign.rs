@@ -27,7 +27,7 @@ pub struct CampaignArguments {
     /// What to repeat.
     pub kind: CampaignKind,
     /// Runs.
-    #[arg(long, default_value_t = 1_000)]
+    #[arg(long, default_value_t = 1_000, value_parser = clap::value_parser!(u64).range(1..))]
     pub trials: u64,
     /// Seed of the first run; each next one has the next number.
     #[arg(long, default_value_t = 1)]

@@ -9,7 +9,7 @@ use clap::Args;
 use super::exit::BadInput;
 use super::simulate::{conclude, open_witnesses, pace, play, play_real};
 use crate::cleaner::MissionStrategy;
-use crate::report::write_report;
+use crate::report::{make_folder, write_report};
 use crate::world::{Plan, Witnesses};
 
 /// How to show the demo.
@@ -65,6 +65,7 @@ pub fn run(arguments: &DemoArguments) -> anyhow::Result<()> {
     let plan = Plan::named("supermarket", arguments.seed, (arguments.duration * 1.0e6) as u64)?
         .cleaning(arguments.strategy)?;
     anstream::eprintln!("floorguard demo: {} (seed {})", plan.scenario.title, plan.seed);
+    make_folder(&arguments.report)?;
     let mut witnesses = Witnesses::default();
     let (record, panel) = (arguments.record.as_deref(), arguments.panel);
     open_witnesses(&mut witnesses, &plan, (record, panel, arguments.real_io))?;

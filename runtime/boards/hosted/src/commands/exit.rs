@@ -10,6 +10,13 @@ pub struct VerdictFailed(pub String);
 #[error("{0}")]
 pub struct BadInput(pub String);
 
+/// The reader of standard output has gone.
+#[must_use]
+pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    let kinds = error.chain().filter_map(|cause| cause.downcast_ref::<std::io::Error>());
+    kinds.into_iter().any(|cause| cause.kind() == std::io::ErrorKind::BrokenPipe)
+}
+
 /// The exit code of an error. What is no verdict is bad input; wrong usage ends in clap with 2.
 #[must_use]
 pub fn exit_code(error: &anyhow::Error) -> u8 {

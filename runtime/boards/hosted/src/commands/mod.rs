@@ -27,7 +27,7 @@ pub use decode::decode_to;
 pub(crate) use decode::{LIDAR_DATA_PORT, settle_model};
 pub use demo::DemoArguments;
 pub use eval::{EvalArguments, EvalStage};
-pub use exit::{BadInput, VerdictFailed, exit_code};
+pub use exit::{BadInput, VerdictFailed, exit_code, is_broken_pipe};
 pub use learn::{LearnArguments, PlaceArguments};
 pub use mission::MissionArguments;
 pub use panel::open_panel;

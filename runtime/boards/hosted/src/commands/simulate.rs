@@ -14,7 +14,8 @@ use super::live::status_of;
 use super::panel::open_panel;
 use crate::cleaner::MissionStrategy;
 use crate::display::LiveDisplay;
-use crate::report::write_report;
+use crate::executor::StopFlag;
+use crate::report::{make_folder, write_report};
 use crate::world::{
     Observation, Observer, Plan, SeenStop, Stages, Tape, Witnesses, load_scenario, run_real_recorded,
     run_recorded,
@@ -85,6 +86,9 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
     let mut plan = plan(arguments)?;
     if arguments.tape.is_some() {
         plan.stages = Stages::AsOnBoard;
+    }
+    if let Some(folder) = &arguments.report {
+        make_folder(folder)?;
     }
     let mut witnesses = Witnesses::default();
     if arguments.tape.is_some() {
@@ -161,9 +165,25 @@ pub(super) fn open_witnesses(
         Some(path) => witnesses.record(plan, path)?,
         None => {}
     }
+    end_at_ctrl_c(&witnesses.ended)?;
     if let Some(address) = panel {
         witnesses.panel = Some(open_panel(address, &plan.scenario.title, &plan.robot)?);
     }
+    Ok(())
+}
+
+/// The first Ctrl-C ends the run in order, with everything that it has to show until then; the second one at once.
+fn end_at_ctrl_c(ended: &StopFlag) -> anyhow::Result<()> {
+    /// What shells say of a program that an interrupt has ended.
+    const INTERRUPTED: i32 = 130;
+    let ended = ended.clone();
+    ctrlc::set_handler(move || {
+        if ended.is_stopped() {
+            std::process::exit(INTERRUPTED);
+        }
+        anstream::eprintln!("  Ctrl-C: the run ends here; again: at once");
+        ended.stop();
+    })?;
     Ok(())
 }
 

@@ -51,8 +51,8 @@ impl Status {
     /// The same in one line, for logs.
     #[must_use]
     pub fn line(&self) -> String {
-        let bad: Vec<&str> =
-            self.sources.iter().filter(|source| !source.good).map(|source| source.name.as_str()).collect();
+        let bad = self.sources.iter().filter(|source| !source.good);
+        let bad: Vec<String> = bad.map(|source| format!("{} ({})", source.name, source.health)).collect();
         format!(
             "{:7.1} s  speed {:.2} m/s  limit {:.2} m/s  people {}  stops {}  {}",
             self.elapsed_s,
@@ -88,6 +88,6 @@ mod tests {
         let status = Status { sources: vec![source], ..Status::default() };
         assert!(!status.table(false).contains('\u{1b}'));
         assert!(status.table(true).contains('\u{1b}'));
-        assert!(status.line().ends_with("not healthy: scanner"));
+        assert!(status.line().ends_with("not healthy: scanner (stale)"));
     }
 }

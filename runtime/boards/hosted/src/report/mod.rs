@@ -16,6 +16,6 @@ mod view;
 
 pub use document::document;
 pub use history::{History, read_history};
-pub use page::write_report;
+pub use page::{make_folder, write_report};
 pub use summary::summary;
 pub use view::outlines;

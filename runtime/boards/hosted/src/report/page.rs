@@ -17,13 +17,21 @@ furniture. This is the true world, which the robot never sees.";
 const SPEED_LEGEND: &str =
     "Line: measured speed in m/s, once a second. Area: what the guard permits. Red ticks: stops.";
 
+/// Makes the folder of a report; before a long run, so that it is not in vain.
+///
+/// # Errors
+/// It cannot be made.
+pub fn make_folder(folder: &Path) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("{}: cannot make this folder; give another one", folder.display()))
+}
+
 /// Writes `index.html`, `top-view.svg`, `speed.svg` and `verdict.json`. Gives the path of the page.
 ///
 /// # Errors
 /// The folder cannot be made or written.
 pub fn write_report(folder: &Path, plan: &Plan, observation: &Observation) -> anyhow::Result<PathBuf> {
-    std::fs::create_dir_all(folder)
-        .with_context(|| format!("{}: cannot make this folder; give another one", folder.display()))?;
+    make_folder(folder)?;
     let write = |name: &str, text: &str| {
         let path = folder.join(name);
         std::fs::write(&path, text).with_context(|| format!("{}: cannot be written", path.display()))?;

@@ -67,6 +67,7 @@ pub fn run_real_recorded(
     let mission = plan.mission.clone().map(|mission| MissionSetup::new(mission, Store::None));
     observer.begin_mission(plan, &simulation);
     anstream::eprintln!("  {}", take_priority(Ring::World));
+    let ended = witnesses.ended.clone();
     with_onlooker(witnesses, &shared, |tap, notes| {
         links.tap = tap;
         links.mission.clone_from(&mission);
@@ -76,6 +77,7 @@ pub fn run_real_recorded(
             operated,
             simulation: &mut simulation,
             ends: &mut ends,
+            ended,
             mission: mission.clone(),
         };
         run_rings((&plan.robot, links), &shared, &flag, || world.play((&shared, &flag, notes), observer))?
@@ -100,6 +102,8 @@ struct World<'a> {
     start: Stamp,
     /// Somebody at the panel presses reset; the plan's operator does not.
     operated: bool,
+    /// Somebody wants the run to end.
+    ended: StopFlag,
     /// What the robot cleans.
     mission: Option<MissionSetup>,
     simulation: &'a mut Simulation,
@@ -112,7 +116,7 @@ impl World<'_> {
         (shared, flag, notes): (&HostedShared, &StopFlag, &Notes<'_>),
         observer: &mut Observer<'_>,
     ) -> anyhow::Result<CarrierFigures> {
-        let Self { plan, start, operated, mission, simulation, ends } = self;
+        let Self { plan, start, operated, ended, mission, simulation, ends } = self;
         let mut told = 0;
         let mut faults = FaultLayer::new(&plan.faults, plan.seed);
         let mut operator = Operator::new(plan.emergency_stop_us.clone());
@@ -121,7 +125,7 @@ impl World<'_> {
         let clock_us = || clock::now().as_micros().saturating_sub(start.as_micros());
         while !flag.is_stopped() {
             let now_us = clock_us();
-            if now_us > plan.duration_us {
+            if now_us > plan.duration_us || ended.is_stopped() {
                 break;
             }
             // Truth is looked at every 10 ms of the world's time, however late this thread is.

@@ -118,6 +118,8 @@ struct World<'a, 'b> {
     mission: Option<MissionSetup>,
     judge_us: u64,
     now_us: u64,
+    /// The plan's duration, or when somebody ended the run.
+    end_us: u64,
 }
 
 /// Why the computer stopped.
@@ -145,17 +147,18 @@ fn play(
             .map(|mission| MissionSetup::new(mission, Store::Memory(Arc::default()))),
         judge_us: 0,
         now_us: 0,
+        end_us: plan.duration_us,
     };
     let dead = |at_us| plan.faults.iter().any(|fault| is_reset(fault) && fault.applies(at_us));
     world.observer.begin_mission(plan, world.simulation);
     while live(plan, &mut world, dead)? == End::PowerLost {
         let off = plan.faults.iter().filter(|fault| is_reset(fault) && fault.applies(world.now_us));
-        let until_us = off.map(|fault| fault.to_us).max().unwrap_or(world.now_us).min(plan.duration_us);
+        let until_us = off.map(|fault| fault.to_us).max().unwrap_or(world.now_us).min(world.end_us);
         world.without_computer(until_us);
     }
     world.observer.finish_mission(world.simulation);
     world.observer.finish(world.operator.resets());
-    Ok(world.witnesses.finish((plan.duration_us, world.observer.digest().value()))?)
+    Ok(world.witnesses.finish((world.end_us, world.observer.digest().value()))?)
 }
 
 fn is_reset(fault: &FaultSpec) -> bool {
@@ -187,7 +190,11 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     let mut orders = Vec::new();
     loop {
         let now_us = world.next_us().min(next_timer_us().unwrap_or(u64::MAX)).max(world.now_us);
-        if now_us > plan.duration_us {
+        if world.witnesses.ended.is_stopped() {
+            // What happens at this moment still happens: a replay knows moments only.
+            world.end_us = world.end_us.min(world.now_us);
+        }
+        if now_us > world.end_us {
             return Ok(End::OfThePlan);
         }
         world.now_us = now_us;

@@ -21,6 +21,7 @@ use super::spawn::Stages;
 use super::tape::{Tape, encode_route};
 use crate::cleaner::MissionProgress;
 use crate::commands::BadInput;
+use crate::executor::StopFlag;
 use crate::panel::{Order, Panel};
 use crate::recording::{RecordError, RunInfo, RunRecorder};
 
@@ -55,6 +56,8 @@ pub struct Witnesses {
     pub recording: Option<FileRecorder>,
     /// A panel: the run then goes in real time, and nobody but its operators resets the robot.
     pub panel: Option<Panel>,
+    /// Set by somebody who wants the run to end here and now, in order.
+    pub ended: StopFlag,
     next_digest_us: u64,
     started: Option<Instant>,
 }

@@ -29,6 +29,9 @@ const MCAP_MAGIC: &[u8] = b"\x89MCAP";
 /// # Errors
 /// Bad input; everything before it has been processed and printed.
 pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
+    if let Some(what) = not_for_us(&arguments.file) {
+        return Err(BadInput(format!("{}: {what}", arguments.file.display())).into());
+    }
     if begins_with(&arguments.file, MCAP_MAGIC) {
         recording(arguments)
     } else if is_log(&arguments.file) {
@@ -36,6 +39,21 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
     } else {
         capture::run(arguments)
     }
+}
+
+/// What people bring that is nearly right, and what they can do about it.
+fn not_for_us(path: &Path) -> Option<&'static str> {
+    if path.is_dir() {
+        return Some("this is a folder; give the .mcap file in it");
+    }
+    if begins_with(path, b"#ROSBAG") {
+        return Some(
+            "this is a bag of ROS 1; make it a bag of ROS 2 in MCAP first, for example with rosbags-convert",
+        );
+    }
+    begins_with(path, b"SQLite format 3").then_some(
+        "this is a bag of ROS 2 in SQLite; make it MCAP first with ros2 bag convert (storage_id: mcap), or record with -s mcap",
+    )
 }
 
 /// `.clf` or `.log`, packed or not.
