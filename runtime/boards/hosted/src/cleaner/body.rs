@@ -6,7 +6,7 @@ use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_runtime::configuration::{DirectionOfTravel, RobotConfiguration};
 
 /// Discs along the axis.
-const DISCS: usize = 3;
+pub const DISCS: usize = 3;
 /// Kept beyond the field, metres: the error of pose, map and scanner.
 const MARGIN_M: f32 = 0.06;
 
@@ -20,28 +20,16 @@ pub struct Room {
 }
 
 impl Room {
-    /// As [`Self::is_clear`], but not at the front: what lies there is left behind on the way backwards.
-    pub fn is_clear_behind(&self, pose: Pose2, clearance_m: impl Fn(Point2) -> f32) -> bool {
-        let (sin, cos) = pose.heading_rad.sin_cos();
-        self.middles_m.iter().take(DISCS - 1).all(|ahead_m| {
-            let middle = Point2::new(pose.x_m + ahead_m * cos, pose.y_m + ahead_m * sin);
-            clearance_m(middle) >= self.radius_m
-        })
-    }
-
     fn covering((rear_m, front_m): (f32, f32), half_width_m: f32) -> Self {
         let half_m = (front_m - rear_m) / (2.0 * DISCS as f32);
         let middles_m = [0, 1, 2].map(|disc| rear_m + half_m * (2 * disc + 1) as f32);
         Self { middles_m, radius_m: half_m.hypot(half_width_m) }
     }
 
-    /// Every disc is clear: `clearance_m` gives the distance from a place to the nearest obstacle.
-    pub fn is_clear(&self, pose: Pose2, clearance_m: impl Fn(Point2) -> f32) -> bool {
+    /// Middles of the discs of a robot at a pose, from rear to front.
+    pub fn places(&self, pose: Pose2) -> [Point2; DISCS] {
         let (sin, cos) = pose.heading_rad.sin_cos();
-        self.middles_m.iter().all(|ahead_m| {
-            let middle = Point2::new(pose.x_m + ahead_m * cos, pose.y_m + ahead_m * sin);
-            clearance_m(middle) >= self.radius_m
-        })
+        self.middles_m.map(|ahead_m| Point2::new(pose.x_m + ahead_m * cos, pose.y_m + ahead_m * sin))
     }
 }
 

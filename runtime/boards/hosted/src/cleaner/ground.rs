@@ -4,7 +4,7 @@ use floorguard_core::cleaning::Brush;
 use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_core::maps::GridGeometry;
 
-use super::body::Body;
+use super::body::{Body, DISCS};
 use super::lattice::{Gear, Lattice, STEP_M};
 use super::plan::MissionPlan;
 use crate::mission::Floor;
@@ -66,24 +66,18 @@ impl Ground {
 
     /// The robot fits there, as far as the map shows.
     pub fn is_free(&self, pose: Pose2, gear: Gear) -> bool {
-        self.is_free_of(pose, gear, |_| false)
-    }
-
-    /// The same, beside what is not on the map: `is_barred(cell)` tells where no disc of the robot may be.
-    pub fn is_free_of(&self, pose: Pose2, gear: Gear, is_barred: impl Fn(usize) -> bool) -> bool {
-        let clearance_m = |place: Point2| {
-            let barred = self.floor.cells.cell_at(place).is_none_or(&is_barred);
-            if barred { 0.0 } else { self.floor.clearance.clearance_m(place) }
+        // What lies ahead is left behind on the way backwards.
+        let (room, count) = match gear {
+            Gear::Ahead | Gear::Spin => (&self.body.ahead, DISCS),
+            Gear::Back => (&self.body.back, DISCS - 1),
         };
-        match gear {
-            Gear::Ahead | Gear::Spin => self.body.ahead.is_clear(pose, clearance_m),
-            Gear::Back => self.body.back.is_clear_behind(pose, clearance_m),
-        }
+        let clearance_m = |place: &Point2| self.floor.clearance.clearance_m(*place);
+        room.places(pose).iter().take(count).all(|place| clearance_m(place) >= room.radius_m)
     }
 
     /// Cells over which the whole brush passes while the robot goes straight on by `way_m`.
     fn under_brush(&self, pose: Pose2, way_m: f32, mut cell: impl FnMut(usize)) {
-        let reach_m = 0.5 * self.brush.width_m - RIM_M;
+        let reach_m = self.lane_m();
         let count = |length_m: f32| (length_m / FINE_M).floor() as i32;
         for ahead in 0..=count(way_m) {
             for aside in -count(reach_m)..=count(reach_m) {
@@ -94,9 +88,9 @@ impl Ground {
         }
     }
 
-    /// The cell lies before the brush of a robot at this pose, so that it only has to go on straight to pass over it.
-    pub fn is_before_brush(&self, pose: Pose2, place: Point2) -> bool {
-        self.is_before(pose, place, (0.05, 0.3), 0.5 * self.brush.width_m - RIM_M)
+    /// Half of the lane that is counted on as passed over, metres.
+    pub fn lane_m(&self) -> f32 {
+        0.5 * self.brush.width_m - RIM_M
     }
 
     /// A place lies within these distances ahead of the brush and at most this far aside, metres.

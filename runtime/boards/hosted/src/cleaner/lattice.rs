@@ -114,18 +114,24 @@ impl Lattice {
         Self { raster, motions, pace, nodes: Vec::new(), best: vec![(0.0, 0); kinds], round: 0 }
     }
 
+    /// The speeds that it counts on.
+    pub const fn pace(&self) -> Pace {
+        self.pace
+    }
+
     fn kind(&self, pose: Pose2) -> Option<usize> {
         let cell = self.raster.cell_at(floorguard_core::geometry::Point2::new(pose.x_m, pose.y_m))?;
         let heading = (pose.heading_rad / TURN_RAD).round() as i32;
         Some(cell * HEADINGS + heading.rem_euclid(HEADINGS as i32) as usize)
     }
 
-    /// The way from a pose to the first one that is good enough. `is_free(pose, gear)` tells where the robot may be;
+    /// The way from a pose to the first one that is good enough. `slowness(pose, gear)` tells where the robot may be, and how
+    /// many times as long as in the open it takes there;
     /// `left_s(pose)` estimates the time that is left, `None`: no way leads on from there. The start need not be free.
     pub fn find(
         &mut self,
         start: Pose2,
-        (is_free, left_s): (impl Fn(Pose2, Gear) -> bool, impl Fn(Pose2) -> Option<f32>),
+        (slowness, left_s): (impl Fn(Pose2, Gear) -> Option<f32>, impl Fn(Pose2) -> Option<f32>),
         is_enough: impl Fn(Pose2) -> bool,
     ) -> Option<Vec<Waypoint>> {
         self.round += 1;
@@ -153,11 +159,15 @@ impl Lattice {
                 let Motion { by, costs_s, gear: next_gear } = &self.motions[motion];
                 let (next, next_gear) = (pose.compose(*by), *next_gear);
                 let change_s = if next_gear == gear { 0.0 } else { self.pace.change_s };
-                let next_s = cost_s + costs_s + change_s;
+                let least_s = cost_s + costs_s + change_s;
                 let Some(kind) = self.kind(next) else { continue };
-                if (self.best[kind].1 == self.round && self.best[kind].0 <= next_s)
-                    || !is_free(next, next_gear)
-                {
+                let best_s = if self.best[kind].1 == self.round { self.best[kind].0 } else { f32::INFINITY };
+                if best_s <= least_s {
+                    continue;
+                }
+                let Some(slowness) = slowness(next, next_gear) else { continue };
+                let next_s = cost_s + costs_s * slowness + change_s;
+                if best_s <= next_s {
                     continue;
                 }
                 let Some(left_s) = left_s(next) else { continue };
@@ -226,12 +236,13 @@ mod tests {
         let place = |pose: Pose2| Point2::new(pose.x_m, pose.y_m);
         let left_s = |pose: Pose2| Some(place(pose).distance(goal) / PACE.speed_mps);
         let start = Pose2::new(1.0, 1.0, 0.0);
-        let way = lattice.find(start, (is_free, left_s), |pose| place(pose).distance(goal) < 0.2).unwrap();
+        let slowness = |pose: Pose2, gear| is_free(pose, gear).then_some(1.0);
+        let way = lattice.find(start, (slowness, left_s), |pose| place(pose).distance(goal) < 0.2).unwrap();
         assert!(way.iter().all(|at| is_free(at.pose, at.gear)));
         assert!(way.iter().any(|at| at.pose.y_m > 4.0));
         assert!(way.windows(2).all(|pair| place(pair[0].pose).distance(place(pair[1].pose)) < 0.4));
         let nowhere = |pose: Pose2| place(pose).distance(Point2::new(9.0, 9.0)) < 0.2;
-        assert!(lattice.find(start, (is_free, |_| Some(0.0)), nowhere).is_none());
+        assert!(lattice.find(start, (slowness, |_| Some(0.0)), nowhere).is_none());
         let mut reached = 0;
         lattice.reach(start, is_free, |pose| {
             assert!(is_free(pose, Gear::Ahead));

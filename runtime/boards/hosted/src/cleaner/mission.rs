@@ -11,7 +11,7 @@ use floorguard_core::guard::{Cause, Decision};
 use floorguard_core::maps::{Grid, NO_SLOT};
 use floorguard_core::people::TrackStatus;
 use floorguard_core::random::Pcg32;
-use floorguard_core::sensing::{BeamReturn, DirtReading, Scan};
+use floorguard_core::sensing::{DirtReading, Scan};
 use floorguard_core::time::{Age, Stamp};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::mission::RouteFollower;
@@ -21,11 +21,12 @@ use floorguard_runtime::tasks::{CleaningMission, MissionMoment, PERSON_PROBABILI
 use super::body::Body;
 use super::ground::Ground;
 use super::lattice::{Gear, Lattice, Pace, STEP_M, Waypoint};
-use super::obstacles::Obstacles;
+use super::obstacles::{Obstacles, ends_of};
 use super::plan::{MissionPlan, MissionStrategy};
 use super::progress::{MissionPhase, MissionWatch};
 use super::store::{Saved, Store};
 use super::track::{Track, Tracking};
+use super::visits::CLUSTER_M;
 use crate::mission::{Lane, Localiser, lanes, scrubber};
 
 /// Nodes of a tour: 1,024 cells, the robot, and the end of the path.
@@ -46,8 +47,12 @@ const PROGRESS_S: f32 = 1.0;
 const SAVE_S: f32 = 2.0;
 /// Without a word of the dirt sensor for this long nothing counts as cleaned, microseconds.
 const DEAF_US: u64 = 500_000;
-/// One beam in this many is matched with the map, and one in this many looked at for obstacles.
-const BEAMS: (usize, usize) = (9, 3);
+/// One beam in this many is matched with the map.
+const BEAM_INTERVAL: usize = 9;
+/// Beams that end this near to somebody are no part of the map, metres: a body, its luggage or its trolley.
+const SOMEBODY_M: f32 = 0.8;
+/// A place this far from all that is on the map is the middle of a free floor, metres.
+const MIDDLE_M: f32 = 0.6;
 /// Poses of the last second, to find the one of a scan.
 const POSES: usize = 24;
 /// Slower than this is standing, m/s and rad/s.
@@ -56,14 +61,12 @@ const STANDS: (f32, f32) = (0.02, 0.02);
 const LEAVES_M: f32 = 0.9;
 /// Times that it does so at the end.
 const LEAVINGS_MAX: u8 = 6;
-/// Dirt within this distance of a target is passed over with it, metres.
-const CLUSTER_M: f32 = 0.35;
-/// A pass goes on over what lies before the brush for at most this, metres.
-const AHEAD_M: f32 = 1.3;
-/// The brush goes on behind a cell by this, metres.
-const PAST_M: f32 = 0.15;
 /// Held again within this distance, the robot does something else first, metres.
 const SAME_PLACE_M: f32 = 0.3;
+/// Waypoints that are left on the last straight, over the dirt.
+const PASS_LEGS: usize = 1;
+/// Held for this long at a place, the robot goes elsewhere first, seconds.
+const STAYS_S: f32 = 8.0;
 /// Cells of the tour that are tried before the robot waits.
 const TRIES: usize = 4;
 
@@ -74,6 +77,17 @@ pub type SharedWatch = Arc<MissionWatch<CriticalSectionRawMutex>>;
 #[derive(Clone, Copy, Debug)]
 struct Eye {
     in_base: Pose2,
+}
+
+/// What a way costs among people: the guard lets the robot go more slowly there, and its front wheel no faster than in the
+/// slowest fields while it turns on the spot.
+fn among_people(robot: &RobotConfiguration, pace: Pace) -> Pace {
+    let slow_mps = robot.thresholds.warning_speed_mps;
+    Pace {
+        speed_mps: pace.speed_mps.min(2.0 * slow_mps),
+        turn_radps: pace.turn_radps.min(slow_mps / robot.geometry.wheelbase_m),
+        ..pace
+    }
 }
 
 /// The mission of a driving robot.
@@ -93,9 +107,11 @@ pub struct Cleaner {
     pub(super) distance_m: f32,
     watch: SharedWatch,
     store: Store,
-    lattice: Lattice,
-    guess: PathSearch<Vec<SearchCell>>,
-    obstacles: Obstacles,
+    pub(super) lattice: Lattice,
+    pub(super) guess: PathSearch<Vec<SearchCell>>,
+    pub(super) obstacles: Obstacles,
+    /// Everybody and everything that is tracked, odometry frame.
+    somebody: Vec<Point2>,
     pace: Pace,
     eye: Eye,
     route: RouteFollower,
@@ -103,14 +119,18 @@ pub struct Cleaner {
     poses: VecDeque<StampedPose>,
     dirt: Option<DirtReading>,
     began: Option<Stamp>,
-    target: Option<usize>,
+    /// Cells that are to be cleaned, as of the last plan.
+    pub(super) wanted: Vec<bool>,
+    /// Cells at a place where the brush was already.
+    passed: Vec<bool>,
+    pub(super) target: Option<usize>,
     postponed: Vec<(usize, f32)>,
     leavings: u8,
     try_s: f32,
     is_waiting: bool,
     wish: Twist2,
     held_s: f32,
-    held_at: Option<Point2>,
+    held_at: Option<(Point2, f32)>,
     last_s: f32,
     plan_s: f32,
     tell_s: f32,
@@ -136,7 +156,7 @@ impl Cleaner {
         let brush = scrubber::BRUSH;
         let mut ground = Ground::new(plan, (Body::of(robot), brush))?;
         let raster = *ground.raster();
-        let mut lattice = Lattice::new(raster, pace);
+        let mut lattice = Lattice::new(raster, among_people(robot, pace));
         ground.explore(&mut lattice);
         let mut cells = plan.prior(&ground.expected);
         let saved = store.load(plan, cells.len());
@@ -174,6 +194,7 @@ impl Cleaner {
             lattice,
             guess: search(),
             obstacles: Obstacles::new(raster),
+            somebody: Vec::new(),
             pace,
             eye: Eye { in_base: Pose2::new(mounting.position.x_m, mounting.position.y_m, mounting.yaw_rad) },
             route: RouteFollower::new(robot.route.clone(), robot.route_limits),
@@ -181,6 +202,8 @@ impl Cleaner {
             poses: VecDeque::new(),
             dirt: None,
             began: None,
+            wanted: vec![false; raster.cell_count()],
+            passed: vec![false; raster.cell_count()],
             target: None,
             postponed: Vec::new(),
             leavings: 0,
@@ -230,29 +253,27 @@ impl Cleaner {
     /// A scan, at the pose where it was measured.
     fn see(&mut self, scan: &Scan, now_s: f32) {
         let odometry = self.odometry_at(scan.stamp);
-        let ends = |every: usize| -> Vec<Point2> {
-            let beams = scan.beams.iter().enumerate().step_by(every);
-            let hits = beams.filter_map(|(beam, hit)| match hit {
-                BeamReturn::Hit(range_mm) => {
-                    let angle = scan.first_angle_rad + beam as f32 * scan.step_rad;
-                    let range_m = f32::from(*range_mm) * 1.0e-3;
-                    let end = Point2::new(range_m * angle.cos(), range_m * angle.sin());
-                    Some(self.eye.in_base.transform(end))
-                }
-                _ => None,
-            });
-            hits.collect()
-        };
-        let (matched, looked) = (ends(BEAMS.0), ends(BEAMS.1));
         if self.localiser.is_due(odometry) {
+            // A customer is not on the map, and says nothing of where the robot is; nor does what stands in the middle of a
+            // free floor. Beams that end behind a wall do.
+            let guess = self.localiser.pose(odometry);
+            let is_of_somebody = |end: &Point2| {
+                let place = odometry.transform(*end);
+                self.somebody.iter().any(|person| person.distance(place) < SOMEBODY_M)
+                    || self.ground.floor.clearance.clearance_m(guess.transform(*end)) > MIDDLE_M
+            };
+            let ends = ends_of(scan, BEAM_INTERVAL).map(|end| self.eye.in_base.transform(end));
+            let matched: Vec<Point2> = ends.filter(|end| !is_of_somebody(end)).collect();
             self.localiser.update(&self.ground.floor, odometry, &matched, true);
         }
         let pose = self.localiser.pose(odometry);
-        self.obstacles.see(&self.ground.floor, pose, (&looked, now_s));
+        self.obstacles.see(&self.ground.floor, pose.compose(self.eye.in_base), (scan, now_s));
     }
 
     /// People are in the way where they are, also behind the robot, where the scanner does not look.
     fn see_people(&mut self, people: &PeopleReport, now_s: f32) {
+        let confirmed = people.people.iter().filter(|person| person.status == TrackStatus::Confirmed);
+        self.somebody = confirmed.map(|person| person.position).collect();
         let to_map = self.pose().compose(self.odometry.pose_in_odometry.inverse());
         let real = people.people.iter().filter(|person| {
             person.status == TrackStatus::Confirmed && person.person_probability >= PERSON_PROBABILITY_MIN
@@ -335,6 +356,8 @@ impl Cleaner {
         self.track = Track::default();
         if let Some(target) = self.target.take() {
             self.visits[target] = self.visits[target].saturating_add(1);
+            let around: Vec<usize> = self.cells_within(target, CLUSTER_M).collect();
+            around.into_iter().for_each(|cell| self.passed[cell] = true);
             if self.planner.tour().next() == Some(target) {
                 self.planner.drop_first();
             }
@@ -349,49 +372,72 @@ impl Cleaner {
         let grazed = self.localiser.grazed(&self.rule);
         let (map, rule, visits) = (&self.localiser.map, &self.rule, &self.visits);
         let floor = &self.ground.floor;
-        let wanted = |cell: usize| {
+        for (cell, is_wanted) in self.wanted.iter_mut().enumerate() {
             let is_dirty = map.get(cell).is_some_and(|dirt| rule.needs_cleaning(dirt));
-            floor.reachable[cell]
+            *is_wanted = floor.reachable[cell]
                 && visits[cell] < VISITS_MAX
-                && (is_dirty || grazed.binary_search(&cell).is_ok())
-        };
+                && (is_dirty || grazed.binary_search(&cell).is_ok());
+        }
+        let all_wanted = &self.wanted;
+        let wanted = |cell: usize| all_wanted[cell];
         let passable = |cell: usize| floor.passable[cell] || floor.reachable[cell];
         // A tour that does not fit its memory is the one before, without what is clean by now.
         let _ = self.planner.replan(cell, (wanted, passable), 500);
-        if self
-            .target
-            .is_some_and(|target| !wanted(target) && map.get(target).is_some_and(|dirt| dirt.slot == NO_SLOT))
-        {
+        // A pass that has begun is not broken off while any of its dirt is left.
+        let is_gone = |target: usize| {
+            let is_decided = map.get(target).is_some_and(|dirt| dirt.slot == NO_SLOT);
+            is_decided && !self.is_wanted_within(target, CLUSTER_M)
+        };
+        if self.target.is_some_and(is_gone) {
             self.target = None;
             self.track = Track::default();
         }
     }
 
-    /// Somebody or something stands in the way: another way, or another cell first.
+    /// Somebody or something stands in the way: another way if there is one. Who walks is gone in a moment; only what stays
+    /// sends the robot to another cell first.
     fn go_round(&mut self, pose: Pose2, now_s: f32) {
         self.detours += 1;
         let here = Point2::new(pose.x_m, pose.y_m);
-        let is_again = self.held_at.is_some_and(|before| before.distance(here) < SAME_PLACE_M);
-        self.held_at = Some(here);
-        self.track = Track::default();
-        if let Some(target) = self.target
-            && (is_again || !self.plan_to(target, pose, now_s))
-        {
+        let again = self.held_at.filter(|(before, _)| before.distance(here) < SAME_PLACE_M);
+        let (_, since_s) = *self.held_at.insert(again.unwrap_or((here, now_s)));
+        let Some(target) = self.target else {
+            self.track = Track::default();
+            return;
+        };
+        if now_s - since_s > STAYS_S {
+            self.held_at = None;
+            self.track = Track::default();
             self.postpone(target, now_s);
+        } else if self.track.rest().len() > PASS_LEGS {
+            // A pass that has begun is waited for: any other way would begin it again.
+            self.plan_to(target, pose, now_s);
         }
     }
 
-    /// What is not on the map keeps the robot from any first step.
-    fn is_shut_in(&self, pose: Pose2, now_s: f32) -> bool {
-        let barred = self.barred(now_s);
-        !self.ground.is_free_of(pose, Gear::Ahead, |cell| barred[cell])
-    }
-
+    /// Leaves a cell and the dirt around it for later.
     fn postpone(&mut self, cell: usize, now_s: f32) {
         self.obstructed[cell] = true;
         self.target = None;
-        self.postponed.retain(|(other, until_s)| *other != cell && *until_s > now_s);
-        self.postponed.push((cell, now_s + POSTPONED_S));
+        let around: Vec<usize> =
+            self.cells_within(cell, CLUSTER_M).filter(|near| self.wanted[*near] || *near == cell).collect();
+        self.postponed.retain(|(other, until_s)| !around.contains(other) && *until_s > now_s);
+        self.postponed.extend(around.into_iter().map(|near| (near, now_s + POSTPONED_S)));
+    }
+
+    /// Some cell within a distance of this one is still to be cleaned.
+    fn is_wanted_within(&self, cell: usize, distance_m: f32) -> bool {
+        self.cells_within(cell, distance_m).any(|near| self.wanted[near])
+    }
+
+    fn cells_within(&self, cell: usize, distance_m: f32) -> impl Iterator<Item = usize> {
+        let raster = *self.ground.raster();
+        let centre = raster.centre(cell);
+        let (column, row) = raster.coordinates_of(centre);
+        let reach = (distance_m * raster.cells_per_metre()).ceil() as i32;
+        let offsets = (-reach..=reach).flat_map(move |dy| (-reach..=reach).map(move |dx| (dx, dy)));
+        let cells = offsets.filter_map(move |(dx, dy)| raster.index(column + dx, row + dy));
+        cells.filter(move |near| raster.centre(*near).distance(centre) <= distance_m)
     }
 
     /// Finds something to do; false: wait, or the mission is over.
@@ -399,23 +445,21 @@ impl Cleaner {
         if self.plan.strategy == MissionStrategy::Systematic {
             return self.next_lane(pose, now_s);
         }
-        if self.planner.tour().next().is_none() {
-            self.replan(pose, now_s);
-        }
         if now_s < self.try_s {
             return false;
         }
+        // What the brush has just passed over is no target any more.
+        self.replan(pose, now_s);
         self.postponed.retain(|(_, until_s)| *until_s > now_s);
-        let is_postponed = |cell: &usize| self.postponed.iter().any(|(other, _)| other == cell);
-        let next: Vec<usize> = self.planner.tour().filter(|cell| !is_postponed(cell)).take(TRIES).collect();
-        for cell in next {
+        for _ in 0..TRIES {
+            let is_postponed = |cell: &usize| self.postponed.iter().any(|(other, _)| other == cell);
+            let open = || self.planner.tour().filter(|cell| !is_postponed(cell));
+            // What a pass has left is done on a second round: at once it would cost a turn, among the same people.
+            let fresh = open().find(|cell| !self.passed[*cell]);
+            let Some(cell) = fresh.or_else(|| open().next()) else { break };
             if self.plan_to(cell, pose, now_s) {
                 self.leavings = 0;
                 return true;
-            }
-            if self.is_shut_in(pose, now_s) {
-                // Somebody stands beside the robot: no cell is farther away than the others.
-                break;
             }
             self.postpone(cell, now_s);
         }
@@ -435,125 +479,11 @@ impl Cleaner {
         self.leavings += 1;
         let here = Point2::new(pose.x_m, pose.y_m);
         let is_far = |pose: Pose2| Point2::new(pose.x_m, pose.y_m).distance(here) > LEAVES_M;
-        self.search(pose, now_s, (|_: Pose2| Some(0.0), is_far)).is_some_and(|way| {
+        self.search((pose, now_s), (|_: Pose2| Some(0.0), is_far)).is_some_and(|way| {
             self.track = Track::new(way);
             self.plan_s = now_s;
             true
         })
-    }
-
-    /// The way to a cell: to the middle of the dirt around it if that can be, and straight on until the brush has passed all
-    /// that lies before it.
-    fn plan_to(&mut self, cell: usize, pose: Pose2, now_s: f32) -> bool {
-        let place = self.ground.raster().centre(cell);
-        let dirty = self.dirty_around(place);
-        let near: Vec<Point2> =
-            dirty.iter().copied().filter(|other| other.distance(place) < CLUSTER_M).collect();
-        let count = near.len().max(1) as f32;
-        let sum = near.iter().fold((0.0, 0.0), |(x, y), place| (x + place.x_m, y + place.y_m));
-        let middle = if near.is_empty() { place } else { Point2::new(sum.0 / count, sum.1 / count) };
-        let barred = self.barred(now_s);
-        let before_all = |ground: &Ground, pose: Pose2| ground.is_before(pose, middle, (0.25, 0.6), 0.1);
-        let before_one = |ground: &Ground, pose: Pose2| ground.is_before_brush(pose, place);
-        let way = self.way_before(cell, pose, (&barred, before_all));
-        let Some(mut way) = way.or_else(|| self.way_before(cell, pose, (&barred, before_one))) else {
-            return false;
-        };
-        if let Some(last) = way.last().copied() {
-            let past_m = self.pass_m(last.pose, (place, &dirty), &barred);
-            let end = last.pose.compose(Pose2::new(past_m, 0.0, 0.0));
-            way.push(Waypoint { pose: end, gear: Gear::Ahead });
-        }
-        self.track = Track::new(way);
-        self.target = Some(cell);
-        true
-    }
-
-    /// Middles of the cells around a place that are to be cleaned.
-    fn dirty_around(&self, place: Point2) -> Vec<Point2> {
-        let raster = self.ground.raster();
-        let (column, row) = raster.coordinates_of(place);
-        let reach = (AHEAD_M * raster.cells_per_metre()).ceil() as i32;
-        let cells = (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (column + dx, row + dy)));
-        let dirty = cells.filter_map(|(column, row)| raster.index(column, row)).filter(|cell| {
-            let is_dirty = self.localiser.map.get(*cell).is_some_and(|dirt| self.rule.needs_cleaning(dirt));
-            is_dirty && self.ground.floor.reachable[*cell] && self.visits[*cell] < VISITS_MAX
-        });
-        dirty.map(|cell| raster.centre(cell)).collect()
-    }
-
-    /// How far straight on the robot goes so that the brush passes the target, and all dirt before it while there is room.
-    fn pass_m(&self, pose: Pose2, (target, dirty): (Point2, &[Point2]), barred: &[bool]) -> f32 {
-        let ahead_m = |place: Point2| pose.inverse().transform(place).x_m - self.ground.brush.offset_m;
-        let least_m = ahead_m(target) + PAST_M;
-        let lane_m = 0.5 * self.ground.brush.width_m;
-        let in_lane = dirty.iter().filter(|place| {
-            let in_robot = pose.inverse().transform(**place);
-            in_robot.y_m.abs() < lane_m && (0.0..AHEAD_M).contains(&ahead_m(**place))
-        });
-        let most_m = in_lane.map(|place| ahead_m(*place) + PAST_M).fold(least_m, f32::max);
-        let is_free = |way_m: f32| {
-            let next = pose.compose(Pose2::new(way_m, 0.0, 0.0));
-            self.ground.is_free_of(next, Gear::Ahead, |cell| barred[cell])
-        };
-        let steps = ((most_m - least_m) / STEP_M).ceil() as i32;
-        let more =
-            (1..=steps).take_while(|step| is_free(least_m + *step as f32 * STEP_M)).last().unwrap_or(0);
-        (least_m + more as f32 * STEP_M).min(most_m).max(least_m)
-    }
-
-    /// The way to a pose before a cell from where the robot can go straight on over it.
-    fn way_before(
-        &mut self,
-        cell: usize,
-        pose: Pose2,
-        (barred, is_before): (&[bool], impl Fn(&Ground, Pose2) -> bool),
-    ) -> Option<Vec<Waypoint>> {
-        let (ground, guess, pace) = (&self.ground, &mut self.guess, self.pace);
-        let place = ground.raster().centre(cell);
-        guess.run(cell, |cell| ground.floor.passable[cell] || ground.floor.reachable[cell]);
-        let left_s = |pose: Pose2| {
-            let axle = Point2::new(pose.x_m, pose.y_m);
-            let units = ground.raster().cell_at(axle).and_then(|cell| guess.distance(cell));
-            let way_m = units.map_or(1.5 * axle.distance(place), |units| units as f32 / 290.0);
-            Some((way_m - 0.5).max(0.0) / pace.speed_mps)
-        };
-        let is_free = |pose: Pose2, gear: Gear| ground.is_free_of(pose, gear, |cell| barred[cell]);
-        let is_enough = |pose: Pose2| {
-            let past_m = pose.inverse().transform(place).x_m - ground.brush.offset_m + PAST_M;
-            let is_clear =
-                |share: f32| is_free(pose.compose(Pose2::new(share * past_m, 0.0, 0.0)), Gear::Ahead);
-            is_before(ground, pose) && is_clear(0.5) && is_clear(1.0)
-        };
-        self.lattice.find(pose, (is_free, left_s), is_enough)
-    }
-
-    fn search(
-        &mut self,
-        pose: Pose2,
-        now_s: f32,
-        (left_s, is_enough): (impl Fn(Pose2) -> Option<f32>, impl Fn(Pose2) -> bool),
-    ) -> Option<Vec<Waypoint>> {
-        let barred = self.barred(now_s);
-        let ground = &self.ground;
-        let is_free = |pose: Pose2, gear: Gear| ground.is_free_of(pose, gear, |cell| barred[cell]);
-        self.lattice.find(pose, (is_free, left_s), is_enough)
-    }
-
-    /// Cells where no disc of the robot may be, because of what is not on the map.
-    fn barred(&self, now_s: f32) -> Vec<bool> {
-        let raster = self.ground.raster();
-        let mut barred = vec![false; raster.cell_count()];
-        for (place, around_m) in self.obstacles.places(now_s) {
-            let radius_m = self.ground.body.ahead.radius_m + around_m;
-            let reach = (radius_m * raster.cells_per_metre()).ceil() as i32;
-            let (column, row) = raster.coordinates_of(place);
-            for (dx, dy) in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy))) {
-                let Some(cell) = raster.index(column + dx, row + dy) else { continue };
-                barred[cell] |= raster.centre(cell).distance(place) < radius_m;
-            }
-        }
-        barred
     }
 
     /// The next lane that can be got to; one that nobody can get to is left out.
@@ -570,7 +500,7 @@ impl Cleaner {
             };
             let speed_mps = self.pace.speed_mps;
             let left_s = move |pose: Pose2| Some(Point2::new(pose.x_m, pose.y_m).distance(from) / speed_mps);
-            let Some(mut way) = self.search(pose, now_s, (left_s, start)) else { continue };
+            let Some(mut way) = self.search((pose, now_s), (left_s, start)) else { continue };
             let steps = (from.distance(to) / STEP_M).floor() as i32;
             for step in 1..=steps {
                 let share = step as f32 * STEP_M;

@@ -11,8 +11,10 @@ mod plan;
 mod progress;
 mod setup;
 mod store;
+mod surroundings;
 mod tell;
 mod track;
+mod visits;
 
 pub use mission::{Cleaner, SharedWatch};
 pub use outcome::{MissionJudge, MissionOutcome, MissionReport};

@@ -1,10 +1,11 @@
 //! What stands on the floor and is not on the map: people who wait, trolleys, cartons.
 //!
 //! Every scan marks the cells where it ends short of what the map shows. A mark fades after a while, so that who has left
-//! bars no way.
+//! bars no way; one that a beam passes is gone at once.
 
-use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_core::geometry::{Point2, Pose2, wrap_angle};
 use floorguard_core::maps::GridGeometry;
+use floorguard_core::sensing::{BeamReturn, Scan};
 
 use crate::mission::Floor;
 
@@ -15,8 +16,42 @@ const RANGE_M: f32 = 6.0;
 /// A mark counts this long, seconds.
 const FADES_S: f32 = 4.0;
 
+/// A beam that ends this much farther than a mark has passed it, metres.
+const BEYOND_M: f32 = 0.3;
+/// One beam in this many is looked at.
+const BEAM_INTERVAL: usize = 3;
+
 /// Half a person, metres; the room of the robot has a margin of its own.
 const PERSON_M: f32 = 0.15;
+
+/// Ends of every so many beams, in the scanner's frame.
+pub fn ends_of(scan: &Scan, interval: usize) -> impl Iterator<Item = Point2> {
+    scan.beams.iter().enumerate().step_by(interval).filter_map(|(beam, hit)| match hit {
+        BeamReturn::Hit(range_mm) => {
+            let angle = scan.first_angle_rad + beam as f32 * scan.step_rad;
+            let range_m = f32::from(*range_mm) * 1.0e-3;
+            Some(Point2::new(range_m * angle.cos(), range_m * angle.sin()))
+        }
+        _ => None,
+    })
+}
+
+/// The beam towards a place in the scanner's frame, and both beside it, end beyond it. A beam that was not measured says nothing.
+fn is_passed(scan: &Scan, place: Point2) -> bool {
+    let beam = (wrap_angle(place.y_m.atan2(place.x_m) - scan.first_angle_rad)
+        .rem_euclid(std::f32::consts::TAU)
+        / scan.step_rad.max(1.0e-4))
+    .round() as usize;
+    let beams = beam.checked_sub(1).and_then(|first| scan.beams.get(first..beam + 2));
+    beams.is_some_and(|beams| {
+        beams.iter().all(|hit| match hit {
+            BeamReturn::Hit(range_mm) | BeamReturn::Free(range_mm) => {
+                f32::from(*range_mm) * 1.0e-3 > place.norm() + BEYOND_M
+            }
+            BeamReturn::Unknown => false,
+        })
+    })
+}
 
 /// Marks on the raster of a floor.
 pub struct Obstacles {
@@ -39,22 +74,30 @@ impl Obstacles {
         }
     }
 
-    /// Ends of beams, in the robot's frame, seen from a pose in the map frame.
-    pub fn see(&mut self, floor: &Floor, pose: Pose2, (ends, now_s): (&[Point2], f32)) {
-        let marks = &mut self.seen_s;
-        self.marked.retain(|cell| now_s - marks[*cell as usize] <= FADES_S);
-        for end in ends.iter().filter(|end| end.norm() < RANGE_M) {
-            let place = pose.transform(*end);
+    /// A scan, seen from the scanner's pose in the map frame. A mark that a beam passes is none any more: who walks leaves
+    /// no wall behind.
+    pub fn see(&mut self, floor: &Floor, scanner: Pose2, (scan, now_s): (&Scan, f32)) {
+        let (marks, raster, to_scanner) = (&mut self.seen_s, self.raster, scanner.inverse());
+        self.marked.retain(|cell| {
+            let place = to_scanner.transform(raster.centre(*cell as usize));
+            let is_old = now_s - marks[*cell as usize] > FADES_S;
+            if is_old || is_passed(scan, place) {
+                marks[*cell as usize] = f32::NEG_INFINITY;
+            }
+            marks[*cell as usize] > f32::NEG_INFINITY
+        });
+        for end in ends_of(scan, BEAM_INTERVAL).filter(|end| end.norm() < RANGE_M) {
+            let place = scanner.transform(end);
             let Some(cell) = self.raster.cell_at(place) else { continue };
             if floor.surfaces.clearance_m(place) < EXPLAINED_M
                 || floor.clearance.clearance_m(place) < EXPLAINED_M
             {
                 continue;
             }
-            if now_s - marks[cell] > FADES_S {
+            if self.seen_s[cell] == f32::NEG_INFINITY {
                 self.marked.push(cell as u32);
             }
-            marks[cell] = now_s;
+            self.seen_s[cell] = now_s;
         }
     }
 
@@ -71,5 +114,45 @@ impl Obstacles {
         let marks = self.marked.iter().filter(recent).map(|cell| (self.raster.centre(*cell as usize), 0.0));
         let people = self.people.iter().filter(|_| now_s - self.people_s <= FADES_S);
         marks.chain(people.map(|place| (*place, PERSON_M))).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mission::rooms;
+
+    /// A scan with every beam as long as `range_mm` tells, 1° apart, around straight ahead.
+    fn scan(range_mm: impl Fn(i32) -> Option<u16>) -> Scan {
+        let mut scan = Scan::EMPTY;
+        scan.first_angle_rad = -90.0_f32.to_radians();
+        scan.step_rad = 1.0_f32.to_radians();
+        for degrees in -90..=90 {
+            let beam = range_mm(degrees).map_or(BeamReturn::Unknown, BeamReturn::Hit);
+            scan.beams.push(beam).unwrap();
+        }
+        scan
+    }
+
+    /// Somebody a metre ahead, in the middle of a room.
+    #[test]
+    fn a_mark_goes_with_who_made_it_and_not_with_a_beam_that_says_nothing() {
+        let floor = Floor::new("plain", rooms::plain().unwrap(), 0.17).unwrap();
+        let half = |cells: u16| i32::from(cells) / 2;
+        let middle = floor.cells.index(half(floor.cells.width()), half(floor.cells.height())).unwrap();
+        let middle = floor.cells.centre(middle);
+        let scanner = Pose2::new(middle.x_m - 1.0, middle.y_m, 0.0);
+        let somebody = scan(|degrees| (degrees.abs() < 6).then_some(1_000));
+        let mut obstacles = Obstacles::new(floor.cells);
+        obstacles.see(&floor, scanner, (&somebody, 0.0));
+        assert!(!obstacles.places(0.1).is_empty());
+        obstacles.see(&floor, scanner, (&scan(|_| None), 0.2));
+        assert!(!obstacles.places(0.2).is_empty(), "blind is not clear");
+        obstacles.see(&floor, scanner, (&scan(|degrees| (degrees.abs() < 6).then_some(1_100)), 0.3));
+        assert!(!obstacles.places(0.3).is_empty(), "that may be the same one");
+        obstacles.see(&floor, scanner, (&scan(|_| Some(30_000)), 0.4));
+        assert!(obstacles.places(0.4).is_empty(), "a beam went through");
+        obstacles.see(&floor, scanner, (&somebody, 0.5));
+        assert!(obstacles.places(0.5 + FADES_S + 0.1).is_empty(), "it fades");
     }
 }

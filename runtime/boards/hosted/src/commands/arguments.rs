@@ -16,7 +16,7 @@ pub struct Arguments {
 /// One thing to do.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Two simulated minutes of a supermarket: live status, verdict, and a report with a picture.
+    /// Three simulated minutes of a supermarket: live status, verdict, and a report with a picture.
     Demo(super::DemoArguments),
     /// Run the robot on real devices.
     Run(super::RunArguments),

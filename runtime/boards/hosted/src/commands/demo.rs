@@ -1,4 +1,4 @@
-//! `floorguard demo`: two simulated minutes of a supermarket, a verdict, and a report with a picture.
+//! `floorguard demo`: three simulated minutes of a supermarket, a verdict, and a report with a picture.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -23,7 +23,7 @@ pub struct DemoArguments {
     #[arg(long, value_enum)]
     pub strategy: Option<MissionStrategy>,
     /// Simulated seconds.
-    #[arg(long, default_value_t = 120.0)]
+    #[arg(long, default_value_t = 180.0)]
     pub duration: f64,
     /// In real time over real carriers: UDP on the loopback, pseudo-terminals, SLCAN.
     #[arg(long)]
@@ -44,7 +44,7 @@ impl Default for DemoArguments {
         Self {
             seed: 1,
             strategy: None,
-            duration: 120.0,
+            duration: 180.0,
             real_io: false,
             report: PathBuf::from("floorguard-report"),
             record: None,
