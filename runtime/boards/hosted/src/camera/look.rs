@@ -1,7 +1,7 @@
 //! From a depth picture to what the rings hear of it: floor, things on it, and whether it is known.
 
 use floorguard_core::floor::{
-    ConfirmedObject, FloorModel, FloorParameters, ObjectFinder, ObjectMemory, PixelClass,
+    ConfirmedObject, FloorModel, FloorParameters, ObjectFinder, ObjectMemory, PixelClass, Plane,
 };
 use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_core::sensing::DepthImage;
@@ -27,6 +27,7 @@ pub struct FloorLook {
     classes: Vec<PixelClass>,
     camera_in_robot: Pose2,
     limits: FloorLimits,
+    plane: Option<Plane>,
 }
 
 impl FloorLook {
@@ -53,7 +54,14 @@ impl FloorLook {
                 response_s: robot.limits.response_s + FRAME_S,
                 unknown_speed_mps: robot.thresholds.warning_speed_mps,
             },
+            plane: None,
         })
+    }
+
+    /// The floor of the newest picture; `None` if it showed none.
+    #[must_use]
+    pub const fn plane(&self) -> Option<&Plane> {
+        self.plane.as_ref()
     }
 
     /// What is told while no picture says anything.
@@ -71,6 +79,7 @@ impl FloorLook {
         (stamp, now): (Stamp, Stamp),
     ) -> FloorSight {
         let mut sight = self.blind(stamp);
+        self.plane = None;
         let Ok(image) = DepthImage::new(stamp, self.size, depth_mm) else { return sight };
         let estimate = self.model.update(&image, now);
         let parameters = *self.model.parameters();
@@ -80,6 +89,7 @@ impl FloorLook {
         // Without a floor in this very picture its heights mean nothing.
         sight.is_known = estimate.is_known && estimate.fault.is_none();
         if sight.is_known {
+            self.plane = Some(estimate.plane);
             let camera_in_odom = robot_in_odom.compose(self.camera_in_robot);
             for thing in self.seen.update(&found, camera_in_odom).iter().map(|seen| self.thing(seen)) {
                 // The list is sorted by distance: what does not fit is farther away.
@@ -103,7 +113,6 @@ impl FloorLook {
 mod tests {
     use super::*;
     use crate::configuration::{EXAMPLE, parse};
-    use floorguard_core::floor::Plane;
     use floorguard_core::sensing::PinholeCamera;
     use floorguard_runtime::tasks::with_floor;
 

@@ -4,10 +4,12 @@
 
 mod device;
 mod look;
+mod people;
 mod pixels;
 mod watch;
 
 pub use device::Device;
 pub use look::FloorLook;
+pub use people::PeopleLook;
 pub use pixels::{ColourFormat, WrongFrame, colour_of, depth_of};
 pub use watch::watch_floor;

@@ -9,10 +9,12 @@ use floorguard_runtime::configuration::RobotConfiguration;
 
 use super::device::Device;
 use super::look::FloorLook;
+use super::people::PeopleLook;
 use super::pixels::depth_of;
 use crate::configuration::CameraConfiguration;
 use crate::executor::StopFlag;
 use crate::robot::HostedShared;
+use crate::world::PeopleInbox;
 
 /// Between looks at the device: a third of a frame at 30 Hz.
 const POLL: Duration = Duration::from_millis(10);
@@ -26,18 +28,19 @@ const Z16: [u8; 4] = *b"Z16 ";
 /// Publishes what the camera sees until `flag` stops; before the first picture, that nothing is known.
 pub fn watch_floor(
     (robot, camera): (&RobotConfiguration, &CameraConfiguration),
-    shared: &HostedShared,
+    (shared, inbox): (&HostedShared, &PeopleInbox),
     flag: &StopFlag,
     say: impl Fn(String),
 ) {
-    let Some(mut look) = FloorLook::new(robot, camera) else { return };
-    shared.floor.publish(look.blind(clock::now()));
+    let Some(floor) = FloorLook::new(robot, camera) else { return };
+    let mut look = (floor, PeopleLook::new(camera));
+    shared.floor.publish(look.0.blind(clock::now()));
     let mut said = None;
     while !flag.is_stopped() {
         match Device::open(&camera.depth, camera.size, &[Z16]) {
             Ok(device) => {
                 said = None;
-                let why = follow(device, camera, (&mut look, shared), flag);
+                let why = follow(device, (&mut look, camera), (shared, inbox), flag);
                 if !flag.is_stopped() {
                     say(format!("camera: {}: {why}; the floor is unknown", camera.depth.display()));
                 }
@@ -62,8 +65,8 @@ fn say_once(said: &mut Option<String>, device: &Path, why: String, say: &impl Fn
 /// Looks at every frame; returns why it ended.
 fn follow(
     mut device: Device,
-    camera: &CameraConfiguration,
-    (look, shared): (&mut FloorLook, &HostedShared),
+    ((floor, people), camera): (&mut (FloorLook, PeopleLook), &CameraConfiguration),
+    (shared, inbox): (&HostedShared, &PeopleInbox),
     flag: &StopFlag,
 ) -> String {
     let mut last = Instant::now();
@@ -75,11 +78,13 @@ fn follow(
             Ok(Some((stamp, bytes))) => {
                 last = Instant::now();
                 let pose = shared.pose.get().unwrap_or_default().pose_in_odometry;
-                let sight = match depth_of(&bytes, camera.size, device.line_bytes) {
-                    Ok(depth_mm) => look.look(&depth_mm, pose, (stamp, clock::now())),
-                    Err(_) => look.blind(stamp),
+                let Ok(depth_mm) = depth_of(&bytes, camera.size, device.line_bytes) else {
+                    shared.floor.publish(floor.blind(stamp));
+                    continue;
                 };
-                shared.floor.publish(sight);
+                shared.floor.publish(floor.look(&depth_mm, pose, (stamp, clock::now())));
+                let seen = floor.plane().and_then(|plane| people.look(&depth_mm, (plane, pose), stamp));
+                seen.into_iter().for_each(|view| inbox.put(view));
             }
         }
     }

@@ -24,7 +24,7 @@ use crate::environment::{Calendar, LiveLearner};
 use crate::executor::{Ring, StopFlag, take_priority};
 use crate::panel::Order;
 use crate::robot::{HostedShared, Links, run_rings, write_stop_file};
-use crate::world::{Notes, Witnesses, new_shared, with_onlooker};
+use crate::world::{Notes, PeopleInbox, Witnesses, new_shared, with_onlooker};
 
 /// How often the display looks at the robot.
 const LOOK: Duration = Duration::from_millis(50);
@@ -86,11 +86,12 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     let mut witnesses = open_witnesses(arguments, &configuration)?;
     with_onlooker(&mut witnesses, &shared, |tap, notes| {
         links.tap = tap;
+        let inbox = links.people.clone();
         run_rings((&configuration.robot, links), &shared, &flag, || {
             let typed = typed_lines();
             // The display reads what the rings share; the word for it is on the console already.
             let _ = take_priority(Ring::Onlooker);
-            with_camera(&configuration, &shared, || watch.until_stopped(&flag, &typed, notes))
+            with_camera(&configuration, (&shared, &inbox), || watch.until_stopped(&flag, &typed, notes))
         })?
     })?;
     if let Some(learner) = watch.learner.take() {
@@ -101,17 +102,17 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Runs `beside` while the floor camera, if there is one, looks at the floor on a thread of its own.
+/// Runs `beside` while the camera, if there is one, looks at floor and people on a thread of its own.
 fn with_camera<T>(
     configuration: &HostedConfiguration,
-    shared: &HostedShared,
+    (shared, inbox): (&HostedShared, &PeopleInbox),
     beside: impl FnOnce() -> T,
 ) -> T {
     let flag = &StopFlag::default();
     thread::scope(|scope| {
         if let Some(camera) = &configuration.carriers.camera {
             let say = |what: String| anstream::eprintln!("floorguard run: {what}");
-            scope.spawn(move || watch_floor((&configuration.robot, camera), shared, flag, say));
+            scope.spawn(move || watch_floor((&configuration.robot, camera), (shared, inbox), flag, say));
         }
         let answer = beside();
         flag.stop();

@@ -9,7 +9,7 @@ use super::tap::{Tap, Tapped};
 use crate::carriers::{CanLink, ReconnectingLine, UdpReceiver};
 use crate::cleaner::MissionSetup;
 use crate::configuration::{CanAddress, Carriers, SerialAddress};
-use crate::world::GuardCarriers;
+use crate::world::{GuardCarriers, PeopleInbox};
 
 /// Where the bytes come from, before the guard's thread opens it.
 #[derive(Debug)]
@@ -26,6 +26,8 @@ pub struct Links {
     pub tap: Option<Tap>,
     /// What the robot cleans; without it, it drives its route.
     pub mission: Option<MissionSetup>,
+    /// What others than the lidar and the scanner see of people.
+    pub people: PeopleInbox,
 }
 
 /// A device that is not there yet.
@@ -53,7 +55,15 @@ impl Links {
             io::Error::new(error.kind(), format!("[lidar] udp:{address}: {error}; {remedy}"))
         })?;
         let (scanner, imu) = (carriers.scanner.clone(), carriers.imu.clone());
-        Ok(Self { lidar, scanner, imu, can: carriers.can.clone(), tap: None, mission: None })
+        Ok(Self {
+            lidar,
+            scanner,
+            imu,
+            can: carriers.can.clone(),
+            tap: None,
+            mission: None,
+            people: PeopleInbox::default(),
+        })
     }
 
     /// Opens everything on the calling thread; `missing` hears of what is not there yet.

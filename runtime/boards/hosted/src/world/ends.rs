@@ -12,6 +12,7 @@ use floorguard_sim::simulation::{Payload, Stream, WireEvent};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use socketcan::{CanFrame as KernelFrame, CanSocket, Socket};
 
+use super::inbox::PeopleInbox;
 use crate::carriers::PseudoTerminal;
 use crate::configuration::{CanAddress, SerialAddress};
 use crate::robot::Links;
@@ -67,6 +68,7 @@ impl Ends {
             can: address,
             tap: None,
             mission: None,
+            people: PeopleInbox::default(),
         };
         Ok((Self { lidar, scanner, imu, can, refused: 0 }, links))
     }

@@ -1,6 +1,7 @@
 //! The robot's tasks in a world: simulated on a virtual clock, simulated over real carriers, or real devices.
 
 mod ends;
+mod inbox;
 mod observer;
 mod onlooker;
 mod operator;
@@ -15,6 +16,7 @@ mod truth;
 mod virtual_world;
 mod witnesses;
 
+pub use inbox::PeopleInbox;
 pub use observer::{Observation, Observer, PeopleSeen, SeenStop, TRACKED_RANGE_M};
 pub use onlooker::{Notes, with_onlooker};
 pub use plan::{Plan, PlanError};

@@ -22,6 +22,7 @@ use floorguard_runtime::tasks::{
     imu_input, lidar_input, operator_input, perceive, scanner_input, supervise,
 };
 
+use super::inbox::PeopleInbox;
 use crate::cleaner::Cleaner;
 use crate::executor::TaskSet;
 
@@ -81,13 +82,22 @@ impl Stages {
 /// The perception ring of a hosted robot.
 pub type HostedPerception = PerceptionState<HostedMotion>;
 
-/// Judges what moves, if that stage runs.
-pub struct HostedMotion(Option<Box<MotionDetector>>);
+/// Judges what moves, if that stage runs, and hears what other threads saw of people.
+pub struct HostedMotion {
+    motion: Option<Box<MotionDetector>>,
+    inbox: PeopleInbox,
+}
 
 impl HostedMotion {
     fn new(stages: Stages) -> Self {
         let runs = stages == Stages::All;
-        Self(runs.then(|| Box::new(MotionDetector::new(MotionParameters::FIXED))))
+        let motion = runs.then(|| Box::new(MotionDetector::new(MotionParameters::FIXED)));
+        Self { motion, inbox: PeopleInbox::default() }
+    }
+
+    /// From now on what comes in there goes into the list of people, too.
+    pub fn listen_to(&mut self, inbox: PeopleInbox) {
+        self.inbox = inbox;
     }
 }
 
@@ -98,7 +108,10 @@ impl JudgeMotion for HostedMotion {
         sweep: &Sweep,
         context: &SweepContext,
     ) -> PeopleOutput<'a> {
-        match &mut self.0 {
+        for view in self.inbox.take_all() {
+            people.add_view(&view);
+        }
+        match &mut self.motion {
             Some(motion) => motion.people(people, sweep, context),
             None => NoMotion.people(people, sweep, context),
         }
