@@ -90,6 +90,20 @@ const STEPS: &[Step] = &[
             "20",
         ],
     },
+    Step {
+        name: "firmware-faults",
+        arguments: &[
+            "run",
+            "--quiet",
+            "--package",
+            "floorguard-xtask",
+            "--",
+            "campaign",
+            "firmware-faults",
+            "--trials",
+            "4",
+        ],
+    },
     // After the firmware, whose figures it shows.
     Step { name: "audit", arguments: &["run", "--quiet", "--package", "floorguard-xtask", "--", "audit"] },
 ];

@@ -37,6 +37,7 @@ pub fn inspect(file: &SourceFile, into: &mut Forbidden) {
     let mut visitor =
         Visitor { file, into, functions: vec![], owner: None, imports_fixed_vec, constant: false };
     visitor.visit_file(&file.syntax);
+    visitor.crate_attributes();
 }
 
 /// The file imports a vector of fixed capacity, so that `Vec` means that one.
@@ -92,6 +93,27 @@ impl Visitor<'_> {
         if HEAP_NAMES.contains(&name.as_str()) || growing_vec {
             let finding = self.finding(identifier, format!("`{name}` needs the heap; use a fixed capacity"));
             self.into.heap.push(finding);
+        }
+    }
+
+    /// What the compiler is asked to refuse stands at the head of each crate.
+    fn crate_attributes(&mut self) {
+        if !self.file.path.ends_with("src/lib.rs") {
+            return;
+        }
+        let attributes: Vec<String> =
+            self.file.syntax.attrs.iter().map(|attribute| shown(&attribute.meta)).collect();
+        let missing = |text: &str| !attributes.iter().any(|attribute| attribute == text);
+        let finding = |message: &str| Finding {
+            place: self.file.path.clone(),
+            line: 1,
+            message: format!("`#![{message}]` is missing"),
+        };
+        if missing("forbid(unsafe_code)") {
+            self.into.unsafe_code.push(finding("forbid(unsafe_code)"));
+        }
+        if missing("no_std") {
+            self.into.heap.push(finding("no_std"));
         }
     }
 

@@ -269,6 +269,14 @@ impl Image {
             .collect()
     }
 
+    /// Functions that call their own beginning. The graph leaves them out: two copies of a generic share their name.
+    pub fn calling_themselves(&self) -> impl Iterator<Item = &str> {
+        let itself = |function: &&Function| {
+            function.flow.calls.iter().any(|(_, target)| target & !1 == function.address & !1)
+        };
+        self.functions.values().filter(itself).map(|function| function.name.as_str())
+    }
+
     fn at(&self, address: u64) -> Option<&Function> {
         self.functions
             .range(..=address)

@@ -89,3 +89,16 @@ fn the_sources_of_the_tree_hold() {
     let findings = claims.iter().flat_map(|claim| &claim.findings).collect::<Vec<_>>();
     assert!(findings.is_empty(), "{findings:#?}");
 }
+
+#[test]
+fn a_crate_that_forgets_what_the_compiler_must_refuse_is_named() {
+    for library in ["core-nostd/src/lib.rs", "drivers/src/lib.rs"] {
+        for (attribute, claim) in
+            [("#![forbid(unsafe_code)]", "no-unsafe"), ("#![no_std]", "no-heap-in-sources")]
+        {
+            let text = std::fs::read_to_string(shell::root().join(library)).expect("the file is there");
+            assert_eq!(failing(parsed(library, text.clone())), []);
+            assert_eq!(failing(parsed(library, text.replace(attribute, ""))), [(claim, 1)], "{library}");
+        }
+    }
+}

@@ -9,6 +9,7 @@ mod dependencies;
 mod evidence;
 mod forbidden;
 mod forbidden_words;
+mod hosted_rooms;
 mod image;
 #[cfg(test)]
 mod injection_tests;
@@ -29,6 +30,7 @@ mod sneaky_tests;
 mod sources;
 pub(crate) mod thumb;
 mod trace;
+mod unseen;
 
 pub use bounds::shown;
 pub use loops::{LoopSite, list as loops_of};

@@ -14,6 +14,8 @@ pub struct Records {
     pub worst: Option<Value>,
     /// `docs/evidence/campaigns.json`: long campaigns that were run, with their counts.
     pub campaigns: Option<Value>,
+    /// `docs/safety-manual.md`, of which the report quotes a chapter.
+    pub manual: String,
 }
 
 /// Reads what there is.
@@ -23,5 +25,6 @@ pub fn read(root: &Path) -> Records {
         firmware: value("tests/goldens/firmware.json"),
         worst: value(crate::worst::GOLDEN),
         campaigns: value("docs/evidence/campaigns.json"),
+        manual: fs::read_to_string(root.join("docs/safety-manual.md")).unwrap_or_default(),
     }
 }

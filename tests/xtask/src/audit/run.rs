@@ -12,7 +12,7 @@ use super::image::{self, Image};
 use super::loops::{self, LoopSite};
 use super::results::{self, Results};
 use super::sources::SourceFile;
-use super::{circles, dependencies, mutation, picture, records, report, seen, sources, trace};
+use super::{circles, dependencies, hosted_rooms, mutation, picture, records, report, seen, sources, trace};
 use crate::shell;
 
 /// How the audit speaks.
@@ -28,15 +28,6 @@ const STACK_BUDGET_BYTES: u32 = 8 * 1024;
 
 /// Stack of a stage that runs once, before any task: the whole of it is free then, bytes.
 const START_BUDGET_BYTES: u32 = 128 * 1024;
-
-/// Rooms that run on a Linux computer only (architecture 7), so that the MCU's image need not hold them. Their sources are
-/// judged like all others; that nothing panics in their compiled form and how much stack they need is not shown.
-const HOSTED_ROOMS: &[&str] = &[
-    "core-nostd/src/cleaning",
-    "core-nostd/src/maps",
-    "core-nostd/src/online_learning",
-    "core-nostd/src/rgbd_people",
-];
 
 /// Folders whose loops are not ours: their bounds are argued in the report.
 const LIBRARIES: &[&str] = &[
@@ -57,6 +48,7 @@ pub fn run(options: &Options) -> Result<bool> {
     let files = sources::read_layers(&root)?;
     let (mut claims, mut sites) = judge_sources(&files);
     claims.push(seen::compare(&root, &mut sites));
+    claims.push(hosted_rooms::claim(&root, &files)?);
     // What does not compile can still be read: the mistakes in the sources are named all the same.
     let image = image::build()?.map(|path| image::read(&path)).transpose()?;
     claims.push(image_builds(image.is_some()));
@@ -183,6 +175,7 @@ fn image_claims(image: &Image, files: &[SourceFile], sites: &[LoopSite]) -> Vec<
             findings: circles::cycles(&image.call_graph())
                 .into_iter()
                 .map(|cycle| finding(&cycle.join(" → "), "these functions call one another in a circle"))
+                .chain(image.calling_themselves().map(|name| finding(name, "calls itself")))
                 .collect(),
         },
         Claim {
@@ -227,14 +220,15 @@ fn rooms_linked(image: &Image, files: &[SourceFile]) -> Claim {
     let rooms: BTreeSet<String> = files.iter().filter(has_code).map(|file| room(&file.path)).collect();
     let linked: BTreeSet<String> = image.files.iter().map(|file| room(file)).collect();
     let missing: Vec<&String> = rooms.iter().filter(|room| !linked.contains(*room)).collect();
-    let needed = |room: &&&String| !HOSTED_ROOMS.contains(&room.as_str());
+    let needed = |room: &&&String| !hosted_rooms::is_hosted(room);
     Claim {
         id: "rooms-linked",
         text: "Every room of core and drivers that runs on the MCU has code in the safety image.",
         evidence: format!(
-            "{} of {} rooms linked; not: {missing:?}",
+            "{} of {} rooms linked; not linked, for the reasons in the report: {}",
             rooms.len() - missing.len(),
-            rooms.len()
+            rooms.len(),
+            missing.iter().filter_map(|room| room.rsplit('/').next()).collect::<Vec<_>>().join(", ")
         ),
         findings: missing
             .iter()
@@ -282,6 +276,11 @@ fn hidden_loops(image: &Image, sites: &[LoopSite]) -> Claim {
     }
 }
 
+/// Stack that a root may need, bytes.
+pub fn budget_of(root: &str) -> u32 {
+    if root.ends_with("_start") { START_BUDGET_BYTES } else { STACK_BUDGET_BYTES }
+}
+
 fn stack(image: &Image) -> Claim {
     let roots: Vec<&str> =
         image.functions.values().map(|f| f.name.as_str()).filter(|name| name.contains("root_")).collect();
@@ -290,7 +289,7 @@ fn stack(image: &Image) -> Claim {
     for root in roots {
         let (bytes, chain) = image.deepest_stack(root);
         let short = root.rsplit("::").next().unwrap_or(root);
-        let budget = if short.ends_with("_start") { START_BUDGET_BYTES } else { STACK_BUDGET_BYTES };
+        let budget = budget_of(root);
         lines.push(format!("{short} {bytes} of {budget} B"));
         if bytes > budget {
             let message = format!("needs {bytes} B of {budget} B through {}", chain.join(" → "));

@@ -45,10 +45,11 @@ pub struct Record {
 }
 
 /// What a record is found by.
-type Name = (String, String, String, usize, String);
+pub type Name = (String, String, String, usize, String);
 
 impl Record {
-    fn name(&self) -> Name {
+    /// What it is found by.
+    pub fn name(&self) -> Name {
         let text = |text: &String| text.clone();
         (text(&self.file), text(&self.function), text(&self.kind), self.number, text(&self.bound))
     }

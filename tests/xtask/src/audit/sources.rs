@@ -25,9 +25,14 @@ pub fn is_own(file: &str) -> bool {
 
 /// All source files of the audited layers, in the order of their paths.
 pub fn read_layers(root: &Path) -> Result<Vec<SourceFile>> {
+    read_folders(root, &LAYERS)
+}
+
+/// All source files below some folders, in the order of their paths.
+pub fn read_folders(root: &Path, folders: &[&str]) -> Result<Vec<SourceFile>> {
     let mut paths = Vec::new();
-    for layer in LAYERS {
-        collect(&root.join(layer), &mut paths)?;
+    for folder in folders {
+        collect(&root.join(folder), &mut paths)?;
     }
     paths.sort();
     paths

@@ -1,7 +1,7 @@
 //! One block of a campaign: the test in a process of its own, so that a crash is a finding and not an end.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
@@ -26,9 +26,27 @@ pub fn build(kind: &Kind) -> Result<PathBuf> {
     executables.next_back().context("cargo names no test executable")
 }
 
+/// What every block of a campaign runs.
+pub struct Program {
+    /// The test.
+    pub test: PathBuf,
+    /// The firmware that it plays tapes on, where it does.
+    pub firmware: Option<PathBuf>,
+}
+
 /// Runs the trials; what was counted, or the output of the run that failed.
-pub fn run(test: &Path, kind: &Kind, seed: u64, trials: std::ops::Range<u64>) -> Result<Counts, String> {
-    let output = Command::new(test)
+pub fn run(
+    program: &Program,
+    kind: &Kind,
+    seed: u64,
+    trials: std::ops::Range<u64>,
+) -> Result<Counts, String> {
+    let test = &program.test;
+    let mut command = Command::new(test);
+    if let Some(firmware) = &program.firmware {
+        command.env("FLOORGUARD_TAPE_IMAGE", firmware);
+    }
+    let output = command
         .args(["--exact", kind.test, "--nocapture", "--test-threads=1"])
         .env("FLOORGUARD_CAMPAIGN_SEED", seed.to_string())
         .env("FLOORGUARD_CAMPAIGN_FROM", trials.start.to_string())

@@ -23,6 +23,9 @@ const fn fuzz(name: &'static str, test: &'static str, block: u64, trials: u64) -
     Kind { name, trial: "damaged messages", package: "floorguard-tests", target, test, block, trials }
 }
 
+/// The campaign that needs the firmware.
+pub const FIRMWARE_FAULTS: &str = "firmware-faults";
+
 /// All campaigns.
 pub const KINDS: &[Kind] = &[
     Kind {
@@ -51,6 +54,15 @@ pub const KINDS: &[Kind] = &[
         test: "no_fault_of_the_matrix_makes_the_robot_miss_a_stop",
         block: 60,
         trials: 100_000,
+    },
+    Kind {
+        name: FIRMWARE_FAULTS,
+        trial: "runs with a fault, the inputs of each played on the emulated Cortex-M7 too, with the host's fingerprint",
+        package: "floorguard-tests",
+        target: &["--test", "firmware_faults"],
+        test: "the_emulated_board_answers_every_fault_as_the_host_does",
+        block: 10,
+        trials: 1_000,
     },
     Kind {
         name: "claims",

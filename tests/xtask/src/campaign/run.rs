@@ -12,14 +12,15 @@ use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 
 use super::state::State;
 use super::{block, kinds, matrix, record, shares, state};
-use crate::{counting, mutants, worst};
+use crate::{counting, firmware, mutants, worst};
 
 /// Which campaign and how much of it.
 #[derive(Args)]
 pub struct Options {
     /// model, fuzz-velodyne, fuzz-s300 …: a wrong name lists them.
     name: String,
-    /// Trials; without it as many as the campaign asks for. For `loops` stages: 1 is core and drivers, 2 all tests.
+    /// Trials; without it as many as the campaign asks for. For `loops` stages: 1 is core and
+    /// drivers, 2 also recordings and simulated rooms, 3 all tests.
     #[arg(long)]
     trials: Option<u64>,
     /// Seed: the same seed repeats the same trials.
@@ -39,7 +40,7 @@ pub struct Options {
 /// Runs to the end or to the first finding. True if there is none.
 pub fn run(options: &Options) -> Result<bool> {
     if options.name == "loops" {
-        return counting::run(options.seed, options.trials);
+        return counting::run(options.seed, options.trials, options.fresh);
     }
     if options.name == "worst" {
         return worst::search(options.trials, options.seed);
@@ -54,7 +55,9 @@ pub fn run(options: &Options) -> Result<bool> {
         let _ = std::fs::remove_file(&path);
     }
     let test = program(kind, &path, options.same_program)?;
-    let state = State::load(&path, &fingerprint(&test)?);
+    let firmware = (kind.name == kinds::FIRMWARE_FAULTS).then(firmware::tape_image).transpose()?;
+    let state = State::load(&path, &fingerprint(&test, firmware.as_deref())?);
+    let program = block::Program { test, firmware };
     let starts: Vec<u64> =
         (0..trials).step_by(kind.block as usize).filter(|at| !state.done.contains(at)).collect();
     println!("{}: {trials} {}, seed {}; {} done before", kind.name, kind.trial, options.seed, state.trials);
@@ -69,7 +72,7 @@ pub fn run(options: &Options) -> Result<bool> {
             return Ok(());
         }
         let part = start..(start + kind.block).min(trials);
-        match block::run(&test, kind, options.seed, part.clone()) {
+        match block::run(&program, kind, options.seed, part.clone()) {
             Ok(counts) => {
                 bar.inc(part.end - part.start);
                 // A block that the end of this run cut short is repeated in full by a longer one.
@@ -120,10 +123,11 @@ fn shown(path: &std::path::Path) -> String {
     path.strip_prefix(crate::shell::root()).unwrap_or(path).display().to_string()
 }
 
-/// Of the test's executable: the same sources give the same one.
-fn fingerprint(test: &std::path::Path) -> Result<String> {
-    let bytes = std::fs::read(test).with_context(|| format!("cannot read {}", test.display()))?;
+/// Of the test's executable, and of the firmware that it plays on: the same sources give the same ones.
+fn fingerprint(test: &std::path::Path, firmware: Option<&std::path::Path>) -> Result<String> {
     let mut hasher = DefaultHasher::new();
-    hasher.write(&bytes);
+    for path in [Some(test), firmware].into_iter().flatten() {
+        hasher.write(&std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?);
+    }
     Ok(format!("{:016x}", hasher.finish()))
 }

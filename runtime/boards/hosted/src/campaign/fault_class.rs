@@ -44,6 +44,14 @@ pub const SOURCES: [&str; 12] = [
 
 /// The devices that speak; the first three have a clock of their own.
 const DEVICES: usize = 7;
+/// First of the sources within the computer.
+const TASKS: usize = 9;
+
+/// The source is a task of the robot's computer, or all of it.
+#[must_use]
+pub const fn is_computer(source: usize) -> bool {
+    source >= TASKS
+}
 
 /// The class can happen at the source. Process data on the bus carry no stamp; only what looks can be blinded; tasks
 /// can be slow or stand, and the whole computer can lose its power; outputs are stuck where the computer speaks.
@@ -53,7 +61,7 @@ pub fn is_possible(class: usize, source: usize) -> bool {
     match CLASSES[class] {
         "future stamp" | "clock drift" => source < 3,
         "blinded sector" => source < 2,
-        "CPU overload" | "task stall" => source >= 9,
+        "CPU overload" | "task stall" => is_computer(source),
         "output stuck" => command || SOURCES[source] == "traction-command",
         "reset mid-mission" => device || SOURCES[source] == "computer",
         "stuck value" => device,

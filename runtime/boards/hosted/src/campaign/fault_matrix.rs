@@ -7,9 +7,10 @@ use floorguard_core::random::Pcg32;
 use floorguard_sim::FaultSpec;
 
 use super::fault_class::{self, CLASSES, SOURCES, is_possible};
-use super::fault_phase::{self, PHASES};
+use super::fault_phase::{self, PHASES, PhaseRun};
 use super::summary::RunOutcome;
-use super::watched;
+use super::{watched, watched_by};
+use crate::world::{Observation, Stages, Tape, Witnesses};
 
 /// A cell of the matrix: indices of class, source and phase.
 pub type Cell = (usize, usize, usize);
@@ -45,22 +46,29 @@ pub fn name((class, source, phase): Cell) -> String {
     format!("{} | {} | {}", CLASSES[class], SOURCES[source], PHASES[phase])
 }
 
-/// Plays one trial.
-#[must_use]
-pub fn fault_trial(seed: u64, trial: u64) -> (Cell, RunOutcome) {
+/// A trial that is ready to be played.
+struct Trial {
+    cell: Cell,
+    run: PhaseRun,
+    /// What repeats it.
+    command: String,
+}
+
+/// Draws what a trial is.
+fn draw(seed: u64, trial: u64) -> Result<Trial, Box<RunOutcome>> {
     let cell = cell_of(trial);
     let (class, source, phase) = cell;
     let mut random = Pcg32::new(seed ^ trial.wrapping_mul(0x9e37_79b9_7f4a_7c15), 61);
     let world_seed = u64::from(random.next_u32());
-    let broken = |error: String| RunOutcome {
-        command: format!("trial {trial} of seed {seed} ({})", name(cell)),
-        failure: Some(error),
-        verdict: None,
+    let broken = |error: String| {
+        Box::new(RunOutcome {
+            command: format!("trial {trial} of seed {seed} ({})", name(cell)),
+            failure: Some(error),
+            verdict: None,
+        })
     };
-    let mut run = match fault_phase::draw(phase, world_seed, &mut random) {
-        Ok(run) => run,
-        Err(error) => return (cell, broken(error.to_string())),
-    };
+    let mut run =
+        fault_phase::draw(phase, world_seed, &mut random).map_err(|error| broken(error.to_string()))?;
     let text = fault_class::draw(class, source, &mut random);
     let tenths = |tenths: u64| format!("{}.{}s", tenths / 10, tenths % 10);
     let text = format!("{text},from={},to={}", tenths(run.from_ds), tenths(run.to_ds));
@@ -68,15 +76,55 @@ pub fn fault_trial(seed: u64, trial: u64) -> (Cell, RunOutcome) {
         "floorguard campaign faults --seed {seed} --first {trial} --trials 1   # {}, {} --seed {world_seed} --fault {text}",
         PHASES[phase], run.plan.name
     );
-    match FaultSpec::parse(&text) {
-        Ok(fault) => run.plan.faults.push(fault),
-        Err(error) => return (cell, broken(error.to_string())),
+    run.plan.faults.push(FaultSpec::parse(&text).map_err(|error| broken(error.to_string()))?);
+    Ok(Trial { cell, run, command })
+}
+
+impl Trial {
+    fn outcome(self, seen: anyhow::Result<Observation>) -> RunOutcome {
+        match seen {
+            Ok(seen) => RunOutcome {
+                command: self.command,
+                failure: self.run.judge(&seen),
+                verdict: Some(seen.verdict),
+            },
+            Err(error) => {
+                RunOutcome { command: self.command, failure: Some(error.to_string()), verdict: None }
+            }
+        }
     }
-    let outcome = match watched(&run.plan) {
-        Ok(seen) => RunOutcome { command, failure: run.judge(&seen), verdict: Some(seen.verdict) },
-        Err(error) => RunOutcome { command, failure: Some(error.to_string()), verdict: None },
+}
+
+/// Plays one trial.
+#[must_use]
+pub fn fault_trial(seed: u64, trial: u64) -> (Cell, RunOutcome) {
+    match draw(seed, trial) {
+        Ok(trial) => {
+            let seen = watched(&trial.run.plan);
+            (trial.cell, trial.outcome(seen))
+        }
+        Err(broken) => (cell_of(trial), *broken),
+    }
+}
+
+/// Plays one trial with the stages of the microcontroller, and gives the tape of all that the robot was told.
+///
+/// `None` where the fault is in the computer itself: a tape holds only what comes from outside.
+#[must_use]
+pub fn taped_fault_trial(seed: u64, trial: u64) -> Option<(Cell, RunOutcome, Vec<u8>)> {
+    let cell = cell_of(trial);
+    if fault_class::is_computer(cell.1) {
+        return None;
+    }
+    let mut trial = match draw(seed, trial) {
+        Ok(trial) => trial,
+        Err(broken) => return Some((cell, *broken, Vec::new())),
     };
-    (cell, outcome)
+    trial.run.plan.stages = Stages::AsOnBoard;
+    let mut witnesses = Witnesses::default();
+    witnesses.tape = Tape::new(&trial.run.plan);
+    let seen = watched_by(&trial.run.plan, &mut witnesses);
+    Some((cell, trial.outcome(seen), witnesses.tape.finish()))
 }
 
 /// How often each cell was run, as a table: a row for each class, a column for each source, `-` where the class cannot

@@ -9,21 +9,26 @@ mod summary;
 
 pub use encounters::encounter;
 pub use fault_class::random_fault;
-pub use fault_matrix::{Cell, cell_of, cells, coverage, fault_trial, name};
+pub use fault_matrix::{Cell, cell_of, cells, coverage, fault_trial, name, taped_fault_trial};
 pub use fault_phase::box_in_the_way;
 pub use single_faults::single_fault;
 pub use summary::{CampaignSummary, RunOutcome, run_all};
 
-use crate::world::{Observation, Observer, Plan, run_virtual};
+use crate::world::{Observation, Observer, Plan, Witnesses, run_recorded};
 
 /// Large state is moved by value when a run begins.
 const STACK_BYTES: usize = 32 << 20;
 
 /// Plays a plan without showing anything.
 fn watched(plan: &Plan) -> anyhow::Result<Observation> {
+    watched_by(plan, &mut Witnesses::default())
+}
+
+/// The same, with witnesses.
+fn watched_by(plan: &Plan, witnesses: &mut Witnesses) -> anyhow::Result<Observation> {
     let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
     let mut observer = Observer::new(plan, &mut show);
-    run_virtual(plan, &mut observer)?;
+    run_recorded(plan, &mut observer, witnesses)?;
     Ok(observer.into_observation())
 }
 

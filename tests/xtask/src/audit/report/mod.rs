@@ -1,12 +1,18 @@
 //! Writes the evidence: one HTML file for people, one JSON file for machines, a few lines for the terminal.
 
+mod claims;
+mod explain;
+mod goals;
+mod loops;
+mod manual;
 mod page;
+mod stack;
 mod table;
 
 use std::fs;
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 
 use super::evidence::Evidence;
 
@@ -15,6 +21,9 @@ const SHOWN_FINDINGS: usize = 12;
 
 /// Writes `index.html`, `audit.json` and the picture of the states.
 pub fn write(folder: &Path, evidence: &Evidence) -> Result<()> {
+    if let Some(claim) = evidence.claims.iter().find(|claim| explain::of(claim.id).is_none()) {
+        bail!("the claim {} has no explanation in report/explain.rs", claim.id);
+    }
     fs::create_dir_all(folder).with_context(|| format!("cannot create {}", folder.display()))?;
     fs::write(folder.join("audit.json"), json(evidence)?)?;
     fs::write(folder.join("index.html"), page::html(evidence))?;

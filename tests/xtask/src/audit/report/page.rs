@@ -4,24 +4,27 @@ use std::fmt::Write as _;
 
 use serde_json::Value;
 
-use super::table::{Table, code, escape, grouped, verdict};
+use super::table::{Table, code, escape, grouped, source, verdict};
+use super::{claims, goals, loops, manual, stack};
 use crate::audit::evidence::Evidence;
-use crate::audit::image::Image;
-use crate::audit::loops::LoopSite;
+use crate::audit::hosted_rooms::HOSTED_ROOMS;
 use crate::audit::trace::{Place, Requirement, Trace};
 use crate::firmware::BUDGETS;
 use crate::mutants::Record;
 
 /// Sections: anchor, heading.
-const SECTIONS: [(&str, &str); 10] = [
+const SECTIONS: [(&str, &str); 13] = [
     ("claims", "Claims"),
+    ("not-claimed", "What is not claimed"),
     ("requirements", "Requirements, both ways"),
     ("hazards", "Hazards and causes"),
     ("states", "States and transitions of the guard"),
     ("instructions", "Instructions and determinism"),
-    ("campaigns", "Campaigns"),
+    ("goals", "Aims of the long campaigns"),
+    ("campaigns", "Campaigns that were run"),
     ("mutants", "Mutants"),
     ("stack", "Stack and functions"),
+    ("rooms", "Rooms that are in no image"),
     ("dependencies", "Crates of the safety image"),
     ("loops", "Loops and their bounds"),
 ];
@@ -42,39 +45,24 @@ pub fn html(evidence: &Evidence) -> String {
     }
     page.push_str("</nav>");
     let bodies = [
-        claims(evidence),
+        claims::section(&evidence.claims),
+        manual::chapter(&evidence.records.manual, "not claimed"),
         requirements(&evidence.trace),
         hazards(&evidence.trace),
         format!("<p>Every transition that the search over all reachable states saw.</p>{}", evidence.states),
         instructions(evidence.records.firmware.as_ref(), evidence.records.worst.as_ref()),
+        goals::section(evidence.records.campaigns.as_ref()),
         campaigns(evidence.records.campaigns.as_ref()),
         mutants(&evidence.mutants),
-        functions(evidence.image.as_ref()),
+        stack::section(evidence.image.as_ref()),
+        rooms(),
         dependencies(evidence),
-        loops(&evidence.sites),
+        loops::section(&evidence.sites),
     ];
     for ((anchor, heading), body) in SECTIONS.iter().zip(bodies) {
         let _ = write!(page, "<h2 id={anchor}>{heading}</h2>{body}");
     }
     page
-}
-
-fn claims(evidence: &Evidence) -> String {
-    let mut table = Table::new(&["verdict", "claim", "evidence"]);
-    for claim in &evidence.claims {
-        let mut text = escape(&claim.evidence);
-        for finding in &claim.findings {
-            let _ = write!(
-                text,
-                "<br>{} {}",
-                code(&format!("{}:{}", finding.place, finding.line)),
-                escape(&finding.message)
-            );
-        }
-        let shown = verdict(claim.holds(), if claim.holds() { "holds" } else { "fails" });
-        table.row(&[shown, format!("<b>{}</b><br>{}", claim.id, escape(claim.text)), text]);
-    }
-    table.finish()
 }
 
 fn requirements(trace: &Trace) -> String {
@@ -132,7 +120,7 @@ fn backwards(requirements: &[Requirement]) -> String {
 }
 
 fn place(place: &Place) -> String {
-    code(&format!("{}:{}", place.file, place.line))
+    source(&place.file, place.line)
 }
 
 fn hazards(trace: &Trace) -> String {
@@ -228,7 +216,7 @@ fn mutants(records: &[Record]) -> String {
         ]);
         for survivor in &record.survivors {
             table.row(&[
-                code(&format!("{}:{}", survivor.file, survivor.line)),
+                source(&survivor.file, survivor.line),
                 code(&survivor.source),
                 escape(&survivor.mutation),
                 escape(&survivor.reason),
@@ -242,23 +230,14 @@ fn mutants(records: &[Record]) -> String {
     )
 }
 
-fn functions(image: Option<&Image>) -> String {
-    let Some(image) = image else { return String::from("<p>The image does not build.</p>") };
-    let mut table = Table::new(&["function", "bytes", "frame, bytes", "loops"]);
-    for function in image.functions.values() {
-        table.row(&[
-            code(&function.name),
-            grouped(function.size),
-            grouped(u64::from(function.flow.frame_bytes)),
-            function.flow.back_edges.len().to_string(),
-        ]);
+fn rooms() -> String {
+    let mut table = Table::new(&["room", "why it is in no image"]);
+    for room in HOSTED_ROOMS {
+        table.row(&[code(&format!("core-nostd/src/{}", room.name)), escape(room.reason)]);
     }
     format!(
-        "<p>{} functions, {} B of program and constants, {} B of statics. The deepest chains are in the claim \
-         <b>stack-budget</b>.</p>{}",
-        image.functions.len(),
-        grouped(image.flash_bytes),
-        grouped(image.ram_bytes),
+        "<p>Part of the core, judged from its sources like all of it, but on a Linux computer only. The claim \
+         <b>hosted-rooms-apart</b> holds them off the images.</p>{}",
         table.finish()
     )
 }
@@ -271,41 +250,15 @@ fn dependencies(evidence: &Evidence) -> String {
     table.finish()
 }
 
-fn loops(sites: &[LoopSite]) -> String {
-    let mut table = Table::new(&[
-        "place",
-        "function",
-        "kind",
-        "bound",
-        "its value",
-        "most turns seen",
-        "how the bound is known",
-    ]);
-    for site in sites {
-        table.row(&[
-            code(&format!("{}:{}", site.file, site.line)),
-            escape(&site.function),
-            escape(&site.kind),
-            escape(&site.bound),
-            site.seen.bound_value.map_or_else(String::new, grouped),
-            match (site.seen.counted, site.seen.largest_seen) {
-                (true, Some(largest)) => grouped(largest),
-                (true, None) => String::from("never ran"),
-                (false, _) => String::from("not counted"),
-            },
-            escape(site.how),
-        ]);
-    }
-    table.finish()
-}
-
 const INTRODUCTION: &str = "<p>Made by <code>cargo xtask audit</code> from the sources, the linked Cortex-M7 image and \
 the tests of this tree. Each claim is checked afresh; one that fails names a file and a line. What the machine around it \
-must provide, and what is not claimed, stands in <code>docs/safety-manual.md</code>.</p>";
+must provide stands in <a href='../../docs/safety-manual.md'>docs/safety-manual.md</a>. Names of files lead to the sources \
+beside this page's <code>target</code> folder.</p>";
 
 const HEAD: &str = "<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>\
 <title>floorguard audit</title><style>body{font:15px/1.5 system-ui,sans-serif;margin:2em auto;max-width:80em;\
 padding:0 1em;color:#222}table{border-collapse:collapse;width:100%;margin:.7em 0}td,th{border:1px solid #ccc;\
 padding:.3em .5em;text-align:left;vertical-align:top}th{background:#f3f3f3}code{font-size:.88em}\
 .wide{overflow-x:auto}.big{font-size:1.4em}.good{background:#dff2df;padding:0 .3em}.bad{background:#f9d6d6;\
-padding:0 .3em}nav a{margin-right:1em}</style>";
+padding:0 .3em}nav a{margin-right:1em}td{overflow-wrap:anywhere}td:first-child{overflow-wrap:normal}\
+summary{cursor:pointer;padding:.15em 0}thead th{position:sticky;top:0}svg{max-width:100%;height:auto}</style>";

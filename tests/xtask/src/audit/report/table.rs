@@ -44,6 +44,11 @@ pub fn code(text: &str) -> String {
     format!("<code>{}</code>", escape(text))
 }
 
+/// A line of a source, with the way to its file from the folder of the page.
+pub fn source(file: &str, line: usize) -> String {
+    format!("<a href='../../{0}'><code>{0}:{line}</code></a>", escape(file))
+}
+
 /// A verdict, in colour and in words.
 pub fn verdict(good: bool, words: &str) -> String {
     let class = if good { "good" } else { "bad" };

@@ -1,0 +1,201 @@
+//! What a doubting reader asks of each claim: how it is checked, what the check cannot see, and how to watch it fail.
+
+/// The answers for one claim.
+pub struct Explanation {
+    /// The claim.
+    pub id: &'static str,
+    /// How it is checked.
+    pub how: &'static str,
+    /// What the check does not show.
+    pub limit: &'static str,
+    /// Section of the page that holds the evidence.
+    pub anchor: &'static str,
+    /// Test that makes the claim fail on purpose.
+    pub broken_by: &'static str,
+}
+
+const fn explanation(
+    id: &'static str,
+    (how, limit): (&'static str, &'static str),
+    (anchor, broken_by): (&'static str, &'static str),
+) -> Explanation {
+    Explanation { id, how, limit, anchor, broken_by }
+}
+
+const SOURCES: &str =
+    "Syntax without types; the linked image is asked the same question by the claims below.";
+
+/// One for each claim.
+pub const EXPLANATIONS: &[Explanation] = &[
+    explanation(
+        "loops-bounded",
+        (
+            "Each loop and iterator chain must end in a constant, a capacity, or the largest value of a small type. Endless \
+             sources, ranges kept in names, loops in macros and iterators of our own are refused where they are made.",
+            "Syntax without types: that a name holds a container is concluded from refusing everything else. See \
+             loops-complete and loops-within-bounds for the other two sides.",
+        ),
+        ("loops", "sneaky_tests.rs: loops_*"),
+    ),
+    explanation(
+        "no-unsafe",
+        (
+            "No unsafe block, function, trait, implementation, changing static, foreign function, assembly or linker \
+             attribute, in macros neither; both crates must begin with forbid(unsafe_code).",
+            "The libraries below contain unsafe code of their own.",
+        ),
+        ("dependencies", "sneaky_tests.rs: unsafe_code_*"),
+    ),
+    explanation(
+        "no-heap-in-sources",
+        ("No name that allocates, and no_std at the head of both crates.", SOURCES),
+        ("claims", "sneaky_tests.rs: the_heap_*"),
+    ),
+    explanation(
+        "no-panic-in-sources",
+        (
+            "No unwrap, expect, panicking macro, index that is computed, or copy between slices of unequal length, in macros \
+             neither.",
+            SOURCES,
+        ),
+        ("claims", "sneaky_tests.rs: panics_*"),
+    ),
+    explanation(
+        "no-pointers",
+        ("No function pointer and no trait object, in constants and macros neither.", SOURCES),
+        ("claims", "sneaky_tests.rs: calls_through_pointers_*"),
+    ),
+    explanation(
+        "no-recursion-in-sources",
+        (
+            "No function that calls itself, by an operator neither, and no circle of functions of a file or a type.",
+            "Circles through traits or over several rooms are seen in the image only.",
+        ),
+        ("claims", "sneaky_tests.rs: circles_*"),
+    ),
+    explanation(
+        "loops-within-bounds",
+        (
+            "A copy of the tree counts the turns of its loops while the tests run; no count may exceed its bound.",
+            "A loop that no test reached has no count: the table says which, and why.",
+        ),
+        ("loops", "seen.rs: a_count_above_its_bound_is_named"),
+    ),
+    explanation(
+        "hosted-rooms-apart",
+        (
+            "The sources of core, drivers, runtime and both boards are searched for the names of these rooms.",
+            "What the rooms do on the Linux computer is judged from their sources only: not linked for the Cortex-M7, so no \
+             proof against panics or for their stack. If one panics, the program ends, and the drives stop by their own \
+             heartbeat watch (assumption A4).",
+        ),
+        ("rooms", "hosted_rooms.rs: a_hosted_room_in_an_image_is_named"),
+    ),
+    explanation(
+        "image-builds",
+        (
+            "The roots of tests/safety-image call every stage, and are linked as the firmware is.",
+            "One compiler, one target.",
+        ),
+        ("stack", "any mistake that does not compile"),
+    ),
+    explanation(
+        "no-heap-linked",
+        (
+            "No symbol of an allocator in the image.",
+            "The image of the audit, not the firmware with its board support.",
+        ),
+        ("stack", "a call of the allocator does not link"),
+    ),
+    explanation(
+        "no-panic-linked",
+        (
+            "No call of a panicking function of the standard library is left after optimisation; where one is, the line is \
+             named from the debug information.",
+            "Overflow of integers wraps in this build; clippy and the saturating style answer that.",
+        ),
+        ("stack", "style guide 26: delete a get and index instead"),
+    ),
+    explanation(
+        "no-recursion-linked",
+        (
+            "The call graph of the disassembly has no cycle, and no function calls its own beginning.",
+            "Direct calls; indirect ones are the next claim.",
+        ),
+        ("stack", "refusal_tests.rs: cycles_over_several_functions_are_found"),
+    ),
+    explanation(
+        "no-indirect-calls-linked",
+        ("No call or jump through a register but returns and jump tables.", "-"),
+        ("stack", "thumb.rs"),
+    ),
+    explanation(
+        "rooms-linked",
+        (
+            "Every room of core and drivers has code in the image, but for those that run on Linux only.",
+            "A room counts as linked when some of its code is.",
+        ),
+        ("rooms", "leave a root out of tests/safety-image"),
+    ),
+    explanation(
+        "loops-complete",
+        (
+            "Each backward branch of the image is led back, over inlined calls, to a line of the list.",
+            "Loops of libraries are counted, not listed one by one.",
+        ),
+        ("loops", "remove a word from loop_words.rs"),
+    ),
+    explanation(
+        "stack-budget",
+        (
+            "Frames from the disassembly along the deepest chain of calls; a frame that moves at run time fails.",
+            "Interrupts and the executor come on top: the firmware measures them.",
+        ),
+        ("stack", "lower STACK_BUDGET_BYTES"),
+    ),
+    explanation(
+        "requirements-traced",
+        (
+            "Each requirement names code and tests, found by their marks; the tests ran just now.",
+            "That a test tests what its requirement says is for the reader to judge: both are one click away.",
+        ),
+        ("requirements", "trace.rs"),
+    ),
+    explanation(
+        "hazards-answered",
+        (
+            "Each hazard has causes of the guard and requirements; each cause and requirement has a hazard.",
+            "The list of hazards is the authors': no hazard analysis of a machine.",
+        ),
+        ("hazards", "trace.rs"),
+    ),
+    explanation(
+        "dependencies-known",
+        (
+            "cargo tree of the image; each crate needs a reason and a licence that is allowed.",
+            "The crates themselves were not audited.",
+        ),
+        ("dependencies", "dependencies.rs"),
+    ),
+    explanation(
+        "states-pictured",
+        (
+            "The search over all reachable states of the decision machine printed these transitions just now.",
+            "Exhaustive for its abstraction: twelve happenings, steps of 200 ms, one set of fields.",
+        ),
+        ("states", "picture.rs"),
+    ),
+    explanation(
+        "mutants-caught",
+        (
+            "The recorded run of cargo-mutants: each survivor of the guard has a reason.",
+            "Recorded, not repeated here: it takes hours.",
+        ),
+        ("mutants", "record.rs"),
+    ),
+];
+
+/// The answers for a claim.
+pub fn of(id: &str) -> Option<&'static Explanation> {
+    EXPLANATIONS.iter().find(|explanation| explanation.id == id)
+}

@@ -1,0 +1,64 @@
+//! Every loop with its bound, folded by room.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use super::table::{Table, escape, grouped, source};
+use crate::audit::loops::LoopSite;
+use crate::audit::unseen;
+
+/// A fold for each room, with what its tests reached.
+pub fn section(sites: &[LoopSite]) -> String {
+    let mut rooms = BTreeMap::<String, Vec<&LoopSite>>::new();
+    for site in sites {
+        let room = site.file.split('/').take(3).collect::<Vec<_>>().join("/");
+        rooms.entry(room).or_default().push(site);
+    }
+    let mut html = String::from(
+        "<p>Open a room for its loops. <i>Its value</i> is the bound as the program computed it while it counted; \
+         <i>most turns seen</i> is the largest count of any test or campaign. Fills and comparisons of whole arrays are \
+         written by the compiler and cannot be counted; nor can a chain whose source the counting copy cannot name.</p>",
+    );
+    for (room, sites) in rooms {
+        let ran = sites.iter().filter(|site| site.seen.largest_seen.is_some()).count();
+        let never = sites.iter().filter(|site| site.seen.counted && site.seen.largest_seen.is_none()).count();
+        let _ = write!(
+            html,
+            "<details><summary><code>{}</code>: {} loops, {ran} counted, {never} never ran, {} cannot be counted</summary>{}\
+             </details>",
+            escape(&room),
+            sites.len(),
+            sites.len() - ran - never,
+            table(&sites)
+        );
+    }
+    html
+}
+
+fn table(sites: &[&LoopSite]) -> String {
+    let mut table = Table::new(&[
+        "place",
+        "function",
+        "kind",
+        "bound",
+        "its value",
+        "most turns seen",
+        "how the bound is known",
+    ]);
+    for site in sites {
+        table.row(&[
+            source(&site.file, site.line),
+            escape(&site.function),
+            escape(&site.kind),
+            escape(&site.bound),
+            site.seen.bound_value.map_or_else(String::new, grouped),
+            match (site.seen.counted, site.seen.largest_seen) {
+                (true, Some(largest)) => grouped(largest),
+                (true, None) => format!("never ran{}", escape(&unseen::told(&site.file))),
+                (false, _) => String::from("not counted"),
+            },
+            escape(site.how),
+        ]);
+    }
+    table.finish()
+}
