@@ -25,8 +25,11 @@ from mcap.reader import make_reader
 from mcap.records import Message
 from mcap.stream_reader import StreamReader
 
-# A cut may cost another reader the chunk that was cut: a quarter of a second, and what a message may be late by.
-LOST_AT_MOST_S = 0.35
+# A cut may cost another reader the chunk that was cut: a quarter of a second, or longer where nothing happened for longer,
+# and what a message may be late by.
+CHUNK_S = 0.25
+LATE_S = 0.1
+# What a whole simulated robot says; a real one may lack devices, and what `replay` found has only what it found.
 EXPECTED = {
     "/lidar/points": "sensor_msgs/msg/PointCloud2",
     "/scanner/scan": "sensor_msgs/msg/LaserScan",
@@ -52,6 +55,7 @@ def with_mcap(path):
     with open(path, "rb") as file:
         reader = make_reader(file, validate_crcs=True)
         summary, header = reader.get_summary(), reader.get_header()
+        about = {key: value for data in reader.iter_metadata() for key, value in data.metadata.items()}
         counts, schemas = collections.Counter(), {}
         last_ns, sorted_by_time = 0, True
         for schema, channel, message in reader.iter_messages():
@@ -64,7 +68,8 @@ def with_mcap(path):
     check("mcap: index agrees", summary.statistics.message_count == total, f"{total} messages")
     check("mcap: chunks to seek by", len(summary.chunk_indexes) > 1, f"{len(summary.chunk_indexes)} chunks")
     check("mcap: in the order of time", sorted_by_time, sorted_by_time)
-    missing = [topic for topic, kind in EXPECTED.items() if schemas.get(topic) != kind]
+    expected = EXPECTED if "seed" in about else {topic: kind for topic, kind in EXPECTED.items() if topic in schemas}
+    missing = [topic for topic, kind in expected.items() if schemas.get(topic) != kind]
     check("mcap: topics and types", not missing, missing or f"{len(schemas)} topics")
     return counts
 
@@ -116,7 +121,7 @@ def with_rosbags(path, counts):
         return frame
 
     roots = {root(frame) for frame in parents}
-    check("rosbags: one frame tree", len(roots) == 1 and len(parents) > 2, f"{sorted(parents)} under {sorted(roots)}")
+    check("rosbags: one frame tree", len(roots) == 1 and len(parents) > 1, f"{sorted(parents)} under {sorted(roots)}")
 
 
 def count_until_cut(data):
@@ -155,10 +160,12 @@ def with_cuts(path, cuts):
         wrong += last_ns < max(whole, default=0)
         nearest = min((last_ns for end, last_ns in ends if end > cut), default=last_ns)
         worst_s = max(worst_s, (nearest - last_ns) * 1e-9)
-    check("mcap: cut files", wrong == 0 and worst_s <= LOST_AT_MOST_S, f"{cuts} cuts, {worst_s:.2f} s lost at most")
+    gaps_s = [(later - sooner) * 1e-9 for (_, sooner), (_, later) in zip(ends, ends[1:])]
+    at_most_s = max([CHUNK_S, *gaps_s]) + LATE_S
+    check("mcap: cut files", wrong == 0 and worst_s <= at_most_s, f"{cuts} cuts, {worst_s:.2f} s lost at most")
 
 
-def with_rerun(path):
+def with_rerun(path, counts):
     """Rerun's own importer, where its wheel is installed."""
     program = shutil.which("rerun", path=str(pathlib.Path(sys.executable).parent))
     if program is None:
@@ -174,7 +181,10 @@ def with_rerun(path):
         for archetype in set(re.findall(r"@(\w+):", columns)):
             rows[entity, archetype] += int(count.replace("\u2009", "").replace(" ", ""))
     for entity, archetype in [("/lidar/points", "Points3D"), ("/tf", "Transform3D"), ("/floorguard/digest", "TextDocument")]:
-        check(f"rerun: {entity} as {archetype}", rows[entity, archetype] > 1, f"{rows[entity, archetype]} rows")
+        if counts[entity] == 0:
+            print(f"  skipped: rerun: no {entity} in this recording")
+            continue
+        check(f"rerun: {entity} as {archetype}", rows[entity, archetype] > 0, f"{rows[entity, archetype]} rows")
 
 
 def main():
@@ -184,7 +194,7 @@ def main():
     with_mcap_ros2(path, counts)
     with_rosbags(path, counts)
     with_cuts(path, cuts)
-    with_rerun(path)
+    with_rerun(path, counts)
     bad = [result for result in results if not result["holds"]]
     print(json.dumps({"passed": not bad, "checks": len(results), "bad": bad}))
     sys.exit(1 if bad else 0)

@@ -6,6 +6,8 @@ use clap::{Parser, Subcommand};
 
 mod audit;
 mod bench;
+#[cfg(test)]
+mod book;
 mod campaign;
 mod check_recording;
 mod counting;

@@ -8,4 +8,6 @@ mod run;
 mod shares;
 mod state;
 
+#[cfg(test)]
+pub use kinds::exists;
 pub use run::{Options, run};
