@@ -3,7 +3,7 @@
 
 use floorguard_core::geometry::Point2;
 use floorguard_core::legs::PeopleByLegs;
-use floorguard_core::people::{PeoplePipeline, PeopleSensor, RingAngles, TrackStatus};
+use floorguard_core::people::{PeoplePipeline, PeopleSensor, RingAngles, Track, TrackStatus};
 use floorguard_core::time::Stamp;
 use floorguard_sim::Simulation;
 use floorguard_tests::crowds::{CROWDS, Seen, play_all};
@@ -27,6 +27,30 @@ struct Counts {
     /// While the lidar was silent: people near in front, and those told.
     silent: u32,
     told: u32,
+}
+
+impl Counts {
+    /// The list after a sweep, beside where people stand.
+    fn take(
+        &mut self,
+        told: &[&Track],
+        now: Stamp,
+        (people, is_near): (&[Point2], &dyn Fn(&Point2) -> bool),
+    ) {
+        for (index, track) in told.iter().enumerate() {
+            let set = track.sensors(now);
+            let place = track.state.position;
+            let lidar = set.contains(PeopleSensor::Lidar);
+            let scanner = set.contains(PeopleSensor::Scanner);
+            let person = people.iter().any(|person| person.distance(place) < 0.5);
+            self.near += u32::from(lidar && person && is_near(&place));
+            self.both += u32::from(lidar && person && scanner && is_near(&place));
+            self.legs_only += u32::from(scanner && !lidar);
+            self.nobody += u32::from(scanner && !lidar && !person && track.person_probability >= 0.5);
+            let twin = |other: &&&Track| other.state.position.distance(place) < 0.3;
+            self.twins += told.iter().skip(index + 1).filter(twin).count() as u32;
+        }
+    }
 }
 
 #[test]
@@ -54,22 +78,7 @@ fn lidar_and_scanner_share_one_list() {
                     let output = people.process(sweep, context);
                     let told: Vec<_> =
                         output.tracks.iter().filter(|track| track.status == TrackStatus::Confirmed).collect();
-                    for (index, track) in told.iter().enumerate() {
-                        let set = track.sensors(sweep.end_stamp);
-                        let place = track.state.position;
-                        let lidar = set.contains(PeopleSensor::Lidar);
-                        let scanner = set.contains(PeopleSensor::Scanner);
-                        let person = front.iter().any(|person| person.distance(place) < 0.5);
-                        counts.near += u32::from(lidar && person && is_near(&place));
-                        counts.both += u32::from(lidar && person && scanner && is_near(&place));
-                        counts.legs_only += u32::from(scanner && !lidar);
-                        counts.nobody +=
-                            u32::from(scanner && !lidar && !person && track.person_probability >= 0.5);
-                        let twin = |other: &&&floorguard_core::people::Track| {
-                            other.state.position.distance(place) < 0.3
-                        };
-                        counts.twins += told.iter().skip(index + 1).filter(twin).count() as u32;
-                    }
+                    counts.take(&told, sweep.end_stamp, (&front, &is_near));
                 }
                 Seen::Sweep(..) => {}
                 Seen::Scan(scan, at) => {

@@ -122,75 +122,81 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Vectors captured between two instances of an independent stack, node 5.
+    const fn write(index: u16, value: i32, bytes: u8) -> SdoRequest {
+        SdoRequest { index, subindex: 0, write: Some((value as u32, bytes)) }
+    }
+
+    const fn read(index: u16) -> SdoRequest {
+        SdoRequest { index, subindex: 0, write: None }
+    }
+
+    /// Captured between two instances of an independent stack, node 5.
+    const VECTORS: [(SdoRequest, [u8; 8], [u8; 8], SdoAnswer); 10] = [
+        (
+            read(0x1000),
+            [0x40, 0, 0x10, 0, 0, 0, 0, 0],
+            [0x43, 0, 0x10, 0, 0x92, 1, 2, 0],
+            SdoAnswer::Value(0x0002_0192),
+        ),
+        (
+            write(0x6060, 3, 1),
+            [0x2F, 0x60, 0x60, 0, 3, 0, 0, 0],
+            [0x60, 0x60, 0x60, 0, 0, 0, 0, 0],
+            SdoAnswer::Written,
+        ),
+        (
+            write(0x60FF, -1000, 4),
+            [0x23, 0xFF, 0x60, 0, 0x18, 0xFC, 0xFF, 0xFF],
+            [0x60, 0xFF, 0x60, 0, 0, 0, 0, 0],
+            SdoAnswer::Written,
+        ),
+        (
+            write(0x1017, 100, 2),
+            [0x2B, 0x17, 0x10, 0, 0x64, 0, 0, 0],
+            [0x60, 0x17, 0x10, 0, 0, 0, 0, 0],
+            SdoAnswer::Written,
+        ),
+        (
+            write(0x6040, 0x0F, 2),
+            [0x2B, 0x40, 0x60, 0, 0x0F, 0, 0, 0],
+            [0x60, 0x40, 0x60, 0, 0, 0, 0, 0],
+            SdoAnswer::Written,
+        ),
+        (
+            read(0x606C),
+            [0x40, 0x6C, 0x60, 0, 0, 0, 0, 0],
+            [0x43, 0x6C, 0x60, 0, 0x2E, 0xFB, 0xFF, 0xFF],
+            SdoAnswer::Value(-1234_i32 as u32),
+        ),
+        (
+            read(0x6061),
+            [0x40, 0x61, 0x60, 0, 0, 0, 0, 0],
+            [0x4F, 0x61, 0x60, 0, 3, 0, 0, 0],
+            SdoAnswer::Value(3),
+        ),
+        (
+            read(0x5555),
+            [0x40, 0x55, 0x55, 0, 0, 0, 0, 0],
+            [0x80, 0x55, 0x55, 0, 0, 0, 2, 6],
+            SdoAnswer::Aborted(SdoError(0x0602_0000)),
+        ),
+        (
+            write(0x6041, 0, 2),
+            [0x2B, 0x41, 0x60, 0, 0, 0, 0, 0],
+            [0x80, 0x41, 0x60, 0, 2, 0, 1, 6],
+            SdoAnswer::Aborted(SdoError(0x0601_0002)),
+        ),
+        (
+            write(0x6060, 0x0403_0201, 4),
+            [0x23, 0x60, 0x60, 0, 1, 2, 3, 4],
+            [0x80, 0x60, 0x60, 0, 0x10, 0, 7, 6],
+            SdoAnswer::Aborted(SdoError(0x0607_0010)),
+        ),
+    ];
+
     #[test]
     fn captured_vectors() {
-        let write =
-            |index, value: i32, bytes| SdoRequest { index, subindex: 0, write: Some((value as u32, bytes)) };
-        let read = |index| SdoRequest { index, subindex: 0, write: None };
-        let vectors: [(SdoRequest, [u8; 8], [u8; 8], SdoAnswer); 10] = [
-            (
-                read(0x1000),
-                [0x40, 0, 0x10, 0, 0, 0, 0, 0],
-                [0x43, 0, 0x10, 0, 0x92, 1, 2, 0],
-                SdoAnswer::Value(0x0002_0192),
-            ),
-            (
-                write(0x6060, 3, 1),
-                [0x2F, 0x60, 0x60, 0, 3, 0, 0, 0],
-                [0x60, 0x60, 0x60, 0, 0, 0, 0, 0],
-                SdoAnswer::Written,
-            ),
-            (
-                write(0x60FF, -1000, 4),
-                [0x23, 0xFF, 0x60, 0, 0x18, 0xFC, 0xFF, 0xFF],
-                [0x60, 0xFF, 0x60, 0, 0, 0, 0, 0],
-                SdoAnswer::Written,
-            ),
-            (
-                write(0x1017, 100, 2),
-                [0x2B, 0x17, 0x10, 0, 0x64, 0, 0, 0],
-                [0x60, 0x17, 0x10, 0, 0, 0, 0, 0],
-                SdoAnswer::Written,
-            ),
-            (
-                write(0x6040, 0x0F, 2),
-                [0x2B, 0x40, 0x60, 0, 0x0F, 0, 0, 0],
-                [0x60, 0x40, 0x60, 0, 0, 0, 0, 0],
-                SdoAnswer::Written,
-            ),
-            (
-                read(0x606C),
-                [0x40, 0x6C, 0x60, 0, 0, 0, 0, 0],
-                [0x43, 0x6C, 0x60, 0, 0x2E, 0xFB, 0xFF, 0xFF],
-                SdoAnswer::Value(-1234_i32 as u32),
-            ),
-            (
-                read(0x6061),
-                [0x40, 0x61, 0x60, 0, 0, 0, 0, 0],
-                [0x4F, 0x61, 0x60, 0, 3, 0, 0, 0],
-                SdoAnswer::Value(3),
-            ),
-            (
-                read(0x5555),
-                [0x40, 0x55, 0x55, 0, 0, 0, 0, 0],
-                [0x80, 0x55, 0x55, 0, 0, 0, 2, 6],
-                SdoAnswer::Aborted(SdoError(0x0602_0000)),
-            ),
-            (
-                write(0x6041, 0, 2),
-                [0x2B, 0x41, 0x60, 0, 0, 0, 0, 0],
-                [0x80, 0x41, 0x60, 0, 2, 0, 1, 6],
-                SdoAnswer::Aborted(SdoError(0x0601_0002)),
-            ),
-            (
-                write(0x6060, 0x0403_0201, 4),
-                [0x23, 0x60, 0x60, 0, 1, 2, 3, 4],
-                [0x80, 0x60, 0x60, 0, 0x10, 0, 7, 6],
-                SdoAnswer::Aborted(SdoError(0x0607_0010)),
-            ),
-        ];
-        for (request, sent, received, answer) in vectors {
+        for (request, sent, received, answer) in VECTORS {
             assert_eq!(request.frame(5), CanFrame::standard(0x605, &sent));
             let (index, subindex, decoded) = decode_sdo(&received).unwrap();
             assert!(request.is_answered_by(index, subindex));

@@ -56,6 +56,17 @@ impl Pass {
     }
 }
 
+/// Two spills on each lane, the kinds in turn.
+fn spill(scene: &mut FloorScene, (lanes, length_m): (u32, f32), random: &mut Pcg32) {
+    for (number, kind) in DirtKind::ALL.into_iter().cycle().take(2 * lanes as usize).enumerate() {
+        let lane = number as u32 / 2;
+        let along =
+            length_m * (0.25 + 0.5 * (number % 2) as f32) + random.uniform_between(-0.15, 0.15) * length_m;
+        let across = LANE_M * (lane as f32 + 0.5) + random.uniform_between(-0.2, 0.2);
+        scene.spills.push(Spill::random(kind, Point2::new(along, across), random));
+    }
+}
+
 /// Drives lanes of a length over a hall with spills.
 ///
 /// # Errors
@@ -64,13 +75,7 @@ pub fn pass(floor: FloorKind, (lanes, length_m): (u32, f32), seed: u64) -> anyho
     let mut random = Pcg32::new(seed, 77);
     let mut scene = FloorScene::new(floor, length_m.max(LANE_M * lanes as f32), seed);
     let width_m = LANE_M * lanes as f32;
-    for (number, kind) in DirtKind::ALL.into_iter().cycle().take(2 * lanes as usize).enumerate() {
-        let lane = number as u32 / 2;
-        let along =
-            length_m * (0.25 + 0.5 * (number % 2) as f32) + random.uniform_between(-0.15, 0.15) * length_m;
-        let across = LANE_M * (lane as f32 + 0.5) + random.uniform_between(-0.2, 0.2);
-        scene.spills.push(Spill::random(kind, Point2::new(along, across), &mut random));
-    }
+    spill(&mut scene, (lanes, length_m), &mut random);
     let camera = FloorCamera::default();
     let geometry = GridGeometry::new(
         ((length_m + 1.0) / CELL_M) as u16,
@@ -95,15 +100,12 @@ pub fn pass(floor: FloorKind, (lanes, length_m): (u32, f32), seed: u64) -> anyho
         }
         for step in 0..steps {
             let forward = -1.5 + STEP_M * step as f32;
+            let wobble_rad = random.uniform_between(-0.02, 0.02);
             // Lanes are driven there and back.
             let pose = if lane % 2 == 0 {
-                Pose2::new(forward, across, random.uniform_between(-0.02, 0.02))
+                Pose2::new(forward, across, wobble_rad)
             } else {
-                Pose2::new(
-                    length_m - forward,
-                    across,
-                    core::f32::consts::PI + random.uniform_between(-0.02, 0.02),
-                )
+                Pose2::new(length_m - forward, across, core::f32::consts::PI + wobble_rad)
             };
             let picture = scene.picture(&camera, pose, (frame, STEP_S * step as f32));
             frame += 1;

@@ -61,11 +61,7 @@ pub fn run(options: &Options) -> Result<bool> {
     let starts: Vec<u64> =
         (0..trials).step_by(kind.block as usize).filter(|at| !state.done.contains(at)).collect();
     println!("{}: {trials} {}, seed {}; {} done before", kind.name, kind.trial, options.seed, state.trials);
-    let bar = ProgressBar::new(trials);
-    let style =
-        ProgressStyle::with_template("  {bar:50} {human_pos}/{human_len}, {elapsed} passed, {eta} to go");
-    bar.set_style(style.unwrap_or(ProgressStyle::default_bar()));
-    bar.set_position(state.trials);
+    let bar = bar(trials, state.trials);
     let (state, findings, stop) = (Mutex::new(state), Mutex::new(Vec::new()), AtomicBool::new(false));
     starts.into_par_iter().try_for_each(|start| -> Result<()> {
         if stop.load(Ordering::Relaxed) {
@@ -89,21 +85,35 @@ pub fn run(options: &Options) -> Result<bool> {
     bar.finish_and_clear();
     let state = state.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
     let findings = findings.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    show(&state);
+    for (part, output) in &findings {
+        println!("FINDING in trials {}..{} of seed {}:\n{output}", part.start, part.end, options.seed);
+    }
+    let holds = shares::judge(kind.name, &state.counts);
+    println!("{}: {} trials, {} findings; kept in {}", kind.name, state.trials, findings.len(), shown(&path));
+    if options.record {
+        record::keep(kind, (options.seed, state.trials), findings.len(), &state.counts)?;
+    }
+    Ok(findings.is_empty() && holds)
+}
+
+fn bar(trials: u64, done: u64) -> ProgressBar {
+    let bar = ProgressBar::new(trials);
+    let style =
+        ProgressStyle::with_template("  {bar:50} {human_pos}/{human_len}, {elapsed} passed, {eta} to go");
+    bar.set_style(style.unwrap_or(ProgressStyle::default_bar()));
+    bar.set_position(done);
+    bar
+}
+
+/// What was counted, and the table of those campaigns that have one.
+fn show(state: &State) {
     for (name, count) in state.counts.iter().filter(|(name, _)| !matrix::is_cell(name)) {
         println!("  {name:>20} {count}");
     }
     if let Some(table) = matrix::table(&state.counts) {
         println!("{table}");
     }
-    let holds = shares::judge(kind.name, &state.counts);
-    for (part, output) in &findings {
-        println!("FINDING in trials {}..{} of seed {}:\n{output}", part.start, part.end, options.seed);
-    }
-    println!("{}: {} trials, {} findings; kept in {}", kind.name, state.trials, findings.len(), shown(&path));
-    if options.record {
-        record::keep(kind, (options.seed, state.trials), findings.len(), &state.counts)?;
-    }
-    Ok(findings.is_empty() && holds)
 }
 
 /// The campaign's own copy of the test: a build that goes on beside it must not change what the blocks run.

@@ -90,6 +90,32 @@ fn among_people(robot: &RobotConfiguration, pace: Pace) -> Pace {
     }
 }
 
+impl Eye {
+    fn of(robot: &RobotConfiguration) -> Self {
+        let mounting = robot.scanner.mounting;
+        Self { in_base: Pose2::new(mounting.position.x_m, mounting.position.y_m, mounting.yaw_rad) }
+    }
+}
+
+/// How fast the mission drives: carefully, whatever the robot may do.
+fn pace_of(robot: &RobotConfiguration) -> Pace {
+    Pace {
+        speed_mps: robot.route_limits.speed_mps.min(0.7),
+        turn_radps: robot.route_limits.turn_radps,
+        reverse_mps: robot.limits.reverse_mps.min(0.2),
+        change_s: 1.2,
+    }
+}
+
+/// The lanes of a mission that drives over everything; none for one that knows where it wants to go.
+fn lanes_of(plan: &MissionPlan, ground: &Ground) -> VecDeque<Lane> {
+    let start = Point2::new(ground.floor.start.x_m, ground.floor.start.y_m);
+    match plan.strategy {
+        MissionStrategy::Systematic => lanes(&ground.floor, scrubber::BRUSH.width_m, start).into(),
+        _ => VecDeque::new(),
+    }
+}
+
 /// The mission of a driving robot.
 pub struct Cleaner {
     pub(super) plan: MissionPlan,
@@ -147,12 +173,7 @@ impl Cleaner {
         robot: &RobotConfiguration,
         (watch, store): (SharedWatch, Store),
     ) -> anyhow::Result<Self> {
-        let pace = Pace {
-            speed_mps: robot.route_limits.speed_mps.min(0.7),
-            turn_radps: robot.route_limits.turn_radps,
-            reverse_mps: robot.limits.reverse_mps.min(0.2),
-            change_s: 1.2,
-        };
+        let pace = pace_of(robot);
         let brush = scrubber::BRUSH;
         let mut ground = Ground::new(plan, (Body::of(robot), brush))?;
         let raster = *ground.raster();
@@ -165,19 +186,12 @@ impl Cleaner {
             ground.floor.start = saved.pose_in_map;
         }
         let stream = |number| Pcg32::new(plan.seed, number);
-        let map = Grid::new(raster, cells)?;
         let config = scrubber::belief(plan.tolerated_units);
-        let mut localiser = Localiser::new(&ground.floor, config, map, stream(71));
+        let mut localiser = Localiser::new(&ground.floor, config, Grid::new(raster, cells)?, stream(71));
         if saved.is_some() {
             localiser.restart(Pose2::default());
         }
         let search = || PathSearch::new(raster, vec![SearchCell::EMPTY; raster.cell_count()]);
-        let start = Point2::new(ground.floor.start.x_m, ground.floor.start.y_m);
-        let lanes = match plan.strategy {
-            MissionStrategy::Systematic => lanes(&ground.floor, brush.width_m, start).into(),
-            _ => VecDeque::new(),
-        };
-        let mounting = robot.scanner.mounting;
         Ok(Self {
             rule: CleanRule::per_cell(plan.tolerated_units, plan.delta),
             planner: Planner::new(search(), vec![0; NODES * NODES], stream(72)),
@@ -196,9 +210,9 @@ impl Cleaner {
             obstacles: Obstacles::new(raster),
             somebody: Vec::new(),
             pace,
-            eye: Eye { in_base: Pose2::new(mounting.position.x_m, mounting.position.y_m, mounting.yaw_rad) },
+            eye: Eye::of(robot),
             route: RouteFollower::new(robot.route.clone(), robot.route_limits),
-            lanes,
+            lanes: lanes_of(plan, &ground),
             poses: VecDeque::new(),
             dirt: None,
             began: None,

@@ -17,7 +17,8 @@ struct Seen {
     rate: Rate,
 }
 
-pub fn people(model: &Model, hours: &WeekHours) -> Answer {
+/// Places that were watched in these hours, the busiest first.
+fn watched(model: &Model, hours: &WeekHours) -> Vec<Seen> {
     let grid = model.core.places.grid();
     let mut seen: Vec<Seen> = Vec::new();
     for (index, place) in grid.values().iter().enumerate() {
@@ -34,6 +35,12 @@ pub fn people(model: &Model, hours: &WeekHours) -> Answer {
         }
     }
     seen.sort_by(|a, b| b.rate.per_hour.total_cmp(&a.rate.per_hour).then(a.index.cmp(&b.index)));
+    seen
+}
+
+pub fn people(model: &Model, hours: &WeekHours) -> Answer {
+    let grid = model.core.places.grid();
+    let seen = watched(model, hours);
     let Some(busiest) = seen.first() else {
         return unknown("people", &format!("the floor {}", hours.words()));
     };

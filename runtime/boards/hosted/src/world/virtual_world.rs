@@ -209,28 +209,12 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
             |task| !halted(if task < guard_tasks { FaultTarget::Guard } else { FaultTarget::Perception });
         tasks.poll_until_quiet_if(runs)?;
         world.observer.after_tasks(&shared);
-        for frame in lines.can.drain() {
-            world.observer.on_frame(&frame, now_us);
-            world.witnesses.sent(&frame, now_us);
-            let id = u32::from(frame.standard_id().unwrap_or_default());
-            world.send(SimCanFrame::new(id, frame.payload()));
-        }
-        let bytes = from_imu_line.drain();
-        if !bytes.is_empty() {
-            world.simulation.receive(Stream::ImuSerial, &bytes);
-        }
+        world.take_from_robot(&lines, &from_imu_line);
         world.witnesses.after_tasks(&shared, (now_us, world.observer.digest().value()));
         if now_us >= world.judge_us {
             world.judge_us += JUDGE_US;
-            let state = shared.decision.get().map(|decision| decision.state).unwrap_or_default();
-            let deed = world.operator.act(now_us, state);
-            world.simulation.press_emergency_stop(deed.pressed);
-            world.observer.on_emergency_stop(deed.pressed, now_us);
             // A button reaches the tasks with the next moment.
-            orders = world.witnesses.attend(&shared, now_us);
-            if deed.reset && world.witnesses.panel.is_none() {
-                orders.push(Order::Reset);
-            }
+            orders = world.operate(&shared);
             let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
             stops.iter().for_each(|stop| world.witnesses.stop(stop));
             if let Some(setup) = setup.as_ref().filter(|setup| setup.watch.published() != told) {
@@ -255,6 +239,33 @@ impl World<'_, '_> {
             .min(self.faults.next_event_us())
             .min(self.output_faults.next_event_us())
             .min(self.judge_us)
+    }
+
+    /// What the computer has sent: frames, and requests to the inertial sensor.
+    fn take_from_robot(&mut self, lines: &Lines, from_imu_line: &PipeReader) {
+        for frame in lines.can.drain() {
+            self.observer.on_frame(&frame, self.now_us);
+            self.witnesses.sent(&frame, self.now_us);
+            let id = u32::from(frame.standard_id().unwrap_or_default());
+            self.send(SimCanFrame::new(id, frame.payload()));
+        }
+        let bytes = from_imu_line.drain();
+        if !bytes.is_empty() {
+            self.simulation.receive(Stream::ImuSerial, &bytes);
+        }
+    }
+
+    /// The operator's hands, of the plan or at the panel; gives the buttons that were pressed.
+    fn operate(&mut self, shared: &Shared<NoopRawMutex>) -> Vec<Order> {
+        let state = shared.decision.get().map(|decision| decision.state).unwrap_or_default();
+        let deed = self.operator.act(self.now_us, state);
+        self.simulation.press_emergency_stop(deed.pressed);
+        self.observer.on_emergency_stop(deed.pressed, self.now_us);
+        let mut orders = self.witnesses.attend(shared, self.now_us);
+        if deed.reset && self.witnesses.panel.is_none() {
+            orders.push(Order::Reset);
+        }
+        orders
     }
 
     /// Plays up to now; what reaches the computer goes into its lines.
