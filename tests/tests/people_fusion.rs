@@ -29,14 +29,12 @@ struct Counts {
     told: u32,
 }
 
+/// Whether the scanner should see somebody there.
+type Near<'a> = &'a dyn Fn(&Point2) -> bool;
+
 impl Counts {
     /// The list after a sweep, beside where people stand.
-    fn take(
-        &mut self,
-        told: &[&Track],
-        now: Stamp,
-        (people, is_near): (&[Point2], &dyn Fn(&Point2) -> bool),
-    ) {
+    fn take(&mut self, told: &[&Track], now: Stamp, (people, is_near): (&[Point2], Near<'_>)) {
         for (index, track) in told.iter().enumerate() {
             let set = track.sensors(now);
             let place = track.state.position;
