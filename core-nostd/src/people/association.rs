@@ -40,6 +40,8 @@ pub(super) struct Associator {
     used: [bool; DETECTIONS_MAX],
     /// The track was in a group that is too large.
     unsolved: [bool; TRACKS_MAX],
+    /// Pairs of each track and of each detection.
+    rivals: ([u8; TRACKS_MAX], [u8; DETECTIONS_MAX]),
     /// Pairs not considered for want of room.
     pub(super) dropped_pairs: u32,
     /// Tracks that fell back to the nearest detection.
@@ -60,6 +62,7 @@ impl Associator {
             matches: [None; TRACKS_MAX],
             used: [false; DETECTIONS_MAX],
             unsolved: [true; TRACKS_MAX],
+            rivals: ([0; TRACKS_MAX], [0; DETECTIONS_MAX]),
             dropped_pairs: 0,
             large_groups: 0,
         }
@@ -102,6 +105,7 @@ impl Associator {
     /// Greedy minimum assignment (K14): the cheapest pair that is still free, at most once per track. A sort would be
     /// shorter, but that of the library recurses and may panic.
     fn solve_nearest(&mut self) {
+        self.solve_lonely();
         for _ in 0..TRACKS_MAX {
             let mut cheapest: Option<Pair> = None;
             for pair in self.pairs.iter().filter(|pair| self.is_free(pair)) {
@@ -110,12 +114,40 @@ impl Associator {
                 }
             }
             let Some(pair) = cheapest else { break };
-            if let (Some(matched), Some(used)) = (
-                self.matches.get_mut(usize::from(pair.track)),
-                self.used.get_mut(usize::from(pair.detection)),
-            ) {
-                (*matched, *used) = (Some(pair.detection), true);
+            self.take(pair);
+        }
+    }
+
+    /// Where a track and a detection have nobody but each other, no order decides: they go first, so that only what is
+    /// disputed is searched again and again.
+    fn solve_lonely(&mut self) {
+        let (of_tracks, of_detections) = &mut self.rivals;
+        of_tracks.fill(0);
+        of_detections.fill(0);
+        for pair in &self.pairs {
+            let (track, detection) = (usize::from(pair.track), usize::from(pair.detection));
+            if let (Some(a), Some(b)) = (of_tracks.get_mut(track), of_detections.get_mut(detection)) {
+                (*a, *b) = (a.saturating_add(1), b.saturating_add(1));
             }
+        }
+        for index in 0..PAIRS_MAX {
+            let Some(pair) = self.pairs.get(index).copied() else { break };
+            let (of_tracks, of_detections) = &self.rivals;
+            let rivals =
+                (of_tracks.get(usize::from(pair.track)), of_detections.get(usize::from(pair.detection)));
+            if rivals == (Some(&1), Some(&1)) && self.is_free(&pair) {
+                self.take(pair);
+            }
+        }
+        let Self { pairs, used, .. } = self;
+        pairs.retain(|pair| used.get(usize::from(pair.detection)) == Some(&false));
+    }
+
+    fn take(&mut self, pair: Pair) {
+        if let (Some(matched), Some(used)) =
+            (self.matches.get_mut(usize::from(pair.track)), self.used.get_mut(usize::from(pair.detection)))
+        {
+            (*matched, *used) = (Some(pair.detection), true);
         }
     }
 
@@ -222,6 +254,33 @@ mod tests {
         for association in [Association::Nearest, Association::Joint] {
             let found = solved(association, &[(0, 0, -3.0), (1, 0, -4.0)]);
             assert_eq!((found.detection_of(0), found.detection_of(1)), (None, Some(0)), "{association:?}");
+        }
+    }
+
+    /// The cheapest first, written down once more: whoever has nobody but each other, too, and everybody else.
+    #[test]
+    fn nearest_equals_its_definition() {
+        let mut random = crate::random::Pcg32::new(4, 4);
+        for round in 0..300 {
+            let (tracks, share) = (1 + round % 20, [0.03, 0.1, 0.4][round % 3]);
+            let mut pairs = std::vec::Vec::new();
+            for track in 0..tracks {
+                for detection in 0..tracks {
+                    if random.uniform() < share {
+                        pairs.push((track, detection, random.uniform_between(-4.0, 9.0)));
+                    }
+                }
+            }
+            let found = solved(Association::Nearest, &pairs);
+            let mut wanted = std::vec![None; tracks];
+            pairs.sort_by(|a, b| a.2.total_cmp(&b.2));
+            for (track, detection, _) in pairs {
+                if wanted[track].is_none() && !wanted.contains(&Some(detection)) {
+                    wanted[track] = Some(detection);
+                }
+            }
+            let matches: std::vec::Vec<_> = (0..tracks).map(|track| found.detection_of(track)).collect();
+            assert_eq!(matches, wanted, "round {round}");
         }
     }
 

@@ -12,6 +12,9 @@ use crate::capacities::TRACKS_MAX;
 use crate::geometry::Point2;
 use crate::time::{Age, Stamp};
 
+/// Beyond this share of the gate's square nobody looks closer.
+const FAR: f32 = 1.001;
+
 /// How tracks live.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackerParameters {
@@ -266,12 +269,22 @@ impl Tracker {
 
     fn cost(&self, track: &Track, detection: &Detection) -> Option<f32> {
         let gate = self.parameters.gate;
+        // Most pairs are far apart: that is seen without a root and a quotient. A little more than the gate, for the
+        // rounding of either way.
+        let innovation_variance = track.state.innovation_variance(detection.sigma_m);
+        let (dx, dy) = (
+            detection.position.x_m - track.state.position.x_m,
+            detection.position.y_m - track.state.position.y_m,
+        );
+        if dx * dx + dy * dy > FAR * gate * gate * innovation_variance {
+            return None;
+        }
         let distance2 = track.state.distance2(detection.position, detection.sigma_m);
         let unseen = self.now.is_some_and(|now| track.last_seen.past_us(now) > self.parameters.astray_us);
         let distance_m = track.state.position.distance(detection.position);
         let near = !unseen || distance_m <= self.parameters.hidden_gate_m;
         let inside = distance2 <= gate * gate && near && track.is_expected();
-        inside.then(|| distance2 + 2.0 * libm::logf(track.state.innovation_variance(detection.sigma_m)))
+        inside.then(|| distance2 + 2.0 * libm::logf(innovation_variance))
     }
 
     fn delete(&mut self, stamp: Stamp) {
