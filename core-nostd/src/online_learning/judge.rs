@@ -2,17 +2,18 @@
 //!
 //! Two sets: what was held out in this place, and the anchors, labelled by the truth of a simulation. The place says
 //! whether anything was gained; the anchors, that no person was forgotten for it: the experts err, and whoever stands is
-//! labelled nobody by them.
+//! labelled nobody by them. Refused is whatever does not decide more held-out looks rightly, and none of either class less
+//! rightly: things outnumber people by far, so that a hundredth of them is much of the precision.
 
 use super::basis::Basis;
 use super::samples::{LabelledShape, SampleStore};
 use super::weights::Weights;
 use crate::people::shape::ShapeVector;
 
-/// Anchors of each class that may be lost against the shipped classifier, as a share.
-const ANCHOR_LOSS_MAX: f32 = 0.005;
-/// Held-out looks of each class that may be lost in the place against what is in use, as a share.
-const PLACE_LOSS_MAX: f32 = 0.01;
+/// People among the anchors that may be lost against the shipped classifier, as a share, and others.
+const ANCHOR_LOSS_MAX: [f32; 2] = [0.005, 0.002];
+/// Held-out looks in the place that must be decided rightly beyond what is in use, the shares of both classes added.
+const PLACE_GAIN_MIN: f32 = 0.02;
 /// Mean surprise on the anchors may grow by this against the shipped classifier.
 const ANCHOR_SURPRISE_MAX: f32 = 0.02;
 /// Mean surprise in the place must fall by this.
@@ -68,15 +69,32 @@ pub(super) fn on_anchors(weights: &Weights, basis: &Basis, anchors: &[LabelledSh
     standing(|shape| weights.log_odds(basis, shape), of(false), of(true))
 }
 
-/// Whether new weights may take the place of those in use. `shipped` is the standing of no correction on the anchors.
-pub(super) fn is_better(new: (Standing, Standing), used: Standing, shipped: Standing) -> bool {
-    let (place, anchors) = new;
-    let keeps = |now: Standing, before: Standing, most: f32| {
-        now.recall >= before.recall - most && now.rejected >= before.rejected - most
-    };
+/// What new weights are compared with: how those in use and no correction stand in the place, and no correction on the
+/// anchors.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rivals {
+    pub used: Standing,
+    pub shipped: Standing,
+    pub shipped_on_anchors: Standing,
+}
+
+/// Whether new weights, with their standing in the place, may take the place of those in use.
+pub(super) fn is_better(place: Standing, anchors: Standing, rivals: &Rivals) -> bool {
+    let Rivals { used, shipped, shipped_on_anchors } = *rivals;
+    let keeps = |before: Standing| place.recall >= before.recall && place.rejected >= before.rejected;
+    let gained = place.recall - used.recall + place.rejected - used.rejected;
     place.surprise <= used.surprise - GAIN_MIN
-        && keeps(place, used, PLACE_LOSS_MAX)
-        && keeps(anchors, shipped, ANCHOR_LOSS_MAX)
+        && gained >= PLACE_GAIN_MIN
+        && keeps(used)
+        && keeps(shipped)
+        && is_harmless(anchors, shipped_on_anchors)
+}
+
+/// Nothing that is known for sure is forgotten.
+pub(super) fn is_harmless(anchors: Standing, shipped: Standing) -> bool {
+    let [people, others] = ANCHOR_LOSS_MAX;
+    anchors.recall >= shipped.recall - people
+        && anchors.rejected >= shipped.rejected - others
         && anchors.surprise <= shipped.surprise + ANCHOR_SURPRISE_MAX
 }
 
@@ -87,15 +105,33 @@ mod tests {
     #[test]
     fn better_in_the_place_and_not_worse_on_the_anchors() {
         let used = Standing { recall: 0.9, rejected: 0.6, surprise: 0.5 };
-        let shipped = Standing { recall: 0.95, rejected: 0.9, surprise: 0.2 };
-        let good = Standing { surprise: 0.4, ..used };
-        assert!(is_better((good, shipped), used, shipped));
-        assert!(!is_better((used, shipped), used, shipped));
-        assert!(!is_better((Standing { recall: 0.85, ..good }, shipped), used, shipped));
-        assert!(!is_better((Standing { rejected: 0.55, ..good }, shipped), used, shipped));
-        assert!(!is_better((good, Standing { recall: 0.94, ..shipped }), used, shipped));
-        assert!(!is_better((good, Standing { rejected: 0.89, ..shipped }), used, shipped));
-        assert!(!is_better((good, Standing { surprise: 0.25, ..shipped }), used, shipped));
-        assert!(!is_better((Standing { surprise: f32::NAN, ..good }, shipped), used, shipped));
+        let anchors = Standing { recall: 0.95, rejected: 0.9, surprise: 0.2 };
+        let rivals = Rivals { used, shipped: used, shipped_on_anchors: anchors };
+        let good = Standing { rejected: 0.7, surprise: 0.4, ..used };
+        assert!(is_better(good, anchors, &rivals));
+        let refused = [
+            used,
+            // Surer of the same answers.
+            Standing { surprise: 0.4, ..used },
+            Standing { rejected: 0.61, ..good },
+            Standing { surprise: 0.5, ..good },
+            Standing { surprise: f32::NAN, ..good },
+            // Much won among the things, a person lost.
+            Standing { recall: 0.895, rejected: 0.9, ..good },
+            Standing { recall: 1.0, rejected: 0.595, ..good },
+        ];
+        for place in refused {
+            assert!(!is_better(place, anchors, &rivals), "{place:?}");
+        }
+        // What was won since the start must not be lost again by and by.
+        let before = Rivals { shipped: Standing { recall: 0.91, ..used }, ..rivals };
+        assert!(!is_better(good, anchors, &before));
+        for worse in [
+            Standing { recall: 0.94, ..anchors },
+            Standing { rejected: 0.895, ..anchors },
+            Standing { surprise: 0.25, ..anchors },
+        ] {
+            assert!(!is_better(good, worse, &rivals), "{worse:?}");
+        }
     }
 }

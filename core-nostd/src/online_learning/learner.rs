@@ -5,7 +5,7 @@ use heapless::Vec;
 use super::basis::Basis;
 use super::diary::Diary;
 use super::experts::{ExpertRules, Verdict};
-use super::judge::{Standing, in_place, is_better, on_anchors};
+use super::judge::{Rivals, Standing, in_place, is_better, is_harmless, on_anchors};
 use super::samples::{LabelledShape, SampleStore};
 use super::weights::Weights;
 use crate::capacities::{LEARNING_ANCHORS, LEARNING_TRACKS};
@@ -98,8 +98,7 @@ impl OnlineLearner {
     /// anchors than the shipped classifier, are not.
     pub fn resume(&mut self, weights: &Weights) -> bool {
         let standing = on_anchors(weights, &self.basis, &self.anchors);
-        let place = Standing { surprise: -1.0, recall: 1.0, rejected: 1.0 };
-        let taken = weights.is_sound() && is_better((place, standing), Standing::default(), self.shipped);
+        let taken = weights.is_sound() && is_harmless(standing, self.shipped);
         if taken {
             self.used = *weights;
             self.tried = *weights;
@@ -187,14 +186,12 @@ impl OnlineLearner {
     /// Takes over what was learnt, or throws it away.
     fn judge(&mut self) {
         self.round = 0;
-        let standings = in_place(&self.tried, &self.basis, &self.store).zip(in_place(
-            &self.used,
-            &self.basis,
-            &self.store,
-        ));
-        let Some((new, used)) = standings else { return };
+        let stands = |weights: &Weights| in_place(weights, &self.basis, &self.store);
+        let standings = stands(&self.tried).zip(stands(&self.used)).zip(stands(&Weights::ZERO));
+        let Some(((new, used), shipped)) = standings else { return };
         let anchors = on_anchors(&self.tried, &self.basis, &self.anchors);
-        if self.tried.is_sound() && is_better((new, anchors), used, self.shipped) {
+        let rivals = Rivals { used, shipped, shipped_on_anchors: self.shipped };
+        if self.tried.is_sound() && is_better(new, anchors, &rivals) {
             self.used = self.tried;
             self.counters.accepted = self.counters.accepted.saturating_add(1);
         } else {

@@ -10,8 +10,9 @@ use floorguard_core::online_learning::LabelledShape;
 use floorguard_hosted::train::{OnlinePlace, OnlineReport, anchors, draw_online, learn_place, random_scenes};
 use rayon::prelude::*;
 
-/// Seed of the first room; the anchors have seeds from 90,000, the shipped table those below 1,000.
-const SEED: u64 = 70_000;
+/// Seed of the first room; the anchors have seeds from 90,000, the shipped table those below 1,000. In rooms from 70,000 on
+/// the learner and its rule were chosen; nobody looked at these before.
+const SEED: u64 = 76_000;
 /// Rooms of the anchors.
 const ANCHOR_SCENES: u64 = 40;
 /// How much precision and recall of the second half may fall against the shipped classifier: a few looks.
