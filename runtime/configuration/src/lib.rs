@@ -3,6 +3,7 @@
 mod address;
 mod bake;
 mod camera;
+mod mission;
 mod polygon;
 mod problem;
 mod read;
@@ -12,6 +13,7 @@ mod reference;
 pub use address::{CanAddress, DatagramAddress, SerialAddress};
 pub use bake::bake;
 pub use camera::CameraConfiguration;
+pub use mission::{CleaningStrategy, MissionConfiguration};
 pub use polygon::contains as polygon_contains;
 pub use problem::{Problem, Refused};
 pub use read::{Carriers, HostedConfiguration, load, parse};

@@ -20,6 +20,7 @@ use toml::de::DeTable;
 
 use super::address::{CanAddress, DatagramAddress, SerialAddress, parse_serial};
 use super::camera::{CameraConfiguration, parse_video};
+use super::mission::{MissionConfiguration, read_mission};
 use super::polygon;
 use super::problem::{Problem, Refused};
 use super::reader::{Problems, Reader};
@@ -53,6 +54,8 @@ pub struct HostedConfiguration {
     pub robot: RobotConfiguration,
     /// Where its bytes come from.
     pub carriers: Carriers,
+    /// What it cleans; without a mission it drives its route.
+    pub mission: Option<MissionConfiguration>,
 }
 
 /// Reads and checks a file.
@@ -100,6 +103,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let fields = read_fields(&top, &geometry, &limits);
     let (route, route_limits) =
         top.optional_section("route").map_or_else(Default::default, |section| read_route(section, &limits));
+    let mission = top.optional_section("mission").and_then(read_mission);
     top.finish();
     let (lidar, lidar_address) = lidar?;
     let (scanner, scanner_address) = scanner?;
@@ -130,6 +134,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
             can: can_address,
             camera: camera.flatten(),
         },
+        mission,
     })
 }
 

@@ -65,6 +65,39 @@ fn a_taken_port_is_refused_with_its_name() {
     );
 }
 
+/// The mission of the file is told before anything moves, and a map that is not there is bad input.
+#[test]
+fn a_mission_is_taken_from_the_file_and_a_wrong_one_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let file = robot_file(folder.path(), port);
+    let robot = std::fs::read_to_string(&file).unwrap();
+    // 8 m x 6 m of free floor within walls.
+    let wall = |x: u32, y: u32| x < 4 || y < 4 || x >= 156 || y >= 116;
+    let pixel = |x, y| image::Luma([if wall(x, y) { 0_u8 } else { 254 }]);
+    image::GrayImage::from_fn(160, 120, pixel).save(folder.path().join("hall.png")).unwrap();
+    std::fs::write(folder.path().join("dirt.csv"), "x_m,y_m,units\n5.0,3.0,12\n5.1,3.0,14\n").unwrap();
+    let run = |mission: &str| {
+        std::fs::write(&file, format!("{robot}\n[mission]\nstrategy = \"guarantee\"\n{mission}")).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_floorguard"));
+        let output = command.args(["run", &file, "--duration", "1"]).output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    let start = "start_x_m = 2.0\nstart_y_m = 3.0\n";
+    let (code, said) = run(&format!("map = \"hall.png\"\ndirt = \"dirt.csv\"\n{start}"));
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("mission: starting, 0 % of what was dirty"), "{said}");
+    for (wrong, why) in [
+        ("map = \"cellar.png\"\ndirt = \"dirt.csv\"\n", "cellar.png"),
+        ("map = \"hall.png\"\ndirt = \"mud.csv\"\n", "mud.csv"),
+        ("map = \"hall.png\"\n", "`dirt` is missing"),
+    ] {
+        let (code, said) = run(&format!("{wrong}{start}"));
+        assert_eq!(code, Some(3), "{said}");
+        assert!(said.contains("[mission]") && said.contains(why), "{said}");
+    }
+}
+
 fn robot_file(folder: &std::path::Path, port: u16) -> String {
     let devices = folder.display();
     let text = floorguard_hosted::configuration::EXAMPLE

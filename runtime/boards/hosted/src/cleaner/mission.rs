@@ -44,7 +44,13 @@ const TRY_AGAIN_S: f32 = 1.0;
 /// Progress is made known this often, seconds.
 const PROGRESS_S: f32 = 1.0;
 /// What was cleaned is saved this often, seconds: a power cut loses no more.
-const SAVE_S: f32 = 2.0;
+const SAVE_S: f32 = 1.0;
+/// Doubt of the saved pose, metres and radians: the robot rolled on after it, and came to a stand without a computer.
+const ROLLED_ON: (f32, f32) = (0.35, 0.15);
+/// While the pose is not trusted a scan is taken in this often even if the robot stands, seconds.
+const LOOKS_S: f32 = 0.2;
+/// For so long it stands to find itself; after that it drives on, which shows it more, seconds.
+const FINDS_S: f32 = 6.0;
 /// Without a word of the dirt sensor for this long nothing counts as cleaned, microseconds.
 const DEAF_US: u64 = 500_000;
 /// One beam in this many is matched with the map.
@@ -161,6 +167,10 @@ pub struct Cleaner {
     plan_s: f32,
     tell_s: f32,
     save_s: f32,
+    /// Nothing is left to be saved.
+    is_kept: bool,
+    look_s: f32,
+    lost_s: f32,
 }
 
 impl Cleaner {
@@ -189,7 +199,7 @@ impl Cleaner {
         let config = scrubber::belief(plan.tolerated_units);
         let mut localiser = Localiser::new(&ground.floor, config, Grid::new(raster, cells)?, stream(71));
         if saved.is_some() {
-            localiser.restart(Pose2::default());
+            localiser.restart_within(Pose2::default(), ROLLED_ON);
         }
         let search = || PathSearch::new(raster, vec![SearchCell::EMPTY; raster.cell_count()]);
         Ok(Self {
@@ -230,6 +240,9 @@ impl Cleaner {
             plan_s: 0.0,
             tell_s: 0.0,
             save_s: 0.0,
+            is_kept: false,
+            look_s: 0.0,
+            lost_s: 0.0,
             plan: plan.clone(),
             ground,
             localiser,
@@ -267,7 +280,10 @@ impl Cleaner {
     /// A scan, at the pose where it was measured.
     fn see(&mut self, scan: &Scan, now_s: f32) {
         let odometry = self.odometry_at(scan.stamp);
-        if self.localiser.is_due(odometry) {
+        let is_lost = !self.localiser.is_trusted();
+        if self.localiser.is_due(odometry) || (is_lost && now_s >= self.look_s) {
+            self.look_s = now_s + LOOKS_S;
+            let interval = if is_lost { BEAM_INTERVAL / 3 } else { BEAM_INTERVAL };
             // A customer is not on the map, and says nothing of where the robot is; nor does what stands in the middle of a
             // free floor. Beams that end behind a wall do.
             let guess = self.localiser.pose(odometry);
@@ -276,7 +292,7 @@ impl Cleaner {
                 self.somebody.iter().any(|person| person.distance(place) < SOMEBODY_M)
                     || self.ground.floor.clearance.clearance_m(guess.transform(*end)) > MIDDLE_M
             };
-            let ends = ends_of(scan, BEAM_INTERVAL).map(|end| self.eye.in_base.transform(end));
+            let ends = ends_of(scan, interval).map(|end| self.eye.in_base.transform(end));
             let matched: Vec<Point2> = ends.filter(|end| !is_of_somebody(end)).collect();
             self.localiser.update(&self.ground.floor, odometry, &matched, true);
         }
@@ -342,6 +358,9 @@ impl Cleaner {
     fn decide(&mut self, now_s: f32) -> Twist2 {
         if self.plan.strategy == MissionStrategy::Route {
             return self.route.wanted(self.odometry.pose_in_odometry);
+        }
+        if self.lost_s > 0.0 && self.lost_s < FINDS_S {
+            return Twist2::ZERO;
         }
         let pose = self.pose();
         if self.plan.strategy == MissionStrategy::Guarantee && now_s >= self.plan_s {
@@ -532,8 +551,12 @@ impl Cleaner {
 
     /// What a power cut must not take.
     fn save(&mut self, now_s: f32) {
-        if now_s < self.save_s {
+        if now_s < self.save_s || self.is_kept {
             return;
+        }
+        if self.phase == MissionPhase::Done {
+            self.is_kept = true;
+            return self.store.finish();
         }
         self.save_s = now_s + SAVE_S;
         let prior = self.plan.prior(&self.ground.expected);
@@ -562,6 +585,7 @@ impl CleaningMission for Cleaner {
             self.wish = Twist2::ZERO;
         } else {
             self.notice_hold(moment.decision, lasted_s);
+            self.lost_s = if self.localiser.is_trusted() { 0.0 } else { self.lost_s + lasted_s };
             self.phase = if self.held_s > 0.5 { MissionPhase::Waiting } else { MissionPhase::Cleaning };
             self.wish = self.decide(now_s);
         }

@@ -1,5 +1,7 @@
 //! What a mission is told before it begins: the map, the dirt that is expected, and how to decide where to clean.
 
+use std::path::Path;
+
 use floorguard_core::cleaning::poisson_tail;
 use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_core::maps::{DirtCell, Grid, GridGeometry, Occupancy};
@@ -7,7 +9,9 @@ use floorguard_sim::scenario::Scenario;
 use floorguard_sim::scene::Scene;
 use serde::{Deserialize, Serialize};
 
-use crate::mission::ros_map::OccupancyMap;
+use crate::configuration::{CleaningStrategy, MissionConfiguration};
+use crate::mission::read_places;
+use crate::mission::ros_map::{self, OccupancyMap};
 
 /// Edge of a pixel of a map that is drawn from a scene, metres.
 const PIXEL_M: f32 = 0.05;
@@ -106,6 +110,43 @@ impl MissionPlan {
             delta: 0.01,
             dirt: dirt.collect(),
             map: Runs::of(&survey(scenario, &scene)?),
+        })
+    }
+
+    /// Of a `[mission]` in a robot.toml that lies in `folder`.
+    ///
+    /// # Errors
+    /// The map or the dirt cannot be read, or no dirt lies on the map.
+    pub fn of_configuration(mission: &MissionConfiguration, folder: &Path) -> anyhow::Result<Self> {
+        let map = ros_map::load(&folder.join(&mission.map))?;
+        let places = mission.dirt.as_ref().map(|dirt| read_places(&folder.join(dirt))).transpose()?;
+        let edge_m = floorguard_sim::dirt::DirtyPatch::EDGE_M;
+        let on_map =
+            places.into_iter().flatten().filter(|(place, _)| map.geometry().cell_at(*place).is_some());
+        let dirt: Vec<ExpectedDirt> = on_map
+            .map(|(place, units)| ExpectedDirt {
+                corner_m: [place.x_m - 0.5 * edge_m, place.y_m - 0.5 * edge_m],
+                edge_m,
+                units,
+            })
+            .collect();
+        anyhow::ensure!(
+            mission.dirt.is_none() || !dirt.is_empty(),
+            "no dirt of {:?} lies on the map {:?}",
+            mission.dirt.clone().unwrap_or_default(),
+            mission.map
+        );
+        Ok(Self {
+            strategy: match mission.strategy {
+                CleaningStrategy::Guarantee => MissionStrategy::Guarantee,
+                CleaningStrategy::Systematic => MissionStrategy::Systematic,
+            },
+            start: mission.start,
+            seed: 1,
+            tolerated_units: mission.tolerated_units,
+            delta: f64::from(mission.delta),
+            dirt,
+            map: Runs::of(&map),
         })
     }
 

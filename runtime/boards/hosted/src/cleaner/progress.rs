@@ -132,5 +132,18 @@ pub struct MissionProgress {
     pub detours: u32,
 }
 
+impl MissionProgress {
+    /// In one line, for people.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let percent = 100.0 * self.completion;
+        let name = self.phase.name();
+        let (left, way_m) = (self.uncertain.len(), self.distance_m);
+        format!(
+            "{name}, {percent:.0} % of what was dirty is claimed clean, {left} cells are not yet, {way_m:.0} m driven"
+        )
+    }
+}
+
 /// The newest progress.
 pub type MissionWatch<M> = Latest<M, Arc<MissionProgress>>;

@@ -12,7 +12,7 @@ use floorguard_core::maps::{DirtCell, NO_SLOT};
 use floorguard_runtime::digest::Fnv64;
 
 use super::plan::MissionPlan;
-use crate::environment::{Reader, Writer, read_newest, replace_file};
+use crate::environment::{Reader, Writer, places, read_newest, replace_file};
 
 const MAGIC: &[u8; 8] = b"FGMISS01";
 const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
@@ -116,6 +116,16 @@ impl Store {
         }
     }
 
+    /// The mission is done: the next one on this file begins anew. What is in memory lasts no longer than a run anyway.
+    pub fn finish(&self) {
+        if let Self::File(path) = self {
+            for version in places(path) {
+                // One that is not there needs no removing; one that stays goes on with a mission that is done.
+                let _ = std::fs::remove_file(version);
+            }
+        }
+    }
+
     /// The mission to go on with, if there is one for this plan.
     pub fn load(&self, plan: &MissionPlan, cells: usize) -> Option<Saved> {
         let wanted = (fingerprint(plan), cells);
@@ -172,6 +182,8 @@ mod tests {
         assert_eq!(read().unwrap().pose_in_map.x_m, 9.0);
         std::fs::write(&path, &newer.encode(5)[..20]).unwrap();
         assert_eq!(read().unwrap().pose_in_map.x_m, 1.0);
+        Store::File(path.clone()).finish();
+        assert!(read().is_none(), "a mission that is done begins anew");
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }

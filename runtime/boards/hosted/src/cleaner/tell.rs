@@ -90,3 +90,41 @@ impl Cleaner {
 const fn place(pose: Pose2) -> floorguard_core::geometry::Point2 {
     floorguard_core::geometry::Point2 { x_m: pose.x_m, y_m: pose.y_m }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::mission::SharedWatch;
+    use super::super::plan::{MissionPlan, MissionStrategy};
+    use super::super::store::{Saved, Store};
+    use super::*;
+    use crate::configuration::{EXAMPLE, parse};
+    use floorguard_core::maps::NO_SLOT;
+    use floorguard_sim::scenario::Scenario;
+    use std::sync::Arc;
+
+    /// A computer that comes back knows where it was and what it had cleaned.
+    #[test]
+    fn what_was_cleaned_before_a_power_cut_is_not_forgotten() {
+        let robot = parse("robot.toml", EXAMPLE).unwrap().robot;
+        let scenario = Scenario::named("supermarket").unwrap();
+        let plan = MissionPlan::of_scenario(&scenario, MissionStrategy::Guarantee, 1).unwrap();
+        let store = Store::Memory(Arc::default());
+        let begin = || Cleaner::new(&plan, &robot, (SharedWatch::default(), store.clone())).unwrap();
+        let first = begin();
+        assert_eq!(first.progress(Stamp::ZERO).completion, 0.0);
+        let prior = plan.prior(&first.ground.expected);
+        let mut cells = prior.clone();
+        let dirty: Vec<usize> =
+            (0..cells.len()).filter(|cell| first.rule.needs_cleaning(&cells[*cell])).collect();
+        for cell in dirty.iter().take(dirty.len() / 2) {
+            cells[*cell] = DirtCell { expected_units: 0.3, tail: 0, slot: NO_SLOT, heavy_units: 0 };
+        }
+        let pose = Pose2::new(3.0, 0.5, 1.0);
+        store.save(&plan, &Saved::of(pose, &cells, &prior));
+        let second = begin();
+        let told = second.progress(Stamp::ZERO);
+        assert!((told.completion - 0.5).abs() < 0.1, "{}", told.completion);
+        assert!((second.pose().x_m - pose.x_m).abs() < 1e-4 && (second.pose().y_m - pose.y_m).abs() < 1e-4);
+        assert!(!second.localiser.is_trusted(), "it rolled on without its computer");
+    }
+}

@@ -2,7 +2,8 @@
 
 use std::io::{BufRead, IsTerminal};
 use std::net::SocketAddr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -18,6 +19,7 @@ use super::exit::BadInput;
 use super::live::status_of;
 use super::panel::open_panel;
 use crate::camera::watch_floor;
+use crate::cleaner::{MissionPhase, MissionPlan, MissionProgress, MissionSetup, Store};
 use crate::configuration::{HostedConfiguration, load};
 use crate::display::LiveDisplay;
 use crate::environment::{Calendar, LiveLearner};
@@ -32,6 +34,9 @@ const LOOK: Duration = Duration::from_millis(50);
 const IMU_BAUD: u32 = 115_200;
 /// With `--json` a status comes this often, seconds.
 const JSON_STATUS_S: f64 = 1.0;
+
+/// A word on the mission comes this often, seconds.
+const MISSION_WORD_S: f64 = 10.0;
 
 /// What to run.
 #[derive(Clone, Debug, Args)]
@@ -83,7 +88,11 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
         let learner = LiveLearner::open(path, mounting, Calendar::now());
         watch.learner = Some(learner.map_err(|error| BadInput(format!("{}: {error:#}", path.display())))?);
     }
-    let mut witnesses = open_witnesses(arguments, &configuration)?;
+    let mission = mission_of(arguments, &configuration)?;
+    let plan = mission.as_ref().map(|mission| &mission.plan);
+    let mut witnesses = open_witnesses(arguments, &configuration, plan)?;
+    watch.mission.clone_from(&mission);
+    links.mission = mission;
     with_onlooker(&mut witnesses, &shared, |tap, notes| {
         links.tap = tap;
         let inbox = links.people.clone();
@@ -120,10 +129,28 @@ fn with_camera<T>(
     })
 }
 
+/// The mission of the file, begun or gone on with where it was broken off.
+fn mission_of(
+    arguments: &RunArguments,
+    configuration: &HostedConfiguration,
+) -> anyhow::Result<Option<MissionSetup>> {
+    let Some(mission) = &configuration.mission else { return Ok(None) };
+    let folder = arguments.file.parent().unwrap_or(Path::new("."));
+    let refuse =
+        |error: anyhow::Error| BadInput(format!("{}: [mission]: {error:#}", arguments.file.display()));
+    let plan = MissionPlan::of_configuration(mission, folder).map_err(refuse)?;
+    let setup = MissionSetup::new(plan, Store::File(folder.join(&mission.save)));
+    // Before anything moves: a floor on which the robot has no room is told now.
+    let begun = setup.begin(&configuration.robot).map_err(refuse)?;
+    anstream::eprintln!("  mission: {}", begun.progress(clock::now()).words());
+    Ok(Some(setup))
+}
+
 /// A recording and a panel, where they are wanted.
 fn open_witnesses(
     arguments: &RunArguments,
     configuration: &HostedConfiguration,
+    mission: Option<&MissionPlan>,
 ) -> anyhow::Result<Witnesses> {
     let name = arguments.file.display().to_string();
     let robot = &configuration.robot;
@@ -132,7 +159,7 @@ fn open_witnesses(
         let text =
             std::fs::read_to_string(&arguments.file).map_err(|error| BadInput(format!("{name}: {error}")))?;
         let imu_baud = configuration.carriers.imu.as_ref().map_or(IMU_BAUD, |line| line.baud);
-        witnesses.record_devices(robot, (&name, &text, imu_baud), path)?;
+        witnesses.record_devices(robot, (&name, &text, imu_baud), (mission, path))?;
     }
     if let Some(address) = arguments.panel {
         let mut panel = open_panel(address, &name, robot)?;
@@ -168,6 +195,10 @@ struct Watch<'a> {
     last_stop: Option<String>,
     bus: Option<BusReport>,
     learner: Option<LiveLearner>,
+    mission: Option<MissionSetup>,
+    told: u32,
+    is_done: bool,
+    next_mission_s: f64,
 }
 
 impl<'a> Watch<'a> {
@@ -184,6 +215,10 @@ impl<'a> Watch<'a> {
             last_stop: None,
             bus: None,
             learner: None,
+            mission: None,
+            told: 0,
+            is_done: false,
+            next_mission_s: 0.0,
         }
     }
 
@@ -206,6 +241,10 @@ impl<'a> Watch<'a> {
             if let Some(learner) = &mut self.learner {
                 learner.look(self.shared, Calendar::now())?;
             }
+            if let Some(progress) = self.news_of_mission() {
+                notes.mission(&progress);
+                self.on_mission(&progress);
+            }
             if let Some(report) = self.shared.bus.get() {
                 self.on_bus(&report);
             }
@@ -214,6 +253,37 @@ impl<'a> Watch<'a> {
             }
         }
         Ok(())
+    }
+
+    fn news_of_mission(&mut self) -> Option<Arc<MissionProgress>> {
+        let watch = &self.mission.as_ref()?.watch;
+        let told = std::mem::replace(&mut self.told, watch.published());
+        if told == self.told { None } else { watch.get() }
+    }
+
+    /// The mission has told its progress: every ten seconds, and when it is done.
+    fn on_mission(&mut self, progress: &MissionProgress) {
+        let elapsed_s = self.began.elapsed().as_secs_f64();
+        let is_done = progress.phase == MissionPhase::Done && !self.is_done;
+        self.is_done |= is_done;
+        if self.arguments.json {
+            anstream::println!(
+                "{}",
+                json!({
+                    "type": "mission",
+                    "time_s": elapsed_s,
+                    "phase": progress.phase.name(),
+                    "completion": progress.completion,
+                    "claimed_fraction": progress.claimed_fraction,
+                    "uncertain_cells": progress.uncertain.len(),
+                    "unreachable_cells": progress.unreachable_cells,
+                    "distance_m": progress.distance_m,
+                })
+            );
+        } else if is_done || elapsed_s >= self.next_mission_s {
+            self.next_mission_s = elapsed_s + MISSION_WORD_S;
+            self.display.note(&format!("  mission: {}", progress.words()));
+        }
     }
 
     /// Says what has changed on the CAN bus.

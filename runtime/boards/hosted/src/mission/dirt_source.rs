@@ -1,6 +1,6 @@
 //! Where the dirt of a mission comes from: drawn at random, or read from a file.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::Context;
@@ -115,17 +115,29 @@ impl DirtSource {
 }
 
 /// Returns the number of lines whose place lies beyond the raster.
-fn read(path: &PathBuf, floor: &Floor, expected: &mut [f32]) -> anyhow::Result<usize> {
+fn read(path: &Path, floor: &Floor, expected: &mut [f32]) -> anyhow::Result<usize> {
     let mut beyond = 0;
+    for (place, units) in read_places(path)? {
+        match floor.cells.cell_at(place) {
+            Some(cell) => expected[cell] = units,
+            None => beyond += 1,
+        }
+    }
+    Ok(beyond)
+}
+
+/// Places and expected units of a CSV file with the columns x_m, y_m, units.
+///
+/// # Errors
+/// The file cannot be read, or a line says something else.
+pub fn read_places(path: &Path) -> anyhow::Result<Vec<(Point2, f32)>> {
+    let mut places = Vec::new();
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
     for (number, line) in text.lines().enumerate() {
         let fields: Vec<Option<f32>> = line.split(',').map(|f| f.trim().parse().ok()).collect();
         match fields.as_slice() {
             [Some(x), Some(y), Some(units)] if (0.0..=70.0).contains(units) => {
-                match floor.cells.cell_at(Point2::new(*x, *y)) {
-                    Some(cell) => expected[cell] = *units,
-                    None => beyond += 1,
-                }
+                places.push((Point2::new(*x, *y), *units));
             }
             // A heading, an empty line or a comment.
             _ if number == 0 || line.trim().is_empty() || line.starts_with('#') => {}
@@ -136,7 +148,7 @@ fn read(path: &PathBuf, floor: &Floor, expected: &mut [f32]) -> anyhow::Result<u
             ),
         }
     }
-    Ok(beyond)
+    Ok(places)
 }
 
 #[cfg(test)]

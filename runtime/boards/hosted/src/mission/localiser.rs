@@ -24,6 +24,10 @@ const TOGETHER_M: f32 = 0.1;
 const LEAP_M: f32 = 0.05;
 /// From this share on a cell counts as visited (algorithms I.8).
 const SWEPT_SHARE: f32 = 0.8;
+/// A step shorter than this is none, metres and radians.
+const STANDS: (f32, f32) = (0.01, 0.02);
+/// Spread of the copies of a particle at a robot that stands, metres and radians.
+const ROUGHENING: (f32, f32) = (0.04, 0.02);
 /// Doubt that is added when something is wrong.
 const DOUBT: (f32, f32) = (0.12, 0.1);
 
@@ -107,15 +111,21 @@ impl Localiser {
         self.odometry_at_update = odometry;
         self.hits_since_update = 0;
         self.is_silent_since_update = false;
-        self.judge_health(report.explained_share);
+        self.judge_health(report.explained_share, step);
         self.judge_leap(predicted);
         self.mean_at_update = self.belief.pose().mean_in_map;
     }
 
     /// A pose that does not explain the scan is not believed, and neither is what was cleaned from it.
-    fn judge_health(&mut self, explained_share: Option<f32>) {
+    fn judge_health(&mut self, explained_share: Option<f32>, step: OdometryStep) {
         let Some(share) = explained_share else { return };
-        if share < SUSPECT_BELOW {
+        // A robot that stands to find itself has its doubt already: as much again at every look would drive the particles
+        // apart, and none would leave copies of a few.
+        let turned_rad = (step.first_turn_rad + step.second_turn_rad).abs();
+        let stands = step.forward_m.abs() < STANDS.0 && turned_rad < STANDS.1 && !self.is_trusted;
+        if stands && share < TRUSTED_FROM {
+            self.belief.distrust(&mut self.map, ROUGHENING);
+        } else if share < SUSPECT_BELOW {
             self.distrusts += u32::from(self.is_trusted);
             self.is_trusted = false;
             self.belief.distrust(&mut self.map, DOUBT);
@@ -163,12 +173,22 @@ impl Localiser {
 
     /// As after a power cut, with the map and the pose as they are: what the particles held is lost.
     pub fn restart(&mut self, odometry: Pose2) {
+        self.restart_within(odometry, DOUBT);
+    }
+
+    /// The same, with deviations of the position (metres) and the heading (radians): for a robot that was moving.
+    pub fn restart_within(&mut self, odometry: Pose2, (position_m, heading_rad): (f32, f32)) {
         self.belief.distrust(&mut self.map, (0.0, 0.0));
-        self.belief.place(self.mean_at_update, DOUBT.0, DOUBT.1);
+        self.belief.place(self.mean_at_update, position_m, heading_rad);
         self.odometry_at_update = odometry;
         self.hits_since_update = 0;
         self.is_silent_since_update = false;
         self.is_trusted = false;
+    }
+
+    /// The pose explains what the scanner sees; without that nothing counts as cleaned.
+    pub const fn is_trusted(&self) -> bool {
+        self.is_trusted
     }
 
     /// The most likely particle.

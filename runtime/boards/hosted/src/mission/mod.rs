@@ -22,7 +22,7 @@ mod truth;
 
 pub use campaign::{StrategySummary, StrategyTrials, run_strategies, run_strategies_believing};
 pub use config::{Guarantee, MissionConfig, Robot, Strategy};
-pub use dirt_source::DirtSource;
+pub use dirt_source::{DirtSource, read_places};
 pub use faults::{FaultKind, FaultRates};
 pub use floor::{CELL_M, CELLS_MAX, Floor};
 pub(crate) use lanes::{Lane, lanes};

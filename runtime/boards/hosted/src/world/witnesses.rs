@@ -19,6 +19,7 @@ use floorguard_sim::{FaultSpec, FaultTarget};
 use super::plan::Plan;
 use super::spawn::Stages;
 use super::tape::{Tape, encode_route};
+use crate::cleaner::MissionPlan;
 use crate::cleaner::MissionProgress;
 use crate::commands::BadInput;
 use crate::executor::StopFlag;
@@ -112,10 +113,12 @@ impl Witnesses {
         &mut self,
         robot: &RobotConfiguration,
         (name, robot_toml, imu_baud): (&str, &str, u32),
-        path: &Path,
+        (mission, path): (Option<&MissionPlan>, &Path),
     ) -> anyhow::Result<()> {
         let texts = [("title", name), ("stages", Stages::All.name()), (REPEATABLE, IN_REAL_TIME)];
-        let texts = texts.into_iter().map(|(name, text)| (name.to_owned(), text.to_owned())).collect();
+        let mission = mission.map(|mission| mission.to_text()).transpose()?;
+        let texts = texts.into_iter().map(|(name, text)| (name.to_owned(), text.to_owned()));
+        let texts = texts.chain(mission.map(|text| (MISSION.to_owned(), text))).collect();
         let info = RunInfo { robot, robot_toml, imu_baud, clouds_every: CLOUDS_EVERY, texts };
         self.recording = Some(open_recording(path, &info)?);
         Ok(())
