@@ -184,8 +184,7 @@ impl Cleaner {
         (watch, store): (SharedWatch, Store),
     ) -> anyhow::Result<Self> {
         let pace = pace_of(robot);
-        let brush = scrubber::BRUSH;
-        let mut ground = Ground::new(plan, (Body::of(robot), brush))?;
+        let mut ground = Ground::new(plan, (Body::of(robot), scrubber::BRUSH))?;
         let raster = *ground.raster();
         let mut lattice = Lattice::new(raster, among_people(robot, pace));
         ground.explore(&mut lattice);
