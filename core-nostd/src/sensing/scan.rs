@@ -51,6 +51,21 @@ impl Scan {
         }
     }
 
+    /// Becomes equal to every n-th beam of another one, so that its step is about this or coarser by less than a half.
+    pub fn copy_thinned(&mut self, other: &Self, step_rad: f32) {
+        let steps = libm::roundf(step_rad / other.step_rad);
+        let every = if steps.is_finite() { (steps as usize).clamp(1, SCAN_BEAMS_MAX) } else { 1 };
+        self.stamp = other.stamp;
+        self.sequence = other.sequence;
+        self.first_angle_rad = other.first_angle_rad;
+        self.step_rad = other.step_rad * every as f32;
+        self.beams.clear();
+        for beam in other.beams.iter().step_by(every) {
+            // Same capacity: never full.
+            let _ = self.beams.push(*beam);
+        }
+    }
+
     /// Puts the last beam first: a scanner that is mounted upside down.
     pub fn turn_round(&mut self) {
         // `reverse` keeps a panic in the image where the compiler shares it between two callers.
@@ -65,6 +80,28 @@ impl Scan {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Beams stay at their angles; a scan that is coarse already stays as it is.
+    #[test]
+    fn thinned_beams_keep_their_angles() {
+        let fine = Scan { first_angle_rad: -2.4, step_rad: 0.001_745, sequence: 7, ..Scan::default() };
+        let fine = Scan { beams: (0..501).map(BeamReturn::Hit).collect(), ..fine };
+        let mut thin = Scan::EMPTY;
+        thin.copy_thinned(&fine, 0.008_726);
+        assert_eq!((thin.beams.len(), thin.sequence), (101, 7));
+        for (index, beam) in thin.beams.iter().enumerate() {
+            assert_eq!(*beam, BeamReturn::Hit(index as u16 * 5));
+        }
+        assert!((thin.step_rad - 5.0 * fine.step_rad).abs() < 1.0e-9);
+        let before = thin.clone();
+        let mut again = Scan::EMPTY;
+        again.copy_thinned(&before, 0.008_726);
+        assert_eq!(again, before);
+        for step_rad in [0.0, f32::NAN] {
+            again.copy_thinned(&Scan { step_rad, ..before.clone() }, 0.008_726);
+            assert_eq!(again.beams, before.beams, "a step of {step_rad}");
+        }
+    }
 
     #[test]
     fn turning_round_twice_changes_nothing() {

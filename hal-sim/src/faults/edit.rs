@@ -2,7 +2,7 @@
 
 use crate::can::CanFrame;
 use crate::simulation::{Payload, Stream, WireEvent};
-use crate::wire::{reseal_message, reseal_telegram};
+use crate::wire::{BEAM_BYTES, BEAMS_FROM, DATAGRAM_HEADER, reseal_message, reseal_telegram};
 
 /// Bytes of a lidar block, and of its header.
 const BLOCK_BYTES: usize = 100;
@@ -38,6 +38,9 @@ pub fn apply(edit: Edit, event: &mut WireEvent) {
         (Stream::ScannerSerial, Payload::Bytes(bytes)) if bytes.len() > WORDS_FROM + CRC_BYTES => {
             scanner(edit, bytes);
             reseal_telegram(bytes);
+        }
+        (Stream::ScannerData, Payload::Bytes(bytes)) if bytes.len() > DATAGRAM_HEADER => {
+            scanner_datagram(edit, bytes);
         }
         (Stream::ImuSerial, Payload::Bytes(bytes)) if bytes.len() > 5 => {
             imu(edit, bytes);
@@ -104,6 +107,42 @@ fn scanner(edit: Edit, bytes: &mut [u8]) {
             for word in bytes[WORDS_FROM..end].chunks_exact_mut(2).skip(words / 2 - half).take(2 * half) {
                 word.copy_from_slice(&0x1FFF_u16.to_le_bytes());
             }
+        }
+    }
+}
+
+/// A microScan3 has no checksum above that of the network: its datagrams are changed where they stand.
+fn scanner_datagram(edit: Edit, bytes: &mut [u8]) {
+    let number = |at: usize| u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]);
+    let (total, offset) = (number(8) as usize, number(16) as usize);
+    let beams = total.saturating_sub(BEAMS_FROM) / BEAM_BYTES;
+    match edit {
+        Edit::Extreme(which) => {
+            let value = [[0xFF, 0xFF, 0xFF, 0x01], [0; 4], [0, 0, 0, 0x02]][which as usize % 3];
+            change_beams(bytes, offset, 0..beams, value);
+        }
+        Edit::Clock(forward_us) if offset == 0 && bytes.len() >= DATAGRAM_HEADER + 24 => {
+            let shown = number(DATAGRAM_HEADER + 20);
+            let shifted = shown.wrapping_add((forward_us / SCAN_US) as u32);
+            bytes[DATAGRAM_HEADER + 20..DATAGRAM_HEADER + 24].copy_from_slice(&shifted.to_le_bytes());
+        }
+        Edit::Clock(_) => {}
+        // Another protocol of the same maker.
+        Edit::Stranger => bytes[4] = b'X',
+        Edit::Blind(degrees) => {
+            // Straight ahead is the middle of 275°. "Infinite" is status 2.
+            let half = ((degrees / 275.0 * 0.5 * beams as f32) as usize).min(beams / 2);
+            change_beams(bytes, offset, beams / 2 - half..beams / 2 + half, [0, 0, 0, 0x02]);
+        }
+    }
+}
+
+/// Writes one value into those beams of a message that lie in this datagram, whose first byte is the `offset`th.
+fn change_beams(bytes: &mut [u8], offset: usize, beams: std::ops::Range<usize>, value: [u8; BEAM_BYTES]) {
+    let span = BEAMS_FROM + beams.start * BEAM_BYTES..BEAMS_FROM + beams.end * BEAM_BYTES;
+    for (at, byte) in (offset..).zip(bytes.iter_mut().skip(DATAGRAM_HEADER)) {
+        if span.contains(&at) {
+            *byte = value[(at - BEAMS_FROM) % BEAM_BYTES];
         }
     }
 }

@@ -64,7 +64,9 @@ impl FaultTarget {
         match self {
             Self::Guard | Self::Perception => kind.halts_tasks(),
             Self::Computer => kind.halts_tasks() || matches!(kind, FaultKind::Reset),
-            Self::Line(Stream::LidarData | Stream::ScannerSerial) => !kind.halts_tasks(),
+            Self::Line(Stream::LidarData | Stream::ScannerSerial | Stream::ScannerData) => {
+                !kind.halts_tasks()
+            }
             _ => !kind.halts_tasks() && !matches!(kind, FaultKind::Blind(_)),
         }
     }
@@ -83,6 +85,10 @@ impl FaultTarget {
             _ => None,
         };
         match self {
+            // A fault of the scanner hits whichever is fitted.
+            Self::Line(Stream::ScannerSerial) => {
+                !output && matches!(event.stream, Stream::ScannerSerial | Stream::ScannerData)
+            }
             Self::Line(stream) => !output && event.stream == stream,
             Self::Nodes(nodes) => {
                 !output && frame_id.is_some_and(|id| id >= 0x080 && nodes.contains(&((id & 0x7F) as u8)))

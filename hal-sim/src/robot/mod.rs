@@ -3,5 +3,5 @@
 mod parameters;
 mod physics;
 
-pub use parameters::{NodeIds, RobotParameters, SensorMount};
+pub use parameters::{NodeIds, RobotParameters, ScannerDevice, SensorMount};
 pub use physics::{BrakeLaw, RobotBody};

@@ -33,6 +33,16 @@ pub struct NodeIds {
     pub dirt_sensor: u8,
 }
 
+/// Which safety scanner it carries.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ScannerDevice {
+    /// S300: 541 beams over 270°.
+    #[default]
+    S300,
+    /// microScan3: so many beams over 275°.
+    MicroScan3(u16),
+}
+
 /// Everything that is fixed about the robot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RobotParameters {
@@ -56,8 +66,10 @@ pub struct RobotParameters {
     pub brake_delay_s: f32,
     /// VLP-16.
     pub lidar: SensorMount,
-    /// S300.
+    /// Safety scanner.
     pub scanner: SensorMount,
+    /// Its model.
+    pub scanner_device: ScannerDevice,
     /// MTi.
     pub imu: SensorMount,
     /// CAN nodes.
@@ -83,6 +95,7 @@ impl Default for RobotParameters {
             brake_delay_s: 0.05,
             lidar: mount(0.50, 0.80),
             scanner: mount(0.90, 0.15),
+            scanner_device: ScannerDevice::default(),
             imu: mount(0.30, 0.40),
             nodes: NodeIds {
                 traction: 1,

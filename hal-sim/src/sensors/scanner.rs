@@ -1,19 +1,30 @@
-//! S300: 541 beams every 40 ms as one telegram on the serial line (wire-formats 2).
+//! The safety scanner: what it measures in a turn of its mirror, and its way to the robot's computer.
+//!
+//! An S300 sends a telegram on a serial line (wire-formats 2), a microScan3 a message in datagrams (wire-formats 3).
 
 use floorguard_core::random::Pcg32;
 
 use super::View;
-use crate::wire::{ScanWords, TelegramHeader, encode_telegram};
+use crate::robot::ScannerDevice;
+use crate::simulation::Stream;
+use crate::wire::{
+    BeamWords, DEVICE_ERROR, MessageHeader, RUNS, STANDS_BY, TelegramHeader, encode_scan_message,
+    encode_telegram, scan_datagrams,
+};
 
-const BEAMS: usize = 541;
 /// The mirror turns once in 40 ms; the 270° in front take 30 ms of it.
 const CYCLE_US: u64 = 40_000;
-const BEAM_NS: u64 = 55_556;
-/// From the last beam to the first byte: the evaluation.
+/// Beams are measured in runs of a ninth of a scan: 3.3 ms.
+const RUNS_A_SCAN: usize = 9;
+/// From the last beam to the first byte of an S300: the evaluation.
 const PROCESSING_US: u64 = 5_000;
 /// 1,108 bytes of ten bits at 500 kbit/s (wire-formats 2.1), a fifth at a time.
 const PIECES: usize = 5;
 const BYTE_US: u64 = 20;
+/// From the last beam to the first datagram of a microScan3. No figure is published.
+const MESSAGE_US: u64 = 8_000;
+/// A full frame at 100 Mbit/s.
+const DATAGRAM_US: u64 = 125;
 const RANGE_MAX_M: f32 = 29.9;
 const NOISE_M: f32 = 0.012;
 /// Nothing came back.
@@ -27,16 +38,24 @@ pub enum ScannerState {
     /// Measures.
     #[default]
     Measuring,
-    /// Sends stand-by words.
+    /// Says that it stands by.
     StandBy,
-    /// Locked out by a fault: sends status 1.
+    /// Locked out by a fault, and says so.
     LockOut,
+}
+
+/// What a beam hit.
+#[derive(Clone, Copy, Debug)]
+struct Echo {
+    range_m: f32,
+    is_reflector: bool,
 }
 
 /// The scanner.
 #[derive(Clone, Debug)]
 pub struct Scanner {
-    words: ScanWords,
+    device: ScannerDevice,
+    echoes: Vec<Option<Echo>>,
     next_beam: usize,
     cycle_start_us: u64,
     scan: u32,
@@ -46,13 +65,24 @@ pub struct Scanner {
 }
 
 impl Scanner {
-    /// Switched on at time 0.
+    /// An S300 that is switched on at time 0.
     #[must_use]
     pub fn new(seed: u64) -> Self {
+        Self::of(ScannerDevice::S300, seed)
+    }
+
+    /// A scanner that is switched on at time 0.
+    #[must_use]
+    pub fn of(device: ScannerDevice, seed: u64) -> Self {
         let mut random = Pcg32::new(seed, 12);
         let scan = random.below(10_000);
+        let beams = match device {
+            ScannerDevice::S300 => 541,
+            ScannerDevice::MicroScan3(beams) => usize::from(beams.max(2)),
+        };
         Self {
-            words: [NO_ECHO; BEAMS],
+            device,
+            echoes: vec![None; beams],
             next_beam: 0,
             cycle_start_us: 0,
             scan,
@@ -61,58 +91,117 @@ impl Scanner {
         }
     }
 
-    /// When the beams that lie before it should be measured next, microseconds.
+    /// The line it speaks on.
     #[must_use]
-    pub const fn due_us(&self) -> u64 {
-        if self.next_beam >= BEAMS {
-            self.cycle_start_us + CYCLE_US
-        } else {
-            // In runs of sixty beams: 3.3 ms.
-            self.cycle_start_us + (self.next_beam as u64 + 60) * BEAM_NS / 1_000
+    pub const fn stream(&self) -> Stream {
+        match self.device {
+            ScannerDevice::S300 => Stream::ScannerSerial,
+            ScannerDevice::MicroScan3(_) => Stream::ScannerData,
         }
     }
 
-    /// Measures all beams up to now. Returns the pieces of the telegram, each with its time, after the last beam.
+    /// First angle and step, degrees; 0 is straight ahead.
+    fn angles_deg(&self) -> (f64, f64) {
+        let sector_deg = if self.stream() == Stream::ScannerSerial { 270.0 } else { 275.0 };
+        (-sector_deg / 2.0, sector_deg / (self.echoes.len() - 1) as f64)
+    }
+
+    /// From beam to beam, nanoseconds.
+    fn beam_ns(&self) -> u64 {
+        let (_, step_deg) = self.angles_deg();
+        (step_deg / 360.0 * (CYCLE_US * 1_000) as f64).round() as u64
+    }
+
+    fn beam_at_us(&self, beam: usize) -> u64 {
+        self.cycle_start_us + beam as u64 * self.beam_ns() / 1_000
+    }
+
+    /// When the beams that lie before it should be measured next, microseconds.
+    #[must_use]
+    pub fn due_us(&self) -> u64 {
+        if self.next_beam >= self.echoes.len() {
+            self.cycle_start_us + CYCLE_US
+        } else {
+            self.beam_at_us(self.next_beam + self.echoes.len() / RUNS_A_SCAN)
+        }
+    }
+
+    /// Measures all beams up to now. Returns what it sends, each with its time, after the last beam.
     pub fn measure(&mut self, view: &View<'_>, now_us: u64, step_us: u64) -> Vec<(u64, Vec<u8>)> {
-        if self.next_beam >= BEAMS && now_us >= self.cycle_start_us + CYCLE_US {
+        if self.next_beam >= self.echoes.len() && now_us >= self.cycle_start_us + CYCLE_US {
             self.cycle_start_us += CYCLE_US;
             self.next_beam = 0;
             return Vec::new();
         }
+        let (first_deg, step_deg) = self.angles_deg();
         let mut candidates = Vec::new();
-        for beam in self.next_beam..BEAMS {
-            let at_us = self.cycle_start_us + beam as u64 * BEAM_NS / 1_000;
+        for beam in self.next_beam..self.echoes.len() {
+            let at_us = self.beam_at_us(beam);
             if at_us > now_us {
                 return Vec::new();
             }
             let sensor = view.sensor((at_us as f32 - step_us as f32) * 1.0e-6);
-            let bearing = sensor.heading_rad + (-135.0 + 0.5 * beam as f32).to_radians();
+            let bearing = sensor.heading_rad + ((first_deg + step_deg * beam as f64) as f32).to_radians();
             view.candidates(bearing, &mut candidates);
             let hit = view.cast(sensor, (bearing, 0.0), &candidates, RANGE_MAX_M);
-            self.words[beam] = hit.map_or(NO_ECHO, |hit| {
+            self.echoes[beam] = hit.map(|hit| {
                 let spread: f32 = (0..4).map(|_| self.random.uniform()).sum::<f32>() - 2.0;
-                let range_cm = (hit.range_m + spread * NOISE_M * 1.732) * 100.0 + 0.5;
-                let reflector = if hit.reflectivity > 100 { 0x2000 } else { 0 };
-                (range_cm.max(3.0) as u16).min(NO_ECHO - 1) | reflector
+                let range_m = hit.range_m + spread * NOISE_M * 1.732;
+                Echo { range_m, is_reflector: hit.reflectivity > 100 }
             });
             self.next_beam = beam + 1;
         }
-        self.telegram(now_us)
+        self.scan = self.scan.wrapping_add(1);
+        match self.device {
+            ScannerDevice::S300 => self.telegram(now_us),
+            ScannerDevice::MicroScan3(_) => self.message(now_us),
+        }
     }
 
-    fn telegram(&mut self, now_us: u64) -> Vec<(u64, Vec<u8>)> {
-        self.scan = self.scan.wrapping_add(1);
+    fn telegram(&self, now_us: u64) -> Vec<(u64, Vec<u8>)> {
         let status = u16::from(self.state == ScannerState::LockOut);
         let header = TelegramHeader { version: 0x0103, status, scan: self.scan, telegram: self.scan as u16 };
-        let bytes = match self.state {
-            ScannerState::Measuring => encode_telegram(header, &self.words),
-            _ => encode_telegram(header, &[STAND_BY; BEAMS]),
+        let word = |echo: &Option<Echo>| match (self.state, echo) {
+            (ScannerState::StandBy | ScannerState::LockOut, _) => STAND_BY,
+            (ScannerState::Measuring, None) => NO_ECHO,
+            (ScannerState::Measuring, Some(echo)) => {
+                let range_cm = (echo.range_m * 100.0 + 0.5).max(3.0) as u16;
+                range_cm.min(NO_ECHO - 1) | if echo.is_reflector { 0x2000 } else { 0 }
+            }
         };
+        let words: Vec<u16> = self.echoes.iter().map(word).collect();
+        let bytes = encode_telegram(header, &words);
         let mut sent = 0;
         let mut piece = |chunk: &[u8]| {
             sent += chunk.len() as u64;
             (now_us + PROCESSING_US + sent * BYTE_US, chunk.to_vec())
         };
         bytes.chunks(bytes.len().div_ceil(PIECES)).map(&mut piece).collect()
+    }
+
+    fn message(&self, now_us: u64) -> Vec<(u64, Vec<u8>)> {
+        let (_, step_deg) = self.angles_deg();
+        let header = MessageHeader {
+            number: self.scan,
+            state: if self.state == ScannerState::StandBy { STANDS_BY } else { RUNS },
+            errors: if self.state == ScannerState::LockOut { DEVICE_ERROR } else { 0 },
+            // Straight ahead is 90° in the device's own frame.
+            first_deg: -47.5,
+            step_deg,
+            scan_ms: (CYCLE_US / 1_000) as u16,
+            beam_us: (self.beam_ns() / 1_000) as u32,
+        };
+        let words = |echo: &Option<Echo>| match echo {
+            None => BeamWords { status: 0x02, ..BeamWords::default() },
+            Some(echo) => BeamWords {
+                distance_mm: (echo.range_m * 1_000.0 + 0.5).max(30.0) as u16,
+                strength: if echo.is_reflector { 255 } else { 90 },
+                status: if echo.is_reflector { 0x09 } else { 0x01 },
+            },
+        };
+        let beams: Vec<BeamWords> = self.echoes.iter().map(words).collect();
+        let datagrams = scan_datagrams(&encode_scan_message(&header, &beams), self.scan);
+        let first_us = now_us + MESSAGE_US;
+        (1..).zip(datagrams).map(|(index, bytes)| (first_us + index * DATAGRAM_US, bytes)).collect()
     }
 }

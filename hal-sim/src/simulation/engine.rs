@@ -78,7 +78,7 @@ impl Simulation {
             body: RobotBody::new(parameters.clone(), scenario.start_pose()),
             bus: Bus::new(parameters.nodes),
             lidar: Lidar::new(seed, ReturnMode::Strongest),
-            scanner: Scanner::new(seed),
+            scanner: Scanner::of(parameters.scanner_device, seed),
             imu: Imu::new(seed),
             turn_radps2: 0.0,
             towed: None,
@@ -149,8 +149,9 @@ impl Simulation {
         if self.scanner.due_us() == at_us {
             let mount = self.parameters.scanner;
             let view = View::new(&self.scene, &self.crowd.people, (&self.body, mount), 31.0);
+            let stream = self.scanner.stream();
             for (at_us, bytes) in self.scanner.measure(&view, at_us, self.step_us) {
-                self.push(at_us, Stream::ScannerSerial, Payload::Bytes(bytes));
+                self.push(at_us, stream, Payload::Bytes(bytes));
             }
         }
         if self.imu.due_us() == at_us {

@@ -11,6 +11,8 @@ pub enum Stream {
     LidarPosition,
     /// RS-422 of the S300: any number of bytes an event.
     ScannerSerial,
+    /// UDP 6060 of a microScan3: one datagram an event.
+    ScannerData,
     /// RS-232 of the MTi: any number of bytes an event.
     ImuSerial,
     /// CAN: one frame an event.

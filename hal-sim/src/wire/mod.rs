@@ -1,9 +1,14 @@
-//! Encoders of the sensors' messages, written from wire-formats 1, 2 and 5.
+//! Encoders of the sensors' messages, written from wire-formats 1, 2, 3 and 5.
 
+mod microscan3;
 mod s300;
 mod velodyne;
 mod xbus;
 
+pub use microscan3::{
+    BEAM_BYTES, BEAMS_FROM, BeamWords, DATAGRAM_HEADER, DEVICE_ERROR, MessageHeader, RUNS, STANDS_BY,
+    encode_scan_message, scan_datagrams,
+};
 pub use s300::{ScanWords, TelegramHeader, encode_telegram, reseal_telegram};
 pub use velodyne::{DataPacket, ReturnMode, encode_position};
 pub use xbus::{XbusParser, encode_message, reseal_message};

@@ -3,14 +3,22 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use floorguard_configuration::{bake, load};
+use floorguard_configuration::{ScannerAddress, bake, load};
 
 fn main() -> anyhow::Result<()> {
     println!("cargo:rerun-if-changed=../../../robot.toml");
     println!("cargo:rerun-if-changed=build.rs");
     let folder = PathBuf::from(std::env::var_os("OUT_DIR").context("cargo gives OUT_DIR")?);
     // The same checks as on the robot's computer: a wrong file stops the build with its line and the remedy.
-    let robot = load(Path::new("../../../robot.toml"))?.robot;
+    let configuration = load(Path::new("../../../robot.toml"))?;
+    let robot = configuration.robot;
+    // The capacities of this profile are not the host's, whose check has just passed.
+    anyhow::ensure!(
+        matches!(configuration.carriers.scanner, ScannerAddress::Serial(_)),
+        "robot.toml: [scanner] {:?}: the boards have memory for the 541 beams of an S300 and no task for datagrams; \
+         write model = \"s300\", or run this robot on Linux",
+        robot.scanner.model
+    );
     std::fs::write(folder.join("robot.rs"), bake(&robot))?;
     Ok(())
 }

@@ -16,6 +16,15 @@ pub struct SerialAddress {
     pub baud: u32,
 }
 
+/// What a safety scanner is connected to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ScannerAddress {
+    /// An S300's line.
+    Serial(SerialAddress),
+    /// The port to which a microScan3 sends.
+    Datagrams(DatagramAddress),
+}
+
 /// A CAN bus.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CanAddress {

@@ -10,7 +10,7 @@ mod read;
 mod reader;
 mod reference;
 
-pub use address::{CanAddress, DatagramAddress, SerialAddress};
+pub use address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
 pub use bake::bake;
 pub use camera::CameraConfiguration;
 pub use mission::{CleaningStrategy, MissionConfiguration};

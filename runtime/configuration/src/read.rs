@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use floorguard_core::capacities::FIELD_SETS_MAX;
+use floorguard_core::capacities::{FIELD_SETS_MAX, SCAN_BEAMS_MAX};
 use floorguard_core::geometry::{Point2, Point3};
 use floorguard_core::guard::Thresholds;
 use floorguard_core::sensing::PinholeCamera;
@@ -18,7 +18,7 @@ use floorguard_runtime::configuration::{
 use floorguard_runtime::mission::{ROUTE_WAYPOINTS_MAX, Route, RouteLimits};
 use toml::de::DeTable;
 
-use super::address::{CanAddress, DatagramAddress, SerialAddress, parse_serial};
+use super::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress, parse_serial};
 use super::camera::{CameraConfiguration, parse_video};
 use super::mission::{MissionConfiguration, read_mission};
 use super::polygon;
@@ -38,7 +38,7 @@ pub struct Carriers {
     /// Lidar.
     pub lidar: DatagramAddress,
     /// Safety scanner.
-    pub scanner: SerialAddress,
+    pub scanner: ScannerAddress,
     /// Inertial measurement unit.
     pub imu: Option<SerialAddress>,
     /// CAN bus.
@@ -206,9 +206,8 @@ fn read_lidar(section: Reader<'_>) -> Option<(LidarConfiguration, DatagramAddres
     Some((LidarConfiguration { model: model?, mounting }, source?))
 }
 
-fn read_scanner(section: Reader<'_>) -> Option<(ScannerConfiguration, SerialAddress)> {
-    let model = section.choice("model", &[("s300", ScannerModel::S300)]);
-    let source = read_serial(&section);
+fn read_scanner(section: Reader<'_>) -> Option<(ScannerConfiguration, ScannerAddress)> {
+    let (model, source) = read_scanner_device(&section);
     let mounting = read_mounting(section.section("mounting"));
     if mounting.position.z_m > 0.2 {
         section.refuse(
@@ -223,6 +222,26 @@ fn read_scanner(section: Reader<'_>) -> Option<(ScannerConfiguration, SerialAddr
     ];
     section.finish();
     Some((ScannerConfiguration { model: model?, mounting, sector_rad }, source?))
+}
+
+/// The model, and what it is connected to: an S300 has a line, a microScan3 sends datagrams and says how many beams.
+fn read_scanner_device(section: &Reader<'_>) -> (Option<ScannerModel>, Option<ScannerAddress>) {
+    let finest = ScannerModel::MicroScan3 { beams: SCAN_BEAMS_MAX as u16 };
+    let model = section.choice("model", &[("s300", ScannerModel::S300), ("microscan3", finest)]);
+    let beams = section.integer_or("beams", 276..=SCAN_BEAMS_MAX as i64, SCAN_BEAMS_MAX as i64) as u16;
+    if let Some(ScannerModel::MicroScan3 { .. }) = model {
+        let model = ScannerModel::MicroScan3 { beams };
+        let source = read_source(section, "udp:0.0.0.0:6060", DatagramAddress::parse);
+        return (Some(model), source.map(ScannerAddress::Datagrams));
+    }
+    if section.find("beams").is_some() {
+        section.refuse(
+            section.span(),
+            "[scanner]: `beams` is given, and an S300 always sends 541",
+            "leave `beams` out, or write model = \"microscan3\"",
+        );
+    }
+    (model, read_serial(section).map(ScannerAddress::Serial))
 }
 
 fn read_imu(section: Reader<'_>) -> Option<(ImuConfiguration, SerialAddress)> {

@@ -175,6 +175,13 @@ impl<'a> Reader<'a> {
         self.checked_integer(key, value, &range)
     }
 
+    /// A whole number within a range, or a default.
+    pub fn integer_or(&self, key: &'static str, range: RangeInclusive<i64>, default: i64) -> i64 {
+        let allowed = format!("{} to {}", range.start(), range.end());
+        self.note(key, "whole number", (allowed, Some(default.to_string())));
+        self.find(key).map_or(default, |value| self.checked_integer(key, value, &range))
+    }
+
     /// A whole number within a range, if the key is there.
     pub fn integer_or_absent(&self, key: &'static str, range: RangeInclusive<i64>) -> Option<i64> {
         let allowed = format!("{} to {}", range.start(), range.end());

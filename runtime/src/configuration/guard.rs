@@ -15,8 +15,6 @@ use super::fields::DirectionOfTravel;
 use super::robot::RobotConfiguration;
 use super::sources::LidarModel;
 
-/// The S300 delivers 541 beams over 270° (wire-formats 2.1).
-const S300_BEAMS: usize = 541;
 /// Lower than this a return is floor: half a brush height and the error of a tilted lidar, metres.
 const FLOOR_CLEARANCE_M: f32 = 0.08;
 /// Nothing of the robot is higher, metres.
@@ -51,9 +49,9 @@ impl RobotConfiguration {
             fields,
             scanner: ScannerGeometry {
                 mounting: Pose2::new(mounting.position.x_m, mounting.position.y_m, mounting.yaw_rad),
-                first_angle_rad: -0.75 * PI,
-                step_rad: PI / 360.0,
-                beams: S300_BEAMS,
+                first_angle_rad: self.scanner.model.first_angle_rad(),
+                step_rad: self.scanner.model.step_rad(),
+                beams: self.scanner.model.beams(),
                 sector_rad: self.scanner.sector_rad,
             },
             lidar: LidarGeometry {

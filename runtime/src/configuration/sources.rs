@@ -3,6 +3,7 @@
 //! Addresses of carriers (ports, device files) are the board's business and not part of this.
 
 use floorguard_core::geometry::{Point3, Transform3};
+use floorguard_core::units::radians;
 use floorguard_drivers::flexisoft::InputMap;
 
 /// Where a sensor sits on the robot.
@@ -57,6 +58,42 @@ pub enum ScannerModel {
     /// SICK S300 on RS-422.
     #[default]
     S300,
+    /// SICK microScan3, outdoorScan3 or nanoScan3 over UDP.
+    MicroScan3 {
+        /// Beams over its 275°: 2,751 of a microScan3, 1,651 of a nanoScan3, fewer where its output is thinned out.
+        beams: u16,
+    },
+}
+
+impl ScannerModel {
+    /// What it looks at, degrees, half of it to either side (wire-formats 2.1 and 3.4).
+    const fn sector_deg(self) -> f32 {
+        match self {
+            Self::S300 => 270.0,
+            Self::MicroScan3 { .. } => 275.0,
+        }
+    }
+
+    /// Beams of a scan.
+    #[must_use]
+    pub const fn beams(self) -> usize {
+        match self {
+            Self::S300 => 541,
+            Self::MicroScan3 { beams } => beams as usize,
+        }
+    }
+
+    /// Angle of the first beam in the sensor's frame, radians; 0 is straight ahead.
+    #[must_use]
+    pub fn first_angle_rad(self) -> f32 {
+        -radians(self.sector_deg() / 2.0)
+    }
+
+    /// Angle between two beams, radians.
+    #[must_use]
+    pub fn step_rad(self) -> f32 {
+        radians(self.sector_deg() / self.beams().saturating_sub(1).max(1) as f32)
+    }
 }
 
 /// Safety laser scanner.

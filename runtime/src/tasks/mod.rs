@@ -26,5 +26,5 @@ pub use inputs::{advice_input, command_input, operator_input};
 pub use lidar::lidar_input;
 pub use perception::{JudgeMotion, NoMotion, PerceptionState, perceive};
 pub use route::drive_route;
-pub use scanner::scanner_input;
+pub use scanner::{scanner_datagrams, scanner_input};
 pub use supervise::supervise;

@@ -1,48 +1,102 @@
-//! The safety scanner's telegrams.
+//! The safety scanner: telegrams of an S300 over a serial line, datagrams of a microScan3 over UDP.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::Timer;
 use embedded_io_async::Read;
 use floorguard_core::guard::{FaultKind, Source};
-use floorguard_drivers::s300::{Event, Receiver};
+use floorguard_core::sensing::Scan;
+use floorguard_core::time::Stamp;
+use floorguard_drivers::{microscan3, s300};
 
 use crate::clock;
+use crate::io::DatagramReceiver;
 use crate::shared::Shared;
 
 /// At 500 kBd 1 ms is 50 bytes: a read takes what is there.
 const PORTION_BYTES: usize = 128;
+/// What an Ethernet frame holds, and more: a longer datagram must not pass for a right one.
+const DATAGRAM_BYTES: usize = 1_600;
+/// Legs are searched in beams as dense as those they were learned from, radians: half a degree.
+const SEARCHED_STEP_RAD: f32 = 0.5 * floorguard_core::units::RADIANS_PER_DEGREE;
+/// Bits 0 and 1 of the last byte of its state (wire-formats 3.3).
+const DEVICE_ERROR: u16 = 0x03;
 /// Pause after a failure of the line, milliseconds.
 const RETRY_MS: u64 = 20;
 
-/// Guard ring. Runs for ever.
-pub async fn scanner_input<M: RawMutex>(shared: &Shared<M>, mut line: impl Read, mut receiver: Receiver) {
+/// An S300. Guard ring. Runs for ever.
+pub async fn scanner_input<M: RawMutex>(
+    shared: &Shared<M>,
+    mut line: impl Read,
+    mut receiver: s300::Receiver,
+) {
     let mut portion = [0; PORTION_BYTES];
     loop {
         let count = match line.read(&mut portion).await {
             Ok(count) if count > 0 => count,
             Ok(_) | Err(_) => {
-                shared.count(|links| links.scanner_errors = links.scanner_errors.saturating_add(1));
-                shared.decide(|guard| {
-                    guard.on_source_fault(Source::Scanner, FaultKind::LinkDown, clock::now())
-                });
-                Timer::after_millis(RETRY_MS).await;
+                link_down(shared).await;
                 continue;
             }
         };
         let now = clock::now();
         let bytes = portion.get(..count).unwrap_or_default();
         receiver.push(bytes, now, |event| match event {
-            Event::Scan(scan) => {
-                shared.decide(|guard| guard.on_scan(scan, now));
+            s300::Event::Scan(scan) => {
+                hand_on(shared, scan, now);
                 shared.scans.push(|slot| slot.copy_from(scan));
-                shared.scan.publish(scan.clone());
             }
-            Event::StandBy { .. } => {
-                shared.decide(|guard| guard.on_source_fault(Source::Scanner, FaultKind::StandBy, now));
-            }
-            Event::Refused(_) => {
-                shared.count(|links| links.scanner_refused = links.scanner_refused.saturating_add(1));
-            }
+            s300::Event::StandBy { .. } => fault(shared, FaultKind::StandBy, now),
+            s300::Event::Refused(_) => count_refused(shared),
         });
     }
+}
+
+/// A scanner of the microScan3 family. Guard ring. Runs for ever.
+pub async fn scanner_datagrams<M: RawMutex>(
+    shared: &Shared<M>,
+    mut socket: impl DatagramReceiver,
+    mut receiver: microscan3::Receiver,
+) {
+    let mut buffer = [0; DATAGRAM_BYTES];
+    loop {
+        let Ok(received) = socket.receive(&mut buffer).await else {
+            link_down(shared).await;
+            continue;
+        };
+        let bytes = buffer.get(..received.length).unwrap_or_default();
+        let now = clock::now();
+        receiver.push(bytes, received.arrival, |event| match event {
+            microscan3::Event::Scan(scan) => {
+                hand_on(shared, scan, now);
+                shared.scans.push(|slot| slot.copy_thinned(scan, SEARCHED_STEP_RAD));
+            }
+            // Its own display tells which; a scan may be in the message and says nothing.
+            microscan3::Event::Refused(microscan3::ScanError::Device) => {
+                fault(shared, FaultKind::Device(DEVICE_ERROR), now);
+                count_refused(shared);
+            }
+            microscan3::Event::StandBy { .. } => fault(shared, FaultKind::StandBy, now),
+            microscan3::Event::Refused(_) => count_refused(shared),
+        });
+    }
+}
+
+/// The guard first, then whoever draws it.
+fn hand_on<M: RawMutex>(shared: &Shared<M>, scan: &Scan, now: Stamp) {
+    shared.decide(|guard| guard.on_scan(scan, now));
+    shared.scan.publish(scan.clone());
+}
+
+fn fault<M: RawMutex>(shared: &Shared<M>, kind: FaultKind, now: Stamp) {
+    shared.decide(|guard| guard.on_source_fault(Source::Scanner, kind, now));
+}
+
+fn count_refused<M: RawMutex>(shared: &Shared<M>) {
+    shared.count(|links| links.scanner_refused = links.scanner_refused.saturating_add(1));
+}
+
+async fn link_down<M: RawMutex>(shared: &Shared<M>) {
+    shared.count(|links| links.scanner_errors = links.scanner_errors.saturating_add(1));
+    fault(shared, FaultKind::LinkDown, clock::now());
+    Timer::after_millis(RETRY_MS).await;
 }

@@ -39,7 +39,7 @@ struct Case {
 const fn sources(stream: Stream) -> &'static [&'static str] {
     match stream {
         Stream::LidarData | Stream::LidarPosition => &["lidar", "perception"],
-        Stream::ScannerSerial => &["safety scanner"],
+        Stream::ScannerSerial | Stream::ScannerData => &["safety scanner"],
         Stream::ImuSerial => &["inertial sensor"],
         Stream::Can => &["wheel encoders", "drive", "safety inputs", "wanted command", "perception"],
     }

@@ -4,7 +4,9 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+use floorguard_core::capacities::SCAN_BEAMS_MAX;
+use floorguard_runtime::configuration::ScannerModel;
 use floorguard_runtime::shared::RobotStatus;
 use floorguard_sim::FaultSpec;
 use floorguard_sim::scenario::Scenario;
@@ -49,6 +51,9 @@ pub struct SimulateArguments {
     /// In real time over real carriers: UDP on the loopback, pseudo-terminals, SLCAN.
     #[arg(long, conflicts_with = "tape")]
     pub real_io: bool,
+    /// The robot's safety scanner.
+    #[arg(long, value_enum, default_value_t = FittedScanner::S300)]
+    pub scanner: FittedScanner,
     /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
@@ -70,6 +75,16 @@ pub struct SimulateArguments {
     /// Write the report with the picture to this folder.
     #[arg(long)]
     pub report: Option<PathBuf>,
+}
+
+/// Which safety scanner the simulated robot carries.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum FittedScanner {
+    /// SICK S300: 541 beams, a serial line.
+    #[default]
+    S300,
+    /// SICK microScan3: 2,751 beams, UDP.
+    Microscan3,
 }
 
 /// Runs the command.
@@ -132,6 +147,13 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
         let what =
             "--tape: the emulated board drives the route and has no room for a mission; leave --strategy out";
         return Err(BadInput(what.to_owned()).into());
+    }
+    if arguments.tape.is_some() && arguments.scanner != FittedScanner::S300 {
+        let what = "--tape: the emulated board has room for the beams of an S300 only; leave --scanner out";
+        return Err(BadInput(what.to_owned()).into());
+    }
+    if arguments.scanner == FittedScanner::Microscan3 {
+        plan = plan.with_scanner(ScannerModel::MicroScan3 { beams: SCAN_BEAMS_MAX as u16 })?;
     }
     if arguments.tape.is_none() {
         plan = plan.cleaning(arguments.strategy)?;

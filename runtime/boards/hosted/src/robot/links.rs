@@ -8,16 +8,25 @@ use floorguard_runtime::tape::TapeLine;
 use super::tap::{Tap, Tapped};
 use crate::carriers::{CanLink, ReconnectingLine, UdpReceiver};
 use crate::cleaner::MissionSetup;
-use crate::configuration::{CanAddress, Carriers, SerialAddress};
-use crate::world::{GuardCarriers, PeopleInbox};
+use crate::configuration::{CanAddress, Carriers, DatagramAddress, ScannerAddress, SerialAddress};
+use crate::world::{GuardCarriers, PeopleInbox, ScannerCarrier};
+
+/// What the safety scanner is connected to, before the guard's thread opens it.
+#[derive(Debug)]
+pub enum ScannerLink {
+    /// An S300's line.
+    Serial(SerialAddress),
+    /// A microScan3's port, bound already.
+    Datagrams(UdpSocket),
+}
 
 /// Where the bytes come from, before the guard's thread opens it.
 #[derive(Debug)]
 pub struct Links {
     /// The lidar's port, bound already: a port that is taken is an error at the start.
     pub lidar: UdpSocket,
-    /// The safety scanner's line.
-    pub scanner: SerialAddress,
+    /// The safety scanner's line or port.
+    pub scanner: ScannerLink,
     /// The inertial sensor's line.
     pub imu: Option<SerialAddress>,
     /// The CAN bus.
@@ -40,21 +49,26 @@ pub struct Missing {
 }
 
 /// The carriers of the guard ring.
-type Opened =
-    GuardCarriers<Tapped<UdpReceiver>, Tapped<ReconnectingLine>, Tapped<ReconnectingLine>, Tapped<CanLink>>;
+type Opened = GuardCarriers<
+    Tapped<UdpReceiver>,
+    Tapped<ReconnectingLine>,
+    Tapped<UdpReceiver>,
+    Tapped<ReconnectingLine>,
+    Tapped<CanLink>,
+>;
 
 impl Links {
     /// Of a configuration.
     ///
     /// # Errors
-    /// The lidar's port is taken or not ours.
+    /// A port is taken or not ours.
     pub fn bind(carriers: &Carriers) -> io::Result<Self> {
-        let address = carriers.lidar.0;
-        let lidar = UdpSocket::bind(address).map_err(|error| {
-            let remedy = "end the other program that listens there, or correct [lidar] source";
-            io::Error::new(error.kind(), format!("[lidar] udp:{address}: {error}; {remedy}"))
-        })?;
-        let (scanner, imu) = (carriers.scanner.clone(), carriers.imu.clone());
+        let lidar = bind_port("lidar", carriers.lidar)?;
+        let scanner = match &carriers.scanner {
+            ScannerAddress::Serial(address) => ScannerLink::Serial(address.clone()),
+            ScannerAddress::Datagrams(address) => ScannerLink::Datagrams(bind_port("scanner", *address)?),
+        };
+        let imu = carriers.imu.clone();
         Ok(Self {
             lidar,
             scanner,
@@ -77,8 +91,18 @@ impl Links {
             }
         };
         let lidar = UdpReceiver::from_socket(self.lidar)?;
-        let (scanner, problem) = ReconnectingLine::new(self.scanner.device, self.scanner.baud);
-        note("safety scanner", problem);
+        let tap = self.tap;
+        let scanner = match self.scanner {
+            ScannerLink::Serial(address) => {
+                let (line, problem) = ReconnectingLine::new(address.device, address.baud);
+                note("safety scanner", problem);
+                ScannerCarrier::Serial(Tapped::new(line, TapeLine::Scanner, tap.clone()))
+            }
+            ScannerLink::Datagrams(socket) => {
+                let socket = UdpReceiver::from_socket(socket)?;
+                ScannerCarrier::Datagrams(Tapped::new(socket, TapeLine::Scanner, tap.clone()))
+            }
+        };
         let imu = self.imu.map(|address| {
             let (line, problem) = ReconnectingLine::new(address.device, address.baud);
             note("inertial sensor", problem);
@@ -86,12 +110,19 @@ impl Links {
         });
         let (can, problem) = CanLink::new(&self.can);
         note("CAN bus", problem);
-        let tap = self.tap;
         Ok(GuardCarriers {
             lidar: Tapped::new(lidar, TapeLine::Lidar, tap.clone()),
-            scanner: Tapped::new(scanner, TapeLine::Scanner, tap.clone()),
+            scanner,
             imu: imu.map(|(line, baud)| (Tapped::new(line, TapeLine::Imu, tap.clone()), baud)),
             can: Tapped::new(can, TapeLine::Can, tap),
         })
     }
+}
+
+/// Binds the port of a device; `section` of the robot's file names it.
+fn bind_port(section: &str, DatagramAddress(address): DatagramAddress) -> io::Result<UdpSocket> {
+    UdpSocket::bind(address).map_err(|error| {
+        let remedy = format!("end the other program that listens there, or correct [{section}] source");
+        io::Error::new(error.kind(), format!("[{section}] udp:{address}: {error}; {remedy}"))
+    })
 }

@@ -5,7 +5,7 @@ mod rings;
 mod stop_files;
 mod tap;
 
-pub use links::{Links, Missing};
+pub use links::{Links, Missing, ScannerLink};
 pub use rings::{HostedShared, run_rings};
 pub use stop_files::{black_box_log, write_stop_file};
 pub use tap::{Tap, TapRow, TapRows, Tapped, tap};

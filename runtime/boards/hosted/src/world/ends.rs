@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use anyhow::Context;
 use embedded_can::Frame as _;
+use floorguard_runtime::configuration::ScannerModel;
 use floorguard_sim::CanFrame as SimCanFrame;
 use floorguard_sim::can::{SlcanDecoder, encode_slcan};
 use floorguard_sim::simulation::{Payload, Stream, WireEvent};
@@ -15,7 +16,7 @@ use socketcan::{CanFrame as KernelFrame, CanSocket, Socket};
 use super::inbox::PeopleInbox;
 use crate::carriers::PseudoTerminal;
 use crate::configuration::{CanAddress, SerialAddress};
-use crate::robot::Links;
+use crate::robot::{Links, ScannerLink};
 
 /// Bit rates of the simulated lines; a pseudo-terminal takes any.
 const SCANNER_BAUD: u32 = 500_000;
@@ -35,10 +36,16 @@ enum CanEnd {
     Interface(CanSocket),
 }
 
+/// The safety scanner's end of its line.
+enum ScannerEnd {
+    Serial(PseudoTerminal),
+    Datagrams(UdpSocket),
+}
+
 /// The simulator's ends of the lines.
 pub(super) struct Ends {
     lidar: UdpSocket,
-    scanner: PseudoTerminal,
+    scanner: ScannerEnd,
     imu: PseudoTerminal,
     can: CanEnd,
     /// Messages that a full line refused.
@@ -47,12 +54,11 @@ pub(super) struct Ends {
 
 impl Ends {
     /// Both ends: the simulator's and the robot's. Without a CAN interface of the kernel the bus is an SLCAN adapter.
-    pub fn open(can_interface: Option<&str>) -> anyhow::Result<(Self, Links)> {
-        let robot_lidar = UdpSocket::bind("127.0.0.1:0").context("no UDP port on the loopback")?;
-        let lidar = UdpSocket::bind("127.0.0.1:0")?;
-        lidar.connect(robot_lidar.local_addr()?)?;
+    pub fn open(scanner: ScannerModel, can_interface: Option<&str>) -> anyhow::Result<(Self, Links)> {
+        let (lidar, robot_lidar) = loopback()?;
         let terminal = || PseudoTerminal::open().context("no pseudo-terminal");
-        let (scanner, imu) = (terminal()?, terminal()?);
+        let (scanner, robot_scanner) = ScannerEnd::open(scanner)?;
+        let imu = terminal()?;
         let (can, address) = match can_interface {
             Some(name) => (CanEnd::Interface(open_interface(name)?), CanAddress::SocketCan(name.to_owned())),
             None => {
@@ -63,7 +69,7 @@ impl Ends {
         };
         let links = Links {
             lidar: robot_lidar,
-            scanner: SerialAddress { device: scanner.device.clone(), baud: SCANNER_BAUD },
+            scanner: robot_scanner,
             imu: Some(SerialAddress { device: imu.device.clone(), baud: IMU_BAUD }),
             can: address,
             tap: None,
@@ -77,7 +83,7 @@ impl Ends {
     pub fn deliver(&mut self, event: WireEvent) {
         let delivered = match (event.stream, event.payload) {
             (Stream::LidarData, Payload::Bytes(bytes)) => self.lidar.send(&bytes).is_ok(),
-            (Stream::ScannerSerial, Payload::Bytes(bytes)) => write_all(&self.scanner, &bytes),
+            (Stream::ScannerSerial | Stream::ScannerData, Payload::Bytes(bytes)) => self.scanner.send(&bytes),
             (Stream::ImuSerial, Payload::Bytes(bytes)) => write_all(&self.imu, &bytes),
             (Stream::Can, Payload::Frame(frame)) => self.can.send(&frame),
             _ => true,
@@ -108,6 +114,37 @@ impl Ends {
             std::thread::sleep(Duration::from_micros(at_most_us.clamp(200, 1_000)));
         }
         Ok(())
+    }
+}
+
+/// A UDP connection on the loopback: the sending end, and the robot's.
+fn loopback() -> anyhow::Result<(UdpSocket, UdpSocket)> {
+    let robot = UdpSocket::bind("127.0.0.1:0").context("no UDP port on the loopback")?;
+    let device = UdpSocket::bind("127.0.0.1:0")?;
+    device.connect(robot.local_addr()?)?;
+    Ok((device, robot))
+}
+
+impl ScannerEnd {
+    fn open(model: ScannerModel) -> anyhow::Result<(Self, ScannerLink)> {
+        match model {
+            ScannerModel::S300 => {
+                let line = PseudoTerminal::open().context("no pseudo-terminal")?;
+                let address = SerialAddress { device: line.device.clone(), baud: SCANNER_BAUD };
+                Ok((Self::Serial(line), ScannerLink::Serial(address)))
+            }
+            ScannerModel::MicroScan3 { .. } => {
+                let (device, robot) = loopback()?;
+                Ok((Self::Datagrams(device), ScannerLink::Datagrams(robot)))
+            }
+        }
+    }
+
+    fn send(&self, bytes: &[u8]) -> bool {
+        match self {
+            Self::Serial(line) => write_all(line, bytes),
+            Self::Datagrams(socket) => socket.send(bytes).is_ok(),
+        }
     }
 }
 

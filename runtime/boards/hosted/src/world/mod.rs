@@ -8,6 +8,7 @@ mod operator;
 mod plan;
 mod real_world;
 mod replayed_world;
+mod scanner_pipe;
 mod scenario_file;
 mod spawn;
 mod swath;
@@ -24,8 +25,8 @@ pub use real_world::{CarrierFigures, run_real, run_real_recorded};
 pub use replayed_world::{ReplayAudience, ReplayError, ReplayOutcome, is_replayable, replay_recording};
 pub use scenario_file::load_scenario;
 pub use spawn::{
-    GuardCarriers, HostedMotion, HostedPerception, Stages, new_perception, new_shared, spawn_cleaning_ring,
-    spawn_guard_ring, spawn_perception_ring,
+    GuardCarriers, HostedMotion, HostedPerception, ScannerCarrier, Stages, new_perception, new_shared,
+    spawn_cleaning_ring, spawn_guard_ring, spawn_perception_ring,
 };
 pub use swath::BRUSH_M;
 pub use tape::Tape;

@@ -1,11 +1,13 @@
 //! What to simulate: scenario, seed, duration, faults, and the robot that is told to drive the scenario's route.
 
 use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::configuration::{RobotConfiguration, ScannerModel};
 use floorguard_runtime::mission::{Route, RouteLimits};
 use floorguard_sim::FaultSpec;
 use floorguard_sim::dirt::DirtFile;
+use floorguard_sim::robot::{RobotParameters, ScannerDevice};
 use floorguard_sim::scenario::{Scenario, ScenarioError};
+use floorguard_sim::simulation::Simulation;
 
 use super::spawn::Stages;
 use crate::cleaner::{MissionPlan, MissionStrategy};
@@ -28,6 +30,8 @@ pub struct Plan {
     pub faults: Vec<FaultSpec>,
     /// The robot.
     pub robot: RobotConfiguration,
+    /// Its file; the route is the scenario's.
+    pub robot_toml: String,
     /// Which stages of the robot run.
     pub stages: Stages,
     /// What the robot cleans; without a mission it drives the scenario's route, and no dirt lies there.
@@ -92,6 +96,7 @@ impl Plan {
             duration_us,
             faults: Vec::new(),
             robot,
+            robot_toml: EXAMPLE.to_owned(),
             stages: Stages::All,
             emergency_stop_us: Vec::new(),
         })
@@ -111,6 +116,33 @@ impl Plan {
         let mission = MissionPlan::of_scenario(&self.scenario, strategy, self.seed);
         self.mission = Some(mission.map_err(PlanError::Mission)?);
         Ok(self)
+    }
+
+    /// With another safety scanner in the same place.
+    ///
+    /// # Errors
+    /// The example robot cannot carry it.
+    pub fn with_scanner(mut self, model: ScannerModel) -> Result<Self, PlanError> {
+        if let ScannerModel::MicroScan3 { beams } = model {
+            let fitted = format!("model = \"microscan3\"\nsource = \"udp:0.0.0.0:6060\"\nbeams = {beams}\n");
+            let lines = "model = \"s300\"\nsource = \"serial:/dev/ttyUSB0\"\nbaud = 500000\n";
+            self.robot_toml = self.robot_toml.replace(lines, &fitted);
+            self.robot.scanner = parse("robot.toml", &self.robot_toml)?.robot.scanner;
+        }
+        Ok(self)
+    }
+
+    /// The simulator with this plan's robot in it.
+    ///
+    /// # Errors
+    /// The scenario cannot be played.
+    pub fn simulation(&self) -> Result<Simulation, ScenarioError> {
+        let scanner_device = match self.robot.scanner.model {
+            ScannerModel::S300 => ScannerDevice::S300,
+            ScannerModel::MicroScan3 { beams } => ScannerDevice::MicroScan3(beams),
+        };
+        let parameters = RobotParameters { scanner_device, ..RobotParameters::default() };
+        Simulation::with_robot(&self.scenario, self.seed, parameters)
     }
 
     /// Where the odometry frame lies in the world.

@@ -53,8 +53,8 @@ pub fn run_real_recorded(
     observer: &mut Observer<'_>,
     witnesses: &mut Witnesses,
 ) -> anyhow::Result<CarrierFigures> {
-    let mut simulation = Simulation::new(&plan.scenario, plan.seed)?;
-    let (mut ends, mut links) = Ends::open(can_interface)?;
+    let mut simulation = plan.simulation()?;
+    let (mut ends, mut links) = Ends::open(plan.robot.scanner.model, can_interface)?;
     let start = clock::now();
     observer.set_clock_start(start);
     if let Some(panel) = &mut witnesses.panel {

@@ -11,6 +11,7 @@ use floorguard_runtime::digest::OutputDigest;
 use floorguard_runtime::shared::{PeopleReport, RobotStatus, Shared, StopRecord};
 use floorguard_runtime::tape::{TapeLine, decode_route};
 
+use super::scanner_pipe::ScannerPipe;
 use super::spawn::{
     GuardCarriers, Stages, new_perception, new_shared, spawn_cleaning_ring, spawn_guard_ring,
     spawn_perception_ring,
@@ -76,7 +77,7 @@ pub enum ReplayError {
 
 struct Lines {
     lidar: DatagramPipe,
-    scanner: PipeWriter,
+    scanner: ScannerPipe,
     imu: PipeWriter,
     can: CanPipe,
     from_imu_line: PipeReader,
@@ -151,7 +152,7 @@ fn play<R: Read>(
     let shared = new_shared(robot, Stamp::ZERO)
         .map_err(|error| ReplayError::Robot(format!("the guard refuses the robot: {error}")))?;
     let mut perception = new_perception(robot, stages);
-    let (scanner, scanner_reader) = byte_pipe();
+    let (scanner, scanner_reader) = ScannerPipe::new(robot.scanner.model);
     let (imu, imu_reader) = byte_pipe();
     let (to_imu, from_imu_line) = byte_pipe();
     let lines =
@@ -272,7 +273,7 @@ impl Stage<'_> {
     fn deliver(&self, line: TapeLine, bytes: &[u8], arrival: Stamp) {
         match line {
             TapeLine::Lidar => self.lines.lidar.push(arrival, bytes.to_vec()),
-            TapeLine::Scanner => self.lines.scanner.push(bytes),
+            TapeLine::Scanner => self.lines.scanner.push(arrival, bytes),
             TapeLine::Imu => self.lines.imu.push(bytes),
             TapeLine::Can => {
                 if let Some((id, payload)) = bytes.split_first_chunk::<2>() {

@@ -9,29 +9,37 @@ use floorguard_core::odometry::PoseHistory;
 use floorguard_core::people::{PeopleOutput, PeoplePipeline, RingAngles, SweepContext};
 use floorguard_core::sensing::{Scan, Sweep};
 use floorguard_core::time::Stamp;
-use floorguard_drivers::s300::{Configuration, Receiver};
 use floorguard_drivers::three_wheel_base::ThreeWheelBase;
 use floorguard_drivers::velodyne::{Decoder, ModelChoice};
 use floorguard_drivers::xsens::Device;
+use floorguard_drivers::{microscan3, s300};
 use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
 use floorguard_runtime::io::{CanBus, DatagramReceiver};
 use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::{Motion, Shared};
 use floorguard_runtime::tasks::{
     JudgeMotion, NoMotion, PerceptionState, advice_input, can_bus, clean, command_input, drive_route,
-    imu_input, lidar_input, operator_input, perceive, scanner_input, supervise,
+    imu_input, lidar_input, operator_input, perceive, scanner_datagrams, scanner_input, supervise,
 };
 
 use super::inbox::PeopleInbox;
 use crate::cleaner::Cleaner;
 use crate::executor::TaskSet;
 
+/// What the safety scanner is connected to: the line of an S300, or the port of a microScan3.
+pub enum ScannerCarrier<S, D> {
+    /// Bytes of telegrams.
+    Serial(S),
+    /// Datagrams, and where they become scans.
+    Datagrams(D),
+}
+
 /// The lines that the guard ring listens to.
-pub struct GuardCarriers<L, S, I, C> {
+pub struct GuardCarriers<L, S, D, I, C> {
     /// Lidar datagrams.
     pub lidar: L,
     /// Safety scanner.
-    pub scanner: S,
+    pub scanner: ScannerCarrier<S, D>,
     /// Inertial sensor and its bit rate; a robot can do without.
     pub imu: Option<(I, u32)>,
     /// CAN bus.
@@ -145,13 +153,22 @@ pub fn spawn_guard_ring<'a, M: RawMutex>(
     carriers: GuardCarriers<
         impl DatagramReceiver + 'a,
         impl Read + 'a,
+        impl DatagramReceiver + 'a,
         impl Read + Write + 'a,
         impl CanBus + 'a,
     >,
 ) {
     let choice = robot.lidar_model().map_or(ModelChoice::Auto, ModelChoice::Fixed);
     tasks.spawn(lidar_input(shared, carriers.lidar, Decoder::new(choice)));
-    tasks.spawn(scanner_input(shared, carriers.scanner, Receiver::new(Configuration::default())));
+    match carriers.scanner {
+        ScannerCarrier::Serial(line) => {
+            tasks.spawn(scanner_input(shared, line, s300::Receiver::new(s300::Configuration::default())));
+        }
+        ScannerCarrier::Datagrams(socket) => {
+            let configuration = microscan3::Configuration::default();
+            tasks.spawn(scanner_datagrams(shared, socket, microscan3::Receiver::new(configuration)));
+        }
+    }
     if let (Some((line, baud)), Some(imu)) = (carriers.imu, robot.imu) {
         tasks.spawn(imu_input(shared, line, (Device::new(baud), imu.mounting.transform())));
     }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
+use floorguard_runtime::configuration::ScannerModel;
 use floorguard_runtime::shared::{Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
 use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
@@ -13,8 +14,10 @@ use floorguard_sim::{CanFrame as SimCanFrame, FaultKind, FaultLayer, FaultSpec, 
 use super::observer::Observer;
 use super::operator::Operator;
 use super::plan::Plan;
+use super::scanner_pipe::ScannerPipe;
 use super::spawn::{
-    GuardCarriers, new_perception, new_shared, spawn_cleaning_ring, spawn_guard_ring, spawn_perception_ring,
+    GuardCarriers, ScannerCarrier, new_perception, new_shared, spawn_cleaning_ring, spawn_guard_ring,
+    spawn_perception_ring,
 };
 use super::witnesses::Witnesses;
 use crate::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
@@ -28,14 +31,14 @@ const JUDGE_US: u64 = 10_000;
 /// The lines between simulator and robot.
 struct Lines {
     lidar: DatagramPipe,
-    scanner: PipeWriter,
+    scanner: ScannerPipe,
     imu: PipeWriter,
     can: CanPipe,
 }
 
 /// The robot's ends of the serial lines.
 struct Ends {
-    scanner: PipeReader,
+    scanner: ScannerCarrier<PipeReader, DatagramPipe>,
     imu: DuplexPipe,
     /// What the robot writes to the inertial sensor.
     from_imu_line: PipeReader,
@@ -45,8 +48,8 @@ struct Ends {
 pub(super) const IMU_BAUD: u32 = 115_200;
 
 impl Lines {
-    fn new() -> (Self, Ends) {
-        let (scanner, scanner_reader) = byte_pipe();
+    fn new(scanner: ScannerModel) -> (Self, Ends) {
+        let (scanner, scanner_reader) = ScannerPipe::new(scanner);
         let (imu, imu_reader) = byte_pipe();
         let (to_imu, from_imu_line) = byte_pipe();
         let lines = Self { lidar: DatagramPipe::default(), scanner, imu, can: CanPipe::default() };
@@ -61,9 +64,9 @@ impl Lines {
                 witnesses.delivered(when, TapeLine::Lidar, &bytes);
                 self.lidar.push(Stamp::from_micros(event.at_us), bytes);
             }
-            (Stream::ScannerSerial, Payload::Bytes(bytes)) => {
+            (Stream::ScannerSerial | Stream::ScannerData, Payload::Bytes(bytes)) => {
                 witnesses.delivered(when, TapeLine::Scanner, &bytes);
-                self.scanner.push(&bytes);
+                self.scanner.push(Stamp::from_micros(event.at_us), &bytes);
             }
             (Stream::ImuSerial, Payload::Bytes(bytes)) => {
                 witnesses.delivered(when, TapeLine::Imu, &bytes);
@@ -98,7 +101,7 @@ pub fn run_recorded(
     observer: &mut Observer<'_>,
     witnesses: &mut Witnesses,
 ) -> anyhow::Result<()> {
-    let mut simulation = Simulation::new(&plan.scenario, plan.seed)?;
+    let mut simulation = plan.simulation()?;
     use_virtual_clock(0);
     let outcome = play(plan, &mut simulation, (observer, witnesses));
     use_real_clock();
@@ -173,7 +176,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     let setup = world.mission.clone();
     let mut mission = setup.as_ref().map(|setup| setup.begin(&plan.robot)).transpose()?;
     let mut told = setup.as_ref().map_or(0, |setup| setup.watch.published());
-    let (lines, Ends { scanner, imu, from_imu_line }) = Lines::new();
+    let (lines, Ends { scanner, imu, from_imu_line }) = Lines::new(plan.robot.scanner.model);
     let mut tasks = TaskSet::new();
     let carriers = GuardCarriers {
         lidar: lines.lidar.clone(),

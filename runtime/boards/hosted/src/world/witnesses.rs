@@ -92,7 +92,7 @@ impl Witnesses {
         let mission = mission.map(|text| (MISSION.to_owned(), text));
         let info = RunInfo {
             robot: &plan.robot,
-            robot_toml: crate::configuration::EXAMPLE,
+            robot_toml: &plan.robot_toml,
             imu_baud: super::virtual_world::IMU_BAUD,
             clouds_every: CLOUDS_EVERY,
             texts: texts

@@ -1,0 +1,169 @@
+//! A robot that carries a microScan3 in place of the S300: its driver against the simulator's scanner, whose bytes were
+//! written from the specification alone, and the whole robot on it.
+
+#[allow(dead_code, reason = "each test file uses a part of it")]
+mod sim_support;
+
+use std::fs::File;
+use std::io::BufReader;
+
+use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_core::sensing::{BeamReturn, Scan};
+use floorguard_core::time::Stamp;
+use floorguard_drivers::microscan3::{Configuration, Event, Receiver};
+use floorguard_hosted::recording::Recording;
+use floorguard_hosted::world::{
+    Observation, Observer, Plan, ReplayAudience, Witnesses, replay_recording, run_recorded, run_virtual,
+};
+use floorguard_runtime::configuration::ScannerModel;
+use floorguard_runtime::shared::PeopleReport;
+use floorguard_sim::FaultSpec;
+use floorguard_sim::robot::{RobotParameters, ScannerDevice};
+use floorguard_sim::sensors::ScannerState;
+use floorguard_sim::simulation::{Simulation, Stream};
+use sim_support::{bytes_of, mean_and_deviation, room, wall_range_m};
+
+const START: Pose2 = Pose2 { x_m: 0.7, y_m: -0.4, heading_rad: 0.5 };
+/// The scanner's place on the robot, metres forward.
+const MOUNT_M: f32 = 0.90;
+/// The simulator's noise.
+const NOISE_M: f64 = 0.012;
+/// From the middle beam, in the middle of the 30.6 ms that 275° take, to the beginning of a cycle.
+const MIDDLE_US: u64 = 15_278;
+
+#[derive(Default)]
+struct Told {
+    scans: Vec<(u64, Scan)>,
+    stand_by: usize,
+    refused: usize,
+}
+
+fn simulation(beams: u16) -> Simulation {
+    let scanner_device = ScannerDevice::MicroScan3(beams);
+    let parameters = RobotParameters { scanner_device, ..RobotParameters::default() };
+    Simulation::with_robot(&room(START), 1, parameters).unwrap()
+}
+
+fn listen(simulation: &mut Simulation, receiver: &mut Receiver, until_us: u64) -> Told {
+    let mut told = Told::default();
+    simulation.advance_to(until_us, &mut |event| {
+        let Some(bytes) = bytes_of(&event, Stream::ScannerData) else { return };
+        receiver.push(bytes, Stamp::from_micros(event.at_us), |heard| match heard {
+            Event::Scan(scan) => told.scans.push((event.at_us, scan.clone())),
+            Event::StandBy { .. } => told.stand_by += 1,
+            Event::Refused(_) => told.refused += 1,
+        });
+    });
+    told
+}
+
+/// Every beam of a standing robot is the wall, at both resolutions of the family; bearings by the device's own frame, in
+/// which straight ahead is 90° and the first beam lies at -47.5°.
+#[test]
+fn every_beam_of_a_standing_robot_is_the_wall() {
+    for beams in [2_751, 1_651] {
+        let mut receiver = Receiver::new(Configuration::default());
+        let told = listen(&mut simulation(beams), &mut receiver, 1_000_000);
+        assert!((24..=25).contains(&told.scans.len()), "{}", told.scans.len());
+        assert_eq!((told.refused, receiver.counters().lost_scans), (0, 0));
+        let sensor = START.transform(Point2::new(MOUNT_M, 0.0));
+        let mut errors = Vec::new();
+        for (_, scan) in &told.scans {
+            assert_eq!(scan.beams.len(), usize::from(beams));
+            for (index, beam) in scan.beams.iter().enumerate() {
+                let polar_deg = -47.5 + 275.0 / f64::from(beams - 1) * index as f64;
+                let bearing = f64::from(START.heading_rad) + (polar_deg - 90.0).to_radians();
+                let BeamReturn::Hit(range_mm) = beam else { panic!("beam {index}: {beam:?}") };
+                errors.push(f64::from(*range_mm) * 1.0e-3 - wall_range_m(sensor, bearing));
+            }
+        }
+        let (mean, deviation) = mean_and_deviation(&errors);
+        assert!(mean.abs() < 0.001, "{mean} m");
+        assert!((0.95..1.05).contains(&(deviation / NOISE_M)), "{deviation} m");
+    }
+}
+
+/// A scan may be taken for a little older than it is, never for younger.
+#[test]
+fn stamps_are_the_middle_of_the_scan() {
+    let told = listen(&mut simulation(2_751), &mut Receiver::new(Configuration::default()), 2_000_000);
+    for (number, (_, scan)) in (0_u64..).zip(&told.scans) {
+        let (stamp_us, middle_us) = (scan.stamp.as_micros(), number * 40_000 + MIDDLE_US);
+        assert!(stamp_us <= middle_us + 100, "{number}: {stamp_us} is younger than {middle_us}");
+        assert!(stamp_us + 5_000 >= middle_us, "{number}: {stamp_us} is much older than {middle_us}");
+    }
+}
+
+#[test]
+fn what_does_not_measure_gives_no_scan() {
+    let (mut simulation, mut receiver) = (simulation(2_751), Receiver::new(Configuration::default()));
+    let mut phase = |state, until_us| {
+        simulation.set_scanner_state(state);
+        let told = listen(&mut simulation, &mut receiver, until_us);
+        (told.scans.len(), told.stand_by, told.refused)
+    };
+    // A scan that was on its way when the state changed still arrives.
+    let measured = phase(ScannerState::Measuring, 1_000_000);
+    assert!(matches!(measured, (24..=25, 0, 0)), "{measured:?}");
+    let stands_by = phase(ScannerState::StandBy, 2_000_000);
+    assert!(matches!(stands_by, (0..=1, 24..=25, 0)), "{stands_by:?}");
+    let locked = phase(ScannerState::LockOut, 3_000_000);
+    assert!(matches!(locked, (0, 0..=1, 24..=25)), "{locked:?}");
+    let again = phase(ScannerState::Measuring, 4_000_000);
+    assert!(matches!(again, (24..=25, 0, 0..=1)), "{again:?}");
+}
+
+fn plan(scenario: &str, seconds: u64, faults: &[&str]) -> Plan {
+    let plan = Plan::named(scenario, 1, seconds * 1_000_000).unwrap();
+    let mut plan = plan.with_scanner(ScannerModel::MicroScan3 { beams: 2_751 }).unwrap();
+    plan.faults = faults.iter().map(|text| FaultSpec::parse(text).unwrap()).collect();
+    plan
+}
+
+fn play(plan: &Plan) -> Observation {
+    let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
+    let mut observer = Observer::new(plan, &mut show);
+    run_virtual(plan, &mut observer).unwrap();
+    observer.into_observation()
+}
+
+/// It drives on a healthy scanner, and stops for one that is silent or talks nonsense.
+#[test]
+fn the_robot_drives_with_it_and_stops_without_it() {
+    let seen = play(&plan("corridor", 7, &[]));
+    assert!(seen.verdict.passed && seen.verdict.distance_m > 1.5, "{:?}", seen.verdict);
+    let scanner_stops = |fault: &str| {
+        let seen = play(&plan("corridor", 7, &[fault]));
+        assert_eq!((seen.verdict.missed_stops, seen.verdict.avoidable_contacts), (0, 0), "{fault}");
+        seen.stops.iter().filter(|stop| stop.kind == "safety scanner").count()
+    };
+    assert_eq!(scanner_stops("scanner:delay=1ms,from=4s,to=6s"), 0, "a network that is a little slow");
+    for fault in ["silent", "drop=40%", "stranger"] {
+        assert_eq!(scanner_stops(&format!("scanner:{fault},from=4s,to=6s")), 1, "{fault}");
+    }
+}
+
+struct Nobody;
+
+impl ReplayAudience for Nobody {
+    fn on_people(&mut self, _report: &PeopleReport, _digest: u64) {}
+}
+
+/// The raw datagrams in a recording give the same run again, to the bit.
+#[test]
+fn a_recording_of_it_is_replayed_to_the_bit() {
+    let plan = plan("crossing", 6, &["scanner:drop=3%,from=2s,to=5s"]);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
+    let mut observer = Observer::new(&plan, &mut show);
+    let mut witnesses = Witnesses::default();
+    witnesses.record(&plan, &path).unwrap();
+    run_recorded(&plan, &mut observer, &mut witnesses).unwrap();
+    let digest = observer.into_observation().verdict.digest;
+    let mut recording = Recording::new(BufReader::new(File::open(&path).unwrap()));
+    let first = recording.next().unwrap().unwrap();
+    let outcome = replay_recording(first, &mut recording, &mut Nobody).unwrap();
+    assert!(outcome.is_identical(), "{outcome:?}");
+    assert_eq!(format!("{:016x}", outcome.digest), digest);
+}
