@@ -41,6 +41,12 @@ impl<T: Copy, const N: usize> BlackBox<T, N> {
         older.iter().chain(newer).copied()
     }
 
+    /// The entries that came after the first `written` ones, oldest first: those that are still there.
+    pub fn since(&self, written: u64) -> impl Iterator<Item = (Stamp, T)> + '_ {
+        let new = usize::try_from(self.written.saturating_sub(written)).unwrap_or(usize::MAX);
+        self.iter().skip(self.entries.len().saturating_sub(new))
+    }
+
     /// Entries ever written; those before the last `N` are gone.
     #[must_use]
     pub const fn written(&self) -> u64 {
@@ -57,6 +63,7 @@ impl<T: Copy, const N: usize> Default for BlackBox<T, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::vec;
     use std::vec::Vec;
 
     #[test]
@@ -68,5 +75,7 @@ mod tests {
         let kept: Vec<u32> = ring.iter().map(|(_, entry)| entry).collect();
         assert_eq!(kept, [2, 3, 4]);
         assert_eq!(ring.written(), 5);
+        let since = |written| ring.since(written).map(|(_, entry)| entry).collect::<Vec<u32>>();
+        assert_eq!((since(0), since(4), since(5)), (vec![2, 3, 4], vec![4], vec![]));
     }
 }

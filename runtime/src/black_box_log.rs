@@ -28,6 +28,59 @@ pub enum LogRow {
     Moment(LogMoment),
     /// The read-out was complete: moments in it.
     End(u32),
+    /// The machine died after the moments before this row, and began anew.
+    Restart(LogRestart),
+}
+
+/// Why a machine was reset.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LogRestart {
+    /// See [`RestartCause`].
+    pub cause: u8,
+    /// Of a panic its line, of a fault the processor's status word, of an interrupt its number.
+    pub detail: u32,
+    /// How long it had lived, milliseconds.
+    pub uptime_ms: u32,
+    /// How often it has died since it was switched on.
+    pub deaths: u32,
+}
+
+/// What a machine died of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum RestartCause {
+    /// A promise of the program was broken.
+    Panic = 1,
+    /// A fault of the processor: bus, memory protection (stack overflow), instruction.
+    Fault = 2,
+    /// The guard did not decide in time.
+    Watchdog = 3,
+    /// An interrupt that nobody asked for.
+    Interrupt = 4,
+}
+
+impl RestartCause {
+    /// All of them, in the order of their numbers.
+    pub const ALL: [Self; 4] = [Self::Panic, Self::Fault, Self::Watchdog, Self::Interrupt];
+
+    /// In words.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Panic => "panic: a promise of the program was broken",
+            Self::Fault => "fault of the processor: bus, memory protection or instruction",
+            Self::Watchdog => "watchdog: the guard did not decide in time",
+            Self::Interrupt => "interrupt that nobody asked for",
+        }
+    }
+}
+
+impl LogRestart {
+    /// What it died of; `None` for a number that this version does not know.
+    #[must_use]
+    pub fn known_cause(&self) -> Option<RestartCause> {
+        RestartCause::ALL.into_iter().find(|cause| *cause as u8 == self.cause)
+    }
 }
 
 /// A moment in small integers.
@@ -138,7 +191,9 @@ mod tests {
     fn every_row_fits_and_comes_back_without_a_zero_inside() {
         let causes = Cause::all().into_iter().map(Some).chain([None]);
         let moments = causes.flat_map(|cause| [moment(0, cause), moment(u64::MAX, cause)]);
-        for row in moments.chain([LogRow::Begin(LOG_VERSION, u64::MAX), LogRow::End(u32::MAX)]) {
+        let restart = LogRestart { cause: 3, detail: u32::MAX, uptime_ms: u32::MAX, deaths: u32::MAX };
+        let others = [LogRow::Begin(LOG_VERSION, u64::MAX), LogRow::End(u32::MAX), LogRow::Restart(restart)];
+        for row in moments.chain(others) {
             let bytes = encode_row(&row);
             let (end, inside) = bytes.split_last().unwrap();
             assert!(*end == 0 && !inside.contains(&0) && !inside.is_empty(), "{row:?}");

@@ -8,6 +8,8 @@ use floorguard_configuration::{ScannerAddress, bake, load};
 fn main() -> anyhow::Result<()> {
     println!("cargo:rerun-if-changed=../../../robot.toml");
     println!("cargo:rerun-if-changed=build.rs");
+    // What the log tells; without this only errors.
+    println!("cargo:rustc-env=DEFMT_LOG=info");
     let folder = PathBuf::from(std::env::var_os("OUT_DIR").context("cargo gives OUT_DIR")?);
     // The same checks as on the robot's computer: a wrong file stops the build with its line and the remedy.
     let configuration = load(Path::new("../../../robot.toml"))?;
@@ -19,6 +21,9 @@ fn main() -> anyhow::Result<()> {
          write model = \"s300\", or run this robot on Linux",
         robot.scanner.model
     );
+    // So that the board need not be able to say what is wrong.
+    let refused = |error| anyhow::anyhow!("the guard refuses robot.toml: {error}");
+    robot.guard().validate().map_err(refused)?;
     std::fs::write(folder.join("robot.rs"), bake(&robot))?;
     Ok(())
 }

@@ -190,6 +190,15 @@ impl<M: RawMutex> Shared<M> {
         });
     }
 
+    /// The entries of the black box after the first `written` ones, oldest first; gives how many were ever written.
+    pub fn black_box_since(&self, written: u64, mut entry: impl FnMut(Stamp, BoxEntry)) -> u64 {
+        self.records.lock(|records| {
+            let ring = &records.borrow().ring;
+            ring.since(written).for_each(|(stamp, boxed)| entry(stamp, boxed));
+            ring.written()
+        })
+    }
+
     /// The operator wants the mission to wait, or to go on. Only the mission listens: it can hold the robot, never
     /// release it.
     pub fn pause(&self, paused: bool) {

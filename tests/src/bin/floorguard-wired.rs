@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use floorguard_tests::wired::{Options, run, run_faults};
+use floorguard_tests::wired::{Options, Which, run, run_faults};
 
 /// What to run.
 #[derive(Parser)]
@@ -22,8 +22,11 @@ struct Arguments {
     #[arg(long, default_value_t = 60)]
     duration: u32,
     /// Break the firmware on purpose instead, one fault after the other.
-    #[arg(long)]
-    faults: bool,
+    #[arg(long, num_args = 0..=1, default_missing_value = "all")]
+    faults: Option<Which>,
+    /// The program `floorguard`, which reads the black box.
+    #[arg(long, requires = "faults")]
+    program: Option<PathBuf>,
     /// One object on standard output.
     #[arg(long)]
     json: bool,
@@ -31,8 +34,9 @@ struct Arguments {
 
 fn main() -> anyhow::Result<ExitCode> {
     let arguments = Arguments::parse();
-    if arguments.faults {
-        let good = run_faults(&arguments.image)?;
+    if let Some(which) = arguments.faults {
+        let program = arguments.program.unwrap_or_else(|| PathBuf::from("floorguard"));
+        let good = run_faults(&arguments.image, &program, which)?;
         return Ok(if good { ExitCode::SUCCESS } else { ExitCode::FAILURE });
     }
     let options = Options {

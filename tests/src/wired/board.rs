@@ -33,6 +33,10 @@ pub struct Board {
     pub imu: Line,
     /// The CAN adapter's line.
     pub can: Line,
+    /// Who asks here for the black box gets it.
+    pub black_box: PathBuf,
+    /// What the board's log has said.
+    pub log: PathBuf,
 }
 
 /// Ports that nobody has; another process may take one meanwhile, then the emulator says so.
@@ -71,7 +75,12 @@ impl Board {
             command.arg(format!("socket,id=line{index},path={},server=on,wait=on,mux=on", path.display()));
             command.arg("-serial").arg(format!("chardev:line{index}"));
         }
-        command.args(["-serial", "null"]);
+        let (log, black_box) = (folder.join("log.defmt"), folder.join("black_box.socket"));
+        command.arg("-chardev").arg(format!("file,id=log,path={}", log.display()));
+        command.args(["-serial", "chardev:log"]);
+        command.arg("-chardev");
+        command.arg(format!("socket,id=box,path={},server=on,wait=off", black_box.display()));
+        command.args(["-serial", "chardev:box"]);
         command.arg("-device");
         command.arg(format!("loader,file={},addr={TAPE_AT:#x},force-raw=on", tape_path.display()));
         for (index, word) in OPTIONS.into_iter().chain([fault]).enumerate() {
@@ -83,10 +92,11 @@ impl Board {
         let emulator = command.spawn().context("cannot start qemu-system-arm")?;
         let mut board = Opening(Some(emulator));
         let [scanner, imu, can] = sockets.as_slice() else { unreachable!("three lines") };
-        let (scanner, imu, can) = (Line::open(scanner)?, Line::open(imu)?, Line::open(can)?);
+        let (scanner, imu, can) =
+            (Line::open(scanner, 50_000)?, Line::open(imu, 11_520)?, Line::open(can, 100_000)?);
         let (lidar, witness) = (connected(lidar_port)?, connected(witness_port)?);
         let emulator = board.0.take().context("the emulator was started")?;
-        Ok(Self { emulator, lidar, witness, scanner, imu, can })
+        Ok(Self { emulator, lidar, witness, scanner, imu, can, black_box, log })
     }
 
     /// Tells the firmware to end, and waits for it.

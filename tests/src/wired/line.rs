@@ -15,16 +15,19 @@ const OPENS_WITHIN: Duration = Duration::from_secs(20);
 pub struct Line {
     stream: UnixStream,
     waiting: VecDeque<u8>,
+    bytes_per_s: u64,
+    /// Millionths of bytes that the line could have carried since.
+    allowed: u64,
     /// Bytes given to the line since the start.
     pub sent: u64,
 }
 
 impl Line {
-    /// Connects to the emulator's socket, as soon as it is there.
+    /// Connects to the emulator's socket, as soon as it is there. The emulator does not simulate the rate: we do.
     ///
     /// # Errors
     /// It never is.
-    pub fn open(path: &Path) -> anyhow::Result<Self> {
+    pub fn open(path: &Path, bytes_per_s: u64) -> anyhow::Result<Self> {
         let began = Instant::now();
         let stream = loop {
             match UnixStream::connect(path) {
@@ -34,7 +37,7 @@ impl Line {
             }
         };
         stream.set_nonblocking(true)?;
-        Ok(Self { stream, waiting: VecDeque::new(), sent: 0 })
+        Ok(Self { stream, waiting: VecDeque::new(), bytes_per_s, allowed: 0, sent: 0 })
     }
 
     /// Sends bytes, now or as soon as the line takes them.
@@ -43,15 +46,25 @@ impl Line {
         self.sent += bytes.len() as u64;
     }
 
-    /// Hands over what waits.
+    /// Hands over what waits, no faster than the line's bit rate and as long as at most `window` bytes are under way; the
+    /// board has `taken` so many so far, `elapsed_us` of its time after the call before.
     ///
     /// # Errors
     /// The emulator has gone.
-    pub fn flush(&mut self) -> anyhow::Result<()> {
-        while !self.waiting.is_empty() {
+    pub fn flush(&mut self, taken: u32, window: u64, elapsed_us: u64) -> anyhow::Result<()> {
+        let handed_over = self.sent - self.waiting.len() as u64;
+        let under_way = handed_over.saturating_sub(u64::from(taken));
+        self.allowed = (self.allowed + elapsed_us * self.bytes_per_s).min(window * 1_000_000);
+        let free = window.saturating_sub(under_way).min(self.allowed / 1_000_000);
+        let mut left = usize::try_from(free)?;
+        while !self.waiting.is_empty() && left > 0 {
             let (front, _) = self.waiting.as_slices();
-            match self.stream.write(front) {
-                Ok(count) => drop(self.waiting.drain(..count)),
+            match self.stream.write(front.get(..left).unwrap_or(front)) {
+                Ok(count) => {
+                    self.waiting.drain(..count);
+                    left -= count;
+                    self.allowed = self.allowed.saturating_sub(count as u64 * 1_000_000);
+                }
                 Err(error) if error.kind() == ErrorKind::WouldBlock => return Ok(()),
                 Err(error) => return Err(error).context("a serial line of the emulator broke"),
             }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use floorguard_hosted::world::{Plan, Tape};
-use floorguard_sim::can::{SlcanDecoder, encode_slcan};
+use floorguard_sim::can::{CanFrame, SlcanDecoder, encode_slcan};
 use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
 
 use super::board::Board;
@@ -29,12 +29,21 @@ pub struct Options {
     pub duration_us: u64,
 }
 
+/// Bytes under way on the lines of scanner, inertial sensor and CAN adapter: what a busy host was late with does not arrive
+/// all at once, as it would on no wire. Two telegrams, 70 ms of samples, 100 ms of the bus.
+const BYTES_UNDER_WAY: [u64; 3] = [2_216, 512, 1_024];
+/// Between two datagrams, microseconds: three quarters of the lidar's own pause, so that a busy host can catch up.
+const PACKET_US: u64 = 1_000;
 /// Datagrams under way: the emulated controller holds eight.
 const WINDOW: u32 = 6;
 /// After the end, what is under way has this long to arrive, microseconds of the board's time.
 const DRAIN_US: u64 = 500_000;
 /// NMT: stop, all nodes.
 const STOP_ALL_NODES: [u8; 2] = [2, 0];
+/// First process data of the traction drive, node 1 (wire-formats 6.5): control word and target velocity.
+const TRACTION_ORDER: u32 = 0x201;
+/// Control word of an enabled operation, in its lowest bits.
+const OPERATE: u8 = 0x0f;
 /// State of the guard that waits for an operator.
 const LATCHED: u32 = 4;
 /// How long the operator looks around first, microseconds.
@@ -48,6 +57,16 @@ pub(super) struct World {
     pub(super) outcome: Outcome,
     /// The board told all nodes of the bus to stop.
     pub(super) stopped_nodes: bool,
+    /// Since when the traction drive is told to stand, microseconds of the world's time; `None` while it is told to move.
+    pub(super) ordered_to_stand_us: Option<u64>,
+    /// How long the operator looks around before a reset, microseconds.
+    pub(super) looks_around_us: u64,
+    /// The board's time when it was served last, microseconds.
+    served_us: u64,
+    /// Time in which no datagram was sent, up to a window of them.
+    packets_allowed_us: u64,
+    /// Datagrams that may be under way.
+    pub(super) window: u32,
     latched_since_us: Option<u64>,
 }
 
@@ -110,6 +129,15 @@ pub(super) fn newest_report(board: &Board) -> anyhow::Result<Report> {
     newest.context("the firmware reports in words that nobody knows")
 }
 
+/// What a frame tells the traction drive: to stand, or to move; `None`: nothing.
+fn orders_standstill(frame: &CanFrame) -> Option<bool> {
+    if frame.id != TRACTION_ORDER {
+        return None;
+    }
+    let [word, _, target @ ..] = frame.payload() else { return None };
+    Some(*word & OPERATE != OPERATE || target.iter().all(|byte| *byte == 0))
+}
+
 impl World {
     /// At its beginning.
     ///
@@ -122,6 +150,11 @@ impl World {
             datagrams: VecDeque::new(),
             outcome: Outcome::default(),
             stopped_nodes: false,
+            ordered_to_stand_us: Some(0),
+            window: WINDOW,
+            served_us: 0,
+            packets_allowed_us: 0,
+            looks_around_us: LOOKS_AROUND_US,
             latched_since_us: None,
         })
     }
@@ -149,13 +182,24 @@ impl World {
         if !orders.is_empty() {
             self.simulation.receive(Stream::ImuSerial, &orders);
         }
-        for line in [&mut board.scanner, &mut board.imu, &mut board.can] {
-            line.flush()?;
+        let elapsed_us = report.now_us.saturating_sub(self.served_us);
+        self.served_us = report.now_us;
+        let lines = [
+            (&mut board.scanner, report.scanner_bytes),
+            (&mut board.imu, report.imu_bytes),
+            (&mut board.can, report.can_bytes),
+        ];
+        for ((line, taken), window) in lines.into_iter().zip(BYTES_UNDER_WAY) {
+            line.flush(taken, window, elapsed_us)?;
         }
-        while self.outcome.lidar_sent.wrapping_sub(report.lidar) < WINDOW {
+        self.packets_allowed_us = (self.packets_allowed_us + elapsed_us).min(u64::from(WINDOW) * PACKET_US);
+        let under_way = self.outcome.lidar_sent.wrapping_sub(report.lidar);
+        let allowed = self.window.saturating_sub(under_way).min((self.packets_allowed_us / PACKET_US) as u32);
+        for _ in 0..allowed {
             let Some(datagram) = self.datagrams.pop_front() else { break };
             board.lidar.send(&datagram)?;
             self.outcome.lidar_sent += 1;
+            self.packets_allowed_us -= PACKET_US;
         }
         self.operate(board, report, to_us)
     }
@@ -167,6 +211,10 @@ impl World {
         for frame in frames {
             self.outcome.frames_received += 1;
             self.stopped_nodes |= frame.id == 0 && frame.payload() == STOP_ALL_NODES;
+            if let Some(stands) = orders_standstill(&frame) {
+                let since_us = self.ordered_to_stand_us.unwrap_or(to_us);
+                self.ordered_to_stand_us = stands.then_some(since_us);
+            }
             self.simulation.receive_can(frame, to_us);
         }
         Ok(())
@@ -176,7 +224,7 @@ impl World {
     fn operate(&mut self, board: &Board, report: &Report, to_us: u64) -> anyhow::Result<()> {
         if report.state != LATCHED {
             self.latched_since_us = None;
-        } else if to_us - *self.latched_since_us.get_or_insert(to_us) >= LOOKS_AROUND_US {
+        } else if to_us - *self.latched_since_us.get_or_insert(to_us) >= self.looks_around_us {
             self.latched_since_us = None;
             board.witness.send(b"R")?;
         }

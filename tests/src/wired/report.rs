@@ -34,6 +34,12 @@ pub struct Report {
     pub can_sent: u32,
     /// Datagrams refused.
     pub refused: u32,
+    /// Times that the Ethernet controller was found full: it drops what comes then.
+    pub overruns: u32,
+    /// Cause of the guard's objection, counted from 1 in the order of their list; 0: none.
+    pub objection: u32,
+    /// When a fault on purpose breaks, milliseconds; 0: not yet known.
+    pub planned_ms: u32,
     /// What the machine died of last: cause, detail, uptime in milliseconds, deaths so far; zeros if it did not.
     pub last_words: [u32; 4],
 }
@@ -60,6 +66,9 @@ impl Report {
             permitted,
             can_sent,
             refused,
+            overruns,
+            objection,
+            planned_ms,
             ref last_words @ ..,
         ] = words.as_slice()[..]
         else {
@@ -80,6 +89,9 @@ impl Report {
             permitted_um_s: permitted as i32,
             can_sent,
             refused,
+            overruns,
+            objection,
+            planned_ms,
             last_words: last_words.try_into().ok()?,
         })
     }

@@ -70,8 +70,10 @@ pub struct Options {
     #[arg(long)]
     wired: bool,
     /// Break the wired firmware on purpose, one fault after the other: each must stop the drives and tell its cause.
-    #[arg(long, conflicts_with_all = ["update", "wired"])]
-    faults: bool,
+    /// `few`: one of each way to end.
+    #[arg(long, conflicts_with_all = ["update", "wired"], num_args = 0..=1, default_missing_value = "all",
+        value_parser = ["all", "few"])]
+    faults: Option<String>,
     /// Write the counts to the golden file instead of comparing them.
     #[arg(long)]
     update: bool,
@@ -118,7 +120,7 @@ pub fn run(options: &Options) -> Result<bool> {
             "the emulator is missing; please run as root: apt-get install --no-install-recommends qemu-system-arm"
         );
     }
-    if options.wired || options.faults {
+    if options.wired || options.faults.is_some() {
         return wired(options);
     }
     let folder = target_folder()?;
@@ -224,8 +226,13 @@ fn wired(options: &Options) -> Result<bool> {
     ]);
     play.arg(image).args(["--scenario", &options.scenario, "--seed", &options.seed.to_string()]);
     play.args(["--duration", &options.duration.unwrap_or(60).to_string()]);
-    if options.faults {
-        play.arg("--faults");
+    if let Some(which) = &options.faults {
+        let mut program = shell::cargo();
+        program.args(["build", "--quiet", "--package", "floorguard"]);
+        if !shell::succeeds(&mut program)? {
+            bail!("the program that reads the black box does not build");
+        }
+        play.args(["--faults", which]).arg("--program").arg(target_folder()?.join("debug/floorguard"));
     }
     if options.json {
         play.arg("--json");

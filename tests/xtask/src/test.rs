@@ -61,9 +61,14 @@ const STEPS: &[Step] = &[
             "firmware",
             "--wired",
             "--duration",
-            "2",
+            "5",
         ],
     },
+    Step {
+        name: "faults",
+        arguments: &["run", "--quiet", "--package", "floorguard-xtask", "--", "firmware", "--faults", "few"],
+    },
+    Step { name: "vcan", arguments: &["run", "--quiet", "--package", "floorguard-xtask", "--", "vcan"] },
     Step {
         name: "board",
         arguments: &[

@@ -1,5 +1,7 @@
 //! `floorguard blackbox`: a log comes out whole, and damage costs the damaged rows only.
 
+use std::io::{Read, Write};
+use std::os::unix::net::UnixListener;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -7,6 +9,7 @@ use floorguard_core::guard::{Action, Cause, GuardState};
 use floorguard_core::time::Stamp;
 use floorguard_hosted::recording::{Recording, topics};
 use floorguard_hosted::robot::black_box_log;
+use floorguard_runtime::black_box_log::{LogRestart, LogRow, encode_row};
 use floorguard_runtime::shared::BoxEntry;
 
 fn blackbox(path: &Path) -> (Output, usize) {
@@ -74,4 +77,48 @@ fn what_is_no_log_is_refused() {
         let (output, rows) = blackbox(&path);
         assert_eq!((output.status.code(), rows), (Some(3), 0), "{output:?}");
     }
+}
+
+/// A machine that died and came back answers on its line: the life before, what ended it, the life since.
+#[test]
+fn a_machine_is_asked_on_its_line_and_tells_what_it_died_of() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("machine.socket");
+    let listener = UnixListener::bind(&path).expect("a socket");
+    let machine = std::thread::spawn(move || {
+        let (mut line, _) = listener.accept().expect("somebody asks");
+        let mut order = [0];
+        line.read_exact(&mut order).expect("the order");
+        assert_eq!(&order, b"B");
+        let log = black_box_log(&moments());
+        let death = LogRestart { cause: 3, detail: 7, uptime_ms: 12_000, deaths: 2 };
+        // In two portions: a line is slow.
+        line.write_all(&log).expect("the life before");
+        std::thread::sleep(std::time::Duration::from_millis(100));
+        line.write_all(&encode_row(&LogRow::Restart(death))).expect("the death");
+        line.write_all(&log).expect("the life since");
+    });
+    let out = folder.path().join("machine.mcap");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_floorguard"));
+    command.arg("blackbox").arg(&path).arg("--json").arg("--out").arg(&out);
+    let output = command.output().expect("the program starts");
+    machine.join().expect("the machine was asked");
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let told = String::from_utf8_lossy(&output.stdout);
+    let rows: Vec<&str> = told.lines().collect();
+    assert_eq!(rows.len(), 2_001);
+    let death = rows.get(1_000).expect("a row");
+    assert!(death.contains("watchdog") && death.contains("\"deaths\":2"), "{death}");
+    // Both lives begin at zero; in the recording the second one follows the first.
+    let messages: Vec<_> = Recording::new(std::fs::File::open(&out).expect("recorded"))
+        .collect::<Result<_, _>>()
+        .expect("readable");
+    let times: Vec<u64> = messages
+        .iter()
+        .filter(|message| &*message.topic == topics::MEASURED)
+        .map(|message| message.at.as_micros())
+        .collect();
+    assert_eq!(times.len(), 2_000);
+    assert!(times.is_sorted(), "time runs on");
+    assert_eq!(times.last().map(|last| last / 1_000), Some(12_000 + 9_990));
 }

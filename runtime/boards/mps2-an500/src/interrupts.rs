@@ -19,6 +19,8 @@ pub enum Interrupt {
     Ethernet = 13,
     Uart3Receive = 18,
     Uart3Transmit = 19,
+    Uart4Receive = 20,
+    Uart4Transmit = 21,
     /// No device: pended by the waker of the guard's executor.
     GuardExecutor = 31,
 }
@@ -63,6 +65,8 @@ unsafe extern "C" {
     fn UART2_TRANSMIT();
     fn UART3_RECEIVE();
     fn UART3_TRANSMIT();
+    fn UART4_RECEIVE();
+    fn UART4_TRANSMIT();
     fn DUAL_TIMER();
     fn ETHERNET();
     fn GUARD_EXECUTOR();
@@ -84,6 +88,8 @@ pub static __INTERRUPTS: [Handler; 32] = {
     table[13] = ETHERNET;
     table[18] = UART3_RECEIVE;
     table[19] = UART3_TRANSMIT;
+    table[20] = UART4_RECEIVE;
+    table[21] = UART4_TRANSMIT;
     table[31] = GUARD_EXECUTOR;
     table
 };

@@ -4,6 +4,7 @@ use core::mem::MaybeUninit;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use embassy_time::Instant;
+use floorguard_runtime::black_box_log::{LogRestart, RestartCause};
 
 use crate::uart;
 
@@ -11,30 +12,6 @@ use crate::uart;
 const MAGIC: u32 = 0x574c_4746;
 /// NMT: stop all nodes, as an SLCAN line (wire-formats 6.6, 6.2).
 const STOP_ALL_NODES: &[u8] = b"\rt00020200\r";
-
-/// Why the machine was reset, in the order of [`Cause::number`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cause {
-    /// A promise of the program was broken.
-    Panic,
-    /// A fault of the processor: bus, memory protection (stack overflow), instruction.
-    Fault,
-    /// The guard did not decide in time.
-    Watchdog,
-    /// An interrupt that nobody asked for.
-    Interrupt,
-}
-
-impl Cause {
-    const fn number(self) -> u32 {
-        match self {
-            Self::Panic => 1,
-            Self::Fault => 2,
-            Self::Watchdog => 3,
-            Self::Interrupt => 4,
-        }
-    }
-}
 
 /// Magic, cause, program counter or number, uptime in milliseconds, deaths so far, and their sum.
 struct Words([AtomicU32; 6]);
@@ -57,8 +34,14 @@ pub fn read() -> [u32; 4] {
     if magic == MAGIC && sum == whole { [cause, detail, uptime_ms, deaths] } else { [0; 4] }
 }
 
+/// The same for the black box; `None` if the machine was switched on.
+pub fn restart() -> Option<LogRestart> {
+    let [cause, detail, uptime_ms, deaths] = read();
+    (deaths != 0).then_some(LogRestart { cause: cause as u8, detail, uptime_ms, deaths })
+}
+
 /// Stops the drives, writes down why, and waits for the watchdog to reset the machine.
-pub fn die(cause: Cause, detail: u32) -> ! {
+pub fn die(cause: RestartCause, detail: u32) -> ! {
     cortex_m::interrupt::disable();
     // The watchdog that ends the dying is no second cause.
     if !DYING.swap(true, Ordering::Relaxed) {
@@ -69,11 +52,11 @@ pub fn die(cause: Cause, detail: u32) -> ! {
     }
 }
 
-fn write_down(cause: Cause, detail: u32) {
+fn write_down(cause: RestartCause, detail: u32) {
     uart::CAN.write_blocking(STOP_ALL_NODES);
     let [.., deaths] = read();
     let uptime_ms = Instant::now().as_millis() as u32;
-    let entry = [cause.number(), detail, uptime_ms, deaths.wrapping_add(1)];
+    let entry = [cause as u32, detail, uptime_ms, deaths.wrapping_add(1)];
     let sum = entry.iter().fold(0_u32, |sum, word| sum.wrapping_add(*word));
     let [cause, detail, uptime_ms, deaths] = entry;
     for (slot, word) in words().0.iter().zip([MAGIC, cause, detail, uptime_ms, deaths, sum]) {

@@ -19,6 +19,8 @@ mod interrupts;
 #[cfg(target_os = "none")]
 mod last_words;
 #[cfg(target_os = "none")]
+mod log;
+#[cfg(target_os = "none")]
 mod register;
 #[cfg(target_os = "none")]
 mod robot;

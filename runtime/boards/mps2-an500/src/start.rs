@@ -2,14 +2,15 @@
 
 use cortex_m_rt::{entry, exception};
 use floorguard_board_support::{robot, share, start_perception_ring};
+use floorguard_runtime::black_box_log::RestartCause;
 use floorguard_runtime::configuration::RobotConfiguration;
 use static_cell::StaticCell;
 
 use crate::faults::break_perception;
-use crate::last_words::{self, Cause};
+use crate::last_words;
 use crate::robot::{robot_for, tape};
 use crate::wired::{options, start_guard_ring};
-use crate::{clock, executor, stack_guard, watchdog};
+use crate::{clock, executor, log, stack_guard, watchdog};
 
 /// A guard that decides nothing for this long is dead, milliseconds; after twice as long the machine is reset.
 const WATCHDOG_MS: u32 = 100;
@@ -26,26 +27,28 @@ fn main() -> ! {
     let robot = ROBOT.init(tape().and_then(robot_for).unwrap_or_else(robot));
     let shared = match share(robot) {
         Ok(shared) => shared,
-        Err(error) => panic!("the guard refuses the robot: {error}"),
+        // Without the reason, whose formatting takes 14 KiB and which nobody would see: the build has asked the guard.
+        Err(_) => panic!("the guard refuses the robot"),
     };
     start_guard_ring(executor::start_guard(), shared, robot, options);
     executor::run_thread(!options.never_sleep, |spawner| {
         start_perception_ring(spawner, shared, robot);
+        log::start(spawner, shared);
         if let Some(fault) = options.fault {
-            spawner.spawn(break_perception(fault).unwrap());
+            spawner.spawn(break_perception(shared, fault).unwrap());
         }
     })
 }
 
 #[exception]
 unsafe fn DefaultHandler(number: i16) {
-    last_words::die(Cause::Interrupt, number as u32);
+    last_words::die(RestartCause::Interrupt, number as u32);
 }
 
 #[exception]
 unsafe fn NonMaskableInt() {
     // The watchdog's first expiry; its second one resets the machine.
-    last_words::die(Cause::Watchdog, 0);
+    last_words::die(RestartCause::Watchdog, 0);
 }
 
 #[exception]
@@ -53,10 +56,10 @@ unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
     // The frame may lie where the stack has no room any more: it is not looked at.
     // SAFETY: the register can always be read.
     let status = unsafe { (*cortex_m::peripheral::SCB::PTR).cfsr.read() };
-    last_words::die(Cause::Fault, status)
+    last_words::die(RestartCause::Fault, status)
 }
 
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo) -> ! {
-    last_words::die(Cause::Panic, info.location().map_or(0, |location| location.line()))
+    last_words::die(RestartCause::Panic, info.location().map_or(0, |location| location.line()))
 }

@@ -48,6 +48,9 @@ pub static CAN: Uart = Uart::new(0x4000_6000, Interrupt::Uart2Receive, Interrupt
 /// The log.
 pub static LOG: Uart = Uart::new(0x4000_7000, Interrupt::Uart3Receive, Interrupt::Uart3Transmit);
 
+/// The black box, for whoever asks.
+pub static BLACK_BOX: Uart = Uart::new(0x4000_9000, Interrupt::Uart4Receive, Interrupt::Uart4Transmit);
+
 impl Uart {
     const fn new(base: usize, receive: Interrupt, transmit: Interrupt) -> Self {
         Self { base, receive, transmit, received: Pipe::new(), taken: AtomicU32::new(0), sent: Signal::new() }
@@ -80,19 +83,30 @@ impl Uart {
     fn on_receive(&self) {
         // Clear first: an edge that comes while the byte is read must not be lost.
         self.clear().write(1 << 1);
-        for _ in 0..BYTES_PER_INTERRUPT {
-            if self.state().read() & STATE_RECEIVE_FULL == 0 {
-                return;
-            }
-            if self.received.free_capacity() == 0 {
-                self.control().modify(CONTROL_RECEIVE_INTERRUPT, 0);
-                return;
-            }
-            let byte = self.data().read() as u8;
-            // There is room: checked above, and only this handler writes.
-            let _ = self.received.try_write(&[byte]);
-            self.taken.fetch_add(1, Ordering::Relaxed);
+        let room = self.received.free_capacity();
+        if room == 0 {
+            self.control().modify(CONTROL_RECEIVE_INTERRUPT, 0);
+            return;
         }
+        let mut bytes = [0; BYTES_PER_INTERRUPT];
+        let mut count = 0;
+        for slot in bytes.iter_mut().take(room) {
+            if self.state().read() & STATE_RECEIVE_FULL == 0 {
+                break;
+            }
+            *slot = self.data().read() as u8;
+            count += 1;
+        }
+        // There is room: only this handler writes. Two turns at most: up to the end of the buffer, and from its beginning.
+        let mut rest = &bytes[..count];
+        for _ in 0..2 {
+            let written = self.received.try_write(rest).unwrap_or(0);
+            rest = &rest[written..];
+            if rest.is_empty() {
+                break;
+            }
+        }
+        self.taken.fetch_add(count as u32, Ordering::Relaxed);
         if self.state().read() & STATE_RECEIVE_FULL != 0 {
             cortex_m::peripheral::NVIC::pend(self.receive);
         }
@@ -182,4 +196,5 @@ handlers! {
     UART1_RECEIVE UART1_TRANSMIT IMU,
     UART2_RECEIVE UART2_TRANSMIT CAN,
     UART3_RECEIVE UART3_TRANSMIT LOG,
+    UART4_RECEIVE UART4_TRANSMIT BLACK_BOX,
 }

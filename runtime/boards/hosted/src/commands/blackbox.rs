@@ -1,13 +1,16 @@
-//! `floorguard blackbox`: the log of a black box, from the MCU or from `run --black-box`, listed and made a recording.
+//! `floorguard blackbox`: the log of a black box, from a file or asked for on the MCU's line, listed and made a recording.
 
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{BufWriter, ErrorKind, Read, Write};
+use std::os::unix::fs::FileTypeExt;
+use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use floorguard_core::geometry::Twist2;
 use floorguard_core::time::Stamp;
-use floorguard_runtime::black_box_log::{LOG_VERSION, LogRow, decode_row};
+use floorguard_runtime::black_box_log::{LOG_VERSION, LogRestart, LogRow, decode_row};
 use floorguard_runtime::shared::BoxEntry;
 use serde::Serialize;
 
@@ -17,9 +20,12 @@ use crate::recording::{Diagnostic, RecordError, Recorder, Severity, topics};
 /// What to read.
 #[derive(Clone, Debug, Args)]
 pub struct BlackBoxArguments {
-    /// The log.
+    /// The log; or the line on which the MCU answers: a serial device, or the socket of an emulated one.
     pub file: PathBuf,
-    /// Where to write the recording; without it, beside the log.
+    /// Bit rate of a serial device.
+    #[arg(long, default_value_t = 115_200)]
+    pub baud: u32,
+    /// Where to write the recording; without it, beside the log, or `blackbox.mcap` here.
     #[arg(long, value_name = "FILE.mcap")]
     pub out: Option<PathBuf>,
     /// One object per moment and line on standard output.
@@ -31,6 +37,8 @@ pub struct BlackBoxArguments {
 #[derive(Debug, Default)]
 struct Contents {
     moments: Vec<(Stamp, BoxEntry)>,
+    /// Deaths of the machine, each before the moment of this number.
+    restarts: Vec<(usize, LogRestart)>,
     damaged: u64,
     complete: bool,
     other_version: Option<u8>,
@@ -48,13 +56,28 @@ struct MomentRow {
     field_set: u8,
 }
 
+#[derive(Serialize)]
+struct RestartRow {
+    restart: &'static str,
+    detail: u32,
+    uptime_ms: u32,
+    deaths: u32,
+}
+
+/// Asks for the black box.
+const REQUEST: &[u8] = b"B";
+/// A line that says nothing for this long has said all.
+const QUIET: Duration = Duration::from_millis(1_000);
+/// A read-out takes at most this long: 60 KiB at 115,200 Bd take five seconds.
+const LONGEST: Duration = Duration::from_secs(60);
+
 /// Runs the command.
 ///
 /// # Errors
 /// Bad input: not a single whole row.
 pub fn run(arguments: &BlackBoxArguments) -> anyhow::Result<()> {
     let name = arguments.file.display();
-    let bytes = std::fs::read(&arguments.file)
+    let bytes = bytes_of(&arguments.file, arguments.baud)
         .map_err(|error| BadInput(format!("{name}: cannot be read ({error})")))?;
     let contents = read(&bytes);
     if let Some(version) = contents.other_version {
@@ -62,18 +85,20 @@ pub fn run(arguments: &BlackBoxArguments) -> anyhow::Result<()> {
             format!("{name}: its rows have version {version}; this program reads version {LOG_VERSION}");
         return Err(BadInput(what).into());
     }
-    if contents.moments.is_empty() {
+    if contents.moments.is_empty() && contents.restarts.is_empty() {
         return Err(BadInput(format!("{name}: no whole row of a black box in it")).into());
     }
-    if arguments.json {
-        for (stamp, entry) in &contents.moments {
-            anstream::println!("{}", serde_json::to_string(&row(*stamp, entry))?);
-        }
-    } else {
-        contents.moments.windows(2).for_each(tell_change);
+    let mut begun_at = 0;
+    for (end, restart) in contents.lives() {
+        tell(contents.moments.get(begun_at..end).unwrap_or_default(), restart, arguments.json)?;
+        begun_at = end;
     }
-    let out = arguments.out.clone().unwrap_or_else(|| arguments.file.with_extension("mcap"));
-    record(&out, &contents.moments)
+    let beside = || match line_of(&arguments.file) {
+        Some(_) => PathBuf::from("blackbox.mcap"),
+        None => arguments.file.with_extension("mcap"),
+    };
+    let out = arguments.out.clone().unwrap_or_else(beside);
+    record(&out, &contents.one_after_the_other())
         .map_err(|error| BadInput(format!("{}: cannot be written ({error:#})", out.display())))?;
     let end = if contents.complete { "complete" } else { "cut" };
     anstream::eprintln!(
@@ -82,6 +107,102 @@ pub fn run(arguments: &BlackBoxArguments) -> anyhow::Result<()> {
         contents.damaged,
         out.display()
     );
+    Ok(())
+}
+
+/// What answers on a path; `None`: a file.
+enum Line {
+    Socket,
+    Device,
+}
+
+fn line_of(path: &Path) -> Option<Line> {
+    let kind = std::fs::metadata(path).ok()?.file_type();
+    match (kind.is_socket(), kind.is_char_device()) {
+        (true, _) => Some(Line::Socket),
+        (_, true) => Some(Line::Device),
+        _ => None,
+    }
+}
+
+/// The log: a file's content, or what the machine on the line answers.
+fn bytes_of(path: &Path, baud: u32) -> std::io::Result<Vec<u8>> {
+    match line_of(path) {
+        None => std::fs::read(path),
+        Some(Line::Socket) => {
+            let line = UnixStream::connect(path)?;
+            line.set_read_timeout(Some(QUIET))?;
+            ask(line)
+        }
+        Some(Line::Device) => {
+            let port = serialport::new(path.to_string_lossy(), baud).timeout(QUIET);
+            ask(port.open()?)
+        }
+    }
+}
+
+fn ask(mut line: impl Read + Write) -> std::io::Result<Vec<u8>> {
+    line.write_all(REQUEST)?;
+    let (mut answer, mut portion) = (Vec::new(), [0; 4_096]);
+    let began = Instant::now();
+    while began.elapsed() < LONGEST {
+        match line.read(&mut portion) {
+            Ok(0) => break,
+            Ok(count) => answer.extend_from_slice(portion.get(..count).unwrap_or_default()),
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            // The machine may think before it begins, but not for long.
+            Err(error) if matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) => break,
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(answer)
+}
+
+impl Contents {
+    /// Where each life ends in the moments, and what ended it.
+    fn lives(&self) -> impl Iterator<Item = (usize, Option<&LogRestart>)> {
+        let deaths = self.restarts.iter().map(|(end, restart)| (*end, Some(restart)));
+        deaths.chain([(self.moments.len(), None)])
+    }
+
+    /// Each life begins at zero; in a recording it goes on where the one before ended.
+    fn one_after_the_other(&self) -> Vec<(Stamp, BoxEntry)> {
+        let (mut all, mut begun_at, mut offset_us) = (Vec::new(), 0, 0);
+        for (end, restart) in self.lives() {
+            let moments = self.moments.get(begun_at..end).unwrap_or_default();
+            let shifted = |(stamp, entry): &(Stamp, BoxEntry)| {
+                (Stamp::from_micros(stamp.as_micros().saturating_add(offset_us)), *entry)
+            };
+            all.extend(moments.iter().map(shifted));
+            let lived_us = restart.map_or(0, |restart| u64::from(restart.uptime_ms) * 1_000);
+            let last_us = moments.last().map_or(0, |(stamp, _)| stamp.as_micros());
+            offset_us = u64::saturating_add(offset_us, lived_us.max(last_us));
+            begun_at = end;
+        }
+        all
+    }
+}
+
+fn tell(moments: &[(Stamp, BoxEntry)], restart: Option<&LogRestart>, json: bool) -> anyhow::Result<()> {
+    if json {
+        for (stamp, entry) in moments {
+            anstream::println!("{}", serde_json::to_string(&row(*stamp, entry))?);
+        }
+    } else {
+        moments.windows(2).for_each(tell_change);
+    }
+    let Some(restart) = restart else { return Ok(()) };
+    let name = restart.known_cause().map_or("cause unknown to this program", |cause| cause.name());
+    let LogRestart { detail, uptime_ms, deaths, .. } = *restart;
+    if json {
+        anstream::println!(
+            "{}",
+            serde_json::to_string(&RestartRow { restart: name, detail, uptime_ms, deaths })?
+        );
+    } else {
+        let seconds = f64::from(uptime_ms) * 1.0e-3;
+        anstream::println!("{seconds:10.3} s  RESET, number {deaths}: {name} ({detail:#x})");
+    }
     Ok(())
 }
 
@@ -107,6 +228,7 @@ fn read(bytes: &[u8]) -> Contents {
             Some(LogRow::End(moments)) => {
                 contents.complete = moments as usize == contents.moments.len() - begun_at;
             }
+            Some(LogRow::Restart(restart)) => contents.restarts.push((contents.moments.len(), restart)),
             None => contents.damaged += 1,
         }
     }

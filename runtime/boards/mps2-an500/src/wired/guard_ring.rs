@@ -1,9 +1,13 @@
 //! Everything that can stop the robot, on the executor of interrupt priority. One thin wrapper per task.
 
+use core::mem::MaybeUninit;
+
 use embassy_executor::{SendSpawner, Spawner};
 use embassy_net::Runner;
 use embassy_time::Instant;
-use floorguard_board_support::{RobotShared, feed_while_deciding, spawn_deciders};
+use floorguard_board_support::{
+    KeptBox, RobotShared, feed_while_deciding, keep_black_box, spawn_deciders, tell_black_box,
+};
 use floorguard_core::geometry::Transform3;
 use floorguard_core::odometry::Tricycle;
 use floorguard_drivers::s300::{Configuration, Receiver};
@@ -18,14 +22,18 @@ use super::network::{self, LidarSocket};
 use super::options::Options;
 use super::witness;
 use crate::ethernet::Ethernet;
-use crate::faults::{Fault, STARVED_AT, break_guard};
+use crate::faults::{Fault, break_guard, planned_ms};
 use crate::uart::{self, Port};
-use crate::watchdog;
+use crate::{last_words, watchdog};
 
 /// Bit rates of the lines; the emulator does not simulate them.
 const SCANNER_BAUD: u32 = 500_000;
 const IMU_BAUD: u32 = 115_200;
 const CAN_BAUD: u32 = 1_000_000;
+const BLACK_BOX_BAUD: u32 = 115_200;
+
+#[unsafe(link_section = ".kept.black_box")]
+static KEPT: MaybeUninit<KeptBox> = MaybeUninit::uninit();
 
 /// Starts the ring. `robot` lives as long as the program.
 pub fn start_guard_ring(
@@ -55,9 +63,15 @@ async fn ring(shared: &'static RobotShared, robot: &'static RobotConfiguration, 
     }
     spawner.spawn(can(shared, (ThreeWheelBase::new(robot.base()), robot.tricycle())).unwrap());
     spawn_deciders(spawner, shared);
+    // SAFETY: any bits are a valid value; what is no row is told from rows by their checksums.
+    let kept = unsafe { KEPT.assume_init_ref() };
+    kept.begin();
+    uart::BLACK_BOX.start(BLACK_BOX_BAUD);
+    spawner.spawn(keep(shared, kept).unwrap());
+    spawner.spawn(tell(kept).unwrap());
     spawner.spawn(watchdog(shared, options.fault).unwrap());
     if let Some(fault) = options.fault {
-        spawner.spawn(break_guard(fault).unwrap());
+        spawner.spawn(break_guard(shared, fault).unwrap());
     }
     spawner.spawn(witness::lateness().unwrap());
     if options.bench {
@@ -69,11 +83,23 @@ async fn ring(shared: &'static RobotShared, robot: &'static RobotConfiguration, 
 #[embassy_executor::task]
 async fn watchdog(shared: &'static RobotShared, fault: Option<Fault>) {
     feed_while_deciding(shared, || {
-        if fault != Some(Fault::Starvation) || Instant::now() <= STARVED_AT {
+        let is_time = planned_ms() != 0 && Instant::now().as_millis() >= planned_ms().into();
+        if fault != Some(Fault::Starvation) || !is_time {
             watchdog::feed();
         }
     })
     .await;
+}
+
+#[embassy_executor::task]
+async fn keep(shared: &'static RobotShared, kept: &'static KeptBox) {
+    keep_black_box(shared, kept).await;
+}
+
+#[embassy_executor::task]
+async fn tell(kept: &'static KeptBox) {
+    // The port cannot fail.
+    let _ = tell_black_box(kept, last_words::restart(), Port(&uart::BLACK_BOX)).await;
 }
 
 #[embassy_executor::task]

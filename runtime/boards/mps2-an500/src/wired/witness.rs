@@ -13,7 +13,7 @@ use floorguard_board_support::RobotShared;
 
 use super::network;
 use crate::ethernet::Ethernet;
-use crate::{last_words, uart};
+use crate::{faults, last_words, uart};
 
 /// First word of a report: "FGST".
 const MAGIC: u32 = 0x5453_4746;
@@ -21,7 +21,7 @@ const REPORT_EVERY: Duration = Duration::from_millis(1);
 /// How often the guard's executor is asked how late it is.
 const ASK_EVERY: Duration = Duration::from_millis(1);
 /// Words of a report.
-const WORDS: usize = 20;
+const WORDS: usize = 23;
 
 static LATEST_US: AtomicU32 = AtomicU32::new(0);
 
@@ -75,6 +75,10 @@ fn report(shared: &RobotShared) -> [u32; WORDS] {
     let decision = shared.decision.get();
     let state = decision.map_or(0, |decision| decision.state as u32);
     let permitted_um_s = decision.map_or(0.0, |decision| decision.permitted.linear_mps * 1.0e6) as i32;
+    // 0: none; otherwise its place in the list of causes, counted from 1.
+    let objection = decision
+        .and_then(|decision| decision.primary_cause)
+        .map_or(0, |record| record.cause.index() as u32 + 1);
     let links = shared.links();
     let [cause, detail, uptime_ms, deaths] = last_words::read();
     [
@@ -94,6 +98,9 @@ fn report(shared: &RobotShared) -> [u32; WORDS] {
         permitted_um_s as u32,
         links.can_sent,
         links.lidar_refused,
+        Ethernet::overruns(),
+        objection,
+        faults::planned_ms(),
         cause,
         detail,
         uptime_ms,
