@@ -44,7 +44,18 @@ const STACK_MAX: u64 = (288 << 10) / 4 * 3;
 /// Interrupt handlers of the images by level, the guard's executor first.
 const BOARD_HANDLERS: &[&[&str]] = &[
     &["GUARD_EXECUTOR"],
-    &["ETHERNET", "UART0_RECEIVE", "UART0_TRANSMIT", "UART1_RECEIVE", "UART1_TRANSMIT", "UART2_RECEIVE"],
+    &[
+        "ETHERNET",
+        "UART0_RECEIVE",
+        "UART0_TRANSMIT",
+        "UART1_RECEIVE",
+        "UART1_TRANSMIT",
+        "UART2_RECEIVE",
+        "UART2_TRANSMIT",
+        "UART3_TRANSMIT",
+        "UART4_RECEIVE",
+        "UART4_TRANSMIT",
+    ],
     &["DUAL_TIMER"],
     &["HardFault", "NonMaskableInt"],
 ];
@@ -338,6 +349,8 @@ fn sizes(image: &Path) -> Result<(u64, u64)> {
             SectionKind::Text | SectionKind::ReadOnlyData => flash += section.size(),
             // Initial values lie in flash and are copied.
             SectionKind::Data => (flash, ram) = (flash + section.size(), ram + section.size()),
+            // The black box across resets has a memory of its own, whose end the linker watches.
+            SectionKind::UninitializedData if section.name() == Ok(".kept") => {}
             SectionKind::UninitializedData => ram += section.size(),
             _ => {}
         }
