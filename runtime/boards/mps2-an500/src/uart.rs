@@ -26,7 +26,7 @@ const BYTES_PER_INTERRUPT: usize = 32;
 /// Looks at the state of the device per byte of the last words: ten milliseconds of a fast processor.
 const LAST_WORDS_POLLS: u32 = 1_000_000;
 /// Software buffer, bytes: more than one S300 telegram (1,108).
-const BUFFER: usize = 2_048;
+const BUFFER: usize = 1_536;
 
 /// One port. Invariant: `base` is a UART of the board, `receive` its line.
 pub struct Uart {
