@@ -31,7 +31,7 @@ pub fn chapter(manual: &str, heading: &str) -> String {
 fn inline(text: &str) -> String {
     let mut html = String::new();
     for (index, part) in escape(text).split('`').enumerate() {
-        html.push_str(&if index % 2 == 1 { format!("<code>{part}</code>") } else { part.replace("**", "") });
+        html.push_str(&if index % 2 == 1 { format!("<code>{part}</code>") } else { part.replace('*', "") });
     }
     html
 }
