@@ -74,6 +74,19 @@ impl DirtyFloor {
         units
     }
 
+    /// A speck lies within a radius of a place, metres; at most half a cell.
+    #[must_use]
+    pub fn is_speck_within(&self, place: Point2, radius_m: f32) -> bool {
+        let corner = |sign: f32| Point2::new(place.x_m + sign * radius_m, place.y_m + sign * radius_m);
+        let (first, last) =
+            (self.raster.coordinates_of(corner(-1.0)), self.raster.coordinates_of(corner(1.0)));
+        let cells = (first.1..=last.1).flat_map(|row| (first.0..=last.0).map(move |column| (column, row)));
+        cells
+            .filter_map(|(column, row)| self.cells.get(self.raster.index(column, row)?)?.as_deref())
+            .flat_map(|dirty| &dirty.specks)
+            .any(|speck| !speck.is_removed && speck.place.distance(place) <= radius_m)
+    }
+
     /// Units that really lie in a cell of the raster.
     #[must_use]
     pub fn units(&self, cell: usize) -> u32 {

@@ -10,6 +10,8 @@ use super::picture::{FloorPicture, MarkingColour};
 use super::spill::Spill;
 use super::texture::{Surface, surface};
 
+/// Linear reflectance of a speck: a crumb of dark bread.
+const SPECK: [f32; 3] = [0.20, 0.11, 0.05];
 /// Steps of the table from light to bytes.
 const TONES: usize = 4_096;
 
@@ -66,14 +68,22 @@ impl FloorScene {
 
     /// A picture from a pose of the robot at a time. The noise follows from scene, pose and `frame`.
     #[must_use]
-    pub fn picture(
+    pub fn picture(&self, camera: &FloorCamera, robot_in_world: Pose2, when: (u32, f32)) -> FloorPicture {
+        self.picture_with(camera, robot_in_world, when, |_| false)
+    }
+
+    /// The same with specks of dirt wherever `is_speck` says so of a place of the world.
+    pub fn picture_with(
         &self,
         camera: &FloorCamera,
         robot_in_world: Pose2,
         (frame, at_s): (u32, f32),
+        is_speck: impl Fn(Point2) -> bool,
     ) -> FloorPicture {
         let (width, height) = camera.size;
-        let dot = |index: usize| self.dot(camera, robot_in_world, (index % width, index / width), at_s);
+        let dot = |index: usize| {
+            self.dot((camera, robot_in_world), (index % width, index / width), at_s, &is_speck)
+        };
         let dots: Vec<Dot> = (0..width * height).map(dot).collect();
         let gain = exposure(&dots);
         let mut random = Pcg32::new(u64::from(self.seed), u64::from(frame) + 1);
@@ -95,7 +105,13 @@ impl FloorScene {
         }
     }
 
-    fn dot(&self, camera: &FloorCamera, robot: Pose2, (column, row): (usize, usize), at_s: f32) -> Dot {
+    fn dot(
+        &self,
+        (camera, robot): (&FloorCamera, Pose2),
+        (column, row): (usize, usize),
+        at_s: f32,
+        is_speck: &impl Fn(Point2) -> bool,
+    ) -> Dot {
         let Some(sight) = camera.sight(column as f32, row as f32) else { return Dot::default() };
         let (forward, left) = sight.place_m;
         let point = robot.transform(Point2 { x_m: forward + camera.forward_m, y_m: left });
@@ -108,6 +124,11 @@ impl FloorScene {
             if inside < 1.0 {
                 dirt = Some(spill.kind);
             }
+        }
+        if is_speck(point) {
+            found = found.towards(SPECK, 0.9);
+            found.gloss = 0.0;
+            dirt = Some(DirtKind::Crumbs);
         }
         let mut dot = Dot { light: self.seen(found, &sight, (place, robot), at_s), dirt, ..Dot::default() };
         // Lenses are darker towards the corners.

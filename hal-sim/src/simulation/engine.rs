@@ -19,7 +19,7 @@ use crate::people::{Crowd, Person, RobotShape, body_discs, ground_discs};
 use crate::robot::{BrakeLaw, RobotBody, RobotParameters};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::scene::Scene;
-use crate::sensors::{Imu, Lidar, Motion, Scanner, ScannerState, View};
+use crate::sensors::{FloorEye, FloorFrame, Imu, Lidar, Motion, Scanner, ScannerState, View};
 use crate::wire::ReturnMode;
 
 const STEP_US: u64 = 1_000;
@@ -294,6 +294,13 @@ impl Simulation {
     #[must_use]
     pub fn dirt(&self) -> Option<&DirtyFloor> {
         self.dirt.as_ref().map(DirtyWorld::floor)
+    }
+
+    /// What a floor camera sees at the last moment played; `frame` draws its noise.
+    #[must_use]
+    pub fn floor_frame(&self, eye: &FloorEye, frame: u32) -> FloorFrame {
+        let seen = (&self.scene, self.crowd.people.as_slice(), self.dirt());
+        eye.look(seen, self.body.pose(), (frame, self.now_us as f32 * 1.0e-6))
     }
 
     /// The robot that is simulated.

@@ -10,6 +10,7 @@ use floorguard_core::guard::Decision;
 use floorguard_core::sensing::{DirtReading, Scan};
 use floorguard_core::time::Stamp;
 
+use super::floor_camera::FloorSight;
 use crate::clock;
 use crate::shared::{PeopleReport, Shared, StampedPose};
 
@@ -31,6 +32,8 @@ pub struct MissionMoment<'a> {
     pub decision: Option<Decision>,
     /// The newest list of people.
     pub people: Option<&'a PeopleReport>,
+    /// What the floor camera sees, if it is a picture that the mission has not seen.
+    pub floor: Option<&'a FloorSight>,
     /// The operator has paused the mission.
     pub is_paused: bool,
 }
@@ -46,6 +49,7 @@ pub async fn clean<M: RawMutex>(shared: &Shared<M>, mission: &mut impl CleaningM
     let mut ticker = Ticker::every(Duration::from_millis(PERIOD_MS));
     let mut seen_scan = 0;
     let (mut seen_people, mut people) = (0, None);
+    let mut seen_floor = 0;
     loop {
         ticker.next().await;
         let Some(pose) = shared.pose.get() else { continue };
@@ -56,6 +60,9 @@ pub async fn clean<M: RawMutex>(shared: &Shared<M>, mission: &mut impl CleaningM
             seen_people = shared.people.published();
             people = shared.people.get();
         }
+        let published = shared.floor.published();
+        let floor = (published != seen_floor).then(|| shared.floor.get()).flatten();
+        seen_floor = published;
         let moment = MissionMoment {
             now: clock::now(),
             pose,
@@ -63,6 +70,7 @@ pub async fn clean<M: RawMutex>(shared: &Shared<M>, mission: &mut impl CleaningM
             dirt: shared.dirt.get(),
             decision: shared.decision.get(),
             people: people.as_ref(),
+            floor: floor.as_ref(),
             is_paused: shared.is_paused(),
         };
         let wish = mission.step(&moment);

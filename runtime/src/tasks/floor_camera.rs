@@ -14,7 +14,7 @@ pub const THINGS_SEEN_MAX: usize = 8;
 /// A sight this old says nothing any more, µs: fifteen frames of a camera at 30 Hz.
 pub const SIGHT_MAX_US: u64 = 500_000;
 /// Lower things are driven over, metres (issue 5: objects of 2 cm; a third less for what the camera misjudges).
-const THING_HEIGHT_MIN_M: f32 = 0.014;
+pub const THING_HEIGHT_MIN_M: f32 = 0.014;
 
 /// One thing on the floor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -85,7 +85,7 @@ pub fn pass(floor: FloorKind, (lanes, length_m): (u32, f32), seed: u64) -> anyho
     )
     .expect("a hall has an area");
     let mut cells = vec![SeenCell::default(); geometry.cell_count()];
-    let mut map = SeenDirtMap::new(geometry, &mut cells).expect("as many cells");
+    let mut map = SeenDirtMap::new(geometry, &mut cells[..]).expect("as many cells");
     let mut detectors = DirtDetectors::default();
     let (mut frame, mut took) = (0_u32, Duration::ZERO);
     for lane in 0..lanes {

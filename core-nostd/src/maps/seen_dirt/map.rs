@@ -36,11 +36,11 @@ pub enum ViewOutcome {
     SameView,
 }
 
-/// The map over cells that the caller keeps, one for each of the geometry.
+/// The map over cells that the caller gives or lends, one for each of the geometry.
 #[derive(Debug)]
-pub struct SeenDirtMap<'a> {
+pub struct SeenDirtMap<C> {
     geometry: GridGeometry,
-    cells: &'a mut [SeenCell],
+    cells: C,
     last_view: Option<Pose2>,
     /// How many cells have which live score.
     histogram: [u32; 256],
@@ -59,13 +59,13 @@ pub struct Scores<'a> {
     pub threshold: f32,
 }
 
-impl<'a> SeenDirtMap<'a> {
+impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
     /// A map over cells; `None` if they are fewer than the geometry's.
     #[must_use]
-    pub fn new(geometry: GridGeometry, cells: &'a mut [SeenCell]) -> Option<Self> {
+    pub fn new(geometry: GridGeometry, cells: C) -> Option<Self> {
         let count = geometry.cell_count();
         let mut histogram = [0; 256];
-        for score in cells.get(..count)?.iter().filter_map(SeenCell::live) {
+        for score in cells.as_ref().get(..count)?.iter().filter_map(SeenCell::live) {
             count_cell(&mut histogram, score, 1);
         }
         Some(Self { geometry, cells, last_view: None, histogram, threshold: f32::INFINITY })
@@ -80,12 +80,12 @@ impl<'a> SeenDirtMap<'a> {
     /// The cells, row by row.
     #[must_use]
     pub fn cells(&self) -> &[SeenCell] {
-        self.cells.get(..self.geometry.cell_count()).unwrap_or(&[])
+        self.cells.as_ref().get(..self.geometry.cell_count()).unwrap_or(&[])
     }
 
     /// Starts a mission: what is first perceived is open again.
     pub fn begin_mission(&mut self) {
-        self.cells.iter_mut().for_each(SeenCell::begin_mission);
+        self.cells.as_mut().iter_mut().for_each(SeenCell::begin_mission);
         self.last_view = None;
         self.histogram = [0; 256];
     }
@@ -158,7 +158,9 @@ impl<'a> SeenDirtMap<'a> {
                 let place = view.place_in_map(middle(column), middle(row));
                 let Some(place) = place.filter(|place| place.distance(foot) <= REACH_M) else { continue };
                 let (x, y) = self.geometry.coordinates_of(place);
-                let Some(cell) = self.geometry.index(x, y).and_then(|index| self.cells.get_mut(index)) else {
+                let Some(cell) =
+                    self.geometry.index(x, y).and_then(|index| self.cells.as_mut().get_mut(index))
+                else {
                     continue;
                 };
                 let [left, low, right, high] = &mut bounds;
@@ -178,7 +180,7 @@ impl<'a> SeenDirtMap<'a> {
             usize::try_from(last.saturating_sub(first).saturating_add(1)).unwrap_or(0)
         };
         let start = |first: i32| usize::try_from(first).unwrap_or(0);
-        let rows = self.cells.chunks_mut(width.max(1)).skip(start(low)).take(count(low, high));
+        let rows = self.cells.as_mut().chunks_mut(width.max(1)).skip(start(low)).take(count(low, high));
         for row in rows {
             for cell in row.iter_mut().skip(start(left)).take(count(left, right)) {
                 let before = cell.live();

@@ -78,7 +78,7 @@ struct Parts {
     dropped: u32,
 }
 
-impl SeenDirtMap<'_> {
+impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
     /// The spots of a layer, at the time `now`.
     #[must_use]
     pub fn spots(&self, layer: SeenLayer, now: Stamp) -> DirtSpots {
@@ -280,7 +280,7 @@ mod tests {
             "...*...##", //
         ]);
         let geometry = GridGeometry::new(9, 5, 0.1, Point2::new(1.0, 2.0)).unwrap();
-        let mut map = SeenDirtMap::new(geometry, &mut cells).unwrap();
+        let mut map = SeenDirtMap::new(geometry, &mut cells[..]).unwrap();
         map.expect(21.0);
         let found = map.spots(SeenLayer::Live, Stamp::from_micros(67_000_000));
         assert_eq!((found.spots.len(), found.dropped), (3, 0), "a weak cell alone is none: {found:?}");

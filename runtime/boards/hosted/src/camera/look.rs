@@ -1,10 +1,11 @@
 //! From a depth picture to what the rings hear of it: floor, things on it, and whether it is known.
 
+use floorguard_core::floor::dirt::FloorView;
 use floorguard_core::floor::{
     ConfirmedObject, FloorModel, FloorParameters, ObjectFinder, ObjectMemory, PixelClass, Plane,
 };
 use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::sensing::DepthImage;
+use floorguard_core::sensing::{DepthImage, PinholeCamera};
 use floorguard_core::time::Stamp;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::tasks::{FloorLimits, FloorSight, FloorThing};
@@ -78,6 +79,7 @@ impl FloorLook {
         robot_in_odom: Pose2,
         (stamp, now): (Stamp, Stamp),
     ) -> FloorSight {
+        self.plane = None;
         let mut sight = self.blind(stamp);
         self.plane = None;
         let Ok(image) = DepthImage::new(stamp, self.size, depth_mm) else { return sight };
@@ -88,6 +90,7 @@ impl FloorLook {
         };
         // Without a floor in this very picture its heights mean nothing.
         sight.is_known = estimate.is_known && estimate.fault.is_none();
+        self.plane = sight.is_known.then_some(estimate.plane);
         if sight.is_known {
             self.plane = Some(estimate.plane);
             let camera_in_odom = robot_in_odom.compose(self.camera_in_robot);
@@ -97,6 +100,24 @@ impl FloorLook {
             }
         }
         sight
+    }
+
+    /// How the camera looked at the floor in the last picture; `None` where that was unknown.
+    #[must_use]
+    pub fn view(&self, camera: PinholeCamera, robot_in_map: Pose2) -> Option<FloorView> {
+        let camera_in_robot = self.camera_in_robot;
+        self.plane.map(|plane| FloorView { camera, plane, robot_in_map, camera_in_robot })
+    }
+
+    /// Of each pixel of the picture that was looked at last, whether it shows free floor.
+    pub fn is_floor(&self) -> impl Iterator<Item = bool> {
+        self.classes.iter().map(|class| *class == PixelClass::Floor)
+    }
+
+    /// Columns and rows of the depth picture.
+    #[must_use]
+    pub const fn size(&self) -> (usize, usize) {
+        self.size
     }
 
     fn thing(&self, seen: &ConfirmedObject) -> FloorThing {
@@ -113,7 +134,6 @@ impl FloorLook {
 mod tests {
     use super::*;
     use crate::configuration::{EXAMPLE, parse};
-    use floorguard_core::sensing::PinholeCamera;
     use floorguard_runtime::tasks::with_floor;
 
     const SIZE: (usize, usize) = (160, 120);

@@ -16,7 +16,9 @@ use floorguard_core::time::{Age, Stamp};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::{PeopleReport, StampedPose};
-use floorguard_runtime::tasks::{CleaningMission, MissionMoment, PERSON_PROBABILITY_MIN};
+use floorguard_runtime::tasks::{
+    CleaningMission, FloorSight, MissionMoment, PERSON_PROBABILITY_MIN, THING_HEIGHT_MIN_M,
+};
 
 use super::body::Body;
 use super::ground::Ground;
@@ -73,6 +75,10 @@ const SAME_PLACE_M: f32 = 0.3;
 const PASS_LEGS: usize = 1;
 /// Held for this long at a place, the robot goes elsewhere first, seconds.
 const STAYS_S: f32 = 8.0;
+/// What is higher than this the scanner sees, metres.
+const LOW_M: f32 = 0.14;
+/// A thing on the floor this near may be what holds the robot, metres from its rear axle.
+const THING_HOLDS_M: f32 = 1.6;
 /// Cells of the tour that are tried before the robot waits.
 const TRIES: usize = 4;
 
@@ -311,6 +317,22 @@ impl Cleaner {
         self.obstacles.see_people(&places, now_s);
     }
 
+    /// Low things on the floor, which neither lidar nor scanner sees, are driven round; higher ones those see.
+    fn see_floor(&mut self, floor: &FloorSight, now_s: f32) {
+        if !floor.is_known {
+            return;
+        }
+        let low = floor.things.iter().filter(|thing| (THING_HEIGHT_MIN_M..LOW_M).contains(&thing.height_m));
+        let things: Vec<(Point2, f32)> = low.map(|thing| (thing.position, thing.half_width_m)).collect();
+        let pose = self.localiser.pose(self.odometry_at(floor.stamp));
+        if self.obstacles.see_things(pose, (&things, now_s))
+            && self.plan.strategy == MissionStrategy::Guarantee
+        {
+            self.detours += 1;
+            self.track = Track::default();
+        }
+    }
+
     /// Between the poses around a moment; the nearest one outside.
     fn odometry_at(&self, stamp: Stamp) -> Pose2 {
         let after = self.poses.iter().position(|known| known.stamp >= stamp);
@@ -347,7 +369,9 @@ impl Cleaner {
         }
         let cause = decision.and_then(|decision| decision.primary_cause).map(|record| record.cause);
         let in_the_way = [Cause::ScanProtective, Cause::LidarProtective, Cause::CollisionStop];
-        if cause.is_none_or(|cause| in_the_way.contains(&cause)) {
+        let pose = self.pose();
+        let thing_lies = || self.obstacles.lies_near(Point2::new(pose.x_m, pose.y_m), THING_HOLDS_M);
+        if cause.is_none_or(|cause| in_the_way.contains(&cause)) || thing_lies() {
             self.held_s += lasted_s;
             self.waited_s += lasted_s;
         }
@@ -576,6 +600,9 @@ impl CleaningMission for Cleaner {
         }
         if let Some(people) = moment.people {
             self.see_people(people, now_s);
+        }
+        if let Some(floor) = moment.floor {
+            self.see_floor(floor, now_s);
         }
         if self.phase == MissionPhase::Done {
             self.wish = Twist2::ZERO;

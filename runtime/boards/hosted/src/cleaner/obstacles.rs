@@ -20,6 +20,10 @@ const FADES_S: f32 = 4.0;
 const BEYOND_M: f32 = 0.3;
 /// One beam in this many is looked at.
 const BEAM_INTERVAL: usize = 3;
+/// A thing on the floor lies there until it is seen to be gone, or this long, seconds.
+const LIES_S: f32 = 60.0;
+/// Sights of one thing are within this of each other, metres.
+const SAME_THING_M: f32 = 0.15;
 
 /// Half a person, metres; the room of the robot has a margin of its own.
 const PERSON_M: f32 = 0.15;
@@ -60,6 +64,8 @@ pub struct Obstacles {
     marked: Vec<u32>,
     people: Vec<Point2>,
     people_s: f32,
+    /// Place, half width and last sight of things that lie on the floor.
+    things: Vec<(Point2, f32, f32)>,
 }
 
 impl Obstacles {
@@ -71,6 +77,7 @@ impl Obstacles {
             marked: Vec::new(),
             people: Vec::new(),
             people_s: 0.0,
+            things: Vec::new(),
         }
     }
 
@@ -108,12 +115,37 @@ impl Obstacles {
         self.people_s = now_s;
     }
 
+    /// Things on the floor that the camera sees, in the robot's frame at a pose in the map frame. True if one is new.
+    pub fn see_things(&mut self, pose: Pose2, (things, now_s): (&[(Point2, f32)], f32)) -> bool {
+        self.things.retain(|(_, _, seen_s)| now_s - seen_s <= LIES_S);
+        let mut is_new = false;
+        for (in_robot, half_m) in things {
+            let place = pose.transform(*in_robot);
+            let known = self.things.iter_mut().find(|(other, ..)| other.distance(place) < SAME_THING_M);
+            match known {
+                Some(known) => *known = (place, half_m.max(known.1), now_s),
+                None => {
+                    is_new = true;
+                    self.things.push((place, *half_m, now_s));
+                }
+            }
+        }
+        is_new
+    }
+
+    /// Something is known to lie within a distance of a place, metres.
+    pub fn lies_near(&self, place: Point2, within_m: f32) -> bool {
+        self.things.iter().any(|(thing, ..)| thing.distance(place) < within_m)
+    }
+
     /// Places that are taken now, each with a disc around it, metres.
     pub fn places(&self, now_s: f32) -> Vec<(Point2, f32)> {
         let recent = |cell: &&u32| now_s - self.seen_s[**cell as usize] <= FADES_S;
         let marks = self.marked.iter().filter(recent).map(|cell| (self.raster.centre(*cell as usize), 0.0));
         let people = self.people.iter().filter(|_| now_s - self.people_s <= FADES_S);
-        marks.chain(people.map(|place| (*place, PERSON_M))).collect()
+        let things = self.things.iter().filter(|(_, _, seen_s)| now_s - seen_s <= LIES_S);
+        let things = things.map(|(place, half_m, _)| (*place, *half_m));
+        marks.chain(things).chain(people.map(|place| (*place, PERSON_M))).collect()
     }
 }
 

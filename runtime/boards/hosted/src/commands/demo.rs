@@ -34,6 +34,9 @@ pub struct DemoArguments {
     /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
+    /// Render a floor camera: things on the floor are driven round, and dirt is mapped. Takes as much time as all the rest.
+    #[arg(long, conflicts_with = "real_io")]
+    pub camera: bool,
     /// Show the run live in a browser, in real time: `--panel 127.0.0.1:8080`.
     #[arg(long, value_name = "ADDRESS:PORT")]
     pub panel: Option<SocketAddr>,
@@ -46,6 +49,7 @@ impl Default for DemoArguments {
             strategy: None,
             duration: 180.0,
             real_io: false,
+            camera: false,
             report: PathBuf::from("floorguard-report"),
             record: None,
             panel: None,
@@ -62,8 +66,9 @@ pub fn run(arguments: &DemoArguments) -> anyhow::Result<()> {
         return Err(BadInput(format!("--duration {}: give 1 to 86400 seconds", arguments.duration)).into());
     }
     let started = Instant::now();
-    let plan = Plan::named("supermarket", arguments.seed, (arguments.duration * 1.0e6) as u64)?
+    let mut plan = Plan::named("supermarket", arguments.seed, (arguments.duration * 1.0e6) as u64)?
         .cleaning(arguments.strategy)?;
+    plan.has_camera = arguments.camera;
     anstream::eprintln!("floorguard demo: {} (seed {})", plan.scenario.title, plan.seed);
     make_folder(&arguments.report)?;
     let mut witnesses = Witnesses::default();

@@ -60,6 +60,9 @@ pub struct SimulateArguments {
     /// With --real-io: an interface of the kernel as the CAN bus, for example vcan0, instead of SLCAN.
     #[arg(long, requires = "real_io")]
     pub can_interface: Option<String>,
+    /// Render a floor camera: things on the floor are driven round, and dirt is mapped. Takes as much time as all the rest.
+    #[arg(long, conflicts_with_all = ["tape", "real_io"])]
+    pub camera: bool,
     /// Show the run live in a browser, in real time: `--panel 127.0.0.1:8080`.
     #[arg(long, value_name = "ADDRESS:PORT")]
     pub panel: Option<SocketAddr>,
@@ -158,6 +161,7 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
     if arguments.tape.is_none() {
         plan = plan.cleaning(arguments.strategy)?;
     }
+    plan.has_camera = arguments.camera;
     for text in &arguments.fault {
         plan.faults.push(FaultSpec::parse(text).map_err(|error| BadInput(format!("--fault {error}")))?);
     }

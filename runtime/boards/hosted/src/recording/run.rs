@@ -8,6 +8,7 @@ use std::io::{Seek, Write};
 use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
+use floorguard_core::geometry::Pose2;
 use floorguard_core::guard::GuardState;
 use floorguard_core::people::RingAngles;
 use floorguard_core::sensing::Scan;
@@ -19,6 +20,7 @@ use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
 use floorguard_runtime::shared::{RobotStatus, Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
 
+use crate::camera::SeenDirt;
 use crate::cleaner::{MissionPhase, MissionProgress};
 
 use super::describe;
@@ -239,6 +241,20 @@ impl<W: Write + Seek> RunRecorder<W> {
             cells: &picture.cells,
         };
         self.write(|out| out.map(topics::MAP, (Stamp::from_micros(now_us), "odom"), &grid));
+    }
+
+    /// The floor camera's map of dirt as it is now: percent of heat, −1 unknown.
+    pub fn seen_dirt(&mut self, seen: &SeenDirt) {
+        let now = Stamp::from_micros(self.seen.now_us);
+        let (geometry, [_, live]) = (&seen.geometry, &seen.layers);
+        let corner = geometry.origin_in_map();
+        let grid = GridImage {
+            resolution_m: geometry.resolution_m(),
+            width: geometry.width().into(),
+            origin: Pose2::new(corner.x_m, corner.y_m, 0.0),
+            cells: live,
+        };
+        self.write(|out| out.map(topics::SEEN_DIRT, (now, "odom"), &grid));
     }
 
     /// The cleaning mission has told its progress.

@@ -28,6 +28,8 @@ pub const MAP: &str = "/map";
 pub const CLAIMED: &str = "/mission/claimed_clean";
 /// Expected dirt, percent of the dirtiest cell before the mission; the first message is that before it.
 pub const DIRT: &str = "/mission/dirt";
+/// Dirt that the floor camera saw.
+pub const SEEN_DIRT: &str = "/floor/seen_dirt";
 /// Tracks of people.
 pub const PEOPLE: &str = "/people";
 /// The fields that the guard watches.

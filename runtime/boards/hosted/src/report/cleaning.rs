@@ -5,7 +5,7 @@ use std::fmt::Write;
 use crate::cleaner::{CellState, MissionOutcome};
 
 /// A colour and what it means.
-type Legend = (&'static str, &'static str);
+pub(super) type Legend = (&'static str, &'static str);
 
 /// Dirt in a cell, from nothing to much; the last one is without an upper end.
 const DIRT: [Legend; 5] = [
@@ -74,9 +74,12 @@ pub fn section(mission: &MissionOutcome) -> String {
     html
 }
 
-/// A raster as SVG: cells of equal shade in a row become one rectangle; the rest of the tour as a line.
 fn picture(mission: &MissionOutcome, shades: &[Option<usize>], legend: &[Legend]) -> String {
-    let width = usize::from(mission.progress.geometry.width());
+    raster(mission.progress.geometry.width().into(), shades, legend)
+}
+
+/// A raster as SVG: cells of equal shade in a row become one rectangle.
+pub(super) fn raster(width: usize, shades: &[Option<usize>], legend: &[Legend]) -> String {
     let rows: Vec<&[Option<usize>]> = shades.chunks(width.max(1)).collect();
     let used_rows =
         || rows.iter().enumerate().filter(|(_, row)| row.iter().any(Option::is_some)).map(|(at, _)| at);

@@ -9,6 +9,7 @@ mod grids;
 mod history;
 mod mission;
 mod page;
+mod seen_dirt;
 mod sketch;
 mod style;
 mod summary;

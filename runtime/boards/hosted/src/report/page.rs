@@ -48,7 +48,8 @@ pub fn write_report(folder: &Path, plan: &Plan, observation: &Observation) -> an
 
 fn page(plan: &Plan, observation: &Observation, (picture, speed): (&str, &str)) -> String {
     let mut html = style::head(&plan.scenario.title);
-    let cleaning = observation.mission.as_ref().map(super::cleaning::section).unwrap_or_default();
+    let mut cleaning = observation.mission.as_ref().map(super::cleaning::section).unwrap_or_default();
+    cleaning.extend(observation.seen_dirt.as_ref().map(super::seen_dirt::section));
     let _ = write!(
         html,
         "{}<h2>Way, people and stops</h2>{}<p class=legend>{MAP_LEGEND}</p>{cleaning}<h2>Speed and limit</h2>{}\

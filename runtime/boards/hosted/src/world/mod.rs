@@ -2,6 +2,7 @@
 
 mod ends;
 mod inbox;
+mod floor_camera;
 mod observer;
 mod onlooker;
 mod operator;

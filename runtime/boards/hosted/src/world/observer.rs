@@ -16,6 +16,7 @@ use floorguard_sim::simulation::{Simulation, Truth as SimTruth};
 use super::plan::Plan;
 use super::swath::Swath;
 use super::truth::judged;
+use crate::camera::SeenDirt;
 use crate::cleaner::{MissionJudge, MissionOutcome, MissionProgress};
 use crate::judge::{Judge, Quantiles, StopOrders, StopReason, Verdict};
 use crate::metrics::MotAccumulator;
@@ -84,6 +85,8 @@ pub struct Observation {
     pub speeds: Vec<(f64, f32, f32)>,
     /// What was cleaned, if that was the mission.
     pub mission: Option<MissionOutcome>,
+    /// What the floor camera saw of the dirt, if there was one; in the odometry frame.
+    pub seen_dirt: Option<SeenDirt>,
 }
 
 /// Called now and then with the state of the robot.
@@ -245,6 +248,11 @@ impl<'a> Observer<'a> {
         if let Some(mission) = &mut self.mission {
             mission.observe(progress, (truth.robot, pose_in_odometry, seconds));
         }
+    }
+
+    /// What the floor camera saw of the dirt.
+    pub fn on_seen_dirt(&mut self, seen: SeenDirt) {
+        self.seen.seen_dirt = Some(seen);
     }
 
     /// The floor after a mission.

@@ -36,6 +36,8 @@ pub struct Plan {
     pub stages: Stages,
     /// What the robot cleans; without a mission it drives the scenario's route, and no dirt lies there.
     pub mission: Option<MissionPlan>,
+    /// A floor camera looks at rendered pictures.
+    pub has_camera: bool,
     /// When the emergency stop is pressed and released, microseconds.
     pub emergency_stop_us: Vec<(u64, u64)>,
 }
@@ -98,6 +100,7 @@ impl Plan {
             robot,
             robot_toml: EXAMPLE.to_owned(),
             stages: Stages::All,
+            has_camera: false,
             emergency_stop_us: Vec::new(),
         })
     }

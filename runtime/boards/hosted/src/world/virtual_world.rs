@@ -11,6 +11,7 @@ use floorguard_runtime::tape::TapeLine;
 use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
 use floorguard_sim::{CanFrame as SimCanFrame, FaultKind, FaultLayer, FaultSpec, FaultTarget};
 
+use super::floor_camera::SimulatedCamera;
 use super::observer::Observer;
 use super::operator::Operator;
 use super::plan::Plan;
@@ -27,6 +28,9 @@ use crate::panel::Order;
 
 /// How often truth is compared with what the robot does, microseconds.
 const JUDGE_US: u64 = 10_000;
+
+/// The map of seen dirt is told this often, microseconds.
+const SEEN_DIRT_US: u64 = 5_000_000;
 
 /// The lines between simulator and robot.
 struct Lines {
@@ -119,6 +123,9 @@ struct World<'a, 'b> {
     operator: Operator,
     /// What the robot cleans, with the disk that outlives its computer's lives.
     mission: Option<MissionSetup>,
+    camera: Option<SimulatedCamera>,
+    /// The map of seen dirt is told again from here on.
+    next_map_us: u64,
     judge_us: u64,
     now_us: u64,
     /// The plan's duration, or when somebody ended the run.
@@ -148,6 +155,8 @@ fn play(
             .mission
             .clone()
             .map(|mission| MissionSetup::new(mission, Store::Memory(Arc::default()))),
+        camera: plan.has_camera.then(|| SimulatedCamera::new(plan)).flatten(),
+        next_map_us: 0,
         judge_us: 0,
         now_us: 0,
         end_us: plan.duration_us,
@@ -160,6 +169,11 @@ fn play(
         world.without_computer(until_us);
     }
     world.observer.finish_mission(world.simulation);
+    if let Some(camera) = &world.camera {
+        let seen = camera.seen(world.now_us);
+        world.witnesses.seen_dirt(&seen);
+        world.observer.on_seen_dirt(seen);
+    }
     world.observer.finish(world.operator.resets());
     Ok(world.witnesses.finish((world.end_us, world.observer.digest().value()))?)
 }
@@ -225,6 +239,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
                 world.tell(&shared, setup);
             }
             world.observer.observe(world.simulation, &shared, &stops);
+            world.look_at_floor(&shared);
         }
     }
 }
@@ -287,6 +302,17 @@ impl World<'_, '_> {
         let (Some(progress), Some(pose)) = (setup.watch.get(), shared.pose.get()) else { return };
         self.observer.on_mission(&progress, (self.simulation, pose.pose_in_odometry));
         self.witnesses.mission(&progress);
+    }
+
+    /// The floor camera, if there is one; its map goes to the witnesses now and then.
+    fn look_at_floor(&mut self, shared: &Shared<NoopRawMutex>) {
+        let Some(camera) = &mut self.camera else { return };
+        if camera.attend(self.simulation, shared, self.now_us) && self.now_us >= self.next_map_us {
+            self.next_map_us = self.now_us + SEEN_DIRT_US;
+            if self.witnesses.listen() {
+                self.witnesses.seen_dirt(&camera.seen(self.now_us));
+            }
+        }
     }
 
     /// A frame of the computer on its way to the bus.

@@ -20,6 +20,7 @@ use super::plan::Plan;
 use super::spawn::Stages;
 use super::tape::{Tape, encode_route};
 use crate::cleaner::MissionPlan;
+use crate::camera::SeenDirt;
 use crate::cleaner::MissionProgress;
 use crate::commands::BadInput;
 use crate::executor::StopFlag;
@@ -69,7 +70,12 @@ impl Witnesses {
     /// # Errors
     /// The file cannot be made.
     pub fn record(&mut self, plan: &Plan, path: &Path) -> anyhow::Result<()> {
-        self.record_plan(plan, path, if plan.faults.iter().any(hits_computer) { "no" } else { "yes" })
+        let repeatable = match plan.faults.iter().any(hits_computer) {
+            true => "no",
+            false if plan.has_camera => "no: the floor camera's pictures are not recorded",
+            false => "yes",
+        };
+        self.record_plan(plan, path, repeatable)
     }
 
     /// Starts a recording of a plan that is played in real time.
@@ -155,6 +161,13 @@ impl Witnesses {
         }
         if let Some(panel) = &mut self.panel {
             panel.mission(progress);
+        }
+    }
+
+    /// The floor camera's map of dirt.
+    pub fn seen_dirt(&mut self, seen: &SeenDirt) {
+        if let Some(recording) = &mut self.recording {
+            recording.seen_dirt(seen);
         }
     }
 

@@ -1,0 +1,108 @@
+//! The floor camera of a robot that drives: depth of whatever stands or lies before it, and colour of the floor with the
+//! dirt that really lies there.
+
+use floorguard_core::floor::DepthNoise;
+use floorguard_core::geometry::Pose2;
+
+use super::depth_camera::DepthCamera;
+use crate::dirt::DirtyFloor;
+use crate::floor::{FloorCamera, FloorKind, FloorScene};
+use crate::people::Person;
+use crate::scene::Scene;
+
+/// Radius of a speck, metres.
+const SPECK_M: f32 = 0.006;
+/// What is this much nearer than the floor is no floor: in the colour picture it has a colour of its own, metres.
+const STANDS_M: f32 = 0.03;
+/// Lamps over a square of this half side, metres.
+const LAMPS_M: f32 = 25.0;
+
+/// The camera and the floor that it looks at.
+#[derive(Clone, Debug)]
+pub struct FloorEye {
+    depth: DepthCamera,
+    colour: FloorCamera,
+    floor: FloorScene,
+    seed: u64,
+}
+
+/// What the camera saw at one moment.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FloorFrame {
+    /// Millimetres along the optical axis, row by row; 0 where nothing came back.
+    pub depth_mm: Vec<u16>,
+    /// Red, green, blue, row by row.
+    pub rgb: Vec<u8>,
+}
+
+impl FloorEye {
+    /// Columns and rows of the depth picture.
+    pub const DEPTH_SIZE: (usize, usize) = (160, 120);
+    /// Columns and rows of the colour picture, of the same view.
+    pub const COLOUR_SIZE: (usize, usize) = (320, 240);
+    /// Focal length of the depth picture, pixels.
+    pub const FOCAL_PX: f32 = 131.25;
+    /// Metres above the floor, metres before the robot's origin, and radians downwards from the horizon.
+    pub const MOUNTING: (f32, f32, f32) = (0.72, 0.9, 0.85);
+
+    /// The camera over a floor of a kind.
+    #[must_use]
+    pub fn new(floor: FloorKind, seed: u64) -> Self {
+        let (height_m, forward_m, pitch_rad) = Self::MOUNTING;
+        Self {
+            depth: DepthCamera {
+                size: Self::DEPTH_SIZE,
+                focal_px: Self::FOCAL_PX,
+                height_m,
+                pitch_rad,
+                forward_m,
+                scale: 1.0,
+                noise: DepthNoise::NGUYEN,
+            },
+            colour: FloorCamera {
+                size: Self::COLOUR_SIZE,
+                focal_px: 2.0 * Self::FOCAL_PX,
+                height_m,
+                pitch_rad,
+                forward_m,
+                ..FloorCamera::default()
+            },
+            floor: FloorScene::new(floor, LAMPS_M, seed),
+            seed,
+        }
+    }
+
+    /// What is seen from a pose at a time; `frame` draws the noise.
+    pub(crate) fn look(
+        &self,
+        (scene, people, dirt): (&Scene, &[Person], Option<&DirtyFloor>),
+        robot: Pose2,
+        (frame, at_s): (u32, f32),
+    ) -> FloorFrame {
+        let seed = self.seed.wrapping_mul(1_000_003).wrapping_add(u64::from(frame));
+        let standing = self.depth.picture(scene, people, robot, seed);
+        let is_speck = |place| dirt.is_some_and(|dirt| dirt.is_speck_within(place, SPECK_M));
+        let mut picture = self.floor.picture_with(&self.colour, robot, (frame, at_s), is_speck);
+        let (width, small) = (Self::COLOUR_SIZE.0, Self::DEPTH_SIZE.0);
+        for (index, pixel) in picture.rgb.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+            let place = index / width / 2 * small + index % width / 2;
+            let (Some(depth_mm), Some(rgb)) =
+                (standing.depth_mm.get(place), standing.rgb.as_chunks::<3>().0.get(place))
+            else {
+                continue;
+            };
+            if *depth_mm > 0 && f32::from(*depth_mm) * 1.0e-3 < self.floor_depth_m(place / small) - STANDS_M {
+                *pixel = *rgb;
+            }
+        }
+        FloorFrame { depth_mm: standing.depth_mm, rgb: picture.rgb }
+    }
+
+    /// Depth of the empty floor in a row of the depth picture, metres.
+    fn floor_depth_m(&self, row: usize) -> f32 {
+        let (sin, cos) = libm::sincosf(self.depth.pitch_rad);
+        let y = (row as f32 - (self.depth.size.1 as f32 - 1.0) / 2.0) / self.depth.focal_px;
+        let down = sin + y * cos;
+        if down > 0.05 { self.depth.height_m / down } else { f32::INFINITY }
+    }
+}
