@@ -2,7 +2,7 @@
 //! dirt that really lies there.
 
 use floorguard_core::floor::DepthNoise;
-use floorguard_core::geometry::Pose2;
+use floorguard_core::geometry::{Point2, Pose2};
 
 use super::depth_camera::DepthCamera;
 use crate::dirt::DirtyFloor;
@@ -14,6 +14,8 @@ use crate::scene::Scene;
 const SPECK_M: f32 = 0.006;
 /// What is this much nearer than the floor is no floor: in the colour picture it has a colour of its own, metres.
 const STANDS_M: f32 = 0.03;
+/// Farther lamps are left out, metres.
+const LIT_M: f32 = 7.0;
 /// Lamps over a square of this half side, metres.
 const LAMPS_M: f32 = 25.0;
 
@@ -82,7 +84,11 @@ impl FloorEye {
         let seed = self.seed.wrapping_mul(1_000_003).wrapping_add(u64::from(frame));
         let standing = self.depth.picture(scene, people, robot, seed);
         let is_speck = |place| dirt.is_some_and(|dirt| dirt.is_speck_within(place, SPECK_M));
-        let mut picture = self.floor.picture_with(&self.colour, robot, (frame, at_s), is_speck);
+        // Lamps far away give little light and cost as much time as near ones.
+        let mut floor = self.floor.clone();
+        let here = Point2::new(robot.x_m, robot.y_m);
+        floor.lighting.lamps.retain(|lamp| lamp.above_in_world.distance(here) < LIT_M);
+        let mut picture = floor.picture_with(&self.colour, robot, (frame, at_s), is_speck);
         let (width, small) = (Self::COLOUR_SIZE.0, Self::DEPTH_SIZE.0);
         for (index, pixel) in picture.rgb.as_chunks_mut::<3>().0.iter_mut().enumerate() {
             let place = index / width / 2 * small + index % width / 2;

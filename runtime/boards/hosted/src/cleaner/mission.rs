@@ -325,7 +325,7 @@ impl Cleaner {
         let low = floor.things.iter().filter(|thing| (THING_HEIGHT_MIN_M..LOW_M).contains(&thing.height_m));
         let things: Vec<(Point2, f32)> = low.map(|thing| (thing.position, thing.half_width_m)).collect();
         let pose = self.localiser.pose(self.odometry_at(floor.stamp));
-        if self.obstacles.see_things(pose, (&things, now_s))
+        if self.obstacles.see_things(&self.ground.floor, pose, (&things, now_s))
             && self.plan.strategy == MissionStrategy::Guarantee
         {
             self.detours += 1;

@@ -25,6 +25,9 @@ const LIES_S: f32 = 60.0;
 /// Sights of one thing are within this of each other, metres.
 const SAME_THING_M: f32 = 0.15;
 
+/// A person's feet and what it pushes or carries are within this of its middle, metres.
+const PERSON_REACH_M: f32 = 0.8;
+
 /// Half a person, metres; the room of the robot has a margin of its own.
 const PERSON_M: f32 = 0.15;
 
@@ -115,12 +118,24 @@ impl Obstacles {
         self.people_s = now_s;
     }
 
-    /// Things on the floor that the camera sees, in the robot's frame at a pose in the map frame. True if one is new.
-    pub fn see_things(&mut self, pose: Pose2, (things, now_s): (&[(Point2, f32)], f32)) -> bool {
+    /// Things on the floor that the camera sees, in the robot's frame at a pose in the map frame. True if one is new. What
+    /// belongs to something on the map or to a person is no thing: at the edge of a picture legs look low.
+    pub fn see_things(
+        &mut self,
+        floor: &Floor,
+        pose: Pose2,
+        (things, now_s): (&[(Point2, f32)], f32),
+    ) -> bool {
         self.things.retain(|(_, _, seen_s)| now_s - seen_s <= LIES_S);
         let mut is_new = false;
         for (in_robot, half_m) in things {
             let place = pose.transform(*in_robot);
+            let is_explained = floor.surfaces.clearance_m(place) < EXPLAINED_M
+                || floor.clearance.clearance_m(place) < EXPLAINED_M
+                || self.people.iter().any(|person| person.distance(place) < PERSON_REACH_M);
+            if is_explained {
+                continue;
+            }
             let known = self.things.iter_mut().find(|(other, ..)| other.distance(place) < SAME_THING_M);
             match known {
                 Some(known) => *known = (place, half_m.max(known.1), now_s),

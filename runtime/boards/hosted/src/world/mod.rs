@@ -1,8 +1,8 @@
 //! The robot's tasks in a world: simulated on a virtual clock, simulated over real carriers, or real devices.
 
 mod ends;
-mod inbox;
 mod floor_camera;
+mod inbox;
 mod observer;
 mod onlooker;
 mod operator;
