@@ -2,6 +2,7 @@
 //! not driven over.
 
 use floorguard_core::geometry::Point2;
+use floorguard_hosted::cleaner::MissionStrategy;
 use floorguard_hosted::world::{Observation, Observer, Plan, run_virtual};
 use floorguard_sim::scenario::Scenario;
 
@@ -26,12 +27,12 @@ spill = [
 "#;
 const BRICK: Point2 = Point2 { x_m: 3.2, y_m: 0.1 };
 
-fn drive(has_camera: bool) -> (Plan, Observation) {
+fn drive(has_camera: bool, (strategy, seconds): (MissionStrategy, u64)) -> (Plan, Observation) {
     let empty: String =
         HALL.lines().filter(|line| !line.starts_with("furniture")).collect::<Vec<_>>().join("\n");
     let scenario = Scenario::from_toml(&empty).expect("a scenario");
-    let plan = Plan::of("hall", scenario, 5, 30_000_000).expect("a plan");
-    let mut plan = plan.cleaning(None).expect("a mission");
+    let plan = Plan::of("hall", scenario, 5, seconds * 1_000_000).expect("a plan");
+    let mut plan = plan.cleaning(Some(strategy)).expect("a mission");
     // The mission's map was made before somebody lost the brick.
     plan.scenario = Scenario::from_toml(HALL).expect("a scenario");
     plan.has_camera = has_camera;
@@ -55,10 +56,13 @@ fn drove_over(plan: &Plan, seen: &Observation) -> bool {
 }
 
 #[test]
-fn dirt_is_mapped_and_a_brick_is_driven_round() {
-    let (plan, blind) = drive(false);
+fn dirt_is_mapped_and_a_brick_is_not_driven_over() {
+    let straight_on = (MissionStrategy::Route, 12);
+    let (plan, blind) = drive(false, straight_on);
     assert!(drove_over(&plan, &blind), "the experiment shows nothing: the way does not lead over the brick");
-    let (plan, seen) = drive(true);
+    let (plan, seen) = drive(true, straight_on);
+    assert!(!drove_over(&plan, &seen) && seen.verdict.distance_m > 0.8, "{} m", seen.verdict.distance_m);
+    let (plan, seen) = drive(true, (MissionStrategy::Guarantee, 30));
     assert!(!drove_over(&plan, &seen));
     assert!(
         seen.verdict.distance_m > 3.0,

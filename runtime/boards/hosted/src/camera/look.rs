@@ -6,7 +6,7 @@ use floorguard_core::floor::{
 };
 use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_core::sensing::{DepthImage, PinholeCamera};
-use floorguard_core::time::Stamp;
+use floorguard_core::time::{Age, Stamp};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::tasks::{FloorLimits, FloorSight, FloorThing};
 
@@ -19,6 +19,23 @@ const SIDE_MARGIN_M: f32 = 0.05;
 /// A frame takes this long from the light to here, seconds.
 const FRAME_S: f32 = 0.1;
 
+/// A thing this near to the edge of the picture is about to leave it, metres.
+const NEAR_EDGE_M: f32 = 0.15;
+/// A thing this far behind the front edge is under the robot, where nobody can help any more, metres.
+const PASSED_M: f32 = 0.2;
+/// Two sights within this are of one thing, metres.
+const SAME_M: f32 = 0.1;
+/// What was not seen for this long may have been taken away, microseconds.
+const HIDDEN_US: u64 = 60_000_000;
+
+/// From the camera's foot point to where the picture's lower edge meets the floor, metres; 0 where it shows the foot.
+fn nearest_m(camera: &CameraConfiguration) -> f32 {
+    let [_, focal_px] = camera.camera.focal_px();
+    let [_, middle_px] = camera.camera.centre_px();
+    let down_rad = camera.mounting.pitch_rad + ((camera.size.1 as f32 - middle_px) / focal_px).atan();
+    (camera.mounting.position.z_m / down_rad.tan()).max(0.0)
+}
+
 /// The memory of one camera.
 pub struct FloorLook {
     size: (usize, usize),
@@ -29,6 +46,10 @@ pub struct FloorLook {
     camera_in_robot: Pose2,
     limits: FloorLimits,
     plane: Option<Plane>,
+    /// Things that the robot has come so near to that they left the picture, in the odometry frame, and when they did.
+    hidden: Vec<(Point2, FloorThing, Stamp)>,
+    /// Nearer than this before the robot's origin nothing is in the picture, metres.
+    nearest_m: f32,
 }
 
 impl FloorLook {
@@ -56,6 +77,8 @@ impl FloorLook {
                 unknown_speed_mps: robot.thresholds.warning_speed_mps,
             },
             plane: None,
+            hidden: Vec::new(),
+            nearest_m: mounting.position.x_m + nearest_m(camera) + NEAR_EDGE_M,
         })
     }
 
@@ -99,7 +122,34 @@ impl FloorLook {
                 let _ = sight.things.push(thing);
             }
         }
+        self.recall(&mut sight, robot_in_odom);
         sight
+    }
+
+    /// What lies between the robot and the edge of the picture is still there, though no picture shows it.
+    fn recall(&mut self, sight: &mut FloorSight, robot_in_odom: Pose2) {
+        let (to_robot, seen) = (robot_in_odom.inverse(), sight.things.len());
+        let (front_m, nearest_m, now) = (self.limits.front_m, self.nearest_m, sight.stamp);
+        self.hidden.retain(|(place, thing, seen)| {
+            let ahead_m = to_robot.transform(*place).x_m + thing.half_width_m;
+            let is_recent = matches!(seen.age(now), Age::Past(age_us) if age_us <= HIDDEN_US);
+            is_recent && ahead_m > front_m - PASSED_M && ahead_m < nearest_m + 2.0 * NEAR_EDGE_M
+        });
+        for (place, thing, _) in &self.hidden {
+            let position = to_robot.transform(*place);
+            let is_seen = sight.things.iter().any(|other| other.position.distance(position) < SAME_M);
+            if !is_seen && position.x_m < nearest_m {
+                let _ = sight.things.push(FloorThing { position, ..*thing });
+            }
+        }
+        // Those at the edge of the picture are the next to leave it.
+        for thing in
+            sight.things.iter().take(seen).filter(|thing| thing.position.x_m < nearest_m + NEAR_EDGE_M)
+        {
+            let place = robot_in_odom.transform(thing.position);
+            self.hidden.retain(|(other, ..)| other.distance(place) >= SAME_M);
+            self.hidden.push((place, *thing, now));
+        }
     }
 
     /// How the camera looked at the floor in the last picture; `None` where that was unknown.
