@@ -3,17 +3,19 @@
 //! Only tasks of the guard ring call [`Shared::decide`] and [`Shared::move_by`]. Everything else here is a latest
 //! value or a bounded queue, so that no ring ever waits for the other.
 
+mod complaints;
 mod devices;
 mod motion;
 mod records;
 mod reports;
 
+pub use complaints::Complaints;
 pub use devices::{BusReport, DeviceReport};
 pub use motion::{Motion, StampedPose};
 pub use records::{BoxEntry, STOPS_KEPT, StopRecord};
 pub use reports::{LinkCounters, PeopleReport, PersonReport, RobotStatus, SweepReport};
 
-use core::cell::RefCell;
+use core::cell::{Cell, RefCell};
 use core::sync::atomic::{AtomicBool, Ordering};
 
 use embassy_sync::blocking_mutex::Mutex;
@@ -100,6 +102,7 @@ pub struct Shared<M: RawMutex> {
     paused: AtomicBool,
     records: Mutex<M, RefCell<records::Records>>,
     links: Mutex<M, RefCell<LinkCounters>>,
+    complaints: Mutex<M, Cell<Complaints>>,
 }
 
 impl<M: RawMutex> Shared<M> {
@@ -139,6 +142,7 @@ impl<M: RawMutex> Shared<M> {
             paused: AtomicBool::new(false),
             records: Mutex::new(RefCell::new(records::Records::new())),
             links: Mutex::new(RefCell::new(LinkCounters::default())),
+            complaints: Mutex::new(Cell::new(Complaints::default())),
         }
     }
 
@@ -213,6 +217,23 @@ impl<M: RawMutex> Shared<M> {
     /// Counts something on a link.
     pub fn count(&self, change: impl FnOnce(&mut LinkCounters)) {
         self.links.lock(|links| change(&mut links.borrow_mut()));
+    }
+
+    /// Keeps why a device is of no use, where there is a console that tells it: a board pays nothing.
+    pub fn complain(&self, change: impl FnOnce(&mut Complaints)) {
+        if !Complaints::ARE_TOLD {
+            return;
+        }
+        self.complaints.lock(|complaints| {
+            let mut changed = complaints.get();
+            change(&mut changed);
+            complaints.set(changed);
+        });
+    }
+
+    /// Why devices are, or were, of no use.
+    pub fn complaints(&self) -> Complaints {
+        self.complaints.lock(Cell::get)
     }
 
     /// What happened on the links.

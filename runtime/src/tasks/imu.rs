@@ -11,7 +11,7 @@ use floorguard_drivers::xsens::{Device, DeviceEvent};
 use heapless::Vec;
 
 use crate::clock;
-use crate::shared::Shared;
+use crate::shared::{Complaints, Shared};
 
 /// At 115,200 baud 10 ms are 115 bytes.
 const PORTION_BYTES: usize = 128;
@@ -30,6 +30,7 @@ pub async fn imu_input<M: RawMutex>(
 ) {
     let mut ticker = Ticker::every(Duration::from_millis(POLL_MS));
     let mut portion = [0; PORTION_BYTES];
+    let mut told = None;
     loop {
         match select(line.read(&mut portion), ticker.next()).await {
             Either::First(Ok(count)) if count > 0 => {
@@ -47,6 +48,10 @@ pub async fn imu_input<M: RawMutex>(
             // One poll sends two short frames at most.
             let _ = requests.extend_from_slice(frame);
         });
+        if Complaints::ARE_TOLD && device.fault() != told {
+            told = device.fault();
+            shared.complain(|complaints| complaints.imu = told.or(complaints.imu));
+        }
         if !requests.is_empty() && line.write_all(&requests).await.is_err() {
             fail(shared, FaultKind::LinkDown);
         }

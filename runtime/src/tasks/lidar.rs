@@ -37,7 +37,10 @@ pub async fn lidar_input<M: RawMutex>(
                 shared.packets.push(|slot| slot.copy_from(&newest));
             }
             // One bad datagram is no fault of the device; if no good one comes, its age stops the robot.
-            Err(_) => shared.count(|links| links.lidar_refused = links.lidar_refused.saturating_add(1)),
+            Err(error) => {
+                shared.complain(|complaints| complaints.lidar = Some(error));
+                shared.count(|links| links.lidar_refused = links.lidar_refused.saturating_add(1));
+            }
         }
     }
 }

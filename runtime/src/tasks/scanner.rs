@@ -46,7 +46,10 @@ pub async fn scanner_input<M: RawMutex>(
                 shared.scans.push(|slot| slot.copy_from(scan));
             }
             s300::Event::StandBy { .. } => fault(shared, FaultKind::StandBy, now),
-            s300::Event::Refused(_) => count_refused(shared),
+            s300::Event::Refused(error) => {
+                shared.complain(|complaints| complaints.scanner = Some(error));
+                count_refused(shared);
+            }
         });
     }
 }

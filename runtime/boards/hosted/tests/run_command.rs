@@ -98,6 +98,29 @@ fn a_mission_is_taken_from_the_file_and_a_wrong_one_refused() {
     }
 }
 
+/// Bytes that come and are of no use: the driver says what is wrong with them, once.
+#[test]
+fn a_lidar_that_is_none_is_told_with_the_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let file = robot_file(folder.path(), port);
+    let child = Command::new(env!("CARGO_BIN_EXE_floorguard"))
+        .args(["run", &file, "--duration", "2"])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let sender = UdpSocket::bind("127.0.0.1:0").unwrap();
+    for length in 0..40 {
+        // Before the robot listens this fails, which is part of the game.
+        let _ = sender.send_to(&vec![7; 500 + length], ("127.0.0.1", port));
+        std::thread::sleep(std::time::Duration::from_millis(40));
+    }
+    let said = String::from_utf8(child.wait_with_output().unwrap().stderr).unwrap();
+    let told: Vec<&str> = said.lines().filter(|line| line.contains("lidar: lidar packet of 5")).collect();
+    assert_eq!(told.len(), 1, "{said}");
+    assert!(told[0].contains("a data packet has 1206"), "{said}");
+}
+
 fn robot_file(folder: &std::path::Path, port: u16) -> String {
     let devices = folder.display();
     let text = floorguard_hosted::configuration::EXAMPLE

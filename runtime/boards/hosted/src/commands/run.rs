@@ -1,6 +1,7 @@
 //! `floorguard run robot.toml`: the robot on real devices, until Ctrl-C.
 
 use std::io::{BufRead, IsTerminal};
+use std::mem::Discriminant;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -11,8 +12,9 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use floorguard_core::guard::GuardState;
 use floorguard_drivers::canopen::NodePhase;
+use floorguard_drivers::velodyne::DecodeError;
 use floorguard_runtime::clock;
-use floorguard_runtime::shared::{BusReport, RobotStatus, StopRecord};
+use floorguard_runtime::shared::{BusReport, Complaints, RobotStatus, StopRecord};
 use serde_json::json;
 
 use super::exit::BadInput;
@@ -184,6 +186,11 @@ fn typed_lines() -> Receiver<String> {
     receiver
 }
 
+/// What is wrong, without the figures, which are others for each datagram.
+fn kind(error: &DecodeError) -> Discriminant<DecodeError> {
+    std::mem::discriminant(error)
+}
+
 /// Shows the robot while it runs.
 struct Watch<'a> {
     arguments: &'a RunArguments,
@@ -194,6 +201,7 @@ struct Watch<'a> {
     stops: u32,
     last_stop: Option<String>,
     bus: Option<BusReport>,
+    complaints: Complaints,
     learner: Option<LiveLearner>,
     mission: Option<MissionSetup>,
     told: u32,
@@ -214,6 +222,7 @@ impl<'a> Watch<'a> {
             stops: 0,
             last_stop: None,
             bus: None,
+            complaints: Complaints::default(),
             learner: None,
             mission: None,
             told: 0,
@@ -248,6 +257,7 @@ impl<'a> Watch<'a> {
             if let Some(report) = self.shared.bus.get() {
                 self.on_bus(&report);
             }
+            self.on_complaints(&self.shared.complaints());
             if let Some(status) = self.shared.status.get() {
                 self.on_status(&status)?;
             }
@@ -296,6 +306,24 @@ impl<'a> Watch<'a> {
             }
         }
         self.bus = Some(*report);
+    }
+
+    /// Says why a device is of no use, once for each reason.
+    fn on_complaints(&mut self, complaints: &Complaints) {
+        let known = std::mem::replace(&mut self.complaints, *complaints);
+        let lidar = complaints.lidar.filter(|now| known.lidar.map(|then| kind(&then)) != Some(kind(now)));
+        let scanner = complaints.scanner.filter(|_| known.scanner != complaints.scanner);
+        let imu = complaints.imu.filter(|_| known.imu != complaints.imu);
+        let reasons = [
+            ("lidar", lidar.map(|error| error.to_string())),
+            ("safety scanner", scanner.map(|error| error.to_string())),
+            ("inertial sensor", imu.map(|fault| fault.to_string())),
+        ];
+        for (device, reason) in reasons {
+            if let Some(reason) = reason {
+                self.display.note(&format!("  {device}: {reason}"));
+            }
+        }
     }
 
     fn on_stop(&mut self, stop: &StopRecord) -> anyhow::Result<()> {

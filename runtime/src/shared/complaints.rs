@@ -1,0 +1,21 @@
+//! Why a device is of no use, in the words of its driver: for whoever brings it up. Nothing is decided by it.
+
+use floorguard_drivers::s300::TelegramError;
+use floorguard_drivers::velodyne::DecodeError;
+use floorguard_drivers::xsens::DeviceFault;
+
+/// The newest complaint about each device; it stays when the device has become good.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Complaints {
+    /// A lidar datagram that gave no columns.
+    pub lidar: Option<DecodeError>,
+    /// A scanner's telegram that is right and of no use.
+    pub scanner: Option<TelegramError>,
+    /// What keeps the inertial sensor from measuring.
+    pub imu: Option<DeviceFault>,
+}
+
+impl Complaints {
+    /// Whether anybody hears of them.
+    pub const ARE_TOLD: bool = cfg!(not(target_os = "none"));
+}
