@@ -154,7 +154,7 @@ fn browsers_in_real_time_lose_pictures_and_the_robot_nothing() {
     run.child.stdout.take().expect("its verdict").read_to_string(&mut verdict).expect("readable");
     assert!(run.child.wait().expect("ended").success(), "{verdict}");
     println!("{pictures} pictures in 4 s; {verdict}");
-    assert!(pictures > 15, "{pictures} pictures in 4 s");
+    assert!(pictures > 9, "{pictures} pictures in 4 s");
     let verdict: Value = serde_json::from_str(&verdict).expect("a verdict");
     assert!(verdict["distance_m"].as_f64().is_some_and(|driven_m| driven_m > 0.5), "{verdict}");
     // From the button to the order on the bus; on an idle computer 10 ms, and this one has other work.
