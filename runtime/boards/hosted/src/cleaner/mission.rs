@@ -8,7 +8,7 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use floorguard_core::cleaning::{CleanRule, PathSearch, Planner, SearchCell};
 use floorguard_core::geometry::{Point2, Pose2, Twist2, wrap_angle};
 use floorguard_core::guard::{Cause, Decision};
-use floorguard_core::maps::{Grid, NO_SLOT};
+use floorguard_core::maps::{Grid, GridGeometry, NO_SLOT};
 use floorguard_core::people::TrackStatus;
 use floorguard_core::random::Pcg32;
 use floorguard_core::sensing::{DirtReading, Scan};
@@ -119,6 +119,17 @@ fn pace_of(robot: &RobotConfiguration) -> Pace {
     }
 }
 
+/// Where the robot can go and turn, and what the ways cost.
+fn lattice_of(ground: &mut Ground, robot: &RobotConfiguration) -> Lattice {
+    let mut lattice = Lattice::new(*ground.raster(), among_people(robot, pace_of(robot)));
+    ground.explore(&mut lattice);
+    lattice
+}
+
+fn search_of(raster: GridGeometry) -> PathSearch<Vec<SearchCell>> {
+    PathSearch::new(raster, vec![SearchCell::EMPTY; raster.cell_count()])
+}
+
 /// The lanes of a mission that drives over everything; none for one that knows where it wants to go.
 fn lanes_of(plan: &MissionPlan, ground: &Ground) -> VecDeque<Lane> {
     let start = Point2::new(ground.floor.start.x_m, ground.floor.start.y_m);
@@ -189,11 +200,9 @@ impl Cleaner {
         robot: &RobotConfiguration,
         (watch, store): (SharedWatch, Store),
     ) -> anyhow::Result<Self> {
-        let pace = pace_of(robot);
         let mut ground = Ground::new(plan, (Body::of(robot), scrubber::BRUSH))?;
         let raster = *ground.raster();
-        let mut lattice = Lattice::new(raster, among_people(robot, pace));
-        ground.explore(&mut lattice);
+        let lattice = lattice_of(&mut ground, robot);
         let mut cells = plan.prior(&ground.expected);
         let saved = store.load(plan, cells.len());
         if let Some(saved) = &saved {
@@ -206,10 +215,9 @@ impl Cleaner {
         if saved.is_some() {
             localiser.restart_within(Pose2::default(), ROLLED_ON);
         }
-        let search = || PathSearch::new(raster, vec![SearchCell::EMPTY; raster.cell_count()]);
         Ok(Self {
             rule: CleanRule::per_cell(plan.tolerated_units, plan.delta),
-            planner: Planner::new(search(), vec![0; NODES * NODES], stream(72)),
+            planner: Planner::new(search_of(raster), vec![0; NODES * NODES], stream(72)),
             visits: vec![0; raster.cell_count()],
             obstructed: vec![false; raster.cell_count()],
             track: Track::default(),
@@ -221,10 +229,10 @@ impl Cleaner {
             watch,
             store,
             lattice,
-            guess: search(),
+            guess: search_of(raster),
             obstacles: Obstacles::new(raster),
             somebody: Vec::new(),
-            pace,
+            pace: pace_of(robot),
             eye: Eye::of(robot),
             route: RouteFollower::new(robot.route.clone(), robot.route_limits),
             lanes: lanes_of(plan, &ground),
