@@ -42,7 +42,8 @@ impl SvmReport {
     }
 }
 
-/// Compares every row: `label, decision, probability of label 1, scaled features…`, with one line of names first.
+/// Compares every row: `predict, decision_value, prob_label_1, f1, f2…` (scaled features), in the order of the names in the
+/// first line; in this order where the first line names others or none.
 ///
 /// # Errors
 /// A file cannot be read, or rows, range and model do not fit each other.
@@ -51,8 +52,13 @@ pub fn svm(model: &Path, range: &Path, rows: &Path) -> anyhow::Result<SvmReport>
     let bounds = RangeFile::open(range)?.scaling().ranges.len();
     let text = read_text(rows)?;
     let mut report = SvmReport::default();
-    for (index, line) in text.lines().enumerate().skip(1).filter(|(_, line)| !line.trim().is_empty()) {
-        let row = numbers(rows, index + 1, line)?;
+    let first = text.lines().next().unwrap_or_default();
+    let (order, names) = (order_of(first), usize::from(numbers(rows, 1, first).is_err()));
+    for (index, line) in text.lines().enumerate().skip(names).filter(|(_, line)| !line.trim().is_empty()) {
+        let mut row = numbers(rows, index + 1, line)?;
+        if let Some(order) = order.as_ref().filter(|order| order.len() == row.len()) {
+            row = order.iter().filter_map(|place| row.get(*place).copied()).collect();
+        }
         let features = row.len().saturating_sub(KEY_CELLS);
         if features != bounds || features > FEATURES_MAX {
             return Err(BadInput(format!(
@@ -72,6 +78,14 @@ pub fn svm(model: &Path, range: &Path, rows: &Path) -> anyhow::Result<SvmReport>
     Ok(report)
 }
 
+/// Where label, decision, probability and each feature stand, by the names of the columns; `None` if one is missing.
+fn order_of(names: &str) -> Option<Vec<usize>> {
+    let cells: Vec<&str> = names.split(',').map(str::trim).collect();
+    let features = (1..=cells.len().saturating_sub(KEY_CELLS)).map(|number| format!("f{number}"));
+    let wanted = ["predict", "decision_value", "prob_label_1"].map(str::to_owned).into_iter().chain(features);
+    wanted.map(|name| cells.iter().position(|cell| *cell == name)).collect()
+}
+
 impl SvmReport {
     fn compare(&mut self, file: &LibsvmModel<FEATURES_MAX>, row: &[f64]) {
         let mut scaled = [0.0; FEATURES_MAX];
@@ -87,5 +101,21 @@ impl SvmReport {
             self.max_probability_error = self.max_probability_error.max((probability - row[2]).abs());
         }
         self.out_of_distribution += u64::from(scaled.iter().any(|value| value.abs() > EXTRAPOLATING));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_found_by_their_names() {
+        assert_eq!(order_of("f2, predict,prob_label_1,f1,decision_value\r"), Some(vec![1, 4, 2, 3, 0]));
+        assert_eq!(order_of("predict,decision_value,prob_label_1,f1,f2"), Some(vec![0, 1, 2, 3, 4]));
+        for foreign in
+            ["label,decision,probability,f1", "predict,decision_value,prob_label_1,f1,f3", "1,0.5,0.2,0"]
+        {
+            assert_eq!(order_of(foreign), None, "{foreign}");
+        }
     }
 }
