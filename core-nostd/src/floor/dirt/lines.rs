@@ -189,7 +189,9 @@ mod tests {
     /// A gap right through and a blot of the same darkness: only the gap is a line.
     #[test]
     fn gaps_are_lines_and_blots_are_not() {
-        let (columns, rows) = (96_usize, 64_usize);
+        // 80 columns are what the smallest profile has room for.
+        let (columns, rows) = (80_usize, 64_usize);
+        assert!(columns <= HALF_COLUMNS_MAX);
         let gap = |x: usize, _: usize| x.abs_diff(30) < 2;
         let blot = |x: usize, y: usize| x.abs_diff(70) < 6 && y.abs_diff(30) < 6;
         let crumb = |x: usize, y: usize| x.abs_diff(50) < 2 && y.abs_diff(20) < 2;
