@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use floorguard_core::floor::{FloorFault, FloorModel, FloorParameters, FloorSource, Plane};
 use floorguard_core::sensing::{DepthImage, FrameFault, PinholeCamera};
 use floorguard_core::time::Stamp;
+use floorguard_hosted::commands::BadInput;
 use floorguard_hosted::evaluate::{FloorTask, floor};
 
 const WIDTH: usize = 160;
@@ -106,7 +107,7 @@ fn a_wall_is_no_floor() {
 }
 
 fn task(depth: PathBuf) -> FloorTask {
-    FloorTask { depth, intrinsics: [525.0, 525.0, 319.5, 239.5], truth: None, mounting: None, out: None }
+    FloorTask { depth, intrinsics: [131.25, 131.25, 79.5, 59.5], truth: None, mounting: None, out: None }
 }
 
 fn message(depth: &Path) -> String {
@@ -140,11 +141,32 @@ fn bad_files_are_refused_with_a_reason() {
         broken.intrinsics = intrinsics;
         assert!(floor(&broken).expect_err("refused").to_string().contains("no such camera"));
     }
-    broken.intrinsics = [131.25, 131.25, 79.5, 59.5];
+    broken.intrinsics = task(PathBuf::new()).intrinsics;
     broken.truth = Some(folder.path().join("absent.png"));
     assert!(floor(&broken).expect_err("refused").to_string().contains("absent.png"));
     let small = folder.path().join("mask.pgm");
     std::fs::write(&small, "P5\n2 1\n255\nab").expect("written");
     broken.truth = Some(small);
     assert!(floor(&broken).expect_err("refused").to_string().contains("2 × 1 pixels"));
+}
+
+/// A small picture with the intrinsics of a large one is a mistake of the caller and no missing floor; a crop is neither.
+#[test]
+fn a_picture_of_another_camera_is_bad_input() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("depth.pgm");
+    write_depth(&path, &level_floor(0));
+    let mut task = task(path);
+    for (centre, size) in
+        [([319.5, 59.5], "640 × 120"), ([79.5, 239.5], "160 × 480"), ([-9.0, 59.5], "0 × 120")]
+    {
+        task.intrinsics = [131.25, 131.25, centre[0], centre[1]];
+        let problem = floor(&task).expect_err("refused");
+        let text = problem.to_string();
+        assert!(problem.is::<BadInput>() && text.contains("160 × 120") && text.contains(size), "{text}");
+    }
+    task.intrinsics = [131.25, 131.25, 79.5, 59.5];
+    assert!(floor(&task).is_ok());
+    task.intrinsics = [131.25, 131.25, 100.0, 40.0];
+    assert!(!floor(&task).is_err_and(|problem| problem.is::<BadInput>()));
 }

@@ -1,6 +1,6 @@
 //! The floor of one depth picture: plane, mask and objects, against a mask that somebody else made.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use floorguard_core::floor::{
     Expectation, FloorFault, FloorModel, FloorObject, FloorParameters, ObjectFinder, PixelClass, Plane,
@@ -102,7 +102,7 @@ pub fn floor(task: &FloorTask) -> anyhow::Result<FloorReport> {
     let file = read_depth(&task.depth)?;
     let size = (file.width, file.height);
     let truth = task.truth.as_deref().map(|path| read_mask(path, size)).transpose()?;
-    let camera = camera(task.intrinsics)?;
+    let camera = camera(task.intrinsics, (&task.depth, size))?;
     let parameters = parameters(camera, task.mounting)?;
     let bad = |problem: String| BadInput(format!("{}: {problem}", task.depth.display()));
     let image = DepthImage::new(Stamp::ZERO, size, &file.depth_mm).map_err(|p| bad(p.to_string()))?;
@@ -136,9 +136,28 @@ pub fn floor(task: &FloorTask) -> anyhow::Result<FloorReport> {
     })
 }
 
-pub(super) fn camera([fx, fy, cx, cy]: [f32; 4]) -> anyhow::Result<PinholeCamera> {
-    PinholeCamera::new([fx, fy], [cx, cy])
-        .ok_or_else(|| BadInput(format!("intrinsics {fx},{fy},{cx},{cy}: no such camera")).into())
+/// The camera of a picture of a size.
+///
+/// # Errors
+/// There is no such camera, or not with such a picture: its optical axis would meet the picture's plane outside of the
+/// picture. Whoever exchanges pictures of two cameras would otherwise read that there is no floor.
+pub(super) fn camera(
+    [fx, fy, cx, cy]: [f32; 4],
+    (path, (width, height)): (&Path, (usize, usize)),
+) -> anyhow::Result<PinholeCamera> {
+    let camera = PinholeCamera::new([fx, fy], [cx, cy])
+        .ok_or_else(|| BadInput(format!("intrinsics {fx},{fy},{cx},{cy}: no such camera")))?;
+    let is_within = |centre: f32, count: usize| (-0.5..count as f32).contains(&centre);
+    if is_within(cx, width) && is_within(cy, height) {
+        return Ok(camera);
+    }
+    let problem = format!(
+        "{}: the picture has {width} × {height} pixels, but intrinsics {fx},{fy},{cx},{cy} are those of about {:.0} × {:.0}",
+        path.display(),
+        (2.0 * cx + 1.0).max(0.0),
+        (2.0 * cy + 1.0).max(0.0)
+    );
+    Err(BadInput(problem).into())
 }
 
 pub(super) fn parameters(

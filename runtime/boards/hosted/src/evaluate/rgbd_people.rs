@@ -218,7 +218,8 @@ fn one(task: &RgbdTask, path: &Path, colour: Option<ColourFile>) -> anyhow::Resu
         let (width, height) = (colour.width, colour.height);
         return Err(bad(format!("its colour picture has another size: {width} × {height}")).into());
     }
-    let (file, colour, camera) = thinned(file, colour, camera(task.intrinsics)?);
+    let camera = camera(task.intrinsics, (path, (file.width, file.height)))?;
+    let (file, colour, camera) = thinned(file, colour, camera);
     let size = (file.width, file.height);
     let image = DepthImage::new(Stamp::ZERO, size, &file.depth_mm).map_err(|p| bad(p.to_string()))?;
     let estimate = FloorModel::new(parameters(camera, task.mounting)?, SEED).update(&image, Stamp::ZERO);
