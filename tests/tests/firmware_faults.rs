@@ -13,7 +13,7 @@ use floorguard_tests::worst::Emulator;
 /// The robot's state is large, and moved by value when a run begins.
 const STACK_BYTES: usize = 64 << 20;
 /// Room for a tape in the board's memory.
-const TAPE_BYTES_MAX: usize = 16 << 20;
+const TAPE_BYTES_MAX: usize = (16 << 20) - (128 << 10);
 
 fn run(slice: &Slice, emulator: &Emulator) {
     let mut counts = BTreeMap::<Cell, u64>::new();

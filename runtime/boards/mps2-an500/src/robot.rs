@@ -6,7 +6,7 @@ use floorguard_runtime::tape::{TapeLine, TapeReader, decode_route};
 
 /// Where the emulator puts the tape, and how large it may be: the board's PSRAM.
 pub const TAPE_AT: usize = 0x6000_0000;
-const TAPE_BYTES: usize = 0x00ff_ff00;
+const TAPE_BYTES: usize = 0x00fe_0000;
 
 /// The tape in the board's memory; `None` where the emulator loaded none.
 pub fn tape() -> Option<TapeReader<'static>> {
