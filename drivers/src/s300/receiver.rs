@@ -12,6 +12,8 @@ const BUFFER_BYTES: usize = 2_432;
 const STAND_BY_WORD: u16 = 0x4004;
 /// Distance of a beam without echo.
 const NO_ECHO: u16 = 0x1fff;
+/// Farthest distance that can be said in millimetres, centimetres.
+const FARTHEST_CM: u16 = u16::MAX / 10;
 /// Dazzled or a reflector, as the scanner is configured.
 const DAZZLED: u16 = 0x2000;
 
@@ -294,11 +296,38 @@ fn is_header(words: u16, flag: u8, address: u8) -> bool {
 
 /// One measured word; wire-formats 2.4. A word with a bit of `dazzled` says nothing, one without echo is `free`.
 fn beam(word: u16, dazzled: u16, free: BeamReturn) -> BeamReturn {
-    match word & 0x1fff {
-        _ if word & dazzled != 0 => BeamReturn::Unknown,
-        // Not a defined value: contamination or dazzle.
-        0 => BeamReturn::Unknown,
+    let told = word & (NO_ECHO | dazzled);
+    // Most words are one to this distance, which one comparison tells: neither zero, nor without echo, nor dazzled.
+    if told.wrapping_sub(1) < FARTHEST_CM {
+        return BeamReturn::Hit(told.wrapping_mul(10));
+    }
+    match told {
         NO_ECHO => free,
-        distance_cm => BeamReturn::Hit(distance_cm.saturating_mul(10)),
+        // Farther than can be said in millimetres.
+        1..NO_ECHO => BeamReturn::Hit(u16::MAX),
+        // Dazzled; or 0, which is not a defined value: contamination or dazzle.
+        _ => BeamReturn::Unknown,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every word, one rule after the other as wire-formats 2.4 tells them.
+    #[test]
+    fn each_word_means_what_the_format_says() {
+        let free = BeamReturn::Free(30_000);
+        for (word, dazzled) in (0..=u16::MAX).flat_map(|word| [(word, 0), (word, DAZZLED)]) {
+            let distance_cm = word & 0x1fff;
+            let wanted = if word & dazzled != 0 || distance_cm == 0 {
+                BeamReturn::Unknown
+            } else if distance_cm == 0x1fff {
+                free
+            } else {
+                BeamReturn::Hit(u16::try_from(u32::from(distance_cm) * 10).unwrap_or(u16::MAX))
+            };
+            assert_eq!(beam(word, dazzled, free), wanted, "{word:#06x}, dazzled {dazzled:#06x}");
+        }
     }
 }
