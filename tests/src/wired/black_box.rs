@@ -19,11 +19,25 @@ pub struct ReadOut {
     pub whole: bool,
 }
 
-/// The program's answer for the socket of a board.
+/// Read-outs at most: the program takes a second of silence for the end, which a busy host takes for nothing.
+const ASKED: usize = 4;
+
+/// The program's answer for the socket of a board; asked again where it broke off.
 ///
 /// # Errors
 /// The program cannot be started, or finds nothing.
 pub fn read_out(program: &Path, socket: &Path) -> anyhow::Result<ReadOut> {
+    let mut read = read_once(program, socket);
+    for _ in 1..ASKED {
+        if read.as_ref().is_ok_and(|read| read.whole) {
+            break;
+        }
+        read = read_once(program, socket);
+    }
+    read
+}
+
+fn read_once(program: &Path, socket: &Path) -> anyhow::Result<ReadOut> {
     let recording: PathBuf = socket.with_extension("mcap");
     let mut command = Command::new(program);
     command.arg("blackbox").arg(socket).arg("--json").arg("--out").arg(&recording);

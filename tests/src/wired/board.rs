@@ -18,7 +18,7 @@ const OPTIONS: [u32; 2] = [0x504f_4746, 1];
 const LIDAR_PORT: u16 = 2_368;
 const WITNESS_PORT: u16 = 2_369;
 /// A silent board is a dead one.
-const SILENT_AFTER: Duration = Duration::from_secs(20);
+const SILENT_AFTER: Duration = Duration::from_secs(60);
 
 /// A running board.
 pub struct Board {
@@ -104,7 +104,7 @@ impl Board {
     /// # Errors
     /// It ends otherwise than it should.
     pub fn quit(mut self) -> anyhow::Result<()> {
-        for _ in 0..50 {
+        for _ in 0..300 {
             self.witness.send(b"Q")?;
             std::thread::sleep(Duration::from_millis(100));
             if let Some(status) = self.emulator.try_wait()? {

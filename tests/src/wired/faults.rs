@@ -2,7 +2,7 @@
 //! dies, and of its life where it lives on.
 
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use floorguard_hosted::world::{Plan, Tape};
@@ -49,6 +49,9 @@ const AT_ONCE: usize = 2;
 const LISTENED: usize = 64;
 /// An operator in a hurry.
 const LOOKS_AROUND_US: u64 = 100_000;
+/// Silent for this long, the board is asked; for that long, it is given up. Of our time: a dead board has none.
+const SILENCE: Duration = Duration::from_millis(300);
+const PATIENCE: Duration = Duration::from_secs(60);
 /// How long the world watches a board that lives on.
 const WATCHED_MS: u32 = 1_000;
 
@@ -130,11 +133,22 @@ fn run_fault(image: &Path, program: &Path, fault: &Fault) -> anyhow::Result<Resu
     let mut world = World::new(&plan)?;
     world.looks_around_us = LOOKS_AROUND_US;
     let start = greet(&board)?;
-    board.witness.set_read_timeout(Some(Duration::from_secs(4)))?;
+    board.witness.set_read_timeout(Some(SILENCE))?;
     let (mut newest, mut stopped_ms) = (start, None);
-    let lives = loop {
-        // A dead board says nothing.
-        let Ok(report) = newest_report(&board) else { break false };
+    let mut heard = Instant::now();
+    let reborn = loop {
+        // A dead board says nothing, and one that was reset waits for a hello; a slow one is merely slow. Which of them
+        // it is, it tells by the number of its deaths.
+        let Ok(report) = newest_report(&board) else {
+            anyhow::ensure!(heard.elapsed() < PATIENCE, "the board has fallen silent: {newest:?}");
+            board.witness.send(b"H")?;
+            continue;
+        };
+        heard = Instant::now();
+        let [.., deaths] = report.last_words;
+        if deaths > 0 {
+            break Some(report);
+        }
         newest = report;
         let drove = world.ordered_to_stand_us.is_none();
         world.serve(&mut board, &newest, newest.now_us - start.now_us)?;
@@ -153,14 +167,13 @@ fn run_fault(image: &Path, program: &Path, fault: &Fault) -> anyhow::Result<Resu
             stopped_ms = Some(after_ms);
         }
         if after_ms > WATCHED_MS {
-            break true;
+            break None;
         }
     };
-    if lives {
+    let Some(reborn) = reborn else {
         let read = read_out(program, &board.black_box)?;
         return Ok(judge_living(fault, &newest, stopped_ms, &read));
-    }
-    let reborn = greet(&board)?;
+    };
     // It may have died long after its last report, and its last words may stand behind much else.
     for _ in 0..LISTENED {
         world.listen(&mut board, newest.now_us - start.now_us)?;
