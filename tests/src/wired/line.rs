@@ -11,6 +11,10 @@ use anyhow::Context;
 /// The emulator opens its sockets within this.
 const OPENS_WITHIN: Duration = Duration::from_secs(20);
 
+/// What a busy host was late with by more than this, microseconds of the board's time, it does not make up for: no wire
+/// brings bytes faster than its rate, and the guard is to be judged by what wires bring.
+const LATE_US: u64 = 1_500;
+
 /// One end of a line.
 pub struct Line {
     stream: UnixStream,
@@ -54,7 +58,7 @@ impl Line {
     pub fn flush(&mut self, taken: u32, window: u64, elapsed_us: u64) -> anyhow::Result<()> {
         let handed_over = self.sent - self.waiting.len() as u64;
         let under_way = handed_over.saturating_sub(u64::from(taken));
-        self.allowed = (self.allowed + elapsed_us * self.bytes_per_s).min(window * 1_000_000);
+        self.allowed = (self.allowed + elapsed_us * self.bytes_per_s).min(LATE_US * self.bytes_per_s);
         let free = window.saturating_sub(under_way).min(self.allowed / 1_000_000);
         let mut left = usize::try_from(free)?;
         while !self.waiting.is_empty() && left > 0 {

@@ -60,6 +60,10 @@ impl Outcome {
             "frames_received": self.frames_received,
             "guard_latest_us": self.board.latest_us,
             "guard_latest_allowed_us": LATEST_ALLOWED_US,
+            "guard_latest_at_ms": self.board.latest_with[0],
+            "guard_latest_with_bytes": self.board.latest_with[1],
+            "guard_latest_with_datagrams": self.board.latest_with[2],
+            "guard_latest_stretch_us": self.board.latest_with[3],
             "driven_m": self.driven_m,
         })
     }
@@ -77,7 +81,13 @@ impl std::fmt::Display for Outcome {
             "  board    {} scans, {} sweeps, {} packets late for perception, {} frames on the bus",
             self.board.scans, self.board.people, self.board.queue_lost, self.frames_received
         )?;
-        writeln!(out, "  guard    at most {} us late, {LATEST_ALLOWED_US} allowed", self.board.latest_us)?;
+        let [at_ms, bytes, datagrams, stretch_us] = self.board.latest_with;
+        writeln!(
+            out,
+            "  guard    at most {} us late, {LATEST_ALLOWED_US} allowed; that was at {at_ms} ms, with {bytes} bytes and \
+             {datagrams} datagrams, the ring at work for {stretch_us} us",
+            self.board.latest_us
+        )?;
         write!(out, "  robot    drove {:.1} m", self.driven_m)
     }
 }

@@ -40,6 +40,9 @@ pub struct Report {
     pub objection: u32,
     /// When a fault on purpose breaks, milliseconds; 0: not yet known.
     pub planned_ms: u32,
+    /// When the guard came latest, milliseconds, and what had arrived within the millisecond before and until it came:
+    /// bytes of the serial lines, datagrams of the lidar; and how long the guard ring worked at a stretch, microseconds.
+    pub latest_with: [u32; 4],
     /// What the machine died of last: cause, detail, uptime in milliseconds, deaths so far; zeros if it did not.
     pub last_words: [u32; 4],
 }
@@ -69,6 +72,10 @@ impl Report {
             overruns,
             objection,
             planned_ms,
+            late_at_ms,
+            late_bytes,
+            late_datagrams,
+            late_stretch_us,
             ref last_words @ ..,
         ] = words.as_slice()[..]
         else {
@@ -92,6 +99,7 @@ impl Report {
             overruns,
             objection,
             planned_ms,
+            latest_with: [late_at_ms, late_bytes, late_datagrams, late_stretch_us],
             last_words: last_words.try_into().ok()?,
         })
     }

@@ -3,11 +3,12 @@
 //! The thread executor runs perception; the interrupt executor runs the guard and preempts it. Both idle with `wfi`:
 //! the emulator treats `wfe` as a yield and would burn a whole core of its host.
 
-use core::sync::atomic::{AtomicBool, AtomicPtr, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicPtr, AtomicU32, Ordering};
 
 use cortex_m::peripheral::NVIC;
 use embassy_executor::raw::Executor;
 use embassy_executor::{SendSpawner, Spawner};
+use embassy_time::Instant;
 use static_cell::StaticCell;
 
 use crate::interrupts::{self, Interrupt, priority};
@@ -18,6 +19,19 @@ const GUARD: usize = 31;
 
 /// Spent between two looks at the devices while the thread has nothing to do and must not sleep.
 const AWAKE_CYCLES: u32 = 4_000;
+
+/// When the guard ring began to work, microseconds since the start; wraps.
+static POLL_BEGAN_US: AtomicU32 = AtomicU32::new(0);
+/// How long it worked at a stretch at most since somebody asked, microseconds.
+static LONGEST_POLL_US: AtomicU32 = AtomicU32::new(0);
+
+/// How long the guard ring has worked at a stretch at most since this was asked, the stretch of the caller included up
+/// to now, microseconds.
+pub fn longest_guard_poll_us() -> u32 {
+    let now_us = Instant::now().as_micros() as u32;
+    let this_us = now_us.wrapping_sub(POLL_BEGAN_US.load(Ordering::Relaxed));
+    LONGEST_POLL_US.swap(0, Ordering::Relaxed).max(this_us)
+}
 
 static THREAD_HAS_WORK: AtomicBool = AtomicBool::new(false);
 static THREAD_EXECUTOR: StaticCell<Executor> = StaticCell::new();
@@ -49,8 +63,12 @@ pub fn start_guard() -> SendSpawner {
 extern "C" fn GUARD_EXECUTOR() {
     // SAFETY: the pointer is null or that of a static executor, of which only shared references exist.
     if let Some(executor) = unsafe { GUARD_EXECUTOR_AT.load(Ordering::Acquire).as_ref() } {
+        let began_us = Instant::now().as_micros() as u32;
+        POLL_BEGAN_US.store(began_us, Ordering::Relaxed);
         // SAFETY: only this handler polls the executor, and it does not preempt itself.
         unsafe { executor.poll() };
+        let took_us = (Instant::now().as_micros() as u32).wrapping_sub(began_us);
+        LONGEST_POLL_US.fetch_max(took_us, Ordering::Relaxed);
     }
 }
 

@@ -32,7 +32,8 @@ unsafe impl InterruptNumber for Interrupt {
     }
 }
 
-/// Priorities, 0 most urgent. Time and the guard come before every device, so a flood of bytes cannot delay a stop.
+/// Priorities, 0 most urgent. Time comes before the devices, and they before the guard: they have no room for what
+/// arrives meanwhile. What they take from the guard is bounded by what their wires can bring.
 pub mod priority {
     /// Timer interrupt: wakes both rings.
     pub const CLOCK: u8 = 0x20;

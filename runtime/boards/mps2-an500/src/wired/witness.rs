@@ -13,7 +13,8 @@ use floorguard_board_support::RobotShared;
 
 use super::network;
 use crate::ethernet::Ethernet;
-use crate::{faults, last_words, uart};
+use crate::uart::Uart;
+use crate::{executor, faults, last_words, uart};
 
 /// First word of a report: "FGST".
 const MAGIC: u32 = 0x5453_4746;
@@ -21,19 +22,37 @@ const REPORT_EVERY: Duration = Duration::from_millis(1);
 /// How often the guard's executor is asked how late it is.
 const ASK_EVERY: Duration = Duration::from_millis(1);
 /// Words of a report.
-const WORDS: usize = 23;
+const WORDS: usize = 27;
 
 static LATEST_US: AtomicU32 = AtomicU32::new(0);
+/// When that was, milliseconds since the start, and what had arrived since the guard was asked before: bytes of the
+/// serial lines, datagrams of the lidar; and how long the guard ring worked at a stretch meanwhile, microseconds.
+static LATEST_WITH: [AtomicU32; 4] = [const { AtomicU32::new(0) }; 4];
+
+/// Bytes and datagrams so far; both wrap.
+fn arrived() -> [u32; 2] {
+    let bytes = [&uart::SCANNER, &uart::IMU, &uart::CAN].map(Uart::taken);
+    [bytes.iter().fold(0, |sum, bytes| sum.wrapping_add(*bytes)), network::received()]
+}
 
 /// How late does the guard's executor come to what is due? Runs for ever.
 #[embassy_executor::task]
 pub async fn lateness() {
     let mut due = Instant::now();
+    let mut before = arrived();
     loop {
         due += ASK_EVERY;
         Timer::at(due).await;
         let late_us = due.elapsed().as_micros() as u32;
-        LATEST_US.fetch_max(late_us, Ordering::Relaxed);
+        let [bytes, datagrams] = arrived();
+        let stretch_us = executor::longest_guard_poll_us();
+        if late_us > LATEST_US.fetch_max(late_us, Ordering::Relaxed) {
+            let [with_bytes, with_datagrams] =
+                [bytes.wrapping_sub(before[0]), datagrams.wrapping_sub(before[1])];
+            let found = [Instant::now().as_millis() as u32, with_bytes, with_datagrams, stretch_us];
+            LATEST_WITH.iter().zip(found).for_each(|(slot, value)| slot.store(value, Ordering::Relaxed));
+        }
+        before = [bytes, datagrams];
         // What was missed is not asked for again.
         due = due.max(Instant::now() - ASK_EVERY);
     }
@@ -81,6 +100,8 @@ fn report(shared: &RobotShared) -> [u32; WORDS] {
         .map_or(0, |record| record.cause.index() as u32 + 1);
     let links = shared.links();
     let [cause, detail, uptime_ms, deaths] = last_words::read();
+    let [late_at_ms, late_bytes, late_datagrams, late_stretch_us] =
+        LATEST_WITH.each_ref().map(|word| word.load(Ordering::Relaxed));
     [
         MAGIC,
         now_us as u32,
@@ -101,6 +122,10 @@ fn report(shared: &RobotShared) -> [u32; WORDS] {
         Ethernet::overruns(),
         objection,
         faults::planned_ms(),
+        late_at_ms,
+        late_bytes,
+        late_datagrams,
+        late_stretch_us,
         cause,
         detail,
         uptime_ms,
