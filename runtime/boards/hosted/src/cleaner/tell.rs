@@ -5,8 +5,9 @@ use floorguard_core::geometry::Pose2;
 use floorguard_core::maps::DirtCell;
 use floorguard_core::time::Stamp;
 
-use super::mission::{Cleaner, VISITS_MAX};
+use super::mission::Cleaner;
 use super::progress::{CellState, Doubt, MissionProgress, UncertainCell};
+use super::targets::VISITS_MAX;
 
 /// Centres of a tour that are told.
 const TOUR_TOLD: usize = 1_024;

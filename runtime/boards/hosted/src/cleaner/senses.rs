@@ -1,0 +1,124 @@
+//! What the mission hears and sees: where it is, what the brush picks up, who and what stands in the way.
+
+use floorguard_core::geometry::{Point2, Pose2, wrap_angle};
+use floorguard_core::people::TrackStatus;
+use floorguard_core::sensing::{DirtReading, Scan};
+use floorguard_core::time::{Age, Stamp};
+use floorguard_runtime::shared::{PeopleReport, StampedPose};
+use floorguard_runtime::tasks::{FloorSight, PERSON_PROBABILITY_MIN, THING_HEIGHT_MIN_M};
+
+use super::mission::Cleaner;
+use super::obstacles::ends_of;
+use super::plan::MissionStrategy;
+use super::track::Track;
+
+/// While the pose is not trusted a scan is taken in this often even if the robot stands, seconds.
+const LOOKS_S: f32 = 0.2;
+/// Without a word of the dirt sensor for this long nothing counts as cleaned, microseconds.
+const DEAF_US: u64 = 500_000;
+/// One beam in this many is matched with the map.
+const BEAM_INTERVAL: usize = 9;
+/// Beams that end this near to somebody are no part of the map, metres: a body, its luggage or its trolley.
+const SOMEBODY_M: f32 = 0.8;
+/// A place this far from all that is on the map is the middle of a free floor, metres.
+const MIDDLE_M: f32 = 0.6;
+/// Poses of the last second, to find the one of a scan.
+const POSES: usize = 24;
+/// What is higher than this the scanner sees, metres.
+const LOW_M: f32 = 0.14;
+
+impl Cleaner {
+    pub(super) fn remember(&mut self, pose: StampedPose) {
+        let before = std::mem::replace(&mut self.odometry, pose);
+        let (from, to) = (before.pose_in_odometry, pose.pose_in_odometry);
+        self.distance_m += (to.x_m - from.x_m).hypot(to.y_m - from.y_m);
+        self.poses.push_back(pose);
+        if self.poses.len() > POSES {
+            self.poses.pop_front();
+        }
+    }
+
+    /// What the dirt sensor has counted since it was asked last; a sensor that is silent leaves everything open.
+    pub(super) fn hear(&mut self, dirt: Option<DirtReading>, now: Stamp) {
+        let fresh = dirt.filter(|dirt| matches!(dirt.stamp.age(now), Age::Past(us) if us <= DEAF_US));
+        let hits = match (self.dirt, fresh) {
+            (Some(before), Some(dirt)) => dirt.hits_since(&before),
+            (None, Some(_)) => Some(0),
+            (_, None) => None,
+        };
+        self.localiser.collect(hits.map_or(0, u32::from), hits.is_none());
+        self.localiser.brush_turns = fresh.is_some_and(|dirt| dirt.brush_turns);
+        self.dirt = fresh.or(self.dirt);
+    }
+
+    /// A scan, at the pose where it was measured.
+    pub(super) fn see(&mut self, scan: &Scan, now_s: f32) {
+        let odometry = self.odometry_at(scan.stamp);
+        let is_lost = !self.localiser.is_trusted();
+        if self.localiser.is_due(odometry) || (is_lost && now_s >= self.look_s) {
+            self.look_s = now_s + LOOKS_S;
+            let interval = if is_lost { BEAM_INTERVAL / 3 } else { BEAM_INTERVAL };
+            // A customer is not on the map, and says nothing of where the robot is; nor does what stands in the middle of a
+            // free floor. Beams that end behind a wall do.
+            let guess = self.localiser.pose(odometry);
+            let is_of_somebody = |end: &Point2| {
+                let place = odometry.transform(*end);
+                self.somebody.iter().any(|person| person.distance(place) < SOMEBODY_M)
+                    || self.ground.floor.clearance.clearance_m(guess.transform(*end)) > MIDDLE_M
+            };
+            let ends = ends_of(scan, interval).map(|end| self.eye.in_base.transform(end));
+            let matched: Vec<Point2> = ends.filter(|end| !is_of_somebody(end)).collect();
+            self.localiser.update(&self.ground.floor, odometry, &matched, true);
+        }
+        let pose = self.localiser.pose(odometry);
+        self.obstacles.see(&self.ground.floor, pose.compose(self.eye.in_base), (scan, now_s));
+    }
+
+    /// People are in the way where they are, also behind the robot, where the scanner does not look.
+    pub(super) fn see_people(&mut self, people: &PeopleReport, now_s: f32) {
+        let confirmed = people.people.iter().filter(|person| person.status == TrackStatus::Confirmed);
+        self.somebody = confirmed.map(|person| person.position).collect();
+        let to_map = self.pose().compose(self.odometry.pose_in_odometry.inverse());
+        let real = people.people.iter().filter(|person| {
+            person.status == TrackStatus::Confirmed && person.person_probability >= PERSON_PROBABILITY_MIN
+        });
+        let places: Vec<Point2> = real.map(|person| to_map.transform(person.position)).collect();
+        self.obstacles.see_people(&places, now_s);
+    }
+
+    /// Low things on the floor, which neither lidar nor scanner sees, are driven round; higher ones those see.
+    pub(super) fn see_floor(&mut self, floor: &FloorSight, now_s: f32) {
+        if !floor.is_known {
+            return;
+        }
+        let low = floor.things.iter().filter(|thing| (THING_HEIGHT_MIN_M..LOW_M).contains(&thing.height_m));
+        let things: Vec<(Point2, f32)> = low.map(|thing| (thing.position, thing.half_width_m)).collect();
+        let pose = self.localiser.pose(self.odometry_at(floor.stamp));
+        if self.obstacles.see_things(&self.ground.floor, pose, (&things, now_s))
+            && self.plan.strategy == MissionStrategy::Guarantee
+        {
+            self.detours += 1;
+            self.track = Track::default();
+        }
+    }
+
+    /// Between the poses around a moment; the nearest one outside.
+    pub(super) fn odometry_at(&self, stamp: Stamp) -> Pose2 {
+        let after = self.poses.iter().position(|known| known.stamp >= stamp);
+        let pair =
+            after.and_then(|after| Some((self.poses.get(after.checked_sub(1)?)?, self.poses.get(after)?)));
+        let Some((from, to)) = pair else {
+            let edge = if after.is_some() { self.poses.front() } else { self.poses.back() };
+            return edge.map_or(self.odometry.pose_in_odometry, |known| known.pose_in_odometry);
+        };
+        let micros = |stamp: Stamp| stamp.as_micros().saturating_sub(from.stamp.as_micros()) as f32;
+        let t = micros(stamp) / micros(to.stamp).max(1.0);
+        let (a, b) = (from.pose_in_odometry, to.pose_in_odometry);
+        let turned = wrap_angle(b.heading_rad - a.heading_rad);
+        Pose2::new(
+            a.x_m + t * (b.x_m - a.x_m),
+            a.y_m + t * (b.y_m - a.y_m),
+            wrap_angle(a.heading_rad + t * turned),
+        )
+    }
+}
