@@ -7,13 +7,21 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::ensure;
-use floorguard_core::geometry::Pose2;
-use floorguard_core::maps::{DirtCell, NO_SLOT};
+use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_core::maps::{DirtCell, GridGeometry, NO_SLOT};
 use floorguard_runtime::digest::Fnv64;
 
 use super::plan::MissionPlan;
 use crate::environment::{Reader, Writer, places, read_newest, replace_file};
 
+/// From the saved pose to what the brush may have reached after it, metres: a second of driving, half a metre of rolling
+/// on, and half of the brush.
+const SWEPT_SINCE_M: f32 = 1.5;
+/// What the doubt leaves of the belief in dirt. Twenty cuts at 6 to 24 s of two missions in a room: 975 of 1,000 cells were
+/// claimed, one of them falsely; with 0.65 it was 857 and none, with 0.8 it was 707.
+const AS_LIKELY_AS_NOT: f32 = 0.5;
+/// Cells below this probability of being dirty are left as they are.
+const PLAINLY_DIRTY: f32 = 0.5;
 const MAGIC: &[u8; 8] = b"FGMISS01";
 const CRC: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
@@ -52,6 +60,26 @@ impl Saved {
             if let Some(cell) = cells.get_mut(*index as usize) {
                 *cell = *known;
             }
+        }
+    }
+
+    /// What lies around the saved pose may have been swept since the save, or not: a belief that insists on its dirt would
+    /// take a sensor that finds none for a sign that the robot is somewhere else. Nothing gains a claim by it.
+    pub fn doubt_around(&self, raster: &GridGeometry, cells: &mut [DirtCell]) {
+        let here = Point2::new(self.pose_in_map.x_m, self.pose_in_map.y_m);
+        for (index, cell) in cells.iter_mut().enumerate() {
+            let tail = cell.tail_probability();
+            if tail < PLAINLY_DIRTY || raster.centre(index).distance(here) > SWEPT_SINCE_M {
+                continue;
+            }
+            let heavy_units =
+                if cell.heavy_units > 0 { f32::from(cell.heavy_units) } else { cell.expected_units };
+            *cell = DirtCell {
+                expected_units: cell.expected_units * AS_LIKELY_AS_NOT,
+                tail: DirtCell::encode_tail(tail * AS_LIKELY_AS_NOT),
+                slot: NO_SLOT,
+                heavy_units: heavy_units.round().clamp(1.0, 254.0) as u8,
+            };
         }
     }
 
@@ -141,6 +169,8 @@ impl Store {
 
 #[cfg(test)]
 mod tests {
+    use floorguard_core::cleaning::CleanRule;
+
     use super::*;
 
     fn saved() -> Saved {
@@ -166,6 +196,26 @@ mod tests {
             assert!(Saved::decode(&damaged, (5, 50)).is_err(), "{index}");
             assert!(Saved::decode(&bytes[..index], (5, 50)).is_err(), "{index}");
         }
+    }
+
+    /// Near the saved pose dirt is as likely as not, and stays to be cleaned; elsewhere, and where little is left, nothing changes.
+    #[test]
+    fn dirt_around_the_saved_pose_is_doubted_and_never_claimed() {
+        let raster = GridGeometry::new(100, 1, 0.1, Point2::new(0.0, -2.05)).unwrap();
+        let rule = CleanRule::per_cell(5, 0.01);
+        let light = DirtCell {
+            expected_units: 0.4,
+            tail: DirtCell::encode_tail(0.015),
+            slot: NO_SLOT,
+            heavy_units: 7,
+        };
+        let mut cells = vec![DirtCell::poisson(12.0, 0.98); 100];
+        cells[11] = light;
+        saved().doubt_around(&raster, &mut cells);
+        assert!((cells[10].tail_probability() - 0.49).abs() < 1e-3);
+        assert_eq!((cells[10].expected_units, cells[10].heavy_units), (6.0, 12));
+        assert_eq!((cells[11], cells[60]), (light, DirtCell::poisson(12.0, 0.98)));
+        assert!(cells.iter().all(|cell| rule.needs_cleaning(cell)));
     }
 
     #[test]
