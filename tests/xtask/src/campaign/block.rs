@@ -18,12 +18,17 @@ pub fn build(kind: &Kind) -> Result<PathBuf> {
     if !output.status.success() {
         bail!("the test of campaign {} does not build", kind.name);
     }
-    let text = String::from_utf8_lossy(&output.stdout);
-    let mut executables = text.lines().filter_map(|line| {
+    test_executable(&String::from_utf8_lossy(&output.stdout)).context("cargo names no test executable")
+}
+
+/// The test among cargo's messages, one JSON object a line: the package's programs are built for it too, and come in any
+/// order.
+fn test_executable(messages: &str) -> Option<PathBuf> {
+    messages.lines().find_map(|line| {
         let message: serde_json::Value = serde_json::from_str(line).ok()?;
-        message.get("executable")?.as_str().map(PathBuf::from)
-    });
-    executables.next_back().context("cargo names no test executable")
+        let is_test = message.get("profile")?.get("test")?.as_bool()?;
+        message.get("executable")?.as_str().filter(|_| is_test).map(PathBuf::from)
+    })
 }
 
 /// What every block of a campaign runs.
@@ -77,7 +82,18 @@ fn counts_in(text: &str) -> Counts {
 
 #[cfg(test)]
 mod tests {
-    use super::counts_in;
+    use super::{counts_in, test_executable};
+
+    #[test]
+    fn the_test_is_found_among_the_programs_that_are_built_with_it() {
+        let program = r#"{"profile":{"test":false},"executable":"/a/floorguard-wired"}"#;
+        let test = r#"{"profile":{"test":true},"executable":"/a/faults-12"}"#;
+        let library = r#"{"profile":{"test":false},"executable":null}"#;
+        for order in [[library, test, program], [program, library, test], [test, library, program]] {
+            assert_eq!(test_executable(&order.join("\n")).unwrap().to_str(), Some("/a/faults-12"));
+        }
+        assert_eq!(test_executable(&[library, program].join("\n")), None);
+    }
 
     #[test]
     fn counts_are_read_behind_the_words_of_the_harness() {
