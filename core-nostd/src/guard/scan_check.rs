@@ -56,12 +56,12 @@ impl ScanTable {
         for (index, (beam, (limit_mm, warning_mm))) in
             scan.beams.iter().zip(protective.iter().zip(warning)).enumerate()
         {
-            let range_mm = range_of(*beam, *limit_mm);
-            // Most beams end behind both fields.
-            if range_mm.is_some_and(|range_mm| range_mm >= *limit_mm && range_mm >= *warning_mm) {
+            // Most beams do not end within either field.
+            if beam.is_behind(*limit_mm, *warning_mm) {
                 (run, warning_run, silent_run) = (0, 0, 0);
                 continue;
             }
+            let range_mm = range_of(*beam, *limit_mm);
             let is_silent = range_mm.is_none() && *limit_mm > 0;
             silent = silent.saturating_add(u16::from(is_silent));
             silent_run = if is_silent { silent_run.saturating_add(1) } else { 0 };

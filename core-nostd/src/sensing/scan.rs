@@ -18,6 +18,19 @@ pub enum BeamReturn {
     Unknown,
 }
 
+impl BeamReturn {
+    /// It ends nearer than neither limit; a free one, which ends nowhere, has seen as far as `limit_mm`. One that says
+    /// nothing is behind nothing.
+    #[must_use]
+    pub const fn is_behind(self, limit_mm: u16, warning_mm: u16) -> bool {
+        match self {
+            Self::Hit(range_mm) => range_mm >= limit_mm && range_mm >= warning_mm,
+            Self::Free(range_mm) => range_mm >= limit_mm,
+            Self::Unknown => false,
+        }
+    }
+}
+
 /// A scan. Beams run counter-clockwise from `first_angle_rad`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scan {
@@ -101,6 +114,14 @@ mod tests {
             again.copy_thinned(&Scan { step_rad, ..before.clone() }, 0.008_726);
             assert_eq!(again.beams, before.beams, "a step of {step_rad}");
         }
+    }
+
+    #[test]
+    fn a_beam_that_says_nothing_is_behind_nothing() {
+        assert!(BeamReturn::Hit(700).is_behind(500, 700) && !BeamReturn::Hit(699).is_behind(500, 700));
+        assert!(BeamReturn::Hit(500).is_behind(500, 0) && !BeamReturn::Hit(499).is_behind(500, 0));
+        assert!(BeamReturn::Free(500).is_behind(500, 700) && !BeamReturn::Free(499).is_behind(500, 0));
+        assert!(!BeamReturn::Unknown.is_behind(0, 0));
     }
 
     #[test]
