@@ -36,8 +36,8 @@ const BYTES_UNDER_WAY: [u64; 3] = [2_216, 512, 1_024];
 const PACKET_US: u64 = 1_000;
 /// Datagrams under way: the emulated controller holds eight.
 const WINDOW: u32 = 6;
-/// After the end, what is under way has this long to arrive, microseconds of the board's time.
-const DRAIN_US: u64 = 2_000_000;
+/// After the end, what is under way or still waits for a line has this long to arrive, microseconds of the board's time.
+const DRAIN_US: u64 = 10_000_000;
 /// NMT: stop, all nodes.
 const STOP_ALL_NODES: [u8; 2] = [2, 0];
 /// First process data of the traction drive, node 1 (wire-formats 6.5): control word and target velocity.
