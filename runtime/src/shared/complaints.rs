@@ -1,5 +1,6 @@
 //! Why a device is of no use, in the words of its driver: for whoever brings it up. Nothing is decided by it.
 
+use floorguard_drivers::microscan3::ScanError;
 use floorguard_drivers::s300::TelegramError;
 use floorguard_drivers::velodyne::DecodeError;
 use floorguard_drivers::xsens::DeviceFault;
@@ -11,6 +12,8 @@ pub struct Complaints {
     pub lidar: Option<DecodeError>,
     /// A scanner's telegram that is right and of no use.
     pub scanner: Option<TelegramError>,
+    /// The same of a microScan3's datagram or message.
+    pub scanner_message: Option<ScanError>,
     /// What keeps the inertial sensor from measuring.
     pub imu: Option<DeviceFault>,
 }

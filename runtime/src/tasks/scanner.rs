@@ -73,13 +73,14 @@ pub async fn scanner_datagrams<M: RawMutex>(
                 hand_on(shared, scan, now);
                 shared.scans.push(|slot| slot.copy_thinned(scan, SEARCHED_STEP_RAD));
             }
-            // Its own display tells which; a scan may be in the message and says nothing.
-            microscan3::Event::Refused(microscan3::ScanError::Device) => {
-                fault(shared, FaultKind::Device(DEVICE_ERROR), now);
+            microscan3::Event::StandBy { .. } => fault(shared, FaultKind::StandBy, now),
+            microscan3::Event::Refused(error) => {
+                if error == microscan3::ScanError::Device {
+                    fault(shared, FaultKind::Device(DEVICE_ERROR), now);
+                }
+                shared.complain(|complaints| complaints.scanner_message = Some(error));
                 count_refused(shared);
             }
-            microscan3::Event::StandBy { .. } => fault(shared, FaultKind::StandBy, now),
-            microscan3::Event::Refused(_) => count_refused(shared),
         });
     }
 }

@@ -168,8 +168,7 @@ impl Cleaner {
         let mut cells = plan.prior(&ground.expected);
         let saved = store.load(plan, cells.len());
         if let Some(saved) = &saved {
-            saved.restore(&mut cells);
-            saved.doubt_around(&raster, &mut cells);
+            saved.restore(&raster, &mut cells);
             ground.floor.start = saved.pose_in_map;
         }
         let stream = |number| Pcg32::new(plan.seed, number);

@@ -54,18 +54,19 @@ impl Saved {
         Self { pose_in_map, cells: changed.map(|(index, (cell, _))| (index as u32, cell)).collect() }
     }
 
-    /// Puts what was known back.
-    pub fn restore(&self, cells: &mut [DirtCell]) {
+    /// Puts what was known back, and doubts what may have changed since.
+    pub fn restore(&self, raster: &GridGeometry, cells: &mut [DirtCell]) {
         for (index, known) in &self.cells {
             if let Some(cell) = cells.get_mut(*index as usize) {
                 *cell = *known;
             }
         }
+        self.doubt_around(raster, cells);
     }
 
     /// What lies around the saved pose may have been swept since the save, or not: a belief that insists on its dirt would
     /// take a sensor that finds none for a sign that the robot is somewhere else. Nothing gains a claim by it.
-    pub fn doubt_around(&self, raster: &GridGeometry, cells: &mut [DirtCell]) {
+    fn doubt_around(&self, raster: &GridGeometry, cells: &mut [DirtCell]) {
         let here = Point2::new(self.pose_in_map.x_m, self.pose_in_map.y_m);
         for (index, cell) in cells.iter_mut().enumerate() {
             let tail = cell.tail_probability();
@@ -187,7 +188,8 @@ mod tests {
         let back = Saved::decode(&bytes, (5, 50)).unwrap();
         assert_eq!(back, saved());
         let mut cells = vec![DirtCell::poisson(12.0, 0.9); 50];
-        back.restore(&mut cells);
+        let far = GridGeometry::new(50, 1, 0.1, Point2::new(100.0, 0.0)).unwrap();
+        back.restore(&far, &mut cells);
         assert_eq!((cells[7].expected_units, cells[9].slot), (0.5, NO_SLOT));
         assert!(Saved::decode(&bytes, (6, 50)).is_err());
         for index in 0..bytes.len() {

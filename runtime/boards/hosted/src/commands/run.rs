@@ -313,10 +313,13 @@ impl<'a> Watch<'a> {
         let known = std::mem::replace(&mut self.complaints, *complaints);
         let lidar = complaints.lidar.filter(|now| known.lidar.map(|then| kind(&then)) != Some(kind(now)));
         let scanner = complaints.scanner.filter(|_| known.scanner != complaints.scanner);
+        let message = complaints.scanner_message;
+        let message = message.filter(|_| known.scanner_message != complaints.scanner_message);
         let imu = complaints.imu.filter(|_| known.imu != complaints.imu);
         let reasons = [
             ("lidar", lidar.map(|error| error.to_string())),
             ("safety scanner", scanner.map(|error| error.to_string())),
+            ("safety scanner", message.map(|error| error.to_string())),
             ("inertial sensor", imu.map(|fault| fault.to_string())),
         ];
         for (device, reason) in reasons {
