@@ -71,7 +71,7 @@ fn the_route_cleans_only_what_lies_on_it() {
 #[test]
 fn a_power_cut_costs_time_and_no_claims() {
     for fault in ["computer:reset,from=8s,to=10s", "computer:reset,from=22s,to=24s"] {
-        let mut plan = plan(60);
+        let mut plan = plan(75);
         plan.faults.push(FaultSpec::parse(fault).unwrap());
         let seen = played(&plan, &mut Witnesses::default());
         let mission = &seen.mission.as_ref().unwrap().report;

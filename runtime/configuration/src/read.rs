@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use floorguard_core::capacities::{FIELD_SETS_MAX, SCAN_BEAMS_MAX};
+use floorguard_core::capacities::FIELD_SETS_MAX;
 use floorguard_core::geometry::{Point2, Point3};
 use floorguard_core::guard::Thresholds;
 use floorguard_core::sensing::PinholeCamera;
@@ -25,6 +25,8 @@ use super::polygon;
 use super::problem::{Problem, Refused};
 use super::reader::{Problems, Reader};
 
+/// Beams of the finest output of the microScan3 family (wire-formats 3.3); what there is room for is the guard's to say.
+const MICROSCAN3_BEAMS: u16 = 2_751;
 /// Scanner response, two scans of 40 ms (algorithms M.1).
 const SCANNER_RESPONSE_S: f32 = 0.08;
 /// General tolerance of the scanner, metres (algorithms M.1, Z_G).
@@ -226,9 +228,10 @@ fn read_scanner(section: Reader<'_>) -> Option<(ScannerConfiguration, ScannerAdd
 
 /// The model, and what it is connected to: an S300 has a line, a microScan3 sends datagrams and says how many beams.
 fn read_scanner_device(section: &Reader<'_>) -> (Option<ScannerModel>, Option<ScannerAddress>) {
-    let finest = ScannerModel::MicroScan3 { beams: SCAN_BEAMS_MAX as u16 };
+    let finest = ScannerModel::MicroScan3 { beams: MICROSCAN3_BEAMS };
     let model = section.choice("model", &[("s300", ScannerModel::S300), ("microscan3", finest)]);
-    let beams = section.integer_or("beams", 276..=SCAN_BEAMS_MAX as i64, SCAN_BEAMS_MAX as i64) as u16;
+    let beams =
+        section.integer_or("beams", 276..=i64::from(MICROSCAN3_BEAMS), i64::from(MICROSCAN3_BEAMS)) as u16;
     if let Some(ScannerModel::MicroScan3 { .. }) = model {
         let model = ScannerModel::MicroScan3 { beams };
         let source = read_source(section, "udp:0.0.0.0:6060", DatagramAddress::parse);
