@@ -3,6 +3,8 @@
 mod address;
 mod bake;
 mod camera;
+mod devices;
+mod fields;
 mod mission;
 mod polygon;
 mod problem;

@@ -1,0 +1,177 @@
+//! The sections of the sensors and of the bus: model, address, mounting.
+
+use floorguard_core::geometry::Point3;
+use floorguard_core::units::radians;
+use floorguard_drivers::flexisoft::{InputBits, InputMap};
+use floorguard_runtime::configuration::{
+    CanConfiguration, ImuConfiguration, LidarConfiguration, LidarModel, Mounting, ScannerConfiguration,
+    ScannerModel,
+};
+
+use super::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress, parse_serial};
+use super::reader::Reader;
+
+/// Beams of the finest output of the microScan3 family (wire-formats 3.3); what there is room for is the guard's to say.
+const MICROSCAN3_BEAMS: u16 = 2_751;
+
+pub(super) fn read_mounting(section: Reader<'_>) -> Mounting {
+    let mounting = Mounting {
+        position: Point3::new(
+            section.number("x_m", -2.0..=3.0),
+            section.number("y_m", -1.5..=1.5),
+            section.number("z_m", 0.02..=3.0),
+        ),
+        roll_rad: radians(section.number_or("roll_deg", -180.0..=180.0, 0.0)),
+        pitch_rad: radians(section.number_or("pitch_deg", -90.0..=90.0, 0.0)),
+        yaw_rad: radians(section.number_or("yaw_deg", -180.0..=180.0, 0.0)),
+    };
+    section.finish();
+    mounting
+}
+
+pub(super) fn read_source<T>(
+    section: &Reader<'_>,
+    example: &str,
+    parse: impl Fn(&str) -> Option<T>,
+) -> Option<T> {
+    let (text, span) = section.text("source", example)?;
+    let address = parse(text);
+    if address.is_none() {
+        section.refuse(
+            &span,
+            format!("{}: `source` is \"{text}\", no address of this kind", section.title()),
+            format!("write for example \"{example}\""),
+        );
+    }
+    address
+}
+
+pub(super) fn read_serial(section: &Reader<'_>) -> Option<SerialAddress> {
+    let device = read_source(section, "serial:/dev/ttyUSB0", parse_serial);
+    let baud = section.integer("baud", 9_600..=4_000_000) as u32;
+    Some(SerialAddress { device: device?, baud })
+}
+
+pub(super) fn read_lidar(section: Reader<'_>) -> Option<(LidarConfiguration, DatagramAddress)> {
+    let models = [
+        ("vlp16", LidarModel::Vlp16),
+        ("auto", LidarModel::Auto),
+        ("puck-hi-res", LidarModel::PuckHiRes),
+        ("vlp32c", LidarModel::Vlp32c),
+        ("hdl32e", LidarModel::Hdl32e),
+    ];
+    let model = section.choice("model", &models);
+    let source = read_source(&section, "udp:0.0.0.0:2368", DatagramAddress::parse);
+    let mounting = read_mounting(section.section("mounting"));
+    section.finish();
+    Some((LidarConfiguration { model: model?, mounting }, source?))
+}
+
+pub(super) fn read_scanner(section: Reader<'_>) -> Option<(ScannerConfiguration, ScannerAddress)> {
+    let (model, source) = read_scanner_device(&section);
+    let mounting = read_mounting(section.section("mounting"));
+    if mounting.position.z_m > 0.2 {
+        section.refuse(
+            section.span(),
+            format!("[scanner]: the scan plane is {} m high, allowed is up to 0.2 m", mounting.position.z_m),
+            "mount the scanner lower: feet and children must cross the plane",
+        );
+    }
+    let sector_rad = [
+        radians(section.number_or("sector_first_deg", -135.0..=0.0, -135.0)),
+        radians(section.number_or("sector_last_deg", 0.0..=135.0, 135.0)),
+    ];
+    section.finish();
+    Some((ScannerConfiguration { model: model?, mounting, sector_rad }, source?))
+}
+
+/// The model, and what it is connected to: an S300 has a line, a microScan3 sends datagrams and says how many beams.
+pub(super) fn read_scanner_device(section: &Reader<'_>) -> (Option<ScannerModel>, Option<ScannerAddress>) {
+    let finest = ScannerModel::MicroScan3 { beams: MICROSCAN3_BEAMS };
+    let model = section.choice("model", &[("s300", ScannerModel::S300), ("microscan3", finest)]);
+    let beams =
+        section.integer_or("beams", 276..=i64::from(MICROSCAN3_BEAMS), i64::from(MICROSCAN3_BEAMS)) as u16;
+    if let Some(ScannerModel::MicroScan3 { .. }) = model {
+        let model = ScannerModel::MicroScan3 { beams };
+        let source = read_source(section, "udp:0.0.0.0:6060", DatagramAddress::parse);
+        return (Some(model), source.map(ScannerAddress::Datagrams));
+    }
+    if section.find("beams").is_some() {
+        section.refuse(
+            section.span(),
+            "[scanner]: `beams` is given, and an S300 always sends 541",
+            "leave `beams` out, or write model = \"microscan3\"",
+        );
+    }
+    (model, read_serial(section).map(ScannerAddress::Serial))
+}
+
+pub(super) fn read_imu(section: Reader<'_>) -> Option<(ImuConfiguration, SerialAddress)> {
+    let source = read_serial(&section);
+    let mounting = read_mounting(section.section("mounting"));
+    section.finish();
+    Some((ImuConfiguration { mounting }, source?))
+}
+
+pub(super) fn read_can(section: Reader<'_>) -> Option<(CanConfiguration, CanAddress)> {
+    let source = read_source(&section, "socketcan:can0", CanAddress::parse);
+    let node = |key| section.integer(key, 1..=127) as u8;
+    let can = CanConfiguration {
+        drive_node: node("drive_node"),
+        steering_node: node("steering_node"),
+        left_encoder_node: node("left_encoder_node"),
+        right_encoder_node: node("right_encoder_node"),
+        inputs_node: node("inputs_node"),
+        dirt_sensor_node: section.integer_or_absent("dirt_sensor_node", 1..=127).map(|node| node as u8),
+        inputs: InputMap::default(),
+    };
+    let mut nodes = vec![
+        can.drive_node,
+        can.steering_node,
+        can.left_encoder_node,
+        can.right_encoder_node,
+        can.inputs_node,
+    ];
+    nodes.extend(can.dirt_sensor_node);
+    let different: std::collections::BTreeSet<u8> = nodes.iter().copied().collect();
+    if different.len() < nodes.len() {
+        section.refuse(
+            section.span(),
+            format!("[can]: node numbers {nodes:?} are not different"),
+            "give every device on the bus its own number",
+        );
+    }
+    section.finish();
+    Some((can, source?))
+}
+
+/// Which bit of the safety controller's process image means what.
+pub(super) fn read_inputs(section: Reader<'_>) -> Option<InputMap> {
+    let inverted = section.bit_list("inverted_bits");
+    let with_polarity = |bits: [u8; 2]| InputBits { bits, inverted: bits.map(|bit| inverted.contains(&bit)) };
+    let required = |key| {
+        let bits = section.bits_or_absent(key);
+        if bits.is_none() && section.good_so_far() {
+            section.refuse(
+                section.span(),
+                format!("[inputs]: `{key}` is missing; nothing moves without it"),
+                format!("add for example `{key} = [32, 33]`: the bits of both channels in the process image"),
+            );
+        }
+        bits.map(with_polarity)
+    };
+    let optional = |key| section.bits_or_absent(key).map(with_polarity);
+    let (emergency_stop, bumper_front) = (required("emergency_stop_bits"), required("bumper_front_bits"));
+    let (bumper_rear, cliff_front) = (optional("bumper_rear_bits"), optional("cliff_front_bits"));
+    let cliff_rear = optional("cliff_rear_bits");
+    let discrepancy_us = (section.number_or("discrepancy_s", 0.01..=1.0, 0.5) * 1.0e6) as u64;
+    section.finish();
+    Some(InputMap {
+        emergency_stop: emergency_stop?,
+        bumper_front: bumper_front?,
+        bumper_rear,
+        cliff_front,
+        cliff_rear,
+        discrepancy_us,
+    })
+}
