@@ -1,5 +1,6 @@
 //! `floorguard run` as a user meets it: devices that are not there yet, and a port that is taken.
 
+use std::io::{BufRead as _, BufReader, Read as _};
 use std::net::UdpSocket;
 use std::process::Command;
 
@@ -44,6 +45,34 @@ fn the_recording_tells(record: &std::path::Path) {
     let output = Command::new(env!("CARGO_BIN_EXE_floorguard")).arg("replay").arg(record).output().unwrap();
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success() && said.contains("it ran in real time"), "{said}");
+}
+
+/// What systemd sends ends a run as Ctrl-C does: the robot is brought to a stand, and the recording has its end.
+#[test]
+fn a_term_ends_the_run_in_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let (file, record) = (robot_file(folder.path(), port), folder.path().join("run.mcap"));
+    let mut child = Command::new(env!("CARGO_BIN_EXE_floorguard"))
+        .args(["run", &file, "--duration", "60", "--record"])
+        .arg(&record)
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut said = BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    while !line.contains("not there yet") {
+        line.clear();
+        assert!(said.read_line(&mut line).unwrap() > 0, "ended before it ran");
+    }
+    let identity = child.id().to_string();
+    assert!(Command::new("sh").args(["-c", &format!("kill -TERM {identity}")]).status().unwrap().success());
+    let mut rest = String::new();
+    said.read_to_string(&mut rest).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(0), "{rest}");
+    assert!(rest.contains("the robot stands"), "{rest}");
+    let messages: Result<Vec<_>, _> = Recording::new(std::fs::File::open(&record).unwrap()).collect();
+    assert!(messages.is_ok_and(|messages| !messages.is_empty()));
 }
 
 /// A port that another program holds is bad input, not a robot without a lidar.

@@ -1,10 +1,12 @@
 //! One block of a campaign: the test in a process of its own, so that a crash is a finding and not an end.
 
 use std::collections::BTreeMap;
+use std::os::unix::process::ExitStatusExt as _;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
 use super::kinds::Kind;
 use crate::shell;
@@ -39,13 +41,14 @@ pub struct Program {
     pub firmware: Option<PathBuf>,
 }
 
-/// Runs the trials; what was counted, or the output of the run that failed.
+/// Runs the trials; what was counted, or the output of the run that failed. Nothing was counted when somebody ended the
+/// block: Ctrl-C at a terminal reaches it, too.
 pub fn run(
     program: &Program,
     kind: &Kind,
     seed: u64,
     trials: std::ops::Range<u64>,
-) -> Result<Counts, String> {
+) -> Result<Option<Counts>, String> {
     let test = &program.test;
     let mut command = Command::new(test);
     if let Some(firmware) = &program.firmware {
@@ -64,7 +67,10 @@ pub fn run(
     let text = String::from_utf8_lossy(&output.stdout);
     let counts = counts_in(&text);
     if output.status.success() && !counts.is_empty() {
-        return Ok(counts);
+        return Ok(Some(counts));
+    }
+    if output.status.signal().is_some_and(|signal| [SIGINT, SIGTERM, SIGHUP].contains(&signal)) {
+        return Ok(None);
     }
     let errors = String::from_utf8_lossy(&output.stderr);
     Err(format!("{}: {text}{errors}", output.status))
@@ -82,7 +88,30 @@ fn counts_in(text: &str) -> Counts {
 
 #[cfg(test)]
 mod tests {
-    use super::{counts_in, test_executable};
+    use super::{Program, counts_in, run, test_executable};
+    use crate::campaign::kinds::KINDS;
+
+    #[test]
+    fn a_block_that_somebody_ended_is_no_finding_and_one_that_crashed_is() {
+        let folder = std::env::temp_dir().join(format!("floorguard-block-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let ends_by = |what: &str| {
+            let test = folder.join("block");
+            std::fs::write(&test, format!("#!/bin/sh\n{what}\n")).unwrap();
+            let executable = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+            std::fs::set_permissions(&test, executable).unwrap();
+            run(&Program { test, firmware: None }, &KINDS[0], 1, 0..2)
+        };
+        let counted = ends_by("echo campaign: steps = 3").unwrap().unwrap();
+        assert_eq!(counted["steps"], 3);
+        for signal in ["INT", "TERM", "HUP"] {
+            assert_eq!(ends_by(&format!("kill -{signal} $$")), Ok(None), "{signal}");
+        }
+        for crash in ["kill -SEGV $$", "kill -ABRT $$", "kill -KILL $$", "exit 101"] {
+            assert!(ends_by(crash).is_err(), "{crash}");
+        }
+        std::fs::remove_dir_all(folder).unwrap();
+    }
 
     #[test]
     fn the_test_is_found_among_the_programs_that_are_built_with_it() {

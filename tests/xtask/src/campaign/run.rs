@@ -3,7 +3,7 @@
 use std::collections::hash_map::DefaultHasher;
 use std::hash::Hasher as _;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
 use anyhow::{Context, Result};
 use clap::Args;
@@ -11,7 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 
 use super::state::State;
-use super::{block, kinds, matrix, record, shares, state};
+use super::{block, interrupt, kinds, matrix, record, shares, state};
 use crate::{counting, firmware, mutants, worst};
 
 /// Which campaign and how much of it.
@@ -58,23 +58,23 @@ pub fn run(options: &Options) -> Result<bool> {
     let firmware = (kind.name == kinds::FIRMWARE_FAULTS).then(firmware::tape_image).transpose()?;
     let state = State::load(&path, &fingerprint(&test, firmware.as_deref())?);
     let program = block::Program { test, firmware };
-    let starts: Vec<u64> =
-        (0..trials).step_by(kind.block as usize).filter(|at| !state.done.contains(at)).collect();
+    let starts = state.missing(trials, kind.block);
     println!("{}: {trials} {}, seed {}; {} done before", kind.name, kind.trial, options.seed, state.trials);
     let bar = bar(trials, state.trials);
-    let (state, findings, stop) = (Mutex::new(state), Mutex::new(Vec::new()), AtomicBool::new(false));
+    let (state, findings, stop) = (Mutex::new(state), Mutex::new(Vec::new()), interrupt::flag()?);
     starts.into_par_iter().try_for_each(|start| -> Result<()> {
         if stop.load(Ordering::Relaxed) {
             return Ok(());
         }
         let part = start..(start + kind.block).min(trials);
         match block::run(&program, kind, options.seed, part.clone()) {
-            Ok(counts) => {
+            Ok(Some(counts)) => {
                 bar.inc(part.end - part.start);
                 // A block that the end of this run cut short is repeated in full by a longer one.
                 let mut state = state.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
                 state.book(&path, part, counts)?;
             }
+            Ok(None) => stop.store(true, Ordering::Relaxed),
             Err(output) => {
                 stop.store(true, Ordering::Relaxed);
                 findings.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push((part, output));
@@ -88,6 +88,10 @@ pub fn run(options: &Options) -> Result<bool> {
     show(&state);
     for (part, output) in &findings {
         println!("FINDING in trials {}..{} of seed {}:\n{output}", part.start, part.end, options.seed);
+    }
+    if findings.is_empty() && !state.missing(trials, kind.block).is_empty() {
+        println!("{}", interrupt::words((kind.name, options.seed), state.trials, trials));
+        std::process::exit(interrupt::INTERRUPTED);
     }
     let holds = shares::judge(kind.name, &state.counts);
     println!("{}: {} trials, {} findings; kept in {}", kind.name, state.trials, findings.len(), shown(&path));

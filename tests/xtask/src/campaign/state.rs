@@ -31,6 +31,11 @@ impl State {
             .unwrap_or_else(|| Self { program: program.to_owned(), ..Self::default() })
     }
 
+    /// First trials of the blocks that are still to be run.
+    pub fn missing(&self, trials: u64, block: u64) -> Vec<u64> {
+        (0..trials).step_by(block as usize).filter(|at| !self.done.contains(at)).collect()
+    }
+
     /// Books a block and writes the file: whole, or not at all.
     pub fn book(&mut self, path: &PathBuf, trials: std::ops::Range<u64>, counts: Counts) -> Result<()> {
         self.done.insert(trials.start);

@@ -9,6 +9,7 @@ mod decode;
 mod demo;
 mod eval;
 mod exit;
+mod interrupt;
 mod learn;
 mod live;
 mod mission;

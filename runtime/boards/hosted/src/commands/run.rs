@@ -18,6 +18,7 @@ use floorguard_runtime::shared::{BusReport, Complaints, RobotStatus, StopRecord}
 use serde_json::json;
 
 use super::exit::BadInput;
+use super::interrupt::at_interrupt;
 use super::live::status_of;
 use super::panel::open_panel;
 use crate::camera::watch_floor;
@@ -79,7 +80,7 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     let shared: Box<HostedShared> = new_shared(&configuration.robot, clock::now())
         .map_err(|error| BadInput(format!("{}: {error}", arguments.file.display())))?;
     let flag = StopFlag::default();
-    ctrlc::set_handler({
+    at_interrupt({
         let flag = flag.clone();
         move || flag.stop()
     })?;

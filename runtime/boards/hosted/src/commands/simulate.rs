@@ -12,6 +12,7 @@ use floorguard_sim::FaultSpec;
 use floorguard_sim::scenario::Scenario;
 
 use super::exit::{BadInput, VerdictFailed};
+use super::interrupt::{INTERRUPTED, at_interrupt};
 use super::live::status_of;
 use super::panel::open_panel;
 use crate::cleaner::MissionStrategy;
@@ -200,10 +201,8 @@ pub(super) fn open_witnesses(
 
 /// The first Ctrl-C ends the run in order, with everything that it has to show until then; the second one at once.
 fn end_at_ctrl_c(ended: &StopFlag) -> anyhow::Result<()> {
-    /// What shells say of a program that an interrupt has ended.
-    const INTERRUPTED: i32 = 130;
     let ended = ended.clone();
-    ctrlc::set_handler(move || {
+    at_interrupt(move || {
         if ended.is_stopped() {
             std::process::exit(INTERRUPTED);
         }
