@@ -18,98 +18,28 @@ pub struct Options {
     only: Option<String>,
 }
 
-/// One step: a name, and the cargo call behind it.
-struct Step {
-    name: &'static str,
-    arguments: &'static [&'static str],
-}
+/// One step: a name, and the words behind `cargo`.
+type Step = (&'static str, &'static str);
+
+/// Stands in the words of a step for the target of the firmware.
+const ON_TARGET: &str = "TARGET";
 
 const STEPS: &[Step] = &[
-    Step { name: "format", arguments: &["fmt", "--all", "--check"] },
-    Step {
-        name: "clippy",
-        arguments: &["clippy", "--quiet", "--workspace", "--all-targets", "--", "--deny", "warnings"],
-    },
-    Step {
-        name: "no_std",
-        arguments: &[
-            "build",
-            "--quiet",
-            "--package",
-            "floorguard-core",
-            "--package",
-            "floorguard-drivers",
-            "--package",
-            "floorguard-runtime",
-            "--target",
-            TARGET,
-        ],
-    },
-    Step { name: "tests", arguments: &["test", "--workspace", "--no-fail-fast"] },
-    Step {
-        name: "firmware",
-        arguments: &["run", "--quiet", "--package", "floorguard-xtask", "--", "firmware"],
-    },
-    Step {
-        name: "wired",
-        arguments: &[
-            "run",
-            "--quiet",
-            "--package",
-            "floorguard-xtask",
-            "--",
-            "firmware",
-            "--wired",
-            "--duration",
-            "5",
-        ],
-    },
-    Step {
-        name: "faults",
-        arguments: &["run", "--quiet", "--package", "floorguard-xtask", "--", "firmware", "--faults", "few"],
-    },
-    Step {
-        name: "board",
-        arguments: &[
-            "run",
-            "--quiet",
-            "--package",
-            "floorguard-xtask",
-            "--",
-            "firmware",
-            "--board",
-            "stm32h743",
-        ],
-    },
-    Step {
-        name: "readers",
-        arguments: &[
-            "run",
-            "--quiet",
-            "--package",
-            "floorguard-xtask",
-            "--",
-            "check-recording",
-            "--cuts",
-            "20",
-        ],
-    },
-    Step {
-        name: "firmware-faults",
-        arguments: &[
-            "run",
-            "--quiet",
-            "--package",
-            "floorguard-xtask",
-            "--",
-            "campaign",
-            "firmware-faults",
-            "--trials",
-            "4",
-        ],
-    },
+    ("format", "fmt --all --check"),
+    ("clippy", "clippy --quiet --workspace --all-targets -- --deny warnings"),
+    (
+        "no_std",
+        "build --quiet --package floorguard-core --package floorguard-drivers --package floorguard-runtime --target TARGET",
+    ),
+    ("tests", "test --workspace --no-fail-fast"),
+    ("firmware", "xtask firmware"),
+    ("wired", "xtask firmware --wired --duration 5"),
+    ("faults", "xtask firmware --faults few"),
+    ("board", "xtask firmware --board stm32h743"),
+    ("readers", "xtask check-recording --cuts 20"),
+    ("firmware-faults", "xtask campaign firmware-faults --trials 4"),
     // After the firmware, whose figures it shows.
-    Step { name: "audit", arguments: &["run", "--quiet", "--package", "floorguard-xtask", "--", "audit"] },
+    ("audit", "xtask audit"),
 ];
 
 /// What the test harnesses counted.
@@ -126,19 +56,18 @@ pub fn run(options: &Options) -> Result<bool> {
     }
     let mut failed_steps = Vec::new();
     let mut count = Count::default();
-    let wanted = |step: &&Step| options.only.as_ref().is_none_or(|word| step.name.contains(word.as_str()));
-    for step in STEPS.iter().filter(wanted) {
-        println!("\n== {}: cargo {}", step.name, step.arguments.join(" "));
+    let wanted = |step: &&Step| options.only.as_ref().is_none_or(|word| step.0.contains(word.as_str()));
+    for &(name, words) in STEPS.iter().filter(wanted) {
+        println!("\n== {name}: cargo {words}");
         let start = Instant::now();
-        let succeeded = run_step(step, &mut count)?;
+        let succeeded = run_step(name, words, &mut count)?;
         println!(
-            "== {}: {} after {:.0} s",
-            step.name,
+            "== {name}: {} after {:.0} s",
             if succeeded { "good" } else { "FAILED" },
             start.elapsed().as_secs_f64()
         );
         if !succeeded {
-            failed_steps.push(step.name);
+            failed_steps.push(name);
         }
     }
     println!(
@@ -155,10 +84,10 @@ pub fn run(options: &Options) -> Result<bool> {
 }
 
 /// Runs one step, shows its output as it comes, and adds up the harnesses' closing lines.
-fn run_step(step: &Step, count: &mut Count) -> Result<bool> {
+fn run_step(name: &str, words: &str, count: &mut Count) -> Result<bool> {
     let mut command = shell::cargo();
-    command.args(step.arguments).stdin(Stdio::null()).stdout(Stdio::piped());
-    let mut child = command.spawn().with_context(|| format!("cannot start cargo for step {}", step.name))?;
+    command.args(arguments(words)).stdin(Stdio::null()).stdout(Stdio::piped());
+    let mut child = command.spawn().with_context(|| format!("cannot start cargo for step {name}"))?;
     if let Some(output) = child.stdout.take() {
         for line in BufReader::new(output).lines() {
             let line = line.context("cannot read what cargo prints")?;
@@ -172,6 +101,11 @@ fn run_step(step: &Step, count: &mut Count) -> Result<bool> {
     Ok(child.wait()?.success())
 }
 
+/// What cargo is told.
+fn arguments(words: &str) -> impl Iterator<Item = &str> {
+    words.split(' ').map(|word| if word == ON_TARGET { TARGET } else { word })
+}
+
 /// The number that stands before `word`, 0 if there is none.
 fn number_before(text: &str, word: &str) -> u64 {
     text.find(word)
@@ -183,7 +117,13 @@ fn number_before(text: &str, word: &str) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::number_before;
+    use super::{STEPS, TARGET, arguments, number_before};
+
+    #[test]
+    fn the_step_without_a_standard_library_builds_for_the_board() {
+        let (_, words) = STEPS.iter().find(|(name, _)| *name == "no_std").expect("a step");
+        assert_eq!(arguments(words).last(), Some(TARGET));
+    }
 
     #[test]
     fn reads_the_harness_line() {

@@ -13,6 +13,8 @@ mod hosted_rooms;
 mod image;
 #[cfg(test)]
 mod injection_tests;
+mod loop_syntax;
+mod loop_visitor;
 mod loop_words;
 mod loops;
 mod macros;
@@ -31,6 +33,7 @@ mod sources;
 pub(crate) mod thumb;
 mod trace;
 mod unseen;
+mod walks;
 
 pub use bounds::shown;
 pub use loops::{LoopSite, list as loops_of};
