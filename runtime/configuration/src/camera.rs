@@ -1,4 +1,4 @@
-//! The floor camera: two devices of the kernel, one of depth and one of colour, and how they look at the floor.
+//! The floor camera: where its pictures come from, and how it looks at the floor.
 
 use std::path::PathBuf;
 
@@ -8,13 +8,30 @@ use floorguard_runtime::configuration::Mounting;
 use super::devices::{read_mounting, read_source};
 use super::reader::Reader;
 
+/// Where pictures come from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CameraSource {
+    /// Devices of the kernel (V4L2).
+    Devices {
+        /// Device of the depth pictures: whole millimetres, sixteen bits (Z16).
+        depth: PathBuf,
+        /// Device of the colour pictures, if dirt is to be seen: RGB3, YUYV or MJPG.
+        colour: Option<PathBuf>,
+    },
+    /// A folder of recorded pictures, played as if they came now; relative to the file of the configuration.
+    Folder {
+        /// Where it is.
+        path: PathBuf,
+        /// So many pictures a second; without it they come at the pace of the stamps in their names.
+        rate_hz: Option<f32>,
+    },
+}
+
 /// A depth camera, with a colour camera beside it that shows the same view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraConfiguration {
-    /// Device of the depth pictures: whole millimetres, sixteen bits (Z16).
-    pub depth: PathBuf,
-    /// Device of the colour pictures, if dirt is to be seen.
-    pub colour: Option<PathBuf>,
+    /// Where both streams come from.
+    pub source: CameraSource,
     /// Columns and rows of both.
     pub size: (usize, usize),
     /// Intrinsics of the rectified pictures.
@@ -23,26 +40,71 @@ pub struct CameraConfiguration {
     pub mounting: Mounting,
 }
 
+/// For the reference: a camera as it may stand in the file.
+pub(crate) const EXAMPLE_SECTION: &str = "[camera]
+source = \"v4l2:/dev/video2\"
+colour_source = \"v4l2:/dev/video4\"
+width = 640
+height = 480
+fx = 525.0
+fy = 525.0
+cx = 319.5
+cy = 239.5
+mounting = { x_m = 0.9, y_m = 0.0, z_m = 0.72, pitch_deg = 45.0 }
+";
+
 /// Parses `v4l2:DEVICE`.
 fn parse_video(text: &str) -> Option<PathBuf> {
     text.strip_prefix("v4l2:").filter(|device| device.starts_with('/')).map(PathBuf::from)
 }
 
+/// Parses `v4l2:DEVICE` or `folder:PATH`.
+fn parse_pictures(text: &str) -> Option<CameraSource> {
+    let folder = text.strip_prefix("folder:").filter(|path| !path.is_empty());
+    let folder = folder.map(|path| CameraSource::Folder { path: path.into(), rate_hz: None });
+    folder.or_else(|| parse_video(text).map(|depth| CameraSource::Devices { depth, colour: None }))
+}
+
+/// The streams: a device each, or a folder that holds both.
+fn read_pictures(section: &Reader<'_>) -> Option<CameraSource> {
+    let source = read_source(section, "v4l2:/dev/video2", parse_pictures);
+    let colour = section.text_or_absent("colour_source", "v4l2:/dev/video4", "no dirt is seen");
+    let rate_hz = section.number_or_absent("rate_hz", 0.1..=60.0, "the stamps in the names of the pictures");
+    match source? {
+        CameraSource::Devices { depth, .. } => {
+            if rate_hz.is_some() {
+                section.refuse(
+                    section.span(),
+                    "[camera]: `rate_hz` is for recorded pictures; a device has its own",
+                    "leave it out, or give `source = \"folder:frames\"`",
+                );
+            }
+            let colour = colour.and_then(|(text, span)| {
+                let device = parse_video(text);
+                if device.is_none() {
+                    section.refuse(
+                        &span,
+                        format!("[camera]: `colour_source` is \"{text}\", no address of this kind"),
+                        "write for example \"v4l2:/dev/video4\"",
+                    );
+                }
+                device
+            });
+            Some(CameraSource::Devices { depth, colour })
+        }
+        CameraSource::Folder { path, .. } => {
+            if let Some((_, span)) = colour {
+                let what = "[camera]: the folder of `source` holds the colour pictures, too";
+                section.refuse(&span, what, "leave `colour_source` out");
+            }
+            Some(CameraSource::Folder { path, rate_hz })
+        }
+    }
+}
+
 /// A camera that looks down at the floor before the robot.
 pub(super) fn read_camera(section: Reader<'_>) -> Option<CameraConfiguration> {
-    let depth = read_source(&section, "v4l2:/dev/video2", parse_video);
-    let colour = section.find("colour_source").and_then(|_| {
-        let (text, span) = section.text("colour_source", "v4l2:/dev/video4")?;
-        let device = parse_video(text);
-        if device.is_none() {
-            section.refuse(
-                &span,
-                format!("[camera]: `colour_source` is \"{text}\", no address of this kind"),
-                "write for example \"v4l2:/dev/video4\"",
-            );
-        }
-        device
-    });
+    let source = read_pictures(&section);
     // The core has room for pictures of this size.
     let size = (section.integer("width", 64..=640) as usize, section.integer("height", 48..=480) as usize);
     let focal = [section.number("fx", 30.0..=2_000.0), section.number("fy", 30.0..=2_000.0)];
@@ -57,5 +119,5 @@ pub(super) fn read_camera(section: Reader<'_>) -> Option<CameraConfiguration> {
     }
     section.finish();
     let camera = PinholeCamera::new(focal, centre)?;
-    Some(CameraConfiguration { depth: depth?, colour, size, camera, mounting })
+    Some(CameraConfiguration { source: source?, size, camera, mounting })
 }

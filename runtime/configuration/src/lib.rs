@@ -14,7 +14,7 @@ mod reference;
 
 pub use address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
 pub use bake::bake;
-pub use camera::CameraConfiguration;
+pub use camera::{CameraConfiguration, CameraSource};
 pub use mission::{CleaningStrategy, MissionConfiguration};
 pub use polygon::contains as polygon_contains;
 pub use problem::{Problem, Refused};

@@ -200,22 +200,35 @@ fn read_route(section: Reader<'_>, limits: &Limits) -> (Route, RouteLimits) {
 mod tests {
     use super::*;
     use crate::EXAMPLE;
-
-    const CAMERA: &str = "[camera]\nsource = \"v4l2:/dev/video2\"\ncolour_source = \"v4l2:/dev/video4\"\n\
-        width = 640\nheight = 480\nfx = 525.0\nfy = 525.0\ncx = 319.5\ncy = 239.5\n\
-        mounting = { x_m = 0.9, y_m = 0.0, z_m = 0.72, pitch_deg = 45.0 }\n";
+    use crate::camera::{CameraSource, EXAMPLE_SECTION};
 
     #[test]
     fn a_camera_is_read_and_one_that_looks_up_is_refused() {
-        let text = format!("{EXAMPLE}\n{CAMERA}");
+        let text = format!("{EXAMPLE}\n{EXAMPLE_SECTION}");
         let camera = parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).carriers.camera;
         let camera = camera.expect("there is a camera");
         assert_eq!((camera.size, camera.mounting.position.z_m), ((640, 480), 0.72));
-        assert_eq!(camera.colour.as_deref(), Some(std::path::Path::new("/dev/video4")));
-        for (from, to) in [("45.0", "-45.0"), ("v4l2:/dev/video4", "udp:1"), ("width = 640", "width = 6400")]
-        {
+        let devices =
+            CameraSource::Devices { depth: "/dev/video2".into(), colour: Some("/dev/video4".into()) };
+        assert_eq!(camera.source, devices);
+        for (from, to) in [
+            ("45.0", "-45.0"),
+            ("v4l2:/dev/video4", "udp:1"),
+            ("width = 640", "width = 6400"),
+            ("width = 640", "rate_hz = 5.0\nwidth = 640"),
+            ("v4l2:/dev/video2", "folder:frames"),
+            ("v4l2:/dev/video2", "folder:"),
+        ] {
             let refused = parse("robot.toml", &text.replace(from, to)).expect_err("refused").to_string();
             assert!(refused.contains("[camera]") || refused.contains("width"), "{refused}");
+        }
+        let folder = text.replace("v4l2:/dev/video2", "folder:frames");
+        for (colour, rate_hz) in [("", None), ("rate_hz = 5.0", Some(5.0))] {
+            let folder = folder.replace("colour_source = \"v4l2:/dev/video4\"", colour);
+            let camera =
+                parse("robot.toml", &folder).unwrap_or_else(|refused| panic!("{refused}")).carriers.camera;
+            let source = CameraSource::Folder { path: "frames".into(), rate_hz };
+            assert_eq!(camera.map(|camera| camera.source), Some(source));
         }
     }
 

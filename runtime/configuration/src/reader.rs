@@ -168,6 +168,18 @@ impl<'a> Reader<'a> {
         number
     }
 
+    /// A number within a range, if the key is there; `without` says what holds if it is not.
+    pub fn number_or_absent(
+        &self,
+        key: &'static str,
+        range: RangeInclusive<f32>,
+        without: &str,
+    ) -> Option<f32> {
+        let allowed = format!("{} to {}", range.start(), range.end());
+        self.note(key, "number", (allowed, Some(without.to_owned())));
+        self.find(key).map(|value| self.checked_number(key, value, &range))
+    }
+
     /// A whole number within a range that must be there.
     pub fn integer(&self, key: &'static str, range: RangeInclusive<i64>) -> i64 {
         self.note(key, "whole number", (format!("{} to {}", range.start(), range.end()), None));
@@ -220,6 +232,17 @@ impl<'a> Reader<'a> {
     pub fn text(&self, key: &'static str, example: &str) -> Option<(&'a str, Range<usize>)> {
         self.note(key, "text", (format!("for example `{example}`"), None));
         self.words(key, example)
+    }
+
+    /// A text that may be there, with its place; `without` says what holds if it is not.
+    pub fn text_or_absent(
+        &self,
+        key: &'static str,
+        example: &str,
+        without: &str,
+    ) -> Option<(&'a str, Range<usize>)> {
+        self.note(key, "text", (format!("for example `{example}`"), Some(without.to_owned())));
+        self.find(key).and_then(|_| self.words(key, example))
     }
 
     fn words(&self, key: &'static str, example: &str) -> Option<(&'a str, Range<usize>)> {

@@ -30,7 +30,8 @@ pub(crate) fn note(asked: impl FnOnce() -> Asked) {
 #[must_use]
 pub fn reference() -> String {
     LIST.set(Some(Vec::new()));
-    let read = super::parse("robot.toml", super::EXAMPLE);
+    let with_camera = format!("{}\n{}", super::EXAMPLE, super::camera::EXAMPLE_SECTION);
+    let read = super::parse("robot.toml", &with_camera);
     let asked = LIST.take().unwrap_or_default();
     debug_assert!(read.is_ok(), "the example is a right configuration");
     let mut text = String::from(HEAD);
@@ -52,7 +53,12 @@ pub fn reference() -> String {
         let _ = writeln!(text, "| `{}` | {} | {} | {without} |", row.key, row.kind, row.allowed);
         seen.push((name, row.key));
     }
-    let _ = write!(text, "\n## The example robot\n\n```toml\n{}```\n", super::EXAMPLE);
+    let _ = write!(
+        text,
+        "\n## A floor camera\n\n```toml\n{}```\n\n## The example robot\n\n```toml\n{}```\n",
+        super::camera::EXAMPLE_SECTION,
+        super::EXAMPLE
+    );
     text
 }
 

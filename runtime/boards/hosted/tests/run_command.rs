@@ -4,7 +4,14 @@ use std::io::{BufRead as _, BufReader, Read as _};
 use std::net::UdpSocket;
 use std::process::Command;
 
+use floorguard_core::floor::Plane;
+use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_core::random::Pcg32;
+use floorguard_core::sensing::PinholeCamera;
+use floorguard_core::time::Stamp;
+use floorguard_hosted::camera::{PictureCamera, PictureFolder};
 use floorguard_hosted::recording::{Recording, topics};
+use floorguard_sim::floor::{DirtKind, FloorCamera, FloorKind, FloorScene, Spill};
 
 /// The robot's file with devices that are not there: it waits for them, says so, stands, and ends in order.
 #[test]
@@ -148,6 +155,85 @@ fn a_lidar_that_is_none_is_told_with_the_reason() {
     let told: Vec<&str> = said.lines().filter(|line| line.contains("lidar: lidar packet of 5")).collect();
     assert_eq!(told.len(), 1, "{said}");
     assert!(told[0].contains("a data packet has 1206"), "{said}");
+}
+
+/// Recorded pictures as the camera: dirt is mapped at the places that the poses tell, a broken picture is told by its name,
+/// the end of the pictures, too, and the map is in the recording.
+#[test]
+fn a_folder_of_pictures_is_a_camera() {
+    let folder = tempfile::tempdir().unwrap();
+    let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let file = robot_file(folder.path(), port);
+    let robot = std::fs::read_to_string(&file).unwrap();
+    render(&folder.path().join("frames"));
+    let section = std::fs::read_to_string(folder.path().join("frames/camera.toml")).unwrap();
+    let run = |section: &str| {
+        std::fs::write(&file, format!("{robot}\n{section}")).unwrap();
+        let record = folder.path().join("run.mcap");
+        let output = Command::new(env!("CARGO_BIN_EXE_floorguard"))
+            .args(["run", &file, "--duration", "4.5", "--json", "--record"])
+            .arg(&record)
+            .output()
+            .unwrap();
+        let told = String::from_utf8(output.stdout).unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap(), told)
+    };
+    let (code, said, told) = run(&section);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("1.400000.png") && said.contains("the floor is unknown"), "{said}");
+    assert!(said.contains("all 15 pictures were shown"), "{said}");
+    let dirt = told.lines().rev().find(|line| line.contains("\"type\":\"dirt\"")).expect("a map of dirt");
+    let dirt: serde_json::Value = serde_json::from_str(dirt).unwrap();
+    let spots = dirt["spots"].as_array().unwrap();
+    let is_near = |spot: &serde_json::Value| {
+        let off = |key: &str, at: f64| spot[key].as_f64().unwrap() - at;
+        off("x_m", f64::from(SPILLED.x_m)).hypot(off("y_m", f64::from(SPILLED.y_m))) < 0.08
+    };
+    assert!(spots.iter().any(is_near), "{dirt}");
+    assert!(dirt["seen_m2"].as_f64().unwrap() > 1.0 && dirt["frames"].as_u64().unwrap() >= 12, "{dirt}");
+    let record = std::fs::File::open(folder.path().join("run.mcap")).unwrap();
+    let messages: Vec<_> = Recording::new(record).collect::<Result<_, _>>().unwrap();
+    assert!(messages.iter().any(|message| &*message.topic == topics::SEEN_DIRT));
+    for (from, to, why) in [
+        ("frames\"", "nowhere\"", "nowhere"),
+        ("frames\"", "frames/rgb\"", "no depth pictures"),
+        ("[camera]", "[camera]\nrate_hz = 900.0", "rate_hz"),
+    ] {
+        let (code, said, _) = run(&section.replace(from, to));
+        assert!(code == Some(3) && said.contains(why), "{said}");
+    }
+}
+
+const SPILLED: Point2 = Point2 { x_m: 2.4, y_m: 0.1 };
+
+/// Pictures of a drive towards a spill on vinyl, 12 cm and 200 ms apart, one of them cut off.
+fn render(root: &std::path::Path) {
+    let eye = FloorCamera { size: (320, 240), focal_px: 262.5, forward_m: 0.9, ..FloorCamera::default() };
+    let mounting = (eye.height_m, eye.forward_m, eye.pitch_rad);
+    let camera = PictureCamera { size: eye.size, focal_px: eye.focal_px, mounting };
+    let mut pictures = PictureFolder::new(root, camera).unwrap();
+    let mut scene = FloorScene::new(FloorKind::Vinyl, 4.0, 7);
+    let coffee = Spill::random(DirtKind::Liquid, SPILLED, &mut Pcg32::new(7, 7));
+    scene.spills.push(Spill { radii_m: [0.1; 2], strength: 1.0, ..coffee });
+    let plane = Plane::of_mounting(eye.height_m, eye.pitch_rad).unwrap();
+    let pinhole = PinholeCamera::new([eye.focal_px; 2], [159.5, 119.5]).unwrap();
+    for step in 0..15_u32 {
+        let robot = Pose2::new(0.12 * step as f32, 0.0, 0.0);
+        let depth = |index: u32| {
+            let ray = pinhole.ray((index % 320) as f32, (index / 320) as f32);
+            let down: f32 = plane.normal.iter().zip(ray).map(|(n, r)| -n * r).sum();
+            let depth_mm = if down < 0.05 { 0.0 } else { 1_000.0 * plane.distance_m / down };
+            depth_mm as u16 + ((index * 7 + step * 13) % 3) as u16
+        };
+        let depth_mm: Vec<u16> = (0..320 * 240).map(depth).collect();
+        let stamp = Stamp::from_micros(u64::from(step) * 200_000);
+        let picture = scene.picture(&eye, robot, (step, 0.0));
+        pictures.add((stamp, robot), (&depth_mm, eye.size), &picture.rgb).unwrap();
+    }
+    pictures.finish().unwrap();
+    let broken = root.join("depth/1.400000.png");
+    let whole = std::fs::read(&broken).unwrap();
+    std::fs::write(broken, &whole[..whole.len() / 2]).unwrap();
 }
 
 fn robot_file(folder: &std::path::Path, port: u16) -> String {

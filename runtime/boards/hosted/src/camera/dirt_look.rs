@@ -8,7 +8,8 @@ use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_core::maps::GridGeometry;
 use floorguard_core::maps::seen_dirt::{CellState, DirtSpots, SeenCell, SeenDirtMap, SeenLayer, ViewOutcome};
 use floorguard_core::sensing::{ColorImage, FrameFault, FrameWatch, PinholeCamera};
-use floorguard_core::time::Stamp;
+use floorguard_core::time::{Age, Stamp};
+use floorguard_runtime::tasks::SIGHT_MAX_US;
 
 use super::look::FloorLook;
 use crate::evaluate::DirtDetectors;
@@ -16,6 +17,8 @@ use crate::evaluate::DirtDetectors;
 /// Edge of a cell, and of the square around the start that is mapped, metres.
 const CELL_M: f32 = 0.05;
 const SIDE_M: f32 = 40.0;
+/// A picture this old is judged no more, microseconds.
+const LATE_US: u64 = SIGHT_MAX_US + 1;
 
 /// Why a picture added nothing to the map.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -23,6 +26,9 @@ pub enum DirtBlind {
     /// The picture says nothing about now.
     #[error(transparent)]
     Frame(#[from] FrameFault),
+    /// The picture is too old to say anything about now.
+    #[error("the picture came {} ms late", .0 / 1_000)]
+    Late(u64),
     /// Not as many bytes as pixels of the agreed size.
     #[error("{bytes} bytes are no picture of {} × {} pixels", size.0, size.1)]
     WrongSize {
@@ -68,6 +74,20 @@ pub struct SeenDirt {
     pub frames: (u32, u32),
 }
 
+impl SeenDirt {
+    /// For the console.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let ([first_m2, now_m2], (judged, unknown)) = (self.dirty_m2, self.frames);
+        let spots = self.spots.spots.len();
+        format!(
+            "{:.1} m² of floor seen in {judged} pictures, {first_m2:.2} m² dirty at first and {now_m2:.2} m² now, in {spots} \
+             spots; {unknown} pictures showed nothing that is known",
+            self.seen_m2
+        )
+    }
+}
+
 impl DirtLook {
     /// For pictures of a size, whose intrinsics these are; `None` for a size that makes no map.
     #[must_use]
@@ -106,6 +126,11 @@ impl DirtLook {
         outcome
     }
 
+    /// Something came that is no picture, or nothing at all.
+    pub const fn miss(&mut self) {
+        self.frames.1 = self.frames.1.saturating_add(1);
+    }
+
     fn judge(
         &mut self,
         rgb: &[u8],
@@ -116,6 +141,9 @@ impl DirtLook {
         let image = ColorImage::new(stamp, self.size, rgb)
             .map_err(|_| DirtBlind::WrongSize { bytes: rgb.len(), size: self.size })?;
         self.watch.accept(stamp, image.fingerprint(), now)?;
+        if let Age::Past(age_us @ LATE_US..) = stamp.age(now) {
+            return Err(DirtBlind::Late(age_us));
+        }
         let view = floor.view(self.camera, robot_in_map).ok_or(DirtBlind::NoPlane)?;
         self.take_mask(floor);
         self.detectors.watch(&image, &self.usable, Some(&view))?;

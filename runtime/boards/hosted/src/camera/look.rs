@@ -46,6 +46,7 @@ pub struct FloorLook {
     camera_in_robot: Pose2,
     limits: FloorLimits,
     plane: Option<Plane>,
+    why_blind: Option<String>,
     /// Things that the robot has come so near to that they left the picture, in the odometry frame, and when they did.
     hidden: Vec<(Point2, FloorThing, Stamp)>,
     /// Nearer than this before the robot's origin nothing is in the picture, metres.
@@ -77,6 +78,7 @@ impl FloorLook {
                 unknown_speed_mps: robot.thresholds.warning_speed_mps,
             },
             plane: None,
+            why_blind: None,
             hidden: Vec::new(),
             nearest_m: mounting.position.x_m + nearest_m(camera) + NEAR_EDGE_M,
         })
@@ -86,6 +88,18 @@ impl FloorLook {
     #[must_use]
     pub const fn plane(&self) -> Option<&Plane> {
         self.plane.as_ref()
+    }
+
+    /// Why the newest picture showed no floor; `None` if it did.
+    #[must_use]
+    pub fn why_blind(&self) -> Option<&str> {
+        self.why_blind.as_deref()
+    }
+
+    /// No picture came, or none that is one: nothing is known.
+    pub fn lost(&mut self, now: Stamp) -> FloorSight {
+        self.plane = None;
+        self.blind(now)
     }
 
     /// What is told while no picture says anything.
@@ -104,13 +118,17 @@ impl FloorLook {
     ) -> FloorSight {
         self.plane = None;
         let mut sight = self.blind(stamp);
-        self.plane = None;
-        let Ok(image) = DepthImage::new(stamp, self.size, depth_mm) else { return sight };
+        let image = match DepthImage::new(stamp, self.size, depth_mm) {
+            Ok(image) => image,
+            Err(problem) => return self.blinded(problem, sight),
+        };
         let estimate = self.model.update(&image, now);
         let parameters = *self.model.parameters();
-        let Ok(found) = self.finder.find(&image, (&parameters, &estimate), &mut self.classes) else {
-            return sight;
+        let found = match self.finder.find(&image, (&parameters, &estimate), &mut self.classes) {
+            Ok(found) => found,
+            Err(problem) => return self.blinded(problem, sight),
         };
+        self.why_blind = estimate.fault.map(|fault| fault.to_string());
         // Without a floor in this very picture its heights mean nothing.
         sight.is_known = estimate.is_known && estimate.fault.is_none();
         self.plane = sight.is_known.then_some(estimate.plane);
@@ -123,6 +141,11 @@ impl FloorLook {
             }
         }
         self.recall(&mut sight, robot_in_odom);
+        sight
+    }
+
+    fn blinded(&mut self, why: impl std::fmt::Display, sight: FloorSight) -> FloorSight {
+        self.why_blind = Some(why.to_string());
         sight
     }
 
@@ -183,7 +206,7 @@ impl FloorLook {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::configuration::{EXAMPLE, parse};
+    use crate::configuration::{CameraSource, EXAMPLE, parse};
     use floorguard_runtime::tasks::with_floor;
 
     const SIZE: (usize, usize) = (160, 120);
@@ -195,8 +218,7 @@ mod tests {
         let mut mounting = configuration.robot.lidar.mounting;
         (mounting.position.x_m, mounting.position.z_m, mounting.pitch_rad) = (0.9, HEIGHT_M, PITCH_RAD);
         let camera = CameraConfiguration {
-            depth: "/dev/video0".into(),
-            colour: None,
+            source: CameraSource::Devices { depth: "/dev/video0".into(), colour: None },
             size: SIZE,
             camera: PinholeCamera::new([131.0, 131.0], [79.5, 59.5]).expect("a camera"),
             mounting,

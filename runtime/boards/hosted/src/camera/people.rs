@@ -124,7 +124,7 @@ fn detection(person: &RgbdDetection, robot_in_odom: Pose2) -> Detection {
 mod tests {
     use super::*;
     use crate::camera::FloorLook;
-    use crate::configuration::{EXAMPLE, parse};
+    use crate::configuration::{CameraSource, EXAMPLE, parse};
     use crate::world::{PeopleInbox, Stages, new_perception};
     use floorguard_core::geometry::Twist2;
     use floorguard_core::people::{PeopleOutput, SweepContext};
@@ -168,8 +168,7 @@ mod tests {
         (mounting.position.x_m, mounting.position.y_m, mounting.position.z_m) = (0.9, 0.0, 0.9);
         (mounting.pitch_rad, mounting.yaw_rad) = (0.25, 0.0);
         let camera = CameraConfiguration {
-            depth: "/dev/video0".into(),
-            colour: None,
+            source: CameraSource::Devices { depth: "/dev/video0".into(), colour: None },
             size: CAMERA.size,
             camera: PinholeCamera::new([CAMERA.focal_px; 2], [79.5, 59.5]).expect("a camera"),
             mounting,

@@ -14,6 +14,9 @@ pub enum WrongFrame {
     /// A compressed picture of another size.
     #[error("a picture of {} × {} pixels, not {} × {}", .0.0, .0.1, .1.0, .1.1)]
     OtherSize((usize, usize), (usize, usize)),
+    /// What is wrong with a recorded picture.
+    #[error("{0}: {1}")]
+    InFile(String, Box<Self>),
 }
 
 /// How a colour camera packs its pixels.

@@ -1,92 +1,97 @@
-//! The thread of the floor camera: takes frames until the run ends, and waits for a camera that is not there.
+//! The thread of the floor camera: takes pictures until the run ends, and waits for a camera that is not there.
 
 use std::path::Path;
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use floorguard_core::time::{Age, Stamp};
 use floorguard_runtime::clock;
 use floorguard_runtime::configuration::RobotConfiguration;
 
-use super::device::Device;
-use super::look::FloorLook;
-use super::people::PeopleLook;
-use super::pixels::depth_of;
-use crate::configuration::CameraConfiguration;
+use super::dirt_look::SeenDirt;
+use super::eye::Eye;
+use super::folder_eye::FolderEye;
+use super::kernel_eye::KernelEye;
+use super::watcher::Watcher;
+use crate::configuration::{CameraConfiguration, CameraSource};
 use crate::executor::StopFlag;
 use crate::robot::HostedShared;
 use crate::world::PeopleInbox;
 
-/// Between looks at the device: a third of a frame at 30 Hz.
+/// Between looks at the streams: a third of a frame at 30 Hz.
 const POLL: Duration = Duration::from_millis(10);
-/// Between attempts to open a device that is not there.
-const RETRY: Duration = Duration::from_secs(2);
-/// A device that sends nothing for this long is opened again.
-const SILENT: Duration = Duration::from_secs(2);
-/// Depth in whole millimetres.
-const Z16: [u8; 4] = *b"Z16 ";
+/// The map of dirt is told this often, microseconds.
+const SEEN_EVERY_US: u64 = 10_000_000;
+
+/// What the camera tells besides what the rings hear.
+pub enum CameraNews {
+    /// For the console.
+    Says(String),
+    /// The map of dirt, from time to time and at the end.
+    Dirt(Box<SeenDirt>),
+}
+
+/// Where the pictures of a configuration come from; a folder is relative to the configuration's.
+///
+/// # Errors
+/// The folder is no recording.
+pub fn open_eye(camera: &CameraConfiguration, beside: &Path) -> anyhow::Result<LiveEye> {
+    Ok(match &camera.source {
+        CameraSource::Devices { depth, colour } => {
+            LiveEye::Kernel(KernelEye::new(depth, colour.as_deref(), camera.size))
+        }
+        CameraSource::Folder { path, rate_hz } => {
+            LiveEye::Folder(FolderEye::open(&beside.join(path), camera.size, *rate_hz)?)
+        }
+    })
+}
+
+/// The eyes that `run` knows.
+pub enum LiveEye {
+    /// Devices.
+    Kernel(KernelEye),
+    /// A recording.
+    Folder(FolderEye),
+}
 
 /// Publishes what the camera sees until `flag` stops; before the first picture, that nothing is known.
 pub fn watch_floor(
     (robot, camera): (&RobotConfiguration, &CameraConfiguration),
-    (shared, inbox): (&HostedShared, &PeopleInbox),
-    flag: &StopFlag,
-    say: impl Fn(String),
+    eye: LiveEye,
+    (shared, inbox, flag): (&HostedShared, &PeopleInbox, &StopFlag),
+    tell: impl Fn(CameraNews),
 ) {
-    let Some(floor) = FloorLook::new(robot, camera) else { return };
-    let mut look = (floor, PeopleLook::new(camera));
-    shared.floor.publish(look.0.blind(clock::now()));
-    let mut said = None;
+    match eye {
+        LiveEye::Kernel(eye) => watch((robot, camera), eye, (shared, inbox, flag), tell),
+        LiveEye::Folder(eye) => watch((robot, camera), eye, (shared, inbox, flag), tell),
+    }
+}
+
+fn watch(
+    (robot, camera): (&RobotConfiguration, &CameraConfiguration),
+    mut eye: impl Eye,
+    (shared, inbox, flag): (&HostedShared, &PeopleInbox, &StopFlag),
+    tell: impl Fn(CameraNews),
+) {
+    let Some(mut watcher) = Watcher::new(robot, camera, eye.has_colour()) else { return };
+    shared.floor.publish(watcher.blind(clock::now()));
+    tell(CameraNews::Says(eye.name()));
+    let mut told = clock::now();
+    let is_due = |told: Stamp| matches!(told.age(clock::now()), Age::Past(age_us) if age_us >= SEEN_EVERY_US);
     while !flag.is_stopped() {
-        match Device::open(&camera.depth, camera.size, &[Z16]) {
-            Ok(device) => {
-                said = None;
-                let why = follow(device, (&mut look, camera), (shared, inbox), flag);
-                if !flag.is_stopped() {
-                    say(format!("camera: {}: {why}; the floor is unknown", camera.depth.display()));
-                }
-            }
-            Err(problem) => say_once(&mut said, &camera.depth, problem.to_string(), &say),
-        }
-        let until = Instant::now() + RETRY;
-        while !flag.is_stopped() && Instant::now() < until {
+        let pose = shared.pose.get().unwrap_or_default().pose_in_odometry;
+        let attended = watcher.attend(&mut eye, pose, clock::now);
+        attended.words.into_iter().for_each(|words| tell(CameraNews::Says(words)));
+        attended.people.into_iter().for_each(|view| inbox.put(view));
+        if let Some(sight) = attended.sight {
+            shared.floor.publish(sight);
+        } else {
             thread::sleep(POLL);
         }
-    }
-}
-
-/// The same reason is not told again and again.
-fn say_once(said: &mut Option<String>, device: &Path, why: String, say: &impl Fn(String)) {
-    if said.as_deref() != Some(&why) {
-        say(format!("camera: {}: {why}; waiting for it, the floor is unknown", device.display()));
-        *said = Some(why);
-    }
-}
-
-/// Looks at every frame; returns why it ended.
-fn follow(
-    mut device: Device,
-    ((floor, people), camera): (&mut (FloorLook, PeopleLook), &CameraConfiguration),
-    (shared, inbox): (&HostedShared, &PeopleInbox),
-    flag: &StopFlag,
-) -> String {
-    let mut last = Instant::now();
-    while !flag.is_stopped() {
-        match device.newest() {
-            Err(problem) => return problem.to_string(),
-            Ok(None) if last.elapsed() > SILENT => return "no pictures any more".to_owned(),
-            Ok(None) => thread::sleep(POLL),
-            Ok(Some((stamp, bytes))) => {
-                last = Instant::now();
-                let pose = shared.pose.get().unwrap_or_default().pose_in_odometry;
-                let Ok(depth_mm) = depth_of(&bytes, camera.size, device.line_bytes) else {
-                    shared.floor.publish(floor.blind(stamp));
-                    continue;
-                };
-                shared.floor.publish(floor.look(&depth_mm, pose, (stamp, clock::now())));
-                let seen = floor.plane().and_then(|plane| people.look(&depth_mm, (plane, pose), stamp));
-                seen.into_iter().for_each(|view| inbox.put(view));
-            }
+        if is_due(told) {
+            told = clock::now();
+            watcher.seen(told).into_iter().for_each(|seen| tell(CameraNews::Dirt(Box::new(seen))));
         }
     }
-    "ended".to_owned()
+    watcher.seen(clock::now()).into_iter().for_each(|seen| tell(CameraNews::Dirt(Box::new(seen))));
 }

@@ -12,6 +12,7 @@ mod exit;
 mod interrupt;
 mod learn;
 mod live;
+mod live_camera;
 mod mission;
 mod panel;
 mod replay;

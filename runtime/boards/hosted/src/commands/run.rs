@@ -20,8 +20,9 @@ use serde_json::json;
 use super::exit::BadInput;
 use super::interrupt::at_interrupt;
 use super::live::status_of;
+use super::live_camera::LiveCamera;
 use super::panel::open_panel;
-use crate::camera::watch_floor;
+use crate::camera::open_eye;
 use crate::cleaner::{MissionPhase, MissionPlan, MissionProgress, MissionSetup, Store};
 use crate::configuration::{HostedConfiguration, load};
 use crate::display::LiveDisplay;
@@ -29,7 +30,7 @@ use crate::environment::{Calendar, LiveLearner};
 use crate::executor::{Ring, StopFlag, take_priority};
 use crate::panel::Order;
 use crate::robot::{HostedShared, Links, run_rings, write_stop_file};
-use crate::world::{Notes, PeopleInbox, Witnesses, new_shared, with_onlooker};
+use crate::world::{Notes, Witnesses, new_shared, with_onlooker};
 
 /// How often the display looks at the robot.
 const LOOK: Duration = Duration::from_millis(50);
@@ -76,6 +77,8 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     if let Some(duration) = arguments.duration.filter(|duration| !(*duration > 0.0 && duration.is_finite())) {
         return Err(BadInput(format!("--duration {duration}: give seconds, more than 0")).into());
     }
+    let folder = arguments.file.parent().unwrap_or(Path::new("."));
+    let eye = configuration.carriers.camera.as_ref().map(|camera| open_eye(camera, folder)).transpose()?;
     let mut links = Links::bind(&configuration.carriers).map_err(|error| BadInput(error.to_string()))?;
     let shared: Box<HostedShared> = new_shared(&configuration.robot, clock::now())
         .map_err(|error| BadInput(format!("{}: {error}", arguments.file.display())))?;
@@ -91,7 +94,7 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
         let learner = LiveLearner::open(path, mounting, Calendar::now());
         watch.learner = Some(learner.map_err(|error| BadInput(format!("{}: {error:#}", path.display())))?);
     }
-    let mission = mission_of(arguments, &configuration)?;
+    let mission = mission_of((arguments, folder), &configuration)?;
     let plan = mission.as_ref().map(|mission| &mission.plan);
     let mut witnesses = open_witnesses(arguments, &configuration, plan)?;
     watch.mission.clone_from(&mission);
@@ -103,7 +106,8 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
             let typed = typed_lines();
             // The display reads what the rings share; the word for it is on the console already.
             let _ = take_priority(Ring::Onlooker);
-            with_camera(&configuration, (&shared, &inbox), || watch.until_stopped(&flag, &typed, notes))
+            let camera = LiveCamera { configuration: &configuration, notes, has_json: arguments.json };
+            camera.watch(eye, (&shared, &inbox), || watch.until_stopped(&flag, &typed, notes))
         })?
     })?;
     if let Some(learner) = watch.learner.take() {
@@ -114,31 +118,12 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Runs `beside` while the camera, if there is one, looks at floor and people on a thread of its own.
-fn with_camera<T>(
-    configuration: &HostedConfiguration,
-    (shared, inbox): (&HostedShared, &PeopleInbox),
-    beside: impl FnOnce() -> T,
-) -> T {
-    let flag = &StopFlag::default();
-    thread::scope(|scope| {
-        if let Some(camera) = &configuration.carriers.camera {
-            let say = |what: String| anstream::eprintln!("floorguard run: {what}");
-            scope.spawn(move || watch_floor((&configuration.robot, camera), (shared, inbox), flag, say));
-        }
-        let answer = beside();
-        flag.stop();
-        answer
-    })
-}
-
 /// The mission of the file, begun or gone on with where it was broken off.
 fn mission_of(
-    arguments: &RunArguments,
+    (arguments, folder): (&RunArguments, &Path),
     configuration: &HostedConfiguration,
 ) -> anyhow::Result<Option<MissionSetup>> {
     let Some(mission) = &configuration.mission else { return Ok(None) };
-    let folder = arguments.file.parent().unwrap_or(Path::new("."));
     let refuse =
         |error: anyhow::Error| BadInput(format!("{}: [mission]: {error:#}", arguments.file.display()));
     let plan = MissionPlan::of_configuration(mission, folder).map_err(refuse)?;

@@ -15,13 +15,14 @@ use super::exit::{BadInput, VerdictFailed};
 use super::interrupt::{INTERRUPTED, at_interrupt};
 use super::live::status_of;
 use super::panel::open_panel;
+use crate::camera::PictureFolder;
 use crate::cleaner::MissionStrategy;
 use crate::display::LiveDisplay;
 use crate::executor::StopFlag;
 use crate::report::{make_folder, write_report};
 use crate::world::{
-    Observation, Observer, Plan, SeenStop, Stages, Tape, Witnesses, load_scenario, run_real_recorded,
-    run_recorded,
+    Observation, Observer, Plan, SeenStop, SimulatedCamera, Stages, Tape, Witnesses, load_scenario,
+    run_real_recorded, run_recorded,
 };
 
 /// What to simulate.
@@ -64,6 +65,9 @@ pub struct SimulateArguments {
     /// Render a floor camera: things on the floor are driven round, and dirt is mapped. Takes as much time as all the rest.
     #[arg(long, conflicts_with_all = ["tape", "real_io"])]
     pub camera: bool,
+    /// With --camera: write its pictures into this folder, from which `run` takes them as from a camera (`camera.toml`).
+    #[arg(long, value_name = "FOLDER", requires = "camera")]
+    pub pictures: Option<PathBuf>,
     /// Show the run live in a browser, in real time: `--panel 127.0.0.1:8080`.
     #[arg(long, value_name = "ADDRESS:PORT")]
     pub panel: Option<SocketAddr>,
@@ -115,6 +119,9 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
     }
     let (record, panel) = (arguments.record.as_deref(), arguments.panel);
     open_witnesses(&mut witnesses, &plan, (record, panel, arguments.real_io))?;
+    let folder = arguments.pictures.as_deref();
+    witnesses.pictures =
+        folder.map(|folder| PictureFolder::new(folder, SimulatedCamera::PICTURES)).transpose()?;
     let observation = if arguments.real_io {
         play_real((&plan, arguments.can_interface.as_deref()), arguments.json, &mut witnesses)?
     } else {

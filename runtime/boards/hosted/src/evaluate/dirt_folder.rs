@@ -15,7 +15,7 @@ const BLOCKS_MAX: usize = 1_200;
 /// Endings of files that are pictures.
 const FORMATS: [&str; 5] = ["png", "jpg", "jpeg", "ppm", "pgm"];
 /// Folders that may hold the frames.
-const FRAMES: [&str; 7] = ["frames", "images", "image", "rgb", "color", "colour", "frame"];
+pub const FRAME_FOLDERS: [&str; 7] = ["frames", "images", "image", "rgb", "color", "colour", "frame"];
 
 /// A kind of mask: endings of names beside the frame, and folders of its own.
 struct Kind {
@@ -64,9 +64,9 @@ impl DirtFolder {
     /// # Errors
     /// The folder cannot be read, has no frame, or a frame has no mask.
     pub fn open(root: &Path) -> anyhow::Result<Self> {
-        let inner = FRAMES.iter().map(|name| root.join(name)).find(|path| path.is_dir());
+        let inner = FRAME_FOLDERS.iter().map(|name| root.join(name)).find(|path| path.is_dir());
         let folder = inner.as_deref().unwrap_or(root);
-        let pictures = pictures(folder)?;
+        let pictures = picture_files(folder)?;
         let mask = |path: &PathBuf| companion(root, path, &DIRT);
         let series: Vec<String> =
             pictures.iter().filter(|path| mask(path).is_some()).map(|p| series(p)).collect();
@@ -139,7 +139,10 @@ impl DirtFrame {
 }
 
 /// Pictures of a folder that are nobody's mask, by name.
-fn pictures(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+///
+/// # Errors
+/// The folder cannot be read.
+pub fn picture_files(folder: &Path) -> Result<Vec<PathBuf>, BadInput> {
     let bad = |problem: std::io::Error| BadInput(format!("{}: {problem}", folder.display()));
     let mut pictures = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(bad)? {

@@ -29,7 +29,7 @@ pub use curve::draw_legs;
 pub use dirt::{DirtReport, dirt};
 pub use dirt_detectors::{DirtAnswer, DirtDetectors};
 pub use dirt_figures::{DirtFigures, DirtTotals};
-pub use dirt_folder::{DirtFolder, DirtFrame};
+pub use dirt_folder::{DirtFolder, DirtFrame, FRAME_FOLDERS, picture_files};
 pub use dirt_memory::NoveltyBuffers;
 pub use floor::{FloorReport, FloorTask, ObjectReport, floor, parse_intrinsics};
 pub use frames::{capture_frames, standing_context};

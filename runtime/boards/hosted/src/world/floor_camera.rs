@@ -12,8 +12,8 @@ use floorguard_sim::sensors::FloorEye;
 use floorguard_sim::simulation::Simulation;
 
 use super::plan::Plan;
-use crate::camera::{DirtLook, FloorLook, SeenDirt};
-use crate::configuration::CameraConfiguration;
+use crate::camera::{DirtLook, FloorLook, PictureCamera, PictureFolder, SeenDirt};
+use crate::configuration::{CameraConfiguration, CameraSource};
 
 /// Between pictures, microseconds: rendering one takes as long as everything else in this time.
 const EVERY_US: u64 = 200_000;
@@ -38,8 +38,7 @@ impl SimulatedCamera {
     pub fn new(plan: &Plan) -> Option<Self> {
         let (height_m, forward_m, pitch_rad) = FloorEye::MOUNTING;
         let camera = CameraConfiguration {
-            depth: "".into(),
-            colour: None,
+            source: CameraSource::Devices { depth: "".into(), colour: None },
             size: FloorEye::DEPTH_SIZE,
             camera: pinhole(FloorEye::DEPTH_SIZE, FloorEye::FOCAL_PX)?,
             mounting: Mounting {
@@ -58,10 +57,25 @@ impl SimulatedCamera {
         })
     }
 
-    /// Takes a picture when it is time, and tells the rings what it shows. True if it did.
-    pub fn attend<M: RawMutex>(&mut self, simulation: &Simulation, shared: &Shared<M>, now_us: u64) -> bool {
+    /// What its colour pictures are like.
+    pub const PICTURES: PictureCamera = PictureCamera {
+        size: FloorEye::COLOUR_SIZE,
+        focal_px: 2.0 * FloorEye::FOCAL_PX,
+        mounting: FloorEye::MOUNTING,
+    };
+
+    /// Takes a picture when it is time, and tells the rings what it shows; it goes into the folder, too. True if it did.
+    ///
+    /// # Errors
+    /// The folder cannot be written.
+    pub fn attend<M: RawMutex>(
+        &mut self,
+        simulation: &Simulation,
+        shared: &Shared<M>,
+        (now_us, folder): (u64, Option<&mut PictureFolder>),
+    ) -> anyhow::Result<bool> {
         if now_us < self.next_us {
-            return false;
+            return Ok(false);
         }
         self.next_us = now_us + EVERY_US;
         self.frame += 1;
@@ -71,7 +85,10 @@ impl SimulatedCamera {
         shared.floor.publish(self.floor.look(&picture.depth_mm, pose, (now, now)));
         // What it cannot judge stays unknown, and is counted.
         let _ = self.dirt.look(&picture.rgb, &self.floor, pose, (now, now));
-        true
+        if let Some(folder) = folder {
+            folder.add((now, pose), (&picture.depth_mm, FloorEye::DEPTH_SIZE), &picture.rgb)?;
+        }
+        Ok(true)
     }
 
     /// What was seen of the dirt so far, in the odometry frame.

@@ -18,6 +18,7 @@ mod truth;
 mod virtual_world;
 mod witnesses;
 
+pub use floor_camera::SimulatedCamera;
 pub use inbox::PeopleInbox;
 pub use observer::{Observation, Observer, PeopleSeen, SeenStop, TRACKED_RANGE_M};
 pub use onlooker::{Notes, with_onlooker};

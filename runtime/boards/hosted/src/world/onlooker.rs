@@ -12,6 +12,7 @@ use floorguard_runtime::clock;
 use floorguard_runtime::shared::StopRecord;
 
 use super::witnesses::Witnesses;
+use crate::camera::SeenDirt;
 use crate::cleaner::MissionProgress;
 use crate::executor::{Ring, take_priority};
 use crate::panel::Order;
@@ -25,6 +26,7 @@ enum Note {
     Stop(StopRecord),
     Mission(Arc<MissionProgress>),
     Order(Order),
+    Dirt(Box<SeenDirt>),
 }
 
 /// The way to the onlooker, if there is one.
@@ -42,6 +44,11 @@ impl Notes<'_> {
     /// The cleaning mission has told its progress.
     pub fn mission(&self, progress: &Arc<MissionProgress>) {
         self.note(Note::Mission(Arc::clone(progress)));
+    }
+
+    /// The floor camera's map of dirt.
+    pub fn seen_dirt(&self, seen: Box<SeenDirt>) {
+        self.note(Note::Dirt(seen));
     }
 
     /// An operator's order: the tasks get it, and so does the recording.
@@ -133,6 +140,7 @@ fn take_in(witnesses: &mut Witnesses, shared: &HostedShared, (rows, notes): (&Ta
         match note {
             Note::Stop(record) => witnesses.stop(&record),
             Note::Mission(progress) => witnesses.mission(&progress),
+            Note::Dirt(seen) => witnesses.seen_dirt(&seen),
             Note::Order(order) => witnesses.order(order, shared, now_us),
         }
     }

@@ -175,6 +175,9 @@ fn play(
         world.observer.on_seen_dirt(seen);
     }
     world.observer.finish(world.operator.resets());
+    if let Some(folder) = world.witnesses.pictures.take() {
+        folder.finish()?;
+    }
     Ok(world.witnesses.finish((world.end_us, world.observer.digest().value()))?)
 }
 
@@ -239,7 +242,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
                 world.tell(&shared, setup);
             }
             world.observer.observe(world.simulation, &shared, &stops);
-            world.look_at_floor(&shared);
+            world.look_at_floor(&shared)?;
         }
     }
 }
@@ -305,14 +308,17 @@ impl World<'_, '_> {
     }
 
     /// The floor camera, if there is one; its map goes to the witnesses now and then.
-    fn look_at_floor(&mut self, shared: &Shared<NoopRawMutex>) {
-        let Some(camera) = &mut self.camera else { return };
-        if camera.attend(self.simulation, shared, self.now_us) && self.now_us >= self.next_map_us {
+    fn look_at_floor(&mut self, shared: &Shared<NoopRawMutex>) -> anyhow::Result<()> {
+        let Some(camera) = &mut self.camera else { return Ok(()) };
+        let folder = self.witnesses.pictures.as_mut();
+        let is_new = camera.attend(self.simulation, shared, (self.now_us, folder))?;
+        if is_new && self.now_us >= self.next_map_us {
             self.next_map_us = self.now_us + SEEN_DIRT_US;
             if self.witnesses.listen() {
                 self.witnesses.seen_dirt(&camera.seen(self.now_us));
             }
         }
+        Ok(())
     }
 
     /// A frame of the computer on its way to the bus.

@@ -19,7 +19,7 @@ use floorguard_sim::{FaultSpec, FaultTarget};
 use super::plan::Plan;
 use super::spawn::Stages;
 use super::tape::{Tape, encode_route};
-use crate::camera::SeenDirt;
+use crate::camera::{PictureFolder, SeenDirt};
 use crate::cleaner::MissionPlan;
 use crate::cleaner::MissionProgress;
 use crate::commands::BadInput;
@@ -56,6 +56,8 @@ pub struct Witnesses {
     pub tape: Tape,
     /// A recording for everybody else.
     pub recording: Option<FileRecorder>,
+    /// The simulated camera's pictures.
+    pub pictures: Option<PictureFolder>,
     /// A panel: the run then goes in real time, and nobody but its operators resets the robot.
     pub panel: Option<Panel>,
     /// Set by somebody who wants the run to end here and now, in order.

@@ -1,0 +1,175 @@
+//! A camera of the kernel: devices that are opened when they are there, and again when they have gone.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use floorguard_core::time::{Age, Stamp};
+
+use super::device::Device;
+use super::eye::{Eye, News};
+use super::pixels::{ColourFormat, WrongFrame, colour_of, depth_of};
+
+/// Between attempts to open a device that is not there, microseconds.
+const RETRY_US: u64 = 2_000_000;
+/// A device that sends nothing for this long is opened again, microseconds.
+const SILENT_US: u64 = 2_000_000;
+/// Depth in whole millimetres.
+const Z16: [u8; 4] = *b"Z16 ";
+
+/// What a device sends.
+trait Stream: Sized {
+    /// The newest frame that waits.
+    fn newest(&mut self) -> io::Result<Option<(Stamp, Vec<u8>)>>;
+}
+
+impl Stream for Device {
+    fn newest(&mut self) -> io::Result<Option<(Stamp, Vec<u8>)>> {
+        Self::newest(self)
+    }
+}
+
+/// The line to a device, there or not.
+struct Line<S> {
+    stream: Option<S>,
+    retry_at: Stamp,
+    last: Stamp,
+}
+
+impl<S: Stream> Line<S> {
+    const CLOSED: Self = Self { stream: None, retry_at: Stamp::ZERO, last: Stamp::ZERO };
+
+    fn news<P>(
+        &mut self,
+        now: Stamp,
+        open: impl FnOnce() -> io::Result<S>,
+        unpack: impl FnOnce(&S, &[u8]) -> Result<P, WrongFrame>,
+    ) -> News<P> {
+        let later = |after_us: u64| Stamp::from_micros(now.as_micros().saturating_add(after_us));
+        if self.stream.is_none() {
+            if now < self.retry_at {
+                return News::Nothing;
+            }
+            self.retry_at = later(RETRY_US);
+            match open() {
+                Ok(stream) => (self.stream, self.last) = (Some(stream), now),
+                Err(problem) => return News::Silent(problem.to_string()),
+            }
+        }
+        let Some(stream) = &mut self.stream else { return News::Nothing };
+        let why = match stream.newest() {
+            Ok(Some((stamp, bytes))) => {
+                self.last = now;
+                return match unpack(stream, &bytes) {
+                    Ok(picture) => News::Picture(stamp, picture),
+                    Err(problem) => News::Damaged(problem),
+                };
+            }
+            Ok(None) if matches!(self.last.age(now), Age::Past(age_us) if age_us > SILENT_US) => {
+                "no pictures any more".to_owned()
+            }
+            Ok(None) => return News::Nothing,
+            Err(problem) => problem.to_string(),
+        };
+        (self.stream, self.retry_at) = (None, later(RETRY_US));
+        News::Silent(why)
+    }
+}
+
+/// The devices of a camera.
+pub struct KernelEye {
+    size: (usize, usize),
+    depth: (PathBuf, Line<Device>),
+    colour: Option<(PathBuf, Line<Device>)>,
+}
+
+impl KernelEye {
+    /// Devices for depth and colour that show pictures of a size; opened when they are asked for the first time.
+    #[must_use]
+    pub fn new(depth: &Path, colour: Option<&Path>, size: (usize, usize)) -> Self {
+        let closed = |path: &Path| (path.to_owned(), Line::CLOSED);
+        Self { size, depth: closed(depth), colour: colour.map(closed) }
+    }
+}
+
+impl Eye for KernelEye {
+    fn name(&self) -> String {
+        let colour = self.colour.iter().map(|(path, _)| format!(" and {}", path.display()));
+        format!("{}{}", self.depth.0.display(), colour.collect::<String>())
+    }
+
+    fn has_colour(&self) -> bool {
+        self.colour.is_some()
+    }
+
+    fn depth(&mut self, now: Stamp) -> News<Vec<u16>> {
+        let (size, (path, line)) = (self.size, &mut self.depth);
+        line.news(
+            now,
+            || Device::open(path, size, &[Z16]),
+            |device, bytes| depth_of(bytes, size, device.line_bytes),
+        )
+    }
+
+    fn colour(&mut self, now: Stamp) -> News<Vec<u8>> {
+        let (size, Some((path, line))) = (self.size, &mut self.colour) else { return News::Nothing };
+        let letters = ColourFormat::ALL.map(|(_, letters)| letters);
+        line.news(
+            now,
+            || Device::open(path, size, &letters),
+            |device, bytes| {
+                let format = ColourFormat::ALL.into_iter().find(|(_, letters)| *letters == device.format);
+                let format = format.map_or(ColourFormat::Rgb, |(format, _)| format);
+                colour_of(format, bytes, size, device.line_bytes)
+            },
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A device that sends what is listed, then is unplugged.
+    struct Fake(Vec<Option<Vec<u8>>>);
+
+    impl Stream for Fake {
+        fn newest(&mut self) -> io::Result<Option<(Stamp, Vec<u8>)>> {
+            if self.0.is_empty() {
+                return Err(io::Error::other("no such device"));
+            }
+            Ok(self.0.remove(0).map(|bytes| (Stamp::from_micros(7), bytes)))
+        }
+    }
+
+    fn news(line: &mut Line<Fake>, at_ms: u64, frames: Vec<Option<Vec<u8>>>) -> News<Vec<u16>> {
+        let now = Stamp::from_micros(1_000 * at_ms);
+        line.news(now, || Ok(Fake(frames)), |_, bytes| depth_of(bytes, (2, 1), 0))
+    }
+
+    /// An unplugged device is told, left alone for two seconds, and opened again; a cut frame is no picture.
+    #[test]
+    fn a_device_may_go_and_come_back() {
+        let mut line = Line::CLOSED;
+        let good = || Some(vec![1, 0, 2, 0]);
+        let picture = News::Picture(Stamp::from_micros(7), vec![1, 2]);
+        assert_eq!(news(&mut line, 10, vec![good(), None, Some(vec![1]), good()]), picture);
+        assert_eq!(news(&mut line, 20, vec![]), News::Nothing);
+        assert_eq!(news(&mut line, 30, vec![]), News::Damaged(WrongFrame::Short(1, 4)));
+        assert_eq!(news(&mut line, 40, vec![]), picture);
+        assert_eq!(news(&mut line, 50, vec![]), News::Silent("no such device".to_owned()));
+        assert_eq!(news(&mut line, 2_040, vec![good()]), News::Nothing, "not yet");
+        assert_eq!(news(&mut line, 2_050, vec![good()]), picture);
+    }
+
+    #[test]
+    fn a_device_that_sends_nothing_is_opened_again() {
+        let mut line = Line::CLOSED;
+        assert_eq!(news(&mut line, 10, vec![None; 9]), News::Nothing);
+        assert_eq!(news(&mut line, 2_010, vec![]), News::Nothing);
+        assert_eq!(news(&mut line, 2_020, vec![]), News::Silent("no pictures any more".to_owned()));
+        let absent = || Err(io::Error::other("not there"));
+        let at = Stamp::from_micros(4_020_000);
+        let unpack = |_: &Fake, bytes: &[u8]| depth_of(bytes, (2, 1), 0);
+        assert_eq!(line.news(at, absent, unpack), News::Silent("not there".to_owned()));
+    }
+}
