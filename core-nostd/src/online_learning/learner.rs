@@ -65,6 +65,7 @@ pub struct OnlineLearner {
     store: SampleStore,
     random: Pcg32,
     counters: LearnerCounters,
+    agreement: Option<[Standing; 2]>,
 }
 
 impl OnlineLearner {
@@ -91,6 +92,7 @@ impl OnlineLearner {
             store: SampleStore::new(),
             random: Pcg32::new(0x1EA2, 1),
             counters: LearnerCounters::default(),
+            agreement: None,
         }
     }
 
@@ -156,6 +158,9 @@ impl OnlineLearner {
         }
     }
 
+    /// Steps from one judgement to the next, for whoever shares out the time.
+    pub const ROUND_STEPS: u32 = ROUND_STEPS;
+
     /// Learns for at most `steps` steps; at the end of a round what was learnt is judged. Call it when there is time.
     pub fn learn(&mut self, steps: u16) {
         if self.store.counts().iter().any(|count| *count < SAMPLES_MIN) {
@@ -189,10 +194,12 @@ impl OnlineLearner {
         let stands = |weights: &Weights| in_place(weights, &self.basis, &self.store);
         let standings = stands(&self.tried).zip(stands(&self.used)).zip(stands(&Weights::ZERO));
         let Some(((new, used), shipped)) = standings else { return };
+        self.agreement = Some([shipped, used]);
         let anchors = on_anchors(&self.tried, &self.basis, &self.anchors);
         let rivals = Rivals { used, shipped, shipped_on_anchors: self.shipped };
         if self.tried.is_sound() && is_better(new, anchors, &rivals) {
             self.used = self.tried;
+            self.agreement = Some([shipped, new]);
             self.counters.accepted = self.counters.accepted.saturating_add(1);
         } else {
             self.tried = self.used;
@@ -216,6 +223,13 @@ impl OnlineLearner {
     #[must_use]
     pub const fn store(&self) -> &SampleStore {
         &self.store
+    }
+
+    /// How the shipped classifier and what is in use agreed with the experts about the looks that were held out, at the
+    /// newest judgement; `None` before the first one.
+    #[must_use]
+    pub const fn agreement(&self) -> Option<[Standing; 2]> {
+        self.agreement
     }
 
     /// How the shipped classifier and what is in use stand on the anchors.

@@ -83,6 +83,8 @@ fn a_new_thing_that_stands_is_learnt_and_nobody_is_forgotten() {
     assert!(counters.people >= 50 && counters.nobodies >= 50, "{counters:?}");
     assert!(counters.accepted >= 1, "{counters:?}");
     assert!(learner.log_odds(&thing) < 0.0, "{}", learner.log_odds(&thing));
+    let [shipped, used] = learner.agreement().expect("it was judged");
+    assert!(used.rejected > shipped.rejected + 0.1 && used.recall >= shipped.recall, "{shipped:?} {used:?}");
     let [shipped, now] = learner.on_anchors();
     assert!(now.recall >= shipped.recall - 0.005 && now.rejected >= shipped.rejected - 0.005);
     // What was learnt can be kept and taken up again.

@@ -5,6 +5,7 @@
 //! every call is bounded. Source: algorithms A.6, form (b).
 
 mod basis;
+mod belief;
 mod diary;
 mod experts;
 mod judge;
@@ -15,6 +16,7 @@ mod samples;
 mod weights;
 
 pub use basis::{BASIS, Basis};
+pub use belief::{LearnedBeliefs, TwoLooks};
 pub use experts::{ExpertRules, Verdict};
 pub use judge::Standing;
 pub use learner::{LearnerCounters, OnlineLearner, Sight};

@@ -32,7 +32,7 @@ impl PeopleSensor {
 
     /// Share of a look's log-odds that a sighting adds to the belief: looks that follow each other quickly are not
     /// independent, so the share falls with the rate.
-    pub(super) const fn look_share(self) -> f32 {
+    pub(crate) const fn look_share(self) -> f32 {
         match self {
             Self::Lidar => 0.25,
             Self::Scanner => 0.06,

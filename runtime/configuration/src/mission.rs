@@ -38,11 +38,11 @@ pub(super) fn read_mission(section: Reader<'_>) -> Option<MissionConfiguration> 
         "strategy",
         &[("guarantee", CleaningStrategy::Guarantee), ("systematic", CleaningStrategy::Systematic)],
     );
-    let optional = |key: &'static str, example: &str| {
-        section.find(key).and_then(|_| section.text(key, example)).map(|(text, _)| PathBuf::from(text))
+    let optional = |key: &'static str, example: &str, without: &str| {
+        section.text_or_absent(key, example, without).map(|(text, _)| PathBuf::from(text))
     };
-    let dirt = optional("dirt", "dirt.csv");
-    let save = optional("save", "mission.fgm").unwrap_or_else(|| PathBuf::from("mission.fgm"));
+    let dirt = optional("dirt", "dirt.csv", "nothing is known to be dirty; not for `guarantee`");
+    let save = optional("save", "mission.fgm", "mission.fgm").unwrap_or_else(|| PathBuf::from("mission.fgm"));
     let place = |key: &'static str| section.number_or(key, -10_000.0..=10_000.0, 0.0);
     let start = [place("start_x_m"), place("start_y_m")];
     let yaw_deg = section.number_or("start_yaw_deg", -360.0..=360.0, 0.0);

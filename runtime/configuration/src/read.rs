@@ -14,6 +14,7 @@ use super::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress}
 use super::camera::{CameraConfiguration, read_camera};
 use super::devices::{read_can, read_imu, read_inputs, read_lidar, read_scanner};
 use super::fields::{read_fields, read_polygon};
+use super::learning::{LearningConfiguration, read_learning};
 use super::mission::{MissionConfiguration, read_mission};
 use super::problem::{Problem, Refused};
 use super::reader::{Problems, Reader};
@@ -42,6 +43,8 @@ pub struct HostedConfiguration {
     pub carriers: Carriers,
     /// What it cleans; without a mission it drives its route.
     pub mission: Option<MissionConfiguration>,
+    /// How it learns what people look like; without it, it does not.
+    pub learning: Option<LearningConfiguration>,
 }
 
 /// Reads and checks a file.
@@ -90,6 +93,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let (route, route_limits) =
         top.optional_section("route").map_or_else(Default::default, |section| read_route(section, &limits));
     let mission = top.optional_section("mission").and_then(read_mission);
+    let learning = top.optional_section("learning").and_then(read_learning);
     top.finish();
     let (lidar, lidar_address) = lidar?;
     let (scanner, scanner_address) = scanner?;
@@ -121,6 +125,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
             camera: camera.flatten(),
         },
         mission,
+        learning,
     })
 }
 

@@ -26,12 +26,21 @@ pub(crate) fn note(asked: impl FnOnce() -> Asked) {
     });
 }
 
+/// More sections that the example robot does not have.
+const OPTIONAL: &str = "
+[mission]
+map = \"hall.yaml\"
+strategy = \"systematic\"
+[learning]
+";
+
 /// Every key with its kind, what is allowed, its default, and its value in the example robot, as Markdown.
 #[must_use]
 pub fn reference() -> String {
     LIST.set(Some(Vec::new()));
-    let with_camera = format!("{}\n{}", super::EXAMPLE, super::camera::EXAMPLE_SECTION);
-    let read = super::parse("robot.toml", &with_camera);
+    let with_all = format!("{}
+{}{OPTIONAL}", super::EXAMPLE, super::camera::EXAMPLE_SECTION);
+    let read = super::parse("robot.toml", &with_all);
     let asked = LIST.take().unwrap_or_default();
     debug_assert!(read.is_ok(), "the example is a right configuration");
     let mut text = String::from(HEAD);
@@ -69,6 +78,11 @@ test fails when this page is old. `floorguard check robot.toml` tells every mist
 
 Units stand at the end of each key. The robot's frame lies on the floor in the middle of the rear axle, x forward, y left,
 z up.
+
+`[imu]`, `[guard]`, `[route]`, `[camera]`, `[mission]` and `[learning]` may be missing as a whole. `[learning]`: the robot corrects its
+classifier of people from the tracks that it sees (hosted only; `run`, and `simulate` and `demo` with `--robot FILE`; a replay learns
+as its recording did). `model` is relative to the folder of this file. The guard hears of what was learned only where that adds a
+person: no stop is loosened by it.
 ";
 
 #[cfg(test)]

@@ -12,24 +12,43 @@ pub const PERSON_PROBABILITY_MIN: f32 = 0.5;
 pub const MOVING_PROBABILITY_MIN: f32 = 0.5;
 
 /// The advice of one sweep. Tracks beyond the capacity are the farthest ones; the guard's own sensors see those near.
-pub fn advice(stamp: Stamp, tracks: &[Track], base_in_odom: Pose2) -> Advice {
+///
+/// `learned` is what the robot has learned itself about a track: it can add a person to those that the shipped classifier
+/// and the motion tell of, and takes none away. Whom it adds takes nobody's place either, be that one farther away.
+pub fn advice(
+    stamp: Stamp,
+    tracks: &[Track],
+    base_in_odom: Pose2,
+    learned: impl Fn(&Track) -> Option<f32>,
+) -> Advice {
     let mut advice = Advice { stamp, ..Advice::default() };
     let to_robot = base_in_odom.inverse();
-    let people = tracks.iter().filter(|track| track.status == TrackStatus::Confirmed).filter(|track| {
-        track.person_probability >= PERSON_PROBABILITY_MIN
-            || track.moving_probability >= MOVING_PROBABILITY_MIN
-    });
-    for track in people {
-        let person = AdvisedPerson {
-            id: track.id,
-            position: to_robot.transform(track.state.position),
-            velocity_mps: turned(to_robot, track.state.velocity),
-            position_sigma_m: libm::sqrtf(track.state.position_variance.max(0.0)),
-            velocity_sigma_mps: libm::sqrtf(track.state.velocity_variance.max(0.0)),
-        };
-        insert_by_distance(&mut advice.people, person);
+    let confirmed = || tracks.iter().filter(|track| track.status == TrackStatus::Confirmed);
+    for track in confirmed().filter(|track| is_told(track)) {
+        insert_by_distance(&mut advice.people, advised(track, to_robot));
+    }
+    let is_learned = |track: &Track| learned(track).is_some_and(|known| known >= PERSON_PROBABILITY_MIN);
+    for track in confirmed().filter(|track| !is_told(track) && is_learned(track)) {
+        if !advice.people.is_full() {
+            insert_by_distance(&mut advice.people, advised(track, to_robot));
+        }
     }
     advice
+}
+
+/// Without anything learned.
+fn is_told(track: &Track) -> bool {
+    track.person_probability >= PERSON_PROBABILITY_MIN || track.moving_probability >= MOVING_PROBABILITY_MIN
+}
+
+fn advised(track: &Track, to_robot: Pose2) -> AdvisedPerson {
+    AdvisedPerson {
+        id: track.id,
+        position: to_robot.transform(track.state.position),
+        velocity_mps: turned(to_robot, track.state.velocity),
+        position_sigma_m: libm::sqrtf(track.state.position_variance.max(0.0)),
+        velocity_sigma_mps: libm::sqrtf(track.state.velocity_variance.max(0.0)),
+    }
 }
 
 fn turned(frame: Pose2, vector: Point2) -> Point2 {
@@ -53,6 +72,7 @@ fn insert_by_distance(people: &mut heapless::Vec<AdvisedPerson, ADVISED_PEOPLE_M
 #[cfg(test)]
 mod tests {
     use super::*;
+    use floorguard_core::people::{Detection, Tracker, TrackerParameters};
 
     #[test]
     fn the_farthest_fall_off_the_end() {
@@ -66,6 +86,53 @@ mod tests {
         let distances: std::vec::Vec<f32> = people.iter().map(|person| person.position.x_m).collect();
         let expected: std::vec::Vec<f32> = (0..ADVISED_PEOPLE_MAX).map(|index| index as f32).collect();
         assert_eq!(distances, expected);
+    }
+
+    /// Sixty things that stand, of which the shipped classifier calls about half people.
+    fn crowd() -> std::boxed::Box<Tracker> {
+        let mut tracker = std::boxed::Box::new(Tracker::new(TrackerParameters::DEFAULT));
+        for sweep in 1..=12_u64 {
+            let sightings: std::vec::Vec<Detection> = (0..60_u16)
+                .map(|index| {
+                    let place = Point2::new(1.5 * f32::from(index % 10), 1.5 * f32::from(index / 10));
+                    let likeness = if index * 7 % 13 < 6 { 0.9 } else { 0.1 };
+                    Detection {
+                        position: place,
+                        distance_m: place.norm(),
+                        sigma_m: 0.1,
+                        likeness,
+                        points: 50,
+                        moving: None,
+                    }
+                })
+                .collect();
+            tracker.update(Stamp::from_micros(sweep * 100_000), &sightings, |_| true);
+        }
+        tracker
+    }
+
+    /// Whatever was learned: everybody of whom the guard would hear without it, it hears of with it, and the same.
+    #[test]
+    fn what_is_learned_adds_people_and_takes_nobody_away() {
+        let tracker = crowd();
+        let of = |learned: &dyn Fn(&Track) -> Option<f32>| {
+            advice(Stamp::from_micros(1_200_000), tracker.tracks(), Pose2::default(), learned).people
+        };
+        let without = of(&|_| None);
+        assert!((5..ADVISED_PEOPLE_MAX).contains(&without.len()), "{}", without.len());
+        let wrong = of(&|_| Some(0.0));
+        assert_eq!(wrong, without, "called nobody by what was learned");
+        let mut random = floorguard_core::random::Pcg32::new(5, 5);
+        for _ in 0..50 {
+            let seed = random.below(1_000);
+            let learned = |track: &Track| {
+                (track.id.wrapping_mul(seed) % 3 != 0).then_some(((track.id ^ seed) % 10) as f32 * 0.1)
+            };
+            let with = of(&learned);
+            assert!(without.iter().all(|person| with.contains(person)), "{with:?}");
+        }
+        let everybody = of(&|_| Some(1.0));
+        assert!(everybody.len() > without.len() && without.iter().all(|person| everybody.contains(person)));
     }
 
     #[test]

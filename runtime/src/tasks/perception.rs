@@ -28,6 +28,12 @@ pub trait JudgeMotion {
         sweep: &Sweep,
         context: &SweepContext,
     ) -> PeopleOutput<'a>;
+
+    /// Probability that a track is a person, by what the robot has learned itself; `None` where that is nothing. The list
+    /// of people goes by it; the guard hears of it only where it adds a person.
+    fn learned(&self, _track: &Track) -> Option<f32> {
+        None
+    }
 }
 
 /// Leaves open what moves.
@@ -76,13 +82,19 @@ pub struct PerceptionState<D = NoMotion> {
     pub scanner_in_base: Pose2,
 }
 
-impl<D> PerceptionState<D> {
+impl<D: JudgeMotion> PerceptionState<D> {
     /// The scan that was read: its legs go into the same list of people. True if that changed it at once, because the
     /// lidar is silent; an error if nobody knows where the robot was.
     fn search_legs(&mut self) -> Result<bool, PoseLookupError> {
         let sensor_in_odom = self.history.at(self.scan.stamp)?.compose(self.scanner_in_base);
         let view = self.legs.process(&self.scan, sensor_in_odom, None::<fn(Point2) -> bool>);
         Ok(self.people.add_view(view))
+    }
+
+    /// What the legs of the newest scan changed.
+    fn legs_report(&self, unposed: [u32; 2]) -> PeopleReport {
+        let sweep = SweepReport { stamp: self.scan.stamp, ..SweepReport::default() };
+        of_tracks(self.people.tracks(), sweep, unposed, |track| self.motion.learned(track))
     }
 }
 
@@ -106,7 +118,7 @@ pub async fn perceive<M: RawMutex, D: JudgeMotion>(shared: &Shared<M>, state: &m
             match state.search_legs() {
                 // No advice from legs alone: where the lidar is blind, silence must stay silence.
                 Ok(true) => {
-                    shared.people.publish(legs_report(&state.people, state.scan.stamp, unposed));
+                    shared.people.publish(state.legs_report(unposed));
                 }
                 Ok(false) => {}
                 Err(_) => unposed[1] = unposed[1].saturating_add(1),
@@ -121,32 +133,37 @@ pub async fn perceive<M: RawMutex, D: JudgeMotion>(shared: &Shared<M>, state: &m
             };
             let context = SweepContext { sensor_in_base: *sensor_in_base, twist, base_in_odom };
             let output = motion.people(people, sweep, &context);
-            let people = advice(sweep.end_stamp, output.tracks, base_in_odom);
+            let learned = |track: &Track| motion.learned(track);
+            let people = advice(sweep.end_stamp, output.tracks, base_in_odom, learned);
             shared.advice.publish(with_floor(people, shared.floor.get().as_ref(), clock::now()));
-            shared.people.publish(report(sweep, &output, unposed));
+            shared.people.publish(report((sweep, &output), unposed, learned));
         });
     }
 }
 
-fn report(sweep: &Sweep, output: &PeopleOutput<'_>, unposed: [u32; 2]) -> PeopleReport {
+fn report(
+    (sweep, output): (&Sweep, &PeopleOutput<'_>),
+    unposed: [u32; 2],
+    learned: impl Fn(&Track) -> Option<f32>,
+) -> PeopleReport {
     let stamp = sweep.end_stamp;
     let sweep = SweepReport { stamp, counters: output.counters, lost_packets: sweep.lost_packets };
-    of_tracks(output.tracks, sweep, unposed)
+    of_tracks(output.tracks, sweep, unposed, learned)
 }
 
-/// What the legs of the newest scan changed.
-fn legs_report(people: &PeoplePipeline, stamp: Stamp, unposed: [u32; 2]) -> PeopleReport {
-    of_tracks(people.tracks(), SweepReport { stamp, ..SweepReport::default() }, unposed)
-}
-
-fn of_tracks(tracks: &[Track], sweep: SweepReport, unposed: [u32; 2]) -> PeopleReport {
+fn of_tracks(
+    tracks: &[Track],
+    sweep: SweepReport,
+    unposed: [u32; 2],
+    learned: impl Fn(&Track) -> Option<f32>,
+) -> PeopleReport {
     let [unposed_sweeps, unposed_scans] = unposed;
     // The tracker has the same capacity.
-    let people = tracks.iter().map(|track| person(track, sweep.stamp)).collect();
+    let people = tracks.iter().map(|track| person(track, sweep.stamp, learned(track))).collect();
     PeopleReport { sweep, people, unposed_sweeps, unposed_scans }
 }
 
-fn person(track: &Track, now: Stamp) -> PersonReport {
+fn person(track: &Track, now: Stamp, learned: Option<f32>) -> PersonReport {
     PersonReport {
         id: track.id,
         status: track.status,
@@ -154,7 +171,7 @@ fn person(track: &Track, now: Stamp) -> PersonReport {
         velocity_mps: track.state.velocity,
         position_sigma_m: libm::sqrtf(track.state.position_variance.max(0.0)),
         velocity_sigma_mps: libm::sqrtf(track.state.velocity_variance.max(0.0)),
-        person_probability: track.person_probability,
+        person_probability: learned.unwrap_or(track.person_probability),
         moving_probability: track.moving_probability,
         sensors: track.sensors(now),
     }
