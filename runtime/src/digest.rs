@@ -70,6 +70,13 @@ impl OutputDigest {
         self.count(1);
     }
 
+    /// How probably each is a person; after [`Self::on_people`], for robots that learn: else it follows from the rest.
+    pub fn on_probabilities(&mut self, report: &PeopleReport) {
+        for person in &report.people {
+            self.people.add(&person.person_probability.to_bits().to_le_bytes());
+        }
+    }
+
     /// How everything was, ten times a second.
     pub fn on_status(&mut self, status: &RobotStatus) {
         let decision = &status.decision;

@@ -126,7 +126,8 @@ mod tests {
         for _ in 0..50 {
             let seed = random.below(1_000);
             let learned = |track: &Track| {
-                (track.id.wrapping_mul(seed) % 3 != 0).then_some(((track.id ^ seed) % 10) as f32 * 0.1)
+                (!track.id.wrapping_mul(seed).is_multiple_of(3))
+                    .then_some(((track.id ^ seed) % 10) as f32 * 0.1)
             };
             let with = of(&learned);
             assert!(without.iter().all(|person| with.contains(person)), "{with:?}");

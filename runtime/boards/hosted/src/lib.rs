@@ -12,6 +12,7 @@ pub mod environment;
 pub mod evaluate;
 pub mod executor;
 pub mod judge;
+pub mod learning;
 pub mod metrics;
 pub mod mission;
 pub mod models;

@@ -20,5 +20,15 @@ pub fn run(file: &Path) -> anyhow::Result<()> {
         robot.route.waypoints.len(),
         robot.limits.speed_mps,
     );
+    if let Some(learning) = &configuration.learning {
+        let seconds = learning.update_us as f64 * 1.0e-6;
+        match learning.enabled {
+            true => anstream::eprintln!(
+                "  learns what people look like, into {}, an update in {seconds} s at most",
+                learning.model.display()
+            ),
+            false => anstream::eprintln!("  learning is switched off"),
+        }
+    }
     Ok(())
 }

@@ -34,6 +34,10 @@ pub struct DemoArguments {
     /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
+    /// With the speeds, deadlines, thresholds, fields and [learning] of this robot.toml. Its body must be that of the example
+    /// robot.
+    #[arg(long, value_name = "robot.toml")]
+    pub robot: Option<PathBuf>,
     /// Render a floor camera: things on the floor are driven round, and dirt is mapped. Takes as much time as all the rest.
     #[arg(long, conflicts_with = "real_io")]
     pub camera: bool,
@@ -52,6 +56,7 @@ impl Default for DemoArguments {
             camera: false,
             report: PathBuf::from("floorguard-report"),
             record: None,
+            robot: None,
             panel: None,
         }
     }
@@ -66,8 +71,11 @@ pub fn run(arguments: &DemoArguments) -> anyhow::Result<()> {
         return Err(BadInput(format!("--duration {}: give 1 to 86400 seconds", arguments.duration)).into());
     }
     let started = Instant::now();
-    let mut plan = Plan::named("supermarket", arguments.seed, (arguments.duration * 1.0e6) as u64)?
-        .cleaning(arguments.strategy)?;
+    let mut plan = Plan::named("supermarket", arguments.seed, (arguments.duration * 1.0e6) as u64)?;
+    if let Some(robot) = &arguments.robot {
+        plan = plan.with_robot(robot).map_err(|error| BadInput(format!("{error:#}")))?;
+    }
+    plan = plan.cleaning(arguments.strategy)?;
     plan.has_camera = arguments.camera;
     anstream::eprintln!("floorguard demo: {} (seed {})", plan.scenario.title, plan.seed);
     make_folder(&arguments.report)?;

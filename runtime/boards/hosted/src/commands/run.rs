@@ -28,6 +28,7 @@ use crate::configuration::{HostedConfiguration, load};
 use crate::display::LiveDisplay;
 use crate::environment::{Calendar, LiveLearner};
 use crate::executor::{Ring, StopFlag, take_priority};
+use crate::learning::{LearningKeeper, LearningReport, LearningSetup};
 use crate::panel::Order;
 use crate::robot::{HostedShared, Links, run_rings, write_stop_file};
 use crate::world::{Notes, Witnesses, new_shared, with_onlooker};
@@ -94,11 +95,14 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
         let learner = LiveLearner::open(path, mounting, Calendar::now());
         watch.learner = Some(learner.map_err(|error| BadInput(format!("{}: {error:#}", path.display())))?);
     }
+    let learning = learning_of((arguments, folder), &configuration)?;
+    watch.learned = learning.as_ref().map(LearningSetup::keeper);
     let mission = mission_of((arguments, folder), &configuration)?;
     let plan = mission.as_ref().map(|mission| &mission.plan);
-    let mut witnesses = open_witnesses(arguments, &configuration, plan)?;
+    let mut witnesses = open_witnesses(arguments, &configuration, (plan, learning.as_ref()))?;
     watch.mission.clone_from(&mission);
     links.mission = mission;
+    links.learning = learning;
     with_onlooker(&mut witnesses, &shared, |tap, notes| {
         links.tap = tap;
         let inbox = links.people.clone();
@@ -114,8 +118,19 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
         let positions = learner.finish(Calendar::now())?;
         anstream::eprintln!("floorguard run: learned {positions} positions of people");
     }
+    watch.told_what_was_learned();
     anstream::eprintln!("floorguard run: the robot stands, {} stops", watch.stops);
     Ok(())
+}
+
+/// How the robot learns what people look like, if the file says so.
+fn learning_of(
+    (arguments, folder): (&RunArguments, &Path),
+    configuration: &HostedConfiguration,
+) -> anyhow::Result<Option<LearningSetup>> {
+    let Some(learning) = &configuration.learning else { return Ok(None) };
+    let setup = LearningSetup::open(learning, folder, &mut |what| anstream::eprintln!("  {what}"));
+    setup.map_err(|error| BadInput(format!("{}: {error:#}", arguments.file.display())).into())
 }
 
 /// The mission of the file, begun or gone on with where it was broken off.
@@ -138,7 +153,7 @@ fn mission_of(
 fn open_witnesses(
     arguments: &RunArguments,
     configuration: &HostedConfiguration,
-    mission: Option<&MissionPlan>,
+    told: (Option<&MissionPlan>, Option<&LearningSetup>),
 ) -> anyhow::Result<Witnesses> {
     let name = arguments.file.display().to_string();
     let robot = &configuration.robot;
@@ -147,7 +162,7 @@ fn open_witnesses(
         let text =
             std::fs::read_to_string(&arguments.file).map_err(|error| BadInput(format!("{name}: {error}")))?;
         let imu_baud = configuration.carriers.imu.as_ref().map_or(IMU_BAUD, |line| line.baud);
-        witnesses.record_devices(robot, (&name, &text, imu_baud), (mission, path))?;
+        witnesses.record_devices(robot, (&name, &text, imu_baud), (told, path))?;
     }
     if let Some(address) = arguments.panel {
         let mut panel = open_panel(address, &name, robot)?;
@@ -189,6 +204,7 @@ struct Watch<'a> {
     bus: Option<BusReport>,
     complaints: Complaints,
     learner: Option<LiveLearner>,
+    learned: Option<LearningKeeper>,
     mission: Option<MissionSetup>,
     told: u32,
     is_done: bool,
@@ -210,6 +226,7 @@ impl<'a> Watch<'a> {
             bus: None,
             complaints: Complaints::default(),
             learner: None,
+            learned: None,
             mission: None,
             told: 0,
             is_done: false,
@@ -236,6 +253,7 @@ impl<'a> Watch<'a> {
             if let Some(learner) = &mut self.learner {
                 learner.look(self.shared, Calendar::now())?;
             }
+            self.on_learning();
             if let Some(progress) = self.news_of_mission() {
                 notes.mission(&progress);
                 self.on_mission(&progress);
@@ -255,6 +273,36 @@ impl<'a> Watch<'a> {
         let watch = &self.mission.as_ref()?.watch;
         let told = std::mem::replace(&mut self.told, watch.published());
         if told == self.told { None } else { watch.get() }
+    }
+
+    /// What was taken over goes into its file, and is told.
+    fn on_learning(&mut self) {
+        let Some(keeper) = &mut self.learned else { return };
+        let Some(news) = keeper.attend() else { return };
+        if self.arguments.json {
+            self.print_learned();
+        } else {
+            self.display.note(&format!("  {news}"));
+        }
+    }
+
+    fn print_learned(&self) {
+        let report: Option<LearningReport> = self.learned.as_ref().and_then(LearningKeeper::report);
+        if let Some(report) = report {
+            let elapsed_s = self.began.elapsed().as_secs_f64();
+            anstream::println!("{}", json!({"type": "learning", "time_s": elapsed_s, "learned": report}));
+        }
+    }
+
+    /// At the end.
+    fn told_what_was_learned(&mut self) {
+        self.on_learning();
+        if let Some(report) = self.learned.as_ref().and_then(LearningKeeper::report) {
+            if self.arguments.json {
+                self.print_learned();
+            }
+            anstream::eprintln!("floorguard run: learned: {}", report.words());
+        }
     }
 
     /// The mission has told its progress: every ten seconds, and when it is done.

@@ -56,6 +56,10 @@ pub struct SimulateArguments {
     /// The robot's safety scanner.
     #[arg(long, value_enum, default_value_t = FittedScanner::S300)]
     pub scanner: FittedScanner,
+    /// Simulate with the speeds, deadlines, thresholds, fields and [learning] of this robot.toml. Its body must be that of the
+    /// example robot; the scenario says what to drive and to clean.
+    #[arg(long, value_name = "robot.toml", conflicts_with_all = ["tape", "scanner"])]
+    pub robot: Option<PathBuf>,
     /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
@@ -162,6 +166,9 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
     if arguments.tape.is_some() && arguments.scanner != FittedScanner::S300 {
         let what = "--tape: the emulated board has room for the beams of an S300 only; leave --scanner out";
         return Err(BadInput(what.to_owned()).into());
+    }
+    if let Some(robot) = &arguments.robot {
+        plan = plan.with_robot(robot).map_err(|error| BadInput(format!("{error:#}")))?;
     }
     if arguments.scanner == FittedScanner::Microscan3 {
         plan = plan.with_scanner(ScannerModel::MicroScan3 { beams: SCAN_BEAMS_MAX as u16 })?;

@@ -9,10 +9,11 @@ use floorguard_sim::Scenario;
 
 use super::BadInput;
 use crate::evaluate::{in_any_room, learn_legs, recordings, training_samples};
+use crate::learning::{anchors_file, anchors_fingerprint, load_weights, save_weights, shipped_anchors};
 use crate::train::{
     Boosting, Forest, OnlinePlace, Sample, anchors, boost, built_in_scenes, draw_online, learn_place,
-    leg_table, load_weights, person_samples, person_table, quality, random_scenes, read_leg_scans,
-    save_weights, simulated_leg_samples, stretched,
+    leg_table, person_samples, person_table, quality, random_scenes, read_leg_scans, simulated_leg_samples,
+    stretched,
 };
 
 /// What to learn.
@@ -30,6 +31,19 @@ pub enum TrainWhat {
     People(TrainPeopleArguments),
     /// What people look like in a new place, from tracks, without anybody's labels; the truth of the simulation judges.
     Online(TrainOnlineArguments),
+    /// The anchors that ship with the program, on which nothing that a robot learns may do worse: from simulated rooms of other
+    /// seeds than the classifier's.
+    Anchors {
+        /// Rooms.
+        #[arg(long, default_value_t = 40, value_parser = clap::value_parser!(u64).range(4..=400))]
+        scenes: u64,
+        /// How many, half of them people.
+        #[arg(long, default_value_t = 1_024)]
+        count: usize,
+        /// Where they go.
+        #[arg(long)]
+        out: PathBuf,
+    },
     /// Legs in scans, from labelled recordings.
     Legs {
         /// Lines of source, scan, number of legs, legs `x:y;x:y`, ranges; the first line names the geometry.
@@ -70,9 +84,10 @@ pub struct TrainOnlineArguments {
     /// Every length is multiplied by this: people and things of other sizes than those that the shipped table knows.
     #[arg(long, default_value_t = 1.0)]
     pub scale: f32,
-    /// Rooms of the anchors, on which nothing may get worse.
-    #[arg(long, default_value_t = 24, value_parser = clap::value_parser!(u64).range(4..=400))]
-    pub anchor_scenes: u64,
+    /// Simulate so many rooms for the anchors, on which nothing may get worse, instead of those that ship with the program. What is
+    /// learned beside them is of no use to `[learning]`.
+    #[arg(long, value_parser = clap::value_parser!(u64).range(4..=400))]
+    pub anchor_scenes: Option<u64>,
     /// What was learned: read if it is there, written at the end.
     #[arg(long)]
     pub model: Option<PathBuf>,
@@ -92,6 +107,7 @@ pub fn run(arguments: &TrainArguments) -> anyhow::Result<()> {
     match &arguments.what {
         TrainWhat::People(arguments) => people(arguments),
         TrainWhat::Online(arguments) => online(arguments),
+        TrainWhat::Anchors { scenes, count, out } => write_anchors(*scenes, *count, out),
         TrainWhat::Legs { scans, out } => legs(scans, out),
     }
 }
@@ -137,7 +153,10 @@ fn online(arguments: &TrainOnlineArguments) -> anyhow::Result<()> {
         Scenario::named(&arguments.place)
     };
     let scenario = scenario.map_err(|error| BadInput(format!("{}: {error}", arguments.place)))?;
-    let before = arguments.model.as_deref().map(load_weights).transpose().map_err(bad)?.flatten();
+    let anchors = arguments.anchor_scenes.map_or_else(shipped_anchors, anchors);
+    let fingerprint = anchors_fingerprint(&anchors);
+    let before = arguments.model.as_deref().map(|path| load_weights(path, fingerprint));
+    let before = before.transpose().map_err(bad)?.flatten();
     let place = OnlinePlace {
         name,
         scenario,
@@ -146,9 +165,9 @@ fn online(arguments: &TrainOnlineArguments) -> anyhow::Result<()> {
         scale: arguments.scale,
         sensor_height_m: 0.8,
     };
-    let (report, weights) = learn_place(&place, &anchors(arguments.anchor_scenes), before.as_ref());
+    let (report, weights) = learn_place(&place, &anchors, before.as_ref().map(|kept| &kept.weights));
     if let Some(model) = &arguments.model {
-        save_weights(model, &weights).map_err(bad)?;
+        save_weights(model, &weights, fingerprint).map_err(bad)?;
     }
     if let Some(folder) = &arguments.out {
         draw_online(folder, &report)?;
@@ -166,6 +185,19 @@ fn online(arguments: &TrainOnlineArguments) -> anyhow::Result<()> {
             window.judged
         );
     }
+    Ok(())
+}
+
+fn write_anchors(scenes: u64, count: usize, out: &Path) -> anyhow::Result<()> {
+    let all = anchors(scenes);
+    // Pairs of a person and another, evenly from all rooms.
+    let (pairs, _) = all.as_chunks::<2>();
+    let wanted = (count / 2).clamp(1, pairs.len().max(1));
+    let chosen: Vec<_> =
+        (0..wanted).filter_map(|index| pairs.get(index * pairs.len() / wanted)).flatten().copied().collect();
+    std::fs::write(out, anchors_file(&chosen)?)
+        .map_err(|error| BadInput(format!("{}: {error}", out.display())))?;
+    anstream::eprintln!("{}: {} anchors of {}", out.display(), chosen.len(), all.len());
     Ok(())
 }
 

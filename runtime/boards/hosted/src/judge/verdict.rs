@@ -9,6 +9,7 @@ use super::latency::Quantiles;
 use super::stops::{StopJudge, StopReason};
 use super::truth::Truth;
 use crate::cleaner::MissionReport;
+use crate::learning::LearningReport;
 
 /// The result of `floorguard simulate --json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -55,6 +56,9 @@ pub struct Verdict {
     /// What was cleaned, if that was the mission.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mission: Option<MissionReport>,
+    /// What the robot learned of the looks of people, if it does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub learned: Option<LearningReport>,
     /// Fingerprint of all outputs, 16 hexadecimal digits.
     pub digest: String,
 }

@@ -24,5 +24,5 @@ pub use raw::RawStream;
 pub use reader::{ReadError, Recorded, Recording};
 pub use recorder::{RecordError, Recorder, Times};
 pub use records::count_messages;
-pub use run::{END_METADATA, RUN_METADATA, RunInfo, RunRecorder};
+pub use run::{END_METADATA, LEARNED, RUN_METADATA, RunInfo, RunRecorder};
 pub use topics::MotionRow;

@@ -36,6 +36,8 @@ use super::topics::{self, MotionRow};
 pub const RUN_METADATA: &str = "floorguard";
 /// Name of the texts about its end.
 pub const END_METADATA: &str = "floorguard end";
+/// Name of the text at the end that says what the robot learned.
+pub const LEARNED: &str = "learned";
 /// Poses are recorded this often at most, microseconds.
 const MOTION_EVERY_US: u64 = 20_000;
 /// Health, counters, frames of mountings and the fingerprint: once a second, microseconds.
@@ -72,6 +74,7 @@ pub struct RunRecorder<W: Write + Seek> {
     mission: Option<Arc<MissionProgress>>,
     seen: Seen,
     failed: Option<RecordError>,
+    learned: Option<String>,
 }
 
 /// What has been written already.
@@ -126,6 +129,7 @@ impl<W: Write + Seek> RunRecorder<W> {
             mission: None,
             seen: Seen::default(),
             failed: None,
+            learned: None,
         })
     }
 
@@ -334,6 +338,11 @@ impl<W: Write + Seek> RunRecorder<W> {
         }
     }
 
+    /// What the robot learned, in words, for the end.
+    pub fn learned(&mut self, words: Option<String>) {
+        self.learned = words;
+    }
+
     /// The run has ended: how long it was, and the fingerprint of all outputs, if it has one.
     ///
     /// # Errors
@@ -344,6 +353,7 @@ impl<W: Write + Seek> RunRecorder<W> {
             self.write_mission(&progress, duration_us);
         }
         let mut texts = BTreeMap::from([("duration_us".to_owned(), duration_us.to_string())]);
+        texts.extend(self.learned.take().map(|words| (LEARNED.to_owned(), words)));
         texts.extend(digest.map(|digest| ("digest".to_owned(), format!("{digest:016x}"))));
         self.write(|out| out.metadata(END_METADATA, texts));
         match self.failed {

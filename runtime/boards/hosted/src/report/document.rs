@@ -81,6 +81,9 @@ fn head(html: &mut String, history: &History, name: &str) {
         let _ =
             write!(html, "<p class=cut>Incomplete: {}. Everything before it is shown.</p>", escaped(ended));
     }
+    if let Some(learned) = &history.learned {
+        let _ = write!(html, "<p class=legend>Learned: {}.</p>", escaped(learned));
+    }
     let moving_s = history.speeds.windows(2).filter(|pair| pair[0].speed_mps.abs() > 0.02);
     // The sum of nothing is −0.
     let moving_s = moving_s.map(|pair| pair[1].at_s - pair[0].at_s).sum::<f64>() + 0.0;

@@ -73,6 +73,9 @@ fn rows(plan: &Plan, observation: &Observation) -> Vec<(&'static str, String)> {
     if let Some(mission) = &verdict.mission {
         rows.extend(cleaning(mission, observation.cleaned_m2));
     }
+    if let Some(learned) = &verdict.learned {
+        rows.push(("learned", learned.words()));
+    }
     if !verdict.faulty_sources.is_empty() {
         rows.push(("sources that failed", verdict.faulty_sources.join(", ")));
     }

@@ -8,7 +8,9 @@ use floorguard_core::time::Stamp;
 
 use crate::recording::decode::{self, Cloud, Drawn, Grid, LaserScan, Status};
 use crate::recording::mission::MISSION;
-use crate::recording::{RUN_METADATA, ReadError, Recorded, Recording, describe, topics};
+use crate::recording::{
+    END_METADATA, LEARNED, RUN_METADATA, ReadError, Recorded, Recording, describe, topics,
+};
 
 /// The way has a place every quarter of a second.
 const WAY_S: f64 = 0.25;
@@ -75,6 +77,8 @@ pub struct MapScan {
 pub struct History {
     /// About the run: scenario, seed, version.
     pub texts: BTreeMap<String, String>,
+    /// What the robot learned of the looks of people, in words, if it does.
+    pub learned: Option<String>,
     /// From the first message to the last, seconds.
     pub duration_s: f64,
     /// Messages read.
@@ -140,6 +144,7 @@ pub fn read_history<R: Read>(recording: &mut Recording<R>) -> Result<History, Re
     }
     let mut history = reader.history;
     history.texts = recording.metadata(RUN_METADATA).cloned().unwrap_or_default();
+    history.learned = recording.metadata(END_METADATA).and_then(|texts| texts.get(LEARNED).cloned());
     Ok(history)
 }
 

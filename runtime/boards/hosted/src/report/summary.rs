@@ -57,6 +57,9 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
     if let Some(mission) = &verdict.mission {
         text.push_str(&mission_lines(mission));
     }
+    if let Some(learned) = &verdict.learned {
+        let _ = writeln!(text, "  learned: {}", learned.words());
+    }
     if !verdict.faulty_sources.is_empty() {
         let _ = writeln!(text, "  sources that failed: {}", verdict.faulty_sources.join(", "));
     }

@@ -9,6 +9,7 @@ use super::tap::{Tap, Tapped};
 use crate::carriers::{CanLink, ReconnectingLine, UdpReceiver};
 use crate::cleaner::MissionSetup;
 use crate::configuration::{CanAddress, Carriers, DatagramAddress, ScannerAddress, SerialAddress};
+use crate::learning::LearningSetup;
 use crate::world::{GuardCarriers, PeopleInbox, ScannerCarrier};
 
 /// What the safety scanner is connected to, before the guard's thread opens it.
@@ -37,6 +38,8 @@ pub struct Links {
     pub mission: Option<MissionSetup>,
     /// What others than the lidar and the scanner see of people.
     pub people: PeopleInbox,
+    /// How the robot learns; without it, it does not.
+    pub learning: Option<LearningSetup>,
 }
 
 /// A device that is not there yet.
@@ -77,6 +80,7 @@ impl Links {
             tap: None,
             mission: None,
             people: PeopleInbox::default(),
+            learning: None,
         })
     }
 

@@ -14,6 +14,7 @@ use floorguard_runtime::tasks::{clean, perceive};
 use super::links::{Links, Missing};
 use crate::cleaner::Cleaner;
 use crate::executor::{Ring, StopFlag, run_until, take_priority};
+use crate::learning::LearningSetup;
 use crate::world::{PeopleInbox, Stages, new_perception, spawn_guard_ring, spawn_perception_ring};
 
 /// What both threads share.
@@ -39,11 +40,12 @@ pub fn run_rings<T>(
 ) -> anyhow::Result<T> {
     let (guard_flag, perception_flag) = (StopFlag::default(), StopFlag::default());
     let mission = links.mission.take().map(|setup| setup.begin(robot)).transpose()?;
-    let (drives_route, inbox) = (mission.is_none(), links.people.clone());
+    let heard = (links.people.clone(), links.learning.take());
+    let drives_route = mission.is_none();
     thread::scope(|scope| {
         let guard = start(scope, "guard", flag, || guard_ring((robot, links), shared, &guard_flag))?;
         let perception = start(scope, "perception", flag, || {
-            perception_ring((robot, drives_route, inbox), shared, &perception_flag)
+            perception_ring((robot, drives_route, heard), shared, &perception_flag)
         })?;
         let mission = mission
             .map(|mission| start(scope, "mission", flag, || mission_ring(mission, shared, &perception_flag)))
@@ -103,13 +105,18 @@ fn guard_ring(
 }
 
 fn perception_ring(
-    (robot, drives_route, inbox): (&RobotConfiguration, bool, PeopleInbox),
+    (robot, drives_route, (inbox, learning)): (
+        &RobotConfiguration,
+        bool,
+        (PeopleInbox, Option<LearningSetup>),
+    ),
     shared: &HostedShared,
     flag: &StopFlag,
 ) -> io::Result<()> {
     anstream::eprintln!("  {}", take_priority(Ring::Perception));
     let mut state = new_perception(robot, Stages::All);
     state.motion.listen_to(inbox);
+    state.motion.learn(learning.as_ref());
     run_until(flag, |tasks| {
         if drives_route {
             spawn_perception_ring(tasks, shared, robot, &mut state);

@@ -12,7 +12,6 @@ mod simulated;
 mod simulated_legs;
 mod standing_map;
 mod table;
-mod weights_file;
 
 pub use adaboost::{adaboost, lean};
 pub use boosting::{Boosting, Forest, Sample, boost};
@@ -26,4 +25,3 @@ pub use simulated::{LabelledSweep, SceneRun, play};
 pub use simulated_legs::simulated_leg_samples;
 pub use standing_map::StandingMap;
 pub use table::{leg_table, person_table};
-pub use weights_file::{load_weights, save_weights};

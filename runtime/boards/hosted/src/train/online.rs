@@ -2,7 +2,7 @@
 //!
 //! Every look is asked before it is learnt from. The truth of the simulation only counts; the learner never sees it.
 
-use floorguard_core::geometry::{Point2, Pose2, Twist2};
+use floorguard_core::geometry::{Pose2, Twist2};
 use floorguard_core::online_learning::{
     ExpertRules, LabelledShape, LearnerCounters, OnlineLearner, Sight, Weights,
 };
@@ -14,6 +14,7 @@ use serde::Serialize;
 use super::person_samples::{is_person, person_samples};
 use super::scenes::random_scenes;
 use super::simulated::{LabelledSweep, SceneRun, play};
+use crate::learning::own_detection;
 
 /// Seed of the scenes of the anchors: the shipped table was trained on others.
 const ANCHOR_SEED: u64 = 90_000;
@@ -25,8 +26,6 @@ const SWEEPS_PER_S: usize = 10;
 const WINDOW_S: usize = 10;
 /// Farther looks are not counted, metres.
 const RANGE_MAX_M: f32 = 25.0;
-/// A detection this near to its track's place is its own, metres.
-const OWN_M: f32 = 0.4;
 
 /// A place to learn in.
 #[derive(Clone, Debug)]
@@ -204,22 +203,11 @@ fn look(
     let seen = pipeline.tracker().tracks().iter().filter(|track| track.last_seen == stamp);
     let sights = seen.map(|track| {
         let position = track.state.position;
-        Sight { track: track.id, position, shape: own_detection(pipeline, position) }
+        let own = own_detection(pipeline, position);
+        Sight { track: track.id, position, shape: own.and_then(|index| pipeline.shape(index)) }
     });
     learner.observe(stamp, sights);
     learner.learn(STEPS);
-}
-
-/// The detection that was given to a track: the nearest.
-fn own_detection(
-    pipeline: &PeoplePipeline,
-    place: Point2,
-) -> Option<&floorguard_core::people::shape::ShapeVector> {
-    let near = pipeline.detections().iter().enumerate();
-    let (index, distance_m) = near
-        .map(|(index, detection)| (index, detection.position.distance(place)))
-        .min_by(|a, b| a.1.total_cmp(&b.1))?;
-    pipeline.shape(index).filter(|_| distance_m < OWN_M)
 }
 
 fn close(window: &mut OnlineWindow, sweeps: usize, counters: LearnerCounters) {

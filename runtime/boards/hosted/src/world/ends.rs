@@ -75,6 +75,7 @@ impl Ends {
             tap: None,
             mission: None,
             people: PeopleInbox::default(),
+            learning: None,
         };
         Ok((Self { lidar, scanner, imu, can, refused: 0 }, links))
     }

@@ -19,6 +19,7 @@ use super::truth::judged;
 use crate::camera::SeenDirt;
 use crate::cleaner::{MissionJudge, MissionOutcome, MissionProgress};
 use crate::judge::{Judge, Quantiles, StopOrders, StopReason, Verdict};
+use crate::learning::LearningReport;
 use crate::metrics::MotAccumulator;
 
 /// People farther away are not asked for, metres.
@@ -87,6 +88,8 @@ pub struct Observation {
     pub mission: Option<MissionOutcome>,
     /// What the floor camera saw of the dirt, if there was one; in the odometry frame.
     pub seen_dirt: Option<SeenDirt>,
+    /// What the robot learned of the looks of people, if it does.
+    pub learned: Option<LearningReport>,
 }
 
 /// Called now and then with the state of the robot.
@@ -98,6 +101,7 @@ pub struct Observer<'a> {
     orders: StopOrders,
     pressed: bool,
     digest: OutputDigest,
+    learns: bool,
     seen_people: u32,
     seen_status: u32,
     mot: MotAccumulator,
@@ -127,6 +131,7 @@ impl<'a> Observer<'a> {
             orders: StopOrders::default(),
             pressed: false,
             digest: OutputDigest::default(),
+            learns: plan.learning.is_some(),
             seen_people: 0,
             seen_status: 0,
             mot: MotAccumulator::new(),
@@ -187,6 +192,9 @@ impl<'a> Observer<'a> {
         {
             self.seen_people = people;
             self.digest.on_people(&report);
+            if self.learns {
+                self.digest.on_probabilities(&report);
+            }
         }
         if self.seen_status != status
             && let Some(report) = shared.status.get()
@@ -253,6 +261,11 @@ impl<'a> Observer<'a> {
     /// What the floor camera saw of the dirt.
     pub fn on_seen_dirt(&mut self, seen: SeenDirt) {
         self.seen.seen_dirt = Some(seen);
+    }
+
+    /// What the robot learned.
+    pub fn on_learning(&mut self, report: LearningReport) {
+        self.seen.learned = Some(report);
     }
 
     /// The floor after a mission.
@@ -368,6 +381,7 @@ impl<'a> Observer<'a> {
             localisation_error_m: summary.motp,
             stop_latency_ms: Quantiles::of_micros(self.orders.latencies_us().to_vec()),
             ready_s: self.seen.ready_s,
+            learned: self.seen.learned,
             mission: self.seen.mission.as_ref().map(|mission| mission.report.clone()),
             digest: format!("{:016x}", self.digest.value()),
             faulty_sources: self.faulty.iter().cloned().collect(),

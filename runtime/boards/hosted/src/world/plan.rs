@@ -1,5 +1,7 @@
 //! What to simulate: scenario, seed, duration, faults, and the robot that is told to drive the scenario's route.
 
+use std::path::Path;
+
 use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_runtime::configuration::{RobotConfiguration, ScannerModel};
 use floorguard_runtime::mission::{Route, RouteLimits};
@@ -11,7 +13,8 @@ use floorguard_sim::simulation::Simulation;
 
 use super::spawn::Stages;
 use crate::cleaner::{MissionPlan, MissionStrategy};
-use crate::configuration::{EXAMPLE, parse};
+use crate::configuration::{EXAMPLE, HostedConfiguration, parse};
+use crate::learning::LearningSetup;
 
 /// A run of the simulator.
 #[derive(Clone, Debug)]
@@ -38,6 +41,8 @@ pub struct Plan {
     pub mission: Option<MissionPlan>,
     /// A floor camera looks at rendered pictures.
     pub has_camera: bool,
+    /// How the robot learns; without it, it does not.
+    pub learning: Option<LearningSetup>,
     /// When the emergency stop is pressed and released, microseconds.
     pub emergency_stop_us: Vec<(u64, u64)>,
 }
@@ -101,8 +106,38 @@ impl Plan {
             robot_toml: EXAMPLE.to_owned(),
             stages: Stages::All,
             has_camera: false,
+            learning: None,
             emergency_stop_us: Vec::new(),
         })
+    }
+
+    /// With the speeds, deadlines, thresholds, fields and learning of a file of one's own. The simulator plays the body of the
+    /// example, and the scenario says what to drive: another body is refused.
+    ///
+    /// # Errors
+    /// The file is refused, or is of another robot.
+    pub fn with_robot(mut self, path: &Path) -> anyhow::Result<Self> {
+        let name = path.display().to_string();
+        let read = crate::configuration::load(path)?;
+        let example = parse("robot.toml", EXAMPLE)?;
+        if let Some(section) = other_body(&read, &example) {
+            anyhow::bail!(
+                "{name}: [{section}] is not that of the example robot, and the simulator plays that one; copy [{section}] from robot.toml"
+            );
+        }
+        self.robot_toml = std::fs::read_to_string(path)?;
+        let (route, mut route_limits) = (self.robot.route, self.robot.route_limits);
+        let limits = read.robot.limits;
+        route_limits.speed_mps = route_limits.speed_mps.min(limits.speed_mps);
+        route_limits.turn_radps = route_limits.turn_radps.min(limits.turn_radps);
+        self.robot = RobotConfiguration { route, route_limits, ..read.robot };
+        if let Some(learning) = &read.learning {
+            let folder = path.parent().unwrap_or(Path::new("."));
+            let mut say = |what: &str| anstream::eprintln!("  {what}");
+            let learning = LearningSetup::open(learning, folder, &mut say);
+            self.learning = learning.map_err(|error| anyhow::anyhow!("{name}: {error:#}"))?;
+        }
+        Ok(self)
     }
 
     /// With dirt on the floor and a robot that cleans it. Without a wish: the guarantee where the scenario has dirt, otherwise
@@ -153,4 +188,17 @@ impl Plan {
     pub fn odometry_in_world(&self) -> Pose2 {
         self.scenario.start_pose()
     }
+}
+
+/// The section in which a robot has another body than the simulated one.
+fn other_body(read: &HostedConfiguration, example: &HostedConfiguration) -> Option<&'static str> {
+    let (own, simulated) = (&read.robot, &example.robot);
+    let same = [
+        ("robot", own.geometry == simulated.geometry),
+        ("lidar", own.lidar == simulated.lidar),
+        ("scanner", own.scanner.mounting == simulated.scanner.mounting),
+        ("imu", own.imu == simulated.imu),
+        ("can] or [inputs", own.can == simulated.can),
+    ];
+    same.into_iter().find(|(_, is_same)| !is_same).map(|(section, _)| section)
 }

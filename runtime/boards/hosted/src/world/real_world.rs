@@ -17,6 +17,7 @@ use super::spawn::new_shared;
 use super::witnesses::Witnesses;
 use crate::cleaner::{MissionSetup, Store};
 use crate::executor::{Ring, StopFlag, take_priority};
+use crate::learning::{LearningKeeper, LearningSetup};
 use crate::panel::Order;
 use crate::robot::{HostedShared, run_rings};
 
@@ -71,6 +72,7 @@ pub fn run_real_recorded(
     with_onlooker(witnesses, &shared, |tap, notes| {
         links.tap = tap;
         links.mission.clone_from(&mission);
+        links.learning.clone_from(&plan.learning);
         let mut world = World {
             plan,
             start,
@@ -79,6 +81,7 @@ pub fn run_real_recorded(
             ends: &mut ends,
             ended,
             mission: mission.clone(),
+            learned: plan.learning.as_ref().map(LearningSetup::keeper),
         };
         run_rings((&plan.robot, links), &shared, &flag, || world.play((&shared, &flag, notes), observer))?
     })
@@ -106,6 +109,8 @@ struct World<'a> {
     ended: StopFlag,
     /// What the robot cleans.
     mission: Option<MissionSetup>,
+    /// Writes what is learned.
+    learned: Option<LearningKeeper>,
     simulation: &'a mut Simulation,
     ends: &'a mut Ends,
 }
@@ -116,7 +121,7 @@ impl World<'_> {
         (shared, flag, notes): (&HostedShared, &StopFlag, &Notes<'_>),
         observer: &mut Observer<'_>,
     ) -> anyhow::Result<CarrierFigures> {
-        let Self { plan, start, operated, ended, mission, simulation, ends } = self;
+        let Self { plan, start, operated, ended, mission, learned, simulation, ends } = self;
         let mut told = 0;
         let mut faults = FaultLayer::new(&plan.faults, plan.seed);
         let mut operator = Operator::new(plan.emergency_stop_us.clone());
@@ -154,6 +159,9 @@ impl World<'_> {
                 let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
                 stops.iter().for_each(|stop| notes.stop(stop));
                 observer.observe(simulation, shared, &stops);
+                if let Some(news) = learned.as_mut().and_then(LearningKeeper::attend) {
+                    anstream::eprintln!("  {news}");
+                }
                 if let Some(setup) = mission.as_ref().filter(|setup| setup.watch.published() != told) {
                     told = setup.watch.published();
                     tell((observer, notes), (simulation, shared), setup);
@@ -163,6 +171,9 @@ impl World<'_> {
             ends.wait(due_us.saturating_sub(clock_us()))?;
         }
         observer.finish_mission(simulation);
+        if let Some(report) = learned.as_ref().and_then(LearningKeeper::report) {
+            observer.on_learning(report);
+        }
         observer.finish(operator.resets());
         Ok(CarrierFigures { latest_us, refused: ends.refused })
     }

@@ -16,10 +16,12 @@ use super::spawn::{
     GuardCarriers, Stages, new_perception, new_shared, spawn_cleaning_ring, spawn_guard_ring,
     spawn_perception_ring,
 };
-use super::witnesses::{MISSION, REPEATABLE};
+use super::witnesses::{LEARNED, MISSION, REPEATABLE};
 use crate::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 use crate::cleaner::{Cleaner, MissionPlan, MissionSetup, Store};
+use crate::configuration::HostedConfiguration;
 use crate::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
+use crate::learning::{LearningReport, LearningSetup};
 use crate::recording::{
     END_METADATA, RUN_METADATA, RawStream, ReadError, Recorded, Recording, octets_of, topics,
 };
@@ -49,6 +51,8 @@ pub struct ReplayOutcome {
     pub first_difference: Option<Stamp>,
     /// Robot time that was played, microseconds.
     pub played_us: u64,
+    /// What the robot learned, if it does.
+    pub learned: Option<LearningReport>,
     /// Why the recording ended early.
     pub ended: Option<ReadError>,
 }
@@ -88,6 +92,7 @@ struct Stage<'a> {
     lines: Lines,
     tasks: TaskSet<'a>,
     digest: OutputDigest,
+    learns: bool,
     seen: (u32, u32),
     now_us: u64,
 }
@@ -108,9 +113,10 @@ pub fn replay_recording<R: Read>(
 ) -> Result<ReplayOutcome, ReplayError> {
     let texts = recording.metadata(RUN_METADATA).ok_or(ReplayError::NotOurs)?;
     let text = texts.get("robot.toml").ok_or(ReplayError::NotOurs)?;
-    let mut robot = crate::configuration::parse("robot.toml", text)
-        .map_err(|refused| ReplayError::Robot(refused.to_string()))?
-        .robot;
+    let read = crate::configuration::parse("robot.toml", text)
+        .map_err(|refused| ReplayError::Robot(refused.to_string()))?;
+    let learning = learning_of(&read, texts)?;
+    let mut robot = read.robot;
     let baud =
         texts.get("imu_baud").and_then(|text| text.parse().ok()).unwrap_or(super::virtual_world::IMU_BAUD);
     let route = (first.topic.as_ref() == RawStream::Route.topic()).then(|| octets_of(&first.data)).flatten();
@@ -124,13 +130,26 @@ pub fn replay_recording<R: Read>(
     });
     use_virtual_clock(0);
     let mission = mission_of(texts, &robot)?;
-    let outcome = play((&robot, stages, mission), baud, (recording, audience));
+    let outcome = play((&robot, stages, (mission, learning)), baud, (recording, audience));
     use_real_clock();
     let outcome = outcome?;
     if unrepeatable.is_none() {
         return Ok(outcome);
     }
     Ok(ReplayOutcome { unrepeatable, recorded_digest: None, first_difference: None, compared: 0, ..outcome })
+}
+
+/// A robot that learned begins with what it had learned before, and its file stays as it is.
+fn learning_of(
+    read: &HostedConfiguration,
+    texts: &std::collections::BTreeMap<String, String>,
+) -> Result<Option<LearningSetup>, ReplayError> {
+    let Some(learning) = read.learning.as_ref().filter(|learning| learning.enabled) else { return Ok(None) };
+    let setup = match texts.get(LEARNED) {
+        Some(text) => LearningSetup::of_recording(learning.update_us, text),
+        None => Ok(LearningSetup::from_nothing(learning.update_us)),
+    };
+    setup.map(Some).map_err(|error| ReplayError::Robot(format!("what it had learned before: {error:#}")))
 }
 
 /// The mission of the recording, from its beginning.
@@ -145,13 +164,18 @@ fn mission_of(
 }
 
 fn play<R: Read>(
-    (robot, stages, mut mission): (&RobotConfiguration, Stages, Option<Cleaner>),
+    (robot, stages, (mut mission, learning)): (
+        &RobotConfiguration,
+        Stages,
+        (Option<Cleaner>, Option<LearningSetup>),
+    ),
     baud: u32,
     (recording, audience): (&mut Recording<R>, &mut dyn ReplayAudience),
 ) -> Result<ReplayOutcome, ReplayError> {
     let shared = new_shared(robot, Stamp::ZERO)
         .map_err(|error| ReplayError::Robot(format!("the guard refuses the robot: {error}")))?;
     let mut perception = new_perception(robot, stages);
+    perception.motion.learn(learning.as_ref());
     let (scanner, scanner_reader) = ScannerPipe::new(robot.scanner.model);
     let (imu, imu_reader) = byte_pipe();
     let (to_imu, from_imu_line) = byte_pipe();
@@ -169,9 +193,18 @@ fn play<R: Read>(
         Some(mission) => spawn_cleaning_ring(&mut tasks, &shared, (&mut perception, mission)),
         None => spawn_perception_ring(&mut tasks, &shared, robot, &mut perception),
     }
-    let mut stage =
-        Stage { shared: &shared, lines, tasks, digest: OutputDigest::default(), seen: (0, 0), now_us: 0 };
-    stage.run(recording, audience)
+    let mut stage = Stage {
+        shared: &shared,
+        lines,
+        tasks,
+        digest: OutputDigest::default(),
+        learns: learning.is_some(),
+        seen: (0, 0),
+        now_us: 0,
+    };
+    let outcome = stage.run(recording, audience)?;
+    let learned = learning.and_then(|learning| learning.desk.newest()).map(|(report, _)| report);
+    Ok(ReplayOutcome { learned, ..outcome })
 }
 
 impl Stage<'_> {
@@ -256,6 +289,9 @@ impl Stage<'_> {
             && let Some(report) = self.shared.people.get()
         {
             self.digest.on_people(&report);
+            if self.learns {
+                self.digest.on_probabilities(&report);
+            }
             audience.on_people(&report, self.digest.value());
         }
         if before.1 != now.1

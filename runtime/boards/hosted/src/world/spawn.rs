@@ -6,7 +6,7 @@ use floorguard_core::guard::GuardConfigError;
 use floorguard_core::legs::PeopleByLegs;
 use floorguard_core::motion::{MotionDetector, MotionParameters};
 use floorguard_core::odometry::PoseHistory;
-use floorguard_core::people::{PeopleOutput, PeoplePipeline, RingAngles, SweepContext};
+use floorguard_core::people::{PeopleOutput, PeoplePipeline, RingAngles, SweepContext, Track};
 use floorguard_core::sensing::{Scan, Sweep};
 use floorguard_core::time::Stamp;
 use floorguard_drivers::three_wheel_base::ThreeWheelBase;
@@ -25,6 +25,7 @@ use floorguard_runtime::tasks::{
 use super::inbox::PeopleInbox;
 use crate::cleaner::Cleaner;
 use crate::executor::TaskSet;
+use crate::learning::{LearningSetup, PeopleLearner};
 
 /// What the safety scanner is connected to: the line of an S300, or the port of a microScan3.
 pub enum ScannerCarrier<S, D> {
@@ -90,22 +91,28 @@ impl Stages {
 /// The perception ring of a hosted robot.
 pub type HostedPerception = PerceptionState<HostedMotion>;
 
-/// Judges what moves, if that stage runs, and hears what other threads saw of people.
+/// Judges what moves, if that stage runs, hears what other threads saw of people, and learns, where that is wanted.
 pub struct HostedMotion {
     motion: Option<Box<MotionDetector>>,
     inbox: PeopleInbox,
+    learner: Option<PeopleLearner>,
 }
 
 impl HostedMotion {
     fn new(stages: Stages) -> Self {
         let runs = stages == Stages::All;
         let motion = runs.then(|| Box::new(MotionDetector::new(MotionParameters::FIXED)));
-        Self { motion, inbox: PeopleInbox::default() }
+        Self { motion, inbox: PeopleInbox::default(), learner: None }
     }
 
     /// From now on what comes in there goes into the list of people, too.
     pub fn listen_to(&mut self, inbox: PeopleInbox) {
         self.inbox = inbox;
+    }
+
+    /// From now on it learns, if there is something to learn with.
+    pub fn learn(&mut self, learning: Option<&LearningSetup>) {
+        self.learner = learning.map(LearningSetup::learner);
     }
 }
 
@@ -119,10 +126,18 @@ impl JudgeMotion for HostedMotion {
         for view in self.inbox.take_all() {
             people.add_view(&view);
         }
-        match &mut self.motion {
-            Some(motion) => motion.people(people, sweep, context),
-            None => NoMotion.people(people, sweep, context),
+        let counters = match &mut self.motion {
+            Some(motion) => motion.people(people, sweep, context).counters,
+            None => NoMotion.people(people, sweep, context).counters,
+        };
+        if let Some(learner) = &mut self.learner {
+            learner.observe(people, sweep.end_stamp);
         }
+        PeopleOutput { clusters: people.things(), tracks: people.tracks(), counters }
+    }
+
+    fn learned(&self, track: &Track) -> Option<f32> {
+        self.learner.as_ref()?.probability(track)
     }
 }
 

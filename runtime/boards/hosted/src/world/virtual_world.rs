@@ -24,6 +24,7 @@ use super::witnesses::Witnesses;
 use crate::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 use crate::cleaner::{MissionSetup, Store};
 use crate::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
+use crate::learning::{LearningKeeper, LearningSetup};
 use crate::panel::Order;
 
 /// How often truth is compared with what the robot does, microseconds.
@@ -124,6 +125,8 @@ struct World<'a, 'b> {
     /// What the robot cleans, with the disk that outlives its computer's lives.
     mission: Option<MissionSetup>,
     camera: Option<SimulatedCamera>,
+    /// Writes what is learned; the file outlives the computer's lives.
+    learned: Option<LearningKeeper>,
     /// The map of seen dirt is told again from here on.
     next_map_us: u64,
     judge_us: u64,
@@ -156,6 +159,7 @@ fn play(
             .clone()
             .map(|mission| MissionSetup::new(mission, Store::Memory(Arc::default()))),
         camera: plan.has_camera.then(|| SimulatedCamera::new(plan)).flatten(),
+        learned: plan.learning.as_ref().map(LearningSetup::keeper),
         next_map_us: 0,
         judge_us: 0,
         now_us: 0,
@@ -174,6 +178,9 @@ fn play(
         world.witnesses.seen_dirt(&seen);
         world.observer.on_seen_dirt(seen);
     }
+    if let Some(learned) = world.learned.as_ref().and_then(LearningKeeper::report) {
+        world.observer.on_learning(learned);
+    }
     world.observer.finish(world.operator.resets());
     if let Some(folder) = world.witnesses.pictures.take() {
         folder.finish()?;
@@ -190,6 +197,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     let shared: Box<Shared<NoopRawMutex>> = new_shared(&plan.robot, Stamp::from_micros(world.now_us))
         .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
     let mut perception = new_perception(&plan.robot, plan.stages);
+    perception.motion.learn(plan.learning.as_ref().map(LearningSetup::again).as_ref());
     let setup = world.mission.clone();
     let mut mission = setup.as_ref().map(|setup| setup.begin(&plan.robot)).transpose()?;
     let mut told = setup.as_ref().map_or(0, |setup| setup.watch.published());
@@ -243,6 +251,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
             }
             world.observer.observe(world.simulation, &shared, &stops);
             world.look_at_floor(&shared)?;
+            world.keep_learned();
         }
     }
 }
@@ -305,6 +314,13 @@ impl World<'_, '_> {
         let (Some(progress), Some(pose)) = (setup.watch.get(), shared.pose.get()) else { return };
         self.observer.on_mission(&progress, (self.simulation, pose.pose_in_odometry));
         self.witnesses.mission(&progress);
+    }
+
+    /// What was learned goes into its file.
+    fn keep_learned(&mut self) {
+        if let Some(news) = self.learned.as_mut().and_then(LearningKeeper::attend) {
+            anstream::eprintln!("  {:.0} s: {news}", self.now_us as f64 * 1.0e-6);
+        }
     }
 
     /// The floor camera, if there is one; its map goes to the witnesses now and then.

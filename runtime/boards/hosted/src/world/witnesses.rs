@@ -24,6 +24,7 @@ use crate::cleaner::MissionPlan;
 use crate::cleaner::MissionProgress;
 use crate::commands::BadInput;
 use crate::executor::StopFlag;
+use crate::learning::{LearningDesk, LearningSetup};
 use crate::panel::{Order, Panel};
 use crate::recording::{RecordError, RunInfo, RunRecorder};
 
@@ -36,6 +37,8 @@ const BUFFER_BYTES: usize = 1 << 20;
 
 /// Name of the text that says whether the raw bytes alone tell the whole run.
 pub(super) const REPEATABLE: &str = "repeatable";
+/// Name of the text that holds what the robot had learned before.
+pub(super) const LEARNED: &str = "learned_before";
 /// Name of the text that holds the cleaning mission.
 pub(super) const MISSION: &str = "mission";
 /// The threads of a robot in real time are not scheduled the same way twice.
@@ -62,6 +65,8 @@ pub struct Witnesses {
     pub panel: Option<Panel>,
     /// Set by somebody who wants the run to end here and now, in order.
     pub ended: StopFlag,
+    /// What the robot learns, for the end of the recording.
+    learning: LearningDesk,
     next_digest_us: u64,
     started: Option<Instant>,
 }
@@ -98,6 +103,7 @@ impl Witnesses {
         ];
         let mission = plan.mission.as_ref().map(|mission| mission.to_text()).transpose()?;
         let mission = mission.map(|text| (MISSION.to_owned(), text));
+        let learned = self.learned_before(plan.learning.as_ref());
         let info = RunInfo {
             robot: &plan.robot,
             robot_toml: &plan.robot_toml,
@@ -107,6 +113,7 @@ impl Witnesses {
                 .into_iter()
                 .map(|(name, text)| (name.to_owned(), text))
                 .chain(mission)
+                .chain(learned)
                 .collect::<BTreeMap<_, _>>(),
         };
         self.recording = Some(open_recording(path, &info)?);
@@ -121,15 +128,23 @@ impl Witnesses {
         &mut self,
         robot: &RobotConfiguration,
         (name, robot_toml, imu_baud): (&str, &str, u32),
-        (mission, path): (Option<&MissionPlan>, &Path),
+        ((mission, learning), path): ((Option<&MissionPlan>, Option<&LearningSetup>), &Path),
     ) -> anyhow::Result<()> {
         let texts = [("title", name), ("stages", Stages::All.name()), (REPEATABLE, IN_REAL_TIME)];
         let mission = mission.map(|mission| mission.to_text()).transpose()?;
         let texts = texts.into_iter().map(|(name, text)| (name.to_owned(), text.to_owned()));
-        let texts = texts.chain(mission.map(|text| (MISSION.to_owned(), text))).collect();
+        let texts = texts.chain(mission.map(|text| (MISSION.to_owned(), text)));
+        let texts = texts.chain(self.learned_before(learning)).collect();
         let info = RunInfo { robot, robot_toml, imu_baud, clouds_every: CLOUDS_EVERY, texts };
         self.recording = Some(open_recording(path, &info)?);
         Ok(())
+    }
+
+    /// What a robot begins with goes into the recording, and at its end what it learned.
+    fn learned_before(&mut self, learning: Option<&LearningSetup>) -> Option<(String, String)> {
+        let learning = learning?;
+        self.learning = learning.desk.clone();
+        Some((LEARNED.to_owned(), learning.to_text()))
     }
 
     /// Somebody listens at all.
@@ -221,7 +236,10 @@ impl Witnesses {
     /// The recording could not be written.
     pub fn finish(&mut self, (duration_us, digest): (u64, u64)) -> Result<(), RecordError> {
         match self.recording.take() {
-            Some(recording) => recording.finish(duration_us, Some(digest)).map(drop),
+            Some(mut recording) => {
+                recording.learned(self.learning.newest().map(|(report, _)| report.words()));
+                recording.finish(duration_us, Some(digest)).map(drop)
+            }
             None => Ok(()),
         }
     }
@@ -233,6 +251,7 @@ impl Witnesses {
     pub fn finish_in_real_time(&mut self, now_us: u64, lost: u64) -> Result<(), RecordError> {
         let Some(mut recording) = self.recording.take() else { return Ok(()) };
         recording.lost(now_us, lost);
+        recording.learned(self.learning.newest().map(|(report, _)| report.words()));
         recording.finish(now_us, None).map(drop)
     }
 }

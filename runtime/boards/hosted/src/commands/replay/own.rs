@@ -70,6 +70,9 @@ pub fn run<R: Read>(
         printer.identities.len(),
         printer.stops,
     );
+    if let Some(learned) = &outcome.learned {
+        anstream::eprintln!("learned: {}", learned.words());
+    }
     verdict(name, outcome)
 }
 

@@ -1,0 +1,158 @@
+//! The learner beside the people stages: after each sweep it looks at the tracks, learns a little, and says what it now
+//! thinks of each.
+//!
+//! Everything follows from the sweeps and their stamps, so a recording with the same start gives the same bits.
+
+use floorguard_core::geometry::Point2;
+use floorguard_core::online_learning::{
+    ExpertRules, LabelledShape, LearnedBeliefs, OnlineLearner, Sight, TwoLooks, Weights,
+};
+use floorguard_core::people::person_model::person_log_odds;
+use floorguard_core::people::{PeoplePipeline, Track};
+use floorguard_core::time::{Age, Stamp};
+
+use super::desk::LearningDesk;
+use super::report::LearningReport;
+
+/// A detection this near to its track's place is its own, metres.
+const OWN_M: f32 = 0.4;
+/// Steps of learning after one sweep, at most: half a millisecond.
+const STEPS_MAX: u64 = 100;
+/// A pause of the lidar longer than this is no time to learn in, µs.
+const PAUSE_US: u64 = 1_000_000;
+
+/// Learns what people look like.
+pub struct PeopleLearner {
+    learner: Box<OnlineLearner>,
+    beliefs: LearnedBeliefs,
+    resumed: bool,
+    corrects: bool,
+    pace: Pace,
+    looks: [u64; 2],
+    desk: LearningDesk,
+}
+
+impl PeopleLearner {
+    /// Begins with weights that were learned before; ones that do worse on the anchors than none are left aside (see
+    /// [`Self::is_resumed`]). `update_us`: from one judgement to the next, at least.
+    #[must_use]
+    pub fn new(anchors: &[LabelledShape], start: &Weights, (update_us, desk): (u64, LearningDesk)) -> Self {
+        let mut learner = Box::new(OnlineLearner::new(anchors, ExpertRules::DEFAULT));
+        let corrects = *start != Weights::ZERO && learner.resume(start);
+        Self {
+            learner,
+            beliefs: LearnedBeliefs::new(),
+            resumed: corrects,
+            corrects,
+            pace: Pace { update_us: update_us.max(1), last: None, due: 0 },
+            looks: [0; 2],
+            desk,
+        }
+    }
+
+    /// The weights of the start are in use.
+    #[must_use]
+    pub const fn is_resumed(&self) -> bool {
+        self.resumed
+    }
+
+    /// Takes in a sweep that went through the people stages.
+    pub fn observe(&mut self, people: &PeoplePipeline, stamp: Stamp) {
+        let Self { learner, beliefs, looks, corrects, .. } = self;
+        let own = |track: &Track| {
+            let is_seen = track.last_seen == stamp;
+            own_detection(people, track.state.position)
+                .filter(|_| is_seen)
+                .and_then(|index| people.shape(index))
+        };
+        if *corrects {
+            beliefs.update(people.tracks().iter().map(|track| {
+                let both = own(track).map(|shape| TwoLooks {
+                    shipped: person_log_odds(shape),
+                    learned: learner.log_odds(shape),
+                });
+                looks[1] += u64::from(both.is_some_and(|both| (both.shipped > 0.0) != (both.learned > 0.0)));
+                (track, both)
+            }));
+        }
+        let seen = people.tracks().iter().filter(|track| track.last_seen == stamp);
+        let sights = seen.map(|track| {
+            let shape = own(track);
+            looks[0] += u64::from(shape.is_some());
+            Sight { track: track.id, position: track.state.position, shape }
+        });
+        learner.observe(stamp, sights);
+        self.learn(stamp);
+        self.desk.put(LearningReport::of(&self.learner, self.resumed, self.looks), self.learner.weights());
+    }
+
+    /// As many steps as are due: one judgement in `update_us`.
+    fn learn(&mut self, stamp: Stamp) {
+        let steps = self.pace.steps(stamp);
+        let before = self.learner.counters().accepted;
+        self.learner.learn(steps);
+        self.corrects |= self.learner.counters().accepted != before;
+    }
+
+    /// Probability that a track is a person, by what was learned; `None` while that is nothing.
+    #[must_use]
+    pub fn probability(&self, track: &Track) -> Option<f32> {
+        self.beliefs.probability(track.id).filter(|_| self.corrects)
+    }
+}
+
+/// The detection that was given to a track at a place: the nearest.
+#[must_use]
+pub fn own_detection(people: &PeoplePipeline, place: Point2) -> Option<usize> {
+    let near = people.detections().iter().enumerate();
+    let (index, distance_m) = near
+        .map(|(index, detection)| (index, detection.position.distance(place)))
+        .min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (distance_m < OWN_M).then_some(index)
+}
+
+/// Shares out the steps of a round over the time between two judgements.
+struct Pace {
+    update_us: u64,
+    last: Option<Stamp>,
+    /// Steps that are due, in parts of `update_us`.
+    due: u64,
+}
+
+impl Pace {
+    fn steps(&mut self, now: Stamp) -> u16 {
+        let passed_us = match self.last.replace(now).map(|last| last.age(now)) {
+            Some(Age::Past(passed_us)) => passed_us.min(PAUSE_US),
+            _ => 0,
+        };
+        self.due += passed_us * u64::from(OnlineLearner::ROUND_STEPS);
+        let steps = (self.due / self.update_us).min(STEPS_MAX);
+        self.due = (self.due - steps * self.update_us).min(STEPS_MAX * self.update_us);
+        steps as u16
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_round_takes_as_long_as_an_update_may_and_a_pause_is_not_caught_up() {
+        for (update_us, seconds) in [(30_000_000, 300), (5_000_000, 50), (3_600_000_000, 7_200)] {
+            let mut pace = Pace { update_us, last: None, due: 0 };
+            let mut sum = 0_u64;
+            for sweep in 0..=seconds * 10 {
+                sum += u64::from(pace.steps(Stamp::from_micros(sweep * 100_000)));
+            }
+            let rounds = seconds * 1_000_000 / update_us;
+            assert_eq!(sum, rounds * u64::from(OnlineLearner::ROUND_STEPS), "{update_us}");
+        }
+        let mut pace = Pace { update_us: 5_000_000, last: None, due: 0 };
+        assert_eq!(pace.steps(Stamp::from_micros(1)), 0);
+        let after = [3_600_000_001, 3_600_000_002, 3_600_000_003, 3_600_000_004, 3_600_000_005];
+        let steps: u64 = after.iter().map(|at| u64::from(pace.steps(Stamp::from_micros(*at)))).sum();
+        assert!(steps <= 4 * STEPS_MAX, "{steps}");
+        // A clock that runs backwards is no time to learn in.
+        assert_eq!(pace.steps(Stamp::from_micros(5)), 0);
+    }
+}

@@ -1,0 +1,137 @@
+//! `[learning]` in the live robot: what is learned changes the list of people, never what the guard permits; and a
+//! recording learns the same once more.
+
+use std::io::BufReader;
+use std::path::Path;
+
+use floorguard_core::online_learning::Weights;
+use floorguard_hosted::configuration::EXAMPLE;
+use floorguard_hosted::learning::{LearningSetup, anchors_fingerprint, save_weights, shipped_anchors};
+use floorguard_hosted::recording::Recording;
+use floorguard_hosted::report::{document, read_history};
+use floorguard_hosted::world::{
+    Observation, Observer, Plan, ReplayAudience, ReplayOutcome, Witnesses, replay_recording, run_recorded,
+};
+use floorguard_runtime::shared::PeopleReport;
+
+const SECONDS: u64 = 12;
+
+fn plan() -> Plan {
+    Plan::named("supermarket", 3, SECONDS * 1_000_000).expect("a built-in scenario")
+}
+
+fn play(plan: &Plan, record: Option<&Path>) -> Observation {
+    let mut quiet = |_: f64, _: &_, _: usize, _: &[_]| {};
+    let mut observer = Observer::new(plan, &mut quiet);
+    let mut witnesses = Witnesses::default();
+    if let Some(path) = record {
+        witnesses.record(plan, path).expect("it is recorded");
+    }
+    run_recorded(plan, &mut observer, &mut witnesses).expect("it runs");
+    observer.into_observation()
+}
+
+struct Nobody;
+
+impl ReplayAudience for Nobody {
+    fn on_people(&mut self, _report: &PeopleReport, _digest: u64) {}
+}
+
+fn replay(path: &Path) -> ReplayOutcome {
+    let file = std::fs::File::open(path).expect("the recording is there");
+    let mut recording = Recording::new(BufReader::new(file));
+    let first = recording.next().expect("a message").expect("it is whole");
+    replay_recording(first, &mut recording, &mut Nobody).expect("it is ours")
+}
+
+/// Without anchors nothing holds a correction back: the largest one there is calls everybody nobody.
+fn says_nobody() -> LearningSetup {
+    LearningSetup::beside(Vec::new(), Weights { offset: -1.0e2, ..Weights::ZERO }, 5_000_000)
+}
+
+/// The same bytes go to the wheels, the same stops come, the same limits hold: only the list of people is another.
+#[test]
+fn whatever_was_learned_no_stop_is_loosened() {
+    let shipped = play(&plan(), None);
+    let mut forgetful = plan();
+    forgetful.learning = Some(says_nobody());
+    let forgetful = play(&forgetful, None);
+    let people =
+        |seen: &Observation| seen.people_seen.iter().map(|moment| moment.people.len()).sum::<usize>();
+    assert!(people(&shipped) > 50, "{}", people(&shipped));
+    assert!(people(&forgetful) * 2 < people(&shipped), "{} {}", people(&forgetful), people(&shipped));
+    assert!(shipped.verdict.distance_m > 1.0, "{:?}", shipped.verdict);
+    assert_eq!(shipped.stops, forgetful.stops);
+    assert_eq!(shipped.speeds, forgetful.speeds);
+    assert_eq!(shipped.robot_way, forgetful.robot_way);
+    assert_eq!(shipped.under_cause_s, forgetful.under_cause_s);
+    assert_ne!(shipped.verdict.digest, forgetful.verdict.digest);
+    // What adds people can only tighten: the limit is never higher before the robot has gone another way for it.
+    let mut anxious = plan();
+    let all = Weights { offset: 1.0e2, ..Weights::ZERO };
+    anxious.learning = Some(LearningSetup::beside(Vec::new(), all, 5_000_000));
+    let anxious = play(&anxious, None);
+    assert!(people(&anxious) > people(&shipped));
+    let mut pairs = shipped.speeds.iter().zip(&anxious.speeds);
+    let differs = pairs.find(|(one, other)| one != other);
+    assert!(differs.is_none_or(|(one, other)| other.2 <= one.2 || other.1 < one.1), "{differs:?}");
+}
+
+/// Before anything is taken over, the robot with `[learning]` is the robot without, to the bit.
+#[test]
+fn a_robot_that_has_learned_nothing_is_the_shipped_one() {
+    let shipped = play(&plan(), None);
+    let mut new = plan();
+    new.learning = Some(LearningSetup::from_nothing(30_000_000));
+    let new = play(&new, None);
+    assert_eq!((shipped.verdict.mota, shipped.stops), (new.verdict.mota, new.stops.clone()));
+    assert_eq!((shipped.robot_way, shipped.people_seen), (new.robot_way.clone(), new.people_seen.clone()));
+    let learned = new.learned.expect("it tells");
+    assert!(learned.looks > 100 && learned.accepted == 0 && learned.decided_otherwise == 0, "{learned:?}");
+    assert_eq!(shipped.learned, None);
+}
+
+#[test]
+fn the_same_recording_and_the_same_start_learn_the_same_bits() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let robot = folder.path().join("robot.toml");
+    let model = folder.path().join("people.learned");
+    std::fs::write(&robot, format!("{EXAMPLE}\n[learning]\nupdate_s = 5.0\n")).expect("it is written");
+    let mut start = Weights { steps: 4_000, ..Weights::ZERO };
+    start.waves[7] = 0.2;
+    save_weights(&model, &start, anchors_fingerprint(&shipped_anchors())).expect("it is written");
+    let plan = plan().with_robot(&robot).expect("the robot is the example with learning");
+    let path = folder.path().join("run.mcap");
+    let run = play(&plan, Some(&path));
+    let learned = run.learned.expect("it tells");
+    assert!(learned.resumed && learned.looks > 100, "{learned:?}");
+    let again = replay(&path);
+    assert!(again.is_identical() && again.compared > 5, "{again:?}");
+    assert_eq!(format!("{:016x}", again.digest), run.verdict.digest);
+    assert_eq!(again.learned, Some(learned));
+    let mut new = plan.clone();
+    new.learning = Some(LearningSetup::from_nothing(5_000_000));
+    assert_ne!(play(&new, None).verdict.digest, run.verdict.digest, "the start was used");
+    // The report of the recording says what was learned.
+    let file = std::fs::File::open(&path).expect("the recording is there");
+    let history = read_history(&mut Recording::new(BufReader::new(file))).expect("it is whole");
+    assert_eq!(history.learned, Some(learned.words()));
+    assert!(document(&history, "run").contains("Learned: "));
+    // A replay leaves the file of the robot alone.
+    let kept = floorguard_hosted::learning::load_weights(&model, anchors_fingerprint(&shipped_anchors()));
+    assert_eq!(kept.expect("it is whole").map(|kept| kept.generation), Some(1));
+}
+
+#[test]
+fn a_robot_with_another_body_is_not_simulated() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let robot = folder.path().join("robot.toml");
+    for (from, to, section) in
+        [("track_m = 0.60", "track_m = 0.70", "[robot]"), ("drive_node = 1", "drive_node = 9", "[can]")]
+    {
+        assert!(EXAMPLE.contains(from), "{from}");
+        std::fs::write(&robot, EXAMPLE.replacen(from, to, 1)).expect("it is written");
+        let refused = plan().with_robot(&robot).expect_err("another body").to_string();
+        assert!(refused.contains(section) && refused.contains("copy"), "{refused}");
+    }
+}
