@@ -3,6 +3,7 @@
 use floorguard_core::geometry::{Point2, Pose2};
 
 use super::{Person, body_discs};
+use crate::simulation::distance_to_area;
 
 /// A body may press this deep into the outline, metres: touching stays a contact for judges.
 const PRESS_M: f32 = 0.01;
@@ -16,6 +17,14 @@ pub struct RobotShape<'a> {
     pub outline: &'a [Point2],
     /// Middle of the disc that people walk around, robot frame, and its radius, metres.
     pub seen_as: (Point2, f32),
+}
+
+impl RobotShape<'_> {
+    /// From a place to the outline, metres; 0 within it.
+    pub fn gap_m(&self, place: Point2) -> f32 {
+        let in_robot = self.pose.inverse().transform(place);
+        distance_to_area(self.outline, in_robot)
+    }
 }
 
 /// Puts a person who walks beside the robot, and takes away the speed towards it. Who has bumped into it has noticed it.

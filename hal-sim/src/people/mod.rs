@@ -7,6 +7,7 @@ mod kind;
 mod person;
 mod social_force;
 mod walk;
+mod way_round;
 
 pub use body::{BodyPart, body_parts};
 pub use bump::RobotShape;

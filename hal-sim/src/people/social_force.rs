@@ -1,12 +1,16 @@
 //! Moves people: the social-force model (Helbing and Molnár 1995, with the view cone of Johansson 2007).
 //!
 //! Everybody accelerates towards the wanted velocity within 0.5 s and is pushed away from others, from walls and, who
-//! sees it, from the robot by forces that fall exponentially with the distance of the bodies.
+//! sees it, from the robot by forces that fall exponentially with the distance of the bodies. Where the forces balance, the
+//! wanted velocity turns aside (`way_round`).
+
+use std::collections::BTreeMap;
 
 use floorguard_core::geometry::Point2;
 
 use super::Person;
 use super::bump::{RobotShape, slide_off};
+use super::way_round::{Around, WayRound};
 use crate::scene::Scene;
 
 /// Relaxation time, seconds.
@@ -24,6 +28,8 @@ const PUSH_MAX: f32 = 6.0;
 /// Bodies that touch push each other apart, m/s² per metre of overlap, and at most this hard, m/s² (Helbing, Farkas and
 /// Vicsek 2000: nobody walks through anybody).
 const CONTACT: (f32, f32) = (150.0, 15.0);
+/// Who squeezes past others is pushed by them only so much.
+const SQUEEZES: f32 = 0.4;
 /// A goal counts as reached within this distance, metres.
 const REACHED_M: f32 = 0.6;
 
@@ -34,6 +40,10 @@ pub struct Crowd {
     pub people: Vec<Person>,
     /// Those who come later or have gone.
     absent: Vec<Person>,
+    /// People look for ways round and walk round the robot in time.
+    attentive: bool,
+    /// Of everybody who walks, by number.
+    ways: BTreeMap<u32, WayRound>,
 }
 
 impl Crowd {
@@ -41,7 +51,13 @@ impl Crowd {
     #[must_use]
     pub fn new(people: Vec<Person>) -> Self {
         let (absent, people) = people.into_iter().partition(|person| person.walk.is_some());
-        Self { people, absent }
+        Self { people, absent, attentive: false, ways: BTreeMap::new() }
+    }
+
+    /// The same people, who look where they go, or do not.
+    #[must_use]
+    pub fn looking(self, attentive: bool) -> Self {
+        Self { attentive, ..self }
     }
 
     /// Lets people of recordings come, go and walk.
@@ -59,13 +75,34 @@ impl Crowd {
         }
     }
 
+    /// Where everybody walks to who has looked for a way round; `None`: straight to the goal.
+    fn aims(
+        &mut self,
+        now_us: u64,
+        step_s: f32,
+        (scene, robot): (&Scene, &RobotShape<'_>),
+    ) -> Vec<Option<Point2>> {
+        if !self.attentive {
+            return vec![None; self.people.len()];
+        }
+        let around = Around { people: &self.people, scene, robot };
+        let ways = &mut self.ways;
+        let aim = |person: &Person| {
+            let walks = person.walk.is_none() && person.starts_us <= now_us && person.speed_mps > 0.0;
+            let goal = *person.goals.get(person.goal % person.goals.len().max(1)).filter(|_| walks)?;
+            ways.entry(person.id).or_default().place(person, (goal, step_s), around)
+        };
+        self.people.iter().map(aim).collect()
+    }
+
     /// One step of at most a few hundredths of a second.
     pub fn step(&mut self, now_us: u64, step_s: f32, scene: &Scene, robot: &RobotShape<'_>) {
         self.follow_recordings(now_us, step_s);
         let (middle, radius_m) = (robot.pose.transform(robot.seen_as.0), robot.seen_as.1);
         let bodies: Vec<(Point2, f32)> =
             self.people.iter().map(|person| (person.position, person.kind.radius_m())).collect();
-        for (index, person) in self.people.iter_mut().enumerate() {
+        let aims = self.aims(now_us, step_s, (scene, robot));
+        for ((index, person), aim) in self.people.iter_mut().enumerate().zip(aims) {
             if person.walk.is_some() {
                 continue;
             }
@@ -73,10 +110,11 @@ impl Crowd {
                 person.velocity = Point2::default();
                 continue;
             }
-            let mut push = drive(person);
+            let mut push = drive(person, aim);
+            let people = (PEOPLE.0 * if aim.is_some() { SQUEEZES } else { 1.0 }, PEOPLE.1);
             for (other, body) in bodies.iter().enumerate() {
                 if other != index {
-                    add(&mut push, repel(person, body.0, body.1, PEOPLE));
+                    add(&mut push, repel(person, body.0, body.1, people));
                 }
             }
             if person.sees_robot {
@@ -105,13 +143,15 @@ fn add(sum: &mut Point2, more: Point2) {
     sum.y_m += more.y_m;
 }
 
-fn drive(person: &mut Person) -> Point2 {
+/// Towards the next goal, or to a place on the way there.
+fn drive(person: &mut Person, aim: Option<Point2>) -> Point2 {
     let goal = person.goals[person.goal % person.goals.len()];
     let distance = goal.distance(person.position);
     if distance < REACHED_M {
         person.goal = (person.goal + 1) % person.goals.len();
     }
-    let scale = person.speed_mps / distance.max(0.01);
+    let goal = aim.unwrap_or(goal);
+    let scale = person.speed_mps / goal.distance(person.position).max(0.01);
     Point2::new(
         ((goal.x_m - person.position.x_m) * scale - person.velocity.x_m) / RELAX_S,
         ((goal.y_m - person.position.y_m) * scale - person.velocity.y_m) / RELAX_S,

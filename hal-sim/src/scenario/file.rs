@@ -109,6 +109,10 @@ pub struct Scenario {
     /// Who is there.
     #[serde(default)]
     pub person: Vec<PersonFile>,
+    /// People find ways round what stands in theirs and walk round a robot in time, as people do. Without it they walk as
+    /// social forces push them, up to the robot and into each other: the harder trial for its guard.
+    #[serde(default)]
+    pub attentive: bool,
     /// Adds 1 to 10 people whose straight ways cross the robot's at random.
     #[serde(default)]
     pub random_encounter: bool,

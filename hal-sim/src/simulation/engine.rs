@@ -74,7 +74,7 @@ impl Simulation {
         Ok(Self {
             dirt: DirtyWorld::new((scenario, &scene), &parameters, seed),
             scene,
-            crowd: Crowd::new(scenario.people(seed)),
+            crowd: Crowd::new(scenario.people(seed)).looking(scenario.attentive),
             body: RobotBody::new(parameters.clone(), scenario.start_pose()),
             bus: Bus::new(parameters.nodes),
             lidar: Lidar::new(seed, ReturnMode::Strongest),

@@ -8,4 +8,4 @@ mod truth;
 
 pub use engine::Simulation;
 pub use event::{Payload, Stream, WireEvent};
-pub use truth::{PersonTruth, Truth};
+pub use truth::{PersonTruth, Truth, distance_to_area};
