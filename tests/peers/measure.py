@@ -1,6 +1,6 @@
 """Times what a user would install today, on the inputs that `floorguard-bench --peers` wrote.
 
-Usage: measure.py FOLDER MODELS BENCH, where BENCH holds the benchmark's inputs. Prints one JSON object a line: {"task", "input", "peer", "version", "ns", "note"},
+Usage: measure.py FOLDER MODELS BENCH [TASK], where BENCH holds the benchmark's inputs; with a task, only that. Prints one JSON object a line: {"task", "input", "peer", "version", "ns", "note"},
 or {"task", "peer", "skipped"}. A peer that is not installed, or fails, is a line and no error.
 """
 
@@ -19,6 +19,7 @@ for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
 import numpy as np
 
 FOLDER, MODELS, BENCH = sys.argv[1:4]
+TASKS = sys.argv[4:]
 TRACKS = os.path.join(BENCH, "track")
 GAP_M = 0.3
 TARGETS = (10, 50, 100)
@@ -422,7 +423,7 @@ def tours():
 
 def told_tour(peer, package, name, ours, length, ns):
     note = f"closed tour of {length} units; ours is {100 * (ours / length - 1):+.2f} % longer"
-    tell("tour", peer, package, input=name, ns=ns, note=note)
+    tell("tour", peer, package, input=name, ns=ns, note=note, length=int(length))
 
 
 def tour_lkh():
@@ -473,6 +474,8 @@ MEASURES = [
 ]
 
 for task, peer, measure in MEASURES:
+    if TASKS and task not in TASKS:
+        continue
     try:
         measure()
     except ImportError as error:

@@ -1,11 +1,12 @@
 //! How long the stages take: medians over many rounds, on the recordings that everybody else is measured on.
 
 pub mod cleaning;
+mod cpu;
 mod floor;
 mod guard;
 mod lidar;
 mod peers;
-mod tours;
+pub mod tours;
 mod tracking;
 
 pub use floor::{FrameTime, run_floor};

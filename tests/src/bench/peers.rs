@@ -71,7 +71,7 @@ pub fn ours(folder: &Path) -> anyhow::Result<Vec<OurTime>> {
     times.push(OurTime::new("joint", "16 targets in a crowd".to_owned(), joint_step_ns(16)));
     times.push(OurTime::new("filter", "100 targets".to_owned(), filter_ns(100)));
     times.push(OurTime::new("pipeline", "30 people, one revolution".to_owned(), crowd_pipeline_ns()?));
-    times.extend(super::tours::tours(folder)?);
+    times.extend(super::tours::tours(folder)?.into_iter().map(OurTime::from));
     Ok(times)
 }
 

@@ -1,12 +1,13 @@
 //! Tours over cells of recorded buildings, for ours and for the peers: the same distances round the walls.
 
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use floorguard_core::cleaning::{Distances, PathSearch, SearchCell, TourSolver};
 use floorguard_core::random::Pcg32;
 use floorguard_hosted::mission::{Floor, Robot, ros_map};
 
+use super::cpu::Stopwatch;
 use super::peers::OurTime;
 use crate::data::recording;
 
@@ -20,6 +21,25 @@ const MAPS: [(&str, &str); 2] = [
 /// Cells, and the time that ours may take.
 const SIZES: [(usize, Duration); 3] =
     [(100, Duration::from_millis(50)), (300, Duration::from_millis(50)), (1_000, Duration::from_millis(500))];
+
+/// A tour of ours.
+#[derive(Clone, Debug)]
+pub struct OurTour {
+    /// Building and cells.
+    pub input: String,
+    /// Units of the path search.
+    pub length: f64,
+    /// What it took, milliseconds.
+    pub ms: f64,
+}
+
+impl From<OurTour> for OurTime {
+    fn from(tour: OurTour) -> Self {
+        let unit_mm = distances_unit_mm();
+        let note = format!("closed tour of {:.0} units of {unit_mm:.1} mm", tour.length);
+        Self::told("tour", tour.input, tour.ms * 1e6, note)
+    }
+}
 
 /// Distances in units of the path search.
 struct Matrix {
@@ -55,15 +75,15 @@ fn matrix(floor: &Floor, count: usize) -> Option<Matrix> {
 ///
 /// # Errors
 /// A file that cannot be written, or a map that cannot be read.
-pub fn tours(folder: &Path) -> anyhow::Result<Vec<OurTime>> {
-    let mut times = Vec::new();
+pub fn tours(folder: &Path) -> anyhow::Result<Vec<OurTour>> {
+    let mut tours = Vec::new();
     for (name, file) in MAPS {
         let Some(path) = recording(file) else { continue };
         let floor = Floor::new(name, ros_map::load(&path)?, Robot::PUBLISHED.radius_m)?;
         for (count, limit) in SIZES {
             let Some(distances) = matrix(&floor, count) else { continue };
             let mut solver = Box::new(TourSolver::<NODES>::new(Pcg32::new(1, 1)));
-            let begin = Instant::now();
+            let begin = Stopwatch::begin();
             solver
                 .start_closed(count, &distances)
                 .map_err(|error| anyhow::anyhow!("{name}, {count} cells: {error:?}"))?;
@@ -77,11 +97,11 @@ pub fn tours(folder: &Path) -> anyhow::Result<Vec<OurTime>> {
             let bytes: Vec<u8> = distances.values.iter().flat_map(|value| value.to_le_bytes()).collect();
             std::fs::write(folder.join(format!("tour-{name}_{count}.i32")), bytes)?;
             std::fs::write(folder.join(format!("tour-{name}_{count}.length")), length.to_string())?;
-            let note = format!("closed tour of {length} units of {:.1} mm", distances_unit_mm());
-            times.push(OurTime::told("tour", format!("{name}, {count} cells"), took.as_nanos() as f64, note));
+            let input = format!("{name}, {count} cells");
+            tours.push(OurTour { input, length: length as f64, ms: took.as_secs_f64() * 1e3 });
         }
     }
-    Ok(times)
+    Ok(tours)
 }
 
 /// A straight step over a cell of 0.1 m counts so many units.

@@ -34,6 +34,7 @@ fn main() -> ExitCode {
     let folder = Path::new(folder);
     let outcome = match experiment.as_str() {
         "cleaning" => floorguard_tests::reproduce::cleaning(trials, folder),
+        "tours" => floorguard_tests::reproduce::tours(folder),
         "motion" => floorguard_tests::reproduce::motion(trials, folder),
         "candidates" => floorguard_tests::candidates::candidates(trials, folder),
         "crowds" => floorguard_tests::crowds::crowds(trials, folder),

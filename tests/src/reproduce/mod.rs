@@ -10,6 +10,7 @@ mod motion;
 mod published;
 mod store;
 mod table_one;
+mod tours;
 
 use std::path::Path;
 
@@ -21,6 +22,7 @@ pub use figure_six::{FigureSix, figure_six};
 pub use motion::{MotionFigures, motion, motion_figures};
 pub use store::Store;
 pub use table_one::{TableOne, table_one};
+pub use tours::tours;
 
 /// Seed of the first mission of every experiment.
 pub const SEED: u64 = 2_014;

@@ -24,6 +24,8 @@ pub struct Options {
 enum Experiment {
     /// Guaranteed cleaning: Table I, Figures 5 and 6.
     Cleaning,
+    /// Tours beside LKH's and OR-Tools', re-planning, and what a step of the belief costs.
+    Tours,
     /// Moving things in a corridor: Figures 6 to 8.
     Motion,
     /// People followed in crowds, nearest neighbours against joint probabilities.
@@ -44,6 +46,7 @@ enum Experiment {
 pub fn run(options: &Options) -> Result<bool> {
     let (name, trials) = match options.experiment {
         Experiment::Cleaning => ("cleaning", 5),
+        Experiment::Tours => ("tours", 1),
         Experiment::Motion => ("motion", 20),
         Experiment::Crowds => ("crowds", 5),
         Experiment::Candidates => ("candidates", 30),
