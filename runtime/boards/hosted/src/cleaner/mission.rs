@@ -24,13 +24,14 @@ use super::obstacles::Obstacles;
 use super::plan::{MissionPlan, MissionStrategy};
 use super::progress::{MissionPhase, MissionWatch};
 use super::store::{Saved, Store};
+use super::times::{Spent, Times};
 use super::track::{Track, Tracking};
 use crate::mission::{Lane, Localiser, lanes, scrubber};
 
 /// Nodes of a tour: 1,024 cells, the robot, and the end of the path.
 const NODES: usize = 1_026;
 /// Held by the guard for this long, the robot looks for a way round, seconds.
-const PATIENCE_S: f32 = 3.0;
+const PATIENCE_S: f32 = 2.0;
 /// Progress is made known this often, seconds.
 const PROGRESS_S: f32 = 1.0;
 /// What was cleaned is saved this often, seconds: a power cut loses no more.
@@ -114,6 +115,7 @@ pub struct Cleaner {
     pub(super) odometry: StampedPose,
     pub(super) phase: MissionPhase,
     pub(super) waited_s: f32,
+    pub(super) times: Times,
     pub(super) detours: u32,
     pub(super) distance_m: f32,
     pub(super) watch: SharedWatch,
@@ -186,6 +188,7 @@ impl Cleaner {
             odometry: StampedPose::default(),
             phase: MissionPhase::Starting,
             waited_s: 0.0,
+            times: Times::default(),
             detours: 0,
             distance_m: 0.0,
             watch,
@@ -227,6 +230,21 @@ impl Cleaner {
     /// Where the robot is believed to be, map frame.
     pub(super) fn pose(&self) -> Pose2 {
         self.localiser.pose(self.odometry.pose_in_odometry)
+    }
+
+    /// What the time since the last moment went to.
+    fn spent_on(&self, moment: &MissionMoment<'_>) -> Spent {
+        if self.phase == MissionPhase::Done {
+            Spent::Done
+        } else if moment.is_paused {
+            Spent::Paused
+        } else if self.wish != Twist2::ZERO {
+            Spent::of(self.wish, moment.decision)
+        } else if self.lost_s > 0.0 {
+            Spent::Finding
+        } else {
+            Spent::NoWay
+        }
     }
 
     /// The guard does not let the robot do what it wishes.
@@ -316,6 +334,7 @@ impl CleaningMission for Cleaner {
         if let Some(floor) = moment.floor {
             self.see_floor(floor, now_s);
         }
+        self.times.add(self.spent_on(moment), lasted_s);
         if self.phase == MissionPhase::Done {
             self.wish = Twist2::ZERO;
         } else if moment.is_paused {

@@ -15,6 +15,7 @@ mod store;
 mod surroundings;
 mod targets;
 mod tell;
+mod times;
 mod track;
 mod visits;
 
@@ -24,3 +25,4 @@ pub use plan::{ExpectedDirt, MissionPlan, MissionStrategy};
 pub use progress::{CellState, Doubt, MissionPhase, MissionProgress, MissionWatch, UncertainCell};
 pub use setup::MissionSetup;
 pub use store::Store;
+pub use times::{Spent, Times};

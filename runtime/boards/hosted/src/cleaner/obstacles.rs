@@ -28,8 +28,9 @@ const SAME_THING_M: f32 = 0.15;
 /// A person's feet and what it pushes or carries are within this of its middle, metres.
 const PERSON_REACH_M: f32 = 0.8;
 
-/// Half a person, metres; the room of the robot has a margin of its own.
-const PERSON_M: f32 = 0.15;
+/// Kept around the middle of a person, metres, beside the room of the robot: nearer than that the guard lets the robot set
+/// off in no direction but straight away from it (a body of 0.3 m, two standard deviations of its place, half a second).
+const PERSON_M: f32 = 0.33;
 
 /// Ends of every so many beams, in the scanner's frame.
 pub fn ends_of(scan: &Scan, interval: usize) -> impl Iterator<Item = Point2> {

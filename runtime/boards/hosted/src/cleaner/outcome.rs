@@ -48,6 +48,8 @@ pub struct MissionReport {
     pub finished_after_s: Option<f64>,
     /// Time that people and what else stood in the way cost, seconds.
     pub people_cost_s: f32,
+    /// Where the time went, seconds by reason; the sum is the time of the mission.
+    pub time_s: BTreeMap<String, f32>,
     /// Times that the robot looked for a way round.
     pub detours: u32,
     /// Distance of the believed from the true place, mean and largest, metres.
@@ -134,6 +136,7 @@ impl MissionJudge {
             distance_m: progress.distance_m,
             finished_after_s: self.finished_after_s,
             people_cost_s: progress.waited_s,
+            time_s: progress.times.iter().map(|(spent, time_s)| (spent.words().to_owned(), time_s)).collect(),
             detours: progress.detours,
             ..MissionReport::default()
         };

@@ -10,6 +10,8 @@ use floorguard_core::maps::GridGeometry;
 use floorguard_core::time::Stamp;
 use floorguard_runtime::channel::Latest;
 
+use super::times::Times;
+
 /// What a mission is doing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MissionPhase {
@@ -128,6 +130,8 @@ pub struct MissionProgress {
     pub distance_m: f32,
     /// Time that people and what else held the robot cost, seconds.
     pub waited_s: f32,
+    /// Where the time went.
+    pub times: Times,
     /// Times that the way was planned anew around something or somebody.
     pub detours: u32,
 }

@@ -27,7 +27,7 @@ const SAME_PLACE_M: f32 = 0.3;
 /// Waypoints that are left on the last straight, over the dirt.
 const PASS_LEGS: usize = 1;
 /// Held for this long at a place, the robot goes elsewhere first, seconds.
-const STAYS_S: f32 = 8.0;
+const STAYS_S: f32 = 5.0;
 /// Cells of the tour that are tried before the robot waits.
 const TRIES: usize = 4;
 

@@ -68,6 +68,7 @@ impl Cleaner {
             waypoints: self.track.rest().iter().map(|at| place(at.pose)).collect(),
             distance_m: self.distance_m,
             waited_s: self.waited_s,
+            times: self.times,
             detours: self.detours,
             expected_before: self.ground.expected.clone(),
             expected_now: map.iter().map(|dirt| dirt.expected_units).collect(),

@@ -97,6 +97,9 @@ fn mission_lines(mission: &MissionReport) -> String {
         mission.detours,
         mission.localisation_error_m.unwrap_or_default()
     );
+    for (reason, seconds) in &mission.time_s {
+        let _ = writeln!(text, "    {seconds:6.0} s {reason}");
+    }
     for (reason, count) in &mission.uncertain_cells {
         let _ = writeln!(text, "    {count:3} cells not claimed: {reason}");
     }

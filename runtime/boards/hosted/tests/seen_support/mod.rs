@@ -74,6 +74,7 @@ pub fn progress(share: f32) -> Arc<MissionProgress> {
         waypoints: Vec::new(),
         distance_m: 12.0,
         waited_s: 4.0,
+        times: Default::default(),
         detours: 1,
     })
 }
