@@ -10,7 +10,7 @@ use floorguard_core::geometry::Point2;
 
 use super::Person;
 use super::bump::{RobotShape, slide_off};
-use super::way_round::{Around, WayRound};
+use super::way_round::{Aim, Around, WayRound};
 use crate::scene::Scene;
 
 /// Relaxation time, seconds.
@@ -75,22 +75,18 @@ impl Crowd {
         }
     }
 
-    /// Where everybody walks to who has looked for a way round; `None`: straight to the goal.
-    fn aims(
-        &mut self,
-        now_us: u64,
-        step_s: f32,
-        (scene, robot): (&Scene, &RobotShape<'_>),
-    ) -> Vec<Option<Point2>> {
+    /// Where everybody walks to.
+    fn aims(&mut self, now_us: u64, step_s: f32, (scene, robot): (&Scene, &RobotShape<'_>)) -> Vec<Aim> {
         if !self.attentive {
-            return vec![None; self.people.len()];
+            return vec![Aim::Goal; self.people.len()];
         }
         let around = Around { people: &self.people, scene, robot };
         let ways = &mut self.ways;
         let aim = |person: &Person| {
             let walks = person.walk.is_none() && person.starts_us <= now_us && person.speed_mps > 0.0;
-            let goal = *person.goals.get(person.goal % person.goals.len().max(1)).filter(|_| walks)?;
-            ways.entry(person.id).or_default().place(person, (goal, step_s), around)
+            let goal = person.goals.get(person.goal % person.goals.len().max(1)).filter(|_| walks);
+            let way = goal.map(|goal| (ways.entry(person.id).or_default(), *goal));
+            way.map_or(Aim::Goal, |(way, goal)| way.aim(person, (goal, step_s), around))
         };
         self.people.iter().map(aim).collect()
     }
@@ -111,7 +107,7 @@ impl Crowd {
                 continue;
             }
             let mut push = drive(person, aim);
-            let people = (PEOPLE.0 * if aim.is_some() { SQUEEZES } else { 1.0 }, PEOPLE.1);
+            let people = (PEOPLE.0 * if aim == Aim::Goal { 1.0 } else { SQUEEZES }, PEOPLE.1);
             for (other, body) in bodies.iter().enumerate() {
                 if other != index {
                     add(&mut push, repel(person, body.0, body.1, people));
@@ -144,13 +140,13 @@ fn add(sum: &mut Point2, more: Point2) {
 }
 
 /// Towards the next goal, or to a place on the way there.
-fn drive(person: &mut Person, aim: Option<Point2>) -> Point2 {
+fn drive(person: &mut Person, aim: Aim) -> Point2 {
     let goal = person.goals[person.goal % person.goals.len()];
     let distance = goal.distance(person.position);
-    if distance < REACHED_M {
+    if distance < REACHED_M || aim == Aim::NextGoal {
         person.goal = (person.goal + 1) % person.goals.len();
     }
-    let goal = aim.unwrap_or(goal);
+    let goal = if let Aim::Place(place) = aim { place } else { goal };
     let scale = person.speed_mps / goal.distance(person.position).max(0.01);
     Point2::new(
         ((goal.x_m - person.position.x_m) * scale - person.velocity.x_m) / RELAX_S,

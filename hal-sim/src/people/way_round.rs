@@ -47,6 +47,20 @@ const ROOM_M: f32 = 0.3;
 const TIGHT: f32 = 5.0;
 const THROUGH: f32 = 80.0;
 
+/// Whoever is held up this near to a goal on which somebody stands goes on to the next one, metres.
+const TAKEN_M: f32 = 2.0;
+
+/// Where somebody walks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Aim {
+    /// Straight to the goal.
+    Goal,
+    /// To a place on the way round.
+    Place(Point2),
+    /// The goal is taken: to the next one.
+    NextGoal,
+}
+
 /// How long somebody has made no headway, and the way that it took then.
 #[derive(Clone, Debug, Default)]
 pub struct WayRound {
@@ -69,13 +83,8 @@ pub struct Around<'a> {
 }
 
 impl WayRound {
-    /// The place to walk to at this moment instead of the goal; `None`: straight to the goal.
-    pub fn place(
-        &mut self,
-        person: &Person,
-        (goal, step_s): (Point2, f32),
-        around: Around<'_>,
-    ) -> Option<Point2> {
+    /// Where to walk at this moment.
+    pub fn aim(&mut self, person: &Person, (goal, step_s): (Point2, f32), around: Around<'_>) -> Aim {
         let is_held_up = person.velocity.norm() < HELD_UP * person.speed_mps;
         self.held_up_s = if is_held_up { self.held_up_s + step_s } else { 0.0 };
         self.left_s -= step_s;
@@ -83,17 +92,27 @@ impl WayRound {
             self.way.clear();
         }
         let patience_s = PATIENCE_S.0 + PATIENCE_S.1 * (person.id % KINDS_OF_PATIENCE) as f32;
+        let has_enough = self.held_up_s >= patience_s;
+        if has_enough && person.position.distance(goal) < TAKEN_M && is_taken(person, goal, around) {
+            *self = Self::default();
+            return Aim::NextGoal;
+        }
         self.looks_in_s -= step_s;
         let looks = self.looks_in_s <= 0.0 && person.sees_robot && bars(around.robot, person, goal);
-        if looks || self.held_up_s >= patience_s {
+        if looks || has_enough {
             self.way = way(person, goal, around);
             (self.held_up_s, self.left_s, self.looks_in_s) = (0.0, WALKS_S, LOOKS_S);
         }
         while self.way.last().is_some_and(|next| next.distance(person.position) < AHEAD_M) {
             self.way.pop();
         }
-        self.way.last().copied()
+        self.way.last().map_or(Aim::Goal, |place| Aim::Place(*place))
     }
+}
+
+/// Somebody or the robot stands where this one wants to go.
+fn is_taken(person: &Person, goal: Point2, around: Around<'_>) -> bool {
+    count(person, goal, around) >= THROUGH
 }
 
 /// The robot stands on the straight way to the goal, near enough to be walked round.

@@ -114,7 +114,6 @@ pub struct Cleaner {
     pub(super) track: Track,
     pub(super) odometry: StampedPose,
     pub(super) phase: MissionPhase,
-    pub(super) waited_s: f32,
     pub(super) times: Times,
     pub(super) detours: u32,
     pub(super) distance_m: f32,
@@ -140,7 +139,6 @@ pub struct Cleaner {
     pub(super) postponed: Vec<(usize, f32)>,
     pub(super) leavings: u8,
     pub(super) try_s: f32,
-    pub(super) is_waiting: bool,
     pub(super) wish: Twist2,
     pub(super) held_s: f32,
     pub(super) held_at: Option<(Point2, f32)>,
@@ -187,7 +185,6 @@ impl Cleaner {
             track: Track::default(),
             odometry: StampedPose::default(),
             phase: MissionPhase::Starting,
-            waited_s: 0.0,
             times: Times::default(),
             detours: 0,
             distance_m: 0.0,
@@ -210,7 +207,6 @@ impl Cleaner {
             postponed: Vec::new(),
             leavings: 0,
             try_s: 0.0,
-            is_waiting: false,
             wish: Twist2::ZERO,
             held_s: 0.0,
             held_at: None,
@@ -249,9 +245,6 @@ impl Cleaner {
 
     /// The guard does not let the robot do what it wishes.
     fn notice_hold(&mut self, decision: Option<Decision>, lasted_s: f32) {
-        if std::mem::take(&mut self.is_waiting) {
-            self.waited_s += lasted_s;
-        }
         let wishes = self.wish != Twist2::ZERO;
         let stands = decision.is_none_or(|decision| {
             decision.permitted.linear_mps.abs() < STANDS.0
@@ -267,7 +260,6 @@ impl Cleaner {
         let thing_lies = || self.obstacles.lies_near(Point2::new(pose.x_m, pose.y_m), THING_HOLDS_M);
         if cause.is_none_or(|cause| in_the_way.contains(&cause)) || thing_lies() {
             self.held_s += lasted_s;
-            self.waited_s += lasted_s;
         }
     }
 
@@ -290,7 +282,6 @@ impl Cleaner {
         // A way that ends at once is followed by the next; four are more than ever follow each other.
         for _ in 0..4 {
             if self.track.is_over() && !self.choose(pose, now_s) {
-                self.is_waiting = self.phase != MissionPhase::Done;
                 return Twist2::ZERO;
             }
             match self.track.follow(pose, &self.pace) {
@@ -334,7 +325,8 @@ impl CleaningMission for Cleaner {
         if let Some(floor) = moment.floor {
             self.see_floor(floor, now_s);
         }
-        self.times.add(self.spent_on(moment), lasted_s);
+        let permitted = moment.decision.map_or(Twist2::ZERO, |decision| decision.permitted);
+        self.times.add(self.spent_on(moment), (self.wish, permitted), lasted_s);
         if self.phase == MissionPhase::Done {
             self.wish = Twist2::ZERO;
         } else if moment.is_paused {

@@ -67,7 +67,7 @@ impl Cleaner {
             tour: self.planner.tour().take(TOUR_TOLD).map(|cell| raster.centre(cell)).collect(),
             waypoints: self.track.rest().iter().map(|at| place(at.pose)).collect(),
             distance_m: self.distance_m,
-            waited_s: self.waited_s,
+            waited_s: self.times.lost_s(),
             times: self.times,
             detours: self.detours,
             expected_before: self.ground.expected.clone(),

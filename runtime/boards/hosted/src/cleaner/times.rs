@@ -106,24 +106,88 @@ impl Spent {
 
 /// Seconds by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Times([f32; Spent::ALL.len()]);
+pub struct Times {
+    spent_s: [f32; Spent::ALL.len()],
+    lost_s: f32,
+}
 
 impl Times {
-    /// A moment more.
-    pub fn add(&mut self, spent: Spent, lasted_s: f32) {
-        if let Some(seconds) = self.0.get_mut(spent as usize) {
+    /// A moment more, with what the robot wished and was permitted.
+    pub fn add(&mut self, spent: Spent, (wish, permitted): (Twist2, Twist2), lasted_s: f32) {
+        if let Some(seconds) = self.spent_s.get_mut(spent as usize) {
             *seconds += lasted_s;
         }
+        let share = match spent {
+            Spent::HeldField | Spent::HeldSomebodyComes | Spent::NoWay => 1.0,
+            Spent::SlowNearThings | Spent::SlowNearPerson | Spent::SlowSomebodyComes => {
+                (1.0 - permitted.linear_mps.abs() / wish.linear_mps.abs().max(STANDS.0)).clamp(0.0, 1.0)
+            }
+            _ => 0.0,
+        };
+        self.lost_s += share * lasted_s;
+    }
+
+    /// What people and things in the way cost: standing before them in full, driving slowly past them by what is missing.
+    #[must_use]
+    pub const fn lost_s(&self) -> f32 {
+        self.lost_s
     }
 
     /// Seconds spent on one thing.
     #[must_use]
     pub fn of(&self, spent: Spent) -> f32 {
-        self.0.get(spent as usize).copied().unwrap_or(0.0)
+        self.spent_s.get(spent as usize).copied().unwrap_or(0.0)
     }
 
     /// Everything that took time, in the order of [`Spent::ALL`].
     pub fn iter(&self) -> impl Iterator<Item = (Spent, f32)> + '_ {
-        Spent::ALL.into_iter().zip(self.0).filter(|(_, seconds)| *seconds > 0.0)
+        Spent::ALL.into_iter().zip(self.spent_s).filter(|(_, seconds)| *seconds > 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use floorguard_core::guard::{Action, CauseRecord, GuardState};
+    use floorguard_core::time::Stamp;
+
+    use super::*;
+
+    const WISH: Twist2 = Twist2 { linear_mps: 0.6, angular_radps: 0.0 };
+
+    fn decision(linear_mps: f32, cause: Option<Cause>) -> Decision {
+        Decision {
+            stamp: Stamp::ZERO,
+            permitted: Twist2 { linear_mps, angular_radps: 0.0 },
+            action: Action::None,
+            speed_limit_mps: linear_mps,
+            state: GuardState::Run,
+            primary_cause: cause.map(|cause| CauseRecord::new(cause, Stamp::ZERO)),
+            torque_off: false,
+            escaping: false,
+            field_set: 0,
+        }
+    }
+
+    #[test]
+    fn every_moment_has_one_reason_and_slowness_costs_what_is_missing() {
+        let cases = [
+            (0.6, None, Spent::Driving, 0.0),
+            (0.3, Some(Cause::PersonNear), Spent::SlowNearPerson, 0.5),
+            (0.15, Some(Cause::CollisionSlow), Spent::SlowSomebodyComes, 0.75),
+            (0.3, None, Spent::SlowNearThings, 0.5),
+            (0.0, Some(Cause::CollisionStop), Spent::HeldSomebodyComes, 1.0),
+            (0.0, Some(Cause::ScanProtective), Spent::HeldField, 1.0),
+            (0.0, Some(Cause::EmergencyStop), Spent::HeldOther, 0.0),
+        ];
+        let (mut times, mut lost_s) = (Times::default(), 0.0);
+        for (permitted_mps, cause, spent, costs) in cases {
+            let decision = decision(permitted_mps, cause);
+            assert_eq!(Spent::of(WISH, Some(decision)), spent, "{cause:?}");
+            times.add(spent, (WISH, decision.permitted), 2.0);
+            lost_s += 2.0 * costs;
+        }
+        assert!((times.lost_s() - lost_s).abs() < 1e-5, "{}", times.lost_s());
+        let all_s: f32 = times.iter().map(|(_, seconds)| seconds).sum();
+        assert_eq!(all_s, 2.0 * cases.len() as f32);
     }
 }
