@@ -10,6 +10,7 @@ mod bench;
 mod book;
 mod campaign;
 mod check_recording;
+mod copied_tree;
 mod counting;
 mod firmware;
 mod machine;

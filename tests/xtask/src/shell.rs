@@ -41,3 +41,29 @@ pub fn is_installed(program: &str) -> bool {
     std::env::var_os("PATH")
         .is_some_and(|path| std::env::split_paths(&path).any(|folder| folder.join(program).is_file()))
 }
+
+/// The test among cargo's messages, one JSON object a line: the package's programs are built for it too, and come in any
+/// order.
+pub fn test_executable(messages: &str) -> Option<PathBuf> {
+    messages.lines().find_map(|line| {
+        let message: serde_json::Value = serde_json::from_str(line).ok()?;
+        let is_test = message.get("profile")?.get("test")?.as_bool()?;
+        message.get("executable")?.as_str().filter(|_| is_test).map(PathBuf::from)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::test_executable;
+
+    #[test]
+    fn the_test_is_found_among_the_programs_that_are_built_with_it() {
+        let program = r#"{"profile":{"test":false},"executable":"/a/floorguard-wired"}"#;
+        let test = r#"{"profile":{"test":true},"executable":"/a/faults-12"}"#;
+        let library = r#"{"profile":{"test":false},"executable":null}"#;
+        for order in [[library, test, program], [program, library, test], [test, library, program]] {
+            assert_eq!(test_executable(&order.join("\n")).unwrap().to_str(), Some("/a/faults-12"));
+        }
+        assert_eq!(test_executable(&[library, program].join("\n")), None);
+    }
+}

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 
+use super::lines::Lines;
 use super::sources;
 use super::thumb::{self, Flow};
 use crate::machine::TARGET;
@@ -21,6 +22,8 @@ pub struct Function {
     pub size: u64,
     /// Branches, calls and frame.
     pub flow: Flow,
+    /// Where it begins in the sources, in our layers if any of it is ours.
+    pub place: (String, u32),
 }
 
 /// A loop in compiled code, traced back to the sources.
@@ -39,7 +42,7 @@ pub struct CompiledLoop {
     pub without_lines_in: Option<String>,
 }
 
-/// A call of what panics.
+/// A call of what panics, or code of the allocator's library.
 pub struct PanicCall {
     /// Compiled function that holds it.
     pub function: String,
@@ -57,6 +60,8 @@ pub struct Image {
     pub loops: Vec<CompiledLoop>,
     /// Calls of what panics.
     pub panic_calls: Vec<PanicCall>,
+    /// Code that came from the library of the heap, inlined or not.
+    pub heap_uses: Vec<PanicCall>,
     /// Source files with code in the image, inlined code included.
     pub files: BTreeSet<String>,
     /// All symbol names, undefined ones too.
@@ -85,6 +90,7 @@ pub fn build() -> Result<Option<PathBuf>> {
 pub fn read(path: &Path) -> Result<Image> {
     let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
     let file = object::File::parse(&*bytes).context("not an ELF image")?;
+    let lines = Lines::of(path)?;
     let data_marks = mapping_symbols(&file);
     let mut functions = BTreeMap::new();
     let mut symbols = BTreeSet::new();
@@ -97,14 +103,15 @@ pub fn read(path: &Path) -> Result<Image> {
         let address = symbol.address() & !1;
         let Some(code) = code_at(&file, address, symbol.size()) else { continue };
         let flow = thumb::decode(code, address, |at| is_data(&data_marks, at));
-        functions.insert(address, Function { name, address, size: symbol.size(), flow });
+        let place = lines.place(address)?;
+        functions.insert(address, Function { name, address, size: symbol.size(), flow, place });
     }
     if functions.is_empty() {
         bail!("{} holds no function: nothing would be proven", path.display());
     }
-    let lines = Lines::of(path)?;
     let loops = trace_loops(&lines, &functions)?;
     let panic_calls = panic_calls(&lines, &functions)?;
+    let heap_uses = heap_uses(&lines, &functions)?;
     let files = linked_files(&lines, &functions)?;
     let size = |names: &[&str]| {
         file.sections()
@@ -118,6 +125,7 @@ pub fn read(path: &Path) -> Result<Image> {
         functions,
         loops,
         panic_calls,
+        heap_uses,
         files,
         symbols,
         flash_bytes: size(&[".text", ".rodata", ".data", ".ARM"]),
@@ -145,58 +153,6 @@ fn mapping_symbols(file: &object::File) -> BTreeMap<u64, bool> {
 
 fn is_data(marks: &BTreeMap<u64, bool>, address: u64) -> bool {
     marks.range(..=address).next_back().is_some_and(|(_, data)| *data)
-}
-
-/// The line table, inlining included.
-struct Lines {
-    loader: addr2line::Loader,
-    root: String,
-}
-
-impl Lines {
-    fn of(path: &Path) -> Result<Self> {
-        let loader =
-            addr2line::Loader::new(path).map_err(|error| anyhow::anyhow!("no line table: {error}"))?;
-        Ok(Self { loader, root: format!("{}/", shell::root().display()) })
-    }
-
-    /// Source places of an instruction, innermost inlined function first.
-    fn places(&self, address: u64) -> Result<Vec<(String, u32)>> {
-        let mut places = Vec::new();
-        let mut frames =
-            self.loader.find_frames(address).map_err(|error| anyhow::anyhow!("no frames: {error}"))?;
-        while let Some(frame) =
-            frames.next().map_err(|error| anyhow::anyhow!("broken line table: {error}"))?
-        {
-            if let Some(location) = frame.location {
-                let file = location.file.unwrap_or("?");
-                let file = file.strip_prefix(&self.root).unwrap_or(file);
-                places.push((file.to_owned(), location.line.unwrap_or(0)));
-            }
-        }
-        Ok(places)
-    }
-
-    /// Name of the innermost inlined function, without path and parameters.
-    fn innermost(&self, address: u64) -> Result<Option<String>> {
-        let mut frames =
-            self.loader.find_frames(address).map_err(|error| anyhow::anyhow!("no frames: {error}"))?;
-        let frame = frames.next().map_err(|error| anyhow::anyhow!("broken line table: {error}"))?;
-        let name =
-            frame.and_then(|frame| frame.function).and_then(|name| name.raw_name().ok().map(String::from));
-        Ok(name.map(|name| name.split('<').next().unwrap_or_default().to_owned()))
-    }
-
-    /// As `places`; for an instruction without a line, those of the nearest of `others` that has one.
-    fn places_near(&self, address: u64, others: impl Iterator<Item = u64>) -> Result<Vec<(String, u32)>> {
-        for candidate in std::iter::once(address).chain(others) {
-            let places = self.places(candidate)?;
-            if places.first().is_some_and(|(_, line)| *line != 0) {
-                return Ok(places);
-            }
-        }
-        self.places(address)
-    }
 }
 
 fn trace_loops(lines: &Lines, functions: &BTreeMap<u64, Function>) -> Result<Vec<CompiledLoop>> {
@@ -232,10 +188,23 @@ fn panic_calls(lines: &Lines, functions: &BTreeMap<u64, Function>) -> Result<Vec
             let Some(callee) = functions.get(target).filter(|callee| is_panic(&callee.name)) else {
                 continue;
             };
-            let places = lines.places(*call)?;
-            let own = places.iter().find(|(file, _)| sources::is_own(file)).or(places.first());
-            let place = own.cloned().unwrap_or_default();
+            let place = lines.place(*call)?;
             found.push(PanicCall { function: function.name.clone(), place, callee: callee.name.clone() });
+        }
+    }
+    Ok(found)
+}
+
+/// Places with code of the heap's library: its functions may be inlined until no symbol is left.
+fn heap_uses(lines: &Lines, functions: &BTreeMap<u64, Function>) -> Result<Vec<PanicCall>> {
+    let mut found = Vec::new();
+    for function in functions.values() {
+        for address in (function.address..function.address + function.size).step_by(2) {
+            let places = lines.places(address)?;
+            if let Some((file, _)) = places.iter().find(|(file, _)| file.contains("/library/alloc/")) {
+                let (place, callee) = (lines.place(address)?, file.clone());
+                found.push(PanicCall { function: function.name.clone(), place, callee });
+            }
         }
     }
     Ok(found)
@@ -270,11 +239,11 @@ impl Image {
     }
 
     /// Functions that call their own beginning. The graph leaves them out: two copies of a generic share their name.
-    pub fn calling_themselves(&self) -> impl Iterator<Item = &str> {
+    pub fn calling_themselves(&self) -> impl Iterator<Item = &Function> {
         let itself = |function: &&Function| {
             function.flow.calls.iter().any(|(_, target)| target & !1 == function.address & !1)
         };
-        self.functions.values().filter(itself).map(|function| function.name.as_str())
+        self.functions.values().filter(itself)
     }
 
     fn at(&self, address: u64) -> Option<&Function> {

@@ -11,8 +11,12 @@ mod forbidden;
 mod forbidden_words;
 mod hosted_rooms;
 mod image;
+mod image_claims;
+#[cfg(test)]
+mod image_injection_tests;
 #[cfg(test)]
 mod injection_tests;
+mod lines;
 mod loop_syntax;
 mod loop_visitor;
 mod loop_words;

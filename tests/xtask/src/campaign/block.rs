@@ -20,17 +20,7 @@ pub fn build(kind: &Kind) -> Result<PathBuf> {
     if !output.status.success() {
         bail!("the test of campaign {} does not build", kind.name);
     }
-    test_executable(&String::from_utf8_lossy(&output.stdout)).context("cargo names no test executable")
-}
-
-/// The test among cargo's messages, one JSON object a line: the package's programs are built for it too, and come in any
-/// order.
-fn test_executable(messages: &str) -> Option<PathBuf> {
-    messages.lines().find_map(|line| {
-        let message: serde_json::Value = serde_json::from_str(line).ok()?;
-        let is_test = message.get("profile")?.get("test")?.as_bool()?;
-        message.get("executable")?.as_str().filter(|_| is_test).map(PathBuf::from)
-    })
+    shell::test_executable(&String::from_utf8_lossy(&output.stdout)).context("cargo names no test executable")
 }
 
 /// What every block of a campaign runs.
@@ -88,7 +78,7 @@ fn counts_in(text: &str) -> Counts {
 
 #[cfg(test)]
 mod tests {
-    use super::{Program, counts_in, run, test_executable};
+    use super::{Program, counts_in, run};
     use crate::campaign::kinds::KINDS;
 
     #[test]
@@ -111,17 +101,6 @@ mod tests {
             assert!(ends_by(crash).is_err(), "{crash}");
         }
         std::fs::remove_dir_all(folder).unwrap();
-    }
-
-    #[test]
-    fn the_test_is_found_among_the_programs_that_are_built_with_it() {
-        let program = r#"{"profile":{"test":false},"executable":"/a/floorguard-wired"}"#;
-        let test = r#"{"profile":{"test":true},"executable":"/a/faults-12"}"#;
-        let library = r#"{"profile":{"test":false},"executable":null}"#;
-        for order in [[library, test, program], [program, library, test], [test, library, program]] {
-            assert_eq!(test_executable(&order.join("\n")).unwrap().to_str(), Some("/a/faults-12"));
-        }
-        assert_eq!(test_executable(&[library, program].join("\n")), None);
     }
 
     #[test]

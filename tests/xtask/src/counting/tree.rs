@@ -2,13 +2,13 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 
 use super::rewrite::{BOUND, SITE};
 use crate::audit::{LoopSite, SourceFile};
-use crate::shell;
+use crate::copied_tree;
 
 const COUNTER: &str = include_str!("counter.rs.in");
 const IMPORTS: &str = "\n#[allow(unused_imports)]\nuse ::floorguard_core::loop_counts::{CountItems as _, Unknown as _, WalkItems as _};\n";
@@ -31,21 +31,7 @@ pub struct Tree {
 impl Tree {
     /// Copies what the build needs. What was built before stays.
     pub fn copy() -> Result<Self> {
-        let tree = Self { folder: shell::target_folder().join("loops") };
-        let root = shell::root();
-        if tree.sources().exists() {
-            fs::remove_dir_all(tree.sources())?;
-        }
-        copy(&root, &tree.sources()).context("cannot copy the sources")?;
-        // The recordings lie beside the workspace; tests look for them there.
-        #[cfg(unix)]
-        if let Some(shared) = root.parent().map(|parent| parent.join("shared"))
-            && shared.is_dir()
-            && !tree.folder.join("shared").exists()
-        {
-            std::os::unix::fs::symlink(shared, tree.folder.join("shared"))?;
-        }
-        Ok(tree)
+        Ok(Self { folder: copied_tree::copy("loops")? })
     }
 
     /// The copy of the workspace.
@@ -90,19 +76,11 @@ impl Tree {
             "core-nostd/src/loop_counts.rs",
             &format!("{COUNTER}\nconst SITES: usize = {};\n", sites.len()),
         )?;
-        let library = fs::read_to_string(shell::root().join("core-nostd/src/lib.rs"))?;
-        let library = library.replace("#[cfg(test)]\nextern crate std;", "extern crate std;");
-        let module = "\nextern crate self as floorguard_core;\npub mod loop_counts;\n";
-        let std = if library.contains("extern crate std;") { "" } else { "extern crate std;\n" };
-        self.write("core-nostd/src/lib.rs", &format!("{library}{module}{std}"))
+        self.write("core-nostd/src/lib.rs", &copied_tree::library_with("loop_counts")?)
     }
 
     fn write(&self, path: &str, text: &str) -> Result<()> {
-        let path = self.sources().join(path);
-        if fs::read_to_string(&path).is_ok_and(|before| before == text) {
-            return Ok(());
-        }
-        fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))
+        copied_tree::write(&self.sources().join(path), text)
     }
 }
 
@@ -115,24 +93,6 @@ fn written(text: &str, number: usize, with_bound: bool) -> String {
         }
         _ => text,
     }
-}
-
-fn copy(from: &Path, to: &Path) -> Result<()> {
-    fs::create_dir_all(to)?;
-    for entry in fs::read_dir(from)? {
-        let entry = entry?;
-        let name = entry.file_name();
-        if name == "target" || name == ".git" {
-            continue;
-        }
-        let kind = entry.file_type()?;
-        if kind.is_dir() {
-            copy(&entry.path(), &to.join(&name))?;
-        } else if kind.is_file() {
-            fs::copy(entry.path(), to.join(&name))?;
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

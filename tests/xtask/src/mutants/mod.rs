@@ -1,7 +1,19 @@
-//! `cargo xtask campaign mutants-guard` and `mutants-drivers`: cargo-mutants spoils the code, the tests must notice.
+//! `cargo xtask campaign mutants-guard` and `mutants-drivers`: the code is spoiled in one place, the tests must notice.
+//!
+//! cargo-mutants lists what can be spoiled. To build the crate for each of thousands of mutants takes hours, so nearly
+//! all are written into one copy of it (`branches`), each behind a branch that an environment variable switches on
+//! (`switch.rs.in`). What cannot be a branch, such as a constant, is built by itself (`alone`).
 
+mod alone;
+mod branches;
+mod edits;
+mod list;
+mod outcome;
 pub mod record;
 mod run;
+mod spoiled;
+mod tests_of;
+mod trial;
 
 pub use record::{RECORD, Record};
 pub use run::run;

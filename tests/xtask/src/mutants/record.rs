@@ -111,7 +111,7 @@ mod tests {
         let known = Equivalent {
             file: "tests/xtask/src/mutants/mod.rs".to_owned(),
             mutation: "replace < with <=".to_owned(),
-            source: "cargo-mutants spoils".to_owned(),
+            source: "the code is spoiled".to_owned(),
             reason: "it is a comment".to_owned(),
         };
         let found = Survivor::parse(text, &root, std::slice::from_ref(&known)).expect("a survivor");

@@ -1,67 +1,121 @@
-//! Two rounds: every mutant against the quick tests, then what survived against all of them.
+//! All mutants in one program, suite by suite; then one by one what cannot be a branch.
 
-use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::collections::hash_map::DefaultHasher;
+use std::hash::Hasher as _;
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result};
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::iter::{IntoParallelRefIterator as _, ParallelIterator as _};
 
+use super::alone;
+use super::list::{self, Mutant};
+use super::outcome::{Outcome, Outcomes};
 use super::record::{self, Record, Survivor};
+use super::spoiled::{Refused, Spoiled};
+use super::tests_of::{PARTS, Part, Suite};
+use super::trial::Program;
 use crate::shell;
-
-/// A part of the code, and the tests that watch over it.
-struct Part {
-    name: &'static str,
-    package: &'static str,
-    /// Files to spoil.
-    files: &'static [&'static str],
-    /// Words that choose tests of the package's library.
-    tests: &'static [&'static str],
-    /// Tests of more than a second: they see only what survived the others.
-    slow: &'static [&'static str],
-    wanted_percent: f64,
-}
-
-const PARTS: &[Part] = &[
-    Part {
-        name: "mutants-guard",
-        package: "floorguard-core",
-        files: &["core-nostd/src/guard/**", "core-nostd/src/protection/**"],
-        tests: &["guard", "protection"],
-        slow: &["reachable", "bit_flips"],
-        wanted_percent: 100.0,
-    },
-    Part {
-        name: "mutants-drivers",
-        package: "floorguard-drivers",
-        files: &["drivers/src/**"],
-        tests: &[],
-        slow: &[],
-        wanted_percent: 85.0,
-    },
-];
-
-/// What did not compile in any round.
-const UNVIABLE: &str = "unviable.txt";
-/// Seconds after which a mutant counts as endless, and so as noticed.
-const ENDLESS_S: &str = "60";
 
 /// Runs the campaign of that name; `None` if there is none. False if too many mutants survive.
 pub fn run(name: &str, fresh: bool) -> Result<Option<bool>> {
     let Some(part) = PARTS.iter().find(|part| part.name == name) else { return Ok(None) };
-    if !shell::is_installed("cargo-mutants") {
-        bail!("cargo-mutants is missing: cargo install cargo-mutants --locked");
+    let mutants = list::ask(part.package, part.files)?;
+    let (spoiled, refused) = Spoiled::make(part.package, &mutants)?;
+    println!(
+        "{name}: {} mutants, {} of which do not compile, {} are built by themselves, the others are in one program",
+        mutants.len(),
+        refused.unviable.len(),
+        refused.alone.len()
+    );
+    let path = spoiled.folder.join(format!("{name}.json"));
+    if fresh {
+        let _ = std::fs::remove_file(&path);
     }
-    let folder = shell::target_folder().join("mutants").join(part.name);
-    if fresh && folder.exists() {
-        std::fs::remove_dir_all(&folder)?;
+    let first = part.suites.first().map(|suite| program(&spoiled, suite)).transpose()?;
+    let mut outcomes = Outcomes::load(&path, &fingerprint(first.as_slice())?);
+    for number in &refused.unviable {
+        outcomes.book(&mutants[*number].name, Outcome::Unviable)?;
     }
-    std::fs::create_dir_all(&folder)?;
-    round(part, &folder, part.slow)?;
-    if !part.slow.is_empty() {
-        round(part, &folder, &[])?;
+    together(&spoiled, part, (&mutants, &refused), &mut outcomes)?;
+    for number in &refused.alone {
+        let mutant = &mutants[*number];
+        if outcomes.of(&mutant.name).is_none() {
+            outcomes.book(&mutant.name, alone::try_out(&spoiled, mutant, part.suites)?)?;
+        }
     }
-    let record = result(part, &folder)?;
+    conclude(part, &mutants, &outcomes).map(Some)
+}
+
+fn program(spoiled: &Spoiled, suite: &Suite) -> Result<Program> {
+    Program::build(spoiled, suite)?.with_context(|| format!("{:?} does not build", suite.target))
+}
+
+/// Each suite sees what survived the ones before it.
+fn together(
+    spoiled: &Spoiled,
+    part: &Part,
+    (mutants, refused): (&[Mutant], &Refused),
+    outcomes: &mut Outcomes,
+) -> Result<()> {
+    for (number, suite) in part.suites.iter().enumerate() {
+        let open = |mutant: &usize| {
+            let known = outcomes.of(&mutants[*mutant].name);
+            let done = match known {
+                Some(Outcome::Unviable | Outcome::Caught) => true,
+                Some(Outcome::Survived(suites)) => suites > number,
+                None => false,
+            };
+            !done && !refused.alone.contains(mutant)
+        };
+        let open: Vec<usize> = (0..mutants.len()).filter(open).collect();
+        if !open.is_empty() {
+            try_all(&program(spoiled, suite)?, number, (&open, mutants), outcomes)?;
+        }
+    }
+    Ok(())
+}
+
+/// Asks those tests about each mutant that reach it.
+fn try_all(
+    program: &Program,
+    suite: usize,
+    (open, mutants): (&[usize], &[Mutant]),
+    outcomes: &mut Outcomes,
+) -> Result<()> {
+    let note = std::env::temp_dir().join(format!("floorguard-mutants-reached-{}", std::process::id()));
+    let reached = program.reached(&note)?;
+    let bar = ProgressBar::new(open.len() as u64);
+    let style =
+        ProgressStyle::with_template("  {bar:50} {human_pos}/{human_len}, {elapsed} passed, {eta} to go");
+    bar.set_style(style.unwrap_or(ProgressStyle::default_bar()));
+    let booked = Mutex::new(outcomes);
+    open.par_iter().try_for_each(|number| -> Result<()> {
+        let tests = reached.get(number);
+        let noticed = tests.map(|tests| program.notices(&number.to_string(), tests)).transpose()?;
+        let outcome = if noticed == Some(true) { Outcome::Caught } else { Outcome::Survived(suite + 1) };
+        bar.inc(1);
+        booked.lock().unwrap_or_else(PoisonError::into_inner).book(&mutants[*number].name, outcome)
+    })?;
+    bar.finish_and_clear();
+    let touched = open.iter().filter(|number| reached.contains_key(number)).count();
+    println!("  suite {}: {} mutants, {touched} of them reached", suite + 1, open.len());
+    Ok(())
+}
+
+fn fingerprint(programs: &[Program]) -> Result<String> {
+    let mut hasher = DefaultHasher::new();
+    for program in programs {
+        hasher.write(&program.bytes()?);
+    }
+    Ok(format!("{:016x}", hasher.finish()))
+}
+
+/// Tells what survived and keeps the record. False if too many did.
+fn conclude(part: &Part, mutants: &[Mutant], outcomes: &Outcomes) -> Result<bool> {
+    let root = shell::root();
+    let record = result(part, mutants, outcomes, &root)?;
     let percent = record.percent();
     println!(
         "{}: {} viable mutants, {} caught, {} survive: {percent:.1} % caught or explained, {:.0} % wanted",
@@ -74,67 +128,28 @@ pub fn run(name: &str, fresh: bool) -> Result<Option<bool>> {
     for survivor in record.survivors.iter().filter(|survivor| survivor.reason.is_empty()) {
         println!("  {}:{} {}", survivor.file, survivor.line, survivor.mutation);
     }
-    record::keep(&shell::root(), record)?;
+    record::keep(&root, record)?;
     println!("kept in {}", record::RECORD);
-    Ok(Some(percent >= part.wanted_percent))
+    Ok(percent >= part.wanted_percent)
 }
 
-/// Tries what was not caught before. That some survive is no failure of the command.
-fn round(part: &Part, folder: &Path, skipped: &[&str]) -> Result<()> {
-    let mut command: Command = shell::cargo();
-    command.args(["mutants", "--no-shuffle", "--iterate", "--colors", "never", "--timeout", ENDLESS_S]);
-    command.arg("--output").arg(folder).args(["--package", part.package]);
-    if let Some(jobs) = std::env::var_os("RAYON_NUM_THREADS") {
-        command.arg("--jobs").arg(jobs);
-    }
-    for files in part.files {
-        command.args(["--file", files]);
-    }
-    command.args(["--", "--lib", "--"]).args(part.tests);
-    for test in skipped {
-        command.args(["--skip", test]);
-    }
-    // A small change compiles fastest so; a cache for whole crates would be in the way.
-    command.env("CARGO_PROFILE_DEV_OPT_LEVEL", "1").env("CARGO_PROFILE_DEV_DEBUG", "0");
-    command.env("CARGO_INCREMENTAL", "1").env_remove("RUSTC_WRAPPER").env_remove("CARGO_TARGET_DIR");
-    let status = command.status()?;
-    // 0: all caught; 2: some survive; 3: some never end.
-    match status.code() {
-        Some(0 | 2 | 3) => remember_unviable(folder),
-        _ => bail!("cargo-mutants failed: {status}"),
-    }
-}
-
-/// The next round lists what does not compile among what was caught.
-fn remember_unviable(folder: &Path) -> Result<()> {
-    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap_or_default();
-    std::fs::write(folder.join(UNVIABLE), read(UNVIABLE) + &read("mutants.out/unviable.txt"))?;
-    Ok(())
-}
-
-/// Reads the lists of cargo-mutants.
-fn result(part: &Part, folder: &Path) -> Result<Record> {
-    let root = shell::root();
-    let lines = |name: &str| -> Vec<String> {
-        let path: PathBuf = folder.join("mutants.out").join(name);
-        let text = std::fs::read_to_string(path).unwrap_or_default();
-        text.lines().filter(|line| !line.trim().is_empty()).map(str::to_owned).collect()
+fn result(part: &Part, mutants: &[Mutant], outcomes: &Outcomes, root: &Path) -> Result<Record> {
+    let equivalents = record::equivalents(root)?;
+    let with = |wanted: fn(Outcome) -> bool| {
+        let found = mutants.iter().filter(move |mutant| outcomes.of(&mutant.name).is_some_and(wanted));
+        found.map(|mutant| mutant.name.as_str())
     };
-    let equivalents = record::equivalents(&root)?;
-    let missed = lines("missed.txt");
-    let survivors: Vec<Survivor> =
-        missed.iter().filter_map(|line| Survivor::parse(line, &root, &equivalents)).collect();
-    let kept = std::fs::read_to_string(folder.join(UNVIABLE)).unwrap_or_default();
-    let unviable: BTreeSet<String> = kept.lines().map(str::to_owned).collect();
-    let listed = ["caught.txt", "timeout.txt", "previously_caught.txt"].map(lines).concat();
-    let caught: BTreeSet<String> = listed.into_iter().filter(|line| !unviable.contains(line)).collect();
+    let caught = with(|outcome| outcome == Outcome::Caught).count();
+    let survivors: Vec<Survivor> = with(|outcome| matches!(outcome, Outcome::Survived(_)))
+        .filter_map(|name| Survivor::parse(name, root, &equivalents))
+        .collect();
     Ok(Record {
         name: part.name.to_owned(),
         command: format!("cargo xtask campaign {}", part.name),
         wanted_percent: part.wanted_percent,
-        viable: caught.len() + survivors.len(),
-        caught: caught.len(),
-        unviable: unviable.len(),
+        viable: caught + survivors.len(),
+        caught,
+        unviable: with(|outcome| outcome == Outcome::Unviable).count(),
         survivors,
     })
 }

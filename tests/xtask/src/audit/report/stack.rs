@@ -2,7 +2,7 @@
 
 use super::table::{Table, code, escape, grouped, verdict};
 use crate::audit::image::Image;
-use crate::audit::run::budget_of;
+use crate::audit::image_claims::budget_of;
 
 /// Both tables.
 pub fn section(image: Option<&Image>) -> String {

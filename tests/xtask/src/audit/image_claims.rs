@@ -1,0 +1,211 @@
+//! What the compiled safety image shows: no allocator, no panic, no circle of calls, no hidden loop, and its stack.
+
+use std::collections::BTreeSet;
+
+use super::claim::{Claim, Finding};
+use super::image::{Function, Image};
+use super::loops::LoopSite;
+use super::sources::{self, SourceFile};
+use super::{circles, hosted_rooms};
+
+/// The deepest stack that a root of the safety image may need, bytes (anchors P4).
+const STACK_BUDGET_BYTES: u32 = 8 * 1024;
+
+/// Stack of a stage that runs once, before any task: the whole of it is free then, bytes.
+const START_BUDGET_BYTES: u32 = 128 * 1024;
+
+/// Folders whose loops are not ours: their bounds are argued in the report.
+const LIBRARIES: &[&str] = &[
+    "compiler_builtins",
+    "__aeabi_mem",
+    "memcmp",
+    "rust_begin_unwind",
+    "libm",
+    "/library/core/",
+    "heapless",
+    "nalgebra",
+    "crc-",
+];
+
+/// Every claim on the compiled code.
+pub fn judge(image: &Image, files: &[SourceFile], sites: &[LoopSite]) -> Vec<Claim> {
+    let functions = format!("{} functions of the compiled image disassembled", image.functions.len());
+    vec![
+        Claim {
+            id: "no-heap-linked",
+            text: "No allocator is linked into the safety image.",
+            evidence: format!("{} symbols read", image.symbols.len()),
+            findings: heap(image),
+        },
+        Claim {
+            id: "no-panic-linked",
+            text: "No panic can be reached in the safety image.",
+            evidence: functions.clone(),
+            findings: panic_callers(image),
+        },
+        Claim {
+            id: "no-recursion-linked",
+            text: "The call graph of the safety image has no cycle.",
+            evidence: functions.clone(),
+            findings: circles_of_calls(image),
+        },
+        Claim {
+            id: "no-indirect-calls-linked",
+            text: "The safety image calls nothing through a register.",
+            evidence: functions.clone(),
+            findings: image
+                .functions
+                .values()
+                .filter(|function| !function.flow.indirect_calls.is_empty())
+                .map(|function| in_function(function, "calls or jumps through a register"))
+                .collect(),
+        },
+        rooms_linked(image, files),
+        hidden_loops(image, sites),
+        stack(image),
+    ]
+}
+
+/// A finding in a compiled function, with the place where it begins in the sources.
+fn in_function(function: &Function, message: &str) -> Finding {
+    let message = format!("{} {message}", function.name);
+    Finding { place: function.place.0.clone(), line: function.place.1 as usize, message }
+}
+
+fn circles_of_calls(image: &Image) -> Vec<Finding> {
+    let graph = circles::cycles(&image.call_graph()).into_iter().map(|cycle| {
+        let first = image.functions.values().find(|function| cycle.first() == Some(&function.name));
+        let message = format!("is on the circle {}", cycle.join(" → "));
+        first.map_or_else(|| finding("", &message), |function| in_function(function, &message))
+    });
+    let themselves = image.calling_themselves().map(|function| in_function(function, "calls itself"));
+    graph.chain(themselves).collect()
+}
+
+fn finding(place: &str, message: &str) -> Finding {
+    Finding { place: place.to_owned(), line: 0, message: message.to_owned() }
+}
+
+/// Symbols of an allocator, and code that came from the library of the heap.
+fn heap(image: &Image) -> Vec<Finding> {
+    const NAMES: [&str; 4] = ["__rust_alloc", "__rg_alloc", "__rdl_alloc", "malloc"];
+    let symbols = image.symbols.iter().filter(|symbol| NAMES.iter().any(|name| symbol.contains(name)));
+    let symbols = symbols.map(|symbol| finding(symbol, "is linked"));
+    let uses = image.heap_uses.iter().map(|used| Finding {
+        place: used.place.0.clone(),
+        line: used.place.1 as usize,
+        message: format!("uses the heap (in {}); keep a container of fixed capacity", used.function),
+    });
+    symbols.chain(uses).collect::<BTreeSet<_>>().into_iter().collect()
+}
+
+fn panic_callers(image: &Image) -> Vec<Finding> {
+    let calls = image.panic_calls.iter().map(|call| Finding {
+        place: call.place.0.clone(),
+        line: call.place.1 as usize,
+        message: format!("can reach {} (in {}); handle the case that panics", call.callee, call.function),
+    });
+    calls.collect::<BTreeSet<_>>().into_iter().collect()
+}
+
+/// Every room of the drivers, and every room that runs on the MCU, is linked: what is not there is not proven.
+fn rooms_linked(image: &Image, files: &[SourceFile]) -> Claim {
+    let room = |file: &str| file.split('/').take(3).collect::<Vec<_>>().join("/");
+    let has_code = |file: &&SourceFile| file.path.split('/').count() > 3;
+    let rooms: BTreeSet<String> = files.iter().filter(has_code).map(|file| room(&file.path)).collect();
+    let linked: BTreeSet<String> = image.files.iter().map(|file| room(file)).collect();
+    let missing: Vec<&String> = rooms.iter().filter(|room| !linked.contains(*room)).collect();
+    let needed = |room: &&&String| !hosted_rooms::is_hosted(room);
+    Claim {
+        id: "rooms-linked",
+        text: "Every room of core and drivers that runs on the MCU has code in the safety image.",
+        evidence: format!(
+            "{} of {} rooms linked; not linked, for the reasons in the report: {}",
+            rooms.len() - missing.len(),
+            rooms.len(),
+            missing.iter().filter_map(|room| room.rsplit('/').next()).collect::<Vec<_>>().join(", ")
+        ),
+        findings: missing
+            .iter()
+            .filter(needed)
+            .map(|room| finding(room, "is not linked; call it in tests/safety-image/src"))
+            .collect(),
+    }
+}
+
+/// Each backward branch must belong to a listed loop, to a method of a fixed-size array, or to a named library.
+fn hidden_loops(image: &Image, sites: &[LoopSite]) -> Claim {
+    let mut findings = BTreeSet::new();
+    let (mut ours, mut library) = (0, 0);
+    for compiled in &image.loops {
+        let is_listed = |(file, line): &(String, u32)| {
+            let lines = |site: &LoopSite| site.line..=site.end_line;
+            sites.iter().any(|site| site.file == *file && lines(site).contains(&(*line as usize)))
+        };
+        let has_loop = |function: &String| sites.iter().any(|site| site.function == *function);
+        let listed = compiled.places.iter().chain(&compiled.head).any(is_listed)
+            || compiled.without_lines_in.as_ref().is_some_and(has_loop);
+        let innermost = compiled.places.first().map_or("", |(file, _)| file.as_str());
+        let from_library =
+            LIBRARIES.iter().any(|name| innermost.contains(name) || compiled.function.contains(name));
+        let own = compiled.places.iter().find(|(file, _)| sources::is_own(file));
+        let over_array = compiled.places.iter().any(|(file, _)| file.contains("/library/core/src/array/"));
+        if listed || over_array {
+            ours += 1;
+        } else if from_library && own.is_none() {
+            library += 1;
+        } else {
+            let (place, line) = own.cloned().unwrap_or_else(|| (compiled.function.clone(), 0));
+            let message =
+                format!("compiled loop at {:#x} in {} is in no list", compiled.address, compiled.function);
+            findings.insert(Finding { place, line: line as usize, message });
+        }
+    }
+    Claim {
+        id: "loops-complete",
+        text: "Each loop in the compiled code belongs to a loop of the list or to a library loop.",
+        evidence: format!(
+            "{ours} backward branches matched to listed loops and array methods, {library} in libraries"
+        ),
+        findings: findings.into_iter().collect(),
+    }
+}
+
+/// Stack that a root may need, bytes.
+pub fn budget_of(root: &str) -> u32 {
+    if root.ends_with("_start") { START_BUDGET_BYTES } else { STACK_BUDGET_BYTES }
+}
+
+fn stack(image: &Image) -> Claim {
+    let roots: Vec<&str> =
+        image.functions.values().map(|f| f.name.as_str()).filter(|name| name.contains("root_")).collect();
+    let mut lines = Vec::new();
+    let mut findings = Vec::new();
+    for root in roots {
+        let (bytes, chain) = image.deepest_stack(root);
+        let short = root.rsplit("::").next().unwrap_or(root);
+        let budget = budget_of(root);
+        lines.push(format!("{short} {bytes} of {budget} B"));
+        if bytes > budget {
+            let message = format!("needs {bytes} B of {budget} B through {}", chain.join(" → "));
+            let on_chain = image.functions.values().filter(|function| chain.contains(&function.name));
+            let largest = on_chain.max_by_key(|function| function.flow.frame_bytes);
+            findings.push(largest.map_or_else(
+                || finding(root, &message),
+                |function| {
+                    in_function(function, &format!("has the largest frame below {root}, which {message}"))
+                },
+            ));
+        }
+    }
+    for function in image.functions.values().filter(|function| function.flow.dynamic_frame) {
+        findings
+            .push(in_function(function, "moves the stack pointer by a register: its frame cannot be known"));
+    }
+    Claim {
+        id: "stack-budget",
+        text: "No stage of the safety image needs more stack than its budget.",
+        evidence: format!("{}; frames from the disassembly, assembly routines included", lines.join(", ")),
+        findings,
+    }
+}
