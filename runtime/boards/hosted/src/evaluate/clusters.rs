@@ -23,6 +23,8 @@ pub struct ClustersReport {
     pub frames: u64,
     /// People of the key.
     pub key_people: u64,
+    /// People of the key in frames that the capture does not have: they do not count.
+    pub key_people_outside: u64,
     /// People claimed: tracks with probability one half at least, seen in the frame.
     pub claims: u64,
     /// Of both, those that fit each other.
@@ -48,10 +50,24 @@ pub struct ClustersReport {
 pub fn clusters(capture: &Path, key: &Path) -> anyhow::Result<ClustersReport> {
     let people = read_key(key)?;
     let sweeps = capture_frames(capture)?;
+    let frames = sweeps.len() as u64;
+    let outside = people.range(frames..).map(|(_, people)| people.len() as u64).sum();
+    if people.range(..frames).next().is_none() {
+        let (first, last) = (people.keys().next(), people.keys().next_back());
+        return Err(BadInput(format!(
+            "{}: people in frames {} to {}, and {} has frames 0 to {}: nothing to compare; give the key of this capture",
+            key.display(),
+            first.copied().unwrap_or(0),
+            last.copied().unwrap_or(0),
+            capture.display(),
+            frames.saturating_sub(1)
+        ))
+        .into());
+    }
     let angles = RingAngles::vlp16();
     let context = standing_context(&sweeps, &angles);
     let mut pipeline = Box::new(PeoplePipeline::new(angles));
-    let mut report = ClustersReport::default();
+    let mut report = ClustersReport { key_people_outside: outside, ..ClustersReport::default() };
     let (mut clustered, mut error_m) = (0_u64, 0.0_f64);
     for (frame, sweep) in sweeps.iter().enumerate() {
         let output = pipeline.process(sweep, &context);
@@ -117,18 +133,40 @@ fn read_key(key: &Path) -> anyhow::Result<BTreeMap<u64, Vec<Point2>>> {
     let (Some(frame), Some(x), Some(y)) =
         (column(["frame", "frame"]), column(["x", "cx"]), column(["y", "cy"]))
     else {
-        return Err(bad("expected columns `frame`, and `x`, `y` or `cx`, `cy`").into());
+        return Err(bad(
+            "its first line names no columns `frame`, and `x`, `y` or `cx`, `cy`, separated by commas",
+        )
+        .into());
     };
     let mut people: BTreeMap<u64, Vec<Point2>> = BTreeMap::new();
+    let mut nearest_m = f32::INFINITY;
     for (index, line) in lines {
         let row = numbers(key, index + 1, line)?;
         let (Some(frame), Some(x), Some(y)) = (row.get(frame), row.get(x), row.get(y)) else {
-            return Err(bad(&format!("line {} has too few cells", index + 1)).into());
+            return Err(bad(&format!(
+                "line {} has {} cells, fewer than its first line names; is the file cut off?",
+                index + 1,
+                row.len()
+            ))
+            .into());
         };
+        if !(0.0..1.0e12).contains(frame) || frame.fract() != 0.0 {
+            return Err(bad(&format!("line {}: frame {frame}: whole numbers from 0", index + 1)).into());
+        }
         let place = Point2::new(*x as f32, *y as f32);
+        nearest_m = nearest_m.min(place.norm());
         if place.norm() < RANGE_MAX_M {
             people.entry(*frame as u64).or_default().push(place);
         }
+    }
+    if people.is_empty() && nearest_m.is_finite() {
+        let problem = format!(
+            "nobody stands within {RANGE_MAX_M} m, the nearest one at {nearest_m:.1} m; places are metres in the lidar's frame"
+        );
+        return Err(bad(&problem).into());
+    }
+    if people.is_empty() {
+        return Err(bad("no rows; a key names at least one person").into());
     }
     Ok(people)
 }

@@ -13,7 +13,7 @@ use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
 
 use super::text::read_text;
 use crate::capture::{Capture, Datagram};
-use crate::commands::BadInput;
+use crate::commands::{BadInput, settle_model};
 
 /// UDP port of lidar data.
 const PORT: u16 = 2_368;
@@ -25,6 +25,11 @@ const ASSUMED_HEIGHT_M: f32 = 0.8;
 /// # Errors
 /// The capture is broken or empty, or the list of frames does not fit it.
 pub fn capture_frames(capture: &Path) -> anyhow::Result<Vec<Box<Sweep>>> {
+    let model = settle_model(capture, ModelChoice::Auto)?;
+    if model != Model::Vlp16 {
+        let reason = format!("{}: this is a {}; clusters knows the VLP-16", capture.display(), model.name());
+        return Err(BadInput(reason).into());
+    }
     let mut datagrams = Vec::new();
     for datagram in Capture::open(capture)? {
         let datagram = datagram?;
@@ -36,7 +41,8 @@ pub fn capture_frames(capture: &Path) -> anyhow::Result<Vec<Box<Sweep>>> {
     let ranges = match frames_beside(capture) {
         Some(list) => listed_ranges(&list)?,
         None => {
-            let packets = packets_per_revolution(&datagrams).ok_or_else(|| bad("no VLP-16 packets"))?;
+            let packets = packets_per_revolution(&datagrams)
+                .ok_or_else(|| bad("fewer than two packets that follow each other; a revolution has 76"))?;
             (0..datagrams.len() / packets).map(|frame| (frame * packets, packets)).collect()
         }
     };
@@ -44,8 +50,17 @@ pub fn capture_frames(capture: &Path) -> anyhow::Result<Vec<Box<Sweep>>> {
     let mut sweeps = Vec::new();
     for (first, packets) in ranges {
         let some =
-            datagrams.get(first..first + packets).ok_or_else(|| bad("fewer packets than its list says"))?;
+            datagrams.get(first..first + packets).ok_or_else(|| {
+                bad(&format!(
+                    "{} packets, and the list of frames beside it asks for packets {first} to {}; the capture is cut off, or the list is of another one",
+                    datagrams.len(),
+                    first + packets
+                ))
+            })?;
         sweeps.push(sweep_of(&mut decoder, some));
+    }
+    if sweeps.is_empty() {
+        return Err(bad(&format!("{} packets are no whole revolution", datagrams.len())).into());
     }
     Ok(sweeps)
 }

@@ -13,6 +13,8 @@ use crate::train::{
 
 /// Comparisons of a committee (algorithms C.3: 10 to 100).
 const LEG_ROUNDS: usize = 100;
+/// A committee that learns from fewer labelled legs knows less than the table of this build.
+const LEGS_TO_LEARN_MIN: usize = 150;
 /// A coarser scanner is played with every so manieth beam.
 const COARSER: usize = 2;
 
@@ -71,8 +73,8 @@ struct Found {
     scans: u64,
 }
 
-/// Tests by recording. With labelled legs in two recordings at least, each of these is tested with a committee that
-/// learnt from all others; else, or if `table` says so, the table of this build is tested. Where the scanner stood
+/// Tests by recording. With labelled legs in two recordings at least, and enough of them, each of these is tested with a
+/// committee that learnt from all others; else, or if `table` says so, the table of this build is tested. Where the scanner stood
 /// still its furniture is known and no leg; labels reach 5 m, so nothing farther counts.
 ///
 /// # Errors
@@ -83,7 +85,9 @@ pub fn legs(scans: &Path, table: bool) -> anyhow::Result<LegsReport> {
     if tested.is_empty() {
         return Err(BadInput(format!("{}: no labelled leg", scans.display())).into());
     }
-    let crossed = tested.len() > 1 && !table;
+    let all_legs: usize = tested.iter().map(|each| each.legs()).sum();
+    let fewest = tested.iter().map(|each| all_legs - each.legs()).min().unwrap_or(0);
+    let crossed = tested.len() > 1 && fewest >= LEGS_TO_LEARN_MIN && !table;
     let mut report =
         LegsReport { method: if crossed { "recordings" } else { "table" }, ..LegsReport::default() };
     let (mut all, mut coarse, mut bare) = (Found::default(), Found::default(), Found::default());
@@ -179,7 +183,12 @@ pub fn training_samples<'a>(
 
 impl Recording {
     fn has_legs(&self) -> bool {
-        self.scans.iter().any(|scan| !scan.legs.is_empty())
+        self.legs() > 0
+    }
+
+    /// Labelled legs.
+    fn legs(&self) -> usize {
+        self.scans.iter().map(|scan| scan.legs.len()).sum()
     }
 
     /// Scores of all segments of every `step`-th beam; without a committee by the table of this build.

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::motion_key::{KeyRow, read_key};
 use super::motion_play::{Moment, play};
+use crate::commands::BadInput;
 
 /// A moving thing this near to a keyed position is that person, metres.
 pub const MATCH_M: f32 = 0.5;
@@ -18,6 +19,8 @@ const BELONGS_M: f32 = 0.7;
 const AROUND_S: f64 = 0.5;
 /// The same after the last position of a person, seconds: a key loses people behind furniture, where they go on moving.
 const BEYOND_END_S: f64 = 2.0;
+/// No lidar of 16 rings sees farther, metres.
+const LIDAR_RANGE_M: f32 = 150.0;
 /// From the start of a frame to its middle, seconds.
 const HALF_FRAME_S: f64 = 0.05;
 /// A sweep and a frame of the key are the same moment within this time, seconds: half a revolution and a bit.
@@ -50,6 +53,8 @@ pub struct MotionReport {
     pub false_positives_per_100_sweeps: f64,
     /// Things judged where nobody was keyed, summed over the sweeps.
     pub static_things: u64,
+    /// Rows of the key from when nothing was recorded: they do not count.
+    pub key_rows_outside: u64,
     /// Nanoseconds a sweep for the verdicts alone, without floor and clusters.
     pub ns_per_sweep: f64,
     /// Per keyed person.
@@ -63,7 +68,39 @@ pub struct MotionReport {
 pub fn motion(recording: &Path, key: &Path, parameters: MotionParameters) -> anyhow::Result<MotionReport> {
     let rows = read_key(key)?;
     let (moments, ns_per_sweep) = play(recording, parameters)?;
-    Ok(MotionReport { ns_per_sweep, ..compare(&rows, &moments) })
+    let (inside, outside): (Vec<KeyRow>, Vec<KeyRow>) =
+        rows.iter().partition(|row| is_recorded(row, &moments));
+    if inside.is_empty() {
+        let at = |moment: Option<&Moment>| moment.map_or(0.0, |moment| moment.middle_s);
+        return Err(BadInput(format!(
+            "{}: its {} rows are from {:.1} s on, and {} lasts from {:.1} s to {:.1} s after its first packet: nothing to compare; \
+             give the key of this recording",
+            key.display(),
+            rows.len(),
+            rows.iter().map(|row| row.time_s).fold(f64::INFINITY, f64::min),
+            recording.display(),
+            at(moments.first()),
+            at(moments.last())
+        ))
+        .into());
+    }
+    let nearest_m = inside.iter().map(|row| row.position.norm()).fold(f32::INFINITY, f32::min);
+    if nearest_m > LIDAR_RANGE_M {
+        return Err(BadInput(format!(
+            "{}: the nearest keyed place is {nearest_m:.0} m away, and the lidar sees {LIDAR_RANGE_M} m; places are metres in its frame",
+            key.display()
+        ))
+        .into());
+    }
+    let rows = inside;
+    Ok(MotionReport { ns_per_sweep, key_rows_outside: outside.len() as u64, ..compare(&rows, &moments) })
+}
+
+/// The recording was running when a row was keyed. What is lost within it counts as not found.
+fn is_recorded(row: &KeyRow, moments: &[Moment]) -> bool {
+    let frame_s = row.time_s + HALF_FRAME_S;
+    let began = moments.first().is_some_and(|moment| frame_s >= moment.middle_s - SAME_TIME_S - HALF_FRAME_S);
+    began && moments.last().is_some_and(|moment| frame_s <= moment.middle_s + SAME_TIME_S)
 }
 
 fn compare(rows: &[KeyRow], moments: &[Moment]) -> MotionReport {

@@ -44,17 +44,16 @@ pub fn read_key(path: &Path) -> anyhow::Result<Vec<KeyRow>> {
     let bad = |problem: String| BadInput(format!("{}: {problem}", path.display()));
     let mut places = [0; COLUMNS.len()];
     for (place, name) in places.iter_mut().zip(COLUMNS) {
-        *place = header
-            .iter()
-            .position(|column| *column == name)
-            .ok_or_else(|| bad(format!("no column `{name}` in its first line")))?;
+        *place = header.iter().position(|column| *column == name).ok_or_else(|| {
+            bad(format!("no column `{name}` in its first line; keys are frame,time_s,track,x,y"))
+        })?;
     }
     let mut rows = Vec::new();
     for (index, line) in lines {
         let cells = numbers(path, index + 1, line)?;
         let [frame, time_s, track, x, y] = places.map(|place| cells.get(place).copied().unwrap_or(f64::NAN));
         if ![frame, time_s, track, x, y].iter().all(|value| value.is_finite()) || frame < 0.0 || track < 0.0 {
-            return Err(bad(format!("line {}: a cell is missing or no place or number", index + 1)).into());
+            return Err(bad(format!("line {}: frame {frame}, time {time_s} s, track {track}, place {x}, {y}: a cell is missing (is the file cut off?), not finite, or below 0", index + 1)).into());
         }
         let position = Point2::new(x as f32, y as f32);
         rows.push(KeyRow {
@@ -67,7 +66,7 @@ pub fn read_key(path: &Path) -> anyhow::Result<Vec<KeyRow>> {
         });
     }
     if rows.is_empty() {
-        return Err(bad("no rows".to_owned()).into());
+        return Err(bad("no rows below its first line".to_owned()).into());
     }
     complete(&mut rows);
     Ok(rows)

@@ -17,6 +17,9 @@ const ASSUMED_HEIGHT_M: f32 = 0.8;
 /// A sweep with fewer columns began or ended in the middle of a revolution.
 const WHOLE_COLUMNS: usize = 1_500;
 
+/// What moves is told against what was seen before.
+const SWEEPS_MIN: usize = 2;
+
 /// One thing of one sweep.
 pub(super) struct Found {
     pub(super) position: Point2,
@@ -107,7 +110,11 @@ fn sweeps(recording: &Path) -> anyhow::Result<(Vec<Box<Sweep>>, RingAngles)> {
         Model::Vlp16 => RingAngles::vlp16(),
         Model::HiRes => RingAngles::even(-10.0, 4.0 / 3.0),
         _ => {
-            let reason = format!("{}: motion knows lidars of 16 rings", recording.display());
+            let reason = format!(
+                "{}: this is a {}; motion knows lidars of 16 rings",
+                recording.display(),
+                model.name()
+            );
             return Err(BadInput(reason).into());
         }
     };
@@ -126,6 +133,14 @@ fn sweeps(recording: &Path) -> anyhow::Result<(Vec<Box<Sweep>>, RingAngles)> {
     }
     if building.column_count > 0 {
         sweeps.push(building);
+    }
+    let whole = sweeps.iter().filter(|sweep| sweep.column_count > WHOLE_COLUMNS / 4).count();
+    if whole < SWEEPS_MIN {
+        let reason = format!(
+            "{}: {whole} whole revolutions; what moves is told from {SWEEPS_MIN} at least",
+            recording.display()
+        );
+        return Err(BadInput(reason).into());
     }
     Ok((sweeps, angles))
 }

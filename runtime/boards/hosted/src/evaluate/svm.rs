@@ -28,8 +28,8 @@ pub struct SvmReport {
     pub label_mismatches: u64,
     /// Largest difference of a decision value, relative to the key's.
     pub max_decision_error: f64,
-    /// Largest difference of a probability of label 1.
-    pub max_probability_error: f64,
+    /// Largest difference of a probability of label 1; none where the model gives no probabilities.
+    pub max_probability_error: Option<f64>,
     /// Rows with a feature so far outside of the training range that the probability means nothing.
     pub out_of_distribution: u64,
 }
@@ -50,6 +50,15 @@ impl SvmReport {
 pub fn svm(model: &Path, range: &Path, rows: &Path) -> anyhow::Result<SvmReport> {
     let file = LibsvmModel::<FEATURES_MAX>::open(model)?;
     let bounds = RangeFile::open(range)?.scaling().ranges.len();
+    if file.features() > bounds {
+        return Err(BadInput(format!(
+            "{} has {} features, but {} names {bounds}; give the range file of this model",
+            model.display(),
+            file.features(),
+            range.display()
+        ))
+        .into());
+    }
     let text = read_text(rows)?;
     let mut report = SvmReport::default();
     let first = text.lines().next().unwrap_or_default();
@@ -62,10 +71,22 @@ pub fn svm(model: &Path, range: &Path, rows: &Path) -> anyhow::Result<SvmReport>
         let features = row.len().saturating_sub(KEY_CELLS);
         if features != bounds || features > FEATURES_MAX {
             return Err(BadInput(format!(
-                "{}, line {}: {features} features, but {} names {bounds}",
+                "{}, line {}: {features} features, but {} names {bounds}; rows are predict,decision_value,prob_label_1,f1,f2… of the same model",
                 rows.display(),
                 index + 1,
                 range.display(),
+            ))
+            .into());
+        }
+        let labels = file.labels();
+        if !labels.map(f64::from).contains(&row[0]) {
+            return Err(BadInput(format!(
+                "{}, line {}: label {} is none of the model's ({} and {}); the first column is the label that libsvm predicted",
+                rows.display(),
+                index + 1,
+                row[0],
+                labels[0],
+                labels[1],
             ))
             .into());
         }
@@ -73,7 +94,7 @@ pub fn svm(model: &Path, range: &Path, rows: &Path) -> anyhow::Result<SvmReport>
         report.compare(&file, &row);
     }
     if report.rows == 0 {
-        return Err(BadInput(format!("{}: no rows", rows.display())).into());
+        return Err(BadInput(format!("{}: no rows; it is empty but for its names", rows.display())).into());
     }
     Ok(report)
 }
@@ -98,7 +119,9 @@ impl SvmReport {
         let relative = (verdict.decision - row[1]).abs() / row[1].abs().max(f64::MIN_POSITIVE);
         self.max_decision_error = self.max_decision_error.max(relative);
         if let Some(probability) = verdict.probability {
-            self.max_probability_error = self.max_probability_error.max((probability - row[2]).abs());
+            let error = (probability - row[2]).abs();
+            self.max_probability_error =
+                Some(self.max_probability_error.map_or(error, |known| known.max(error)));
         }
         self.out_of_distribution += u64::from(scaled.iter().any(|value| value.abs() > EXTRAPOLATING));
     }

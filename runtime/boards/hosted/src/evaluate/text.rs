@@ -15,24 +15,40 @@ const GZIP: [u8; 2] = [0x1F, 0x8B];
 /// # Errors
 /// The file cannot be read, is cut off or is no text.
 pub fn read_text(path: &Path) -> anyhow::Result<String> {
-    let bad = |problem: std::io::Error| BadInput(format!("{}: {problem}", path.display()));
+    let bad = |problem: std::io::Error| {
+        BadInput(format!(
+            "{}: cannot be read ({problem}); copy it again, or give another file",
+            path.display()
+        ))
+    };
     let bytes = std::fs::read(path).map_err(bad)?;
     let mut text = String::new();
     if bytes.starts_with(&GZIP) {
         GzDecoder::new(bytes.as_slice()).read_to_string(&mut text).map_err(bad)?;
     } else {
-        text =
-            String::from_utf8(bytes).map_err(|_| BadInput(format!("{}: this is no text", path.display())))?;
+        text = String::from_utf8(bytes).map_err(|_| {
+            BadInput(format!("{}: this is no text, nor text packed with gzip", path.display()))
+        })?;
     }
-    Ok(text)
+    // Spreadsheets begin a text with a mark that nobody sees.
+    Ok(text.strip_prefix('\u{feff}').map_or_else(|| text.clone(), str::to_owned))
 }
 
 /// One line of a table as numbers; an error names file and line.
 pub(super) fn numbers(path: &Path, line: usize, content: &str) -> anyhow::Result<Vec<f64>> {
-    let cell = |cell: &str| {
-        cell.trim().parse::<f64>().map_err(|_| {
-            BadInput(format!("{}, line {line}: `{}` is no number", path.display(), cell.trim())).into()
-        })
+    content.split(',').map(|cell| number(path, line, cell)).collect()
+}
+
+/// A cell of a table as a number; infinite and not-a-number are none.
+pub(super) fn number(path: &Path, line: usize, cell: &str) -> anyhow::Result<f64> {
+    let cell = cell.trim();
+    if let Some(number) = cell.parse::<f64>().ok().filter(|number| number.is_finite()) {
+        return Ok(number);
+    }
+    let remedy = match cell {
+        "" => "is the file cut off?",
+        _ if cell.contains([';', '\t', ' ']) => "separate the cells by commas",
+        _ => "write a finite number",
     };
-    content.split(',').map(cell).collect()
+    Err(BadInput(format!("{}, line {line}: `{cell:.40}` is no number; {remedy}", path.display())).into())
 }

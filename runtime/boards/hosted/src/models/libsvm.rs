@@ -64,7 +64,10 @@ impl<const DIMENSIONS: usize> LibsvmModel<DIMENSIONS> {
             vectors.push(vector);
         }
         if header.total.is_some_and(|total| total != weights.len()) {
-            return Err(missing(&format!("{} support vectors, not as many as `total_sv`", weights.len())));
+            return Err(missing(&format!(
+                "{} support vectors, not as many as `total_sv`; the file is cut off or was edited, copy it again",
+                weights.len()
+            )));
         }
         let platt = match header.probability {
             [Some(a), Some(b)] => Some(Platt { a, b }),
@@ -78,6 +81,19 @@ impl<const DIMENSIONS: usize> LibsvmModel<DIMENSIONS> {
             weights,
             vectors,
         })
+    }
+
+    /// The labels, in the order of the file.
+    #[must_use]
+    pub const fn labels(&self) -> [i32; 2] {
+        self.labels
+    }
+
+    /// The highest feature that any support vector has.
+    #[must_use]
+    pub fn features(&self) -> usize {
+        let highest = |vector: &[f64; DIMENSIONS]| vector.iter().rposition(|value| *value != 0.0);
+        self.vectors.iter().filter_map(highest).max().map_or(0, |index| index + 1)
     }
 
     /// For the classifier of the core.
@@ -97,12 +113,21 @@ impl<const DIMENSIONS: usize> LibsvmModel<DIMENSIONS> {
 impl Header {
     fn take(&mut self, content: &str) -> Result<(), String> {
         let (key, value) = content.split_once(' ').ok_or_else(|| format!("`{content}` has no value"))?;
-        let number = || value.parse::<f64>().map_err(|error| format!("`{content}`: {error}"));
+        let number = || {
+            let number = value.parse::<f64>().map_err(|error| format!("`{content}`: {error}"))?;
+            if number.is_finite() { Ok(number) } else { Err(format!("`{content}`: not finite")) }
+        };
         match key {
             "svm_type" if value != "c_svc" => return Err(format!("only c_svc is known, not {value}")),
             "kernel_type" if value != "rbf" => return Err(format!("only rbf is known, not {value}")),
             "nr_class" if value != "2" => return Err(format!("only two classes are known, not {value}")),
-            "gamma" => self.gamma = Some(number()?),
+            "gamma" => {
+                let gamma = number()?;
+                if gamma <= 0.0 {
+                    return Err(format!("`{content}`: a radial kernel needs more than 0"));
+                }
+                self.gamma = Some(gamma);
+            }
             "rho" => self.rho = Some(number()?),
             "probA" => self.probability[0] = Some(number()?),
             "probB" => self.probability[1] = Some(number()?),
@@ -122,7 +147,8 @@ impl Header {
 /// `weight index:value …`; what is left out is 0.
 fn support_vector<const DIMENSIONS: usize>(content: &str) -> Result<(f64, [f64; DIMENSIONS]), String> {
     let mut cells = content.split_whitespace();
-    let weight = cells.next().and_then(|cell| cell.parse().ok()).ok_or("the weight is no number")?;
+    let weight = cells.next().and_then(|cell| cell.parse().ok()).filter(|weight: &f64| weight.is_finite());
+    let weight = weight.ok_or("the weight is no number")?;
     let mut vector = [0.0; DIMENSIONS];
     for cell in cells {
         let (index, value) = cell.split_once(':').ok_or_else(|| format!("`{cell}` is no index:value"))?;
@@ -131,7 +157,11 @@ fn support_vector<const DIMENSIONS: usize>(content: &str) -> Result<(f64, [f64; 
             .checked_sub(1)
             .and_then(|index| vector.get_mut(index))
             .ok_or_else(|| format!("`{cell}`: features run from 1 to {DIMENSIONS}"))?;
-        *slot = value.parse().map_err(|error| format!("`{cell}`: {error}"))?;
+        let value: f64 = value.parse().map_err(|error| format!("`{cell}`: {error}"))?;
+        if !value.is_finite() {
+            return Err(format!("`{cell}`: not finite"));
+        }
+        *slot = value;
     }
     Ok((weight, vector))
 }
@@ -158,6 +188,11 @@ mod tests {
             ("nr_class 2", "nr_class 3"),
             ("total_sv 2", "total_sv 3"),
             ("gamma 0.5", "gamma half"),
+            ("gamma 0.5", "gamma nan"),
+            ("gamma 0.5", "gamma -1"),
+            ("rho 0.25", "rho inf"),
+            ("-1 2:-0.5", "nan 2:-0.5"),
+            ("2:-0.5", "2:inf"),
             ("label 1 -1", "label 1"),
             ("rho 0.25\n", ""),
             ("SV\n", ""),

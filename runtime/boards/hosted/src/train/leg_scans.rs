@@ -1,6 +1,4 @@
-//! Labelled scans: `source,scan,n_legs,x:y;x:y,ranges…`, with a first line that names the geometry.
-
-use std::path::Path;
+//! Segments of labelled scans, with the truth about them.
 
 use floorguard_core::geometry::Point2;
 use floorguard_core::legs::{LEG_FEATURES, LegFeatures, LegLimits, Segment, Segments, leg_features};
@@ -9,8 +7,6 @@ use floorguard_core::sensing::{BeamReturn, Scan};
 
 use super::boosting::Sample;
 use super::standing_map::StandingMap;
-use crate::commands::BadInput;
-use crate::evaluate::read_text;
 
 /// A scan with the truth about its legs.
 #[derive(Clone, Debug)]
@@ -31,69 +27,6 @@ const JUMPS: std::ops::Range<usize> = 2..4;
 /// What is farther behind a segment than this is background, and where it may be in another room, metres.
 const BACKGROUND_MIN_M: f32 = 0.3;
 const BACKGROUND_MAX_M: f32 = 8.0;
-
-/// Reads a file.
-///
-/// # Errors
-/// The file cannot be read or has another form.
-pub fn read_leg_scans(path: &Path) -> anyhow::Result<Vec<LabelledScan>> {
-    let text = read_text(path)?;
-    let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
-    let bad = |line: usize, problem: &str| BadInput(format!("{}, line {line}: {problem}", path.display()));
-    let (_, header) = lines.next().ok_or_else(|| bad(1, "the file is empty"))?;
-    let named = |name: &str| {
-        let value = header.split_whitespace().find_map(|word| word.strip_prefix(name)?.strip_prefix('='));
-        value.and_then(|value| value.trim_end_matches(';').parse::<f32>().ok())
-    };
-    let (Some(first_angle_rad), Some(step_rad)) = (named("angle_min"), named("angle_increment")) else {
-        return Err(bad(1, "expected `angle_min=` and `angle_increment=`").into());
-    };
-    let range_max_m = named("range_max").unwrap_or(f32::INFINITY);
-    let mut scans = Vec::new();
-    for (index, line) in lines {
-        let wrong = |problem: &str| bad(index + 1, problem);
-        let mut cells = line.split(',');
-        let source = cells.next().unwrap_or_default().to_owned();
-        let _ = cells.next();
-        let count: usize = cells
-            .next()
-            .and_then(|cell| cell.trim().parse().ok())
-            .ok_or_else(|| wrong("expected `source,scan,n_legs,legs,ranges…`"))?;
-        let legs = parse_legs(cells.next().unwrap_or_default()).ok_or_else(|| wrong("legs are `x:y;x:y`"))?;
-        if legs.len() != count {
-            return Err(wrong("not as many legs as it says").into());
-        }
-        let mut scan = Scan { first_angle_rad, step_rad, ..Scan::default() };
-        for cell in cells {
-            let range_m = if cell.trim().is_empty() { Some(0.0) } else { cell.trim().parse::<f32>().ok() };
-            let range_m = range_m.ok_or_else(|| wrong("ranges are numbers"))?;
-            scan.beams
-                .push(beam(range_m, range_max_m))
-                .map_err(|_| wrong("more beams than a scanner has"))?;
-        }
-        scans.push(LabelledScan { source, scan, legs });
-    }
-    Ok(scans)
-}
-
-fn parse_legs(text: &str) -> Option<Vec<Point2>> {
-    let parts = text.split(';').filter(|part| !part.trim().is_empty());
-    parts
-        .map(|part| {
-            let (x, y) = part.split_once(':')?;
-            Some(Point2::new(x.trim().parse().ok()?, y.trim().parse().ok()?))
-        })
-        .collect()
-}
-
-/// Strictly between its own minimum and the largest range; anything else is unknown.
-fn beam(range_m: f32, range_max_m: f32) -> BeamReturn {
-    if range_m > 0.02 && range_m < range_max_m.min(60.0) {
-        BeamReturn::Hit((range_m * 1_000.0).round() as u16)
-    } else {
-        BeamReturn::Unknown
-    }
-}
 
 /// Every `step`-th beam: what a coarser scanner would have seen.
 #[must_use]

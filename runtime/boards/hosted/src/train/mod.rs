@@ -2,6 +2,7 @@
 
 mod adaboost;
 mod boosting;
+mod leg_file;
 mod leg_scans;
 mod online;
 mod online_picture;
@@ -15,7 +16,8 @@ mod table;
 
 pub use adaboost::{adaboost, lean};
 pub use boosting::{Boosting, Forest, Sample, boost};
-pub use leg_scans::{LabelledScan, LegSample, coarser, leg_samples, read_leg_scans};
+pub use leg_file::read_leg_scans;
+pub use leg_scans::{LabelledScan, LegSample, coarser, leg_samples};
 pub use online::{OnlinePlace, OnlineReport, OnlineWindow, anchors, learn_place};
 pub use online_picture::draw_online;
 pub use person_samples::{Samples, is_person, person_samples, stretched};

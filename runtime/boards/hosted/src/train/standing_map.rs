@@ -22,6 +22,9 @@ const STANDING_SHARE: f32 = 0.4;
 const BEAMS_BESIDE: isize = 2;
 const NEAR_M: f32 = 0.1;
 
+/// In fewer scans somebody who was seen once or twice would be furniture.
+const SCANS_MIN: u32 = 32;
+
 /// Furniture by beam and range.
 #[derive(Clone, Debug)]
 pub struct StandingMap {
@@ -31,7 +34,8 @@ pub struct StandingMap {
 }
 
 impl StandingMap {
-    /// From the scans of one recording; `None` where the scanner moved or nothing was seen.
+    /// From the scans of one recording; `None` where the scanner moved, nothing was seen, or there are too few of
+    /// them to tell.
     #[must_use]
     pub fn new<'a>(scans: impl Iterator<Item = &'a LabelledScan> + Clone) -> Option<Self> {
         let Scan { first_angle_rad, step_rad, .. } = scans.clone().next()?.scan;
@@ -46,6 +50,9 @@ impl StandingMap {
                     *cell += 1;
                 }
             }
+        }
+        if total < SCANS_MIN {
+            return None;
         }
         let returns: u32 = counts.iter().flatten().sum();
         let on_fixed: u32 = counts
