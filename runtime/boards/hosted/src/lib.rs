@@ -1,5 +1,8 @@
 //! The hosted board: carriers of Linux, recordings, the simulator, and the commands of the program.
 
+#[macro_use]
+mod console;
+
 pub mod camera;
 pub mod campaign;
 pub mod capture;
@@ -16,6 +19,7 @@ pub mod learning;
 pub mod metrics;
 pub mod mission;
 pub mod models;
+pub(crate) mod packing;
 pub mod panel;
 pub mod picture;
 pub mod recording;

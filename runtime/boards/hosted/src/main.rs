@@ -1,5 +1,6 @@
 //! `floorguard`, the program.
 
+use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::Parser;
@@ -11,7 +12,7 @@ fn main() -> ExitCode {
         // `| head`: who reads has seen enough.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
-            anstream::eprintln!("{error:#}");
+            let _ = writeln!(anstream::stderr(), "{error:#}");
             ExitCode::from(exit_code(&error))
         }
     }

@@ -1,5 +1,6 @@
 //! `floorguard replay` as a stranger types it: recordings, ROS 2 bags, CARMEN logs, and what is none of these.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -87,6 +88,7 @@ fn bag(folder: &Path, seconds: u64) -> PathBuf {
     for round in 0..seconds * 10 {
         let stamp = Stamp::from_micros(1_700_000_000_000_000 + round * 100_000);
         recorder.points(stamp, (stamp, "velodyne"), &hall(round as f32 * 0.1)).expect("written");
+        recorder.digest(stamp, round).expect("written");
     }
     recorder.finish().expect("closed");
     path
@@ -159,6 +161,12 @@ fn legs_walk_through_a_laser_log() {
     let found = [count("legs", 1), count("legs", 2), count("people", 1)];
     assert!(found.into_iter().all(|scans| scans > 50), "{found:?}");
     check_written(&path, topics::SCAN);
+    // It is known by its words, whatever it is called and however it is packed.
+    let renamed = folder.path().join("walk.txt");
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    packed.write_all(log.as_bytes()).expect("memory");
+    std::fs::write(&renamed, packed.finish().expect("memory")).expect("written");
+    assert_eq!(replay(&renamed).1, rows);
     // A damaged line ends it with its number.
     std::fs::write(&path, log.replacen("FLASER 361", "FLASER 400", 1)).expect("written");
     let told = refusal(&path);
@@ -188,16 +196,36 @@ fn what_is_no_data_is_refused_with_a_reason() {
     let mut words = Recorder::new(std::io::Cursor::new(Vec::new())).expect("memory");
     words.digest(Stamp::ZERO, 7).expect("memory");
     let words = words.finish().expect("memory").into_inner();
-    let cases: [(&str, &[u8], &str); 5] = [
+    let pcap = [&[0xd4, 0xc3, 0xb2, 0xa1, 2, 0, 4, 0][..], &[0; 8], &[0, 0, 1, 0, 1, 0, 0, 0]].concat();
+    let cases: [(&str, &[u8], &str); 8] = [
         ("no.mcap", b"hello", "capture"),
         ("words.mcap", &words, "no PointCloud2 and no LaserScan"),
         ("cut.mcap", &words[..30], "cut"),
         ("empty.clf", b"", "no scan in it"),
+        ("nothing.pcap", b"", "is empty"),
+        ("packed.pcap.xz", b"\xfd7zXZ\0 and more", "unxz"),
+        // A capture is one by its bytes, even by the name of a laser log.
+        ("capture.log", &pcap, "no datagram to port 2368"),
         ("text.log", b"this is somebody's diary\n", "no scan in it"),
     ];
     for (name, bytes, reason) in cases {
         let told = refusal(&file(name, bytes));
         assert!(told.contains(reason) && told.contains(name), "{name}: {told}");
+    }
+    // A wrong topic: the right ones are told, and nothing else.
+    let bag = bag(folder.path(), 1);
+    let wrong = floorguard(&["replay", text(&bag), "--topic", "/nowhere"]);
+    let told = String::from_utf8_lossy(&wrong.stderr).into_owned();
+    assert_eq!(wrong.status.code(), Some(3));
+    assert!(told.contains("PointCloud2)") && !told.contains("/floorguard/digest"), "{told}");
+    // A pipe is read once only.
+    for command in ["replay", "decode"] {
+        let piped = Command::new("sh")
+            .args(["-c", &format!("echo hello | {} {command} /dev/stdin", env!("CARGO_BIN_EXE_floorguard"))])
+            .output()
+            .expect("a shell");
+        let told = String::from_utf8_lossy(&piped.stderr).into_owned();
+        assert!(piped.status.code() == Some(3) && told.contains("write it to a file first"), "{told}");
     }
     let told = refusal(&folder.path().join("nowhere.mcap"));
     assert!(told.contains("nowhere.mcap"), "{told}");

@@ -10,7 +10,12 @@ use floorguard_core::random::Pcg32;
 use floorguard_core::sensing::PinholeCamera;
 use floorguard_core::time::Stamp;
 use floorguard_hosted::camera::{PictureCamera, PictureFolder};
+use floorguard_hosted::configuration::load;
+use floorguard_hosted::executor::StopFlag;
 use floorguard_hosted::recording::{Recording, topics};
+use floorguard_hosted::robot::{HostedShared, Links, run_rings};
+use floorguard_hosted::world::new_shared;
+use floorguard_runtime::clock;
 use floorguard_sim::floor::{DirtKind, FloorCamera, FloorKind, FloorScene, Spill};
 
 /// The robot's file with devices that are not there: it waits for them, says so, stands, and ends in order.
@@ -80,6 +85,44 @@ fn a_term_ends_the_run_in_order() {
     assert!(rest.contains("the robot stands"), "{rest}");
     let messages: Result<Vec<_>, _> = Recording::new(std::fs::File::open(&record).unwrap()).collect();
     assert!(messages.is_ok_and(|messages| !messages.is_empty()));
+}
+
+/// Logs that nobody takes any more, a recording on a full disk: told where somebody listens, and the robot goes on.
+#[test]
+fn a_full_disk_and_a_log_that_is_gone_do_not_end_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let run = |more: &[&str]| {
+        let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_floorguard"));
+        command.args(["run", &robot_file(folder.path(), port), "--duration", "1.2"]).args(more);
+        command
+    };
+    let output = run(&["--json", "--record", "/dev/full"]).stdout(full()).output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(3), "the recording is missing: {said}");
+    assert_eq!(said.matches("standard output takes nothing any more").count(), 1, "{said}");
+    assert_eq!(said.matches("the robot goes on without its recording").count(), 1, "{said}");
+    assert!(said.contains("the run went on without its recording"), "{said}");
+    let output = run(&[]).stdout(full()).stderr(full()).output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    let taken = robot_file(folder.path(), 0);
+    let said = run(&["--black-box", &taken]).output().unwrap();
+    assert_eq!(said.status.code(), Some(3), "no folder");
+}
+
+/// Whatever becomes of the display, the rings end with it: a robot that nobody can end any more must not go on.
+#[test]
+fn a_panic_beside_the_rings_ends_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let configuration = load(std::path::Path::new(&robot_file(folder.path(), 0))).unwrap();
+    let links = Links::bind(&configuration.carriers).unwrap();
+    let shared: Box<HostedShared> = new_shared(&configuration.robot, clock::now()).unwrap();
+    let flag = StopFlag::default();
+    let panicked = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+        run_rings((&configuration.robot, links), &shared, &flag, || panic!("nobody listens"))
+    }));
+    assert!(panicked.is_err() && flag.is_stopped());
 }
 
 /// A port that another program holds is bad input, not a robot without a lidar.

@@ -131,3 +131,13 @@ fn wrong_wishes_are_told_at_once() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("/proc/nowhere"));
     assert_eq!(run(&["campaign", "encounters", "--trials", "0"]).status.code(), Some(2));
 }
+
+#[test]
+fn an_emergency_stop_behind_the_end_is_told() {
+    let run = |span: &str| {
+        let output = run(&["simulate", "--scenario", "empty", "--duration", "0.5", "--emergency-stop", span]);
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        String::from_utf8_lossy(&output.stderr).contains("nobody presses it")
+    };
+    assert!(run("1..2") && !run("0.2..2"));
+}

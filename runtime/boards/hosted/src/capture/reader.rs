@@ -1,29 +1,35 @@
 //! Streams a capture: everything before a bad place is delivered, then the error.
 
 use std::fs::File;
-use std::io::{BufRead as _, BufReader, Read};
+use std::io::{self, BufRead as _, BufReader, Read};
 use std::path::Path;
 
-use flate2::read::MultiGzDecoder;
 use pcap_parser::traits::PcapReaderIterator;
 use pcap_parser::{Block, Linktype, PcapBlockOwned, PcapError, create_reader};
 
 use super::datagram::{self, Content, Datagram};
+use crate::packing;
 
 /// A capture that cannot be read to its end.
 #[derive(Debug, thiserror::Error)]
 pub enum CaptureError {
     /// The file cannot be opened.
-    #[error("cannot open {path}: {cause}")]
+    #[error("{path}: cannot be opened: {cause}")]
     Open {
         /// The file.
         path: String,
         /// What the system says.
         cause: std::io::Error,
     },
+    /// There is nothing in it.
+    #[error("{path} is empty")]
+    Empty {
+        /// The file.
+        path: String,
+    },
     /// The bytes are no capture.
     #[error(
-        "{path} is no .pcap or .pcapng capture (nor one packed with gzip); recordings and bags are .mcap, laser logs .clf or .log"
+        "{path} is no .pcap or .pcapng capture (nor one packed with gzip, bzip2 or zstd); recordings and bags are .mcap, laser logs .clf or .log"
     )]
     NotACapture {
         /// The file.
@@ -80,7 +86,6 @@ pub struct Capture {
 
 /// Largest frame that the reader accepts, bytes.
 const BUFFER_BYTES: usize = 1 << 20;
-const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
 impl Capture {
     /// Opens a file.
@@ -89,8 +94,9 @@ impl Capture {
     /// When it cannot be opened or is no capture.
     pub fn open(path: &Path) -> Result<Self, CaptureError> {
         let shown = path.display().to_string();
-        let file = File::open(path).map_err(|cause| CaptureError::Open { path: shown.clone(), cause })?;
-        Self::read(&shown, file)
+        let unusable = |cause| CaptureError::Open { path: shown.clone(), cause };
+        packing::must_be_a_file(path).map_err(unusable)?;
+        Self::read(&shown, File::open(path).map_err(unusable)?)
     }
 
     /// Reads from any source; `name` is for the messages.
@@ -100,9 +106,13 @@ impl Capture {
     pub fn read(name: &str, source: impl Read + Send + 'static) -> Result<Self, CaptureError> {
         let refused = || CaptureError::NotACapture { path: name.to_owned() };
         let mut source = BufReader::new(source);
-        let packed = source.fill_buf().map_err(|_| refused())?.starts_with(&GZIP_MAGIC);
-        let plain: Box<dyn Read + Send> =
-            if packed { Box::new(MultiGzDecoder::new(source)) } else { Box::new(source) };
+        if source.fill_buf().is_ok_and(<[u8]>::is_empty) {
+            return Err(CaptureError::Empty { path: name.to_owned() });
+        }
+        let plain = packing::unpacked(source).map_err(|cause| match cause.kind() {
+            io::ErrorKind::Unsupported => CaptureError::Open { path: name.to_owned(), cause },
+            _ => refused(),
+        })?;
         let reader = create_reader(BUFFER_BYTES, plain).map_err(|_| refused())?;
         Ok(Self {
             path: name.to_owned(),

@@ -1,16 +1,17 @@
-//! A log as a file: plain, `.gz` or `.bz2`, read line by line.
+//! A log as a file, packed or not, read line by line.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use super::line::{CarmenLine, LineError, parse_line};
+use crate::packing;
 
 /// A log that cannot be read to its end. Everything before has been delivered.
 #[derive(Debug, thiserror::Error)]
 pub enum CarmenError {
     /// The file cannot be opened.
-    #[error("{path}: cannot be opened ({cause})")]
+    #[error("{path}: cannot be opened: {cause}")]
     Open {
         /// The file.
         path: String,
@@ -42,7 +43,7 @@ pub enum CarmenError {
 /// A log being read.
 pub struct CarmenLog {
     path: String,
-    source: Box<dyn BufRead>,
+    source: BufReader<Box<dyn Read + Send>>,
     line: usize,
     finished: bool,
 }
@@ -57,22 +58,10 @@ impl CarmenLog {
     /// The file cannot be opened.
     pub fn open(path: &Path) -> Result<Self, CarmenError> {
         let shown = path.display().to_string();
-        let opened = File::open(path).and_then(|file| unpacked(BufReader::new(file)));
+        let opened = File::open(path).and_then(packing::unpacked);
         let source = opened.map_err(|cause| CarmenError::Open { path: shown.clone(), cause })?;
-        Ok(Self { path: shown, source, line: 0, finished: false })
+        Ok(Self { path: shown, source: BufReader::new(source), line: 0, finished: false })
     }
-}
-
-/// Looks through gzip and bzip2, told by their first bytes.
-fn unpacked(mut file: BufReader<File>) -> std::io::Result<Box<dyn BufRead>> {
-    let magic = file.fill_buf()?;
-    Ok(if magic.starts_with(&[0x1f, 0x8b]) {
-        Box::new(BufReader::new(flate2::read::MultiGzDecoder::new(file)))
-    } else if magic.starts_with(b"BZh") {
-        Box::new(BufReader::new(bzip2::read::MultiBzDecoder::new(file)))
-    } else {
-        Box::new(file)
-    })
 }
 
 impl Iterator for CarmenLog {

@@ -139,7 +139,7 @@ impl Store {
             }
             Self::File(path) => {
                 if let Err(error) = replace_file(path, &saved.encode(fingerprint(plan))) {
-                    anstream::eprintln!("  mission: not saved ({error:#})");
+                    say!("  mission: not saved ({error:#})");
                 }
             }
         }

@@ -92,12 +92,14 @@ fn share(text: &str) -> Result<f32, String> {
 pub fn run(arguments: &AskArguments) -> anyhow::Result<()> {
     let answer = ask(arguments).map_err(|error| BadInput(format!("{error:#}")))?;
     if arguments.json {
-        anstream::println!("{}", serde_json::to_string(&answer)?);
+        tell!("{}", serde_json::to_string(&answer)?)?;
         return Ok(());
     }
-    anstream::println!("{}", answer.answer);
-    anstream::println!("  how sure: {}", answer.confidence);
-    answer.evidence.iter().for_each(|line| anstream::println!("  {line}"));
+    tell!("{}", answer.answer)?;
+    tell!("  how sure: {}", answer.confidence)?;
+    for line in &answer.evidence {
+        tell!("  {line}")?;
+    }
     Ok(())
 }
 
@@ -106,7 +108,7 @@ fn ask(arguments: &AskArguments) -> anyhow::Result<Answer> {
     let loaded = load(&arguments.model)?.with_context(|| {
         format!("{path}: there is no model; write one with: floorguard learn --model {path} TRACKS")
     })?;
-    loaded.passed_over.iter().for_each(|what| anstream::eprintln!("passed over: {what}"));
+    loaded.passed_over.iter().for_each(|what| say!("passed over: {what}"));
     let model = loaded.model;
     let now = match &arguments.now {
         Some(text) => model.calendar.parse(text)?,

@@ -101,7 +101,7 @@ pub fn run(arguments: &BlackBoxArguments) -> anyhow::Result<()> {
     record(&out, &contents.one_after_the_other())
         .map_err(|error| BadInput(format!("{}: cannot be written ({error:#})", out.display())))?;
     let end = if contents.complete { "complete" } else { "cut" };
-    anstream::eprintln!(
+    say!(
         "{} moments, {} damaged rows, {end}; recording: {}",
         contents.moments.len(),
         contents.damaged,
@@ -186,22 +186,19 @@ impl Contents {
 fn tell(moments: &[(Stamp, BoxEntry)], restart: Option<&LogRestart>, json: bool) -> anyhow::Result<()> {
     if json {
         for (stamp, entry) in moments {
-            anstream::println!("{}", serde_json::to_string(&row(*stamp, entry))?);
+            tell!("{}", serde_json::to_string(&row(*stamp, entry))?)?;
         }
     } else {
-        moments.windows(2).for_each(tell_change);
+        moments.windows(2).try_for_each(tell_change)?;
     }
     let Some(restart) = restart else { return Ok(()) };
     let name = restart.known_cause().map_or("cause unknown to this program", |cause| cause.name());
     let LogRestart { detail, uptime_ms, deaths, .. } = *restart;
     if json {
-        anstream::println!(
-            "{}",
-            serde_json::to_string(&RestartRow { restart: name, detail, uptime_ms, deaths })?
-        );
+        tell!("{}", serde_json::to_string(&RestartRow { restart: name, detail, uptime_ms, deaths })?)?;
     } else {
         let seconds = f64::from(uptime_ms) * 1.0e-3;
-        anstream::println!("{seconds:10.3} s  RESET, number {deaths}: {name} ({detail:#x})");
+        tell!("{seconds:10.3} s  RESET, number {deaths}: {name} ({detail:#x})")?;
     }
     Ok(())
 }
@@ -248,18 +245,19 @@ fn row(stamp: Stamp, entry: &BoxEntry) -> MomentRow {
     }
 }
 
-fn tell_change(pair: &[(Stamp, BoxEntry)]) {
-    let [(_, before), (stamp, now)] = pair else { return };
+fn tell_change(pair: &[(Stamp, BoxEntry)]) -> std::io::Result<()> {
+    let [(_, before), (stamp, now)] = pair else { return Ok(()) };
     if (before.state, before.action, before.cause) != (now.state, now.action, now.cause) {
         let cause = now.cause.map_or_else(String::new, |cause| format!(": {cause}"));
-        anstream::println!(
+        tell!(
             "{:10.3} s  {:?}, {}{cause}  at {:.2} m/s",
             stamp.as_micros() as f64 * 1.0e-6,
             now.state,
             now.action,
             now.measured_mps
-        );
+        )?;
     }
+    Ok(())
 }
 
 fn record(path: &Path, moments: &[(Stamp, BoxEntry)]) -> anyhow::Result<()> {

@@ -66,7 +66,7 @@ pub fn run(arguments: &CampaignArguments) -> anyhow::Result<()> {
     let summary = run_seeds(trials.clone(), one)?;
     bar.finish_and_clear();
     if arguments.json {
-        anstream::println!("{}", serde_json::to_string(&summary)?);
+        tell!("{}", serde_json::to_string(&summary)?)?;
     } else {
         show(&summary);
         if is_matrix {
@@ -80,14 +80,14 @@ pub fn run(arguments: &CampaignArguments) -> anyhow::Result<()> {
 }
 
 fn show(summary: &CampaignSummary) {
-    anstream::eprintln!(
+    say!(
         "{} runs, {:.0} s and {:.0} m of robot time: {} failed",
         summary.runs,
         summary.duration_s,
         summary.distance_m,
         summary.failures.len()
     );
-    anstream::eprintln!(
+    say!(
         "contacts {} ({} avoidable), stops {} ({} without need), missed {}",
         summary.contacts,
         summary.avoidable_contacts,
@@ -96,16 +96,12 @@ fn show(summary: &CampaignSummary) {
         summary.missed_stops
     );
     if summary.stop_latency_max_ms > 0.0 {
-        anstream::eprintln!("slowest order to stop {:.0} ms", summary.stop_latency_max_ms);
+        say!("slowest order to stop {:.0} ms", summary.stop_latency_max_ms);
     }
     for failure in &summary.failures {
-        anstream::eprintln!(
-            "failed: {}\n  {}",
-            failure.failure.as_deref().unwrap_or_default(),
-            failure.command
-        );
+        say!("failed: {}\n  {}", failure.failure.as_deref().unwrap_or_default(), failure.command);
     }
-    anstream::eprintln!("digest of all runs {}", summary.digest);
+    say!("digest of all runs {}", summary.digest);
 }
 
 fn show_coverage(trials: std::ops::Range<u64>) {
@@ -114,8 +110,8 @@ fn show_coverage(trials: std::ops::Range<u64>) {
         *counts.entry(cell_of(trial)).or_default() += 1;
     }
     let (table, share) = coverage(&counts);
-    anstream::eprintln!(
+    say!(
         "runs by class, source and phase (start/cruise/approach/hold/operator), - where it cannot be:\n{table}"
     );
-    anstream::eprintln!("{:.1} % of the possible cells have a run", share * 100.0);
+    say!("{:.1} % of the possible cells have a run", share * 100.0);
 }

@@ -11,7 +11,7 @@ use crate::configuration::load;
 pub fn run(file: &Path) -> anyhow::Result<()> {
     let configuration = load(file)?;
     let robot = &configuration.robot;
-    anstream::eprintln!(
+    say!(
         "{}: good: {} fields, lidar {:?}, scanner {:?}, {} waypoints, at most {} m/s",
         file.display(),
         robot.fields.len(),
@@ -23,11 +23,11 @@ pub fn run(file: &Path) -> anyhow::Result<()> {
     if let Some(learning) = &configuration.learning {
         let seconds = learning.update_us as f64 * 1.0e-6;
         match learning.enabled {
-            true => anstream::eprintln!(
+            true => say!(
                 "  learns what people look like, into {}, an update in {seconds} s at most",
                 learning.model.display()
             ),
-            false => anstream::eprintln!("  learning is switched off"),
+            false => say!("  learning is switched off"),
         }
     }
     Ok(())

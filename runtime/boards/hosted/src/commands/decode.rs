@@ -140,7 +140,7 @@ impl Totals {
 
     fn end_revolution(&mut self) {
         self.revolutions += 1;
-        anstream::eprintln!("revolution {}: {}", self.revolutions, self.revolution);
+        say!("revolution {}: {}", self.revolutions, self.revolution);
         self.revolution = Sums::default();
     }
 }
@@ -174,7 +174,7 @@ impl<W: Write> Printer<W> {
         }
         let Totals { packets, refused, file, revolutions, .. } = &self.totals;
         let CaptureNotes { fragments, other, .. } = capture.notes();
-        anstream::eprintln!(
+        say!(
             "{}: {packets} packets, {refused} refused, {revolutions} revolutions (the first and the last may be \
              parts), {file}; {fragments} IP fragments and {other} other frames skipped",
             self.returns.model().name(),
@@ -189,7 +189,7 @@ impl<W: Write> Printer<W> {
             Ok(packet) => packet,
             Err(error) => {
                 totals.refused += 1;
-                anstream::eprintln!("packet {}: {error}", totals.packets);
+                say!("packet {}: {error}", totals.packets);
                 return Ok(());
             }
         };
@@ -213,7 +213,7 @@ impl<W: Write> Printer<W> {
         totals.file.returns += sums.returns;
         totals.file.distance_raw += sums.distance_raw;
         totals.file.reflectivity += sums.reflectivity;
-        anstream::eprintln!("packet {} at {} us: {sums}", totals.packets, packet.stamp_us());
+        say!("packet {} at {} us: {sums}", totals.packets, packet.stamp_us());
         Ok(())
     }
 }

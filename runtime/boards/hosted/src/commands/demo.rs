@@ -4,7 +4,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::Args;
+use clap::{Args, ValueEnum as _};
 
 use super::exit::BadInput;
 use super::simulate::{conclude, open_witnesses, pace, play, play_real};
@@ -23,7 +23,7 @@ pub struct DemoArguments {
     #[arg(long, value_enum)]
     pub strategy: Option<MissionStrategy>,
     /// Simulated seconds.
-    #[arg(long, default_value_t = 180.0)]
+    #[arg(long, default_value_t = 180.0, allow_negative_numbers = true)]
     pub duration: f64,
     /// In real time over real carriers: UDP on the loopback, pseudo-terminals, SLCAN.
     #[arg(long)]
@@ -77,7 +77,7 @@ pub fn run(arguments: &DemoArguments) -> anyhow::Result<()> {
     }
     plan = plan.cleaning(arguments.strategy)?;
     plan.has_camera = arguments.camera;
-    anstream::eprintln!("floorguard demo: {} (seed {})", plan.scenario.title, plan.seed);
+    say!("floorguard demo: {} (seed {})", plan.scenario.title, plan.seed);
     make_folder(&arguments.report)?;
     let mut witnesses = Witnesses::default();
     let (record, panel) = (arguments.record.as_deref(), arguments.panel);
@@ -88,8 +88,22 @@ pub fn run(arguments: &DemoArguments) -> anyhow::Result<()> {
         play(&plan, false, &mut witnesses)?
     };
     let page = write_report(&arguments.report, &plan, &observation)?;
-    anstream::eprintln!("{}", pace(&plan, started));
-    let outcome = conclude(&plan, &observation, false);
-    anstream::eprintln!("report: {}", page.display());
+    say!("{}", pace(&plan, started));
+    let repeat = repeat_demo(arguments);
+    let outcome = conclude((&plan, &repeat), &observation, false);
+    say!("report: {}", page.display());
     outcome
+}
+
+/// The command that plays the same demo.
+fn repeat_demo(arguments: &DemoArguments) -> String {
+    let DemoArguments { seed, duration, .. } = arguments;
+    let mut words = format!("floorguard demo --seed {seed} --duration {duration}");
+    if let Some(value) = arguments.strategy.and_then(|strategy| strategy.to_possible_value()) {
+        words.push_str(&format!(" --strategy {}", value.get_name()));
+    }
+    for (name, wanted) in [(" --camera", arguments.camera), (" --real-io", arguments.real_io)] {
+        words.push_str(if wanted { name } else { "" });
+    }
+    words
 }

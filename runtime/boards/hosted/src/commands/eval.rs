@@ -187,11 +187,11 @@ fn judge(passed: bool, reason: &str) -> anyhow::Result<()> {
 fn print(report: &impl Serialize, json: bool) -> anyhow::Result<()> {
     let value = serde_json::to_value(report)?;
     if json {
-        anstream::println!("{value}");
+        tell!("{value}")?;
         return Ok(());
     }
     for (name, figure) in value.as_object().into_iter().flatten() {
-        anstream::println!("{name:28} {figure}");
+        tell!("{name:28} {figure}")?;
     }
     Ok(())
 }

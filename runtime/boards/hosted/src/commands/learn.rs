@@ -97,7 +97,7 @@ fn learn(arguments: &LearnArguments) -> anyhow::Result<()> {
     if let Some(picture) = &arguments.picture {
         pictures::write(picture, &model, pictures::Layer::Trajectories, None)?;
     }
-    anstream::eprintln!("{} saved, update {}", arguments.place.model.display(), model.generation);
+    say!("{} saved, update {}", arguments.place.model.display(), model.generation);
     Ok(())
 }
 
@@ -106,7 +106,7 @@ fn tell(
     (path, recording, format): (&Path, &Recording, TrackFormat),
     (start, lesson): (WallTime, Lesson),
 ) {
-    anstream::eprintln!(
+    say!(
         "{} ({format:?}): {} people, {} positions, {:.0} s from {}{}{}",
         path.display(),
         recording.people(),
@@ -136,7 +136,7 @@ fn open(place: &PlaceArguments, bounds: Option<(Point2, Point2)>) -> anyhow::Res
     let loaded = load(&place.model)?;
     let mut model = match loaded {
         Some(loaded) => {
-            loaded.passed_over.iter().for_each(|what| anstream::eprintln!("passed over: {what}"));
+            loaded.passed_over.iter().for_each(|what| say!("passed over: {what}"));
             loaded.model
         }
         None => {
@@ -161,34 +161,46 @@ fn open(place: &PlaceArguments, bounds: Option<(Point2, Point2)>) -> anyhow::Res
     Ok(model)
 }
 
-/// Learns what the robot saw of people on a simulated run that began at `start`; without it, after what the model
-/// knows, or on a Monday morning.
-///
-/// # Errors
-/// A model that cannot be read or written, a time before what it knows.
-pub(super) fn learn_run(
-    (path, start): (&Path, Option<&str>),
-    plan: &Plan,
-    observation: &Observation,
-) -> anyhow::Result<()> {
-    let outlines: Vec<Vec<Point2>> = crate::report::outlines(&plan.scenario.scene);
-    let bounds = bounds(outlines.iter().flatten().map(|corner| (*corner, *corner)));
-    let place = PlaceArguments { model: path.to_owned(), timezone: "UTC".to_owned(), map: None, zones: None };
-    let taught = || -> anyhow::Result<()> {
-        let mut model = open(&place, bounds)?;
+/// What is to be learned from a simulated run, made ready before it: a run of an hour must not end in a wrong date.
+pub(super) struct RunLesson {
+    path: PathBuf,
+    model: Model,
+    start: WallTime,
+    outlines: Vec<Vec<Point2>>,
+}
+
+impl RunLesson {
+    /// For a run that begins at `start`; without it, after what the model knows, or on a Monday morning.
+    ///
+    /// # Errors
+    /// A model that cannot be read, a moment that is none.
+    pub(super) fn prepare((path, start): (&Path, Option<&str>), plan: &Plan) -> anyhow::Result<Self> {
+        let outlines: Vec<Vec<Point2>> = crate::report::outlines(&plan.scenario.scene);
+        let bounds = bounds(outlines.iter().flatten().map(|corner| (*corner, *corner)));
+        let place =
+            PlaceArguments { model: path.to_owned(), timezone: "UTC".to_owned(), map: None, zones: None };
+        let model = open(&place, bounds).map_err(bad)?;
         let start = match (start, model.core.newest()) {
             (None, Some(newest)) => newest.plus_micros(1_000_000),
-            (text, _) => model.calendar.parse(text.unwrap_or(FIRST_RUN))?,
+            (text, _) => model.calendar.parse(text.unwrap_or(FIRST_RUN)).map_err(bad)?,
         };
-        let lesson = teach_run(&mut model, (&observation.people_seen, start), &outlines, TRACKED_RANGE_M)?;
-        save(path, &mut model)?;
-        anstream::eprintln!(
+        Ok(Self { path: path.to_owned(), model, start, outlines })
+    }
+
+    /// Learns what the robot saw of people.
+    ///
+    /// # Errors
+    /// A model that cannot be written, a time before what it knows.
+    pub(super) fn learn(mut self, observation: &Observation) -> anyhow::Result<()> {
+        let seen = (&*observation.people_seen, self.start);
+        let lesson = teach_run(&mut self.model, seen, &self.outlines, TRACKED_RANGE_M).map_err(bad)?;
+        save(&self.path, &mut self.model).map_err(bad)?;
+        say!(
             "{}: learned {} positions of people in {:.0} s",
-            path.display(),
+            self.path.display(),
             lesson.positions,
             lesson.seconds
         );
         Ok(())
-    };
-    taught().map_err(bad)
+    }
 }

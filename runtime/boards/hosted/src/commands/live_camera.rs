@@ -9,7 +9,7 @@ use serde_json::json;
 use crate::camera::{CameraNews, LiveEye, SeenDirt, watch_floor};
 use crate::configuration::HostedConfiguration;
 use crate::executor::StopFlag;
-use crate::robot::HostedShared;
+use crate::robot::{HostedShared, StopsAtEnd};
 use crate::world::{Notes, PeopleInbox};
 
 /// What the camera's thread needs to tell.
@@ -40,20 +40,20 @@ impl LiveCamera<'_> {
                     watch_floor((&configuration.robot, camera), eye, (shared, inbox, flag), tell);
                 });
             }
-            let answer = beside();
-            flag.stop();
-            answer
+            let _at_end = StopsAtEnd(flag.clone());
+            beside()
         })
     }
 
     fn tell(&self, news: CameraNews, began: Instant) {
         match news {
-            CameraNews::Says(words) => anstream::eprintln!("floorguard run: camera: {words}"),
+            CameraNews::Says(words) => say!("floorguard run: camera: {words}"),
             CameraNews::Dirt(seen) => {
                 if self.has_json {
-                    anstream::println!("{}", dirt_line(&seen, began.elapsed().as_secs_f64()));
+                    // Who tells the status says that nobody takes it.
+                    let _ = tell!("{}", dirt_line(&seen, began.elapsed().as_secs_f64()));
                 } else {
-                    anstream::eprintln!("floorguard run: camera: {}", seen.words());
+                    say!("floorguard run: camera: {}", seen.words());
                 }
                 self.notes.seen_dirt(seen);
             }

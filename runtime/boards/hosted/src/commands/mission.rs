@@ -110,12 +110,10 @@ struct JsonLine<'a> {
 /// A map or dirt that cannot be used; a false claim rate of the guarantee that is significantly above δ.
 pub fn run(arguments: &MissionArguments) -> anyhow::Result<()> {
     let floor = load_floor(arguments)?;
-    anstream::eprintln!("{}", report::scope(&floor));
+    say!("{}", report::scope(&floor));
     let beyond = arguments.dirt.lines_beyond(&floor).map_err(|error| BadInput(format!("{error:#}")))?;
     if beyond > 0 {
-        anstream::eprintln!(
-            "{beyond} lines of dirt lie beyond the part of the map that one mission answers for"
-        );
+        say!("{beyond} lines of dirt lie beyond the part of the map that one mission answers for");
     }
     let config = config(arguments);
     let missions = arguments.trials * arguments.strategy.len() as u64;
@@ -137,13 +135,13 @@ pub fn run(arguments: &MissionArguments) -> anyhow::Result<()> {
     };
     bar.finish_and_clear();
     let summaries: Vec<StrategySummary> = columns.iter().map(StrategyTrials::summary).collect();
-    anstream::eprint!("{}", report::table(&summaries));
-    anstream::eprint!("{}", report::proof(&summaries, arguments.delta));
+    say!("{}", report::table(&summaries).trim_end());
+    say!("{}", report::proof(&summaries, arguments.delta).trim_end());
     if arguments.json {
         for summary in &summaries {
             let (seed, tau, delta) = (arguments.seed, arguments.tau, arguments.delta);
             let line = JsonLine { map: &floor.name, seed, tau, delta, summary };
-            anstream::println!("{}", serde_json::to_string(&line)?);
+            tell!("{}", serde_json::to_string(&line)?)?;
         }
     }
     draw(arguments, &floor, &columns)?;
@@ -203,7 +201,7 @@ fn kept_mission(
     let expected = arguments.dirt.expected_units(floor, &mut Pcg32::new(arguments.seed, 0)).map_err(bad)?;
     let before = Memory::load(file).map_err(bad)?;
     if let Some(memory) = &before {
-        anstream::eprintln!("{}: goes on after {:.0} s", file.display(), memory.time_s);
+        say!("{}: goes on after {:.0} s", file.display(), memory.time_s);
     }
     let mut keep = |memory: &Memory| memory.save(file);
     let keeping = Keeping { from: before.as_ref(), keep: Some(&mut keep) };
@@ -232,7 +230,7 @@ fn draw(arguments: &MissionArguments, floor: &Floor, columns: &[StrategyTrials])
     }
     let names = ("Dirt left in the dirtiest 1 % of the dirty cells", "units", "share of missions");
     pictures::line_plot(&arguments.out.join("dirt_left.svg"), names, &lines)?;
-    anstream::eprintln!("pictures in {}", arguments.out.display());
+    say!("pictures in {}", arguments.out.display());
     Ok(())
 }
 
@@ -271,12 +269,7 @@ impl Prior {
         let brush = (config.assumed_pickup, config.robot.brush.width_m);
         let lesson = teach_cleaning(&mut self.model, (floor, first), brush, self.now);
         save(&self.path, &mut self.model).map_err(|error| BadInput(format!("{error:#}")))?;
-        anstream::eprintln!(
-            "{}: {:.0} units in {} places learned",
-            self.path.display(),
-            lesson.units,
-            lesson.places
-        );
+        say!("{}: {:.0} units in {} places learned", self.path.display(), lesson.units, lesson.places);
         Ok(())
     }
 }
@@ -302,7 +295,7 @@ fn status_report(
     let status = MissionStatus::new((floor, first, believed.unwrap_or(&expected)), promise, brush_m, &zones);
     let page = write_status(folder, &status, column.strategy.name())
         .map_err(|error| BadInput(format!("{error:#}")))?;
-    anstream::eprintln!("{}\nreport in {}", status.sentence(), page.display());
+    say!("{}\nreport in {}", status.sentence(), page.display());
     Ok(())
 }
 

@@ -7,6 +7,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::exit::BadInput;
+use crate::display::counted;
+use crate::packing::unpacked;
 use crate::recording::Recording;
 use crate::report::{document, read_history};
 
@@ -27,7 +29,7 @@ pub struct ReportArguments {
 pub fn run(arguments: &ReportArguments) -> anyhow::Result<()> {
     let name = arguments.file.display();
     let bad = |error: &dyn std::fmt::Display| BadInput(format!("{name}: {error}"));
-    let file = File::open(&arguments.file).map_err(|error| bad(&error))?;
+    let file = File::open(&arguments.file).and_then(unpacked).map_err(|error| bad(&error))?;
     let mut recording = Recording::new(BufReader::new(file));
     let history = read_history(&mut recording).map_err(|error| bad(&error))?;
     if history.way.is_empty() && history.scans.is_empty() {
@@ -38,13 +40,9 @@ pub fn run(arguments: &ReportArguments) -> anyhow::Result<()> {
     std::fs::write(&out, document(&history, &title))
         .map_err(|error| BadInput(format!("{}: cannot be written ({error})", out.display())))?;
     if let Some(ended) = &history.ended {
-        anstream::eprintln!("{name}: {ended}; the report shows everything before");
+        say!("{name}: {ended}; the report shows everything before");
     }
-    anstream::eprintln!(
-        "report: {} ({} stops, {:.0} s)",
-        out.display(),
-        history.stops.len(),
-        history.duration_s
-    );
+    let stops = counted(history.stops.len() as u64, "stop");
+    say!("report: {} ({stops}, {:.0} s)", out.display(), history.duration_s);
     Ok(())
 }

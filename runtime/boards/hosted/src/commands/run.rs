@@ -25,11 +25,13 @@ use super::panel::open_panel;
 use crate::camera::open_eye;
 use crate::cleaner::{MissionPhase, MissionPlan, MissionProgress, MissionSetup, Store};
 use crate::configuration::{HostedConfiguration, load};
-use crate::display::LiveDisplay;
+use crate::console::Lines;
+use crate::display::{LiveDisplay, counted};
 use crate::environment::{Calendar, LiveLearner};
 use crate::executor::{Ring, StopFlag, take_priority};
 use crate::learning::{LearningKeeper, LearningReport, LearningSetup};
 use crate::panel::Order;
+use crate::report::make_folder;
 use crate::robot::{HostedShared, Links, run_rings, write_stop_file};
 use crate::world::{Notes, Witnesses, new_shared, with_onlooker};
 
@@ -49,7 +51,7 @@ pub struct RunArguments {
     /// The configuration; `floorguard check` explains its mistakes.
     pub file: PathBuf,
     /// End after so many seconds instead of at Ctrl-C.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub duration: Option<f64>,
     /// One object per line on standard output: a status every second, and every stop.
     #[arg(long)]
@@ -88,7 +90,10 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
         let flag = flag.clone();
         move || flag.stop()
     })?;
-    anstream::eprintln!("floorguard run: {}; Ctrl-C ends it, r and Enter resets", arguments.file.display());
+    say!("floorguard run: {}; Ctrl-C ends it, r and Enter resets", arguments.file.display());
+    if let Some(folder) = &arguments.black_box {
+        make_folder(folder)?;
+    }
     let mut watch = Watch::new(arguments, &shared);
     if let Some(path) = &arguments.learn {
         let mounting = configuration.robot.guard().scanner.mounting;
@@ -111,16 +116,22 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
             // The display reads what the rings share; the word for it is on the console already.
             let _ = take_priority(Ring::Onlooker);
             let camera = LiveCamera { configuration: &configuration, notes, has_json: arguments.json };
-            camera.watch(eye, (&shared, &inbox), || watch.until_stopped(&flag, &typed, notes))
-        })?
+            camera.watch(eye, (&shared, &inbox), || watch.until_stopped(&flag, &typed, notes));
+        })
     })?;
     if let Some(learner) = watch.learner.take() {
         let positions = learner.finish(Calendar::now())?;
-        anstream::eprintln!("floorguard run: learned {positions} positions of people");
+        say!("floorguard run: learned {positions} positions of people");
     }
     watch.told_what_was_learned();
-    anstream::eprintln!("floorguard run: the robot stands, {} stops", watch.stops);
-    Ok(())
+    say!("floorguard run: the robot stands, {}", counted(watch.stops, "stop"));
+    match watch.unwritten.first() {
+        None => Ok(()),
+        Some(first) => {
+            let files = counted(watch.unwritten.len() as u64, "file");
+            Err(BadInput(format!("the run went on; {files} could not be written, the first: {first}")).into())
+        }
+    }
 }
 
 /// How the robot learns what people look like, if the file says so.
@@ -129,7 +140,7 @@ fn learning_of(
     configuration: &HostedConfiguration,
 ) -> anyhow::Result<Option<LearningSetup>> {
     let Some(learning) = &configuration.learning else { return Ok(None) };
-    let setup = LearningSetup::open(learning, folder, &mut |what| anstream::eprintln!("  {what}"));
+    let setup = LearningSetup::open(learning, folder, &mut |what| say!("  {what}"));
     setup.map_err(|error| BadInput(format!("{}: {error:#}", arguments.file.display())).into())
 }
 
@@ -145,7 +156,7 @@ fn mission_of(
     let setup = MissionSetup::new(plan, Store::File(folder.join(&mission.save)));
     // Before anything moves: a floor on which the robot has no room is told now.
     let begun = setup.begin(&configuration.robot).map_err(refuse)?;
-    anstream::eprintln!("  mission: {}", begun.progress(clock::now()).words());
+    say!("  mission: {}", begun.progress(clock::now()).words());
     Ok(Some(setup))
 }
 
@@ -209,6 +220,8 @@ struct Watch<'a> {
     told: u32,
     is_done: bool,
     next_mission_s: f64,
+    lines: Lines,
+    unwritten: Vec<String>,
 }
 
 impl<'a> Watch<'a> {
@@ -231,15 +244,12 @@ impl<'a> Watch<'a> {
             told: 0,
             is_done: false,
             next_mission_s: 0.0,
+            lines: Lines::default(),
+            unwritten: Vec::new(),
         }
     }
 
-    fn until_stopped(
-        &mut self,
-        flag: &StopFlag,
-        typed: &Receiver<String>,
-        notes: &Notes<'_>,
-    ) -> anyhow::Result<()> {
+    fn until_stopped(&mut self, flag: &StopFlag, typed: &Receiver<String>, notes: &Notes<'_>) {
         let ends_s = self.arguments.duration.unwrap_or(f64::INFINITY);
         while !flag.is_stopped() && self.began.elapsed().as_secs_f64() < ends_s {
             thread::sleep(LOOK);
@@ -248,11 +258,10 @@ impl<'a> Watch<'a> {
             }
             while let Some(stop) = self.shared.stops.try_pop() {
                 notes.stop(&stop);
-                self.on_stop(&stop)?;
+                self.on_stop(&stop);
             }
-            if let Some(learner) = &mut self.learner {
-                learner.look(self.shared, Calendar::now())?;
-            }
+            let learned = self.learner.as_mut().map(|learner| learner.look(self.shared, Calendar::now()));
+            self.written(learned.unwrap_or(Ok(())));
             self.on_learning();
             if let Some(progress) = self.news_of_mission() {
                 notes.mission(&progress);
@@ -263,10 +272,19 @@ impl<'a> Watch<'a> {
             }
             self.on_complaints(&self.shared.complaints());
             if let Some(status) = self.shared.status.get() {
-                self.on_status(&status)?;
+                self.on_status(&status);
             }
         }
-        Ok(())
+    }
+
+    /// What cannot be written is told and does not hold up the robot.
+    fn written(&mut self, outcome: anyhow::Result<()>) {
+        let Err(error) = outcome else { return };
+        let what = format!("{error:#}");
+        if !self.unwritten.contains(&what) {
+            self.display.note(&format!("  {what}; the robot goes on"));
+        }
+        self.unwritten.push(what);
     }
 
     fn news_of_mission(&mut self) -> Option<Arc<MissionProgress>> {
@@ -286,11 +304,11 @@ impl<'a> Watch<'a> {
         }
     }
 
-    fn print_learned(&self) {
+    fn print_learned(&mut self) {
         let report: Option<LearningReport> = self.learned.as_ref().and_then(LearningKeeper::report);
         if let Some(report) = report {
             let elapsed_s = self.began.elapsed().as_secs_f64();
-            anstream::println!("{}", json!({"type": "learning", "time_s": elapsed_s, "learned": report}));
+            self.lines.tell(&json!({"type": "learning", "time_s": elapsed_s, "learned": report}));
         }
     }
 
@@ -301,7 +319,7 @@ impl<'a> Watch<'a> {
             if self.arguments.json {
                 self.print_learned();
             }
-            anstream::eprintln!("floorguard run: learned: {}", report.words());
+            say!("floorguard run: learned: {}", report.words());
         }
     }
 
@@ -311,19 +329,16 @@ impl<'a> Watch<'a> {
         let is_done = progress.phase == MissionPhase::Done && !self.is_done;
         self.is_done |= is_done;
         if self.arguments.json {
-            anstream::println!(
-                "{}",
-                json!({
-                    "type": "mission",
-                    "time_s": elapsed_s,
-                    "phase": progress.phase.name(),
-                    "completion": progress.completion,
-                    "claimed_fraction": progress.claimed_fraction,
-                    "uncertain_cells": progress.uncertain.len(),
-                    "unreachable_cells": progress.unreachable_cells,
-                    "distance_m": progress.distance_m,
-                })
-            );
+            self.lines.tell(&json!({
+                "type": "mission",
+                "time_s": elapsed_s,
+                "phase": progress.phase.name(),
+                "completion": progress.completion,
+                "claimed_fraction": progress.claimed_fraction,
+                "uncertain_cells": progress.uncertain.len(),
+                "unreachable_cells": progress.unreachable_cells,
+                "distance_m": progress.distance_m,
+            }));
         } else if is_done || elapsed_s >= self.next_mission_s {
             self.next_mission_s = elapsed_s + MISSION_WORD_S;
             self.display.note(&format!("  mission: {}", progress.words()));
@@ -363,25 +378,23 @@ impl<'a> Watch<'a> {
         }
     }
 
-    fn on_stop(&mut self, stop: &StopRecord) -> anyhow::Result<()> {
+    fn on_stop(&mut self, stop: &StopRecord) {
         self.stops += 1;
         let at_s = stop.stamp.as_micros() as f64 * 1.0e-6;
         self.last_stop = Some(format!("{at_s:.1} s: {}", stop.cause));
         if let Some(folder) = &self.arguments.black_box {
-            write_stop_file(folder, self.stops, (stop, self.shared))?;
+            let outcome = write_stop_file(folder, self.stops, (stop, self.shared));
+            self.written(outcome.map(drop));
         }
         if self.arguments.json {
             let cause = stop.cause.to_string();
             let latched = stop.state == GuardState::Latched;
-            anstream::println!(
-                "{}",
-                json!({"type": "stop", "time_s": at_s, "cause": cause, "speed_mps": stop.speed_mps, "latched": latched})
-            );
+            let line = json!({"type": "stop", "time_s": at_s, "cause": cause, "speed_mps": stop.speed_mps, "latched": latched});
+            self.lines.tell(&line);
         }
-        Ok(())
     }
 
-    fn on_status(&mut self, status: &RobotStatus) -> anyhow::Result<()> {
+    fn on_status(&mut self, status: &RobotStatus) {
         let elapsed_s = self.began.elapsed().as_secs_f64();
         let people = self.shared.people.get().map_or(0, |report| report.people.len());
         let seen = status_of(elapsed_s, status, (people, self.stops, self.last_stop.clone()));
@@ -393,16 +406,18 @@ impl<'a> Watch<'a> {
                 .map(|source| (source.name.clone(), source.health.clone().into()))
                 .collect();
             let links = self.shared.links();
-            anstream::println!(
-                "{}",
-                json!({"type": "status", "time_s": elapsed_s, "state": format!("{:?}", status.decision.state),
-                    "speed_mps": seen.speed_mps, "limit_mps": seen.limit_mps, "people": seen.people,
-                    "sources": sources, "can_sent": links.can_sent, "can_errors": links.can_errors})
+            self.lines.tell(
+                &json!({"type": "status", "time_s": elapsed_s, "state": format!("{:?}", status.decision.state),
+                "speed_mps": seen.speed_mps, "limit_mps": seen.limit_mps, "people": seen.people,
+                "sources": sources, "can_sent": links.can_sent, "can_errors": links.can_errors}),
             );
         }
         if self.display.is_due(elapsed_s) {
             self.display.show(&seen);
         }
-        Ok(())
     }
 }
+
+#[cfg(test)]
+#[path = "run_tests.rs"]
+mod tests;

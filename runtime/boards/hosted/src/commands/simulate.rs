@@ -13,6 +13,7 @@ use floorguard_sim::scenario::Scenario;
 
 use super::exit::{BadInput, VerdictFailed};
 use super::interrupt::{INTERRUPTED, at_interrupt};
+use super::learn::RunLesson;
 use super::live::status_of;
 use super::panel::open_panel;
 use crate::camera::PictureFolder;
@@ -39,7 +40,7 @@ pub struct SimulateArguments {
     #[arg(long, value_enum)]
     pub strategy: Option<MissionStrategy>,
     /// Simulated seconds.
-    #[arg(long, default_value_t = 120.0)]
+    #[arg(long, default_value_t = 120.0, allow_negative_numbers = true)]
     pub duration: f64,
     /// A fault, for example `lidar:drop=5%,from=10s,to=20s`; may be repeated.
     #[arg(long)]
@@ -106,7 +107,7 @@ pub enum FittedScanner {
 pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
     if arguments.scenario == "list" {
         for name in Scenario::names() {
-            anstream::println!("{name:14} {}", Scenario::named(name)?.title);
+            tell!("{name:16} {}", Scenario::named(name)?.title)?;
         }
         return Ok(());
     }
@@ -118,9 +119,14 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
         make_folder(folder)?;
     }
     let mut witnesses = Witnesses::default();
-    if arguments.tape.is_some() {
+    if let Some(path) = &arguments.tape {
+        // A place that cannot be written is told before the run, and not after it.
+        std::fs::write(path, []).map_err(|error| unwritable(path, &error))?;
         witnesses.tape = Tape::new(&plan);
     }
+    let lesson = arguments.learn.as_deref();
+    let lesson =
+        lesson.map(|path| RunLesson::prepare((path, arguments.start.as_deref()), &plan)).transpose()?;
     let (record, panel) = (arguments.record.as_deref(), arguments.panel);
     open_witnesses(&mut witnesses, &plan, (record, panel, arguments.real_io))?;
     let folder = arguments.pictures.as_deref();
@@ -132,16 +138,43 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
         play(&plan, arguments.json, &mut witnesses)?
     };
     if let Some(path) = &arguments.tape {
-        std::fs::write(path, witnesses.tape.finish())
-            .map_err(|error| BadInput(format!("{}: cannot be written ({error})", path.display())))?;
+        std::fs::write(path, witnesses.tape.finish()).map_err(|error| unwritable(path, &error))?;
     }
     if let Some(folder) = &arguments.report {
         write_report(folder, &plan, &observation)?;
     }
-    if let Some(path) = &arguments.learn {
-        super::learn::learn_run((path, arguments.start.as_deref()), &plan, &observation)?;
+    if let Some(lesson) = lesson {
+        lesson.learn(&observation)?;
     }
-    conclude(&plan, &observation, arguments.json)
+    conclude((&plan, &repeat(arguments)), &observation, arguments.json)
+}
+
+fn unwritable(path: &Path, error: &std::io::Error) -> BadInput {
+    BadInput(format!("{}: cannot be written ({error}); give another place", path.display()))
+}
+
+/// The command that plays the same run: everything that the run depends on.
+fn repeat(arguments: &SimulateArguments) -> String {
+    let SimulateArguments { scenario, seed, duration, .. } = arguments;
+    let mut words = format!("floorguard simulate --scenario {scenario} --seed {seed} --duration {duration}");
+    let mut option = |name: &str, value: &str| words.push_str(&format!(" --{name} {value}"));
+    if let Some(value) = arguments.strategy.and_then(|strategy| strategy.to_possible_value()) {
+        option("strategy", value.get_name());
+    }
+    if let Some(value) =
+        arguments.scanner.to_possible_value().filter(|_| arguments.scanner != FittedScanner::S300)
+    {
+        option("scanner", value.get_name());
+    }
+    arguments.fault.iter().for_each(|fault| option("fault", fault));
+    arguments.emergency_stop.iter().for_each(|span| option("emergency-stop", span));
+    if arguments.camera {
+        words.push_str(" --camera");
+    }
+    if arguments.real_io {
+        words.push_str(" --real-io");
+    }
+    words
 }
 
 fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
@@ -181,7 +214,12 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
         plan.faults.push(FaultSpec::parse(text).map_err(|error| BadInput(format!("--fault {error}")))?);
     }
     for text in &arguments.emergency_stop {
-        plan.emergency_stop_us.push(parse_span(text)?);
+        let (from_us, to_us) = parse_span(text)?;
+        if from_us >= duration_us {
+            let seconds = arguments.duration;
+            say!("  --emergency-stop {text}: nobody presses it, the run ends after {seconds} s");
+        }
+        plan.emergency_stop_us.push((from_us, to_us));
     }
     Ok(plan)
 }
@@ -220,7 +258,7 @@ fn end_at_ctrl_c(ended: &StopFlag) -> anyhow::Result<()> {
         if ended.is_stopped() {
             std::process::exit(INTERRUPTED);
         }
-        anstream::eprintln!("  Ctrl-C: the run ends here; again: at once");
+        say!("  Ctrl-C: the run ends here; again: at once");
         ended.stop();
     })?;
     Ok(())
@@ -241,7 +279,7 @@ pub(super) fn play_real(
     let (observation, figures) =
         watched(plan, quiet, |observer| run_real_recorded((plan, can_interface), observer, witnesses))?;
     let late_ms = figures.latest_us as f64 / 1_000.0;
-    anstream::eprintln!(
+    say!(
         "  real carriers: the simulator was late by {late_ms:.1} ms at most, {} messages refused by full lines",
         figures.refused
     );
@@ -267,24 +305,24 @@ fn watched<T>(
     Ok((observation, outcome))
 }
 
-/// Prints the verdict; an error when it is not good enough.
-pub(super) fn conclude(plan: &Plan, observation: &Observation, json: bool) -> anyhow::Result<()> {
+/// Prints the verdict; an error when it is not good enough, with the command that repeats the run.
+pub(super) fn conclude(
+    (plan, repeat): (&Plan, &str),
+    observation: &Observation,
+    json: bool,
+) -> anyhow::Result<()> {
     let verdict = &observation.verdict;
     if json {
-        anstream::println!("{}", serde_json::to_string(verdict)?);
+        tell!("{}", serde_json::to_string(verdict)?)?;
     } else {
-        anstream::eprint!("{}", crate::report::summary(plan, observation));
+        say!("{}", crate::report::summary(plan, observation).trim_end());
     }
     if verdict.passed {
         return Ok(());
     }
     let what = format!(
-        "{} avoidable contacts, {} missed stops; repeat it with: floorguard simulate --scenario {} --seed {} --duration {}",
-        verdict.avoidable_contacts,
-        verdict.missed_stops,
-        plan.name,
-        plan.seed,
-        plan.duration_us as f64 * 1.0e-6,
+        "{} avoidable contacts, {} missed stops; repeat it with: {repeat}",
+        verdict.avoidable_contacts, verdict.missed_stops,
     );
     Err(VerdictFailed(what).into())
 }
@@ -297,4 +335,52 @@ pub(super) fn pace(plan: &Plan, started: Instant) -> String {
         "{robot_s:.0} s of robot time in {took_s:.1} s ({:.0} times real time)",
         robot_s / took_s.max(1.0e-3)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser as _;
+
+    #[derive(clap::Parser)]
+    struct Line {
+        #[command(flatten)]
+        simulate: SimulateArguments,
+    }
+
+    #[test]
+    fn the_command_that_repeats_a_run_says_all_that_the_run_depends_on() {
+        for more in [
+            "",
+            " --strategy systematic --scanner microscan3 --camera",
+            " --fault lidar:drop=5% --fault scanner:silent,from=2s --emergency-stop 2..3",
+            " --real-io",
+        ] {
+            let typed = format!("floorguard simulate --scenario crossing --seed 7 --duration 9.5{more}");
+            let words = typed.split(' ').skip(1);
+            assert_eq!(repeat(&Line::try_parse_from(words).unwrap().simulate), typed);
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_is_told_before_the_run() {
+        let refused = |more: &str| {
+            let typed = format!("simulate --scenario crossing {more}");
+            let arguments = Line::try_parse_from(typed.split(' ')).unwrap().simulate;
+            run(&arguments).unwrap_err().to_string()
+        };
+        assert!(refused("--duration -1").contains("--duration -1: give seconds"));
+        // Nothing was recorded: nothing has run.
+        let record = std::env::temp_dir().join(format!("floorguard-never-{}.mcap", std::process::id()));
+        let record = record.display();
+        let tape = refused(&format!("--duration 1 --tape /dev/null/tape --record {record}"));
+        assert!(tape.contains("/dev/null/tape: cannot be written"), "{tape}");
+        let start =
+            refused(&format!("--duration 1 --learn /dev/null/model --start yesterday --record {record}"));
+        assert!(
+            start.contains("/dev/null/model") || start.contains("'yesterday' is not a moment"),
+            "{start}"
+        );
+        assert!(!Path::new(&record.to_string()).exists());
+    }
 }

@@ -122,7 +122,7 @@ fn people(arguments: &TrainPeopleArguments) -> anyhow::Result<()> {
     let (training, held_out) = (draw(*seed, *scenes), draw(seed + scenes, (scenes / 4).max(1)));
     let forest = boost(&training, &Boosting::DEFAULT);
     let (seen, unseen) = (quality(&forest, &training), quality(&forest, &held_out));
-    anstream::eprintln!("on what it learnt from: {seen:?}\non other seeds:         {unseen:?}");
+    say!("on what it learnt from: {seen:?}\non other seeds:         {unseen:?}");
     print_use(&forest);
     let provenance = [
         format!("Simulated only: {scenes} random rooms and {} built-in scenes from seed {seed};", scenes / 2),
@@ -173,17 +173,17 @@ fn online(arguments: &TrainOnlineArguments) -> anyhow::Result<()> {
         draw_online(folder, &report)?;
     }
     if arguments.json {
-        anstream::println!("{}", serde_json::to_string(&report)?);
+        tell!("{}", serde_json::to_string(&report)?)?;
         return Ok(());
     }
     for window in &report.windows {
         let [[precision, recall], [learned_precision, learned_recall]] = window.precision_recall;
-        anstream::println!(
+        tell!(
             "{:6.0} s  shipped {precision:.3} {recall:.3}  learned {learned_precision:.3} {learned_recall:.3}  people, nobody, silent {:?}  taken, refused {:?}",
             window.until_s,
             window.labelled,
             window.judged
-        );
+        )?;
     }
     Ok(())
 }
@@ -197,7 +197,7 @@ fn write_anchors(scenes: u64, count: usize, out: &Path) -> anyhow::Result<()> {
         (0..wanted).filter_map(|index| pairs.get(index * pairs.len() / wanted)).flatten().copied().collect();
     std::fs::write(out, anchors_file(&chosen)?)
         .map_err(|error| BadInput(format!("{}: {error}", out.display())))?;
-    anstream::eprintln!("{}: {} anchors of {}", out.display(), chosen.len(), all.len());
+    say!("{}: {} anchors of {}", out.display(), chosen.len(), all.len());
     Ok(())
 }
 
@@ -237,6 +237,6 @@ fn print_use(forest: &Forest) {
         let nodes = forest.trees.iter().flat_map(|tree| tree.features.iter().zip(tree.thresholds));
         let used =
             nodes.filter(|(feature, border)| usize::from(**feature) == index && *border < f32::MAX).count();
-        anstream::eprintln!("{used:5} decisions by {name}");
+        say!("{used:5} decisions by {name}");
     }
 }

@@ -61,16 +61,16 @@ impl LiveDisplay {
             self.bar.set_message(status.table(true));
         } else if !self.quiet {
             self.next_line_s = status.elapsed_s + LINE_EVERY_S;
-            anstream::eprintln!("{}", status.line());
+            say!("{}", status.line());
         }
     }
 
-    /// A line that stays, above the bar.
+    /// A line that stays, above the bar; said also when no status is shown.
     pub fn note(&self, line: &str) {
         if self.terminal {
             self.bar.println(line);
-        } else if !self.quiet {
-            anstream::eprintln!("{line}");
+        } else {
+            say!("{line}");
         }
     }
 

@@ -2,6 +2,8 @@
 
 mod live;
 mod status;
+mod words;
 
 pub use live::LiveDisplay;
 pub use status::{SourceStatus, Status};
+pub use words::counted;

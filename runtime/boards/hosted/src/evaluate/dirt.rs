@@ -51,7 +51,7 @@ pub fn dirt(root: &Path, out: Option<&Path>) -> anyhow::Result<DirtReport> {
         let [first, second] = match detectors.judge(&image, &frame.usable, None) {
             Ok(answers) => answers,
             Err(problem @ DirtFault::TooLittleFloor(..)) => {
-                anstream::eprintln!("{}: floor unknown: {problem}", path.display());
+                say!("{}: floor unknown: {problem}", path.display());
                 report.frames_unknown += 1;
                 continue;
             }

@@ -110,7 +110,7 @@ impl Panel {
             reset_allowed: reset_seen,
             orders: Arc::new(Mutex::new(sender)),
         };
-        anstream::eprintln!("  panel: http://{address}/#{}", hub.access.token);
+        say!("  panel: http://{address}/#{}", hub.access.token);
         std::thread::Builder::new().name("panel".to_owned()).spawn(move || server::serve(listener, hub))?;
         Ok(Self { view, newest, layers, reset_allowed, orders, drawn: None, address, start: Stamp::ZERO })
     }

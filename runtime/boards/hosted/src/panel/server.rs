@@ -31,7 +31,7 @@ pub fn serve(listener: std::net::TcpListener, hub: Hub) {
         })
     });
     if let Err(error) = served {
-        anstream::eprintln!("the panel has closed: {error}; the robot goes on without it");
+        say!("the panel has closed: {error}; the robot goes on without it");
     }
 }
 

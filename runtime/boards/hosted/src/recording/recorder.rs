@@ -22,8 +22,18 @@ const CHUNK_BYTES: u64 = 1 << 20;
 
 /// A recording could not be written.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot write the recording: {0}; is the disk full?")]
-pub struct RecordError(#[from] mcap::McapError);
+#[error("cannot write the recording: {0}")]
+pub struct RecordError(String);
+
+impl From<mcap::McapError> for RecordError {
+    fn from(error: mcap::McapError) -> Self {
+        // What the system says is all that helps: a full disk, a folder that is gone.
+        Self(match error {
+            mcap::McapError::Io(cause) => cause.to_string(),
+            other => other.to_string(),
+        })
+    }
+}
 
 /// A recording in the making.
 pub struct Recorder<W: Write + Seek> {

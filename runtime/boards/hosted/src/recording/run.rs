@@ -133,6 +133,12 @@ impl<W: Write + Seek> RunRecorder<W> {
         })
     }
 
+    /// Why nothing is written any more.
+    #[must_use]
+    pub const fn failure(&self) -> Option<&RecordError> {
+        self.failed.as_ref()
+    }
+
     fn write(&mut self, write: impl FnOnce(&mut Recorder<W>) -> Result<(), RecordError>) {
         if self.failed.is_none() {
             self.failed = write(&mut self.recorder).err();

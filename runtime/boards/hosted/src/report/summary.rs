@@ -16,9 +16,8 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
         "  {}: {:.0} s, {:.1} m driven, {:.1} m² brushed, seed {}",
         verdict.scenario, verdict.duration_s, verdict.distance_m, observation.cleaned_m2, verdict.seed
     );
-    if let Some(ready_s) = observation.ready_s {
-        let _ = writeln!(text, "  ready to move after {ready_s:.1} s");
-    }
+    let ready = observation.ready_s.map(|ready_s| format!("ready to move after {ready_s:.1} s"));
+    let _ = writeln!(text, "  {}", ready.as_deref().unwrap_or("never ready to move"));
     let _ = writeln!(
         text,
         "  stops {} ({} without need), missed {}; contacts {} ({} avoidable)",

@@ -6,6 +6,7 @@ mod stop_files;
 mod tap;
 
 pub use links::{Links, Missing, ScannerLink};
+pub(crate) use rings::StopsAtEnd;
 pub use rings::{HostedShared, run_rings};
 pub use stop_files::{black_box_log, write_stop_file};
 pub use tap::{Tap, TapRow, TapRows, Tapped, tap};

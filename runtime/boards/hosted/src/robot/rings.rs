@@ -1,6 +1,7 @@
 //! Two threads, one for each ring, and an orderly end: first the mission ends, the robot stops, then the guard ends.
 
 use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -50,7 +51,8 @@ pub fn run_rings<T>(
         let mission = mission
             .map(|mission| start(scope, "mission", flag, || mission_ring(mission, shared, &perception_flag)))
             .transpose()?;
-        let answer = beside();
+        // Whatever becomes of the display: nobody but this thread ends the rings.
+        let answer = catch_unwind(AssertUnwindSafe(beside));
         perception_flag.stop();
         let seen = perception.join();
         let cleaned = mission.map_or(Ok(Ok(())), thread::ScopedJoinHandle::join);
@@ -59,12 +61,12 @@ pub fn run_rings<T>(
         finished(guard.join(), "guard")?;
         finished(seen, "perception")?;
         finished(cleaned, "mission")?;
-        Ok(answer)
+        Ok(answer.unwrap_or_else(|panic| resume_unwind(panic)))
     })
 }
 
 /// Stops a flag when it goes out of scope, in a panic too.
-struct StopsAtEnd(StopFlag);
+pub(crate) struct StopsAtEnd(pub StopFlag);
 
 impl Drop for StopsAtEnd {
     fn drop(&mut self) {
@@ -92,12 +94,10 @@ fn guard_ring(
     shared: &HostedShared,
     flag: &StopFlag,
 ) -> io::Result<()> {
-    anstream::eprintln!("  {}", take_priority(Ring::Guard));
+    say!("  {}", take_priority(Ring::Guard));
     run_until(flag, |tasks| {
         let carriers = links.open(&mut |Missing { source, why }| {
-            anstream::eprintln!(
-                "  {source}: not there yet ({why}); waiting for it, the robot stands until then"
-            );
+            say!("  {source}: not there yet ({why}); waiting for it, the robot stands until then");
         })?;
         spawn_guard_ring(tasks, shared, robot, carriers);
         Ok(())
@@ -113,7 +113,7 @@ fn perception_ring(
     shared: &HostedShared,
     flag: &StopFlag,
 ) -> io::Result<()> {
-    anstream::eprintln!("  {}", take_priority(Ring::Perception));
+    say!("  {}", take_priority(Ring::Perception));
     let mut state = new_perception(robot, Stages::All);
     state.motion.listen_to(inbox);
     state.motion.learn(learning.as_ref());

@@ -107,11 +107,16 @@ fn look_on(
     ((rows, notes), ended): ((&TapRows, &Receiver<Note>), &AtomicBool),
 ) -> anyhow::Result<()> {
     // Also because a thread begins with the priority of the one that started it, be it the simulated world's.
-    anstream::eprintln!("  {}", take_priority(Ring::Onlooker));
+    say!("  {}", take_priority(Ring::Onlooker));
+    let mut told = false;
     loop {
         // Read before the queues: what was put in before the end is still taken out.
         let last = ended.load(Ordering::Acquire);
         take_in(witnesses, shared, (rows, notes));
+        if let Some(error) = witnesses.failure().filter(|_| !told) {
+            told = true;
+            say!("  {error}; the robot goes on without its recording");
+        }
         if last {
             break;
         }
@@ -119,7 +124,7 @@ fn look_on(
     }
     let lost = rows.lost();
     if lost > 0 {
-        anstream::eprintln!("  the recording misses {lost} messages of the lines: the disk was too slow");
+        say!("  the recording misses {lost} messages of the lines: the disk was too slow");
     }
     witnesses
         .finish_in_real_time(clock::now().as_micros(), lost)

@@ -133,7 +133,7 @@ impl Plan {
         self.robot = RobotConfiguration { route, route_limits, ..read.robot };
         if let Some(learning) = &read.learning {
             let folder = path.parent().unwrap_or(Path::new("."));
-            let mut say = |what: &str| anstream::eprintln!("  {what}");
+            let mut say = |what: &str| say!("  {what}");
             let learning = LearningSetup::open(learning, folder, &mut say);
             self.learning = learning.map_err(|error| anyhow::anyhow!("{name}: {error:#}"))?;
         }

@@ -67,7 +67,7 @@ pub fn run_real_recorded(
     let flag = StopFlag::default();
     let mission = plan.mission.clone().map(|mission| MissionSetup::new(mission, Store::None));
     observer.begin_mission(plan, &simulation);
-    anstream::eprintln!("  {}", take_priority(Ring::World));
+    say!("  {}", take_priority(Ring::World));
     let ended = witnesses.ended.clone();
     with_onlooker(witnesses, &shared, |tap, notes| {
         links.tap = tap;
@@ -160,7 +160,7 @@ impl World<'_> {
                 stops.iter().for_each(|stop| notes.stop(stop));
                 observer.observe(simulation, shared, &stops);
                 if let Some(news) = learned.as_mut().and_then(LearningKeeper::attend) {
-                    anstream::eprintln!("  {news}");
+                    say!("  {news}");
                 }
                 if let Some(setup) = mission.as_ref().filter(|setup| setup.watch.published() != told) {
                     told = setup.watch.published();

@@ -319,7 +319,7 @@ impl World<'_, '_> {
     /// What was learned goes into its file.
     fn keep_learned(&mut self) {
         if let Some(news) = self.learned.as_mut().and_then(LearningKeeper::attend) {
-            anstream::eprintln!("  {:.0} s: {news}", self.now_us as f64 * 1.0e-6);
+            say!("  {:.0} s: {news}", self.now_us as f64 * 1.0e-6);
         }
     }
 

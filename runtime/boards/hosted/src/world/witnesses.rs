@@ -153,6 +153,12 @@ impl Witnesses {
         self.recording.is_some() || self.panel.is_some()
     }
 
+    /// Why the recording ends before the run.
+    #[must_use]
+    pub fn failure(&self) -> Option<&RecordError> {
+        self.recording.as_ref()?.failure()
+    }
+
     /// Bytes that the tasks get now: moments of delivery and of arrival, microseconds.
     pub fn delivered(&mut self, when: (u64, u64), line: TapeLine, data: &[u8]) {
         self.tape.record(when, line, data);

@@ -229,18 +229,23 @@ impl Player<'_> {
 
     fn conclude<R: Read>(&self, recording: &Recording<R>) -> anyhow::Result<()> {
         if self.damaged > 0 {
-            anstream::eprintln!("{} damaged messages were left out", self.damaged);
+            say!("{} damaged messages were left out", self.damaged);
         }
         if self.sweeps.frames > 0 {
-            anstream::eprintln!("{}", self.sweeps.line("sweeps"));
+            say!("{}", self.sweeps.line("sweep"));
         }
         if self.scans.frames > 0 {
-            anstream::eprintln!("{}", self.scans.line("scans"));
+            say!("{}", self.scans.line("scan"));
         }
         if self.sweeps.frames + self.scans.frames > 0 {
             return Ok(());
         }
-        let topics = recording.topics();
+        let mut topics = recording.topics();
+        // Who named a wrong topic wants to know the right ones, not all.
+        let suits = |schema: &str| matches!(kind(schema), "PointCloud2" | "LaserScan");
+        if topics.iter().any(|(_, schema)| suits(schema)) {
+            topics.retain(|(_, schema)| suits(schema));
+        }
         let listed: Vec<String> =
             topics.iter().map(|(topic, schema)| format!("{topic} ({schema})")).collect();
         let listed = if listed.is_empty() { "nothing".to_owned() } else { listed.join(", ") };

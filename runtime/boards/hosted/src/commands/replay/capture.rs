@@ -15,6 +15,7 @@ use crate::capture::{Capture, CaptureError};
 use crate::commands::arguments::ReplayArguments;
 use crate::commands::exit::BadInput;
 use crate::commands::{LIDAR_DATA_PORT, settle_model};
+use crate::display::counted;
 
 /// Height assumed while no sweep has shown a floor, metres (the FLOBOT layout).
 pub(super) const ASSUMED_HEIGHT_M: f32 = 0.8;
@@ -111,9 +112,7 @@ impl Player {
         {
             self.context.sensor_in_base = at_height(height_m);
             self.floor_known = true;
-            anstream::eprintln!(
-                "the floor lies {height_m:.2} m below the lidar (estimated from the first whole sweep)"
-            );
+            say!("the floor lies {height_m:.2} m below the lidar (estimated from the first whole sweep)");
         }
         let output = find_moving_people(&mut self.pipeline, &mut self.motion, sweep, &self.context);
         self.sweeps += 1;
@@ -129,14 +128,19 @@ impl Player {
     }
 
     fn summary(&self, counters: &Counters, took: Duration) {
+        if !self.floor_known {
+            say!(
+                "no sweep has shown the floor: the lidar is taken to be {ASSUMED_HEIGHT_M:.2} m above it, and what was found may be wrong"
+            );
+        }
         let per_sweep_ms = took.as_secs_f64() * 1.0e3 / self.sweeps.max(1) as f64;
-        anstream::eprintln!(
-            "{} sweeps from {} packets ({} refused, {} lost): {} people in all, at most {} at once; {per_sweep_ms:.2} ms a sweep",
-            self.sweeps,
-            counters.accepted,
+        say!(
+            "{} from {} ({} refused, {} lost): {} in all, at most {} at once; {per_sweep_ms:.2} ms a sweep",
+            counted(self.sweeps, "sweep"),
+            counted(counters.accepted, "packet"),
             counters.refused,
             counters.lost,
-            self.identities.len(),
+            counted(self.identities.len() as u64, "person"),
             self.most_people,
         );
     }

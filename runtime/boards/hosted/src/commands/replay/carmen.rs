@@ -42,7 +42,7 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
         ))
         .into());
     }
-    anstream::eprintln!("{}", summary.line("scans"));
+    say!("{}", summary.line("scan"));
     recorded.finish()?;
     ended.map_or(Ok(()), |error| Err(error.into()))
 }

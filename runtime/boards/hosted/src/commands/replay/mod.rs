@@ -13,28 +13,37 @@ mod scans;
 mod summary;
 
 use std::fs::File;
-use std::io::{BufReader, Read as _};
+use std::io::BufReader;
 use std::path::Path;
 
 use super::arguments::ReplayArguments;
 use super::exit::BadInput;
+use crate::packing::{beginning, must_be_a_file, unpacked};
 use crate::recording::Recording;
 use crate::world::is_replayable;
 
 /// First bytes of an MCAP file.
 const MCAP_MAGIC: &[u8] = b"\x89MCAP";
+/// So much of a file tells what it is.
+const LOOK_BYTES: u64 = 16_384;
 
 /// Runs the command.
 ///
 /// # Errors
 /// Bad input; everything before it has been processed and printed.
 pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
-    if let Some(what) = not_for_us(&arguments.file) {
-        return Err(BadInput(format!("{}: {what}", arguments.file.display())).into());
+    let refuse = |what: &dyn std::fmt::Display| BadInput(format!("{}: {what}", arguments.file.display()));
+    if arguments.file.is_dir() {
+        return Err(refuse(&"this is a folder; give the .mcap file in it").into());
     }
-    if begins_with(&arguments.file, MCAP_MAGIC) {
+    must_be_a_file(&arguments.file).map_err(|error| refuse(&error))?;
+    let begins = beginning(&arguments.file, LOOK_BYTES).map_err(|error| refuse(&error))?;
+    if let Some(what) = not_for_us(&begins) {
+        return Err(refuse(&what).into());
+    }
+    if begins.starts_with(MCAP_MAGIC) {
         recording(arguments)
-    } else if is_log(&arguments.file) {
+    } else if !is_capture(&begins) && (is_log(&begins) || is_named_log(&arguments.file)) {
         carmen::run(arguments)
     } else {
         capture::run(arguments)
@@ -42,37 +51,44 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
 }
 
 /// What people bring that is nearly right, and what they can do about it.
-fn not_for_us(path: &Path) -> Option<&'static str> {
-    if path.is_dir() {
-        return Some("this is a folder; give the .mcap file in it");
-    }
-    if begins_with(path, b"#ROSBAG") {
+fn not_for_us(begins: &[u8]) -> Option<&'static str> {
+    if begins.starts_with(b"#ROSBAG") {
         return Some(
             "this is a bag of ROS 1; make it a bag of ROS 2 in MCAP first, for example with rosbags-convert",
         );
     }
-    begins_with(path, b"SQLite format 3").then_some(
+    begins.starts_with(b"SQLite format 3").then_some(
         "this is a bag of ROS 2 in SQLite; make it MCAP first with ros2 bag convert (storage_id: mcap), or record with -s mcap",
     )
 }
 
-/// `.clf` or `.log`, packed or not.
-fn is_log(path: &Path) -> bool {
-    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    let bare = name.strip_suffix(".gz").or_else(|| name.strip_suffix(".bz2")).unwrap_or(&name);
-    bare.ends_with(".clf") || bare.ends_with(".log")
+/// pcap in both byte orders, with microseconds and with nanoseconds, and pcapng.
+fn is_capture(begins: &[u8]) -> bool {
+    let magics = [0xa1b2_c3d4_u32, 0xa1b2_3c4d, 0x0a0d_0d0a];
+    magics
+        .iter()
+        .any(|magic| begins.starts_with(&magic.to_le_bytes()) || begins.starts_with(&magic.to_be_bytes()))
 }
 
-fn begins_with(path: &Path, magic: &[u8]) -> bool {
-    let mut found = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(magic.len() as u64).read_to_end(&mut found));
-    read.is_ok() && found == magic
+/// A line of it begins as one of a CARMEN log does, whatever the file is called.
+fn is_log(begins: &[u8]) -> bool {
+    let words = ["FLASER ", "RLASER ", "ROBOTLASER1 ", "RAWLASER1 ", "ODOM ", "PARAM "];
+    let text = String::from_utf8_lossy(begins);
+    text.lines().any(|line| words.iter().any(|word| line.starts_with(word)))
+}
+
+/// `.clf` or `.log`, packed or not.
+fn is_named_log(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let packings = [".gz", ".bz2", ".zst"];
+    let bare = packings.iter().find_map(|packing| name.strip_suffix(packing)).unwrap_or(&name);
+    bare.ends_with(".clf") || bare.ends_with(".log")
 }
 
 fn recording(arguments: &ReplayArguments) -> anyhow::Result<()> {
     let name = arguments.file.display().to_string();
     let bad = |error: &dyn std::fmt::Display| BadInput(format!("{name}: {error}"));
-    let file = File::open(&arguments.file).map_err(|error| bad(&error))?;
+    let file = File::open(&arguments.file).and_then(unpacked).map_err(|error| bad(&error))?;
     let mut recording = Recording::new(BufReader::new(file));
     let first = match recording.next() {
         Some(Ok(first)) => first,

@@ -7,6 +7,7 @@ use floorguard_runtime::shared::{PeopleReport, StopRecord};
 
 use super::rows::{SweepRow, print};
 use crate::commands::exit::{BadInput, VerdictFailed};
+use crate::display::counted;
 use crate::recording::{Recorded, Recording, describe};
 use crate::world::{ReplayAudience, ReplayOutcome, replay_recording};
 
@@ -36,7 +37,7 @@ impl ReplayAudience for Printer {
     fn on_stop(&mut self, stop: &StopRecord) {
         self.stops += 1;
         if !self.json {
-            anstream::eprintln!("{:8.1} s  {}", stop.stamp.as_micros() as f64 * 1.0e-6, stop.cause);
+            say!("{:8.1} s  {}", stop.stamp.as_micros() as f64 * 1.0e-6, stop.cause);
         }
     }
 }
@@ -62,16 +63,16 @@ pub fn run<R: Read>(
     let outcome = replay_recording(first, recording, &mut printer)
         .map_err(|error| BadInput(format!("{name}: {error}")))?;
     printer.failed?;
-    anstream::eprintln!(
-        "{:.1} s of robot time in {:.1} s: {} sweeps, {} people in all, {} stops",
+    say!(
+        "{:.1} s of robot time in {:.1} s: {}, {} in all, {}",
         outcome.played_us as f64 * 1.0e-6,
         started.elapsed().as_secs_f64(),
-        printer.sweeps,
-        printer.identities.len(),
-        printer.stops,
+        counted(printer.sweeps, "sweep"),
+        counted(printer.identities.len() as u64, "person"),
+        counted(printer.stops, "stop"),
     );
     if let Some(learned) = &outcome.learned {
-        anstream::eprintln!("learned: {}", learned.words());
+        say!("learned: {}", learned.words());
     }
     verdict(name, outcome)
 }
@@ -90,21 +91,19 @@ fn verdict(name: &str, outcome: ReplayOutcome) -> anyhow::Result<()> {
     let seconds = outcome.compared;
     match outcome.ended {
         Some(error) => {
-            anstream::eprintln!("digest {digest:016x}, as recorded at {seconds} moments before the cut");
+            say!("digest {digest:016x}, as recorded at {seconds} moments before the cut");
             Err(BadInput(format!("{name}: {error}")).into())
         }
         None if let Some(reason) = &outcome.unrepeatable => {
-            anstream::eprintln!(
-                "digest {digest:016x}; {reason}, so it cannot be compared with the recording"
-            );
+            say!("digest {digest:016x}; {reason}, so it cannot be compared with the recording");
             Ok(())
         }
         None if outcome.recorded_digest.is_some() => {
-            anstream::eprintln!("digest {digest:016x}, as recorded, and at {seconds} moments on the way");
+            say!("digest {digest:016x}, as recorded, and at {seconds} moments on the way");
             Ok(())
         }
         None => {
-            anstream::eprintln!("digest {digest:016x}; the recording was not closed and names none");
+            say!("digest {digest:016x}; the recording was not closed and names none");
             Ok(())
         }
     }

@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
+use crate::display::counted;
+
 /// Counts while a file is played.
 pub struct Summary {
     /// Sweeps or scans so far.
@@ -32,15 +34,18 @@ impl Summary {
         self.most = self.most.max(now);
     }
 
-    /// In words.
+    /// In words; `what` is one of them.
     pub fn line(&self, what: &str) -> String {
         let took: Duration = self.started.elapsed();
         let per_frame_ms = took.as_secs_f64() * 1.0e3 / self.frames.max(1) as f64;
-        let legs = if self.legs > 0 { format!(" {} legs,", self.legs) } else { String::new() };
+        let legs = match self.legs {
+            0 => String::new(),
+            legs => format!(" {},", counted(legs, "leg")),
+        };
         format!(
-            "{} {what}:{legs} {} people in all, at most {} at once; {per_frame_ms:.2} ms each",
-            self.frames,
-            self.identities.len(),
+            "{}:{legs} {} in all, at most {} at once; {per_frame_ms:.2} ms each",
+            counted(self.frames, what),
+            counted(self.identities.len() as u64, "person"),
             self.most
         )
     }

@@ -1,0 +1,35 @@
+//! What the display does with stops that cannot be written.
+
+use floorguard_core::geometry::Pose2;
+use floorguard_core::guard::{Cause, CauseRecord, GuardState};
+use floorguard_core::time::Stamp;
+use floorguard_runtime::shared::StopRecord;
+
+use super::*;
+
+#[test]
+fn a_black_box_that_cannot_be_written_does_not_hold_up_the_robot_and_is_counted() {
+    let configuration = crate::configuration::parse("robot.toml", crate::configuration::EXAMPLE).unwrap();
+    let shared: Box<HostedShared> = new_shared(&configuration.robot, Stamp::ZERO).unwrap();
+    let arguments = RunArguments {
+        file: PathBuf::from("robot.toml"),
+        duration: None,
+        json: false,
+        black_box: Some(PathBuf::from("/dev/null/stops")),
+        learn: None,
+        record: None,
+        panel: None,
+    };
+    let mut watch = Watch::new(&arguments, &shared);
+    let stop = StopRecord {
+        stamp: Stamp::ZERO,
+        cause: CauseRecord::new(Cause::EmergencyStop, Stamp::ZERO),
+        state: GuardState::Latched,
+        pose_in_odometry: Pose2::default(),
+        speed_mps: 0.5,
+    };
+    watch.on_stop(&stop);
+    watch.on_stop(&stop);
+    assert_eq!((watch.stops, watch.unwritten.len()), (2, 2));
+    assert!(watch.unwritten[0].contains("/dev/null/stops"), "{:?}", watch.unwritten);
+}
