@@ -170,3 +170,43 @@ fn a_picture_of_another_camera_is_bad_input() {
     task.intrinsics = [131.25, 131.25, 100.0, 40.0];
     assert!(!floor(&task).is_err_and(|problem| problem.is::<BadInput>()));
 }
+
+/// A picture wider than what the core has room for is looked at in part: the same plane, places and sizes.
+#[test]
+fn wide_pictures_are_reduced() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let wanted = Plane::of_mounting(CAMERA_HEIGHT_M, PITCH_RAD).expect("a plane");
+    for (width, height, by) in [(641, 479, 2), (1_280, 720, 2), (1_921, 1_081, 4), (640, 480, 1)] {
+        let (fx, cx, cy) = (0.82 * width as f32, 0.5 * width as f32 - 0.5, 0.5 * height as f32 - 0.5);
+        let camera = PinholeCamera::new([fx; 2], [cx, cy]).expect("a camera");
+        let pixel = |index: usize| {
+            let ray = camera.ray((index % width) as f32, (index / width) as f32);
+            let down = |normal: [f32; 3]| -> f32 { normal.iter().zip(ray).map(|(n, r)| -n * r).sum() };
+            let away = down(wanted.normal);
+            let (top, [right, along]) = ((CAMERA_HEIGHT_M - 0.06) / away, wanted.axes());
+            let place = |axis: [f32; 3]| -top * down(axis);
+            let is_block = place(right).abs() < 0.05 && (0.8..0.9).contains(&place(along));
+            let depth_m = if is_block { top } else { CAMERA_HEIGHT_M / away };
+            if away > 0.05 { (1_000.0 * depth_m) as u16 + (index * 7 % 3) as u16 } else { 0 }
+        };
+        let depth: Vec<u16> = (0..width * height).map(pixel).collect();
+        let path = folder.path().join(format!("{width}.png"));
+        image::ImageBuffer::<image::Luma<u16>, _>::from_raw(width as u32, height as u32, depth)
+            .expect("as many pixels")
+            .save(&path)
+            .expect("written");
+        let mounting = Some([CAMERA_HEIGHT_M, PITCH_RAD]);
+        let out = Some(folder.path().join("pictures"));
+        let intrinsics = [fx, fx, cx, cy];
+        let report =
+            floor(&FloorTask { depth: path, intrinsics, truth: None, mounting, out }).expect("a floor");
+        assert_eq!(report.reduced_by, by);
+        let cosine: f32 = report.normal.iter().zip(wanted.normal).map(|(a, b)| a * b).sum();
+        assert!(cosine.min(1.0).acos().to_degrees() < 0.3, "{width}: {report:?}");
+        assert!((report.distance_m - CAMERA_HEIGHT_M).abs() < 0.01, "{width}: {}", report.distance_m);
+        let [object] = &report.objects[..] else { panic!("{width}: {:?}", report.objects) };
+        assert!((object.height_m - 0.06).abs() < 0.02 && object.position_m[0].abs() < 0.02, "{object:?}");
+        let [left, _, columns, _] = object.rectangle_px.map(f32::from);
+        assert!((left + 0.5 * columns - cx).abs() < 0.02 * width as f32, "{width}: {object:?}");
+    }
+}

@@ -89,7 +89,8 @@ fn laser_marking_and_what_is_no_floor_are_left_out() {
     let inverted = GrayImage::from_fn(WIDTH, HEIGHT, |x, y| Luma([255 - mask.get_pixel(x, y)[0]]));
     inverted.save(folder.path().join("a1_floor.png")).expect("room");
     let report = dirt(folder.path(), None).expect("judged");
-    assert_eq!((report.ours.recall, report.ours.best_iou), (0.0, 0.0), "all dirt lies outside of the floor");
+    let ours = report.ours;
+    assert!(ours.recall.is_nan() && ours.best_iou.is_nan(), "all dirt lies outside of the floor: {ours:?}");
     let black = GrayImage::new(WIDTH, HEIGHT);
     black.save(folder.path().join("a1_floor.png")).expect("room");
     assert_refused(folder.path(), "unknown");
@@ -112,9 +113,40 @@ fn broken_folders_are_refused_by_name() {
     assert_refused(cut.path(), "hall_001.png");
     let small = broken(|path| GrayImage::new(31, 17).save(path.join("hall_001_mask.png")).expect("room"));
     assert_refused(small.path(), "hall_001_mask.png");
+    let cut_jpeg = broken(|path| {
+        let (png, jpeg) = (path.join("hall_001.png"), path.join("hall_001.jpg"));
+        image::open(&png).expect("there").save(&jpeg).expect("room");
+        std::fs::remove_file(png).expect("there");
+        let bytes = std::fs::read(&jpeg).expect("there");
+        std::fs::write(&jpeg, &bytes[..bytes.len() / 2]).expect("room");
+    });
+    assert_refused(cut_jpeg.path(), "hall_001.jpg");
+    let covered = broken(|path| {
+        for name in ["hall_001.png", "hall_002.png"] {
+            let mut dark = image::open(path.join(name)).expect("there").into_rgb8();
+            dark.pixels_mut().for_each(|pixel| pixel.0 = pixel.0.map(|value| value % 9));
+            dark.save(path.join(name)).expect("room");
+        }
+    });
+    assert_refused(covered.path(), "unknown");
     let empty = tempfile::tempdir().expect("a folder");
     assert_refused(empty.path(), "no frame");
     assert_refused(&PathBuf::from("no/such/folder"), "no/such/folder");
+}
+
+/// Where no mask shows dirt nobody can tell what was found: no figure says 0.
+#[test]
+fn without_dirt_there_is_no_recall() {
+    let folder = folder();
+    for name in ["hall_001_mask.png", "hall_002_mask.png"] {
+        GrayImage::new(WIDTH, HEIGHT).save(folder.path().join(name)).expect("room");
+    }
+    let report = dirt(folder.path(), None).expect("judged");
+    let json = serde_json::to_value(&report).expect("numbers");
+    for key in ["best_iou", "auc", "block_auc", "recall"] {
+        assert!(json[key].is_null() && json["published"][key].is_null(), "{key} in {json}");
+    }
+    assert_eq!(json["precision"], 0.0, "it calls the spot dirty");
 }
 
 #[test]

@@ -32,6 +32,8 @@ pub enum DirtFault {
     MemoryTooSmall(usize, usize),
     /// Too little free floor: how many blocks, how many are needed.
     TooLittleFloor(usize, usize),
+    /// So many percent of the floor are black or overexposed: a covered or blinded camera, which says nothing of dirt.
+    Unlit(usize),
 }
 
 impl core::fmt::Display for DirtFault {
@@ -52,6 +54,12 @@ impl core::fmt::Display for DirtFault {
             }
             Self::TooLittleFloor(found, needed) => {
                 write!(formatter, "only {found} blocks of free floor, {needed} are needed")
+            }
+            Self::Unlit(percent) => {
+                write!(
+                    formatter,
+                    "{percent} % of the floor is black or overexposed: a covered or blinded camera"
+                )
             }
         }
     }

@@ -26,6 +26,10 @@ const TEXTURE_SPREAD_MIN: f32 = 0.1;
 const TEXTURE_MIN: f32 = 0.02;
 /// Fewest usable pixels of the result: 60 blocks of 16 × 16 (algorithms F.1 step 4).
 const PIXELS_MIN: usize = 60 * 64;
+/// Lightness 0..=100 of a pixel that tells a colour: above 14 of 255 and below 254.
+const LIT: core::ops::Range<f32> = 4.0..99.6;
+/// Most of the floor that may be black or overexposed, percent: an unlit half is no reference for the other.
+const UNLIT_MAX: usize = 50;
 /// Part of the floor whose texture is usual, and what differences within it count: a floor of chips has all textures.
 const USUAL: f32 = 0.8;
 const USUAL_WEIGHT: f32 = 0.3;
@@ -114,6 +118,11 @@ impl NoveltyDetector {
         let found = colours.iter().filter(|[.., weight]| *weight > 0.0).count();
         if found < PIXELS_MIN {
             return Err(DirtFault::TooLittleFloor(found / 64, PIXELS_MIN / 64));
+        }
+        let is_unlit = |[l, .., weight]: &&Pixel| *weight > 0.0 && !LIT.contains(l);
+        let unlit = colours.iter().filter(is_unlit).count().saturating_mul(100) / found.max(1);
+        if unlit > UNLIT_MAX {
+            return Err(DirtFault::Unlit(unlit));
         }
         tensor(colours, self.columns, smooth);
         halve(smooth, self.columns, first);

@@ -2,6 +2,8 @@
 
 use image::ImageFormat;
 
+use crate::evaluate::is_cut_jpeg;
+
 /// A frame that is no picture of the size that was agreed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum WrongFrame {
@@ -80,6 +82,9 @@ pub fn colour_of(
             Ok(rows.flat_map(|row| row.as_chunks::<4>().0).flat_map(rgb_of_pair).collect())
         }
         ColourFormat::Jpeg => {
+            if is_cut_jpeg(bytes) {
+                return Err(WrongFrame::Unreadable("it is cut off".to_owned()));
+            }
             let picture = image::load_from_memory_with_format(bytes, ImageFormat::Jpeg)
                 .map_err(|problem| WrongFrame::Unreadable(problem.to_string()))?
                 .into_rgb8();
@@ -118,6 +123,17 @@ mod tests {
         assert_eq!(rgb(&bytes).unwrap(), bytes);
         assert_eq!(rgb(&bytes[..11]), Err(WrongFrame::Short(11, 12)));
         assert!(matches!(colour_of(ColourFormat::Jpeg, &bytes, (2, 2), 6), Err(WrongFrame::Unreadable(_))));
+    }
+
+    /// A picture of which the end did not come is none, though a decoder would fill the rest with grey.
+    #[test]
+    fn a_cut_jpeg_is_refused() {
+        let mut bytes = Vec::new();
+        let picture = image::RgbImage::from_fn(32, 16, |x, y| image::Rgb([(x * y) as u8; 3]));
+        picture.write_to(&mut std::io::Cursor::new(&mut bytes), ImageFormat::Jpeg).unwrap();
+        let rgb = |bytes: &[u8]| colour_of(ColourFormat::Jpeg, bytes, (32, 16), 0);
+        assert_eq!(rgb(&bytes).unwrap().len(), 3 * 32 * 16);
+        assert_eq!(rgb(&bytes[..bytes.len() - 40]), Err(WrongFrame::Unreadable("it is cut off".to_owned())));
     }
 
     /// Black, white, and red by the standard's own numbers.

@@ -139,13 +139,19 @@ fn dirt_is_mapped_live() {
 #[test]
 fn bad_colour_is_unknown_floor_and_told_once() {
     type Change = fn(Stamp, Vec<u8>) -> News<Vec<u8>>;
-    let cases: [(&str, u64, Change); 5] = [
+    let cases: [(&str, u64, Change); 7] = [
         ("at the same time", 26, News::Picture),
         ("not 320 × 240", 0, |_, _| News::Damaged(WrongFrame::OtherSize((160, 120), SIZE))),
         ("unplugged", 0, |_, _| News::Silent("unplugged".to_owned())),
         ("no picture", 0, |stamp, mut rgb| {
             rgb.truncate(99);
             News::Picture(stamp, rgb)
+        }),
+        ("black or overexposed", 0, |stamp, rgb| {
+            News::Picture(stamp, rgb.iter().map(|value| value % 9).collect())
+        }),
+        ("blinded camera", 0, |stamp, rgb| {
+            News::Picture(stamp, rgb.iter().map(|value| 254 + value % 2).collect())
         }),
         ("frozen", 0, |stamp, rgb| News::Picture(stamp, vec![90; rgb.len()])),
     ];

@@ -41,7 +41,7 @@ pub enum AskQuestion {
         #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=7))]
         days: u32,
         /// How many people one would rather meet than wait for an hour.
-        #[arg(long, default_value_t = 0.0)]
+        #[arg(long, default_value_t = 0.0, value_parser = cost)]
         delay_cost: f32,
     },
     /// Which zone should be cleaned now?
@@ -121,6 +121,16 @@ fn ask(arguments: &AskArguments) -> anyhow::Result<Answer> {
         pictures::write(picture, &model, pictures::Layer::Trajectories, Some(hours))?;
     }
     Ok(answer(&model, &question, now))
+}
+
+/// Nothing below zero: nobody would rather wait and meet more.
+fn cost(text: &str) -> Result<f32, String> {
+    let cost = text.parse::<f32>().map_err(|problem| problem.to_string())?;
+    if cost >= 0.0 && cost.is_finite() {
+        Ok(cost)
+    } else {
+        Err("give a number of people, 0 or more".to_owned())
+    }
 }
 
 fn question(asked: &AskQuestion, model: &Model) -> anyhow::Result<Question> {

@@ -78,7 +78,7 @@ pub fn decode(bytes: &[u8]) -> anyhow::Result<Model> {
     let packed = reader.0;
     ensure!(
         packed.len() == length,
-        "{} bytes of content where {length} were written: cut short",
+        "{} bytes of content where {length} were written: cut short or damaged",
         packed.len()
     );
     let header = bytes.get(..HEADER).unwrap_or_default();

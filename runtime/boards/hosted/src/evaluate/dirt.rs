@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use anyhow::Context;
 use floorguard_core::floor::dirt::DirtFault;
 use floorguard_core::sensing::ColorImage;
 use floorguard_core::time::Stamp;
@@ -11,7 +12,7 @@ use serde::Serialize;
 use super::dirt_detectors::{DirtAnswer, DirtDetectors};
 use super::dirt_figures::{DirtFigures, DirtTotals};
 use super::dirt_folder::DirtFolder;
-use super::images::ColourFile;
+use super::images::{ColourFile, make_folder};
 use crate::commands::BadInput;
 
 /// Both detectors on the frames of one folder. The figures of ours stand also at the top.
@@ -50,7 +51,7 @@ pub fn dirt(root: &Path, out: Option<&Path>) -> anyhow::Result<DirtReport> {
         let image = ColorImage::new(Stamp::ZERO, size, &frame.picture.rgb)?;
         let [first, second] = match detectors.judge(&image, &frame.usable, None) {
             Ok(answers) => answers,
-            Err(problem @ DirtFault::TooLittleFloor(..)) => {
+            Err(problem @ (DirtFault::TooLittleFloor(..) | DirtFault::Unlit(_))) => {
                 say!("{}: floor unknown: {problem}", path.display());
                 report.frames_unknown += 1;
                 continue;
@@ -64,14 +65,17 @@ pub fn dirt(root: &Path, out: Option<&Path>) -> anyhow::Result<DirtReport> {
         published.add(&first, (&frame.dirt, &judged), frame.picture.width);
         ours.add(&second, (&frame.dirt, &judged), frame.picture.width);
         if let Some(out) = out {
-            std::fs::create_dir_all(out)?;
-            let name = format!("{}_dirt.png", frame.name);
-            picture(&frame.picture, &frame.dirt, [&first, &second]).save(out.join(name))?;
+            let path = make_folder(out)?.join(format!("{}_dirt.png", frame.name));
+            let picture = picture(&frame.picture, &frame.dirt, [&first, &second]);
+            picture.save(&path).with_context(|| format!("{}: cannot be written", path.display()))?;
         }
         report.frames += 1;
     }
     if report.frames == 0 {
         return Err(BadInput(format!("{}: no frame could be judged: floor unknown", root.display())).into());
+    }
+    if !ours.has_dirt() {
+        say!("{}: no mask shows dirt on free floor: nobody can tell overlap, areas and recall", root.display());
     }
     report.published = published.figures();
     report.ours = ours.figures();

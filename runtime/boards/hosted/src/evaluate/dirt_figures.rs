@@ -11,7 +11,7 @@ const BLOCK: usize = 16;
 const BLOCK_DIRTY: f64 = 0.02;
 
 /// How well a detector tells dirt from floor. Overlap and areas are means over the frames with dirt; precision and
-/// recall count the pixels of all frames.
+/// recall count the pixels of all frames. What nothing can be said of, such as the recall where no dirt is, is NaN (`null`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct DirtFigures {
     /// Intersection over union of pixels at the best threshold of each frame.
@@ -58,11 +58,18 @@ impl DirtTotals {
         }
     }
 
+    /// Some frame had dirt.
+    #[must_use]
+    pub const fn has_dirt(&self) -> bool {
+        self.dirty > 0
+    }
+
     /// The figures so far.
     #[must_use]
     pub fn figures(&self) -> DirtFigures {
-        let frames = f64::from(self.dirty_frames.max(1));
-        let part = |of: u64| if of == 0 { 0.0 } else { self.hits as f64 / of as f64 };
+        let frames = f64::from(self.dirty_frames);
+        // Who calls nothing dirty where dirt is finds none of it; where none is, nobody can tell.
+        let part = |of: u64| if of == 0 && self.has_dirt() { 0.0 } else { self.hits as f64 / of as f64 };
         DirtFigures {
             best_iou: self.overlap / frames,
             auc: self.area / frames,

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use anyhow::Context;
 use floorguard_core::floor::{
     Expectation, FloorFault, FloorModel, FloorObject, FloorParameters, ObjectFinder, PixelClass, Plane,
 };
@@ -10,7 +11,7 @@ use floorguard_core::time::Stamp;
 use image::{Rgb, RgbImage};
 use serde::Serialize;
 
-use super::images::{MaskFile, read_depth, read_mask};
+use super::images::{DepthFile, MaskFile, make_folder, read_depth, read_mask};
 use crate::commands::{BadInput, VerdictFailed};
 
 /// Half thickness of the floor in masks, metres: the convention of the recorded masks.
@@ -19,6 +20,8 @@ const MASK_BAND_M: f32 = 0.03;
 const ANY_TILT_RAD: f32 = 0.872_665;
 /// Without a mounting the camera is this high, metres.
 const ANY_HEIGHT_M: [f32; 2] = [0.15, 3.0];
+/// Wider pictures are reduced.
+const COLUMNS_MAX: usize = floorguard_core::capacities::FLOOR_IMAGE_COLUMNS_MAX;
 /// The search is seeded, so that the same picture gives the same answer.
 const SEED: u64 = 1;
 
@@ -59,6 +62,8 @@ pub struct FloorReport {
     pub objects: Vec<ObjectReport>,
     /// Objects for which there was no room.
     pub objects_dropped: u32,
+    /// Pixels of the file along one that was looked at.
+    pub reduced_by: usize,
 }
 
 /// One object.
@@ -78,17 +83,19 @@ pub struct ObjectReport {
     pub rectangle_px: [u16; 4],
 }
 
-impl From<&FloorObject> for ObjectReport {
-    fn from(object: &FloorObject) -> Self {
+impl ObjectReport {
+    /// Of an object in a picture that was reduced by a factor.
+    fn of(object: &FloorObject, reduced_by: usize) -> Self {
+        let by = reduced_by as u16;
         let ([lx, ly], [hx, hy]) = (object.low_m, object.high_m);
         let ([left, top], [right, bottom]) = (object.first_px, object.last_px);
         Self {
             position_m: [0.5 * (lx + hx), 0.5 * (ly + hy)],
             size_m: [hx - lx, hy - ly],
             height_m: object.height_m,
-            pixels: object.pixels,
+            pixels: object.pixels * u32::from(by) * u32::from(by),
             confidence: object.confidence,
-            rectangle_px: [left, top, right - left + 1, bottom - top + 1],
+            rectangle_px: [left, top, right - left + 1, bottom - top + 1].map(|value| value * by),
         }
     }
 }
@@ -105,34 +112,41 @@ pub fn floor(task: &FloorTask) -> anyhow::Result<FloorReport> {
     let camera = camera(task.intrinsics, (&task.depth, size))?;
     let parameters = parameters(camera, task.mounting)?;
     let bad = |problem: String| BadInput(format!("{}: {problem}", task.depth.display()));
-    let image = DepthImage::new(Stamp::ZERO, size, &file.depth_mm).map_err(|p| bad(p.to_string()))?;
+    let whole = DepthImage::new(Stamp::ZERO, size, &file.depth_mm).map_err(|p| bad(p.to_string()))?;
+    let (reduced, reduced_by) = reduced(&file);
+    let parameters = parameters_at(&parameters, reduced_by);
+    let size = (reduced.width, reduced.height);
+    let image = DepthImage::new(Stamp::ZERO, size, &reduced.depth_mm).map_err(|p| bad(p.to_string()))?;
     let estimate = FloorModel::new(parameters, SEED).update(&image, Stamp::ZERO);
-    let mut classes = vec![PixelClass::Unknown; file.depth_mm.len()];
+    let mut classes = vec![PixelClass::Unknown; reduced.depth_mm.len()];
     if let Some(fault @ FloorFault::NoReturns(..)) = estimate.fault {
         return Err(bad(format!("floor unknown: {fault}")).into());
     }
     if let Some(fault) = estimate.fault {
         return Err(VerdictFailed(format!("{}: floor unknown: {fault}", task.depth.display())).into());
     }
-    let mask = band(&image, &camera, &estimate.plane);
+    let mask = band(&whole, &camera, &estimate.plane);
     let found = ObjectFinder::default()
         .find(&image, (&parameters, &estimate), &mut classes)
         .map_err(|problem| bad(problem.to_string()))?;
     if let Some(folder) = &task.out {
         let stem = task.depth.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        std::fs::create_dir_all(folder)?;
-        picture(&image, (&mask, &classes), &found.objects).save(folder.join(format!("{stem}_floor.png")))?;
+        let path = make_folder(folder)?.join(format!("{stem}_floor.png"));
+        let mask = band(&image, &parameters.camera, &estimate.plane);
+        let picture = picture(&image, (&mask, &classes), &found.objects);
+        picture.save(&path).with_context(|| format!("{}: cannot be written", path.display()))?;
     }
     Ok(FloorReport {
         normal: estimate.plane.normal,
         distance_m: estimate.plane.distance_m,
         floor_iou: truth.as_ref().map(|truth| overlap(&mask, truth, &file.depth_mm)),
         floor_pixels: mask.iter().filter(|is_floor| **is_floor).count() as u64,
-        returns: image.returns() as u64,
+        returns: whole.returns() as u64,
         rms_m: estimate.quality.rms_m,
         curvature_per_m: estimate.curvature.coefficients_per_m,
-        objects: found.objects.iter().map(ObjectReport::from).collect(),
+        objects: found.objects.iter().map(|object| ObjectReport::of(object, reduced_by)).collect(),
         objects_dropped: found.dropped,
+        reduced_by,
     })
 }
 
@@ -173,6 +187,26 @@ pub(super) fn parameters(
         }),
     };
     parameters.ok_or_else(|| BadInput("a camera below the floor".to_owned()).into())
+}
+
+/// Every so manieth pixel along both sides, so that the picture fits; depths are no means, which would lie between things.
+fn reduced(file: &DepthFile) -> (DepthFile, usize) {
+    let by = file.width.div_ceil(COLUMNS_MAX).max(1);
+    let (width, height, first) = ((file.width / by).max(1), (file.height / by).max(1), (by - 1) / 2);
+    let pixel = |index: usize| {
+        let (column, row) = (by * (index % width) + first, by * (index / width) + first);
+        file.depth_mm.get(row * file.width + column).copied().unwrap_or(0)
+    };
+    (DepthFile { width, height, depth_mm: (0..width * height).map(pixel).collect() }, by)
+}
+
+/// The same for a picture that was reduced.
+fn parameters_at(parameters: &FloorParameters, by: usize) -> FloorParameters {
+    let ([fx, fy], [cx, cy]) = (parameters.camera.focal_px(), parameters.camera.centre_px());
+    let (scale, first) = (1.0 / by as f32, ((by - 1) / 2) as f32);
+    let centre = [scale * (cx - first), scale * (cy - first)];
+    let camera = PinholeCamera::new([scale * fx, scale * fy], centre).unwrap_or(parameters.camera);
+    FloorParameters { camera, ..*parameters }
 }
 
 /// Pixels within the band around the plane.

@@ -33,7 +33,7 @@ pub use dirt_folder::{DirtFolder, DirtFrame, FRAME_FOLDERS, picture_files};
 pub use dirt_memory::NoveltyBuffers;
 pub use floor::{FloorReport, FloorTask, ObjectReport, floor, parse_intrinsics};
 pub use frames::{capture_frames, standing_context};
-pub use images::{ColourFile, DepthFile, MaskFile, read_colour, read_depth, read_mask};
+pub use images::{ColourFile, DepthFile, MaskFile, is_cut_jpeg, read_colour, read_depth, read_mask};
 pub use legs::{
     FoldReport, LegsReport, Recording, in_any_room, learn_legs, legs, recordings, training_samples,
 };

@@ -136,7 +136,9 @@ pub fn read_places(path: &Path) -> anyhow::Result<Vec<(Point2, f32)>> {
     for (number, line) in text.lines().enumerate() {
         let fields: Vec<Option<f32>> = line.split(',').map(|f| f.trim().parse().ok()).collect();
         match fields.as_slice() {
-            [Some(x), Some(y), Some(units)] if (0.0..=70.0).contains(units) => {
+            [Some(x), Some(y), Some(units)]
+                if x.is_finite() && y.is_finite() && (0.0..=70.0).contains(units) =>
+            {
                 places.push((Point2::new(*x, *y), *units));
             }
             // A heading, an empty line or a comment.
@@ -165,7 +167,10 @@ mod tests {
         };
         assert_eq!(beyond("x_m,y_m,units\n1,1,12\n1,100,12\n").unwrap(), 1);
         assert!(beyond("").is_err() && beyond("x_m,y_m,units\n1,100,12\n").is_err());
-        assert!(beyond("x_m,y_m,units\n1,1\n").unwrap_err().to_string().contains(":2:"));
+        for wrong in ["1,1", "1,nan,12", "inf,1,12"] {
+            let problem = beyond(&format!("x_m,y_m,units\n{wrong}\n")).unwrap_err().to_string();
+            assert!(problem.contains(":2:"), "{problem}");
+        }
         std::fs::remove_file(&path).unwrap();
     }
 
