@@ -3,6 +3,9 @@
 use floorguard_core::geometry::Point2;
 use floorguard_core::random::Pcg32;
 
+/// Reflections below e⁻²⁵ are none.
+const FAINTEST: f32 = 25.0 / 8.0;
+
 /// A lamp under the ceiling.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lamp {
@@ -96,9 +99,15 @@ impl Lamp {
 
     fn mirrored(&self, (x, y): (f32, f32), up: [f32; 3], sharpness: f32) -> f32 {
         let to = [self.above_in_world.x_m - x, self.above_in_world.y_m - y, self.height_m];
-        let length = (to[0] * to[0] + to[1] * to[1] + to[2] * to[2]).sqrt();
-        let cosine = (to[0] * up[0] + to[1] * up[1] + to[2] * up[2]) / length;
-        if cosine < 0.9 { 0.0 } else { self.power * libm::expf(sharpness * (cosine - 1.0) * 8.0) * 5.0 }
+        let squared = to[0] * to[0] + to[1] * to[1] + to[2] * to[2];
+        let along = to[0] * up[0] + to[1] * up[1] + to[2] * up[2];
+        // Most lamps are nowhere near the mirrored ray, and what they would add is less than light can tell.
+        let least = (1.0 - FAINTEST / sharpness).max(0.9);
+        if along <= 0.0 || along * along < least * least * squared {
+            return 0.0;
+        }
+        let cosine = along / squared.sqrt();
+        self.power * libm::expf(sharpness * (cosine - 1.0) * 8.0) * 5.0
     }
 }
 

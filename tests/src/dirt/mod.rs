@@ -7,6 +7,7 @@ mod compare;
 mod passes;
 mod picture;
 mod scenes;
+mod trade;
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -16,7 +17,7 @@ use floorguard_sim::floor::{DirtKind, FloorKind};
 use rayon::prelude::*;
 
 pub use compare::{Cell, compare};
-pub use passes::{Pass, pass};
+pub use passes::{OFFSETS, Pass, pass};
 pub use scenes::{Approach, FRAMES, view};
 
 /// Lanes and metres of a hall.
@@ -50,6 +51,9 @@ pub fn dirt(scenes: u64, seed: u64, folder: &Path) -> anyhow::Result<(String, bo
         halls.par_iter().map(|(floor, seed)| pass(*floor, HALL, *seed)).collect::<anyhow::Result<_>>()?;
     let (map, is_found) = map_table(&passes);
     text += &map;
+    let floors = by_floor(&passes);
+    text += &trade_table(&floors);
+    trade::draw(&folder.join("found_over_invented.svg"), &floors)?;
     print!("{text}");
     std::fs::write(folder.join("dirt.txt"), &text)?;
     Ok((text, is_better && is_found))
@@ -124,6 +128,15 @@ fn by_floor(passes: &[Pass]) -> Vec<Pass> {
         }
     }
     sums
+}
+
+/// How the two hang on the limit.
+fn trade_table(floors: &[Pass]) -> String {
+    let mut text = String::from("limit moved by   spills found   false spots per 100 m²\n");
+    for (offset, (found, rate)) in OFFSETS.iter().zip(trade::curve(floors)) {
+        let _ = writeln!(text, "{offset:14} {:12.1} % {rate:19.2}", 100.0 * found);
+    }
+    text
 }
 
 /// Spills found and invented spots; true if both are as they must be.

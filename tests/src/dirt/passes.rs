@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_core::maps::GridGeometry;
-use floorguard_core::maps::seen_dirt::{DirtSpot, SeenCell, SeenDirtMap, SeenLayer};
+use floorguard_core::maps::seen_dirt::{DirtSpot, KeptScore, SeenCell, SeenDirtMap, SeenLayer};
 use floorguard_core::random::Pcg32;
 use floorguard_core::sensing::ColorImage;
 use floorguard_core::time::Stamp;
@@ -23,6 +23,10 @@ const STEP_S: f32 = 0.24;
 /// Shadows that pass in a lane.
 const SHADOWS_A_LANE: u32 = 2;
 
+/// What is added to the map's limit for the curve of spills found over spots invented, natural logarithms.
+pub const OFFSETS: [f32; 15] =
+    [-9.0, -7.0, -6.0, -5.0, -4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 5.0, 7.0, 9.0];
+
 /// A pass over a hall.
 #[derive(Clone, Debug)]
 pub struct Pass {
@@ -36,6 +40,8 @@ pub struct Pass {
     pub false_spots: u32,
     /// Every spot of the map within the hall, and whether something was spilled there.
     pub spots: Vec<(DirtSpot, bool)>,
+    /// Spills found and spots invented with each of [`OFFSETS`].
+    pub trade: Vec<(u32, u32)>,
     /// Frames.
     pub frames: u32,
     /// Of the detector and the map, all frames.
@@ -51,6 +57,9 @@ impl Pass {
         }
         self.false_spots += other.false_spots;
         self.spots.extend_from_slice(&other.spots);
+        for ((hits, invented), (other_hits, other_invented)) in self.trade.iter_mut().zip(&other.trade) {
+            (*hits, *invented) = (*hits + other_hits, *invented + other_invented);
+        }
         self.frames += other.frames;
         self.took += other.took;
     }
@@ -117,19 +126,30 @@ pub fn pass(floor: FloorKind, (lanes, length_m): (u32, f32), seed: u64) -> anyho
             took += started.elapsed();
         }
     }
-    let spots = map.spots(SeenLayer::First, Stamp::from_micros(u64::from(frame + 1) * 240_000)).spots;
-    let inside =
-        |place: Point2| place.x_m >= 0.0 && place.x_m <= length_m && place.y_m >= 0.0 && place.y_m <= width_m;
+    let end = Stamp::from_micros(u64::from(frame + 1) * 240_000);
+    let is_spill = |spot: &DirtSpot| scene.spills.iter().any(|spill| touches(spot, spill));
+    let is_inside = |spot: &&DirtSpot| {
+        let place = spot.centre_in_map;
+        place.x_m >= 0.0 && place.x_m <= length_m && place.y_m >= 0.0 && place.y_m <= width_m
+    };
+    let trade = OFFSETS.iter().map(|offset| {
+        let limit = KeptScore::of(map.limit().score() + offset);
+        let spots = map.spots_beyond(limit, SeenLayer::First, end).spots;
+        let hits = scene.spills.iter().filter(|spill| spots.iter().any(|spot| touches(spot, spill))).count();
+        let invented = spots.iter().filter(is_inside).filter(|spot| !is_spill(spot)).count();
+        (hits as u32, invented as u32)
+    });
+    let trade = trade.collect();
+    let spots = map.spots(SeenLayer::First, end).spots;
     let found = DirtKind::ALL.map(|kind| {
         let of_kind = || scene.spills.iter().filter(move |spill| spill.kind == kind);
         let hits = of_kind().filter(|spill| spots.iter().any(|spot| touches(spot, spill))).count();
         (kind, hits as u32, of_kind().count() as u32)
     });
-    let within = spots.iter().filter(|spot| inside(spot.centre_in_map));
     let spots: Vec<(DirtSpot, bool)> =
-        within.map(|spot| (*spot, scene.spills.iter().any(|spill| touches(spot, spill)))).collect();
+        spots.iter().filter(is_inside).map(|spot| (*spot, is_spill(spot))).collect();
     let false_spots = spots.iter().filter(|(_, is_spill)| !is_spill).count() as u32;
-    Ok(Pass { floor, area_m2: length_m * width_m, found, false_spots, spots, frames: frame, took })
+    Ok(Pass { floor, area_m2: length_m * width_m, found, false_spots, spots, trade, frames: frame, took })
 }
 
 /// A spot belongs to a spill if its rectangle reaches within a cell of the spill's outline.

@@ -1,7 +1,8 @@
 //! One cell of the map of seen dirt: how dirty its last nine observations were, and what they first said.
 //!
-//! An observation is the score that an eighth of the cell's pixels exceed; the cell is worth the median of the newest
-//! nine (algorithms F.2). Scores are kept and not only verdicts, because how dirty is dirty depends on the floor, and a
+//! An observation is the score that an eighth of the cell's pixels exceed. Algorithms F.2 takes the median of the newest
+//! nine; but a lamp's reflection stays over a cell for up to five views, and earlier frames carry it on. So dirt is what
+//! seven of nine agree on, and where only the median says so nobody knows. Scores are kept and not only verdicts, because how dirty is dirty depends on the floor, and a
 //! floor is known only after much of it was seen. What the mission first perceived is frozen when the cell, well seen,
 //! was out of view for a while, so that cleaning does not change the report of what was there before.
 
@@ -29,12 +30,12 @@ const PIXELS_MIN: u16 = 6;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum CellState {
-    /// Too few observations: neither clean nor dirty.
+    /// Too few observations, or they disagree: neither clean nor dirty.
     #[default]
     Unknown,
     /// The median observation saw nothing that the floor does not show elsewhere.
     Clean,
-    /// The median observation saw dirt.
+    /// Three in four observations saw dirt.
     Dirty,
 }
 
@@ -66,6 +67,15 @@ impl KeptScore {
     }
 }
 
+/// What the newest observations of a cell say together.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Together {
+    /// What three in four reach.
+    pub agreed: KeptScore,
+    /// What every other one reaches.
+    pub median: KeptScore,
+}
+
 /// One cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SeenCell {
@@ -73,8 +83,8 @@ pub struct SeenCell {
     window: [u8; WINDOW],
     /// All observations so far.
     total: u16,
-    first: Option<KeptScore>,
-    /// Seconds of the monotonic clock when the live median became dirty, and of the last observation.
+    first: Option<Together>,
+    /// Seconds of the monotonic clock when the live state became dirty, and of the last observation.
     dirty_since_s: u32,
     last_s: u32,
     /// Pixels of the frame that is being added, by score.
@@ -83,39 +93,47 @@ pub struct SeenCell {
 }
 
 impl SeenCell {
-    /// Median of the newest observations; `None` for too few.
+    /// What the newest observations say; `None` for too few.
     #[must_use]
-    pub fn live(&self) -> Option<KeptScore> {
+    pub fn live(&self) -> Option<Together> {
         let count = usize::from(self.total).min(WINDOW);
         let known = self.window.iter().take(count);
         let rank = |value: u8| known.clone().filter(|other| **other < value).count();
-        // The largest value with at most half of the others below it: the upper median.
-        let median = known.clone().copied().filter(|value| rank(*value) <= count / 2).max();
-        median.filter(|_| self.total >= OBSERVATIONS_MIN).map(KeptScore)
+        // The largest value with at most so many of the others below it: for a half, the upper median.
+        let reached = |below: usize| known.clone().copied().filter(|value| rank(*value) <= below).max();
+        let (agreed, median) = (reached(count / 4)?, reached(count / 2)?);
+        let together = Together { agreed: KeptScore(agreed), median: KeptScore(median) };
+        (self.total >= OBSERVATIONS_MIN).then_some(together)
     }
 
     /// What the mission first perceived; `None` for too few observations.
     #[must_use]
-    pub fn first(&self) -> Option<KeptScore> {
+    pub fn first(&self) -> Option<Together> {
         self.first.or_else(|| self.live())
     }
 
-    /// How dirty the cell is in a layer; `None` for too few observations.
+    /// What is known in a layer; `None` for too few observations.
     #[must_use]
-    pub fn score(&self, layer: SeenLayer) -> Option<KeptScore> {
+    pub fn together(&self, layer: SeenLayer) -> Option<Together> {
         match layer {
             SeenLayer::First => self.first(),
             SeenLayer::Live => self.live(),
         }
     }
 
+    /// How dirty the cell is in a layer; `None` for too few observations.
+    #[must_use]
+    pub fn score(&self, layer: SeenLayer) -> Option<KeptScore> {
+        self.together(layer).map(|together| together.agreed)
+    }
+
     /// The state in a layer, where dirt is what exceeds a limit.
     #[must_use]
     pub fn state(&self, layer: SeenLayer, limit: KeptScore) -> CellState {
-        match self.score(layer) {
-            None => CellState::Unknown,
-            Some(score) if score > limit => CellState::Dirty,
-            Some(_) => CellState::Clean,
+        match self.together(layer) {
+            Some(together) if together.agreed > limit => CellState::Dirty,
+            Some(together) if together.median <= limit => CellState::Clean,
+            _ => CellState::Unknown,
         }
     }
 
@@ -170,7 +188,7 @@ impl SeenCell {
 
     /// Adds an observation from a new viewpoint.
     pub(super) fn observe(&mut self, score: KeptScore, limit: KeptScore, now_s: u32) {
-        let was_dirty = self.live() > Some(limit);
+        let was_dirty = self.state(SeenLayer::Live, limit) == CellState::Dirty;
         let was_away = self.total > 0 && now_s.saturating_sub(self.last_s) > OUT_OF_VIEW_S;
         if self.first.is_none() && was_away && self.total >= FIRST_MIN {
             self.first = self.live();
@@ -181,7 +199,7 @@ impl SeenCell {
         // Where the count ends, the next place must still be the one of the oldest: 65,529 is a multiple of nine.
         self.total = if self.total >= 65_529 { WINDOW as u16 } else { self.total.saturating_add(1) };
         self.last_s = now_s;
-        if self.live() > Some(limit) && !was_dirty {
+        if self.state(SeenLayer::Live, limit) == CellState::Dirty && !was_dirty {
             self.dirty_since_s = now_s;
         }
     }
@@ -206,27 +224,36 @@ mod tests {
         cell
     }
 
+    /// Nobody knows before three views. A reflection that stays for six of nine makes no dirt, one that stays for five no
+    /// clean floor either, and the tenth view replaces the first.
     #[test]
-    fn the_median_decides() {
+    fn dirt_is_what_views_agree_on() {
         let (dirt, floor) = (30.0, 8.0);
+        let state = |scores: &[f32]| seen(scores).state(SeenLayer::Live, LIMIT);
         assert_eq!(seen(&[dirt, dirt]).live(), None);
-        assert_eq!(seen(&[dirt, dirt, floor]).state(SeenLayer::Live, LIMIT), CellState::Dirty);
-        assert_eq!(seen(&[dirt, dirt, floor, floor, floor]).state(SeenLayer::Live, LIMIT), CellState::Clean);
-        // A highlight that stays for four of nine views is none, and the tenth view replaces the first.
+        assert_eq!(state(&[dirt, dirt, dirt]), CellState::Dirty);
+        assert_eq!(state(&[dirt, dirt, floor]), CellState::Unknown);
+        assert_eq!(state(&[dirt, floor, floor]), CellState::Clean);
         let mut scores = [floor; 10];
-        scores[..5].fill(dirt);
-        assert_eq!(seen(&scores[..9]).live(), Some(KeptScore::of(dirt)));
-        assert_eq!(seen(&scores).live(), Some(KeptScore::of(floor)));
+        for (dirty, expected) in
+            [(4, CellState::Clean), (5, CellState::Unknown), (6, CellState::Unknown), (7, CellState::Dirty)]
+        {
+            scores[..dirty].fill(dirt);
+            assert_eq!(state(&scores[..9]), expected, "{dirty} of nine");
+        }
+        assert_eq!(state(&scores), CellState::Unknown);
     }
 
     #[test]
-    fn medians_are_those_of_sorting() {
+    fn parts_are_those_of_sorting() {
         let mut random = crate::random::Pcg32::new(3, 9);
         for count in 3..20_usize {
             let scores: std::vec::Vec<f32> = (0..count).map(|_| random.below(40) as f32).collect();
             let mut newest = scores[count.saturating_sub(WINDOW)..].to_vec();
             newest.sort_by(f32::total_cmp);
-            assert_eq!(seen(&scores).live(), Some(KeptScore::of(newest[newest.len() / 2])), "{scores:?}");
+            let [agreed, median] =
+                [newest.len() / 4, newest.len() / 2].map(|rank| KeptScore::of(newest[rank]));
+            assert_eq!(seen(&scores).live(), Some(Together { agreed, median }), "{scores:?}");
         }
     }
 

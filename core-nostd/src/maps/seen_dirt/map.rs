@@ -1,6 +1,6 @@
 //! The map of seen dirt: pixels fall into cells of the floor, cells collect observations from different viewpoints.
 
-use super::cell::{CellState, KeptScore, SeenCell, SeenLayer};
+use super::cell::{CellState, KeptScore, SeenCell, SeenLayer, Together};
 use crate::capacities::FLOOR_IMAGE_COLUMNS_MAX;
 use crate::floor::dirt::{FloorView, NOVELTY_BIN};
 use crate::geometry::{Point2, Pose2};
@@ -42,7 +42,7 @@ pub struct SeenDirtMap<C> {
     geometry: GridGeometry,
     cells: C,
     last_view: Option<Pose2>,
-    /// How many cells have which live score.
+    /// How many cells have which live median.
     histogram: [u32; 256],
     /// The detector's.
     threshold: f32,
@@ -65,8 +65,8 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
     pub fn new(geometry: GridGeometry, cells: C) -> Option<Self> {
         let count = geometry.cell_count();
         let mut histogram = [0; 256];
-        for score in cells.as_ref().get(..count)?.iter().filter_map(SeenCell::live) {
-            count_cell(&mut histogram, score, 1);
+        for together in cells.as_ref().get(..count)?.iter().filter_map(SeenCell::live) {
+            count_cell(&mut histogram, together.median, 1);
         }
         Some(Self { geometry, cells, last_view: None, histogram, threshold: f32::INFINITY })
     }
@@ -186,8 +186,11 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
                 let before = cell.live();
                 if cell.close(limit, now_s) {
                     observed = observed.saturating_add(1);
-                    before.into_iter().for_each(|score| count_cell(&mut self.histogram, score, -1));
-                    cell.live().into_iter().for_each(|score| count_cell(&mut self.histogram, score, 1));
+                    let mut count = |seen: Option<Together>, step| {
+                        seen.into_iter().for_each(|seen| count_cell(&mut self.histogram, seen.median, step));
+                    };
+                    count(before, -1);
+                    count(cell.live(), 1);
                 }
             }
         }

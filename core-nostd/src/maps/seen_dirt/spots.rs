@@ -82,7 +82,12 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
     /// The spots of a layer, at the time `now`.
     #[must_use]
     pub fn spots(&self, layer: SeenLayer, now: Stamp) -> DirtSpots {
-        let limit = self.limit();
+        self.spots_beyond(self.limit(), layer, now)
+    }
+
+    /// The same with another limit than the map's own: how much of what is found hangs on it.
+    #[must_use]
+    pub fn spots_beyond(&self, limit: KeptScore, layer: SeenLayer, now: Stamp) -> DirtSpots {
         let mut parts = Parts::default();
         let mut above: Vec<Run, RUNS_MAX> = Vec::new();
         let width = usize::from(self.geometry().width()).max(1);

@@ -75,7 +75,10 @@ pub fn dirt(root: &Path, out: Option<&Path>) -> anyhow::Result<DirtReport> {
         return Err(BadInput(format!("{}: no frame could be judged: floor unknown", root.display())).into());
     }
     if !ours.has_dirt() {
-        say!("{}: no mask shows dirt on free floor: nobody can tell overlap, areas and recall", root.display());
+        say!(
+            "{}: no mask shows dirt on free floor: nobody can tell overlap, areas and recall",
+            root.display()
+        );
     }
     report.published = published.figures();
     report.ours = ours.figures();
