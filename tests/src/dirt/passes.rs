@@ -127,6 +127,12 @@ pub fn pass(floor: FloorKind, (lanes, length_m): (u32, f32), seed: u64) -> anyho
         }
     }
     let end = Stamp::from_micros(u64::from(frame + 1) * 240_000);
+    Ok(Pass { frames: frame, took, ..count(&map, &scene, ([length_m, width_m], end)) })
+}
+
+/// What of the spills the map shows, and what else.
+fn count(map: &SeenDirtMap<&mut [SeenCell]>, scene: &FloorScene, (size_m, end): ([f32; 2], Stamp)) -> Pass {
+    let [length_m, width_m] = size_m;
     let is_spill = |spot: &DirtSpot| scene.spills.iter().any(|spill| touches(spot, spill));
     let is_inside = |spot: &&DirtSpot| {
         let place = spot.centre_in_map;
@@ -149,7 +155,16 @@ pub fn pass(floor: FloorKind, (lanes, length_m): (u32, f32), seed: u64) -> anyho
     let spots: Vec<(DirtSpot, bool)> =
         spots.iter().filter(is_inside).map(|spot| (*spot, is_spill(spot))).collect();
     let false_spots = spots.iter().filter(|(_, is_spill)| !is_spill).count() as u32;
-    Ok(Pass { floor, area_m2: length_m * width_m, found, false_spots, spots, trade, frames: frame, took })
+    Pass {
+        floor: scene.floor,
+        area_m2: length_m * width_m,
+        found,
+        false_spots,
+        spots,
+        trade,
+        frames: 0,
+        took: Duration::ZERO,
+    }
 }
 
 /// A spot belongs to a spill if its rectangle reaches within a cell of the spill's outline.
