@@ -30,3 +30,6 @@ pub mod s300;
 pub mod three_wheel_base;
 pub mod velodyne;
 pub mod xsens;
+
+#[cfg(test)]
+mod words_tests;

@@ -243,6 +243,20 @@ mod tests {
     }
 
     #[test]
+    fn digits_may_be_small_and_a_line_that_is_too_long_is_no_frame() {
+        assert_eq!(frames(b"t0812abcf\r").0, [CanFrame::standard(0x081, &[0xAB, 0xCF])]);
+        // The longest line with a time stamp is a frame; what follows it in the same line spoils it.
+        let longest = b"T01ABCDEF811223344556677881A2B";
+        let mut bytes = longest.to_vec();
+        bytes.push(b'\r');
+        assert_eq!(frames(&bytes).0.len(), 1);
+        bytes.truncate(longest.len());
+        bytes.resize(SLCAN_LINE_BYTES, b'0');
+        bytes.extend(b"00\r");
+        assert_eq!(frames(&bytes).0, []);
+    }
+
+    #[test]
     fn answers_time_stamps_and_split_lines() {
         let (found, counters) = frames(b"\rz\rZ\rV1013\rNA123\rF00\rt08001A2B\r\x07t0800\r");
         assert_eq!((found.len(), counters.refused, counters.adapter_errors), (2, 0, 1));

@@ -376,4 +376,46 @@ mod tests {
         }
         assert_eq!(node.failure().unwrap().error, SdoError::TIME_OUT);
     }
+
+    /// The first request, its repetition, and nothing in between; the same for the command to start.
+    #[test]
+    fn a_request_is_repeated_when_its_time_is_over_and_not_before() {
+        let mut node = NodeConfigurator::new(5, Script::new().write(0x1017, 0, 100, 2));
+        node.on_heartbeat(0, at(0));
+        assert_eq!(poll(&mut node, 0).0.len(), 2);
+        assert_eq!(poll(&mut node, 499).0.len(), 0);
+        assert_eq!(poll(&mut node, 500).0.len(), 1, "the write alone");
+        node.on_answer(&[0x60, 0x17, 0x10, 0, 0, 0, 0, 0], at(501));
+        assert_eq!(poll(&mut node, 502).0.len(), 1, "start");
+        assert_eq!((poll(&mut node, 1_001).0.len(), node.is_operational()), (0, false));
+        assert_eq!(poll(&mut node, 1_002).0.len(), 1);
+        assert_eq!((poll(&mut node, 1_502).0.len(), node.phase()), (1, NodePhase::Starting), "the third");
+        assert_eq!((poll(&mut node, 2_002).0.len(), node.phase()), (1, NodePhase::Absent), "in vain");
+    }
+
+    /// Who comes to a bus that is running finds devices in operation that it has not started.
+    #[test]
+    fn operation_that_is_not_ours_is_found() {
+        let mut node = NodeConfigurator::new(5, script());
+        for (phase, found) in [
+            (NodePhase::Absent, true),
+            (NodePhase::Configuring(1), true),
+            (NodePhase::Refused, true),
+            (NodePhase::Starting, false),
+            (NodePhase::Operational, false),
+        ] {
+            node.phase = phase;
+            assert_eq!(node.is_found_running(5), found, "{phase:?}");
+            assert!(!node.is_found_running(0x7F) && !node.is_found_running(0), "{phase:?}");
+        }
+    }
+
+    #[test]
+    fn a_node_that_was_given_up_is_not_believed_to_live() {
+        let mut node = NodeConfigurator::new(5, script());
+        node.phase = NodePhase::Operational;
+        node.monitor.hear(NodeState::Operational, at(0));
+        assert!(poll(&mut node, 400).1);
+        assert_eq!(node.monitor.state(at(401), 10_000_000), None);
+    }
 }

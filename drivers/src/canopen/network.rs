@@ -52,5 +52,6 @@ mod tests {
         assert_eq!(network_frame(NetworkCommand::PreOperational, 5), CanFrame::standard(0, &[0x80, 5]));
         assert_eq!(sync_frame(), CanFrame::standard(0x80, &[]));
         assert_eq!(master_heartbeat(5), CanFrame::standard(0x705, &[5]));
+        assert_eq!(master_heartbeat(0xFF), CanFrame::standard(0x77F, &[5]));
     }
 }

@@ -104,6 +104,7 @@ impl Script {
 mod tests {
     use super::*;
     use crate::can::CanFrame;
+    use std::vec::Vec;
 
     /// The frames of wire-formats 6.4 for node 5, TPDO1.
     #[test]
@@ -124,5 +125,49 @@ mod tests {
         for (number, payload) in expected.iter().enumerate() {
             assert_eq!(script.step(number).unwrap().frame(5), CanFrame::standard(0x605, payload));
         }
+    }
+
+    fn writes(script: &Script) -> Vec<(u16, u8, u32, u8)> {
+        let steps = (0..script.len()).filter_map(|number| script.step(number));
+        steps.map(|step| (step.index, step.subindex, step.write.unwrap().0, step.write.unwrap().1)).collect()
+    }
+
+    /// The predefined connection set of CiA 301: 180h, 280h … from the device, 200h, 300h … to it.
+    #[test]
+    fn each_number_has_its_identifier_and_its_objects() {
+        for (pdo, tx, rx) in [(0, 0x180, 0x200), (1, 0x280, 0x300), (2, 0x380, 0x400), (3, 0x480, 0x500)] {
+            for node in [1, 0x45, 0x7F] {
+                let from = writes(&Script::new().transmit(node, pdo, (255, &[])));
+                let to = writes(&Script::new().receive(node, pdo, (255, &[])));
+                let number = u16::from(pdo);
+                let on = |objects: &[(u16, u8, u32, u8)]| *objects.last().unwrap();
+                assert_eq!(on(&from), (0x1800 + number, 1, tx + u32::from(node), 4));
+                assert_eq!(on(&to), (0x1400 + number, 1, rx + u32::from(node), 4));
+                assert_eq!((from[1].0, to[1].0), (0x1A00 + number, 0x1600 + number));
+            }
+        }
+        let beyond = writes(&Script::new().receive(0xFF, 7, (255, &[])));
+        assert_eq!(beyond.last(), Some(&(0x1403, 1, 0x57F, 4)), "cut to what there is");
+    }
+
+    #[test]
+    fn what_does_not_fit_is_told() {
+        let mut script = Script::new();
+        assert!(script.is_empty());
+        for step in 0..SCRIPT_STEPS_MAX {
+            assert!(!script.overflowed(), "{step}");
+            script = if step % 2 == 0 { script.read(0x1000, 0) } else { script.write(0x1017, 0, 100, 2) };
+        }
+        assert!(!script.overflowed() && !script.is_empty());
+        assert!(script.clone().read(0x1000, 0).overflowed());
+        let over = script.clone().write(0x1017, 0, 100, 2);
+        assert!(over.overflowed());
+        assert!(over.clone().read(0x1000, 0).overflowed() && over.clone().write(0, 0, 0, 1).overflowed());
+        let one = Script::new().read(0x1000, 0);
+        assert!(script.followed_by(&one).overflowed(), "no room");
+        assert!(one.clone().followed_by(&over).overflowed(), "incomplete already");
+        let both = one.clone().followed_by(&one);
+        assert_eq!((both.len(), both.overflowed()), (2, false));
+        assert!(over.followed_by(&Script::new()).overflowed(), "once told, always told");
     }
 }

@@ -212,9 +212,15 @@ mod tests {
     #[test]
     fn legal_oddities() {
         assert_eq!(decode_sdo(&[0x4F, 0, 0x14, 2, 0xFE]), Some((0x1400, 2, SdoAnswer::Value(0xFE))));
+        assert_eq!(decode_sdo(&[0x4B, 0, 0x14, 2, 1, 2, 9, 9]), Some((0x1400, 2, SdoAnswer::Value(0x0201))));
+        assert_eq!(
+            decode_sdo(&[0x47, 0, 0x14, 2, 1, 2, 3, 9]),
+            Some((0x1400, 2, SdoAnswer::Value(0x03_0201)))
+        );
         assert_eq!(decode_sdo(&[0x42, 0, 0x14, 2, 0xFE, 0, 0, 0]), Some((0x1400, 2, SdoAnswer::Value(0xFE))));
         assert_eq!(decode_sdo(&[0x43, 0, 0x14, 2, 0xFE]), None);
         let identity = SdoRequest { index: 0x1018, subindex: 1, write: None };
+        assert_eq!(identity.frame(0x45).standard_id(), Some(0x645));
         assert_eq!(identity.frame(2), CanFrame::standard(0x602, &[0x40, 0x18, 0x10, 1, 0, 0, 0, 0]));
         assert_eq!(decode_sdo(&[0x43, 0x18, 0x10, 1, 4, 0, 0, 0]), Some((0x1018, 1, SdoAnswer::Value(4))));
         // A multi-turn encoder (wire-formats 4.2).

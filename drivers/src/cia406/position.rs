@@ -55,6 +55,13 @@ mod tests {
         assert_eq!(counter.update(78, range), -19);
     }
 
+    #[test]
+    fn a_range_of_nothing_is_the_whole_word() {
+        let mut counter = PositionCounter::new();
+        let seen = [u32::MAX - 9, 5, u32::MAX - 19].map(|position| counter.update(position, 0));
+        assert_eq!(seen, [0, 15, -10]);
+    }
+
     proptest! {
         /// Against the sum of the steps, for any range and any start.
         #[test]

@@ -18,6 +18,8 @@ pub use message::{Message, MessageError};
 pub use receiver::{Counters, Event, Receiver, ScanError};
 
 #[cfg(test)]
+mod blocks_tests;
+#[cfg(test)]
 mod receiver_tests;
 #[cfg(test)]
 mod vector_tests;

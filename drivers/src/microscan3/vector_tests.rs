@@ -180,3 +180,25 @@ fn intrusion_is_read_path_by_path_and_never_beyond_its_end() {
     let endless = [0; 400];
     assert_eq!(Intrusion::new(&endless).paths().count(), 24);
 }
+
+/// Blocks that the robot does not need, where they are sent.
+#[test]
+fn intrusion_and_application_are_handed_on_where_they_are_sent() {
+    let mut bytes = message();
+    let found = |bytes: &[u8]| {
+        let message = Message::new_checked(bytes).unwrap();
+        (message.intrusion().is_some(), message.application().map(<[u8]>::to_vec))
+    };
+    let (offset, length) = (bytes.len() as u16, 3_u16);
+    for place in [44, 48] {
+        bytes[place..place + 2].copy_from_slice(&offset.to_le_bytes());
+        bytes[place + 2..place + 4].copy_from_slice(&length.to_le_bytes());
+    }
+    bytes.extend([7, 8, 9]);
+    assert_eq!(found(&bytes), (true, Some(std::vec![7, 8, 9])));
+    bytes[44..52].fill(0);
+    assert_eq!(found(&bytes), (false, None));
+    // A length without a place lies in the header: it is a lie.
+    bytes[46] = 1;
+    assert!(matches!(Message::new_checked(&bytes), Err(MessageError::Block { offset: 0, size: 1 })));
+}

@@ -118,6 +118,23 @@ fn s1_to_s3_by_each_size_rule() {
     }
 }
 
+/// The reading that was right last is tried first and covers too much: the sum then begins anew for the others.
+#[test]
+fn the_size_rule_may_change_from_telegram_to_telegram() {
+    let with = |head: &str, sum: &str| telegram(head, 1_000..1_541, sum);
+    let (s2, s3) = (with(S2, "315A"), with(S3, "4F96"));
+    let bytes = [&s3[..], &s2, &s1(), &s2, &s3, &s1(), &s3].concat();
+    for portion in [1, 7, 1_000, 1_107, 5_000, bytes.len()] {
+        let (mut receiver, mut scans) = (Receiver::new(configured(&[541])), 0);
+        for part in bytes.chunks(portion) {
+            receiver.push(part, Stamp::from_micros(1_000_000), |event| {
+                scans += u32::from(matches!(event, Event::Scan(_)))
+            });
+        }
+        assert_eq!(scans, 7, "in portions of {portion}");
+    }
+}
+
 #[test]
 fn s4_stand_by_is_no_data() {
     let bytes = telegram(S4, core::iter::repeat_n(0x4004, 541), "ED4D");
@@ -221,4 +238,15 @@ proptest::proptest! {
     fn any_bytes_do_no_harm(bytes in proptest::collection::vec(proptest::sample::select(&[0u8, 0, 0, 0xff, 7, 2, 1, 0x28, 0xbb][..]), 0..3_000)) {
         let _ = receive(Configuration::default(), &bytes);
     }
+}
+
+/// Each field of the head stands in its place: two telegrams that differ in all of them.
+#[test]
+fn the_fields_of_the_head() {
+    let bytes = s1();
+    let first = Telegram::new_checked(&bytes).expect("a telegram");
+    assert_eq!((first.version(), first.status()), (0x0102, 0));
+    assert_eq!((first.scan_number(), first.telegram_number()), (0x1234_5678, 0x9ABC));
+    // Too short and of odd length: no telegram, whatever its sum.
+    assert!(Telegram::new_checked(&bytes[..bytes.len() - 1]).is_none());
 }

@@ -12,3 +12,5 @@ pub use drives::{DriveCommand, StopKind};
 
 #[cfg(test)]
 mod base_tests;
+#[cfg(test)]
+mod bus_tests;

@@ -225,3 +225,12 @@ proptest::proptest! {
         proptest::prop_assert!(counters.accepted >= u32::from(counters.refused == 0));
     }
 }
+
+/// The model that was decided for, and none before.
+#[test]
+fn the_decided_model_is_told() {
+    let mut decoder = Decoder::new(ModelChoice::Auto);
+    assert_eq!(decoder.model(), None);
+    decoder.decode(&packet(0, 1_000, 500, SINGLE), Stamp::from_micros(9)).expect("a valid packet");
+    assert_eq!(decoder.model(), Some(Model::Vlp16));
+}

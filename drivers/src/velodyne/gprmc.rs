@@ -116,6 +116,30 @@ mod tests {
         assert!(!parsed.expect("well-formed").is_valid);
     }
 
+    fn parsed(fields: &str) -> Result<Gprmc, GprmcError> {
+        let body = std::format!("GPRMC,{fields}");
+        let sum = body.bytes().fold(0, |sum, byte| sum ^ byte);
+        Gprmc::parse(&std::format!("${body}*{sum:02X}"))
+    }
+
+    /// The last values that are possible, and the first ones that are not.
+    #[test]
+    fn limits_of_time_and_place() {
+        assert_eq!(parsed("235960,A,,,,").map(|found| found.seconds_of_day), Ok(86_400), "a leap second");
+        for time in ["240000", "236000", "235961", "2359"] {
+            assert_eq!(parsed(&std::format!("{time},A,,,,")), Err(GprmcError::Field(1)), "{time}");
+        }
+        let place = |fields: &str| parsed(&std::format!("000000,A,{fields}")).map(|found| found.place);
+        let pole = Place { latitude_deg: -90.0, longitude_deg: 180.0 };
+        assert_eq!(place("9000.0,S,18000.0,E"), Ok(Some(pole)));
+        let field = |number| Err(GprmcError::Field(number));
+        assert_eq!(place("9000.1,N,00000.0,E"), field(3));
+        assert_eq!(place("4960.0,N,00000.0,E"), field(3), "sixty minutes");
+        assert_eq!(place("4900.0,N,18000.1,W"), field(5));
+        assert_eq!(place(",,00000.0,E"), field(3), "half a place is none");
+        assert_eq!(place("4900.0,N,,"), field(5));
+    }
+
     #[test]
     fn wrong_sentences_say_what_is_wrong() {
         assert_eq!(Gprmc::parse(""), Err(GprmcError::Other));

@@ -196,3 +196,40 @@ pub fn detect_model(product_byte: u8, packet_period_us: u32) -> Option<Model> {
         .find(|(model, dual)| model.packet_us(*dual).abs_diff(packet_period_us) <= TOLERANCE_US)
         .map(|(model, _)| model)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_model_has_its_byte_and_its_name() {
+        let known = [
+            (0x21, Model::Hdl32E, "HDL-32E"),
+            (0x22, Model::Vlp16, "VLP-16"),
+            (0x24, Model::HiRes, "Puck Hi-Res"),
+            (0x28, Model::Vlp32C, "VLP-32C"),
+        ];
+        for (byte, model, name) in known {
+            assert_eq!((Model::from_product_byte(byte), model.name()), (Some(model), name));
+        }
+        assert_eq!(Model::from_product_byte(0x23), None);
+    }
+
+    /// Wire-formats 1.2: the early VLP-16 calls itself an HDL-32E, its packets come less than half as often.
+    #[test]
+    fn the_time_between_packets_tells_an_early_model() {
+        for (period_us, model) in [
+            (1_327, Some(Model::Vlp16)),
+            (663, Some(Model::Vlp16)),
+            (553, Some(Model::Hdl32E)),
+            (276, Some(Model::Hdl32E)),
+            (1_327 + 31, None),
+            (1_327 - 31, None),
+            (2_654, None),
+        ] {
+            assert_eq!(detect_model(0x21, period_us), model, "{period_us}");
+        }
+        assert_eq!(detect_model(0x28, 1_327), Some(Model::Vlp32C), "any other byte is believed");
+        assert_eq!(detect_model(0x99, 1_327), None);
+    }
+}

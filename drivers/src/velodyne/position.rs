@@ -103,3 +103,27 @@ impl<'a> PositionPacket<'a> {
         if line.is_ascii() { core::str::from_utf8(line).unwrap_or_default() } else { "" }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_field_stands_in_its_place() {
+        let mut bytes = [0; field::BYTES];
+        bytes[187] = 41;
+        bytes[188] = 38;
+        bytes[198..202].copy_from_slice(&3_599_999_999_u32.to_le_bytes());
+        bytes[202] = 2;
+        let packet = PositionPacket::new_checked(&bytes).unwrap();
+        assert_eq!(packet.temperatures_celsius(), (41, 38));
+        assert_eq!((packet.stamp_us(), packet.pps()), (3_599_999_999, PpsState::Locked));
+        assert!(!packet.is_thermally_shut_down());
+        bytes[203] = 1;
+        assert!(PositionPacket::new_checked(&bytes).unwrap().is_thermally_shut_down());
+        assert_eq!(
+            PositionPacket::new_checked(&bytes[1..]).unwrap_err(),
+            PositionError::Length { received: 511 }
+        );
+    }
+}

@@ -100,3 +100,57 @@ fn a_sweep_that_is_full_counts_what_it_drops() {
     }
     assert_eq!((building.column_count, building.dropped_columns), (1_824, 2_400 - 1_824));
 }
+
+/// A packet of a slow head: firings 10 cdeg apart, one of every two at `near`, the other at `far`.
+fn slow(number: u32, near: u16, far: u16) -> LidarPacket {
+    let mut packet = columns(number);
+    for (index, column) in packet.columns.iter_mut().enumerate() {
+        column.azimuth_cdeg = (240 * number + 10 * index as u32) as u16 % 36_000;
+        column.range_raw.fill(if index % 2 == 0 { near } else { far });
+        column.reflectivity.fill(if index % 2 == 0 { 1 } else { 2 });
+    }
+    packet
+}
+
+/// At 300 rpm two firings share a column: the nearer return of both stays, and silence hides nothing.
+#[test]
+fn firings_of_a_slow_head_share_columns() {
+    for (first, second, kept, bright) in
+        [(500, 400, 400, 2), (400, 500, 400, 1), (0, 500, 500, 2), (500, 0, 500, 1), (300, 300, 300, 1)]
+    {
+        let mut building = Box::new(Sweep::<16>::EMPTY);
+        let mut builder = SweepBuilder::new(18_000);
+        for number in 0..3 {
+            builder.add(&slow(number, first, second), 0, &mut building, |_| panic!("nothing is complete"));
+        }
+        assert_eq!(building.column_count, 3 * 12, "24 firings of each packet");
+        for column in building.used_columns() {
+            assert_eq!(column.azimuth_cdeg % 20, 0);
+            assert_eq!(
+                (column.range_raw, column.reflectivity),
+                ([kept; 16], [bright; 16]),
+                "{first} {second}"
+            );
+        }
+    }
+}
+
+/// What was not measured stays unknown, however near the next firing is; the azimuth wraps.
+#[test]
+fn a_firing_is_not_merged_into_an_unknown_column_and_merges_over_zero() {
+    let mut building = Box::new(Sweep::<16>::EMPTY);
+    let mut builder = SweepBuilder::new(18_000);
+    let mut packet = slow(0, 500, 400);
+    for (index, column) in packet.columns.iter_mut().enumerate() {
+        column.azimuth_cdeg = ((35_990 + 10 * index as u32) % 36_000) as u16;
+    }
+    builder.add(&packet, 0, &mut building, |_| panic!("nothing is complete"));
+    assert_eq!((building.column_count, building.used_columns()[0].range_raw), (12, [400; 16]));
+    building.columns[11].measured = false;
+    let mut next = slow(1, 500, 400);
+    next.columns
+        .iter_mut()
+        .for_each(|column| column.azimuth_cdeg = (column.azimuth_cdeg + 36_000 - 20) % 36_000);
+    builder.add(&next, 0, &mut building, |_| panic!("nothing is complete"));
+    assert_eq!((building.column_count, building.columns[11].measured), (24, false));
+}

@@ -142,6 +142,25 @@ impl<'a> Iterator for Items<'a> {
 mod tests {
     use super::*;
 
+    /// Bits 2 and 3 of the identifier name the frame (wire-formats 5.3).
+    #[test]
+    fn each_frame_of_reference_has_its_bits() {
+        let frame = |bits: u8| {
+            let bytes = [0x20, 0x10 | bits << 2, 0];
+            Items::new(&bytes).next().unwrap().unwrap().local_frame
+        };
+        let frames = [LocalFrame::EastNorthUp, LocalFrame::NorthEastDown, LocalFrame::NorthWestUp].map(Some);
+        assert_eq!([frame(0), frame(1), frame(2)], frames);
+        assert_eq!(frame(3), None);
+    }
+
+    #[test]
+    fn a_whole_number_has_its_length() {
+        let item = |data| Item { kind: 0, local_frame: None, format: NumberFormat::Float32, data };
+        assert_eq!(item(&[1, 2]).whole(2), Some(0x0102));
+        assert_eq!((item(&[1, 2]).whole(1), item(&[1, 2, 3, 4, 5]).whole(5)), (None, None));
+    }
+
     /// Number samples of wire-formats 5.4.
     #[test]
     fn published_numbers() {

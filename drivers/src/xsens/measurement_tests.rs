@@ -194,3 +194,39 @@ fn status_bits_stand_where_the_specification_has_them() {
     let clipping: Vec<u32> = (0..32).filter(|number| bit(*number).is_clipping()).collect();
     assert_eq!(clipping, [8, 9, 10, 11, 12, 13, 14, 15, 16, 19]);
 }
+
+/// Each flag of the status word is one bit (wire-formats 5.3).
+#[test]
+fn each_flag_of_the_status_is_one_bit() {
+    type Meaning = fn(StatusWord) -> bool;
+    let meanings: [(u32, Meaning); 6] = [
+        (1, StatusWord::filter_valid),
+        (2, StatusWord::satellite_fix),
+        (5, StatusWord::representative_motion),
+        (6, StatusWord::clock_synchronised),
+        (21, StatusWord::sync_in),
+        (22, StatusWord::sync_out),
+    ];
+    for (bit, meaning) in meanings {
+        assert!(meaning(StatusWord(1 << bit)) && !meaning(StatusWord(!(1 << bit))), "bit {bit}");
+    }
+}
+
+/// Items that no vector holds, each alone: coarse time, rotation matrix, pressure, high rates.
+#[test]
+fn items_that_few_devices_send() {
+    let item = |kind: u16, data: &[u8]| {
+        let mut bytes = kind.to_be_bytes().to_vec();
+        bytes.push(data.len() as u8);
+        bytes.extend(data);
+        Measurement::decode(&bytes).unwrap()
+    };
+    let floats =
+        |count: u8| (1..=count).flat_map(|value| f32::from(value).to_be_bytes()).collect::<Vec<u8>>();
+    assert_eq!(item(0x1070, &[0, 0, 1, 2]).sample_time_coarse, Some(258));
+    assert_eq!(item(0x3010, &[0, 1, 0x86, 0xA0]).pressure_pa, Some(100_000));
+    assert_eq!(item(0x4040, &floats(3)).high_rate_acceleration_mps2, Some([1.0, 2.0, 3.0]));
+    assert_eq!(item(0x8040, &floats(3)).high_rate_of_turn_radps, Some([1.0, 2.0, 3.0]));
+    let by_columns = [[1.0, 4.0, 7.0], [2.0, 5.0, 8.0], [3.0, 6.0, 9.0]];
+    assert_eq!(item(0x2020, &floats(9)).rotation_matrix, Some(by_columns));
+}

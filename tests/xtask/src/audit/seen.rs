@@ -24,6 +24,8 @@ pub struct Seen {
     pub bound_value: Option<u64>,
     /// Counters were compiled into it.
     pub counted: bool,
+    /// Why there is no count.
+    pub why_not: &'static str,
 }
 
 /// One counted loop, as it is kept.
@@ -69,6 +71,16 @@ pub fn numbers(sites: &[LoopSite]) -> Vec<usize> {
     sites.iter().map(number).collect()
 }
 
+/// Why a loop is in no record.
+fn why_not(site: &LoopSite) -> &'static str {
+    match site.kind.as_str() {
+        _ if !site.edits.is_empty() => "new since loops were counted, or no counter compiles there",
+        "fill" | "comparison" => "the compiler writes it: as many turns as the array is long",
+        "own iterator" => "each of its turns is one of the loop that asks it",
+        _ => "the compiler may compute it, or its source has no name that a counter could be put to",
+    }
+}
+
 /// Puts what was recorded beside the loops.
 pub fn compare(root: &Path, sites: &mut [LoopSite]) -> Claim {
     let text = std::fs::read_to_string(root.join(RECORD)).unwrap_or_default();
@@ -85,11 +97,14 @@ fn judge(records: Vec<Record>, sites: &mut [LoopSite]) -> Claim {
         let name = (text(&site.file), text(&site.function), text(&site.kind), number, text(&site.bound));
         countable += usize::from(!site.edits.is_empty());
         let Some(record) = records.get(&name) else {
+            site.seen.why_not = why_not(site);
             unknown += usize::from(!site.edits.is_empty());
             continue;
         };
         let bound_value = Some(record.bound_value).filter(|value| *value > 0);
-        site.seen = Seen { largest_seen: record.largest, bound_value, counted: true };
+        let why_not =
+            if record.largest.is_none() { unseen::reason(&site.file).unwrap_or_default() } else { "" };
+        site.seen = Seen { largest_seen: record.largest, bound_value, counted: true, why_not };
         ran += usize::from(record.largest.is_some());
         if record.largest.is_none() {
             never += 1;
@@ -153,5 +168,6 @@ mod tests {
         assert_eq!(claim.findings.iter().map(|finding| finding.line).collect::<Vec<_>>(), [3], "no reason");
         assert!(claim.evidence.contains("1 cannot"), "{}", claim.evidence);
         assert_eq!((sites[0].seen.counted, sites[1].seen.counted), (false, true));
+        assert!(sites[0].seen.why_not.starts_with("new since"), "{}", sites[0].seen.why_not);
     }
 }

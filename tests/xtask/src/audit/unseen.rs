@@ -22,11 +22,6 @@ pub fn reason(file: &str) -> Option<&'static str> {
     REASONS.iter().find(|(beginning, _)| file.starts_with(beginning)).map(|(_, tests)| *tests)
 }
 
-/// The reason, as it stands behind "never ran".
-pub fn told(file: &str) -> String {
-    reason(file).map_or_else(String::new, |tests| format!(" in a unit test; see {tests}, not counted yet"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::REASONS;

@@ -25,6 +25,9 @@ pub struct Record {
     pub caught: usize,
     /// Mutants that do not compile.
     pub unviable: usize,
+    /// Mutants that were not tried when the campaign was cut.
+    #[serde(default)]
+    pub untried: usize,
     /// Mutants that no test noticed.
     pub survivors: Vec<Survivor>,
 }

@@ -39,6 +39,7 @@ pub fn run(name: &str, fresh: bool) -> Result<Option<bool>> {
         outcomes.book(&mutants[*number].name, Outcome::Unviable)?;
     }
     together(&spoiled, part, (&mutants, &refused), &mut outcomes)?;
+    conclude(part, &mutants, &outcomes)?;
     for number in &refused.alone {
         let mutant = &mutants[*number];
         if outcomes.of(&mutant.name).is_none() {
@@ -118,11 +119,12 @@ fn conclude(part: &Part, mutants: &[Mutant], outcomes: &Outcomes) -> Result<bool
     let record = result(part, mutants, outcomes, &root)?;
     let percent = record.percent();
     println!(
-        "{}: {} viable mutants, {} caught, {} survive: {percent:.1} % caught or explained, {:.0} % wanted",
+        "{}: {} viable mutants, {} caught, {} survive, {} not tried: {percent:.1} % caught or explained, {:.0} % wanted",
         part.name,
         record.viable,
         record.caught,
         record.survivors.len(),
+        record.untried,
         part.wanted_percent
     );
     for survivor in record.survivors.iter().filter(|survivor| survivor.reason.is_empty()) {
@@ -150,6 +152,7 @@ fn result(part: &Part, mutants: &[Mutant], outcomes: &Outcomes, root: &Path) -> 
         viable: caught + survivors.len(),
         caught,
         unviable: with(|outcome| outcome == Outcome::Unviable).count(),
+        untried: mutants.iter().filter(|mutant| outcomes.of(&mutant.name).is_none()).count(),
         survivors,
     })
 }

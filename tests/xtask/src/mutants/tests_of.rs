@@ -26,10 +26,6 @@ pub struct Suite {
     pub skipped: &'static [&'static str],
 }
 
-const fn of_robot(target: &'static [&'static str]) -> Suite {
-    Suite { package: "floorguard-tests", target, chosen: &[], skipped: &[] }
-}
-
 /// All parts.
 pub const PARTS: &[Part] = &[
     Part {
@@ -56,15 +52,7 @@ pub const PARTS: &[Part] = &[
         name: "mutants-drivers",
         package: "floorguard-drivers",
         files: &["drivers/src/**"],
-        suites: &[
-            Suite { package: "floorguard-drivers", target: &["--lib"], chosen: &[], skipped: &[] },
-            of_robot(&["--test", "can_recordings"]),
-            of_robot(&["--test", "sim_can"]),
-            of_robot(&["--test", "sim_imu"]),
-            of_robot(&["--test", "sim_microscan3"]),
-            of_robot(&["--test", "sim_s300"]),
-            of_robot(&["--test", "sim_velodyne"]),
-        ],
+        suites: &[Suite { package: "floorguard-drivers", target: &["--lib"], chosen: &[], skipped: &[] }],
         wanted_percent: 85.0,
     },
 ];

@@ -36,7 +36,7 @@ impl Program {
         }
         let path = shell::test_executable(&String::from_utf8_lossy(&output.stdout));
         let path = path.context("cargo names no test executable")?;
-        let folder = if suite.package == "floorguard-tests" { "tests" } else { folder_of(suite.package) };
+        let folder = if suite.package == "floorguard-core" { "core-nostd" } else { "drivers" };
         let mut arguments: Vec<String> = suite.chosen.iter().map(|&word| word.to_owned()).collect();
         arguments.extend(suite.skipped.iter().flat_map(|&word| ["--skip".to_owned(), word.to_owned()]));
         Ok(Some(Self { path, folder: spoiled.sources().join(folder), arguments }))
@@ -92,8 +92,4 @@ impl Program {
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         command
     }
-}
-
-fn folder_of(package: &str) -> &'static str {
-    if package == "floorguard-core" { "core-nostd" } else { "drivers" }
 }

@@ -5,7 +5,6 @@ use std::fmt::Write as _;
 
 use super::table::{Table, escape, grouped, source};
 use crate::audit::loops::LoopSite;
-use crate::audit::unseen;
 
 /// A fold for each room, with what its tests reached.
 pub fn section(sites: &[LoopSite]) -> String {
@@ -35,6 +34,15 @@ pub fn section(sites: &[LoopSite]) -> String {
     html
 }
 
+/// The largest count, or why there is none.
+fn seen(site: &LoopSite) -> String {
+    match (site.seen.largest_seen, site.seen.counted) {
+        (Some(largest), _) => grouped(largest),
+        (None, true) => format!("never ran while it was counted; see {}", escape(site.seen.why_not)),
+        (None, false) => format!("not counted: {}", escape(site.seen.why_not)),
+    }
+}
+
 fn table(sites: &[&LoopSite]) -> String {
     let mut table = Table::new(&[
         "place",
@@ -52,11 +60,7 @@ fn table(sites: &[&LoopSite]) -> String {
             escape(&site.kind),
             escape(&site.bound),
             site.seen.bound_value.map_or_else(String::new, grouped),
-            match (site.seen.counted, site.seen.largest_seen) {
-                (true, Some(largest)) => grouped(largest),
-                (true, None) => format!("never ran{}", escape(&unseen::told(&site.file))),
-                (false, _) => String::from("not counted"),
-            },
+            seen(site),
             escape(site.how),
         ]);
     }

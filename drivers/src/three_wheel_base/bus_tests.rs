@@ -1,0 +1,368 @@
+//! What each device tells reaches the robot once, and what it may not tell does not.
+
+use std::vec::Vec;
+
+use floorguard_core::sensing::{DirtReading, DriveState};
+use floorguard_core::time::Stamp;
+
+use super::*;
+use crate::can::CanFrame;
+use crate::canopen::Emergency;
+
+/// A bus on which every device answers what it is asked.
+struct Bus {
+    base: ThreeWheelBase,
+    now_ms: u64,
+    /// Devices that are gone.
+    silent: Vec<u8>,
+}
+
+impl Bus {
+    fn running() -> Self {
+        Self::with(BaseConfiguration::default())
+    }
+
+    fn with(configuration: BaseConfiguration) -> Self {
+        let mut bus = Self { base: ThreeWheelBase::new(configuration), now_ms: 1_000, silent: Vec::new() };
+        (0..80).for_each(|_| _ = bus.poll());
+        assert!(bus.base.is_complete());
+        bus
+    }
+
+    fn now(&self) -> Stamp {
+        Stamp::from_micros(self.now_ms * 1_000)
+    }
+
+    fn hear(&mut self, id: u16, payload: &[u8]) -> Vec<BaseEvent> {
+        let (mut events, now) = (Vec::new(), self.now());
+        self.base.on_frame(&CanFrame::standard(id, payload), now, &mut |event| events.push(event));
+        events
+    }
+
+    /// Ten milliseconds: what the master sent, and what it told; then the devices answer.
+    fn poll(&mut self) -> (Vec<CanFrame>, Vec<BaseEvent>) {
+        self.now_ms += 10;
+        let (mut sent, mut events) = (Vec::new(), Vec::new());
+        self.base.poll(self.now(), &mut |event| events.push(event), &mut |frame| sent.push(*frame));
+        for node in 1..=5 {
+            if self.base.devices()[usize::from(node) - 1].is_operational()
+                && !self.silent.contains(&(node as u8))
+            {
+                self.hear(0x700 + node, &[5]);
+            }
+        }
+        let gone = self.silent.clone();
+        for frame in &sent {
+            match (frame.standard_id().unwrap(), frame.payload()) {
+                (0x000, [_, node]) if gone.contains(node) => {}
+                (id @ 0x601..=0x67F, _) if gone.contains(&((id & 0x7F) as u8)) => {}
+                (0x000, [1, node]) => _ = self.hear(0x700 + u16::from(*node), &[5]),
+                (id @ 0x601..=0x67F, [command, low, high, sub, ..]) => {
+                    let done = if *command == 0x40 { 0x43 } else { 0x60 };
+                    self.hear(id - 0x80, &[done, *low, *high, *sub, 0, 0, 0, 1]);
+                }
+                _ => {}
+            }
+        }
+        (sent, events)
+    }
+
+    /// Both drives report this state; the report is complete with the second one.
+    fn drives(&mut self, status: u16, speed: i32, angle: i32) -> Vec<BaseEvent> {
+        let report = |value: i32| {
+            let ([low, high], [a, b, c, d]) = (status.to_le_bytes(), value.to_le_bytes());
+            [low, high, a, b, c, d]
+        };
+        assert_eq!(self.hear(0x182, &report(angle)), []);
+        self.hear(0x181, &report(speed))
+    }
+
+    fn words(&self) -> Vec<(u16, u16)> {
+        let mut sent = Vec::new();
+        self.base.send_command(&mut |frame| sent.push(*frame));
+        let word = |frame: &CanFrame| u16::from_le_bytes([frame.payload()[0], frame.payload()[1]]);
+        sent.iter().map(|frame| (frame.standard_id().unwrap(), word(frame))).collect()
+    }
+}
+
+#[test]
+fn both_drives_make_one_report_in_metres_and_radians() {
+    let mut bus = Bus::running();
+    let events = bus.drives(0x0237, -1_234, 57_296);
+    let [BaseEvent::Drive(feedback)] = events[..] else { panic!("{events:?}") };
+    assert_eq!(feedback.state, DriveState::Enabled);
+    assert!((feedback.wheel_speed_mps + 1.234).abs() < 1.0e-6, "{feedback:?}");
+    assert!((feedback.steering_rad - 1.0).abs() < 1.0e-4, "{feedback:?}");
+    assert_eq!(bus.hear(0x181, &[0x37, 2, 0, 0, 0, 0]), [], "one alone is no report");
+}
+
+/// The angle goes out in thousandths of a degree, the speed in mm/s; what is no number moves nothing.
+#[test]
+fn commands_go_out_in_the_units_of_the_drives() {
+    let mut bus = Bus::running();
+    bus.drives(0x0237, 0, 4_000);
+    let targets = |bus: &Bus| {
+        let mut sent = Vec::new();
+        bus.base.send_command(&mut |frame| sent.push(*frame));
+        let target = |frame: &CanFrame| i32::from_le_bytes(frame.payload()[2..6].try_into().unwrap());
+        sent.iter().map(target).collect::<Vec<_>>()
+    };
+    bus.base.command(DriveCommand::Move { wheel_mps: 0.5, steering_rad: -0.5 });
+    assert_eq!(targets(&bus), [500, -28_648]);
+    bus.base.command(DriveCommand::Move { wheel_mps: f32::NAN, steering_rad: f32::INFINITY });
+    assert_eq!(targets(&bus), [0, 4_000], "the wheel stands, the angle is held");
+    bus.base.command(DriveCommand::Stop(StopKind::Hold));
+    assert_eq!(targets(&bus), [0, 4_000]);
+}
+
+/// A ramp stops the wheel; the steering keeps its angle until the robot stands.
+#[test]
+fn a_ramp_leaves_the_steering_its_torque() {
+    let mut bus = Bus::running();
+    bus.base.command(DriveCommand::Move { wheel_mps: 0.5, steering_rad: 0.1 });
+    bus.drives(0x0237, 500, 0);
+    bus.base.command(DriveCommand::Stop(StopKind::Ramp));
+    assert_eq!(bus.words(), [(0x201, 0x0002), (0x202, 0x000F)]);
+    bus.base.command(DriveCommand::Stop(StopKind::TorqueOff));
+    assert_eq!(bus.words(), [(0x201, 0x0000), (0x202, 0x0000)]);
+}
+
+/// The steering that dropped out by itself is not switched on again by a ramp.
+#[test]
+fn a_steering_that_left_operation_stays_down() {
+    let mut bus = Bus::running();
+    bus.base.command(DriveCommand::Move { wheel_mps: 0.5, steering_rad: 0.1 });
+    bus.drives(0x0237, 500, 0);
+    bus.hear(0x182, &[0x50, 2, 0, 0, 0, 0]);
+    bus.hear(0x182, &[0x37, 2, 0, 0, 0, 0]);
+    bus.base.command(DriveCommand::Stop(StopKind::Ramp));
+    assert_eq!(bus.words()[1], (0x202, 0x0000));
+}
+
+/// Three polls without the bit, three with it: an edge that every drive sees. Then the normal words again.
+#[test]
+fn a_reset_is_an_edge_of_some_polls() {
+    let mut bus = Bus::running();
+    bus.drives(0x0218, 0, 0);
+    bus.base.reset_faults();
+    let words: Vec<u16> = (0..8)
+        .map(|_| {
+            let word = bus.words()[0].1;
+            bus.poll();
+            word
+        })
+        .collect();
+    assert_eq!(words, [0, 0, 0, 0x80, 0x80, 0x80, 0, 0]);
+    bus.drives(0x0240, 0, 0);
+    bus.base.reset_faults();
+    assert_eq!(bus.words()[0].1 & 0x80, 0, "a drive without a fault needs none");
+}
+
+#[test]
+fn emergencies_name_their_device_and_become_the_code_of_its_fault() {
+    let mut bus = Bus::running();
+    let emergency = Emergency { code: 0x5441, register: 0x20, manufacturer: [1, 2, 3, 4, 5] };
+    let payload = [0x41, 0x54, 0x20, 1, 2, 3, 4, 5];
+    assert_eq!(bus.hear(0x080, &payload), [], "SYNC is no emergency");
+    for node in [1_u16, 2, 3] {
+        assert_eq!(bus.hear(0x080 + node, &payload), [BaseEvent::Emergency(node as u8, emergency)]);
+    }
+    let fault = |bus: &mut Bus, traction: u16, steering: u16| {
+        bus.hear(0x181, &[traction as u8, 2, 0, 0, 0, 0]);
+        let events = bus.hear(0x182, &[steering as u8, 2, 0, 0, 0, 0]);
+        let [BaseEvent::Drive(feedback)] = events[..] else { panic!("{events:?}") };
+        feedback.state
+    };
+    assert_eq!(fault(&mut bus, 0x18, 0x40), DriveState::Fault(0x5441));
+    assert_eq!(fault(&mut bus, 0x40, 0x18), DriveState::Fault(0x5441));
+    let mut other = Bus::running();
+    other.hear(0x083, &payload);
+    assert_eq!(
+        fault(&mut other, 0x18, 0x40),
+        DriveState::Fault(0x1000),
+        "an encoder's complaint is not the drive's"
+    );
+}
+
+#[test]
+fn the_dirt_sensor_is_heard_where_there_is_one() {
+    let dirt = BaseConfiguration { dirt_sensor_node: Some(6), ..BaseConfiguration::default() };
+    let mut bus = Bus::with(dirt);
+    for (flags, brush_turns) in [(1, true), (3, true), (0, false), (2, false)] {
+        let stamp = bus.now();
+        let reading = DirtReading { stamp, count: 0x0201, brush_turns, sequence: 9 };
+        assert_eq!(bus.hear(0x186, &[1, 2, flags, 9, 7]), [BaseEvent::Dirt(reading)]);
+    }
+    let refused = bus.base.counters().refused;
+    assert_eq!(bus.hear(0x186, &[1, 2, 1]), []);
+    assert_eq!(bus.base.counters().refused, refused + 1);
+    assert_eq!(Bus::running().hear(0x186, &[1, 2, 1, 9]), [], "nobody is configured there");
+}
+
+/// The gateway's four objects, and nobody else's.
+#[test]
+fn inputs_come_from_the_gateway_in_any_of_its_objects() {
+    let mut configuration = BaseConfiguration::default();
+    configuration.inputs.emergency_stop.bits = [0, 1];
+    configuration.inputs.bumper_front.bits = [64, 65];
+    for (id, object) in [(0x285, 64), (0x385, 128), (0x485, 192)] {
+        configuration.inputs.bumper_front.bits = [object, object + 1];
+        let mut bus = Bus::with(configuration);
+        assert_eq!(bus.hear(0x185, &[3]), [], "not complete yet");
+        assert_eq!(bus.hear(id - 1, &[3]), [], "another device");
+        assert!(matches!(bus.hear(id, &[3])[..], [BaseEvent::Inputs(_)]), "{id:03X}");
+    }
+}
+
+/// A device that falls silent is told once and counted; its drive is stopped, its last report does not count.
+#[test]
+fn a_lost_drive_is_told_and_forgotten() {
+    for node in [1_u8, 2] {
+        let mut bus = Bus::running();
+        bus.base.command(DriveCommand::Move { wheel_mps: 0.5, steering_rad: 0.0 });
+        bus.drives(0x0237, 0, 0);
+        assert_eq!(bus.words()[0].1, 0x000F);
+        bus.silent.push(node);
+        let told: Vec<BaseEvent> = (0..60).flat_map(|_| bus.poll().1).collect();
+        assert_eq!(told, [BaseEvent::NodeLost(node)]);
+        assert_eq!((bus.base.counters().losses, bus.base.is_complete()), (1, false));
+        // It comes back and is started again, but nothing is known of it: the wheel gets no target and no way to operate.
+        bus.silent.clear();
+        (0..200).for_each(|_| _ = bus.poll());
+        assert!(bus.base.is_complete());
+        bus.base.command(DriveCommand::Move { wheel_mps: 0.5, steering_rad: 0.0 });
+        let wanted: &[(u16, u16)] =
+            if node == 1 { &[(0x201, 0x0002), (0x202, 0x000F)] } else { &[(0x201, 0x000F)] };
+        assert_eq!(bus.words(), wanted);
+        let mut sent = Vec::new();
+        bus.base.send_command(&mut |frame| sent.push(*frame));
+        assert_eq!(sent[0].payload()[2..], [0; 4]);
+    }
+}
+
+/// An encoder that was away may have turned any way: its count goes on from where it was, without a jump.
+#[test]
+fn an_encoder_that_returns_makes_no_jump() {
+    for (lost, wanted) in [(3_u8, (0, 50)), (4, (50, 0)), (5, (50, 50))] {
+        let mut bus = Bus::running();
+        let sample = |bus: &mut Bus, left: u8, right: u8| {
+            bus.hear(0x183, &[left, 0, 0, 0, 0, 0]);
+            let events = bus.hear(0x184, &[right, 0, 0, 0, 0, 0]);
+            let [BaseEvent::Wheels(sample)] = events[..] else { panic!("{events:?}") };
+            (sample.left_ticks, sample.right_ticks)
+        };
+        let before = sample(&mut bus, 10, 10);
+        bus.silent.push(lost);
+        (0..60).for_each(|_| _ = bus.poll());
+        bus.silent.clear();
+        (0..200).for_each(|_| _ = bus.poll());
+        assert!(bus.base.is_complete());
+        let after = sample(&mut bus, 60, 60);
+        let moved = (after.0 - before.0, after.1 - before.1);
+        assert_eq!(moved, wanted, "node {lost}");
+    }
+}
+
+/// What one SYNC latched is not mixed with what the next one did.
+#[test]
+fn positions_of_two_moments_make_no_sample() {
+    let mut bus = Bus::running();
+    assert_eq!(bus.hear(0x183, &[10, 0, 0, 0, 0, 0]), []);
+    bus.poll();
+    assert_eq!(bus.hear(0x184, &[10, 0, 0, 0, 0, 0]), []);
+    bus.now_ms += 9;
+    assert!(matches!(bus.hear(0x183, &[10, 0, 0, 0, 0, 0])[..], [BaseEvent::Wheels(_)]), "9 ms are in time");
+    bus.poll();
+    bus.now_ms += 10;
+    bus.hear(0x183, &[10, 0, 0, 0, 0, 0]);
+    assert_eq!(bus.base.counters().late, 1);
+}
+
+/// The master speaks every 50 ms, or whoever watches it stops the robot.
+#[test]
+fn the_master_keeps_its_heartbeat() {
+    let mut bus = Bus::running();
+    let beats: Vec<bool> = (0..20).map(|_| bus.poll().0.contains(&CanFrame::standard(0x77F, &[5]))).collect();
+    assert_eq!(beats.iter().filter(|beat| **beat).count(), 4);
+    assert!(beats.windows(5).all(|five| five.iter().filter(|beat| **beat).count() == 1), "{beats:?}");
+}
+
+/// The traction drive was in operation before this master came; that is told once, and of no other device.
+#[test]
+fn a_drive_that_runs_already_is_told() {
+    for node in 1..=5_u16 {
+        let mut bus = Bus {
+            base: ThreeWheelBase::new(BaseConfiguration::default()),
+            now_ms: 1_000,
+            silent: Vec::new(),
+        };
+        let events = bus.hear(0x700 + node, &[5]);
+        let wanted: &[BaseEvent] = if node == 1 { &[BaseEvent::FoundRunning] } else { &[] };
+        assert_eq!(events, wanted, "node {node}");
+        assert_eq!(bus.hear(0x700 + node, &[0x7F]), []);
+    }
+}
+
+/// FG-REQ-055: a wheel that goes on turning although it is told to stand is stopped by silence and by NMT.
+#[test]
+fn a_traction_drive_that_does_not_obey_is_left_alone() {
+    let mut bus = Bus::running();
+    bus.base.command(DriveCommand::Move { wheel_mps: 1.0, steering_rad: 0.0 });
+    bus.drives(0x0237, 1_000, 0);
+    (0..30).for_each(|_| _ = bus.poll());
+    bus.base.command(DriveCommand::Stop(StopKind::Ramp));
+    let stop = CanFrame::standard(0, &[2, 1]);
+    let beat = CanFrame::standard(0x77F, &[5]);
+    let mut silenced = 0;
+    for _ in 0..250 {
+        bus.drives(0x0237, 1_000, 0);
+        let (sent, _) = bus.poll();
+        if sent.contains(&stop) {
+            silenced += 1;
+            assert!(!sent.contains(&beat), "no heartbeat while it disobeys");
+            assert!(!sent.contains(&CanFrame::standard(0, &[1, 1])), "nor a start");
+        }
+    }
+    assert!(silenced > 150, "{silenced}");
+    assert_eq!(bus.base.counters().silences, silenced);
+}
+
+/// The drives watch the master: 127 and 200 ms in one word; ramps in mm/s².
+#[test]
+fn the_drives_are_told_whom_to_watch_and_how_to_brake() {
+    let configuration =
+        BaseConfiguration { acceleration_mps2: 0.5, quick_stop_mps2: 2.5, ..BaseConfiguration::default() };
+    let mut base = ThreeWheelBase::new(configuration);
+    let mut written = Vec::new();
+    let mut now_ms = 0;
+    for _ in 0..200 {
+        let mut sent = Vec::new();
+        now_ms += 10;
+        let now = Stamp::from_micros(now_ms * 1_000);
+        base.poll(now, &mut |_| (), &mut |frame| sent.push(*frame));
+        for frame in sent {
+            if let (id @ (0x601 | 0x602), &[command, low, high, sub, a, b, c, d]) =
+                (frame.standard_id().unwrap(), frame.payload())
+            {
+                written.push((id, u16::from_le_bytes([low, high]), sub, u32::from_le_bytes([a, b, c, d])));
+                let done = if command == 0x40 { 0x43 } else { 0x60 };
+                base.on_frame(
+                    &CanFrame::standard(id - 0x80, &[done, low, high, sub, 0, 0, 0, 1]),
+                    now,
+                    &mut |_| (),
+                );
+            }
+        }
+    }
+    for wanted in [
+        (0x601, 0x1016, 1, 0x007F_00C8),
+        (0x602, 0x1016, 1, 0x007F_00C8),
+        (0x601, 0x1017, 0, 100),
+        (0x601, 0x6007, 0, 3),
+        (0x601, 0x6083, 0, 500),
+        (0x601, 0x6084, 0, 1_500),
+        (0x601, 0x6085, 0, 2_500),
+    ] {
+        assert!(written.contains(&wanted), "{wanted:X?} is not in {written:X?}");
+    }
+}

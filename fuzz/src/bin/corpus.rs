@@ -1,0 +1,41 @@
+//! Writes what our tools generate as the targets' first inputs: `corpus/TARGET/NUMBER` beside this package.
+
+use std::fs;
+use std::path::Path;
+
+use floorguard_fuzz::{corpus, joined};
+use floorguard_hosted::configuration::EXAMPLE;
+use floorguard_tests::fuzz::messages;
+
+/// Files for one target; of a long stream its beginning says enough.
+const FILES_MAX: usize = 200;
+
+fn main() -> std::io::Result<()> {
+    let simulated = corpus();
+    let lines: Vec<Vec<u8>> =
+        simulated.can.iter().map(|frame| floorguard_sim::can::encode_slcan(frame).into_bytes()).collect();
+    let scan = messages::microscan3_message(40);
+    // What chooses by numbers needs no example of them, only room for some.
+    let numbers: Vec<Vec<u8>> = (0..8).map(|value: u8| vec![value.wrapping_mul(37); 512]).collect();
+    let of_targets: [(&str, Vec<Vec<u8>>); 10] = [
+        ("velodyne", simulated.lidar.chunks(2).map(joined).collect()),
+        ("position", simulated.position.clone()),
+        ("s300", simulated.scanner.clone()),
+        ("slcan", lines.chunks(8).map(|lines| lines.concat()).collect()),
+        ("base", numbers.clone()),
+        ("xsens", [simulated.imu.clone(), messages::xsens_messages()].concat()),
+        ("microscan3", vec![joined(&messages::microscan3_datagrams(&scan, 1)), scan]),
+        ("configuration", vec![EXAMPLE.as_bytes().to_vec()]),
+        ("recording", vec![messages::recording()]),
+        ("runtime", numbers),
+    ];
+    for (target, inputs) in of_targets {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus").join(target);
+        fs::create_dir_all(&folder)?;
+        for (number, input) in inputs.iter().take(FILES_MAX).enumerate() {
+            fs::write(folder.join(number.to_string()), input)?;
+        }
+        println!("{target}: {} inputs", inputs.len().min(FILES_MAX));
+    }
+    Ok(())
+}

@@ -1,0 +1,181 @@
+//! Bytes into each decoder of the drivers: no panic, nothing out of range comes out, and the next right message is understood.
+#![allow(clippy::missing_panics_doc)] // That they panic at a wrong answer is what they are for.
+
+use floorguard_core::sensing::BeamReturn;
+use floorguard_core::time::Stamp;
+use floorguard_drivers::can::{CanFrame, SlcanEvent, SlcanReceiver, encode_slcan};
+use floorguard_drivers::microscan3::{Event as SafetyScannerEvent, Message, Receiver as SafetyScanner};
+use floorguard_drivers::s300::{Configuration, Event, Receiver};
+use floorguard_drivers::three_wheel_base::{BaseConfiguration, BaseEvent, DriveCommand, ThreeWheelBase};
+use floorguard_drivers::velodyne::{Decoder, Gprmc, ModelChoice, PositionPacket};
+use floorguard_drivers::xsens::{FrameReceiver, Measurement};
+use floorguard_sim::can::CanFrame as SimulatedFrame;
+
+use super::messages::xsens_list;
+use super::{pick, spoil};
+use crate::campaign::Random;
+
+fn at(micros: u64) -> Stamp {
+    Stamp::from_micros(micros)
+}
+
+/// Datagrams of the lidar's data port, one after another.
+pub fn velodyne(datagrams: &[Vec<u8>]) -> u64 {
+    let mut decoder = Decoder::new(ModelChoice::Auto);
+    let mut accepted = 0;
+    for (step, bytes) in datagrams.iter().enumerate() {
+        if let Ok((packet, _)) = decoder.decode(bytes, at(1_000_000 + step as u64 * 1_327)) {
+            accepted += 1;
+            assert!(packet.columns.iter().all(|column| column.azimuth_cdeg < 36_000));
+        }
+    }
+    let counted = decoder.counters();
+    assert_eq!(u64::from(counted.accepted), accepted, "counted is what was delivered");
+    accepted
+}
+
+/// A datagram of the lidar's position port.
+pub fn position(bytes: &[u8]) -> u64 {
+    let taken = PositionPacket::new_checked(bytes).map(|packet| {
+        let _ = (packet.stamp_us(), packet.pps(), packet.temperatures_celsius());
+        let _ = Gprmc::parse(packet.sentence());
+    });
+    u64::from(taken.is_ok())
+}
+
+/// The sentence of a satellite receiver.
+pub fn sentence(bytes: &[u8]) -> u64 {
+    u64::from(Gprmc::parse(&String::from_utf8_lossy(bytes)).is_ok())
+}
+
+/// Bytes of the safety scanner in portions of so many. After a pause, whatever came before, a whole scan follows within these
+/// right telegrams.
+pub fn s300(bytes: &[u8], portion: usize, afterwards: &[Vec<u8>]) -> u64 {
+    let mut receiver = Receiver::new(Configuration::default());
+    let (mut scans, mut now) = (0, 1_000_000);
+    for part in bytes.chunks(portion.max(1)) {
+        receiver.push(part, at(now), |event| {
+            if let Event::Scan(scan) = event {
+                scans += 1;
+                assert!(!scan.beams.contains(&BeamReturn::Hit(0)), "a hit at no distance");
+            }
+        });
+        now += 1_000;
+    }
+    let mut understood = 0;
+    for telegram in afterwards {
+        now += 100_000;
+        receiver.push(telegram, at(now), |event| understood += u64::from(matches!(event, Event::Scan(_))));
+    }
+    assert!(understood > 0 || afterwards.is_empty(), "it did not find back into step");
+    scans
+}
+
+/// Lines of a serial CAN adaptor.
+pub fn slcan(bytes: &[u8]) -> u64 {
+    let known = CanFrame::standard(0x181, &[1, 2, 3, 4]);
+    let mut receiver = SlcanReceiver::new();
+    let mut seen = 0;
+    receiver.push(bytes, |event| {
+        if let SlcanEvent::Frame(frame) = event {
+            assert!(frame.payload().len() <= 8);
+            seen += 1;
+        }
+    });
+    receiver.push(b"\r", |_| {});
+    let mut last = None;
+    receiver.push(&encode_slcan(&known), |event| last = Some(event));
+    assert_eq!(last, Some(SlcanEvent::Frame(known)), "it did not find back into step");
+    seen
+}
+
+/// Frames that one base sees.
+pub const BUS_FRAMES: u64 = 20;
+
+/// Spoilt frames of a bus, orders and time between them.
+pub fn base(frames: &[SimulatedFrame], random: &mut Random) -> u64 {
+    let mut base = ThreeWheelBase::new(BaseConfiguration::default());
+    let mut now = 1_000_000;
+    let mut told = 0;
+    for _ in 0..BUS_FRAMES {
+        let frame = pick(frames, random);
+        let mut payload = frame.data[..usize::from(frame.len.min(8))].to_vec();
+        spoil(&mut payload, &[0xFF; 8], 8, random);
+        let id = if random.seldom(4) { random.below(0x800) as u16 } else { frame.id as u16 & 0x7FF };
+        let begun = now;
+        let mut event = |event: BaseEvent| {
+            told += 1;
+            if let BaseEvent::Wheels(sample) = event {
+                assert!(sample.stamp <= at(begun), "a sample from the future");
+            }
+        };
+        base.on_frame(&CanFrame::standard(id, &payload), at(now), &mut event);
+        now += random.below(9_000);
+        if random.seldom(3) {
+            let steering_rad = f32::from_bits(random.next() as u32);
+            base.command(DriveCommand::Move { wheel_mps: 0.5, steering_rad });
+            base.poll(at(now), &mut event, &mut |frame| assert!(frame.payload().len() <= 8));
+        }
+    }
+    told
+}
+
+/// Bytes of the inertial sensor.
+pub fn xsens(bytes: &[u8]) -> u64 {
+    let list = xsens_list();
+    let known = floorguard_sim::wire::encode_message(0x36, &list);
+    let mut receiver = FrameReceiver::new();
+    let mut seen = 0;
+    receiver.push(bytes, at(1_000_000), |message, _| {
+        seen += u64::from(Measurement::decode(message.data).is_ok());
+    });
+    let _ = Measurement::decode(bytes);
+    // A false length may swallow as much as the longest frame; after that the known message is heard.
+    let mut heard = false;
+    for _ in 0..200 {
+        receiver.push(&known, at(1_000_000), |message, _| heard |= message.data == list);
+        if heard {
+            break;
+        }
+    }
+    assert!(heard, "it did not find back into step");
+    seen
+}
+
+/// A message of the microScan3 family, as it would stand before it is cut into datagrams.
+pub fn microscan3_message(bytes: &[u8]) {
+    let _ = Message::new_checked(bytes).map(|message| {
+        let paths = message.intrusion().map_or(0, |intrusion| intrusion.paths().count());
+        let _ = (message.status(), message.geometry(), message.application(), paths);
+    });
+}
+
+/// Datagrams of the microScan3 family into a receiver that has heard others before, with the time before each. Afterwards
+/// the right ones are understood.
+pub fn microscan3(
+    receiver: &mut SafetyScanner,
+    now_us: &mut u64,
+    datagrams: &[(u64, Vec<u8>)],
+    right: &[Vec<u8>],
+) -> u64 {
+    let mut take = |datagram: &[u8], now_us: u64| {
+        let mut scans = 0;
+        receiver.push(datagram, at(now_us), |event| {
+            if let SafetyScannerEvent::Scan(scan) = event {
+                scans += 1;
+                assert!(!scan.beams.contains(&BeamReturn::Hit(0)), "a hit at no distance");
+            }
+        });
+        scans
+    };
+    let mut scans = 0;
+    for (pause_us, datagram) in datagrams {
+        *now_us += pause_us;
+        scans += take(datagram, *now_us);
+    }
+    // Incomplete messages are given up in time, and a whole one is understood.
+    *now_us += 1_000_000;
+    let understood: u64 = right.iter().map(|datagram| take(datagram, *now_us)).sum();
+    assert!(understood > 0, "it did not find back into step");
+    scans
+}
