@@ -1,11 +1,51 @@
 //! Where the bytes come from: `udp:ADDRESS:PORT`, `serial:DEVICE`, `socketcan:INTERFACE`, `slcan:DEVICE`.
 
-use std::net::SocketAddr;
+use std::fmt;
+use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
 
 /// A UDP socket to bind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct DatagramAddress(pub SocketAddr);
+pub struct DatagramAddress {
+    /// Address and port on this computer.
+    pub local: SocketAddr,
+    /// Whom it listens to; without it, to everybody.
+    pub sender: Option<SenderAddress>,
+}
+
+/// The device that sends datagrams, from any of its ports or from one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SenderAddress {
+    /// Its address.
+    pub address: IpAddr,
+    /// Its port, where that is told.
+    pub port: Option<u16>,
+}
+
+impl SenderAddress {
+    /// Parses `ADDRESS` or `ADDRESS:PORT`.
+    #[must_use]
+    pub fn parse(text: &str) -> Option<Self> {
+        let with_port = text.parse::<SocketAddr>().ok();
+        let with_port = with_port.map(|sender| Self { address: sender.ip(), port: Some(sender.port()) });
+        with_port.or_else(|| text.parse().ok().map(|address| Self { address, port: None }))
+    }
+
+    /// Whether a datagram from there is the device's.
+    #[must_use]
+    pub fn is(&self, from: SocketAddr) -> bool {
+        self.address == from.ip() && self.port.is_none_or(|port| port == from.port())
+    }
+}
+
+impl fmt::Display for SenderAddress {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.port {
+            Some(port) => SocketAddr::new(self.address, port).fmt(f),
+            None => self.address.fmt(f),
+        }
+    }
+}
 
 /// A serial line.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -38,7 +78,8 @@ impl DatagramAddress {
     /// Parses `udp:ADDRESS:PORT`.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
-        text.strip_prefix("udp:")?.parse().ok().map(Self)
+        let local = text.strip_prefix("udp:")?.parse().ok()?;
+        Some(Self { local, sender: None })
     }
 }
 
@@ -59,4 +100,23 @@ impl CanAddress {
 #[must_use]
 pub(super) fn parse_serial(text: &str) -> Option<PathBuf> {
     text.strip_prefix("serial:").filter(|device| device.starts_with('/')).map(PathBuf::from)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sender_is_told_by_its_address_and_by_its_port_where_it_has_one() {
+        let from = |text: &str| text.parse::<SocketAddr>().unwrap();
+        let any = SenderAddress::parse("192.168.1.201").unwrap();
+        assert!(any.is(from("192.168.1.201:2368")) && any.is(from("192.168.1.201:9")));
+        assert!(!any.is(from("192.168.1.202:2368")));
+        let one = SenderAddress::parse("192.168.1.201:2368").unwrap();
+        assert!(one.is(from("192.168.1.201:2368")) && !one.is(from("192.168.1.201:9")));
+        assert_eq!([any.to_string(), one.to_string()], ["192.168.1.201", "192.168.1.201:2368"]);
+        for wrong in ["", "lidar", "192.168.1", "192.168.1.201:", "udp:192.168.1.201:2368"] {
+            assert_eq!(SenderAddress::parse(wrong), None, "{wrong}");
+        }
+    }
 }

@@ -8,7 +8,9 @@ use floorguard_runtime::configuration::{
     ScannerModel,
 };
 
-use super::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress, parse_serial};
+use super::address::{
+    CanAddress, DatagramAddress, ScannerAddress, SenderAddress, SerialAddress, parse_serial,
+};
 use super::reader::Reader;
 
 /// Beams of the finest output of the microScan3 family (wire-formats 3.3); what there is room for is the guard's to say.
@@ -46,6 +48,21 @@ pub(super) fn read_source<T>(
     address
 }
 
+/// The port to bind, and the only device that is listened to there, if one is named.
+fn read_datagrams(section: &Reader<'_>, example: &str) -> Option<DatagramAddress> {
+    let source = read_source(section, example, DatagramAddress::parse);
+    let text = section.text_or_absent("sender", "192.168.1.201", "whoever sends is listened to");
+    let sender = text.as_ref().and_then(|(text, _)| SenderAddress::parse(text));
+    if let (Some((text, span)), None) = (&text, sender) {
+        section.refuse(
+            span,
+            format!("{}: `sender` is \"{text}\", no address of a device", section.title()),
+            "write for example \"192.168.1.201\", or with its port \"192.168.1.201:2368\"",
+        );
+    }
+    Some(DatagramAddress { sender, ..source? })
+}
+
 pub(super) fn read_serial(section: &Reader<'_>) -> Option<SerialAddress> {
     let device = read_source(section, "serial:/dev/ttyUSB0", parse_serial);
     let baud = section.integer("baud", 9_600..=4_000_000) as u32;
@@ -61,7 +78,7 @@ pub(super) fn read_lidar(section: Reader<'_>) -> Option<(LidarConfiguration, Dat
         ("hdl32e", LidarModel::Hdl32e),
     ];
     let model = section.choice("model", &models);
-    let source = read_source(&section, "udp:0.0.0.0:2368", DatagramAddress::parse);
+    let source = read_datagrams(&section, "udp:0.0.0.0:2368");
     let mounting = read_mounting(section.section("mounting"));
     section.finish();
     Some((LidarConfiguration { model: model?, mounting }, source?))
@@ -93,8 +110,15 @@ pub(super) fn read_scanner_device(section: &Reader<'_>) -> (Option<ScannerModel>
         section.integer_or("beams", 276..=i64::from(MICROSCAN3_BEAMS), i64::from(MICROSCAN3_BEAMS)) as u16;
     if let Some(ScannerModel::MicroScan3 { .. }) = model {
         let model = ScannerModel::MicroScan3 { beams };
-        let source = read_source(section, "udp:0.0.0.0:6060", DatagramAddress::parse);
+        let source = read_datagrams(section, "udp:0.0.0.0:6060");
         return (Some(model), source.map(ScannerAddress::Datagrams));
+    }
+    if let Some(sender) = section.find("sender") {
+        section.refuse(
+            &sender.span(),
+            "[scanner]: `sender` is given, and an S300 is connected by a line of its own",
+            "leave `sender` out, or write model = \"microscan3\"",
+        );
     }
     if section.find("beams").is_some() {
         section.refuse(

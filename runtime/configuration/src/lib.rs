@@ -13,7 +13,7 @@ mod read;
 mod reader;
 mod reference;
 
-pub use address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
+pub use address::{CanAddress, DatagramAddress, ScannerAddress, SenderAddress, SerialAddress};
 pub use bake::bake;
 pub use camera::{CameraConfiguration, CameraSource};
 pub use learning::LearningConfiguration;

@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 
 use crate::shell;
@@ -23,6 +23,9 @@ pub struct Options {
 
 /// Records, installs and reads. True when every reader agrees, or none can be had.
 pub fn run(options: &Options) -> Result<bool> {
+    if let Some(file) = options.file.as_ref().filter(|file| !file.is_file()) {
+        bail!("{}: no such file; `floorguard simulate --record` makes one", file.display());
+    }
     let work = shell::target_folder().join("check-recording");
     std::fs::create_dir_all(&work)?;
     let python = match environment(&work) {
@@ -90,4 +93,16 @@ fn record(work: &Path) -> Result<Option<PathBuf>> {
         eprintln!("check-recording: the run to be recorded failed; repeat it with: {simulate:?}");
     }
     Ok(done.then_some(file))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_is_not_there_is_named_before_anything_is_installed() {
+        let wrong = Options { file: Some(PathBuf::from("/nowhere/run.mcap")), cuts: 1 };
+        let error = run(&wrong).unwrap_err().to_string();
+        assert!(error.contains("/nowhere/run.mcap: no such file"), "{error}");
+    }
 }

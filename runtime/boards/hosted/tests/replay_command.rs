@@ -185,6 +185,23 @@ fn walker_range_m(angle: f64, at_s: f64) -> f64 {
     legs.into_iter().filter_map(leg).fold(8.0, f64::min)
 }
 
+/// A data packet of a VLP-16 whose blocks all look in one direction.
+fn standing_packet() -> Vec<u8> {
+    let block = [&[0xff, 0xee, 0x10, 0x27][..], &[0xf4, 0x01, 9].repeat(32)].concat();
+    [block.repeat(12), vec![0; 4], vec![0x37, 0x22]].concat()
+}
+
+/// A frame of a capture with a datagram to the lidar's port.
+fn captured(payload: &[u8]) -> Vec<u8> {
+    let length = |more: usize| ((payload.len() + more) as u16).to_be_bytes();
+    let udp = [&[9, 64, 9, 64][..], &length(8), &[0, 0], payload].concat();
+    let ip =
+        [&[0x45, 0][..], &length(28), &[0, 0, 0, 0, 64, 17, 0, 0], &[192, 168, 1, 201], &[255; 4]].concat();
+    let frame = [vec![0xff; 12], vec![8, 0], ip, udp].concat();
+    let size = (frame.len() as u32).to_le_bytes();
+    [&[0; 8][..], &size, &size, &frame].concat()
+}
+
 #[test]
 fn what_is_no_data_is_refused_with_a_reason() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -197,7 +214,10 @@ fn what_is_no_data_is_refused_with_a_reason() {
     words.digest(Stamp::ZERO, 7).expect("memory");
     let words = words.finish().expect("memory").into_inner();
     let pcap = [&[0xd4, 0xc3, 0xb2, 0xa1, 2, 0, 4, 0][..], &[0; 8], &[0, 0, 1, 0, 1, 0, 0, 0]].concat();
-    let cases: [(&str, &[u8], &str); 8] = [
+    let standing = [pcap.clone(), captured(&standing_packet())].concat();
+    let cases: [(&str, &[u8], &str); 9] = [
+        // A lidar that does not turn: every packet is refused, and that is no empty hall.
+        ("standing.pcap", &standing, "1 packet refused and none taken"),
         ("no.mcap", b"hello", "capture"),
         ("words.mcap", &words, "no PointCloud2 and no LaserScan"),
         ("cut.mcap", &words[..30], "cut"),

@@ -279,6 +279,41 @@ fn render(root: &std::path::Path) {
     std::fs::write(broken, &whole[..whole.len() / 2]).unwrap();
 }
 
+/// What two devices send to one port is told once, with the remedy; what is not the lidar's is left out where it is named.
+#[test]
+fn a_stranger_on_the_port_of_the_lidar_is_told_and_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let [lidar, stranger] = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap());
+    let run = |sender: &str| {
+        let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let file = robot_file(folder.path(), port);
+        let text = std::fs::read_to_string(&file).unwrap();
+        let source = format!("source = \"udp:127.0.0.1:{port}\"\n");
+        std::fs::write(&file, text.replace(&source, &format!("{source}{sender}"))).unwrap();
+        let child = Command::new(env!("CARGO_BIN_EXE_floorguard"))
+            .args(["run", &file, "--duration", "1.5"])
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        for _ in 0..30 {
+            // Before the robot listens this fails, which is part of the game.
+            let _ = lidar.send_to(&[7; 1_206], ("127.0.0.1", port));
+            let _ = stranger.send_to(&[7; 33], ("127.0.0.1", port));
+            std::thread::sleep(std::time::Duration::from_millis(40));
+        }
+        String::from_utf8(child.wait_with_output().unwrap().stderr).unwrap()
+    };
+    let [first, second] = [&lidar, &stranger].map(|socket| socket.local_addr().unwrap().to_string());
+    let said = run("");
+    assert_eq!(said.matches("datagrams come from").count(), 1, "{said}");
+    assert!(said.contains(&first) && said.contains(&second) && said.contains("name the device"), "{said}");
+    assert!(said.contains("packet of 33 bytes"), "{said}");
+    let said = run(&format!("sender = \"{first}\"\n"));
+    let told = format!("[lidar] datagrams of {second} are left out: only sender {first} is listened to");
+    assert_eq!(said.matches(&told).count(), 1, "{said}");
+    assert!(!said.contains("packet of 33 bytes"), "{said}");
+}
+
 fn robot_file(folder: &std::path::Path, port: u16) -> String {
     let devices = folder.display();
     let text = floorguard_hosted::configuration::EXAMPLE

@@ -13,5 +13,5 @@ pub use can_pipe::CanPipe;
 pub use pipe::{DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 pub use reconnect::ReconnectingLine;
 pub use serial::{PseudoTerminal, SerialLine};
-pub use socket::UdpReceiver;
+pub use socket::{Listening, UdpReceiver};
 pub use socket_can::SocketCanBus;

@@ -95,6 +95,7 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
         make_folder(folder)?;
     }
     let mut watch = Watch::new(arguments, &shared);
+    watch.notices = Some(links.notices());
     if let Some(path) = &arguments.learn {
         let mounting = configuration.robot.guard().scanner.mounting;
         let learner = LiveLearner::open(path, mounting, Calendar::now());
@@ -222,6 +223,7 @@ struct Watch<'a> {
     next_mission_s: f64,
     lines: Lines,
     unwritten: Vec<String>,
+    notices: Option<Receiver<String>>,
 }
 
 impl<'a> Watch<'a> {
@@ -246,6 +248,7 @@ impl<'a> Watch<'a> {
             next_mission_s: 0.0,
             lines: Lines::default(),
             unwritten: Vec::new(),
+            notices: None,
         }
     }
 
@@ -271,6 +274,9 @@ impl<'a> Watch<'a> {
                 self.on_bus(&report);
             }
             self.on_complaints(&self.shared.complaints());
+            for notice in self.notices.iter().flat_map(Receiver::try_iter) {
+                self.display.note(&format!("  {notice}"));
+            }
             if let Some(status) = self.shared.status.get() {
                 self.on_status(&status);
             }

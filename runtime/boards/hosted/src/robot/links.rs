@@ -2,11 +2,12 @@
 
 use std::io;
 use std::net::UdpSocket;
+use std::sync::mpsc::{Receiver, channel};
 
 use floorguard_runtime::tape::TapeLine;
 
 use super::tap::{Tap, Tapped};
-use crate::carriers::{CanLink, ReconnectingLine, UdpReceiver};
+use crate::carriers::{CanLink, Listening, ReconnectingLine, UdpReceiver};
 use crate::cleaner::MissionSetup;
 use crate::configuration::{CanAddress, Carriers, DatagramAddress, ScannerAddress, SerialAddress};
 use crate::learning::LearningSetup;
@@ -17,15 +18,15 @@ use crate::world::{GuardCarriers, PeopleInbox, ScannerCarrier};
 pub enum ScannerLink {
     /// An S300's line.
     Serial(SerialAddress),
-    /// A microScan3's port, bound already.
-    Datagrams(UdpSocket),
+    /// A microScan3's port, bound already, and whom it listens to.
+    Datagrams(UdpSocket, Listening),
 }
 
 /// Where the bytes come from, before the guard's thread opens it.
 #[derive(Debug)]
 pub struct Links {
-    /// The lidar's port, bound already: a port that is taken is an error at the start.
-    pub lidar: UdpSocket,
+    /// The lidar's port, bound already, and whom it listens to: a port that is taken is an error at the start.
+    pub lidar: (UdpSocket, Listening),
     /// The safety scanner's line or port.
     pub scanner: ScannerLink,
     /// The inertial sensor's line.
@@ -69,7 +70,10 @@ impl Links {
         let lidar = bind_port("lidar", carriers.lidar)?;
         let scanner = match &carriers.scanner {
             ScannerAddress::Serial(address) => ScannerLink::Serial(address.clone()),
-            ScannerAddress::Datagrams(address) => ScannerLink::Datagrams(bind_port("scanner", *address)?),
+            ScannerAddress::Datagrams(address) => {
+                let (socket, listening) = bind_port("scanner", *address)?;
+                ScannerLink::Datagrams(socket, listening)
+            }
         };
         let imu = carriers.imu.clone();
         Ok(Self {
@@ -84,6 +88,17 @@ impl Links {
         })
     }
 
+    /// What its ports have to say to people while the robot runs.
+    #[must_use]
+    pub fn notices(&mut self) -> Receiver<String> {
+        let (notices, heard) = channel();
+        self.lidar.1.notices = Some(notices.clone());
+        if let ScannerLink::Datagrams(_, listening) = &mut self.scanner {
+            listening.notices = Some(notices);
+        }
+        heard
+    }
+
     /// Opens everything on the calling thread; `missing` hears of what is not there yet.
     ///
     /// # Errors
@@ -94,7 +109,8 @@ impl Links {
                 missing(Missing { source, why: error.to_string() });
             }
         };
-        let lidar = UdpReceiver::from_socket(self.lidar)?;
+        let (socket, listening) = self.lidar;
+        let lidar = UdpReceiver::from_socket(socket, listening)?;
         let tap = self.tap;
         let scanner = match self.scanner {
             ScannerLink::Serial(address) => {
@@ -102,8 +118,8 @@ impl Links {
                 note("safety scanner", problem);
                 ScannerCarrier::Serial(Tapped::new(line, TapeLine::Scanner, tap.clone()))
             }
-            ScannerLink::Datagrams(socket) => {
-                let socket = UdpReceiver::from_socket(socket)?;
+            ScannerLink::Datagrams(socket, listening) => {
+                let socket = UdpReceiver::from_socket(socket, listening)?;
                 ScannerCarrier::Datagrams(Tapped::new(socket, TapeLine::Scanner, tap.clone()))
             }
         };
@@ -124,9 +140,11 @@ impl Links {
 }
 
 /// Binds the port of a device; `section` of the robot's file names it.
-fn bind_port(section: &str, DatagramAddress(address): DatagramAddress) -> io::Result<UdpSocket> {
-    UdpSocket::bind(address).map_err(|error| {
+fn bind_port(section: &'static str, address: DatagramAddress) -> io::Result<(UdpSocket, Listening)> {
+    let DatagramAddress { local, sender } = address;
+    let socket = UdpSocket::bind(local).map_err(|error| {
         let remedy = format!("end the other program that listens there, or correct [{section}] source");
-        io::Error::new(error.kind(), format!("[{section}] udp:{address}: {error}; {remedy}"))
-    })
+        io::Error::new(error.kind(), format!("[{section}] udp:{local}: {error}; {remedy}"))
+    })?;
+    Ok((socket, Listening { section, only: sender, notices: None }))
 }

@@ -14,7 +14,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use socketcan::{CanFrame as KernelFrame, CanSocket, Socket};
 
 use super::inbox::PeopleInbox;
-use crate::carriers::PseudoTerminal;
+use crate::carriers::{Listening, PseudoTerminal};
 use crate::configuration::{CanAddress, SerialAddress};
 use crate::robot::{Links, ScannerLink};
 
@@ -68,7 +68,7 @@ impl Ends {
             }
         };
         let links = Links {
-            lidar: robot_lidar,
+            lidar: (robot_lidar, Listening::default()),
             scanner: robot_scanner,
             imu: Some(SerialAddress { device: imu.device.clone(), baud: IMU_BAUD }),
             can: address,
@@ -136,7 +136,7 @@ impl ScannerEnd {
             }
             ScannerModel::MicroScan3 { .. } => {
                 let (device, robot) = loopback()?;
-                Ok((Self::Datagrams(device), ScannerLink::Datagrams(robot)))
+                Ok((Self::Datagrams(device), ScannerLink::Datagrams(robot, Listening::default())))
             }
         }
     }

@@ -7,7 +7,7 @@ use floorguard_core::motion::{MotionDetector, MotionParameters, find_moving_peop
 use floorguard_core::people::{FloorHeight, PeoplePipeline, RingAngles, SweepContext, Track, TrackStatus};
 use floorguard_core::sensing::Sweep;
 use floorguard_core::time::Stamp;
-use floorguard_drivers::velodyne::{Counters, Decoder, Model, ModelChoice, SweepBuilder};
+use floorguard_drivers::velodyne::{Counters, DecodeError, Decoder, Model, ModelChoice, SweepBuilder};
 
 use super::recorded::Recorded;
 use super::rows::{SweepRow, print};
@@ -56,6 +56,7 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
     let mut player = Player::new(model, arguments.json, recorded);
     let mut pace = Pace { enabled: arguments.realtime, start: None };
     let mut ended: Option<CaptureError> = None;
+    let mut refusal: Option<DecodeError> = None;
     let started = Instant::now();
     for datagram in Capture::open(&arguments.file)? {
         match datagram {
@@ -63,8 +64,11 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
                 pace.wait(datagram.captured_us);
                 let arrival = Stamp::from_micros(datagram.captured_us);
                 player.recorded.datagram(arrival, &datagram.payload);
-                if let Ok((packet, lost)) = decoder.decode(&datagram.payload, arrival) {
-                    builder.add(&packet, lost, &mut building, |sweep| player.sweep(sweep));
+                match decoder.decode(&datagram.payload, arrival) {
+                    Ok((packet, lost)) => {
+                        builder.add(&packet, lost, &mut building, |sweep| player.sweep(sweep))
+                    }
+                    Err(error) => refusal = Some(error),
                 }
             }
             Ok(_) => {}
@@ -75,7 +79,18 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
         player.sweep(&building);
     }
     std::mem::replace(&mut player.failed, Ok(()))?;
-    player.summary(&decoder.counters(), started.elapsed());
+    let counters = decoder.counters();
+    if let Some(error) = refusal {
+        let refused = counted(counters.refused, "packet");
+        if counters.accepted == 0 && ended.is_none() {
+            let name = arguments.file.display();
+            return Err(
+                BadInput(format!("{name}: {refused} refused and none taken; the last: {error}")).into()
+            );
+        }
+        say!("{refused} refused, the last: {error}");
+    }
+    player.summary(&counters, started.elapsed());
     player.recorded.finish()?;
     ended.map_or(Ok(()), |error| Err(error.into()))
 }
