@@ -223,7 +223,14 @@ fn a_lost_drive_is_told_and_forgotten() {
         bus.drives(0x0237, 0, 0);
         assert_eq!(bus.words()[0].1, 0x000F);
         bus.silent.push(node);
-        let told: Vec<BaseEvent> = (0..60).flat_map(|_| bus.poll().1).collect();
+        let mut told = Vec::new();
+        for _ in 0..60 {
+            let (sent, events) = bus.poll();
+            // Whoever is left hears of a loss at once, not with the next poll.
+            let commands = sent.iter().filter(|frame| frame.standard_id() == Some(0x201)).count();
+            assert_eq!(commands, 1 + events.len(), "{events:?}");
+            told.extend(events);
+        }
         assert_eq!(told, [BaseEvent::NodeLost(node)]);
         assert_eq!((bus.base.counters().losses, bus.base.is_complete()), (1, false));
         // It comes back and is started again, but nothing is known of it: the wheel gets no target and no way to operate.
@@ -313,17 +320,20 @@ fn a_traction_drive_that_does_not_obey_is_left_alone() {
     bus.base.command(DriveCommand::Stop(StopKind::Ramp));
     let stop = CanFrame::standard(0, &[2, 1]);
     let beat = CanFrame::standard(0x77F, &[5]);
-    let mut silenced = 0;
+    // The steering is away meanwhile: it is called all the same.
+    bus.silent.push(2);
+    let (mut silenced, mut called) = (0, 0);
     for _ in 0..250 {
         bus.drives(0x0237, 1_000, 0);
         let (sent, _) = bus.poll();
         if sent.contains(&stop) {
             silenced += 1;
+            called += u32::from(sent.iter().any(|frame| frame.standard_id() == Some(0x602)));
             assert!(!sent.contains(&beat), "no heartbeat while it disobeys");
             assert!(!sent.contains(&CanFrame::standard(0, &[1, 1])), "nor a start");
         }
     }
-    assert!(silenced > 150, "{silenced}");
+    assert!(silenced > 150 && called > 0, "{silenced} {called}");
     assert_eq!(bus.base.counters().silences, silenced);
 }
 
