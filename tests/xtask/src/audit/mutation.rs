@@ -24,11 +24,12 @@ fn judge(records: &[Record]) -> Claim {
     });
     let told = records.iter().map(|record| {
         format!(
-            "{}: {} of {} viable caught, {} survive, {:.1} % caught or explained",
+            "{}: {} of {} viable caught, {} survive, {} not tried, {:.1} % caught or explained",
             record.name,
             record.caught,
             record.viable,
             record.survivors.len(),
+            record.untried,
             record.percent()
         )
     });

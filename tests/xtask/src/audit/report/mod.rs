@@ -3,6 +3,7 @@
 mod claims;
 mod explain;
 mod goals;
+mod instructions;
 mod loops;
 mod manual;
 mod page;

@@ -5,11 +5,10 @@ use std::fmt::Write as _;
 use serde_json::Value;
 
 use super::table::{Table, code, escape, grouped, source, verdict};
-use super::{claims, goals, loops, manual, stack};
+use super::{claims, goals, instructions, loops, manual, stack};
 use crate::audit::evidence::Evidence;
 use crate::audit::hosted_rooms::HOSTED_ROOMS;
 use crate::audit::trace::{Place, Requirement, Trace};
-use crate::firmware::BUDGETS;
 use crate::mutants::Record;
 
 /// Sections: anchor, heading.
@@ -50,7 +49,7 @@ pub fn html(evidence: &Evidence) -> String {
         requirements(&evidence.trace),
         hazards(&evidence.trace),
         format!("<p>Every transition that the search over all reachable states saw.</p>{}", evidence.states),
-        instructions(evidence.records.firmware.as_ref(), evidence.records.worst.as_ref()),
+        instructions::section(evidence.records.firmware.as_ref(), evidence.records.worst.as_ref()),
         goals::section(evidence.records.campaigns.as_ref()),
         campaigns(evidence.records.campaigns.as_ref()),
         mutants(&evidence.mutants),
@@ -137,43 +136,6 @@ fn hazards(trace: &Trace) -> String {
     table.finish()
 }
 
-/// Most instructions of the worst input that was searched for a stage, with the seed of the search.
-fn worst_of(worst: Option<&Value>, stage: &str) -> Option<(u64, String)> {
-    let kept = worst?.as_array()?.iter().find(|kept| kept["stage"] == stage)?;
-    let search = format!("{} scenes, seed {}", kept["trials"], kept["seed"]);
-    Some((kept["instructions"].as_u64()?, search))
-}
-
-fn instructions(firmware: Option<&Value>, worst: Option<&Value>) -> String {
-    let Some(firmware) = firmware else {
-        return String::from("<p>Not measured: <code>cargo xtask firmware --update</code> measures.</p>");
-    };
-    let number = |value: &Value| value.as_u64().map_or_else(|| String::from("?"), grouped);
-    let mut table = Table::new(&["stage", "times", "mean", "most", "worst input", "searched in", "budget"]);
-    for (name, cost) in firmware["instructions"].as_object().into_iter().flatten() {
-        let (searched, how) = worst_of(worst, name).unzip();
-        let most = searched.unwrap_or(0).max(cost["max"].as_u64().unwrap_or(0));
-        let budget = BUDGETS.iter().find(|(stage, _)| stage == name).map(|(_, budget)| *budget);
-        table.row(&[
-            code(name),
-            number(&cost["count"]),
-            number(&cost["mean"]),
-            number(&cost["max"]),
-            searched.map_or_else(String::new, grouped),
-            how.unwrap_or_default(),
-            budget.map_or_else(String::new, |budget| verdict(most <= budget, &grouped(budget))),
-        ]);
-    }
-    format!(
-        "<p>Instructions of each stage on the emulated Cortex-M7, for one recorded mission. <code>cargo xtask firmware</code> \
-         repeats it and fails when a count differs by more than 0.5 %, or when the fingerprint of all outputs on the \
-         Cortex-M7 differs from the one on the host. The worst inputs are rooms that a search made as costly as it could: it \
-         climbs on these very counts and proves no bound. Both gave {}. These are instructions, not cycles.</p>{}",
-        code(firmware["digest"].as_str().unwrap_or("?")),
-        table.finish()
-    )
-}
-
 fn campaigns(records: Option<&Value>) -> String {
     let mut table = Table::new(&["campaign", "trials", "findings", "counted", "repeat with"]);
     let listed = records.and_then(Value::as_array);
@@ -202,7 +164,15 @@ fn campaigns(records: Option<&Value>) -> String {
 }
 
 fn mutants(records: &[Record]) -> String {
-    let mut parts = Table::new(&["part", "viable", "caught", "caught or explained", "wanted", "repeat with"]);
+    let mut parts = Table::new(&[
+        "part",
+        "viable",
+        "caught",
+        "not tried",
+        "caught or explained",
+        "wanted",
+        "repeat with",
+    ]);
     let mut table = Table::new(&["place", "source", "what no test notices", "why nobody can"]);
     for record in records {
         let good = record.percent() >= record.wanted_percent;
@@ -210,6 +180,7 @@ fn mutants(records: &[Record]) -> String {
             escape(&record.name),
             record.viable.to_string(),
             record.caught.to_string(),
+            record.untried.to_string(),
             verdict(good, &format!("{:.1} %", record.percent())),
             format!("{:.0} %", record.wanted_percent),
             code(&record.command),
@@ -224,7 +195,9 @@ fn mutants(records: &[Record]) -> String {
         }
     }
     format!(
-        "<p>cargo-mutants spoils the code in one place at a time; the tests of the package must fail.</p>{}{}",
+        "<p>The code is spoiled in one place at a time, as cargo-mutants lists it; the tests of the package must fail. What no \
+         test notices is listed: with the reason where nobody could notice it, and with nothing where a test is missing. Those \
+         count against the share.</p>{}{}",
         parts.finish(),
         table.finish()
     )
