@@ -1,8 +1,10 @@
 //! Whole missions in small rooms: what is claimed, against what is true.
 
 use floorguard_core::random::Pcg32;
+use floorguard_hosted::executor::StopFlag;
 use floorguard_hosted::mission::{
-    DirtSource, Floor, Keeping, Memory, MissionConfig, Strategy, rooms, run, run_keeping,
+    DirtSource, Floor, Keeping, Memory, MissionConfig, Onlooker, Strategy, rooms, run, run_keeping,
+    run_strategies_believing,
 };
 
 #[test]
@@ -75,7 +77,7 @@ fn power_cuts_cost_neither_claims_nor_much_way() {
                 newest = Some(Memory::decode(&now.encode())?);
                 Ok(())
             };
-            let keeping = Keeping { from: memory.as_ref(), keep: Some(&mut keep) };
+            let keeping = Keeping { from: memory.as_ref(), keep: Some(&mut keep), ended: None };
             match run_keeping(&floor, &config, (&expected, &expected), (5, keeping)) {
                 Ok(result) => break result,
                 Err(_) => cuts += 1,
@@ -112,6 +114,28 @@ fn a_memory_of_another_mission_is_refused() {
     let expected = dirt.expected_units(&floor, &mut Pcg32::new(5, 77)).expect("dirt");
     let config = MissionConfig::published(Strategy::Guarantee);
     let other = Memory { about: 1, ..Memory::default() };
-    let keeping = Keeping { from: Some(&other), keep: None };
+    let keeping = Keeping { from: Some(&other), ..Keeping::default() };
     assert!(run_keeping(&floor, &config, (&expected, &expected), (5, keeping)).is_err());
+}
+
+/// Somebody ends a campaign after its third mission: what every strategy has done counts, and nothing half done does.
+#[test]
+fn what_is_done_when_somebody_ends_the_missions_counts() {
+    let floor = Floor::new("plain", rooms::plain().expect("a room"), 0.17).expect("a floor");
+    let dirt = DirtSource::Cells { count: 2, units: vec![8.0] };
+    let config = MissionConfig::published(Strategy::Guarantee);
+    let strategies = [Strategy::Guarantee, Strategy::NoReplanning];
+    let (ended, done) = (StopFlag::default(), std::sync::atomic::AtomicU32::new(0));
+    let progress = || {
+        if done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1 >= 3 {
+            ended.stop();
+        }
+    };
+    let onlooker = Onlooker { progress: &progress, ended: &ended };
+    // Trials run side by side; on any number of cores hundreds cannot all have ended by the third mission.
+    let columns = run_strategies_believing(&floor, (&strategies, &config, &dirt), None, (300, 1), &onlooker)
+        .expect("missions");
+    let counts: Vec<usize> = columns.iter().map(|column| column.trials.len()).collect();
+    assert!(counts[0] == counts[1] && counts[0] < 150, "{counts:?}");
+    assert!(columns[0].trials.iter().all(|trial| trial.claimed_cells > 0));
 }

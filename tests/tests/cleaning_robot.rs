@@ -42,7 +42,9 @@ fn played(plan: &Plan, witnesses: &mut Witnesses) -> Observation {
 /// Nobody in the way: the spills are gone by the truth, and nothing is claimed that is not clean.
 #[test]
 fn an_empty_room_is_cleaned_and_nothing_is_claimed_falsely() {
-    let seen = played(&plan(60), &mut Witnesses::default());
+    let mut plan = plan(90);
+    plan.until_clean = true;
+    let seen = played(&plan, &mut Witnesses::default());
     let mission = &seen.mission.as_ref().unwrap().report;
     assert!(
         mission.dirty_cells >= 35 && mission.claimed_cells == mission.dirty_cells && mission.finished,
@@ -52,6 +54,27 @@ fn an_empty_room_is_cleaned_and_nothing_is_claimed_falsely() {
     assert!(mission.dirt_after_units * 10 < mission.dirt_before_units, "{mission:?}");
     assert!(mission.localisation_error_max_m.unwrap() < 0.1, "{mission:?}");
     assert!(seen.verdict.passed);
+    // Nobody was there: nobody cost anything.
+    assert!(mission.people_cost_s < 1.0, "{mission:?}");
+    let ended_s = mission.finished_after_s.unwrap();
+    let spent_s: f32 = mission.time_s.values().sum();
+    assert!((f64::from(spent_s) - ended_s).abs() < 3.0, "the run ends with the mission: {mission:?}");
+}
+
+/// A minute of the supermarket with twenty people: the robot comes forward among them, touches nobody, claims nothing
+/// falsely, and tells where the time went. The whole mission is a command: simulate --scenario busy-supermarket.
+#[test]
+fn a_minute_among_twenty_people() {
+    let plan = Plan::named("busy-supermarket", 2, 60_000_000).unwrap().cleaning(None).unwrap();
+    assert_eq!(plan.scenario.people(1).len(), 20);
+    let seen = played(&plan, &mut Witnesses::default());
+    let mission = &seen.mission.as_ref().unwrap().report;
+    assert!(seen.verdict.passed && seen.verdict.avoidable_contacts == 0, "{:?}", seen.verdict);
+    assert!(mission.dirt_after_units < mission.dirt_before_units && mission.distance_m > 3.0, "{mission:?}");
+    assert_eq!(mission.falsely_claimed_cells, 0, "{mission:?}");
+    let spent_s: f32 = mission.time_s.values().sum();
+    assert!((spent_s - 60.0).abs() < 3.0, "{mission:?}");
+    assert!(mission.people_cost_s > 1.0 && mission.people_cost_s < 45.0, "{mission:?}");
 }
 
 /// Without a mission no dirt lies there and nothing is judged; the route alone misses a spill beside it.

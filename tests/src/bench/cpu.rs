@@ -1,4 +1,6 @@
 //! Time that this thread has really been computing: on a machine that others use, the wall clock tells how busy they are.
+//!
+//! The kernel counts it in ticks of some milliseconds: good for what takes tens of them.
 
 use std::time::{Duration, Instant};
 
@@ -23,12 +25,6 @@ impl Stopwatch {
             (Some(before), Some(now)) => now.saturating_sub(before),
             _ => self.begun.elapsed(),
         }
-    }
-
-    /// The same in milliseconds.
-    #[must_use]
-    pub fn elapsed_ms(&self) -> f64 {
-        self.elapsed().as_secs_f64() * 1e3
     }
 }
 

@@ -23,6 +23,7 @@ use super::lattice::{Lattice, Pace};
 use super::obstacles::Obstacles;
 use super::plan::{MissionPlan, MissionStrategy};
 use super::progress::{MissionPhase, MissionWatch};
+use super::retreat::PeopleNear;
 use super::store::{Saved, Store};
 use super::times::{Spent, Times};
 use super::track::{Track, Tracking};
@@ -124,6 +125,7 @@ pub struct Cleaner {
     pub(super) obstacles: Obstacles,
     /// Everybody and everything that is tracked, odometry frame.
     pub(super) somebody: Vec<Point2>,
+    pub(super) near: PeopleNear,
     pub(super) pace: Pace,
     pub(super) eye: Eye,
     pub(super) route: RouteFollower,
@@ -194,6 +196,7 @@ impl Cleaner {
             guess: search_of(raster),
             obstacles: Obstacles::new(raster),
             somebody: Vec::new(),
+            near: PeopleNear::of(robot),
             pace: pace_of(robot),
             eye: Eye::of(robot),
             route: RouteFollower::new(robot.route.clone(), robot.route_limits),
@@ -275,6 +278,7 @@ impl Cleaner {
         if self.plan.strategy == MissionStrategy::Guarantee && now_s >= self.plan_s {
             self.replan(pose, now_s);
         }
+        self.retreat(pose, now_s);
         if self.held_s > PATIENCE_S {
             self.held_s = 0.0;
             self.go_round(pose, now_s);

@@ -9,6 +9,7 @@ mod obstacles;
 mod outcome;
 mod plan;
 mod progress;
+mod retreat;
 mod senses;
 mod setup;
 mod store;

@@ -28,10 +28,6 @@ const SAME_THING_M: f32 = 0.15;
 /// A person's feet and what it pushes or carries are within this of its middle, metres.
 const PERSON_REACH_M: f32 = 0.8;
 
-/// Kept around the middle of a person, metres, beside the room of the robot: nearer than that the guard lets the robot set
-/// off in no direction but straight away from it (a body of 0.3 m, two standard deviations of its place, half a second).
-const PERSON_M: f32 = 0.33;
-
 /// Ends of every so many beams, in the scanner's frame.
 pub fn ends_of(scan: &Scan, interval: usize) -> impl Iterator<Item = Point2> {
     scan.beams.iter().enumerate().step_by(interval).filter_map(|(beam, hit)| match hit {
@@ -66,7 +62,8 @@ pub struct Obstacles {
     raster: GridGeometry,
     seen_s: Vec<f32>,
     marked: Vec<u32>,
-    people: Vec<Point2>,
+    /// Place, and what is kept around it.
+    people: Vec<(Point2, f32)>,
     people_s: f32,
     /// Place, half width and last sight of things that lie on the floor.
     things: Vec<(Point2, f32, f32)>,
@@ -112,8 +109,8 @@ impl Obstacles {
         }
     }
 
-    /// The people that the robot knows of now, map frame.
-    pub fn see_people(&mut self, places: &[Point2], now_s: f32) {
+    /// The people that the robot knows of now, map frame, with what is kept around each, metres.
+    pub fn see_people(&mut self, places: &[(Point2, f32)], now_s: f32) {
         self.people.clear();
         self.people.extend_from_slice(places);
         self.people_s = now_s;
@@ -133,7 +130,7 @@ impl Obstacles {
             let place = pose.transform(*in_robot);
             let is_explained = floor.surfaces.clearance_m(place) < EXPLAINED_M
                 || floor.clearance.clearance_m(place) < EXPLAINED_M
-                || self.people.iter().any(|person| person.distance(place) < PERSON_REACH_M);
+                || self.people.iter().any(|(person, _)| person.distance(place) < PERSON_REACH_M);
             if is_explained {
                 continue;
             }
@@ -161,7 +158,7 @@ impl Obstacles {
         let people = self.people.iter().filter(|_| now_s - self.people_s <= FADES_S);
         let things = self.things.iter().filter(|(_, _, seen_s)| now_s - seen_s <= LIES_S);
         let things = things.map(|(place, half_m, _)| (*place, *half_m));
-        marks.chain(things).chain(people.map(|place| (*place, PERSON_M))).collect()
+        marks.chain(things).chain(people.copied()).collect()
     }
 }
 

@@ -1,6 +1,7 @@
 //! What the mission hears and sees: where it is, what the brush picks up, who and what stands in the way.
 
 use floorguard_core::geometry::{Point2, Pose2, wrap_angle};
+use floorguard_core::guard::AdvisedPerson;
 use floorguard_core::people::TrackStatus;
 use floorguard_core::sensing::{DirtReading, Scan};
 use floorguard_core::time::{Age, Stamp};
@@ -10,6 +11,7 @@ use floorguard_runtime::tasks::{FloorSight, PERSON_PROBABILITY_MIN, THING_HEIGHT
 use super::mission::Cleaner;
 use super::obstacles::ends_of;
 use super::plan::MissionStrategy;
+use super::retreat::room_of;
 use super::track::Track;
 
 /// While the pose is not trusted a scan is taken in this often even if the robot stands, seconds.
@@ -76,13 +78,24 @@ impl Cleaner {
 
     /// People are in the way where they are, also behind the robot, where the scanner does not look.
     pub(super) fn see_people(&mut self, people: &PeopleReport, now_s: f32) {
-        let confirmed = people.people.iter().filter(|person| person.status == TrackStatus::Confirmed);
-        self.somebody = confirmed.map(|person| person.position).collect();
-        let to_map = self.pose().compose(self.odometry.pose_in_odometry.inverse());
-        let real = people.people.iter().filter(|person| {
-            person.status == TrackStatus::Confirmed && person.person_probability >= PERSON_PROBABILITY_MIN
+        let confirmed = || people.people.iter().filter(|person| person.status == TrackStatus::Confirmed);
+        self.somebody = confirmed().map(|person| person.position).collect();
+        let real = confirmed().filter(|person| person.person_probability >= PERSON_PROBABILITY_MIN);
+        let advised = real.map(|person| AdvisedPerson {
+            id: person.id,
+            position: person.position,
+            velocity_mps: person.velocity_mps,
+            position_sigma_m: person.position_sigma_m,
+            velocity_sigma_mps: person.velocity_sigma_mps,
         });
-        let places: Vec<Point2> = real.map(|person| to_map.transform(person.position)).collect();
+        self.near.people = advised.collect();
+        let to_map = self.pose().compose(self.odometry.pose_in_odometry.inverse());
+        let places: Vec<(Point2, f32)> = self
+            .near
+            .people
+            .iter()
+            .map(|person| room_of(person, to_map.transform(person.position)))
+            .collect();
         self.obstacles.see_people(&places, now_s);
     }
 

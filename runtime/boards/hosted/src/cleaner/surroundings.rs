@@ -129,7 +129,7 @@ mod tests {
         let ahead = |way_m: f32| here.compose(Pose2::new(way_m, 0.0, 0.0));
         let free = Surroundings::new(&ground, (&obstacles, 0.0), here);
         assert!(free.is_free(ahead(0.15), Gear::Ahead) && free.is_clear_ahead(here, 1.0));
-        obstacles.see_people(&[Point2::new(6.4, 0.0)], 0.0);
+        obstacles.see_people(&[(Point2::new(6.4, 0.0), 0.15)], 0.0);
         let near = Surroundings::new(&ground, (&obstacles, 0.0), here);
         assert!(!near.is_free(ahead(0.15), Gear::Ahead) && !near.is_clear_ahead(here, 1.0));
         assert!(near.is_free(ahead(-0.15), Gear::Ahead), "not nearer than it is");

@@ -59,6 +59,7 @@ impl Cleaner {
             way.push(Waypoint { pose: end, gear: Gear::Ahead });
         }
         self.track = Track::new(way);
+        self.near.is_leaving = false;
         self.target = Some(cell);
         true
     }

@@ -1,4 +1,7 @@
-//! Exit codes: 0 passed, 1 the verdict failed, 2 wrong usage (also clap's own), 3 bad input.
+//! Exit codes: 0 passed, 1 the verdict failed, 2 wrong usage (also clap's own), 3 bad input, 130 ended before there was
+//! anything to judge.
+
+use super::interrupt::INTERRUPTED;
 
 /// The run ended, and what it showed is not good enough.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -10,6 +13,11 @@ pub struct VerdictFailed(pub String);
 #[error("{0}")]
 pub struct BadInput(pub String);
 
+/// Somebody has ended it before there was anything to judge.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Unfinished(pub String);
+
 /// The reader of standard output has gone.
 #[must_use]
 pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
@@ -20,5 +28,11 @@ pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
 /// The exit code of an error. What is no verdict is bad input; wrong usage ends in clap with 2.
 #[must_use]
 pub fn exit_code(error: &anyhow::Error) -> u8 {
-    if error.is::<VerdictFailed>() { 1 } else { 3 }
+    if error.is::<VerdictFailed>() {
+        1
+    } else if error.is::<Unfinished>() {
+        INTERRUPTED as u8
+    } else {
+        3
+    }
 }

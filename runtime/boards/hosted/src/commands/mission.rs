@@ -6,11 +6,15 @@ use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
+use super::exit::Unfinished;
+use super::simulate::end_at_ctrl_c;
 use super::{BadInput, VerdictFailed};
 use crate::environment::{Calendar, Model, expected_units, load, read_zones, save, teach_cleaning};
+use crate::executor::StopFlag;
 use crate::mission::{
-    DirtSource, FaultKind, FaultRates, Floor, Guarantee, Keeping, Memory, MissionConfig, Robot, Strategy,
-    StrategySummary, StrategyTrials, pictures, report, rooms, ros_map, run_keeping, run_strategies_believing,
+    DirtSource, FaultKind, FaultRates, Floor, Guarantee, Interrupted, Keeping, Memory, MissionConfig,
+    Onlooker, Robot, Strategy, StrategySummary, StrategyTrials, pictures, report, rooms, ros_map,
+    run_keeping, run_strategies_believing,
 };
 use crate::status::{MissionStatus, write_status};
 use floorguard_core::maps::environment::WallTime;
@@ -123,17 +127,20 @@ pub fn run(arguments: &MissionArguments) -> anyhow::Result<()> {
     );
     let mut prior = Prior::load(arguments, &floor)?;
     let believed = prior.as_ref().map(|prior| prior.believed.as_slice());
+    let ended = StopFlag::default();
+    end_at_ctrl_c(&ended)?;
     let columns = match &arguments.resume {
-        Some(file) => vec![kept_mission(arguments, file, (&floor, &config), believed)?],
+        Some(file) => vec![kept_mission(arguments, (file, &ended), (&floor, &config), believed)?],
         None => run_strategies_believing(
             &floor,
             (&arguments.strategy, &config, &arguments.dirt),
             believed,
             (arguments.trials, arguments.seed),
-            || bar.inc(1),
+            &Onlooker { progress: &|| bar.inc(1), ended: &ended },
         )?,
     };
     bar.finish_and_clear();
+    tell_partial(&columns, arguments.trials)?;
     let summaries: Vec<StrategySummary> = columns.iter().map(StrategyTrials::summary).collect();
     say!("{}", report::table(&summaries).trim_end());
     say!("{}", report::proof(&summaries, arguments.delta).trim_end());
@@ -153,6 +160,18 @@ pub fn run(arguments: &MissionArguments) -> anyhow::Result<()> {
         status_report(arguments, (folder, believed), (&floor, &config), &columns)?;
     }
     verdict(&summaries, arguments.delta)
+}
+
+/// Somebody has ended the missions: how many count; an error if none does.
+fn tell_partial(columns: &[StrategyTrials], asked: u64) -> anyhow::Result<()> {
+    let done = columns.iter().map(|column| column.trials.len() as u64).min().unwrap_or(0);
+    if done == 0 {
+        return Err(Unfinished("ended before the first mission was done".to_owned()).into());
+    }
+    if done < asked {
+        anstream::eprintln!("ended early: what follows is of {done} of {asked} missions");
+    }
+    Ok(())
 }
 
 fn load_floor(arguments: &MissionArguments) -> anyhow::Result<Floor> {
@@ -186,7 +205,7 @@ fn config(arguments: &MissionArguments) -> MissionConfig {
 /// One mission whose memory is a file.
 fn kept_mission(
     arguments: &MissionArguments,
-    file: &Path,
+    (file, ended): (&Path, &StopFlag),
     (floor, config): (&Floor, &MissionConfig),
     believed: Option<&[f32]>,
 ) -> anyhow::Result<StrategyTrials> {
@@ -204,9 +223,15 @@ fn kept_mission(
         say!("{}: goes on after {:.0} s", file.display(), memory.time_s);
     }
     let mut keep = |memory: &Memory| memory.save(file);
-    let keeping = Keeping { from: before.as_ref(), keep: Some(&mut keep) };
+    let keeping = Keeping { from: before.as_ref(), keep: Some(&mut keep), ended: Some(ended) };
     let dirt = (expected.as_slice(), believed.unwrap_or(&expected));
-    let result = run_keeping(floor, &config, dirt, (arguments.seed, keeping)).map_err(bad)?;
+    let result = run_keeping(floor, &config, dirt, (arguments.seed, keeping)).map_err(|error| {
+        if error.is::<Interrupted>() {
+            Unfinished(format!("ended; the same command goes on from {}", file.display())).into()
+        } else {
+            anyhow::Error::from(bad(error))
+        }
+    })?;
     std::fs::remove_file(file).map_err(|error| bad(error.into()))?;
     Ok(StrategyTrials { strategy, trials: vec![result] })
 }

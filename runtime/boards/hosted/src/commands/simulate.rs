@@ -42,6 +42,9 @@ pub struct SimulateArguments {
     /// Simulated seconds.
     #[arg(long, default_value_t = 120.0, allow_negative_numbers = true)]
     pub duration: f64,
+    /// End as soon as the mission has nothing left to clean; --duration is then the longest that it may take.
+    #[arg(long, conflicts_with = "tape")]
+    pub until_clean: bool,
     /// A fault, for example `lidar:drop=5%,from=10s,to=20s`; may be repeated.
     #[arg(long)]
     pub fault: Vec<String>,
@@ -210,6 +213,14 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
         plan = plan.cleaning(arguments.strategy)?;
     }
     plan.has_camera = arguments.camera;
+    plan.until_clean = arguments.until_clean;
+    if plan.until_clean && plan.mission.is_none() {
+        let what = format!(
+            "--until-clean: the scenario '{}' has no dirt to clean; give --strategy systematic",
+            plan.name
+        );
+        return Err(BadInput(what).into());
+    }
     for text in &arguments.fault {
         plan.faults.push(FaultSpec::parse(text).map_err(|error| BadInput(format!("--fault {error}")))?);
     }
@@ -252,7 +263,7 @@ pub(super) fn open_witnesses(
 }
 
 /// The first Ctrl-C ends the run in order, with everything that it has to show until then; the second one at once.
-fn end_at_ctrl_c(ended: &StopFlag) -> anyhow::Result<()> {
+pub(super) fn end_at_ctrl_c(ended: &StopFlag) -> anyhow::Result<()> {
     let ended = ended.clone();
     at_interrupt(move || {
         if ended.is_stopped() {

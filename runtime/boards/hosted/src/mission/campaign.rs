@@ -9,7 +9,8 @@ use super::config::{MissionConfig, Strategy};
 use super::dirt_source::DirtSource;
 use super::floor::Floor;
 use super::statistics::{mean, wilson95};
-use super::trial::{TrialResult, run_believing};
+use super::trial::{Interrupted, Keeping, TrialResult, run_keeping};
+use crate::executor::StopFlag;
 
 /// Trials of one strategy, in the order of their seeds.
 pub struct StrategyTrials {
@@ -74,6 +75,14 @@ pub struct StrategySummary {
     pub faults: u64,
 }
 
+/// Who looks on.
+pub struct Onlooker<'a> {
+    /// Called after every mission.
+    pub progress: &'a (dyn Fn() + Sync),
+    /// Set by somebody who wants the missions to end: those that run are broken off and do not count.
+    pub ended: &'a StopFlag,
+}
+
 /// Runs `trials` missions of every strategy. The random strategy drives as far as the guarantee did in the same
 /// trial, so that is run first where it was not asked for. `progress` is called after every mission.
 ///
@@ -85,10 +94,12 @@ pub fn run_strategies(
     (trials, seed): (u64, u64),
     progress: impl Fn() + Sync,
 ) -> anyhow::Result<Vec<StrategyTrials>> {
-    run_strategies_believing(floor, (strategies, config, dirt), None, (trials, seed), progress)
+    let onlooker = Onlooker { progress: &progress, ended: &StopFlag::default() };
+    run_strategies_believing(floor, (strategies, config, dirt), None, (trials, seed), &onlooker)
 }
 
-/// As [`run_strategies`], with a robot that believes in `believed` units in each cell, whatever lies there.
+/// As [`run_strategies`], with a robot that believes in `believed` units in each cell, whatever lies there. Only trials
+/// that every strategy has come to the end of count.
 ///
 /// # Errors
 /// Dirt that cannot be read.
@@ -97,17 +108,23 @@ pub fn run_strategies_believing(
     (strategies, config, dirt): (&[Strategy], &MissionConfig, &DirtSource),
     believed: Option<&[f32]>,
     (trials, seed): (u64, u64),
-    progress: impl Fn() + Sync,
+    onlooker: &Onlooker<'_>,
 ) -> anyhow::Result<Vec<StrategyTrials>> {
-    let rows: Vec<Vec<TrialResult>> = (0..trials)
-        .into_par_iter()
-        .map(|trial| {
-            run_trial(floor, (strategies, config, dirt), believed, (seed.wrapping_add(trial), &progress))
-        })
-        .collect::<anyhow::Result<_>>()?;
+    let run = |trial| {
+        if onlooker.ended.is_stopped() {
+            return Ok(None);
+        }
+        let seed = seed.wrapping_add(trial);
+        match run_trial(floor, (strategies, config, dirt), believed, (seed, onlooker)) {
+            Err(error) if error.is::<Interrupted>() => Ok(None),
+            row => row.map(Some),
+        }
+    };
+    let rows: Vec<Option<Vec<TrialResult>>> =
+        (0..trials).into_par_iter().map(run).collect::<anyhow::Result<_>>()?;
     let mut columns: Vec<StrategyTrials> =
         strategies.iter().map(|&strategy| StrategyTrials { strategy, trials: Vec::new() }).collect();
-    for row in rows {
+    for row in rows.into_iter().flatten() {
         for (column, result) in columns.iter_mut().zip(row) {
             column.trials.push(result);
         }
@@ -120,20 +137,24 @@ fn run_trial(
     floor: &Floor,
     (strategies, config, dirt): (&[Strategy], &MissionConfig, &DirtSource),
     believed: Option<&[f32]>,
-    (seed, progress): (u64, &(impl Fn() + Sync)),
+    (seed, onlooker): (u64, &Onlooker<'_>),
 ) -> anyhow::Result<Vec<TrialResult>> {
     let expected = dirt.expected_units(floor, &mut Pcg32::new(seed, 0))?;
     let dirt = (expected.as_slice(), believed.unwrap_or(&expected));
-    let with = |strategy, distance_limit_m| MissionConfig { strategy, distance_limit_m, ..*config };
+    let run = |strategy, distance_limit_m| {
+        let config = MissionConfig { strategy, distance_limit_m, ..*config };
+        let keeping = Keeping { ended: Some(onlooker.ended), ..Keeping::default() };
+        run_keeping(floor, &config, dirt, (seed, keeping))
+    };
     let mut guarantee_m = None;
     let mut results: Vec<Option<TrialResult>> = strategies.iter().map(|_| None).collect();
     // The guarantee first: it tells how far the random strategy may drive.
     for (slot, &strategy) in results.iter_mut().zip(strategies) {
         if strategy == Strategy::Guarantee {
-            let result = run_believing(floor, &with(strategy, None), dirt, seed)?;
+            let result = run(strategy, None)?;
             guarantee_m = Some(result.distance_m);
             *slot = Some(result);
-            progress();
+            (onlooker.progress)();
         }
     }
     for (slot, &strategy) in results.iter_mut().zip(strategies) {
@@ -142,13 +163,11 @@ fn run_trial(
         }
         let limit = match (strategy, guarantee_m) {
             (Strategy::Random, Some(way)) => Some(way),
-            (Strategy::Random, None) => {
-                Some(run_believing(floor, &with(Strategy::Guarantee, None), dirt, seed)?.distance_m)
-            }
+            (Strategy::Random, None) => Some(run(Strategy::Guarantee, None)?.distance_m),
             _ => None,
         };
-        *slot = Some(run_believing(floor, &with(strategy, limit), dirt, seed)?);
-        progress();
+        *slot = Some(run(strategy, limit)?);
+        (onlooker.progress)();
     }
     Ok(results.into_iter().flatten().collect())
 }

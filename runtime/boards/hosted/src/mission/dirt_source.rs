@@ -9,6 +9,9 @@ use floorguard_core::random::Pcg32;
 
 use super::floor::Floor;
 
+/// Most units that can be expected in a cell.
+const UNITS_MAX: f32 = 70.0;
+
 /// What the user asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DirtSource {
@@ -43,7 +46,7 @@ impl FromStr for DirtSource {
         let share: f32 = share.trim_end_matches('%').parse().map_err(|_| wrong())?;
         let (low, high) = units.split_once('-').ok_or_else(wrong)?;
         let (low, high): (f32, f32) = low.parse().ok().zip(high.parse().ok()).ok_or_else(wrong)?;
-        if !(share > 0.0 && share <= 100.0 && low >= 0.0 && low <= high && high <= 70.0) {
+        if !(share > 0.0 && share <= 100.0 && low >= 0.0 && low <= high && high <= UNITS_MAX) {
             return Err(format!("{}: the share lies within 0-100 %, the units within 0-70", wrong()));
         }
         Ok(Self::Random { share: share / 100.0, units: (low, high) })
@@ -119,7 +122,8 @@ fn read(path: &Path, floor: &Floor, expected: &mut [f32]) -> anyhow::Result<usiz
     let mut beyond = 0;
     for (place, units) in read_places(path)? {
         match floor.cells.cell_at(place) {
-            Some(cell) => expected[cell] = units,
+            // Two lines about one cell: both lie there.
+            Some(cell) => expected[cell] = (expected[cell] + units).min(UNITS_MAX),
             None => beyond += 1,
         }
     }
@@ -133,16 +137,18 @@ fn read(path: &Path, floor: &Floor, expected: &mut [f32]) -> anyhow::Result<usiz
 pub fn read_places(path: &Path) -> anyhow::Result<Vec<(Point2, f32)>> {
     let mut places = Vec::new();
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let text = text.trim_start_matches('\u{feff}');
     for (number, line) in text.lines().enumerate() {
-        let fields: Vec<Option<f32>> = line.split(',').map(|f| f.trim().parse().ok()).collect();
+        let number_of = |field: &str| field.trim().parse::<f32>().ok().filter(|number| number.is_finite());
+        let fields: Vec<Option<f32>> = line.split(',').map(number_of).collect();
         match fields.as_slice() {
-            [Some(x), Some(y), Some(units)]
-                if x.is_finite() && y.is_finite() && (0.0..=70.0).contains(units) =>
-            {
+            [Some(x), Some(y), Some(units)] if (0.0..=UNITS_MAX).contains(units) => {
                 places.push((Point2::new(*x, *y), *units));
             }
-            // A heading, an empty line or a comment.
-            _ if number == 0 || line.trim().is_empty() || line.starts_with('#') => {}
+            // A heading without a number in it, an empty line or a comment.
+            _ if (number == 0 && fields.iter().all(Option::is_none))
+                || line.trim().is_empty()
+                || line.starts_with('#') => {}
             _ => anyhow::bail!(
                 "{}:{}: expected x_m,y_m,units with units within 0-70, found '{line}'",
                 path.display(),
@@ -166,6 +172,16 @@ mod tests {
             DirtSource::File(path.clone()).lines_beyond(&floor)
         };
         assert_eq!(beyond("x_m,y_m,units\n1,1,12\n1,100,12\n").unwrap(), 1);
+        assert_eq!(beyond("\u{feff}1,1,12\r\n1.01,1.01,60\r\n").unwrap(), 0);
+        let expected = DirtSource::File(path.clone()).expected_units(&floor, &mut Pcg32::new(1, 1)).unwrap();
+        assert_eq!(
+            expected.iter().copied().fold(0.0, f32::max),
+            70.0,
+            "both lines lie there, up to the most"
+        );
+        for wrong in ["1;1;12\n", "1,1,12\nnan,1,12\n", "1,inf,12\n", "1,1,-1\n", "1,1\n1,1,12\n"] {
+            assert!(beyond(wrong).is_err(), "{wrong}");
+        }
         assert!(beyond("").is_err() && beyond("x_m,y_m,units\n1,100,12\n").is_err());
         for wrong in ["1,1", "1,nan,12", "inf,1,12"] {
             let problem = beyond(&format!("x_m,y_m,units\n{wrong}\n")).unwrap_err().to_string();

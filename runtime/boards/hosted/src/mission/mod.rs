@@ -20,7 +20,7 @@ pub mod statistics;
 mod trial;
 mod truth;
 
-pub use campaign::{StrategySummary, StrategyTrials, run_strategies, run_strategies_believing};
+pub use campaign::{Onlooker, StrategySummary, StrategyTrials, run_strategies, run_strategies_believing};
 pub use config::{Guarantee, MissionConfig, Robot, Strategy};
 pub use dirt_source::{DirtSource, read_places};
 pub use faults::{FaultKind, FaultRates};
@@ -28,5 +28,5 @@ pub use floor::{CELL_M, CELLS_MAX, Floor};
 pub(crate) use lanes::{Lane, lanes};
 pub(crate) use localiser::Localiser;
 pub use memory::Memory;
-pub use trial::{Keeping, TrialResult, run, run_believing, run_keeping};
+pub use trial::{Interrupted, Keeping, TrialResult, run, run_believing, run_keeping};
 pub use truth::{OdometryErrors, RangeSensor};

@@ -14,6 +14,7 @@ use super::navigator::{Navigator, VISITS_MAX, Wish};
 use super::people::Crowd;
 use super::promise::Promise;
 use super::truth::Truth;
+use crate::executor::StopFlag;
 
 /// Control period, s.
 const PERIOD_S: f32 = 0.1;
@@ -123,12 +124,19 @@ pub struct Keeping<'a> {
     pub from: Option<&'a Memory>,
     /// Called with the memory about once a second of the mission.
     pub keep: Option<&'a mut Keeper<'a>>,
+    /// Set by somebody who wants the mission to be broken off.
+    pub ended: Option<&'a StopFlag>,
 }
+
+/// Somebody has broken off the mission.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("broken off")]
+pub struct Interrupted;
 
 /// As [`run_believing`], for a mission that outlives a power cut.
 ///
 /// # Errors
-/// A memory of another mission, or one that cannot be kept.
+/// A memory of another mission, or one that cannot be kept; [`Interrupted`].
 pub fn run_keeping(
     floor: &Floor,
     config: &MissionConfig,
@@ -231,6 +239,9 @@ impl Mission<'_> {
                 && let (Some(keep), Some(memory)) = (&mut keeping.keep, &self.memory)
             {
                 keep(memory)?;
+            }
+            if keeping.ended.is_some_and(StopFlag::is_stopped) {
+                return Err(Interrupted.into());
             }
             if !self.step() {
                 self.result.is_complete = true;

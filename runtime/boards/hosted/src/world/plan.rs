@@ -39,6 +39,8 @@ pub struct Plan {
     pub stages: Stages,
     /// What the robot cleans; without a mission it drives the scenario's route, and no dirt lies there.
     pub mission: Option<MissionPlan>,
+    /// The run ends when the mission has nothing left to clean; `duration_us` is then the longest that it may take.
+    pub until_clean: bool,
     /// A floor camera looks at rendered pictures.
     pub has_camera: bool,
     /// How the robot learns; without it, it does not.
@@ -105,6 +107,7 @@ impl Plan {
             robot,
             robot_toml: EXAMPLE.to_owned(),
             stages: Stages::All,
+            until_clean: false,
             has_camera: false,
             learning: None,
             emergency_stop_us: Vec::new(),

@@ -15,7 +15,7 @@ use super::operator::Operator;
 use super::plan::Plan;
 use super::spawn::new_shared;
 use super::witnesses::Witnesses;
-use crate::cleaner::{MissionSetup, Store};
+use crate::cleaner::{MissionPhase, MissionSetup, Store};
 use crate::executor::{Ring, StopFlag, take_priority};
 use crate::learning::{LearningKeeper, LearningSetup};
 use crate::panel::Order;
@@ -165,6 +165,11 @@ impl World<'_> {
                 if let Some(setup) = mission.as_ref().filter(|setup| setup.watch.published() != told) {
                     told = setup.watch.published();
                     tell((observer, notes), (simulation, shared), setup);
+                    if plan.until_clean
+                        && setup.watch.get().is_some_and(|told| told.phase == MissionPhase::Done)
+                    {
+                        ended.stop();
+                    }
                 }
             }
             let due_us = simulation.next_event_us().min(faults.next_event_us()).min(judge_us);

@@ -22,7 +22,7 @@ use super::spawn::{
 };
 use super::witnesses::Witnesses;
 use crate::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
-use crate::cleaner::{MissionSetup, Store};
+use crate::cleaner::{MissionPhase, MissionSetup, Store};
 use crate::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 use crate::learning::{LearningKeeper, LearningSetup};
 use crate::panel::Order;
@@ -131,6 +131,8 @@ struct World<'a, 'b> {
     next_map_us: u64,
     judge_us: u64,
     now_us: u64,
+    /// The run ends with the mission.
+    until_clean: bool,
     /// The plan's duration, or when somebody ended the run.
     end_us: u64,
 }
@@ -163,6 +165,7 @@ fn play(
         next_map_us: 0,
         judge_us: 0,
         now_us: 0,
+        until_clean: plan.until_clean,
         end_us: plan.duration_us,
     };
     let dead = |at_us| plan.faults.iter().any(|fault| is_reset(fault) && fault.applies(at_us));
@@ -314,6 +317,9 @@ impl World<'_, '_> {
         let (Some(progress), Some(pose)) = (setup.watch.get(), shared.pose.get()) else { return };
         self.observer.on_mission(&progress, (self.simulation, pose.pose_in_odometry));
         self.witnesses.mission(&progress);
+        if self.until_clean && progress.phase == MissionPhase::Done {
+            self.witnesses.ended.stop();
+        }
     }
 
     /// What was learned goes into its file.

@@ -1,0 +1,170 @@
+//! Out of the way of somebody who stands too near: a short straight way off, back or on, whichever the guard lets the robot
+//! drive.
+//!
+//! The guard looks at the motion that is wished: while somebody stands where a turn or an arc would lead, it holds the robot
+//! as long as it wishes that turn. A wish that leads off is another matter, and from there every way is open again.
+
+use floorguard_core::geometry::{Point2, Pose2, Twist2};
+use floorguard_core::guard::{AdvisedPerson, Body as GuardBody};
+use floorguard_runtime::configuration::RobotConfiguration;
+
+use super::lattice::{Gear, Waypoint};
+use super::mission::Cleaner;
+use super::surroundings::Surroundings;
+use super::track::Track;
+
+/// Held for this long by somebody who stands there, the robot leaves, seconds.
+const AFTER_S: f32 = 1.0;
+/// Who walks faster than this is gone in a moment, m/s.
+pub(super) const STANDS_MPS: f32 = 0.25;
+/// Somebody farther away is not who holds the robot, metres from its body.
+const NEAR_M: f32 = 1.2;
+/// Steps of the way off, and how long one is, metres.
+const STEPS: i8 = 4;
+const STEP_M: f32 = 0.12;
+/// Slowly, m/s.
+const SPEED_MPS: f32 = 0.2;
+/// Nearer than this to the body somebody is in the way of every motion, metres (the guard's rule).
+const TOUCHING_M: f32 = 0.3;
+/// Added by the guard to the time to standstill, seconds, and a little for the doubt of the tracks.
+const MARGIN_S: f32 = 0.6;
+
+/// The people that the robot knows of, and the guard's own question: would this motion reach somebody before it ends?
+#[derive(Clone, Debug)]
+pub struct PeopleNear {
+    /// Odometry frame.
+    pub people: Vec<AdvisedPerson>,
+    /// On a way off from somebody, until another one is chosen.
+    pub is_leaving: bool,
+    body: GuardBody,
+    response_s: f32,
+    braking_mps2: f32,
+}
+
+impl PeopleNear {
+    /// Nobody is known yet.
+    pub fn of(robot: &RobotConfiguration) -> Self {
+        Self {
+            people: Vec::new(),
+            is_leaving: false,
+            body: GuardBody::around(&robot.geometry.footprint),
+            response_s: robot.limits.response_s,
+            braking_mps2: robot.limits.braking_mps2,
+        }
+    }
+
+    /// The guard would let the robot drive like this, as far as these people are concerned; they in the robot's frame.
+    fn is_let(&self, people: &[AdvisedPerson], twist: Twist2) -> bool {
+        let stop_s = self.response_s + twist.linear_mps.abs() / self.braking_mps2 + MARGIN_S;
+        people.iter().all(|person| {
+            let [soonest_s, _] = self.body.times_to_person_s(person, twist);
+            let is_touching = self.body.distance_m(person.position) < TOUCHING_M;
+            soonest_s >= stop_s || (soonest_s <= 0.0 && !is_touching)
+        })
+    }
+}
+
+impl Cleaner {
+    /// The people that the robot knows of, in its own frame.
+    fn people_in_robot(&self) -> Vec<AdvisedPerson> {
+        let to_robot = self.odometry.pose_in_odometry.inverse();
+        let turn = Pose2::new(0.0, 0.0, to_robot.heading_rad);
+        let in_robot = |person: &AdvisedPerson| AdvisedPerson {
+            position: to_robot.transform(person.position),
+            velocity_mps: turn.transform(person.velocity_mps),
+            ..*person
+        };
+        self.near.people.iter().map(in_robot).collect()
+    }
+
+    /// Leaves, if somebody who stands near holds the robot and a straight way leads off.
+    pub(super) fn retreat(&mut self, pose: Pose2, now_s: f32) {
+        if self.held_s < AFTER_S || self.near.is_leaving {
+            return;
+        }
+        let people = self.people_in_robot();
+        let is_near = |person: &&AdvisedPerson| self.near.body.distance_m(person.position) < NEAR_M;
+        if !people.iter().filter(is_near).any(|person| person.velocity_mps.norm() < STANDS_MPS) {
+            return;
+        }
+        let around = Surroundings::new(&self.ground, (&self.obstacles, now_s), pose);
+        let ways = [(Gear::Back, -1.0), (Gear::Ahead, 1.0)].into_iter().filter_map(|(gear, sign)| {
+            let twist = Twist2 { linear_mps: sign * SPEED_MPS, angular_radps: 0.0 };
+            if !self.near.is_let(&people, twist) {
+                return None;
+            }
+            let place = |step: i8| pose.compose(Pose2::new(sign * STEP_M * f32::from(step), 0.0, 0.0));
+            let free = (1..=STEPS).take_while(|step| around.is_free(place(*step), gear)).count();
+            let way = (0..=free as i8).map(|step| Waypoint { pose: place(step), gear });
+            Some(way.collect::<Vec<Waypoint>>())
+        });
+        let Some(way) = ways.filter(|way| way.len() > 1).max_by_key(Vec::len) else { return };
+        self.held_s = 0.0;
+        self.detours += 1;
+        self.near.is_leaving = true;
+        self.target = None;
+        self.track = Track::new(way);
+    }
+}
+
+/// Middle of a person on the map and what is kept around it, metres: of one who stands, what the guard keeps.
+pub(super) fn room_of(person: &AdvisedPerson, place: Point2) -> (Point2, f32) {
+    /// Half a person; the room of the robot has a margin of its own.
+    const WALKS_M: f32 = 0.15;
+    /// A body of 0.3 m, two standard deviations of its place, and half a second of the robot's way.
+    const STANDS_M: f32 = 0.33;
+    (place, if person.velocity_mps.norm() < STANDS_MPS { STANDS_M } else { WALKS_M })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::cleaner::mission::SharedWatch;
+    use crate::cleaner::plan::{MissionPlan, MissionStrategy};
+    use crate::cleaner::store::Store;
+    use crate::configuration::{EXAMPLE, parse};
+    use floorguard_sim::scenario::Scenario;
+
+    fn somebody(x_m: f32, y_m: f32, walks_mps: f32) -> AdvisedPerson {
+        AdvisedPerson {
+            position: Point2::new(x_m, y_m),
+            velocity_mps: Point2::new(walks_mps, 0.0),
+            position_sigma_m: 0.07,
+            ..AdvisedPerson::default()
+        }
+    }
+
+    /// A robot in the aisle of a supermarket that somebody holds; the way that it then takes.
+    fn way_from(person: AdvisedPerson, held_s: f32) -> Vec<Waypoint> {
+        let robot = parse("robot.toml", EXAMPLE).unwrap().robot;
+        let scenario = Scenario::named("supermarket").unwrap();
+        let plan = MissionPlan::of_scenario(&scenario, MissionStrategy::Guarantee, 1).unwrap();
+        let store = Store::Memory(Arc::default());
+        let mut cleaner = Cleaner::new(&plan, &robot, (SharedWatch::default(), store)).unwrap();
+        let pose = cleaner.pose();
+        cleaner.near.people = vec![person];
+        let place = pose.transform(person.position);
+        cleaner.obstacles.see_people(&[room_of(&person, place)], 0.0);
+        cleaner.held_s = held_s;
+        cleaner.retreat(pose, 0.0);
+        assert_eq!(cleaner.near.is_leaving, !cleaner.track.is_over());
+        cleaner.track.rest().to_vec()
+    }
+
+    #[test]
+    fn leaves_who_stands_in_the_way_straight_back_or_on_and_waits_for_who_walks() {
+        let back = way_from(somebody(1.55, 0.3, 0.0), 1.5);
+        assert!(
+            back.iter().all(|at| at.gear == Gear::Back) && back.last().unwrap().pose.x_m < -0.3,
+            "{back:?}"
+        );
+        let on = way_from(somebody(-1.2, 0.1, 0.0), 1.5);
+        assert!(on.iter().all(|at| at.gear == Gear::Ahead) && on.last().unwrap().pose.x_m > 0.3, "{on:?}");
+        assert!(way_from(somebody(1.55, 0.3, 0.0), 0.5).is_empty(), "at once the guard may let it go");
+        assert!(way_from(somebody(1.55, 0.3, -1.0), 1.5).is_empty(), "who walks is gone in a moment");
+        assert!(way_from(somebody(0.3, 0.5, 0.0), 1.5).is_empty(), "who touches it is in every way");
+        assert!(way_from(somebody(4.0, 0.0, 0.0), 1.5).is_empty(), "somebody far away does not hold it");
+    }
+}
