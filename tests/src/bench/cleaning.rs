@@ -213,7 +213,7 @@ fn replanning() -> Option<Line> {
     for round in 0..20 {
         let mut wanted = vec![false; floor.cells.cell_count()];
         cells[3 * round..300 + 3 * round].iter().for_each(|&cell| wanted[cell] = true);
-        let begin = Instant::now();
+        let begin = Stopwatch::begin();
         planner.replan(robot, (|c| wanted[c], |c: usize| floor.passable[c]), 500).ok()?;
         let ms = begin.elapsed().as_secs_f64() * 1e3;
         if round == 0 { first_ms = ms } else { times.push(ms) }

@@ -119,7 +119,7 @@ impl Times {
         }
         let share = match spent {
             Spent::HeldField | Spent::HeldSomebodyComes | Spent::NoWay => 1.0,
-            Spent::SlowNearThings | Spent::SlowNearPerson | Spent::SlowSomebodyComes => {
+            Spent::SlowNearPerson | Spent::SlowSomebodyComes => {
                 (1.0 - permitted.linear_mps.abs() / wish.linear_mps.abs().max(STANDS.0)).clamp(0.0, 1.0)
             }
             _ => 0.0,
@@ -127,7 +127,7 @@ impl Times {
         self.lost_s += share * lasted_s;
     }
 
-    /// What people and things in the way cost: standing before them in full, driving slowly past them by what is missing.
+    /// What people and things in the way cost: standing before them in full, driving slowly past people by what is missing.
     #[must_use]
     pub const fn lost_s(&self) -> f32 {
         self.lost_s
@@ -174,7 +174,7 @@ mod tests {
             (0.6, None, Spent::Driving, 0.0),
             (0.3, Some(Cause::PersonNear), Spent::SlowNearPerson, 0.5),
             (0.15, Some(Cause::CollisionSlow), Spent::SlowSomebodyComes, 0.75),
-            (0.3, None, Spent::SlowNearThings, 0.5),
+            (0.3, None, Spent::SlowNearThings, 0.0),
             (0.0, Some(Cause::CollisionStop), Spent::HeldSomebodyComes, 1.0),
             (0.0, Some(Cause::ScanProtective), Spent::HeldField, 1.0),
             (0.0, Some(Cause::EmergencyStop), Spent::HeldOther, 0.0),
