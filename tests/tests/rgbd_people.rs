@@ -8,7 +8,7 @@ use floorguard_core::rgbd_people::{RgbdDetection, RgbdKind, RgbdParameters, Rgbd
 use floorguard_core::sensing::DepthImage;
 use floorguard_core::time::Stamp;
 use floorguard_hosted::evaluate::{RgbdTask, rgbd_people};
-use floorguard_sim::people::{Person, PersonKind};
+use floorguard_sim::people::{Build, Person, PersonKind};
 use floorguard_sim::scene::{Material, SceneBuilder};
 use floorguard_sim::sensors::{DepthCamera, DepthPicture};
 use floorguard_tests::data::recording;
@@ -36,6 +36,7 @@ fn picture(people: &[(f32, f32)], wall_m: f32) -> DepthPicture {
         .map(|((x_m, y_m), id)| Person {
             id,
             kind: PersonKind::Adult,
+            build: Build::SAME,
             position: Point2::new(*x_m, *y_m),
             velocity: Point2::new(0.0, 0.0),
             heading_rad: 0.3,

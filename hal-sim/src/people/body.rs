@@ -61,7 +61,7 @@ fn leg(person: &Person, swing_m: f32, left_m: f32, hip_m: f32, radius_m: f32) ->
 /// The parts of a person at this moment.
 #[must_use]
 pub fn body_parts(person: &Person) -> Vec<BodyPart> {
-    let h = person.kind.height_m();
+    let h = person.height_m();
     match person.kind {
         PersonKind::Wheelchair => vec![
             block(person, (0.0, 0.0), (0.5, 0.5), (0.35, 0.55)),
@@ -92,14 +92,16 @@ pub fn body_parts(person: &Person) -> Vec<BodyPart> {
 }
 
 fn walking(person: &Person, height_m: f32) -> Vec<BodyPart> {
-    let scale = height_m / 1.75;
+    // Breadth goes with the kind, not with the stature.
+    let scale = person.kind.height_m() / 1.75 * person.build.breadth;
+    let neck_m = 0.25 * height_m / 1.75;
     let swing = person.swing_m();
     let hip_m = 0.47 * height_m;
     vec![
         leg(person, swing, 0.1 * scale, hip_m, 0.065 * scale),
         leg(person, -swing, -0.1 * scale, hip_m, 0.065 * scale),
-        upright(person, (0.0, 0.09 * scale), (hip_m - 0.1, height_m - 0.25 * scale), 0.14 * scale),
-        upright(person, (0.0, -0.09 * scale), (hip_m - 0.1, height_m - 0.25 * scale), 0.14 * scale),
+        upright(person, (0.0, 0.09 * scale), (hip_m - 0.1, height_m - neck_m), 0.14 * scale),
+        upright(person, (0.0, -0.09 * scale), (hip_m - 0.1, height_m - neck_m), 0.14 * scale),
         head(person, 0.02, height_m),
     ]
 }

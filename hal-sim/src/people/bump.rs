@@ -78,7 +78,7 @@ fn push_out(outline: &[Point2], middle: Point2, radius_m: f32) -> Option<Point2>
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Crowd, PersonKind};
+    use super::super::{Build, Crowd, PersonKind};
     use super::*;
     use crate::robot::RobotParameters;
     use crate::scene::SceneBuilder;
@@ -87,6 +87,7 @@ mod tests {
         Person {
             id: 1,
             kind,
+            build: Build::SAME,
             position: from,
             velocity: Point2::default(),
             heading_rad: 0.0,

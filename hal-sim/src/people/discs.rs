@@ -24,7 +24,7 @@ pub fn ground_discs(person: &Person) -> Vec<Disc> {
         ],
         PersonKind::Crouching => vec![disc(0.1, 0.1, 0.09), disc(0.1, -0.1, 0.09)],
         kind => {
-            let radius_m = 0.065 * kind.height_m() / 1.75;
+            let radius_m = 0.065 * kind.height_m() / 1.75 * person.build.breadth;
             let mut discs: Vec<Disc> = person.feet().map(|foot| (foot, radius_m)).to_vec();
             if kind == PersonKind::Luggage {
                 discs.push(disc(-0.55, 0.1, 0.17));
@@ -39,7 +39,7 @@ pub fn ground_discs(person: &Person) -> Vec<Disc> {
 pub fn body_discs(person: &Person) -> Vec<Disc> {
     let disc = |ahead_m, left_m, radius_m| (person.beside(ahead_m, left_m), radius_m);
     let mut discs = ground_discs(person);
-    discs.push((person.position, person.kind.radius_m()));
+    discs.push((person.position, person.radius_m()));
     match person.kind {
         PersonKind::Trolley => discs.extend([0.45, 0.75, 1.05].map(|ahead_m| disc(ahead_m, 0.0, 0.29))),
         PersonKind::Luggage => discs.push(disc(-0.55, 0.1, 0.25)),

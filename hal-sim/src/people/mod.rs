@@ -1,6 +1,7 @@
 //! People: bodies that lasers meet and a social-force model that moves them.
 
 mod body;
+mod build;
 mod bump;
 mod discs;
 mod kind;
@@ -10,6 +11,7 @@ mod walk;
 mod way_round;
 
 pub use body::{BodyPart, body_parts};
+pub use build::{Bodies, Build, Clothes, PLAIN};
 pub use bump::RobotShape;
 pub use discs::{Disc, body_discs, ground_discs};
 pub use kind::PersonKind;

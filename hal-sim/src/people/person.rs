@@ -2,7 +2,7 @@
 
 use floorguard_core::geometry::Point2;
 
-use super::{PersonKind, RecordedWalk};
+use super::{Build, PersonKind, RecordedWalk};
 
 /// A person.
 #[derive(Clone, Debug)]
@@ -11,6 +11,8 @@ pub struct Person {
     pub id: u32,
     /// Who it is.
     pub kind: PersonKind,
+    /// How this one differs from others of the kind.
+    pub build: Build,
     /// Middle of the body, world frame, metres.
     pub position: Point2,
     /// World frame, m/s.
@@ -34,6 +36,18 @@ pub struct Person {
 }
 
 impl Person {
+    /// Metres.
+    #[must_use]
+    pub fn height_m(&self) -> f32 {
+        self.kind.height_m() * self.build.stature
+    }
+
+    /// Radius of the body seen from above, metres.
+    #[must_use]
+    pub fn radius_m(&self) -> f32 {
+        self.kind.radius_m() * self.build.breadth
+    }
+
     /// Moves on by its velocity and swings its legs.
     pub fn advance(&mut self, step_s: f32) {
         self.position.x_m += self.velocity.x_m * step_s;
@@ -56,7 +70,7 @@ impl Person {
     /// How far the feet swing before and behind the hip, metres.
     #[must_use]
     pub fn swing_m(&self) -> f32 {
-        let reach = 0.25 * self.kind.height_m() / 1.75;
+        let reach = 0.25 * self.height_m() / 1.75;
         reach * (self.velocity.norm() / 1.2).min(1.2) * libm::sinf(self.gait_rad)
     }
 

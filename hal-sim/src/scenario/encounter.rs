@@ -3,7 +3,7 @@
 use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_core::random::Pcg32;
 
-use crate::people::{Person, PersonKind};
+use crate::people::{Build, Person, PersonKind};
 
 const KINDS: [PersonKind; 8] = [
     PersonKind::Adult,
@@ -33,6 +33,7 @@ pub fn add_people(start: Pose2, people: &mut Vec<Person>, random: &mut Pcg32) {
         people.push(Person {
             id: people.len() as u32 + 1,
             kind,
+            build: Build::SAME,
             position,
             velocity: Point2::default(),
             heading_rad: angle,

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use thiserror::Error;
 
 use crate::dirt::{DirtFile, DirtyPatch};
-use crate::people::{Person, PersonKind, RecordedWalk};
+use crate::people::{Bodies, Build, Person, PersonKind, RecordedWalk};
 use crate::scene::{Scene, SceneFile};
 
 /// Dirt lies at least this far from what stands on the floor, metres: half the diagonal of a patch.
@@ -68,6 +68,9 @@ pub struct PersonFile {
     /// Walks around the robot.
     #[serde(default = "yes")]
     pub sees_robot: bool,
+    /// Whether this one differs from others of the kind.
+    #[serde(default)]
+    pub bodies: Bodies,
 }
 
 fn yes() -> bool {
@@ -151,8 +154,9 @@ impl Scenario {
     #[must_use]
     pub fn people(&self, seed: u64) -> Vec<Person> {
         let mut random = Pcg32::new(seed, 21);
+        let files = self.person.iter().enumerate();
         let mut people: Vec<Person> =
-            self.person.iter().enumerate().map(|(index, file)| person(index, file, &mut random)).collect();
+            files.map(|(index, file)| person((seed, index), file, &mut random)).collect();
         if self.random_encounter {
             super::encounter::add_people(self.start_pose(), &mut people, &mut random);
         }
@@ -163,6 +167,9 @@ impl Scenario {
     }
 }
 
+/// First of the streams from which bodies are drawn.
+const BUILDS: u64 = 6_000;
+
 /// Of a recording nothing is known but the way.
 fn somebody(index: usize, random: &mut Pcg32) -> Person {
     let adult = PersonFile {
@@ -172,11 +179,12 @@ fn somebody(index: usize, random: &mut Pcg32) -> Person {
         goals_m: Vec::new(),
         starts_s: 0.0,
         sees_robot: false,
+        bodies: Bodies::Same,
     };
-    person(index, &adult, random)
+    person((0, index), &adult, random)
 }
 
-fn person(index: usize, file: &PersonFile, random: &mut Pcg32) -> Person {
+fn person((seed, index): (u64, usize), file: &PersonFile, random: &mut Pcg32) -> Person {
     let goals: Vec<Point2> = file.goals_m.iter().map(|[x, y]| Point2::new(*x, *y)).collect();
     let position = Point2::new(file.at_m[0], file.at_m[1]);
     let heading_rad =
@@ -184,6 +192,11 @@ fn person(index: usize, file: &PersonFile, random: &mut Pcg32) -> Person {
     Person {
         id: index as u32 + 1,
         kind: file.kind,
+        build: match file.bodies {
+            Bodies::Same => Build::SAME,
+            // Of its own seed: the ways stay what they were.
+            Bodies::Varied => Build::drawn(file.kind, &mut Pcg32::new(seed, BUILDS + index as u64)),
+        },
         position,
         velocity: Point2::default(),
         heading_rad,

@@ -247,7 +247,7 @@ fn shaded(rgb: [u8; 3], random: &mut Pcg32) -> [u8; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::people::PersonKind;
+    use crate::people::{Build, PersonKind};
     use crate::scene::{Material, SceneBuilder};
     use floorguard_core::geometry::Point2;
 
@@ -255,6 +255,7 @@ mod tests {
         Person {
             id: 7,
             kind: PersonKind::Adult,
+            build: Build::SAME,
             position: Point2::new(at.0, at.1),
             velocity: Point2::new(0.0, 0.0),
             heading_rad: 1.0,

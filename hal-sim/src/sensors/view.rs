@@ -4,7 +4,7 @@ use floorguard_core::geometry::{Pose2, wrap_angle};
 use parry3d::math::Vector;
 use parry3d::query::Ray;
 
-use crate::people::{BodyPart, Person, body_parts};
+use crate::people::{BodyPart, Clothes, PLAIN, Person, body_parts};
 use crate::robot::{RobotBody, SensorMount};
 use crate::scene::{Hit, Scene};
 
@@ -15,6 +15,18 @@ struct Seen {
     parts: Vec<BodyPart>,
     bearing_rad: f32,
     half_angle_rad: f32,
+    /// Where the person stands and looks, and what it wears; `None`: nothing that matters.
+    worn: Option<(Pose2, Clothes)>,
+}
+
+impl Seen {
+    /// What a part throws back where a beam meets it.
+    fn reflectivity(&self, part: usize, at: Vector) -> u8 {
+        self.worn.map_or(PLAIN, |(stands, clothes)| {
+            let around_rad = libm::atan2f(at.y - stands.y_m, at.x - stands.x_m) - stands.heading_rad;
+            clothes.reflectivity(part, at.z, around_rad)
+        })
+    }
 }
 
 /// Scene, people and the moving sensor.
@@ -47,7 +59,9 @@ impl<'a> View<'a> {
                 core::f32::consts::PI
             };
             let bearing_rad = libm::atan2f(dy, dx);
-            Some(Seen { parts: body_parts(person), bearing_rad, half_angle_rad })
+            let stands = Pose2::new(person.position.x_m, person.position.y_m, person.heading_rad);
+            let worn = person.build.clothes.map(|clothes| (stands, clothes));
+            Some(Seen { parts: body_parts(person), bearing_rad, half_angle_rad, worn })
         });
         Self { scene, robot, mount, seen: seen.collect() }
     }
@@ -84,11 +98,18 @@ impl<'a> View<'a> {
         let origin = Vector::new(sensor.x_m, sensor.y_m, self.mount.z_m);
         let mut nearest = self.scene.cast(origin, direction, range_max_m);
         let ray = Ray::new(origin, direction);
-        for part in candidates.iter().filter_map(|index| self.seen.get(*index)).flat_map(|seen| &seen.parts) {
-            let limit = nearest.map_or(range_max_m, |hit| hit.range_m);
-            if let Some(range_m) = part.cast(&ray, limit).filter(|range_m| *range_m < limit) {
-                nearest = Some(Hit { range_m, reflectivity: 35 });
+        let mut on_body = None;
+        for seen in candidates.iter().filter_map(|index| self.seen.get(*index)) {
+            for (index, part) in seen.parts.iter().enumerate() {
+                let limit = nearest.map_or(range_max_m, |hit| hit.range_m);
+                if let Some(range_m) = part.cast(&ray, limit).filter(|range_m| *range_m < limit) {
+                    nearest = Some(Hit { range_m, reflectivity: PLAIN });
+                    on_body = Some((seen, index));
+                }
             }
+        }
+        if let (Some(hit), Some((seen, part))) = (&mut nearest, on_body) {
+            hit.reflectivity = seen.reflectivity(part, origin + direction * hit.range_m);
         }
         nearest
     }

@@ -384,8 +384,8 @@ impl Simulation {
             position: person.position,
             velocity: person.velocity,
             feet: person.feet(),
-            radius_m: person.kind.radius_m(),
-            height_m: person.kind.height_m(),
+            radius_m: person.radius_m(),
+            height_m: person.height_m(),
             ground_discs: ground_discs(person),
             body_discs: body_discs(person),
             in_sight: self.is_in_sight(person),
@@ -397,7 +397,7 @@ impl Simulation {
         let mount = self.parameters.lidar;
         let eye = self.body.pose().transform(Point2::new(mount.x_m, mount.y_m));
         let from = Vector::new(eye.x_m, eye.y_m, mount.z_m);
-        let chest = Vector::new(person.position.x_m, person.position.y_m, 0.7 * person.kind.height_m());
+        let chest = Vector::new(person.position.x_m, person.position.y_m, 0.7 * person.height_m());
         let way = chest - from;
         let distance_m = way.length();
         distance_m < 0.1 || self.scene.cast(from, way / distance_m, distance_m - 0.05).is_none()

@@ -2,7 +2,7 @@
 
 use floorguard_core::geometry::{Point2, Pose2, Twist2};
 use floorguard_core::random::Pcg32;
-use floorguard_sim::people::{Person, PersonKind};
+use floorguard_sim::people::{Build, Person, PersonKind};
 use floorguard_sim::robot::{RobotBody, RobotParameters};
 use floorguard_sim::scene::{Material, Scene, SceneBuilder};
 use floorguard_sim::sensors::{LIDAR_PACKET_NS, Lidar, View};
@@ -53,6 +53,7 @@ impl World {
             walk: None,
             id: 1,
             kind: PersonKind::Adult,
+            build: Build::SAME,
             position: Point2::new(random.uniform_between(4.0, TURN_M), lane_m),
             velocity: Point2::new(-speed_mps, 0.0),
             heading_rad: std::f32::consts::PI,

@@ -3,10 +3,12 @@
 //! Whole sweeps as bytes go through decoder, clusters, classifier and tracker; the truth is the simulator's. Nearest
 //! neighbours (NN) and joint probabilities (NNJPDA) see the very same sweeps.
 
+mod causes;
 mod play;
 mod scenes;
 mod sight;
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -14,7 +16,8 @@ use floorguard_core::people::{Association, TrackerParameters};
 use floorguard_hosted::metrics::MotSummary;
 use rayon::prelude::*;
 
-pub use play::{Following, Seen, follow, play, play_all};
+pub use causes::{Causes, Lost};
+pub use play::{Followers, Following, Seen, follow, play, play_all};
 pub use scenes::{CROWDS, CrowdScene, Ways};
 
 /// Seconds of each run.
@@ -46,6 +49,8 @@ pub struct Total {
     pub acquired_s: Vec<f64>,
     /// As in [`Following`].
     pub large_groups: u32,
+    /// Changes of identity by what became of the old track; with a fresh one, and with one that had had another person.
+    pub causes: BTreeMap<Lost, [u32; 2]>,
 }
 
 impl Total {
@@ -62,6 +67,10 @@ impl Total {
         self.acquired_s.extend(&run.acquired_s);
         self.acquired_s.sort_by(f64::total_cmp);
         self.large_groups += run.large_groups;
+        for (cause, counts) in &run.causes.counts {
+            let total = self.causes.entry(*cause).or_default();
+            total.iter_mut().zip(counts).for_each(|(total, count)| *total += count);
+        }
     }
 
     /// Multi-object tracking accuracy.

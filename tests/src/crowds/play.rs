@@ -15,6 +15,7 @@ use floorguard_hosted::metrics::{MotAccumulator, MotSummary};
 use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;
 use floorguard_sim::{Payload, Simulation, Stream, Truth};
 
+use super::causes::{Causes, Somebody};
 use super::scenes::CrowdScene;
 use super::sight::shares_in_sight;
 
@@ -44,6 +45,8 @@ pub struct Following {
     pub acquired_s: Vec<f64>,
     /// Groups that were too large for joint probabilities.
     pub large_groups: u32,
+    /// Why identities changed.
+    pub causes: Causes,
 }
 
 struct Follower {
@@ -67,27 +70,49 @@ pub fn follow(
     if scene.drives {
         simulation.tow(TOWED.0, TOWED.1);
     }
-    let mut followers: Vec<Follower> = trackers.iter().map(Follower::new).collect();
-    let mut legs = Box::new(PeopleByLegs::new());
-    play_all(&mut simulation, seconds, &mut |seen, truth| {
-        let (sweep, context) = match seen {
-            Seen::Sweep(sweep, context) => (sweep, context),
+    let mut followers = Followers::new(trackers);
+    play_all(&mut simulation, seconds, &mut |seen, truth| followers.look(&seen, truth));
+    Ok(followers.finish())
+}
+
+/// Several trackers that see the same.
+pub struct Followers {
+    followers: Vec<Follower>,
+    legs: Box<PeopleByLegs>,
+}
+
+impl Followers {
+    /// Nobody seen yet; each of the trackers takes the legs of the scanner, too, or does not.
+    #[must_use]
+    pub fn new(trackers: &[(TrackerParameters, bool)]) -> Self {
+        Self { followers: trackers.iter().map(Follower::new).collect(), legs: Box::new(PeopleByLegs::new()) }
+    }
+
+    /// Lets all of them look, and compares what they say with the truth.
+    pub fn look(&mut self, seen: &Seen<'_>, truth: &Truth) {
+        match seen {
+            Seen::Sweep(sweep, context) => {
+                let mount = context.sensor_in_base.translation;
+                let eye = truth.robot.transform(Point2::new(mount.x_m, mount.y_m));
+                let shares = shares_in_sight(truth, eye);
+                for follower in &mut self.followers {
+                    follower.take(sweep, context, (truth, &shares, eye));
+                }
+            }
             Seen::Scan(scan, scanner_in_odom) => {
-                let view = legs.process(scan, scanner_in_odom, None::<fn(Point2) -> bool>);
-                for follower in followers.iter_mut().filter(|follower| follower.uses_legs) {
+                let view = self.legs.process(scan, *scanner_in_odom, None::<fn(Point2) -> bool>);
+                for follower in self.followers.iter_mut().filter(|follower| follower.uses_legs) {
                     follower.pipeline.add_view(view);
                 }
-                return;
             }
-        };
-        let mount = context.sensor_in_base.translation;
-        let eye = truth.robot.transform(Point2::new(mount.x_m, mount.y_m));
-        let shares = shares_in_sight(truth, eye);
-        for follower in &mut followers {
-            follower.take(sweep, context, (truth, &shares, eye));
         }
-    });
-    Ok(followers.into_iter().map(Follower::finish).collect())
+    }
+
+    /// What became of each.
+    #[must_use]
+    pub fn finish(self) -> Vec<Following> {
+        self.followers.into_iter().map(Follower::finish).collect()
+    }
 }
 
 /// What becomes of a sweep, where it was taken, and the truth at its end.
@@ -220,6 +245,13 @@ impl Follower {
             let distance_m = f64::from(seen[object].1.distance(tracks[track].1));
             (distance_m <= GATE_M).then_some(distance_m)
         });
+        let all: Vec<(u64, Point2)> =
+            output.tracks.iter().map(|track| (u64::from(track.id), track.state.position)).collect();
+        let everybody: Vec<Somebody> = people
+            .clone()
+            .map(|(person, share)| (u64::from(person.id), person.position, is_seen(*share, person.position)))
+            .collect();
+        self.result.causes.frame(&everybody, &all, self.mot.partners());
         self.note_acquired(&seen, &tracks, truth.stamp.as_micros());
         self.result.person_minutes += seen.len() as f64 * 0.1 / 60.0;
     }

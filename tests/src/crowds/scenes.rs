@@ -19,6 +19,8 @@ pub struct CrowdScene {
     pub columns: bool,
     /// The robot drives a circle of about 3 m instead of standing.
     pub drives: bool,
+    /// Everybody has a body and clothes of their own, instead of all adults the same.
+    pub varied: bool,
 }
 
 /// Where people walk.
@@ -32,13 +34,62 @@ pub enum Ways {
 
 /// The crowds of issue 4.
 pub const CROWDS: [CrowdScene; 7] = [
-    CrowdScene { name: "5 milling", people: 5, ways: Ways::Milling, columns: false, drives: false },
-    CrowdScene { name: "15 milling", people: 15, ways: Ways::Milling, columns: false, drives: false },
-    CrowdScene { name: "15 crossing", people: 15, ways: Ways::Crossing, columns: false, drives: false },
-    CrowdScene { name: "15 among columns", people: 15, ways: Ways::Milling, columns: true, drives: false },
-    CrowdScene { name: "30 milling", people: 30, ways: Ways::Milling, columns: false, drives: false },
-    CrowdScene { name: "30 crossing", people: 30, ways: Ways::Crossing, columns: false, drives: false },
-    CrowdScene { name: "30, robot drives", people: 30, ways: Ways::Milling, columns: false, drives: true },
+    CrowdScene {
+        name: "5 milling",
+        people: 5,
+        ways: Ways::Milling,
+        columns: false,
+        drives: false,
+        varied: false,
+    },
+    CrowdScene {
+        name: "15 milling",
+        people: 15,
+        ways: Ways::Milling,
+        columns: false,
+        drives: false,
+        varied: false,
+    },
+    CrowdScene {
+        name: "15 crossing",
+        people: 15,
+        ways: Ways::Crossing,
+        columns: false,
+        drives: false,
+        varied: false,
+    },
+    CrowdScene {
+        name: "15 among columns",
+        people: 15,
+        ways: Ways::Milling,
+        columns: true,
+        drives: false,
+        varied: false,
+    },
+    CrowdScene {
+        name: "30 milling",
+        people: 30,
+        ways: Ways::Milling,
+        columns: false,
+        drives: false,
+        varied: false,
+    },
+    CrowdScene {
+        name: "30 crossing",
+        people: 30,
+        ways: Ways::Crossing,
+        columns: false,
+        drives: false,
+        varied: false,
+    },
+    CrowdScene {
+        name: "30, robot drives",
+        people: 30,
+        ways: Ways::Milling,
+        columns: false,
+        drives: true,
+        varied: false,
+    },
 ];
 
 /// Half the hall, metres: its corners are 12 m from the middle.
@@ -103,10 +154,11 @@ impl CrowdScene {
         let stands = self.ways == Ways::Milling && random.bernoulli(0.125);
         let speed_mps = if stands { 0.0 } else { random.uniform_between(0.6, 1.5) };
         let kind = if random.bernoulli(0.12) { "child" } else { "adult" };
+        let bodies = if self.varied { "varied" } else { "same" };
         let mut text = String::new();
         let _infallible = write!(
             text,
-            "[[person]]\nkind = \"{kind}\"\nat_m = {at:?}\nspeed_mps = {speed_mps}\ngoals_m = {goals:?}\n"
+            "[[person]]\nkind = \"{kind}\"\nbodies = \"{bodies}\"\nat_m = {at:?}\nspeed_mps = {speed_mps}\ngoals_m = {goals:?}\n"
         );
         text
     }

@@ -2,7 +2,7 @@
 
 use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_core::random::Pcg32;
-use floorguard_sim::people::{Person, PersonKind};
+use floorguard_sim::people::{Build, Person, PersonKind};
 use floorguard_sim::scene::{Material, Scene, SceneBuilder};
 use floorguard_sim::sensors::DepthCamera;
 
@@ -86,6 +86,7 @@ fn person(id: u32, robot: Pose2, random: &mut Pcg32) -> Person {
     Person {
         id,
         kind: kind.map_or(PersonKind::Adult, |(kind, _)| *kind),
+        build: Build::SAME,
         position: Point2::new(range_m * cos, range_m * sin),
         velocity: Point2::new(speed_mps * heading_cos, speed_mps * heading_sin),
         heading_rad,

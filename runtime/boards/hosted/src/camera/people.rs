@@ -130,7 +130,7 @@ mod tests {
     use floorguard_core::people::{PeopleOutput, SweepContext};
     use floorguard_core::sensing::Sweep;
     use floorguard_runtime::tasks::JudgeMotion as _;
-    use floorguard_sim::people::{Person, PersonKind};
+    use floorguard_sim::people::{Build, Person, PersonKind};
     use floorguard_sim::scene::{Material, SceneBuilder};
     use floorguard_sim::sensors::DepthCamera;
 
@@ -145,6 +145,7 @@ mod tests {
         let person = Person {
             id: 1,
             kind: PersonKind::Adult,
+            build: Build::SAME,
             position: Point2::new(3.2, walked_m - 0.6),
             velocity: Point2::new(0.0, 1.0),
             heading_rad: 1.57,

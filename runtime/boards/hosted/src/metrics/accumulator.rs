@@ -111,6 +111,12 @@ impl MotAccumulator {
         pairs
     }
 
+    /// The newest track of each object that ever had one.
+    #[must_use]
+    pub const fn partners(&self) -> &BTreeMap<u64, u64> {
+        &self.partner
+    }
+
     /// The figures so far.
     #[must_use]
     pub fn summary(&self) -> MotSummary {
