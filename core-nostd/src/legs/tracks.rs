@@ -5,7 +5,7 @@ use heapless::Vec;
 
 use super::detector::{LEGS_MAX, Leg};
 use crate::geometry::Point2;
-use crate::people::{ConstantVelocity, Detection};
+use crate::people::{Appearance, ConstantVelocity, Detection};
 use crate::time::{Age, Stamp};
 
 /// Legs followed at once.
@@ -69,6 +69,7 @@ impl PersonByLegs {
             likeness: self.reliability,
             points: 2,
             moving: None,
+            appearance: Appearance::UNKNOWN,
         }
     }
 }

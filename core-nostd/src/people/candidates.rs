@@ -1,5 +1,6 @@
 //! Which things may be people: the volume of algorithms A.2, made honest about distance and about the floor.
 
+use super::appearance::Appearance;
 use super::clusters::Cluster;
 use crate::geometry::Point2;
 
@@ -53,6 +54,8 @@ pub struct Detection {
     pub points: u16,
     /// Whether it moves by itself; `None` if that was not judged.
     pub moving: Option<bool>,
+    /// What it looks like.
+    pub appearance: Appearance,
 }
 
 /// Vertical distance between two rings per metre of range: 2°.

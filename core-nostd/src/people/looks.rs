@@ -2,6 +2,7 @@
 
 use heapless::Vec;
 
+use super::appearance::Shades;
 use super::association::DETECTIONS_MAX;
 use super::clusters::Cluster;
 use super::shape::{SHAPE_FEATURES, ShapeBuilder, ShapeVector};
@@ -27,6 +28,7 @@ struct Look {
     bounds: [Point3; 2],
     builder: ShapeBuilder,
     shape: ShapeVector,
+    shades: Shades,
 }
 
 impl Looks {
@@ -46,6 +48,7 @@ impl Looks {
             bounds: [thing.lower, thing.upper],
             builder,
             shape: [0.0; SHAPE_FEATURES],
+            shades: Shades::default(),
         };
         match self.candidates.get_mut(slot) {
             Some(used) => *used = look,
@@ -74,19 +77,21 @@ impl Looks {
     }
 
     /// A return of a candidate.
-    pub(super) fn add(&mut self, slot: usize, point: Point3, ring: usize) {
+    pub(super) fn add(&mut self, slot: usize, point: Point3, (ring, reflectivity): (usize, Option<&u8>)) {
         if let Some(look) = self.candidates.get_mut(slot) {
             look.builder.add(point, ring);
+            look.shades.add(point.z_m, reflectivity);
         }
     }
 
-    /// Ends the pass; hands out slot and shape of every candidate that was looked at in it.
-    pub(super) fn finish(&mut self, mut found: impl FnMut(usize, &ShapeVector)) {
+    /// Ends the pass; hands out slot, shape, shades, top and whether it is half hidden of every candidate that was looked at in it.
+    pub(super) fn finish(&mut self, mut found: impl FnMut(usize, &ShapeVector, &Shades, (f32, bool))) {
         for (slot, look) in self.candidates.iter_mut().enumerate().filter(|(_, look)| look.cluster != NOBODY)
         {
             look.shape = look.builder.finish(look.occluded);
             look.cluster = NOBODY;
-            found(slot, &look.shape);
+            let [_, upper] = look.bounds;
+            found(slot, &look.shape, &look.shades, (upper.z_m, look.occluded));
         }
     }
 

@@ -4,6 +4,7 @@
 //! over at the moment it is confirmed. A wrong guess costs no more than a new identity would.
 
 use super::track::Track;
+use super::tracker::TrackerParameters;
 use crate::geometry::Point2;
 use crate::time::Stamp;
 
@@ -14,20 +15,22 @@ const REACH_MAX_M: f32 = 4.0;
 /// (0.55, 1.33 and 1.84 m from where they were last seen).
 const WAY_S: f32 = 3.0;
 
-/// Whom of some tracks somebody at `place` fits best: the way between, as a share of what the person can have gone
-/// astray since the last sighting (`reach`: metres, and metres per second), is smallest. `None` if it is above 1 for all.
+/// Whom of some tracks a fresh one fits best. The way between, as a share of what the person can have gone astray since
+/// the last sighting, is at most 1; of those its square, less what the looks say for the pair, is smallest.
 pub(super) fn best_of<'a>(
     tracks: impl Iterator<Item = &'a Track>,
-    (place, now): (Point2, Stamp),
-    [reach_m, reach_mps]: [f32; 2],
+    (fresh, now): (&Track, Stamp),
+    parameters: &TrackerParameters,
 ) -> Option<u32> {
-    let fits = tracks.map(|track| {
+    let fits = tracks.filter_map(|track| {
         let seconds = track.last_seen.past_us(now) as f32 * 1.0e-6;
-        let reach_m = (reach_m + reach_mps * seconds).clamp(0.1, REACH_MAX_M);
-        (expected(track, seconds).distance(place) / reach_m, track.id)
+        let reach_m = (parameters.reach_m + parameters.reach_mps * seconds).clamp(0.1, REACH_MAX_M);
+        let share = expected(track, seconds).distance(fresh.state.position) / reach_m;
+        let likeness = track.appearance.likeness(&fresh.appearance);
+        let fits = share <= 1.0 && likeness >= parameters.recall_likeness_min;
+        fits.then_some((share * share - parameters.recall_likeness_share * likeness, track.id))
     });
-    let best = fits.filter(|(share, _)| *share <= 1.0).min_by(|a, b| a.0.total_cmp(&b.0));
-    best.map(|(_, id)| id)
+    fits.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, id)| id)
 }
 
 /// Where somebody is who was last seen so long ago.

@@ -3,6 +3,7 @@
 //! Ground → clusters → candidates → tracker, on the range image: neighbourhood is index arithmetic, no tree is built.
 //! Source: algorithms A.1, A.2, D (`fixed` behaviour).
 
+mod appearance;
 mod association;
 mod candidates;
 pub mod classify;
@@ -28,6 +29,7 @@ mod tracker;
 mod views;
 mod visibility;
 
+pub use appearance::Appearance;
 pub use association::Association;
 pub use candidates::{CandidateLimits, Detection};
 pub use clusters::{Cluster, ClusterLimits};

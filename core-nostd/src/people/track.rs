@@ -1,5 +1,6 @@
 //! One person, or something that looks like one: what was seen of it by which sensor, and when it is given up.
 
+use super::appearance::Appearance;
 use super::candidates::Detection;
 use super::filter::ConstantVelocity;
 use super::person_model::probability;
@@ -54,6 +55,8 @@ pub struct Track {
     pub(super) seen_velocity: Point2,
     /// The sighting that confirmed it.
     pub(super) confirmed: Option<Stamp>,
+    /// What it looks like.
+    pub(super) appearance: Appearance,
     /// What its sightings weigh, see [`PeopleSensor::weight`].
     weight: u16,
     /// The sensor that found it: before it is confirmed, only this one's misses count.
@@ -111,6 +114,7 @@ impl Track {
             seen_position: detection.position,
             seen_velocity: Point2::default(),
             confirmed: None,
+            appearance: detection.appearance,
             weight: sensor.weight(),
             origin: sensor,
             misses: 0,
@@ -155,6 +159,7 @@ impl Track {
         self.sightings = self.sightings.saturating_add(1);
         self.weight = self.weight.saturating_add(sensor.weight());
         self.distance_m = detection.distance_m;
+        self.appearance.learn(&detection.appearance, stamp.seconds_since(self.last_seen));
         self.last_seen = self.last_seen.max(stamp);
         self.note_seen_by(sensor, stamp);
         (self.seen_position, self.seen_velocity) = (self.state.position, self.state.velocity);
@@ -193,6 +198,9 @@ impl Track {
     pub(super) fn continue_from(&mut self, old: &Self) {
         (self.id, self.created, self.first_position) = (old.id, old.created, old.first_position);
         self.sightings = self.sightings.saturating_add(old.sightings);
+        let fresh = self.appearance;
+        self.appearance = old.appearance;
+        self.appearance.learn(&fresh, self.last_seen.seconds_since(old.last_seen));
         self.belief = self.belief.max(old.belief);
         self.person_probability = probability(self.belief);
     }

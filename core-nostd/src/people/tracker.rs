@@ -51,6 +51,12 @@ pub struct TrackerParameters {
     /// Nobody who was out of sight for a moment is looked for farther from where the track says than this, metres: its
     /// doubt grows faster than people walk, and a wide gate takes in strangers.
     pub hidden_gate_m: f32,
+    /// Share of what the looks say that counts, 0: none. Looks of one moment are not independent of those before.
+    pub looks_share: f32,
+    /// Whoever looks less like somebody lost than this (natural logarithm of the likelihoods' ratio) is somebody else.
+    pub recall_likeness_min: f32,
+    /// What a unit of likeness is worth when somebody is recalled, in squares of the way that is within reach.
+    pub recall_likeness_share: f32,
 }
 
 impl TrackerParameters {
@@ -71,6 +77,17 @@ impl TrackerParameters {
         astray_us: 250_000,
         remembered_us: 8_000_000,
         hidden_gate_m: 1.5,
+        looks_share: 0.5,
+        recall_likeness_min: -1.5,
+        recall_likeness_share: 0.5,
+    };
+
+    /// Whatever people look like does not count: as on the board, which keeps no reflectivities.
+    pub const WITHOUT_LOOKS: Self = Self {
+        looks_share: 0.0,
+        recall_likeness_min: f32::NEG_INFINITY,
+        recall_likeness_share: 0.0,
+        ..Self::DEFAULT
     };
 }
 
@@ -221,10 +238,10 @@ impl Tracker {
             let fresh = self.tracks.get(row).copied();
             let confirmed = |track: &Track| track.confirmed == Some(stamp);
             let Some(fresh) = fresh.filter(|track| confirmed(track) && track.belief > 0.0) else { continue };
-            let (astray_us, reach) =
-                (self.parameters.astray_us, [self.parameters.reach_m, self.parameters.reach_mps]);
-            let astray = self.tracks.iter().filter(|track| track.may_be_astray(stamp, astray_us, &fresh));
-            let Some(id) = best_of(astray, (fresh.state.position, stamp), reach) else { continue };
+            let parameters = &self.parameters;
+            let astray =
+                self.tracks.iter().filter(|track| track.may_be_astray(stamp, parameters.astray_us, &fresh));
+            let Some(id) = best_of(astray, (&fresh, stamp), parameters) else { continue };
             let Some(old) = self.tracks.iter().find(|track| track.id == id).copied() else { continue };
             if let Some(track) = self.tracks.get_mut(row) {
                 track.continue_from(&old);
@@ -284,7 +301,10 @@ impl Tracker {
         let distance_m = track.state.position.distance(detection.position);
         let near = !unseen || distance_m <= self.parameters.hidden_gate_m;
         let inside = distance2 <= gate * gate && near && track.is_expected();
-        inside.then(|| distance2 + 2.0 * libm::logf(innovation_variance))
+        inside.then(|| {
+            let likeness = self.parameters.looks_share * track.appearance.likeness(&detection.appearance);
+            distance2 + 2.0 * libm::logf(innovation_variance) - 2.0 * likeness
+        })
     }
 
     fn delete(&mut self, stamp: Stamp) {

@@ -1,11 +1,19 @@
 //! Lives of tracks: birth, hiding, return, crowds, time that runs backwards.
 
 use super::*;
-use crate::people::SensorSet;
+use crate::people::{Appearance, SensorSet};
 
 fn sighting(x_m: f32, y_m: f32) -> Detection {
     let position = Point2::new(x_m, y_m);
-    Detection { position, distance_m: position.norm(), sigma_m: 0.1, likeness: 1.0, points: 50, moving: None }
+    Detection {
+        position,
+        distance_m: position.norm(),
+        sigma_m: 0.1,
+        likeness: 1.0,
+        points: 50,
+        moving: None,
+        appearance: Appearance::UNKNOWN,
+    }
 }
 
 /// Numbers of those who are told, oldest first.

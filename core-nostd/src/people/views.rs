@@ -105,14 +105,21 @@ impl WaitingViews {
 mod tests {
     use super::*;
     use crate::geometry::Point2;
-    use crate::people::TrackerParameters;
+    use crate::people::{Appearance, TrackerParameters};
 
     fn legs(at_us: u64, x_m: f32) -> PeopleView {
         let mut view = PeopleView::new(PeopleSensor::Scanner);
         view.stamp = Stamp::from_micros(at_us);
         let position = Point2::new(x_m, 0.0);
-        let detection =
-            Detection { position, distance_m: x_m, sigma_m: 0.3, likeness: 0.9, points: 2, moving: None };
+        let detection = Detection {
+            position,
+            distance_m: x_m,
+            sigma_m: 0.3,
+            likeness: 0.9,
+            points: 2,
+            moving: None,
+            appearance: Appearance::UNKNOWN,
+        };
         assert!(view.add(detection));
         view
     }

@@ -5,7 +5,8 @@ use std::hint::black_box;
 use anyhow::Context as _;
 use floorguard_core::geometry::Point2;
 use floorguard_core::people::{
-    Association, ConstantVelocity, Detection, PeoplePipeline, RingAngles, Tracker, TrackerParameters,
+    Appearance, Association, ConstantVelocity, Detection, PeoplePipeline, RingAngles, Tracker,
+    TrackerParameters,
 };
 use floorguard_core::random::Pcg32;
 use floorguard_core::sensing::Sweep;
@@ -31,6 +32,7 @@ fn detection(position: Point2) -> Detection {
         likeness: 0.9,
         points: 50,
         moving: None,
+        appearance: Appearance::UNKNOWN,
     }
 }
 

@@ -4,6 +4,7 @@ use super::context::SweepContext;
 use super::state::PeoplePipeline;
 use crate::capacities::CLUSTERS_MAX;
 use crate::geometry::Point2;
+use crate::people::appearance::Appearance;
 use crate::people::candidates::Detection;
 use crate::people::clusters::Cluster;
 use crate::people::shape::ShapeBuilder;
@@ -71,5 +72,6 @@ pub(super) fn detection(thing: &Cluster, context: &SweepContext) -> Detection {
         likeness: 0.5,
         points: thing.points,
         moving: None,
+        appearance: Appearance::UNKNOWN,
     }
 }

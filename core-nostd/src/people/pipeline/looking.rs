@@ -39,13 +39,15 @@ impl PeoplePipeline {
                     let Some(share) = self.splits.slot(cluster, point) else { continue };
                     slot = share;
                 }
-                self.looks.add(slot, point, ring);
+                self.looks.add(slot, point, (ring, column.reflectivity.get(ring)));
             }
         }
         let detections = &mut self.detections;
-        self.looks.finish(|slot, shape| {
+        let sensor_m = context.sensor_in_base.translation.z_m;
+        self.looks.finish(|slot, shape, shades, (top_m, occluded)| {
             if let Some(detection) = detections.get_mut(slot) {
                 detection.likeness = probability(person_log_odds(shape));
+                detection.appearance = shades.appearance((top_m, occluded), (sensor_m, detection.distance_m));
             }
         });
     }

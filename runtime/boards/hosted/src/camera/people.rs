@@ -5,7 +5,7 @@
 
 use floorguard_core::floor::Plane;
 use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::people::{Detection, PeopleSensor, PeopleView};
+use floorguard_core::people::{Appearance, Detection, PeopleSensor, PeopleView};
 use floorguard_core::rgbd_people::{RgbdDetection, RgbdParameters, RgbdPeopleFinder};
 use floorguard_core::sensing::{BeamReturn, DepthImage, PinholeCamera, Scan};
 use floorguard_core::time::Stamp;
@@ -117,6 +117,7 @@ fn detection(person: &RgbdDetection, robot_in_odom: Pose2) -> Detection {
         likeness: person.confidence,
         points: 1,
         moving: None,
+        appearance: Appearance::UNKNOWN,
     }
 }
 

@@ -6,7 +6,9 @@ use floorguard_core::guard::GuardConfigError;
 use floorguard_core::legs::PeopleByLegs;
 use floorguard_core::motion::{MotionDetector, MotionParameters};
 use floorguard_core::odometry::PoseHistory;
-use floorguard_core::people::{PeopleOutput, PeoplePipeline, RingAngles, SweepContext, Track};
+use floorguard_core::people::{
+    PeopleOutput, PeoplePipeline, RingAngles, SweepContext, Track, TrackerParameters,
+};
 use floorguard_core::sensing::{Scan, Sweep};
 use floorguard_core::time::Stamp;
 use floorguard_drivers::three_wheel_base::ThreeWheelBase;
@@ -148,9 +150,14 @@ pub fn new_perception(robot: &RobotConfiguration, stages: Stages) -> Box<HostedP
         LidarModel::PuckHiRes => RingAngles::even(-10.0, 4.0 / 3.0),
         _ => RingAngles::vlp16(),
     };
+    // The board keeps no reflectivities, so it does not know what people look like.
+    let tracker = match stages {
+        Stages::All => TrackerParameters::DEFAULT,
+        Stages::AsOnBoard => TrackerParameters::WITHOUT_LOOKS,
+    };
     Box::new(PerceptionState {
         building: Sweep::EMPTY,
-        people: PeoplePipeline::new(angles),
+        people: PeoplePipeline::with_tracker(angles, tracker),
         motion: HostedMotion::new(stages),
         legs: PeopleByLegs::new(),
         scan: Scan::EMPTY,

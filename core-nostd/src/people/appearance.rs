@@ -1,0 +1,232 @@
+//! What somebody looks like to a lidar: how bright trousers and top are, and how tall. In a crowd that tells who comes out
+//! from behind whom.
+//!
+//! Every trait has a value and a variance; a pair of track and detection gets the logarithm of the ratio of two
+//! likelihoods: of the same person seen again, and of anybody. Only traits that both sides know take part. The board keeps
+//! no reflectivities, so there nothing is known of anybody, and nothing of this takes room or time.
+
+/// Traits: brightness of trousers and of top (logarithms of the mean reflectivity), stature in metres.
+const TRAITS: usize = if cfg!(feature = "hosted") { 3 } else { 0 };
+
+/// What is known of one trait.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Trait {
+    value: f32,
+    /// Above [`UNKNOWN_VARIANCE`] nothing is known.
+    variance: f32,
+}
+
+const UNKNOWN_VARIANCE: f32 = 1.0e3;
+
+/// How a trait is spread.
+struct Spread {
+    /// Over all people: mean and variance.
+    people: (f32, f32),
+    /// What the same person changes by from side to side, at most, and how fast: variance, and variance per second.
+    own: (f32, f32),
+}
+
+/// Brightness: clothes from nearly black to white; the same garment's mean changes by a factor of about 1.4 (two by two
+/// real frames of one man) from side to side. Stature: women, men and children (ANSUR II; heads nod, people bend).
+const SPREADS: [Spread; 3] = [
+    Spread { people: (3.1, 0.70), own: (0.12, 0.002) },
+    Spread { people: (3.1, 0.70), own: (0.12, 0.002) },
+    Spread { people: (1.70, 0.02), own: (0.002, 0.000_05) },
+];
+
+/// One trait never says more than this for or against a pair, natural logarithm.
+const TRAIT_MAX: f32 = 5.0;
+/// Nor do all together.
+const TOGETHER_MAX: f32 = 6.0;
+
+/// What is known of a person's looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Appearance {
+    traits: [Trait; TRAITS],
+}
+
+impl Appearance {
+    /// Nothing is known.
+    pub const UNKNOWN: Self = Self { traits: [Trait { value: 0.0, variance: f32::INFINITY }; TRAITS] };
+
+    /// ln of how much more likely a sighting is if it is of this person than if it is of anybody; 0 where nothing is
+    /// known.
+    pub(super) fn likeness(&self, seen: &Self) -> f32 {
+        let pairs = self.traits.iter().zip(&seen.traits).zip(&SPREADS);
+        let sum: f32 = pairs.map(|((own, seen), spread)| own.likeness(seen, spread)).sum();
+        sum.clamp(-TOGETHER_MAX, TOGETHER_MAX)
+    }
+
+    /// Takes in a sighting, `seconds` after the one before.
+    pub(super) fn learn(&mut self, seen: &Self, seconds: f32) {
+        for ((own, seen), spread) in self.traits.iter_mut().zip(&seen.traits).zip(&SPREADS) {
+            own.learn(seen, (spread, seconds));
+        }
+    }
+}
+
+impl Trait {
+    fn is_known(&self) -> bool {
+        self.variance < UNKNOWN_VARIANCE
+    }
+
+    fn likeness(&self, seen: &Self, spread: &Spread) -> f32 {
+        if !self.is_known() || !seen.is_known() {
+            return 0.0;
+        }
+        let (mean, between) = spread.people;
+        let (same, anybody) = (self.variance + spread.own.0 + seen.variance, between + seen.variance);
+        let (apart, unusual) = (seen.value - self.value, seen.value - mean);
+        let gain = libm::logf(anybody / same) + unusual * unusual / anybody - apart * apart / same;
+        (0.5 * gain).clamp(-TRAIT_MAX, TRAIT_MAX)
+    }
+
+    fn learn(&mut self, seen: &Self, (spread, seconds): (&Spread, f32)) {
+        if !seen.is_known() {
+            return;
+        }
+        if !self.is_known() {
+            *self = *seen;
+            return;
+        }
+        let (most, per_s) = spread.own;
+        let before = (self.variance + per_s * seconds.max(0.0)).min(most.max(self.variance));
+        let gain = before / (before + seen.variance);
+        self.value += gain * (seen.value - self.value);
+        self.variance = (1.0 - gain) * before;
+    }
+}
+
+#[cfg(feature = "hosted")]
+pub(super) use gathered::Shades;
+
+/// The returns of a candidate on their way to an appearance.
+#[cfg(feature = "hosted")]
+mod gathered {
+    use super::{Appearance, Trait};
+
+    /// Trousers and top, metres above the floor: what is between may be either.
+    const BANDS_M: [(f32, f32); 2] = [(0.12, 0.60), (0.95, 1.40)];
+    /// Fewer returns say nothing of a garment.
+    const RETURNS_MIN: u32 = 5;
+    /// Variance of the logarithm from return to return (folds), and of a whole look.
+    const FOLDS: f32 = 0.5;
+    const LOOK: f32 = 0.04;
+    /// Angle from ring to ring, radians (VLP-16), and the highest one.
+    const RING_STEP: f32 = 0.035;
+    const RING_TOP: f32 = 0.268;
+    /// How much more doubtful is what is half hidden, or shared with somebody: some of its returns are not its own.
+    const OCCLUDED: f32 = 2.0;
+    /// A look at a head, metres: hair, hats, steps.
+    const HEAD_SIGMA_M: f32 = 0.04;
+
+    /// Sums over the returns of a candidate.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub(in crate::people) struct Shades {
+        sums: [u32; 2],
+        returns: [u32; 2],
+    }
+
+    impl Shades {
+        /// A return at a height above the floor.
+        pub(in crate::people) fn add(&mut self, height_m: f32, reflectivity: Option<&u8>) {
+            let band = BANDS_M.iter().position(|(low_m, high_m)| (*low_m..*high_m).contains(&height_m));
+            let (Some(band), Some(reflectivity)) = (band, reflectivity) else { return };
+            if let (Some(sum), Some(returns)) = (self.sums.get_mut(band), self.returns.get_mut(band)) {
+                *sum = sum.saturating_add(u32::from(*reflectivity));
+                *returns = returns.saturating_add(1);
+            }
+        }
+
+        /// What they tell; the top of the candidate, how high the sensor is and how far from it the candidate.
+        pub(in crate::people) fn appearance(
+            &self,
+            (top_m, occluded): (f32, bool),
+            (sensor_m, distance_m): (f32, f32),
+        ) -> Appearance {
+            let mut appearance = Appearance::UNKNOWN;
+            let doubt = if occluded { OCCLUDED } else { 1.0 };
+            let [trousers, top, stature] = &mut appearance.traits;
+            let garments = self.sums.iter().zip(self.returns);
+            for (slot, (sum, returns)) in [trousers, top].into_iter().zip(garments) {
+                // A recording without reflectivities has zeros.
+                if returns >= RETURNS_MIN && *sum >= returns {
+                    let value = libm::logf(*sum as f32 / returns as f32);
+                    *slot = Trait { value, variance: doubt * (LOOK + FOLDS / returns as f32) };
+                }
+            }
+            // The head ends somewhere between the highest ring that met it and the next.
+            let spacing_m = RING_STEP * distance_m;
+            if top_m + spacing_m < sensor_m + RING_TOP * distance_m {
+                let variance = doubt * HEAD_SIGMA_M * HEAD_SIGMA_M + doubt * spacing_m * spacing_m / 12.0;
+                *stature = Trait { value: top_m + 0.5 * spacing_m, variance };
+            }
+            appearance
+        }
+    }
+}
+
+/// The board keeps no reflectivities: nothing is gathered.
+#[cfg(not(feature = "hosted"))]
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Shades;
+
+#[cfg(not(feature = "hosted"))]
+impl Shades {
+    pub(super) fn add(&mut self, _: f32, _: Option<&u8>) {}
+
+    pub(super) fn appearance(&self, _: (f32, bool), _: (f32, f32)) -> Appearance {
+        Appearance::UNKNOWN
+    }
+}
+
+#[cfg(all(test, feature = "hosted"))]
+mod tests {
+    use super::*;
+
+    /// Somebody 5 m away whose trousers and top throw back so much, seen by 40 returns each.
+    fn look([trousers, top]: [u8; 2], stature_m: f32) -> Appearance {
+        let mut shades = Shades::default();
+        for _ in 0..40 {
+            shades.add(0.4, Some(&trousers));
+            shades.add(1.2, Some(&top));
+        }
+        shades.appearance((stature_m, false), (0.8, 5.0))
+    }
+
+    fn known(looks: &[Appearance]) -> Appearance {
+        let mut known = Appearance::UNKNOWN;
+        looks.iter().for_each(|look| known.learn(look, 0.1));
+        known
+    }
+
+    #[test]
+    fn people_are_like_themselves_and_unlike_others() {
+        let dark = known(&[look([8, 10], 1.7); 10]);
+        assert!(dark.likeness(&look([9, 11], 1.72)) > 1.0);
+        assert!(dark.likeness(&look([9, 60], 1.72)) < -1.0, "another top");
+        assert!(dark.likeness(&look([8, 10], 1.1)) < 0.0, "a child");
+    }
+
+    #[test]
+    fn what_is_not_known_says_nothing() {
+        let dark = known(&[look([8, 10], 1.7); 10]);
+        assert_eq!(dark.likeness(&Appearance::UNKNOWN), 0.0);
+        assert_eq!(Appearance::UNKNOWN.likeness(&dark), 0.0);
+        let mut same = dark;
+        same.learn(&Appearance::UNKNOWN, 1.0);
+        assert_eq!(same, dark);
+        // Reflectivities of a recording that has none, and a head above the view.
+        let mut blind = Shades::default();
+        (0..100).for_each(|_| blind.add(1.2, Some(&0)));
+        assert_eq!(blind.appearance((1.7, false), (0.8, 1.5)), Appearance::UNKNOWN);
+    }
+
+    #[test]
+    fn no_pair_is_decided_by_looks_alone() {
+        let bright = known(&[look([100, 100], 1.9); 50]);
+        let likeness = bright.likeness(&look([1, 1], 1.0));
+        assert!((-TOGETHER_MAX..-3.0).contains(&likeness), "{likeness}");
+        assert!(bright.likeness(&look([100, 100], 1.9)) <= TOGETHER_MAX);
+    }
+}
