@@ -5,9 +5,10 @@ use floorguard_tests::candidates::scores;
 
 #[test]
 fn our_detector_claims_more_people_and_fewer_things() {
-    for (scene, precision_min, recall_min) in [("supermarket", 0.80, 0.70), ("airport", 0.74, 0.74)] {
-        let [ours, published] = scores(scene, 6).expect("the scene is built in");
+    for (scene, precision_min, recall_min) in [("supermarket", 0.82, 0.77), ("airport", 0.84, 0.82)] {
+        let ([ours, published], misses) = scores(scene, 6).expect("the scene is built in");
         println!("{scene}: ours {:.3} {:.3}, {ours:?}", ours.precision(), ours.recall());
+        print!("{}", misses.text());
         println!("{scene}: published {:.3} {:.3}, {published:?}", published.precision(), published.recall());
         assert!(ours.labels > 80, "{scene}: {ours:?}");
         assert!(ours.precision() >= precision_min && ours.recall() >= recall_min, "{scene}: {ours:?}");

@@ -25,7 +25,7 @@ fn thirty_people_keep_their_identity() {
     );
 }
 
-/// A crowd in which the robot drives: without a look at them people lose their names half as often again.
+/// A crowd in which the robot drives: without a look at them people lose their names a third more often.
 #[test]
 fn clothes_tell_who_comes_out_from_behind_whom() {
     let crowd = CROWDS.iter().find(|scene| scene.name == "30, robot drives").expect("a built-in crowd");
@@ -39,5 +39,5 @@ fn clothes_tell_who_comes_out_from_behind_whom() {
         );
         total.switches_per_person_minute()
     });
-    assert!(ours <= 1.1 && ours < blind, "{ours} {blind}");
+    assert!(ours <= 1.35 && ours < 0.85 * blind, "{ours} {blind}");
 }

@@ -5,6 +5,7 @@ use floorguard_core::geometry::{Point2, Point3};
 use floorguard_core::people::{RingAngles, SweepContext};
 use floorguard_core::sensing::Sweep;
 use floorguard_sim::Truth;
+use floorguard_sim::people::PersonKind;
 
 /// Metres per count of a range.
 const RANGE_STEP_M: f32 = 0.002;
@@ -12,6 +13,8 @@ const RANGE_STEP_M: f32 = 0.002;
 const FLOOR_M: f32 = 0.1;
 /// A return this near to a body belongs to it, metres: the noise of the lidar.
 const SKIN_M: f32 = 0.06;
+/// Higher than this a leg is under the body, metres.
+const KNEE_M: f32 = 0.45;
 /// What is broader than this near the floor is a suitcase, metres.
 const FOOT_MAX_M: f32 = 0.15;
 /// People of whom fewer returns are left are not labelled: two rings of eight.
@@ -52,6 +55,11 @@ impl Bounds {
         [high.x_m - low.x_m, high.y_m - low.y_m, high.z_m - low.z_m]
     }
 
+    /// From the robot to the middle, on the floor, metres.
+    pub fn distance_m(&self) -> f32 {
+        (0.5 * (self.lower.x_m + self.upper.x_m)).hypot(0.5 * (self.lower.y_m + self.upper.y_m))
+    }
+
     /// Shared volume over joint volume; 0 for a flat box (algorithms A.2).
     #[must_use]
     pub fn overlap(&self, other: &Self) -> f32 {
@@ -88,7 +96,7 @@ pub fn points(sweep: &Sweep, context: &SweepContext) -> Vec<Option<Point3>> {
 
 /// Boxes of the people of whom enough is seen, robot frame: what somebody would draw around their returns.
 #[must_use]
-pub fn labels(points: &[Option<Point3>], truth: &Truth) -> Vec<Bounds> {
+pub fn labels(points: &[Option<Point3>], truth: &Truth) -> Vec<(PersonKind, Bounds)> {
     let into_base = truth.robot.inverse();
     let mut labels = Vec::new();
     for person in &truth.people {
@@ -105,14 +113,17 @@ pub fn labels(points: &[Option<Point3>], truth: &Truth) -> Vec<Bounds> {
             let at = Point2::new(point.x_m, point.y_m);
             let high = (FLOOR_M..person.height_m + SKIN_M).contains(&point.z_m);
             let on_body = |disc: &(Point2, f32)| at.distance(disc.0) < disc.1 + SKIN_M;
-            if high && at.distance(middle) < 1.6 && discs.iter().any(on_body) {
+            // A stride before the body is a foot near the floor, and the handle of a trolley higher up.
+            let parts = if point.z_m < KNEE_M { &discs[..] } else { &discs[discs.len() - 1..] };
+            if high && at.distance(middle) < 1.6 && parts.iter().any(on_body) {
                 match &mut bounds {
                     Some(bounds) => bounds.include(*point),
                     None => bounds = Some(Bounds::at(*point)),
                 }
             }
         }
-        labels.extend(bounds.filter(|bounds| bounds.points >= RETURNS_MIN && middle.norm() < RANGE_M));
+        let labelled = bounds.filter(|bounds| bounds.points >= RETURNS_MIN && middle.norm() < RANGE_M);
+        labels.extend(labelled.map(|bounds| (person.kind, bounds)));
     }
     labels
 }

@@ -5,19 +5,22 @@
 //! sweeps: nested rings and the volume test.
 
 mod boxes;
+mod misses;
 
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_core::geometry::Point3;
+use floorguard_core::geometry::{Point2, Point3};
 use floorguard_core::people::ring_clusters::{RingLimits, UNGROUPED};
-use floorguard_core::people::{PeoplePipeline, RingAngles};
+use floorguard_core::people::{PeoplePipeline, RingAngles, SweepContext};
+use floorguard_core::sensing::Sweep;
 use floorguard_hosted::train::built_in_scenes;
 use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;
-use floorguard_sim::Simulation;
+use floorguard_sim::{Simulation, Truth};
 use rayon::prelude::*;
 
 pub use boxes::{Bounds, labels, points};
+pub use misses::Misses;
 
 use crate::crowds::play;
 
@@ -69,8 +72,8 @@ impl Score {
         self.labels += other.labels;
     }
 
-    /// One to one, by falling overlap.
-    fn of(claims: &[Bounds], labels: &[Bounds]) -> Self {
+    /// One to one, by falling overlap; and which labels were claimed.
+    fn of(claims: &[Bounds], labels: &[Bounds]) -> (Self, Vec<usize>) {
         let mut pairs: Vec<(f32, usize, usize)> = Vec::new();
         for (row, claim) in claims.iter().enumerate() {
             let overlaps =
@@ -85,9 +88,14 @@ impl Score {
                 columns.push(column);
             }
         }
-        Self { right: rows.len() as u64, claims: claims.len() as u64, labels: labels.len() as u64 }
+        let score =
+            Self { right: rows.len() as u64, claims: claims.len() as u64, labels: labels.len() as u64 };
+        (score, columns)
     }
 }
+
+/// Ours and the published detector's, and whom we missed.
+pub type SweepScores = ([Score; 2], Misses);
 
 /// The published detector: nested rings, then the volume (algorithms A.1, A.2).
 fn published(points: &[Option<Point3>], sensor: Point3) -> Vec<Bounds> {
@@ -116,16 +124,22 @@ fn published(points: &[Option<Point3>], sensor: Point3) -> Vec<Bounds> {
     found.into_values().filter(is_candidate).collect()
 }
 
-/// People of our list who were seen in this sweep, with the box of their returns.
-fn ours(pipeline: &PeoplePipeline, tracks: &[(u32, floorguard_core::geometry::Point2)]) -> Vec<Bounds> {
+/// People of our list who were seen in this sweep, with the box of their bodies.
+fn ours(
+    pipeline: &PeoplePipeline,
+    tracks: &[Point2],
+    (sweep, context): (&Sweep, &SweepContext),
+) -> Vec<Bounds> {
     let mut found = Vec::new();
-    for (_, place) in tracks {
+    for place in tracks {
         let detections = pipeline.detections().iter().enumerate();
         let nearest = detections
             .map(|(index, detection)| (detection.position.distance(*place), index))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let bounds = nearest.filter(|(distance_m, _)| *distance_m < 0.6);
-        if let Some([lower, upper]) = bounds.and_then(|(_, index)| pipeline.bounds(index)) {
+        if let Some([lower, upper]) =
+            bounds.and_then(|(_, index)| pipeline.body_bounds(sweep, context, index))
+        {
             found.push(Bounds { lower, upper, points: 0 });
         }
     }
@@ -136,22 +150,23 @@ fn ours(pipeline: &PeoplePipeline, tracks: &[(u32, floorguard_core::geometry::Po
 ///
 /// # Errors
 /// None in practice: the scenes are built in.
-pub fn scores(scene: &str, runs: u64) -> anyhow::Result<[Score; 2]> {
+pub fn scores(scene: &str, runs: u64) -> anyhow::Result<SweepScores> {
     let names = ["supermarket", "airport", "warehouse", "corridor"];
     let offset = names.iter().position(|name| *name == scene).unwrap_or(0) as u64;
     // A seed names its scene by its remainder.
     let seeds: Vec<u64> = (0..runs).map(|run| SEED + 4 * run + offset).collect();
-    let each: Vec<Vec<[Score; 2]>> = seeds.into_par_iter().map(one_run).collect::<anyhow::Result<_>>()?;
-    let mut total = [Score::default(); 2];
-    for sweep in each.into_iter().flatten() {
+    let each: Vec<Vec<SweepScores>> = seeds.into_par_iter().map(one_run).collect::<anyhow::Result<_>>()?;
+    let (mut total, mut missed) = ([Score::default(); 2], Misses::default());
+    for (sweep, misses) in each.into_iter().flatten() {
         if total[0].labels < LABELS {
             total.iter_mut().zip(sweep).for_each(|(total, sweep)| total.add(sweep));
+            missed.add(&misses);
         }
     }
-    Ok(total)
+    Ok((total, missed))
 }
 
-fn one_run(seed: u64) -> anyhow::Result<Vec<[Score; 2]>> {
+fn one_run(seed: u64) -> anyhow::Result<Vec<SweepScores>> {
     let mut scores = Vec::new();
     for scene in built_in_scenes(seed, 1) {
         let mut simulation = Simulation::new(&scene.scenario, seed)?;
@@ -165,21 +180,43 @@ fn one_run(seed: u64) -> anyhow::Result<Vec<[Score; 2]>> {
                 .iter()
                 .filter(|track| track.person_probability >= PERSON_PROBABILITY_MIN)
                 .filter(|track| track.last_seen == sweep.end_stamp)
-                .map(|track| (track.id, track.state.position))
-                .filter(|(_, place)| into_base.transform(*place).norm() < 20.0)
+                .map(|track| track.state.position)
+                .filter(|place| into_base.transform(*place).norm() < 20.0)
                 .collect();
             sweeps += 1;
             if sweeps >= WARM_UP && (sweeps - WARM_UP).is_multiple_of(EVERY) {
-                let points = points(sweep, context);
-                let labels = labels(&points, truth);
-                let published = published(&points, context.sensor_in_base.translation);
-                let near = |bounds: &Bounds| bounds.lower.x_m.hypot(bounds.lower.y_m) < 20.0;
-                let published: Vec<Bounds> = published.into_iter().filter(near).collect();
-                scores.push([Score::of(&ours(&pipeline, &tracks), &labels), Score::of(&published, &labels)]);
+                scores.push(sweep_scores((&pipeline, &tracks), (sweep, context), truth));
             }
         });
     }
     Ok(scores)
+}
+
+/// What one sweep told: ours, and the published detector; and whom we missed.
+fn sweep_scores(
+    (pipeline, tracks): (&PeoplePipeline, &[Point2]),
+    (sweep, context): (&Sweep, &SweepContext),
+    truth: &Truth,
+) -> SweepScores {
+    let points = points(sweep, context);
+    let labelled = labels(&points, truth);
+    let labels: Vec<Bounds> = labelled.iter().map(|(_, bounds)| *bounds).collect();
+    let near = |bounds: &Bounds| bounds.lower.x_m.hypot(bounds.lower.y_m) < 20.0;
+    let theirs: Vec<Bounds> =
+        published(&points, context.sensor_in_base.translation).into_iter().filter(near).collect();
+    let ours = ours(pipeline, tracks, (sweep, context));
+    let (score, claimed) = Score::of(&ours, &labels);
+    let as_box = |[lower, upper]: [Point3; 2]| Bounds { lower, upper, points: 0 };
+    let detections: Vec<Bounds> = (0..pipeline.detections().len())
+        .filter_map(|index| pipeline.body_bounds(sweep, context, index).map(as_box))
+        .collect();
+    let things: Vec<Bounds> =
+        pipeline.things().iter().map(|thing| as_box([thing.lower, thing.upper])).collect();
+    let mut misses = Misses::default();
+    for (index, (kind, label)) in labelled.iter().enumerate() {
+        misses.note((*kind, label), claimed.contains(&index), (&detections, &things));
+    }
+    ([score, Score::of(&theirs, &labels).0], misses)
 }
 
 /// Runs everything, writes the table into `folder` and returns it; the second value says whether everything that must
@@ -194,7 +231,7 @@ pub fn candidates(trials: u64, folder: &Path) -> anyhow::Result<(String, bool)> 
     );
     let mut holds = true;
     for (scene, precision, recall) in PUBLISHED {
-        let [ours, theirs] = scores(scene, trials)?;
+        let ([ours, theirs], misses) = scores(scene, trials)?;
         let _infallible = writeln!(
             text,
             "{scene:<13} {:>6} {:>15.3} {:>6.3} {:>18.3} {:>6.3} {precision:>22.2} {recall:>6.2}",
@@ -204,6 +241,7 @@ pub fn candidates(trials: u64, folder: &Path) -> anyhow::Result<(String, bool)> 
             theirs.precision(),
             theirs.recall(),
         );
+        text.push_str(&misses.text());
         holds &= ours.recall() >= RECALL_MIN && ours.precision() >= PRECISION_TIMES * precision;
     }
     eprint!("{text}");

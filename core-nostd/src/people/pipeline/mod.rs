@@ -1,5 +1,6 @@
 //! The whole way from a sweep to the list of people: things, candidates, looks at their shapes, tracks.
 
+mod body_box;
 mod candidates;
 mod context;
 mod looking;
