@@ -99,7 +99,7 @@ fn log_odds(probability: f32) -> f32 {
 mod tests {
     use super::*;
     use crate::geometry::Point2;
-    use crate::people::{Detection, Tracker, TrackerParameters};
+    use crate::people::{Appearance, Detection, Tracker, TrackerParameters};
     use crate::time::Stamp;
 
     /// Somebody stands there for `sweeps` sweeps and looks `shipped`; gives the tracker's probability and ours.
@@ -109,8 +109,15 @@ mod tests {
         let position = Point2::new(4.0, 0.0);
         let likeness = probability(shipped);
         for sweep in 1..=sweeps {
-            let sighting =
-                Detection { position, distance_m: 4.0, sigma_m: 0.1, likeness, points: 50, moving: None };
+            let sighting = Detection {
+                position,
+                distance_m: 4.0,
+                sigma_m: 0.1,
+                likeness,
+                points: 50,
+                moving: None,
+                appearance: Appearance::UNKNOWN,
+            };
             tracker.update(Stamp::from_micros(sweep * 100_000), &[sighting], |_| true);
             beliefs.update(tracker.tracks().iter().map(|track| (track, Some(TwoLooks { shipped, learned }))));
         }

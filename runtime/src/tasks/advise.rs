@@ -103,6 +103,7 @@ mod tests {
                         likeness,
                         points: 50,
                         moving: None,
+                        appearance: floorguard_core::people::Appearance::UNKNOWN,
                     }
                 })
                 .collect();
