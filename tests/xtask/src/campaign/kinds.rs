@@ -114,3 +114,22 @@ pub fn find(name: &str) -> Result<&'static Kind, String> {
         .find(|kind| kind.name == name)
         .ok_or_else(|| format!("no campaign `{name}`; there are: {}", names()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::KINDS;
+
+    /// What is fuzzed in-process is fuzzed by libFuzzer, too, and is in the book.
+    #[test]
+    fn every_fuzzing_campaign_has_a_target_of_libfuzzer() {
+        let root = crate::shell::root();
+        let read = |file: &str| std::fs::read_to_string(root.join(file)).unwrap_or_default();
+        let (manifest, book) = (read("fuzz/Cargo.toml"), read("docs/src/fuzzing.md"));
+        for name in KINDS.iter().filter_map(|kind| kind.name.strip_prefix("fuzz-")) {
+            let file = format!("fuzz_targets/{name}.rs");
+            assert!(manifest.contains(&format!("path = \"{file}\"")), "{name} is not in fuzz/Cargo.toml");
+            assert!(read(&format!("fuzz/{file}")).contains("fuzz_target!"), "{file} is no target");
+            assert!(book.contains(&format!("| `{name}` |")), "{name} is not in the book");
+        }
+    }
+}

@@ -45,6 +45,12 @@ fn worst_of(worst: Option<&Value>, stage: &str) -> Option<(u64, String)> {
     Some((kept["instructions"].as_u64()?, search))
 }
 
+/// A budget, and whether the most that was seen or searched keeps to it: in words, not in colours alone.
+fn kept(most: u64, budget: u64) -> String {
+    let good = most <= budget;
+    verdict(good, &format!("{}, {}", grouped(budget), if good { "kept" } else { "missed" }))
+}
+
 /// A row for each stage.
 pub fn section(firmware: Option<&Value>, worst: Option<&Value>) -> String {
     let Some(firmware) = firmware else {
@@ -65,14 +71,15 @@ pub fn section(firmware: Option<&Value>, worst: Option<&Value>) -> String {
             number(&cost["max"]),
             searched.map_or_else(String::new, grouped),
             how.unwrap_or_default(),
-            budget.map_or_else(|| String::from("none"), |budget| verdict(most <= budget, &grouped(budget))),
+            budget.map_or_else(|| String::from("none"), |budget| kept(most, budget)),
         ]);
     }
     format!(
         "<p>Instructions, not cycles, of one recorded mission. Host and Cortex-M7 gave the same outputs, with the fingerprint \
          {}; <code>cargo xtask firmware</code> repeats both and fails when the fingerprints differ, or a count differs by more \
          than 0.5 % from the recorded one.</p><p>A worst input is a room that a search made as costly as it could, climbing on \
-         these very counts: it proves no bound. A budget in red is missed by the worst input; budgets are aims and no claim. \
+         these very counts: it proves no bound. A budget is missed where the most \
+         of the mission or the worst input is above it; budgets are aims and no claim. \
          What has none is part of a stage that has one, or perception, which the guard never waits for: a turn that comes too \
          late is left out, and a source that falls silent stops the robot (FG-HAZ-02).</p>{}",
         code(firmware["digest"].as_str().unwrap_or("?")),
@@ -92,6 +99,7 @@ mod tests {
         let names = golden["instructions"].as_object().expect("stages").keys();
         let silent: Vec<_> = names.filter(|name| told(name).is_empty()).collect();
         assert!(silent.is_empty(), "{silent:?}");
+        assert!(kept(5, 5).contains("5, kept") && kept(6, 5).contains("5, missed"));
         assert!(told("sweep-12-people").ends_with("twelve people around"));
     }
 }

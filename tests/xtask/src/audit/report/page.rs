@@ -233,5 +233,5 @@ const HEAD: &str = "<!doctype html><html lang=en><meta charset=utf-8><meta name=
 padding:0 1em;color:#222}table{border-collapse:collapse;width:100%;margin:.7em 0}td,th{border:1px solid #ccc;\
 padding:.3em .5em;text-align:left;vertical-align:top}th{background:#f3f3f3}code{font-size:.88em}\
 .wide{overflow-x:auto}.big{font-size:1.4em}.good{background:#dff2df;padding:0 .3em}.bad{background:#f9d6d6;\
-padding:0 .3em}nav a{margin-right:1em}td{overflow-wrap:anywhere}td:first-child{overflow-wrap:normal}\
+padding:0 .3em}nav a{margin-right:1em}td code{overflow-wrap:anywhere}td:first-child code{overflow-wrap:normal}\
 summary{cursor:pointer;padding:.15em 0}thead th{position:sticky;top:0}svg{max-width:100%;height:auto}</style>";
