@@ -114,6 +114,14 @@ fn a_full_disk_and_a_log_that_is_gone_do_not_end_the_run() {
 /// Whatever becomes of the display, the rings end with it: a robot that nobody can end any more must not go on.
 #[test]
 fn a_panic_beside_the_rings_ends_them() {
+    let (ended, heard) = std::sync::mpsc::channel();
+    std::thread::spawn(move || ended.send(panic_beside_the_rings()));
+    let outcome = heard.recv_timeout(std::time::Duration::from_secs(30));
+    assert_eq!(outcome, Ok((true, true)), "the rings go on");
+}
+
+/// Whether the panic came through, and whether the rings were told to end.
+fn panic_beside_the_rings() -> (bool, bool) {
     let folder = tempfile::tempdir().unwrap();
     let configuration = load(std::path::Path::new(&robot_file(folder.path(), 0))).unwrap();
     let links = Links::bind(&configuration.carriers).unwrap();
@@ -122,7 +130,7 @@ fn a_panic_beside_the_rings_ends_them() {
     let panicked = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
         run_rings((&configuration.robot, links), &shared, &flag, || panic!("nobody listens"))
     }));
-    assert!(panicked.is_err() && flag.is_stopped());
+    (panicked.is_err(), flag.is_stopped())
 }
 
 /// A port that another program holds is bad input, not a robot without a lidar.

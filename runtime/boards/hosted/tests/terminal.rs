@@ -141,3 +141,29 @@ fn an_emergency_stop_behind_the_end_is_told() {
     };
     assert!(run("1..2") && !run("0.2..2"));
 }
+
+#[test]
+fn a_campaign_that_is_interrupted_tells_what_it_has() {
+    let mut child = program()
+        .args(["campaign", "single-faults", "--trials", "100000", "--json"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    std::thread::sleep(std::time::Duration::from_secs(2));
+    interrupt(&child);
+    let (mut told, mut said) = (String::new(), String::new());
+    child.stdout.take().expect("a pipe").read_to_string(&mut told).expect("readable");
+    child.stderr.take().expect("a pipe").read_to_string(&mut said).expect("readable");
+    assert_eq!(child.wait().expect("a child").code(), Some(130), "{said}");
+    let summary: Value = serde_json::from_str(&told).expect("one object");
+    assert!(summary["runs"].as_u64().is_some_and(|runs| runs < 100_000), "{summary}");
+    assert!(said.contains(&format!("interrupted after {} of 100000 runs", summary["runs"])), "{said}");
+}
+
+#[test]
+fn a_good_configuration_is_told_in_the_words_of_its_devices() {
+    let robot = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../robot.toml");
+    let said = String::from_utf8_lossy(&run(&["check", robot]).stderr).into_owned();
+    assert!(said.contains("lidar VLP-16, scanner S300, 4 waypoints"), "{said}");
+}

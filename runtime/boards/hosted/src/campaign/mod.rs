@@ -12,8 +12,9 @@ pub use fault_class::random_fault;
 pub use fault_matrix::{Cell, cell_of, cells, coverage, fault_trial, name, taped_fault_trial};
 pub use fault_phase::box_in_the_way;
 pub use single_faults::single_fault;
-pub use summary::{CampaignSummary, RunOutcome, run_all};
+pub use summary::{CampaignSummary, RunOutcome, run_all, run_some};
 
+use crate::executor::StopFlag;
 use crate::world::{Observation, Observer, Plan, Witnesses, run_recorded};
 
 /// Large state is moved by value when a run begins.
@@ -40,7 +41,19 @@ pub fn run_seeds(
     seeds: std::ops::Range<u64>,
     run: impl Fn(u64) -> RunOutcome + Send + Sync,
 ) -> anyhow::Result<CampaignSummary> {
+    run_seeds_until(seeds, &StopFlag::default(), run)
+}
+
+/// The same, until somebody wants it to end: what is running is run to its end, and nothing else begins.
+///
+/// # Errors
+/// The system gives no threads.
+pub fn run_seeds_until(
+    seeds: std::ops::Range<u64>,
+    ended: &StopFlag,
+    run: impl Fn(u64) -> RunOutcome + Send + Sync,
+) -> anyhow::Result<CampaignSummary> {
     let seeds: Vec<u64> = seeds.collect();
     let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build()?;
-    Ok(pool.install(|| run_all(&seeds, |seed| run(*seed))))
+    Ok(pool.install(|| run_some(&seeds, |seed| (!ended.is_stopped()).then(|| run(*seed)))))
 }

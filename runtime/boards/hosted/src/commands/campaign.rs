@@ -5,10 +5,12 @@ use std::io::IsTerminal;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::exit::VerdictFailed;
+use super::exit::{Unfinished, VerdictFailed};
+use super::interrupt::end_at_ctrl_c;
 use crate::campaign::{
-    CampaignSummary, Cell, cell_of, coverage, encounter, fault_trial, run_seeds, single_fault,
+    CampaignSummary, Cell, cell_of, coverage, encounter, fault_trial, run_seeds_until, single_fault,
 };
+use crate::executor::StopFlag;
 
 /// Kinds of campaigns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -63,15 +65,26 @@ pub fn run(arguments: &CampaignArguments) -> anyhow::Result<()> {
     let is_matrix = arguments.kind == CampaignKind::Faults;
     let first = if is_matrix { arguments.first } else { arguments.seed };
     let trials = first..first.saturating_add(arguments.trials);
-    let summary = run_seeds(trials.clone(), one)?;
+    let ended = StopFlag::default();
+    end_at_ctrl_c(&ended, "what is running is run to its end")?;
+    let summary = run_seeds_until(trials.clone(), &ended, one)?;
     bar.finish_and_clear();
+    let is_cut = (summary.runs as u64) < arguments.trials;
     if arguments.json {
         tell!("{}", serde_json::to_string(&summary)?)?;
     } else {
         show(&summary);
-        if is_matrix {
+        if is_matrix && !is_cut {
             show_coverage(trials);
         }
+    }
+    if is_cut && summary.failures.is_empty() {
+        let further = match arguments.kind {
+            CampaignKind::Faults => "; `cargo xtask campaign faults` goes on where it was cut",
+            _ => "",
+        };
+        let (runs, all) = (summary.runs, arguments.trials);
+        return Err(Unfinished(format!("interrupted after {runs} of {all} runs{further}")).into());
     }
     if summary.failures.is_empty() {
         return Ok(());

@@ -2,6 +2,9 @@
 
 use std::path::Path;
 
+use floorguard_drivers::velodyne::Model;
+use floorguard_runtime::configuration::ScannerModel;
+
 use crate::configuration::load;
 
 /// Says what the file describes, or everything that is wrong with it.
@@ -12,11 +15,11 @@ pub fn run(file: &Path) -> anyhow::Result<()> {
     let configuration = load(file)?;
     let robot = &configuration.robot;
     say!(
-        "{}: good: {} fields, lidar {:?}, scanner {:?}, {} waypoints, at most {} m/s",
+        "{}: good: {} fields, lidar {}, scanner {}, {} waypoints, at most {} m/s",
         file.display(),
         robot.fields.len(),
-        robot.lidar.model,
-        robot.scanner.model,
+        robot.lidar_model().map_or("as its packets say", Model::name),
+        scanner(robot.scanner.model),
         robot.route.waypoints.len(),
         robot.limits.speed_mps,
     );
@@ -31,4 +34,11 @@ pub fn run(file: &Path) -> anyhow::Result<()> {
         }
     }
     Ok(())
+}
+
+fn scanner(model: ScannerModel) -> String {
+    match model {
+        ScannerModel::S300 => "S300".to_owned(),
+        ScannerModel::MicroScan3 { beams } => format!("microScan3 with {beams} beams"),
+    }
 }

@@ -5,8 +5,25 @@ use std::thread;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 
+use crate::executor::StopFlag;
+
 /// What shells say of a program that an interrupt has ended.
 pub(super) const INTERRUPTED: i32 = 130;
+
+/// The first Ctrl-C ends what goes on in order, with everything that it has to show until then; the second one at once.
+///
+/// # Errors
+/// The system gives no handler.
+pub(super) fn end_at_ctrl_c(ended: &StopFlag, what: &str) -> std::io::Result<()> {
+    let (ended, what) = (ended.clone(), what.to_owned());
+    at_interrupt(move || {
+        if ended.is_stopped() {
+            std::process::exit(INTERRUPTED);
+        }
+        ended.stop();
+        say!("  Ctrl-C: {what}; again: at once");
+    })
+}
 
 /// Calls `act` at each interrupt, on a thread of its own.
 ///

@@ -7,7 +7,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::exit::Unfinished;
-use super::simulate::end_at_ctrl_c;
+use super::interrupt::end_at_ctrl_c;
 use super::{BadInput, VerdictFailed};
 use crate::environment::{Calendar, Model, expected_units, load, read_zones, save, teach_cleaning};
 use crate::executor::StopFlag;
@@ -128,7 +128,7 @@ pub fn run(arguments: &MissionArguments) -> anyhow::Result<()> {
     let mut prior = Prior::load(arguments, &floor)?;
     let believed = prior.as_ref().map(|prior| prior.believed.as_slice());
     let ended = StopFlag::default();
-    end_at_ctrl_c(&ended)?;
+    end_at_ctrl_c(&ended, "the run ends here")?;
     let columns = match &arguments.resume {
         Some(file) => vec![kept_mission(arguments, (file, &ended), (&floor, &config), believed)?],
         None => run_strategies_believing(

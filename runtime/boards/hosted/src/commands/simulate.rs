@@ -12,14 +12,13 @@ use floorguard_sim::FaultSpec;
 use floorguard_sim::scenario::Scenario;
 
 use super::exit::{BadInput, VerdictFailed};
-use super::interrupt::{INTERRUPTED, at_interrupt};
+use super::interrupt::end_at_ctrl_c;
 use super::learn::RunLesson;
 use super::live::status_of;
 use super::panel::open_panel;
 use crate::camera::PictureFolder;
 use crate::cleaner::MissionStrategy;
 use crate::display::LiveDisplay;
-use crate::executor::StopFlag;
 use crate::report::{make_folder, write_report};
 use crate::world::{
     Observation, Observer, Plan, SeenStop, SimulatedCamera, Stages, Tape, Witnesses, load_scenario,
@@ -255,23 +254,10 @@ pub(super) fn open_witnesses(
         Some(path) => witnesses.record(plan, path)?,
         None => {}
     }
-    end_at_ctrl_c(&witnesses.ended)?;
+    end_at_ctrl_c(&witnesses.ended, "the run ends here")?;
     if let Some(address) = panel {
         witnesses.panel = Some(open_panel(address, &plan.scenario.title, &plan.robot)?);
     }
-    Ok(())
-}
-
-/// The first Ctrl-C ends the run in order, with everything that it has to show until then; the second one at once.
-pub(super) fn end_at_ctrl_c(ended: &StopFlag) -> anyhow::Result<()> {
-    let ended = ended.clone();
-    at_interrupt(move || {
-        if ended.is_stopped() {
-            std::process::exit(INTERRUPTED);
-        }
-        say!("  Ctrl-C: the run ends here; again: at once");
-        ended.stop();
-    })?;
     Ok(())
 }
 
