@@ -4,6 +4,8 @@
 
 use core::ops::{Add, Mul, Sub};
 
+use super::root::{greater, inverse_root, lesser};
+
 /// Numbers that are handled together.
 pub(super) const LANES: usize = 4;
 
@@ -34,13 +36,13 @@ impl Lanes {
     /// The larger ones.
     #[inline]
     pub(super) fn larger(self, other: Self) -> Self {
-        self.with(other, |a, b| if a > b { a } else { b })
+        self.with(other, greater)
     }
 
     /// The smaller ones.
     #[inline]
     pub(super) fn smaller(self, other: Self) -> Self {
-        self.with(other, |a, b| if a < b { a } else { b })
+        self.with(other, lesser)
     }
 
     /// Distances from zero.
@@ -49,17 +51,10 @@ impl Lanes {
         Self(self.0.map(f32::abs))
     }
 
-    /// One over the square roots of positive numbers, within 10⁻⁵: two steps of Newton's method from a guess by
-    /// halving the exponent.
+    /// One over the square roots of positive numbers, within 10⁻⁵.
     #[inline]
     pub(super) fn inverse_root(self) -> Self {
-        Self(self.0.map(|x| {
-            let mut inverse = f32::from_bits(0x5f37_59df_u32.wrapping_sub(x.to_bits() >> 1));
-            for _ in 0..2 {
-                inverse *= 1.5 - 0.5 * x * inverse * inverse;
-            }
-            inverse
-        }))
+        Self(self.0.map(inverse_root::<2>))
     }
 
     /// The four added, always in the same order.

@@ -17,6 +17,7 @@ mod normal_equations;
 mod objects;
 mod plane;
 mod refine;
+mod root;
 mod search;
 
 pub use classes::PixelClass;

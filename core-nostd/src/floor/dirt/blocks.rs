@@ -7,8 +7,8 @@ use heapless::Vec;
 
 use super::lab::LabTables;
 use super::mixture::Point;
-use super::root::square_root;
 use crate::capacities::{FLOOR_BLOCKS_MAX, FLOOR_IMAGE_COLUMNS_MAX};
+use crate::floor::root::square_root;
 use crate::sensing::ColorImage;
 
 /// Pixels along a block (algorithms F.1).

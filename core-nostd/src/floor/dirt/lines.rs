@@ -5,7 +5,7 @@
 //! so that eigenvalue is the texture by which they are found.
 
 use super::pixels::{HALF_COLUMNS_MAX, Pixel};
-use super::root::{lesser, nearest, square_root};
+use crate::floor::root::{lesser, nearest, square_root};
 
 /// Pixels to each side of the square: 7 × 7 at half size closes gaps of up to 6 pixels, a centimetre at 1 m.
 const REACH: usize = 3;

@@ -14,7 +14,6 @@ mod pixels;
 mod published;
 mod rarity;
 mod recall;
-mod root;
 mod surroundings;
 
 pub use blocks::{Block, BlockGrid, DirtFault};

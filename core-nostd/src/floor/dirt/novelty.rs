@@ -12,9 +12,9 @@ use super::order::quantiles;
 use super::pixels::{Pixel, box_mean, box_mean_of_first, halve, shrink};
 use super::rarity::Rarity;
 use super::recall::{FloorView, Remembered, recall, remember};
-use super::root::{lesser, logarithm};
 use super::surroundings::{CELL, Surroundings};
 use crate::capacities::FLOOR_IMAGE_COLUMNS_MAX;
+use crate::floor::root::{lesser, logarithm};
 use crate::sensing::ColorImage;
 
 /// Pixels of the image along one pixel of the result.

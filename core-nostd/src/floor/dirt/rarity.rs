@@ -5,7 +5,7 @@
 
 use super::order::quantiles;
 use super::pixels::Pixel;
-use super::root::{greater, lesser, logarithm, nearest};
+use crate::floor::root::{greater, lesser, logarithm, nearest};
 
 /// Levels along each axis: −7…7 spreads, and one that stays empty.
 const LEVELS: usize = 16;

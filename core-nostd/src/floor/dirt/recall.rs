@@ -5,7 +5,7 @@
 //! less weight. From one viewpoint no second frame is remembered, however long the robot stands.
 
 use super::pixels::HALF_COLUMNS_MAX;
-use super::root::{greater, nearest};
+use crate::floor::root::{greater, nearest};
 use crate::floor::{Plane, dot};
 use crate::geometry::{Point2, Pose2};
 use crate::sensing::PinholeCamera;
