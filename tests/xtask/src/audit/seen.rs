@@ -126,9 +126,9 @@ fn judge(records: Vec<Record>, sites: &mut [LoopSite]) -> Claim {
         id: "loops-within-bounds",
         text: "No loop was ever seen to turn more often than its bound.",
         evidence: format!(
-            "{ran} of {countable} countable loops ran in the tests and were counted, {never} are reached by tests with \
-             recordings or simulated rooms that were not counted yet, {unknown} cannot be counted or are new since; `cargo \
-             xtask campaign loops` counts again"
+            "{ran} of {countable} countable loops ran in the tests and were counted, {never} never ran meanwhile: the table \
+             names the tests that are to reach them; {unknown} cannot be counted or are new since; `cargo xtask campaign loops` \
+             counts again"
         ),
         findings,
     }

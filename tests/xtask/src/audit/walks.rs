@@ -27,7 +27,7 @@ impl Names {
         if let Some(bound) = taken {
             return Ok(bound);
         }
-        match root(expression) {
+        let outer = match root(expression) {
             syn::Expr::Range(range) => match self.range_bound(range) {
                 Err(_) if limited => {
                     Ok(Bound { text: shorten(&text), how: "zipped with a container of fixed capacity" })
@@ -35,7 +35,24 @@ impl Names {
                 bound => bound,
             },
             root => Ok(chained(expression, container(root))),
+        };
+        outer.map(|outer| self.flattened(expression, outer))
+    }
+
+    /// What `flat_map` makes of each turn turns for all of them.
+    fn flattened(&self, expression: &syn::Expr, outer: Bound) -> Bound {
+        let (mut current, mut text) = (expression, outer.text);
+        while let syn::Expr::MethodCall(call) = current {
+            if call.method == "flat_map"
+                && let Some(syn::Expr::Closure(closure)) = call.args.first()
+            {
+                let inner = self.bound_of(without_block(&closure.body)).map(|bound| bound.text);
+                let inner = inner.unwrap_or_else(|_| String::from("turns of the closure"));
+                text = format!("({text}) * ({inner})");
+            }
+            current = &call.receiver;
         }
+        Bound { text, ..outer }
     }
 
     /// Why walking the expression may go on for ever; `None`: it comes to an end.
@@ -161,9 +178,37 @@ fn chained(expression: &syn::Expr, first: Bound) -> Bound {
     Bound { text: first.text + &text, ..first }
 }
 
+/// The last expression of a block.
+fn without_block(body: &syn::Expr) -> &syn::Expr {
+    match body {
+        syn::Expr::Block(block) => match block.block.stmts.last() {
+            Some(syn::Stmt::Expr(last, None)) => last,
+            _ => body,
+        },
+        other => other,
+    }
+}
+
 fn container(expression: &syn::Expr) -> Bound {
     Bound {
         text: format!("capacity of `{}`", shorten(&shown(expression))),
         how: "slice, array or container of fixed capacity",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::audit::{loops_of, sources};
+
+    #[test]
+    fn walks_within_walks_turn_for_each_of_them() {
+        let bound = |text: &str| {
+            let file = sources::parse("core-nostd/src/example.rs", text.to_owned()).expect("it parses");
+            loops_of(&file).0.first().map(|site| site.bound.clone())
+        };
+        let within = "fn f() { for x in (0..N).flat_map(|y| (0..=M).map(move |x| (x, y))) {} }";
+        assert_eq!(bound(within).as_deref(), Some("(N) * (M + 1)"));
+        let within = "fn f() { for x in (0..N).flat_map(|y| { g(y); a.iter() }) {} }";
+        assert_eq!(bound(within).as_deref(), Some("(N) * (capacity of `a`)"));
     }
 }

@@ -44,6 +44,8 @@ pub fn run(name: &str, fresh: bool) -> Result<Option<bool>> {
         let mutant = &mutants[*number];
         if outcomes.of(&mutant.name).is_none() {
             outcomes.book(&mutant.name, alone::try_out(&spoiled, mutant, part.suites)?)?;
+            // These take long: what is known is kept even if the rest is cut.
+            record::keep(&shell::root(), result(part, &mutants, &outcomes, &shell::root())?)?;
         }
     }
     conclude(part, &mutants, &outcomes).map(Some)
