@@ -183,7 +183,11 @@ fn load_floor(arguments: &MissionArguments) -> anyhow::Result<Floor> {
         _ => ros_map::load(&arguments.map),
     };
     let stem = arguments.map.file_stem().map_or(name.clone(), |stem| stem.to_string_lossy().into_owned());
-    let floor = map.and_then(|map| Floor::new(&stem, map, Robot::PUBLISHED.radius_m));
+    let floor = map.and_then(|map| {
+        let mut floor = Floor::new(&stem, map, Robot::PUBLISHED.radius_m)?;
+        floor.keep_in_sight()?;
+        Ok(floor)
+    });
     floor.map_err(|error| BadInput(format!("{name}: {error:#}")).into())
 }
 

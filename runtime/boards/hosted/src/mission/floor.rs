@@ -1,5 +1,7 @@
 //! The floor of a mission: what is free, what the robot can reach, and the raster of cells that it answers for.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use floorguard_core::cleaning::{PathSearch, SearchCell};
 use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_core::maps::{DistanceField, Grid, GridGeometry, Occupancy, fill_distances};
@@ -17,6 +19,10 @@ const PASS_DIRECTIONS: u8 = 16;
 const PASS_SHARE: f32 = 0.75;
 /// Kept between the robot's rim and obstacles when planning, beyond its radius, metres.
 const MARGIN_M: f32 = 0.02;
+
+/// The robot knows where it is as long as something that a beam can hit is within this distance, metres: a little less than
+/// its scanner reaches.
+const SIGHT_M: i32 = 25;
 
 /// A floor with everything that a mission looks up.
 pub struct Floor {
@@ -37,6 +43,8 @@ pub struct Floor {
     pub reachable: Vec<bool>,
     /// Cells of free floor, reachable or not.
     pub free_cells: usize,
+    /// Cells that can be reached, but from where no wall is seen: never claimed, for nobody knows where the robot is there.
+    pub unseen_cells: usize,
     /// Free floor beyond the raster: too large for one mission, never claimed.
     pub beyond_capacity_m2: f32,
     /// Where a mission starts.
@@ -80,12 +88,46 @@ impl Floor {
             passable: Vec::new(),
             reachable: Vec::new(),
             free_cells: 0,
+            unseen_cells: 0,
             beyond_capacity_m2: beyond,
             start: Pose2::default(),
             robot_radius_m,
         };
         floor.find_reachable()?;
         Ok(floor)
+    }
+
+    /// Gives up the cells without a wall in sight, by blocks of a metre: for maps that somebody else has made.
+    ///
+    /// # Errors
+    /// None is left.
+    pub fn keep_in_sight(&mut self) -> anyhow::Result<()> {
+        let block = |place: Point2| ((place.x_m.floor()) as i32, (place.y_m.floor()) as i32);
+        let fine = *self.occupancy.geometry();
+        let occupied = |i: &usize| self.occupancy.get(*i) == Some(&Occupancy::Occupied);
+        let walls: BTreeSet<(i32, i32)> =
+            (0..fine.cell_count()).filter(occupied).map(|i| block(fine.centre(i))).collect();
+        let mut seen: BTreeMap<(i32, i32), bool> = BTreeMap::new();
+        for (cell, reachable) in self.reachable.iter_mut().enumerate() {
+            let (x, y) = block(self.cells.centre(cell));
+            let is_seen = *seen.entry((x, y)).or_insert_with(|| {
+                let columns = x - SIGHT_M..=x + SIGHT_M;
+                columns.flat_map(|column| walls.range((column, y - SIGHT_M)..=(column, y + SIGHT_M))).any(
+                    |wall| {
+                        let (dx, dy) = (wall.0 - x, wall.1 - y);
+                        dx * dx + dy * dy <= SIGHT_M * SIGHT_M
+                    },
+                )
+            });
+            self.unseen_cells += usize::from(*reachable && !is_seen);
+            *reachable &= is_seen;
+        }
+        let any = self.reachable.iter().any(|&reachable| reachable);
+        anyhow::ensure!(
+            any || self.unseen_cells == 0,
+            "no wall within {SIGHT_M} m of the floor: a robot could not know where it is there"
+        );
+        Ok(())
     }
 
     fn find_reachable(&mut self) -> anyhow::Result<()> {
@@ -214,4 +256,30 @@ fn raster(
         .filter(|&i| geometry.cell_at(fine.centre(i)).is_none())
         .count();
     Ok((geometry, outside as f32 * pixel * pixel))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A hall of 80 x 6 m with one wall at its end: claimed may be what is near it.
+    #[test]
+    fn nothing_is_claimed_where_no_wall_is_seen() {
+        let geometry = GridGeometry::new(800, 60, 0.1, Point2::default()).unwrap();
+        let map = |walls: u16| {
+            let state = |i: usize| {
+                let is_wall = geometry.coordinates(i).0 < i32::from(walls);
+                if is_wall { Occupancy::Occupied } else { Occupancy::Free }
+            };
+            Grid::new(geometry, (0..geometry.cell_count()).map(state).collect::<Vec<_>>()).unwrap()
+        };
+        let mut floor = Floor::new("hall", map(3), 0.17).unwrap();
+        floor.keep_in_sight().unwrap();
+        let farthest = (0..floor.cells.cell_count()).filter(|&cell| floor.reachable[cell]);
+        let farthest_m = farthest.map(|cell| floor.cells.centre(cell).x_m).fold(0.0, f32::max);
+        assert!(farthest_m > 24.0 && farthest_m < 27.0, "{farthest_m}");
+        assert!(floor.unseen_cells > 20_000, "{}", floor.unseen_cells);
+        let nothing = Floor::new("field", map(0), 0.17).unwrap().keep_in_sight().unwrap_err().to_string();
+        assert!(nothing.contains("no wall within 25 m"), "{nothing}");
+    }
 }

@@ -70,8 +70,15 @@ pub fn scope(floor: &Floor) -> String {
         "{}: {:.1} m² in {reachable} cells can be reached; {} cells of free floor cannot: nothing is claimed for them",
         floor.name,
         floor.reachable_m2(),
-        floor.free_cells.saturating_sub(reachable),
+        floor.free_cells.saturating_sub(reachable + floor.unseen_cells),
     );
+    if floor.unseen_cells > 0 {
+        let _infallible = write!(
+            text,
+            "\n{} cells see no wall: nobody knows where a robot is there, and nothing is claimed for them",
+            floor.unseen_cells
+        );
+    }
     if floor.beyond_capacity_m2 > 0.0 {
         let _infallible = write!(
             text,
