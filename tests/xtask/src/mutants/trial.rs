@@ -10,8 +10,8 @@ use super::spoiled::Spoiled;
 use super::tests_of::Suite;
 use crate::shell;
 
-/// Seconds of the processor after which a mutant counts as endless, and so as noticed.
-const ENDLESS_S: u32 = 120;
+/// Seconds of the processor for a test, after which a mutant counts as endless, and so as noticed.
+const ENDLESS_S: usize = 120;
 
 /// Names of the tests that reach the place of a mutant.
 pub type Reached = BTreeMap<usize, Vec<String>>;
@@ -49,7 +49,7 @@ impl Program {
 
     /// The names of the suite's tests.
     pub fn tests(&self) -> Result<Vec<String>> {
-        let mut list = self.command("none");
+        let mut list = self.command("none", 1);
         let listed = list.args(&self.arguments).arg("--list").stdout(Stdio::piped()).output()?;
         let listed = String::from_utf8_lossy(&listed.stdout);
         Ok(listed.lines().filter_map(|line| line.strip_suffix(": test")).map(str::to_owned).collect())
@@ -57,7 +57,7 @@ impl Program {
 
     /// These tests notice the mutant that is on; `none`: the tests as they are.
     pub fn notices(&self, mutant: &str, tests: &[String]) -> Result<bool> {
-        let mut command = self.command(mutant);
+        let mut command = self.command(mutant, tests.len());
         Ok(!command.arg("--exact").args(tests).status().context("cannot start the tests")?.success())
     }
 
@@ -66,7 +66,7 @@ impl Program {
         let mut reached = Reached::new();
         for test in self.tests()? {
             let _ = std::fs::remove_file(note);
-            let mut command = self.command("note");
+            let mut command = self.command("note", 1);
             command.args(["--exact", &test]).env("FLOORGUARD_MUTANTS_REACHED", note);
             if !command.status()?.success() {
                 bail!("{test} fails without a mutant; see it run in {}", self.folder.display());
@@ -80,10 +80,12 @@ impl Program {
         Ok(reached)
     }
 
-    /// The time is that of the processor: on a busy machine the clock proves nothing.
-    fn command(&self, mutant: &str) -> Command {
+    /// Time for so many tests, each of which has kept to its own without a mutant. It is that of the processor: on a busy
+    /// machine the clock proves nothing.
+    fn command(&self, mutant: &str, tests: usize) -> Command {
         let mut command = Command::new("sh");
-        command.arg("-c").arg(format!("ulimit -t {ENDLESS_S}; exec \"$0\" \"$@\"")).arg(&self.path);
+        let limit_s = ENDLESS_S * tests.max(1);
+        command.arg("-c").arg(format!("ulimit -t {limit_s}; exec \"$0\" \"$@\"")).arg(&self.path);
         command
             .args(["--quiet", "--test-threads=1"])
             .current_dir(&self.folder)
