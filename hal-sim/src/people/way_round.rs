@@ -192,7 +192,7 @@ fn count(person: &Person, place: Point2, around: Around<'_>) -> f32 {
 mod tests {
     use floorguard_core::geometry::Pose2;
 
-    use super::super::Crowd;
+    use super::super::{Crowd, PersonKind};
     use super::*;
     use crate::robot::RobotParameters;
     use crate::scenario::Scenario;
@@ -237,5 +237,32 @@ mod tests {
         }
         let (stands_s, near) = three_minutes(Pose2::new(10.0, 5.2, 0.0), false);
         assert!(stands_s > 60 && near > 0.04, "forces alone: {stands_s} s, {near}");
+    }
+
+    /// Somebody stands where another one wants to go: it is no goal any more.
+    #[test]
+    fn a_goal_on_which_somebody_stands_is_passed_by() {
+        let parameters = RobotParameters::default();
+        let scenario = Scenario::named("busy-supermarket").unwrap();
+        let shape = RobotShape {
+            pose: Pose2::new(14.0, 6.0, 0.0),
+            outline: &parameters.footprint,
+            seen_as: (Point2::new(0.25, 0.0), 0.85),
+        };
+        let mut walker = scenario.people(1).remove(0);
+        // In a wheelchair nobody gets so near to somebody that the goal counts as reached.
+        walker.kind = PersonKind::Wheelchair;
+        walker.position = Point2::new(9.0, 0.0);
+        let taken = Point2::new(5.3, 0.0);
+        walker.goals = vec![taken, Point2::new(12.0, 0.0)];
+        let stander = Person { id: 2, position: taken, speed_mps: 0.0, goals: Vec::new(), ..walker.clone() };
+        let mut crowd = Crowd::new(vec![walker, stander]).looking(true);
+        let scene = scenario.scene.build();
+        let mut farthest_m = 0.0_f32;
+        for step in 0..2_500_u64 {
+            crowd.step(step * 10_000, 0.01, &scene, &shape);
+            farthest_m = farthest_m.max(crowd.people[0].position.x_m);
+        }
+        assert!(farthest_m > 11.0, "{farthest_m}");
     }
 }
