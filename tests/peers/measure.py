@@ -1,7 +1,11 @@
 """Times what a user would install today, on the inputs that `floorguard-bench --peers` wrote.
 
-Usage: measure.py FOLDER MODELS BENCH [TASK], where BENCH holds the benchmark's inputs; with a task, only that. Prints one JSON object a line: {"task", "input", "peer", "version", "ns", "note"},
-or {"task", "peer", "skipped"}. A peer that is not installed, or fails, is a line and no error.
+Usage: measure.py FOLDER MODELS BENCH [TASK …], where BENCH holds the benchmark's inputs; with tasks, only those. Prints one JSON
+object a line: {"task", "input", "peer", "version", "ns", "fastest_ns", "note", "aim"}, or {"task", "peer", "skipped"}. A peer that is
+not installed, or fails, is a line and no error.
+
+Peers in C++ are built here, if their sources and libraries are there: PCL_FLAGS says where PCL, Eigen and Boost are (the system's
+by default), and FEC_DIR, LINEFIT_DIR and BAYES_TRACKING_DIR where those were cloned to.
 """
 
 import gzip
@@ -9,6 +13,7 @@ import importlib.metadata
 import json
 import os
 import statistics
+import subprocess
 import sys
 import time
 
@@ -25,8 +30,24 @@ GAP_M = 0.3
 TARGETS = (10, 50, 100)
 
 
-def tell(task, peer, package, **what):
-    what["version"] = importlib.metadata.version(package)
+class Absent(Exception):
+    """A peer that is not here; the text says how to get it."""
+
+
+class Times(float):
+    """Nanoseconds of the median round, and of the fastest one: what the machine can do when nobody else is at it."""
+
+    fastest = None
+
+    def __new__(cls, times):
+        self = super().__new__(cls, statistics.median(times))
+        self.fastest = min(times)
+        return self
+
+
+def tell(task, peer, package, version=None, **what):
+    what["version"] = version or importlib.metadata.version(package)
+    what["fastest_ns"] = getattr(what["ns"], "fastest", what["ns"])
     print(json.dumps({"task": task, "peer": peer, **what}), flush=True)
 
 
@@ -38,7 +59,134 @@ def median_ns(work, rounds):
         start = time.perf_counter_ns()
         work()
         times.append(time.perf_counter_ns() - start)
-    return statistics.median(times)
+    return Times(times)
+
+
+# A peer whose time grows exponentially is not waited for any longer.
+ANSWER_S = 60
+HERE = os.path.dirname(os.path.abspath(__file__))
+PCL = os.environ.get("PCL_FLAGS", "-I/usr/include/pcl-1.13 -I/usr/include/eigen3").split()
+PCL_ABSENT = "absent: apt install libpcl-dev, or PCL_FLAGS=\"-I… -L…\" where it is"
+
+
+def folder(variable, url, more=""):
+    path = os.environ.get(variable, "")
+    if not os.path.isdir(path):
+        raise Absent(f"absent: git clone {url}, and {variable}=where it is{more}")
+    return path
+
+
+def built(name, arguments, absent):
+    """A program out of the sources beside this file, built where there is none newer than they are."""
+    program = os.path.join(FOLDER, name)
+    sources = [argument for argument in arguments if argument.endswith((".cpp", ".cc"))]
+    if os.path.exists(program) and all(os.path.getmtime(source) < os.path.getmtime(program) for source in sources):
+        return program
+    command = ["g++", "-O3", "-DNDEBUG", *arguments, "-o", program]
+    try:
+        build = subprocess.run(command, capture_output=True, text=True)
+    except FileNotFoundError:
+        raise Absent("absent: apt install g++")
+    if build.returncode != 0:
+        error = next((line for line in build.stderr.splitlines() if "error" in line), "").strip()
+        raise Absent(f"{absent} ({error[-120:]})")
+    return program
+
+
+def answers(program, *arguments):
+    command = [program, *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=ANSWER_S)
+    return list(map(float, done.stdout.split()))
+
+
+def timed(fastest, median):
+    times = Times([median])
+    times.fastest = fastest
+    return times
+
+
+def pcl_clusters(task, kind, peer, rounds):
+    """A kind of clusters out of PCL, on the inputs of a task."""
+    extra = []
+    if kind == "fec":
+        source = folder("FEC_DIR", "https://github.com/YizhenLAO/FEC", "; it needs PCL, too")
+        extra = ["-DWITH_FEC", "-fpermissive", "-w", "-I" + os.path.join(source, "cpp")]
+    libraries = ["-lpcl_segmentation", "-lpcl_search", "-lpcl_kdtree", "-lpcl_common"]
+    arguments = ["-std=c++17", *extra, os.path.join(HERE, "clusters_pcl.cpp"), *PCL, *libraries]
+    program = built("clusters_" + kind, arguments, PCL_ABSENT)
+    stem = "sweep" if task == "detector" else "things"
+    for name, points in clouds(stem):
+        path = os.path.join(FOLDER, f"{stem}-{name}.f32")
+        fastest, median, found = answers(program, path, rounds, kind)
+        note = f"{found:.0f} clusters of {len(points)} points"
+        if task == "detector":
+            note += "; without features and classifier"
+        aim = {"fec": 20, "adaptive": 150}.get(kind)
+        tell(task, peer, None, version="of today" if kind == "fec" else "1.13", input=name, ns=timed(fastest, median), note=note, aim=aim)
+
+
+def detector_pcl():
+    pcl_clusters("detector", "adaptive", "PCL, adaptive clusters in rings", 5)
+
+
+def clusters_pcl():
+    pcl_clusters("clusters", "euclidean", "PCL EuclideanClusterExtraction", 5)
+
+
+def clusters_fec():
+    pcl_clusters("clusters", "fec", "FEC on PCL", 9)
+
+
+def ground_linefit():
+    source = folder("LINEFIT_DIR", "https://github.com/lorenwel/linefit_ground_segmentation", "; it needs PCL, too")
+    source = os.path.join(source, "linefit_ground_segmentation")
+    sources = [os.path.join(source, "src", name) for name in ("bin.cc", "ground_segmentation.cc", "segment.cc")]
+    paths = ["-I" + os.path.join(HERE, "linefit_stub"), "-I" + os.path.join(source, "include")]
+    arguments = ["-std=c++17", "-w", *paths, os.path.join(HERE, "ground_linefit.cpp"), *sources, *PCL, "-lpcl_common", "-lpthread"]
+    program = built("ground_linefit", arguments, PCL_ABSENT)
+    frames = []
+    for name, _ in clouds("labelled"):
+        frames += [os.path.join(FOLDER, f"labelled-{name}.f32"), os.path.join(FOLDER, f"labelled-{name}.u8")]
+    fastest, median, precision, recall = answers(program, 20, *frames)
+    note = f"precision {precision:.3f}, recall {recall:.3f}; one thread"
+    tell("ground", "linefit", None, version="of today", input="synthetic_vlp16", ns=timed(fastest, median), note=note, aim=50)
+
+
+def bayes_program():
+    source = folder("BAYES_TRACKING_DIR", "https://github.com/LCAS/bayestracking", "; it needs Boost (libboost-dev)")
+    sources = []
+    for path, _, names in os.walk(os.path.join(source, "src")):
+        # Its window needs an old OpenCV, a filter that nobody asks for LAPACK.
+        left_out = ("trackwin.cpp", "infRtFlt.cpp")
+        sources += [os.path.join(path, name) for name in sorted(names) if name.endswith(".cpp") and name not in left_out]
+    arguments = ["-std=c++14", "-w", "-I" + os.path.join(source, "include"), *PCL, os.path.join(HERE, "tracker_bayes.cpp"), *sources]
+    return built("tracker_bayes", arguments, "absent: apt install libboost-dev, or PCL_FLAGS=\"-I…\" where it is")
+
+
+def bayes(task, name, path, kind, steps, aim=None):
+    program = bayes_program()
+    association = "nn" if task == "tracker" else "nnjpda"
+    rounds = [answers(program, path, kind, association, steps)[0] for _ in range(5 if task == "tracker" else 2)]
+    tell(task, f"bayestracking {kind.upper()}", None, version="of today", input=name, ns=Times(rounds), aim=aim)
+
+
+def tracker_bayes():
+    for targets in TARGETS:
+        path = os.path.join(FOLDER, f"track_{targets:03}.csv")
+        with gzip.open(os.path.join(TRACKS, f"track_{targets:03}.csv.gz"), "rb") as packed, open(path, "wb") as plain:
+            plain.write(packed.read())
+        for kind in ("ekf", "ukf"):
+            bayes("tracker", f"{targets} targets", path, kind, 1000, aim=20 if targets == 100 else None)
+
+
+def joint_bayes():
+    for targets in (10, 14, 16):
+        name, path = f"{targets} targets in a crowd", os.path.join(FOLDER, f"crowd_{targets:03}.csv")
+        try:
+            bayes("joint", name, path, "ukf", 12)
+        except subprocess.TimeoutExpired:
+            why = f"no answer within {ANSWER_S} s for 12 steps with {name}"
+            print(json.dumps({"task": "joint", "peer": "bayestracking UKF", "skipped": why}), flush=True)
 
 
 def clouds(kind):
@@ -143,14 +291,17 @@ def tracks(targets):
     return [steps[step] for step in sorted(steps)]
 
 
-def per_step(targets, begin, follow, steps=None):
-    """Median over the second half, when everybody is followed."""
-    times, state = [], begin()
-    for step, (_, detections) in enumerate(tracks(targets)[:steps]):
-        start = time.perf_counter_ns()
-        state = follow(state, step, detections)
-        times.append(time.perf_counter_ns() - start)
-    return statistics.median(times[len(times) // 2 :])
+def per_step(targets, begin, follow, steps=None, passes=1):
+    """Median over the second half, when everybody is followed; several times over."""
+    medians, everything = [], tracks(targets)[:steps]
+    for _ in range(passes):
+        times, state = [], begin()
+        for step, (_, detections) in enumerate(everything):
+            start = time.perf_counter_ns()
+            state = follow(state, step, detections)
+            times.append(time.perf_counter_ns() - start)
+        medians.append(statistics.median(times[len(times) // 2 :]))
+    return Times(medians)
 
 
 def tracker_norfair():
@@ -163,7 +314,7 @@ def tracker_norfair():
             tracker.update([norfair.Detection(np.array([place])) for place in detections])
             return tracker
 
-        tell("tracker", "norfair", "norfair", input=f"{targets} targets", ns=per_step(targets, begin, follow))
+        tell("tracker", "norfair", "norfair", input=f"{targets} targets", ns=per_step(targets, begin, follow, passes=3))
 
 
 def stone_soup(targets, associate, steps):
@@ -196,7 +347,7 @@ def stone_soup(targets, associate, steps):
             update(track, hypotheses)
         return people
 
-    return per_step(targets, begin, follow, steps)
+    return per_step(targets, begin, follow, steps, passes=2)
 
 
 def tracker_stone_soup():
@@ -301,23 +452,16 @@ def plane_open3d():
 
 
 def plane_pcl():
-    """PCL is in no Python registry: its own program, if the system has the library (libpcl-dev); PCL_FLAGS says where."""
-    import subprocess
-
-    source, program = os.path.join(os.path.dirname(__file__), "plane_pcl.cpp"), os.path.join(FOLDER, "plane_pcl")
-    flags = os.environ.get("PCL_FLAGS", "-I/usr/include/pcl-1.13 -I/usr/include/eigen3").split()
+    """PCL is in no Python registry: a program of its own."""
     libraries = ["-lpcl_segmentation", "-lpcl_sample_consensus", "-lpcl_search", "-lpcl_kdtree", "-lpcl_common"]
-    build = ["g++", "-O3", "-DNDEBUG", "-std=c++17", source, "-o", program, *flags, *libraries]
-    if subprocess.run(build, capture_output=True).returncode != 0:
-        raise ImportError("libpcl-dev")
+    arguments = ["-std=c++17", os.path.join(HERE, "plane_pcl.cpp"), *PCL, *libraries]
+    program = built("plane_pcl", arguments, PCL_ABSENT)
     for name, points, frame in depth_frames():
         path = os.path.join(FOLDER, f"{name}.xyz")
         points.astype("<f4").tofile(path)
-        answer = subprocess.run([program, path, "9"], capture_output=True, text=True, check=True).stdout.split()
-        ns, *plane = map(float, answer)
+        fastest, median, *plane = answers(program, path, 9)
         note = plane_note(plane[:3], plane[3], frame, "; points made before")
-        told = {"task": "plane", "input": name, "peer": "PCL SACSegmentation", "version": "1.13", "ns": ns, "note": note}
-        print(json.dumps(told), flush=True)
+        tell("plane", "PCL SACSegmentation", None, version="1.13", input=name, ns=timed(fastest, median), note=note, aim=8)
 
 
 def plane_numpy():
@@ -384,7 +528,8 @@ def dirt(peer, package, score_channel):
 
     for name, image, mask in dirt_frames():
         note = f"block AUC {block_auc(score(image), mask):.4f}; the published method"
-        tell("dirt", peer, package, input=name, ns=median_ns(lambda: score(image), 5), note=note)
+        aim = 8 if peer == "OpenCV and its EM" else None
+        tell("dirt", peer, package, input=name, ns=median_ns(lambda: score(image), 5), note=note, aim=aim)
 
 
 def dirt_opencv():
@@ -457,28 +602,44 @@ def tour_or_tools():
 MEASURES = [
     ("tour", "LKH (elkai)", tour_lkh),
     ("tour", "OR-Tools, guided local search, 10 s", tour_or_tools),
+    ("detector", "PCL, adaptive clusters in rings", detector_pcl),
+    ("clusters", "FEC on PCL", clusters_fec),
+    ("clusters", "PCL EuclideanClusterExtraction", clusters_pcl),
     ("clusters", "scikit-learn DBSCAN", clusters_sklearn),
     ("clusters", "Open3D cluster_dbscan", clusters_open3d),
+    ("ground", "linefit", ground_linefit),
     ("ground", "Open3D segment_plane", ground_open3d),
     ("ground", "Patchwork++", ground_patchwork),
-    ("plane", "Open3D segment_plane", plane_open3d),
     ("plane", "PCL SACSegmentation", plane_pcl),
+    ("plane", "Open3D segment_plane", plane_open3d),
     ("plane", "NumPy, trimmed least squares", plane_numpy),
     ("dirt", "OpenCV and its EM", dirt_opencv),
     ("dirt", "OpenCV and scikit-learn GaussianMixture", dirt_sklearn),
     ("svm", "libsvm", svm_libsvm),
+    ("tracker", "bayestracking", tracker_bayes),
     ("tracker", "norfair", tracker_norfair),
     ("tracker", "Stone Soup, nearest", tracker_stone_soup),
+    ("joint", "bayestracking UKF", joint_bayes),
     ("joint", "Stone Soup JPDA", joint_stone_soup),
     ("filter", "filterpy KalmanFilter", filter_filterpy),
 ]
+# Where a module comes from that is called otherwise.
+PACKAGES = {"sklearn": "scikit-learn", "cv2": "\"opencv-python-headless<5\"", "libsvm": "libsvm-official"}
+
+
+def absent(error):
+    if isinstance(error, Absent):
+        return str(error)
+    if isinstance(error, ImportError):
+        module = (error.name or "it").split(".")[0]
+        return f"absent: pip install {PACKAGES.get(module, module)} ({error})"
+    return f"failed: {type(error).__name__}: {error}"
+
 
 for task, peer, measure in MEASURES:
     if TASKS and task not in TASKS:
         continue
     try:
         measure()
-    except ImportError as error:
-        print(json.dumps({"task": task, "peer": peer, "skipped": f"not installed ({error})"}), flush=True)
     except Exception as error:  # A peer that fails is a line, not the end.
-        print(json.dumps({"task": task, "peer": peer, "skipped": f"{type(error).__name__}: {error}"}), flush=True)
+        print(json.dumps({"task": task, "peer": peer, "skipped": absent(error)}), flush=True)

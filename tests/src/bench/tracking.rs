@@ -66,22 +66,27 @@ pub fn tracker_step_ns(targets: u32, association: Association) -> anyhow::Result
     Ok(Some(second_half(&times)))
 }
 
+/// Two hundred steps of targets that stand 0.8 m apart and stagger.
+#[must_use]
+pub fn crowd_steps(targets: u32) -> Vec<Vec<Point2>> {
+    let mut random = Pcg32::new(16, 1);
+    let mut place = |index: u32| {
+        let mut near = |cell: u32| 0.8 * cell as f32 + 0.15 * random.normal();
+        let (x_m, y_m) = (near(index % 4), near(index / 4));
+        Point2::new(x_m, y_m)
+    };
+    (0..200).map(|_| (0..targets).map(&mut place).collect()).collect()
+}
+
 /// One step with joint probabilities; the targets stand 0.8 m apart and stagger, so that their gates overlap.
 #[must_use]
 pub fn joint_step_ns(targets: u32) -> f64 {
-    let mut random = Pcg32::new(16, 1);
     let parameters = TrackerParameters { association: Association::Joint, ..TrackerParameters::DEFAULT };
     let mut tracker = Box::new(Tracker::new(parameters));
     let mut times = Vec::new();
-    for step in 1..=200 {
-        let detections: Vec<Detection> = (0..targets)
-            .map(|index| {
-                let (column, row) = (index % 4, index / 4);
-                let mut place = |cell: u32| 0.8 * cell as f32 + 0.15 * random.normal();
-                detection(Point2::new(place(column), place(row)))
-            })
-            .collect();
-        let stamp = Stamp::from_micros(step * STEP_US);
+    for (step, places) in crowd_steps(targets).into_iter().enumerate() {
+        let detections: Vec<Detection> = places.into_iter().map(detection).collect();
+        let stamp = Stamp::from_micros((step as u64 + 1) * STEP_US);
         times.push(nanoseconds(|| tracker.update(stamp, black_box(&detections), |_| true)));
     }
     second_half(&times)

@@ -6,25 +6,27 @@ use std::process::ExitCode;
 use floorguard_tests::bench::{DECISION_MAX_NS, cleaning, ours, run};
 
 /// Without arguments, times of the stages; fails where the guard decides too late. With `--peers FOLDER`, the inputs of
-/// the peers go there, and our times are printed as JSON, one object a line.
+/// the peers go there, and our times are printed as JSON, one object a line; with TASK only those of one.
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     match arguments.as_slice() {
         [] => stages(),
-        [option, folder] if option == "--peers" => peers(Path::new(folder)),
+        [option, folder] if option == "--peers" => peers(Path::new(folder), None),
+        [option, folder, task] if option == "--peers" => peers(Path::new(folder), Some(task)),
         _ => {
-            eprintln!("usage: floorguard-bench [--peers FOLDER]");
+            eprintln!("usage: floorguard-bench [--peers FOLDER [TASK]]");
             ExitCode::from(2)
         }
     }
 }
 
-fn peers(folder: &Path) -> ExitCode {
-    match ours(folder) {
+fn peers(folder: &Path, task: Option<&str>) -> ExitCode {
+    match ours(folder, task) {
         Ok(times) => {
             for time in times {
                 let row = serde_json::json!({
-                    "task": time.task, "peer": "floorguard", "input": time.input, "ns": time.ns, "note": time.note,
+                    "task": time.task, "peer": "floorguard", "input": time.input, "ns": time.ns,
+                    "fastest_ns": time.fastest_ns, "note": time.note,
                 });
                 println!("{row}");
             }

@@ -11,18 +11,25 @@ use crate::shell;
 /// What to measure.
 #[derive(Args)]
 pub struct Options {
-    /// Compare with peers from the Python registry, in a virtual environment of their own, and rewrite BENCHMARKS.md.
+    /// Compare with what one installs today: packages of the Python registry in a virtual environment of their own, and programs in
+    /// C++ where their libraries are; rewrites the table of BENCHMARKS.md.
     #[arg(long)]
     peers: bool,
+    /// With --peers: one JSON object a row on standard output, everything else on standard error.
+    #[arg(long, requires = "peers")]
+    json: bool,
+    /// With --peers: only these tasks, for example `tracker`; BENCHMARKS.md stays as it is.
+    #[arg(long, requires = "peers", value_name = "TASK")]
+    task: Vec<String>,
 }
 
 /// Builds and runs the measurement. False if the guard decides too late.
 pub fn run(options: &Options) -> Result<bool> {
-    let in_time = shell::succeeds(&mut bench())?;
     if options.peers {
-        peers::run()?;
+        peers::run(options.json, &options.task)?;
+        return Ok(true);
     }
-    Ok(in_time)
+    shell::succeeds(&mut bench())
 }
 
 /// The measuring program.

@@ -12,26 +12,44 @@ use crate::shell;
 const BEGIN: &str = "<!-- written by cargo xtask bench --peers -->";
 const END: &str = "<!-- end -->";
 
-/// Everything.
-pub fn run() -> Result<()> {
+/// In the order of the table.
+const TASKS: [&str; 11] = [
+    "detector", "clusters", "ground", "plane", "floor", "dirt", "svm", "tracker", "joint", "filter",
+    "pipeline",
+];
+
+/// Ours and theirs in turn, task by task: whatever else the machine does, it does to both. With tasks, only those.
+pub fn run(json: bool, tasks: &[String]) -> Result<()> {
+    if let Some(unknown) = tasks.iter().find(|task| !TASKS.contains(&task.as_str())) {
+        bail!("no task `{unknown}`; there are {}", TASKS.join(", "));
+    }
     let work = shell::root().join("target/peers");
     std::fs::create_dir_all(&work)?;
     let python = environment(&work)?;
     let inputs = work.join("inputs");
-    let ours = shell::output(super::bench().arg("--peers").arg(&inputs)).context("our measurement failed")?;
     let data = shared();
-    let mut measure = Command::new(&python);
-    measure.arg(shell::root().join("tests/peers/measure.py")).arg(&inputs);
-    measure.arg(data.join("data/models")).arg(data.join("bench"));
-    println!("measuring the peers: a few minutes");
-    let theirs = shell::output(&mut measure).context("the peers' measurement failed")?;
-    // Ours once more, on the machine as it is now: the better half of a noisy pair is nobody's.
-    let again =
-        shell::output(super::bench().arg("--peers").arg(&inputs)).context("our measurement failed")?;
-    let rows = Row::join(&[Told::read(&ours)?, Told::read(&again)?], &Told::read(&theirs)?);
+    let mut rows = Vec::new();
+    for task in TASKS.iter().filter(|task| tasks.is_empty() || tasks.iter().any(|wanted| wanted == *task)) {
+        eprintln!("  {task}: ours, the peers, ours again");
+        let ours = || -> Result<Vec<Told>> {
+            let mut bench = super::bench();
+            let told = shell::output(bench.arg("--peers").arg(&inputs).arg(task));
+            Told::read(&told.context("our measurement failed")?)
+        };
+        let mut measure = Command::new(&python);
+        measure.arg(shell::root().join("tests/peers/measure.py")).arg(&inputs);
+        measure.arg(data.join("data/models")).arg(data.join("bench")).arg(task);
+        let before = ours()?;
+        let theirs = shell::output(&mut measure).context("the peers' measurement failed")?;
+        rows.extend(Row::join(&[before, ours()?], &Told::read(&theirs)?));
+    }
     let text = markdown(&rows, &machine());
-    println!("{text}");
-    write(&shell::root().join("BENCHMARKS.md"), &text)
+    if json {
+        rows.iter().for_each(|row| println!("{}", row.to_json()));
+    } else {
+        println!("{text}");
+    }
+    if tasks.is_empty() { write(&shell::root().join("BENCHMARKS.md"), &text) } else { Ok(()) }
 }
 
 /// A virtual environment with whatever of the requirements can be installed.
@@ -48,10 +66,9 @@ fn environment(work: &Path) -> Result<PathBuf> {
         let mut install = Command::new(&python);
         install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", package]);
         let is_there = shell::output(&mut install).is_some();
-        println!(
-            "  {package}: {}",
-            if is_there { "installed" } else { "skipped: pip cannot install it here" }
-        );
+        if !is_there {
+            eprintln!("  {package}: pip cannot install it here");
+        }
     }
     Ok(python)
 }

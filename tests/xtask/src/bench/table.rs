@@ -17,6 +17,9 @@ pub struct Told {
     #[serde(default)]
     note: String,
     ns: Option<f64>,
+    fastest_ns: Option<f64>,
+    /// The ratio that was asked for.
+    aim: Option<f64>,
     skipped: Option<String>,
 }
 
@@ -34,9 +37,9 @@ impl Told {
 #[derive(Clone, Debug)]
 pub struct Row {
     ours: Told,
-    /// The mean of our measurements before and after, nanoseconds.
-    ours_ns: f64,
-    /// None: nothing of the registry does the same.
+    /// The fastest round of ours, before or after the peers; and the mean of both medians, nanoseconds.
+    ours_ns: [f64; 2],
+    /// None: nothing does the same.
     peer: Option<Told>,
 }
 
@@ -47,20 +50,56 @@ impl Row {
         let mut rows = Vec::new();
         for told in first {
             let same = |other: &&Told| other.task == told.task && other.input == told.input;
-            let times: Vec<f64> =
-                std::iter::once(told).chain(second.iter().find(same)).filter_map(|told| told.ns).collect();
-            let ours_ns = times.iter().sum::<f64>() / times.len().max(1) as f64;
+            let both = || std::iter::once(told).chain(second.iter().find(same));
+            let fastest = both().filter_map(Told::fastest).fold(f64::NAN, f64::min);
+            let medians: Vec<f64> = both().filter_map(|told| told.ns).collect();
+            let ours_ns = [fastest, medians.iter().sum::<f64>() / medians.len().max(1) as f64];
             let row = |peer| Self { ours: told.clone(), ours_ns, peer };
-            let matching: Vec<&Told> = peers.iter().filter(same).collect();
+            let matching: Vec<&Told> = peers.iter().filter(same).filter(|told| told.ns.is_some()).collect();
             if matching.is_empty() {
                 rows.push(row(None));
             }
             rows.extend(matching.into_iter().map(|peer| row(Some(peer.clone()))));
         }
         for told in peers.iter().filter(|told| told.skipped.is_some()) {
-            rows.push(Self { ours: told.clone(), ours_ns: f64::NAN, peer: Some(told.clone()) });
+            rows.push(Self { ours: told.clone(), ours_ns: [f64::NAN; 2], peer: Some(told.clone()) });
         }
         rows
+    }
+
+    /// How many times longer the peer takes: by the fastest rounds, and by the medians.
+    fn ratios(&self) -> Option<[f64; 2]> {
+        let peer = self.peer.as_ref()?;
+        let [fastest, median] = self.ours_ns;
+        Some([peer.fastest()? / fastest, peer.ns? / median])
+    }
+
+    /// The same for programs.
+    pub fn to_json(&self) -> serde_json::Value {
+        let peer = self.peer.as_ref();
+        let [fastest, median] = self.ours_ns.map(|ns| if ns.is_nan() { None } else { Some(ns) });
+        serde_json::json!({
+            "task": self.ours.task,
+            "input": self.ours.input,
+            "fastest_ns": fastest,
+            "median_ns": median,
+            "note": self.ours.note,
+            "peer": peer.map(|peer| &peer.peer),
+            "peer_version": peer.map(|peer| &peer.version),
+            "peer_fastest_ns": peer.and_then(Told::fastest),
+            "peer_median_ns": peer.and_then(|peer| peer.ns),
+            "peer_note": peer.map(|peer| &peer.note),
+            "ratio": self.ratios().map(|[fastest, _]| fastest),
+            "ratio_of_medians": self.ratios().map(|[_, median]| median),
+            "aim": peer.and_then(|peer| peer.aim),
+            "absent": peer.and_then(|peer| peer.skipped.as_ref()),
+        })
+    }
+}
+
+impl Told {
+    fn fastest(&self) -> Option<f64> {
+        self.fastest_ns.or(self.ns)
     }
 }
 
@@ -76,31 +115,63 @@ fn shown(ns: f64) -> String {
 /// The table, with the machine in front.
 pub fn markdown(rows: &[Row], machine: &str) -> String {
     let mut text = format!(
-        "Machine: {machine}. Medians; ours is the mean of one run before and one after the peers.\n\n"
+        "Machine: {machine}. Fastest rounds of both, ours and theirs in turn, task by task; the ratio of the medians beside.\n\n"
     );
-    text.push_str("| task | input | floorguard | peer | peer's time | ratio | notes |\n|---|---|---:|---|---:|---:|---|\n");
+    text.push_str("| task | input | floorguard | peer | peer's time | ratio | aim | of medians | notes |\n");
+    text.push_str("|---|---|---:|---|---:|---:|---:|---:|---|\n");
     for row in rows {
-        let (peer, time, ratio, note) = match &row.peer {
-            None => ("–".to_owned(), "–".to_owned(), "–".to_owned(), String::new()),
-            Some(Told { skipped: Some(why), peer, .. }) => {
-                (peer.clone(), "–".to_owned(), "–".to_owned(), format!("skipped: {why}"))
-            }
+        let none = || "–".to_owned();
+        let [fastest, _] = row.ours_ns;
+        let (peer, time, note) = match &row.peer {
+            None => (none(), none(), String::new()),
+            Some(Told { skipped: Some(why), peer, .. }) => (peer.clone(), none(), why.clone()),
             Some(told) => {
-                let ns = told.ns.unwrap_or(f64::NAN);
-                let ratio = format!("**{:.1}**", ns / row.ours_ns);
-                (format!("{} {}", told.peer, told.version), shown(ns), ratio, told.note.clone())
+                let name = format!("{} {}", told.peer, told.version);
+                (name, shown(told.fastest().unwrap_or(f64::NAN)), told.note.clone())
             }
         };
+        let [ratio, of_medians] = row.ratios().map_or([none(), none()], |[fastest, median]| {
+            [format!("**{fastest:.1}**"), format!("{median:.1}")]
+        });
+        let aim =
+            row.peer.as_ref().and_then(|peer| peer.aim).map_or_else(String::new, |aim| format!("{aim}"));
         let ours_note = if row.ours.skipped.is_some() { "" } else { &row.ours.note };
         let notes: Vec<&str> = [ours_note, &note].into_iter().filter(|note| !note.is_empty()).collect();
         let _infallible = writeln!(
             text,
-            "| {} | {} | {} | {peer} | {time} | {ratio} | {} |",
+            "| {} | {} | {} | {peer} | {time} | {ratio} | {aim} | {of_medians} | {} |",
             row.ours.task,
             row.ours.input,
-            shown(row.ours_ns),
+            shown(fastest),
             notes.join("; peer: "),
         );
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fastest_rounds_are_compared_and_an_absent_peer_has_its_line() {
+        let told = |text: &str| Told::read(text).expect("lines of JSON");
+        let ours = |fastest: u32| {
+            told(&format!(
+                r#"{{"task":"t","peer":"floorguard","input":"a","ns":300,"fastest_ns":{fastest}}}"#
+            ))
+        };
+        let theirs = told(
+            "a word of the peer\n{\"task\":\"t\",\"peer\":\"P\",\"input\":\"a\",\"ns\":9000,\"fastest_ns\":4000,\"aim\":20}\n\
+             {\"task\":\"t\",\"peer\":\"Q\",\"skipped\":\"absent: pip install q\"}\n",
+        );
+        let rows = Row::join(&[ours(200), ours(100)], &theirs);
+        assert_eq!(rows.len(), 2);
+        let first = rows[0].to_json();
+        assert_eq!((first["ratio"].as_f64(), first["ratio_of_medians"].as_f64()), (Some(40.0), Some(30.0)));
+        assert_eq!(rows[1].to_json()["absent"], "absent: pip install q");
+        let table = markdown(&rows, "a machine");
+        assert!(table.contains("| **40.0** | 20 | 30.0 |") && table.contains("| Q | – | – |"), "{table}");
+        assert!(table.contains("absent: pip install q"), "{table}");
+    }
 }
