@@ -245,3 +245,37 @@ fn people_are_forgotten_and_make_room_first() {
     tracker.update(stamp(40), &crowd, |_| true);
     assert_eq!((told(&tracker).len(), tracker.dropped), (TRACKS_MAX, 1));
 }
+
+/// Two people stand 2 m apart, out of sight for a second; then one of them stands between, nearer to the place of the
+/// other: clothes tell who it is.
+#[cfg(feature = "hosted")]
+#[test]
+fn clothes_tell_who_comes_back() {
+    let dressed = |y_m: f32, reflectivity: u8| {
+        let mut shades = crate::people::appearance::Shades::default();
+        for _ in 0..40 {
+            shades.add(0.4, Some(&reflectivity));
+            shades.add(1.2, Some(&reflectivity));
+        }
+        Detection { appearance: shades.appearance((1.7, false), (0.8, 4.0)), ..sighting(4.0, y_m) }
+    };
+    let who_is_back = |parameters: TrackerParameters| {
+        let mut tracker = Tracker::new(parameters);
+        for sweep in 1..=10_u64 {
+            tracker.update(
+                Stamp::from_micros(100_000 * sweep),
+                &[dressed(1.0, 6), dressed(-1.0, 60)],
+                |_| true,
+            );
+        }
+        for sweep in 11..=19_u64 {
+            tracker.update(Stamp::from_micros(100_000 * sweep), &[], |_| false);
+        }
+        let back = Stamp::from_micros(2_000_000);
+        tracker.update(back, &[dressed(0.1, 60)], |_| false);
+        let seen = tracker.tracks().iter().find(|track| track.last_seen == back).expect("somebody is back");
+        seen.first_position.y_m
+    };
+    assert!(who_is_back(TrackerParameters::WITHOUT_LOOKS) > 0.0, "the nearer one");
+    assert!(who_is_back(TrackerParameters::DEFAULT) < 0.0, "the brighter one");
+}
