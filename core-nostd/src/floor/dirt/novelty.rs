@@ -28,6 +28,8 @@ const TEXTURE_MIN: f32 = 0.02;
 const PIXELS_MIN: usize = 60 * 64;
 /// Lightness 0..=100 of a pixel that tells a colour: above 14 of 255 and below 254.
 const LIT: core::ops::Range<f32> = 4.0..99.6;
+/// Every so manieth pixel says whether there is light.
+const LIT_STEP: usize = 7;
 /// Most of the floor that may be black or overexposed, percent: an unlit half is no reference for the other.
 const UNLIT_MAX: usize = 50;
 /// Part of the floor whose texture is usual, and what differences within it count: a floor of chips has all textures.
@@ -119,8 +121,11 @@ impl NoveltyDetector {
         if found < PIXELS_MIN {
             return Err(DirtFault::TooLittleFloor(found / 64, PIXELS_MIN / 64));
         }
-        let is_unlit = |[l, .., weight]: &&Pixel| *weight > 0.0 && !LIT.contains(l);
-        let unlit = colours.iter().filter(is_unlit).count().saturating_mul(100) / found.max(1);
+        let floor = colours.iter().step_by(LIT_STEP).filter(|[.., weight]| *weight > 0.0);
+        let (unlit, seen) = floor.fold((0_usize, 0_usize), |(unlit, seen), [l, ..]| {
+            (unlit.saturating_add(usize::from(!LIT.contains(l))), seen.saturating_add(1))
+        });
+        let unlit = unlit.saturating_mul(100) / seen.max(1);
         if unlit > UNLIT_MAX {
             return Err(DirtFault::Unlit(unlit));
         }
