@@ -231,7 +231,7 @@ fn clusters_and_motion() {
             ("cut", Some(desk.put("cut.pcap", &bytes[..bytes.len() - 100])), "copy it again"),
             ("header only", Some(desk.put("head.pcap", &bytes[..24])), "no datagram to port 2368"),
             ("a picture", Some(desk.put("p.pcap", b"\x89PNG\r\n\x1a\n")), "is no .pcap"),
-            ("empty", Some(desk.put("e.pcap", b"")), "is no .pcap"),
+            ("empty", Some(desk.put("e.pcap", b"")), "is empty"),
             ("another lidar", other, "this is a HDL-32E"),
             ("positions", position, "no datagram to port 2368"),
             ("one packet", single, "revolution"),
