@@ -87,7 +87,9 @@ mod tests {
         std::fs::create_dir_all(&folder).unwrap();
         let ends_by = |what: &str| {
             let test = folder.join("block");
-            std::fs::write(&test, format!("#!/bin/sh\n{what}\n")).unwrap();
+            // Started in the background, a test inherits that an interrupt is ignored.
+            let default = "env --default-signal=INT,TERM,HUP";
+            std::fs::write(&test, format!("#!/bin/sh\nexec {default} sh -c '{what}'\n")).unwrap();
             let executable = std::os::unix::fs::PermissionsExt::from_mode(0o755);
             std::fs::set_permissions(&test, executable).unwrap();
             run(&Program { test, firmware: None }, &KINDS[0], 1, 0..2)

@@ -169,7 +169,7 @@ fn tell_partial(columns: &[StrategyTrials], asked: u64) -> anyhow::Result<()> {
         return Err(Unfinished("ended before the first mission was done".to_owned()).into());
     }
     if done < asked {
-        anstream::eprintln!("ended early: what follows is of {done} of {asked} missions");
+        say!("ended early: what follows is of {done} of {asked} missions");
     }
     Ok(())
 }
