@@ -5,15 +5,12 @@ use super::limiter::{is_straight, lets_leave, limited};
 use super::machine::Verdict;
 use super::supervisor::Supervisor;
 use crate::geometry::Twist2;
+use crate::protection::is_collision;
 use crate::protection::{Action, Advice, Cause, CauseRecord, Decision, FaultKind, Health, Source, Unit};
 use crate::time::Stamp;
 
-/// Added to the time to standstill before a person must be reached later (algorithms M.3), seconds.
-const COLLISION_MARGIN_S: f32 = 0.5;
 /// People reached later than this do not matter yet (algorithms M.3), seconds.
 const COLLISION_HORIZON_S: f32 = 3.0;
-/// A person whose disc touches the body is a collision, whatever the direction, metres.
-const TOUCHING_M: f32 = 0.3;
 /// Acceleration counts over at most this long between two decisions, seconds: a late tick is no licence to jump.
 const STEP_MAX_S: f32 = 0.1;
 
@@ -124,7 +121,7 @@ impl Supervisor {
             let times_s = self.body.times_to_person_s(person, twist);
             nearest_m = nearest_m.min(distance_m);
             for (soonest_s, time_s) in soonest_s.iter_mut().zip(times_s) {
-                if time_s > 0.0 || distance_m < TOUCHING_M {
+                if is_collision(time_s, distance_m) {
                     *soonest_s = soonest_s.min(time_s);
                 }
             }
@@ -142,7 +139,7 @@ impl Supervisor {
                 CauseRecord::new(Cause::PersonNear, now).aged(age_us).limited_to(thresholds.person_speed_mps);
             self.state.machine.raise(record.measured(nearest_m, thresholds.person_near_m, Unit::Metres));
         }
-        let stop_s = drive.response_s + speed_mps / drive.braking_mps2 + COLLISION_MARGIN_S;
+        let stop_s = drive.clear_of_people_s(speed_mps);
         if soonest_s < stop_s {
             let record = CauseRecord::new(Cause::CollisionStop, now).aged(age_us);
             self.state.machine.raise(record.measured(soonest_s, stop_s, Unit::Seconds));

@@ -21,5 +21,5 @@ mod tests;
 pub use crate::protection::*;
 pub use machine::{DecisionMachine, Verdict};
 pub use rules::{Clear, Escape};
-pub use source_monitor::SourceMonitor;
+pub use source_monitor::{FUTURE_TOLERANCE_US, SourceMonitor};
 pub use supervisor::Supervisor;

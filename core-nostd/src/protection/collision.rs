@@ -1,13 +1,17 @@
 //! Time until the robot would touch a tracked person (algorithms M.3).
 
 use super::advice::AdvisedPerson;
-use super::config::{foremost_m, rearmost_m};
+use super::config::{DriveLimits, foremost_m, rearmost_m};
 use crate::geometry::{Point2, Pose2, Twist2};
 
 /// Radius of a person, metres.
 const PERSON_RADIUS_M: f32 = 0.3;
 /// Standard deviations added to the radius (k) and taken from the velocity (k_v).
 const POSITION_SIGMAS: f32 = 2.0;
+/// A person whose disc touches the body is a collision, whatever the direction, metres.
+const TOUCHING_M: f32 = 0.3;
+/// Added to the time to standstill before a person must be reached later (algorithms M.3), seconds.
+const MARGIN_S: f32 = 0.5;
 /// Steps of 0.1 s for a turning robot: three seconds.
 const STEPS: u8 = 30;
 /// Turning slower than this counts as straight, rad/s.
@@ -70,6 +74,21 @@ impl Body {
             least_s = [estimated_s, doubtful_s.min(estimated_s)];
         }
         least_s
+    }
+}
+
+/// A person at this distance from the body, reached after this time, is one to stop for. Who is within reach already and
+/// does not touch the robot is none: else nobody could stand beside it.
+#[must_use]
+pub const fn is_collision(time_s: f32, distance_m: f32) -> bool {
+    time_s > 0.0 || distance_m < TOUCHING_M
+}
+
+impl DriveLimits {
+    /// Nobody may be reached sooner than this at a speed: the time to standstill, and a margin (algorithms M.3), seconds.
+    #[must_use]
+    pub const fn clear_of_people_s(&self, speed_mps: f32) -> f32 {
+        self.response_s + speed_mps / self.braking_mps2 + MARGIN_S
     }
 }
 
