@@ -30,7 +30,7 @@ pub struct MissionMoment<'a> {
     pub dirt: Option<DirtReading>,
     /// What the guard permits now.
     pub decision: Option<Decision>,
-    /// The newest list of people.
+    /// The newest list of people, seen or not: its stamp tells how old it is.
     pub people: Option<&'a PeopleReport>,
     /// What the floor camera sees, if it is a picture that the mission has not seen.
     pub floor: Option<&'a FloorSight>,

@@ -324,7 +324,7 @@ impl CleaningMission for Cleaner {
             self.see(scan, now_s);
         }
         if let Some(people) = moment.people {
-            self.see_people(people, now_s);
+            self.see_people(people, (moment.now, now_s));
         }
         if let Some(floor) = moment.floor {
             self.see_floor(floor, now_s);

@@ -13,8 +13,8 @@ use crate::mission::Floor;
 const EXPLAINED_M: f32 = 0.25;
 /// Farther beams say too little about who stands there later, metres.
 const RANGE_M: f32 = 6.0;
-/// A mark counts this long, seconds.
-const FADES_S: f32 = 4.0;
+/// A mark, and where a person was seen, counts this long, seconds.
+pub(super) const FADES_S: f32 = 4.0;
 
 /// A beam that ends this much farther than a mark has passed it, metres.
 const BEYOND_M: f32 = 0.3;
@@ -109,11 +109,11 @@ impl Obstacles {
         }
     }
 
-    /// The people that the robot knows of now, map frame, with what is kept around each, metres.
-    pub fn see_people(&mut self, places: &[(Point2, f32)], now_s: f32) {
+    /// The people that the robot knows of, map frame, with what is kept around each, metres, and when they were seen.
+    pub fn see_people(&mut self, places: &[(Point2, f32)], seen_s: f32) {
         self.people.clear();
         self.people.extend_from_slice(places);
-        self.people_s = now_s;
+        self.people_s = seen_s;
     }
 
     /// Things on the floor that the camera sees, in the robot's frame at a pose in the map frame. True if one is new. What

@@ -5,7 +5,7 @@
 //! as long as it wishes that turn. A wish that leads off is another matter, and from there every way is open again.
 
 use floorguard_core::geometry::{Point2, Pose2, Twist2};
-use floorguard_core::guard::{AdvisedPerson, Body as GuardBody};
+use floorguard_core::guard::{AdvisedPerson, Body as GuardBody, DriveLimits, is_collision};
 use floorguard_runtime::configuration::RobotConfiguration;
 
 use super::lattice::{Gear, Waypoint};
@@ -15,6 +15,8 @@ use super::track::Track;
 
 /// Held for this long by somebody who stands there, the robot leaves, seconds.
 const AFTER_S: f32 = 1.0;
+/// Older than this, what is known of people says nothing of who stands there now, seconds.
+const FRESH_S: f32 = 0.5;
 /// Who walks faster than this is gone in a moment, m/s.
 pub(super) const STANDS_MPS: f32 = 0.25;
 /// Somebody farther away is not who holds the robot, metres from its body.
@@ -24,21 +26,20 @@ const STEPS: i8 = 4;
 const STEP_M: f32 = 0.12;
 /// Slowly, m/s.
 const SPEED_MPS: f32 = 0.2;
-/// Nearer than this to the body somebody is in the way of every motion, metres (the guard's rule).
-const TOUCHING_M: f32 = 0.3;
-/// Added by the guard to the time to standstill, seconds, and a little for the doubt of the tracks.
-const MARGIN_S: f32 = 0.6;
+/// Later than the guard asks for by this, for the doubt of the tracks, seconds.
+const DOUBT_S: f32 = 0.1;
 
 /// The people that the robot knows of, and the guard's own question: would this motion reach somebody before it ends?
 #[derive(Clone, Debug)]
 pub struct PeopleNear {
     /// Odometry frame.
     pub people: Vec<AdvisedPerson>,
+    /// When they were seen, seconds of the mission.
+    pub seen_s: f32,
     /// On a way off from somebody, until another one is chosen.
     pub is_leaving: bool,
     body: GuardBody,
-    response_s: f32,
-    braking_mps2: f32,
+    drive: DriveLimits,
 }
 
 impl PeopleNear {
@@ -46,20 +47,23 @@ impl PeopleNear {
     pub fn of(robot: &RobotConfiguration) -> Self {
         Self {
             people: Vec::new(),
+            seen_s: f32::NEG_INFINITY,
             is_leaving: false,
             body: GuardBody::around(&robot.geometry.footprint),
-            response_s: robot.limits.response_s,
-            braking_mps2: robot.limits.braking_mps2,
+            drive: robot.guard().drive,
         }
     }
 
     /// The guard would let the robot drive like this, as far as these people are concerned; they in the robot's frame.
     fn is_let(&self, people: &[AdvisedPerson], twist: Twist2) -> bool {
-        let stop_s = self.response_s + twist.linear_mps.abs() / self.braking_mps2 + MARGIN_S;
+        let clear_s = self.drive.clear_of_people_s(twist.linear_mps.abs()) + DOUBT_S;
         people.iter().all(|person| {
+            // What is no number is no licence.
+            if !person.is_finite() {
+                return false;
+            }
             let [soonest_s, _] = self.body.times_to_person_s(person, twist);
-            let is_touching = self.body.distance_m(person.position) < TOUCHING_M;
-            soonest_s >= stop_s || (soonest_s <= 0.0 && !is_touching)
+            soonest_s >= clear_s || !is_collision(soonest_s, self.body.distance_m(person.position))
         })
     }
 }
@@ -79,7 +83,8 @@ impl Cleaner {
 
     /// Leaves, if somebody who stands near holds the robot and a straight way leads off.
     pub(super) fn retreat(&mut self, pose: Pose2, now_s: f32) {
-        if self.held_s < AFTER_S || self.near.is_leaving {
+        let is_known = now_s - self.near.seen_s <= FRESH_S;
+        if self.held_s < AFTER_S || self.near.is_leaving || !is_known {
             return;
         }
         let people = self.people_in_robot();
@@ -125,6 +130,9 @@ mod tests {
     use crate::cleaner::plan::{MissionPlan, MissionStrategy};
     use crate::cleaner::store::Store;
     use crate::configuration::{EXAMPLE, parse};
+    use floorguard_core::people::TrackStatus;
+    use floorguard_core::time::Stamp;
+    use floorguard_runtime::shared::{PeopleReport, PersonReport};
     use floorguard_sim::scenario::Scenario;
 
     fn somebody(x_m: f32, y_m: f32, walks_mps: f32) -> AdvisedPerson {
@@ -136,17 +144,27 @@ mod tests {
         }
     }
 
-    /// A robot in the aisle of a supermarket that somebody holds; the way that it then takes.
+    /// The way that a robot takes which somebody holds.
     fn way_from(person: AdvisedPerson, held_s: f32) -> Vec<Waypoint> {
+        way_from_whom_it_saw(person, 0.1, held_s)
+    }
+
+    /// A robot in the aisle of a supermarket.
+    fn in_an_aisle() -> Cleaner {
         let robot = parse("robot.toml", EXAMPLE).unwrap().robot;
         let scenario = Scenario::named("supermarket").unwrap();
         let plan = MissionPlan::of_scenario(&scenario, MissionStrategy::Guarantee, 1).unwrap();
         let store = Store::Memory(Arc::default());
-        let mut cleaner = Cleaner::new(&plan, &robot, (SharedWatch::default(), store)).unwrap();
+        Cleaner::new(&plan, &robot, (SharedWatch::default(), store)).unwrap()
+    }
+
+    fn way_from_whom_it_saw(person: AdvisedPerson, seen_ago_s: f32, held_s: f32) -> Vec<Waypoint> {
+        let mut cleaner = in_an_aisle();
         let pose = cleaner.pose();
         cleaner.near.people = vec![person];
+        cleaner.near.seen_s = -seen_ago_s;
         let place = pose.transform(person.position);
-        cleaner.obstacles.see_people(&[room_of(&person, place)], 0.0);
+        cleaner.obstacles.see_people(&[room_of(&person, place)], -seen_ago_s);
         cleaner.held_s = held_s;
         cleaner.retreat(pose, 0.0);
         assert_eq!(cleaner.near.is_leaving, !cleaner.track.is_over());
@@ -166,5 +184,47 @@ mod tests {
         assert!(way_from(somebody(1.55, 0.3, -1.0), 1.5).is_empty(), "who walks is gone in a moment");
         assert!(way_from(somebody(0.3, 0.5, 0.0), 1.5).is_empty(), "who touches it is in every way");
         assert!(way_from(somebody(4.0, 0.0, 0.0), 1.5).is_empty(), "somebody far away does not hold it");
+        let before = way_from_whom_it_saw(somebody(1.55, 0.3, 0.0), 0.6, 1.5);
+        assert!(before.is_empty(), "whom it saw a while ago may stand behind it by now");
+        let nowhere = AdvisedPerson { position_sigma_m: f32::NAN, ..somebody(1.55, 0.3, 0.0) };
+        assert!(way_from(nowhere, 1.5).is_empty(), "what is no number is no licence");
+    }
+
+    /// What perception said last, again and again, while it is silent or speaks of a time to come.
+    #[test]
+    fn who_was_seen_last_is_neither_there_for_ever_nor_nobody() {
+        let mut cleaner = in_an_aisle();
+        let place = cleaner.odometry.pose_in_odometry.transform(Point2::new(1.55, 0.3));
+        let mut report = PeopleReport::default();
+        let person = PersonReport {
+            id: 1,
+            status: TrackStatus::Confirmed,
+            position: place,
+            velocity_mps: Point2::default(),
+            position_sigma_m: 0.07,
+            velocity_sigma_mps: 0.1,
+            person_probability: 0.9,
+            moving_probability: 0.0,
+            sensors: Default::default(),
+        };
+        report.people.push(person).unwrap();
+        let moment = |now_ms: u64| (Stamp::from_micros(now_ms * 1_000), now_ms as f32 * 1.0e-3);
+        let mut at = |measured_ms: u64, now_ms: u64| {
+            report.sweep.stamp = moment(measured_ms).0;
+            cleaner.see_people(&report, moment(now_ms));
+            cleaner.held_s = 1.5;
+            cleaner.near.is_leaving = false;
+            cleaner.track = Track::default();
+            cleaner.retreat(cleaner.pose(), moment(now_ms).1);
+            (cleaner.obstacles.places(moment(now_ms).1).len(), cleaner.near.is_leaving)
+        };
+        assert_eq!(at(1_000, 1_100), (1, true), "there, and to be left");
+        assert_eq!(at(1_000, 2_000), (1, false), "there, but nobody knows who else is");
+        assert_eq!(at(1_000, 4_900), (1, false));
+        assert_eq!(at(1_000, 5_100), (0, false), "an old word bars no way");
+        assert_eq!(at(6_001, 6_000), (1, true), "rounding is no time to come");
+        assert_eq!(at(9_000, 7_000), (1, false), "who is measured in two seconds is not seen again");
+        assert_eq!(at(9_000, 9_300), (1, true), "by then it is past");
+        assert_eq!(at(90_000, 14_500), (0, false), "a clock that leapt keeps nobody there");
     }
 }

@@ -1,7 +1,7 @@
 //! What the mission hears and sees: where it is, what the brush picks up, who and what stands in the way.
 
 use floorguard_core::geometry::{Point2, Pose2, wrap_angle};
-use floorguard_core::guard::AdvisedPerson;
+use floorguard_core::guard::{AdvisedPerson, FUTURE_TOLERANCE_US};
 use floorguard_core::people::TrackStatus;
 use floorguard_core::sensing::{DirtReading, Scan};
 use floorguard_core::time::{Age, Stamp};
@@ -9,7 +9,7 @@ use floorguard_runtime::shared::{PeopleReport, StampedPose};
 use floorguard_runtime::tasks::{FloorSight, PERSON_PROBABILITY_MIN, THING_HEIGHT_MIN_M};
 
 use super::mission::Cleaner;
-use super::obstacles::ends_of;
+use super::obstacles::{FADES_S, ends_of};
 use super::plan::MissionStrategy;
 use super::retreat::room_of;
 use super::track::Track;
@@ -63,9 +63,10 @@ impl Cleaner {
             // A customer is not on the map, and says nothing of where the robot is; nor does what stands in the middle of a
             // free floor. Beams that end behind a wall do.
             let guess = self.localiser.pose(odometry);
+            let is_known = now_s - self.near.seen_s <= FADES_S;
             let is_of_somebody = |end: &Point2| {
                 let place = odometry.transform(*end);
-                self.somebody.iter().any(|person| person.distance(place) < SOMEBODY_M)
+                is_known && self.somebody.iter().any(|person| person.distance(place) < SOMEBODY_M)
                     || self.ground.floor.clearance.clearance_m(guess.transform(*end)) > MIDDLE_M
             };
             let ends = ends_of(scan, interval).map(|end| self.eye.in_base.transform(end));
@@ -76,8 +77,16 @@ impl Cleaner {
         self.obstacles.see(&self.ground.floor, pose.compose(self.eye.in_base), (scan, now_s));
     }
 
-    /// People are in the way where they are, also behind the robot, where the scanner does not look.
-    pub(super) fn see_people(&mut self, people: &PeopleReport, now_s: f32) {
+    /// People are in the way where they are, also behind the robot, where the scanner does not look. While perception is
+    /// silent its last word grows old, and a word from the future is none.
+    pub(super) fn see_people(&mut self, people: &PeopleReport, (now, now_s): (Stamp, f32)) {
+        let age_us = match people.sweep.stamp.age(now) {
+            Age::Past(age_us) => age_us,
+            Age::Future(ahead_us) if ahead_us <= FUTURE_TOLERANCE_US => 0,
+            Age::Future(_) => return,
+        };
+        let seen_s = now_s - age_us as f32 * 1.0e-6;
+        self.near.seen_s = seen_s;
         let confirmed = || people.people.iter().filter(|person| person.status == TrackStatus::Confirmed);
         self.somebody = confirmed().map(|person| person.position).collect();
         let real = confirmed().filter(|person| person.person_probability >= PERSON_PROBABILITY_MIN);
@@ -96,7 +105,7 @@ impl Cleaner {
             .iter()
             .map(|person| room_of(person, to_map.transform(person.position)))
             .collect();
-        self.obstacles.see_people(&places, now_s);
+        self.obstacles.see_people(&places, seen_s);
     }
 
     /// Low things on the floor, which neither lidar nor scanner sees, are driven round; higher ones those see.
