@@ -25,7 +25,7 @@ use super::plan::{MissionPlan, MissionStrategy};
 use super::progress::{MissionPhase, MissionWatch};
 use super::retreat::PeopleNear;
 use super::store::{Saved, Store};
-use super::times::{Spent, Times};
+use super::times::{Spent, Times, is_standing};
 use super::track::{Track, Tracking};
 use crate::mission::{Lane, Localiser, lanes, scrubber};
 
@@ -41,8 +41,6 @@ const SAVE_S: f32 = 1.0;
 const ROLLED_ON: (f32, f32) = (0.35, 0.15);
 /// For so long it stands to find itself; after that it drives on, which shows it more, seconds.
 const FINDS_S: f32 = 6.0;
-/// Slower than this is standing, m/s and rad/s.
-const STANDS: (f32, f32) = (0.02, 0.02);
 /// A thing on the floor this near may be what holds the robot, metres from its rear axle.
 const THING_HOLDS_M: f32 = 1.6;
 
@@ -158,7 +156,7 @@ impl Cleaner {
     /// Ready to begin, or to go on where `store` says that a mission was broken off.
     ///
     /// # Errors
-    /// The plan has no floor for this robot.
+    /// The plan has no floor for this robot, or nowhere a wall by which it could tell where it is.
     pub fn new(
         plan: &MissionPlan,
         robot: &RobotConfiguration,
@@ -167,6 +165,10 @@ impl Cleaner {
         let mut ground = Ground::new(plan, (Body::of(robot), scrubber::BRUSH))?;
         let raster = *ground.raster();
         let lattice = lattice_of(&mut ground, robot);
+        if plan.strategy != MissionStrategy::Route {
+            // Nothing is claimed where the robot cannot tell where it is.
+            ground.floor.keep_in_sight()?;
+        }
         let mut cells = plan.prior(&ground.expected);
         let saved = store.load(plan, cells.len());
         if let Some(saved) = &saved {
@@ -249,10 +251,7 @@ impl Cleaner {
     /// The guard does not let the robot do what it wishes.
     fn notice_hold(&mut self, decision: Option<Decision>, lasted_s: f32) {
         let wishes = self.wish != Twist2::ZERO;
-        let stands = decision.is_none_or(|decision| {
-            decision.permitted.linear_mps.abs() < STANDS.0
-                && decision.permitted.angular_radps.abs() < STANDS.1
-        });
+        let stands = decision.is_none_or(|decision| is_standing(decision.permitted));
         if !(wishes && stands) {
             self.held_s = 0.0;
             return;

@@ -311,4 +311,30 @@ mod tests {
         let spread: f32 = plan.expected_on(&raster).iter().sum();
         assert!((spread - all).abs() < 0.001 * all, "{spread} of {all}");
     }
+
+    /// A field of 70 x 70 m: a robot that drives there does not know where it is, and what it claimed would be false.
+    #[test]
+    fn a_field_without_walls_is_refused_and_of_a_hall_what_sees_a_wall_is_answered_for() {
+        let robot = crate::configuration::parse("robot.toml", crate::configuration::EXAMPLE).unwrap().robot;
+        let scenario = Scenario::named("supermarket").unwrap();
+        let whole = MissionPlan::of_scenario(&scenario, MissionStrategy::Guarantee, 1).unwrap();
+        let geometry = GridGeometry::new(700, 700, 0.1, Point2::new(-35.0, -35.0)).unwrap();
+        let begin = |walls: i32| {
+            let wall = |i: usize| geometry.coordinates(i).0 < walls;
+            let state = |i: usize| if wall(i) { Occupancy::Occupied } else { Occupancy::Free };
+            let map = Grid::new(geometry, (0..geometry.cell_count()).map(state).collect()).unwrap();
+            let plan =
+                MissionPlan { map: Runs::of(&map), start: [0.0; 3], dirt: Vec::new(), ..whole.clone() };
+            let setup =
+                crate::cleaner::MissionSetup::new(plan, crate::cleaner::Store::Memory(Default::default()));
+            setup.begin(&robot)
+        };
+        let refused = begin(0).err().unwrap().to_string();
+        assert!(refused.contains("no wall within 25 m"), "{refused}");
+        let hall = begin(3).unwrap();
+        let answered =
+            (0..hall.ground.floor.reachable.len()).filter(|cell| hall.ground.floor.reachable[*cell]);
+        let farthest_m = answered.map(|cell| hall.ground.raster().centre(cell).x_m).fold(f32::MIN, f32::max);
+        assert!((-11.0..-8.0).contains(&farthest_m), "{farthest_m}");
+    }
 }

@@ -10,6 +10,11 @@ const STANDS: (f32, f32) = (0.02, 0.02);
 /// A limit this much below the wish slows the robot, m/s.
 const SLOWER_MPS: f32 = 0.02;
 
+/// Who may drive no faster than this stands.
+pub(super) fn is_standing(permitted: Twist2) -> bool {
+    permitted.linear_mps.abs() < STANDS.0 && permitted.angular_radps.abs() < STANDS.1
+}
+
 /// What a moment is spent on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Spent {
@@ -81,7 +86,7 @@ impl Spent {
         let Some(decision) = decision else { return Self::HeldOther };
         let cause = decision.primary_cause.map(|record| record.cause);
         let permitted = decision.permitted;
-        if permitted.linear_mps.abs() < STANDS.0 && permitted.angular_radps.abs() < STANDS.1 {
+        if is_standing(permitted) {
             return match cause {
                 // No cause stops it: it is only about to set off.
                 _ if decision.speed_limit_mps > STANDS.0 => Self::Driving,

@@ -97,7 +97,7 @@ impl Floor {
         Ok(floor)
     }
 
-    /// Gives up the cells without a wall in sight, by blocks of a metre: for maps that somebody else has made.
+    /// Gives up the cells without a wall in sight, by blocks of a metre.
     ///
     /// # Errors
     /// None is left.
