@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::{self, BufRead as _, BufReader, Read};
 use std::path::Path;
+use std::sync::{Arc, OnceLock};
 
 use pcap_parser::traits::PcapReaderIterator;
 use pcap_parser::{Block, Linktype, PcapBlockOwned, PcapError, create_reader};
@@ -78,6 +79,8 @@ pub struct CaptureNotes {
 pub struct Capture {
     path: String,
     reader: Box<dyn PcapReaderIterator + Send>,
+    /// Why the file could not be read on, which the parser does not tell.
+    failure: Arc<OnceLock<String>>,
     links: Vec<(Linktype, u64)>,
     nanoseconds: bool,
     notes: CaptureNotes,
@@ -113,10 +116,13 @@ impl Capture {
             io::ErrorKind::Unsupported => CaptureError::Open { path: name.to_owned(), cause },
             _ => refused(),
         })?;
+        let failure = Arc::new(OnceLock::new());
+        let plain = Remembering { source: plain, failure: failure.clone() };
         let reader = create_reader(BUFFER_BYTES, plain).map_err(|_| refused())?;
         Ok(Self {
             path: name.to_owned(),
             reader,
+            failure,
             links: Vec::new(),
             nanoseconds: false,
             notes: CaptureNotes::default(),
@@ -173,7 +179,27 @@ impl Capture {
     }
 
     fn truncated(&self) -> CaptureError {
-        CaptureError::Truncated { path: self.path.clone(), packets: self.notes.packets }
+        let (path, packets) = (self.path.clone(), self.notes.packets);
+        match self.failure.get().cloned() {
+            Some(cause) => CaptureError::Damaged { path, packets, cause },
+            None => CaptureError::Truncated { path, packets },
+        }
+    }
+}
+
+/// Keeps what the first failure said; an end that comes early is none.
+struct Remembering {
+    source: Box<dyn Read + Send>,
+    failure: Arc<OnceLock<String>>,
+}
+
+impl Read for Remembering {
+    fn read(&mut self, room: &mut [u8]) -> io::Result<usize> {
+        self.source.read(room).inspect_err(|error| {
+            if error.kind() != io::ErrorKind::UnexpectedEof {
+                let _ = self.failure.set(error.to_string());
+            }
+        })
     }
 }
 

@@ -1,11 +1,12 @@
 //! Reads recorded tracks of people: the layouts of the ETH, L-CAS and HERMES recordings, and a plain table.
 
 use std::collections::BTreeMap;
-use std::io::Read;
 use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
 use floorguard_core::geometry::Point2;
+
+use crate::packing;
 
 /// How a file is laid out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -85,26 +86,13 @@ impl Recording {
     }
 }
 
-/// Largest file that is unpacked.
-const BYTES_MAX: u64 = 512 * 1_024 * 1_024;
-
-/// Reads a file, packed with gzip or not.
+/// Reads a file, packed or not.
 ///
 /// # Errors
 /// A file that cannot be read, a layout that is not known, a line that does not fit, no tracks at all.
 pub fn read_tracks(path: &Path, format: TrackFormat) -> anyhow::Result<(Recording, TrackFormat)> {
     let name = path.display();
-    let bytes = std::fs::read(path).with_context(|| format!("{name}: cannot be read"))?;
-    let mut text = String::new();
-    if bytes.starts_with(&[0x1f, 0x8b]) {
-        let unpacked = flate2::read::MultiGzDecoder::new(bytes.as_slice());
-        unpacked
-            .take(BYTES_MAX)
-            .read_to_string(&mut text)
-            .with_context(|| format!("{name}: cannot be unpacked"))?;
-    } else {
-        text = String::from_utf8(bytes).with_context(|| format!("{name}: is not text"))?;
-    }
+    let text = packing::text(path).with_context(|| format!("{name}: cannot be read"))?;
     let format =
         if format == TrackFormat::Auto { guess(&text).with_context(|| format!("{name}"))? } else { format };
     let recording = parse(&text, format).with_context(|| format!("{name}"))?;

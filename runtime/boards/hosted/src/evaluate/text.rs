@@ -1,16 +1,11 @@
 //! Tables of numbers from files, packed or not.
 
-use std::io::Read as _;
 use std::path::Path;
 
-use flate2::read::GzDecoder;
-
 use crate::commands::BadInput;
+use crate::packing;
 
-/// First bytes of a gzip file.
-const GZIP: [u8; 2] = [0x1F, 0x8B];
-
-/// The text of a file; gzip is told by its first bytes, not by its name.
+/// The text of a file, packed or not; the packing is told by its first bytes, not by its name.
 ///
 /// # Errors
 /// The file cannot be read, is cut off or is no text.
@@ -21,15 +16,7 @@ pub fn read_text(path: &Path) -> anyhow::Result<String> {
             path.display()
         ))
     };
-    let bytes = std::fs::read(path).map_err(bad)?;
-    let mut text = String::new();
-    if bytes.starts_with(&GZIP) {
-        GzDecoder::new(bytes.as_slice()).read_to_string(&mut text).map_err(bad)?;
-    } else {
-        text = String::from_utf8(bytes).map_err(|_| {
-            BadInput(format!("{}: this is no text, nor text packed with gzip", path.display()))
-        })?;
-    }
+    let text = packing::text(path).map_err(bad)?;
     // Spreadsheets begin a text with a mark that nobody sees.
     Ok(text.strip_prefix('\u{feff}').map_or_else(|| text.clone(), str::to_owned))
 }
