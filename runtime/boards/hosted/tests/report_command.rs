@@ -44,7 +44,11 @@ fn a_run_with_stops_is_one_page_with_each_of_them() {
     // Cut: everything before it is shown, and the page says so.
     let bytes = std::fs::read(&recording).expect("the recording");
     std::fs::write(&recording, &bytes[..bytes.len() / 2]).expect("written");
-    assert_eq!(floorguard(&["report", text(&recording)]).status.code(), Some(0));
+    std::fs::remove_file(&page).expect("there");
+    let output = floorguard(&["report", text(&recording)]);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "as replay: {told}");
+    assert!(told.contains("is cut") && told.contains("report: "), "{told}");
     assert!(std::fs::read_to_string(&page).expect("a page").contains("Incomplete"));
 }
 

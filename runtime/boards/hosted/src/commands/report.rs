@@ -25,7 +25,7 @@ pub struct ReportArguments {
 /// Runs the command.
 ///
 /// # Errors
-/// Bad input, or the page cannot be written.
+/// Bad input, or the page cannot be written. Of a recording that is cut the page shows everything before the cut.
 pub fn run(arguments: &ReportArguments) -> anyhow::Result<()> {
     let name = arguments.file.display();
     let bad = |error: &dyn std::fmt::Display| BadInput(format!("{name}: {error}"));
@@ -39,10 +39,10 @@ pub fn run(arguments: &ReportArguments) -> anyhow::Result<()> {
     let out = arguments.out.clone().unwrap_or_else(|| arguments.file.with_extension("html"));
     std::fs::write(&out, document(&history, &title))
         .map_err(|error| BadInput(format!("{}: cannot be written ({error})", out.display())))?;
-    if let Some(ended) = &history.ended {
-        say!("{name}: {ended}; the report shows everything before");
-    }
     let stops = counted(history.stops.len() as u64, "stop");
     say!("report: {} ({stops}, {:.0} s)", out.display(), history.duration_s);
-    Ok(())
+    match &history.ended {
+        Some(ended) => Err(bad(&format_args!("{ended}; the report shows everything before")).into()),
+        None => Ok(()),
+    }
 }
