@@ -56,7 +56,7 @@ fn a_log_becomes_a_recording_and_damage_costs_only_itself() {
         .expect("written");
     let (output, rows) = blackbox(&path);
     assert_eq!((output.status.code(), rows), (Some(0), 2_000), "{output:?}");
-    assert!(String::from_utf8_lossy(&output.stderr).contains("1 damaged rows, complete"), "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("1 damaged row, complete"), "{output:?}");
     // Noise before it, a hole in it, cut in the middle of a row.
     let mut damaged = b"noise of a serial line".to_vec();
     damaged.extend(&log[..5_000]);

@@ -15,6 +15,7 @@ use floorguard_runtime::shared::BoxEntry;
 use serde::Serialize;
 
 use super::exit::BadInput;
+use crate::display::counted;
 use crate::recording::{Diagnostic, RecordError, Recorder, Severity, topics};
 
 /// What to read.
@@ -102,9 +103,9 @@ pub fn run(arguments: &BlackBoxArguments) -> anyhow::Result<()> {
         .map_err(|error| BadInput(format!("{}: cannot be written ({error:#})", out.display())))?;
     let end = if contents.complete { "complete" } else { "cut" };
     say!(
-        "{} moments, {} damaged rows, {end}; recording: {}",
-        contents.moments.len(),
-        contents.damaged,
+        "{}, {}, {end}; recording: {}",
+        counted(contents.moments.len() as u64, "moment"),
+        counted(contents.damaged, "damaged row"),
         out.display()
     );
     Ok(())

@@ -6,4 +6,4 @@ mod words;
 
 pub use live::LiveDisplay;
 pub use status::{SourceStatus, Status};
-pub use words::counted;
+pub use words::{beside, counted};

@@ -3,6 +3,8 @@
 use floorguard_core::online_learning::{LearnerCounters, OnlineLearner, Standing};
 use serde::Serialize;
 
+use crate::display::counted;
+
 /// What was learned since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct LearningReport {
@@ -59,9 +61,11 @@ impl LearningReport {
             ),
             None => "too few examples for a judgement yet".to_owned(),
         };
+        let (people, others) = (counted(*people, "person"), counted(*others, "other track"));
+        let (updates, looks) = (counted(*accepted, "update"), counted(self.looks, "look"));
         format!(
-            "{} + {} examples from {people} people and {others} other tracks; {accepted} updates taken over, {refused} refused; {agreement}; {} of {} looks decided otherwise",
-            of_people, of_others, self.decided_otherwise, self.looks
+            "{of_people} + {of_others} examples from {people} and {others}; {updates} taken over, {refused} refused; {agreement}; {} of {looks} decided otherwise",
+            self.decided_otherwise
         )
     }
 }

@@ -10,7 +10,7 @@ use super::grids::{self, Scale};
 use super::history::{History, Stop};
 use super::mission;
 use super::sketch;
-use super::style::{self, chart, escaped, grouped, map, tiles};
+use super::style::{self, chart, count_tile, escaped, map, tiles};
 use crate::recording::topics;
 
 /// The page.
@@ -92,9 +92,9 @@ fn head(html: &mut String, history: &History, name: &str) {
         (format!("{:.0} s", history.duration_s), "recorded", ""),
         (format!("{:.1} m", history.driven_m), "driven", ""),
         (format!("{moving_s:.0} s"), "moving", ""),
-        (grouped(history.stops.len() as u64), "stops", ""),
-        (grouped(people as u64), "people followed", ""),
-        (grouped(history.messages), "messages", ""),
+        count_tile(history.stops.len() as u64, "stop", "stops"),
+        count_tile(people as u64, "person followed", "people followed"),
+        count_tile(history.messages, "message", "messages"),
     ]));
 }
 

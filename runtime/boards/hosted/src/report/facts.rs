@@ -2,9 +2,10 @@
 
 use std::fmt::Write;
 
-use super::style::{Tile, escaped, tiles};
+use super::style::{Tile, count_tile, escaped, tiles};
 use super::summary::kinds;
 use crate::cleaner::MissionReport;
+use crate::display::counted;
 use crate::world::{Observation, Plan};
 
 /// Causes that held the robot back, the longest first, no more than this.
@@ -21,15 +22,16 @@ pub fn facts(plan: &Plan, observation: &Observation) -> String {
 
 fn glance(observation: &Observation) -> Vec<Tile> {
     let verdict = &observation.verdict;
-    let count = |count: u32| (count.to_string(), if count == 0 { "good" } else { "bad" });
-    let (contacts, contacts_class) = count(verdict.avoidable_contacts);
-    let (missed, missed_class) = count(verdict.missed_stops);
+    let none_is_good = |count: u32, one, many| {
+        let (value, what, _) = count_tile(u64::from(count), one, many);
+        (value, what, if count == 0 { "good" } else { "bad" })
+    };
     let (word, class) = if verdict.passed { ("good", "good") } else { ("FAILED", "bad") };
     let mut tiles = vec![
         (word.to_owned(), "verdict by ground truth", class),
-        (contacts, "avoidable contacts", contacts_class),
-        (missed, "missed stops", missed_class),
-        (verdict.stops.to_string(), "stops", ""),
+        none_is_good(verdict.avoidable_contacts, "avoidable contact", "avoidable contacts"),
+        none_is_good(verdict.missed_stops, "missed stop", "missed stops"),
+        count_tile(u64::from(verdict.stops), "stop", "stops"),
         (format!("{:.1} m", verdict.distance_m), "driven", ""),
         (format!("{:.0} s", verdict.duration_s), "robot's time", ""),
     ];
@@ -58,16 +60,15 @@ fn rows(plan: &Plan, observation: &Observation) -> Vec<(&'static str, String)> {
     let latency = &verdict.stop_latency_ms;
     if latency.count > 0 {
         let (median, most) = (latency.median, latency.p99);
-        let text = format!("median {median:.0} ms, 99 % within {most:.0} ms ({} times)", latency.count);
+        let times = counted(latency.count as u64, "time");
+        let text = format!("median {median:.0} ms, 99 % within {most:.0} ms ({times})");
         rows.push(("measurement to order to stop", text));
     }
     rows.push(("contacts", format!("{}, {} avoidable", verdict.contacts, verdict.avoidable_contacts)));
     if let (Some(mota), Some(idf1)) = (verdict.mota, verdict.idf1) {
         let off_m = verdict.localisation_error_m.unwrap_or(0.0);
-        let switches = verdict.id_switches;
-        let text = format!(
-            "within 12 m: MOTA {mota:.2}, IDF1 {idf1:.2}, {switches} identity switches, {off_m:.2} m off"
-        );
+        let switches = counted(verdict.id_switches, "identity switch");
+        let text = format!("within 12 m: MOTA {mota:.2}, IDF1 {idf1:.2}, {switches}, {off_m:.2} m off");
         rows.push(("people in sight", text));
     }
     if let Some(mission) = &verdict.mission {
@@ -80,7 +81,7 @@ fn rows(plan: &Plan, observation: &Observation) -> Vec<(&'static str, String)> {
         rows.push(("sources that failed", verdict.faulty_sources.join(", ")));
     }
     if observation.resets > 0 {
-        rows.push(("operator", format!("pressed reset {} times", observation.resets)));
+        rows.push(("operator", format!("pressed reset {}", counted(observation.resets, "time"))));
     }
     rows.push(("fingerprint", format!("{} of {}", verdict.digest, plan.name)));
     rows
@@ -98,15 +99,18 @@ fn cleaning(mission: &MissionReport, brushed_m2: f64) -> Vec<(&'static str, Stri
         (
             "claims",
             format!(
-                "{} of {} dirty cells claimed clean, {} of them falsely",
-                mission.claimed_cells, mission.dirty_cells, mission.falsely_claimed_cells
+                "{} of {} claimed clean, {} of them falsely",
+                mission.claimed_cells,
+                counted(mission.dirty_cells as u64, "dirty cell"),
+                mission.falsely_claimed_cells
             ),
         ),
         (
             "in the way",
             format!(
-                "people and things cost {:.0} s and {} detours; {off_m:.2} m off the true place",
-                mission.people_cost_s, mission.detours
+                "people and things cost {:.0} s and {}; {off_m:.2} m off the true place",
+                mission.people_cost_s,
+                counted(mission.detours, "detour")
             ),
         ),
     ]

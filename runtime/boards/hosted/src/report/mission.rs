@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::charts;
 use super::grids::{self, Scale};
 use super::history::History;
-use super::style::{chart, tiles};
+use super::style::{chart, count_tile, tiles};
 use crate::recording::topics;
 
 /// The section; nothing for a run without a mission.
@@ -22,7 +22,7 @@ pub fn section(html: &mut String, history: &History) {
         (format!("{} m²", value("remaining_m2")), "remaining", ""),
         (format!("{gone:.0} %"), "of the expected dirt gone", ""),
         (format!("{} s", value("waited_s")), "waited for people", ""),
-        (value("uncertain_cells").to_owned(), "cells not claimed", ""),
+        count_tile(value("uncertain_cells").parse().unwrap_or(0), "cell not claimed", "cells not claimed"),
     ]));
     html.push_str(&chart(&charts::progress(history)));
     html.push_str("<p class=legend>Line: dirty floor claimed clean, percent, over the time of the run.</p>");

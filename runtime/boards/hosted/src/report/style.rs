@@ -1,5 +1,7 @@
 //! How both pages look: on a phone, on a screen and on paper, without anything from elsewhere.
 
+use crate::display::beside;
+
 /// The style sheet. A picture is drawn for a screen; on a phone its words and marks grow, and every other mark of an axis
 /// goes, so that what is left can be read without a magnifying glass.
 pub(super) const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;margin:1rem auto;max-width:64rem;padding:0 1rem;\
@@ -53,6 +55,11 @@ pub(super) fn tiles(tiles: impl IntoIterator<Item = Tile>) -> String {
     format!("<ul class=sum>{}</ul>", tiles.collect::<String>())
 }
 
+/// A tile that counts: what is counted, one and many of it.
+pub(super) fn count_tile(count: u64, one: &'static str, many: &'static str) -> Tile {
+    (grouped(count), beside(count, one, many), "")
+}
+
 /// A chart over time.
 pub(super) fn chart(svg: &str) -> String {
     format!("<div class=chart>{svg}</div>")
@@ -75,7 +82,16 @@ pub(super) fn grouped(number: u64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::grouped;
+    use super::{count_tile, grouped, tiles};
+
+    #[test]
+    fn one_is_not_many_on_a_tile() {
+        let html = tiles([0, 1, 2].map(|count| count_tile(count, "stop", "stops")));
+        assert_eq!(
+            html,
+            "<ul class=sum><li><b>0</b>stops</li><li><b>1</b>stop</li><li><b>2</b>stops</li></ul>"
+        );
+    }
 
     #[test]
     fn digits_stand_in_groups_of_three() {

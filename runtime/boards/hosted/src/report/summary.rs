@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use crate::cleaner::MissionReport;
+use crate::display::{beside, counted};
 use crate::world::{Observation, Plan};
 
 /// Plain words, ending with the verdict.
@@ -41,15 +42,17 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
     if latency.count > 0 {
         let _ = writeln!(
             text,
-            "  from measurement to the order to stop: median {:.0} ms, 99 % within {:.0} ms ({} times)",
-            latency.median, latency.p99, latency.count
+            "  from measurement to the order to stop: median {:.0} ms, 99 % within {:.0} ms ({})",
+            latency.median,
+            latency.p99,
+            counted(latency.count as u64, "time")
         );
     }
     if let (Some(mota), Some(idf1)) = (verdict.mota, verdict.idf1) {
         let _ = writeln!(
             text,
-            "  people in sight within 12 m: MOTA {mota:.2}, IDF1 {idf1:.2}, {} identity switches, {:.2} m off",
-            verdict.id_switches,
+            "  people in sight within 12 m: MOTA {mota:.2}, IDF1 {idf1:.2}, {}, {:.2} m off",
+            counted(verdict.id_switches, "identity switch"),
             verdict.localisation_error_m.unwrap_or(0.0)
         );
     }
@@ -63,7 +66,7 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
         let _ = writeln!(text, "  sources that failed: {}", verdict.faulty_sources.join(", "));
     }
     if observation.resets > 0 {
-        let _ = writeln!(text, "  the operator pressed reset {} times", observation.resets);
+        let _ = writeln!(text, "  the operator pressed reset {}", counted(observation.resets, "time"));
     }
     let word = if verdict.passed { "good" } else { "FAILED" };
     let _ = writeln!(text, "  verdict: {word}   (digest {} of {})", verdict.digest, plan.name);
@@ -91,19 +94,21 @@ fn mission_lines(mission: &MissionReport) -> String {
     };
     let _ = writeln!(
         text,
-        "    {end}; people and things in the way cost {:.0} s, {} detours; {:.2} m off the true place",
+        "    {end}; people and things in the way cost {:.0} s, {}; {:.2} m off the true place",
         mission.people_cost_s,
-        mission.detours,
+        counted(mission.detours, "detour"),
         mission.localisation_error_m.unwrap_or_default()
     );
     for (reason, seconds) in &mission.time_s {
         let _ = writeln!(text, "    {seconds:6.0} s {reason}");
     }
     for (reason, count) in &mission.uncertain_cells {
-        let _ = writeln!(text, "    {count:3} cells not claimed: {reason}");
+        let _ = writeln!(text, "    {count:3} {} not claimed: {reason}", beside(*count, "cell", "cells"));
     }
     if mission.unreachable_cells > 0 {
-        let _ = writeln!(text, "    {:3} dirty cells cannot be reached", mission.unreachable_cells);
+        let count = mission.unreachable_cells;
+        let cells = beside(count as u64, "cell", "cells");
+        let _ = writeln!(text, "    {count:3} dirty {cells} cannot be reached");
     }
     text
 }
