@@ -126,10 +126,10 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     }
     watch.told_what_was_learned();
     say!("floorguard run: the robot stands, {}", counted(watch.stops, "stop"));
-    match watch.unwritten.first() {
+    match &watch.unwritten {
         None => Ok(()),
-        Some(first) => {
-            let files = counted(watch.unwritten.len() as u64, "file");
+        Some((files, first)) => {
+            let files = counted(*files, "file");
             Err(BadInput(format!("the run went on; {files} could not be written, the first: {first}")).into())
         }
     }
@@ -222,7 +222,8 @@ struct Watch<'a> {
     is_done: bool,
     next_mission_s: f64,
     lines: Lines,
-    unwritten: Vec<String>,
+    /// How many files could not be written, and why the first.
+    unwritten: Option<(u64, String)>,
     notices: Option<Receiver<String>>,
 }
 
@@ -247,7 +248,7 @@ impl<'a> Watch<'a> {
             is_done: false,
             next_mission_s: 0.0,
             lines: Lines::default(),
-            unwritten: Vec::new(),
+            unwritten: None,
             notices: None,
         }
     }
@@ -287,10 +288,12 @@ impl<'a> Watch<'a> {
     fn written(&mut self, outcome: anyhow::Result<()>) {
         let Err(error) = outcome else { return };
         let what = format!("{error:#}");
-        if !self.unwritten.contains(&what) {
+        // Told once: a full disk stays full, and the robot may run for months.
+        let (files, _) = self.unwritten.get_or_insert_with(|| {
             self.display.note(&format!("  {what}; the robot goes on"));
-        }
-        self.unwritten.push(what);
+            (0, what)
+        });
+        *files = files.saturating_add(1);
     }
 
     fn news_of_mission(&mut self) -> Option<Arc<MissionProgress>> {

@@ -64,7 +64,10 @@ impl LearningKeeper {
                 ))
             }
             Some(Err(_)) => None,
-            _ => Some(format!("learning: an update was taken over: {}", report.words())),
+            _ => {
+                self.is_failing = false;
+                Some(format!("learning: an update was taken over: {}", report.words()))
+            }
         }
     }
 

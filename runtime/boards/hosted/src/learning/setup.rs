@@ -168,7 +168,7 @@ mod tests {
         assert!(!path.exists());
         new.desk.put(LearningReport { accepted: 1, ..LearningReport::default() }, &small());
         let news = keeper.attend().expect("something was taken over");
-        assert!(news.contains("1 updates taken over"), "{news}");
+        assert!(news.contains("1 update taken over"), "{news}");
         assert_eq!(keeper.attend(), None);
         let (again, said) = open(folder.path());
         assert!(said.contains("goes on with") && said.contains("update 1"), "{said}");
@@ -215,6 +215,13 @@ mod tests {
         assert!(keeper.attend().is_some_and(|said| said.contains("cannot be kept")));
         setup.desk.put(LearningReport::default(), &Weights { steps: 4_000, ..small() });
         assert_eq!(keeper.attend(), None);
+        // There is room again, and then there is none again: that is new.
+        std::fs::create_dir(&inner).unwrap();
+        setup.desk.put(LearningReport::default(), &Weights { steps: 6_000, ..small() });
+        assert!(keeper.attend().is_some_and(|said| said.contains("taken over")));
+        std::fs::remove_dir_all(&inner).unwrap();
+        setup.desk.put(LearningReport::default(), &Weights { steps: 8_000, ..small() });
+        assert!(keeper.attend().is_some_and(|said| said.contains("cannot be kept")));
     }
 
     #[test]
