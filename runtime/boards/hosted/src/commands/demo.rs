@@ -102,8 +102,29 @@ fn repeat_demo(arguments: &DemoArguments) -> String {
     if let Some(value) = arguments.strategy.and_then(|strategy| strategy.to_possible_value()) {
         words.push_str(&format!(" --strategy {}", value.get_name()));
     }
+    if let Some(robot) = &arguments.robot {
+        words.push_str(&format!(" --robot {}", robot.display()));
+    }
     for (name, wanted) in [(" --camera", arguments.camera), (" --real-io", arguments.real_io)] {
         words.push_str(if wanted { name } else { "" });
     }
     words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_that_repeats_a_demo_says_all_that_it_depends_on() {
+        let arguments = DemoArguments {
+            strategy: Some(MissionStrategy::Systematic),
+            robot: Some(PathBuf::from("mine.toml")),
+            camera: true,
+            ..DemoArguments::default()
+        };
+        let words =
+            "floorguard demo --seed 1 --duration 180 --strategy systematic --robot mine.toml --camera";
+        assert_eq!(repeat_demo(&arguments), words);
+    }
 }

@@ -168,13 +168,18 @@ fn repeat(arguments: &SimulateArguments) -> String {
     {
         option("scanner", value.get_name());
     }
+    if let Some(robot) = &arguments.robot {
+        option("robot", &robot.display().to_string());
+    }
     arguments.fault.iter().for_each(|fault| option("fault", fault));
     arguments.emergency_stop.iter().for_each(|span| option("emergency-stop", span));
-    if arguments.camera {
-        words.push_str(" --camera");
-    }
-    if arguments.real_io {
-        words.push_str(" --real-io");
+    let switches = [
+        (" --until-clean", arguments.until_clean),
+        (" --camera", arguments.camera),
+        (" --real-io", arguments.real_io),
+    ];
+    for (name, wanted) in switches {
+        words.push_str(if wanted { name } else { "" });
     }
     words
 }
@@ -350,6 +355,7 @@ mod tests {
         for more in [
             "",
             " --strategy systematic --scanner microscan3 --camera",
+            " --strategy guarantee --robot mine.toml --until-clean",
             " --fault lidar:drop=5% --fault scanner:silent,from=2s --emergency-stop 2..3",
             " --real-io",
         ] {
