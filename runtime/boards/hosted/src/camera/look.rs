@@ -133,7 +133,6 @@ impl FloorLook {
         sight.is_known = estimate.is_known && estimate.fault.is_none();
         self.plane = sight.is_known.then_some(estimate.plane);
         if sight.is_known {
-            self.plane = Some(estimate.plane);
             let camera_in_odom = robot_in_odom.compose(self.camera_in_robot);
             for thing in self.seen.update(&found, camera_in_odom).iter().map(|seen| self.thing(seen)) {
                 // The list is sorted by distance: what does not fit is farther away.
