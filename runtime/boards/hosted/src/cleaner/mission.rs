@@ -81,11 +81,17 @@ fn pace_of(robot: &RobotConfiguration) -> Pace {
     }
 }
 
-/// Where the robot can go and turn, and what the ways cost.
-fn lattice_of(ground: &mut Ground, robot: &RobotConfiguration) -> Lattice {
+/// Where the robot can go and turn, and what the ways cost. It answers for nothing from where it cannot tell where it is.
+fn lattice_of(
+    ground: &mut Ground,
+    (plan, robot): (&MissionPlan, &RobotConfiguration),
+) -> anyhow::Result<Lattice> {
     let mut lattice = Lattice::new(*ground.raster(), among_people(robot, pace_of(robot)));
     ground.explore(&mut lattice);
-    lattice
+    if plan.strategy != MissionStrategy::Route {
+        ground.floor.keep_in_sight()?;
+    }
+    Ok(lattice)
 }
 
 fn search_of(raster: GridGeometry) -> PathSearch<Vec<SearchCell>> {
@@ -164,11 +170,7 @@ impl Cleaner {
     ) -> anyhow::Result<Self> {
         let mut ground = Ground::new(plan, (Body::of(robot), scrubber::BRUSH))?;
         let raster = *ground.raster();
-        let lattice = lattice_of(&mut ground, robot);
-        if plan.strategy != MissionStrategy::Route {
-            // Nothing is claimed where the robot cannot tell where it is.
-            ground.floor.keep_in_sight()?;
-        }
+        let lattice = lattice_of(&mut ground, (plan, robot))?;
         let mut cells = plan.prior(&ground.expected);
         let saved = store.load(plan, cells.len());
         if let Some(saved) = &saved {

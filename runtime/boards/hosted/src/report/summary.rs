@@ -40,12 +40,10 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
     }
     let latency = &verdict.stop_latency_ms;
     if latency.count > 0 {
+        let (median, most, times) = (latency.median, latency.p99, counted(latency.count as u64, "time"));
         let _ = writeln!(
             text,
-            "  from measurement to the order to stop: median {:.0} ms, 99 % within {:.0} ms ({})",
-            latency.median,
-            latency.p99,
-            counted(latency.count as u64, "time")
+            "  from measurement to the order to stop: median {median:.0} ms, 99 % within {most:.0} ms ({times})"
         );
     }
     if let (Some(mota), Some(idf1)) = (verdict.mota, verdict.idf1) {
