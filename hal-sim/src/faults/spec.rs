@@ -24,6 +24,9 @@ pub enum FaultError {
     /// The number is missing or not one.
     #[error("`{0}`: not a value such as 5%, 20ms or 10s")]
     Value(String),
+    /// It would end before it begins.
+    #[error("`{0}`: this fault is never on; give a `to` that is later than its `from`")]
+    Never(String),
 }
 
 /// What goes wrong. Shares are of all messages, 0 to 1.
@@ -113,6 +116,9 @@ impl FaultSpec {
         let kind = kind.ok_or_else(|| FaultError::Kind(rest.to_owned()))?;
         if !target.can_suffer(kind) {
             return Err(FaultError::Place(text.to_owned()));
+        }
+        if to_us <= from_us {
+            return Err(FaultError::Never(text.to_owned()));
         }
         Ok(Self { target, kind, from_us, to_us })
     }
@@ -222,6 +228,8 @@ mod tests {
             "lidar:melt",
             "lidar:drop=150%",
             "lidar:from=3s",
+            "lidar:drop=5%,from=9s,to=3s",
+            "lidar:drop=5%,to=0s",
             "can:delay=5",
             "lidar:stall=1s",
             "guard:drop=1%",
