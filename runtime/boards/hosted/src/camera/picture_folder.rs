@@ -48,7 +48,8 @@ impl PictureFolder {
         let section = format!(
             "[camera]\nsource = \"folder:{}\"\nwidth = {width}\nheight = {height}\nfx = {focal_px:.2}\nfy = {focal_px:.2}\n\
              cx = {:.1}\ncy = {:.1}\nmounting = {{ x_m = {forward_m:.3}, y_m = 0.0, z_m = {height_m:.3}, pitch_deg = {:.3} }}\n",
-            root.display(),
+            // Whoever copies the section may have the robot.toml elsewhere.
+            std::path::absolute(root).unwrap_or_else(|_| root.to_owned()).display(),
             middle(width),
             middle(height),
             pitch_rad.to_degrees(),
@@ -100,4 +101,24 @@ impl PictureFolder {
 
 fn unwritable(root: &Path, problem: &dyn std::fmt::Display) -> BadInput {
     BadInput(format!("{}: cannot be written ({problem}); give another place", root.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Wherever the section is pasted, it names the same folder.
+    #[test]
+    fn the_section_names_its_folder_from_anywhere() {
+        let folder = tempfile::tempdir().unwrap();
+        let here = std::env::current_dir().unwrap();
+        let up = "../".repeat(here.components().count() - 1);
+        let relative = Path::new(&up).join(folder.path().strip_prefix("/").unwrap());
+        assert!(relative.is_relative());
+        let camera = PictureCamera { size: (4, 2), focal_px: 2.0, mounting: (0.7, 0.9, 0.8) };
+        PictureFolder::new(&relative, camera).unwrap();
+        let section = fs::read_to_string(folder.path().join(SECTION)).unwrap();
+        let named = section.lines().find_map(|line| line.strip_prefix("source = \"folder:")).unwrap();
+        assert!(named.starts_with('/'), "{named}");
+    }
 }

@@ -123,9 +123,15 @@ impl Floor {
             *reachable &= is_seen;
         }
         let any = self.reachable.iter().any(|&reachable| reachable);
+        let remedy = match walls.is_empty() {
+            true => {
+                "; no pixel of the map is dark enough for a wall: write a .yaml with a lower occupied_thresh"
+            }
+            false => "",
+        };
         anyhow::ensure!(
             any || self.unseen_cells == 0,
-            "no wall within {SIGHT_M} m of the floor: a robot could not know where it is there"
+            "no wall within {SIGHT_M} m of the floor: a robot could not know where it is there{remedy}"
         );
         Ok(())
     }
@@ -280,6 +286,6 @@ mod tests {
         assert!(farthest_m > 24.0 && farthest_m < 27.0, "{farthest_m}");
         assert!(floor.unseen_cells > 20_000, "{}", floor.unseen_cells);
         let nothing = Floor::new("field", map(0), 0.17).unwrap().keep_in_sight().unwrap_err().to_string();
-        assert!(nothing.contains("no wall within 25 m"), "{nothing}");
+        assert!(nothing.contains("no wall within 25 m") && nothing.contains("occupied_thresh"), "{nothing}");
     }
 }

@@ -97,7 +97,8 @@ fn mission_lines(mission: &MissionReport) -> String {
         counted(mission.detours, "detour"),
         mission.localisation_error_m.unwrap_or_default()
     );
-    for (reason, seconds) in &mission.time_s {
+    // Half a second and more: less is told as none.
+    for (reason, seconds) in mission.time_s.iter().filter(|(_, seconds)| **seconds >= 0.5) {
         let _ = writeln!(text, "    {seconds:6.0} s {reason}");
     }
     for (reason, count) in &mission.uncertain_cells {
