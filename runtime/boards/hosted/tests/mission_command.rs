@@ -57,6 +57,7 @@ fn maps_of_every_mode_are_cleaned_and_senseless_ones_refused_with_a_reason() {
         ("yes", (0, 254), "mode: best\n", "none of trinary, scale, raw"),
         ("coarse", (0, 254), "resolution: 50\n", "up to 0.5 m"),
         ("dark", (0, 0), "", "no free floor"),
+        ("field", (254, 254), "", "no wall within 25 m of the floor"),
         ("gone", (0, 254), "image: elsewhere.pgm\n", "elsewhere.pgm"),
         ("nowhere", (0, 254), "origin: [nan, 0, 0]\n", "not a number"),
     ];
@@ -118,4 +119,20 @@ fn an_interrupt_ends_the_missions_in_order() {
     );
     assert_eq!(code, Some(130), "{rest}");
     assert!(rest.contains("ended before the first mission was done"), "{rest}");
+}
+
+/// `--until-clean`: on a floor without dirt nothing is left to do at once, on virtual time and on the real clock.
+#[test]
+fn a_run_until_clean_ends_with_the_mission() {
+    for more in [&[][..], &["--real-io"]] {
+        let output = Command::new(env!("CARGO_BIN_EXE_floorguard"))
+            .args(["simulate", "--scenario", "empty", "--strategy", "guarantee", "--duration", "30"])
+            .args(["--until-clean", "--json"])
+            .args(more)
+            .output()
+            .unwrap();
+        let verdict: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let lasted_s = verdict["duration_s"].as_f64().unwrap();
+        assert!(lasted_s < 10.0, "{more:?}: {lasted_s} s; {}", said(&output));
+    }
 }

@@ -226,7 +226,7 @@ fn what_is_no_data_is_refused_with_a_reason() {
     let standing = [pcap.clone(), captured(&standing_packet())].concat();
     let mountain = packed_mountain(&pcap);
     assert!(mountain.len() < 1 << 20, "{} bytes", mountain.len());
-    let cases: [(&str, &[u8], &str); 10] = [
+    let cases: [(&str, &[u8], &str); 12] = [
         // A lidar that does not turn: every packet is refused, and that is no empty hall.
         ("standing.pcap", &standing, "1 packet refused and none taken"),
         ("no.mcap", b"hello", "capture"),
@@ -235,6 +235,8 @@ fn what_is_no_data_is_refused_with_a_reason() {
         ("empty.clf", b"", "no scan in it"),
         ("nothing.pcap", b"", "is empty"),
         ("mountain.pcap.zst", &mountain, "unpacks to more than 250 times its size"),
+        ("run.bag", b"#ROSBAG V2.0\n and more", "rosbags-convert"),
+        ("run.db3", b"SQLite format 3\0 and more", "ros2 bag convert"),
         ("packed.pcap.xz", b"\xfd7zXZ\0 and more", "unxz"),
         // A capture is one by its bytes, even by the name of a laser log.
         ("capture.log", &pcap, "no datagram to port 2368"),

@@ -87,6 +87,39 @@ fn a_term_ends_the_run_in_order() {
     assert!(messages.is_ok_and(|messages| !messages.is_empty()));
 }
 
+/// A connection that is lost ends a run in order, too, unless it was started to outlive it, as `nohup` does.
+#[test]
+fn a_lost_connection_ends_only_who_did_not_say_otherwise() {
+    for (started, outlives) in [("", false), ("trap '' HUP; ", true)] {
+        let folder = tempfile::tempdir().unwrap();
+        let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let file = robot_file(folder.path(), port);
+        let program = env!("CARGO_BIN_EXE_floorguard");
+        let mut child = Command::new("sh")
+            .args(["-c", &format!("{started}exec {program} run {file} --duration 60")])
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut said = BufReader::new(child.stderr.take().unwrap());
+        let mut line = String::new();
+        while !line.contains("not there yet") {
+            line.clear();
+            assert!(said.read_line(&mut line).unwrap() > 0, "ended before it ran");
+        }
+        let signal = |name: &str| {
+            let kill = format!("kill -{name} {}", child.id());
+            Command::new("sh").args(["-c", &kill]).status().unwrap().success()
+        };
+        assert!(signal("HUP"));
+        std::thread::sleep(std::time::Duration::from_secs(1));
+        let is_there = signal("TERM") && child.try_wait().unwrap().is_none();
+        let mut rest = String::new();
+        said.read_to_string(&mut rest).unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(0), "{rest}");
+        assert_eq!(is_there, outlives, "{started}: {rest}");
+    }
+}
+
 /// Logs that nobody takes any more, a recording on a full disk: told where somebody listens, and the robot goes on.
 #[test]
 fn a_full_disk_and_a_log_that_is_gone_do_not_end_the_run() {

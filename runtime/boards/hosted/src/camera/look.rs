@@ -287,4 +287,13 @@ mod tests {
             assert_eq!(slow, Some(0.3), "{name}");
         }
     }
+
+    /// With the stream goes what was known of the floor: nothing is judged by a plane of earlier.
+    #[test]
+    fn a_lost_stream_takes_the_floor_with_it() {
+        let mut look = look();
+        let free: Vec<Vec<u16>> = (0..3).map(|frame| picture(frame, None)).collect();
+        assert!(limit(&mut look, &free).0.is_known && look.plane().is_some());
+        assert!(!look.lost(Stamp::from_micros(200_000)).is_known && look.plane().is_none());
+    }
 }

@@ -166,24 +166,31 @@ fn bad_colour_is_unknown_floor_and_told_once() {
         assert!(told.iter().filter(|word| word.contains(part)).count() == 1, "{part}: {told:?}");
         assert!(told.iter().all(|word| word.contains("unknown, not clean")), "{told:?}");
         assert_eq!((drive.seen_m2(), drive.spots().len()), (0.0, 0), "{part}");
+        let (_, unknown) = drive.watcher.seen(at(drive.step)).expect("a colour camera").frames;
+        assert!(unknown > 0, "{part}: it is counted");
     }
 }
 
 /// Without a depth picture nobody knows where a colour picture's pixels lie; when both are back, it is told once.
 #[test]
 fn depth_that_fails_blinds_both_until_it_is_back() {
+    depth_fails(|| News::Silent("unplugged".to_owned()), "unplugged");
+    depth_fails(|| News::Damaged(WrongFrame::OtherSize((160, 120), SIZE)), "not 320 × 240");
+}
+
+fn depth_fails(news: impl Fn() -> News<Vec<u16>>, why: &str) {
     let mut drive = Drive::new();
     for _ in 0..3 {
         drive.step += 1;
-        let mut fake = Fake {
-            depth: vec![News::Silent("unplugged".to_owned())],
-            colour: vec![News::Picture(at(drive.step), drive.colour())],
-        };
+        let mut fake =
+            Fake { depth: vec![news()], colour: vec![News::Picture(at(drive.step), drive.colour())] };
         let attended = drive.watcher.attend(&mut fake, drive.pose(), || at(drive.step));
         assert!(attended.sight.is_some_and(|sight| !sight.is_known) && attended.people.is_none());
         drive.words.extend(attended.words);
     }
-    assert_eq!(drive.words, ["depth: unplugged; the floor is unknown"]);
+    let told = drive.words.join("; ");
+    assert!(drive.words.len() == 1 && told.starts_with("depth: ") && told.contains(why), "{told}");
+    assert!(told.ends_with("; the floor is unknown"), "{told}");
     assert_eq!(drive.seen_m2(), 0.0);
     drive.words.clear();
     for _ in 0..14 {

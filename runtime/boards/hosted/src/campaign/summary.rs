@@ -79,6 +79,8 @@ pub fn run_some<C: Sync>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::campaign::run_seeds_until;
+    use crate::executor::StopFlag;
 
     #[test]
     fn failures_keep_their_command_and_the_order_of_the_cases() {
@@ -91,5 +93,19 @@ mod tests {
         let commands: Vec<&str> = summary.failures.iter().map(|failure| failure.command.as_str()).collect();
         assert_eq!(commands, ["floorguard simulate --seed 39", "floorguard simulate --seed 79"]);
         assert_eq!((summary.runs, summary.stops), (100, 4_950));
+    }
+
+    #[test]
+    fn nothing_begins_any_more_when_somebody_has_ended_it() {
+        let ended = StopFlag::default();
+        let run = |seed: u64| {
+            if seed == 0 {
+                ended.stop();
+            }
+            RunOutcome { command: String::new(), failure: None, verdict: Some(Verdict::default()) }
+        };
+        let one = run_seeds_until(0..1, &ended, run).unwrap();
+        assert_eq!(one.runs, 1, "what was running is run to its end");
+        assert_eq!(run_seeds_until(1..500, &ended, run).unwrap().runs, 0);
     }
 }

@@ -351,3 +351,7 @@ impl CleaningMission for Cleaner {
         self.wish
     }
 }
+
+#[cfg(test)]
+#[path = "mission_tests.rs"]
+mod tests;

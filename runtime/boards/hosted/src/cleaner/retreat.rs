@@ -190,6 +190,13 @@ mod tests {
         assert!(way_from(nowhere, 1.5).is_empty(), "what is no number is no licence");
     }
 
+    /// Who stands is given the room that the guard keeps, who walks less: that one is gone in a moment.
+    #[test]
+    fn who_stands_is_given_more_room() {
+        let room_m = |walks_mps: f32| room_of(&somebody(1.0, 0.0, walks_mps), Point2::default()).1;
+        assert!(room_m(0.0) > 0.3 && room_m(0.0) - room_m(1.0) > 0.1);
+    }
+
     /// What perception said last, again and again, while it is silent or speaks of a time to come.
     #[test]
     fn who_was_seen_last_is_neither_there_for_ever_nor_nobody() {
@@ -216,7 +223,10 @@ mod tests {
             cleaner.near.is_leaving = false;
             cleaner.track = Track::default();
             cleaner.retreat(cleaner.pose(), moment(now_ms).1);
-            (cleaner.obstacles.places(moment(now_ms).1).len(), cleaner.near.is_leaving)
+            let places = cleaner.obstacles.places(moment(now_ms).1).len();
+            // What bars the way is left out of the match with the map, too.
+            assert_eq!(cleaner.is_of_somebody(place, moment(now_ms).1), places > 0);
+            (places, cleaner.near.is_leaving)
         };
         assert_eq!(at(1_000, 1_100), (1, true), "there, and to be left");
         assert_eq!(at(1_000, 2_000), (1, false), "there, but nobody knows who else is");

@@ -63,18 +63,22 @@ impl Cleaner {
             // A customer is not on the map, and says nothing of where the robot is; nor does what stands in the middle of a
             // free floor. Beams that end behind a wall do.
             let guess = self.localiser.pose(odometry);
-            let is_known = now_s - self.near.seen_s <= FADES_S;
-            let is_of_somebody = |end: &Point2| {
-                let place = odometry.transform(*end);
-                is_known && self.somebody.iter().any(|person| person.distance(place) < SOMEBODY_M)
+            let is_no_wall = |end: &Point2| {
+                self.is_of_somebody(odometry.transform(*end), now_s)
                     || self.ground.floor.clearance.clearance_m(guess.transform(*end)) > MIDDLE_M
             };
             let ends = ends_of(scan, interval).map(|end| self.eye.in_base.transform(end));
-            let matched: Vec<Point2> = ends.filter(|end| !is_of_somebody(end)).collect();
+            let matched: Vec<Point2> = ends.filter(|end| !is_no_wall(end)).collect();
             self.localiser.update(&self.ground.floor, odometry, &matched, true);
         }
         let pose = self.localiser.pose(odometry);
         self.obstacles.see(&self.ground.floor, pose.compose(self.eye.in_base), (scan, now_s));
+    }
+
+    /// Somebody was there a moment ago, odometry frame.
+    pub(super) fn is_of_somebody(&self, place: Point2, now_s: f32) -> bool {
+        let is_recent = now_s - self.near.seen_s <= FADES_S;
+        is_recent && self.somebody.iter().any(|person| person.distance(place) < SOMEBODY_M)
     }
 
     /// People are in the way where they are, also behind the robot, where the scanner does not look. While perception is

@@ -126,13 +126,14 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     }
     watch.told_what_was_learned();
     say!("floorguard run: the robot stands, {}", counted(watch.stops, "stop"));
-    match &watch.unwritten {
-        None => Ok(()),
-        Some((files, first)) => {
-            let files = counted(*files, "file");
-            Err(BadInput(format!("the run went on; {files} could not be written, the first: {first}")).into())
-        }
-    }
+    all_written(watch.unwritten.as_ref())
+}
+
+/// The robot outlives a full disk; whoever started it hears of it at the end.
+fn all_written(unwritten: Option<&(u64, String)>) -> anyhow::Result<()> {
+    let Some((files, first)) = unwritten else { return Ok(()) };
+    let files = counted(*files, "file");
+    Err(BadInput(format!("the run went on; {files} could not be written, the first: {first}")).into())
 }
 
 /// How the robot learns what people look like, if the file says so.

@@ -104,3 +104,35 @@ fn picture(file: &ColourFile, truth: &[bool], [published, ours]: [&DirtAnswer; 2
     }
     picture
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use floorguard_core::random::Pcg32;
+
+    /// A covered camera says nothing of dirt: its frame is unknown, and counts neither as clean nor as the end of the folder.
+    #[test]
+    fn a_black_frame_is_unknown_and_the_others_are_judged() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut random = Pcg32::new(1, 1);
+        let mut frame = |name: &str, grey: u8| {
+            let noise = if grey > 20 { 12.0 } else { 0.0 };
+            let stain = |x: u32, y: u32| (140..180).contains(&x) && (100..140).contains(&y);
+            let picture = RgbImage::from_fn(320, 240, |x, y| {
+                let value = f32::from(grey) * if stain(x, y) { 0.5 } else { 1.0 } + noise * random.normal();
+                image::Rgb([value.clamp(0.0, 255.0) as u8; 3])
+            });
+            picture.save(folder.path().join(format!("{name}.png"))).unwrap();
+            let mask = image::GrayImage::from_fn(320, 240, |x, y| image::Luma([255 * u8::from(stain(x, y))]));
+            mask.save(folder.path().join(format!("{name}_mask.png"))).unwrap();
+        };
+        frame("a1", 140);
+        frame("a2", 3);
+        let report = dirt(folder.path(), None).unwrap();
+        assert_eq!((report.frames, report.frames_unknown), (1, 1));
+        std::fs::remove_file(folder.path().join("a1.png")).unwrap();
+        std::fs::remove_file(folder.path().join("a1_mask.png")).unwrap();
+        let refused = dirt(folder.path(), None).unwrap_err().to_string();
+        assert!(refused.contains("no frame could be judged"), "{refused}");
+    }
+}

@@ -135,6 +135,8 @@ impl Pace {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use floorguard_core::people::shape::{SHAPE_FEATURES, ShapeVector};
+    use floorguard_core::random::Pcg32;
 
     #[test]
     fn a_round_takes_as_long_as_an_update_may_and_a_pause_is_not_caught_up() {
@@ -154,5 +156,44 @@ mod tests {
         assert!(steps <= 4 * STEPS_MAX, "{steps}");
         // A clock that runs backwards is no time to learn in.
         assert_eq!(pace.steps(Stamp::from_micros(5)), 0);
+    }
+
+    /// From the shipped classifier on: what the advice hears changes with the first update that is taken over, not before.
+    #[test]
+    fn the_first_update_that_is_taken_over_is_used() {
+        let mut random = Pcg32::new(7, 7);
+        let mut drawn = |is_wanted: fn(f32) -> bool, span: f32, count: usize| -> Vec<ShapeVector> {
+            let shapes =
+                (0..400_000).map(|_| [(); SHAPE_FEATURES].map(|()| random.uniform_between(0.0, span)));
+            shapes.filter(|shape| is_wanted(person_log_odds(shape))).take(count).collect()
+        };
+        let (people, others) = (drawn(|odds| odds > 0.5, 1.2, 500), drawn(|odds| odds < -0.5, 1.2, 200));
+        // What the shipped classifier doubtfully takes for people stands about here.
+        let thing = drawn(|odds| (0.3..1.0).contains(&odds), 1.8, 1)[0];
+        let label = |shapes: &[ShapeVector], is_person| {
+            shapes.iter().map(|shape| LabelledShape { shape: *shape, is_person }).collect::<Vec<_>>()
+        };
+        let anchors = [label(&people[..200], true), label(&others, false)].concat();
+        let desk = LearningDesk::default();
+        let mut learner = PeopleLearner::new(&anchors, &Weights::ZERO, (5_000_000, desk));
+        for step in 0..9_600_u32 {
+            let (stamp, round) = (Stamp::from_micros(u64::from(step) * 100_000), step / 160);
+            if step % 160 < 120 {
+                let walker = people[random.below(people.len() as u32) as usize];
+                let stander = thing.map(|value| value + random.uniform_between(-0.01, 0.01));
+                let walked = Point2::new(0.1 * (step % 160) as f32, 3.0);
+                let sights = [
+                    Sight { track: 2 * round, position: walked, shape: Some(&walker) },
+                    Sight { track: 2 * round + 1, position: Point2::new(5.0, 0.0), shape: Some(&stander) },
+                ];
+                learner.learner.observe(stamp, sights.into_iter());
+            }
+            learner.learn(stamp);
+            assert_eq!(learner.corrects, learner.learner.counters().accepted > 0);
+            if learner.corrects {
+                return;
+            }
+        }
+        panic!("nothing was taken over: {:?}", learner.learner.counters());
     }
 }
