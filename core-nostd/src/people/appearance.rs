@@ -169,7 +169,7 @@ mod gathered {
 /// The board keeps no reflectivities: nothing is gathered.
 #[cfg(not(feature = "hosted"))]
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Shades;
+pub(super) struct Shades {}
 
 #[cfg(not(feature = "hosted"))]
 impl Shades {

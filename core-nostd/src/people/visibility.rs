@@ -1,6 +1,5 @@
 //! Where a sensor could have seen a person: a track behind something, or in a sector without data, is not missed.
 
-use super::clusters::{Obstacles, rings_of};
 use crate::geometry::{Point2, Pose2};
 use crate::sensing::{BeamReturn, Scan};
 
@@ -16,49 +15,59 @@ const LEGS_HALF_M: f32 = 0.15;
 /// Horizontal distance up to which each sector is open.
 #[derive(Clone, Debug)]
 pub(super) struct Visibility {
-    /// Nearest and second nearest obstacle of the sector, counts of 2 mm: one stray return hides nothing.
-    nearest: [[u16; 2]; SECTORS],
+    nearest: [Nearest; SECTORS],
     measured: [u16; SECTORS],
+}
+
+/// Nearest and second nearest obstacle of a sector, counts of 2 mm: one stray return hides nothing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Nearest {
+    first: u16,
+    second: u16,
+}
+
+impl Nearest {
+    const NOTHING: Self = Self { first: u16::MAX, second: u16::MAX };
+
+    /// An obstacle of the sector.
+    #[inline]
+    pub(super) fn include(&mut self, distance: u16) {
+        // Most stand behind both.
+        if distance < self.second {
+            self.second = self.first.max(distance);
+            self.first = self.first.min(distance);
+        }
+    }
 }
 
 impl Visibility {
     pub(super) const fn new() -> Self {
-        Self { nearest: [[u16::MAX; 2]; SECTORS], measured: [0; SECTORS] }
+        Self { nearest: [Nearest::NOTHING; SECTORS], measured: [0; SECTORS] }
     }
 
     pub(super) fn clear(&mut self) {
         *self = Self::new();
     }
 
-    /// A column of the lidar was measured, with its obstacles.
-    pub(super) fn column(&mut self, azimuth_cdeg: u16, obstacles: &Obstacles) {
-        let distances = rings_of(obstacles.present);
-        let distances = distances.map(|ring| obstacles.counts.get(ring).copied().unwrap_or(u16::MAX));
-        self.measure(sector_of_cdeg(azimuth_cdeg), distances);
+    /// What is known of the sector of a column of the lidar, to be told of its obstacles and given back.
+    pub(super) fn sector(&self, azimuth_cdeg: u16) -> Nearest {
+        self.nearest.get(sector_of_cdeg(azimuth_cdeg)).copied().unwrap_or(Nearest::NOTHING)
     }
 
-    fn measure(&mut self, sector: usize, distances: impl Iterator<Item = u16>) {
-        let (Some(count), Some(nearest)) = (self.measured.get_mut(sector), self.nearest.get_mut(sector))
-        else {
-            return;
-        };
-        *count = count.saturating_add(1);
-        let [mut first, mut second] = *nearest;
-        for distance in distances {
-            // Most stand behind both.
-            if distance < second {
-                second = first.max(distance);
-                first = first.min(distance);
-            }
+    /// A column of the lidar was measured, which leaves its sector so.
+    pub(super) fn measured(&mut self, azimuth_cdeg: u16, nearest: Nearest) {
+        let sector = sector_of_cdeg(azimuth_cdeg);
+        if let (Some(count), Some(slot)) = (self.measured.get_mut(sector), self.nearest.get_mut(sector)) {
+            *count = count.saturating_add(1);
+            *slot = nearest;
         }
-        *nearest = [first, second];
     }
 
     /// A person at `point_in_sensor` (x forward, y left) could have been seen.
     pub(super) fn is_visible(&self, point_in_sensor: Point2) -> bool {
         let sector = sector_of(point_in_sensor);
         let measured = self.measured.get(sector).copied().unwrap_or(0);
-        let [_, nearest] = self.nearest.get(sector).copied().unwrap_or([0; 2]);
+        let nearest = self.nearest.get(sector).map_or(0, |nearest| nearest.second);
         measured >= MEASURED_MIN && reaches(nearest, point_in_sensor)
     }
 }
@@ -92,14 +101,17 @@ impl OpenSpace {
                 BeamReturn::Free(_) => None,
                 BeamReturn::Unknown => continue,
             };
-            sectors.measure(sector_of_bearing(bearing_rad), distance.into_iter());
+            let azimuth_cdeg = azimuth_of(bearing_rad);
+            let mut nearest = sectors.sector(azimuth_cdeg);
+            distance.into_iter().for_each(|distance| nearest.include(distance));
+            sectors.measured(azimuth_cdeg, nearest);
         }
         (self.into_sensor, self.range_max_m) = (sensor_in_odom.inverse(), range_max_m);
         for (open, (nearest, measured)) in
             self.open.iter_mut().zip(sectors.nearest.iter().zip(sectors.measured))
         {
             // One stray return hides nothing here, too.
-            *open = if measured >= MEASURED_MIN { nearest[1].max(1) } else { 0 };
+            *open = if measured >= MEASURED_MIN { nearest.second.max(1) } else { 0 };
         }
     }
 
@@ -129,10 +141,13 @@ fn sector_of(point_in_sensor: Point2) -> usize {
     sector_of_bearing(libm::atan2f(point_in_sensor.y_m, point_in_sensor.x_m))
 }
 
-/// Counter-clockwise bearings, ±2π, to the lidar's clockwise sectors.
 fn sector_of_bearing(bearing_rad: f32) -> usize {
-    let cdeg = (-bearing_rad * (18_000.0 / core::f32::consts::PI) + 36_000.0) as u32 % 36_000;
-    sector_of_cdeg(cdeg as u16)
+    sector_of_cdeg(azimuth_of(bearing_rad))
+}
+
+/// Counter-clockwise bearings, ±2π, to the lidar's clockwise azimuths, hundredths of a degree.
+fn azimuth_of(bearing_rad: f32) -> u16 {
+    ((-bearing_rad * (18_000.0 / core::f32::consts::PI) + 36_000.0) as u32 % 36_000) as u16
 }
 
 fn sector_of_cdeg(azimuth_cdeg: u16) -> usize {

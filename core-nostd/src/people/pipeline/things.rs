@@ -3,8 +3,8 @@
 use super::context::{PeopleCounters, SweepContext};
 use super::state::PeoplePipeline;
 use crate::capacities::SWEEP_RINGS;
-use crate::people::clusters::Obstacles;
-use crate::people::ground::FloorWalk;
+use crate::people::clusters::{Obstacles, rings_of};
+use crate::people::ground::FloorLimits;
 use crate::people::projection::{RingProfile, SweepFrame};
 use crate::sensing::{Sweep, SweepColumn};
 
@@ -20,13 +20,15 @@ impl PeoplePipeline {
         let frames = SweepFrame::new(sweep, &context.sensor_in_base, context.twist);
         let mut obstacles = Obstacles::default();
         let mut profile = frames.still(&SweepColumn::UNKNOWN).profile(&self.angles);
+        let mut limits = FloorLimits::new(&profile);
         for column in sweep.used_columns() {
             obstacles.present = 0;
             if column.measured {
                 if !frames.is_level() {
                     profile = frames.still(column).profile(&self.angles);
+                    limits = FloorLimits::new(&profile);
                 }
-                self.find_obstacles(column, &profile, &mut obstacles);
+                self.find_obstacles(column, (&profile, &limits), &mut obstacles);
             } else {
                 self.counters.unknown_columns = self.counters.unknown_columns.saturating_add(1);
             }
@@ -44,36 +46,35 @@ impl PeoplePipeline {
     }
 
     /// What of a column is neither floor nor too far nor too high.
-    fn find_obstacles(&mut self, column: &SweepColumn, profile: &RingProfile, obstacles: &mut Obstacles) {
+    fn find_obstacles(
+        &mut self,
+        column: &SweepColumn,
+        (profile, limits): (&RingProfile, &FloorLimits),
+        obstacles: &mut Obstacles,
+    ) {
         let range_max_m = self.cluster_limits.range_max_m;
-        let mut walk = FloorWalk::default();
-        let (mut returns, mut near) = (0_u16, 0_u16);
-        for ring in 0..SWEEP_RINGS {
-            let raw = column.range_raw.get(ring).copied().unwrap_or(0);
-            let (Some((along, rise, height_m)), Some(count)) =
-                (profile.get(ring), obstacles.counts.get_mut(ring))
+        let floor = limits.floor_of(&column.range_raw, profile);
+        let returns = returns_of(&column.range_raw);
+        let mut present = 0_u16;
+        let mut sector = self.visibility.sector(column.azimuth_cdeg);
+        for ring in rings_of(returns & !floor) {
+            let (Some(raw), Some((along, rise, origin_m)), Some(count)) =
+                (column.range_raw.get(ring), profile.get(ring), obstacles.counts.get_mut(ring))
             else {
                 continue;
             };
-            if raw == 0 {
-                continue;
-            }
-            let bit = 1_u16.wrapping_shl(ring as u32);
-            returns |= bit;
-            let raw = f32::from(raw);
-            let (distance_m, height_m) = (raw * along, raw * rise + height_m);
-            walk.step(bit, distance_m, height_m);
+            let raw = f32::from(*raw);
+            let (distance_m, height_m) = (raw * along, raw * rise + origin_m);
             if distance_m <= range_max_m && height_m < CEILING_M {
-                near |= bit;
-                *count = counts(distance_m);
+                present |= 1_u16.wrapping_shl(ring as u32);
+                *count = in_counts(distance_m);
+                sector.include(*count);
             }
         }
-        // Only the walk's end tells what was floor.
-        let floor = walk.floor();
-        obstacles.present = near & !floor;
+        self.visibility.measured(column.azimuth_cdeg, sector);
+        obstacles.present = present;
         self.counters.points = self.counters.points.saturating_add(returns.count_ones());
         self.counters.floor_points = self.counters.floor_points.saturating_add(floor.count_ones());
-        self.visibility.column(column.azimuth_cdeg, obstacles);
     }
 
     /// Turns the entered columns into clusters.
@@ -89,7 +90,13 @@ impl PeoplePipeline {
     }
 }
 
+/// The returns of a column, a bit per ring.
+fn returns_of(range_raw: &[u16; SWEEP_RINGS]) -> u16 {
+    let rings = range_raw.iter().zip(0_u32..);
+    rings.fold(0, |bits, (raw, ring)| bits | if *raw == 0 { 0 } else { 1_u16.wrapping_shl(ring) })
+}
+
 /// Horizontal distance in counts of 2 mm, as the clusterer takes it: an obstacle is never 0.
-pub(super) fn counts(distance_m: f32) -> u16 {
-    ((distance_m * 500.0) as u16).max(1)
+pub(super) fn in_counts(distance_m: f32) -> u16 {
+    ((distance_m * 500.0) as u32).clamp(1, u32::from(u16::MAX)) as u16
 }

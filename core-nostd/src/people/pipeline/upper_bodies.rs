@@ -3,7 +3,7 @@
 use super::candidates::detection;
 use super::context::SweepContext;
 use super::state::PeoplePipeline;
-use super::things::counts;
+use super::things::in_counts;
 use crate::capacities::CLUSTERS_MAX;
 use crate::people::clusters::{Cluster, Obstacles, rings_of};
 use crate::people::projection::{RingProfile, SweepFrame};
@@ -75,7 +75,7 @@ fn find_upper_obstacles(
         let raw = f32::from(*raw);
         let (distance_m, height_m) = (raw * along, raw * rise + height_m);
         if height_m >= UPPER_BODY_M && distance_m < UPPER_BODY_RANGE_M {
-            *count = counts(distance_m);
+            *count = in_counts(distance_m);
             obstacles.present |= 1_u16.wrapping_shl(ring as u32);
         }
     }
