@@ -296,13 +296,22 @@ fn is_header(words: u16, flag: u8, address: u8) -> bool {
 
 /// One measured word; wire-formats 2.4. A word with a bit of `dazzled` says nothing, one without echo is `free`.
 fn beam(word: u16, dazzled: u16, free: BeamReturn) -> BeamReturn {
-    let told = word & (NO_ECHO | dazzled);
-    // Most words are one to this distance, which one comparison tells: neither zero, nor without echo, nor dazzled.
-    if told.wrapping_sub(1) < FARTHEST_CM {
-        return BeamReturn::Hit(told.wrapping_mul(10));
+    // Most words are one to this distance without any flag, which one comparison tells; then those without echo.
+    if word.wrapping_sub(1) < FARTHEST_CM {
+        BeamReturn::Hit(word.wrapping_mul(10))
+    } else if word == NO_ECHO {
+        free
+    } else {
+        flagged(word & (NO_ECHO | dazzled), free)
     }
+}
+
+/// A word of which only what matters is left.
+#[inline(never)]
+fn flagged(told: u16, free: BeamReturn) -> BeamReturn {
     match told {
         NO_ECHO => free,
+        1..=FARTHEST_CM => BeamReturn::Hit(told.wrapping_mul(10)),
         // Farther than can be said in millimetres.
         1..NO_ECHO => BeamReturn::Hit(u16::MAX),
         // Dazzled; or 0, which is not a defined value: contamination or dazzle.
