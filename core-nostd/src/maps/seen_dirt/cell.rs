@@ -1,10 +1,11 @@
 //! One cell of the map of seen dirt: how dirty its last nine observations were, and what they first said.
 //!
-//! An observation is the score that an eighth of the cell's pixels exceed. Algorithms F.2 takes the median of the newest
-//! nine; but a lamp's reflection stays over a cell for up to five views, and earlier frames carry it on. So dirt is what
-//! seven of nine agree on, and where only the median says so nobody knows. Scores are kept and not only verdicts, because how dirty is dirty depends on the floor, and a
-//! floor is known only after much of it was seen. What the mission first perceived is frozen when the cell, well seen,
-//! was out of view for a while, so that cleaning does not change the report of what was there before.
+//! An observation is the score that a quarter of the cell's pixels exceed, so that a chip or a knot of the floor is none.
+//! Algorithms F.2 takes the median of the newest nine; but a lamp's reflection stays over a cell for half of its views and
+//! longer. So dirt is what eight of nine agree on, and where only the median says so nobody knows. Scores are kept and
+//! not only verdicts, because how dirty is dirty depends on the floor, and a floor is known only after much of it was
+//! seen. What the mission first perceived is frozen when the cell, well seen, was out of view for a while, so that
+//! cleaning does not change the report of what was there before.
 
 /// Observations that are kept.
 pub(super) const WINDOW: usize = 9;
@@ -19,10 +20,12 @@ const OUT_OF_VIEW_S: u32 = 10;
 const STEPS: f32 = 6.0;
 /// Counters of pixels by score, the first for scores from here on.
 pub(super) const BINS: usize = 16;
-const BINS_FROM: f32 = 12.0;
+const BINS_FROM: f32 = 6.0;
 const BIN: f32 = 1.5;
-/// Part of the pixels that exceed an observation: an eighth.
-const UPPER_PART: u16 = 8;
+/// Part of the pixels that exceed an observation: a quarter.
+const UPPER_PART: u16 = 4;
+/// One of so many observations may disagree.
+const AGREED_PART: usize = WINDOW;
 /// Fewest pixels of a cell that are an observation.
 const PIXELS_MIN: u16 = 6;
 
@@ -35,7 +38,7 @@ pub enum CellState {
     Unknown,
     /// The median observation saw nothing that the floor does not show elsewhere.
     Clean,
-    /// Three in four observations saw dirt.
+    /// Eight of nine observations saw dirt; of fewer, all.
     Dirty,
 }
 
@@ -70,7 +73,7 @@ impl KeptScore {
 /// What the newest observations of a cell say together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Together {
-    /// What three in four reach.
+    /// What eight of nine reach, or all of fewer.
     pub agreed: KeptScore,
     /// What every other one reaches.
     pub median: KeptScore,
@@ -101,7 +104,7 @@ impl SeenCell {
         let rank = |value: u8| known.clone().filter(|other| **other < value).count();
         // The largest value with at most so many of the others below it: for a half, the upper median.
         let reached = |below: usize| known.clone().copied().filter(|value| rank(*value) <= below).max();
-        let (agreed, median) = (reached(count / 4)?, reached(count / 2)?);
+        let (agreed, median) = (reached(count / AGREED_PART)?, reached(count / 2)?);
         let together = Together { agreed: KeptScore(agreed), median: KeptScore(median) };
         (self.total >= OBSERVATIONS_MIN).then_some(together)
     }
@@ -171,7 +174,7 @@ impl SeenCell {
         is_seen
     }
 
-    /// The score that an eighth of the pixels exceed.
+    /// The score that a quarter of the pixels exceed.
     fn upper_score(&self) -> f32 {
         let wanted = f32::from(self.pixels) / f32::from(UPPER_PART);
         let mut above = 0.0_f32;
@@ -224,7 +227,7 @@ mod tests {
         cell
     }
 
-    /// Nobody knows before three views. A reflection that stays for six of nine makes no dirt, one that stays for five no
+    /// Nobody knows before three views. A reflection that stays for seven of nine makes no dirt, one that stays for five no
     /// clean floor either, and the tenth view replaces the first.
     #[test]
     fn dirt_is_what_views_agree_on() {
@@ -236,7 +239,7 @@ mod tests {
         assert_eq!(state(&[dirt, floor, floor]), CellState::Clean);
         let mut scores = [floor; 10];
         for (dirty, expected) in
-            [(4, CellState::Clean), (5, CellState::Unknown), (6, CellState::Unknown), (7, CellState::Dirty)]
+            [(4, CellState::Clean), (5, CellState::Unknown), (7, CellState::Unknown), (8, CellState::Dirty)]
         {
             scores[..dirty].fill(dirt);
             assert_eq!(state(&scores[..9]), expected, "{dirty} of nine");
@@ -252,7 +255,7 @@ mod tests {
             let mut newest = scores[count.saturating_sub(WINDOW)..].to_vec();
             newest.sort_by(f32::total_cmp);
             let [agreed, median] =
-                [newest.len() / 4, newest.len() / 2].map(|rank| KeptScore::of(newest[rank]));
+                [newest.len() / 9, newest.len() / 2].map(|rank| KeptScore::of(newest[rank]));
             assert_eq!(seen(&scores).live(), Some(Together { agreed, median }), "{scores:?}");
         }
     }
@@ -278,12 +281,12 @@ mod tests {
         }
     }
 
-    /// An eighth of the pixels exceeds what is observed.
+    /// A quarter of the pixels exceeds what is observed.
     #[test]
-    fn an_observation_is_the_upper_eighth() {
+    fn an_observation_is_the_upper_quarter() {
         let mut cell = SeenCell::default();
-        (0..40_u8).for_each(|pixel| cell.take(f32::from(pixel)));
-        assert!((cell.upper_score() - 35.0).abs() < 0.6, "{}", cell.upper_score());
+        (0..32_u8).for_each(|pixel| cell.take(f32::from(pixel)));
+        assert!((cell.upper_score() - 24.0).abs() < 0.6, "{}", cell.upper_score());
         assert!(cell.close(LIMIT, 1) && !cell.close(LIMIT, 1));
         assert_eq!(cell.observations(), 1);
     }

@@ -1,4 +1,7 @@
 //! The map of seen dirt: pixels fall into cells of the floor, cells collect observations from different viewpoints.
+//!
+//! Every observation is of one picture alone. Scores that the detector has averaged with earlier frames would carry a
+//! reflection or a passing shadow from view to view, and views that repeat each other cannot disagree.
 
 use super::cell::{CellState, KeptScore, SeenCell, SeenLayer, Together};
 use crate::capacities::FLOOR_IMAGE_COLUMNS_MAX;
@@ -17,12 +20,13 @@ const REACH_M: f32 = 1.3;
 /// Pixels of the result that are looked at: every second column and row.
 const STEP: usize = 2;
 const COLUMNS_MAX: usize = FLOOR_IMAGE_COLUMNS_MAX / NOVELTY_BIN;
-/// Part of the cells that are clean floor, whatever the floor: how dirty they look is what the floor looks like.
-const USUAL_PART: f32 = 0.97;
-/// Dirt exceeds that by this factor; but never must it exceed more than the detector's own threshold, and never is
-/// anything dirt below this part of it. Found on 24 rendered halls of six floors.
-const BEYOND_USUAL: f32 = 1.28;
-const LEAST_PART: f32 = 0.8;
+/// Half of the cells, and the part of them that is clean floor, whatever the floor: what views agree on there is what the
+/// floor looks like, and how much that changes from place to place.
+const USUAL_PARTS: [f32; 2] = [0.5, 0.97];
+/// Dirt exceeds the floor by this part of that change. But never must it exceed more than the detector's own threshold, and
+/// never is anything dirt below this part of it. Found on 72 rendered halls of six floors.
+const BEYOND_USUAL: f32 = 0.8;
+const LEAST_PART: f32 = 0.62;
 /// Fewer known cells are no floor to compare with.
 const KNOWN_MIN: u32 = 200;
 
@@ -42,7 +46,7 @@ pub struct SeenDirtMap<C> {
     geometry: GridGeometry,
     cells: C,
     last_view: Option<Pose2>,
-    /// How many cells have which live median.
+    /// On how many cells live views agree about which score.
     histogram: [u32; 256],
     /// The detector's.
     threshold: f32,
@@ -66,7 +70,7 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
         let count = geometry.cell_count();
         let mut histogram = [0; 256];
         for together in cells.as_ref().get(..count)?.iter().filter_map(SeenCell::live) {
-            count_cell(&mut histogram, together.median, 1);
+            count_cell(&mut histogram, together.agreed, 1);
         }
         Some(Self { geometry, cells, last_view: None, histogram, threshold: f32::INFINITY })
     }
@@ -96,23 +100,28 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
         self.threshold = threshold;
     }
 
-    /// From which score on a cell of this floor is dirty: what most of the floor does not reach. On a floor of chips that
-    /// is little, on a glossy one under lamps as much as the detector demands of a single pixel.
+    /// From which score on a cell of this floor is dirty: what most of the floor does not reach. On an even floor that is
+    /// little, on planks of which each has its own grain nearly what the detector demands of a single pixel.
     #[must_use]
     pub fn limit(&self) -> KeptScore {
         let known = self.histogram.iter().fold(0_u32, |sum, count| sum.saturating_add(*count));
         if known < KNOWN_MIN {
             return KeptScore::of(self.threshold);
         }
-        let wanted = (USUAL_PART * known as f32) as u32;
-        let mut below = 0_u32;
-        let usual = self.histogram.iter().zip(0_u8..).find_map(|(count, score)| {
-            below = below.saturating_add(*count);
-            (below > wanted).then_some(KeptScore(score))
-        });
-        let usual = usual.map_or(f32::INFINITY, KeptScore::score);
-        let limit = (BEYOND_USUAL * usual).max(LEAST_PART * self.threshold).min(self.threshold);
+        let [usual, most] = USUAL_PARTS.map(|part| self.agreed_on(part * known as f32));
+        let limit = most + BEYOND_USUAL * (most - usual);
+        let limit = limit.max(LEAST_PART * self.threshold).min(self.threshold);
         KeptScore::of(limit)
+    }
+
+    /// The score that so many cells do not exceed.
+    fn agreed_on(&self, wanted: f32) -> f32 {
+        let mut below = 0_u32;
+        let score = self.histogram.iter().zip(0_u8..=u8::MAX).find_map(|(count, score)| {
+            below = below.saturating_add(*count);
+            (below as f32 > wanted).then_some(KeptScore(score))
+        });
+        score.map_or(self.threshold, KeptScore::score)
     }
 
     /// The state of a cell in a layer.
@@ -129,7 +138,7 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
         count as f32 * self.geometry.resolution_m() * self.geometry.resolution_m()
     }
 
-    /// Adds the scores of a frame from a view whose poses are in the map's frame.
+    /// Adds the scores of a frame, and of no earlier one, from a view whose poses are in the map's frame.
     pub fn add(&mut self, view: &FloorView, scores: &Scores<'_>, now: Stamp) -> ViewOutcome {
         if self.last_view.is_some_and(|last| !is_elsewhere(last, view.robot_in_map)) {
             return ViewOutcome::SameView;
@@ -187,7 +196,7 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
                 if cell.close(limit, now_s) {
                     observed = observed.saturating_add(1);
                     let mut count = |seen: Option<Together>, step| {
-                        seen.into_iter().for_each(|seen| count_cell(&mut self.histogram, seen.median, step));
+                        seen.into_iter().for_each(|seen| count_cell(&mut self.histogram, seen.agreed, step));
                     };
                     count(before, -1);
                     count(cell.live(), 1);
@@ -208,4 +217,38 @@ fn count_cell(histogram: &mut [u32; 256], score: KeptScore, step: i32) {
 fn is_elsewhere(last: Pose2, robot: Pose2) -> bool {
     let moved = last.inverse().compose(robot);
     libm::hypotf(moved.x_m, moved.y_m) >= MOVED_M || moved.heading_rad.abs() >= TURNED_RAD
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The limit over cells whose agreed scores rise evenly from one to the other.
+    fn limit_over(count: u16, (low, high): (f32, f32)) -> f32 {
+        let geometry = GridGeometry::new(count, 1, 0.1, Point2::new(0.0, 0.0)).unwrap();
+        let cell = |index: u16| {
+            let score = low + (high - low) * f32::from(index) / f32::from(count);
+            let mut cell = SeenCell::default();
+            (0..3).for_each(|second| cell.observe(KeptScore::of(score), KeptScore(255), second));
+            cell
+        };
+        let mut map = SeenDirtMap::new(geometry, (0..count).map(cell).collect::<std::vec::Vec<_>>()).unwrap();
+        map.expect(21.0);
+        map.limit().score()
+    }
+
+    /// An even floor has the least limit, one whose places differ a higher one, and none a higher one than the detector;
+    /// nor has a floor of which little is known another.
+    #[test]
+    fn the_limit_follows_the_floor() {
+        for (count, scores, expected) in [
+            (400, (6.0, 8.0), 13.0),
+            (400, (8.0, 14.0), 13.82 + 0.8 * 2.82),
+            (400, (8.0, 24.0), 21.0),
+            (199, (6.0, 8.0), 21.0),
+        ] {
+            let limit = limit_over(count, scores);
+            assert!((limit - expected).abs() < 0.3, "{count} {scores:?}: {limit}");
+        }
+    }
 }

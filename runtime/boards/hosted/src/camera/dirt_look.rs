@@ -146,7 +146,8 @@ impl DirtLook {
         }
         let view = floor.view(self.camera, robot_in_map).ok_or(DirtBlind::NoPlane)?;
         self.take_mask(floor);
-        self.detectors.watch(&image, &self.usable, Some(&view))?;
+        // Without the view nothing is carried over from earlier pictures: the map itself asks whether views agree.
+        self.detectors.watch(&image, &self.usable, None)?;
         Ok(self.map.add(&view, &self.detectors.scores(), now))
     }
 
