@@ -27,15 +27,19 @@ struct Spread {
 }
 
 /// Brightness: clothes from nearly black to white; the same garment's mean changes by a factor of about 1.4 (two by two
-/// real frames of one man) from side to side. Stature: women, men and children (ANSUR II; heads nod, people bend).
+/// real frames of one man) from side to side. Stature: women, men and children (ANSUR II); heads nod, people bend, and of
+/// somebody who keeps the same distance always the same ring meets the head (of 1,108 people who came out of sight in
+/// simulated crowds half were within 8 cm of what was known of them, one in ten was more than 20 cm off).
 const SPREADS: [Spread; 3] = [
     Spread { people: (3.1, 0.70), own: (0.12, 0.002) },
     Spread { people: (3.1, 0.70), own: (0.12, 0.002) },
-    Spread { people: (1.70, 0.02), own: (0.002, 0.000_05) },
+    Spread { people: (1.70, 0.02), own: (0.015, 0.000_05) },
 ];
 
 /// One trait never says more than this for or against a pair, natural logarithm.
 const TRAIT_MAX: f32 = 5.0;
+/// Share of the looks that are, in part, at somebody else: who touches others, and who is half hidden.
+const MISTAKEN: f32 = 0.03;
 /// Nor do all together.
 const TOGETHER_MAX: f32 = 6.0;
 
@@ -78,7 +82,8 @@ impl Trait {
         let (same, anybody) = (self.variance + spread.own.0 + seen.variance, between + seen.variance);
         let (apart, unusual) = (seen.value - self.value, seen.value - mean);
         let gain = libm::logf(anybody / same) + unusual * unusual / anybody - apart * apart / same;
-        (0.5 * gain).clamp(-TRAIT_MAX, TRAIT_MAX)
+        let ratio = libm::expf((0.5 * gain).clamp(-TRAIT_MAX, TRAIT_MAX));
+        libm::logf(MISTAKEN + (1.0 - MISTAKEN) * ratio)
     }
 
     fn learn(&mut self, seen: &Self, (spread, seconds): (&Spread, f32)) {

@@ -49,12 +49,10 @@ pub struct Track {
     pub(super) belief: f32,
     /// How far from the sensor it was when last seen, metres.
     pub(super) distance_m: f32,
-    /// Where it was last seen.
-    pub(super) seen_position: Point2,
-    /// The velocity then: what is left of it later says less.
-    pub(super) seen_velocity: Point2,
-    /// The sighting that confirmed it.
-    pub(super) confirmed: Option<Stamp>,
+    /// The state when it was last seen: what is left of it later says less.
+    pub(super) seen_state: ConstantVelocity,
+    /// It was asked whether it is somebody who was lost.
+    pub(super) is_named: bool,
     /// What it looks like.
     pub(super) appearance: Appearance,
     /// What its sightings weigh, see [`PeopleSensor::weight`].
@@ -98,9 +96,10 @@ fn is_older(stamp: Stamp, now: Stamp, limit_us: u64) -> bool {
 
 impl Track {
     pub(super) fn new(id: u32, (sensor, stamp): (PeopleSensor, Stamp), detection: &Detection) -> Self {
+        let state = ConstantVelocity::new(detection.position, Point2::default(), 0.2, 1.0);
         let mut fresh = Self {
             id,
-            state: ConstantVelocity::new(detection.position, Point2::default(), 0.2, 1.0),
+            state,
             status: TrackStatus::Tentative,
             person_probability: probability(look(detection)),
             moving_probability: 0.0,
@@ -111,9 +110,8 @@ impl Track {
             seen_by: [None; PEOPLE_SENSORS],
             belief: look(detection),
             distance_m: detection.distance_m,
-            seen_position: detection.position,
-            seen_velocity: Point2::default(),
-            confirmed: None,
+            seen_state: state,
+            is_named: false,
             appearance: detection.appearance,
             weight: sensor.weight(),
             origin: sensor,
@@ -162,11 +160,10 @@ impl Track {
         self.appearance.learn(&detection.appearance, stamp.seconds_since(self.last_seen));
         self.last_seen = self.last_seen.max(stamp);
         self.note_seen_by(sensor, stamp);
-        (self.seen_position, self.seen_velocity) = (self.state.position, self.state.velocity);
+        self.seen_state = self.state;
         (self.misses, self.missing_since, self.is_lost) = (0, [None; PEOPLE_SENSORS], false);
         if self.weight >= sightings_min.saturating_mul(PeopleSensor::Lidar.weight()) {
             self.status = TrackStatus::Confirmed;
-            self.confirmed.get_or_insert(stamp);
         }
         let walked_m = self.state.position.distance(self.first_position);
         let walking = walked_m > WALKED_M && self.state.speed_mps() > 0.25;
@@ -188,10 +185,19 @@ impl Track {
         }
     }
 
-    /// A confirmed person, older than `fresh`, whom nobody saw for a while.
-    pub(super) fn may_be_astray(&self, now: Stamp, astray_us: u64, fresh: &Self) -> bool {
-        let unseen = is_older(self.last_seen, now, astray_us);
-        unseen && self.status != TrackStatus::Tentative && self.belief > 0.0 && self.created < fresh.created
+    /// A confirmed person: what is told.
+    fn is_person(&self) -> bool {
+        self.status != TrackStatus::Tentative && self.belief > 0.0
+    }
+
+    /// A person of whom nobody asked yet who it is.
+    pub(super) fn is_to_be_named(&self) -> bool {
+        self.is_person() && !self.is_named
+    }
+
+    /// A person whom nobody saw for a while.
+    pub(super) fn may_be_astray(&self, now: Stamp, astray_us: u64) -> bool {
+        self.is_person() && is_older(self.last_seen, now, astray_us)
     }
 
     /// It is the same person.
@@ -276,7 +282,7 @@ impl Track {
         self.belief = self.belief.max(twin.belief);
         self.person_probability = probability(self.belief);
         if twin.status == TrackStatus::Confirmed {
-            (self.status, self.confirmed) = (TrackStatus::Confirmed, self.confirmed.or(twin.confirmed));
+            (self.status, self.is_named) = (TrackStatus::Confirmed, self.is_named | twin.is_named);
         }
     }
 }

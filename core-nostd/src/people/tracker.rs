@@ -40,10 +40,6 @@ pub struct TrackerParameters {
     pub duplicate_m: f32,
     /// A person out of sight keeps to the last speed for about this long, seconds.
     pub coast_s: f32,
-    /// Whoever is lost for a moment may be this far from where the way led, metres, and so much farther per second.
-    pub reach_m: f32,
-    /// See `reach_m`, m/s.
-    pub reach_mps: f32,
     /// A track that nobody saw for this long may have gone astray, µs.
     pub astray_us: u64,
     /// How long somebody out of sight is remembered, µs.
@@ -53,10 +49,8 @@ pub struct TrackerParameters {
     pub hidden_gate_m: f32,
     /// Share of what the looks say that counts, 0: none. Looks of one moment are not independent of those before.
     pub looks_share: f32,
-    /// Whoever looks less like somebody lost than this (natural logarithm of the likelihoods' ratio) is somebody else.
-    pub recall_likeness_min: f32,
-    /// What a unit of likeness is worth when somebody is recalled, in squares of the way that is within reach.
-    pub recall_likeness_share: f32,
+    /// The same when somebody is recalled: several looks on either side.
+    pub recall_looks_share: f32,
 }
 
 impl TrackerParameters {
@@ -72,23 +66,15 @@ impl TrackerParameters {
         variance_max_m2: 1.0,
         duplicate_m: 0.5,
         coast_s: 1.5,
-        reach_m: 0.5,
-        reach_mps: 1.6,
         astray_us: 250_000,
         remembered_us: 8_000_000,
         hidden_gate_m: 1.5,
         looks_share: 0.5,
-        recall_likeness_min: -1.5,
-        recall_likeness_share: 0.5,
+        recall_looks_share: 1.0,
     };
 
     /// Whatever people look like does not count: as on the board, which keeps no reflectivities.
-    pub const WITHOUT_LOOKS: Self = Self {
-        looks_share: 0.0,
-        recall_likeness_min: f32::NEG_INFINITY,
-        recall_likeness_share: 0.0,
-        ..Self::DEFAULT
-    };
+    pub const WITHOUT_LOOKS: Self = Self { looks_share: 0.0, recall_looks_share: 0.0, ..Self::DEFAULT };
 }
 
 impl Default for TrackerParameters {
@@ -230,24 +216,26 @@ impl Tracker {
         Some(0.0)
     }
 
-    /// Who is confirmed by this sighting may be somebody who was lost, or whose track went astray while unseen.
+    /// Who is told as a person from now on may be somebody who was lost, or whose track went astray while unseen.
     // Not inlined, here and below: each frame is gone before the next one comes.
     #[inline(never)]
     fn recall(&mut self, stamp: Stamp) {
-        for row in 0..self.tracks.len().min(TRACKS_MAX) {
-            let fresh = self.tracks.get(row).copied();
-            let confirmed = |track: &Track| track.confirmed == Some(stamp);
-            let Some(fresh) = fresh.filter(|track| confirmed(track) && track.belief > 0.0) else { continue };
-            let parameters = &self.parameters;
-            let astray =
-                self.tracks.iter().filter(|track| track.may_be_astray(stamp, parameters.astray_us, &fresh));
-            let Some(id) = best_of(astray, (&fresh, stamp), parameters) else { continue };
+        let parameters = self.parameters;
+        // The last first: who is taken out moves only those who were asked.
+        for row in (0..self.tracks.len().min(TRACKS_MAX)).rev() {
+            let Some(fresh) = self.tracks.get_mut(row).filter(|track| track.is_to_be_named()) else {
+                continue;
+            };
+            fresh.is_named = true;
+            let fresh = *fresh;
+            let astray = self.tracks.iter().filter(|track| track.may_be_astray(stamp, parameters.astray_us));
+            let Some(id) = best_of(astray, &fresh, &parameters) else { continue };
             let Some(old) = self.tracks.iter().find(|track| track.id == id).copied() else { continue };
             if let Some(track) = self.tracks.get_mut(row) {
                 track.continue_from(&old);
             }
             // The older of the two, which nobody sees; the younger one has its number now.
-            self.tracks.retain(|track| track.id != id || track.last_seen == stamp);
+            self.tracks.retain(|track| track.id != id || track.last_seen != old.last_seen);
         }
     }
 
