@@ -214,6 +214,14 @@ mod tests {
     }
 
     #[test]
+    fn a_bent_head_or_one_mistaken_look_does_not_make_somebody_else() {
+        let dark = known(&[look([8, 10], 1.7); 10]);
+        assert!(dark.likeness(&look([8, 10], 1.55)) > 0.5, "bends");
+        let (same, other) = (dark.likeness(&look([8, 10], 1.7)), dark.likeness(&look([8, 100], 1.7)));
+        assert!(other < -1.0 && other > same - 5.0, "half of it is somebody else's: {other}, {same}");
+    }
+
+    #[test]
     fn what_is_not_known_says_nothing() {
         let dark = known(&[look([8, 10], 1.7); 10]);
         assert_eq!(dark.likeness(&Appearance::UNKNOWN), 0.0);

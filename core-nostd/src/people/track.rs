@@ -185,7 +185,7 @@ impl Track {
         }
     }
 
-    /// A confirmed person: what is told.
+    /// Confirmed, and rather a person than a thing.
     fn is_person(&self) -> bool {
         self.status != TrackStatus::Tentative && self.belief > 0.0
     }
@@ -282,7 +282,7 @@ impl Track {
         self.belief = self.belief.max(twin.belief);
         self.person_probability = probability(self.belief);
         if twin.status == TrackStatus::Confirmed {
-            (self.status, self.is_named) = (TrackStatus::Confirmed, self.is_named | twin.is_named);
+            (self.status, self.is_named) = (TrackStatus::Confirmed, self.is_named || twin.is_named);
         }
     }
 }

@@ -209,6 +209,83 @@ fn who_walks_on_out_of_sight_is_expected_farther_along() {
     assert_eq!(told(&tracker), [1]);
 }
 
+/// Two people who walk towards each other vanish for a second; who then comes out where both are expected, a little nearer
+/// to the one, is the one who walked that way.
+#[test]
+fn who_comes_out_is_who_walked_that_way() {
+    for (speed_mps, expected) in [(1.0, 1), (-1.0, 2)] {
+        let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
+        let stamp = |step: u64| Stamp::from_micros(step * 100_000);
+        for step in 0..20 {
+            let before_m = 0.1 * (30.0 - step as f32);
+            tracker.update(stamp(step), &[sighting(-before_m, 4.4), sighting(before_m, 3.6)], |_| true);
+        }
+        for step in 20..30 {
+            tracker.update(stamp(step), &[], |_| false);
+        }
+        // Away from the middle, so that nobody is taken for either without being asked.
+        let place = |step: u64| (0.1 * speed_mps * (step - 30) as f32, 4.0 - 0.1 * speed_mps);
+        tracker.tracks.iter_mut().for_each(|track| track.status = TrackStatus::Hidden);
+        let mut only_recall = TrackerParameters::DEFAULT;
+        only_recall.hidden_gate_m = 0.0;
+        tracker.parameters = only_recall;
+        for step in 30..34 {
+            let (x_m, y_m) = place(step);
+            tracker.update(stamp(step), &[sighting(x_m, y_m)], |_| false);
+        }
+        let back: std::vec::Vec<_> = tracker
+            .tracks()
+            .iter()
+            .filter(|track| track.last_seen == stamp(33))
+            .map(|track| track.id)
+            .collect();
+        assert_eq!(back, [expected], "{speed_mps}");
+    }
+}
+
+/// Two who were hidden come back in the same sweep: both have their numbers at once.
+#[test]
+fn two_are_known_again_at_the_same_time() {
+    let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
+    let stamp = |step: u64| Stamp::from_micros(step * 100_000);
+    let people = [sighting(4.0, 2.0), sighting(4.0, -2.0)];
+    for step in 0..20 {
+        tracker.update(stamp(step), &people, |_| true);
+    }
+    for step in 20..50 {
+        tracker.update(stamp(step), &[], |_| false);
+    }
+    assert!(told(&tracker).is_empty());
+    for step in 50..53 {
+        tracker.update(stamp(step), &people, |_| true);
+    }
+    let mut back = told(&tracker);
+    back.sort_unstable();
+    assert_eq!(back, [1, 2]);
+}
+
+/// Who comes back half hidden looks like a thing at first: asked is when a person is told.
+#[test]
+fn who_looks_like_a_thing_at_first_is_known_again_too() {
+    let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
+    let stamp = |step: u64| Stamp::from_micros(step * 100_000);
+    for step in 0..20 {
+        tracker.update(stamp(step), &[sighting(4.0, 2.0)], |_| true);
+    }
+    for step in 20..50 {
+        tracker.update(stamp(step), &[], |_| false);
+    }
+    for step in 50..60 {
+        let likeness = if step < 54 { 0.3 } else { 1.0 };
+        tracker.update(stamp(step), &[Detection { likeness, ..sighting(4.0, 2.0) }], |_| true);
+        let people = tracker.tracks().iter().filter(|track| track.status != TrackStatus::Hidden);
+        let numbers: std::vec::Vec<_> =
+            people.filter(|track| track.person_probability > 0.5).map(|track| track.id).collect();
+        assert!(numbers.is_empty() || numbers == [1], "{step}: {numbers:?}");
+    }
+    assert_eq!(told(&tracker), [1]);
+}
+
 /// Who has been out of sight for a while is no reason to take somebody 2 m away for that person.
 #[test]
 fn a_doubtful_track_does_not_take_in_strangers() {
