@@ -7,12 +7,7 @@ use heapless::Vec;
 
 use crate::capacities::LEARNING_TRACKS;
 use crate::people::person_model::probability;
-use crate::people::{PeopleSensor, Track};
-
-/// One look never says more than this, log-odds: as in the tracker.
-const LOOK_MAX: f32 = 2.0;
-/// No belief is firmer than this, log-odds: as in the tracker.
-const BELIEF_MAX: f32 = 4.0;
+use crate::people::{BELIEF_MAX, LOOK_MAX, PeopleSensor, Track};
 
 /// The log-odds of one look at a track.
 #[derive(Clone, Copy, Debug, PartialEq)]

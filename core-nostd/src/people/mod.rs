@@ -41,6 +41,7 @@ pub use pipeline::{PeopleCounters, PeopleOutput, PeoplePipeline, SweepContext};
 pub use projection::RingAngles;
 pub(crate) use projection::SweepFrame;
 pub use sensors::{PEOPLE_SENSORS, PeopleSensor, SensorSet};
+pub(crate) use track::{BELIEF_MAX, LOOK_MAX};
 pub use track::{Track, TrackStatus};
 pub use tracker::{Sightings, Tracker, TrackerParameters};
 pub use views::{PeopleView, VIEW_PEOPLE_MAX, VIEWS_WAITING};

@@ -68,13 +68,13 @@ pub struct Track {
 }
 
 /// One look never says more than this, log-odds.
-const LOOK_MAX: f32 = 2.0;
+pub(crate) const LOOK_MAX: f32 = 2.0;
 /// What walking adds to the belief, and how fast the belief in movement follows, as shares of
 /// [`PeopleSensor::look_share`]: with the lidar 0.2 log-odds a sighting, because shelves do not walk, and 0.3.
 const WALK_GAIN: f32 = 0.8;
 const MOVING_GAIN: f32 = 1.2;
 /// The belief never becomes so firm that ten sightings to the contrary cannot turn it, log-odds.
-const BELIEF_MAX: f32 = 4.0;
+pub(crate) const BELIEF_MAX: f32 = 4.0;
 /// A track has walked when it is this far from where it was first seen, metres.
 const WALKED_M: f32 = 0.6;
 /// A sensor contributes to a track for so long after its newest sighting, µs.
