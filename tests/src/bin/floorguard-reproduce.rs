@@ -22,7 +22,7 @@ fn main() -> ExitCode {
         eprintln!("a seed is a whole number");
         return ExitCode::from(2);
     };
-    let is_seeded = matches!(experiment.as_str(), "environment" | "dirt");
+    let is_seeded = matches!(experiment.as_str(), "environment" | "dirt" | "candidates");
     if seed.is_some() && !is_seeded {
         eprintln!("'{experiment}' has its own seeds");
         return ExitCode::from(2);
@@ -36,7 +36,10 @@ fn main() -> ExitCode {
         "cleaning" => floorguard_tests::reproduce::cleaning(trials, folder),
         "tours" => floorguard_tests::reproduce::tours(folder),
         "motion" => floorguard_tests::reproduce::motion(trials, folder),
-        "candidates" => floorguard_tests::candidates::candidates(trials, folder),
+        "candidates" => {
+            let seed = seed.unwrap_or(floorguard_tests::candidates::SEED);
+            floorguard_tests::candidates::candidates(trials, seed, folder)
+        }
         "crowds" => floorguard_tests::crowds::crowds(trials, folder),
         "environment" => floorguard_tests::environment::environment(trials, seed.unwrap_or(SEED), folder),
         "dirt" => floorguard_tests::dirt::dirt(trials, seed.unwrap_or(SEED), folder),

@@ -17,7 +17,7 @@ const SKIN_M: f32 = 0.06;
 const KNEE_M: f32 = 0.45;
 /// What is broader than this near the floor is a suitcase, metres.
 const FOOT_MAX_M: f32 = 0.15;
-/// People of whom fewer returns are left are not labelled: two rings of eight.
+/// People of whom fewer returns are left are not labelled, nor are boxes of fewer claims: two rings of eight.
 const RETURNS_MIN: usize = 16;
 /// Nor are those who are farther away, metres.
 const RANGE_M: f32 = 20.0;
@@ -58,6 +58,20 @@ impl Bounds {
     /// From the robot to the middle, on the floor, metres.
     pub fn distance_m(&self) -> f32 {
         (0.5 * (self.lower.x_m + self.upper.x_m)).hypot(0.5 * (self.lower.y_m + self.upper.y_m))
+    }
+
+    /// Whether there are enough returns within it for a claim, as a label needs them. What rests on fewer may well be
+    /// somebody, but nobody has labelled it.
+    #[must_use]
+    pub fn is_seen(&self, points: &[Option<Point3>]) -> bool {
+        let within = |low: f32, high: f32, value: f32| (low - 0.01..=high + 0.01).contains(&value);
+        let is_inside = |point: &&Point3| {
+            point.z_m >= FLOOR_M
+                && within(self.lower.x_m, self.upper.x_m, point.x_m)
+                && within(self.lower.y_m, self.upper.y_m, point.y_m)
+                && within(self.lower.z_m, self.upper.z_m, point.z_m)
+        };
+        points.iter().flatten().filter(is_inside).take(RETURNS_MIN).count() == RETURNS_MIN
     }
 
     /// Shared volume over joint volume; 0 for a flat box (algorithms A.2).

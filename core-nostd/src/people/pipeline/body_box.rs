@@ -1,7 +1,8 @@
 //! The box of a person, without what the person touches, pushes or pulls.
 //!
 //! A customer and a trolley are one thing for a lidar, and its box is half trolley. What stands out above desks and
-//! trolleys is the torso: around its axis the body ends within an arm's length, and what is farther is something else.
+//! trolleys is the torso: around its axis the body ends within an arm's length, and what is farther is something else. The
+//! foot ahead is often one thing with the trolley, or alone, and belongs to the body all the same.
 //! On demand only: tracks need no boxes.
 
 use super::context::SweepContext;
@@ -16,7 +17,13 @@ const TORSO_M: f32 = 1.05;
 const AXIS_MIN: u16 = 4;
 /// Shoulders and arms around the axis, metres.
 const SHOULDERS_M: f32 = 0.40;
-/// A stride before and behind it, metres.
+/// The axis is that of the side that is seen; the middle of the body lies this far behind it, metres.
+const BEHIND_M: f32 = 0.10;
+/// A body with its arms ends within this of its middle, whatever it touches, metres.
+const BODY_M: f32 = 0.34;
+/// Below the knees, metres, a foot may be part of another thing, or one of its own.
+const KNEE_M: f32 = 0.45;
+/// A stride before and behind the axis, metres.
 const STRIDE_M: f32 = 0.38;
 /// Lower returns may be the floor, metres.
 const FLOOR_M: f32 = 0.1;
@@ -52,6 +59,34 @@ fn is_within(point: &Point3, [lower, upper]: &[Point3; 2]) -> bool {
         && inside(lower.z_m, upper.z_m, point.z_m)
 }
 
+/// Where the returns of a body are.
+enum Body {
+    /// Of somebody who stands or walks: the axis of the torso, and the middle.
+    Upright(Point2, Point2),
+    /// Of somebody who sits far away: around the middle of what is seen.
+    Seated(Point2),
+}
+
+impl Body {
+    fn upright(axis: Point2, context: &SweepContext) -> Self {
+        let sensor = context.sensor_in_base.translation;
+        let (dx, dy) = (axis.x_m - sensor.x_m, axis.y_m - sensor.y_m);
+        let share = BEHIND_M / libm::sqrtf(dx * dx + dy * dy).max(BEHIND_M);
+        Self::Upright(axis, Point2::new(axis.x_m + share * dx, axis.y_m + share * dy))
+    }
+
+    /// Whether a return belongs to it; `is_own` says that it belongs to the thing that the body was found in.
+    fn takes(&self, point: &Point3, is_own: bool) -> bool {
+        let at = Point2::new(point.x_m, point.y_m);
+        match self {
+            Self::Upright(_, middle) if middle.distance(at) <= BODY_M => true,
+            Self::Upright(axis, _) if point.z_m < KNEE_M => axis.distance(at) <= STRIDE_M,
+            Self::Upright(axis, _) => is_own && point.z_m >= TORSO_M && axis.distance(at) <= SHOULDERS_M,
+            Self::Seated(middle) => is_own && middle.distance(at) <= SEATED_M,
+        }
+    }
+}
+
 impl PeoplePipeline {
     /// Lowest and highest coordinates of the body of a detection of the newest sweep, by its index; robot frame, metres.
     /// `sweep` and `context` are those of that sweep. One or two passes over the sweep.
@@ -64,18 +99,16 @@ impl PeoplePipeline {
     ) -> Option<[Point3; 2]> {
         let bounds = self.bounds(detection)?;
         let hangs = bounds[0].z_m > HANGING_M;
-        let torso = self.torso_axis(sweep, context, &bounds);
-        let (axis, stride_m) = match torso {
-            Some(axis) => (axis, STRIDE_M),
-            None if hangs => (middle_of(&bounds), SEATED_M),
+        let body = match self.torso_axis(sweep, context, &bounds) {
+            Some(axis) => Body::upright(axis, context),
+            None if hangs => Body::Seated(middle_of(&bounds)),
             None => return Some(bounds),
         };
         let mut growing = Growing::default();
         self.returns(sweep, context, |point| {
-            let aside_m = axis.distance(Point2::new(point.x_m, point.y_m));
-            let reach_m = if point.z_m >= TORSO_M { SHOULDERS_M } else { stride_m };
-            let below = hangs && point.z_m < bounds[0].z_m;
-            if aside_m <= reach_m && (below || is_within(&point, &bounds)) {
+            let is_own = is_within(&point, &bounds) || hangs && point.z_m < bounds[0].z_m;
+            // What hangs over the head is no part of anybody.
+            if point.z_m <= bounds[1].z_m + MARGIN_M && body.takes(&point, is_own) {
                 growing.include(point);
             }
         });
@@ -117,14 +150,22 @@ mod tests {
     use crate::people::RingAngles;
 
     const SENSOR_M: f32 = 0.8;
+    /// Farther than what belongs together.
+    const FOOT_AHEAD_M: f32 = 0.3;
 
     /// How far the beam of a direction goes: somebody 4 m ahead, half a metre broad and 1.7 m tall, who touches a trolley of
-    /// three quarters of a metre on the left.
+    /// three quarters of a metre on the left; one foot stands a step before the other.
     fn range_m(bearing: f32, elevation: f32) -> f32 {
         let (left_m, distance_m) = (4.0 * libm::tanf(bearing), 4.0 / libm::cosf(bearing));
         let height_m = SENSOR_M + distance_m * libm::tanf(elevation);
         let body = left_m.abs() < 0.25 && (0.0..1.7).contains(&height_m);
         let trolley = (0.25..1.0).contains(&left_m) && (0.45..0.95).contains(&height_m);
+        let foot_m = 4.0 - FOOT_AHEAD_M;
+        let foot_height_m = SENSOR_M + foot_m / libm::cosf(bearing) * libm::tanf(elevation);
+        let is_foot = (foot_m * libm::tanf(bearing)).abs() < 0.06 && (0.0..0.3).contains(&foot_height_m);
+        if is_foot {
+            return foot_m / libm::cosf(bearing) / libm::cosf(elevation);
+        }
         if body || trolley { distance_m / libm::cosf(elevation) } else { 0.0 }
     }
 
@@ -150,10 +191,13 @@ mod tests {
         let mut pipeline = std::boxed::Box::new(PeoplePipeline::new(RingAngles::vlp16()));
         pipeline.process(&sweep, &context);
         assert_eq!(pipeline.detections().len(), 1, "{:?}", pipeline.detections());
-        let [_, whole] = [pipeline.things()[0].lower, pipeline.things()[0].upper];
+        let thing = pipeline.things().iter().max_by_key(|thing| thing.points).expect("two things");
+        let (whole_low, whole) = (thing.lower, thing.upper);
         assert!(whole.y_m > 0.9, "one thing with the trolley: {whole:?}");
         let [lower, upper] = pipeline.body_bounds(&sweep, &context, 0).expect("somebody was found");
         assert!(upper.y_m < 0.45 && lower.y_m < -0.2, "{lower:?} {upper:?}");
+        assert!(whole_low.x_m > 3.9, "the foot is no part of that thing: {whole_low:?}");
+        assert!(lower.x_m < 3.75, "the foot ahead belongs to the body: {lower:?}");
         assert!(lower.z_m < 0.5 && upper.z_m > 1.4, "from foot to head: {lower:?} {upper:?}");
         assert_eq!(pipeline.body_bounds(&sweep, &context, 1), None);
     }

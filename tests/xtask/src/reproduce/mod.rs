@@ -14,7 +14,7 @@ pub struct Options {
     /// moving things 20.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     trials: Option<u64>,
-    /// Another seed than the fresh one, for dirt and environment.
+    /// Another seed than the fresh one, for candidates, dirt and environment.
     #[arg(long)]
     seed: Option<u64>,
 }
