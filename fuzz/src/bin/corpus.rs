@@ -5,7 +5,7 @@ use std::path::Path;
 
 use floorguard_fuzz::{corpus, joined};
 use floorguard_hosted::configuration::EXAMPLE;
-use floorguard_tests::fuzz::messages;
+use floorguard_tests::fuzz::{files, messages};
 
 /// Files for one target; of a long stream its beginning says enough.
 const FILES_MAX: usize = 200;
@@ -25,7 +25,7 @@ fn main() -> std::io::Result<()> {
         ("base", numbers.clone()),
         ("xsens", [simulated.imu.clone(), messages::xsens_messages()].concat()),
         ("microscan3", vec![joined(&messages::microscan3_datagrams(&scan, 1)), scan]),
-        ("configuration", vec![EXAMPLE.as_bytes().to_vec()]),
+        ("configuration", [vec![EXAMPLE.as_bytes().to_vec()], files::sections_of(EXAMPLE)].concat()),
         ("recording", vec![messages::recording()]),
         ("runtime", numbers),
     ];

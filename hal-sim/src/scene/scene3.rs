@@ -9,6 +9,10 @@ use super::Material;
 
 /// A beam meets at most this many panes and mirrors on its way.
 const BOUNCES_MAX: usize = 3;
+/// Cosine of the tilt below which a part is as wide at every height that it reaches.
+const UPRIGHT_COSINE: f32 = 0.999_999;
+/// So few parts are looked at one by one, which is faster than to ask the hierarchy.
+const FEW: usize = 6;
 /// Cosine above which glass throws a beam back: within 6° of the right angle.
 const GLASS_COSINE: f32 = 0.9945;
 
@@ -66,7 +70,20 @@ impl Scene {
 
     fn nearest_part(&self, origin: Vector, direction: Vector, range_max_m: f32) -> Option<(u32, f32)> {
         let parts = self.parts.as_ref()?;
-        CompositeShapeRef(parts).cast_local_ray(&Ray::new(origin, direction), range_max_m, true)
+        let ray = Ray::new(origin, direction);
+        if parts.shapes().len() > FEW {
+            return CompositeShapeRef(parts).cast_local_ray(&ray, range_max_m, true);
+        }
+        let mut nearest = None;
+        let mut limit_m = range_max_m;
+        for (index, (pose, shape)) in (0..).zip(parts.shapes()) {
+            if let Some(range_m) = shape.cast_ray(pose, &ray, limit_m, true).filter(|range| *range < limit_m)
+            {
+                limit_m = range_m;
+                nearest = Some((index, range_m));
+            }
+        }
+        nearest
     }
 
     fn normal(&self, part: u32, origin: Vector, direction: Vector) -> Vector {
@@ -101,6 +118,18 @@ impl Scene {
     pub fn bounds(&self) -> Option<[Point2; 2]> {
         let around = self.plan.as_ref()?.local_aabb();
         Some([Point2::new(around.mins.x, around.mins.y), Point2::new(around.maxs.x, around.maxs.y)])
+    }
+
+    /// Everything that stands looks the same at both heights above the floor, metres: a level beam meets the same things.
+    #[must_use]
+    pub fn looks_the_same_at(&self, one_m: f32, other_m: f32) -> bool {
+        let parts = self.parts.iter().flat_map(|parts| parts.shapes());
+        parts.into_iter().all(|(pose, shape)| {
+            let around = shape.compute_aabb(pose);
+            let reaches = |height_m: f32| (around.mins.z..=around.maxs.z).contains(&height_m);
+            let upright = (pose.rotation * Vector::Z).z > UPRIGHT_COSINE;
+            if upright { reaches(one_m) == reaches(other_m) } else { !reaches(one_m) && !reaches(other_m) }
+        })
     }
 
     /// Number of parts.
@@ -145,6 +174,45 @@ mod tests {
         assert!((range(&scene, Vector::X).unwrap() - 1.95).abs() < 1e-4);
         let oblique = range(&scene, Vector::new(1.0, 0.5, 0.0)).unwrap();
         assert!((oblique - 4.95 * libm::sqrtf(1.25)).abs() < 1e-3, "{oblique}");
+    }
+
+    #[test]
+    fn heights_look_the_same_unless_something_ends_between_them_or_leans() {
+        let mut builder = SceneBuilder::default();
+        builder.wall([2.0, -3.0], [2.0, 3.0], 2.0, Material::Matte);
+        builder.cuboid((5.0, 0.0, 0.3), (1.0, 1.0), (0.6, 0.7), Material::Matte);
+        let scene = builder.build();
+        assert!(scene.looks_the_same_at(0.15, 0.4) && scene.looks_the_same_at(0.15, 0.75));
+        assert!(!scene.looks_the_same_at(0.15, 0.65) && !scene.looks_the_same_at(0.15, 2.5));
+        let mut builder = SceneBuilder::default();
+        builder.ramp((3.0, 0.0, 0.0), (4.0, 1.0), 0.5);
+        let scene = builder.build();
+        assert!(!scene.looks_the_same_at(0.15, 0.3) && scene.looks_the_same_at(0.8, 1.2));
+    }
+
+    #[test]
+    fn few_parts_are_met_as_the_hierarchy_meets_them() {
+        // The same corner of a room, once alone and once with so much far behind it that the hierarchy is asked.
+        let corner = |far: usize| {
+            let mut builder = SceneBuilder::default();
+            builder.wall([2.0, -3.0], [2.0, 3.0], 2.0, Material::Matte);
+            builder.wall([-3.0, 2.5], [3.0, 2.0], 1.5, Material::Matte);
+            builder.cuboid((1.2, 0.4, 0.5), (0.3, 0.4), (0.2, 1.3), Material::Matte);
+            (0..far).for_each(|at| {
+                builder.cuboid((60.0 + at as f32, 60.0, 0.0), (0.1, 0.1), (0.0, 1.0), Material::Matte)
+            });
+            builder.build()
+        };
+        let (few, many) = (corner(0), corner(FEW));
+        let mut met = 0;
+        for step in 0..2_000_u16 {
+            let (bearing, rise) = (f32::from(step) * 0.0063, f32::from(step % 31) * 0.02 - 0.3);
+            let direction = Vector::new(libm::cosf(bearing), libm::sinf(bearing), rise);
+            let seen = range(&few, direction);
+            met += usize::from(seen.is_some());
+            assert_eq!(seen, range(&many, direction), "{step}");
+        }
+        assert!((200..1_900).contains(&met), "{met}");
     }
 
     #[test]

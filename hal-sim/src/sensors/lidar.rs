@@ -31,6 +31,10 @@ pub struct Lidar {
     /// What the sensor's own clock showed when the world began, and how fast it goes wrong.
     clock_offset_us: u64,
     clock_drift_ppm: f64,
+    /// One firing in so many is measured; those after it repeat it.
+    grain: usize,
+    /// Sine and cosine of each laser's elevation.
+    elevations: [(f32, f32); 16],
     random: Pcg32,
 }
 
@@ -41,7 +45,23 @@ impl Lidar {
         let mut random = Pcg32::new(seed, 11);
         let clock_offset_us = u64::from(random.below(3_000_000)) * 1_000;
         let clock_drift_ppm = f64::from(random.uniform_between(-30.0, 30.0));
-        Self { mode, packet_start_ns: 0, rate_cdeg_per_us: 0.36, clock_offset_us, clock_drift_ppm, random }
+        let elevations = ELEVATIONS_DEG.map(|degrees| libm::sincosf(degrees.to_radians()));
+        Self {
+            mode,
+            packet_start_ns: 0,
+            rate_cdeg_per_us: 0.36,
+            clock_offset_us,
+            clock_drift_ppm,
+            grain: 1,
+            elevations,
+            random,
+        }
+    }
+
+    /// Measures only one firing in `grain`, which those after it repeat: as many returns at a fraction of the cost, where
+    /// many hours are to be played and nobody asks how fine a lidar sees.
+    pub const fn coarse(&mut self, grain: usize) {
+        self.grain = if grain == 0 { 1 } else { grain };
     }
 
     fn packet_ns(&self) -> u64 {
@@ -78,42 +98,88 @@ impl Lidar {
         let dual = self.mode == ReturnMode::Dual;
         let sequences = if dual { 12 } else { 24 };
         let mut candidates = Vec::new();
+        let mut cells = [None; 16];
         for sequence in 0..sequences {
             let firing_ns = start_ns + FIRING_NS * sequence as u64;
             let azimuth_cdeg = firing_ns as f64 * 1.0e-3 * self.rate_cdeg_per_us;
             let (block, half) = (sequence / 2, sequence % 2);
-            let blocks = if dual { [2 * block, 2 * block + 1] } else { [block, block] };
+            let blocks = if dual { 2 * block..2 * block + 2 } else { block..block + 1 };
             if half == 0 {
                 let on_wire = (azimuth_cdeg % 36_000.0) as u32;
-                blocks.iter().for_each(|block| packet.set_azimuth(*block, on_wire));
+                blocks.clone().for_each(|block| packet.set_azimuth(block, on_wire));
             }
-            let ahead_s = (firing_ns as f64 * 1.0e-9 - step_us as f64 * 1.0e-6) as f32;
-            let sensor = view.sensor(ahead_s);
-            let turn_rad = |cdeg: f64| ((cdeg % 36_000.0) * 0.01).to_radians() as f32;
-            view.candidates(sensor.heading_rad - turn_rad(azimuth_cdeg), &mut candidates);
-            for (laser, elevation_deg) in ELEVATIONS_DEG.iter().enumerate() {
-                let laser_us = (LASER_NS * laser as u64) as f64 * 1.0e-3;
-                let bearing = sensor.heading_rad - turn_rad(azimuth_cdeg + laser_us * self.rate_cdeg_per_us);
-                let angles = (bearing, elevation_deg.to_radians());
-                let hit = view.cast(sensor, angles, &candidates, RANGE_MAX_M);
-                if let Some((raw, reflectivity)) = hit.and_then(|hit| self.receive(hit)) {
-                    packet.set_cell(blocks[0], 16 * half + laser, raw, reflectivity);
-                    packet.set_cell(blocks[1], 16 * half + laser, raw, reflectivity);
+            if sequence % self.grain == 0 {
+                let ahead_s = (firing_ns as f64 * 1.0e-9 - step_us as f64 * 1.0e-6) as f32;
+                let sensor = view.sensor(ahead_s);
+                let turns_cdeg = (azimuth_cdeg / 36_000.0).floor() * 36_000.0;
+                let bearing_rad = |cdeg: f64| sensor.heading_rad - within_turn_rad(cdeg, turns_cdeg);
+                view.candidates(bearing_rad(azimuth_cdeg), &mut candidates);
+                for (laser, (cell, elevation)) in cells.iter_mut().zip(&self.elevations).enumerate() {
+                    let laser_us = (LASER_NS * laser as u64) as f64 * 1.0e-3;
+                    let beam = (bearing_rad(azimuth_cdeg + laser_us * self.rate_cdeg_per_us), *elevation);
+                    let hit = view.cast(sensor, beam, &candidates, RANGE_MAX_M);
+                    *cell = hit.and_then(|hit| receive(hit, &mut self.random));
+                }
+            }
+            for (laser, cell) in cells.iter().enumerate() {
+                if let Some((raw, reflectivity)) = *cell {
+                    let channel = 16 * half + laser;
+                    blocks.clone().for_each(|block| packet.set_cell(block, channel, raw, reflectivity));
                 }
             }
         }
         packet.into_bytes()
     }
+}
 
-    /// Noise, weak echoes and the 2 mm grid.
-    fn receive(&mut self, hit: Hit) -> Option<(u16, u8)> {
-        let reach_m = RANGE_MAX_M * libm::sqrtf(f32::from(hit.reflectivity.min(40)) / 40.0);
-        if hit.range_m < RANGE_MIN_M || hit.range_m > reach_m || self.random.bernoulli(DROP_OUT) {
-            return None;
-        }
-        // Twelve uniform numbers would be exact enough; four give the same spread at a third of the cost.
-        let sum: f32 = (0..4).map(|_| self.random.uniform()).sum::<f32>() - 2.0;
-        let range_m = hit.range_m + sum * NOISE_M * 1.732;
-        Some(((range_m * 500.0 + 0.5) as u16, hit.reflectivity))
+/// Noise, weak echoes and the 2 mm grid.
+fn receive(hit: Hit, random: &mut Pcg32) -> Option<(u16, u8)> {
+    let reach_m = RANGE_MAX_M * libm::sqrtf(f32::from(hit.reflectivity.min(40)) / 40.0);
+    if hit.range_m < RANGE_MIN_M || hit.range_m > reach_m || random.bernoulli(DROP_OUT) {
+        return None;
+    }
+    // Twelve uniform numbers would be exact enough; four give the same spread at a third of the cost.
+    let sum: f32 = (0..4).map(|_| random.uniform()).sum::<f32>() - 2.0;
+    let range_m = hit.range_m + sum * NOISE_M * 1.732;
+    Some(((range_m * 500.0 + 0.5) as u16, hit.reflectivity))
+}
+
+/// What is left of an azimuth beyond whole turns, radians. Both numbers are multiples of the azimuth's last bit, so that the
+/// difference is exact: the remainder of a division would be the same and cost ten times as much.
+fn within_turn_rad(azimuth_cdeg: f64, turns_cdeg: f64) -> f32 {
+    let rest_cdeg = azimuth_cdeg - turns_cdeg;
+    let rest_cdeg = if rest_cdeg < 36_000.0 { rest_cdeg } else { rest_cdeg - 36_000.0 };
+    (rest_cdeg * 0.01).to_radians() as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::scenario::Scenario;
+    use crate::simulation::{Payload, Simulation, Stream};
+
+    /// Cells of the packets of a tenth of a second, a row for each firing.
+    fn firings(grain: usize) -> Vec<Vec<u8>> {
+        let mut simulation = Simulation::new(&Scenario::named("crossing").unwrap(), 3).unwrap();
+        simulation.coarse_lidar(grain);
+        let mut rows = Vec::new();
+        simulation.advance_to(100_000, &mut |event| {
+            if let (Stream::LidarData, Payload::Bytes(bytes)) = (event.stream, event.payload) {
+                let blocks = bytes[..1_200].chunks(100);
+                rows.extend(blocks.flat_map(|block| block[4..].chunks(48).map(<[u8]>::to_vec)));
+            }
+        });
+        rows
+    }
+
+    #[test]
+    fn a_coarse_lidar_repeats_its_firings_and_returns_as_much() {
+        let (fine, coarse) = (firings(1), firings(4));
+        assert!(coarse.chunks(4).all(|four| four.iter().all(|row| *row == four[0])));
+        assert!(fine.chunks(4).any(|four| four[0] != four[1]));
+        let returns = |rows: &[Vec<u8>]| {
+            rows.iter().flat_map(|row| row.chunks(3)).filter(|cell| cell[..2] != [0, 0]).count() as f64
+        };
+        let share = returns(&coarse) / returns(&fine);
+        assert!(fine.len() == coarse.len() && (0.95..1.05).contains(&share), "{share}");
     }
 }

@@ -27,6 +27,8 @@ const MESSAGE_US: u64 = 8_000;
 const DATAGRAM_US: u64 = 125;
 const RANGE_MAX_M: f32 = 29.9;
 const NOISE_M: f32 = 0.012;
+/// Sine and cosine of the elevation of its beams.
+const LEVEL: (f32, f32) = (0.0, 1.0);
 /// Nothing came back.
 const NO_ECHO: u16 = 0x1FFF;
 /// All words of a scanner in stand-by.
@@ -143,7 +145,7 @@ impl Scanner {
             let sensor = view.sensor((at_us as f32 - step_us as f32) * 1.0e-6);
             let bearing = sensor.heading_rad + ((first_deg + step_deg * beam as f64) as f32).to_radians();
             view.candidates(bearing, &mut candidates);
-            let hit = view.cast(sensor, (bearing, 0.0), &candidates, RANGE_MAX_M);
+            let hit = view.cast(sensor, (bearing, LEVEL), &candidates, RANGE_MAX_M);
             self.echoes[beam] = hit.map(|hit| {
                 let spread: f32 = (0..4).map(|_| self.random.uniform()).sum::<f32>() - 2.0;
                 let range_m = hit.range_m + spread * NOISE_M * 1.732;

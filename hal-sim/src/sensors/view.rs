@@ -83,17 +83,16 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Casts a beam from the sensor at a bearing and elevation of the world.
+    /// Casts a beam from the sensor at a bearing of the world, and the sine and cosine of an elevation.
     #[must_use]
     pub fn cast(
         &self,
         sensor: Pose2,
-        angles: (f32, f32),
+        (bearing_rad, (sin_e, cos_e)): (f32, (f32, f32)),
         candidates: &[usize],
         range_max_m: f32,
     ) -> Option<Hit> {
-        let (sin_b, cos_b) = libm::sincosf(angles.0);
-        let (sin_e, cos_e) = libm::sincosf(angles.1);
+        let (sin_b, cos_b) = libm::sincosf(bearing_rad);
         let direction = Vector::new(cos_e * cos_b, cos_e * sin_b, sin_e);
         let origin = Vector::new(sensor.x_m, sensor.y_m, self.mount.z_m);
         let mut nearest = self.scene.cast(origin, direction, range_max_m);

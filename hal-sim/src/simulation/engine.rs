@@ -244,6 +244,11 @@ impl Simulation {
         }
     }
 
+    /// Measures only one firing of the lidar in `grain`: see [`Lidar::coarse`].
+    pub const fn coarse_lidar(&mut self, grain: usize) {
+        self.lidar.coarse(grain);
+    }
+
     /// Moves the robot past its drives, for experiments that only need sensors on the way: rim speed of the front wheel
     /// (m/s) and steering angle (radians, counter-clockwise).
     pub const fn tow(&mut self, rim_mps: f32, steering_rad: f32) {
@@ -332,26 +337,10 @@ impl Simulation {
             twist: self.body.twist(),
             steering_rad: self.body.steering_rad(),
             nearest_person_m: people.iter().map(gap).fold(f32::INFINITY, f32::min),
-            nearest_obstacle_m: self.obstacle_distance(robot),
             touching,
             people,
             emergency_stop: self.bus.power_cut(),
         }
-    }
-
-    fn obstacle_distance(&self, robot: Pose2) -> f32 {
-        let corners = &self.parameters.footprint;
-        let sides = corners.iter().zip(corners.iter().cycle().skip(1));
-        let samples = sides.flat_map(|(a, b)| {
-            (0..8).map(move |i| {
-                let t = i as f32 / 8.0;
-                Point2::new(a.x_m + t * (b.x_m - a.x_m), a.y_m + t * (b.y_m - a.y_m))
-            })
-        });
-        samples
-            .filter_map(|point| self.scene.nearest_obstacle(robot.transform(point)))
-            .map(|(_, distance)| distance)
-            .fold(f32::INFINITY, f32::min)
     }
 
     /// Points on standing things around the robot at the scanner's height, robot frame, one per 2°, within a range.
@@ -375,6 +364,12 @@ impl Simulation {
             Some(Point2::new(mount.x_m + hit.range_m * cos, mount.y_m + hit.range_m * sin))
         };
         (0..180).filter_map(beam).collect()
+    }
+
+    /// Level beams at both heights above the floor meet the same standing things, metres.
+    #[must_use]
+    pub fn looks_the_same_at(&self, one_m: f32, other_m: f32) -> bool {
+        self.scene.looks_the_same_at(one_m, other_m)
     }
 
     fn person_truth(&self, person: &Person) -> PersonTruth {

@@ -45,8 +45,6 @@ pub struct Truth {
     pub people: Vec<PersonTruth>,
     /// From the outline to the nearest person's body, metres; 0 in contact, infinite with nobody there.
     pub nearest_person_m: f32,
-    /// From the outline's corners and sides to the nearest standing thing, metres.
-    pub nearest_obstacle_m: f32,
     /// People who touch the outline now.
     pub touching: Vec<u32>,
     /// The button is pressed.

@@ -56,8 +56,8 @@ impl DataPacket {
     pub fn set_cell(&mut self, block: usize, channel: usize, raw: u16, reflectivity: u8) {
         assert!(channel < CELLS, "a block has 32 cells");
         let at = block * BLOCK_BYTES + 4 + 3 * channel;
-        self.bytes[at..at + 2].copy_from_slice(&raw.to_le_bytes());
-        self.bytes[at + 2] = reflectivity;
+        let [low, high] = raw.to_le_bytes();
+        self.bytes[at..at + 3].copy_from_slice(&[low, high, reflectivity]);
     }
 
     /// The datagram.

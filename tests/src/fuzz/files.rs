@@ -18,7 +18,34 @@ pub fn configuration(bytes: &[u8]) -> u64 {
     }
 }
 
+/// Each section of a configuration as a file of its own, without what only people read.
+#[must_use]
+pub fn sections_of(configuration: &str) -> Vec<Vec<u8>> {
+    let mut sections = Vec::<Vec<u8>>::new();
+    for line in configuration.lines().filter(|line| !line.is_empty() && !line.starts_with('#')) {
+        if line.starts_with('[') {
+            sections.push(Vec::new());
+        }
+        if let Some(section) = sections.last_mut() {
+            section.extend_from_slice(line.as_bytes());
+            section.push(b'\n');
+        }
+    }
+    sections
+}
+
 /// A recording. A reader that finds nothing wrong in a spoilt file would go on for ever only if it never came to the end.
 pub fn recording(bytes: Vec<u8>) -> u64 {
     Recording::new(Cursor::new(bytes)).take(10_000).filter(Result::is_ok).count() as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sections_of;
+
+    #[test]
+    fn sections_become_files_of_their_own() {
+        let sections = sections_of("# words\nfirst = 1\n\n[a]\nb = 2\n# more\n[[c]]\nd = 3\n");
+        assert_eq!(sections, [b"[a]\nb = 2\n".to_vec(), b"[[c]]\nd = 3\n".to_vec()]);
+    }
 }

@@ -90,7 +90,7 @@ pub const KINDS: &[Kind] = &[
     // Twenty frames each.
     fuzz("fuzz-base", "fuzz_base", 100_000, 5_000_000),
     fuzz("fuzz-xsens", "fuzz_xsens", 200_000, 100_000_000),
-    fuzz("fuzz-configuration", "fuzz_configuration", 5_000, 1_000_000),
+    fuzz("fuzz-configuration", "fuzz_configuration", 200_000, 100_000_000),
     fuzz("fuzz-recording", "fuzz_recording", 20_000, 1_000_000),
 ];
 

@@ -28,6 +28,14 @@ const ROLLS_M: f32 = 0.05;
 /// Places are noted four times a second.
 const PLACES_PER_S: f64 = 4.0;
 
+/// A run goes on for so long after the fault: it brakes from full speed in 1.4 s, and starts again as soon, tenths of a second.
+const RETURNS_DS: u64 = 25;
+/// What stands already has only to go on standing, tenths of a second.
+const STANDS_ON_DS: u64 = 15;
+/// Half of a simulator's time goes into beams: every fourth firing is cast, 0.8° apart, and those after it
+/// repeat it.
+const LIDAR_GRAIN: usize = 4;
+
 /// A run in which a fault is on from `from_s` to `to_s`.
 pub struct PhaseRun {
     /// What to play, still without the fault.
@@ -46,28 +54,31 @@ pub struct PhaseRun {
 /// A built-in scenario is broken.
 pub fn draw(phase: usize, seed: u64, random: &mut Pcg32) -> Result<PhaseRun, PlanError> {
     let mut between = |low: u32, high: u32| u64::from(low + random.below(high - low));
-    let (scenario, seconds, from_ds, lasts_ds, stands_s) = match PHASES[phase] {
-        "start" => ("encounter", 9, between(0, 8), between(15, 40), None),
+    let (scenario, from_ds, lasts_ds, after_ds, stands_s) = match PHASES[phase] {
+        "start" => ("encounter", between(0, 8), between(15, 40), RETURNS_DS, None),
         "cruise" => {
-            (["empty", "crossing"][between(0, 2) as usize], 9, between(30, 50), between(10, 35), None)
+            let scenario = ["empty", "crossing"][between(0, 2) as usize];
+            (scenario, between(30, 50), between(10, 35), RETURNS_DS, None)
         }
         // People come, or it drives up to the box.
-        "approach" if between(0, 2) == 0 => ("encounter", 12, between(30, 75), between(10, 40), None),
-        "approach" => ("hold", 9, between(12, 50), between(20, 40), None),
+        "approach" if between(0, 2) == 0 => ("encounter", between(30, 75), between(10, 40), RETURNS_DS, None),
+        "approach" => ("hold", between(12, 50), between(20, 40), RETURNS_DS, None),
         // It stands before the box after 6.5 s.
-        "hold" => ("hold", 11, between(70, 80), between(10, 25), Some((7.0, 11.0))),
+        "hold" => ("hold", between(70, 80), between(10, 25), STANDS_ON_DS, Some((7.0, 11.0))),
         // Pressed at 3 s, released at 4 s; the operator resets not before 7 s.
-        _ => ("crossing", 10, between(20, 45), between(10, 25), Some((4.75, 6.75))),
+        _ => ("crossing", between(20, 45), between(10, 25), RETURNS_DS, Some((4.75, 6.75))),
     };
-    let duration_us = seconds * 1_000_000;
+    let to_ds = from_ds + lasts_ds;
+    let duration_us = (to_ds + after_ds).max(if PHASES[phase] == "operator" { 85 } else { 0 }) * 100_000;
     let mut plan = match scenario {
         "hold" => box_in_the_way(seed, duration_us)?,
         name => Plan::named(name, seed, duration_us)?,
     };
+    plan.lidar_grain = LIDAR_GRAIN;
     if PHASES[phase] == "operator" {
         plan.emergency_stop_us = vec![(3_000_000, 4_000_000)];
     }
-    Ok(PhaseRun { plan, from_ds, to_ds: from_ds + lasts_ds, stands_s })
+    Ok(PhaseRun { plan, from_ds, to_ds, stands_s })
 }
 
 /// The robot drives up to a box and has to stand before it.
@@ -89,9 +100,50 @@ impl PhaseRun {
         }
         let (from_s, to_s) = self.stands_s?;
         let index = |seconds: f64| (seconds * PLACES_PER_S) as usize;
-        let places = seen.robot_way.get(index(from_s)..index(to_s)).unwrap_or_default();
+        // A run may end before.
+        let until = index(to_s).min(seen.robot_way.len());
+        let places = seen.robot_way.get(index(from_s)..until).unwrap_or_default();
         let rolled_m: f32 =
             places.windows(2).map(|pair| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m)).sum();
         (rolled_m > ROLLS_M).then(|| format!("it rolled {rolled_m:.2} m between {from_s} s and {to_s} s"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use floorguard_core::geometry::Pose2;
+
+    #[test]
+    fn a_robot_that_rolls_while_it_must_stand_fails_and_a_run_may_end_before() {
+        let mut random = Pcg32::new(3, 3);
+        let run = draw(3, 5, &mut random).expect("a plan");
+        let mut seen = Observation::default();
+        seen.verdict.passed = true;
+        // Ten seconds at a quarter of a second, from 7.5 s on at 0.4 m/s.
+        let place = |step: u16| Pose2::new(f32::from(step.saturating_sub(30)) * 0.1, 0.0, 0.0);
+        seen.robot_way = (0..40).map(place).collect();
+        assert!(run.judge(&seen).is_some_and(|failure| failure.contains("rolled 0.90 m")));
+        seen.robot_way.iter_mut().for_each(|pose| pose.x_m = 1.0);
+        assert_eq!(run.judge(&seen), None);
+    }
+
+    #[test]
+    fn a_run_goes_on_until_the_robot_had_time_to_return() {
+        for (phase, name) in PHASES.iter().enumerate() {
+            for seed in 0..20 {
+                let run = draw(phase, seed, &mut Pcg32::new(seed, 61)).expect("a plan");
+                let after_ds = run.plan.duration_us / 100_000 - run.to_ds;
+                assert!(
+                    after_ds >= if *name == "hold" { STANDS_ON_DS } else { RETURNS_DS }
+                        || *name == "operator"
+                );
+                let stands_s = run.stands_s.map_or(0.0, |(from_s, _)| from_s);
+                assert!(
+                    run.plan.duration_us as f64 * 1.0e-6 > stands_s + 1.5,
+                    "{name}: too short to be judged"
+                );
+            }
+        }
     }
 }

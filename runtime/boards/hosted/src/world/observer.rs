@@ -15,7 +15,7 @@ use floorguard_sim::simulation::{Simulation, Truth as SimTruth};
 
 use super::plan::Plan;
 use super::swath::Swath;
-use super::truth::judged;
+use super::truth::Eyewitness;
 use crate::camera::SeenDirt;
 use crate::cleaner::{MissionJudge, MissionOutcome, MissionProgress};
 use crate::judge::{Judge, Quantiles, StopOrders, StopReason, Verdict};
@@ -98,6 +98,7 @@ pub type Show<'a> = &'a mut dyn FnMut(f64, &RobotStatus, usize, &[SeenStop]);
 /// The watcher.
 pub struct Observer<'a> {
     judge: Judge,
+    eyewitness: Eyewitness,
     orders: StopOrders,
     pressed: bool,
     digest: OutputDigest,
@@ -128,6 +129,7 @@ impl<'a> Observer<'a> {
     pub fn new(plan: &Plan, show: Show<'a>) -> Self {
         Self {
             judge: Judge::new(&plan.robot),
+            eyewitness: Eyewitness::default(),
             orders: StopOrders::default(),
             pressed: false,
             digest: OutputDigest::default(),
@@ -207,8 +209,8 @@ impl<'a> Observer<'a> {
     /// A moment of 10 ms in which the robot's computer is off.
     pub fn observe_without_computer(&mut self, simulation: &Simulation) {
         self.commanded_mps = 0.0;
-        self.judge.observe(&judged(simulation), 0.0);
         let truth = simulation.truth();
+        self.judge.observe(&self.eyewitness.judged(simulation, &truth), 0.0);
         self.note_ways(truth.stamp.as_micros(), &truth);
         // A new life counts its publications from zero.
         (self.seen_people, self.seen_status) = (0, 0);
@@ -225,7 +227,7 @@ impl<'a> Observer<'a> {
         let now_us = truth.stamp.as_micros();
         // The rim of the front wheel is faster than the middle of the rear axle.
         let commanded_mps = self.commanded_mps * libm::cosf(truth.steering_rad);
-        self.judge.observe(&judged(simulation), commanded_mps);
+        self.judge.observe(&self.eyewitness.judged(simulation, &truth), commanded_mps);
         stops.iter().for_each(|stop| self.on_stop(stop, &truth));
         if let Some(people) = shared.people.get().filter(|people| self.last_sweep != Some(people.sweep.stamp))
         {

@@ -47,6 +47,8 @@ pub struct Plan {
     pub learning: Option<LearningSetup>,
     /// When the emergency stop is pressed and released, microseconds.
     pub emergency_stop_us: Vec<(u64, u64)>,
+    /// One firing of the lidar in so many is measured, and those after it repeat it: 1 for a lidar as it is.
+    pub lidar_grain: usize,
 }
 
 /// Why a plan cannot be made.
@@ -111,6 +113,7 @@ impl Plan {
             has_camera: false,
             learning: None,
             emergency_stop_us: Vec::new(),
+            lidar_grain: 1,
         })
     }
 
@@ -183,7 +186,9 @@ impl Plan {
             ScannerModel::MicroScan3 { beams } => ScannerDevice::MicroScan3(beams),
         };
         let parameters = RobotParameters { scanner_device, ..RobotParameters::default() };
-        Simulation::with_robot(&self.scenario, self.seed, parameters)
+        let mut simulation = Simulation::with_robot(&self.scenario, self.seed, parameters)?;
+        simulation.coarse_lidar(self.lidar_grain);
+        Ok(simulation)
     }
 
     /// Where the odometry frame lies in the world.
