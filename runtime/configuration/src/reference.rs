@@ -13,6 +13,12 @@ pub(crate) struct Asked {
     pub default: Option<String>,
 }
 
+impl Asked {
+    fn is_of(&self, section: &str, key: &str) -> bool {
+        self.section == section && self.key == key
+    }
+}
+
 thread_local! {
     static LIST: RefCell<Option<Vec<Asked>>> = const { RefCell::new(None) };
 }
@@ -34,24 +40,26 @@ strategy = \"systematic\"
 [learning]
 ";
 
+/// The scanner of the example robot, and the other one: each is asked for what the other does not have.
+const LINE_SCANNER: &str = "model = \"s300\"\nsource = \"serial:/dev/ttyUSB0\"\nbaud = 500000\n";
+const NETWORK_SCANNER: &str = "model = \"microscan3\"\nsource = \"udp:0.0.0.0:6060\"\n";
+
 /// Every key with its kind, what is allowed, its default, and its value in the example robot, as Markdown.
 #[must_use]
 pub fn reference() -> String {
-    LIST.set(Some(Vec::new()));
     let with_all = [super::EXAMPLE, "\n", super::camera::EXAMPLE_SECTION, OPTIONAL].concat();
-    let read = super::parse("robot.toml", &with_all);
-    let asked = LIST.take().unwrap_or_default();
-    debug_assert!(read.is_ok(), "the example is a right configuration");
+    let mut rows = rows_of(&with_all);
+    let others = rows_of(&with_all.replace(LINE_SCANNER, NETWORK_SCANNER));
+    let is_new = |row: &Asked| !rows.iter().any(|known| known.is_of(&row.section, row.key));
+    let others: Vec<Asked> = others.into_iter().filter(is_new).collect();
+    rows.extend(others);
+    // A section is asked on behind the one within it: its keys stand together all the same.
+    let order: Vec<String> = rows.iter().map(|row| row.section.clone()).collect();
+    rows.sort_by_key(|row| order.iter().position(|section| *section == row.section));
     let mut text = String::from(HEAD);
     let mut section = String::new();
-    let mut seen: Vec<(String, &str)> = Vec::new();
-    for row in asked {
-        // `[[field]]` is asked for as often as it stands in the file.
-        let name =
-            row.section.trim_end_matches(|letter: char| letter.is_ascii_digit() || letter == ' ').to_owned();
-        if seen.contains(&(name.clone(), row.key)) {
-            continue;
-        }
+    for row in rows {
+        let name = row.section.clone();
         if name != section {
             let _ =
                 write!(text, "\n## `[{name}]`\n\n| key | kind | allowed | without it |\n|---|---|---|---|\n");
@@ -59,7 +67,6 @@ pub fn reference() -> String {
         }
         let without = row.default.unwrap_or_else(|| "refused".to_owned());
         let _ = writeln!(text, "| `{}` | {} | {} | {without} |", row.key, row.kind, row.allowed);
-        seen.push((name, row.key));
     }
     let _ = write!(
         text,
@@ -68,6 +75,22 @@ pub fn reference() -> String {
         super::EXAMPLE
     );
     text
+}
+
+/// What is asked for while a text is read, each key once: `[[field]]` is asked for as often as it stands there.
+fn rows_of(configuration: &str) -> Vec<Asked> {
+    LIST.set(Some(Vec::new()));
+    let read = super::parse("robot.toml", configuration);
+    let asked = LIST.take().unwrap_or_default();
+    debug_assert!(read.is_ok(), "the example is a right configuration");
+    let mut rows = Vec::<Asked>::new();
+    for mut row in asked {
+        row.section.truncate(row.section.trim_end_matches(|c: char| c.is_ascii_digit() || c == ' ').len());
+        if !rows.iter().any(|known| known.is_of(&row.section, row.key)) {
+            rows.push(row);
+        }
+    }
+    rows
 }
 
 const HEAD: &str = "# Configuration reference
@@ -81,7 +104,8 @@ z up.
 `[imu]`, `[guard]`, `[route]`, `[camera]`, `[mission]` and `[learning]` may be missing as a whole. `[learning]`: the robot corrects its
 classifier of people from the tracks that it sees (hosted only; `run`, and `simulate` and `demo` with `--robot FILE`; a replay learns
 as its recording did). `model` is relative to the folder of this file. The guard hears of what was learned only where that adds a
-person: no stop is loosened by it.
+person: no stop is loosened by it. In `[scanner]`, `baud` is an S300's; `beams` and `sender` are a microScan3's, whose `source` is like
+the lidar's.
 ";
 
 #[cfg(test)]
@@ -93,6 +117,11 @@ mod tests {
         let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/src/configuration.md");
         let made = super::reference();
         assert!(made.matches("\n| `").count() > 50, "{made}");
+        let scanner =
+            made.split("## `[scanner]`").nth(1).and_then(|rest| rest.split("\n## ").next()).unwrap_or("");
+        for key in ["baud", "beams", "sender"] {
+            assert_eq!(scanner.matches(&format!("| `{key}` |")).count(), 1, "{key}: {scanner}");
+        }
         if std::env::var_os("FLOORGUARD_REFRESH").is_some() {
             std::fs::write(&page, &made).expect("the page is written");
         }
