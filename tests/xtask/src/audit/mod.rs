@@ -44,3 +44,4 @@ pub use loops::{LoopSite, list as loops_of};
 pub use run::{Options, run};
 pub use seen::{RECORD, Record, numbers};
 pub use sources::{SourceFile, read_layers};
+pub use walks::chain_root;

@@ -27,7 +27,7 @@ impl Names {
         if let Some(bound) = taken {
             return Ok(bound);
         }
-        let outer = match root(expression) {
+        let outer = match chain_root(expression) {
             syn::Expr::Range(range) => match self.range_bound(range) {
                 Err(_) if limited => {
                     Ok(Bound { text: shorten(&text), how: "zipped with a container of fixed capacity" })
@@ -151,7 +151,7 @@ fn called(call: &syn::ExprCall) -> Option<(String, Option<String>)> {
 }
 
 /// The receiver at the start of a chain of method calls.
-fn root(expression: &syn::Expr) -> &syn::Expr {
+pub fn chain_root(expression: &syn::Expr) -> &syn::Expr {
     let mut current = expression;
     // Bounded by the nesting of the parsed expression.
     loop {
@@ -171,7 +171,7 @@ fn chained(expression: &syn::Expr, first: Bound) -> Bound {
     let mut text = String::new();
     while let syn::Expr::MethodCall(call) = current {
         if let Some(argument) = call.args.first().filter(|_| call.method == "chain") {
-            text.insert_str(0, &format!(" + that of `{}`", shorten(&shown(root(argument)))));
+            text.insert_str(0, &format!(" + that of `{}`", shorten(&shown(chain_root(argument)))));
         }
         current = &call.receiver;
     }

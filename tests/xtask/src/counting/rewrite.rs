@@ -2,7 +2,7 @@
 
 use syn::spanned::Spanned;
 
-use crate::audit::shown;
+use crate::audit::{chain_root, shown};
 
 /// Stands in the text of an edit for the number of the loop.
 pub const SITE: &str = "\u{1}site\u{1}";
@@ -65,7 +65,7 @@ const CHANGERS: &[&str] = &[
 pub fn of_for_loop(each: &syn::ExprForLoop, bound: &str) -> Vec<Edit> {
     // A chain of several containers turns for each of them, one of iterators within iterators for each of those.
     let several = [".chain(", "flat_map(", "flatten("].iter().any(|word| shown(&each.expr).contains(word));
-    let bound = value_of(bound).or_else(|| room_of(start(&each.expr)).filter(|_| !several));
+    let bound = value_of(bound).or_else(|| room_of(chain_root(&each.expr)).filter(|_| !several));
     let open = format!(
         "{{ let mut floorguard_turns = ::floorguard_core::loop_counts::Turns::new({SITE}, {}); ",
         marked(bound)
@@ -81,7 +81,7 @@ pub fn of_chain(call: &syn::ExprMethodCall, adapters: &[&str], bound: &str) -> V
     let named =
         |call: &syn::ExprMethodCall, names: &[&str]| names.contains(&call.method.to_string().as_str());
     let method = call.method.to_string();
-    let root = start(&syn::Expr::MethodCall(call.clone())).clone();
+    let root = chain_root(&syn::Expr::MethodCall(call.clone())).clone();
     let bound = marked(value_of(bound).or_else(|| room_of(&root)));
     let counted = format!(".floorguard_counted({SITE}, {bound})");
     if matches!(root, syn::Expr::Range(_)) {
@@ -127,19 +127,6 @@ fn calls_from_the_root(call: &syn::ExprMethodCall) -> Vec<&syn::ExprMethodCall> 
     }
     calls.reverse();
     calls
-}
-
-/// What a chain starts from, without its parentheses and references.
-fn start(expression: &syn::Expr) -> &syn::Expr {
-    let mut current = expression;
-    loop {
-        current = match current {
-            syn::Expr::MethodCall(call) => &call.receiver,
-            syn::Expr::Paren(inner) => &inner.expr,
-            syn::Expr::Reference(inner) => &inner.expr,
-            _ => return current,
-        };
-    }
 }
 
 /// The bound as an expression of 64 bits, where its text is a literal, a constant, or arithmetic with those.

@@ -9,7 +9,7 @@ const GOALS: &[(&str, &str, &str, u64)] = &[
     ("steps on which two models of the guard agree", "model", "steps", 100_000_000),
     ("moments at which every bit of the state was flipped", "flips", "moments", 1_000),
     ("hosted runs with a fault", "faults", "trials", 100_000),
-    ("runs with a fault on the emulated Cortex-M7", "firmware-faults", "trials", 1_000),
+    ("runs with a fault on the emulated Cortex-M7", "firmware-faults", "runs", 1_000),
     ("damaged Velodyne packets", "fuzz-velodyne", "executions", 100_000_000),
     ("damaged position packets", "fuzz-position", "executions", 100_000_000),
     ("damaged S300 telegrams", "fuzz-s300", "executions", 100_000_000),
