@@ -77,3 +77,72 @@ fn every_call_is_one() {
     }
     assert!(found >= 30, "{found}");
 }
+
+/// A chapter as mdbook sees it: what it includes stands in its place.
+fn chapter(path: &std::path::Path) -> String {
+    let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let mut parts = text.split("{{#include ");
+    let mut whole = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (included, rest) = part.split_once("}}").expect("an include ends");
+        let file = path.with_file_name(included.trim());
+        let included = std::fs::read_to_string(&file);
+        whole += &included
+            .unwrap_or_else(|error| panic!("{} includes {}: {error}", path.display(), file.display()));
+        whole += rest;
+    }
+    whole
+}
+
+/// Places within the book that a text links to or shows.
+fn places(text: &str) -> Vec<String> {
+    let prose: String = text.split("```").step_by(2).collect();
+    let targets =
+        prose.split("](").skip(1).filter_map(|rest| rest.split([')', ' ']).next().map(str::to_owned));
+    targets.filter(|target| !target.contains("://") && !target.starts_with('#')).collect()
+}
+
+/// mdbook makes pages of what the summary names and of nothing else: a chapter may include a text that lies beside the book,
+/// and must not link to it.
+#[test]
+fn includes_and_links_of_the_book_lead_somewhere() {
+    let source = shell::root().join("docs/src").canonicalize().expect("the book");
+    let summary = chapter(&source.join("SUMMARY.md"));
+    let chapters = places(&summary);
+    let mut links = 0;
+    for name in &chapters {
+        for place in places(&chapter(&source.join(name))) {
+            let target = source.join(place.split('#').next().unwrap_or_default());
+            assert!(target.exists(), "{name} links to {place}, which is not there");
+            let is_chapter = chapters.contains(&place.split('#').next().unwrap_or_default().to_owned());
+            assert!(is_chapter || !place.contains(".md"), "{name} links to {place}, which is no chapter");
+            links += 1;
+        }
+    }
+    for file in std::fs::read_dir(&source).expect("the book").filter_map(Result::ok) {
+        let name = file.file_name().to_string_lossy().into_owned();
+        let listed = chapters.contains(&name) || name == "SUMMARY.md" || !name.ends_with(".md");
+        assert!(listed, "{name} is in no summary");
+    }
+    assert!(chapters.len() >= 15 && links >= 10, "{} chapters, {links} links", chapters.len());
+}
+
+/// Who is new looks for the rooms in ARCHITECTURE.md.
+#[test]
+fn every_room_is_in_the_architecture() {
+    let text = std::fs::read_to_string(shell::root().join("ARCHITECTURE.md")).expect("the architecture");
+    for layer in [
+        "core-nostd/src",
+        "drivers/src",
+        "hal-sim/src",
+        "runtime/src",
+        "runtime/boards/hosted/src",
+        "tests/src",
+    ] {
+        let entries = std::fs::read_dir(shell::root().join(layer)).expect("a layer").filter_map(Result::ok);
+        for room in entries.filter(|entry| entry.path().is_dir()) {
+            let room = room.file_name().to_string_lossy().into_owned();
+            assert!(text.contains(&format!("`{room}`")), "{layer}/{room} is not in ARCHITECTURE.md");
+        }
+    }
+}
