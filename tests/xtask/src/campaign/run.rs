@@ -2,6 +2,7 @@
 
 use std::collections::hash_map::DefaultHasher;
 use std::hash::Hasher as _;
+use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::Ordering;
 
@@ -54,8 +55,9 @@ pub fn run(options: &Options) -> Result<bool> {
     if options.fresh {
         let _ = std::fs::remove_file(&path);
     }
-    let test = program(kind, &path, options.same_program)?;
-    let firmware = (kind.name == kinds::FIRMWARE_FAULTS).then(firmware::tape_image).transpose()?;
+    let test = own_copy(path.with_extension("program"), options.same_program, || block::build(kind))?;
+    let copy = || own_copy(path.with_extension("firmware"), options.same_program, firmware::tape_image);
+    let firmware = (kind.name == kinds::FIRMWARE_FAULTS).then(copy).transpose()?;
     let state = State::load(&path, &fingerprint(&test, firmware.as_deref())?);
     let program = block::Program { test, firmware };
     let starts = state.missing(trials, kind.block);
@@ -120,16 +122,15 @@ fn show(state: &State) {
     }
 }
 
-/// The campaign's own copy of the test: a build that goes on beside it must not change what the blocks run.
-fn program(kind: &kinds::Kind, state: &std::path::Path, same: bool) -> Result<std::path::PathBuf> {
-    let copy = state.with_extension("program");
+/// The campaign's own copy of the test or of the firmware: a build that goes on beside it must not change what the blocks run.
+fn own_copy(copy: PathBuf, same: bool, build: impl FnOnce() -> Result<PathBuf>) -> Result<PathBuf> {
     if same && copy.is_file() {
         return Ok(copy);
     }
-    let beside = state.with_extension("building");
-    std::fs::copy(block::build(kind)?, &beside)
+    let beside = copy.with_extension("building");
+    std::fs::copy(build()?, &beside)
         .and_then(|_| std::fs::rename(&beside, &copy))
-        .with_context(|| format!("cannot copy the test to {}", copy.display()))?;
+        .with_context(|| format!("cannot copy to {}", copy.display()))?;
     Ok(copy)
 }
 
@@ -144,4 +145,24 @@ fn fingerprint(test: &std::path::Path, firmware: Option<&std::path::Path>) -> Re
         hasher.write(&std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?);
     }
     Ok(format!("{:016x}", hasher.finish()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_campaign_keeps_what_it_began_with_while_others_build() {
+        let folder = std::env::temp_dir().join(format!("floorguard-own-copy-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let (built, copy) = (folder.join("built"), folder.join("copy.program"));
+        let begin = |same, text: &str| {
+            std::fs::write(&built, text).unwrap();
+            std::fs::read_to_string(own_copy(copy.clone(), same, || Ok(built.clone())).unwrap()).unwrap()
+        };
+        assert_eq!(begin(false, "first"), "first");
+        assert_eq!(begin(true, "second"), "first");
+        assert_eq!(begin(false, "third"), "third");
+        std::fs::remove_dir_all(folder).unwrap();
+    }
 }

@@ -45,7 +45,7 @@ pub fn section(records: Option<&Value>) -> String {
             sum if sum >= *aim => String::from("reached"),
             sum => format!("{:.1} %", (100.0 * sum as f64 / *aim as f64).min(99.9)),
         };
-        let told = if findings > 0 { format!("; {findings} findings, fixed since") } else { String::new() };
+        let told = if findings > 0 { format!("; {findings} findings, told below") } else { String::new() };
         table.row(&[
             escape(what),
             format!("{}{told}", grouped(sum)),
