@@ -14,6 +14,8 @@ const STAND_BY_WORD: u16 = 0x4004;
 const NO_ECHO: u16 = 0x1fff;
 /// Farthest distance that can be said in millimetres, centimetres.
 const FARTHEST_CM: u16 = u16::MAX / 10;
+/// Farther than can be said in millimetres.
+const BEYOND_CM: u16 = FARTHEST_CM + 1;
 /// Dazzled or a reflector, as the scanner is configured.
 const DAZZLED: u16 = 0x2000;
 
@@ -312,8 +314,7 @@ fn flagged(told: u16, free: BeamReturn) -> BeamReturn {
     match told {
         NO_ECHO => free,
         1..=FARTHEST_CM => BeamReturn::Hit(told.wrapping_mul(10)),
-        // Farther than can be said in millimetres.
-        1..NO_ECHO => BeamReturn::Hit(u16::MAX),
+        BEYOND_CM..NO_ECHO => BeamReturn::Hit(u16::MAX),
         // Dazzled; or 0, which is not a defined value: contamination or dazzle.
         _ => BeamReturn::Unknown,
     }
