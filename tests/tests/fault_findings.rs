@@ -76,3 +76,16 @@ fn fg_req_018_a_computer_that_comes_back_does_not_start_the_robot_by_itself() {
         assert!(seen.resets >= 1 && way_m(&seen, 9.0, 11.75) > 0.5, "{from}: {} resets", seen.resets);
     }
 }
+
+/// Every telegram of the safety inputs is cut in half while the emergency stop is pressed and released (seed 2 of the
+/// campaign, trial 3127): nobody heard it, so an operator must look.
+#[test]
+fn fg_req_003_inputs_that_could_not_be_read_do_not_let_the_robot_start_by_itself() {
+    let mut plan = Plan::named("empty", 11, 12_000_000).expect("a plan");
+    plan.emergency_stop_us = vec![(3_000_000, 4_000_000)];
+    plan.faults.push(FaultSpec::parse("inputs:truncate=100%,from=2s,to=4s").expect("a fault"));
+    let seen = play(plan);
+    // The operator of the simulator resets when the robot has waited for three seconds.
+    assert!(way_m(&seen, 4.0, 5.0) < 0.05, "it rolled on while nobody had reset");
+    assert!(seen.resets >= 1 && way_m(&seen, 9.0, 11.75) > 0.5, "{} resets", seen.resets);
+}

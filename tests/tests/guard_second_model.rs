@@ -26,6 +26,8 @@ impl Model {
             cause,
             EmergencyStop
                 | InputFault
+                // Who pressed while nothing could be read was not heard.
+                | InputUnknown
                 | BumperFront
                 | BumperRear
                 | CliffFront

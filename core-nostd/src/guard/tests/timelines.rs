@@ -181,10 +181,11 @@ fn fg_req_021_the_field_follows_the_higher_of_commanded_and_measured_speed() {
 #[test]
 fn fg_req_003_latched_causes_survive_everything_but_reset_with_a_passed_self_test() {
     type Press = fn(&mut Rig);
-    let presses: [(Press, Press, Cause); 4] = [
+    let presses: [(Press, Press, Cause); 5] = [
         (|rig| rig.inputs.emergency_stop = SafetyInput::Active, |_| (), Cause::EmergencyStop),
         (|rig| rig.inputs.bumper_front = SafetyInput::Active, |_| (), Cause::BumperFront),
         (|rig| rig.inputs.cliff_rear = SafetyInput::Fault, |_| (), Cause::InputFault),
+        (|rig| rig.inputs.emergency_stop = SafetyInput::Unknown, |_| (), Cause::InputUnknown),
         (|rig| rig.drive_state = DriveState::Fault(0x7305), |_| (), Cause::DriveFault),
     ];
     for (press, _, cause) in presses {
