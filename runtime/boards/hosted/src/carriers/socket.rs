@@ -4,6 +4,7 @@ use std::io;
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::mpsc::Sender;
 
+use embassy_futures::yield_now;
 use floorguard_runtime::clock;
 use floorguard_runtime::io::{DatagramReceiver, Received};
 
@@ -90,11 +91,47 @@ impl DatagramReceiver for UdpReceiver {
 
     async fn receive(&mut self, buffer: &mut [u8]) -> io::Result<Received> {
         loop {
+            // The others first: a sender that never pauses must not keep the guard's tick and the drives waiting.
+            yield_now().await;
             let (length, from) = self.socket.read_ready(|socket| socket.recv_from(buffer)).await?;
             let arrival = clock::now();
             if self.hears(from) {
                 return Ok(Received { length, arrival });
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::executor::TaskSet;
+    use std::cell::Cell;
+
+    /// Datagrams that wait in the kernel are taken one by one, and every other task has its turn in between.
+    #[test]
+    fn whoever_floods_a_port_takes_turns_with_the_other_tasks() {
+        let mut receiver = UdpReceiver::bind("127.0.0.1:0".parse().unwrap()).unwrap();
+        let sender = UdpSocket::bind("127.0.0.1:0").unwrap();
+        let address = receiver.local_address().unwrap();
+        (0..50).for_each(|_| assert_eq!(sender.send_to(b"junk", address).unwrap(), 4));
+        let (taken, most_at_once) = (Cell::new(0_u32), Cell::new(0));
+        let mut tasks = TaskSet::new();
+        tasks.spawn(async {
+            while receiver.receive(&mut [0; 8]).await.is_ok() {
+                taken.set(taken.get() + 1);
+            }
+        });
+        tasks.spawn(async {
+            let mut before = 0;
+            while taken.get() < 50 {
+                yield_now().await;
+                most_at_once.set(most_at_once.get().max(taken.get() - before));
+                before = taken.get();
+            }
+        });
+        tasks.poll_until_quiet().unwrap();
+        drop(tasks);
+        assert_eq!((taken.get(), most_at_once.get()), (50, 1));
     }
 }

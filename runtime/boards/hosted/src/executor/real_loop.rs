@@ -33,10 +33,11 @@ impl StopFlag {
 }
 
 /// Runs tasks on this thread in real time until the flag is set. `spawn` builds the tasks here, because sources
-/// belong to the thread that made them.
+/// belong to the thread that made them. A task that is ready again and again takes turns with all others, with the timers
+/// and with what the kernel has to tell.
 ///
 /// # Errors
-/// The carriers could not be opened, a task spins, or epoll failed.
+/// The carriers could not be opened, or epoll failed.
 pub fn run_until<'a>(
     flag: &StopFlag,
     spawn: impl FnOnce(&mut TaskSet<'a>) -> io::Result<()>,
@@ -48,14 +49,48 @@ pub fn run_until<'a>(
     spawn(&mut tasks)?;
     while !flag.is_stopped() {
         wake_due_timers();
-        tasks.poll_until_quiet().map_err(io::Error::other)?;
+        tasks.poll_round();
         // Empty the bell before looking at the ready bits once more: a ring after this look ends the sleep.
         let _ = rustix::io::read(&heard.file, &mut [0u8; 8]);
-        if tasks.is_ready() {
-            continue;
-        }
         let until_timer = next_timer_us().map(|at| Duration::from_micros(at.saturating_sub(now())));
-        wait(Some(until_timer.unwrap_or(SLEEP_MAX).min(SLEEP_MAX)))?;
+        let sleep = if tasks.is_ready() { Duration::ZERO } else { until_timer.unwrap_or(SLEEP_MAX) };
+        wait(Some(sleep.min(SLEEP_MAX)))?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use embassy_futures::yield_now;
+    use embassy_time::Timer;
+
+    /// A device that never pauses keeps neither the tick of the guard nor the drives waiting.
+    #[test]
+    fn a_task_that_is_always_ready_takes_turns_with_timers_and_files() {
+        let flag = StopFlag::default();
+        let (here, there) = std::os::unix::net::UnixStream::pair().unwrap();
+        here.set_nonblocking(true).unwrap();
+        let ended = run_until(&flag, |tasks| {
+            let line = Source::new(here)?;
+            tasks.spawn(async {
+                loop {
+                    yield_now().await;
+                }
+            });
+            tasks.spawn(async {
+                for _ in 0..5 {
+                    Timer::after_millis(10).await;
+                }
+                io::Write::write_all(&mut &there, b"!").unwrap();
+            });
+            tasks.spawn(async {
+                let line = line;
+                line.read_ready(|mut line| io::Read::read(&mut line, &mut [0; 1])).await.unwrap();
+                flag.stop();
+            });
+            Ok(())
+        });
+        assert!(ended.is_ok(), "{ended:?}");
+    }
 }

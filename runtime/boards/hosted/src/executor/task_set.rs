@@ -102,20 +102,32 @@ impl<'a> TaskSet<'a> {
         let running = (0..self.tasks.len()).filter(|task| runs(*task)).fold(0, |bits, task| bits | 1 << task);
         let mut polls = 0;
         loop {
-            let ready = self.readiness.bits.fetch_and(!running, Ordering::AcqRel) & running;
-            if ready == 0 {
-                return Ok(polls);
-            }
-            for (index, task) in
-                self.tasks.iter_mut().enumerate().filter(|(index, _)| ready & (1 << index) != 0)
-            {
-                task.poll();
+            let before = polls;
+            for index in self.poll_ready(running) {
                 polls += 1;
                 if polls > POLLS_WITHOUT_PROGRESS_MAX {
                     return Err(Stuck { task: index });
                 }
             }
+            if polls == before {
+                return Ok(polls);
+            }
         }
+    }
+
+    /// Polls each task that is ready now once: one that wakes itself again has to wait for the next round.
+    pub fn poll_round(&mut self) {
+        self.poll_ready(u64::MAX).for_each(drop);
+    }
+
+    /// Polls, one by one, those of some tasks that are ready now, and says which.
+    fn poll_ready(&mut self, some: u64) -> impl Iterator<Item = usize> {
+        let ready = self.readiness.bits.fetch_and(!some, Ordering::AcqRel) & some;
+        let tasks = self.tasks.iter_mut().enumerate().filter(move |(index, _)| ready & (1 << index) != 0);
+        tasks.map(|(index, task)| {
+            task.poll();
+            index
+        })
     }
 
     /// Tasks spawned so far.
