@@ -4,10 +4,15 @@
 #[allow(dead_code, reason = "each test file uses a part of it")]
 mod sim_support;
 
+use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_core::guard::{Health, Source};
 use floorguard_core::sensing::{BeamReturn, Scan};
 use floorguard_core::time::Stamp;
 use floorguard_drivers::s300::{Bit13, Configuration, Counters, Event, Receiver, TelegramError};
+use floorguard_hosted::executor::{TaskSet, use_virtual_clock};
+use floorguard_hosted::world::{Plan, new_shared};
+use floorguard_runtime::tasks::scanner_input;
 use floorguard_sim::Scenario;
 use floorguard_sim::faults::{FaultLayer, FaultSpec};
 use floorguard_sim::sensors::ScannerState;
@@ -189,6 +194,43 @@ fn stand_by_and_lock_out_are_neither_obstacle_nor_free() {
     let again = phase(ScannerState::Measuring, 4_000_000);
     assert!(again.iter().skip(1).all(|(_, told)| matches!(told, Told::Scan(_))));
     assert!(scans(&again).len() >= 23);
+}
+
+/// The line of a scanner whose bytes all arrived; then nothing more comes.
+struct Line(std::collections::VecDeque<u8>);
+
+impl embedded_io_async::ErrorType for Line {
+    type Error = std::convert::Infallible;
+}
+
+impl embedded_io_async::Read for Line {
+    async fn read(&mut self, portion: &mut [u8]) -> Result<usize, Self::Error> {
+        if self.0.is_empty() {
+            std::future::pending::<()>().await;
+        }
+        Ok(std::io::Read::read(&mut self.0, portion).unwrap_or(0))
+    }
+}
+
+/// Whoever reads why the robot stands is sent to the scanner, not to its cable: it answers, and is at fault.
+#[test]
+fn a_scanner_that_locked_itself_out_is_faulty_and_not_absent() {
+    for (state, health) in
+        [(ScannerState::Measuring, Health::Healthy), (ScannerState::LockOut, Health::Faulty)]
+    {
+        let mut simulation = Simulation::new(&room(START), 4).unwrap();
+        simulation.set_scanner_state(state);
+        let arrived = portions(&mut simulation, 0, 200_000, &[]);
+        let line = Line(arrived.into_iter().flat_map(|(_, bytes)| bytes).collect());
+        use_virtual_clock(200_000);
+        let plan = Plan::named("corridor", 1, 1).unwrap();
+        let shared = new_shared::<NoopRawMutex>(&plan.robot, Stamp::from_micros(200_000)).unwrap();
+        let mut tasks = TaskSet::new();
+        tasks.spawn(scanner_input(&*shared, line, Receiver::new(Configuration::default())));
+        tasks.poll_until_quiet().unwrap();
+        let told = shared.inspect(|guard| guard.health()[Source::Scanner.index()].health);
+        assert_eq!(told, health, "{state:?}");
+    }
 }
 
 /// wire-formats 2.9: values frozen, checksum right, scan number not advancing.

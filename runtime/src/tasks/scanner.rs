@@ -47,6 +47,9 @@ pub async fn scanner_input<M: RawMutex>(
             }
             s300::Event::StandBy { .. } => fault(shared, FaultKind::StandBy, now),
             s300::Event::Refused(error) => {
+                if let s300::TelegramError::LockOut { status } = error {
+                    fault(shared, FaultKind::Device(status), now);
+                }
                 shared.complain(|complaints| complaints.scanner = Some(error));
                 count_refused(shared);
             }
