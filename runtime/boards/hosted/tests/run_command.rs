@@ -2,7 +2,7 @@
 
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::net::UdpSocket;
-use std::process::Command;
+use std::process::{Child, ChildStderr, Command, Stdio};
 
 use floorguard_core::floor::Plane;
 use floorguard_core::geometry::{Point2, Pose2};
@@ -59,6 +59,17 @@ fn the_recording_tells(record: &std::path::Path) {
     assert!(output.status.success() && said.contains("it ran in real time"), "{said}");
 }
 
+/// Its messages, from when it waits for its devices.
+fn once_it_runs(child: &mut Child) -> BufReader<ChildStderr> {
+    let mut said = BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    while !line.contains("not there yet") {
+        line.clear();
+        assert!(said.read_line(&mut line).unwrap() > 0, "ended before it ran");
+    }
+    said
+}
+
 /// What systemd sends ends a run as Ctrl-C does: the robot is brought to a stand, and the recording has its end.
 #[test]
 fn a_term_ends_the_run_in_order() {
@@ -68,15 +79,10 @@ fn a_term_ends_the_run_in_order() {
     let mut child = Command::new(env!("CARGO_BIN_EXE_floorguard"))
         .args(["run", &file, "--duration", "60", "--record"])
         .arg(&record)
-        .stderr(std::process::Stdio::piped())
+        .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    let mut said = BufReader::new(child.stderr.take().unwrap());
-    let mut line = String::new();
-    while !line.contains("not there yet") {
-        line.clear();
-        assert!(said.read_line(&mut line).unwrap() > 0, "ended before it ran");
-    }
+    let mut said = once_it_runs(&mut child);
     let identity = child.id().to_string();
     assert!(Command::new("sh").args(["-c", &format!("kill -TERM {identity}")]).status().unwrap().success());
     let mut rest = String::new();
@@ -97,15 +103,10 @@ fn a_lost_connection_ends_only_who_did_not_say_otherwise() {
         let program = env!("CARGO_BIN_EXE_floorguard");
         let mut child = Command::new("sh")
             .args(["-c", &format!("{started}exec {program} run {file} --duration 60")])
-            .stderr(std::process::Stdio::piped())
+            .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        let mut said = BufReader::new(child.stderr.take().unwrap());
-        let mut line = String::new();
-        while !line.contains("not there yet") {
-            line.clear();
-            assert!(said.read_line(&mut line).unwrap() > 0, "ended before it ran");
-        }
+        let mut said = once_it_runs(&mut child);
         let signal = |name: &str| {
             let kill = format!("kill -{name} {}", child.id());
             Command::new("sh").args(["-c", &kill]).status().unwrap().success()
@@ -226,7 +227,7 @@ fn a_lidar_that_is_none_is_told_with_the_reason() {
     let file = robot_file(folder.path(), port);
     let child = Command::new(env!("CARGO_BIN_EXE_floorguard"))
         .args(["run", &file, "--duration", "2"])
-        .stderr(std::process::Stdio::piped())
+        .stderr(Stdio::piped())
         .spawn()
         .unwrap();
     let sender = UdpSocket::bind("127.0.0.1:0").unwrap();
@@ -333,7 +334,7 @@ fn a_stranger_on_the_port_of_the_lidar_is_told_and_left_out() {
         std::fs::write(&file, text.replace(&source, &format!("{source}{sender}"))).unwrap();
         let child = Command::new(env!("CARGO_BIN_EXE_floorguard"))
             .args(["run", &file, "--duration", "1.5"])
-            .stderr(std::process::Stdio::piped())
+            .stderr(Stdio::piped())
             .spawn()
             .unwrap();
         for _ in 0..30 {

@@ -3,7 +3,7 @@
 //! The images are little ones of a single file, compiled as the safety image is: seconds instead of minutes.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use super::claim::Claim;
@@ -42,26 +42,20 @@ static HEAP: Heap = Heap;
 ";
 
 struct Compiled {
-    folder: PathBuf,
     image: Image,
     files: Vec<SourceFile>,
 }
 
-impl Drop for Compiled {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.folder);
-    }
-}
-
-fn compiled(name: &str, code: &str, more: &str) -> Compiled {
-    let folder = std::env::temp_dir().join(format!("floorguard-image-{name}-{}", std::process::id()));
+fn compiled(code: &str, more: &str) -> Compiled {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
     fs::create_dir_all(folder.join("core-nostd/src")).expect("a folder");
     fs::write(folder.join(EXAMPLE), code).expect("it is written");
     fs::write(folder.join("main.rs"), format!("{MAIN}{more}")).expect("it is written");
-    link(&folder);
+    link(folder);
     let image = image::read(&folder.join("image")).expect("an image");
     let files = vec![sources::parse(EXAMPLE, code.to_owned()).expect("the example parses")];
-    Compiled { folder, image, files }
+    Compiled { image, files }
 }
 
 fn link(folder: &Path) {
@@ -106,7 +100,7 @@ fn a_clean_image_passes_and_each_mistake_in_it_is_named() {
     }
     sum
 }";
-    let image = compiled("clean", clean, "");
+    let image = compiled(clean, "");
     let failing: Vec<Claim> = claims(&image, true).into_iter().filter(|claim| !claim.holds()).collect();
     assert!(failing.is_empty(), "{failing:?}");
     // The same code, but nobody listed its loop.
@@ -119,7 +113,7 @@ fn a_panic_that_the_optimiser_leaves_is_named() {
 
     data[number]
 }";
-    names_line(&claims(&compiled("panic", code, ""), true), "no-panic-linked", 3, "panic_bounds_check");
+    names_line(&claims(&compiled(code, ""), true), "no-panic-linked", 3, "panic_bounds_check");
 }
 
 #[test]
@@ -130,7 +124,7 @@ fn a_heap_is_named_even_if_it_is_inlined() {
     data.iter().chain(&kept).fold(0, |a, b| a ^ b)
 }";
     let code = format!("extern crate alloc;\n{code}");
-    names_line(&claims(&compiled("heap", &code, HEAP), true), "no-heap-linked", 3, "uses the heap");
+    names_line(&claims(&compiled(&code, HEAP), true), "no-heap-linked", 3, "uses the heap");
 }
 
 #[test]
@@ -141,7 +135,7 @@ pub fn stage(data: &mut [u32; 16], number: usize) -> u32 {
     data[1] = stage(data, number >> 1);
     data[1].wrapping_mul(stage(data, number >> 2))
 }";
-    let claims = claims(&compiled("recursion", code, ""), true);
+    let claims = claims(&compiled(code, ""), true);
     names_line(&claims, "no-recursion-linked", 2, "calls itself");
 }
 
@@ -160,7 +154,7 @@ fn odd(data: &mut [u32; 16], number: usize) -> u32 {
     data[1] = even(data, number - 1);
     data[1] ^ 5
 }";
-    names_lines(&claims(&compiled("circle", code, ""), true), "no-recursion-linked", 3..=7, "even");
+    names_lines(&claims(&compiled(code, ""), true), "no-recursion-linked", 3..=7, "even");
 }
 
 #[test]
@@ -175,12 +169,7 @@ fn thrice(a: u32) -> u32 { a.wrapping_mul(3) }
 pub fn stage(data: &mut [u32; 16], number: usize) -> u32 {
     WORK[number & 1](data[0]) ^ 1
 }";
-    names_line(
-        &claims(&compiled("register", code, ""), true),
-        "no-indirect-calls-linked",
-        8,
-        "through a register",
-    );
+    names_line(&claims(&compiled(code, ""), true), "no-indirect-calls-linked", 8, "through a register");
 }
 
 #[test]
@@ -191,7 +180,7 @@ pub fn stage(data: &mut [u32; 16], number: usize) -> u32 {
     for (cell, value) in room.iter_mut().zip(data.iter()) { *cell = *value; }
     core::hint::black_box(&mut room)[7] ^ number as u32
 }";
-    let claims = claims(&compiled("stack", code, ""), true);
+    let claims = claims(&compiled(code, ""), true);
     names_line(&claims, "stack-budget", 2, "8192 B");
 }
 
@@ -204,5 +193,5 @@ fn a_loop_that_waits_for_a_sensor_is_named() {
     }
     turns
 }";
-    names_line(&claims(&compiled("sensor", code, ""), true), "loops-complete", 3, "is in no list");
+    names_line(&claims(&compiled(code, ""), true), "loops-complete", 3, "is in no list");
 }

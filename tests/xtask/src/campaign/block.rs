@@ -83,10 +83,9 @@ mod tests {
 
     #[test]
     fn a_block_that_somebody_ended_is_no_finding_and_one_that_crashed_is() {
-        let folder = std::env::temp_dir().join(format!("floorguard-block-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
+        let folder = tempfile::tempdir().unwrap();
         let ends_by = |what: &str| {
-            let test = folder.join("block");
+            let test = folder.path().join("block");
             // Started in the background, a test inherits that an interrupt is ignored.
             let default = "env --default-signal=INT,TERM,HUP";
             std::fs::write(&test, format!("#!/bin/sh\nexec {default} sh -c '{what}'\n")).unwrap();
@@ -102,7 +101,6 @@ mod tests {
         for crash in ["kill -SEGV $$", "kill -ABRT $$", "kill -KILL $$", "exit 101"] {
             assert!(ends_by(crash).is_err(), "{crash}");
         }
-        std::fs::remove_dir_all(folder).unwrap();
     }
 
     #[test]

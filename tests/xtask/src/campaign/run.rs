@@ -153,9 +153,8 @@ mod tests {
 
     #[test]
     fn a_campaign_keeps_what_it_began_with_while_others_build() {
-        let folder = std::env::temp_dir().join(format!("floorguard-own-copy-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
-        let (built, copy) = (folder.join("built"), folder.join("copy.program"));
+        let folder = tempfile::tempdir().unwrap();
+        let (built, copy) = (folder.path().join("built"), folder.path().join("copy.program"));
         let begin = |same, text: &str| {
             std::fs::write(&built, text).unwrap();
             std::fs::read_to_string(own_copy(copy.clone(), same, || Ok(built.clone())).unwrap()).unwrap()
@@ -163,6 +162,5 @@ mod tests {
         assert_eq!(begin(false, "first"), "first");
         assert_eq!(begin(true, "second"), "first");
         assert_eq!(begin(false, "third"), "third");
-        std::fs::remove_dir_all(folder).unwrap();
     }
 }

@@ -58,11 +58,11 @@ mod tests {
 
     #[test]
     fn outcomes_outlive_a_cut_but_not_another_program() {
-        let path = std::env::temp_dir().join(format!("floorguard-outcomes-{}.json", std::process::id()));
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("outcomes.json");
         let mut outcomes = Outcomes::load(&path, "a");
         outcomes.book("m", Outcome::Survived(2)).expect("it is written");
         assert_eq!(Outcomes::load(&path, "a").of("m"), Some(Outcome::Survived(2)));
         assert_eq!(Outcomes::load(&path, "b").of("m"), None);
-        fs::remove_file(&path).expect("it was there");
     }
 }

@@ -222,9 +222,8 @@ mod tests {
 
     #[test]
     fn a_file_that_is_cut_leaves_the_save_before() {
-        let folder = std::env::temp_dir().join(format!("floorguard-mission-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).unwrap();
-        let path = folder.join("mission.fgm");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("mission.fgm");
         let old = saved().encode(5);
         replace_file(&path, &old).unwrap();
         let mut newer = saved();
@@ -236,6 +235,5 @@ mod tests {
         assert_eq!(read().unwrap().pose_in_map.x_m, 1.0);
         Store::File(path.clone()).finish();
         assert!(read().is_none(), "a mission that is done begins anew");
-        std::fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -374,8 +374,9 @@ mod tests {
         };
         assert!(refused("--duration -1").contains("--duration -1: give seconds"));
         // Nothing was recorded: nothing has run.
-        let record = std::env::temp_dir().join(format!("floorguard-never-{}.mcap", std::process::id()));
-        let record = record.display();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("never.mcap");
+        let record = path.display();
         let tape = refused(&format!("--duration 1 --tape /dev/null/tape --record {record}"));
         assert!(tape.contains("/dev/null/tape: cannot be written"), "{tape}");
         let start =
@@ -384,6 +385,6 @@ mod tests {
             start.contains("/dev/null/model") || start.contains("'yesterday' is not a moment"),
             "{start}"
         );
-        assert!(!Path::new(&record.to_string()).exists());
+        assert!(!path.exists());
     }
 }

@@ -166,7 +166,8 @@ mod tests {
     #[test]
     fn a_file_without_dirt_on_the_map_is_refused() {
         let floor = Floor::new("plain", super::super::rooms::plain().unwrap(), 0.17).unwrap();
-        let path = std::env::temp_dir().join(format!("floorguard-dirt-{}.csv", std::process::id()));
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("dirt.csv");
         let beyond = |text: &str| {
             std::fs::write(&path, text).unwrap();
             DirtSource::File(path.clone()).lines_beyond(&floor)
@@ -187,7 +188,6 @@ mod tests {
             let problem = beyond(&format!("x_m,y_m,units\n{wrong}\n")).unwrap_err().to_string();
             assert!(problem.contains(":2:"), "{problem}");
         }
-        std::fs::remove_file(&path).unwrap();
     }
 
     #[test]
