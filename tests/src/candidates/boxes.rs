@@ -17,10 +17,10 @@ const SKIN_M: f32 = 0.06;
 const KNEE_M: f32 = 0.45;
 /// What is broader than this near the floor is a suitcase, metres.
 const FOOT_MAX_M: f32 = 0.15;
-/// People of whom fewer returns are left are not labelled, nor are boxes of fewer claims: two rings of eight.
+/// People of whom fewer returns are left are not labelled: two rings of eight.
 const RETURNS_MIN: usize = 16;
 /// Nor are those who are farther away, metres.
-const RANGE_M: f32 = 20.0;
+pub const RANGE_M: f32 = 20.0;
 
 /// Axis-aligned, lowest and highest coordinates, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,21 +57,13 @@ impl Bounds {
 
     /// From the robot to the middle, on the floor, metres.
     pub fn distance_m(&self) -> f32 {
-        (0.5 * (self.lower.x_m + self.upper.x_m)).hypot(0.5 * (self.lower.y_m + self.upper.y_m))
+        self.middle().norm()
     }
 
-    /// Whether there are enough returns within it for a claim, as a label needs them. What rests on fewer may well be
-    /// somebody, but nobody has labelled it.
+    /// Its middle on the floor, robot frame.
     #[must_use]
-    pub fn is_seen(&self, points: &[Option<Point3>]) -> bool {
-        let within = |low: f32, high: f32, value: f32| (low - 0.01..=high + 0.01).contains(&value);
-        let is_inside = |point: &&Point3| {
-            point.z_m >= FLOOR_M
-                && within(self.lower.x_m, self.upper.x_m, point.x_m)
-                && within(self.lower.y_m, self.upper.y_m, point.y_m)
-                && within(self.lower.z_m, self.upper.z_m, point.z_m)
-        };
-        points.iter().flatten().filter(is_inside).take(RETURNS_MIN).count() == RETURNS_MIN
+    pub fn middle(&self) -> Point2 {
+        Point2::new(0.5 * (self.lower.x_m + self.upper.x_m), 0.5 * (self.lower.y_m + self.upper.y_m))
     }
 
     /// Shared volume over joint volume; 0 for a flat box (algorithms A.2).
@@ -108,11 +100,29 @@ pub fn points(sweep: &Sweep, context: &SweepContext) -> Vec<Option<Point3>> {
     points
 }
 
-/// Boxes of the people of whom enough is seen, robot frame: what somebody would draw around their returns.
+/// The people of a sweep.
+#[derive(Clone, Debug, Default)]
+pub struct Labels {
+    /// Those of whom enough is seen, robot frame: what somebody would draw around their returns.
+    pub people: Vec<(PersonKind, Bounds)>,
+    /// Bodies and feet of all others.
+    pub unlabelled: Vec<(Point2, f32)>,
+}
+
+impl Labels {
+    /// Whether a claim without a label lies on somebody who has too few returns for one: it is neither right nor wrong.
+    #[must_use]
+    pub fn leaves_out(&self, claim: &Bounds) -> bool {
+        let middle = claim.middle();
+        self.unlabelled.iter().any(|(at, radius_m)| at.distance(middle) < radius_m + SKIN_M)
+    }
+}
+
+/// Who is seen, and who is there.
 #[must_use]
-pub fn labels(points: &[Option<Point3>], truth: &Truth) -> Vec<(PersonKind, Bounds)> {
+pub fn labels(points: &[Option<Point3>], truth: &Truth) -> Labels {
     let into_base = truth.robot.inverse();
-    let mut labels = Vec::new();
+    let mut labels = Labels::default();
     for person in &truth.people {
         let middle = into_base.transform(person.position);
         // The body and the feet; what a person pushes or pulls is no part of the person.
@@ -122,22 +132,34 @@ pub fn labels(points: &[Option<Point3>], truth: &Truth) -> Vec<(PersonKind, Boun
             .chain([(person.position, person.radius_m)])
             .map(|(at, radius_m)| (into_base.transform(at), radius_m))
             .collect();
-        let mut bounds: Option<Bounds> = None;
-        for point in points.iter().flatten() {
-            let at = Point2::new(point.x_m, point.y_m);
-            let high = (FLOOR_M..person.height_m + SKIN_M).contains(&point.z_m);
-            let on_body = |disc: &(Point2, f32)| at.distance(disc.0) < disc.1 + SKIN_M;
-            // A stride before the body is a foot near the floor, and the handle of a trolley higher up.
-            let parts = if point.z_m < KNEE_M { &discs[..] } else { &discs[discs.len() - 1..] };
-            if high && at.distance(middle) < 1.6 && parts.iter().any(on_body) {
-                match &mut bounds {
-                    Some(bounds) => bounds.include(*point),
-                    None => bounds = Some(Bounds::at(*point)),
-                }
-            }
+        let bounds = around(points, (middle, person.height_m), &discs);
+        match bounds.filter(|bounds| bounds.points >= RETURNS_MIN && middle.norm() < RANGE_M) {
+            Some(bounds) => labels.people.push((person.kind, bounds)),
+            None => labels.unlabelled.extend(discs),
         }
-        let labelled = bounds.filter(|bounds| bounds.points >= RETURNS_MIN && middle.norm() < RANGE_M);
-        labels.extend(labelled.map(|bounds| (person.kind, bounds)));
     }
     labels
+}
+
+/// The returns of a body: its last disc reaches up to its height, all of them are feet.
+fn around(
+    points: &[Option<Point3>],
+    (middle, height_m): (Point2, f32),
+    discs: &[(Point2, f32)],
+) -> Option<Bounds> {
+    let mut bounds: Option<Bounds> = None;
+    for point in points.iter().flatten() {
+        let at = Point2::new(point.x_m, point.y_m);
+        let high = (FLOOR_M..height_m + SKIN_M).contains(&point.z_m);
+        let on_body = |disc: &(Point2, f32)| at.distance(disc.0) < disc.1 + SKIN_M;
+        // A stride before the body is a foot near the floor, and the handle of a trolley higher up.
+        let parts = if point.z_m < KNEE_M { discs } else { &discs[discs.len() - 1..] };
+        if high && at.distance(middle) < 1.6 && parts.iter().any(on_body) {
+            match &mut bounds {
+                Some(bounds) => bounds.include(*point),
+                None => bounds = Some(Bounds::at(*point)),
+            }
+        }
+    }
+    bounds
 }

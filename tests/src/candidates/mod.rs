@@ -1,7 +1,8 @@
 //! Which things are people, after the published Table 4: `cargo xtask reproduce candidates`.
 //!
 //! The protocol of algorithms A.2: up to 415 labelled people a scene, a claim is right where its box overlaps a label's by half
-//! of their joint volume, one to one. The scenes are ours, so the published detector runs beside ours on the very same
+//! of their joint volume, one to one. A claim on somebody who has too few returns for a label is neither right nor wrong; every
+//! other claim without a label is wrong. The scenes are ours, so the published detector runs beside ours on the very same
 //! sweeps: nested rings and the volume test.
 
 mod boxes;
@@ -19,7 +20,7 @@ use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;
 use floorguard_sim::{Simulation, Truth};
 use rayon::prelude::*;
 
-pub use boxes::{Bounds, labels, points};
+pub use boxes::{Bounds, Labels, RANGE_M, labels, points};
 pub use misses::Misses;
 
 use crate::crowds::play;
@@ -72,12 +73,15 @@ impl Score {
         self.labels += other.labels;
     }
 
-    /// One to one, by falling overlap; and which labels were claimed.
-    fn of(claims: &[Bounds], labels: &[Bounds]) -> (Self, Vec<usize>) {
+    /// One to one, by falling overlap; and which labels were claimed. Every claim counts but those on people without a label.
+    fn of(claims: &[Bounds], labels: &Labels) -> (Self, Vec<usize>) {
         let mut pairs: Vec<(f32, usize, usize)> = Vec::new();
         for (row, claim) in claims.iter().enumerate() {
-            let overlaps =
-                labels.iter().enumerate().map(|(column, label)| (claim.overlap(label), row, column));
+            let overlaps = labels
+                .people
+                .iter()
+                .enumerate()
+                .map(|(column, (_, label))| (claim.overlap(label), row, column));
             pairs.extend(overlaps.filter(|(overlap, ..)| *overlap >= OVERLAP_MIN));
         }
         pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -88,9 +92,10 @@ impl Score {
                 columns.push(column);
             }
         }
-        let score =
-            Self { right: rows.len() as u64, claims: claims.len() as u64, labels: labels.len() as u64 };
-        (score, columns)
+        let is_wrong = |(row, claim): &(usize, &Bounds)| !rows.contains(row) && !labels.leaves_out(claim);
+        let right = rows.len() as u64;
+        let wrong = claims.iter().enumerate().filter(is_wrong).count() as u64;
+        (Self { right, claims: right + wrong, labels: labels.people.len() as u64 }, columns)
     }
 }
 
@@ -181,7 +186,7 @@ fn one_run(seed: u64) -> anyhow::Result<Vec<SweepScores>> {
                 .filter(|track| track.person_probability >= PERSON_PROBABILITY_MIN)
                 .filter(|track| track.last_seen == sweep.end_stamp)
                 .map(|track| track.state.position)
-                .filter(|place| into_base.transform(*place).norm() < 20.0)
+                .filter(|place| into_base.transform(*place).norm() < RANGE_M)
                 .collect();
             sweeps += 1;
             if sweeps >= WARM_UP && (sweeps - WARM_UP).is_multiple_of(EVERY) {
@@ -199,13 +204,11 @@ fn sweep_scores(
     truth: &Truth,
 ) -> SweepScores {
     let points = points(sweep, context);
-    let labelled = labels(&points, truth);
-    let labels: Vec<Bounds> = labelled.iter().map(|(_, bounds)| *bounds).collect();
-    let near = |bounds: &Bounds| bounds.lower.x_m.hypot(bounds.lower.y_m) < 20.0;
+    let labels = labels(&points, truth);
+    let near = |bounds: &Bounds| bounds.distance_m() < RANGE_M;
     let mut theirs = published(&points, context.sensor_in_base.translation);
-    theirs.retain(|bounds| near(bounds) && bounds.is_seen(&points));
-    let mut ours = ours(pipeline, tracks, (sweep, context));
-    ours.retain(|bounds| bounds.is_seen(&points));
+    theirs.retain(near);
+    let ours = ours(pipeline, tracks, (sweep, context));
     let (score, claimed) = Score::of(&ours, &labels);
     let as_box = |[lower, upper]: [Point3; 2]| Bounds { lower, upper, points: 0 };
     let detections: Vec<Bounds> = (0..pipeline.detections().len())
@@ -214,7 +217,7 @@ fn sweep_scores(
     let things: Vec<Bounds> =
         pipeline.things().iter().map(|thing| as_box([thing.lower, thing.upper])).collect();
     let mut misses = Misses::default();
-    for (index, (kind, label)) in labelled.iter().enumerate() {
+    for (index, (kind, label)) in labels.people.iter().enumerate() {
         misses.note((*kind, label), claimed.contains(&index), (&detections, &things));
     }
     ([score, Score::of(&theirs, &labels).0], misses)
@@ -249,4 +252,33 @@ pub fn candidates(trials: u64, seed: u64, folder: &Path) -> anyhow::Result<(Stri
     eprint!("{text}");
     std::fs::write(folder.join("candidates.txt"), &text)?;
     Ok((text, holds))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use floorguard_sim::people::PersonKind;
+
+    fn cube(x_m: f32, y_m: f32) -> Bounds {
+        Bounds {
+            lower: Point3::new(x_m, y_m, 0.0),
+            upper: Point3::new(x_m + 0.4, y_m + 0.4, 1.7),
+            points: 20,
+        }
+    }
+
+    #[test]
+    fn only_claims_on_people_without_a_label_are_left_out() {
+        let people = vec![(PersonKind::Adult, cube(2.0, 0.0))];
+        let labels = Labels { people, unlabelled: vec![(Point2::new(5.2, 0.2), 0.25)] };
+        let count = |claims: &[Bounds]| {
+            let (score, _) = Score::of(claims, &labels);
+            (score.right, score.claims, score.labels)
+        };
+        assert_eq!(count(&[cube(2.0, 0.0)]), (1, 1, 1));
+        assert_eq!(count(&[cube(2.0, 0.0), cube(5.0, 0.0)]), (1, 1, 1), "somebody with too few returns");
+        assert_eq!(count(&[cube(2.0, 0.0), cube(8.0, 0.0)]), (1, 2, 1), "a thing");
+        assert_eq!(count(&[cube(2.0, 0.0), cube(2.05, 0.0)]), (1, 2, 1), "twice the same");
+        assert_eq!(count(&[cube(2.3, 0.0)]), (0, 1, 1), "the wrong box");
+    }
 }
