@@ -9,6 +9,7 @@ use heapless::Vec;
 use super::classes::{Judge, PixelClass};
 use super::model::{FloorEstimate, FloorParameters};
 use super::plane::dot;
+use super::united_parts::{Absorb, UnitedParts};
 use crate::capacities::{FLOOR_IMAGE_COLUMNS_MAX, FLOOR_OBJECTS_MAX, FLOOR_PARTS_MAX};
 use crate::sensing::DepthImage;
 
@@ -77,13 +78,6 @@ const DEPTH_STEP_M: f32 = 0.03;
 /// Pixels of a neighbourhood of nine that must be high (algorithms E.3 step 2).
 const MAJORITY: u8 = 5;
 
-/// A part of an object that grows from row to row, or points to the one it was united with.
-#[derive(Clone, Copy, Debug)]
-struct Part {
-    parent: u16,
-    object: FloorObject,
-}
-
 /// One pixel of the row above: its part, if any, and its depth.
 #[derive(Clone, Copy, Debug, Default)]
 struct Above {
@@ -98,7 +92,7 @@ type Row<T> = [T; FLOOR_IMAGE_COLUMNS_MAX];
 pub struct ObjectFinder {
     classes: [Row<PixelClass>; 3],
     above: Row<Above>,
-    parts: Vec<Part, FLOOR_PARTS_MAX>,
+    parts: UnitedParts<FloorObject, FLOOR_PARTS_MAX>,
 }
 
 impl Default for ObjectFinder {
@@ -106,7 +100,7 @@ impl Default for ObjectFinder {
         Self {
             classes: [[PixelClass::Unknown; FLOOR_IMAGE_COLUMNS_MAX]; 3],
             above: [Above::default(); FLOOR_IMAGE_COLUMNS_MAX],
-            parts: Vec::new(),
+            parts: UnitedParts::default(),
         }
     }
 }
@@ -223,76 +217,32 @@ impl ObjectFinder {
         found: &mut FloorObjects,
     ) -> Option<u16> {
         let noise_m2 = scene.parameters.noise.variance_m2(pixel.depth_m);
-        let mut joined: Option<u16> = None;
         let first = pixel.column.saturating_sub(1);
         let neighbours: [Above; 3] = core::array::from_fn(|offset| {
             self.above.get(first.saturating_add(offset)).copied().unwrap_or_default()
         });
         // At the first column there is nobody on the upper left: two neighbours above instead of three.
         let count = if pixel.column == 0 { 2 } else { 3 };
-        for neighbour in core::iter::once(left).chain(neighbours.into_iter().take(count)) {
+        let near = core::iter::once(left).chain(neighbours.into_iter().take(count)).filter_map(|neighbour| {
             let jump_m = (neighbour.depth_m - pixel.depth_m).abs();
-            let Some(part) = neighbour.part.filter(|_| is_one_surface(jump_m, noise_m2)) else { continue };
-            let root = self.root(part);
-            joined = Some(joined.map_or(root, |other| self.unite(other, root)));
-        }
-        let object = scene.object(pixel);
-        if let Some(root) = joined {
-            if let Some(part) = self.parts.get_mut(usize::from(root)) {
-                part.object.absorb(&object);
-            }
-            return Some(root);
-        }
-        let index = u16::try_from(self.parts.len()).ok()?;
-        if self.parts.push(Part { parent: index, object }).is_err() {
+            neighbour.part.filter(|_| is_one_surface(jump_m, noise_m2))
+        });
+        let part = self.parts.join(near, &scene.object(pixel));
+        if part.is_err() {
             found.dropped = found.dropped.saturating_add(1);
-            return None;
         }
-        Some(index)
-    }
-
-    /// The part that a part was united with in the end. Parents have smaller numbers, so the walk ends.
-    fn root(&mut self, part: u16) -> u16 {
-        let mut index = part;
-        for _ in 0..FLOOR_PARTS_MAX {
-            let parent = self.parts.get(usize::from(index)).map_or(index, |part| part.parent);
-            if parent == index {
-                break;
-            }
-            index = parent;
-        }
-        // The next walk from here is one step.
-        if let Some(part) = self.parts.get_mut(usize::from(part)) {
-            part.parent = index;
-        }
-        index
-    }
-
-    fn unite(&mut self, a: u16, b: u16) -> u16 {
-        if a == b {
-            return a;
-        }
-        let (kept, given) = (a.min(b), a.max(b));
-        let object = self.parts.get(usize::from(given)).map(|part| part.object);
-        if let Some(part) = self.parts.get_mut(usize::from(given)) {
-            part.parent = kept;
-        }
-        if let (Some(part), Some(object)) = (self.parts.get_mut(usize::from(kept)), object) {
-            part.object.absorb(&object);
-        }
-        kept
+        part.ok()
     }
 
     /// Keeps what is large enough to be something, the nearest ones first.
     fn collect(&self, image: &DepthImage<'_>, found: &mut FloorObjects) {
         let pixels = u32::try_from(image.depth_mm().len()).unwrap_or(u32::MAX);
         let pixels_min = (pixels.saturating_mul(PIXELS_MIN_VGA) / VGA).max(PIXELS_MIN);
-        for (index, part) in self.parts.iter().enumerate() {
-            let is_root = usize::from(part.parent) == index;
-            let mut object = part.object;
+        for object in self.parts.finished() {
+            let mut object = *object;
             let ([lx, ly], [hx, hy]) = (object.low_m, object.high_m);
             let extends = (hx - lx).max(hy - ly) >= EXTENT_MIN_M;
-            if !is_root || object.pixels < pixels_min || object.height_m < HEIGHT_MIN_M || !extends {
+            if object.pixels < pixels_min || object.height_m < HEIGHT_MIN_M || !extends {
                 continue;
             }
             let size = object.pixels as f32 / (4 * pixels_min) as f32;
@@ -376,8 +326,7 @@ impl Scene<'_> {
     }
 }
 
-impl FloorObject {
-    /// Takes in another part.
+impl Absorb for FloorObject {
     fn absorb(&mut self, other: &Self) {
         for (low, value) in self.low_m.iter_mut().zip(other.low_m) {
             *low = low.min(value);

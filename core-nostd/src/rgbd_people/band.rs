@@ -4,11 +4,10 @@
 //! 10 cm, which joins two legs that stand side by side; here neighbours in the picture belong together unless their
 //! depths jump, so the floor seen between two legs keeps them apart, and a wall is one thing that is too wide for a leg.
 
-use heapless::Vec;
-
 use super::floor_frame::{FloorFrame, FloorPoint};
 use super::parameters::RgbdParameters;
 use crate::capacities::{FLOOR_IMAGE_COLUMNS_MAX, RGBD_LEG_PARTS_MAX};
+use crate::floor::{Absorb, UnitedParts};
 use crate::sensing::DepthImage;
 
 /// Pixels a row that are looked at.
@@ -21,7 +20,6 @@ const SIGMAS: f32 = 4.0;
 /// A thing in the band.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BandPart {
-    parent: u16,
     /// Least right, ahead and height, metres.
     pub low_m: [f32; 3],
     /// Greatest, the same.
@@ -36,7 +34,7 @@ pub(super) struct BandPart {
     pub last_px: [u16; 2],
 }
 
-impl BandPart {
+impl Absorb for BandPart {
     fn absorb(&mut self, other: &Self) {
         for (low, value) in self.low_m.iter_mut().zip(other.low_m) {
             *low = low.min(value);
@@ -67,14 +65,14 @@ struct Above {
 #[derive(Clone, Debug)]
 pub(super) struct Band {
     above: [Above; FLOOR_IMAGE_COLUMNS_MAX],
-    parts: Vec<BandPart, RGBD_LEG_PARTS_MAX>,
+    parts: UnitedParts<BandPart, RGBD_LEG_PARTS_MAX>,
     /// Parts for which there was no room.
     pub dropped: u32,
 }
 
 impl Default for Band {
     fn default() -> Self {
-        Self { above: [Above::default(); FLOOR_IMAGE_COLUMNS_MAX], parts: Vec::new(), dropped: 0 }
+        Self { above: [Above::default(); FLOOR_IMAGE_COLUMNS_MAX], parts: UnitedParts::default(), dropped: 0 }
     }
 }
 
@@ -124,62 +122,17 @@ impl Band {
         let above = |cell: usize| self.above.get(cell).copied().unwrap_or_default();
         let before = cell.checked_sub(1).map(above).unwrap_or_default();
         let neighbours = [left, before, above(cell), above(cell.saturating_add(1))];
-        let mut joined: Option<u16> = None;
-        for neighbour in neighbours {
-            if let Some(part) = neighbour.part.filter(|_| (neighbour.depth_m - depth_m).abs() < step_m) {
-                let root = self.root(part);
-                joined = Some(joined.map_or(root, |other| self.unite(other, root)));
-            }
-        }
-        if let Some(root) = joined {
-            if let Some(part) = self.parts.get_mut(usize::from(root)) {
-                part.absorb(&own);
-            }
-            return Some(root);
-        }
-        let index = u16::try_from(self.parts.len()).ok()?;
-        if self.parts.push(BandPart { parent: index, ..own }).is_err() {
+        let near = |neighbour: Above| neighbour.part.filter(|_| (neighbour.depth_m - depth_m).abs() < step_m);
+        let part = self.parts.join(neighbours.into_iter().filter_map(near), &own);
+        if part.is_err() {
             self.dropped = self.dropped.saturating_add(1);
-            return None;
         }
-        Some(index)
-    }
-
-    /// Parents have smaller numbers, so the walk ends.
-    fn root(&mut self, part: u16) -> u16 {
-        let mut index = part;
-        for _ in 0..RGBD_LEG_PARTS_MAX {
-            let parent = self.parts.get(usize::from(index)).map_or(index, |part| part.parent);
-            if parent == index {
-                break;
-            }
-            index = parent;
-        }
-        if let Some(part) = self.parts.get_mut(usize::from(part)) {
-            part.parent = index;
-        }
-        index
-    }
-
-    fn unite(&mut self, a: u16, b: u16) -> u16 {
-        if a == b {
-            return a;
-        }
-        let (kept, given) = (a.min(b), a.max(b));
-        let other = self.parts.get(usize::from(given)).copied();
-        if let Some(part) = self.parts.get_mut(usize::from(given)) {
-            part.parent = kept;
-        }
-        if let (Some(part), Some(other)) = (self.parts.get_mut(usize::from(kept)), other) {
-            part.absorb(&other);
-        }
-        kept
+        part.ok()
     }
 
     /// The finished things.
     pub(super) fn things(&self) -> impl Iterator<Item = &BandPart> {
-        let own = |(index, part): &(usize, &BandPart)| usize::from(part.parent) == *index;
-        self.parts.iter().enumerate().filter(own).map(|(_, part)| part)
+        self.parts.finished()
     }
 }
 
@@ -196,7 +149,6 @@ fn part(point: &FloorPoint, pixel: [usize; 2], depth_m: f32) -> BandPart {
     let place = [point.right_m, point.ahead_m, point.height_m];
     let pixel = pixel.map(|value| u16::try_from(value).unwrap_or(u16::MAX));
     BandPart {
-        parent: 0,
         low_m: place,
         high_m: place,
         sums_m: [point.right_m, point.ahead_m, depth_m],

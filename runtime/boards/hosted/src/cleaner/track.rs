@@ -91,18 +91,25 @@ impl Track {
         self.way.get(self.piece.0.saturating_sub(1)..self.piece.1).unwrap_or(&[])
     }
 
-    fn ahead(&mut self, pose: Pose2, pace: &Pace) -> Tracking {
+    /// Where on the piece the robot is; or that it need not go on, or cannot.
+    fn advance(&mut self, pose: Pose2) -> Result<Foot, Tracking> {
         let here = Point2::new(pose.x_m, pose.y_m);
-        let Some(foot) = foot_of(self.points(), (here, self.at - self.piece.0)) else {
-            return Tracking::Arrived;
-        };
+        let foot = foot_of(self.points(), (here, self.at - self.piece.0)).ok_or(Tracking::Arrived)?;
         self.at = self.piece.0 + foot.leg;
         if foot.left_m < 0.04 {
-            return Tracking::Arrived;
+            return Err(Tracking::Arrived);
         }
         if foot.off_m > LOST_M {
-            return Tracking::Lost;
+            return Err(Tracking::Lost);
         }
+        Ok(foot)
+    }
+
+    fn ahead(&mut self, pose: Pose2, pace: &Pace) -> Tracking {
+        let foot = match self.advance(pose) {
+            Ok(foot) => foot,
+            Err(end) => return end,
+        };
         let aim = aim_of(self.points(), &foot, LOOK_AHEAD_M);
         let in_robot = pose.inverse().transform(aim);
         let bearing_rad = in_robot.y_m.atan2(in_robot.x_m);
@@ -119,16 +126,8 @@ impl Track {
     }
 
     fn back(&mut self, pose: Pose2, pace: &Pace) -> Tracking {
-        let here = Point2::new(pose.x_m, pose.y_m);
-        let Some(foot) = foot_of(self.points(), (here, self.at - self.piece.0)) else {
-            return Tracking::Arrived;
-        };
-        self.at = self.piece.0 + foot.leg;
-        if foot.left_m < 0.04 {
-            return Tracking::Arrived;
-        }
-        if foot.off_m > LOST_M {
-            return Tracking::Lost;
+        if let Err(end) = self.advance(pose) {
+            return end;
         }
         let heading_rad = self.way.get(self.at).map_or(pose.heading_rad, |at| at.pose.heading_rad);
         let error_rad = wrap_angle(heading_rad - pose.heading_rad);
