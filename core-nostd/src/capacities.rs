@@ -3,6 +3,11 @@
 //! Two profiles: the MCU (everything within 512 KiB of RAM) and, with feature `hosted`, a Linux computer. Running out
 //! of any of these is a value that the caller handles and counts, never a silent loss.
 
+/// So much room as is asked for, at most one's own. On the microcontroller nobody asks for less, and the compiler knows it.
+pub(crate) const fn room(asked: usize, own: usize) -> usize {
+    if cfg!(feature = "hosted") && asked < own { asked } else { own }
+}
+
 /// Laser rings of the sweep: a VLP-16 or Puck Hi-Res.
 pub const SWEEP_RINGS: usize = 16;
 /// Columns of the sweep: 1,808.4 firings per revolution at 600 rpm, rounded up to whole packets (76 × 24).
@@ -19,12 +24,18 @@ pub const SCAN_BEAMS_MAX: usize = 541;
 #[cfg(feature = "hosted")]
 pub const SCAN_BEAMS_MAX: usize = 2_751;
 /// Clusters kept of one sweep; the farthest are dropped first and counted.
-pub const CLUSTERS_MAX: usize = if cfg!(feature = "hosted") { 1_024 } else { 256 };
+pub const CLUSTERS_MAX: usize = if cfg!(feature = "hosted") { 1_024 } else { CLUSTERS_ON_BOARD };
+/// The same on the microcontroller.
+pub const CLUSTERS_ON_BOARD: usize = 256;
 /// Provisional names of things while a sweep is grouped: one for each place where something begins. A sweep of a hall needs
 /// some hundred, one through a tree some thousand; cells beyond stay ungrouped and are counted.
-pub const LABELS_MAX: usize = if cfg!(feature = "hosted") { 16_384 } else { 4_096 };
+pub const LABELS_MAX: usize = if cfg!(feature = "hosted") { 16_384 } else { LABELS_ON_BOARD };
+/// The same on the microcontroller.
+pub const LABELS_ON_BOARD: usize = 4_096;
 /// People tracked at once; the farthest are dropped first and counted.
-pub const TRACKS_MAX: usize = if cfg!(feature = "hosted") { 128 } else { 32 };
+pub const TRACKS_MAX: usize = if cfg!(feature = "hosted") { 128 } else { TRACKS_ON_BOARD };
+/// The same on the microcontroller.
+pub const TRACKS_ON_BOARD: usize = 32;
 /// Poses kept for de-skewing and stamping: 1.28 s at 100 Hz (algorithms L.2).
 pub const POSE_HISTORY: usize = 128;
 /// Vertices of a protective or warning field.

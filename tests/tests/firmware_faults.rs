@@ -15,11 +15,17 @@ const STACK_BYTES: usize = 64 << 20;
 /// Room for a tape in the board's memory.
 const TAPE_BYTES_MAX: usize = (16 << 20) - (128 << 10);
 
+/// Trials that once differed, by seed and number: a sweep put together from wrong packets seems to show 75 people, the
+/// board has room for 32, and the host followed them all.
+const FINDINGS: [(u64, u64); 1] = [(2, 496)];
+
 fn run(slice: &Slice, emulator: &Emulator) {
     let mut counts = BTreeMap::<Cell, u64>::new();
     let (mut stops, mut runs, mut failures) = (0, 0, Vec::new());
-    for trial in slice.trials.clone() {
-        let Some((cell, outcome, tape)) = taped_fault_trial(slice.seed, trial) else { continue };
+    let findings = if slice.trials.start == 0 { &FINDINGS[..] } else { &[] };
+    for (seed, trial) in findings.iter().copied().chain(slice.trials.clone().map(|trial| (slice.seed, trial)))
+    {
+        let Some((cell, outcome, tape)) = taped_fault_trial(seed, trial) else { continue };
         runs += 1;
         *counts.entry(cell).or_default() += 1;
         let Some(verdict) = outcome.verdict.filter(|_| outcome.failure.is_none()) else {

@@ -3,7 +3,7 @@
 use heapless::Vec;
 
 use super::joint::{GROUP_DETECTIONS, GROUP_TRACKS, JointGroup};
-use crate::capacities::TRACKS_MAX;
+use crate::capacities::{TRACKS_MAX, room};
 
 /// How detections are given to tracks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -18,9 +18,12 @@ pub enum Association {
 }
 
 /// Detections that take part in one association.
-pub const DETECTIONS_MAX: usize = 2 * TRACKS_MAX;
+pub const DETECTIONS_MAX: usize = DETECTIONS_A_TRACK * TRACKS_MAX;
+/// Room for detections, for each track.
+pub(super) const DETECTIONS_A_TRACK: usize = 2;
 /// Pairs of one association: each track may have eight detections within its gate.
-const PAIRS_MAX: usize = 8 * TRACKS_MAX;
+const PAIRS_MAX: usize = PAIRS_A_TRACK * TRACKS_MAX;
+const PAIRS_A_TRACK: usize = 8;
 
 /// A detection within the gate of a track.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +38,8 @@ struct Pair {
 #[derive(Clone, Debug)]
 pub(super) struct Associator {
     pairs: Vec<Pair, PAIRS_MAX>,
+    /// Pairs that may be kept.
+    pairs_max: usize,
     /// Detection of each track.
     matches: [Option<u16>; TRACKS_MAX],
     used: [bool; DETECTIONS_MAX],
@@ -59,6 +64,7 @@ impl Associator {
     pub(super) const fn new() -> Self {
         Self {
             pairs: Vec::new(),
+            pairs_max: PAIRS_MAX,
             matches: [None; TRACKS_MAX],
             used: [false; DETECTIONS_MAX],
             unsolved: [true; TRACKS_MAX],
@@ -68,8 +74,10 @@ impl Associator {
         }
     }
 
-    pub(super) fn clear(&mut self) {
+    /// Begins anew, for so many tracks at most.
+    pub(super) fn clear(&mut self, tracks_max: usize) {
         self.pairs.clear();
+        self.pairs_max = tracks_max.saturating_mul(PAIRS_A_TRACK);
         self.matches = [None; TRACKS_MAX];
         self.used = [false; DETECTIONS_MAX];
         self.unsolved = [true; TRACKS_MAX];
@@ -77,7 +85,8 @@ impl Associator {
 
     /// A pair within the gate.
     pub(super) fn add(&mut self, track: usize, detection: usize, cost: f32) {
-        if self.pairs.push(Pair { cost, track: track as u16, detection: detection as u16 }).is_err() {
+        let pair = Pair { cost, track: track as u16, detection: detection as u16 };
+        if self.pairs.len() >= room(self.pairs_max, PAIRS_MAX) || self.pairs.push(pair).is_err() {
             self.dropped_pairs = self.dropped_pairs.saturating_add(1);
         }
     }

@@ -8,7 +8,9 @@ use heapless::Vec;
 
 use super::labels::{Labels, Mark, NONE};
 use super::projection::{ColumnFrame, RingAngles};
-use crate::capacities::{CLUSTERS_MAX, LABELS_MAX, SWEEP_COLUMNS, SWEEP_RINGS};
+use crate::capacities::{
+    CLUSTERS_MAX, CLUSTERS_ON_BOARD, LABELS_MAX, LABELS_ON_BOARD, SWEEP_COLUMNS, SWEEP_RINGS, room,
+};
 use crate::geometry::Point3;
 
 /// When cells belong together.
@@ -20,11 +22,25 @@ pub struct ClusterLimits {
     pub points_min: u16,
     /// Returns farther than this are not grouped, metres (A.1: the outermost ring ends at 40 m).
     pub range_max_m: f32,
+    /// Things kept, at most `CLUSTERS_MAX`.
+    pub things_max: usize,
+    /// Provisional names, at most `LABELS_MAX`.
+    pub labels_max: usize,
 }
 
 impl ClusterLimits {
     /// The values of the parameters' own documentation.
-    pub const DEFAULT: Self = Self { gap_m: 0.2, points_min: 5, range_max_m: 40.0 };
+    pub const DEFAULT: Self = Self {
+        gap_m: 0.2,
+        points_min: 5,
+        range_max_m: 40.0,
+        things_max: CLUSTERS_MAX,
+        labels_max: LABELS_MAX,
+    };
+
+    /// With the room of the microcontroller: the same input gives the same things on every machine.
+    pub const AS_ON_BOARD: Self =
+        Self { things_max: CLUSTERS_ON_BOARD, labels_max: LABELS_ON_BOARD, ..Self::DEFAULT };
 }
 
 impl Default for ClusterLimits {
@@ -140,8 +156,8 @@ impl Clusterer {
     }
 
     /// Starts a sweep.
-    pub(super) fn clear(&mut self) {
-        self.labels.clear();
+    pub(super) fn clear(&mut self, limits: &ClusterLimits) {
+        self.labels.clear(limits.labels_max);
         (self.recent, self.first) = ([NO_OBSTACLES; RECENT], [NO_OBSTACLES; COLUMNS_BACK]);
         self.columns = 0;
         self.clusters.clear();
@@ -326,9 +342,12 @@ impl Clusterer {
             Mark::Cells(cells) if cells < limits.points_min => return None,
             Mark::Cells(_) => {}
         }
-        let index = match self.clusters.push(Cluster::start(root, first)) {
-            Ok(()) => self.clusters.len().checked_sub(1),
-            Err(fresh) => self.replace_farthest(fresh),
+        let fresh = Cluster::start(root, first);
+        let index = self.clusters.len();
+        let index = if index < room(limits.things_max, CLUSTERS_MAX) && self.clusters.push(fresh).is_ok() {
+            Some(index)
+        } else {
+            self.replace_farthest(fresh)
         };
         self.labels.set_cluster(root, index);
         index

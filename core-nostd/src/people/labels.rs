@@ -3,7 +3,7 @@
 //! A cell takes the label of a neighbour that it belongs to; only where two labels meet must be remembered that they
 //! are one. So the table is as large as there are labels, not cells.
 
-use crate::capacities::LABELS_MAX;
+use crate::capacities::{LABELS_MAX, room};
 
 /// A cell that belongs to nothing.
 pub(super) const NONE: u16 = u16::MAX;
@@ -33,20 +33,25 @@ pub(super) struct Labels {
     parents: [u16; LABELS_MAX],
     marks: [u16; LABELS_MAX],
     used: usize,
+    /// Labels that may be used.
+    room: usize,
 }
 
 impl Labels {
     pub(super) const fn new() -> Self {
-        Self { parents: [0; LABELS_MAX], marks: [0; LABELS_MAX], used: 0 }
+        Self { parents: [0; LABELS_MAX], marks: [0; LABELS_MAX], used: 0, room: LABELS_MAX }
     }
 
-    /// Forgets everything.
-    pub(super) fn clear(&mut self) {
-        self.used = 0;
+    /// Forgets everything, and has room for so many labels, at most `LABELS_MAX`.
+    pub(super) fn clear(&mut self, labels_max: usize) {
+        (self.used, self.room) = (0, labels_max);
     }
 
     /// A label that nothing has yet; `None` if there is no more.
     pub(super) fn fresh(&mut self) -> Option<u16> {
+        if self.used >= room(self.room, LABELS_MAX) {
+            return None;
+        }
         let (parent, mark) = (self.parents.get_mut(self.used)?, self.marks.get_mut(self.used)?);
         let label = self.used as u16;
         (*parent, *mark) = (label, 0);

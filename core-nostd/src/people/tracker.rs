@@ -2,13 +2,13 @@
 
 use heapless::Vec;
 
-use super::association::{Association, Associator, DETECTIONS_MAX};
+use super::association::{Association, Associator, DETECTIONS_A_TRACK, DETECTIONS_MAX};
 use super::candidates::Detection;
 use super::filter::ConstantVelocity;
 use super::memory::best_of;
 use super::sensors::PeopleSensor;
 use super::track::{Track, TrackStatus};
-use crate::capacities::TRACKS_MAX;
+use crate::capacities::{TRACKS_MAX, TRACKS_ON_BOARD, room};
 use crate::geometry::Point2;
 use crate::time::{Age, Stamp};
 
@@ -51,6 +51,8 @@ pub struct TrackerParameters {
     pub looks_share: f32,
     /// The same when somebody is recalled: several looks on either side.
     pub recall_looks_share: f32,
+    /// Tracks at once, at most `TRACKS_MAX`. Twice as many detections and eight times as many pairs take part.
+    pub tracks_max: usize,
 }
 
 impl TrackerParameters {
@@ -71,10 +73,19 @@ impl TrackerParameters {
         hidden_gate_m: 1.5,
         looks_share: 0.5,
         recall_looks_share: 1.0,
+        tracks_max: TRACKS_MAX,
     };
 
     /// Whatever people look like does not count: as on the board, which keeps no reflectivities.
     pub const WITHOUT_LOOKS: Self = Self { looks_share: 0.0, recall_looks_share: 0.0, ..Self::DEFAULT };
+
+    /// With the room of the microcontroller, too: the same input gives the same tracks on every machine.
+    pub const AS_ON_BOARD: Self = Self { tracks_max: TRACKS_ON_BOARD, ..Self::WITHOUT_LOOKS };
+
+    /// Detections that take part in one association.
+    pub(super) fn detections_max(&self) -> usize {
+        room(self.tracks_max.saturating_mul(DETECTIONS_A_TRACK), DETECTIONS_MAX)
+    }
 }
 
 impl Default for TrackerParameters {
@@ -132,6 +143,11 @@ impl Tracker {
         }
     }
 
+    /// Detections that take part in one association.
+    pub(super) fn detections_max(&self) -> usize {
+        self.parameters.detections_max()
+    }
+
     /// The tracks, oldest first.
     #[must_use]
     pub fn tracks(&self) -> &[Track] {
@@ -165,7 +181,7 @@ impl Tracker {
         }
         self.recall(seen.stamp);
         self.delete(seen.stamp);
-        for (column, detection) in seen.detections.iter().enumerate().take(DETECTIONS_MAX) {
+        for (column, detection) in seen.detections.iter().enumerate().take(self.parameters.detections_max()) {
             if !self.associator.is_used(column) {
                 self.create(look, detection);
             }
@@ -255,9 +271,10 @@ impl Tracker {
     /// gate take part.
     #[inline(never)]
     fn associate(&mut self, look: (PeopleSensor, Stamp), (detections, late_s): (&[Detection], f32)) {
-        self.associator.clear();
+        self.associator.clear(self.parameters.tracks_max);
+        let detections_max = self.parameters.detections_max();
         for row in 0..self.tracks.len().min(TRACKS_MAX) {
-            for (column, detection) in detections.iter().enumerate().take(DETECTIONS_MAX) {
+            for (column, detection) in detections.iter().enumerate().take(detections_max) {
                 if let Some(cost) = self.tracks.get(row).and_then(|track| self.cost(track, detection)) {
                     self.associator.add(row, column, cost);
                 }
@@ -303,7 +320,7 @@ impl Tracker {
     /// Out of room: the farthest track goes first, because near ones matter (algorithms 0.3). False if everybody is
     /// nearer than `distance_m`.
     fn make_room(&mut self, distance_m: f32) -> bool {
-        if !self.tracks.is_full() {
+        if self.tracks.len() < room(self.parameters.tracks_max, TRACKS_MAX) {
             return true;
         }
         self.dropped = self.dropped.saturating_add(1);

@@ -67,6 +67,21 @@ fn near_people_push_out_far_ones() {
     assert_eq!((tracker.tracks().len(), tracker.dropped), (TRACKS_MAX, 2));
 }
 
+/// A computer that repeats what the microcontroller does has the same room, and the same people fall out.
+#[test]
+fn as_on_board_there_is_room_for_fewer() {
+    let mut tracker = std::boxed::Box::new(Tracker::new(TrackerParameters::AS_ON_BOARD));
+    let at = |index: usize| sighting(3.0 + index as f32, 0.0);
+    let crowd: std::vec::Vec<_> = (0..2 * TRACKS_ON_BOARD).rev().map(at).collect();
+    tracker.update(Stamp::from_micros(0), &crowd, |_| true);
+    assert_eq!((tracker.tracks().len(), tracker.dropped), (TRACKS_ON_BOARD, TRACKS_ON_BOARD as u32));
+    assert!(tracker.tracks().iter().all(|track| track.state.position.x_m < 3.0 + TRACKS_ON_BOARD as f32));
+    let mut tracker = std::boxed::Box::new(Tracker::new(TrackerParameters::AS_ON_BOARD));
+    let more: std::vec::Vec<_> = crowd.iter().copied().chain([sighting(1.0, 0.0)]).collect();
+    tracker.update(Stamp::from_micros(0), &more, |_| true);
+    assert!(tracker.tracks().iter().all(|track| track.state.position.x_m > 2.0), "one sighting too many");
+}
+
 /// D.7: a little late moves whom it fits, with more doubt, and begins nobody; much too late is refused.
 #[test]
 fn what_is_late_only_moves_and_what_is_too_late_is_refused_and_counted() {

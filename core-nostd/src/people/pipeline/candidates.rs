@@ -47,7 +47,7 @@ impl PeoplePipeline {
     ) -> Option<usize> {
         self.counters.candidates = self.counters.candidates.saturating_add(1);
         let mut slot = self.detections.len();
-        if let Err(detection) = self.detections.push(detection) {
+        if slot >= self.tracker.detections_max() || self.detections.push(detection).is_err() {
             self.counters.dropped_candidates = self.counters.dropped_candidates.saturating_add(1);
             let others = self.detections.iter_mut().enumerate();
             let farthest = others.max_by(|(_, a), (_, b)| a.distance_m.total_cmp(&b.distance_m));

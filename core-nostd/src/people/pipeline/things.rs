@@ -15,7 +15,7 @@ impl PeoplePipeline {
     /// Floor and clusters.
     pub fn find_things(&mut self, sweep: &Sweep, context: &SweepContext) {
         self.counters = PeopleCounters::default();
-        self.clusterer.clear();
+        self.clusterer.clear(&self.cluster_limits);
         self.visibility.clear();
         let frames = SweepFrame::new(sweep, &context.sensor_in_base, context.twist);
         let mut obstacles = Obstacles::default();

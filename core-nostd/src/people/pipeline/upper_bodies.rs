@@ -28,7 +28,7 @@ impl PeoplePipeline {
         if !self.things.iter().any(too_wide) {
             return;
         }
-        self.clusterer.clear();
+        self.clusterer.clear(&self.cluster_limits);
         let frames = SweepFrame::new(sweep, &context.sensor_in_base, context.twist);
         let mut obstacles = Obstacles::default();
         let mut profile = frames.still(&SweepColumn::UNKNOWN).profile(&self.angles);

@@ -121,7 +121,7 @@ pub fn taped_fault_trial(seed: u64, trial: u64) -> Option<(Cell, RunOutcome, Vec
         Err(broken) => return Some((cell, *broken, Vec::new())),
     };
     trial.run.plan.stages = Stages::AsOnBoard;
-    // What a coarse lidar sees falls into more things than the board can follow at once, and the host follows them all.
+    // Most of the time goes into the emulator: the board is told every firing.
     trial.run.plan.lidar_grain = 1;
     let mut witnesses = Witnesses::default();
     witnesses.tape = Tape::new(&trial.run.plan);

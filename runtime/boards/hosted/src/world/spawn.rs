@@ -7,7 +7,7 @@ use floorguard_core::legs::PeopleByLegs;
 use floorguard_core::motion::{MotionDetector, MotionParameters};
 use floorguard_core::odometry::PoseHistory;
 use floorguard_core::people::{
-    PeopleOutput, PeoplePipeline, RingAngles, SweepContext, Track, TrackerParameters,
+    ClusterLimits, PeopleOutput, PeoplePipeline, RingAngles, SweepContext, Track, TrackerParameters,
 };
 use floorguard_core::sensing::{Scan, Sweep};
 use floorguard_core::time::Stamp;
@@ -66,8 +66,8 @@ pub enum Stages {
     /// Everything.
     #[default]
     All,
-    /// What also runs on the microcontroller, bit for bit: without the verdict on what moves, which takes more memory
-    /// than it has.
+    /// What also runs on the microcontroller, bit for bit: with its room for things and people, and without the verdict
+    /// on what moves, which takes more memory than it has.
     AsOnBoard,
 }
 
@@ -150,14 +150,16 @@ pub fn new_perception(robot: &RobotConfiguration, stages: Stages) -> Box<HostedP
         LidarModel::PuckHiRes => RingAngles::even(-10.0, 4.0 / 3.0),
         _ => RingAngles::vlp16(),
     };
-    // The board keeps no reflectivities, so it does not know what people look like.
-    let tracker = match stages {
-        Stages::All => TrackerParameters::DEFAULT,
-        Stages::AsOnBoard => TrackerParameters::WITHOUT_LOOKS,
+    // The board keeps no reflectivities, so it does not know what people look like; and it has less room.
+    let (things, tracker) = match stages {
+        Stages::All => (ClusterLimits::DEFAULT, TrackerParameters::DEFAULT),
+        Stages::AsOnBoard => (ClusterLimits::AS_ON_BOARD, TrackerParameters::AS_ON_BOARD),
     };
+    let mut people = PeoplePipeline::with_tracker(angles, tracker);
+    people.cluster_limits = things;
     Box::new(PerceptionState {
         building: Sweep::EMPTY,
-        people: PeoplePipeline::with_tracker(angles, tracker),
+        people,
         motion: HostedMotion::new(stages),
         legs: PeopleByLegs::new(),
         scan: Scan::EMPTY,
