@@ -56,52 +56,90 @@ impl Gprmc {
     /// # Errors
     /// [`GprmcError`]; the sentence is not to be used.
     pub fn parse(sentence: &str) -> Result<Self, GprmcError> {
-        let body = sentence.strip_prefix('$').ok_or(GprmcError::Other)?;
-        let (body, digits) = body.split_once('*').unwrap_or((body, ""));
-        let computed = body.bytes().fold(0, |sum, byte| sum ^ byte);
-        if u8::from_str_radix(digits, 16) != Ok(computed) {
+        let [b'$', sentence @ ..] = sentence.as_bytes() else { return Err(GprmcError::Other) };
+        let [body, sum] = parts(sentence, b'*');
+        let computed = body.iter().fold(0, |sum, byte| sum ^ byte);
+        let length = body.len().saturating_add(1).saturating_add(sum.len());
+        if length != sentence.len() || hexadecimal(sum) != Some(computed) {
             return Err(GprmcError::Checksum { computed });
         }
-        let mut fields = body.split(',');
-        if !matches!(fields.next(), Some("GPRMC" | "GNRMC")) {
+        let [name, time, validity, latitude, north, longitude, east] = parts(body, b',');
+        if !matches!(name, b"GPRMC" | b"GNRMC") {
             return Err(GprmcError::Other);
         }
-        let mut next = || fields.next().unwrap_or_default();
-        let (time, validity) = (next(), next());
-        let (latitude, north) = (next(), next());
-        let (longitude, east) = (next(), next());
         let place = if latitude.is_empty() && longitude.is_empty() {
             None
         } else {
             Some(Place {
-                latitude_deg: degrees(latitude, north, ("N", "S"), 90.0).ok_or(GprmcError::Field(3))?,
-                longitude_deg: degrees(longitude, east, ("E", "W"), 180.0).ok_or(GprmcError::Field(5))?,
+                latitude_deg: degrees(latitude, north, (b'N', b'S'), 90.0).ok_or(GprmcError::Field(3))?,
+                longitude_deg: degrees(longitude, east, (b'E', b'W'), 180.0).ok_or(GprmcError::Field(5))?,
             })
         };
         let seconds_of_day = seconds_of_day(time).ok_or(GprmcError::Field(1))?;
-        Ok(Self { is_valid: validity == "A", seconds_of_day, place })
+        Ok(Self { is_valid: validity == b"A", seconds_of_day, place })
     }
 }
 
+/// What stands between the marks; what there is not is empty.
+fn parts<const N: usize>(text: &[u8], mark: u8) -> [&[u8]; N] {
+    let mut parts = [[].as_slice(); N];
+    for (slot, part) in parts.iter_mut().zip(text.split(|byte| *byte == mark)) {
+        *slot = part;
+    }
+    parts
+}
+
+/// Two digits of a sum.
+fn hexadecimal(digits: &[u8]) -> Option<u8> {
+    let &[high, low] = digits else { return None };
+    let value = |digit: u8| char::from(digit).to_digit(16).and_then(|value| u8::try_from(value).ok());
+    Some(value(high)? << 4 | value(low)?)
+}
+
 /// `hhmmss` with any fraction, which is dropped; a leap second counts.
-fn seconds_of_day(time: &str) -> Option<u32> {
-    let two = |range: core::ops::Range<usize>, limit: u32| -> Option<u32> {
-        time.get(range)?.parse().ok().filter(|value| *value < limit)
+fn seconds_of_day(time: &[u8]) -> Option<u32> {
+    let &[h, hh, m, mm, s, ss, ..] = time else { return None };
+    let two = |tens: u8, ones: u8, limit: u32| {
+        let (tens, ones) = (char::from(tens).to_digit(10)?, char::from(ones).to_digit(10)?);
+        Some(tens * 10 + ones).filter(|value| *value < limit)
     };
-    Some(two(0..2, 24)? * 3_600 + two(2..4, 60)? * 60 + two(4..6, 61)?)
+    Some(two(h, hh, 24)? * 3_600 + two(m, mm, 60)? * 60 + two(s, ss, 61)?)
+}
+
+/// Below this another digit fits so that the whole number stays exact in a double.
+const ONE_MORE_DIGIT: u64 = 100_000_000_000_000;
+
+/// Digits with a point or without, correctly rounded: the quotient of two numbers that are exact. The library's reader can panic,
+/// as far as the compiler knows.
+fn decimal(text: &[u8]) -> Option<f64> {
+    let [b'0'..=b'9', ..] = text else { return None };
+    let (mut digits, mut scale, mut is_fraction) = (0_u64, 1.0, false);
+    for byte in text {
+        match byte {
+            b'0'..=b'9' if digits < ONE_MORE_DIGIT => {
+                digits = digits.saturating_mul(10).saturating_add(u64::from(byte & 0x0F));
+                scale = if is_fraction { scale * 10.0 } else { scale };
+            }
+            // Finer than a double tells.
+            b'0'..=b'9' if is_fraction => {}
+            b'.' if !is_fraction => is_fraction = true,
+            _ => return None,
+        }
+    }
+    Some(digits as f64 / scale)
 }
 
 /// `ddmm.mmm` or `dddmm.mmm` and its hemisphere.
-fn degrees(value: &str, hemisphere: &str, (plus, minus): (&str, &str), limit_deg: f64) -> Option<f64> {
-    let value: f64 = value.parse().ok()?;
+fn degrees(value: &[u8], hemisphere: &[u8], (plus, minus): (u8, u8), limit_deg: f64) -> Option<f64> {
+    let value = decimal(value)?;
     let whole = libm::floor(value / 100.0);
     let minutes = value - whole * 100.0;
     let degrees = whole + minutes / 60.0;
     let is_possible = (0.0..60.0).contains(&minutes) && (0.0..=limit_deg).contains(&degrees);
-    match hemisphere {
+    match *hemisphere {
         _ if !is_possible => None,
-        east_or_north if east_or_north == plus => Some(degrees),
-        west_or_south if west_or_south == minus => Some(-degrees),
+        [letter] if letter == plus => Some(degrees),
+        [letter] if letter == minus => Some(-degrees),
         _ => None,
     }
 }
@@ -138,6 +176,38 @@ mod tests {
         assert_eq!(place("4900.0,N,18000.1,W"), field(5));
         assert_eq!(place(",,00000.0,E"), field(3), "half a place is none");
         assert_eq!(place("4900.0,N,,"), field(5));
+    }
+
+    #[test]
+    fn numbers_are_read_to_the_bit_and_nothing_else_is_one() {
+        for text in [
+            "0",
+            "4807.038",
+            "01131.000",
+            "4916.450000",
+            "12311.123456789",
+            "9000.0",
+            "7.",
+            "0000000000000004.5",
+        ] {
+            assert_eq!(decimal(text.as_bytes()), text.parse().ok(), "{text}");
+        }
+        let long = decimal(b"4916.45000000000000000000009").unwrap();
+        assert!((long - 4916.45).abs() < 1.0e-9, "{long}");
+        for text in ["", ".", ".5", "-1", "+1", "1e3", "1.2.3", "inf", "NaN", "1 ", "1234567890123456"] {
+            assert_eq!(decimal(text.as_bytes()), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_sum_has_two_digits_and_nothing_behind_them() {
+        assert_eq!(hexadecimal(b"7f"), Some(0x7F));
+        for text in ["7", "07F", "G0", "0G", ""] {
+            assert_eq!(hexadecimal(text.as_bytes()), None, "{text}");
+        }
+        for text in ["$GPRMC,225446*64*", "$GPRMC,225446*64*0", "$GPRMC,225446"] {
+            assert_eq!(Gprmc::parse(text), Err(GprmcError::Checksum { computed: 0x64 }), "{text}");
+        }
     }
 
     #[test]

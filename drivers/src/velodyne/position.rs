@@ -100,7 +100,7 @@ impl<'a> PositionPacket<'a> {
         let bytes = self.bytes.get(field::SENTENCE).unwrap_or_default();
         let end = bytes.iter().position(|byte| matches!(byte, 0 | b'\r' | b'\n')).unwrap_or(bytes.len());
         let line = bytes.get(..end).unwrap_or_default();
-        if line.is_ascii() { core::str::from_utf8(line).unwrap_or_default() } else { "" }
+        if line.iter().all(u8::is_ascii) { core::str::from_utf8(line).unwrap_or_default() } else { "" }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use core::hint::black_box;
 
-use floorguard_core::floor::{FloorModel, ObjectFinder, ObjectMemory, PixelClass};
+use floorguard_core::floor::{FloorEstimate, FloorModel, ObjectFinder, ObjectMemory, PixelClass};
 use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_core::legs::{LegDetector, LegTracker};
 use floorguard_core::motion::{MotionDetector, find_moving_people};
@@ -40,7 +40,10 @@ pub fn all(state: &mut Perception, now: Stamp) {
     root_people(&mut state.people, &state.sweep, &state.context);
     root_motion(&mut state.motion, &mut state.people, &state.sweep, &state.context);
     root_legs(&mut state.legs, &mut state.leg_tracker, &state.scan);
-    root_floor(state, now);
+    if let Ok(image) = DepthImage::new(now, black_box((640, 480)), state.depth) {
+        let estimate = root_floor_plane(state, &image, now);
+        root_floor_objects(state, &image, &estimate);
+    }
     root_odometry(state, now);
 }
 
@@ -65,11 +68,14 @@ fn root_legs(detector: &mut LegDetector, tracker: &mut LegTracker, scan: &Scan) 
 }
 
 #[inline(never)]
-fn root_floor(state: &mut Perception, now: Stamp) {
-    let Ok(image) = DepthImage::new(now, (640, 480), state.depth) else { return };
-    let estimate = state.floor.update(&image, now);
+fn root_floor_plane(state: &mut Perception, image: &DepthImage, now: Stamp) -> FloorEstimate {
+    state.floor.update(image, now)
+}
+
+#[inline(never)]
+fn root_floor_objects(state: &mut Perception, image: &DepthImage, estimate: &FloorEstimate) {
     let parameters = *state.floor.parameters();
-    if let Ok(found) = state.finder.find(&image, (&parameters, &estimate), state.classes) {
+    if let Ok(found) = state.finder.find(image, (&parameters, estimate), state.classes) {
         black_box(state.memory.update(&found, state.pose));
     }
 }

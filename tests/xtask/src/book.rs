@@ -114,6 +114,7 @@ fn includes_and_links_of_the_book_lead_somewhere() {
         for place in places(&chapter(&source.join(name))) {
             let target = source.join(place.split('#').next().unwrap_or_default());
             assert!(target.exists(), "{name} links to {place}, which is not there");
+            assert!(!place.starts_with("../"), "{name} links to {place}: a page cannot lead out of the book");
             let is_chapter = chapters.contains(&place.split('#').next().unwrap_or_default().to_owned());
             assert!(is_chapter || !place.contains(".md"), "{name} links to {place}, which is no chapter");
             links += 1;

@@ -43,7 +43,7 @@ const RAM_MAX: u64 = 448 << 10;
 /// Bytes of the black box across resets, outside of that memory: SRAM4 of the chip, PSRAM of the emulated board.
 const KEPT_MAX: u64 = 64 << 10;
 /// Bytes of stack: three quarters of what the chip has for it, SRAM1 to 3.
-const STACK_MAX: u64 = (288 << 10) / 4 * 3;
+pub const STACK_MAX: u64 = (288 << 10) / 4 * 3;
 /// Interrupt handlers of the images by level, the guard's executor first.
 const BOARD_HANDLERS: &[&[&str]] = &[
     &["GUARD_EXECUTOR"],

@@ -30,6 +30,9 @@ fn fg_req_002_every_cause_has_its_slot_and_its_action() {
         );
         // What turns the torque off can never be driven away from.
         assert!(cause.action() <= Action::Category2 || cause.escape() == Escape::Never, "{cause:?}");
+        // The audit's page shows these lines.
+        let (action, clear, escape) = (cause.action(), cause.clear(), cause.escape());
+        std::println!("cause: {cause:?} | {action} | {clear:?} | {escape:?} | {cause}");
     }
 }
 

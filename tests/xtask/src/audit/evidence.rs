@@ -5,6 +5,7 @@ use super::dependencies::Dependency;
 use super::image::Image;
 use super::loops::LoopSite;
 use super::records::Records;
+use super::results::{CauseLine, Explored};
 use super::trace::Trace;
 use crate::mutants::Record;
 
@@ -22,10 +23,16 @@ pub struct Evidence {
     pub dependencies: Vec<Dependency>,
     /// What other commands measured.
     pub records: Records,
+    /// The fingerprint of core and drivers, as records keep it.
+    pub code: String,
     /// What mutation runs left alive.
     pub mutants: Vec<Record>,
     /// States and transitions of the guard, as SVG.
     pub states: String,
+    /// What the search over the guard's states saw.
+    pub explored: Explored,
+    /// The guard's causes, each with what it demands and how it clears.
+    pub causes: Vec<CauseLine>,
 }
 
 impl Evidence {

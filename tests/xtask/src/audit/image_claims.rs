@@ -133,6 +133,41 @@ fn rooms_linked(image: &Image, files: &[SourceFile]) -> Claim {
     }
 }
 
+/// The roots that the sources of the safety image write down, with their places.
+pub fn roots_of(text: &str) -> Vec<(usize, String)> {
+    let lines = text.lines().enumerate();
+    let named = lines.filter_map(|(index, line)| {
+        let name = line.trim_start().strip_prefix("fn root_")?.split(['(', '<']).next()?;
+        Some((index + 1, format!("root_{name}")))
+    });
+    named.collect()
+}
+
+/// Every root is a function of the image: what the optimiser takes away, because it knows that nothing comes of it, is not
+/// proven.
+pub fn roots_linked<'a>(functions: impl Iterator<Item = &'a str>, sources: &[(String, String)]) -> Claim {
+    let linked: BTreeSet<&str> = functions.filter_map(|name| name.rsplit("::").next()).collect();
+    let roots = sources.iter().flat_map(|(file, text)| {
+        roots_of(text).into_iter().map(move |(line, name)| (file.clone(), line, name))
+    });
+    let roots: Vec<_> = roots.collect();
+    let missing = roots.iter().filter(|(_, _, name)| !linked.contains(name.as_str()));
+    let finding = |(file, line, name): &(String, usize, String)| Finding {
+        place: file.clone(),
+        line: *line,
+        message: format!(
+            "{name} is not in the linked image: the compiler knows what it gets, and took it away; hand it over by black_box"
+        ),
+    };
+    let findings: Vec<Finding> = missing.map(finding).collect();
+    Claim {
+        id: "roots-linked",
+        text: "Every stage that the safety image calls is in the linked image.",
+        evidence: format!("{} of {} roots linked", roots.len() - findings.len(), roots.len()),
+        findings,
+    }
+}
+
 /// Each backward branch must belong to a listed loop, to a method of a fixed-size array, or to a named library.
 fn hidden_loops(image: &Image, sites: &[LoopSite]) -> Claim {
     let mut findings = BTreeSet::new();
@@ -207,5 +242,20 @@ fn stack(image: &Image) -> Claim {
         text: "No stage of the safety image needs more stack than its budget.",
         evidence: format!("{}; frames from the disassembly, assembly routines included", lines.join(", ")),
         findings,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_root_that_the_optimiser_took_away_is_named() {
+        let text = "#[inline(never)]\nfn root_here(bytes: &[u8]) {}\n\nfn root_gone<T>(state: T) {}\n";
+        let sources = [(String::from("tests/safety-image/src/drivers.rs"), text.to_owned())];
+        let claim = roots_linked(["image::drivers::root_here", "memcpy"].into_iter(), &sources);
+        assert_eq!(claim.findings.iter().map(|finding| finding.line).collect::<Vec<_>>(), [4]);
+        assert!(claim.findings[0].message.starts_with("root_gone"), "{:?}", claim.findings);
+        assert_eq!(claim.evidence, "1 of 2 roots linked");
     }
 }

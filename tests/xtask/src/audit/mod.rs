@@ -33,7 +33,7 @@ mod run;
 mod seen;
 #[cfg(test)]
 mod sneaky_tests;
-mod sources;
+pub mod sources;
 pub(crate) mod thumb;
 mod trace;
 mod unseen;

@@ -1,10 +1,10 @@
 //! States of the guard and the transitions that the search over the real code saw, as a picture.
 
-use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::Path;
 
 use super::claim::{Claim, Finding};
+use super::results::{Explored, Transition};
 
 /// Where the manual shows it.
 pub const PATH: &str = "docs/pictures/guard-states.svg";
@@ -20,9 +20,9 @@ const STATES: [(&str, f32, f32, &str); 5] = [
 const HALF: (f32, f32) = (80.0, 32.0);
 
 /// The picture. Arrows show which state can follow which; staying is not shown.
-pub fn svg(transitions: &BTreeSet<(String, String)>) -> String {
+pub fn svg(transitions: &[Transition]) -> String {
     let mut text = String::from(HEAD);
-    for (from, to) in transitions.iter().filter(|(from, to)| from != to) {
+    for Transition { from, to, .. } in transitions.iter().filter(|seen| seen.from != seen.to) {
         let place = |name: &str| STATES.iter().find(|state| state.0 == name).map(|state| (state.1, state.2));
         if let (Some(start), Some(end)) = (place(from), place(to)) {
             arrow(&mut text, start, end, from == "Latched");
@@ -52,23 +52,26 @@ fn arrow(text: &mut String, (x0, y0): (f32, f32), (x1, y1): (f32, f32), reset: b
     let (from, to) = (border(length), border(length) + 6.0);
     // To the right of its direction, so that there and back do not lie on one another.
     let (sx, sy) = (-uy * 12.0, ux * 12.0);
+    // Wide enough to pass by a state that stands between the two.
+    let bend = if length > 400.0 { 11.0 } else { 2.5 };
     let class = if reset { "arrow reset" } else { "arrow" };
     let _ = writeln!(
         text,
         "<path class='{class}' d='M{:.0} {:.0} Q{:.0} {:.0} {:.0} {:.0}'/>",
         x0 + ux * from + sx,
         y0 + uy * from + sy,
-        x0 + dx / 2.0 + sx * 2.5,
-        y0 + dy / 2.0 + sy * 2.5,
+        x0 + dx / 2.0 + sx * bend,
+        y0 + dy / 2.0 + sy * bend,
         x1 - ux * to + sx,
         y1 - uy * to + sy,
     );
 }
 
 /// The manual's picture is the one that the code gives today.
-pub fn claim(root: &Path, transitions: &BTreeSet<(String, String)>) -> Claim {
-    let current = std::fs::read_to_string(root.join(PATH)).is_ok_and(|kept| kept == svg(transitions));
-    let complaint = if transitions.is_empty() {
+pub fn claim(root: &Path, explored: &Explored) -> Claim {
+    let drawn = svg(&explored.transitions);
+    let current = std::fs::read_to_string(root.join(PATH)).is_ok_and(|kept| kept == drawn);
+    let complaint = if explored.transitions.is_empty() {
         Some("the search over the states did not run")
     } else {
         (!current).then_some("is not what the code does today: copy target/audit/guard-states.svg over it")
@@ -78,7 +81,13 @@ pub fn claim(root: &Path, transitions: &BTreeSet<(String, String)>) -> Claim {
     Claim {
         id: "states-pictured",
         text: "The picture of states and transitions in the safety manual is what the code does.",
-        evidence: format!("{} transitions seen by the search over all reachable states", transitions.len()),
+        evidence: format!(
+            "the search over all reachable states found {} of them, judged each of {} steps, and saw {} pairs of shown states \
+             follow one another",
+            explored.states,
+            explored.steps,
+            explored.transitions.len()
+        ),
         findings: findings.into_iter().collect(),
     }
 }
@@ -96,9 +105,9 @@ mod tests {
 
     #[test]
     fn arrows_are_drawn_for_what_was_seen_and_nothing_else() {
-        let seen =
-            [("Run", "Stop"), ("Latched", "Run"), ("Run", "Run")].map(|(a, b)| (a.to_owned(), b.to_owned()));
-        let picture = svg(&seen.into_iter().collect());
+        let seen = [("Run", "Stop"), ("Latched", "Run"), ("Run", "Run")];
+        let seen = seen.map(|(from, to)| Transition { from: from.to_owned(), to: to.to_owned(), steps: 1 });
+        let picture = svg(&seen);
         assert_eq!(picture.matches("class='arrow'").count(), 1);
         assert_eq!(picture.matches("class='arrow reset'").count(), 1);
         assert!(!picture.contains("NaN"));

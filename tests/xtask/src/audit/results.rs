@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::process::Stdio;
 
 use anyhow::{Context, Result};
+use serde::Serialize;
 
 use crate::shell;
 
@@ -12,8 +13,47 @@ use crate::shell;
 pub struct Results {
     /// By the name of the function. A name that stands in several places must pass in all.
     pub passed: BTreeMap<String, bool>,
-    /// State and following state, as the search over the guard's states prints them.
-    pub transitions: BTreeSet<(String, String)>,
+    /// What the search over the guard's states prints.
+    pub explored: Explored,
+    /// What each cause demands and how it clears, as the guard's own table says.
+    pub causes: Vec<CauseLine>,
+}
+
+/// What the search over all reachable states of the guard saw.
+#[derive(Default, Serialize)]
+pub struct Explored {
+    /// States that differ in more than the clock.
+    pub states: u64,
+    /// Steps between them, each of which was judged.
+    pub steps: u64,
+    /// Each pair of a shown state and the one that followed.
+    pub transitions: Vec<Transition>,
+}
+
+/// A shown state that followed another, or itself.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Transition {
+    /// The state before.
+    pub from: String,
+    /// The state after.
+    pub to: String,
+    /// Steps of the search that went this way.
+    pub steps: u64,
+}
+
+/// One cause of the guard.
+#[derive(Debug, PartialEq, Eq, Serialize)]
+pub struct CauseLine {
+    /// Its name in the code.
+    pub cause: String,
+    /// What it demands.
+    pub action: String,
+    /// How it may clear.
+    pub clears: String,
+    /// Where the robot may leave to meanwhile.
+    pub escape: String,
+    /// What people read.
+    pub words: String,
 }
 
 /// Runs them.
@@ -30,14 +70,36 @@ pub fn run(targets: &BTreeSet<String>) -> Result<Results> {
         .stderr(Stdio::inherit());
     let output = command.output().context("cannot start cargo test")?;
     let text = String::from_utf8_lossy(&output.stdout);
-    Ok(Results { passed: results_in(&text), transitions: transitions_in(&text) })
+    Ok(Results { passed: results_in(&text), explored: explored_in(&text), causes: causes_in(&text) })
 }
 
-/// Lines `campaign: FROM to TO = NUMBER`.
-fn transitions_in(text: &str) -> BTreeSet<(String, String)> {
+/// Lines `campaign: states = NUMBER` and `campaign: FROM to TO = NUMBER`.
+fn explored_in(text: &str) -> Explored {
+    let mut explored = Explored::default();
     let counted = text.lines().filter_map(|line| line.strip_prefix("campaign: ")?.split_once(" = "));
-    let pairs = counted.filter_map(|(name, _)| name.split_once(" to "));
-    pairs.map(|(from, to)| (from.to_owned(), to.to_owned())).collect()
+    for (name, count) in counted {
+        let steps = count.trim().parse().unwrap_or(0);
+        if name == "states" {
+            explored.states = steps;
+        } else if let Some((from, to)) = name.split_once(" to ") {
+            explored.steps += steps;
+            let (from, to) = (from.to_owned(), to.to_owned());
+            explored.transitions.push(Transition { from, to, steps });
+        }
+    }
+    explored
+}
+
+/// Lines `cause: NAME | ACTION | CLEARS | ESCAPE | WORDS`.
+fn causes_in(text: &str) -> Vec<CauseLine> {
+    let lines = text.lines().filter_map(|line| line.strip_prefix("cause: "));
+    let cells = lines.filter_map(|line| {
+        let mut cells = line.split(" | ").map(|cell| cell.trim().to_owned());
+        let mut next = || cells.next();
+        let (cause, action, clears, escape, words) = (next()?, next()?, next()?, next()?, next()?);
+        Some(CauseLine { cause, action, clears, escape, words })
+    });
+    cells.collect()
 }
 
 /// Lines `test PATH ... ok`. A test that prints has its result on a later line, which counts for nothing.
@@ -57,7 +119,7 @@ fn results_in(text: &str) -> BTreeMap<String, bool> {
 
 #[cfg(test)]
 mod tests {
-    use super::{results_in, transitions_in};
+    use super::{causes_in, explored_in, results_in};
 
     #[test]
     fn harness_lines_are_read() {
@@ -67,11 +129,21 @@ mod tests {
     }
 
     #[test]
-    fn transitions_are_read() {
-        let text = "---- x stdout ----\ncampaign: states = 7\ncampaign: Run to Stop = 3\n";
-        assert_eq!(
-            transitions_in(text).into_iter().collect::<Vec<_>>(),
-            [("Run".to_owned(), "Stop".to_owned())]
-        );
+    fn what_was_explored_is_read() {
+        let text = "---- x stdout ----\ncampaign: states = 7\ncampaign: transitions = 4\ncampaign: Run to Run = 1\n\
+                    campaign: Run to Stop = 3\n";
+        let explored = explored_in(text);
+        assert_eq!((explored.states, explored.steps, explored.transitions.len()), (7, 4, 2));
+        assert_eq!((explored.transitions[1].to.as_str(), explored.transitions[1].steps), ("Stop", 3));
+    }
+
+    #[test]
+    fn causes_are_read() {
+        let text =
+            "cause: Warning | limit | Quiet(500000) | Never | obstacle in the warning field\ncause: cut\n";
+        let causes = causes_in(text);
+        assert_eq!(causes.len(), 1);
+        assert_eq!((causes[0].cause.as_str(), causes[0].clears.as_str()), ("Warning", "Quiet(500000)"));
+        assert_eq!(causes[0].words, "obstacle in the warning field");
     }
 }

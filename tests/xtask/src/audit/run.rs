@@ -36,15 +36,17 @@ pub fn run(options: &Options) -> Result<bool> {
     claims.push(image_builds(image.is_some()));
     if let Some(image) = &image {
         claims.extend(image_claims::judge(image, &files, &sites));
+        let linked = image.functions.values().map(|function| function.name.as_str());
+        claims.push(image_claims::roots_linked(linked, &sources::of_the_image(&root)?));
     }
     let documents = trace::Sources::read(&root)?;
     let results = if image.is_some() { results::run(&documents.targets())? } else { Results::default() };
     let (trace, traced) = documents.trace(&results.passed);
     let (dependencies, known) = dependencies::read(&root)?;
-    claims.extend(traced.into_iter().chain([known, picture::claim(&root, &results.transitions)]));
+    claims.extend(traced.into_iter().chain([known, picture::claim(&root, &results.explored)]));
     let (mutants, noticed) = mutation::read(&root);
     claims.push(noticed);
-    let states = picture::svg(&results.transitions);
+    let states = picture::svg(&results.explored.transitions);
     let evidence = Evidence {
         claims,
         sites,
@@ -52,8 +54,11 @@ pub fn run(options: &Options) -> Result<bool> {
         trace,
         dependencies,
         records: records::read(&root),
+        code: sources::fingerprint(&files),
         mutants,
         states,
+        explored: results.explored,
+        causes: results.causes,
     };
     let folder = root.join("target/audit");
     report::write(&folder, &evidence)?;

@@ -11,4 +11,5 @@ mod state;
 
 #[cfg(test)]
 pub use kinds::exists;
+pub use record::code_today;
 pub use run::{Options, run};

@@ -5,16 +5,29 @@ use serde_json::{Value, json};
 
 use super::block::Counts;
 use super::{kinds::Kind, matrix};
+use crate::audit::sources;
 use crate::shell;
 
 const RECORD: &str = "docs/evidence/campaigns.json";
 
-/// Puts the result in the place of the last one of the same name and seed.
-pub fn keep(kind: &Kind, (seed, trials): (u64, u64), findings: usize, counts: &Counts) -> Result<()> {
+/// The fingerprint of core and drivers as they are now.
+pub fn code_today() -> Result<String> {
+    Ok(sources::fingerprint(&sources::read_layers(&shell::root())?))
+}
+
+/// Puts the result in the place of the last one of the same name and seed. The code is that which the trials ran.
+pub fn keep(
+    kind: &Kind,
+    (seed, trials): (u64, u64),
+    findings: usize,
+    (counts, code): (&Counts, Option<&str>),
+) -> Result<()> {
     let path = shell::root().join(RECORD);
     let text = std::fs::read_to_string(&path).unwrap_or_else(|_| String::from("[]"));
     let records: Vec<Value> = serde_json::from_str(&text).with_context(|| format!("{RECORD} is broken"))?;
-    let records = with(records, entry(kind, (seed, trials), findings, counts));
+    let mut new = entry(kind, (seed, trials), findings, counts);
+    new["code"] = json!(code);
+    let records = with(records, new);
     std::fs::write(&path, serde_json::to_string_pretty(&records)? + "\n")
         .with_context(|| format!("cannot write {RECORD}"))?;
     println!("recorded in {RECORD}");

@@ -55,11 +55,8 @@ pub fn run(options: &Options) -> Result<bool> {
     if options.fresh {
         let _ = std::fs::remove_file(&path);
     }
-    let test = own_copy(path.with_extension("program"), options.same_program, || block::build(kind))?;
-    let copy = || own_copy(path.with_extension("firmware"), options.same_program, firmware::tape_image);
-    let firmware = (kind.name == kinds::FIRMWARE_FAULTS).then(copy).transpose()?;
-    let state = State::load(&path, &fingerprint(&test, firmware.as_deref())?);
-    let program = block::Program { test, firmware };
+    let program = programs(kind, &path, options.same_program)?;
+    let state = State::load(&path, &fingerprint(&program.test, program.firmware.as_deref())?);
     let starts = state.missing(trials, kind.block);
     println!("{}: {trials} {}, seed {}; {} done before", kind.name, kind.trial, options.seed, state.trials);
     let bar = bar(trials, state.trials);
@@ -98,7 +95,8 @@ pub fn run(options: &Options) -> Result<bool> {
     let holds = shares::judge(kind.name, &state.counts);
     println!("{}: {} trials, {} findings; kept in {}", kind.name, state.trials, findings.len(), shown(&path));
     if options.record {
-        record::keep(kind, (options.seed, state.trials), findings.len(), &state.counts)?;
+        let code = std::fs::read_to_string(path.with_extension("code")).ok();
+        record::keep(kind, (options.seed, state.trials), findings.len(), (&state.counts, code.as_deref()))?;
     }
     Ok(findings.is_empty() && holds)
 }
@@ -120,6 +118,17 @@ fn show(state: &State) {
     if let Some(table) = matrix::table(&state.counts) {
         println!("{table}");
     }
+}
+
+/// What the campaign runs, and beside it the fingerprint of the code that it was built from.
+fn programs(kind: &kinds::Kind, path: &std::path::Path, same: bool) -> Result<block::Program> {
+    let test = own_copy(path.with_extension("program"), same, || {
+        std::fs::write(path.with_extension("code"), record::code_today()?)?;
+        block::build(kind)
+    })?;
+    let copy = || own_copy(path.with_extension("firmware"), same, firmware::tape_image);
+    let firmware = (kind.name == kinds::FIRMWARE_FAULTS).then(copy).transpose()?;
+    Ok(block::Program { test, firmware })
 }
 
 /// The campaign's own copy of the test or of the firmware: a build that goes on beside it must not change what the blocks run.

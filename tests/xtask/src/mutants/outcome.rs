@@ -24,6 +24,9 @@ pub struct Outcomes {
     /// What was built: with other tests or another code nothing is known.
     program: String,
     known: BTreeMap<String, Outcome>,
+    /// The fingerprint of core and drivers when the copy was made.
+    #[serde(skip)]
+    pub code: String,
     #[serde(skip)]
     path: PathBuf,
 }
@@ -34,7 +37,7 @@ impl Outcomes {
         let kept = fs::read_to_string(path).ok().and_then(|text| serde_json::from_str::<Self>(&text).ok());
         let kept = kept.filter(|kept| kept.program == program);
         let known = kept.map(|kept| kept.known).unwrap_or_default();
-        Self { program: program.to_owned(), known, path: path.to_owned() }
+        Self { program: program.to_owned(), known, path: path.to_owned(), ..Self::default() }
     }
 
     /// What is known of a mutant.

@@ -28,6 +28,9 @@ pub struct Record {
     /// Mutants that were not tried when the campaign was cut.
     #[serde(default)]
     pub untried: usize,
+    /// The fingerprint of core and drivers that were spoilt; empty: not recorded.
+    #[serde(default)]
+    pub code: String,
     /// Mutants that no test noticed.
     pub survivors: Vec<Survivor>,
 }

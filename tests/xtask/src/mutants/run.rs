@@ -22,6 +22,7 @@ use crate::shell;
 pub fn run(name: &str, fresh: bool) -> Result<Option<bool>> {
     let Some(part) = PARTS.iter().find(|part| part.name == name) else { return Ok(None) };
     let mutants = list::ask(part.package, part.files)?;
+    let code = crate::campaign::code_today()?;
     let (spoiled, refused) = Spoiled::make(part.package, &mutants)?;
     println!(
         "{name}: {} mutants, {} of which do not compile, {} are built by themselves, the others are in one program",
@@ -35,6 +36,7 @@ pub fn run(name: &str, fresh: bool) -> Result<Option<bool>> {
     }
     let first = part.suites.first().map(|suite| program(&spoiled, suite)).transpose()?;
     let mut outcomes = Outcomes::load(&path, &fingerprint(first.as_slice())?);
+    outcomes.code = code;
     for number in &refused.unviable {
         outcomes.book(&mutants[*number].name, Outcome::Unviable)?;
     }
@@ -155,6 +157,7 @@ fn result(part: &Part, mutants: &[Mutant], outcomes: &Outcomes, root: &Path) -> 
         caught,
         unviable: with(|outcome| outcome == Outcome::Unviable).count(),
         untried: mutants.iter().filter(|mutant| outcomes.of(&mutant.name).is_none()).count(),
+        code: outcomes.code.clone(),
         survivors,
     })
 }

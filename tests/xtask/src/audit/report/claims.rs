@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use super::explain;
+use super::manual::inline;
 use super::table::{Table, code, escape, source, verdict};
 use crate::audit::claim::Claim;
 
@@ -17,7 +18,7 @@ pub fn section(claims: &[Claim]) -> String {
     for claim in claims {
         let explanation = explain::of(claim.id);
         let how = explanation.map_or("", |explanation| explanation.how);
-        let mut text = format!("{}<br><b>{}</b>", escape(how), escape(&claim.evidence));
+        let mut text = format!("{}<br><b>{}</b>", escape(how), inline(&claim.evidence));
         if claim.id == "stack-budget" {
             text = format!("{}<br><b>each root and its chain: see the table</b>", escape(how));
         }

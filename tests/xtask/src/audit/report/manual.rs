@@ -28,7 +28,7 @@ pub fn chapter(manual: &str, heading: &str) -> String {
 }
 
 /// Code and emphasis within a line.
-fn inline(text: &str) -> String {
+pub fn inline(text: &str) -> String {
     let mut html = String::new();
     for (index, part) in escape(text).split('`').enumerate() {
         html.push_str(&if index % 2 == 1 { format!("<code>{part}</code>") } else { part.replace('*', "") });

@@ -8,6 +8,7 @@ mod loops;
 mod manual;
 mod page;
 mod stack;
+mod states;
 mod table;
 
 use std::fs;
@@ -76,7 +77,12 @@ fn json(evidence: &Evidence) -> Result<String> {
         "dependencies": evidence.dependencies,
         "instructions": evidence.records.firmware,
         "worst_inputs": evidence.records.worst,
+        "code": evidence.code,
         "campaigns": evidence.records.campaigns,
+        "aims": goals::list(evidence.records.campaigns.as_ref()),
+        "states": evidence.explored,
+        "causes": evidence.causes,
+        "stack": evidence.image.as_ref().map(stack::list),
         "mutants": evidence.mutants,
         "loops": evidence.sites,
         "image": image,

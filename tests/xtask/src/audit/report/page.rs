@@ -5,19 +5,21 @@ use std::fmt::Write as _;
 use serde_json::Value;
 
 use super::table::{Table, code, escape, grouped, source, verdict};
-use super::{claims, goals, instructions, loops, manual, stack};
+use super::{claims, goals, instructions, loops, manual, stack, states};
 use crate::audit::evidence::Evidence;
 use crate::audit::hosted_rooms::HOSTED_ROOMS;
 use crate::audit::trace::{Place, Requirement, Trace};
 use crate::mutants::Record;
 
 /// Sections: anchor, heading.
-const SECTIONS: [(&str, &str); 13] = [
+const SECTIONS: [(&str, &str); 15] = [
     ("claims", "Claims"),
     ("not-claimed", "What is not claimed"),
     ("requirements", "Requirements, both ways"),
     ("hazards", "Hazards and causes"),
-    ("states", "States and transitions of the guard"),
+    ("states", "States, transitions and causes of the guard"),
+    ("reaction", "Reaction time by chain"),
+    ("assumptions", "What the machine must provide"),
     ("instructions", "Instructions and determinism"),
     ("goals", "Aims of the long campaigns"),
     ("campaigns", "Campaigns that were run"),
@@ -48,11 +50,13 @@ pub fn html(evidence: &Evidence) -> String {
         manual::chapter(&evidence.records.manual, "not claimed"),
         requirements(&evidence.trace),
         hazards(&evidence.trace),
-        format!("<p>Every transition that the search over all reachable states saw.</p>{}", evidence.states),
+        states::section(&evidence.states, &evidence.explored, &evidence.causes),
+        manual::chapter(&evidence.records.manual, "How fast it reacts"),
+        manual::chapter(&evidence.records.manual, "What the machine must provide"),
         instructions::section(evidence.records.firmware.as_ref(), evidence.records.worst.as_ref()),
         goals::section(evidence.records.campaigns.as_ref()),
-        campaigns(evidence.records.campaigns.as_ref()),
-        mutants(&evidence.mutants),
+        campaigns(evidence.records.campaigns.as_ref(), &evidence.code),
+        mutants(&evidence.mutants, &evidence.code),
         stack::section(evidence.image.as_ref()),
         rooms(),
         dependencies(evidence),
@@ -136,8 +140,18 @@ fn hazards(trace: &Trace) -> String {
     table.finish()
 }
 
-fn campaigns(records: Option<&Value>) -> String {
-    let mut table = Table::new(&["campaign", "trials", "findings", "counted", "repeat with"]);
+/// Whether the code is still the one that a record was made with.
+fn since(recorded: Option<&str>, today: &str) -> &'static str {
+    match recorded {
+        Some(code) if code == today => "the same",
+        Some(_) => "changed",
+        None => "not recorded",
+    }
+}
+
+fn campaigns(records: Option<&Value>, code_today: &str) -> String {
+    let mut table =
+        Table::new(&["campaign", "trials", "findings", "counted", "core and drivers since", "repeat with"]);
     let listed = records.and_then(Value::as_array);
     for record in listed.into_iter().flatten() {
         let text = |name: &str| escape(record[name].as_str().unwrap_or(""));
@@ -153,17 +167,21 @@ fn campaigns(records: Option<&Value>) -> String {
             number("trials"),
             number("findings"),
             counts.join("<br>"),
+            since(record["code"].as_str(), code_today).to_owned(),
             format!("<code>{}</code>", text("command")),
         ]);
     }
     format!(
         "<p>Long runs, recorded in <code>docs/evidence/campaigns.json</code> when they were made; a short slice of each \
-         runs with every <code>cargo xtask test</code>. This audit does not repeat them.</p>{}",
+         runs with every <code>cargo xtask test</code>. This audit does not repeat them. <i>Core and drivers since</i> compares \
+         the fingerprint of their code that a record keeps with today's, {}; records from before fingerprints were kept do not \
+         tell.</p>{}",
+        code(code_today),
         table.finish()
     )
 }
 
-fn mutants(records: &[Record]) -> String {
+fn mutants(records: &[Record], code_today: &str) -> String {
     let mut parts = Table::new(&[
         "part",
         "viable",
@@ -171,6 +189,7 @@ fn mutants(records: &[Record]) -> String {
         "not tried",
         "caught or explained",
         "wanted",
+        "core and drivers since",
         "repeat with",
     ]);
     let mut table = Table::new(&["place", "source", "what no test notices", "why nobody can"]);
@@ -183,6 +202,7 @@ fn mutants(records: &[Record]) -> String {
             record.untried.to_string(),
             verdict(good, &format!("{:.1} %", record.percent())),
             format!("{:.0} %", record.wanted_percent),
+            since(Some(record.code.as_str()).filter(|code| !code.is_empty()), code_today).to_owned(),
             code(&record.command),
         ]);
         for survivor in &record.survivors {
@@ -224,8 +244,9 @@ fn dependencies(evidence: &Evidence) -> String {
 }
 
 const INTRODUCTION: &str = "<p>Made by <code>cargo xtask audit</code> from the sources, the linked Cortex-M7 image and \
-the tests of this tree. Each claim is checked afresh; one that fails names a file and a line. What the machine around it \
-must provide stands in <a href='../../docs/safety-manual.md'>docs/safety-manual.md</a>. Names of files lead to the sources \
+the tests of this tree. Each claim is checked afresh; one that fails names a file and a line. What was measured by longer \
+runs is recorded in the tree and says so. The whole safety manual is <a href='../../docs/safety-manual.md'>\
+docs/safety-manual.md</a>. Names of files lead to the sources \
 beside this page's <code>target</code> folder.</p>";
 
 const HEAD: &str = "<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport content='width=device-width'>\
