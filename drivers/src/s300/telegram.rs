@@ -180,3 +180,45 @@ impl<'a> Telegram<'a> {
         self.values().iter().map(|pair| u16::from_le_bytes(*pair))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_fit_and_only_the_newer_version_counts_more_than_the_words() {
+        assert_eq!(candidate_lengths(0x0103, 541), [Some(1_086), Some(1_090), Some(1_096)]);
+        assert_eq!(candidate_lengths(0x0102, 541), [Some(1_086), None, None]);
+        assert_eq!(candidate_lengths(0x0103, 0), [None; 3]);
+        assert_eq!(candidate_lengths(0x0102, 0), [None; 3]);
+        assert_eq!(candidate_lengths(0x0103, 600), [Some(1_204), Some(1_208), Some(1_214)]);
+        assert_eq!(candidate_lengths(0x0103, 605), [Some(1_214), None, None]);
+    }
+
+    /// Bytes with a right checksum behind them.
+    fn summed<const N: usize>(seed: u8) -> [u8; N] {
+        let mut bytes = [0; N];
+        bytes.iter_mut().enumerate().for_each(|(index, byte)| *byte = seed.wrapping_mul(index as u8 ^ 0x5A));
+        let sum = CHECKSUM.checksum(&bytes[UNCOVERED..N - 2]).to_le_bytes();
+        bytes[N - 2..].copy_from_slice(&sum);
+        bytes
+    }
+
+    #[test]
+    fn what_is_too_short_or_odd_is_no_telegram_whatever_its_checksum() {
+        assert!(Telegram::new_checked(&summed::<26>(3)).is_some());
+        assert!(Telegram::new_checked(&summed::<24>(3)).is_none());
+        assert!(Telegram::new_checked(&summed::<27>(3)).is_none());
+    }
+
+    /// A buffer whose beginning was dropped holds another telegram, and a shorter one.
+    #[test]
+    fn a_running_sum_begins_anew_for_a_shorter_telegram() {
+        let (long, short) = (summed::<60>(3), summed::<30>(7));
+        let mut sum = RunningSum::START;
+        sum.extend(&long, 20);
+        assert!(sum.confirms(&long));
+        assert!(sum.confirms(&short));
+        assert!(!sum.confirms(&summed::<30>(9).map(|byte| byte ^ 1)));
+    }
+}

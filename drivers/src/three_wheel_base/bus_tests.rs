@@ -175,8 +175,12 @@ fn emergencies_name_their_device_and_become_the_code_of_its_fault() {
     };
     assert_eq!(fault(&mut bus, 0x18, 0x40), DriveState::Fault(0x5441));
     assert_eq!(fault(&mut bus, 0x40, 0x18), DriveState::Fault(0x5441));
+    let mut steered = Bus::running();
+    steered.hear(0x082, &payload);
+    assert_eq!(fault(&mut steered, 0x40, 0x18), DriveState::Fault(0x5441));
     let mut other = Bus::running();
     other.hear(0x083, &payload);
+    assert_eq!(fault(&mut other, 0x40, 0x18), DriveState::Fault(0x1000));
     assert_eq!(
         fault(&mut other, 0x18, 0x40),
         DriveState::Fault(0x1000),

@@ -112,6 +112,30 @@ mod tests {
     }
 
     #[test]
+    fn a_drive_that_turns_when_it_is_first_heard_may_take_its_time_to_answer_and_half_the_ramp() {
+        let mut watch = Obedience::default();
+        let mut speed_mps = 0.8_f32;
+        let silent = (0..120_u64).any(|poll| {
+            speed_mps = (speed_mps - if poll < 14 { 0.0 } else { 0.0075 }).max(0.0);
+            watch.watch(0.0, Some(speed_mps), 1.5, Stamp::from_micros(1_000_000 + 10_000 * poll))
+        });
+        assert!(!silent);
+    }
+
+    #[test]
+    fn a_report_that_was_missing_for_a_poll_does_not_end_the_silence() {
+        let mut watch = Obedience::default();
+        let now = Stamp::from_micros(1_000_000);
+        let mut polls = 0;
+        while !watch.watch(0.0, Some(if polls == 0 { 0.0 } else { 0.3 }), 1.5, now) {
+            polls += 1;
+            assert!(polls < 10, "never stopped");
+        }
+        assert!(watch.watch(0.0, None, 1.5, now));
+        assert!(watch.watch(0.0, Some(0.0), 1.5, now));
+    }
+
+    #[test]
     fn a_drive_that_turns_when_it_is_first_heard_has_the_time_of_the_ramp() {
         let mut watch = Obedience::default();
         let mut now = Stamp::from_micros(1_000_000);

@@ -120,6 +120,27 @@ mod tests {
         assert!(late.as_micros() <= 50_010_010, "{late:?}");
     }
 
+    /// What is told of a sensor time after another, and whether the mapping began anew.
+    fn restarts_after(sensor_us: i64, elapsed_us: i64) -> u32 {
+        let mut clock = HourClock::default();
+        clock.stamp(1_000_000_000, Stamp::from_micros(5_000_000_000));
+        let arrival_us = u64::try_from(5_000_000_000 + elapsed_us).unwrap();
+        clock.stamp(u32::try_from(1_000_000_000 + sensor_us).unwrap(), Stamp::from_micros(arrival_us));
+        clock.restarts()
+    }
+
+    #[test]
+    fn small_steps_either_way_are_followed_and_greater_ones_restart() {
+        assert_eq!(restarts_after(-500, 1_000), 0, "a packet that was overtaken");
+        assert_eq!(restarts_after(-JUMP_US, 1_000), 0);
+        assert_eq!(restarts_after(-JUMP_US - 1, 1_000), 1);
+        assert_eq!(restarts_after(JUMP_US + 1_000, 1_000), 0);
+        assert_eq!(restarts_after(JUMP_US + 1_001, 1_000), 1);
+        assert_eq!(restarts_after(RESTART_SILENCE_US, RESTART_SILENCE_US), 0);
+        assert_eq!(restarts_after(RESTART_SILENCE_US + 1, RESTART_SILENCE_US + 1), 1);
+        assert_eq!(restarts_after(30_000_000, 1_327), 1, "from the future by what is known of the clock");
+    }
+
     #[test]
     fn a_jump_of_the_sensor_restarts() {
         let mut clock = HourClock::default();

@@ -106,3 +106,18 @@ impl Columns {
         (u32::from(block_cdeg).saturating_add(turned) % 36_000) as u16
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_azimuth_of_a_column_is_that_of_its_middle_laser_rounded() {
+        let columns = Columns::new(Model::Vlp16, &Model::Vlp16.angles());
+        // Of a block of 110.592 us the eighth firing ends after 17.28, that of the second sequence 55.296 later.
+        assert_eq!(columns.middle_azimuth(1_000, 0, 40), 1_006, "6.25");
+        assert_eq!(columns.middle_azimuth(1_000, 1, 40), 1_026, "26.25");
+        assert_eq!(columns.middle_azimuth(1_000, 0, 44), 1_007, "6.875");
+        assert_eq!(columns.middle_azimuth(35_995, 0, 40), 1, "over the turn");
+    }
+}

@@ -346,3 +346,18 @@ fn lost_packets(step_us: Option<u32>, period_us: u32) -> u16 {
     let lost = periods.saturating_sub(1);
     if lost > LOST_MAX { 0 } else { u16::try_from(lost).unwrap_or(0) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn missing_packets_are_the_nearest_number_of_periods() {
+        assert_eq!(lost_packets(None, 1_327), 0);
+        assert_eq!(lost_packets(Some(1_327), 1_327), 0);
+        assert_eq!(lost_packets(Some(1_990), 1_327), 0, "less than half a period late");
+        assert_eq!(lost_packets(Some(3_450), 1_327), 2, "2.6 periods");
+        assert_eq!(lost_packets(Some(1_000 * (LOST_MAX + 1)), 1_000), LOST_MAX as u16);
+        assert_eq!(lost_packets(Some(1_000 * (LOST_MAX + 2)), 1_000), 0, "a clock that was set, no gap");
+    }
+}

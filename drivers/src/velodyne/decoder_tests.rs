@@ -234,3 +234,79 @@ fn the_decided_model_is_told() {
     decoder.decode(&packet(0, 1_000, 500, SINGLE), Stamp::from_micros(9)).expect("a valid packet");
     assert_eq!(decoder.model(), Some(Model::Vlp16));
 }
+
+/// Early firmware of a VLP-16 names itself as the HDL-32E does: the period between two packets tells which it is.
+#[test]
+fn a_name_that_two_lidars_share_is_decided_by_the_period() {
+    const SHARED: [u8; 2] = [0x37, 0x21];
+    let play = |choice, period_us: u32| {
+        let mut decoder = Decoder::new(choice);
+        let mut decode = |number: u32| {
+            let arrival = Stamp::from_micros(u64::from(period_us * number) + 9_000_000);
+            decoder.decode(&packet(480 * number, period_us * number, 500, SHARED), arrival).map(|_| ())
+        };
+        let results = [decode(1), decode(2)];
+        (results, decoder.model())
+    };
+    let (vlp16_us, hdl32e_us) = (Model::Vlp16.packet_us(false), Model::Hdl32E.packet_us(false));
+    let (first, model) = play(ModelChoice::Auto, vlp16_us);
+    assert_eq!((first, model), ([Err(DecodeError::ModelUndecided), Ok(())], Some(Model::Vlp16)));
+    assert_eq!(play(ModelChoice::Fixed(Model::Vlp16), vlp16_us), ([Ok(()), Ok(())], Some(Model::Vlp16)));
+    let ([first, second], model) = play(ModelChoice::Fixed(Model::Vlp16), hdl32e_us);
+    assert_eq!((first, model), (Ok(()), None));
+    assert!(matches!(second, Err(DecodeError::WrongModel { configured: Model::Vlp16, .. })), "{second:?}");
+}
+
+#[test]
+fn a_configured_model_is_held_to_the_name_that_the_packet_gives() {
+    for (model, byte) in [(Model::Vlp16, 0x22), (Model::HiRes, 0x24)] {
+        let mut decoder = Decoder::new(ModelChoice::Fixed(model));
+        decoder
+            .decode(&packet(0, 1_000, 500, [0x37, byte]), Stamp::from_micros(9))
+            .expect("it is the configured one");
+        assert_eq!(decoder.model(), Some(model));
+        let other = decoder.decode(&packet(480, 2_327, 500, [0x37, byte ^ 0x06]), Stamp::from_micros(1_336));
+        assert!(matches!(other, Err(DecodeError::WrongModel { .. })), "{other:?}");
+    }
+}
+
+/// Each of the two firings of a block has its own sixteen distances.
+#[test]
+fn the_second_firing_of_a_block_has_its_own_distances() {
+    let mut bytes = packet(0, 1_000, 500, SINGLE);
+    for block in 0..12 {
+        (16..32)
+            .for_each(|channel| bytes[block * 100 + 4 + channel * 3..][..2].copy_from_slice(&[0xe8, 0x03]));
+    }
+    let mut decoder = Decoder::new(ModelChoice::Auto);
+    let (found, _) = decoder.decode(&bytes, Stamp::from_micros(9_000)).expect("accepted");
+    for (number, column) in found.columns.iter().enumerate() {
+        let wanted = if number % 2 == 0 { 500 } else { 1_000 };
+        assert!(column.range_raw[..16].iter().all(|raw| *raw == wanted), "column {number}");
+    }
+}
+
+#[test]
+fn the_robot_itself_is_counted_in_both_echoes() {
+    let mut decoder = Decoder::new(ModelChoice::Auto).with_blind_range_mm(500);
+    decoder.decode(&packet(0, 0, 100, DUAL), Stamp::ZERO).expect("accepted");
+    assert_eq!(decoder.counters().self_returns, 384);
+}
+
+#[test]
+fn the_last_stamp_that_is_one() {
+    let of =
+        |stamp_us| Packet::new_checked(&packet(0, stamp_us, 500, SINGLE)).map(|packet| packet.stamp_us());
+    assert_eq!(of(3_601_000_000), Ok(3_601_000_000));
+    assert_eq!(of(3_601_000_001), Err(PacketError::Stamp { micros: 3_601_000_001 }));
+}
+
+/// A lidar with as many lasers as there is room for is taken, one with more is named.
+#[test]
+fn a_lidar_of_thirty_two_lasers_needs_room_for_them() {
+    let mut decoder = Decoder::new(ModelChoice::Fixed(Model::Hdl32E));
+    let result = decoder.decode(&packet(0, 1_000, 500, [0x37, 0x21]), Stamp::from_micros(9)).map(|_| ());
+    let has_room = floorguard_core::capacities::PACKET_RINGS_MAX >= 32;
+    let wanted = if has_room { Ok(()) } else { Err(DecodeError::TooManyLasers { model: Model::Hdl32E }) };
+    assert_eq!(result, wanted);
+}

@@ -209,3 +209,64 @@ fn fill<const RINGS: usize>(slot: &mut SweepColumn<RINGS>, column: &LidarColumn)
         *to = *from;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Columns of a packet that turn evenly from one azimuth to another.
+    fn packet_of(columns: usize, from_cdeg: u16, turned_cdeg: u16) -> LidarPacket {
+        let mut packet = LidarPacket::EMPTY;
+        packet.columns.resize(columns, LidarColumn::SILENT).expect("room");
+        let last = (columns as u32 - 1).max(1);
+        for (number, column) in packet.columns.iter_mut().enumerate() {
+            column.azimuth_cdeg = from_cdeg + (u32::from(turned_cdeg) * number as u32 / last) as u16;
+        }
+        packet
+    }
+
+    #[test]
+    fn the_mean_step_is_rounded() {
+        assert_eq!(mean_step_cdeg(&packet_of(24, 100, 457)), 20, "19.87");
+        assert_eq!(mean_step_cdeg(&packet_of(24, 100, 448)), 19, "19.48");
+    }
+
+    #[test]
+    fn how_far_the_head_turned() {
+        let builder = SweepBuilder::new(0);
+        assert_eq!(builder.turned_cdeg(100, 120, 0), 20);
+        assert_eq!(builder.turned_cdeg(100, 90, 0), 0, "jitter");
+        assert_eq!(builder.turned_cdeg(600, 100, 0), 35_500, "as far back as no jitter is");
+        assert_eq!(builder.turned_cdeg(100, 90, 899), 35_990, "half a turn is missing");
+        assert_eq!(builder.turned_cdeg(100, 120, 900), 20, "half a turn too much is none");
+        assert_eq!(builder.turned_cdeg(100, 120, 901), 36_020);
+    }
+
+    #[test]
+    fn a_head_that_jitters_does_not_end_a_turn() {
+        let mut building = Sweep::<16>::EMPTY;
+        let mut builder = SweepBuilder::new(0);
+        let mut ended = 0;
+        for azimuth_cdeg in [20_000, 19_990, 35_990, 10, 0, 35_990] {
+            builder.enter(azimuth_cdeg, Stamp::ZERO, &mut building, &mut |_| ended += 1);
+            building.column_count = 1;
+        }
+        assert_eq!(ended, 1);
+        let mut builder = SweepBuilder::new(0);
+        for azimuth_cdeg in [18_000, 0] {
+            builder.enter(azimuth_cdeg, Stamp::ZERO, &mut building, &mut |_| ended += 1);
+        }
+        assert_eq!(ended, 1, "exactly half a turn is no sign of one");
+    }
+
+    #[test]
+    fn more_than_half_a_column_too_many_is_a_gap() {
+        for (turned_cdeg, columns) in [(29, 0), (30, 1), (39, 1), (49, 1), (50, 2)] {
+            let mut building = Sweep::<16>::EMPTY;
+            let mut builder = SweepBuilder::new(0);
+            builder.last_cdeg = Some(0);
+            builder.enter_gap(0, &packet_of(24, turned_cdeg, 460), &mut building, &mut |_| ());
+            assert_eq!(building.column_count, columns, "{turned_cdeg}");
+        }
+    }
+}

@@ -154,3 +154,23 @@ fn a_firing_is_not_merged_into_an_unknown_column_and_merges_over_zero() {
     builder.add(&next, 0, &mut building, |_| panic!("nothing is complete"));
     assert_eq!((building.column_count, building.columns[11].measured), (24, false));
 }
+
+/// Where a turn is cut is chosen: what one cut gives, every other gives too.
+#[test]
+fn a_turn_is_cut_where_it_is_wanted() {
+    for cut_cdeg in [0, 9_000, 27_000] {
+        let mut building = Box::new(Sweep::<16>::EMPTY);
+        let mut builder = SweepBuilder::new(cut_cdeg);
+        let mut whole = 0;
+        for number in 0..300 {
+            builder.add(&columns(number), 0, &mut building, |sweep| {
+                let first = u32::from(sweep.used_columns()[0].azimuth_cdeg);
+                let behind = (first + 36_000 - u32::from(cut_cdeg)) % 36_000;
+                // The first one begins where the stream does.
+                assert!(whole == 0 || (behind < 40 && sweep.column_count == 1_800), "{cut_cdeg}: {first}");
+                whole += 1;
+            });
+        }
+        assert!(whole >= 3, "{cut_cdeg}: {whole}");
+    }
+}

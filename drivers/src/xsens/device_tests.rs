@@ -348,3 +348,23 @@ fn requests(bytes: &[u8]) -> Vec<u8> {
     FrameReceiver::new().push(bytes, Stamp::ZERO, |message, _| found.push(message.id));
     found
 }
+
+#[test]
+fn warnings_and_frames_are_counted() {
+    let mut device = measuring(1_000);
+    let before = device.frames().frames;
+    answer(&mut device, 1_010, 0x43, &[1]);
+    assert_eq!((device.counters().warnings, device.phase()), (1, DevicePhase::Measuring));
+    assert_eq!((before, device.frames().frames), (5, 6));
+}
+
+/// The answer to a reset is waited for no longer than until it comes.
+#[test]
+fn a_reset_that_is_acknowledged_goes_on_at_once() {
+    let mut device = Device::new(115_200);
+    (0..5).for_each(|number| _ = sent(&mut device, 100 * number));
+    assert_eq!(sent(&mut device, 500), [0xFA, 0xFF, 0x40, 0x00, 0xC1]);
+    answer(&mut device, 510, 0x41, &[]);
+    assert_eq!(device.phase(), DevicePhase::AfterReset);
+    assert_eq!(sent(&mut device, 510), [0xFA, 0xFF, 0x30, 0x00, 0xD1]);
+}

@@ -235,6 +235,16 @@ mod tests {
         assert_eq!(encode(0, &[0; 129]), None);
     }
 
+    /// The checksum does not cover the preamble.
+    #[test]
+    fn a_frame_without_its_preamble_or_for_another_master_is_none() {
+        for bytes in ["FB FF 31 00 D0", "FA FE 31 00 D1"] {
+            let (found, counters) = received(&[&hex(bytes), &hex("FA FF 30 00 D1")]);
+            assert_eq!(found, [(0x30, StdVec::new())], "{bytes}");
+            assert_eq!((counters.frames, counters.checksum_failures), (1, 0), "{bytes}");
+        }
+    }
+
     /// XS-9: starting in the middle of a frame with false preambles loses it, but not the next.
     #[test]
     fn false_preambles_cost_one_frame_only() {

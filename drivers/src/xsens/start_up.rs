@@ -132,3 +132,15 @@ pub(super) fn compare(asked: &[u8], echoed: &[u8]) -> Echo {
     }
     result
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn writing_its_memory_takes_a_device_longer_than_an_answer() {
+        let patience = DevicePhase::Configuring.patience();
+        assert_eq!((patience.answer_us, patience.tries), (500_000, 3));
+        assert_eq!(DevicePhase::Naming.patience().answer_us, 100_000);
+    }
+}
