@@ -306,6 +306,30 @@ fn who_looks_like_a_thing_at_first_is_known_again_too() {
     assert_eq!(told(&other), [2], "a thing is nobody");
 }
 
+/// Who it is is asked once, when somebody is told: a stranger who turns round later and then goes as the lost one went stays a
+/// stranger.
+#[test]
+fn a_stranger_does_not_become_somebody_else_later() {
+    let mut tracker = Tracker::new(ONLY_RECALL);
+    let stamp = |step: u64| Stamp::from_micros(step * 100_000);
+    for step in 0..20 {
+        tracker.update(stamp(step), &[sighting(0.1 * step as f32, 2.0)], |_| true);
+    }
+    for step in 20..50 {
+        tracker.update(stamp(step), &[], |_| false);
+    }
+    let mut x_m = 6.0;
+    let mut numbers = std::vec::Vec::new();
+    for step in 50..90 {
+        // Against the lost one's way, slower, and then as it went.
+        x_m += (0.01 * (step - 50) as f32 - 0.15).min(0.1);
+        tracker.update(stamp(step), &[sighting(x_m, 2.0)], |_| false);
+        numbers.extend(told(&tracker));
+    }
+    numbers.dedup();
+    assert_eq!(numbers, [2]);
+}
+
 /// Who has been out of sight for a while is no reason to take somebody 2 m away for that person.
 #[test]
 fn a_doubtful_track_does_not_take_in_strangers() {

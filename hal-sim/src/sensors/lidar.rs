@@ -171,6 +171,40 @@ mod tests {
         rows
     }
 
+    /// Two people before the robot, with bodies as the scenario says.
+    fn two(bodies: &str) -> Scenario {
+        let person = |at: &str| format!("[[person]]\nat_m = {at}\nbodies = \"{bodies}\"\n");
+        Scenario::from_toml(&format!("title = \"two\"\n{}{}", person("[3.0, 0.6]"), person("[3.0, -0.6]")))
+            .unwrap()
+    }
+
+    #[test]
+    fn people_with_bodies_of_their_own_differ_and_others_do_not() {
+        let [one, other] = &two("varied").people(3)[..] else { panic!("two people") };
+        assert!((one.height_m() - other.height_m()).abs() > 0.005 && one.radius_m() != other.radius_m());
+        assert!(one.build.clothes.is_some() && one.build.clothes != other.build.clothes);
+        let [one, other] = &two("same").people(3)[..] else { panic!("two people") };
+        assert_eq!((one.height_m(), one.build), (other.height_m(), other.build));
+    }
+
+    /// The lidar sees what people wear.
+    #[test]
+    fn clothes_throw_back_more_or_less() {
+        let brightnesses = |bodies: &str| {
+            let mut simulation = Simulation::new(&two(bodies), 3).unwrap();
+            let mut seen = std::collections::BTreeSet::new();
+            simulation.advance_to(100_000, &mut |event| {
+                if let (Stream::LidarData, Payload::Bytes(bytes)) = (event.stream, event.payload) {
+                    let cells = bytes[..1_200].chunks(100).flat_map(|block| block[4..].chunks(3));
+                    seen.extend(cells.filter(|cell| cell[..2] != [0, 0]).map(|cell| cell[2]));
+                }
+            });
+            seen.len()
+        };
+        let (same, varied) = (brightnesses("same"), brightnesses("varied"));
+        assert!(same < 12 && varied > 25, "{same} {varied}");
+    }
+
     #[test]
     fn a_coarse_lidar_repeats_its_firings_and_returns_as_much() {
         let (fine, coarse) = (firings(1), firings(4));
