@@ -1,4 +1,5 @@
-//! The map of seen dirt under lamps that shine back: what is spilled is found, and reflections make no spots.
+//! The map of seen dirt: under lamps that shine back what is spilled is found, and reflections make no spots; on chips and
+//! grain it is found though no pixel of it is a stranger.
 
 use floorguard_sim::floor::FloorKind;
 use floorguard_tests::dirt::{OFFSETS, pass};
@@ -18,4 +19,17 @@ fn reflections_are_no_dirt() {
         assert_eq!(pass.trade[own], (hits, pass.false_spots));
         assert!(pass.trade.iter().all(|(found, _)| *found <= spills), "{:?}", pass.trade);
     });
+}
+
+/// Lanes of 4 m over terrazzo and wood. On every one lies a spill of the colour of the floor's own chips or grain: by the
+/// rarity of pixels alone three of the eight spills are found, by the colour of the place as well seven.
+#[test]
+fn what_tints_chips_and_grain_is_dirt() {
+    let lanes =
+        [(FloorKind::Terrazzo, 1), (FloorKind::Terrazzo, 3), (FloorKind::Wood, 1), (FloorKind::Wood, 3)];
+    let passes: Vec<_> =
+        lanes.into_par_iter().map(|(floor, seed)| pass(floor, (1, 4.0), seed).expect("judged")).collect();
+    let found: u32 = passes.iter().flat_map(|pass| pass.found.map(|(_, hits, _)| hits)).sum();
+    let invented: u32 = passes.iter().map(|pass| pass.false_spots).sum();
+    assert!(found >= 7 && invented == 0, "{found} of 8 found, {invented} invented");
 }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_core::maps::GridGeometry;
-use floorguard_core::maps::seen_dirt::{DirtSpot, KeptScore, SeenCell, SeenDirtMap, SeenLayer};
+use floorguard_core::maps::seen_dirt::{DirtSpot, SeenCell, SeenDirtMap, SeenLayer};
 use floorguard_core::random::Pcg32;
 use floorguard_core::sensing::ColorImage;
 use floorguard_core::time::Stamp;
@@ -138,8 +138,7 @@ fn count(map: &SeenDirtMap<&mut [SeenCell]>, scene: &FloorScene, (size_m, end): 
         place.x_m >= 0.0 && place.x_m <= length_m && place.y_m >= 0.0 && place.y_m <= width_m
     };
     let trade = OFFSETS.iter().map(|offset| {
-        let limit = KeptScore::of(map.limit().score() + offset);
-        let spots = map.spots_beyond(limit, SeenLayer::First, end).spots;
+        let spots = map.spots_beyond(map.limit().moved(*offset), SeenLayer::First, end).spots;
         let hits = scene.spills.iter().filter(|spill| spots.iter().any(|spot| touches(spot, spill))).count();
         let invented = spots.iter().filter(is_inside).filter(|spot| !is_spill(spot)).count();
         (hits as u32, invented as u32)

@@ -8,7 +8,7 @@ use super::pixels::{HALF_COLUMNS_MAX, Pixel};
 use crate::floor::root::{lesser, nearest, square_root};
 
 /// Pixels to each side of the square: 7 × 7 at half size closes gaps of up to 6 pixels, a centimetre at 1 m.
-const REACH: usize = 3;
+const REACH: usize = 2;
 /// Half width of the box over which the tensor was averaged, pixels.
 const CROSSING: usize = 6;
 /// A pixel that is no free floor.

@@ -46,7 +46,8 @@ const THRESHOLD: f32 = 21.0;
 
 /// Working memory. What belongs to a pixel at half size needs a value for each, at quarter size a quarter of that.
 pub struct NoveltyMemory<'a> {
-    /// Colours at half size, and the same smoothed.
+    /// Colours at half size, and the same smoothed. Afterwards the first are relative to their surroundings, of weight 0
+    /// where no floor is and in gaps.
     pub half: [&'a mut [Pixel]; 2],
     /// At quarter size.
     pub quarter: [&'a mut [Pixel]; 3],
@@ -144,6 +145,7 @@ impl NoveltyDetector {
         self.score_coarse(second, cues);
         box_mean::<3>(colours, self.columns, smooth);
         self.score_fine((smooth, bytes.class), cues);
+        relate(&self.surroundings, colours, (self.columns, 2 * CELL));
         let scores = front(memory.scores, pixels);
         box_mean_of_first(smooth, self.columns, scores);
         for (score, class) in scores.iter_mut().zip(bytes.class.iter()) {

@@ -4,8 +4,11 @@
 //! Algorithms F.2 takes the median of the newest nine; but a lamp's reflection stays over a cell for half of its views and
 //! longer. So dirt is what eight of nine agree on, and where only the median says so nobody knows. Scores are kept and
 //! not only verdicts, because how dirty is dirty depends on the floor, and a floor is known only after much of it was
-//! seen. What the mission first perceived is frozen when the cell, well seen, was out of view for a while, so that
+//! seen. Beside the score a cell keeps the colour of the decimetre around it, for what tints a place and is no stranger in
+//! any pixel. What the mission first perceived is frozen when the cell, well seen, was out of view for a while, so that
 //! cleaning does not change the report of what was there before.
+
+use super::tint::{FloorTints, KeptTint, kept, middle};
 
 /// Observations that are kept.
 pub(super) const WINDOW: usize = 9;
@@ -77,6 +80,35 @@ pub struct Together {
     pub agreed: KeptScore,
     /// What every other one reaches.
     pub median: KeptScore,
+    /// How strange the colour is that they agree on.
+    pub tint: KeptScore,
+}
+
+/// From which score, and from which strangeness of the colour on, a cell of this floor is dirty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DirtLimit {
+    /// Of [`Together::agreed`].
+    pub score: KeptScore,
+    /// Of [`Together::tint`].
+    pub tint: KeptScore,
+}
+
+impl DirtLimit {
+    /// Both moved by so many natural logarithms.
+    #[must_use]
+    pub fn moved(self, offset: f32) -> Self {
+        let moved = |limit: KeptScore| KeptScore::of(limit.score() + offset);
+        Self { score: moved(self.score), tint: moved(self.tint) }
+    }
+}
+
+impl Together {
+    /// By how much the cell exceeds a limit, natural logarithms; above 0 it is dirty.
+    #[must_use]
+    pub fn excess(self, limit: DirtLimit) -> f32 {
+        let score = self.agreed.score() - limit.score.score();
+        score.max(self.tint.score() - limit.tint.score())
+    }
 }
 
 /// One cell.
@@ -84,6 +116,11 @@ pub struct Together {
 pub struct SeenCell {
     /// The newest observations; the next one goes to the place `total` modulo nine.
     window: [u8; WINDOW],
+    tints: [KeptTint; WINDOW],
+    /// How strange the colour is that they agree on.
+    tint: KeptScore,
+    /// What the last observation made of it.
+    is_dirty: bool,
     /// All observations so far.
     total: u16,
     first: Option<Together>,
@@ -93,6 +130,8 @@ pub struct SeenCell {
     /// Pixels of the frame that is being added, by score.
     pixels: u16,
     bins: [u8; BINS],
+    /// Sum of the colours around it in this frame, and of their weights.
+    colours: [f32; 4],
 }
 
 impl SeenCell {
@@ -105,7 +144,7 @@ impl SeenCell {
         // The largest value with at most so many of the others below it: for a half, the upper median.
         let reached = |below: usize| known.clone().copied().filter(|value| rank(*value) <= below).max();
         let (agreed, median) = (reached(count / AGREED_PART)?, reached(count / 2)?);
-        let together = Together { agreed: KeptScore(agreed), median: KeptScore(median) };
+        let together = Together { agreed: KeptScore(agreed), median: KeptScore(median), tint: self.tint };
         (self.total >= OBSERVATIONS_MIN).then_some(together)
     }
 
@@ -124,18 +163,18 @@ impl SeenCell {
         }
     }
 
-    /// How dirty the cell is in a layer; `None` for too few observations.
+    /// By how much the cell exceeds a limit in a layer, natural logarithms; `None` for too few observations.
     #[must_use]
-    pub fn score(&self, layer: SeenLayer) -> Option<KeptScore> {
-        self.together(layer).map(|together| together.agreed)
+    pub fn excess(&self, layer: SeenLayer, limit: DirtLimit) -> Option<f32> {
+        self.together(layer).map(|together| together.excess(limit))
     }
 
     /// The state in a layer, where dirt is what exceeds a limit.
     #[must_use]
-    pub fn state(&self, layer: SeenLayer, limit: KeptScore) -> CellState {
+    pub fn state(&self, layer: SeenLayer, limit: DirtLimit) -> CellState {
         match self.together(layer) {
-            Some(together) if together.agreed > limit => CellState::Dirty,
-            Some(together) if together.median <= limit => CellState::Clean,
+            Some(together) if together.excess(limit) > 0.0 => CellState::Dirty,
+            Some(together) if together.median <= limit.score => CellState::Clean,
             _ => CellState::Unknown,
         }
     }
@@ -164,13 +203,23 @@ impl SeenCell {
         }
     }
 
+    /// Takes colours of the frame that is being added, from the cell or near it, as a sum over pixels and their number.
+    pub(super) fn tint(&mut self, colours: [f32; 4], weight: f32) {
+        for (sum, value) in self.colours.iter_mut().zip(colours) {
+            *sum += weight * value;
+        }
+    }
+
     /// Ends the frame: its pixels become an observation, if they are enough.
-    pub(super) fn close(&mut self, limit: KeptScore, now_s: u32) -> bool {
+    pub(super) fn close(&mut self, floor: &FloorTints, when: (DirtLimit, u32)) -> bool {
         let is_seen = self.pixels >= PIXELS_MIN;
         if is_seen {
-            self.observe(KeptScore::of(self.upper_score()), limit, now_s);
+            let [l, a, b, weight] = self.colours;
+            // Where nothing tells a colour it is as its surroundings.
+            let mean = [l, a, b].map(|sum| if weight > 0.0 { sum / weight } else { 0.0 });
+            self.observe((KeptScore::of(self.upper_score()), kept(mean)), floor, when);
         }
-        (self.pixels, self.bins) = (0, [0; BINS]);
+        (self.pixels, self.bins, self.colours) = (0, [0; BINS], [0.0; 4]);
         is_seen
     }
 
@@ -189,22 +238,39 @@ impl SeenCell {
         BINS_FROM
     }
 
-    /// Adds an observation from a new viewpoint.
-    pub(super) fn observe(&mut self, score: KeptScore, limit: KeptScore, now_s: u32) {
-        let was_dirty = self.state(SeenLayer::Live, limit) == CellState::Dirty;
+    /// Adds an observation from a new viewpoint: its score and its colour on this floor.
+    pub(super) fn observe(
+        &mut self,
+        (score, tint): (KeptScore, KeptTint),
+        floor: &FloorTints,
+        (limit, now_s): (DirtLimit, u32),
+    ) {
         let was_away = self.total > 0 && now_s.saturating_sub(self.last_s) > OUT_OF_VIEW_S;
         if self.first.is_none() && was_away && self.total >= FIRST_MIN {
             self.first = self.live();
         }
-        if let Some(slot) = self.window.get_mut(usize::from(self.total) % WINDOW) {
-            *slot = score.0;
+        let place = usize::from(self.total) % WINDOW;
+        if let (Some(slot), Some(tints)) = (self.window.get_mut(place), self.tints.get_mut(place)) {
+            (*slot, *tints) = (score.0, tint);
         }
         // Where the count ends, the next place must still be the one of the oldest: 65,529 is a multiple of nine.
         self.total = if self.total >= 65_529 { WINDOW as u16 } else { self.total.saturating_add(1) };
         self.last_s = now_s;
-        if self.state(SeenLayer::Live, limit) == CellState::Dirty && !was_dirty {
+        self.tint = KeptScore::of(floor.strangeness(self.views()));
+        let is_dirty = self.state(SeenLayer::Live, limit) == CellState::Dirty;
+        if is_dirty && !self.is_dirty {
             self.dirty_since_s = now_s;
         }
+        self.is_dirty = is_dirty;
+    }
+
+    /// The middle colour of the newest observations, Lab relative to the surroundings.
+    pub(super) fn colour(&self) -> [f32; 3] {
+        middle(self.views())
+    }
+
+    fn views(&self) -> &[KeptTint] {
+        self.tints.get(..usize::from(self.total).min(WINDOW)).unwrap_or(&[])
     }
 
     /// Starts a mission: everything is open again.
@@ -217,12 +283,13 @@ impl SeenCell {
 mod tests {
     use super::*;
 
-    const LIMIT: KeptScore = KeptScore(100);
+    const LIMIT: DirtLimit = DirtLimit { score: KeptScore(100), tint: KeptScore(100) };
+    const FLOOR: FloorTints = FloorTints::NEW;
 
     fn seen(scores: &[f32]) -> SeenCell {
         let mut cell = SeenCell::default();
         for (index, score) in scores.iter().enumerate() {
-            cell.observe(KeptScore::of(*score), LIMIT, index as u32);
+            cell.observe((KeptScore::of(*score), [0; 3]), &FLOOR, (LIMIT, index as u32));
         }
         cell
     }
@@ -256,7 +323,8 @@ mod tests {
             newest.sort_by(f32::total_cmp);
             let [agreed, median] =
                 [newest.len() / 9, newest.len() / 2].map(|rank| KeptScore::of(newest[rank]));
-            assert_eq!(seen(&scores).live(), Some(Together { agreed, median }), "{scores:?}");
+            let together = Together { agreed, median, tint: KeptScore(0) };
+            assert_eq!(seen(&scores).live(), Some(together), "{scores:?}");
         }
     }
 
@@ -264,7 +332,7 @@ mod tests {
     #[test]
     fn the_first_perception_stays() {
         let mut cell = seen(&[30.0; 9]);
-        (60..72).for_each(|second| cell.observe(KeptScore::of(9.0), LIMIT, second));
+        (60..72).for_each(|second| cell.observe((KeptScore::of(9.0), [0; 3]), &FLOOR, (LIMIT, second)));
         assert_eq!(cell.state(SeenLayer::First, LIMIT), CellState::Dirty);
         assert_eq!((cell.state(SeenLayer::Live, LIMIT), cell.dirty_since_s()), (CellState::Clean, 2));
         cell.begin_mission();
@@ -276,8 +344,26 @@ mod tests {
     fn a_glance_proves_no_floor_clean() {
         for (glances, expected) in [(4, CellState::Dirty), (9, CellState::Clean)] {
             let mut cell = seen(&std::vec![9.0; glances]);
-            (60..72).for_each(|second| cell.observe(KeptScore::of(30.0), LIMIT, second));
+            (60..72).for_each(|second| cell.observe((KeptScore::of(30.0), [0; 3]), &FLOOR, (LIMIT, second)));
             assert_eq!(cell.state(SeenLayer::First, LIMIT), expected, "{glances}");
+        }
+    }
+
+    /// A colour that the floor has nowhere else is dirt though no pixel is rare; on which only seven of nine agree it is none,
+    /// and what was there at first stays known.
+    #[test]
+    fn a_strange_colour_is_dirt() {
+        let usual = KeptScore::of(8.0);
+        for (views, expected) in [(7, CellState::Clean), (8, CellState::Dirty)] {
+            let mut cell = SeenCell::default();
+            for view in 0..9_u32 {
+                let tint = if view < views { [8, 0, -120] } else { [0, 0, 8] };
+                cell.observe((usual, tint), &FLOOR, (LIMIT, view));
+            }
+            assert_eq!(cell.state(SeenLayer::Live, LIMIT), expected, "{views} of nine");
+            (60..70).for_each(|second| cell.observe((usual, [0; 3]), &FLOOR, (LIMIT, second)));
+            assert_eq!(cell.state(SeenLayer::First, LIMIT), expected, "{views} of nine");
+            assert_eq!(cell.state(SeenLayer::Live, LIMIT), CellState::Clean);
         }
     }
 
@@ -287,7 +373,7 @@ mod tests {
         let mut cell = SeenCell::default();
         (0..32_u8).for_each(|pixel| cell.take(f32::from(pixel)));
         assert!((cell.upper_score() - 24.0).abs() < 0.6, "{}", cell.upper_score());
-        assert!(cell.close(LIMIT, 1) && !cell.close(LIMIT, 1));
+        assert!(cell.close(&FLOOR, (LIMIT, 1)) && !cell.close(&FLOOR, (LIMIT, 1)));
         assert_eq!(cell.observations(), 1);
     }
 }

@@ -3,9 +3,10 @@
 //! Every observation is of one picture alone. Scores that the detector has averaged with earlier frames would carry a
 //! reflection or a passing shadow from view to view, and views that repeat each other cannot disagree.
 
-use super::cell::{CellState, KeptScore, SeenCell, SeenLayer, Together};
+use super::cell::{CellState, DirtLimit, KeptScore, SeenCell, SeenLayer, Together};
+use super::tint::FloorTints;
 use crate::capacities::FLOOR_IMAGE_COLUMNS_MAX;
-use crate::floor::dirt::{FloorView, NOVELTY_BIN};
+use crate::floor::dirt::{FloorView, NOVELTY_BIN, Pixel};
 use crate::geometry::{Point2, Pose2};
 use crate::maps::GridGeometry;
 use crate::time::Stamp;
@@ -27,6 +28,11 @@ const USUAL_PARTS: [f32; 2] = [0.5, 0.97];
 /// never is anything dirt below this part of it. Found on 72 rendered halls of six floors.
 const BEYOND_USUAL: f32 = 0.8;
 const LEAST_PART: f32 = 0.62;
+/// The same for strange colours, and the least at which one is dirt: 2.4 spreads.
+const BEYOND_USUAL_TINT: f32 = 0.75;
+const LEAST_TINT: f32 = 7.2;
+/// A pixel's colour counts for its cell and the eight around it: chips and grain average out over a decimetre.
+const AROUND: [(i32, f32); 3] = [(-1, 0.25), (0, 0.5), (1, 0.25)];
 /// Fewer known cells are no floor to compare with.
 const KNOWN_MIN: u32 = 200;
 
@@ -46,8 +52,10 @@ pub struct SeenDirtMap<C> {
     geometry: GridGeometry,
     cells: C,
     last_view: Option<Pose2>,
-    /// On how many cells live views agree about which score.
-    histogram: [u32; 256],
+    /// On how many cells live views agree about which score, and about which strangeness of the colour.
+    histograms: [[u32; 256]; 2],
+    /// Which colours the cells have.
+    tints: FloorTints,
     /// The detector's.
     threshold: f32,
 }
@@ -57,6 +65,8 @@ pub struct SeenDirtMap<C> {
 pub struct Scores<'a> {
     /// Row by row; NaN where no floor was judged.
     pub values: &'a [f32],
+    /// Lab relative to the surroundings, of weight 0 where it tells nothing; empty for a detector without colours.
+    pub colours: &'a [Pixel],
     /// Pixels in a row.
     pub columns: usize,
     /// The detector's threshold.
@@ -68,11 +78,12 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
     #[must_use]
     pub fn new(geometry: GridGeometry, cells: C) -> Option<Self> {
         let count = geometry.cell_count();
-        let mut histogram = [0; 256];
+        let mut histograms = [[0; 256]; 2];
         for together in cells.as_ref().get(..count)?.iter().filter_map(SeenCell::live) {
-            count_cell(&mut histogram, together.agreed, 1);
+            count_cell(&mut histograms, together, 1);
         }
-        Some(Self { geometry, cells, last_view: None, histogram, threshold: f32::INFINITY })
+        let (tints, threshold) = (FloorTints::NEW, f32::INFINITY);
+        Some(Self { geometry, cells, last_view: None, histograms, tints, threshold })
     }
 
     /// Where the cells lie.
@@ -91,7 +102,7 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
     pub fn begin_mission(&mut self) {
         self.cells.as_mut().iter_mut().for_each(SeenCell::begin_mission);
         self.last_view = None;
-        self.histogram = [0; 256];
+        self.histograms = [[0; 256]; 2];
     }
 
     /// The detector's threshold, where no frame has told it.
@@ -103,25 +114,19 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
     /// From which score on a cell of this floor is dirty: what most of the floor does not reach. On an even floor that is
     /// little, on planks of which each has its own grain nearly what the detector demands of a single pixel.
     #[must_use]
-    pub fn limit(&self) -> KeptScore {
-        let known = self.histogram.iter().fold(0_u32, |sum, count| sum.saturating_add(*count));
+    pub fn limit(&self) -> DirtLimit {
+        let [scores, tints] = &self.histograms;
+        let known = scores.iter().fold(0_u32, |sum, count| sum.saturating_add(*count));
         if known < KNOWN_MIN {
-            return KeptScore::of(self.threshold);
+            return DirtLimit { score: KeptScore::of(self.threshold), tint: KeptScore::of(f32::INFINITY) };
         }
-        let [usual, most] = USUAL_PARTS.map(|part| self.agreed_on(part * known as f32));
-        let limit = most + BEYOND_USUAL * (most - usual);
-        let limit = limit.max(LEAST_PART * self.threshold).min(self.threshold);
-        KeptScore::of(limit)
-    }
-
-    /// The score that so many cells do not exceed.
-    fn agreed_on(&self, wanted: f32) -> f32 {
-        let mut below = 0_u32;
-        let score = self.histogram.iter().zip(0_u8..=u8::MAX).find_map(|(count, score)| {
-            below = below.saturating_add(*count);
-            (below as f32 > wanted).then_some(KeptScore(score))
-        });
-        score.map_or(self.threshold, KeptScore::score)
+        let beyond = |histogram, part: f32| {
+            let [usual, most] = USUAL_PARTS.map(|part| reached(histogram, part * known as f32).score());
+            most + part * (most - usual)
+        };
+        let score = beyond(scores, BEYOND_USUAL).max(LEAST_PART * self.threshold).min(self.threshold);
+        let tint = beyond(tints, BEYOND_USUAL_TINT).max(LEAST_TINT);
+        DirtLimit { score: KeptScore::of(score), tint: KeptScore::of(tint) }
     }
 
     /// The state of a cell in a layer.
@@ -159,26 +164,52 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
         let foot = Point2::new(foot.x_m, foot.y_m);
         let middle = |index: usize| bin * (index as f32 + 0.5) - 0.5;
         let columns = scores.columns.clamp(1, COLUMNS_MAX);
+        let mut pairs = scores.colours.chunks_exact(columns.saturating_mul(STEP));
         for (row, line) in scores.values.chunks_exact(columns).enumerate().step_by(STEP) {
+            let (upper, lower) =
+                pairs.next().and_then(|pair| pair.split_at_checked(columns)).unwrap_or((&[], &[]));
+            // Pixels along a row mostly fall in the same cell.
+            let (mut near, mut colours) = ((i32::MIN, i32::MIN), [0.0; 4]);
+            let mut squares = upper.chunks_exact(STEP).zip(lower.chunks_exact(STEP));
             for (column, score) in line.iter().enumerate().step_by(STEP) {
+                let square = squares.next();
                 if score.is_nan() {
                     continue;
                 }
                 let place = view.place_in_map(middle(column), middle(row));
                 let Some(place) = place.filter(|place| place.distance(foot) <= REACH_M) else { continue };
                 let (x, y) = self.geometry.coordinates_of(place);
-                let Some(cell) =
-                    self.geometry.index(x, y).and_then(|index| self.cells.as_mut().get_mut(index))
-                else {
-                    continue;
-                };
-                let [left, low, right, high] = &mut bounds;
-                (*left, *low) = ((*left).min(x), (*low).min(y));
-                (*right, *high) = ((*right).max(x), (*high).max(y));
+                let Some(cell) = self.cell(x, y) else { continue };
                 cell.take(*score);
+                let [left, low, right, high] = &mut bounds;
+                (*left, *low) = ((*left).min(x.saturating_sub(1)), (*low).min(y.saturating_sub(1)));
+                (*right, *high) = ((*right).max(x.saturating_add(1)), (*high).max(y.saturating_add(1)));
+                if near != (x, y) {
+                    self.tint(near, core::mem::take(&mut colours));
+                    near = (x, y);
+                }
+                square.into_iter().for_each(|(upper, lower)| add(&mut colours, upper.iter().chain(lower)));
             }
+            self.tint(near, core::mem::take(&mut colours));
         }
         bounds
+    }
+
+    /// A cell by its column and row.
+    fn cell(&mut self, x: i32, y: i32) -> Option<&mut SeenCell> {
+        let index = self.geometry.index(x, y)?;
+        self.cells.as_mut().get_mut(index)
+    }
+
+    /// Counts colours for a cell and those around it.
+    fn tint(&mut self, (x, y): (i32, i32), colours: [f32; 4]) {
+        for (dy, down) in AROUND {
+            for (dx, across) in AROUND {
+                if let Some(cell) = self.cell(x.saturating_add(dx), y.saturating_add(dy)) {
+                    cell.tint(colours, down * across);
+                }
+            }
+        }
     }
 
     /// Turns counts into observations; how many.
@@ -193,24 +224,47 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
         for row in rows {
             for cell in row.iter_mut().skip(start(left)).take(count(left, right)) {
                 let before = cell.live();
-                if cell.close(limit, now_s) {
+                if cell.close(&self.tints, (limit, now_s)) {
                     observed = observed.saturating_add(1);
-                    let mut count = |seen: Option<Together>, step| {
-                        seen.into_iter().for_each(|seen| count_cell(&mut self.histogram, seen.agreed, step));
-                    };
-                    count(before, -1);
-                    count(cell.live(), 1);
+                    let now = cell.live();
+                    before.into_iter().for_each(|seen| count_cell(&mut self.histograms, seen, -1));
+                    now.into_iter().for_each(|seen| count_cell(&mut self.histograms, seen, 1));
+                    if now.is_some() {
+                        self.tints.learn(cell.colour());
+                    }
                 }
             }
         }
+        self.tints.settle();
         observed
     }
 }
 
 /// Counts a cell in or out.
-fn count_cell(histogram: &mut [u32; 256], score: KeptScore, step: i32) {
-    if let Some(slot) = histogram.get_mut(usize::from(score.0)) {
-        *slot = slot.saturating_add_signed(step);
+fn count_cell(histograms: &mut [[u32; 256]; 2], seen: Together, step: i32) {
+    for (histogram, score) in histograms.iter_mut().zip([seen.agreed, seen.tint]) {
+        if let Some(slot) = histogram.get_mut(usize::from(score.0)) {
+            *slot = slot.saturating_add_signed(step);
+        }
+    }
+}
+
+/// The score that so many cells do not exceed.
+fn reached(histogram: &[u32; 256], wanted: f32) -> KeptScore {
+    let mut below = 0_u32;
+    let score = histogram.iter().zip(0_u8..=u8::MAX).find_map(|(count, score)| {
+        below = below.saturating_add(*count);
+        (below as f32 > wanted).then_some(KeptScore(score))
+    });
+    score.unwrap_or(KeptScore(u8::MAX))
+}
+
+/// Adds the colours that tell something, and how many they are.
+fn add<'a>([sum_l, sum_a, sum_b, count]: &mut [f32; 4], colours: impl Iterator<Item = &'a Pixel>) {
+    for [l, a, b, weight] in colours {
+        if *weight > 0.0 && !(l + a + b).is_nan() {
+            (*sum_l, *sum_a, *sum_b, *count) = (*sum_l + l, *sum_a + a, *sum_b + b, *count + 1.0);
+        }
     }
 }
 
@@ -229,12 +283,15 @@ mod tests {
         let cell = |index: u16| {
             let score = low + (high - low) * f32::from(index) / f32::from(count);
             let mut cell = SeenCell::default();
-            (0..3).for_each(|second| cell.observe(KeptScore::of(score), KeptScore(255), second));
+            let none = DirtLimit { score: KeptScore(255), tint: KeptScore(255) };
+            (0..3).for_each(|second| {
+                cell.observe((KeptScore::of(score), [0; 3]), &FloorTints::NEW, (none, second));
+            });
             cell
         };
         let mut map = SeenDirtMap::new(geometry, (0..count).map(cell).collect::<std::vec::Vec<_>>()).unwrap();
         map.expect(21.0);
-        map.limit().score()
+        map.limit().score.score()
     }
 
     /// An even floor has the least limit, one whose places differ a higher one, and none a higher one than the detector;

@@ -3,7 +3,8 @@
 mod cell;
 mod map;
 mod spots;
+mod tint;
 
-pub use cell::{CellState, KeptScore, SeenCell, SeenLayer, Together};
+pub use cell::{CellState, DirtLimit, KeptScore, SeenCell, SeenLayer, Together};
 pub use map::{Scores, SeenDirtMap, ViewOutcome};
 pub use spots::{DirtSpot, DirtSpots, SPOTS_MAX};

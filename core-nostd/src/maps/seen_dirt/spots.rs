@@ -5,7 +5,7 @@
 
 use heapless::Vec;
 
-use super::cell::{CellState, KeptScore, SeenCell, SeenLayer};
+use super::cell::{CellState, DirtLimit, SeenCell, SeenLayer};
 use super::map::SeenDirtMap;
 use crate::geometry::Point2;
 use crate::time::Stamp;
@@ -17,7 +17,7 @@ const PARTS_MAX: usize = 512;
 const RUNS_MAX: usize = 256;
 /// Least evidence of a spot: sum over its cells of what exceeds the limit, natural logarithms. It takes two cells of
 /// which one sees little (algorithms F.2), or a single one that sees much: a puddle of 6 cm fits into one.
-const EVIDENCE_MIN: f32 = 1.5;
+const EVIDENCE_MIN: f32 = 2.5;
 /// Some cell must exceed the limit by this much: many that hardly do are a shade of the floor.
 const PEAK_MIN: f32 = 1.0;
 
@@ -87,7 +87,7 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
 
     /// The same with another limit than the map's own: how much of what is found hangs on it.
     #[must_use]
-    pub fn spots_beyond(&self, limit: KeptScore, layer: SeenLayer, now: Stamp) -> DirtSpots {
+    pub fn spots_beyond(&self, limit: DirtLimit, layer: SeenLayer, now: Stamp) -> DirtSpots {
         let mut parts = Parts::default();
         let mut above: Vec<Run, RUNS_MAX> = Vec::new();
         let width = usize::from(self.geometry().width()).max(1);
@@ -98,7 +98,7 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
                 for cell in run.first..=run.last.min(usize::from(u16::MAX)) {
                     let centre = self.geometry().centre(row.saturating_mul(width).saturating_add(cell));
                     if let Some(cell) = cells.get(cell) {
-                        let excess = cell.score(layer).map_or(0.0, KeptScore::score) - limit.score();
+                        let excess = cell.excess(layer, limit).unwrap_or(0.0);
                         parts.grow(run.part, (centre, excess), cell);
                     }
                 }
@@ -116,7 +116,7 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
 }
 
 /// Runs of dirty cells of a row, without a part yet.
-fn runs(cells: &[SeenCell], (layer, limit): (SeenLayer, KeptScore), dropped: &mut u32) -> Vec<Run, RUNS_MAX> {
+fn runs(cells: &[SeenCell], (layer, limit): (SeenLayer, DirtLimit), dropped: &mut u32) -> Vec<Run, RUNS_MAX> {
     let mut runs: Vec<Run, RUNS_MAX> = Vec::new();
     for (column, cell) in cells.iter().enumerate() {
         if cell.state(layer, limit) != CellState::Dirty {
@@ -257,6 +257,8 @@ impl Part {
 
 #[cfg(test)]
 mod tests {
+    use super::super::cell::KeptScore;
+    use super::super::tint::FloorTints;
     use super::*;
     use crate::maps::GridGeometry;
 
@@ -266,10 +268,11 @@ mod tests {
             let mut cell = SeenCell::default();
             let score = KeptScore::of(match mark {
                 '#' => 22.3,
-                '*' => 23.5,
+                '*' => 24.0,
                 _ => 9.0,
             });
-            (5..9).for_each(|second| cell.observe(score, KeptScore::of(21.0), second));
+            let limit = DirtLimit { score: KeptScore::of(21.0), tint: KeptScore::of(21.0) };
+            (5..9).for_each(|second| cell.observe((score, [0; 3]), &FloorTints::NEW, (limit, second)));
             cell
         };
         drawing.iter().flat_map(|line| line.chars().map(cell)).collect()

@@ -164,14 +164,14 @@ impl DirtLook {
     /// What was seen so far.
     #[must_use]
     pub fn seen(&self, now: Stamp) -> SeenDirt {
-        let limit = self.map.limit().score();
+        let limit = self.map.limit();
         let heat = |layer: SeenLayer| {
-            let percent = |cell: &SeenCell| match self.map.state(cell, layer) {
+            let percent = |cell: &SeenCell| match cell.state(layer, limit) {
                 CellState::Unknown => -1,
                 CellState::Clean => 0,
                 CellState::Dirty => {
-                    let score = cell.score(layer).map_or(limit, |score| score.score());
-                    (40.0 + 10.0 * (score - limit)).clamp(40.0, 100.0) as i8
+                    let excess = cell.excess(layer, limit).unwrap_or(0.0);
+                    (40.0 + 10.0 * excess).clamp(40.0, 100.0) as i8
                 }
             };
             self.map.cells().iter().map(percent).collect()

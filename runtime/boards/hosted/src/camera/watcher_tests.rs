@@ -135,6 +135,22 @@ fn dirt_is_mapped_live() {
     assert_eq!(drive.words, Vec::<String>::new());
 }
 
+/// Every picture is an observation of its own: once the spill is gone two pictures are enough for nobody to call the place
+/// dirty any more. Scores carried over from earlier pictures would agree with those for many more.
+#[test]
+fn earlier_pictures_do_not_vouch_for_a_later_one() {
+    let mut drive = Drive::new();
+    for _ in 0..8 {
+        drive.drive(12, News::Picture);
+    }
+    assert!(drive.spots().iter().any(|spot| spot.distance(SPILLED) < 0.1), "{:?}", drive.spots());
+    drive.scene.spills.clear();
+    for _ in 0..2 {
+        drive.drive(12, News::Picture);
+    }
+    assert_eq!(drive.spots(), [], "it is gone");
+}
+
 /// Each of these ways of colour to fail leaves the floor unknown, and is told once; the floor's shape is still known.
 #[test]
 fn bad_colour_is_unknown_floor_and_told_once() {

@@ -89,7 +89,8 @@ impl DirtDetectors {
     pub fn scores(&self) -> Scores<'_> {
         let pixels = self.ours.columns() * self.ours.rows();
         let values = self.memory.scores().get(..pixels).unwrap_or(&[]);
-        Scores { values, columns: self.ours.columns(), threshold: self.ours.threshold() }
+        let colours = self.memory.colours().get(..pixels).unwrap_or(&[]);
+        Scores { values, colours, columns: self.ours.columns(), threshold: self.ours.threshold() }
     }
 
     /// The published detector, after [`Self::judge`].

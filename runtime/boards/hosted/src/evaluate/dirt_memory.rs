@@ -34,6 +34,13 @@ impl NoveltyBuffers {
         }
     }
 
+    /// The colours of the last image relative to their surroundings, at half size.
+    #[must_use]
+    pub fn colours(&self) -> &[Pixel] {
+        let [colours, _] = &self.half;
+        colours
+    }
+
     /// The scores of the last image, at half size.
     #[must_use]
     pub fn scores(&self) -> &[f32] {
