@@ -166,9 +166,9 @@ mod tests {
         let mut covariance = square(floor.products.map(|sum| sum / floor.weight));
         (0..3).for_each(|index| covariance[index][index] += SPREAD_MIN[index] * SPREAD_MIN[index]);
         let inverse = square(floor.inverse);
-        for row in 0..3 {
+        for (row, left) in covariance.iter().enumerate() {
             for column in 0..3 {
-                let sum: f32 = (0..3).map(|index| covariance[row][index] * inverse[index][column]).sum();
+                let sum: f32 = left.iter().zip(&inverse).map(|(value, right)| value * right[column]).sum();
                 assert!((sum - f32::from(u8::from(row == column))).abs() < 1e-4, "{row} {column}: {sum}");
             }
         }
