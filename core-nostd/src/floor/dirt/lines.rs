@@ -1,14 +1,15 @@
 //! Gaps between tiles and planks: thin, long, and darker or lighter than both sides.
 //!
-//! A thin line vanishes when the image is closed or opened with a square that is wider; a long one changes across and
+//! A thin line vanishes when the image is closed or opened with a rectangle that is wider; a long one changes across and
 //! not along, which the smaller eigenvalue of the structure tensor tells. Crumbs are thin too, but change both ways, and
 //! so that eigenvalue is the texture by which they are found.
 
 use super::pixels::{HALF_COLUMNS_MAX, Pixel};
 use crate::floor::root::{lesser, nearest, square_root};
 
-/// Pixels to each side of the square: 7 × 7 at half size closes gaps of up to 6 pixels, a centimetre at 1 m.
-const REACH: usize = 2;
+/// Pixels to each side, and up and down, of the rectangle: 7 × 5 at half size closes gaps of up to 6 pixels across, a
+/// centimetre at 1 m, and of up to 4 along the line of sight, where a camera that looks ahead sees a spill foreshortened.
+const REACH: [usize; 2] = [3, 2];
 /// Half width of the box over which the tensor was averaged, pixels.
 const CROSSING: usize = 6;
 /// A pixel that is no free floor.
@@ -94,12 +95,12 @@ pub(super) fn classify(half: &[Pixel], columns: usize, tensor: &[Pixel], bytes: 
         }
     }
     // Where lines cross, the image changes both ways: what stands out that near to a line is of it.
-    extreme::<true>(two, columns, CROSSING, (one, light));
+    extreme::<true>(two, columns, [CROSSING; 2], (one, light));
     for ((mark, near), contrast) in two.iter_mut().zip(light.iter()).zip(class.iter()) {
         *mark = u8::from(*near > 0 && *contrast > limit);
     }
     // Blurred edges of a line belong to it.
-    extreme::<true>(two, columns, 1, (one, light));
+    extreme::<true>(two, columns, [1; 2], (one, light));
     for ((class, mark), [.., weight]) in class.iter_mut().zip(light.iter()).zip(half) {
         *class = if *weight == 0.0 {
             NO_FLOOR
@@ -134,11 +135,11 @@ fn lightness(half: &[Pixel], columns: usize, light: &mut [u8]) {
     }
 }
 
-/// Largest or smallest value of the square around each pixel, first across and then down.
+/// Largest or smallest value of the rectangle around each pixel, first across and then down.
 fn extreme<const LARGEST: bool>(
     input: &[u8],
     columns: usize,
-    reach: usize,
+    [reach_across, reach]: [usize; 2],
     (across, output): (&mut [u8], &mut [u8]),
 ) {
     let take = |slot: &mut u8, value: &u8| {
@@ -146,7 +147,7 @@ fn extreme<const LARGEST: bool>(
     };
     for (row, slots) in input.chunks_exact(columns).zip(across.chunks_exact_mut(columns)) {
         slots.iter_mut().zip(row).for_each(|(slot, value)| *slot = *value);
-        for shift in 1..=reach.min(CROSSING) {
+        for shift in 1..=reach_across.min(CROSSING) {
             slots.iter_mut().zip(row.iter().skip(shift)).for_each(|(slot, value)| take(slot, value));
             slots.iter_mut().skip(shift).zip(row).for_each(|(slot, value)| take(slot, value));
         }
