@@ -187,7 +187,7 @@ mod tests {
     use super::super::pixels::{box_mean, halve};
     use super::*;
 
-    /// A gap right through and a blot of the same darkness: only the gap is a line.
+    /// A gap right through, and a blot and a flat puddle of the same darkness: only the gap is a line.
     #[test]
     fn gaps_are_lines_and_blots_are_not() {
         // 80 columns are what the smallest profile has room for.
@@ -196,10 +196,13 @@ mod tests {
         let gap = |x: usize, _: usize| x.abs_diff(30) < 2;
         let blot = |x: usize, y: usize| x.abs_diff(70) < 6 && y.abs_diff(30) < 6;
         let crumb = |x: usize, y: usize| x.abs_diff(50) < 2 && y.abs_diff(20) < 2;
+        // A puddle far ahead: foreshortened, long across and thin along the line of sight.
+        let puddle = |x: usize, y: usize| x.abs_diff(55) < 8 && y.abs_diff(46) < 3;
         let half: std::vec::Vec<Pixel> = (0..columns * rows)
             .map(|index| {
                 let (x, y) = (index % columns, index / columns);
-                let light = if gap(x, y) || blot(x, y) || crumb(x, y) { 30.0 } else { 60.0 };
+                let is_dark = gap(x, y) || blot(x, y) || crumb(x, y) || puddle(x, y);
+                let light = if is_dark { 30.0 } else { 60.0 };
                 [light, 0.0, 0.0, if y < 60 { 1.0 } else { 0.0 }]
             })
             .collect();
