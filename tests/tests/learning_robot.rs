@@ -6,7 +6,9 @@ use std::path::Path;
 
 use floorguard_core::online_learning::Weights;
 use floorguard_hosted::configuration::EXAMPLE;
-use floorguard_hosted::learning::{LearningSetup, anchors_fingerprint, save_weights, shipped_anchors};
+use floorguard_hosted::learning::{
+    LearningReport, LearningSetup, anchors_fingerprint, load_weights, save_weights, shipped_anchors,
+};
 use floorguard_hosted::recording::Recording;
 use floorguard_hosted::report::{document, read_history};
 use floorguard_hosted::world::{
@@ -118,8 +120,24 @@ fn the_same_recording_and_the_same_start_learn_the_same_bits() {
     assert_eq!(history.learned, Some(learned.words()));
     assert!(document(&history, "run").contains("Learned: "));
     // A replay leaves the file of the robot alone.
-    let kept = floorguard_hosted::learning::load_weights(&model, anchors_fingerprint(&shipped_anchors()));
+    let kept = load_weights(&model, anchors_fingerprint(&shipped_anchors()));
     assert_eq!(kept.expect("it is whole").map(|kept| kept.generation), Some(1));
+}
+
+/// What is taken over goes into its file while the robot drives, not at its end: the power may be cut.
+#[test]
+fn what_was_taken_over_is_kept_in_virtual_time_too() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let robot = folder.path().join("robot.toml");
+    std::fs::write(&robot, format!("{EXAMPLE}\n[learning]\n")).expect("it is written");
+    let mut plan = Plan::named("empty", 3, 2_000_000).expect("a built-in scenario");
+    plan = plan.with_robot(&robot).expect("the robot is the example with learning");
+    let learned = Weights { steps: 4_000, offset: 0.1, ..Weights::ZERO };
+    plan.learning.as_ref().expect("it learns").desk.put(LearningReport::default(), &learned);
+    play(&plan, None);
+    let model = folder.path().join("people.learned");
+    let kept = load_weights(&model, anchors_fingerprint(&shipped_anchors())).expect("it is whole");
+    assert!(kept.is_some(), "nothing was kept");
 }
 
 #[test]
