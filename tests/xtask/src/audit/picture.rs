@@ -53,7 +53,7 @@ fn arrow(text: &mut String, (x0, y0): (f32, f32), (x1, y1): (f32, f32), reset: b
     // To the right of its direction, so that there and back do not lie on one another.
     let (sx, sy) = (-uy * 12.0, ux * 12.0);
     // Wide enough to pass by a state that stands between the two.
-    let bend = if length > 400.0 { 11.0 } else { 2.5 };
+    let bend = if length > 400.0 && dy.abs() < 1.0 { 11.0 } else { 2.5 };
     let class = if reset { "arrow reset" } else { "arrow" };
     let _ = writeln!(
         text,
