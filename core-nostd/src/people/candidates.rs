@@ -1,7 +1,7 @@
 //! Which things may be people: the volume of algorithms A.2, made honest about distance and about the floor.
 
 use super::appearance::Appearance;
-use super::clusters::Cluster;
+use super::cluster::Cluster;
 use crate::geometry::Point2;
 
 /// The volume that a person can fill, metres.

@@ -4,7 +4,7 @@ use heapless::Vec;
 
 use super::appearance::Shades;
 use super::association::DETECTIONS_MAX;
-use super::clusters::Cluster;
+use super::cluster::Cluster;
 use super::shape::{SHAPE_FEATURES, ShapeBuilder, ShapeVector};
 use crate::capacities::CLUSTERS_MAX;
 use crate::geometry::Point3;

@@ -3,7 +3,7 @@
 
 use heapless::Vec;
 
-use super::clusters::Cluster;
+use super::cluster::Cluster;
 use crate::geometry::{Point2, Point3};
 
 /// Expected people who are close to a thing, of one sweep. More than this touch nobody.

@@ -6,7 +6,7 @@ use crate::capacities::CLUSTERS_MAX;
 use crate::geometry::Point2;
 use crate::people::appearance::Appearance;
 use crate::people::candidates::Detection;
-use crate::people::clusters::Cluster;
+use crate::people::cluster::Cluster;
 use crate::people::shape::ShapeBuilder;
 use crate::people::splits::SEEDS_MAX;
 

@@ -1,7 +1,7 @@
 //! What a sweep needs to be understood, and what it told.
 
 use crate::geometry::{Pose2, Transform3, Twist2};
-use crate::people::clusters::Cluster;
+use crate::people::cluster::Cluster;
 use crate::people::track::Track;
 
 /// Where the sensor was while it measured.

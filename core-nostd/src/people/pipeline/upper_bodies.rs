@@ -5,7 +5,8 @@ use super::context::SweepContext;
 use super::state::PeoplePipeline;
 use super::things::in_counts;
 use crate::capacities::CLUSTERS_MAX;
-use crate::people::clusters::{Cluster, Obstacles, rings_of};
+use crate::people::cluster::Cluster;
+use crate::people::clusters::{Obstacles, rings_of};
 use crate::people::projection::{RingProfile, SweepFrame};
 use crate::sensing::{Sweep, SweepColumn};
 
