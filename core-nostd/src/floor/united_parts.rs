@@ -63,12 +63,17 @@ impl<T: Absorb, const N: usize> UnitedParts<T, N> {
 
     /// The finished parts, in the order in which they began.
     pub fn finished(&self) -> impl Iterator<Item = &T> {
-        let own = |(index, part): &(usize, &Part<T>)| usize::from(part.parent) == *index;
-        self.parts.iter().enumerate().filter(own).map(|(_, part)| &part.content)
+        self.numbered().map(|(_, content)| content)
+    }
+
+    /// The same with their numbers.
+    pub fn numbered(&self) -> impl Iterator<Item = (u16, &T)> {
+        let own = |(index, part): &(u16, &Part<T>)| part.parent == *index;
+        (0..=u16::MAX).zip(&self.parts).filter(own).map(|(index, part)| (index, &part.content))
     }
 
     /// The part that a part was united with in the end. Parents have smaller numbers, so the walk ends.
-    fn root(&mut self, part: u16) -> u16 {
+    pub fn root(&mut self, part: u16) -> u16 {
         let mut index = part;
         for _ in 0..N {
             let parent = self.parts.get(usize::from(index)).map_or(index, |part| part.parent);
@@ -116,7 +121,8 @@ mod tests {
         let begun = [1, 10, 100].map(|own| parts.join(core::iter::empty(), &own));
         assert_eq!(begun, [Ok(0), Ok(1), Ok(2)]);
         assert_eq!(parts.join([2, 1].into_iter(), &1_000), Ok(1));
-        assert_eq!(parts.finished().copied().collect::<std::vec::Vec<_>>(), [1, 1_110]);
+        assert_eq!(parts.numbered().collect::<std::vec::Vec<_>>(), [(0, &1), (1, &1_110)]);
+        assert_eq!([0, 1, 2].map(|part| parts.root(part)), [0, 1, 1]);
         assert_eq!(parts.join([2, 0].into_iter(), &10_000), Ok(0));
         assert_eq!(parts.join([1].into_iter(), &100_000), Ok(0));
         assert_eq!(parts.finished().copied().collect::<std::vec::Vec<_>>(), [111_111]);

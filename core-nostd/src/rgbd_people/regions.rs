@@ -8,6 +8,7 @@ use super::floor_frame::{FloorFrame, FloorPoint};
 use super::floor_grid::{FloorGrid, GRID_CELLS, GRID_COLUMNS, cell_of, lattice};
 use super::parameters::UpperBodyRules;
 use crate::capacities::{RGBD_LABELS_MAX, RGBD_REGIONS_MAX};
+use crate::floor::{Absorb, UnitedParts};
 use crate::sensing::DepthImage;
 
 /// Fewest cells of a region (algorithms B.2 step 3).
@@ -40,11 +41,26 @@ impl Region {
     }
 }
 
+/// Cells that touch.
+#[derive(Clone, Copy, Debug)]
+struct Patch {
+    cells: u16,
+    nearest: u16,
+}
+
+impl Absorb for Patch {
+    fn absorb(&mut self, other: &Self) {
+        self.cells = self.cells.saturating_add(other.cells);
+        self.nearest = self.nearest.min(other.nearest);
+    }
+}
+
 /// Labels of the cells and the regions they form.
 #[derive(Clone, Debug)]
 pub(super) struct Regions {
+    /// Of each cell the number of its patch and 1; 0 where nothing stands.
     labels: [u8; GRID_CELLS],
-    parents: Vec<u8, RGBD_LABELS_MAX>,
+    patches: UnitedParts<Patch, RGBD_LABELS_MAX>,
     pub found: Vec<Region, RGBD_REGIONS_MAX>,
     /// Labels and regions for which there was no room.
     pub dropped: u32,
@@ -52,7 +68,7 @@ pub(super) struct Regions {
 
 impl Default for Regions {
     fn default() -> Self {
-        Self { labels: [0; GRID_CELLS], parents: Vec::new(), found: Vec::new(), dropped: 0 }
+        Self { labels: [0; GRID_CELLS], patches: UnitedParts::default(), found: Vec::new(), dropped: 0 }
     }
 }
 
@@ -76,10 +92,10 @@ impl Regions {
         self.measure(image, frame, rules);
     }
 
-    /// Labels 8-connected cells; labels that meet are united, the smaller one stays.
+    /// Labels 8-connected cells.
     fn label_cells(&mut self, grid: &FloorGrid, occupied_min: f32) {
         self.labels.fill(0);
-        self.parents.clear();
+        self.patches.clear();
         for cell in 0..GRID_CELLS {
             if grid.weights().get(cell).is_none_or(|weight| *weight < occupied_min) {
                 continue;
@@ -95,94 +111,28 @@ impl Regions {
                 neighbour(GRID_COLUMNS, true),
                 neighbour(GRID_COLUMNS - 1, column + 1 < GRID_COLUMNS),
             ];
-            let mut label = 0;
-            for other in neighbours.into_iter().filter(|other| *other > 0) {
-                let root = self.root(other);
-                label = if label == 0 { root } else { self.unite(label, root) };
-            }
-            if label == 0 {
-                label = self.new_label();
-            }
+            let touching = neighbours.into_iter().filter_map(number_of);
+            let nearest = u16::try_from(cell / GRID_COLUMNS).unwrap_or(u16::MAX);
+            let patch = self.patches.join(touching, &Patch { cells: 1, nearest });
+            self.dropped = self.dropped.saturating_add(u32::from(patch.is_err()));
+            let label = patch.map_or(0, label_of);
             if let Some(slot) = self.labels.get_mut(cell) {
                 *slot = label;
             }
         }
     }
 
-    /// A label of its own, from 1; 0 when they are used up.
-    fn new_label(&mut self) -> u8 {
-        let label = u8::try_from(self.parents.len().saturating_add(1)).unwrap_or(0);
-        if label > 0 && self.parents.push(label).is_ok() {
-            return label;
-        }
-        self.dropped = self.dropped.saturating_add(1);
-        0
-    }
-
-    fn parent(&self, label: u8) -> u8 {
-        let index = usize::from(label).saturating_sub(1);
-        self.parents.get(index).copied().unwrap_or(label)
-    }
-
-    /// Parents are smaller than their children, so the walk ends.
-    fn root(&self, label: u8) -> u8 {
-        let mut label = label;
-        for _ in 0..RGBD_LABELS_MAX {
-            let parent = self.parent(label);
-            if parent == label {
-                break;
-            }
-            label = parent;
-        }
-        label
-    }
-
-    fn unite(&mut self, a: u8, b: u8) -> u8 {
-        let (kept, given) = (a.min(b), a.max(b));
-        if let Some(slot) = self.parents.get_mut(usize::from(given).saturating_sub(1)) {
-            *slot = kept;
-        }
-        kept
-    }
-
     /// Gives every cell its final label and keeps the nearest regions that are large enough.
     fn collect(&mut self) {
-        let mut counts = [(0_u16, u16::MAX); RGBD_LABELS_MAX];
-        for cell in 0..GRID_CELLS {
-            let label = self.labels.get(cell).copied().unwrap_or(0);
-            if label == 0 {
-                continue;
-            }
-            let root = self.root(label);
-            if let Some(slot) = self.labels.get_mut(cell) {
-                *slot = root;
-            }
-            if let Some((cells, nearest)) = counts.get_mut(usize::from(root).saturating_sub(1)) {
-                *cells = cells.saturating_add(1);
-                *nearest = (*nearest).min(u16::try_from(cell / GRID_COLUMNS).unwrap_or(u16::MAX));
-            }
+        for label in &mut self.labels {
+            *label = number_of(*label).map_or(0, |number| label_of(self.patches.root(number)));
         }
         self.found.clear();
-        for (index, (cells, nearest)) in counts.into_iter().enumerate() {
-            let label = u8::try_from(index.saturating_add(1)).unwrap_or(0);
-            if cells >= CELLS_MIN && label > 0 {
-                self.keep(Region { label, nearest, ..Region::EMPTY });
+        for (number, patch) in self.patches.numbered() {
+            if patch.cells >= CELLS_MIN {
+                let region = Region { label: label_of(number), nearest: patch.nearest, ..Region::EMPTY };
+                self.dropped = self.dropped.saturating_add(u32::from(!keep(&mut self.found, region)));
             }
-        }
-    }
-
-    fn keep(&mut self, region: Region) {
-        if self.found.is_full() {
-            self.dropped = self.dropped.saturating_add(1);
-            if self.found.last().is_some_and(|last| last.nearest <= region.nearest) {
-                return;
-            }
-            self.found.pop();
-        }
-        let place = self.found.iter().position(|other| other.nearest > region.nearest);
-        let place = place.unwrap_or(self.found.len());
-        if self.found.insert(place, region).is_err() {
-            self.dropped = self.dropped.saturating_add(1);
         }
     }
 
@@ -206,6 +156,32 @@ impl Regions {
             }
         }
     }
+}
+
+/// Keeps a region among the nearest; false where that cost one, this or the farthest.
+fn keep(found: &mut Vec<Region, RGBD_REGIONS_MAX>, region: Region) -> bool {
+    let had_room = !found.is_full();
+    if !had_room {
+        if found.last().is_some_and(|last| last.nearest <= region.nearest) {
+            return false;
+        }
+        let _ = found.pop();
+    }
+    let place = found.iter().position(|other| other.nearest > region.nearest).unwrap_or(found.len());
+    found.insert(place, region).is_ok() && had_room
+}
+
+/// Numbers of patches fit into a label.
+const _: () = assert!(RGBD_LABELS_MAX < 256);
+
+/// The label of a patch, from 1.
+fn label_of(patch: u16) -> u8 {
+    u8::try_from(patch.saturating_add(1)).unwrap_or(0)
+}
+
+/// The patch of a label; `None` where nothing stands.
+fn number_of(label: u8) -> Option<u16> {
+    label.checked_sub(1).map(u16::from)
 }
 
 impl Region {
