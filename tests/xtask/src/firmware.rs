@@ -11,8 +11,8 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
-use crate::machine::{self, TARGET};
-use crate::{shell, stack, worst};
+use crate::machine::TARGET;
+use crate::{setup, shell, stack, worst};
 
 /// The image that plays tapes.
 const TAPE_IMAGE: &str = "floorguard-mps2-an500-tape";
@@ -129,14 +129,11 @@ struct Size {
 
 /// Runs the command; false when host and board differ, or a count leaves its gate.
 pub fn run(options: &Options) -> Result<bool> {
+    setup::need_target()?;
     if options.board == "stm32h743" {
         return link_for_the_chip(options.update);
     }
-    if !machine::has_emulator() && !machine::add_emulator()? {
-        bail!(
-            "the emulator is missing; please run as root: apt-get install --no-install-recommends qemu-system-arm"
-        );
-    }
+    setup::need_emulator()?;
     if options.wired || options.faults.is_some() {
         return wired(options);
     }

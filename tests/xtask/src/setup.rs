@@ -1,27 +1,45 @@
-//! `cargo xtask setup`: a bare machine becomes one on which everything runs.
+//! `cargo xtask setup`: a bare machine becomes one on which everything runs. Commands that need one thing ask for it here.
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 
 use crate::machine::{self, TARGET};
 
-/// Installs what is missing. False, with the exact remedy on the terminal, where it cannot.
+/// Installs what is missing.
+///
+/// # Errors
+/// What cannot be installed here, with the command that does.
 pub fn run() -> Result<bool> {
-    if machine::has_target() {
-        println!("setup: compiler target {TARGET} is there");
-    } else {
-        println!("setup: adding the compiler target {TARGET} with rustup");
-        if !machine::add_target()? {
-            eprintln!("setup: cannot add it here; please run: rustup target add {TARGET}");
-            return Ok(false);
-        }
-    }
-    if machine::has_emulator() {
-        println!("setup: the emulator of the Cortex-M7 board is there");
-    } else if !machine::add_emulator()? {
-        eprintln!(
-            "setup: cannot install it here; please run as root: apt-get install --no-install-recommends qemu-system-arm"
-        );
-        return Ok(false);
-    }
+    need_target()?;
+    println!("setup: compiler target {TARGET} is there");
+    need_emulator()?;
+    println!("setup: the emulator of the Cortex-M7 board is there");
     Ok(true)
+}
+
+/// Sees to it that the compiler knows the Cortex-M7.
+///
+/// # Errors
+/// It does not and cannot be taught here.
+pub fn need_target() -> Result<()> {
+    if machine::has_target() {
+        return Ok(());
+    }
+    eprintln!("setup: adding the compiler target {TARGET} with rustup");
+    ensure!(
+        machine::add_target()?,
+        "the compiler target {TARGET} is missing and could not be added; please run: rustup target add {TARGET}"
+    );
+    Ok(())
+}
+
+/// Sees to it that the Cortex-M7 board can be emulated.
+///
+/// # Errors
+/// The emulator is missing and cannot be installed here.
+pub fn need_emulator() -> Result<()> {
+    ensure!(
+        machine::has_emulator() || machine::add_emulator()?,
+        "the emulator is missing and could not be installed; please run as root: apt-get install --no-install-recommends qemu-system-arm"
+    );
+    Ok(())
 }

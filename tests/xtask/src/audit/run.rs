@@ -14,7 +14,7 @@ use super::{
     circles, dependencies, hosted_rooms, image_claims, mutation, picture, records, report, seen, sources,
     trace,
 };
-use crate::shell;
+use crate::{setup, shell};
 
 /// How the audit speaks.
 #[derive(Args)]
@@ -26,6 +26,8 @@ pub struct Options {
 
 /// Runs every check. True if all claims hold.
 pub fn run(options: &Options) -> Result<bool> {
+    // Without the target no claim on compiled code could be judged, and the sources would be blamed for it.
+    setup::need_target()?;
     let root = shell::root();
     let files = sources::read_layers(&root)?;
     let (mut claims, mut sites) = judge_sources(&files);

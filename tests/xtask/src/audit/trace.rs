@@ -140,10 +140,19 @@ impl Sources {
                     .push(at(&test.place, format!("{id} is tested here and not listed in {REQUIREMENTS}"))),
             }
         }
+        // Where nothing ran, as when core does not compile, that is one thing to say and not one of each test.
+        let have_run = !results.is_empty();
+        if !have_run {
+            findings.push(Finding {
+                place: REQUIREMENTS.to_owned(),
+                line: 0,
+                message: "no test of a requirement ran".to_owned(),
+            });
+        }
         for line in &mut trace.requirements {
             let answers = trace.hazards.iter().filter(|hazard| hazard.requirements.contains(&line.id));
             line.hazards = answers.map(|hazard| hazard.id.clone()).collect();
-            findings.extend(orphaned(line));
+            findings.extend(orphaned(line, have_run));
         }
         let hazards = self.judge_hazards(&trace.hazards, &known);
         let claims = claims(&trace, findings, hazards);
@@ -205,8 +214,8 @@ fn at(place: &Place, message: String) -> Finding {
     Finding { place: place.file.clone(), line: place.line, message }
 }
 
-/// What a requirement lacks.
-fn orphaned(line: &Requirement) -> Vec<Finding> {
+/// What a requirement lacks, its tests' results only if there are any.
+fn orphaned(line: &Requirement, have_run: bool) -> Vec<Finding> {
     let complain = |message: String| Finding {
         place: REQUIREMENTS.to_owned(),
         line: line.line,
@@ -221,7 +230,7 @@ fn orphaned(line: &Requirement) -> Vec<Finding> {
     ] {
         findings.extend(lacking.then(|| complain(what.to_owned())));
     }
-    for test in line.tests.iter().filter(|test| test.passed != Some(true)) {
+    for test in line.tests.iter().filter(|test| have_run && test.passed != Some(true)) {
         let how = if test.passed.is_some() { "failed" } else { "did not run" };
         findings.push(at(&test.place, format!("{}: test {} {how}", line.id, test.name)));
     }
@@ -328,7 +337,12 @@ mod tests {
     }
 
     fn messages(sources: &Sources, passed: Option<bool>) -> Vec<(usize, String)> {
-        let results = passed.map(|passed| ("fg_req_901_stops".to_owned(), passed)).into_iter().collect();
+        let result = passed.map(|passed| ("fg_req_901_stops", passed));
+        messages_of(sources, &[result.as_slice(), &[("fg_req_900_is_elsewhere", true)]].concat())
+    }
+
+    fn messages_of(sources: &Sources, results: &[(&str, bool)]) -> Vec<(usize, String)> {
+        let results = results.iter().map(|(name, passed)| ((*name).to_owned(), *passed)).collect();
         let (_, claims) = sources.trace(&results);
         claims
             .into_iter()
@@ -343,6 +357,13 @@ mod tests {
     #[test]
     fn a_whole_chain_holds() {
         assert_eq!(messages(&sources(LINE, HAZARD), Some(true)), []);
+    }
+
+    /// As when core does not compile: one finding, not one of each test.
+    #[test]
+    fn where_nothing_ran_that_is_said_once() {
+        let expected = [(0, "no test of a requirement ran".to_owned())];
+        assert_eq!(messages_of(&sources(LINE, HAZARD), &[]), expected);
     }
 
     #[test]
