@@ -46,7 +46,8 @@ pub fn run(options: &Options) -> Result<bool> {
     let (trace, traced) = documents.trace(&results.passed);
     let (dependencies, known) = dependencies::read(&root)?;
     claims.extend(traced.into_iter().chain([known, picture::claim(&root, &results.explored)]));
-    let (mutants, noticed) = mutation::read(&root);
+    let code = sources::fingerprint(&files);
+    let (mutants, noticed) = mutation::read(&root, &code);
     claims.push(noticed);
     let states = picture::svg(&results.explored.transitions);
     let evidence = Evidence {
@@ -56,7 +57,7 @@ pub fn run(options: &Options) -> Result<bool> {
         trace,
         dependencies,
         records: records::read(&root),
-        code: sources::fingerprint(&files),
+        code,
         mutants,
         states,
         explored: results.explored,

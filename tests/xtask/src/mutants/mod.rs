@@ -17,3 +17,4 @@ mod trial;
 
 pub use record::{RECORD, Record};
 pub use run::run;
+pub use tests_of::{PARTS, Part};

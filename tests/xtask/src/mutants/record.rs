@@ -64,10 +64,15 @@ pub struct Equivalent {
 }
 
 impl Record {
-    /// Mutants that are caught or explained, per cent of the viable ones.
+    /// Mutants that no test noticed and nobody can.
+    pub fn explained(&self) -> usize {
+        self.survivors.iter().filter(|survivor| !survivor.reason.is_empty()).count()
+    }
+
+    /// Mutants that are caught or explained, per cent of the viable ones and of those that were not tried: nobody knows
+    /// whether a test would notice these.
     pub fn percent(&self) -> f64 {
-        let explained = self.survivors.iter().filter(|survivor| !survivor.reason.is_empty()).count();
-        100.0 * (self.caught + explained) as f64 / self.viable.max(1) as f64
+        100.0 * (self.caught + self.explained()) as f64 / (self.viable + self.untried).max(1) as f64
     }
 }
 
@@ -138,5 +143,7 @@ mod tests {
         let survivors = vec![survivor("why"), survivor("")];
         let record = Record { viable: 10, caught: 8, survivors, ..Record::default() };
         assert!((record.percent() - 90.0).abs() < 1.0e-9);
+        let cut = Record { untried: 8, ..record };
+        assert!((cut.percent() - 50.0).abs() < 1.0e-9, "what was not tried is not caught");
     }
 }

@@ -204,10 +204,11 @@ pub const EXPLANATIONS: &[Explanation] = &[
     explanation(
         "mutants-caught",
         (
-            "The recorded run: of the guard every mutant is caught or has a reason why nobody can notice it; of the drivers 85 %.",
+            "The recorded run: of the guard every mutant is caught or has a reason why nobody can notice it; of the drivers 85 %. \
+             What was not tried counts as not caught; a part without a record fails.",
             "Recorded, not repeated here; it knows the mistakes that cargo-mutants knows, and the package's own tests.",
         ),
-        ("mutants", "record.rs"),
+        ("mutants", "mutation.rs: a_record_below_its_share_fails, a_part_without_a_record_fails"),
     ),
 ];
 

@@ -217,7 +217,7 @@ fn mutants(records: &[Record], code_today: &str) -> String {
     format!(
         "<p>The code is spoiled in one place at a time, as cargo-mutants lists it; the tests of the package must fail. What no \
          test notices is listed: with the reason where nobody could notice it, and with nothing where a test is missing. Those \
-         count against the share.</p>{}{}",
+         count against the share, and so does what was not tried.</p>{}{}",
         parts.finish(),
         table.finish()
     )
