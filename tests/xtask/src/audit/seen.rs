@@ -3,7 +3,7 @@
 //! `cargo xtask campaign loops` counts and records; the audit compares. A record names a loop by its function, its kind
 //! and its number among those of that kind there, so that it outlives a change elsewhere in the file.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -83,13 +83,26 @@ fn why_not(site: &LoopSite) -> &'static str {
 
 /// Puts what was recorded beside the loops.
 pub fn compare(root: &Path, sites: &mut [LoopSite]) -> Claim {
-    let text = std::fs::read_to_string(root.join(RECORD)).unwrap_or_default();
-    judge(serde_json::from_str(&text).unwrap_or_default(), sites)
+    let text = std::fs::read_to_string(root.join(RECORD)).map_err(|error| format!("cannot be read: {error}"));
+    judge(text.and_then(|text| records_in(&text)), sites)
 }
 
-fn judge(records: Vec<Record>, sites: &mut [LoopSite]) -> Claim {
-    let records: BTreeMap<Name, Record> = records.into_iter().map(|record| (record.name(), record)).collect();
+fn records_in(text: &str) -> Result<Vec<Record>, String> {
+    serde_json::from_str(text).map_err(|error| format!("is broken: {error}"))
+}
+
+/// What the record as a whole lacks.
+fn of_record(why: &str) -> Finding {
+    let message = format!("{why}; `cargo xtask campaign loops` counts again");
+    Finding { place: RECORD.to_owned(), line: 0, message }
+}
+
+fn judge(records: Result<Vec<Record>, String>, sites: &mut [LoopSite]) -> Claim {
+    let unreadable = records.as_ref().err().map(|why| of_record(why));
+    let records: BTreeMap<Name, Record> =
+        records.unwrap_or_default().into_iter().map(|record| (record.name(), record)).collect();
     let mut findings = Vec::new();
+    let mut present = BTreeSet::new();
     let (mut countable, mut ran, mut never, mut unknown) = (0, 0, 0, 0);
     let numbers = numbers(sites);
     for (site, number) in sites.iter_mut().zip(numbers) {
@@ -101,6 +114,7 @@ fn judge(records: Vec<Record>, sites: &mut [LoopSite]) -> Claim {
             unknown += usize::from(!site.edits.is_empty());
             continue;
         };
+        present.insert(name);
         let bound_value = Some(record.bound_value).filter(|value| *value > 0);
         let why_not =
             if record.largest.is_none() { unseen::reason(&site.file).unwrap_or_default() } else { "" };
@@ -122,13 +136,19 @@ fn judge(records: Vec<Record>, sites: &mut [LoopSite]) -> Claim {
             findings.push(Finding { place: site.file.clone(), line: site.line, message });
         }
     }
+    match unreadable {
+        Some(finding) => findings.push(finding),
+        None if present.is_empty() => findings.push(of_record("has no count of any loop that there is")),
+        None => {}
+    }
     Claim {
         id: "loops-within-bounds",
         text: "No loop was ever seen to turn more often than its bound.",
         evidence: format!(
             "{ran} of {countable} countable loops ran in the tests and were counted, {never} never ran meanwhile: the table \
-             names the tests that are to reach them; {unknown} cannot be counted or are new since; `cargo xtask campaign loops` \
-             counts again"
+             names the tests that are to reach them; {unknown} cannot be counted or are new since; {} records are of loops that \
+             are gone; `cargo xtask campaign loops` counts again",
+            records.len() - present.len()
         ),
         findings,
     }
@@ -154,7 +174,7 @@ mod tests {
     #[test]
     fn a_count_above_its_bound_is_named() {
         let mut sites = sites();
-        let claim = judge(vec![record(0, Some(4)), record(1, Some(5))], &mut sites);
+        let claim = judge(Ok(vec![record(0, Some(4)), record(1, Some(5))]), &mut sites);
         assert_eq!(claim.findings.iter().map(|finding| finding.line).collect::<Vec<_>>(), [3]);
         assert_eq!(sites[0].seen.largest_seen, Some(4));
         assert_eq!(sites[1].seen.bound_value, Some(4));
@@ -163,11 +183,37 @@ mod tests {
     #[test]
     fn what_never_ran_or_has_no_record_is_told() {
         let mut sites = sites();
-        let claim = judge(vec![record(1, None)], &mut sites);
+        let claim = judge(Ok(vec![record(1, None)]), &mut sites);
         assert!(claim.evidence.starts_with("0 of 2 countable"), "{}", claim.evidence);
         assert_eq!(claim.findings.iter().map(|finding| finding.line).collect::<Vec<_>>(), [3], "no reason");
         assert!(claim.evidence.contains("1 cannot"), "{}", claim.evidence);
         assert_eq!((sites[0].seen.counted, sites[1].seen.counted), (false, true));
         assert!(sites[0].seen.why_not.starts_with("new since"), "{}", sites[0].seen.why_not);
+    }
+
+    #[test]
+    fn a_record_that_cannot_be_read_or_counts_nothing_fails() {
+        let places =
+            |claim: &Claim| claim.findings.iter().map(|f| (f.place.clone(), f.line)).collect::<Vec<_>>();
+        let named = [(RECORD.to_owned(), 0)];
+        let folder = tempfile::tempdir().expect("a folder");
+        let absent = compare(folder.path(), &mut sites());
+        assert_eq!(places(&absent), named);
+        assert!(absent.findings[0].message.starts_with("cannot be read"), "{:?}", absent.findings);
+        assert_eq!(places(&judge(records_in("[{]"), &mut sites())), named);
+        assert_eq!(places(&judge(records_in("[]"), &mut sites())), named);
+        assert_eq!(places(&judge(Ok(vec![record(7, Some(1))]), &mut sites())), named, "of another loop");
+    }
+
+    #[test]
+    fn records_of_loops_that_are_gone_are_told() {
+        let renamed = Record { function: "g".to_owned(), ..record(0, Some(4)) };
+        let records = vec![record(0, Some(4)), record(1, Some(4)), record(2, Some(4)), renamed];
+        let claim = judge(Ok(records), &mut sites());
+        assert!(
+            claim.holds() && claim.evidence.contains("2 records are of loops that are gone"),
+            "{}",
+            claim.evidence
+        );
     }
 }
