@@ -1,10 +1,12 @@
 //! States of the guard and the transitions that the search over the real code saw, as a picture.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::path::Path;
 
 use super::claim::{Claim, Finding};
-use super::results::{Explored, Transition};
+use super::results::{CauseLine, Explored, Transition};
+use super::trace::CAUSES;
 
 /// Where the manual shows it.
 pub const PATH: &str = "docs/pictures/guard-states.svg";
@@ -67,29 +69,61 @@ fn arrow(text: &mut String, (x0, y0): (f32, f32), (x1, y1): (f32, f32), reset: b
     );
 }
 
-/// The manual's picture is the one that the code gives today.
-pub fn claim(root: &Path, explored: &Explored) -> Claim {
-    let drawn = svg(&explored.transitions);
-    let current = std::fs::read_to_string(root.join(PATH)).is_ok_and(|kept| kept == drawn);
-    let complaint = if explored.transitions.is_empty() {
-        Some("the search over the states did not run")
-    } else {
-        (!current).then_some("is not what the code does today: copy target/audit/guard-states.svg over it")
-    };
-    let findings =
-        complaint.map(|what| Finding { place: PATH.to_owned(), line: 0, message: what.to_owned() });
+/// The manual's picture is the one that the code gives today, and the table below it has every cause.
+pub fn claim(root: &Path, (explored, causes): (&Explored, &[CauseLine]), wanted: &BTreeSet<String>) -> Claim {
+    let kept = std::fs::read_to_string(root.join(PATH)).unwrap_or_default();
     Claim {
         id: "states-pictured",
-        text: "The picture of states and transitions in the safety manual is what the code does.",
+        text: "The picture of states and transitions in the safety manual is what the code does, and the code told every cause.",
         evidence: format!(
             "the search over all reachable states found {} of them, judged each of {} steps, and saw {} pairs of shown states \
-             follow one another",
+             follow one another; {} causes printed what they demand, of {} in the code",
             explored.states,
             explored.steps,
-            explored.transitions.len()
+            explored.transitions.len(),
+            causes.len(),
+            wanted.len()
         ),
-        findings: findings.into_iter().collect(),
+        findings: [drawn(&kept, explored), told(causes, wanted)].concat(),
     }
+}
+
+/// What the picture lacks.
+fn drawn(kept: &str, explored: &Explored) -> Vec<Finding> {
+    let complain = |message: String| Finding { place: PATH.to_owned(), line: 0, message };
+    if explored.transitions.is_empty() || explored.states == 0 {
+        return vec![complain(String::from("the search over the states did not run, or found none"))];
+    }
+    let names = explored.transitions.iter().flat_map(|seen| [seen.from.as_str(), seen.to.as_str()]);
+    let unknown: BTreeSet<&str> = names.filter(|name| !STATES.iter().any(|state| state.0 == *name)).collect();
+    let mut findings: Vec<Finding> = unknown
+        .into_iter()
+        .map(|name| {
+            complain(format!("the search saw the state `{name}`, which is not drawn; add it to picture.rs"))
+        })
+        .collect();
+    if kept != svg(&explored.transitions) {
+        let message = "is not what the code does today: copy target/audit/guard-states.svg over it";
+        findings.push(complain(message.to_owned()));
+    }
+    findings
+}
+
+/// What the printed table of causes lacks, or has too much.
+fn told(causes: &[CauseLine], wanted: &BTreeSet<String>) -> Vec<Finding> {
+    let complain = |message: String| Finding { place: CAUSES.to_owned(), line: 0, message };
+    if causes.is_empty() || wanted.is_empty() {
+        return vec![complain(String::from(
+            "no test printed what the causes demand: guard/tests/truth_tables.rs does",
+        ))];
+    }
+    let printed: BTreeSet<&str> = causes.iter().map(|line| line.cause.as_str()).collect();
+    let absent = wanted.iter().filter(|cause| !printed.contains(cause.as_str()));
+    let absent =
+        absent.map(|cause| format!("the test of the causes did not print `{cause}`, or not in five cells"));
+    let unknown = printed.iter().filter(|cause| !wanted.contains(**cause));
+    let unknown = unknown.map(|cause| format!("the test of the causes printed `{cause}`, which is no cause"));
+    absent.chain(unknown).map(complain).collect()
 }
 
 const HEAD: &str = "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 800 390' font-family='sans-serif' \
@@ -111,5 +145,50 @@ mod tests {
         assert_eq!(picture.matches("class='arrow'").count(), 1);
         assert_eq!(picture.matches("class='arrow reset'").count(), 1);
         assert!(!picture.contains("NaN"));
+    }
+
+    fn explored(steps: &[(&str, &str)]) -> Explored {
+        let seen = |(from, to): &(&str, &str)| Transition {
+            from: (*from).to_owned(),
+            to: (*to).to_owned(),
+            steps: 1,
+        };
+        Explored { states: 3, steps: 9, transitions: steps.iter().map(seen).collect() }
+    }
+
+    #[test]
+    fn a_state_that_is_not_drawn_is_named() {
+        let good = explored(&[("Run", "Stop")]);
+        let kept = svg(&good.transitions);
+        assert_eq!(drawn(&kept, &good), []);
+        let new = explored(&[("Run", "Stop"), ("Run", "Docked"), ("Docked", "Docked")]);
+        let findings = drawn(&kept, &new);
+        assert_eq!(findings.len(), 1, "{findings:?}");
+        assert!(findings[0].message.contains("`Docked`"), "{findings:?}");
+        assert_eq!(drawn(&kept, &explored(&[("Stop", "Run")])).len(), 1, "another picture");
+        assert_eq!(drawn(&svg(&[]), &explored(&[])).len(), 1, "nothing was searched");
+        assert_eq!(drawn(&kept, &Explored { states: 0, ..good }).len(), 1, "no state was counted");
+    }
+
+    #[test]
+    fn causes_that_are_not_printed_are_named() {
+        let line = |cause: &str| {
+            let text = || "x".to_owned();
+            CauseLine {
+                cause: cause.to_owned(),
+                action: text(),
+                clears: text(),
+                escape: text(),
+                words: text(),
+            }
+        };
+        let wanted = BTreeSet::from(["A", "B(X)"].map(str::to_owned));
+        let messages = |causes: &[CauseLine]| {
+            told(causes, &wanted).into_iter().map(|finding| finding.message).collect::<Vec<_>>().join("; ")
+        };
+        assert_eq!(messages(&[line("A"), line("B(X)")]), "");
+        assert!(messages(&[line("A")]).contains("did not print `B(X)`"));
+        assert!(messages(&[line("A"), line("B(X)"), line("C")]).contains("`C`, which is no cause"));
+        assert_eq!(told(&[], &wanted).len(), 1);
     }
 }

@@ -90,13 +90,14 @@ fn explored_in(text: &str) -> Explored {
     explored
 }
 
-/// Lines `cause: NAME | ACTION | CLEARS | ESCAPE | WORDS`.
+/// Lines `cause: NAME | ACTION | CLEARS | ESCAPE | WORDS`. One of another form is left out; the claim on the causes misses it.
 fn causes_in(text: &str) -> Vec<CauseLine> {
     let lines = text.lines().filter_map(|line| line.strip_prefix("cause: "));
     let cells = lines.filter_map(|line| {
-        let mut cells = line.split(" | ").map(|cell| cell.trim().to_owned());
-        let mut next = || cells.next();
-        let (cause, action, clears, escape, words) = (next()?, next()?, next()?, next()?, next()?);
+        let cells: Vec<&str> = line.split(" | ").map(str::trim).collect();
+        let &[cause, action, clears, escape, words] = cells.as_slice() else { return None };
+        let [cause, action, clears, escape, words] =
+            [cause, action, clears, escape, words].map(str::to_owned);
         Some(CauseLine { cause, action, clears, escape, words })
     });
     cells.collect()

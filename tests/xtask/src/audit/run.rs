@@ -45,7 +45,8 @@ pub fn run(options: &Options) -> Result<bool> {
     let results = if image.is_some() { results::run(&documents.targets())? } else { Results::default() };
     let (trace, traced) = documents.trace(&results.passed);
     let (dependencies, known) = dependencies::read(&root)?;
-    claims.extend(traced.into_iter().chain([known, picture::claim(&root, &results.explored)]));
+    let pictured = picture::claim(&root, (&results.explored, &results.causes), documents.printed_causes());
+    claims.extend(traced.into_iter().chain([known, pictured]));
     let code = sources::fingerprint(&files);
     let (mutants, noticed) = mutation::read(&root, &code);
     claims.push(noticed);

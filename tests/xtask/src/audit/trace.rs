@@ -11,7 +11,9 @@ use super::claim::{Claim, Finding};
 
 const REQUIREMENTS: &str = "docs/requirements.md";
 const HAZARDS: &str = "docs/hazards.md";
-const CAUSES: &str = "core-nostd/src/protection/cause.rs";
+/// Where the causes of the guard are listed.
+pub const CAUSES: &str = "core-nostd/src/protection/cause.rs";
+const SOURCES: &str = "core-nostd/src/protection/source.rs";
 /// Where code and tests may name a requirement.
 const FOLDERS: [&str; 4] = ["core-nostd/src", "drivers/src", "runtime", "tests/tests"];
 
@@ -83,6 +85,7 @@ pub struct Sources {
     requirements: String,
     hazards: String,
     causes: BTreeSet<String>,
+    printed_causes: BTreeSet<String>,
     code: Vec<(String, Place)>,
     tests: Vec<(String, Test)>,
 }
@@ -105,6 +108,7 @@ impl Sources {
             requirements: text(REQUIREMENTS)?,
             hazards: text(HAZARDS)?,
             causes: variants(&text(CAUSES)?)?,
+            printed_causes: printed(&text(CAUSES)?, &text(SOURCES)?)?,
             code,
             tests,
         })
@@ -115,6 +119,11 @@ impl Sources {
         let files = self.tests.iter().map(|(_, test)| test.place.file.as_str());
         let stems = files.filter_map(|file| file.strip_prefix("tests/tests/")?.strip_suffix(".rs"));
         stems.map(str::to_owned).collect()
+    }
+
+    /// The causes as the guard's table prints them: those of a source once for each source.
+    pub fn printed_causes(&self) -> &BTreeSet<String> {
+        &self.printed_causes
     }
 
     /// Puts everything together, and says what does not fit.
@@ -304,13 +313,30 @@ fn scan(file: &str, text: &str, code: &mut Vec<(String, Place)>, tests: &mut Vec
 
 /// Names of the variants of `enum Cause`.
 fn variants(text: &str) -> Result<BTreeSet<String>> {
-    let file = syn::parse_file(text).context(CAUSES)?;
+    let causes = enumeration(text, "Cause", CAUSES)?;
+    Ok(causes.variants.iter().map(|variant| variant.ident.to_string()).collect())
+}
+
+/// Every value of `enum Cause` as it prints itself: `NAME`, or `NAME(SOURCE)`.
+fn printed(causes: &str, sources: &str) -> Result<BTreeSet<String>> {
+    let sources = enumeration(sources, "Source", SOURCES)?;
+    let values = enumeration(causes, "Cause", CAUSES)?.variants.into_iter().flat_map(|variant| {
+        let of = |source: &syn::Variant| format!("{}({})", variant.ident, source.ident);
+        match variant.fields {
+            syn::Fields::Unit => vec![variant.ident.to_string()],
+            _ => sources.variants.iter().map(of).collect(),
+        }
+    });
+    Ok(values.collect())
+}
+
+fn enumeration(text: &str, name: &str, path: &str) -> Result<syn::ItemEnum> {
+    let file = syn::parse_file(text).with_context(|| path.to_owned())?;
     let found = file.items.into_iter().find_map(|item| match item {
-        syn::Item::Enum(item) if item.ident == "Cause" => Some(item),
+        syn::Item::Enum(item) if item.ident == name => Some(item),
         _ => None,
     });
-    let causes = found.with_context(|| format!("no `enum Cause` in {CAUSES}"))?;
-    Ok(causes.variants.iter().map(|variant| variant.ident.to_string()).collect())
+    found.with_context(|| format!("no `enum {name}` in {path}"))
 }
 
 fn rust_files(folder: &Path, files: &mut Vec<PathBuf>) {
@@ -333,7 +359,8 @@ mod tests {
         let (mut code, mut tests) = (Vec::new(), Vec::new());
         scan("core-nostd/src/example.rs", CODE, &mut code, &mut tests);
         let causes = variants("pub enum Cause { A, B(u8) }").expect("an enum");
-        Sources { requirements: requirements.to_owned(), hazards: hazards.to_owned(), causes, code, tests }
+        let (requirements, hazards) = (requirements.to_owned(), hazards.to_owned());
+        Sources { requirements, hazards, causes, printed_causes: BTreeSet::new(), code, tests }
     }
 
     fn messages(sources: &Sources, passed: Option<bool>) -> Vec<(usize, String)> {
@@ -349,6 +376,12 @@ mod tests {
             .flat_map(|claim| claim.findings)
             .map(|finding| (finding.line, finding.message))
             .collect()
+    }
+
+    #[test]
+    fn a_cause_of_a_source_is_printed_once_for_each() {
+        let causes = printed("enum Cause { A, B(Source) }", "enum Source { X, Y }").expect("two enums");
+        assert_eq!(causes.into_iter().collect::<Vec<_>>(), ["A", "B(X)", "B(Y)"]);
     }
 
     const LINE: &str = "| FG-REQ-901 | It stops. | `example.rs` | moves | ISO 1 |";

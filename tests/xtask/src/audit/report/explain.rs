@@ -76,8 +76,9 @@ pub const EXPLANATIONS: &[Explanation] = &[
     explanation(
         "loops-within-bounds",
         (
-            "A copy of the tree counts the turns of its loops while the tests run; no count may exceed its bound.",
-            "A loop that no test reached has no count: the table says which, and why.",
+            "A copy of the tree counted the turns of its loops while the tests ran; no recorded count may exceed its bound, and \
+             there must be a record.",
+            "Recorded, not repeated here. A loop that no test reached has no count: the table says which, and why.",
         ),
         ("loops", "seen.rs: a_count_above_its_bound_is_named"),
     ),
@@ -196,10 +197,11 @@ pub const EXPLANATIONS: &[Explanation] = &[
     explanation(
         "states-pictured",
         (
-            "The search over all reachable states of the decision machine printed these transitions just now.",
+            "The search over all reachable states of the decision machine printed these transitions just now, and the table of \
+             causes each cause of the code, of each source where it has one; a state that the picture does not know fails.",
             "Exhaustive for its abstraction: twelve happenings, steps of 200 ms, one set of fields.",
         ),
-        ("states", "picture.rs"),
+        ("states", "picture.rs: a_state_that_is_not_drawn_is_named, causes_that_are_not_printed_are_named"),
     ),
     explanation(
         "mutants-caught",
