@@ -6,6 +6,7 @@ use super::image::Image;
 use super::loops::LoopSite;
 use super::records::Records;
 use super::results::{CauseLine, Explored};
+use super::roots::Root;
 use super::trace::Trace;
 use crate::mutants::Record;
 
@@ -17,6 +18,8 @@ pub struct Evidence {
     pub sites: Vec<LoopSite>,
     /// The compiled image; none when it does not build.
     pub image: Option<Image>,
+    /// The stages that it calls, as its sources name them.
+    pub roots: Vec<Root>,
     /// Requirements and hazards.
     pub trace: Trace,
     /// Crates of the image.

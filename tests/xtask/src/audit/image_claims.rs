@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use super::claim::{Claim, Finding};
 use super::image::{Function, Image};
 use super::loops::LoopSite;
+use super::roots::{self, Root};
 use super::sources::{self, SourceFile};
 use super::{circles, hosted_rooms};
 
@@ -28,7 +29,7 @@ const LIBRARIES: &[&str] = &[
 ];
 
 /// Every claim on the compiled code.
-pub fn judge(image: &Image, files: &[SourceFile], sites: &[LoopSite]) -> Vec<Claim> {
+pub fn judge(image: &Image, files: &[SourceFile], sites: &[LoopSite], roots: &[Root]) -> Vec<Claim> {
     let functions = format!("{} functions of the compiled image disassembled", image.functions.len());
     vec![
         Claim {
@@ -62,7 +63,7 @@ pub fn judge(image: &Image, files: &[SourceFile], sites: &[LoopSite]) -> Vec<Cla
         },
         rooms_linked(image, files),
         hidden_loops(image, sites),
-        stack(image),
+        stack(image, roots),
     ]
 }
 
@@ -133,37 +134,28 @@ fn rooms_linked(image: &Image, files: &[SourceFile]) -> Claim {
     }
 }
 
-/// The roots that the sources of the safety image write down, with their places.
-pub fn roots_of(text: &str) -> Vec<(usize, String)> {
-    let lines = text.lines().enumerate();
-    let named = lines.filter_map(|(index, line)| {
-        let name = line.trim_start().strip_prefix("fn root_")?.split(['(', '<']).next()?;
-        Some((index + 1, format!("root_{name}")))
-    });
-    named.collect()
-}
-
 /// Every root is a function of the image: what the optimiser takes away, because it knows that nothing comes of it, is not
 /// proven.
-pub fn roots_linked<'a>(functions: impl Iterator<Item = &'a str>, sources: &[(String, String)]) -> Claim {
-    let linked: BTreeSet<&str> = functions.filter_map(|name| name.rsplit("::").next()).collect();
-    let roots = sources.iter().flat_map(|(file, text)| {
-        roots_of(text).into_iter().map(move |(line, name)| (file.clone(), line, name))
-    });
-    let roots: Vec<_> = roots.collect();
-    let missing = roots.iter().filter(|(_, _, name)| !linked.contains(name.as_str()));
-    let finding = |(file, line, name): &(String, usize, String)| Finding {
-        place: file.clone(),
-        line: *line,
+pub fn roots_linked<'a>(functions: impl Iterator<Item = &'a str>, roots: &[Root]) -> Claim {
+    let linked: BTreeSet<&str> = functions.map(roots::short).collect();
+    let missing = roots.iter().filter(|root| !linked.contains(root.name.as_str()));
+    let gone = |root: &Root| Finding {
+        place: root.file.clone(),
+        line: root.line,
         message: format!(
-            "{name} is not in the linked image: the compiler knows what it gets, and took it away; hand it over by black_box"
+            "{} is not in the linked image: the compiler knows what it gets, and took it away; hand it over by black_box",
+            root.name
         ),
     };
-    let findings: Vec<Finding> = missing.map(finding).collect();
+    let mut findings: Vec<Finding> = missing.map(gone).collect();
+    let evidence = format!("{} of {} roots linked", roots.len() - findings.len(), roots.len());
+    if roots.is_empty() {
+        findings.push(finding("tests/safety-image/src", "has no function root_…: no stage is called"));
+    }
     Claim {
         id: "roots-linked",
         text: "Every stage that the safety image calls is in the linked image.",
-        evidence: format!("{} of {} roots linked", roots.len() - findings.len(), roots.len()),
+        evidence,
         findings,
     }
 }
@@ -211,14 +203,17 @@ pub fn budget_of(root: &str) -> u32 {
     if root.ends_with("_start") { START_BUDGET_BYTES } else { STACK_BUDGET_BYTES }
 }
 
-fn stack(image: &Image) -> Claim {
-    let roots: Vec<&str> =
-        image.functions.values().map(|f| f.name.as_str()).filter(|name| name.contains("root_")).collect();
+fn stack(image: &Image, roots: &[Root]) -> Claim {
+    let functions = image.functions.values().map(|function| function.name.as_str());
+    let linked: Vec<&str> = functions.filter(|name| roots::is_root(name, roots)).collect();
     let mut lines = Vec::new();
     let mut findings = Vec::new();
-    for root in roots {
+    if linked.is_empty() {
+        findings.push(finding("tests/safety-image", "no function root_… is linked: no stack was measured"));
+    }
+    for root in linked {
         let (bytes, chain) = image.deepest_stack(root);
-        let short = root.rsplit("::").next().unwrap_or(root);
+        let short = roots::short(root);
         let budget = budget_of(root);
         lines.push(format!("{short} {bytes} of {budget} B"));
         if bytes > budget {
@@ -251,11 +246,17 @@ mod tests {
 
     #[test]
     fn a_root_that_the_optimiser_took_away_is_named() {
-        let text = "#[inline(never)]\nfn root_here(bytes: &[u8]) {}\n\nfn root_gone<T>(state: T) {}\n";
-        let sources = [(String::from("tests/safety-image/src/drivers.rs"), text.to_owned())];
-        let claim = roots_linked(["image::drivers::root_here", "memcpy"].into_iter(), &sources);
+        let text = "#[inline(never)]\nfn root_here(bytes: &[u8]) {}\n\npub fn root_gone<T>(state: T) {}\n";
+        let roots = roots::in_text("tests/safety-image/src/drivers.rs", text.to_owned()).expect("it parses");
+        let claim = roots_linked(["image::drivers::root_here", "memcpy"].into_iter(), &roots);
         assert_eq!(claim.findings.iter().map(|finding| finding.line).collect::<Vec<_>>(), [4]);
         assert!(claim.findings[0].message.starts_with("root_gone"), "{:?}", claim.findings);
         assert_eq!(claim.evidence, "1 of 2 roots linked");
+    }
+
+    #[test]
+    fn an_image_without_roots_proves_nothing() {
+        let claim = roots_linked(["memcpy"].into_iter(), &[]);
+        assert_eq!((claim.findings.len(), claim.evidence.as_str()), (1, "0 of 0 roots linked"));
     }
 }

@@ -10,7 +10,7 @@ use super::claim::Claim;
 use super::image::{self, Image};
 use super::loops::LoopSite;
 use super::sources::{self, SourceFile};
-use super::{image_claims, loops};
+use super::{image_claims, loops, roots};
 use crate::machine::TARGET;
 use crate::shell;
 
@@ -74,7 +74,8 @@ fn link(folder: &Path) {
 /// The claims on the image, the listed loops of the example's sources given.
 fn claims(compiled: &Compiled, listed: bool) -> Vec<Claim> {
     let sites: Vec<LoopSite> = compiled.files.iter().flat_map(|file| loops::list(file).0).collect();
-    image_claims::judge(&compiled.image, &compiled.files, if listed { &sites } else { &[] })
+    let roots = roots::in_text("main.rs", MAIN.to_owned()).expect("it parses");
+    image_claims::judge(&compiled.image, &compiled.files, if listed { &sites } else { &[] }, &roots)
 }
 
 /// The claim fails at this line of the example.

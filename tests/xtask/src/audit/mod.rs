@@ -29,6 +29,7 @@ mod records;
 mod refusal_tests;
 mod report;
 mod results;
+mod roots;
 mod run;
 mod seen;
 #[cfg(test)]

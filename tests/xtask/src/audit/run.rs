@@ -11,8 +11,8 @@ use super::loops::{self, LoopSite};
 use super::results::{self, Results};
 use super::sources::SourceFile;
 use super::{
-    circles, dependencies, hosted_rooms, image_claims, mutation, picture, records, report, seen, sources,
-    trace,
+    circles, dependencies, hosted_rooms, image_claims, mutation, picture, records, report, roots, seen,
+    sources, trace,
 };
 use crate::{setup, shell};
 
@@ -36,10 +36,11 @@ pub fn run(options: &Options) -> Result<bool> {
     // What does not compile can still be read: the mistakes in the sources are named all the same.
     let image = image::build()?.map(|path| image::read(&path)).transpose()?;
     claims.push(image_builds(image.is_some()));
+    let roots = image.is_some().then(|| roots::of_the_image(&root)).transpose()?.unwrap_or_default();
     if let Some(image) = &image {
-        claims.extend(image_claims::judge(image, &files, &sites));
+        claims.extend(image_claims::judge(image, &files, &sites, &roots));
         let linked = image.functions.values().map(|function| function.name.as_str());
-        claims.push(image_claims::roots_linked(linked, &sources::of_the_image(&root)?));
+        claims.push(image_claims::roots_linked(linked, &roots));
     }
     let documents = trace::Sources::read(&root)?;
     let results = if image.is_some() { results::run(&documents.targets())? } else { Results::default() };
@@ -55,6 +56,7 @@ pub fn run(options: &Options) -> Result<bool> {
         claims,
         sites,
         image,
+        roots,
         trace,
         dependencies,
         records: records::read(&root),

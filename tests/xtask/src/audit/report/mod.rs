@@ -82,7 +82,7 @@ fn json(evidence: &Evidence) -> Result<String> {
         "aims": goals::list(evidence.records.campaigns.as_ref()),
         "states": evidence.explored,
         "causes": evidence.causes,
-        "stack": evidence.image.as_ref().map(stack::list),
+        "stack": evidence.image.as_ref().map(|image| stack::list(image, &evidence.roots)),
         "mutants": evidence.mutants,
         "loops": evidence.sites,
         "image": image,

@@ -57,7 +57,7 @@ pub fn html(evidence: &Evidence) -> String {
         goals::section(evidence.records.campaigns.as_ref()),
         campaigns(evidence.records.campaigns.as_ref(), &evidence.code),
         mutants(&evidence.mutants, &evidence.code),
-        stack::section(evidence.image.as_ref()),
+        stack::section(evidence.image.as_ref(), &evidence.roots),
         rooms(),
         dependencies(evidence),
         loops::section(&evidence.sites),

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use super::table::{Table, code, escape, grouped, verdict};
 use crate::audit::image::Image;
 use crate::audit::image_claims::budget_of;
+use crate::audit::roots::{Root, is_root, short};
 use crate::firmware::STACK_MAX;
 
 /// Which task of `runtime/src/tasks` runs the stage of a root; start-up runs before all of them.
@@ -35,31 +36,26 @@ const TASKS: &[(&str, &str)] = &[
     ("root_base_start", "start-up"),
 ];
 
-/// The last part of a path.
-fn short(name: &str) -> &str {
-    name.rsplit("::").next().unwrap_or(name)
-}
-
 fn task_of(root: &str) -> &'static str {
     TASKS.iter().find(|(name, _)| *name == short(root)).map_or("not told", |(_, task)| task)
 }
 
-fn roots_of(image: &Image) -> impl Iterator<Item = &str> {
-    image.functions.values().map(|function| function.name.as_str()).filter(|name| name.contains("root_"))
+fn roots_of<'a>(image: &'a Image, roots: &'a [Root]) -> impl Iterator<Item = &'a str> {
+    image.functions.values().map(|function| function.name.as_str()).filter(|name| is_root(name, roots))
 }
 
 /// Each root for machines.
-pub fn list(image: &Image) -> Vec<Value> {
+pub fn list(image: &Image, roots: &[Root]) -> Vec<Value> {
     let entry = |root| {
         let (bytes, chain) = image.deepest_stack(root);
         let (name, tasks, budget_bytes) = (short(root), task_of(root), budget_of(root));
         json!({"root": name, "tasks": tasks, "bytes": bytes, "budget_bytes": budget_bytes, "chain": chain})
     };
-    roots_of(image).map(entry).collect()
+    roots_of(image, roots).map(entry).collect()
 }
 
 /// Both tables.
-pub fn section(image: Option<&Image>) -> String {
+pub fn section(image: Option<&Image>, roots: &[Root]) -> String {
     let Some(image) = image else { return String::from("<p>The image does not build.</p>") };
     format!(
         "<p>{} functions, {} B of program and constants, {} B of statics. A frame is what the disassembly shows that a \
@@ -73,15 +69,15 @@ pub fn section(image: Option<&Image>) -> String {
         grouped(image.flash_bytes),
         grouped(image.ram_bytes),
         grouped(STACK_MAX),
-        roots(image),
+        stages(image, roots),
         functions(image)
     )
 }
 
-fn roots(image: &Image) -> String {
+fn stages(image: &Image, roots: &[Root]) -> String {
     let mut table =
         Table::new(&["tasks that run it", "root", "needs, bytes", "budget, bytes", "deepest chain"]);
-    for root in roots_of(image) {
+    for root in roots_of(image, roots) {
         let (bytes, chain) = image.deepest_stack(root);
         let budget = budget_of(root);
         table.row(&[
@@ -111,22 +107,22 @@ fn functions(image: &Image) -> String {
 #[cfg(test)]
 mod tests {
     use super::TASKS;
+    use crate::audit::roots;
 
     #[test]
     fn every_root_belongs_to_a_task_that_there_is() {
         let root = crate::shell::root();
-        let read = |folder: &str| {
-            let files = std::fs::read_dir(root.join(folder)).expect(folder).filter_map(Result::ok);
-            files.map(|file| std::fs::read_to_string(file.path()).unwrap_or_default()).collect::<String>()
-        };
-        let (image, tasks) = (read("tests/safety-image/src"), read("runtime/src/tasks"));
-        let roots: Vec<_> =
-            image.split("fn root_").skip(1).filter_map(|rest| rest.split('(').next()).collect();
-        assert!(roots.len() > 15, "{roots:?}");
-        for name in roots {
-            let name = format!("root_{}", name.split('<').next().unwrap_or_default());
-            let found = TASKS.iter().find(|(root, _)| *root == name);
-            let (_, named) = found.unwrap_or_else(|| panic!("{name} belongs to no task"));
+        let files = std::fs::read_dir(root.join("runtime/src/tasks")).expect("tasks").filter_map(Result::ok);
+        let tasks: String =
+            files.map(|file| std::fs::read_to_string(file.path()).unwrap_or_default()).collect();
+        let roots = roots::of_the_image(&root).expect("the sources of the image");
+        let mut names: Vec<_> = roots.iter().map(|root| root.name.as_str()).collect();
+        let mut told: Vec<_> = TASKS.iter().map(|(name, _)| *name).collect();
+        names.sort_unstable();
+        told.sort_unstable();
+        assert!(names.len() > 15, "{names:?}");
+        assert_eq!(names, told, "left the roots of the image, right the lines of TASKS");
+        for (name, named) in TASKS {
             for task in named.split(", ").filter(|task| *task != "start-up" && !task.starts_with("none: ")) {
                 assert!(tasks.contains(&format!("pub async fn {task}<")), "{name}: there is no task {task}");
             }
