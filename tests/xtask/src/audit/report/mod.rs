@@ -7,6 +7,7 @@ mod instructions;
 mod loops;
 mod manual;
 mod page;
+mod since;
 mod stack;
 mod states;
 mod table;
@@ -79,7 +80,7 @@ fn json(evidence: &Evidence) -> Result<String> {
         "worst_inputs": evidence.records.worst,
         "code": evidence.code,
         "campaigns": evidence.records.campaigns,
-        "aims": goals::list(evidence.records.campaigns.as_ref()),
+        "aims": goals::list(evidence.records.campaigns.as_ref(), &evidence.code),
         "states": evidence.explored,
         "causes": evidence.causes,
         "stack": evidence.image.as_ref().map(|image| stack::list(image, &evidence.roots)),

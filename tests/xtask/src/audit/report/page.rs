@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use serde_json::Value;
 
+use super::since::Since;
 use super::table::{Table, code, escape, grouped, source, verdict};
 use super::{claims, goals, instructions, loops, manual, stack, states};
 use crate::audit::evidence::Evidence;
@@ -54,7 +55,7 @@ pub fn html(evidence: &Evidence) -> String {
         manual::chapter(&evidence.records.manual, "How fast it reacts"),
         manual::chapter(&evidence.records.manual, "What the machine must provide"),
         instructions::section(evidence.records.firmware.as_ref(), evidence.records.worst.as_ref()),
-        goals::section(evidence.records.campaigns.as_ref()),
+        goals::section(evidence.records.campaigns.as_ref(), &evidence.code),
         campaigns(evidence.records.campaigns.as_ref(), &evidence.code),
         mutants(&evidence.mutants, &evidence.code),
         stack::section(evidence.image.as_ref(), &evidence.roots),
@@ -140,15 +141,6 @@ fn hazards(trace: &Trace) -> String {
     table.finish()
 }
 
-/// Whether the code is still the one that a record was made with.
-fn since(recorded: Option<&str>, today: &str) -> &'static str {
-    match recorded {
-        Some(code) if code == today => "the same",
-        Some(_) => "changed",
-        None => "not recorded",
-    }
-}
-
 fn campaigns(records: Option<&Value>, code_today: &str) -> String {
     let mut table =
         Table::new(&["campaign", "trials", "findings", "counted", "core and drivers since", "repeat with"]);
@@ -167,7 +159,7 @@ fn campaigns(records: Option<&Value>, code_today: &str) -> String {
             number("trials"),
             number("findings"),
             counts.join("<br>"),
-            since(record["code"].as_str(), code_today).to_owned(),
+            Since::of(record["code"].as_str(), code_today).words().to_owned(),
             format!("<code>{}</code>", text("command")),
         ]);
     }
@@ -202,7 +194,7 @@ fn mutants(records: &[Record], code_today: &str) -> String {
             record.untried.to_string(),
             verdict(good, &format!("{:.1} %", record.percent())),
             format!("{:.0} %", record.wanted_percent),
-            since(Some(record.code.as_str()).filter(|code| !code.is_empty()), code_today).to_owned(),
+            Since::of(Some(&record.code), code_today).words().to_owned(),
             code(&record.command),
         ]);
         for survivor in &record.survivors {
@@ -254,5 +246,5 @@ const HEAD: &str = "<!doctype html><html lang=en><meta charset=utf-8><meta name=
 padding:0 1em;color:#222}table{border-collapse:collapse;width:100%;margin:.7em 0}td,th{border:1px solid #ccc;\
 padding:.3em .5em;text-align:left;vertical-align:top}th{background:#f3f3f3}code{font-size:.88em}\
 .wide{overflow-x:auto}.big{font-size:1.4em}.good{background:#dff2df;padding:0 .3em}.bad{background:#f9d6d6;\
-padding:0 .3em}nav a{margin-right:1em}td code{overflow-wrap:anywhere}td:first-child code{overflow-wrap:normal}\
+padding:0 .3em}.aside{background:#eee;padding:0 .3em}nav a{margin-right:1em}td code{overflow-wrap:anywhere}td:first-child code{overflow-wrap:normal}\
 summary{cursor:pointer;padding:.15em 0}thead th{position:sticky;top:0}svg{max-width:100%;height:auto}</style>";

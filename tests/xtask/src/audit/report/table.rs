@@ -55,6 +55,11 @@ pub fn verdict(good: bool, words: &str) -> String {
     format!("<span class={class}>{}</span>", escape(words))
 }
 
+/// What is neither good nor bad, in grey and in words.
+pub fn aside(words: &str) -> String {
+    format!("<span class=aside>{}</span>", escape(words))
+}
+
 /// `1234567` as `1 234 567`.
 pub fn grouped(number: u64) -> String {
     let digits = number.to_string();
