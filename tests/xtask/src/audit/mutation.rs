@@ -130,6 +130,7 @@ mod tests {
         Survivor {
             file: "core-nostd/src/guard/decide.rs".to_owned(),
             line,
+            column: None,
             mutation: "replace < with <=".to_owned(),
             source: "a < b".to_owned(),
             reason: reason.to_owned(),

@@ -42,6 +42,9 @@ pub struct Survivor {
     pub file: String,
     /// Line when it was tried.
     pub line: usize,
+    /// Column of the change, in characters from 1; none: not recorded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub column: Option<usize>,
     /// What was done to it.
     pub mutation: String,
     /// The line of the source.
@@ -57,10 +60,17 @@ pub struct Equivalent {
     pub file: String,
     /// What is done, as cargo-mutants says it; a part of it is enough.
     pub mutation: String,
-    /// A part of the line of the source.
+    /// A part of the line of the source, in which the change lies: what is changed beside it has another reason, or none.
     pub source: String,
     /// The reason.
     pub reason: String,
+    /// How many mutants it is the reason of; one if it does not say.
+    #[serde(default = "one")]
+    pub count: usize,
+}
+
+const fn one() -> usize {
+    1
 }
 
 impl Record {
@@ -77,19 +87,53 @@ impl Record {
 }
 
 impl Survivor {
-    /// From a line of cargo-mutants: `FILE:LINE:COLUMN: MUTATION`.
-    pub fn parse(text: &str, root: &Path, equivalents: &[Equivalent]) -> Option<Self> {
-        let (place, mutation) = text.split_once(": ")?;
+    /// From a line of cargo-mutants, `FILE:LINE:COLUMN: MUTATION`, with the line of the source as it stands. One that cannot be
+    /// read is kept as it is: it survives all the same.
+    fn parse(text: &str, root: &Path) -> (Self, String) {
+        let (place, mutation) = text.split_once(": ").unwrap_or((text, ""));
         let mut parts = place.split(':');
-        let (file, line) = (parts.next()?, parts.next()?.parse::<usize>().ok()?);
+        let file = parts.next().unwrap_or(place);
+        let mut number = || parts.next()?.parse::<usize>().ok();
+        let (line, column) = (number().unwrap_or(0), number());
         let sources = std::fs::read_to_string(root.join(file)).unwrap_or_default();
-        let source = sources.lines().nth(line.saturating_sub(1)).unwrap_or_default().trim().to_owned();
-        let known = equivalents.iter().find(|known| {
-            known.file == file && mutation.contains(&known.mutation) && source.contains(&known.source)
-        });
-        let reason = known.map(|known| known.reason.clone()).unwrap_or_default();
-        Some(Self { file: file.to_owned(), line, mutation: mutation.to_owned(), source, reason })
+        let whole = line.checked_sub(1).and_then(|index| sources.lines().nth(index)).unwrap_or_default();
+        let (file, mutation, source) = (file.to_owned(), mutation.to_owned(), whole.trim().to_owned());
+        (Self { file, line, column, mutation, source, reason: String::new() }, whole.to_owned())
     }
+}
+
+impl Equivalent {
+    /// It speaks of this mutant: the change lies within the part of the line that it names.
+    fn explains(&self, survivor: &Survivor, line: &str) -> bool {
+        let within = |(start, part): (usize, &str)| {
+            let before = line[..start].chars().count();
+            survivor
+                .column
+                .is_some_and(|column| (before + 1..=before + part.chars().count()).contains(&column))
+        };
+        self.file == survivor.file
+            && survivor.mutation.contains(&self.mutation)
+            && line.match_indices(&self.source).any(within)
+    }
+}
+
+/// The mutants of these names, each with its reason if there is one. A reason explains no more of them than it says.
+pub fn explained<'a>(
+    names: impl Iterator<Item = &'a str>,
+    root: &Path,
+    equivalents: &[Equivalent],
+) -> Vec<Survivor> {
+    let mut left: Vec<usize> = equivalents.iter().map(|known| known.count).collect();
+    let explain = |name| {
+        let (mut survivor, line) = Survivor::parse(name, root);
+        let mut free = equivalents.iter().zip(&mut left).filter(|(_, left)| **left > 0);
+        if let Some((known, left)) = free.find(|(known, _)| known.explains(&survivor, &line)) {
+            *left -= 1;
+            survivor.reason.clone_from(&known.reason);
+        }
+        survivor
+    };
+    names.map(explain).collect()
 }
 
 /// The explained mutants.
@@ -115,20 +159,61 @@ pub fn keep(root: &Path, record: Record) -> Result<()> {
 mod tests {
     use super::*;
 
+    const FILE: &str = "core-nostd/src/guard/example.rs";
+
+    /// The reasons that survivors of these columns get, of a line with two `>`.
+    fn reasons(columns: &[usize], equivalents: &[Equivalent]) -> Vec<String> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join(FILE);
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        std::fs::write(&path, "fn f() {\n    µ > 1 && 10 > last\n}\n").expect("it is written");
+        let names: Vec<String> =
+            columns.iter().map(|column| format!("{FILE}:2:{column}: replace > with >= in f")).collect();
+        let found = explained(names.iter().map(String::as_str), folder.path(), equivalents);
+        assert!(found.iter().all(|survivor| survivor.source == "µ > 1 && 10 > last" && survivor.line == 2));
+        found.into_iter().map(|survivor| survivor.reason).collect()
+    }
+
+    fn equivalent(source: &str, count: usize) -> Equivalent {
+        let [file, mutation, source, reason] = [FILE, "replace > with >=", source, source].map(str::to_owned);
+        Equivalent { file, mutation, source, reason, count }
+    }
+
     #[test]
     fn a_survivor_finds_its_line_and_its_reason() {
+        assert_eq!(reasons(&[7], &[equivalent("µ > 1", 1)]), ["µ > 1"]);
+        assert_eq!(reasons(&[7], &[equivalent("elsewhere", 1)]), [""]);
+    }
+
+    #[test]
+    fn a_reason_is_of_the_change_that_it_names_and_of_no_second_one() {
+        let [first, second] = [equivalent("µ > 1", 1), equivalent("> last", 1)];
+        assert_eq!(reasons(&[17], &[first.clone()]), [""], "the other `>` of the line");
+        assert_eq!(reasons(&[7, 17], &[first.clone()]), ["µ > 1", ""]);
+        assert_eq!(reasons(&[7, 17], &[second, first]), ["µ > 1", "> last"]);
+        let both = "> 1 && 10 >";
+        assert_eq!(reasons(&[7, 17], &[equivalent(both, 1)]), [both, ""]);
+        assert_eq!(reasons(&[7, 17], &[equivalent(both, 2)]), [both, both]);
+    }
+
+    #[test]
+    fn what_cannot_be_read_survives_without_a_reason() {
+        let found = explained(["something else"].into_iter(), Path::new("."), &[equivalent("", 1)]);
+        assert_eq!((found.len(), found[0].reason.as_str()), (1, ""));
+    }
+
+    #[test]
+    fn the_kept_files_are_read_and_each_reason_finds_its_line() {
         let root = crate::shell::root();
-        let text = "tests/xtask/src/mutants/mod.rs:1:4: replace < with <= in f";
-        let known = Equivalent {
-            file: "tests/xtask/src/mutants/mod.rs".to_owned(),
-            mutation: "replace < with <=".to_owned(),
-            source: "the code is spoiled".to_owned(),
-            reason: "it is a comment".to_owned(),
-        };
-        let found = Survivor::parse(text, &root, std::slice::from_ref(&known)).expect("a survivor");
-        assert_eq!((found.line, found.reason.as_str()), (1, "it is a comment"));
-        let other = Equivalent { source: "elsewhere".to_owned(), ..known };
-        assert_eq!(Survivor::parse(text, &root, &[other]).expect("a survivor").reason, "");
+        let known = equivalents(&root).expect("the reasons");
+        let stale = known.iter().filter(|known| {
+            let text = std::fs::read_to_string(root.join(&known.file)).unwrap_or_default();
+            !text.lines().any(|line| line.contains(&known.source))
+        });
+        let stale: Vec<_> = stale.map(|known| (&known.file, &known.source)).collect();
+        assert!(!known.is_empty() && stale.is_empty(), "{stale:?}");
+        let text = std::fs::read_to_string(root.join(RECORD)).expect("the record");
+        assert!(serde_json::from_str::<Vec<Record>>(&text).is_ok_and(|records| !records.is_empty()));
     }
 
     #[test]
@@ -136,6 +221,7 @@ mod tests {
         let survivor = |reason: &str| Survivor {
             file: String::new(),
             line: 1,
+            column: None,
             mutation: String::new(),
             source: String::new(),
             reason: reason.to_owned(),

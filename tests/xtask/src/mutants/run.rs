@@ -12,7 +12,7 @@ use rayon::iter::{IntoParallelRefIterator as _, ParallelIterator as _};
 use super::alone;
 use super::list::{self, Mutant};
 use super::outcome::{Outcome, Outcomes};
-use super::record::{self, Record, Survivor};
+use super::record::{self, Record};
 use super::spoiled::{Refused, Spoiled};
 use super::tests_of::{PARTS, Part, Suite};
 use super::trial::Program;
@@ -146,9 +146,8 @@ fn result(part: &Part, mutants: &[Mutant], outcomes: &Outcomes, root: &Path) -> 
         found.map(|mutant| mutant.name.as_str())
     };
     let caught = with(|outcome| outcome == Outcome::Caught).count();
-    let survivors: Vec<Survivor> = with(|outcome| matches!(outcome, Outcome::Survived(_)))
-        .filter_map(|name| Survivor::parse(name, root, &equivalents))
-        .collect();
+    let survivors =
+        record::explained(with(|outcome| matches!(outcome, Outcome::Survived(_))), root, &equivalents);
     Ok(Record {
         name: part.name.to_owned(),
         command: format!("cargo xtask campaign {}", part.name),
