@@ -54,7 +54,9 @@ fn kept(most: u64, budget: u64) -> String {
 /// A row for each stage.
 pub fn section(firmware: Option<&Value>, worst: Option<&Value>) -> String {
     let Some(firmware) = firmware else {
-        return String::from("<p>Not measured: <code>cargo xtask firmware --update</code> measures.</p>");
+        return String::from(
+            "<p>No record of them: <code>cargo xtask firmware --update</code> measures.</p>",
+        );
     };
     let number = |value: &Value| value.as_u64().map_or_else(|| String::from("?"), grouped);
     let mut table =

@@ -1,9 +1,27 @@
 //! Pieces of the safety manual that belong beside the verdicts: what the machine must provide, and what is not claimed.
 
-use super::table::escape;
+use super::table::{escape, verdict};
+use crate::audit::records::MANUAL;
 
-/// A chapter of the manual, by the words of its heading, as HTML: paragraphs, lists and tables only.
+/// Words of the headings of the chapters that the page quotes.
+pub const NOT_CLAIMED: &str = "What is not claimed";
+pub const REACTION: &str = "How fast it reacts";
+pub const ASSUMPTIONS: &str = "What the machine must provide";
+
+/// A chapter of the manual, by the words of its heading, as HTML: paragraphs, lists and tables only. Where the manual has no such
+/// chapter, or nothing in it, that is said in its place.
 pub fn chapter(manual: &str, heading: &str) -> String {
+    let html = body_of(manual, heading);
+    if html.is_empty() {
+        let words = format!(
+            "{MANUAL} has no text under a heading with the words “{heading}”: nothing can be quoted here"
+        );
+        return format!("<p>{}</p>", verdict(false, &words));
+    }
+    html
+}
+
+fn body_of(manual: &str, heading: &str) -> String {
     let lines =
         manual.lines().skip_while(|line| !(line.starts_with("## ") && line.contains(heading))).skip(1);
     let body: Vec<&str> = lines.take_while(|line| !line.starts_with("## ")).collect();
@@ -38,7 +56,7 @@ pub fn inline(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::chapter;
+    use super::*;
 
     #[test]
     fn a_chapter_becomes_html() {
@@ -46,5 +64,24 @@ mod tests {
         let html = chapter(manual, "not claimed");
         assert!(html.contains("<code>a&lt;b</code>") && html.contains("<li>two"), "{html}");
         assert!(html.contains("<td>1<td>2") && !html.contains("no"), "{html}");
+    }
+
+    #[test]
+    fn a_chapter_that_is_missing_or_empty_says_so() {
+        for manual in ["", "## 1. Other\n\ntext\n", "## 5. What is not claimed\n\n## 6. Next\n\ntext\n"] {
+            let html = chapter(manual, NOT_CLAIMED);
+            assert!(
+                html.contains(MANUAL) && html.contains(NOT_CLAIMED) && html.contains("class=bad"),
+                "{html}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_manual_has_the_chapters_that_the_page_quotes() {
+        let manual = std::fs::read_to_string(crate::shell::root().join(MANUAL)).expect("the manual");
+        for heading in [NOT_CLAIMED, REACTION, ASSUMPTIONS] {
+            assert!(!body_of(&manual, heading).is_empty(), "{heading}");
+        }
     }
 }

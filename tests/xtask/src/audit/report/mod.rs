@@ -49,6 +49,9 @@ pub fn print(folder: &Path, evidence: &Evidence, as_json: bool) -> Result<()> {
             println!("         … and {} more in the report", claim.findings.len() - SHOWN_FINDINGS);
         }
     }
+    for why in &evidence.records.missing {
+        println!("cannot be read, and is missing in the report: {why}");
+    }
     let failed = evidence.claims.iter().filter(|claim| !claim.holds()).count();
     println!("{} claims, {failed} fail; the evidence is in target/audit/index.html", evidence.claims.len());
     Ok(())
@@ -78,6 +81,7 @@ fn json(evidence: &Evidence) -> Result<String> {
         "dependencies": evidence.dependencies,
         "instructions": evidence.records.firmware,
         "worst_inputs": evidence.records.worst,
+        "missing": evidence.records.missing,
         "code": evidence.code,
         "campaigns": evidence.records.campaigns,
         "aims": goals::list(evidence.records.campaigns.as_ref(), &evidence.code),

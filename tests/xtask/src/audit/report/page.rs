@@ -41,6 +41,7 @@ pub fn html(evidence: &Evidence) -> String {
         verdict(good, if good { "every claim holds" } else { "a claim fails" })
     );
     page.push_str(INTRODUCTION);
+    page.push_str(&missing(&evidence.records.missing));
     page.push_str("<nav>");
     for (anchor, heading) in SECTIONS {
         let _ = write!(page, "<a href='#{anchor}'>{heading}</a> ");
@@ -48,12 +49,12 @@ pub fn html(evidence: &Evidence) -> String {
     page.push_str("</nav>");
     let bodies = [
         claims::section(&evidence.claims),
-        manual::chapter(&evidence.records.manual, "not claimed"),
+        manual::chapter(&evidence.records.manual, manual::NOT_CLAIMED),
         requirements(&evidence.trace),
         hazards(&evidence.trace),
         states::section(&evidence.states, &evidence.explored, &evidence.causes),
-        manual::chapter(&evidence.records.manual, "How fast it reacts"),
-        manual::chapter(&evidence.records.manual, "What the machine must provide"),
+        manual::chapter(&evidence.records.manual, manual::REACTION),
+        manual::chapter(&evidence.records.manual, manual::ASSUMPTIONS),
         instructions::section(evidence.records.firmware.as_ref(), evidence.records.worst.as_ref()),
         goals::section(evidence.records.campaigns.as_ref(), &evidence.code),
         campaigns(evidence.records.campaigns.as_ref(), &evidence.code),
@@ -67,6 +68,14 @@ pub fn html(evidence: &Evidence) -> String {
         let _ = write!(page, "<h2 id={anchor}>{heading}</h2>{body}");
     }
     page
+}
+
+/// The records that could not be read, before everything else: their sections are empty or short.
+fn missing(files: &[String]) -> String {
+    let told = files.iter().map(|why| {
+        format!("<p>{} {}</p>", verdict(false, "cannot be read, and is missing below:"), escape(why))
+    });
+    told.collect()
 }
 
 fn requirements(trace: &Trace) -> String {
@@ -145,6 +154,7 @@ fn campaigns(records: Option<&Value>, code_today: &str) -> String {
     let mut table =
         Table::new(&["campaign", "trials", "findings", "counted", "core and drivers since", "repeat with"]);
     let listed = records.and_then(Value::as_array);
+    let absent = listed.is_none().then(|| verdict(false, "No record of any campaign could be read."));
     for record in listed.into_iter().flatten() {
         let text = |name: &str| escape(record[name].as_str().unwrap_or(""));
         let number = |name: &str| record[name].as_u64().map_or_else(|| String::from("?"), grouped);
@@ -167,8 +177,9 @@ fn campaigns(records: Option<&Value>, code_today: &str) -> String {
         "<p>Long runs, recorded in <code>docs/evidence/campaigns.json</code> when they were made; a short slice of each \
          runs with every <code>cargo xtask test</code>. This audit does not repeat them. <i>Core and drivers since</i> compares \
          the fingerprint of their code that a record keeps with today's, {}; records from before fingerprints were kept do not \
-         tell.</p>{}",
+         tell.</p>{}{}",
         code(code_today),
+        absent.unwrap_or_default(),
         table.finish()
     )
 }
@@ -248,3 +259,17 @@ padding:.3em .5em;text-align:left;vertical-align:top}th{background:#f3f3f3}code{
 .wide{overflow-x:auto}.big{font-size:1.4em}.good{background:#dff2df;padding:0 .3em}.bad{background:#f9d6d6;\
 padding:0 .3em}.aside{background:#eee;padding:0 .3em}nav a{margin-right:1em}td code{overflow-wrap:anywhere}td:first-child code{overflow-wrap:normal}\
 summary{cursor:pointer;padding:.15em 0}thead th{position:sticky;top:0}svg{max-width:100%;height:auto}</style>";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_record_that_cannot_be_read_is_named_before_everything_else() {
+        assert_eq!(missing(&[]), "");
+        let html = missing(&["docs/a.json: <broken>".to_owned()]);
+        assert!(html.contains("docs/a.json: &lt;broken&gt;") && html.contains("class=bad"), "{html}");
+        assert!(campaigns(None, "").contains("No record of any campaign could be read"));
+        assert!(!campaigns(Some(&serde_json::json!([])), "").contains("could be read"));
+    }
+}
