@@ -212,6 +212,14 @@ mod tests {
         });
         let stale: Vec<_> = stale.map(|known| (&known.file, &known.source)).collect();
         assert!(!known.is_empty() && stale.is_empty(), "{stale:?}");
+        for known in &known {
+            // Of one operator the part that is quoted has as many as the reason is for.
+            let operator =
+                known.mutation.trim_start_matches("replace ").split(' ').next().unwrap_or_default();
+            let quoted = known.source.split([' ', '(']).filter(|word| *word == operator).count();
+            let is_operator = !operator.contains(char::is_alphanumeric);
+            assert!(!is_operator || quoted == known.count, "{}: {}", known.file, known.source);
+        }
         let text = std::fs::read_to_string(root.join(RECORD)).expect("the record");
         assert!(serde_json::from_str::<Vec<Record>>(&text).is_ok_and(|records| !records.is_empty()));
     }
