@@ -42,7 +42,7 @@ fn told(name: &str) -> String {
 fn worst_of(worst: Option<&Value>, stage: &str) -> Option<(u64, String)> {
     let kept = worst?.as_array()?.iter().find(|kept| kept["stage"] == stage)?;
     let search = format!("{} scenes, seed {}", kept["trials"], kept["seed"]);
-    Some((kept["instructions"].as_u64()?, search))
+    Some((kept["instructions"].as_u64()?, escape(&search)))
 }
 
 /// A budget, and whether the most that was seen or searched keeps to it: in words, not in colours alone.
@@ -103,5 +103,12 @@ mod tests {
         assert!(silent.is_empty(), "{silent:?}");
         assert!(kept(5, 5).contains("5, kept") && kept(6, 5).contains("5, missed"));
         assert!(told("sweep-12-people").ends_with("twelve people around"));
+    }
+
+    #[test]
+    fn a_record_cannot_break_the_page() {
+        let worst = serde_json::json!([{"stage": "tick", "instructions": 7, "trials": "<i>", "seed": 1}]);
+        let (_, how) = worst_of(Some(&worst), "tick").expect("it is kept");
+        assert_eq!(how, "&quot;&lt;i&gt;&quot; scenes, seed 1");
     }
 }

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde_json::Value;
 
 use super::since::Since;
-use super::table::{Table, code, escape, grouped, source, verdict};
+use super::table::{Table, anchor, code, escape, grouped, link, source, verdict};
 use super::{claims, goals, instructions, loops, manual, stack, states};
 use crate::audit::evidence::Evidence;
 use crate::audit::hosted_rooms::HOSTED_ROOMS;
@@ -99,9 +99,9 @@ fn requirements(trace: &Trace) -> String {
                 format!("{result} {} {}", escape(&test.name), place(&test.place))
             })
             .collect();
-        let links = line.hazards.iter().map(|id| format!("<a href='#{id}'>{id}</a>"));
+        let links = line.hazards.iter().map(|id| link(id));
         table.row(&[
-            format!("<b id={}>{}</b><br>{}", line.id, line.id, escape(&line.text)),
+            format!("{}<br>{}", anchor(&line.id), escape(&line.text)),
             line.code.iter().map(place).collect::<Vec<_>>().join("<br>"),
             tests.join("<br>"),
             links.collect::<Vec<_>>().join("<br>"),
@@ -126,7 +126,7 @@ fn backwards(requirements: &[Requirement]) -> String {
     }
     let mut table = Table::new(&["file", "requirements"]);
     for (file, ids) in files {
-        let links = ids.iter().map(|id| format!("<a href='#{id}'>{id}</a>")).collect::<Vec<_>>();
+        let links = ids.iter().map(|id| link(id)).collect::<Vec<_>>();
         table.row(&[code(file), links.join(" ")]);
     }
     table.finish()
@@ -139,10 +139,9 @@ fn place(place: &Place) -> String {
 fn hazards(trace: &Trace) -> String {
     let mut table = Table::new(&["hazard", "causes of the guard that answer it", "requirements"]);
     for hazard in &trace.hazards {
-        let links =
-            hazard.requirements.iter().map(|id| format!("<a href='#{id}'>{id}</a>")).collect::<Vec<_>>();
+        let links = hazard.requirements.iter().map(|id| link(id)).collect::<Vec<_>>();
         table.row(&[
-            format!("<b id={}>{}</b><br>{}", hazard.id, hazard.id, escape(&hazard.text)),
+            format!("{}<br>{}", anchor(&hazard.id), escape(&hazard.text)),
             hazard.causes.iter().map(|cause| code(cause)).collect::<Vec<_>>().join(" "),
             links.join(" "),
         ]);
@@ -161,7 +160,11 @@ fn campaigns(records: Option<&Value>, code_today: &str) -> String {
         let counts = record["counts"].as_object().into_iter().flatten();
         let counts: Vec<String> = counts
             .map(|(name, count)| {
-                format!("{} {}", escape(name), count.as_u64().map_or_else(|| count.to_string(), grouped))
+                format!(
+                    "{} {}",
+                    escape(name),
+                    count.as_u64().map_or_else(|| escape(&count.to_string()), grouped)
+                )
             })
             .collect();
         table.row(&[
@@ -263,6 +266,26 @@ summary{cursor:pointer;padding:.15em 0}thead th{position:sticky;top:0}svg{max-wi
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::audit::trace::Hazard;
+
+    #[test]
+    fn documents_and_records_cannot_break_the_page() {
+        let bad = "<i>'";
+        let line =
+            Requirement { id: bad.to_owned(), hazards: vec![bad.to_owned()], ..Requirement::default() };
+        let hazard = Hazard {
+            id: bad.to_owned(),
+            text: String::new(),
+            causes: vec![],
+            requirements: vec![bad.to_owned()],
+            line: 1,
+        };
+        let trace = Trace { requirements: vec![line], hazards: vec![hazard] };
+        let record = serde_json::json!([{"name": bad, "counts": {bad: bad}, "what": bad, "command": bad}]);
+        let html = [requirements(&trace), hazards(&trace), campaigns(Some(&record), bad)].concat();
+        assert!(!html.contains(bad) && !html.contains("<i>&#39;"), "{html}");
+        assert_eq!(html.matches("id='&lt;i&gt;&#39;'").count(), 2, "{html}");
+    }
 
     #[test]
     fn a_record_that_cannot_be_read_is_named_before_everything_else() {

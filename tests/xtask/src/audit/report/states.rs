@@ -104,7 +104,7 @@ mod tests {
         let html = section("<svg>", &explored, &[cause]);
         assert!(html.contains("<b>3 states</b>") && html.contains("never"), "{html}");
         assert!(html.contains("<b>Stop</b><td>never<td>7\u{202f}000"), "{html}");
-        assert!(html.contains("safety input not read<td>stop<td>by the operator's reset"), "{html}");
+        assert!(html.contains("safety input not read<td>stop<td>by the operator&#39;s reset"), "{html}");
         assert_eq!(clears("Quiet(500000)"), "by itself, 0.5 s after the last evidence");
         assert_eq!(leaves("Backward"), "backwards, at a crawl");
     }

@@ -34,9 +34,20 @@ impl Table {
     }
 }
 
-/// Text as HTML.
+/// Text as HTML, within an attribute in quotes too.
 pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+    let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    text.replace('\'', "&#39;").replace('"', "&quot;")
+}
+
+/// A name that the page can be led to.
+pub fn anchor(id: &str) -> String {
+    format!("<b id='{0}'>{0}</b>", escape(id))
+}
+
+/// The way to a name on the page.
+pub fn link(id: &str) -> String {
+    format!("<a href='#{0}'>{0}</a>", escape(id))
 }
 
 /// Text in the type of code.
@@ -87,5 +98,14 @@ mod tests {
                 && html.contains("Vec&lt;u8&gt;")
                 && html.contains("1\u{202f}234\u{202f}567")
         );
+    }
+
+    #[test]
+    fn text_cannot_leave_an_attribute() {
+        let id = "x' onclick='a()\" <b>&";
+        let safe = "x&#39; onclick=&#39;a()&quot; &lt;b&gt;&amp;";
+        assert_eq!(anchor(id), format!("<b id='{safe}'>{safe}</b>"));
+        assert_eq!(link(id), format!("<a href='#{safe}'>{safe}</a>"));
+        assert_eq!(source("a'b.rs", 3), "<a href='../../a&#39;b.rs'><code>a&#39;b.rs:3</code></a>");
     }
 }
