@@ -188,8 +188,8 @@ mod tests {
     #[test]
     fn a_reason_is_of_the_change_that_it_names_and_of_no_second_one() {
         let [first, second] = [equivalent("µ > 1", 1), equivalent("> last", 1)];
-        assert_eq!(reasons(&[17], &[first.clone()]), [""], "the other `>` of the line");
-        assert_eq!(reasons(&[7, 17], &[first.clone()]), ["µ > 1", ""]);
+        assert_eq!(reasons(&[17], std::slice::from_ref(&first)), [""], "the other `>` of the line");
+        assert_eq!(reasons(&[7, 17], std::slice::from_ref(&first)), ["µ > 1", ""]);
         assert_eq!(reasons(&[7, 17], &[second, first]), ["µ > 1", "> last"]);
         let both = "> 1 && 10 >";
         assert_eq!(reasons(&[7, 17], &[equivalent(both, 1)]), [both, ""]);
