@@ -57,21 +57,19 @@ pub fn run(options: &Options) -> Result<bool> {
     }
     let program = programs(kind, &path, options.same_program)?;
     let state = State::load(&path, &fingerprint(&program.test, program.firmware.as_deref())?);
-    let starts = state.missing(trials, kind.block);
+    let parts = state.missing(trials, kind.block);
     println!("{}: {trials} {}, seed {}; {} done before", kind.name, kind.trial, options.seed, state.trials);
     let bar = bar(trials, state.trials);
     let (state, findings, stop) = (Mutex::new(state), Mutex::new(Vec::new()), interrupt::flag()?);
-    starts.into_par_iter().try_for_each(|start| -> Result<()> {
+    parts.into_par_iter().try_for_each(|part| -> Result<()> {
         if stop.load(Ordering::Relaxed) {
             return Ok(());
         }
-        let part = start..(start + kind.block).min(trials);
         match block::run(&program, kind, options.seed, part.clone()) {
             Ok(Some(counts)) => {
                 bar.inc(part.end - part.start);
-                // A block that the end of this run cut short is repeated in full by a longer one.
                 let mut state = state.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-                state.book(&path, part, counts)?;
+                state.book(&path, kind.block, part, counts)?;
             }
             Ok(None) => stop.store(true, Ordering::Relaxed),
             Err(output) => {
