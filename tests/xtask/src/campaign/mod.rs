@@ -1,6 +1,7 @@
 //! `cargo xtask campaign`: the long runs, on all cores, with progress, resumed where they were cut.
 
 mod block;
+mod in_order;
 mod interrupt;
 mod kinds;
 mod matrix;

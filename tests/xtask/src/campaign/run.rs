@@ -2,17 +2,18 @@
 
 use std::collections::hash_map::DefaultHasher;
 use std::hash::Hasher as _;
-use std::path::PathBuf;
-use std::sync::Mutex;
-use std::sync::atomic::Ordering;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use anyhow::{Context, Result};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
-use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 
+use super::in_order::{self, held};
 use super::state::State;
-use super::{block, interrupt, kinds, matrix, record, shares, state};
+use super::{block, interrupt, kinds, matrix, record, state};
 use crate::{counting, firmware, mutants, worst};
 
 /// Which campaign and how much of it.
@@ -57,46 +58,60 @@ pub fn run(options: &Options) -> Result<bool> {
     }
     let program = programs(kind, &path, options.same_program)?;
     let state = State::load(&path, &fingerprint(&program.test, program.firmware.as_deref())?);
-    let parts = state.missing(trials, kind.block);
     println!("{}: {trials} {}, seed {}; {} done before", kind.name, kind.trial, options.seed, state.trials);
-    let bar = bar(trials, state.trials);
-    let (state, findings, stop) = (Mutex::new(state), Mutex::new(Vec::new()), interrupt::flag()?);
-    parts.into_par_iter().try_for_each(|part| -> Result<()> {
-        if stop.load(Ordering::Relaxed) {
-            return Ok(());
-        }
-        match block::run(&program, kind, options.seed, part.clone()) {
+    let stop = interrupt::flag()?;
+    let (state, findings) = play(&program, (kind, options.seed), (state, &path), (trials, &stop))?;
+    show(&state);
+    for (part, output) in &findings {
+        println!("FINDING in trials {}..{} of seed {}:\n{output}", part.start, part.end, options.seed);
+    }
+    let came = record::Outcome::of((kind, options.seed), &state, trials, findings.len());
+    let ended = came.findings == 0 && !state.missing(trials, kind.block).is_empty();
+    if ended {
+        println!("{}", interrupt::words((kind.name, options.seed), state.trials, trials));
+    } else {
+        let kept = shown(&path);
+        println!("{}: {} trials, {} findings; kept in {kept}", kind.name, state.trials, came.findings);
+    }
+    if options.record {
+        let code = std::fs::read_to_string(path.with_extension("code")).ok();
+        record::keep(&came, code.as_deref())?;
+    }
+    if ended {
+        std::process::exit(interrupt::INTERRUPTED);
+    }
+    Ok(came.findings == 0)
+}
+
+/// A part of the trials that failed, and what the test said.
+type Finding = (Range<u64>, String);
+
+/// Runs what is missing, the first trials first, to the end, to the first finding or until somebody ends it.
+fn play(
+    program: &block::Program,
+    (kind, seed): (&kinds::Kind, u64),
+    (state, path): (State, &Path),
+    (trials, stop): (u64, &AtomicBool),
+) -> Result<(State, Vec<Finding>)> {
+    let (bar, parts) = (bar(trials, state.trials), state.missing(trials, kind.block));
+    let (state, findings) = (Mutex::new(state), Mutex::new(Vec::new()));
+    in_order::run(parts, stop, |part| {
+        match block::run(program, kind, seed, part.clone()) {
             Ok(Some(counts)) => {
                 bar.inc(part.end - part.start);
-                let mut state = state.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-                state.book(&path, kind.block, part, counts)?;
+                held(&state).book(path, kind.block, part, counts)?;
             }
             Ok(None) => stop.store(true, Ordering::Relaxed),
             Err(output) => {
                 stop.store(true, Ordering::Relaxed);
-                findings.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push((part, output));
+                held(&findings).push((part, output));
             }
         }
         Ok(())
     })?;
     bar.finish_and_clear();
-    let state = state.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    let findings = findings.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    show(&state);
-    for (part, output) in &findings {
-        println!("FINDING in trials {}..{} of seed {}:\n{output}", part.start, part.end, options.seed);
-    }
-    if findings.is_empty() && !state.missing(trials, kind.block).is_empty() {
-        println!("{}", interrupt::words((kind.name, options.seed), state.trials, trials));
-        std::process::exit(interrupt::INTERRUPTED);
-    }
-    let holds = shares::judge(kind.name, &state.counts);
-    println!("{}: {} trials, {} findings; kept in {}", kind.name, state.trials, findings.len(), shown(&path));
-    if options.record {
-        let code = std::fs::read_to_string(path.with_extension("code")).ok();
-        record::keep(kind, (options.seed, state.trials), findings.len(), (&state.counts, code.as_deref()))?;
-    }
-    Ok(findings.is_empty() && holds)
+    let findings = std::mem::take(&mut *held(&findings));
+    Ok((state.into_inner().unwrap_or_else(PoisonError::into_inner), findings))
 }
 
 fn bar(trials: u64, done: u64) -> ProgressBar {
@@ -119,7 +134,7 @@ fn show(state: &State) {
 }
 
 /// What the campaign runs, and beside it the fingerprint of the code that it was built from.
-fn programs(kind: &kinds::Kind, path: &std::path::Path, same: bool) -> Result<block::Program> {
+fn programs(kind: &kinds::Kind, path: &Path, same: bool) -> Result<block::Program> {
     let test = own_copy(path.with_extension("program"), same, || {
         std::fs::write(path.with_extension("code"), record::code_today()?)?;
         block::build(kind)
@@ -141,12 +156,12 @@ fn own_copy(copy: PathBuf, same: bool, build: impl FnOnce() -> Result<PathBuf>) 
     Ok(copy)
 }
 
-fn shown(path: &std::path::Path) -> String {
+fn shown(path: &Path) -> String {
     path.strip_prefix(crate::shell::root()).unwrap_or(path).display().to_string()
 }
 
 /// Of the test's executable, and of the firmware that it plays on: the same sources give the same ones.
-fn fingerprint(test: &std::path::Path, firmware: Option<&std::path::Path>) -> Result<String> {
+fn fingerprint(test: &Path, firmware: Option<&Path>) -> Result<String> {
     let mut hasher = DefaultHasher::new();
     for path in [Some(test), firmware].into_iter().flatten() {
         hasher.write(&std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?);
