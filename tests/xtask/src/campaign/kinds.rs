@@ -16,11 +16,14 @@ pub struct Kind {
     pub block: u64,
     /// Trials of a whole campaign.
     pub trials: u64,
+    /// Runtime and simulator make the trials, too, not only core and drivers.
+    pub whole: bool,
 }
 
 const fn fuzz(name: &'static str, test: &'static str, block: u64, trials: u64) -> Kind {
     let target = &["--test", "fuzz_decoders"];
-    Kind { name, trial: "damaged messages", package: "floorguard-tests", target, test, block, trials }
+    let (trial, package) = ("damaged messages", "floorguard-tests");
+    Kind { name, trial, package, target, test, block, trials, whole: false }
 }
 
 /// The campaign that needs the firmware.
@@ -36,6 +39,7 @@ pub const KINDS: &[Kind] = &[
         test: "fg_req_005_two_models_agree_on_every_random_step",
         block: 1_000,
         trials: 50_000,
+        whole: false,
     },
     Kind {
         name: "flips",
@@ -45,6 +49,7 @@ pub const KINDS: &[Kind] = &[
         test: "guard::tests::bit_flips::fg_req_008_no_flipped_bit_of_the_state_is_silently_unsafe",
         block: 25,
         trials: 2_000,
+        whole: false,
     },
     Kind {
         name: "faults",
@@ -54,6 +59,7 @@ pub const KINDS: &[Kind] = &[
         test: "no_fault_of_the_matrix_makes_the_robot_miss_a_stop",
         block: 60,
         trials: 100_000,
+        whole: true,
     },
     Kind {
         name: FIRMWARE_FAULTS,
@@ -63,6 +69,7 @@ pub const KINDS: &[Kind] = &[
         test: "the_emulated_board_answers_every_fault_as_the_host_does",
         block: 10,
         trials: 1_000,
+        whole: true,
     },
     Kind {
         name: "claims",
@@ -72,6 +79,7 @@ pub const KINDS: &[Kind] = &[
         test: "claims_hold_under_slip_pushes_lost_packets_and_power_cuts",
         block: 20,
         trials: 1_000,
+        whole: true,
     },
     Kind {
         name: "fuzz-runtime",
@@ -81,6 +89,7 @@ pub const KINDS: &[Kind] = &[
         test: "any_faults_at_once_leave_the_runtime_running",
         block: 50,
         trials: 100_000,
+        whole: true,
     },
     fuzz("fuzz-velodyne", "fuzz_velodyne", 500_000, 100_000_000),
     fuzz("fuzz-position", "fuzz_position", 1_000_000, 100_000_000),
@@ -90,8 +99,9 @@ pub const KINDS: &[Kind] = &[
     // Twenty frames each.
     fuzz("fuzz-base", "fuzz_base", 100_000, 5_000_000),
     fuzz("fuzz-xsens", "fuzz_xsens", 200_000, 100_000_000),
-    fuzz("fuzz-configuration", "fuzz_configuration", 200_000, 100_000_000),
-    fuzz("fuzz-recording", "fuzz_recording", 20_000, 1_000_000),
+    // The runtime reads these.
+    Kind { whole: true, ..fuzz("fuzz-configuration", "fuzz_configuration", 200_000, 100_000_000) },
+    Kind { whole: true, ..fuzz("fuzz-recording", "fuzz_recording", 20_000, 1_000_000) },
 ];
 
 /// Campaigns that do not count trials of one kind.

@@ -5,6 +5,7 @@ mod in_order;
 mod interrupt;
 mod kinds;
 mod matrix;
+mod program;
 mod record;
 mod run;
 mod shares;

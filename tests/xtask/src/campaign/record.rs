@@ -17,6 +17,20 @@ pub fn code_today() -> Result<String> {
     Ok(sources::fingerprint(&sources::read_layers(&shell::root())?))
 }
 
+/// All sources that the robot and its simulator are made of.
+const WHOLE: [&str; 4] = ["core-nostd/src", "drivers/src", "runtime", "hal-sim/src"];
+
+/// What a record tells of the code: the fingerprint of core and drivers and, of a campaign that runs the whole robot, in a
+/// second line that of core, drivers, runtime and simulator.
+pub fn code_of(kind: &Kind) -> Result<String> {
+    let code = code_today()?;
+    if !kind.whole {
+        return Ok(code);
+    }
+    let files = sources::read_folders(&shell::root(), &WHOLE)?;
+    Ok(format!("{code}\n{}", sources::fingerprint(&files)))
+}
+
 /// What a campaign came to.
 pub struct Outcome<'a> {
     kind: &'a Kind,
@@ -89,12 +103,21 @@ pub fn keep(came: &Outcome<'_>, code: Option<&str>) -> Result<()> {
     let text = std::fs::read_to_string(&path).unwrap_or_else(|_| String::from("[]"));
     let records: Vec<Value> = serde_json::from_str(&text).with_context(|| format!("{RECORD} is broken"))?;
     let mut new = came.entry();
-    new["code"] = json!(code);
+    tell_code(&mut new, code);
     let records = with(records, new);
     std::fs::write(&path, serde_json::to_string_pretty(&records)? + "\n")
         .with_context(|| format!("cannot write {RECORD}"))?;
     println!("recorded in {RECORD}");
     Ok(())
+}
+
+/// `code`: core and drivers, `null` where it is not known. `whole`: runtime and simulator, too, where it was kept.
+fn tell_code(record: &mut Value, code: Option<&str>) {
+    let mut lines = code.into_iter().flat_map(str::lines);
+    record["code"] = json!(lines.next());
+    if let Some(whole) = lines.next() {
+        record["whole"] = json!(whole);
+    }
 }
 
 fn with(mut records: Vec<Value>, new: Value) -> Vec<Value> {
@@ -148,6 +171,21 @@ mod tests {
         assert!(what(&begun).ends_with("; the first 60 trials of 100"), "{}", what(&begun));
         let gap = entry(&[0, 2, 3]);
         assert!(what(&gap).ends_with("; 60 trials of 100, among them the first 20"), "{}", what(&gap));
+    }
+
+    #[test]
+    fn a_record_tells_the_code_of_the_robot_where_all_of_it_ran() {
+        let told = |code| {
+            let mut record = json!({});
+            tell_code(&mut record, code);
+            record
+        };
+        assert_eq!(told(None), json!({ "code": null }));
+        assert_eq!(told(Some("12ab")), json!({ "code": "12ab" }));
+        assert_eq!(told(Some("12ab\n34cd")), json!({ "code": "12ab", "whole": "34cd" }));
+        let lines =
+            |name| code_of(kinds::find(name).expect("a campaign")).expect("the sources").lines().count();
+        assert_eq!((lines("model"), lines("faults")), (1, 2));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::collections::hash_map::DefaultHasher;
 use std::hash::Hasher as _;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -13,8 +13,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::in_order::{self, held};
 use super::state::State;
-use super::{block, interrupt, kinds, matrix, record, state};
-use crate::{counting, firmware, mutants, worst};
+use super::{block, interrupt, kinds, matrix, program, record, state};
+use crate::{counting, mutants, worst};
 
 /// Which campaign and how much of it.
 #[derive(Args)]
@@ -56,7 +56,7 @@ pub fn run(options: &Options) -> Result<bool> {
     if options.fresh {
         let _ = std::fs::remove_file(&path);
     }
-    let program = programs(kind, &path, options.same_program)?;
+    let program = program::programs(kind, &path, options.same_program)?;
     let state = State::load(&path, &fingerprint(&program.test, program.firmware.as_deref())?);
     println!("{}: {trials} {}, seed {}; {} done before", kind.name, kind.trial, options.seed, state.trials);
     let stop = interrupt::flag()?;
@@ -74,8 +74,7 @@ pub fn run(options: &Options) -> Result<bool> {
         println!("{}: {} trials, {} findings; kept in {kept}", kind.name, state.trials, came.findings);
     }
     if options.record {
-        let code = std::fs::read_to_string(path.with_extension("code")).ok();
-        record::keep(&came, code.as_deref())?;
+        record::keep(&came, program::code(&path).as_deref())?;
     }
     if ended {
         std::process::exit(interrupt::INTERRUPTED);
@@ -133,29 +132,6 @@ fn show(state: &State) {
     }
 }
 
-/// What the campaign runs, and beside it the fingerprint of the code that it was built from.
-fn programs(kind: &kinds::Kind, path: &Path, same: bool) -> Result<block::Program> {
-    let test = own_copy(path.with_extension("program"), same, || {
-        std::fs::write(path.with_extension("code"), record::code_today()?)?;
-        block::build(kind)
-    })?;
-    let copy = || own_copy(path.with_extension("firmware"), same, firmware::tape_image);
-    let firmware = (kind.name == kinds::FIRMWARE_FAULTS).then(copy).transpose()?;
-    Ok(block::Program { test, firmware })
-}
-
-/// The campaign's own copy of the test or of the firmware: a build that goes on beside it must not change what the blocks run.
-fn own_copy(copy: PathBuf, same: bool, build: impl FnOnce() -> Result<PathBuf>) -> Result<PathBuf> {
-    if same && copy.is_file() {
-        return Ok(copy);
-    }
-    let beside = copy.with_extension("building");
-    std::fs::copy(build()?, &beside)
-        .and_then(|_| std::fs::rename(&beside, &copy))
-        .with_context(|| format!("cannot copy to {}", copy.display()))?;
-    Ok(copy)
-}
-
 fn shown(path: &Path) -> String {
     path.strip_prefix(crate::shell::root()).unwrap_or(path).display().to_string()
 }
@@ -167,22 +143,4 @@ fn fingerprint(test: &Path, firmware: Option<&Path>) -> Result<String> {
         hasher.write(&std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?);
     }
     Ok(format!("{:016x}", hasher.finish()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_campaign_keeps_what_it_began_with_while_others_build() {
-        let folder = tempfile::tempdir().unwrap();
-        let (built, copy) = (folder.path().join("built"), folder.path().join("copy.program"));
-        let begin = |same, text: &str| {
-            std::fs::write(&built, text).unwrap();
-            std::fs::read_to_string(own_copy(copy.clone(), same, || Ok(built.clone())).unwrap()).unwrap()
-        };
-        assert_eq!(begin(false, "first"), "first");
-        assert_eq!(begin(true, "second"), "first");
-        assert_eq!(begin(false, "third"), "third");
-    }
 }
