@@ -284,7 +284,7 @@ mod tests {
     use super::*;
 
     const LIMIT: DirtLimit = DirtLimit { score: KeptScore(100), tint: KeptScore(100) };
-    const FLOOR: FloorTints = FloorTints::NEW;
+    const FLOOR: FloorTints = FloorTints::AS_GUESSED;
 
     fn seen(scores: &[f32]) -> SeenCell {
         let mut cell = SeenCell::default();

@@ -34,7 +34,7 @@ const LEAST_TINT: f32 = 7.2;
 /// A pixel's colour counts for its cell and the eight around it: chips and grain average out over a decimetre.
 const AROUND: [(i32, f32); 3] = [(-1, 0.25), (0, 0.5), (1, 0.25)];
 /// Fewer known cells are no floor to compare with.
-const KNOWN_MIN: u32 = 200;
+pub(super) const KNOWN_MIN: u32 = 200;
 
 /// What became of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -307,5 +307,32 @@ mod tests {
             let limit = limit_over(count, scores);
             assert!((limit - expected).abs() < 0.3, "{count} {scores:?}: {limit}");
         }
+    }
+
+    /// A floor whose places differ more than was guessed: those that are seen first and never again are no dirt, and what
+    /// is strange on this floor is.
+    #[test]
+    fn nothing_is_strange_before_the_floor_is_known() {
+        let geometry = GridGeometry::new(10, 200, 0.1, Point2::new(0.0, 0.0)).unwrap();
+        let mut map = SeenDirtMap::new(geometry, std::vec![SeenCell::default(); 2_000]).unwrap();
+        map.expect(21.0);
+        let mut random = crate::random::Pcg32::new(5, 1);
+        for stretch in 0..20 {
+            let mut colours = [(); 100].map(|()| random.uniform_between(-1.7, 1.7));
+            colours[50] = if stretch == 19 { 7.0 } else { 0.0 };
+            for view in 0..3 {
+                let cells = map.cells.iter_mut().skip(100 * stretch as usize);
+                for (cell, b) in cells.zip(colours) {
+                    (0..6).for_each(|_| cell.take(8.0));
+                    cell.tint([0.0, 0.0, b, 1.0], 1.0);
+                }
+                let bounds = [0, 10 * stretch, 9, 10 * stretch + 9];
+                assert_eq!(map.decide(bounds, (3 * stretch + view) as u32), 100);
+            }
+        }
+        let (limit, cells) = (map.limit(), map.cells().iter().enumerate());
+        let dirty = cells.filter(|(_, cell)| cell.state(SeenLayer::Live, limit) == CellState::Dirty);
+        let dirty: std::vec::Vec<_> = dirty.map(|(index, _)| index).collect();
+        assert_eq!(dirty, [1_950], "{limit:?}");
     }
 }

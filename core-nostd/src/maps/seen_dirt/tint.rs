@@ -6,6 +6,7 @@
 //! the floor while the robot drives, so a place has only the colour that its views agree on.
 
 use super::cell::WINDOW;
+use super::map::KNOWN_MIN;
 
 /// Steps of a Lab unit in which a cell keeps a colour: lightness varies most.
 const STEPS: [f32; 3] = [8.0, 16.0, 16.0];
@@ -13,7 +14,7 @@ const STEPS: [f32; 3] = [8.0, 16.0, 16.0];
 const AGREED_PART: usize = WINDOW;
 /// Least spread of a channel, Lab units: less than one sees.
 const SPREAD_MIN: [f32; 3] = [0.3, 0.1, 0.1];
-/// Before any floor was seen the spread is taken as this, Lab units.
+/// Before any floor was seen the spread is taken as this, Lab units: a guess that only weighs what is learned first.
 const SPREAD_FIRST: [f32; 3] = [1.0, 0.3, 0.3];
 /// Squared distance, in spreads, from which on a place says little about what is usual: a fiftieth of what is normally
 /// distributed in three channels lies beyond.
@@ -59,6 +60,8 @@ pub(super) struct FloorTints {
     weight: f32,
     /// The inverse of the covariance, the same six.
     inverse: [f32; 6],
+    /// It was learned from as many places as are a floor to compare with.
+    is_known: bool,
 }
 
 impl FloorTints {
@@ -66,8 +69,12 @@ impl FloorTints {
     pub(super) const NEW: Self = {
         let [l, a, b] = SPREAD_FIRST;
         let inverse = [1.0 / (l * l), 1.0 / (a * a), 1.0 / (b * b), 0.0, 0.0, 0.0];
-        Self { products: [0.0; 6], weight: 0.0, inverse }
+        Self { products: [0.0; 6], weight: 0.0, inverse, is_known: false }
     };
+
+    /// A floor whose places spread as the first guess says.
+    #[cfg(test)]
+    pub(super) const AS_GUESSED: Self = Self { is_known: true, ..Self::NEW };
 
     /// The inverse of the covariance times a colour: the direction in which it differs from the floor.
     fn direction(&self, [l, a, b]: [f32; 3]) -> [f32; 3] {
@@ -76,8 +83,12 @@ impl FloorTints {
     }
 
     /// How strange on this floor the colour is that eight of nine views agree on, or all of fewer, natural logarithms: as
-    /// far as they go along with the middle one.
+    /// far as they go along with the middle one. 0 before the floor is known: a cell that is not seen again keeps what was
+    /// said of it, and what was a guess would stay dirt for the whole mission.
     pub(super) fn strangeness(&self, views: &[KeptTint]) -> f32 {
+        if !self.is_known {
+            return 0.0;
+        }
         let middle = middle(views);
         let direction = self.direction(middle);
         let length = libm::sqrtf(dot(middle, direction).max(0.0));
@@ -116,6 +127,7 @@ impl FloorTints {
         // At least the product of the least spreads but for rounding.
         let determinant = (ll * first + la * fourth + lb * fifth).max(min_l * min_a * min_b);
         self.inverse = [first, second, third, fourth, fifth, sixth].map(|minor| minor / determinant);
+        self.is_known |= self.weight >= KNOWN_MIN as f32;
         if self.weight > PLACES_MAX {
             self.weight *= 0.5;
             self.products = self.products.map(|sum| 0.5 * sum);
@@ -180,12 +192,13 @@ mod tests {
         let mut views = [[0, 0, 16]; 9];
         views[0] = [0, 0, -16];
         let one = STRANGENESS * 1.0 / SPREAD_FIRST[2];
-        assert!((FloorTints::NEW.strangeness(&views) - one).abs() < 1e-3);
+        assert!((FloorTints::AS_GUESSED.strangeness(&views) - one).abs() < 1e-3);
         views[1] = [0, 0, 8];
-        assert!((FloorTints::NEW.strangeness(&views) - 0.5 * one).abs() < 1e-3);
+        assert!((FloorTints::AS_GUESSED.strangeness(&views) - 0.5 * one).abs() < 1e-3);
         views[2] = [0, 0, -16];
-        assert_eq!(FloorTints::NEW.strangeness(&views), 0.0);
-        assert_eq!(FloorTints::NEW.strangeness(&[]), 0.0);
+        assert_eq!(FloorTints::AS_GUESSED.strangeness(&views), 0.0);
+        assert_eq!(FloorTints::AS_GUESSED.strangeness(&[]), 0.0);
+        assert_eq!(FloorTints::NEW.strangeness(&[[0, 0, 16]; 9]), 0.0, "nobody knows yet");
         assert_eq!(middle(&[[8, -16, 4], [16, -32, -4], [24, -48, 0]]), [2.0, -2.0, 0.0]);
         assert_eq!(kept([f32::NAN, 100.0, -0.5]), [0, 127, -8]);
     }
