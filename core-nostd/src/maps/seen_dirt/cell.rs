@@ -39,7 +39,7 @@ pub enum CellState {
     /// Too few observations, or they disagree: neither clean nor dirty.
     #[default]
     Unknown,
-    /// The median observation saw nothing that the floor does not show elsewhere.
+    /// The median observation saw nothing, and the middle colour is none, that the floor does not show elsewhere.
     Clean,
     /// Eight of nine observations saw dirt; of fewer, all.
     Dirty,
@@ -82,6 +82,8 @@ pub struct Together {
     pub median: KeptScore,
     /// How strange the colour is that they agree on.
     pub tint: KeptScore,
+    /// How strange the middle colour is.
+    pub median_tint: KeptScore,
 }
 
 /// From which score, and from which strangeness of the colour on, a cell of this floor is dirty.
@@ -109,6 +111,11 @@ impl Together {
         let score = self.agreed.score() - limit.score.score();
         score.max(self.tint.score() - limit.tint.score())
     }
+
+    /// Neither the median nor the middle colour exceeds a limit.
+    fn is_usual(self, limit: DirtLimit) -> bool {
+        self.median <= limit.score && self.median_tint <= limit.tint
+    }
 }
 
 /// One cell.
@@ -117,8 +124,8 @@ pub struct SeenCell {
     /// The newest observations; the next one goes to the place `total` modulo nine.
     window: [u8; WINDOW],
     tints: [KeptTint; WINDOW],
-    /// How strange the colour is that they agree on.
-    tint: KeptScore,
+    /// How strange the colour is that they agree on, and the middle one.
+    strangeness: [KeptScore; 2],
     /// What the last observation made of it.
     is_dirty: bool,
     /// All observations so far.
@@ -144,7 +151,8 @@ impl SeenCell {
         // The largest value with at most so many of the others below it: for a half, the upper median.
         let reached = |below: usize| known.clone().copied().filter(|value| rank(*value) <= below).max();
         let (agreed, median) = (reached(count / AGREED_PART)?, reached(count / 2)?);
-        let together = Together { agreed: KeptScore(agreed), median: KeptScore(median), tint: self.tint };
+        let [tint, median_tint] = self.strangeness;
+        let together = Together { agreed: KeptScore(agreed), median: KeptScore(median), tint, median_tint };
         (self.total >= OBSERVATIONS_MIN).then_some(together)
     }
 
@@ -174,7 +182,7 @@ impl SeenCell {
     pub fn state(&self, layer: SeenLayer, limit: DirtLimit) -> CellState {
         match self.together(layer) {
             Some(together) if together.excess(limit) > 0.0 => CellState::Dirty,
-            Some(together) if together.median <= limit.score => CellState::Clean,
+            Some(together) if together.is_usual(limit) => CellState::Clean,
             _ => CellState::Unknown,
         }
     }
@@ -256,7 +264,7 @@ impl SeenCell {
         // Where the count ends, the next place must still be the one of the oldest: 65,529 is a multiple of nine.
         self.total = if self.total >= 65_529 { WINDOW as u16 } else { self.total.saturating_add(1) };
         self.last_s = now_s;
-        self.tint = KeptScore::of(floor.strangeness(self.views()));
+        self.strangeness = floor.strangeness(self.views()).map(KeptScore::of);
         let is_dirty = self.state(SeenLayer::Live, limit) == CellState::Dirty;
         if is_dirty && !self.is_dirty {
             self.dirty_since_s = now_s;
@@ -323,7 +331,7 @@ mod tests {
             newest.sort_by(f32::total_cmp);
             let [agreed, median] =
                 [newest.len() / 9, newest.len() / 2].map(|rank| KeptScore::of(newest[rank]));
-            let together = Together { agreed, median, tint: KeptScore(0) };
+            let together = Together { agreed, median, ..Together::default() };
             assert_eq!(seen(&scores).live(), Some(together), "{scores:?}");
         }
     }
@@ -349,12 +357,14 @@ mod tests {
         }
     }
 
-    /// A colour that the floor has nowhere else is dirt though no pixel is rare; on which only seven of nine agree it is none,
-    /// and what was there at first stays known.
+    /// A colour that the floor has nowhere else is dirt though no pixel is rare. On which seven of nine agree, or five, it
+    /// is none, but clean floor neither; and what was there at first stays known.
     #[test]
     fn a_strange_colour_is_dirt() {
         let usual = KeptScore::of(8.0);
-        for (views, expected) in [(7, CellState::Clean), (8, CellState::Dirty)] {
+        for (views, expected) in
+            [(4, CellState::Clean), (5, CellState::Unknown), (7, CellState::Unknown), (8, CellState::Dirty)]
+        {
             let mut cell = SeenCell::default();
             for view in 0..9_u32 {
                 let tint = if view < views { [8, 0, -120] } else { [0, 0, 8] };

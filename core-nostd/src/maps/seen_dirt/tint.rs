@@ -83,11 +83,11 @@ impl FloorTints {
     }
 
     /// How strange on this floor the colour is that eight of nine views agree on, or all of fewer, natural logarithms: as
-    /// far as they go along with the middle one. 0 before the floor is known: a cell that is not seen again keeps what was
-    /// said of it, and what was a guess would stay dirt for the whole mission.
-    pub(super) fn strangeness(&self, views: &[KeptTint]) -> f32 {
+    /// far as they go along with the middle one; and how strange the middle one is. 0 before the floor is known: a cell
+    /// that is not seen again keeps what was said of it, and what was a guess would stay dirt for the whole mission.
+    pub(super) fn strangeness(&self, views: &[KeptTint]) -> [f32; 2] {
         if !self.is_known {
-            return 0.0;
+            return [0.0; 2];
         }
         let middle = middle(views);
         let direction = self.direction(middle);
@@ -100,7 +100,8 @@ impl FloorTints {
         }
         let (along, _) = along.split_at_mut(views.len().min(WINDOW));
         along.sort_unstable_by(f32::total_cmp);
-        STRANGENESS * along.get(along.len() / AGREED_PART).copied().unwrap_or(0.0).max(0.0)
+        let agreed = along.get(along.len() / AGREED_PART).copied().unwrap_or(0.0).max(0.0);
+        [agreed, length].map(|spreads| STRANGENESS * spreads)
     }
 
     /// Takes the colour of a place.
@@ -159,7 +160,11 @@ mod tests {
                 floor.settle();
             }
         }
-        let strange = |colour| floor.strangeness(&[kept(colour); 5]);
+        let strange = |colour| {
+            let [agreed, middle] = floor.strangeness(&[kept(colour); 5]);
+            assert!((agreed - middle).abs() < 1e-3 * middle, "the views are all alike: {agreed} {middle}");
+            agreed
+        };
         let (along, across) = (strange([4.0, 0.8, 2.0]), strange([0.0, 0.0, -2.0]));
         assert!((4.0..8.0).contains(&along), "two spreads: {along}");
         assert!(across > 20.0, "{across}");
@@ -186,19 +191,25 @@ mod tests {
         }
     }
 
+    fn assert_strangeness(views: &[KeptTint], expected: [f32; 2]) {
+        let found = FloorTints::AS_GUESSED.strangeness(views);
+        let far = found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        assert!(far < 1e-3, "{found:?} and not {expected:?} of {views:?}");
+    }
+
     /// What counts is how far eight of nine go along with the middle view.
     #[test]
     fn views_agree_on_a_side() {
         let mut views = [[0, 0, 16]; 9];
         views[0] = [0, 0, -16];
         let one = STRANGENESS * 1.0 / SPREAD_FIRST[2];
-        assert!((FloorTints::AS_GUESSED.strangeness(&views) - one).abs() < 1e-3);
+        assert_strangeness(&views, [one, one]);
         views[1] = [0, 0, 8];
-        assert!((FloorTints::AS_GUESSED.strangeness(&views) - 0.5 * one).abs() < 1e-3);
+        assert_strangeness(&views, [0.5 * one, one]);
         views[2] = [0, 0, -16];
-        assert_eq!(FloorTints::AS_GUESSED.strangeness(&views), 0.0);
-        assert_eq!(FloorTints::AS_GUESSED.strangeness(&[]), 0.0);
-        assert_eq!(FloorTints::NEW.strangeness(&[[0, 0, 16]; 9]), 0.0, "nobody knows yet");
+        assert_strangeness(&views, [0.0, one]);
+        assert_strangeness(&[], [0.0; 2]);
+        assert_eq!(FloorTints::NEW.strangeness(&[[0, 0, 16]; 9]), [0.0; 2], "nobody knows yet");
         assert_eq!(middle(&[[8, -16, 4], [16, -32, -4], [24, -48, 0]]), [2.0, -2.0, 0.0]);
         assert_eq!(kept([f32::NAN, 100.0, -0.5]), [0, 127, -8]);
     }
