@@ -131,7 +131,9 @@ pub struct SeenCell {
     /// All observations so far.
     total: u16,
     first: Option<Together>,
-    /// Seconds of the monotonic clock when the live state became dirty, and of the last observation.
+    /// Seconds of the monotonic clock: since when what was first perceived, and the live state, is dirt, and the last
+    /// observation.
+    first_since_s: u32,
     dirty_since_s: u32,
     last_s: u32,
     /// Pixels of the frame that is being added, by score.
@@ -193,10 +195,16 @@ impl SeenCell {
         self.total
     }
 
-    /// Second of the monotonic clock at which the cell became dirty; 0 if it never was.
+    /// Of a cell that is dirty in a layer, the second of the monotonic clock since which it is perceived as that: from when
+    /// on its views exceeded the limit of their time. Where only the limit of today makes it dirty, that is its last view:
+    /// what it saw is what is dirt now.
     #[must_use]
-    pub const fn dirty_since_s(&self) -> u32 {
-        self.dirty_since_s
+    pub const fn dirty_since_s(&self, layer: SeenLayer) -> u32 {
+        match (layer, self.first) {
+            (SeenLayer::First, Some(_)) => self.first_since_s,
+            _ if self.is_dirty => self.dirty_since_s,
+            _ => self.last_s,
+        }
     }
 
     /// Takes a pixel of the frame that is being added.
@@ -255,7 +263,7 @@ impl SeenCell {
     ) {
         let was_away = self.total > 0 && now_s.saturating_sub(self.last_s) > OUT_OF_VIEW_S;
         if self.first.is_none() && was_away && self.total >= FIRST_MIN {
-            self.first = self.live();
+            (self.first, self.first_since_s) = (self.live(), self.dirty_since_s(SeenLayer::Live));
         }
         let place = usize::from(self.total) % WINDOW;
         if let (Some(slot), Some(tints)) = (self.window.get_mut(place), self.tints.get_mut(place)) {
@@ -342,7 +350,11 @@ mod tests {
         let mut cell = seen(&[30.0; 9]);
         (60..72).for_each(|second| cell.observe((KeptScore::of(9.0), [0; 3]), &FLOOR, (LIMIT, second)));
         assert_eq!(cell.state(SeenLayer::First, LIMIT), CellState::Dirty);
-        assert_eq!((cell.state(SeenLayer::Live, LIMIT), cell.dirty_since_s()), (CellState::Clean, 2));
+        assert_eq!(cell.state(SeenLayer::Live, LIMIT), CellState::Clean);
+        (80..92).for_each(|second| cell.observe((KeptScore::of(30.0), [0; 3]), &FLOOR, (LIMIT, second)));
+        assert_eq!(cell.state(SeenLayer::Live, LIMIT), CellState::Dirty);
+        let since_s = [SeenLayer::First, SeenLayer::Live].map(|layer| cell.dirty_since_s(layer));
+        assert_eq!(since_s, [2, 87], "spilled again: eight of nine at the eighth");
         cell.begin_mission();
         assert_eq!((cell.first(), cell.live()), (None, None));
     }

@@ -36,7 +36,7 @@ pub struct DirtSpot {
     pub area_m2: f32,
     /// Mean by which its cells exceed the limit, natural logarithms.
     pub score: f32,
-    /// Seconds since it was first perceived as dirt.
+    /// Seconds since it was first perceived as dirt ([`SeenCell::dirty_since_s`], the earliest of its cells).
     pub age_s: f32,
     /// Observations of its cells, the most.
     pub observations: u16,
@@ -112,7 +112,7 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
         for column in run.first..=run.last.min(usize::from(u16::MAX)) {
             if let Some(cell) = cells.get(column) {
                 let centre = self.geometry().centre(start.saturating_add(column));
-                part.absorb(&Part::of(cell, centre, cell.excess(layer, limit).unwrap_or(0.0)));
+                part.absorb(&Part::of((cell, layer), centre, cell.excess(layer, limit).unwrap_or(0.0)));
             }
         }
         part
@@ -194,7 +194,7 @@ impl Part {
     };
 
     /// Of one cell.
-    fn of(cell: &SeenCell, centre: Point2, excess: f32) -> Self {
+    fn of((cell, layer): (&SeenCell, SeenLayer), centre: Point2, excess: f32) -> Self {
         let place = [centre.x_m, centre.y_m];
         Self {
             cells: 1,
@@ -203,7 +203,7 @@ impl Part {
             high: place,
             score: excess,
             peak: excess,
-            since_s: cell.dirty_since_s(),
+            since_s: cell.dirty_since_s(layer),
             observations: cell.observations(),
         }
     }
@@ -268,6 +268,31 @@ mod tests {
         assert!(single.centre_in_map.distance(Point2::new(1.35, 2.45)) < 1e-4, "{single:?}");
         assert!((small.age_s - 60.0).abs() < 1e-3 && small.observations == 4);
         assert!(large.low_in_map.distance(Point2::new(1.0, 2.0)) < 1e-4, "{large:?}");
+    }
+
+    /// A cell that was below the limit whenever it was looked at, and is above that of today, is as old as its last view; it
+    /// does not make the spot as old as the clock, nor one that was found dirty before any younger.
+    #[test]
+    fn a_limit_that_falls_makes_nothing_old() {
+        let view = |limit: f32, seconds: core::ops::Range<u32>| {
+            let limit = DirtLimit { score: KeptScore::of(limit), tint: KeptScore::of(limit) };
+            let mut cell = SeenCell::default();
+            let seen = (KeptScore::of(24.0), [0; 3]);
+            seconds.for_each(|second| cell.observe(seen, &FloorTints::NEW, (limit, second)));
+            cell
+        };
+        let cells = [view(30.0, 5..9), view(21.0, 9..20)];
+        let geometry = GridGeometry::new(2, 1, 0.1, Point2::new(0.0, 0.0)).unwrap();
+        for (seen, expected_s) in [(cells, 59.0), ([cells[0], cells[0]], 59.0), ([cells[1], cells[1]], 56.0)]
+        {
+            let mut map = SeenDirtMap::new(geometry, seen).unwrap();
+            map.expect(21.0);
+            for layer in [SeenLayer::First, SeenLayer::Live] {
+                let found = map.spots(layer, Stamp::from_micros(67_000_000));
+                let ages: std::vec::Vec<_> = found.spots.iter().map(|spot| spot.age_s).collect();
+                assert_eq!(ages, [expected_s], "{layer:?}");
+            }
+        }
     }
 
     /// 600 spots of a cell each: what finds no part while the rows are read and what finds no place in the report is counted.
