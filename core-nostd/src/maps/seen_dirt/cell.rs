@@ -8,6 +8,7 @@
 //! any pixel. What the mission first perceived is frozen when the cell, well seen, was out of view for a while, so that
 //! cleaning does not change the report of what was there before.
 
+use super::rank::of_rank;
 use super::tint::{FloorTints, KeptTint, kept, middle};
 
 /// Observations that are kept.
@@ -147,12 +148,10 @@ impl SeenCell {
     /// What the newest observations say; `None` for too few.
     #[must_use]
     pub fn live(&self) -> Option<Together> {
-        let count = usize::from(self.total).min(WINDOW);
-        let known = self.window.iter().take(count);
-        let rank = |value: u8| known.clone().filter(|other| **other < value).count();
-        // The largest value with at most so many of the others below it: for a half, the upper median.
-        let reached = |below: usize| known.clone().copied().filter(|value| rank(*value) <= below).max();
-        let (agreed, median) = (reached(count / AGREED_PART)?, reached(count / 2)?);
+        let known = self.window.get(..usize::from(self.total)).unwrap_or(&self.window);
+        // For a half, the upper median.
+        let reached = |part: usize| of_rank(known, known.len() / part, Ord::cmp);
+        let (agreed, median) = (reached(AGREED_PART)?, reached(2)?);
         let [tint, median_tint] = self.strangeness;
         let together = Together { agreed: KeptScore(agreed), median: KeptScore(median), tint, median_tint };
         (self.total >= OBSERVATIONS_MIN).then_some(together)

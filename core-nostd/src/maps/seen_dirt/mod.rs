@@ -2,6 +2,7 @@
 
 mod cell;
 mod map;
+mod rank;
 mod spots;
 mod tint;
 

@@ -7,6 +7,7 @@
 
 use super::cell::WINDOW;
 use super::map::KNOWN_MIN;
+use super::rank::of_rank;
 
 /// Steps of a Lab unit in which a cell keeps a colour: lightness varies most.
 const STEPS: [f32; 3] = [8.0, 16.0, 16.0];
@@ -45,9 +46,8 @@ pub(super) fn middle(views: &[KeptTint]) -> [f32; 3] {
         for (value, view) in values.iter_mut().zip(views) {
             *value = view.get(channel).copied().unwrap_or(0);
         }
-        let (values, _) = values.split_at_mut(views.len().min(WINDOW));
-        values.sort_unstable();
-        *slot = f32::from(values.get(values.len() / 2).copied().unwrap_or(0)) / steps;
+        let values = values.get(..views.len()).unwrap_or(&values);
+        *slot = f32::from(of_rank(values, values.len() / 2, Ord::cmp).unwrap_or(0)) / steps;
     }
     middle
 }
@@ -98,9 +98,8 @@ impl FloorTints {
             let view = [f32::from(*l) / sl, f32::from(*a) / sa, f32::from(*b) / sb];
             *slot = dot(view, direction) / length.max(f32::MIN_POSITIVE);
         }
-        let (along, _) = along.split_at_mut(views.len().min(WINDOW));
-        along.sort_unstable_by(f32::total_cmp);
-        let agreed = along.get(along.len() / AGREED_PART).copied().unwrap_or(0.0).max(0.0);
+        let along = along.get(..views.len()).unwrap_or(&along);
+        let agreed = of_rank(along, along.len() / AGREED_PART, f32::total_cmp).unwrap_or(0.0).max(0.0);
         [agreed, length].map(|spreads| STRANGENESS * spreads)
     }
 
