@@ -268,8 +268,8 @@ impl SeenCell {
         if let (Some(slot), Some(tints)) = (self.window.get_mut(place), self.tints.get_mut(place)) {
             (*slot, *tints) = (score.0, tint);
         }
-        // Where the count ends, the next place must still be the one of the oldest: 65,529 is a multiple of nine.
-        self.total = if self.total >= 65_529 { WINDOW as u16 } else { self.total.saturating_add(1) };
+        // Where the count would end it begins again with the first place written, as it is now: 65,529 is a multiple of nine.
+        self.total = if self.total >= 65_529 { WINDOW as u16 + 1 } else { self.total.saturating_add(1) };
         self.last_s = now_s;
         self.strangeness = floor.strangeness(self.views()).map(KeptScore::of);
         let is_dirty = self.state(SeenLayer::Live, limit) == CellState::Dirty;
@@ -341,6 +341,21 @@ mod tests {
             let together = Together { agreed, median, ..Together::default() };
             assert_eq!(seen(&scores).live(), Some(together), "{scores:?}");
         }
+    }
+
+    /// However often a cell was seen, a view replaces the oldest one.
+    #[test]
+    fn the_count_of_views_ends_without_a_gap() {
+        let mut cell = seen(&[8.0; 9]);
+        cell.total = 65_520;
+        for view in 0..30_u32 {
+            cell.observe((KeptScore(view as u8), [0; 3]), &FLOOR, (LIMIT, view));
+            let mut newest = cell.window;
+            newest.sort_unstable();
+            let oldest = (view as u8).saturating_sub(8);
+            assert!(view < 8 || newest.iter().copied().eq(oldest..=view as u8), "{view}: {newest:?}");
+        }
+        assert_eq!(cell.observations(), 30);
     }
 
     /// Cleaning changes the live state and not what was first perceived.
