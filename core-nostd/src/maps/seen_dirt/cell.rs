@@ -97,10 +97,13 @@ pub struct DirtLimit {
 }
 
 impl DirtLimit {
-    /// Both moved by so many natural logarithms.
+    /// Both moved by so many natural logarithms; a limit that nothing exceeds stays one.
     #[must_use]
     pub fn moved(self, offset: f32) -> Self {
-        let moved = |limit: KeptScore| KeptScore::of(limit.score() + offset);
+        let moved = |limit: KeptScore| match limit {
+            KeptScore(u8::MAX) => limit,
+            _ => KeptScore::of(limit.score() + offset),
+        };
         Self { score: moved(self.score), tint: moved(self.tint) }
     }
 }
@@ -401,6 +404,15 @@ mod tests {
             assert_eq!(cell.state(SeenLayer::First, LIMIT), expected, "{views} of nine");
             assert_eq!(cell.state(SeenLayer::Live, LIMIT), CellState::Clean);
         }
+    }
+
+    /// Where the floor is unknown no colour is strange, however the limits are moved.
+    #[test]
+    fn a_limit_that_nothing_exceeds_is_not_moved() {
+        let unknown = DirtLimit { score: KeptScore(120), tint: KeptScore(255) };
+        assert_eq!(unknown.moved(-1.0), DirtLimit { score: KeptScore(114), ..unknown });
+        let saturated = Together { tint: KeptScore(255), ..Together::default() };
+        assert!(saturated.excess(unknown.moved(-9.0)) <= 0.0);
     }
 
     /// A quarter of the pixels exceeds what is observed.
