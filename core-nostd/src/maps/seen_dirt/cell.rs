@@ -290,11 +290,6 @@ impl SeenCell {
     fn views(&self) -> &[KeptTint] {
         self.tints.get(..usize::from(self.total).min(WINDOW)).unwrap_or(&[])
     }
-
-    /// Starts a mission: everything is open again.
-    pub(super) fn begin_mission(&mut self) {
-        *self = Self::default();
-    }
 }
 
 #[cfg(test)]
@@ -372,8 +367,6 @@ mod tests {
         assert_eq!(cell.state(SeenLayer::Live, LIMIT), CellState::Dirty);
         let since_s = [SeenLayer::First, SeenLayer::Live].map(|layer| cell.dirty_since_s(layer));
         assert_eq!(since_s, [2, 87], "spilled again: eight of nine at the eighth");
-        cell.begin_mission();
-        assert_eq!((cell.first(), cell.live()), (None, None));
     }
 
     /// Four glances that saw nothing do not keep a closer look from finding dirt; nine looks do.

@@ -98,13 +98,6 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
         self.cells.as_ref().get(..self.geometry.cell_count()).unwrap_or(&[])
     }
 
-    /// Starts a mission: what is first perceived is open again.
-    pub fn begin_mission(&mut self) {
-        self.cells.as_mut().iter_mut().for_each(SeenCell::begin_mission);
-        self.last_view = None;
-        self.histograms = [[0; 256]; 2];
-    }
-
     /// The detector's threshold, where no frame has told it.
     #[cfg(test)]
     pub(super) const fn expect(&mut self, threshold: f32) {
@@ -127,12 +120,6 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
         let score = beyond(scores, BEYOND_USUAL).max(LEAST_PART * self.threshold).min(self.threshold);
         let tint = beyond(tints, BEYOND_USUAL_TINT).max(LEAST_TINT);
         DirtLimit { score: KeptScore::of(score), tint: KeptScore::of(tint) }
-    }
-
-    /// The state of a cell in a layer.
-    #[must_use]
-    pub fn state(&self, cell: &SeenCell, layer: SeenLayer) -> CellState {
-        cell.state(layer, self.limit())
     }
 
     /// Square metres of a layer in a state.
