@@ -47,7 +47,8 @@ pub struct DirtSpot {
 pub struct DirtSpots {
     /// The spots.
     pub spots: Vec<DirtSpot, SPOTS_MAX>,
-    /// Spots for which there was no room.
+    /// Pieces of spots for which there was no room while the rows were read (runs of cells of a row, beyond the runs of a row
+    /// single cells), and spots for which there was none among these.
     pub dropped: u32,
 }
 
