@@ -17,8 +17,8 @@ const AGREED_PART: usize = WINDOW;
 const SPREAD_MIN: [f32; 3] = [0.3, 0.1, 0.1];
 /// Before any floor was seen the spread is taken as this, Lab units: a guess that only weighs what is learned first.
 const SPREAD_FIRST: [f32; 3] = [1.0, 0.3, 0.3];
-/// Squared distance, in spreads, from which on a place says little about what is usual: a fiftieth of what is normally
-/// distributed in three channels lies beyond.
+/// Squared distance, in spreads, from which on a place says little about what is usual: a thirty-fourth of what is
+/// normally distributed in three channels lies beyond.
 const USUAL_SQUARED: f32 = 9.0;
 /// Places from which on older ones count half.
 const PLACES_MAX: f32 = 16_384.0;
