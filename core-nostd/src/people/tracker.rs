@@ -112,7 +112,7 @@ pub struct Tracker {
     tracks: Vec<Track, TRACKS_MAX>,
     next_id: u32,
     now: Option<Stamp>,
-    /// Tracks given up or not created for want of room.
+    /// Tracks given up or not created, and detections that took no part, for want of room.
     pub dropped: u32,
     /// Sweeps refused because they were older than the newest one.
     pub late: u32,
@@ -163,12 +163,15 @@ impl Tracker {
     /// of the fixed frame. Tracks × detections gate tests.
     ///
     /// What is up to 0.2 s older than the newest update moves the people whom it fits, with more doubt, and does nothing
-    /// else (D.7); what is older still is refused and counted.
+    /// else (D.7); what is older still is refused and counted. More detections than twice the tracks take no part and are
+    /// counted: the first ones count.
     pub fn take(&mut self, seen: &Sightings<'_>, visible: impl Fn(Point2) -> bool) {
         let Some(late_s) = self.predict(seen.stamp) else {
             self.late = self.late.saturating_add(1);
             return;
         };
+        let excess = seen.detections.len().saturating_sub(self.parameters.detections_max());
+        self.dropped = self.dropped.saturating_add(u32::try_from(excess).unwrap_or(u32::MAX));
         let look = (seen.sensor, seen.stamp);
         self.associate(look, (seen.detections, late_s));
         if late_s > 0.0 {

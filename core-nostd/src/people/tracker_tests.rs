@@ -80,6 +80,7 @@ fn as_on_board_there_is_room_for_fewer() {
     let more: std::vec::Vec<_> = crowd.iter().copied().chain([sighting(1.0, 0.0)]).collect();
     tracker.update(Stamp::from_micros(0), &more, |_| true);
     assert!(tracker.tracks().iter().all(|track| track.state.position.x_m > 2.0), "one sighting too many");
+    assert_eq!((tracker.tracks().len(), tracker.dropped), (TRACKS_ON_BOARD, TRACKS_ON_BOARD as u32 + 1));
 }
 
 /// D.7: a little late moves whom it fits, with more doubt, and begins nobody; much too late is refused.
