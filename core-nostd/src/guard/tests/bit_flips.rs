@@ -6,6 +6,7 @@
 use super::bits::Bits;
 use super::fixtures::{Rig, forward};
 use crate::geometry::{Point2, Twist2};
+use crate::guard::machine::SELF_TEST_US;
 use crate::guard::*;
 use crate::protection::PARTS;
 use crate::sensing::SafetyInput;
@@ -14,10 +15,16 @@ use crate::sensing::SafetyInput;
 const MOMENTS: u64 = 2_000;
 /// Ticks of the mission between two moments.
 const TICKS: u64 = 2;
+/// Ticks of 10 ms at which the emergency stop is pressed, and at which the operator asks for the reset.
+const PRESSED_AT: u64 = 2_600;
+const RESET_AT: u64 = 2_800;
+/// Ticks at which the emergency stop holds: the self-test after the reset begins between two ticks and is passed at the last.
+const EMERGENCY: std::ops::Range<u64> = PRESSED_AT..RESET_AT + SELF_TEST_US / 10_000 - 1;
 
 /// 40 s in which everything happens: start, cruise, warning, stop, leaving backwards, clear way, lidar stop, lost
-/// sources, emergency stop, reset, a stamp from the future, contact.
-fn mission(mut visit: impl FnMut(u64, &Supervisor)) {
+/// sources, emergency stop, reset, a stamp from the future, contact. `visit` is told, too, whether the emergency stop holds
+/// now and at the next tick; nothing else in the mission may cut the torque.
+fn mission(mut visit: impl FnMut(u64, &Supervisor, bool)) {
     let mut rig = Rig::new();
     for tick in 0..MOMENTS * TICKS {
         match tick {
@@ -33,9 +40,9 @@ fn mission(mut visit: impl FnMut(u64, &Supervisor)) {
             2_000 => rig.silent = std::vec![Source::Perception],
             2_100 => rig.silent = std::vec![Source::Imu],
             2_200 => rig.silent.clear(),
-            2_600 => rig.inputs.emergency_stop = SafetyInput::Active,
+            PRESSED_AT => rig.inputs.emergency_stop = SafetyInput::Active,
             2_650 => rig.inputs.emergency_stop = SafetyInput::Clear,
-            2_800 => {
+            RESET_AT => {
                 rig.guard.request_reset(rig.now);
             }
             3_300 => rig.stamp_ahead_us[Source::Scanner.index()] = 50_000,
@@ -43,9 +50,11 @@ fn mission(mut visit: impl FnMut(u64, &Supervisor)) {
             3_700 => rig.inputs.bumper_front = SafetyInput::Active,
             _ => {}
         }
-        rig.step();
+        let decision = rig.step();
+        let is_stopped = EMERGENCY.contains(&tick);
+        assert_eq!(decision.action == Action::Category0, is_stopped, "tick {tick}: {decision:?}");
         if tick % TICKS == 0 {
-            visit(tick / TICKS, &rig.guard);
+            visit(tick / TICKS, &rig.guard, is_stopped && EMERGENCY.contains(&(tick + 1)));
         }
     }
 }
@@ -83,7 +92,7 @@ impl Classes {
 #[test]
 fn fg_req_008_no_flipped_bit_of_the_state_is_silently_unsafe() {
     let (mut classes, mut moments, mut stopped) = (Classes::default(), 0, 0);
-    mission(|moment, guard| {
+    mission(|moment, guard, is_stopped| {
         if !is_asked_for(moment) {
             return;
         }
@@ -93,7 +102,12 @@ fn fg_req_008_no_flipped_bit_of_the_state_is_silently_unsafe() {
         let (state, copy) = (guard.state, guard.copy);
         let now = state.decided_at.plus_micros(10_000);
         let expected = guard.tick(now);
-        stopped += u64::from(expected.action == Action::Category0);
+        assert_eq!(
+            expected.action == Action::Category0,
+            is_stopped,
+            "moment {moment}, no flip: {expected:?}"
+        );
+        stopped += u64::from(is_stopped);
         for bit in 0..state.bits() {
             (guard.state, guard.copy) = (state, copy);
             guard.state.flip(bit);
@@ -106,6 +120,7 @@ fn fg_req_008_no_flipped_bit_of_the_state_is_silently_unsafe() {
         }
     });
     let Classes { no_effect, stops } = classes;
+    assert!(moments > 0, "no moment of the mission, which has {MOMENTS}, was looked at");
     // Whoever is stopped already, by an emergency stop, has nothing to stop for.
     let moving = moments - stopped;
     assert!(
