@@ -3,7 +3,8 @@
 //! Two profiles: the MCU (everything within 512 KiB of RAM) and, with feature `hosted`, a Linux computer. Running out
 //! of any of these is a value that the caller handles and counts, never a silent loss.
 
-/// So much room as is asked for, at most one's own. On the microcontroller nobody asks for less, and the compiler knows it.
+/// So much room as is asked for, at most one's own. Without the feature `hosted` it is always one's own, whatever is asked
+/// for: on the microcontroller nobody asks for less, and the compiler knows it.
 pub(crate) const fn room(asked: usize, own: usize) -> usize {
     if cfg!(feature = "hosted") && asked < own { asked } else { own }
 }

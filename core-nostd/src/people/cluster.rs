@@ -12,9 +12,9 @@ pub struct ClusterLimits {
     pub points_min: u16,
     /// Returns farther than this are not grouped, metres (A.1: the outermost ring ends at 40 m).
     pub range_max_m: f32,
-    /// Things kept, at most `CLUSTERS_MAX`.
+    /// Things kept, at most `CLUSTERS_MAX`; without the feature `hosted` always that many.
     pub things_max: usize,
-    /// Provisional names, at most `LABELS_MAX`.
+    /// Provisional names, at most `LABELS_MAX`; without the feature `hosted` always that many.
     pub labels_max: usize,
 }
 

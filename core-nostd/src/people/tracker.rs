@@ -51,7 +51,8 @@ pub struct TrackerParameters {
     pub looks_share: f32,
     /// The same when somebody is recalled: several looks on either side.
     pub recall_looks_share: f32,
-    /// Tracks at once, at most `TRACKS_MAX`. Twice as many detections and eight times as many pairs take part.
+    /// Tracks at once, at most `TRACKS_MAX`; without the feature `hosted` always that many. Twice as many detections and eight
+    /// times as many pairs take part.
     pub tracks_max: usize,
 }
 
