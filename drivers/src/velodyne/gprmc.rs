@@ -106,11 +106,12 @@ fn seconds_of_day(time: &[u8]) -> Option<u32> {
     Some(two(h, hh, 24)? * 3_600 + two(m, mm, 60)? * 60 + two(s, ss, 61)?)
 }
 
-/// Below this another digit fits so that the whole number stays exact in a double.
+/// Below this another digit fits, so that the whole number, of 15 digits at most, stays exact in a double.
 const ONE_MORE_DIGIT: u64 = 100_000_000_000_000;
 
-/// Digits with a point or without, correctly rounded: the quotient of two numbers that are exact. The library's reader can panic,
-/// as far as the compiler knows.
+/// Digits with a point or without; `None` for a whole number of more than 15 digits. Up to 15 digits are correctly rounded, as the
+/// quotient of two numbers that are exact; a fraction's further digits do not count. The library's reader can panic, as far as the
+/// compiler knows.
 fn decimal(text: &[u8]) -> Option<f64> {
     let [b'0'..=b'9', ..] = text else { return None };
     let (mut digits, mut scale, mut is_fraction) = (0_u64, 1.0, false);
@@ -120,7 +121,7 @@ fn decimal(text: &[u8]) -> Option<f64> {
                 digits = digits.saturating_mul(10).saturating_add(u64::from(byte & 0x0F));
                 scale = if is_fraction { scale * 10.0 } else { scale };
             }
-            // Finer than a double tells.
+            // Cut off: less than one of the fifteenth digit.
             b'0'..=b'9' if is_fraction => {}
             b'.' if !is_fraction => is_fraction = true,
             _ => return None,
