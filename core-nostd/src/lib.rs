@@ -36,4 +36,5 @@ pub mod random;
 pub mod rgbd_people;
 pub mod sensing;
 pub mod time;
+mod united_parts;
 pub mod units;

@@ -19,7 +19,6 @@ mod plane;
 mod refine;
 mod root;
 mod search;
-mod united_parts;
 
 pub use classes::PixelClass;
 pub use cloud::floor_of_points;
@@ -34,4 +33,3 @@ pub use objects::{FloorObject, FloorObjects, ImageTooWide, ObjectFinder};
 pub use plane::{Plane, cross, dot, unit};
 pub use refine::FitQuality;
 pub use search::Expectation;
-pub(crate) use united_parts::{Absorb, UnitedParts};

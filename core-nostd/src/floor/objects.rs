@@ -9,9 +9,9 @@ use heapless::Vec;
 use super::classes::{Judge, PixelClass};
 use super::model::{FloorEstimate, FloorParameters};
 use super::plane::dot;
-use super::united_parts::{Absorb, UnitedParts};
 use crate::capacities::{FLOOR_IMAGE_COLUMNS_MAX, FLOOR_OBJECTS_MAX, FLOOR_PARTS_MAX};
 use crate::sensing::DepthImage;
+use crate::united_parts::{Absorb, UnitedParts};
 
 /// Something on the floor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

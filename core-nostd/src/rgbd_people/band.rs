@@ -7,8 +7,8 @@
 use super::floor_frame::{FloorFrame, FloorPoint};
 use super::parameters::RgbdParameters;
 use crate::capacities::{FLOOR_IMAGE_COLUMNS_MAX, RGBD_LEG_PARTS_MAX};
-use crate::floor::{Absorb, UnitedParts};
 use crate::sensing::DepthImage;
+use crate::united_parts::{Absorb, UnitedParts};
 
 /// Pixels a row that are looked at.
 const LATTICE_COLUMNS: usize = 320;

@@ -8,8 +8,8 @@ use super::floor_frame::{FloorFrame, FloorPoint};
 use super::floor_grid::{FloorGrid, GRID_CELLS, GRID_COLUMNS, cell_of, lattice};
 use super::parameters::UpperBodyRules;
 use crate::capacities::{RGBD_LABELS_MAX, RGBD_REGIONS_MAX};
-use crate::floor::{Absorb, UnitedParts};
 use crate::sensing::DepthImage;
+use crate::united_parts::{Absorb, UnitedParts};
 
 /// Fewest cells of a region (algorithms B.2 step 3).
 const CELLS_MIN: u16 = 10;

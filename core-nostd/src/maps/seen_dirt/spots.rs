@@ -7,9 +7,9 @@ use heapless::Vec;
 
 use super::cell::{CellState, DirtLimit, SeenCell, SeenLayer};
 use super::map::SeenDirtMap;
-use crate::floor::{Absorb, UnitedParts};
 use crate::geometry::Point2;
 use crate::time::Stamp;
+use crate::united_parts::{Absorb, UnitedParts};
 
 /// Spots in a report (algorithms F.2).
 pub const SPOTS_MAX: usize = 128;

@@ -1,13 +1,14 @@
 //! Parts that grow from neighbour to neighbour and become one where they meet, in fixed memory.
 //!
-//! A picture is read pixel by pixel: a pixel joins the parts of its neighbours, which are one from then on, or begins a
-//! part. Which parts are one is remembered by parents: the earlier part takes the later one in.
+//! A picture or a map is read piece by piece, be it a pixel, a cell or a run of cells: a piece joins the parts of its
+//! neighbours, which are one from then on, or begins a part. Which parts are one is remembered by parents: the earlier
+//! part takes the later one in.
 
 use heapless::Vec;
 
 /// What a part consists of.
 pub(crate) trait Absorb: Copy {
-    /// Takes the pixels of another part in.
+    /// Takes the pieces of another part in.
     fn absorb(&mut self, other: &Self);
 }
 
@@ -39,7 +40,7 @@ impl<T: Absorb, const N: usize> UnitedParts<T, N> {
         self.parts.clear();
     }
 
-    /// Adds a pixel to the parts of its neighbours, united, or to a new one. Gives the part's number.
+    /// Adds a piece to the parts of its neighbours, united, or to a new one. Gives the part's number.
     ///
     /// # Errors
     /// It touches nothing, and there is no room for a part of its own.
