@@ -212,24 +212,39 @@ impl embedded_io_async::Read for Line {
     }
 }
 
-/// Whoever reads why the robot stands is sent to the scanner, not to its cable: it answers, and is at fault.
+/// How the guard finds a scanner whose telegrams of the first 200 ms it has heard.
+fn health_of(state: ScannerState, configuration: Configuration) -> Health {
+    let mut simulation = Simulation::new(&room(START), 4).unwrap();
+    simulation.set_scanner_state(state);
+    let arrived = portions(&mut simulation, 0, 200_000, &[]);
+    let line = Line(arrived.into_iter().flat_map(|(_, bytes)| bytes).collect());
+    use_virtual_clock(200_000);
+    let plan = Plan::named("corridor", 1, 1).unwrap();
+    let shared = new_shared::<NoopRawMutex>(&plan.robot, Stamp::from_micros(200_000)).unwrap();
+    let mut tasks = TaskSet::new();
+    tasks.spawn(scanner_input(&*shared, line, Receiver::new(configuration)));
+    tasks.poll_until_quiet().unwrap();
+    shared.inspect(|guard| guard.health()[Source::Scanner.index()].health)
+}
+
+/// Whoever reads why the robot stands is sent to the scanner, not to its cable: it answers, and is at fault. (The words for
+/// it are tested with the panel.)
 #[test]
 fn a_scanner_that_locked_itself_out_is_faulty_and_not_absent() {
     for (state, health) in
         [(ScannerState::Measuring, Health::Healthy), (ScannerState::LockOut, Health::Faulty)]
     {
-        let mut simulation = Simulation::new(&room(START), 4).unwrap();
-        simulation.set_scanner_state(state);
-        let arrived = portions(&mut simulation, 0, 200_000, &[]);
-        let line = Line(arrived.into_iter().flat_map(|(_, bytes)| bytes).collect());
-        use_virtual_clock(200_000);
-        let plan = Plan::named("corridor", 1, 1).unwrap();
-        let shared = new_shared::<NoopRawMutex>(&plan.robot, Stamp::from_micros(200_000)).unwrap();
-        let mut tasks = TaskSet::new();
-        tasks.spawn(scanner_input(&*shared, line, Receiver::new(Configuration::default())));
-        tasks.poll_until_quiet().unwrap();
-        let told = shared.inspect(|guard| guard.health()[Source::Scanner.index()].health);
-        assert_eq!(told, health, "{state:?}");
+        assert_eq!(health_of(state, Configuration::default()), health, "{state:?}");
+    }
+}
+
+/// It answers, too, and no cable would help.
+#[test]
+fn a_scanner_with_other_beams_than_configured_is_faulty_and_not_absent() {
+    for (beams, health) in [(540, Health::Faulty), (541, Health::Healthy), (542, Health::Faulty)] {
+        let values_per_field = [beams].into_iter().collect();
+        let configuration = Configuration { values_per_field, ..Configuration::default() };
+        assert_eq!(health_of(ScannerState::Measuring, configuration), health, "{beams} beams");
     }
 }
 

@@ -47,8 +47,11 @@ pub async fn scanner_input<M: RawMutex>(
             }
             s300::Event::StandBy { .. } => fault(shared, FaultKind::StandBy, now),
             s300::Event::Refused(error) => {
-                if let s300::TelegramError::LockOut { status } = error {
-                    fault(shared, FaultKind::Device(status), now);
+                match error {
+                    s300::TelegramError::LockOut { status } => fault(shared, FaultKind::Device(status), now),
+                    s300::TelegramError::Values { .. } => fault(shared, FaultKind::WrongGeometry, now),
+                    // It may come beside the measured values, and says nothing about them.
+                    s300::TelegramError::Block { .. } => {}
                 }
                 shared.complain(|complaints| complaints.scanner = Some(error));
                 count_refused(shared);
