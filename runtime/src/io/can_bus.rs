@@ -7,7 +7,8 @@ pub trait CanBus {
     /// What can go wrong with the link.
     type Error: core::fmt::Debug;
 
-    /// Waits for the next frame. Dropping the future loses nothing.
+    /// Waits for the next frame. Dropping the future loses nothing. A bus that may have a frame at any time gives way to
+    /// every other task before it takes one.
     ///
     /// # Errors
     /// The link failed, or the bus is off; the caller counts it, pauses and tries again.

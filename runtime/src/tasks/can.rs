@@ -37,6 +37,8 @@ pub async fn can_bus<M: RawMutex>(
     let mut told = None;
     loop {
         let mut frames = Frames::new();
+        // The bus gives way before it takes a frame: a decision and a tick that are due come first. Asked before it, decisions
+        // that follow each other closely would keep it from taking any.
         match select3(bus.receive(), shared.decision.next(), ticker.next()).await {
             Either3::First(Ok(frame)) => {
                 let now = clock::now();

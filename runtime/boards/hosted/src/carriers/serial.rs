@@ -97,10 +97,12 @@ fn set_nonblocking(descriptor: impl AsFd) -> io::Result<()> {
 mod tests {
     use super::*;
     use crate::carriers::UdpReceiver;
-    use crate::executor::{StopFlag, run_until};
-    use floorguard_runtime::io::DatagramReceiver;
-    use std::cell::RefCell;
+    use crate::executor::{StopFlag, TaskSet, run_until};
+    use embassy_futures::yield_now;
+    use floorguard_runtime::io::{CanBus, DatagramReceiver, SlcanBus};
+    use std::cell::{Cell, RefCell};
     use std::net::UdpSocket;
+    use std::os::unix::net::UnixStream;
 
     /// Bytes cross a pseudo-terminal at the scanner's speed and a datagram crosses the loopback, both through epoll.
     #[test]
@@ -136,5 +138,51 @@ mod tests {
         })
         .unwrap();
         assert_eq!(*seen.borrow(), (all_bytes.clone(), 1_206));
+    }
+
+    /// How many pieces a reader takes of what waits on its line, and the most that it takes before another task has its turn.
+    fn turns<'a>(waiting: &[u8], reader: impl AsyncFnOnce(SerialLine, &Cell<u32>) + 'a) -> (u32, u32) {
+        let (here, mut there) = UnixStream::pair().unwrap();
+        io::Write::write_all(&mut there, waiting).unwrap();
+        let line = SerialLine::from_descriptor(here.into()).unwrap();
+        let (taken, most_at_once) = (Cell::new(0), Cell::new(0));
+        let mut tasks = TaskSet::new();
+        tasks.spawn(reader(line, &taken));
+        tasks.spawn(async {
+            let mut before = 0;
+            // As many turns as there are bytes are enough for both.
+            for _ in waiting {
+                yield_now().await;
+                most_at_once.set(most_at_once.get().max(taken.get() - before));
+                before = taken.get();
+            }
+        });
+        tasks.poll_until_quiet().unwrap();
+        drop(tasks);
+        (taken.get(), most_at_once.get())
+    }
+
+    /// A device that never pauses is read piece by piece, and every other task has its turn in between.
+    #[test]
+    fn whoever_floods_a_line_takes_turns_with_the_other_tasks() {
+        let read = turns(&[0; 50], async |mut line, taken| {
+            while line.read(&mut [0]).await.is_ok() {
+                taken.set(taken.get() + 1);
+            }
+        });
+        assert_eq!(read, (50, 1));
+    }
+
+    /// An adapter hands on at most what one read of its line has brought: 128 bytes, here six frames and a part.
+    #[test]
+    fn an_adapter_that_always_has_a_frame_takes_turns_with_the_other_tasks() {
+        let (taken, most_at_once) = turns(&b"t18180102030405060708\r".repeat(60), async |line, taken| {
+            let mut bus = SlcanBus::new(line);
+            while bus.receive().await.is_ok() {
+                taken.set(taken.get() + 1);
+            }
+        });
+        assert_eq!(taken, 60);
+        assert!((5..=6).contains(&most_at_once), "{most_at_once} frames at once");
     }
 }

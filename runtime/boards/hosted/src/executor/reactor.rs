@@ -9,6 +9,7 @@ use std::os::fd::{AsFd, OwnedFd};
 use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 
+use embassy_futures::yield_now;
 use rustix::event::epoll;
 
 /// Events taken from the kernel per call; more wait for the next call.
@@ -61,11 +62,13 @@ impl<F: AsFd> Source<F> {
         })
     }
 
-    /// Repeats a reading call until it does not block any more.
+    /// Repeats a reading call until it does not block any more. The others have their turn first: a device that never pauses
+    /// must not keep the guard's tick and the drives waiting.
     ///
     /// # Errors
     /// What the call gives, other than "would block" and "interrupted".
     pub async fn read_ready<T>(&self, mut call: impl FnMut(&F) -> io::Result<T>) -> io::Result<T> {
+        yield_now().await;
         core::future::poll_fn(|context| self.attempt(context, &mut call, |waiting| &mut waiting.reader)).await
     }
 

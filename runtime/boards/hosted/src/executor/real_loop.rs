@@ -33,8 +33,9 @@ impl StopFlag {
 }
 
 /// Runs tasks on this thread in real time until the flag is set. `spawn` builds the tasks here, because sources
-/// belong to the thread that made them. A task that is ready again and again takes turns with all others, with the timers
-/// and with what the kernel has to tell.
+/// belong to the thread that made them. Each task that is ready is polled once a round, and a read gives way before it takes
+/// anything ([`Source::read_ready`]): a device that never pauses takes turns with all other tasks, with the timers and with
+/// what the kernel has to tell.
 ///
 /// # Errors
 /// The carriers could not be opened, or epoll failed.
