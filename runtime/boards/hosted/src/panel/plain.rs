@@ -18,8 +18,8 @@ pub fn remedy(record: &CauseRecord) -> &'static str {
              controller, look around, then press reset."
         }
         (Cause::InputFault, _) => {
-            "Check the named button or bumper, its wires and its plug: both of its channels must change together. Then press \
-             reset."
+            "Check emergency stop, bumpers and cliff sensors, their cables and plugs: where one has two channels, both must \
+             change together. Look around, then press reset."
         }
         (Cause::SourceLost(Source::Discrete), _) => {
             "Check cable and power of the safety controller, look around, then press reset."
