@@ -12,7 +12,11 @@ pub fn remedy(record: &CauseRecord) -> &'static str {
             "Wait: the robot checks its sensors. If it takes long, look which one is not healthy."
         }
         (Cause::BumperFront | Cause::BumperRear, _) => "Free the bumper, look around, then press reset.",
-        (Cause::CliffFront | Cause::CliffRear, _) => "Push the robot back from the edge, then press reset.",
+        (Cause::CliffFront | Cause::CliffRear, _) => {
+            "By itself it drives only straight away from the edge. If it stays: press the emergency stop, hold the robot, release \
+             its brake as the machine's manual says and move it away; then release the emergency stop, look around and press \
+             reset."
+        }
         (Cause::InputUnknown, _) => {
             "The safety inputs could not be read, and a button pressed meanwhile was not heard: check wiring and safety \
              controller, look around, then press reset."
