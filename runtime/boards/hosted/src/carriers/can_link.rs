@@ -62,3 +62,58 @@ fn plain(error: SlcanBusError<io::Error>) -> io::Error {
         SlcanBusError::Ended => io::Error::from(io::ErrorKind::UnexpectedEof),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::carriers::SerialLine;
+    use crate::configuration::{EXAMPLE, parse};
+    use crate::executor::{TaskSet, advance_virtual, use_virtual_clock};
+    use crate::world::new_shared;
+    use embassy_futures::yield_now;
+    use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+    use floorguard_core::time::Stamp;
+    use floorguard_drivers::three_wheel_base::ThreeWheelBase;
+    use floorguard_runtime::clock;
+    use floorguard_runtime::tasks::can_bus;
+    use std::io::{Read, Write};
+    use std::os::unix::net::UnixStream;
+
+    const FLOOD: usize = 2_000;
+    const FRAME: &[u8] = b"t7F080102030405060708\r";
+    const START_US: u64 = 1_000_000;
+
+    /// Two thousand frames wait, and the guard decides in every round: the tick sends what it has to, and frames are taken.
+    #[test]
+    fn a_flooded_bus_keeps_the_tick_from_nothing_and_decisions_keep_it_from_no_frame() {
+        let (here, mut there) = UnixStream::pair().unwrap();
+        there.write_all(&FRAME.repeat(FLOOD)).unwrap();
+        there.set_nonblocking(true).unwrap();
+        let mut unread = here.try_clone().unwrap();
+        use_virtual_clock(START_US);
+        let robot = parse("robot.toml", EXAMPLE).unwrap().robot;
+        let shared = new_shared::<NoopRawMutex>(&robot, Stamp::from_micros(START_US)).unwrap();
+        let bus = SlcanBus::new(SerialLine::from_descriptor(here.into()).unwrap());
+        let mut tasks = TaskSet::new();
+        tasks.spawn(can_bus(&*shared, bus, (ThreeWheelBase::new(robot.base()), robot.tricycle())));
+        tasks.spawn(async {
+            loop {
+                shared.decide(|guard| guard.tick(clock::now()));
+                yield_now().await;
+            }
+        });
+        for round in 0..100 {
+            advance_virtual(START_US + round * 1_000);
+            tasks.poll_round();
+        }
+        drop(tasks);
+        let (mut sent, mut left) = (Vec::new(), Vec::new());
+        // Both end where nothing more is there.
+        let _ = (there.read_to_end(&mut sent), unread.read_to_end(&mut left));
+        let taken = FLOOD - left.len() / FRAME.len();
+        assert!((200..1_000).contains(&taken), "{taken} frames in 100 rounds");
+        // Behind the words that open the adapter, SYNC every 10 ms.
+        let syncs = sent.windows(4).filter(|word| *word == b"t080").count();
+        assert!((8..=11).contains(&syncs), "{syncs}: {}", String::from_utf8_lossy(&sent));
+    }
+}
