@@ -82,10 +82,15 @@ fn draw(seed: u64, trial: u64) -> Result<Trial, Box<RunOutcome>> {
 
 impl Trial {
     fn outcome(self, seen: anyhow::Result<Observation>) -> RunOutcome {
+        let undisturbed = || {
+            let mut plan = self.run.plan.clone();
+            plan.faults.clear();
+            watched(&plan)
+        };
         match seen {
             Ok(seen) => RunOutcome {
                 command: self.command,
-                failure: self.run.judge(&seen),
+                failure: self.run.judge(&seen, undisturbed),
                 verdict: Some(seen.verdict),
             },
             Err(error) => {

@@ -63,7 +63,7 @@ pub fn draw(phase: usize, seed: u64, random: &mut Pcg32) -> Result<PhaseRun, Pla
         // People come, or it drives up to the box.
         "approach" if between(0, 2) == 0 => ("encounter", between(30, 75), between(10, 40), RETURNS_DS, None),
         "approach" => ("hold", between(12, 50), between(20, 40), RETURNS_DS, None),
-        // It stands before the box after 6.5 s.
+        // It stands before the box after 6.5 s, as a rule: the judge knows what it does without the fault.
         "hold" => ("hold", between(70, 80), between(10, 25), STANDS_ON_DS, Some((7.0, 11.0))),
         // Pressed at 3 s, released at 4 s; the operator resets not before 7 s.
         _ => ("crossing", between(20, 45), between(10, 25), RETURNS_DS, Some((4.75, 6.75))),
@@ -90,23 +90,44 @@ pub fn box_in_the_way(seed: u64, duration_us: u64) -> Result<Plan, PlanError> {
 }
 
 impl PhaseRun {
-    /// Why it counts as failed.
+    /// Why it counts as failed. `undisturbed` plays the same run without the fault, and is asked for only where the robot
+    /// rolled while it must stand: what it does anyway, as when it comes nearer to the box once more, is not the fault's.
     #[must_use]
-    pub fn judge(&self, seen: &Observation) -> Option<String> {
+    pub fn judge(
+        &self,
+        seen: &Observation,
+        undisturbed: impl FnOnce() -> anyhow::Result<Observation>,
+    ) -> Option<String> {
         let verdict = &seen.verdict;
         if !verdict.passed {
             let (contacts, missed) = (verdict.avoidable_contacts, verdict.missed_stops);
             return Some(format!("{contacts} avoidable contacts, {missed} missed stops"));
         }
         let (from_s, to_s) = self.stands_s?;
-        let index = |seconds: f64| (seconds * PLACES_PER_S) as usize;
-        // A run may end before.
-        let until = index(to_s).min(seen.robot_way.len());
-        let places = seen.robot_way.get(index(from_s)..until).unwrap_or_default();
-        let rolled_m: f32 =
-            places.windows(2).map(|pair| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m)).sum();
-        (rolled_m > ROLLS_M).then(|| format!("it rolled {rolled_m:.2} m between {from_s} s and {to_s} s"))
+        let rolled_m = rolled_m(seen, (from_s, to_s));
+        if rolled_m <= ROLLS_M {
+            return None;
+        }
+        let anyway_m = match undisturbed() {
+            Ok(twin) => self::rolled_m(&twin, (from_s, to_s)),
+            Err(error) => return Some(format!("without the fault: {error}")),
+        };
+        let told = || {
+            format!(
+                "it rolled {rolled_m:.2} m between {from_s} s and {to_s} s, without the fault {anyway_m:.2} m"
+            )
+        };
+        (rolled_m > anyway_m + ROLLS_M).then(told)
     }
+}
+
+/// The way between two moments, metres.
+fn rolled_m(seen: &Observation, (from_s, to_s): (f64, f64)) -> f32 {
+    let index = |seconds: f64| (seconds * PLACES_PER_S) as usize;
+    // A run may end before.
+    let until = index(to_s).min(seen.robot_way.len());
+    let places = seen.robot_way.get(index(from_s)..until).unwrap_or_default();
+    places.windows(2).map(|pair| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m)).sum()
 }
 
 #[cfg(test)]
@@ -123,9 +144,36 @@ mod tests {
         // Ten seconds at a quarter of a second, from 7.5 s on at 0.4 m/s.
         let place = |step: u16| Pose2::new(f32::from(step.saturating_sub(30)) * 0.1, 0.0, 0.0);
         seen.robot_way = (0..40).map(place).collect();
-        assert!(run.judge(&seen).is_some_and(|failure| failure.contains("rolled 0.90 m")));
-        seen.robot_way.iter_mut().for_each(|pose| pose.x_m = 1.0);
-        assert_eq!(run.judge(&seen), None);
+        let judge = |seen: &Observation, twin: &Observation| run.judge(seen, || Ok(twin.clone()));
+        let mut stands = seen.clone();
+        stands.robot_way.iter_mut().for_each(|pose| pose.x_m = 1.0);
+        assert!(judge(&seen, &stands).is_some_and(|failure| failure.contains("rolled 0.90 m")));
+        assert_eq!(judge(&stands, &stands), None);
+        // What it does without the fault, too, is not the fault's; what it does beyond that is.
+        assert_eq!(judge(&seen, &seen), None);
+        let mut nearer = stands.clone();
+        nearer.robot_way.iter_mut().skip(30).for_each(|pose| pose.x_m += 0.08);
+        assert!(judge(&seen, &nearer).is_some_and(|failure| failure.contains("without the fault 0.08 m")));
+        assert_eq!(judge(&nearer, &nearer), None);
+        assert!(
+            run.judge(&nearer, || anyhow::bail!("no run")).is_some_and(|failure| failure.contains("no run"))
+        );
+    }
+
+    /// Seed 2 of the campaign, trial 82214: the robot came nearer to the box at 7.4 s, and the fault began at 7.7 s.
+    #[test]
+    fn a_robot_that_comes_nearer_before_the_fault_begins_does_not_fail() {
+        let play = || {
+            let mut plan = box_in_the_way(1_259_538_087, 11_000_000).expect("a plan");
+            plan.lidar_grain = LIDAR_GRAIN;
+            crate::campaign::watched(&plan).expect("a run")
+        };
+        let seen = std::thread::Builder::new().stack_size(32 << 20).spawn(play).expect("a thread");
+        let seen = seen.join().expect("no panic");
+        let run = draw(3, 5, &mut Pcg32::new(3, 3)).expect("a plan");
+        let stood = Observation { verdict: seen.verdict.clone(), ..Observation::default() };
+        assert!(run.judge(&seen, || Ok(stood)).is_some(), "it comes nearer without any fault");
+        assert_eq!(run.judge(&seen, || Ok(seen.clone())), None);
     }
 
     #[test]
