@@ -7,16 +7,22 @@ mod sim_support;
 use std::fs::File;
 use std::io::BufReader;
 
+use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_core::guard::{Health, Source};
 use floorguard_core::sensing::{BeamReturn, Scan};
 use floorguard_core::time::Stamp;
 use floorguard_drivers::microscan3::{Configuration, Event, Receiver};
+use floorguard_hosted::executor::{TaskSet, use_virtual_clock};
 use floorguard_hosted::recording::Recording;
 use floorguard_hosted::world::{
-    Observation, Observer, Plan, ReplayAudience, Witnesses, replay_recording, run_recorded, run_virtual,
+    Observation, Observer, Plan, ReplayAudience, Witnesses, new_shared, replay_recording, run_recorded,
+    run_virtual,
 };
 use floorguard_runtime::configuration::ScannerModel;
+use floorguard_runtime::io::{DatagramReceiver, Received};
 use floorguard_runtime::shared::PeopleReport;
+use floorguard_runtime::tasks::scanner_datagrams;
 use floorguard_sim::FaultSpec;
 use floorguard_sim::robot::{RobotParameters, ScannerDevice};
 use floorguard_sim::sensors::ScannerState;
@@ -125,6 +131,51 @@ fn play(plan: &Plan) -> Observation {
     let mut observer = Observer::new(plan, &mut show);
     run_virtual(plan, &mut observer).unwrap();
     observer.into_observation()
+}
+
+/// The datagrams of a scanner that all arrived; then nothing more comes.
+struct Arrived(std::collections::VecDeque<Vec<u8>>);
+
+impl DatagramReceiver for Arrived {
+    type Error = std::convert::Infallible;
+
+    async fn receive(&mut self, buffer: &mut [u8]) -> Result<Received, Self::Error> {
+        let Some(datagram) = self.0.pop_front() else { std::future::pending().await };
+        buffer[..datagram.len()].copy_from_slice(&datagram);
+        Ok(Received { length: datagram.len(), arrival: Stamp::from_micros(200_000) })
+    }
+}
+
+/// How the guard finds a scanner of which it has heard 200 ms, with one place in the table of blocks emptied.
+fn health_without(block: Option<usize>) -> Health {
+    let mut datagrams = std::collections::VecDeque::new();
+    simulation(2_751).advance_to(200_000, &mut |event| {
+        let Some(bytes) = bytes_of(&event, Stream::ScannerData) else { return };
+        let mut bytes = bytes.to_vec();
+        // Wire-formats 3.2: behind the datagram's 24 bytes the first piece begins with the message's header.
+        let is_first = bytes[24] == b'V' && bytes[16..20] == [0; 4];
+        if let Some(place) = block.filter(|_| is_first) {
+            bytes[24 + place..24 + place + 4].fill(0);
+        }
+        datagrams.push_back(bytes);
+    });
+    use_virtual_clock(200_000);
+    let plan = plan("corridor", 1, &[]);
+    let shared = new_shared::<NoopRawMutex>(&plan.robot, Stamp::from_micros(200_000)).unwrap();
+    let mut tasks = TaskSet::new();
+    let receiver = Receiver::new(Configuration::default());
+    tasks.spawn(scanner_datagrams(&*shared, Arrived(datagrams), receiver));
+    tasks.poll_until_quiet().unwrap();
+    shared.inspect(|guard| guard.health()[Source::Scanner.index()].health)
+}
+
+/// It answers, and its data output is set up wrongly: nobody is sent to its cable.
+#[test]
+fn a_scanner_that_does_not_send_what_is_needed_is_faulty_and_not_absent() {
+    assert_eq!(health_without(None), Health::Healthy);
+    for (what, place) in [("angles", 36), ("distances", 40)] {
+        assert_eq!(health_without(Some(place)), Health::Faulty, "without {what}");
+    }
 }
 
 /// It drives on a healthy scanner, and stops for one that is silent or talks nonsense.

@@ -81,8 +81,8 @@ pub async fn scanner_datagrams<M: RawMutex>(
             }
             microscan3::Event::StandBy { .. } => fault(shared, FaultKind::StandBy, now),
             microscan3::Event::Refused(error) => {
-                if error == microscan3::ScanError::Device {
-                    fault(shared, FaultKind::Device(DEVICE_ERROR), now);
+                if let Some(kind) = fault_of_message(error) {
+                    fault(shared, kind, now);
                 }
                 shared.complain(|complaints| complaints.scanner_message = Some(error));
                 count_refused(shared);
@@ -95,6 +95,19 @@ pub async fn scanner_datagrams<M: RawMutex>(
 fn hand_on<M: RawMutex>(shared: &Shared<M>, scan: &Scan, now: Stamp) {
     shared.decide(|guard| guard.on_scan(scan, now));
     shared.scan.publish(scan.clone());
+}
+
+/// What a refused message says of its scanner: it answers, and is set up wrongly or at fault. Datagrams that are no whole
+/// message may be a stranger's, and say nothing.
+const fn fault_of_message(error: microscan3::ScanError) -> Option<FaultKind> {
+    use microscan3::ScanError;
+    match error {
+        ScanError::Device => Some(FaultKind::Device(DEVICE_ERROR)),
+        ScanError::NoGeometry | ScanError::NoMeasurement | ScanError::Geometry | ScanError::Beams { .. } => {
+            Some(FaultKind::WrongGeometry)
+        }
+        ScanError::Fragment(_) | ScanError::Message(_) => None,
+    }
 }
 
 fn fault<M: RawMutex>(shared: &Shared<M>, kind: FaultKind, now: Stamp) {
