@@ -13,6 +13,9 @@ use crate::shell;
 /// Seconds of the processor for a test, after which a mutant counts as endless, and so as noticed.
 const ENDLESS_S: usize = 120;
 
+/// A test that notes whatever it reaches takes as long as so many that do not.
+const NOTING: usize = 5;
+
 /// Names of the tests that reach the place of a mutant.
 pub type Reached = BTreeMap<usize, Vec<String>>;
 
@@ -66,7 +69,7 @@ impl Program {
         let mut reached = Reached::new();
         for test in self.tests()? {
             let _ = std::fs::remove_file(note);
-            let mut command = self.command("note", 1);
+            let mut command = self.command("note", NOTING);
             command.args(["--exact", &test]).env("FLOORGUARD_MUTANTS_REACHED", note);
             if !command.status()?.success() {
                 bail!("{test} fails without a mutant; see it run in {}", self.folder.display());
