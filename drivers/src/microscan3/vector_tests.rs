@@ -130,6 +130,11 @@ fn messages_that_lie_are_refused() {
         told_of(|bytes| bytes.truncate(51)),
         only(ScanError::Message(MessageError::Short { length: 51 }))
     );
+    let header_alone = |bytes: &mut Vec<u8>| {
+        bytes.truncate(52);
+        bytes[32..].fill(0);
+    };
+    assert_eq!(told_of(header_alone), only(ScanError::NoGeometry), "a whole message without blocks");
     let outside = ScanError::Message(MessageError::Block { offset: 92, size: 25 });
     assert_eq!(told_of(|bytes| bytes[42] = 25), only(outside));
     let within_header = ScanError::Message(MessageError::Block { offset: 51, size: 24 });

@@ -195,7 +195,7 @@ mod tests {
         }
         let long = decimal(b"4916.45000000000000000000009").unwrap();
         assert!((long - 4916.45).abs() < 1.0e-9, "{long}");
-        for text in ["", ".", ".5", "-1", "+1", "1e3", "1.2.3", "inf", "NaN", "1 ", "1234567890123456"] {
+        for text in ["", ".", ".5", "-1", "+1", "1e3", "1.2.3", "inf", "NaN", "1 ", "1000000000000000"] {
             assert_eq!(decimal(text.as_bytes()), None, "{text}");
         }
     }

@@ -232,4 +232,39 @@ mod tests {
         assert_eq!(detect_model(0x28, 1_327), Some(Model::Vlp32C), "any other byte is believed");
         assert_eq!(detect_model(0x99, 1_327), None);
     }
+
+    /// Wire-formats 1.9: even channels of an HDL-32E rise from the bottom in steps of 4/3°, odd ones from -9.33°.
+    #[test]
+    fn the_lasers_of_an_hdl_32e_rise_in_two_rows() {
+        for (row, angles) in (0_u8..).zip(Model::Hdl32E.angles().chunks(2)) {
+            for (angle, from_deg) in angles.iter().zip([-92.0 / 3.0, -28.0 / 3.0]) {
+                let expected_deg = from_deg + f32::from(row) * 4.0 / 3.0;
+                assert!((angle.elevation_deg - expected_deg).abs() < 0.01, "{row}: {angle:?}");
+            }
+        }
+    }
+
+    /// Wire-formats 1.9: the lasers of a VLP-32C from the bottom, and where their columns lie: 4.2° to the left or right of
+    /// the head's direction, the others 1.4°, even channels to one side and odd ones to the other.
+    #[test]
+    fn the_lasers_of_a_vlp_32c_lie_in_four_columns() {
+        let angles = Model::Vlp32C.angles();
+        let mut elevations_mdeg = angles.map(|angle| libm::roundf(angle.elevation_deg * 1_000.0) as i32);
+        elevations_mdeg.sort_unstable();
+        let from_below = [
+            -25_000, -15_639, -11_310, -8_843, -7_254, -6_148, -5_333, -4_667, -4_000, -3_667, -3_333,
+            -3_000, -2_667, -2_333, -2_000, -1_667, -1_333, -1_000, -667, -333, 0, 333, 667, 1_000, 1_333,
+            1_667, 2_333, 3_333, 4_667, 7_000, 10_333, 15_000,
+        ];
+        assert_eq!(elevations_mdeg, from_below);
+        for (channel, angle) in angles.iter().enumerate() {
+            let expected_cdeg = match channel {
+                6 | 12 | 14 | 20 | 28 => 420,
+                1 | 9 | 17 | 19 | 27 => -420,
+                even if even.is_multiple_of(2) => 140,
+                _ => -140,
+            };
+            assert_eq!(angle.azimuth_cdeg, expected_cdeg, "{channel}");
+        }
+    }
 }

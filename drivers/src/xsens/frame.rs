@@ -286,6 +286,15 @@ mod tests {
         assert_eq!((count, receiver.counters().gaps), (1, 1));
     }
 
+    #[test]
+    fn what_is_longer_than_allowed_is_noise_and_what_is_as_long_is_none() {
+        for (data_max, found) in [(3, 0), (4, 1), (5, 1)] {
+            let (mut receiver, mut count) = (FrameReceiver::limited(data_max), 0);
+            receiver.push(&hex("FA FF 36 04 00 00 00 00 C7"), Stamp::ZERO, |_, _| count += 1);
+            assert_eq!(count, found, "{data_max}");
+        }
+    }
+
     proptest! {
         #[test]
         fn portions_do_not_matter(
