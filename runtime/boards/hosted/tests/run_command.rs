@@ -101,8 +101,10 @@ fn a_lost_connection_ends_only_who_did_not_say_otherwise() {
         let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
         let file = robot_file(folder.path(), port);
         let program = env!("CARGO_BIN_EXE_floorguard");
-        let mut child = Command::new("sh")
-            .args(["-c", &format!("{started}exec {program} run {file} --duration 60")])
+        // Whoever runs the tests may outlive a connection, too, and what is ignored is inherited.
+        let mut child = Command::new("env")
+            .args(["--default-signal=HUP", "sh", "-c"])
+            .arg(format!("{started}exec {program} run {file} --duration 60"))
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
