@@ -7,6 +7,7 @@ use super::loops::LoopSite;
 use super::records::Records;
 use super::results::{CauseLine, Explored};
 use super::roots::Root;
+use super::since::CodeToday;
 use super::trace::Trace;
 use crate::mutants::Record;
 
@@ -26,8 +27,8 @@ pub struct Evidence {
     pub dependencies: Vec<Dependency>,
     /// What other commands measured.
     pub records: Records,
-    /// The fingerprint of core and drivers, as records keep it.
-    pub code: String,
+    /// The fingerprints of the code, as records keep them.
+    pub today: CodeToday,
     /// What mutation runs left alive.
     pub mutants: Vec<Record>,
     /// States and transitions of the guard, as SVG.

@@ -32,6 +32,7 @@ mod results;
 mod roots;
 mod run;
 mod seen;
+mod since;
 #[cfg(test)]
 mod sneaky_tests;
 pub mod sources;

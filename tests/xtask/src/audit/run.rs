@@ -9,6 +9,7 @@ use super::forbidden::{self, Forbidden};
 use super::image;
 use super::loops::{self, LoopSite};
 use super::results::{self, Results};
+use super::since::CodeToday;
 use super::sources::SourceFile;
 use super::{
     circles, dependencies, hosted_rooms, image_claims, mutation, picture, records, report, roots, seen,
@@ -49,7 +50,8 @@ pub fn run(options: &Options) -> Result<bool> {
     let pictured = picture::claim(&root, (&results.explored, &results.causes), documents.printed_causes());
     claims.extend(traced.into_iter().chain([known, pictured]));
     let code = sources::fingerprint(&files);
-    let (mutants, noticed) = mutation::read(&root, &code);
+    let today = CodeToday { code, whole: sources::fingerprint(&sources::read_whole(&root)?) };
+    let (mutants, noticed) = mutation::read(&root, &today.code);
     claims.push(noticed);
     let states = picture::svg(&results.explored.transitions);
     let evidence = Evidence {
@@ -60,7 +62,7 @@ pub fn run(options: &Options) -> Result<bool> {
         trace,
         dependencies,
         records: records::read(&root),
-        code,
+        today,
         mutants,
         states,
         explored: results.explored,

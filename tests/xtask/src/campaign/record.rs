@@ -17,9 +17,6 @@ pub fn code_today() -> Result<String> {
     Ok(sources::fingerprint(&sources::read_layers(&shell::root())?))
 }
 
-/// All sources that the robot and its simulator are made of.
-const WHOLE: [&str; 4] = ["core-nostd/src", "drivers/src", "runtime", "hal-sim/src"];
-
 /// What a record tells of the code: the fingerprint of core and drivers and, of a campaign that runs the whole robot, in a
 /// second line that of core, drivers, runtime and simulator.
 pub fn code_of(kind: &Kind) -> Result<String> {
@@ -27,7 +24,7 @@ pub fn code_of(kind: &Kind) -> Result<String> {
     if !kind.whole {
         return Ok(code);
     }
-    let files = sources::read_folders(&shell::root(), &WHOLE)?;
+    let files = sources::read_whole(&shell::root())?;
     Ok(format!("{code}\n{}", sources::fingerprint(&files)))
 }
 

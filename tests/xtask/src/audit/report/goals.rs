@@ -3,8 +3,8 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use super::since::Since;
 use super::table::{Table, aside, code, escape, grouped, verdict};
+use crate::audit::since::{CodeToday, Since};
 
 /// What is counted towards an aim: name, campaign, its count (`trials` or one of its counts), the aim.
 const GOALS: &[(&str, &str, &str, u64)] = &[
@@ -53,7 +53,7 @@ struct Sum {
     untold: u64,
 }
 
-fn sum(records: &[Value], (campaign, count, aim): (&str, &str, u64), code_today: &str) -> Sum {
+fn sum(records: &[Value], (campaign, count, aim): (&str, &str, u64), today: &CodeToday) -> Sum {
     let of_it = records.iter().filter(|record| {
         record["name"].as_str().is_some_and(|name| name.split(", seed").next() == Some(campaign))
     });
@@ -62,7 +62,7 @@ fn sum(records: &[Value], (campaign, count, aim): (&str, &str, u64), code_today:
         let counted = if count == "trials" { &record["trials"] } else { &record["counts"][count] };
         match record["findings"].as_u64() {
             Some(0) => {
-                let run = (counted.as_u64().unwrap_or(0), Since::of(record["code"].as_str(), code_today));
+                let run = (counted.as_u64().unwrap_or(0), Since::of_campaign(record, today));
                 let rank = |(reached, code): (u64, Since)| (reached >= aim && code == Since::Same, reached);
                 sum.best = sum.best.into_iter().chain([run]).max_by_key(|run| rank(*run));
             }
@@ -74,11 +74,11 @@ fn sum(records: &[Value], (campaign, count, aim): (&str, &str, u64), code_today:
 }
 
 /// Every aim with what was reached.
-pub fn list(records: Option<&Value>, code_today: &str) -> Vec<Reached> {
+pub fn list(records: Option<&Value>, today: &CodeToday) -> Vec<Reached> {
     let none = vec![];
     let records = records.and_then(Value::as_array).unwrap_or(&none);
     let entry = |(what, campaign, count, aim): &(&'static str, &'static str, &str, u64)| {
-        let Sum { best, findings, untold } = sum(records, (campaign, count, *aim), code_today);
+        let Sum { best, findings, untold } = sum(records, (campaign, count, *aim), today);
         let (reached, code) = best.unwrap_or((0, Since::NotRecorded));
         let (findings_of_other_runs, without_findings_told) = (findings, untold);
         Reached { what, campaign, reached, aim: *aim, code, findings_of_other_runs, without_findings_told }
@@ -103,9 +103,9 @@ fn judged(line: &Reached) -> String {
 }
 
 /// Aims beside what was reached.
-pub fn section(records: Option<&Value>, code_today: &str) -> String {
+pub fn section(records: Option<&Value>, today: &CodeToday) -> String {
     let mut table = Table::new(&["what", "reached", "aim", "", "campaign"]);
-    for line in list(records, code_today) {
+    for line in list(records, today) {
         let told = match line.findings_of_other_runs {
             0 => String::new(),
             1 => String::from("; 1 finding of another run, told below"),
@@ -127,8 +127,8 @@ pub fn section(records: Option<&Value>, code_today: &str) -> String {
         "<p>Counted is the longest recorded run without a finding, or one that reached the aim with the code of today; never the sum \
          of several. Aims are no claims: the verdict of \
          this page does not wait for them. A row in red is work that is still to be run; the command is in the table below, and \
-         goes on where it was cut. A row in grey was reached with core and drivers as they were, or by a record that does not \
-         keep their fingerprint. The last two aims are our own: the messages of a decoder are the wires', recordings and whole \
+         goes on where it was cut. A row in grey was reached with the code as it was, or by a record that does not \
+         keep its fingerprint. The last two aims are our own: the messages of a decoder are the wires', recordings and whole \
          worlds are read a hundred to ten thousand times as slowly.</p>{}",
         table.finish()
     )
@@ -138,6 +138,10 @@ pub fn section(records: Option<&Value>, code_today: &str) -> String {
 mod tests {
     use super::*;
 
+    fn today() -> CodeToday {
+        CodeToday { code: "today".to_owned(), whole: "all of today".to_owned() }
+    }
+
     #[test]
     fn the_longest_run_without_a_finding_counts() {
         let records = serde_json::json!([
@@ -146,9 +150,9 @@ mod tests {
             {"name": "faults, seed 3", "trials": 30, "findings": 0, "counts": {}},
             {"name": "model, seed 1", "trials": 5, "findings": 0, "counts": {"steps": 100}},
         ]);
-        let list_of = list(Some(&records), "today");
+        let list_of = list(Some(&records), &today());
         let records = records.as_array().expect("a list");
-        let faults = sum(records, ("faults", "trials", 100), "today");
+        let faults = sum(records, ("faults", "trials", 100), &today());
         assert_eq!((faults.best, faults.findings), (Some((30, Since::NotRecorded)), 1));
         assert_eq!(list_of.len(), GOALS.len());
         assert_eq!((list_of[0].reached, list_of[0].aim), (100, 100_000_000));
@@ -156,7 +160,7 @@ mod tests {
     }
 
     fn flips(record: &Value) -> String {
-        let listed = list(Some(&Value::Array(vec![record.clone()])), "today");
+        let listed = list(Some(&Value::Array(vec![record.clone()])), &today());
         judged(listed.iter().find(|line| line.campaign == "flips").expect("an aim"))
     }
 
@@ -172,7 +176,7 @@ mod tests {
         record["counts"]["moments"] = 999.into();
         assert_eq!(flips(&record), verdict(false, "99.9 %"));
         let run = |moments: u64, code: &str| serde_json::json!({"name": "flips, seed 1", "findings": 0, "code": code, "counts": {"moments": moments}});
-        let best = |runs: &[Value]| sum(runs, ("flips", "moments", 1_000), "today").best;
+        let best = |runs: &[Value]| sum(runs, ("flips", "moments", 1_000), &today()).best;
         assert_eq!(best(&[run(1_000, "today"), run(9_000, "old")]), Some((1_000, Since::Same)));
         assert_eq!(best(&[run(900, "today"), run(9_000, "old")]), Some((9_000, Since::Changed)));
     }
@@ -181,9 +185,21 @@ mod tests {
     fn a_run_that_does_not_tell_its_findings_counts_for_nothing() {
         for findings in [Value::Null, "0".into()] {
             let record = serde_json::json!([{"name": "flips, seed 1", "findings": findings, "counts": {"moments": 2_000}}]);
-            let line = &list(Some(&record), "today")[1];
+            let line = &list(Some(&record), &today())[1];
             assert_eq!((line.campaign, line.reached, line.without_findings_told), ("flips", 0, 1));
-            assert!(section(Some(&record), "today").contains("1 recorded without a number of findings"));
+            assert!(section(Some(&record), &today()).contains("1 recorded without a number of findings"));
         }
+    }
+
+    /// Where the whole robot ran, another runtime or simulator is another code.
+    #[test]
+    fn the_code_of_the_whole_robot_counts_where_it_ran() {
+        let since = |whole: Value| {
+            let record = serde_json::json!({"code": "today", "whole": whole});
+            Since::of_campaign(&record, &today())
+        };
+        assert_eq!(since(Value::Null), Since::Same, "core and drivers alone ran");
+        assert_eq!(since("all of today".into()), Since::Same);
+        assert_eq!(since("all of yesterday".into()), Since::Changed);
     }
 }

@@ -7,7 +7,6 @@ mod instructions;
 mod loops;
 mod manual;
 mod page;
-mod since;
 mod stack;
 mod states;
 mod table;
@@ -82,9 +81,10 @@ fn json(evidence: &Evidence) -> Result<String> {
         "instructions": evidence.records.firmware,
         "worst_inputs": evidence.records.worst,
         "missing": evidence.records.missing,
-        "code": evidence.code,
+        "code": evidence.today.code,
+        "whole": evidence.today.whole,
         "campaigns": evidence.records.campaigns,
-        "aims": goals::list(evidence.records.campaigns.as_ref(), &evidence.code),
+        "aims": goals::list(evidence.records.campaigns.as_ref(), &evidence.today),
         "states": evidence.explored,
         "causes": evidence.causes,
         "stack": evidence.image.as_ref().map(|image| stack::list(image, &evidence.roots)),

@@ -4,11 +4,11 @@ use std::fmt::Write as _;
 
 use serde_json::Value;
 
-use super::since::Since;
 use super::table::{Table, anchor, code, escape, grouped, link, source, verdict};
 use super::{claims, goals, instructions, loops, manual, stack, states};
 use crate::audit::evidence::Evidence;
 use crate::audit::hosted_rooms::HOSTED_ROOMS;
+use crate::audit::since::{CodeToday, Since};
 use crate::audit::trace::{Place, Requirement, Trace};
 use crate::mutants::Record;
 
@@ -56,9 +56,9 @@ pub fn html(evidence: &Evidence) -> String {
         manual::chapter(&evidence.records.manual, manual::REACTION),
         manual::chapter(&evidence.records.manual, manual::ASSUMPTIONS),
         instructions::section(evidence.records.firmware.as_ref(), evidence.records.worst.as_ref()),
-        goals::section(evidence.records.campaigns.as_ref(), &evidence.code),
-        campaigns(evidence.records.campaigns.as_ref(), &evidence.code),
-        mutants(&evidence.mutants, &evidence.code),
+        goals::section(evidence.records.campaigns.as_ref(), &evidence.today),
+        campaigns(evidence.records.campaigns.as_ref(), &evidence.today),
+        mutants(&evidence.mutants, &evidence.today.code),
         stack::section(evidence.image.as_ref(), &evidence.roots),
         rooms(),
         dependencies(evidence),
@@ -149,9 +149,8 @@ fn hazards(trace: &Trace) -> String {
     table.finish()
 }
 
-fn campaigns(records: Option<&Value>, code_today: &str) -> String {
-    let mut table =
-        Table::new(&["campaign", "trials", "findings", "counted", "core and drivers since", "repeat with"]);
+fn campaigns(records: Option<&Value>, today: &CodeToday) -> String {
+    let mut table = Table::new(&["campaign", "trials", "findings", "counted", "code since", "repeat with"]);
     let listed = records.and_then(Value::as_array);
     let absent = listed.is_none().then(|| verdict(false, "No record of any campaign could be read."));
     for record in listed.into_iter().flatten() {
@@ -172,16 +171,17 @@ fn campaigns(records: Option<&Value>, code_today: &str) -> String {
             number("trials"),
             number("findings"),
             counts.join("<br>"),
-            Since::of(record["code"].as_str(), code_today).words().to_owned(),
+            Since::of_campaign(record, today).words().to_owned(),
             format!("<code>{}</code>", text("command")),
         ]);
     }
     format!(
         "<p>Long runs, recorded in <code>docs/evidence/campaigns.json</code> when they were made; a short slice of each \
-         runs with every <code>cargo xtask test</code>. This audit does not repeat them. <i>Core and drivers since</i> compares \
-         the fingerprint of their code that a record keeps with today's, {}; records from before fingerprints were kept do not \
-         tell.</p>{}{}",
-        code(code_today),
+         runs with every <code>cargo xtask test</code>. This audit does not repeat them. <i>Code since</i> compares \
+         the fingerprint of core and drivers that a record keeps with today's, {}, and where the whole robot ran that of \
+         runtime and simulator, too, {}; records from before fingerprints were kept do not tell.</p>{}{}",
+        code(&today.code),
+        code(&today.whole),
         absent.unwrap_or_default(),
         table.finish()
     )
@@ -282,7 +282,12 @@ mod tests {
         };
         let trace = Trace { requirements: vec![line], hazards: vec![hazard] };
         let record = serde_json::json!([{"name": bad, "counts": {bad: bad}, "what": bad, "command": bad}]);
-        let html = [requirements(&trace), hazards(&trace), campaigns(Some(&record), bad)].concat();
+        let html = [
+            requirements(&trace),
+            hazards(&trace),
+            campaigns(Some(&record), &CodeToday { code: bad.to_owned(), whole: bad.to_owned() }),
+        ]
+        .concat();
         assert!(!html.contains(bad) && !html.contains("<i>&#39;"), "{html}");
         assert_eq!(html.matches("id='&lt;i&gt;&#39;'").count(), 2, "{html}");
     }
@@ -292,7 +297,7 @@ mod tests {
         assert_eq!(missing(&[]), "");
         let html = missing(&["docs/a.json: <broken>".to_owned()]);
         assert!(html.contains("docs/a.json: &lt;broken&gt;") && html.contains("class=bad"), "{html}");
-        assert!(campaigns(None, "").contains("No record of any campaign could be read"));
-        assert!(!campaigns(Some(&serde_json::json!([])), "").contains("could be read"));
+        assert!(campaigns(None, &CodeToday::default()).contains("No record of any campaign could be read"));
+        assert!(!campaigns(Some(&serde_json::json!([])), &CodeToday::default()).contains("could be read"));
     }
 }
