@@ -54,13 +54,6 @@ fn fg_req_055_old_orders_do_not_carry_the_robot_on() {
     }
 }
 
-/// The way between two moments, metres.
-fn way_m(seen: &Observation, from_s: f64, to_s: f64) -> f32 {
-    // Four places a second.
-    let places = &seen.robot_way[(from_s * 4.0) as usize..(to_s * 4.0) as usize];
-    places.windows(2).map(|pair| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m)).sum()
-}
-
 /// The computer loses its power while the emergency stop is pressed, and comes back after its release: what was latched
 /// is forgotten, and the drives were never switched off.
 #[test]
@@ -72,8 +65,8 @@ fn fg_req_018_a_computer_that_comes_back_does_not_start_the_robot_by_itself() {
         plan.faults.push(FaultSpec::parse(&format!("computer:reset,from={from},to={to}")).expect("a fault"));
         let seen = play(plan);
         // The operator of the simulator resets when the robot has waited for three seconds.
-        assert!(way_m(&seen, stands_from_s, stands_from_s + 2.0) < 0.05, "{from}: it started by itself");
-        assert!(seen.resets >= 1 && way_m(&seen, 9.0, 11.75) > 0.5, "{from}: {} resets", seen.resets);
+        assert!(seen.way_m(stands_from_s, stands_from_s + 2.0) < 0.05, "{from}: it started by itself");
+        assert!(seen.resets >= 1 && seen.way_m(9.0, 11.75) > 0.5, "{from}: {} resets", seen.resets);
     }
 }
 
@@ -86,6 +79,6 @@ fn fg_req_003_inputs_that_could_not_be_read_do_not_let_the_robot_start_by_itself
     plan.faults.push(FaultSpec::parse("inputs:truncate=100%,from=2s,to=4s").expect("a fault"));
     let seen = play(plan);
     // The operator of the simulator resets when the robot has waited for three seconds.
-    assert!(way_m(&seen, 4.0, 5.0) < 0.05, "it rolled on while nobody had reset");
-    assert!(seen.resets >= 1 && way_m(&seen, 9.0, 11.75) > 0.5, "{} resets", seen.resets);
+    assert!(seen.way_m(4.0, 5.0) < 0.05, "it rolled on while nobody had reset");
+    assert!(seen.resets >= 1 && seen.way_m(9.0, 11.75) > 0.5, "{} resets", seen.resets);
 }

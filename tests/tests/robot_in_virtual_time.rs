@@ -51,15 +51,8 @@ fn the_emergency_stop_latches_until_the_operator_resets() {
     let causes: Vec<&str> = seen.stops.iter().map(|stop| stop.kind.as_str()).collect();
     assert!(causes.iter().any(|cause| cause.contains("emergency stop")), "{causes:?}");
     // Pressed at 8 s, released at 11 s, reset three seconds later at the earliest.
-    let moved_m = |from_s: f64, to_s: f64| {
-        let places = &seen.robot_way[(from_s * 4.0) as usize..(to_s * 4.0) as usize];
-        places
-            .windows(2)
-            .map(|pair| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m))
-            .sum::<f32>()
-    };
-    assert!(moved_m(9.5, 13.5) < 0.01, "{}", moved_m(9.5, 13.5));
-    assert!(seen.resets >= 1 && moved_m(18.0, 24.0) > 1.0, "{} {}", seen.resets, moved_m(18.0, 24.0));
+    assert!(seen.way_m(9.5, 13.5) < 0.01, "{}", seen.way_m(9.5, 13.5));
+    assert!(seen.resets >= 1 && seen.way_m(18.0, 24.0) > 1.0, "{} {}", seen.resets, seen.way_m(18.0, 24.0));
     assert!(seen.verdict.passed);
 }
 
@@ -92,12 +85,9 @@ fn late_devices_and_cut_lines_are_survived() {
             "{line}: ready {:?}",
             seen.ready_s
         );
-        let driven_m = |from_s: usize, to_s: usize| -> f32 {
-            let places = &seen.robot_way[from_s * 4..to_s * 4];
-            places.windows(2).map(|pair| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m)).sum()
-        };
-        assert!(driven_m(5, 8) > 0.5, "{line}: {} m before", driven_m(5, 8));
-        assert!(driven_m(16, 20) > 0.5, "{line}: {} m after; {:?}", driven_m(16, 20), seen.under_cause_s);
+        let (before_m, after_m) = (seen.way_m(5.0, 8.0), seen.way_m(16.0, 20.0));
+        assert!(before_m > 0.5, "{line}: {before_m} m before");
+        assert!(after_m > 0.5, "{line}: {after_m} m after; {:?}", seen.under_cause_s);
         println!(
             "{line}: ready {:?}, stops {:?}",
             seen.ready_s,

@@ -10,7 +10,7 @@ use super::fault_class::{self, CLASSES, SOURCES, is_possible};
 use super::fault_phase::{self, PHASES, PhaseRun};
 use super::summary::RunOutcome;
 use super::{watched, watched_by};
-use crate::world::{Observation, Stages, Tape, Witnesses};
+use crate::world::{Observation, Plan, Stages, Tape, Witnesses};
 
 /// A cell of the matrix: indices of class, source and phase.
 pub type Cell = (usize, usize, usize);
@@ -82,11 +82,7 @@ fn draw(seed: u64, trial: u64) -> Result<Trial, Box<RunOutcome>> {
 
 impl Trial {
     fn outcome(self, seen: anyhow::Result<Observation>) -> RunOutcome {
-        let undisturbed = || {
-            let mut plan = self.run.plan.clone();
-            plan.faults.clear();
-            watched(&plan)
-        };
+        let undisturbed = || watched(&undisturbed(&self.run.plan));
         match seen {
             Ok(seen) => RunOutcome {
                 command: self.command,
@@ -98,6 +94,13 @@ impl Trial {
             }
         }
     }
+}
+
+/// The same run without its fault.
+fn undisturbed(plan: &Plan) -> Plan {
+    let mut plan = plan.clone();
+    plan.faults.clear();
+    plan
 }
 
 /// Plays one trial.
@@ -162,6 +165,7 @@ pub fn coverage(counts: &BTreeMap<Cell, u64>) -> (String, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use floorguard_core::geometry::Pose2;
     use std::collections::BTreeSet;
 
     #[test]
@@ -172,5 +176,19 @@ mod tests {
         let counts = visited.into_iter().map(|cell| (cell, 1)).collect();
         let (table, share) = coverage(&counts);
         assert!(share == 1.0 && table.contains("1/1/1/1/1") && table.lines().count() == 21, "{table}");
+    }
+
+    /// A robot that rolls under the fault is held against a run without any: its own would excuse it.
+    #[test]
+    fn who_must_stand_is_held_against_a_run_without_the_fault() {
+        let trial = (0..).map(|trial| draw(2, trial).expect("a trial"));
+        let trial = trial.into_iter().find(|trial| PHASES[trial.cell.2] == "hold").expect("a trial");
+        assert_eq!((trial.run.plan.faults.len(), undisturbed(&trial.run.plan).faults.len()), (1, 0));
+        let mut rolls = Observation::default();
+        rolls.verdict.passed = true;
+        rolls.robot_way = (0..44_u8).map(|step| Pose2::new(f32::from(step), 0.0, 0.0)).collect();
+        let judge = move || trial.outcome(Ok(rolls)).failure;
+        let judge = std::thread::Builder::new().stack_size(32 << 20).spawn(judge).expect("a thread");
+        assert!(judge.join().expect("no panic").is_some_and(|failure| failure.contains("rolled 15.00 m")));
     }
 }

@@ -25,8 +25,6 @@ furniture = [{ kind = "box", at_m = [2.4, 0.0], size_m = [0.6, 0.8], height_m = 
 
 /// The robot may settle this far after it must stand, metres.
 const ROLLS_M: f32 = 0.05;
-/// Places are noted four times a second.
-const PLACES_PER_S: f64 = 4.0;
 
 /// A run goes on for so long after the fault: it brakes from full speed in 1.4 s, and starts again as soon, tenths of a second.
 const RETURNS_DS: u64 = 25;
@@ -104,12 +102,12 @@ impl PhaseRun {
             return Some(format!("{contacts} avoidable contacts, {missed} missed stops"));
         }
         let (from_s, to_s) = self.stands_s?;
-        let rolled_m = rolled_m(seen, (from_s, to_s));
+        let rolled_m = seen.way_m(from_s, to_s);
         if rolled_m <= ROLLS_M {
             return None;
         }
         let anyway_m = match undisturbed() {
-            Ok(twin) => self::rolled_m(&twin, (from_s, to_s)),
+            Ok(twin) => twin.way_m(from_s, to_s),
             Err(error) => return Some(format!("without the fault: {error}")),
         };
         let told = || {
@@ -119,15 +117,6 @@ impl PhaseRun {
         };
         (rolled_m > anyway_m + ROLLS_M).then(told)
     }
-}
-
-/// The way between two moments, metres.
-fn rolled_m(seen: &Observation, (from_s, to_s): (f64, f64)) -> f32 {
-    let index = |seconds: f64| (seconds * PLACES_PER_S) as usize;
-    // A run may end before.
-    let until = index(to_s).min(seen.robot_way.len());
-    let places = seen.robot_way.get(index(from_s)..until).unwrap_or_default();
-    places.windows(2).map(|pair| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m)).sum()
 }
 
 #[cfg(test)]

@@ -93,7 +93,8 @@ impl Case {
         if let Some(wrong) = verdict.faulty_sources.iter().find(|name| !allowed.contains(&name.as_str())) {
             return Some(format!("{wrong} is named as faulty and was not"));
         }
-        let rolled_m = self.rolled_m(seen);
+        // From when it must stand to the end of the fault.
+        let rolled_m = seen.way_m(self.from_s as f64 + STANDS_AFTER_S, self.to_s as f64);
         match self.expected {
             Expected::Stands if rolled_m > ROLLS_M => {
                 Some(format!("it rolled {rolled_m:.2} m under the fault"))
@@ -104,14 +105,6 @@ impl Case {
             }
             _ => None,
         }
-    }
-
-    /// The way from when it must stand to the end of the fault.
-    fn rolled_m(&self, seen: &Observation) -> f32 {
-        let index = |seconds: f64| (seconds * 4.0) as usize;
-        let (from, to) = (index(self.from_s as f64 + STANDS_AFTER_S), index(self.to_s as f64));
-        let places = seen.robot_way.get(from..to).unwrap_or_default();
-        places.windows(2).map(|pair| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m)).sum()
     }
 }
 

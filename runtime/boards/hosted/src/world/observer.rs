@@ -92,6 +92,17 @@ pub struct Observation {
     pub learned: Option<LearningReport>,
 }
 
+impl Observation {
+    /// The way between two moments, seconds since the start, as far as the run went: metres along the noted places.
+    #[must_use]
+    pub fn way_m(&self, from_s: f64, to_s: f64) -> f32 {
+        let index = |seconds: f64| (seconds * 1.0e6) as usize / WAY_US as usize;
+        let places = self.robot_way.get(index(from_s)..index(to_s).min(self.robot_way.len()));
+        let steps = places.unwrap_or_default().windows(2);
+        steps.map(|pair| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m)).sum()
+    }
+}
+
 /// Called now and then with the state of the robot.
 pub type Show<'a> = &'a mut dyn FnMut(f64, &RobotStatus, usize, &[SeenStop]);
 
