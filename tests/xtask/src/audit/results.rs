@@ -1,7 +1,7 @@
 //! Runs the tests of the requirements, and reads what came of each.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::process::Stdio;
+use std::process::{Child, Command, Stdio};
 
 use anyhow::{Context, Result};
 use serde::Serialize;
@@ -56,14 +56,45 @@ pub struct CauseLine {
     pub words: String,
 }
 
-/// Runs them.
-pub fn run(targets: &BTreeSet<String>) -> Result<Results> {
+/// Builds them meanwhile, as the safety image is linked as one piece and leaves all cores but one idle. What the compiler
+/// has to say is said when they are run.
+pub fn build(targets: &BTreeSet<String>) -> Result<Building> {
+    let mut command = command(targets);
+    command.arg("--no-run").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    Ok(Building(command.spawn().context("cannot start cargo test")?))
+}
+
+/// A compiler at work. It is stopped where nobody waits for it.
+pub struct Building(Child);
+
+impl Building {
+    /// Until it is done, well or not: the run that follows judges it.
+    pub fn wait(mut self) -> Result<()> {
+        self.0.wait().context("cannot wait for cargo test").map(drop)
+    }
+}
+
+impl Drop for Building {
+    fn drop(&mut self) {
+        // Where it has ended already there is nothing to stop.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+fn command(targets: &BTreeSet<String>) -> Command {
     let mut command = shell::cargo();
     command.args(["test", "--quiet", "--no-fail-fast", "--package", "floorguard-core"]);
     command.args(["--package", "floorguard-drivers", "--package", "floorguard-tests", "--lib"]);
     for target in targets {
         command.args(["--test", target]);
     }
+    command
+}
+
+/// Runs them.
+pub fn run(targets: &BTreeSet<String>) -> Result<Results> {
+    let mut command = command(targets);
     command
         .args(["--", "--format=pretty", "--show-output", "fg_req_"])
         .stdin(Stdio::null())

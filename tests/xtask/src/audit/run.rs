@@ -1,5 +1,7 @@
 //! Collects the claims, writes the report, gives the verdict.
 
+use std::collections::BTreeSet;
+
 use anyhow::Result;
 use clap::Args;
 
@@ -8,7 +10,7 @@ use super::evidence::Evidence;
 use super::forbidden::{self, Forbidden};
 use super::image;
 use super::loops::{self, LoopSite};
-use super::results::{self, Results};
+use super::results::{self, Building, Results};
 use super::since::CodeToday;
 use super::sources::SourceFile;
 use super::{
@@ -34,6 +36,8 @@ pub fn run(options: &Options) -> Result<bool> {
     let (mut claims, mut sites) = judge_sources(&files);
     claims.push(seen::compare(&root, &mut sites));
     claims.push(hosted_rooms::claim(&root, &files)?);
+    let documents = trace::Sources::read(&root)?;
+    let tests = results::build(&documents.targets())?;
     // What does not compile can still be read: the mistakes in the sources are named all the same.
     let image = image::build()?.map(|path| image::read(&path)).transpose()?;
     claims.push(image_builds(image.is_some()));
@@ -43,8 +47,7 @@ pub fn run(options: &Options) -> Result<bool> {
         let linked = image.functions.values().map(|function| function.name.as_str());
         claims.push(image_claims::roots_linked(linked, &roots));
     }
-    let documents = trace::Sources::read(&root)?;
-    let results = if image.is_some() { results::run(&documents.targets())? } else { Results::default() };
+    let results = if image.is_some() { run_tests(tests, &documents.targets())? } else { Results::default() };
     let (trace, traced) = documents.trace(&results.passed);
     let (dependencies, known) = dependencies::read(&root)?;
     let pictured = picture::claim(&root, (&results.explored, &results.causes), documents.printed_causes());
@@ -72,6 +75,11 @@ pub fn run(options: &Options) -> Result<bool> {
     report::write(&folder, &evidence)?;
     report::print(&folder, &evidence, options.json)?;
     Ok(evidence.holds())
+}
+
+fn run_tests(building: Building, targets: &BTreeSet<String>) -> Result<Results> {
+    building.wait()?;
+    results::run(targets)
 }
 
 /// What the sources alone prove, and their loops.
