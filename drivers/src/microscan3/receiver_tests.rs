@@ -131,6 +131,32 @@ fn lengths_that_lie_are_refused() {
     assert_eq!((rig.refused.len(), rig.receiver.counters().assembly.refused, rig.scans.len()), (11, 11, 0));
 }
 
+/// However far behind the complete message an unfinished one is, nobody waits for it; one that is ahead may still come.
+#[test]
+fn a_complete_message_gives_up_all_older_ones() {
+    for (behind, incomplete) in [(1_u32, 1), (2, 1), (3, 1), (1 << 20, 1), (u32::MAX, 0), (u32::MAX - 1, 0)] {
+        let mut rig = Rig::new();
+        rig.push(&pieces(10, 100_u32.wrapping_sub(behind))[0], 0);
+        pieces(11, 100).iter().for_each(|datagram| rig.push(datagram, 0));
+        assert_eq!(
+            (rig.scans.as_slice(), rig.receiver.counters().assembly.incomplete),
+            (&[11][..], incomplete),
+            "{behind}"
+        );
+    }
+}
+
+/// A piece of one of the fifteen messages before the complete one has been overtaken; an older number has started over.
+#[test]
+fn what_is_sixteen_messages_old_is_not_late() {
+    for (behind, late) in [(1_u32, 1), (15, 1), (16, 0), (17, 0)] {
+        let mut rig = Rig::new();
+        pieces(11, 100).iter().for_each(|datagram| rig.push(datagram, 0));
+        rig.push(&pieces(10, 100 - behind)[0], 50);
+        assert_eq!(rig.receiver.counters().assembly.late, late, "{behind}");
+    }
+}
+
 /// Given up after 100 ms, or when a newer message is complete; both are counted.
 #[test]
 fn incomplete_messages_are_given_up() {

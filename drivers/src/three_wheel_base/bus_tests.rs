@@ -341,6 +341,29 @@ fn a_traction_drive_that_does_not_obey_is_left_alone() {
     assert_eq!(bus.base.counters().silences, silenced);
 }
 
+/// What is no number orders a halt, and a halt is given its time: a wheel that begins to slow down after 140 ms obeys.
+#[test]
+fn an_order_that_is_no_number_is_obeyed_by_stopping() {
+    for wheel_mps in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+        let mut bus = Bus::running();
+        bus.base.command(DriveCommand::Move { wheel_mps: 0.8, steering_rad: 0.0 });
+        bus.drives(0x0237, 800, 0);
+        (0..30).for_each(|_| _ = bus.poll());
+        bus.base.command(DriveCommand::Move { wheel_mps, steering_rad: 0.0 });
+        for step in 0..100 {
+            bus.drives(0x0237, (800 - 15 * (step - 14).max(0)).max(0), 0);
+            bus.poll();
+        }
+        assert_eq!(bus.base.counters().silences, 0, "{wheel_mps}");
+        // It rolls again, although nothing but that was ordered.
+        for _ in 0..30 {
+            bus.drives(0x0237, 800, 0);
+            bus.poll();
+        }
+        assert!(bus.base.counters().silences > 0, "{wheel_mps}");
+    }
+}
+
 /// The drives watch the master: 127 and 200 ms in one word; ramps in mm/s².
 #[test]
 fn the_drives_are_told_whom_to_watch_and_how_to_brake() {

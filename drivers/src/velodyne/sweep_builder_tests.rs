@@ -103,9 +103,14 @@ fn a_sweep_that_is_full_counts_what_it_drops() {
 
 /// A packet of a slow head: firings 10 cdeg apart, one of every two at `near`, the other at `far`.
 fn slow(number: u32, near: u16, far: u16) -> LidarPacket {
+    apart(10, number, (near, far))
+}
+
+/// The same with firings any distance apart.
+fn apart(step_cdeg: u32, number: u32, (near, far): (u16, u16)) -> LidarPacket {
     let mut packet = columns(number);
     for (index, column) in packet.columns.iter_mut().enumerate() {
-        column.azimuth_cdeg = (240 * number + 10 * index as u32) as u16 % 36_000;
+        column.azimuth_cdeg = (step_cdeg * (24 * number + index as u32)) as u16 % 36_000;
         column.range_raw.fill(if index % 2 == 0 { near } else { far });
         column.reflectivity.fill(if index % 2 == 0 { 1 } else { 2 });
     }
@@ -132,6 +137,17 @@ fn firings_of_a_slow_head_share_columns() {
                 "{first} {second}"
             );
         }
+    }
+}
+
+/// Where every firing has its own column: from 18 cdeg on.
+#[test]
+fn firings_that_are_18_cdeg_apart_share_none() {
+    for (step_cdeg, count) in [(17, 12), (18, 24), (19, 24)] {
+        let mut building = Box::new(Sweep::<16>::EMPTY);
+        let packet = apart(step_cdeg, 0, (500, 400));
+        SweepBuilder::new(18_000).add(&packet, 0, &mut building, |_| panic!("nothing is complete"));
+        assert_eq!(building.column_count, count, "{step_cdeg}");
     }
 }
 

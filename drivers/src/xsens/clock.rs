@@ -75,6 +75,19 @@ mod tests {
         assert_eq!(stamp, Stamp::from_micros(12_000_000));
     }
 
+    /// Not even a small step back is followed: a clock that does not count on is a new one, at any time of its day.
+    #[test]
+    fn a_clock_that_falls_back_is_told_by_its_arrival() {
+        for fell in [1, 10, 100, 36_000] {
+            for first in [50_000, 431_000_000, 863_000_000] {
+                let mut clock = SampleClock::default();
+                clock.stamp(first, Stamp::from_micros(10_000_000));
+                let stamp = clock.stamp(first - fell, Stamp::from_micros(10_010_000));
+                assert_eq!(stamp, Stamp::from_micros(10_010_000), "{fell} of {first}");
+            }
+        }
+    }
+
     #[test]
     fn samples_that_queued_stay_old() {
         let mut clock = SampleClock::default();

@@ -275,6 +275,19 @@ mod tests {
         assert_eq!(received(&[&short]).0, [(0x36, items[..254].to_vec())]);
     }
 
+    /// The longest frame of the protocol fits, whatever stands before it, and little more.
+    #[test]
+    fn the_longest_frame_fits() {
+        let mut bytes = hex("FA FF 36 FF 08 00");
+        bytes.extend((0..2_048_u32).map(|k| k as u8));
+        let sum = bytes[1..].iter().fold(0_u8, |sum, byte| sum.wrapping_add(*byte));
+        bytes.push(sum.wrapping_neg());
+        let (found, counters) = received(&[&hex("00 FA FF"), &bytes, &hex("FA FF 31 00 D0")]);
+        assert_eq!(found.iter().map(|(_, data)| data.len()).collect::<StdVec<_>>(), [2_048, 0]);
+        assert_eq!(counters.frames, 2);
+        assert!(size_of::<FrameReceiver>() < 2_200, "about 2 KiB, as its users are told");
+    }
+
     #[test]
     fn an_impossible_length_and_a_silence_hold_nothing_up() {
         let next = hex("FA FF 31 00 D0");
