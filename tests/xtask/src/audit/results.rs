@@ -56,8 +56,7 @@ pub struct CauseLine {
     pub words: String,
 }
 
-/// Builds them meanwhile, as the safety image is linked as one piece and leaves all cores but one idle. What the compiler
-/// has to say is said when they are run.
+/// Begins to build them: the safety image is linked as one piece meanwhile, which leaves all cores but one idle.
 pub fn build(targets: &BTreeSet<String>) -> Result<Building> {
     let mut command = command(targets);
     command.arg("--no-run").stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
@@ -66,13 +65,6 @@ pub fn build(targets: &BTreeSet<String>) -> Result<Building> {
 
 /// A compiler at work. It is stopped where nobody waits for it.
 pub struct Building(Child);
-
-impl Building {
-    /// Until it is done, well or not: the run that follows judges it.
-    pub fn wait(mut self) -> Result<()> {
-        self.0.wait().context("cannot wait for cargo test").map(drop)
-    }
-}
 
 impl Drop for Building {
     fn drop(&mut self) {
@@ -92,8 +84,9 @@ fn command(targets: &BTreeSet<String>) -> Command {
     command
 }
 
-/// Runs them.
-pub fn run(targets: &BTreeSet<String>) -> Result<Results> {
+/// Runs them as soon as they are built, well or not: here the compiler speaks.
+pub fn run(mut building: Building, targets: &BTreeSet<String>) -> Result<Results> {
+    building.0.wait().context("cannot wait for cargo test")?;
     let mut command = command(targets);
     command
         .args(["--", "--format=pretty", "--show-output", "fg_req_"])

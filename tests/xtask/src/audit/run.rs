@@ -1,7 +1,5 @@
 //! Collects the claims, writes the report, gives the verdict.
 
-use std::collections::BTreeSet;
-
 use anyhow::Result;
 use clap::Args;
 
@@ -10,7 +8,7 @@ use super::evidence::Evidence;
 use super::forbidden::{self, Forbidden};
 use super::image;
 use super::loops::{self, LoopSite};
-use super::results::{self, Building, Results};
+use super::results::{self, Results};
 use super::since::CodeToday;
 use super::sources::SourceFile;
 use super::{
@@ -47,7 +45,8 @@ pub fn run(options: &Options) -> Result<bool> {
         let linked = image.functions.values().map(|function| function.name.as_str());
         claims.push(image_claims::roots_linked(linked, &roots));
     }
-    let results = if image.is_some() { run_tests(tests, &documents.targets())? } else { Results::default() };
+    let results =
+        if image.is_some() { results::run(tests, &documents.targets())? } else { Results::default() };
     let (trace, traced) = documents.trace(&results.passed);
     let (dependencies, known) = dependencies::read(&root)?;
     let pictured = picture::claim(&root, (&results.explored, &results.causes), documents.printed_causes());
@@ -75,11 +74,6 @@ pub fn run(options: &Options) -> Result<bool> {
     report::write(&folder, &evidence)?;
     report::print(&folder, &evidence, options.json)?;
     Ok(evidence.holds())
-}
-
-fn run_tests(building: Building, targets: &BTreeSet<String>) -> Result<Results> {
-    building.wait()?;
-    results::run(targets)
 }
 
 /// What the sources alone prove, and their loops.
