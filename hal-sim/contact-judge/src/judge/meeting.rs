@@ -1,0 +1,123 @@
+//! Makes a contact out of two bodies that touch, and decides who could have avoided it.
+
+use super::{ContactJudge, PUSHES_MPS, STANDS_MPS, Step};
+use crate::avoidance::{Case, Past};
+use crate::body::Nearest;
+use crate::contact::{Contact, ContactKind, Other};
+use crate::detection::Found;
+use crate::force::force;
+use crate::scene::{Key, LimbName, ThingKind};
+
+impl ContactJudge {
+    pub(super) fn found(&mut self, step: &Step, key: Key, found: Found) {
+        match found {
+            Found::Apart => {}
+            Found::End => {
+                self.corridor.look(step.at_s, key, None);
+                if let Some(contact) = self.open.remove(&key).and_then(|at| self.contacts.get_mut(at)) {
+                    contact.until_s = step.at_s;
+                }
+            }
+            Found::Touch(is_new, nearest, limb) => {
+                let contact = self.contact(step, key, (&nearest, limb));
+                match self.open.get(&key).copied().filter(|_| !is_new) {
+                    None => {
+                        self.open.insert(key, self.contacts.len());
+                        let judged = self.judged(key, contact, &nearest);
+                        self.contacts.push(judged);
+                    }
+                    Some(at) => self.goes_on((at, key), contact, &nearest),
+                }
+            }
+        }
+    }
+
+    /// A contact that has begun before.
+    fn goes_on(&mut self, (at, key): (usize, Key), now: Contact, nearest: &Nearest) {
+        let Some(known) = self.contacts.get_mut(at) else { return };
+        known.until_s = now.at_s;
+        known.depth_m = known.depth_m.max(now.depth_m);
+        // Somebody leans against the standing robot, and it moves towards them.
+        let pushes = now.kind != ContactKind::WalkedIntoStanding && now.robot_closing_mps > PUSHES_MPS;
+        if known.kind == ContactKind::WalkedIntoStanding && pushes {
+            let judged = self.judged(key, now, nearest);
+            self.contacts[at] = judged;
+        }
+    }
+
+    /// Decides who could have avoided it.
+    fn judged(&mut self, key: Key, contact: Contact, nearest: &Nearest) -> Contact {
+        if contact.kind == ContactKind::WalkedIntoStanding {
+            return contact;
+        }
+        let case = Case { key, at_s: contact.at_s, point_m: nearest.on_robot_m };
+        let past = self.past(key);
+        let avoidable = past.by_perfection(&case);
+        let seen = if avoidable { past.by_sensors(&case) } else { None };
+        if avoidable && self.corridor.met(key) {
+            self.missed[usize::from(seen.is_none())] += 1;
+        }
+        let (seen_by, seen_before_s) = seen.map_or((None, None), |(name, s)| (Some(name), Some(s)));
+        Contact { avoidable, seen_by, seen_before_s, ..contact }
+    }
+
+    pub(super) fn past(&self, key: Key) -> Past<'_> {
+        let is_drop = matches!(key, Key::Thing(at) if self.things[at].thing.kind == ThingKind::Drop);
+        let body = self.wheels.as_ref().filter(|_| is_drop).unwrap_or(&self.body);
+        Past { track: &self.track, things: &self.things, body, brakes: &self.brakes, sensors: &self.sensors }
+    }
+
+    fn contact(&self, step: &Step, key: Key, (nearest, limb): (&Nearest, Option<LimbName>)) -> Contact {
+        let is_drop = matches!(key, Key::Thing(at) if self.things[at].thing.kind == ThingKind::Drop);
+        let body = self.wheels.as_ref().filter(|_| is_drop).unwrap_or(&self.body);
+        let place = body.place(step.pose, nearest);
+        let [x_mps, y_mps] = step.motion.at([place.point_m[0], place.point_m[1]]);
+        let (sin, cos) = libm::sincosf(step.pose.heading_rad);
+        let robot = [cos * x_mps - sin * y_mps, sin * x_mps + cos * y_mps];
+        let (other, velocity) = self.other(key, limb);
+        let relative = [robot[0] - velocity[0], robot[1] - velocity[1]];
+        let along = |v: [f32; 2]| v[0] * nearest.direction[0] + v[1] * nearest.direction[1];
+        let (robot_mps, robot_closing_mps) = (libm::hypotf(robot[0], robot[1]), along(robot));
+        let stands = robot_mps < STANDS_MPS;
+        let kind = match key {
+            _ if stands => ContactKind::WalkedIntoStanding,
+            Key::Thing(_) if is_drop => ContactKind::OverEdge,
+            Key::Thing(_) => ContactKind::DroveInto,
+            Key::Person(_) if robot_closing_mps > STANDS_MPS => ContactKind::DroveInto,
+            Key::Person(_) => ContactKind::WalkedIntoMoving,
+        };
+        let closing_mps = along(relative).max(0.0);
+        Contact {
+            at_s: step.at_s,
+            until_s: step.at_s,
+            other,
+            kind,
+            place,
+            pose: step.pose,
+            robot_mps,
+            robot_closing_mps,
+            relative_mps: libm::hypotf(relative[0], relative[1]),
+            closing_mps,
+            force: force(limb, closing_mps, self.mass_kg),
+            depth_m: (-nearest.gap_m).max(0.0),
+            avoidable: false,
+            seen_by: None,
+            seen_before_s: None,
+        }
+    }
+
+    fn other(&self, key: Key, limb: Option<LimbName>) -> (Other, [f32; 2]) {
+        match key {
+            Key::Thing(index) => {
+                (Other::Thing { index, name: self.things[index].thing.name.clone() }, [0.0; 2])
+            }
+            Key::Person(id) => {
+                let person = self.people.get(&id);
+                let limb = limb.unwrap_or(LimbName::Torso);
+                let kind = person.map_or("person", |person| person.kind);
+                let velocity = person.map_or([0.0; 2], |person| person.velocity_mps);
+                (Other::Person { id, kind, limb }, velocity)
+            }
+        }
+    }
+}
