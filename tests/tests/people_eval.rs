@@ -31,7 +31,7 @@ fn a_changed_row_fails_the_verdict() {
     ) else {
         return;
     };
-    let text = evaluate::read_text(&rows).expect("readable");
+    let text = floorguard_robot::picture_files::read_text(&rows).expect("readable");
     let mut lines = text.lines();
     let (names, first) = (lines.next().expect("names"), lines.next().expect("a row"));
     let flipped = if first.starts_with("-1,") { first.replacen("-1,", "1,", 1) } else { format!("-{first}") };
