@@ -3,7 +3,7 @@
 //! A ring of fixed size that never allocates and never fails. On a stop the host writes it to a file; the MCU sends
 //! it on request. Entries are small and typed, so that the ring costs a copy of a few words per tick.
 
-use floorguard_core::time::Stamp;
+use floorguard_types::time::Stamp;
 use heapless::Vec;
 
 /// Ten seconds at one entry per 10 ms tick, plus room for 24 events a second between the ticks.

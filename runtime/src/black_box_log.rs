@@ -4,8 +4,8 @@
 //! a reader finds the next row after any damage, and a cut costs the row that was cut and no other.
 
 use crc::{CRC_32_ISO_HDLC, Crc};
-use floorguard_core::guard::{Action, Cause, GuardState};
-use floorguard_core::time::Stamp;
+use floorguard_guard::{Action, Cause, GuardState};
+use floorguard_types::time::Stamp;
 use serde::{Deserialize, Serialize};
 
 use crate::shared::BoxEntry;

@@ -4,7 +4,7 @@
 //! decides whether it is a hardware timer, the computer's monotonic clock, or the simulator's virtual one.
 
 use embassy_time::Instant;
-use floorguard_core::time::Stamp;
+use floorguard_types::time::Stamp;
 
 /// Now, on the robot's monotonic clock.
 #[must_use]

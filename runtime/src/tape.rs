@@ -7,7 +7,7 @@
 //! arrival, `u16` line, `u16` length, the bytes, and zeros up to a multiple of 4. The first record with line 0xFFFF
 //! ends it.
 
-use floorguard_core::geometry::Point2;
+use floorguard_types::geometry::Point2;
 
 use crate::mission::{ROUTE_WAYPOINTS_MAX, Route, RouteLimits};
 

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use floorguard_core::sensing::{LidarPacket, Sweep};
-use floorguard_core::time::Stamp;
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
 use floorguard_hosted::capture::{Capture, Datagram};
+use floorguard_types::sensing::{LidarPacket, Sweep};
+use floorguard_types::time::Stamp;
 
 /// The lidar datagrams of a capture.
 ///

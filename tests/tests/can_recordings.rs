@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 
-use floorguard_core::time::Stamp;
 use floorguard_drivers::can::{CanFrame, SlcanEvent, SlcanReceiver, encode_slcan};
 use floorguard_drivers::canopen::{
     Emergency, NetworkCommand, NodeConfigurator, NodePhase, NodeState, Script, SdoAnswer, SdoRequest,
@@ -12,6 +11,7 @@ use floorguard_drivers::canopen::{
 use floorguard_drivers::cia402::PowerState;
 use floorguard_drivers::three_wheel_base::{BaseConfiguration, BaseEvent, ThreeWheelBase};
 use floorguard_tests::data::recording;
+use floorguard_types::time::Stamp;
 
 const NAVICAN: &str = "can_canopen/navican_two_wheel_cia402_start.candump.txt";
 const ROS_CANOPEN: &str = "can_canopen/ros_canopen_issue259_start.candump.txt";

@@ -1,12 +1,12 @@
 //! What a claim is worth when wheels slip, the robot is pushed, packets are lost and power fails.
 //! `cargo xtask campaign claims` runs as many missions as one likes and prints both shares with their intervals.
 
-use floorguard_core::random::Pcg32;
 use floorguard_hosted::mission::statistics::wilson95;
 use floorguard_hosted::mission::{
     DirtSource, FaultKind, FaultRates, Floor, MissionConfig, Robot, Strategy, rooms, run,
 };
 use floorguard_tests::campaign::{Slice, report};
+use floorguard_types::random::Pcg32;
 
 /// What a cell that is called clean may be wrong with, and the share of the truly clean ones that must be claimed.
 const DELTA: f64 = 0.01;

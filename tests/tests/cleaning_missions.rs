@@ -1,11 +1,11 @@
 //! Whole missions in small rooms: what is claimed, against what is true.
 
-use floorguard_core::random::Pcg32;
 use floorguard_hosted::executor::StopFlag;
 use floorguard_hosted::mission::{
     DirtSource, Floor, Keeping, Memory, MissionConfig, Onlooker, Strategy, rooms, run, run_keeping,
     run_strategies_believing,
 };
+use floorguard_types::random::Pcg32;
 
 #[test]
 fn the_guarantee_is_kept_in_a_plain_room() {

@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use floorguard_core::cleaning::{Distances, EuclideanCells, TourSolver};
-use floorguard_core::random::Pcg32;
+use floorguard_cleaning::{Distances, EuclideanCells, TourSolver};
 use floorguard_tests::data::bench_input;
+use floorguard_types::random::Pcg32;
 
 /// All distances, worked out once.
 struct Matrix {

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use floorguard_core::floor::{FloorFault, FloorModel, FloorParameters, FloorSource, Plane};
-use floorguard_core::sensing::{DepthImage, FrameFault, PinholeCamera};
-use floorguard_core::time::Stamp;
 use floorguard_hosted::commands::BadInput;
 use floorguard_hosted::evaluate::{FloorTask, floor};
+use floorguard_perception::floor::{FloorFault, FloorModel, FloorParameters, FloorSource, Plane};
+use floorguard_types::sensing::{DepthImage, FrameFault, PinholeCamera};
+use floorguard_types::time::Stamp;
 
 const WIDTH: usize = 160;
 const HEIGHT: usize = 120;

@@ -1,10 +1,10 @@
 //! A robot with a rendered floor camera: dirt is seen where it lies, and a low thing that neither lidar nor scanner sees is
 //! not driven over.
 
-use floorguard_core::geometry::Point2;
 use floorguard_hosted::cleaner::MissionStrategy;
 use floorguard_hosted::world::{Observation, Observer, Plan, run_virtual};
 use floorguard_sim::scenario::Scenario;
+use floorguard_types::geometry::Point2;
 
 /// A hall with a spill ahead, and a brick of 5 cm beside the straight way to another.
 const HALL: &str = r#"

@@ -1,11 +1,11 @@
 //! Objects of known size on rendered floors with the depth noise of a real camera: what is found, and what is not there.
 
-use floorguard_core::floor::{
+use floorguard_perception::floor::{
     DepthNoise, FloorModel, FloorObject, FloorParameters, ObjectFinder, PixelClass, Plane, dot,
 };
-use floorguard_core::random::Pcg32;
-use floorguard_core::sensing::{DepthImage, PinholeCamera};
-use floorguard_core::time::Stamp;
+use floorguard_types::random::Pcg32;
+use floorguard_types::sensing::{DepthImage, PinholeCamera};
+use floorguard_types::time::Stamp;
 
 const SIZE: (usize, usize) = (640, 480);
 const HEIGHT_M: f32 = 0.72;

@@ -2,8 +2,8 @@
 
 use std::io::Read as _;
 
-use floorguard_core::floor::{Expectation, Plane, floor_of_points};
 use floorguard_hosted::evaluate::{FloorReport, FloorTask, floor};
+use floorguard_perception::floor::{Expectation, Plane, floor_of_points};
 use floorguard_tests::data::{bench_input, recording};
 
 /// Intrinsics under which the keys were made.

@@ -1,9 +1,9 @@
 //! A second model of the guard's decision machine, written from the rules in `docs/requirements.md` and not from the
 //! code, run against it step by step. `cargo xtask campaign model` runs as many steps as one likes.
 
-use floorguard_core::guard::{Action, Cause, CauseRecord, DecisionMachine, GuardState, Source};
-use floorguard_core::time::Stamp;
+use floorguard_guard::{Action, Cause, CauseRecord, DecisionMachine, GuardState, Source};
 use floorguard_tests::campaign::{Random, Slice, report};
+use floorguard_types::time::Stamp;
 
 /// Steps of one trial: both models start anew, so that what never clears does not hide the rest.
 const STEPS: u64 = 2_000;

@@ -4,7 +4,6 @@
 use std::io::BufReader;
 use std::path::Path;
 
-use floorguard_core::online_learning::Weights;
 use floorguard_hosted::configuration::EXAMPLE;
 use floorguard_hosted::learning::{
     LearningReport, LearningSetup, anchors_fingerprint, load_weights, save_weights, shipped_anchors,
@@ -14,6 +13,7 @@ use floorguard_hosted::report::{document, read_history};
 use floorguard_hosted::world::{
     Observation, Observer, Plan, ReplayAudience, ReplayOutcome, Witnesses, replay_recording, run_recorded,
 };
+use floorguard_perception::online_learning::Weights;
 use floorguard_runtime::shared::PeopleReport;
 
 const SECONDS: u64 = 12;

@@ -2,10 +2,10 @@
 //!
 //! The encoder below is written from wire-formats 3 and shares nothing with the driver.
 
-use floorguard_core::random::Pcg32;
-use floorguard_core::sensing::{BeamReturn, Scan};
-use floorguard_core::time::Stamp;
 use floorguard_drivers::microscan3::{Configuration, Event, Receiver};
+use floorguard_types::random::Pcg32;
+use floorguard_types::sensing::{BeamReturn, Scan};
+use floorguard_types::time::Stamp;
 
 const BEAMS: u16 = 2_751;
 /// Content of a datagram in an Ethernet frame.

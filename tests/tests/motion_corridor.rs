@@ -1,7 +1,7 @@
 //! One walker in a simulated corridor, past a driving robot: he is found moving, and next to nothing else is. The whole
 //! protocol with its figures is `cargo xtask reproduce motion`.
 
-use floorguard_core::motion::MotionParameters;
+use floorguard_perception::motion::MotionParameters;
 use floorguard_tests::corridor::{Method, Score, judge, record};
 use floorguard_tests::reproduce::motion_figures;
 

@@ -8,11 +8,11 @@
 //! `stonesoup.dataassociator.probability.JPDA` over `PDAHypothesiser(clutter_spatial_density=0.2, prob_detect=0.8,
 //! prob_gate=1 − 1e-12)`: three tracks with variance 0.16, four detections with variance 0.09, no time between.
 
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::people::filters::{
+use floorguard_perception::people::filters::{
     ExtendedKalman, Gaussian, Observation, Particles, PersonFilter, Unscented,
 };
-use floorguard_core::people::{ConstantVelocity, JointGroup};
+use floorguard_perception::people::{ConstantVelocity, JointGroup};
+use floorguard_types::geometry::{Point2, Pose2};
 
 const DENSITY: f32 = 0.4;
 const START: (Point2, Point2) = (Point2 { x_m: 1.0, y_m: 2.0 }, Point2 { x_m: 0.5, y_m: -0.25 });

@@ -1,12 +1,12 @@
 //! Lidar and safety scanner make one list of people: who stands before the scanner is seen by both, nobody is listed
 //! twice, and while the lidar is silent the scanner alone still tells of those it sees.
 
-use floorguard_core::geometry::Point2;
-use floorguard_core::legs::PeopleByLegs;
-use floorguard_core::people::{PeoplePipeline, PeopleSensor, RingAngles, Track, TrackStatus};
-use floorguard_core::time::Stamp;
+use floorguard_perception::legs::PeopleByLegs;
+use floorguard_perception::people::{PeoplePipeline, PeopleSensor, RingAngles, Track, TrackStatus};
 use floorguard_sim::Simulation;
 use floorguard_tests::crowds::{CROWDS, Seen, play_all};
+use floorguard_types::geometry::Point2;
+use floorguard_types::time::Stamp;
 
 /// Legs are looked for so far from the scanner, metres.
 const NEAR_M: f32 = 3.5;

@@ -1,7 +1,7 @@
 //! Learning in a new place, end to end on simulated sweeps. Longer: `cargo xtask reproduce online-learning`.
 
-use floorguard_core::online_learning::Weights;
 use floorguard_hosted::train::{anchors, learn_place};
+use floorguard_perception::online_learning::Weights;
 use floorguard_tests::online::{holds, places};
 
 /// Fifteen seconds are too short for anything to be taken over: what is said must be the shipped answer, look for look.

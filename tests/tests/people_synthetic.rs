@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::io::Read as _;
 
 use flate2::read::GzDecoder;
-use floorguard_core::geometry::{Point2, Point3, Pose2, Transform3, Twist2};
-use floorguard_core::people::{
+use floorguard_perception::people::{
     Association, FloorMask, PeoplePipeline, RingAngles, SweepContext, TrackStatus, TrackerParameters,
 };
-use floorguard_core::sensing::LidarPacket;
 use floorguard_tests::data::bench_input;
 use floorguard_tests::lidar_frames::{datagrams, packets, sweep_of};
+use floorguard_types::geometry::{Point2, Point3, Pose2, Transform3, Twist2};
+use floorguard_types::sensing::LidarPacket;
 use serde_json::Value;
 
 const PACKETS_PER_FRAME: usize = 75;

@@ -2,13 +2,13 @@
 
 use std::io::Cursor;
 
-use floorguard_core::geometry::{Point3, Pose2, Transform3, Twist2};
-use floorguard_core::sensing::{BeamReturn, ImuSample, Scan};
-use floorguard_core::time::Stamp;
 use floorguard_hosted::recording::{
     Diagnostic, GridImage, Marker, MarkerShape, MotionRow, PointRow, RawStream, ReadError, Recorder,
     Recording, Severity, count_messages, octets_of, topics,
 };
+use floorguard_types::geometry::{Point3, Pose2, Transform3, Twist2};
+use floorguard_types::sensing::{BeamReturn, ImuSample, Scan};
+use floorguard_types::time::Stamp;
 
 fn at(millis: u64) -> Stamp {
     Stamp::from_micros(millis * 1_000)

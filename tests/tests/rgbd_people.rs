@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
-use floorguard_core::floor::Plane;
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::rgbd_people::{RgbdDetection, RgbdKind, RgbdParameters, RgbdPeopleFinder};
-use floorguard_core::sensing::DepthImage;
-use floorguard_core::time::Stamp;
 use floorguard_hosted::evaluate::{RgbdTask, rgbd_people};
+use floorguard_perception::floor::Plane;
+use floorguard_perception::rgbd_people::{RgbdDetection, RgbdKind, RgbdParameters, RgbdPeopleFinder};
 use floorguard_sim::people::{Build, Person, PersonKind};
 use floorguard_sim::scene::{Material, SceneBuilder};
 use floorguard_sim::sensors::{DepthCamera, DepthPicture};
 use floorguard_tests::data::recording;
 use floorguard_tests::rgbd::{pinhole, run_rooms};
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::sensing::DepthImage;
+use floorguard_types::time::Stamp;
 
 /// Measured over 400 rooms of these seeds: 0.83, 0.93; legs 0.93, 0.90.
 #[test]

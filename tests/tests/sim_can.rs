@@ -1,7 +1,5 @@
 //! The bus master of `drivers` against the simulator's devices, which were written from the specification alone.
 
-use floorguard_core::sensing::{DriveFeedback, DriveState, SafetyInput, WheelSample};
-use floorguard_core::time::Stamp;
 use floorguard_drivers::can::{CanFrame, SlcanEvent, SlcanReceiver, encode_slcan};
 use floorguard_drivers::flexisoft::{InputBits, InputMap};
 use floorguard_drivers::three_wheel_base::{
@@ -10,6 +8,8 @@ use floorguard_drivers::three_wheel_base::{
 use floorguard_sim::can as sim_can;
 use floorguard_sim::scenario::Scenario;
 use floorguard_sim::simulation::{Payload, Simulation, Stream};
+use floorguard_types::sensing::{DriveFeedback, DriveState, SafetyInput, WheelSample};
+use floorguard_types::time::Stamp;
 
 const INPUTS: InputMap = InputMap {
     emergency_stop: InputBits::new([32, 33]),

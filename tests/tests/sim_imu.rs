@@ -5,12 +5,12 @@ mod sim_support;
 
 use std::collections::BTreeMap;
 
-use floorguard_core::geometry::Pose2;
-use floorguard_core::sensing::ImuSample;
-use floorguard_core::time::{Age, Stamp};
 use floorguard_drivers::xsens::{Device, DeviceEvent, DevicePhase};
 use floorguard_sim::faults::{FaultLayer, FaultSpec};
 use floorguard_sim::simulation::{Stream, Truth, WireEvent};
+use floorguard_types::geometry::Pose2;
+use floorguard_types::sensing::ImuSample;
+use floorguard_types::time::{Age, Stamp};
 use sim_support::{Seat, bytes_of, mean_and_deviation, room};
 
 /// A robot with an inertial sensor, a line that may be bad, and the truth at each millisecond.
@@ -126,7 +126,7 @@ fn samples_equal_the_motion_within_the_noise_of_the_device() {
         let [w, x, y, z] = sample.orientation.unwrap();
         assert_eq!((x, y), (0.0, 0.0));
         let yaw = 2.0 * z.atan2(w);
-        heading.push(f64::from(floorguard_core::geometry::wrap_angle(yaw - truth.robot.heading_rad)));
+        heading.push(f64::from(floorguard_types::geometry::wrap_angle(yaw - truth.robot.heading_rad)));
     }
     assert!(fastest > 0.4, "the robot turned: {fastest}");
     // The simulator's device: 0.003 rad/s and 0.02 m/s² of white noise, no error of the orientation.

@@ -8,11 +8,8 @@ use std::fs::File;
 use std::io::BufReader;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::guard::{Health, Source};
-use floorguard_core::sensing::{BeamReturn, Scan};
-use floorguard_core::time::Stamp;
 use floorguard_drivers::microscan3::{Configuration, Event, Receiver};
+use floorguard_guard::{Health, Source};
 use floorguard_hosted::executor::{TaskSet, use_virtual_clock};
 use floorguard_hosted::recording::Recording;
 use floorguard_hosted::world::{
@@ -27,6 +24,9 @@ use floorguard_sim::FaultSpec;
 use floorguard_sim::robot::{RobotParameters, ScannerDevice};
 use floorguard_sim::sensors::ScannerState;
 use floorguard_sim::simulation::{Simulation, Stream};
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::sensing::{BeamReturn, Scan};
+use floorguard_types::time::Stamp;
 use sim_support::{bytes_of, mean_and_deviation, room, wall_range_m};
 
 const START: Pose2 = Pose2 { x_m: 0.7, y_m: -0.4, heading_rad: 0.5 };

@@ -5,11 +5,8 @@
 mod sim_support;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::guard::{Health, Source};
-use floorguard_core::sensing::{BeamReturn, Scan};
-use floorguard_core::time::Stamp;
 use floorguard_drivers::s300::{Bit13, Configuration, Counters, Event, Receiver, TelegramError};
+use floorguard_guard::{Health, Source};
 use floorguard_hosted::executor::{TaskSet, use_virtual_clock};
 use floorguard_hosted::world::{Plan, new_shared};
 use floorguard_runtime::tasks::scanner_input;
@@ -17,6 +14,9 @@ use floorguard_sim::Scenario;
 use floorguard_sim::faults::{FaultLayer, FaultSpec};
 use floorguard_sim::sensors::ScannerState;
 use floorguard_sim::simulation::{Simulation, Stream};
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::sensing::{BeamReturn, Scan};
+use floorguard_types::time::Stamp;
 use sim_support::{Seat, bytes_of, mean_and_deviation, room, wall_range_m};
 
 const START: Pose2 = Pose2 { x_m: 0.7, y_m: -0.4, heading_rad: 0.5 };

@@ -6,9 +6,6 @@ mod sim_support;
 
 use std::collections::BTreeMap;
 
-use floorguard_core::geometry::{Point2, Pose2, wrap_angle};
-use floorguard_core::sensing::{LidarPacket, Sweep};
-use floorguard_core::time::Stamp;
 use floorguard_drivers::velodyne::{
     DecodeError, Decoder, Gprmc, Model, ModelChoice, Packet, PositionPacket, PpsState, Return, Returns,
     ReturnsOf, SweepBuilder,
@@ -18,6 +15,9 @@ use floorguard_sim::robot::{RobotBody, RobotParameters};
 use floorguard_sim::sensors::{Lidar, View};
 use floorguard_sim::simulation::Stream;
 use floorguard_sim::wire::ReturnMode;
+use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
+use floorguard_types::sensing::{LidarPacket, Sweep};
+use floorguard_types::time::Stamp;
 use sim_support::{HALF_M, Seat, bytes_of, mean_and_deviation, room, wall_range_m};
 
 const START: Pose2 = Pose2 { x_m: 0.7, y_m: -0.4, heading_rad: 0.5 };
@@ -222,7 +222,7 @@ fn returns_of_a_driving_robot_lie_on_the_walls() {
     assert!(late_us.abs() < 700.0, "stamps are late by {late_us} us");
 }
 
-fn pose_turn(truths: &BTreeMap<u64, (Pose2, floorguard_core::geometry::Twist2)>, at_us: u64) -> f32 {
+fn pose_turn(truths: &BTreeMap<u64, (Pose2, floorguard_types::geometry::Twist2)>, at_us: u64) -> f32 {
     truths.range(..=at_us).next_back().map_or(0.0, |(_, (_, twist))| twist.angular_radps)
 }
 

@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use floorguard_core::sensing::Sweep;
-use floorguard_core::time::Stamp;
 use floorguard_drivers::velodyne::{
     DecodeError, Decoder, Gprmc, Model, ModelChoice, Packet, PositionPacket, PpsState, Returns, ReturnsOf,
     SweepBuilder,
 };
 use floorguard_hosted::capture::{Capture, CaptureError};
 use floorguard_tests::data::recording;
+use floorguard_types::sensing::Sweep;
+use floorguard_types::time::Stamp;
 
 const DATA_PORT: u16 = 2_368;
 const POSITION_PORT: u16 = 8_308;

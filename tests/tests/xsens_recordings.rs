@@ -6,9 +6,9 @@
 use std::collections::BTreeMap;
 use std::io::Read as _;
 
-use floorguard_core::time::Stamp;
 use floorguard_drivers::xsens::{FrameReceiver, Item, Items, LocalFrame, Measurement, NumberFormat, encode};
 use floorguard_tests::data::recording;
+use floorguard_types::time::Stamp;
 
 /// What stands in front of an item's numbers in the text.
 const NAMES: [(&str, u16); 19] = [

@@ -1,6 +1,6 @@
 //! Brings one node from power-up to operational, and again whenever it comes back.
 
-use floorguard_core::time::{Age, Stamp};
+use floorguard_types::time::{Age, Stamp};
 
 use super::heartbeat::{HeartbeatMonitor, NodeState};
 use super::network::{NetworkCommand, network_frame};

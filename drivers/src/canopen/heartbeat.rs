@@ -1,6 +1,6 @@
 //! Is a node alive, and in which state?
 
-use floorguard_core::time::{Age, Stamp};
+use floorguard_types::time::{Age, Stamp};
 
 /// Network state of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Compares the two channels of one input.
 
-use floorguard_core::sensing::SafetyInput;
-use floorguard_core::time::{Age, Stamp};
+use floorguard_types::sensing::SafetyInput;
+use floorguard_types::time::{Age, Stamp};
 
 /// One input of the equivalent kind: both channels 1 in the operating state.
 ///

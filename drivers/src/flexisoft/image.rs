@@ -3,8 +3,8 @@
 //! A dead module, a missing byte and an object that is not sent any more read as `Unknown`, which is danger; with
 //! channels of which 1 is the operating state, so does a cut wire.
 
-use floorguard_core::sensing::{DiscreteInputs, SafetyInput};
-use floorguard_core::time::{Age, Stamp};
+use floorguard_types::sensing::{DiscreteInputs, SafetyInput};
+use floorguard_types::time::{Age, Stamp};
 
 use super::map::{IMAGE_OBJECTS, InputBits, InputMap};
 use crate::discrete_inputs::DualChannel;

@@ -3,7 +3,7 @@
 //! Which bytes have arrived is tracked byte by byte. Summing up lengths instead would let a piece that came twice
 //! complete a message with a hole.
 
-use floorguard_core::time::{Age, Stamp};
+use floorguard_types::time::{Age, Stamp};
 
 use super::fragment::{Fragment, FragmentError};
 

@@ -1,8 +1,8 @@
 //! From datagrams to scans.
 
-use floorguard_core::sensing::{BeamReturn, Scan};
-use floorguard_core::time::Stamp;
-use floorguard_core::units::radians;
+use floorguard_types::sensing::{BeamReturn, Scan};
+use floorguard_types::time::Stamp;
+use floorguard_types::units::radians;
 
 use super::assembler::{Assembler, AssemblyCounters};
 use super::blocks::{BeamStatus, DeviceStatus, Geometry};

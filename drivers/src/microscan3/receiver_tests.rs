@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::vec::Vec;
 
-use floorguard_core::time::Stamp;
+use floorguard_types::time::Stamp;
 use proptest::prelude::*;
 
 use super::vector_tests::message;
@@ -222,7 +222,7 @@ fn a_scan_that_is_larger_than_the_room_is_refused_whole() {
     for from in (0..bytes.len()).step_by(1_460) {
         rig.push(&piece(&bytes, 7, (from, (from + 1_460).min(bytes.len()))), 0);
     }
-    let room = floorguard_core::capacities::SCAN_BEAMS_MAX;
+    let room = floorguard_types::capacities::SCAN_BEAMS_MAX;
     if room >= usize::from(beams) {
         assert_eq!(rig.scans.len(), 1);
     } else {

@@ -2,8 +2,8 @@
 
 use std::vec::Vec;
 
-use floorguard_core::sensing::{BeamReturn, Scan};
-use floorguard_core::time::Stamp;
+use floorguard_types::sensing::{BeamReturn, Scan};
+use floorguard_types::time::Stamp;
 
 use super::*;
 

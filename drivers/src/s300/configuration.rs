@@ -45,8 +45,8 @@ impl Default for Configuration {
         Self {
             values_per_field,
             bit13: Bit13::default(),
-            first_angle_rad: -135.0 * floorguard_core::units::RADIANS_PER_DEGREE,
-            step_rad: 0.5 * floorguard_core::units::RADIANS_PER_DEGREE,
+            first_angle_rad: -135.0 * floorguard_types::units::RADIANS_PER_DEGREE,
+            step_rad: 0.5 * floorguard_types::units::RADIANS_PER_DEGREE,
             inverted: false,
             free_range_mm: 30_000,
             delay_us: 54_660,

@@ -1,7 +1,7 @@
 //! From bytes in any portions to scans: searches, waits, checks, resynchronises. Wire-formats 2.6.
 
-use floorguard_core::sensing::{BeamReturn, Scan};
-use floorguard_core::time::{Age, Stamp};
+use floorguard_types::sensing::{BeamReturn, Scan};
+use floorguard_types::time::{Age, Stamp};
 
 use super::configuration::{Bit13, Configuration};
 use super::telegram::{RunningSum, Telegram, TelegramError, candidate_lengths, field};

@@ -3,8 +3,8 @@
 extern crate std;
 use std::vec::Vec;
 
-use floorguard_core::sensing::BeamReturn;
-use floorguard_core::time::Stamp;
+use floorguard_types::sensing::BeamReturn;
+use floorguard_types::time::Stamp;
 
 use super::*;
 
@@ -45,7 +45,7 @@ fn configured(values: &[u16]) -> Configuration {
 /// An event that outlives the receiver.
 #[derive(Clone, Debug, PartialEq)]
 enum Told {
-    Scan(floorguard_core::sensing::Scan),
+    Scan(floorguard_types::sensing::Scan),
     StandBy(u32),
     Refused(TelegramError),
 }
@@ -65,7 +65,7 @@ fn receive(configuration: Configuration, bytes: &[u8]) -> (Vec<Told>, Counters) 
     (events, receiver.counters())
 }
 
-fn only_scan(events: &[Told]) -> &floorguard_core::sensing::Scan {
+fn only_scan(events: &[Told]) -> &floorguard_types::sensing::Scan {
     match events {
         [Told::Scan(scan)] => scan,
         other => panic!("not one scan: {other:?}"),

@@ -3,8 +3,8 @@
 //! Sans-I/O: frames in with [`ThreeWheelBase::on_frame`], frames out from [`ThreeWheelBase::poll`] every 10 ms and, for
 //! a stop, from [`ThreeWheelBase::send_command`] at once.
 
-use floorguard_core::sensing::{DirtReading, DiscreteInputs, DriveFeedback, WheelSample};
-use floorguard_core::time::{Age, Stamp};
+use floorguard_types::sensing::{DirtReading, DiscreteInputs, DriveFeedback, WheelSample};
+use floorguard_types::time::{Age, Stamp};
 
 use super::configuration::BaseConfiguration;
 use super::drives::{Axis, DriveCommand, Drives};

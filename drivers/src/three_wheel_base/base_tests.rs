@@ -2,7 +2,7 @@
 
 use std::vec::Vec;
 
-use floorguard_core::time::Stamp;
+use floorguard_types::time::Stamp;
 use proptest::prelude::*;
 
 use super::*;

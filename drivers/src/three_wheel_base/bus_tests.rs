@@ -2,8 +2,8 @@
 
 use std::vec::Vec;
 
-use floorguard_core::sensing::{DirtReading, DriveState};
-use floorguard_core::time::Stamp;
+use floorguard_types::sensing::{DirtReading, DriveState};
+use floorguard_types::time::Stamp;
 
 use super::*;
 use crate::can::CanFrame;

@@ -1,7 +1,7 @@
 //! Traction and steering: from a command to two process data objects, and back from two to one report.
 
-use floorguard_core::sensing::{DriveFeedback, DriveState};
-use floorguard_core::time::Stamp;
+use floorguard_types::sensing::{DriveFeedback, DriveState};
+use floorguard_types::time::Stamp;
 
 use crate::can::CanFrame;
 use crate::cia402::{DriveGoal, PowerState, controlword, profile_error};

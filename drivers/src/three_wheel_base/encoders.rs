@@ -1,7 +1,7 @@
 //! Both rear encoders, latched by the same SYNC.
 
-use floorguard_core::sensing::WheelSample;
-use floorguard_core::time::Stamp;
+use floorguard_types::sensing::WheelSample;
+use floorguard_types::time::Stamp;
 
 use crate::cia406::PositionCounter;
 

@@ -3,7 +3,7 @@
 //! What is left then is the drive's own watch over the bus: told to leave operation, or without the master's heartbeat,
 //! it stops by itself (CiA 402, object 6007h; FG-REQ-055).
 
-use floorguard_core::time::{Age, Stamp};
+use floorguard_types::time::{Age, Stamp};
 
 /// A drive begins to follow an order within this time, microseconds.
 const RESPONSE_US: u64 = 150_000;

@@ -12,7 +12,7 @@
 //! stay that much too old, healing by 200 microseconds a second. That errs to the safe side; a restart of the decoder
 //! cures it.
 
-use floorguard_core::time::Stamp;
+use floorguard_types::time::Stamp;
 
 const HOUR_US: i64 = 3_600_000_000;
 /// Crystals drift by less than 200 ppm (algorithms L.3): nanoseconds of creep per millisecond.

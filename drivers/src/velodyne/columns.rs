@@ -6,9 +6,9 @@
 //! Limit: the lasers of a VLP-32C look up to 4.2° beside the azimuth of their column; [`Model::ring_angles`] tells how
 //! far. They are not moved to a neighbouring column.
 
-use floorguard_core::capacities::PACKET_RINGS_MAX;
-use floorguard_core::sensing::{LidarColumn, LidarPacket};
-use floorguard_core::time::Stamp;
+use floorguard_types::capacities::PACKET_RINGS_MAX;
+use floorguard_types::sensing::{LidarColumn, LidarPacket};
+use floorguard_types::time::Stamp;
 
 use super::model::{LaserAngles, Model};
 use super::packet::{BLOCKS, Block, Packet};

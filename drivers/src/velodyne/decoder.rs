@@ -1,8 +1,8 @@
 //! From a datagram to a stamped [`LidarPacket`]: model, clock, losses, plausibility.
 
-use floorguard_core::capacities::PACKET_RINGS_MAX;
-use floorguard_core::sensing::LidarPacket;
-use floorguard_core::time::Stamp;
+use floorguard_types::capacities::PACKET_RINGS_MAX;
+use floorguard_types::sensing::LidarPacket;
+use floorguard_types::time::Stamp;
 
 use super::clock::HourClock;
 use super::columns::Columns;

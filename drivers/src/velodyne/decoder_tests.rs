@@ -3,7 +3,7 @@
 extern crate std;
 use std::vec::Vec;
 
-use floorguard_core::time::Stamp;
+use floorguard_types::time::Stamp;
 
 use super::*;
 
@@ -204,7 +204,7 @@ proptest::proptest! {
         let tails = [SINGLE, DUAL, [0x38, 0x21], [0x37, 0x24], [0x37, 0x28], [0x39, 0x28], SINGLE, SINGLE];
         let mut decoder = Decoder::new(ModelChoice::Auto);
         let mut builder = SweepBuilder::new(18_000);
-        let mut building = std::boxed::Box::new(floorguard_core::sensing::Sweep::<16>::EMPTY);
+        let mut building = std::boxed::Box::new(floorguard_types::sensing::Sweep::<16>::EMPTY);
         let mut arrival_us = 0;
         for (number, (azimuth_cdeg, stamp_us, wait_us, tail, lost)) in (0_u32..).zip(stream) {
             let stamp_us = if regular { number * PERIOD_US } else { stamp_us };
@@ -306,7 +306,7 @@ fn the_last_stamp_that_is_one() {
 fn a_lidar_of_thirty_two_lasers_needs_room_for_them() {
     let mut decoder = Decoder::new(ModelChoice::Fixed(Model::Hdl32E));
     let result = decoder.decode(&packet(0, 1_000, 500, [0x37, 0x21]), Stamp::from_micros(9)).map(|_| ());
-    let has_room = floorguard_core::capacities::PACKET_RINGS_MAX >= 32;
+    let has_room = floorguard_types::capacities::PACKET_RINGS_MAX >= 32;
     let wanted = if has_room { Ok(()) } else { Err(DecodeError::TooManyLasers { model: Model::Hdl32E }) };
     assert_eq!(result, wanted);
 }

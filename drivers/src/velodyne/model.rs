@@ -1,7 +1,7 @@
 //! What differs between the models: angles, times, units. Wire-formats 1.2, 1.3, 1.9.
 
-use floorguard_core::capacities::PACKET_RINGS_MAX;
-use floorguard_core::units::radians;
+use floorguard_types::capacities::PACKET_RINGS_MAX;
+use floorguard_types::units::radians;
 
 /// A lidar model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 //! The single returns of a packet, each with its own azimuth, time and place: for people who want every point.
 
-use floorguard_core::capacities::PACKET_RINGS_MAX;
-use floorguard_core::geometry::Point3;
-use floorguard_core::units::centidegrees_to_radians;
+use floorguard_types::capacities::PACKET_RINGS_MAX;
+use floorguard_types::geometry::Point3;
+use floorguard_types::units::centidegrees_to_radians;
 
 use super::model::{LaserAngles, Model};
 use super::packet::Packet;

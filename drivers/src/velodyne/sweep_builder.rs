@@ -6,8 +6,8 @@
 //!
 //! Limit: a sweep of 16 rings takes the lowest 16 of a lidar of 32; use `Sweep<32>` for those.
 
-use floorguard_core::sensing::{LidarColumn, LidarPacket, Sweep, SweepColumn};
-use floorguard_core::time::Stamp;
+use floorguard_types::sensing::{LidarColumn, LidarPacket, Sweep, SweepColumn};
+use floorguard_types::time::Stamp;
 
 /// Where revolutions are cut, and what the builder remembers between packets.
 #[derive(Clone, Copy, Debug)]

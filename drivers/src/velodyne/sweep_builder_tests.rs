@@ -4,8 +4,8 @@ extern crate std;
 use std::boxed::Box;
 use std::vec::Vec;
 
-use floorguard_core::sensing::{LidarPacket, Sweep};
-use floorguard_core::time::Stamp;
+use floorguard_types::sensing::{LidarPacket, Sweep};
+use floorguard_types::time::Stamp;
 
 use super::decoder_tests::packet;
 use super::*;

@@ -3,7 +3,7 @@
 extern crate std;
 use std::vec::Vec;
 
-use floorguard_core::time::Stamp;
+use floorguard_types::time::Stamp;
 
 use super::*;
 

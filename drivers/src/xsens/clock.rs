@@ -4,7 +4,7 @@
 //! the sample time are mapped with the same lower envelope as the lidar's clock, with the same hazard in mind: frames
 //! that queued somewhere stay old.
 
-use floorguard_core::time::Stamp;
+use floorguard_types::time::Stamp;
 
 use crate::velodyne::HourClock;
 

@@ -3,8 +3,8 @@
 //! Samples are delivered in every phase as long as they are whole: a robot that has to wait for an acknowledgement which
 //! some devices never send is worse off than one that uses what it gets.
 
-use floorguard_core::sensing::ImuSample;
-use floorguard_core::time::{Age, Stamp};
+use floorguard_types::sensing::ImuSample;
+use floorguard_types::time::{Age, Stamp};
 
 use super::clock::SampleClock;
 use super::configuration::DeviceConfiguration;

@@ -1,7 +1,7 @@
 //! The start-up of wire-formats 5.2 and the defects of 5.5, against a device played by hand.
 
-use floorguard_core::sensing::ImuSample;
-use floorguard_core::time::Stamp;
+use floorguard_types::sensing::ImuSample;
+use floorguard_types::time::Stamp;
 use proptest::prelude::*;
 use std::vec::Vec;
 

@@ -1,6 +1,6 @@
 //! Xbus frames (wire-formats 5.1): searched for in any portions of bytes, checked, resynchronised.
 
-use floorguard_core::time::{Age, Stamp};
+use floorguard_types::time::{Age, Stamp};
 use heapless::Vec;
 
 const PREAMBLE: u8 = 0xFA;

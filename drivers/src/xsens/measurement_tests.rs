@@ -2,7 +2,7 @@
 
 use super::frame::FrameReceiver;
 use super::measurement::{Measurement, MeasurementError, NoRotation, StatusWord, UtcTime};
-use floorguard_core::time::Stamp;
+use floorguard_types::time::Stamp;
 use proptest::prelude::*;
 use std::vec::Vec;
 

@@ -1,8 +1,8 @@
 //! The dirt of a scenario file: how much is expected where.
 
-use floorguard_core::geometry::Point2;
-use floorguard_core::maps::GridGeometry;
-use floorguard_core::random::Pcg32;
+use floorguard_mapping::GridGeometry;
+use floorguard_types::geometry::Point2;
+use floorguard_types::random::Pcg32;
 use serde::Deserialize;
 
 /// Edge of a patch of dirt, metres: a cell of the cleaning belief (algorithms I.1).

@@ -3,10 +3,10 @@
 //! A robot believes in units in cells; the truth counts specks, so that one judges the other. A speck that the brush
 //! passes is picked up with a fixed probability, once a pass (algorithms I.3: the truth always covers whole passes).
 
-use floorguard_core::cleaning::Swath;
-use floorguard_core::geometry::Point2;
-use floorguard_core::maps::GridGeometry;
-use floorguard_core::random::Pcg32;
+use floorguard_cleaning::Swath;
+use floorguard_mapping::GridGeometry;
+use floorguard_types::geometry::Point2;
+use floorguard_types::random::Pcg32;
 
 /// After this long without the brush, the next contact is a new pass, s (algorithms I.3).
 const PASS_ENDS_S: f32 = 0.5;
@@ -128,8 +128,8 @@ fn sweep_cell(dirty: &mut DirtyCell, swath: &Swath, now_s: f32, (pickup, random)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use floorguard_core::cleaning::Brush;
-    use floorguard_core::geometry::Pose2;
+    use floorguard_cleaning::Brush;
+    use floorguard_types::geometry::Pose2;
 
     /// A bar of 0.2 m that rolls over three rows of cells of 0.1 m, of which only the inner two lie under it.
     #[test]

@@ -4,7 +4,7 @@
 //! 50 ms without being asked: the count so far (16 bits, little-endian, wraps), flags (bit 0: the brush is down and turns),
 //! and a counter of the messages. A count that goes on makes a lost message harmless.
 
-use floorguard_core::random::Pcg32;
+use floorguard_types::random::Pcg32;
 
 use crate::can::CanFrame;
 

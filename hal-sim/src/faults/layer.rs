@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use floorguard_core::random::Pcg32;
+use floorguard_types::random::Pcg32;
 
 use super::edit::{self, Edit};
 use super::{FaultKind, FaultSpec};

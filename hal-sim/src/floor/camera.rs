@@ -1,6 +1,6 @@
 //! The floor camera: where each of its pixels meets the floor.
 
-use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_types::geometry::{Point2, Pose2};
 
 /// A pinhole camera on the robot, looking forward and down, without roll.
 #[derive(Clone, Copy, Debug, PartialEq)]

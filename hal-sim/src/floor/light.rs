@@ -1,7 +1,7 @@
 //! Light on the floor: lamps with their reflections, daylight, and shadows of people passing by.
 
-use floorguard_core::geometry::Point2;
-use floorguard_core::random::Pcg32;
+use floorguard_types::geometry::Point2;
+use floorguard_types::random::Pcg32;
 
 /// Reflections below e⁻²⁵ are none.
 const FAINTEST: f32 = 25.0 / 8.0;

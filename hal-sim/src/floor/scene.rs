@@ -1,7 +1,7 @@
 //! A floor with dirt and light, and pictures of it.
 
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::random::Pcg32;
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::random::Pcg32;
 
 use super::camera::{FloorCamera, Sight};
 use super::kinds::{DirtKind, FloorKind};

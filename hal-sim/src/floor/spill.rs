@@ -1,7 +1,7 @@
 //! One spot of dirt: where it lies, and what it does to the surface.
 
-use floorguard_core::geometry::Point2;
-use floorguard_core::random::Pcg32;
+use floorguard_types::geometry::Point2;
+use floorguard_types::random::Pcg32;
 
 use super::kinds::DirtKind;
 use super::noise::{cloudy, hash, smooth, uniform};

@@ -3,7 +3,7 @@
 //! Without it all adults are one and the same for a lidar. Everything is drawn from the person's own seed, so that the
 //! ways of a crowd do not depend on it.
 
-use floorguard_core::random::Pcg32;
+use floorguard_types::random::Pcg32;
 use serde::Deserialize;
 
 use super::PersonKind;

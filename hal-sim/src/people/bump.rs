@@ -1,6 +1,6 @@
 //! Nobody walks through the robot: who bumps into its body slides along it.
 
-use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_types::geometry::{Point2, Pose2};
 
 use super::{Person, body_discs};
 use crate::simulation::distance_to_area;

@@ -1,6 +1,6 @@
 //! A person as discs on the floor, for judges: near the floor, where a safety scanner looks, and as a whole.
 
-use floorguard_core::geometry::Point2;
+use floorguard_types::geometry::Point2;
 
 use super::{Person, PersonKind};
 

@@ -1,6 +1,6 @@
 //! One person on the way.
 
-use floorguard_core::geometry::Point2;
+use floorguard_types::geometry::Point2;
 
 use super::{Build, PersonKind, RecordedWalk};
 

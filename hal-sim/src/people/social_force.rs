@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use floorguard_core::geometry::Point2;
+use floorguard_types::geometry::Point2;
 
 use super::Person;
 use super::bump::{RobotShape, slide_off};

@@ -1,6 +1,6 @@
 //! A recorded walk: somebody who really went this way at these times.
 
-use floorguard_core::geometry::Point2;
+use floorguard_types::geometry::Point2;
 
 /// Where a person was, in the order of time.
 #[derive(Clone, Debug, Default, PartialEq)]

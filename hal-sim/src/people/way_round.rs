@@ -12,7 +12,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use floorguard_core::geometry::Point2;
+use floorguard_types::geometry::Point2;
 
 use super::Person;
 use super::bump::RobotShape;
@@ -190,7 +190,7 @@ fn count(person: &Person, place: Point2, around: Around<'_>) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use floorguard_core::geometry::Pose2;
+    use floorguard_types::geometry::Pose2;
 
     use super::super::{Crowd, PersonKind};
     use super::*;

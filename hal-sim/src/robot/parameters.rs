@@ -1,7 +1,7 @@
 //! Sizes, masses and mountings of the simulated robot; by default those of the example `robot.toml`.
 
-use floorguard_core::cleaning::Brush;
-use floorguard_core::geometry::Point2;
+use floorguard_cleaning::Brush;
+use floorguard_types::geometry::Point2;
 
 /// Where a sensor sits, robot frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! Motion of the three-wheeled base: steered and powered front wheel, encoders on the rear wheels (algorithms L.1, M.2).
 
-use floorguard_core::geometry::{Pose2, Twist2, wrap_angle};
+use floorguard_types::geometry::{Pose2, Twist2, wrap_angle};
 
 use super::RobotParameters;
 

@@ -1,7 +1,7 @@
 //! Random encounters: 1 to 10 people cross the robot's way at 0 to 2 m/s without looking.
 
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::random::Pcg32;
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::random::Pcg32;
 
 use crate::people::{Build, Person, PersonKind};
 

@@ -1,7 +1,7 @@
 //! The scenario file.
 
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::random::Pcg32;
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::random::Pcg32;
 use serde::Deserialize;
 use thiserror::Error;
 

@@ -1,6 +1,6 @@
 //! A scene out of an occupancy map: whatever is occupied stands from the floor up.
 
-use floorguard_core::geometry::Point2;
+use floorguard_types::geometry::Point2;
 
 use super::{Material, SceneBuilder};
 

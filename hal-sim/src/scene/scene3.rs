@@ -1,6 +1,6 @@
 //! Casts rays at the standing world, through parry's bounding-volume hierarchy.
 
-use floorguard_core::geometry::Point2;
+use floorguard_types::geometry::Point2;
 use parry3d::math::Vector;
 use parry3d::query::{PointQuery, Ray};
 use parry3d::shape::{CompositeShapeRef, Compound};

@@ -3,9 +3,9 @@
 //! Every picture comes with the truth of every pixel. Source: algorithms E.1 (Nguyen's axial and lateral noise, steps of
 //! the disparity), B.0.
 
-use floorguard_core::floor::DepthNoise;
-use floorguard_core::geometry::{Pose2, wrap_angle};
-use floorguard_core::random::Pcg32;
+use floorguard_perception::floor::DepthNoise;
+use floorguard_types::geometry::{Pose2, wrap_angle};
+use floorguard_types::random::Pcg32;
 use parry3d::math::Vector;
 use parry3d::query::Ray;
 
@@ -249,7 +249,7 @@ mod tests {
     use super::*;
     use crate::people::{Build, PersonKind};
     use crate::scene::{Material, SceneBuilder};
-    use floorguard_core::geometry::Point2;
+    use floorguard_types::geometry::Point2;
 
     fn person(at: (f32, f32)) -> Person {
         Person {

@@ -1,8 +1,8 @@
 //! The floor camera of a robot that drives: depth of whatever stands or lies before it, and colour of the floor with the
 //! dirt that really lies there.
 
-use floorguard_core::floor::DepthNoise;
-use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_perception::floor::DepthNoise;
+use floorguard_types::geometry::{Point2, Pose2};
 
 use super::depth_camera::DepthCamera;
 use crate::dirt::DirtyFloor;

@@ -1,6 +1,6 @@
 //! Xsens MTi: handshake and measurement data (wire-formats 5).
 
-use floorguard_core::random::Pcg32;
+use floorguard_types::random::Pcg32;
 
 use crate::wire::{XbusParser, encode_message};
 

@@ -1,6 +1,6 @@
 //! VLP-16: exact firing times, 2 mm steps, noise, drop-outs, single and dual return (wire-formats 1).
 
-use floorguard_core::random::Pcg32;
+use floorguard_types::random::Pcg32;
 
 use super::View;
 use crate::scene::Hit;

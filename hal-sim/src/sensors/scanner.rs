@@ -2,7 +2,7 @@
 //!
 //! An S300 sends a telegram on a serial line (wire-formats 2), a microScan3 a message in datagrams (wire-formats 3).
 
-use floorguard_core::random::Pcg32;
+use floorguard_types::random::Pcg32;
 
 use super::View;
 use crate::robot::ScannerDevice;

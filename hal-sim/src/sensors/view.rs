@@ -1,6 +1,6 @@
 //! The world as a beam sees it at one moment.
 
-use floorguard_core::geometry::{Pose2, wrap_angle};
+use floorguard_types::geometry::{Pose2, wrap_angle};
 use parry3d::math::Vector;
 use parry3d::query::Ray;
 

@@ -1,8 +1,8 @@
 //! The dirt of a run: the brush goes over it with the robot, and the sensor hears what it picks up.
 
-use floorguard_core::cleaning::{Brush, Swath};
-use floorguard_core::geometry::Pose2;
-use floorguard_core::random::Pcg32;
+use floorguard_cleaning::{Brush, Swath};
+use floorguard_types::geometry::Pose2;
+use floorguard_types::random::Pcg32;
 
 use crate::can::CanFrame;
 use crate::dirt::{DirtSensor, DirtyFloor, raster_of};

@@ -5,8 +5,8 @@
 
 use std::collections::BTreeMap;
 
-use floorguard_core::geometry::{Point2, Pose2, Twist2};
-use floorguard_core::time::Stamp;
+use floorguard_types::geometry::{Point2, Pose2, Twist2};
+use floorguard_types::time::Stamp;
 use parry3d::math::Vector;
 
 use super::bus::Bus;

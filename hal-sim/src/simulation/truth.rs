@@ -1,7 +1,7 @@
 //! The true state of the world, for judges.
 
-use floorguard_core::geometry::{Point2, Pose2, Twist2};
-use floorguard_core::time::Stamp;
+use floorguard_types::geometry::{Point2, Pose2, Twist2};
+use floorguard_types::time::Stamp;
 
 use crate::people::{Disc, PersonKind};
 

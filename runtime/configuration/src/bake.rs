@@ -3,10 +3,10 @@
 
 use std::fmt::Write;
 
-use floorguard_core::geometry::Point2;
-use floorguard_core::guard::{Action, Thresholds};
 use floorguard_drivers::flexisoft::InputBits;
+use floorguard_guard::{Action, Thresholds};
 use floorguard_runtime::configuration::{FieldPair, Mounting, RobotConfiguration};
+use floorguard_types::geometry::Point2;
 
 /// A function `robot()` that gives the same configuration. Numbers are written with all their digits.
 #[must_use]

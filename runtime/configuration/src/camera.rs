@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use floorguard_core::sensing::PinholeCamera;
 use floorguard_runtime::configuration::Mounting;
+use floorguard_types::sensing::PinholeCamera;
 
 use super::devices::{read_mounting, read_source};
 use super::reader::Reader;

@@ -1,12 +1,12 @@
 //! The sections of the sensors and of the bus: model, address, mounting.
 
-use floorguard_core::geometry::Point3;
-use floorguard_core::units::radians;
 use floorguard_drivers::flexisoft::{InputBits, InputMap};
 use floorguard_runtime::configuration::{
     CanConfiguration, ImuConfiguration, LidarConfiguration, LidarModel, Mounting, ScannerConfiguration,
     ScannerModel,
 };
+use floorguard_types::geometry::Point3;
+use floorguard_types::units::radians;
 
 use super::address::{
     CanAddress, DatagramAddress, ScannerAddress, SenderAddress, SerialAddress, parse_serial,

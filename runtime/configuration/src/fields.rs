@@ -1,7 +1,7 @@
 //! The `[[field]]` sections: zones that are long enough for their speed, and leave no speed out.
 
-use floorguard_core::capacities::FIELD_SETS_MAX;
 use floorguard_runtime::configuration::{DirectionOfTravel, FieldPair, Geometry, Limits, Polygon};
+use floorguard_types::capacities::FIELD_SETS_MAX;
 
 use super::polygon;
 use super::reader::Reader;

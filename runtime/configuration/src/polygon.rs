@@ -1,7 +1,7 @@
 //! Checks of outlines: enough corners, counter-clockwise, convex hull not needed, and how far they reach.
 
-use floorguard_core::geometry::Point2;
 use floorguard_runtime::configuration::Polygon;
+use floorguard_types::geometry::Point2;
 
 /// Why a list of corners is not a usable outline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

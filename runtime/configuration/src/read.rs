@@ -4,10 +4,10 @@
 
 use std::path::Path;
 
-use floorguard_core::geometry::Point2;
-use floorguard_core::guard::Thresholds;
+use floorguard_guard::Thresholds;
 use floorguard_runtime::configuration::{CanConfiguration, Deadlines, Geometry, Limits, RobotConfiguration};
 use floorguard_runtime::mission::{ROUTE_WAYPOINTS_MAX, Route, RouteLimits};
+use floorguard_types::geometry::Point2;
 use toml::de::DeTable;
 
 use super::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress};

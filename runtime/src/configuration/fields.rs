@@ -1,7 +1,7 @@
 //! Protective and warning fields per speed and direction.
 
-use floorguard_core::capacities::FIELD_VERTICES_MAX;
-use floorguard_core::geometry::Point2;
+use floorguard_types::capacities::FIELD_VERTICES_MAX;
+use floorguard_types::geometry::Point2;
 use heapless::Vec;
 
 /// Speed bins per direction of travel (algorithms M.1: up to 0.3, 0.6, 1.0 m/s and above).

@@ -2,14 +2,14 @@
 
 use core::f32::consts::PI;
 
-use floorguard_core::capacities::PACKET_RINGS_MAX;
-use floorguard_core::geometry::Pose2;
-use floorguard_core::guard::{
-    DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeometry, Source, SourceRules, Travel,
-};
-use floorguard_core::odometry::{Tricycle, WheelGeometry};
 use floorguard_drivers::three_wheel_base::BaseConfiguration;
 use floorguard_drivers::velodyne::Model;
+use floorguard_guard::{
+    DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeometry, Source, SourceRules, Travel,
+};
+use floorguard_localisation::odometry::{Tricycle, WheelGeometry};
+use floorguard_types::capacities::PACKET_RINGS_MAX;
+use floorguard_types::geometry::Pose2;
 
 use super::fields::DirectionOfTravel;
 use super::robot::RobotConfiguration;

@@ -1,7 +1,7 @@
 //! The robot as a whole: geometry, limits, deadlines, and where its sensors are.
 
-use floorguard_core::capacities::FIELD_SETS_MAX;
-use floorguard_core::guard::Thresholds;
+use floorguard_guard::Thresholds;
+use floorguard_types::capacities::FIELD_SETS_MAX;
 use heapless::Vec;
 
 use super::fields::{FieldPair, Polygon};

@@ -2,9 +2,9 @@
 //!
 //! Addresses of carriers (ports, device files) are the board's business and not part of this.
 
-use floorguard_core::geometry::{Point3, Transform3};
-use floorguard_core::units::radians;
 use floorguard_drivers::flexisoft::InputMap;
+use floorguard_types::geometry::{Point3, Transform3};
+use floorguard_types::units::radians;
 
 /// Where a sensor sits on the robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

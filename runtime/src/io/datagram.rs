@@ -3,7 +3,7 @@
 //! `embassy-net` and the operating system offer different sockets; the lidar needs one thing only: the next datagram,
 //! and when the board saw it.
 
-use floorguard_core::time::Stamp;
+use floorguard_types::time::Stamp;
 
 /// A datagram that was received into the caller's buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,7 +4,7 @@
 //! look-ahead distance, curvature = 2·y/L². A point far to the side is met by turning on a short arc first, because a
 //! three-wheeled base with a steered front wheel can nearly pivot about its rear axle.
 
-use floorguard_core::geometry::{Point2, Pose2, Twist2};
+use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use heapless::Vec;
 
 /// Waypoints of a route: a demo lap or a test drive; the cleaning planner feeds longer tours piece by piece.

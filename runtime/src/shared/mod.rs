@@ -21,10 +21,10 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_sync::signal::Signal;
-use floorguard_core::geometry::Twist2;
-use floorguard_core::guard::{Advice, Decision, GuardConfig, GuardConfigError, Supervisor};
-use floorguard_core::sensing::{DirtReading, LidarPacket, Scan};
-use floorguard_core::time::Stamp;
+use floorguard_guard::{Advice, Decision, GuardConfig, GuardConfigError, Supervisor};
+use floorguard_types::geometry::Twist2;
+use floorguard_types::sensing::{DirtReading, LidarPacket, Scan};
+use floorguard_types::time::Stamp;
 use heapless::Vec;
 
 use crate::channel::{Belt, Latest, Queue};

@@ -1,9 +1,9 @@
 //! The robot's own motion, as the guard ring estimates it.
 
-use floorguard_core::geometry::{Pose2, Twist2};
-use floorguard_core::odometry::{Odometry, OdometryNoise, WheelGeometry, WheelMotion, WheelOdometry};
-use floorguard_core::sensing::{ImuSample, WheelSample};
-use floorguard_core::time::Stamp;
+use floorguard_localisation::odometry::{Odometry, OdometryNoise, WheelGeometry, WheelMotion, WheelOdometry};
+use floorguard_types::geometry::{Pose2, Twist2};
+use floorguard_types::sensing::{ImuSample, WheelSample};
+use floorguard_types::time::Stamp;
 
 /// Where the robot was at a moment, and how it moved.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,8 +1,8 @@
 //! What the guard decided: the last ten seconds, and every stop.
 
-use floorguard_core::geometry::Pose2;
-use floorguard_core::guard::{Action, Cause, CauseRecord, Decision, GuardState};
-use floorguard_core::time::{Age, Stamp};
+use floorguard_guard::{Action, Cause, CauseRecord, Decision, GuardState};
+use floorguard_types::geometry::Pose2;
+use floorguard_types::time::{Age, Stamp};
 
 use super::motion::StampedPose;
 use crate::black_box::BlackBox;

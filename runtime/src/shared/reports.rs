@@ -1,10 +1,10 @@
 //! What the robot tells about itself: people, health, links.
 
-use floorguard_core::capacities::TRACKS_MAX;
-use floorguard_core::geometry::Point2;
-use floorguard_core::guard::{Decision, Source, SourceReport};
-use floorguard_core::people::{PeopleCounters, SensorSet, TrackStatus};
-use floorguard_core::time::Stamp;
+use floorguard_guard::{Decision, Source, SourceReport};
+use floorguard_perception::people::{PeopleCounters, SensorSet, TrackStatus};
+use floorguard_types::capacities::TRACKS_MAX;
+use floorguard_types::geometry::Point2;
+use floorguard_types::time::Stamp;
 use heapless::Vec;
 
 use super::motion::StampedPose;

@@ -1,9 +1,9 @@
 //! From tracks to advice: the nearest people in the robot's frame.
 
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::guard::{ADVISED_PEOPLE_MAX, Advice, AdvisedPerson};
-use floorguard_core::people::{Track, TrackStatus};
-use floorguard_core::time::Stamp;
+use floorguard_guard::{ADVISED_PEOPLE_MAX, Advice, AdvisedPerson};
+use floorguard_perception::people::{Track, TrackStatus};
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::time::Stamp;
 
 /// A confirmed track counts as a person from this probability on.
 pub const PERSON_PROBABILITY_MIN: f32 = 0.5;
@@ -72,7 +72,7 @@ fn insert_by_distance(people: &mut heapless::Vec<AdvisedPerson, ADVISED_PEOPLE_M
 #[cfg(test)]
 mod tests {
     use super::*;
-    use floorguard_core::people::{Detection, Tracker, TrackerParameters};
+    use floorguard_perception::people::{Detection, Tracker, TrackerParameters};
 
     #[test]
     fn the_farthest_fall_off_the_end() {
@@ -103,7 +103,7 @@ mod tests {
                         likeness,
                         points: 50,
                         moving: None,
-                        appearance: floorguard_core::people::Appearance::UNKNOWN,
+                        appearance: floorguard_perception::people::Appearance::UNKNOWN,
                     }
                 })
                 .collect();
@@ -123,7 +123,7 @@ mod tests {
         assert!((5..ADVISED_PEOPLE_MAX).contains(&without.len()), "{}", without.len());
         let wrong = of(&|_| Some(0.0));
         assert_eq!(wrong, without, "called nobody by what was learned");
-        let mut random = floorguard_core::random::Pcg32::new(5, 5);
+        let mut random = floorguard_types::random::Pcg32::new(5, 5);
         for _ in 0..50 {
             let seed = random.below(1_000);
             let learned = |track: &Track| {

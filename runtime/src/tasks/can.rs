@@ -6,10 +6,10 @@
 use embassy_futures::select::{Either3, select3};
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::{Duration, Ticker, Timer};
-use floorguard_core::guard::{Action, Decision, FaultKind, Source};
-use floorguard_core::odometry::Tricycle;
 use floorguard_drivers::can::CanFrame;
 use floorguard_drivers::three_wheel_base::{BaseEvent, DriveCommand, StopKind, ThreeWheelBase};
+use floorguard_guard::{Action, Decision, FaultKind, Source};
+use floorguard_localisation::odometry::Tricycle;
 use heapless::Vec;
 
 use super::supervise::TICK_MS;

@@ -5,10 +5,10 @@
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::{Duration, Ticker};
-use floorguard_core::geometry::Twist2;
-use floorguard_core::guard::Decision;
-use floorguard_core::sensing::{DirtReading, Scan};
-use floorguard_core::time::Stamp;
+use floorguard_guard::Decision;
+use floorguard_types::geometry::Twist2;
+use floorguard_types::sensing::{DirtReading, Scan};
+use floorguard_types::time::Stamp;
 
 use super::floor_camera::FloorSight;
 use crate::clock;

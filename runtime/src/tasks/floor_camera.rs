@@ -4,9 +4,9 @@
 //! it either: the robot may be only so fast that it stands before it. Where a camera is configured and its floor is not
 //! known, nobody drives faster than the guard lets in a warning zone; a robot without one is as before.
 
-use floorguard_core::geometry::Point2;
-use floorguard_core::guard::Advice;
-use floorguard_core::time::{Age, Stamp};
+use floorguard_guard::Advice;
+use floorguard_types::geometry::Point2;
+use floorguard_types::time::{Age, Stamp};
 use heapless::Vec;
 
 /// Things in one report; more are dropped farthest first, because the nearest one decides.

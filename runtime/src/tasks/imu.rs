@@ -4,10 +4,10 @@ use embassy_futures::select::{Either, select};
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::{Duration, Ticker, Timer};
 use embedded_io_async::{Read, Write};
-use floorguard_core::geometry::Transform3;
-use floorguard_core::guard::{FaultKind, Source};
-use floorguard_core::sensing::ImuSample;
 use floorguard_drivers::xsens::{Device, DeviceEvent};
+use floorguard_guard::{FaultKind, Source};
+use floorguard_types::geometry::Transform3;
+use floorguard_types::sensing::ImuSample;
 use heapless::Vec;
 
 use crate::clock;
@@ -93,7 +93,7 @@ fn in_robot_axes(sample: &ImuSample, sensor_in_base: &Transform3) -> ImuSample {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use floorguard_core::geometry::Point3;
+    use floorguard_types::geometry::Point3;
 
     #[test]
     fn a_sensor_on_its_head_turns_the_other_way() {

@@ -2,8 +2,8 @@
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::Timer;
-use floorguard_core::guard::{FaultKind, Source};
 use floorguard_drivers::velodyne::Decoder;
+use floorguard_guard::{FaultKind, Source};
 
 use crate::clock;
 use crate::io::DatagramReceiver;

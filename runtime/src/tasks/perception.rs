@@ -2,14 +2,14 @@
 
 use embassy_futures::select::{Either, select};
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use floorguard_core::geometry::{Point2, Pose2, Transform3, Twist2};
-use floorguard_core::legs::PeopleByLegs;
-use floorguard_core::motion::{MotionDetector, find_moving_people};
-use floorguard_core::odometry::{PoseHistory, PoseLookupError};
-use floorguard_core::people::{PeopleOutput, PeoplePipeline, SweepContext, Track};
-use floorguard_core::sensing::{Scan, Sweep};
-use floorguard_core::time::Stamp;
 use floorguard_drivers::velodyne::SweepBuilder;
+use floorguard_localisation::odometry::{PoseHistory, PoseLookupError};
+use floorguard_perception::legs::PeopleByLegs;
+use floorguard_perception::motion::{MotionDetector, find_moving_people};
+use floorguard_perception::people::{PeopleOutput, PeoplePipeline, SweepContext, Track};
+use floorguard_types::geometry::{Point2, Pose2, Transform3, Twist2};
+use floorguard_types::sensing::{Scan, Sweep};
+use floorguard_types::time::Stamp;
 
 use super::advise::advice;
 use super::floor_camera::with_floor;

@@ -2,7 +2,7 @@
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::{Duration, Ticker};
-use floorguard_core::geometry::Twist2;
+use floorguard_types::geometry::Twist2;
 
 use crate::clock;
 use crate::mission::RouteFollower;

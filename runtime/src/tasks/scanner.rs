@@ -3,10 +3,10 @@
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::Timer;
 use embedded_io_async::Read;
-use floorguard_core::guard::{FaultKind, Source};
-use floorguard_core::sensing::Scan;
-use floorguard_core::time::Stamp;
 use floorguard_drivers::{microscan3, s300};
+use floorguard_guard::{FaultKind, Source};
+use floorguard_types::sensing::Scan;
+use floorguard_types::time::Stamp;
 
 use crate::clock;
 use crate::io::DatagramReceiver;
@@ -17,7 +17,7 @@ const PORTION_BYTES: usize = 128;
 /// What an Ethernet frame holds, and more: a longer datagram must not pass for a right one.
 const DATAGRAM_BYTES: usize = 1_600;
 /// Legs are searched in beams as dense as those they were learned from, radians: half a degree.
-const SEARCHED_STEP_RAD: f32 = 0.5 * floorguard_core::units::RADIANS_PER_DEGREE;
+const SEARCHED_STEP_RAD: f32 = 0.5 * floorguard_types::units::RADIANS_PER_DEGREE;
 /// Bits 0 and 1 of the last byte of its state (wire-formats 3.3).
 const DEVICE_ERROR: u16 = 0x03;
 /// Pause after a failure of the line, milliseconds.

@@ -2,8 +2,6 @@
 
 use core::hint::black_box;
 
-use floorguard_core::sensing::{LidarPacket, Sweep};
-use floorguard_core::time::Stamp;
 use floorguard_drivers::can::{CanFrame, SlcanReceiver, encode_slcan};
 use floorguard_drivers::canopen::{HeartbeatMonitor, NetworkCommand, SdoRequest, decode_sdo, network_frame};
 use floorguard_drivers::microscan3;
@@ -11,6 +9,8 @@ use floorguard_drivers::s300;
 use floorguard_drivers::three_wheel_base::{BaseConfiguration, DriveCommand, ThreeWheelBase};
 use floorguard_drivers::velodyne::{Decoder, Gprmc, PositionPacket, SweepBuilder};
 use floorguard_drivers::xsens;
+use floorguard_types::sensing::{LidarPacket, Sweep};
+use floorguard_types::time::Stamp;
 
 /// State of the drivers.
 pub struct Drivers {

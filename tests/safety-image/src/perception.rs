@@ -2,14 +2,14 @@
 
 use core::hint::black_box;
 
-use floorguard_core::floor::{FloorEstimate, FloorModel, ObjectFinder, ObjectMemory, PixelClass};
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::legs::{LegDetector, LegTracker};
-use floorguard_core::motion::{MotionDetector, find_moving_people};
-use floorguard_core::odometry::{Odometry, PoseHistory, Tricycle, WheelOdometry};
-use floorguard_core::people::{PeoplePipeline, SweepContext};
-use floorguard_core::sensing::{DepthImage, ImuSample, Scan, Sweep, WheelSample};
-use floorguard_core::time::Stamp;
+use floorguard_localisation::odometry::{Odometry, PoseHistory, Tricycle, WheelOdometry};
+use floorguard_perception::floor::{FloorEstimate, FloorModel, ObjectFinder, ObjectMemory, PixelClass};
+use floorguard_perception::legs::{LegDetector, LegTracker};
+use floorguard_perception::motion::{MotionDetector, find_moving_people};
+use floorguard_perception::people::{PeoplePipeline, SweepContext};
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::sensing::{DepthImage, ImuSample, Scan, Sweep, WheelSample};
+use floorguard_types::time::Stamp;
 
 /// State of perception.
 pub struct Perception {

@@ -2,10 +2,10 @@
 
 use core::hint::black_box;
 
-use floorguard_core::geometry::Twist2;
-use floorguard_core::guard::{Advice, Decision, GuardConfig, Supervisor};
-use floorguard_core::sensing::{DiscreteInputs, DriveFeedback, ImuSample, LidarPacket, Scan};
-use floorguard_core::time::Stamp;
+use floorguard_guard::{Advice, Decision, GuardConfig, Supervisor};
+use floorguard_types::geometry::Twist2;
+use floorguard_types::sensing::{DiscreteInputs, DriveFeedback, ImuSample, LidarPacket, Scan};
+use floorguard_types::time::Stamp;
 
 use crate::{drivers, perception};
 

@@ -3,14 +3,14 @@
 use std::io::Read as _;
 use std::time::{Duration, Instant};
 
-use floorguard_core::cleaning::{
-    ActiveCell, Belief, Distances, EuclideanCells, Evidence, OdometryStep, PathSearch, Planner, SearchCell,
-    TourSolver, poisson_tail,
-};
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::maps::{DirtCell, DistanceField, Grid, GridGeometry, fill_distances};
-use floorguard_core::random::Pcg32;
+use floorguard_cleaning::{ActiveCell, Belief, Distances, EuclideanCells, Evidence, Planner, TourSolver};
 use floorguard_hosted::mission::{CELL_M, Floor, MissionConfig, Robot, Strategy, ros_map};
+use floorguard_localisation::OdometryStep;
+use floorguard_mapping::poisson_tail;
+use floorguard_mapping::{DirtCell, DistanceField, Grid, GridGeometry, fill_distances};
+use floorguard_navigation::{PathSearch, SearchCell};
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::random::Pcg32;
 
 use super::cpu::Stopwatch;
 use crate::data::{bench_input, recording};

@@ -3,17 +3,17 @@
 use std::path::Path;
 use std::time::Instant;
 
-use floorguard_core::floor::dirt::PublishedDetector;
-use floorguard_core::floor::{FloorModel, FloorParameters, ObjectFinder, PixelClass, Plane};
-use floorguard_core::sensing::{ColorImage, DepthImage, PinholeCamera};
-use floorguard_core::time::Stamp;
 use floorguard_hosted::evaluate::{DepthFile, DirtDetectors, DirtTotals, read_colour, read_depth, read_mask};
+use floorguard_perception::floor::dirt::PublishedDetector;
+use floorguard_perception::floor::{FloorModel, FloorParameters, ObjectFinder, PixelClass, Plane};
+use floorguard_types::sensing::{ColorImage, DepthImage, PinholeCamera};
+use floorguard_types::time::Stamp;
 
 use super::peers::OurTime;
 use crate::data::bench_input;
 use crate::dirt::view;
-use floorguard_core::geometry::Pose2;
 use floorguard_sim::floor::FloorCamera;
+use floorguard_types::geometry::Pose2;
 
 const ROUNDS: usize = 60;
 
@@ -163,7 +163,7 @@ fn once_timed(mut once: impl FnMut()) -> impl FnMut() -> f64 {
 fn model_and_picture(path: &Path) -> Option<(Box<FloorModel>, DepthFile)> {
     let file = read_depth(path).ok()?;
     let camera = PinholeCamera::new([525.0, 525.0], [319.5, 239.5])?;
-    let any = floorguard_core::floor::Expectation {
+    let any = floorguard_perception::floor::Expectation {
         mounted: Plane::of_mounting(1.0, 0.0)?,
         tilt_max_rad: 0.872_665,
         distance_range_m: [0.15, 3.0],

@@ -3,12 +3,12 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use floorguard_core::guard::Supervisor;
-use floorguard_core::sensing::LidarPacket;
-use floorguard_core::time::Stamp;
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice};
+use floorguard_guard::Supervisor;
 use floorguard_hosted::capture::Datagram;
 use floorguard_hosted::configuration::{EXAMPLE, parse};
+use floorguard_types::sensing::LidarPacket;
+use floorguard_types::time::Stamp;
 
 /// A decision may take this long, nanoseconds (issue 4 and the guard's own budget).
 pub const DECISION_MAX_NS: f64 = 20_000.0;

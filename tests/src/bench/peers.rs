@@ -5,12 +5,12 @@ use std::hint::black_box;
 use std::path::Path;
 
 use anyhow::Context as _;
-use floorguard_core::geometry::{Point3, Pose2, Transform3, Twist2};
-use floorguard_core::people::{
+use floorguard_hosted::models::LibsvmModel;
+use floorguard_perception::people::{
     Association, FloorHeight, FloorMask, PeoplePipeline, RingAngles, SweepContext,
 };
-use floorguard_core::sensing::Sweep;
-use floorguard_hosted::models::LibsvmModel;
+use floorguard_types::geometry::{Point3, Pose2, Transform3, Twist2};
+use floorguard_types::sensing::Sweep;
 
 use super::tracking::{crowd_pipeline_ns, crowd_steps, filter_ns, joint_step_ns, tracker_step_ns};
 use super::{median, nanoseconds};

@@ -3,9 +3,10 @@
 use std::path::Path;
 use std::time::Duration;
 
-use floorguard_core::cleaning::{Distances, PathSearch, SearchCell, TourSolver};
-use floorguard_core::random::Pcg32;
+use floorguard_cleaning::{Distances, TourSolver};
 use floorguard_hosted::mission::{Floor, Robot, ros_map};
+use floorguard_navigation::{PathSearch, SearchCell};
+use floorguard_types::random::Pcg32;
 
 use super::cpu::Stopwatch;
 use super::peers::OurTime;
@@ -106,5 +107,5 @@ pub fn tours(folder: &Path) -> anyhow::Result<Vec<OurTour>> {
 
 /// A straight step over a cell of 0.1 m counts so many units.
 fn distances_unit_mm() -> f32 {
-    100.0 / floorguard_core::cleaning::STRAIGHT as f32
+    100.0 / floorguard_navigation::STRAIGHT as f32
 }

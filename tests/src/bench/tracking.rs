@@ -3,16 +3,16 @@
 use std::hint::black_box;
 
 use anyhow::Context as _;
-use floorguard_core::geometry::Point2;
-use floorguard_core::people::{
+use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
+use floorguard_perception::people::{
     Appearance, Association, ConstantVelocity, Detection, PeoplePipeline, RingAngles, Tracker,
     TrackerParameters,
 };
-use floorguard_core::random::Pcg32;
-use floorguard_core::sensing::Sweep;
-use floorguard_core::time::Stamp;
-use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
 use floorguard_sim::{Payload, Simulation, Stream};
+use floorguard_types::geometry::Point2;
+use floorguard_types::random::Pcg32;
+use floorguard_types::sensing::Sweep;
+use floorguard_types::time::Stamp;
 
 use super::peers::{context, unpacked};
 use super::{median, nanoseconds};

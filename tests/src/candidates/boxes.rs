@@ -1,11 +1,11 @@
 //! Boxes of returns: of people, of things, and how much two of them overlap.
 
-use floorguard_core::capacities::SWEEP_RINGS;
-use floorguard_core::geometry::{Point2, Point3};
-use floorguard_core::people::{RingAngles, SweepContext};
-use floorguard_core::sensing::Sweep;
+use floorguard_perception::people::{RingAngles, SweepContext};
 use floorguard_sim::Truth;
 use floorguard_sim::people::PersonKind;
+use floorguard_types::capacities::SWEEP_RINGS;
+use floorguard_types::geometry::{Point2, Point3};
+use floorguard_types::sensing::Sweep;
 
 /// Metres per count of a range.
 const RANGE_STEP_M: f32 = 0.002;

@@ -11,13 +11,13 @@ mod misses;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_core::geometry::{Point2, Point3};
-use floorguard_core::people::ring_clusters::{RingLimits, UNGROUPED};
-use floorguard_core::people::{PeoplePipeline, RingAngles, SweepContext};
-use floorguard_core::sensing::Sweep;
 use floorguard_hosted::train::built_in_scenes;
+use floorguard_perception::people::ring_clusters::{RingLimits, UNGROUPED};
+use floorguard_perception::people::{PeoplePipeline, RingAngles, SweepContext};
 use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;
 use floorguard_sim::{Simulation, Truth};
+use floorguard_types::geometry::{Point2, Point3};
+use floorguard_types::sensing::Sweep;
 use rayon::prelude::*;
 
 pub use boxes::{Bounds, Labels, RANGE_M, labels, points};

@@ -6,10 +6,10 @@
 
 use std::collections::BTreeSet;
 
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::motion::MotionParameters;
-use floorguard_core::people::{PeoplePipeline, SweepContext};
-use floorguard_core::sensing::Sweep;
+use floorguard_perception::motion::MotionParameters;
+use floorguard_perception::people::{PeoplePipeline, SweepContext};
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::sensing::Sweep;
 
 /// Edge of a voxel, metres.
 const VOXEL_M: f64 = 0.1;

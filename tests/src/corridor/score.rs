@@ -1,6 +1,6 @@
 //! Detections against the truth: P1's equation 10, and false alarms.
 
-use floorguard_core::geometry::Point2;
+use floorguard_types::geometry::Point2;
 
 use super::Moment;
 

@@ -1,12 +1,12 @@
 //! Records a run once, and judges it with any method and parameters.
 
-use floorguard_core::geometry::{Point2, Point3, Pose2, Transform3};
-use floorguard_core::motion::{MotionDetector, MotionParameters};
-use floorguard_core::people::{PeoplePipeline, RingAngles, SweepContext};
-use floorguard_core::random::Pcg32;
-use floorguard_core::sensing::Sweep;
-use floorguard_core::time::Stamp;
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
+use floorguard_perception::motion::{MotionDetector, MotionParameters};
+use floorguard_perception::people::{PeoplePipeline, RingAngles, SweepContext};
+use floorguard_types::geometry::{Point2, Point3, Pose2, Transform3};
+use floorguard_types::random::Pcg32;
+use floorguard_types::sensing::Sweep;
+use floorguard_types::time::Stamp;
 
 use super::{Moment, Published, Score, World};
 

@@ -1,12 +1,12 @@
 //! Corridor, clutter, walker and the robot's way, all from one seed.
 
-use floorguard_core::geometry::{Point2, Pose2, Twist2};
-use floorguard_core::random::Pcg32;
 use floorguard_sim::people::{Build, Person, PersonKind};
 use floorguard_sim::robot::{RobotBody, RobotParameters};
 use floorguard_sim::scene::{Material, Scene, SceneBuilder};
 use floorguard_sim::sensors::{LIDAR_PACKET_NS, Lidar, View};
 use floorguard_sim::wire::ReturnMode;
+use floorguard_types::geometry::{Point2, Pose2, Twist2};
+use floorguard_types::random::Pcg32;
 
 /// Half the width of the corridor, metres.
 const HALF_WIDTH_M: f32 = 1.6;

@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use floorguard_core::geometry::Point2;
+use floorguard_types::geometry::Point2;
 
 /// A track belongs to whom it follows within this distance, metres.
 const NEAR_M: f32 = 0.7;

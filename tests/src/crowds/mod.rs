@@ -12,8 +12,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_core::people::{Association, TrackerParameters};
 use floorguard_hosted::metrics::MotSummary;
+use floorguard_perception::people::{Association, TrackerParameters};
 use rayon::prelude::*;
 
 pub use causes::{Causes, Lost};

@@ -2,18 +2,18 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use floorguard_core::geometry::{Point2, Point3, Pose2, Transform3, Twist2};
-use floorguard_core::legs::PeopleByLegs;
-use floorguard_core::people::{
-    PeoplePipeline, RingAngles, SweepContext, Track, TrackStatus, TrackerParameters,
-};
-use floorguard_core::sensing::{Scan, Sweep};
-use floorguard_core::time::Stamp;
 use floorguard_drivers::s300::{Configuration, Event, Receiver};
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
 use floorguard_hosted::metrics::{MotAccumulator, MotSummary};
+use floorguard_perception::legs::PeopleByLegs;
+use floorguard_perception::people::{
+    PeoplePipeline, RingAngles, SweepContext, Track, TrackStatus, TrackerParameters,
+};
 use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;
 use floorguard_sim::{Payload, Simulation, Stream, Truth};
+use floorguard_types::geometry::{Point2, Point3, Pose2, Transform3, Twist2};
+use floorguard_types::sensing::{Scan, Sweep};
+use floorguard_types::time::Stamp;
 
 use super::causes::{Causes, Somebody};
 use super::scenes::CrowdScene;

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use anyhow::Context as _;
-use floorguard_core::random::Pcg32;
 use floorguard_sim::Scenario;
+use floorguard_types::random::Pcg32;
 
 /// A kind of crowd.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,7 +1,7 @@
 //! Who can be seen: the share of a body that neither things nor other people hide from the lidar.
 
-use floorguard_core::geometry::Point2;
 use floorguard_sim::simulation::{PersonTruth, Truth};
+use floorguard_types::geometry::Point2;
 
 /// Beams over the breadth of a body.
 const BEAMS: u16 = 15;

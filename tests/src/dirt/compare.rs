@@ -1,10 +1,10 @@
 //! Both detectors on the same frames, for one kind of floor and one kind of dirt.
 
-use floorguard_core::floor::dirt::FloorView;
-use floorguard_core::sensing::ColorImage;
-use floorguard_core::time::Stamp;
 use floorguard_hosted::evaluate::{DirtAnswer, DirtDetectors, DirtFigures, DirtTotals};
+use floorguard_perception::floor::dirt::FloorView;
 use floorguard_sim::floor::{DirtKind, FloorKind, FloorPicture};
+use floorguard_types::sensing::ColorImage;
+use floorguard_types::time::Stamp;
 
 use super::scenes::{Approach, FRAMES, view};
 

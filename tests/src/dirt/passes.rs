@@ -2,14 +2,14 @@
 
 use std::time::Duration;
 
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::maps::GridGeometry;
-use floorguard_core::maps::seen_dirt::{DirtSpot, SeenCell, SeenDirtMap, SeenLayer};
-use floorguard_core::random::Pcg32;
-use floorguard_core::sensing::ColorImage;
-use floorguard_core::time::Stamp;
 use floorguard_hosted::evaluate::DirtDetectors;
+use floorguard_mapping::GridGeometry;
+use floorguard_mapping::seen_dirt::{DirtSpot, SeenCell, SeenDirtMap, SeenLayer};
 use floorguard_sim::floor::{DirtKind, FloorCamera, FloorKind, FloorScene, Spill};
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::random::Pcg32;
+use floorguard_types::sensing::ColorImage;
+use floorguard_types::time::Stamp;
 
 use super::scenes::view;
 

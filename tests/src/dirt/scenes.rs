@@ -1,12 +1,12 @@
 //! Scenes for the comparison: a robot drives towards dirt of one kind on a floor of one kind, while somebody's shadow
 //! passes, under lamps that shine back, sometimes over the line of a safety projector.
 
-use floorguard_core::floor::Plane;
-use floorguard_core::floor::dirt::FloorView;
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::random::Pcg32;
-use floorguard_core::sensing::PinholeCamera;
+use floorguard_perception::floor::Plane;
+use floorguard_perception::floor::dirt::FloorView;
 use floorguard_sim::floor::{DirtKind, FloorCamera, FloorKind, FloorScene, MarkingColour, Spill};
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::random::Pcg32;
+use floorguard_types::sensing::PinholeCamera;
 
 /// Frames of a scene; the last one is judged.
 pub const FRAMES: u32 = 5;

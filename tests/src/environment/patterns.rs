@@ -1,6 +1,6 @@
 //! Places whose visitors follow a week that we know.
 
-use floorguard_core::maps::environment::LocalTime;
+use floorguard_mapping::environment::LocalTime;
 
 /// A place: visitors an hour at any moment of the week.
 #[derive(Clone, Copy)]

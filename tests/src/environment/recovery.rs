@@ -3,10 +3,10 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_core::maps::environment::{LocalTime, ORDER_MAX, Place, SLICE_S, Tone, WallTime};
-use floorguard_core::random::Pcg32;
 use floorguard_hosted::environment::{HOURS, PERIODS};
 use floorguard_hosted::mission::pictures::{Series, line_plot};
+use floorguard_mapping::environment::{LocalTime, ORDER_MAX, Place, SLICE_S, Tone, WallTime};
+use floorguard_types::random::Pcg32;
 
 use super::patterns::Pattern;
 

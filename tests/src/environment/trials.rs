@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use floorguard_core::maps::environment::{HOURS_OF_WEEK, LocalTime, Place, SLICE_S, WallTime};
-use floorguard_core::random::Pcg32;
 use floorguard_hosted::environment::{HOURS, PERIODS};
+use floorguard_mapping::environment::{HOURS_OF_WEEK, LocalTime, Place, SLICE_S, WallTime};
+use floorguard_types::random::Pcg32;
 use rayon::prelude::*;
 
 use super::patterns::{PATTERNS, Pattern};

@@ -1,8 +1,6 @@
 //! Bytes into each decoder of the drivers: no panic, nothing out of range comes out, and the next right message is understood.
 #![allow(clippy::missing_panics_doc)] // That they panic at a wrong answer is what they are for.
 
-use floorguard_core::sensing::BeamReturn;
-use floorguard_core::time::Stamp;
 use floorguard_drivers::can::{CanFrame, SlcanEvent, SlcanReceiver, encode_slcan};
 use floorguard_drivers::microscan3::{Event as SafetyScannerEvent, Message, Receiver as SafetyScanner};
 use floorguard_drivers::s300::{Configuration, Event, Receiver};
@@ -10,6 +8,8 @@ use floorguard_drivers::three_wheel_base::{BaseConfiguration, BaseEvent, DriveCo
 use floorguard_drivers::velodyne::{Decoder, Gprmc, ModelChoice, PositionPacket};
 use floorguard_drivers::xsens::{FrameReceiver, Measurement};
 use floorguard_sim::can::CanFrame as SimulatedFrame;
+use floorguard_types::sensing::BeamReturn;
+use floorguard_types::time::Stamp;
 
 use super::messages::xsens_list;
 use super::{pick, spoil};

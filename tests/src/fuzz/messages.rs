@@ -2,9 +2,9 @@
 
 use std::io::Cursor;
 
-use floorguard_core::sensing::ImuSample;
-use floorguard_core::time::Stamp;
 use floorguard_hosted::recording::Recorder;
+use floorguard_types::sensing::ImuSample;
+use floorguard_types::time::Stamp;
 
 /// A message of the microScan3 family with a few beams, after wire-formats 3: no simulated device sends one.
 #[must_use]

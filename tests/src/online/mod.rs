@@ -6,8 +6,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_core::online_learning::LabelledShape;
 use floorguard_hosted::train::{OnlinePlace, OnlineReport, anchors, draw_online, learn_place, random_scenes};
+use floorguard_perception::online_learning::LabelledShape;
 use rayon::prelude::*;
 
 /// Seed of the first room; the anchors have seeds from 90,000, the shipped table those below 1,000. In rooms from 70,000 on

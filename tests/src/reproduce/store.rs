@@ -6,8 +6,8 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use floorguard_core::random::Pcg32;
 use floorguard_hosted::mission::{DirtSource, Floor, Robot, TrialResult, rooms, run};
+use floorguard_types::random::Pcg32;
 use serde::{Deserialize, Serialize};
 
 use super::{SEED, protocol};

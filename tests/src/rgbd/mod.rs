@@ -9,12 +9,12 @@ mod score;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_core::floor::{FloorModel, FloorParameters};
-use floorguard_core::geometry::Pose2;
-use floorguard_core::rgbd_people::{RgbdKind, RgbdParameters, RgbdPeopleFinder};
-use floorguard_core::sensing::{ColorImage, DepthImage, PinholeCamera};
-use floorguard_core::time::Stamp;
+use floorguard_perception::floor::{FloorModel, FloorParameters};
+use floorguard_perception::rgbd_people::{RgbdKind, RgbdParameters, RgbdPeopleFinder};
 use floorguard_sim::sensors::{DepthCamera, DepthPicture};
+use floorguard_types::geometry::Pose2;
+use floorguard_types::sensing::{ColorImage, DepthImage, PinholeCamera};
+use floorguard_types::time::Stamp;
 use rayon::prelude::*;
 
 pub use scenes::{RgbdScene, room};
@@ -194,7 +194,7 @@ pub fn run_room(seed: u64, camera: DepthCamera) -> RgbdFigures {
 fn search(
     scene: &RgbdScene,
     picture: &DepthPicture,
-) -> (Vec<floorguard_core::rgbd_people::RgbdDetection>, bool, f64) {
+) -> (Vec<floorguard_perception::rgbd_people::RgbdDetection>, bool, f64) {
     let camera = pinhole(&scene.camera);
     let (height_m, pitch_rad) = (scene.camera.height_m, scene.camera.pitch_rad);
     let parameters = FloorParameters::mounted(camera, height_m, pitch_rad).expect("a camera above the floor");

@@ -1,10 +1,10 @@
 //! Rooms before a forward depth camera: people of every kind at every distance, and things that are none.
 
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::random::Pcg32;
 use floorguard_sim::people::{Build, Person, PersonKind};
 use floorguard_sim::scene::{Material, Scene, SceneBuilder};
 use floorguard_sim::sensors::DepthCamera;
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::random::Pcg32;
 
 /// Nearest and farthest place of a person, metres from the camera.
 const RANGES_M: [f32; 2] = [1.0, 6.8];

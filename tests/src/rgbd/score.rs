@@ -1,9 +1,9 @@
 //! Who should be found in a picture, who was, and how far off.
 
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::rgbd_people::{RgbdDetection, RgbdKind};
+use floorguard_perception::rgbd_people::{RgbdDetection, RgbdKind};
 use floorguard_sim::people::PersonKind;
 use floorguard_sim::sensors::DepthPicture;
+use floorguard_types::geometry::{Point2, Pose2};
 
 use super::scenes::RgbdScene;
 

@@ -1,13 +1,13 @@
 //! What the tests of the sensors against the simulator share: a room whose ranges a sheet of paper can tell, and a
 //! driver's seat.
 
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
 use floorguard_drivers::three_wheel_base::{BaseConfiguration, DriveCommand, ThreeWheelBase};
 use floorguard_sim::can as sim_can;
 use floorguard_sim::scenario::Scenario;
 use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::time::Stamp;
 
 /// Half sizes of the room's inner faces, metres.
 pub const HALF_M: [f32; 2] = [4.95, 3.95];

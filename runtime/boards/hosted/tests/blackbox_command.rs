@@ -5,12 +5,12 @@ use std::os::unix::net::UnixListener;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use floorguard_core::guard::{Action, Cause, GuardState};
-use floorguard_core::time::Stamp;
+use floorguard_guard::{Action, Cause, GuardState};
 use floorguard_hosted::recording::{Recording, topics};
 use floorguard_hosted::robot::black_box_log;
 use floorguard_runtime::black_box_log::{LogRestart, LogRow, encode_row};
 use floorguard_runtime::shared::BoxEntry;
+use floorguard_types::time::Stamp;
 
 fn blackbox(path: &Path) -> (Output, usize) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_floorguard"));

@@ -4,8 +4,8 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use floorguard_core::time::Stamp;
 use floorguard_hosted::recording::{PointRow, Recorder, Recording, topics};
+use floorguard_types::time::Stamp;
 use serde_json::Value;
 
 fn floorguard(arguments: &[&str]) -> Output {

@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-use floorguard_core::geometry::{Pose2, Twist2};
-use floorguard_core::time::Stamp;
 use floorguard_hosted::recording::{MotionRow, PointRow, Recorder};
+use floorguard_types::geometry::{Pose2, Twist2};
+use floorguard_types::time::Stamp;
 use serde_json::Value;
 
 fn floorguard(arguments: &[&str]) -> Output {

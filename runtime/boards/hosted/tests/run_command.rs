@@ -4,19 +4,19 @@ use std::io::{BufRead as _, BufReader, Read as _};
 use std::net::UdpSocket;
 use std::process::{Child, ChildStderr, Command, Stdio};
 
-use floorguard_core::floor::Plane;
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::random::Pcg32;
-use floorguard_core::sensing::PinholeCamera;
-use floorguard_core::time::Stamp;
 use floorguard_hosted::camera::{PictureCamera, PictureFolder};
 use floorguard_hosted::configuration::load;
 use floorguard_hosted::executor::StopFlag;
 use floorguard_hosted::recording::{Recording, topics};
 use floorguard_hosted::robot::{HostedShared, Links, run_rings};
 use floorguard_hosted::world::new_shared;
+use floorguard_perception::floor::Plane;
 use floorguard_runtime::clock;
 use floorguard_sim::floor::{DirtKind, FloorCamera, FloorKind, FloorScene, Spill};
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::random::Pcg32;
+use floorguard_types::sensing::PinholeCamera;
+use floorguard_types::time::Stamp;
 
 /// The robot's file with devices that are not there: it waits for them, says so, stands, and ends in order.
 #[test]

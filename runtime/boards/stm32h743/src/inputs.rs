@@ -4,7 +4,7 @@
 use embassy_stm32::gpio::Input;
 use embassy_time::{Duration, Ticker};
 use floorguard_board_support::RobotShared;
-use floorguard_core::sensing::{DiscreteInputs, SafetyInput};
+use floorguard_types::sensing::{DiscreteInputs, SafetyInput};
 use floorguard_runtime::clock;
 
 /// How often the pins are read; test pulses of the devices are shorter and filtered in hardware.

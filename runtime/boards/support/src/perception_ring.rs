@@ -3,14 +3,14 @@
 use core::mem::MaybeUninit;
 
 use embassy_executor::Spawner;
-use floorguard_core::geometry::Transform3;
-use floorguard_core::legs::PeopleByLegs;
-use floorguard_core::odometry::PoseHistory;
-use floorguard_core::people::{PeoplePipeline, RingAngles};
-use floorguard_core::sensing::{Scan, Sweep};
+use floorguard_localisation::odometry::PoseHistory;
+use floorguard_perception::legs::PeopleByLegs;
+use floorguard_perception::people::{PeoplePipeline, RingAngles};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::tasks::{NoMotion, PerceptionState, drive_route, perceive};
+use floorguard_types::geometry::Transform3;
+use floorguard_types::sensing::{Scan, Sweep};
 use static_cell::StaticCell;
 
 use crate::RobotShared;

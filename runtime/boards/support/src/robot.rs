@@ -1,13 +1,13 @@
 //! Configuration, baked from `robot.toml` by the build script.
 
-use floorguard_core::geometry::{Point2, Point3};
-use floorguard_core::guard::{Action, Thresholds};
 use floorguard_drivers::flexisoft::{InputBits, InputMap};
+use floorguard_guard::{Action, Thresholds};
 use floorguard_runtime::configuration::{
     CanConfiguration, Deadlines, DirectionOfTravel, FieldPair, Geometry, ImuConfiguration,
     LidarConfiguration, LidarModel, Limits, Mounting, RobotConfiguration, ScannerConfiguration, ScannerModel,
 };
 use floorguard_runtime::mission::{Route, RouteLimits};
+use floorguard_types::geometry::{Point2, Point3};
 
 /// A list with a capacity; the build script has checked that it fits.
 fn list<T: Clone, const N: usize>(elements: &[T]) -> heapless::Vec<T, N> {

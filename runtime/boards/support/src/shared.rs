@@ -3,7 +3,7 @@
 use core::mem::MaybeUninit;
 
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use floorguard_core::guard::GuardConfigError;
+use floorguard_guard::GuardConfigError;
 use floorguard_runtime::clock::now;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::shared::{Motion, Shared};

@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn a_hosted_room_in_an_image_is_named() {
-        assert_eq!(lines("runtime/src/a.rs", "use core::fmt;\nuse floorguard_core::maps::Map;"), [2]);
+        assert_eq!(lines("runtime/src/a.rs", "use core::fmt;\nuse floorguard_mapping::Map;"), [2]);
         assert_eq!(
             lines("runtime/src/a.rs", "use floorguard_core::{guard::Supervisor,\n cleaning::Plan};"),
             [2]

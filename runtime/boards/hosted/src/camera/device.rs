@@ -3,8 +3,8 @@
 use std::io;
 use std::path::Path;
 
-use floorguard_core::time::Stamp;
 use floorguard_runtime::clock;
+use floorguard_types::time::Stamp;
 use linuxvideo::format::{PixFormat, PixelFormat};
 use linuxvideo::stream::ReadStream;
 

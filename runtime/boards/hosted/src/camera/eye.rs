@@ -1,7 +1,7 @@
 //! Where pictures come from, and what each of the two streams has to say.
 
-use floorguard_core::geometry::Pose2;
-use floorguard_core::time::Stamp;
+use floorguard_types::geometry::Pose2;
+use floorguard_types::time::Stamp;
 
 use super::pixels::WrongFrame;
 

@@ -5,8 +5,8 @@
 
 use std::path::{Path, PathBuf};
 
-use floorguard_core::geometry::Pose2;
-use floorguard_core::time::{Age, Stamp};
+use floorguard_types::geometry::Pose2;
+use floorguard_types::time::{Age, Stamp};
 
 use super::eye::{Eye, News};
 use super::folder_names::{RecordedPicture, RecordedPictures};

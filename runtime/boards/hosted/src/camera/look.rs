@@ -1,14 +1,14 @@
 //! From a depth picture to what the rings hear of it: floor, things on it, and whether it is known.
 
-use floorguard_core::floor::dirt::FloorView;
-use floorguard_core::floor::{
+use floorguard_perception::floor::dirt::FloorView;
+use floorguard_perception::floor::{
     ConfirmedObject, FloorModel, FloorParameters, ObjectFinder, ObjectMemory, PixelClass, Plane,
 };
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::sensing::{DepthImage, PinholeCamera};
-use floorguard_core::time::{Age, Stamp};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::tasks::{FloorLimits, FloorSight, FloorThing};
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::sensing::{DepthImage, PinholeCamera};
+use floorguard_types::time::{Age, Stamp};
 
 use crate::configuration::CameraConfiguration;
 

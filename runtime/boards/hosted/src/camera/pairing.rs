@@ -1,7 +1,7 @@
 //! Which colour picture belongs to which depth picture: those that were taken at about the same moment.
 
-use floorguard_core::geometry::Pose2;
-use floorguard_core::time::{Age, Stamp};
+use floorguard_types::geometry::Pose2;
+use floorguard_types::time::{Age, Stamp};
 
 /// Pictures within this belong together, microseconds: on the way between them the robot drives half a cell of the map of
 /// dirt at 1 m/s, and two cameras of 30 Hz that know nothing of each other are 17 ms apart at most.

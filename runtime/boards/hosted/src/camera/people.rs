@@ -3,12 +3,12 @@
 //! A picture without a known floor says nothing about anybody. Where something stands before a place, or nothing came back,
 //! nobody is missed there.
 
-use floorguard_core::floor::Plane;
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::people::{Appearance, Detection, PeopleSensor, PeopleView};
-use floorguard_core::rgbd_people::{RgbdDetection, RgbdParameters, RgbdPeopleFinder};
-use floorguard_core::sensing::{BeamReturn, DepthImage, PinholeCamera, Scan};
-use floorguard_core::time::Stamp;
+use floorguard_perception::floor::Plane;
+use floorguard_perception::people::{Appearance, Detection, PeopleSensor, PeopleView};
+use floorguard_perception::rgbd_people::{RgbdDetection, RgbdParameters, RgbdPeopleFinder};
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::sensing::{BeamReturn, DepthImage, PinholeCamera, Scan};
+use floorguard_types::time::Stamp;
 
 use crate::configuration::CameraConfiguration;
 
@@ -127,13 +127,13 @@ mod tests {
     use crate::camera::FloorLook;
     use crate::configuration::{CameraSource, EXAMPLE, parse};
     use crate::world::{PeopleInbox, Stages, new_perception};
-    use floorguard_core::geometry::Twist2;
-    use floorguard_core::people::{PeopleOutput, SweepContext};
-    use floorguard_core::sensing::Sweep;
+    use floorguard_perception::people::{PeopleOutput, SweepContext};
     use floorguard_runtime::tasks::JudgeMotion as _;
     use floorguard_sim::people::{Build, Person, PersonKind};
     use floorguard_sim::scene::{Material, SceneBuilder};
     use floorguard_sim::sensors::DepthCamera;
+    use floorguard_types::geometry::Twist2;
+    use floorguard_types::sensing::Sweep;
 
     /// Looks down by 14° from 0.9 m, at the robot's nose.
     const CAMERA: DepthCamera =

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use floorguard_core::geometry::Pose2;
-use floorguard_core::time::Stamp;
+use floorguard_types::geometry::Pose2;
+use floorguard_types::time::Stamp;
 use image::{ImageBuffer, Luma, RgbImage};
 
 use crate::commands::BadInput;

@@ -1,6 +1,6 @@
 //! What was said already: the same trouble is told once, and its end once.
 
-use floorguard_core::time::{Age, Stamp};
+use floorguard_types::time::{Age, Stamp};
 
 /// After this long without trouble it is over, microseconds: a camera that is bad every other frame is bad.
 const OVER_US: u64 = 2_000_000;

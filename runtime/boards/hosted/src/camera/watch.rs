@@ -4,9 +4,9 @@ use std::path::Path;
 use std::thread;
 use std::time::Duration;
 
-use floorguard_core::time::{Age, Stamp};
 use floorguard_runtime::clock;
 use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_types::time::{Age, Stamp};
 
 use super::dirt_look::SeenDirt;
 use super::eye::Eye;

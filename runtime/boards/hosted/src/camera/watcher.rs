@@ -1,10 +1,10 @@
 //! What a camera's pictures mean for the robot, picture by picture: floor and things, people, dirt, and what to say.
 
-use floorguard_core::geometry::Pose2;
-use floorguard_core::people::PeopleView;
-use floorguard_core::time::Stamp;
+use floorguard_perception::people::PeopleView;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::tasks::FloorSight;
+use floorguard_types::geometry::Pose2;
+use floorguard_types::time::Stamp;
 
 use super::dirt_look::{DirtLook, SeenDirt};
 use super::eye::{Eye, News};

@@ -1,11 +1,11 @@
 use super::*;
 use crate::camera::WrongFrame;
 use crate::configuration::{CameraSource, EXAMPLE, parse};
-use floorguard_core::floor::Plane;
-use floorguard_core::geometry::Point2;
-use floorguard_core::random::Pcg32;
-use floorguard_core::sensing::PinholeCamera;
+use floorguard_perception::floor::Plane;
 use floorguard_sim::floor::{DirtKind, FloorCamera, FloorKind, FloorScene, Spill};
+use floorguard_types::geometry::Point2;
+use floorguard_types::random::Pcg32;
+use floorguard_types::sensing::PinholeCamera;
 
 const SIZE: (usize, usize) = (320, 240);
 const FOCAL_PX: f32 = 262.5;

@@ -1,6 +1,6 @@
 //! The twenty classes of faults, and how each looks at each source.
 
-use floorguard_core::random::Pcg32;
+use floorguard_types::random::Pcg32;
 
 /// Kinds of faults (anchors R3).
 pub const CLASSES: [&str; 20] = [

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use floorguard_core::random::Pcg32;
 use floorguard_sim::FaultSpec;
+use floorguard_types::random::Pcg32;
 
 use super::fault_class::{self, CLASSES, SOURCES, is_possible};
 use super::fault_phase::{self, PHASES, PhaseRun};
@@ -165,7 +165,7 @@ pub fn coverage(counts: &BTreeMap<Cell, u64>) -> (String, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use floorguard_core::geometry::Pose2;
+    use floorguard_types::geometry::Pose2;
     use std::collections::BTreeSet;
 
     #[test]

@@ -1,7 +1,7 @@
 //! The phases of a mission in which a fault can begin, each as a short run of its own.
 
-use floorguard_core::random::Pcg32;
 use floorguard_sim::scenario::Scenario;
+use floorguard_types::random::Pcg32;
 
 use crate::world::{Observation, Plan, PlanError};
 
@@ -122,7 +122,7 @@ impl PhaseRun {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use floorguard_core::geometry::Pose2;
+    use floorguard_types::geometry::Pose2;
 
     #[test]
     fn a_robot_that_rolls_while_it_must_stand_fails_and_a_run_may_end_before() {

@@ -1,7 +1,7 @@
 //! Random single faults: the robot stops or goes on as it should, and says which source it was.
 
-use floorguard_core::random::Pcg32;
 use floorguard_sim::{FaultSpec, Stream};
+use floorguard_types::random::Pcg32;
 
 use super::summary::RunOutcome;
 use super::watched;

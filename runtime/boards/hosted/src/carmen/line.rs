@@ -3,7 +3,7 @@
 //! Source: the message formats that each log names in its head (`ODOM`, `FLASER`), and CARMEN's logger for
 //! `ROBOTLASER` and `RAWLASER`.
 
-use floorguard_core::geometry::{Pose2, Twist2};
+use floorguard_types::geometry::{Pose2, Twist2};
 
 /// What a line says; lines of other kinds say nothing to us.
 #[derive(Clone, Debug, PartialEq)]

@@ -72,10 +72,10 @@ mod tests {
     use crate::world::new_shared;
     use embassy_futures::yield_now;
     use embassy_sync::blocking_mutex::raw::NoopRawMutex;
-    use floorguard_core::time::Stamp;
     use floorguard_drivers::three_wheel_base::ThreeWheelBase;
     use floorguard_runtime::clock;
     use floorguard_runtime::tasks::can_bus;
+    use floorguard_types::time::Stamp;
     use std::io::{Read, Write};
     use std::os::unix::net::UnixStream;
 

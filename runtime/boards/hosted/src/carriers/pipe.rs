@@ -9,8 +9,8 @@ use std::rc::Rc;
 use std::task::{Poll, Waker};
 
 use embedded_io_async::{ErrorType, Read, Write};
-use floorguard_core::time::Stamp;
 use floorguard_runtime::io::{DatagramReceiver, Received};
+use floorguard_types::time::Stamp;
 
 /// Bytes a pipe holds for a late reader: one second of a 500 kbaud line.
 const PIPE_BYTES: usize = 50_000;

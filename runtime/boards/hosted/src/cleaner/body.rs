@@ -2,8 +2,8 @@
 //!
 //! A field is a rectangle; discs that cover it need one look each at a distance field, whatever way the robot points.
 
-use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_runtime::configuration::{DirectionOfTravel, RobotConfiguration};
+use floorguard_types::geometry::{Point2, Pose2};
 
 /// Discs along the axis.
 pub const DISCS: usize = 3;

@@ -1,8 +1,8 @@
 //! The floor as this robot can use it: where it fits, which way round, and which cells its brush can pass over.
 
-use floorguard_core::cleaning::Brush;
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::maps::GridGeometry;
+use floorguard_cleaning::Brush;
+use floorguard_mapping::GridGeometry;
+use floorguard_types::geometry::{Point2, Pose2};
 
 use super::body::{Body, DISCS};
 use super::lattice::{Gear, Lattice, STEP_M};

@@ -6,8 +6,8 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use floorguard_core::geometry::{Pose2, wrap_angle};
-use floorguard_core::maps::GridGeometry;
+use floorguard_mapping::GridGeometry;
+use floorguard_types::geometry::{Pose2, wrap_angle};
 
 /// Headings that are told apart.
 pub const HEADINGS: usize = 16;
@@ -120,7 +120,7 @@ impl Lattice {
     }
 
     fn kind(&self, pose: Pose2) -> Option<usize> {
-        let cell = self.raster.cell_at(floorguard_core::geometry::Point2::new(pose.x_m, pose.y_m))?;
+        let cell = self.raster.cell_at(floorguard_types::geometry::Point2::new(pose.x_m, pose.y_m))?;
         let heading = (pose.heading_rad / TURN_RAD).round() as i32;
         Some(cell * HEADINGS + heading.rem_euclid(HEADINGS as i32) as usize)
     }
@@ -219,7 +219,7 @@ impl Lattice {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use floorguard_core::geometry::Point2;
+    use floorguard_types::geometry::Point2;
 
     const PACE: Pace = Pace { speed_mps: 0.5, turn_radps: 0.6, reverse_mps: 0.2, change_s: 1.0 };
 

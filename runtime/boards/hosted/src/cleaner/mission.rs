@@ -5,17 +5,18 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use floorguard_core::cleaning::{CleanRule, PathSearch, Planner, SearchCell};
-use floorguard_core::geometry::{Point2, Pose2, Twist2};
-use floorguard_core::guard::{Cause, Decision};
-use floorguard_core::maps::{Grid, GridGeometry};
-use floorguard_core::random::Pcg32;
-use floorguard_core::sensing::DirtReading;
-use floorguard_core::time::Stamp;
+use floorguard_cleaning::{CleanRule, Planner};
+use floorguard_guard::{Cause, Decision};
+use floorguard_mapping::{Grid, GridGeometry};
+use floorguard_navigation::{PathSearch, SearchCell};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::StampedPose;
 use floorguard_runtime::tasks::{CleaningMission, MissionMoment};
+use floorguard_types::geometry::{Point2, Pose2, Twist2};
+use floorguard_types::random::Pcg32;
+use floorguard_types::sensing::DirtReading;
+use floorguard_types::time::Stamp;
 
 use super::body::Body;
 use super::ground::Ground;

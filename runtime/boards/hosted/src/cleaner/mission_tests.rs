@@ -4,7 +4,7 @@ use super::*;
 use crate::cleaner::lattice::{Gear, Waypoint};
 use crate::cleaner::outcome::MissionJudge;
 use crate::configuration::{EXAMPLE, parse};
-use floorguard_core::guard::AdvisedPerson;
+use floorguard_guard::AdvisedPerson;
 use floorguard_sim::scenario::Scenario;
 
 /// A mission in a supermarket.

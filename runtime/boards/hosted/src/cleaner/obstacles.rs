@@ -3,9 +3,9 @@
 //! Every scan marks the cells where it ends short of what the map shows. A mark fades after a while, so that who has left
 //! bars no way; one that a beam passes is gone at once.
 
-use floorguard_core::geometry::{Point2, Pose2, wrap_angle};
-use floorguard_core::maps::GridGeometry;
-use floorguard_core::sensing::{BeamReturn, Scan};
+use floorguard_mapping::GridGeometry;
+use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
+use floorguard_types::sensing::{BeamReturn, Scan};
 
 use crate::mission::Floor;
 

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use floorguard_core::geometry::Pose2;
-use floorguard_core::maps::GridGeometry;
+use floorguard_mapping::GridGeometry;
 use floorguard_sim::dirt::DirtyFloor;
+use floorguard_types::geometry::Pose2;
 use serde::Serialize;
 
 use super::plan::MissionPlan;
@@ -123,7 +123,7 @@ impl MissionJudge {
 
     fn report(&self, progress: &MissionProgress, (before, after): (&[u32], &[u32])) -> MissionReport {
         let tolerated = u32::from(self.plan.tolerated_units);
-        let rule = floorguard_core::cleaning::CleanRule::per_cell(self.plan.tolerated_units, self.plan.delta);
+        let rule = floorguard_cleaning::CleanRule::per_cell(self.plan.tolerated_units, self.plan.delta);
         let prior = self.plan.prior(&progress.expected_before);
         let mut report = MissionReport {
             strategy: self.plan.strategy.name().to_owned(),

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use floorguard_core::cleaning::poisson_tail;
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::maps::{DirtCell, Grid, GridGeometry, Occupancy};
+use floorguard_mapping::poisson_tail;
+use floorguard_mapping::{DirtCell, Grid, GridGeometry, Occupancy};
 use floorguard_sim::scenario::Scenario;
 use floorguard_sim::scene::Scene;
+use floorguard_types::geometry::{Point2, Pose2};
 use serde::{Deserialize, Serialize};
 
 use crate::configuration::{CleaningStrategy, MissionConfiguration};

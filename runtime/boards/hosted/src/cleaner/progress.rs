@@ -5,10 +5,10 @@
 
 use std::sync::Arc;
 
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::maps::GridGeometry;
-use floorguard_core::time::Stamp;
+use floorguard_mapping::GridGeometry;
 use floorguard_runtime::channel::Latest;
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::time::Stamp;
 
 use super::times::Times;
 

@@ -4,9 +4,9 @@
 //! The guard looks at the motion that is wished: while somebody stands where a turn or an arc would lead, it holds the robot
 //! as long as it wishes that turn. A wish that leads off is another matter, and from there every way is open again.
 
-use floorguard_core::geometry::{Point2, Pose2, Twist2};
-use floorguard_core::guard::{AdvisedPerson, Body as GuardBody, DriveLimits, is_collision};
+use floorguard_guard::{AdvisedPerson, Body as GuardBody, DriveLimits, is_collision};
 use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_types::geometry::{Point2, Pose2, Twist2};
 
 use super::lattice::{Gear, Waypoint};
 use super::mission::Cleaner;
@@ -130,10 +130,10 @@ mod tests {
     use crate::cleaner::plan::{MissionPlan, MissionStrategy};
     use crate::cleaner::store::Store;
     use crate::configuration::{EXAMPLE, parse};
-    use floorguard_core::people::TrackStatus;
-    use floorguard_core::time::Stamp;
+    use floorguard_perception::people::TrackStatus;
     use floorguard_runtime::shared::{PeopleReport, PersonReport};
     use floorguard_sim::scenario::Scenario;
+    use floorguard_types::time::Stamp;
 
     fn somebody(x_m: f32, y_m: f32, walks_mps: f32) -> AdvisedPerson {
         AdvisedPerson {

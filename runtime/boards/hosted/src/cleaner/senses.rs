@@ -1,12 +1,12 @@
 //! What the mission hears and sees: where it is, what the brush picks up, who and what stands in the way.
 
-use floorguard_core::geometry::{Point2, Pose2, wrap_angle};
-use floorguard_core::guard::{AdvisedPerson, FUTURE_TOLERANCE_US};
-use floorguard_core::people::TrackStatus;
-use floorguard_core::sensing::{DirtReading, Scan};
-use floorguard_core::time::{Age, Stamp};
+use floorguard_guard::{AdvisedPerson, FUTURE_TOLERANCE_US};
+use floorguard_perception::people::TrackStatus;
 use floorguard_runtime::shared::{PeopleReport, StampedPose};
 use floorguard_runtime::tasks::{FloorSight, PERSON_PROBABILITY_MIN, THING_HEIGHT_MIN_M};
+use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
+use floorguard_types::sensing::{DirtReading, Scan};
+use floorguard_types::time::{Age, Stamp};
 
 use super::mission::Cleaner;
 use super::obstacles::{FADES_S, ends_of};

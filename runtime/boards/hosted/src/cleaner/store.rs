@@ -7,9 +7,9 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use anyhow::ensure;
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::maps::{DirtCell, GridGeometry, NO_SLOT};
+use floorguard_mapping::{DirtCell, GridGeometry, NO_SLOT};
 use floorguard_runtime::digest::Fnv64;
+use floorguard_types::geometry::{Point2, Pose2};
 
 use super::plan::MissionPlan;
 use crate::environment::{Reader, Writer, places, read_newest, replace_file};
@@ -170,7 +170,7 @@ impl Store {
 
 #[cfg(test)]
 mod tests {
-    use floorguard_core::cleaning::CleanRule;
+    use floorguard_cleaning::CleanRule;
 
     use super::*;
 

@@ -1,8 +1,8 @@
 //! Where the robot may be at this moment: the floor of the map, what stands on it now, and a way out for a robot that
 //! somebody has come too near to.
 
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::maps::GridGeometry;
+use floorguard_mapping::GridGeometry;
+use floorguard_types::geometry::{Point2, Pose2};
 
 use super::body::{DISCS, Room};
 use super::ground::Ground;

@@ -1,7 +1,7 @@
 //! Where the mission goes next: the tour over what is dirty, what is postponed, and the lanes of a mission without a belief.
 
-use floorguard_core::geometry::{Point2, Pose2, wrap_angle};
-use floorguard_core::maps::NO_SLOT;
+use floorguard_mapping::NO_SLOT;
+use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
 
 use super::lattice::{Gear, STEP_M, Waypoint};
 use super::mission::Cleaner;

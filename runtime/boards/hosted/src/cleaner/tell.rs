@@ -1,9 +1,9 @@
 //! What the mission tells of itself.
 
-use floorguard_core::cleaning::Verdict;
-use floorguard_core::geometry::Pose2;
-use floorguard_core::maps::DirtCell;
-use floorguard_core::time::Stamp;
+use floorguard_cleaning::Verdict;
+use floorguard_mapping::DirtCell;
+use floorguard_types::geometry::Pose2;
+use floorguard_types::time::Stamp;
 
 use super::mission::Cleaner;
 use super::progress::{CellState, Doubt, MissionProgress, UncertainCell};
@@ -89,8 +89,8 @@ impl Cleaner {
     }
 }
 
-const fn place(pose: Pose2) -> floorguard_core::geometry::Point2 {
-    floorguard_core::geometry::Point2 { x_m: pose.x_m, y_m: pose.y_m }
+const fn place(pose: Pose2) -> floorguard_types::geometry::Point2 {
+    floorguard_types::geometry::Point2 { x_m: pose.x_m, y_m: pose.y_m }
 }
 
 #[cfg(test)]
@@ -100,7 +100,7 @@ mod tests {
     use super::super::store::{Saved, Store};
     use super::*;
     use crate::configuration::{EXAMPLE, parse};
-    use floorguard_core::maps::NO_SLOT;
+    use floorguard_mapping::NO_SLOT;
     use floorguard_sim::scenario::Scenario;
     use std::sync::Arc;
 

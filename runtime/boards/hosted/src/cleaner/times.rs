@@ -2,8 +2,8 @@
 //!
 //! What people cost is told from this and from nothing else, so that the sum of all reasons is the time of the mission.
 
-use floorguard_core::geometry::Twist2;
-use floorguard_core::guard::{Cause, Decision};
+use floorguard_guard::{Cause, Decision};
+use floorguard_types::geometry::Twist2;
 
 /// Slower than this is standing, m/s and rad/s.
 const STANDS: (f32, f32) = (0.02, 0.02);
@@ -152,8 +152,8 @@ impl Times {
 
 #[cfg(test)]
 mod tests {
-    use floorguard_core::guard::{Action, CauseRecord, GuardState};
-    use floorguard_core::time::Stamp;
+    use floorguard_guard::{Action, CauseRecord, GuardState};
+    use floorguard_types::time::Stamp;
 
     use super::*;
 

@@ -1,6 +1,6 @@
 //! Drives a way of the lattice: forward pieces by pure pursuit, turns on the spot, backwards pieces straight.
 
-use floorguard_core::geometry::{Point2, Pose2, Twist2, wrap_angle};
+use floorguard_types::geometry::{Point2, Pose2, Twist2, wrap_angle};
 
 use super::lattice::{Gear, Pace, Waypoint};
 

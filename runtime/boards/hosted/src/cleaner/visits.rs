@@ -1,6 +1,6 @@
 //! From a dirty cell to a way over it: one straight pass of the brush over as much of the dirt around it as fits.
 
-use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_types::geometry::{Point2, Pose2};
 
 use super::ground::Ground;
 use super::lattice::{Gear, HEADINGS, STEP_M, Waypoint};

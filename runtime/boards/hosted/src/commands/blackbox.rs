@@ -8,10 +8,10 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use floorguard_core::geometry::Twist2;
-use floorguard_core::time::Stamp;
 use floorguard_runtime::black_box_log::{LOG_VERSION, LogRestart, LogRow, decode_row};
 use floorguard_runtime::shared::BoxEntry;
+use floorguard_types::geometry::Twist2;
+use floorguard_types::time::Stamp;
 use serde::Serialize;
 
 use super::exit::BadInput;
@@ -271,7 +271,7 @@ fn record(path: &Path, moments: &[(Stamp, BoxEntry)]) -> anyhow::Result<()> {
     Ok(())
 }
 
-type Known = Option<(floorguard_core::guard::GuardState, floorguard_core::guard::Action)>;
+type Known = Option<(floorguard_guard::GuardState, floorguard_guard::Action)>;
 
 fn write_moment(
     recorder: &mut Recorder<BufWriter<File>>,

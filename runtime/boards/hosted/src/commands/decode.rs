@@ -47,7 +47,7 @@ pub fn settle_model(path: &std::path::Path, choice: ModelChoice) -> anyhow::Resu
         if datagram.destination_port != LIDAR_DATA_PORT {
             continue;
         }
-        let arrival = floorguard_core::time::Stamp::from_micros(datagram.captured_us);
+        let arrival = floorguard_types::time::Stamp::from_micros(datagram.captured_us);
         match decoder.decode(&datagram.payload, arrival) {
             Err(error @ DecodeError::WrongModel { .. }) => {
                 return Err(BadInput(format!("{}: {error}", path.display())).into());

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use floorguard_core::motion::MotionParameters;
+use floorguard_perception::motion::MotionParameters;
 use serde::Serialize;
 
 use super::VerdictFailed;

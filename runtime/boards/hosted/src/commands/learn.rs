@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use floorguard_core::geometry::Point2;
-use floorguard_core::maps::environment::WallTime;
+use floorguard_mapping::environment::WallTime;
+use floorguard_types::geometry::Point2;
 
 use super::BadInput;
 use crate::environment::{

@@ -1,6 +1,6 @@
 //! From the robot's own status to what the user sees.
 
-use floorguard_core::guard::Health;
+use floorguard_guard::Health;
 use floorguard_runtime::shared::RobotStatus;
 
 use crate::display::{SourceStatus, Status};

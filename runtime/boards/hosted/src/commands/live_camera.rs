@@ -3,7 +3,7 @@
 use std::thread;
 use std::time::Instant;
 
-use floorguard_core::maps::seen_dirt::DirtSpot;
+use floorguard_mapping::seen_dirt::DirtSpot;
 use serde_json::json;
 
 use crate::camera::{CameraNews, LiveEye, SeenDirt, watch_floor};

@@ -17,8 +17,8 @@ use crate::mission::{
     run_keeping, run_strategies_believing,
 };
 use crate::status::{MissionStatus, write_status};
-use floorguard_core::maps::environment::WallTime;
-use floorguard_core::random::Pcg32;
+use floorguard_mapping::environment::WallTime;
+use floorguard_types::random::Pcg32;
 
 /// What to clean, how, and how often.
 #[derive(Clone, Debug, Args)]

@@ -10,9 +10,9 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use floorguard_core::guard::GuardState;
 use floorguard_drivers::canopen::NodePhase;
 use floorguard_drivers::velodyne::DecodeError;
+use floorguard_guard::GuardState;
 use floorguard_runtime::clock;
 use floorguard_runtime::shared::{BusReport, Complaints, RobotStatus, StopRecord};
 use serde_json::json;

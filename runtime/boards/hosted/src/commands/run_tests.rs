@@ -1,9 +1,9 @@
 //! What the display does with stops that cannot be written.
 
-use floorguard_core::geometry::Pose2;
-use floorguard_core::guard::{Cause, CauseRecord, GuardState};
-use floorguard_core::time::Stamp;
+use floorguard_guard::{Cause, CauseRecord, GuardState};
 use floorguard_runtime::shared::StopRecord;
+use floorguard_types::geometry::Pose2;
+use floorguard_types::time::Stamp;
 
 use super::*;
 

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
-use floorguard_core::capacities::SCAN_BEAMS_MAX;
 use floorguard_runtime::configuration::ScannerModel;
 use floorguard_runtime::shared::RobotStatus;
 use floorguard_sim::FaultSpec;
 use floorguard_sim::scenario::Scenario;
+use floorguard_types::capacities::SCAN_BEAMS_MAX;
 
 use super::exit::{BadInput, VerdictFailed};
 use super::interrupt::end_at_ctrl_c;

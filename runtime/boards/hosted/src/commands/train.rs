@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
-use floorguard_core::legs::LEG_FEATURES;
-use floorguard_core::people::shape::SHAPE_NAMES;
+use floorguard_perception::legs::LEG_FEATURES;
+use floorguard_perception::people::shape::SHAPE_NAMES;
 use floorguard_sim::Scenario;
 
 use super::BadInput;

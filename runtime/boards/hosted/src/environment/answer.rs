@@ -1,9 +1,9 @@
 //! Answers in plain words, with what they rest on and how sure they are.
 
-use floorguard_core::maps::environment::{
+use floorguard_mapping::environment::{
     Confidence, PROFILE_STEP_S, Place, Profile, Wetness, best_time, removal_per_encounter, wetness,
 };
-use floorguard_core::maps::environment::{PLACE_CELL_M, WallTime};
+use floorguard_mapping::environment::{PLACE_CELL_M, WallTime};
 use serde::Serialize;
 use serde_json::{Value, json};
 

@@ -1,6 +1,6 @@
 //! Where people walk in some hours of the week.
 
-use floorguard_core::maps::environment::{Confidence, Evidence, PLACE_CELL_M, Rate};
+use floorguard_mapping::environment::{Confidence, Evidence, PLACE_CELL_M, Rate};
 use serde_json::json;
 
 use super::answer::{Answer, unknown};

@@ -1,7 +1,7 @@
 //! Moments and clocks for people: reads them, writes them, and knows when clocks change.
 
 use anyhow::{Context, anyhow};
-use floorguard_core::maps::environment::WallTime;
+use floorguard_mapping::environment::WallTime;
 use jiff::{Timestamp, Zoned, civil::DateTime, tz::TimeZone};
 
 /// The calendar of a place.

@@ -13,11 +13,11 @@ use std::io::{Read as _, Write as _};
 
 use anyhow::{Context, bail, ensure};
 use crc::{CRC_32_ISO_HDLC, Crc};
-use floorguard_core::geometry::Point2;
-use floorguard_core::maps::environment::{
+use floorguard_mapping::environment::{
     Complex, Contest, DirtPerVisit, DirtSeen, Environment, HeatCell, HourBin, Place, PlaceSlice,
     SpectrumParts, WallTime, Week,
 };
+use floorguard_types::geometry::Point2;
 
 use super::bytes::{Reader, Writer};
 use super::calendar::Calendar;

@@ -3,7 +3,7 @@
 //! The model knows places of 2 m. Within a place dirt lies where people walk: its cells share the place's dirt by the
 //! heat map of 0.2 m, with a part for all cells alike.
 
-use floorguard_core::maps::environment::{Cleaning, WallTime};
+use floorguard_mapping::environment::{Cleaning, WallTime};
 
 use super::model::Model;
 use crate::mission::{Floor, TrialResult};
@@ -127,7 +127,7 @@ fn passes(floor: &Floor, result: &TrialResult, brush_m: f32) -> Vec<u8> {
         for step in 0..=steps {
             let share = step as f32 / steps as f32;
             let along = |from: f32, to: f32| from + share * (to - from);
-            let point = floorguard_core::geometry::Point2::new(
+            let point = floorguard_types::geometry::Point2::new(
                 along(pair[0].x_m, pair[1].x_m),
                 along(pair[0].y_m, pair[1].y_m),
             );

@@ -7,13 +7,13 @@
 use std::path::{Path, PathBuf};
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::maps::environment::{PersonAt, WallTime};
-use floorguard_core::people::TrackStatus;
-use floorguard_core::sensing::{BeamReturn, Scan};
-use floorguard_core::time::Stamp;
+use floorguard_mapping::environment::{PersonAt, WallTime};
+use floorguard_perception::people::TrackStatus;
 use floorguard_runtime::shared::Shared;
 use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::sensing::{BeamReturn, Scan};
+use floorguard_types::time::Stamp;
 
 use super::calendar::Calendar;
 use super::model::Model;

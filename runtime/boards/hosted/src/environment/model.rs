@@ -1,12 +1,12 @@
 //! The environment model of a Linux computer: the core's, with room for a large hall, a calendar and named zones.
 
 use anyhow::ensure;
-use floorguard_core::geometry::Point2;
-use floorguard_core::maps::GridGeometry;
-use floorguard_core::maps::environment::{
+use floorguard_mapping::GridGeometry;
+use floorguard_mapping::environment::{
     DirtPerVisit, Environment, HEAT_CELL_M, HeatCell, HourEntry, PLACE_CELL_M, PeopleHeat, Place, Places,
     WallTime,
 };
+use floorguard_types::geometry::Point2;
 
 use super::calendar::Calendar;
 use super::zones::Zone;

@@ -1,6 +1,6 @@
 //! What can be seen from a place: nothing behind walls, nothing beyond the range.
 
-use floorguard_core::geometry::Point2;
+use floorguard_types::geometry::Point2;
 
 /// Walls and furniture as seen from above.
 #[derive(Clone, Debug, Default)]

@@ -3,8 +3,8 @@
 use super::*;
 use crate::environment::{Calendar, Zone, teach_recording};
 use crate::environment::{Recording, TrackPoint};
-use floorguard_core::geometry::Point2;
-use floorguard_core::maps::environment::WallTime;
+use floorguard_mapping::environment::WallTime;
+use floorguard_types::geometry::Point2;
 use std::fs;
 
 /// A Monday, 00:00 UTC.

@@ -1,8 +1,8 @@
 //! Lets a model learn from recorded tracks and from what the robot saw on a run.
 
 use anyhow::ensure;
-use floorguard_core::geometry::Point2;
-use floorguard_core::maps::environment::{PersonAt, Sighting, WallTime};
+use floorguard_mapping::environment::{PersonAt, Sighting, WallTime};
+use floorguard_types::geometry::Point2;
 
 use super::model::Model;
 use super::sight::Sight;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
-use floorguard_core::geometry::Point2;
+use floorguard_types::geometry::Point2;
 
 use crate::packing;
 

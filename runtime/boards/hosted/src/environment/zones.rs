@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use anyhow::{Context, bail, ensure};
-use floorguard_core::geometry::Point2;
-use floorguard_core::maps::GridGeometry;
+use floorguard_mapping::GridGeometry;
+use floorguard_types::geometry::Point2;
 use serde::Deserialize;
 
 /// Places along the side of a tile: 8 m.

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use floorguard_core::geometry::Point2;
-use floorguard_core::people::{PeoplePipeline, RingAngles};
+use floorguard_perception::people::{PeoplePipeline, RingAngles};
+use floorguard_types::geometry::Point2;
 use serde::Serialize;
 
 use super::frames::{capture_frames, standing_context};

@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use anyhow::Context;
-use floorguard_core::floor::dirt::DirtFault;
-use floorguard_core::sensing::ColorImage;
-use floorguard_core::time::Stamp;
+use floorguard_perception::floor::dirt::DirtFault;
+use floorguard_types::sensing::ColorImage;
+use floorguard_types::time::Stamp;
 use image::{Rgb, RgbImage};
 use serde::Serialize;
 
@@ -108,7 +108,7 @@ fn picture(file: &ColourFile, truth: &[bool], [published, ours]: [&DirtAnswer; 2
 #[cfg(test)]
 mod tests {
     use super::*;
-    use floorguard_core::random::Pcg32;
+    use floorguard_types::random::Pcg32;
 
     /// A covered camera says nothing of dirt: its frame is unknown, and counts neither as clean nor as the end of the folder.
     #[test]

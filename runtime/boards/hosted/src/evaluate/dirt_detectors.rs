@@ -1,8 +1,10 @@
 //! The published detector of dirt and ours on the same pixels, with their memory on the heap.
 
-use floorguard_core::floor::dirt::{DirtFault, FloorView, NOVELTY_BIN, NoveltyDetector, PublishedDetector};
-use floorguard_core::maps::seen_dirt::Scores;
-use floorguard_core::sensing::ColorImage;
+use floorguard_mapping::seen_dirt::Scores;
+use floorguard_perception::floor::dirt::{
+    DirtFault, FloorView, NOVELTY_BIN, NoveltyDetector, PublishedDetector,
+};
+use floorguard_types::sensing::ColorImage;
 
 use super::dirt_memory::NoveltyBuffers;
 

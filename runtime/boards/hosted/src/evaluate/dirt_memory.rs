@@ -1,6 +1,6 @@
 //! Memory on the heap for the detector of dirt, which has none of its own.
 
-use floorguard_core::floor::dirt::{NOVELTY_BIN, NoveltyMemory, Pixel, Remembered};
+use floorguard_perception::floor::dirt::{NOVELTY_BIN, NoveltyMemory, Pixel, Remembered};
 
 /// What [`NoveltyMemory`] lends.
 #[derive(Clone, Debug, Default)]

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use floorguard_core::floor::{
+use floorguard_perception::floor::{
     Expectation, FloorFault, FloorModel, FloorObject, FloorParameters, ObjectFinder, PixelClass, Plane,
 };
-use floorguard_core::sensing::{DepthImage, PinholeCamera};
-use floorguard_core::time::Stamp;
+use floorguard_types::sensing::{DepthImage, PinholeCamera};
+use floorguard_types::time::Stamp;
 use image::{Rgb, RgbImage};
 use serde::Serialize;
 
@@ -21,7 +21,7 @@ const ANY_TILT_RAD: f32 = 0.872_665;
 /// Without a mounting the camera is this high, metres.
 const ANY_HEIGHT_M: [f32; 2] = [0.15, 3.0];
 /// Wider pictures are reduced.
-const COLUMNS_MAX: usize = floorguard_core::capacities::FLOOR_IMAGE_COLUMNS_MAX;
+const COLUMNS_MAX: usize = floorguard_types::capacities::FLOOR_IMAGE_COLUMNS_MAX;
 /// The search is seeded, so that the same picture gives the same answer.
 const SEED: u64 = 1;
 

@@ -5,11 +5,11 @@
 
 use std::path::{Path, PathBuf};
 
-use floorguard_core::geometry::{Point3, Pose2, Transform3, Twist2};
-use floorguard_core::people::{FloorHeight, RingAngles, SweepContext};
-use floorguard_core::sensing::Sweep;
-use floorguard_core::time::Stamp;
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
+use floorguard_perception::people::{FloorHeight, RingAngles, SweepContext};
+use floorguard_types::geometry::{Point3, Pose2, Transform3, Twist2};
+use floorguard_types::sensing::Sweep;
+use floorguard_types::time::Stamp;
 
 use super::text::read_text;
 use crate::capture::{Capture, Datagram};

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use floorguard_core::legs::{LEG_FEATURES, Segments, Stump, leg_score, score};
+use floorguard_perception::legs::{LEG_FEATURES, Segments, Stump, leg_score, score};
 use serde::Serialize;
 
 use crate::commands::BadInput;

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use floorguard_core::geometry::Point2;
-use floorguard_core::motion::MotionParameters;
+use floorguard_perception::motion::MotionParameters;
+use floorguard_types::geometry::Point2;
 use serde::Serialize;
 
 use super::motion_key::{KeyRow, read_key};

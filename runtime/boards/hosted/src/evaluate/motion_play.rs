@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use floorguard_core::geometry::{Point2, Point3, Pose2, Transform3, Twist2};
-use floorguard_core::motion::{MotionDetector, MotionParameters};
-use floorguard_core::people::{FloorHeight, PeoplePipeline, RingAngles, SweepContext};
-use floorguard_core::sensing::Sweep;
-use floorguard_core::time::Stamp;
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
+use floorguard_perception::motion::{MotionDetector, MotionParameters};
+use floorguard_perception::people::{FloorHeight, PeoplePipeline, RingAngles, SweepContext};
+use floorguard_types::geometry::{Point2, Point3, Pose2, Transform3, Twist2};
+use floorguard_types::sensing::Sweep;
+use floorguard_types::time::Stamp;
 
 use crate::capture::Capture;
 use crate::commands::{BadInput, LIDAR_DATA_PORT, settle_model};

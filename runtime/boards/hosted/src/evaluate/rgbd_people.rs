@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use floorguard_core::floor::{FloorFault, FloorModel, FloorSource};
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::rgbd_people::{RgbdCounters, RgbdDetection, RgbdKind, RgbdParameters, RgbdPeopleFinder};
-use floorguard_core::sensing::{ColorImage, DepthImage, PinholeCamera};
-use floorguard_core::time::Stamp;
+use floorguard_perception::floor::{FloorFault, FloorModel, FloorSource};
+use floorguard_perception::rgbd_people::{
+    RgbdCounters, RgbdDetection, RgbdKind, RgbdParameters, RgbdPeopleFinder,
+};
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::sensing::{ColorImage, DepthImage, PinholeCamera};
+use floorguard_types::time::Stamp;
 use serde::Serialize;
 
 use super::floor::{camera, parameters};

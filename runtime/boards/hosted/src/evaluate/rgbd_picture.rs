@@ -1,7 +1,7 @@
 //! A depth picture with the people that were found in it.
 
-use floorguard_core::rgbd_people::{LegCandidate, RgbdDetection, RgbdKind};
-use floorguard_core::sensing::DepthImage;
+use floorguard_perception::rgbd_people::{LegCandidate, RgbdDetection, RgbdKind};
+use floorguard_types::sensing::DepthImage;
 use image::{Rgb, RgbImage};
 
 use super::images::ColourFile;

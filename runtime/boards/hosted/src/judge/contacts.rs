@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use floorguard_core::geometry::Point2;
 use floorguard_runtime::configuration::{Limits, RobotConfiguration};
+use floorguard_types::geometry::Point2;
 
 use super::shape::distance_m;
 use super::truth::Truth;
@@ -123,8 +123,8 @@ mod tests {
     use super::*;
     use crate::configuration::{EXAMPLE, parse};
     use crate::judge::TruthPerson;
-    use floorguard_core::geometry::{Pose2, Twist2};
-    use floorguard_core::time::Stamp;
+    use floorguard_types::geometry::{Pose2, Twist2};
+    use floorguard_types::time::Stamp;
 
     fn judge() -> ContactJudge {
         ContactJudge::new(&parse("robot.toml", EXAMPLE).unwrap().robot)

@@ -1,6 +1,6 @@
 //! Distances between the robot's outlines and people.
 
-use floorguard_core::geometry::Point2;
+use floorguard_types::geometry::Point2;
 
 use crate::configuration::polygon_contains;
 

@@ -1,7 +1,7 @@
 //! Stops that were missed, stops that were not needed, and how fast the needed ones came.
 
-use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_runtime::configuration::{Limits, RobotConfiguration};
+use floorguard_types::geometry::{Point2, Pose2};
 
 use super::shape::distance_m;
 use super::truth::Truth;
@@ -193,8 +193,8 @@ mod tests {
     use super::*;
     use crate::configuration::{EXAMPLE, parse};
     use crate::judge::TruthPerson;
-    use floorguard_core::geometry::Twist2;
-    use floorguard_core::time::Stamp;
+    use floorguard_types::geometry::Twist2;
+    use floorguard_types::time::Stamp;
 
     /// A robot at 0.8 m/s towards a wall; from `brakes_s` on it is told to stop and brakes as specified.
     fn approach(brakes_s: f32) -> StopJudge {

@@ -1,7 +1,7 @@
 //! What really happens, at one moment.
 
-use floorguard_core::geometry::{Point2, Pose2, Twist2};
-use floorguard_core::time::Stamp;
+use floorguard_types::geometry::{Point2, Pose2, Twist2};
+use floorguard_types::time::Stamp;
 
 /// A person as a disc on the floor.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,7 +1,7 @@
 //! What a run comes to.
 
-use floorguard_core::time::Stamp;
 use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_types::time::Stamp;
 use serde::Serialize;
 
 use super::contacts::ContactJudge;

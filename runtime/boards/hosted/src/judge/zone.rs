@@ -1,7 +1,7 @@
 //! The protective zone that applies to the true motion.
 
-use floorguard_core::geometry::Point2;
 use floorguard_runtime::configuration::{DirectionOfTravel, FieldPair, RobotConfiguration};
+use floorguard_types::geometry::Point2;
 
 use super::shape::distance_m;
 use super::truth::Truth;

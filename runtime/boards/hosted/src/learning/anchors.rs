@@ -5,8 +5,8 @@
 
 use anyhow::{bail, ensure};
 use crc::{CRC_32_ISO_HDLC, Crc};
-use floorguard_core::online_learning::LabelledShape;
-use floorguard_core::people::shape::SHAPE_FEATURES;
+use floorguard_perception::online_learning::LabelledShape;
+use floorguard_perception::people::shape::SHAPE_FEATURES;
 
 const SHIPPED: &[u8] = include_bytes!("anchors.bin");
 /// Steps of a unit.
@@ -76,7 +76,7 @@ pub fn anchors_fingerprint(anchors: &[LabelledShape]) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use floorguard_core::people::person_model::person_log_odds;
+    use floorguard_perception::people::person_model::person_log_odds;
 
     #[test]
     fn the_shipped_anchors_are_of_both_kinds_and_the_shipped_classifier_knows_them() {

@@ -5,7 +5,7 @@
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use floorguard_core::online_learning::Weights;
+use floorguard_perception::online_learning::Weights;
 
 use super::report::LearningReport;
 use super::weights_file::save_weights;

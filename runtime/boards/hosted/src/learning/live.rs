@@ -3,13 +3,13 @@
 //!
 //! Everything follows from the sweeps and their stamps, so a recording with the same start gives the same bits.
 
-use floorguard_core::geometry::Point2;
-use floorguard_core::online_learning::{
+use floorguard_perception::online_learning::{
     ExpertRules, LabelledShape, LearnedBeliefs, OnlineLearner, Sight, TwoLooks, Weights,
 };
-use floorguard_core::people::person_model::person_log_odds;
-use floorguard_core::people::{PeoplePipeline, Track};
-use floorguard_core::time::{Age, Stamp};
+use floorguard_perception::people::person_model::person_log_odds;
+use floorguard_perception::people::{PeoplePipeline, Track};
+use floorguard_types::geometry::Point2;
+use floorguard_types::time::{Age, Stamp};
 
 use super::desk::LearningDesk;
 use super::report::LearningReport;
@@ -135,8 +135,8 @@ impl Pace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use floorguard_core::people::shape::{SHAPE_FEATURES, ShapeVector};
-    use floorguard_core::random::Pcg32;
+    use floorguard_perception::people::shape::{SHAPE_FEATURES, ShapeVector};
+    use floorguard_types::random::Pcg32;
 
     #[test]
     fn a_round_takes_as_long_as_an_update_may_and_a_pause_is_not_caught_up() {

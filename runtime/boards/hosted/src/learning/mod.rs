@@ -1,6 +1,6 @@
 //! Learning on the robot while it works: `[learning]` of robot.toml.
 //!
-//! Tracks label what was seen, a bounded model corrects the shipped classifier (`floorguard_core::online_learning`), and
+//! Tracks label what was seen, a bounded model corrects the shipped classifier (`floorguard_perception::online_learning`), and
 //! what was taken over is kept in a file. The tracker and the guard's advice go on with the shipped classifier: what is
 //! learned can only add a person to the advice.
 

@@ -1,6 +1,6 @@
 //! What a robot has learned, for the console, the verdict and the reports.
 
-use floorguard_core::online_learning::{LearnerCounters, OnlineLearner, Standing};
+use floorguard_perception::online_learning::{LearnerCounters, OnlineLearner, Standing};
 use serde::Serialize;
 
 use crate::display::counted;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
-use floorguard_core::online_learning::{LabelledShape, Weights};
+use floorguard_perception::online_learning::{LabelledShape, Weights};
 
 use super::anchors::{anchors_fingerprint, shipped_anchors};
 use super::desk::{LearningDesk, LearningKeeper};

@@ -14,7 +14,7 @@ use std::path::Path;
 
 use anyhow::{bail, ensure};
 use crc::{CRC_32_ISO_HDLC, Crc};
-use floorguard_core::online_learning::{BASIS, Weights};
+use floorguard_perception::online_learning::{BASIS, Weights};
 
 use crate::environment::bytes::{Reader, Writer};
 use crate::environment::{places, replace_file};

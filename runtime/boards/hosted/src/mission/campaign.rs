@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use floorguard_core::random::Pcg32;
+use floorguard_types::random::Pcg32;
 
 use super::config::{MissionConfig, Strategy};
 use super::dirt_source::DirtSource;

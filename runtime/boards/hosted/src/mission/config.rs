@@ -1,9 +1,8 @@
 //! What a mission is run with: strategy, robot, belief, and what goes wrong.
 
-use floorguard_core::cleaning::{
-    ActuatorModel, BeliefConfig, Brush, Collapse, DirtSensorModel, FollowConfig, MotionNoise,
-    RangeModelConfig,
-};
+use floorguard_cleaning::{ActuatorModel, BeliefConfig, Brush, Collapse, DirtSensorModel};
+use floorguard_localisation::{MotionNoise, RangeModelConfig};
+use floorguard_navigation::FollowConfig;
 
 use super::faults::FaultRates;
 use super::truth::RangeSensor;

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anyhow::Context;
-use floorguard_core::geometry::Point2;
-use floorguard_core::random::Pcg32;
+use floorguard_types::geometry::Point2;
+use floorguard_types::random::Pcg32;
 
 use super::floor::Floor;
 

@@ -1,6 +1,6 @@
 //! What goes wrong in a mission, seeded: wheels that slip, pushes, packets that are lost, power that fails.
 
-use floorguard_core::random::Pcg32;
+use floorguard_types::random::Pcg32;
 
 /// How often things go wrong, events a minute.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

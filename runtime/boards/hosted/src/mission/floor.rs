@@ -2,9 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use floorguard_core::cleaning::{PathSearch, SearchCell};
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::maps::{DistanceField, Grid, GridGeometry, Occupancy, fill_distances};
+use floorguard_mapping::{DistanceField, Grid, GridGeometry, Occupancy, fill_distances};
+use floorguard_navigation::{PathSearch, SearchCell};
+use floorguard_types::geometry::{Point2, Pose2};
 
 use super::ros_map::OccupancyMap;
 

@@ -1,6 +1,6 @@
 //! Lanes over the whole floor: the systematic strategy, and wet cleaning with headlands.
 
-use floorguard_core::geometry::Point2;
+use floorguard_types::geometry::Point2;
 
 use super::floor::{CELL_M, Floor};
 

@@ -1,9 +1,10 @@
 //! Runs the belief beside the wheels: where the robot is now, and whether that can be trusted.
 
-use floorguard_core::cleaning::{ActiveCell, Belief, BeliefConfig, CleanRule, Evidence, OdometryStep};
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::maps::{DirtCell, DirtMap};
-use floorguard_core::random::Pcg32;
+use floorguard_cleaning::{ActiveCell, Belief, BeliefConfig, CleanRule, Evidence};
+use floorguard_localisation::OdometryStep;
+use floorguard_mapping::{DirtCell, DirtMap};
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::random::Pcg32;
 
 use super::floor::Floor;
 

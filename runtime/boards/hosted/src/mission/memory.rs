@@ -10,8 +10,8 @@ use std::path::Path;
 
 use anyhow::{Context as _, ensure};
 use crc::{CRC_32_ISO_HDLC, Crc};
-use floorguard_core::geometry::Pose2;
-use floorguard_core::maps::{DirtCell, NO_SLOT};
+use floorguard_mapping::{DirtCell, NO_SLOT};
+use floorguard_types::geometry::Pose2;
 
 const MAGIC: &[u8; 8] = b"FGMISSN1";
 const CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);

@@ -3,11 +3,10 @@
 use std::collections::VecDeque;
 use std::time::Instant;
 
-use floorguard_core::cleaning::{
-    FollowConfig, Following, Pass, PassShape, PathSearch, Planner, SearchCell, choose_pass, follow,
-};
-use floorguard_core::geometry::{Point2, Pose2, Twist2};
-use floorguard_core::random::Pcg32;
+use floorguard_cleaning::{Pass, PassShape, Planner, choose_pass};
+use floorguard_navigation::{FollowConfig, Following, PathSearch, SearchCell, follow};
+use floorguard_types::geometry::{Point2, Pose2, Twist2};
+use floorguard_types::random::Pcg32;
 
 use super::config::Strategy;
 use super::floor::{CELL_M, Floor};
@@ -427,7 +426,7 @@ impl Navigator {
     }
 
     fn random_drive(&mut self, floor: &Floor, pose: Pose2, period_s: f32) -> Twist2 {
-        let error = floorguard_core::geometry::wrap_angle(self.heading_rad - pose.heading_rad);
+        let error = floorguard_types::geometry::wrap_angle(self.heading_rad - pose.heading_rad);
         if error.abs() > 0.05 {
             let rate = (error / period_s).clamp(-self.config.turn_radps, self.config.turn_radps);
             return Twist2 { linear_mps: 0.0, angular_radps: rate };

@@ -1,7 +1,7 @@
 //! People on the floor of a mission: they walk from place to place and step aside for nobody.
 
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::random::Pcg32;
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::random::Pcg32;
 
 use super::floor::Floor;
 

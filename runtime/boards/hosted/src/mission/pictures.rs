@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use floorguard_core::cleaning::Verdict;
-use floorguard_core::geometry::Point2;
+use floorguard_cleaning::Verdict;
+use floorguard_types::geometry::Point2;
 use image::{Rgb, RgbImage};
 use plotters::prelude::*;
 
@@ -47,7 +47,7 @@ pub fn mission_map(
             let is_wall = fine
                 .cell_at(point)
                 .and_then(|i| floor.occupancy.get(i))
-                .is_some_and(|o| *o == floorguard_core::maps::Occupancy::Occupied);
+                .is_some_and(|o| *o == floorguard_mapping::Occupancy::Occupied);
             let colour = if is_wall { WALL } else { colour_of(result, cell, (expected, tolerated)) };
             picture.put_pixel(x, top - 1 - y, colour);
         }

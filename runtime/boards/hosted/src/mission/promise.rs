@@ -1,7 +1,7 @@
 //! What the mission promises, and when a cell is clean enough for it at this moment.
 
-use floorguard_core::cleaning::{CleanRule, MissionRisk};
-use floorguard_core::maps::{DirtCell, DirtMap};
+use floorguard_cleaning::{CleanRule, MissionRisk};
+use floorguard_mapping::{DirtCell, DirtMap};
 
 use super::config::{Guarantee, MissionConfig};
 

@@ -1,7 +1,7 @@
 //! Artificial floors: the two of the published protocol, and a supermarket.
 
-use floorguard_core::geometry::Point2;
-use floorguard_core::maps::{Grid, GridGeometry, Occupancy};
+use floorguard_mapping::{Grid, GridGeometry, Occupancy};
+use floorguard_types::geometry::Point2;
 
 use super::ros_map::OccupancyMap;
 

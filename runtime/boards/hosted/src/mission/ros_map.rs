@@ -6,8 +6,8 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail, ensure};
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::maps::{Grid, GridGeometry, Occupancy};
+use floorguard_mapping::{Grid, GridGeometry, Occupancy};
+use floorguard_types::geometry::{Point2, Pose2};
 
 /// An occupancy map in memory.
 pub type OccupancyMap = Grid<Occupancy, Vec<Occupancy>>;

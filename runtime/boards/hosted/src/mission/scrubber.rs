@@ -1,8 +1,7 @@
 //! The belief of the scrubber that drives: a large robot with a wide brush and a safety scanner.
 
-use floorguard_core::cleaning::{
-    ActuatorModel, BeliefConfig, Brush, Collapse, DirtSensorModel, MotionNoise, RangeModelConfig,
-};
+use floorguard_cleaning::{ActuatorModel, BeliefConfig, Brush, Collapse, DirtSensorModel};
+use floorguard_localisation::{MotionNoise, RangeModelConfig};
 
 /// The scrubbing deck (FLOBOT's), a bar across the robot, ahead of the rear axle.
 pub const BRUSH: Brush = Brush { width_m: 0.65, offset_m: 0.25 };

@@ -1,9 +1,10 @@
 //! One mission from start to end, and what it came to.
 
-use floorguard_core::cleaning::{CleanRule, Verdict, poisson_tail};
-use floorguard_core::geometry::{Point2, Twist2};
-use floorguard_core::maps::{DirtCell, Grid};
-use floorguard_core::random::Pcg32;
+use floorguard_cleaning::{CleanRule, Verdict};
+use floorguard_mapping::poisson_tail;
+use floorguard_mapping::{DirtCell, Grid};
+use floorguard_types::geometry::{Point2, Twist2};
+use floorguard_types::random::Pcg32;
 
 use super::config::{MissionConfig, Strategy};
 use super::faults::Faults;

@@ -3,10 +3,10 @@
 //! Dirt here is single specks at places of their own, as in the simulator of the whole robot. The belief counts units in
 //! cells; the two share no code, so one judges the other.
 
-use floorguard_core::cleaning::{Brush, Swath};
-use floorguard_core::geometry::{Point2, Pose2, Twist2};
-use floorguard_core::random::Pcg32;
+use floorguard_cleaning::{Brush, Swath};
 use floorguard_sim::dirt::DirtyFloor;
+use floorguard_types::geometry::{Point2, Pose2, Twist2};
+use floorguard_types::random::Pcg32;
 
 use super::floor::Floor;
 

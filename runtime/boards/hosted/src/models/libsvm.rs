@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use floorguard_core::people::classify::{Platt, SvmModel};
+use floorguard_perception::people::classify::{Platt, SvmModel};
 
 use super::{ModelError, read};
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use floorguard_core::people::classify::Scaling;
+use floorguard_perception::people::classify::Scaling;
 
 use super::{ModelError, read};
 

@@ -1,6 +1,6 @@
 //! One picture for the browsers.
 
-use floorguard_core::geometry::Point2;
+use floorguard_types::geometry::Point2;
 use serde::Serialize;
 
 use super::layers::MissionFrame;

@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use floorguard_core::time::Stamp;
 use floorguard_runtime::shared::{Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
+use floorguard_types::time::Stamp;
 use serde::Deserialize;
 use tokio::sync::watch;
 

@@ -1,7 +1,7 @@
 //! The floor of a cleaning mission for the browsers: what is claimed clean and where dirt is expected. It changes once a
 //! second at most and is fetched apart from the pictures.
 
-use floorguard_core::geometry::Pose2;
+use floorguard_types::geometry::Pose2;
 use serde::Serialize;
 
 use super::frame::{Place, place, round};

@@ -2,7 +2,7 @@
 //!
 //! `docs/src/operating.md` tells the same on paper; a test holds the two together.
 
-use floorguard_core::guard::{Cause, CauseRecord, Clear, Health, Source, Unit};
+use floorguard_guard::{Cause, CauseRecord, Clear, Health, Source, Unit};
 
 /// What to do about it.
 pub fn remedy(record: &CauseRecord) -> &'static str {

@@ -2,12 +2,12 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::*;
 use crate::configuration::{EXAMPLE, parse};
-use floorguard_core::geometry::Twist2;
-use floorguard_core::guard::{Advice, FaultKind, GuardConfig, Supervisor};
-use floorguard_core::sensing::{
+use floorguard_guard::{Advice, FaultKind, GuardConfig, Supervisor};
+use floorguard_types::geometry::Twist2;
+use floorguard_types::sensing::{
     BeamReturn, DiscreteInputs, DriveFeedback, DriveState, ImuSample, LidarColumn, LidarPacket, Scan,
 };
-use floorguard_core::time::Stamp;
+use floorguard_types::time::Stamp;
 
 const STEP_US: u64 = 10_000;
 /// All is well for two seconds, of which the start-up check takes one; then something fails for a second.

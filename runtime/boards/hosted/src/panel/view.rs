@@ -4,14 +4,14 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use floorguard_core::geometry::{Point2, Pose2, Transform3};
-use floorguard_core::guard::{GuardState, Health};
-use floorguard_core::people::RingAngles;
-use floorguard_core::sensing::BeamReturn;
-use floorguard_core::time::Stamp;
 use floorguard_drivers::velodyne::ModelChoice;
+use floorguard_guard::{GuardState, Health};
+use floorguard_perception::people::RingAngles;
 use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
 use floorguard_runtime::shared::{RobotStatus, Shared, StopRecord};
+use floorguard_types::geometry::{Point2, Pose2, Transform3};
+use floorguard_types::sensing::BeamReturn;
+use floorguard_types::time::Stamp;
 
 use super::frame::{CauseFrame, Frame, PersonFrame, Place, SourceFrame, place, round};
 use super::layers::{Layers, layers, mission_frame};
@@ -69,7 +69,7 @@ impl PanelView {
         let mounting = self.robot.lidar.mounting.transform();
         let points = rows.iter().map(|row| {
             let [x_m, y_m, z_m] = row.position_m;
-            mounting.transform(floorguard_core::geometry::Point3::new(x_m, y_m, z_m))
+            mounting.transform(floorguard_types::geometry::Point3::new(x_m, y_m, z_m))
         });
         let points: Vec<_> = points.filter(|point| HEIGHTS_M.contains(&point.z_m)).collect();
         let every = points.len().div_ceil(POINTS_SHOWN).max(1);

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use floorguard_core::geometry::Point2;
+use floorguard_types::geometry::Point2;
 
 /// Text of an SVG document; elements are painted in the order in which they are added.
 pub(super) struct Canvas {

@@ -1,6 +1,6 @@
 //! What a top view shows: plain data, all in the map's frame, metres.
 
-use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_types::geometry::{Point2, Pose2};
 
 /// A run seen from above.
 #[derive(Clone, Debug, Default, PartialEq)]

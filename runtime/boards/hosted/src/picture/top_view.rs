@@ -1,6 +1,6 @@
 //! Draws a run as an SVG document: the map at the left, legend and list of stops at the right.
 
-use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_types::geometry::{Point2, Pose2};
 
 use super::canvas::{Canvas, Ink, Lettering, Mapping};
 use super::content::TopView;

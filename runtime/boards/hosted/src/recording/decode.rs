@@ -1,7 +1,7 @@
 //! ROS 2 messages of anybody's recording, read into what we need of them. `None`: the message is damaged or no plain CDR.
 
-use floorguard_core::geometry::{Point2, Point3, Pose2, Transform3, Twist2};
-use floorguard_core::time::Stamp;
+use floorguard_types::geometry::{Point2, Point3, Pose2, Transform3, Twist2};
+use floorguard_types::time::Stamp;
 
 use super::cdr::Decoder;
 

@@ -1,11 +1,11 @@
 //! What the robot knows, in the form in which it is drawn and listed.
 
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::guard::{CauseRecord, Decision, Health, SourceReport, Unit};
-use floorguard_core::people::TrackStatus;
+use floorguard_guard::{CauseRecord, Decision, Health, SourceReport, Unit};
+use floorguard_perception::people::TrackStatus;
 use floorguard_runtime::configuration::FieldPair;
 use floorguard_runtime::shared::{LinkCounters, PeopleReport, PersonReport, StopRecord};
 use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;
+use floorguard_types::geometry::{Point2, Pose2};
 
 use super::messages::{Diagnostic, Marker, MarkerShape, Severity};
 

@@ -1,9 +1,9 @@
 //! Sweeps for the eye: points out of the raw datagrams, apart from the robot's own tasks.
 
-use floorguard_core::people::RingAngles;
-use floorguard_core::sensing::Sweep;
-use floorguard_core::time::Stamp;
 use floorguard_drivers::velodyne::{Decoder, ModelChoice, SweepBuilder};
+use floorguard_perception::people::RingAngles;
+use floorguard_types::sensing::Sweep;
+use floorguard_types::time::Stamp;
 
 use super::messages::PointRow;
 

@@ -1,8 +1,8 @@
 //! Our measurements and results as ROS 2 messages.
 
-use floorguard_core::geometry::{Point2, Pose2, Transform3, Twist2};
-use floorguard_core::sensing::{BeamReturn, ImuSample, Scan};
-use floorguard_core::time::Stamp;
+use floorguard_types::geometry::{Point2, Pose2, Transform3, Twist2};
+use floorguard_types::sensing::{BeamReturn, ImuSample, Scan};
+use floorguard_types::time::Stamp;
 
 use super::cdr::Encoder;
 

@@ -1,6 +1,6 @@
 //! A cleaning mission in a recording: what is claimed clean, how much dirt is expected, and how far it is.
 
-use floorguard_core::geometry::Pose2;
+use floorguard_types::geometry::Pose2;
 
 use super::messages::{Diagnostic, GridImage, Severity};
 use crate::cleaner::{CellState, MissionProgress};

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::Read;
 use std::sync::Arc;
 
-use floorguard_core::time::Stamp;
+use floorguard_types::time::Stamp;
 
 use super::chunk::{ChunkError, salvage, unpack};
 use super::records::{

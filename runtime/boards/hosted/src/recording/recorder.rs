@@ -8,7 +8,7 @@
 use std::collections::BTreeMap;
 use std::io::{Seek, Write};
 
-use floorguard_core::time::Stamp;
+use floorguard_types::time::Stamp;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 

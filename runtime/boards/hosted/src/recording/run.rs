@@ -8,17 +8,17 @@ use std::io::{Seek, Write};
 use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use floorguard_core::geometry::Pose2;
-use floorguard_core::guard::GuardState;
-use floorguard_core::people::RingAngles;
-use floorguard_core::sensing::Scan;
-use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
 use floorguard_drivers::velodyne::ModelChoice;
 use floorguard_drivers::xsens::{Device, DeviceEvent};
+use floorguard_guard::GuardState;
+use floorguard_perception::people::RingAngles;
 use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
 use floorguard_runtime::shared::{RobotStatus, Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
+use floorguard_types::geometry::Pose2;
+use floorguard_types::sensing::Scan;
+use floorguard_types::time::Stamp;
 
 use crate::camera::SeenDirt;
 use crate::cleaner::{MissionPhase, MissionProgress};
@@ -67,9 +67,9 @@ pub struct RunRecorder<W: Write + Seek> {
     recorder: Recorder<W>,
     lidar: LidarView,
     imu: Device,
-    imu_samples: Vec<floorguard_core::sensing::ImuSample>,
+    imu_samples: Vec<floorguard_types::sensing::ImuSample>,
     fields: Vec<Vec<super::Marker>>,
-    mountings: Vec<(&'static str, floorguard_core::geometry::Transform3)>,
+    mountings: Vec<(&'static str, floorguard_types::geometry::Transform3)>,
     map: ScanMap,
     mission: Option<Arc<MissionProgress>>,
     seen: Seen,

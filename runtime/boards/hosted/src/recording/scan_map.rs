@@ -4,8 +4,8 @@
 
 use std::collections::BTreeMap;
 
-use floorguard_core::geometry::{Point2, Point3, Pose2, Transform3};
-use floorguard_core::sensing::{BeamReturn, Scan};
+use floorguard_types::geometry::{Point2, Point3, Pose2, Transform3};
+use floorguard_types::sensing::{BeamReturn, Scan};
 
 /// Edge of a cell, metres.
 pub const CELL_M: f32 = 0.1;

@@ -2,9 +2,9 @@
 
 use std::io::{Seek, Write};
 
-use floorguard_core::geometry::{Pose2, Transform3, Twist2};
-use floorguard_core::sensing::{ImuSample, Scan};
-use floorguard_core::time::Stamp;
+use floorguard_types::geometry::{Pose2, Transform3, Twist2};
+use floorguard_types::sensing::{ImuSample, Scan};
+use floorguard_types::time::Stamp;
 
 use super::messages::{self, Diagnostic, GridImage, Marker, PointRow};
 use super::recorder::{RecordError, Recorder, Times};

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use floorguard_core::geometry::Point2;
+use floorguard_types::geometry::Point2;
 
 use super::charts;
 use super::grids::{self, Scale};

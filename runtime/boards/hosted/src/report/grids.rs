@@ -99,8 +99,8 @@ fn runs(path: &mut String, from_top: usize, cells: &[i8], shade: u8) {
 
 #[cfg(test)]
 mod tests {
-    use floorguard_core::geometry::Pose2;
-    use floorguard_core::time::Stamp;
+    use floorguard_types::geometry::Pose2;
+    use floorguard_types::time::Stamp;
 
     use super::*;
     use crate::recording::decode::Header;

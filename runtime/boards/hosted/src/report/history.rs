@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::io::Read;
 
-use floorguard_core::geometry::{Point2, Point3, Pose2, Transform3};
-use floorguard_core::time::Stamp;
+use floorguard_types::geometry::{Point2, Point3, Pose2, Transform3};
+use floorguard_types::time::Stamp;
 
 use crate::recording::decode::{self, Cloud, Drawn, Grid, LaserScan, Status};
 use crate::recording::mission::MISSION;

@@ -1,7 +1,7 @@
 //! The run from above.
 
-use floorguard_core::geometry::Point2;
 use floorguard_sim::scene::{FurnitureKind, SceneFile};
+use floorguard_types::geometry::Point2;
 
 use crate::picture::{PersonPath, StopMark, TopView};
 use crate::world::{BRUSH_M, Observation, Plan};

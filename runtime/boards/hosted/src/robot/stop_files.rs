@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use floorguard_core::time::Stamp;
 use floorguard_runtime::black_box_log::{LOG_VERSION, LogMoment, LogRow, encode_row};
 use floorguard_runtime::shared::{BoxEntry, Shared, StopRecord};
+use floorguard_types::time::Stamp;
 
 /// Writes `stop-0001.csv` and so on: first line the cause, then one line per moment, oldest first; and the same moments
 /// as `stop-0001.fgbox` for `floorguard blackbox`. Gives the path of the table.

@@ -8,11 +8,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use embedded_io_async::{ErrorType, Read, Write};
-use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
 use floorguard_runtime::clock;
 use floorguard_runtime::io::{CanBus, DatagramReceiver, Received};
 use floorguard_runtime::tape::TapeLine;
+use floorguard_types::time::Stamp;
 
 /// Rows that may wait: four seconds of all sensors together.
 const ROWS_MAX: usize = 8_192;

@@ -1,8 +1,9 @@
 //! The numbers of the report, for the whole floor and for each zone.
 
-use floorguard_core::cleaning::{CleanRule, Verdict, poisson_tail};
-use floorguard_core::geometry::Point2;
-use floorguard_core::maps::DirtCell;
+use floorguard_cleaning::{CleanRule, Verdict};
+use floorguard_mapping::DirtCell;
+use floorguard_mapping::poisson_tail;
+use floorguard_types::geometry::Point2;
 use serde::Serialize;
 
 use super::spots::{Spot, spots};

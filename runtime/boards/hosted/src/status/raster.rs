@@ -1,8 +1,8 @@
 //! The maps of the report as pictures.
 
-use floorguard_core::cleaning::Verdict;
-use floorguard_core::geometry::Point2;
-use floorguard_core::maps::Occupancy;
+use floorguard_cleaning::Verdict;
+use floorguard_mapping::Occupancy;
+use floorguard_types::geometry::Point2;
 use image::{ImageEncoder, Rgb, RgbImage};
 
 use super::account::MissionStatus;

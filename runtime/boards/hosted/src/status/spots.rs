@@ -1,7 +1,7 @@
 //! Dirty cells that touch, as spots.
 
-use floorguard_core::geometry::Point2;
-use floorguard_core::maps::GridGeometry;
+use floorguard_mapping::GridGeometry;
+use floorguard_types::geometry::Point2;
 use serde::Serialize;
 
 /// Smallest spot, cells (algorithms F.2).

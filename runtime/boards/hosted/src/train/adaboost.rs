@@ -1,6 +1,6 @@
 //! AdaBoost on decision stumps, as algorithms C.3 defines it.
 
-use floorguard_core::legs::{Stump, score};
+use floorguard_perception::legs::{Stump, score};
 
 use super::boosting::Sample;
 

@@ -1,6 +1,6 @@
 //! Gradient boosting of three-level trees on the logistic loss (Friedman 2001, with Newton steps at the leaves).
 
-use floorguard_core::people::person_model::{TREE_LEAVES, TREE_NODES, Tree, log_odds, probability};
+use floorguard_perception::people::person_model::{TREE_LEAVES, TREE_NODES, Tree, log_odds, probability};
 
 /// One labelled vector.
 #[derive(Clone, Copy, Debug)]
@@ -184,7 +184,7 @@ fn grow<const FEATURES: usize>(data: &Data<'_, FEATURES>, all: Vec<usize>, boost
 
 #[cfg(test)]
 mod tests {
-    use floorguard_core::random::Pcg32;
+    use floorguard_types::random::Pcg32;
 
     use super::*;
 

@@ -4,9 +4,9 @@
 
 use std::path::Path;
 
-use floorguard_core::capacities::SCAN_BEAMS_MAX;
-use floorguard_core::geometry::Point2;
-use floorguard_core::sensing::{BeamReturn, Scan};
+use floorguard_types::capacities::SCAN_BEAMS_MAX;
+use floorguard_types::geometry::Point2;
+use floorguard_types::sensing::{BeamReturn, Scan};
 
 use super::leg_scans::LabelledScan;
 use crate::commands::BadInput;

@@ -1,9 +1,9 @@
 //! Segments of labelled scans, with the truth about them.
 
-use floorguard_core::geometry::Point2;
-use floorguard_core::legs::{LEG_FEATURES, LegFeatures, LegLimits, Segment, Segments, leg_features};
-use floorguard_core::random::Pcg32;
-use floorguard_core::sensing::{BeamReturn, Scan};
+use floorguard_perception::legs::{LEG_FEATURES, LegFeatures, LegLimits, Segment, Segments, leg_features};
+use floorguard_types::geometry::Point2;
+use floorguard_types::random::Pcg32;
+use floorguard_types::sensing::{BeamReturn, Scan};
 
 use super::boosting::Sample;
 use super::standing_map::StandingMap;

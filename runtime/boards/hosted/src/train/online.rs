@@ -2,13 +2,13 @@
 //!
 //! Every look is asked before it is learnt from. The truth of the simulation only counts; the learner never sees it.
 
-use floorguard_core::geometry::{Pose2, Twist2};
-use floorguard_core::online_learning::{
+use floorguard_perception::online_learning::{
     ExpertRules, LabelledShape, LearnerCounters, OnlineLearner, Sight, Weights,
 };
-use floorguard_core::people::person_model::person_log_odds;
-use floorguard_core::people::{PeoplePipeline, RingAngles, SweepContext};
+use floorguard_perception::people::person_model::person_log_odds;
+use floorguard_perception::people::{PeoplePipeline, RingAngles, SweepContext};
 use floorguard_sim::Scenario;
+use floorguard_types::geometry::{Pose2, Twist2};
 use serde::Serialize;
 
 use super::person_samples::{is_person, person_samples};

@@ -1,10 +1,10 @@
 //! Shapes of candidates with the truth about them.
 
-use floorguard_core::geometry::{Point2, Pose2, Twist2};
-use floorguard_core::people::shape::SHAPE_FEATURES;
-use floorguard_core::people::{PeoplePipeline, RingAngles, SweepContext};
-use floorguard_core::random::Pcg32;
+use floorguard_perception::people::shape::SHAPE_FEATURES;
+use floorguard_perception::people::{PeoplePipeline, RingAngles, SweepContext};
 use floorguard_sim::people::PersonKind;
+use floorguard_types::geometry::{Point2, Pose2, Twist2};
+use floorguard_types::random::Pcg32;
 use rayon::prelude::*;
 
 use super::boosting::Sample;
@@ -55,7 +55,7 @@ enum Floor {
     Signed,
 }
 
-/// In the order of [`SHAPE_NAMES`](floorguard_core::people::shape::SHAPE_NAMES).
+/// In the order of [`SHAPE_NAMES`](floorguard_perception::people::shape::SHAPE_NAMES).
 const ALONG_FLOOR: [Floor; SHAPE_FEATURES] = {
     use Floor::{Fixed, Length, Signed};
     let widths = [Length; 6];

@@ -1,6 +1,6 @@
 //! What a classifier is worth on samples that it has not seen.
 
-use floorguard_core::people::person_model::probability;
+use floorguard_perception::people::person_model::probability;
 use serde::Serialize;
 
 use super::boosting::{Forest, Sample};

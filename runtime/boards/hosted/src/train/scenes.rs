@@ -4,8 +4,8 @@
 
 use std::fmt::Write as _;
 
-use floorguard_core::random::Pcg32;
 use floorguard_sim::Scenario;
+use floorguard_types::random::Pcg32;
 
 use super::simulated::SceneRun;
 

@@ -1,12 +1,12 @@
 //! Simulated sweeps with the truth beside them.
 
-use floorguard_core::geometry::{Point2, Point3, Transform3};
-use floorguard_core::sensing::Sweep;
-use floorguard_core::time::Stamp;
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
 use floorguard_sim::people::PersonKind;
 use floorguard_sim::robot::RobotParameters;
 use floorguard_sim::{Payload, Scenario, Simulation, Stream};
+use floorguard_types::geometry::{Point2, Point3, Transform3};
+use floorguard_types::sensing::Sweep;
+use floorguard_types::time::Stamp;
 
 /// A scene to be played; the robot stands where the scenario says.
 #[derive(Clone, Debug)]

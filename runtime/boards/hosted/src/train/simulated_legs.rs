@@ -3,14 +3,14 @@
 //! The labelled recordings come from a finer scanner at another height. What stands on the floor looks different at
 //! 0.15 m and 0.5°: two legs are often one segment, and tables and trolleys have legs, too.
 
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::legs::{LEG_FEATURES, LegLimits, Segment, Segments, leg_features};
-use floorguard_core::sensing::Scan;
-use floorguard_core::time::Stamp;
 use floorguard_drivers::s300::{Configuration, Event, Receiver};
+use floorguard_perception::legs::{LEG_FEATURES, LegLimits, Segment, Segments, leg_features};
 use floorguard_sim::robot::RobotParameters;
 use floorguard_sim::simulation::Truth;
 use floorguard_sim::{Payload, Simulation, Stream};
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::sensing::Scan;
+use floorguard_types::time::Stamp;
 
 use super::boosting::Sample;
 use super::simulated::SceneRun;

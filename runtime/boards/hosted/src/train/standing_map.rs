@@ -5,8 +5,8 @@
 
 use std::f32::consts::TAU;
 
-use floorguard_core::geometry::Point2;
-use floorguard_core::sensing::{BeamReturn, Scan};
+use floorguard_types::geometry::Point2;
+use floorguard_types::sensing::{BeamReturn, Scan};
 
 use super::leg_scans::LabelledScan;
 

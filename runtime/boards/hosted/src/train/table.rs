@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use floorguard_core::legs::Stump;
-use floorguard_core::people::person_model::Tree;
+use floorguard_perception::legs::Stump;
+use floorguard_perception::people::person_model::Tree;
 
 use super::boosting::Forest;
 

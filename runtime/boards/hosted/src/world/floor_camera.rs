@@ -2,14 +2,14 @@
 //! camera's, five times a second.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use floorguard_core::geometry::Point3;
-use floorguard_core::sensing::PinholeCamera;
-use floorguard_core::time::Stamp;
 use floorguard_runtime::configuration::Mounting;
 use floorguard_runtime::shared::Shared;
 use floorguard_sim::floor::FloorKind;
 use floorguard_sim::sensors::FloorEye;
 use floorguard_sim::simulation::Simulation;
+use floorguard_types::geometry::Point3;
+use floorguard_types::sensing::PinholeCamera;
+use floorguard_types::time::Stamp;
 
 use super::plan::Plan;
 use crate::camera::{DirtLook, FloorLook, PictureCamera, PictureFolder, SeenDirt};

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use floorguard_core::people::PeopleView;
+use floorguard_perception::people::PeopleView;
 
 /// Views that wait for the next sweep: a camera at 60 Hz sends six.
 const WAITING_MAX: usize = 8;
@@ -32,8 +32,8 @@ impl PeopleInbox {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use floorguard_core::people::PeopleSensor;
-    use floorguard_core::time::Stamp;
+    use floorguard_perception::people::PeopleSensor;
+    use floorguard_types::time::Stamp;
 
     #[test]
     fn the_oldest_gives_way_and_nothing_is_given_twice() {

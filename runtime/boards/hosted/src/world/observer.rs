@@ -3,15 +3,15 @@
 use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::guard::{Cause, CauseRecord, Health};
-use floorguard_core::people::TrackStatus;
-use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
+use floorguard_guard::{Cause, CauseRecord, Health};
+use floorguard_perception::people::TrackStatus;
 use floorguard_runtime::digest::OutputDigest;
 use floorguard_runtime::shared::{PeopleReport, RobotStatus, Shared, StopRecord};
 use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;
 use floorguard_sim::simulation::{Simulation, Truth as SimTruth};
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::time::Stamp;
 
 use super::plan::Plan;
 use super::swath::Swath;

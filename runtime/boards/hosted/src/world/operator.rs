@@ -1,6 +1,6 @@
 //! The person with the key: presses the emergency stop when the plan says so, and resets when the robot waits for it.
 
-use floorguard_core::guard::GuardState;
+use floorguard_guard::GuardState;
 
 /// How long a human looks around before pressing reset, microseconds.
 const LOOKS_AROUND_US: u64 = 3_000_000;

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_runtime::configuration::{RobotConfiguration, ScannerModel};
 use floorguard_runtime::mission::{Route, RouteLimits};
 use floorguard_sim::FaultSpec;
@@ -10,6 +9,7 @@ use floorguard_sim::dirt::DirtFile;
 use floorguard_sim::robot::{RobotParameters, ScannerDevice};
 use floorguard_sim::scenario::{Scenario, ScenarioError};
 use floorguard_sim::simulation::Simulation;
+use floorguard_types::geometry::{Point2, Pose2};
 
 use super::spawn::Stages;
 use crate::cleaner::{MissionPlan, MissionStrategy};

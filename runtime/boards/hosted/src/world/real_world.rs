@@ -1,12 +1,12 @@
 //! Simulator on one thread, robot on two, and between them what a real robot has: UDP over the loopback, serial lines
 //! and an SLCAN adapter as pseudo-terminals. Nothing repeats bit for bit here; the verdict must be the same all the same.
 
-use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
 use floorguard_runtime::clock;
 use floorguard_runtime::shared::StopRecord;
 use floorguard_sim::FaultLayer;
 use floorguard_sim::simulation::{Simulation, Stream};
+use floorguard_types::time::Stamp;
 
 use super::ends::Ends;
 use super::observer::Observer;

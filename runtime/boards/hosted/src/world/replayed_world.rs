@@ -4,12 +4,12 @@
 use std::io::Read;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
-use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::digest::OutputDigest;
 use floorguard_runtime::shared::{PeopleReport, RobotStatus, Shared, StopRecord};
 use floorguard_runtime::tape::{TapeLine, decode_route};
+use floorguard_types::time::Stamp;
 
 use super::scanner_pipe::ScannerPipe;
 use super::spawn::{

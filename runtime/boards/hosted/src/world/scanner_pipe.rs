@@ -1,7 +1,7 @@
 //! The line between a simulated or recorded safety scanner and the robot's task, of the kind that its model has.
 
-use floorguard_core::time::Stamp;
 use floorguard_runtime::configuration::ScannerModel;
+use floorguard_types::time::Stamp;
 
 use super::spawn::ScannerCarrier;
 use crate::carriers::{DatagramPipe, PipeReader, PipeWriter, byte_pipe};

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use anyhow::Context;
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::maps::Occupancy;
+use floorguard_mapping::Occupancy;
 use floorguard_sim::people::RecordedWalk;
 use floorguard_sim::scenario::{RecordedFile, Scenario};
 use floorguard_sim::scene::OccupiedCells;
+use floorguard_types::geometry::{Point2, Pose2};
 
 use crate::environment::{TrackFormat, read_tracks};
 use crate::mission::ros_map;

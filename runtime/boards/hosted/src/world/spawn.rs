@@ -2,19 +2,17 @@
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embedded_io_async::{Read, Write};
-use floorguard_core::guard::GuardConfigError;
-use floorguard_core::legs::PeopleByLegs;
-use floorguard_core::motion::{MotionDetector, MotionParameters};
-use floorguard_core::odometry::PoseHistory;
-use floorguard_core::people::{
-    ClusterLimits, PeopleOutput, PeoplePipeline, RingAngles, SweepContext, Track, TrackerParameters,
-};
-use floorguard_core::sensing::{Scan, Sweep};
-use floorguard_core::time::Stamp;
 use floorguard_drivers::three_wheel_base::ThreeWheelBase;
 use floorguard_drivers::velodyne::{Decoder, ModelChoice};
 use floorguard_drivers::xsens::Device;
 use floorguard_drivers::{microscan3, s300};
+use floorguard_guard::GuardConfigError;
+use floorguard_localisation::odometry::PoseHistory;
+use floorguard_perception::legs::PeopleByLegs;
+use floorguard_perception::motion::{MotionDetector, MotionParameters};
+use floorguard_perception::people::{
+    ClusterLimits, PeopleOutput, PeoplePipeline, RingAngles, SweepContext, Track, TrackerParameters,
+};
 use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
 use floorguard_runtime::io::{CanBus, DatagramReceiver};
 use floorguard_runtime::mission::RouteFollower;
@@ -23,6 +21,8 @@ use floorguard_runtime::tasks::{
     JudgeMotion, NoMotion, PerceptionState, advice_input, can_bus, clean, command_input, drive_route,
     imu_input, lidar_input, operator_input, perceive, scanner_datagrams, scanner_input, supervise,
 };
+use floorguard_types::sensing::{Scan, Sweep};
+use floorguard_types::time::Stamp;
 
 use super::inbox::PeopleInbox;
 use crate::cleaner::Cleaner;

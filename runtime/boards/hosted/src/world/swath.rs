@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use floorguard_core::geometry::{Point2, Pose2};
+use floorguard_types::geometry::{Point2, Pose2};
 
 /// Width of the brush deck, metres (FLOBOT's scrubber).
 pub const BRUSH_M: f32 = 0.65;

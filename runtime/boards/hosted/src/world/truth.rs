@@ -1,7 +1,7 @@
 //! From the simulator's truth to the judge's.
 
-use floorguard_core::geometry::{Point2, Pose2};
 use floorguard_sim::simulation::{Simulation, Truth as SimTruth};
+use floorguard_types::geometry::{Point2, Pose2};
 
 use crate::judge::{Truth, TruthPerson};
 

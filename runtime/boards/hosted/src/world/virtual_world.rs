@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
-use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
 use floorguard_runtime::configuration::ScannerModel;
 use floorguard_runtime::shared::{Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
 use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
 use floorguard_sim::{CanFrame as SimCanFrame, FaultKind, FaultLayer, FaultSpec, FaultTarget};
+use floorguard_types::time::Stamp;
 
 use super::floor_camera::SimulatedCamera;
 use super::observer::Observer;

@@ -8,11 +8,11 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
-use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::shared::{Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
+use floorguard_types::time::Stamp;
 
 use floorguard_sim::{FaultSpec, FaultTarget};
 

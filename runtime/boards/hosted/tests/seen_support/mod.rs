@@ -3,10 +3,10 @@
 use std::process::Command;
 use std::sync::Arc;
 
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::maps::GridGeometry;
-use floorguard_core::time::Stamp;
 use floorguard_hosted::cleaner::{CellState, Doubt, MissionPhase, MissionProgress, UncertainCell};
+use floorguard_mapping::GridGeometry;
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::time::Stamp;
 
 /// Names under which Chromium is installed.
 const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];

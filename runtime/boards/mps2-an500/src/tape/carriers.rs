@@ -6,9 +6,9 @@ use core::future::poll_fn;
 use core::task::{Poll, Waker};
 
 use embedded_io_async::{ErrorType, Read, Write};
-use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
 use floorguard_runtime::io::{CanBus, DatagramReceiver, Received};
+use floorguard_types::time::Stamp;
 use heapless::Deque;
 
 /// A queue with one waiting reader. Everything is read before more arrives: an overflow is a mistake in the player.

@@ -4,17 +4,14 @@ use core::pin::pin;
 
 use cortex_m_semihosting::hprintln;
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
-use floorguard_core::geometry::Transform3;
-use floorguard_core::legs::PeopleByLegs;
-use floorguard_core::odometry::PoseHistory;
-use floorguard_core::people::{PeoplePipeline, RingAngles};
-use floorguard_core::sensing::{Scan, Sweep};
-use floorguard_core::time::Stamp;
 use floorguard_drivers::can::CanFrame;
 use floorguard_drivers::s300::{Configuration, Receiver};
 use floorguard_drivers::three_wheel_base::ThreeWheelBase;
 use floorguard_drivers::velodyne::{Decoder, ModelChoice};
 use floorguard_drivers::xsens::Device;
+use floorguard_localisation::odometry::PoseHistory;
+use floorguard_perception::legs::PeopleByLegs;
+use floorguard_perception::people::{PeoplePipeline, RingAngles};
 use floorguard_runtime::digest::OutputDigest;
 use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::{Motion, Shared};
@@ -23,6 +20,9 @@ use floorguard_runtime::tasks::{
     NoMotion, PerceptionState, advice_input, can_bus, command_input, drive_route, imu_input, lidar_input,
     operator_input, perceive, scanner_input, supervise,
 };
+use floorguard_types::geometry::Transform3;
+use floorguard_types::sensing::{Scan, Sweep};
+use floorguard_types::time::Stamp;
 use static_cell::StaticCell;
 
 use super::carriers::{CanLine, LidarLine, SerialLine};

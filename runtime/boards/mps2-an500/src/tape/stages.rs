@@ -1,15 +1,15 @@
 //! What each stage costs: the tape's bytes given to one stage after the other, without tasks around them.
 
-use floorguard_core::geometry::{Pose2, Twist2};
-use floorguard_core::guard::Supervisor;
-use floorguard_core::people::{FloorMask, SweepContext};
-use floorguard_core::sensing::{LidarPacket, Sweep};
-use floorguard_core::time::Stamp;
 use floorguard_drivers::s300::{Configuration, Event, Receiver};
 use floorguard_drivers::velodyne::{Decoder, ModelChoice, SweepBuilder};
+use floorguard_guard::Supervisor;
+use floorguard_perception::people::{FloorMask, SweepContext};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::tape::{TapeLine, TapeReader};
 use floorguard_runtime::tasks::PerceptionState;
+use floorguard_types::geometry::{Pose2, Twist2};
+use floorguard_types::sensing::{LidarPacket, Sweep};
+use floorguard_types::time::Stamp;
 
 use super::stopwatch::Stopwatch;
 
@@ -96,7 +96,7 @@ pub fn measure(tape: TapeReader<'static>, robot: &RobotConfiguration, state: &mu
 
 fn look(
     stages: &mut Stages,
-    (people, robot): (&mut floorguard_core::people::PeoplePipeline, &RobotConfiguration),
+    (people, robot): (&mut floorguard_perception::people::PeoplePipeline, &RobotConfiguration),
     sweep: &Sweep,
 ) {
     let context = SweepContext {

@@ -8,15 +8,15 @@ use embassy_time::Instant;
 use floorguard_board_support::{
     KeptBox, RobotShared, feed_while_deciding, keep_black_box, spawn_deciders, tell_black_box,
 };
-use floorguard_core::geometry::Transform3;
-use floorguard_core::odometry::Tricycle;
 use floorguard_drivers::s300::{Configuration, Receiver};
 use floorguard_drivers::three_wheel_base::ThreeWheelBase;
 use floorguard_drivers::velodyne::{Decoder, ModelChoice};
 use floorguard_drivers::xsens::Device;
+use floorguard_localisation::odometry::Tricycle;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::io::SlcanBus;
 use floorguard_runtime::tasks::{can_bus, imu_input, lidar_input, scanner_input};
+use floorguard_types::geometry::Transform3;
 
 use super::network::{self, LidarSocket};
 use super::options::Options;

@@ -6,11 +6,11 @@
 use std::collections::BTreeMap;
 use std::io::Read;
 
-use floorguard_core::geometry::{Point3, Pose2, Transform3, Twist2};
-use floorguard_core::odometry::PoseHistory;
-use floorguard_core::people::{FloorHeight, PeoplePipeline, SweepContext};
-use floorguard_core::sensing::Sweep;
-use floorguard_core::time::Stamp;
+use floorguard_localisation::odometry::PoseHistory;
+use floorguard_perception::people::{FloorHeight, PeoplePipeline, SweepContext};
+use floorguard_types::geometry::{Point3, Pose2, Transform3, Twist2};
+use floorguard_types::sensing::Sweep;
+use floorguard_types::time::Stamp;
 
 use super::capture::{ASSUMED_HEIGHT_M, is_person};
 use super::cloud::CloudSorter;

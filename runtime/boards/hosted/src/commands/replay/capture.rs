@@ -2,12 +2,14 @@
 
 use std::time::{Duration, Instant};
 
-use floorguard_core::geometry::{Point3, Pose2, Transform3, Twist2};
-use floorguard_core::motion::{MotionDetector, MotionParameters, find_moving_people};
-use floorguard_core::people::{FloorHeight, PeoplePipeline, RingAngles, SweepContext, Track, TrackStatus};
-use floorguard_core::sensing::Sweep;
-use floorguard_core::time::Stamp;
 use floorguard_drivers::velodyne::{Counters, DecodeError, Decoder, Model, ModelChoice, SweepBuilder};
+use floorguard_perception::motion::{MotionDetector, MotionParameters, find_moving_people};
+use floorguard_perception::people::{
+    FloorHeight, PeoplePipeline, RingAngles, SweepContext, Track, TrackStatus,
+};
+use floorguard_types::geometry::{Point3, Pose2, Transform3, Twist2};
+use floorguard_types::sensing::Sweep;
+use floorguard_types::time::Stamp;
 
 use super::recorded::Recorded;
 use super::rows::{SweepRow, print};

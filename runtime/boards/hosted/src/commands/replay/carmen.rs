@@ -1,7 +1,7 @@
 //! A CARMEN log: legs and people out of its scans, in the frame of its odometry.
 
-use floorguard_core::geometry::Pose2;
-use floorguard_core::time::Stamp;
+use floorguard_types::geometry::Pose2;
+use floorguard_types::time::Stamp;
 
 use super::recorded::Recorded;
 use super::rows::print;

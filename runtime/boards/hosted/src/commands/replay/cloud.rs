@@ -3,10 +3,10 @@
 //! The people stages work on the range image of a lidar of 16 rings. A cloud that names its rings keeps them; of a lidar
 //! with more rings, sixteen spread over its field of view are taken. A cloud without rings is sorted by elevation.
 
-use floorguard_core::capacities::SWEEP_RINGS;
-use floorguard_core::people::RingAngles;
-use floorguard_core::sensing::{Sweep, SweepColumn};
-use floorguard_core::time::Stamp;
+use floorguard_perception::people::RingAngles;
+use floorguard_types::capacities::SWEEP_RINGS;
+use floorguard_types::sensing::{Sweep, SweepColumn};
+use floorguard_types::time::Stamp;
 
 use crate::recording::decode::{Cloud, Field};
 

@@ -5,10 +5,10 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 
-use floorguard_core::geometry::{Pose2, Transform3, Twist2};
-use floorguard_core::people::RingAngles;
-use floorguard_core::sensing::{Scan, Sweep};
-use floorguard_core::time::Stamp;
+use floorguard_perception::people::RingAngles;
+use floorguard_types::geometry::{Pose2, Transform3, Twist2};
+use floorguard_types::sensing::{Scan, Sweep};
+use floorguard_types::time::Stamp;
 
 use super::rows::PersonRow;
 use crate::commands::exit::BadInput;

@@ -2,12 +2,14 @@
 
 use std::io::Write;
 
-use floorguard_core::geometry::Point2;
-use floorguard_core::legs::{LegTrack, PersonByLegs};
-use floorguard_core::people::{PeopleCounters, PeopleOutput, PeopleSensor, SensorSet, Track, TrackStatus};
-use floorguard_core::sensing::Sweep;
-use floorguard_core::time::Stamp;
+use floorguard_perception::legs::{LegTrack, PersonByLegs};
+use floorguard_perception::people::{
+    PeopleCounters, PeopleOutput, PeopleSensor, SensorSet, Track, TrackStatus,
+};
 use floorguard_runtime::shared::{PeopleReport, PersonReport};
+use floorguard_types::geometry::Point2;
+use floorguard_types::sensing::Sweep;
+use floorguard_types::time::Stamp;
 use serde::{Serialize, Serializer};
 
 /// A track.

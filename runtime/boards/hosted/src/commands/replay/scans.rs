@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use floorguard_core::capacities::SCAN_BEAMS_MAX;
-use floorguard_core::geometry::{Point2, Pose2};
-use floorguard_core::legs::{Leg, LegDetector, LegTracker};
-use floorguard_core::sensing::{BeamReturn, Scan};
-use floorguard_core::time::Stamp;
+use floorguard_perception::legs::{Leg, LegDetector, LegTracker};
+use floorguard_types::capacities::SCAN_BEAMS_MAX;
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::sensing::{BeamReturn, Scan};
+use floorguard_types::time::Stamp;
 use serde::Serialize;
 
 use super::rows::PersonRow;

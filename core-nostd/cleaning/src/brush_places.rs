@@ -1,0 +1,62 @@
+//! Where the brushes of all particles are: which cells are still under, or beside, some of them.
+
+use super::swath::Brush;
+use floorguard_mapping::GridGeometry;
+use floorguard_types::geometry::Point2;
+
+/// Cells in which the middle of some brush can lie before the bounding box takes over.
+const PLACES_MAX: usize = 48;
+
+/// Cells that hold the middle of some particle's brush. A cell is *active* while one of them is within half a brush
+/// and one cell (AMB-33).
+#[derive(Clone, Debug)]
+pub struct BrushPlaces {
+    cells: heapless::Vec<(i32, i32), PLACES_MAX>,
+    reach: i32,
+    low: (i32, i32),
+    high: (i32, i32),
+    is_full: bool,
+}
+
+impl BrushPlaces {
+    /// No brush yet.
+    #[must_use]
+    pub fn new(brush: Brush, geometry: &GridGeometry) -> Self {
+        let half = 0.5 * brush.width_m * geometry.cells_per_metre();
+        let reach = (libm::ceilf(half) as i32).clamp(0, 1_000).saturating_add(1);
+        Self {
+            cells: heapless::Vec::new(),
+            reach,
+            low: (i32::MAX, i32::MAX),
+            high: (i32::MIN, i32::MIN),
+            is_full: false,
+        }
+    }
+
+    /// Adds the brush of a particle.
+    #[inline]
+    pub fn add(&mut self, bar: [Point2; 2], geometry: &GridGeometry) {
+        let [left, right] = bar;
+        let middle = Point2::new(0.5 * (left.x_m + right.x_m), 0.5 * (left.y_m + right.y_m));
+        let place = geometry.coordinates_of(middle);
+        self.low = (self.low.0.min(place.0), self.low.1.min(place.1));
+        self.high = (self.high.0.max(place.0), self.high.1.max(place.1));
+        if !self.cells.contains(&place) {
+            // More places than room: the bounding box holds cells longer than needed, never shorter.
+            self.is_full |= self.cells.push(place).is_err();
+        }
+    }
+
+    /// Some brush is over this cell or beside it.
+    #[must_use]
+    pub fn is_near(&self, column: i32, row: i32) -> bool {
+        let near = |a: i32, b: i32| a.abs_diff(b) <= self.reach.unsigned_abs();
+        if self.is_full {
+            return column >= self.low.0.saturating_sub(self.reach)
+                && column <= self.high.0.saturating_add(self.reach)
+                && row >= self.low.1.saturating_sub(self.reach)
+                && row <= self.high.1.saturating_add(self.reach);
+        }
+        self.cells.iter().any(|&(x, y)| near(x, column) && near(y, row))
+    }
+}

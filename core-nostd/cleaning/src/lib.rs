@@ -1,0 +1,39 @@
+//! Cleaning that can be guaranteed: what is believed about dirt, what still has to be cleaned, and in which order.
+#![no_std]
+#![forbid(unsafe_code)]
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable,
+        clippy::todo,
+        clippy::unimplemented,
+        clippy::indexing_slicing
+    )
+)]
+
+#[cfg(test)]
+extern crate std;
+
+mod active_cells;
+mod belief;
+mod brush_places;
+mod dirt_model;
+mod planner;
+mod policy;
+mod swath;
+mod swath_mask;
+mod tour;
+mod visit;
+
+pub use active_cells::{ActiveCell, ActiveCells, Collapse};
+pub use belief::{Belief, BeliefConfig, Evidence, PoseEstimate, UpdateReport};
+pub use dirt_model::{ActuatorModel, CellDirt, DirtSensorModel, sweep_cell};
+pub use planner::{PlanReport, Planner};
+pub use policy::{CleanRule, MissionRisk, Verdict};
+pub use swath::{Brush, Swath};
+pub use swath_mask::SwathMask;
+pub use tour::{Distances, EuclideanCells, TourError, TourSolver};
+pub use visit::{Pass, PassShape, choose_pass};

@@ -1,0 +1,201 @@
+//! The decision itself: from the state, after each input, to what is permitted.
+
+use super::field_selection::{Demand, STANDING_MPS};
+use super::limiter::{is_straight, lets_leave, limited};
+use super::machine::Verdict;
+use super::supervisor::Supervisor;
+use crate::protection::is_collision;
+use crate::protection::{Action, Advice, Cause, CauseRecord, Decision, FaultKind, Health, Source, Unit};
+use floorguard_types::geometry::Twist2;
+use floorguard_types::time::Stamp;
+
+/// People reached later than this do not matter yet (algorithms M.3), seconds.
+const COLLISION_HORIZON_S: f32 = 3.0;
+/// Acceleration counts over at most this long between two decisions, seconds: a late tick is no licence to jump.
+const STEP_MAX_S: f32 = 0.1;
+
+impl Supervisor {
+    /// Health, start-up, motion, verdict, fields, command; then the state is copied.
+    pub(super) fn decide(&mut self, now: Stamp) -> Decision {
+        let all_healthy = self.judge_sources(now);
+        self.judge_start(all_healthy, now);
+        self.judge_motion(now);
+        let standing = self.state.motion.wheels.linear_mps.abs() < STANDING_MPS;
+        let verdict = self.state.machine.settle(all_healthy && standing, now);
+        let desired = self.desired(&verdict);
+        let demand =
+            Demand { wanted: desired, permitted: self.state.permitted, measured: self.state.motion.wheels };
+        let activation_us = self.config.thresholds.field_activation_us;
+        self.state.selection.update(&self.config.fields, &demand, (activation_us, now));
+        let (permitted, speed_limit_mps, escaping) = self.permit(&verdict, now);
+        self.state.permitted = permitted;
+        let response_us = (self.config.drive.response_s * 1.0e6) as u64;
+        let braking = (self.config.drive.braking_mps2, response_us);
+        self.state.checks.follow(permitted.linear_mps.abs(), braking, now);
+        self.state.decided_at = self.state.decided_at.max(now);
+        self.copy.follow(&self.state);
+        Decision {
+            stamp: now,
+            permitted,
+            action: verdict.action,
+            speed_limit_mps,
+            state: verdict.state,
+            primary_cause: verdict.primary,
+            torque_off: verdict.action == Action::Category0
+                || (verdict.action == Action::Category1 && standing),
+            escaping,
+            field_set: self.state.selection.active,
+        }
+    }
+
+    /// Every failing source raises its own cause (FG-REQ-013); `true` when all that are required are healthy.
+    fn judge_sources(&mut self, now: Stamp) -> bool {
+        let mut all_healthy = true;
+        let watched = self.config.sources.iter().zip(&self.state.monitors);
+        for (source, (rules, monitor)) in Source::ALL.into_iter().zip(watched) {
+            let health = monitor.health(rules, now);
+            all_healthy &= health == Health::Healthy || !rules.fitted || !rules.required_at_start;
+            let (cause, limit_us) = match monitor.demand(rules, now) {
+                // Before the start the start-up check holds the robot, and power that comes up is no loss.
+                _ if !self.state.started => continue,
+                Action::None => continue,
+                Action::Limit => (Cause::SourceLate(source), rules.limit_after_us),
+                _ => (Cause::SourceLost(source), rules.stop_after_us.unwrap_or(u64::MAX)),
+            };
+            let age_us = monitor.age_us(now);
+            let mut record = CauseRecord::new(cause, now).aged(age_us).limited_to(rules.limit_mps);
+            if health == Health::Stale {
+                record = record.measured(age_us as f32 * 1.0e-6, limit_us as f32 * 1.0e-6, Unit::Seconds);
+            }
+            if let Some(FaultKind::Device(code)) = monitor.fault {
+                record = record.measured(f32::from(code), 0.0, Unit::Code);
+            }
+            record.health = health;
+            record.ahead_us = monitor.ahead_us;
+            self.state.machine.raise(record);
+        }
+        all_healthy
+    }
+
+    /// Nothing moves before every required source was healthy at the same time (FG-REQ-012).
+    fn judge_start(&mut self, all_healthy: bool, now: Stamp) {
+        if self.state.started {
+            return;
+        }
+        if !all_healthy {
+            self.state.machine.raise(CauseRecord::new(Cause::StartUp, now));
+        }
+        self.state.started = !self.state.machine.holds(Cause::StartUp);
+    }
+
+    fn judge_motion(&mut self, now: Stamp) {
+        if !self.state.started {
+            return;
+        }
+        let motion = self.state.motion;
+        for record in self.state.checks.check(&motion, &self.config, now).into_iter().flatten() {
+            self.state.machine.raise(record);
+        }
+    }
+
+    /// People, and what perception asks for. A number that is none is a fault of perception, not a licence.
+    pub(super) fn judge_advice(&mut self, advice: &Advice, now: Stamp) {
+        let age_us = advice.stamp.past_us(now);
+        if advice.stop {
+            self.state.machine.raise(CauseRecord::new(Cause::AdviceStop, now).aged(age_us));
+        }
+        if let Some(limit_mps) = advice.speed_limit_mps {
+            let limit_mps = if limit_mps.is_finite() { limit_mps.max(0.0) } else { 0.0 };
+            self.state
+                .machine
+                .raise(CauseRecord::new(Cause::AdviceLimit, now).aged(age_us).limited_to(limit_mps));
+        }
+        let twist = self.likely_motion();
+        let (mut nearest_m, mut soonest_s) = (f32::INFINITY, [f32::INFINITY; 2]);
+        for person in &advice.people {
+            if !person.is_finite() {
+                self.state.machine.raise(CauseRecord::new(Cause::AdviceStop, now).aged(age_us));
+                continue;
+            }
+            let distance_m = self.body.distance_m(person.position);
+            let times_s = self.body.times_to_person_s(person, twist);
+            nearest_m = nearest_m.min(distance_m);
+            for (soonest_s, time_s) in soonest_s.iter_mut().zip(times_s) {
+                if is_collision(time_s, distance_m) {
+                    *soonest_s = soonest_s.min(time_s);
+                }
+            }
+        }
+        self.judge_people((nearest_m, soonest_s, twist.linear_mps.abs()), age_us, now);
+    }
+
+    /// Distance and times to the person that matters most (algorithms M.3, FG-REQ-031, FG-REQ-032). What only the doubt
+    /// about a velocity makes a collision slows down and does not stop: else nobody could stand beside the robot.
+    pub(super) fn judge_people(&mut self, people: (f32, [f32; 2], f32), age_us: u64, now: Stamp) {
+        let (nearest_m, [soonest_s, doubtful_s], speed_mps) = people;
+        let (drive, thresholds) = (self.config.drive, self.config.thresholds);
+        if nearest_m < thresholds.person_near_m {
+            let record =
+                CauseRecord::new(Cause::PersonNear, now).aged(age_us).limited_to(thresholds.person_speed_mps);
+            self.state.machine.raise(record.measured(nearest_m, thresholds.person_near_m, Unit::Metres));
+        }
+        let stop_s = drive.clear_of_people_s(speed_mps);
+        if soonest_s < stop_s {
+            let record = CauseRecord::new(Cause::CollisionStop, now).aged(age_us);
+            self.state.machine.raise(record.measured(soonest_s, stop_s, Unit::Seconds));
+        } else if doubtful_s < COLLISION_HORIZON_S {
+            let horizon_s = (COLLISION_HORIZON_S - stop_s).max(1.0e-3);
+            let scaled_mps = |time_s: f32| drive.speed_mps * ((time_s - stop_s) / horizon_s).clamp(0.0, 1.0);
+            let limit_mps =
+                scaled_mps(doubtful_s).max(thresholds.person_speed_mps).min(scaled_mps(soonest_s));
+            let record = CauseRecord::new(Cause::CollisionSlow, now).aged(age_us).limited_to(limit_mps);
+            self.state.machine.raise(record.measured(doubtful_s, COLLISION_HORIZON_S, Unit::Seconds));
+        }
+    }
+
+    /// The motion that people must be safe from: what the robot does, or while it stands, a slow start of what it wants.
+    pub(super) fn likely_motion(&self) -> Twist2 {
+        let measured = self.state.motion.wheels;
+        if measured.linear_mps.abs() > STANDING_MPS {
+            return measured;
+        }
+        let wanted = self.state.wanted;
+        let share = self.config.thresholds.person_speed_mps / wanted.linear_mps.abs().max(1.0e-3);
+        let share = share.min(1.0);
+        Twist2 { linear_mps: wanted.linear_mps * share, angular_radps: wanted.angular_radps * share }
+    }
+
+    /// The wanted command as far as the causes allow its speed: nothing larger needs a larger field.
+    pub(super) fn desired(&self, verdict: &Verdict) -> Twist2 {
+        let limit_mps = verdict.limit_mps.min(self.config.drive.speed_mps);
+        // While stopped, the direction still tells which field the robot would need: a crawl in that direction.
+        let limit_mps = limit_mps.max(self.config.thresholds.escape_speed_mps);
+        let share = (limit_mps / self.state.wanted.linear_mps.abs().max(1.0e-3)).min(1.0);
+        Twist2 {
+            linear_mps: self.state.wanted.linear_mps * share,
+            angular_radps: self.state.wanted.angular_radps * share,
+        }
+    }
+
+    /// The permitted command, the limit behind it, and whether it is an escape.
+    fn permit(&self, verdict: &Verdict, now: Stamp) -> (Twist2, f32, bool) {
+        let wanted = self.state.wanted;
+        let backward = wanted.linear_mps < 0.0;
+        let clear_ahead = self.state.is_clear(backward, now);
+        let stops = verdict.action.stops();
+        let may_leave = || {
+            self.state.machine.held().all(|held| lets_leave(held.cause, held.action, backward, clear_ahead))
+        };
+        let escaping = stops && is_straight(wanted) && may_leave();
+        let demanded_mps = match (stops, escaping) {
+            (false, _) => verdict.limit_mps,
+            (true, true) => self.config.thresholds.escape_speed_mps,
+            (true, false) => 0.0,
+        };
+        let cap_mps = self.state.selection.cap_mps(&self.config.fields, wanted, now);
+        let limit_mps = demanded_mps.min(cap_mps).min(self.config.drive.speed_mps);
+        let step_s = now.seconds_since(self.state.decided_at).clamp(0.0, STEP_MAX_S);
+        let permitted = limited(wanted, limit_mps, &self.config.drive, (self.state.permitted, step_s));
+        (permitted, limit_mps, escaping)
+    }
+}

@@ -1,0 +1,125 @@
+//! Does the robot move as it should, and do its sensors agree about it?
+
+use crate::protection::{Cause, CauseRecord, GuardConfig, Source, Unit};
+use floorguard_types::geometry::Twist2;
+use floorguard_types::time::{Age, Stamp};
+
+/// Share by which the measured speed may exceed the permitted one (algorithms M.5).
+const OVERSPEED_SHARE: f32 = 1.1;
+/// Speeds below this are not overspeed: encoders creep, m/s.
+const OVERSPEED_FLOOR_MPS: f32 = 0.05;
+/// Slip is called after this long, microseconds (algorithms L.1).
+const SLIP_US: u64 = 200_000;
+
+/// A condition that must persist.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Persistence {
+    pub(super) since: Option<Stamp>,
+}
+
+impl Persistence {
+    const NEVER: Self = Self { since: None };
+
+    /// The condition has been true for at least `hold_us`.
+    pub fn check(&mut self, condition: bool, (hold_us, now): (u64, Stamp)) -> bool {
+        if !condition {
+            self.since = None;
+            return false;
+        }
+        let since = *self.since.get_or_insert(now);
+        matches!(since.age(now), Age::Past(us) if us >= hold_us)
+    }
+}
+
+/// Motion as each sensor tells it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion {
+    /// Encoders of the rear wheels.
+    pub wheels: Twist2,
+    /// Gyroscope, rad/s.
+    pub gyro_radps: f32,
+    /// Driven wheel over ground, m/s.
+    pub drive_mps: f32,
+    /// Steering angle, radians.
+    pub steering_rad: f32,
+}
+
+impl Motion {
+    /// Nothing moves.
+    pub const STILL: Self = Self { wheels: Twist2::ZERO, gyro_radps: 0.0, drive_mps: 0.0, steering_rad: 0.0 };
+}
+
+/// What is remembered between checks.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MotionChecks {
+    pub(super) envelope_mps: f32,
+    pub(super) checked_at: Stamp,
+    pub(super) falling: Persistence,
+    pub(super) overspeed: Persistence,
+    pub(super) speed: Persistence,
+    pub(super) turn: Persistence,
+    pub(super) steering: Persistence,
+}
+
+impl MotionChecks {
+    /// Nothing to remember.
+    pub const NONE: Self = Self {
+        envelope_mps: 0.0,
+        checked_at: Stamp::ZERO,
+        falling: Persistence::NEVER,
+        overspeed: Persistence::NEVER,
+        speed: Persistence::NEVER,
+        turn: Persistence::NEVER,
+        steering: Persistence::NEVER,
+    };
+
+    /// The braking envelope: what the robot may still do while it obeys `permitted_mps`. After the response time it
+    /// falls with the braking that is always reached; a robot above it does not obey (FG-REQ-050).
+    pub fn follow(&mut self, permitted_mps: f32, (braking_mps2, response_us): (f32, u64), now: Stamp) {
+        let step_s = now.seconds_since(self.checked_at).clamp(0.0, 0.1);
+        self.checked_at = now;
+        let falls = self.falling.check(permitted_mps < self.envelope_mps, (response_us, now));
+        let fallen_mps = if falls { self.envelope_mps - braking_mps2 * step_s } else { self.envelope_mps };
+        self.envelope_mps = fallen_mps.max(permitted_mps);
+    }
+
+    /// Every disagreement that has lasted too long (FG-REQ-050, FG-REQ-051, FG-REQ-052, FG-REQ-053).
+    pub fn check(&mut self, motion: &Motion, config: &GuardConfig, now: Stamp) -> [Option<CauseRecord>; 4] {
+        let (sin, cos) = libm::sincosf(motion.steering_rad);
+        let drive_mps = motion.drive_mps * cos;
+        let steering_radps = motion.drive_mps * sin / config.drive.wheelbase_m;
+        let speed_mps = motion.wheels.linear_mps.abs().max(drive_mps.abs());
+        let (limits, turn) = (&config.thresholds, motion.wheels.angular_radps);
+        let overspeed_mps = OVERSPEED_SHARE * self.envelope_mps + OVERSPEED_FLOOR_MPS;
+        let speed_gap = (motion.wheels.linear_mps - drive_mps).abs();
+        let gyro_gap = if config.rules(Source::Imu).fitted { (turn - motion.gyro_radps).abs() } else { 0.0 };
+        let steering_gap = (turn - steering_radps).abs();
+        let (mps, radps) = (limits.speed_disagreement_mps, limits.turn_disagreement_radps);
+        let hold = (limits.disagreement_us, now);
+        let judge = |wrong: bool, cause: Cause, (measured, limit, unit): (f32, f32, Unit)| {
+            wrong.then(|| CauseRecord::new(cause, now).measured(measured, limit, unit))
+        };
+        [
+            judge(
+                self.overspeed.check(speed_mps > overspeed_mps, (limits.overspeed_us, now)),
+                Cause::Overspeed,
+                (speed_mps, overspeed_mps, Unit::MetresPerSecond),
+            ),
+            judge(
+                self.speed.check(speed_gap > mps, hold),
+                Cause::SpeedDisagreement,
+                (speed_gap, mps, Unit::MetresPerSecond),
+            ),
+            judge(
+                self.turn.check(gyro_gap > radps, hold),
+                Cause::TurnDisagreement,
+                (gyro_gap, radps, Unit::RadiansPerSecond),
+            ),
+            judge(
+                self.steering.check(steering_gap > radps, (SLIP_US, now)),
+                Cause::SteeringDisagreement,
+                (steering_gap, radps, Unit::RadiansPerSecond),
+            ),
+        ]
+    }
+}

@@ -1,0 +1,340 @@
+//! What the guard must know about the robot, checked once at start.
+
+use heapless::Vec;
+
+use super::action::Action;
+use super::config_error::GuardConfigError;
+use super::field::{Polygon, point_in_polygon};
+use super::kinematics::field_length_m;
+use super::source::{Source, SourceRules};
+use floorguard_types::capacities::{FIELD_SETS_MAX, PACKET_RINGS_MAX, SCAN_BEAMS_MAX};
+use floorguard_types::geometry::{Point2, Pose2, Transform3};
+
+/// General measurement supplement of a safety scanner, Z_G, metres (algorithms M.1).
+pub const SCANNER_SUPPLEMENT_M: f32 = 0.1;
+/// Brake wear Z_B as a share of the braking distance (algorithms M.1).
+pub const BRAKE_WEAR: f32 = 0.1;
+
+/// Where the robot is going: the steering bin of a field set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Travel {
+    /// Forward, nearly straight.
+    #[default]
+    Straight,
+    /// Forward in a left bend.
+    Left,
+    /// Forward in a right bend.
+    Right,
+    /// Turning on the spot.
+    Spin,
+    /// Backward.
+    Reverse,
+}
+
+/// Protective and warning field for one direction up to one speed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FieldSet {
+    /// For this direction of travel. Left, Right and Spin fall back to Straight where they are not configured.
+    pub travel: Travel,
+    /// Up to this speed, m/s.
+    pub speed_max_mps: f32,
+    /// Something inside: stop. Contains the footprint, so that an obstacle at the body stops at rest too
+    /// (FG-REQ-026).
+    pub protective: Polygon,
+    /// Something inside: slow down.
+    pub warning: Polygon,
+}
+
+/// Where the safety scanner looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScannerGeometry {
+    /// Sensor frame in the robot frame.
+    pub mounting: Pose2,
+    /// Angle of beam 0 in the sensor's frame, radians.
+    pub first_angle_rad: f32,
+    /// Angle between beams, radians, > 0.
+    pub step_rad: f32,
+    /// Beams of each scan.
+    pub beams: usize,
+    /// First and last angle in the sensor's frame that are not covered by the robot's own body, radians.
+    pub sector_rad: [f32; 2],
+}
+
+impl ScannerGeometry {
+    /// There is no beam.
+    pub const NONE: Self = Self {
+        mounting: Pose2 { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 },
+        first_angle_rad: 0.0,
+        step_rad: 0.0,
+        beams: 0,
+        sector_rad: [0.0; 2],
+    };
+}
+
+/// Where the lidar looks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LidarGeometry {
+    /// Sensor frame (x forward, y left, z up) to robot frame.
+    pub mounting: Transform3,
+    /// Elevation per ring, radians, rising.
+    pub elevations_rad: Vec<f32, PACKET_RINGS_MAX>,
+    /// Returns inside this outline come from the robot itself; empty: none do.
+    pub self_mask: Polygon,
+    /// Lower points are floor, metres above it.
+    pub floor_clearance_m: f32,
+    /// Higher points pass over the robot, metres above the floor.
+    pub body_height_m: f32,
+}
+
+/// What the drive may and can do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DriveLimits {
+    /// Greatest speed, m/s.
+    pub speed_mps: f32,
+    /// Greatest turning rate, rad/s.
+    pub turn_radps: f32,
+    /// Greatest acceleration, m/s².
+    pub acceleration_mps2: f32,
+    /// Braking that is always reached, m/s².
+    pub braking_mps2: f32,
+    /// From the decision to the brake's full effect, seconds.
+    pub response_s: f32,
+    /// Rear axle to steered wheel, metres.
+    pub wheelbase_m: f32,
+}
+
+/// Thresholds of the checks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thresholds {
+    /// Response time of the scanner, seconds; 0.08 for an S300 with double sampling.
+    pub scanner_response_s: f32,
+    /// Adjacent beams that make an obstacle (algorithms M.1: 2).
+    pub scan_adjacent_beams: u8,
+    /// Consecutive scans that make an obstacle (algorithms M.1: 2).
+    pub scan_consecutive: u8,
+    /// Returns in two neighbouring packets that make an obstacle: noise has fewer.
+    pub packet_returns: u8,
+    /// A larger field is watched this long before its speed is allowed, microseconds (at least T_S, and a revolution).
+    pub field_activation_us: u64,
+    /// Speed with something in the warning field, m/s.
+    pub warning_speed_mps: f32,
+    /// Speed with a person within [`Self::person_near_m`], m/s (algorithms M.3: 0.3).
+    pub person_speed_mps: f32,
+    /// Distance from the body, metres (algorithms M.3: 1.2).
+    pub person_near_m: f32,
+    /// Speed while leaving an obstacle, m/s (algorithms M.5: 0.1).
+    pub escape_speed_mps: f32,
+    /// What the emergency stop demands: category 0 or 1 (ISO 13850).
+    pub emergency_action: Action,
+    /// Overspeed tolerated this long, microseconds (algorithms M.5: 100 ms).
+    pub overspeed_us: u64,
+    /// Speeds of encoders and drive may differ by this, m/s, …
+    pub speed_disagreement_mps: f32,
+    /// … turning rates of encoders and gyroscope, or encoders and steering, by this, rad/s (algorithms L.1: 0.3), …
+    pub turn_disagreement_radps: f32,
+    /// … for this long, microseconds. Steering (slip) has 0.2 s (algorithms L.1).
+    pub disagreement_us: u64,
+}
+
+impl Thresholds {
+    /// The values of algorithms M.1, M.3 and M.5.
+    pub const DEFAULT: Self = Self {
+        scanner_response_s: 0.08,
+        scan_adjacent_beams: 2,
+        scan_consecutive: 2,
+        packet_returns: 6,
+        field_activation_us: 120_000,
+        warning_speed_mps: 0.3,
+        person_speed_mps: 0.3,
+        person_near_m: 1.2,
+        escape_speed_mps: 0.1,
+        emergency_action: Action::Category0,
+        overspeed_us: 100_000,
+        speed_disagreement_mps: 0.25,
+        turn_disagreement_radps: 0.3,
+        disagreement_us: 500_000,
+    };
+}
+
+impl Default for Thresholds {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+/// Everything that the guard must know.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GuardConfig {
+    /// Outline of the body, counter-clockwise, around the origin.
+    pub footprint: Polygon,
+    /// Field sets, any order.
+    pub fields: Vec<FieldSet, FIELD_SETS_MAX>,
+    /// Safety scanner.
+    pub scanner: ScannerGeometry,
+    /// Lidar.
+    pub lidar: LidarGeometry,
+    /// Drive.
+    pub drive: DriveLimits,
+    /// Thresholds.
+    pub thresholds: Thresholds,
+    /// Rules per source, in the order of [`Source::ALL`].
+    pub sources: [SourceRules; Source::COUNT],
+}
+
+impl GuardConfig {
+    /// No robot: it may not move, and every sensor is missing. What the guard has before it is configured.
+    pub const NONE: Self = Self {
+        footprint: Vec::new(),
+        fields: Vec::new(),
+        scanner: ScannerGeometry::NONE,
+        lidar: LidarGeometry {
+            mounting: Transform3::IDENTITY,
+            elevations_rad: Vec::new(),
+            self_mask: Vec::new(),
+            floor_clearance_m: 0.0,
+            body_height_m: 0.0,
+        },
+        drive: DriveLimits {
+            speed_mps: 0.0,
+            turn_radps: 0.0,
+            acceleration_mps2: 0.0,
+            braking_mps2: 0.0,
+            response_s: 0.0,
+            wheelbase_m: 1.0,
+        },
+        thresholds: Thresholds::DEFAULT,
+        sources: Self::default_sources(),
+    };
+
+    /// Deadlines of algorithms M.5, in the order of [`Source::ALL`].
+    #[must_use]
+    pub const fn default_sources() -> [SourceRules; Source::COUNT] {
+        let mut imu = SourceRules::required(50, 0.3, 100);
+        imu.frozen_samples = 50;
+        let mut lidar = SourceRules::required(100, 0.5, 300);
+        lidar.frozen_samples = 8;
+        let mut scanner = SourceRules::required(100, 0.3, 200);
+        scanner.frozen_samples = 2;
+        let mut command = SourceRules::required(200, 0.0, 200);
+        command.required_at_start = false;
+        let mut perception = SourceRules::required(300, 0.5, 300);
+        perception.required_at_start = false;
+        perception.stop_after_us = None;
+        [
+            scanner,
+            lidar,
+            SourceRules::required(50, 0.3, 100),
+            SourceRules::required(50, 0.3, 50),
+            imu,
+            SourceRules::required(100, 0.3, 100),
+            command,
+            perception,
+        ]
+    }
+
+    /// Rules of one source.
+    #[must_use]
+    pub fn rules(&self, source: Source) -> SourceRules {
+        self.sources.get(source.index()).copied().unwrap_or(SourceRules::required(0, 0.0, 0))
+    }
+
+    /// Refuses what cannot be safe.
+    ///
+    /// # Errors
+    /// The first broken rule, with its numbers.
+    pub fn validate(&self) -> Result<(), GuardConfigError> {
+        if self.footprint.len() < 3 || !point_in_polygon(Point2::default(), &self.footprint) {
+            return Err(GuardConfigError::Footprint);
+        }
+        self.validate_numbers()?;
+        self.validate_sensors()?;
+        if !self.fields.iter().any(|set| set.travel == Travel::Straight) {
+            return Err(GuardConfigError::NoForwardField);
+        }
+        for (index, set) in self.fields.iter().enumerate() {
+            self.validate_field(index, set)?;
+        }
+        Ok(())
+    }
+
+    fn validate_numbers(&self) -> Result<(), GuardConfigError> {
+        let (drive, limits) = (&self.drive, &self.thresholds);
+        let positive = [
+            ("greatest speed", drive.speed_mps),
+            ("greatest turning rate", drive.turn_radps),
+            ("acceleration", drive.acceleration_mps2),
+            ("braking", drive.braking_mps2),
+            ("response time", drive.response_s),
+            ("wheelbase", drive.wheelbase_m),
+            ("response time of the scanner", limits.scanner_response_s),
+            ("speed in the warning field", limits.warning_speed_mps),
+            ("speed near people", limits.person_speed_mps),
+            ("distance to people", limits.person_near_m),
+            ("escape speed", limits.escape_speed_mps),
+            ("tolerated difference of speeds", limits.speed_disagreement_mps),
+            ("tolerated difference of turning rates", limits.turn_disagreement_radps),
+            ("number of adjacent beams", f32::from(limits.scan_adjacent_beams)),
+            ("number of consecutive scans", f32::from(limits.scan_consecutive)),
+            ("number of returns", f32::from(limits.packet_returns)),
+        ];
+        match positive.iter().find(|(_, value)| !value.is_finite() || *value <= 0.0) {
+            Some((name, _)) => Err(GuardConfigError::NotPositive(name)),
+            None => Ok(()),
+        }
+    }
+
+    fn validate_sensors(&self) -> Result<(), GuardConfigError> {
+        let beams_fit = (1..=SCAN_BEAMS_MAX).contains(&self.scanner.beams);
+        if !beams_fit || !self.scanner.step_rad.is_finite() || self.scanner.step_rad <= 0.0 {
+            return Err(GuardConfigError::Scanner);
+        }
+        if self.lidar.elevations_rad.is_empty() || self.lidar.body_height_m <= self.lidar.floor_clearance_m {
+            return Err(GuardConfigError::Lidar);
+        }
+        for (source, rules) in Source::ALL.into_iter().zip(&self.sources) {
+            let stop_after_us = rules.stop_after_us.unwrap_or(u64::MAX);
+            if rules.limit_after_us == 0 || rules.limit_after_us > stop_after_us {
+                return Err(GuardConfigError::Deadline(source));
+            }
+        }
+        Ok(())
+    }
+
+    fn validate_field(&self, index: usize, set: &FieldSet) -> Result<(), GuardConfigError> {
+        if set.protective.len() < 3 || set.warning.len() < 3 {
+            return Err(GuardConfigError::FieldCorners(index));
+        }
+        // Half-open edges: a corner that lies on the field's own edge counts once it is drawn in by a hair.
+        let drawn_in = |corner: &Point2| Point2::new(corner.x_m * 0.999, corner.y_m * 0.999);
+        if !self.footprint.iter().all(|corner| point_in_polygon(drawn_in(corner), &set.protective)) {
+            return Err(GuardConfigError::FieldInsideFootprint(index));
+        }
+        if !set.speed_max_mps.is_finite() || set.speed_max_mps <= 0.0 {
+            return Err(GuardConfigError::NotPositive("speed of a field set"));
+        }
+        let given_m = match set.travel {
+            Travel::Reverse => rearmost_m(&self.footprint) - rearmost_m(&set.protective),
+            Travel::Spin => f32::INFINITY,
+            _ => foremost_m(&set.protective) - foremost_m(&self.footprint),
+        };
+        let wear_m = BRAKE_WEAR * set.speed_max_mps * set.speed_max_mps / (2.0 * self.drive.braking_mps2);
+        let response_s = self.drive.response_s + self.thresholds.scanner_response_s;
+        let supplements_m = SCANNER_SUPPLEMENT_M + wear_m;
+        let needed_m = field_length_m(set.speed_max_mps, response_s, self.drive.braking_mps2, supplements_m);
+        if given_m < needed_m {
+            return Err(GuardConfigError::FieldTooShort { set: index, needed_m, given_m });
+        }
+        Ok(())
+    }
+}
+
+/// Greatest x of a polygon, metres.
+pub(super) fn foremost_m(polygon: &[Point2]) -> f32 {
+    polygon.iter().fold(f32::NEG_INFINITY, |x_m, corner| x_m.max(corner.x_m))
+}
+
+/// Least x of a polygon, metres.
+pub(super) fn rearmost_m(polygon: &[Point2]) -> f32 {
+    polygon.iter().fold(f32::INFINITY, |x_m, corner| x_m.min(corner.x_m))
+}

@@ -1,0 +1,98 @@
+//! Are the guard's constants still what they were at start? Tables by a sum over each part, the rest by a second copy.
+//!
+//! The tables are too large to be kept twice or looked at in every tick, so one part of sixteen is looked at in each:
+//! a flipped bit is found within 160 ms. Each step of the sum is one-to-one in what was summed before, so that a single
+//! changed word always changes it.
+
+use super::collision::Body;
+use super::config::GuardConfig;
+use super::packet_table::{BINS, Bin, PacketTable};
+use super::scan_table::ScanTable;
+use floorguard_types::capacities::SCAN_BEAMS_MAX;
+
+/// Parts of the tables.
+pub const PARTS: usize = 16;
+/// Odd, so that multiplying is one-to-one (the 32-bit FNV prime).
+const FACTOR: u32 = 0x0100_0193;
+
+/// What the constants were when the guard was built.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Integrity {
+    sums: [u32; PARTS],
+    config: GuardConfig,
+    body: Body,
+    next: usize,
+}
+
+impl Integrity {
+    /// Knows nothing: no tables have this sum.
+    pub const NONE: Self = Self {
+        sums: [0; PARTS],
+        config: GuardConfig::NONE,
+        body: Body { x_m: [0.0; 2], y_m: [0.0; 2] },
+        next: 0,
+    };
+
+    /// Remembers them.
+    pub fn remember(&mut self, config: &GuardConfig, body: Body, tables: (&ScanTable, &PacketTable)) {
+        for (part, sum) in self.sums.iter_mut().enumerate() {
+            *sum = sum_of(part, tables);
+        }
+        self.config.clone_from(config);
+        (self.body, self.next) = (body, 0);
+    }
+
+    /// Looks at the next part; `false` when something changed. The configuration is a part of its own.
+    pub fn check_next(
+        &mut self,
+        config: &GuardConfig,
+        body: Body,
+        tables: (&ScanTable, &PacketTable),
+    ) -> bool {
+        let part = self.next % PARTS;
+        self.next = part.wrapping_add(1);
+        let configured = part != 0
+            || (self.config == *config && self.body == body && self.config.scanner == tables.0.geometry);
+        configured && self.sums.get(part).copied() == Some(sum_of(part, tables))
+    }
+}
+
+fn sum_of(part: usize, (scan, packet): (&ScanTable, &PacketTable)) -> u32 {
+    let mut sum = Sum(part as u32);
+    for limits in [&scan.protective, &scan.warning] {
+        // Two parts for each set.
+        let set = limits.iter().skip(part / 2).take(1);
+        let half = set.flat_map(|beams| beams.chunks(SCAN_BEAMS_MAX.div_ceil(2)).skip(part % 2).take(1));
+        half.flatten().for_each(|limit_mm| sum.add(u32::from(*limit_mm)));
+    }
+    for directions in scan.directions.chunks(SCAN_BEAMS_MAX.div_ceil(PARTS)).skip(part).take(1) {
+        for direction in directions {
+            sum.add(direction.x_m.to_bits());
+            sum.add(direction.y_m.to_bits());
+        }
+    }
+    scan.watched.iter().for_each(|beams| sum.add(u32::from(*beams)));
+    sum.add(packet.origin.x_m.to_bits());
+    sum.add(packet.origin.y_m.to_bits());
+    for bins in packet.bins.chunks(BINS.div_ceil(PARTS)).skip(part).take(1) {
+        bins.iter().for_each(|bin| sum.bin(bin));
+    }
+    sum.0
+}
+
+struct Sum(u32);
+
+impl Sum {
+    fn add(&mut self, word: u32) {
+        self.0 = (self.0 ^ word).wrapping_mul(FACTOR).rotate_left(5);
+    }
+
+    fn bin(&mut self, bin: &Bin) {
+        self.add(bin.direction.x_m.to_bits());
+        self.add(bin.direction.y_m.to_bits());
+        for word in bin.plane_share.iter().chain(&bin.height_mm).chain(&bin.protective_mm) {
+            self.add(u32::from(*word));
+        }
+        self.add(u32::from(bin.least_share) | (u32::from(bin.own_mm) << 16));
+    }
+}

@@ -1,0 +1,324 @@
+//! The supervisor: takes evidence, answers with what is permitted. Time-driven: every input and every 10 ms tick leads
+//! to a decision, whether or not anybody commands (FG-REQ-007).
+
+use super::packet_check::BLIND_RUN_CDEG;
+use super::scan_check::ScanFinding;
+use super::source_monitor::SourceMonitor;
+use super::state::State;
+use crate::protection::{
+    Advice, Body, Cause, CauseRecord, Decision, FaultKind, GuardConfig, GuardConfigError, Integrity,
+    PacketTable, ScanTable, Source, SourceReport, Unit,
+};
+use floorguard_types::geometry::Twist2;
+use floorguard_types::sensing::{
+    DiscreteInputs, DriveFeedback, DriveState, ImuSample, LidarPacket, SafetyInput, Scan, silent_cdeg,
+};
+use floorguard_types::time::Stamp;
+
+/// Decides. About 60 KiB of tables on the MCU: keep it in a static.
+#[derive(Clone, Debug)]
+pub struct Supervisor {
+    pub(super) config: GuardConfig,
+    pub(super) body: Body,
+    pub(super) scan_table: ScanTable,
+    pub(super) packet_table: PacketTable,
+    pub(super) integrity: Integrity,
+    pub(super) state: State,
+    pub(super) copy: State,
+}
+
+impl Supervisor {
+    /// Knows no robot and lets nothing move: a place for [`Self::configure`], which needs none on the stack.
+    pub const UNCONFIGURED: Self = Self {
+        config: GuardConfig::NONE,
+        body: Body { x_m: [0.0; 2], y_m: [0.0; 2] },
+        scan_table: ScanTable::EMPTY,
+        packet_table: PacketTable::EMPTY,
+        integrity: Integrity::NONE,
+        state: State::UNKNOWN,
+        copy: State::UNKNOWN,
+    };
+
+    /// A configured guard, by value.
+    ///
+    /// # Errors
+    /// As [`Self::configure`].
+    pub fn new(config: GuardConfig, now: Stamp) -> Result<Self, GuardConfigError> {
+        let mut guard = Self::UNCONFIGURED;
+        guard.configure(config, now)?;
+        Ok(guard)
+    }
+
+    /// Checks the configuration and precomputes the tables where they stay. What was known before is forgotten; nothing
+    /// moves before every required source was healthy.
+    ///
+    /// # Errors
+    /// The first rule that the configuration breaks; then nothing is changed.
+    pub fn configure(&mut self, config: GuardConfig, now: Stamp) -> Result<(), GuardConfigError> {
+        config.validate()?;
+        self.body = Body::around(&config.footprint);
+        self.scan_table.fill(&config.scanner, &config.fields);
+        self.packet_table.fill(&config.lidar, &config.fields);
+        self.integrity.remember(&config, self.body, (&self.scan_table, &self.packet_table));
+        self.state = State::new(&config, now);
+        self.copy = self.state;
+        self.config = config;
+        Ok(())
+    }
+
+    /// A scan of the safety scanner.
+    pub fn on_scan(&mut self, scan: &Scan, now: Stamp) -> Decision {
+        self.begin(now);
+        self.accept(Source::Scanner, (scan.stamp, scan.sequence), now);
+        if self.scan_table.fits(scan) {
+            self.judge_scan(scan, now);
+        } else {
+            self.fault(Source::Scanner, FaultKind::WrongGeometry);
+        }
+        self.decide(now)
+    }
+
+    /// A packet of the lidar: decided within the packet (FG-REQ-023).
+    pub fn on_lidar_packet(&mut self, packet: &LidarPacket, now: Stamp) -> Decision {
+        self.begin(now);
+        let azimuth = packet.columns.first().map_or(0, |column| u32::from(column.azimuth_cdeg));
+        self.accept(Source::Lidar, (packet.stamp, azimuth), now);
+        let silent = silent_cdeg(packet);
+        self.state.silent_cdeg = if silent > 0 { self.state.silent_cdeg.saturating_add(silent) } else { 0 };
+        let is_blind = self.state.silent_cdeg > BLIND_RUN_CDEG;
+        self.monitor(Source::Lidar, |monitor| monitor.blind = is_blind);
+        self.judge_packet(packet, now);
+        self.decide(now)
+    }
+
+    /// Emergency stop, bumpers, cliff sensors.
+    pub fn on_discrete(&mut self, inputs: &DiscreteInputs, now: Stamp) -> Decision {
+        self.begin(now);
+        self.accept(Source::Discrete, (inputs.stamp, 0), now);
+        let judged = [
+            (inputs.emergency_stop, Cause::EmergencyStop),
+            (inputs.bumper_front, Cause::BumperFront),
+            (inputs.bumper_rear, Cause::BumperRear),
+            (inputs.cliff_front, Cause::CliffFront),
+            (inputs.cliff_rear, Cause::CliffRear),
+        ];
+        for (input, active) in judged {
+            let cause = match input {
+                SafetyInput::Clear => continue,
+                SafetyInput::Active => active,
+                SafetyInput::Fault => Cause::InputFault,
+                SafetyInput::Unknown => Cause::InputUnknown,
+            };
+            let mut record = CauseRecord::new(cause, now).aged(inputs.stamp.past_us(now));
+            if cause == Cause::EmergencyStop {
+                record.action = self.config.thresholds.emergency_action;
+            }
+            self.state.machine.raise(record);
+        }
+        self.decide(now)
+    }
+
+    /// Motion measured by the wheel encoders.
+    pub fn on_wheels(&mut self, measured: Twist2, stamp: Stamp, now: Stamp) -> Decision {
+        self.begin(now);
+        self.accept(Source::Wheels, (stamp, 0), now);
+        if measured.is_finite() {
+            self.state.motion.wheels = measured;
+        } else {
+            self.fault(Source::Wheels, FaultKind::Garbled);
+        }
+        self.decide(now)
+    }
+
+    /// An inertial sample in the robot's axes.
+    pub fn on_imu(&mut self, sample: &ImuSample, now: Stamp) -> Decision {
+        self.begin(now);
+        let numbers = sample.angular_radps.iter().chain(&sample.linear_mps2);
+        let print = numbers.clone().fold(0_u32, |print, number| print.rotate_left(5) ^ number.to_bits());
+        self.accept(Source::Imu, (sample.stamp, print), now);
+        let [_, _, yaw_radps] = sample.angular_radps;
+        if sample.suspect || !numbers.clone().all(|number| number.is_finite()) {
+            self.fault(Source::Imu, FaultKind::Garbled);
+        } else {
+            self.state.motion.gyro_radps = yaw_radps;
+        }
+        self.decide(now)
+    }
+
+    /// What the drive reports.
+    pub fn on_drive(&mut self, feedback: &DriveFeedback, now: Stamp) -> Decision {
+        self.begin(now);
+        self.accept(Source::Drive, (feedback.stamp, 0), now);
+        match feedback.state {
+            DriveState::Fault(code) => {
+                let record = CauseRecord::new(Cause::DriveFault, now).aged(feedback.stamp.past_us(now));
+                self.state.machine.raise(record.measured(f32::from(code), 0.0, Unit::Code));
+            }
+            DriveState::Unknown => self.fault(Source::Drive, FaultKind::StandBy),
+            DriveState::Disabled | DriveState::Enabled | DriveState::QuickStop => {}
+        }
+        if feedback.wheel_speed_mps.is_finite() && feedback.steering_rad.is_finite() {
+            self.state.motion.drive_mps = feedback.wheel_speed_mps;
+            self.state.motion.steering_rad = feedback.steering_rad;
+        } else {
+            self.fault(Source::Drive, FaultKind::Garbled);
+        }
+        self.decide(now)
+    }
+
+    /// The drive kept its power while this computer had none: whatever was latched is forgotten, so the operator must
+    /// look, as after a drive that was lost (FG-REQ-018).
+    pub fn on_found_running(&mut self, now: Stamp) -> Decision {
+        self.begin(now);
+        self.state.machine.raise(CauseRecord::new(Cause::SourceLost(Source::Drive), now));
+        self.decide(now)
+    }
+
+    /// A driver cannot use its device. Holds until the next good sample.
+    pub fn on_source_fault(&mut self, source: Source, kind: FaultKind, now: Stamp) -> Decision {
+        self.begin(now);
+        self.fault(source, kind);
+        self.decide(now)
+    }
+
+    /// Somebody wants to move. A number that is none stops (FG-REQ-054).
+    pub fn on_command(&mut self, wanted: Twist2, stamp: Stamp, now: Stamp) -> Decision {
+        self.begin(now);
+        let accepted = self.accept(Source::Command, (stamp, 0), now);
+        if !wanted.is_finite() {
+            self.state.machine.raise(CauseRecord::new(Cause::CommandInvalid, now).aged(stamp.past_us(now)));
+        }
+        self.state.wanted = if accepted && wanted.is_finite() { wanted } else { Twist2::ZERO };
+        self.decide(now)
+    }
+
+    /// The perception ring found something. It can only tighten (FG-REQ-030).
+    pub fn on_advice(&mut self, advice: &Advice, now: Stamp) -> Decision {
+        self.begin(now);
+        self.accept(Source::Perception, (advice.stamp, 0), now);
+        self.judge_advice(advice, now);
+        self.decide(now)
+    }
+
+    /// The operator pressed reset: starts the self-test; what is latched is let go when it has passed (FG-REQ-005).
+    pub fn request_reset(&mut self, now: Stamp) -> Decision {
+        self.begin(now);
+        self.state.machine.request_reset(now);
+        self.decide(now)
+    }
+
+    /// Time has passed: call every 10 ms. Looks at a sixteenth of the constants (FG-REQ-017).
+    pub fn tick(&mut self, now: Stamp) -> Decision {
+        self.begin(now);
+        let tables = (&self.scan_table, &self.packet_table);
+        if !self.integrity.check_next(&self.config, self.body, tables) {
+            self.state.machine.raise(CauseRecord::new(Cause::StateCorrupted, now));
+        }
+        self.decide(now)
+    }
+
+    /// How each source is, for display.
+    #[must_use]
+    pub fn health(&self) -> [SourceReport; Source::COUNT] {
+        let now = self.state.decided_at;
+        Source::ALL.map(|source| {
+            let monitor = self.state.monitors.get(source.index()).copied().unwrap_or(SourceMonitor::UNKNOWN);
+            let rules = self.config.rules(source);
+            SourceReport {
+                source,
+                health: monitor.health(&rules, now),
+                age_us: monitor.age_us(now),
+                ahead_us: monitor.ahead_us,
+                fitted: rules.fitted,
+            }
+        })
+    }
+
+    /// Every cause that holds, as it began.
+    pub fn causes(&self) -> impl Iterator<Item = &CauseRecord> {
+        self.state.machine.held()
+    }
+
+    /// The configuration in force.
+    #[must_use]
+    pub fn config(&self) -> &GuardConfig {
+        &self.config
+    }
+
+    /// Compares the state with its copy, and the clock with its past (FG-REQ-008).
+    fn begin(&mut self, now: Stamp) {
+        if self.state != self.copy {
+            self.state.machine.raise(CauseRecord::new(Cause::StateCorrupted, now));
+        }
+        if now < self.state.decided_at {
+            self.state.machine.raise(CauseRecord::new(Cause::ClockFault, now));
+        }
+    }
+
+    fn accept(&mut self, source: Source, (stamp, fingerprint): (Stamp, u32), now: Stamp) -> bool {
+        let mut accepted = false;
+        self.monitor(source, |monitor| accepted = monitor.accept(stamp, fingerprint, now));
+        accepted
+    }
+
+    fn fault(&mut self, source: Source, kind: FaultKind) {
+        self.monitor(source, |monitor| monitor.fault = Some(kind));
+    }
+
+    fn monitor(&mut self, source: Source, change: impl FnOnce(&mut SourceMonitor)) {
+        if let Some(monitor) = self.state.monitors.get_mut(source.index()) {
+            change(monitor);
+        }
+    }
+
+    /// Two adjacent beams in two consecutive scans stop (algorithms N.9); one scan holds back a larger field.
+    fn judge_scan(&mut self, scan: &Scan, now: Stamp) {
+        let thresholds = self.config.thresholds;
+        let how = (thresholds.scan_adjacent_beams, &self.body);
+        let finding = self.scan_table.check(scan, self.state.selection.active, how);
+        let age_us = scan.stamp.past_us(now);
+        self.state.scans_with_hit =
+            if finding.protective { self.state.scans_with_hit.saturating_add(1) } else { 0 };
+        if self.state.scans_with_hit >= thresholds.scan_consecutive {
+            let record = CauseRecord::new(Cause::ScanProtective, now).aged(age_us);
+            self.state.machine.raise(record.metres(finding.nearest_m, finding.nearest_limit_m));
+        }
+        if finding.warning {
+            let record = CauseRecord::new(Cause::Warning, now).aged(age_us);
+            self.state.machine.raise(record.limited_to(thresholds.warning_speed_mps));
+        }
+        if finding.is_blind() {
+            self.state.machine.raise(blind_record(&finding, now).aged(age_us));
+        }
+        self.state.note_blocked(finding.blocked, now);
+        if let Some(candidate) = self.state.selection.candidate {
+            let ahead = self.scan_table.check(scan, candidate, how);
+            if ahead.protective || ahead.is_blind() {
+                self.state.selection.candidate_blocked(now);
+            }
+        }
+    }
+
+    /// Returns of two neighbouring packets together make an obstacle: one may be cut at the border of a packet.
+    fn judge_packet(&mut self, packet: &LidarPacket, now: Stamp) {
+        let needed = self.config.thresholds.packet_returns;
+        let finding = self.packet_table.check(packet, self.state.selection.active, &self.body);
+        let returns = finding.returns.saturating_add(self.state.packet_returns);
+        self.state.packet_returns = finding.returns;
+        if returns >= needed && finding.returns > 0 {
+            let record = CauseRecord::new(Cause::LidarProtective, now).aged(packet.stamp.past_us(now));
+            self.state.machine.raise(record.metres(finding.nearest_m, finding.nearest_limit_m));
+            self.state.note_blocked(finding.blocked, now);
+        }
+        if let Some(candidate) = self.state.selection.candidate
+            && self.packet_table.check(packet, candidate, &self.body).returns >= needed
+        {
+            self.state.selection.candidate_blocked(now);
+        }
+    }
+}
+
+fn blind_record(finding: &ScanFinding, now: Stamp) -> CauseRecord {
+    let limit = super::scan_check::SILENT_PERCENT_MAX;
+    CauseRecord::new(Cause::BlindSector, now).measured(finding.silent_percent, limit, Unit::Percent)
+}

@@ -1,0 +1,222 @@
+//! A raster over the floor: where its cells lie, and storage for one value a cell.
+
+use core::marker::PhantomData;
+
+use floorguard_types::geometry::Point2;
+
+/// Where the cells of a raster lie in the map frame. Cell (0, 0) is the one with the smallest coordinates; the index
+/// runs along x first. Invariants: 0 < `resolution_m` < 100, both sides ≥ 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GridGeometry {
+    width: u16,
+    height: u16,
+    resolution_m: f32,
+    cells_per_metre: f32,
+    origin_in_map: Point2,
+}
+
+impl GridGeometry {
+    /// Columns, rows, edge of a cell in metres, and the corner of cell (0, 0) in the map frame. `None` for a side of
+    /// zero, an edge outside (0, 100) m or a corner that is not finite.
+    #[must_use]
+    pub fn new(width: u16, height: u16, resolution_m: f32, origin_in_map: Point2) -> Option<Self> {
+        let legal = width > 0
+            && height > 0
+            && resolution_m > 1e-4
+            && resolution_m < 100.0
+            && origin_in_map.x_m.is_finite()
+            && origin_in_map.y_m.is_finite();
+        legal.then_some(Self {
+            width,
+            height,
+            resolution_m,
+            cells_per_metre: 1.0 / resolution_m,
+            origin_in_map,
+        })
+    }
+
+    /// Columns, ≥ 1.
+    #[must_use]
+    pub const fn width(&self) -> u16 {
+        self.width
+    }
+
+    /// Rows, ≥ 1.
+    #[must_use]
+    pub const fn height(&self) -> u16 {
+        self.height
+    }
+
+    /// Edge of a cell, metres.
+    #[must_use]
+    pub const fn resolution_m(&self) -> f32 {
+        self.resolution_m
+    }
+
+    /// Cells in a metre.
+    #[must_use]
+    pub const fn cells_per_metre(&self) -> f32 {
+        self.cells_per_metre
+    }
+
+    /// Corner of cell (0, 0), in the map frame.
+    #[must_use]
+    pub const fn origin_in_map(&self) -> Point2 {
+        self.origin_in_map
+    }
+
+    /// Number of cells.
+    #[must_use]
+    pub const fn cell_count(&self) -> usize {
+        // Two u16 factors: the product fits 32 bits.
+        (self.width as usize).saturating_mul(self.height as usize)
+    }
+
+    /// Index of a cell, `None` outside.
+    #[inline]
+    #[must_use]
+    pub fn index(&self, column: i32, row: i32) -> Option<usize> {
+        let column = usize::try_from(column).ok()?;
+        let row = usize::try_from(row).ok()?;
+        let inside = column < usize::from(self.width) && row < usize::from(self.height);
+        inside.then(|| row.saturating_mul(usize::from(self.width)).saturating_add(column))
+    }
+
+    /// Column and row of the cell that holds a point of the map frame; may lie outside the raster.
+    #[inline]
+    #[must_use]
+    pub fn coordinates_of(&self, point_in_map: Point2) -> (i32, i32) {
+        let x = (point_in_map.x_m - self.origin_in_map.x_m) * self.cells_per_metre;
+        let y = (point_in_map.y_m - self.origin_in_map.y_m) * self.cells_per_metre;
+        // `as` saturates, and takes NaN to 0; floor, not truncation, so that −0.5 is outside (DEV-14).
+        (libm::floorf(x) as i32, libm::floorf(y) as i32)
+    }
+
+    /// Index of the cell that holds a point of the map frame, `None` outside.
+    #[inline]
+    #[must_use]
+    pub fn cell_at(&self, point_in_map: Point2) -> Option<usize> {
+        let (column, row) = self.coordinates_of(point_in_map);
+        self.index(column, row)
+    }
+
+    /// Column and row of an index.
+    #[inline]
+    #[must_use]
+    pub fn coordinates(&self, index: usize) -> (i32, i32) {
+        let width = usize::from(self.width).max(1);
+        ((index % width) as i32, (index / width) as i32)
+    }
+
+    /// Centre of a cell, in the map frame.
+    #[must_use]
+    pub fn centre(&self, index: usize) -> Point2 {
+        let (column, row) = self.coordinates(index);
+        Point2::new(
+            self.origin_in_map.x_m + (column as f32 + 0.5) * self.resolution_m,
+            self.origin_in_map.y_m + (row as f32 + 0.5) * self.resolution_m,
+        )
+    }
+}
+
+/// The storage holds fewer cells than the geometry asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GridTooSmall {
+    /// Cells of the geometry.
+    pub needed: usize,
+    /// Cells of the storage.
+    pub capacity: usize,
+}
+
+impl core::fmt::Display for GridTooSmall {
+    fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(formatter, "the map has {} cells, but there is room for {}", self.needed, self.capacity)
+    }
+}
+
+impl core::error::Error for GridTooSmall {}
+
+/// One value for every cell of a raster, in storage `S`.
+#[derive(Clone, Debug)]
+pub struct Grid<T, S> {
+    geometry: GridGeometry,
+    storage: S,
+    values: PhantomData<T>,
+}
+
+/// A grid whose storage is an array: the form for the target.
+pub type FixedGrid<T, const CELLS: usize> = Grid<T, [T; CELLS]>;
+
+impl<T, S: AsRef<[T]> + AsMut<[T]>> Grid<T, S> {
+    /// A grid over storage that is at least as large as the geometry. What the storage holds becomes the values.
+    ///
+    /// # Errors
+    /// The storage is too small; choose a coarser raster or a smaller window.
+    pub fn new(geometry: GridGeometry, storage: S) -> Result<Self, GridTooSmall> {
+        let (needed, capacity) = (geometry.cell_count(), storage.as_ref().len());
+        if capacity < needed {
+            return Err(GridTooSmall { needed, capacity });
+        }
+        Ok(Self { geometry, storage, values: PhantomData })
+    }
+
+    /// Where the cells lie.
+    #[must_use]
+    pub const fn geometry(&self) -> &GridGeometry {
+        &self.geometry
+    }
+
+    /// All values, by index.
+    #[must_use]
+    pub fn values(&self) -> &[T] {
+        self.storage.as_ref().get(..self.geometry.cell_count()).unwrap_or(&[])
+    }
+
+    /// All values, by index, to be changed.
+    pub fn values_mut(&mut self) -> &mut [T] {
+        self.storage.as_mut().get_mut(..self.geometry.cell_count()).unwrap_or(&mut [])
+    }
+
+    /// The value of a cell.
+    #[inline]
+    #[must_use]
+    pub fn get(&self, index: usize) -> Option<&T> {
+        self.storage.as_ref().get(index)
+    }
+
+    /// The value of a cell, to be changed.
+    #[inline]
+    pub fn get_mut(&mut self, index: usize) -> Option<&mut T> {
+        self.storage.as_mut().get_mut(index)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_and_cells_agree() {
+        let geometry = GridGeometry::new(4, 3, 0.1, Point2::new(-0.2, 1.0)).unwrap();
+        assert_eq!(geometry.cell_at(Point2::new(-0.15, 1.05)), Some(0));
+        assert_eq!(geometry.cell_at(Point2::new(0.15, 1.25)), Some(11));
+        assert_eq!(geometry.cell_at(Point2::new(-0.21, 1.05)), None);
+        assert_eq!(geometry.cell_at(Point2::new(0.21, 1.05)), None);
+        for index in 0..12 {
+            assert_eq!(geometry.cell_at(geometry.centre(index)), Some(index));
+        }
+        assert_eq!(geometry.cell_at(Point2::new(f32::INFINITY, 1.05)), None);
+    }
+
+    #[test]
+    fn refuses_what_does_not_fit() {
+        let geometry = GridGeometry::new(4, 3, 0.1, Point2::default()).unwrap();
+        assert_eq!(
+            FixedGrid::<u8, 11>::new(geometry, [0; 11]).err(),
+            Some(GridTooSmall { needed: 12, capacity: 11 })
+        );
+        assert_eq!(FixedGrid::<u8, 20>::new(geometry, [0; 20]).unwrap().values().len(), 12);
+        assert!(GridGeometry::new(0, 3, 0.1, Point2::default()).is_none());
+        assert!(GridGeometry::new(1, 3, f32::NAN, Point2::default()).is_none());
+    }
+}

@@ -1,0 +1,26 @@
+//! Which path the robot takes: search on a grid, and following what was found.
+//!
+//! No heap, no clock, no I/O, no `unsafe`, no panic.
+#![no_std]
+#![forbid(unsafe_code)]
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable,
+        clippy::todo,
+        clippy::unimplemented,
+        clippy::indexing_slicing
+    )
+)]
+
+#[cfg(test)]
+extern crate std;
+
+mod follow;
+mod path_search;
+
+pub use follow::{FollowConfig, Following, follow};
+pub use path_search::{PathSearch, SEARCH_CELLS_MAX, STRAIGHT, SearchCell};

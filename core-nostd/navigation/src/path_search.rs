@@ -1,0 +1,300 @@
+//! Shortest collision-free ways over the raster: Dijkstra with circular buckets.
+//!
+//! Steps cost 29 (straight) and 41 (diagonal), which is √2 to 0.03 %. Corners are not cut. Every cell is settled at
+//! most once, so the search ends after as many steps as there are cells (algorithms N.8). A search may end as soon as
+//! what it was asked for is settled, and costs nothing for the rest of the map: cells of an older search are told by
+//! their round.
+
+use floorguard_mapping::GridGeometry;
+
+/// Cost of a straight step; the unit of all distances on the raster is 1/29 of a cell.
+pub const STRAIGHT: u32 = 29;
+/// Cost of a diagonal step.
+pub const DIAGONAL: u32 = 41;
+/// Cells that a search may cover: the hosted profile. Beyond them nothing is reached, so nothing is claimed.
+pub const SEARCH_CELLS_MAX: usize = 65_536;
+/// Circular buckets: a power of two above the largest step.
+const BUCKETS: usize = 64;
+/// Turns of a search: every one settles a cell or passes an empty bucket, of which at most all come in a row.
+const TURNS_MAX: usize = (SEARCH_CELLS_MAX + 1) * BUCKETS;
+const NOBODY: u32 = u32::MAX;
+
+/// Working memory of the search for one cell.
+#[derive(Clone, Copy, Debug)]
+pub struct SearchCell {
+    distance: u32,
+    next: u32,
+    previous: u32,
+    /// The search that reached the cell; 0 is none.
+    round: u32,
+}
+
+impl SearchCell {
+    /// Not reached.
+    pub const EMPTY: Self = Self { distance: NOBODY, next: NOBODY, previous: NOBODY, round: 0 };
+}
+
+/// A search over a raster; `S` stores one [`SearchCell`] a cell.
+#[derive(Clone, Debug)]
+pub struct PathSearch<S> {
+    geometry: GridGeometry,
+    cells: S,
+    heads: [u32; BUCKETS],
+    round: u32,
+    /// Distances up to this one are final.
+    horizon: u32,
+}
+
+/// Neighbours: column and row offset, cost.
+const NEIGHBOURS: [(i32, i32, u32); 8] = [
+    (1, 0, STRAIGHT),
+    (-1, 0, STRAIGHT),
+    (0, 1, STRAIGHT),
+    (0, -1, STRAIGHT),
+    (1, 1, DIAGONAL),
+    (-1, 1, DIAGONAL),
+    (1, -1, DIAGONAL),
+    (-1, -1, DIAGONAL),
+];
+
+impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
+    /// A search over this raster. Cells beyond the storage count as impassable.
+    #[must_use]
+    pub const fn new(geometry: GridGeometry, cells: S) -> Self {
+        Self { geometry, cells, heads: [NOBODY; BUCKETS], round: 0, horizon: 0 }
+    }
+
+    /// The raster.
+    #[must_use]
+    pub const fn geometry(&self) -> &GridGeometry {
+        &self.geometry
+    }
+
+    /// Distances from `start` to all cells that can be reached over passable cells. The start itself may be
+    /// impassable: a robot that stands too near a wall still gets away.
+    pub fn run(&mut self, start: usize, passable: impl Fn(usize) -> bool) {
+        self.run_until(start, passable, |_| false);
+    }
+
+    /// As [`Self::run`], but ends with the first cell for which `is_enough(cell)` says so. Cells are settled in the
+    /// order of their distance; farther ones then count as not reached.
+    pub fn run_until(
+        &mut self,
+        start: usize,
+        passable: impl Fn(usize) -> bool,
+        mut is_enough: impl FnMut(usize) -> bool,
+    ) {
+        self.begin();
+        self.relax(start, 0);
+        let count = self.geometry.cell_count();
+        let mut settled = 0_usize;
+        let mut empty_run = 0_usize;
+        let mut bucket = 0_usize;
+        for _ in 0..TURNS_MAX {
+            let head = self.heads.get(bucket).copied().unwrap_or(NOBODY);
+            if head == NOBODY {
+                bucket = bucket.wrapping_add(1) % BUCKETS;
+                empty_run = empty_run.saturating_add(1);
+                if empty_run > BUCKETS {
+                    break;
+                }
+                continue;
+            }
+            empty_run = 0;
+            self.unlink(head as usize);
+            self.horizon = self.raw(head as usize);
+            settled = settled.saturating_add(1);
+            if is_enough(head as usize) || settled >= count {
+                return;
+            }
+            self.expand(head as usize, &passable);
+        }
+    }
+
+    /// Forgets the last search: a new round, and once in four thousand million rounds a sweep.
+    fn begin(&mut self) {
+        self.heads = [NOBODY; BUCKETS];
+        self.horizon = 0;
+        self.round = self.round.wrapping_add(1);
+        if self.round == 0 {
+            for cell in self.cells.as_mut() {
+                *cell = SearchCell::EMPTY;
+            }
+            self.round = 1;
+        }
+    }
+
+    #[inline]
+    fn expand(&mut self, cell: usize, passable: &impl Fn(usize) -> bool) {
+        let (column, row) = self.geometry.coordinates(cell);
+        let distance = self.raw(cell);
+        let mut open = [false; 8];
+        for (open, (dx, dy, cost)) in open.iter_mut().zip(NEIGHBOURS).take(4) {
+            let Some(other) = self.geometry.index(column.wrapping_add(dx), row.wrapping_add(dy)) else {
+                continue;
+            };
+            if passable(other) {
+                *open = true;
+                self.relax(other, distance.saturating_add(cost));
+            }
+        }
+        let [east, west, north, south, ..] = open;
+        let sides = [east && north, west && north, east && south, west && south];
+        for ((dx, dy, cost), clear) in NEIGHBOURS.into_iter().skip(4).zip(sides) {
+            let Some(other) = self.geometry.index(column.wrapping_add(dx), row.wrapping_add(dy)) else {
+                continue;
+            };
+            if clear && passable(other) {
+                self.relax(other, distance.saturating_add(cost));
+            }
+        }
+    }
+
+    fn raw(&self, cell: usize) -> u32 {
+        match self.cells.as_ref().get(cell) {
+            Some(entry) if entry.round == self.round => entry.distance,
+            _ => NOBODY,
+        }
+    }
+
+    /// Lowers the distance of a cell and moves it to the bucket where it now belongs.
+    #[inline]
+    fn relax(&mut self, cell: usize, distance: u32) {
+        let old = self.raw(cell);
+        if distance >= old {
+            return;
+        }
+        if old != NOBODY {
+            self.unlink(cell);
+        }
+        let slot = distance as usize % BUCKETS;
+        let head = self.heads.get(slot).copied().unwrap_or(NOBODY);
+        if let Some(entry) = self.cells.as_mut().get_mut(cell) {
+            *entry = SearchCell { distance, next: head, previous: NOBODY, round: self.round };
+        }
+        if let Some(entry) = self.cells.as_mut().get_mut(head as usize) {
+            entry.previous = cell as u32;
+        }
+        if let Some(head) = self.heads.get_mut(slot) {
+            *head = cell as u32;
+        }
+    }
+
+    #[inline]
+    fn unlink(&mut self, cell: usize) {
+        let Some(&SearchCell { distance, next, previous, .. }) = self.cells.as_ref().get(cell) else {
+            return;
+        };
+        if previous == NOBODY {
+            if let Some(head) = self.heads.get_mut(distance as usize % BUCKETS) {
+                *head = next;
+            }
+        } else if let Some(entry) = self.cells.as_mut().get_mut(previous as usize) {
+            entry.next = next;
+        }
+        if let Some(entry) = self.cells.as_mut().get_mut(next as usize) {
+            entry.previous = previous;
+        }
+    }
+
+    /// Distance of a cell from the start, in 1/29 cell; `None`: it cannot be reached.
+    #[inline]
+    #[must_use]
+    pub fn distance(&self, cell: usize) -> Option<u32> {
+        Some(self.raw(cell)).filter(|&d| d != NOBODY && d <= self.horizon)
+    }
+
+    /// The next cell on a shortest way from `cell` to the start; `None` at the start and where there is no way.
+    #[must_use]
+    pub fn towards_start(&self, cell: usize) -> Option<usize> {
+        let here = self.distance(cell)?;
+        let (column, row) = self.geometry.coordinates(cell);
+        let mut best: Option<(u32, usize)> = None;
+        for (dx, dy, cost) in NEIGHBOURS {
+            let Some(other) = self.geometry.index(column.wrapping_add(dx), row.wrapping_add(dy)) else {
+                continue;
+            };
+            let Some(distance) = self.distance(other) else { continue };
+            let is_on_way = distance.saturating_add(cost) == here;
+            // A diagonal step that fits the sum was checked for corners when it was made, or a straight one exists.
+            if is_on_way
+                && best.is_none_or(|(d, _)| distance < d)
+                && self.has_clear_sides((column, row), (dx, dy))
+            {
+                best = Some((distance, other));
+            }
+        }
+        best.map(|(_, other)| other)
+    }
+
+    fn has_clear_sides(&self, (column, row): (i32, i32), (dx, dy): (i32, i32)) -> bool {
+        let reached = |x: i32, y: i32| self.geometry.index(x, y).is_some_and(|cell| self.raw(cell) != NOBODY);
+        dx == 0 || dy == 0 || (reached(column.wrapping_add(dx), row) && reached(column, row.wrapping_add(dy)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use floorguard_types::geometry::Point2;
+    use floorguard_types::random::Pcg32;
+    use std::vec;
+    use std::vec::Vec;
+
+    /// A search that ends at its goal knows the goal's distance and nothing farther.
+    fn reached_early(
+        search: &mut PathSearch<Vec<SearchCell>>,
+        (start, goal): (usize, usize),
+        free: &[bool],
+        expected: u32,
+    ) -> bool {
+        search.run_until(start, |i| free[i], |cell| cell == goal);
+        let farthest = (0..free.len()).filter_map(|i| search.distance(i)).max();
+        search.distance(goal) == Some(expected) && farthest == Some(expected)
+    }
+
+    /// Against Bellman–Ford sweeps until nothing changes.
+    #[test]
+    fn equals_an_exhaustive_relaxation() {
+        let geometry = GridGeometry::new(23, 17, 0.1, Point2::default()).unwrap();
+        let count = geometry.cell_count();
+        let mut random = Pcg32::new(5, 1);
+        for _ in 0..20 {
+            let free: Vec<bool> = (0..count).map(|_| random.bernoulli(0.7)).collect();
+            let mut search = PathSearch::new(geometry, vec![SearchCell::EMPTY; count]);
+            let start = random.below(count as u32) as usize;
+            search.run(start, |i| free[i]);
+            let mut early = PathSearch::new(geometry, vec![SearchCell::EMPTY; count]);
+            let mut slow = vec![u32::MAX; count];
+            slow[start] = 0;
+            let is_free = |x, y| geometry.index(x, y).is_some_and(|i| free[i]);
+            for _ in 0..count {
+                for cell in 0..count {
+                    if slow[cell] == u32::MAX {
+                        continue;
+                    }
+                    let (x, y) = geometry.coordinates(cell);
+                    for (dx, dy, cost) in NEIGHBOURS {
+                        let sides = dx == 0 || dy == 0 || (is_free(x + dx, y) && is_free(x, y + dy));
+                        if is_free(x + dx, y + dy) && sides {
+                            let other = geometry.index(x + dx, y + dy).unwrap();
+                            slow[other] = slow[other].min(slow[cell] + cost);
+                        }
+                    }
+                }
+            }
+            for (cell, &expected) in slow.iter().enumerate() {
+                assert_eq!(search.distance(cell).unwrap_or(u32::MAX), expected);
+                if expected != u32::MAX && expected > 0 {
+                    assert!(reached_early(&mut early, (start, cell), &free, expected));
+                    let mut here = cell;
+                    for _ in 0..count {
+                        let Some(next) = search.towards_start(here) else { break };
+                        here = next;
+                    }
+                    assert_eq!(here, start, "the way leads to the start");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! From a scan to what the scanner says about people: pairs of legs, and where legs could have been seen.
+
+use super::detector::LegDetector;
+use super::tracks::LegTracker;
+use crate::people::{PeopleSensor, PeopleView};
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::sensing::Scan;
+
+/// Farther away a leg has too few returns to be recognised with some certainty, metres: three at 0.5° on 0.1 m.
+const RECOGNISED_M: f32 = 4.0;
+
+/// Legs of one scanner, and the people they belong to.
+#[derive(Clone, Debug)]
+pub struct PeopleByLegs {
+    detector: LegDetector,
+    tracker: LegTracker,
+    view: PeopleView,
+    /// People left out for want of room, since the start.
+    pub dropped: u32,
+}
+
+impl Default for PeopleByLegs {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl PeopleByLegs {
+    /// Nobody yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            detector: LegDetector::near_floor(),
+            tracker: LegTracker::new(),
+            view: PeopleView::new(PeopleSensor::Scanner),
+            dropped: 0,
+        }
+    }
+
+    /// Takes in a scan, taken by a scanner at `sensor_in_odom`. The map tells of a point of the sensor's frame whether
+    /// something stands there; `None` where no map is known.
+    pub fn process(
+        &mut self,
+        scan: &Scan,
+        sensor_in_odom: Pose2,
+        map: Option<impl Fn(Point2) -> bool>,
+    ) -> &PeopleView {
+        self.detector.process(scan, map);
+        self.detector.move_legs(|place| sensor_in_odom.transform(place));
+        self.tracker.update(scan.stamp, self.detector.legs());
+        let Self { tracker, view, dropped, .. } = self;
+        view.stamp = scan.stamp;
+        view.detections.clear();
+        view.open.measure(scan, sensor_in_odom, RECOGNISED_M);
+        let eye = Point2::new(sensor_in_odom.x_m, sensor_in_odom.y_m);
+        tracker.people(|person| {
+            // Pairs that are only remembered are no sighting.
+            if tracker.is_seen_now(person.legs) && !view.add(person.detection(eye)) {
+                *dropped = dropped.saturating_add(1);
+            }
+        });
+        view
+    }
+
+    /// The legs themselves, for display.
+    #[must_use]
+    pub const fn tracker(&self) -> &LegTracker {
+        &self.tracker
+    }
+}

@@ -1,0 +1,27 @@
+//! What the sensors show: people, legs, people in depth pictures, what moves by itself, the floor, learning on the spot.
+//!
+//! No heap, no clock, no I/O, no `unsafe`, no panic. What is found here can only tighten what the guard permits.
+#![no_std]
+#![forbid(unsafe_code)]
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::unreachable,
+        clippy::todo,
+        clippy::unimplemented,
+        clippy::indexing_slicing
+    )
+)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod floor;
+pub mod legs;
+pub mod motion;
+pub mod online_learning;
+pub mod people;
+pub mod rgbd_people;

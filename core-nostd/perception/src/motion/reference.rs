@@ -1,0 +1,75 @@
+//! The moment before: a sweep to compare with, old enough that a slow walker has left his voxels.
+//!
+//! From one sweep to the next a person at 0.5 m/s moves by half a voxel, which noise hides (algorithms H.6, option
+//! `stride`). Several references take turns: the oldest is compared with while the others age.
+
+use super::seen_through::SeenThrough;
+use super::voxels::Voxels;
+use floorguard_types::capacities::MOTION_REFERENCES;
+use floorguard_types::time::Stamp;
+
+/// A reference is compared with from this age on, microseconds: what moves at 0.3 m/s has left more than a voxel.
+const AGE_MIN_US: u64 = 480_000;
+/// Time between two references.
+const STEP_US: u64 = AGE_MIN_US / (MOTION_REFERENCES as u64 - 1);
+
+const _: () = assert!(MOTION_REFERENCES >= 2);
+
+/// One sweep as voxels and as a range image.
+#[derive(Clone, Debug)]
+pub(super) struct Reference {
+    pub(super) voxels: Voxels,
+    pub(super) seen: SeenThrough,
+    stamp: Option<Stamp>,
+    /// Columns that were measured.
+    columns: usize,
+}
+
+impl Reference {
+    const NEW: Self = Self { voxels: Voxels::new(), seen: SeenThrough::new(), stamp: None, columns: 0 };
+}
+
+/// All references.
+#[derive(Clone, Debug)]
+pub(super) struct References {
+    all: [Reference; MOTION_REFERENCES],
+}
+
+impl References {
+    pub(super) const fn new() -> Self {
+        Self { all: [Reference::NEW; MOTION_REFERENCES] }
+    }
+
+    /// Forgets all.
+    pub(super) fn clear(&mut self) {
+        for reference in &mut self.all {
+            reference.stamp = None;
+        }
+    }
+
+    /// The one to compare with: the oldest.
+    pub(super) fn oldest(&self) -> Option<&Reference> {
+        self.all.iter().filter(|reference| reference.stamp.is_some()).min_by_key(|reference| reference.stamp)
+    }
+
+    /// A place for this sweep of so many measured columns, emptied, if a new reference is due: the youngest has aged by
+    /// a step, or it knows much less than this sweep. The oldest makes room.
+    pub(super) fn renew(&mut self, now: Stamp, columns: usize) -> Option<&mut Reference> {
+        let aged = |stamp: Stamp| now.as_micros().saturating_sub(stamp.as_micros()) >= STEP_US;
+        let youngest = self.all.iter_mut().max_by_key(|reference| reference.stamp)?;
+        let poor = youngest.columns.saturating_mul(20) < columns.saturating_mul(19);
+        if youngest.stamp.is_some_and(|stamp| !aged(stamp)) && !poor {
+            return None;
+        }
+        let place = if poor {
+            self.all.iter_mut().max_by_key(|reference| reference.stamp)?
+        } else {
+            // `None` sorts first: places that were never used.
+            self.all.iter_mut().min_by_key(|reference| reference.stamp)?
+        };
+        place.voxels.clear();
+        place.stamp = Some(now);
+        place.columns = columns;
+        Some(place)
+    }
+}

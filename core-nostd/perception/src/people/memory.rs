@@ -1,0 +1,79 @@
+//! People who went out of sight: whoever appears where one of them can have walked to, walks on as that person did and
+//! looks like it, is that person again.
+//!
+//! A crowd hides everybody for seconds at a time. Who is out of sight keeps identity and way; a fresh track takes them
+//! over as soon as it is told as a person. A wrong guess costs no more than a new identity would.
+
+use super::track::Track;
+use super::tracker::TrackerParameters;
+use floorguard_types::geometry::Point2;
+
+/// Nobody is looked for farther away, metres.
+const REACH_MAX_M: f32 = 4.0;
+/// People keep to their way for about this long, seconds: of 2,769 people who came out of sight and into it again in
+/// simulated crowds, half were within 0.21 m of where that says after 0.75 s, 0.64 m after 2 s, and 1.2 m after 3 s
+/// (0.55, 1.33 and 1.84 m from where they were last seen).
+const WAY_S: f32 = 3.0;
+/// Spectral density of the acceleration of somebody out of sight, m²/s³.
+const ACCELERATION_DENSITY: f32 = 0.2;
+/// Where a track begins is about where the person is, m²; who goes round others strays, m²/s²; and the first three
+/// sightings tell little of a velocity, m²/s².
+const BEGINS_M2: f32 = 0.02;
+const STRAYS_M2PS2: f32 = 0.02;
+const TURNS_M2PS2: f32 = 0.1;
+/// Who stops or turns is not as rare as a normal distribution has it: degrees of freedom of Student's.
+const FREEDOM: f32 = 6.0;
+/// People whom nobody knows yet appear anywhere, 1/m², at any speed around 1 m/s.
+const STRANGERS_PER_M2: f32 = 0.005;
+
+/// Whom of some tracks, whom nobody sees, a fresh one is most likely; `None` if it is more likely a stranger.
+pub(super) fn best_of<'a>(
+    lost: impl Iterator<Item = &'a Track>,
+    fresh: &Track,
+    parameters: &TrackerParameters,
+) -> Option<u32> {
+    let fits = lost.filter_map(|track| {
+        let likeness = track.appearance.likeness(&fresh.appearance);
+        let gain = way_gain(track, fresh)? + parameters.recall_looks_share * likeness;
+        (gain > 0.0).then_some((gain, track.id))
+    });
+    fits.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, id)| id)
+}
+
+/// ln of how much more likely place and velocity of a fresh track are if it is somebody lost than if it is a stranger, at
+/// the moment of its first sighting. `None` beyond reach, and if both were seen at the same time.
+fn way_gain(lost: &Track, fresh: &Track) -> Option<f32> {
+    if lost.last_seen >= fresh.created {
+        return None;
+    }
+    let seconds = lost.last_seen.past_us(fresh.created) as f32 * 1.0e-6;
+    let (way_s, slower) = way(seconds);
+    let (mut then, now) = (lost.seen_state, fresh.state.velocity);
+    let velocity = then.velocity;
+    let place =
+        Point2::new(then.position.x_m + way_s * velocity.x_m, then.position.y_m + way_s * velocity.y_m);
+    if fresh.first_position.distance(place) > REACH_MAX_M {
+        return None;
+    }
+    then.advance(seconds, ACCELERATION_DENSITY);
+    // Covariance of the two differences along one axis.
+    let place_m2 = then.position_variance + BEGINS_M2 + STRAYS_M2PS2 * seconds * seconds;
+    let velocity_m2ps2 = then.velocity_variance + fresh.state.velocity_variance + TURNS_M2PS2;
+    let both = then.cross_covariance;
+    let determinant = (place_m2 * velocity_m2ps2 - both * both).max(1.0e-6);
+    let axis = |metres: f32, mps: f32| {
+        (velocity_m2ps2 * metres * metres - 2.0 * both * metres * mps + place_m2 * mps * mps) / determinant
+    };
+    let distance2 = axis(fresh.first_position.x_m - place.x_m, now.x_m - slower * velocity.x_m)
+        + axis(fresh.first_position.y_m - place.y_m, now.y_m - slower * velocity.y_m);
+    let known = -0.5 * (FREEDOM + 4.0) * libm::logf(1.0 + distance2 / FREEDOM) - libm::logf(determinant);
+    let speed_mps = now.norm();
+    let strange = libm::logf(2.0 * core::f32::consts::PI * STRANGERS_PER_M2) - 0.5 * speed_mps * speed_mps;
+    Some(known - strange)
+}
+
+/// For how long the last velocity counts `seconds` later, seconds, and which share of it is left.
+fn way(seconds: f32) -> (f32, f32) {
+    let slower = libm::expf(-seconds / WAY_S);
+    (WAY_S * (1.0 - slower), slower)
+}

@@ -1,0 +1,77 @@
+//! Which things of a sweep go to the tracker.
+
+use super::context::SweepContext;
+use super::state::PeoplePipeline;
+use crate::people::appearance::Appearance;
+use crate::people::candidates::Detection;
+use crate::people::cluster::Cluster;
+use crate::people::shape::ShapeBuilder;
+use crate::people::splits::SEEDS_MAX;
+use floorguard_types::capacities::CLUSTERS_MAX;
+use floorguard_types::geometry::Point2;
+
+/// Measurement noise of a cluster's centre, metres (D.2, 3-D lidar), and its growth per metre of distance.
+const SIGMA_M: f32 = 0.1;
+const SIGMA_PER_M: f32 = 0.004;
+/// The middle of what is left of somebody half hidden is not the middle of the body, and wanders with what hides it.
+const OCCLUDED: f32 = 1.3;
+
+impl PeoplePipeline {
+    #[inline(never)]
+    pub(super) fn find_candidates(&mut self, context: &SweepContext) {
+        self.detections.clear();
+        self.looks.clear();
+        let sensor_height_m = context.sensor_in_base.translation.z_m;
+        for index in 0..self.things.len().min(CLUSTERS_MAX) {
+            let Some(thing) = self.things.get(index).copied() else { continue };
+            if !self.splits.is_shared(index) && self.candidate_limits.admits(&thing, sensor_height_m) {
+                self.propose(detection(&thing, context), index, &thing, context);
+            }
+        }
+        for index in 0..SEEDS_MAX {
+            let Some((thing, part)) = self.splits.part(index) else { continue };
+            if self.candidate_limits.admits(&part, sensor_height_m) {
+                let slot = self.propose(detection(&part, context), thing, &part, context);
+                self.splits.assign(index, slot);
+            }
+        }
+    }
+
+    /// Slot of the new candidate. Out of room: the farthest candidate goes first.
+    pub(super) fn propose(
+        &mut self,
+        detection: Detection,
+        index: usize,
+        thing: &Cluster,
+        context: &SweepContext,
+    ) -> Option<usize> {
+        self.counters.candidates = self.counters.candidates.saturating_add(1);
+        let mut slot = self.detections.len();
+        if slot >= self.tracker.detections_max() || self.detections.push(detection).is_err() {
+            self.counters.dropped_candidates = self.counters.dropped_candidates.saturating_add(1);
+            let others = self.detections.iter_mut().enumerate();
+            let farthest = others.max_by(|(_, a), (_, b)| a.distance_m.total_cmp(&b.distance_m));
+            let (row, worse) = farthest.filter(|(_, other)| other.distance_m > detection.distance_m)?;
+            *worse = detection;
+            slot = row;
+        }
+        let heights_m = (thing.lower.z_m, thing.upper.z_m);
+        let builder = ShapeBuilder::new(context.sensor_in_base.translation, thing.centroid, heights_m);
+        self.looks.set(slot, index, builder, thing);
+        Some(slot)
+    }
+}
+
+/// A thing as a measurement for the tracker; nobody has looked at its shape yet.
+pub(super) fn detection(thing: &Cluster, context: &SweepContext) -> Detection {
+    let centre = Point2::new(thing.centroid.x_m, thing.centroid.y_m);
+    Detection {
+        position: context.base_in_odom.transform(centre),
+        distance_m: thing.nearest_m,
+        sigma_m: (SIGMA_M + SIGMA_PER_M * thing.nearest_m) * if thing.occluded { OCCLUDED } else { 1.0 },
+        likeness: 0.5,
+        points: thing.points,
+        moving: None,
+        appearance: Appearance::UNKNOWN,
+    }
+}

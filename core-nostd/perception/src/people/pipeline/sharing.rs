@@ -1,0 +1,39 @@
+//! Things in which the tracker expects several people.
+
+use super::context::SweepContext;
+use super::state::PeoplePipeline;
+use crate::people::clusters::rings_of;
+use crate::people::projection::{ColumnFrame, SweepFrame};
+use floorguard_types::sensing::Sweep;
+
+impl PeoplePipeline {
+    /// Things in which the tracker expects several people are shared out among them.
+    #[inline(never)]
+    pub(super) fn share_out(&mut self, sweep: &Sweep, context: &SweepContext) {
+        self.splits.clear();
+        let odom_in_base = context.base_in_odom.inverse();
+        for (index, thing) in self.things.iter().enumerate() {
+            let expected = self.tracker.expected(sweep.end_stamp);
+            self.splits.consider(index, thing, expected.map(|place| odom_in_base.transform(place)));
+        }
+        if self.splits.is_empty() {
+            return;
+        }
+        let frames = SweepFrame::new(sweep, &context.sensor_in_base, context.twist);
+        for (index, column) in sweep.used_columns().iter().enumerate() {
+            let mut frame: Option<ColumnFrame> = None;
+            for ring in rings_of(self.clusterer.present_in(index)) {
+                let (Some(raw), Some(angle)) = (column.range_raw.get(ring), self.angles.rings.get(ring))
+                else {
+                    continue;
+                };
+                let index =
+                    self.clusterer.index_of(index, ring).filter(|thing| self.splits.is_shared(*thing));
+                if let Some((index, thing)) = index.and_then(|index| Some((index, self.things.get(index)?))) {
+                    let point = frame.get_or_insert_with(|| frames.column(column)).point(*raw, *angle);
+                    self.splits.add(index, point, thing.nearest_m);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! The stages in their order, and what they keep.
+
+use heapless::Vec;
+
+use super::context::{PeopleCounters, PeopleOutput, SweepContext};
+use crate::people::association::DETECTIONS_MAX;
+use crate::people::candidates::{CandidateLimits, Detection};
+use crate::people::cluster::{Cluster, ClusterLimits};
+use crate::people::clusters::Clusterer;
+use crate::people::looks::Looks;
+use crate::people::projection::RingAngles;
+use crate::people::shape::ShapeVector;
+use crate::people::splits::Splits;
+use crate::people::track::Track;
+use crate::people::tracker::{Tracker, TrackerParameters};
+use crate::people::views::{PeopleView, WaitingViews};
+use crate::people::visibility::Visibility;
+use floorguard_types::capacities::CLUSTERS_MAX;
+use floorguard_types::geometry::{Point2, Point3};
+use floorguard_types::sensing::Sweep;
+
+/// All state of the stage; about 240 KiB, so keep it in a static or on the heap of the host.
+#[derive(Clone, Debug)]
+pub struct PeoplePipeline {
+    /// Elevations of the lidar.
+    pub angles: RingAngles,
+    /// When returns belong together.
+    pub cluster_limits: ClusterLimits,
+    /// What may be a person.
+    pub candidate_limits: CandidateLimits,
+    pub(super) clusterer: Clusterer,
+    pub(super) things: Vec<Cluster, CLUSTERS_MAX>,
+    pub(super) visibility: Visibility,
+    pub(super) detections: Vec<Detection, DETECTIONS_MAX>,
+    pub(super) looks: Looks,
+    pub(super) splits: Splits,
+    pub(super) tracker: Tracker,
+    pub(super) counters: PeopleCounters,
+    waiting: WaitingViews,
+}
+
+impl PeoplePipeline {
+    /// Nothing seen yet.
+    #[must_use]
+    pub const fn new(angles: RingAngles) -> Self {
+        Self::with_tracker(angles, TrackerParameters::DEFAULT)
+    }
+
+    /// Nothing seen yet, with a tracker of one's own parameters.
+    #[must_use]
+    pub const fn with_tracker(angles: RingAngles, parameters: TrackerParameters) -> Self {
+        Self {
+            angles,
+            cluster_limits: ClusterLimits::DEFAULT,
+            candidate_limits: CandidateLimits::DEFAULT,
+            clusterer: Clusterer::new(),
+            things: Vec::new(),
+            visibility: Visibility::new(),
+            detections: Vec::new(),
+            looks: Looks::new(),
+            splits: Splits::new(),
+            tracker: Tracker::new(parameters),
+            counters: PeopleCounters::ZERO,
+            waiting: WaitingViews::new(),
+        }
+    }
+
+    /// Takes in a sweep. Linear in its cells, plus tracks × detections.
+    pub fn process(&mut self, sweep: &Sweep, context: &SweepContext) -> PeopleOutput<'_> {
+        self.find_things(sweep, context);
+        self.find_people(sweep, context)
+    }
+
+    /// People among the things of the same sweep; after [`Self::find_things`]. Between the two, motion can be judged
+    /// (see [`Self::thing_of`]).
+    pub fn find_people(&mut self, sweep: &Sweep, context: &SweepContext) -> PeopleOutput<'_> {
+        self.find_people_moving(sweep, context, |_| None)
+    }
+
+    /// The same, told which places of the fixed frame something moves at; `None` where nobody knows.
+    pub fn find_people_moving(
+        &mut self,
+        sweep: &Sweep,
+        context: &SweepContext,
+        moving_at: impl Fn(Point2) -> Option<bool>,
+    ) -> PeopleOutput<'_> {
+        self.find_detections(sweep, context);
+        for detection in &mut self.detections {
+            detection.moving = moving_at(detection.position);
+        }
+        self.track(sweep, context);
+        PeopleOutput { clusters: &self.things, tracks: self.tracker.tracks(), counters: self.counters }
+    }
+
+    /// Takes in what another sensor saw. It waits for the sweep of its time; when the lidar is silent for longer than
+    /// 0.2 s, it goes to the tracker without one. True if the tracks are newer now.
+    pub fn add_view(&mut self, view: &PeopleView) -> bool {
+        self.waiting.add(view, &mut self.tracker);
+        self.waiting.give_overdue(&mut self.tracker)
+    }
+
+    /// Enters for each thing, in their order, whether it moves; after [`Self::find_things`].
+    pub fn note_motion(&mut self, verdicts: impl Iterator<Item = Option<bool>>) {
+        for (thing, moving) in self.things.iter_mut().zip(verdicts) {
+            thing.moving = moving;
+            let moves = u32::from(moving == Some(true));
+            self.counters.moving_clusters = self.counters.moving_clusters.saturating_add(moves);
+        }
+    }
+
+    /// Which things may be people, and how probably; after [`Self::find_things`].
+    pub fn find_detections(&mut self, sweep: &Sweep, context: &SweepContext) {
+        self.waiting.give_until(sweep.end_stamp, &mut self.tracker);
+        self.share_out(sweep, context);
+        self.find_candidates(context);
+        self.look(sweep, context);
+        self.splits.clear();
+        self.find_upper_bodies(sweep, context);
+    }
+
+    /// Takes the detections of the same sweep into the tracks; after [`Self::find_detections`].
+    #[inline(never)]
+    pub fn track(&mut self, sweep: &Sweep, context: &SweepContext) {
+        let sensor_in_base = context.sensor_in_base.on_floor();
+        let odom_in_sensor = context.base_in_odom.compose(sensor_in_base).inverse();
+        let visibility = &self.visibility;
+        self.tracker.update(sweep.end_stamp, &self.detections, |point| {
+            visibility.is_visible(odom_in_sensor.transform(point))
+        });
+    }
+
+    /// The tracks, as of the newest sweep or view.
+    #[must_use]
+    pub fn tracks(&self) -> &[Track] {
+        self.tracker.tracks()
+    }
+
+    /// Views of other sensors that went to the tracker before their turn, since the start.
+    #[must_use]
+    pub const fn hurried_views(&self) -> u32 {
+        self.waiting.hurried
+    }
+
+    /// The tracker, for its counters.
+    #[must_use]
+    pub const fn tracker(&self) -> &Tracker {
+        &self.tracker
+    }
+
+    /// The things of the newest sweep, in the robot's frame.
+    #[must_use]
+    pub fn things(&self) -> &[Cluster] {
+        &self.things
+    }
+
+    /// Index of the thing to which a cell belongs; `None` if to none. Valid from [`Self::find_things`] to
+    /// [`Self::find_people`], which groups once more.
+    #[must_use]
+    pub fn thing_of(&self, column: usize, ring: usize) -> Option<usize> {
+        self.clusterer.index_of(column, ring)
+    }
+
+    /// The detections of the newest sweep, in the fixed frame.
+    #[must_use]
+    pub fn detections(&self) -> &[Detection] {
+        &self.detections
+    }
+
+    /// Lowest and highest coordinates of the returns of a detection of the newest sweep, by its index; robot frame, metres.
+    #[must_use]
+    pub fn bounds(&self, detection: usize) -> Option<[Point3; 2]> {
+        self.looks.bounds(detection)
+    }
+
+    /// The shape of a detection of the newest sweep, by its index: what the classifier saw.
+    #[must_use]
+    pub fn shape(&self, detection: usize) -> Option<&ShapeVector> {
+        self.looks.shape(detection)
+    }
+}

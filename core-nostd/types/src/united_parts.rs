@@ -1,0 +1,141 @@
+//! Parts that grow from neighbour to neighbour and become one where they meet, in fixed memory.
+//!
+//! A picture or a map is read piece by piece, be it a pixel, a cell or a run of cells: a piece joins the parts of its
+//! neighbours, which are one from then on, or begins a part. Which parts are one is remembered by parents: the earlier
+//! part takes the later one in.
+
+use heapless::Vec;
+
+/// What a part consists of.
+pub trait Absorb: Copy {
+    /// Takes the pieces of another part in.
+    fn absorb(&mut self, other: &Self);
+}
+
+/// There is no room for another part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoRoom;
+
+#[derive(Clone, Copy, Debug)]
+struct Part<T> {
+    parent: u16,
+    content: T,
+}
+
+/// Up to `N` parts, at most 65,536.
+#[derive(Clone, Debug)]
+pub struct UnitedParts<T, const N: usize> {
+    parts: Vec<Part<T>, N>,
+}
+
+impl<T, const N: usize> Default for UnitedParts<T, N> {
+    fn default() -> Self {
+        Self { parts: Vec::new() }
+    }
+}
+
+impl<T: Absorb, const N: usize> UnitedParts<T, N> {
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.parts.clear();
+    }
+
+    /// Adds a piece to the parts of its neighbours, united, or to a new one. Gives the part's number.
+    ///
+    /// # Errors
+    /// It touches nothing, and there is no room for a part of its own.
+    #[inline]
+    pub fn join(&mut self, neighbours: impl Iterator<Item = u16>, own: &T) -> Result<u16, NoRoom> {
+        let mut joined: Option<u16> = None;
+        for neighbour in neighbours {
+            let root = self.root(neighbour);
+            joined = Some(joined.map_or(root, |other| self.unite(other, root)));
+        }
+        if let Some(root) = joined {
+            if let Some(part) = self.parts.get_mut(usize::from(root)) {
+                part.content.absorb(own);
+            }
+            return Ok(root);
+        }
+        let index = u16::try_from(self.parts.len()).map_err(|_| NoRoom)?;
+        self.parts.push(Part { parent: index, content: *own }).map_err(|_| NoRoom)?;
+        Ok(index)
+    }
+
+    /// The finished parts, in the order in which they began.
+    pub fn finished(&self) -> impl Iterator<Item = &T> {
+        self.numbered().map(|(_, content)| content)
+    }
+
+    /// The same with their numbers.
+    pub fn numbered(&self) -> impl Iterator<Item = (u16, &T)> {
+        let own = |(index, part): &(u16, &Part<T>)| part.parent == *index;
+        (0..=u16::MAX).zip(&self.parts).filter(own).map(|(index, part)| (index, &part.content))
+    }
+
+    /// The part that a part was united with in the end. Parents have smaller numbers, so the walk ends.
+    pub fn root(&mut self, part: u16) -> u16 {
+        let mut index = part;
+        for _ in 0..N {
+            let parent = self.parts.get(usize::from(index)).map_or(index, |part| part.parent);
+            if parent == index {
+                break;
+            }
+            index = parent;
+        }
+        // The next walk from here is one step.
+        if let Some(part) = self.parts.get_mut(usize::from(part)) {
+            part.parent = index;
+        }
+        index
+    }
+
+    fn unite(&mut self, a: u16, b: u16) -> u16 {
+        if a == b {
+            return a;
+        }
+        let (kept, given) = (a.min(b), a.max(b));
+        let other = self.parts.get_mut(usize::from(given)).map(|part| {
+            part.parent = kept;
+            part.content
+        });
+        if let (Some(part), Some(other)) = (self.parts.get_mut(usize::from(kept)), other) {
+            part.content.absorb(&other);
+        }
+        kept
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    impl Absorb for u32 {
+        fn absorb(&mut self, other: &Self) {
+            *self += other;
+        }
+    }
+
+    #[test]
+    fn parts_that_meet_are_one_and_a_chain_of_meetings_is_followed() {
+        let mut parts = UnitedParts::<u32, 4>::default();
+        let begun = [1, 10, 100].map(|own| parts.join(core::iter::empty(), &own));
+        assert_eq!(begun, [Ok(0), Ok(1), Ok(2)]);
+        assert_eq!(parts.join([2, 1].into_iter(), &1_000), Ok(1));
+        assert_eq!(parts.numbered().collect::<std::vec::Vec<_>>(), [(0, &1), (1, &1_110)]);
+        assert_eq!([0, 1, 2].map(|part| parts.root(part)), [0, 1, 1]);
+        assert_eq!(parts.join([2, 0].into_iter(), &10_000), Ok(0));
+        assert_eq!(parts.join([1].into_iter(), &100_000), Ok(0));
+        assert_eq!(parts.finished().copied().collect::<std::vec::Vec<_>>(), [111_111]);
+    }
+
+    #[test]
+    fn what_has_no_room_is_told() {
+        let mut parts = UnitedParts::<u32, 1>::default();
+        assert_eq!(parts.join(core::iter::empty(), &1), Ok(0));
+        assert_eq!(parts.join(core::iter::empty(), &1), Err(NoRoom));
+        assert_eq!(parts.join([0].into_iter(), &1), Ok(0), "what exists still grows");
+        parts.clear();
+        assert_eq!(parts.finished().count(), 0);
+    }
+}
