@@ -11,7 +11,7 @@ use crate::train::{
     LabelledScan, LegSample, Sample, StandingMap, adaboost, coarser, lean, leg_samples, read_leg_scans,
 };
 
-/// Comparisons of a committee (algorithms C.3: 10 to 100).
+/// Comparisons of a committee (book, Legs: Committees).
 const LEG_ROUNDS: usize = 100;
 /// A committee that learns from fewer labelled legs knows less than the table of this build.
 const LEGS_TO_LEARN_MIN: usize = 150;
