@@ -1,6 +1,6 @@
 //! Legs in scans that a real scanner recorded and people labelled, each recording tested with what the others taught.
 
-use floorguard_hosted::evaluate::legs;
+use floorguard_laboratory::evaluate::legs;
 use floorguard_tests::data::recording;
 
 /// Required; measured 0.804.

@@ -1,7 +1,7 @@
 //! Three people stand and walk away in a hall, recorded by a real VLP-16: each must be found moving while walking, and
 //! nothing else.
 
-use floorguard_hosted::evaluate::motion;
+use floorguard_laboratory::evaluate::motion;
 use floorguard_perception::motion::MotionParameters;
 use floorguard_tests::data::recording;
 

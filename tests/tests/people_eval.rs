@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use clap::Parser as _;
-use floorguard_hosted::commands::{Arguments, dispatch, exit_code};
-use floorguard_hosted::evaluate;
+use floorguard_app::commands::{Arguments, dispatch, exit_code};
+use floorguard_laboratory::evaluate;
 use floorguard_tests::data::recording;
 
 #[test]

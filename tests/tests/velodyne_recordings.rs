@@ -7,7 +7,7 @@ use floorguard_drivers::velodyne::{
     DecodeError, Decoder, Gprmc, Model, ModelChoice, Packet, PositionPacket, PpsState, Returns, ReturnsOf,
     SweepBuilder,
 };
-use floorguard_hosted::capture::{Capture, CaptureError};
+use floorguard_recording::capture::{Capture, CaptureError};
 use floorguard_tests::data::recording;
 use floorguard_types::sensing::Sweep;
 use floorguard_types::time::Stamp;

@@ -3,10 +3,10 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use floorguard_configuration::{EXAMPLE, parse};
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice};
 use floorguard_guard::Supervisor;
-use floorguard_hosted::capture::Datagram;
-use floorguard_hosted::configuration::{EXAMPLE, parse};
+use floorguard_recording::capture::Datagram;
 use floorguard_types::sensing::LidarPacket;
 use floorguard_types::time::Stamp;
 

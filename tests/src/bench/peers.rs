@@ -5,7 +5,7 @@ use std::hint::black_box;
 use std::path::Path;
 
 use anyhow::Context as _;
-use floorguard_hosted::models::LibsvmModel;
+use floorguard_laboratory::models::LibsvmModel;
 use floorguard_perception::people::{
     Association, FloorHeight, FloorMask, PeoplePipeline, RingAngles, SweepContext,
 };

@@ -11,7 +11,7 @@ mod misses;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_hosted::train::built_in_scenes;
+use floorguard_laboratory::train::built_in_scenes;
 use floorguard_perception::people::ring_clusters::{RingLimits, UNGROUPED};
 use floorguard_perception::people::{PeoplePipeline, RingAngles, SweepContext};
 use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_hosted::metrics::MotSummary;
+use floorguard_laboratory::metrics::MotSummary;
 use floorguard_perception::people::{Association, TrackerParameters};
 use rayon::prelude::*;
 

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use floorguard_drivers::s300::{Configuration, Event, Receiver};
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
-use floorguard_hosted::metrics::{MotAccumulator, MotSummary};
+use floorguard_laboratory::metrics::{MotAccumulator, MotSummary};
 use floorguard_perception::legs::PeopleByLegs;
 use floorguard_perception::people::{
     PeoplePipeline, RingAngles, SweepContext, Track, TrackStatus, TrackerParameters,

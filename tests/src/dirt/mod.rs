@@ -12,7 +12,7 @@ mod trade;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_hosted::evaluate::DirtFigures;
+use floorguard_laboratory::evaluate::DirtFigures;
 use floorguard_sim::floor::{DirtKind, FloorKind};
 use rayon::prelude::*;
 

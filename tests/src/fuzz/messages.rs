@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use floorguard_hosted::recording::Recorder;
+use floorguard_recording::Recorder;
 use floorguard_types::sensing::ImuSample;
 use floorguard_types::time::Stamp;
 

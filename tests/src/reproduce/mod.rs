@@ -15,7 +15,7 @@ mod tours;
 
 use std::path::Path;
 
-use floorguard_hosted::mission::{Guarantee, MissionConfig, Strategy};
+use floorguard_laboratory::mission::{Guarantee, MissionConfig, Strategy};
 
 pub use environments::{Environment, environments};
 pub use figure_five::{Cell, FigureFive, figure_five};

@@ -6,7 +6,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_hosted::mission::pictures::{Series, line_plot};
+use floorguard_laboratory::mission::pictures::{Series, line_plot};
 use floorguard_perception::motion::MotionParameters;
 
 use crate::corridor::{Method, Run, Score, judge, record};

@@ -8,7 +8,8 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
-use floorguard_hosted::world::{Plan, Tape};
+use floorguard_laboratory::world::Plan;
+use floorguard_operator::telemetry::Tape;
 use floorguard_sim::can::{CanFrame, SlcanDecoder, encode_slcan};
 use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
 
@@ -77,7 +78,8 @@ pub(super) struct World {
 pub fn run(options: &Options) -> anyhow::Result<Outcome> {
     let plan = Plan::named(&options.scenario, options.seed, options.duration_us)?;
     let folder = tempfile::tempdir()?;
-    let mut board = Board::start(&options.image, &Tape::new(&plan).finish(), 0, folder.path())?;
+    let mut board =
+        Board::start(&options.image, &Tape::new(&plan.robot, plan.duration_us).finish(), 0, folder.path())?;
     let mut world = World::new(&plan)?;
     let began = Instant::now();
     let start = greet(&board)?;
