@@ -1,5 +1,5 @@
 //! A robot that carries a microScan3 in place of the S300: its driver against the simulator's scanner, whose bytes were
-//! written from the specification alone, and the whole robot on it.
+//! written from the description of the format alone, and the whole robot on it.
 
 #[allow(dead_code, reason = "each test file uses a part of it")]
 mod sim_support;
@@ -153,7 +153,7 @@ fn health_without(block: Option<usize>) -> Health {
     simulation(2_751).advance_to(200_000, &mut |event| {
         let Some(bytes) = bytes_of(&event, Stream::ScannerData) else { return };
         let mut bytes = bytes.to_vec();
-        // Wire-formats 3.2: behind the datagram's 24 bytes the first piece begins with the message's header.
+        // Behind the datagram's 24 bytes the first piece begins with the message's header.
         let is_first = bytes[24] == b'V' && bytes[16..20] == [0; 4];
         if let Some(place) = block.filter(|_| is_first) {
             bytes[24 + place..24 + place + 4].fill(0);

@@ -41,7 +41,7 @@ const WINDOW: u32 = 6;
 const DRAIN_US: u64 = 10_000_000;
 /// NMT: stop, all nodes.
 const STOP_ALL_NODES: [u8; 2] = [2, 0];
-/// First process data of the traction drive, node 1 (wire-formats 6.5): control word and target velocity.
+/// First process data of the traction drive, node 1 (book, CANopen: Process data): control word and target velocity.
 const TRACTION_ORDER: u32 = 0x201;
 /// Control word of an enabled operation, in its lowest bits.
 const OPERATE: u8 = 0x0f;

@@ -11,7 +11,7 @@ use super::frames::{capture_frames, standing_context};
 use floorguard_host::outcome::BadInput;
 use floorguard_robot::picture_files::{numbers, read_text};
 
-/// A claim farther than this from a person of the key is another thing, metres (algorithms D, metrics).
+/// A claim farther than this from a person of the key is another thing, metres (book, Tracking: Metrics).
 const GATE_M: f32 = 0.5;
 /// Farther away neither key nor claims count, metres: the keys end there too.
 const RANGE_MAX_M: f32 = 12.0;

@@ -11,7 +11,7 @@ use crate::train::{
 };
 use floorguard_host::outcome::BadInput;
 
-/// Comparisons of a committee (algorithms C.3: 10 to 100).
+/// Comparisons of a committee (book, Legs: Committees).
 const LEG_ROUNDS: usize = 100;
 /// A committee that learns from fewer labelled legs knows less than the table of this build.
 const LEGS_TO_LEARN_MIN: usize = 150;

@@ -45,7 +45,7 @@ pub struct TrackReport {
 pub struct MotionReport {
     /// Sweeps judged.
     pub sweeps: u64,
-    /// Walking people found moving, of all walking people in all frames (P1, equation 10), in percent.
+    /// Walking people found moving, of all walking people in all frames (Rath et al. 2020, equation 10), in percent.
     pub accuracy: f64,
     /// Things called moving where nobody was keyed, summed over the sweeps.
     pub false_positives: u64,

@@ -14,7 +14,7 @@ const FEATURES_MAX: usize = 128;
 const KEY_CELLS: usize = 3;
 /// Relative difference of a decision value that still is the same computation (issue: 1e-5).
 pub const DECISION_ERROR_MAX: f64 = 1.0e-5;
-/// A scaled feature beyond this lies outside of what the model was trained on (algorithms A.4).
+/// A scaled feature beyond this lies outside of what the model was trained on (book, People: Scaling).
 const EXTRAPOLATING: f64 = 5.0;
 
 /// How the rows came out.

@@ -18,7 +18,7 @@ const NUISANCE_MARGIN_M: f32 = 0.15;
 const EXPLAINS_S: f32 = 1.0;
 
 /// A person who would touch the robot within this time, both going on as they do, is on course, seconds: the time to
-/// stand still from full speed, and the margin of half a second that algorithms M.3 adds.
+/// stand still from full speed, and the margin of half a second that the guard adds (book, Guard: Collision).
 const COURSE_S: f32 = 2.0;
 /// Nobody can tell a miss by less than this from a hit, metres: half a step.
 const COURSE_MARGIN_M: f32 = 0.4;

@@ -59,7 +59,7 @@ pub struct Robot {
 }
 
 impl Robot {
-    /// The published robot: a small round one with a depth camera (algorithms I.10).
+    /// The published robot: a small round one with a depth camera (book, Cleaning: Published protocol).
     pub const PUBLISHED: Self = Self {
         radius_m: 0.17,
         brush: Brush { width_m: 0.17, offset_m: 0.0 },

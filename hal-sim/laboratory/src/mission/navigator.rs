@@ -16,7 +16,7 @@ use floorguard_robot::site::{Lane, lanes};
 
 /// Nodes of a tour: 1,024 cells, the robot, and the end of the path.
 const NODES: usize = 1_026;
-/// Re-planning interval, s (AMB-12).
+/// Re-planning interval, s (book, Cleaning: Re-planning).
 const REPLAN_S: f32 = 5.0;
 /// After so many visits a cell is given up, and reported.
 pub const VISITS_MAX: u8 = 40;

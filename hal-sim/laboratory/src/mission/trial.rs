@@ -27,7 +27,8 @@ const TIME_LIMIT_S: f32 = 8.0 * 3_600.0;
 /// What a mission came to.
 #[derive(Clone, Debug, Default)]
 pub struct TrialResult {
-    /// 99 % quantile of the dirt left over the cells that were dirty at the start (criterion b of AMB-13).
+    /// 99 % quantile of the dirt left over the cells that were dirty at the start (criterion b; book, Cleaning:
+    /// Published protocol).
     pub quantile99: u32,
     /// The same over all reachable cells (criterion a).
     pub quantile99_all: u32,

@@ -34,7 +34,8 @@ impl RangeSensor {
         Self { view_rad: 4.712, beams: 60, range_m: (0.05, 30.0), noise_m: 0.02, outliers: 0.01 };
 }
 
-/// Errors of the odometry (algorithms I.10). White parts are for 0.1 m of way and grow with its root.
+/// Errors of the odometry (book, Cleaning: Published protocol). White parts are for 0.1 m of way and grow with its
+/// root.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OdometryErrors {
     /// Share of the way.
@@ -46,7 +47,7 @@ pub struct OdometryErrors {
 }
 
 impl OdometryErrors {
-    /// The errors of I.10.
+    /// The errors of the published protocol.
     pub const PUBLISHED: Self = Self { drive: 0.05, drift_rad_per_m: 0.02, turn: 0.03 };
 }
 

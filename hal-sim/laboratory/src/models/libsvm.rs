@@ -1,4 +1,4 @@
-//! The `.model` file of libsvm: two classes, radial kernel. Algorithms A.5.
+//! The `.model` file of libsvm: two classes, radial kernel. Source: book, People: Support-vector machine.
 
 use std::path::Path;
 

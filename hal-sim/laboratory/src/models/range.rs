@@ -1,4 +1,4 @@
-//! The `.range` file of `svm-scale`: bounds of each feature in the training set. Algorithms A.4.
+//! The `.range` file of `svm-scale`: bounds of each feature in the training set. Source: book, People: Scaling.
 
 use std::path::Path;
 

@@ -4,9 +4,9 @@ use floorguard_mapping::GridGeometry;
 use floorguard_types::geometry::Point2;
 use serde::Serialize;
 
-/// Smallest spot, cells (algorithms F.2).
+/// Smallest spot, cells (book, Floor and dirt: Spots).
 const CELLS_MIN: usize = 2;
-/// Spots in a report at most; the largest first (algorithms F.2).
+/// Spots in a report at most; the largest first (book, Floor and dirt: Spots).
 const SPOTS_MAX: usize = 128;
 
 /// A spot as it was before cleaning, and what became of it.

@@ -1,4 +1,4 @@
-//! AdaBoost on decision stumps, as algorithms C.3 defines it.
+//! AdaBoost on decision stumps, as the book, Legs: Committees, defines it.
 
 use floorguard_perception::legs::{Stump, score};
 

@@ -51,8 +51,8 @@ pub struct LegSample {
     pub known: bool,
 }
 
-/// Labels reach this far, metres; beyond it a leg may be there or not (and has too few returns, see the weaknesses of
-/// algorithms C).
+/// Labels reach this far, metres; beyond it a leg may be there or not (and has too few returns, see the book,
+/// Legs: Segments).
 pub const LABELS_MAX_M: f32 = 5.0;
 
 /// The segments of a scan that the classifier may be asked about, and how many labels no segment fits.

@@ -1,6 +1,6 @@
 //! What stands still around a scanner that stands still: a map of its own recording, without looking at any label.
 //!
-//! The leg detector is meant to run where the map of the place is known (algorithms C.4 and X.11). The recordings come
+//! The leg detector is meant to run where the map of the place is known (book, Legs: Static map). The recordings come
 //! without a map, so it is made from all their scans: a place that returns in an eighth of them is furniture.
 
 use std::f32::consts::TAU;

@@ -19,7 +19,7 @@ const BEAMS: u16 = 241;
 const STEP_RAD: f32 = 0.5 * core::f32::consts::PI / 180.0;
 /// Of the picture's columns and rows every so manieth says where somebody could be seen.
 const EVERY: usize = 2;
-/// Legs are recognised up to here, metres, if the picture shows them so high (algorithms B.3).
+/// Legs are recognised up to here, metres, if the picture shows them so high (book, Depth people: Leg band).
 const LEGS_MAX_M: f32 = 4.0;
 const LEGS_TOP_M: f32 = 0.4;
 

@@ -10,7 +10,7 @@ use super::progress::MissionPhase;
 use super::track::Track;
 use super::visits::CLUSTER_M;
 
-/// The way is planned again this often, seconds (AMB-12).
+/// The way is planned again this often, seconds (book, Cleaning: Re-planning).
 const REPLAN_S: f32 = 5.0;
 /// A cell that nobody can get to now is tried again after this, seconds.
 const POSTPONED_S: f32 = 12.0;

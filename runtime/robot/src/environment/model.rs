@@ -13,12 +13,13 @@ use super::zones::Zone;
 
 /// Bins of the histogram: the hours of a week.
 pub const HOURS: usize = 168;
-/// Periods of the spectrum: a week, and its parts down to two hours (algorithms G.2, building version).
+/// Periods of the spectrum: a week, and its parts down to two hours (the larger set of the reference; book,
+/// Environment: Spectrum).
 pub const PERIODS: usize = 84;
 /// Tracks followed at once, and cells remembered of each.
 const TRACKS: usize = 128;
 const RECENT: usize = 48;
-/// Largest side of a map, metres: twice that of algorithms Q.1.
+/// Largest side of a map, metres: a large hall.
 const SIDE_MAX_M: f32 = 200.0;
 /// Entries of the hour table: at least, at most, and for each cell.
 const ENTRIES: (usize, usize, usize) = (1 << 12, 1 << 21, 24);

@@ -124,7 +124,7 @@ impl Zone {
         all
     }
 
-    /// The point lies inside, by the even-odd rule (algorithms K15).
+    /// The point lies inside, by the even-odd rule (book, Conventions: Point in polygon).
     #[must_use]
     pub fn contains(&self, point: Point2) -> bool {
         let mut inside = false;

@@ -8,7 +8,7 @@ use floorguard_types::geometry::{Point2, Pose2};
 
 use super::ros_map::OccupancyMap;
 
-/// Edge of a cell, metres (algorithms I.1).
+/// Edge of a cell, metres (book, Cleaning: Dirt model).
 pub const CELL_M: f32 = 0.1;
 /// Cells that one mission can answer for: the hosted profile.
 pub const CELLS_MAX: usize = 65_536;

@@ -10,7 +10,7 @@ pub type Lane = (Point2, Point2);
 /// Places of a cell, from its centre, that must all be covered, metres.
 const SAMPLES_M: [(f32, f32); 5] = [(0.0, 0.0), (0.04, 0.04), (-0.04, 0.04), (0.04, -0.04), (-0.04, -0.04)];
 
-/// Overlap of neighbouring lanes, metres (algorithms I.9).
+/// Overlap of neighbouring lanes, metres (book, Cleaning: Strategies).
 const OVERLAP_M: f32 = 0.025;
 
 /// Parallel lanes along the longer axis over all floor that the robot's centre can reach, headlands across them where

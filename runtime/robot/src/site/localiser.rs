@@ -10,10 +10,10 @@ use super::floor::Floor;
 
 /// Particles of the hosted profile.
 pub const PARTICLES: usize = 500;
-/// Cells that the particles can hold at once (Q.1).
+/// Cells that the particles can hold at once.
 const ACTIVE_CELLS: usize = 256;
-/// Way and turn after which the belief is updated. 15° instead of the 10° of I.10: a mission turns more than it drives, its
-/// errors and visits are the same, and a third fewer updates are made.
+/// Way and turn after which the belief is updated. 15° instead of the 10° of the published protocol: a mission turns
+/// more than it drives, its errors and visits are the same, and a third fewer updates are made.
 const UPDATE_M: f32 = 0.1;
 const UPDATE_RAD: f32 = 0.262;
 /// Below this share of explained beams something is wrong with the pose.
@@ -23,7 +23,7 @@ const TRUSTED_FROM: f32 = 0.75;
 const TOGETHER_M: f32 = 0.1;
 /// The mean of the particles differs by more than this from where the wheels said it would be, metres: a slip or a push.
 const LEAP_M: f32 = 0.05;
-/// From this share on a cell counts as visited (algorithms I.8).
+/// From this share on a cell counts as visited (book, Cleaning: Re-planning).
 const SWEPT_SHARE: f32 = 0.8;
 /// A step shorter than this is none, metres and radians.
 const STANDS: (f32, f32) = (0.01, 0.02);
@@ -55,7 +55,7 @@ pub struct Localiser {
 }
 
 impl Localiser {
-    /// A belief around the start of the floor (I.10: 5 cm, 3°).
+    /// A belief around the start of the floor (5 cm, 3°).
     pub fn new(floor: &Floor, config: BeliefConfig, map: DirtMap<Vec<DirtCell>>, random: Pcg32) -> Self {
         let mut belief = Belief::new(config, vec![ActiveCell::EMPTY; ACTIVE_CELLS], random);
         belief.place(floor.start, 0.05, 0.052);

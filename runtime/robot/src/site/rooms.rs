@@ -29,7 +29,8 @@ fn fill(map: &mut OccupancyMap, (x0, y0, x1, y1): (f32, f32, f32, f32), state: O
     }
 }
 
-/// 4.2 m × 3.6 m without anything in it: as much floor as the published robot cleaned (about 12 m², algorithms I.10).
+/// 4.2 m × 3.6 m without anything in it: as much floor as the published robot cleaned (about 12 m²; book, Cleaning:
+/// Published protocol).
 ///
 /// # Errors
 /// None in practice: the sizes are fixed.
@@ -60,7 +61,7 @@ pub fn cut_out(map: &OccupancyMap, low: Point2, high: Point2) -> anyhow::Result<
     Ok(part)
 }
 
-/// 6 m × 4 m without anything in it (algorithms I.10).
+/// 6 m × 4 m without anything in it (book, Cleaning: Published protocol).
 ///
 /// # Errors
 /// None in practice: the sizes are fixed.

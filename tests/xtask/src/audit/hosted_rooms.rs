@@ -9,7 +9,7 @@ use syn::visit::{self, Visit};
 use super::claim::{Claim, Finding};
 use super::sources::{self, SourceFile};
 
-/// A room that runs on a Linux computer only (architecture 7), and why the microcontroller has no need of it.
+/// A room that runs on a Linux computer only, and why the microcontroller has no need of it.
 pub struct HostedRoom {
     /// Name of the module of the core.
     pub name: &'static str,

@@ -9,7 +9,7 @@ use super::roots::{self, Root};
 use super::sources::{self, SourceFile};
 use super::{circles, hosted_rooms};
 
-/// The deepest stack that a root of the safety image may need, bytes (anchors P4).
+/// The deepest stack that a root of the safety image may need, bytes.
 const STACK_BUDGET_BYTES: u32 = 8 * 1024;
 
 /// Stack of a stage that runs once, before any task: the whole of it is free then, bytes.
