@@ -1,6 +1,6 @@
 //! Plays the world: scene, people, robot physics, sensors that emit the bytes of the wire, faults as middleware.
 //!
-//! The encoders here are written from the wire-format specification and never call the decoders of the drivers, so
+//! The encoders here are written from the chapters on wire formats of the book and never call the decoders of the drivers, so
 //! that one misreading cannot cancel itself out.
 #![forbid(unsafe_code)]
 
@@ -8,6 +8,7 @@ pub mod can;
 pub mod dirt;
 pub mod faults;
 pub mod floor;
+pub mod hazards;
 pub mod people;
 pub mod robot;
 pub mod scenario;

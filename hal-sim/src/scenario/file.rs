@@ -48,7 +48,7 @@ pub struct RouteFile {
 }
 
 /// A person, or several of one kind.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PersonFile {
     /// Who.
@@ -126,7 +126,7 @@ pub struct MisplacedFile {
 }
 
 /// Everything that a run begins with.
-#[derive(Clone, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
     /// One line for people.
@@ -176,6 +176,12 @@ impl Scenario {
     /// The text is not a scenario; the message names line and key.
     pub fn from_toml(text: &str) -> Result<Self, ScenarioError> {
         Ok(toml::from_str(text)?)
+    }
+
+    /// The text of a scenario file that says the same; what it refers to in other files is left to them.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).unwrap_or_else(|error| format!("# cannot be written: {error}\n"))
     }
 
     /// The robot's start, world frame.
