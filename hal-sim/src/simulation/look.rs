@@ -10,6 +10,12 @@ use crate::people::{Person, body_discs, ground_discs};
 use crate::scene::Scene;
 
 impl Simulation {
+    /// The last moment played, microseconds.
+    #[must_use]
+    pub const fn now_us(&self) -> u64 {
+        self.now_us
+    }
+
     /// What stands, for judges and sensors.
     #[must_use]
     pub const fn scene(&self) -> &Scene {

@@ -66,7 +66,7 @@ pub fn run_real_recorded(
         .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
     let flag = StopFlag::default();
     let mission = plan.mission.clone().map(|mission| MissionSetup::new(mission, Store::None));
-    observer.begin_mission(plan, &simulation);
+    observer.begin(plan, &simulation);
     say!("  {}", take_priority(Ring::World));
     let ended = witnesses.ended.clone();
     with_onlooker(witnesses, &shared, |tap, notes| {

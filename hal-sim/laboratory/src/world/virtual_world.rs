@@ -7,10 +7,12 @@ use floorguard_drivers::can::CanFrame;
 use floorguard_runtime::configuration::ScannerModel;
 use floorguard_runtime::shared::{Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
+use floorguard_runtime::tasks::perceive;
 use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
 use floorguard_sim::{CanFrame as SimCanFrame, FaultKind, FaultLayer, FaultSpec, FaultTarget};
 use floorguard_types::time::Stamp;
 
+use super::by_hand::drive_by_hand;
 use super::floor_camera::SimulatedCamera;
 use super::observer::Observer;
 use super::operator::Operator;
@@ -169,7 +171,7 @@ fn play(
         end_us: plan.duration_us,
     };
     let dead = |at_us| plan.faults.iter().any(|fault| is_reset(fault) && fault.applies(at_us));
-    world.observer.begin_mission(plan, world.simulation);
+    world.observer.begin(plan, world.simulation);
     while live(plan, &mut world, dead)? == End::PowerLost {
         let off = plan.faults.iter().filter(|fault| is_reset(fault) && fault.applies(world.now_us));
         let until_us = off.map(|fault| fault.to_us).max().unwrap_or(world.now_us).min(world.end_us);
@@ -216,6 +218,10 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     let guard_tasks = tasks.len();
     match &mut mission {
         Some(mission) => spawn_cleaning_ring(&mut tasks, &shared, (&mut perception, mission)),
+        None if !plan.scenario.manoeuvre.is_empty() => {
+            tasks.spawn(perceive(&shared, &mut perception));
+            tasks.spawn(drive_by_hand(&shared, plan.scenario.manoeuvre.clone()));
+        }
         None => spawn_perception_ring(&mut tasks, &shared, &plan.robot, &mut perception),
     }
     let mut orders = Vec::new();
