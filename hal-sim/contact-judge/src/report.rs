@@ -1,11 +1,11 @@
 //! What a run comes to.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::{Contact, ContactKind, JobOutcome};
 
 /// Contacts by kind.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ContactCounts {
     /// The moving robot and people or what they carry, whoever came to whom.
     pub people_while_moving: u32,

@@ -1,5 +1,6 @@
 //! Many seeded runs in parallel, each in its own virtual time, and one table of what came of them.
 
+mod contacts;
 mod encounters;
 mod fault_class;
 mod fault_matrix;
@@ -7,6 +8,7 @@ mod fault_phase;
 mod single_faults;
 mod summary;
 
+pub use contacts::{ContactRow, ContactSummary, contact_plan, contact_trial, contact_trial_with};
 pub use encounters::encounter;
 pub use fault_class::random_fault;
 pub use fault_matrix::{Cell, cell_of, cells, coverage, fault_trial, name, taped_fault_trial};

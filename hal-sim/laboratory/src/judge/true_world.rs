@@ -73,13 +73,7 @@ fn thing(part: &PartTruth) -> judge::Thing {
         Material::Mirror => judge::Surface::Mirror,
         _ => judge::Surface::Opaque,
     };
-    judge::Thing {
-        name: part.name.clone(),
-        kind: judge::ThingKind::Solid,
-        solid,
-        surface,
-        from_s: 0.0,
-    }
+    judge::Thing { name: part.name.clone(), kind: judge::ThingKind::Solid, solid, surface, from_s: 0.0 }
 }
 
 fn hole(drop: &DropTruth) -> judge::Thing {

@@ -71,6 +71,32 @@ pub struct Verdict {
     pub digest: String,
 }
 
+impl Verdict {
+    /// Why the run does not pass, in one line.
+    #[must_use]
+    pub fn why_not(&self) -> String {
+        let first = self.bodies.contacts.iter().find(|contact| contact.while_moving());
+        let first = first.map(|contact| format!(" ({})", contact.line())).unwrap_or_default();
+        format!("{}{first}", self.failures.join(", "))
+    }
+
+    /// Every kind of contact, in words.
+    #[must_use]
+    pub fn contacts_in_words(&self) -> String {
+        let counts = &self.bodies.counts;
+        format!(
+            "{} while it moved ({} with people, {} with things, {} over edges; its sensors could have avoided {}, a perfect machine {}), {} of people who walked into it as it stood",
+            counts.while_moving(),
+            counts.people_while_moving,
+            counts.drove_into_things,
+            counts.over_edges,
+            counts.avoidable_by_sensors,
+            counts.avoidable,
+            counts.walked_into_standing
+        )
+    }
+}
+
 /// All judges of a run.
 pub struct Judge {
     bodies: Option<TrueContacts>,
