@@ -11,6 +11,7 @@ mod real_world;
 mod recorded_plan;
 mod scenario_file;
 mod swath;
+mod true_state;
 mod truth;
 mod virtual_world;
 

@@ -17,6 +17,7 @@ use super::floor_camera::SimulatedCamera;
 use super::observer::Observer;
 use super::operator::Operator;
 use super::plan::Plan;
+use super::true_state;
 use floorguard_host::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 use floorguard_host::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 use floorguard_operator::panel::Order;
@@ -31,6 +32,9 @@ use floorguard_robot::learning::{LearningKeeper, LearningSetup};
 
 /// How often truth is compared with what the robot does, microseconds.
 const JUDGE_US: u64 = 10_000;
+
+/// The true state is recorded this often, microseconds.
+const TRUTH_US: u64 = 20_000;
 
 /// The map of seen dirt is told this often, microseconds.
 const SEEN_DIRT_US: u64 = 5_000_000;
@@ -131,6 +135,8 @@ struct World<'a, 'b> {
     learned: Option<LearningKeeper>,
     /// The map of seen dirt is told again from here on.
     next_map_us: u64,
+    /// The true state is recorded again from here on.
+    next_truth_us: u64,
     judge_us: u64,
     now_us: u64,
     /// The run ends with the mission.
@@ -165,6 +171,7 @@ fn play(
         camera: plan.has_camera.then(|| SimulatedCamera::new(plan)).flatten(),
         learned: plan.learning.as_ref().map(LearningSetup::keeper),
         next_map_us: 0,
+        next_truth_us: 0,
         judge_us: 0,
         now_us: 0,
         until_clean: plan.until_clean,
@@ -172,6 +179,8 @@ fn play(
     };
     let dead = |at_us| plan.faults.iter().any(|fault| is_reset(fault) && fault.applies(at_us));
     world.observer.begin(plan, world.simulation);
+    let begin = (Stamp::from_micros(world.now_us), plan.odometry_in_world());
+    world.witnesses.true_world(begin, || true_state::things(plan, world.simulation));
     while live(plan, &mut world, dead)? == End::PowerLost {
         let off = plan.faults.iter().filter(|fault| is_reset(fault) && fault.applies(world.now_us));
         let until_us = off.map(|fault| fault.to_us).max().unwrap_or(world.now_us).min(world.end_us);
@@ -259,6 +268,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
                 world.tell(&shared, setup);
             }
             world.observer.observe(world.simulation, &shared, &stops);
+            world.tell_truth();
             world.look_at_floor(&shared)?;
             world.keep_learned();
         }
@@ -325,6 +335,15 @@ impl World<'_, '_> {
         self.witnesses.mission(&progress);
         if self.until_clean && progress.phase == MissionPhase::Done {
             self.witnesses.ended.stop();
+        }
+    }
+
+    /// The true state goes into the recording.
+    fn tell_truth(&mut self) {
+        if self.now_us >= self.next_truth_us {
+            self.next_truth_us = self.now_us + TRUTH_US;
+            let (at, robot) = (Stamp::from_micros(self.now_us), self.simulation.robot());
+            self.witnesses.true_moment(at, robot, || true_state::people(self.simulation));
         }
     }
 
