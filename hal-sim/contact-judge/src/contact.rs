@@ -67,6 +67,8 @@ pub struct Contact {
     pub force: Force,
     /// Deepest penetration, metres: bodies in the simulator do not give way.
     pub depth_m: f32,
+    /// A bumper was touched, and the robot went on for longer than it needs to stop.
+    pub went_on: bool,
     /// A perfect machine with the same brakes would have stood by then.
     pub avoidable: bool,
     /// The sensor of this machine that saw the other early enough to stand by then.
@@ -107,6 +109,7 @@ impl Contact {
             (None, true, _) => "; no sensor had seen it in time".to_owned(),
             (None, false, _) => "; nobody could have avoided it".to_owned(),
         };
+        let by = if self.went_on { by + "; it went on although a bumper was touched" } else { by };
         let BodyPlace { part, side, point_m } = &self.place;
         format!(
             "{:.2} s: the robot {how} {other}, {side} of the {part} at {:.2} m height, {:.2} m/s, {:.0} mm deep{by}",

@@ -39,6 +39,8 @@ pub struct Setup {
     pub body: Vec<BodyPart>,
     /// Where wheels stand on the floor, robot frame, metres.
     pub wheels_m: Vec<[f32; 2]>,
+    /// Where the robot feels a touch.
+    pub bumpers: Vec<BodyPart>,
     /// The robot's mass, kilograms.
     pub mass_kg: f32,
     /// The robot's brakes.
@@ -55,6 +57,7 @@ pub struct Setup {
 pub struct ContactJudge {
     body: RobotBody,
     wheels: Option<RobotBody>,
+    bumpers: Vec<BodyPart>,
     mass_kg: f32,
     brakes: Brakes,
     sensors: Vec<Sensor>,
@@ -65,7 +68,7 @@ pub struct ContactJudge {
     people: BTreeMap<u32, Person>,
     contacts: Vec<Contact>,
     /// The contact that goes on, of each pair.
-    open: BTreeMap<Key, usize>,
+    open: BTreeMap<Key, Open>,
     corridor: CorridorWatch,
     missed: [u32; 2],
     need: Need,
@@ -75,6 +78,15 @@ pub struct ContactJudge {
     shares_s: [f64; 3],
     travelled_m: f64,
     first_s: Option<f64>,
+}
+
+/// A contact that goes on.
+#[derive(Clone, Copy, Debug)]
+struct Open {
+    /// Index in the list of contacts.
+    at: usize,
+    /// The braked wheel has to stand when it has come so far, metres since the start; none: no bumper is touched.
+    stands_at_m: Option<f64>,
 }
 
 /// The robot between two moments.
@@ -103,6 +115,7 @@ impl ContactJudge {
         Ok(Self {
             body: RobotBody::new(&setup.body)?,
             wheels: if wheels.is_empty() { None } else { Some(RobotBody::new(&wheels)?) },
+            bumpers: setup.bumpers,
             mass_kg: setup.mass_kg,
             brakes: setup.brakes,
             sensors: setup.sensors,

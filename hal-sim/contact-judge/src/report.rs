@@ -23,6 +23,8 @@ pub struct ContactCounts {
     pub avoidable_by_sensors: u32,
     /// While it moved: beyond the limits of a short impact.
     pub harmful: u32,
+    /// A bumper was touched, and the robot went on for longer than it needs to stop.
+    pub went_on: u32,
 }
 
 impl ContactCounts {
@@ -44,6 +46,7 @@ impl ContactCounts {
             walked_into_standing: count(&is_kind(ContactKind::WalkedIntoStanding)),
             avoidable: count(&|contact| moving(contact) && contact.avoidable),
             avoidable_by_sensors: count(&|contact| moving(contact) && contact.seen_by.is_some()),
+            went_on: count(&|contact| contact.went_on),
             harmful: count(&|contact| moving(contact) && contact.force.class == crate::ForceClass::Harm),
         }
     }
@@ -64,13 +67,15 @@ impl ContactCounts {
         self.avoidable += other.avoidable;
         self.avoidable_by_sensors += other.avoidable_by_sensors;
         self.harmful += other.harmful;
+        self.went_on += other.went_on;
     }
 }
 
 /// The verdict of the judge.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Report {
-    /// No contact and no missed stop that the sensors could have avoided, and the robot did its job or was kept from it.
+    /// No contact and no missed stop that the sensors could have avoided, no going on with a bumper touched, and the robot
+    /// did its job or was kept from it.
     pub passed: bool,
     /// Why not.
     pub failures: Vec<String>,
@@ -120,11 +125,14 @@ impl Report {
         if self.missed_stops > 0 {
             failures.push(format!("{} missed stops", self.missed_stops));
         }
+        if self.counts.went_on > 0 {
+            failures.push(format!("{} times it went on although a bumper was touched", self.counts.went_on));
+        }
         let has_job = self.job != JobOutcome::NoJob;
         match self.ready_s {
-            _ if excuse.is_some() || !has_job => {}
+            _ if excuse.is_some() || !has_job || matches!(self.job, JobOutcome::Blocked(_)) => {}
             None => failures.push("the robot never became ready".to_owned()),
-            Some(_) if self.travelled_m < MOVED_M && !matches!(self.job, JobOutcome::Blocked(_)) => {
+            Some(_) if self.travelled_m < MOVED_M => {
                 failures.push("the robot never moved".to_owned());
             }
             Some(_) => {}

@@ -45,8 +45,10 @@ pub struct Sensor {
     pub range_m: [f32; 2],
     /// From the measurement to the order to brake, seconds.
     pub delay_s: f32,
-    /// What is lower above the floor cannot be told from the floor, metres; of a hole in the floor this does not count.
+    /// What is lower above the floor cannot be told from the floor, metres.
     pub above_floor_m: f32,
+    /// It tells a hole in the floor from a floor that sends nothing back.
+    pub sees_holes: bool,
     /// So many beams on a thing are a sight of it.
     pub beams_min: usize,
 }

@@ -63,7 +63,7 @@ pub(crate) fn sees(sensor: &Sensor, robot: RobotPose, target: &Target, scene: &[
         let direction = Vector::new(cos * beam[0] - sin * beam[1], sin * beam[0] + cos * beam[1], beam[2]);
         let Some((key, range_m)) = end(&near, origin, direction, farthest_m) else { continue };
         let at = origin + direction * range_m;
-        let is_told_apart = at.z >= sensor.above_floor_m || at.z < 0.0;
+        let is_told_apart = if at.z <= 0.0 { sensor.sees_holes } else { at.z >= sensor.above_floor_m };
         let is_target = key == target.key && is_told_apart && (at - centre).length() <= target.radius_m;
         count += usize::from(is_target && range_m >= nearest_m);
         if count >= sensor.beams_min {
@@ -125,6 +125,7 @@ mod tests {
             range_m: [0.0, 30.0],
             delay_s: 0.22,
             above_floor_m: 0.0,
+            sees_holes: false,
             beams_min: 2,
         }
     }
@@ -197,7 +198,13 @@ mod tests {
         assert!(sees(&lidar(), RobotPose::default(), &behind, &rear));
         let hole = board(0, 1.0, [-1.0, -0.001], Surface::Opaque);
         let below = Target { key: Key::Thing(0), centre_m: [1.0, 0.0, 0.0], radius_m: 0.5 };
-        let switch = Sensor { at_m: [1.0, 0.0, 0.1], view: SensorView::Down, beams_min: 1, ..scanner() };
+        let switch = Sensor {
+            at_m: [1.0, 0.0, 0.1],
+            view: SensorView::Down,
+            beams_min: 1,
+            sees_holes: true,
+            ..scanner()
+        };
         assert!(sees(&switch, RobotPose::default(), &below, core::slice::from_ref(&hole)));
         let away = RobotPose { x_m: -0.5, ..RobotPose::default() };
         assert!(!sees(&switch, away, &below, &[hole]));

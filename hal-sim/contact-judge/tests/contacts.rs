@@ -4,7 +4,8 @@ mod common;
 
 use common::{block, drive, nobody, person, setup, straight};
 use floorguard_contact_judge::{
-    ContactKind, ForceClass, Job, JobOutcome, LimbName, Other, RobotMotion, Surface, Thing, ThingKind,
+    BodyPart, ContactKind, ForceClass, Job, JobOutcome, LimbName, Other, RobotMotion, Surface, Thing,
+    ThingKind,
 };
 
 #[test]
@@ -47,6 +48,27 @@ fn a_low_box_is_met_and_no_sensor_could_see_it() {
     assert!(report.passed, "what nobody could see is told apart: {:?}", report.failures);
     let flat = block("sill", [5.0, 0.0], [0.4, 0.4], [0.0, 0.015]);
     assert!(drive(setup(vec![flat]), 6.0, straight(0.8), nobody).contacts.is_empty());
+}
+
+/// A bumper from 4 to 40 cm: at 0.4 m/s the robot has 0.06 + 0.1 m of braking, 0.04 m of delay and 0.05 m of grace.
+#[test]
+fn going_on_with_a_bumper_touched_is_told() {
+    let bumper = BodyPart {
+        name: "bumper".into(),
+        outline_m: vec![[0.90, -0.4], [0.955, -0.4], [0.955, 0.4], [0.90, 0.4]],
+        height_m: [0.04, 0.40],
+    };
+    let went_on = |z_m: [f32; 2], stops_s: f32| {
+        let things = vec![block("box", [3.0, 0.0], [0.4, 0.4], z_m)];
+        let plan = floorguard_contact_judge::Setup { bumpers: vec![bumper.clone()], ..setup(things) };
+        let motion =
+            |at_s: f32| RobotMotion { forward_mps: if at_s < stops_s { 0.4 } else { 0.0 }, turn_radps: 0.0 };
+        drive(plan, 8.0, motion, nobody).counts.went_on
+    };
+    // The box is met after 1.85 m: at 4.625 s. 0.25 m later it is 5.25 s.
+    assert_eq!(went_on([0.0, 0.08], 5.15), 0);
+    assert_eq!(went_on([0.0, 0.08], 5.4), 1);
+    assert_eq!(went_on([0.5, 0.6], 5.4), 0, "nothing feels that high");
 }
 
 /// The rear right corner at (-0.45, -0.40) is 0.602 m from the axle; beside it, 5 cm away, stands a box.

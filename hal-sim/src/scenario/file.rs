@@ -143,6 +143,9 @@ pub struct Scenario {
     /// The bumpers feel what the body runs into; otherwise they are never pressed.
     #[serde(default)]
     pub bumpers: bool,
+    /// The switches that feel for the floor never open.
+    #[serde(default)]
+    pub without_floor_switches: bool,
     /// The lidar is not where the robot's file says.
     pub lidar_misplaced: Option<MisplacedFile>,
     /// The scanner is not where the robot's file says.

@@ -33,6 +33,7 @@ const IMU_BYTE_US: u64 = 87;
 /// A world that runs.
 pub struct Simulation {
     pub(super) parameters: RobotParameters,
+    pub(super) nominal: RobotParameters,
     pub(super) scene: Scene,
     pub(super) crowd: Crowd,
     pub(super) body: RobotBody,
@@ -71,9 +72,11 @@ impl Simulation {
         parameters: RobotParameters,
     ) -> Result<Self, ScenarioError> {
         let scene = scenario.scene.build();
-        let parameters = mounted(scenario, parameters);
+        let nominal = parameters;
+        let parameters = mounted(scenario, nominal.clone());
         Ok(Self {
-            touch: Touch::new(&parameters, scenario.bumpers, &scene),
+            touch: Touch::new(&parameters, scenario, &scene),
+            nominal,
             dirt: DirtyWorld::new((scenario, &scene), &parameters, seed),
             scene,
             crowd: Crowd::new(scenario.people(seed)).looking(scenario.attentive),

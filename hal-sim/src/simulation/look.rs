@@ -7,6 +7,7 @@ use parry3d::math::Vector;
 use super::Simulation;
 use super::truth::{PersonTruth, Truth, distance_to_area};
 use crate::people::{Person, body_discs, ground_discs};
+use crate::robot::RobotParameters;
 use crate::scene::Scene;
 
 impl Simulation {
@@ -14,6 +15,12 @@ impl Simulation {
     #[must_use]
     pub const fn now_us(&self) -> u64 {
         self.now_us
+    }
+
+    /// The robot as its file says that it is: without what the scenario has misplaced.
+    #[must_use]
+    pub const fn nominal(&self) -> &RobotParameters {
+        &self.nominal
     }
 
     /// What stands, for judges and sensors.

@@ -9,6 +9,7 @@ use floorguard_types::geometry::{Point2, Pose2};
 use crate::can::SafetyChannels;
 use crate::people::{BodyPart, Person, body_parts};
 use crate::robot::{BodyPrism, RobotParameters};
+use crate::scenario::Scenario;
 use crate::scene::Scene;
 
 /// Nobody farther away presses a bumper, metres.
@@ -31,13 +32,13 @@ fn strip(prism: &BodyPrism) -> (Vector, Cuboid) {
 }
 
 impl Touch {
-    /// Of a robot whose bumpers feel something, or do not, in a world with holes in the floor, or without.
-    pub(super) fn new(parameters: &RobotParameters, has_bumpers: bool, scene: &Scene) -> Self {
+    /// Of a robot in a scenario: its bumpers feel something or do not, and there are holes in the floor or none.
+    pub(super) fn new(parameters: &RobotParameters, scenario: &Scenario, scene: &Scene) -> Self {
         let [front, rear] = &parameters.bumpers;
         let points = parameters.floor_switches_m.map(|end| end.map(|[x, y]| Point2::new(x, y)));
         Self {
-            bumpers: has_bumpers.then(|| [strip(front), strip(rear)]),
-            floor: (!scene.drops().is_empty()).then_some(points),
+            bumpers: scenario.bumpers.then(|| [strip(front), strip(rear)]),
+            floor: (!scene.drops().is_empty() && !scenario.without_floor_switches).then_some(points),
         }
     }
 
@@ -84,7 +85,8 @@ mod tests {
 
     fn felt(scene: &Scene, robot: Pose2) -> SafetyChannels {
         let mut channels = SafetyChannels::default();
-        Touch::new(&RobotParameters::default(), true, scene).feel(robot, (scene, &[]), &mut channels);
+        let scenario = Scenario { bumpers: true, ..Scenario::default() };
+        Touch::new(&RobotParameters::default(), &scenario, scene).feel(robot, (scene, &[]), &mut channels);
         channels
     }
 

@@ -1,12 +1,19 @@
 //! Makes a contact out of two bodies that touch, and decides who could have avoided it.
 
-use super::{ContactJudge, PUSHES_MPS, STANDS_MPS, Step};
+use super::{ContactJudge, Open, PUSHES_MPS, STANDS_MPS, Step};
 use crate::avoidance::{Case, Past};
-use crate::body::Nearest;
+use crate::body::{BodyPart, Nearest};
 use crate::contact::{Contact, ContactKind, Other};
 use crate::detection::Found;
 use crate::force::force;
 use crate::scene::{Key, LimbName, ThingKind};
+
+/// A point this near to a bumper presses it, metres.
+const BUMPER_M: f32 = 0.03;
+/// From the touch of a bumper to the order to brake, seconds.
+const BUMPER_S: f32 = 0.1;
+/// A brake is an even ramp on paper only: so much more is granted, metres.
+const STANDS_WITHIN_M: f32 = 0.05;
 
 impl ContactJudge {
     pub(super) fn found(&mut self, step: &Step, key: Key, found: Found) {
@@ -14,7 +21,8 @@ impl ContactJudge {
             Found::Apart => {}
             Found::End => {
                 self.corridor.look(step.at_s, key, None);
-                if let Some(contact) = self.open.remove(&key).and_then(|at| self.contacts.get_mut(at)) {
+                let open = self.open.remove(&key);
+                if let Some(contact) = open.and_then(|open| self.contacts.get_mut(open.at)) {
                     contact.until_s = step.at_s;
                 }
             }
@@ -22,26 +30,49 @@ impl ContactJudge {
                 let contact = self.contact(step, key, (&nearest, limb));
                 match self.open.get(&key).copied().filter(|_| !is_new) {
                     None => {
-                        self.open.insert(key, self.contacts.len());
+                        let stands_at_m = self.stands_at_m(step, &contact);
+                        self.open.insert(key, Open { at: self.contacts.len(), stands_at_m });
                         let judged = self.judged(key, contact, &nearest);
                         self.contacts.push(judged);
                     }
-                    Some(at) => self.goes_on((at, key), contact, &nearest),
+                    Some(open) => self.goes_on((open, key), contact, &nearest),
                 }
             }
         }
     }
 
+    /// Where the braked wheel has to stand after this contact, if a bumper feels it.
+    fn stands_at_m(&self, step: &Step, contact: &Contact) -> Option<f64> {
+        let [x, y, z] = contact.place.point_m;
+        let feels = |bumper: &BodyPart| {
+            let outside = |value: f32, axis: usize| {
+                let corners = || bumper.outline_m.iter().map(|corner| corner[axis]);
+                let (low, high) = (corners().fold(f32::MAX, f32::min), corners().fold(f32::MIN, f32::max));
+                (low - value).max(value - high)
+            };
+            let [low_m, high_m] = bumper.height_m;
+            outside(x, 0).max(outside(y, 1)).max(low_m - z).max(z - high_m) < BUMPER_M
+        };
+        if !self.bumpers.iter().any(feels) {
+            return None;
+        }
+        let wheel_mps = self.brakes.wheel_mps(step.motion);
+        let way_m = self.brakes.stopping_m(wheel_mps) + wheel_mps * BUMPER_S + STANDS_WITHIN_M;
+        self.track.at(step.at_s).map(|now| now.way_m + f64::from(way_m))
+    }
+
     /// A contact that has begun before.
-    fn goes_on(&mut self, (at, key): (usize, Key), now: Contact, nearest: &Nearest) {
-        let Some(known) = self.contacts.get_mut(at) else { return };
+    fn goes_on(&mut self, (open, key): (Open, Key), now: Contact, nearest: &Nearest) {
+        let way_m = self.track.at(now.at_s).map_or(0.0, |now| now.way_m);
+        let Some(known) = self.contacts.get_mut(open.at) else { return };
         known.until_s = now.at_s;
         known.depth_m = known.depth_m.max(now.depth_m);
+        known.went_on |= open.stands_at_m.is_some_and(|stands_at_m| way_m > stands_at_m);
         // Somebody leans against the standing robot, and it moves towards them.
         let pushes = now.kind != ContactKind::WalkedIntoStanding && now.robot_closing_mps > PUSHES_MPS;
         if known.kind == ContactKind::WalkedIntoStanding && pushes {
             let judged = self.judged(key, now, nearest);
-            self.contacts[at] = judged;
+            self.contacts[open.at] = judged;
         }
     }
 
@@ -100,6 +131,7 @@ impl ContactJudge {
             closing_mps,
             force: force(limb, closing_mps, self.mass_kg),
             depth_m: (-nearest.gap_m).max(0.0),
+            went_on: false,
             avoidable: false,
             seen_by: None,
             seen_before_s: None,

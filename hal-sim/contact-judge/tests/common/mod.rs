@@ -32,6 +32,7 @@ pub fn sensors() -> Vec<Sensor> {
         range_m: [0.0, 29.9],
         delay_s: 0.22,
         above_floor_m: 0.0,
+        sees_holes: false,
         beams_min: 2,
     };
     let elevations_rad = (0..16_u8).map(|ring| (f32::from(ring) * 2.0 - 15.0).to_radians()).collect();
@@ -50,6 +51,7 @@ pub fn setup(things: Vec<Thing>) -> Setup {
     Setup {
         body: body(),
         wheels_m: vec![[0.8, 0.0], [0.0, 0.3], [0.0, -0.3]],
+        bumpers: Vec::new(),
         mass_kg: 300.0,
         brakes: Brakes { response_s: 0.15, deceleration_mps2: 0.8, wheel_m: [0.8, 0.0] },
         sensors: sensors(),

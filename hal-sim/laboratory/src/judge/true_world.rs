@@ -33,13 +33,14 @@ pub fn setup(plan: &Plan, simulation: &Simulation) -> judge::Setup {
     judge::Setup {
         body: parameters.body.iter().map(prism).collect(),
         wheels_m: vec![wheel_m, [0.0, half_m], [0.0, -half_m]],
+        bumpers: parameters.bumpers.iter().filter(|_| plan.scenario.bumpers).map(prism).collect(),
         mass_kg: parameters.mass_kg,
         brakes: judge::Brakes {
             response_s: plan.robot.limits.response_s,
             deceleration_mps2: plan.robot.limits.braking_mps2,
             wheel_m,
         },
-        sensors: sensors(parameters, plan.has_camera),
+        sensors: sensors(simulation.nominal(), plan.has_camera),
         things: scene.truth().iter().map(thing).chain(scene.drops().iter().map(hole)).collect(),
         job: job(plan),
     }
@@ -92,7 +93,7 @@ fn hole(drop: &DropTruth) -> judge::Thing {
     }
 }
 
-/// The sensors as they are truly mounted.
+/// The sensors where the robot's file says that they are: what is misplaced or taken away is no excuse.
 fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor> {
     let (scanner, lidar) = (parameters.scanner, parameters.lidar);
     let (half_deg, beams) = match parameters.scanner_device {
@@ -108,6 +109,7 @@ fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor>
         range_m: [0.0, 29.9],
         delay_s: DELAY_S,
         above_floor_m: 0.0,
+        sees_holes: false,
         beams_min: 2,
     };
     let elevations_rad = (0..16_u8).map(|ring| (f32::from(ring) * 2.0 - 15.0).to_radians()).collect();
@@ -131,6 +133,7 @@ fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor>
         range_m: [0.4, 8.0],
         delay_s: CAMERA_DELAY_S,
         above_floor_m: FLOOR_M[1],
+        sees_holes: true,
         ..scanner.clone()
     };
     let switches = parameters.floor_switches_m.iter().flatten().map(|[x, y]| judge::Sensor {
@@ -139,6 +142,7 @@ fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor>
         view: judge::SensorView::Down,
         range_m: [0.0, 0.5],
         delay_s: SWITCH_DELAY_S,
+        sees_holes: true,
         beams_min: 1,
         ..scanner.clone()
     });
@@ -204,7 +208,7 @@ impl TrueContacts {
     /// # Errors
     /// The simulated robot's body is none.
     pub fn new(plan: &Plan, simulation: &Simulation) -> Result<Self, judge::BodyError> {
-        let excuse = match (plan.faults.is_empty(), plan.emergency_stop_us.is_empty()) {
+        let excuse = match (plan.faults.is_empty() || plan.is_spoiled, plan.emergency_stop_us.is_empty()) {
             (false, _) => Some("a fault was put in"),
             (true, false) => Some("the emergency stop was pressed"),
             (true, true) => None,
