@@ -10,6 +10,8 @@ mod bench;
 mod book;
 mod campaign;
 mod check_recording;
+#[cfg(test)]
+mod citations;
 mod copied_tree;
 mod counting;
 mod facts;
