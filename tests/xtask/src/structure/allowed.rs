@@ -8,6 +8,8 @@ use super::crates::Package;
 
 /// How the last column is headed.
 const HEADING: &str = "may depend on";
+/// Allows all arrows.
+const EVERYTHING: &str = "everything";
 
 /// One row.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -41,7 +43,9 @@ pub fn rows_in(document: &str) -> Vec<Row> {
         } else if within {
             let folders: Vec<String> =
                 quoted(first).map(|folder| folder.trim_end_matches('/').to_owned()).collect();
-            let allowed = quoted(last).map(|name| name.trim_end_matches('/').to_owned()).collect();
+            let everything = (*last == EVERYTHING).then(|| EVERYTHING.to_owned());
+            let named = quoted(last).map(|name| name.trim_end_matches('/').to_owned());
+            let allowed = named.chain(everything).collect();
             if !folders.is_empty() {
                 rows.push(Row { folders, allowed, line: index + 1 });
             }
@@ -67,19 +71,15 @@ impl Row {
 
     fn allows(&self, folder: &str) -> bool {
         let known = self.folders.iter().chain(&self.allowed);
-        self.allowed.iter().any(|name| name == "everything")
+        self.allowed.iter().any(|name| name == EVERYTHING)
             || known.into_iter().any(|name| within(folder, name))
     }
 
     /// The packages of others, where the row names any.
     fn others<'a>(&'a self, packages: &[Package]) -> Option<Vec<&'a String>> {
         let is_folder = |name: &String| packages.iter().any(|package| within(&package.folder, name));
-        let special = ["everything", "nothing"];
-        let others: Vec<&String> = self
-            .allowed
-            .iter()
-            .filter(|name| !is_folder(name) && !special.contains(&name.as_str()))
-            .collect();
+        let others = self.allowed.iter().filter(|name| !is_folder(name) && *name != EVERYTHING);
+        let others: Vec<&String> = others.collect();
         (!others.is_empty()).then_some(others)
     }
 }

@@ -232,7 +232,10 @@ pub const EXPLANATIONS: &[Explanation] = &[
     ),
     explanation(
         "files-short",
-        ("Lines of each file and of each top module, tests included.", "Length says nothing of what the lines hold."),
+        (
+            "Lines of each file and of each top module, tests included.",
+            "Length says nothing of what the lines hold.",
+        ),
         ("claims", "planted_tests.rs: each_planted_fault_turns_its_claim"),
     ),
     explanation(
