@@ -32,6 +32,6 @@ pub mod seen_dirt;
 pub use dirt_map::{DirtCell, DirtMap, NO_SLOT};
 pub use dirt_rate::{DirtRate, RunObservation, attribute_hits, observed_share};
 pub use distance_field::{DISTANCE_LIMIT_M, DistanceField, fill_distances};
-pub use grid::{FixedGrid, Grid, GridGeometry, GridTooSmall};
+pub use grid::{FixedGrid, Grid, GridGeometry, GridSides, GridTooSmall};
 pub use occupancy::Occupancy;
 pub use poisson::{negative_binomial_quantile, poisson_cdf, poisson_quantile, poisson_tail, threshold_rate};
