@@ -212,6 +212,11 @@ impl<T, S: AsRef<[T]> + AsMut<[T]>> Grid<T, S> {
         &self.geometry
     }
 
+    /// For a window that moves: same sides, other origin.
+    pub(crate) const fn set_geometry(&mut self, moved: GridGeometry) {
+        self.geometry = moved;
+    }
+
     /// All values, by index.
     #[must_use]
     pub fn values(&self) -> &[T] {

@@ -19,7 +19,9 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod costmap;
 mod follow;
+pub mod global;
 mod path_search;
 
 pub use follow::{FollowConfig, Following, follow};
