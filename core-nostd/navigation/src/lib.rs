@@ -22,6 +22,7 @@ extern crate std;
 pub mod costmap;
 mod follow;
 pub mod global;
+pub mod local;
 mod path_search;
 
 pub use follow::{FollowConfig, Following, follow};

@@ -5,6 +5,7 @@
 
 mod body_band;
 mod compose;
+mod footprint_cost;
 mod inflation;
 mod obstacle_layer;
 mod people_layer;
@@ -14,6 +15,8 @@ mod zones;
 
 pub use body_band::{BodyBand, RayInSpace};
 pub use compose::{CostmapLayers, LayerMismatch, compose};
+pub use footprint_cost::{FootprintHit, footprint_cost};
+pub(crate) use footprint_cost::{Placement, line_cost, outline_cost};
 pub use inflation::{INFLATION_CELLS_MAX, Inflation, InflationConfig, InflationError, InflationScratch};
 pub use obstacle_layer::{Beam, ObstacleLayer, ObstacleLimits};
 pub use people_layer::{PeopleCost, add_people};
