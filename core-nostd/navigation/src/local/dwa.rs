@@ -4,9 +4,10 @@
 //! published planner a velocity must be admissible by Fox: the robot can stop before the end of its trajectory meets
 //! something, which a horizon longer than the braking time makes true for every trajectory that is not discarded.
 
-use floorguard_types::geometry::{Point2, Pose2, Twist2, wrap_angle};
-use floorguard_types::motion::{Footprint, PermittedMotion, Waypoint};
+use floorguard_types::geometry::{Point2, Twist2};
+use floorguard_types::motion::{Footprint, PermittedMotion};
 
+use super::arrive::Arrival;
 use super::contract::{LocalCommand, LocalPlanner, LocalSituation, LocalVerdict};
 use super::dwa_config::DwaConfig;
 use super::dwa_critics::{DwaScore, Oscillation};
@@ -167,30 +168,17 @@ fn simulate<P>(
     (end < crate::costmap::Costs::INSCRIBED).then_some((worst.max(end), at))
 }
 
-/// At the goal: turn on the spot to its heading, or stand.
-fn arrive(config: &DwaConfig, pose_in_map: Pose2, goal: &Waypoint) -> Option<LocalCommand> {
-    let here = Point2::new(pose_in_map.x_m, pose_in_map.y_m);
-    if goal.place_in_map().distance(here) > config.goal_within_m {
-        return None;
-    }
-    let turn_rad = wrap_angle(goal.pose_in_map.heading_rad - pose_in_map.heading_rad);
-    if libm::fabsf(turn_rad) <= config.goal_within_rad {
-        return Some(LocalCommand::stand(LocalVerdict::Arrived));
-    }
-    let rate_radps =
-        libm::fabsf(turn_rad / config.period_s).clamp(config.turn_min_radps.min(0.2), config.turn_max_radps);
-    let twist = Twist2 {
-        linear_mps: 0.0,
-        angular_radps: libm::copysignf(rate_radps.min(2.0 * libm::fabsf(turn_rad)), turn_rad),
-    };
-    Some(LocalCommand { twist, verdict: LocalVerdict::Driving })
-}
-
 impl<P: PermittedMotion> LocalPlanner<P> for Dwa<'_> {
     fn command(&mut self, situation: &LocalSituation<'_, P>) -> LocalCommand {
         let config = self.config;
         let Some(goal) = situation.path.last() else { return LocalCommand::stand(LocalVerdict::NoPath) };
-        if let Some(command) = arrive(&config, situation.pose_in_map, goal) {
+        let arrival = Arrival {
+            within_m: config.goal_within_m,
+            within_rad: config.goal_within_rad,
+            turn_min_radps: config.turn_min_radps.min(0.2),
+            turn_max_radps: config.turn_max_radps,
+        };
+        if let Some(command) = arrival.command(situation.pose_in_map, goal) {
             return command;
         }
         let here = Point2::new(situation.pose_in_map.x_m, situation.pose_in_map.y_m);
