@@ -23,6 +23,7 @@ mod setup;
 mod shell;
 mod stack;
 mod structure;
+mod targets;
 mod test;
 mod vcan;
 mod worst;
@@ -57,6 +58,8 @@ enum Command {
     Bench(bench::Options),
     /// Read a recording with readers that others wrote: Python's mcap and rosbags, Rerun's importer.
     CheckRecording(check_recording::Options),
+    /// Build the crates of the core and the drivers for every kind of processor that they are meant for.
+    Targets,
     /// Repeat published experiments, beside the published figures.
     Reproduce(reproduce::Options),
 }
@@ -86,6 +89,7 @@ fn run(command: Command) -> anyhow::Result<bool> {
         Command::Vcan(options) => vcan::run(&options),
         Command::Bench(options) => bench::run(&options),
         Command::CheckRecording(options) => check_recording::run(&options),
+        Command::Targets => targets::run(),
         Command::Reproduce(options) => reproduce::run(&options),
     }
 }
