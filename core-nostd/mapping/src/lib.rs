@@ -25,6 +25,7 @@ mod dirt_rate;
 mod distance_field;
 pub mod environment;
 mod grid;
+pub mod match_field;
 mod occupancy;
 mod poisson;
 pub mod seen_dirt;

@@ -22,6 +22,7 @@ extern crate std;
 
 pub mod capacities;
 pub mod geometry;
+pub mod pose_estimate;
 pub mod random;
 pub mod sensing;
 pub mod time;
