@@ -4,6 +4,7 @@
 pub mod front_end;
 pub mod input;
 pub mod metrics;
+pub mod pose_graph;
 mod se2;
 
 pub use se2::Se2;
