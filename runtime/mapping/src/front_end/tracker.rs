@@ -139,7 +139,8 @@ impl Tracker {
     /// The trajectory of all scans, by the poses of the kept ones (in their order), ordered by time.
     #[must_use]
     pub fn trajectory(&self, poses: &[Se2]) -> Vec<(f64, Se2)> {
-        let mut all: Vec<(f64, Se2)> = self.nodes.iter().zip(poses).map(|(node, pose)| (node.time_s, *pose)).collect();
+        let mut all: Vec<(f64, Se2)> =
+            self.nodes.iter().zip(poses).map(|(node, pose)| (node.time_s, *pose)).collect();
         for passage in &self.passages {
             if let Some(pose) = poses.get(passage.node) {
                 all.push((passage.time_s, pose.compose(passage.from_node)));
