@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::{CommandFactory, Parser};
 
-use crate::audit::sources;
 use crate::shell;
 use crate::{Arguments, citations};
+use embedded_audit::sources;
 
 const TEXTS: [&str; 6] = [
     "README.md",
