@@ -17,6 +17,7 @@ mod machine;
 mod reproduce;
 mod setup;
 mod stack;
+mod targets;
 mod test;
 mod vcan;
 mod worst;
@@ -51,6 +52,8 @@ enum Command {
     Bench(bench::Options),
     /// Read a recording with readers that others wrote: Python's mcap and rosbags, Rerun's importer.
     CheckRecording(check_recording::Options),
+    /// Build the crates of the core and the drivers for every kind of processor that they are meant for.
+    Targets,
     /// Repeat published experiments, beside the published figures.
     Reproduce(reproduce::Options),
 }
@@ -82,6 +85,7 @@ fn run(command: Command) -> anyhow::Result<bool> {
         Command::Vcan(options) => vcan::run(&options),
         Command::Bench(options) => bench::run(&options),
         Command::CheckRecording(options) => check_recording::run(&options),
+        Command::Targets => targets::run(),
         Command::Reproduce(options) => reproduce::run(&options),
     }
 }
