@@ -20,9 +20,11 @@
 extern crate std;
 
 pub mod costmap;
+pub mod explore;
 mod follow;
 pub mod global;
 pub mod local;
+pub mod path;
 mod path_search;
 
 pub use follow::{FollowConfig, Following, follow};
