@@ -26,6 +26,7 @@ pub mod global;
 pub mod local;
 pub mod path;
 mod path_search;
+pub mod prediction;
 
 pub use follow::{FollowConfig, Following, follow};
 pub use path_search::{PathSearch, SEARCH_CELLS_MAX, STRAIGHT, SearchCell};
