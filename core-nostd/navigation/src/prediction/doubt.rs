@@ -29,15 +29,15 @@ pub struct Doubt {
 }
 
 impl Default for Doubt {
-    /// Before anything was learnt: errors of constant velocity on recorded pedestrians, about 0.1 units a step along and
+    /// Before anything was learnt: errors of constant velocity on recorded pedestrians, about 0.13 units a step along and
     /// across, growing a little faster than linearly.
     fn default() -> Self {
         let steps = core::array::from_fn(|step| {
             let steps = step as f32 + 1.0;
-            let deviation = 0.1 * steps + 0.008 * steps * steps;
+            let deviation = 0.13 * steps + 0.012 * steps * steps;
             let squared = deviation * deviation;
-            // √5.99: the ellipse of a Gaussian.
-            StepDoubt { along_squared: squared, across_squared: squared, outcomes: 10.0, quantile: 2.448 }
+            // √5.99 is 2.448, the ellipse of a Gaussian; errors have longer tails.
+            StepDoubt { along_squared: squared, across_squared: squared, outcomes: 30.0, quantile: 2.6 }
         });
         Self { steps }
     }
