@@ -26,6 +26,7 @@ mod distance_field;
 mod distance_transform;
 pub mod environment;
 mod grid;
+pub mod match_field;
 mod occupancy;
 mod poisson;
 mod rolling;

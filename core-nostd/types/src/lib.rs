@@ -2,6 +2,8 @@
 //!
 //! No heap, no clock, no I/O, no `unsafe`, no panic. Time is an argument, running out of room is a value, and
 //! "no data" is never "no obstacle".
+//!
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(

@@ -1,7 +1,8 @@
 //! Emergency stop, bumpers and cliff sensors, after the two channels of each were compared.
 //!
-//! Comparing channels, filtering test pulses and judging the discrepancy time is the driver's work (wire-formats 7.1);
-//! what arrives here is already one verdict per input. Anything but [`SafetyInput::Clear`] is danger.
+//! Comparing channels, filtering test pulses and judging the discrepancy time is the driver's work (book, Safety
+//! inputs: Two channels); what arrives here is already one verdict per input. Anything but [`SafetyInput::Clear`] is
+//! danger.
 
 use crate::time::Stamp;
 
@@ -21,6 +22,15 @@ pub enum SafetyInput {
 }
 
 /// All safety inputs at one moment.
+///
+/// ```
+/// use floorguard_types::sensing::{DiscreteInputs, SafetyInput};
+/// use floorguard_types::time::Stamp;
+///
+/// assert_eq!(DiscreteInputs::default().emergency_stop, SafetyInput::Unknown);
+/// let inputs = DiscreteInputs::all_clear(Stamp::ZERO);
+/// assert_eq!(inputs.bumper_front, SafetyInput::Clear);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DiscreteInputs {

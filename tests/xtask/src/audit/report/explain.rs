@@ -69,7 +69,7 @@ pub const EXPLANATIONS: &[Explanation] = &[
         "no-recursion-in-sources",
         (
             "No function that calls itself, by an operator neither, and no circle of functions of a file or a type.",
-            "Circles through traits or over several rooms are seen in the image only.",
+            "Circles through traits or over several crates are seen in the image only.",
         ),
         ("claims", "sneaky_tests.rs: circles_*"),
     ),
@@ -83,14 +83,14 @@ pub const EXPLANATIONS: &[Explanation] = &[
         ("loops", "seen.rs: a_count_above_its_bound_is_named"),
     ),
     explanation(
-        "hosted-rooms-apart",
+        "hosted-only-apart",
         (
-            "The sources of core, drivers, runtime and both boards are searched for the names of these rooms.",
-            "What the rooms do on the Linux computer is judged from their sources only: not linked for the Cortex-M7, so no \
+            "The sources of core, drivers, runtime and both boards are searched for the names of these modules.",
+            "What these do on the Linux computer is judged from their sources only: not linked for the Cortex-M7, so no \
              proof against panics or for their stack. If one panics, the program ends, and the drives stop by their own \
              heartbeat watch (assumption A4).",
         ),
-        ("rooms", "hosted_rooms.rs: a_hosted_room_in_an_image_is_named"),
+        ("hosted", "hosted_only.rs: a_hosted_module_in_an_image_is_named"),
     ),
     explanation(
         "image-builds",
@@ -135,12 +135,12 @@ pub const EXPLANATIONS: &[Explanation] = &[
         ("stack", "image_injection_tests.rs: a_call_through_a_register_is_named"),
     ),
     explanation(
-        "rooms-linked",
+        "modules-linked",
         (
-            "Every room of core and drivers has code in the image, but for those that run on Linux only.",
-            "A room counts as linked when some of its code is.",
+            "Every module of core and drivers has code in the image, but for those that run on Linux only.",
+            "A module counts as linked when some of its code is.",
         ),
-        ("rooms", "leave a root out of tests/safety-image"),
+        ("hosted", "leave a root out of tests/safety-image"),
     ),
     explanation(
         "roots-linked",
@@ -211,6 +211,37 @@ pub const EXPLANATIONS: &[Explanation] = &[
             "Recorded, not repeated here; it knows the mistakes that cargo-mutants knows, and the package's own tests.",
         ),
         ("mutants", "mutation.rs: a_record_below_its_share_fails, a_part_without_a_record_fails"),
+    ),
+    explanation(
+        "crates-layered",
+        (
+            "Cargo's metadata against the column `may depend on` of the architecture's tables: each arrow needs a row, and no \
+             cycle may come of them.",
+            "Dependencies of tests alone are left out. What broke the rule when it was made is in tests/structure-known.toml.",
+        ),
+        ("claims", "planted_tests.rs: an_arrow_that_the_table_does_not_allow_is_refused"),
+    ),
+    explanation(
+        "modules-acyclic",
+        (
+            "Every `use` and every path of a crate, led to the top module that it names; what the root hands on counts as its \
+             module's.",
+            "Calls of methods name no module and are not seen.",
+        ),
+        ("claims", "planted_tests.rs: a_cycle_of_modules_is_seen_however_it_is_written"),
+    ),
+    explanation(
+        "files-short",
+        (
+            "Lines of each file and of each top module, tests included.",
+            "Length says nothing of what the lines hold.",
+        ),
+        ("claims", "planted_tests.rs: each_planted_fault_turns_its_claim"),
+    ),
+    explanation(
+        "structure-drawn",
+        ("The drawn graph is compared with the one read just now.", "As crates-layered and modules-acyclic."),
+        ("claims", "planted_tests.rs: each_planted_fault_turns_its_claim"),
     ),
 ];
 
