@@ -24,6 +24,7 @@ extern crate std;
 
 pub mod capacities;
 pub mod geometry;
+pub mod motion;
 pub mod random;
 pub mod sensing;
 pub mod time;

@@ -22,6 +22,7 @@ mod reproduce;
 mod setup;
 mod shell;
 mod stack;
+mod structure;
 mod targets;
 mod test;
 mod vcan;
@@ -45,6 +46,8 @@ enum Command {
     Audit(audit::Options),
     /// Let the records of docs/evidence follow code that only moved since a commit.
     Moved(audit::moved::Options),
+    /// Check which crate and module knows which, and how long files are; --write draws the graph.
+    Structure(structure::Options),
     /// Run one of the long campaigns on all cores, or go on where it was cut.
     Campaign(campaign::Options),
     /// Play a scenario on the emulated Cortex-M7 and compare with the host, bit for bit.
@@ -80,6 +83,7 @@ fn run(command: Command) -> anyhow::Result<bool> {
         Command::Test(options) => test::run(&options),
         Command::Audit(options) => audit::run(&options),
         Command::Moved(options) => audit::moved::run(&options),
+        Command::Structure(options) => structure::run(&options),
         Command::Campaign(options) => campaign::run(&options),
         Command::Firmware(options) => firmware::run(&options),
         Command::Vcan(options) => vcan::run(&options),
