@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use floorguard_mapping_host::Se2;
-use floorguard_mapping_host::front_end::{FrontEndConfig, Tracker};
+use floorguard_mapping_host::front_end::{FrontEndConfig, Tracker, sequence_edges};
+use floorguard_mapping_host::refine::{AlignConfig, ScanView, align};
 use floorguard_mapping_host::input::ScanRecord;
 use floorguard_mapping_host::metrics::{read_relations, score_relations};
 
@@ -78,6 +79,12 @@ fn main() {
         }
         let took = start.elapsed();
         let poses: Vec<Se2> = tracker.nodes.iter().map(|node| node.pose).collect();
+        let start = Instant::now();
+        let views: Vec<ScanView> = tracker.nodes.iter().map(|n| ScanView::new(&n.points, records[0].step_rad)).collect();
+        let mut refined = poses.clone();
+        let done = align(&views, &mut refined, &sequence_edges(&tracker.nodes), &AlignConfig::default());
+        let score = score_relations(&relations, &tracker.trajectory(&refined), 0.6);
+        println!("{name:9} refined {done:?} {:.4} m max {:.3}  {:.3} deg {:.1} ms", score.translation_mean_m(), score.translation_max_m(), score.rotation_mean_rad().to_degrees(), start.elapsed().as_secs_f64()*1e3);
         let score = score_relations(&relations, &tracker.trajectory(&poses), 0.6);
         println!(
             "{name:9} {} scans {} nodes  {:.4} m max {:.3}  {:.3} deg  missing {}  {:.1} us/node",
