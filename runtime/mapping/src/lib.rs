@@ -3,6 +3,8 @@
 
 pub mod front_end;
 pub mod input;
+pub mod loops;
+pub mod mapper;
 pub mod metrics;
 pub mod pose_graph;
 pub mod refine;
