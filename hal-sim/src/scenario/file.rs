@@ -143,6 +143,9 @@ pub struct Scenario {
     /// The bumpers feel what the body runs into; otherwise they are never pressed.
     #[serde(default)]
     pub bumpers: bool,
+    /// The bumpers are there and are never pressed, as with a cut strip that still says that all is well.
+    #[serde(default)]
+    pub deaf_bumpers: bool,
     /// The switches that feel for the floor never open.
     #[serde(default)]
     pub without_floor_switches: bool,

@@ -37,7 +37,7 @@ impl Touch {
         let [front, rear] = &parameters.bumpers;
         let points = parameters.floor_switches_m.map(|end| end.map(|[x, y]| Point2::new(x, y)));
         Self {
-            bumpers: scenario.bumpers.then(|| [strip(front), strip(rear)]),
+            bumpers: (scenario.bumpers && !scenario.deaf_bumpers).then(|| [strip(front), strip(rear)]),
             floor: (!scene.drops().is_empty() && !scenario.without_floor_switches).then_some(points),
         }
     }
