@@ -6,6 +6,7 @@ mod boundaries;
 mod checks;
 mod collisions;
 mod configurations;
+mod doubt;
 mod exploration;
 mod fixtures;
 mod numbers;
