@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::shared::BoxEntry;
 
 /// Version of the rows; a reader refuses another one.
-pub const LOG_VERSION: u8 = 1;
+pub const LOG_VERSION: u8 = 2;
 /// Longest row with its zero.
 pub const LOG_ROW_BYTES: usize = 40;
 
@@ -97,8 +97,14 @@ pub struct LogMoment {
     field_set: u8,
 }
 
-const STATES: [GuardState; 5] =
-    [GuardState::Init, GuardState::Run, GuardState::Slow, GuardState::Stop, GuardState::Latched];
+const STATES: [GuardState; 6] = [
+    GuardState::Init,
+    GuardState::Run,
+    GuardState::Slow,
+    GuardState::Stop,
+    GuardState::Latched,
+    GuardState::AwaitsStart,
+];
 const ACTIONS: [Action; 5] =
     [Action::None, Action::Limit, Action::Category2, Action::Category1, Action::Category0];
 

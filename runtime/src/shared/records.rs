@@ -50,12 +50,18 @@ pub(super) struct Records {
     pub ring: BlackBox<BoxEntry>,
     last: Option<(Stamp, BoxEntry)>,
     stopped: bool,
+    latches: u64,
 }
 
 impl Records {
     pub const fn new() -> Self {
         // Nothing moves at first: the start is not a stop.
-        Self { ring: BlackBox::new(), last: None, stopped: true }
+        Self { ring: BlackBox::new(), last: None, stopped: true, latches: 0 }
+    }
+
+    /// True when other causes are latched than before.
+    pub fn note_latches(&mut self, latches: u64) -> bool {
+        core::mem::replace(&mut self.latches, latches) != latches
     }
 
     /// Takes in a decision; gives the stop that it begins.

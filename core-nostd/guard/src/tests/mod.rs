@@ -14,6 +14,7 @@ mod oracles;
 mod properties;
 mod reachable;
 mod selection;
+mod starts;
 mod tables;
 mod timelines;
 mod truth_tables;

@@ -211,7 +211,7 @@ fn fg_req_005_evidence_of_exactly_200_ms_is_no_longer_present() {
 fn fg_req_001_the_least_limit_wins_and_the_first_of_equals_is_shown() {
     let now = Stamp::from_micros(20_000_000);
     let verdict = |first: (Cause, f32), second: (Cause, f32)| {
-        let mut machine = DecisionMachine::new(Stamp::from_micros(1_000_000));
+        let mut machine = DecisionMachine::IDLE;
         for (cause, limit_mps) in [first, second] {
             machine.raise(CauseRecord::new(cause, now).limited_to(limit_mps));
         }
