@@ -90,7 +90,8 @@ fn trial(mut random: Random, reached: &mut [u64; 5]) {
     let causes = Cause::all();
     let mut now = 10_000_000_u64;
     let mut machine = DecisionMachine::new(Stamp::from_micros(now));
-    let mut model = Model { evidence: [(Cause::StartUp, now), (Cause::StartNeeded, now)].into(), pressed: None };
+    let mut model =
+        Model { evidence: [(Cause::StartUp, now), (Cause::StartNeeded, now)].into(), pressed: None };
     for step in 0..STEPS {
         now += 1 + random.below(150_000);
         if random.seldom(12) {

@@ -1,6 +1,6 @@
 //! A data packet of 1,206 bytes as a checked view: after [`Packet::new_checked`] no accessor can fail.
 
-/// Positions in the packet; wire-formats 1.1.
+/// Positions in the packet; book, Velodyne: Data packet.
 mod field {
     pub const BLOCK_BYTES: usize = 100;
     pub const BLOCKS: usize = 12;
@@ -86,7 +86,7 @@ impl core::fmt::Display for PacketError {
 
 impl core::error::Error for PacketError {}
 
-/// Stamps up to one second into the next hour have been seen at the roll-over (wire-formats 1.8).
+/// Stamps up to one second into the next hour have been seen at the roll-over (book, Velodyne: Clock).
 pub const STAMP_LIMIT_US: u32 = 3_601_000_000;
 
 /// A checked data packet.
@@ -187,8 +187,8 @@ impl<'a> Packet<'a> {
         azimuths
     }
 
-    /// Rotation within each block, hundredths of a degree; wire-formats 1.5. The last block (pair) has no successor
-    /// and takes the gap of the one before.
+    /// Rotation within each block, hundredths of a degree; book, Velodyne: Azimuth. The last block (pair) has no
+    /// successor and takes the gap of the one before.
     #[must_use]
     pub fn gaps(&self) -> [u16; field::BLOCKS] {
         let azimuths = self.azimuths();

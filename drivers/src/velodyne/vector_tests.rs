@@ -1,4 +1,4 @@
-//! The specification's synthetic packets (wire-formats 1.11), built from their rules.
+//! The synthetic packets of the book, Velodyne: Test packets, built from their rules.
 
 extern crate std;
 use std::vec::Vec;
@@ -75,7 +75,7 @@ fn agrees(found: &[Return], expected: &[(u16, u32, f32, f32, f32)]) {
     }
 }
 
-/// The vector's transcription is the specification's: its zlib CRC-32.
+/// The packet was transcribed rightly: its zlib CRC-32.
 fn is_transcribed(bytes: &[u8], crc: u32) {
     assert_eq!(crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(bytes), crc);
 }
@@ -121,7 +121,7 @@ fn t4_uneven_rotation_follows_each_block() {
     let bytes = packet(|block| azimuths[block as usize], &cells, 12_345, [0x38, 0x22]);
     is_transcribed(&bytes, 0x9f74_bd3e);
     let found = returns(Model::Vlp16, &bytes);
-    // The specification's per-block rule, which is ours: to 10 micrometres.
+    // The per-block rule, which is ours: to 10 micrometres.
     let expected = [(248, 9.650211, -0.417962), (288, 9.647058, -0.485323), (448, 9.629746, -0.754495)];
     for (each, (azimuth_cdeg, x_m, y_m)) in found.iter().zip(expected) {
         assert_eq!(each.azimuth_cdeg, azimuth_cdeg);

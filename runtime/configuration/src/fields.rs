@@ -6,11 +6,11 @@ use floorguard_types::capacities::FIELD_SETS_MAX;
 use super::polygon;
 use super::reader::Reader;
 
-/// Scanner response, two scans of 40 ms (algorithms M.1).
+/// Scanner response, two scans of 40 ms (book, Guard: Field length).
 const SCANNER_RESPONSE_S: f32 = 0.08;
-/// General tolerance of the scanner, metres (algorithms M.1, Z_G).
+/// General tolerance of the scanner, metres (Z_G; book, Guard: Field length).
 const SCANNER_TOLERANCE_M: f32 = 0.10;
-/// Reserve for brake wear, share of the braking distance (algorithms M.1, Z_B).
+/// Reserve for brake wear, share of the braking distance (Z_B; book, Guard: Field length).
 const BRAKE_WEAR: f32 = 0.10;
 
 pub(super) fn read_polygon(section: &Reader<'_>, key: &'static str) -> Option<Polygon> {
@@ -135,7 +135,8 @@ pub(super) fn check_zone(
     }
 }
 
-/// Field length ahead of the body that a speed needs (algorithms M.1 without retro-reflectors and ground clearance).
+/// Field length ahead of the body that a speed needs (without retro-reflectors and ground clearance; book, Guard: Field
+/// length).
 pub(super) fn field_length_m(speed_mps: f32, limits: &Limits) -> f32 {
     let braking_m = speed_mps * speed_mps / (2.0 * limits.braking_mps2);
     speed_mps * (SCANNER_RESPONSE_S + limits.response_s)

@@ -1,4 +1,4 @@
-//! Time until the robot would touch a tracked person (van den Berg, Lin, Manocha 2008, for discs; here the body is a box).
+//! Time until the robot would touch a tracked person (book, Guard: Collision).
 //!
 //! More doubt never means a later time: doubt makes the person's disc larger, and a person inside the larger disc who
 //! comes nearer is reached at once (FG-REQ-033).
@@ -11,7 +11,7 @@ use floorguard_types::geometry::{Point2, Pose2, Twist2};
 const PERSON_RADIUS_M: f32 = 0.3;
 /// Standard deviations of the position that are added to the radius.
 const POSITION_SIGMAS: f32 = 2.0;
-/// Added to the time to standstill before a person must be reached later (algorithms M.3), seconds.
+/// Added to the time to standstill before a person must be reached later (book, Guard: Collision), seconds.
 const MARGIN_S: f32 = 0.5;
 /// Steps of 0.1 s for a turning robot: three seconds.
 const STEPS: u8 = 30;
@@ -143,7 +143,8 @@ fn stay_s(at: f32, rate: f32, [low, high]: [f32; 2]) -> [f32; 2] {
 }
 
 impl DriveLimits {
-    /// Nobody may be reached sooner than this at a speed: the time to standstill, and a margin (algorithms M.3), seconds.
+    /// Nobody may be reached sooner than this at a speed: the time to standstill, and a margin (book, Guard:
+    /// Collision), seconds.
     #[must_use]
     pub const fn clear_of_people_s(&self, speed_mps: f32) -> f32 {
         self.response_s + speed_mps / self.braking_mps2 + MARGIN_S
