@@ -3,6 +3,7 @@
 use floorguard_types::geometry::Point2;
 use serde::Serialize;
 
+use super::hub::Order;
 use super::layers::MissionFrame;
 
 /// A place, metres, to the centimetre.
@@ -76,6 +77,8 @@ pub struct Frame {
     pub paused: bool,
     /// The guard waits for a reset.
     pub reset_allowed: bool,
+    /// The guard waits for the start command.
+    pub start_allowed: bool,
     /// Where the robot is in the odometry frame: x, y, heading.
     pub pose: [f32; 3],
     /// Metres driven since the start.
@@ -102,4 +105,16 @@ pub struct Frame {
     pub mission: Option<MissionFrame>,
     /// The last stops, newest first.
     pub stops: Vec<CauseFrame>,
+}
+
+impl Frame {
+    /// The operator's act that the guard waits for.
+    #[must_use]
+    pub const fn awaited(&self) -> Option<Order> {
+        match (self.reset_allowed, self.start_allowed) {
+            (true, _) => Some(Order::Reset),
+            (false, true) => Some(Order::Start),
+            (false, false) => None,
+        }
+    }
 }

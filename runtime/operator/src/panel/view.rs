@@ -104,6 +104,7 @@ impl PanelView {
             limit_mps: round(decision.speed_limit_mps),
             paused: shared.is_paused(),
             reset_allowed: decision.state == GuardState::Latched,
+            start_allowed: decision.state == GuardState::AwaitsStart,
             pose: [round(pose.x_m), round(pose.y_m), pose.heading_rad],
             driven_m: round(self.driven_m),
             route: self.robot.route.waypoints.iter().copied().map(place).collect(),
