@@ -40,6 +40,7 @@ impl Supervisor {
             speed_limit_mps,
             state: verdict.state,
             primary_cause: verdict.primary,
+            holding_cause: verdict.holding,
             torque_off: verdict.action == Action::Category0
                 || (verdict.action == Action::Category1 && standing),
             escaping,

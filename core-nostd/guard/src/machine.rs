@@ -33,6 +33,9 @@ pub struct Verdict {
     pub limit_mps: f32,
     /// First cause of this stop; without a stop the cause with the least limit.
     pub primary: Option<CauseRecord>,
+    /// What holds the robot now: of the causes with the most severe demand the one with the newest evidence; without a stop
+    /// as [`Self::primary`] (FG-REQ-071).
+    pub holding: Option<CauseRecord>,
 }
 
 impl DecisionMachine {
@@ -137,11 +140,20 @@ impl DecisionMachine {
     }
 
     fn verdict(&self) -> Verdict {
-        let mut verdict =
-            Verdict { action: Action::None, state: GuardState::Run, limit_mps: f32::INFINITY, primary: None };
+        let mut verdict = Verdict {
+            action: Action::None,
+            state: GuardState::Run,
+            limit_mps: f32::INFINITY,
+            primary: None,
+            holding: None,
+        };
         let mut latched = false;
+        let (mut holding, mut newest) = (None, (Action::None, Stamp::ZERO));
         for slot in self.held.iter() {
             verdict.action = verdict.action.max(slot.first.action);
+            if (slot.first.action, slot.last_pulse) >= newest {
+                (holding, newest) = (Some(slot.first), (slot.first.action, slot.last_pulse));
+            }
             latched |= slot.first.cause.is_latching();
             if slot.first.action == Action::Limit && slot.limit_mps < verdict.limit_mps {
                 verdict.limit_mps = slot.limit_mps;
@@ -150,7 +162,9 @@ impl DecisionMachine {
         }
         if verdict.action.stops() {
             verdict.limit_mps = 0.0;
-            verdict.primary = self.first_stop;
+            (verdict.primary, verdict.holding) = (self.first_stop, holding);
+        } else {
+            verdict.holding = verdict.primary;
         }
         verdict.state = match verdict.action {
             _ if latched => GuardState::Latched,

@@ -147,8 +147,13 @@ fn fg_req_050_the_envelope_waits_for_the_response_time() {
 fn fg_req_021_what_is_desired_keeps_the_curve() {
     let mut rig = Rig::cruising();
     rig.guard.on_command(turning(0.8, 0.4), rig.now, rig.now);
-    let verdict =
-        |action, limit_mps| machine::Verdict { action, state: GuardState::Slow, limit_mps, primary: None };
+    let verdict = |action, limit_mps| machine::Verdict {
+        action,
+        state: GuardState::Slow,
+        limit_mps,
+        primary: None,
+        holding: None,
+    };
     for (limit_mps, share) in [(0.3, 0.375), (f32::INFINITY, 1.0), (0.0, 0.125)] {
         let desired = rig.guard.desired(&verdict(Action::Limit, limit_mps));
         assert!(

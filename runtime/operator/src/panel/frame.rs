@@ -99,8 +99,10 @@ pub struct Frame {
     pub people: Vec<PersonFrame>,
     /// Sources.
     pub sources: Vec<SourceFrame>,
-    /// What limits or stops the robot now.
+    /// What limits or holds the robot now.
     pub cause: Option<CauseFrame>,
+    /// What stopped it first, where that is something else.
+    pub first_cause: Option<CauseFrame>,
     /// How far the cleaning mission is, if there is one.
     pub mission: Option<MissionFrame>,
     /// The last stops, newest first.
