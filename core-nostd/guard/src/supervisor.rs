@@ -2,6 +2,7 @@
 //! to a decision, whether or not anybody commands (FG-REQ-007).
 
 use super::packet_check::BLIND_RUN_CDEG;
+use super::rules::Clear;
 use super::scan_check::ScanFinding;
 use super::source_monitor::SourceMonitor;
 use super::state::State;
@@ -109,11 +110,7 @@ impl Supervisor {
                 SafetyInput::Fault => Cause::InputFault,
                 SafetyInput::Unknown => Cause::InputUnknown,
             };
-            let mut record = CauseRecord::new(cause, now).aged(inputs.stamp.past_us(now));
-            if cause == Cause::EmergencyStop {
-                record.action = self.config.thresholds.emergency_action;
-            }
-            self.state.machine.raise(record);
+            self.raise_input(cause, inputs.stamp, now);
         }
         self.decide(now)
     }
@@ -207,6 +204,31 @@ impl Supervisor {
         self.decide(now)
     }
 
+    /// The operator gave the start command: nothing moves before, after power-up and after each reset (FG-REQ-019).
+    pub fn request_start(&mut self, now: Stamp) -> Decision {
+        self.begin(now);
+        self.state.machine.request_start();
+        self.decide(now)
+    }
+
+    /// What was latched when the computer last ran, as [`Self::latches`] gave it: it is latched again (FG-REQ-070).
+    pub fn on_latches(&mut self, latches: u64, now: Stamp) -> Decision {
+        self.begin(now);
+        for cause in Cause::all() {
+            let was_latched = latches.wrapping_shr(cause.index() as u32) & 1 != 0;
+            if was_latched && cause.clear() == Clear::Reset {
+                self.raise_input(cause, now, now);
+            }
+        }
+        self.decide(now)
+    }
+
+    /// The causes that hold and need a reset, one bit for each [`Cause::index`]: for memory that outlives the computer.
+    #[must_use]
+    pub fn latches(&self) -> u64 {
+        self.state.machine.latches()
+    }
+
     /// Time has passed: call every 10 ms. Looks at a sixteenth of the constants (FG-REQ-017).
     pub fn tick(&mut self, now: Stamp) -> Decision {
         self.begin(now);
@@ -253,6 +275,14 @@ impl Supervisor {
         if now < self.state.decided_at {
             self.state.machine.raise(CauseRecord::new(Cause::ClockFault, now));
         }
+    }
+
+    fn raise_input(&mut self, cause: Cause, stamp: Stamp, now: Stamp) {
+        let mut record = CauseRecord::new(cause, now).aged(stamp.past_us(now));
+        if cause == Cause::EmergencyStop {
+            record.action = self.config.thresholds.emergency_action;
+        }
+        self.state.machine.raise(record);
     }
 
     fn accept(&mut self, source: Source, (stamp, fingerprint): (Stamp, u32), now: Stamp) -> bool {

@@ -21,6 +21,8 @@ pub const CAUSES: usize = PLAIN.len() + 2 * Source::COUNT;
 pub enum Cause {
     /// Not every required source was healthy yet.
     StartUp,
+    /// Nobody has given the start command since power-up, or since the last reset.
+    StartNeeded,
     /// Emergency stop pressed.
     EmergencyStop,
     /// The channels of a safety input disagree, or its line is cut.
@@ -76,8 +78,9 @@ pub enum Cause {
 }
 
 /// The causes that do not belong to a source's health.
-const PLAIN: [Cause; 25] = [
+const PLAIN: [Cause; 26] = [
     Cause::StartUp,
+    Cause::StartNeeded,
     Cause::EmergencyStop,
     Cause::InputFault,
     Cause::InputUnknown,
@@ -134,6 +137,7 @@ impl Cause {
     pub const fn name(self) -> &'static str {
         match self {
             Self::StartUp => "start-up check: not every required source was healthy yet",
+            Self::StartNeeded => "waits for the start command",
             Self::EmergencyStop => "emergency stop pressed",
             Self::InputFault => "safety input faulty: its channels disagree or its line is cut",
             Self::InputUnknown => "safety input not read",

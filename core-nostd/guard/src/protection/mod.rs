@@ -20,7 +20,7 @@ mod source;
 pub use action::{Action, GuardState};
 pub use advice::{ADVISED_PEOPLE_MAX, Advice, AdvisedPerson};
 pub use cause::{CAUSES, Cause};
-pub use collision::{Blocked, Body, is_collision, time_to_collision_s};
+pub use collision::{Blocked, Body, time_to_collision_s};
 pub use config::{DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeometry, Thresholds, Travel};
 pub use config_error::GuardConfigError;
 pub use decision::{Decision, SourceReport};

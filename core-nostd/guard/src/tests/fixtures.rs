@@ -113,6 +113,8 @@ pub struct Rig {
     pub drive_state: DriveState,
     pub stamp_ahead_us: [u64; Source::COUNT],
     pub frozen_scanner: bool,
+    /// The operator gives the start command whenever the robot waits for it.
+    pub operator_starts: bool,
     sequence: u32,
     azimuth_cdeg: u16,
 }
@@ -138,6 +140,7 @@ impl Rig {
             drive_state: DriveState::Enabled,
             stamp_ahead_us: [0; Source::COUNT],
             frozen_scanner: false,
+            operator_starts: true,
             sequence: 0,
             azimuth_cdeg: 0,
         }
@@ -165,7 +168,10 @@ impl Rig {
                 self.speak(source);
             }
         }
-        let decision = self.guard.tick(self.now);
+        let mut decision = self.guard.tick(self.now);
+        if self.operator_starts && decision.state == GuardState::AwaitsStart {
+            decision = self.guard.request_start(self.now);
+        }
         assert!(decision.permitted.linear_mps.abs() <= self.wanted.linear_mps.abs() + 1.0e-6, "{decision:?}");
         // The drive follows upwards at once and brakes with 0.8 m/s².
         let (from_mps, to_mps) = (self.measured.linear_mps, decision.permitted.linear_mps);

@@ -289,7 +289,7 @@ impl<'a> Observer<'a> {
         }
         if self.last_status != Some(status.decision.stamp) {
             self.last_status = Some(status.decision.stamp);
-            if let Some(record) = status.decision.primary_cause {
+            if let Some(record) = status.decision.holding_cause {
                 *self.seen.under_cause_s.entry(kind_of(&record)).or_default() += STATUS_S;
             }
         }

@@ -13,7 +13,6 @@ use super::observer::Observer;
 use super::operator::Operator;
 use super::plan::Plan;
 use floorguard_host::executor::{Ring, StopFlag, take_priority};
-use floorguard_operator::panel::Order;
 use floorguard_operator::telemetry::Witnesses;
 use floorguard_operator::telemetry::{Notes, with_onlooker};
 use floorguard_robot::assembly::new_shared;
@@ -153,9 +152,7 @@ impl World<'_> {
                 let deed = operator.act(to_us, state);
                 simulation.press_emergency_stop(deed.pressed);
                 observer.on_emergency_stop(deed.pressed, to_us);
-                if deed.reset && !*operated {
-                    notes.order(Order::Reset);
-                }
+                deed.orders(*operated).into_iter().for_each(|order| notes.order(order));
                 let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
                 stops.iter().for_each(|stop| notes.stop(stop));
                 observer.observe(simulation, shared, &stops);

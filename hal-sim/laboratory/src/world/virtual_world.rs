@@ -131,6 +131,8 @@ struct World<'a, 'b> {
     /// What the robot cleans, with the disk that outlives its computer's lives.
     mission: Option<MissionSetup>,
     camera: Option<SimulatedCamera>,
+    /// What is latched, on the disk that outlives the computer's lives.
+    latches: u64,
     /// Writes what is learned; the file outlives the computer's lives.
     learned: Option<LearningKeeper>,
     /// The map of seen dirt is told again from here on.
@@ -168,6 +170,7 @@ fn play(
             .mission
             .clone()
             .map(|mission| MissionSetup::new(mission, Store::Memory(Arc::default()))),
+        latches: 0,
         camera: plan.has_camera.then(|| SimulatedCamera::new(plan)).flatten(),
         learned: plan.learning.as_ref().map(LearningSetup::keeper),
         next_map_us: 0,
@@ -210,6 +213,7 @@ fn is_reset(fault: &FaultSpec) -> bool {
 fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> anyhow::Result<End> {
     let shared: Box<Shared<NoopRawMutex>> = new_shared(&plan.robot, Stamp::from_micros(world.now_us))
         .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
+    shared.restore_latches(world.latches, Stamp::from_micros(world.now_us));
     let mut perception = new_perception(&plan.robot, plan.stages);
     perception.motion.learn(plan.learning.as_ref().map(LearningSetup::again).as_ref());
     let setup = world.mission.clone();
@@ -261,6 +265,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
             world.judge_us += JUDGE_US;
             // A button reaches the tasks with the next moment.
             orders = world.operate(&shared);
+            world.latches = shared.latches.get().unwrap_or(world.latches);
             let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
             stops.iter().for_each(|stop| world.witnesses.stop(stop));
             if let Some(setup) = setup.as_ref().filter(|setup| setup.watch.published() != told) {
@@ -311,9 +316,8 @@ impl World<'_, '_> {
         self.simulation.press_emergency_stop(deed.pressed);
         self.observer.on_emergency_stop(deed.pressed, self.now_us);
         let mut orders = self.witnesses.attend(shared, self.now_us);
-        if deed.reset && self.witnesses.panel.is_none() {
-            orders.push(Order::Reset);
-        }
+        let operated = self.witnesses.panel.is_some();
+        orders.extend(deed.orders(operated));
         orders
     }
 
