@@ -35,6 +35,10 @@ pub enum Cause {
     BlindSector,
     /// Something in the warning field.
     Warning,
+    /// The body would touch something that was seen, and there is no room left to drive up to it.
+    WayClosed,
+    /// The body would touch something that was seen: slowly enough to stand before it.
+    WayNarrow,
     /// A person within 1.2 m.
     PersonNear,
     /// A person would be reached before the robot could stop.
@@ -68,7 +72,7 @@ pub enum Cause {
 }
 
 /// The causes that do not belong to a source's health.
-const PLAIN: [Cause; 25] = [
+const PLAIN: [Cause; 27] = [
     Cause::StartUp,
     Cause::EmergencyStop,
     Cause::InputFault,
@@ -81,6 +85,8 @@ const PLAIN: [Cause; 25] = [
     Cause::LidarProtective,
     Cause::BlindSector,
     Cause::Warning,
+    Cause::WayClosed,
+    Cause::WayNarrow,
     Cause::PersonNear,
     Cause::CollisionStop,
     Cause::CollisionSlow,
@@ -137,6 +143,8 @@ impl Cause {
             Self::LidarProtective => "obstacle in the protective field (lidar)",
             Self::BlindSector => "scanner sees nothing in a part of the protective field",
             Self::Warning => "obstacle in the warning field",
+            Self::WayClosed => "the body would touch what was seen around it",
+            Self::WayNarrow => "little room for the body on its way",
             Self::PersonNear => "person near",
             Self::CollisionStop => "person would be reached before standstill",
             Self::CollisionSlow => "person ahead",

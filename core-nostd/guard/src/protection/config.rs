@@ -7,13 +7,12 @@ use super::config_error::GuardConfigError;
 use super::field::{Polygon, point_in_polygon};
 use super::kinematics::field_length_m;
 use super::source::{Source, SourceRules};
+use super::sweep::BRAKE_WEAR;
 use floorguard_types::capacities::{FIELD_SETS_MAX, PACKET_RINGS_MAX, SCAN_BEAMS_MAX};
 use floorguard_types::geometry::{Point2, Pose2, Transform3};
 
 /// General measurement supplement of a safety scanner, Z_G, metres (algorithms M.1).
 pub const SCANNER_SUPPLEMENT_M: f32 = 0.1;
-/// Brake wear Z_B as a share of the braking distance (algorithms M.1).
-pub const BRAKE_WEAR: f32 = 0.1;
 
 /// Where the robot is going: the steering bin of a field set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
