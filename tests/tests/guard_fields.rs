@@ -34,7 +34,8 @@ fn depth_m(seen: &Observation, thing: Thing) -> f32 {
         let mut deepest_m = f32::MIN;
         for ahead in 0..=70_u16 {
             for aside in 0..=40_u16 {
-                let in_body = Point2::new(BODY[0] + f32::from(ahead) * 0.02, f32::from(aside) * 0.02 - BODY[2]);
+                let in_body =
+                    Point2::new(BODY[0] + f32::from(ahead) * 0.02, f32::from(aside) * 0.02 - BODY[2]);
                 let place = pose.transform(in_body);
                 let gap_x = (place.x_m - thing.middle.x_m).abs() - 0.5 * thing.size.x_m;
                 let gap_y = (place.y_m - thing.middle.y_m).abs() - 0.5 * thing.size.y_m;
@@ -60,7 +61,11 @@ fn fg_req_027_a_board_that_sinks_below_the_rays_is_not_driven_into() {
         );
         let seen = play(&scenario, 22);
         let depth_m = depth_m(&seen, thing(5.0, 0.0, 0.7, 3.0));
-        assert!(depth_m < 0.0, "a board at {height_m} m, {speed_mps} m/s: {depth_m} m deep, {:?}", seen.stops);
+        assert!(
+            depth_m < 0.0,
+            "a board at {height_m} m, {speed_mps} m/s: {depth_m} m deep, {:?}",
+            seen.stops
+        );
         let way_m = way_in_all_m(&seen);
         assert!((2.0..4.0).contains(&way_m), "a board at {height_m} m: the robot went {way_m} m");
     }

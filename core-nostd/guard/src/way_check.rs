@@ -32,6 +32,7 @@ impl Supervisor {
     /// Looks along the wanted motion, and along what the robot does meanwhile.
     pub(super) fn judge_way(&mut self, now: Stamp) {
         let pose = self.memory.pose_at(now);
+        self.memory.forget_inside(&self.config.footprint, (pose, self.body));
         let wanted = self.possible(self.state.wanted);
         let measured = self.state.motion.wheels;
         let moves = effective_speed_mps(measured, &self.config.drive) > STANDING_MPS;

@@ -44,12 +44,7 @@ impl Integrity {
     }
 
     /// Looks at the next part; `false` when something changed. The configuration is a part of its own.
-    pub fn check_next(
-        &mut self,
-        config: &GuardConfig,
-        body: Body,
-        tables: Tables<'_>,
-    ) -> bool {
+    pub fn check_next(&mut self, config: &GuardConfig, body: Body, tables: Tables<'_>) -> bool {
         let part = self.next % PARTS;
         self.next = part.wrapping_add(1);
         let configured = part != 0

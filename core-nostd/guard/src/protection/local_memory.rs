@@ -6,6 +6,10 @@
 //! which the lidar did, the lowest one below the lidar and the highest one above it. Those are the ones that sink out of its rays
 //! when the robot comes near.
 
+use heapless::Vec;
+
+use super::collision::Body;
+use super::sweep::signed_distance_m;
 use floorguard_types::geometry::{Point2, Pose2, Twist2, wrap_angle};
 use floorguard_types::time::{Age, Stamp};
 
@@ -21,6 +25,10 @@ const WORDS: usize = SIDE / 32;
 const HEIGHT_STEP_M: f32 = 0.006;
 /// Between two measurements of the wheels; what takes longer is a lost source, seconds.
 const STEP_MAX_S: f32 = 0.1;
+/// Cells deeper inside the body than this are wrong, metres.
+const INSIDE_M: f32 = 0.04;
+/// Cells forgotten at one tick.
+const INSIDE_MAX: usize = 64;
 /// Parts in which the sums are looked at, one at each tick.
 const PARTS: usize = 16;
 
@@ -178,6 +186,8 @@ pub struct LocalMemory {
     twist: Twist2,
     at: Option<Stamp>,
     next: usize,
+    /// Which rows the next scan is compared with.
+    pub(super) turn: usize,
 }
 
 impl LocalMemory {
@@ -189,6 +199,7 @@ impl LocalMemory {
         twist: Twist2::ZERO,
         at: None,
         next: 0,
+        turn: 0,
     };
 
     /// Forgets everything, in place.
@@ -261,7 +272,11 @@ impl LocalMemory {
 
     /// Visits every cell in which something stands, of all sensors or of the scanner alone; of every `stride`-th row from
     /// `offset` on. At most 9,216.
-    pub fn for_each(&self, (is_scanned_only, stride, offset): (bool, usize, usize), mut visit: impl FnMut(Cell)) {
+    pub fn for_each(
+        &self,
+        (is_scanned_only, stride, offset): (bool, usize, usize),
+        mut visit: impl FnMut(Cell),
+    ) {
         for (index, row) in self.rows.iter().enumerate().skip(offset).step_by(stride.max(1)) {
             let y = global(self.first.y, index);
             for (word_index, (scanned, met)) in row.by_scanner.iter().zip(&row.by_lidar).enumerate() {
@@ -274,6 +289,26 @@ impl LocalMemory {
                     word &= word.wrapping_sub(1);
                     visit(Cell { x: global(self.first.x, word_index.wrapping_mul(32).wrapping_add(bit)), y });
                 }
+            }
+        }
+    }
+
+    /// Where the body stands nothing else does: what lies deeper inside it than the memory may be wrong is forgotten.
+    pub fn forget_inside(&mut self, outline: &[Point2], (pose, body): (Pose2, Body)) {
+        let (sin, cos) = libm::sincosf(pose.heading_rad);
+        let mut inside = Vec::<Cell, INSIDE_MAX>::new();
+        self.for_each((false, 1, 0), |cell| {
+            let place = cell.middle();
+            let (dx, dy) = (place.x_m - pose.x_m, place.y_m - pose.y_m);
+            let in_robot = Point2::new(cos * dx + sin * dy, cos * dy - sin * dx);
+            if body.distance_m(in_robot) <= 0.0 && signed_distance_m(outline, in_robot) < -INSIDE_M {
+                // Out of room: the rest is forgotten at the next tick.
+                let _ = inside.push(cell);
+            }
+        });
+        for cell in &inside {
+            if let Some((row, index)) = self.place(*cell) {
+                row.clear(index);
             }
         }
     }

@@ -73,7 +73,11 @@ impl LidarRays {
     pub(super) fn words(&self) -> impl Iterator<Item = f32> + '_ {
         let place = [self.origin.x_m, self.origin.y_m, self.origin.z_m];
         let rings = self.rings.iter().flatten().copied();
-        place.into_iter().chain(self.rotation.as_flattened().iter().copied()).chain(rings).chain(self.heights_m)
+        place
+            .into_iter()
+            .chain(self.rotation.as_flattened().iter().copied())
+            .chain(rings)
+            .chain(self.heights_m)
     }
 }
 
@@ -164,7 +168,10 @@ impl LocalMemory {
             if height_m < RAMP_BELOW_M && is_ramp(firing, column, (ring, plane_m, height_m), unit_m) {
                 continue;
             }
-            let cell = Cell::of(Point2::new(firing.origin.x_m + range_m * ray.x, firing.origin.y_m + range_m * ray.y));
+            let cell = Cell::of(Point2::new(
+                firing.origin.x_m + range_m * ray.x,
+                firing.origin.y_m + range_m * ray.y,
+            ));
             // At the middle of the cell, as a look through it is: so that the same ray has the same height.
             let middle_m = cell.middle().distance(firing.origin);
             let at_middle_m = firing.height_m + middle_m * ray.slope;
@@ -212,7 +219,8 @@ impl LocalMemory {
             if range_m > REACH_M {
                 continue;
             }
-            let (x, y) = (cos * direction.x_m - sin * direction.y_m, sin * direction.x_m + cos * direction.y_m);
+            let (x, y) =
+                (cos * direction.x_m - sin * direction.y_m, sin * direction.x_m + cos * direction.y_m);
             let cell = Cell::of(Point2::new(mounted.x_m + range_m * x, mounted.y_m + range_m * y));
             // Two beams make a thing.
             if (before.0 - range_m).abs() < SAME_THING_M {
@@ -224,8 +232,14 @@ impl LocalMemory {
     }
 
     /// Clears the scanned cells that a beam has passed through.
-    fn look_through_plane(&mut self, scan: &Scan, geometry: &ScannerGeometry, (at, heading_rad): (Point2, f32)) {
-        let offset = scan.sequence as usize % ROWS_STRIDE;
+    fn look_through_plane(
+        &mut self,
+        scan: &Scan,
+        geometry: &ScannerGeometry,
+        (at, heading_rad): (Point2, f32),
+    ) {
+        let offset = self.turn % ROWS_STRIDE;
+        self.turn = offset.wrapping_add(1);
         let [first, last] = beams_of_sector(geometry);
         let per_rad = 1.0 / geometry.step_rad;
         let mut seen_through = heapless::Vec::<Cell, SEEN_THROUGH_MAX>::new();

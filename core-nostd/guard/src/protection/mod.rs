@@ -19,6 +19,7 @@ mod record;
 mod scan_table;
 mod source;
 mod sweep;
+mod swept_outline;
 
 pub use action::{Action, GuardState};
 pub use advice::{ADVISED_PEOPLE_MAX, Advice, AdvisedPerson};
@@ -41,3 +42,4 @@ pub use source::{FaultKind, Health, Source, SourceRules};
 pub use sweep::{
     BRAKE_WEAR, MARGIN_M, REACTION_S, STANDOFF_M, Stopping, Sweep, fastest_mps, signed_distance_m,
 };
+pub use swept_outline::{BEND_PER_M, OVERSPEED_SHARE, Zone, contains, swept_outline};

@@ -8,8 +8,10 @@ use super::config::DriveLimits;
 use super::field::{edges, point_in_polygon};
 use floorguard_types::geometry::{Point2, Twist2};
 
-/// Places of the outline along the arc. A step of a stop from 1 m/s is 9 cm: no point slips through between two outlines.
+/// Places of the outline along the arc: a step of a stop from 1 m/s is 9 cm.
 pub const STEPS: usize = 14;
+/// Where a point is near, each step is looked at in so many parts: no more than a centimetre slips through at a corner.
+const PARTS_OF_STEP: u8 = 4;
 /// From something that comes into the field to the order that answers it, seconds: two scans of 40 ms that must agree, one that
 /// is not in step, one that may be lost, 22 ms of transfer, a tick (safety manual, section 3).
 pub const REACTION_S: f32 = 0.22;
@@ -149,6 +151,14 @@ impl<'a> Sweep<'a> {
         Some(sweep)
     }
 
+    /// Every corner of the body at every place, the first one included.
+    pub fn for_each_corner(&self, mut visit: impl FnMut(Point2)) {
+        self.outline.iter().for_each(|corner| visit(*corner));
+        for place in &self.places {
+            self.outline.iter().for_each(|corner| visit(place.moved(*corner)));
+        }
+    }
+
     /// The point lies in the box around the sweep.
     #[must_use]
     pub fn is_near(&self, point: Point2) -> bool {
@@ -170,18 +180,44 @@ impl<'a> Sweep<'a> {
                 break;
             }
             let seen = place.seen_from(point);
-            if self.is_beside(seen) {
-                let gap_m = signed_distance_m(self.outline, seen);
-                if gap_m < kept_m {
-                    let gap_before_m = signed_distance_m(self.outline, before);
-                    let share = (gap_before_m - kept_m) / (gap_before_m - gap_m).max(1.0e-6);
-                    return known_m.min(gone_m + self.step_m * share.clamp(0.0, 1.0));
-                }
+            if self.passes_near(before, seen)
+                && let Some(share) = self.contact_between((before, seen), kept_m)
+            {
+                return known_m.min(gone_m + self.step_m * share);
             }
             before = seen;
             gone_m += self.step_m;
         }
         known_m
+    }
+
+    /// Where, between two places next to each other, the point comes nearer to the outline than it may: share of the step.
+    fn contact_between(&self, (from, to): (Point2, Point2), kept_m: f32) -> Option<f32> {
+        let mut before = from;
+        for part in 1..=PARTS_OF_STEP {
+            let share = f32::from(part) / f32::from(PARTS_OF_STEP);
+            let between =
+                Point2::new(from.x_m + share * (to.x_m - from.x_m), from.y_m + share * (to.y_m - from.y_m));
+            if self.is_beside(between) {
+                let gap_m = signed_distance_m(self.outline, between);
+                if gap_m < kept_m {
+                    let gap_before_m = signed_distance_m(self.outline, before);
+                    let of_part = (gap_before_m - kept_m) / (gap_before_m - gap_m).max(1.0e-6);
+                    return Some(share - (1.0 - of_part.clamp(0.0, 1.0)) / f32::from(PARTS_OF_STEP));
+                }
+            }
+            before = between;
+        }
+        None
+    }
+
+    /// The way of the point between two places may meet the box around the outline and its margin.
+    fn passes_near(&self, from: Point2, to: Point2) -> bool {
+        let [[x_min, x_max], [y_min, y_max]] = self.body;
+        from.x_m.max(to.x_m) >= x_min
+            && from.x_m.min(to.x_m) <= x_max
+            && from.y_m.max(to.y_m) >= y_min
+            && from.y_m.min(to.y_m) <= y_max
     }
 
     /// Within the box around the outline and its margin: only then is it worth a look at the outline itself.

@@ -8,6 +8,7 @@ mod collisions;
 mod configurations;
 mod exploration;
 mod fixtures;
+mod memory;
 mod numbers;
 mod oracles;
 mod properties;
