@@ -1,6 +1,6 @@
 //! Plays the world: scene, people, robot physics, sensors that emit the bytes of the wire, faults as middleware.
 //!
-//! The encoders here are written from the wire-format specification and never call the decoders of the drivers, so
+//! The encoders here are written from the chapters on wire formats of the book and never call the decoders of the drivers, so
 //! that one misreading cannot cancel itself out.
 #![forbid(unsafe_code)]
 

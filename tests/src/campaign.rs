@@ -48,7 +48,7 @@ pub fn report(counts: &[(&str, u64)]) {
     }
 }
 
-/// SplitMix64 (Steele, Lea, Flood 2014): a campaign needs no more than that.
+/// SplitMix64 (Steele et al. 2014): a campaign needs no more than that.
 #[derive(Clone, Debug)]
 pub struct Random {
     /// Bytes that somebody chose, the last ones first.

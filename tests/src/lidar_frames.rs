@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
-use floorguard_hosted::capture::{Capture, Datagram};
+use floorguard_recording::capture::{Capture, Datagram};
 use floorguard_types::sensing::{LidarPacket, Sweep};
 use floorguard_types::time::Stamp;
 

@@ -32,7 +32,7 @@ fn read_log(path: &str) -> Option<Vec<(f64, CanFrame)>> {
     Some(text.lines().map(line).collect())
 }
 
-/// A master's SDO frame as our own type: size from the command byte, by the table of wire-formats 6.2.
+/// A master's SDO frame as our own type: size from the command byte, by the table of the book, CANopen: SDO.
 fn request(data: &[u8]) -> SdoRequest {
     let &[command, low, high, subindex, a, b, c, d] = data else { panic!("{data:?}") };
     let bytes = match command {

@@ -1,10 +1,9 @@
 //! What a claim is worth when wheels slip, the robot is pushed, packets are lost and power fails.
 //! `cargo xtask campaign claims` runs as many missions as one likes and prints both shares with their intervals.
 
-use floorguard_hosted::mission::statistics::wilson95;
-use floorguard_hosted::mission::{
-    DirtSource, FaultKind, FaultRates, Floor, MissionConfig, Robot, Strategy, rooms, run,
-};
+use floorguard_laboratory::mission::statistics::wilson95;
+use floorguard_laboratory::mission::{FaultKind, FaultRates, MissionConfig, Robot, Strategy, run};
+use floorguard_robot::site::{DirtSource, Floor, rooms};
 use floorguard_tests::campaign::{Slice, report};
 use floorguard_types::random::Pcg32;
 

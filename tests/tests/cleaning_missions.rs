@@ -1,10 +1,10 @@
 //! Whole missions in small rooms: what is claimed, against what is true.
 
-use floorguard_hosted::executor::StopFlag;
-use floorguard_hosted::mission::{
-    DirtSource, Floor, Keeping, Memory, MissionConfig, Onlooker, Strategy, rooms, run, run_keeping,
-    run_strategies_believing,
+use floorguard_host::executor::StopFlag;
+use floorguard_laboratory::mission::{
+    Keeping, Memory, MissionConfig, Onlooker, Strategy, run, run_keeping, run_strategies_believing,
 };
+use floorguard_robot::site::{DirtSource, Floor, rooms};
 use floorguard_types::random::Pcg32;
 
 #[test]

@@ -1,7 +1,8 @@
 //! The robot that drives cleans: judged by the dirt that really lies there.
 
-use floorguard_hosted::cleaner::MissionStrategy;
-use floorguard_hosted::world::{Observation, Observer, Plan, Witnesses, run_recorded};
+use floorguard_laboratory::world::{Observation, Observer, Plan, run_recorded};
+use floorguard_operator::telemetry::Witnesses;
+use floorguard_robot::cleaner::MissionStrategy;
 use floorguard_sim::FaultSpec;
 use floorguard_sim::scenario::Scenario;
 

@@ -3,7 +3,7 @@
 //! Each case replaces one line of the example; the golden is the whole message, so that a change of wording or place
 //! shows in review.
 
-use floorguard_hosted::configuration::{EXAMPLE, parse};
+use floorguard_configuration::{EXAMPLE, parse};
 
 struct Mistake {
     /// The text to replace, which must occur in the example exactly once or is replaced at its first occurrence.

@@ -4,8 +4,8 @@
 use std::path::{Path, PathBuf};
 
 use clap::Parser as _;
-use floorguard_hosted::commands::{Arguments, dispatch, exit_code};
-use floorguard_hosted::evaluate::read_text;
+use floorguard_app::commands::{Arguments, dispatch, exit_code};
+use floorguard_robot::picture_files::read_text;
 use floorguard_tests::data;
 
 /// Exit code and what is told.
@@ -67,7 +67,7 @@ fn legs() {
     let good = file(header, &|_| {});
     assert_eq!(eval(&["legs", "--scans", text(&good)]).0, 0);
     // Too few legs to learn from: the table of this build is tested, and finds them.
-    let report = floorguard_hosted::evaluate::legs(&good, false).expect("it is right");
+    let report = floorguard_laboratory::evaluate::legs(&good, false).expect("it is right");
     assert!(report.method == "table" && report.f1 > 0.4, "{} {}", report.method, report.f1);
     let with_mark = desk
         .put("mark.csv", [b"\xef\xbb\xbf", std::fs::read(&good).expect("it is there").as_slice()].concat());
@@ -163,7 +163,8 @@ fn svm() {
     // A model without probabilities has no error of them.
     let bare: String =
         whole.lines().filter(|line| !line.starts_with("prob")).map(|line| format!("{line}\n")).collect();
-    let report = floorguard_hosted::evaluate::svm(&desk.put("b", bare), &range, &good).expect("it is read");
+    let report =
+        floorguard_laboratory::evaluate::svm(&desk.put("b", bare), &range, &good).expect("it is read");
     assert_eq!((report.max_probability_error, report.passed()), (None, true));
 }
 

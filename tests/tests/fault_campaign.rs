@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use floorguard_hosted::campaign::{Cell, cells, fault_trial, name};
+use floorguard_laboratory::campaign::{Cell, cells, fault_trial, name};
 use floorguard_tests::campaign::{Slice, report};
 
 /// The robot's state is large, and moved by value when a run begins.

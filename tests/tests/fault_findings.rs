@@ -1,7 +1,7 @@
 //! What the fault campaigns found, each as a test of its own.
 
-use floorguard_hosted::campaign::box_in_the_way;
-use floorguard_hosted::world::{Observation, Observer, Plan, run_virtual};
+use floorguard_laboratory::campaign::box_in_the_way;
+use floorguard_laboratory::world::{Observation, Observer, Plan, run_virtual};
 use floorguard_sim::FaultSpec;
 
 /// The robot's state is large, and moved by value when a run begins.

@@ -6,9 +6,11 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use floorguard_hosted::campaign::{Cell, cells, name, taped_fault_trial};
-use floorguard_hosted::judge::Verdict;
-use floorguard_hosted::world::{Observer, Plan, Stages, Tape, Witnesses, run_recorded};
+use floorguard_laboratory::campaign::{Cell, cells, name, taped_fault_trial};
+use floorguard_laboratory::judge::Verdict;
+use floorguard_laboratory::world::{Observer, Plan, run_recorded};
+use floorguard_operator::telemetry::{Tape, Witnesses};
+use floorguard_robot::assembly::Stages;
 use floorguard_sim::FaultSpec;
 use floorguard_tests::campaign::{Slice, report};
 use floorguard_tests::worst::Emulator;
@@ -32,7 +34,7 @@ fn play_finding((scenario, seed, duration_us, fault): (&str, u64, u64, &str)) ->
     let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
     let mut observer = Observer::new(&plan, &mut show);
     let mut witnesses = Witnesses::default();
-    witnesses.tape = Tape::new(&plan);
+    witnesses.tape = Tape::new(&plan.robot, plan.duration_us);
     run_recorded(&plan, &mut observer, &mut witnesses).expect("the run");
     (observer.into_observation().verdict, witnesses.tape.finish())
 }

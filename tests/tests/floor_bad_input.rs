@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use floorguard_hosted::commands::BadInput;
-use floorguard_hosted::evaluate::{FloorTask, floor};
+use floorguard_host::outcome::BadInput;
+use floorguard_laboratory::evaluate::{FloorTask, floor};
 use floorguard_perception::floor::{FloorFault, FloorModel, FloorParameters, FloorSource, Plane};
 use floorguard_types::sensing::{DepthImage, FrameFault, PinholeCamera};
 use floorguard_types::time::Stamp;

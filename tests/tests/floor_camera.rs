@@ -1,8 +1,8 @@
 //! A robot with a rendered floor camera: dirt is seen where it lies, and a low thing that neither lidar nor scanner sees is
 //! not driven over.
 
-use floorguard_hosted::cleaner::MissionStrategy;
-use floorguard_hosted::world::{Observation, Observer, Plan, run_virtual};
+use floorguard_laboratory::world::{Observation, Observer, Plan, run_virtual};
+use floorguard_robot::cleaner::MissionStrategy;
 use floorguard_sim::scenario::Scenario;
 use floorguard_types::geometry::Point2;
 

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use floorguard_hosted::commands::BadInput;
-use floorguard_hosted::evaluate::dirt;
+use floorguard_host::outcome::BadInput;
+use floorguard_laboratory::evaluate::dirt;
 use image::{GrayImage, Luma, Rgb, RgbImage};
 
 const WIDTH: u32 = 320;

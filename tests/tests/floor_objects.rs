@@ -10,7 +10,7 @@ use floorguard_types::time::Stamp;
 const SIZE: (usize, usize) = (640, 480);
 const HEIGHT_M: f32 = 0.72;
 const PITCH_RAD: f32 = 0.75;
-/// Footprint of a box, metres (algorithms E.3).
+/// Footprint of a box, metres (book, Floor and dirt: Objects).
 const SIDE_M: f32 = 0.05;
 
 /// A floor with a box or none, rendered ray by ray.

@@ -2,7 +2,7 @@
 
 use std::io::Read as _;
 
-use floorguard_hosted::evaluate::{FloorReport, FloorTask, floor};
+use floorguard_laboratory::evaluate::{FloorReport, FloorTask, floor};
 use floorguard_perception::floor::{Expectation, Plane, floor_of_points};
 use floorguard_tests::data::{bench_input, recording};
 

@@ -2,8 +2,8 @@
 //!
 //! `cargo xtask campaign fuzz-…` runs as many messages as one likes. A finding becomes a named test beside its decoder.
 
+use floorguard_configuration::EXAMPLE;
 use floorguard_drivers::microscan3::Receiver as SafetyScanner;
-use floorguard_hosted::configuration::EXAMPLE;
 use floorguard_tests::campaign::{Random, Slice, report};
 use floorguard_tests::fuzz::{Corpus, decoders, files, messages, pick, spoil};
 

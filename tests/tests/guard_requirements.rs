@@ -57,8 +57,7 @@ fn findings(document: &str, code: &str, tests: &str) -> Vec<String> {
 
 fn sources() -> (String, String) {
     let mut files = Vec::new();
-    rust_files(&root().join("core-nostd/src/guard"), &mut files);
-    rust_files(&root().join("core-nostd/src/protection"), &mut files);
+    rust_files(&root().join("core-nostd/guard/src"), &mut files);
     rust_files(&root().join("drivers/src"), &mut files);
     rust_files(&root().join("tests/tests"), &mut files);
     let this = Path::new(file!()).file_name().expect("a file name");
@@ -100,15 +99,15 @@ fn a_missing_test_missing_code_and_an_unknown_id_are_each_found() {
     );
 }
 
-/// Files of the room that decides, without its tests: path and code lines.
+/// Files of the crate that decides, without its tests and without `protection`, on which it stands: path and code lines.
 fn guard_code() -> Vec<(PathBuf, Vec<String>)> {
     let mut files = Vec::new();
-    rust_files(&root().join("core-nostd/src/guard"), &mut files);
-    files.retain(|path| path.parent().is_some_and(|folder| folder.ends_with("guard")));
+    rust_files(&root().join("core-nostd/guard/src"), &mut files);
+    files.retain(|path| path.parent().is_some_and(|folder| folder.ends_with("guard/src")));
     let code_lines = |path: &PathBuf| {
         let text = fs::read_to_string(path).expect("readable");
-        // A test module declared in one line has its code in `guard/tests`; any other ends the file.
-        let text = text.replace("#[cfg(test)]\nmod tests;", "");
+        // A test module declared in one line has its code in `tests`; any other ends the file.
+        let text = text.replace("#[cfg(test)]\nmod tests;", "").replace("#[cfg(test)]\nextern crate std;", "");
         let code = text.split("#[cfg(test)]").next().unwrap_or_default().to_string();
         let is_code = |line: &&str| !line.trim().is_empty() && !line.trim_start().starts_with("//");
         code.lines().filter(is_code).map(str::to_string).collect::<Vec<_>>()

@@ -1,19 +1,20 @@
 //! `[learning]` in the live robot: what is learned changes the list of people, never what the guard permits; and a
 //! recording learns the same once more.
 
+use floorguard_laboratory::world::record_plan;
 use std::io::BufReader;
 use std::path::Path;
 
-use floorguard_hosted::configuration::EXAMPLE;
-use floorguard_hosted::learning::{
+use floorguard_configuration::EXAMPLE;
+use floorguard_laboratory::world::{Observation, Observer, Plan, run_recorded};
+use floorguard_operator::report::{document, read_history};
+use floorguard_operator::telemetry::Witnesses;
+use floorguard_perception::online_learning::Weights;
+use floorguard_recording::Recording;
+use floorguard_recording::replay::{ReplayAudience, ReplayOutcome, replay_recording};
+use floorguard_robot::learning::{
     LearningReport, LearningSetup, anchors_fingerprint, load_weights, save_weights, shipped_anchors,
 };
-use floorguard_hosted::recording::Recording;
-use floorguard_hosted::report::{document, read_history};
-use floorguard_hosted::world::{
-    Observation, Observer, Plan, ReplayAudience, ReplayOutcome, Witnesses, replay_recording, run_recorded,
-};
-use floorguard_perception::online_learning::Weights;
 use floorguard_runtime::shared::PeopleReport;
 
 const SECONDS: u64 = 12;
@@ -27,7 +28,7 @@ fn play(plan: &Plan, record: Option<&Path>) -> Observation {
     let mut observer = Observer::new(plan, &mut quiet);
     let mut witnesses = Witnesses::default();
     if let Some(path) = record {
-        witnesses.record(plan, path).expect("it is recorded");
+        record_plan(&mut witnesses, plan, path).expect("it is recorded");
     }
     run_recorded(plan, &mut observer, &mut witnesses).expect("it runs");
     observer.into_observation()

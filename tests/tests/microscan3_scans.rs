@@ -1,6 +1,6 @@
 //! Full scans of 2,751 beams over a network that loses, doubles, delays and mixes datagrams.
 //!
-//! The encoder below is written from wire-formats 3 and shares nothing with the driver.
+//! The encoder below is written from the format (book, microScan3) and shares nothing with the driver.
 
 use floorguard_drivers::microscan3::{Configuration, Event, Receiver};
 use floorguard_types::random::Pcg32;

@@ -5,7 +5,7 @@ use floorguard_perception::motion::MotionParameters;
 use floorguard_tests::corridor::{Method, Score, judge, record};
 use floorguard_tests::reproduce::motion_figures;
 
-/// Issue 4: accuracy and false positives. The parameters were chosen on seeds from 100 to 119.
+/// Required accuracy and false positives. The parameters were chosen on seeds from 100 to 119.
 const ACCURACY_MIN: f64 = 95.0;
 const FALSE_MAX: u32 = 3;
 const SEEDS: std::ops::Range<u64> = 0..4;

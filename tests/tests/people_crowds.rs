@@ -16,7 +16,7 @@ fn thirty_people_keep_their_identity() {
             total.acquired_within_s(0.95)
         );
     }
-    // Issue 4, "It must show".
+    // What this stage must reach.
     assert!(joint.mota() >= 0.85 && joint.acquired_within_s(0.95) <= 0.3);
     assert!(joint.switches_per_person_minute() <= 1.0);
     assert!(

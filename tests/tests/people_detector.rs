@@ -1,6 +1,6 @@
 //! Our detector on a recording that it never learnt from, through the command's own evaluation.
 
-use floorguard_hosted::evaluate;
+use floorguard_laboratory::evaluate;
 use floorguard_tests::data::recording;
 
 #[test]

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use clap::Parser as _;
-use floorguard_hosted::commands::{Arguments, dispatch, exit_code};
-use floorguard_hosted::evaluate;
+use floorguard_app::commands::{Arguments, dispatch, exit_code};
+use floorguard_laboratory::evaluate;
 use floorguard_tests::data::recording;
 
 #[test]
@@ -31,7 +31,7 @@ fn a_changed_row_fails_the_verdict() {
     ) else {
         return;
     };
-    let text = evaluate::read_text(&rows).expect("readable");
+    let text = floorguard_robot::picture_files::read_text(&rows).expect("readable");
     let mut lines = text.lines();
     let (names, first) = (lines.next().expect("names"), lines.next().expect("a row"));
     let flipped = if first.starts_with("-1,") { first.replacen("-1,", "1,", 1) } else { format!("-{first}") };

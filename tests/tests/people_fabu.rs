@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
-use floorguard_hosted::capture::Capture;
 use floorguard_perception::people::{FloorHeight, PeoplePipeline, RingAngles, SweepContext};
+use floorguard_recording::capture::Capture;
 use floorguard_tests::data::recording;
 use floorguard_types::geometry::{Point2, Point3, Pose2, Transform3, Twist2};
 use floorguard_types::sensing::Sweep;

@@ -4,7 +4,7 @@
 //! P = diag(0.04, 1, 0.04, 1); noise of constant velocity with density 0.4 m²/s³; steps of [`STEPS`].
 //! `filterpy.kalman.KalmanFilter` with R = 0.01·I. `ExtendedKalmanFilter` and `UnscentedKalmanFilter` with
 //! `JulierSigmaPoints(4, kappa=-1)` see the same places as bearing and range from a sensor at (0.2, −0.1, 0.3 rad),
-//! rounded to four digits, with R = diag(0.02², 0.1²); sigma points are drawn anew from the prediction (D.3).
+//! rounded to four digits, with R = diag(0.02², 0.1²); sigma points are drawn anew from the prediction.
 //! `stonesoup.dataassociator.probability.JPDA` over `PDAHypothesiser(clutter_spatial_density=0.2, prob_detect=0.8,
 //! prob_gate=1 − 1e-12)`: three tracks with variance 0.16, four detections with variance 0.09, no time between.
 
@@ -142,7 +142,7 @@ fn particles_agree_with_the_kalman_filters() {
     }
 }
 
-/// Algorithms D.3: the vector of the extended filter in bearing and range.
+/// The test values of the book, Tracking: Filters, of the extended filter in bearing and range.
 #[test]
 fn the_polar_vector_of_the_specification_holds() {
     let state = Gaussian::new(Point2::new(2.0, 1.0), Point2::default(), 0.2, 1.0);

@@ -1,6 +1,6 @@
 //! Learning in a new place, end to end on simulated sweeps. Longer: `cargo xtask reproduce online-learning`.
 
-use floorguard_hosted::train::{anchors, learn_place};
+use floorguard_laboratory::train::{anchors, learn_place};
 use floorguard_perception::online_learning::Weights;
 use floorguard_tests::online::{holds, places};
 

@@ -3,7 +3,7 @@
 use std::io::Read as _;
 
 use flate2::read::GzDecoder;
-use floorguard_hosted::models::{LibsvmModel, RangeFile};
+use floorguard_laboratory::models::{LibsvmModel, RangeFile};
 use floorguard_tests::data::recording;
 
 /// Label, decision value, probability of label 1, scaled features.

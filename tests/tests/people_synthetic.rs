@@ -30,7 +30,7 @@ fn mounting(pitch_rad: f32) -> Transform3 {
     Transform3::from_mounting(Point3::new(0.0, 0.0, SENSOR_HEIGHT_M), 0.0, pitch_rad, 0.0)
 }
 
-/// Lasers of the wire alternate: 0 is the lowest ring, 1 the lowest of the upper half (wire-formats 1.3).
+/// Lasers of the wire alternate: 0 is the lowest ring, 1 the lowest of the upper half (book, Velodyne: Laser angles).
 fn ring_of_laser(laser: usize) -> usize {
     if laser.is_multiple_of(2) { laser / 2 } else { 8 + laser / 2 }
 }
@@ -96,7 +96,7 @@ fn people(frame: &Value) -> (Vec<Person>, Vec<Person>) {
 
 /// Fewer returns than this are no visible person: two rings of eight.
 const POINTS_MIN: u64 = 16;
-/// A track farther than this from a person is somebody else, metres (algorithms D, metrics).
+/// A track farther than this from a person is somebody else, metres (book, Tracking: Metrics).
 const MATCH_M: f32 = 0.5;
 
 #[derive(Debug, Default)]

@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use floorguard_hosted::recording::{
+use floorguard_recording::{
     Diagnostic, GridImage, Marker, MarkerShape, MotionRow, PointRow, RawStream, ReadError, Recorder,
     Recording, Severity, count_messages, octets_of, topics,
 };

@@ -1,13 +1,14 @@
 //! A recorded run, replayed from its file: the same bits, whole or cut, with faults and with the operator's buttons.
 
+use floorguard_laboratory::world::record_plan;
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-use floorguard_hosted::recording::{ReadError, Recording};
-use floorguard_hosted::world::{
-    Observer, Plan, ReplayAudience, ReplayOutcome, Witnesses, replay_recording, run_recorded,
-};
+use floorguard_laboratory::world::{Observer, Plan, run_recorded};
+use floorguard_operator::telemetry::Witnesses;
+use floorguard_recording::replay::{ReplayAudience, ReplayOutcome, replay_recording};
+use floorguard_recording::{ReadError, Recording};
 use floorguard_runtime::shared::{PeopleReport, StopRecord};
 use floorguard_sim::FaultSpec;
 
@@ -31,7 +32,7 @@ fn record(plan: &Plan, path: &Path) -> (String, usize) {
     let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
     let mut observer = Observer::new(plan, &mut show);
     let mut witnesses = Witnesses::default();
-    witnesses.record(plan, path).unwrap();
+    record_plan(&mut witnesses, plan, path).unwrap();
     run_recorded(plan, &mut observer, &mut witnesses).unwrap();
     let seen = observer.into_observation();
     (seen.verdict.digest, seen.stops.len())

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use floorguard_hosted::evaluate::{RgbdTask, rgbd_people};
+use floorguard_laboratory::evaluate::{RgbdTask, rgbd_people};
 use floorguard_perception::floor::Plane;
 use floorguard_perception::rgbd_people::{RgbdDetection, RgbdKind, RgbdParameters, RgbdPeopleFinder};
 use floorguard_sim::people::{Build, Person, PersonKind};

@@ -1,7 +1,7 @@
 //! The whole robot against the simulator: bytes in, people seen, motors stopped, in virtual time.
 
-use floorguard_hosted::campaign::{encounter, run_seeds, single_fault};
-use floorguard_hosted::world::{Observation, Observer, Plan, load_scenario, run_virtual};
+use floorguard_laboratory::campaign::{encounter, run_seeds, single_fault};
+use floorguard_laboratory::world::{Observation, Observer, Plan, load_scenario, run_virtual};
 use floorguard_sim::FaultSpec;
 
 fn play(plan: &Plan) -> Observation {

@@ -1,13 +1,13 @@
 //! The same robot over what a real one has: UDP on the loopback, pseudo-terminals, an SLCAN adapter, two threads.
 
+use floorguard_laboratory::world::record_plan_in_real_time;
 use std::fs::File;
 use std::io::BufReader;
 
-use floorguard_hosted::recording::{RawStream, Recording, topics};
-use floorguard_hosted::world::{
-    Observer, Plan, ReplayAudience, ReplayOutcome, Witnesses, replay_recording, run_real_recorded,
-    run_virtual,
-};
+use floorguard_laboratory::world::{Observer, Plan, run_real_recorded, run_virtual};
+use floorguard_operator::telemetry::Witnesses;
+use floorguard_recording::replay::{ReplayAudience, ReplayOutcome, replay_recording};
+use floorguard_recording::{RawStream, Recording, topics};
 use floorguard_runtime::shared::PeopleReport;
 
 const DURATION_US: u64 = 10_000_000;
@@ -26,7 +26,7 @@ fn real_carriers_give_the_verdict_of_virtual_time() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("run.mcap");
     let mut witnesses = Witnesses::default();
-    witnesses.record_in_real_time(&plan, &file).unwrap();
+    record_plan_in_real_time(&mut witnesses, &plan, &file).unwrap();
     let figures = run_real_recorded((&plan, None), &mut observer, &mut witnesses).unwrap();
     let real_time = observer.into_observation();
     println!("{figures:?} {:?}", real_time.verdict);

@@ -1,4 +1,5 @@
-//! The bus master of `drivers` against the simulator's devices, which were written from the specification alone.
+//! The bus master of `drivers` against the simulator's devices, which were written from the description of the format
+//! alone.
 
 use floorguard_drivers::can::{CanFrame, SlcanEvent, SlcanReceiver, encode_slcan};
 use floorguard_drivers::flexisoft::{InputBits, InputMap};

@@ -1,4 +1,5 @@
-//! The driver of the Xsens MTi against the simulator's device, which was written from the specification alone.
+//! The driver of the Xsens MTi against the simulator's device, which was written from the description of the format
+//! alone.
 
 #[allow(dead_code, reason = "each test file uses a part of it")]
 mod sim_support;

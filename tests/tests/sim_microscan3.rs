@@ -1,21 +1,22 @@
 //! A robot that carries a microScan3 in place of the S300: its driver against the simulator's scanner, whose bytes were
-//! written from the specification alone, and the whole robot on it.
+//! written from the description of the format alone, and the whole robot on it.
 
 #[allow(dead_code, reason = "each test file uses a part of it")]
 mod sim_support;
 
+use floorguard_laboratory::world::record_plan;
 use std::fs::File;
 use std::io::BufReader;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use floorguard_drivers::microscan3::{Configuration, Event, Receiver};
 use floorguard_guard::{Health, Source};
-use floorguard_hosted::executor::{TaskSet, use_virtual_clock};
-use floorguard_hosted::recording::Recording;
-use floorguard_hosted::world::{
-    Observation, Observer, Plan, ReplayAudience, Witnesses, new_shared, replay_recording, run_recorded,
-    run_virtual,
-};
+use floorguard_host::executor::{TaskSet, use_virtual_clock};
+use floorguard_laboratory::world::{Observation, Observer, Plan, run_recorded, run_virtual};
+use floorguard_operator::telemetry::Witnesses;
+use floorguard_recording::Recording;
+use floorguard_recording::replay::{ReplayAudience, replay_recording};
+use floorguard_robot::assembly::new_shared;
 use floorguard_runtime::configuration::ScannerModel;
 use floorguard_runtime::io::{DatagramReceiver, Received};
 use floorguard_runtime::shared::PeopleReport;
@@ -152,7 +153,7 @@ fn health_without(block: Option<usize>) -> Health {
     simulation(2_751).advance_to(200_000, &mut |event| {
         let Some(bytes) = bytes_of(&event, Stream::ScannerData) else { return };
         let mut bytes = bytes.to_vec();
-        // Wire-formats 3.2: behind the datagram's 24 bytes the first piece begins with the message's header.
+        // Behind the datagram's 24 bytes the first piece begins with the message's header.
         let is_first = bytes[24] == b'V' && bytes[16..20] == [0; 4];
         if let Some(place) = block.filter(|_| is_first) {
             bytes[24 + place..24 + place + 4].fill(0);
@@ -209,7 +210,7 @@ fn a_recording_of_it_is_replayed_to_the_bit() {
     let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
     let mut observer = Observer::new(&plan, &mut show);
     let mut witnesses = Witnesses::default();
-    witnesses.record(&plan, &path).unwrap();
+    record_plan(&mut witnesses, &plan, &path).unwrap();
     run_recorded(&plan, &mut observer, &mut witnesses).unwrap();
     let digest = observer.into_observation().verdict.digest;
     let mut recording = Recording::new(BufReader::new(File::open(&path).unwrap()));

@@ -1,5 +1,5 @@
-//! The safety scanner's driver against the simulator's scanner, whose bytes were written from the specification alone.
-//! Ranges are judged by plane geometry of a room.
+//! The safety scanner's driver against the simulator's scanner, whose bytes were written from the description of the
+//! format alone. Ranges are judged by plane geometry of a room.
 
 #[allow(dead_code, reason = "each test file uses a part of it")]
 mod sim_support;
@@ -7,8 +7,9 @@ mod sim_support;
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use floorguard_drivers::s300::{Bit13, Configuration, Counters, Event, Receiver, TelegramError};
 use floorguard_guard::{Health, Source};
-use floorguard_hosted::executor::{TaskSet, use_virtual_clock};
-use floorguard_hosted::world::{Plan, new_shared};
+use floorguard_host::executor::{TaskSet, use_virtual_clock};
+use floorguard_laboratory::world::Plan;
+use floorguard_robot::assembly::new_shared;
 use floorguard_runtime::tasks::scanner_input;
 use floorguard_sim::Scenario;
 use floorguard_sim::faults::{FaultLayer, FaultSpec};
@@ -80,7 +81,7 @@ fn heard(scenario: &Scenario, seed: u64, seconds: f64, faults: &[&str]) -> (Vec<
     (told, receiver.counters())
 }
 
-/// Bearing of a beam in the scanner's frame: wire-formats 2.1.
+/// Bearing of a beam in the scanner's frame: book, SICK S300: Line.
 fn beam_rad(beam: usize) -> f64 {
     (-135.0 + 0.5 * beam as f64).to_radians()
 }
@@ -114,7 +115,7 @@ fn every_beam_of_a_standing_robot_is_the_wall() {
 }
 
 /// The simulator's mirror passes the middle beam 15 ms after the begin of each cycle of 40 ms. The driver may take a
-/// scan for older than it is, by the doubt about the scanner's own delay (wire-formats 2.1), but not for younger.
+/// scan for older than it is, by the doubt about the scanner's own delay (book, SICK S300: Line), but not for younger.
 #[test]
 fn stamps_are_the_middle_of_the_scan() {
     let (told, _) = heard(&room(START), 2, 4.0, &[]);
@@ -248,7 +249,7 @@ fn a_scanner_with_other_beams_than_configured_is_faulty_and_not_absent() {
     }
 }
 
-/// wire-formats 2.9: values frozen, checksum right, scan number not advancing.
+/// Values frozen, checksum right, scan number not advancing.
 #[test]
 fn a_frozen_scan_number_is_counted_and_shown() {
     let mut simulation = Simulation::new(&room(START), 5).unwrap();

@@ -1,5 +1,5 @@
-//! The lidar's driver against the simulator's lidar, whose bytes were written from the specification alone. Ranges are
-//! judged by plane geometry of a room, not by anybody's ray caster.
+//! The lidar's driver against the simulator's lidar, whose bytes were written from the description of the format alone.
+//! Ranges are judged by plane geometry of a room, not by anybody's ray caster.
 
 #[allow(dead_code, reason = "each test file uses a part of it")]
 mod sim_support;
@@ -29,7 +29,7 @@ const NOISE_END_M: f64 = 0.027_72;
 /// A count is 2 mm; azimuths are whole hundredths of a degree, cut by the sensor and rounded by the driver: two of them
 /// at 6 m under the flattest angle of this room are 5 mm.
 const GRID_M: f64 = 0.006;
-/// wire-formats 1.2: from packet to packet, ns.
+/// From packet to packet, ns.
 const PACKET_NS: u64 = 1_327_104;
 /// 600 rpm: hundredths of a degree a microsecond.
 const CDEG_PER_US: f64 = 0.36;
@@ -65,7 +65,7 @@ fn returns_of(bytes: &[u8], of: ReturnsOf) -> Vec<Return> {
     found
 }
 
-/// Elevation of a laser, degrees: wire-formats 1.3, written down again.
+/// Elevation of a laser, degrees (book, Velodyne: Laser angles), written down again.
 fn elevation_deg(laser: u8) -> f64 {
     let ring = if laser.is_multiple_of(2) { laser / 2 } else { 8 + (laser - 1) / 2 };
     -15.0 + 2.0 * f64::from(ring)
@@ -349,7 +349,7 @@ fn dual_return_gives_the_same_room() {
             errors.push(f64::from(echo.distance_raw) * 0.002 - range_m);
         }
         if let Some(last_us) = last.replace(packet.stamp.as_micros()) {
-            assert!((663..=665).contains(&(packet.stamp.as_micros() - last_us)), "wire-formats 1.2");
+            assert!((663..=665).contains(&(packet.stamp.as_micros() - last_us)), "a packet lasts 664 µs");
         }
     }
     judge("dual", &errors);

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use floorguard_hosted::metrics::MotAccumulator;
+use floorguard_laboratory::metrics::MotAccumulator;
 use floorguard_tests::data::recording;
 
 /// left, top, width, height, pixels.

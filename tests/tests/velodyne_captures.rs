@@ -4,7 +4,7 @@ use std::io::{Cursor, Write as _};
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use floorguard_hosted::capture::{Capture, CaptureError, Datagram};
+use floorguard_recording::capture::{Capture, CaptureError, Datagram};
 
 /// IPv4 and UDP around a payload, from 192.168.1.201:2368 to port 2368.
 fn ip_packet(payload: &[u8], fragment: u16) -> Vec<u8> {

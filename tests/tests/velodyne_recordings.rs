@@ -7,7 +7,7 @@ use floorguard_drivers::velodyne::{
     DecodeError, Decoder, Gprmc, Model, ModelChoice, Packet, PositionPacket, PpsState, Returns, ReturnsOf,
     SweepBuilder,
 };
-use floorguard_hosted::capture::{Capture, CaptureError};
+use floorguard_recording::capture::{Capture, CaptureError};
 use floorguard_tests::data::recording;
 use floorguard_types::sensing::Sweep;
 use floorguard_types::time::Stamp;
@@ -127,7 +127,7 @@ fn integers_of_every_revolution_equal_the_key() {
     }
 }
 
-/// The two azimuth rules of wire-formats 1.5.
+/// The two azimuth rules of the book, Velodyne: Azimuth.
 #[derive(Clone, Copy, PartialEq)]
 enum AzimuthRule {
     /// Ours: from each block to its successor; the last takes the gap before.
@@ -186,7 +186,7 @@ fn points_of_every_recording_equal_an_independent_decoder() {
                 let found = [point.x_m, point.y_m, point.z_m].map(f64::from);
                 let (ours, theirs) = expected.next().expect("as many as in the bytes");
                 let off_m = [0, 1, 2].map(|axis| (found[axis] - ours[axis]).abs());
-                // 10 micrometres (wire-formats 1.11), and single precision far away.
+                // 10 micrometres (book, Velodyne: Test packets), and single precision far away.
                 let limit_m = 1.0e-5 + f64::from(each.distance_raw) * 0.002 * 5.0e-7;
                 assert!(off_m.into_iter().all(|off_m| off_m < limit_m), "{name}: {each:?} against {ours:?}");
                 worst_m = worst_m.max((ours[0] - theirs[0]).hypot(ours[1] - theirs[1]));

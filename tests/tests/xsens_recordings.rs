@@ -97,7 +97,7 @@ fn identifier(item: &Item<'_>) -> u16 {
     item.kind | frame | format
 }
 
-/// wire-formats 5.3: whole numbers, and structures of satellite receivers that are skipped.
+/// Whole numbers, and structures of satellite receivers that are skipped.
 fn is_number_list(kind: u16) -> bool {
     !matches!(kind, 0x1010..=0x1070 | 0x3010 | 0x7010 | 0x7020 | 0xE010 | 0xE020)
 }
@@ -241,7 +241,7 @@ fn typed(kind: u16, measurement: &Measurement) -> Option<Vec<f64>> {
     }
 }
 
-/// The specification leaves the order of the matrix open; the quaternion of the same message settles it.
+/// The manual leaves the order of the matrix open; the quaternion of the same message settles it.
 #[test]
 fn the_rotation_matrix_agrees_with_the_quaternion() {
     let Some(messages) = messages(5) else { return };

@@ -2,8 +2,8 @@
 //!
 //! A particle that has not touched a cell holds no value for it ("lazily instantiated"): it still believes what the
 //! map says. When the brushes of all particles have left a cell, its values fall together into the map again
-//! ("emptying", algorithms I.6 and N.6). So memory and time depend on the brush and the doubt, not on the size of the
-//! floor.
+//! ("emptying", book, Cleaning: Active cells). So memory and time depend on the brush and the doubt, not on the size of
+//! the floor.
 
 use super::dirt_model::CellDirt;
 use floorguard_mapping::{DirtCell, DirtMap, NO_SLOT};

@@ -2,7 +2,7 @@
 //!
 //! Every particle is a pose with its own dirt for the cells under its brush. Localisation doubt is therefore in the
 //! dirt belief by construction: a cell that only some of the possible brushes have swept stays partly dirty
-//! (algorithms I.6, N.6).
+//! (book, Cleaning: Joint belief).
 
 use super::active_cells::{ActiveCell, ActiveCells, Collapse};
 use super::brush_places::BrushPlaces;

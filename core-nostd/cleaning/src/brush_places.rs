@@ -8,7 +8,7 @@ use floorguard_types::geometry::Point2;
 const PLACES_MAX: usize = 48;
 
 /// Cells that hold the middle of some particle's brush. A cell is *active* while one of them is within half a brush
-/// and one cell (AMB-33).
+/// and one cell (book, Cleaning: Active cells).
 #[derive(Clone, Debug)]
 pub struct BrushPlaces {
     cells: heapless::Vec<(i32, i32), PLACES_MAX>,

@@ -2,7 +2,7 @@
 
 use floorguard_types::random::Pcg32;
 
-/// How a step of the brush acts on a cell (algorithms I.3, DEV-18).
+/// How a step of the brush acts on a cell (book, Cleaning: Passes).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ActuatorModel {
     /// Equation (3) of the paper at every update: n = P·d. The assumed cleaning depends on the rate of the filter,
@@ -96,7 +96,7 @@ mod tests {
         left as f32 / 200_000.0
     }
 
-    /// The table of I.3: 1−(1−p/N)^N for the printed equation, exactly p for pass coverage.
+    /// The table of the book, Cleaning: Passes: 1−(1−p/N)^N for the printed equation, exactly p for pass coverage.
     #[test]
     fn pass_coverage_does_not_depend_on_the_step() {
         for (parts, paper) in [(1, 0.9), (2, 0.697_5), (4, 0.639_8), (16, 0.604_3)] {

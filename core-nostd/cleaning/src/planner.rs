@@ -2,7 +2,7 @@
 //!
 //! A cell keeps its row of distances as long as it stays in the policy, so a re-planning costs one search for the
 //! robot and one for every new cell, and the tour starts from the previous one. Without a new cell nothing is solved:
-//! what fell away is only taken out (algorithms I.8).
+//! what fell away is only taken out (book, Cleaning: Re-planning).
 
 use heapless::Vec;
 

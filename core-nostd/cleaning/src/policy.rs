@@ -2,7 +2,7 @@
 //!
 //! A cell is clean if P(dirt > τ) ≤ δ. For a Poisson belief that is one comparison, λ ≤ λ*(τ, δ). Where the belief is
 //! a mixture of particles, its own tail must be small as well: the mean alone hides the particles that missed the
-//! cell (algorithms I.6, I.7). The guarantee is per cell; `joint` shares δ among all dirty cells (AMB-34).
+//! cell (book, Cleaning: Policy). The guarantee is per cell; `joint` shares δ among all dirty cells.
 
 use floorguard_mapping::threshold_rate;
 use floorguard_mapping::{DirtCell, NO_SLOT};

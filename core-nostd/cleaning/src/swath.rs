@@ -1,7 +1,7 @@
 //! What the brush sweeps between two poses, and which part of a cell that is.
 //!
 //! The brush is a bar across the robot. Between two poses it sweeps a quadrilateral; turning on the spot makes the two
-//! bars cross, and the swath is then two triangles (algorithms I.3).
+//! bars cross, and the swath is then two triangles (book, Cleaning: Swath).
 
 use heapless::Vec;
 
@@ -106,7 +106,7 @@ fn crossing(first: [Point2; 2], second: [Point2; 2]) -> Option<Point2> {
     Some(Point2::new(a.x_m + t * (b.x_m - a.x_m), a.y_m + t * (b.y_m - a.y_m)))
 }
 
-/// Crossing-number test (K15).
+/// Crossing-number test (book, Conventions: Point in polygon).
 fn is_inside_outline(corners: &[Point2], point: Point2) -> bool {
     let mut inside = false;
     let mut previous = corners.last().copied().unwrap_or(point);
@@ -172,7 +172,7 @@ fn clipped_area(corners: &[Point2], low: Point2, edge_m: f32) -> f32 {
 mod tests {
     use super::*;
 
-    /// The vector of I.3 (T-20); the same numbers come out of shapely.
+    /// The test values of the book, Cleaning: Swath; the same numbers come out of shapely.
     #[test]
     fn golden_vector() {
         let swath = Swath::Quadrilateral([

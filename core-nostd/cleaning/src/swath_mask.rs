@@ -2,7 +2,7 @@
 //!
 //! A cell has 8 × 8 sub-samples. Remembering them for the present pass makes "newly covered ground" exact when the
 //! brush sweeps the same ground twice, as it does when turning, and makes the belief independent of the step size
-//! (algorithms I.3, `PassCoverage`; error of the share at most 1/64 as a rule).
+//! (book, Cleaning: Swath; error of the share at most 1/64 as a rule).
 
 use super::swath::Swath;
 use floorguard_mapping::GridGeometry;

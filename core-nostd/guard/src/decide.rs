@@ -9,7 +9,7 @@ use crate::protection::{Action, Advice, Cause, CauseRecord, Decision, FaultKind,
 use floorguard_types::geometry::Twist2;
 use floorguard_types::time::Stamp;
 
-/// People reached later than this do not matter yet (algorithms M.3), seconds.
+/// People reached later than this do not matter yet (book, Guard: Collision), seconds.
 const COLLISION_HORIZON_S: f32 = 3.0;
 /// Acceleration counts over at most this long between two decisions, seconds: a late tick is no licence to jump.
 const STEP_MAX_S: f32 = 0.1;
@@ -129,8 +129,9 @@ impl Supervisor {
         self.judge_people((nearest_m, soonest_s, twist.linear_mps.abs()), age_us, now);
     }
 
-    /// Distance and times to the person that matters most (algorithms M.3, FG-REQ-031, FG-REQ-032). What only the doubt
-    /// about a velocity makes a collision slows down and does not stop: else nobody could stand beside the robot.
+    /// Distance and times to the person that matters most (book, Guard: Collision, FG-REQ-031, FG-REQ-032). What only
+    /// the doubt about a velocity makes a collision slows down and does not stop: else nobody could stand beside the
+    /// robot.
     pub(super) fn judge_people(&mut self, people: (f32, [f32; 2], f32), age_us: u64, now: Stamp) {
         let (nearest_m, [soonest_s, doubtful_s], speed_mps) = people;
         let (drive, thresholds) = (self.config.drive, self.config.thresholds);

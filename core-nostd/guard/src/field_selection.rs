@@ -1,4 +1,4 @@
-//! Which field set is watched, and how fast it lets the robot go (algorithms M.1).
+//! Which field set is watched, and how fast it lets the robot go (book, Guard: Field selection).
 //!
 //! The set follows the higher of permitted and measured speed. A larger set must have been watched, and clear, for the
 //! activation time before its speed is allowed; while it is only watched, something inside it holds the speed down

@@ -4,11 +4,11 @@ use crate::protection::{Cause, CauseRecord, GuardConfig, Source, Unit};
 use floorguard_types::geometry::Twist2;
 use floorguard_types::time::{Age, Stamp};
 
-/// Share by which the measured speed may exceed the permitted one (algorithms M.5).
+/// Share by which the measured speed may exceed the permitted one (book, Guard: Motion checks).
 const OVERSPEED_SHARE: f32 = 1.1;
 /// Speeds below this are not overspeed: encoders creep, m/s.
 const OVERSPEED_FLOOR_MPS: f32 = 0.05;
-/// Slip is called after this long, microseconds (algorithms L.1).
+/// Slip is called after this long, microseconds (book, Guard: Motion checks).
 const SLIP_US: u64 = 200_000;
 
 /// A condition that must persist.

@@ -2,12 +2,13 @@
 
 use crate::protection::{Action, Cause, Source};
 
-/// Microseconds without evidence before a stop clears by itself: leave Stop after at least 1.0 s (algorithms M.5, FG-REQ-009).
+/// Microseconds without evidence before a stop clears by itself: leave Stop after at least 1.0 s (book, Guard: Causes,
+/// FG-REQ-009).
 pub const STOP_QUIET_US: u64 = 1_000_000;
 /// The same for a limit: long enough that a flicker of the evidence does not shake the robot.
 pub const LIMIT_QUIET_US: u64 = 500_000;
 
-/// How a cause may clear (architecture 5).
+/// How a cause may clear (book, Guard: Causes).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clear {
     /// By itself, after this many microseconds without evidence.

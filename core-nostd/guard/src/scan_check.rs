@@ -1,10 +1,10 @@
-//! Safety scanner against the fields: one comparison per beam and field (algorithms M.1, N.9).
+//! Safety scanner against the fields: one comparison per beam and field (book, Guard: Scanner check).
 
 use crate::protection::{Blocked, Body, ScanTable};
 use floorguard_types::geometry::Point2;
 use floorguard_types::sensing::{BeamReturn, Scan};
 
-/// Share of silent beams that counts as blocked, percent (algorithms M.1).
+/// Share of silent beams that counts as blocked, percent (book, Guard: Blind sectors).
 pub const SILENT_PERCENT_MAX: f32 = 5.0;
 /// Angle of adjacent silent beams that counts as blocked, radians: 3°.
 pub const SILENT_RUN_RAD: f32 = 3.0 * floorguard_types::units::RADIANS_PER_DEGREE;

@@ -283,7 +283,8 @@ impl Supervisor {
         }
     }
 
-    /// Two adjacent beams in two consecutive scans stop (algorithms N.9); one scan holds back a larger field.
+    /// Two adjacent beams in two consecutive scans stop (book, Guard: Scanner check); one scan holds back a larger
+    /// field.
     fn judge_scan(&mut self, scan: &Scan, now: Stamp) {
         let thresholds = self.config.thresholds;
         let how = (thresholds.scan_adjacent_beams, &self.body);

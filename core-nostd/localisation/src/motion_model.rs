@@ -38,8 +38,8 @@ impl OdometryStep {
     }
 }
 
-/// Variance coefficients α₁..α₄ of the odometry model (algorithms I.5): turn by turn, turn by drive, drive by drive,
-/// drive by turn. Deviations are the square roots (DEV-21).
+/// Variance coefficients α₁..α₄ of the odometry model (book, Cleaning: Motion noise): turn by turn, turn by drive,
+/// drive by drive, drive by turn. Deviations are the square roots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionNoise {
     /// α₁, rad²/rad².
@@ -56,11 +56,12 @@ impl MotionNoise {
     /// The default of AMCL: 0.2 each.
     pub const AMCL: Self =
         Self { turn_by_turn: 0.2, turn_by_drive: 0.2, drive_by_drive: 0.2, drive_by_turn: 0.2 };
-    /// A small robot with a gyroscope (I.5).
+    /// A small robot with a gyroscope (book, Cleaning: Motion noise).
     pub const GYROSCOPE: Self =
         Self { turn_by_turn: 0.02, turn_by_drive: 0.02, drive_by_drive: 0.05, drive_by_turn: 0.02 };
-    /// For the errors of I.10 (5 % of the way, 0.02 rad/m, 3 % of the turn) at steps of 0.1 m, deviations taken 1.6
-    /// times as large. Too tight a model loses the robot after slip; too wide a one blurs what was cleaned.
+    /// For the errors of the published protocol (5 % of the way, 0.02 rad/m, 3 % of the turn) at steps of 0.1 m,
+    /// deviations taken 1.6 times as large. Too tight a model loses the robot after slip; too wide a one blurs what was
+    /// cleaned.
     pub const MEASURED: Self =
         Self { turn_by_turn: 0.0025, turn_by_drive: 0.01, drive_by_drive: 0.0064, drive_by_turn: 0.0001 };
 

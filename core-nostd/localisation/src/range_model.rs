@@ -1,7 +1,7 @@
 //! How likely a range scan is at a pose: the likelihood field.
 //!
 //! The end of every beam is looked up in the distance field of the map. A beam without a return says nothing here:
-//! it neither confirms nor refutes a place (algorithms I.5).
+//! it neither confirms nor refutes a place (book, Cleaning: Likelihood field).
 
 use floorguard_mapping::DistanceField;
 use floorguard_types::geometry::{Point2, Pose2};
@@ -25,9 +25,9 @@ pub struct RangeModelConfig {
 }
 
 impl RangeModelConfig {
-    /// The published robot: a depth camera used as a scanner (I.5). Narrower than the
-    /// 0.2 m of I.5, for the sensor errs by 0.03 m and the map by half a pixel of 0.05 m; with a b as cautious as there: 3
-    /// instead of 6 lost the robot between furniture, with five times as many bumps and no shorter way.
+    /// The published robot: a depth camera used as a scanner (book, Cleaning: Likelihood field). Narrower than the
+    /// 0.2 m of AMCL, for the sensor errs by 0.03 m and the map by half a pixel of 0.05 m; with a b as cautious as
+    /// there: 3 instead of 6 lost the robot between furniture, with five times as many bumps and no shorter way.
     pub const XTION: Self = Self {
         hit_share: 0.95,
         random_share: 0.05,
@@ -168,7 +168,7 @@ mod tests {
     use floorguard_mapping::{Grid, GridGeometry, fill_distances};
     use std::vec;
 
-    /// T-11.
+    /// The test values of the book, Cleaning: Likelihood field.
     #[test]
     fn golden_likelihoods() {
         let model = RangeModel::new(RangeModelConfig { hit_deviation_m: 0.2, ..RangeModelConfig::XTION });

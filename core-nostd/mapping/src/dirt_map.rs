@@ -5,7 +5,7 @@ use super::grid::Grid;
 /// `DirtCell::slot` of a cell that the particle filter does not hold at the moment.
 pub const NO_SLOT: u16 = u16::MAX;
 
-/// What is believed of one cell. Dirt is counted in units of one sensor hit (algorithms I.1).
+/// What is believed of one cell. Dirt is counted in units of one sensor hit (book, Cleaning: Dirt model).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirtCell {
     /// Mean of the dirt in the cell, λ, units ≥ 0.

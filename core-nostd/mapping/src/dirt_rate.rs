@@ -1,7 +1,7 @@
 //! How fast dirt arrives: a Poisson process in every cell, learned between runs and predicted within them.
 //!
 //! The published work (Hess et al. 2013) is open only as an abstract; this is the conjugate Gamma–Poisson form of
-//! algorithms I.2 (AMB-10, X.3).
+//! the book, Cleaning: Dirt rate.
 
 use super::poisson::{negative_binomial_quantile, threshold_rate};
 
@@ -33,9 +33,9 @@ impl Default for DirtRate {
 }
 
 impl DirtRate {
-    /// The weak prior of I.2: one unit a day, worth one unit of evidence.
+    /// The weak prior (book, Cleaning: Dirt rate): one unit a day, worth one unit of evidence.
     pub const PRIOR: Self = Self { shape: 1.0, hours: 24.0 };
-    /// Share of the evidence that survives a run, so that old habits of the place fade (I.2).
+    /// Share of the evidence that survives a run, so that old habits of the place fade (book, Cleaning: Dirt rate).
     pub const FORGETTING: f32 = 0.95;
 
     /// From the environment model: a mean rate in units per hour, worth `hours` of watching. Values that are not
@@ -113,7 +113,7 @@ pub fn attribute_hits(hits: f32, removals: &mut [f32]) {
 mod tests {
     use super::*;
 
-    /// The vector of I.2 (T-15).
+    /// The test values of the book, Cleaning: Dirt rate.
     #[test]
     fn golden_vector() {
         let run = RunObservation { hours_since_cleaning: 12.0, measured_units: 5.0, observed_share: 0.9 };

@@ -2,7 +2,7 @@
 //! planner.
 //!
 //! Distances are exact between cell centres, in whole centimetres, and end at two metres: a byte a cell. Two passes
-//! bounded by the window of two metres, no queue (algorithms I.5, J.6).
+//! bounded by the window of two metres, no queue (book, Cleaning: Distance field).
 
 use super::grid::Grid;
 use floorguard_types::geometry::Point2;

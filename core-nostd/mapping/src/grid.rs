@@ -88,7 +88,7 @@ impl GridGeometry {
     pub fn coordinates_of(&self, point_in_map: Point2) -> (i32, i32) {
         let x = (point_in_map.x_m - self.origin_in_map.x_m) * self.cells_per_metre;
         let y = (point_in_map.y_m - self.origin_in_map.y_m) * self.cells_per_metre;
-        // `as` saturates, and takes NaN to 0; floor, not truncation, so that −0.5 is outside (DEV-14).
+        // `as` saturates, and takes NaN to 0; floor, not truncation, so that −0.5 is outside.
         (libm::floorf(x) as i32, libm::floorf(y) as i32)
     }
 

@@ -1,7 +1,7 @@
 //! Tails of the Poisson law: how much dirt a cell may still hold.
 //!
 //! The guarantee asks whether the (1−δ) quantile of Poisson(λ) exceeds τ. That is the same as λ > λ*(τ, δ), so one
-//! bisection at start turns the test of every cell into one comparison (algorithms K13).
+//! bisection at start turns the test of every cell into one comparison (book, Cleaning: Poisson tails).
 
 /// Largest rate that the forward recurrence takes: e⁻⁷⁰⁰ is still a normal f64.
 const RATE_MAX: f64 = 700.0;
@@ -74,7 +74,7 @@ pub fn threshold_rate(tolerated_units: u32, delta: f64) -> f64 {
 }
 
 /// Quantile of the negative binomial law that a Poisson rate with Gamma(shape, rate) doubt predicts over `exposure`;
-/// the search ends at 4·mean + 60 (algorithms X.3).
+/// the search ends at 4·mean + 60 (book, Cleaning: Dirt rate).
 #[must_use]
 pub fn negative_binomial_quantile(confidence: f64, shape: f64, rate: f64, exposure: f64) -> u32 {
     if !(shape > 0.0 && rate > 0.0 && exposure > 0.0) {
@@ -98,7 +98,7 @@ pub fn negative_binomial_quantile(confidence: f64, shape: f64, rate: f64, exposu
 mod tests {
     use super::*;
 
-    /// The table of K13, δ = 0.01.
+    /// The table of the book, Cleaning: Poisson tails, δ = 0.01.
     #[test]
     fn threshold_rates_of_the_table() {
         let table = [
@@ -136,7 +136,8 @@ mod tests {
         }
     }
 
-    /// T-14 as a difference of the cumulative law, and values computed with SciPy 1.17 (`poisson.cdf`, `nbinom.ppf`).
+    /// P(4; λ = 3) = 0.168031 as a difference of the cumulative law, and values computed with SciPy 1.17
+    /// (`poisson.cdf`, `nbinom.ppf`).
     #[test]
     fn agrees_with_the_vectors_and_with_scipy() {
         assert!((poisson_cdf(4, 3.0) - poisson_cdf(3, 3.0) - 0.168_031).abs() < 1e-6);

@@ -19,7 +19,7 @@ pub struct FollowConfig {
 }
 
 impl FollowConfig {
-    /// The published robot (I.10).
+    /// The published robot (book, Cleaning: Published protocol).
     pub const ROOMBA: Self = Self { speed_mps: 0.1, turn_radps: 0.6, turn_first_rad: 0.15, arrived_m: 0.012 };
 }
 

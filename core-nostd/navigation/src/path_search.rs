@@ -1,9 +1,9 @@
 //! Shortest collision-free ways over the raster: Dijkstra with circular buckets.
 //!
 //! Steps cost 29 (straight) and 41 (diagonal), which is √2 to 0.03 %. Corners are not cut. Every cell is settled at
-//! most once, so the search ends after as many steps as there are cells (algorithms N.8). A search may end as soon as
-//! what it was asked for is settled, and costs nothing for the rest of the map: cells of an older search are told by
-//! their round.
+//! most once, so the search ends after as many steps as there are cells (book, Cleaning: Path search). A search may end
+//! as soon as what it was asked for is settled, and costs nothing for the rest of the map: cells of an older search are
+//! told by their round.
 
 use floorguard_mapping::GridGeometry;
 

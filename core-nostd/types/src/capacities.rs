@@ -37,38 +37,37 @@ pub const LABELS_ON_BOARD: usize = 4_096;
 pub const TRACKS_MAX: usize = if cfg!(feature = "hosted") { 128 } else { TRACKS_ON_BOARD };
 /// The same on the microcontroller.
 pub const TRACKS_ON_BOARD: usize = 32;
-/// Poses kept for de-skewing and stamping: 1.28 s at 100 Hz (algorithms L.2).
+/// Poses kept for de-skewing and stamping: 1.28 s at 100 Hz (book, Odometry: Pose history).
 pub const POSE_HISTORY: usize = 128;
 /// Vertices of a protective or warning field.
 pub const FIELD_VERTICES_MAX: usize = 16;
 /// Field sets: four speed bins, forward and reverse.
 pub const FIELD_SETS_MAX: usize = 8;
-/// Things of a sweep whose motion is judged; the farthest are dropped first and counted (algorithms H: 256 and 64; the
-/// correspondence compares all pairs).
+/// Things of a sweep whose motion is judged; the farthest are dropped first and counted. The correspondence compares
+/// all pairs.
 pub const MOTION_THINGS_MAX: usize = if cfg!(feature = "hosted") { 256 } else { 64 };
-/// Moving things believed in at once (algorithms Q.1, T_m).
+/// Moving things believed in at once.
 pub const MOTION_TRACKED_MAX: usize = if cfg!(feature = "hosted") { 64 } else { 16 };
 /// Columns along each side of the motion voxels, 0.1 m each; a power of two. Memory: four bytes a column and reference.
 pub const MOTION_VOXEL_SIDE: usize = if cfg!(feature = "hosted") { 256 } else { 128 };
-/// Columns of the widest depth or colour image of the floor: 640 × 480, or 160 × 120 on the MCU (algorithms Q.1).
+/// Columns of the widest depth or colour image of the floor: 640 × 480, or 160 × 120 on the MCU.
 pub const FLOOR_IMAGE_COLUMNS_MAX: usize = if cfg!(feature = "hosted") { 640 } else { 160 };
-/// Points among which the floor is searched when nothing is known: five times those of algorithms B.1.
+/// Points among which the floor is searched when nothing is known: five times those of the published ground plane.
 pub const FLOOR_SEARCH_SAMPLES: usize = if cfg!(feature = "hosted") { 1_024 } else { 512 };
-/// Objects on the floor in one image; the farthest are dropped first and counted (algorithms Q.1).
+/// Objects on the floor in one image; the farthest are dropped first and counted.
 pub const FLOOR_OBJECTS_MAX: usize = if cfg!(feature = "hosted") { 32 } else { 16 };
 /// Connected parts of an image that may be open at once: one can begin at every second column of a row, and on the
 /// target at every second one of a quarter of the columns.
 pub const FLOOR_PARTS_MAX: usize = if cfg!(feature = "hosted") { 1_024 } else { 256 };
 /// Sweeps kept to compare with: the more, the steadier the age of the oldest.
 pub const MOTION_REFERENCES: usize = if cfg!(feature = "hosted") { 3 } else { 2 };
-/// Blocks of 16 × 16 pixels in the largest colour image (algorithms F, capacities).
+/// Blocks of 16 × 16 pixels in the largest colour image.
 pub const FLOOR_BLOCKS_MAX: usize = if cfg!(feature = "hosted") { 1_200 } else { 300 };
-/// Regions of a depth picture in which people are looked for; the farthest are dropped first and counted (algorithms
-/// Q.1, B).
+/// Regions of a depth picture in which people are looked for; the farthest are dropped first and counted.
 pub const RGBD_REGIONS_MAX: usize = if cfg!(feature = "hosted") { 16 } else { 8 };
 /// Provisional names of occupied cells while they are grouped: a byte, 0 for none.
 pub const RGBD_LABELS_MAX: usize = 255;
-/// Heads tried in a region (algorithms Q.1: components times maxima would be 64 and 12; the outline has no components).
+/// Heads tried in a region (the outline has no components).
 pub const RGBD_HEADS_MAX: usize = if cfg!(feature = "hosted") { 16 } else { 8 };
 /// Columns of a region at the size of the silhouette: 3.7 m of a body of 1.75 m.
 pub const RGBD_CROP_COLUMNS: usize = if cfg!(feature = "hosted") { 192 } else { 160 };
@@ -78,11 +77,12 @@ pub const RGBD_CROP_ROWS: usize = 64;
 pub const RGBD_CANDIDATES_MAX: usize = if cfg!(feature = "hosted") { 64 } else { 24 };
 /// People of one depth picture; the farthest are dropped first and counted.
 pub const RGBD_PEOPLE_MAX: usize = if cfg!(feature = "hosted") { 32 } else { 16 };
-/// Things of the shape of a leg in one depth picture (algorithms Q.1, B.3).
+/// Things of the shape of a leg in one depth picture.
 pub const RGBD_LEGS_MAX: usize = if cfg!(feature = "hosted") { 32 } else { 16 };
 /// Things in the band of the legs that may be open at once while a picture is read.
 pub const RGBD_LEG_PARTS_MAX: usize = if cfg!(feature = "hosted") { 512 } else { 192 };
-/// Labelled shapes of each class from which a robot learns: algorithms A.6 keeps 1,005 of each for an SVM; waves need fewer.
+/// Labelled shapes of each class from which a robot learns: the published learner keeps 1,005 of each for an SVM; waves
+/// need fewer.
 pub const LEARNING_SAMPLES: usize = if cfg!(feature = "hosted") { 1_024 } else { 128 };
 /// Labelled shapes of each class by which what was learnt is judged.
 pub const LEARNING_HELD_OUT: usize = if cfg!(feature = "hosted") { 256 } else { 64 };

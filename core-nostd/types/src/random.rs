@@ -1,7 +1,7 @@
 //! Seeded random numbers: PCG32 and the distributions that the cleaning belief draws from.
 //!
-//! The same seed gives the same run on every machine, so every stochastic result can be repeated (algorithms K11).
-//! Every sampler is bounded: no rejection loops.
+//! The same seed gives the same run on every machine, so every stochastic result can be repeated (book, Conventions:
+//! Random numbers). Every sampler is bounded: no rejection loops.
 
 /// PCG-XSH-RR 64/32 (O'Neill 2014). Invariant: `increment` is odd.
 #[derive(Clone, Debug)]

@@ -1,4 +1,4 @@
-//! A classic CAN frame (wire-formats 6.7).
+//! A classic CAN frame (book, CAN frames: Frame).
 
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 

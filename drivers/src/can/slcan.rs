@@ -1,4 +1,4 @@
-//! SLCAN (Lawicel ASCII): one line of text per frame (wire-formats 6.6).
+//! SLCAN (Lawicel ASCII): one line of text per frame (book, CAN frames: SLCAN).
 //!
 //! Stricter than the Python package: a line that is not exactly what its length digit says is refused and counted.
 
@@ -207,7 +207,7 @@ mod tests {
         (found, receiver.counters())
     }
 
-    /// Every vector of wire-formats 6.6, both ways.
+    /// Every example of the book, CAN frames: SLCAN, both ways.
     #[test]
     fn published_vectors() {
         let standard = |id: u16, data: &[u8]| CanFrame::standard(id, data);

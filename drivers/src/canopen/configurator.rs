@@ -8,7 +8,7 @@ use super::script::Script;
 use super::sdo::{SdoAnswer, SdoError, decode_sdo};
 use crate::can::CanFrame;
 
-/// A request is sent again after this silence, microseconds (wire-formats 6.2: 500 to 1,000 ms).
+/// A request is sent again after this silence, microseconds (500 to 1,000 ms are usual; book, CANopen: SDO).
 const ANSWER_US: u64 = 500_000;
 /// Requests for the same step before the node is given up for a while.
 const TRIES_MAX: u8 = 3;

@@ -1,5 +1,5 @@
 //! The part of CANopen (CiA 301) that a robot's master needs: network management, heartbeats, emergencies, expedited
-//! SDO, process data mapping. Wire-formats 6.1, 6.2, 6.4.
+//! SDO, process data mapping. Source: book, CANopen.
 
 mod configurator;
 mod emergency;

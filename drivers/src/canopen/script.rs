@@ -46,7 +46,8 @@ impl Script {
     }
 
     /// Process data of the device: number 0…3, transmission type (1…240: every n-th SYNC, 255: by event), mapped
-    /// objects as index, sub-index and bits packed in 32 bits. Switched off while it is written (wire-formats 6.4).
+    /// objects as index, sub-index and bits packed in 32 bits. Switched off while it is written (book, CANopen: Process
+    /// data).
     #[must_use]
     pub fn transmit(self, node: u8, pdo: u8, (kind, mapped): (u8, &[u32])) -> Self {
         let id = 0x180 + 0x100 * u32::from(pdo & 3) + u32::from(node & 0x7F);
@@ -106,7 +107,7 @@ mod tests {
     use crate::can::CanFrame;
     use std::vec::Vec;
 
-    /// The frames of wire-formats 6.4 for node 5, TPDO1.
+    /// The frames of the book, CANopen: Process data for node 5, TPDO1.
     #[test]
     fn published_mapping() {
         let script =

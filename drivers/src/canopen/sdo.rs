@@ -1,4 +1,4 @@
-//! Expedited SDO: read or write one object of up to four bytes (wire-formats 6.2).
+//! Expedited SDO: read or write one object of up to four bytes (book, CANopen: SDO).
 
 use core::fmt;
 
@@ -223,7 +223,7 @@ mod tests {
         assert_eq!(identity.frame(0x45).standard_id(), Some(0x645));
         assert_eq!(identity.frame(2), CanFrame::standard(0x602, &[0x40, 0x18, 0x10, 1, 0, 0, 0, 0]));
         assert_eq!(decode_sdo(&[0x43, 0x18, 0x10, 1, 4, 0, 0, 0]), Some((0x1018, 1, SdoAnswer::Value(4))));
-        // A multi-turn encoder (wire-formats 4.2).
+        // A multi-turn encoder (book, CANopen: CiA 406 encoders).
         assert_eq!(
             decode_sdo(&[0x43, 0, 0x10, 0, 0x96, 1, 2, 0]),
             Some((0x1000, 0, SdoAnswer::Value(0x0002_0196)))

@@ -1,4 +1,4 @@
-//! Drives of the CiA 402 profile: state machine and controlwords (wire-formats 6.3).
+//! Drives of the CiA 402 profile: state machine and controlwords (book, CANopen: CiA 402 drives).
 
 mod state;
 

@@ -97,7 +97,7 @@ mod tests {
     use super::PowerState::*;
     use super::*;
 
-    /// The examples of wire-formats 6.3, checked there against an independent implementation.
+    /// The examples of the book, CANopen: CiA 402 drives, checked against an independent implementation.
     #[test]
     fn published_statuswords() {
         let table: [(PowerState, &[u16]); 8] = [

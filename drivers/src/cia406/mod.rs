@@ -1,4 +1,4 @@
-//! Encoders of the CiA 406 profile (wire-formats 4.2, 6.5).
+//! Encoders of the CiA 406 profile (book, CANopen: CiA 406 encoders).
 
 mod position;
 mod report;

@@ -13,7 +13,8 @@ impl EncoderReport {
     /// The objects, as written to 1A00h.
     pub const MAPPING: [u32; 2] = [0x6004_0020, 0x6030_0110];
 
-    /// From the payload; `None` when it is shorter than the mapping. A longer one is accepted (wire-formats 6.4).
+    /// From the payload; `None` when it is shorter than the mapping. A longer one is accepted (book, CANopen: Process
+    /// data).
     #[must_use]
     pub const fn decode(payload: &[u8]) -> Option<Self> {
         let &[a, b, c, d, low, high, ..] = payload else { return None };
@@ -25,7 +26,7 @@ impl EncoderReport {
 mod tests {
     use super::*;
 
-    /// Node 20h of wire-formats 6.5.
+    /// Node 20h of the book, CANopen: CiA 406 encoders.
     #[test]
     fn published_vector() {
         let payload = [0x78, 0x56, 0x34, 0x12, 0x9C, 0xFF, 0xAA];

@@ -6,7 +6,7 @@ use floorguard_types::time::{Age, Stamp};
 /// One input of the equivalent kind: both channels 1 in the operating state.
 ///
 /// Either channel at 0 is danger at once. Channels that differ for longer than the discrepancy time are a fault, which
-/// stays until both channels were at 0 (wire-formats 7.1).
+/// stays until both channels were at 0 (book, Safety inputs: Two channels).
 #[derive(Clone, Copy, Debug)]
 pub struct DualChannel {
     discrepancy_us: u64,
@@ -78,7 +78,7 @@ mod tests {
     }
 
     proptest! {
-        /// Against the sentences of wire-formats 7.1, each judged over the whole history.
+        /// Against the rules of the book, Safety inputs: Two channels, each judged over the whole history.
         #[test]
         fn as_the_specification_says(
             steps in proptest::collection::vec((0_u64..80, any::<[bool; 2]>()), 1..60)

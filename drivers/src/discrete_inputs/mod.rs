@@ -1,4 +1,4 @@
-//! Two-channel safety inputs (wire-formats 7.1).
+//! Two-channel safety inputs (book, Safety inputs: Two channels).
 
 mod dual_channel;
 

@@ -9,7 +9,8 @@ use floorguard_types::time::{Age, Stamp};
 use super::map::{IMAGE_OBJECTS, InputBits, InputMap};
 use crate::discrete_inputs::DualChannel;
 
-/// An object that was not sent for this long is not known any more, microseconds (wire-formats 7.1).
+/// An object that was not sent for this long is not known any more, microseconds (book, Safety inputs: Flexi Soft
+/// gateway).
 const OBJECT_AGE_US: u64 = 100_000;
 
 /// One process data object as it arrived last.
@@ -143,7 +144,8 @@ mod tests {
         assert_eq!(pressed.emergency_stop, Active);
     }
 
-    /// The factory mapping puts the inputs of modules 5 to 12 into the second object (wire-formats 4.1).
+    /// The factory mapping puts the inputs of modules 5 to 12 into the second object (book, Safety inputs: Flexi Soft
+    /// gateway).
     #[test]
     fn inputs_in_several_objects_wait_for_all_and_notice_the_loss_of_one() {
         let map = InputMap { bumper_front: InputBits::new([64 + 8, 64 + 9]), ..MAP };
@@ -158,7 +160,7 @@ mod tests {
         assert_eq!(image.take(1, &[0, 1], at(112)).unwrap().bumper_front, Active);
     }
 
-    /// The table of wire-formats 7.1.
+    /// The table of the book, Safety inputs: Two channels.
     #[test]
     fn complementary_channels() {
         let map = InputMap { emergency_stop: InputBits::complementary([0, 1]), ..MAP };

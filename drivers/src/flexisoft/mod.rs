@@ -1,4 +1,4 @@
-//! The gateway of a SICK Flexi Soft safety controller (wire-formats 4.1).
+//! The gateway of a SICK Flexi Soft safety controller (book, Safety inputs: Flexi Soft gateway).
 
 mod image;
 mod map;

@@ -7,9 +7,10 @@ use floorguard_types::time::{Age, Stamp};
 
 use super::fragment::{Fragment, FragmentError};
 
-/// Longest message (wire-formats 3.1): 2,751 beams of four bytes, and everything else that can be sent with them.
+/// Longest message (book, microScan3: Datagrams): 2,751 beams of four bytes, and everything else that can be sent with
+/// them.
 pub const MESSAGE_BYTES_MAX: usize = 16_384;
-/// An incomplete message is given up after this, microseconds (wire-formats 3.1).
+/// An incomplete message is given up after this, microseconds (book, microScan3: Datagrams).
 const AGE_MAX_US: u64 = 100_000;
 /// A piece of a message that is older than the last complete one by fewer than this has been overtaken.
 const OVERTAKEN: u32 = 16;

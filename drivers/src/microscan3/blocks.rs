@@ -1,4 +1,4 @@
-//! The blocks of a message (wire-formats 3.3).
+//! The blocks of a message (book, microScan3: Blocks).
 
 /// Beams of the finest resolution.
 const BEAMS_MAX: usize = 2_751;

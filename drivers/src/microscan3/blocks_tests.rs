@@ -1,4 +1,4 @@
-//! Each bit of the state and of a beam means one thing (wire-formats 3.3).
+//! Each bit of the state and of a beam means one thing (book, microScan3: Blocks).
 
 use super::blocks::{BeamStatus, DeviceStatus};
 

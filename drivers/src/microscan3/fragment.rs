@@ -1,4 +1,4 @@
-//! One datagram: a piece of a message with its place (wire-formats 3.1).
+//! One datagram: a piece of a message with its place (book, microScan3: Datagrams).
 
 /// Bytes of the header.
 const HEADER: usize = 24;

@@ -1,4 +1,4 @@
-//! A whole message as a checked view: header and blocks (wire-formats 3.2).
+//! A whole message as a checked view: header and blocks (book, microScan3: Message header).
 
 use super::blocks::{DeviceStatus, Geometry, Intrusion, Measured};
 
@@ -166,7 +166,8 @@ impl<'a> Message<'a> {
         self.block(INTRUSION).map(Intrusion::new)
     }
 
-    /// Inputs and outputs as they stand on the wire; parts of their layout are not established (wire-formats 3.3).
+    /// Inputs and outputs as they stand on the wire; parts of their layout are not established (book, microScan3:
+    /// Blocks).
     #[must_use]
     pub fn application(&self) -> Option<&'a [u8]> {
         self.block(APPLICATION)

@@ -1,4 +1,4 @@
-//! SICK microScan3, outdoorScan3 and nanoScan3: measured data over UDP (wire-formats 3).
+//! SICK microScan3, outdoorScan3 and nanoScan3: measured data over UDP (book, microScan3).
 //!
 //! The device talks, the host listens. Safety must not depend on this channel alone; the device's own cut-off paths are
 //! the safety channel.

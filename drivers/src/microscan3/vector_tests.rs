@@ -1,4 +1,4 @@
-//! MS3-T1 of wire-formats 3.4, in either order, and what is wrong about each of its bytes.
+//! The test message of the book, microScan3: Test message, in either order, and what is wrong about each of its bytes.
 
 use std::vec::Vec;
 
@@ -155,7 +155,8 @@ fn messages_that_lie_are_refused() {
     assert_eq!(told_of(|bytes| bytes[83] = 0x7F), only(ScanError::Geometry), "more than a turn");
 }
 
-/// Flags of wire-formats 3.3 in all combinations: only "valid" alone is an obstacle and only "infinite" alone is free.
+/// Flags of the book, microScan3: Beams, in all combinations: only "valid" alone is an obstacle and only "infinite"
+/// alone is free.
 #[test]
 fn no_flag_makes_a_blind_beam_free() {
     for flags in 0..64_u8 {

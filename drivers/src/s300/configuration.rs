@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-/// What bit 13 of a measured word means; set in the scanner's own configuration (wire-formats 2.4).
+/// What bit 13 of a measured word means; set in the scanner's own configuration (book, SICK S300: Measured words).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Bit13 {
@@ -29,7 +29,7 @@ pub struct Configuration {
     /// What "no echo" is worth: nothing stands within this range, mm.
     pub free_range_mm: u16,
     /// From the middle of the scan to the last byte of its telegram, µs: 22 ms on the line at 500 kBd and 20 to 45 ms
-    /// within the scanner (wire-formats 2.1).
+    /// within the scanner (book, SICK S300: Line).
     pub delay_us: u64,
     /// Silence within a telegram after which it is given up, µs. Less than the 18 ms between two telegrams at 500 kBd, and
     /// more than a busy Linux computer is late by: a telegram that was cut is recognised by its checksum anyway.

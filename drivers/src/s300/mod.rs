@@ -1,4 +1,4 @@
-//! SICK S300 (and S3000): the continuous data output of its RS-422 line. Wire-formats, section 2.
+//! SICK S300 (and S3000): the continuous data output of its RS-422 line. Source: book, SICK S300.
 //!
 //! The interface needs no command: the scanner talks, the host listens. Safety must not depend on this line alone;
 //! the scanner's own switching outputs are the safety channel.

@@ -1,4 +1,4 @@
-//! From bytes in any portions to scans: searches, waits, checks, resynchronises. Wire-formats 2.6.
+//! From bytes in any portions to scans: searches, waits, checks, resynchronises. Source: book, SICK S300: Receiver.
 
 use floorguard_types::sensing::{BeamReturn, Scan};
 use floorguard_types::time::{Age, Stamp};
@@ -296,7 +296,8 @@ fn is_header(words: u16, flag: u8, address: u8) -> bool {
     flag == 0xff && matches!(address, 7 | 8) && field::WORDS.contains(&words)
 }
 
-/// One measured word; wire-formats 2.4. A word with a bit of `dazzled` says nothing, one without echo is `free`.
+/// One measured word; book, SICK S300: Measured words. A word with a bit of `dazzled` says nothing, one without echo is
+/// `free`.
 fn beam(word: u16, dazzled: u16, free: BeamReturn) -> BeamReturn {
     // Most words are one to this distance without any flag, which one comparison tells; then those without echo.
     if word.wrapping_sub(1) < FARTHEST_CM {
@@ -324,7 +325,7 @@ fn flagged(told: u16, free: BeamReturn) -> BeamReturn {
 mod tests {
     use super::*;
 
-    /// Every word, one rule after the other as wire-formats 2.4 tells them.
+    /// Every word, one rule after the other (book, SICK S300: Measured words).
     #[test]
     fn each_word_means_what_the_format_says() {
         let free = BeamReturn::Free(30_000);

@@ -2,7 +2,7 @@
 
 use crc::{CRC_16_IBM_3740, Crc, Table};
 
-/// Positions in the telegram; wire-formats 2.2.
+/// Positions in the telegram; book, SICK S300: Telegram.
 pub(super) mod field {
     /// Header and data block number: all zero in continuous mode.
     pub const ZEROS: usize = 6;
@@ -107,7 +107,8 @@ pub struct Telegram<'a> {
     bytes: &'a [u8],
 }
 
-/// Bytes from the header to the checksum for each reading of a size field of `words`, shortest first; wire-formats 2.3.
+/// Bytes from the header to the checksum for each reading of a size field of `words`, shortest first; book, SICK S300:
+/// Size field.
 pub(super) fn candidate_lengths(version: u16, words: u16) -> [Option<usize>; 3] {
     let doubled = 2 * usize::from(words);
     let newer = version == 0x0103;

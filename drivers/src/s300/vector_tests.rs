@@ -1,4 +1,4 @@
-//! The specification's telegrams (wire-formats 2.8), as the manufacturer printed them or built from their rules.
+//! The telegrams of the book, SICK S300: Test telegrams, as the manufacturer printed them or built from their rules.
 
 extern crate std;
 use std::vec::Vec;
@@ -16,7 +16,7 @@ fn hex(text: &str) -> Vec<u8> {
         .collect()
 }
 
-/// Head, words, and the two bytes of the checksum that the specification prints.
+/// Head, words, and the two bytes of the checksum that belong to them.
 fn telegram(head: &str, words: impl Iterator<Item = u16>, tail: &str) -> Vec<u8> {
     let mut bytes = hex(head);
     bytes.extend(words.flat_map(u16::to_le_bytes));

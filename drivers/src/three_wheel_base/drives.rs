@@ -274,7 +274,7 @@ mod tests {
         drives.on_report(axis, &[low, high, a, b, c, d], Stamp::ZERO).unwrap()
     }
 
-    /// The frames of wire-formats 6.4, node 5.
+    /// The frames of the book, CANopen: Process data, node 5.
     #[test]
     fn published_frames() {
         let mut drives = Drives::default();

@@ -1,4 +1,4 @@
-//! From microseconds since the top of the sensor's hour to the robot's clock. Wire-formats 1.8.
+//! From microseconds since the top of the sensor's hour to the robot's clock. Source: book, Velodyne: Clock.
 //!
 //! Without PPS the sensor's clock runs free, tens of minutes off, so only its differences are used: the smallest
 //! difference between arrival and sensor time seen so far is the offset (a datagram can only be late), and it may
@@ -15,7 +15,7 @@
 use floorguard_types::time::Stamp;
 
 const HOUR_US: i64 = 3_600_000_000;
-/// Crystals drift by less than 200 ppm (algorithms L.3): nanoseconds of creep per millisecond.
+/// Crystals drift by less than 200 ppm (book, Odometry: Sensor clocks): nanoseconds of creep per millisecond.
 const DRIFT_NS_PER_MS: i64 = 200;
 /// A sensor stamp that runs ahead of the arrivals by more than this, or falls back by more than this, is a clock that
 /// was set (PPS locked or lost).

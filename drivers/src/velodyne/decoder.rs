@@ -154,7 +154,7 @@ struct LastPacket {
     stamp_us: u32,
 }
 
-/// At 1,200 rpm a block turns 80 cdeg; the margin is for a head that overshoots (wire-formats 1.5).
+/// At 1,200 rpm a block turns 80 cdeg; the margin is for a head that overshoots (book, Velodyne: Azimuth).
 const GAP_MAX_CDEG: u16 = 100;
 /// A longer silence is a restart, not a number of lost packets.
 const LOST_MAX: u32 = 750;
@@ -180,7 +180,7 @@ impl Decoder {
     }
 
     /// The same decoder for a lidar that sees the robot itself up to `blind_range_mm`: nearer returns become *unknown*
-    /// in the columns (wire-formats 1.10, item 6); they are no evidence of free space.
+    /// in the columns (book, Velodyne: Checks); they are no evidence of free space.
     #[must_use]
     pub fn with_blind_range_mm(self, blind_range_mm: u16) -> Self {
         Self { blind_range_mm, ..self }
@@ -257,7 +257,8 @@ impl Decoder {
         };
         let packet_us = model.packet_us(packet.is_dual());
         let lost = lost_packets(self.since_accepted_us, packet_us);
-        // The datagram is sent after its last firing; the sensor's stamp is that of the first (wire-formats 1.1).
+        // The datagram is sent after its last firing; the sensor's stamp is that of the first (book, Velodyne: Data
+        // packet).
         let first_firing = arrival.minus_micros(u64::from(packet_us));
         let stamp = self.clock.stamp(packet.stamp_us(), first_firing);
         self.since_accepted_us = Some(0);
@@ -271,7 +272,7 @@ impl Decoder {
     fn step_us(&self, packet: &Packet<'_>) -> Result<Option<u32>, DecodeError> {
         let Some(last) = self.last else { return Ok(None) };
         let stamp_us = packet.stamp_us();
-        // Stamps reach a second into the next hour (wire-formats 1.8), so both are taken modulo the hour.
+        // Stamps reach a second into the next hour (book, Velodyne: Clock), so both are taken modulo the hour.
         let step_us =
             (u64::from(stamp_us) + 2 * u64::from(HOUR_US) - u64::from(last.stamp_us)) % u64::from(HOUR_US);
         let step_us = u32::try_from(step_us).unwrap_or(0);

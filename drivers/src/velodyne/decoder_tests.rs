@@ -97,7 +97,7 @@ fn a_clock_that_is_set_costs_no_packet() {
 
 #[test]
 fn the_hour_rolls_over_even_when_the_sensor_is_late_with_it() {
-    // Stamps up to 3600.06 s have been seen (wire-formats 1.8).
+    // Stamps up to 3600.06 s have been seen (book, Velodyne: Clock).
     for (before, after) in [(3_599_999_500, 827), (3_600_060_000, 61_327)] {
         let mut decoder = Decoder::new(ModelChoice::Auto);
         let first = Stamp::from_micros(50_000_000);

@@ -1,7 +1,8 @@
 //! The sentence of a satellite receiver, as the lidar passes it on: `$GPRMC`, NMEA 0183.
 //!
 //! A lidar without a receiver sends one too, beginning at 2000-01-01, and week numbers roll over: the date is not
-//! given at all, and nothing may be used unless [`Gprmc::is_valid`] and the PPS is locked (wire-formats 1.8, 8).
+//! given at all, and nothing may be used unless [`Gprmc::is_valid`] and the PPS is locked (book, Velodyne: Position
+//! packet).
 
 /// Time of day and place.
 #[derive(Clone, Copy, Debug, PartialEq)]

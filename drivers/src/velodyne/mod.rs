@@ -1,6 +1,6 @@
 //! Velodyne lidars: VLP-16 and LITE, Puck Hi-Res, VLP-32C, HDL-32E. Bytes of a datagram in, columns of a sweep out.
 //!
-//! Source of formats, angles and times: wire-formats, section 1.
+//! Source of formats, angles and times: book, Velodyne.
 
 mod clock;
 mod columns;

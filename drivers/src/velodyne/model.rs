@@ -1,4 +1,4 @@
-//! What differs between the models: angles, times, units. Wire-formats 1.2, 1.3, 1.9.
+//! What differs between the models: angles, times, units. Source: book, Velodyne.
 
 use floorguard_types::capacities::PACKET_RINGS_MAX;
 use floorguard_types::units::radians;
@@ -215,7 +215,7 @@ mod tests {
         assert_eq!(Model::from_product_byte(0x23), None);
     }
 
-    /// Wire-formats 1.2: the early VLP-16 calls itself an HDL-32E, its packets come less than half as often.
+    /// The early VLP-16 calls itself an HDL-32E, its packets come less than half as often.
     #[test]
     fn the_time_between_packets_tells_an_early_model() {
         for (period_us, model) in [
@@ -233,7 +233,7 @@ mod tests {
         assert_eq!(detect_model(0x99, 1_327), None);
     }
 
-    /// Wire-formats 1.9: even channels of an HDL-32E rise from the bottom in steps of 4/3°, odd ones from -9.33°.
+    /// Even channels of an HDL-32E rise from the bottom in steps of 4/3°, odd ones from -9.33°.
     #[test]
     fn the_lasers_of_an_hdl_32e_rise_in_two_rows() {
         for (row, angles) in (0_u8..).zip(Model::Hdl32E.angles().chunks(2)) {
@@ -244,7 +244,7 @@ mod tests {
         }
     }
 
-    /// Wire-formats 1.9: the lasers of a VLP-32C from the bottom, and where their columns lie: 4.2° to the left or right of
+    /// The lasers of a VLP-32C from the bottom, and where their columns lie: 4.2° to the left or right of
     /// the head's direction, the others 1.4°, even channels to one side and odd ones to the other.
     #[test]
     fn the_lasers_of_a_vlp_32c_lie_in_four_columns() {

@@ -1,4 +1,5 @@
-//! The position packet: temperature, PPS, and the sentence of a satellite receiver. Wire-formats 1.7.
+//! The position packet: temperature, PPS, and the sentence of a satellite receiver. Source: book, Velodyne: Position
+//! packet.
 
 mod field {
     use core::ops::Range;

@@ -1,4 +1,4 @@
-//! The specification's synthetic packets (wire-formats 1.11), built from their rules.
+//! The synthetic packets of the book, Velodyne: Test packets, built from their rules.
 
 extern crate std;
 use std::vec::Vec;
@@ -75,7 +75,7 @@ fn agrees(found: &[Return], expected: &[(u16, u32, f32, f32, f32)]) {
     }
 }
 
-/// The vector's transcription is the specification's: its zlib CRC-32.
+/// The packet was transcribed rightly: its zlib CRC-32.
 fn is_transcribed(bytes: &[u8], crc: u32) {
     assert_eq!(crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(bytes), crc);
 }
@@ -121,7 +121,7 @@ fn t4_uneven_rotation_follows_each_block() {
     let bytes = packet(|block| azimuths[block as usize], &cells, 12_345, [0x38, 0x22]);
     is_transcribed(&bytes, 0x9f74_bd3e);
     let found = returns(Model::Vlp16, &bytes);
-    // The specification's per-block rule, which is ours: to 10 micrometres.
+    // The per-block rule, which is ours: to 10 micrometres.
     let expected = [(248, 9.650211, -0.417962), (288, 9.647058, -0.485323), (448, 9.629746, -0.754495)];
     for (each, (azimuth_cdeg, x_m, y_m)) in found.iter().zip(expected) {
         assert_eq!(each.azimuth_cdeg, azimuth_cdeg);
@@ -282,4 +282,30 @@ proptest::proptest! {
         let _ = decoder.decode(&bytes, Stamp::ZERO);
         let _ = PositionPacket::new_checked(&bytes);
     }
+}
+
+/// Early VLP-16 firmware sends a whole turn in place of 0: the packet means the same.
+#[test]
+fn an_azimuth_of_a_whole_turn_is_zero() {
+    let (mut zero, mut whole) = ([0; 1_206], [0; 1_206]);
+    for (block, azimuth_cdeg) in (35_800_u16..).step_by(40).take(12).enumerate() {
+        let start = 100 * block;
+        for (bytes, turn) in [(&mut zero, 0), (&mut whole, 36_000_u16)] {
+            bytes[start..start + 2].copy_from_slice(&[0xff, 0xee]);
+            let sent = if azimuth_cdeg == 36_000 { turn } else { azimuth_cdeg % 36_000 };
+            bytes[start + 2..start + 4].copy_from_slice(&sent.to_le_bytes());
+            bytes[start + 4..start + 7].copy_from_slice(&[0x10, 0x27, 9]);
+        }
+    }
+    for bytes in [&mut zero, &mut whole] {
+        bytes[1_204..].copy_from_slice(&[0x37, 0x22]);
+    }
+    let decode = |bytes: &[u8]| {
+        let choice = ModelChoice::Fixed(Model::Vlp16);
+        Decoder::new(choice).decode(bytes, Stamp::from_micros(1_000_000)).expect("a packet").0
+    };
+    assert_eq!(decode(&whole), decode(&zero));
+    whole[502..504].copy_from_slice(&36_001_u16.to_le_bytes());
+    let error = Packet::new_checked(&whole).err();
+    assert_eq!(error, Some(PacketError::Azimuth { block: 5, azimuth_cdeg: 36_001 }));
 }

@@ -8,7 +8,8 @@ use floorguard_types::time::Stamp;
 
 use crate::velodyne::HourClock;
 
-/// Ticks of 100 µs after which the clock of the MTi-10 and MTi-100 series starts over: 24 h (wire-formats 5.3).
+/// Ticks of 100 µs after which the clock of the MTi-10 and MTi-100 series starts over: 24 h (book, Xsens MTi: Data
+/// items).
 const DAY_TICKS: u32 = 864_000_000;
 const HOUR_TICKS: u64 = 36_000_000;
 const TICK_US: u32 = 100;

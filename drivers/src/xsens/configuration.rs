@@ -16,7 +16,7 @@ pub struct DeviceConfiguration {
 }
 
 impl Default for DeviceConfiguration {
-    /// An MTi-30 on its factory line: 100 Hz at 115,200 baud (wire-formats 5.1).
+    /// An MTi-30 on its factory line: 100 Hz at 115,200 baud (book, Xsens MTi: Frames).
     fn default() -> Self {
         Self { baud: 115_200, product: "MTi-30", rate_hz: 100, latency_us: 1_000 }
     }

@@ -1,4 +1,4 @@
-//! The device as a whole: brought to measure, kept measuring, read (wire-formats 5.2).
+//! The device as a whole: brought to measure, kept measuring, read (book, Xsens MTi: Start-up).
 //!
 //! Samples are delivered in every phase as long as they are whole: a robot that has to wait for an acknowledgement which
 //! some devices never send is worse off than one that uses what it gets.
@@ -13,7 +13,7 @@ use super::item::LocalFrame;
 use super::measurement::{Measurement, MeasurementError};
 use super::start_up::{DevicePhase, Echo, compare, id, profile};
 
-/// Without a fresh sample for this long the start-up begins again, microseconds (wire-formats 5.2).
+/// Without a fresh sample for this long the start-up begins again, microseconds (book, Xsens MTi: Start-up).
 const SILENCE_US: u64 = 1_000_000;
 /// Data bytes of the longest frame that the robot's profile, an answer or a warning needs. A shorter limit than the
 /// protocol's 2,048: a length that noise made too large holds up four samples, not thirty.
@@ -312,7 +312,7 @@ impl Device {
         self.counters.errors = self.counters.errors.saturating_add(1);
         event(DeviceEvent::Error(code));
         if code == ERROR_OVERFLOW {
-            // Asking for the same again would only repeat it (wire-formats 5.5).
+            // Asking for the same again would only repeat it (book, Xsens MTi: Known defects).
             if self.rate_hz / 2 < RATE_MIN_HZ {
                 return self.refuse(DeviceFault::LineTooSlow);
             }

@@ -1,4 +1,4 @@
-//! The start-up of wire-formats 5.2 and the defects of 5.5, against a device played by hand.
+//! The start-up and the known defects of the book, Xsens MTi, against a device played by hand.
 
 use floorguard_types::sensing::ImuSample;
 use floorguard_types::time::Stamp;
@@ -146,7 +146,7 @@ fn frozen_and_incomplete_data_start_over() {
     }
 }
 
-/// wire-formats 5.5: the acknowledgement never comes, but data do.
+/// A known defect: the acknowledgement never comes, but data do.
 #[test]
 fn a_device_that_never_answers_is_used_as_it_is() {
     let mut device = Device::new(115_200);
@@ -198,7 +198,7 @@ fn the_echo_is_compared() {
     assert_eq!(phase_after(|echo| echo[11] = 0), refused);
 }
 
-/// wire-formats 5.5: after error 0x29 less is asked for, and not for ever.
+/// After error 0x29 less is asked for, and not for ever.
 #[test]
 fn a_line_that_is_too_slow_lowers_the_rate_and_then_gives_up() {
     let mut device = measuring(0);

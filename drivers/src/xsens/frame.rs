@@ -1,4 +1,4 @@
-//! Xbus frames (wire-formats 5.1): searched for in any portions of bytes, checked, resynchronised.
+//! Xbus frames (book, Xsens MTi: Frames): searched for in any portions of bytes, checked, resynchronised.
 
 use floorguard_types::time::{Age, Stamp};
 use heapless::Vec;
@@ -213,7 +213,7 @@ mod tests {
         text.split_whitespace().map(|byte| u8::from_str_radix(byte, 16).unwrap()).collect()
     }
 
-    /// Commands and replies of wire-formats 5.4.
+    /// Commands and replies of the book, Xsens MTi: Test frames.
     #[test]
     fn published_frames() {
         let frames = [

@@ -1,4 +1,4 @@
-//! Data items of MTData2 (wire-formats 5.3): identifier, length, numbers in one of four formats.
+//! Data items of MTData2 (book, Xsens MTi: Data items): identifier, length, numbers in one of four formats.
 
 /// How numbers are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -142,7 +142,7 @@ impl<'a> Iterator for Items<'a> {
 mod tests {
     use super::*;
 
-    /// Bits 2 and 3 of the identifier name the frame (wire-formats 5.3).
+    /// Bits 2 and 3 of the identifier name the frame (book, Xsens MTi: Data items).
     #[test]
     fn each_frame_of_reference_has_its_bits() {
         let frame = |bits: u8| {
@@ -161,7 +161,7 @@ mod tests {
         assert_eq!((item(&[1, 2]).whole(1), item(&[1, 2, 3, 4, 5]).whole(5)), (None, None));
     }
 
-    /// Number samples of wire-formats 5.4.
+    /// Examples of the book, Xsens MTi: Number formats.
     #[test]
     fn published_numbers() {
         let near = |format: NumberFormat, bytes: &[u8], value: f64, tolerance: f64| {

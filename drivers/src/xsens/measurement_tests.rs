@@ -1,4 +1,4 @@
-//! The vectors of wire-formats 5.4 and what must be refused.
+//! The frames of the book, Xsens MTi: Test frames, and what must be refused.
 
 use super::frame::FrameReceiver;
 use super::measurement::{Measurement, MeasurementError, NoRotation, StatusWord, UtcTime};
@@ -195,7 +195,7 @@ fn status_bits_stand_where_the_specification_has_them() {
     assert_eq!(clipping, [8, 9, 10, 11, 12, 13, 14, 15, 16, 19]);
 }
 
-/// Each flag of the status word is one bit (wire-formats 5.3).
+/// Each flag of the status word is one bit (book, Xsens MTi: Data items).
 #[test]
 fn each_flag_of_the_status_is_one_bit() {
     type Meaning = fn(StatusWord) -> bool;

@@ -1,4 +1,4 @@
-//! Xsens MTi inertial sensors on a serial line: Xbus frames, MTData2, start-up (wire-formats 5).
+//! Xsens MTi inertial sensors on a serial line: Xbus frames, MTData2, start-up (book, Xsens MTi).
 
 mod clock;
 mod configuration;

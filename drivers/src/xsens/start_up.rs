@@ -1,4 +1,4 @@
-//! The steps that bring a device to measure (wire-formats 5.2), with their requests and patience.
+//! The steps that bring a device to measure (book, Xsens MTi: Start-up), with their requests and patience.
 
 /// How far the start-up is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,7 +25,7 @@ pub enum DevicePhase {
     Refused,
 }
 
-/// Message identifiers (wire-formats 5.2).
+/// Message identifiers (book, Xsens MTi: Start-up).
 pub(super) mod id {
     pub const REQUEST_IDENTIFIER: u8 = 0x00;
     pub const IDENTIFIER: u8 = 0x01;
@@ -57,7 +57,7 @@ pub(super) struct Patience {
     pub then: DevicePhase,
 }
 
-/// An answer that is later than this is asked for again (wire-formats 5.2).
+/// An answer that is later than this is asked for again (book, Xsens MTi: Start-up).
 const ANSWER_US: u64 = 100_000;
 /// Writing the output configuration to the device's memory takes longer.
 const WRITE_US: u64 = 500_000;
@@ -95,8 +95,8 @@ impl DevicePhase {
 /// Bytes of the robot's profile: six items of four.
 const PROFILE_BYTES: usize = 24;
 
-/// The robot's profile (wire-formats 5.4): counter and fine time with every message; quaternion, acceleration and rate
-/// of turn at `rate_hz`; status word with every message.
+/// The robot's profile (book, Xsens MTi: Start-up): counter and fine time with every message; quaternion, acceleration
+/// and rate of turn at `rate_hz`; status word with every message.
 pub(super) const fn profile(rate_hz: u16) -> [u8; PROFILE_BYTES] {
     let [high, low] = rate_hz.to_be_bytes();
     [

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use floorguard_fuzz::{corpus, joined};
-use floorguard_hosted::configuration::EXAMPLE;
+use floorguard_configuration::EXAMPLE;
 use floorguard_tests::fuzz::{files, messages};
 
 /// Files for one target; of a long stream its beginning says enough.

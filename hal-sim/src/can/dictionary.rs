@@ -1,4 +1,4 @@
-//! The object dictionary of a device and its SDO server (wire-formats 6.2).
+//! The object dictionary of a device and its SDO server (book, CANopen: SDO).
 
 use std::collections::BTreeMap;
 
@@ -96,7 +96,7 @@ impl Dictionary {
 mod tests {
     use super::*;
 
-    /// The transfers of wire-formats 6.2.
+    /// The transfers of the book, CANopen: SDO.
     #[test]
     fn transfers_equal_the_vectors() {
         let mut objects = Dictionary::default();

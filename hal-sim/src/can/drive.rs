@@ -1,4 +1,4 @@
-//! A CiA 402 drive: state machine, quick stop, ramps (wire-formats 6.3).
+//! A CiA 402 drive: state machine, quick stop, ramps (book, CANopen: CiA 402 drives).
 //!
 //! Traction follows 60FFh in mm/s of the wheel's rim (profile velocity, mode 3); steering follows 607Ah in thousandths
 //! of a degree, counter-clockwise (profile position, mode 1). Ramps are 6083h, 6084h and 6085h in the same unit a
@@ -188,7 +188,7 @@ impl Drive {
         self.publish_status();
     }
 
-    /// The transitions of wire-formats 6.3; the low four bits of the controlword are the command.
+    /// The transitions of the book, CANopen: CiA 402 drives; the low four bits of the controlword are the command.
     fn next_state(&self, control: u32, rising_reset: bool) -> DriveState {
         use DriveState::{Enabled, Fault, QuickStop, Ready, SwitchOnDisabled, SwitchedOn};
         let command = control & 0x0F;
@@ -268,7 +268,7 @@ mod tests {
         assert_eq!(drive.state(), DriveState::SwitchOnDisabled);
     }
 
-    /// The frames of wire-formats 6.4.
+    /// The frames of the book, CANopen: Process data.
     #[test]
     fn the_written_mapping_is_honoured() {
         let mut drive = enabled();

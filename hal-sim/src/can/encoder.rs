@@ -1,4 +1,4 @@
-//! A CiA 406 absolute encoder on a rear wheel (wire-formats 4.2 and 6.5).
+//! A CiA 406 absolute encoder on a rear wheel (book, CANopen: CiA 406 encoders).
 
 use super::{CanFrame, Node};
 
@@ -70,7 +70,7 @@ mod tests {
         assert_eq!(out, [CanFrame::new(0x1A0, &[0x78, 0x56, 0x34, 0x12, 0x9C, 0xFF])]);
     }
 
-    /// Device type of wire-formats 4.2.
+    /// Device type of the book, CANopen: CiA 406 encoders.
     #[test]
     fn device_type_equals_the_vector() {
         let mut encoder = Encoder::new(5);

@@ -30,7 +30,8 @@ impl CanFrame {
         &self.data[..usize::from(self.len).min(8)]
     }
 
-    /// How long the frame occupies a 500 kbit/s bus at most, microseconds: 55 + 10 bits a byte (wire-formats 0).
+    /// How long the frame occupies a 500 kbit/s bus at most, microseconds: 55 + 10 bits a byte (book, CANopen: Process
+    /// data).
     #[must_use]
     pub fn duration_us(&self) -> u64 {
         (55 + 10 * u64::from(self.len)) * 2

@@ -1,4 +1,4 @@
-//! The safety controller's gateway: the process image of the inputs (wire-formats 4.1 and 7.1).
+//! The safety controller's gateway: the process image of the inputs (book, Safety inputs).
 //!
 //! Factory identifiers, sent every 10 ms while operational. TPDO1 bytes 4–7 are the inputs. Byte 4: bits 0 and 1 the
 //! emergency stop's two channels, 2 and 3 the front bumper's, 4 and 5 the rear bumper's. Byte 5: bit 0 floor seen at

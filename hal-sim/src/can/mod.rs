@@ -1,4 +1,4 @@
-//! The devices on the CAN bus: two drives, two encoders and the safety controller's gateway (wire-formats 4 and 6).
+//! The devices on the CAN bus: two drives, two encoders and the safety controller's gateway (book, CANopen).
 
 mod dictionary;
 mod drive;

@@ -1,4 +1,4 @@
-//! What every CANopen device has: network state, heartbeat, SDO server and mapped process data (wire-formats 6.1, 6.4).
+//! What every CANopen device has: network state, heartbeat, SDO server and mapped process data (book, CANopen).
 //!
 //! The mapping that the master writes is honoured: nothing is sent or understood by default except the boot-up message.
 
@@ -131,7 +131,7 @@ impl Node {
         }
     }
 
-    /// An emergency message (wire-formats 6.1).
+    /// An emergency message (book, CANopen: Identifiers).
     pub fn emergency(&mut self, code: u16, register: u8, out: &mut Vec<CanFrame>) {
         self.objects.set(0x1001, 0, u32::from(register));
         let [low, high] = code.to_le_bytes();
@@ -155,7 +155,7 @@ impl Node {
             0x01 => {
                 self.state = OPERATIONAL;
                 self.next_event_us = [now_us; 4];
-                // Event-driven process data are sent once on entering the state (wire-formats 4.2).
+                // Event-driven process data are sent once on entering the state (book, CANopen: Process data).
                 for pdo in 0..4 {
                     if self.objects.get(0x1800 + pdo, 2) >= 254 {
                         self.send_process_data(pdo, out);

@@ -1,4 +1,4 @@
-//! CAN frames as text: the Lawicel protocol (wire-formats 6.6).
+//! CAN frames as text: the Lawicel protocol (book, CAN frames: SLCAN).
 
 use super::CanFrame;
 use std::fmt::Write;
@@ -79,7 +79,7 @@ fn parse(line: &[u8]) -> Option<CanFrame> {
 mod tests {
     use super::*;
 
-    /// Lines of wire-formats 6.6.
+    /// Lines of the book, CAN frames: SLCAN.
     #[test]
     fn lines_equal_the_vectors() {
         assert_eq!(encode_slcan(&CanFrame::new(0x080, &[])), "t0800\r");

@@ -5,7 +5,7 @@ use floorguard_types::geometry::Point2;
 use floorguard_types::random::Pcg32;
 use serde::Deserialize;
 
-/// Edge of a patch of dirt, metres: a cell of the cleaning belief (algorithms I.1).
+/// Edge of a patch of dirt, metres: a cell of the cleaning belief (book, Cleaning: Dirt model).
 const PATCH_M: f32 = 0.1;
 
 /// A round spill.

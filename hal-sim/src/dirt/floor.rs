@@ -1,14 +1,14 @@
 //! Single specks at places of their own.
 //!
 //! A robot believes in units in cells; the truth counts specks, so that one judges the other. A speck that the brush
-//! passes is picked up with a fixed probability, once a pass (algorithms I.3: the truth always covers whole passes).
+//! passes is picked up with a fixed probability, once a pass (book, Cleaning: Passes).
 
 use floorguard_cleaning::Swath;
 use floorguard_mapping::GridGeometry;
 use floorguard_types::geometry::Point2;
 use floorguard_types::random::Pcg32;
 
-/// After this long without the brush, the next contact is a new pass, s (algorithms I.3).
+/// After this long without the brush, the next contact is a new pass, s (book, Cleaning: Passes).
 const PASS_ENDS_S: f32 = 0.5;
 
 #[derive(Clone, Debug)]

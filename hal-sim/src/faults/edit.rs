@@ -147,7 +147,7 @@ fn change_beams(bytes: &mut [u8], offset: usize, beams: std::ops::Range<usize>, 
     }
 }
 
-/// MTData2 (36h) is a list of items: identifier, length, big-endian data (wire-formats 5.2).
+/// MTData2 (36h) is a list of items: identifier, length, big-endian data (book, Xsens MTi: Data items).
 fn imu(edit: Edit, bytes: &mut [u8]) {
     if edit == Edit::Stranger {
         bytes[1] = 0x01;

@@ -8,7 +8,7 @@ use super::edit::{self, Edit};
 use super::{FaultKind, FaultSpec};
 use crate::simulation::{Payload, Stream, WireEvent};
 
-/// Where a telegram of the scanner tells its size, and what the size leaves out (wire-formats 2.3, rule B).
+/// Where a telegram of the scanner tells its size, and what the size leaves out (rule B; book, SICK S300: Size field).
 const TELEGRAM_SIZE: std::ops::Range<usize> = 6..8;
 const TELEGRAM_EXCLUDED: usize = 8;
 

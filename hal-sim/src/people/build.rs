@@ -38,7 +38,7 @@ impl Build {
     pub const SAME: Self = Self { stature: 1.0, breadth: 1.0, clothes: None };
 
     /// Somebody of a kind. Adults: barefoot stature and breadth over the shoulders of women and men of ANSUR II
-    /// (Gordon et al., 2012 Anthropometric Survey of U.S. Army Personnel, NATICK/TR-15/007, mean and standard
+    /// (Gordon et al. 2014, survey of U.S. Army personnel, NATICK/TR-15/007, mean and standard
     /// deviation, rounded to centimetres) in shoes of 2.5 cm; half of them women. Children are 4 to 10 years old: about
     /// 1.03 m and 6 cm for each further year, ± 5 cm.
     #[must_use]

@@ -1,4 +1,4 @@
-//! Moves people: the social-force model (Helbing and Molnár 1995, with the view cone of Johansson 2007).
+//! Moves people: the social-force model (Helbing and Molnár 1995, with the view cone of Johansson et al. 2007).
 //!
 //! Everybody accelerates towards the wanted velocity within 0.5 s and is pushed away from others, from walls and, who
 //! sees it, from the robot by forces that fall exponentially with the distance of the bodies. Where the forces balance, the
@@ -25,8 +25,8 @@ const ROBOT: (f32, f32) = (3.0, 0.40);
 const BEHIND: f32 = 0.35;
 /// Nobody accelerates harder, m/s².
 const PUSH_MAX: f32 = 6.0;
-/// Bodies that touch push each other apart, m/s² per metre of overlap, and at most this hard, m/s² (Helbing, Farkas and
-/// Vicsek 2000: nobody walks through anybody).
+/// Bodies that touch push each other apart, m/s² per metre of overlap, and at most this hard, m/s² (Helbing et al.
+/// 2000: nobody walks through anybody).
 const CONTACT: (f32, f32) = (150.0, 15.0);
 /// Who squeezes past others is pushed by them only so much.
 const SQUEEZES: f32 = 0.4;

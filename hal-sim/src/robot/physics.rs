@@ -1,4 +1,5 @@
-//! Motion of the three-wheeled base: steered and powered front wheel, encoders on the rear wheels (algorithms L.1, M.2).
+//! Motion of the three-wheeled base: steered and powered front wheel, encoders on the rear wheels (book, Odometry:
+//! Tricycle).
 
 use floorguard_types::geometry::{Pose2, Twist2, wrap_angle};
 
@@ -167,7 +168,7 @@ mod tests {
         RobotBody::new(RobotParameters::default(), Pose2::default())
     }
 
-    /// algorithms M.2: v²/(2b), plus the way before the brake grips.
+    /// v²/(2b), plus the way before the brake grips.
     #[test]
     fn the_brake_takes_the_way_of_the_formula() {
         let mut robot = body();
@@ -184,7 +185,7 @@ mod tests {
         assert_eq!(robot.front_mps(), 0.0);
     }
 
-    /// algorithms L.1: α = atan(ωL/v), v_s = v/cos α.
+    /// α = atan(ωL/v), v_s = v/cos α.
     #[test]
     fn steering_and_rear_wheels_agree() {
         let mut robot = body();

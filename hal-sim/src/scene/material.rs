@@ -20,7 +20,8 @@ pub enum Material {
 }
 
 impl Material {
-    /// Calibrated reflectivity of the VLP-16's scale: 0…100 diffuse, above retro-reflective (wire-formats 1.1).
+    /// Calibrated reflectivity of the VLP-16's scale: 0…100 diffuse, above retro-reflective (book, Velodyne: Data
+    /// packet).
     #[must_use]
     pub const fn reflectivity(self) -> u8 {
         match self {

@@ -1,7 +1,7 @@
 //! A depth camera of the structured-light kind (Kinect, Xtion) with colour: noise, steps, shadows and holes.
 //!
-//! Every picture comes with the truth of every pixel. Source: algorithms E.1 (Nguyen's axial and lateral noise, steps of
-//! the disparity), B.0.
+//! Every picture comes with the truth of every pixel. Source: book, Floor and dirt: Depth noise (axial and lateral
+//! noise of Nguyen et al. 2012, steps of the disparity).
 
 use floorguard_perception::floor::DepthNoise;
 use floorguard_types::geometry::{Pose2, wrap_angle};
@@ -45,8 +45,8 @@ pub struct DepthCamera {
 }
 
 impl DepthCamera {
-    /// The forward camera of the published robot: 0.55 m above the floor (algorithms 0.1), tilted up by 8° so that heads
-    /// are in view from 2.2 m on.
+    /// The forward camera of the published robot: 0.55 m above the floor (Yan et al. 2020a), tilted up by 8° so that
+    /// heads are in view from 2.2 m on.
     pub const FORWARD: Self = Self {
         size: (640, 480),
         focal_px: 525.0,

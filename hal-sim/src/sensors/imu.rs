@@ -1,4 +1,4 @@
-//! Xsens MTi: handshake and measurement data (wire-formats 5).
+//! Xsens MTi: handshake and measurement data (book, Xsens MTi).
 
 use floorguard_types::random::Pcg32;
 
@@ -10,10 +10,11 @@ const PERIOD_US: u64 = 10_000;
 const WAKE_UP_US: u64 = 500_000;
 /// From a reset to the wake-up message.
 const BOOT_US: u64 = 300_000;
-/// Ticks of 100 µs after which the sample time starts over (wire-formats 5.3).
+/// Ticks of 100 µs after which the sample time starts over (book, Xsens MTi: Data items).
 const DAY_TICKS: u64 = 864_000_000;
 const GRAVITY_MPS2: f32 = 9.81;
-/// The robot profile of wire-formats 5.4: counter, fine time, quaternion, acceleration, rate of turn, status word.
+/// The robot profile (book, Xsens MTi: Start-up): counter, fine time, quaternion, acceleration, rate of turn, status
+/// word.
 const PROFILE: [[u8; 4]; 6] = [
     [0x10, 0x20, 0xFF, 0xFF],
     [0x10, 0x60, 0xFF, 0xFF],

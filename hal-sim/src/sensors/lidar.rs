@@ -1,4 +1,4 @@
-//! VLP-16: exact firing times, 2 mm steps, noise, drop-outs, single and dual return (wire-formats 1).
+//! VLP-16: exact firing times, 2 mm steps, noise, drop-outs, single and dual return (book, Velodyne).
 
 use floorguard_types::random::Pcg32;
 
@@ -6,11 +6,11 @@ use super::View;
 use crate::scene::Hit;
 use crate::wire::{DataPacket, ReturnMode, encode_position};
 
-/// Duration of a single-return packet, nanoseconds (wire-formats 1.2).
+/// Duration of a single-return packet, nanoseconds (book, Velodyne: Firing times).
 pub const LIDAR_PACKET_NS: u64 = 1_327_104;
 const FIRING_NS: u64 = 55_296;
 const LASER_NS: u64 = 2_304;
-/// Elevations by laser id, degrees (wire-formats 1.3).
+/// Elevations by laser id, degrees (book, Velodyne: Laser angles).
 const ELEVATIONS_DEG: [f32; 16] =
     [-15.0, 1.0, -13.0, 3.0, -11.0, 5.0, -9.0, 7.0, -7.0, 9.0, -5.0, 11.0, -3.0, 13.0, -1.0, 15.0];
 const RANGE_MIN_M: f32 = 0.45;

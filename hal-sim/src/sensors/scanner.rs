@@ -1,6 +1,6 @@
 //! The safety scanner: what it measures in a turn of its mirror, and its way to the robot's computer.
 //!
-//! An S300 sends a telegram on a serial line (wire-formats 2), a microScan3 a message in datagrams (wire-formats 3).
+//! An S300 sends a telegram on a serial line (book, SICK S300), a microScan3 a message in datagrams (book, microScan3).
 
 use floorguard_types::random::Pcg32;
 
@@ -18,7 +18,7 @@ const CYCLE_US: u64 = 40_000;
 const RUNS_A_SCAN: usize = 9;
 /// From the last beam to the first byte of an S300: the evaluation.
 const PROCESSING_US: u64 = 5_000;
-/// 1,108 bytes of ten bits at 500 kbit/s (wire-formats 2.1), a fifth at a time.
+/// 1,108 bytes of ten bits at 500 kbit/s (book, SICK S300: Line), a fifth at a time.
 const PIECES: usize = 5;
 const BYTE_US: u64 = 20;
 /// From the last beam to the first datagram of a microScan3. No figure is published.

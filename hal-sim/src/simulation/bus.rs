@@ -32,7 +32,7 @@ impl Bus {
         }
     }
 
-    /// The emergency stop cuts the drive's power in hardware (wire-formats 7.1).
+    /// The emergency stop cuts the drive's power in hardware (book, Safety inputs: Two channels).
     #[must_use]
     pub fn power_cut(&self) -> bool {
         self.channels.emergency_stop.contains(&false)

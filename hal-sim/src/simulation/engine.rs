@@ -24,7 +24,7 @@ use crate::wire::ReturnMode;
 
 const STEP_US: u64 = 1_000;
 const PEOPLE_STEP_US: u64 = 10_000;
-/// Once per 14 data packets (wire-formats 1.7).
+/// Once per 14 data packets (book, Velodyne: Position packet).
 const POSITION_US: u64 = 18_579;
 /// From the last firing of a packet to its arrival.
 const ETHERNET_US: u64 = 120;

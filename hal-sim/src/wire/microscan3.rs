@@ -1,4 +1,4 @@
-//! Measured data of the microScan3 family: a message of 52 bytes and blocks, cut into datagrams (wire-formats 3).
+//! Measured data of the microScan3 family: a message of 52 bytes and blocks, cut into datagrams (book, microScan3).
 
 /// Bytes before the piece of a message in a datagram.
 pub const DATAGRAM_HEADER: usize = 24;
@@ -103,7 +103,8 @@ pub fn scan_datagrams(message: &[u8], identification: u32) -> Vec<Vec<u8>> {
 mod tests {
     use super::*;
 
-    /// The blocks of MS3-T1 (wire-formats 3.4) that this encoder writes; the vector's message has others between them.
+    /// The blocks of the test message (book, microScan3: Test message) that this encoder writes; the vector's message
+    /// has others between them.
     #[test]
     fn blocks_equal_the_vector() {
         let header = MessageHeader {

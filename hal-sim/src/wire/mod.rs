@@ -1,4 +1,5 @@
-//! Encoders of the sensors' messages, written from wire-formats 1, 2, 3 and 5.
+//! Encoders of the sensors' messages, written from the chapters on wire formats of the book (book, Velodyne;
+//! book, SICK S300; book, microScan3; book, Xsens MTi).
 
 mod microscan3;
 mod s300;
@@ -13,7 +14,7 @@ pub use s300::{ScanWords, TelegramHeader, encode_telegram, reseal_telegram};
 pub use velodyne::{DataPacket, ReturnMode, encode_position};
 pub use xbus::{XbusParser, encode_message, reseal_message};
 
-/// zlib CRC-32, by which the specification confirms long vectors.
+/// zlib CRC-32, by which long test packets are confirmed.
 #[cfg(test)]
 pub(crate) fn tests_crc32(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(u32::MAX, |crc, byte| {

@@ -1,4 +1,4 @@
-//! SICK S300 continuous data telegrams (wire-formats 2.2 to 2.4).
+//! SICK S300 continuous data telegrams (book, SICK S300).
 
 /// Words of a full scan: 270° in steps of 0.5°.
 pub const BEAMS: usize = 541;
@@ -9,7 +9,7 @@ pub type ScanWords = [u16; BEAMS];
 /// What precedes the measured words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TelegramHeader {
-    /// 0x0102 sizes by rule A, 0x0103 by rule B (wire-formats 2.3).
+    /// 0x0102 sizes by rule A, 0x0103 by rule B (book, SICK S300: Size field).
     pub version: u16,
     /// 0 normal, 1 lock-out.
     pub status: u16,
@@ -60,7 +60,7 @@ mod tests {
     use super::*;
     use crate::wire::tests_crc32;
 
-    /// S300-S1, S2 and S4 of wire-formats 2.8.
+    /// Telegrams S1, S2 and S4 of the book, SICK S300: Test telegrams.
     #[test]
     fn whole_telegrams_equal_the_vectors() {
         let rising: Vec<u16> = (0..541).collect();
@@ -73,7 +73,7 @@ mod tests {
         assert_eq!(tests_crc32(&encode_telegram(s4, &[0x4004; 541])), 0xF9FF_9006);
     }
 
-    /// S6 of wire-formats 2.8: lock-out.
+    /// Telegram S6 of the book, SICK S300: Test telegrams: lock-out.
     #[test]
     fn short_lock_out_telegram_equals_the_vector() {
         let header = TelegramHeader { version: 0x0102, status: 1, scan: 42, telegram: 43 };

@@ -1,4 +1,4 @@
-//! Velodyne VLP-16 data and position packets (wire-formats 1.1 and 1.7).
+//! Velodyne VLP-16 data and position packets (book, Velodyne).
 
 /// Blocks of a packet.
 const BLOCKS: usize = 12;
@@ -86,7 +86,7 @@ mod tests {
 
     const CRC32: fn(&[u8]) -> u32 = crate::wire::tests_crc32;
 
-    /// VLP-T2 of wire-formats 1.11.
+    /// A synthetic packet of the book, Velodyne: Test packets.
     #[test]
     fn single_return_vector() {
         let mut packet = DataPacket::new(ReturnMode::Strongest, 3_599_999_000);
@@ -111,7 +111,7 @@ mod tests {
         assert_eq!(CRC32(&bytes), 0x333C_A698);
     }
 
-    /// VLP-T3 of wire-formats 1.11.
+    /// A synthetic packet of the book, Velodyne: Test packets.
     #[test]
     fn dual_return_vector() {
         let mut packet = DataPacket::new(ReturnMode::Dual, 0);
@@ -133,7 +133,7 @@ mod tests {
         assert_eq!(CRC32(&packet.into_bytes()), 0x960D_7C0D);
     }
 
-    /// VLP-T8 of wire-formats 1.11.
+    /// A position packet of the book, Velodyne: Test packets.
     #[test]
     fn position_vector() {
         let sentence = "$GPRMC,225446,A,4916.45,N,12311.12,W,000.5,054.7,191194,020.3,E*68";

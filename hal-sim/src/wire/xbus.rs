@@ -1,4 +1,4 @@
-//! Xbus frames of the Xsens MTi (wire-formats 5.1).
+//! Xbus frames of the Xsens MTi (book, Xsens MTi: Frames).
 
 /// A frame around the data of a message, at most 254 bytes.
 #[must_use]
@@ -53,7 +53,7 @@ impl XbusParser {
 mod tests {
     use super::*;
 
-    /// Commands and replies of wire-formats 5.4.
+    /// Commands and replies of the book, Xsens MTi: Test frames.
     #[test]
     fn frames_equal_the_vectors() {
         assert_eq!(encode_message(0x30, &[]), [0xFA, 0xFF, 0x30, 0x00, 0xD1]);

@@ -13,7 +13,8 @@ use super::address::{
 };
 use super::reader::Reader;
 
-/// Beams of the finest output of the microScan3 family (wire-formats 3.3); what there is room for is the guard's to say.
+/// Beams of the finest output of the microScan3 family (book, microScan3: Blocks); what there is room for is the
+/// guard's to say.
 const MICROSCAN3_BEAMS: u16 = 2_751;
 
 pub(super) fn read_mounting(section: Reader<'_>) -> Mounting {

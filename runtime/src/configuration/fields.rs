@@ -5,7 +5,7 @@ use floorguard_types::capacities::FIELD_VERTICES_MAX;
 use floorguard_types::geometry::Point2;
 use heapless::Vec;
 
-/// Speed bins per direction of travel (algorithms M.1: up to 0.3, 0.6, 1.0 m/s and above).
+/// Speed bins per direction of travel (book, Guard: Field selection; up to 0.3, 0.6, 1.0 m/s and above).
 pub const FIELD_SPEED_BINS: usize = 4;
 
 /// A polygon in the robot frame, metres, counter-clockwise.

@@ -38,7 +38,7 @@ pub struct Limits {
     pub response_s: f32,
 }
 
-/// How old each source may be before the guard acts, microseconds (algorithms M.5).
+/// How old each source may be before the guard acts, microseconds (book, Guard: Source deadlines).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Deadlines {
     /// Safety scanner: stop.

@@ -8,7 +8,7 @@ use super::can_bus::CanBus;
 /// Bytes taken from the line at once: four frames.
 const PORTION_BYTES: usize = 128;
 
-/// Close, 500 kbit/s, open (wire-formats 6.6).
+/// Close, 500 kbit/s, open (book, CAN frames: SLCAN).
 const OPEN: &[u8] = b"C\rS6\rO\r";
 
 /// An adapter on a serial line.

@@ -13,7 +13,7 @@ use heapless::Vec;
 pub const THINGS_SEEN_MAX: usize = 8;
 /// A sight this old says nothing any more, µs: fifteen frames of a camera at 30 Hz.
 pub const SIGHT_MAX_US: u64 = 500_000;
-/// Lower things are driven over, metres (issue 5: objects of 2 cm; a third less for what the camera misjudges).
+/// Lower things are driven over, metres (book, Guard: Floor camera speed).
 pub const THING_HEIGHT_MIN_M: f32 = 0.014;
 
 /// One thing on the floor.

@@ -4,11 +4,12 @@ use std::io::Read as _;
 use std::time::{Duration, Instant};
 
 use floorguard_cleaning::{ActiveCell, Belief, Distances, EuclideanCells, Evidence, Planner, TourSolver};
-use floorguard_hosted::mission::{CELL_M, Floor, MissionConfig, Robot, Strategy, ros_map};
+use floorguard_laboratory::mission::{MissionConfig, Robot, Strategy};
 use floorguard_localisation::OdometryStep;
 use floorguard_mapping::poisson_tail;
 use floorguard_mapping::{DirtCell, DistanceField, Grid, GridGeometry, fill_distances};
 use floorguard_navigation::{PathSearch, SearchCell};
+use floorguard_robot::site::{CELL_M, Floor, ros_map};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::random::Pcg32;
 

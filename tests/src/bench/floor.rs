@@ -3,9 +3,10 @@
 use std::path::Path;
 use std::time::Instant;
 
-use floorguard_hosted::evaluate::{DepthFile, DirtDetectors, DirtTotals, read_colour, read_depth, read_mask};
+use floorguard_laboratory::evaluate::DirtTotals;
 use floorguard_perception::floor::dirt::PublishedDetector;
 use floorguard_perception::floor::{FloorModel, FloorParameters, ObjectFinder, PixelClass, Plane};
+use floorguard_robot::picture_files::{DepthFile, DirtDetectors, read_colour, read_depth, read_mask};
 use floorguard_types::sensing::{ColorImage, DepthImage, PinholeCamera};
 use floorguard_types::time::Stamp;
 

@@ -3,14 +3,14 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use floorguard_configuration::{EXAMPLE, parse};
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice};
 use floorguard_guard::Supervisor;
-use floorguard_hosted::capture::Datagram;
-use floorguard_hosted::configuration::{EXAMPLE, parse};
+use floorguard_recording::capture::Datagram;
 use floorguard_types::sensing::LidarPacket;
 use floorguard_types::time::Stamp;
 
-/// A decision may take this long, nanoseconds (issue 4 and the guard's own budget).
+/// A decision may take this long, nanoseconds (the guard's own budget).
 pub const DECISION_MAX_NS: f64 = 20_000.0;
 /// From the measurement to the guard, microseconds.
 const DELAY_US: u64 = 200;

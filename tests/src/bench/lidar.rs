@@ -3,11 +3,11 @@
 use std::hint::black_box;
 
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
-use floorguard_hosted::capture::Datagram;
 use floorguard_perception::motion::{MotionDetector, MotionParameters};
 use floorguard_perception::people::{
     Detection, FloorHeight, FloorMask, PeoplePipeline, RingAngles, SweepContext, Tracker, TrackerParameters,
 };
+use floorguard_recording::capture::Datagram;
 use floorguard_types::geometry::{Point3, Pose2, Transform3, Twist2};
 use floorguard_types::sensing::{LidarPacket, Sweep};
 use floorguard_types::time::Stamp;

@@ -5,7 +5,7 @@ use std::hint::black_box;
 use std::path::Path;
 
 use anyhow::Context as _;
-use floorguard_hosted::models::LibsvmModel;
+use floorguard_laboratory::models::LibsvmModel;
 use floorguard_perception::people::{
     Association, FloorHeight, FloorMask, PeoplePipeline, RingAngles, SweepContext,
 };
@@ -313,7 +313,7 @@ fn for_each_return(sweep: &Sweep, height_m: f32, mut act: impl FnMut(usize, usiz
     }
 }
 
-/// Lasers of the wire alternate (wire-formats 1.3).
+/// Lasers of the wire alternate (book, Velodyne: Laser angles).
 const fn laser_of_ring(ring: usize) -> usize {
     if ring < 8 { 2 * ring } else { 2 * (ring - 8) + 1 }
 }

@@ -4,8 +4,9 @@ use std::path::Path;
 use std::time::Duration;
 
 use floorguard_cleaning::{Distances, TourSolver};
-use floorguard_hosted::mission::{Floor, Robot, ros_map};
+use floorguard_laboratory::mission::Robot;
 use floorguard_navigation::{PathSearch, SearchCell};
+use floorguard_robot::site::{Floor, ros_map};
 use floorguard_types::random::Pcg32;
 
 use super::cpu::Stopwatch;

@@ -66,7 +66,7 @@ impl Bounds {
         Point2::new(0.5 * (self.lower.x_m + self.upper.x_m), 0.5 * (self.lower.y_m + self.upper.y_m))
     }
 
-    /// Shared volume over joint volume; 0 for a flat box (algorithms A.2).
+    /// Shared volume over joint volume; 0 for a flat box (book, People: Evaluation).
     #[must_use]
     pub fn overlap(&self, other: &Self) -> f32 {
         let axis = |low: [f32; 2], high: [f32; 2]| (high[0].min(high[1]) - low[0].max(low[1])).max(0.0);

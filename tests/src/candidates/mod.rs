@@ -1,9 +1,9 @@
 //! Which things are people, after the published Table 4: `cargo xtask reproduce candidates`.
 //!
-//! The protocol of algorithms A.2: up to 415 labelled people a scene, a claim is right where its box overlaps a label's by half
-//! of their joint volume, one to one. A claim on somebody who has too few returns for a label is neither right nor wrong; every
-//! other claim without a label is wrong. The scenes are ours, so the published detector runs beside ours on the very same
-//! sweeps: nested rings and the volume test.
+//! The protocol of the book, People: Evaluation: up to 415 labelled people a scene, a claim is right where its box
+//! overlaps a label's by half of their joint volume, one to one. A claim on somebody who has too few returns for a
+//! label is neither right nor wrong; every other claim without a label is wrong. The scenes are ours, so the published
+//! detector runs beside ours on the very same sweeps: nested rings and the volume test.
 
 mod boxes;
 mod misses;
@@ -11,7 +11,7 @@ mod misses;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_hosted::train::built_in_scenes;
+use floorguard_laboratory::train::built_in_scenes;
 use floorguard_perception::people::ring_clusters::{RingLimits, UNGROUPED};
 use floorguard_perception::people::{PeoplePipeline, RingAngles, SweepContext};
 use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;
@@ -25,9 +25,9 @@ pub use misses::Misses;
 
 use crate::crowds::play;
 
-/// Labels of a scene (A.2).
+/// Labels of a scene (book, People: Evaluation).
 const LABELS: u64 = 415;
-/// Share of the joint volume that makes a match (A.2).
+/// Share of the joint volume that makes a match (book, People: Evaluation).
 const OVERLAP_MIN: f32 = 0.5;
 /// Sweeps before the first that counts, and from one to the next: a tracked list needs a second.
 const WARM_UP: u32 = 12;
@@ -39,7 +39,7 @@ pub const SEED: u64 = 40_000;
 /// Published scene: precision, recall.
 const PUBLISHED: [(&str, f64, f64); 3] =
     [("supermarket", 0.31, 0.85), ("airport", 0.38, 0.84), ("warehouse", 0.48, 0.92)];
-/// Issue 4, "It must show".
+/// What this stage must reach.
 const RECALL_MIN: f64 = 0.92;
 const PRECISION_TIMES: f64 = 2.0;
 
@@ -102,7 +102,7 @@ impl Score {
 /// Ours and the published detector's, and whom we missed.
 pub type SweepScores = ([Score; 2], Misses);
 
-/// The published detector: nested rings, then the volume (algorithms A.1, A.2).
+/// The published detector: nested rings, then the volume (book, People: Published clusters; book, People: Candidates).
 fn published(points: &[Option<Point3>], sensor: Point3) -> Vec<Bounds> {
     let relative: Vec<Option<Point3>> = points
         .iter()

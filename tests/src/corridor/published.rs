@@ -1,8 +1,8 @@
 //! The seven published steps as they stand, on plain lists and sets: what ours is compared with, and a second model.
 //!
-//! Algorithms H.4 to H.7 (parameters `paper`): whole clusters, each compared with its predecessor in the sweep before.
-//! Everything is kept in the frame of the odometry, so the robot's own motion (H.5) is in the points. Floor and clusters
-//! are ours (H.2 and H.3 decide nothing here).
+//! The steps of the book, Motion: Published steps (parameters `paper`): whole clusters, each compared with its
+//! predecessor in the sweep before. Everything is kept in the frame of the odometry, so the robot's own motion is in
+//! the points. Floor and clusters are ours (ground and clusters decide nothing here).
 
 use std::collections::BTreeSet;
 
@@ -64,7 +64,7 @@ impl Published {
         reported
     }
 
-    /// H.3 with the crop.
+    /// Clusters within the published crop.
     fn clusters(&self, people: &PeoplePipeline, sweep: &Sweep, context: &SweepContext) -> Vec<Cluster> {
         let mut points: Vec<Vec<Point>> = vec![Vec::new(); people.things().len()];
         let columns = sweep.used_columns();
@@ -87,7 +87,7 @@ impl Published {
         points.into_iter().filter(|points| points.len() >= self.points_min).map(Cluster::new).collect()
     }
 
-    /// H.4: reciprocal neighbours of like volume within reach.
+    /// Reciprocal neighbours of like volume within reach.
     fn predecessor(&self, now: &[Cluster], index: usize) -> Option<usize> {
         let cluster = now.get(index)?;
         let (candidate, distance_m) = nearest(&self.before, cluster.centroid)?;
@@ -100,7 +100,7 @@ impl Published {
         (mutual && alike && distance_m <= gate_m).then_some(candidate)
     }
 
-    /// H.7, step 4 and 5.
+    /// Confidence of the known ones (book, Motion: Confidence).
     fn observe(&mut self, now: &[Cluster]) -> Vec<Point2> {
         let mut reported = Vec::new();
         for (centroid, rest) in &mut self.moving {
@@ -119,7 +119,7 @@ impl Published {
         reported
     }
 
-    /// H.7, step 2 and 3.
+    /// New ones at the end of a chain (book, Motion: Confidence).
     fn believe(&mut self, now: &[Cluster]) {
         for cluster in now.iter().filter(|cluster| cluster.run >= self.parameters.chain) {
             let catch_up_m = f64::from(self.parameters.catch_up_m);
@@ -147,7 +147,7 @@ impl Cluster {
     }
 }
 
-/// H.6: returns in voxels that were empty, with the lattice at the first point of the cluster before.
+/// Returns in voxels that were empty, with the lattice at the first point of the cluster before.
 fn has_changed(before: &Cluster, now: &Cluster, parameters: &MotionParameters) -> bool {
     let origin = before.points.first().copied().unwrap_or_default();
     let voxel = |point: &Point| [0, 1, 2].map(|axis| ((point[axis] - origin[axis]) / VOXEL_M).floor() as i64);

@@ -1,4 +1,4 @@
-//! Detections against the truth: P1's equation 10, and false alarms.
+//! Detections against the truth: equation 10 of Rath et al. 2020, and false alarms.
 
 use floorguard_types::geometry::Point2;
 

@@ -12,7 +12,7 @@ use super::{Moment, Published, Score, World};
 
 /// Half a walker, metres.
 const BODY_M: f32 = 0.3;
-/// Noise of a pose (algorithms H, "GT"): metres and radians.
+/// Noise of a pose (book, Motion: Published steps): metres and radians.
 const POSITION_NOISE_M: f32 = 0.005;
 const HEADING_NOISE_RAD: f32 = 0.1 * std::f32::consts::PI / 180.0;
 

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_hosted::metrics::MotSummary;
+use floorguard_laboratory::metrics::MotSummary;
 use floorguard_perception::people::{Association, TrackerParameters};
 use rayon::prelude::*;
 
@@ -24,7 +24,7 @@ pub use scenes::{CROWDS, CrowdScene, Ways};
 pub const SECONDS: u64 = 30;
 /// First seed.
 const SEED: u64 = 400;
-/// Issue 4, "It must show".
+/// What this stage must reach.
 const MOTA_MIN: f64 = 0.85;
 const SWITCHES_PER_PERSON_MINUTE_MAX: f64 = 1.0;
 const ACQUIRED_S_MAX: f64 = 0.3;

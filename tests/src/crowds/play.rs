@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use floorguard_drivers::s300::{Configuration, Event, Receiver};
 use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, SweepBuilder};
-use floorguard_hosted::metrics::{MotAccumulator, MotSummary};
+use floorguard_laboratory::metrics::{MotAccumulator, MotSummary};
 use floorguard_perception::legs::PeopleByLegs;
 use floorguard_perception::people::{
     PeoplePipeline, RingAngles, SweepContext, Track, TrackStatus, TrackerParameters,
@@ -19,11 +19,11 @@ use super::causes::{Causes, Somebody};
 use super::scenes::CrowdScene;
 use super::sight::shares_in_sight;
 
-/// Who is farther away is not asked for, metres (issue 4).
+/// Who is farther away is not asked for, metres.
 const RANGE_M: f32 = 12.0;
 /// A person less of whom is in sight is hidden: neither missed, nor wrong to know of.
 const SEEN_MIN: f32 = 0.34;
-/// A track farther than this from a person is somebody else, metres (algorithms D, metrics).
+/// A track farther than this from a person is somebody else, metres (book, Tracking: Metrics).
 const GATE_M: f64 = 0.5;
 /// A track this near to a hidden person is not wrong, metres.
 const HIDDEN_M: f32 = 1.0;

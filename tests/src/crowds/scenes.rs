@@ -32,7 +32,7 @@ pub enum Ways {
     Crossing,
 }
 
-/// The crowds of issue 4.
+/// The crowds of the crowd benchmark.
 pub const CROWDS: [CrowdScene; 7] = [
     CrowdScene {
         name: "5 milling",

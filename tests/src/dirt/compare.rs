@@ -1,7 +1,8 @@
 //! Both detectors on the same frames, for one kind of floor and one kind of dirt.
 
-use floorguard_hosted::evaluate::{DirtAnswer, DirtDetectors, DirtFigures, DirtTotals};
+use floorguard_laboratory::evaluate::{DirtFigures, DirtTotals};
 use floorguard_perception::floor::dirt::FloorView;
+use floorguard_robot::picture_files::{DirtAnswer, DirtDetectors};
 use floorguard_sim::floor::{DirtKind, FloorKind, FloorPicture};
 use floorguard_types::sensing::ColorImage;
 use floorguard_types::time::Stamp;

@@ -12,7 +12,7 @@ mod trade;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_hosted::evaluate::DirtFigures;
+use floorguard_laboratory::evaluate::DirtFigures;
 use floorguard_sim::floor::{DirtKind, FloorKind};
 use rayon::prelude::*;
 
@@ -22,7 +22,7 @@ pub use scenes::{Approach, FRAMES, view};
 
 /// Lanes and metres of a hall.
 const HALL: (u32, f32) = (3, 6.0);
-/// Issue 5, "It must show".
+/// What this stage must reach.
 const FOUND_MIN: f64 = 0.9;
 const FALSE_A_100_M2_MAX: f64 = 1.0;
 

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use floorguard_hosted::evaluate::DirtDetectors;
 use floorguard_mapping::GridGeometry;
 use floorguard_mapping::seen_dirt::{DirtSpot, SeenCell, SeenDirtMap, SeenLayer};
+use floorguard_robot::picture_files::DirtDetectors;
 use floorguard_sim::floor::{DirtKind, FloorCamera, FloorKind, FloorScene, Spill};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::random::Pcg32;

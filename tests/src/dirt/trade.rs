@@ -9,7 +9,7 @@ use super::passes::{OFFSETS, Pass};
 
 /// The picture ends here, false spots per 100 m².
 const RATE_MAX: f64 = 12.0;
-/// Issue 5, "It must show".
+/// What this stage must reach.
 const AIM: (f64, f64) = (1.0, 0.9);
 
 /// Part of the spills found, and spots invented per 100 m², for each of the offsets, over all floors.

@@ -3,10 +3,12 @@
 use std::fmt::Write as _;
 
 use floorguard_cleaning::CleanRule;
-use floorguard_hosted::environment::{Calendar, Model, expected_units, teach_cleaning};
-use floorguard_hosted::mission::{Floor, MissionConfig, Robot, Strategy, rooms, run_believing};
+use floorguard_laboratory::mission::{MissionConfig, Robot, Strategy, run_believing};
+use floorguard_laboratory::mission::{expected_units, teach_cleaning};
 use floorguard_mapping::DirtCell;
 use floorguard_mapping::poisson_tail;
+use floorguard_robot::environment::{Calendar, Model};
+use floorguard_robot::site::{Floor, rooms};
 use rayon::prelude::*;
 
 /// Days, the first two with lanes over everything: the first sets the clock, the second shows the rates.

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_hosted::environment::pictures::{Layer, write};
-use floorguard_hosted::environment::{Calendar, Model, Recording, TrackFormat, read_tracks, teach_recording};
+use floorguard_robot::environment::pictures::{Layer, write};
+use floorguard_robot::environment::{Calendar, Model, Recording, TrackFormat, read_tracks, teach_recording};
 
 use crate::data::recording;
 

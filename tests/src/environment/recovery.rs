@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_hosted::environment::{HOURS, PERIODS};
-use floorguard_hosted::mission::pictures::{Series, line_plot};
+use floorguard_laboratory::mission::pictures::{Series, line_plot};
 use floorguard_mapping::environment::{LocalTime, ORDER_MAX, Place, SLICE_S, Tone, WallTime};
+use floorguard_robot::environment::{HOURS, PERIODS};
 use floorguard_types::random::Pcg32;
 
 use super::patterns::Pattern;

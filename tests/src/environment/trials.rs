@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use floorguard_hosted::environment::{HOURS, PERIODS};
 use floorguard_mapping::environment::{HOURS_OF_WEEK, LocalTime, Place, SLICE_S, WallTime};
+use floorguard_robot::environment::{HOURS, PERIODS};
 use floorguard_types::random::Pcg32;
 use rayon::prelude::*;
 

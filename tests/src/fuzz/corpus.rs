@@ -43,7 +43,7 @@ impl Corpus {
 }
 
 /// The scanner's bytes arrive in portions: a telegram begins where six zeros, its block and its size stand
-/// (wire-formats 2.2), here at even distances because the simulated scanner sends one kind only.
+/// (book, SICK S300: Telegram), here at even distances because the simulated scanner sends one kind only.
 fn telegrams(bytes: &[u8]) -> Vec<Vec<u8>> {
     let header = &bytes[..10];
     let distance = (1..bytes.len()).find(|at| bytes[*at..].starts_with(header)).unwrap_or(bytes.len());

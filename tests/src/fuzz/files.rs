@@ -3,8 +3,8 @@
 
 use std::io::Cursor;
 
-use floorguard_hosted::configuration::parse;
-use floorguard_hosted::recording::Recording;
+use floorguard_configuration::parse;
+use floorguard_recording::Recording;
 
 /// A `robot.toml`. A refusal names its file.
 pub fn configuration(bytes: &[u8]) -> u64 {

@@ -2,11 +2,12 @@
 
 use std::io::Cursor;
 
-use floorguard_hosted::recording::Recorder;
+use floorguard_recording::Recorder;
 use floorguard_types::sensing::ImuSample;
 use floorguard_types::time::Stamp;
 
-/// A message of the microScan3 family with a few beams, after wire-formats 3: no simulated device sends one.
+/// A message of the microScan3 family with a few beams, after its wire format (book, microScan3); no simulated device
+/// sends one.
 #[must_use]
 pub fn microscan3_message(beams: u16) -> Vec<u8> {
     let mut bytes = vec![0; 52];

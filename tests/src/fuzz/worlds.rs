@@ -1,8 +1,8 @@
 //! The whole runtime on the virtual clock under anything: several faults at once, at any place, from the first moment.
 #![allow(clippy::missing_panics_doc)] // That they panic at a wrong answer is what they are for.
 
-use floorguard_hosted::campaign::random_fault;
-use floorguard_hosted::world::{Observation, Observer, Plan, run_virtual};
+use floorguard_laboratory::campaign::random_fault;
+use floorguard_laboratory::world::{Observation, Observer, Plan, run_virtual};
 use floorguard_sim::FaultSpec;
 use floorguard_types::random::Pcg32;
 

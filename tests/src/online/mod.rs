@@ -6,7 +6,9 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_hosted::train::{OnlinePlace, OnlineReport, anchors, draw_online, learn_place, random_scenes};
+use floorguard_laboratory::train::{
+    OnlinePlace, OnlineReport, anchors, draw_online, learn_place, random_scenes,
+};
 use floorguard_perception::online_learning::LabelledShape;
 use rayon::prelude::*;
 

@@ -1,6 +1,7 @@
 //! The four environments of Figure 5: two artificial rooms, and two parts of recorded buildings.
 
-use floorguard_hosted::mission::{Floor, Robot, rooms, ros_map};
+use floorguard_laboratory::mission::Robot;
+use floorguard_robot::site::{Floor, rooms, ros_map};
 use floorguard_types::geometry::Point2;
 
 use crate::data::recording;

@@ -3,9 +3,10 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_hosted::mission::pictures::{Series, line_plot};
-use floorguard_hosted::mission::statistics::{mean, paired_t_test};
-use floorguard_hosted::mission::{DirtSource, Floor, StrategyTrials, TrialResult, run_strategies};
+use floorguard_laboratory::mission::pictures::{Series, line_plot};
+use floorguard_laboratory::mission::statistics::{mean, paired_t_test};
+use floorguard_laboratory::mission::{StrategyTrials, TrialResult, run_strategies};
+use floorguard_robot::site::{DirtSource, Floor};
 
 use super::environments::Environment;
 use super::store::Store;

@@ -3,11 +3,10 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_hosted::mission::pictures::{Series, line_plot};
-use floorguard_hosted::mission::statistics::{PairedTest, mean, paired_t_test};
-use floorguard_hosted::mission::{
-    DirtSource, Floor, MissionConfig, Robot, Strategy, StrategyTrials, rooms, run_strategies,
-};
+use floorguard_laboratory::mission::pictures::{Series, line_plot};
+use floorguard_laboratory::mission::statistics::{PairedTest, mean, paired_t_test};
+use floorguard_laboratory::mission::{MissionConfig, Robot, Strategy, StrategyTrials, run_strategies};
+use floorguard_robot::site::{DirtSource, Floor, rooms};
 
 use super::{SEED, protocol};
 

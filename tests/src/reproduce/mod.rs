@@ -1,7 +1,8 @@
 //! The published experiments, repeated in simulation: `cargo xtask reproduce cleaning` and `motion`.
 //!
 //! Every table stands beside the published figures, and every number comes from the missions that were just run. The
-//! protocol of cleaning is that of algorithms I.10; what it leaves open is said in the table that it matters for.
+//! protocol of cleaning is that of the book, Cleaning: Published protocol; what it leaves open is said in the table
+//! that it matters for.
 
 mod environments;
 mod figure_five;
@@ -14,7 +15,7 @@ mod tours;
 
 use std::path::Path;
 
-use floorguard_hosted::mission::{Guarantee, MissionConfig, Strategy};
+use floorguard_laboratory::mission::{Guarantee, MissionConfig, Strategy};
 
 pub use environments::{Environment, environments};
 pub use figure_five::{Cell, FigureFive, figure_five};
@@ -32,8 +33,8 @@ pub const STRATEGIES: [Strategy; 4] =
     [Strategy::Guarantee, Strategy::NoReplanning, Strategy::Systematic, Strategy::Random];
 
 /// Risk that a mission misses the published criterion, the 99 % quantile over the dirty cells. The protocol has thousands
-/// of missions and asks that none fails; δ = 0.01 for each cell alone would let one in four fail with 25 cells (algorithms
-/// I.7, AMB-34).
+/// of missions and asks that none fails; δ = 0.01 for each cell alone would let one in four fail with 25 cells
+/// (book, Cleaning: Mission risk).
 const MISSION_RISK: f64 = 0.001;
 
 /// The published robot and rule, with the risk of a whole mission beside the δ of each cell.

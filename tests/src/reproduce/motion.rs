@@ -1,12 +1,12 @@
 //! The published sweeps of η, ζ and β_max for moving things, repeated: `cargo xtask reproduce motion`.
 //!
-//! Algorithms H, "Metric": one person walks in a corridor, a lidar drives by, poses come from an odometry. The published
-//! steps (`corridor::published`) and ours are judged on the same sweeps.
+//! After Rath et al. 2020: one person walks in a corridor, a lidar drives by, poses come from an odometry. The
+//! published steps (`corridor::published`) and ours are judged on the same sweeps.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_hosted::mission::pictures::{Series, line_plot};
+use floorguard_laboratory::mission::pictures::{Series, line_plot};
 use floorguard_perception::motion::MotionParameters;
 
 use crate::corridor::{Method, Run, Score, judge, record};
@@ -17,7 +17,7 @@ const SEED: u64 = 1_000;
 const SWEEPS: usize = 150;
 /// Published at ζ = 4, β_max = 3, η = 20: percent, and false positives.
 const PUBLISHED: (f64, u32) = (91.42, 6);
-/// What ours must reach at the same values (issue 4), and what the published steps must.
+/// What ours must reach at the same values, and what the published steps must.
 const OURS_MIN: f64 = 95.0;
 const OURS_FALSE_MAX: u32 = 3;
 const PUBLISHED_MIN: f64 = 85.0;

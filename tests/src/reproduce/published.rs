@@ -1,4 +1,4 @@
-//! What was published (algorithms I.10): ten runs of a real robot.
+//! What was published (Hess et al. 2014, table I): ten runs of a real robot.
 
 /// A line of the published Table I.
 pub struct PublishedLine {

@@ -6,7 +6,8 @@
 use std::io::Write as _;
 use std::path::PathBuf;
 
-use floorguard_hosted::mission::{DirtSource, Floor, Robot, TrialResult, rooms, run};
+use floorguard_laboratory::mission::{Robot, TrialResult, run};
+use floorguard_robot::site::{DirtSource, Floor, rooms};
 use floorguard_types::random::Pcg32;
 use serde::{Deserialize, Serialize};
 

@@ -3,11 +3,10 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use floorguard_hosted::mission::pictures::{Series, line_plot};
-use floorguard_hosted::mission::statistics::paired_t_test;
-use floorguard_hosted::mission::{
-    DirtSource, Floor, Guarantee, MissionConfig, Robot, StrategyTrials, rooms, run_strategies,
-};
+use floorguard_laboratory::mission::pictures::{Series, line_plot};
+use floorguard_laboratory::mission::statistics::paired_t_test;
+use floorguard_laboratory::mission::{Guarantee, MissionConfig, Robot, StrategyTrials, run_strategies};
+use floorguard_robot::site::{DirtSource, Floor, rooms};
 
 use super::published::{DISTANCE_RATIO, TABLE_ONE};
 use super::{SEED, STRATEGIES, protocol};

@@ -5,7 +5,8 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
-use floorguard_hosted::world::{Plan, Tape};
+use floorguard_laboratory::world::Plan;
+use floorguard_operator::telemetry::Tape;
 
 use super::black_box::{ReadOut, read_out};
 use super::board::Board;
@@ -129,7 +130,8 @@ pub fn run_faults(image: &Path, program: &Path, which: Which) -> anyhow::Result<
 fn run_fault(image: &Path, program: &Path, fault: &Fault) -> anyhow::Result<Result<String, String>> {
     let plan = Plan::named("crossing", 2, 10_000_000)?;
     let folder = tempfile::tempdir()?;
-    let mut board = Board::start(image, &Tape::new(&plan).finish(), fault.number, folder.path())?;
+    let mut board =
+        Board::start(image, &Tape::new(&plan.robot, plan.duration_us).finish(), fault.number, folder.path())?;
     let mut world = World::new(&plan)?;
     world.looks_around_us = LOOKS_AROUND_US;
     let start = greet(&board)?;

@@ -8,7 +8,8 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
-use floorguard_hosted::world::{Plan, Tape};
+use floorguard_laboratory::world::Plan;
+use floorguard_operator::telemetry::Tape;
 use floorguard_sim::can::{CanFrame, SlcanDecoder, encode_slcan};
 use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
 
@@ -40,7 +41,7 @@ const WINDOW: u32 = 6;
 const DRAIN_US: u64 = 10_000_000;
 /// NMT: stop, all nodes.
 const STOP_ALL_NODES: [u8; 2] = [2, 0];
-/// First process data of the traction drive, node 1 (wire-formats 6.5): control word and target velocity.
+/// First process data of the traction drive, node 1 (book, CANopen: Process data): control word and target velocity.
 const TRACTION_ORDER: u32 = 0x201;
 /// Control word of an enabled operation, in its lowest bits.
 const OPERATE: u8 = 0x0f;
@@ -77,7 +78,8 @@ pub(super) struct World {
 pub fn run(options: &Options) -> anyhow::Result<Outcome> {
     let plan = Plan::named(&options.scenario, options.seed, options.duration_us)?;
     let folder = tempfile::tempdir()?;
-    let mut board = Board::start(&options.image, &Tape::new(&plan).finish(), 0, folder.path())?;
+    let mut board =
+        Board::start(&options.image, &Tape::new(&plan.robot, plan.duration_us).finish(), 0, folder.path())?;
     let mut world = World::new(&plan)?;
     let began = Instant::now();
     let start = greet(&board)?;

@@ -1,6 +1,7 @@
 //! A scene as a tape: six turns of the lidar and fifteen scans of the safety scanner.
 
-use floorguard_hosted::world::{Plan, Tape};
+use floorguard_laboratory::world::Plan;
+use floorguard_operator::telemetry::Tape;
 use floorguard_runtime::tape::TapeLine;
 use floorguard_sim::wire::{DataPacket, ReturnMode, TelegramHeader, encode_telegram};
 
@@ -26,7 +27,7 @@ const ELEVATIONS_DEG: [f32; 16] =
 /// The built-in scenario, whose route leads the tape, is broken.
 pub fn tape_of(scene: &Scene) -> anyhow::Result<Vec<u8>> {
     let plan = Plan::named("empty", 1, TURNS * TURN_US)?;
-    let mut tape = Tape::new(&plan);
+    let mut tape = Tape::new(&plan.robot, plan.duration_us);
     let mut events: Vec<(u64, TapeLine, Vec<u8>)> = Vec::new();
     let mut noise = crate::campaign::Slice { seed: 1, trials: 0..1 }.random(0);
     for packet in 0..TURNS * PACKETS {

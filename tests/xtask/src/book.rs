@@ -1,9 +1,12 @@
 //! What the book, the README and the safety manual say of `cargo xtask` is what it takes.
 
+use std::path::{Path, PathBuf};
+
 use clap::{CommandFactory, Parser};
 
-use crate::Arguments;
+use crate::audit::sources;
 use crate::shell;
+use crate::{Arguments, citations};
 
 const TEXTS: [&str; 6] = [
     "README.md",
@@ -15,16 +18,20 @@ const TEXTS: [&str; 6] = [
 ];
 
 fn texts() -> Vec<(String, String)> {
-    let book = std::fs::read_dir(shell::root().join("docs/src")).expect("the book");
-    let chapters = book.map(|entry| entry.expect("a file").path());
-    let chapters = chapters.filter(|path| path.extension().is_some_and(|extension| extension == "md"));
+    let chapters = pages(&shell::root().join("docs/src")).into_iter();
     let others = TEXTS.iter().map(|name| shell::root().join(name));
-    let read = |path: std::path::PathBuf| {
+    let read = |path: PathBuf| {
         let text =
             std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         (path.display().to_string(), text)
     };
     chapters.chain(others).map(read).collect()
+}
+
+/// All pages below a folder.
+fn pages(folder: &Path) -> Vec<PathBuf> {
+    let files = citations::files(folder).into_iter();
+    files.filter(|path| path.extension().is_some_and(|extension| extension == "md")).collect()
 }
 
 /// Every call in a text: lines between fences, without comments, and code between backquotes.
@@ -79,7 +86,7 @@ fn every_call_is_one() {
 }
 
 /// A chapter as mdbook sees it: what it includes stands in its place.
-fn chapter(path: &std::path::Path) -> String {
+fn chapter(path: &Path) -> String {
     let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let mut parts = text.split("{{#include ");
     let mut whole = parts.next().unwrap_or_default().to_owned();
@@ -102,6 +109,20 @@ fn places(text: &str) -> Vec<String> {
     targets.filter(|target| !target.contains("://") && !target.starts_with('#')).collect()
 }
 
+/// A place that a page links to, from the root of the book; `None` outside of it.
+fn within_the_book(page: &str, place: &str) -> Option<String> {
+    let mut parts: Vec<&str> = page.split('/').collect();
+    parts.pop();
+    for part in place.split('#').next().unwrap_or_default().split('/') {
+        if part == ".." {
+            parts.pop()?;
+        } else {
+            parts.push(part);
+        }
+    }
+    Some(parts.join("/"))
+}
+
 /// mdbook makes pages of what the summary names and of nothing else: a chapter may include a text that lies beside the book,
 /// and must not link to it.
 #[test]
@@ -112,38 +133,37 @@ fn includes_and_links_of_the_book_lead_somewhere() {
     let mut links = 0;
     for name in &chapters {
         for place in places(&chapter(&source.join(name))) {
-            let target = source.join(place.split('#').next().unwrap_or_default());
-            assert!(target.exists(), "{name} links to {place}, which is not there");
-            assert!(!place.starts_with("../"), "{name} links to {place}: a page cannot lead out of the book");
-            let is_chapter = chapters.contains(&place.split('#').next().unwrap_or_default().to_owned());
+            let within = within_the_book(name, &place);
+            let within = within
+                .unwrap_or_else(|| panic!("{name} links to {place}: a page cannot lead out of the book"));
+            assert!(source.join(&within).exists(), "{name} links to {place}, which is not there");
+            let is_chapter = chapters.contains(&within);
             assert!(is_chapter || !place.contains(".md"), "{name} links to {place}, which is no chapter");
             links += 1;
         }
     }
-    for file in std::fs::read_dir(&source).expect("the book").filter_map(Result::ok) {
-        let name = file.file_name().to_string_lossy().into_owned();
-        let listed = chapters.contains(&name) || name == "SUMMARY.md" || !name.ends_with(".md");
-        assert!(listed, "{name} is in no summary");
+    for page in pages(&source) {
+        let name = page.strip_prefix(&source).unwrap_or(&page).to_string_lossy().into_owned();
+        assert!(chapters.contains(&name) || name == "SUMMARY.md", "{name} is in no summary");
     }
     assert!(chapters.len() >= 15 && links >= 10, "{} chapters, {links} links", chapters.len());
 }
 
-/// Who is new looks for the rooms in ARCHITECTURE.md.
+/// Who is new looks for crates and modules in ARCHITECTURE.md.
 #[test]
-fn every_room_is_in_the_architecture() {
+fn every_crate_and_module_is_in_the_architecture() {
     let text = std::fs::read_to_string(shell::root().join("ARCHITECTURE.md")).expect("the architecture");
-    for layer in [
-        "core-nostd/src",
-        "drivers/src",
-        "hal-sim/src",
-        "runtime/src",
-        "runtime/boards/hosted/src",
-        "tests/src",
-    ] {
-        let entries = std::fs::read_dir(shell::root().join(layer)).expect("a layer").filter_map(Result::ok);
-        for room in entries.filter(|entry| entry.path().is_dir()) {
-            let room = room.file_name().to_string_lossy().into_owned();
-            assert!(text.contains(&format!("`{room}`")), "{layer}/{room} is not in ARCHITECTURE.md");
-        }
+    let layers = ["core-nostd", "drivers", "hal-sim", "runtime", "tests"].map(str::to_owned);
+    let mut missing = Vec::new();
+    for one in sources::crates_below(&shell::root(), &layers).expect("the crates") {
+        let folder = format!("{}/src", one.folder);
+        let entries = std::fs::read_dir(shell::root().join(&folder)).into_iter().flatten();
+        let modules = entries.filter_map(Result::ok).filter(|entry| entry.path().is_dir());
+        let names = modules.map(|module| module.file_name().to_string_lossy().into_owned());
+        let names = names.filter(|name| !["tests", "bin"].contains(&name.as_str()));
+        let absent = names.filter(|name| !text.contains(&format!("`{name}`")));
+        missing.extend(absent.map(|name| format!("{folder}/{name}")));
+        missing.extend((!text.contains(&one.folder)).then_some(one.folder));
     }
+    assert!(missing.is_empty(), "not in ARCHITECTURE.md: {missing:?}");
 }

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 
+use crate::audit::sources;
+use crate::facts::facts;
 use crate::shell;
 
 /// Copies what the build needs into `NAME/tree` under the target folder and tells that folder. What was built there before
@@ -36,12 +38,25 @@ pub fn write(path: &Path, text: &str) -> Result<()> {
     fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }
 
-/// The core's library with one more module, which needs the standard library.
-pub fn library_with(module: &str) -> Result<String> {
-    let library = fs::read_to_string(shell::root().join("core-nostd/src/lib.rs"))?;
+/// Adds a module to the crate that every audited crate knows. It needs the standard library, which that crate then has.
+pub fn add_module(tree: &Path, module: &str, text: &str) -> Result<()> {
+    let folder = sources::folder_of(&facts().sources.helpers)?;
+    let library = format!("{folder}/src/lib.rs");
+    let before = fs::read_to_string(shell::root().join(&library)).with_context(|| library.clone())?;
+    write(&tree.join(&library), &library_with(&before, module))?;
+    write(&tree.join(format!("{folder}/src/{module}.rs")), text)
+}
+
+fn library_with(library: &str, module: &str) -> String {
+    let own_name = sources::ident_of(&facts().sources.helpers);
     let library = library.replace("#[cfg(test)]\nextern crate std;", "extern crate std;");
     let std = if library.contains("extern crate std;") { "" } else { "extern crate std;\n" };
-    Ok(format!("{library}\nextern crate self as floorguard_core;\npub mod {module};\n{std}"))
+    format!("{library}\nextern crate self as {own_name};\npub mod {module};\n{std}")
+}
+
+/// How the audited crates name a module that was added.
+pub fn path_of(module: &str) -> String {
+    format!("::{}::{module}", sources::ident_of(&facts().sources.helpers))
 }
 
 fn copy_folder(from: &Path, to: &Path) -> Result<()> {
@@ -60,4 +75,17 @@ fn copy_folder(from: &Path, to: &Path) -> Result<()> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_added_module_is_named_alike_within_and_without_its_crate() {
+        let library = library_with("#![no_std]\n#[cfg(test)]\nextern crate std;\npub mod a;\n", "extra");
+        assert_eq!(library.matches("extern crate std;").count(), 1, "{library}");
+        let own_name = path_of("extra").split("::").nth(1).map(str::to_owned).expect("a crate");
+        assert!(library.contains(&format!("extern crate self as {own_name};\npub mod extra;")), "{library}");
+    }
 }

@@ -10,8 +10,11 @@ mod bench;
 mod book;
 mod campaign;
 mod check_recording;
+#[cfg(test)]
+mod citations;
 mod copied_tree;
 mod counting;
+mod facts;
 mod firmware;
 mod machine;
 mod mutants;
@@ -39,6 +42,8 @@ enum Command {
     Test(test::Options),
     /// Check every claim of the safety evidence and write it to target/audit.
     Audit(audit::Options),
+    /// Let the records of docs/evidence follow code that only moved since a commit.
+    Moved(audit::moved::Options),
     /// Run one of the long campaigns on all cores, or go on where it was cut.
     Campaign(campaign::Options),
     /// Play a scenario on the emulated Cortex-M7 and compare with the host, bit for bit.
@@ -54,17 +59,8 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let outcome = match Arguments::parse().command {
-        Command::Setup => setup::run(),
-        Command::Test(options) => test::run(&options),
-        Command::Audit(options) => audit::run(&options),
-        Command::Campaign(options) => campaign::run(&options),
-        Command::Firmware(options) => firmware::run(&options),
-        Command::Vcan(options) => vcan::run(&options),
-        Command::Bench(options) => bench::run(&options),
-        Command::CheckRecording(options) => check_recording::run(&options),
-        Command::Reproduce(options) => reproduce::run(&options),
-    };
+    let arguments = Arguments::parse();
+    let outcome = facts::check().and_then(|()| run(arguments.command));
     match outcome {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
@@ -72,5 +68,20 @@ fn main() -> ExitCode {
             eprintln!("error: {error:#}");
             ExitCode::from(3)
         }
+    }
+}
+
+fn run(command: Command) -> anyhow::Result<bool> {
+    match command {
+        Command::Setup => setup::run(),
+        Command::Test(options) => test::run(&options),
+        Command::Audit(options) => audit::run(&options),
+        Command::Moved(options) => audit::moved::run(&options),
+        Command::Campaign(options) => campaign::run(&options),
+        Command::Firmware(options) => firmware::run(&options),
+        Command::Vcan(options) => vcan::run(&options),
+        Command::Bench(options) => bench::run(&options),
+        Command::CheckRecording(options) => check_recording::run(&options),
+        Command::Reproduce(options) => reproduce::run(&options),
     }
 }

@@ -7,6 +7,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use clap::Args;
 
+use crate::audit::sources;
 use crate::machine::TARGET;
 use crate::{setup, shell};
 
@@ -23,14 +24,13 @@ type Step = (&'static str, &'static str);
 
 /// Stands in the words of a step for the target of the firmware.
 const ON_TARGET: &str = "TARGET";
+/// Stands in the words of a step for the crates of the core and the drivers.
+const AUDITED: &str = "AUDITED";
 
 const STEPS: &[Step] = &[
     ("format", "fmt --all --check"),
     ("clippy", "clippy --quiet --workspace --all-targets -- --deny warnings"),
-    (
-        "no_std",
-        "build --quiet --package floorguard-core --package floorguard-drivers --package floorguard-runtime --target TARGET",
-    ),
+    ("no_std", "build --quiet AUDITED --package floorguard-runtime --target TARGET"),
     ("tests", "test --workspace --no-fail-fast"),
     ("firmware", "xtask firmware"),
     ("wired", "xtask firmware --wired --duration 5"),
@@ -102,8 +102,14 @@ fn run_step(name: &str, words: &str, count: &mut Count) -> Result<bool> {
 }
 
 /// What cargo is told.
-fn arguments(words: &str) -> impl Iterator<Item = &str> {
-    words.split(' ').map(|word| if word == ON_TARGET { TARGET } else { word })
+fn arguments(words: &str) -> Vec<&str> {
+    let packages = || sources::crates().iter().flat_map(|one| ["--package", one.package.as_str()]).collect();
+    let word = |word| match word {
+        ON_TARGET => vec![TARGET],
+        AUDITED => packages(),
+        word => vec![word],
+    };
+    words.split(' ').flat_map(word).collect()
 }
 
 /// The number that stands before `word`, 0 if there is none.
@@ -122,7 +128,8 @@ mod tests {
     #[test]
     fn the_step_without_a_standard_library_builds_for_the_board() {
         let (_, words) = STEPS.iter().find(|(name, _)| *name == "no_std").expect("a step");
-        assert_eq!(arguments(words).last(), Some(TARGET));
+        assert_eq!(arguments(words).last(), Some(&TARGET));
+        assert!(arguments(words).windows(2).any(|pair| pair == ["--package", "floorguard-guard"]));
     }
 
     #[test]

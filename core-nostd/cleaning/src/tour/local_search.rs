@@ -1,7 +1,7 @@
 //! Exchanges that shorten a tour: 2-opt and Or-opt with neighbour lists and a queue of nodes worth a look.
 //!
 //! First gain wins. A node leaves the queue when none of its exchanges helps, and comes back when an edge of it
-//! changes (algorithms N.7; "don't look bits" of Bentley 1992).
+//! changes (book, Cleaning: Tour; "don't look bits" of Bentley 1992).
 
 use super::cycle::Cycle;
 use super::distances::Distances;

@@ -8,7 +8,7 @@ use super::distances::{Distances, OpenPath};
 use super::local_search::LocalSearch;
 use floorguard_types::random::Pcg32;
 
-/// Looks at nodes, for every node, that the first local search may take (N.7: 50·n improving moves).
+/// Looks at nodes, for every node, that the first local search may take.
 const LOOKS_PER_NODE: u32 = 50;
 /// Rounds of the first local search, whatever the number of nodes.
 const ROUNDS_MAX: u32 = 65_536;
@@ -274,7 +274,7 @@ mod tests {
     use super::*;
     use std::vec::Vec;
 
-    /// N.7 (T-03).
+    /// The test values of the book, Cleaning: Tour.
     #[test]
     fn golden_vector() {
         let points = [(0.0, 0.0), (2.0, 1.0), (0.5, 2.0), (3.0, 3.0), (1.0, 3.5), (2.5, 0.2)];

@@ -2,7 +2,8 @@
 
 use core::fmt;
 
-/// Ordered: the most severe active cause wins (FG-REQ-001). Stop categories after IEC 60204-1 (wire-formats 7.2).
+/// Ordered: the most severe active cause wins (FG-REQ-001). Stop categories after IEC 60204-1 (book, Guard: Stop
+/// categories).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Action {
@@ -39,7 +40,7 @@ impl fmt::Display for Action {
     }
 }
 
-/// The state to show (algorithms M.5). Priority: Latched > Init > Stop > Slow > Run.
+/// The state to show (book, Guard: Causes). Priority: Latched > Init > Stop > Slow > Run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum GuardState {

@@ -1,4 +1,4 @@
-//! Time until the robot would touch a tracked person (algorithms M.3).
+//! Time until the robot would touch a tracked person (book, Guard: Collision).
 
 use super::advice::AdvisedPerson;
 use super::config::{DriveLimits, foremost_m, rearmost_m};
@@ -10,7 +10,7 @@ const PERSON_RADIUS_M: f32 = 0.3;
 const POSITION_SIGMAS: f32 = 2.0;
 /// A person whose disc touches the body is a collision, whatever the direction, metres.
 const TOUCHING_M: f32 = 0.3;
-/// Added to the time to standstill before a person must be reached later (algorithms M.3), seconds.
+/// Added to the time to standstill before a person must be reached later (book, Guard: Collision), seconds.
 const MARGIN_S: f32 = 0.5;
 /// Steps of 0.1 s for a turning robot: three seconds.
 const STEPS: u8 = 30;
@@ -85,7 +85,8 @@ pub const fn is_collision(time_s: f32, distance_m: f32) -> bool {
 }
 
 impl DriveLimits {
-    /// Nobody may be reached sooner than this at a speed: the time to standstill, and a margin (algorithms M.3), seconds.
+    /// Nobody may be reached sooner than this at a speed: the time to standstill, and a margin (book, Guard:
+    /// Collision), seconds.
     #[must_use]
     pub const fn clear_of_people_s(&self, speed_mps: f32) -> f32 {
         self.response_s + speed_mps / self.braking_mps2 + MARGIN_S
@@ -128,7 +129,7 @@ pub fn time_to_collision_s(p: Point2, u: Point2, radius_m: f32) -> f32 {
     (-b - libm::sqrtf(discriminant)) / a
 }
 
-/// The same for a turning robot, by steps of 0.1 s from t = 0 on (DEV-25).
+/// The same for a turning robot, by steps of 0.1 s from t = 0 on (book, Guard: Collision).
 fn turning_time_s(
     person: &AdvisedPerson,
     twist: Twist2,

@@ -102,9 +102,9 @@ pub struct DriveLimits {
 /// Thresholds of the checks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thresholds {
-    /// Adjacent beams that make an obstacle (algorithms M.1: 2).
+    /// Adjacent beams that make an obstacle (book, Guard: Scanner check).
     pub scan_adjacent_beams: u8,
-    /// Consecutive scans that make an obstacle (algorithms M.1: 2).
+    /// Consecutive scans that make an obstacle (book, Guard: Scanner check).
     pub scan_consecutive: u8,
     /// Returns in two neighbouring packets that make an obstacle: noise has fewer.
     pub packet_returns: u8,
@@ -112,26 +112,27 @@ pub struct Thresholds {
     pub field_activation_us: u64,
     /// Speed with something in the warning field, m/s.
     pub warning_speed_mps: f32,
-    /// Speed with a person within [`Self::person_near_m`], m/s (algorithms M.3: 0.3).
+    /// Speed with a person within [`Self::person_near_m`], m/s (book, Guard: People near).
     pub person_speed_mps: f32,
-    /// Distance from the body, metres (algorithms M.3: 1.2).
+    /// Distance from the body, metres (book, Guard: People near).
     pub person_near_m: f32,
-    /// Speed while leaving an obstacle, m/s (algorithms M.5: 0.1).
+    /// Speed while leaving an obstacle, m/s (book, Guard: Escape).
     pub escape_speed_mps: f32,
     /// What the emergency stop demands: category 0 or 1 (ISO 13850).
     pub emergency_action: Action,
-    /// Overspeed tolerated this long, microseconds (algorithms M.5: 100 ms).
+    /// Overspeed tolerated this long, microseconds (book, Guard: Motion checks).
     pub overspeed_us: u64,
     /// Speeds of encoders and drive may differ by this, m/s, …
     pub speed_disagreement_mps: f32,
-    /// … turning rates of encoders and gyroscope, or encoders and steering, by this, rad/s (algorithms L.1: 0.3), …
+    /// … turning rates of encoders and gyroscope, or encoders and steering, by this, rad/s (book, Guard: Motion
+    /// checks), …
     pub turn_disagreement_radps: f32,
-    /// … for this long, microseconds. Steering (slip) has 0.2 s (algorithms L.1).
+    /// … for this long, microseconds. Steering (slip) has 0.2 s (book, Guard: Motion checks).
     pub disagreement_us: u64,
 }
 
 impl Thresholds {
-    /// The values of algorithms M.1, M.3 and M.5.
+    /// The values of the book, Guard.
     pub const DEFAULT: Self = Self {
         scan_adjacent_beams: 2,
         scan_consecutive: 2,
@@ -199,7 +200,7 @@ impl GuardConfig {
         sources: Self::default_sources(),
     };
 
-    /// Deadlines of algorithms M.5, in the order of [`Source::ALL`].
+    /// Deadlines of the book, Guard: Source deadlines, in the order of [`Source::ALL`].
     #[must_use]
     pub const fn default_sources() -> [SourceRules; Source::COUNT] {
         let mut imu = SourceRules::required(50, 0.3, 100);

@@ -13,7 +13,7 @@ pub(super) fn edges(polygon: &[Point2]) -> impl Iterator<Item = (Point2, Point2)
     polygon.iter().copied().zip(polygon.iter().skip(1).chain(polygon.first()).copied())
 }
 
-/// Crossing-number test (algorithms K15): bottom and left edges belong to the polygon.
+/// Crossing-number test (book, Conventions: Point in polygon): bottom and left edges belong to the polygon.
 #[must_use]
 pub fn point_in_polygon(point: Point2, polygon: &[Point2]) -> bool {
     let mut inside = false;

@@ -1,4 +1,4 @@
-//! Braking and field length (algorithms M.1 and M.2).
+//! Braking and field length (book, Guard: Field length).
 
 /// Distance until standstill, metres: `v·t_r + ½·a·t_r² + (v + a·t_r)²/(2·b)`; the middle and the sum cover a robot
 /// that still accelerates while the response time runs. Infinite when the braking is not positive.
@@ -13,7 +13,7 @@ pub fn stop_distance_m(speed_mps: f32, response_s: f32, acceleration_mps2: f32, 
 }
 
 /// Least length of a protective field beyond the body, metres:
-/// `S_L = v·(T_S + T_M) + v²/(2·b) + supplements` (algorithms M.1).
+/// `S_L = v·(T_S + T_M) + v²/(2·b) + supplements` (book, Guard: Field length).
 #[must_use]
 pub fn field_length_m(speed_mps: f32, response_s: f32, braking_mps2: f32, supplements_m: f32) -> f32 {
     stop_distance_m(speed_mps, response_s, 0.0, braking_mps2) + supplements_m

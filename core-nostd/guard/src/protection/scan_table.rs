@@ -1,4 +1,5 @@
-//! Range per beam of the safety scanner below which something is inside a field, computed once (algorithms N.9).
+//! Range per beam of the safety scanner below which something is inside a field, computed once (book, Guard: Scanner
+//! check).
 
 use super::config::{FieldSet, ScannerGeometry};
 use super::field::{Polygon, ray_exit_m};

@@ -111,7 +111,7 @@ impl fmt::Display for Health {
     }
 }
 
-/// When the failure of a source matters (algorithms M.5).
+/// When the failure of a source matters (book, Guard: Source deadlines).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SourceRules {
     /// The robot has it. One that it has not is never asked for.

@@ -75,7 +75,7 @@ fn fg_req_031_straight_times_are_those_of_people_who_walk() {
     assert!(finite > 60 && grazes < 4, "{finite} meet, {grazes} differ");
 }
 
-/// A turning robot by very small steps; whole tenths of a second are looked at, as algorithms DEV-25 has it.
+/// A turning robot by very small steps; whole tenths of a second are looked at, as the book, Guard: Collision, has it.
 fn turned_s(body: &Body, person: &AdvisedPerson, twist: Twist2, growth_mps: f64) -> f64 {
     let (centres, circle_m) = circles(body);
     let (mut x, mut y, mut heading) = (0.0_f64, 0.0_f64, 0.0_f64);

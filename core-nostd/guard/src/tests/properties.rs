@@ -31,7 +31,7 @@ proptest! {
         prop_assert!(decision.permitted == Twist2::ZERO && decision.state != GuardState::Run);
     }
 
-    /// Algorithms M.5: a person who walks straight at the robot with up to 1.6 m/s meets a robot that stands.
+    /// A person who walks straight at the robot with up to 1.6 m/s meets a robot that stands.
     #[test]
     fn fg_req_032_a_robot_that_somebody_walks_into_stands_at_contact(
         walk_mps in 0.0_f32..1.6, distance_m in 3.5_f32..8.0, y_m in -0.35_f32..0.35,

@@ -1,4 +1,4 @@
-//! Which field set is watched, step by step, against what M.1 of the algorithms says.
+//! Which field set is watched, step by step, against the book, Guard: Field selection.
 
 use heapless::Vec;
 

@@ -1,4 +1,4 @@
-//! Numbers of algorithms M and K15, and the tables against an independent point-in-polygon test.
+//! Numbers of the book, Guard and Conventions, and the tables against an independent point-in-polygon test.
 
 use super::fixtures::{config, rectangle};
 use crate::*;
@@ -12,7 +12,7 @@ fn fg_req_020_field_lengths_of_the_specification() {
         let length = field_length_m(speed, 0.23, 0.8, 0.45);
         assert!((length - expected).abs() < 6.0e-4, "{speed}: {length}");
     }
-    // wire-formats 7.4, worked example.
+    // The worked example of the book, Guard: Field length.
     assert!((field_length_m(1.0, 0.13, 1.5, 0.45) - 0.913).abs() < 1.0e-3);
     assert!(stop_distance_m(1.0, 0.5, 0.0, 0.0).is_infinite());
     assert!(

@@ -1,4 +1,4 @@
-//! Extended Kalman filter over encoders and gyroscope (algorithms L.2).
+//! Extended Kalman filter over encoders and gyroscope (book, Odometry: Filter).
 //!
 //! State: x, y, heading, forward speed, turning rate, gyroscope bias. Every measurement is a single number, so that
 //! an update divides by one positive scalar and never inverts a matrix; covariance in Joseph form.
@@ -28,7 +28,7 @@ pub struct OdometryNoise {
 }
 
 impl OdometryNoise {
-    /// The values of algorithms L.2.
+    /// The values of the book, Odometry: Filter.
     pub const DEFAULT: Self = Self {
         speed_walk: 0.5,
         turn_walk: 1.0,
@@ -50,7 +50,7 @@ pub struct OdometryCounters {
     pub untimely: u32,
 }
 
-/// Squared number of standard deviations (algorithms L.2).
+/// Squared number of standard deviations (book, Odometry: Filter).
 const GATE: f32 = 9.0;
 /// More refusals of one sensor in a row and it is the filter that is wrong.
 const REFUSALS_MAX: u8 = 10;

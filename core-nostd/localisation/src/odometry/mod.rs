@@ -1,5 +1,5 @@
 //! Where the robot is and how it moves: wheels and gyroscope in one filter, a history of poses for stamping scans.
-//! Source: algorithms L.1, L.2.
+//! Source: book, Odometry.
 
 mod filter;
 mod pose_history;

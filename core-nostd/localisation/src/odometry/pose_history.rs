@@ -1,10 +1,10 @@
-//! Where the robot was when something was measured (algorithms L.2: 128 poses, linear between them).
+//! Where the robot was when something was measured (128 poses, linear between them; book, Odometry: Pose history).
 
 use floorguard_types::capacities::POSE_HISTORY;
 use floorguard_types::geometry::{Pose2, wrap_angle};
 use floorguard_types::time::{Age, Stamp};
 
-/// Beyond the newest pose the motion is continued at most this far, microseconds (algorithms L.2).
+/// Beyond the newest pose the motion is continued at most this far, microseconds (book, Odometry: Pose history).
 const EXTRAPOLATION_MAX_US: u64 = 50_000;
 /// Neighbouring poses farther apart in time than this are a gap, not a motion, microseconds.
 const GAP_MAX_US: u64 = 200_000;

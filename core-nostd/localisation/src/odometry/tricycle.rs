@@ -1,4 +1,4 @@
-//! A steered and driven front wheel (algorithms L.1, steering form).
+//! A steered and driven front wheel (book, Odometry: Tricycle).
 
 use core::f32::consts::FRAC_PI_2;
 
@@ -69,7 +69,7 @@ mod tests {
 
     const BASE: Tricycle = Tricycle { wheelbase_m: 1.1, steering_max_rad: 1.57 };
 
-    /// The vector of algorithms L.1.
+    /// The test values of the book, Odometry: Tricycle.
     #[test]
     fn published_vector() {
         let wanted = Twist2 { linear_mps: 0.5, angular_radps: 0.066_666_7 };

@@ -1,4 +1,4 @@
-//! From two tick counters to a motion of the rear axle (algorithms L.1).
+//! From two tick counters to a motion of the rear axle (book, Odometry: Wheels).
 
 use floorguard_types::geometry::{Pose2, Twist2};
 use floorguard_types::sensing::WheelSample;
@@ -120,7 +120,7 @@ mod tests {
         WheelSample { stamp: Stamp::from_micros(micros), left_ticks, right_ticks }
     }
 
-    /// The vector of algorithms L.1: wheels at 0.48 and 0.52 m/s for 50 ms from a heading of 0.3 rad.
+    /// The test values of the book, Odometry: Wheels: wheels at 0.48 and 0.52 m/s for 50 ms from a heading of 0.3 rad.
     #[test]
     fn published_vector() {
         let mut wheels = WheelOdometry::new(GEOMETRY);

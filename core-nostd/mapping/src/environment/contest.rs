@@ -1,6 +1,6 @@
 //! Which of several formulas predicts best, told by predictions made before the answer was known.
 //!
-//! That is the held-out data of algorithms G.2 in fixed memory: every sample is first predicted, then learned.
+//! Held-out data in fixed memory (book, Environment: Choice of model): every sample is first predicted, then learned.
 
 /// Running mean losses of `FORMULAS` formulas, the simplest first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,7 +21,7 @@ impl<const FORMULAS: usize> Contest<FORMULAS> {
     /// Share of the past that survives each sample: a week at one sample every ten minutes. What a formula got wrong
     /// while it knew little is forgiven.
     const KEPT: f32 = 0.999;
-    /// A later formula must be better by this much, mean loss (algorithms G.2).
+    /// A later formula must be better by this much, mean loss (book, Environment: Choice of model).
     const GAIN: f32 = 0.001;
 
     /// Takes the loss of each formula for one sample. A loss that is not finite: nothing is taken.

@@ -1,5 +1,5 @@
 //! How fast a place gets dirty: told from the dirt that was picked up there and, before there is any, from the people
-//! who come (algorithms I.2, G.3).
+//! who come (book, Environment: Dirt by place).
 //!
 //! What a visitor leaves is learned from all places together, so a place that was never cleaned is expected to be as
 //! dirty as its visitors make the others.
@@ -88,7 +88,8 @@ impl<const HOURS: usize, const PERIODS: usize> Place<HOURS, PERIODS> {
             let per_hour = per_visit.mean() * Rate::mean_of(seen);
             DirtRate::from_expectation(per_hour, PEOPLE_HOURS.min(PEOPLE_UNITS / per_hour.max(1.0e-6)))
         } else {
-            // One unit a day as in I.2, but no more than a hint: a day's weight would halve what the first day shows.
+            // One unit a day, the usual prior, but no more than a hint: a day's weight would halve what the first day
+            // shows.
             DirtRate { shape: DirtRate::PRIOR.shape / DirtRate::PRIOR.hours, hours: 1.0 }
         };
         DirtRate { shape: by_people.shape + self.dirt.units, hours: by_people.hours + self.dirt.hours }

@@ -9,7 +9,7 @@ use super::places::Places;
 use super::visitors::PersonAt;
 use super::wall_time::WallTime;
 
-/// Samples older than the newest by more are refused: the clock was set (algorithms G, edge cases), µs.
+/// Samples older than the newest by more are refused: the clock was set (book, Environment: Calendar time), µs.
 const BACKWARDS_US: i64 = 1_000_000;
 /// Gaps longer than this are not watched, µs.
 const WATCH_GAP_US: i64 = 10_000_000;

@@ -6,8 +6,8 @@ use super::week::Evidence;
 const HALF_Z: f32 = 0.98;
 /// What an hour of the week is shrunk towards its place's mean with.
 const BIN_PRIOR_HOURS: f32 = 1.0;
-/// What a place counts as before it was watched: one visit an hour, as in algorithms G.1, but worth a quarter of an
-/// hour only, or a busy place that was watched for ten minutes would pass for a quiet one.
+/// What a place counts as before it was watched: one visit an hour (book, Environment: Histogram), but worth a quarter
+/// of an hour only, or a busy place that was watched for ten minutes would pass for a quiet one.
 const PLACE_PRIOR: Evidence = Evidence { visits: 0.25, hours: 0.25 };
 
 /// How much an answer is worth.

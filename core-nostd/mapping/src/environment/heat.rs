@@ -1,4 +1,4 @@
-//! Heat maps of people: how many tracks passed a cell, and how long people were there (algorithms G.1).
+//! Heat maps of people: how many tracks passed a cell, and how long people were there (book, Environment: Heat maps).
 
 use crate::{Grid, GridGeometry, GridTooSmall};
 use floorguard_types::geometry::Point2;
@@ -7,7 +7,7 @@ use super::hour_table::{HourEntry, HourTable};
 use super::visitors::{Footprint, PersonAt, Visitors};
 use super::wall_time::{HOURS_OF_WEEK, WallTime};
 
-/// Edge of a cell, metres (algorithms G.1).
+/// Edge of a cell, metres (book, Environment: Heat maps).
 pub const HEAT_CELL_M: f32 = 0.2;
 const HUNDREDTH_US: u32 = 10_000;
 
@@ -29,7 +29,7 @@ impl HeatCell {
         self.watched_cs as f32 * (1.0 / 360_000.0)
     }
 
-    /// Visits an hour watched, with a Gamma(1, 1 h) prior; `None` if nobody ever looked (algorithms G.1).
+    /// Visits an hour watched, with a Gamma(1, 1 h) prior; `None` if nobody ever looked (book, Environment: Heat maps).
     #[must_use]
     pub fn visits_per_hour(&self) -> Option<f32> {
         (self.watched_cs > 0).then(|| (self.visits as f32 + 1.0) / (self.watched_hours() + 1.0))
@@ -137,7 +137,7 @@ where
         }
     }
 
-    /// H(c) = visits / largest visits, within [0, 1]; all zero if nobody came (algorithms G.1).
+    /// H(c) = visits / largest visits, within [0, 1]; all zero if nobody came (book, Environment: Heat maps).
     pub fn normalised(&self) -> impl Iterator<Item = f32> {
         let largest = self.cells.values().iter().map(|cell| cell.visits).max().unwrap_or(0).max(1);
         self.cells.values().iter().map(move |cell| cell.visits as f32 / largest as f32)

@@ -1,12 +1,12 @@
 //! Who passed which cell in which hour of the week: a table of fixed size for the few pairs that ever occur.
 //!
 //! A full table would need 168 numbers for each of a quarter of a million cells, nearly all of them zero. Open
-//! addressing with a bounded probe (algorithms K2) holds what occurred; what finds no room is counted, and the totals
-//! of the heat map, which are kept elsewhere, stay right.
+//! addressing with a bounded probe (book, Environment: Hour table) holds what occurred; what finds no room is counted,
+//! and the totals of the heat map, which are kept elsewhere, stay right.
 
 use super::wall_time::HOURS_OF_WEEK;
 
-/// Places looked at before an entry counts as lost (algorithms K2).
+/// Places looked at before an entry counts as lost (book, Environment: Hour table).
 const PROBES_MAX: usize = 64;
 /// Key of a place that holds nothing.
 const EMPTY: u32 = u32::MAX;

@@ -3,7 +3,7 @@
 use crate::GridGeometry;
 use floorguard_types::geometry::Point2;
 
-/// Cells of one step at most (algorithms G.1).
+/// Cells of one step at most (book, Environment: Visits).
 pub const CELLS_OF_STEP: usize = 64;
 
 /// Calls `visit` with every cell from the one that holds `from` to the one that holds `to`, both included, by

@@ -1,4 +1,4 @@
-//! What the robot learns about people in a place: where they walk, when, and how sure that is (algorithms G).
+//! What the robot learns about people in a place: where they walk, when, and how sure that is (book, Environment).
 //!
 //! Two rasters. The fine one (0.2 m) counts who passed which cell, for every hour of the week. The coarse one (2 m)
 //! holds, in fixed memory, how the number of visitors varies with the time, as a histogram and as a spectrum, and

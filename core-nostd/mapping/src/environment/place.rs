@@ -2,7 +2,7 @@
 //!
 //! What is seen is gathered for ten minutes, then every model predicts it, is judged, and learns it. Rates, not
 //! yes-or-no, because a robot that watched for two minutes has not seen that nobody came in ten: the visits are a
-//! Poisson process whose rate is the signal (after Jovan and others 2016), and a slice weighs as much as it was watched.
+//! Poisson process whose rate is the signal (after Jovan et al. 2016), and a slice weighs as much as it was watched.
 
 use super::contest::Contest;
 use super::correction::Correction;
@@ -13,7 +13,7 @@ use super::spectrum::{ORDER_MAX, Spectrum, Tone};
 use super::wall_time::{LocalTime, WallTime};
 use super::week::{Evidence, Week};
 
-/// Length of a slice, s (algorithms G.4: steps of ten minutes).
+/// Length of a slice, s (book, Environment: Places).
 pub const SLICE_S: i64 = 600;
 /// Slices watched for less teach nothing, hundredths of a second.
 const WATCHED_CS_MIN: u32 = 1_500;

@@ -85,7 +85,7 @@ fn a_short_look_without_visitors_is_weak_evidence() {
 
 #[test]
 fn the_sizes_of_both_profiles() {
-    // Algorithms Q.1: 64 × 12 on the target, 4,096 × 24 hosted.
+    // Capacities: 64 × 12 on the target, 4,096 × 24 hosted.
     assert!(core::mem::size_of::<Place<24, 12>>() <= 640, "{}", core::mem::size_of::<Place<24, 12>>());
     assert!(core::mem::size_of::<Office>() <= 2_880, "{}", core::mem::size_of::<Office>());
 }

@@ -7,7 +7,7 @@ use super::place::Place;
 use super::visitors::{PersonAt, Visitors};
 use super::wall_time::WallTime;
 
-/// Edge of a place, metres (algorithms G.2: super-cells of 2 m).
+/// Edge of a place, metres (book, Environment: Places).
 pub const PLACE_CELL_M: f32 = 2.0;
 const TENTH_US: u32 = 100_000;
 

@@ -1,4 +1,4 @@
-//! The questions of an operator, as pure functions: when, where, wet or dry (algorithms G.4).
+//! The questions of an operator, as pure functions: when, where, wet or dry (book, Environment: Questions).
 
 use super::evidence::{Confidence, Rate};
 use super::place::Place;
@@ -6,15 +6,15 @@ use super::wall_time::WallTime;
 
 /// Steps of a profile: a week in quarters of an hour, and a day beyond for work that starts late.
 pub const PROFILE_STEPS: usize = 768;
-/// Start times that are compared: a week (algorithms G.4).
+/// Start times that are compared: a week (book, Environment: Questions).
 pub const STARTS_MAX: usize = 672;
 /// Length of a step, s.
 pub const PROFILE_STEP_S: i64 = 900;
-/// Time that a wet floor needs to dry, hours (algorithms G.4).
+/// Time that a wet floor needs to dry, hours (book, Environment: Questions).
 pub const DRYING_HOURS: f32 = 1.0 / 6.0;
 /// Encounters that are as good as none when zones are compared.
 const EPSILON: f32 = 0.05;
-/// A person doubles, triples, quadruples what a way costs (algorithms G.4, κ).
+/// A person doubles, triples, quadruples what a way costs (κ; book, Environment: Questions).
 const KAPPA: f32 = 3.0;
 
 /// What is expected in a zone in a quarter of an hour.
@@ -185,7 +185,7 @@ pub fn wetness(step: &ProfileStep, threshold: f32) -> Wetness {
     }
 }
 
-/// Presence over some steps: the mean (algorithms G.4).
+/// Presence over some steps: the mean (book, Environment: Questions).
 #[must_use]
 pub fn presence(profile: &Profile, first: usize, steps: usize) -> f32 {
     let taken = || profile.steps.iter().skip(first).take(steps.max(1));

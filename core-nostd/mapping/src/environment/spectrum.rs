@@ -1,17 +1,18 @@
-//! How a signal varies with the time, as its mean and a few periods: FreMEn in fixed memory (algorithms G.2 b).
+//! How a signal varies with the time, as its mean and a few periods: FreMEn in fixed memory (book, Environment:
+//! Spectrum).
 //!
-//! Krajník and others (2014, 2017) keep a running Fourier sum for each candidate period and predict with the strongest
-//! ones. Here the sums are exact and incremental (no stale mean: DEV-15), and a sample may carry a weight, because a
-//! robot watches a place for a minute here and ten minutes there. The candidates are the harmonics of one base period,
-//! which makes an update one sine and a recurrence.
+//! Krajník et al. 2014 and Krajník et al. 2017 keep a running Fourier sum for each candidate period and predict with
+//! the strongest ones. Here the sums are exact and incremental (no stale mean), and a sample may carry a weight,
+//! because a robot watches a place for a minute here and ten minutes there. The candidates are the harmonics of one
+//! base period, which makes an update one sine and a recurrence.
 
 use super::wall_time::LocalTime;
 
-/// Most periods that a prediction uses (algorithms G.2: the reference's largest adaptive order).
+/// Most periods that a prediction uses (the largest adaptive order of the reference; book, Environment: Spectrum).
 pub const ORDER_MAX: usize = 4;
 /// Weight at which old evidence is halved, so that sums keep their precision and habits may change.
 const WEIGHT_MAX: f32 = 65_536.0;
-/// A prediction of a probability never reaches 0 or 1 (algorithms G.2, ε).
+/// A prediction of a probability never reaches 0 or 1 (ε; book, Environment: Spectrum).
 pub const PROBABILITY_MARGIN: f32 = 0.02;
 
 /// A complex number.

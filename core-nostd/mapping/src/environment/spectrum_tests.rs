@@ -1,4 +1,4 @@
-//! The golden vector of algorithms G.2, and NumPy's Fourier transform as an independent judge.
+//! The test values of the book, Environment: Spectrum, and NumPy's Fourier transform as an independent judge.
 
 use super::*;
 

@@ -1,7 +1,7 @@
 //! Turns the moving positions of tracks into visits and time, cell by cell.
 //!
 //! A visit is a track that enters a cell and has not been counted there within the last minute, so that somebody who
-//! stands on the border of two cells does not walk through both for ever (algorithms G.1, AMB-09). A track that has
+//! stands on the border of two cells does not walk through both for ever (book, Environment: Visits). A track that has
 //! never moved a metre is not a person who walks: what it would count is held back until it has, or is forgotten.
 
 use crate::GridGeometry;

@@ -1,7 +1,7 @@
 //! Calendar time: what the people of a place live by, unlike the robot's monotonic clock.
 //!
 //! Kept in UTC. Habits follow the clock on the wall, so the offset of local time is added where an hour or a weekday
-//! is asked for; a change to summer time then moves no habit (algorithms G, edge cases).
+//! is asked for; a change to summer time then moves no habit (book, Environment: Calendar time).
 
 /// Hours of a week.
 pub const HOURS_OF_WEEK: usize = 168;

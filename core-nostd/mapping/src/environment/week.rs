@@ -1,4 +1,5 @@
-//! Visits and watched time for every hour of the week or of the day: the plain histogram (algorithms G.2 a).
+//! Visits and watched time for every hour of the week or of the day: the plain histogram (book, Environment:
+//! Histogram).
 
 use super::wall_time::LocalTime;
 

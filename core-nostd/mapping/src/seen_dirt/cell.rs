@@ -1,12 +1,12 @@
 //! One cell of the map of seen dirt: how dirty its last nine observations were, and what they first said.
 //!
 //! An observation is the score that a quarter of the cell's pixels exceed, so that a chip or a knot of the floor is none.
-//! Algorithms F.2 takes the median of the newest nine; but a lamp's reflection stays over a cell for half of its views and
-//! longer. So dirt is what eight of nine agree on, and where only the median says so nobody knows. Scores are kept and
-//! not only verdicts, because how dirty is dirty depends on the floor, and a floor is known only after much of it was
-//! seen. Beside the score a cell keeps the colour of the decimetre around it, for what tints a place and is no stranger in
-//! any pixel. What the mission first perceived is frozen when the cell, well seen, was out of view for a while, so that
-//! cleaning does not change the report of what was there before.
+//! The published map (Yan et al. 2020a, section 5.2) takes the median of the newest nine; but a lamp's reflection stays
+//! over a cell for half of its views and longer. So dirt is what eight of nine agree on, and where only the median says
+//! so nobody knows. Scores are kept and not only verdicts, because how dirty is dirty depends on the floor, and a floor
+//! is known only after much of it was seen. Beside the score a cell keeps the colour of the decimetre around it, for
+//! what tints a place and is no stranger in any pixel. What the mission first perceived is frozen when the cell, well
+//! seen, was out of view for a while, so that cleaning does not change the report of what was there before.
 
 use super::rank::of_rank;
 use super::tint::{FloorTints, KeptTint, kept, middle};

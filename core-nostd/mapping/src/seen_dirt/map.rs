@@ -11,12 +11,12 @@ use floorguard_types::capacities::FLOOR_IMAGE_COLUMNS_MAX;
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::time::Stamp;
 
-/// Another viewpoint after this way or turn (algorithms F.2). Time alone makes none: a reflection stays while the robot
-/// stands.
+/// Another viewpoint after this way or turn (book, Floor and dirt: Map of seen dirt). Time alone makes none: a
+/// reflection stays while the robot stands.
 const MOVED_M: f32 = 0.1;
 const TURNED_RAD: f32 = 0.087_27;
 /// Farther from the camera's foot point the view is too flat to be an observation, metres (the range within which
-/// objects must be found; algorithms E.3).
+/// objects must be found; book, Floor and dirt: Objects).
 const REACH_M: f32 = 1.3;
 /// Pixels of the result that are looked at: every second column and row.
 const STEP: usize = 2;

@@ -11,13 +11,13 @@ use floorguard_types::geometry::Point2;
 use floorguard_types::time::Stamp;
 use floorguard_types::united_parts::{Absorb, UnitedParts};
 
-/// Spots in a report (algorithms F.2).
+/// Spots in a report (book, Floor and dirt: Spots).
 pub const SPOTS_MAX: usize = 128;
 /// Parts of spots while the rows are read, and runs of a row.
 const PARTS_MAX: usize = 512;
 const RUNS_MAX: usize = 256;
 /// Least evidence of a spot: sum over its cells of what exceeds the limit, natural logarithms. It takes two cells of
-/// which one sees little (algorithms F.2), or a single one that sees much: a puddle of 6 cm fits into one.
+/// which one sees little (book, Floor and dirt: Spots), or a single one that sees much: a puddle of 6 cm fits into one.
 const EVIDENCE_MIN: f32 = 2.5;
 /// Some cell must exceed the limit by this much: many that hardly do are a shade of the floor.
 const PEAK_MIN: f32 = 1.0;

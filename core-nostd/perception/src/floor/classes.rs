@@ -1,7 +1,7 @@
 //! What every pixel of a depth image is: floor, something on it, a hole — or unknown, which is none of them.
 //!
 //! A pixel is an object where it is higher than the noise of its height can explain. What a camera does not see is
-//! never floor. Source: algorithms E.3.
+//! never floor. Source: book, Floor and dirt: Objects.
 
 use super::curvature::Curvature;
 use super::model::FloorParameters;

@@ -1,6 +1,6 @@
 //! An object is one when it is seen again: twice in three frames, at the same place of the map.
 //!
-//! A false object appears somewhere else in every frame. Source: algorithms E.3 step 4.
+//! A false object appears somewhere else in every frame. Source: book, Floor and dirt: Confirmation.
 
 use heapless::Vec;
 

@@ -2,7 +2,7 @@
 //!
 //! Halls sag, cameras bend. Without the curvature a sag of 2 cm over 2 m would be an object; with too much of it an
 //! object would be floor, so the coefficients are limited, and outside the part that was seen the surface continues
-//! level. Source: algorithms E.2 steps 4 and 6.
+//! level. Source: book, Floor and dirt: Curvature.
 
 use super::depth_noise::DepthNoise;
 use super::lanes::{LaneSums, Lanes};
@@ -11,9 +11,9 @@ use super::normal_equations::NormalEquations;
 use super::plane::{Plane, dot};
 use super::refine::height_variances_m2;
 
-/// Largest coefficient, 1/m: 2 cm at 1 m (algorithms E.2).
+/// Largest coefficient, 1/m: 2 cm at 1 m (book, Floor and dirt: Curvature).
 const COEFFICIENT_MAX_PER_M: f32 = 0.02;
-/// A fit must cover this much along both axes, metres (algorithms E.2 step 6).
+/// A fit must cover this much along both axes, metres (book, Floor and dirt: Curvature).
 const COVERAGE_MIN_M: f32 = 0.5;
 /// Half width of the band around the plane, metres: the plane itself and the largest sag at 1 m.
 const BAND_M: f32 = 0.03;

@@ -1,7 +1,8 @@
 //! How uncertain a depth is, by camera: published models, because no two cameras err alike.
 //!
 //! The standard deviation grows with the square of the depth; what the camera rounds to is added in quadrature.
-//! Source: algorithms E.1 (Nguyen 2012, Khoshelham 2012, coefficients of the elevation-mapping configurations).
+//! Source: book, Floor and dirt: Depth noise (Nguyen et al. 2012, Khoshelham and Elberink 2012, Fankhauser et al.
+//! 2014).
 
 use super::lanes::Lanes;
 
@@ -22,10 +23,10 @@ pub struct DepthNoise {
 const ROUNDING: f32 = 0.288_675_13;
 
 impl DepthNoise {
-    /// Kinect class and Xtion (Nguyen 2012; steps of 2.85 mm at 1 m).
+    /// Kinect class and Xtion (Nguyen et al. 2012; steps of 2.85 mm at 1 m).
     pub const NGUYEN: Self =
         Self { constant_m: 0.001_2, growth_per_m: 0.001_9, nearest_m: 0.4, step_per_m: 0.002_85 };
-    /// Kinect class (Khoshelham 2012).
+    /// Kinect class (Khoshelham and Elberink 2012).
     pub const KHOSHELHAM: Self =
         Self { constant_m: 0.0, growth_per_m: 0.001_425, nearest_m: 0.0, step_per_m: 0.002_85 };
     /// Carmine 1.09, 0.2–2 m.
@@ -81,7 +82,7 @@ impl Default for DepthNoise {
 mod tests {
     use super::*;
 
-    /// The table of algorithms E.1, millimetres.
+    /// The table of the book, Floor and dirt: Depth noise, millimetres.
     #[test]
     fn published_values() {
         let depths = [0.5, 0.8, 1.0, 1.3, 2.0, 3.0];
@@ -98,7 +99,7 @@ mod tests {
         }
     }
 
-    /// "At 1.3 m 4.8 mm": the step that E.1 names.
+    /// "At 1.3 m 4.8 mm": the step of the book, Floor and dirt: Depth noise.
     #[test]
     fn rounding_is_added_in_quadrature() {
         let model = DepthNoise::NGUYEN;

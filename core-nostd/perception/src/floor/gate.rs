@@ -4,7 +4,7 @@ use super::plane::Plane;
 use super::refine::FitQuality;
 use super::search::Expectation;
 
-/// Limits of a valid fit (algorithms E.2 step 5).
+/// Limits of a valid fit (book, Floor and dirt: Validity).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FitLimits {
     /// Least part of the lattice that must be floor.
@@ -24,8 +24,8 @@ impl Default for FitLimits {
             floor_share_min: 0.02,
             inlier_share_min: 0.3,
             below_share_max: 0.2,
-            // The lower bound of E.2 is for pure depth noise; with the unevenness in the denominator a floor that is
-            // flatter than assumed has a smaller one.
+            // A lower bound of 0.3 would be for pure depth noise; with the unevenness in the denominator a floor that
+            // is flatter than assumed has a smaller one.
             normalised_rms: [0.02, 3.0],
         }
     }

@@ -1,7 +1,7 @@
 //! The floor before the robot: where it lies, what stands on it, where it is dirty.
 //!
 //! Depth image → lattice → plane → gate → curvature → objects; colour image → blocks → novelty → dirt.
-//! Source: algorithms E and F.
+//! Source: book, Floor and dirt.
 
 mod classes;
 mod cloud;

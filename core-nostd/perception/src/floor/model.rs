@@ -2,7 +2,7 @@
 //!
 //! A frame that shows no floor says nothing about the floor. The last good plane serves for two seconds, because a
 //! camera does not move on its robot; then the mounting does. But after one second without a fit nobody may say any
-//! more that the floor is free or clean: [`FloorEstimate::is_known`] (algorithms B.1 step 5, E.2 step 5).
+//! more that the floor is free or clean: [`FloorEstimate::is_known`] (book, Floor and dirt: Validity).
 
 use super::curvature::Curvature;
 use super::depth_noise::DepthNoise;
@@ -15,12 +15,12 @@ use floorguard_types::random::Pcg32;
 use floorguard_types::sensing::{DepthImage, FrameFault, FrameWatch, PinholeCamera};
 use floorguard_types::time::{Age, Stamp};
 
-/// A good plane serves this long after its frame, µs (algorithms B.1 step 5).
+/// A good plane serves this long after its frame, µs (book, Floor and dirt: Validity).
 pub const REUSE_MAX_US: u64 = 2_000_000;
-/// Without a good frame for this long the floor is unknown, µs (algorithms E.2 step 5).
+/// Without a good frame for this long the floor is unknown, µs (book, Floor and dirt: Validity).
 pub const KNOWN_MAX_US: u64 = 1_000_000;
-/// Fewest returns of an image, as a part of its pixels; fewer are sunlight or a covered lens (algorithms E, edge
-/// cases).
+/// Fewest returns of an image, as a part of its pixels; fewer are sunlight or a covered lens (book,
+/// Floor and dirt: Validity).
 const RETURNS_MIN: f32 = 0.02;
 
 /// Camera, noise and limits of a floor model.
@@ -34,9 +34,9 @@ pub struct FloorParameters {
     pub expectation: Expectation,
     /// When a fit is valid.
     pub limits: FitLimits,
-    /// Lattice points a row; 160 on a Linux computer, 54 on the target (algorithms E.2 step 2).
+    /// Lattice points a row; 160 on a Linux computer, 54 on the target (book, Floor and dirt: Floor plane).
     pub lattice_columns: u16,
-    /// Range in which curvature is fitted and objects are looked for, metres (algorithms E.3 step 1).
+    /// Range in which curvature is fitted and objects are looked for, metres (book, Floor and dirt: Objects).
     pub working_range_m: f32,
 }
 

@@ -7,7 +7,7 @@ pub struct NormalEquations {
     right: [f32; 3],
 }
 
-/// Smallest pivot relative to its diagonal element that still is a system (algorithms K6).
+/// Smallest pivot relative to its diagonal element that still is a system (book, Conventions: Small systems).
 const PIVOT_FLOOR: f32 = 1.0e-6;
 
 impl NormalEquations {

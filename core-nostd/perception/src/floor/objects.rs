@@ -2,7 +2,7 @@
 //!
 //! Three rows are open at once. A pixel counts where most of its neighbourhood is high too; neighbours belong
 //! together unless their depths jump; parts that meet are united. What is too small to be anything is dropped, and
-//! what does not fit is dropped farthest first and counted. Source: algorithms E.3, K9.
+//! what does not fit is dropped farthest first and counted. Source: book, Floor and dirt: Objects.
 
 use heapless::Vec;
 
@@ -63,19 +63,20 @@ impl core::fmt::Display for ImageTooWide {
 
 impl core::error::Error for ImageTooWide {}
 
-/// Least pixels of an object in an image of 640 × 480 (algorithms E.3 step 3); as many square degrees in a smaller one.
+/// Least pixels of an object in an image of 640 × 480 (book, Floor and dirt: Objects); as many square degrees in a
+/// smaller one.
 const PIXELS_MIN_VGA: u32 = 30;
 /// Pixels of that image.
 const VGA: u32 = 307_200;
 /// Even in a small image an object has this many pixels.
 const PIXELS_MIN: u32 = 4;
-/// Least extent of an object along one axis, metres (algorithms E.3 step 3).
+/// Least extent of an object along one axis, metres (book, Floor and dirt: Objects).
 const EXTENT_MIN_M: f32 = 0.01;
 /// Least height of an object, metres: lower ones are floor that is not quite even.
 const HEIGHT_MIN_M: f32 = 0.015;
 /// Neighbours of one object differ in depth by less than this and three standard deviations, metres.
 const DEPTH_STEP_M: f32 = 0.03;
-/// Pixels of a neighbourhood of nine that must be high (algorithms E.3 step 2).
+/// Pixels of a neighbourhood of nine that must be high (book, Floor and dirt: Objects).
 const MAJORITY: u8 = 5;
 
 /// One pixel of the row above: its part, if any, and its depth.

@@ -2,7 +2,7 @@
 //!
 //! A depth error moves a point along its ray, so its height errs by `σ_z |n·r|`: far floor counts less. On top comes
 //! the unevenness of the floor itself, without which thousands of near pixels would outvote all others. Huber's
-//! weights keep shoes and cables from pulling. Source: algorithms E.1 (height noise), E.2 step 4.
+//! weights keep shoes and cables from pulling. Source: book, Floor and dirt: Floor plane.
 
 use super::depth_noise::DepthNoise;
 use super::lanes::{LaneSums, Lanes};
@@ -10,19 +10,19 @@ use super::lattice::Lattice;
 use super::normal_equations::NormalEquations;
 use super::plane::{Plane, dot};
 
-/// Unevenness of an ordinary floor, standard deviation in metres (algorithms E.3, acceptance test).
+/// Unevenness of an ordinary floor, standard deviation in metres (book, Floor and dirt: Floor plane).
 const UNEVENNESS_M: f32 = 0.005;
-/// Huber's threshold in standard deviations (algorithms E.2).
+/// Huber's threshold in standard deviations (book, Floor and dirt: Floor plane).
 const HUBER: f32 = 1.5;
-/// Largest correction of the normal in one pass: 5° (algorithms E.2).
+/// Largest correction of the normal in one pass: 5° (book, Floor and dirt: Floor plane).
 const TURN_MAX_RAD: f32 = 0.087_27;
-/// Largest correction of the height in one pass, metres (algorithms E.2).
+/// Largest correction of the height in one pass, metres (book, Floor and dirt: Floor plane).
 const SHIFT_MAX_M: f32 = 0.05;
 
 /// Half widths of the bands after a search, metres: its plane errs by a degree. The last is the inlier distance of
-/// algorithms E.2 step 3; a wider one takes in the feet of furniture.
+/// the search; a wider one takes in the feet of furniture.
 pub(super) const BANDS_AFTER_SEARCH_M: [f32; 6] = [0.03, 0.025, 0.02, 0.02, 0.02, 0.02];
-/// The same from a prediction (algorithms E.2 step 2).
+/// The same from a prediction (book, Floor and dirt: Floor plane).
 pub(super) const BANDS_AFTER_PREDICTION_M: [f32; 4] = [0.045, 0.03, 0.02, 0.02];
 
 /// Expected variance of the heights of floor points, m², from the products of the plane's normal with their rays.
@@ -92,7 +92,7 @@ fn weight(height_m: Lanes, variance_m2: Lanes) -> Lanes {
 pub struct FitQuality {
     /// Lattice points with a return.
     pub returns: u32,
-    /// Points near the plane: within three standard deviations and 3 cm (algorithms E.2 step 2).
+    /// Points near the plane: within three standard deviations and 3 cm (book, Floor and dirt: Floor plane).
     pub candidates: u32,
     /// Candidates within three standard deviations.
     pub inliers: u32,

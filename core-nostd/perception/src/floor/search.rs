@@ -1,8 +1,8 @@
 //! Where the floor lies when nobody knows: planes through three random points, judged by all.
 //!
 //! A table or an empty wall is a plane too. The floor is the one that faces up as expected and that *nothing lies
-//! below*: whoever has more points under it than in it is furniture. Every loop has a fixed count (algorithms E.2
-//! step 3, K8).
+//! below*: whoever has more points under it than in it is furniture. Every loop has a fixed count (book,
+//! Floor and dirt: Floor plane).
 
 use heapless::Vec;
 
@@ -33,13 +33,13 @@ impl Expectation {
 
 /// Planes that are tried. With a third of the samples on the floor 200 planes miss it once in 1,500 searches.
 const HYPOTHESES: u16 = 200;
-/// Half of the thickness of a floor, metres (algorithms E.2 step 3).
+/// Half of the thickness of a floor, metres (book, Floor and dirt: Floor plane).
 const INLIER_M: f32 = 0.02;
 /// Below this a point speaks against the plane, metres: more than a depth step at 4 m.
 const BELOW_M: f32 = -0.06;
-/// Part of the image, from the top, in which no floor is searched (algorithms E.2 step 3).
+/// Part of the image, from the top, in which no floor is searched (book, Floor and dirt: Floor plane).
 const UPPER_PART: f32 = 0.5;
-/// Fewest samples, as in algorithms B.1.
+/// Fewest samples.
 const SAMPLES_MIN: usize = 10;
 
 pub(super) type Samples = Vec<[f32; 3], FLOOR_SEARCH_SAMPLES>;

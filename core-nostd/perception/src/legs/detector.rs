@@ -12,10 +12,10 @@ use floorguard_types::sensing::Scan;
 /// What may be a leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LegLimits {
-    /// Returns nearer to each other than this belong together, metres. C.1 gives 0.06; coarse beams need more, and the
-    /// labels of the training scans were made with this.
+    /// Returns nearer to each other than this belong together, metres. The published code has 0.06; coarse beams need
+    /// more, and the labels of the training scans were made with this.
     pub gap_m: f32,
-    /// Segments with fewer returns are dropped (C, edge cases: 3 for scanners of 0.5°).
+    /// Segments with fewer returns are dropped (3 for scanners of 0.5°; book, Legs: Segments).
     pub points_min: usize,
     /// Segments farther than this have too few returns, metres.
     pub range_max_m: f32,

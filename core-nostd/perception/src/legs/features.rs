@@ -1,4 +1,4 @@
-//! The 14 numbers of a segment, in the order of the published code. Algorithms C.2.
+//! The 14 numbers of a segment, in the order of the published code. Source: book, Legs: Features.
 
 use super::segments::Segment;
 use floorguard_types::geometry::Point2;
@@ -154,7 +154,7 @@ fn angle(from: Point2, at: Point2, to: Point2) -> f32 {
 mod tests {
     use super::*;
 
-    /// The vector of algorithms C.2.
+    /// The test values of the book, Legs: Features.
     #[test]
     fn a_leg_equals_the_vector() {
         let centre = Point2::new(2.0, 0.1);

@@ -1,7 +1,7 @@
 //! Legs in the scans of a two-dimensional scanner: segments, what each looks like, which are legs, and whose.
 //!
-//! Source: algorithms C (Arras et al. 2007 as coded in the people package), thresholds for coarse scanners from its
-//! edge cases. The classifier is ours, trained by `floorguard train legs`.
+//! Source: book, Legs (Arras et al. 2007 as coded in the people package). The classifier is ours, trained by
+//! `floorguard train legs`.
 
 mod detector;
 mod features;

@@ -1,4 +1,4 @@
-//! Cuts a scan into segments: returns that lie close together. Algorithms C.1, the bounded form.
+//! Cuts a scan into segments: returns that lie close together. Source: book, Legs: Segments.
 
 use floorguard_types::capacities::SCAN_BEAMS_MAX;
 use floorguard_types::geometry::Point2;

@@ -1,4 +1,4 @@
-//! A committee of single comparisons (AdaBoost on decision stumps). Algorithms C.3.
+//! A committee of single comparisons (AdaBoost on decision stumps). Source: book, Legs: Committees.
 
 use super::features::LegFeatures;
 use super::leg_table::{NEAR_FLOOR, WITH_MAP, WITHOUT_MAP};

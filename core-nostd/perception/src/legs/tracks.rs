@@ -1,5 +1,5 @@
-//! Leg tracks, and which two belong to one person. Algorithms C.4, `fixed`: the closest partner is the partner (the
-//! published code takes the last one within reach, DEV-08).
+//! Leg tracks, and which two belong to one person. Source: book, Legs: Leg tracks. The closest partner is the partner
+//! (the published code takes the last one within reach).
 
 use heapless::Vec;
 

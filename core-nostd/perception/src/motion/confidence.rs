@@ -1,8 +1,9 @@
-//! Believes in a moving thing after several sweeps and forgets it after several: confidence tracking. Algorithms H.7.
+//! Believes in a moving thing after several sweeps and forgets it after several: confidence tracking. Source: book,
+//! Motion: Confidence.
 //!
 //! The source keeps the results of ζ sweeps and the correspondences between them; one run length per thing carries the
-//! same information (N.5). The reported centroids are kept in the frame of the odometry, so the robot's own motion
-//! needs no correction here (DEV-17).
+//! same information. The reported centroids are kept in the frame of the odometry, so the robot's own motion
+//! needs no correction here.
 
 use heapless::Vec;
 
@@ -197,7 +198,7 @@ impl MovingThing {
 mod tests {
     use super::*;
 
-    /// The example of algorithms H.7: one thing, ζ = 4, β_max = 3.
+    /// The example of the book, Motion: Confidence: one thing, ζ = 4, β_max = 3.
     #[test]
     fn the_published_sequence_is_reported_from_5_to_10() {
         let parameters = MotionParameters::PAPER;

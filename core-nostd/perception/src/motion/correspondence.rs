@@ -1,4 +1,5 @@
-//! Which thing of the sweep before is which of this one: reciprocal nearest neighbours. Algorithms H.4.
+//! Which thing of the sweep before is which of this one: reciprocal nearest neighbours. Source: book, Motion:
+//! Correspondence.
 
 use heapless::Vec;
 

@@ -1,4 +1,4 @@
-//! From the things of a sweep to verdicts: moving or static. Algorithms H, N.5, on the clusters of `people`.
+//! From the things of a sweep to verdicts: moving or static. Source: book, Motion, on the clusters of `people`.
 //!
 //! Differs from the source where measuring showed why (see `parts`, `reference`, `seen_through`): what is followed from
 //! sweep to sweep is what changed, not the cluster around it, and it is compared with half a second ago.
@@ -18,7 +18,7 @@ use floorguard_types::geometry::{Point2, Point3, Pose2};
 use floorguard_types::sensing::Sweep;
 use floorguard_types::time::Stamp;
 
-/// Without a sweep for longer, chains and references are given up, microseconds (H.7).
+/// Without a sweep for longer, chains and references are given up, microseconds (book, Motion: Confidence).
 const GAP_MAX_US: u64 = 300_000;
 /// A robot that is farther from where it was has not driven there, metres per second.
 const JUMP_MPS: f32 = 6.0;
@@ -270,7 +270,7 @@ impl MotionDetector {
 }
 
 impl MotionParameters {
-    /// The decision of step 6, multiplied out (DEV-22): the thing before is taken to have had as many returns.
+    /// The decision of step 6, multiplied out: the thing before is taken to have had as many returns.
     fn has_changed(&self, new_points: u16, points: u16) -> bool {
         u32::from(new_points) * u32::from(self.sensitivity) > 2 * u32::from(points)
     }

@@ -1,6 +1,6 @@
 //! Moving things: which cluster of a sweep moves by itself, after the robot's own motion is taken out (DATMO).
 //!
-//! Seven steps (algorithms H, N.5). Pose, floor and clusters come from `odometry` and `people`; here are the
+//! Seven steps (book, Motion). Pose, floor and clusters come from `odometry` and `people`; here are the
 //! correspondence of things between sweeps, the change of each against what the space held a moment before, and the
 //! confidence that turns single results into a verdict.
 

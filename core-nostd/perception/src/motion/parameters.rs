@@ -1,8 +1,8 @@
 //! What the detector of moving things may be told, with the published values and ours.
 //!
-//! Symbols of the source in brackets (algorithms H).
+//! Symbols of the source in brackets (book, Motion: Published steps).
 
-/// Frames of history that a chain may need at most (H.7: ζ ≤ 8).
+/// Frames of history that a chain may need at most (ζ ≤ 8).
 pub const CHAIN_MAX: u8 = 8;
 
 /// Steps 4 to 7.
@@ -16,11 +16,11 @@ pub struct MotionParameters {
     pub sensitivity: u16,
     /// A centroid closer than this to a reported one is the same thing, metres (Δ_catch-up).
     pub catch_up_m: f32,
-    /// A reported thing whose nearest thing is farther than this has left, metres (Δ_leave-off, true distance: AMB-27).
+    /// A reported thing whose nearest thing is farther than this has left, metres (Δ_leave-off, true distance).
     pub leave_off_m: f32,
     /// |v₁−v₂| / (v₁+v₂) of two boxes that may be the same thing (δ).
     pub volume_change_max: f32,
-    /// Fastest thing, m/s: gate of the correspondence (H.4).
+    /// Fastest thing, m/s: gate of the correspondence (book, Motion: Correspondence).
     pub speed_max_mps: f32,
     /// Parts with fewer new returns are noise (own; not used by the published steps).
     pub points_min: u16,
@@ -29,7 +29,7 @@ pub struct MotionParameters {
 }
 
 impl MotionParameters {
-    /// P1's optimum.
+    /// The optimum of Rath et al. 2020.
     pub const PAPER: Self = Self {
         chain: 4,
         rest_max: 3,

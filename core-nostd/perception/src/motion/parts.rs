@@ -98,7 +98,7 @@ impl Parts {
     }
 
     /// Ends the sweep: keeps the parts of at least `points_min` returns that make up enough of what is around them
-    /// (`points · sensitivity > 2 · around`, as in H.6).
+    /// (`points · sensitivity > 2 · around`, as a cluster is judged).
     pub(super) fn finish(&mut self, points_min: u16, sensitivity: u16) {
         self.merge();
         let counts = &self.counts;

@@ -1,7 +1,7 @@
 //! The moment before: a sweep to compare with, old enough that a slow walker has left his voxels.
 //!
-//! From one sweep to the next a person at 0.5 m/s moves by half a voxel, which noise hides (algorithms H.6, option
-//! `stride`). Several references take turns: the oldest is compared with while the others age.
+//! From one sweep to the next a person at 0.5 m/s moves by half a voxel, which noise hides (book, Motion:
+//! Reference). Several references take turns: the oldest is compared with while the others age.
 
 use super::seen_through::SeenThrough;
 use super::voxels::Voxels;

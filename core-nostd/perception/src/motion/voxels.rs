@@ -1,4 +1,5 @@
-//! Which voxels around the robot held something: a bit each, in a window that moves with the robot. Algorithms H.6, K16.
+//! Which voxels around the robot held something: a bit each, in a window that moves with the robot. Source: book,
+//! Motion: Voxels.
 //!
 //! The lattice is fixed to the frame of the odometry and wraps around at the edge of the window, so nothing is moved
 //! when the robot drives. Only points within [`REACH_M`] of the robot may be entered or asked for: nothing else maps to

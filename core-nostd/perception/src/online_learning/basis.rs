@@ -1,7 +1,7 @@
 //! Random waves in place of a radial kernel: their sums can bend any border, with constant memory.
 //!
-//! `z(x) = √(2/D) · cos(Ωx + b)` with normal Ω and even b approximates exp(−γ‖x − y‖²) (Rahimi and Recht 2007; algorithms
-//! A.6). The waves follow from a seed, so a file needs no more than the weights.
+//! `z(x) = √(2/D) · cos(Ωx + b)` with normal Ω and even b approximates exp(−γ‖x − y‖²) (Rahimi and Recht 2007; book,
+//! Online learning: Random waves). The waves follow from a seed, so a file needs no more than the weights.
 
 use crate::people::shape::{SHAPE_FEATURES, ShapeVector};
 use floorguard_types::random::Pcg32;

@@ -1,6 +1,6 @@
 //! Two experts who look at a track as a whole: this one was a person, that one was none.
 //!
-//! Source: algorithms A.6, table. Where ours differ it is said beside the number.
+//! Source: book, Online learning: Experts. Where ours differ it is said beside the number.
 
 /// When an expert speaks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +23,7 @@ pub struct ExpertRules {
 }
 
 impl ExpertRules {
-    /// Algorithms A.6 with the changes told at each number.
+    /// The published values (Yan et al. 2017) with the changes that stand at each number.
     pub const DEFAULT: Self = Self {
         walked_min_m: 3.0,
         walking_mps: [0.3, 2.0],

@@ -2,7 +2,7 @@
 //!
 //! What has walked like a person was one (P-expert); what has stood still for long and does not surely look like a person was
 //! none (N-expert). A correction that is no better on what was held out is thrown away. All memory is fixed,
-//! every call is bounded. Source: algorithms A.6, form (b).
+//! every call is bounded. Source: book, Online learning.
 
 mod basis;
 mod belief;

@@ -6,8 +6,8 @@ use crate::people::shape::ShapeVector;
 
 /// The farthest a correction goes, in log-odds: what is certain stays so.
 const CORRECTION_MAX: f32 = 4.0;
-/// First step of the descent, divided by 1 + t / 1000. Algorithms A.6 has 0.01, with which a hundred labelled tracks move
-/// nothing; with 0.64 the last samples drown the others.
+/// First step of the descent, divided by 1 + t / 1000. A step of 0.01 is usual, with which a hundred labelled tracks
+/// move nothing; with 0.64 the last samples drown the others.
 const STEP: f32 = 0.1;
 /// Weights fall by this share of a step: what is not confirmed is forgotten.
 const DECAY: f32 = 1.0e-3;

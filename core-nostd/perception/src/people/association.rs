@@ -1,4 +1,4 @@
-//! Which detection belongs to which track. Algorithms D.4, K14.
+//! Which detection belongs to which track. Source: book, Tracking: Gating; book, Tracking: Joint association.
 
 use heapless::Vec;
 
@@ -111,8 +111,8 @@ impl Associator {
         self.used.get(detection).copied().unwrap_or(true)
     }
 
-    /// Greedy minimum assignment (K14): the cheapest pair that is still free, at most once per track. A sort would be
-    /// shorter, but that of the library recurses and may panic.
+    /// Greedy minimum assignment (book, Conventions: Greedy assignment): the cheapest pair that is still free, at most
+    /// once per track. A sort would be shorter, but that of the library recurses and may panic.
     fn solve_nearest(&mut self) {
         self.solve_lonely();
         for _ in 0..TRACKS_MAX {
@@ -247,7 +247,7 @@ mod tests {
         associator
     }
 
-    /// Costs of the vector of algorithms D.4.
+    /// Costs of the test values of the book, Tracking: Joint association.
     #[test]
     fn both_ways_solve_the_vector() {
         let pairs = [(0, 0, -4.371_447), (1, 0, 0.739_664), (0, 1, 2.295_22), (1, 1, -3.704_78)];

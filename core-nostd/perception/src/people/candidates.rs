@@ -1,4 +1,5 @@
-//! Which things may be people: the volume of algorithms A.2, made honest about distance and about the floor.
+//! Which things may be people: the published volume (Yan et al. 2020a, section 4.1), made honest about distance and
+//! about the floor.
 
 use super::appearance::Appearance;
 use super::cluster::Cluster;
@@ -22,7 +23,7 @@ pub struct CandidateLimits {
 }
 
 impl CandidateLimits {
-    /// Widths and heights of algorithms A.2; bottom and top are ours, for adults and children from 0.8 m.
+    /// Widths and heights after Yan et al. 2020a; bottom and top are ours, for adults and children from 0.8 m.
     pub const DEFAULT: Self = Self {
         width_min_m: 0.1,
         width_max_m: 1.0,

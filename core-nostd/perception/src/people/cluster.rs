@@ -10,7 +10,7 @@ pub struct ClusterLimits {
     pub gap_m: f32,
     /// Things with fewer returns are dropped.
     pub points_min: u16,
-    /// Returns farther than this are not grouped, metres (A.1: the outermost ring ends at 40 m).
+    /// Returns farther than this are not grouped, metres (the outermost published ring ends at 40 m).
     pub range_max_m: f32,
     /// Things kept, at most `CLUSTERS_MAX`; without the feature `hosted` always that many.
     pub things_max: usize,

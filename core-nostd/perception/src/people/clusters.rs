@@ -2,7 +2,7 @@
 //!
 //! Cells are joined with their neighbours of the range image: the same ring a few columns back, the rings below in the
 //! same column. What must be close is the horizontal distance from the sensor, so the join does not depend on nested
-//! rings and nothing is split at their borders (the weakness of algorithms A.1).
+//! rings and nothing is split at their borders (the weakness of the published clusters).
 
 use heapless::Vec;
 
@@ -292,8 +292,8 @@ impl Clusterer {
         index
     }
 
-    /// Out of room: the farthest thing goes first, because near ones matter (algorithms 0.3). `None` if the new one
-    /// is the farthest.
+    /// Out of room: the farthest thing goes first, because near ones matter (book, Conventions: Running out of room).
+    /// `None` if the new one is the farthest.
     fn replace_farthest(&mut self, fresh: Cluster) -> Option<usize> {
         self.dropped = self.dropped.saturating_add(1);
         let (index, farthest) = self

@@ -1,7 +1,7 @@
 //! The Kalman filter of a walker: constant velocity, position measured with the same doubt in x and y.
 //!
-//! With isotropic noise both axes share one 2 × 2 covariance, so the four-state filter of algorithms D.1 and D.3 costs
-//! two two-state ones. For this linear model the unscented filter gives the same numbers (D.3).
+//! With isotropic noise both axes share one 2 × 2 covariance, so the four-state filter (book, Tracking: Filters) costs
+//! two two-state ones. For this linear model the unscented filter gives the same numbers.
 
 use floorguard_types::geometry::Point2;
 
@@ -40,7 +40,8 @@ impl ConstantVelocity {
         }
     }
 
-    /// Moves on by `seconds` ≥ 0 with white acceleration of spectral density `density`, m²/s³ (D.1, rate-independent).
+    /// Moves on by `seconds` ≥ 0 with white acceleration of spectral density `density`, m²/s³ (rate-independent; book,
+    /// Tracking: Motion model).
     pub fn advance(&mut self, seconds: f32, density: f32) {
         let t = seconds.max(0.0);
         let (xx, xv, vv) = (self.position_variance, self.cross_covariance, self.velocity_variance);
@@ -119,7 +120,7 @@ impl ConstantVelocity {
 mod tests {
     use super::*;
 
-    /// Algorithms D.3, the update of the first vector from its prediction.
+    /// The update of the test values of the book, Tracking: Filters, from their prediction.
     #[test]
     fn update_equals_the_vector() {
         let mut filter = ConstantVelocity {
@@ -160,7 +161,8 @@ mod tests {
         assert!((whole.velocity_variance - halves.velocity_variance).abs() < 1.0e-6);
     }
 
-    /// Prediction of the same vector with the noise of D.1: only the q part differs, so the noise-free part is checked.
+    /// Prediction of the same values with the published noise: only the q part differs, so the noise-free part is
+    /// checked.
     #[test]
     fn noise_free_prediction_equals_the_vector() {
         let mut filter = ConstantVelocity::new(Point2::new(1.0, 2.0), Point2::new(0.5, -0.25), 0.2, 1.0);

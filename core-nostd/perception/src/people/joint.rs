@@ -1,8 +1,9 @@
-//! Joint probabilities of who is whom, within one small group of tracks and detections. Algorithms D.4, NNJPDA.
+//! Joint probabilities of who is whom, within one small group of tracks and detections. Source: book, Tracking: Joint
+//! association.
 //!
 //! A joint event gives every detection a track of its own or calls it clutter. The published code enumerates all events,
 //! which grows without bound. Here the sum over events is a dynamic program over the set of tracks already used: exact,
-//! at most detections × 2^tracks × tracks steps, no enumeration (N.3 is kept as the oracle of the tests).
+//! at most detections × 2^tracks × tracks steps, no enumeration (which is kept as the oracle of the tests).
 
 /// Tracks of one group.
 pub const GROUP_TRACKS: usize = 6;
@@ -10,11 +11,11 @@ pub const GROUP_TRACKS: usize = 6;
 pub const GROUP_DETECTIONS: usize = 8;
 const SETS: usize = 1 << GROUP_TRACKS;
 
-/// Probability that a person is detected (D.4).
+/// Probability that a person is detected (book, Tracking: Joint association).
 const DETECTED: f32 = 0.8;
-/// Density of clutter, 1/m² (D.4).
+/// Density of clutter, 1/m² (book, Tracking: Joint association).
 const CLUTTER: f32 = 0.2;
-/// Smallest probability that makes an assignment (D.4).
+/// Smallest probability that makes an assignment (book, Tracking: Joint association).
 const PROBABILITY_MIN: f32 = 0.1;
 
 /// One group: the likelihood of each detection under each track, 0 outside the gate.
@@ -45,14 +46,14 @@ impl JointGroup {
         Self { likelihood: [[0.0; GROUP_TRACKS]; GROUP_DETECTIONS], detections: 0, tracks: 0 };
 
     /// Weights of a detection: of clutter, and of each track. Divided by their largest, so that products of many stay
-    /// within range (the reference sums raw exponentials and can underflow, DEV-11).
+    /// within range (the reference sums raw exponentials and can underflow).
     fn weights(&self, row: &[f32; GROUP_TRACKS]) -> (f32, [f32; GROUP_TRACKS]) {
         let tracks = row.map(|likelihood| likelihood * (DETECTED / (1.0 - DETECTED)));
         let largest = tracks.iter().fold(CLUTTER, |most, weight| most.max(*weight));
         (CLUTTER / largest, tracks.map(|weight| weight / largest))
     }
 
-    /// β of D.4: exact sums over all joint events.
+    /// β: exact sums over all joint events.
     #[must_use]
     pub fn marginals(&self) -> Marginals {
         let rows = || self.likelihood.iter().take(self.detections);
@@ -125,7 +126,7 @@ impl Marginals {
     }
 
     /// Detection of each track. Takes the largest probability above the minimum again and again; ends when there is none
-    /// (the reference then never ends, DEV-12).
+    /// (the reference then never ends).
     #[must_use]
     pub fn assign(&self, tracks: usize) -> [Option<usize>; GROUP_TRACKS] {
         let mut assigned = [None; GROUP_TRACKS];
@@ -158,7 +159,7 @@ impl Marginals {
 mod tests {
     use super::*;
 
-    /// Sums over all joint events, one by one (N.3): recursion is fine in a test.
+    /// Sums over all joint events, one by one: recursion is fine in a test.
     fn enumerate(
         group: &JointGroup,
         detection: usize,
@@ -202,7 +203,7 @@ mod tests {
         libm::expf(-0.5 * distance2 / variance) / (2.0 * core::f32::consts::PI * variance)
     }
 
-    /// The vector of algorithms D.4.
+    /// The test values of the book, Tracking: Joint association.
     #[test]
     fn marginals_equal_the_vector() {
         let mut group = JointGroup { detections: 2, tracks: 2, ..JointGroup::EMPTY };
@@ -220,7 +221,7 @@ mod tests {
         assert_eq!(marginals.assign(2)[..2], [Some(0), Some(1)]);
     }
 
-    /// A track whose two detections are taken and whose miss is unlikely: the reference hangs here (DEV-12).
+    /// A track whose two detections are taken and whose miss is unlikely: the reference hangs here.
     #[test]
     fn assignment_ends_without_a_choice() {
         let mut marginals = Marginals { detection: [[0.0; 8]; 6], missed: [0.0; 6] };

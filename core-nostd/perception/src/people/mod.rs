@@ -1,7 +1,7 @@
 //! People: from a sweep to tracks with identity, velocity and doubt.
 //!
 //! Ground → clusters → candidates → tracker, on the range image: neighbourhood is index arithmetic, no tree is built.
-//! Source: algorithms A.1, A.2, D (`fixed` behaviour).
+//! Source: book, People; book, Tracking.
 
 mod appearance;
 mod association;

@@ -18,8 +18,8 @@ impl RingAngles {
     /// No angles yet.
     pub const NONE: Self = Self { rings: [(0.0, 1.0, 0.0); SWEEP_RINGS] };
 
-    /// Evenly spaced rings from `lowest_deg` in steps of `step_deg`: −15° and 2° for a VLP-16 (wire-formats 1.3). The
-    /// origin of each laser lies 41.91 mm · tan(elevation) below or above the centre.
+    /// Evenly spaced rings from `lowest_deg` in steps of `step_deg`: −15° and 2° for a VLP-16 (book, Velodyne: Laser
+    /// angles). The origin of each laser lies 41.91 mm · tan(elevation) below or above the centre.
     #[must_use]
     pub fn even(lowest_deg: f32, step_deg: f32) -> Self {
         let mut rings = [(0.0, 1.0, 0.0); SWEEP_RINGS];
@@ -51,7 +51,7 @@ pub(crate) struct SweepFrame {
 
 impl SweepFrame {
     /// With the robot's motion during the sweep taken out: points are expressed in the robot's frame at the end of the
-    /// sweep (algorithms X.8, constant speed within the sweep).
+    /// sweep (book, Conventions: Deskewing, constant speed within the sweep).
     pub(crate) fn new(sweep: &Sweep, mounting: &Transform3, twist: Twist2) -> Self {
         let duration_us = sweep.end_stamp.as_micros().saturating_sub(sweep.stamp.as_micros());
         Self {

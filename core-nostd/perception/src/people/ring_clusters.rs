@@ -1,4 +1,5 @@
-//! Clusters exactly as FLOBOT's detector defines them: Euclidean components within nested rings. Algorithms A.1, K4.
+//! Clusters exactly as FLOBOT's detector defines them: Euclidean components within nested rings. Source: book, People:
+//! Published clusters.
 //!
 //! For comparison with published results, not for the robot: the split at ring borders is part of the definition. The
 //! components are those of the definition, but found by index arithmetic on the range image: a point closer than the
@@ -14,7 +15,7 @@ pub const RINGS: usize = 14;
 /// No cluster.
 pub const UNGROUPED: u16 = u16::MAX;
 
-/// Parameters of A.1.
+/// Parameters of the published detector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RingLimits {
     /// Lowest height in the lidar's frame, metres, inclusive.
@@ -120,7 +121,7 @@ fn window(point: &Point3, tolerance_m: f32, columns: usize) -> usize {
     ((angle_rad * 1.1 / (2.0 * PI) * columns as f32) as usize).saturating_add(3).min(half)
 }
 
-/// Strictly closer than the tolerance (K4: equality does not link).
+/// Strictly closer than the tolerance (equality does not link).
 fn closer(a: &Point3, b: &Point3, tolerance_m: f32) -> bool {
     let (x, y, z) = (a.x_m - b.x_m, a.y_m - b.y_m, a.z_m - b.z_m);
     x * x + y * y + z * z < tolerance_m * tolerance_m
@@ -155,7 +156,7 @@ fn join(labels: &mut [u16], a: usize, b: usize) {
 mod tests {
     use super::*;
 
-    /// The vectors of algorithms A.1.
+    /// The examples of the book, People: Published clusters.
     #[test]
     fn rings_equal_the_vectors() {
         let limits = RingLimits::default();

@@ -1,4 +1,4 @@
-//! Which sensors see people, and what their word is worth. Algorithms D.2, D.7.
+//! Which sensors see people, and what their word is worth. Source: book, Tracking: Sensors.
 
 /// Sensors whose detections go into the one list of people.
 pub const PEOPLE_SENSORS: usize = 3;
@@ -41,7 +41,7 @@ impl PeopleSensor {
     }
 
     /// What a sighting is worth for confirming a track, in fifteenths of three sightings by the lidar: legs need five
-    /// (D.2, `seq_size`).
+    /// (book, Tracking: Sensors).
     pub(super) const fn weight(self) -> u16 {
         match self {
             Self::Lidar => 5,

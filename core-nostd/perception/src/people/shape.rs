@@ -1,8 +1,9 @@
 //! What a candidate looks like, in numbers that do not tell where it stands.
 //!
-//! The published features (algorithms A.3) encode the position: a model learns the hall it was trained in. Here every
-//! number is a length on the object itself, seen across the line of sight or along it, or a share; counts of returns,
-//! which fall with the square of the distance, are divided by what a closed surface would give.
+//! The published features (book, People: Published features) encode the position: a model learns the hall it was
+//! trained in. Here every number is a length on the object itself, seen across the line of sight or along it, or a
+//! share; counts of returns, which fall with the square of the distance, are divided by what a closed surface would
+//! give.
 
 use floorguard_types::geometry::Point3;
 

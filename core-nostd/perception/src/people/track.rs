@@ -139,8 +139,8 @@ impl Track {
         state
     }
 
-    /// Takes in a sighting. `late_s` is how much older it is than the state (D.7): where the person was then is only
-    /// about where the state is.
+    /// Takes in a sighting. `late_s` is how much older it is than the state (book, Tracking: Late views): where the
+    /// person was then is only about where the state is.
     pub(super) fn see(
         &mut self,
         (sensor, stamp): (PeopleSensor, Stamp),

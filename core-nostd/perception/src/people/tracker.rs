@@ -1,4 +1,4 @@
-//! Follows people: gating, association, creation, deletion, coasting. Algorithms D.4 to D.7, `fixed`.
+//! Follows people: gating, association, creation, deletion, coasting. Source: book, Tracking.
 
 use heapless::Vec;
 
@@ -18,25 +18,26 @@ const FAR: f32 = 1.001;
 /// How tracks live.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackerParameters {
-    /// Spectral density of a walker's acceleration, m²/s³ (D.1 gives 0.065 at the 30 Hz of the reference; people who
-    /// start and turn need more at 10 Hz).
+    /// Spectral density of a walker's acceleration, m²/s³ (the published noise is 0.065 at the 30 Hz of the reference;
+    /// people who start and turn need more at 10 Hz).
     pub acceleration_density: f32,
     /// How detections are given to tracks; joint probabilities lose fewer people in crowds (`cargo xtask reproduce
     /// crowds`).
     pub association: Association,
-    /// Mahalanobis gate for two dimensions (99 %, D.4).
+    /// Mahalanobis gate for two dimensions (99 %; book, Tracking: Gating).
     pub gate: f32,
     /// Sightings before a track is confirmed.
     pub sightings_min: u16,
     /// Misses in a row, where the sensor that found it could see it, that end a tentative track.
     pub tentative_misses_max: u16,
-    /// A confirmed track that nobody saw, or could see, for this long is told no longer, µs (D.6).
+    /// A confirmed track that nobody saw, or could see, for this long is told no longer, µs (book, Tracking: Track
+    /// life).
     pub coast_max_us: u64,
     /// A confirmed track that a sensor should have seen and did not, for this long after the first miss, µs.
     pub missed_max_us: u64,
-    /// Sum of the position variances above which a track is told no longer, m² (D.6).
+    /// Sum of the position variances above which a track is told no longer, m² (book, Tracking: Track life).
     pub variance_max_m2: f32,
-    /// A new track nearer to an old one than this is a duplicate, metres (D.5).
+    /// A new track nearer to an old one than this is a duplicate, metres (book, Tracking: Track life).
     pub duplicate_m: f32,
     /// A person out of sight keeps to the last speed for about this long, seconds.
     pub coast_s: f32,
@@ -124,9 +125,9 @@ pub struct Tracker {
 const EXPECTED_US: u64 = 1_500_000;
 /// Who is unseen for longer than a revolution of the lidar is out of sight, µs.
 const UNSEEN_US: u64 = 90_000;
-/// Older sightings than this are refused, µs (D.7).
+/// Older sightings than this are refused, µs (book, Tracking: Late views).
 const LATE_MAX_US: u64 = 200_000;
-/// A longer pause than this forgets the tentative tracks, µs (D.7).
+/// A longer pause than this forgets the tentative tracks, µs (book, Tracking: Late views).
 const PAUSE_US: u64 = 2_000_000;
 
 impl Tracker {
@@ -164,8 +165,8 @@ impl Tracker {
     /// of the fixed frame. Tracks × detections gate tests.
     ///
     /// What is up to 0.2 s older than the newest update moves the people whom it fits, with more doubt, and does nothing
-    /// else (D.7); what is older still is refused and counted. More detections than twice the tracks take no part and are
-    /// counted: the first ones count.
+    /// else (book, Tracking: Late views); what is older still is refused and counted. More detections than twice the
+    /// tracks take no part and are counted: the first ones count.
     pub fn take(&mut self, seen: &Sightings<'_>, visible: impl Fn(Point2) -> bool) {
         let Some(late_s) = self.predict(seen.stamp) else {
             self.late = self.late.saturating_add(1);
@@ -271,8 +272,8 @@ impl Tracker {
         self.associator.large_groups
     }
 
-    /// Gives detections to tracks by d² + ln|S|, so that an uncertain track does not win (D.4). Only pairs within the
-    /// gate take part.
+    /// Gives detections to tracks by d² + ln|S|, so that an uncertain track does not win (book, Tracking: Gating). Only
+    /// pairs within the gate take part.
     #[inline(never)]
     fn associate(&mut self, look: (PeopleSensor, Stamp), (detections, late_s): (&[Detection], f32)) {
         self.associator.clear(self.parameters.tracks_max);
@@ -321,8 +322,8 @@ impl Tracker {
         self.tracks.retain_mut(|track| track.grow_old(stamp, &parameters));
     }
 
-    /// Out of room: the farthest track goes first, because near ones matter (algorithms 0.3). False if everybody is
-    /// nearer than `distance_m`.
+    /// Out of room: the farthest track goes first, because near ones matter (book, Conventions: Running out of room).
+    /// False if everybody is nearer than `distance_m`.
     fn make_room(&mut self, distance_m: f32) -> bool {
         if self.tracks.len() < room(self.parameters.tracks_max, TRACKS_MAX) {
             return true;

@@ -83,7 +83,7 @@ fn as_on_board_there_is_room_for_fewer() {
     assert_eq!((tracker.tracks().len(), tracker.dropped), (TRACKS_ON_BOARD, TRACKS_ON_BOARD as u32 + 1));
 }
 
-/// D.7: a little late moves whom it fits, with more doubt, and begins nobody; much too late is refused.
+/// A little late moves whom it fits, with more doubt, and begins nobody; much too late is refused.
 #[test]
 fn what_is_late_only_moves_and_what_is_too_late_is_refused_and_counted() {
     let mut tracker = Tracker::new(TrackerParameters::DEFAULT);

@@ -2,7 +2,7 @@
 //!
 //! A sweep reaches the tracker when its last packet has come, a tenth of a second after it began; what another sensor
 //! saw meanwhile is newer or older than that. Here it is put into the order of the measurements, so that what comes out
-//! depends on the stamps alone and not on which task ran first (algorithms D.7).
+//! depends on the stamps alone and not on which task ran first (book, Tracking: Late views).
 
 use heapless::Vec;
 

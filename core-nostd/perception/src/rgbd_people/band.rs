@@ -1,8 +1,9 @@
 //! Connected things in the band of the legs, read row by row in fixed memory.
 //!
-//! Source: algorithms B.3 steps 1 to 4. The published chain voxels the cloud, takes planes away and joins points within
-//! 10 cm, which joins two legs that stand side by side; here neighbours in the picture belong together unless their
-//! depths jump, so the floor seen between two legs keeps them apart, and a wall is one thing that is too wide for a leg.
+//! Source: book, Depth people: Leg band. The published chain voxels the cloud, takes planes away and joins points
+//! within 10 cm, which joins two legs that stand side by side; here neighbours in the picture belong together unless
+//! their depths jump, so the floor seen between two legs keeps them apart, and a wall is one thing that is too wide for
+//! a leg.
 
 use super::floor_frame::{FloorFrame, FloorPoint};
 use super::parameters::RgbdParameters;

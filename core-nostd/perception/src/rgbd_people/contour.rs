@@ -1,7 +1,7 @@
 //! Where heads may be: the highest places of a region's upper outline.
 //!
-//! Source: algorithms B.2 step 9 b to d. The opening with a cross is here a rule for the first pixel of a column: it has
-//! body below it and beside it.
+//! Source: book, Depth people: Head candidates. The opening with a cross is here a rule for the first pixel of a
+//! column: it has body below it and beside it.
 
 use heapless::Vec;
 

@@ -1,7 +1,7 @@
 //! A region cut out of the picture and brought to the size of the silhouette: its own depth, what lies behind it, and
 //! what is unknown.
 //!
-//! Source: algorithms B.2 steps 6 to 8. The published code keeps a slab of depth; here a pixel belongs to the region when
+//! Source: book, Depth people: Crops. The published code keeps a slab of depth; here a pixel belongs to the region when
 //! its place on the floor does, so whoever stands before or behind is not cut into. A pixel without depth, or with
 //! something nearer before it, is unknown: it may be body.
 

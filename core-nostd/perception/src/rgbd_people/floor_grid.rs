@@ -1,7 +1,7 @@
 //! What stands on the floor, seen from above: cells of 5 cm with the weight and the height of the returns in them.
 //!
-//! Source: algorithms B.2 steps 1 and 2. The published code bins the camera's own x and z; here they are places on the
-//! floor, so that a tilted camera does not smear a body over several cells.
+//! Source: book, Depth people: Floor grid. The published code bins the camera's own x and z; here they are places on
+//! the floor, so that a tilted camera does not smear a body over several cells.
 
 use super::floor_frame::{FloorFrame, FloorPoint};
 use super::parameters::UpperBodyRules;
@@ -21,7 +21,7 @@ const HALF_WIDTH_M: f32 = 3.0;
 const LATTICE_COLUMNS: usize = 320;
 /// Focal length for which the published weights were made, pixels.
 const PUBLISHED_FOCAL_PX: f32 = 525.0;
-/// Half of the smoothing kernel, σ = 2 cells, 13 taps that sum to one (algorithms B.2 step 2).
+/// Half of the smoothing kernel, σ = 2 cells, 13 taps that sum to one (book, Depth people: Floor grid).
 const KERNEL: [f32; 7] =
     [0.199_676_3, 0.176_213_12, 0.121_109_39, 0.064_825_185, 0.027_023_157, 0.008_773_134, 0.002_218_196];
 

@@ -1,7 +1,7 @@
 //! Two legs are one person: of the pairs that are near and alike the closest comes first, and takes both away.
 //!
-//! Source: algorithms B.3 steps 7 and 8, repeated until no pair is left. Ours: above a pair there must be a body, as far
-//! as the camera sees that high.
+//! Source: book, Depth people: Leg pairs, repeated until no pair is left. Ours: above a pair there must be a body, as
+//! far as the camera sees that high.
 
 use heapless::Vec;
 

@@ -1,6 +1,6 @@
 //! Which things in the band are shaped like a leg, and the colours of each.
 //!
-//! Source: algorithms B.3 steps 5 and 6.
+//! Source: book, Depth people: Leg candidates.
 
 use super::band::BandPart;
 use super::floor_frame::{FloorFrame, FloorPoint};

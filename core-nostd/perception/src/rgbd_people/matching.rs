@@ -1,7 +1,7 @@
 //! How well the silhouette fits at a place of a crop.
 //!
-//! Source: algorithms B.2 step 9 e to g. Unknown pixels are left out where the silhouette has body, and count as fitting
-//! where it has none: what is not seen can neither make a person nor refuse one.
+//! Source: book, Depth people: Matching. Unknown pixels are left out where the silhouette has body, and count as
+//! fitting where it has none: what is not seen can neither make a person nor refuse one.
 
 use super::contour::HeadPlace;
 use super::crop::{Crop, CropPixel};

@@ -1,7 +1,7 @@
 //! People in the pictures of a forward depth camera: upper bodies by their silhouette, legs near the robot.
 //!
 //! Depth image → floor grid → regions → crops → silhouette → people; the band above the floor → legs → pairs. What has
-//! no depth is unknown: it neither makes a person nor speaks against one. Source: algorithms B (`fixed` behaviour).
+//! no depth is unknown: it neither makes a person nor speaks against one. Source: book, Depth people.
 
 mod band;
 mod contour;

@@ -6,9 +6,9 @@ use floorguard_types::sensing::PinholeCamera;
 /// What an upper body must be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UpperBodyRules {
-    /// Depths that count, metres (algorithms B.0).
+    /// Depths that count, metres (book, Depth people: Depth images).
     pub depth_m: [f32; 2],
-    /// Heights above the floor of what is projected on it, metres (algorithms B.2 step 1).
+    /// Heights above the floor of what is projected on it, metres (book, Depth people: Floor grid).
     pub heights_m: [f32; 2],
     /// A column of the floor with something above this height is building or furniture, metres. Ours: without it whoever
     /// stands at a wall is one region with it.
@@ -29,8 +29,9 @@ pub struct UpperBodyRules {
 }
 
 impl UpperBodyRules {
-    /// Algorithms B.2; the score, its threshold and the belief are those of our silhouettes, from simulated rooms of seeds
-    /// 1000 to 2150. The least height is 5 cm below the published one: the top of a head is seen to a pixel or two.
+    /// Published values (book, Depth people); the score, its threshold and the belief are those of our silhouettes,
+    /// from simulated rooms of seeds 1000 to 2150. The least height is 5 cm below the published one: the top of a head
+    /// is seen to a pixel or two.
     pub const DEFAULT: Self = Self {
         depth_m: [0.4, 7.0],
         heights_m: [0.1, 2.5],
@@ -44,7 +45,7 @@ impl UpperBodyRules {
     };
 }
 
-/// What a leg and a pair of legs must be (algorithms B.3).
+/// What a leg and a pair of legs must be (book, Depth people: Leg candidates).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LegRules {
     /// Depths that count, metres.
@@ -64,7 +65,7 @@ pub struct LegRules {
 }
 
 impl LegRules {
-    /// Algorithms B.3, column "use"; the body above is ours.
+    /// The values of the book, Depth people: Leg candidates; the body above is ours.
     pub const DEFAULT: Self = Self {
         depth_m: [0.3, 4.0],
         band_m: [0.05, 0.40],

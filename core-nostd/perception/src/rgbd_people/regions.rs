@@ -1,6 +1,6 @@
 //! Regions of the floor on which something stands: connected occupied cells, and what of them is in the picture.
 //!
-//! Source: algorithms B.2 steps 3 to 5. The depth test uses the region's own extent ahead (DEV-05).
+//! Source: book, Depth people: Regions. The depth test uses the region's own extent ahead.
 
 use heapless::Vec;
 
@@ -11,7 +11,7 @@ use floorguard_types::capacities::{RGBD_LABELS_MAX, RGBD_REGIONS_MAX};
 use floorguard_types::sensing::DepthImage;
 use floorguard_types::united_parts::{Absorb, UnitedParts};
 
-/// Fewest cells of a region (algorithms B.2 step 3).
+/// Fewest cells of a region (book, Depth people: Regions).
 const CELLS_MIN: u16 = 10;
 
 /// One region.

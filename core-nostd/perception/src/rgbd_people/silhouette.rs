@@ -1,7 +1,7 @@
 //! The silhouette of head and shoulders: a parametric model of ours, in shares of the body's height.
 //!
 //! An ellipse for the head, a neck, and shoulders that round off into a torso, drawn from anthropometric proportions into
-//! a square of one third of the body's height (the size that algorithms B.2 uses). Depth is relative to the torso's
+//! a square of one third of the body's height (the size of the published template). Depth is relative to the torso's
 //! surface: a body is rounder than a board.
 
 /// Pixels along each side of the silhouette.

@@ -1,6 +1,6 @@
 //! One person, one detection: of boxes that overlap, or people who would stand in each other, the best stays.
 //!
-//! Source: algorithms B.2 step 10.
+//! Source: book, Depth people: Suppression.
 
 use heapless::Vec;
 

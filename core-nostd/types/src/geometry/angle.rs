@@ -3,7 +3,7 @@
 use core::f32::consts::PI;
 
 /// The same direction within [−π, π). Constant time; a value that is not finite becomes 0, because a NaN must never
-/// travel on (algorithms 0.2).
+/// travel on (book, Conventions: Numbers).
 #[must_use]
 pub fn wrap_angle(angle_rad: f32) -> f32 {
     if !angle_rad.is_finite() {

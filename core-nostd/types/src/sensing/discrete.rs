@@ -1,7 +1,8 @@
 //! Emergency stop, bumpers and cliff sensors, after the two channels of each were compared.
 //!
-//! Comparing channels, filtering test pulses and judging the discrepancy time is the driver's work (wire-formats 7.1);
-//! what arrives here is already one verdict per input. Anything but [`SafetyInput::Clear`] is danger.
+//! Comparing channels, filtering test pulses and judging the discrepancy time is the driver's work (book, Safety
+//! inputs: Two channels); what arrives here is already one verdict per input. Anything but [`SafetyInput::Clear`] is
+//! danger.
 
 use crate::time::Stamp;
 

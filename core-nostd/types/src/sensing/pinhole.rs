@@ -1,7 +1,7 @@
 //! A camera without distortion: which ray each pixel looks along.
 
-/// Intrinsics of a rectified camera, in pixels. Camera frame: x right, y down, z forward (algorithms 0.1).
-/// Invariants: all finite, both focal lengths ≥ 1.
+/// Intrinsics of a rectified camera, in pixels. Camera frame: x right, y down, z forward (book, Conventions: Frames and
+/// units). Invariants: all finite, both focal lengths ≥ 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PinholeCamera {
     focal_px: [f32; 2],

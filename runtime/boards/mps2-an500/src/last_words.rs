@@ -10,7 +10,7 @@ use crate::uart;
 
 /// "FGLW".
 const MAGIC: u32 = 0x574c_4746;
-/// NMT: stop all nodes, as an SLCAN line (wire-formats 6.6, 6.2).
+/// NMT: stop all nodes, as an SLCAN line (book, CAN frames: SLCAN; book, CANopen: Identifiers).
 const STOP_ALL_NODES: &[u8] = b"\rt00020200\r";
 
 /// Magic, cause, program counter or number, uptime in milliseconds, deaths so far, and their sum.

@@ -1,6 +1,6 @@
 //! Functions that call one another in a circle: found in the sources, where a line can be named.
 //!
-//! Known are calls of a free function of the same file, of a method of `self`, and of `Type::function` within one room.
+//! Known are calls of a free function of the same file, of a method of `self`, and of `Type::function` within one crate of the core, or one module of the drivers.
 //! What else can close a circle (a trait, a closure that is handed on) only the call graph of the compiled image shows.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -57,8 +57,8 @@ impl Visitor<'_> {
     }
 
     fn method(&self, owner: &str, name: &str) -> String {
-        let room = self.file.path.split('/').take(3).collect::<Vec<_>>().join("/");
-        format!("{room}/{owner}::{name}")
+        let scope = self.file.path.split('/').take(3).collect::<Vec<_>>().join("/");
+        format!("{scope}/{owner}::{name}")
     }
 
     fn within(&mut self, name: String, visit: impl FnOnce(&mut Self)) {

@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use serde::Serialize;
 
 use super::claim::{Claim, Finding};
-use crate::machine::TARGET;
+use crate::facts::facts;
 use crate::shell;
 
 const MANIFEST: &str = "Cargo.toml";
@@ -31,7 +31,7 @@ pub fn read(root: &Path) -> Result<(Vec<Dependency>, Claim)> {
     let manifest = std::fs::read_to_string(root.join(MANIFEST)).context("cannot read Cargo.toml")?;
     let reasons = reasons_in(&manifest);
     let mut command: Command = shell::cargo();
-    command.args(["tree", "--package", "floorguard-safety-image", "--target", TARGET]);
+    command.args(["tree", "--package", &facts().image.package, "--target", &facts().image.target]);
     command.args(["--edges", "normal", "--prefix", "depth", "--format", "|{p}|{l}", "--no-dedupe"]);
     let text = shell::output(&mut command).context("cargo tree fails")?;
     let dependencies = dependencies_in(&text, &reasons);
@@ -68,13 +68,13 @@ fn dependencies_in(tree: &str, reasons: &BTreeMap<String, String>) -> Vec<Depend
         let name = package.split(' ').next().unwrap_or_default();
         path.truncate(depth);
         path.push(name.to_owned());
-        if name.starts_with("floorguard") || name.is_empty() {
+        if name.starts_with(&facts().own_packages) || name.is_empty() {
             continue;
         }
         let parent = path.len().checked_sub(2).and_then(|at| path.get(at)).cloned().unwrap_or_default();
         let reason = match reasons.get(name) {
             Some(reason) => reason.clone(),
-            None if !parent.starts_with("floorguard") => format!("needed by {parent}"),
+            None if !parent.starts_with(&facts().own_packages) => format!("needed by {parent}"),
             None => String::new(),
         };
         let full = package.split(' ').take(2).collect::<Vec<_>>().join(" ");
@@ -108,7 +108,7 @@ mod tests {
     #[test]
     fn reasons_and_licences_are_asked_for() {
         let manifest = "[workspace.dependencies]\nlibm = { version = \"0.2\" }   # same bits\ncrc = \"3\"\n[profile.dev]\n";
-        let tree = "0|floorguard-core v0.1.0 (/x)|MIT\n1|libm v0.2.16|MIT\n2|inner v1.0.0|GPL-3.0\n1|crc v3.0.0|MIT\n";
+        let tree = "0|floorguard-types v0.1.0 (/x)|MIT\n1|libm v0.2.16|MIT\n2|inner v1.0.0|GPL-3.0\n1|crc v3.0.0|MIT\n";
         let found = dependencies_in(tree, &reasons_in(manifest));
         let shown: Vec<_> = found.iter().map(|one| (one.name.as_str(), one.reason.as_str())).collect();
         assert_eq!(

@@ -9,7 +9,7 @@ use object::{Object, ObjectSection, ObjectSymbol, SymbolKind};
 use super::lines::Lines;
 use super::sources;
 use super::thumb::{self, Flow};
-use crate::machine::TARGET;
+use crate::facts::facts;
 use crate::shell;
 
 /// One function of the image.
@@ -75,15 +75,15 @@ pub struct Image {
 /// Builds the safety image with the profile of the firmware. The compiler says itself why it cannot.
 pub fn build() -> Result<Option<PathBuf>> {
     let mut command = shell::cargo();
-    command.args(["build", "--quiet", "--package", "floorguard-safety-image", "--profile", "firmware"]);
-    command.args(["--target", TARGET]);
-    command.env("CARGO_TARGET_THUMBV7EM_NONE_EABIHF_RUSTFLAGS", "-C target-cpu=cortex-m7");
+    let image = &facts().image;
+    command.args(["build", "--quiet", "--package", &image.package, "--profile", &image.profile]);
+    command.args(["--target", &image.target]);
+    let variable = image.target.to_uppercase().replace('-', "_");
+    command.env(format!("CARGO_TARGET_{variable}_RUSTFLAGS"), format!("-C target-cpu={}", image.cpu));
     if !shell::succeeds(&mut command)? {
         return Ok(None);
     }
-    let target =
-        std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| shell::root().join("target"), PathBuf::from);
-    Ok(Some(target.join(TARGET).join("firmware/floorguard-safety-image")))
+    Ok(Some(shell::target_folder().join(&image.target).join(&image.profile).join(&image.package)))
 }
 
 /// Reads a linked image.

@@ -2,31 +2,15 @@
 
 use std::collections::BTreeSet;
 
+use syn::visit::Visit;
+
 use super::claim::{Claim, Finding};
 use super::image::{Function, Image};
 use super::loops::LoopSite;
 use super::roots::{self, Root};
 use super::sources::{self, SourceFile};
-use super::{circles, hosted_rooms};
-
-/// The deepest stack that a root of the safety image may need, bytes (anchors P4).
-const STACK_BUDGET_BYTES: u32 = 8 * 1024;
-
-/// Stack of a stage that runs once, before any task: the whole of it is free then, bytes.
-const START_BUDGET_BYTES: u32 = 128 * 1024;
-
-/// Folders whose loops are not ours: their bounds are argued in the report.
-const LIBRARIES: &[&str] = &[
-    "compiler_builtins",
-    "__aeabi_mem",
-    "memcmp",
-    "rust_begin_unwind",
-    "libm",
-    "/library/core/",
-    "heapless",
-    "nalgebra",
-    "crc-",
-];
+use super::{circles, hosted_only};
+use crate::facts::facts;
 
 /// Every claim on the compiled code.
 pub fn judge(image: &Image, files: &[SourceFile], sites: &[LoopSite], roots: &[Root]) -> Vec<Claim> {
@@ -61,7 +45,7 @@ pub fn judge(image: &Image, files: &[SourceFile], sites: &[LoopSite], roots: &[R
                 .map(|function| in_function(function, "calls or jumps through a register"))
                 .collect(),
         },
-        rooms_linked(image, files),
+        modules_linked(image, files),
         hidden_loops(image, sites),
         stack(image, roots),
     ]
@@ -109,29 +93,45 @@ fn panic_callers(image: &Image) -> Vec<Finding> {
     calls.collect::<BTreeSet<_>>().into_iter().collect()
 }
 
-/// Every room of the drivers, and every room that runs on the MCU, is linked: what is not there is not proven.
-fn rooms_linked(image: &Image, files: &[SourceFile]) -> Claim {
-    let room = |file: &str| file.split('/').take(3).collect::<Vec<_>>().join("/");
-    let has_code = |file: &&SourceFile| file.path.split('/').count() > 3;
-    let rooms: BTreeSet<String> = files.iter().filter(has_code).map(|file| room(&file.path)).collect();
-    let linked: BTreeSet<String> = image.files.iter().map(|file| room(file)).collect();
-    let missing: Vec<&String> = rooms.iter().filter(|room| !linked.contains(*room)).collect();
-    let needed = |room: &&&String| !hosted_rooms::is_hosted(room);
+/// Every top module that runs on the MCU is linked: what is not there is not proven. One without a function has no code.
+fn modules_linked(image: &Image, files: &[SourceFile]) -> Claim {
+    let modules: BTreeSet<String> =
+        files.iter().filter(|file| has_code(file)).map(|file| sources::module_of(&file.path)).collect();
+    let linked: BTreeSet<String> = image.files.iter().map(|file| sources::module_of(file)).collect();
+    let missing: Vec<&String> = modules.iter().filter(|module| !linked.contains(*module)).collect();
+    let needed: Vec<&&String> =
+        missing.iter().filter(|module| !hosted_only::is_hosted(&format!("{module}.rs"))).collect();
     Claim {
-        id: "rooms-linked",
-        text: "Every room of core and drivers that runs on the MCU has code in the safety image.",
+        id: "modules-linked",
+        text: "Every module of core and drivers that runs on the MCU has code in the safety image.",
         evidence: format!(
-            "{} of {} rooms linked; not linked, for the reasons in the report: {}",
-            rooms.len() - missing.len(),
-            rooms.len(),
-            missing.iter().filter_map(|room| room.rsplit('/').next()).collect::<Vec<_>>().join(", ")
+            "{} of {} modules linked; {} are not, for the reasons in the report",
+            modules.len() - missing.len(),
+            modules.len(),
+            missing.len() - needed.len(),
         ),
-        findings: missing
+        findings: needed
             .iter()
-            .filter(needed)
-            .map(|room| finding(room, "is not linked; call it in tests/safety-image/src"))
+            .map(|module| finding(module, &format!("is not linked; call it in {}", facts().image.sources)))
             .collect(),
     }
+}
+
+/// A function that the compiler does not evaluate by itself.
+fn has_code(file: &SourceFile) -> bool {
+    #[derive(Default)]
+    struct Functions(bool);
+    impl<'ast> Visit<'ast> for Functions {
+        fn visit_item_fn(&mut self, function: &'ast syn::ItemFn) {
+            self.0 |= function.sig.constness.is_none();
+        }
+        fn visit_impl_item_fn(&mut self, function: &'ast syn::ImplItemFn) {
+            self.0 |= function.sig.constness.is_none();
+        }
+    }
+    let mut functions = Functions::default();
+    functions.visit_file(&file.syntax);
+    functions.0 && !file.path.ends_with("/src/lib.rs")
 }
 
 /// Every root is a function of the image: what the optimiser takes away, because it knows that nothing comes of it, is not
@@ -150,7 +150,7 @@ pub fn roots_linked<'a>(functions: impl Iterator<Item = &'a str>, roots: &[Root]
     let mut findings: Vec<Finding> = missing.map(gone).collect();
     let evidence = format!("{} of {} roots linked", roots.len() - findings.len(), roots.len());
     if roots.is_empty() {
-        findings.push(finding("tests/safety-image/src", "has no function root_…: no stage is called"));
+        findings.push(finding(&facts().image.sources, "has no function root_…: no stage is called"));
     }
     Claim {
         id: "roots-linked",
@@ -173,8 +173,9 @@ fn hidden_loops(image: &Image, sites: &[LoopSite]) -> Claim {
         let listed = compiled.places.iter().chain(&compiled.head).any(is_listed)
             || compiled.without_lines_in.as_ref().is_some_and(has_loop);
         let innermost = compiled.places.first().map_or("", |(file, _)| file.as_str());
+        let libraries: Vec<&str> = facts().image.libraries.iter().map(String::as_str).collect();
         let from_library =
-            LIBRARIES.iter().any(|name| innermost.contains(name) || compiled.function.contains(name));
+            libraries.iter().any(|name| innermost.contains(name) || compiled.function.contains(name));
         let own = compiled.places.iter().find(|(file, _)| sources::is_own(file));
         let over_array = compiled.places.iter().any(|(file, _)| file.contains("/library/core/src/array/"));
         if listed || over_array {
@@ -200,7 +201,8 @@ fn hidden_loops(image: &Image, sites: &[LoopSite]) -> Claim {
 
 /// Stack that a root may need, bytes.
 pub fn budget_of(root: &str) -> u32 {
-    if root.ends_with("_start") { START_BUDGET_BYTES } else { STACK_BUDGET_BYTES }
+    let image = &facts().image;
+    if root.ends_with("_start") { image.start_stack_bytes } else { image.stack_bytes }
 }
 
 fn stack(image: &Image, roots: &[Root]) -> Claim {
@@ -209,7 +211,7 @@ fn stack(image: &Image, roots: &[Root]) -> Claim {
     let mut lines = Vec::new();
     let mut findings = Vec::new();
     if linked.is_empty() {
-        findings.push(finding("tests/safety-image", "no function root_… is linked: no stack was measured"));
+        findings.push(finding(&facts().image.sources, "no function root_… is linked: no stack was measured"));
     }
     for root in linked {
         let (bytes, chain) = image.deepest_stack(root);

@@ -15,12 +15,12 @@ use crate::machine::TARGET;
 use crate::shell;
 
 /// Where the example would lie in our layers.
-const EXAMPLE: &str = "core-nostd/src/example.rs";
+const EXAMPLE: &str = "core-nostd/guard/src/example.rs";
 
 /// What surrounds the example, and keeps the linker from throwing it away.
 const MAIN: &str = r#"#![no_std]
 #![no_main]
-#[path = "core-nostd/src/example.rs"]
+#[path = "core-nostd/guard/src/example.rs"]
 mod example;
 #[panic_handler]
 fn floorguard_panics(_: &core::panic::PanicInfo) -> ! { loop {} }
@@ -49,7 +49,7 @@ struct Compiled {
 fn compiled(code: &str, more: &str) -> Compiled {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
-    fs::create_dir_all(folder.join("core-nostd/src")).expect("a folder");
+    fs::create_dir_all(folder.join("core-nostd/guard/src")).expect("a folder");
     fs::write(folder.join(EXAMPLE), code).expect("it is written");
     fs::write(folder.join("main.rs"), format!("{MAIN}{more}")).expect("it is written");
     link(folder);

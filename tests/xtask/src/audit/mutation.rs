@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::claim::{Claim, Finding};
-use crate::mutants::{PARTS, Part, RECORD, Record};
+use crate::facts::{Part, facts};
+use crate::mutants::{RECORD, Record};
 
 /// Reads the records and judges them, beside the fingerprint of the code as it is.
 pub fn read(root: &Path, code_today: &str) -> (Vec<Record>, Claim) {
@@ -24,7 +25,7 @@ fn judge(records: Result<&[Record], &str>, code_today: &str) -> Claim {
         findings.push(of_record(format!("{why}; nothing is known of any mutant")));
         told.push(String::from("no record; `cargo xtask campaign mutants-guard` makes one"));
     }
-    for part in records.is_ok().then_some(PARTS).into_iter().flatten() {
+    for part in records.is_ok().then_some(&facts().mutants).into_iter().flatten() {
         let mut of_it = records.unwrap_or_default().iter().filter(|record| record.name == part.name);
         match (of_it.next(), of_it.next()) {
             (Some(record), None) => {
@@ -109,14 +110,14 @@ mod tests {
     /// A record of every part with nothing left alive.
     fn good() -> Vec<Record> {
         let record = |part: &Part| Record {
-            name: part.name.to_owned(),
+            name: part.name.clone(),
             wanted_percent: part.wanted_percent,
             viable: 100,
             caught: 100,
             code: "today".to_owned(),
             ..Record::default()
         };
-        PARTS.iter().map(record).collect()
+        facts().mutants.iter().map(record).collect()
     }
 
     /// All records good but that of the part, which is changed.
@@ -128,7 +129,7 @@ mod tests {
 
     fn survivor(line: usize, reason: &str) -> Survivor {
         Survivor {
-            file: "core-nostd/src/guard/decide.rs".to_owned(),
+            file: "core-nostd/guard/src/decide.rs".to_owned(),
             line,
             column: None,
             mutation: "replace < with <=".to_owned(),
@@ -175,11 +176,11 @@ mod tests {
 
     #[test]
     fn a_part_without_a_record_fails() {
-        assert_eq!(judge(Ok(&[]), "today").findings.len(), PARTS.len());
+        assert_eq!(judge(Ok(&[]), "today").findings.len(), facts().mutants.len());
         let claim = judge(Ok(&good()[1..]), "today");
         assert_eq!(claim.findings.len(), 1);
-        assert!(claim.findings[0].message.starts_with(PARTS[0].name), "{:?}", claim.findings);
-        assert_eq!(lines(&judge(Ok(&[good(), good()].concat()), "today")).len(), PARTS.len());
+        assert!(claim.findings[0].message.starts_with(&facts().mutants[0].name), "{:?}", claim.findings);
+        assert_eq!(lines(&judge(Ok(&[good(), good()].concat()), "today")).len(), facts().mutants.len());
     }
 
     #[test]

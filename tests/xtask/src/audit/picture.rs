@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::claim::{Claim, Finding};
 use super::results::{CauseLine, Explored, Transition};
-use super::trace::CAUSES;
+use crate::facts::facts;
 
 /// Where the manual shows it.
 pub const PATH: &str = "docs/pictures/guard-states.svg";
@@ -111,7 +111,7 @@ fn drawn(kept: &str, explored: &Explored) -> Vec<Finding> {
 
 /// What the printed table of causes lacks, or has too much.
 fn told(causes: &[CauseLine], wanted: &BTreeSet<String>) -> Vec<Finding> {
-    let complain = |message: String| Finding { place: CAUSES.to_owned(), line: 0, message };
+    let complain = |message: String| Finding { place: facts().trace.causes.clone(), line: 0, message };
     if causes.is_empty() || wanted.is_empty() {
         return vec![complain(String::from(
             "no test printed what the causes demand: guard/tests/truth_tables.rs does",

@@ -5,13 +5,15 @@ use super::forbidden::{self, Forbidden};
 use super::{circles, loops, sources};
 
 fn loops_of(text: &str) -> (usize, Vec<Finding>) {
-    let file = sources::parse("core-nostd/src/example.rs", text.to_owned()).expect("the example parses");
+    let file =
+        sources::parse("core-nostd/guard/src/example.rs", text.to_owned()).expect("the example parses");
     let (sites, findings) = loops::list(&file);
     (sites.len(), findings)
 }
 
 fn forbidden_in(text: &str) -> Forbidden {
-    let file = sources::parse("core-nostd/src/example.rs", text.to_owned()).expect("the example parses");
+    let file =
+        sources::parse("core-nostd/guard/src/example.rs", text.to_owned()).expect("the example parses");
     let mut found = Forbidden::default();
     forbidden::inspect(&file, &mut found);
     found
@@ -19,7 +21,7 @@ fn forbidden_in(text: &str) -> Forbidden {
 
 fn names_line(findings: &[Finding], line: usize) {
     assert_eq!(findings.len(), 1, "{findings:?}");
-    assert_eq!((findings[0].place.as_str(), findings[0].line), ("core-nostd/src/example.rs", line));
+    assert_eq!((findings[0].place.as_str(), findings[0].line), ("core-nostd/guard/src/example.rs", line));
 }
 
 #[test]
@@ -102,7 +104,8 @@ fn cycles_over_several_functions_are_found() {
 #[test]
 fn a_bound_counts_every_turn() {
     let bound = |text: &str| {
-        let file = sources::parse("core-nostd/src/example.rs", text.to_owned()).expect("the example parses");
+        let file =
+            sources::parse("core-nostd/guard/src/example.rs", text.to_owned()).expect("the example parses");
         loops::list(&file).0.first().map(|site| site.bound.clone()).unwrap_or_default()
     };
     assert_eq!(bound("fn f() { for i in 0..N {} }"), "N");

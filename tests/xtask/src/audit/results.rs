@@ -6,6 +6,8 @@ use std::process::{Child, Command, Stdio};
 use anyhow::{Context, Result};
 use serde::Serialize;
 
+use super::sources;
+use crate::facts::facts;
 use crate::shell;
 
 /// What came of the tests.
@@ -76,8 +78,8 @@ impl Drop for Building {
 
 fn command(targets: &BTreeSet<String>) -> Command {
     let mut command = shell::cargo();
-    command.args(["test", "--quiet", "--no-fail-fast", "--package", "floorguard-core"]);
-    command.args(["--package", "floorguard-drivers", "--package", "floorguard-tests", "--lib"]);
+    command.args(["test", "--quiet", "--no-fail-fast", "--lib", "--package", &facts().trace.tests]);
+    command.args(sources::crates().iter().flat_map(|one| ["--package", &one.package]));
     for target in targets {
         command.args(["--test", target]);
     }

@@ -6,9 +6,7 @@ use anyhow::Result;
 use syn::visit::{self, Visit};
 
 use super::sources;
-
-/// How the name of a root begins.
-const BEGINNING: &str = "root_";
+use crate::facts::facts;
 
 /// A root as its source writes it down.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -56,7 +54,7 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
     /// Of every function, free or of a type.
     fn visit_signature(&mut self, signature: &'ast syn::Signature) {
         let name = signature.ident.to_string();
-        if name.starts_with(BEGINNING) {
+        if name.starts_with(&facts().image.stage) {
             let line = signature.ident.span().start().line;
             self.found.push(Root { file: self.file.to_owned(), line, name });
         }
@@ -82,7 +80,7 @@ mod tests {
     fn only_what_the_sources_name_is_a_root() {
         let roots = in_text("a.rs", "fn root_s300() {}".to_owned()).expect("it parses");
         assert!(is_root("image::drivers::root_s300", &roots) && is_root("root_s300", &roots));
-        assert!(!is_root("floorguard_core::labels::union::root_of", &roots));
+        assert!(!is_root("floorguard_types::labels::union::root_of", &roots));
         assert!(!is_root("image::root_s300::{{closure}}", &roots));
     }
 }

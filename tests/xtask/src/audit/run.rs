@@ -12,7 +12,7 @@ use super::results::{self, Results};
 use super::since::CodeToday;
 use super::sources::SourceFile;
 use super::{
-    circles, dependencies, hosted_rooms, image_claims, mutation, picture, records, report, roots, seen,
+    circles, dependencies, hosted_only, image_claims, mutation, picture, records, report, roots, seen,
     sources, trace,
 };
 use crate::{setup, shell};
@@ -30,10 +30,10 @@ pub fn run(options: &Options) -> Result<bool> {
     // Without the target no claim on compiled code could be judged, and the sources would be blamed for it.
     setup::need_target()?;
     let root = shell::root();
-    let files = sources::read_layers(&root)?;
+    let files = sources::read_audited(&root)?;
     let (mut claims, mut sites) = judge_sources(&files);
     claims.push(seen::compare(&root, &mut sites));
-    claims.push(hosted_rooms::claim(&root, &files)?);
+    claims.push(hosted_only::claim(&root, &files)?);
     let documents = trace::Sources::read(&root)?;
     let tests = results::build(&documents.targets())?;
     // What does not compile can still be read: the mistakes in the sources are named all the same.
@@ -52,7 +52,7 @@ pub fn run(options: &Options) -> Result<bool> {
     let pictured = picture::claim(&root, (&results.explored, &results.causes), documents.printed_causes());
     claims.extend(traced.into_iter().chain([known, pictured]));
     let code = sources::fingerprint(&files);
-    let today = CodeToday { code, whole: sources::fingerprint(&sources::read_whole(&root)?) };
+    let today = CodeToday { code, whole: sources::fingerprint(&sources::read_robot(&root)?) };
     let (mutants, noticed) = mutation::read(&root, &today.code);
     claims.push(noticed);
     let states = picture::svg(&results.explored.transitions);

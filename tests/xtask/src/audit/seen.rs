@@ -10,13 +10,13 @@ use serde::{Deserialize, Serialize};
 
 use super::claim::{Claim, Finding};
 use super::loops::LoopSite;
-use super::unseen;
+use crate::facts::facts;
 
 /// Where the counts are kept.
 pub const RECORD: &str = "docs/evidence/loops.json";
 
 /// What is known of one loop from running it.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Seen {
     /// Most turns of one run through it. `None`: no test reached it, or it cannot be counted.
     pub largest_seen: Option<u64>,
@@ -25,7 +25,7 @@ pub struct Seen {
     /// Counters were compiled into it.
     pub counted: bool,
     /// Why there is no count.
-    pub why_not: &'static str,
+    pub why_not: String,
 }
 
 /// One counted loop, as it is kept.
@@ -45,6 +45,12 @@ pub struct Record {
     pub largest: Option<u64>,
     /// The bound as a number, 0 where the type of a slice does not tell.
     pub bound_value: u64,
+}
+
+/// The records as they are kept: one loop a line, so that a change can be read.
+pub fn written(records: &[Record]) -> anyhow::Result<String> {
+    let lines: Vec<String> = records.iter().map(serde_json::to_string).collect::<Result<_, _>>()?;
+    Ok(format!("[\n{}\n]\n", lines.join(",\n")))
 }
 
 /// What a record is found by.
@@ -72,13 +78,21 @@ pub fn numbers(sites: &[LoopSite]) -> Vec<usize> {
 }
 
 /// Why a loop is in no record.
-fn why_not(site: &LoopSite) -> &'static str {
-    match site.kind.as_str() {
+fn why_not(site: &LoopSite) -> String {
+    let why = match site.kind.as_str() {
         _ if !site.edits.is_empty() => "new since loops were counted, or no counter compiles there",
         "fill" | "comparison" => "the compiler writes it: as many turns as the array is long",
         "own iterator" => "each of its turns is one of the loop that asks it",
         _ => "the compiler may compute it, or its source has no name that a counter could be put to",
-    }
+    };
+    why.to_owned()
+}
+
+/// The tests that are to reach what the counted tests did not.
+fn expected(file: &str) -> Option<String> {
+    let entry = facts().not_counted.iter().find(|entry| file.starts_with(&entry.path))?;
+    let first = format!("{}/{}", facts().trace.tests_folder, entry.tests.first()?);
+    Some([vec![first], entry.tests[1..].to_vec()].concat().join(", "))
 }
 
 /// Puts what was recorded beside the loops.
@@ -117,14 +131,14 @@ fn judge(records: Result<Vec<Record>, String>, sites: &mut [LoopSite]) -> Claim 
         present.insert(name);
         let bound_value = Some(record.bound_value).filter(|value| *value > 0);
         let why_not =
-            if record.largest.is_none() { unseen::reason(&site.file).unwrap_or_default() } else { "" };
+            if record.largest.is_none() { expected(&site.file).unwrap_or_default() } else { String::new() };
         site.seen = Seen { largest_seen: record.largest, bound_value, counted: true, why_not };
         ran += usize::from(record.largest.is_some());
         if record.largest.is_none() {
             never += 1;
-            if unseen::reason(&site.file).is_none() {
+            if expected(&site.file).is_none() {
                 let message = String::from(
-                    "never ran while it was counted; write a test, or name the one that reaches it in unseen.rs",
+                    "never ran while it was counted; write a test, or name the one that reaches it in tests/audit.toml",
                 );
                 findings.push(Finding { place: site.file.clone(), line: site.line, message });
             }
@@ -162,13 +176,23 @@ mod tests {
 
     fn sites() -> Vec<LoopSite> {
         let text = "fn f() {\n for i in 0..4 {}\n for i in 0..4 {}\n}";
-        loops::list(&sources::parse("core-nostd/src/example.rs", text.to_owned()).expect("it parses")).0
+        loops::list(&sources::parse("core-nostd/guard/src/example.rs", text.to_owned()).expect("it parses")).0
     }
 
     fn record(number: usize, largest: Option<u64>) -> Record {
         let text = str::to_owned;
-        let (file, function) = (text("core-nostd/src/example.rs"), text("f"));
+        let (file, function) = (text("core-nostd/guard/src/example.rs"), text("f"));
         Record { file, function, kind: text("for"), number, bound: text("4"), largest, bound_value: 4 }
+    }
+
+    #[test]
+    fn the_tests_that_are_to_reach_the_rest_exist() {
+        for name in facts().not_counted.iter().flat_map(|entry| &entry.tests) {
+            assert!(crate::shell::root().join(&facts().trace.tests_folder).join(name).is_file(), "{name}");
+        }
+        for path in facts().not_counted.iter().map(|entry| &entry.path) {
+            assert!(crate::shell::root().join(path).exists(), "{path}");
+        }
     }
 
     #[test]

@@ -8,14 +8,7 @@ use anyhow::{Context, Result};
 use serde::Serialize;
 
 use super::claim::{Claim, Finding};
-
-const REQUIREMENTS: &str = "docs/requirements.md";
-const HAZARDS: &str = "docs/hazards.md";
-/// Where the causes of the guard are listed.
-pub const CAUSES: &str = "core-nostd/src/protection/cause.rs";
-const SOURCES: &str = "core-nostd/src/protection/source.rs";
-/// Where code and tests may name a requirement.
-const FOLDERS: [&str; 4] = ["core-nostd/src", "drivers/src", "runtime", "tests/tests"];
+use crate::facts::facts;
 
 /// A place in the sources.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -95,8 +88,9 @@ impl Sources {
     pub fn read(root: &Path) -> Result<Self> {
         let text =
             |path: &str| fs::read_to_string(root.join(path)).with_context(|| format!("cannot read {path}"));
+        let facts = &facts().trace;
         let mut files = Vec::new();
-        FOLDERS.iter().for_each(|folder| rust_files(&root.join(folder), &mut files));
+        facts.folders.iter().for_each(|folder| rust_files(&root.join(folder), &mut files));
         files.sort();
         let (mut code, mut tests) = (Vec::new(), Vec::new());
         for path in files {
@@ -105,10 +99,10 @@ impl Sources {
             scan(&name, &text, &mut code, &mut tests);
         }
         Ok(Self {
-            requirements: text(REQUIREMENTS)?,
-            hazards: text(HAZARDS)?,
-            causes: variants(&text(CAUSES)?)?,
-            printed_causes: printed(&text(CAUSES)?, &text(SOURCES)?)?,
+            requirements: text(&facts.requirements)?,
+            hazards: text(&facts.hazards)?,
+            causes: variants(&text(&facts.causes)?)?,
+            printed_causes: printed(&text(&facts.causes)?, &text(&facts.sources)?)?,
             code,
             tests,
         })
@@ -117,7 +111,10 @@ impl Sources {
     /// The integration tests that hold tests of requirements, for `cargo test --test`.
     pub fn targets(&self) -> BTreeSet<String> {
         let files = self.tests.iter().map(|(_, test)| test.place.file.as_str());
-        let stems = files.filter_map(|file| file.strip_prefix("tests/tests/")?.strip_suffix(".rs"));
+        let stems = files.filter_map(|file| {
+            let rest = file.strip_prefix(&facts().trace.tests_folder)?.strip_prefix('/')?;
+            rest.split('/').next()?.strip_suffix(".rs")
+        });
         stems.map(str::to_owned).collect()
     }
 
@@ -129,6 +126,7 @@ impl Sources {
     /// Puts everything together, and says what does not fit.
     pub fn trace(&self, results: &BTreeMap<String, bool>) -> (Trace, Vec<Claim>) {
         let mut findings = Vec::new();
+        let requirements = &facts().trace.requirements;
         let mut trace =
             Trace { requirements: requirements_in(&self.requirements), hazards: hazards_in(&self.hazards) };
         let known: BTreeSet<String> = trace.requirements.iter().map(|line| line.id.clone()).collect();
@@ -136,7 +134,7 @@ impl Sources {
             match trace.requirements.iter_mut().find(|line| line.id == *id) {
                 Some(line) => line.code.push(place.clone()),
                 None => {
-                    findings.push(at(place, format!("{id} is named here and not listed in {REQUIREMENTS}")))
+                    findings.push(at(place, format!("{id} is named here and not listed in {requirements}")))
                 }
             }
         }
@@ -146,14 +144,14 @@ impl Sources {
                     line.tests.push(Test { passed: results.get(&test.name).copied(), ..test.clone() });
                 }
                 None => findings
-                    .push(at(&test.place, format!("{id} is tested here and not listed in {REQUIREMENTS}"))),
+                    .push(at(&test.place, format!("{id} is tested here and not listed in {requirements}"))),
             }
         }
         // Where nothing ran, as when core does not compile, that is one thing to say and not one of each test.
         let have_run = !results.is_empty();
         if !have_run {
             findings.push(Finding {
-                place: REQUIREMENTS.to_owned(),
+                place: facts().trace.requirements.clone(),
                 line: 0,
                 message: "no test of a requirement ran".to_owned(),
             });
@@ -173,7 +171,7 @@ impl Sources {
         let mut findings = Vec::new();
         for hazard in hazards {
             let mut complain = |message: String| {
-                findings.push(Finding { place: HAZARDS.to_owned(), line: hazard.line, message });
+                findings.push(Finding { place: facts().trace.hazards.clone(), line: hazard.line, message });
             };
             for cause in hazard.causes.iter().filter(|cause| !self.causes.contains(*cause)) {
                 complain(format!("{}: there is no cause `{cause}`", hazard.id));
@@ -188,8 +186,8 @@ impl Sources {
         for cause in
             self.causes.iter().filter(|cause| !hazards.iter().any(|hazard| hazard.causes.contains(cause)))
         {
-            let message = format!("cause `{cause}` answers no hazard of {HAZARDS}");
-            findings.push(Finding { place: CAUSES.to_owned(), line: 0, message });
+            let message = format!("cause `{cause}` answers no hazard of {}", facts().trace.hazards);
+            findings.push(Finding { place: facts().trace.causes.clone(), line: 0, message });
         }
         findings
     }
@@ -226,7 +224,7 @@ fn at(place: &Place, message: String) -> Finding {
 /// What a requirement lacks, its tests' results only if there are any.
 fn orphaned(line: &Requirement, have_run: bool) -> Vec<Finding> {
     let complain = |message: String| Finding {
-        place: REQUIREMENTS.to_owned(),
+        place: facts().trace.requirements.clone(),
         line: line.line,
         message: format!("{} {message}", line.id),
     };
@@ -313,20 +311,21 @@ fn scan(file: &str, text: &str, code: &mut Vec<(String, Place)>, tests: &mut Vec
 
 /// Names of the variants of `enum Cause`.
 fn variants(text: &str) -> Result<BTreeSet<String>> {
-    let causes = enumeration(text, "Cause", CAUSES)?;
+    let causes = enumeration(text, "Cause", &facts().trace.causes)?;
     Ok(causes.variants.iter().map(|variant| variant.ident.to_string()).collect())
 }
 
 /// Every value of `enum Cause` as it prints itself: `NAME`, or `NAME(SOURCE)`.
 fn printed(causes: &str, sources: &str) -> Result<BTreeSet<String>> {
-    let sources = enumeration(sources, "Source", SOURCES)?;
-    let values = enumeration(causes, "Cause", CAUSES)?.variants.into_iter().flat_map(|variant| {
-        let of = |source: &syn::Variant| format!("{}({})", variant.ident, source.ident);
-        match variant.fields {
-            syn::Fields::Unit => vec![variant.ident.to_string()],
-            _ => sources.variants.iter().map(of).collect(),
-        }
-    });
+    let sources = enumeration(sources, "Source", &facts().trace.sources)?;
+    let values =
+        enumeration(causes, "Cause", &facts().trace.causes)?.variants.into_iter().flat_map(|variant| {
+            let of = |source: &syn::Variant| format!("{}({})", variant.ident, source.ident);
+            match variant.fields {
+                syn::Fields::Unit => vec![variant.ident.to_string()],
+                _ => sources.variants.iter().map(of).collect(),
+            }
+        });
     Ok(values.collect())
 }
 
@@ -357,7 +356,7 @@ mod tests {
 
     fn sources(requirements: &str, hazards: &str) -> Sources {
         let (mut code, mut tests) = (Vec::new(), Vec::new());
-        scan("core-nostd/src/example.rs", CODE, &mut code, &mut tests);
+        scan("core-nostd/guard/src/example.rs", CODE, &mut code, &mut tests);
         let causes = variants("pub enum Cause { A, B(u8) }").expect("an enum");
         let (requirements, hazards) = (requirements.to_owned(), hazards.to_owned());
         Sources { requirements, hazards, causes, printed_causes: BTreeSet::new(), code, tests }

@@ -203,7 +203,7 @@ mod tests {
     #[test]
     fn walks_within_walks_turn_for_each_of_them() {
         let bound = |text: &str| {
-            let file = sources::parse("core-nostd/src/example.rs", text.to_owned()).expect("it parses");
+            let file = sources::parse("core-nostd/guard/src/example.rs", text.to_owned()).expect("it parses");
             loops_of(&file).0.first().map(|site| site.bound.clone())
         };
         let within = "fn f() { for x in (0..N).flat_map(|y| (0..=M).map(move |x| (x, y))) {} }";

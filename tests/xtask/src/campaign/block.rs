@@ -8,14 +8,14 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, Result, bail};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
-use super::kinds::Kind;
+use crate::facts::{Kind, facts};
 use crate::shell;
 
 /// Builds the test, optimised but with overflow checks, and tells where it is.
 pub fn build(kind: &Kind) -> Result<PathBuf> {
     let mut command = shell::cargo();
-    command.args(["test", "--quiet", "--no-run", "--message-format=json", "--package", kind.package]);
-    command.args(kind.target).stderr(Stdio::inherit());
+    command.args(["test", "--quiet", "--no-run", "--message-format=json", "--package", &kind.package]);
+    command.args(&kind.target).stderr(Stdio::inherit());
     let output = command.output().context("cannot start cargo")?;
     if !output.status.success() {
         bail!("the test of campaign {} does not build", kind.name);
@@ -42,13 +42,13 @@ pub fn run(
     let test = &program.test;
     let mut command = Command::new(test);
     if let Some(firmware) = &program.firmware {
-        command.env("FLOORGUARD_TAPE_IMAGE", firmware);
+        command.env(facts().variable("TAPE_IMAGE"), firmware);
     }
     let output = command
-        .args(["--exact", kind.test, "--nocapture", "--test-threads=1"])
-        .env("FLOORGUARD_CAMPAIGN_SEED", seed.to_string())
-        .env("FLOORGUARD_CAMPAIGN_FROM", trials.start.to_string())
-        .env("FLOORGUARD_CAMPAIGN_TO", trials.end.to_string())
+        .args(["--exact", &kind.test, "--nocapture", "--test-threads=1"])
+        .env(facts().variable("CAMPAIGN_SEED"), seed.to_string())
+        .env(facts().variable("CAMPAIGN_FROM"), trials.start.to_string())
+        .env(facts().variable("CAMPAIGN_TO"), trials.end.to_string())
         .env("RUST_BACKTRACE", "0")
         .env("RUST_MIN_STACK", "33554432")
         .current_dir(shell::root().join("tests"))
@@ -79,7 +79,7 @@ fn counts_in(text: &str) -> Counts {
 #[cfg(test)]
 mod tests {
     use super::{Program, counts_in, run};
-    use crate::campaign::kinds::KINDS;
+    use crate::facts::facts;
 
     #[test]
     fn a_block_that_somebody_ended_is_no_finding_and_one_that_crashed_is() {
@@ -91,7 +91,7 @@ mod tests {
             std::fs::write(&test, format!("#!/bin/sh\nexec {default} sh -c '{what}'\n")).unwrap();
             let executable = std::os::unix::fs::PermissionsExt::from_mode(0o755);
             std::fs::set_permissions(&test, executable).unwrap();
-            run(&Program { test, firmware: None }, &KINDS[0], 1, 0..2)
+            run(&Program { test, firmware: None }, &facts().campaign[0], 1, 0..2)
         };
         let counted = ends_by("echo campaign: steps = 3").unwrap().unwrap();
         assert_eq!(counted["steps"], 3);

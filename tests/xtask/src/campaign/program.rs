@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 
 use super::block::{self, Program};
-use super::kinds::{FIRMWARE_FAULTS, Kind};
 use super::record;
+use crate::facts::Kind;
 use crate::firmware;
 
 /// What the campaign runs, beside its state: kept from its beginning if the `same` is wanted, otherwise built now.
 pub fn programs(kind: &Kind, state: &Path, same: bool) -> Result<Program> {
-    let has_firmware = kind.name == FIRMWARE_FAULTS;
+    let has_firmware = kind.firmware;
     let kept = Program {
         test: state.with_extension("program"),
         firmware: has_firmware.then(|| state.with_extension("firmware")),

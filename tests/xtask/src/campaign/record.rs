@@ -4,27 +4,27 @@ use anyhow::{Context, Result};
 use serde_json::{Value, json};
 
 use super::block::Counts;
-use super::kinds::Kind;
 use super::state::State;
 use super::{matrix, shares};
 use crate::audit::sources;
+use crate::facts::Kind;
 use crate::shell;
 
 const RECORD: &str = "docs/evidence/campaigns.json";
 
 /// The fingerprint of core and drivers as they are now.
 pub fn code_today() -> Result<String> {
-    Ok(sources::fingerprint(&sources::read_layers(&shell::root())?))
+    Ok(sources::fingerprint(&sources::read_audited(&shell::root())?))
 }
 
 /// What a record tells of the code: the fingerprint of core and drivers and, of a campaign that runs the whole robot, in a
 /// second line that of core, drivers, runtime and simulator.
 pub fn code_of(kind: &Kind) -> Result<String> {
     let code = code_today()?;
-    if !kind.whole {
+    if !kind.whole_robot {
         return Ok(code);
     }
-    let files = sources::read_whole(&shell::root())?;
+    let files = sources::read_robot(&shell::root())?;
     Ok(format!("{code}\n{}", sources::fingerprint(&files)))
 }
 
@@ -48,15 +48,15 @@ impl<'a> Outcome<'a> {
     pub fn of((kind, seed): (&'a Kind, u64), state: &'a State, asked: u64, failed: usize) -> Self {
         let of = asked.max(state.trials);
         let until = state.missing(of, kind.block).first().map_or(of, |part| part.start);
-        let findings = failed + shares::missed(kind.name, &state.counts);
+        let findings = failed + shares::missed(&kind.name, &state.counts);
         Self { kind, seed, done: state.trials, of, until, findings, counts: &state.counts }
     }
 
     /// What a trial is; where the campaign did not come to its end, how far it came.
     fn what(&self) -> String {
-        let (trial, done, of) = (self.kind.trial, self.done, self.of);
+        let (trial, done, of) = (&self.kind.trial, self.done, self.of);
         if done == of {
-            trial.to_owned()
+            trial.clone()
         } else if self.until == done {
             format!("{trial}; the first {done} trials of {of}")
         } else {
@@ -74,7 +74,7 @@ impl<'a> Outcome<'a> {
             shown.insert(String::from("cells of the matrix"), json!(all));
             shown.insert(String::from("cells without a run"), json!(empty));
         }
-        let (name, seed) = (self.kind.name, self.seed);
+        let (name, seed) = (&self.kind.name, self.seed);
         let mut entry = json!({
             "name": format!("{name}, seed {seed}"),
             "what": self.what(),

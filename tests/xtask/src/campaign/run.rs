@@ -14,6 +14,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::in_order::{self, held};
 use super::state::State;
 use super::{block, interrupt, kinds, matrix, program, record, state};
+use crate::facts::Kind;
 use crate::{counting, mutants, worst};
 
 /// Which campaign and how much of it.
@@ -22,7 +23,7 @@ pub struct Options {
     /// model, fuzz-velodyne, fuzz-s300 …: a wrong name lists them.
     name: String,
     /// Trials; without it as many as the campaign asks for. For `loops` stages: 1 is core and
-    /// drivers, 2 also recordings and simulated rooms, 3 all tests.
+    /// drivers, 2 also recordings and simulated worlds, 3 all tests.
     #[arg(long)]
     trials: Option<u64>,
     /// Seed: the same seed repeats the same trials.
@@ -52,7 +53,7 @@ pub fn run(options: &Options) -> Result<bool> {
     }
     let kind = kinds::find(&options.name).map_err(anyhow::Error::msg)?;
     let trials = options.trials.unwrap_or(kind.trials);
-    let path = state::path(kind.name, options.seed)?;
+    let path = state::path(&kind.name, options.seed)?;
     if options.fresh {
         let _ = std::fs::remove_file(&path);
     }
@@ -68,7 +69,7 @@ pub fn run(options: &Options) -> Result<bool> {
     let came = record::Outcome::of((kind, options.seed), &state, trials, findings.len());
     let ended = came.findings == 0 && !state.missing(trials, kind.block).is_empty();
     if ended {
-        println!("{}", interrupt::words((kind.name, options.seed), state.trials, trials));
+        println!("{}", interrupt::words((&kind.name, options.seed), state.trials, trials));
     } else {
         let kept = shown(&path);
         println!("{}: {} trials, {} findings; kept in {kept}", kind.name, state.trials, came.findings);
@@ -88,7 +89,7 @@ type Finding = (Range<u64>, String);
 /// Runs what is missing, the first trials first, to the end, to the first finding or until somebody ends it.
 fn play(
     program: &block::Program,
-    (kind, seed): (&kinds::Kind, u64),
+    (kind, seed): (&Kind, u64),
     (state, path): (State, &Path),
     (trials, stop): (u64, &AtomicBool),
 ) -> Result<(State, Vec<Finding>)> {

@@ -2,51 +2,21 @@
 
 use std::collections::BTreeMap;
 
-/// A share of counts, and what it must keep to.
-pub struct Share {
-    campaign: &'static str,
-    part: &'static str,
-    whole: &'static str,
-    limit: Limit,
-}
-
-enum Limit {
-    AtMost(f64),
-    AtLeast(f64),
-}
-
-/// All shares of all campaigns.
-const SHARES: &[Share] = &[
-    Share {
-        campaign: "claims",
-        part: "falsely with faults",
-        whole: "claimed with faults",
-        limit: Limit::AtMost(0.01),
-    },
-    Share {
-        campaign: "claims",
-        part: "falsely without faults",
-        whole: "claimed without faults",
-        limit: Limit::AtMost(0.01),
-    },
-    Share {
-        campaign: "claims",
-        part: "truly clean and claimed",
-        whole: "truly clean",
-        limit: Limit::AtLeast(0.99),
-    },
-];
+use crate::facts::facts;
 
 /// Prints the shares of a campaign. How many lie beyond their limit by more than chance explains.
 pub fn missed(campaign: &str, counts: &BTreeMap<String, u64>) -> usize {
     let mut missed = 0;
-    for share in SHARES.iter().filter(|share| share.campaign == campaign) {
+    for share in facts().share.iter().filter(|share| share.campaign == campaign) {
         let count = |name: &str| counts.get(name).copied().unwrap_or(0);
-        let (part, whole) = (count(share.part), count(share.whole));
+        let (part, whole) = (count(&share.part), count(&share.whole));
         let (low, high) = wilson95(part, whole);
-        let (word, limit, proven, refuted) = match share.limit {
-            Limit::AtMost(limit) => ("at most", limit, high <= limit, low > limit),
-            Limit::AtLeast(limit) => ("at least", limit, low >= limit, high < limit),
+        let (word, limit, proven, refuted) = match (share.at_most, share.at_least) {
+            (Some(limit), _) => ("at most", limit, high <= limit, low > limit),
+            (None, limit) => {
+                let limit = limit.unwrap_or(1.0);
+                ("at least", limit, low >= limit, high < limit)
+            }
         };
         let verdict = match (proven, refuted) {
             (true, _) => "shown",

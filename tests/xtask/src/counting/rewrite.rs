@@ -2,7 +2,9 @@
 
 use syn::spanned::Spanned;
 
+use super::tree::MODULE;
 use crate::audit::{chain_root, shown};
+use crate::copied_tree;
 
 /// Stands in the text of an edit for the number of the loop.
 pub const SITE: &str = "\u{1}site\u{1}";
@@ -67,10 +69,11 @@ pub fn of_for_loop(each: &syn::ExprForLoop, bound: &str) -> Vec<Edit> {
     let several = [".chain(", "flat_map(", "flatten("].iter().any(|word| shown(&each.expr).contains(word));
     let bound = value_of(bound).or_else(|| room_of(chain_root(&each.expr)).filter(|_| !several));
     let open = format!(
-        "{{ let mut floorguard_turns = ::floorguard_core::loop_counts::Turns::new({SITE}, {}); ",
+        "{{ let mut counted_turns = {}::Turns::new({SITE}, {}); ",
+        copied_tree::path_of(MODULE),
         marked(bound)
     );
-    let inside = Edit::behind(&each.body.brace_token.span.open(), " floorguard_turns.turn();");
+    let inside = Edit::behind(&each.body.brace_token.span.open(), " counted_turns.turn();");
     vec![Edit::before(each, open), inside, Edit::behind(each, " }")]
 }
 
@@ -83,7 +86,7 @@ pub fn of_chain(call: &syn::ExprMethodCall, adapters: &[&str], bound: &str) -> V
     let method = call.method.to_string();
     let root = chain_root(&syn::Expr::MethodCall(call.clone())).clone();
     let bound = marked(value_of(bound).or_else(|| room_of(&root)));
-    let counted = format!(".floorguard_counted({SITE}, {bound})");
+    let counted = format!(".loop_counted({SITE}, {bound})");
     if matches!(root, syn::Expr::Range(_)) {
         let first = calls.first().map(|first| Edit::behind(&first.receiver, counted));
         return first.into_iter().collect();
@@ -96,16 +99,16 @@ pub fn of_chain(call: &syn::ExprMethodCall, adapters: &[&str], bound: &str) -> V
     }
     match method.as_str() {
         "extend_from_slice" => {
-            let text = format!(".floorguard_walked({SITE})");
+            let text = format!(".loop_walked({SITE})");
             call.args.first().map(|argument| Edit::behind(argument, text)).into_iter().collect()
         }
         "extend" => call.args.first().map(|argument| Edit::behind(argument, counted)).into_iter().collect(),
         "last" => vec![],
         _ if named(call, WALKERS) => {
-            vec![Edit::behind(&call.receiver, format!(".floorguard_walked({SITE})"))]
+            vec![Edit::behind(&call.receiver, format!(".loop_walked({SITE})"))]
         }
         _ if named(call, CHANGERS) => {
-            vec![Edit::behind(&call.receiver, format!(".floorguard_walked_mut({SITE})"))]
+            vec![Edit::behind(&call.receiver, format!(".loop_walked_mut({SITE})"))]
         }
         _ => vec![Edit::behind(&call.receiver, counted)],
     }
@@ -160,7 +163,8 @@ fn room_of(expression: &syn::Expr) -> Option<String> {
             _ => false,
         }
     }
-    is_place(expression).then(|| format!("::floorguard_core::loop_counts::Room(&{}).of()", shown(expression)))
+    is_place(expression)
+        .then(|| format!("{}::Room(&{}).of()", copied_tree::path_of(MODULE), shown(expression)))
 }
 
 fn marked(bound: Option<String>) -> String {

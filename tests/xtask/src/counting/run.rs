@@ -8,53 +8,26 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, Result, bail};
 
 use super::tree::{Refused, Tree};
-use crate::audit::{self, LoopSite, RECORD, Record};
+use crate::audit::{self, LoopSite, RECORD, Record, sources};
+use crate::facts::{Stage, facts};
 use crate::shell;
 
 /// Rounds in which the compiler may refuse counters.
 const ROUNDS: usize = 12;
 
-/// Some tests: packages, and in the last of them these files of tests only, or all where none is named.
-struct Stage {
-    packages: &'static [&'static str],
-    files: &'static [&'static str],
+/// The packages of a stage.
+fn packages(stage: &Stage) -> Vec<&str> {
+    if stage.packages.is_empty() {
+        sources::crates().iter().map(|one| one.package.as_str()).collect()
+    } else {
+        stage.packages.iter().map(String::as_str).collect()
+    }
 }
-
-/// The quick ones first: what they counted is kept before the others are built. The second stage holds the files of tests
-/// that bring recordings and simulated rooms to the loops that no unit test reaches.
-const STAGES: &[Stage] = &[
-    Stage { packages: &["floorguard-core", "floorguard-drivers"], files: &[] },
-    Stage {
-        packages: &["floorguard-tests"],
-        files: &[
-            "cleaning_missions",
-            "environment_learning",
-            "floor_dirt",
-            "floor_objects",
-            "floor_recordings",
-            "legs_leigh",
-            "motion_corridor",
-            "motion_fabu",
-            "people_candidates",
-            "people_detector",
-            "people_fabu",
-            "people_filters",
-            "people_svm",
-            "people_synthetic",
-            "rgbd_people",
-            "robot_in_virtual_time",
-        ],
-    },
-    Stage {
-        packages: &["floorguard-runtime", "floorguard-sim", "floorguard", "floorguard-tests"],
-        files: &[],
-    },
-];
 
 /// Counts in so many stages, in all without a number, and keeps what earlier runs saw unless it is to begin afresh. False
 /// if a loop turned more often than its bound.
 pub fn run(seed: u64, stages: Option<u64>, fresh: bool) -> Result<bool> {
-    let files = audit::read_layers(&shell::root())?;
+    let files = audit::read_audited(&shell::root())?;
     let sites: Vec<LoopSite> = files.iter().flat_map(|file| audit::loops_of(file).0).collect();
     let tree = Tree::copy()?;
     let mut refused = Refused::default();
@@ -76,7 +49,7 @@ pub fn run(seed: u64, stages: Option<u64>, fresh: bool) -> Result<bool> {
     let counts = tree.empty_counts()?;
     let mut over = 0;
     let before = if fresh { vec![] } else { kept()? };
-    for stage in STAGES.iter().take(stages.map_or(STAGES.len(), |stages| stages as usize)) {
+    for stage in facts().counting.iter().take(stages.map_or(usize::MAX, |stages| stages as usize)) {
         if !test(&tree, (stage, &counts), seed)? {
             println!(
                 "loops: some tests failed in the copy, which is slower; their counts stand all the same"
@@ -86,7 +59,7 @@ pub fn run(seed: u64, stages: Option<u64>, fresh: bool) -> Result<bool> {
         write(&records)?;
         over = told(&records);
         let ran = records.iter().filter(|record| record.largest.is_some()).count();
-        println!("loops: {ran} ran in {} and before; kept in {RECORD}", stage.packages.join(", "));
+        println!("loops: {ran} ran in {} and before; kept in {RECORD}", packages(stage).join(", "));
     }
     Ok(over == 0)
 }
@@ -104,8 +77,9 @@ fn cargo(tree: &Tree) -> Command {
 /// Places of the copy that the compiler refuses: file and line.
 fn mistakes(tree: &Tree) -> Result<BTreeSet<(String, usize)>> {
     let mut check = cargo(tree);
-    check.args(["check", "--quiet", "--message-format=json", "--package", "floorguard-core"]);
-    check.args(["--package", "floorguard-drivers", "--features", "floorguard-core/hosted"]);
+    check.args(["check", "--quiet", "--message-format=json"]);
+    check.args(sources::crates().iter().flat_map(|one| ["--package", &one.package]));
+    check.args(facts().sources.features.iter().flat_map(|feature| ["--features", feature]));
     let output = check.stderr(Stdio::null()).output().context("cannot start cargo check")?;
     if output.status.success() {
         return Ok(BTreeSet::new());
@@ -150,13 +124,11 @@ fn refuse(lines: &BTreeSet<(String, usize)>, sites: &[LoopSite], refused: &mut R
 fn test(tree: &Tree, (stage, counts): (&Stage, &Path), seed: u64) -> Result<bool> {
     let mut command = cargo(tree);
     command.args(["test", "--quiet", "--no-fail-fast"]);
-    for package in stage.packages {
-        command.args(["--package", package]);
-    }
-    for file in stage.files {
-        command.args(["--test", file]);
-    }
-    command.env("FLOORGUARD_LOOP_COUNTS", counts).env("FLOORGUARD_CAMPAIGN_SEED", seed.to_string());
+    command.args(packages(stage).into_iter().flat_map(|package| ["--package", package]));
+    command.args(stage.files.iter().flat_map(|file| ["--test", file]));
+    command
+        .env(facts().variable("LOOP_COUNTS"), counts)
+        .env(facts().variable("CAMPAIGN_SEED"), seed.to_string());
     command.stdout(Stdio::null());
     shell::succeeds(&mut command)
 }
@@ -220,10 +192,8 @@ fn with(mut records: Vec<Record>, before: &[Record]) -> Vec<Record> {
     records
 }
 
-/// One loop a line, so that a change can be read.
 fn write(records: &[Record]) -> Result<()> {
-    let lines: Vec<String> = records.iter().map(serde_json::to_string).collect::<Result<_, _>>()?;
-    fs::write(shell::root().join(RECORD), format!("[\n{}\n]\n", lines.join(",\n")))
+    fs::write(shell::root().join(RECORD), audit::written(records)?)
         .with_context(|| format!("cannot write {RECORD}"))
 }
 

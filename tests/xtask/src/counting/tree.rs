@@ -9,9 +9,12 @@ use anyhow::Result;
 use super::rewrite::{BOUND, SITE};
 use crate::audit::{LoopSite, SourceFile};
 use crate::copied_tree;
+use crate::facts::facts;
+
+/// The module of the counters.
+pub const MODULE: &str = "loop_counts";
 
 const COUNTER: &str = include_str!("counter.rs.in");
-const IMPORTS: &str = "\n#[allow(unused_imports)]\nuse ::floorguard_core::loop_counts::{CountItems as _, Unknown as _, WalkItems as _};\n";
 
 /// What the compiler refuses of the counters: bounds that are no number there, then whole counters.
 #[derive(Default)]
@@ -68,20 +71,26 @@ impl Tree {
                 text.insert_str(*at, addition);
             }
             if !edits.is_empty() {
-                text.push_str(IMPORTS);
+                text += &imports();
             }
             self.write(&file.path, &text)?;
         }
-        self.write(
-            "core-nostd/src/loop_counts.rs",
-            &format!("{COUNTER}\nconst SITES: usize = {};\n", sites.len()),
-        )?;
-        self.write("core-nostd/src/lib.rs", &copied_tree::library_with("loop_counts")?)
+        let counter = COUNTER.replace("ENVIRONMENT", &facts().environment);
+        let counter = format!("{counter}\nconst SITES: usize = {};\n", sites.len());
+        copied_tree::add_module(&self.sources(), MODULE, &counter)
     }
 
     fn write(&self, path: &str, text: &str) -> Result<()> {
         copied_tree::write(&self.sources().join(path), text)
     }
+}
+
+/// What a file with counters needs in sight.
+fn imports() -> String {
+    let counters = copied_tree::path_of(MODULE);
+    format!(
+        "\n#[allow(unused_imports)]\nuse {counters}::{{CountItems as _, Unknown as _, WalkItems as _}};\n"
+    )
 }
 
 fn written(text: &str, number: usize, with_bound: bool) -> String {

@@ -5,29 +5,31 @@ use anyhow::Result;
 use super::list::Mutant;
 use super::outcome::Outcome;
 use super::spoiled::Spoiled;
-use super::tests_of::Suite;
 use super::trial::Program;
+use crate::facts::Part;
 use crate::{copied_tree, shell};
 
 /// Puts one mutant into the copy, asks the suites, and puts the text back.
-pub fn try_out(spoiled: &Spoiled, mutant: &Mutant, suites: &[Suite]) -> Result<Outcome> {
+pub fn try_out(spoiled: &Spoiled, mutant: &Mutant, part: &Part) -> Result<Outcome> {
     let text = std::fs::read_to_string(shell::root().join(&mutant.file))?;
     let path = spoiled.sources().join(&mutant.file);
     let others = std::fs::read_to_string(&path)?;
     copied_tree::write(&path, &changed(&text, mutant))?;
-    let outcome = ask(spoiled, suites);
+    let outcome = ask(spoiled, part);
     copied_tree::write(&path, &others)?;
     outcome
 }
 
-fn ask(spoiled: &Spoiled, suites: &[Suite]) -> Result<Outcome> {
-    for suite in suites {
-        let Some(program) = Program::build(spoiled, suite)? else { return Ok(Outcome::Unviable) };
+fn ask(spoiled: &Spoiled, part: &Part) -> Result<Outcome> {
+    for suite in &part.suites {
+        let Some(program) = Program::build(spoiled, &part.package, suite)? else {
+            return Ok(Outcome::Unviable);
+        };
         if program.notices("none", &program.tests()?)? {
             return Ok(Outcome::Caught);
         }
     }
-    Ok(Outcome::Survived(suites.len()))
+    Ok(Outcome::Survived(part.suites.len()))
 }
 
 fn changed(text: &str, mutant: &Mutant) -> String {

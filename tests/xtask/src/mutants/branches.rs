@@ -10,9 +10,15 @@ use syn::visit::{self, Visit};
 
 use super::edits::{Edit, Order};
 use super::list::{Genre, Mutant, Place};
+use crate::copied_tree;
+
+/// The module of the switch.
+pub const MODULE: &str = "mutant_switch";
 
 /// Where the switch lies.
-const SWITCH: &str = "::floorguard_core::mutant_switch";
+fn switch() -> String {
+    copied_tree::path_of(MODULE)
+}
 
 /// The edits for these mutants of one file, by their numbers. A mutant that no branch can express has none. What `constant`
 /// functions say the compiler needs to know.
@@ -39,7 +45,7 @@ struct Visitor<'a> {
 }
 
 fn on(number: usize) -> String {
-    format!("{SWITCH}::on({number})")
+    format!("{}::on({number})", switch())
 }
 
 /// `if on(1) { first } else if on(2) { second } else { otherwise }`.
@@ -116,7 +122,7 @@ impl Visitor<'_> {
     fn lazy(&mut self, binary: &syn::ExprBinary, number: usize) {
         let is_and = matches!(binary.op, syn::BinOp::And(_));
         let (way, result) = if is_and { ("and", "") } else { ("or", "!") };
-        self.before(&binary.left, format!("(if {SWITCH}::{way}({number}, ("), &[number]);
+        self.before(&binary.left, format!("(if {}::{way}({number}, (", switch()), &[number]);
         self.instead(&binary.op, ")) { ", &[number]);
         self.behind(&binary.right, format!(" }} else {{ {result}{} }})", on(number)), &[number]);
     }
@@ -301,7 +307,7 @@ mod tests {
         let numbered: Vec<(usize, &Mutant)> = mutants.iter().enumerate().collect();
         let syntax = syn::parse_file(text).expect("the example parses");
         let edits = of_file((text, &syntax), &numbered, &BTreeSet::new());
-        let text = edits::apply(text, edits).text.replace("::floorguard_core::mutant_switch::", "");
+        let text = edits::apply(text, edits).text.replace(&(switch() + "::"), "");
         syn::parse_file(&text).expect("the spoiled example parses");
         text
     }

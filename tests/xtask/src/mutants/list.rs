@@ -78,7 +78,7 @@ impl Place {
 }
 
 /// Asks cargo-mutants about some files of a package.
-pub fn ask(package: &str, files: &[&str]) -> Result<Vec<Mutant>> {
+pub fn ask(package: &str, files: &[String]) -> Result<Vec<Mutant>> {
     if !shell::is_installed("cargo-mutants") {
         bail!("cargo-mutants is missing: cargo install cargo-mutants --locked");
     }

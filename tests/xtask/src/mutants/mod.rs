@@ -12,9 +12,7 @@ mod outcome;
 pub mod record;
 mod run;
 mod spoiled;
-mod tests_of;
 mod trial;
 
-pub use record::{RECORD, Record};
+pub use record::{EQUIVALENT, Equivalent, RECORD, Record};
 pub use run::run;
-pub use tests_of::{PARTS, Part};

@@ -65,12 +65,16 @@ pub struct Equivalent {
     /// The reason.
     pub reason: String,
     /// How many mutants it is the reason of; one if it does not say.
-    #[serde(default = "one")]
+    #[serde(default = "one", skip_serializing_if = "is_one")]
     pub count: usize,
 }
 
 const fn one() -> usize {
     1
+}
+
+const fn is_one(count: &usize) -> bool {
+    *count == 1
 }
 
 impl Record {
@@ -159,7 +163,7 @@ pub fn keep(root: &Path, record: Record) -> Result<()> {
 mod tests {
     use super::*;
 
-    const FILE: &str = "core-nostd/src/guard/example.rs";
+    const FILE: &str = "core-nostd/guard/src/example.rs";
 
     /// The reasons that survivors of these columns get, of a line with two `>`.
     fn reasons(columns: &[usize], equivalents: &[Equivalent]) -> Vec<String> {

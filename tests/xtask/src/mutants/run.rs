@@ -14,16 +14,16 @@ use super::list::{self, Mutant};
 use super::outcome::{Outcome, Outcomes};
 use super::record::{self, Record};
 use super::spoiled::{Refused, Spoiled};
-use super::tests_of::{PARTS, Part, Suite};
 use super::trial::Program;
+use crate::facts::{Part, Suite, facts};
 use crate::shell;
 
 /// Runs the campaign of that name; `None` if there is none. False if too many mutants survive.
 pub fn run(name: &str, fresh: bool) -> Result<Option<bool>> {
-    let Some(part) = PARTS.iter().find(|part| part.name == name) else { return Ok(None) };
-    let mutants = list::ask(part.package, part.files)?;
+    let Some(part) = facts().mutants.iter().find(|part| part.name == name) else { return Ok(None) };
+    let mutants = list::ask(&part.package, &part.files)?;
     let code = crate::campaign::code_today()?;
-    let (spoiled, refused) = Spoiled::make(part.package, &mutants)?;
+    let (spoiled, refused) = Spoiled::make(&part.package, &mutants)?;
     println!(
         "{name}: {} mutants, {} of which do not compile, {} are built by themselves, the others are in one program",
         mutants.len(),
@@ -34,7 +34,7 @@ pub fn run(name: &str, fresh: bool) -> Result<Option<bool>> {
     if fresh {
         let _ = std::fs::remove_file(&path);
     }
-    let first = part.suites.first().map(|suite| program(&spoiled, suite)).transpose()?;
+    let first = part.suites.first().map(|suite| program(&spoiled, part, suite)).transpose()?;
     let mut outcomes = Outcomes::load(&path, &fingerprint(first.as_slice())?);
     outcomes.code = code;
     for number in &refused.unviable {
@@ -45,7 +45,7 @@ pub fn run(name: &str, fresh: bool) -> Result<Option<bool>> {
     for number in &refused.alone {
         let mutant = &mutants[*number];
         if outcomes.of(&mutant.name).is_none() {
-            outcomes.book(&mutant.name, alone::try_out(&spoiled, mutant, part.suites)?)?;
+            outcomes.book(&mutant.name, alone::try_out(&spoiled, mutant, part)?)?;
             // These take long: what is known is kept even if the rest is cut.
             record::keep(&shell::root(), result(part, &mutants, &outcomes, &shell::root())?)?;
         }
@@ -53,8 +53,9 @@ pub fn run(name: &str, fresh: bool) -> Result<Option<bool>> {
     conclude(part, &mutants, &outcomes).map(Some)
 }
 
-fn program(spoiled: &Spoiled, suite: &Suite) -> Result<Program> {
-    Program::build(spoiled, suite)?.with_context(|| format!("{:?} does not build", suite.target))
+fn program(spoiled: &Spoiled, part: &Part, suite: &Suite) -> Result<Program> {
+    Program::build(spoiled, &part.package, suite)?
+        .with_context(|| format!("{:?} does not build", suite.target))
 }
 
 /// Each suite sees what survived the ones before it.
@@ -76,7 +77,7 @@ fn together(
         };
         let open: Vec<usize> = (0..mutants.len()).filter(open).collect();
         if !open.is_empty() {
-            try_all(&program(spoiled, suite)?, number, (&open, mutants), outcomes)?;
+            try_all(&program(spoiled, part, suite)?, number, (&open, mutants), outcomes)?;
         }
     }
     Ok(())
@@ -89,7 +90,7 @@ fn try_all(
     (open, mutants): (&[usize], &[Mutant]),
     outcomes: &mut Outcomes,
 ) -> Result<()> {
-    let note = std::env::temp_dir().join(format!("floorguard-mutants-reached-{}", std::process::id()));
+    let note = std::env::temp_dir().join(format!("mutants-reached-{}", std::process::id()));
     let reached = program.reached(&note)?;
     let bar = ProgressBar::new(open.len() as u64);
     let style =
@@ -149,7 +150,7 @@ fn result(part: &Part, mutants: &[Mutant], outcomes: &Outcomes, root: &Path) -> 
     let survivors =
         record::explained(with(|outcome| matches!(outcome, Outcome::Survived(_))), root, &equivalents);
     Ok(Record {
-        name: part.name.to_owned(),
+        name: part.name.clone(),
         command: format!("cargo xtask campaign {}", part.name),
         wanted_percent: part.wanted_percent,
         viable: caught + survivors.len(),

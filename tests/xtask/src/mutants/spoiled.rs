@@ -9,6 +9,7 @@ use serde_json::Value;
 
 use super::list::{Genre, Mutant};
 use super::{branches, edits};
+use crate::facts::facts;
 use crate::{copied_tree, shell};
 
 const SWITCH: &str = include_str!("switch.rs.in");
@@ -86,10 +87,9 @@ impl Spoiled {
             copied_tree::write(&self.sources().join(name), &edited.text)?;
             files.insert(name.to_owned(), edited);
         }
-        let switch = format!("{SWITCH}\nconst MUTANTS: usize = {};\n", mutants.len());
-        copied_tree::write(&self.sources().join("core-nostd/src/mutant_switch.rs"), &switch)?;
-        let library = copied_tree::library_with("mutant_switch")?;
-        copied_tree::write(&self.sources().join("core-nostd/src/lib.rs"), &library)?;
+        let switch = SWITCH.replace("ENVIRONMENT", &facts().environment);
+        let switch = format!("{switch}\nconst MUTANTS: usize = {};\n", mutants.len());
+        copied_tree::add_module(&self.sources(), branches::MODULE, &switch)?;
         Ok(files)
     }
 

@@ -7,7 +7,8 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, Result, bail};
 
 use super::spoiled::Spoiled;
-use super::tests_of::Suite;
+use crate::audit::sources;
+use crate::facts::{Suite, facts};
 use crate::shell;
 
 /// Seconds of the processor for a test, after which a mutant counts as endless, and so as noticed.
@@ -29,20 +30,20 @@ pub struct Program {
 
 impl Program {
     /// Builds the suite; `None` if it does not compile.
-    pub fn build(spoiled: &Spoiled, suite: &Suite) -> Result<Option<Self>> {
+    pub fn build(spoiled: &Spoiled, package: &str, suite: &Suite) -> Result<Option<Self>> {
         let mut command = spoiled.cargo();
-        command.args(["test", "--quiet", "--no-run", "--message-format=json", "--package", suite.package]);
+        command.args(["test", "--quiet", "--no-run", "--message-format=json", "--package", package]);
         let output =
-            command.args(suite.target).stderr(Stdio::null()).output().context("cannot start cargo")?;
+            command.args(&suite.target).stderr(Stdio::null()).output().context("cannot start cargo")?;
         if !output.status.success() {
             return Ok(None);
         }
         let path = shell::test_executable(&String::from_utf8_lossy(&output.stdout));
         let path = path.context("cargo names no test executable")?;
-        let folder = if suite.package == "floorguard-core" { "core-nostd" } else { "drivers" };
-        let mut arguments: Vec<String> = suite.chosen.iter().map(|&word| word.to_owned()).collect();
-        arguments.extend(suite.skipped.iter().flat_map(|&word| ["--skip".to_owned(), word.to_owned()]));
-        Ok(Some(Self { path, folder: spoiled.sources().join(folder), arguments }))
+        let folder = spoiled.sources().join(sources::folder_of(package)?);
+        let mut arguments: Vec<String> = suite.chosen.clone();
+        arguments.extend(suite.skipped.iter().flat_map(|word| ["--skip".to_owned(), word.clone()]));
+        Ok(Some(Self { path, folder, arguments }))
     }
 
     /// The program itself: what it is made of is what a result belongs to.
@@ -70,7 +71,7 @@ impl Program {
         for test in self.tests()? {
             let _ = std::fs::remove_file(note);
             let mut command = self.command("note", NOTING);
-            command.args(["--exact", &test]).env("FLOORGUARD_MUTANTS_REACHED", note);
+            command.args(["--exact", &test]).env(facts().variable("MUTANTS_REACHED"), note);
             if !command.status()?.success() {
                 bail!("{test} fails without a mutant; see it run in {}", self.folder.display());
             }
@@ -92,7 +93,7 @@ impl Program {
         command
             .args(["--quiet", "--test-threads=1"])
             .current_dir(&self.folder)
-            .env("FLOORGUARD_MUTANT", mutant);
+            .env(facts().variable("MUTANT"), mutant);
         command.env("RUST_MIN_STACK", "33554432").env("PROPTEST_FAILURE_PERSISTENCE", "off");
         command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
         command

@@ -1,7 +1,7 @@
 //! Texture of an image in blocks: mean and standard deviation of the gradient, for each Lab channel.
 //!
 //! Three rows of Lab are open at once, whatever the height of the image. A block counts only where every pixel is
-//! free floor; saturated light says nothing. Source: algorithms F.1 steps 1 to 3.
+//! free floor; saturated light says nothing. Source: book, Floor and dirt: Published dirt detector.
 
 use heapless::Vec;
 
@@ -11,9 +11,9 @@ use crate::floor::root::square_root;
 use floorguard_types::capacities::{FLOOR_BLOCKS_MAX, FLOOR_IMAGE_COLUMNS_MAX};
 use floorguard_types::sensing::ColorImage;
 
-/// Pixels along a block (algorithms F.1).
+/// Pixels along a block (book, Floor and dirt: Published dirt detector).
 pub const BLOCK: usize = 16;
-/// Saturated pixels of a block that make it unknown: 5 % (algorithms F.1, edge cases).
+/// Saturated pixels of a block that make it unknown: 5 % (book, Floor and dirt: Published dirt detector).
 const SATURATED_MAX: u16 = 12;
 /// A channel at this value is saturated.
 const SATURATED: u8 = 255;

@@ -1,7 +1,7 @@
 //! Colour as the eye weighs it: CIELAB from sRGB, by table.
 //!
 //! Distances in Lab are differences that one sees, so one threshold fits dark and bright floor. The curves of both
-//! steps are tables: no power and no root for a pixel. Source: algorithms F.1.
+//! steps are tables: no power and no root for a pixel. Source: book, Floor and dirt: Lab colours.
 
 /// Lightness 0..=100, green to red, blue to yellow.
 pub type Lab = [f32; 3];
@@ -14,7 +14,7 @@ const WHOLE: f32 = 8_388_608.0;
 const MASK: u32 = 2_047;
 /// Below this the cube root is replaced by a line (CIE 1976).
 const LINEAR_BELOW: f32 = 0.008_856;
-/// sRGB to XYZ, each row over the white point (algorithms F.1).
+/// sRGB to XYZ, each row over the white point (book, Floor and dirt: Lab colours).
 const TO_WHITE: [[f32; 3]; 3] = [
     [0.412_453 / 0.950_456, 0.357_580 / 0.950_456, 0.180_423 / 0.950_456],
     [0.212_671, 0.715_160, 0.072_169],
@@ -75,7 +75,7 @@ impl LabTables {
 mod tests {
     use super::*;
 
-    /// The vectors of algorithms F.1.
+    /// The test values of the book, Floor and dirt: Lab colours.
     #[test]
     fn published_vectors() {
         let vectors = [

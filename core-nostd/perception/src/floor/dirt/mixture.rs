@@ -1,14 +1,14 @@
 //! Gaussian mixtures of points in the plane, fitted by expectation and maximisation a bounded number of times.
 //!
 //! One pass over the points does both steps, so responsibilities are never stored. Where a component starves it is
-//! seeded again once, at the point that is explained worst. Source: algorithms F.1, X.2.
+//! seeded again once, at the point that is explained worst. Source: book, Floor and dirt: Mixtures.
 
 /// A point: mean and standard deviation of a block's gradients.
 pub type Point = [f32; 2];
 
-/// Components that a mixture may have (algorithms F.1).
+/// Components that a mixture may have (book, Floor and dirt: Mixtures).
 pub const COMPONENTS_MAX: usize = 5;
-/// Passes at most (algorithms F.1).
+/// Passes at most (book, Floor and dirt: Mixtures).
 pub const PASSES_MAX: u8 = 30;
 
 /// One component. Invariant: the covariance (xx, xy, yy) is positive definite, because every fit adds a floor to it.
@@ -50,7 +50,7 @@ pub struct Mixture {
 const LN_TAU: f32 = 1.837_877_1;
 /// Least determinant, so that a degenerate covariance divides by something.
 const DETERMINANT_MIN: f32 = 1.0e-12;
-/// A component with a smaller share starves (algorithms X.2).
+/// A component with a smaller share starves (book, Floor and dirt: Mixtures).
 const STARVING: f32 = 1.0e-3;
 
 /// What a density needs of a component.

@@ -1,8 +1,9 @@
-//! The mixture against vectors of the specification and of scikit-learn.
+//! The mixture against test values of the book and of scikit-learn.
 
 use super::*;
 
-/// T-04 of the algorithm specification: five passes from a given start, as scikit-learn computes them.
+/// The test values of the book, Floor and dirt: Mixtures: five passes from a given start, as scikit-learn computes
+/// them.
 #[test]
 fn equals_the_oracle_after_five_passes() {
     let points = [

@@ -2,7 +2,7 @@
 //!
 //! Two detectors on the same image. The published one compares the texture of blocks with a mixture fitted to all
 //! blocks; ours asks of every pixel how rare its colour and texture are, and whether they stay where they are while the
-//! robot moves. Source: algorithms F.
+//! robot moves. Source: book, Floor and dirt.
 
 mod blocks;
 mod lab;

@@ -24,7 +24,7 @@ const COLOUR_SPREAD_MIN: f32 = 0.3;
 const TEXTURE_SPREAD_MIN: f32 = 0.1;
 /// Texture below this is the camera's noise, squared Lab units a pixel.
 const TEXTURE_MIN: f32 = 0.02;
-/// Fewest usable pixels of the result: 60 blocks of 16 × 16 (algorithms F.1 step 4).
+/// Fewest usable pixels of the result: 60 blocks of 16 × 16 (book, Floor and dirt: Novelty).
 const PIXELS_MIN: usize = 60 * 64;
 /// Lightness 0..=100 of a pixel that tells a colour: above 14 of 255 and below 254.
 const LIT: core::ops::Range<f32> = 4.0..99.6;

@@ -1,6 +1,6 @@
 //! Quantiles in constant memory: a histogram between the smallest and the largest value.
 //!
-//! One bin of 1,024 is the error, far below what any threshold here means. Source: algorithms K12.
+//! One bin of 1,024 is the error, far below what any threshold here means. Source: book, Conventions: Quantiles.
 
 const BINS: usize = 1_024;
 

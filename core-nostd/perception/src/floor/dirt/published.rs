@@ -1,8 +1,8 @@
 //! The published detector: blocks whose texture a mixture, fitted to the blocks of the same image, explains badly.
 //!
 //! Dirt is what is rare, so the mixture must be too poor to give dirt a component of its own; weak components may be
-//! left out of the score, which the publication does not do. Source: algorithms F.1 (Grünauer et al. 2017 as told by
-//! FLOBOT's publication).
+//! left out of the score, which the publication does not do. Source: book, Floor and dirt: Published dirt detector
+//! (Grünauer et al. 2017, by Yan et al. 2020a).
 
 use heapless::Vec;
 
@@ -39,7 +39,7 @@ impl Default for PublishedParameters {
     }
 }
 
-/// Fewest usable blocks, and fewest for a component (algorithms F.1 step 4).
+/// Fewest usable blocks, and fewest for a component (book, Floor and dirt: Published dirt detector).
 const BLOCKS_MIN: usize = 60;
 const BLOCKS_A_COMPONENT: usize = 20;
 

@@ -25,7 +25,7 @@ pub struct FloorView {
 
 /// What an earlier frame counts against the next newer one.
 const FADE: f32 = 0.8;
-/// A viewpoint is another after this way or turn (half the cell of the dirt map; algorithms F.2 asks for 5°).
+/// A viewpoint is another after this way or turn (half the cell of the dirt map).
 const MOVED_M: f32 = 0.05;
 const TURNED_RAD: f32 = 0.05;
 

@@ -3,7 +3,7 @@
 use core::f64::consts::PI;
 
 /// Eigenvalues of `[xx, xy, xz, yy, yz, zz]`, descending. Trigonometric solution of the characteristic cubic of the
-/// matrix with its mean removed (O. K. Smith, 1961). Double precision, because the smallest of three very different
+/// matrix with its mean removed (Smith 1961). Double precision, because the smallest of three very different
 /// values is a difference.
 #[must_use]
 pub fn eigenvalues3([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> [f64; 3] {

@@ -1,4 +1,5 @@
-//! The 71 features of the published detector, exactly as its code computes them. Algorithms A.3 and N.2.
+//! The 71 features of the published detector, exactly as its code computes them. Source: book, People: Published
+//! features.
 //!
 //! Two passes over the points, in the lidar's frame: sums and bounds first, then what depends on the mean and the
 //! bounds. The published code rotates the cloud into its principal axes; none of the 71 values depends on the axes, only
@@ -9,7 +10,7 @@ use floorguard_types::geometry::Point3;
 
 /// Dimensions of the vector.
 pub const FEATURES: usize = 71;
-/// The vector; index 0 holds dimension 1 of the specification.
+/// The vector; index 0 holds dimension 1 of the publication.
 pub type Features = [f32; FEATURES];
 
 const SLICES: usize = 10;
@@ -217,7 +218,7 @@ mod tests {
         second.features()
     }
 
-    /// The vector of algorithms A.3.
+    /// The test values of the book, People: Published features.
     #[test]
     fn features_equal_the_vector() {
         let mut wanted =

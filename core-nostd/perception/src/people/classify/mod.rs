@@ -1,4 +1,4 @@
-//! What makes a cluster a person: features, their scaling, a support-vector machine. Algorithms A.3 to A.5.
+//! What makes a cluster a person: features, their scaling, a support-vector machine. Source: book, People.
 
 mod eigenvalues;
 mod features;

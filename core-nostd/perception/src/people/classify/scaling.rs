@@ -1,4 +1,5 @@
-//! Scaling of features, and how far a vector lies outside of what the model was trained on. Algorithms A.4.
+//! Scaling of features, and how far a vector lies outside of what the model was trained on. Source: book, People:
+//! Scaling.
 
 /// Bounds of one training set. Constant tables on the target, read from a libsvm `.range` file on the host.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +23,7 @@ pub struct ScaledFeatures<const DIMENSIONS: usize> {
 }
 
 impl<const DIMENSIONS: usize> ScaledFeatures<DIMENSIONS> {
-    /// Limit of [`Self::outlyingness`] (A.4).
+    /// Limit of [`Self::outlyingness`] (book, People: Scaling).
     pub const EXTRAPOLATING: f32 = 5.0;
 
     /// The model extrapolates.

@@ -1,4 +1,5 @@
-//! Support-vector machine with a radial kernel and a calibrated probability, as libsvm computes it. Algorithms A.5.
+//! Support-vector machine with a radial kernel and a calibrated probability, as libsvm computes it. Source: book,
+//! People: Support-vector machine.
 
 /// Sigmoid that turns a decision value into a probability (Platt).
 #[derive(Clone, Copy, Debug, PartialEq)]

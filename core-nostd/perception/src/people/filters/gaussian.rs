@@ -1,10 +1,11 @@
-//! A person as a Gaussian of four numbers, and what all Kalman filters do with it. Algorithms D.1, D.3.
+//! A person as a Gaussian of four numbers, and what all Kalman filters do with it. Source: book, Tracking: Motion
+//! model.
 
 use nalgebra::{Matrix2, Matrix4, Vector2, Vector4};
 
 use floorguard_types::geometry::Point2;
 
-/// Position and velocity with their covariance; state order x, vx, y, vy (algorithms D.1).
+/// Position and velocity with their covariance; state order x, vx, y, vy (book, Tracking: Motion model).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gaussian {
     /// Metres and m/s.
@@ -40,8 +41,8 @@ impl Gaussian {
         }
     }
 
-    /// Moves on with constant velocity and white acceleration of spectral density `density`, m²/s³ (D.1, `fixed`). For
-    /// this linear model the unscented transform gives the same numbers.
+    /// Moves on with constant velocity and white acceleration of spectral density `density`, m²/s³ (book, Tracking:
+    /// Motion model). For this linear model the unscented transform gives the same numbers.
     pub fn predict(&mut self, seconds: f32, density: f32) {
         let t = seconds.max(0.0);
         let (a, b, c) = (density * t * t * t / 3.0, density * t * t / 2.0, density * t);

@@ -1,4 +1,4 @@
-//! The Kalman filter of a walker, extended for bearings. Algorithms D.3.
+//! The Kalman filter of a walker, extended for bearings. Source: book, Tracking: Filters.
 
 use nalgebra::Matrix4;
 

@@ -1,7 +1,7 @@
 //! Filters of one person behind one interface: Kalman, extended, unscented, particles; places or bearing and range.
 //!
 //! The tracker of the robot uses [`ConstantVelocity`](super::ConstantVelocity), the special case that costs a tenth;
-//! the others are for bearings, for other detectors and for comparison. Algorithms D.2, D.3.
+//! the others are for bearings, for other detectors and for comparison. Source: book, Tracking: Filters.
 
 mod constant;
 mod gaussian;

@@ -1,4 +1,4 @@
-//! What a detector measures of a person, in its own coordinates. Algorithms D.2.
+//! What a detector measures of a person, in its own coordinates. Source: book, Tracking: Observations.
 
 use nalgebra::{Matrix2, Matrix2x4, Vector2, Vector4};
 
@@ -14,7 +14,7 @@ pub enum Observation {
         /// Standard deviation of each coordinate, metres.
         sigma_m: f32,
     },
-    /// Bearing and range from a sensor whose pose is given: the published code leaves the sensor at the origin (DEV-10).
+    /// Bearing and range from a sensor whose pose is given: the published code leaves the sensor at the origin.
     Polar {
         /// The sensor in the fixed frame.
         sensor: Pose2,

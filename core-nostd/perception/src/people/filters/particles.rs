@@ -1,4 +1,4 @@
-//! A particle filter of a walker (sampling, importance, resampling), for comparison. Algorithms D.3.
+//! A particle filter of a walker (sampling, importance, resampling), for comparison. Source: book, Tracking: Filters.
 //!
 //! A thousand particles take 16 KiB a person: not for the MCU.
 
@@ -34,8 +34,8 @@ impl<const N: usize> Particles<N> {
         N.max(1) as f32
     }
 
-    /// Spreads copies by K·(max − min)·N^(−1/4); K is 0.2: with the 1 of D.3 the spread of the copies would be many times
-    /// that of the belief.
+    /// Spreads copies by K·(max − min)·N^(−1/4); K is 0.2: with the usual 1 the spread of the copies would be many
+    /// times that of the belief.
     fn roughen(&mut self) {
         let first = self.particles.first().copied().unwrap_or_default();
         let (mut low, mut high) = (first, first);

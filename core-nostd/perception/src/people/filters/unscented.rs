@@ -1,4 +1,4 @@
-//! The unscented filter of a walker (Julier, scaled by κ alone). Algorithms D.3.
+//! The unscented filter of a walker (Julier, scaled by κ alone). Source: book, Tracking: Filters.
 
 use nalgebra::{Matrix2, Matrix4, Matrix4x2, Vector2, Vector4};
 

@@ -10,7 +10,7 @@ use crate::people::splits::SEEDS_MAX;
 use floorguard_types::capacities::CLUSTERS_MAX;
 use floorguard_types::geometry::Point2;
 
-/// Measurement noise of a cluster's centre, metres (D.2, 3-D lidar), and its growth per metre of distance.
+/// Measurement noise of a cluster's centre, metres (book, People: Candidates), and its growth per metre of distance.
 const SIGMA_M: f32 = 0.1;
 const SIGMA_PER_M: f32 = 0.004;
 /// The middle of what is left of somebody half hidden is not the middle of the body, and wanders with what hides it.

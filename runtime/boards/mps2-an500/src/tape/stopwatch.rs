@@ -1,4 +1,4 @@
-//! Instructions, counted with the dual timer: exact under `-icount` (platform 5.1).
+//! Instructions, counted with the dual timer: exact under `-icount`.
 
 use crate::register::Register;
 

@@ -13,7 +13,7 @@ use crate::ethernet::Ethernet;
 /// Our address on the emulator's network.
 pub const MINE: Ipv4Address = Ipv4Address::new(10, 0, 2, 15);
 const GATEWAY: Ipv4Address = Ipv4Address::new(10, 0, 2, 2);
-/// Port of the lidar (wire-formats 1).
+/// Port of the lidar (book, Velodyne).
 const LIDAR_PORT: u16 = 2_368;
 /// Port of the witness.
 const WITNESS_PORT: u16 = 2_369;

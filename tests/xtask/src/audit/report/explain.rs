@@ -69,7 +69,7 @@ pub const EXPLANATIONS: &[Explanation] = &[
         "no-recursion-in-sources",
         (
             "No function that calls itself, by an operator neither, and no circle of functions of a file or a type.",
-            "Circles through traits or over several rooms are seen in the image only.",
+            "Circles through traits or over several crates are seen in the image only.",
         ),
         ("claims", "sneaky_tests.rs: circles_*"),
     ),
@@ -83,14 +83,14 @@ pub const EXPLANATIONS: &[Explanation] = &[
         ("loops", "seen.rs: a_count_above_its_bound_is_named"),
     ),
     explanation(
-        "hosted-rooms-apart",
+        "hosted-only-apart",
         (
-            "The sources of core, drivers, runtime and both boards are searched for the names of these rooms.",
-            "What the rooms do on the Linux computer is judged from their sources only: not linked for the Cortex-M7, so no \
+            "The sources of core, drivers, runtime and both boards are searched for the names of these modules.",
+            "What these do on the Linux computer is judged from their sources only: not linked for the Cortex-M7, so no \
              proof against panics or for their stack. If one panics, the program ends, and the drives stop by their own \
              heartbeat watch (assumption A4).",
         ),
-        ("rooms", "hosted_rooms.rs: a_hosted_room_in_an_image_is_named"),
+        ("hosted", "hosted_only.rs: a_hosted_module_in_an_image_is_named"),
     ),
     explanation(
         "image-builds",
@@ -135,12 +135,12 @@ pub const EXPLANATIONS: &[Explanation] = &[
         ("stack", "image_injection_tests.rs: a_call_through_a_register_is_named"),
     ),
     explanation(
-        "rooms-linked",
+        "modules-linked",
         (
-            "Every room of core and drivers has code in the image, but for those that run on Linux only.",
-            "A room counts as linked when some of its code is.",
+            "Every module of core and drivers has code in the image, but for those that run on Linux only.",
+            "A module counts as linked when some of its code is.",
         ),
-        ("rooms", "leave a root out of tests/safety-image"),
+        ("hosted", "leave a root out of tests/safety-image"),
     ),
     explanation(
         "roots-linked",

@@ -1,31 +1,32 @@
-//! Every loop with its bound, folded by room.
+//! Every loop with its bound, folded by module.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use super::table::{Table, escape, grouped, source};
 use crate::audit::loops::LoopSite;
+use crate::audit::sources;
 
-/// A fold for each room, with what its tests reached.
+/// A fold for each module, with what its tests reached.
 pub fn section(sites: &[LoopSite]) -> String {
-    let mut rooms = BTreeMap::<String, Vec<&LoopSite>>::new();
+    let mut modules = BTreeMap::<String, Vec<&LoopSite>>::new();
     for site in sites {
-        let room = site.file.split('/').take(3).collect::<Vec<_>>().join("/");
-        rooms.entry(room).or_default().push(site);
+        let module = sources::module_of(&site.file);
+        modules.entry(module).or_default().push(site);
     }
     let mut html = String::from(
-        "<p>Open a room for its loops. <i>Its value</i> is the bound as the program computed it while it counted; \
+        "<p>Open a module for its loops. <i>Its value</i> is the bound as the program computed it while it counted; \
          <i>most turns seen</i> is the largest count of any test or campaign. Fills and comparisons of whole arrays are \
          written by the compiler and cannot be counted; nor can a chain whose source the counting copy cannot name.</p>",
     );
-    for (room, sites) in rooms {
+    for (module, sites) in modules {
         let ran = sites.iter().filter(|site| site.seen.largest_seen.is_some()).count();
         let never = sites.iter().filter(|site| site.seen.counted && site.seen.largest_seen.is_none()).count();
         let _ = write!(
             html,
             "<details><summary><code>{}</code>: {} loops, {ran} counted, {never} never ran, {} cannot be counted</summary>{}\
              </details>",
-            escape(&room),
+            escape(&module),
             sites.len(),
             sites.len() - ran - never,
             table(&sites)
@@ -38,8 +39,8 @@ pub fn section(sites: &[LoopSite]) -> String {
 fn seen(site: &LoopSite) -> String {
     match (site.seen.largest_seen, site.seen.counted) {
         (Some(largest), _) => grouped(largest),
-        (None, true) => format!("never ran while it was counted; see {}", escape(site.seen.why_not)),
-        (None, false) => format!("not counted: {}", escape(site.seen.why_not)),
+        (None, true) => format!("never ran while it was counted; see {}", escape(&site.seen.why_not)),
+        (None, false) => format!("not counted: {}", escape(&site.seen.why_not)),
     }
 }
 

@@ -7,9 +7,10 @@ use serde_json::Value;
 use super::table::{Table, anchor, code, escape, grouped, link, source, verdict};
 use super::{claims, goals, instructions, loops, manual, stack, states};
 use crate::audit::evidence::Evidence;
-use crate::audit::hosted_rooms::HOSTED_ROOMS;
+use crate::audit::hosted_only;
 use crate::audit::since::{CodeToday, Since};
 use crate::audit::trace::{Place, Requirement, Trace};
+use crate::facts::facts;
 use crate::mutants::Record;
 
 /// Sections: anchor, heading.
@@ -26,7 +27,7 @@ const SECTIONS: [(&str, &str); 15] = [
     ("campaigns", "Campaigns that were run"),
     ("mutants", "Mutants"),
     ("stack", "Stack and functions"),
-    ("rooms", "Rooms that are in no image"),
+    ("hosted", "What is in no image"),
     ("dependencies", "Crates of the safety image"),
     ("loops", "Loops and their bounds"),
 ];
@@ -37,7 +38,8 @@ pub fn html(evidence: &Evidence) -> String {
     let good = evidence.holds();
     let _ = write!(
         page,
-        "<h1>floorguard: the evidence</h1><p class=big>{}</p>",
+        "<h1>{}: the evidence</h1><p class=big>{}</p>",
+        escape(&facts().project),
         verdict(good, if good { "every claim holds" } else { "a claim fails" })
     );
     page.push_str(INTRODUCTION);
@@ -60,7 +62,7 @@ pub fn html(evidence: &Evidence) -> String {
         campaigns(evidence.records.campaigns.as_ref(), &evidence.today),
         mutants(&evidence.mutants, &evidence.today.code),
         stack::section(evidence.image.as_ref(), &evidence.roots),
-        rooms(),
+        hosted(),
         dependencies(evidence),
         loops::section(&evidence.sites),
     ];
@@ -229,14 +231,14 @@ fn mutants(records: &[Record], code_today: &str) -> String {
     )
 }
 
-fn rooms() -> String {
-    let mut table = Table::new(&["room", "why it is in no image"]);
-    for room in HOSTED_ROOMS {
-        table.row(&[code(&format!("core-nostd/src/{}", room.name)), escape(room.reason)]);
+fn hosted() -> String {
+    let mut table = Table::new(&["package, modules", "why it is in no image"]);
+    for entry in &facts().hosted_only {
+        table.row(&[code(&hosted_only::shown(entry)), escape(&entry.reason)]);
     }
     format!(
-        "<p>Part of the core, judged from its sources like all of it, but on a Linux computer only. The claim \
-         <b>hosted-rooms-apart</b> holds them off the images.</p>{}",
+        "<p>Part of the audited crates, judged from its sources like all of it, but on a Linux computer only. The claim \
+         <b>hosted-only-apart</b> holds them off the images.</p>{}",
         table.finish()
     )
 }

@@ -13,10 +13,10 @@ pub fn section(picture: &str, explored: &Explored, causes: &[CauseLine]) -> Stri
          contact, emergency stop, a lost source, reset, leaving, and mixtures). After every step the test holds that a robot \
          with a hazard before it, or with a button pressed, stands or only leaves; that what is latched stays so without a reset \
          and a passed self-test; and that nothing moves before the start-up check \
-         (<code>core-nostd/src/guard/tests/reachable.rs</code>). A second model of the decisions, written from the requirements \
+         (<code>core-nostd/guard/src/tests/reachable.rs</code>). A second model of the decisions, written from the requirements \
          alone, goes the same way at random: see <i>model</i> among the campaigns.</p>{picture}{}\
          <h3>Every cause: what it demands and how it clears</h3><p>Printed by the guard's own table \
-         (<code>core-nostd/src/guard/rules.rs</code>) in this run. What a person beside the robot is to do about each stands in \
+         (<code>core-nostd/guard/src/rules.rs</code>) in this run. What a person beside the robot is to do about each stands in \
          <a href='../../docs/src/operating.md'>docs/src/operating.md</a>.</p>{}",
         grouped(explored.states),
         grouped(explored.steps),

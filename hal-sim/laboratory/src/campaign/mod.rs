@@ -1,0 +1,60 @@
+//! Many seeded runs in parallel, each in its own virtual time, and one table of what came of them.
+
+mod encounters;
+mod fault_class;
+mod fault_matrix;
+mod fault_phase;
+mod single_faults;
+mod summary;
+
+pub use encounters::encounter;
+pub use fault_class::random_fault;
+pub use fault_matrix::{Cell, cell_of, cells, coverage, fault_trial, name, taped_fault_trial};
+pub use fault_phase::box_in_the_way;
+pub use single_faults::single_fault;
+pub use summary::{CampaignSummary, RunOutcome, run_all, run_some};
+
+use crate::world::{Observation, Observer, Plan, run_recorded};
+use floorguard_host::executor::StopFlag;
+use floorguard_operator::telemetry::Witnesses;
+
+/// Large state is moved by value when a run begins.
+const STACK_BYTES: usize = 32 << 20;
+
+/// Plays a plan without showing anything.
+fn watched(plan: &Plan) -> anyhow::Result<Observation> {
+    watched_by(plan, &mut Witnesses::default())
+}
+
+/// The same, with witnesses.
+fn watched_by(plan: &Plan, witnesses: &mut Witnesses) -> anyhow::Result<Observation> {
+    let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
+    let mut observer = Observer::new(plan, &mut show);
+    run_recorded(plan, &mut observer, witnesses)?;
+    Ok(observer.into_observation())
+}
+
+/// Runs cases on all cores, on threads with room for the robot's state.
+///
+/// # Errors
+/// The system gives no threads.
+pub fn run_seeds(
+    seeds: std::ops::Range<u64>,
+    run: impl Fn(u64) -> RunOutcome + Send + Sync,
+) -> anyhow::Result<CampaignSummary> {
+    run_seeds_until(seeds, &StopFlag::default(), run)
+}
+
+/// The same, until somebody wants it to end: what is running is run to its end, and nothing else begins.
+///
+/// # Errors
+/// The system gives no threads.
+pub fn run_seeds_until(
+    seeds: std::ops::Range<u64>,
+    ended: &StopFlag,
+    run: impl Fn(u64) -> RunOutcome + Send + Sync,
+) -> anyhow::Result<CampaignSummary> {
+    let seeds: Vec<u64> = seeds.collect();
+    let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build()?;
+    Ok(pool.install(|| run_some(&seeds, |seed| (!ended.is_stopped()).then(|| run(*seed)))))
+}

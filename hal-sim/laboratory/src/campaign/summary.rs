@@ -1,0 +1,111 @@
+//! Runs a list of cases on all cores and adds up the verdicts in the order of the cases.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::judge::{Digest, Verdict};
+
+/// What one case came to.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RunOutcome {
+    /// The command that repeats it.
+    pub command: String,
+    /// Why it counts as failed; none when it passed.
+    pub failure: Option<String>,
+    /// The verdict, unless the run itself broke.
+    pub verdict: Option<Verdict>,
+}
+
+/// What all cases came to.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct CampaignSummary {
+    /// Cases run.
+    pub runs: usize,
+    /// Cases that failed, with the command that repeats each.
+    pub failures: Vec<RunOutcome>,
+    /// Sum over all runs.
+    pub contacts: u32,
+    /// Sum over all runs.
+    pub avoidable_contacts: u32,
+    /// Sum over all runs.
+    pub missed_stops: u32,
+    /// Sum over all runs.
+    pub nuisance_stops: u32,
+    /// Sum over all runs.
+    pub stops: u32,
+    /// Largest of all runs, milliseconds.
+    pub stop_latency_max_ms: f64,
+    /// Sum over all runs, metres.
+    pub distance_m: f64,
+    /// Sum over all runs, seconds of robot time.
+    pub duration_s: f64,
+    /// Fingerprint of all fingerprints.
+    pub digest: String,
+}
+
+/// Runs every case on all cores. The order of the result does not depend on the number of cores.
+pub fn run_all<C: Sync>(cases: &[C], run: impl Fn(&C) -> RunOutcome + Send + Sync) -> CampaignSummary {
+    run_some(cases, |case| Some(run(case)))
+}
+
+/// The same, of those cases that give an outcome: others were left out.
+pub fn run_some<C: Sync>(
+    cases: &[C],
+    run: impl Fn(&C) -> Option<RunOutcome> + Send + Sync,
+) -> CampaignSummary {
+    let outcomes: Vec<RunOutcome> = cases.par_iter().filter_map(run).collect();
+    let mut summary = CampaignSummary { runs: outcomes.len(), ..CampaignSummary::default() };
+    let mut digest = Digest::new();
+    for outcome in outcomes {
+        if let Some(verdict) = &outcome.verdict {
+            summary.contacts += verdict.contacts;
+            summary.avoidable_contacts += verdict.avoidable_contacts;
+            summary.missed_stops += verdict.missed_stops;
+            summary.nuisance_stops += verdict.nuisance_stops;
+            summary.stops += verdict.stops;
+            summary.stop_latency_max_ms = summary.stop_latency_max_ms.max(verdict.stop_latency_ms.max);
+            summary.distance_m += verdict.distance_m;
+            summary.duration_s += verdict.duration_s;
+            digest.add(verdict.digest.as_bytes());
+        }
+        if outcome.failure.is_some() {
+            summary.failures.push(outcome);
+        }
+    }
+    summary.digest = digest.hex();
+    summary
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::campaign::run_seeds_until;
+    use floorguard_host::executor::StopFlag;
+
+    #[test]
+    fn failures_keep_their_command_and_the_order_of_the_cases() {
+        let cases: Vec<u32> = (0..100).collect();
+        let summary = run_all(&cases, |case| RunOutcome {
+            command: format!("floorguard simulate --seed {case}"),
+            failure: (case % 40 == 39).then(|| "contact".to_owned()),
+            verdict: Some(Verdict { stops: *case, ..Verdict::default() }),
+        });
+        let commands: Vec<&str> = summary.failures.iter().map(|failure| failure.command.as_str()).collect();
+        assert_eq!(commands, ["floorguard simulate --seed 39", "floorguard simulate --seed 79"]);
+        assert_eq!((summary.runs, summary.stops), (100, 4_950));
+    }
+
+    #[test]
+    fn nothing_begins_any_more_when_somebody_has_ended_it() {
+        let ended = StopFlag::default();
+        let run = |seed: u64| {
+            if seed == 0 {
+                ended.stop();
+            }
+            RunOutcome { command: String::new(), failure: None, verdict: Some(Verdict::default()) }
+        };
+        let one = run_seeds_until(0..1, &ended, run).unwrap();
+        assert_eq!(one.runs, 1, "what was running is run to its end");
+        assert_eq!(run_seeds_until(1..500, &ended, run).unwrap().runs, 0);
+    }
+}

@@ -1,0 +1,23 @@
+//! Cleaning missions in simulation: any ROS map, four strategies, and the proof of what was claimed.
+
+mod campaign;
+mod config;
+mod environment;
+mod faults;
+mod memory;
+mod navigator;
+mod people;
+pub mod pictures;
+mod promise;
+pub mod report;
+pub mod statistics;
+mod trial;
+mod truth;
+
+pub use campaign::{Onlooker, StrategySummary, StrategyTrials, run_strategies, run_strategies_believing};
+pub use config::{Guarantee, MissionConfig, Robot, Strategy};
+pub use environment::{CleaningLesson, expected_units, teach_cleaning};
+pub use faults::{FaultKind, FaultRates};
+pub use memory::Memory;
+pub use trial::{Interrupted, Keeping, TrialResult, run, run_believing, run_keeping};
+pub use truth::{OdometryErrors, RangeSensor};

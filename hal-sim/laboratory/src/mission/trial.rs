@@ -1,0 +1,448 @@
+//! One mission from start to end, and what it came to.
+
+use floorguard_cleaning::{CleanRule, Verdict};
+use floorguard_mapping::poisson_tail;
+use floorguard_mapping::{DirtCell, Grid};
+use floorguard_types::geometry::{Point2, Twist2};
+use floorguard_types::random::Pcg32;
+
+use super::config::{MissionConfig, Strategy};
+use super::faults::Faults;
+use super::memory::{Memory, about};
+use super::navigator::{Navigator, VISITS_MAX, Wish};
+use super::people::Crowd;
+use super::promise::Promise;
+use super::truth::Truth;
+use floorguard_host::executor::StopFlag;
+use floorguard_robot::site::Floor;
+use floorguard_robot::site::Localiser;
+
+/// Control period, s.
+const PERIOD_S: f32 = 0.1;
+/// A memory is kept this often, s: the robot goes 0.1 m meanwhile, which is within the doubt of a restart.
+const MEMORY_S: f32 = 1.0;
+/// A mission that takes longer is broken off, s: a shift.
+const TIME_LIMIT_S: f32 = 8.0 * 3_600.0;
+
+/// What a mission came to.
+#[derive(Clone, Debug, Default)]
+pub struct TrialResult {
+    /// 99 % quantile of the dirt left over the cells that were dirty at the start (criterion b; book, Cleaning:
+    /// Published protocol).
+    pub quantile99: u32,
+    /// The same over all reachable cells (criterion a).
+    pub quantile99_all: u32,
+    /// Most dirt left in a reachable cell (criterion c).
+    pub max_left: u32,
+    /// The quantile over the dirty cells is at most τ.
+    pub success: bool,
+    /// Way driven, metres.
+    pub distance_m: f32,
+    /// Simulated time, s.
+    pub time_s: f32,
+    /// Part of it spent waiting for people, s.
+    pub waited_s: f32,
+    /// Re-plannings that changed the path.
+    pub replannings: u32,
+    /// Cells that were dirty at the start and can be reached.
+    pub dirty_cells: u32,
+    /// Of those, claimed to be clean at the end.
+    pub claimed_cells: u32,
+    /// Of those, in truth dirtier than tolerated.
+    pub falsely_claimed_cells: u32,
+    /// Dirty at the start, in truth clean at the end.
+    pub truly_clean_cells: u32,
+    /// Of those, claimed.
+    pub truly_clean_claimed_cells: u32,
+    /// All reachable cells that are claimed, dirty at the start or not.
+    pub claimed_all_cells: u32,
+    /// Reachable cells that are not claimed because too many of the possible paths missed them.
+    pub uncertain_cells: u32,
+    /// Reachable cells that are not claimed because they were visited in vain too often, or no pass was found.
+    pub given_up_cells: u32,
+    /// Dirty cells that cannot be reached: not guaranteed.
+    pub unreachable_cells: u32,
+    /// The mission came to its end, and every cell that it answers for is claimed.
+    pub is_complete: bool,
+    /// Mean error of the most likely particle, metres.
+    pub mean_error_m: f32,
+    /// Time in s and error of the most likely particle in metres, at every update.
+    pub errors: Vec<(f32, f32)>,
+    /// Times that the pose was found wrong.
+    pub distrusts: u32,
+    /// Faults that happened.
+    pub faults: u32,
+    /// Contacts with people while moving.
+    pub avoidable_contacts: u32,
+    /// Obstacles that stopped the robot.
+    pub bumps: u32,
+    /// Visits of cells.
+    pub visits: u32,
+    /// Mean time of an update, s of the computer.
+    pub update_s: f64,
+    /// First planning and slowest re-planning, s of the computer.
+    pub planning_s: (f64, f64),
+    /// What may be said about every cell at the end.
+    pub verdicts: Vec<Option<Verdict>>,
+    /// What really lies there.
+    pub left: Vec<u32>,
+    /// Share of the reachable cells over whose middle the brush really passed.
+    pub covered_share: f32,
+    /// Where the robot really was.
+    pub path: Vec<Point2>,
+    /// Units picked up, and where the robot believed to be.
+    pub hits: Vec<(Point2, u32)>,
+}
+
+/// Runs one mission on dirt of which the robot knows what is to be expected. The seed decides everything but the times
+/// of the computer.
+pub fn run(
+    floor: &Floor,
+    config: &MissionConfig,
+    expected: &[f32],
+    seed: u64,
+) -> anyhow::Result<TrialResult> {
+    run_believing(floor, config, (expected, expected), seed)
+}
+
+/// As [`run`], with dirt of which `expected` units lie in each cell while the robot believes in `believed`.
+pub fn run_believing(
+    floor: &Floor,
+    config: &MissionConfig,
+    dirt: (&[f32], &[f32]),
+    seed: u64,
+) -> anyhow::Result<TrialResult> {
+    run_keeping(floor, config, dirt, (seed, Keeping::default()))
+}
+
+/// Takes the memory of a mission and keeps it.
+pub type Keeper<'a> = dyn FnMut(&Memory) -> anyhow::Result<()> + 'a;
+
+/// What becomes of the memory of a mission.
+#[derive(Default)]
+pub struct Keeping<'a> {
+    /// The memory with which the mission goes on. The simulated world, which has no memory of its own, is driven up to
+    /// the same moment first; the robot then knows what it remembers and nothing else.
+    pub from: Option<&'a Memory>,
+    /// Called with the memory about once a second of the mission.
+    pub keep: Option<&'a mut Keeper<'a>>,
+    /// Set by somebody who wants the mission to be broken off.
+    pub ended: Option<&'a StopFlag>,
+}
+
+/// Somebody has broken off the mission.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("broken off")]
+pub struct Interrupted;
+
+/// As [`run_believing`], for a mission that outlives a power cut.
+///
+/// # Errors
+/// A memory of another mission, or one that cannot be kept; [`Interrupted`].
+pub fn run_keeping(
+    floor: &Floor,
+    config: &MissionConfig,
+    (expected, believed): (&[f32], &[f32]),
+    (seed, keeping): (u64, Keeping<'_>),
+) -> anyhow::Result<TrialResult> {
+    let stream = |number| Pcg32::new(seed, number);
+    let tolerated = u32::from(config.tolerated_units);
+    let cells: Vec<DirtCell> = believed
+        .iter()
+        .map(|&units| DirtCell::poisson(units, poisson_tail(tolerated, f64::from(units)) as f32))
+        .collect();
+    let once = CleanRule::per_cell(config.tolerated_units, config.delta);
+    let mut dirty: Vec<bool> = cells.iter().map(|cell| once.needs_cleaning(cell)).collect();
+    let believed_dirty = (0..dirty.len()).filter(|&i| dirty[i] && floor.reachable[i]).collect();
+    // Judged are also the cells that are dirtier than the robot believes.
+    for (dirty, &units) in dirty.iter_mut().zip(expected) {
+        let tail = poisson_tail(tolerated, f64::from(units)) as f32;
+        *dirty |= once.needs_cleaning(&DirtCell::poisson(units, tail));
+    }
+    let mut mission = Mission {
+        floor,
+        config,
+        promise: Promise::new(config, believed_dirty),
+        truth: Truth::new(floor, expected, config.true_pickup, stream(1)),
+        localiser: Localiser::new(floor, config.belief(), Grid::new(floor.cells, cells)?, stream(2)),
+        navigator: Navigator::new(
+            floor,
+            config.strategy,
+            (config.robot.follow, config.robot.brush.width_m),
+            stream(3),
+        ),
+        faults: Faults::new(config.faults, stream(4)),
+        crowd: Crowd::new(floor, config.people, stream(5)),
+        seed,
+        about: about(identity(floor, config, (expected, believed), seed)),
+        memory: None,
+        remembers: false,
+        next_memory_s: 0.0,
+        cuts_s: Vec::new(),
+        result: TrialResult::default(),
+    };
+    mission.drive_to_the_end(keeping)?;
+    Ok(mission.judge(&dirty))
+}
+
+/// What makes a mission this one and no other.
+fn identity<'a>(
+    floor: &'a Floor,
+    config: &MissionConfig,
+    (expected, believed): (&'a [f32], &'a [f32]),
+    seed: u64,
+) -> impl Iterator<Item = u32> + use<'a> {
+    let settings = format!("{config:?}").into_bytes();
+    let cells = (floor.cells.width(), floor.cells.height());
+    [seed as u32, (seed >> 32) as u32, u32::from(cells.0), u32::from(cells.1)]
+        .into_iter()
+        .chain(settings.into_iter().map(u32::from))
+        .chain(expected.iter().chain(believed).map(|units| units.to_bits()))
+        .chain(floor.reachable.iter().map(|&reachable| u32::from(reachable)))
+}
+
+struct Mission<'a> {
+    floor: &'a Floor,
+    config: &'a MissionConfig,
+    promise: Promise,
+    truth: Truth,
+    localiser: Localiser,
+    navigator: Navigator,
+    faults: Faults,
+    crowd: Crowd,
+    seed: u64,
+    about: u32,
+    /// What would be left after a power cut.
+    memory: Option<Memory>,
+    remembers: bool,
+    next_memory_s: f32,
+    cuts_s: Vec<f32>,
+    result: TrialResult,
+}
+
+impl Mission<'_> {
+    fn drive_to_the_end(&mut self, mut keeping: Keeping<'_>) -> anyhow::Result<()> {
+        self.remembers = self.config.faults.resets > 0.0 || keeping.from.is_some() || keeping.keep.is_some();
+        if let Some(memory) = keeping.from {
+            anyhow::ensure!(memory.about == self.about, "the memory is that of another mission");
+            for &cut_s in &memory.cuts_s {
+                self.drive_until(cut_s);
+                let then = self.remember();
+                self.go_on(&then);
+            }
+            self.drive_until(memory.time_s);
+            self.go_on(memory);
+        }
+        while self.truth.time_s < TIME_LIMIT_S {
+            if self.config.distance_limit_m.is_some_and(|limit| self.truth.distance_m >= limit) {
+                break;
+            }
+            if self.remember_if_due()
+                && let (Some(keep), Some(memory)) = (&mut keeping.keep, &self.memory)
+            {
+                keep(memory)?;
+            }
+            if keeping.ended.is_some_and(StopFlag::is_stopped) {
+                return Err(Interrupted.into());
+            }
+            if !self.step() {
+                self.result.is_complete = true;
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// What the world was until a power cut: the same steps again.
+    fn drive_until(&mut self, time_s: f32) {
+        while self.truth.time_s < time_s {
+            self.remember_if_due();
+            if !self.step() {
+                break;
+            }
+        }
+    }
+
+    /// Goes on after a power cut that came to all of the robot.
+    fn go_on(&mut self, memory: &Memory) {
+        self.restart(memory);
+        self.cuts_s.push(memory.time_s);
+        self.next_memory_s = self.truth.time_s;
+    }
+
+    fn remember_if_due(&mut self) -> bool {
+        let is_due = self.remembers && self.truth.time_s >= self.next_memory_s;
+        if is_due {
+            self.next_memory_s = self.truth.time_s + MEMORY_S;
+            self.memory = Some(self.remember());
+        }
+        is_due
+    }
+
+    fn remember(&mut self) -> Memory {
+        let visits = self.navigator.visits.iter().enumerate();
+        Memory {
+            about: self.about,
+            time_s: self.truth.time_s,
+            pose_in_map: self.localiser.pose(self.truth.odometry),
+            lanes_left: self.navigator.lanes_left() as u32,
+            cuts_s: self.cuts_s.clone(),
+            cells: self.localiser.remembered(),
+            visits: visits.filter(|v| *v.1 > 0).map(|(cell, &count)| (cell as u32, count)).collect(),
+        }
+    }
+
+    /// Power comes back: the robot knows what the memory says.
+    fn restart(&mut self, memory: &Memory) {
+        self.localiser.restore((&memory.cells, memory.pose_in_map), self.truth.odometry);
+        let robot = &self.config.robot;
+        let mut navigator = Navigator::new(
+            self.floor,
+            self.config.strategy,
+            (robot.follow, robot.brush.width_m),
+            Pcg32::new(self.seed, 3),
+        );
+        navigator.resume((memory.lanes_left as usize, &memory.visits), &self.navigator);
+        self.navigator = navigator;
+    }
+
+    /// One control period; `false` at the end of the mission.
+    fn step(&mut self) -> bool {
+        let fault = self.faults.step(PERIOD_S);
+        if fault.resets
+            && let Some(memory) = self.memory.take()
+        {
+            self.restart(&memory);
+            self.memory = Some(memory);
+        }
+        if fault.jumps {
+            self.truth.displace(self.floor, 0.1, 0.1);
+        }
+        // Driving at random needs no map: its bumper feels where the walls really are.
+        let pose = match self.config.strategy {
+            Strategy::Random => self.truth.pose,
+            _ => self.localiser.pose(self.truth.odometry),
+        };
+        let twist = match self.navigator.wish(
+            (self.floor, &mut self.localiser, &self.promise),
+            (pose, self.truth.time_s),
+            PERIOD_S,
+        ) {
+            Wish::Drive(twist) => self.permitted(twist),
+            Wish::Done => return false,
+        };
+        self.truth.grip = fault.grip;
+        let brush = Some(self.config.robot.brush);
+        let (hits, bumped) = self.truth.drive(self.floor, twist, PERIOD_S, brush);
+        if self.config.people > 0 {
+            self.crowd.step(self.floor, self.truth.pose, PERIOD_S);
+            self.crowd.judge(self.floor, self.truth.pose, twist != Twist2::ZERO);
+        }
+        if bumped {
+            self.result.bumps += 1;
+            self.navigator.bumped(pose);
+        }
+        if hits > 0 {
+            self.result.hits.push((Point2::new(pose.x_m, pose.y_m), hits));
+        }
+        self.localiser.collect(hits, fault.is_silent);
+        if self.localiser.is_due(self.truth.odometry) {
+            self.update();
+        }
+        true
+    }
+
+    /// Yields to people: stands still while somebody is near.
+    fn permitted(&mut self, wanted: Twist2) -> Twist2 {
+        if self.config.people > 0 && self.crowd.is_robot_to_wait(self.floor, self.truth.pose) {
+            self.result.waited_s += PERIOD_S;
+            self.navigator.waited(PERIOD_S);
+            return Twist2::ZERO;
+        }
+        wanted
+    }
+
+    fn update(&mut self) {
+        let people = self.crowd.places();
+        let scan = self.truth.scan(self.floor, &self.config.robot.sensor, &people);
+        self.localiser.update(self.floor, self.truth.odometry, &scan, self.config.uses_dirt_sensor);
+        let (best, pose) = (self.localiser.best(), self.truth.pose);
+        let error = (best.x_m - pose.x_m).hypot(best.y_m - pose.y_m);
+        self.result.errors.push((self.truth.time_s, error));
+        self.result.path.push(Point2::new(pose.x_m, pose.y_m));
+    }
+
+    /// Compares the claims with the truth.
+    fn judge(mut self, dirty: &[bool]) -> TrialResult {
+        self.localiser.settle();
+        let rule = self.promise.rule(&self.localiser.map);
+        let mut result = self.result;
+        let tolerated = u32::from(self.config.tolerated_units);
+        let (mut left_dirty, mut left_all) = (Vec::new(), Vec::new());
+        for (cell, &was_dirty) in dirty.iter().enumerate() {
+            let left = self.truth.units(cell);
+            result.left.push(left);
+            if !self.floor.reachable[cell] {
+                result.unreachable_cells += u32::from(was_dirty);
+                result.verdicts.push(None);
+                continue;
+            }
+            let verdict = self.localiser.map.get(cell).map(|dirt| rule.verdict(dirt));
+            result.verdicts.push(verdict);
+            let (claimed, clean) = (verdict == Some(Verdict::Clean), left <= tolerated);
+            left_all.push(left);
+            result.claimed_all_cells += u32::from(claimed);
+            result.uncertain_cells += u32::from(verdict == Some(Verdict::Uncertain));
+            result.given_up_cells += u32::from(!claimed && self.navigator.visits[cell] >= VISITS_MAX);
+            if was_dirty {
+                left_dirty.push(left);
+                result.dirty_cells += 1;
+                result.claimed_cells += u32::from(claimed);
+                result.falsely_claimed_cells += u32::from(claimed && !clean);
+                result.truly_clean_cells += u32::from(clean);
+                result.truly_clean_claimed_cells += u32::from(clean && claimed);
+            }
+        }
+        let passed = self.truth.passed.iter().zip(&self.floor.reachable).filter(|&(&p, &r)| p && r).count();
+        result.covered_share = passed as f32 / left_all.len().max(1) as f32;
+        // Cells that were given up are no reason to call the floor complete.
+        result.is_complete &= result.claimed_all_cells as usize == left_all.len();
+        result.quantile99 = quantile99(&mut left_dirty);
+        result.quantile99_all = quantile99(&mut left_all);
+        result.max_left = left_all.last().copied().unwrap_or(0);
+        result.success = result.quantile99 <= tolerated;
+        result.is_complete &= self.config.strategy == Strategy::Guarantee;
+        result.distance_m = self.truth.distance_m;
+        result.time_s = self.truth.time_s;
+        result.replannings = self.navigator.replannings;
+        let updates = result.errors.len().max(1);
+        result.mean_error_m = result.errors.iter().map(|e| e.1).sum::<f32>() / updates as f32;
+        result.distrusts = self.localiser.distrusts;
+        result.visits = self.navigator.visits.iter().map(|&visits| u32::from(visits)).sum();
+        result.faults = self.faults.count;
+        result.avoidable_contacts = self.crowd.avoidable_contacts;
+        result.update_s = self.localiser.busy_s / f64::from(self.localiser.updates.max(1));
+        result.planning_s = (self.navigator.first_plan_s, self.navigator.slowest_replan_s);
+        result
+    }
+}
+
+/// The smallest value that at least 99 % of the values do not exceed; sorts them.
+fn quantile99(values: &mut [u32]) -> u32 {
+    values.sort_unstable();
+    let rank = (0.99 * values.len() as f64).ceil() as usize;
+    values.get(rank.saturating_sub(1)).copied().unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantile_is_the_maximum_of_few_values() {
+        assert_eq!(quantile99(&mut [3, 9, 1]), 9);
+        let mut many: Vec<u32> = (1..=200).collect();
+        assert_eq!(quantile99(&mut many), 198);
+        assert_eq!(quantile99(&mut []), 0);
+    }
+}

@@ -1,0 +1,126 @@
+//! The run in a few lines.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use crate::judge::MissionReport;
+use crate::world::{Observation, Plan};
+use floorguard_host::words::{beside, counted};
+
+/// Plain words, ending with the verdict.
+#[must_use]
+pub fn summary(plan: &Plan, observation: &Observation) -> String {
+    let verdict = &observation.verdict;
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "  {}: {:.0} s, {:.1} m driven, {:.1} m² brushed, seed {}",
+        verdict.scenario, verdict.duration_s, verdict.distance_m, observation.cleaned_m2, verdict.seed
+    );
+    let ready = observation.ready_s.map(|ready_s| format!("ready to move after {ready_s:.1} s"));
+    let _ = writeln!(text, "  {}", ready.as_deref().unwrap_or("never ready to move"));
+    let _ = writeln!(
+        text,
+        "  stops {} ({} without need), missed {}; contacts {} ({} avoidable)",
+        verdict.stops,
+        verdict.nuisance_stops,
+        verdict.missed_stops,
+        verdict.contacts,
+        verdict.avoidable_contacts
+    );
+    for (kind, count) in kinds(observation) {
+        let _ = writeln!(text, "    {count:3} x {kind}");
+    }
+    let mut held: Vec<_> = observation.under_cause_s.iter().collect();
+    held.sort_by(|a, b| b.1.total_cmp(a.1));
+    let held: Vec<String> =
+        held.iter().take(5).map(|(kind, seconds)| format!("{kind} {seconds:.1} s")).collect();
+    if !held.is_empty() {
+        let _ = writeln!(text, "  held back by: {}", held.join(", "));
+    }
+    let latency = &verdict.stop_latency_ms;
+    if latency.count > 0 {
+        let (median, most, times) = (latency.median, latency.p99, counted(latency.count as u64, "time"));
+        let _ = writeln!(
+            text,
+            "  from measurement to the order to stop: median {median:.0} ms, 99 % within {most:.0} ms ({times})"
+        );
+    }
+    if let (Some(mota), Some(idf1)) = (verdict.mota, verdict.idf1) {
+        let _ = writeln!(
+            text,
+            "  people in sight within 12 m: MOTA {mota:.2}, IDF1 {idf1:.2}, {}, {:.2} m off",
+            counted(verdict.id_switches, "identity switch"),
+            verdict.localisation_error_m.unwrap_or(0.0)
+        );
+    }
+    if let Some(mission) = &verdict.mission {
+        text.push_str(&mission_lines(mission));
+    }
+    if let Some(learned) = &verdict.learned {
+        let _ = writeln!(text, "  learned: {}", learned.words());
+    }
+    if !verdict.faulty_sources.is_empty() {
+        let _ = writeln!(text, "  sources that failed: {}", verdict.faulty_sources.join(", "));
+    }
+    if observation.resets > 0 {
+        let _ = writeln!(text, "  the operator pressed reset {}", counted(observation.resets, "time"));
+    }
+    let word = if verdict.passed { "good" } else { "FAILED" };
+    let _ = writeln!(text, "  verdict: {word}   (digest {} of {})", verdict.digest, plan.name);
+    text
+}
+
+/// What was cleaned, in plain words.
+fn mission_lines(mission: &MissionReport) -> String {
+    let percent = |share: f32| 100.0 * f64::from(share);
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "  cleaning ({}): dirt {} -> {} units; {} of {} dirty cells claimed clean ({:.1} %), {} of them falsely",
+        mission.strategy,
+        mission.dirt_before_units,
+        mission.dirt_after_units,
+        mission.claimed_cells,
+        mission.dirty_cells,
+        percent(mission.completion),
+        mission.falsely_claimed_cells
+    );
+    let end = match mission.finished_after_s {
+        Some(seconds) => format!("guarantee reached after {seconds:.0} s"),
+        None => "not finished".to_owned(),
+    };
+    let _ = writeln!(
+        text,
+        "    {end}; people and things in the way cost {:.0} s, {}; {:.2} m off the true place",
+        mission.people_cost_s,
+        counted(mission.detours, "detour"),
+        mission.localisation_error_m.unwrap_or_default()
+    );
+    // Half a second and more: less is told as none.
+    for (reason, seconds) in mission.time_s.iter().filter(|(_, seconds)| **seconds >= 0.5) {
+        let _ = writeln!(text, "    {seconds:6.0} s {reason}");
+    }
+    for (reason, count) in &mission.uncertain_cells {
+        let _ = writeln!(text, "    {count:3} {} not claimed: {reason}", beside(*count, "cell", "cells"));
+    }
+    if mission.unreachable_cells > 0 {
+        let count = mission.unreachable_cells;
+        let cells = beside(count as u64, "cell", "cells");
+        let _ = writeln!(text, "    {count:3} dirty {cells} cannot be reached");
+    }
+    text
+}
+
+/// How often each cause stopped the robot, most frequent first.
+#[must_use]
+pub fn kinds(observation: &Observation) -> Vec<(String, usize)> {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for stop in &observation.stops {
+        *counts.entry(&stop.kind).or_default() += 1;
+    }
+    let mut kinds: Vec<(String, usize)> =
+        counts.into_iter().map(|(kind, count)| (kind.to_owned(), count)).collect();
+    kinds.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    kinds
+}

@@ -1,0 +1,99 @@
+//! The floor camera of a simulated robot: rendered pictures of what lies before it, through the same eyes as a real
+//! camera's, five times a second.
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use floorguard_runtime::configuration::Mounting;
+use floorguard_runtime::shared::Shared;
+use floorguard_sim::floor::FloorKind;
+use floorguard_sim::sensors::FloorEye;
+use floorguard_sim::simulation::Simulation;
+use floorguard_types::geometry::Point3;
+use floorguard_types::sensing::PinholeCamera;
+use floorguard_types::time::Stamp;
+
+use super::plan::Plan;
+use floorguard_configuration::{CameraConfiguration, CameraSource};
+use floorguard_robot::camera::{DirtLook, FloorLook, PictureCamera, PictureFolder, SeenDirt};
+
+/// Between pictures, microseconds: rendering one takes as long as everything else in this time.
+const EVERY_US: u64 = 200_000;
+
+/// A rendered camera and what looks at its pictures.
+pub struct SimulatedCamera {
+    eye: FloorEye,
+    floor: FloorLook,
+    dirt: DirtLook,
+    next_us: u64,
+    frame: u32,
+}
+
+fn pinhole((width, height): (usize, usize), focal_px: f32) -> Option<PinholeCamera> {
+    let middle = |side: usize| (side as f32 - 1.0) / 2.0;
+    PinholeCamera::new([focal_px; 2], [middle(width), middle(height)])
+}
+
+impl SimulatedCamera {
+    /// The camera of a plan's robot, over vinyl as supermarkets have it.
+    #[must_use]
+    pub fn new(plan: &Plan) -> Option<Self> {
+        let (height_m, forward_m, pitch_rad) = FloorEye::MOUNTING;
+        let camera = CameraConfiguration {
+            source: CameraSource::Devices { depth: "".into(), colour: None },
+            size: FloorEye::DEPTH_SIZE,
+            camera: pinhole(FloorEye::DEPTH_SIZE, FloorEye::FOCAL_PX)?,
+            mounting: Mounting {
+                position: Point3::new(forward_m, 0.0, height_m),
+                pitch_rad,
+                ..plan.robot.lidar.mounting
+            },
+        };
+        let colour = pinhole(FloorEye::COLOUR_SIZE, 2.0 * FloorEye::FOCAL_PX)?;
+        Some(Self {
+            eye: FloorEye::new(FloorKind::Vinyl, plan.seed),
+            floor: FloorLook::new(&plan.robot, &camera)?,
+            dirt: DirtLook::new(FloorEye::COLOUR_SIZE, colour)?,
+            next_us: 0,
+            frame: 0,
+        })
+    }
+
+    /// What its colour pictures are like.
+    pub const PICTURES: PictureCamera = PictureCamera {
+        size: FloorEye::COLOUR_SIZE,
+        focal_px: 2.0 * FloorEye::FOCAL_PX,
+        mounting: FloorEye::MOUNTING,
+    };
+
+    /// Takes a picture when it is time, and tells the rings what it shows; it goes into the folder, too. True if it did.
+    ///
+    /// # Errors
+    /// The folder cannot be written.
+    pub fn attend<M: RawMutex>(
+        &mut self,
+        simulation: &Simulation,
+        shared: &Shared<M>,
+        (now_us, folder): (u64, Option<&mut PictureFolder>),
+    ) -> anyhow::Result<bool> {
+        if now_us < self.next_us {
+            return Ok(false);
+        }
+        self.next_us = now_us + EVERY_US;
+        self.frame += 1;
+        let picture = simulation.floor_frame(&self.eye, self.frame);
+        let pose = shared.pose.get().unwrap_or_default().pose_in_odometry;
+        let now = Stamp::from_micros(now_us);
+        shared.floor.publish(self.floor.look(&picture.depth_mm, pose, (now, now)));
+        // What it cannot judge stays unknown, and is counted.
+        let _ = self.dirt.look(&picture.rgb, &self.floor, pose, (now, now));
+        if let Some(folder) = folder {
+            folder.add((now, pose), (&picture.depth_mm, FloorEye::DEPTH_SIZE), &picture.rgb)?;
+        }
+        Ok(true)
+    }
+
+    /// What was seen of the dirt so far, in the odometry frame.
+    #[must_use]
+    pub fn seen(&self, now_us: u64) -> SeenDirt {
+        self.dirt.seen(Stamp::from_micros(now_us))
+    }
+}

@@ -1,0 +1,24 @@
+//! The robot's tasks in a world: simulated on a virtual clock, simulated over real carriers, or real devices.
+
+mod ends;
+mod floor_camera;
+mod mission_plan;
+mod observer;
+mod operator;
+mod plan;
+mod real_world;
+mod recorded_plan;
+mod scenario_file;
+mod swath;
+mod truth;
+mod virtual_world;
+
+pub use floor_camera::SimulatedCamera;
+pub use mission_plan::plan_of_scenario;
+pub use observer::{Observation, Observer, SeenStop, TRACKED_RANGE_M};
+pub use plan::{Plan, PlanError};
+pub use real_world::{CarrierFigures, run_real, run_real_recorded};
+pub use recorded_plan::{record_plan, record_plan_in_real_time};
+pub use scenario_file::load_scenario;
+pub use swath::BRUSH_M;
+pub use virtual_world::{run_recorded, run_virtual};

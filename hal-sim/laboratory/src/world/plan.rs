@@ -1,0 +1,213 @@
+//! What to simulate: scenario, seed, duration, faults, and the robot that is told to drive the scenario's route.
+
+use std::path::Path;
+
+use floorguard_runtime::configuration::{RobotConfiguration, ScannerModel};
+use floorguard_runtime::mission::{Route, RouteLimits};
+use floorguard_sim::FaultSpec;
+use floorguard_sim::dirt::DirtFile;
+use floorguard_sim::robot::{RobotParameters, ScannerDevice};
+use floorguard_sim::scenario::{Scenario, ScenarioError};
+use floorguard_sim::simulation::Simulation;
+use floorguard_types::geometry::{Point2, Pose2};
+
+use super::mission_plan::plan_of_scenario;
+use floorguard_configuration::{EXAMPLE, HostedConfiguration, parse};
+use floorguard_robot::assembly::Stages;
+use floorguard_robot::cleaner::{MissionPlan, MissionStrategy};
+use floorguard_robot::learning::LearningSetup;
+
+/// A run of the simulator.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Name of the scenario, for reports.
+    pub name: String,
+    /// The scenario.
+    pub scenario: Scenario,
+    /// The scenario's dirt, until a mission is planned.
+    dirt: Option<DirtFile>,
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// Simulated time, microseconds.
+    pub duration_us: u64,
+    /// What goes wrong.
+    pub faults: Vec<FaultSpec>,
+    /// The robot.
+    pub robot: RobotConfiguration,
+    /// Its file; the route is the scenario's.
+    pub robot_toml: String,
+    /// Which stages of the robot run.
+    pub stages: Stages,
+    /// What the robot cleans; without a mission it drives the scenario's route, and no dirt lies there.
+    pub mission: Option<MissionPlan>,
+    /// The run ends when the mission has nothing left to clean; `duration_us` is then the longest that it may take.
+    pub until_clean: bool,
+    /// A floor camera looks at rendered pictures.
+    pub has_camera: bool,
+    /// How the robot learns; without it, it does not.
+    pub learning: Option<LearningSetup>,
+    /// When the emergency stop is pressed and released, microseconds.
+    pub emergency_stop_us: Vec<(u64, u64)>,
+    /// One firing of the lidar in so many is measured, and those after it repeat it: 1 for a lidar as it is.
+    pub lidar_grain: usize,
+}
+
+/// Why a plan cannot be made.
+#[derive(Debug, thiserror::Error)]
+pub enum PlanError {
+    /// The scenario.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// The robot.
+    #[error(transparent)]
+    Robot(#[from] floorguard_configuration::Refused),
+    /// The mission.
+    #[error("the mission: {0:#}")]
+    Mission(anyhow::Error),
+    /// The scenario's route is longer than the robot's memory.
+    #[error("the route of the scenario has {0} waypoints, the robot remembers {max}", max = floorguard_runtime::mission::ROUTE_WAYPOINTS_MAX)]
+    Route(usize),
+}
+
+impl Plan {
+    /// A built-in scenario with the example robot.
+    ///
+    /// # Errors
+    /// No scenario of that name.
+    pub fn named(name: &str, seed: u64, duration_us: u64) -> Result<Self, PlanError> {
+        Self::of(name, Scenario::named(name)?, seed, duration_us)
+    }
+
+    /// A scenario with the example robot, which is told to drive the scenario's route.
+    ///
+    /// # Errors
+    /// The route is too long.
+    pub fn of(name: &str, mut scenario: Scenario, seed: u64, duration_us: u64) -> Result<Self, PlanError> {
+        let mut robot = parse("robot.toml", EXAMPLE)?.robot;
+        let to_odometry = scenario.start_pose().inverse();
+        let waypoints = &scenario.route.waypoints_m;
+        let mut route = Route { repeat: scenario.route.repeat, ..Route::default() };
+        for [x_m, y_m] in waypoints {
+            let place = to_odometry.transform(Point2::new(*x_m, *y_m));
+            route.waypoints.push(place).map_err(|_| PlanError::Route(waypoints.len()))?;
+        }
+        let defaults = RouteLimits::default();
+        robot.route_limits = RouteLimits {
+            speed_mps: scenario.route.speed_mps.clamp(0.05, robot.limits.speed_mps),
+            turn_radps: defaults.turn_radps.min(robot.limits.turn_radps),
+            ..defaults
+        };
+        robot.route = route;
+        let dirt = scenario.dirt.take();
+        Ok(Self {
+            name: name.to_owned(),
+            scenario,
+            dirt,
+            mission: None,
+            seed,
+            duration_us,
+            faults: Vec::new(),
+            robot,
+            robot_toml: EXAMPLE.to_owned(),
+            stages: Stages::All,
+            until_clean: false,
+            has_camera: false,
+            learning: None,
+            emergency_stop_us: Vec::new(),
+            lidar_grain: 1,
+        })
+    }
+
+    /// With the speeds, deadlines, thresholds, fields and learning of a file of one's own. The simulator plays the body of the
+    /// example, and the scenario says what to drive: another body is refused.
+    ///
+    /// # Errors
+    /// The file is refused, or is of another robot.
+    pub fn with_robot(mut self, path: &Path) -> anyhow::Result<Self> {
+        let name = path.display().to_string();
+        let read = floorguard_configuration::load(path)?;
+        let example = parse("robot.toml", EXAMPLE)?;
+        if let Some(section) = other_body(&read, &example) {
+            anyhow::bail!(
+                "{name}: [{section}] is not that of the example robot, and the simulator plays that one; copy [{section}] from robot.toml"
+            );
+        }
+        self.robot_toml = std::fs::read_to_string(path)?;
+        let (route, mut route_limits) = (self.robot.route, self.robot.route_limits);
+        let limits = read.robot.limits;
+        route_limits.speed_mps = route_limits.speed_mps.min(limits.speed_mps);
+        route_limits.turn_radps = route_limits.turn_radps.min(limits.turn_radps);
+        self.robot = RobotConfiguration { route, route_limits, ..read.robot };
+        if let Some(learning) = &read.learning {
+            let folder = path.parent().unwrap_or(Path::new("."));
+            let mut say = |what: &str| say!("  {what}");
+            let learning = LearningSetup::open(learning, folder, &mut say);
+            self.learning = learning.map_err(|error| anyhow::anyhow!("{name}: {error:#}"))?;
+        }
+        Ok(self)
+    }
+
+    /// With dirt on the floor and a robot that cleans it. Without a wish: the guarantee where the scenario has dirt, otherwise
+    /// the route and no mission.
+    ///
+    /// # Errors
+    /// The scene makes no map.
+    pub fn cleaning(mut self, strategy: Option<MissionStrategy>) -> Result<Self, PlanError> {
+        if strategy.is_none() && self.dirt.is_none() {
+            return Ok(self);
+        }
+        self.scenario.dirt = self.dirt.take();
+        let strategy = strategy.unwrap_or(MissionStrategy::Guarantee);
+        let mission = plan_of_scenario(&self.scenario, strategy, self.seed);
+        self.mission = Some(mission.map_err(PlanError::Mission)?);
+        Ok(self)
+    }
+
+    /// With another safety scanner in the same place.
+    ///
+    /// # Errors
+    /// The example robot cannot carry it.
+    pub fn with_scanner(mut self, model: ScannerModel) -> Result<Self, PlanError> {
+        if let ScannerModel::MicroScan3 { beams } = model {
+            let fitted = format!("model = \"microscan3\"\nsource = \"udp:0.0.0.0:6060\"\nbeams = {beams}\n");
+            let lines = "model = \"s300\"\nsource = \"serial:/dev/ttyUSB0\"\nbaud = 500000\n";
+            self.robot_toml = self.robot_toml.replace(lines, &fitted);
+            self.robot.scanner = parse("robot.toml", &self.robot_toml)?.robot.scanner;
+        }
+        Ok(self)
+    }
+
+    /// The simulator with this plan's robot in it.
+    ///
+    /// # Errors
+    /// The scenario cannot be played.
+    pub fn simulation(&self) -> Result<Simulation, ScenarioError> {
+        let scanner_device = match self.robot.scanner.model {
+            ScannerModel::S300 => ScannerDevice::S300,
+            ScannerModel::MicroScan3 { beams } => ScannerDevice::MicroScan3(beams),
+        };
+        let parameters = RobotParameters { scanner_device, ..RobotParameters::default() };
+        let mut simulation = Simulation::with_robot(&self.scenario, self.seed, parameters)?;
+        simulation.coarse_lidar(self.lidar_grain);
+        Ok(simulation)
+    }
+
+    /// Where the odometry frame lies in the world.
+    #[must_use]
+    pub fn odometry_in_world(&self) -> Pose2 {
+        self.scenario.start_pose()
+    }
+}
+
+/// The section in which a robot has another body than the simulated one.
+fn other_body(read: &HostedConfiguration, example: &HostedConfiguration) -> Option<&'static str> {
+    let (own, simulated) = (&read.robot, &example.robot);
+    let same = [
+        ("robot", own.geometry == simulated.geometry),
+        ("lidar", own.lidar == simulated.lidar),
+        ("scanner", own.scanner.mounting == simulated.scanner.mounting),
+        ("imu", own.imu == simulated.imu),
+        ("can] or [inputs", own.can == simulated.can),
+    ];
+    same.into_iter().find(|(_, is_same)| !is_same).map(|(section, _)| section)
+}

@@ -1,0 +1,185 @@
+//! Simulator on one thread, robot on two, and between them what a real robot has: UDP over the loopback, serial lines
+//! and an SLCAN adapter as pseudo-terminals. Nothing repeats bit for bit here; the verdict must be the same all the same.
+
+use floorguard_drivers::can::CanFrame;
+use floorguard_runtime::clock;
+use floorguard_runtime::shared::StopRecord;
+use floorguard_sim::FaultLayer;
+use floorguard_sim::simulation::{Simulation, Stream};
+use floorguard_types::time::Stamp;
+
+use super::ends::Ends;
+use super::observer::Observer;
+use super::operator::Operator;
+use super::plan::Plan;
+use floorguard_host::executor::{Ring, StopFlag, take_priority};
+use floorguard_operator::panel::Order;
+use floorguard_operator::telemetry::Witnesses;
+use floorguard_operator::telemetry::{Notes, with_onlooker};
+use floorguard_robot::assembly::new_shared;
+use floorguard_robot::assembly::{HostedShared, run_rings};
+use floorguard_robot::cleaner::{MissionPhase, MissionSetup, Store};
+use floorguard_robot::learning::{LearningKeeper, LearningSetup};
+
+/// How often truth is compared with what the robot does, microseconds.
+const JUDGE_US: u64 = 10_000;
+/// What the real carriers did to the run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CarrierFigures {
+    /// The simulator was behind the clock by at most this, microseconds.
+    pub latest_us: u64,
+    /// Bytes and datagrams that a full line refused.
+    pub refused: u64,
+}
+
+/// Plays a plan in real time over real carriers. The CAN bus is an interface of the kernel, if one is named, otherwise an
+/// SLCAN adapter.
+///
+/// # Errors
+/// A carrier could not be opened, or a ring failed.
+pub fn run_real(
+    plan: &Plan,
+    can_interface: Option<&str>,
+    observer: &mut Observer<'_>,
+) -> anyhow::Result<CarrierFigures> {
+    run_real_recorded((plan, can_interface), observer, &mut Witnesses::default())
+}
+
+/// The same, with a recording or a panel.
+///
+/// # Errors
+/// As [`run_real`]; and the recording could not be written.
+pub fn run_real_recorded(
+    (plan, can_interface): (&Plan, Option<&str>),
+    observer: &mut Observer<'_>,
+    witnesses: &mut Witnesses,
+) -> anyhow::Result<CarrierFigures> {
+    let mut simulation = plan.simulation()?;
+    let (mut ends, mut links) = Ends::open(plan.robot.scanner.model, can_interface)?;
+    let start = clock::now();
+    observer.set_clock_start(start);
+    if let Some(panel) = &mut witnesses.panel {
+        panel.set_clock_start(start);
+    }
+    let operated = witnesses.panel.is_some();
+    let shared: Box<HostedShared> = new_shared(&plan.robot, start)
+        .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
+    let flag = StopFlag::default();
+    let mission = plan.mission.clone().map(|mission| MissionSetup::new(mission, Store::None));
+    observer.begin_mission(plan, &simulation);
+    say!("  {}", take_priority(Ring::World));
+    let ended = witnesses.ended.clone();
+    with_onlooker(witnesses, &shared, |tap, notes| {
+        links.tap = tap;
+        links.mission.clone_from(&mission);
+        links.learning.clone_from(&plan.learning);
+        let mut world = World {
+            plan,
+            start,
+            operated,
+            simulation: &mut simulation,
+            ends: &mut ends,
+            ended,
+            mission: mission.clone(),
+            learned: plan.learning.as_ref().map(LearningSetup::keeper),
+        };
+        run_rings((&plan.robot, links), &shared, &flag, || world.play((&shared, &flag, notes), observer))?
+    })
+}
+
+/// The mission has told its progress.
+fn tell(
+    (observer, notes): (&mut Observer<'_>, &Notes<'_>),
+    (simulation, shared): (&Simulation, &HostedShared),
+    setup: &MissionSetup,
+) {
+    if let (Some(progress), Some(pose)) = (setup.watch.get(), shared.pose.get()) {
+        observer.on_mission(&progress, (simulation, pose.pose_in_odometry));
+        notes.mission(&progress);
+    }
+}
+
+/// The simulated surroundings of the robot.
+struct World<'a> {
+    plan: &'a Plan,
+    start: Stamp,
+    /// Somebody at the panel presses reset; the plan's operator does not.
+    operated: bool,
+    /// Somebody wants the run to end.
+    ended: StopFlag,
+    /// What the robot cleans.
+    mission: Option<MissionSetup>,
+    /// Writes what is learned.
+    learned: Option<LearningKeeper>,
+    simulation: &'a mut Simulation,
+    ends: &'a mut Ends,
+}
+
+impl World<'_> {
+    fn play(
+        &mut self,
+        (shared, flag, notes): (&HostedShared, &StopFlag, &Notes<'_>),
+        observer: &mut Observer<'_>,
+    ) -> anyhow::Result<CarrierFigures> {
+        let Self { plan, start, operated, ended, mission, learned, simulation, ends } = self;
+        let mut told = 0;
+        let mut faults = FaultLayer::new(&plan.faults, plan.seed);
+        let mut operator = Operator::new(plan.emergency_stop_us.clone());
+        let mut judge_us = 0;
+        let mut latest_us = 0;
+        let clock_us = || clock::now().as_micros().saturating_sub(start.as_micros());
+        while !flag.is_stopped() {
+            let now_us = clock_us();
+            if now_us > plan.duration_us || ended.is_stopped() {
+                break;
+            }
+            // Truth is looked at every 10 ms of the world's time, however late this thread is.
+            let to_us = now_us.min(judge_us);
+            latest_us = latest_us.max(now_us - to_us);
+            simulation.advance_to(to_us, &mut |event| faults.pass(event, &mut |event| ends.deliver(event)));
+            faults.release(to_us, &mut |event| ends.deliver(event));
+            let (frames, imu) = ends.receive();
+            for frame in frames {
+                observer.on_frame(&CanFrame::standard(frame.id as u16, frame.payload()), to_us);
+                simulation.receive_can(frame, to_us);
+            }
+            if !imu.is_empty() {
+                simulation.receive(Stream::ImuSerial, &imu);
+            }
+            observer.after_tasks(shared);
+            if to_us >= judge_us {
+                judge_us += JUDGE_US;
+                let state = shared.decision.get().map(|decision| decision.state).unwrap_or_default();
+                let deed = operator.act(to_us, state);
+                simulation.press_emergency_stop(deed.pressed);
+                observer.on_emergency_stop(deed.pressed, to_us);
+                if deed.reset && !*operated {
+                    notes.order(Order::Reset);
+                }
+                let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
+                stops.iter().for_each(|stop| notes.stop(stop));
+                observer.observe(simulation, shared, &stops);
+                if let Some(news) = learned.as_mut().and_then(LearningKeeper::attend) {
+                    say!("  {news}");
+                }
+                if let Some(setup) = mission.as_ref().filter(|setup| setup.watch.published() != told) {
+                    told = setup.watch.published();
+                    tell((observer, notes), (simulation, shared), setup);
+                    if plan.until_clean
+                        && setup.watch.get().is_some_and(|told| told.phase == MissionPhase::Done)
+                    {
+                        ended.stop();
+                    }
+                }
+            }
+            let due_us = simulation.next_event_us().min(faults.next_event_us()).min(judge_us);
+            ends.wait(due_us.saturating_sub(clock_us()))?;
+        }
+        observer.finish_mission(simulation);
+        if let Some(report) = learned.as_ref().and_then(LearningKeeper::report) {
+            observer.on_learning(report);
+        }
+        observer.finish(operator.resets());
+        Ok(CarrierFigures { latest_us, refused: ends.refused })
+    }
+}

@@ -1,0 +1,377 @@
+//! Simulator and robot in one thread on a virtual clock: a day of robot time in minutes, every run repeatable.
+
+use std::sync::Arc;
+
+use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+use floorguard_drivers::can::CanFrame;
+use floorguard_runtime::configuration::ScannerModel;
+use floorguard_runtime::shared::{Shared, StopRecord};
+use floorguard_runtime::tape::TapeLine;
+use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
+use floorguard_sim::{CanFrame as SimCanFrame, FaultKind, FaultLayer, FaultSpec, FaultTarget};
+use floorguard_types::time::Stamp;
+
+use super::floor_camera::SimulatedCamera;
+use super::observer::Observer;
+use super::operator::Operator;
+use super::plan::Plan;
+use floorguard_host::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
+use floorguard_host::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
+use floorguard_operator::panel::Order;
+use floorguard_operator::telemetry::Witnesses;
+use floorguard_recording::replay::ScannerPipe;
+use floorguard_robot::assembly::{
+    GuardCarriers, ScannerCarrier, new_perception, new_shared, spawn_cleaning_ring, spawn_guard_ring,
+    spawn_perception_ring,
+};
+use floorguard_robot::cleaner::{MissionPhase, MissionSetup, Store};
+use floorguard_robot::learning::{LearningKeeper, LearningSetup};
+
+/// How often truth is compared with what the robot does, microseconds.
+const JUDGE_US: u64 = 10_000;
+
+/// The map of seen dirt is told this often, microseconds.
+const SEEN_DIRT_US: u64 = 5_000_000;
+
+/// The lines between simulator and robot.
+struct Lines {
+    lidar: DatagramPipe,
+    scanner: ScannerPipe,
+    imu: PipeWriter,
+    can: CanPipe,
+}
+
+/// The robot's ends of the serial lines.
+struct Ends {
+    scanner: ScannerCarrier<PipeReader, DatagramPipe>,
+    imu: DuplexPipe,
+    /// What the robot writes to the inertial sensor.
+    from_imu_line: PipeReader,
+}
+
+/// The bit rate that the simulated inertial sensor has.
+pub(super) const IMU_BAUD: u32 = 115_200;
+
+impl Lines {
+    fn new(scanner: ScannerModel) -> (Self, Ends) {
+        let (scanner, scanner_reader) = ScannerPipe::new(scanner);
+        let (imu, imu_reader) = byte_pipe();
+        let (to_imu, from_imu_line) = byte_pipe();
+        let lines = Self { lidar: DatagramPipe::default(), scanner, imu, can: CanPipe::default() };
+        let imu = DuplexPipe { reader: imu_reader, writer: to_imu };
+        (lines, Ends { scanner: scanner_reader, imu, from_imu_line })
+    }
+
+    fn deliver(&self, event: WireEvent, now_us: u64, witnesses: &mut Witnesses) {
+        let when = (now_us, event.at_us);
+        match (event.stream, event.payload) {
+            (Stream::LidarData, Payload::Bytes(bytes)) => {
+                witnesses.delivered(when, TapeLine::Lidar, &bytes);
+                self.lidar.push(Stamp::from_micros(event.at_us), bytes);
+            }
+            (Stream::ScannerSerial | Stream::ScannerData, Payload::Bytes(bytes)) => {
+                witnesses.delivered(when, TapeLine::Scanner, &bytes);
+                self.scanner.push(Stamp::from_micros(event.at_us), &bytes);
+            }
+            (Stream::ImuSerial, Payload::Bytes(bytes)) => {
+                witnesses.delivered(when, TapeLine::Imu, &bytes);
+                self.imu.push(&bytes);
+            }
+            (Stream::Can, Payload::Frame(frame)) => {
+                let [low, high] = (frame.id as u16).to_le_bytes();
+                let bytes: Vec<u8> = [low, high].iter().chain(frame.payload()).copied().collect();
+                witnesses.delivered(when, TapeLine::Can, &bytes);
+                self.can.push(CanFrame::standard(frame.id as u16, frame.payload()));
+            }
+            // Position packets only discipline the lidar's clock, which the arrival times already do.
+            _ => {}
+        }
+    }
+}
+
+/// Plays a plan to its end. The observer sees every moment of 10 ms.
+///
+/// # Errors
+/// The robot cannot be configured, or one of its tasks spins.
+pub fn run_virtual(plan: &Plan, observer: &mut Observer<'_>) -> anyhow::Result<()> {
+    run_recorded(plan, observer, &mut Witnesses::default())
+}
+
+/// The same, with witnesses.
+///
+/// # Errors
+/// As [`run_virtual`].
+pub fn run_recorded(
+    plan: &Plan,
+    observer: &mut Observer<'_>,
+    witnesses: &mut Witnesses,
+) -> anyhow::Result<()> {
+    let mut simulation = plan.simulation()?;
+    use_virtual_clock(0);
+    let outcome = play(plan, &mut simulation, (observer, witnesses));
+    use_real_clock();
+    outcome
+}
+
+/// Everything around the robot's computer; it outlives the computer's lives.
+struct World<'a, 'b> {
+    simulation: &'a mut Simulation,
+    observer: &'a mut Observer<'b>,
+    witnesses: &'a mut Witnesses,
+    faults: FaultLayer,
+    /// On the way from the computer to the bus.
+    output_faults: FaultLayer,
+    operator: Operator,
+    /// What the robot cleans, with the disk that outlives its computer's lives.
+    mission: Option<MissionSetup>,
+    camera: Option<SimulatedCamera>,
+    /// Writes what is learned; the file outlives the computer's lives.
+    learned: Option<LearningKeeper>,
+    /// The map of seen dirt is told again from here on.
+    next_map_us: u64,
+    judge_us: u64,
+    now_us: u64,
+    /// The run ends with the mission.
+    until_clean: bool,
+    /// The plan's duration, or when somebody ended the run.
+    end_us: u64,
+}
+
+/// Why the computer stopped.
+#[derive(PartialEq, Eq)]
+enum End {
+    OfThePlan,
+    PowerLost,
+}
+
+fn play(
+    plan: &Plan,
+    simulation: &mut Simulation,
+    (observer, witnesses): (&mut Observer<'_>, &mut Witnesses),
+) -> anyhow::Result<()> {
+    let mut world = World {
+        simulation,
+        observer,
+        witnesses,
+        faults: FaultLayer::new(&plan.faults, plan.seed),
+        output_faults: FaultLayer::for_output(&plan.faults, plan.seed),
+        operator: Operator::new(plan.emergency_stop_us.clone()),
+        mission: plan
+            .mission
+            .clone()
+            .map(|mission| MissionSetup::new(mission, Store::Memory(Arc::default()))),
+        camera: plan.has_camera.then(|| SimulatedCamera::new(plan)).flatten(),
+        learned: plan.learning.as_ref().map(LearningSetup::keeper),
+        next_map_us: 0,
+        judge_us: 0,
+        now_us: 0,
+        until_clean: plan.until_clean,
+        end_us: plan.duration_us,
+    };
+    let dead = |at_us| plan.faults.iter().any(|fault| is_reset(fault) && fault.applies(at_us));
+    world.observer.begin_mission(plan, world.simulation);
+    while live(plan, &mut world, dead)? == End::PowerLost {
+        let off = plan.faults.iter().filter(|fault| is_reset(fault) && fault.applies(world.now_us));
+        let until_us = off.map(|fault| fault.to_us).max().unwrap_or(world.now_us).min(world.end_us);
+        world.without_computer(until_us);
+    }
+    world.observer.finish_mission(world.simulation);
+    if let Some(camera) = &world.camera {
+        let seen = camera.seen(world.now_us);
+        world.witnesses.seen_dirt(&seen);
+        world.observer.on_seen_dirt(seen);
+    }
+    if let Some(learned) = world.learned.as_ref().and_then(LearningKeeper::report) {
+        world.observer.on_learning(learned);
+    }
+    world.observer.finish(world.operator.resets());
+    if let Some(folder) = world.witnesses.pictures.take() {
+        folder.finish()?;
+    }
+    Ok(world.witnesses.finish((world.end_us, world.observer.digest().value()))?)
+}
+
+fn is_reset(fault: &FaultSpec) -> bool {
+    fault.target == FaultTarget::Computer && fault.kind == FaultKind::Reset
+}
+
+/// One life of the robot's computer, from power on.
+fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> anyhow::Result<End> {
+    let shared: Box<Shared<NoopRawMutex>> = new_shared(&plan.robot, Stamp::from_micros(world.now_us))
+        .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
+    let mut perception = new_perception(&plan.robot, plan.stages);
+    perception.motion.learn(plan.learning.as_ref().map(LearningSetup::again).as_ref());
+    let setup = world.mission.clone();
+    let mut mission = setup.as_ref().map(|setup| setup.begin(&plan.robot)).transpose()?;
+    let mut told = setup.as_ref().map_or(0, |setup| setup.watch.published());
+    let (lines, Ends { scanner, imu, from_imu_line }) = Lines::new(plan.robot.scanner.model);
+    let mut tasks = TaskSet::new();
+    let carriers = GuardCarriers {
+        lidar: lines.lidar.clone(),
+        scanner,
+        imu: Some((imu, IMU_BAUD)),
+        can: lines.can.clone(),
+    };
+    spawn_guard_ring(&mut tasks, &shared, &plan.robot, carriers);
+    let guard_tasks = tasks.len();
+    match &mut mission {
+        Some(mission) => spawn_cleaning_ring(&mut tasks, &shared, (&mut perception, mission)),
+        None => spawn_perception_ring(&mut tasks, &shared, &plan.robot, &mut perception),
+    }
+    let mut orders = Vec::new();
+    loop {
+        let now_us = world.next_us().min(next_timer_us().unwrap_or(u64::MAX)).max(world.now_us);
+        if world.witnesses.ended.is_stopped() {
+            // What happens at this moment still happens: a replay knows moments only.
+            world.end_us = world.end_us.min(world.now_us);
+        }
+        if now_us > world.end_us {
+            return Ok(End::OfThePlan);
+        }
+        world.now_us = now_us;
+        if dead(now_us) {
+            return Ok(End::PowerLost);
+        }
+        world.advance(&lines);
+        advance_virtual(now_us);
+        orders.drain(..).for_each(|order| world.witnesses.order(order, &shared, now_us));
+        let halted = |target| halts(plan, target, now_us);
+        let runs =
+            |task| !halted(if task < guard_tasks { FaultTarget::Guard } else { FaultTarget::Perception });
+        tasks.poll_until_quiet_if(runs)?;
+        world.observer.after_tasks(&shared);
+        world.take_from_robot(&lines, &from_imu_line);
+        world.witnesses.after_tasks(&shared, (now_us, world.observer.digest().value()));
+        if now_us >= world.judge_us {
+            world.judge_us += JUDGE_US;
+            // A button reaches the tasks with the next moment.
+            orders = world.operate(&shared);
+            let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
+            stops.iter().for_each(|stop| world.witnesses.stop(stop));
+            if let Some(setup) = setup.as_ref().filter(|setup| setup.watch.published() != told) {
+                told = setup.watch.published();
+                world.tell(&shared, setup);
+            }
+            world.observer.observe(world.simulation, &shared, &stops);
+            world.look_at_floor(&shared)?;
+            world.keep_learned();
+        }
+    }
+}
+
+/// A fault keeps these tasks from running.
+fn halts(plan: &Plan, ring: FaultTarget, now_us: u64) -> bool {
+    let concerned = |fault: &&FaultSpec| fault.target == ring || fault.target == FaultTarget::Computer;
+    plan.faults.iter().filter(concerned).any(|fault| fault.halts_at(now_us))
+}
+
+impl World<'_, '_> {
+    fn next_us(&self) -> u64 {
+        self.simulation
+            .next_event_us()
+            .min(self.faults.next_event_us())
+            .min(self.output_faults.next_event_us())
+            .min(self.judge_us)
+    }
+
+    /// What the computer has sent: frames, and requests to the inertial sensor.
+    fn take_from_robot(&mut self, lines: &Lines, from_imu_line: &PipeReader) {
+        for frame in lines.can.drain() {
+            self.observer.on_frame(&frame, self.now_us);
+            self.witnesses.sent(&frame, self.now_us);
+            let id = u32::from(frame.standard_id().unwrap_or_default());
+            self.send(SimCanFrame::new(id, frame.payload()));
+        }
+        let bytes = from_imu_line.drain();
+        if !bytes.is_empty() {
+            self.simulation.receive(Stream::ImuSerial, &bytes);
+        }
+    }
+
+    /// The operator's hands, of the plan or at the panel; gives the buttons that were pressed.
+    fn operate(&mut self, shared: &Shared<NoopRawMutex>) -> Vec<Order> {
+        let state = shared.decision.get().map(|decision| decision.state).unwrap_or_default();
+        let deed = self.operator.act(self.now_us, state);
+        self.simulation.press_emergency_stop(deed.pressed);
+        self.observer.on_emergency_stop(deed.pressed, self.now_us);
+        let mut orders = self.witnesses.attend(shared, self.now_us);
+        if deed.reset && self.witnesses.panel.is_none() {
+            orders.push(Order::Reset);
+        }
+        orders
+    }
+
+    /// Plays up to now; what reaches the computer goes into its lines.
+    fn advance(&mut self, lines: &Lines) {
+        let Self { simulation, faults, output_faults, witnesses, now_us, .. } = self;
+        let now_us = *now_us;
+        output_faults.release(now_us, &mut |event| hear(simulation, event, now_us));
+        simulation.advance_to(now_us, &mut |event| {
+            faults.pass(event, &mut |event| lines.deliver(event, now_us, witnesses))
+        });
+        faults.release(now_us, &mut |event| lines.deliver(event, now_us, witnesses));
+    }
+
+    /// The mission has told its progress.
+    fn tell(&mut self, shared: &Shared<NoopRawMutex>, setup: &MissionSetup) {
+        let (Some(progress), Some(pose)) = (setup.watch.get(), shared.pose.get()) else { return };
+        self.observer.on_mission(&progress, (self.simulation, pose.pose_in_odometry));
+        self.witnesses.mission(&progress);
+        if self.until_clean && progress.phase == MissionPhase::Done {
+            self.witnesses.ended.stop();
+        }
+    }
+
+    /// What was learned goes into its file.
+    fn keep_learned(&mut self) {
+        if let Some(news) = self.learned.as_mut().and_then(LearningKeeper::attend) {
+            say!("  {:.0} s: {news}", self.now_us as f64 * 1.0e-6);
+        }
+    }
+
+    /// The floor camera, if there is one; its map goes to the witnesses now and then.
+    fn look_at_floor(&mut self, shared: &Shared<NoopRawMutex>) -> anyhow::Result<()> {
+        let Some(camera) = &mut self.camera else { return Ok(()) };
+        let folder = self.witnesses.pictures.as_mut();
+        let is_new = camera.attend(self.simulation, shared, (self.now_us, folder))?;
+        if is_new && self.now_us >= self.next_map_us {
+            self.next_map_us = self.now_us + SEEN_DIRT_US;
+            if self.witnesses.listen() {
+                self.witnesses.seen_dirt(&camera.seen(self.now_us));
+            }
+        }
+        Ok(())
+    }
+
+    /// A frame of the computer on its way to the bus.
+    fn send(&mut self, frame: SimCanFrame) {
+        let Self { simulation, output_faults, now_us, .. } = self;
+        let now_us = *now_us;
+        let event = WireEvent { at_us: now_us, stream: Stream::Can, payload: Payload::Frame(frame) };
+        output_faults.pass(event, &mut |event| hear(simulation, event, now_us));
+    }
+
+    /// The computer is off: nobody listens and nobody speaks, and the judge looks on.
+    fn without_computer(&mut self, until_us: u64) {
+        while self.now_us < until_us {
+            self.now_us = self.next_us().clamp(self.now_us, until_us);
+            let now_us = self.now_us;
+            let Self { simulation, faults, output_faults, .. } = self;
+            output_faults.release(now_us, &mut |event| hear(simulation, event, now_us));
+            simulation.advance_to(now_us, &mut |event| faults.pass(event, &mut |_| {}));
+            faults.release(now_us, &mut |_| {});
+            advance_virtual(now_us);
+            if now_us >= self.judge_us {
+                self.judge_us += JUDGE_US;
+                self.observer.observe_without_computer(self.simulation);
+            }
+        }
+    }
+}
+
+/// The devices hear a frame.
+fn hear(simulation: &mut Simulation, event: WireEvent, now_us: u64) {
+    if let Payload::Frame(frame) = event.payload {
+        simulation.receive_can(frame, now_us);
+    }
+}

@@ -1,0 +1,130 @@
+//! `floorguard campaign`: many seeded runs on all cores, and what came of them.
+
+use std::io::IsTerminal;
+
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::exit::{Unfinished, VerdictFailed};
+use super::interrupt::end_at_ctrl_c;
+use floorguard_host::executor::StopFlag;
+use floorguard_laboratory::campaign::{
+    CampaignSummary, Cell, cell_of, coverage, encounter, fault_trial, run_seeds_until, single_fault,
+};
+
+/// Kinds of campaigns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CampaignKind {
+    /// 1 to 10 people cross the robot's way without looking, 5 % of the lidar packets are lost.
+    Encounters,
+    /// One random fault on one line.
+    SingleFaults,
+    /// Twenty classes of faults × each source × each phase of a mission, with the table of what was covered.
+    Faults,
+}
+
+/// How many of what.
+#[derive(Clone, Debug, Args)]
+pub struct CampaignArguments {
+    /// What to repeat.
+    pub kind: CampaignKind,
+    /// Runs.
+    #[arg(long, default_value_t = 1_000, value_parser = clap::value_parser!(u64).range(1..))]
+    pub trials: u64,
+    /// Seed of the first run; each next one has the next number.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Faults only: number of the first trial, to repeat one.
+    #[arg(long, default_value_t = 0)]
+    pub first: u64,
+    /// One object on standard output.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A run failed.
+pub fn run(arguments: &CampaignArguments) -> anyhow::Result<()> {
+    let bar = ProgressBar::new(arguments.trials);
+    if !std::io::stderr().is_terminal() || arguments.json {
+        bar.set_draw_target(ProgressDrawTarget::hidden());
+    }
+    let style = ProgressStyle::with_template("  {bar:50} {pos}/{len} runs, {elapsed} passed, {eta} to go");
+    bar.set_style(style.unwrap_or(ProgressStyle::default_bar()));
+    let one = |seed| {
+        let outcome = match arguments.kind {
+            CampaignKind::Encounters => encounter(seed),
+            CampaignKind::SingleFaults => single_fault(seed),
+            CampaignKind::Faults => fault_trial(arguments.seed, seed).1,
+        };
+        bar.inc(1);
+        outcome
+    };
+    let is_matrix = arguments.kind == CampaignKind::Faults;
+    let first = if is_matrix { arguments.first } else { arguments.seed };
+    let trials = first..first.saturating_add(arguments.trials);
+    let ended = StopFlag::default();
+    end_at_ctrl_c(&ended, "what is running is run to its end")?;
+    let summary = run_seeds_until(trials.clone(), &ended, one)?;
+    bar.finish_and_clear();
+    let is_cut = (summary.runs as u64) < arguments.trials;
+    if arguments.json {
+        tell!("{}", serde_json::to_string(&summary)?)?;
+    } else {
+        show(&summary);
+        if is_matrix && !is_cut {
+            show_coverage(trials);
+        }
+    }
+    if is_cut && summary.failures.is_empty() {
+        let further = match arguments.kind {
+            CampaignKind::Faults => "; `cargo xtask campaign faults` goes on where it was cut",
+            _ => "",
+        };
+        let (runs, all) = (summary.runs, arguments.trials);
+        return Err(Unfinished(format!("interrupted after {runs} of {all} runs{further}")).into());
+    }
+    if summary.failures.is_empty() {
+        return Ok(());
+    }
+    Err(VerdictFailed(format!("{} of {} runs failed", summary.failures.len(), summary.runs)).into())
+}
+
+fn show(summary: &CampaignSummary) {
+    say!(
+        "{} runs, {:.0} s and {:.0} m of robot time: {} failed",
+        summary.runs,
+        summary.duration_s,
+        summary.distance_m,
+        summary.failures.len()
+    );
+    say!(
+        "contacts {} ({} avoidable), stops {} ({} without need), missed {}",
+        summary.contacts,
+        summary.avoidable_contacts,
+        summary.stops,
+        summary.nuisance_stops,
+        summary.missed_stops
+    );
+    if summary.stop_latency_max_ms > 0.0 {
+        say!("slowest order to stop {:.0} ms", summary.stop_latency_max_ms);
+    }
+    for failure in &summary.failures {
+        say!("failed: {}\n  {}", failure.failure.as_deref().unwrap_or_default(), failure.command);
+    }
+    say!("digest of all runs {}", summary.digest);
+}
+
+fn show_coverage(trials: std::ops::Range<u64>) {
+    let mut counts = std::collections::BTreeMap::<Cell, u64>::new();
+    for trial in trials {
+        *counts.entry(cell_of(trial)).or_default() += 1;
+    }
+    let (table, share) = coverage(&counts);
+    say!(
+        "runs by class, source and phase (start/cruise/approach/hold/operator), - where it cannot be:\n{table}"
+    );
+    say!("{:.1} % of the possible cells have a run", share * 100.0);
+}

@@ -1,0 +1,44 @@
+//! `floorguard check robot.toml`: is this file good enough to drive with?
+
+use std::path::Path;
+
+use floorguard_drivers::velodyne::Model;
+use floorguard_runtime::configuration::ScannerModel;
+
+use floorguard_configuration::load;
+
+/// Says what the file describes, or everything that is wrong with it.
+///
+/// # Errors
+/// The file is refused.
+pub fn run(file: &Path) -> anyhow::Result<()> {
+    let configuration = load(file)?;
+    let robot = &configuration.robot;
+    say!(
+        "{}: good: {} fields, lidar {}, scanner {}, {} waypoints, at most {} m/s",
+        file.display(),
+        robot.fields.len(),
+        robot.lidar_model().map_or("as its packets say", Model::name),
+        scanner(robot.scanner.model),
+        robot.route.waypoints.len(),
+        robot.limits.speed_mps,
+    );
+    if let Some(learning) = &configuration.learning {
+        let seconds = learning.update_us as f64 * 1.0e-6;
+        match learning.enabled {
+            true => say!(
+                "  learns what people look like, into {}, an update in {seconds} s at most",
+                learning.model.display()
+            ),
+            false => say!("  learning is switched off"),
+        }
+    }
+    Ok(())
+}
+
+fn scanner(model: ScannerModel) -> String {
+    match model {
+        ScannerModel::S300 => "S300".to_owned(),
+        ScannerModel::MicroScan3 { beams } => format!("microScan3 with {beams} beams"),
+    }
+}

@@ -1,0 +1,25 @@
+//! Exit codes: 0 passed, 1 the verdict failed, 2 wrong usage (also clap's own), 3 bad input, 130 ended before there was
+//! anything to judge.
+
+pub use floorguard_host::outcome::{BadInput, Unfinished, VerdictFailed};
+
+use super::interrupt::INTERRUPTED;
+
+/// The reader of standard output has gone.
+#[must_use]
+pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    let kinds = error.chain().filter_map(|cause| cause.downcast_ref::<std::io::Error>());
+    kinds.into_iter().any(|cause| cause.kind() == std::io::ErrorKind::BrokenPipe)
+}
+
+/// The exit code of an error. What is no verdict is bad input; wrong usage ends in clap with 2.
+#[must_use]
+pub fn exit_code(error: &anyhow::Error) -> u8 {
+    if error.is::<VerdictFailed>() {
+        1
+    } else if error.is::<Unfinished>() {
+        INTERRUPTED as u8
+    } else {
+        3
+    }
+}

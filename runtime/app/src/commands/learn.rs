@@ -1,0 +1,158 @@
+//! `floorguard learn`: recorded tracks of people into the environment model of a place.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::Args;
+use floorguard_mapping::environment::WallTime;
+use floorguard_types::geometry::Point2;
+
+use super::BadInput;
+use floorguard_robot::environment::{
+    Calendar, Lesson, Model, Recording, TrackFormat, load, pictures, read_tracks, read_zones, save,
+    teach_recording,
+};
+use floorguard_robot::site::ros_map;
+
+/// What to learn from.
+#[derive(Clone, Debug, Args)]
+pub struct LearnArguments {
+    /// Recorded tracks, .gz or not: the layouts of ETH, L-CAS and HERMES, or a table time_s,id,x_m,y_m.
+    pub tracks: Vec<PathBuf>,
+    /// The model.
+    #[command(flatten)]
+    pub place: PlaceArguments,
+    /// When the recordings began, on the clock on the wall: 2026-04-06T08:00; once for each, or once for the first,
+    /// with the others following.
+    #[arg(long)]
+    pub start: Vec<String>,
+    /// Layout of the recordings.
+    #[arg(long, default_value = "auto")]
+    pub format: TrackFormat,
+    /// Write the heat map of all hours to this picture.
+    #[arg(long)]
+    pub picture: Option<PathBuf>,
+}
+
+/// The model, and what it is made with when it is new.
+#[derive(Clone, Debug, Args)]
+pub struct PlaceArguments {
+    /// The model; made if there is none.
+    #[arg(long, default_value = DEFAULT_MODEL)]
+    pub model: PathBuf,
+    /// For a new model: the clock on the wall, such as Europe/Berlin or +02:00.
+    #[arg(long, default_value = "UTC")]
+    pub timezone: String,
+    /// For a new model: the ROS map whose floor it covers; without one, that of the tracks.
+    #[arg(long)]
+    pub map: Option<PathBuf>,
+    /// Zones by name: a TOML file with [[zone]] name, corners_m.
+    #[arg(long)]
+    pub zones: Option<PathBuf>,
+}
+
+/// Where the model is kept unless another file is named.
+pub const DEFAULT_MODEL: &str = "environment.floorguard";
+
+pub(super) fn bad(error: anyhow::Error) -> anyhow::Error {
+    BadInput(format!("{error:#}")).into()
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Files or times that cannot be used.
+pub fn run(arguments: &LearnArguments) -> anyhow::Result<()> {
+    learn(arguments).map_err(bad)
+}
+
+fn learn(arguments: &LearnArguments) -> anyhow::Result<()> {
+    let recordings = arguments
+        .tracks
+        .iter()
+        .map(|path| Ok((path, read_tracks(path, arguments.format)?)))
+        .collect::<anyhow::Result<Vec<_>>>()?;
+    let bounds = bounds(recordings.iter().filter_map(|(_, (recording, _))| recording.bounds()));
+    let mut model = open(&arguments.place, bounds)?;
+    let starts: Vec<WallTime> =
+        arguments.start.iter().map(|text| model.calendar.parse(text)).collect::<anyhow::Result<_>>()?;
+    let mut follows = None;
+    for (index, (path, (recording, format))) in recordings.iter().enumerate() {
+        let start = starts.get(index).copied().or(follows).with_context(|| {
+            format!(
+                "{}: recordings do not say when they were made; add --start 2026-04-06T08:00",
+                path.display()
+            )
+        })?;
+        let lesson =
+            teach_recording(&mut model, recording, start).with_context(|| format!("{}", path.display()))?;
+        follows = Some(start.plus_micros(recording.length_us().saturating_add(1_000_000)));
+        tell(&model, (path, recording, *format), (start, lesson));
+    }
+    save(&arguments.place.model, &mut model)?;
+    if let Some(picture) = &arguments.picture {
+        pictures::write(picture, &model, pictures::Layer::Trajectories, None)?;
+    }
+    say!("{} saved, update {}", arguments.place.model.display(), model.generation);
+    Ok(())
+}
+
+fn tell(
+    model: &Model,
+    (path, recording, format): (&Path, &Recording, TrackFormat),
+    (start, lesson): (WallTime, Lesson),
+) {
+    say!(
+        "{} ({format:?}): {} people, {} positions, {:.0} s from {}{}{}",
+        path.display(),
+        recording.people(),
+        lesson.positions,
+        lesson.seconds,
+        model.calendar.words(start),
+        if lesson.outside > 0 {
+            format!("; {} positions outside the map", lesson.outside)
+        } else {
+            String::new()
+        },
+        if lesson.lost > 0 { format!("; {} times there was no room", lesson.lost) } else { String::new() },
+    );
+}
+
+pub(super) fn bounds(all: impl Iterator<Item = (Point2, Point2)>) -> Option<(Point2, Point2)> {
+    all.reduce(|(low, high), (a, b)| {
+        (
+            Point2::new(low.x_m.min(a.x_m), low.y_m.min(a.y_m)),
+            Point2::new(high.x_m.max(b.x_m), high.y_m.max(b.y_m)),
+        )
+    })
+}
+
+/// The model on the disk, or a new one over the map or `bounds`.
+pub(super) fn open(place: &PlaceArguments, bounds: Option<(Point2, Point2)>) -> anyhow::Result<Model> {
+    let loaded = load(&place.model)?;
+    let mut model = match loaded {
+        Some(loaded) => {
+            loaded.passed_over.iter().for_each(|what| say!("passed over: {what}"));
+            loaded.model
+        }
+        None => {
+            let bounds = match &place.map {
+                Some(map) => {
+                    let map = ros_map::load(map)?;
+                    let geometry = map.geometry();
+                    Some((geometry.centre(0), geometry.centre(geometry.cell_count().saturating_sub(1))))
+                }
+                None => bounds,
+            };
+            let bounds =
+                bounds.context("a new model needs tracks or a map to know how large the place is")?;
+            let name =
+                place.model.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+            Model::over(&name, Calendar::named(&place.timezone)?, bounds)?
+        }
+    };
+    if let Some(zones) = &place.zones {
+        model.zones = read_zones(zones)?;
+    }
+    Ok(model)
+}

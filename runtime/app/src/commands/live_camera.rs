@@ -1,0 +1,74 @@
+//! What the camera of `run` tells: words for the console, its map of dirt for the recording and as JSON.
+
+use std::thread;
+use std::time::Instant;
+
+use floorguard_mapping::seen_dirt::DirtSpot;
+use serde_json::json;
+
+use floorguard_configuration::HostedConfiguration;
+use floorguard_host::executor::StopFlag;
+use floorguard_operator::telemetry::Notes;
+use floorguard_robot::assembly::PeopleInbox;
+use floorguard_robot::assembly::{HostedShared, StopsAtEnd};
+use floorguard_robot::camera::{CameraNews, LiveEye, SeenDirt, watch_floor};
+
+/// What the camera's thread needs to tell.
+pub struct LiveCamera<'a> {
+    /// What runs.
+    pub configuration: &'a HostedConfiguration,
+    /// The way to the recording.
+    pub notes: &'a Notes<'a>,
+    /// One object per line on standard output.
+    pub has_json: bool,
+}
+
+impl LiveCamera<'_> {
+    /// Runs `beside` while the camera, if there is one, looks at floor, people and dirt on a thread of its own.
+    pub fn watch<T>(
+        &self,
+        eye: Option<LiveEye>,
+        (shared, inbox): (&HostedShared, &PeopleInbox),
+        beside: impl FnOnce() -> T,
+    ) -> T {
+        let flag = &StopFlag::default();
+        let configuration = self.configuration;
+        let began = Instant::now();
+        thread::scope(|scope| {
+            if let Some((camera, eye)) = configuration.carriers.camera.as_ref().zip(eye) {
+                let tell = move |news| self.tell(news, began);
+                scope.spawn(move || {
+                    watch_floor((&configuration.robot, camera), eye, (shared, inbox, flag), tell);
+                });
+            }
+            let _at_end = StopsAtEnd(flag.clone());
+            beside()
+        })
+    }
+
+    fn tell(&self, news: CameraNews, began: Instant) {
+        match news {
+            CameraNews::Says(words) => say!("floorguard run: camera: {words}"),
+            CameraNews::Dirt(seen) => {
+                if self.has_json {
+                    // Who tells the status says that nobody takes it.
+                    let _ = tell!("{}", dirt_line(&seen, began.elapsed().as_secs_f64()));
+                } else {
+                    say!("floorguard run: camera: {}", seen.words());
+                }
+                self.notes.seen_dirt(seen);
+            }
+        }
+    }
+}
+
+/// The map of dirt in short, one object.
+fn dirt_line(seen: &SeenDirt, time_s: f64) -> serde_json::Value {
+    let spot = |spot: &DirtSpot| {
+        let centre = spot.centre_in_map;
+        json!({"x_m": centre.x_m, "y_m": centre.y_m, "area_m2": spot.area_m2, "age_s": spot.age_s})
+    };
+    let ([first_m2, now_m2], (judged, unknown)) = (seen.dirty_m2, seen.frames);
+    json!({"type": "dirt", "time_s": time_s, "seen_m2": seen.seen_m2, "first_dirty_m2": first_m2, "dirty_m2": now_m2,
+        "frames": judged, "frames_unknown": unknown, "spots": seen.spots.spots.iter().map(spot).collect::<Vec<_>>()})
+}

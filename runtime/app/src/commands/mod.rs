@@ -1,0 +1,85 @@
+//! What the user types. Human text goes to standard error, machine output to standard output.
+
+mod arguments;
+mod ask;
+mod blackbox;
+#[cfg(feature = "laboratory")]
+mod campaign;
+mod check;
+mod decode;
+#[cfg(feature = "laboratory")]
+mod demo;
+#[cfg(feature = "laboratory")]
+mod eval;
+mod exit;
+mod interrupt;
+mod learn;
+mod live;
+mod live_camera;
+#[cfg(feature = "laboratory")]
+mod mission;
+mod panel;
+mod replay;
+mod report;
+mod run;
+#[cfg(feature = "laboratory")]
+mod run_lesson;
+#[cfg(feature = "laboratory")]
+mod simulate;
+#[cfg(feature = "laboratory")]
+mod train;
+
+pub use arguments::{Arguments, Command, DecodeArguments, ModelArgument, ReplayArguments};
+pub use ask::{AskArguments, AskQuestion};
+pub use blackbox::BlackBoxArguments;
+#[cfg(feature = "laboratory")]
+pub use campaign::{CampaignArguments, CampaignKind};
+pub use decode::decode_to;
+#[cfg(feature = "laboratory")]
+pub use demo::DemoArguments;
+#[cfg(feature = "laboratory")]
+pub use eval::{EvalArguments, EvalStage};
+pub use exit::{BadInput, VerdictFailed, exit_code, is_broken_pipe};
+pub use learn::{LearnArguments, PlaceArguments};
+#[cfg(feature = "laboratory")]
+pub use mission::MissionArguments;
+pub use panel::open_panel;
+pub use report::ReportArguments;
+pub use run::RunArguments;
+#[cfg(feature = "laboratory")]
+pub use simulate::SimulateArguments;
+#[cfg(feature = "laboratory")]
+pub use train::{TrainArguments, TrainPeopleArguments, TrainWhat};
+
+/// Runs the command.
+///
+/// # Errors
+/// Anything that ends the program with another exit code than 0, see [`exit_code`].
+pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
+    match arguments.command {
+        Some(Command::Replay(arguments)) => replay::run(&arguments),
+        Some(Command::Blackbox(arguments)) => blackbox::run(&arguments),
+        Some(Command::Report(arguments)) => report::run(&arguments),
+        Some(Command::Decode(arguments)) => decode::run(&arguments),
+        #[cfg(feature = "laboratory")]
+        Some(Command::Mission(arguments)) => mission::run(&arguments),
+        Some(Command::Learn(arguments)) => learn::run(&arguments),
+        Some(Command::Ask(arguments)) => ask::run(&arguments),
+        #[cfg(feature = "laboratory")]
+        Some(Command::Train(arguments)) => train::run(&arguments),
+        #[cfg(feature = "laboratory")]
+        Some(Command::Eval(arguments)) => eval::run(&arguments),
+        Some(Command::Check { file }) => check::run(&file),
+        #[cfg(feature = "laboratory")]
+        Some(Command::Simulate(arguments)) => simulate::run(&arguments),
+        Some(Command::Run(arguments)) => run::run(&arguments),
+        #[cfg(feature = "laboratory")]
+        Some(Command::Demo(arguments)) => demo::run(&arguments),
+        #[cfg(feature = "laboratory")]
+        Some(Command::Campaign(arguments)) => campaign::run(&arguments),
+        #[cfg(feature = "laboratory")]
+        None => demo::run(&DemoArguments::default()),
+        #[cfg(not(feature = "laboratory"))]
+        None => Ok(()),
+    }
+}

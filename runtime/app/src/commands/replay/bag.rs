@@ -1,0 +1,275 @@
+//! Anybody's ROS 2 bag: people out of its point clouds, legs and people out of its scans.
+//!
+//! Frames: with odometry in the bag, people are in its frame; mountings come from `/tf_static` (base_link or
+//! base_footprint to the sensor, over any number of links). Without them the sensor stands upright at the robot's origin.
+
+use std::collections::BTreeMap;
+use std::io::Read;
+
+use floorguard_localisation::odometry::PoseHistory;
+use floorguard_perception::people::{FloorHeight, PeoplePipeline, SweepContext};
+use floorguard_types::geometry::{Point3, Pose2, Transform3, Twist2};
+use floorguard_types::sensing::Sweep;
+use floorguard_types::time::Stamp;
+
+use super::capture::{ASSUMED_HEIGHT_M, is_person};
+use super::cloud::CloudSorter;
+use super::recorded::Recorded as Written;
+use super::rows::{SweepRow, print};
+use super::scans::{ScanPlayer, to_scan};
+use super::summary::Summary;
+use crate::commands::arguments::ReplayArguments;
+use crate::commands::exit::BadInput;
+use floorguard_recording::decode::{self, LaserScan};
+use floorguard_recording::{ReadError, Recorded, Recording};
+
+/// Links from a sensor to the robot; more are a ring.
+const LINKS_MAX: usize = 16;
+/// Frames that stand for the robot.
+const BASES: [&str; 3] = ["base_link", "base_footprint", "base"];
+
+/// What a bag is played through.
+struct Player<'a> {
+    name: &'a str,
+    topic: Option<&'a str>,
+    json: bool,
+    lidar: Option<Lidar>,
+    scanners: BTreeMap<String, ScanPlayer>,
+    mountings: BTreeMap<String, (String, Transform3)>,
+    odometry: PoseHistory,
+    twist: Twist2,
+    sweeps: Summary,
+    scans: Summary,
+    damaged: u64,
+    written: Written,
+}
+
+struct Lidar {
+    topic: String,
+    sorter: CloudSorter,
+    sweep: Box<Sweep>,
+    pipeline: Option<Box<PeoplePipeline>>,
+    height_m: Option<f32>,
+}
+
+/// Runs the command on a bag whose first message has been read.
+///
+/// # Errors
+/// Bad input; everything before it has been processed and printed.
+pub fn run<R: Read>(
+    first: Recorded,
+    recording: &mut Recording<R>,
+    (name, arguments): (&str, &ReplayArguments),
+) -> anyhow::Result<()> {
+    let mut player = Player {
+        name,
+        topic: arguments.topic.as_deref(),
+        json: arguments.json,
+        lidar: None,
+        scanners: BTreeMap::new(),
+        mountings: BTreeMap::new(),
+        odometry: PoseHistory::new(),
+        twist: Twist2::ZERO,
+        sweeps: Summary::new(),
+        scans: Summary::new(),
+        damaged: 0,
+        written: Written::open(&arguments.file, arguments.record.as_deref())?,
+    };
+    let mut ended: Option<ReadError> = None;
+    player.message(&first)?;
+    for message in recording.by_ref() {
+        match message {
+            Ok(message) => player.message(&message)?,
+            Err(error) => ended = Some(error),
+        }
+    }
+    player.conclude(recording)?;
+    player.written.finish()?;
+    ended.map_or(Ok(()), |error| Err(BadInput(format!("{name}: {error}")).into()))
+}
+
+/// `sensor_msgs/msg/Imu` and `sensor_msgs/Imu` are the same.
+fn kind(schema: &str) -> &str {
+    schema.rsplit('/').next().unwrap_or(schema)
+}
+
+impl Player<'_> {
+    fn message(&mut self, message: &Recorded) -> anyhow::Result<()> {
+        let kind = kind(&message.schema);
+        let known = matches!(kind, "PointCloud2" | "LaserScan" | "Odometry" | "TFMessage" | "Imu");
+        if !known {
+            return Ok(());
+        }
+        if &*message.encoding != "cdr" {
+            return Err(BadInput(format!(
+                "{}: {} is serialised as {:?}; a ROS 2 bag has \"cdr\" (convert bags of ROS 1 first)",
+                self.name, message.topic, &*message.encoding
+            ))
+            .into());
+        }
+        let wanted = self.topic.is_none_or(|topic| topic == &*message.topic);
+        let read = match kind {
+            "PointCloud2" if wanted => self.cloud(message)?,
+            "LaserScan" if wanted => self.scan(message)?,
+            "Odometry" => self.motion(message),
+            "TFMessage" => self.frames(message),
+            "Imu" => self.turn(message),
+            _ => Some(()),
+        };
+        self.damaged += u64::from(read.is_none());
+        Ok(())
+    }
+
+    fn motion(&mut self, message: &Recorded) -> Option<()> {
+        let odometry = decode::odometry(&message.data)?;
+        self.odometry.record(odometry.header.stamp, odometry.pose);
+        self.twist = odometry.twist;
+        Some(())
+    }
+
+    /// A gyroscope turns the sweep straight where no odometry tells how the robot moved.
+    fn turn(&mut self, message: &Recorded) -> Option<()> {
+        let imu = decode::imu(&message.data)?;
+        if self.odometry.newest().is_none() {
+            let mounting = self.mounting(&imu.header.frame).unwrap_or(Transform3::IDENTITY);
+            let [_, _, row] = mounting.rotation;
+            let turn: f32 = row.iter().zip(imu.angular_radps).map(|(a, b)| a * b).sum();
+            self.twist.angular_radps = if turn.is_finite() { turn } else { 0.0 };
+        }
+        Some(())
+    }
+
+    fn frames(&mut self, message: &Recorded) -> Option<()> {
+        for frame in decode::frames(&message.data)? {
+            let bare = |name: &str| name.trim_start_matches('/').to_owned();
+            // What moves in the robot's frame tree above the base is odometry, not mounting.
+            if !BASES.contains(&bare(&frame.child).as_str()) {
+                self.mountings.insert(bare(&frame.child), (bare(&frame.header.frame), frame.transform));
+            }
+        }
+        Some(())
+    }
+
+    /// A sensor on the robot, if the frame tree tells.
+    fn mounting(&self, frame: &str) -> Option<Transform3> {
+        let mut at = frame.trim_start_matches('/').to_owned();
+        let mut mounting = Transform3::IDENTITY;
+        for _ in 0..LINKS_MAX {
+            if BASES.contains(&at.as_str()) {
+                return Some(mounting);
+            }
+            let (parent, transform) = self.mountings.get(&at)?;
+            mounting = composed(transform, &mounting);
+            at.clone_from(parent);
+        }
+        None
+    }
+
+    fn pose(&self, stamp: Stamp) -> Option<Pose2> {
+        self.odometry.at(stamp).ok().or_else(|| self.odometry.newest().map(|(_, pose)| pose))
+    }
+
+    fn cloud(&mut self, message: &Recorded) -> anyhow::Result<Option<()>> {
+        let Some(cloud) = decode::cloud(&message.data) else { return Ok(None) };
+        let mounting = self.mounting(&cloud.header.frame);
+        let (pose, twist) = (self.pose(cloud.header.stamp), self.twist);
+        let lidar = self.lidar.get_or_insert_with(|| Lidar {
+            topic: message.topic.to_string(),
+            sorter: CloudSorter::default(),
+            sweep: Box::new(Sweep::EMPTY),
+            pipeline: None,
+            height_m: None,
+        });
+        if lidar.topic != *message.topic {
+            return Ok(Some(()));
+        }
+        lidar
+            .sorter
+            .sweep(&cloud, &mut lidar.sweep)
+            .map_err(|error| BadInput(format!("{}: {}: {error}", self.name, message.topic)))?;
+        let angles = lidar.sorter.angles();
+        let pipeline = lidar.pipeline.get_or_insert_with(|| Box::new(PeoplePipeline::new(angles)));
+        if lidar.height_m.is_none() {
+            lidar.height_m = FloorHeight::estimate_m(&lidar.sweep, &pipeline.angles);
+        }
+        let mut sensor_in_base = mounting.unwrap_or(Transform3::IDENTITY);
+        // Whatever height the frame tree gives is above its base, not above the floor.
+        sensor_in_base.translation.z_m = lidar.height_m.unwrap_or(ASSUMED_HEIGHT_M);
+        let base_in_odom = pose.unwrap_or_default();
+        let output = pipeline.process(&lidar.sweep, &SweepContext { sensor_in_base, twist, base_in_odom });
+        let frame = if pose.is_some() { "odom" } else { "sensor" };
+        self.sweeps.people(output.tracks.iter().filter(|track| is_person(track)).map(|track| track.id));
+        let row = SweepRow::of_output(&lidar.sweep, &output).in_frame(frame);
+        self.written.sweep((&lidar.sweep, &angles), (&sensor_in_base, (base_in_odom, twist)), row.people());
+        if self.json {
+            print(&row)?;
+        }
+        Ok(Some(()))
+    }
+
+    fn scan(&mut self, message: &Recorded) -> anyhow::Result<Option<()>> {
+        let Some(laser) = decode::laser_scan(&message.data).filter(is_usable) else { return Ok(None) };
+        let mounting = self.mounting(&laser.header.frame).unwrap_or(Transform3::IDENTITY);
+        let pose = self.pose(laser.header.stamp);
+        let angles = (laser.first_angle_rad, laser.step_rad);
+        let limits_m = [laser.range_min_m, laser.range_max_m];
+        let scan = to_scan(laser.header.stamp, angles, &laser.ranges_m, limits_m);
+        let sensor = pose.unwrap_or_default().compose(flat(&mounting));
+        let frame = if pose.is_some() { "odom" } else { "sensor" };
+        let player = self.scanners.entry(message.topic.to_string()).or_insert_with(ScanPlayer::new);
+        let row = player.scan(&scan, (sensor, frame));
+        self.scans.legs += row.legs() as u64;
+        self.scans.people(row.people());
+        self.written.scan(&scan, sensor, row.everybody());
+        if self.json {
+            print(&row)?;
+        }
+        Ok(Some(()))
+    }
+
+    fn conclude<R: Read>(&self, recording: &Recording<R>) -> anyhow::Result<()> {
+        if self.damaged > 0 {
+            say!("{} damaged messages were left out", self.damaged);
+        }
+        if self.sweeps.frames > 0 {
+            say!("{}", self.sweeps.line("sweep"));
+        }
+        if self.scans.frames > 0 {
+            say!("{}", self.scans.line("scan"));
+        }
+        if self.sweeps.frames + self.scans.frames > 0 {
+            return Ok(());
+        }
+        let mut topics = recording.topics();
+        // Who named a wrong topic wants to know the right ones, not all.
+        let suits = |schema: &str| matches!(kind(schema), "PointCloud2" | "LaserScan");
+        if topics.iter().any(|(_, schema)| suits(schema)) {
+            topics.retain(|(_, schema)| suits(schema));
+        }
+        let listed: Vec<String> =
+            topics.iter().map(|(topic, schema)| format!("{topic} ({schema})")).collect();
+        let listed = if listed.is_empty() { "nothing".to_owned() } else { listed.join(", ") };
+        let what = self.topic.map_or_else(String::new, |topic| format!(" of topic {topic}"));
+        Err(BadInput(format!("{}: no PointCloud2 and no LaserScan{what}; it holds {listed}", self.name))
+            .into())
+    }
+}
+
+fn is_usable(scan: &LaserScan) -> bool {
+    let numbers = [scan.first_angle_rad, scan.step_rad];
+    numbers.iter().all(|number| number.is_finite()) && scan.step_rad.abs() > 1.0e-5
+}
+
+fn flat(transform: &Transform3) -> Pose2 {
+    let [[cos, ..], [sin, ..], _] = transform.rotation;
+    Pose2::new(transform.translation.x_m, transform.translation.y_m, libm::atan2f(sin, cos))
+}
+
+fn composed(outer: &Transform3, inner: &Transform3) -> Transform3 {
+    let columns = [0, 1, 2].map(|column| inner.rotation.map(|row| row[column]));
+    let rotation = outer
+        .rotation
+        .map(|row| columns.map(|column| row.iter().zip(column).map(|(a, b)| a * b).sum::<f32>()));
+    let Point3 { x_m, y_m, z_m } = outer.transform(inner.translation);
+    Transform3 { translation: Point3::new(x_m, y_m, z_m), rotation }
+}

@@ -1,0 +1,106 @@
+//! `floorguard replay`: anybody's data through the same stages as on the robot.
+//!
+//! What a file is, its first bytes tell: a recording or bag (MCAP), a capture (pcap, pcapng, gzip), or a CARMEN log.
+
+mod bag;
+mod capture;
+mod carmen;
+mod cloud;
+mod own;
+mod recorded;
+mod rows;
+mod scans;
+mod summary;
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use super::arguments::ReplayArguments;
+use super::exit::BadInput;
+use floorguard_host::packing::{beginning, must_be_a_file, unpacked};
+use floorguard_recording::Recording;
+use floorguard_recording::replay::is_replayable;
+
+/// First bytes of an MCAP file.
+const MCAP_MAGIC: &[u8] = b"\x89MCAP";
+/// So much of a file tells what it is.
+const LOOK_BYTES: u64 = 16_384;
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad input; everything before it has been processed and printed.
+pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
+    let refuse = |what: &dyn std::fmt::Display| BadInput(format!("{}: {what}", arguments.file.display()));
+    if arguments.file.is_dir() {
+        return Err(refuse(&"this is a folder; give the .mcap file in it").into());
+    }
+    must_be_a_file(&arguments.file).map_err(|error| refuse(&error))?;
+    let begins = beginning(&arguments.file, LOOK_BYTES).map_err(|error| refuse(&error))?;
+    if let Some(what) = not_for_us(&begins) {
+        return Err(refuse(&what).into());
+    }
+    if begins.starts_with(MCAP_MAGIC) {
+        recording(arguments)
+    } else if !is_capture(&begins) && (is_log(&begins) || is_named_log(&arguments.file)) {
+        carmen::run(arguments)
+    } else {
+        capture::run(arguments)
+    }
+}
+
+/// What people bring that is nearly right, and what they can do about it.
+fn not_for_us(begins: &[u8]) -> Option<&'static str> {
+    if begins.starts_with(b"#ROSBAG") {
+        return Some(
+            "this is a bag of ROS 1; make it a bag of ROS 2 in MCAP first, for example with rosbags-convert",
+        );
+    }
+    begins.starts_with(b"SQLite format 3").then_some(
+        "this is a bag of ROS 2 in SQLite; make it MCAP first with ros2 bag convert (storage_id: mcap), or record with -s mcap",
+    )
+}
+
+/// pcap in both byte orders, with microseconds and with nanoseconds, and pcapng.
+fn is_capture(begins: &[u8]) -> bool {
+    let magics = [0xa1b2_c3d4_u32, 0xa1b2_3c4d, 0x0a0d_0d0a];
+    magics
+        .iter()
+        .any(|magic| begins.starts_with(&magic.to_le_bytes()) || begins.starts_with(&magic.to_be_bytes()))
+}
+
+/// A line of it begins as one of a CARMEN log does, whatever the file is called.
+fn is_log(begins: &[u8]) -> bool {
+    let words = ["FLASER ", "RLASER ", "ROBOTLASER1 ", "RAWLASER1 ", "ODOM ", "PARAM "];
+    let text = String::from_utf8_lossy(begins);
+    text.lines().any(|line| words.iter().any(|word| line.starts_with(word)))
+}
+
+/// `.clf` or `.log`, packed or not.
+fn is_named_log(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let packings = [".gz", ".bz2", ".zst"];
+    let bare = packings.iter().find_map(|packing| name.strip_suffix(packing)).unwrap_or(&name);
+    bare.ends_with(".clf") || bare.ends_with(".log")
+}
+
+fn recording(arguments: &ReplayArguments) -> anyhow::Result<()> {
+    let name = arguments.file.display().to_string();
+    let bad = |error: &dyn std::fmt::Display| BadInput(format!("{name}: {error}"));
+    let file = File::open(&arguments.file).and_then(unpacked).map_err(|error| bad(&error))?;
+    let mut recording = Recording::new(BufReader::new(file));
+    let first = match recording.next() {
+        Some(Ok(first)) => first,
+        Some(Err(error)) => return Err(bad(&error).into()),
+        None => return Err(bad(&"the recording holds no message").into()),
+    };
+    // Who names a topic wants people out of it, whoever wrote it.
+    if is_replayable(&recording) && arguments.topic.is_none() {
+        if arguments.record.is_some() {
+            return Err(bad(&"it is a recording already; --record is for captures, bags and logs").into());
+        }
+        return own::run(first, &mut recording, (&name, arguments.json, arguments.realtime));
+    }
+    bag::run(first, &mut recording, (&name, arguments))
+}

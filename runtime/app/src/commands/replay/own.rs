@@ -1,0 +1,110 @@
+//! A recording of floorguard: its raw bytes through the same tasks, with the same result to the bit.
+
+use std::io::Read;
+use std::time::{Duration, Instant};
+
+use floorguard_runtime::shared::{PeopleReport, StopRecord};
+
+use super::rows::{SweepRow, print};
+use crate::commands::exit::{BadInput, VerdictFailed};
+use floorguard_host::words::counted;
+use floorguard_recording::replay::{ReplayAudience, ReplayOutcome, replay_recording};
+use floorguard_recording::{Recorded, Recording, describe};
+
+struct Printer {
+    json: bool,
+    realtime: Option<Instant>,
+    sweeps: u64,
+    stops: u64,
+    identities: std::collections::BTreeSet<u32>,
+    failed: std::io::Result<()>,
+}
+
+impl ReplayAudience for Printer {
+    fn on_people(&mut self, report: &PeopleReport, digest: u64) {
+        if let Some(started) = self.realtime {
+            let due = Duration::from_micros(report.sweep.stamp.as_micros());
+            std::thread::sleep(due.saturating_sub(started.elapsed()));
+        }
+        self.sweeps += 1;
+        self.identities
+            .extend(report.people.iter().filter(|track| describe::is_person(track)).map(|it| it.id));
+        if self.json && self.failed.is_ok() {
+            self.failed = print(&SweepRow::of_report(report, digest));
+        }
+    }
+
+    fn on_stop(&mut self, stop: &StopRecord) {
+        self.stops += 1;
+        if !self.json {
+            say!("{:8.1} s  {}", stop.stamp.as_micros() as f64 * 1.0e-6, stop.cause);
+        }
+    }
+}
+
+/// Replays it.
+///
+/// # Errors
+/// Bad input, or another result than the recorded one.
+pub fn run<R: Read>(
+    first: Recorded,
+    recording: &mut Recording<R>,
+    (name, json, realtime): (&str, bool, bool),
+) -> anyhow::Result<()> {
+    let started = Instant::now();
+    let mut printer = Printer {
+        json,
+        realtime: realtime.then_some(started),
+        sweeps: 0,
+        stops: 0,
+        identities: std::collections::BTreeSet::new(),
+        failed: Ok(()),
+    };
+    let outcome = replay_recording(first, recording, &mut printer)
+        .map_err(|error| BadInput(format!("{name}: {error}")))?;
+    printer.failed?;
+    say!(
+        "{:.1} s of robot time in {:.1} s: {}, {} in all, {}",
+        outcome.played_us as f64 * 1.0e-6,
+        started.elapsed().as_secs_f64(),
+        counted(printer.sweeps, "sweep"),
+        counted(printer.identities.len() as u64, "person"),
+        counted(printer.stops, "stop"),
+    );
+    if let Some(learned) = &outcome.learned {
+        say!("learned: {}", learned.words());
+    }
+    verdict(name, outcome)
+}
+
+fn verdict(name: &str, outcome: ReplayOutcome) -> anyhow::Result<()> {
+    let digest = outcome.digest;
+    if !outcome.is_identical() {
+        let place = outcome.first_difference.map_or_else(
+            || "at its end".to_owned(),
+            |at| format!("within the second before {:.1} s", at.as_micros() as f64 * 1.0e-6),
+        );
+        let what =
+            format!("{name}: digest {digest:016x} is not the recorded one; the first difference is {place}");
+        return Err(VerdictFailed(what).into());
+    }
+    let seconds = outcome.compared;
+    match outcome.ended {
+        Some(error) => {
+            say!("digest {digest:016x}, as recorded at {seconds} moments before the cut");
+            Err(BadInput(format!("{name}: {error}")).into())
+        }
+        None if let Some(reason) = &outcome.unrepeatable => {
+            say!("digest {digest:016x}; {reason}, so it cannot be compared with the recording");
+            Ok(())
+        }
+        None if outcome.recorded_digest.is_some() => {
+            say!("digest {digest:016x}, as recorded, and at {seconds} moments on the way");
+            Ok(())
+        }
+        None => {
+            say!("digest {digest:016x}; the recording was not closed and names none");
+            Ok(())
+        }
+    }
+}

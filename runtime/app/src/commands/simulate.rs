@@ -1,0 +1,393 @@
+//! `floorguard simulate`: a scenario, judged by ground truth.
+
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::{Args, ValueEnum};
+use floorguard_runtime::configuration::ScannerModel;
+use floorguard_runtime::shared::RobotStatus;
+use floorguard_sim::FaultSpec;
+use floorguard_sim::scenario::Scenario;
+use floorguard_types::capacities::SCAN_BEAMS_MAX;
+
+use super::exit::{BadInput, VerdictFailed};
+use super::interrupt::end_at_ctrl_c;
+use super::live::status_of;
+use super::panel::open_panel;
+use super::run_lesson::RunLesson;
+use floorguard_laboratory::run_report::write_report;
+use floorguard_laboratory::world::{
+    Observation, Observer, Plan, SeenStop, SimulatedCamera, load_scenario, record_plan,
+    record_plan_in_real_time, run_real_recorded, run_recorded,
+};
+use floorguard_operator::display::LiveDisplay;
+use floorguard_operator::report::make_folder;
+use floorguard_operator::telemetry::{Tape, Witnesses};
+use floorguard_robot::assembly::Stages;
+use floorguard_robot::camera::PictureFolder;
+use floorguard_robot::cleaner::MissionStrategy;
+
+/// What to simulate.
+#[derive(Clone, Debug, Args)]
+pub struct SimulateArguments {
+    /// Name of the scenario, path of a scenario file, or `list`.
+    #[arg(long)]
+    pub scenario: String,
+    /// Seed of all randomness.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Where to clean: what is dirty until that is guaranteed, lanes over the whole floor, or the scenario's route. Without it:
+    /// the guarantee where the scenario has dirt, and the route without a mission elsewhere.
+    #[arg(long, value_enum)]
+    pub strategy: Option<MissionStrategy>,
+    /// Simulated seconds.
+    #[arg(long, default_value_t = 120.0, allow_negative_numbers = true)]
+    pub duration: f64,
+    /// End as soon as the mission has nothing left to clean; --duration is then the longest that it may take.
+    #[arg(long, conflicts_with = "tape")]
+    pub until_clean: bool,
+    /// A fault, for example `lidar:drop=5%,from=10s,to=20s`; may be repeated.
+    #[arg(long)]
+    pub fault: Vec<String>,
+    /// Press the emergency stop from one second to another, for example `20..25`; may be repeated.
+    #[arg(long)]
+    pub emergency_stop: Vec<String>,
+    /// Write every byte that reaches the robot to this file, for the emulated board.
+    #[arg(long)]
+    pub tape: Option<PathBuf>,
+    /// In real time over real carriers: UDP on the loopback, pseudo-terminals, SLCAN.
+    #[arg(long, conflicts_with = "tape")]
+    pub real_io: bool,
+    /// The robot's safety scanner.
+    #[arg(long, value_enum, default_value_t = FittedScanner::S300)]
+    pub scanner: FittedScanner,
+    /// Simulate with the speeds, deadlines, thresholds, fields and [learning] of this robot.toml. Its body must be that of the
+    /// example robot; the scenario says what to drive and to clean.
+    #[arg(long, value_name = "robot.toml", conflicts_with_all = ["tape", "scanner"])]
+    pub robot: Option<PathBuf>,
+    /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.
+    #[arg(long, value_name = "FILE.mcap")]
+    pub record: Option<PathBuf>,
+    /// With --real-io: an interface of the kernel as the CAN bus, for example vcan0, instead of SLCAN.
+    #[arg(long, requires = "real_io")]
+    pub can_interface: Option<String>,
+    /// Render a floor camera: things on the floor are driven round, and dirt is mapped. Takes as much time as all the rest.
+    #[arg(long, conflicts_with_all = ["tape", "real_io"])]
+    pub camera: bool,
+    /// With --camera: write its pictures into this folder, from which `run` takes them as from a camera (`camera.toml`).
+    #[arg(long, value_name = "FOLDER", requires = "camera")]
+    pub pictures: Option<PathBuf>,
+    /// Show the run live in a browser, in real time: `--panel 127.0.0.1:8080`.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    pub panel: Option<SocketAddr>,
+    /// One verdict object on standard output, no live status.
+    #[arg(long)]
+    pub json: bool,
+    /// Let this environment model learn from the robot's list of people; made if there is none.
+    #[arg(long)]
+    pub learn: Option<PathBuf>,
+    /// When the run begins, for what is learned: 2026-04-06T08:00; without it, after what the model knows.
+    #[arg(long, requires = "learn")]
+    pub start: Option<String>,
+    /// Write the report with the picture to this folder.
+    #[arg(long)]
+    pub report: Option<PathBuf>,
+}
+
+/// Which safety scanner the simulated robot carries.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum FittedScanner {
+    /// SICK S300: 541 beams, a serial line.
+    #[default]
+    S300,
+    /// SICK microScan3: 2,751 beams, UDP.
+    Microscan3,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad input, or a verdict that is not good enough.
+pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
+    if arguments.scenario == "list" {
+        for name in Scenario::names() {
+            tell!("{name:16} {}", Scenario::named(name)?.title)?;
+        }
+        return Ok(());
+    }
+    let mut plan = plan(arguments)?;
+    if arguments.tape.is_some() {
+        plan.stages = Stages::AsOnBoard;
+    }
+    if let Some(folder) = &arguments.report {
+        make_folder(folder)?;
+    }
+    let mut witnesses = Witnesses::default();
+    if let Some(path) = &arguments.tape {
+        // A place that cannot be written is told before the run, and not after it.
+        std::fs::write(path, []).map_err(|error| unwritable(path, &error))?;
+        witnesses.tape = Tape::new(&plan.robot, plan.duration_us);
+    }
+    let lesson = arguments.learn.as_deref();
+    let lesson =
+        lesson.map(|path| RunLesson::prepare((path, arguments.start.as_deref()), &plan)).transpose()?;
+    let (record, panel) = (arguments.record.as_deref(), arguments.panel);
+    open_witnesses(&mut witnesses, &plan, (record, panel, arguments.real_io))?;
+    let folder = arguments.pictures.as_deref();
+    witnesses.pictures =
+        folder.map(|folder| PictureFolder::new(folder, SimulatedCamera::PICTURES)).transpose()?;
+    let observation = if arguments.real_io {
+        play_real((&plan, arguments.can_interface.as_deref()), arguments.json, &mut witnesses)?
+    } else {
+        play(&plan, arguments.json, &mut witnesses)?
+    };
+    if let Some(path) = &arguments.tape {
+        std::fs::write(path, witnesses.tape.finish()).map_err(|error| unwritable(path, &error))?;
+    }
+    if let Some(folder) = &arguments.report {
+        write_report(folder, &plan, &observation)?;
+    }
+    if let Some(lesson) = lesson {
+        lesson.learn(&observation)?;
+    }
+    conclude((&plan, &repeat(arguments)), &observation, arguments.json)
+}
+
+fn unwritable(path: &Path, error: &std::io::Error) -> BadInput {
+    BadInput(format!("{}: cannot be written ({error}); give another place", path.display()))
+}
+
+/// The command that plays the same run: everything that the run depends on.
+fn repeat(arguments: &SimulateArguments) -> String {
+    let SimulateArguments { scenario, seed, duration, .. } = arguments;
+    let mut words = format!("floorguard simulate --scenario {scenario} --seed {seed} --duration {duration}");
+    let mut option = |name: &str, value: &str| words.push_str(&format!(" --{name} {value}"));
+    if let Some(value) = arguments.strategy.and_then(|strategy| strategy.to_possible_value()) {
+        option("strategy", value.get_name());
+    }
+    if let Some(value) =
+        arguments.scanner.to_possible_value().filter(|_| arguments.scanner != FittedScanner::S300)
+    {
+        option("scanner", value.get_name());
+    }
+    if let Some(robot) = &arguments.robot {
+        option("robot", &robot.display().to_string());
+    }
+    arguments.fault.iter().for_each(|fault| option("fault", fault));
+    arguments.emergency_stop.iter().for_each(|span| option("emergency-stop", span));
+    let switches = [
+        (" --until-clean", arguments.until_clean),
+        (" --camera", arguments.camera),
+        (" --real-io", arguments.real_io),
+    ];
+    for (name, wanted) in switches {
+        words.push_str(if wanted { name } else { "" });
+    }
+    words
+}
+
+fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
+    if !(arguments.duration > 0.0 && arguments.duration <= 86_400.0) {
+        let what =
+            format!("--duration {}: give seconds, more than 0 and up to 86400 (a day)", arguments.duration);
+        return Err(BadInput(what).into());
+    }
+    let duration_us = (arguments.duration * 1.0e6) as u64;
+    let mut plan = if Path::new(&arguments.scenario).extension().is_some() {
+        let scenario = load_scenario(Path::new(&arguments.scenario))?;
+        Plan::of(&arguments.scenario, scenario, arguments.seed, duration_us)?
+    } else {
+        Plan::named(&arguments.scenario, arguments.seed, duration_us)
+            .map_err(|error| BadInput(error.to_string()))?
+    };
+    if arguments.tape.is_some() && arguments.strategy.is_some() {
+        let what =
+            "--tape: the emulated board drives the route and has no room for a mission; leave --strategy out";
+        return Err(BadInput(what.to_owned()).into());
+    }
+    if arguments.tape.is_some() && arguments.scanner != FittedScanner::S300 {
+        let what = "--tape: the emulated board has room for the beams of an S300 only; leave --scanner out";
+        return Err(BadInput(what.to_owned()).into());
+    }
+    if let Some(robot) = &arguments.robot {
+        plan = plan.with_robot(robot).map_err(|error| BadInput(format!("{error:#}")))?;
+    }
+    if arguments.scanner == FittedScanner::Microscan3 {
+        plan = plan.with_scanner(ScannerModel::MicroScan3 { beams: SCAN_BEAMS_MAX as u16 })?;
+    }
+    if arguments.tape.is_none() {
+        plan = plan.cleaning(arguments.strategy)?;
+    }
+    plan.has_camera = arguments.camera;
+    plan.until_clean = arguments.until_clean;
+    if plan.until_clean && plan.mission.is_none() {
+        let what = format!(
+            "--until-clean: the scenario '{}' has no dirt to clean; give --strategy systematic",
+            plan.name
+        );
+        return Err(BadInput(what).into());
+    }
+    for text in &arguments.fault {
+        plan.faults.push(FaultSpec::parse(text).map_err(|error| BadInput(format!("--fault {error}")))?);
+    }
+    for text in &arguments.emergency_stop {
+        let (from_us, to_us) = parse_span(text)?;
+        if from_us >= duration_us {
+            let seconds = arguments.duration;
+            say!("  --emergency-stop {text}: nobody presses it, the run ends after {seconds} s");
+        }
+        plan.emergency_stop_us.push((from_us, to_us));
+    }
+    Ok(plan)
+}
+
+/// `20..25`, seconds.
+fn parse_span(text: &str) -> anyhow::Result<(u64, u64)> {
+    let micros = |part: &str| part.parse::<f64>().ok().filter(|s| *s >= 0.0).map(|s| (s * 1.0e6) as u64);
+    let span = text.split_once("..").and_then(|(from, to)| Some((micros(from)?, micros(to)?)));
+    span.filter(|(from, to)| from < to).ok_or_else(|| {
+        BadInput(format!("--emergency-stop {text}: write the seconds as FROM..TO, for example 20..25")).into()
+    })
+}
+
+/// A recording and a panel, where they are wanted.
+pub(super) fn open_witnesses(
+    witnesses: &mut Witnesses,
+    plan: &Plan,
+    (record, panel, real_io): (Option<&Path>, Option<SocketAddr>, bool),
+) -> anyhow::Result<()> {
+    match record {
+        Some(path) if real_io => record_plan_in_real_time(witnesses, plan, path)?,
+        Some(path) => record_plan(witnesses, plan, path)?,
+        None => {}
+    }
+    end_at_ctrl_c(&witnesses.ended, "the run ends here")?;
+    if let Some(address) = panel {
+        witnesses.panel = Some(open_panel(address, &plan.scenario.title, &plan.robot)?);
+    }
+    Ok(())
+}
+
+/// Plays a plan with a live display.
+pub(super) fn play(plan: &Plan, quiet: bool, witnesses: &mut Witnesses) -> anyhow::Result<Observation> {
+    watched(plan, quiet, |observer| run_recorded(plan, observer, witnesses))
+        .map(|(observation, ())| observation)
+}
+
+/// The same in real time over real carriers.
+pub(super) fn play_real(
+    (plan, can_interface): (&Plan, Option<&str>),
+    quiet: bool,
+    witnesses: &mut Witnesses,
+) -> anyhow::Result<Observation> {
+    let (observation, figures) =
+        watched(plan, quiet, |observer| run_real_recorded((plan, can_interface), observer, witnesses))?;
+    let late_ms = figures.latest_us as f64 / 1_000.0;
+    say!(
+        "  real carriers: the simulator was late by {late_ms:.1} ms at most, {} messages refused by full lines",
+        figures.refused
+    );
+    Ok(observation)
+}
+
+fn watched<T>(
+    plan: &Plan,
+    quiet: bool,
+    run: impl FnOnce(&mut Observer<'_>) -> anyhow::Result<T>,
+) -> anyhow::Result<(Observation, T)> {
+    let mut display = LiveDisplay::new(plan.duration_us as f64 * 1.0e-6, quiet);
+    let mut show = |seconds: f64, status: &RobotStatus, people: usize, stops: &[SeenStop]| {
+        if display.is_due(seconds) {
+            let last = stops.last().map(|stop| format!("{:.1} s: {}", stop.at_s, stop.cause));
+            display.show(&status_of(seconds, status, (people, stops.len() as u32, last)));
+        }
+    };
+    let mut observer = Observer::new(plan, &mut show);
+    let outcome = run(&mut observer)?;
+    let observation = observer.into_observation();
+    display.finish();
+    Ok((observation, outcome))
+}
+
+/// Prints the verdict; an error when it is not good enough, with the command that repeats the run.
+pub(super) fn conclude(
+    (plan, repeat): (&Plan, &str),
+    observation: &Observation,
+    json: bool,
+) -> anyhow::Result<()> {
+    let verdict = &observation.verdict;
+    if json {
+        tell!("{}", serde_json::to_string(verdict)?)?;
+    } else {
+        say!("{}", floorguard_laboratory::run_report::summary(plan, observation).trim_end());
+    }
+    if verdict.passed {
+        return Ok(());
+    }
+    let what = format!(
+        "{} avoidable contacts, {} missed stops; repeat it with: {repeat}",
+        verdict.avoidable_contacts, verdict.missed_stops,
+    );
+    Err(VerdictFailed(what).into())
+}
+
+/// How long a run took, for people.
+pub(super) fn pace(plan: &Plan, started: Instant) -> String {
+    let took_s = started.elapsed().as_secs_f64();
+    let robot_s = plan.duration_us as f64 * 1.0e-6;
+    format!(
+        "{robot_s:.0} s of robot time in {took_s:.1} s ({:.0} times real time)",
+        robot_s / took_s.max(1.0e-3)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser as _;
+
+    #[derive(clap::Parser)]
+    struct Line {
+        #[command(flatten)]
+        simulate: SimulateArguments,
+    }
+
+    #[test]
+    fn the_command_that_repeats_a_run_says_all_that_the_run_depends_on() {
+        for more in [
+            "",
+            " --strategy systematic --scanner microscan3 --camera",
+            " --strategy guarantee --robot mine.toml --until-clean",
+            " --fault lidar:drop=5% --fault scanner:silent,from=2s --emergency-stop 2..3",
+            " --real-io",
+        ] {
+            let typed = format!("floorguard simulate --scenario crossing --seed 7 --duration 9.5{more}");
+            let words = typed.split(' ').skip(1);
+            assert_eq!(repeat(&Line::try_parse_from(words).unwrap().simulate), typed);
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_is_told_before_the_run() {
+        let refused = |more: &str| {
+            let typed = format!("simulate --scenario crossing {more}");
+            let arguments = Line::try_parse_from(typed.split(' ')).unwrap().simulate;
+            run(&arguments).unwrap_err().to_string()
+        };
+        assert!(refused("--duration -1").contains("--duration -1: give seconds"));
+        // Nothing was recorded: nothing has run.
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("never.mcap");
+        let record = path.display();
+        let tape = refused(&format!("--duration 1 --tape /dev/null/tape --record {record}"));
+        assert!(tape.contains("/dev/null/tape: cannot be written"), "{tape}");
+        let start =
+            refused(&format!("--duration 1 --learn /dev/null/model --start yesterday --record {record}"));
+        assert!(
+            start.contains("/dev/null/model") || start.contains("'yesterday' is not a moment"),
+            "{start}"
+        );
+        assert!(!path.exists());
+    }
+}

@@ -1,0 +1,6 @@
+//! The program `floorguard`: its commands.
+
+#[macro_use]
+extern crate floorguard_host;
+
+pub mod commands;

@@ -1,0 +1,170 @@
+//! A cleaning mission in recording, report and panel: whoever tells its progress, it is seen.
+
+use floorguard_laboratory::world::record_plan;
+use std::fs::File;
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::process::Command;
+
+mod seen_support;
+
+use floorguard_laboratory::world::{Observer, Plan, run_recorded};
+use floorguard_operator::panel::{Access, Panel, PanelView};
+use floorguard_operator::telemetry::Witnesses;
+use floorguard_recording::{Recording, decode, topics};
+use seen_support::{browser, progress, screenshot};
+
+#[test]
+fn a_mission_is_in_the_recording_and_in_its_report() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("mission.mcap");
+    let plan = Plan::named("empty", 1, 3_000_000).expect("a plan");
+    let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
+    let mut observer = Observer::new(&plan, &mut show);
+    let mut witnesses = Witnesses::default();
+    record_plan(&mut witnesses, &plan, &path).expect("a recording");
+    [0.0, 0.25, 0.5].into_iter().for_each(|share| witnesses.mission(&progress(share)));
+    run_recorded(&plan, &mut observer, &mut witnesses).expect("a run");
+    let messages: Vec<_> =
+        Recording::new(File::open(&path).expect("the file")).collect::<Result<_, _>>().expect("whole");
+    let grids = |topic: &str| -> Vec<decode::Grid> {
+        let wanted = messages.iter().filter(|message| &*message.topic == topic);
+        wanted.map(|message| decode::grid(&message.data).expect("a grid")).collect()
+    };
+    let (claimed, dirt, map) = (grids(topics::CLAIMED), grids(topics::DIRT), grids(topics::MAP));
+    let count = |grid: &decode::Grid, wanted: i8| grid.cells.iter().filter(|cell| **cell == wanted).count();
+    // At the beginning, and what was newest at the end.
+    assert_eq!((claimed.len(), dirt.len()), (2, 3));
+    assert_eq!((count(&claimed[0], 100), count(&claimed[1], 100)), (0, 585));
+    assert_eq!((count(&dirt[0], 100), count(&dirt[2], 5)), (1_170, 585));
+    assert_eq!(
+        (claimed[1].header.frame.as_str(), claimed[1].width, claimed[1].resolution_m),
+        ("map", 40, 0.1)
+    );
+    let known = |grid: &decode::Grid| grid.cells.iter().filter(|cell| **cell >= 0).count();
+    assert!(map.len() >= 2 && known(map.last().expect("a map")) > 5_000, "{}", map.len());
+    assert_eq!(map[0].header.frame, "odom");
+    let report = Command::new(env!("CARGO_BIN_EXE_floorguard")).arg("report").arg(&path).output();
+    let report = report.expect("the program starts");
+    assert!(report.status.success(), "{report:?}");
+    let page = std::fs::read_to_string(path.with_extension("html")).expect("the page");
+    for words in ["Cleaning mission", "<b>50.0 %</b>of the dirty floor", "Claimed clean", "before", "after"] {
+        assert!(page.contains(words), "{words}");
+    }
+    assert!(page.contains("#7fb77e"), "no green: nothing is shown as clean");
+}
+
+#[test]
+fn the_panel_serves_the_floor_when_it_has_changed() {
+    let plan = Plan::named("empty", 1, 1_000_000).expect("a plan");
+    let access = Access::new("127.0.0.1:0".parse().expect("an address"), None).expect("on the loopback");
+    let mut panel = Panel::open(access, PanelView::new("a test", &plan.robot)).expect("open");
+    let address = panel.address();
+    let ask = |path: &str| {
+        let mut stream = TcpStream::connect(address).expect("it answers");
+        let request = format!("GET {path} HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n");
+        stream.write_all(request.as_bytes()).expect("sent");
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).expect("read");
+        answer.split_once("\r\n\r\n").expect("a body").1.to_owned()
+    };
+    assert_eq!(ask("/layers?after=0"), "{}");
+    panel.mission(&progress(0.5));
+    let floor: serde_json::Value = serde_json::from_str(&ask("/layers?after=0")).expect("a floor");
+    assert_eq!((&floor["width"], &floor["number"]), (&40.into(), &1.into()));
+    let cells = |text: &serde_json::Value, letter: char| -> usize {
+        // Count, colon, letter.
+        let text: Vec<char> = text.as_str().expect("a text").chars().collect();
+        let mut count = 0;
+        let mut number = String::new();
+        let mut letters = text.into_iter();
+        while let Some(next) = letters.next() {
+            match next {
+                ':' if letters.next() == Some(letter) => {
+                    count += std::mem::take(&mut number).parse::<usize>().expect("a count");
+                }
+                ':' => number.clear(),
+                digit => number.push(digit),
+            }
+        }
+        count
+    };
+    assert_eq!((cells(&floor["claimed"], 'c'), cells(&floor["claimed"], '.')), (585, 30));
+    assert_eq!(cells(&floor["dirt"], '9') + cells(&floor["dirt"], '0'), 1_170);
+}
+
+/// A run in real time with a panel and a mission, looked at with a wide and with a narrow browser.
+#[test]
+fn a_browser_shows_the_floor_on_a_screen_and_on_a_phone() {
+    let Some(browser) = browser() else {
+        println!("skipped: no Chromium is installed");
+        return;
+    };
+    let plan = Plan::named("empty", 1, 60_000_000).expect("a plan");
+    let access = Access::new("127.0.0.1:0".parse().expect("an address"), None).expect("on the loopback");
+    let panel = Panel::open(access, PanelView::new("a test", &plan.robot)).expect("open");
+    let address = format!("http://{}/", panel.address());
+    let run = std::thread::spawn(move || {
+        let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
+        let mut observer = Observer::new(&plan, &mut show);
+        let mut witnesses = Witnesses::default();
+        witnesses.panel = Some(panel);
+        witnesses.mission(&progress(0.5));
+        run_recorded(&plan, &mut observer, &mut witnesses).map_err(|error| error.to_string())
+    });
+    std::thread::scope(|scope| {
+        for size in [(1280, 800), (390, 1400)] {
+            let address = &address;
+            scope.spawn(move || {
+                // A browser without a screen takes its picture when it likes: perhaps before it has the floor.
+                let pictures = (0..8).map(|_| Seen::of(&screenshot(browser, address, size)));
+                let seen: Vec<Seen> = take_through(pictures, Seen::is_all);
+                println!("{size:?}: {seen:?}");
+                assert!(seen.last().is_some_and(Seen::is_all), "{size:?}: {seen:?}");
+            });
+        }
+    });
+    // The run goes on in its thread; it has been seen.
+    drop(run);
+}
+
+/// Everything up to the first that is good.
+fn take_through<T>(items: impl Iterator<Item = T>, good: impl Fn(&T) -> bool) -> Vec<T> {
+    let mut taken = Vec::new();
+    for item in items {
+        taken.push(item);
+        if taken.last().is_some_and(&good) {
+            break;
+        }
+    }
+    taken
+}
+
+/// Pixels of what must be seen, on the narrow screen too: claimed clean and dirty floor as they blend with the
+/// background, the bar of the progress, the robot's body and the buttons.
+#[derive(Debug)]
+struct Seen {
+    clean: usize,
+    dirty: usize,
+    bar: usize,
+    blue: usize,
+}
+
+impl Seen {
+    fn of(picture: &image::RgbImage) -> Self {
+        let near = |pixel: &image::Rgb<u8>, colour: [u8; 3]| {
+            pixel.0.iter().zip(colour).all(|(a, b)| a.abs_diff(b) <= 6)
+        };
+        let count = |colour: [u8; 3]| picture.pixels().filter(|pixel| near(pixel, colour)).count();
+        Self {
+            clean: count([152, 189, 159]),
+            dirty: count([165, 131, 106]),
+            bar: count([0x2E, 0x7D, 0x32]),
+            blue: count([0x0B, 0x53, 0x94]),
+        }
+    }
+
+    const fn is_all(&self) -> bool {
+        self.clean > 1_000 && self.dirty > 500 && self.bar > 1_000 && self.blue > 2_000
+    }
+}

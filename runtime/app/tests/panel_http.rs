@@ -1,0 +1,242 @@
+//! The operator's panel over HTTP, as a browser and as somebody who should not: shown, ordered, refused; and the robot
+//! does not notice.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use floorguard_recording::{Recording, topics};
+use serde_json::Value;
+
+const SECONDS: u64 = 13;
+
+struct Run {
+    child: Child,
+    address: String,
+    token: String,
+}
+
+fn program() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_floorguard"));
+    command.env_remove("FLOORGUARD_PANEL_TOKEN");
+    command
+}
+
+fn start(more: &[&str]) -> Run {
+    let arguments = ["simulate", "--scenario", "empty", "--json", "--panel", "127.0.0.1:0"];
+    let mut child = program()
+        .args(arguments)
+        .args(more)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut lines = BufReader::new(child.stderr.take().expect("its words")).lines();
+    let line = lines.find_map(|line| line.ok().filter(|line| line.contains("http://"))).expect("an address");
+    std::thread::spawn(move || lines.for_each(drop));
+    let (_, place) = line.split_once("http://").expect("an address");
+    let (address, token) = place.split_once("/#").expect("a token");
+    Run { child, address: address.to_owned(), token: token.trim().to_owned() }
+}
+
+impl Run {
+    fn ask(&self, head: &str, body: &str) -> (u16, String) {
+        let mut stream = TcpStream::connect(&self.address).expect("the panel answers");
+        stream.set_read_timeout(Some(Duration::from_secs(5))).expect("a limit");
+        let host = if head.contains("Host:") { String::new() } else { format!("Host: {}\r\n", self.address) };
+        let length = body.len();
+        let request = format!("{head}\r\n{host}Content-Length: {length}\r\nConnection: close\r\n\r\n{body}");
+        stream.write_all(request.as_bytes()).expect("sent");
+        let mut answer = Vec::new();
+        // A refused body may close the line before everything is read.
+        let _ = stream.read_to_end(&mut answer);
+        let answer = String::from_utf8_lossy(&answer).into_owned();
+        let code = answer.split(' ').nth(1).and_then(|code| code.parse().ok()).expect("a status line");
+        (code, answer.split_once("\r\n\r\n").map(|(_, body)| body.to_owned()).unwrap_or_default())
+    }
+
+    fn state(&self) -> Value {
+        let (code, body) = self.ask("GET /state HTTP/1.1", "");
+        assert_eq!(code, 200);
+        serde_json::from_str(&body).expect("a picture")
+    }
+
+    fn order(&self, order: &str) -> (u16, String) {
+        let head = format!(
+            "POST /order HTTP/1.1\r\nContent-Type: application/json\r\nAuthorization: Bearer {}",
+            self.token
+        );
+        self.ask(&head, &format!("{{\"order\":\"{order}\"}}"))
+    }
+
+    fn wait_for(&self, what: &str, seen: impl Fn(&Value) -> bool) -> Value {
+        let started = Instant::now();
+        while started.elapsed() < Duration::from_secs(6) {
+            let state = self.state();
+            if seen(&state) {
+                return state;
+            }
+            std::thread::sleep(Duration::from_millis(100));
+        }
+        panic!("waited for {what}: {}", self.state());
+    }
+}
+
+fn speed(state: &Value) -> f64 {
+    state["speed_mps"].as_f64().unwrap_or(-1.0)
+}
+
+#[test]
+fn pause_and_resume_by_the_panel_and_nobody_else() {
+    let mut run = start(&["--duration", &SECONDS.to_string()]);
+    let started = Instant::now();
+    // Sixty browsers that ask and never read.
+    let slow: Vec<TcpStream> = (0..60)
+        .map(|_| {
+            let mut stream = TcpStream::connect(&run.address).expect("the panel answers");
+            let request = format!("GET /state HTTP/1.1\r\nHost: {}\r\n\r\n", run.address).repeat(20);
+            stream.write_all(request.as_bytes()).expect("sent");
+            stream
+        })
+        .collect();
+    let (code, page) = run.ask("GET / HTTP/1.1", "");
+    assert!(code == 200 && page.contains("<canvas") && !page.contains("://"), "{code}");
+    let moving = run.wait_for("driving", |state| speed(state) > 0.2);
+    assert_eq!((&moving["state"], &moving["paused"]), (&Value::from("Run"), &Value::from(false)));
+    assert!(moving["scan"].as_array().is_some_and(|scan| scan.len() > 50), "{moving}");
+    assert!(moving["lidar"].as_array().is_some_and(|points| points.len() > 100), "{moving}");
+    assert!(moving["sources"].as_array().is_some_and(|sources| sources.len() > 4), "{moving}");
+    refusals(&run);
+    assert_eq!(run.order("reset").0, 409, "no stop waits for a reset");
+    nonsense(&run);
+    assert_eq!(run.order("pause").0, 202);
+    let standing = run.wait_for("standing", |state| speed(state).abs() < 0.01 && state["paused"] == true);
+    assert_ne!(standing["state"], "Latched");
+    assert_eq!(run.order("resume").0, 202);
+    run.wait_for("driving again", |state| speed(state) > 0.2);
+    let mut verdict = String::new();
+    run.child.stdout.take().expect("its verdict").read_to_string(&mut verdict).expect("readable");
+    let took = started.elapsed();
+    assert!(run.child.wait().expect("ended").success(), "{verdict}");
+    assert!(took < Duration::from_secs(SECONDS + 5), "slow browsers must not slow the robot: {took:?}");
+    let verdict: Value = serde_json::from_str(&verdict).expect("a verdict");
+    assert!(verdict["faulty_sources"].as_array().is_some_and(Vec::is_empty), "{verdict}");
+    drop(slow);
+}
+
+/// The robot on threads and real lines while 200 browsers ask and do not read, and one reads: it drives, it stops at once when
+/// its emergency stop is pressed, every row of
+/// its lines is in the recording, and who reads gets a picture every tenth of a second.
+#[test]
+fn browsers_in_real_time_lose_pictures_and_the_robot_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("run.mcap");
+    let path = file.to_str().expect("a readable path");
+    let mut run = start(&["--duration", "7", "--real-io", "--emergency-stop", "5..6", "--record", path]);
+    let slow: Vec<TcpStream> = (0..200)
+        .map(|_| {
+            let mut stream = TcpStream::connect(&run.address).expect("the panel answers");
+            let request = format!("GET /state HTTP/1.1\r\nHost: {}\r\n\r\n", run.address).repeat(100);
+            stream.write_all(request.as_bytes()).expect("sent");
+            stream
+        })
+        .collect();
+    let (mut pictures, mut newest, began) = (0, 0, Instant::now());
+    while began.elapsed() < Duration::from_secs(4) {
+        let (code, body) = run.ask(&format!("GET /state?after={newest} HTTP/1.1"), "");
+        let number =
+            serde_json::from_str::<Value>(&body).map_or(0, |state| state["number"].as_u64().unwrap_or(0));
+        pictures += u64::from(code == 200 && number > newest);
+        newest = number.max(newest);
+    }
+    let mut verdict = String::new();
+    run.child.stdout.take().expect("its verdict").read_to_string(&mut verdict).expect("readable");
+    assert!(run.child.wait().expect("ended").success(), "{verdict}");
+    println!("{pictures} pictures in 4 s; {verdict}");
+    assert!(pictures > 9, "{pictures} pictures in 4 s");
+    let verdict: Value = serde_json::from_str(&verdict).expect("a verdict");
+    assert!(verdict["distance_m"].as_f64().is_some_and(|driven_m| driven_m > 0.5), "{verdict}");
+    // From the button to the order on the bus; on an idle computer 10 ms, and this one has other work.
+    assert!(verdict["stop_latency_ms"]["max"].as_f64().is_some_and(|ms| ms < 100.0), "{verdict}");
+    let messages = Recording::new(std::fs::File::open(&file).expect("a recording"));
+    let messages: Vec<_> = messages.collect::<Result<_, _>>().expect("whole");
+    let lidar = messages.iter().filter(|message| &*message.topic == "/raw/lidar").count();
+    assert!(lidar > 4_500, "{lidar} of 5,277 lidar datagrams");
+    let text = messages.iter().filter(|message| &*message.topic == topics::DIAGNOSTICS);
+    let lost = text.filter(|message| message.data.windows(9).any(|words| words == b"rows lost")).count();
+    assert_eq!(lost, 0, "the recording misses rows");
+    drop(slow);
+}
+
+/// Three hundred damaged requests, each on a line of its own, all with the right token: none is an order.
+fn nonsense(run: &Run) {
+    let right = format!(
+        "POST /order HTTP/1.1\r\nHost: {}\r\nAuthorization: Bearer {}\r\nContent-Type: application/json\r\n\
+         Content-Length: 17\r\n\r\n{{\"order\":\"pausf\"}}",
+        run.address, run.token
+    );
+    let mut seed = 20_261_121_u64;
+    let mut random = move |below: usize| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 33) as usize % below
+    };
+    for _ in 0..300 {
+        let mut bytes = right.clone().into_bytes();
+        for _ in 0..=random(6) {
+            let at = random(bytes.len());
+            match random(4) {
+                0 => bytes[at] = random(256) as u8,
+                1 => bytes.truncate(at.max(1)),
+                2 => bytes.insert(at, random(256) as u8),
+                _ => bytes.extend_from_within(at..),
+            }
+        }
+        let mut stream = TcpStream::connect(&run.address).expect("the panel answers");
+        // It may close the line at the first wrong byte.
+        let _ = stream.write_all(&bytes);
+    }
+    assert_eq!(run.state()["paused"], Value::from(false));
+}
+
+/// A page that the panel did not send has nobody's leave, whatever it knows; nor has one without a name.
+fn refusals(run: &Run) {
+    let json = "Content-Type: application/json";
+    let token = format!("Authorization: Bearer {}", run.token);
+    let pause = "{\"order\":\"pause\"}";
+    let long = format!("{{\"order\":\"pause\",\"x\":\"{}\"}}", "x".repeat(5_000));
+    let cases = [
+        (format!("POST /order HTTP/1.1\r\n{json}"), pause, 401),
+        (format!("POST /order HTTP/1.1\r\n{json}\r\nAuthorization: Bearer 0123456789abcdef"), pause, 401),
+        (format!("POST /order HTTP/1.1\r\n{token}\r\nContent-Type: text/plain"), pause, 415),
+        (format!("POST /order HTTP/1.1\r\n{token}\r\n{json}"), "{\"order\":\"drive\"}", 400),
+        (format!("POST /order HTTP/1.1\r\n{token}\r\n{json}"), "{\"order\":\"pause\",\"speed\":9}", 400),
+        (format!("POST /order HTTP/1.1\r\n{token}\r\n{json}"), "\u{0}", 400),
+        (format!("POST /order HTTP/1.1\r\n{token}\r\n{json}"), long.as_str(), 413),
+        (format!("POST /order HTTP/1.1\r\n{token}\r\n{json}\r\nHost: evil.example"), pause, 421),
+        ("GET /state HTTP/1.1\r\nHost: evil.example".to_owned(), "", 421),
+        (format!("POST /order HTTP/1.1\r\n{token}\r\n{json}\r\nOrigin: http://evil.example"), pause, 403),
+        (format!("POST /order HTTP/1.1\r\n{token}\r\n{json}\r\nOrigin: null"), pause, 403),
+        (format!("POST /order HTTP/1.1\r\n{token}\r\n{json}\r\nOrigin: \u{e4}"), pause, 403),
+        ("GET /state HTTP/1.1\r\nOrigin: http://evil.example".to_owned(), "", 403),
+        ("GET /state?after=x HTTP/1.1".to_owned(), "", 400),
+        ("GET /../etc/passwd HTTP/1.1".to_owned(), "", 404),
+        ("GET /order HTTP/1.1".to_owned(), "", 405),
+    ];
+    for (head, body, expected) in cases {
+        let (code, answer) = run.ask(&head, body);
+        assert_eq!(code, expected, "{head}: {answer}");
+    }
+    assert_eq!(run.state()["paused"], Value::from(false));
+}
+
+#[test]
+fn the_network_sees_nothing_without_a_configured_token() {
+    let arguments = ["simulate", "--scenario", "empty", "--duration", "1", "--panel", "0.0.0.0:0"];
+    let output = program().args(arguments).output().expect("the program starts");
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "{told}");
+    assert!(told.contains("FLOORGUARD_PANEL_TOKEN"), "{told}");
+    let weak = program().args(arguments).env("FLOORGUARD_PANEL_TOKEN", "short").output().expect("starts");
+    assert_eq!(weak.status.code(), Some(3));
+}

@@ -1,0 +1,98 @@
+//! `floorguard report` as a stranger types it: one file that needs nothing else and names every stop.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use floorguard_recording::{MotionRow, PointRow, Recorder};
+use floorguard_types::geometry::{Pose2, Twist2};
+use floorguard_types::time::Stamp;
+use serde_json::Value;
+
+fn floorguard(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_floorguard")).args(arguments).output().expect("the program starts")
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("a readable path")
+}
+
+#[test]
+fn a_run_with_stops_is_one_page_with_each_of_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (recording, page) = (folder.path().join("run.mcap"), folder.path().join("run.html"));
+    let run = ["simulate", "--scenario", "supermarket", "--strategy", "route", "--duration", "24", "--json"];
+    let output =
+        floorguard(&[run.as_slice(), &["--emergency-stop", "15..17", "--record", text(&recording)]].concat());
+    let verdict: Value = serde_json::from_slice(&output.stdout).expect("a verdict");
+    let stops = verdict["stops"].as_u64().expect("a number");
+    assert!(stops >= 2, "{verdict}");
+    let output = floorguard(&["report", text(&recording)]);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let html = std::fs::read_to_string(&page).expect("a page beside the recording");
+    assert_eq!(html.matches("<div class=stop id=").count() as u64, stops);
+    assert!(html.contains("emergency stop pressed") && html.contains("person would be reached"));
+    // Nothing from elsewhere: no scripts, styles, pictures or fonts by address.
+    let addresses: Vec<&str> =
+        html.match_indices("://").map(|(at, _)| &html[at.saturating_sub(6)..at + 20]).collect();
+    assert!(addresses.iter().all(|address| address.contains("://www.w3.org/2000")), "{addresses:?}");
+    assert!(!html.contains("<script") && !html.contains("<link") && html.len() < 1_000_000, "{}", html.len());
+    for part in
+        ["Map, way and stops", "Speed and limit", "Where people were", "Health of the sources", "Counters"]
+    {
+        assert!(html.contains(part), "{part}");
+    }
+    // Cut: everything before it is shown, and the page says so.
+    let bytes = std::fs::read(&recording).expect("the recording");
+    std::fs::write(&recording, &bytes[..bytes.len() / 2]).expect("written");
+    std::fs::remove_file(&page).expect("there");
+    let output = floorguard(&["report", text(&recording)]);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "as replay: {told}");
+    assert!(told.contains("is cut") && told.contains("report: "), "{told}");
+    assert!(std::fs::read_to_string(&page).expect("a page").contains("Incomplete"));
+}
+
+#[test]
+fn what_is_no_recording_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("words.mcap");
+    std::fs::write(&path, b"no recording").expect("written");
+    for path in [path.as_path(), &folder.path().join("nowhere.mcap")] {
+        let output = floorguard(&["report", text(path)]);
+        assert_eq!(output.status.code(), Some(3), "{output:?}");
+        assert!(String::from_utf8_lossy(&output.stderr).contains(text(path)));
+    }
+}
+
+/// A capture has no scanner and no odometry, and still there is a map of it.
+#[test]
+fn a_cloud_alone_gives_a_map() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("cloud.mcap");
+    let file = std::fs::File::create(&path).expect("a file");
+    let mut recorder = Recorder::new(file).expect("written");
+    let wall = |index: u16| PointRow {
+        position_m: [4.0, f32::from(index) * 0.01 - 5.0, 0.8],
+        reflectivity: 9,
+        ring: 4,
+        time_s: 0.0,
+    };
+    let wall: Vec<PointRow> = (0..1_000).map(wall).collect();
+    for round in 0..4 {
+        let stamp = Stamp::from_micros(round * 600_000);
+        let row = MotionRow {
+            stamp,
+            pose_in_odom: Pose2::default(),
+            twist: Twist2::ZERO,
+            covariance: [[0.0; 3]; 3],
+        };
+        recorder.motion(stamp, &row).expect("written");
+        recorder.points(stamp, (stamp, "lidar"), &wall).expect("written");
+    }
+    recorder.finish().expect("closed");
+    assert_eq!(floorguard(&["report", text(&path)]).status.code(), Some(0));
+    let page = std::fs::read_to_string(path.with_extension("html")).expect("a page");
+    // The wall as a dark column of cells.
+    let dark = page.split("fill=\"#46525e\"").next().and_then(|before| before.rsplit("<path d=\"").next());
+    assert!(dark.is_some_and(|path| path.matches('M').count() > 80), "{page}");
+}

@@ -1,0 +1,370 @@
+//! `floorguard run` as a user meets it: devices that are not there yet, and a port that is taken.
+
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::net::UdpSocket;
+use std::process::{Child, ChildStderr, Command, Stdio};
+
+use floorguard_configuration::load;
+use floorguard_host::executor::StopFlag;
+use floorguard_perception::floor::Plane;
+use floorguard_recording::{Recording, topics};
+use floorguard_robot::assembly::new_shared;
+use floorguard_robot::assembly::{HostedShared, Links, run_rings};
+use floorguard_robot::camera::{PictureCamera, PictureFolder};
+use floorguard_runtime::clock;
+use floorguard_sim::floor::{DirtKind, FloorCamera, FloorKind, FloorScene, Spill};
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::random::Pcg32;
+use floorguard_types::sensing::PinholeCamera;
+use floorguard_types::time::Stamp;
+
+/// The robot's file with devices that are not there: it waits for them, says so, stands, and ends in order.
+#[test]
+fn missing_devices_are_named_and_waited_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let file = robot_file(folder.path(), port);
+    let model = folder.path().join("m").display().to_string();
+    let record = folder.path().join("run.mcap");
+    let output = Command::new(env!("CARGO_BIN_EXE_floorguard"))
+        .args(["run", &file, "--duration", "1.5", "--json", "--learn", &model, "--panel", "127.0.0.1:0"])
+        .arg("--record")
+        .arg(&record)
+        .env_remove("FLOORGUARD_PANEL_TOKEN")
+        .output()
+        .unwrap();
+    let (said, told) = (String::from_utf8(output.stderr).unwrap(), String::from_utf8(output.stdout).unwrap());
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    for source in ["safety scanner", "inertial sensor", "CAN bus"] {
+        assert!(said.contains(&format!("{source}: not there yet")), "{said}");
+    }
+    assert!(told.contains("\"lidar\":\"absent\"") && told.contains("\"drive\":\"faulty\""), "{told}");
+    assert!(told.contains("\"limit_mps\":0.0"), "{told}");
+    the_recording_tells(&record);
+    // Without a scanner nothing was watched: nothing is known of the place, and the file says so.
+    let asked =
+        Command::new(env!("CARGO_BIN_EXE_floorguard")).args(["ask", "people", "--model", &model]).output();
+    assert!(String::from_utf8(asked.unwrap().stdout).unwrap().starts_with("I do not know"));
+}
+
+/// Nothing came, and that is what the recording says; it can be replayed.
+fn the_recording_tells(record: &std::path::Path) {
+    let file = std::fs::File::open(record).unwrap();
+    let messages: Vec<_> = Recording::new(file).collect::<Result<_, _>>().unwrap();
+    let count = |topic: &str| messages.iter().filter(|message| &*message.topic == topic).count();
+    assert!(count(topics::PERMITTED) > 5 && count(topics::DIAGNOSTICS) > 1, "{}", messages.len());
+    assert_eq!(count("/raw/lidar"), 0);
+    let output = Command::new(env!("CARGO_BIN_EXE_floorguard")).arg("replay").arg(record).output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && said.contains("it ran in real time"), "{said}");
+}
+
+/// Its messages, from when it waits for its devices.
+fn once_it_runs(child: &mut Child) -> BufReader<ChildStderr> {
+    let mut said = BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    while !line.contains("not there yet") {
+        line.clear();
+        assert!(said.read_line(&mut line).unwrap() > 0, "ended before it ran");
+    }
+    said
+}
+
+/// What systemd sends ends a run as Ctrl-C does: the robot is brought to a stand, and the recording has its end.
+#[test]
+fn a_term_ends_the_run_in_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let (file, record) = (robot_file(folder.path(), port), folder.path().join("run.mcap"));
+    let mut child = Command::new(env!("CARGO_BIN_EXE_floorguard"))
+        .args(["run", &file, "--duration", "60", "--record"])
+        .arg(&record)
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut said = once_it_runs(&mut child);
+    let identity = child.id().to_string();
+    assert!(Command::new("sh").args(["-c", &format!("kill -TERM {identity}")]).status().unwrap().success());
+    let mut rest = String::new();
+    said.read_to_string(&mut rest).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(0), "{rest}");
+    assert!(rest.contains("the robot stands"), "{rest}");
+    let messages: Result<Vec<_>, _> = Recording::new(std::fs::File::open(&record).unwrap()).collect();
+    assert!(messages.is_ok_and(|messages| !messages.is_empty()));
+}
+
+/// A connection that is lost ends a run in order, too, unless it was started to outlive it, as `nohup` does.
+#[test]
+fn a_lost_connection_ends_only_who_did_not_say_otherwise() {
+    for (started, outlives) in [("", false), ("trap '' HUP; ", true)] {
+        let folder = tempfile::tempdir().unwrap();
+        let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let file = robot_file(folder.path(), port);
+        let program = env!("CARGO_BIN_EXE_floorguard");
+        // Whoever runs the tests may outlive a connection, too, and what is ignored is inherited.
+        let mut child = Command::new("env")
+            .args(["--default-signal=HUP", "sh", "-c"])
+            .arg(format!("{started}exec {program} run {file} --duration 60"))
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut said = once_it_runs(&mut child);
+        let signal = |name: &str| {
+            let kill = format!("kill -{name} {}", child.id());
+            Command::new("sh").args(["-c", &kill]).status().unwrap().success()
+        };
+        assert!(signal("HUP"));
+        std::thread::sleep(std::time::Duration::from_secs(1));
+        let is_there = signal("TERM") && child.try_wait().unwrap().is_none();
+        let mut rest = String::new();
+        said.read_to_string(&mut rest).unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(0), "{rest}");
+        assert_eq!(is_there, outlives, "{started}: {rest}");
+    }
+}
+
+/// Logs that nobody takes any more, a recording on a full disk: told where somebody listens, and the robot goes on.
+#[test]
+fn a_full_disk_and_a_log_that_is_gone_do_not_end_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let run = |more: &[&str]| {
+        let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_floorguard"));
+        command.args(["run", &robot_file(folder.path(), port), "--duration", "1.2"]).args(more);
+        command
+    };
+    let output = run(&["--json", "--record", "/dev/full"]).stdout(full()).output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(3), "the recording is missing: {said}");
+    assert_eq!(said.matches("standard output takes nothing any more").count(), 1, "{said}");
+    assert_eq!(said.matches("the robot goes on without its recording").count(), 1, "{said}");
+    assert!(said.contains("the run went on without its recording"), "{said}");
+    let output = run(&[]).stdout(full()).stderr(full()).output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    let taken = robot_file(folder.path(), 0);
+    let said = run(&["--black-box", &taken]).output().unwrap();
+    assert_eq!(said.status.code(), Some(3), "no folder");
+}
+
+/// Whatever becomes of the display, the rings end with it: a robot that nobody can end any more must not go on.
+#[test]
+fn a_panic_beside_the_rings_ends_them() {
+    let (ended, heard) = std::sync::mpsc::channel();
+    std::thread::spawn(move || ended.send(panic_beside_the_rings()));
+    let outcome = heard.recv_timeout(std::time::Duration::from_secs(30));
+    assert_eq!(outcome, Ok((true, true)), "the rings go on");
+}
+
+/// Whether the panic came through, and whether the rings were told to end.
+fn panic_beside_the_rings() -> (bool, bool) {
+    let folder = tempfile::tempdir().unwrap();
+    let configuration = load(std::path::Path::new(&robot_file(folder.path(), 0))).unwrap();
+    let links = Links::bind(&configuration.carriers).unwrap();
+    let shared: Box<HostedShared> = new_shared(&configuration.robot, clock::now()).unwrap();
+    let flag = StopFlag::default();
+    let panicked = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+        run_rings((&configuration.robot, links), &shared, &flag, || panic!("nobody listens"))
+    }));
+    (panicked.is_err(), flag.is_stopped())
+}
+
+/// A port that another program holds is bad input, not a robot without a lidar.
+#[test]
+fn a_taken_port_is_refused_with_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let taken = UdpSocket::bind("127.0.0.1:0").unwrap();
+    let port = taken.local_addr().unwrap().port();
+    let file = robot_file(folder.path(), port);
+    let output = Command::new(env!("CARGO_BIN_EXE_floorguard"))
+        .args(["run", &file, "--duration", "5"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(3), "{said}");
+    assert!(
+        said.contains(&format!("[lidar] udp:127.0.0.1:{port}")) && said.contains("end the other program"),
+        "{said}"
+    );
+}
+
+/// The mission of the file is told before anything moves, and a map that is not there is bad input.
+#[test]
+fn a_mission_is_taken_from_the_file_and_a_wrong_one_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let file = robot_file(folder.path(), port);
+    let robot = std::fs::read_to_string(&file).unwrap();
+    // 8 m x 6 m of free floor within walls.
+    let wall = |x: u32, y: u32| x < 4 || y < 4 || x >= 156 || y >= 116;
+    let pixel = |x, y| image::Luma([if wall(x, y) { 0_u8 } else { 254 }]);
+    image::GrayImage::from_fn(160, 120, pixel).save(folder.path().join("hall.png")).unwrap();
+    std::fs::write(folder.path().join("dirt.csv"), "x_m,y_m,units\n5.0,3.0,12\n5.1,3.0,14\n").unwrap();
+    let run = |mission: &str| {
+        std::fs::write(&file, format!("{robot}\n[mission]\nstrategy = \"guarantee\"\n{mission}")).unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_floorguard"));
+        let output = command.args(["run", &file, "--duration", "1"]).output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    let start = "start_x_m = 2.0\nstart_y_m = 3.0\n";
+    let (code, said) = run(&format!("map = \"hall.png\"\ndirt = \"dirt.csv\"\n{start}"));
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("mission: starting, 0 % of what was dirty"), "{said}");
+    for (wrong, why) in [
+        ("map = \"cellar.png\"\ndirt = \"dirt.csv\"\n", "cellar.png"),
+        ("map = \"hall.png\"\ndirt = \"mud.csv\"\n", "mud.csv"),
+        ("map = \"hall.png\"\n", "`dirt` is missing"),
+    ] {
+        let (code, said) = run(&format!("{wrong}{start}"));
+        assert_eq!(code, Some(3), "{said}");
+        assert!(said.contains("[mission]") && said.contains(why), "{said}");
+    }
+}
+
+/// Bytes that come and are of no use: the driver says what is wrong with them, once.
+#[test]
+fn a_lidar_that_is_none_is_told_with_the_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let file = robot_file(folder.path(), port);
+    let child = Command::new(env!("CARGO_BIN_EXE_floorguard"))
+        .args(["run", &file, "--duration", "2"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let sender = UdpSocket::bind("127.0.0.1:0").unwrap();
+    for length in 0..40 {
+        // Before the robot listens this fails, which is part of the game.
+        let _ = sender.send_to(&vec![7; 500 + length], ("127.0.0.1", port));
+        std::thread::sleep(std::time::Duration::from_millis(40));
+    }
+    let said = String::from_utf8(child.wait_with_output().unwrap().stderr).unwrap();
+    let told: Vec<&str> = said.lines().filter(|line| line.contains("lidar: lidar packet of 5")).collect();
+    assert_eq!(told.len(), 1, "{said}");
+    assert!(told[0].contains("a data packet has 1206"), "{said}");
+}
+
+/// Recorded pictures as the camera: dirt is mapped at the places that the poses tell, a broken picture is told by its name,
+/// the end of the pictures, too, and the map is in the recording.
+#[test]
+fn a_folder_of_pictures_is_a_camera() {
+    let folder = tempfile::tempdir().unwrap();
+    let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    let file = robot_file(folder.path(), port);
+    let robot = std::fs::read_to_string(&file).unwrap();
+    render(&folder.path().join("frames"));
+    let section = std::fs::read_to_string(folder.path().join("frames/camera.toml")).unwrap();
+    let run = |section: &str| {
+        std::fs::write(&file, format!("{robot}\n{section}")).unwrap();
+        let record = folder.path().join("run.mcap");
+        let output = Command::new(env!("CARGO_BIN_EXE_floorguard"))
+            .args(["run", &file, "--duration", "4.5", "--json", "--record"])
+            .arg(&record)
+            .output()
+            .unwrap();
+        let told = String::from_utf8(output.stdout).unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap(), told)
+    };
+    let (code, said, told) = run(&section);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("1.400000.png") && said.contains("the floor is unknown"), "{said}");
+    assert!(said.contains("all 15 pictures were shown"), "{said}");
+    let dirt = told.lines().rev().find(|line| line.contains("\"type\":\"dirt\"")).expect("a map of dirt");
+    let dirt: serde_json::Value = serde_json::from_str(dirt).unwrap();
+    let spots = dirt["spots"].as_array().unwrap();
+    let is_near = |spot: &serde_json::Value| {
+        let off = |key: &str, at: f64| spot[key].as_f64().unwrap() - at;
+        off("x_m", f64::from(SPILLED.x_m)).hypot(off("y_m", f64::from(SPILLED.y_m))) < 0.08
+    };
+    assert!(spots.iter().any(is_near), "{dirt}");
+    assert!(dirt["seen_m2"].as_f64().unwrap() > 1.0 && dirt["frames"].as_u64().unwrap() >= 12, "{dirt}");
+    let record = std::fs::File::open(folder.path().join("run.mcap")).unwrap();
+    let messages: Vec<_> = Recording::new(record).collect::<Result<_, _>>().unwrap();
+    assert!(messages.iter().any(|message| &*message.topic == topics::SEEN_DIRT));
+    for (from, to, why) in [
+        ("frames\"", "nowhere\"", "nowhere"),
+        ("frames\"", "frames/rgb\"", "no depth pictures"),
+        ("[camera]", "[camera]\nrate_hz = 900.0", "rate_hz"),
+    ] {
+        let (code, said, _) = run(&section.replace(from, to));
+        assert!(code == Some(3) && said.contains(why), "{said}");
+    }
+}
+
+const SPILLED: Point2 = Point2 { x_m: 2.4, y_m: 0.1 };
+
+/// Pictures of a drive towards a spill on vinyl, 12 cm and 200 ms apart, one of them cut off.
+fn render(root: &std::path::Path) {
+    let eye = FloorCamera { size: (320, 240), focal_px: 262.5, forward_m: 0.9, ..FloorCamera::default() };
+    let mounting = (eye.height_m, eye.forward_m, eye.pitch_rad);
+    let camera = PictureCamera { size: eye.size, focal_px: eye.focal_px, mounting };
+    let mut pictures = PictureFolder::new(root, camera).unwrap();
+    let mut scene = FloorScene::new(FloorKind::Vinyl, 4.0, 7);
+    let coffee = Spill::random(DirtKind::Liquid, SPILLED, &mut Pcg32::new(7, 7));
+    scene.spills.push(Spill { radii_m: [0.1; 2], strength: 1.0, ..coffee });
+    let plane = Plane::of_mounting(eye.height_m, eye.pitch_rad).unwrap();
+    let pinhole = PinholeCamera::new([eye.focal_px; 2], [159.5, 119.5]).unwrap();
+    for step in 0..15_u32 {
+        let robot = Pose2::new(0.12 * step as f32, 0.0, 0.0);
+        let depth = |index: u32| {
+            let ray = pinhole.ray((index % 320) as f32, (index / 320) as f32);
+            let down: f32 = plane.normal.iter().zip(ray).map(|(n, r)| -n * r).sum();
+            let depth_mm = if down < 0.05 { 0.0 } else { 1_000.0 * plane.distance_m / down };
+            depth_mm as u16 + ((index * 7 + step * 13) % 3) as u16
+        };
+        let depth_mm: Vec<u16> = (0..320 * 240).map(depth).collect();
+        let stamp = Stamp::from_micros(u64::from(step) * 200_000);
+        let picture = scene.picture(&eye, robot, (step, 0.0));
+        pictures.add((stamp, robot), (&depth_mm, eye.size), &picture.rgb).unwrap();
+    }
+    pictures.finish().unwrap();
+    let broken = root.join("depth/1.400000.png");
+    let whole = std::fs::read(&broken).unwrap();
+    std::fs::write(broken, &whole[..whole.len() / 2]).unwrap();
+}
+
+/// What two devices send to one port is told once, with the remedy; what is not the lidar's is left out where it is named.
+#[test]
+fn a_stranger_on_the_port_of_the_lidar_is_told_and_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let [lidar, stranger] = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap());
+    let run = |sender: &str| {
+        let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+        let file = robot_file(folder.path(), port);
+        let text = std::fs::read_to_string(&file).unwrap();
+        let source = format!("source = \"udp:127.0.0.1:{port}\"\n");
+        std::fs::write(&file, text.replace(&source, &format!("{source}{sender}"))).unwrap();
+        let child = Command::new(env!("CARGO_BIN_EXE_floorguard"))
+            .args(["run", &file, "--duration", "1.5"])
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        for _ in 0..30 {
+            // Before the robot listens this fails, which is part of the game.
+            let _ = lidar.send_to(&[7; 1_206], ("127.0.0.1", port));
+            let _ = stranger.send_to(&[7; 33], ("127.0.0.1", port));
+            std::thread::sleep(std::time::Duration::from_millis(40));
+        }
+        String::from_utf8(child.wait_with_output().unwrap().stderr).unwrap()
+    };
+    let [first, second] = [&lidar, &stranger].map(|socket| socket.local_addr().unwrap().to_string());
+    let said = run("");
+    assert_eq!(said.matches("datagrams come from").count(), 1, "{said}");
+    assert!(said.contains(&first) && said.contains(&second) && said.contains("name the device"), "{said}");
+    assert!(said.contains("packet of 33 bytes"), "{said}");
+    let said = run(&format!("sender = \"{first}\"\n"));
+    let told = format!("[lidar] datagrams of {second} are left out: only sender {first} is listened to");
+    assert_eq!(said.matches(&told).count(), 1, "{said}");
+    assert!(!said.contains("packet of 33 bytes"), "{said}");
+}
+
+fn robot_file(folder: &std::path::Path, port: u16) -> String {
+    let devices = folder.display();
+    let text = floorguard_configuration::EXAMPLE
+        .replace("udp:0.0.0.0:2368", &format!("udp:127.0.0.1:{port}"))
+        .replace("/dev/tty", &format!("{devices}/tty"))
+        .replace("socketcan:can0", &format!("slcan:{devices}/ttyACM0"));
+    let file = folder.join("robot.toml");
+    std::fs::write(&file, text).unwrap();
+    file.display().to_string()
+}

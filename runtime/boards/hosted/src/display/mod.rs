@@ -1,9 +1,0 @@
-//! What the user sees while the robot runs. Everything here goes to standard error.
-
-mod live;
-mod status;
-mod words;
-
-pub use live::LiveDisplay;
-pub use status::{SourceStatus, Status};
-pub use words::{beside, counted};

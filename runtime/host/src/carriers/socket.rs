@@ -1,0 +1,135 @@
+//! UDP sockets of Linux for the epoll loop.
+
+use std::io;
+use std::net::{SocketAddr, UdpSocket};
+use std::sync::mpsc::Sender;
+
+use floorguard_runtime::clock;
+use floorguard_runtime::io::{DatagramReceiver, Received};
+
+use crate::executor::Source;
+use floorguard_configuration::SenderAddress;
+
+/// So many senders are told apart; whoever comes later is left unnamed.
+const SENDERS_MAX: usize = 8;
+
+/// Who is listened to on a port, and who hears of others.
+#[derive(Clone, Debug, Default)]
+pub struct Listening {
+    /// The section of `robot.toml` that names the device.
+    pub section: &'static str,
+    /// The only sender that is listened to.
+    pub only: Option<SenderAddress>,
+    /// Whoever tells people; it never holds up the one that receives.
+    pub notices: Option<Sender<String>>,
+}
+
+/// A bound UDP port. Use it on the thread that made it.
+pub struct UdpReceiver {
+    socket: Source<UdpSocket>,
+    listening: Listening,
+    known: Vec<SocketAddr>,
+}
+
+impl UdpReceiver {
+    /// Binds a port.
+    ///
+    /// # Errors
+    /// The address is in use or not ours.
+    pub fn bind(address: SocketAddr) -> io::Result<Self> {
+        let socket = UdpSocket::bind(address)?;
+        Self::from_socket(socket, Listening::default())
+    }
+
+    /// Takes over a bound socket.
+    ///
+    /// # Errors
+    /// The socket cannot be watched.
+    pub fn from_socket(socket: UdpSocket, listening: Listening) -> io::Result<Self> {
+        socket.set_nonblocking(true)?;
+        Ok(Self { socket: Source::new(socket)?, listening, known: Vec::with_capacity(SENDERS_MAX) })
+    }
+
+    /// Whether a sender is listened to. Once for each, people hear of one that should not be there.
+    fn hears(&mut self, from: SocketAddr) -> bool {
+        let Listening { section, only, notices } = &self.listening;
+        let is_heard = only.is_none_or(|only| only.is(from));
+        if self.known.contains(&from) || self.known.len() >= SENDERS_MAX {
+            return is_heard;
+        }
+        self.known.push(from);
+        let what = match (only, self.known.first()) {
+            (Some(only), _) if !is_heard => Some(format!(
+                "[{section}] datagrams of {from} are left out: only sender {only} is listened to"
+            )),
+            (None, Some(first)) if *first != from => Some(format!(
+                "[{section}] datagrams come from {first} and from {from}, too; unplug what is not the robot's, or name the \
+                 device: sender = \"{}\"",
+                first.ip()
+            )),
+            _ => None,
+        };
+        if let (Some(what), Some(notices)) = (what, notices) {
+            // Whoever listened has ended: so does the robot.
+            let _ = notices.send(what);
+        }
+        is_heard
+    }
+
+    /// The address it is bound to.
+    ///
+    /// # Errors
+    /// The kernel does not say.
+    pub fn local_address(&self) -> io::Result<SocketAddr> {
+        self.socket.file.local_addr()
+    }
+}
+
+impl DatagramReceiver for UdpReceiver {
+    type Error = io::Error;
+
+    async fn receive(&mut self, buffer: &mut [u8]) -> io::Result<Received> {
+        loop {
+            let (length, from) = self.socket.read_ready(|socket| socket.recv_from(buffer)).await?;
+            let arrival = clock::now();
+            if self.hears(from) {
+                return Ok(Received { length, arrival });
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::executor::TaskSet;
+    use embassy_futures::yield_now;
+    use std::cell::Cell;
+
+    /// Datagrams that wait in the kernel are taken one by one, and every other task has its turn in between.
+    #[test]
+    fn whoever_floods_a_port_takes_turns_with_the_other_tasks() {
+        let mut receiver = UdpReceiver::bind("127.0.0.1:0".parse().unwrap()).unwrap();
+        let sender = UdpSocket::bind("127.0.0.1:0").unwrap();
+        let address = receiver.local_address().unwrap();
+        (0..50).for_each(|_| assert_eq!(sender.send_to(b"junk", address).unwrap(), 4));
+        let (taken, most_at_once) = (Cell::new(0_u32), Cell::new(0));
+        let mut tasks = TaskSet::new();
+        tasks.spawn(async {
+            while receiver.receive(&mut [0; 8]).await.is_ok() {
+                taken.set(taken.get() + 1);
+            }
+        });
+        tasks.spawn(async {
+            let mut before = 0;
+            while taken.get() < 50 {
+                yield_now().await;
+                most_at_once.set(most_at_once.get().max(taken.get() - before));
+                before = taken.get();
+            }
+        });
+        tasks.poll_until_quiet().unwrap();
+        drop(tasks);
+        assert_eq!((taken.get(), most_at_once.get()), (50, 1));
+    }
+}

@@ -1,0 +1,164 @@
+//! Between the robot's side and the browsers: the newest picture one way, a short queue of orders the other way.
+
+use std::net::SocketAddr;
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use floorguard_runtime::shared::{Shared, StopRecord};
+use floorguard_runtime::tape::TapeLine;
+use floorguard_types::time::Stamp;
+use serde::Deserialize;
+use tokio::sync::watch;
+
+use super::access::Access;
+use super::server;
+use super::view::PanelView;
+use floorguard_robot::cleaner::MissionProgress;
+
+/// Pictures come this often at most.
+const EVERY: Duration = Duration::from_millis(100);
+/// Orders that wait for the robot's side; more are refused.
+const ORDERS_MAX: usize = 8;
+
+/// What a button orders.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Order {
+    /// The mission waits.
+    Pause,
+    /// The mission goes on.
+    Resume,
+    /// The operator asks the guard to release a latched stop.
+    Reset,
+}
+
+impl Order {
+    /// How it stands in a recording.
+    #[must_use]
+    pub const fn line(self) -> TapeLine {
+        match self {
+            Self::Pause => TapeLine::Pause,
+            Self::Resume => TapeLine::Resume,
+            Self::Reset => TapeLine::Reset,
+        }
+    }
+
+    /// Gives it to the tasks.
+    pub fn apply<M: RawMutex>(self, shared: &Shared<M>) {
+        match self {
+            Self::Pause => shared.pause(true),
+            Self::Resume => shared.pause(false),
+            Self::Reset => shared.reset.signal(()),
+        }
+    }
+}
+
+/// What the browsers' side knows.
+#[derive(Clone)]
+pub(super) struct Hub {
+    pub access: Arc<Access>,
+    /// Number and text of the newest picture.
+    pub newest: watch::Receiver<(u64, Arc<str>)>,
+    /// Number and text of the newest floor of a mission.
+    pub layers: watch::Receiver<(u64, Arc<str>)>,
+    /// Whether the newest picture says that a reset is waited for.
+    pub reset_allowed: watch::Receiver<bool>,
+    orders: Arc<Mutex<SyncSender<Order>>>,
+}
+
+impl Hub {
+    /// Queues an order. False when too many wait.
+    pub fn order(&self, order: Order) -> bool {
+        let orders = self.orders.lock().unwrap_or_else(PoisonError::into_inner);
+        !matches!(orders.try_send(order), Err(TrySendError::Full(_)))
+    }
+}
+
+/// The robot's end of the panel.
+pub struct Panel {
+    view: PanelView,
+    newest: watch::Sender<(u64, Arc<str>)>,
+    layers: watch::Sender<(u64, Arc<str>)>,
+    reset_allowed: watch::Sender<bool>,
+    orders: Receiver<Order>,
+    drawn: Option<Instant>,
+    address: SocketAddr,
+    start: Stamp,
+}
+
+impl Panel {
+    /// Opens the panel: it can be looked at from now on.
+    ///
+    /// # Errors
+    /// The address is taken, or the thread cannot start.
+    pub fn open(access: Access, view: PanelView) -> anyhow::Result<Self> {
+        let listener = std::net::TcpListener::bind(access.address)
+            .with_context(|| format!("--panel {}: this address cannot be opened", access.address))?;
+        listener.set_nonblocking(true)?;
+        let address = listener.local_addr()?;
+        let (newest, newest_seen) = watch::channel((0, Arc::from("{}")));
+        let (layers, layers_seen) = watch::channel((0, Arc::from("{}")));
+        let (reset_allowed, reset_seen) = watch::channel(false);
+        let (sender, orders) = sync_channel(ORDERS_MAX);
+        let hub = Hub {
+            access: Arc::new(access),
+            newest: newest_seen,
+            layers: layers_seen,
+            reset_allowed: reset_seen,
+            orders: Arc::new(Mutex::new(sender)),
+        };
+        say!("  panel: http://{address}/#{}", hub.access.token);
+        std::thread::Builder::new().name("panel".to_owned()).spawn(move || server::serve(listener, hub))?;
+        Ok(Self { view, newest, layers, reset_allowed, orders, drawn: None, address, start: Stamp::ZERO })
+    }
+
+    /// Where it listens; with port 0 the system has chosen one.
+    #[must_use]
+    pub const fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// The robot's clock at the time that the page calls zero.
+    pub const fn set_clock_start(&mut self, start: Stamp) {
+        self.start = start;
+    }
+
+    /// A lidar datagram, for the points of the picture.
+    pub fn lidar_datagram(&mut self, datagram: &[u8], arrival: Stamp) {
+        self.view.lidar_datagram(datagram, arrival);
+    }
+
+    /// A stop that began.
+    pub fn stop(&mut self, record: &StopRecord) {
+        self.view.stop(record, self.start);
+    }
+
+    /// The cleaning mission has told its progress.
+    pub fn mission(&mut self, progress: &Arc<MissionProgress>) {
+        let layers = self.view.mission(progress);
+        if let Ok(text) = serde_json::to_string(&layers) {
+            self.layers.send_replace((layers.number, text.into()));
+        }
+    }
+
+    /// Makes a picture when it is time for one. Cheap to call at any rate.
+    pub fn look<M: RawMutex>(&mut self, shared: &Shared<M>) {
+        if self.drawn.is_some_and(|drawn| drawn.elapsed() < EVERY) {
+            return;
+        }
+        self.drawn = Some(Instant::now());
+        let Some(frame) = self.view.frame(shared, self.start) else { return };
+        self.reset_allowed.send_replace(frame.reset_allowed);
+        if let Ok(text) = serde_json::to_string(&frame) {
+            self.newest.send_replace((frame.number, text.into()));
+        }
+    }
+
+    /// The next order of an operator.
+    pub fn order(&mut self) -> Option<Order> {
+        self.orders.try_recv().ok()
+    }
+}

@@ -1,0 +1,127 @@
+//! The floor of a cleaning mission for the browsers: what is claimed clean and where dirt is expected. It changes once a
+//! second at most and is fetched apart from the pictures.
+
+use floorguard_types::geometry::Pose2;
+use serde::Serialize;
+
+use super::frame::{Place, place, round};
+use floorguard_recording::mission::{area_m2, dirt_cells, remains};
+use floorguard_robot::cleaner::{CellState, MissionProgress};
+
+/// How far a mission is, in every picture.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MissionFrame {
+    /// What it is doing, in a word.
+    pub phase: &'static str,
+    /// Of the dirty floor that can be reached, claimed clean, percent.
+    pub completion_percent: f32,
+    /// Of all floor that the mission answers for, claimed clean, percent.
+    pub claimed_percent: f32,
+    /// Still to be cleaned, m².
+    pub remaining_m2: f32,
+    /// Cells that are not claimed though visited, and dirty ones out of reach.
+    pub uncertain_cells: usize,
+    /// See `uncertain_cells`.
+    pub unreachable_cells: usize,
+    /// Expected dirt now, percent of that before.
+    pub dirt_percent: f32,
+    /// Time that people and what else stood in the way cost, seconds.
+    pub waited_s: f32,
+    /// Where the odometry frame lies in the map of the mission: x, y, heading.
+    pub odometry_in_map: [f32; 3],
+    /// Number of the floor's newest state, see [`Layers`].
+    pub layers: u64,
+}
+
+/// The floor.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Layers {
+    /// Counts states of the floor.
+    pub number: u64,
+    /// Cells in a row.
+    pub width: u16,
+    /// Rows.
+    pub height: u16,
+    /// Edge of a cell, metres.
+    pub resolution_m: f32,
+    /// Lower left corner in the map of the mission.
+    pub corner: Place,
+    /// Row by row: `.` is none of ours, `d` dirty, `u` uncertain, `c` claimed clean; each behind its count.
+    pub claimed: String,
+    /// Row by row: `.` is none of ours, `0` no dirt expected … `9` most; each behind its count.
+    pub dirt: String,
+    /// Centres of the cells to be visited next, in order, in the map of the mission.
+    pub tour: Vec<Place>,
+}
+
+/// Places of a tour that are drawn.
+const TOUR_SHOWN: usize = 200;
+
+/// A mission at a moment.
+pub fn mission_frame(progress: &MissionProgress, layers: u64) -> MissionFrame {
+    let total = |units: &[f32]| units.iter().sum::<f32>();
+    let before = total(&progress.expected_before).max(1.0e-6);
+    let Pose2 { x_m, y_m, heading_rad } = progress.odometry_in_map;
+    MissionFrame {
+        phase: progress.phase.name(),
+        completion_percent: round(progress.completion * 100.0),
+        claimed_percent: round(progress.claimed_fraction * 100.0),
+        remaining_m2: round(area_m2(progress, remains)),
+        uncertain_cells: progress.uncertain.len(),
+        unreachable_cells: progress.unreachable_cells,
+        dirt_percent: round(total(&progress.expected_now) / before * 100.0),
+        waited_s: round(progress.waited_s),
+        odometry_in_map: [x_m, y_m, heading_rad],
+        layers,
+    }
+}
+
+/// The floor at a moment.
+pub fn layers(progress: &MissionProgress, number: u64) -> Layers {
+    let claimed = progress.cells.iter().map(|state| match state {
+        CellState::OffLimits => '.',
+        CellState::Dirty => 'd',
+        CellState::Active | CellState::Uncertain => 'u',
+        CellState::Clean => 'c',
+    });
+    let dirt = dirt_cells(progress, &progress.expected_now);
+    let digit =
+        |percent: &i8| u8::try_from(*percent).map_or('.', |percent| char::from(b'0' + percent.min(99) / 10));
+    Layers {
+        number,
+        width: progress.geometry.width(),
+        height: progress.geometry.height(),
+        resolution_m: progress.geometry.resolution_m(),
+        corner: place(progress.geometry.origin_in_map()),
+        claimed: run_lengths(claimed),
+        dirt: run_lengths(dirt.iter().map(digit)),
+        tour: progress.tour.iter().take(TOUR_SHOWN).copied().map(place).collect(),
+    }
+}
+
+/// `3.2d1.`: each letter behind the times that it comes.
+fn run_lengths(letters: impl Iterator<Item = char>) -> String {
+    use std::fmt::Write as _;
+    let mut text = String::new();
+    let mut letters = letters.peekable();
+    while let Some(letter) = letters.next() {
+        let mut count = 1_u32;
+        while letters.next_if_eq(&letter).is_some() {
+            count += 1;
+        }
+        // Digits stand for themselves: a separator keeps them apart from the counts.
+        let _ = write!(text, "{count}:{letter}");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn letters_come_back_from_their_counts() {
+        assert_eq!(run_lengths("...dd.9".chars()), "3:.2:d1:.1:9");
+        assert_eq!(run_lengths("".chars()), "");
+    }
+}

@@ -1,0 +1,257 @@
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::*;
+use floorguard_configuration::{EXAMPLE, parse};
+use floorguard_guard::{Advice, FaultKind, GuardConfig, Supervisor};
+use floorguard_types::geometry::Twist2;
+use floorguard_types::sensing::{
+    BeamReturn, DiscreteInputs, DriveFeedback, DriveState, ImuSample, LidarColumn, LidarPacket, Scan,
+};
+use floorguard_types::time::Stamp;
+
+const STEP_US: u64 = 10_000;
+/// All is well for two seconds, of which the start-up check takes one; then something fails for a second.
+const WELL_STEPS: u64 = 200;
+const STEPS: u64 = 300;
+/// How far ahead a wrong stamp lies.
+const AHEAD_US: u64 = 500_000;
+/// Of a lidar's return, counts of 2 mm: 131 m.
+const FAR: u16 = u16::MAX;
+
+/// How a source may fail.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Mishap {
+    /// Nothing ever came.
+    Never,
+    /// Nothing comes any more.
+    Silent,
+    /// The same comes again and again.
+    Frozen,
+    /// Nothing is seen.
+    Blind,
+    /// Stamps lie in the future.
+    Ahead,
+    /// The driver reports a fault.
+    Reported(FaultKind),
+    /// The drive was found in operation.
+    FoundRunning,
+}
+
+/// What the tasks of the guard ring can tell of each source; a stamp is ahead only where it is reckoned from a device's
+/// clock or the length of a line.
+fn mishaps(source: Source) -> Vec<Mishap> {
+    let own: &[Mishap] = match source {
+        Source::Scanner => &[
+            Mishap::Ahead,
+            Mishap::Reported(FaultKind::Device(1)),
+            Mishap::Reported(FaultKind::StandBy),
+            Mishap::Reported(FaultKind::WrongGeometry),
+            Mishap::Reported(FaultKind::LinkDown),
+        ],
+        Source::Lidar => &[Mishap::Ahead, Mishap::Blind, Mishap::Reported(FaultKind::LinkDown)],
+        Source::Wheels => &[Mishap::Reported(FaultKind::Garbled)],
+        Source::Imu => &[
+            Mishap::Ahead,
+            Mishap::Reported(FaultKind::Device(1)),
+            Mishap::Reported(FaultKind::Garbled),
+            Mishap::Reported(FaultKind::LinkDown),
+        ],
+        Source::Drive => &[
+            Mishap::FoundRunning,
+            Mishap::Reported(FaultKind::StandBy),
+            Mishap::Reported(FaultKind::LinkDown),
+        ],
+        Source::Discrete | Source::Command | Source::Perception => &[],
+    };
+    [Mishap::Never, Mishap::Silent, Mishap::Frozen].into_iter().chain(own.iter().copied()).collect()
+}
+
+/// What a source sends in a step.
+struct Sample {
+    stamp: Stamp,
+    /// Rises with each, if the source is alive.
+    number: u16,
+    /// Of each return of the lidar, counts of 2 mm.
+    range_raw: u16,
+}
+
+/// Tells the guard of a step of a source.
+fn hear(guard: &mut Supervisor, source: Source, mishap: Option<Mishap>, step: u64) {
+    let now = Stamp::from_micros(step * STEP_US);
+    let well = Sample { stamp: now, number: step as u16, range_raw: FAR };
+    let sample = match mishap {
+        None => well,
+        Some(Mishap::Never | Mishap::Silent) => return,
+        Some(Mishap::Frozen) => Sample { number: 0, ..well },
+        Some(Mishap::Blind) => Sample { range_raw: 0, ..well },
+        Some(Mishap::Ahead) => Sample { stamp: now.plus_micros(AHEAD_US), ..well },
+        Some(Mishap::Reported(kind)) => {
+            guard.on_source_fault(source, kind, now);
+            return;
+        }
+        Some(Mishap::FoundRunning) => {
+            guard.on_found_running(now);
+            well
+        }
+    };
+    measure(guard, source, &sample, now);
+}
+
+/// Tells the guard what a source measures where nothing stands and nothing moves.
+fn measure(guard: &mut Supervisor, source: Source, sample: &Sample, now: Stamp) {
+    let Sample { stamp, number, range_raw } = *sample;
+    match source {
+        Source::Scanner => {
+            let geometry = guard.config().scanner;
+            let beams = (0..geometry.beams).map(|_| BeamReturn::Free(u16::MAX)).collect();
+            let (first_angle_rad, step_rad) = (geometry.first_angle_rad, geometry.step_rad);
+            let scan = Scan { stamp, sequence: number.into(), first_angle_rad, step_rad, beams };
+            guard.on_scan(&scan, now)
+        }
+        Source::Lidar => {
+            let column = |azimuth_cdeg| {
+                let range_raw = LidarColumn::SILENT.range_raw.map(|_| range_raw);
+                LidarColumn { azimuth_cdeg, range_raw, ..LidarColumn::SILENT }
+            };
+            let columns = [number, number + 18_000].into_iter().map(column).collect();
+            guard.on_lidar_packet(&LidarPacket { stamp, range_unit_mm: 2, rings: 16, columns }, now)
+        }
+        Source::Discrete => guard.on_discrete(&DiscreteInputs::all_clear(stamp), now),
+        Source::Wheels => guard.on_wheels(Twist2::ZERO, stamp, now),
+        Source::Imu => {
+            let angular_radps = [0.0, 0.0, 1.0e-6 * f32::from(number)];
+            guard.on_imu(&ImuSample { stamp, angular_radps, ..ImuSample::default() }, now)
+        }
+        Source::Drive => {
+            let state = DriveState::Enabled;
+            let still = DriveFeedback { stamp, state, wheel_speed_mps: 0.0, steering_rad: 0.0 };
+            guard.on_drive(&still, now)
+        }
+        Source::Command => guard.on_command(Twist2::ZERO, stamp, now),
+        Source::Perception => guard.on_advice(&Advice { stamp, ..Advice::default() }, now),
+    };
+}
+
+/// What a guard with the usual rules says of a source to which something happens.
+fn records(source: Source, mishap: Mishap) -> Vec<CauseRecord> {
+    let robot = parse("robot.toml", EXAMPLE).unwrap().robot;
+    let config = GuardConfig { sources: GuardConfig::default_sources(), ..robot.guard() };
+    let mut guard = Box::new(Supervisor::UNCONFIGURED);
+    guard.configure(config, Stamp::ZERO).unwrap();
+    let mut records: Vec<CauseRecord> = Vec::new();
+    for step in 1..=STEPS {
+        let fails = step > WELL_STEPS || mishap == Mishap::Never;
+        for heard in Source::ALL {
+            hear(&mut guard, heard, (fails && heard == source).then_some(mishap), step);
+        }
+        guard.tick(Stamp::from_micros(step * STEP_US));
+        for record in guard.causes() {
+            let is_told = records.iter().any(|told| told.cause == record.cause);
+            match record.cause {
+                Cause::StartUp => {}
+                Cause::SourceLate(of) | Cause::SourceLost(of) if of == source => {
+                    if !is_told {
+                        records.push(*record);
+                    }
+                }
+                other => panic!("{source:?}, {mishap:?}: {other:?}"),
+            }
+        }
+    }
+    records
+}
+
+/// How it clears, in the words of the book.
+fn clears(cause: Cause) -> String {
+    match cause.clear() {
+        Clear::Quiet(quiet_us) => {
+            format!("by itself, {:.1} s after the last of it", quiet_us as f64 * 1.0e-6)
+        }
+        Clear::Reset => String::from("after reset"),
+        Clear::Restart => String::from("after a restart"),
+    }
+}
+
+/// As the panel and the console tell it, without what was measured and what it demands.
+fn said(record: &CauseRecord) -> String {
+    let unit = if record.unit == Unit::Code { Unit::Code } else { Unit::None };
+    let told = CauseRecord { unit, age_us: 0, ..*record }.to_string();
+    let said = told.split(" -> ").next().unwrap_or_default();
+    let words = said.split(' ').map(|word| if word.contains(char::is_numeric) { "…" } else { word });
+    words.collect::<Vec<_>>().join(" ")
+}
+
+/// What stands in the row of a record behind what it says.
+fn rest(record: &CauseRecord) -> String {
+    format!(" | {} | {} | {} |", record.action, clears(record.cause), remedy(record))
+}
+
+/// The table of the book: a row for each cause; sources of which the same is told share one.
+fn rows() -> BTreeSet<String> {
+    let is_plain = |cause: &Cause| !matches!(cause, Cause::SourceLate(_) | Cause::SourceLost(_));
+    let plain = Cause::all().into_iter().filter(is_plain).map(|cause| CauseRecord::new(cause, Stamp::ZERO));
+    let plain = plain.map(|record| format!("| {}{}", said(&record), rest(&record)));
+    let mut shared: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+    for source in Source::ALL {
+        for record in mishaps(source).into_iter().flat_map(|mishap| records(source, mishap)) {
+            let said = said(&record);
+            let how = said.strip_prefix(source.name()).expect("a record begins with its source");
+            let names = shared.entry(format!("{how}{}", rest(&record))).or_default();
+            if !names.contains(&source.name()) {
+                names.push(source.name());
+            }
+        }
+    }
+    plain.chain(shared.into_iter().map(|(row, names)| format!("| {}{row}", names.join(", ")))).collect()
+}
+
+#[test]
+fn the_book_tells_every_cause_as_the_panel_does_and_no_other() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/src/operating.md");
+    let book = std::fs::read_to_string(file).expect("the chapter");
+    let table = book.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| it says |"));
+    let (told, rows) = (table.map(String::from).collect::<BTreeSet<_>>(), rows());
+    let lines = |rows: Vec<&String>| rows.into_iter().map(|row| format!("\n{row}")).collect::<String>();
+    let (missing, other) = (rows.difference(&told).collect(), told.difference(&rows).collect());
+    assert!(
+        told == rows,
+        "docs/src/operating.md lacks:{}\nand has, though no guard says it:{}",
+        lines(missing),
+        lines(other)
+    );
+}
+
+/// Only where it says nothing its cable is the first to be looked at.
+#[test]
+fn a_device_that_answers_sends_nobody_to_its_cable() {
+    let reported = Mishap::Reported;
+    for (source, mishap, help) in [
+        (Source::Scanner, Mishap::Silent, "Check cable and power"),
+        (Source::Scanner, reported(FaultKind::Device(1)), "look at its display"),
+        (Source::Scanner, reported(FaultKind::WrongGeometry), "another one than the robot was set up for"),
+        (Source::Scanner, Mishap::Frozen, "switch it off and on"),
+        (Source::Lidar, Mishap::Silent, "Check cable and power"),
+        (Source::Lidar, Mishap::Blind, "Uncover"),
+        (Source::Lidar, Mishap::Ahead, "off and on"),
+        (Source::Imu, reported(FaultKind::Device(7)), "look at its display"),
+    ] {
+        let records = records(source, mishap);
+        assert!(!records.is_empty(), "{source:?}, {mishap:?}");
+        for record in records {
+            let told = remedy(&record);
+            assert!(told.contains(help), "{record}: {told}");
+            let is_sent = told.contains("Check cable");
+            assert_eq!(is_sent, mishap == Mishap::Silent, "{record}: {told}");
+        }
+    }
+}
+
+#[test]
+fn whoever_must_press_reset_is_told_what_to_look_at_first() {
+    let vague = Cause::all().into_iter().filter(|cause| {
+        let help = remedy(&CauseRecord::new(*cause, Stamp::ZERO));
+        cause.clear() == Clear::Reset && (!help.contains("press reset") || help.starts_with("Find out why"))
+    });
+    // The clock is nothing that anybody beside the robot could look at.
+    assert_eq!(vague.collect::<Vec<_>>(), [Cause::ClockFault]);
+}

@@ -1,0 +1,179 @@
+//! Makes pictures of what the tasks share. Called from beside the rings, never from within them.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use floorguard_drivers::velodyne::ModelChoice;
+use floorguard_guard::{GuardState, Health};
+use floorguard_perception::people::RingAngles;
+use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
+use floorguard_runtime::shared::{RobotStatus, Shared, StopRecord};
+use floorguard_types::geometry::{Point2, Pose2, Transform3};
+use floorguard_types::sensing::BeamReturn;
+use floorguard_types::time::Stamp;
+
+use super::frame::{CauseFrame, Frame, PersonFrame, Place, SourceFrame, place, round};
+use super::layers::{Layers, layers, mission_frame};
+use super::plain::remedy;
+use floorguard_recording::{LidarView, describe};
+use floorguard_robot::cleaner::MissionProgress;
+
+/// Stops that the page lists.
+const STOPS_SHOWN: usize = 8;
+/// Lidar points of a picture; more say nothing to the eye.
+const POINTS_SHOWN: usize = 1_500;
+/// Points between these heights are drawn, metres above the floor.
+const HEIGHTS_M: std::ops::Range<f32> = 0.15..2.0;
+
+/// What pictures are made from.
+pub struct PanelView {
+    title: String,
+    robot: RobotConfiguration,
+    lidar: LidarView,
+    points: Vec<Place>,
+    stops: VecDeque<CauseFrame>,
+    last_place: Option<Point2>,
+    driven_m: f32,
+    number: u64,
+    mission: Option<Arc<MissionProgress>>,
+    layers: u64,
+}
+
+impl PanelView {
+    /// For a robot; the title tells what runs.
+    #[must_use]
+    pub fn new(title: &str, robot: &RobotConfiguration) -> Self {
+        let angles = match robot.lidar.model {
+            LidarModel::PuckHiRes => RingAngles::even(-10.0, 4.0 / 3.0),
+            _ => RingAngles::vlp16(),
+        };
+        let choice = robot.lidar_model().map_or(ModelChoice::Auto, ModelChoice::Fixed);
+        Self {
+            title: title.to_owned(),
+            robot: robot.clone(),
+            lidar: LidarView::new(choice, angles, 2),
+            points: Vec::new(),
+            stops: VecDeque::new(),
+            last_place: None,
+            driven_m: 0.0,
+            number: 0,
+            mission: None,
+            layers: 0,
+        }
+    }
+
+    /// A lidar datagram, where the panel can have them.
+    pub fn lidar_datagram(&mut self, datagram: &[u8], arrival: Stamp) {
+        let Some((_, rows)) = self.lidar.push(datagram, arrival) else { return };
+        let mounting = self.robot.lidar.mounting.transform();
+        let points = rows.iter().map(|row| {
+            let [x_m, y_m, z_m] = row.position_m;
+            mounting.transform(floorguard_types::geometry::Point3::new(x_m, y_m, z_m))
+        });
+        let points: Vec<_> = points.filter(|point| HEIGHTS_M.contains(&point.z_m)).collect();
+        let every = points.len().div_ceil(POINTS_SHOWN).max(1);
+        self.points =
+            points.iter().step_by(every).map(|point| place(Point2::new(point.x_m, point.y_m))).collect();
+    }
+
+    /// A stop that began.
+    pub fn stop(&mut self, record: &StopRecord, start: Stamp) {
+        let at_s = seconds(record.stamp, start);
+        let (text, remedy) = (record.cause.to_string(), remedy(&record.cause));
+        self.stops.push_front(CauseFrame { at_s, text, remedy });
+        self.stops.truncate(STOPS_SHOWN);
+    }
+
+    /// A picture of this moment; `start` is zero on the page. `None` before the guard has said anything.
+    pub fn frame<M: RawMutex>(&mut self, shared: &Shared<M>, start: Stamp) -> Option<Frame> {
+        let status = shared.status.get()?;
+        let decision = &status.decision;
+        let pose = status.pose.pose_in_odometry;
+        let here = Point2::new(pose.x_m, pose.y_m);
+        self.driven_m += self.last_place.replace(here).map_or(0.0, |last| last.distance(here));
+        self.number += 1;
+        let set = self.robot.fields.get(decision.field_set);
+        Some(Frame {
+            number: self.number,
+            time_s: seconds(decision.stamp, start),
+            title: self.title.clone(),
+            state: format!("{:?}", decision.state),
+            action: decision.action.to_string(),
+            speed_mps: round(status.pose.twist.linear_mps),
+            limit_mps: round(decision.speed_limit_mps),
+            paused: shared.is_paused(),
+            reset_allowed: decision.state == GuardState::Latched,
+            pose: [round(pose.x_m), round(pose.y_m), pose.heading_rad],
+            driven_m: round(self.driven_m),
+            route: self.robot.route.waypoints.iter().copied().map(place).collect(),
+            footprint: places(&self.robot.geometry.footprint),
+            protective: set.map(|set| places(&set.protective)).unwrap_or_default(),
+            warning: set.map(|set| places(&set.warning)).unwrap_or_default(),
+            scan: scan(shared, &self.robot.scanner.mounting.transform()),
+            lidar: self.points.clone(),
+            people: people(shared),
+            sources: sources(&status),
+            cause: decision.primary_cause.map(|record| CauseFrame {
+                at_s: seconds(record.raised_at, start),
+                text: record.to_string(),
+                remedy: remedy(&record),
+            }),
+            mission: self.mission.as_ref().map(|progress| mission_frame(progress, self.layers)),
+            stops: self.stops.iter().cloned().collect(),
+        })
+    }
+
+    /// The cleaning mission has told its progress; gives the floor as it is now.
+    pub fn mission(&mut self, progress: &Arc<MissionProgress>) -> Layers {
+        self.layers += 1;
+        self.mission = Some(Arc::clone(progress));
+        layers(progress, self.layers)
+    }
+}
+
+fn seconds(stamp: Stamp, start: Stamp) -> f64 {
+    stamp.as_micros().saturating_sub(start.as_micros()) as f64 * 1.0e-6
+}
+
+fn places(polygon: &[Point2]) -> Vec<Place> {
+    polygon.iter().copied().map(place).collect()
+}
+
+fn scan<M: RawMutex>(shared: &Shared<M>, mounting: &Transform3) -> Vec<Place> {
+    let Some(scan) = shared.scan.get() else { return Vec::new() };
+    let [[cos, ..], [sin, ..], _] = mounting.rotation;
+    let pose = Pose2::new(mounting.translation.x_m, mounting.translation.y_m, libm::atan2f(sin, cos));
+    let beams = scan.beams.iter().enumerate().filter_map(|(index, beam)| match beam {
+        BeamReturn::Hit(range_mm) => Some((index, f32::from(*range_mm) * 1.0e-3)),
+        _ => None,
+    });
+    beams
+        .map(|(index, range_m)| {
+            let (sin, cos) = libm::sincosf(scan.first_angle_rad + index as f32 * scan.step_rad);
+            place(pose.transform(Point2::new(range_m * cos, range_m * sin)))
+        })
+        .collect()
+}
+
+fn people<M: RawMutex>(shared: &Shared<M>) -> Vec<PersonFrame> {
+    let report = shared.people.get().unwrap_or_default();
+    let tracks = report.people.iter().map(|track| PersonFrame {
+        id: track.id,
+        at_m: place(track.position),
+        velocity_mps: place(track.velocity_mps),
+        person: describe::is_person(track),
+    });
+    tracks.collect()
+}
+
+fn sources(status: &RobotStatus) -> Vec<SourceFrame> {
+    let fitted = status.sources.iter().filter(|report| report.fitted);
+    let sources = fitted.map(|report| SourceFrame {
+        name: report.source.name(),
+        health: report.health.to_string(),
+        good: report.health == Health::Healthy,
+        age_ms: (report.age_us < u64::MAX).then_some(report.age_us / 1_000),
+    });
+    sources.collect()
+}

@@ -1,0 +1,237 @@
+//! Who listens to a run besides its judge: a tape for the emulated board, a recording, the operator's panel.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use floorguard_drivers::can::CanFrame;
+use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::shared::{Shared, StopRecord};
+use floorguard_runtime::tape::TapeLine;
+use floorguard_types::time::Stamp;
+
+use super::tape::{Tape, encode_route};
+use crate::panel::{Order, Panel};
+use floorguard_host::executor::StopFlag;
+use floorguard_host::outcome::BadInput;
+use floorguard_recording::replay::{LEARNED, MISSION, REPEATABLE};
+use floorguard_recording::{RecordError, RunInfo, RunRecorder};
+use floorguard_robot::assembly::Stages;
+use floorguard_robot::camera::{PictureFolder, SeenDirt};
+use floorguard_robot::cleaner::MissionPlan;
+use floorguard_robot::cleaner::MissionProgress;
+use floorguard_robot::learning::{LearningDesk, LearningSetup};
+
+/// The fingerprint is written this often, microseconds.
+const DIGEST_EVERY_US: u64 = 1_000_000;
+/// Points of every fifth sweep are enough for the eye; the raw bytes hold all.
+const CLOUDS_EVERY: u32 = 5;
+/// Bytes on their way to the disk.
+const BUFFER_BYTES: usize = 1 << 20;
+
+/// The threads of a robot in real time are not scheduled the same way twice.
+pub const IN_REAL_TIME: &str = "no: it ran in real time";
+
+/// What a recording says of the run that it holds.
+#[derive(Clone, Copy, Debug)]
+pub struct RecordedRun<'a> {
+    /// The robot.
+    pub robot: &'a RobotConfiguration,
+    /// Its file.
+    pub robot_toml: &'a str,
+    /// Bit rate of its inertial sensor.
+    pub imu_baud: u32,
+    /// Its cleaning mission, if it has one.
+    pub mission: Option<&'a MissionPlan>,
+    /// How it learns, if it does.
+    pub learning: Option<&'a LearningSetup>,
+}
+
+/// A recording on its way into a file.
+pub type FileRecorder = RunRecorder<BufWriter<File>>;
+
+/// Everybody who listens; none by default.
+#[derive(Default)]
+pub struct Witnesses {
+    /// A tape for the emulated board.
+    pub tape: Tape,
+    /// A recording for everybody else.
+    pub recording: Option<FileRecorder>,
+    /// The simulated camera's pictures.
+    pub pictures: Option<PictureFolder>,
+    /// A panel: the run then goes in real time, and nobody but its operators resets the robot.
+    pub panel: Option<Panel>,
+    /// Set by somebody who wants the run to end here and now, in order.
+    pub ended: StopFlag,
+    /// What the robot learns, for the end of the recording.
+    learning: LearningDesk,
+    next_digest_us: u64,
+    started: Option<Instant>,
+}
+
+impl Witnesses {
+    /// Starts a recording with these texts, by name.
+    ///
+    /// # Errors
+    /// The file cannot be made.
+    pub fn record_run(
+        &mut self,
+        run: &RecordedRun<'_>,
+        texts: &[(&str, &str)],
+        path: &Path,
+    ) -> anyhow::Result<()> {
+        let RecordedRun { robot, robot_toml, imu_baud, .. } = *run;
+        let mission = run.mission.map(MissionPlan::to_text).transpose()?;
+        let texts = texts.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned()));
+        let texts = texts.chain(mission.map(|text| (MISSION.to_owned(), text)));
+        let texts = texts.chain(self.learned_before(run.learning)).collect::<BTreeMap<_, _>>();
+        let info = RunInfo { robot, robot_toml, imu_baud, clouds_every: CLOUDS_EVERY, texts };
+        self.recording = Some(open_recording(path, &info)?);
+        Ok(())
+    }
+
+    /// Starts a recording of real devices.
+    ///
+    /// # Errors
+    /// The file cannot be made.
+    pub fn record_devices(&mut self, run: &RecordedRun<'_>, title: &str, path: &Path) -> anyhow::Result<()> {
+        let texts = [("title", title), ("stages", Stages::All.name()), (REPEATABLE, IN_REAL_TIME)];
+        self.record_run(run, &texts, path)
+    }
+
+    /// What a robot begins with goes into the recording, and at its end what it learned.
+    fn learned_before(&mut self, learning: Option<&LearningSetup>) -> Option<(String, String)> {
+        let learning = learning?;
+        self.learning = learning.desk.clone();
+        Some((LEARNED.to_owned(), learning.to_text()))
+    }
+
+    /// Somebody listens at all.
+    #[must_use]
+    pub const fn listen(&self) -> bool {
+        self.recording.is_some() || self.panel.is_some()
+    }
+
+    /// Why the recording ends before the run.
+    #[must_use]
+    pub fn failure(&self) -> Option<&RecordError> {
+        self.recording.as_ref()?.failure()
+    }
+
+    /// Bytes that the tasks get now: moments of delivery and of arrival, microseconds.
+    pub fn delivered(&mut self, when: (u64, u64), line: TapeLine, data: &[u8]) {
+        self.tape.record(when, line, data);
+        if let Some(recording) = &mut self.recording {
+            recording.delivered(when, line, data);
+        }
+        if let (Some(panel), TapeLine::Lidar) = (&mut self.panel, line) {
+            panel.lidar_datagram(data, Stamp::from_micros(when.1));
+        }
+    }
+
+    /// A frame of the robot on the bus.
+    pub fn sent(&mut self, frame: &CanFrame, now_us: u64) {
+        if let Some(recording) = &mut self.recording {
+            recording.sent(frame, now_us);
+        }
+    }
+
+    /// The cleaning mission has told its progress, about once a second.
+    pub fn mission(&mut self, progress: &Arc<MissionProgress>) {
+        if let Some(recording) = &mut self.recording {
+            recording.mission(progress);
+        }
+        if let Some(panel) = &mut self.panel {
+            panel.mission(progress);
+        }
+    }
+
+    /// The floor camera's map of dirt.
+    pub fn seen_dirt(&mut self, seen: &SeenDirt) {
+        if let Some(recording) = &mut self.recording {
+            recording.seen_dirt(seen);
+        }
+    }
+
+    /// A stop that began.
+    pub fn stop(&mut self, record: &StopRecord) {
+        if let Some(recording) = &mut self.recording {
+            recording.stop(record);
+        }
+        if let Some(panel) = &mut self.panel {
+            panel.stop(record);
+        }
+    }
+
+    /// Shows the robot on the panel and keeps the run in real time; gives what operators have ordered meanwhile.
+    pub fn attend<M: RawMutex>(&mut self, shared: &Shared<M>, now_us: u64) -> Vec<Order> {
+        let Some(panel) = &mut self.panel else { return Vec::new() };
+        let started = *self.started.get_or_insert_with(Instant::now);
+        std::thread::sleep(Duration::from_micros(now_us).saturating_sub(started.elapsed()));
+        panel.look(shared);
+        std::iter::from_fn(|| panel.order()).collect()
+    }
+
+    /// What operators have ordered reaches the tasks now.
+    pub fn order<M: RawMutex>(&mut self, order: Order, shared: &Shared<M>, now_us: u64) {
+        order.apply(shared);
+        self.delivered((now_us, now_us), order.line(), &[]);
+    }
+
+    /// What the tasks have published meanwhile is written.
+    pub fn look<M: RawMutex>(&mut self, shared: &Shared<M>, now_us: u64) {
+        if let Some(recording) = &mut self.recording {
+            recording.after_tasks(shared, now_us);
+        }
+    }
+
+    /// The tasks have run, and everything that they put out is in the fingerprint.
+    pub fn after_tasks<M: RawMutex>(&mut self, shared: &Shared<M>, (now_us, digest): (u64, u64)) {
+        self.look(shared, now_us);
+        let Some(recording) = &mut self.recording else { return };
+        if now_us >= self.next_digest_us {
+            self.next_digest_us = now_us - now_us % DIGEST_EVERY_US + DIGEST_EVERY_US;
+            recording.digest(now_us, digest);
+        }
+    }
+
+    /// The run has ended.
+    ///
+    /// # Errors
+    /// The recording could not be written.
+    pub fn finish(&mut self, (duration_us, digest): (u64, u64)) -> Result<(), RecordError> {
+        match self.recording.take() {
+            Some(mut recording) => {
+                recording.learned(self.learning.newest().map(|(report, _)| report.words()));
+                recording.finish(duration_us, Some(digest)).map(drop)
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// A run in real time has ended; `lost` rows are missing in its recording.
+    ///
+    /// # Errors
+    /// The recording could not be written.
+    pub fn finish_in_real_time(&mut self, now_us: u64, lost: u64) -> Result<(), RecordError> {
+        let Some(mut recording) = self.recording.take() else { return Ok(()) };
+        recording.lost(now_us, lost);
+        recording.learned(self.learning.newest().map(|(report, _)| report.words()));
+        recording.finish(now_us, None).map(drop)
+    }
+}
+
+fn open_recording(path: &Path, info: &RunInfo<'_>) -> anyhow::Result<FileRecorder> {
+    let unwritable = |error: &dyn std::fmt::Display| {
+        BadInput(format!("{}: cannot be written ({error}); give another place", path.display()))
+    };
+    let file = File::create(path).map_err(|error| unwritable(&error))?;
+    let mut recorder = RunRecorder::new(BufWriter::with_capacity(BUFFER_BYTES, file), info)
+        .map_err(|error| unwritable(&error))?;
+    recorder.delivered((0, 0), TapeLine::Route, &encode_route(info.robot));
+    Ok(recorder)
+}

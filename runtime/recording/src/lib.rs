@@ -1,0 +1,31 @@
+//! Recordings of a run: MCAP files with ROS 2 messages, which other people's tools open without a plugin.
+//!
+//! The raw bytes of every sensor are in them too, so a recording can be replayed through the same tasks.
+
+pub mod capture;
+pub mod carmen;
+mod cdr;
+mod chunk;
+pub mod decode;
+pub mod describe;
+mod lidar_view;
+mod messages;
+pub mod mission;
+mod raw;
+mod reader;
+mod recorder;
+mod records;
+pub mod replay;
+mod run;
+mod scan_map;
+mod schemas;
+pub mod topics;
+
+pub use lidar_view::{LidarView, points as sweep_points};
+pub use messages::{Diagnostic, GridImage, Marker, MarkerShape, PointRow, Severity, octets_of};
+pub use raw::RawStream;
+pub use reader::{ReadError, Recorded, Recording};
+pub use recorder::{RecordError, Recorder, Times};
+pub use records::count_messages;
+pub use run::{END_METADATA, LEARNED, RUN_METADATA, RunInfo, RunRecorder};
+pub use topics::MotionRow;

@@ -1,0 +1,370 @@
+//! The recording of a run: every byte that reaches the robot, and everything that it makes of them.
+//!
+//! A failing disk must not stop a robot: the first failure is kept, nothing is written any more, and
+//! [`RunRecorder::finish`] tells.
+
+use std::collections::BTreeMap;
+use std::io::{Seek, Write};
+use std::sync::Arc;
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use floorguard_drivers::can::CanFrame;
+use floorguard_drivers::velodyne::ModelChoice;
+use floorguard_drivers::xsens::{Device, DeviceEvent};
+use floorguard_guard::GuardState;
+use floorguard_perception::people::RingAngles;
+use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
+use floorguard_runtime::shared::{RobotStatus, Shared, StopRecord};
+use floorguard_runtime::tape::TapeLine;
+use floorguard_types::geometry::Pose2;
+use floorguard_types::sensing::Scan;
+use floorguard_types::time::Stamp;
+
+use floorguard_robot::camera::SeenDirt;
+use floorguard_robot::cleaner::{MissionPhase, MissionProgress};
+
+use super::describe;
+use super::lidar_view::LidarView;
+use super::messages::GridImage;
+use super::mission;
+use super::raw::RawStream;
+use super::recorder::{RecordError, Recorder, Times};
+use super::scan_map::{self, ScanMap};
+use super::topics::{self, MotionRow};
+
+/// Name of the texts about the run.
+pub const RUN_METADATA: &str = "floorguard";
+/// Name of the texts about its end.
+pub const END_METADATA: &str = "floorguard end";
+/// Name of the text at the end that says what the robot learned.
+pub const LEARNED: &str = "learned";
+/// Poses are recorded this often at most, microseconds.
+const MOTION_EVERY_US: u64 = 20_000;
+/// Health, counters, frames of mountings and the fingerprint: once a second, microseconds.
+const SLOW_EVERY_US: u64 = 1_000_000;
+/// The map takes two scans a second, microseconds.
+const MAP_SCAN_US: u64 = 500_000;
+/// Maps are written this often, microseconds.
+const MAPS_EVERY_US: u64 = 5_000_000;
+
+/// What is known before the run begins.
+#[derive(Clone, Debug)]
+pub struct RunInfo<'a> {
+    /// The robot.
+    pub robot: &'a RobotConfiguration,
+    /// Its configuration as text, complete.
+    pub robot_toml: &'a str,
+    /// Bit rate of the inertial sensor's line.
+    pub imu_baud: u32,
+    /// Every so many sweeps the points are written too; 0: never. The raw bytes hold every sweep.
+    pub clouds_every: u32,
+    /// Anything else worth knowing: scenario, seed, title.
+    pub texts: BTreeMap<String, String>,
+}
+
+/// A run being recorded.
+pub struct RunRecorder<W: Write + Seek> {
+    recorder: Recorder<W>,
+    lidar: LidarView,
+    imu: Device,
+    imu_samples: Vec<floorguard_types::sensing::ImuSample>,
+    fields: Vec<Vec<super::Marker>>,
+    mountings: Vec<(&'static str, floorguard_types::geometry::Transform3)>,
+    map: ScanMap,
+    mission: Option<Arc<MissionProgress>>,
+    seen: Seen,
+    failed: Option<RecordError>,
+    learned: Option<String>,
+}
+
+/// What has been written already.
+#[derive(Default)]
+struct Seen {
+    people: u32,
+    status: u32,
+    scan: u32,
+    motion_us: Option<u64>,
+    /// The newest moment of the recording.
+    now_us: u64,
+    slow_us: u64,
+    map_scan_us: u64,
+    map_us: u64,
+    mission_us: Option<u64>,
+    phase: Option<MissionPhase>,
+    field_set: Option<usize>,
+    state: Option<(GuardState, bool)>,
+}
+
+impl<W: Write + Seek> RunRecorder<W> {
+    /// Starts the recording of a run.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn new(sink: W, info: &RunInfo<'_>) -> Result<Self, RecordError> {
+        let mut recorder = Recorder::new(sink)?;
+        let mut texts = info.texts.clone();
+        texts.insert("version".to_owned(), env!("CARGO_PKG_VERSION").to_owned());
+        texts.insert("robot.toml".to_owned(), info.robot_toml.to_owned());
+        texts.insert("imu_baud".to_owned(), info.imu_baud.to_string());
+        recorder.metadata(RUN_METADATA, texts)?;
+        let robot = info.robot;
+        let angles = match robot.lidar.model {
+            LidarModel::PuckHiRes => RingAngles::even(-10.0, 4.0 / 3.0),
+            _ => RingAngles::vlp16(),
+        };
+        let choice = robot.lidar_model().map_or(ModelChoice::Auto, ModelChoice::Fixed);
+        let mut mountings = vec![
+            ("lidar", robot.lidar.mounting.transform()),
+            ("scanner", robot.scanner.mounting.transform()),
+        ];
+        mountings.extend(robot.imu.map(|imu| ("imu", imu.mounting.transform())));
+        Ok(Self {
+            recorder,
+            lidar: LidarView::new(choice, angles, info.clouds_every),
+            imu: Device::new(info.imu_baud),
+            imu_samples: Vec::new(),
+            fields: robot.fields.iter().map(describe::fields).collect(),
+            mountings,
+            map: ScanMap::default(),
+            mission: None,
+            seen: Seen::default(),
+            failed: None,
+            learned: None,
+        })
+    }
+
+    /// Why nothing is written any more.
+    #[must_use]
+    pub const fn failure(&self) -> Option<&RecordError> {
+        self.failed.as_ref()
+    }
+
+    fn write(&mut self, write: impl FnOnce(&mut Recorder<W>) -> Result<(), RecordError>) {
+        if self.failed.is_none() {
+            self.failed = write(&mut self.recorder).err();
+        }
+    }
+
+    /// Bytes that the tasks get now: moments of delivery and of arrival, microseconds.
+    pub fn delivered(&mut self, (deliver_us, arrival_us): (u64, u64), line: TapeLine, data: &[u8]) {
+        let (logged, published) = (Stamp::from_micros(deliver_us), Stamp::from_micros(arrival_us));
+        let times = Times { logged, published };
+        let number = line.number().to_le_bytes();
+        let data = if RawStream::of_line(line) == RawStream::Operator { &number[..1] } else { data };
+        self.write(|out| out.raw(RawStream::of_line(line), times, data));
+        match line {
+            TapeLine::Lidar => {
+                if let Some((stamp, points)) = self.lidar.push(data, published) {
+                    let times = Times { logged, published: stamp };
+                    self.write(|out| out.points(times, (stamp, "lidar"), &points));
+                }
+            }
+            TapeLine::Imu => {
+                let samples = &mut self.imu_samples;
+                self.imu.push(data, logged, |event| {
+                    if let DeviceEvent::Sample(sample) = event {
+                        samples.push(sample);
+                    }
+                });
+                for sample in std::mem::take(&mut self.imu_samples) {
+                    self.write(|out| out.imu(logged, &sample));
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// A frame of the robot on the bus.
+    pub fn sent(&mut self, frame: &CanFrame, now_us: u64) {
+        let id = frame.standard_id().unwrap_or_default().to_le_bytes();
+        let bytes: Vec<u8> = id.iter().chain(frame.payload()).copied().collect();
+        self.write(|out| out.raw(RawStream::CanSent, Stamp::from_micros(now_us), &bytes));
+    }
+
+    /// A stop that began.
+    pub fn stop(&mut self, record: &StopRecord) {
+        self.write(|out| out.diagnostics(topics::STOPS, record.stamp, &[describe::stop(record)]));
+    }
+
+    /// The tasks have run: what they published is written.
+    pub fn after_tasks<M: RawMutex>(&mut self, shared: &Shared<M>, now_us: u64) {
+        self.seen.now_us = now_us;
+        let now = Stamp::from_micros(now_us);
+        let (people, status, scan) =
+            (shared.people.published(), shared.status.published(), shared.scan.published());
+        if self.seen.scan != scan
+            && let Some(scan) = shared.scan.get()
+        {
+            self.write(|out| out.scan(now, &scan));
+            self.map(shared, &scan, now_us);
+        }
+        if self.seen.motion_us.is_none_or(|last_us| now_us >= last_us + MOTION_EVERY_US)
+            && let Some(pose) = shared.pose.get()
+        {
+            self.seen.motion_us = Some(now_us);
+            let [x, y, heading] = shared.move_by(|motion| motion.filter().pose_variances());
+            let row = MotionRow {
+                stamp: pose.stamp,
+                pose_in_odom: pose.pose_in_odometry,
+                twist: pose.twist,
+                covariance: [[x, 0.0, 0.0], [0.0, y, 0.0], [0.0, 0.0, heading]],
+            };
+            self.write(|out| out.motion(now, &row));
+        }
+        if self.seen.people != people
+            && let Some(report) = shared.people.get()
+        {
+            self.write(|out| out.markers(topics::PEOPLE, (now, "odom"), &describe::people(&report)));
+        }
+        if self.seen.status != status
+            && let Some(status) = shared.status.get()
+        {
+            self.on_status(&status, now);
+        }
+        if now_us >= self.seen.slow_us {
+            self.seen.slow_us = now_us - now_us % SLOW_EVERY_US + SLOW_EVERY_US;
+            self.slow(shared, now);
+        }
+        (self.seen.people, self.seen.status, self.seen.scan) = (people, status, scan);
+    }
+
+    fn map<M: RawMutex>(&mut self, shared: &Shared<M>, scan: &Scan, now_us: u64) {
+        let mounting = self.mountings.iter().find(|(name, _)| *name == "scanner").map(|(_, at)| *at);
+        if now_us >= self.seen.map_scan_us
+            && let (Some(pose), Some(mounting)) = (shared.pose.get(), mounting)
+        {
+            self.seen.map_scan_us = now_us + MAP_SCAN_US;
+            self.map.add(scan, &mounting, pose.pose_in_odometry);
+        }
+        if now_us >= self.seen.map_us {
+            self.seen.map_us = now_us + MAPS_EVERY_US;
+            self.write_map(now_us);
+        }
+    }
+
+    fn write_map(&mut self, now_us: u64) {
+        let Some(picture) = self.map.picture() else { return };
+        let grid = GridImage {
+            resolution_m: scan_map::CELL_M,
+            width: picture.width,
+            origin: picture.origin,
+            cells: &picture.cells,
+        };
+        self.write(|out| out.map(topics::MAP, (Stamp::from_micros(now_us), "odom"), &grid));
+    }
+
+    /// The floor camera's map of dirt as it is now: percent of heat, −1 unknown.
+    pub fn seen_dirt(&mut self, seen: &SeenDirt) {
+        let now = Stamp::from_micros(self.seen.now_us);
+        let (geometry, [_, live]) = (&seen.geometry, &seen.layers);
+        let corner = geometry.origin_in_map();
+        let grid = GridImage {
+            resolution_m: geometry.resolution_m(),
+            width: geometry.width().into(),
+            origin: Pose2::new(corner.x_m, corner.y_m, 0.0),
+            cells: live,
+        };
+        self.write(|out| out.map(topics::SEEN_DIRT, (now, "odom"), &grid));
+    }
+
+    /// The cleaning mission has told its progress.
+    pub fn mission(&mut self, progress: &Arc<MissionProgress>) {
+        let now_us = self.seen.now_us;
+        let now = Stamp::from_micros(now_us);
+        let odometry = progress.odometry_in_map;
+        self.write(|out| out.frame(now, now, (("map", "odom"), odometry)));
+        self.write(|out| out.diagnostics(topics::DIAGNOSTICS, now, &[mission::diagnostic(progress)]));
+        if self.seen.mission_us.is_none() {
+            self.write_dirt(progress, &progress.expected_before, now);
+        }
+        let due = self.seen.mission_us.is_none_or(|last_us| now_us >= last_us + MAPS_EVERY_US);
+        if due || self.seen.phase != Some(progress.phase) {
+            self.seen.phase = Some(progress.phase);
+            self.write_mission(progress, now_us);
+            self.mission = None;
+        } else {
+            // Written at the end, should nothing newer come.
+            self.mission = Some(Arc::clone(progress));
+        }
+    }
+
+    fn write_mission(&mut self, progress: &MissionProgress, now_us: u64) {
+        let now = Stamp::from_micros(now_us);
+        self.seen.mission_us = Some(now_us);
+        let cells = mission::claimed_cells(progress);
+        self.write(|out| out.map(topics::CLAIMED, (now, "map"), &mission::grid(progress, &cells)));
+        self.write_dirt(progress, &progress.expected_now, now);
+    }
+
+    fn write_dirt(&mut self, progress: &MissionProgress, units: &[f32], now: Stamp) {
+        let cells = mission::dirt_cells(progress, units);
+        self.write(|out| out.map(topics::DIRT, (now, "map"), &mission::grid(progress, &cells)));
+    }
+
+    fn on_status(&mut self, status: &RobotStatus, now: Stamp) {
+        let decision = &status.decision;
+        self.write(|out| out.permitted(now, decision.permitted, decision.speed_limit_mps));
+        let state = (decision.state, decision.action.stops());
+        if self.seen.state != Some(state) {
+            self.seen.state = Some(state);
+            self.write(|out| out.diagnostics(topics::DIAGNOSTICS, now, &[describe::decision(decision)]));
+        }
+        if self.seen.field_set != Some(decision.field_set) {
+            self.seen.field_set = Some(decision.field_set);
+            let drawn = self.fields.get(decision.field_set).cloned().unwrap_or_default();
+            self.write(|out| out.markers(topics::FIELDS, (now, "base_link"), &drawn));
+        }
+    }
+
+    fn slow<M: RawMutex>(&mut self, shared: &Shared<M>, now: Stamp) {
+        for (name, transform) in self.mountings.clone() {
+            self.write(|out| out.mounting(now, name, &transform));
+        }
+        let mut list = Vec::new();
+        if let Some(status) = shared.status.get() {
+            list.push(describe::decision(&status.decision));
+            list.extend(status.sources.iter().filter(|report| report.fitted).map(describe::source));
+        }
+        list.extend(shared.people.get().map(|report| describe::perception(&report)));
+        list.push(describe::links(&shared.links()));
+        self.write(|out| out.diagnostics(topics::DIAGNOSTICS, now, &list));
+        self.write(Recorder::flush);
+    }
+
+    /// The fingerprint of the outputs up to this moment.
+    pub fn digest(&mut self, now_us: u64, digest: u64) {
+        self.write(|out| out.digest(Stamp::from_micros(now_us), digest));
+    }
+
+    /// Rows of the lines that the recorder has missed, if any.
+    pub fn lost(&mut self, now_us: u64, rows: u64) {
+        if rows > 0 {
+            let list = [describe::lost(rows)];
+            self.write(|out| out.diagnostics(topics::DIAGNOSTICS, Stamp::from_micros(now_us), &list));
+        }
+    }
+
+    /// What the robot learned, in words, for the end.
+    pub fn learned(&mut self, words: Option<String>) {
+        self.learned = words;
+    }
+
+    /// The run has ended: how long it was, and the fingerprint of all outputs, if it has one.
+    ///
+    /// # Errors
+    /// The first thing that could not be written.
+    pub fn finish(mut self, duration_us: u64, digest: Option<u64>) -> Result<W, RecordError> {
+        self.write_map(duration_us);
+        if let Some(progress) = self.mission.take() {
+            self.write_mission(&progress, duration_us);
+        }
+        let mut texts = BTreeMap::from([("duration_us".to_owned(), duration_us.to_string())]);
+        texts.extend(self.learned.take().map(|words| (LEARNED.to_owned(), words)));
+        texts.extend(digest.map(|digest| ("digest".to_owned(), format!("{digest:016x}"))));
+        self.write(|out| out.metadata(END_METADATA, texts));
+        match self.failed {
+            Some(error) => Err(error),
+            None => self.recorder.finish(),
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! Opens what `robot.toml` names. A device that is not there yet is said and waited for; a port that is taken is not.
+
+use std::io;
+use std::net::UdpSocket;
+use std::sync::mpsc::{Receiver, channel};
+
+use floorguard_runtime::tape::TapeLine;
+
+use super::tap::{Tap, Tapped};
+use crate::assembly::{GuardCarriers, PeopleInbox, ScannerCarrier};
+use crate::cleaner::MissionSetup;
+use crate::learning::LearningSetup;
+use floorguard_configuration::{CanAddress, Carriers, DatagramAddress, ScannerAddress, SerialAddress};
+use floorguard_host::carriers::{CanLink, Listening, ReconnectingLine, UdpReceiver};
+
+/// What the safety scanner is connected to, before the guard's thread opens it.
+#[derive(Debug)]
+pub enum ScannerLink {
+    /// An S300's line.
+    Serial(SerialAddress),
+    /// A microScan3's port, bound already, and whom it listens to.
+    Datagrams(UdpSocket, Listening),
+}
+
+/// Where the bytes come from, before the guard's thread opens it.
+#[derive(Debug)]
+pub struct Links {
+    /// The lidar's port, bound already, and whom it listens to: a port that is taken is an error at the start.
+    pub lidar: (UdpSocket, Listening),
+    /// The safety scanner's line or port.
+    pub scanner: ScannerLink,
+    /// The inertial sensor's line.
+    pub imu: Option<SerialAddress>,
+    /// The CAN bus.
+    pub can: CanAddress,
+    /// Who listens to all of them.
+    pub tap: Option<Tap>,
+    /// What the robot cleans; without it, it drives its route.
+    pub mission: Option<MissionSetup>,
+    /// What others than the lidar and the scanner see of people.
+    pub people: PeopleInbox,
+    /// How the robot learns; without it, it does not.
+    pub learning: Option<LearningSetup>,
+}
+
+/// A device that is not there yet.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Missing {
+    /// Which.
+    pub source: &'static str,
+    /// What the system says.
+    pub why: String,
+}
+
+/// The carriers of the guard ring.
+type Opened = GuardCarriers<
+    Tapped<UdpReceiver>,
+    Tapped<ReconnectingLine>,
+    Tapped<UdpReceiver>,
+    Tapped<ReconnectingLine>,
+    Tapped<CanLink>,
+>;
+
+impl Links {
+    /// Of a configuration.
+    ///
+    /// # Errors
+    /// A port is taken or not ours.
+    pub fn bind(carriers: &Carriers) -> io::Result<Self> {
+        let lidar = bind_port("lidar", carriers.lidar)?;
+        let scanner = match &carriers.scanner {
+            ScannerAddress::Serial(address) => ScannerLink::Serial(address.clone()),
+            ScannerAddress::Datagrams(address) => {
+                let (socket, listening) = bind_port("scanner", *address)?;
+                ScannerLink::Datagrams(socket, listening)
+            }
+        };
+        let imu = carriers.imu.clone();
+        Ok(Self {
+            lidar,
+            scanner,
+            imu,
+            can: carriers.can.clone(),
+            tap: None,
+            mission: None,
+            people: PeopleInbox::default(),
+            learning: None,
+        })
+    }
+
+    /// What its ports have to say to people while the robot runs.
+    #[must_use]
+    pub fn notices(&mut self) -> Receiver<String> {
+        let (notices, heard) = channel();
+        self.lidar.1.notices = Some(notices.clone());
+        if let ScannerLink::Datagrams(_, listening) = &mut self.scanner {
+            listening.notices = Some(notices);
+        }
+        heard
+    }
+
+    /// Opens everything on the calling thread; `missing` hears of what is not there yet.
+    ///
+    /// # Errors
+    /// The socket cannot be watched.
+    pub(super) fn open(self, missing: &mut dyn FnMut(Missing)) -> io::Result<Opened> {
+        let mut note = |source, problem: Option<io::Error>| {
+            if let Some(error) = problem {
+                missing(Missing { source, why: error.to_string() });
+            }
+        };
+        let (socket, listening) = self.lidar;
+        let lidar = UdpReceiver::from_socket(socket, listening)?;
+        let tap = self.tap;
+        let scanner = match self.scanner {
+            ScannerLink::Serial(address) => {
+                let (line, problem) = ReconnectingLine::new(address.device, address.baud);
+                note("safety scanner", problem);
+                ScannerCarrier::Serial(Tapped::new(line, TapeLine::Scanner, tap.clone()))
+            }
+            ScannerLink::Datagrams(socket, listening) => {
+                let socket = UdpReceiver::from_socket(socket, listening)?;
+                ScannerCarrier::Datagrams(Tapped::new(socket, TapeLine::Scanner, tap.clone()))
+            }
+        };
+        let imu = self.imu.map(|address| {
+            let (line, problem) = ReconnectingLine::new(address.device, address.baud);
+            note("inertial sensor", problem);
+            (line, address.baud)
+        });
+        let (can, problem) = CanLink::new(&self.can);
+        note("CAN bus", problem);
+        Ok(GuardCarriers {
+            lidar: Tapped::new(lidar, TapeLine::Lidar, tap.clone()),
+            scanner,
+            imu: imu.map(|(line, baud)| (Tapped::new(line, TapeLine::Imu, tap.clone()), baud)),
+            can: Tapped::new(can, TapeLine::Can, tap),
+        })
+    }
+}
+
+/// Binds the port of a device; `section` of the robot's file names it.
+fn bind_port(section: &'static str, address: DatagramAddress) -> io::Result<(UdpSocket, Listening)> {
+    let DatagramAddress { local, sender } = address;
+    let socket = UdpSocket::bind(local).map_err(|error| {
+        let remedy = format!("end the other program that listens there, or correct [{section}] source");
+        io::Error::new(error.kind(), format!("[{section}] udp:{local}: {error}; {remedy}"))
+    })?;
+    Ok((socket, Listening { section, only: sender, notices: None }))
+}

@@ -1,0 +1,18 @@
+//! The robot on this computer: both rings on threads of their own, on the carriers that `robot.toml` names.
+
+mod inbox;
+mod links;
+mod rings;
+mod spawn;
+mod stop_files;
+mod tap;
+
+pub use inbox::PeopleInbox;
+pub use links::{Links, Missing, ScannerLink};
+pub use rings::{HostedShared, StopsAtEnd, run_rings};
+pub use spawn::{
+    GuardCarriers, HostedMotion, HostedPerception, ScannerCarrier, Stages, new_perception, new_shared,
+    spawn_cleaning_ring, spawn_guard_ring, spawn_perception_ring,
+};
+pub use stop_files::{black_box_log, write_stop_file};
+pub use tap::{Tap, TapRow, TapRows, Tapped, tap};

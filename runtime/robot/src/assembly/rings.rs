@@ -1,0 +1,155 @@
+//! Two threads, one for each ring, and an orderly end: first the mission ends, the robot stops, then the guard ends.
+
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use anyhow::Context;
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::shared::Shared;
+
+use floorguard_runtime::tasks::{clean, perceive};
+
+use super::links::{Links, Missing};
+use crate::assembly::{PeopleInbox, Stages, new_perception, spawn_guard_ring, spawn_perception_ring};
+use crate::cleaner::Cleaner;
+use crate::learning::LearningSetup;
+use floorguard_host::executor::{Ring, StopFlag, run_until, take_priority};
+
+/// What both threads share.
+pub type HostedShared = Shared<CriticalSectionRawMutex>;
+
+/// The guard's tables are built on the stack before they are placed.
+const STACK_BYTES: usize = 16 * 1024 * 1024;
+/// The longest wait for the robot to stand at the end: response and braking from full speed, twice.
+const STANDS_WITHIN: Duration = Duration::from_secs(3);
+/// Slower counts as standing, m/s.
+const STANDING_MPS: f32 = 0.01;
+
+/// Runs both rings while `beside` runs on the calling thread. When it returns, the robot is brought to a stand, the
+/// rings end, and what it returned is given back. When a ring fails, `flag` is stopped: `beside` should look at it.
+///
+/// # Errors
+/// A ring could not start, or failed.
+pub fn run_rings<T>(
+    (robot, mut links): (&RobotConfiguration, Links),
+    shared: &HostedShared,
+    flag: &StopFlag,
+    beside: impl FnOnce() -> T,
+) -> anyhow::Result<T> {
+    let (guard_flag, perception_flag) = (StopFlag::default(), StopFlag::default());
+    let mission = links.mission.take().map(|setup| setup.begin(robot)).transpose()?;
+    let heard = (links.people.clone(), links.learning.take());
+    let drives_route = mission.is_none();
+    thread::scope(|scope| {
+        let guard = start(scope, "guard", flag, || guard_ring((robot, links), shared, &guard_flag))?;
+        let perception = start(scope, "perception", flag, || {
+            perception_ring((robot, drives_route, heard), shared, &perception_flag)
+        })?;
+        let mission = mission
+            .map(|mission| start(scope, "mission", flag, || mission_ring(mission, shared, &perception_flag)))
+            .transpose()?;
+        // Whatever becomes of the display: nobody but this thread ends the rings.
+        let answer = catch_unwind(AssertUnwindSafe(beside));
+        perception_flag.stop();
+        let seen = perception.join();
+        let cleaned = mission.map_or(Ok(Ok(())), thread::ScopedJoinHandle::join);
+        await_stand(shared, &guard);
+        guard_flag.stop();
+        finished(guard.join(), "guard")?;
+        finished(seen, "perception")?;
+        finished(cleaned, "mission")?;
+        Ok(answer.unwrap_or_else(|panic| resume_unwind(panic)))
+    })
+}
+
+/// Stops a flag when it goes out of scope, in a panic too.
+pub struct StopsAtEnd(pub StopFlag);
+
+impl Drop for StopsAtEnd {
+    fn drop(&mut self) {
+        self.0.stop();
+    }
+}
+
+/// A ring's thread. However it ends, the others hear of it.
+fn start<'scope>(
+    scope: &'scope thread::Scope<'scope, '_>,
+    name: &str,
+    flag: &StopFlag,
+    ring: impl FnOnce() -> io::Result<()> + Send + 'scope,
+) -> io::Result<thread::ScopedJoinHandle<'scope, io::Result<()>>> {
+    let at_end = StopsAtEnd(flag.clone());
+    let run = move || {
+        let _at_end = at_end;
+        ring()
+    };
+    thread::Builder::new().name(name.to_owned()).stack_size(STACK_BYTES).spawn_scoped(scope, run)
+}
+
+fn guard_ring(
+    (robot, links): (&RobotConfiguration, Links),
+    shared: &HostedShared,
+    flag: &StopFlag,
+) -> io::Result<()> {
+    say!("  {}", take_priority(Ring::Guard));
+    run_until(flag, |tasks| {
+        let carriers = links.open(&mut |Missing { source, why }| {
+            say!("  {source}: not there yet ({why}); waiting for it, the robot stands until then");
+        })?;
+        spawn_guard_ring(tasks, shared, robot, carriers);
+        Ok(())
+    })
+}
+
+fn perception_ring(
+    (robot, drives_route, (inbox, learning)): (
+        &RobotConfiguration,
+        bool,
+        (PeopleInbox, Option<LearningSetup>),
+    ),
+    shared: &HostedShared,
+    flag: &StopFlag,
+) -> io::Result<()> {
+    say!("  {}", take_priority(Ring::Perception));
+    let mut state = new_perception(robot, Stages::All);
+    state.motion.listen_to(inbox);
+    state.motion.learn(learning.as_ref());
+    run_until(flag, |tasks| {
+        if drives_route {
+            spawn_perception_ring(tasks, shared, robot, &mut state);
+        } else {
+            tasks.spawn(perceive(shared, &mut state));
+        }
+        Ok(())
+    })
+}
+
+/// A thread of its own: planning a tour takes longer than people may wait to be seen.
+fn mission_ring(mut mission: Cleaner, shared: &HostedShared, flag: &StopFlag) -> io::Result<()> {
+    run_until(flag, |tasks| {
+        tasks.spawn(clean(shared, &mut mission));
+        Ok(())
+    })
+}
+
+/// Without a mission the wanted command grows old and the guard stops the robot; the drives then hear it stand.
+fn await_stand(shared: &HostedShared, guard: &thread::ScopedJoinHandle<'_, io::Result<()>>) {
+    let began = Instant::now();
+    while began.elapsed() < STANDS_WITHIN && !guard.is_finished() {
+        let held = shared.decision.get().is_none_or(|decision| decision.action.stops());
+        let stands = shared.pose.get().is_none_or(|pose| pose.twist.linear_mps.abs() < STANDING_MPS);
+        if held && stands {
+            break;
+        }
+        thread::sleep(Duration::from_millis(20));
+    }
+}
+
+fn finished(outcome: thread::Result<io::Result<()>>, ring: &str) -> anyhow::Result<()> {
+    outcome
+        .map_err(|_| anyhow::anyhow!("the {ring} ring panicked; this is a defect, please report it"))?
+        .with_context(|| format!("the {ring} ring failed"))
+}

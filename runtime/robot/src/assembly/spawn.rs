@@ -1,0 +1,227 @@
+//! One line per task: which ring it runs on and what it talks to.
+
+use embassy_sync::blocking_mutex::raw::RawMutex;
+use embedded_io_async::{Read, Write};
+use floorguard_drivers::three_wheel_base::ThreeWheelBase;
+use floorguard_drivers::velodyne::{Decoder, ModelChoice};
+use floorguard_drivers::xsens::Device;
+use floorguard_drivers::{microscan3, s300};
+use floorguard_guard::GuardConfigError;
+use floorguard_localisation::odometry::PoseHistory;
+use floorguard_perception::legs::PeopleByLegs;
+use floorguard_perception::motion::{MotionDetector, MotionParameters};
+use floorguard_perception::people::{
+    ClusterLimits, PeopleOutput, PeoplePipeline, RingAngles, SweepContext, Track, TrackerParameters,
+};
+use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
+use floorguard_runtime::io::{CanBus, DatagramReceiver};
+use floorguard_runtime::mission::RouteFollower;
+use floorguard_runtime::shared::{Motion, Shared};
+use floorguard_runtime::tasks::{
+    JudgeMotion, NoMotion, PerceptionState, advice_input, can_bus, clean, command_input, drive_route,
+    imu_input, lidar_input, operator_input, perceive, scanner_datagrams, scanner_input, supervise,
+};
+use floorguard_types::sensing::{Scan, Sweep};
+use floorguard_types::time::Stamp;
+
+use super::inbox::PeopleInbox;
+use crate::cleaner::Cleaner;
+use crate::learning::{LearningSetup, PeopleLearner};
+use floorguard_host::executor::TaskSet;
+
+/// What the safety scanner is connected to: the line of an S300, or the port of a microScan3.
+pub enum ScannerCarrier<S, D> {
+    /// Bytes of telegrams.
+    Serial(S),
+    /// Datagrams, and where they become scans.
+    Datagrams(D),
+}
+
+/// The lines that the guard ring listens to.
+pub struct GuardCarriers<L, S, D, I, C> {
+    /// Lidar datagrams.
+    pub lidar: L,
+    /// Safety scanner.
+    pub scanner: ScannerCarrier<S, D>,
+    /// Inertial sensor and its bit rate; a robot can do without.
+    pub imu: Option<(I, u32)>,
+    /// CAN bus.
+    pub can: C,
+}
+
+/// The state that both rings share.
+///
+/// # Errors
+/// The guard refuses the configuration.
+pub fn new_shared<M: RawMutex>(
+    robot: &RobotConfiguration,
+    now: Stamp,
+) -> Result<Box<Shared<M>>, GuardConfigError> {
+    Ok(Box::new(Shared::new(robot.guard(), Motion::new(robot.wheels()), now)?))
+}
+
+/// Which stages run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Stages {
+    /// Everything.
+    #[default]
+    All,
+    /// What also runs on the microcontroller, bit for bit: with its room for things and people, and without the verdict
+    /// on what moves, which takes more memory than it has.
+    AsOnBoard,
+}
+
+const AS_ON_BOARD: &str = "as-on-board";
+
+impl Stages {
+    /// For recordings.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::All => "all",
+            Self::AsOnBoard => AS_ON_BOARD,
+        }
+    }
+
+    /// By its name; everything if the name says nothing else.
+    #[must_use]
+    pub fn named(name: &str) -> Self {
+        if name == AS_ON_BOARD { Self::AsOnBoard } else { Self::All }
+    }
+}
+
+/// The perception ring of a hosted robot.
+pub type HostedPerception = PerceptionState<HostedMotion>;
+
+/// Judges what moves, if that stage runs, hears what other threads saw of people, and learns, where that is wanted.
+pub struct HostedMotion {
+    motion: Option<Box<MotionDetector>>,
+    inbox: PeopleInbox,
+    learner: Option<PeopleLearner>,
+}
+
+impl HostedMotion {
+    fn new(stages: Stages) -> Self {
+        let runs = stages == Stages::All;
+        let motion = runs.then(|| Box::new(MotionDetector::new(MotionParameters::FIXED)));
+        Self { motion, inbox: PeopleInbox::default(), learner: None }
+    }
+
+    /// From now on what comes in there goes into the list of people, too.
+    pub fn listen_to(&mut self, inbox: PeopleInbox) {
+        self.inbox = inbox;
+    }
+
+    /// From now on it learns, if there is something to learn with.
+    pub fn learn(&mut self, learning: Option<&LearningSetup>) {
+        self.learner = learning.map(LearningSetup::learner);
+    }
+}
+
+impl JudgeMotion for HostedMotion {
+    fn people<'a>(
+        &mut self,
+        people: &'a mut PeoplePipeline,
+        sweep: &Sweep,
+        context: &SweepContext,
+    ) -> PeopleOutput<'a> {
+        for view in self.inbox.take_all() {
+            people.add_view(&view);
+        }
+        let counters = match &mut self.motion {
+            Some(motion) => motion.people(people, sweep, context).counters,
+            None => NoMotion.people(people, sweep, context).counters,
+        };
+        if let Some(learner) = &mut self.learner {
+            learner.observe(people, sweep.end_stamp);
+        }
+        PeopleOutput { clusters: people.things(), tracks: people.tracks(), counters }
+    }
+
+    fn learned(&self, track: &Track) -> Option<f32> {
+        self.learner.as_ref()?.probability(track)
+    }
+}
+
+/// The memory of the perception ring.
+#[must_use]
+pub fn new_perception(robot: &RobotConfiguration, stages: Stages) -> Box<HostedPerception> {
+    let angles = match robot.lidar.model {
+        LidarModel::PuckHiRes => RingAngles::even(-10.0, 4.0 / 3.0),
+        _ => RingAngles::vlp16(),
+    };
+    // The board keeps no reflectivities, so it does not know what people look like; and it has less room.
+    let (things, tracker) = match stages {
+        Stages::All => (ClusterLimits::DEFAULT, TrackerParameters::DEFAULT),
+        Stages::AsOnBoard => (ClusterLimits::AS_ON_BOARD, TrackerParameters::AS_ON_BOARD),
+    };
+    let mut people = PeoplePipeline::with_tracker(angles, tracker);
+    people.cluster_limits = things;
+    Box::new(PerceptionState {
+        building: Sweep::EMPTY,
+        people,
+        motion: HostedMotion::new(stages),
+        legs: PeopleByLegs::new(),
+        scan: Scan::EMPTY,
+        history: PoseHistory::new(),
+        sensor_in_base: robot.lidar.mounting.transform(),
+        scanner_in_base: robot.scanner.mounting.transform().on_floor(),
+    })
+}
+
+/// Everything that can stop the robot.
+pub fn spawn_guard_ring<'a, M: RawMutex>(
+    tasks: &mut TaskSet<'a>,
+    shared: &'a Shared<M>,
+    robot: &RobotConfiguration,
+    carriers: GuardCarriers<
+        impl DatagramReceiver + 'a,
+        impl Read + 'a,
+        impl DatagramReceiver + 'a,
+        impl Read + Write + 'a,
+        impl CanBus + 'a,
+    >,
+) {
+    let choice = robot.lidar_model().map_or(ModelChoice::Auto, ModelChoice::Fixed);
+    tasks.spawn(lidar_input(shared, carriers.lidar, Decoder::new(choice)));
+    match carriers.scanner {
+        ScannerCarrier::Serial(line) => {
+            tasks.spawn(scanner_input(shared, line, s300::Receiver::new(s300::Configuration::default())));
+        }
+        ScannerCarrier::Datagrams(socket) => {
+            let configuration = microscan3::Configuration::default();
+            tasks.spawn(scanner_datagrams(shared, socket, microscan3::Receiver::new(configuration)));
+        }
+    }
+    if let (Some((line, baud)), Some(imu)) = (carriers.imu, robot.imu) {
+        tasks.spawn(imu_input(shared, line, (Device::new(baud), imu.mounting.transform())));
+    }
+    let base = (ThreeWheelBase::new(robot.base()), robot.tricycle());
+    tasks.spawn(can_bus(shared, carriers.can, base));
+    tasks.spawn(supervise(shared));
+    tasks.spawn(command_input(shared));
+    tasks.spawn(advice_input(shared));
+    tasks.spawn(operator_input(shared));
+}
+
+/// Everything that sees and plans.
+pub fn spawn_perception_ring<'a, M: RawMutex>(
+    tasks: &mut TaskSet<'a>,
+    shared: &'a Shared<M>,
+    robot: &RobotConfiguration,
+    state: &'a mut HostedPerception,
+) {
+    tasks.spawn(perceive(shared, state));
+    let follower = RouteFollower::new(robot.route.clone(), robot.route_limits);
+    tasks.spawn(drive_route(shared, follower));
+}
+
+/// The same with a mission instead of the route.
+pub fn spawn_cleaning_ring<'a, M: RawMutex>(
+    tasks: &mut TaskSet<'a>,
+    shared: &'a Shared<M>,
+    (state, mission): (&'a mut HostedPerception, &'a mut Cleaner),
+) {
+    tasks.spawn(perceive(shared, state));
+    tasks.spawn(clean(shared, mission));
+}

@@ -1,0 +1,165 @@
+//! What a camera's pictures mean for the robot, picture by picture: floor and things, people, dirt, and what to say.
+
+use floorguard_perception::people::PeopleView;
+use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::tasks::FloorSight;
+use floorguard_types::geometry::Pose2;
+use floorguard_types::time::Stamp;
+
+use super::dirt_look::{DirtLook, SeenDirt};
+use super::eye::{Eye, News};
+use super::look::FloorLook;
+use super::pairing::{Pair, Pairing};
+use super::people::PeopleLook;
+use super::said::Said;
+use floorguard_configuration::CameraConfiguration;
+
+/// Unpaired colour pictures in a row that are told.
+const ALONE_MAX: u32 = 30;
+
+/// The memory of one camera.
+pub struct Watcher {
+    floor: FloorLook,
+    people: PeopleLook,
+    /// None without a colour camera.
+    dirt: Option<DirtLook>,
+    pairing: Pairing,
+    said: [Said; 2],
+}
+
+/// What came of one look at the streams.
+#[derive(Default)]
+pub struct Attended {
+    /// To be published, if there is something new.
+    pub sight: Option<FloorSight>,
+    /// For the list of people.
+    pub people: Option<PeopleView>,
+    /// For the console.
+    pub words: Vec<String>,
+}
+
+impl Watcher {
+    /// For a camera on a robot; `None` for a mounting that makes no plane.
+    #[must_use]
+    pub fn new(robot: &RobotConfiguration, camera: &CameraConfiguration, has_colour: bool) -> Option<Self> {
+        let dirt = if has_colour { Some(DirtLook::new(camera.size, camera.camera)?) } else { None };
+        Some(Self {
+            floor: FloorLook::new(robot, camera)?,
+            people: PeopleLook::new(camera),
+            dirt,
+            pairing: Pairing::default(),
+            said: Default::default(),
+        })
+    }
+
+    /// What is told while no picture says anything.
+    #[must_use]
+    pub fn blind(&self, stamp: Stamp) -> FloorSight {
+        self.floor.blind(stamp)
+    }
+
+    /// The map of dirt so far, with a colour camera.
+    #[must_use]
+    pub fn seen(&self, now: Stamp) -> Option<SeenDirt> {
+        self.dirt.as_ref().map(|dirt| dirt.seen(now))
+    }
+
+    /// Takes what both streams have; the robot's pose is its odometry's. `clock` is asked after each picture came.
+    pub fn attend(&mut self, eye: &mut impl Eye, robot: Pose2, clock: impl Fn() -> Stamp) -> Attended {
+        let mut attended = Attended::default();
+        self.attend_depth(eye, robot, &clock, &mut attended);
+        if self.dirt.is_some() {
+            self.attend_colour(eye, &clock, &mut attended);
+        }
+        attended
+    }
+
+    fn attend_depth(
+        &mut self,
+        eye: &mut impl Eye,
+        robot: Pose2,
+        clock: &impl Fn() -> Stamp,
+        attended: &mut Attended,
+    ) {
+        let news = eye.depth(clock());
+        let now = clock();
+        let why = match news {
+            News::Nothing => return,
+            News::Picture(stamp, depth_mm) => {
+                let robot = eye.pose().unwrap_or(robot);
+                attended.sight = Some(self.floor.look(&depth_mm, robot, (stamp, now)));
+                let plane = self.floor.plane();
+                attended.people = plane.and_then(|plane| self.people.look(&depth_mm, (plane, robot), stamp));
+                let pair = self.pairing.depth(stamp, robot);
+                self.judge(pair, now, attended);
+                self.floor.why_blind().map(str::to_owned)
+            }
+            News::Damaged(problem) => {
+                attended.sight = Some(self.floor.lost(now));
+                Some(problem.to_string())
+            }
+            News::Silent(why) => {
+                attended.sight = Some(self.floor.lost(now));
+                Some(why)
+            }
+        };
+        let [said, _] = &mut self.said;
+        match why {
+            Some(why) if said.trouble(&why, now) => {
+                attended.words.push(format!("depth: {why}; the floor is unknown"));
+            }
+            None if said.well(now) => attended.words.push("depth: the floor is known again".to_owned()),
+            _ => {}
+        }
+    }
+
+    fn attend_colour(&mut self, eye: &mut impl Eye, clock: &impl Fn() -> Stamp, attended: &mut Attended) {
+        let news = eye.colour(clock());
+        let now = clock();
+        match news {
+            News::Nothing => {}
+            News::Picture(stamp, rgb) => {
+                let pair = self.pairing.colour(stamp, rgb);
+                self.judge(pair, now, attended);
+                if self.pairing.alone >= ALONE_MAX {
+                    self.pairing.alone = 0;
+                    self.blind_to_dirt("no depth picture was taken at the same time", now, attended);
+                }
+            }
+            News::Damaged(problem) => self.blind_to_dirt(&problem.to_string(), now, attended),
+            News::Silent(why) => self.blind_to_dirt(&why, now, attended),
+        }
+    }
+
+    /// A colour picture with its depth picture: dirt.
+    fn judge(&mut self, pair: Option<Pair>, now: Stamp, attended: &mut Attended) {
+        let (Some(dirt), Some(pair)) = (&mut self.dirt, pair) else { return };
+        self.pairing.alone = 0;
+        let outcome = dirt.look(&pair.rgb, &self.floor, pair.robot, (pair.stamp, now));
+        let [_, said] = &mut self.said;
+        match outcome {
+            Ok(_) if said.well(now) => attended.words.push("colour: dirt is seen again".to_owned()),
+            Ok(_) => {}
+            Err(why) => self.tell_blind(&why.to_string(), now, attended),
+        }
+    }
+
+    /// Nothing came that can be judged.
+    fn blind_to_dirt(&mut self, why: &str, now: Stamp, attended: &mut Attended) {
+        if let Some(dirt) = &mut self.dirt {
+            dirt.miss();
+        }
+        self.tell_blind(why, now, attended);
+    }
+
+    fn tell_blind(&mut self, why: &str, now: Stamp, attended: &mut Attended) {
+        let [_, said] = &mut self.said;
+        if said.trouble(why, now) {
+            attended.words.push(format!("colour: {why}; what lies here is unknown, not clean"));
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "watcher_tests.rs"]
+mod tests;

@@ -1,0 +1,236 @@
+use super::*;
+use crate::camera::WrongFrame;
+use floorguard_configuration::{CameraSource, EXAMPLE, parse};
+use floorguard_perception::floor::Plane;
+use floorguard_sim::floor::{DirtKind, FloorCamera, FloorKind, FloorScene, Spill};
+use floorguard_types::geometry::Point2;
+use floorguard_types::random::Pcg32;
+use floorguard_types::sensing::PinholeCamera;
+
+const SIZE: (usize, usize) = (320, 240);
+const FOCAL_PX: f32 = 262.5;
+/// Between pictures: 12 cm at 0.6 m/s.
+const STEP_MS: u64 = 200;
+const SPILLED: Point2 = Point2 { x_m: 2.4, y_m: 0.1 };
+
+/// Streams that say what they are given.
+#[derive(Default)]
+struct Fake {
+    depth: Vec<News<Vec<u16>>>,
+    colour: Vec<News<Vec<u8>>>,
+}
+
+impl Eye for Fake {
+    fn name(&self) -> String {
+        "fake".to_owned()
+    }
+
+    fn has_colour(&self) -> bool {
+        true
+    }
+
+    fn depth(&mut self, _: Stamp) -> News<Vec<u16>> {
+        self.depth.pop().unwrap_or(News::Nothing)
+    }
+
+    fn colour(&mut self, _: Stamp) -> News<Vec<u8>> {
+        self.colour.pop().unwrap_or(News::Nothing)
+    }
+}
+
+/// A robot that drives over vinyl towards a spill, and its camera.
+struct Drive {
+    watcher: Watcher,
+    scene: FloorScene,
+    eye: FloorCamera,
+    step: u64,
+    words: Vec<String>,
+}
+
+fn at(step: u64) -> Stamp {
+    Stamp::from_micros(1_000_000 + 1_000 * STEP_MS * step)
+}
+
+impl Drive {
+    fn new() -> Self {
+        let robot = parse("robot.toml", EXAMPLE).expect("the example is right").robot;
+        let mut mounting = robot.lidar.mounting;
+        (mounting.position.x_m, mounting.position.y_m, mounting.position.z_m) = (0.9, 0.0, 0.72);
+        (mounting.pitch_rad, mounting.yaw_rad) = (0.85, 0.0);
+        let centre = [(SIZE.0 as f32 - 1.0) / 2.0, (SIZE.1 as f32 - 1.0) / 2.0];
+        let camera = CameraConfiguration {
+            source: CameraSource::Folder { path: "".into(), rate_hz: None },
+            size: SIZE,
+            camera: PinholeCamera::new([FOCAL_PX; 2], centre).expect("a camera"),
+            mounting,
+        };
+        let mut scene = FloorScene::new(FloorKind::Vinyl, 4.0, 7);
+        let mut random = Pcg32::new(7, 7);
+        let coffee = Spill {
+            radii_m: [0.1; 2],
+            strength: 1.0,
+            ..Spill::random(DirtKind::Liquid, SPILLED, &mut random)
+        };
+        scene.spills.push(coffee);
+        let eye = FloorCamera { size: SIZE, focal_px: FOCAL_PX, forward_m: 0.9, ..FloorCamera::default() };
+        let watcher = Watcher::new(&robot, &camera, true).expect("above the floor");
+        Self { watcher, scene, eye, step: 0, words: Vec::new() }
+    }
+
+    fn pose(&self) -> Pose2 {
+        Pose2::new(0.12 * self.step as f32, 0.0, 0.0)
+    }
+
+    fn depth(&self) -> Vec<u16> {
+        let plane = Plane::of_mounting(self.eye.height_m, self.eye.pitch_rad).expect("a plane");
+        let centre = [(SIZE.0 as f32 - 1.0) / 2.0, (SIZE.1 as f32 - 1.0) / 2.0];
+        let camera = PinholeCamera::new([FOCAL_PX; 2], centre).expect("a camera");
+        let pixel = |index: usize| {
+            let ray = camera.ray((index % SIZE.0) as f32, (index / SIZE.0) as f32);
+            let down: f32 = plane.normal.iter().zip(ray).map(|(n, r)| -n * r).sum();
+            let jitter = (index as u64 * 7 + self.step * 13) % 3;
+            if down < 0.05 { 0 } else { (1_000.0 * plane.distance_m / down) as u16 + jitter as u16 }
+        };
+        (0..SIZE.0 * SIZE.1).map(pixel).collect()
+    }
+
+    fn colour(&self) -> Vec<u8> {
+        self.scene.picture(&self.eye, self.pose(), (self.step as u32, 0.0)).rgb
+    }
+
+    /// One step on; the colour picture is changed, and is taken `late_ms` after the depth picture.
+    fn drive(&mut self, late_ms: u64, change: impl FnOnce(Stamp, Vec<u8>) -> News<Vec<u8>>) -> Attended {
+        self.step += 1;
+        let stamp = at(self.step);
+        let colour_at = Stamp::from_micros(stamp.as_micros() + 1_000 * late_ms);
+        let mut fake = Fake {
+            depth: vec![News::Picture(stamp, self.depth())],
+            colour: vec![change(colour_at, self.colour())],
+        };
+        let attended = self.watcher.attend(&mut fake, self.pose(), || colour_at);
+        self.words.extend(attended.words.iter().cloned());
+        attended
+    }
+
+    fn spots(&self) -> Vec<Point2> {
+        let seen = self.watcher.seen(at(self.step)).expect("a colour camera");
+        seen.spots.spots.iter().map(|spot| spot.centre_in_map).collect()
+    }
+
+    fn seen_m2(&self) -> f32 {
+        self.watcher.seen(at(self.step)).expect("a colour camera").seen_m2
+    }
+}
+
+/// Good pictures of both streams, a few milliseconds apart: dirt is where it was spilled, and nothing is said.
+#[test]
+fn dirt_is_mapped_live() {
+    let mut drive = Drive::new();
+    for _ in 0..14 {
+        let attended = drive.drive(12, News::Picture);
+        assert!(attended.sight.is_some_and(|sight| sight.is_known));
+    }
+    let spots = drive.spots();
+    assert!(spots.iter().any(|spot| spot.distance(SPILLED) < 0.08), "{spots:?}");
+    assert_eq!(drive.words, Vec::<String>::new());
+}
+
+/// Every picture is an observation of its own: once the spill is gone two pictures are enough for nobody to call the place
+/// dirty any more. Scores carried over from earlier pictures would agree with those for many more.
+#[test]
+fn earlier_pictures_do_not_vouch_for_a_later_one() {
+    let mut drive = Drive::new();
+    for _ in 0..8 {
+        drive.drive(12, News::Picture);
+    }
+    assert!(drive.spots().iter().any(|spot| spot.distance(SPILLED) < 0.1), "{:?}", drive.spots());
+    drive.scene.spills.clear();
+    for _ in 0..2 {
+        drive.drive(12, News::Picture);
+    }
+    assert_eq!(drive.spots(), [], "it is gone");
+}
+
+/// Each of these ways of colour to fail leaves the floor unknown, and is told once; the floor's shape is still known.
+#[test]
+fn bad_colour_is_unknown_floor_and_told_once() {
+    type Change = fn(Stamp, Vec<u8>) -> News<Vec<u8>>;
+    let cases: [(&str, u64, Change); 7] = [
+        ("at the same time", 26, News::Picture),
+        ("not 320 × 240", 0, |_, _| News::Damaged(WrongFrame::OtherSize((160, 120), SIZE))),
+        ("unplugged", 0, |_, _| News::Silent("unplugged".to_owned())),
+        ("no picture", 0, |stamp, mut rgb| {
+            rgb.truncate(99);
+            News::Picture(stamp, rgb)
+        }),
+        ("black or overexposed", 0, |stamp, rgb| {
+            News::Picture(stamp, rgb.iter().map(|value| value % 9).collect())
+        }),
+        ("blinded camera", 0, |stamp, rgb| {
+            News::Picture(stamp, rgb.iter().map(|value| 254 + value % 2).collect())
+        }),
+        ("frozen", 0, |stamp, rgb| News::Picture(stamp, vec![90; rgb.len()])),
+    ];
+    for (part, late_ms, change) in cases {
+        let mut drive = Drive::new();
+        let frames = if late_ms > 0 { 32 } else { 9 };
+        for _ in 0..frames {
+            let attended = drive.drive(late_ms, change);
+            assert!(attended.sight.is_some_and(|sight| sight.is_known), "{part}");
+        }
+        let told: Vec<&String> = drive.words.iter().filter(|word| word.starts_with("colour")).collect();
+        assert!(told.iter().filter(|word| word.contains(part)).count() == 1, "{part}: {told:?}");
+        assert!(told.iter().all(|word| word.contains("unknown, not clean")), "{told:?}");
+        assert_eq!((drive.seen_m2(), drive.spots().len()), (0.0, 0), "{part}");
+        let (_, unknown) = drive.watcher.seen(at(drive.step)).expect("a colour camera").frames;
+        assert!(unknown > 0, "{part}: it is counted");
+    }
+}
+
+/// Without a depth picture nobody knows where a colour picture's pixels lie; when both are back, it is told once.
+#[test]
+fn depth_that_fails_blinds_both_until_it_is_back() {
+    depth_fails(|| News::Silent("unplugged".to_owned()), "unplugged");
+    depth_fails(|| News::Damaged(WrongFrame::OtherSize((160, 120), SIZE)), "not 320 × 240");
+}
+
+fn depth_fails(news: impl Fn() -> News<Vec<u16>>, why: &str) {
+    let mut drive = Drive::new();
+    for _ in 0..3 {
+        drive.step += 1;
+        let mut fake =
+            Fake { depth: vec![news()], colour: vec![News::Picture(at(drive.step), drive.colour())] };
+        let attended = drive.watcher.attend(&mut fake, drive.pose(), || at(drive.step));
+        assert!(attended.sight.is_some_and(|sight| !sight.is_known) && attended.people.is_none());
+        drive.words.extend(attended.words);
+    }
+    let told = drive.words.join("; ");
+    assert!(drive.words.len() == 1 && told.starts_with("depth: ") && told.contains(why), "{told}");
+    assert!(told.ends_with("; the floor is unknown"), "{told}");
+    assert_eq!(drive.seen_m2(), 0.0);
+    drive.words.clear();
+    for _ in 0..14 {
+        drive.drive(0, News::Picture);
+    }
+    assert_eq!(drive.words, ["depth: the floor is known again"]);
+    assert!(drive.seen_m2() > 0.5, "{}", drive.seen_m2());
+}
+
+/// A picture that comes half a second after it was taken says nothing about now.
+#[test]
+fn stale_colour_is_unknown_floor() {
+    let mut drive = Drive::new();
+    for _ in 0..5 {
+        drive.step += 1;
+        let stamp = at(drive.step);
+        let mut fake = Fake {
+            depth: vec![News::Picture(stamp, drive.depth())],
+            colour: vec![News::Picture(stamp, drive.colour())],
+        };
+        let late = || Stamp::from_micros(stamp.as_micros() + 500_001);
+        let attended = drive.watcher.attend(&mut fake, drive.pose(), late);
+        drive.words.extend(attended.words);
+    }
+    assert!(drive.words.iter().any(|word| word.contains("500 ms late")), "{:?}", drive.words);
+    assert_eq!(drive.seen_m2(), 0.0);
+}

@@ -1,0 +1,358 @@
+//! The mission itself: where the robot is, what is still dirty, which way leads there, and what to do when somebody stands
+//! in it.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use floorguard_cleaning::{CleanRule, Planner};
+use floorguard_guard::{Cause, Decision};
+use floorguard_mapping::{Grid, GridGeometry};
+use floorguard_navigation::{PathSearch, SearchCell};
+use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::mission::RouteFollower;
+use floorguard_runtime::shared::StampedPose;
+use floorguard_runtime::tasks::{CleaningMission, MissionMoment};
+use floorguard_types::geometry::{Point2, Pose2, Twist2};
+use floorguard_types::random::Pcg32;
+use floorguard_types::sensing::DirtReading;
+use floorguard_types::time::Stamp;
+
+use super::body::Body;
+use super::ground::Ground;
+use super::lattice::{Lattice, Pace};
+use super::obstacles::Obstacles;
+use super::plan::{MissionPlan, MissionStrategy};
+use super::progress::{MissionPhase, MissionWatch};
+use super::retreat::PeopleNear;
+use super::store::{Saved, Store};
+use super::times::{Spent, Times, is_standing};
+use super::track::{Track, Tracking};
+use crate::site::{Lane, Localiser, lanes, scrubber};
+
+/// Nodes of a tour: 1,024 cells, the robot, and the end of the path.
+const NODES: usize = 1_026;
+/// Held by the guard for this long, the robot looks for a way round, seconds.
+const PATIENCE_S: f32 = 2.0;
+/// Progress is made known this often, seconds.
+const PROGRESS_S: f32 = 1.0;
+/// What was cleaned is saved this often, seconds: a power cut loses no more.
+const SAVE_S: f32 = 1.0;
+/// Doubt of the saved pose, metres and radians: the robot rolled on after it, and came to a stand without a computer.
+const ROLLED_ON: (f32, f32) = (0.35, 0.15);
+/// For so long it stands to find itself; after that it drives on, which shows it more, seconds.
+const FINDS_S: f32 = 6.0;
+/// A thing on the floor this near may be what holds the robot, metres from its rear axle.
+const THING_HOLDS_M: f32 = 1.6;
+
+/// A progress that anybody may watch.
+pub type SharedWatch = Arc<MissionWatch<CriticalSectionRawMutex>>;
+
+/// Where the scanner sits on the robot.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Eye {
+    pub(super) in_base: Pose2,
+}
+
+/// What a way costs among people: the guard lets the robot go more slowly there, and its front wheel no faster than in the
+/// slowest fields while it turns on the spot.
+fn among_people(robot: &RobotConfiguration, pace: Pace) -> Pace {
+    let slow_mps = robot.thresholds.warning_speed_mps;
+    Pace {
+        speed_mps: pace.speed_mps.min(2.0 * slow_mps),
+        turn_radps: pace.turn_radps.min(slow_mps / robot.geometry.wheelbase_m),
+        ..pace
+    }
+}
+
+impl Eye {
+    fn of(robot: &RobotConfiguration) -> Self {
+        let mounting = robot.scanner.mounting;
+        Self { in_base: Pose2::new(mounting.position.x_m, mounting.position.y_m, mounting.yaw_rad) }
+    }
+}
+
+/// How fast the mission drives: carefully, whatever the robot may do.
+fn pace_of(robot: &RobotConfiguration) -> Pace {
+    Pace {
+        speed_mps: robot.route_limits.speed_mps.min(0.7),
+        turn_radps: robot.route_limits.turn_radps,
+        reverse_mps: robot.limits.reverse_mps.min(0.2),
+        change_s: 1.2,
+    }
+}
+
+/// Where the robot can go and turn, and what the ways cost. It answers for nothing from where it cannot tell where it is.
+fn lattice_of(
+    ground: &mut Ground,
+    (plan, robot): (&MissionPlan, &RobotConfiguration),
+) -> anyhow::Result<Lattice> {
+    let mut lattice = Lattice::new(*ground.raster(), among_people(robot, pace_of(robot)));
+    ground.explore(&mut lattice);
+    if plan.strategy != MissionStrategy::Route {
+        ground.floor.keep_in_sight()?;
+    }
+    Ok(lattice)
+}
+
+fn search_of(raster: GridGeometry) -> PathSearch<Vec<SearchCell>> {
+    PathSearch::new(raster, vec![SearchCell::EMPTY; raster.cell_count()])
+}
+
+/// The lanes of a mission that drives over everything; none for one that knows where it wants to go.
+fn lanes_of(plan: &MissionPlan, ground: &Ground) -> VecDeque<Lane> {
+    let start = Point2::new(ground.floor.start.x_m, ground.floor.start.y_m);
+    match plan.strategy {
+        MissionStrategy::Systematic => lanes(&ground.floor, scrubber::BRUSH.width_m, start).into(),
+        _ => VecDeque::new(),
+    }
+}
+
+/// The mission of a driving robot.
+pub struct Cleaner {
+    pub(super) plan: MissionPlan,
+    pub(super) ground: Ground,
+    pub(super) localiser: Localiser,
+    pub(super) rule: CleanRule,
+    pub(super) planner: Planner<Vec<SearchCell>, Vec<u16>, NODES>,
+    pub(super) visits: Vec<u8>,
+    pub(super) obstructed: Vec<bool>,
+    pub(super) track: Track,
+    pub(super) odometry: StampedPose,
+    pub(super) phase: MissionPhase,
+    pub(super) times: Times,
+    pub(super) detours: u32,
+    pub(super) distance_m: f32,
+    pub(super) watch: SharedWatch,
+    pub(super) store: Store,
+    pub(super) lattice: Lattice,
+    pub(super) guess: PathSearch<Vec<SearchCell>>,
+    pub(super) obstacles: Obstacles,
+    /// Everybody and everything that is tracked, odometry frame.
+    pub(super) somebody: Vec<Point2>,
+    pub(super) near: PeopleNear,
+    pub(super) pace: Pace,
+    pub(super) eye: Eye,
+    pub(super) route: RouteFollower,
+    pub(super) lanes: VecDeque<Lane>,
+    pub(super) poses: VecDeque<StampedPose>,
+    pub(super) dirt: Option<DirtReading>,
+    pub(super) began: Option<Stamp>,
+    /// Cells that are to be cleaned, as of the last plan.
+    pub(super) wanted: Vec<bool>,
+    /// Cells at a place where the brush was already.
+    pub(super) passed: Vec<bool>,
+    pub(super) target: Option<usize>,
+    pub(super) postponed: Vec<(usize, f32)>,
+    pub(super) leavings: u8,
+    pub(super) try_s: f32,
+    pub(super) wish: Twist2,
+    pub(super) held_s: f32,
+    pub(super) held_at: Option<(Point2, f32)>,
+    pub(super) last_s: f32,
+    pub(super) plan_s: f32,
+    pub(super) tell_s: f32,
+    pub(super) save_s: f32,
+    /// Nothing is left to be saved.
+    pub(super) is_kept: bool,
+    pub(super) look_s: f32,
+    pub(super) lost_s: f32,
+}
+
+impl Cleaner {
+    /// Ready to begin, or to go on where `store` says that a mission was broken off.
+    ///
+    /// # Errors
+    /// The plan has no floor for this robot, or nowhere a wall by which it could tell where it is.
+    pub fn new(
+        plan: &MissionPlan,
+        robot: &RobotConfiguration,
+        (watch, store): (SharedWatch, Store),
+    ) -> anyhow::Result<Self> {
+        let mut ground = Ground::new(plan, (Body::of(robot), scrubber::BRUSH))?;
+        let raster = *ground.raster();
+        let lattice = lattice_of(&mut ground, (plan, robot))?;
+        let mut cells = plan.prior(&ground.expected);
+        let saved = store.load(plan, cells.len());
+        if let Some(saved) = &saved {
+            saved.restore(&raster, &mut cells);
+            ground.floor.start = saved.pose_in_map;
+        }
+        let stream = |number| Pcg32::new(plan.seed, number);
+        let config = scrubber::belief(plan.tolerated_units);
+        let mut localiser = Localiser::new(&ground.floor, config, Grid::new(raster, cells)?, stream(71));
+        if saved.is_some() {
+            localiser.restart_within(Pose2::default(), ROLLED_ON);
+        }
+        Ok(Self {
+            rule: CleanRule::per_cell(plan.tolerated_units, plan.delta),
+            planner: Planner::new(search_of(raster), vec![0; NODES * NODES], stream(72)),
+            visits: vec![0; raster.cell_count()],
+            obstructed: vec![false; raster.cell_count()],
+            track: Track::default(),
+            odometry: StampedPose::default(),
+            phase: MissionPhase::Starting,
+            times: Times::default(),
+            detours: 0,
+            distance_m: 0.0,
+            watch,
+            store,
+            lattice,
+            guess: search_of(raster),
+            obstacles: Obstacles::new(raster),
+            somebody: Vec::new(),
+            near: PeopleNear::of(robot),
+            pace: pace_of(robot),
+            eye: Eye::of(robot),
+            route: RouteFollower::new(robot.route.clone(), robot.route_limits),
+            lanes: lanes_of(plan, &ground),
+            poses: VecDeque::new(),
+            dirt: None,
+            began: None,
+            wanted: vec![false; raster.cell_count()],
+            passed: vec![false; raster.cell_count()],
+            target: None,
+            postponed: Vec::new(),
+            leavings: 0,
+            try_s: 0.0,
+            wish: Twist2::ZERO,
+            held_s: 0.0,
+            held_at: None,
+            last_s: 0.0,
+            plan_s: 0.0,
+            tell_s: 0.0,
+            save_s: 0.0,
+            is_kept: false,
+            look_s: 0.0,
+            lost_s: 0.0,
+            plan: plan.clone(),
+            ground,
+            localiser,
+        })
+    }
+
+    /// Where the robot is believed to be, map frame.
+    pub(super) fn pose(&self) -> Pose2 {
+        self.localiser.pose(self.odometry.pose_in_odometry)
+    }
+
+    /// What the time since the last moment went to.
+    fn spent_on(&self, moment: &MissionMoment<'_>) -> Spent {
+        if self.phase == MissionPhase::Done {
+            Spent::Done
+        } else if moment.is_paused {
+            Spent::Paused
+        } else if self.wish != Twist2::ZERO {
+            Spent::of(self.wish, moment.decision)
+        } else if self.lost_s > 0.0 {
+            Spent::Finding
+        } else {
+            Spent::NoWay
+        }
+    }
+
+    /// The guard does not let the robot do what it wishes.
+    fn notice_hold(&mut self, decision: Option<Decision>, lasted_s: f32) {
+        let wishes = self.wish != Twist2::ZERO;
+        let stands = decision.is_none_or(|decision| is_standing(decision.permitted));
+        if !(wishes && stands) {
+            self.held_s = 0.0;
+            return;
+        }
+        let cause = decision.and_then(|decision| decision.primary_cause).map(|record| record.cause);
+        let in_the_way = [Cause::ScanProtective, Cause::LidarProtective, Cause::CollisionStop];
+        let pose = self.pose();
+        let thing_lies = || self.obstacles.lies_near(Point2::new(pose.x_m, pose.y_m), THING_HOLDS_M);
+        if cause.is_none_or(|cause| in_the_way.contains(&cause)) || thing_lies() {
+            self.held_s += lasted_s;
+        }
+    }
+
+    /// What the robot wishes to do now.
+    fn decide(&mut self, now_s: f32) -> Twist2 {
+        if self.plan.strategy == MissionStrategy::Route {
+            return self.route.wanted(self.odometry.pose_in_odometry);
+        }
+        if self.lost_s > 0.0 && self.lost_s < FINDS_S {
+            return Twist2::ZERO;
+        }
+        let pose = self.pose();
+        if self.plan.strategy == MissionStrategy::Guarantee && now_s >= self.plan_s {
+            self.replan(pose, now_s);
+        }
+        self.retreat(pose, now_s);
+        if self.held_s > PATIENCE_S {
+            self.held_s = 0.0;
+            self.go_round(pose, now_s);
+        }
+        // A way that ends at once is followed by the next; four are more than ever follow each other.
+        for _ in 0..4 {
+            if self.track.is_over() && !self.choose(pose, now_s) {
+                return Twist2::ZERO;
+            }
+            match self.track.follow(pose, &self.pace) {
+                Tracking::Drive(twist) => return twist,
+                Tracking::Arrived => self.arrive(),
+                Tracking::Lost => self.track = Track::default(),
+            }
+        }
+        Twist2::ZERO
+    }
+
+    /// What a power cut must not take.
+    fn save(&mut self, now_s: f32) {
+        if now_s < self.save_s || self.is_kept {
+            return;
+        }
+        if self.phase == MissionPhase::Done {
+            self.is_kept = true;
+            return self.store.finish();
+        }
+        self.save_s = now_s + SAVE_S;
+        let prior = self.plan.prior(&self.ground.expected);
+        let saved = Saved::of(self.pose(), self.localiser.map.values(), &prior);
+        self.store.save(&self.plan, &saved);
+    }
+}
+
+impl CleaningMission for Cleaner {
+    fn step(&mut self, moment: &MissionMoment<'_>) -> Twist2 {
+        let began = *self.began.get_or_insert(moment.now);
+        let now_s = moment.now.as_micros().saturating_sub(began.as_micros()) as f32 * 1.0e-6;
+        let lasted_s = now_s - std::mem::replace(&mut self.last_s, now_s);
+        self.remember(moment.pose);
+        self.hear(moment.dirt, moment.now);
+        if let Some(scan) = moment.scan {
+            self.see(scan, now_s);
+        }
+        if let Some(people) = moment.people {
+            self.see_people(people, (moment.now, now_s));
+        }
+        if let Some(floor) = moment.floor {
+            self.see_floor(floor, now_s);
+        }
+        let permitted = moment.decision.map_or(Twist2::ZERO, |decision| decision.permitted);
+        self.times.add(self.spent_on(moment), (self.wish, permitted), lasted_s);
+        if self.phase == MissionPhase::Done {
+            self.wish = Twist2::ZERO;
+        } else if moment.is_paused {
+            self.phase = MissionPhase::Paused;
+            self.wish = Twist2::ZERO;
+        } else {
+            self.notice_hold(moment.decision, lasted_s);
+            self.lost_s = if self.localiser.is_trusted() { 0.0 } else { self.lost_s + lasted_s };
+            self.phase = if self.held_s > 0.5 { MissionPhase::Waiting } else { MissionPhase::Cleaning };
+            self.wish = self.decide(now_s);
+        }
+        self.save(now_s);
+        if now_s >= self.tell_s {
+            self.tell_s = now_s + PROGRESS_S;
+            self.watch.publish(Arc::new(self.progress(moment.now)));
+        }
+        self.wish
+    }
+}
+
+#[cfg(test)]
+#[path = "mission_tests.rs"]
+mod tests;

@@ -1,0 +1,27 @@
+//! The cleaning mission of the robot that drives: the belief and the tours of the trials, with real bytes around, and a way
+//! for a long robot among people.
+
+mod body;
+mod ground;
+mod lattice;
+mod mission;
+mod obstacles;
+mod plan;
+mod progress;
+mod retreat;
+mod senses;
+mod setup;
+mod store;
+mod surroundings;
+mod targets;
+mod tell;
+mod times;
+mod track;
+mod visits;
+
+pub use mission::{Cleaner, SharedWatch};
+pub use plan::{ExpectedDirt, MissionPlan, MissionStrategy, PlanBegin};
+pub use progress::{CellState, Doubt, MissionPhase, MissionProgress, MissionWatch, UncertainCell};
+pub use setup::MissionSetup;
+pub use store::Store;
+pub use times::{Spent, Times};

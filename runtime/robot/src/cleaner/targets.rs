@@ -1,0 +1,198 @@
+//! Where the mission goes next: the tour over what is dirty, what is postponed, and the lanes of a mission without a belief.
+
+use floorguard_mapping::NO_SLOT;
+use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
+
+use super::lattice::{Gear, STEP_M, Waypoint};
+use super::mission::Cleaner;
+use super::plan::MissionStrategy;
+use super::progress::MissionPhase;
+use super::track::Track;
+use super::visits::CLUSTER_M;
+
+/// The way is planned again this often, seconds (book, Cleaning: Re-planning).
+const REPLAN_S: f32 = 5.0;
+/// A cell that nobody can get to now is tried again after this, seconds.
+const POSTPONED_S: f32 = 12.0;
+/// After so many visits a cell is given up, and reported.
+pub(super) const VISITS_MAX: u8 = 12;
+/// After tries in vain the robot waits this long before the next, seconds.
+const TRY_AGAIN_S: f32 = 1.0;
+/// From the last cell the robot drives off by this, so that the brush has left it, metres.
+const LEAVES_M: f32 = 0.9;
+/// Times that it does so at the end.
+const LEAVINGS_MAX: u8 = 6;
+/// Held again within this distance, the robot does something else first, metres.
+const SAME_PLACE_M: f32 = 0.3;
+/// Waypoints that are left on the last straight, over the dirt.
+const PASS_LEGS: usize = 1;
+/// Held for this long at a place, the robot goes elsewhere first, seconds.
+const STAYS_S: f32 = 5.0;
+/// Cells of the tour that are tried before the robot waits.
+const TRIES: usize = 4;
+
+impl Cleaner {
+    pub(super) fn arrive(&mut self) {
+        self.track = Track::default();
+        if let Some(target) = self.target.take() {
+            self.visits[target] = self.visits[target].saturating_add(1);
+            let around: Vec<usize> = self.cells_within(target, CLUSTER_M).collect();
+            around.into_iter().for_each(|cell| self.passed[cell] = true);
+            if self.planner.tour().next() == Some(target) {
+                self.planner.drop_first();
+            }
+        }
+    }
+
+    /// The tour over what is dirty; a cell that became clean on the way is no target any more.
+    pub(super) fn replan(&mut self, pose: Pose2, now_s: f32) {
+        self.plan_s = now_s + REPLAN_S;
+        let here = Point2::new(pose.x_m, pose.y_m);
+        let Some(cell) = self.ground.floor.nearest_passable(here) else { return };
+        let grazed = self.localiser.grazed(&self.rule);
+        let (map, rule, visits) = (&self.localiser.map, &self.rule, &self.visits);
+        let floor = &self.ground.floor;
+        for (cell, is_wanted) in self.wanted.iter_mut().enumerate() {
+            let is_dirty = map.get(cell).is_some_and(|dirt| rule.needs_cleaning(dirt));
+            *is_wanted = floor.reachable[cell]
+                && visits[cell] < VISITS_MAX
+                && (is_dirty || grazed.binary_search(&cell).is_ok());
+        }
+        let all_wanted = &self.wanted;
+        let wanted = |cell: usize| all_wanted[cell];
+        let passable = |cell: usize| floor.passable[cell] || floor.reachable[cell];
+        // A tour that does not fit its memory is the one before, without what is clean by now.
+        let _ = self.planner.replan(cell, (wanted, passable), 500);
+        // A pass that has begun is not broken off while any of its dirt is left.
+        let is_gone = |target: usize| {
+            let is_decided = map.get(target).is_some_and(|dirt| dirt.slot == NO_SLOT);
+            is_decided && !self.is_wanted_within(target, CLUSTER_M)
+        };
+        if self.target.is_some_and(is_gone) {
+            self.target = None;
+            self.track = Track::default();
+        }
+    }
+
+    /// Somebody or something stands in the way: another way if there is one. Who walks is gone in a moment; only what stays
+    /// sends the robot to another cell first.
+    pub(super) fn go_round(&mut self, pose: Pose2, now_s: f32) {
+        self.detours += 1;
+        let here = Point2::new(pose.x_m, pose.y_m);
+        let again = self.held_at.filter(|(before, _)| before.distance(here) < SAME_PLACE_M);
+        let (_, since_s) = *self.held_at.insert(again.unwrap_or((here, now_s)));
+        let Some(target) = self.target else {
+            self.track = Track::default();
+            return;
+        };
+        if now_s - since_s > STAYS_S {
+            self.held_at = None;
+            self.track = Track::default();
+            self.postpone(target, now_s);
+        } else if self.track.rest().len() > PASS_LEGS {
+            // A pass that has begun is waited for: any other way would begin it again.
+            self.plan_to(target, pose, now_s);
+        }
+    }
+
+    /// Leaves a cell and the dirt around it for later.
+    pub(super) fn postpone(&mut self, cell: usize, now_s: f32) {
+        self.obstructed[cell] = true;
+        self.target = None;
+        let around: Vec<usize> =
+            self.cells_within(cell, CLUSTER_M).filter(|near| self.wanted[*near] || *near == cell).collect();
+        self.postponed.retain(|(other, until_s)| !around.contains(other) && *until_s > now_s);
+        self.postponed.extend(around.into_iter().map(|near| (near, now_s + POSTPONED_S)));
+    }
+
+    /// Some cell within a distance of this one is still to be cleaned.
+    pub(super) fn is_wanted_within(&self, cell: usize, distance_m: f32) -> bool {
+        self.cells_within(cell, distance_m).any(|near| self.wanted[near])
+    }
+
+    pub(super) fn cells_within(&self, cell: usize, distance_m: f32) -> impl Iterator<Item = usize> {
+        let raster = *self.ground.raster();
+        let centre = raster.centre(cell);
+        let (column, row) = raster.coordinates_of(centre);
+        let reach = (distance_m * raster.cells_per_metre()).ceil() as i32;
+        let offsets = (-reach..=reach).flat_map(move |dy| (-reach..=reach).map(move |dx| (dx, dy)));
+        let cells = offsets.filter_map(move |(dx, dy)| raster.index(column + dx, row + dy));
+        cells.filter(move |near| raster.centre(*near).distance(centre) <= distance_m)
+    }
+
+    /// Finds something to do; false: wait, or the mission is over.
+    pub(super) fn choose(&mut self, pose: Pose2, now_s: f32) -> bool {
+        if self.plan.strategy == MissionStrategy::Systematic {
+            return self.next_lane(pose, now_s);
+        }
+        if now_s < self.try_s {
+            return false;
+        }
+        // What the brush has just passed over is no target any more.
+        self.replan(pose, now_s);
+        self.postponed.retain(|(_, until_s)| *until_s > now_s);
+        for _ in 0..TRIES {
+            let is_postponed = |cell: &usize| self.postponed.iter().any(|(other, _)| other == cell);
+            let open = || self.planner.tour().filter(|cell| !is_postponed(cell));
+            // What a pass has left is done on a second round: at once it would cost a turn, among the same people.
+            let fresh = open().find(|cell| !self.passed[*cell]);
+            let Some(cell) = fresh.or_else(|| open().next()) else { break };
+            if self.plan_to(cell, pose, now_s) {
+                self.leavings = 0;
+                return true;
+            }
+            self.postpone(cell, now_s);
+        }
+        self.try_s = now_s + TRY_AGAIN_S;
+        if self.planner.tour().next().is_some() {
+            return false;
+        }
+        self.end(pose, now_s)
+    }
+
+    /// Nothing is left: the last cells are decided only when the brush has left them.
+    pub(super) fn end(&mut self, pose: Pose2, now_s: f32) -> bool {
+        if self.localiser.active_cells() == 0 || self.leavings >= LEAVINGS_MAX {
+            self.phase = MissionPhase::Done;
+            return false;
+        }
+        self.leavings += 1;
+        let here = Point2::new(pose.x_m, pose.y_m);
+        let is_far = |pose: Pose2| Point2::new(pose.x_m, pose.y_m).distance(here) > LEAVES_M;
+        self.search((pose, now_s), (|_: Pose2| Some(0.0), is_far)).is_some_and(|way| {
+            self.track = Track::new(way);
+            self.plan_s = now_s;
+            true
+        })
+    }
+
+    /// The next lane that can be got to; one that nobody can get to is left out.
+    pub(super) fn next_lane(&mut self, pose: Pose2, now_s: f32) -> bool {
+        for _ in 0..TRIES {
+            let Some((from, to)) = self.lanes.pop_front() else {
+                self.phase = MissionPhase::Done;
+                return false;
+            };
+            let heading_rad = (to.y_m - from.y_m).atan2(to.x_m - from.x_m);
+            let start = |pose: Pose2| {
+                let is_there = Point2::new(pose.x_m, pose.y_m).distance(from) < 0.15;
+                is_there && wrap_angle(pose.heading_rad - heading_rad).abs() < 0.2
+            };
+            let speed_mps = self.pace.speed_mps;
+            let left_s = move |pose: Pose2| Some(Point2::new(pose.x_m, pose.y_m).distance(from) / speed_mps);
+            let Some(mut way) = self.search((pose, now_s), (left_s, start)) else { continue };
+            let steps = (from.distance(to) / STEP_M).floor() as i32;
+            for step in 1..=steps {
+                let share = step as f32 * STEP_M;
+                let next = Pose2::new(from.x_m, from.y_m, heading_rad).compose(Pose2::new(share, 0.0, 0.0));
+                if !self.ground.is_free(next, Gear::Ahead) {
+                    break;
+                }
+                way.push(Waypoint { pose: next, gear: Gear::Ahead });
+            }
+            self.track = Track::new(way);
+            return true;
+        }
+        false
+    }
+}

@@ -1,0 +1,14 @@
+//! The robot on a Linux computer: its tasks on two rings, camera, cleaning, what it knows of its place, what it learns.
+//!
+//! Nothing here knows the simulator or the laboratory.
+
+#[macro_use]
+extern crate floorguard_host;
+
+pub mod assembly;
+pub mod camera;
+pub mod cleaner;
+pub mod environment;
+pub mod learning;
+pub mod picture_files;
+pub mod site;

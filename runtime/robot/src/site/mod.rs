@@ -1,0 +1,14 @@
+//! The place where the robot works: its map, floor, lanes, rooms and expected dirt, and where on it the robot is.
+
+mod dirt_source;
+mod floor;
+mod lanes;
+mod localiser;
+pub mod rooms;
+pub mod ros_map;
+pub mod scrubber;
+
+pub use dirt_source::{DirtSource, read_places};
+pub use floor::{CELL_M, CELLS_MAX, Floor};
+pub use lanes::{Lane, lanes};
+pub use localiser::{Localiser, PARTICLES};
