@@ -47,6 +47,7 @@ impl Cause {
             | Self::SourceLost(Source::Discrete | Source::Drive) => Action::Category1,
             Self::Warning
             | Self::WayNarrow
+            | Self::WayUnseen
             | Self::PersonNear
             | Self::CollisionSlow
             | Self::AdviceLimit

@@ -4,7 +4,9 @@
 use super::field_selection::STANDING_MPS;
 use super::limiter::effective_speed_mps;
 use super::supervisor::Supervisor;
-use crate::protection::{Cause, CauseRecord, Cell, LocalMemory, REACTION_S, STANDOFF_M, Stopping, Sweep};
+use crate::protection::{
+    Cause, CauseRecord, Cell, LocalMemory, REACTION_S, Region, STANDOFF_M, Stopping, Sweep, Unit,
+};
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use floorguard_types::time::Stamp;
 
@@ -12,6 +14,9 @@ use floorguard_types::time::Stamp;
 const CREEP_MPS: f32 = 0.02;
 /// Of the standoff, what a robot that already brakes may use up: it is held before the rest is gone.
 const USED_SHARE: f32 = 0.5;
+
+/// Beyond its own length, the robot must have come forward by this for its scanner to have looked at both of its sides, metres.
+const LOOKED_AT_M: f32 = 0.2;
 
 /// What the way of a motion allows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +55,7 @@ impl Supervisor {
             nearest = if way.share < nearest.share { way } else { nearest };
         }
         let wanted_mps = effective_speed_mps(wanted, &self.config.drive);
+        self.judge_unseen(wanted, wanted_mps, now);
         let allowed_mps = share * wanted_mps;
         self.judge_braking(measured, (pose, moves), now);
         if share < 1.0 && wanted_mps > 0.0 {
@@ -68,6 +74,29 @@ impl Supervisor {
         if way.free_m < way.needed_m - USED_SHARE * STANDOFF_M {
             let record = CauseRecord::new(Cause::WayClosed, now);
             self.state.machine.raise(record.metres(way.free_m, way.needed_m));
+        }
+    }
+
+    /// Where nobody looks the body goes no faster than is accepted there, and at bumper speed beside its rear until the robot has
+    /// come forward by its own length: then its scanner has looked there (FG-REQ-029).
+    fn judge_unseen(&mut self, wanted: Twist2, wanted_mps: f32, now: Stamp) {
+        let unseen = &self.config.unseen;
+        let box_m = [self.body.x_m, self.body.y_m];
+        let [rear_m, front_m] = self.body.x_m;
+        let is_looked_at = self.memory.ahead_m > front_m - rear_m + LOOKED_AT_M;
+        let mut share = 1.0_f32;
+        for (region, toward_mps) in Region::ALL.into_iter().zip(unseen.toward_mps) {
+            let beside = matches!(region, Region::RearLeft | Region::RearRight);
+            let limit_mps =
+                if beside && !is_looked_at { toward_mps.min(unseen.bumper_mps) } else { toward_mps };
+            let into_mps = region.speed_into_mps(wanted, box_m);
+            if into_mps > limit_mps {
+                share = share.min(limit_mps / into_mps);
+            }
+        }
+        if share < 1.0 {
+            let record = CauseRecord::new(Cause::WayUnseen, now).limited_to(share * wanted_mps);
+            self.state.machine.raise(record.measured(wanted_mps, share * wanted_mps, Unit::MetresPerSecond));
         }
     }
 

@@ -63,6 +63,7 @@ impl RobotConfiguration {
                 step_rad: self.scanner.model.step_rad(),
                 beams: self.scanner.model.beams(),
                 sector_rad: self.scanner.sector_rad,
+                height_m: mounting.position.z_m,
             },
             lidar: LidarGeometry {
                 mounting: self.lidar.mounting.transform(),
@@ -73,6 +74,7 @@ impl RobotConfiguration {
             },
             drive: self.limits.drive(self.geometry.wheelbase_m),
             thresholds: self.thresholds,
+            unseen: self.unseen,
             sources: self.source_rules(),
         }
     }

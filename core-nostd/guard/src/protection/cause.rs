@@ -39,6 +39,8 @@ pub enum Cause {
     WayClosed,
     /// The body would touch something that was seen: slowly enough to stand before it.
     WayNarrow,
+    /// Nobody looks where the body goes.
+    WayUnseen,
     /// A person within 1.2 m.
     PersonNear,
     /// A person would be reached before the robot could stop.
@@ -72,7 +74,7 @@ pub enum Cause {
 }
 
 /// The causes that do not belong to a source's health.
-const PLAIN: [Cause; 27] = [
+const PLAIN: [Cause; 28] = [
     Cause::StartUp,
     Cause::EmergencyStop,
     Cause::InputFault,
@@ -87,6 +89,7 @@ const PLAIN: [Cause; 27] = [
     Cause::Warning,
     Cause::WayClosed,
     Cause::WayNarrow,
+    Cause::WayUnseen,
     Cause::PersonNear,
     Cause::CollisionStop,
     Cause::CollisionSlow,
@@ -145,6 +148,7 @@ impl Cause {
             Self::Warning => "obstacle in the warning field",
             Self::WayClosed => "the body would touch what was seen around it",
             Self::WayNarrow => "little room for the body on its way",
+            Self::WayUnseen => "no sensor looks where the body goes",
             Self::PersonNear => "person near",
             Self::CollisionStop => "person would be reached before standstill",
             Self::CollisionSlow => "person ahead",

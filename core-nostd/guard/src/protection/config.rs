@@ -4,6 +4,7 @@ use heapless::Vec;
 
 use super::action::Action;
 use super::config_error::GuardConfigError;
+use super::coverage::Region;
 use super::field::{Polygon, point_in_polygon};
 use super::source::{Source, SourceRules};
 use super::swept_outline::{Zone, contains, swept_outline};
@@ -54,6 +55,8 @@ pub struct ScannerGeometry {
     pub beams: usize,
     /// First and last angle in the sensor's frame that are not covered by the robot's own body, radians.
     pub sector_rad: [f32; 2],
+    /// Its plane above the floor, metres.
+    pub height_m: f32,
 }
 
 impl ScannerGeometry {
@@ -64,6 +67,7 @@ impl ScannerGeometry {
         step_rad: 0.0,
         beams: 0,
         sector_rad: [0.0; 2],
+        height_m: 0.0,
     };
 }
 
@@ -156,6 +160,20 @@ impl Default for Thresholds {
     }
 }
 
+/// How fast the body goes where nobody looks (FG-REQ-029).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnseenLimits {
+    /// Into each region, in the order of [`Region::ALL`], m/s; infinite where everything is seen.
+    pub toward_mps: [f32; Region::COUNT],
+    /// At which a contact does no harm before the bumper stops: where nobody has looked since the start, m/s.
+    pub bumper_mps: f32,
+}
+
+impl UnseenLimits {
+    /// Everything is seen.
+    pub const NONE: Self = Self { toward_mps: [f32::INFINITY; Region::COUNT], bumper_mps: 0.1 };
+}
+
 /// Everything that the guard must know.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GuardConfig {
@@ -171,6 +189,8 @@ pub struct GuardConfig {
     pub drive: DriveLimits,
     /// Thresholds.
     pub thresholds: Thresholds,
+    /// Speeds where nobody looks.
+    pub unseen: UnseenLimits,
     /// Rules per source, in the order of [`Source::ALL`].
     pub sources: [SourceRules; Source::COUNT],
 }
@@ -197,6 +217,7 @@ impl GuardConfig {
             wheelbase_m: 1.0,
         },
         thresholds: Thresholds::DEFAULT,
+        unseen: UnseenLimits::NONE,
         sources: Self::default_sources(),
     };
 
@@ -266,6 +287,7 @@ impl GuardConfig {
             ("escape speed", limits.escape_speed_mps),
             ("tolerated difference of speeds", limits.speed_disagreement_mps),
             ("tolerated difference of turning rates", limits.turn_disagreement_radps),
+            ("speed of a contact", self.unseen.bumper_mps),
             ("number of adjacent beams", f32::from(limits.scan_adjacent_beams)),
             ("number of consecutive scans", f32::from(limits.scan_consecutive)),
             ("number of returns", f32::from(limits.packet_returns)),

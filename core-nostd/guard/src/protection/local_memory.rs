@@ -23,6 +23,8 @@ const AHEAD_M: f32 = 1.0;
 const WORDS: usize = SIDE / 32;
 /// A step of the heights that are kept, metres: 255 of them reach to 1.53 m.
 const HEIGHT_STEP_M: f32 = 0.006;
+/// More way forward than this is not counted, metres.
+const AHEAD_MAX_M: f32 = 10.0;
 /// Between two measurements of the wheels; what takes longer is a lost source, seconds.
 const STEP_MAX_S: f32 = 0.1;
 /// Cells deeper inside the body than this are wrong, metres.
@@ -186,6 +188,8 @@ pub struct LocalMemory {
     twist: Twist2,
     at: Option<Stamp>,
     next: usize,
+    /// Way forward since the beginning, metres, as far as it matters.
+    pub(crate) ahead_m: f32,
     /// Which rows the next scan is compared with.
     pub(super) turn: usize,
 }
@@ -199,6 +203,7 @@ impl LocalMemory {
         twist: Twist2::ZERO,
         at: None,
         next: 0,
+        ahead_m: 0.0,
         turn: 0,
     };
 
@@ -206,6 +211,7 @@ impl LocalMemory {
     pub fn forget(&mut self) {
         self.rows.iter_mut().for_each(|row| row.clone_from(&Row::EMPTY));
         (self.pose, self.twist, self.at, self.next) = (Pose2::default(), Twist2::ZERO, None, 0);
+        self.ahead_m = 0.0;
         self.first = self.wanted_first();
     }
 
@@ -214,6 +220,7 @@ impl LocalMemory {
         if let Some(Age::Past(step_us)) = self.at.map(|at| at.age(stamp)) {
             let step_s = (step_us as f32 * 1.0e-6).min(STEP_MAX_S);
             self.pose = moved(self.pose, twist, step_s);
+            self.ahead_m = (self.ahead_m + twist.linear_mps.max(0.0) * step_s).min(AHEAD_MAX_M);
         }
         (self.twist, self.at) = (twist, Some(stamp));
         self.shift_to(self.wanted_first());

@@ -99,6 +99,19 @@ struct Ray {
 }
 
 impl LidarRays {
+    /// Height that each ring gains per metre in the plane towards a place of the robot frame.
+    pub(super) fn slopes_towards(&self, place: Point2) -> [f32; PACKET_RINGS_MAX] {
+        let bearing_rad = libm::atan2f(place.y_m - self.origin.y_m, place.x_m - self.origin.x_m);
+        let [[cos_yaw, ..], [sin_yaw, ..], [x, y, up]] = self.rotation;
+        let (sin, cos) = libm::sincosf(bearing_rad - libm::atan2f(sin_yaw, cos_yaw));
+        let mut slopes = [0.0; PACKET_RINGS_MAX];
+        for (slope, [ring_cos, ring_sin]) in slopes.iter_mut().zip(&self.rings).take(self.count) {
+            let rise = ring_cos * (x * cos + y * sin) + ring_sin * up;
+            *slope = rise / libm::sqrtf((1.0 - rise * rise).max(1.0e-6));
+        }
+        slopes
+    }
+
     fn firing(&self, azimuth_cdeg: u16, pose: (Pose2, f32, f32)) -> Firing {
         let (pose, sin_heading, cos_heading) = pose;
         let (sin, cos) = libm::sincosf(-centidegrees_to_radians(azimuth_cdeg));

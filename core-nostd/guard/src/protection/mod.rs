@@ -7,6 +7,7 @@ mod cause;
 mod collision;
 mod config;
 mod config_error;
+mod coverage;
 mod decision;
 mod field;
 mod held;
@@ -25,8 +26,11 @@ pub use action::{Action, GuardState};
 pub use advice::{ADVISED_PEOPLE_MAX, Advice, AdvisedPerson};
 pub use cause::{CAUSES, Cause};
 pub use collision::{Blocked, Body, is_collision, time_to_collision_s};
-pub use config::{DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeometry, Thresholds, Travel};
+pub use config::{
+    DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeometry, Thresholds, Travel, UnseenLimits,
+};
 pub use config_error::GuardConfigError;
+pub use coverage::{EYES_MAX, Eye, Gap, Region, SensorCoverage, Unseen};
 pub use decision::{Decision, SourceReport};
 pub use field::{Polygon, point_in_polygon, ray_exit_m};
 pub use held::{HeldCause, HeldCauses};

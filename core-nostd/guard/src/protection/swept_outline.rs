@@ -6,15 +6,18 @@
 
 use super::config::{DriveLimits, Travel};
 use super::field::{Polygon, point_in_polygon};
-use super::sweep::{MARGIN_M, REACTION_S, STANDOFF_M, Stopping, Sweep};
+use super::sweep::{REACTION_S, STANDOFF_M, Stopping, Sweep};
 use floorguard_types::geometry::{Point2, Twist2};
 
 /// The robot may be this much faster than its limit before that is a fault of its own.
 pub const OVERSPEED_SHARE: f32 = 1.1;
 /// A bend begins at this curvature, 1/m.
 pub const BEND_PER_M: f32 = 0.3;
-/// Kept beside the body beyond [`MARGIN_M`], metres for each m/s: an arc that is not quite straight.
-const MARGIN_S: f32 = 0.05;
+/// Kept beside the body, metres: less than the margin that the sweep of each motion keeps, because a bin of the lidar's
+/// table widens the field by up to 8 % of its half width.
+const BESIDE_M: f32 = 0.02;
+/// More of it for each m/s: an arc that is not quite straight.
+const BESIDE_S: f32 = 0.05;
 /// A warning field is this much longer than the protective one, and this much more, metres.
 const WARNING_SHARE: f32 = 1.5;
 const WARNING_MORE_M: f32 = 0.3;
@@ -58,7 +61,7 @@ pub fn swept_outline(
 ) -> Polygon {
     let speed_mps = speed_mps.min(OVERSPEED_SHARE * drive.speed_mps);
     let beside_m = match zone {
-        Zone::Protective => MARGIN_M + MARGIN_S * speed_mps,
+        Zone::Protective => BESIDE_M + BESIDE_S * speed_mps,
         Zone::Warning => WARNING_BESIDE_M,
     };
     let mut reach_m = [f32::NEG_INFINITY; DIRECTIONS.len()];

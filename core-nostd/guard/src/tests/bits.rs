@@ -5,7 +5,7 @@ use crate::field_selection::FieldSelection;
 use crate::motion_checks::{Motion, MotionChecks, Persistence};
 use crate::protection::{
     CauseRecord, DriveLimits, FaultKind, FieldSet, HeldCause, HeldCauses, ScannerGeometry, SourceRules,
-    Thresholds, Travel, Unit,
+    Thresholds, Travel, Unit, UnseenLimits,
 };
 use crate::source_monitor::SourceMonitor;
 use crate::state::State;
@@ -173,6 +173,7 @@ fields! {
         warning_speed_mps, person_speed_mps, person_near_m, escape_speed_mps, emergency_action, overspeed_us,
         speed_disagreement_mps, turn_disagreement_radps, disagreement_us,
     }
+    UnseenLimits { toward_mps, bumper_mps }
     FieldSet { travel, speed_max_mps, protective, warning }
-    ScannerGeometry { mounting, first_angle_rad, step_rad, beams, sector_rad }
+    ScannerGeometry { mounting, first_angle_rad, step_rad, beams, sector_rad, height_m }
 }

@@ -15,7 +15,7 @@ fn with(change: impl FnOnce(&mut GuardConfig)) -> Result<(), GuardConfigError> {
 #[test]
 fn fg_req_012_every_number_must_be_positive() {
     type Place = fn(&mut GuardConfig) -> &mut f32;
-    let places: [(&str, Place); 12] = [
+    let places: [(&str, Place); 13] = [
         ("greatest speed", |config| &mut config.drive.speed_mps),
         ("greatest turning rate", |config| &mut config.drive.turn_radps),
         ("acceleration", |config| &mut config.drive.acceleration_mps2),
@@ -27,6 +27,7 @@ fn fg_req_012_every_number_must_be_positive() {
         ("distance to people", |config| &mut config.thresholds.person_near_m),
         ("escape speed", |config| &mut config.thresholds.escape_speed_mps),
         ("tolerated difference of speeds", |config| &mut config.thresholds.speed_disagreement_mps),
+        ("speed of a contact", |config| &mut config.unseen.bumper_mps),
         ("tolerated difference of turning rates", |config| &mut config.thresholds.turn_disagreement_radps),
     ];
     assert_eq!(with(|_| {}), Ok(()));

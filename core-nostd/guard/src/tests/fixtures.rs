@@ -33,6 +33,7 @@ pub fn config() -> GuardConfig {
             step_rad: radians(0.5),
             beams: 541,
             sector_rad: [radians(-135.0), radians(135.0)],
+            height_m: 0.15,
         },
         lidar: LidarGeometry {
             mounting: Transform3::from_mounting(Point3::new(0.5, 0.0, 0.8), 0.0, 0.0, 0.0),
@@ -50,6 +51,7 @@ pub fn config() -> GuardConfig {
             wheelbase_m: 0.8,
         },
         thresholds: Thresholds::default(),
+        unseen: UnseenLimits::NONE,
         sources: GuardConfig::default_sources(),
     }
 }

@@ -1,7 +1,7 @@
 //! What the body would sweep, against what the robot saw before: overhangs that sink below the lidar's rays, low things, the
 //! tail in a turn, and ways that must stay open. Judged by the true place of the body alone.
 
-use floorguard_hosted::world::{Observation, Observer, Plan, run_virtual};
+use floorguard_laboratory::world::{Observation, Observer, Plan, run_virtual};
 use floorguard_sim::scenario::Scenario;
 use floorguard_types::geometry::{Point2, Pose2};
 
