@@ -1,8 +1,8 @@
 //! What the sensors do not see, and whether the file accepts it by name.
 //!
 //! `accept_unseen` in `[guard]` lists gaps as `floorguard check` prints them: "rear-left below 0.68 m", "ahead hanging 0.92 to
-//! 1.40 m", or a region as a whole, "rear"; with " at 0.25 m/s" behind it the speed up to which the body may go there all the same.
-//! Without a speed it is that of a contact.
+//! 1.40 m"; with " at 0.25 m/s" behind it the speed up to which the body may go there all the same. Without a speed it is that of a
+//! contact. A region cannot be accepted without heights: it would hide a sensor that looks elsewhere.
 
 use floorguard_guard::{Eye, Gap, GuardConfig, Region, SensorCoverage, Unseen, UnseenLimits};
 
@@ -18,7 +18,7 @@ const NO_END_M: f32 = 10.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Accepted {
     region: Region,
-    unseen: Option<Unseen>,
+    unseen: Unseen,
     speed_mps: Option<f32>,
 }
 
@@ -37,6 +37,7 @@ pub fn gap_name(gap: &Gap) -> String {
     let region = gap.region.name();
     match gap.unseen {
         Unseen::Below(height_m) => format!("{region} below {height_m:.2} m"),
+        Unseen::Moving(height_m) => format!("{region} moving below {height_m:.2} m"),
         Unseen::Hanging([from_m, to_m]) => format!("{region} hanging {from_m:.2} to {to_m:.2} m"),
     }
 }
@@ -54,9 +55,9 @@ fn parsed(text: &str) -> Option<Accepted> {
     let words: Vec<&str> = rest.split_whitespace().collect();
     let number = |word: &str| word.parse::<f32>().ok().filter(|metres| (0.0..=3.0).contains(metres));
     let unseen = match words[..] {
-        [] => None,
-        ["below", height, "m"] => Some(Unseen::Below(number(height)?)),
-        ["hanging", from, "to", to, "m"] => Some(Unseen::Hanging([number(from)?, number(to)?])),
+        ["below", height, "m"] => Unseen::Below(number(height)?),
+        ["moving", "below", height, "m"] => Unseen::Moving(number(height)?),
+        ["hanging", from, "to", to, "m"] => Unseen::Hanging([number(from)?, number(to)?]),
         _ => return None,
     };
     Some(Accepted { region, unseen, speed_mps })
@@ -66,11 +67,11 @@ impl Accepted {
     fn covers(&self, gap: &Gap) -> bool {
         self.region == gap.region
             && match (self.unseen, gap.unseen) {
-                (None, _) => true,
-                (Some(Unseen::Below(accepted_m)), Unseen::Below(height_m)) => {
+                (Unseen::Below(accepted_m), Unseen::Below(height_m))
+                | (Unseen::Moving(accepted_m), Unseen::Moving(height_m)) => {
                     accepted_m + SAME_HEIGHT_M >= height_m
                 }
-                (Some(Unseen::Hanging([from_m, to_m])), Unseen::Hanging([lowest_m, highest_m])) => {
+                (Unseen::Hanging([from_m, to_m]), Unseen::Hanging([lowest_m, highest_m])) => {
                     from_m <= lowest_m + SAME_HEIGHT_M && to_m + SAME_HEIGHT_M >= highest_m
                 }
                 _ => false,
@@ -118,8 +119,7 @@ pub(super) fn check_coverage(
             None => top.refuse(
                 &span,
                 format!("[guard]: `accept_unseen`: \"{text}\" names no gap"),
-                "write it as `floorguard check` does: \"rear-left below 0.15 m\", \"ahead hanging 0.92 to 1.40 m\" or \
-                 \"rear\", and \" at 0.2 m/s\" behind it for another speed than that of a contact",
+                "write it as `floorguard check` does: \"rear-left below 0.15 m\", \"ahead hanging 0.92 to 1.40 m\", and \" at 0.2 m/s\" behind it for another speed than that of a contact",
             ),
         }
     }
@@ -152,7 +152,7 @@ pub fn seen_from_m(gaps: &[CoverageGap], region: Region) -> f32 {
     let of_region = gaps.iter().filter(|row| row.gap.region == region);
     let heights = of_region.map(|row| match row.gap.unseen {
         Unseen::Below(height_m) => height_m.min(NO_END_M),
-        Unseen::Hanging(_) => 0.0,
+        Unseen::Moving(_) | Unseen::Hanging(_) => 0.0,
     });
     heights.fold(0.0, f32::max)
 }
@@ -164,13 +164,13 @@ mod tests {
     #[test]
     fn gaps_are_accepted_by_the_names_that_are_printed() {
         for region in Region::ALL {
-            for unseen in [Unseen::Below(0.15), Unseen::Hanging([0.92, 1.4])] {
+            for unseen in [Unseen::Below(0.15), Unseen::Moving(0.15), Unseen::Hanging([0.92, 1.4])] {
                 let gap = Gap { region, unseen };
                 let entry = parsed(&gap_name(&gap)).unwrap();
                 assert!(entry.covers(&gap) && entry.speed_mps.is_none(), "{}", gap_name(&gap));
                 let faster = parsed(&format!("{} at 0.25 m/s", gap_name(&gap))).unwrap();
                 assert!(faster.covers(&gap) && faster.speed_mps == Some(0.25));
-                assert!(parsed(region.name()).unwrap().covers(&gap), "the whole region");
+                assert_eq!(parsed(region.name()), None, "a region as a whole would hide too much");
             }
         }
         let gap = |unseen| Gap { region: Region::Rear, unseen };
@@ -183,5 +183,59 @@ mod tests {
         {
             assert_eq!(parsed(bad), None, "{bad}");
         }
+    }
+
+    /// What the refused file is told.
+    fn refused(changes: &[(&str, &str)]) -> String {
+        let mut text = crate::EXAMPLE.to_owned();
+        for (from, to) in changes {
+            assert!(text.contains(from), "{from}");
+            text = text.replacen(from, to, 1);
+        }
+        crate::parse("robot.toml", &text).map_or_else(|refused| refused.to_string(), |_| String::new())
+    }
+
+    #[test]
+    fn fg_req_062_a_sector_of_ten_degrees_and_a_scanner_that_looks_backwards_are_refused() {
+        assert_eq!(refused(&[]), "");
+        let scanner = "z_m = 0.15, roll_deg = 0.0, pitch_deg = 0.0, yaw_deg = 0.0 }";
+        let narrow = format!("{scanner}\nsector_first_deg = -10.0\nsector_last_deg = 10.0");
+        let turned = scanner.replace("yaw_deg = 0.0", "yaw_deg = 180.0");
+        let high = ("x_m = 0.50, y_m = 0.0, z_m = 0.80", "x_m = 0.50, y_m = 0.0, z_m = 1.60");
+        for (change, gap) in [
+            ((scanner, narrow.as_str()), "\"ahead-left"),
+            ((scanner, turned.as_str()), "\"ahead"),
+            (high, "\"ahead"),
+        ] {
+            let told = refused(&[change]);
+            assert!(told.contains("no sensor sees") && told.contains(gap), "{change:?}: {told}");
+        }
+    }
+
+    #[test]
+    fn fg_req_062_every_hole_of_the_example_must_be_accepted_by_its_name() {
+        let rows = crate::parse("robot.toml", crate::EXAMPLE).unwrap().coverage;
+        assert!(rows.len() > 8 && rows.iter().all(|row| row.speed_mps.is_some()), "{rows:?}");
+        for entry in [
+            "  \"ahead below 0.10 m at 1.0 m/s\",\n",
+            "  \"rear below 0.31 m\",\n",
+            "  \"rear-left hanging 0.11 to 1.40 m at 0.4 m/s\",\n",
+        ] {
+            let told = refused(&[(entry, "")]);
+            let region = entry.trim_matches([' ', '"', ',', '\n']).split(' ').next().unwrap();
+            assert!(told.contains(&format!("no sensor sees \"{region}")), "{entry}: {told}");
+        }
+        assert!(refused(&[("\"rear below 0.31 m\",", "\"behind\",")]).contains("names no gap"));
+        // Less of it is not enough.
+        assert!(
+            refused(&[("ahead below 0.10 m", "ahead below 0.05 m")]).contains("no sensor sees \"ahead below")
+        );
+    }
+
+    #[test]
+    fn fg_req_029_accepted_holes_limit_the_speed_into_them() {
+        let robot = crate::parse("robot.toml", crate::EXAMPLE).unwrap().robot;
+        assert_eq!(robot.unseen.toward_mps, [1.0, 0.1, 0.8, 0.8, 0.4, 0.4]);
+        assert_eq!(robot.guard().unseen, robot.unseen);
     }
 }

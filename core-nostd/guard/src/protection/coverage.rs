@@ -1,7 +1,8 @@
 //! What the sensors of a robot can see of the room that its body goes into, and what nobody sees (FG-REQ-062).
 //!
 //! Pure geometry of mountings, angles and ranges: no scan is needed. Ahead and behind, what counts is whether a thing is seen
-//! while the robot comes near, in time to stop, because the guard's memory keeps what was seen. Beside the body, where its corners
+//! while the robot comes near, in time to stop, because the guard's memory keeps what was seen; apart from that, whether somebody
+//! who steps in from aside is seen at once. Beside the body, where its corners
 //! go when it turns, a thing counts as seen only where some ray meets it now: it may have come from behind.
 
 use heapless::Vec;
@@ -16,8 +17,8 @@ use floorguard_types::geometry::{Point2, Point3, Transform3, Twist2};
 const RAYS_MAX: usize = PACKET_RINGS_MAX + EYES_MAX;
 /// Sensors beside the lidar.
 pub const EYES_MAX: usize = 4;
-/// A thing is looked at twice before it counts, seconds: two revolutions of the lidar.
-const TWO_LOOKS_S: f32 = 0.2;
+/// Seen for this long, a thing is met by every sensor at least once, seconds: a revolution of the lidar.
+const LOOK_S: f32 = 0.1;
 /// The memory reaches so far from the robot's origin, ahead and behind, metres.
 const MEMORY_M: [f32; 2] = [3.4, 1.4];
 /// Steps of the way towards a thing, metres, and how many.
@@ -37,6 +38,8 @@ const LIDAR_NEAREST_M: f32 = 0.45;
 /// A depth camera tells a thing from the floor between these distances, metres, and from this height on.
 const CAMERA_RANGE_M: [f32; 2] = [0.25, 2.5];
 const CAMERA_THING_M: f32 = 0.02;
+/// Next to the body: nearer, the body is there already, metres.
+const NEXT_TO_M: f32 = 0.05;
 /// Places beside a corner of the body: along it and away from it, metres.
 const ALONG_M: [f32; 3] = [0.0, 0.2, 0.4];
 const AWAY_M: [f32; 3] = [0.05, 0.15, 0.25];
@@ -128,6 +131,8 @@ pub struct Gap {
 pub enum Unseen {
     /// Upright things that are lower.
     Below(f32),
+    /// Upright things that are lower and come into the way from aside, nearer than the robot needs to stop: people's feet.
+    Moving(f32),
     /// Boards whose lower edge lies between.
     Hanging([f32; 2]),
 }
@@ -189,29 +194,62 @@ impl<'a> SensorCoverage<'a> {
         heights
     }
 
-    /// What nobody sees of a region at the drive's greatest speed, or at a lower one.
+    /// What nobody sees of a region at the drive's greatest speed, or at a lower one: upright things, boards below the lidar,
+    /// boards above it.
     #[must_use]
-    pub fn gaps(&self, region: Region, speed_mps: f32) -> [Option<Gap>; 2] {
-        let (upright, hanging) = match region {
+    pub fn gaps(&self, region: Region, speed_mps: f32) -> [Option<Gap>; 4] {
+        let unseen = match region {
             Region::Ahead | Region::Rear => self.unseen_on_the_way(region == Region::Rear, speed_mps),
             _ => self.unseen_beside(region),
         };
-        let gap = |unseen| Gap { region, unseen };
-        [upright.map(|height_m| gap(Unseen::Below(height_m))), hanging.map(|band| gap(Unseen::Hanging(band)))]
+        let [low, high] = unseen.hanging();
+        let moving = match region {
+            Region::Ahead | Region::Rear => self.moving_unseen(region == Region::Rear, speed_mps),
+            _ => None,
+        };
+        [unseen.upright(), moving, low, high].map(|unseen| unseen.map(|unseen| Gap { region, unseen }))
+    }
+
+    /// Least and greatest way from the edge of the body to what it sweeps until it stands, and where that edge is.
+    fn stop_zone(&self, is_rear: bool, speed_mps: f32) -> (f32, f32, f32) {
+        let [[rear_m, front_m], _] = self.box_m;
+        let (sign, edge_m) = if is_rear { (-1.0, rear_m) } else { (1.0, front_m) };
+        let twist = Twist2 { linear_mps: sign * speed_mps, angular_radps: 0.0 };
+        let stopping = Stopping::from(&self.config.footprint, twist, (&self.config.drive, REACTION_S));
+        (sign, edge_m, stopping.way_m() + STANDOFF_M)
+    }
+
+    /// From which height on upright things are seen at this moment, wherever the body goes until it stands.
+    fn moving_unseen(&self, is_rear: bool, speed_mps: f32) -> Option<Unseen> {
+        let (sign, edge_m, stops_m) = self.stop_zone(is_rear, speed_mps);
+        let mut below_m = 0.0_f32;
+        for share in ACROSS {
+            for step in 0..STEPS {
+                let ahead_m = NEXT_TO_M + step as f32 * STEP_M;
+                if ahead_m > stops_m {
+                    break;
+                }
+                let heights = self.heights_over(Point2::new(edge_m + sign * ahead_m, self.across_m(share)));
+                let least_m = heights.iter().copied().fold(self.config.lidar.body_height_m, f32::min);
+                below_m = below_m.max(least_m + HEIGHT_STEP_M);
+            }
+        }
+        (below_m > LOWEST_THING_M).then_some(Unseen::Moving(below_m))
+    }
+
+    fn across_m(&self, share: f32) -> f32 {
+        let [_, [right_m, left_m]] = self.box_m;
+        0.5 * (right_m + left_m) + share * (left_m - right_m)
     }
 
     /// Of what stands or hangs in the way while the robot comes near.
-    fn unseen_on_the_way(&self, is_rear: bool, speed_mps: f32) -> (Option<f32>, Option<[f32; 2]>) {
-        let [[rear_m, front_m], [right_m, left_m]] = self.box_m;
-        let sign = if is_rear { -1.0 } else { 1.0 };
-        let (edge_m, reach_m) = if is_rear { (rear_m, MEMORY_M[1]) } else { (front_m, MEMORY_M[0]) };
-        let twist = Twist2 { linear_mps: sign * speed_mps, angular_radps: 0.0 };
-        let stopping = Stopping::from(&self.config.footprint, twist, (&self.config.drive, REACTION_S));
-        let stops_m = stopping.way_m() + STANDOFF_M;
-        let needed = TWO_LOOKS_S * speed_mps;
-        let mut unseen = UnseenHeights::NONE;
+    fn unseen_on_the_way(&self, is_rear: bool, speed_mps: f32) -> UnseenHeights {
+        let reach_m = if is_rear { MEMORY_M[1] } else { MEMORY_M[0] };
+        let (sign, edge_m, stops_m) = self.stop_zone(is_rear, speed_mps);
+        let needed = LOOK_S * speed_mps;
+        let mut unseen = UnseenHeights::divided_at(self.rays.origin.z_m);
         for share in ACROSS {
-            let y_m = 0.5 * (right_m + left_m) + share * (left_m - right_m);
+            let y_m = self.across_m(share);
             let (mut upright_m, mut hanging_m) = ([0.0_f32; HEIGHTS], [0.0_f32; HEIGHTS]);
             for step in 0..STEPS {
                 let ahead_m = stops_m + step as f32 * STEP_M;
@@ -223,11 +261,11 @@ impl<'a> SensorCoverage<'a> {
             }
             unseen.add((&upright_m, &hanging_m), (needed, self.config.lidar.body_height_m));
         }
-        unseen.bands()
+        unseen
     }
 
     /// Of what stands or hangs where a corner swings, at this moment.
-    fn unseen_beside(&self, region: Region) -> (Option<f32>, Option<[f32; 2]>) {
+    fn unseen_beside(&self, region: Region) -> UnseenHeights {
         let [[rear_m, front_m], [right_m, left_m]] = self.box_m;
         let (corner_x_m, inwards) = match region {
             Region::RearLeft | Region::RearRight => (rear_m, 1.0),
@@ -238,7 +276,7 @@ impl<'a> SensorCoverage<'a> {
             _ => (right_m, -1.0),
         };
         // The left rear corner swings to the left when the robot turns to the right; beside it, not behind it.
-        let mut unseen = UnseenHeights::NONE;
+        let mut unseen = UnseenHeights::divided_at(self.rays.origin.z_m);
         for (along_m, away_m) in ALONG_M.iter().flat_map(|along| AWAY_M.iter().map(move |away| (along, away)))
         {
             let place = Point2::new(corner_x_m + inwards * along_m, side_m + outwards * away_m);
@@ -246,7 +284,7 @@ impl<'a> SensorCoverage<'a> {
             count_seen(&self.heights_over(place), (&mut upright_m, &mut hanging_m));
             unseen.add((&upright_m, &hanging_m), (0.5 * STEP_M, self.config.lidar.body_height_m));
         }
-        unseen.bands()
+        unseen
     }
 }
 
@@ -269,11 +307,15 @@ fn count_seen(heights: &Heights, (upright_m, hanging_m): (&mut [f32; HEIGHTS], &
 /// The heights that are not seen at some place of a region.
 struct UnseenHeights {
     below_m: f32,
-    hanging_m: [f32; 2],
+    divided_m: f32,
+    /// Lowest and highest edge of unseen boards, below and above the division.
+    hanging_m: [[f32; 2]; 2],
 }
 
 impl UnseenHeights {
-    const NONE: Self = Self { below_m: 0.0, hanging_m: [f32::INFINITY, f32::NEG_INFINITY] };
+    const fn divided_at(divided_m: f32) -> Self {
+        Self { below_m: 0.0, divided_m, hanging_m: [[f32::INFINITY, f32::NEG_INFINITY]; 2] }
+    }
 
     /// Takes in a place: what is seen over less way than is needed is not seen.
     fn add(
@@ -281,26 +323,32 @@ impl UnseenHeights {
         (upright_m, hanging_m): (&[f32; HEIGHTS], &[f32; HEIGHTS]),
         (needed_m, body_m): (f32, f32),
     ) {
-        let [lowest_m, highest_m] = &mut self.hanging_m;
+        let [low, high] = &mut self.hanging_m;
         for (index, (upright_m, hanging_m)) in upright_m.iter().zip(hanging_m).enumerate() {
             let height_m = index as f32 * HEIGHT_STEP_M;
-            if height_m > body_m {
+            if height_m + BOARD_M > body_m {
                 break;
             }
             if *upright_m < needed_m {
                 self.below_m = self.below_m.max(height_m + HEIGHT_STEP_M);
             }
             if *hanging_m < needed_m && height_m >= HANGS_FROM_M {
+                let [lowest_m, highest_m] = if height_m < self.divided_m { &mut *low } else { &mut *high };
                 *lowest_m = lowest_m.min(height_m);
-                *highest_m = highest_m.max(height_m);
+                *highest_m = highest_m.max(height_m + BOARD_M);
             }
         }
     }
 
-    fn bands(&self) -> (Option<f32>, Option<[f32; 2]>) {
-        let upright = (self.below_m > LOWEST_THING_M).then_some(self.below_m);
-        let [lowest_m, highest_m] = self.hanging_m;
-        (upright, (highest_m > lowest_m + BOARD_M).then_some(self.hanging_m))
+    fn upright(&self) -> Option<Unseen> {
+        (self.below_m > LOWEST_THING_M).then_some(Unseen::Below(self.below_m))
+    }
+
+    fn hanging(&self) -> [Option<Unseen>; 2] {
+        self.hanging_m.map(|band| {
+            let [lowest_m, highest_m] = band;
+            (highest_m > lowest_m).then_some(Unseen::Hanging(band))
+        })
     }
 }
 
