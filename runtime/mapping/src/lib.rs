@@ -1,0 +1,13 @@
+//! Maps a building on a Linux computer, from scans and odometry: poses, sub-maps, pose graph, files for other tools.
+#![forbid(unsafe_code)]
+
+pub mod front_end;
+pub mod input;
+pub mod loops;
+pub mod mapper;
+pub mod metrics;
+pub mod pose_graph;
+pub mod refine;
+mod se2;
+
+pub use se2::Se2;
