@@ -17,5 +17,6 @@ mod selection;
 mod tables;
 mod timelines;
 mod truth_tables;
+mod unseen;
 mod vectors;
 mod words;
