@@ -37,6 +37,7 @@ mod state;
 mod supervisor;
 #[cfg(test)]
 mod tests;
+mod way_check;
 
 pub use crate::protection::*;
 pub use machine::{DecisionMachine, Verdict};
