@@ -51,6 +51,14 @@ impl RangeModelConfig {
 pub const BEAMS_TO_JUDGE: usize = 10;
 
 /// Logarithm of the likelihood for every stored distance, one table entry a centimetre.
+///
+/// ```
+/// use floorguard_localisation::{RangeModel, RangeModelConfig};
+///
+/// let model = RangeModel::new(RangeModelConfig { hit_deviation_m: 0.2, ..RangeModelConfig::XTION });
+/// assert!((model.likelihood(0.0) - 0.962_5).abs() < 1.0e-5);
+/// assert!((model.likelihood(0.5) - 0.054_240).abs() < 1.0e-5);
+/// ```
 #[derive(Clone, Debug)]
 pub struct RangeModel {
     log_likelihood: [f32; 256],
