@@ -5,8 +5,8 @@ use std::time::Instant;
 use anyhow::Result;
 use clap::Args;
 
-use crate::audit::sources;
 use crate::{machine, shell};
+use embedded_audit::sources;
 
 /// Which crates.
 #[derive(Args)]
