@@ -5,7 +5,7 @@
 /// ```
 /// use floorguard_mapping::Occupancy;
 ///
-/// // The thresholds of a ROS map: between them nobody knows.
+/// // The thresholds of a ROS map: between them a cell is unknown.
 /// let occupancy = |probability| Occupancy::from_probability(probability, 0.196, 0.65);
 /// assert_eq!([0.0, 0.4, 0.9].map(occupancy), [Occupancy::Free, Occupancy::Unknown, Occupancy::Occupied]);
 /// ```

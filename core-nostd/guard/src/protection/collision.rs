@@ -25,7 +25,7 @@ const STRAIGHT_RADPS: f32 = 0.05;
 ///
 /// let body = Body { x_m: [-0.5, 0.5], y_m: [-0.4, 0.4] };
 /// assert_eq!(body.distance_m(Point2::new(2.0, 0.0)), 1.5);
-/// // Somebody stands 3.5 m ahead of a robot that drives 1 m/s.
+/// // A person stands 3.5 m ahead of a robot that drives 1 m/s.
 /// let person = AdvisedPerson { position: Point2::new(3.5, 0.0), ..AdvisedPerson::default() };
 /// let [estimated_s, doubtful_s] = body.times_to_person_s(&person, Twist2 { linear_mps: 1.0, angular_radps: 0.0 });
 /// assert!((2.0..3.0).contains(&estimated_s) && doubtful_s <= estimated_s);

@@ -15,7 +15,7 @@ use floorguard_types::geometry::Point2;
 /// use floorguard_perception::people::ConstantVelocity;
 /// use floorguard_types::geometry::Point2;
 ///
-/// // Somebody walks 1 m/s; nobody said so at first.
+/// // A person walks 1 m/s; the velocity is not known at first.
 /// let mut person = ConstantVelocity::new(Point2::default(), Point2::default(), 0.1, 1.0);
 /// for step in 1..=20_u8 {
 ///     person.advance(0.1, 0.4);
