@@ -1,5 +1,6 @@
 //! Weights that sum to one, and drawing particles by them.
 
+use floorguard_types::number::saturating_usize;
 use floorguard_types::random::Pcg32;
 
 /// Turns logarithms of weights into weights that sum to 1 (log-sum-exp). Returns the effective number of particles,
@@ -55,7 +56,7 @@ pub fn systematic<const N: usize>(weights: &[f32; N], random: &mut Pcg32, parent
         }
         last_parent = index;
         // Marks at (k + u)/N below the cumulated weight belong to this particle.
-        let until = libm::ceilf(cumulated * N as f32 - first).max(0.0) as usize;
+        let until = saturating_usize(libm::ceilf(cumulated * N as f32 - first).max(0.0));
         let until = until.min(N);
         for parent in parents.iter_mut().take(until).skip(filled) {
             *parent = index;
