@@ -65,7 +65,7 @@ pub struct BaseCounters {
 ///
 /// let mut base = ThreeWheelBase::new(BaseConfiguration::default());
 /// assert_eq!(base.commanded(), DriveCommand::Stop(StopKind::TorqueOff));
-/// // Nobody answers yet: the five devices are called, and the base is not complete.
+/// // No device answers yet: the five devices are called, and the base is not complete.
 /// let mut identifiers = Vec::new();
 /// base.poll(Stamp::ZERO, &mut |_| {}, &mut |frame| identifiers.extend(frame.standard_id()));
 /// assert!(identifiers.contains(&0x77F), "the master's own heartbeat");

@@ -1,5 +1,7 @@
 //! The bus as configured, and what each device is told.
 
+use floorguard_types::number::saturating_u32;
+
 use crate::canopen::Script;
 use crate::cia406::EncoderReport;
 use crate::flexisoft::InputMap;
@@ -76,7 +78,7 @@ impl BaseConfiguration {
 
     pub(super) fn traction_script(&self) -> Script {
         let node = self.traction_node;
-        let millimetres = |metres: f32| (metres * 1_000.0).max(1.0) as u32;
+        let millimetres = |metres: f32| saturating_u32((metres * 1_000.0).max(1.0));
         // Process data do not reach the drive before it is started again: if it turns, it must not go on turning.
         Script::new()
             .write(0x6040, 0, QUICK_STOP, 2)
