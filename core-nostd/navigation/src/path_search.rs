@@ -11,8 +11,8 @@ use floorguard_mapping::GridGeometry;
 pub const STRAIGHT: u32 = 29;
 /// Cost of a diagonal step.
 pub const DIAGONAL: u32 = 41;
-/// Cells that a search may cover: the hosted profile. Beyond them nothing is reached, so nothing is claimed.
-pub const SEARCH_CELLS_MAX: usize = 65_536;
+/// Cells that a search may cover: a map of 4,096 × 4,096. Beyond them nothing is reached, so nothing is claimed.
+pub const SEARCH_CELLS_MAX: usize = 1 << 24;
 /// Circular buckets: a power of two above the largest step.
 const BUCKETS: usize = 64;
 /// Turns of a search: every one settles a cell or passes an empty bucket, of which at most all come in a row.
