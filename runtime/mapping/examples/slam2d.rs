@@ -4,8 +4,8 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use floorguard_mapping_host::Se2;
-use floorguard_mapping_host::mapper::{MapConfig, Mapper};
 use floorguard_mapping_host::input::ScanRecord;
+use floorguard_mapping_host::mapper::{MapConfig, Mapper};
 use floorguard_mapping_host::metrics::{read_relations, score_relations};
 
 fn unpack(path: &Path) -> String {
@@ -115,8 +115,13 @@ fn main() {
             let score = score_relations(&relations, &path, 0.6);
             println!(
                 "{name:9} {what:8} {} nodes  {:.4} m max {:.3}  {:.3} deg missing {} cpu {:.0} ms",
-                mapper.poses.len(), score.translation_mean_m(), score.translation_max_m(),
-                score.rotation_mean_rad().to_degrees(), score.without_pose, (cpu_s() - since) * 1e3);
+                mapper.poses.len(),
+                score.translation_mean_m(),
+                score.translation_max_m(),
+                score.rotation_mean_rad().to_degrees(),
+                score.without_pose,
+                (cpu_s() - since) * 1e3
+            );
         };
         let start = cpu_s();
         let mut worst = 0.0_f64;
@@ -126,7 +131,12 @@ fn main() {
             worst = worst.max(cpu_s() - t);
         }
         show("online", &mapper, start);
-        println!("{name:9} {:?} loops {} worst {:.1} ms", mapper.closer.statistics, mapper.loops.len(), worst * 1e3);
+        println!(
+            "{name:9} {:?} loops {} worst {:.1} ms",
+            mapper.closer.statistics,
+            mapper.loops.len(),
+            worst * 1e3
+        );
         let start = cpu_s();
         mapper.finish().unwrap();
         show("aligned", &mapper, start);
@@ -134,8 +144,20 @@ fn main() {
         show("matched", &mapper, start);
         if let Ok(path) = std::env::var("ERRORS") {
             let score = score_relations(&relations, &mapper.matched_trajectory(), 0.6);
-            let lines: Vec<String> = score.errors.iter().map(|e| format!("{:.3} {:.3} {:.2} {:.4} {:.3}", e.relation.from_s, e.relation.to_s,
-                e.relation.pose.x_m.hypot(e.relation.pose.y_m), e.translation_m, e.rotation_rad.to_degrees())).collect();
+            let lines: Vec<String> = score
+                .errors
+                .iter()
+                .map(|e| {
+                    format!(
+                        "{:.3} {:.3} {:.2} {:.4} {:.3}",
+                        e.relation.from_s,
+                        e.relation.to_s,
+                        e.relation.pose.x_m.hypot(e.relation.pose.y_m),
+                        e.translation_m,
+                        e.rotation_rad.to_degrees()
+                    )
+                })
+                .collect();
             std::fs::write(path, lines.join("\n")).unwrap();
         }
     }

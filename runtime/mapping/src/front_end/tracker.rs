@@ -64,7 +64,8 @@ impl Tracker {
         let (distance, turn) = (moved.x_m.hypot(moved.y_m), moved.heading_rad.abs());
         if distance < self.config.travel_m && turn < self.config.turn_rad && record.odometry.is_some() {
             let node = self.nodes.len() - 1;
-            let points = record.points(self.config.range_least_m, self.config.range_most_m).into_boxed_slice();
+            let points =
+                record.points(self.config.range_least_m, self.config.range_most_m).into_boxed_slice();
             self.passages.push(Passage { time_s: record.time_s, node, from_node: moved, points });
             return Step::Passed;
         }

@@ -103,9 +103,11 @@ impl Mapper {
     pub fn trajectory(&self) -> Vec<(f64, Se2)> {
         let nodes = &self.tracker.nodes;
         let kept = nodes.iter().zip(&self.poses).map(|(node, pose)| (node.time_s, *pose));
-        let passed = self.tracker.passages.iter().filter_map(|passage| {
-            Some((passage.time_s, interpolated(nodes, &self.poses, passage)?))
-        });
+        let passed = self
+            .tracker
+            .passages
+            .iter()
+            .filter_map(|passage| Some((passage.time_s, interpolated(nodes, &self.poses, passage)?)));
         let mut all: Vec<(f64, Se2)> = kept.chain(passed).collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         all

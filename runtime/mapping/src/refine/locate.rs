@@ -42,8 +42,11 @@ pub fn locate(view: &ScanView, guess: Se2, partners: &[(&ScanView, Se2)], config
     let mut pose = guess;
     for distance_m in config.distances_m {
         let limits = MatchLimits { distance_m, outlier_m: config.outlier_m, direction_cosine: 0.85 };
-        let away =
-            Vector3::new(pose.x_m - guess.x_m, pose.y_m - guess.y_m, wrap(pose.heading_rad - guess.heading_rad));
+        let away = Vector3::new(
+            pose.x_m - guess.x_m,
+            pose.y_m - guess.y_m,
+            wrap(pose.heading_rad - guess.heading_rad),
+        );
         let (mut matrix, mut gradient) = (prior, prior * away);
         for (partner, partner_pose) in partners {
             let matched = match_pair([view, partner], [pose, *partner_pose], &limits);
