@@ -1,10 +1,10 @@
 //! The exact squared distance of every cell to the nearest obstacle, without a limit.
 //!
-//! Two passes (Felzenszwalb and Huttenlocher 2012; the integer form of the lower envelope is that of Meijster, Roerdink and
-//! Hesselink 2000): along the columns the distance within the column, along each row the lower envelope of the parabolas
+//! Two passes (Felzenszwalb and Huttenlocher 2012; the integer form of the lower envelope is that of Meijster et al.
+//! 2000): along the columns the distance within the column, along each row the lower envelope of the parabolas
 //! that stand on it. Every cell enters and leaves the envelope at most once: cost proportional to the cells.
 
-use super::grid::{GridGeometry, GridTooSmall};
+use super::grid::{GRID_CELLS_MAX, GridGeometry, GridTooSmall};
 
 /// Squared distance where no obstacle exists.
 pub const NO_OBSTACLE: u32 = u32::MAX;
@@ -104,7 +104,7 @@ fn build_envelope(row: &[u32], envelope: &mut [Parabola]) -> usize {
         let mut new = Parabola { vertex: column as i32, from: 0, height };
         // Every parabola leaves the envelope once.
         let before = count;
-        for _ in 0..=before {
+        for _ in 0..=before.min(GRID_CELLS_MAX) {
             let Some(top) = count.checked_sub(1).and_then(|last| envelope.get(last)) else { break };
             if height_at(top, top.from) > height_at(&new, top.from) {
                 count = count.saturating_sub(1);

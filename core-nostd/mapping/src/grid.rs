@@ -6,6 +6,10 @@ use floorguard_types::geometry::Point2;
 
 /// Cells of a raster are numbered in 32 bits, and the last number is none.
 const CELLS_MAX: u64 = u32::MAX as u64;
+/// The same as a bound of loops over cells.
+pub const GRID_CELLS_MAX: usize = u32::MAX as usize;
+/// Cells along a side, as a bound of loops over rows and columns.
+pub const GRID_SIDE_MAX: i32 = i32::MAX;
 
 /// Columns and rows of a raster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use floorguard_types::geometry::Point2;
 
-use super::grid::Grid;
+use super::grid::{GRID_CELLS_MAX, Grid};
 
 /// By how many cells a grid was moved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,24 +42,46 @@ impl<T: Copy, S: AsRef<[T]> + AsMut<[T]>> Grid<T, S> {
             let kept = rows.saturating_sub(up).saturating_mul(columns);
             let gap = up.saturating_mul(columns);
             if by.rows > 0 {
-                values.copy_within(gap.., 0);
+                move_to_front(values, gap);
                 values.get_mut(kept..).unwrap_or(&mut []).fill(fresh);
             } else {
-                values.copy_within(..kept, gap);
+                move_to_back(values, gap);
                 values.get_mut(..gap).unwrap_or(&mut []).fill(fresh);
             }
             let kept = columns.saturating_sub(right);
             for line in values.chunks_exact_mut(columns.max(1)) {
                 if by.columns > 0 {
-                    line.copy_within(right.., 0);
+                    move_to_front(line, right);
                     line.get_mut(kept..).unwrap_or(&mut []).fill(fresh);
                 } else {
-                    line.copy_within(..kept, right);
+                    move_to_back(line, right);
                     line.get_mut(..right).unwrap_or(&mut []).fill(fresh);
                 }
             }
         }
         self.set_geometry(moved);
+    }
+}
+
+/// Moves every value `by` places towards the front; those before it are gone, the last `by` stay as they are.
+fn move_to_front<T: Copy>(values: &mut [T], by: usize) {
+    for to in 0..values.len().min(GRID_CELLS_MAX) {
+        if let Some(value) = values.get(to.saturating_add(by)).copied()
+            && let Some(place) = values.get_mut(to)
+        {
+            *place = value;
+        }
+    }
+}
+
+/// The same towards the back; the first `by` stay as they are.
+fn move_to_back<T: Copy>(values: &mut [T], by: usize) {
+    for from in (0..values.len().min(GRID_CELLS_MAX)).rev() {
+        if let Some(value) = values.get(from).copied()
+            && let Some(place) = values.get_mut(from.saturating_add(by))
+        {
+            *place = value;
+        }
     }
 }
 

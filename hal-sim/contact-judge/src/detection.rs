@@ -1,6 +1,6 @@
 //! Finds the moments at which bodies meet.
 //!
-//! Conservative advancement (Mirtich, "Impulse-based dynamic simulation of rigid body systems", PhD thesis, Berkeley 1996,
+//! Conservative advancement (Mirtich 1996, "Impulse-based dynamic simulation of rigid body systems", PhD thesis,
 //! section 2.3.2): a pair with a gap cannot meet before both have moved by that gap, and is not looked at before. Poses
 //! between two moments are so near to each other that no point of the robot moves by more than [`STEP_M`]: what is thinner
 //! than that and only grazed may be missed, nothing else.

@@ -1,7 +1,7 @@
 //! How hard a contact is.
 //!
-//! People: the two-body model of ISO/TS 15066:2016, A.3.4 (force = relative speed · √(stiffness · reduced mass)) with the
-//! stiffness and effective mass of table A.3 and the limits of table A.2. Things have no limits; their classes are speeds.
+//! People: the two-body model of ISO/TS 15066:2016, annex A (force = relative speed · √(stiffness · reduced mass)) with the
+//! stiffness and effective mass of its table of body regions and the limits of its table of pressures and forces. Things have no limits; their classes are speeds.
 
 use serde::Serialize;
 

@@ -41,7 +41,7 @@ pub struct Thing {
     pub from_s: f64,
 }
 
-/// Parts of people, as far as harm differs (ISO/TS 15066:2016, table A.2).
+/// Parts of people, as far as harm differs (ISO/TS 15066:2016, annex A).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LimbName {

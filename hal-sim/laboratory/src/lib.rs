@@ -10,6 +10,7 @@ pub mod judge;
 pub mod metrics;
 pub mod mission;
 pub mod models;
+pub mod plan;
 pub mod run_report;
 pub mod status;
 pub mod train;

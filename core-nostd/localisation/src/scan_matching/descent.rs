@@ -58,12 +58,15 @@ struct Normal {
     value_sum: f32,
 }
 
+/// No descent takes more steps, whatever its configuration asks for.
+const STEPS_MAX: u8 = 100;
+
 /// Gauss-Newton on the distance to the nearest return, which is `reach` · (1 − value). Cost: steps × points.
 #[must_use]
 pub fn refine(level: &FieldLevel<'_>, points: &[Point2], guess: &Guess, config: &DescentConfig) -> Refined {
     let mut pose = guess.start;
     let mut steps = 0_u8;
-    for _ in 0..config.steps_max {
+    for _ in 0..config.steps_max.min(STEPS_MAX) {
         steps = steps.saturating_add(1);
         let normal = accumulate(level, points, pose, config);
         let away = difference(pose, guess.expected);

@@ -1,6 +1,6 @@
 //! Where a scan was taken: against a field of nearby returns, by exact search over a window and by descent from a guess.
 //!
-//! Sources: Olson 2009, "Real-time correlative scan matching"; Hess, Kohler, Rapp, Andor 2016, "Real-time loop closure
+//! Sources: Olson 2009, "Real-time correlative scan matching"; Hess et al. 2016, "Real-time loop closure
 //! in 2D LIDAR SLAM", section V.B (branch and bound); Kohlbrecher et al. 2011 (descent on an interpolated grid).
 
 mod candidate;

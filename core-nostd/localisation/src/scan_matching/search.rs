@@ -97,6 +97,13 @@ pub fn search(
     })
 }
 
+/// Cells along a block of the coarsest level that a reader needs to think of: shifts are at most 15.
+const BLOCK_SIDE_MAX: i32 = 1 << 15;
+/// Half a window, cells: 160 m at 1 cm.
+const HALF_SIDE_MAX: i32 = 1 << 14;
+/// Half a window of turns, steps: a turn of 2 π in steps of a twentieth of a degree.
+const TURN_STEPS_MAX: i32 = 3_600;
+
 impl Search<'_> {
     /// The upper bound of a block.
     fn judge(&self, candidate: Candidate, cells: &[CellOffset]) -> Candidate {
@@ -112,11 +119,11 @@ impl Search<'_> {
         let side = 1_usize << self.levels.get(level).map_or(0, |level| level.shift.min(15));
         let (half, turns) = (self.window.half_side_cells.max(0), self.window.half_turn_steps.max(0));
         let mut kept = 0_usize;
-        for turn in -turns..=turns {
+        for turn in -turns..=turns.min(TURN_STEPS_MAX) {
             let count = self.window.rotate(turn, &self.raster, self.points, cells);
             let cells = cells.get(..count).unwrap_or_default();
-            for row in (-half..=half).step_by(side) {
-                for column in (-half..=half).step_by(side) {
+            for row in (-half..=half.min(HALF_SIDE_MAX)).step_by(side) {
+                for column in (-half..=half.min(HALF_SIDE_MAX)).step_by(side) {
                     let block = self.judge(Candidate { bound: 0, turn, column, row, level }, cells);
                     if block.bound <= self.best.bound {
                         continue;
@@ -173,8 +180,8 @@ impl Search<'_> {
         let level = block.level.saturating_sub(1);
         let shift = |level: usize| self.levels.get(level).map_or(0, |level| level.shift.min(15));
         let (side, step) = (1_i32 << shift(block.level), 1_usize << shift(level));
-        for row in (0..side).step_by(step) {
-            for column in (0..side).step_by(step) {
+        for row in (0..side.min(BLOCK_SIDE_MAX)).step_by(step) {
+            for column in (0..side.min(BLOCK_SIDE_MAX)).step_by(step) {
                 let child = Candidate {
                     column: block.column.saturating_add(column),
                     row: block.row.saturating_add(row),

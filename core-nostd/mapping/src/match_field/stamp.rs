@@ -2,7 +2,7 @@
 
 use floorguard_types::geometry::Point2;
 
-use crate::grid::GridGeometry;
+use crate::grid::{GRID_SIDE_MAX, GridGeometry};
 
 /// How a return is written.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +36,7 @@ impl Stamp {
         if left > right || reach <= 0.0 {
             return;
         }
-        for row in low..=high {
+        for row in low..=high.min(GRID_SIDE_MAX) {
             let away_y = closest(y, row, window);
             let (Some(first), Some(last)) = (self.geometry.index(left, row), self.geometry.index(right, row))
             else {

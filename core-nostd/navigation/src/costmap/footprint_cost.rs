@@ -89,7 +89,7 @@ pub(crate) fn line_cost(
     let mut error = (steps / 2) as i32;
     let mut worst = 0_u8;
     let mut cell = first;
-    for _ in 0..=steps {
+    for _ in 0..=steps.min(EDGE_CELLS_MAX) {
         match costmap.costs().get(cell).copied() {
             Some(Costs::LETHAL) => return Err(FootprintHit::Obstacle),
             Some(Costs::UNKNOWN) | None => return Err(FootprintHit::Unknown),

@@ -1,7 +1,7 @@
 //! People in the costmap: a hill of cost around each, longer in the direction in which they walk (Kirby 2010, section 4.2:
 //! an asymmetric Gaussian). The floor ahead of somebody is worth more than the floor behind.
 
-use floorguard_mapping::GridGeometry;
+use floorguard_mapping::{GRID_SIDE_MAX, GridGeometry};
 use floorguard_types::geometry::Point2;
 use floorguard_types::motion::MovingPerson;
 
@@ -78,8 +78,8 @@ pub fn add_people(
             geometry.coordinates_of(Point2::new(middle.x_m + reach_m, middle.y_m + reach_m));
         let columns = i32::try_from(geometry.columns()).unwrap_or(i32::MAX);
         let rows = i32::try_from(geometry.rows()).unwrap_or(i32::MAX);
-        for row in first_row.max(0)..last_row.saturating_add(1).min(rows) {
-            for column in first_column.max(0)..last_column.saturating_add(1).min(columns) {
+        for row in first_row.max(0)..last_row.saturating_add(1).min(rows).min(GRID_SIDE_MAX) {
+            for column in first_column.max(0)..last_column.saturating_add(1).min(columns).min(GRID_SIDE_MAX) {
                 let Some(cell) = geometry.index(column, row) else { continue };
                 let Some(cost) = costs.get_mut(cell) else { continue };
                 if *cost != Costs::UNKNOWN {

@@ -1,6 +1,6 @@
 //! Zones drawn by people: where the robot must not drive, and where only slowly.
 
-use floorguard_mapping::GridGeometry;
+use floorguard_mapping::{GRID_SIDE_MAX, GridGeometry};
 use floorguard_types::capacities::FIELD_VERTICES_MAX;
 use floorguard_types::geometry::Point2;
 use heapless::Vec;
@@ -45,15 +45,18 @@ impl Zone {
         if self.kind != ZoneKind::NoGo {
             return;
         }
-        let low = |get: fn(&Point2) -> f32| self.corners_in_map.iter().map(get).fold(f32::INFINITY, f32::min);
-        let high =
-            |get: fn(&Point2) -> f32| self.corners_in_map.iter().map(get).fold(f32::NEG_INFINITY, f32::max);
-        let (first_column, first_row) = geometry.coordinates_of(Point2::new(low(|c| c.x_m), low(|c| c.y_m)));
-        let (last_column, last_row) = geometry.coordinates_of(Point2::new(high(|c| c.x_m), high(|c| c.y_m)));
+        let mut low = Point2::new(f32::INFINITY, f32::INFINITY);
+        let mut high = Point2::new(f32::NEG_INFINITY, f32::NEG_INFINITY);
+        for corner in &self.corners_in_map {
+            low = Point2::new(low.x_m.min(corner.x_m), low.y_m.min(corner.y_m));
+            high = Point2::new(high.x_m.max(corner.x_m), high.y_m.max(corner.y_m));
+        }
+        let (first_column, first_row) = geometry.coordinates_of(low);
+        let (last_column, last_row) = geometry.coordinates_of(high);
         let columns = i32::try_from(geometry.columns()).unwrap_or(i32::MAX);
         let rows = i32::try_from(geometry.rows()).unwrap_or(i32::MAX);
-        for row in first_row.max(0)..last_row.saturating_add(1).min(rows) {
-            for column in first_column.max(0)..last_column.saturating_add(1).min(columns) {
+        for row in first_row.max(0)..last_row.saturating_add(1).min(rows).min(GRID_SIDE_MAX) {
+            for column in first_column.max(0)..last_column.saturating_add(1).min(columns).min(GRID_SIDE_MAX) {
                 let Some(cell) = geometry.index(column, row) else { continue };
                 if self.contains(geometry.centre(cell))
                     && let Some(cost) = costs.get_mut(cell)

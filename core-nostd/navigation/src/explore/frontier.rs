@@ -5,7 +5,7 @@
 //! obstacle or in the unknown. Here all cells count, and the goal is the free cell beside the frontier that is nearest to the
 //! centroid.
 
-use floorguard_mapping::GridGeometry;
+use floorguard_mapping::{GRID_CELLS_MAX, GridGeometry};
 use floorguard_types::geometry::Point2;
 use heapless::Vec;
 
@@ -75,7 +75,7 @@ pub fn find_frontiers(
     };
     let mut walk = Walk { costmap, states, queue, robot_in_map };
     let mut filled = walk.enter(start, FLOOR, 0);
-    for at in 0..count {
+    for at in 0..count.min(GRID_CELLS_MAX) {
         if at >= filled {
             break;
         }
@@ -173,14 +173,14 @@ impl Walk<'_, '_> {
         let cells = end.saturating_sub(begin);
         let share = 1.0 / (cells.max(1) as f64);
         let centroid_in_map = Point2::new((sum_x_m * share) as f32, (sum_y_m * share) as f32);
-        let goal_in_map = self.goal(begin..end, centroid_in_map);
+        let goal_in_map = self.goal(begin, cells, centroid_in_map);
         Frontier { cells: cells as u32, centroid_in_map, goal_in_map, nearest_m }
     }
 
     /// The free cell beside the frontier that is nearest to its centroid.
-    fn goal(&self, cells: core::ops::Range<usize>, centroid_in_map: Point2) -> Point2 {
+    fn goal(&self, begin: usize, cells: usize, centroid_in_map: Point2) -> Point2 {
         let geometry = self.costmap.geometry();
-        let border = self.queue.get(cells).unwrap_or(&[]).iter();
+        let border = self.queue.iter().skip(begin).take(cells);
         let beside = border.flat_map(|&cell| straight_neighbours(geometry, cell as usize)).flatten();
         let free = beside
             .filter(|&cell| self.costmap.costs().get(cell).is_some_and(|&cost| cost < Costs::INSCRIBED));

@@ -1,6 +1,6 @@
 //! A path down the gradient of a potential, in steps of half a cell (ROS `navfn`, `calcPath`).
 
-use floorguard_mapping::GridGeometry;
+use floorguard_mapping::{GRID_CELLS_MAX, GridGeometry};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::motion::{Gear, Waypoint};
 
@@ -28,7 +28,7 @@ pub fn descend(
     let mut here = from_in_map;
     let steps_max = geometry.cell_count().saturating_mul(4);
     let mut count = 0_usize;
-    for _ in 0..steps_max {
+    for _ in 0..steps_max.min(GRID_CELLS_MAX) {
         let cell = geometry.cell_at(here).ok_or(PlanFailure::Unreachable)?;
         let value = slope.at(cell);
         if value >= UNREACHED {

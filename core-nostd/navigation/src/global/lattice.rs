@@ -4,7 +4,7 @@
 //! 16 headings decides which are alike). Storage is the caller's: a node for each pose looked at, a record for each place and
 //! heading, and the open list.
 
-use floorguard_mapping::GridGeometry;
+use floorguard_mapping::{GRID_CELLS_MAX, GridGeometry};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::motion::{Gear, Waypoint};
 
@@ -209,8 +209,10 @@ where
     fn path_to(&self, number: u32, path: &mut [Waypoint]) -> Result<usize, PlanFailure> {
         let nodes = self.nodes.as_ref();
         let before = |at: u32| nodes.get(at as usize).map_or(u32::MAX, |node| node.parent);
-        let chain =
-            || core::iter::successors(Some(number), |&at| Some(before(at)).filter(|&at| at != u32::MAX));
+        let chain = || {
+            core::iter::successors(Some(number), |&at| Some(before(at)).filter(|&at| at != u32::MAX))
+                .take(GRID_CELLS_MAX)
+        };
         let count = chain().take(self.used).count();
         let path = path.get_mut(..count).ok_or(PlanFailure::PathTooLong(count))?;
         for (slot, at) in path.iter_mut().rev().zip(chain()) {

@@ -5,6 +5,8 @@
 
 use super::potential::{UNREACHED, potential};
 use super::step_costs::StepCosts;
+use floorguard_mapping::GRID_CELLS_MAX;
+
 use crate::costmap::CostmapView;
 
 /// The threshold rises by two neutral costs.
@@ -73,7 +75,7 @@ impl<'a> PublishedDijkstra<'a> {
             self.enter(costmap, neighbour, 0)?;
         }
         // Every pass empties a buffer; the published bound on passes is the cells of the map.
-        for _ in 0..count {
+        for _ in 0..count.min(GRID_CELLS_MAX) {
             self.pass(costmap)?;
             let reached = goal.and_then(|goal| self.wave.potentials.get(goal));
             if reached.is_some_and(|&there| there < UNREACHED) {
@@ -89,14 +91,14 @@ impl<'a> PublishedDijkstra<'a> {
     /// Empties the current buffer, then turns the buffers.
     fn pass(&mut self, costmap: CostmapView<'_>) -> Result<(), WavefrontFull> {
         let entries = self.counts.get(self.current).copied().unwrap_or(0);
-        for at in 0..entries {
+        for at in 0..entries.min(GRID_CELLS_MAX) {
             let cell = self.wave.buffers.get(self.current).and_then(|buffer| buffer.get(at)).copied();
             let Some(cell) = cell else { continue };
             if let Some(pending) = self.wave.is_pending.get_mut(cell as usize) {
                 *pending = false;
             }
         }
-        for at in 0..entries {
+        for at in 0..entries.min(GRID_CELLS_MAX) {
             let cell = self.wave.buffers.get(self.current).and_then(|buffer| buffer.get(at)).copied();
             if let Some(cell) = cell {
                 self.update(costmap, cell as usize)?;

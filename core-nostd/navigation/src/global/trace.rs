@@ -1,6 +1,6 @@
 //! From distances back to a path.
 
-use floorguard_mapping::GridGeometry;
+use floorguard_mapping::{GRID_CELLS_MAX, GridGeometry};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::motion::{Gear, Waypoint};
 
@@ -49,7 +49,7 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GridSearch<
         let geometry = costmap.geometry();
         let steps_max = geometry.cell_count();
         let (mut cell, mut count) = (goal, 0_usize);
-        for _ in 0..steps_max {
+        for _ in 0..steps_max.min(GRID_CELLS_MAX) {
             let centre = geometry.centre(cell);
             if let Some(slot) = path.get_mut(count) {
                 *slot = Waypoint { pose_in_map: Pose2::new(centre.x_m, centre.y_m, 0.0), gear: Gear::Ahead };

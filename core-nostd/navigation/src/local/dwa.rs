@@ -1,4 +1,4 @@
-//! The dynamic window approach (Fox, Burgard and Thrun 1997) as published in ROS `dwa_local_planner`.
+//! The dynamic window approach (Fox et al. 1997) as published in ROS `dwa_local_planner`.
 //!
 //! Constant velocities within the window are simulated, judged by critics, and the cheapest is taken. In addition to the
 //! published planner a velocity must be admissible by Fox: the robot can stop before the end of its trajectory meets

@@ -45,7 +45,7 @@ pub fn samples(axis: SampleAxis) -> impl Iterator<Item = f32> + Clone {
     let at = move |index: u8| {
         if index.saturating_add(1) == count { axis.max } else { axis.min + f32::from(index) * step }
     };
-    (0..count).flat_map(move |index| {
+    (0..count.min(SAMPLES_MAX)).flat_map(move |index| {
         let value = at(index);
         let passes_zero = index > 0 && at(index.saturating_sub(1)) < 0.0 && value > 0.0;
         passes_zero.then_some(0.0).into_iter().chain([value])

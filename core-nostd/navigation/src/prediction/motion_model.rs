@@ -131,9 +131,9 @@ impl MotionModel {
             matrix.get(i).and_then(|row| row.get(j)).copied().unwrap_or(0.0)
         };
         for i in 0..FEATURES {
-            for j in 0..=i {
+            for j in 0..=i.min(FEATURES) {
                 let mut sum = get(&self.normal, i, j);
-                for k in 0..j {
+                for k in 0..j.min(FEATURES) {
                     sum -= get(&lower, i, k) * get(&lower, j, k);
                 }
                 let value = if i == j { libm::sqrt(sum) } else { sum / get(&lower, j, j) };
@@ -147,7 +147,8 @@ impl MotionModel {
         }
         let mut half = self.right;
         for i in 0..FEATURES {
-            let known: f64 = (0..i).map(|k| get(&lower, i, k) * half.get(k).copied().unwrap_or(0.0)).sum();
+            let known: f64 =
+                (0..i.min(FEATURES)).map(|k| get(&lower, i, k) * half.get(k).copied().unwrap_or(0.0)).sum();
             if let Some(entry) = half.get_mut(i) {
                 *entry = (*entry - known) / get(&lower, i, i);
             }

@@ -173,7 +173,7 @@ mod tests {
     use floorguard_sim::scenario::Scenario;
     use floorguard_types::time::Stamp;
 
-    use crate::world::plan_of_scenario;
+    use crate::plan::plan_of_scenario;
 
     /// Every second has a reason, and what people cost is reported from the same seconds.
     #[test]

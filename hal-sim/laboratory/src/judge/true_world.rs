@@ -7,7 +7,7 @@ use floorguard_sim::scene::{DropTruth, Material, PartShape, PartTruth};
 use floorguard_sim::sensors::FloorEye;
 use floorguard_sim::simulation::Simulation;
 
-use crate::world::Plan;
+use crate::plan::Plan;
 
 /// From the measurement of a scanner or a lidar to the order to brake, seconds: what the safety manual budgets.
 const DELAY_S: f32 = 0.22;

@@ -11,7 +11,7 @@ use floorguard_types::geometry::Point3;
 use floorguard_types::sensing::PinholeCamera;
 use floorguard_types::time::Stamp;
 
-use super::plan::Plan;
+use crate::plan::Plan;
 use floorguard_configuration::{CameraConfiguration, CameraSource};
 use floorguard_robot::camera::{DirtLook, FloorLook, PictureCamera, PictureFolder, SeenDirt};
 

@@ -3,10 +3,8 @@
 mod by_hand;
 mod ends;
 mod floor_camera;
-mod mission_plan;
 mod observer;
 mod operator;
-mod plan;
 mod real_world;
 mod recorded_plan;
 mod scenario_file;
@@ -15,10 +13,9 @@ mod true_state;
 mod truth;
 mod virtual_world;
 
+pub use crate::plan::{Plan, PlanError, plan_of_scenario};
 pub use floor_camera::SimulatedCamera;
-pub use mission_plan::plan_of_scenario;
 pub use observer::{Observation, Observer, SeenStop, TRACKED_RANGE_M};
-pub use plan::{Plan, PlanError};
 pub use real_world::{CarrierFigures, run_real, run_real_recorded};
 pub use recorded_plan::{record_plan, record_plan_in_real_time};
 pub use scenario_file::load_scenario;

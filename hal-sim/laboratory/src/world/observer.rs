@@ -13,12 +13,12 @@ use floorguard_sim::simulation::{Simulation, Truth as SimTruth};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::time::Stamp;
 
-use super::plan::Plan;
 use super::swath::Swath;
 use super::truth::Eyewitness;
 use crate::judge::{Judge, Quantiles, StopOrders, StopReason, Verdict};
 use crate::judge::{MissionJudge, MissionOutcome, TrueContacts};
 use crate::metrics::MotAccumulator;
+use crate::plan::Plan;
 use floorguard_robot::camera::SeenDirt;
 use floorguard_robot::cleaner::MissionProgress;
 use floorguard_robot::environment::PeopleSeen;

@@ -11,7 +11,7 @@ use floorguard_types::time::Stamp;
 use super::ends::Ends;
 use super::observer::Observer;
 use super::operator::Operator;
-use super::plan::Plan;
+use crate::plan::Plan;
 use floorguard_host::executor::{Ring, StopFlag, take_priority};
 use floorguard_operator::telemetry::Witnesses;
 use floorguard_operator::telemetry::{Notes, with_onlooker};

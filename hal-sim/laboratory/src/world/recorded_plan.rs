@@ -6,7 +6,7 @@ use floorguard_operator::telemetry::{IN_REAL_TIME, RecordedRun, Witnesses};
 use floorguard_recording::replay::{IMU_BAUD, REPEATABLE};
 use floorguard_sim::{FaultSpec, FaultTarget};
 
-use super::plan::Plan;
+use crate::plan::Plan;
 
 /// A computer that halts or loses its power does other things with the same bytes.
 fn hits_computer(fault: &FaultSpec) -> bool {

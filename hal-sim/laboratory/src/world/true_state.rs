@@ -5,8 +5,8 @@ use floorguard_recording::truth::{SolidShape, TrueSolid};
 use floorguard_sim::simulation::Simulation;
 use parry3d::math::{Rotation, Vector};
 
-use super::plan::Plan;
 use crate::judge::{person, setup};
+use crate::plan::Plan;
 
 /// Everything that stands, and holes in the floor.
 pub(super) fn things(plan: &Plan, simulation: &Simulation) -> Vec<TrueSolid> {

@@ -1,7 +1,7 @@
 //! Poses and what is known about pairs of them; the most likely poses.
 //!
-//! Sources: Grisetti, Kümmerle, Stachniss, Burgard 2010, "A tutorial on graph-based SLAM"; Agarwal et al. 2013 (dynamic
-//! covariance scaling); Yang, Antonante, Tzoumas, Carlone 2020 (graduated non-convexity); Carlone, Censi 2014 (linear
+//! Sources: Grisetti et al. 2010, "A tutorial on graph-based SLAM"; Agarwal et al. 2013 (dynamic
+//! covariance scaling); Yang et al. 2020 (graduated non-convexity); Carlone and Censi 2014 (linear
 //! start from the orientations).
 
 mod block_system;

@@ -54,7 +54,7 @@ pub fn chain_start(graph: &Graph) -> Vec<Se2> {
 }
 
 /// Poses in two linear steps: first the headings, as directions in the plane whose length is free, then the places for
-/// these headings (chordal relaxation: Martinec, Pajdla 2007; Carlone et al. 2015, section III). Needs no first guess.
+/// these headings (chordal relaxation: Martinec and Pajdla 2007; Carlone et al. 2015, section III). Needs no first guess.
 ///
 /// # Errors
 /// A part of the graph hangs on nothing.

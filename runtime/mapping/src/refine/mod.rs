@@ -1,6 +1,6 @@
 //! All scans against all scans that saw the same walls, at once: the last centimetres.
 //!
-//! Source: Lu, Milios 1997, "Globally consistent range scan alignment"; Censi 2008 (point to line). The residuals of all
+//! Source: Lu and Milios 1997, "Globally consistent range scan alignment"; Censi 2008 (point to line). The residuals of all
 //! pairs enter one system of equations, so that no pair has to be trusted by itself.
 
 mod align;

@@ -119,12 +119,12 @@ fn told(causes: &[CauseLine], wanted: &BTreeSet<String>) -> Vec<Finding> {
     absent.chain(unknown).map(complain).collect()
 }
 
-const HEAD: &str = "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 800 390' font-family='sans-serif' \
+const HEAD: &str = "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 800 580' font-family='sans-serif' \
 font-size='13' text-anchor='middle'>\n<style>rect{fill:#eef3fa;stroke:#345}.name{font-size:17px;font-weight:bold}\
 .arrow{fill:none;stroke:#345;stroke-width:1.6;marker-end:url(#tip)}.reset{stroke:#b3261e;stroke-dasharray:6 4}</style>\n\
 <marker id='tip' viewBox='0 0 10 10' refX='8' refY='5' markerWidth='7' markerHeight='7' orient='auto'>\
 <path d='M0 0 10 5 0 10z' fill='#345'/></marker>\n\
-<text x='400' y='375'>dashed: only by reset with a passed self-test</text>\n";
+<text x='400' y='560'>dashed: only by an act of the operator (reset with a passed self-test, then start)</text>\n";
 
 #[cfg(test)]
 mod tests {

@@ -86,8 +86,12 @@ impl<S: AsRef<[MppiSample]> + AsMut<[MppiSample]>> Mppi<S> {
         let steps = ((self.since_shift_s / self.config.step_s) as usize).min(MPPI_STEPS);
         self.since_shift_s -= steps as f32 * self.config.step_s;
         let last = self.plan.last().copied().unwrap_or(Twist2::ZERO);
-        self.plan.copy_within(steps.., 0);
-        self.plan.get_mut(MPPI_STEPS.saturating_sub(steps)..).unwrap_or(&mut []).fill(last);
+        for to in 0..MPPI_STEPS {
+            let value = self.plan.get(to.saturating_add(steps)).copied().unwrap_or(last);
+            if let Some(place) = self.plan.get_mut(to) {
+                *place = value;
+            }
+        }
     }
 
     /// Tries everything.
