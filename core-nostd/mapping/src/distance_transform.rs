@@ -175,13 +175,13 @@ mod tests {
             let mut random = floorguard_types::random::Pcg32::new(seed, 0);
             let obstacles: Vec<bool> = (0..geometry.cell_count()).map(|_| random.bernoulli(share)).collect();
             let squared = transformed(&geometry, &obstacles);
-            for cell in 0..geometry.cell_count() {
+            for (cell, &found) in squared.iter().enumerate().take(geometry.cell_count()) {
                 let (x, y) = geometry.coordinates(cell);
                 let nearest = (0..geometry.cell_count()).filter(|&other| obstacles[other]).map(|other| {
                     let (u, v) = geometry.coordinates(other);
                     ((x - u) * (x - u) + (y - v) * (y - v)) as u32
                 });
-                prop_assert_eq!(squared[cell], nearest.min().unwrap_or(NO_OBSTACLE));
+                prop_assert_eq!(found, nearest.min().unwrap_or(NO_OBSTACLE));
             }
         }
     }

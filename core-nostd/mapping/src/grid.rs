@@ -9,7 +9,7 @@ const CELLS_MAX: u64 = u32::MAX as u64;
 /// The same as a bound of loops over cells.
 pub const GRID_CELLS_MAX: usize = u32::MAX as usize;
 /// Cells along a side, as a bound of loops over rows and columns.
-pub const GRID_SIDE_MAX: i32 = i32::MAX;
+pub const GRID_SIDE_MAX: i32 = 1 << 30;
 
 /// Columns and rows of a raster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -123,13 +123,15 @@ impl ThreeWheelBase {
             0x380 => self.on_image(node, (2, payload), now, event),
             0x480 => self.on_image(node, (3, payload), now, event),
             0x580 => {
-                if self.device(node).is_some_and(|device| device.on_answer(payload, now)) {
+                let is_found = self.device(node).is_some_and(|device| device.on_answer(payload, now));
+                if is_found {
                     self.on_found(node, event);
                 }
             }
             0x700 => {
                 let byte = payload.first().copied().unwrap_or(u8::MAX);
-                if self.device(node).is_some_and(|device| device.on_heartbeat(byte, now)) {
+                let is_found = self.device(node).is_some_and(|device| device.on_heartbeat(byte, now));
+                if is_found {
                     self.on_found(node, event);
                 }
             }

@@ -106,59 +106,46 @@ fn main() {
         if !which.is_empty() && !which.iter().any(|w| w == name) {
             continue;
         }
-        let text = unpack(&data.join(log));
-        let records = if log.contains("clf") { carmen(&text) } else { rebuilt(&text) };
-        let relations = read_relations(&unpack(&data.join(key))).unwrap();
-        let mut mapper = Mapper::new(settings());
-        let show = |what: &str, mapper: &Mapper, since: f64| {
-            let path = if what == "matched" { mapper.matched_trajectory() } else { mapper.trajectory() };
-            let score = score_relations(&relations, &path, 0.6);
-            println!(
-                "{name:9} {what:8} {} nodes  {:.4} m max {:.3}  {:.3} deg missing {} cpu {:.0} ms",
-                mapper.poses.len(),
-                score.translation_mean_m(),
-                score.translation_max_m(),
-                score.rotation_mean_rad().to_degrees(),
-                score.without_pose,
-                (cpu_s() - since) * 1e3
-            );
-        };
-        let start = cpu_s();
-        let mut worst = 0.0_f64;
-        for record in &records {
-            let t = cpu_s();
-            mapper.push(record).unwrap();
-            worst = worst.max(cpu_s() - t);
-        }
-        show("online", &mapper, start);
-        println!(
-            "{name:9} {:?} loops {} worst {:.1} ms",
-            mapper.closer.statistics,
-            mapper.loops.len(),
-            worst * 1e3
-        );
-        let start = cpu_s();
-        mapper.finish().unwrap();
-        show("aligned", &mapper, start);
-        let start = cpu_s();
-        show("matched", &mapper, start);
-        if let Ok(path) = std::env::var("ERRORS") {
-            let score = score_relations(&relations, &mapper.matched_trajectory(), 0.6);
-            let lines: Vec<String> = score
-                .errors
-                .iter()
-                .map(|e| {
-                    format!(
-                        "{:.3} {:.3} {:.2} {:.4} {:.3}",
-                        e.relation.from_s,
-                        e.relation.to_s,
-                        e.relation.pose.x_m.hypot(e.relation.pose.y_m),
-                        e.translation_m,
-                        e.rotation_rad.to_degrees()
-                    )
-                })
-                .collect();
-            std::fs::write(path, lines.join("\n")).unwrap();
-        }
+        evaluate(name, &data.join(log), &data.join(key));
     }
+}
+
+/// Maps a log, and prints its errors before and after the final alignment.
+fn evaluate(name: &str, log: &Path, key: &Path) {
+    let text = unpack(log);
+    let records = if log.to_string_lossy().contains("clf") { carmen(&text) } else { rebuilt(&text) };
+    let relations = read_relations(&unpack(key)).unwrap();
+    let mut mapper = Mapper::new(settings());
+    let show = |what: &str, mapper: &Mapper, since: f64| {
+        let path = if what == "matched" { mapper.matched_trajectory() } else { mapper.trajectory() };
+        let score = score_relations(&relations, &path, 0.6);
+        println!(
+            "{name:9} {what:8} {} nodes  {:.4} m max {:.3}  {:.3} deg missing {} cpu {:.0} ms",
+            mapper.poses.len(),
+            score.translation_mean_m(),
+            score.translation_max_m(),
+            score.rotation_mean_rad().to_degrees(),
+            score.without_pose,
+            (cpu_s() - since) * 1e3
+        );
+    };
+    let start = cpu_s();
+    let mut worst = 0.0_f64;
+    for record in &records {
+        let t = cpu_s();
+        mapper.push(record).unwrap();
+        worst = worst.max(cpu_s() - t);
+    }
+    show("online", &mapper, start);
+    println!(
+        "{name:9} {:?} loops {} worst {:.1} ms",
+        mapper.closer.statistics,
+        mapper.loops.len(),
+        worst * 1e3
+    );
+    let start = cpu_s();
+    mapper.finish().unwrap();
+    show("aligned", &mapper, start);
+    let start = cpu_s();
+    show("matched", &mapper, start);
 }

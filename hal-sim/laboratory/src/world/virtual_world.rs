@@ -24,10 +24,10 @@ use floorguard_operator::panel::Order;
 use floorguard_operator::telemetry::Witnesses;
 use floorguard_recording::replay::ScannerPipe;
 use floorguard_robot::assembly::{
-    GuardCarriers, ScannerCarrier, new_perception, new_shared, spawn_cleaning_ring, spawn_guard_ring,
-    spawn_perception_ring,
+    GuardCarriers, HostedPerception, ScannerCarrier, new_perception, new_shared, spawn_cleaning_ring,
+    spawn_guard_ring, spawn_perception_ring,
 };
-use floorguard_robot::cleaner::{MissionPhase, MissionSetup, Store};
+use floorguard_robot::cleaner::{Cleaner, MissionPhase, MissionSetup, Store};
 use floorguard_robot::learning::{LearningKeeper, LearningSetup};
 
 /// How often truth is compared with what the robot does, microseconds.
@@ -229,14 +229,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     };
     spawn_guard_ring(&mut tasks, &shared, &plan.robot, carriers);
     let guard_tasks = tasks.len();
-    match &mut mission {
-        Some(mission) => spawn_cleaning_ring(&mut tasks, &shared, (&mut perception, mission)),
-        None if !plan.scenario.manoeuvre.is_empty() => {
-            tasks.spawn(perceive(&shared, &mut perception));
-            tasks.spawn(drive_by_hand(&shared, plan.scenario.manoeuvre.clone()));
-        }
-        None => spawn_perception_ring(&mut tasks, &shared, &plan.robot, &mut perception),
-    }
+    spawn_planning(&mut tasks, plan, &shared, (&mut perception, mission.as_mut()));
     let mut orders = Vec::new();
     loop {
         let now_us = world.next_us().min(next_timer_us().unwrap_or(u64::MAX)).max(world.now_us);
@@ -277,6 +270,23 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
             world.look_at_floor(&shared)?;
             world.keep_learned();
         }
+    }
+}
+
+/// The perception ring with what the plan lets the robot do: a mission, commands by hand, or its route.
+fn spawn_planning<'a>(
+    tasks: &mut TaskSet<'a>,
+    plan: &Plan,
+    shared: &'a Shared<NoopRawMutex>,
+    (perception, mission): (&'a mut HostedPerception, Option<&'a mut Cleaner>),
+) {
+    match mission {
+        Some(mission) => spawn_cleaning_ring(tasks, shared, (perception, mission)),
+        None if !plan.scenario.manoeuvre.is_empty() => {
+            tasks.spawn(perceive(shared, perception));
+            tasks.spawn(drive_by_hand(shared, plan.scenario.manoeuvre.clone()));
+        }
+        None => spawn_perception_ring(tasks, shared, &plan.robot, perception),
     }
 }
 

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 
 use floorguard_localisation::scan_matching::{
-    Candidate, CellOffset, DescentConfig, Exclusion, Found, Guess, MotionPenalty, SearchScratch,
+    Candidate, CellOffset, DescentConfig, Exclusion, Found, Guess, MotionPenalty, Refined, SearchScratch,
     SearchWindow, refine, search,
 };
+use floorguard_types::geometry::Pose2;
 use nalgebra::Matrix3;
 
 use super::config::LoopConfig;
@@ -165,90 +166,100 @@ impl LoopCloser {
         let (query, reference) = (&self.stretches[index], &self.stretches[other]);
         let levels = self.fields.get(&other)?.levels();
         let expected = reference.place(poses).between(query.place(poses));
-        let half_m = self.window_m(path_m);
-        let [turn, growth, most] = config.turn_window_rad;
-        let half_rad = (turn + growth * path_m).min(most);
-        let window = SearchWindow {
-            centre: expected.single(),
-            half_side_cells: (half_m as f32 / config.cell_m).ceil() as i32,
-            half_turn_steps: (half_rad as f32 / config.turn_step_rad).ceil() as i32,
-            turn_step_rad: config.turn_step_rad,
-            penalty: MotionPenalty::default(),
-            excluded: None,
-            minimum_score: config.score_least * 0.7,
-        };
+        let window = config.window(expected, path_m);
         self.cells.resize(query.points.len(), CellOffset::default());
         let found = look(&levels, query, &window, (&mut self.cells, &mut self.blocks));
         let Some(found) = found else {
             self.statistics.unlike += 1;
             return None;
         };
-        let descent = DescentConfig {
-            reach_m: config.reach_m,
-            return_deviation_m: 0.3,
-            outlier_distance_m: 0.1,
-            steps_max: 15,
-            step_least: 5.0e-4,
-        };
         let guess = Guess { start: found.pose, expected: found.pose, information: Matrix3::zeros() };
-        let refined = refine(&levels[0], &query.points, &guess, &descent);
+        let refined = refine(&levels[0], &query.points, &guess, &descent(&config));
         if refined.score < config.score_least * 0.8 {
             self.statistics.unlike += 1;
             return None;
         }
-        // Both stretches' returns against the other's scans.
-        let measured = Se2::from(refined.pose);
-        let (nodes, _) = scans;
-        let forward: Vec<_> = query.points.iter().map(|point| refined.pose.transform(*point)).collect();
-        let inverse = measured.inverse().single();
-        let backward: Vec<_> = reference.points.iter().map(|point| inverse.transform(*point)).collect();
-        let there = agreement(&forward, nodes[reference.centre].pose, scans, reference.first..reference.end);
-        let back = agreement(&backward, nodes[query.centre].pose, scans, query.first..query.end);
-        let conflict = there.and(back).conflict_share();
-        let overlap = there.overlap_share().max(back.overlap_share());
-        let log = std::env::var("SLAM_LOG").is_ok();
-        if log {
-            println!(
-                "  {index}->{other} path {path_m:.0} window {half_m:.1} score {:.2} refined {:.2} conflict {conflict:.2} overlap {overlap:.2} expected {:?} found {:?}",
-                found.score, refined.score, expected, measured
-            );
-        }
+        let (conflict, overlap) = mutual_sight(refined.pose, [query, reference], scans);
         if conflict > config.conflict_most || overlap < config.overlap_least {
             self.statistics.contradicted += 1;
             return None;
         }
-        let near = |m: f32| (m / config.cell_m).ceil() as i32;
-        let excluded = Exclusion {
-            column: found.place.column,
-            row: found.place.row,
-            turn: found.place.turn,
-            half_side_cells: near(0.8),
-            half_turn_steps: (0.15 / config.turn_step_rad).ceil() as i32,
-        };
         let needed = 1.0 - (1.0 - found.score) * config.loss_ratio;
-        let second = SearchWindow { excluded: Some(excluded), minimum_score: needed, ..window };
+        let second =
+            SearchWindow { excluded: Some(config.exclusion(&found)), minimum_score: needed, ..window };
         if look(&levels, query, &second, (&mut self.cells, &mut self.blocks)).is_some() {
-            if log {
-                println!("   ambiguous");
-            }
             self.statistics.ambiguous += 1;
             return None;
         }
         self.statistics.accepted += 1;
-        let (sin, cos) = refined.pose.heading_rad.sin_cos();
-        let turn = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
-        let information = (turn.transpose() * refined.information * turn).map(f64::from);
-        // Never surer than 3 cm and half a degree: the walls decide the rest.
-        let floor = Matrix3::from_diagonal(&[9.0e-4, 9.0e-4, 8.0e-5].into());
-        let covariance = (information + Matrix3::from_diagonal_element(1.0e-3)).try_inverse()? + floor;
-        Some(Edge {
-            from: reference.centre,
-            to: query.centre,
-            measured,
-            information: covariance.try_inverse()?,
-            kind: EdgeKind::Loop,
-        })
+        edge([reference.centre, query.centre], &refined)
     }
+}
+
+impl LoopConfig {
+    /// Where a stretch is searched around its expected place, after a path of this length between both.
+    fn window(&self, expected: Se2, path_m: f64) -> SearchWindow {
+        let half_m = (self.window_m + self.drift_share * path_m).min(self.window_most_m);
+        let [turn, growth, most] = self.turn_window_rad;
+        let half_rad = (turn + growth * path_m).min(most);
+        SearchWindow {
+            centre: expected.single(),
+            half_side_cells: (half_m as f32 / self.cell_m).ceil() as i32,
+            half_turn_steps: (half_rad as f32 / self.turn_step_rad).ceil() as i32,
+            turn_step_rad: self.turn_step_rad,
+            penalty: MotionPenalty::default(),
+            excluded: None,
+            minimum_score: self.score_least * 0.7,
+        }
+    }
+
+    /// Around the best place a second one is not looked for.
+    fn exclusion(&self, found: &Found) -> Exclusion {
+        Exclusion {
+            column: found.place.column,
+            row: found.place.row,
+            turn: found.place.turn,
+            half_side_cells: (0.8 / self.cell_m).ceil() as i32,
+            half_turn_steps: (0.15 / self.turn_step_rad).ceil() as i32,
+        }
+    }
+}
+
+fn descent(config: &LoopConfig) -> DescentConfig {
+    DescentConfig {
+        reach_m: config.reach_m,
+        return_deviation_m: 0.3,
+        outlier_distance_m: 0.1,
+        steps_max: 15,
+        step_least: 5.0e-4,
+    }
+}
+
+/// Both stretches' returns against the other's scans: share of conflicts, share of overlap.
+fn mutual_sight(
+    query_in_reference: Pose2,
+    [query, reference]: [&Stretch; 2],
+    scans: (&[Node], &[ScanView]),
+) -> (f64, f64) {
+    let (nodes, _) = scans;
+    let forward: Vec<_> = query.points.iter().map(|point| query_in_reference.transform(*point)).collect();
+    let inverse = Se2::from(query_in_reference).inverse().single();
+    let backward: Vec<_> = reference.points.iter().map(|point| inverse.transform(*point)).collect();
+    let there = agreement(&forward, nodes[reference.centre].pose, scans, reference.first..reference.end);
+    let back = agreement(&backward, nodes[query.centre].pose, scans, query.first..query.end);
+    (there.and(back).conflict_share(), there.overlap_share().max(back.overlap_share()))
+}
+
+/// The loop between two nodes, with what the returns tell of it.
+fn edge([from, to]: [usize; 2], refined: &Refined) -> Option<Edge> {
+    let (sin, cos) = refined.pose.heading_rad.sin_cos();
+    let turn = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
+    let information = (turn.transpose() * refined.information * turn).map(f64::from);
+    // Never surer than 3 cm and half a degree: the walls decide the rest.
+    let floor = Matrix3::from_diagonal(&[9.0e-4, 9.0e-4, 8.0e-5].into());
+    let covariance = (information + Matrix3::from_diagonal_element(1.0e-3)).try_inverse()? + floor;
+    let information = covariance.try_inverse()?;
+    Some(Edge { from, to, measured: Se2::from(refined.pose), information, kind: EdgeKind::Loop })
 }
 
 fn look(

@@ -1,5 +1,5 @@
 //! The whole way from scans to a map.
 
-mod mapper;
+mod whole;
 
-pub use mapper::{MapConfig, Mapper};
+pub use whole::{MapConfig, Mapper};

@@ -22,6 +22,9 @@ pub struct Trace {
     pub tests: String,
     /// Their folder.
     pub tests_folder: String,
+    /// Other packages whose library tests hold requirements; the audited crates are asked anyway.
+    #[serde(default)]
+    pub packages: Vec<String>,
 }
 
 /// What other commands keep.

@@ -79,6 +79,7 @@ fn command(targets: &BTreeSet<String>) -> Command {
     let mut command = shell::cargo();
     command.args(["test", "--quiet", "--no-fail-fast", "--lib", "--package", &facts().trace.tests]);
     command.args(sources::crates().iter().flat_map(|one| ["--package", &one.package]));
+    command.args(facts().trace.packages.iter().flat_map(|package| ["--package", package]));
     for target in targets {
         command.args(["--test", target]);
     }
