@@ -5,6 +5,7 @@ mod ends;
 mod floor_camera;
 mod observer;
 mod operator;
+mod planning;
 mod real_world;
 mod recorded_plan;
 mod scenario_file;

@@ -7,15 +7,14 @@ use floorguard_drivers::can::CanFrame;
 use floorguard_runtime::configuration::ScannerModel;
 use floorguard_runtime::shared::{Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
-use floorguard_runtime::tasks::perceive;
 use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
 use floorguard_sim::{CanFrame as SimCanFrame, FaultKind, FaultLayer, FaultSpec, FaultTarget};
 use floorguard_types::time::Stamp;
 
-use super::by_hand::drive_by_hand;
 use super::floor_camera::SimulatedCamera;
 use super::observer::Observer;
 use super::operator::Operator;
+use super::planning::spawn_planning;
 use super::true_state;
 use crate::plan::Plan;
 use floorguard_host::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
@@ -24,10 +23,9 @@ use floorguard_operator::panel::Order;
 use floorguard_operator::telemetry::Witnesses;
 use floorguard_recording::replay::ScannerPipe;
 use floorguard_robot::assembly::{
-    GuardCarriers, HostedPerception, ScannerCarrier, new_perception, new_shared, spawn_cleaning_ring,
-    spawn_guard_ring, spawn_perception_ring,
+    GuardCarriers, ScannerCarrier, new_perception, new_shared, spawn_guard_ring,
 };
-use floorguard_robot::cleaner::{Cleaner, MissionPhase, MissionSetup, Store};
+use floorguard_robot::cleaner::{MissionPhase, MissionSetup, Store};
 use floorguard_robot::learning::{LearningKeeper, LearningSetup};
 
 /// How often truth is compared with what the robot does, microseconds.
@@ -270,23 +268,6 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
             world.look_at_floor(&shared)?;
             world.keep_learned();
         }
-    }
-}
-
-/// The perception ring with what the plan lets the robot do: a mission, commands by hand, or its route.
-fn spawn_planning<'a>(
-    tasks: &mut TaskSet<'a>,
-    plan: &Plan,
-    shared: &'a Shared<NoopRawMutex>,
-    (perception, mission): (&'a mut HostedPerception, Option<&'a mut Cleaner>),
-) {
-    match mission {
-        Some(mission) => spawn_cleaning_ring(tasks, shared, (perception, mission)),
-        None if !plan.scenario.manoeuvre.is_empty() => {
-            tasks.spawn(perceive(shared, perception));
-            tasks.spawn(drive_by_hand(shared, plan.scenario.manoeuvre.clone()));
-        }
-        None => spawn_perception_ring(tasks, shared, &plan.robot, perception),
     }
 }
 

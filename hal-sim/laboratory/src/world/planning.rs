@@ -1,0 +1,29 @@
+//! Which tasks plan in a simulated run.
+
+use embassy_sync::blocking_mutex::raw::NoopRawMutex;
+use floorguard_robot::assembly::{HostedPerception, spawn_cleaning_ring, spawn_perception_ring};
+use floorguard_robot::cleaner::Cleaner;
+use floorguard_runtime::shared::Shared;
+use floorguard_runtime::tasks::perceive;
+
+use floorguard_host::executor::TaskSet;
+
+use super::by_hand::drive_by_hand;
+use crate::plan::Plan;
+
+/// The perception ring with what the plan lets the robot do: a mission, commands by hand, or its route.
+pub(super) fn spawn_planning<'a>(
+    tasks: &mut TaskSet<'a>,
+    plan: &Plan,
+    shared: &'a Shared<NoopRawMutex>,
+    (perception, mission): (&'a mut HostedPerception, Option<&'a mut Cleaner>),
+) {
+    match mission {
+        Some(mission) => spawn_cleaning_ring(tasks, shared, (perception, mission)),
+        None if !plan.scenario.manoeuvre.is_empty() => {
+            tasks.spawn(perceive(shared, perception));
+            tasks.spawn(drive_by_hand(shared, plan.scenario.manoeuvre.clone()));
+        }
+        None => spawn_perception_ring(tasks, shared, &plan.robot, perception),
+    }
+}
