@@ -157,7 +157,7 @@ fn test_names_have_eight_words() {
 }
 
 #[test]
-fn former_words_are_found_and_parts_of_words_are_not() {
+fn former_words_are_found_as_whole_words() {
     let refused = refused("| eye, that is none | source | names, prose |");
     let found = |text: &str| findings(Path::new("folder.rs"), text, &refused).len();
     assert_eq!(found("struct FolderEye; // the eye, a number that is none"), 3);
