@@ -1,5 +1,6 @@
 //! Judges. What the test files share: where the recordings are, and how a missing one is reported.
 
+pub mod barn;
 pub mod bench;
 pub mod campaign;
 pub mod candidates;

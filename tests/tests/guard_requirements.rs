@@ -107,7 +107,8 @@ fn guard_code() -> Vec<(PathBuf, Vec<String>)> {
     let code_lines = |path: &PathBuf| {
         let text = fs::read_to_string(path).expect("readable");
         // A test module declared in one line has its code in `tests`; any other ends the file.
-        let text = text.replace("#[cfg(test)]\nmod tests;", "").replace("#[cfg(test)]\nextern crate std;", "");
+        let text =
+            text.replace("#[cfg(test)]\nmod tests;", "").replace("#[cfg(test)]\nextern crate std;", "");
         let code = text.split("#[cfg(test)]").next().unwrap_or_default().to_string();
         let is_code = |line: &&str| !line.trim().is_empty() && !line.trim_start().starts_with("//");
         code.lines().filter(is_code).map(str::to_string).collect::<Vec<_>>()

@@ -68,7 +68,7 @@ pub struct UpdateReport {
 
 /// The particles' mean and deviations, in the map frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PoseEstimate {
+pub struct ParticlePose {
     /// Weighted mean.
     pub mean_in_map: Pose2,
     /// The particle with the largest weight ("most likely").
@@ -255,7 +255,7 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> Belief<S, PARTIC
 
     /// Where the robot is believed to be.
     #[must_use]
-    pub fn pose(&self) -> PoseEstimate {
+    pub fn pose(&self) -> ParticlePose {
         let (mut x, mut y, mut sin, mut cos) = (0.0, 0.0, 0.0, 0.0);
         for (&weight, pose) in self.weights.iter().zip(&self.poses) {
             let (s, c) = libm::sincosf(pose.heading_rad);
@@ -270,7 +270,7 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> Belief<S, PARTIC
             squared += weight * (dx * dx + dy * dy);
         }
         let length = libm::sqrtf(sin * sin + cos * cos).clamp(1e-6, 1.0);
-        PoseEstimate {
+        ParticlePose {
             mean_in_map: Pose2::new(x, y, libm::atan2f(sin, cos)),
             best_in_map: self.best(),
             position_deviation_m: libm::sqrtf(squared.max(0.0)),

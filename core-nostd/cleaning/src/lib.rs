@@ -29,7 +29,7 @@ mod tour;
 mod visit;
 
 pub use active_cells::{ActiveCell, ActiveCells, Collapse};
-pub use belief::{Belief, BeliefConfig, Evidence, PoseEstimate, UpdateReport};
+pub use belief::{Belief, BeliefConfig, Evidence, ParticlePose, UpdateReport};
 pub use dirt_model::{ActuatorModel, CellDirt, DirtSensorModel, sweep_cell};
 pub use planner::{PlanReport, Planner};
 pub use policy::{CleanRule, MissionRisk, Verdict};

@@ -23,6 +23,7 @@ mod motion_model;
 pub mod odometry;
 mod range_model;
 mod resample;
+pub mod scan_matching;
 
 pub use motion_model::{MotionNoise, OdometryStep, sample_motion};
 pub use range_model::{BEAMS_TO_JUDGE, RangeModel, RangeModelConfig};

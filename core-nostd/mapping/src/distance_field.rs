@@ -23,7 +23,7 @@ pub fn fill_distances<S, R>(
     S: AsRef<[u8]> + AsMut<[u8]>,
     R: AsRef<[u8]> + AsMut<[u8]>,
 {
-    let width = usize::from(field.geometry().width());
+    let width = field.geometry().columns();
     let resolution_m = field.geometry().resolution_m();
     let reach = (DISTANCE_LIMIT_M / resolution_m).clamp(1.0, 254.0) as u8;
     column_distances(rows.values_mut(), width, reach, is_obstacle);

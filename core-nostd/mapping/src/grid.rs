@@ -4,12 +4,28 @@ use core::marker::PhantomData;
 
 use floorguard_types::geometry::Point2;
 
+/// Cells of a raster are numbered in 32 bits, and the last number is none.
+const CELLS_MAX: u64 = u32::MAX as u64;
+
+/// Columns and rows of a raster.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GridSides {
+    /// Along x.
+    pub columns: u32,
+    /// Along y.
+    pub rows: u32,
+}
+
+const fn sixteen_bits(side: u32) -> u16 {
+    if side > u16::MAX as u32 { u16::MAX } else { side as u16 }
+}
+
 /// Where the cells of a raster lie in the map frame. Cell (0, 0) is the one with the smallest coordinates; the index
 /// runs along x first. Invariants: 0 < `resolution_m` < 100, both sides ≥ 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridGeometry {
-    width: u16,
-    height: u16,
+    columns: u32,
+    rows: u32,
     resolution_m: f32,
     cells_per_metre: f32,
     origin_in_map: Point2,
@@ -20,31 +36,61 @@ impl GridGeometry {
     /// zero, an edge outside (0, 100) m or a corner that is not finite.
     #[must_use]
     pub fn new(width: u16, height: u16, resolution_m: f32, origin_in_map: Point2) -> Option<Self> {
-        let legal = width > 0
-            && height > 0
+        let sides = GridSides { columns: u32::from(width), rows: u32::from(height) };
+        Self::with_sides(sides, resolution_m, origin_in_map)
+    }
+
+    /// As [`Self::new`], with sides of 32 bits. `None` also where the cells cannot be counted in 32 bits: searches number
+    /// cells so.
+    #[must_use]
+    pub fn with_sides(sides: GridSides, resolution_m: f32, origin_in_map: Point2) -> Option<Self> {
+        let cells = u64::from(sides.columns).checked_mul(u64::from(sides.rows))?;
+        let legal = (1..CELLS_MAX).contains(&cells)
             && resolution_m > 1e-4
             && resolution_m < 100.0
             && origin_in_map.x_m.is_finite()
             && origin_in_map.y_m.is_finite();
         legal.then_some(Self {
-            width,
-            height,
+            columns: sides.columns,
+            rows: sides.rows,
             resolution_m,
             cells_per_metre: 1.0 / resolution_m,
             origin_in_map,
         })
     }
 
-    /// Columns, ≥ 1.
+    /// Columns, ≥ 1, for file formats with 16 bits: at most 65,535. Everything else asks [`Self::columns`].
     #[must_use]
     pub const fn width(&self) -> u16 {
-        self.width
+        sixteen_bits(self.columns)
+    }
+
+    /// Rows, ≥ 1, for file formats with 16 bits: at most 65,535. Everything else asks [`Self::rows`].
+    #[must_use]
+    pub const fn height(&self) -> u16 {
+        sixteen_bits(self.rows)
+    }
+
+    /// Columns, ≥ 1.
+    #[inline]
+    #[must_use]
+    pub const fn columns(&self) -> usize {
+        self.columns as usize
     }
 
     /// Rows, ≥ 1.
+    #[inline]
     #[must_use]
-    pub const fn height(&self) -> u16 {
-        self.height
+    pub const fn rows(&self) -> usize {
+        self.rows as usize
+    }
+
+    /// The same raster moved by whole cells.
+    #[must_use]
+    pub fn moved(&self, columns: i32, rows: i32) -> Self {
+        let x_m = self.origin_in_map.x_m + columns as f32 * self.resolution_m;
+        let y_m = self.origin_in_map.y_m + rows as f32 * self.resolution_m;
+        Self { origin_in_map: Point2::new(x_m, y_m), ..*self }
     }
 
     /// Edge of a cell, metres.
@@ -68,8 +114,8 @@ impl GridGeometry {
     /// Number of cells.
     #[must_use]
     pub const fn cell_count(&self) -> usize {
-        // Two u16 factors: the product fits 32 bits.
-        (self.width as usize).saturating_mul(self.height as usize)
+        // The constructor checked that the product fits 32 bits.
+        (self.columns as usize).saturating_mul(self.rows as usize)
     }
 
     /// Index of a cell, `None` outside.
@@ -78,8 +124,8 @@ impl GridGeometry {
     pub fn index(&self, column: i32, row: i32) -> Option<usize> {
         let column = usize::try_from(column).ok()?;
         let row = usize::try_from(row).ok()?;
-        let inside = column < usize::from(self.width) && row < usize::from(self.height);
-        inside.then(|| row.saturating_mul(usize::from(self.width)).saturating_add(column))
+        let inside = column < self.columns() && row < self.rows();
+        inside.then(|| row.saturating_mul(self.columns()).saturating_add(column))
     }
 
     /// Column and row of the cell that holds a point of the map frame; may lie outside the raster.
@@ -104,7 +150,7 @@ impl GridGeometry {
     #[inline]
     #[must_use]
     pub fn coordinates(&self, index: usize) -> (i32, i32) {
-        let width = usize::from(self.width).max(1);
+        let width = self.columns().max(1);
         ((index % width) as i32, (index / width) as i32)
     }
 
@@ -164,6 +210,11 @@ impl<T, S: AsRef<[T]> + AsMut<[T]>> Grid<T, S> {
     #[must_use]
     pub const fn geometry(&self) -> &GridGeometry {
         &self.geometry
+    }
+
+    /// For a window that moves: same sides, other origin.
+    pub(crate) const fn set_geometry(&mut self, moved: GridGeometry) {
+        self.geometry = moved;
     }
 
     /// All values, by index.

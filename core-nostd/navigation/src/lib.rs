@@ -19,7 +19,10 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod costmap;
 mod follow;
+pub mod global;
+pub mod local;
 mod path_search;
 
 pub use follow::{FollowConfig, Following, follow};

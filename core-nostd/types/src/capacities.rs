@@ -5,6 +5,12 @@
 
 /// So much room as is asked for, at most one's own. Without the feature `hosted` it is always one's own, whatever is asked
 /// for: on the microcontroller nobody asks for less, and the compiler knows it.
+///
+/// ```
+/// use floorguard_types::capacities::{SCAN_BEAMS_MAX, room};
+///
+/// assert_eq!(room(10_000, SCAN_BEAMS_MAX), SCAN_BEAMS_MAX);
+/// ```
 pub const fn room(asked: usize, own: usize) -> usize {
     if cfg!(feature = "hosted") && asked < own { asked } else { own }
 }

@@ -2,6 +2,8 @@
 //!
 //! No heap, no clock, no I/O, no `unsafe`, no panic. Time is an argument, running out of room is a value, and
 //! "no data" is never "no obstacle".
+//!
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(
@@ -22,6 +24,7 @@ extern crate std;
 
 pub mod capacities;
 pub mod geometry;
+pub mod motion;
 pub mod random;
 pub mod sensing;
 pub mod time;

@@ -4,6 +4,15 @@
 //! Random numbers). Every sampler is bounded: no rejection loops.
 
 /// PCG-XSH-RR 64/32 (O'Neill 2014). Invariant: `increment` is odd.
+///
+/// ```
+/// use floorguard_types::random::Pcg32;
+///
+/// // The demonstration of the reference implementation: seed 42, stream 54.
+/// let mut random = Pcg32::new(42, 54);
+/// assert_eq!(random.next_u32(), 0xa15c_02b7);
+/// assert_eq!(random.next_u32(), 0x7b47_f409);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Pcg32 {
     state: u64,
@@ -46,6 +55,14 @@ impl Pcg32 {
     }
 
     /// Uniform within 0..bound by multiplication; 0 for a bound of 0. Bias below bound / 2³².
+    ///
+    /// ```
+    /// use floorguard_types::random::Pcg32;
+    ///
+    /// let mut random = Pcg32::new(1, 1);
+    /// assert!((0..100).all(|_| random.below(6) < 6));
+    /// assert_eq!(random.below(0), 0);
+    /// ```
     #[inline]
     pub fn below(&mut self, bound: u32) -> u32 {
         ((u64::from(self.next_u32()) * u64::from(bound)) >> 32) as u32
@@ -89,6 +106,15 @@ impl Pcg32 {
 
     /// Poisson(λ) by inversion; the search ends at λ + 12√λ + 20. λ is clamped to 0..=80 (e⁻⁸⁰ is the last power that
     /// f32 holds with full precision); a λ that is not finite counts as 0.
+    ///
+    /// ```
+    /// use floorguard_types::random::Pcg32;
+    ///
+    /// let mut random = Pcg32::new(1, 1);
+    /// let sum: u32 = (0..1_000).map(|_| random.poisson(3.0)).sum();
+    /// assert!((2_700..3_300).contains(&sum));
+    /// assert_eq!(random.poisson(f32::NAN), 0);
+    /// ```
     #[inline]
     pub fn poisson(&mut self, rate: f32) -> u32 {
         if !rate.is_finite() || rate <= 0.0 {

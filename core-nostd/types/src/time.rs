@@ -4,11 +4,33 @@
 //! ever, so [`Stamp::age`] has two answers and every caller must look at both.
 
 /// Microseconds on the robot's monotonic clock. 2^64 µs are 584,000 years: no wrap-around.
+///
+/// ```
+/// use floorguard_types::time::Stamp;
+///
+/// let start = Stamp::from_micros(86_400_000_000);
+/// let later = start.plus_micros(25);
+/// assert_eq!(later.seconds_since(start), 25.0e-6);
+/// assert_eq!(start.seconds_since(later), -25.0e-6);
+/// assert_eq!(Stamp::ZERO.minus_micros(1), Stamp::ZERO);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Stamp(u64);
 
 /// How old a stamp is, seen from now.
+///
+/// ```
+/// use floorguard_types::time::{Age, Stamp};
+///
+/// let is_fresh = |measured: Stamp, now: Stamp| match measured.age(now) {
+///     Age::Past(micros) => micros <= 100_000,
+///     Age::Future(micros) => micros <= 2_000,
+/// };
+/// let now = Stamp::from_micros(1_000_000);
+/// assert!(is_fresh(Stamp::from_micros(950_000), now));
+/// assert!(!is_fresh(Stamp::from_micros(9_000_000), now));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Age {
@@ -70,6 +92,15 @@ impl Stamp {
 }
 
 /// Maps a free-running 32-bit microsecond counter (wraps every 71.6 min) onto the 64-bit clock.
+///
+/// ```
+/// use floorguard_types::time::Unwrap32;
+///
+/// let mut clock = Unwrap32::default();
+/// assert_eq!(clock.extend(0x7fff_ffff), 0x7fff_ffff);
+/// assert_eq!(clock.extend(0xffff_fff0), 0xffff_fff0);
+/// assert_eq!(clock.extend(0x0000_0010), 0x1_0000_0010);
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Unwrap32 {
     last: u64,

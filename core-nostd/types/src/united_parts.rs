@@ -23,6 +23,27 @@ struct Part<T> {
 }
 
 /// Up to `N` parts, at most 65,536.
+///
+/// ```
+/// use floorguard_types::united_parts::{Absorb, NoRoom, UnitedParts};
+///
+/// /// Pixels of a part.
+/// #[derive(Clone, Copy, Debug, PartialEq)]
+/// struct Pixels(u32);
+/// impl Absorb for Pixels {
+///     fn absorb(&mut self, other: &Self) {
+///         self.0 += other.0;
+///     }
+/// }
+///
+/// let mut parts = UnitedParts::<Pixels, 2>::default();
+/// let left = parts.join([].into_iter(), &Pixels(1)).unwrap();
+/// let right = parts.join([].into_iter(), &Pixels(1)).unwrap();
+/// assert_eq!(parts.join([].into_iter(), &Pixels(1)), Err(NoRoom));
+/// // A pixel between both unites them.
+/// parts.join([left, right].into_iter(), &Pixels(1)).unwrap();
+/// assert!(parts.finished().eq(&[Pixels(3)]));
+/// ```
 #[derive(Clone, Debug)]
 pub struct UnitedParts<T, const N: usize> {
     parts: Vec<Part<T>, N>,

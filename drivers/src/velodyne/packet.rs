@@ -43,7 +43,7 @@ pub enum PacketError {
         /// What stands there.
         found: [u8; 2],
     },
-    /// An azimuth of 36,000 or more.
+    /// An azimuth above 36,000.
     Azimuth {
         /// Which block.
         block: u8,
@@ -72,7 +72,7 @@ impl core::fmt::Display for PacketError {
                 write!(f, "lidar block {block} starts with {a:02X} {b:02X}; expected FF EE")
             }
             Self::Azimuth { block, azimuth_cdeg } => {
-                write!(f, "lidar block {block} has azimuth {azimuth_cdeg} cdeg; the limit is 35999")
+                write!(f, "lidar block {block} has azimuth {azimuth_cdeg} cdeg; the limit is 36000")
             }
             Self::ReturnMode { found } => {
                 write!(f, "lidar return mode 0x{found:02X}; known are 0x37, 0x38, 0x39")
@@ -86,13 +86,16 @@ impl core::fmt::Display for PacketError {
 
 impl core::error::Error for PacketError {}
 
+/// A whole turn, hundredths of a degree. Early firmware sends it in place of 0 (book, Velodyne: Data packet).
+const TURN_CDEG: u16 = 36_000;
+
 /// Stamps up to one second into the next hour have been seen at the roll-over (book, Velodyne: Clock).
 pub const STAMP_LIMIT_US: u32 = 3_601_000_000;
 
 /// A checked data packet.
 ///
 /// # Invariants
-/// 1,206 bytes; every block starts with FF EE and has an azimuth below 36,000; the return mode is known; the stamp is
+/// 1,206 bytes; every block starts with FF EE and has an azimuth of at most 36,000, which is 0; the return mode is known; the stamp is
 /// within the hour and one second.
 #[derive(Clone, Copy, Debug)]
 pub struct Packet<'a> {
@@ -125,7 +128,7 @@ impl<'a> Packet<'a> {
                 return Err(PacketError::BlockFlag { block, found: [flag_low, flag_high] });
             }
             let azimuth_cdeg = u16::from_le_bytes([azimuth_low, azimuth_high]);
-            if azimuth_cdeg >= 36_000 {
+            if azimuth_cdeg > TURN_CDEG {
                 return Err(PacketError::Azimuth { block, azimuth_cdeg });
             }
         }
@@ -171,7 +174,9 @@ impl<'a> Packet<'a> {
     pub fn blocks(&self) -> impl ExactSizeIterator<Item = Block<'a>> + Clone + use<'a> {
         self.blocks.chunks_exact(field::BLOCK_BYTES).map(|bytes| match bytes {
             [_, _, low, high, channels @ ..] => {
-                Block { azimuth_cdeg: u16::from_le_bytes([*low, *high]), channels }
+                // At most a whole turn, see `new_checked`; a whole turn is none.
+                let azimuth_cdeg = u16::from_le_bytes([*low, *high]);
+                Block { azimuth_cdeg: if azimuth_cdeg < TURN_CDEG { azimuth_cdeg } else { 0 }, channels }
             }
             _ => Block { azimuth_cdeg: 0, channels: &[] },
         })

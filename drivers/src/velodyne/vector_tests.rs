@@ -283,3 +283,29 @@ proptest::proptest! {
         let _ = PositionPacket::new_checked(&bytes);
     }
 }
+
+/// Early VLP-16 firmware sends a whole turn in place of 0: the packet means the same.
+#[test]
+fn an_azimuth_of_a_whole_turn_is_zero() {
+    let (mut zero, mut whole) = ([0; 1_206], [0; 1_206]);
+    for (block, azimuth_cdeg) in (35_800_u16..).step_by(40).take(12).enumerate() {
+        let start = 100 * block;
+        for (bytes, turn) in [(&mut zero, 0), (&mut whole, 36_000_u16)] {
+            bytes[start..start + 2].copy_from_slice(&[0xff, 0xee]);
+            let sent = if azimuth_cdeg == 36_000 { turn } else { azimuth_cdeg % 36_000 };
+            bytes[start + 2..start + 4].copy_from_slice(&sent.to_le_bytes());
+            bytes[start + 4..start + 7].copy_from_slice(&[0x10, 0x27, 9]);
+        }
+    }
+    for bytes in [&mut zero, &mut whole] {
+        bytes[1_204..].copy_from_slice(&[0x37, 0x22]);
+    }
+    let decode = |bytes: &[u8]| {
+        let choice = ModelChoice::Fixed(Model::Vlp16);
+        Decoder::new(choice).decode(bytes, Stamp::from_micros(1_000_000)).expect("a packet").0
+    };
+    assert_eq!(decode(&whole), decode(&zero));
+    whole[502..504].copy_from_slice(&36_001_u16.to_le_bytes());
+    let error = Packet::new_checked(&whole).err();
+    assert_eq!(error, Some(PacketError::Azimuth { block: 5, azimuth_cdeg: 36_001 }));
+}

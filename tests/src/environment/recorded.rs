@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use floorguard_robot::environment::pictures::{Layer, write};
-use floorguard_robot::environment::{Calendar, Model, Recording, TrackFormat, read_tracks, teach_recording};
+use floorguard_robot::environment::{Calendar, Model, Recording, TrackReading, read_tracks, teach_recording};
 
 use crate::data::recording;
 
@@ -50,7 +50,7 @@ pub fn recorded(
     folder: Option<&Path>,
 ) -> anyhow::Result<Option<Recorded>> {
     let Some(path) = recording(file) else { return Ok(None) };
-    let (tracks, _) = read_tracks(&path, TrackFormat::Auto)?;
+    let tracks = read_tracks(&path, TrackReading::default())?.recording;
     let bounds = tracks.bounds().ok_or_else(|| anyhow::anyhow!("{name} is empty"))?;
     let calendar = Calendar::default();
     let start = calendar.parse(START)?;

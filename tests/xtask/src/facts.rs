@@ -23,6 +23,7 @@ pub struct Facts {
     /// How the names of the environment variables begin by which tests take their orders.
     pub environment: String,
     pub sources: Sources,
+    pub structure: Structure,
     pub image: Image,
     pub trace: Trace,
     #[serde(default)]
@@ -54,6 +55,20 @@ pub struct Sources {
     /// Features under which audited crates are checked in a copy.
     #[serde(default)]
     pub features: Vec<String>,
+}
+
+/// Rules of the tree as a whole.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Structure {
+    /// Has the table of what may depend on what, and the markers between which the graph is drawn.
+    pub document: String,
+    /// Where Rust files are.
+    pub folders: Vec<String>,
+    /// Lines that a file, a top module, and half of the files may have.
+    pub file_lines: usize,
+    pub module_lines: usize,
+    pub median_lines: usize,
 }
 
 /// The image that is disassembled.

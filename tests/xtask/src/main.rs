@@ -22,6 +22,8 @@ mod reproduce;
 mod setup;
 mod shell;
 mod stack;
+mod structure;
+mod targets;
 mod test;
 mod vcan;
 #[cfg(test)]
@@ -46,6 +48,8 @@ enum Command {
     Audit(audit::Options),
     /// Let the records of docs/evidence follow code that only moved since a commit.
     Moved(audit::moved::Options),
+    /// Check which crate and module knows which, and how long files are; --write draws the graph.
+    Structure(structure::Options),
     /// Run one of the long campaigns on all cores, or go on where it was cut.
     Campaign(campaign::Options),
     /// Play a scenario on the emulated Cortex-M7 and compare with the host, bit for bit.
@@ -56,6 +60,8 @@ enum Command {
     Bench(bench::Options),
     /// Read a recording with readers that others wrote: Python's mcap and rosbags, Rerun's importer.
     CheckRecording(check_recording::Options),
+    /// Build the crates of the core and the drivers for every kind of processor that they are meant for.
+    Targets,
     /// Repeat published experiments, beside the published figures.
     Reproduce(reproduce::Options),
 }
@@ -79,11 +85,13 @@ fn run(command: Command) -> anyhow::Result<bool> {
         Command::Test(options) => test::run(&options),
         Command::Audit(options) => audit::run(&options),
         Command::Moved(options) => audit::moved::run(&options),
+        Command::Structure(options) => structure::run(&options),
         Command::Campaign(options) => campaign::run(&options),
         Command::Firmware(options) => firmware::run(&options),
         Command::Vcan(options) => vcan::run(&options),
         Command::Bench(options) => bench::run(&options),
         Command::CheckRecording(options) => check_recording::run(&options),
+        Command::Targets => targets::run(),
         Command::Reproduce(options) => reproduce::run(&options),
     }
 }

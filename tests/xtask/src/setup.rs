@@ -21,12 +21,12 @@ pub fn run() -> Result<bool> {
 /// # Errors
 /// It does not and cannot be taught here.
 pub fn need_target() -> Result<()> {
-    if machine::has_target() {
+    if machine::has_target(TARGET) {
         return Ok(());
     }
     eprintln!("setup: adding the compiler target {TARGET} with rustup");
     ensure!(
-        machine::add_target()?,
+        machine::add_target(TARGET)?,
         "the compiler target {TARGET} is missing and could not be added; please run: rustup target add {TARGET}"
     );
     Ok(())

@@ -4,6 +4,15 @@ use core::f32::consts::PI;
 
 /// The same direction within [−π, π). Constant time; a value that is not finite becomes 0, because a NaN must never
 /// travel on (book, Conventions: Numbers).
+///
+/// ```
+/// use core::f32::consts::{FRAC_PI_2, PI};
+/// use floorguard_types::geometry::wrap_angle;
+///
+/// assert!((wrap_angle(3.0 * FRAC_PI_2) + FRAC_PI_2).abs() < 1.0e-6);
+/// assert_eq!(wrap_angle(PI), -PI);
+/// assert_eq!(wrap_angle(f32::NAN), 0.0);
+/// ```
 #[must_use]
 pub fn wrap_angle(angle_rad: f32) -> f32 {
     if !angle_rad.is_finite() {

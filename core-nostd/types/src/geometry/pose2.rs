@@ -3,6 +3,14 @@
 use super::wrap_angle;
 
 /// A point on the floor, metres, in the frame that the name of the variable gives.
+///
+/// ```
+/// use floorguard_types::geometry::Point2;
+///
+/// let door = Point2::new(3.0, 4.0);
+/// assert_eq!(door.norm(), 5.0);
+/// assert_eq!(door.distance(Point2::new(3.0, 1.0)), 3.0);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Point2 {
@@ -33,6 +41,16 @@ impl Point2 {
 }
 
 /// Where a frame stands in another one, on the floor. Invariant: `heading_rad` within [−π, π).
+///
+/// ```
+/// use floorguard_types::geometry::{Point2, Pose2};
+///
+/// // The robot stands at (2, 1) and looks along y; a scanner half a metre before it sees a wall 3 m ahead.
+/// let robot_in_map = Pose2::new(2.0, 1.0, core::f32::consts::FRAC_PI_2);
+/// let scanner_in_robot = Pose2::new(0.5, 0.0, 0.0);
+/// let wall = robot_in_map.compose(scanner_in_robot).transform(Point2::new(3.0, 0.0));
+/// assert!(wall.distance(Point2::new(2.0, 4.5)) < 1.0e-6);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Pose2 {
@@ -59,6 +77,14 @@ impl Pose2 {
     }
 
     /// The pose that undoes this one.
+    ///
+    /// ```
+    /// use floorguard_types::geometry::Pose2;
+    ///
+    /// let pose = Pose2::new(1.0, -2.0, 0.7);
+    /// let nothing = pose.compose(pose.inverse());
+    /// assert!(nothing.x_m.abs() < 1.0e-6 && nothing.y_m.abs() < 1.0e-6 && nothing.heading_rad.abs() < 1.0e-6);
+    /// ```
     #[must_use]
     pub fn inverse(self) -> Self {
         let (sin, cos) = libm::sincosf(self.heading_rad);
@@ -77,6 +103,13 @@ impl Pose2 {
 }
 
 /// Velocity of a body on the floor, in its own frame.
+///
+/// ```
+/// use floorguard_types::geometry::Twist2;
+///
+/// assert!(Twist2 { linear_mps: 0.5, angular_radps: -0.2 }.is_finite());
+/// assert!(!Twist2 { linear_mps: f32::NAN, ..Twist2::ZERO }.is_finite());
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Twist2 {

@@ -23,6 +23,17 @@ impl Point3 {
 }
 
 /// A rotation followed by a translation. Invariant: the rows of `rotation` are orthonormal.
+///
+/// ```
+/// use floorguard_types::geometry::{Point3, Transform3};
+///
+/// // A lidar 0.8 m above the floor, turned to the left: what it sees ahead is on the left of the robot.
+/// let turn_rad = core::f32::consts::FRAC_PI_2;
+/// let lidar_in_robot = Transform3::from_mounting(Point3::new(0.5, 0.0, 0.8), 0.0, 0.0, turn_rad);
+/// let point = lidar_in_robot.transform(Point3::new(2.0, 0.0, 0.0));
+/// assert!((point.x_m - 0.5).abs() < 1.0e-6 && (point.y_m - 2.0).abs() < 1.0e-6);
+/// assert_eq!(point.z_m, 0.8);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform3 {
     /// Rotation matrix, row by row.
@@ -55,6 +66,15 @@ impl Transform3 {
     }
 
     /// What it is on the floor: place and heading, height and tilt forgotten.
+    ///
+    /// ```
+    /// use floorguard_types::geometry::{Point3, Transform3};
+    ///
+    /// let tilted = Transform3::from_mounting(Point3::new(0.3, 0.1, 1.2), 0.0, 0.2, 0.5);
+    /// let pose = tilted.on_floor();
+    /// assert_eq!((pose.x_m, pose.y_m), (0.3, 0.1));
+    /// assert!((pose.heading_rad - 0.5).abs() < 1.0e-6);
+    /// ```
     #[must_use]
     pub fn on_floor(&self) -> Pose2 {
         let [[cos, ..], [sin, ..], _] = self.rotation;

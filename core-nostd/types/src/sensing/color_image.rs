@@ -5,6 +5,14 @@ use super::image_size::{ImageView, WrongImageSize};
 use crate::time::Stamp;
 
 /// A checked view of colour pixels, row by row from the top left. Invariant: `width × height` pixels, both ≥ 1.
+///
+/// ```
+/// use floorguard_types::{sensing::ColorImage, time::Stamp};
+///
+/// let rgb = [255, 0, 0, 0, 0, 255];
+/// let image = ColorImage::new(Stamp::ZERO, (2, 1), &rgb).unwrap();
+/// assert_eq!(image.pixels(), [[255, 0, 0], [0, 0, 255]]);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct ColorImage<'a> {
     stamp: Stamp,

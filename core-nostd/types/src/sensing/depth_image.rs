@@ -8,6 +8,17 @@ use super::image_size::{ImageView, WrongImageSize};
 use crate::time::Stamp;
 
 /// A checked view of depth pixels, row by row from the top left. Invariant: `width × height` pixels, both ≥ 1.
+///
+/// ```
+/// use floorguard_types::{sensing::DepthImage, time::Stamp};
+///
+/// let depth_mm = [0, 700, 800, 900, 1_000, 1_100];
+/// let image = DepthImage::new(Stamp::ZERO, (3, 2), &depth_mm).unwrap();
+/// assert_eq!((image.width(), image.height(), image.returns()), (3, 2, 5));
+/// // A frame that was cut is refused, and the error tells the numbers.
+/// let error = DepthImage::new(Stamp::ZERO, (3, 2), &depth_mm[..4]).unwrap_err();
+/// assert_eq!(error.to_string(), "an image of 3 × 2 pixels came with 4 values");
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct DepthImage<'a> {
     stamp: Stamp,

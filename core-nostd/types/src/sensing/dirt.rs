@@ -3,6 +3,16 @@
 use crate::time::Stamp;
 
 /// A message of the dirt sensor. It counts on from power on, so that a lost message loses nothing.
+///
+/// ```
+/// use floorguard_types::sensing::DirtReading;
+///
+/// let earlier = DirtReading { count: 65_534, ..DirtReading::default() };
+/// let later = DirtReading { count: 3, ..DirtReading::default() };
+/// assert_eq!(later.hits_since(&earlier), Some(5));
+/// // A count that has fallen belongs to a sensor that has restarted.
+/// assert_eq!(earlier.hits_since(&later), None);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct DirtReading {
     /// When the message arrived.

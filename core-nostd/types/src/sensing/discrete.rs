@@ -22,6 +22,15 @@ pub enum SafetyInput {
 }
 
 /// All safety inputs at one moment.
+///
+/// ```
+/// use floorguard_types::sensing::{DiscreteInputs, SafetyInput};
+/// use floorguard_types::time::Stamp;
+///
+/// assert_eq!(DiscreteInputs::default().emergency_stop, SafetyInput::Unknown);
+/// let inputs = DiscreteInputs::all_clear(Stamp::ZERO);
+/// assert_eq!(inputs.bumper_front, SafetyInput::Clear);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DiscreteInputs {

@@ -34,6 +34,21 @@ impl core::fmt::Display for FrameFault {
 impl core::error::Error for FrameFault {}
 
 /// What is remembered of the frames of one camera.
+///
+/// ```
+/// use floorguard_types::sensing::{FrameFault, FrameWatch};
+/// use floorguard_types::time::Stamp;
+///
+/// let mut watch = FrameWatch::NEW;
+/// let mut show = |micros, picture| {
+///     watch.accept(Stamp::from_micros(micros), picture, Stamp::from_micros(micros))
+/// };
+/// assert_eq!(show(10, 0xA), Ok(()));
+/// assert_eq!(show(20, 0xA), Ok(()));
+/// assert_eq!(show(30, 0xA), Err(FrameFault::Frozen(3)));
+/// assert_eq!(show(40, 0xB), Ok(()));
+/// assert_eq!(show(40, 0xC), Err(FrameFault::OutOfOrder));
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FrameWatch {
     last: Option<(Stamp, u64)>,
@@ -65,6 +80,12 @@ impl FrameWatch {
 }
 
 /// A number that differs, but for one chance in 2⁶⁴, where two pictures differ in one of the values.
+///
+/// ```
+/// use floorguard_types::sensing::fingerprint;
+///
+/// assert_ne!(fingerprint([1, 2].into_iter()), fingerprint([2, 1].into_iter()));
+/// ```
 #[must_use]
 pub fn fingerprint(values: impl Iterator<Item = u64>) -> u64 {
     // FNV-1a over words: offset basis and prime of its authors.

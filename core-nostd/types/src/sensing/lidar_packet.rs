@@ -51,6 +51,19 @@ impl LidarColumn {
 }
 
 /// A decoded datagram.
+///
+/// ```
+/// use floorguard_types::sensing::{LidarColumn, LidarPacket, silent_cdeg};
+///
+/// let mut packet = LidarPacket { rings: 16, ..LidarPacket::EMPTY };
+/// for azimuth_cdeg in [35_980, 0, 20] {
+///     packet.columns.push(LidarColumn { azimuth_cdeg, ..LidarColumn::SILENT }).unwrap();
+/// }
+/// // Nothing came back from 0.6°: unknown, not free.
+/// assert_eq!(silent_cdeg(&packet), 60);
+/// packet.columns[1].range_raw[7] = 1_000;
+/// assert_eq!(silent_cdeg(&packet), 0);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct LidarPacket {
     /// When the first laser fired, on the robot's clock.

@@ -50,6 +50,12 @@ pub enum DriveState {
 }
 
 /// What the drive reports.
+///
+/// ```
+/// use floorguard_types::sensing::{DriveFeedback, DriveState};
+///
+/// assert_eq!(DriveFeedback::default().state, DriveState::Unknown);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DriveFeedback {

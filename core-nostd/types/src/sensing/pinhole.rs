@@ -2,6 +2,17 @@
 
 /// Intrinsics of a rectified camera, in pixels. Camera frame: x right, y down, z forward (book, Conventions: Frames and
 /// units). Invariants: all finite, both focal lengths ≥ 1.
+///
+/// ```
+/// use floorguard_types::sensing::PinholeCamera;
+///
+/// let camera = PinholeCamera::new([525.0, 525.0], [319.5, 239.5]).unwrap();
+/// let [x, y, z] = camera.ray(100.0, 400.0);
+/// let (column, row) = camera.project([2.0 * x, 2.0 * y, 2.0 * z]).unwrap();
+/// assert!((column - 100.0).abs() < 1.0e-3 && (row - 400.0).abs() < 1.0e-3);
+/// assert_eq!(camera.project([0.0, 0.0, -1.0]), None);
+/// assert!(PinholeCamera::new([0.0, 525.0], [319.5, 239.5]).is_none());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PinholeCamera {
     focal_px: [f32; 2],
@@ -31,6 +42,14 @@ impl PinholeCamera {
     }
 
     /// The same camera after its images were made smaller by a whole factor ≥ 1.
+    ///
+    /// ```
+    /// use floorguard_types::sensing::PinholeCamera;
+    ///
+    /// let camera = PinholeCamera::new([525.0, 525.0], [319.5, 239.5]).unwrap();
+    /// assert_eq!(camera.shrunk(4).focal_px(), [131.25, 131.25]);
+    /// assert_eq!(camera.shrunk(4).centre_px(), [79.5, 59.5]);
+    /// ```
     #[must_use]
     pub fn shrunk(&self, factor: u16) -> Self {
         let scale = 1.0 / f32::from(factor.max(1));

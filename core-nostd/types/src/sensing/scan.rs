@@ -6,6 +6,16 @@ use crate::capacities::SCAN_BEAMS_MAX;
 use crate::time::Stamp;
 
 /// What one beam says. Three values, not two: "no data" must never look like "no obstacle".
+///
+/// ```
+/// use floorguard_types::sensing::BeamReturn;
+///
+/// // A field ends 1.2 m away along this beam.
+/// assert!(BeamReturn::Hit(1_500).is_behind(1_200, 0));
+/// assert!(!BeamReturn::Hit(900).is_behind(1_200, 0));
+/// assert!(BeamReturn::Free(30_000).is_behind(1_200, 0));
+/// assert!(!BeamReturn::Unknown.is_behind(1_200, 0));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum BeamReturn {
@@ -32,6 +42,17 @@ impl BeamReturn {
 }
 
 /// A scan. Beams run counter-clockwise from `first_angle_rad`.
+///
+/// ```
+/// use floorguard_types::sensing::{BeamReturn, Scan};
+/// use floorguard_types::units::radians;
+///
+/// let mut scan = Scan { first_angle_rad: radians(-135.0), step_rad: radians(0.5), ..Scan::EMPTY };
+/// scan.beams.extend((0..541).map(|_| BeamReturn::Free(30_000)));
+/// scan.beams[270] = BeamReturn::Hit(2_000);
+/// let ahead_rad = scan.first_angle_rad + 270.0 * scan.step_rad;
+/// assert!(ahead_rad.abs() < 1.0e-5);
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scan {
     /// The middle of the scan, on the robot's clock.
@@ -65,6 +86,17 @@ impl Scan {
     }
 
     /// Becomes equal to every n-th beam of another one, so that its step is about this or coarser by less than a half.
+    ///
+    /// ```
+    /// use floorguard_types::sensing::{BeamReturn, Scan};
+    ///
+    /// let mut fine = Scan { step_rad: 0.1, ..Scan::EMPTY };
+    /// fine.beams.extend((0..9).map(BeamReturn::Hit));
+    /// let mut thin = Scan::EMPTY;
+    /// thin.copy_thinned(&fine, 0.4);
+    /// assert_eq!(thin.beams, [0, 4, 8].map(BeamReturn::Hit));
+    /// assert_eq!(thin.step_rad, 0.4);
+    /// ```
     pub fn copy_thinned(&mut self, other: &Self, step_rad: f32) {
         let steps = libm::roundf(step_rad / other.step_rad);
         let every = if steps.is_finite() { (steps as usize).clamp(1, SCAN_BEAMS_MAX) } else { 1 };
@@ -80,6 +112,15 @@ impl Scan {
     }
 
     /// Puts the last beam first: a scanner that is mounted upside down.
+    ///
+    /// ```
+    /// use floorguard_types::sensing::{BeamReturn, Scan};
+    ///
+    /// let mut scan = Scan::EMPTY;
+    /// scan.beams.extend([1, 2, 3].map(BeamReturn::Hit));
+    /// scan.turn_round();
+    /// assert_eq!(scan.beams, [3, 2, 1].map(BeamReturn::Hit));
+    /// ```
     pub fn turn_round(&mut self) {
         // `reverse` keeps a panic in the image where the compiler shares it between two callers.
         let half = self.beams.len() / 2;

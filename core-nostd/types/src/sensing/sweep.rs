@@ -38,6 +38,15 @@ impl<const RINGS: usize> SweepColumn<RINGS> {
 pub type SweepPose = Pose2;
 
 /// A revolution. About 100 KiB, 71 KiB on the MCU: keep it in a static and pass references.
+///
+/// ```
+/// use floorguard_types::sensing::{Sweep, SweepColumn};
+///
+/// static EMPTY: Sweep = Sweep::EMPTY;
+/// assert!(EMPTY.used_columns().is_empty());
+/// // A column that no packet brought is unknown.
+/// assert!(!SweepColumn::<16>::UNKNOWN.measured);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Sweep<const RINGS: usize = SWEEP_RINGS> {
     /// When the first column was measured, on the robot's clock.

@@ -10,7 +10,7 @@ use floorguard_sim::scenario::{RecordedFile, Scenario};
 use floorguard_sim::scene::OccupiedCells;
 use floorguard_types::geometry::{Point2, Pose2};
 
-use floorguard_robot::environment::{TrackFormat, read_tracks};
+use floorguard_robot::environment::{TrackReading, read_tracks};
 use floorguard_robot::site::ros_map;
 
 /// Reads a scenario with its map and its recording; their paths are relative to the file.
@@ -48,7 +48,7 @@ fn occupied(path: &Path) -> anyhow::Result<OccupiedCells> {
 
 /// One walk for each person of the recording, in the world frame and the run's time.
 fn walks(folder: &Path, recorded: &RecordedFile) -> anyhow::Result<Vec<RecordedWalk>> {
-    let (recording, _) = read_tracks(&folder.join(&recorded.file), TrackFormat::Auto)?;
+    let recording = read_tracks(&folder.join(&recorded.file), TrackReading::default())?.recording;
     let place = Pose2::new(recorded.at_m[0], recorded.at_m[1], recorded.yaw_deg.to_radians());
     let from_us = (f64::from(recorded.from_s) * 1.0e6) as i64;
     let mut walks: BTreeMap<u64, Vec<(u64, Point2)>> = BTreeMap::new();

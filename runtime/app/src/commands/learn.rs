@@ -9,8 +9,8 @@ use floorguard_types::geometry::Point2;
 
 use super::BadInput;
 use floorguard_robot::environment::{
-    Calendar, Lesson, Model, Recording, TrackFormat, load, pictures, read_tracks, read_zones, save,
-    teach_recording,
+    Calendar, Lesson, Model, ReadTracks, TrackFormat, TrackReading, load, pictures, read_tracks, read_zones,
+    save, teach_recording,
 };
 use floorguard_robot::site::ros_map;
 
@@ -29,6 +29,9 @@ pub struct LearnArguments {
     /// Layout of the recordings.
     #[arg(long, default_value = "auto")]
     pub format: TrackFormat,
+    /// Frames a second of the recordings; without it, what a file tells or its layout is known for.
+    #[arg(long, value_name = "FRAMES_PER_SECOND")]
+    pub rate: Option<f64>,
     /// Write the heat map of all hours to this picture.
     #[arg(long)]
     pub picture: Option<PathBuf>,
@@ -67,17 +70,19 @@ pub fn run(arguments: &LearnArguments) -> anyhow::Result<()> {
 }
 
 fn learn(arguments: &LearnArguments) -> anyhow::Result<()> {
+    let reading = TrackReading { format: arguments.format, frames_per_second: arguments.rate };
     let recordings = arguments
         .tracks
         .iter()
-        .map(|path| Ok((path, read_tracks(path, arguments.format)?)))
+        .map(|path| Ok((path, read_tracks(path, reading)?)))
         .collect::<anyhow::Result<Vec<_>>>()?;
-    let bounds = bounds(recordings.iter().filter_map(|(_, (recording, _))| recording.bounds()));
+    let bounds = bounds(recordings.iter().filter_map(|(_, read)| read.recording.bounds()));
     let mut model = open(&arguments.place, bounds)?;
     let starts: Vec<WallTime> =
         arguments.start.iter().map(|text| model.calendar.parse(text)).collect::<anyhow::Result<_>>()?;
     let mut follows = None;
-    for (index, (path, (recording, format))) in recordings.iter().enumerate() {
+    for (index, (path, read)) in recordings.iter().enumerate() {
+        let recording = &read.recording;
         let start = starts.get(index).copied().or(follows).with_context(|| {
             format!(
                 "{}: recordings do not say when they were made; add --start 2026-04-06T08:00",
@@ -87,7 +92,7 @@ fn learn(arguments: &LearnArguments) -> anyhow::Result<()> {
         let lesson =
             teach_recording(&mut model, recording, start).with_context(|| format!("{}", path.display()))?;
         follows = Some(start.plus_micros(recording.length_us().saturating_add(1_000_000)));
-        tell(&model, (path, recording, *format), (start, lesson));
+        tell(&model, (path, read), (start, lesson));
     }
     save(&arguments.place.model, &mut model)?;
     if let Some(picture) = &arguments.picture {
@@ -97,13 +102,10 @@ fn learn(arguments: &LearnArguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn tell(
-    model: &Model,
-    (path, recording, format): (&Path, &Recording, TrackFormat),
-    (start, lesson): (WallTime, Lesson),
-) {
+fn tell(model: &Model, (path, read): (&Path, &ReadTracks), (start, lesson): (WallTime, Lesson)) {
+    let ReadTracks { recording, format, frames_per_second } = read;
     say!(
-        "{} ({format:?}): {} people, {} positions, {:.0} s from {}{}{}",
+        "{} ({format:?}, {frames_per_second} frames a second): {} people, {} positions, {:.0} s from {}{}{}",
         path.display(),
         recording.people(),
         lesson.positions,

@@ -25,5 +25,5 @@ pub use question::{Question, WeekHours};
 pub use store::{Loaded, load, save};
 pub use store::{places, read_newest, replace_file};
 pub use teach::{Lesson, PeopleSeen, teach_recording, teach_run};
-pub use tracks::{Recording, TrackFormat, TrackPoint, read_tracks};
+pub use tracks::{ReadTracks, Recording, TrackFormat, TrackPoint, TrackReading, read_tracks};
 pub use zones::{Zone, read_zones};

@@ -21,7 +21,7 @@ mod loop_syntax;
 mod loop_visitor;
 mod loop_words;
 mod loops;
-mod macros;
+pub mod macros;
 pub mod moved;
 mod mutation;
 mod picture;
@@ -43,6 +43,8 @@ mod trace;
 mod walks;
 
 pub use bounds::shown;
+pub use claim::{Claim, Finding};
+pub use hosted_only::paths_of;
 pub use loops::{LoopSite, list as loops_of};
 pub use run::{Options, run};
 pub use seen::{RECORD, Record, numbers, written};

@@ -95,7 +95,7 @@ fn git(arguments: &[&str]) -> Result<String> {
     shell::output(&mut command).with_context(|| format!("git {} fails", arguments.join(" ")))
 }
 
-/// Lines `R100	OLD	NEW`.
+/// Lines of three fields, parted by tabs: `R100`, the old name, the new one.
 fn renamed(status: &str) -> BTreeMap<String, String> {
     let lines = status.lines().filter(|line| line.starts_with('R'));
     let pairs = lines.filter_map(|line| {

@@ -15,7 +15,7 @@ use super::{
     circles, dependencies, hosted_only, image_claims, mutation, picture, records, report, roots, seen,
     sources, trace,
 };
-use crate::{setup, shell};
+use crate::{setup, shell, structure};
 
 /// How the audit speaks.
 #[derive(Args)]
@@ -34,6 +34,7 @@ pub fn run(options: &Options) -> Result<bool> {
     let (mut claims, mut sites) = judge_sources(&files);
     claims.push(seen::compare(&root, &mut sites));
     claims.push(hosted_only::claim(&root, &files)?);
+    claims.extend(structure::judge(&root)?);
     let documents = trace::Sources::read(&root)?;
     let tests = results::build(&documents.targets())?;
     // What does not compile can still be read: the mistakes in the sources are named all the same.

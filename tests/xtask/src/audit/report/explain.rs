@@ -212,6 +212,37 @@ pub const EXPLANATIONS: &[Explanation] = &[
         ),
         ("mutants", "mutation.rs: a_record_below_its_share_fails, a_part_without_a_record_fails"),
     ),
+    explanation(
+        "crates-layered",
+        (
+            "Cargo's metadata against the column `may depend on` of the architecture's tables: each arrow needs a row, and no \
+             cycle may come of them.",
+            "Dependencies of tests alone are left out. What broke the rule when it was made is in tests/structure-known.toml.",
+        ),
+        ("claims", "planted_tests.rs: an_arrow_that_the_table_does_not_allow_is_refused"),
+    ),
+    explanation(
+        "modules-acyclic",
+        (
+            "Every `use` and every path of a crate, led to the top module that it names; what the root hands on counts as its \
+             module's.",
+            "Calls of methods name no module and are not seen.",
+        ),
+        ("claims", "planted_tests.rs: a_cycle_of_modules_is_seen_however_it_is_written"),
+    ),
+    explanation(
+        "files-short",
+        (
+            "Lines of each file and of each top module, tests included.",
+            "Length says nothing of what the lines hold.",
+        ),
+        ("claims", "planted_tests.rs: each_planted_fault_turns_its_claim"),
+    ),
+    explanation(
+        "structure-drawn",
+        ("The drawn graph is compared with the one read just now.", "As crates-layered and modules-acyclic."),
+        ("claims", "planted_tests.rs: each_planted_fault_turns_its_claim"),
+    ),
 ];
 
 /// The answers for a claim.

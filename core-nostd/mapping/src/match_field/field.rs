@@ -1,0 +1,74 @@
+//! A field that grows by returns, with the coarse level that a search over a small window needs.
+
+use floorguard_types::geometry::Point2;
+
+use super::stamp::Stamp;
+use super::view::FieldLevel;
+use crate::grid::{Grid, GridGeometry, GridTooSmall};
+
+/// A field over storage `S`: a fine level and one that bounds 4 × 4 cells, both kept while returns come in.
+#[derive(Clone, Debug)]
+pub struct MatchField<S> {
+    fine: Grid<u8, S>,
+    coarse: Grid<u8, S>,
+    reach_m: f32,
+}
+
+/// Level of the coarse grid.
+const COARSE_SHIFT: u8 = 2;
+
+impl<S: AsRef<[u8]> + AsMut<[u8]>> MatchField<S> {
+    /// An empty field. `reach_m` is the distance at which a return's value has fallen to zero.
+    ///
+    /// # Errors
+    /// A storage is smaller than the geometry.
+    pub fn new(geometry: GridGeometry, storage: [S; 2], reach_m: f32) -> Result<Self, GridTooSmall> {
+        let [fine, coarse] = storage;
+        let mut field = Self { fine: Grid::new(geometry, fine)?, coarse: Grid::new(geometry, coarse)?, reach_m };
+        field.fine.values_mut().fill(0);
+        field.coarse.values_mut().fill(0);
+        Ok(field)
+    }
+
+    /// Writes a return, in the field's frame. Cost: (2 reach / edge)² cells, and somewhat more for the coarse level.
+    pub fn insert(&mut self, point: Point2) {
+        let fine = Stamp { geometry: *self.fine.geometry(), reach_m: self.reach_m, shift: 0 };
+        fine.write(self.fine.values_mut(), point);
+        Stamp { shift: COARSE_SHIFT, ..fine }.write(self.coarse.values_mut(), point);
+    }
+
+    /// The levels, fine first.
+    #[must_use]
+    pub fn levels(&self) -> [FieldLevel<'_>; 2] {
+        let geometry = *self.fine.geometry();
+        [
+            FieldLevel { geometry, values: self.fine.values(), shift: 0 },
+            FieldLevel { geometry, values: self.coarse.values(), shift: COARSE_SHIFT },
+        ]
+    }
+
+    /// Distance at which a return's value has fallen to zero, metres.
+    #[must_use]
+    pub const fn reach_m(&self) -> f32 {
+        self.reach_m
+    }
+}
+
+/// Makes the next coarser level: every cell of `target` becomes the largest of four cells of `source`, which lie
+/// 2^`source.shift` apart. Cost: four reads a cell.
+pub fn coarsen(source: FieldLevel<'_>, target: &mut [u8]) {
+    let step = 1_usize << source.shift.min(15);
+    let width = usize::from(source.geometry.width()).max(1);
+    let rows = usize::from(source.geometry.height());
+    for (row, out) in target.chunks_exact_mut(width).take(rows).enumerate() {
+        let start = row.saturating_mul(width);
+        let above = start.saturating_add(step.saturating_mul(width));
+        let here = source.values.get(start..start.saturating_add(width)).unwrap_or_default();
+        let there = source.values.get(above..above.saturating_add(width)).unwrap_or_default();
+        for (column, cell) in out.iter_mut().enumerate() {
+            let next = column.saturating_add(step);
+            let of = |line: &[u8], column: usize| line.get(column).copied().unwrap_or(0);
+            *cell = of(here, column).max(of(here, next)).max(of(there, column)).max(of(there, next));
+        }
+    }
+}

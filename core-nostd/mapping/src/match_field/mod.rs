@@ -1,0 +1,8 @@
+//! What a scan is matched against: for every cell, how near the nearest return is.
+
+mod field;
+mod stamp;
+mod view;
+
+pub use field::{MatchField, coarsen};
+pub use view::{FieldLevel, FieldSample};

@@ -1,0 +1,60 @@
+//! A return written into a level of a field.
+
+use floorguard_types::geometry::Point2;
+
+use crate::grid::GridGeometry;
+
+/// How a return is written.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stamp {
+    /// Where the cells lie.
+    pub(super) geometry: GridGeometry,
+    /// Distance at which the value has fallen to zero, metres.
+    pub(super) reach_m: f32,
+    /// Level, as in `FieldLevel`.
+    pub(super) shift: u8,
+}
+
+/// Cells that a return can reach along one direction, at most.
+const REACH_CELLS_MAX: i32 = 64;
+
+impl Stamp {
+    /// Raises the values around a point.
+    pub(super) fn write(&self, values: &mut [u8], point: Point2) {
+        let cells_per_metre = self.geometry.cells_per_metre();
+        let origin = self.geometry.origin_in_map();
+        // In cells, so that cell c has its centre at c.
+        let x = (point.x_m - origin.x_m) * cells_per_metre - 0.5;
+        let y = (point.y_m - origin.y_m) * cells_per_metre - 0.5;
+        let reach = (self.reach_m * cells_per_metre).min(REACH_CELLS_MAX as f32);
+        let window = (1_i32 << self.shift.min(6)).saturating_sub(1);
+        let near = |value: f32| libm::ceilf(value - reach) as i32;
+        let far = |value: f32| libm::floorf(value + reach) as i32;
+        let (width, height) = (i32::from(self.geometry.width()), i32::from(self.geometry.height()));
+        let (left, right) = (near(x).saturating_sub(window).max(0), far(x).min(width.saturating_sub(1)));
+        let (low, high) = (near(y).saturating_sub(window).max(0), far(y).min(height.saturating_sub(1)));
+        if left > right || reach <= 0.0 {
+            return;
+        }
+        for row in low..=high {
+            let away_y = closest(y, row, window);
+            let (Some(first), Some(last)) =
+                (self.geometry.index(left, row), self.geometry.index(right, row))
+            else {
+                continue;
+            };
+            for (column, value) in (left..=right).zip(values.get_mut(first..=last).unwrap_or_default()) {
+                let away_x = closest(x, column, window);
+                let share = 1.0 - libm::sqrtf(away_x * away_x + away_y * away_y) / reach;
+                // Between 0 and 255: negative shares saturate to 0.
+                *value = (*value).max((share * 255.0 + 0.5) as u8);
+            }
+        }
+    }
+}
+
+/// Distance from a coordinate to the nearest cell centre among `cell` to `cell + window`, cells.
+fn closest(coordinate: f32, cell: i32, window: i32) -> f32 {
+    let nearest = (libm::roundf(coordinate) as i32).clamp(cell, cell.saturating_add(window));
+    coordinate - nearest as f32
+}

@@ -1,0 +1,263 @@
+//! Finds a path for a long robot: straight on, on arcs, on the spot, and backwards.
+//!
+//! Best-first search over place and heading (hybrid A*, Dolgov and others 2008: poses stay continuous; a raster of places and
+//! 16 headings decides which are alike). Storage is the caller's: a node for each pose looked at, a record for each place and
+//! heading, and the open list.
+
+use floorguard_mapping::GridGeometry;
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::motion::{Gear, Waypoint};
+
+use super::contract::PlanFailure;
+use super::lattice_heap::{HeapEntry, pop, push};
+
+/// Headings that are kept apart.
+pub const HEADINGS: usize = 16;
+const TURN_RAD: f32 = core::f32::consts::TAU / HEADINGS as f32;
+/// Motions from a pose.
+const MOTIONS: usize = 6;
+/// Costs are compared in units of 0.1 ms.
+const UNITS_PER_S: f32 = 1.0e4;
+
+/// Speeds that the costs are made of, and the shape of the motions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pace {
+    /// Forward, m/s, > 0.
+    pub speed_mps: f32,
+    /// On the spot, rad/s, > 0.
+    pub turn_radps: f32,
+    /// Backwards, m/s, > 0.
+    pub reverse_mps: f32,
+    /// What a change of gear takes, seconds.
+    pub change_s: f32,
+    /// Length of a straight step, metres: more than a cell of the raster, so that it leaves it.
+    pub step_m: f32,
+    /// Radius of the arcs, metres, > 0.
+    pub arc_m: f32,
+    /// What is left counts this much more than what lies behind: 1 finds the best path, more finds a good one sooner.
+    pub haste: f32,
+}
+
+/// What the search asks.
+pub trait LatticeWorld {
+    /// How many times as long as in the open a motion to this pose takes; `None`: the robot cannot be there.
+    fn slowness(&self, pose_in_map: Pose2, gear: Gear) -> Option<f32>;
+    /// Time from this pose to the goal, seconds, estimated; `None`: the goal cannot be reached from there.
+    fn left_s(&self, pose_in_map: Pose2) -> Option<f32>;
+    /// This pose is good enough.
+    fn is_goal(&self, pose_in_map: Pose2) -> bool;
+}
+
+/// A pose that the search looked at.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LatticeNode {
+    pose: Pose2,
+    gear: Gear,
+    parent: u32,
+    cost_s: f32,
+}
+
+/// The best cost of a place and heading, and the search that found it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LatticeCell {
+    cost_s: f32,
+    round: u32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Motion {
+    by: Pose2,
+    costs_s: f32,
+    gear: Gear,
+}
+
+/// The search with its memory: `N` nodes, `C` one record a cell and heading of the raster, `H` as many entries as nodes.
+#[derive(Clone, Debug)]
+pub struct Lattice<N, C, H> {
+    raster: GridGeometry,
+    motions: [Motion; MOTIONS],
+    pace: Pace,
+    nodes: N,
+    cells: C,
+    heap: H,
+    round: u32,
+    used: usize,
+    waiting: usize,
+}
+
+impl<N, C, H> Lattice<N, C, H>
+where
+    N: AsRef<[LatticeNode]> + AsMut<[LatticeNode]>,
+    C: AsRef<[LatticeCell]> + AsMut<[LatticeCell]>,
+    H: AsRef<[HeapEntry]> + AsMut<[HeapEntry]>,
+{
+    /// Over a raster, which need not be that of the costmap: two cells to a straight step are enough.
+    #[must_use]
+    pub fn new(raster: GridGeometry, pace: Pace, (nodes, cells, heap): (N, C, H)) -> Self {
+        let motions = motions(&pace);
+        Self { raster, motions, pace, nodes, cells, heap, round: 0, used: 0, waiting: 0 }
+    }
+
+    /// The speeds that it counts on.
+    #[must_use]
+    pub const fn pace(&self) -> &Pace {
+        &self.pace
+    }
+
+    /// How many poses the last search looked at.
+    #[must_use]
+    pub const fn looked_at(&self) -> usize {
+        self.used
+    }
+
+    /// A path from a pose to the first one that is good enough; gives how many waypoints were written, and its seconds. The
+    /// start need not be free.
+    ///
+    /// # Errors
+    /// [`PlanFailure::Unreachable`], [`PlanFailure::PathTooLong`], or [`PlanFailure::OutOfRoom`].
+    pub fn find(
+        &mut self,
+        start_in_map: Pose2,
+        world: &impl LatticeWorld,
+        path: &mut [Waypoint],
+    ) -> Result<LatticePath, PlanFailure> {
+        if self.cells.as_ref().len() < self.raster.cell_count().saturating_mul(HEADINGS) {
+            return Err(PlanFailure::OutOfRoom);
+        }
+        self.begin();
+        let start = LatticeNode { pose: start_in_map, gear: Gear::Ahead, parent: u32::MAX, cost_s: 0.0 };
+        self.open(start, world.left_s(start_in_map).unwrap_or(0.0))?;
+        for _ in 0..self.nodes.as_ref().len().max(1) {
+            let Some(entry) = pop(self.heap.as_mut(), self.waiting) else {
+                return Err(PlanFailure::Unreachable);
+            };
+            self.waiting = self.waiting.saturating_sub(1);
+            let Some(node) = self.nodes.as_ref().get(entry.node as usize).copied() else { continue };
+            let is_outdated = self.kind(node.pose).is_none_or(|kind| self.best_s(kind) < node.cost_s);
+            if is_outdated {
+                continue;
+            }
+            if world.is_goal(node.pose) {
+                let waypoints = self.path_to(entry.node, path)?;
+                return Ok(LatticePath { waypoints, time_s: node.cost_s });
+            }
+            self.expand(entry.node, node, world)?;
+        }
+        Err(PlanFailure::OutOfRoom)
+    }
+
+    fn begin(&mut self) {
+        self.round = self.round.wrapping_add(1);
+        if self.round == 0 {
+            self.cells.as_mut().fill(LatticeCell::default());
+            self.round = 1;
+        }
+        (self.used, self.waiting) = (0, 0);
+    }
+
+    fn expand(
+        &mut self,
+        number: u32,
+        node: LatticeNode,
+        world: &impl LatticeWorld,
+    ) -> Result<(), PlanFailure> {
+        for motion in self.motions {
+            let next = node.pose.compose(motion.by);
+            let change_s = if motion.gear == node.gear { 0.0 } else { self.pace.change_s };
+            let Some(kind) = self.kind(next) else { continue };
+            if self.best_s(kind) <= node.cost_s + motion.costs_s + change_s {
+                continue;
+            }
+            let Some(slowness) = world.slowness(next, motion.gear) else { continue };
+            let cost_s = node.cost_s + motion.costs_s * slowness.max(1.0) + change_s;
+            if self.best_s(kind) <= cost_s {
+                continue;
+            }
+            let Some(left_s) = world.left_s(next) else { continue };
+            self.open(LatticeNode { pose: next, gear: motion.gear, parent: number, cost_s }, left_s)?;
+        }
+        Ok(())
+    }
+
+    fn open(&mut self, node: LatticeNode, left_s: f32) -> Result<(), PlanFailure> {
+        let kind = self.kind(node.pose).ok_or(PlanFailure::StartBlocked)?;
+        *self.nodes.as_mut().get_mut(self.used).ok_or(PlanFailure::OutOfRoom)? = node;
+        let urgency = ((node.cost_s + self.pace.haste * left_s) * UNITS_PER_S) as u32;
+        let entry = HeapEntry { urgency, node: self.used as u32 };
+        self.waiting = push(self.heap.as_mut(), self.waiting, entry).ok_or(PlanFailure::OutOfRoom)?;
+        self.used = self.used.saturating_add(1);
+        if let Some(cell) = self.cells.as_mut().get_mut(kind) {
+            *cell = LatticeCell { cost_s: node.cost_s, round: self.round };
+        }
+        Ok(())
+    }
+
+    /// Place and heading as one number.
+    fn kind(&self, pose: Pose2) -> Option<usize> {
+        let cell = self.raster.cell_at(Point2::new(pose.x_m, pose.y_m))?;
+        let heading = libm::roundf(pose.heading_rad / TURN_RAD) as i32;
+        let heading = heading.rem_euclid(HEADINGS as i32) as usize;
+        Some(cell.saturating_mul(HEADINGS).saturating_add(heading))
+    }
+
+    fn best_s(&self, kind: usize) -> f32 {
+        let cell = self.cells.as_ref().get(kind).filter(|cell| cell.round == self.round);
+        cell.map_or(f32::INFINITY, |cell| cell.cost_s)
+    }
+
+    /// Writes the waypoints up to a node.
+    fn path_to(&self, number: u32, path: &mut [Waypoint]) -> Result<usize, PlanFailure> {
+        let nodes = self.nodes.as_ref();
+        let before = |at: u32| nodes.get(at as usize).map_or(u32::MAX, |node| node.parent);
+        let chain =
+            || core::iter::successors(Some(number), |&at| Some(before(at)).filter(|&at| at != u32::MAX));
+        let count = chain().take(self.used).count();
+        let path = path.get_mut(..count).ok_or(PlanFailure::PathTooLong(count))?;
+        for (slot, at) in path.iter_mut().rev().zip(chain()) {
+            if let Some(node) = nodes.get(at as usize) {
+                *slot = Waypoint { pose_in_map: node.pose, gear: node.gear };
+            }
+        }
+        Ok(count)
+    }
+}
+
+/// A path of the lattice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LatticePath {
+    /// How many waypoints were written.
+    pub waypoints: usize,
+    /// How long it takes, seconds.
+    pub time_s: f32,
+}
+
+fn motions(pace: &Pace) -> [Motion; MOTIONS] {
+    let chord_m = 2.0 * pace.arc_m * libm::sinf(TURN_RAD / 2.0);
+    let arc = |sign: f32| {
+        let (sin, cos) = libm::sincosf(sign * TURN_RAD / 2.0);
+        let speed_mps = (0.8 * pace.speed_mps).min(pace.turn_radps * pace.arc_m);
+        Motion {
+            by: Pose2::new(chord_m * cos, chord_m * sin, sign * TURN_RAD),
+            costs_s: pace.arc_m * TURN_RAD / speed_mps,
+            gear: Gear::Ahead,
+        }
+    };
+    let spin = |sign: f32| Motion {
+        by: Pose2::new(0.0, 0.0, sign * TURN_RAD),
+        costs_s: TURN_RAD / pace.turn_radps,
+        gear: Gear::Spin,
+    };
+    let straight = |way_m: f32, speed_mps: f32, gear| Motion {
+        by: Pose2::new(way_m, 0.0, 0.0),
+        costs_s: libm::fabsf(way_m) / speed_mps,
+        gear,
+    };
+    [
+        straight(pace.step_m, pace.speed_mps, Gear::Ahead),
+        arc(1.0),
+        arc(-1.0),
+        spin(1.0),
+        spin(-1.0),
+        straight(-pace.step_m, pace.reverse_mps, Gear::Back),
+    ]
+}

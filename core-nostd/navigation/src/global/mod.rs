@@ -1,0 +1,30 @@
+//! Paths across the whole map, by one contract: Dijkstra as published, bucketed Dijkstra, A*, and a lattice of motions that
+//! the drive can make, for long robots. Smoothing and re-planning belong to all of them.
+
+mod bucket_queue;
+mod contract;
+mod gradient;
+mod grid_planner;
+mod grid_search;
+mod lattice;
+mod lattice_heap;
+mod lattice_planner;
+mod potential;
+mod published;
+mod replan;
+mod smooth;
+mod step_costs;
+mod trace;
+
+pub use contract::{GlobalPlanner, Plan, PlanFailure, PlanRequest};
+pub use gradient::descend;
+pub use grid_planner::GridPlanner;
+pub use grid_search::{GridSearch, SearchEnd, SearchMethod};
+pub use lattice::{HEADINGS, Lattice, LatticeCell, LatticeNode, LatticeWorld, Pace};
+pub use lattice_heap::HeapEntry;
+pub use lattice_planner::{LatticeGoal, LatticePlanner};
+pub use potential::{UNREACHED, potential};
+pub use published::{PublishedDijkstra, Wavefront, WavefrontFull};
+pub use replan::{PlanState, check_plan};
+pub use smooth::smooth;
+pub use step_costs::StepCosts;

@@ -1,0 +1,93 @@
+//! Runs the published logs through the mapping and prints the relation errors.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use floorguard_mapping_host::Se2;
+use floorguard_mapping_host::front_end::{FrontEndConfig, Tracker};
+use floorguard_mapping_host::input::ScanRecord;
+use floorguard_mapping_host::metrics::{read_relations, score_relations};
+
+fn unpack(path: &Path) -> String {
+    let file = std::fs::File::open(path).unwrap();
+    let mut text = String::new();
+    if path.extension().is_some_and(|e| e == "gz") {
+        flate2::read::MultiGzDecoder::new(file).read_to_string(&mut text).unwrap();
+    } else if path.extension().is_some_and(|e| e == "bz2") {
+        bzip2::read::MultiBzDecoder::new(file).read_to_string(&mut text).unwrap();
+    } else {
+        std::io::BufReader::new(file).read_to_string(&mut text).unwrap();
+    }
+    text
+}
+
+fn carmen(text: &str) -> Vec<ScanRecord> {
+    let mut records = Vec::new();
+    for line in text.lines().filter(|line| line.starts_with("FLASER")) {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let beams: usize = words[1].parse().unwrap();
+        let number = |i: usize| words[2 + beams + i].parse::<f64>().unwrap();
+        records.push(ScanRecord {
+            time_s: number(6),
+            odometry: Some(Se2::new(number(0), number(1), number(2))),
+            first_angle_rad: -std::f32::consts::FRAC_PI_2,
+            step_rad: std::f32::consts::PI / beams as f32,
+            ranges_m: words[2..2 + beams].iter().map(|w| w.parse().unwrap()).collect(),
+        });
+    }
+    records
+}
+
+fn rebuilt(text: &str) -> Vec<ScanRecord> {
+    text.lines()
+        .map(|line| {
+            let n: Vec<f64> = line.split_whitespace().map(|w| w.parse().unwrap()).collect();
+            ScanRecord {
+                time_s: n[0],
+                odometry: Some(Se2::new(n[1], n[2], n[3])),
+                first_angle_rad: n[5] as f32,
+                step_rad: n[6] as f32,
+                ranges_m: n[7..].iter().map(|r| *r as f32).collect(),
+            }
+        })
+        .collect()
+}
+
+fn main() {
+    let data = PathBuf::from("../shared/data/slam2d_logs");
+    let which: Vec<String> = std::env::args().skip(1).collect();
+    let all = [
+        ("aces", "radish_aces.clf.bz2", "keys/radish_aces.relations"),
+        ("intel", "radish_intel.clf.bz2", "intel.pseudo_relations.gz"),
+        ("fr101", "fr101.rebuilt_odometry.scans.gz", "fr101.pseudo_relations.gz"),
+        ("edmonton", "edmonton.rebuilt_odometry.scans.gz", "edmonton.pseudo_relations.gz"),
+        ("fhw", "fhw.rebuilt_odometry.scans.gz", "fhw.pseudo_relations.gz"),
+    ];
+    for (name, log, key) in all {
+        if !which.is_empty() && !which.iter().any(|w| w == name) {
+            continue;
+        }
+        let text = unpack(&data.join(log));
+        let records = if log.contains("clf") { carmen(&text) } else { rebuilt(&text) };
+        let relations = read_relations(&unpack(&data.join(key))).unwrap();
+        let mut tracker = Tracker::new(FrontEndConfig::default());
+        let start = Instant::now();
+        for record in &records {
+            tracker.push(record);
+        }
+        let took = start.elapsed();
+        let poses: Vec<Se2> = tracker.nodes.iter().map(|node| node.pose).collect();
+        let score = score_relations(&relations, &tracker.trajectory(&poses), 0.6);
+        println!(
+            "{name:9} {} scans {} nodes  {:.4} m max {:.3}  {:.3} deg  missing {}  {:.1} us/node",
+            records.len(),
+            poses.len(),
+            score.translation_mean_m(),
+            score.translation_max_m(),
+            score.rotation_mean_rad().to_degrees(),
+            score.without_pose,
+            took.as_secs_f64() * 1e6 / poses.len() as f64
+        );
+    }
+}

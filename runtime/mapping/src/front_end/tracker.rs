@@ -1,0 +1,151 @@
+//! Follows the scanner from scan to scan.
+
+use floorguard_localisation::scan_matching::{
+    Candidate, CellOffset, Guess, MotionPenalty, Refined, SearchScratch, SearchWindow, refine, search,
+};
+use floorguard_types::geometry::Point2;
+use nalgebra::Matrix3;
+
+use super::config::FrontEndConfig;
+use super::local_map::LocalMap;
+use super::node::{Node, Passage};
+use crate::input::ScanRecord;
+use crate::se2::Se2;
+
+/// What a record became.
+#[derive(Clone, Copy, Debug)]
+pub enum Step {
+    /// A kept scan: its index.
+    Node(usize),
+    /// The robot has hardly moved.
+    Passed,
+}
+
+/// Tracking without loop closing: its frame begins at the first scan and drifts.
+pub struct Tracker {
+    config: FrontEndConfig,
+    /// The kept scans.
+    pub nodes: Vec<Node>,
+    /// The scans between them.
+    pub passages: Vec<Passage>,
+    maps: Vec<LocalMap>,
+    cells: Vec<CellOffset>,
+    blocks: Vec<Candidate>,
+    /// The last motion from record to record, used where odometry is missing.
+    last: Option<(Option<Se2>, Se2)>,
+}
+
+/// Blocks that a search of the tracking can keep.
+const BLOCKS: usize = 8_192;
+
+impl Tracker {
+    /// Nothing yet.
+    #[must_use]
+    pub fn new(config: FrontEndConfig) -> Self {
+        Self {
+            config,
+            nodes: Vec::new(),
+            passages: Vec::new(),
+            maps: Vec::new(),
+            cells: Vec::new(),
+            blocks: vec![Candidate::default(); BLOCKS],
+            last: None,
+        }
+    }
+
+    /// Takes the next scan.
+    pub fn push(&mut self, record: &ScanRecord) -> Step {
+        let Some(node) = self.nodes.last() else {
+            let points = record.points(self.config.range_least_m, self.config.range_most_m);
+            let start = record.odometry.unwrap_or_default();
+            return self.keep(record, start, Refined::none(), points);
+        };
+        let moved = match (node.odometry, record.odometry) {
+            (Some(before), Some(now)) => before.between(now),
+            _ => Se2::default(),
+        };
+        let (distance, turn) = (moved.x_m.hypot(moved.y_m), moved.heading_rad.abs());
+        if distance < self.config.travel_m && turn < self.config.turn_rad && record.odometry.is_some() {
+            let node = self.nodes.len() - 1;
+            self.passages.push(Passage { time_s: record.time_s, node, from_node: moved });
+            return Step::Passed;
+        }
+        let expected = node.pose.compose(moved);
+        let points = record.points(self.config.range_least_m, self.config.range_most_m);
+        let refined = self.locate(&points, expected, distance, turn);
+        let pose = self.maps.first().map_or(expected, |map| map.origin.compose(refined.pose.into()));
+        self.keep(record, pose, refined, points)
+    }
+
+    fn locate(&mut self, points: &[Point2], expected: Se2, distance: f64, turn: f64) -> Refined {
+        let config = &self.config;
+        let Some(map) = self.maps.first() else { return Refined::none() };
+        let centre = map.origin.between(expected).single();
+        self.cells.resize(points.len(), CellOffset::default());
+        let half_m = 0.1 + 0.25 * distance + 0.1 * turn;
+        let half_rad = 0.05 + 0.25 * turn + 0.05 * distance;
+        let window = SearchWindow {
+            centre,
+            half_side_cells: (half_m as f32 / config.cell_m) as i32,
+            half_turn_steps: (half_rad as f32 / config.search_step_rad) as i32,
+            turn_step_rad: config.search_step_rad,
+            penalty: MotionPenalty {
+                per_square_metre: config.rim_penalty / (half_m * half_m) as f32,
+                per_square_radian: config.rim_penalty / (half_rad * half_rad) as f32,
+            },
+            excluded: None,
+            minimum_score: 0.0,
+        };
+        let levels = map.field().levels();
+        let scratch = SearchScratch { cells: &mut self.cells, blocks: &mut self.blocks };
+        let found = search(&levels, points, &window, scratch);
+        let start = found.map_or(centre, |found| found.pose);
+        let place = 1.0 / (0.5 * half_m as f32).powi(2);
+        let heading = 1.0 / (0.5 * half_rad as f32).powi(2);
+        let information = Matrix3::from_diagonal(&[place, place, heading].into());
+        let guess = Guess { start, expected: centre, information };
+        refine(&levels[0], points, &guess, &config.descent)
+    }
+
+    fn keep(&mut self, record: &ScanRecord, pose: Se2, refined: Refined, points: Vec<Point2>) -> Step {
+        let index = self.nodes.len();
+        let travelled = self.nodes.last().map_or(0.0, |node| node.pose.distance(pose));
+        for map in &mut self.maps {
+            map.travelled_m += travelled;
+        }
+        let due = self.maps.last().is_none_or(|map| {
+            map.travelled_m >= self.config.map_travel_m || map.scans >= self.config.map_nodes
+        });
+        if due {
+            if self.maps.len() >= 2 {
+                self.maps.remove(0);
+            }
+            self.maps.extend(LocalMap::new(pose, index, &self.config));
+        }
+        for map in &mut self.maps {
+            map.insert(pose, &points);
+        }
+        self.nodes.push(Node {
+            time_s: record.time_s,
+            pose,
+            odometry: record.odometry,
+            points: points.into_boxed_slice(),
+            information: refined.information,
+            score: refined.score,
+        });
+        Step::Node(index)
+    }
+
+    /// The trajectory of all scans, by the poses of the kept ones (in their order), ordered by time.
+    #[must_use]
+    pub fn trajectory(&self, poses: &[Se2]) -> Vec<(f64, Se2)> {
+        let mut all: Vec<(f64, Se2)> = self.nodes.iter().zip(poses).map(|(node, pose)| (node.time_s, *pose)).collect();
+        for passage in &self.passages {
+            if let Some(pose) = poses.get(passage.node) {
+                all.push((passage.time_s, pose.compose(passage.from_node)));
+            }
+        }
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all
+    }
+}

@@ -1,0 +1,10 @@
+//! Maps a building on a Linux computer, from scans and odometry: poses, sub-maps, pose graph, files for other tools.
+#![forbid(unsafe_code)]
+
+pub mod front_end;
+pub mod input;
+pub mod metrics;
+pub mod pose_graph;
+mod se2;
+
+pub use se2::Se2;

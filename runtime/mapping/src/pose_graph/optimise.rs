@@ -1,0 +1,93 @@
+//! The poses of the least squared error: Gauss-Newton where it goes down, damped where it does not.
+
+use super::block_system::{BlockSystem, Unsolvable};
+use super::graph::Graph;
+
+/// When to stop.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OptimiseConfig {
+    /// Steps at most.
+    pub steps_max: usize,
+    /// A step that lowers the error by a smaller share ends it.
+    pub share_least: f64,
+}
+
+impl Default for OptimiseConfig {
+    fn default() -> Self {
+        Self { steps_max: 100, share_least: 1.0e-9 }
+    }
+}
+
+/// How an optimisation went.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Optimised {
+    /// Sum of the weighed squared errors.
+    pub chi2: f64,
+    /// Steps taken.
+    pub steps: usize,
+    /// The last step gained less than asked for; otherwise the steps were used up.
+    pub has_converged: bool,
+}
+
+/// Moves the poses to the least sum of weighed squared errors. `weights` scale the edges' information, by index; a missing
+/// one counts 1.
+///
+/// # Errors
+/// A part of the graph hangs on nothing.
+pub fn optimise(graph: &mut Graph, weights: &[f64], config: &OptimiseConfig) -> Result<Optimised, Unsolvable> {
+    let mut system = BlockSystem::new(graph.poses.len(), &graph.pairs())?;
+    optimise_with(&mut system, graph, weights, config)
+}
+
+/// The same with equations that were analysed before.
+pub(super) fn optimise_with(
+    system: &mut BlockSystem,
+    graph: &mut Graph,
+    weights: &[f64],
+    config: &OptimiseConfig,
+) -> Result<Optimised, Unsolvable> {
+    let mut chi2 = weighed_chi2(graph, weights);
+    let mut damping = 0.0_f64;
+    for steps in 1..=config.steps_max {
+        linearise(system, graph, weights);
+        if damping > 0.0 {
+            system.damp(damping);
+        }
+        let before = graph.poses.clone();
+        let solved = system.solve();
+        let lowered = solved.is_ok_and(|step| {
+            graph.poses = graph.moved(&step);
+            weighed_chi2(graph, weights) <= chi2
+        });
+        if !lowered {
+            graph.poses = before;
+            damping = if damping == 0.0 { 1.0e-6 } else { damping * 10.0 };
+            if damping > 1.0e12 {
+                return Ok(Optimised { chi2, steps, has_converged: true });
+            }
+            continue;
+        }
+        damping = if damping < 1.0e-8 { 0.0 } else { damping * 0.1 };
+        let after = weighed_chi2(graph, weights);
+        let gain = chi2 - after;
+        chi2 = after;
+        if gain <= config.share_least * chi2.max(1.0e-12) {
+            return Ok(Optimised { chi2, steps, has_converged: true });
+        }
+    }
+    Ok(Optimised { chi2, steps: config.steps_max, has_converged: false })
+}
+
+fn weighed_chi2(graph: &Graph, weights: &[f64]) -> f64 {
+    let weight = |index: usize| weights.get(index).copied().unwrap_or(1.0);
+    graph.edges.iter().enumerate().map(|(index, edge)| weight(index) * graph.edge_chi2(edge)).sum()
+}
+
+fn linearise(system: &mut BlockSystem, graph: &Graph, weights: &[f64]) {
+    system.clear();
+    for (index, edge) in graph.edges.iter().enumerate() {
+        let (Some(from), Some(to)) = (graph.poses.get(edge.from), graph.poses.get(edge.to)) else { continue };
+        let weight = weights.get(index).copied().unwrap_or(1.0);
+        system.add(index, &edge.terms(*from, *to, weight));
+    }
+}

@@ -1,0 +1,95 @@
+//! Optimisation that wrong loops cannot bend: graduated non-convexity with a truncated square (Yang et al. 2020, section
+//! V.B). A loop counts fully, or not at all; the decision is made softly first.
+
+use super::block_system::{BlockSystem, Unsolvable};
+use super::edge::{Edge, EdgeKind};
+use super::graph::Graph;
+use super::optimise::{OptimiseConfig, Optimised, optimise_with};
+
+/// Settings of the robust optimisation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RobustConfig {
+    /// Weighed squared error from which a loop is wrong. 16.27: a right one of three dimensions is beyond once in a
+    /// thousand times.
+    pub chi2_limit: f64,
+    /// Growth of the control from round to round.
+    pub growth: f64,
+    /// Rounds at most.
+    pub rounds_max: usize,
+    /// Each round's optimisation.
+    pub round: OptimiseConfig,
+    /// The last one, with the loops that are left.
+    pub last: OptimiseConfig,
+}
+
+impl Default for RobustConfig {
+    fn default() -> Self {
+        Self {
+            chi2_limit: 16.27,
+            growth: 1.4,
+            rounds_max: 60,
+            round: OptimiseConfig { steps_max: 3, share_least: 1.0e-3 },
+            last: OptimiseConfig::default(),
+        }
+    }
+}
+
+/// How it went.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RobustOutcome {
+    /// The last optimisation, without the loops that are not believed.
+    pub optimised: Optimised,
+    /// Weight of each edge, 0 to 1.
+    pub weights: Vec<f64>,
+    /// Rounds needed.
+    pub rounds: usize,
+}
+
+/// Moves the poses to the least error of the edges that agree. Edges of the sequence always count.
+///
+/// # Errors
+/// A part of the graph hangs on nothing.
+pub fn optimise_robustly(graph: &mut Graph, config: &RobustConfig) -> Result<RobustOutcome, Unsolvable> {
+    let mut system = BlockSystem::new(graph.poses.len(), &graph.pairs())?;
+    let is_loop = |edge: &Edge| edge.kind == EdgeKind::Loop;
+    let mut weights = vec![1.0; graph.edges.len()];
+    let worst = graph.edges.iter().filter(|e| is_loop(e)).map(|e| graph.edge_chi2(e)).fold(0.0, f64::max);
+    let limit = config.chi2_limit;
+    let mut control = if worst > limit { limit / (2.0 * worst - limit) } else { f64::INFINITY };
+    let mut rounds = 0;
+    while rounds < config.rounds_max && control.is_finite() {
+        rounds += 1;
+        let mut undecided = 0;
+        for (edge, weight) in graph.edges.iter().zip(&mut weights) {
+            if is_loop(edge) {
+                *weight = truncated_weight(graph.edge_chi2(edge), limit, control);
+                undecided += usize::from(*weight > 1.0e-3 && *weight < 0.999);
+            }
+        }
+        optimise_with(&mut system, graph, &weights, &config.round)?;
+        if undecided == 0 && rounds > 3 {
+            break;
+        }
+        control *= config.growth;
+    }
+    for (edge, weight) in graph.edges.iter().zip(&mut weights) {
+        if is_loop(edge) {
+            *weight = f64::from(u8::from(graph.edge_chi2(edge) <= limit));
+        }
+    }
+    let optimised = optimise_with(&mut system, graph, &weights, &config.last)?;
+    Ok(RobustOutcome { optimised, weights, rounds })
+}
+
+/// Weight of a squared error under the truncated square at a stage of the control (Yang et al. 2020, equation 14).
+fn truncated_weight(chi2: f64, limit: f64, control: f64) -> f64 {
+    let upper = (control + 1.0) / control * limit;
+    let lower = control / (control + 1.0) * limit;
+    if chi2 >= upper {
+        0.0
+    } else if chi2 <= lower {
+        1.0
+    } else {
+        (limit / chi2 * control * (control + 1.0)).sqrt() - control
+    }
+}
