@@ -2,6 +2,8 @@
 //!
 //! Sans-I/O codecs and device state machines. Every decoder is total: any bytes in, a typed value or a typed error
 //! out, no panic, no over-read, and it resynchronises. Nothing here reads a clock; arrival times are arguments.
+//!
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(

@@ -14,6 +14,18 @@ pub const PRESENT_US: u64 = 200_000;
 pub const SELF_TEST_US: u64 = 300_000;
 
 /// Which causes hold.
+///
+/// ```
+/// use floorguard_guard::{Action, Cause, CauseRecord, DecisionMachine};
+/// use floorguard_types::time::Stamp;
+///
+/// let now = Stamp::from_micros(1_000_000);
+/// let mut machine = DecisionMachine::new(now);
+/// machine.raise(CauseRecord::new(Cause::EmergencyStop, now));
+/// let verdict = machine.settle(true, now);
+/// assert_eq!(verdict.action, Action::Category0);
+/// assert!(machine.holds(Cause::EmergencyStop));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DecisionMachine {
     pub(super) held: HeldCauses,

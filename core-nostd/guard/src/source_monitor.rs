@@ -7,6 +7,20 @@ use floorguard_types::time::{Age, Stamp};
 pub const FUTURE_TOLERANCE_US: u64 = 2_000;
 
 /// What is remembered of a source.
+///
+/// ```
+/// use floorguard_guard::{Health, SourceMonitor, SourceRules};
+/// use floorguard_types::time::Stamp;
+///
+/// let rules = SourceRules::required(100, 0.3, 200);
+/// let at = |millis: u64| Stamp::from_micros(millis * 1_000);
+/// let mut monitor = SourceMonitor::UNKNOWN;
+/// assert!(monitor.accept(at(10), 1, at(10)));
+/// assert_eq!(monitor.health(&rules, at(50)), Health::Healthy);
+/// assert_eq!(monitor.health(&rules, at(150)), Health::Stale);
+/// // From the future: it proves nothing.
+/// assert!(!monitor.accept(at(900), 2, at(160)));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SourceMonitor {
     /// Newest accepted measurement.

@@ -3,6 +3,16 @@
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 
 /// Data or remote frame with 11 or 29 bits of identifier.
+///
+/// ```
+/// use floorguard_drivers::can::CanFrame;
+///
+/// let frame = CanFrame::standard(0x185, &[0x37, 0x02, 0x2E, 0xFB, 0xFF, 0xFF]);
+/// assert_eq!(frame.standard_id(), Some(0x185));
+/// assert_eq!(frame.payload()[..2], [0x37, 0x02]);
+/// // 29 bits at most.
+/// assert!(CanFrame::extended(0x2000_0000, &[]).is_none());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CanFrame {
     id: Id,

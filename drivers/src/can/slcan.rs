@@ -33,6 +33,16 @@ pub struct SlcanCounters {
 }
 
 /// Cuts a byte stream into lines.
+///
+/// ```
+/// use floorguard_drivers::can::{CanFrame, SlcanEvent, SlcanReceiver};
+///
+/// let mut receiver = SlcanReceiver::new();
+/// let frames: Vec<_> = b"t8000\rt4563112233\r".iter().filter_map(|byte| receiver.byte(*byte)).collect();
+/// // 800 is no identifier of 11 bits: refused and counted.
+/// assert_eq!(frames, [SlcanEvent::Frame(CanFrame::standard(0x456, &[0x11, 0x22, 0x33]))]);
+/// assert_eq!(receiver.counters().refused, 1);
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct SlcanReceiver {
     line: Vec<u8, SLCAN_LINE_BYTES>,
@@ -157,6 +167,13 @@ fn nibble(digit: u8) -> Option<u8> {
 }
 
 /// The line that sends a frame, CR included.
+///
+/// ```
+/// use floorguard_drivers::can::{CanFrame, encode_slcan};
+///
+/// let line = encode_slcan(&CanFrame::standard(0x201, &[0x0F, 0, 0x10, 0x27, 0, 0]));
+/// assert_eq!(line, *b"t20160F0010270000\r");
+/// ```
 #[must_use]
 pub fn encode_slcan(frame: &CanFrame) -> Vec<u8, SLCAN_LINE_BYTES> {
     let mut line = Vec::new();

@@ -3,6 +3,14 @@
 use core::fmt;
 
 /// What a device complains about. Code 0 means that it has recovered.
+///
+/// ```
+/// use floorguard_drivers::canopen::Emergency;
+///
+/// let emergency = Emergency::decode(&[0x10, 0x23, 0x02, 0, 0, 0, 0, 0]).unwrap();
+/// assert_eq!((emergency.code, emergency.register), (0x2310, 2));
+/// assert!(Emergency::decode(&[0; 8]).unwrap().is_cleared());
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Emergency {
     /// Error code of CiA 301 and the device profile.

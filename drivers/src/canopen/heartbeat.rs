@@ -30,6 +30,17 @@ impl NodeState {
 }
 
 /// Watches one node.
+///
+/// ```
+/// use floorguard_drivers::canopen::{HeartbeatMonitor, NodeState};
+/// use floorguard_types::time::Stamp;
+///
+/// let mut monitor = HeartbeatMonitor::NONE;
+/// monitor.hear(NodeState::Operational, Stamp::from_micros(1_000_000));
+/// let state_at = |micros| monitor.state(Stamp::from_micros(micros), 350_000);
+/// assert_eq!(state_at(1_300_000), Some(NodeState::Operational));
+/// assert_eq!(state_at(1_400_000), None);
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct HeartbeatMonitor {
     heard: Option<(Stamp, NodeState)>,

@@ -18,6 +18,14 @@ pub enum NetworkCommand {
 }
 
 /// NMT: `node` 0 addresses all.
+///
+/// ```
+/// use floorguard_drivers::can::CanFrame;
+/// use floorguard_drivers::canopen::{NetworkCommand, network_frame, sync_frame};
+///
+/// assert_eq!(network_frame(NetworkCommand::Start, 5), CanFrame::standard(0x000, &[1, 5]));
+/// assert_eq!(sync_frame(), CanFrame::standard(0x080, &[]));
+/// ```
 #[must_use]
 pub fn network_frame(command: NetworkCommand, node: u8) -> CanFrame {
     let code = match command {

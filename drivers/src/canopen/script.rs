@@ -11,6 +11,16 @@ pub const SCRIPT_STEPS_MAX: usize = 40;
 pub type Step = SdoRequest;
 
 /// Steps in order.
+///
+/// ```
+/// use floorguard_drivers::canopen::Script;
+///
+/// // Statusword and velocity in the first process data object (number 0) of node 5, at every SYNC.
+/// let script = Script::new().transmit(5, 0, (1, &[0x6041_0010, 0x606C_0020]));
+/// assert_eq!((script.len(), script.overflowed()), (7, false));
+/// let first = script.step(0).unwrap();
+/// assert_eq!((first.index, first.subindex, first.write), (0x1800, 1, Some((0x8000_0185, 4))));
+/// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Script {
     steps: Vec<Step, SCRIPT_STEPS_MAX>,

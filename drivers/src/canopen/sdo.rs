@@ -5,6 +5,16 @@ use core::fmt;
 use crate::can::CanFrame;
 
 /// One request of the master.
+///
+/// ```
+/// use floorguard_drivers::can::CanFrame;
+/// use floorguard_drivers::canopen::SdoRequest;
+///
+/// // Target velocity −1000 to node 5.
+/// let request = SdoRequest { index: 0x60FF, subindex: 0, write: Some(((-1_000_i32) as u32, 4)) };
+/// let wanted = CanFrame::standard(0x605, &[0x23, 0xFF, 0x60, 0x00, 0x18, 0xFC, 0xFF, 0xFF]);
+/// assert_eq!(request.frame(5), wanted);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SdoRequest {
     /// Object.
@@ -91,6 +101,16 @@ impl SdoRequest {
 }
 
 /// Decodes the payload of an answer: object, part, answer. Short frames are legal as long as the data are there.
+///
+/// ```
+/// use floorguard_drivers::canopen::{SdoAnswer, SdoError, decode_sdo};
+///
+/// // The device type of a servo drive, and a refusal: there is no such object.
+/// let answer = decode_sdo(&[0x43, 0x00, 0x10, 0x00, 0x92, 0x01, 0x02, 0x00]);
+/// assert_eq!(answer, Some((0x1000, 0, SdoAnswer::Value(0x0002_0192))));
+/// let refusal = decode_sdo(&[0x80, 0x55, 0x55, 0x00, 0x00, 0x00, 0x02, 0x06]);
+/// assert_eq!(refusal, Some((0x5555, 0, SdoAnswer::Aborted(SdoError(0x0602_0000)))));
+/// ```
 #[must_use]
 pub fn decode_sdo(payload: &[u8]) -> Option<(u16, u8, SdoAnswer)> {
     let (&[command, low, high, subindex], data) = payload.split_first_chunk::<4>()?;

@@ -1,6 +1,14 @@
 //! From statusword to state, and from state and goal to the next controlword.
 
 /// State of the power drive system.
+///
+/// ```
+/// use floorguard_drivers::cia402::PowerState;
+///
+/// assert_eq!(PowerState::from_statusword(0x0237), Some(PowerState::OperationEnabled));
+/// assert_eq!(PowerState::from_statusword(0x0250), Some(PowerState::SwitchOnDisabled));
+/// assert!(PowerState::from_statusword(0x0218).unwrap().is_fault());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PowerState {
     /// Self-test.
@@ -61,6 +69,15 @@ pub enum DriveGoal {
 
 /// The controlword that leads one step from a state towards a goal. "Enable operation" is sent only to a drive that has
 /// reported "switched on" or later.
+///
+/// ```
+/// use floorguard_drivers::cia402::{DriveGoal, PowerState, controlword};
+///
+/// // One step at a time, each after the statusword that the one before leads to.
+/// let step = |status| controlword(PowerState::from_statusword(status).unwrap(), DriveGoal::Operate);
+/// assert_eq!([0x0250, 0x0231, 0x0233].map(step), [0x0006, 0x0007, 0x000F]);
+/// assert_eq!(controlword(PowerState::OperationEnabled, DriveGoal::QuickStop), 0x0002);
+/// ```
 #[must_use]
 pub const fn controlword(state: PowerState, goal: DriveGoal) -> u16 {
     match goal {

@@ -1,6 +1,14 @@
 //! A position that starts over at the end of the encoder's range.
 
 /// Follows the position through its wraps. The sum wraps at 32 bits, as core's odometry expects.
+///
+/// ```
+/// use floorguard_drivers::cia406::PositionCounter;
+///
+/// // An encoder of 12 bits, turned back through its zero and on.
+/// let mut counter = PositionCounter::new();
+/// assert_eq!([10, 4_090, 20].map(|position| counter.update(position, 4_096)), [0, -16, 10]);
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PositionCounter {
     last: Option<u32>,

@@ -1,6 +1,14 @@
 //! The process data object that an encoder is told to send: position, then speed.
 
 /// What [`EncoderReport::MAPPING`] carries.
+///
+/// ```
+/// use floorguard_drivers::cia406::EncoderReport;
+///
+/// let report = EncoderReport::decode(&[0x78, 0x56, 0x34, 0x12, 0x9C, 0xFF]).unwrap();
+/// assert_eq!((report.position, report.speed), (305_419_896, -100));
+/// assert_eq!(EncoderReport::decode(&[0x78, 0x56]), None);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EncoderReport {
     /// 6004h: 0 … measuring range − 1, counts.

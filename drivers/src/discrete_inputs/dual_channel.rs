@@ -7,6 +7,22 @@ use floorguard_types::time::{Age, Stamp};
 ///
 /// Either channel at 0 is danger at once. Channels that differ for longer than the discrepancy time are a fault, which
 /// stays until both channels were at 0 (book, Safety inputs: Two channels).
+///
+/// ```
+/// use floorguard_drivers::discrete_inputs::DualChannel;
+/// use floorguard_types::sensing::SafetyInput::{Active, Clear, Fault};
+/// use floorguard_types::time::Stamp;
+///
+/// // One channel stays open: danger at once, a fault after 100 ms, and closing it does not clear the fault.
+/// let mut button = DualChannel::new(100_000);
+/// let mut judge = |millis: u64, channels| button.judge(channels, Stamp::from_micros(millis * 1_000));
+/// assert_eq!(judge(0, [true, true]), Clear);
+/// assert_eq!(judge(10, [true, false]), Active);
+/// assert_eq!(judge(120, [true, false]), Fault);
+/// assert_eq!(judge(130, [true, true]), Fault);
+/// assert_eq!(judge(140, [false, false]), Active);
+/// assert_eq!(judge(150, [true, true]), Clear);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct DualChannel {
     discrepancy_us: u64,

@@ -22,6 +22,23 @@ struct Object {
 }
 
 /// Judges each image.
+///
+/// ```
+/// use floorguard_drivers::flexisoft::{InputBits, InputMap, SafetyImage};
+/// use floorguard_types::sensing::SafetyInput;
+/// use floorguard_types::time::Stamp;
+///
+/// let map = InputMap {
+///     emergency_stop: InputBits::new([32, 33]),
+///     bumper_front: InputBits::complementary([34, 35]),
+///     discrepancy_us: 100_000,
+///     ..InputMap::default()
+/// };
+/// let mut image = SafetyImage::new(map);
+/// let inputs = image.take(0, &[0, 0, 0, 0, 0b0101, 0, 0, 0], Stamp::ZERO).unwrap();
+/// assert_eq!(inputs.emergency_stop, SafetyInput::Active);
+/// assert_eq!(inputs.bumper_front, SafetyInput::Clear);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct SafetyImage {
     map: InputMap,

@@ -41,6 +41,13 @@ impl Geometry {
 }
 
 /// Flags of a beam.
+///
+/// ```
+/// use floorguard_drivers::microscan3::BeamStatus;
+///
+/// let blinded = BeamStatus(0b101);
+/// assert!(blinded.is_valid() && blinded.has_glare() && !blinded.is_infinite());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BeamStatus(pub u8);
 

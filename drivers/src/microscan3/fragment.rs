@@ -53,6 +53,19 @@ impl core::error::Error for FragmentError {}
 ///
 /// # Invariants
 /// Not empty; `offset` plus its length is at most `total`, and that at most the limit it was checked with.
+///
+/// ```
+/// use floorguard_drivers::microscan3::{Fragment, FragmentError};
+///
+/// let mut datagram = b"MS3 MD\x01\x00".to_vec();
+/// for number in [8_u32, 77, 4, 0] {
+///     datagram.extend(number.to_le_bytes());
+/// }
+/// datagram.extend(b"half");
+/// let piece = Fragment::new_checked(&datagram, 1_000).unwrap();
+/// assert_eq!((piece.identification, piece.offset, piece.total), (77, 4, 8));
+/// assert_eq!(Fragment::new_checked(b"hello", 1_000), Err(FragmentError::Short { length: 5 }));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fragment<'a> {
     /// Equal for all pieces of a message.

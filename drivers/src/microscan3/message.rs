@@ -55,6 +55,12 @@ impl core::fmt::Display for MessageError {
 impl core::error::Error for MessageError {}
 
 /// A message whose blocks lie within it.
+///
+/// ```
+/// use floorguard_drivers::microscan3::{Message, MessageError};
+///
+/// assert_eq!(Message::new_checked(&[0; 20]).unwrap_err(), MessageError::Short { length: 20 });
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Message<'a> {
     bytes: &'a [u8],

@@ -91,6 +91,34 @@ pub struct Counters {
 }
 
 /// Receives one scanner. About 47 KiB with room for 2,751 beams.
+///
+/// ```
+/// use floorguard_drivers::microscan3::{Configuration, Event, Receiver};
+/// use floorguard_types::sensing::BeamReturn::{Free, Hit, Unknown};
+/// use floorguard_types::time::Stamp;
+///
+/// # let hex = |text: &str| -> Vec<u8> {
+/// #     let digits: Vec<char> = text.chars().filter(char::is_ascii_hexdigit).collect();
+/// #     digits.chunks(2).map(|two| u8::from_str_radix(&two.iter().collect::<String>(), 16).unwrap()).collect()
+/// # };
+/// // A message of 116 bytes in two datagrams; the second one overtakes the first.
+/// let first = hex("4D5333204D440100740000004D0000000000000000000000560100006F9608017096080100000000
+///     6712000068120000C44800004E61BC0034001000440018005C0018000000000000000000010EFF0FFFFF0F01");
+/// let second = hex("4D5333204D440100740000004D0000003C0000000000000000000300000000000100050028000000
+///     000020F466660600250000000000000005000000E8033201D0073C0900000002409CFF052C010731");
+/// let mut receiver = Receiver::new(Configuration::default());
+/// let mut scans = Vec::new();
+/// for datagram in [second, first] {
+///     receiver.push(&datagram, Stamp::from_micros(1_000_000), |event| match event {
+///         Event::Scan(scan) => scans.push(scan.clone()),
+///         other => panic!("{other:?}"),
+///     });
+/// }
+/// // Glare and contamination say nothing, so they are not free.
+/// assert_eq!((scans[0].sequence, scans.len()), (4_712, 1));
+/// assert_eq!(scans[0].beams, [Hit(1_000), Hit(2_000), Free(5_500), Unknown, Unknown]);
+/// assert!(receiver.status().unwrap().runs());
+/// ```
 #[derive(Clone, Debug)]
 pub struct Receiver {
     configuration: Configuration,

@@ -54,6 +54,34 @@ pub struct Counters {
 }
 
 /// Receives one scanner. About 2.4 KiB.
+///
+/// ```
+/// use floorguard_drivers::s300::{Configuration, Event, Receiver};
+/// use floorguard_types::sensing::BeamReturn;
+/// use floorguard_types::time::Stamp;
+///
+/// // An example of the manufacturer: four fields of 8, 8, 8 and 5 values, all of them 10 m.
+/// let telegram = [
+///     0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x2B, 0xFF, 0x07, 0x03, 0x01, 0x00, 0x00, 0x17, 0x01, 0x00,
+///     0x00, 0x00, 0x00, 0xBB, 0xBB, 0x11, 0x11, 0xE8, 0x23, 0xE8, 0x23, 0xE8, 0x23, 0xE8, 0x03, 0xE8, 0x03,
+///     0xE8, 0x23, 0xE8, 0x23, 0xE8, 0x03, 0x22, 0x22, 0xE8, 0x03, 0xE8, 0x03, 0xE8, 0x03, 0xE8, 0x03, 0xE8,
+///     0x03, 0xE8, 0x03, 0xE8, 0x03, 0xE8, 0x03, 0x33, 0x33, 0xE8, 0x03, 0xE8, 0x03, 0xE8, 0x03, 0xE8, 0x03,
+///     0xE8, 0x03, 0xE8, 0x03, 0xE8, 0x03, 0xE8, 0x03, 0x44, 0x44, 0xE8, 0x03, 0xE8, 0x03, 0xE8, 0x03, 0xE8,
+///     0x03, 0xE8, 0x23, 0x9C, 0xF4,
+/// ];
+/// let values_per_field = [8, 8, 8, 5].into_iter().collect();
+/// let mut receiver = Receiver::new(Configuration { values_per_field, ..Configuration::default() });
+/// let mut scans = Vec::new();
+/// // However the line cuts it: here byte by byte, at 500 kBd.
+/// for (micros, byte) in (1_000_000..).step_by(20).zip(telegram) {
+///     receiver.push(&[byte], Stamp::from_micros(micros), |event| match event {
+///         Event::Scan(scan) => scans.push((scan.sequence, scan.beams.len(), scan.beams[0], scan.beams[3])),
+///         other => panic!("{other:?}"),
+///     });
+/// }
+/// // Bit 13 of the first value says dazzled, in the default configuration: it sees nothing.
+/// assert_eq!(scans, [(0x117, 29, BeamReturn::Unknown, BeamReturn::Hit(10_000))]);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Receiver {
     configuration: Configuration,

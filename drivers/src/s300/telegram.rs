@@ -102,6 +102,13 @@ impl core::error::Error for TelegramError {}
 ///
 /// # Invariants
 /// At least 26 bytes, an even number of them.
+///
+/// ```
+/// use floorguard_drivers::s300::Telegram;
+///
+/// // The wrong length, the wrong marks or the wrong checksum: no telegram.
+/// assert!(Telegram::new_checked(&[0; 90]).is_none());
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Telegram<'a> {
     bytes: &'a [u8],

@@ -57,6 +57,19 @@ pub struct BaseCounters {
 }
 
 /// The five devices.
+///
+/// ```
+/// use floorguard_drivers::three_wheel_base::{BaseConfiguration, DriveCommand, StopKind, ThreeWheelBase};
+/// use floorguard_types::time::Stamp;
+///
+/// let mut base = ThreeWheelBase::new(BaseConfiguration::default());
+/// assert_eq!(base.commanded(), DriveCommand::Stop(StopKind::TorqueOff));
+/// // Nobody answers yet: the five devices are called, and the base is not complete.
+/// let mut identifiers = Vec::new();
+/// base.poll(Stamp::ZERO, &mut |_| {}, &mut |frame| identifiers.extend(frame.standard_id()));
+/// assert!(identifiers.contains(&0x77F), "the master's own heartbeat");
+/// assert!(!base.is_complete());
+/// ```
 #[derive(Clone, Debug)]
 pub struct ThreeWheelBase {
     configuration: BaseConfiguration,

@@ -24,6 +24,17 @@ const JUMP_US: i64 = 500_000;
 const RESTART_SILENCE_US: i64 = 5_000_000;
 
 /// Maps the stamps of one sensor.
+///
+/// ```
+/// use floorguard_drivers::velodyne::HourClock;
+/// use floorguard_types::time::Stamp;
+///
+/// // The sensor's counter starts over at the full hour; the robot's clock knows no such step.
+/// let mut clock = HourClock::default();
+/// let first = clock.stamp(3_599_999_000, Stamp::from_micros(10_000_000));
+/// let second = clock.stamp(327, Stamp::from_micros(10_001_327));
+/// assert_eq!(second.as_micros() - first.as_micros(), 1_327);
+/// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct HourClock {
     state: Option<State>,

@@ -129,6 +129,29 @@ pub struct Counters {
 }
 
 /// Decodes the stream of one lidar.
+///
+/// ```
+/// use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice};
+/// use floorguard_types::time::Stamp;
+///
+/// // Twelve blocks, 0.4° apart. In the second one laser 1 of its first firing sees something 1 m away.
+/// let mut bytes = [0; 1_206];
+/// for (azimuth_cdeg, block) in (0_u16..).step_by(40).zip(bytes.chunks_exact_mut(100)) {
+///     block[..2].copy_from_slice(&[0xFF, 0xEE]);
+///     block[2..4].copy_from_slice(&azimuth_cdeg.to_le_bytes());
+/// }
+/// bytes[107..109].copy_from_slice(&500_u16.to_le_bytes());
+/// bytes[1_204..].copy_from_slice(&[0x37, 0x22]);
+///
+/// let mut decoder = Decoder::new(ModelChoice::Auto);
+/// let (packet, lost) = decoder.decode(&bytes, Stamp::from_micros(5_000_000)).unwrap();
+/// assert_eq!((decoder.model(), lost, packet.columns.len()), (Some(Model::Vlp16), 0, 24));
+/// let column = &packet.columns[2];
+/// let range_mm = column.range_raw[8] * u16::from(packet.range_unit_mm);
+/// assert_eq!((column.azimuth_cdeg.abs_diff(40) <= 10, range_mm), (true, 1_000));
+/// assert!(decoder.decode(b"not a packet", Stamp::from_micros(5_001_327)).is_err());
+/// assert_eq!(decoder.counters().refused, 1);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Decoder {
     choice: ModelChoice,

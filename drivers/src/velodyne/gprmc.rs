@@ -5,6 +5,16 @@
 //! packet).
 
 /// Time of day and place.
+///
+/// ```
+/// use floorguard_drivers::velodyne::Gprmc;
+///
+/// let sentence = "$GPRMC,225446,V,4916.45,N,12311.12,W,000.5,054.7,191194,020.3,E*7F";
+/// let found = Gprmc::parse(sentence).unwrap();
+/// assert!(!found.is_valid, "V: the receiver itself does not trust it");
+/// assert_eq!(found.seconds_of_day, (22 * 60 + 54) * 60 + 46);
+/// assert!(Gprmc::parse("$GPRMC,225446,A*00").is_err());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gprmc {
     /// The receiver's own judgement: letter A.

@@ -4,6 +4,17 @@ use floorguard_types::capacities::PACKET_RINGS_MAX;
 use floorguard_types::units::radians;
 
 /// A lidar model.
+///
+/// ```
+/// use floorguard_drivers::velodyne::Model;
+///
+/// assert_eq!(Model::from_product_byte(0x22), Some(Model::Vlp16));
+/// assert_eq!((Model::Vlp16.lasers(), Model::Vlp16.range_unit_mm()), (16, 2));
+/// // Laser 1 looks 1° upwards, ring 8 from the bottom.
+/// let laser = Model::Vlp16.angles()[1];
+/// assert_eq!((laser.elevation_deg, laser.ring), (1.0, 8));
+/// assert_eq!(Model::Vlp16.packet_us(false), 1_327);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Model {
@@ -184,6 +195,14 @@ impl Model {
 
 /// Tells an early VLP-16 (product byte 0x21) from an HDL-32E by the time between two consecutive packets,
 /// microseconds: 1,327 or 663 against 553 or 276. `None` where neither fits, for instance across a lost packet.
+///
+/// ```
+/// use floorguard_drivers::velodyne::{Model, detect_model};
+///
+/// assert_eq!(detect_model(0x21, 1_327), Some(Model::Vlp16));
+/// assert_eq!(detect_model(0x21, 553), Some(Model::Hdl32E));
+/// assert_eq!(detect_model(0x21, 40_000), None);
+/// ```
 #[must_use]
 pub fn detect_model(product_byte: u8, packet_period_us: u32) -> Option<Model> {
     /// Stamps are rounded to microseconds and packets do not wander.

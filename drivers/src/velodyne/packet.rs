@@ -97,6 +97,23 @@ pub const STAMP_LIMIT_US: u32 = 3_601_000_000;
 /// # Invariants
 /// 1,206 bytes; every block starts with FF EE and has an azimuth of at most 36,000, which is 0; the return mode is known; the stamp is
 /// within the hour and one second.
+///
+/// ```
+/// use floorguard_drivers::velodyne::{Packet, PacketError, ReturnMode};
+///
+/// let mut bytes = [0; 1_206];
+/// for (azimuth_cdeg, block) in (0_u16..).step_by(40).zip(bytes.chunks_exact_mut(100)) {
+///     block[..2].copy_from_slice(&[0xFF, 0xEE]);
+///     block[2..4].copy_from_slice(&azimuth_cdeg.to_le_bytes());
+/// }
+/// bytes[1_204..].copy_from_slice(&[0x37, 0x22]);
+/// let packet = Packet::new_checked(&bytes).unwrap();
+/// assert_eq!((packet.return_mode(), packet.product_byte()), (ReturnMode::Strongest, 0x22));
+/// assert_eq!(packet.azimuths()[11], 440);
+/// assert_eq!(packet.gaps(), [40; 12]);
+/// // Cut, or damaged: refused whole, with what was found.
+/// assert_eq!(Packet::new_checked(&bytes[1..]).unwrap_err(), PacketError::Length { received: 1_205 });
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Packet<'a> {
     blocks: &'a [u8],

@@ -49,6 +49,16 @@ impl core::fmt::Display for PositionError {
 impl core::error::Error for PositionError {}
 
 /// A checked position packet.
+///
+/// ```
+/// use floorguard_drivers::velodyne::{PositionPacket, PpsState};
+///
+/// let mut bytes = [0; 512];
+/// (bytes[187], bytes[202]) = (41, 2);
+/// let packet = PositionPacket::new_checked(&bytes).unwrap();
+/// assert_eq!(packet.pps(), PpsState::Locked);
+/// assert_eq!(packet.temperatures_celsius(), (41, 0));
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct PositionPacket<'a> {
     bytes: &'a [u8; field::BYTES],

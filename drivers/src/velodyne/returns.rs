@@ -36,6 +36,21 @@ pub enum ReturnsOf {
 }
 
 /// Gives the returns of packets of one model; holds the sines of its lasers.
+///
+/// ```
+/// use floorguard_drivers::velodyne::{Model, Packet, Returns, ReturnsOf};
+///
+/// let mut bytes = [0; 1_206];
+/// bytes[..1_200].chunks_exact_mut(100).for_each(|block| block[..2].copy_from_slice(&[0xFF, 0xEE]));
+/// // Laser 15 looks 15° upwards; its origin lies 11.2 mm below the middle.
+/// bytes[4 + 15 * 3..][..2].copy_from_slice(&5_000_u16.to_le_bytes());
+/// bytes[1_204..].copy_from_slice(&[0x37, 0x22]);
+/// let packet = Packet::new_checked(&bytes).unwrap();
+/// let mut points = Vec::new();
+/// Returns::new(Model::Vlp16).for_each(&packet, ReturnsOf::AllCells, |each| points.push(each.point_in_sensor));
+/// let [point] = points[..] else { panic!("one return") };
+/// assert!((point.x_m - 9.659_3).abs() < 1.0e-3 && (point.z_m - 2.577).abs() < 1.0e-3);
+/// ```
 #[derive(Clone, Debug)]
 pub struct Returns {
     model: Model,

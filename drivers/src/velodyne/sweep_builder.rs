@@ -10,6 +10,30 @@ use floorguard_types::sensing::{LidarColumn, LidarPacket, Sweep, SweepColumn};
 use floorguard_types::time::Stamp;
 
 /// Where revolutions are cut, and what the builder remembers between packets.
+///
+/// ```
+/// use floorguard_drivers::velodyne::SweepBuilder;
+/// use floorguard_types::sensing::{LidarColumn, LidarPacket, Sweep};
+/// use floorguard_types::time::Stamp;
+///
+/// // 24 columns of 0.2° in each packet: 75 packets a revolution.
+/// let packet = |number: u16| {
+///     let mut packet = LidarPacket { rings: 16, ..LidarPacket::EMPTY };
+///     packet.stamp = Stamp::from_micros(u64::from(number) * 1_327);
+///     for column in 0..24 {
+///         let azimuth_cdeg = ((u32::from(number) * 480 + column * 20) % 36_000) as u16;
+///         packet.columns.push(LidarColumn { azimuth_cdeg, ..LidarColumn::SILENT }).unwrap();
+///     }
+///     packet
+/// };
+/// let mut builder = SweepBuilder::new(0);
+/// let mut sweep = Sweep::<16>::EMPTY;
+/// let mut columns = Vec::new();
+/// for number in 0..151 {
+///     builder.add(&packet(number), 0, &mut sweep, |whole| columns.push(whole.column_count));
+/// }
+/// assert_eq!(columns.last(), Some(&1_800));
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct SweepBuilder {
     cut_cdeg: u16,

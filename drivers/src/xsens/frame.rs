@@ -38,6 +38,20 @@ pub struct FrameCounters {
 }
 
 /// Receives one device. About 2 KiB.
+///
+/// ```
+/// use floorguard_drivers::xsens::FrameReceiver;
+/// use floorguard_types::time::Stamp;
+///
+/// // Noise, then GoToConfig, in pieces.
+/// let mut receiver = FrameReceiver::new();
+/// let mut messages = Vec::new();
+/// for piece in [&[0x00, 0xFA][..], &[0xFA, 0xFF, 0x30], &[0x00, 0xD1]] {
+///     receiver.push(piece, Stamp::ZERO, |message, _| messages.push(message.id));
+/// }
+/// assert_eq!(messages, [0x30]);
+/// assert_eq!(receiver.counters().frames, 1);
+/// ```
 #[derive(Clone, Debug)]
 pub struct FrameReceiver {
     buffer: [u8; BUFFER_BYTES],
@@ -181,6 +195,13 @@ impl Default for FrameReceiver {
 }
 
 /// A short frame around at most 128 data bytes; `None` for more. The master sends nothing longer.
+///
+/// ```
+/// use floorguard_drivers::xsens::encode;
+///
+/// assert_eq!(encode(0x30, &[]).unwrap(), [0xFA, 0xFF, 0x30, 0x00, 0xD1]);
+/// assert_eq!(encode(0x30, &[0; 129]), None);
+/// ```
 #[must_use]
 pub fn encode(id: u8, data: &[u8]) -> Option<Vec<u8, 133>> {
     let length = u8::try_from(data.len()).ok().filter(|length| *length <= 128)?;

@@ -64,6 +64,15 @@ pub struct Item<'a> {
 
 impl Item<'_> {
     /// Exactly `N` numbers; `None` when the length is another.
+    ///
+    /// ```
+    /// use floorguard_drivers::xsens::{Item, LocalFrame, NumberFormat};
+    ///
+    /// let format = NumberFormat::Fixed1220;
+    /// let item = Item { kind: 0x2010, local_frame: Some(LocalFrame::EastNorthUp), format, data: &[3, 0x9A, 0xDF, 3] };
+    /// let [number] = item.numbers().unwrap();
+    /// assert!((number - 57.679_446_22).abs() < 1.0e-8);
+    /// ```
     #[must_use]
     pub fn numbers<const N: usize>(&self) -> Option<[f64; N]> {
         let size = self.format.bytes();
@@ -88,6 +97,16 @@ impl Item<'_> {
 }
 
 /// The items of a message, in order. Ends with an error when an item runs past the end.
+///
+/// ```
+/// use floorguard_drivers::xsens::{Items, Overrun};
+///
+/// // Packet counter 57,285, and an item that runs past the end.
+/// let mut items = Items::new(&[0x10, 0x20, 2, 0xDF, 0xC5, 0x80, 0x20, 12, 0]);
+/// let counter = items.next().unwrap().unwrap();
+/// assert_eq!((counter.kind, counter.whole(2)), (0x1020, Some(57_285)));
+/// assert_eq!(items.next(), Some(Err(Overrun)));
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Items<'a> {
     rest: &'a [u8],

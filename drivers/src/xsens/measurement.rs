@@ -8,6 +8,13 @@ const ITEMS_MAX: usize = 683;
 const NORM_TOLERANCE: f64 = 0.01;
 
 /// Bits of the status word.
+///
+/// ```
+/// use floorguard_drivers::xsens::StatusWord;
+///
+/// let status = StatusWord(1 | 1 << 19);
+/// assert!(status.self_test_passed() && status.is_clipping());
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StatusWord(pub u32);
 
@@ -148,6 +155,24 @@ pub enum MeasurementError {
 }
 
 /// One message. What was not sent is `None`.
+///
+/// ```
+/// use floorguard_drivers::xsens::{FrameReceiver, Measurement, StatusWord};
+/// use floorguard_types::time::Stamp;
+///
+/// # let hex = |text: &str| -> Vec<u8> {
+/// #     text.split_whitespace().map(|byte| u8::from_str_radix(byte, 16).unwrap()).collect()
+/// # };
+/// // The manufacturer's example: counter, fine time, acceleration, rate of turn, status.
+/// let bytes = hex("FA FF 36 31 10 20 02 DF C5 10 60 04 00 45 9D A0 40 20 0C BE DC 9A FA 3F 54 9F 37 41 1C BB 70
+///     80 20 0C BB AA 5C 80 3B 8C 55 01 BB 81 33 00 E0 20 04 00 00 00 81 45");
+/// let mut found = None;
+/// FrameReceiver::new().push(&bytes, Stamp::ZERO, |message, _| found = Measurement::decode(message.data).ok());
+/// let measurement = found.unwrap();
+/// assert_eq!((measurement.packet_counter, measurement.status), (Some(57_285), Some(StatusWord(0x81))));
+/// let [_, _, up_mps2] = measurement.acceleration_mps2.unwrap();
+/// assert!((up_mps2 - 9.795_761_11).abs() < 1.0e-8);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measurement {
     /// Counts messages, wraps at 16 bits.

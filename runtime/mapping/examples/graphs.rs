@@ -5,8 +5,16 @@ use std::time::Instant;
 use floorguard_mapping_host::pose_graph::*;
 
 fn main() {
-    let want = [("intel", 45.005), ("intel_vertigo", 546.461), ("manhattan_olson", 146.077), ("manhattan", 3900.94),
-        ("city10000", 511.985), ("ring", 11.163), ("kitti_00", 98.322), ("ais2klinik", 172.816)];
+    let want = [
+        ("intel", 45.005),
+        ("intel_vertigo", 546.461),
+        ("manhattan_olson", 146.077),
+        ("manhattan", 3900.94),
+        ("city10000", 511.985),
+        ("ring", 11.163),
+        ("kitti_00", 98.322),
+        ("ais2klinik", 172.816),
+    ];
     for (name, optimum) in want {
         let file = std::fs::File::open(format!("../shared/data/posegraphs/{name}.g2o.gz")).unwrap();
         let mut text = String::new();
@@ -24,7 +32,12 @@ fn main() {
         let linear_start = linear.chi2();
         let result2 = optimise(&mut linear, &[], &OptimiseConfig { steps_max: 100, share_least: 1e-6 });
         let lin = t.elapsed();
-        println!("{name} want {optimum}: chain {at_start:.3e} -> {:?} {:.1} ms; linear {linear_start:.3} -> {:?} {:.1} ms", result.map(|r| (r.chi2, r.steps)), chain.as_secs_f64()*1e3,
-            result2.map(|r| (r.chi2, r.steps)), lin.as_secs_f64()*1e3);
+        println!(
+            "{name} want {optimum}: chain {at_start:.3e} -> {:?} {:.1} ms; linear {linear_start:.3} -> {:?} {:.1} ms",
+            result.map(|r| (r.chi2, r.steps)),
+            chain.as_secs_f64() * 1e3,
+            result2.map(|r| (r.chi2, r.steps)),
+            lin.as_secs_f64() * 1e3
+        );
     }
 }

@@ -2,10 +2,9 @@
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use floorguard_mapping_host::Se2;
-use floorguard_mapping_host::front_end::{FrontEndConfig, Tracker};
+use floorguard_mapping_host::mapper::{MapConfig, Mapper};
 use floorguard_mapping_host::input::ScanRecord;
 use floorguard_mapping_host::metrics::{read_relations, score_relations};
 
@@ -54,6 +53,12 @@ fn rebuilt(text: &str) -> Vec<ScanRecord> {
         .collect()
 }
 
+/// Processor time of this thread, seconds.
+fn cpu_s() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap();
+    text.split_whitespace().next().unwrap().parse::<f64>().unwrap() * 1e-9
+}
+
 fn main() {
     let data = PathBuf::from("../shared/data/slam2d_logs");
     let which: Vec<String> = std::env::args().skip(1).collect();
@@ -71,23 +76,25 @@ fn main() {
         let text = unpack(&data.join(log));
         let records = if log.contains("clf") { carmen(&text) } else { rebuilt(&text) };
         let relations = read_relations(&unpack(&data.join(key))).unwrap();
-        let mut tracker = Tracker::new(FrontEndConfig::default());
-        let start = Instant::now();
+        let mut mapper = Mapper::new(MapConfig::default());
+        let show = |what: &str, mapper: &Mapper, since: f64| {
+            let score = score_relations(&relations, &mapper.tracker.trajectory(&mapper.poses), 0.6);
+            println!(
+                "{name:9} {what:8} {} nodes  {:.4} m max {:.3}  {:.3} deg missing {} cpu {:.0} ms",
+                mapper.poses.len(), score.translation_mean_m(), score.translation_max_m(),
+                score.rotation_mean_rad().to_degrees(), score.without_pose, (cpu_s() - since) * 1e3);
+        };
+        let start = cpu_s();
+        let mut worst = 0.0_f64;
         for record in &records {
-            tracker.push(record);
+            let t = cpu_s();
+            mapper.push(record).unwrap();
+            worst = worst.max(cpu_s() - t);
         }
-        let took = start.elapsed();
-        let poses: Vec<Se2> = tracker.nodes.iter().map(|node| node.pose).collect();
-        let score = score_relations(&relations, &tracker.trajectory(&poses), 0.6);
-        println!(
-            "{name:9} {} scans {} nodes  {:.4} m max {:.3}  {:.3} deg  missing {}  {:.1} us/node",
-            records.len(),
-            poses.len(),
-            score.translation_mean_m(),
-            score.translation_max_m(),
-            score.rotation_mean_rad().to_degrees(),
-            score.without_pose,
-            took.as_secs_f64() * 1e6 / poses.len() as f64
-        );
+        show("online", &mapper, start);
+        println!("{name:9} {:?} loops {} worst {:.1} ms", mapper.closer.statistics, mapper.loops.len(), worst * 1e3);
+        let start = cpu_s();
+        mapper.finish().unwrap();
+        show("aligned", &mapper, start);
     }
 }

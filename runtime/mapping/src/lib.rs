@@ -3,8 +3,11 @@
 
 pub mod front_end;
 pub mod input;
+pub mod loops;
+pub mod mapper;
 pub mod metrics;
 pub mod pose_graph;
+pub mod refine;
 mod se2;
 
 pub use se2::Se2;

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::{CommandFactory, Parser};
 
-use crate::audit::sources;
 use crate::shell;
 use crate::{Arguments, citations};
+use embedded_audit::sources;
 
 const TEXTS: [&str; 6] = [
     "README.md",
@@ -153,6 +153,8 @@ fn includes_and_links_of_the_book_lead_somewhere() {
 #[test]
 fn every_crate_and_module_is_in_the_architecture() {
     let text = std::fs::read_to_string(shell::root().join("ARCHITECTURE.md")).expect("the architecture");
+    // What is drawn has everything; a newcomer needs words.
+    let text = text.split("<!-- drawn by").next().unwrap_or_default();
     let layers = ["core-nostd", "drivers", "hal-sim", "runtime", "tests"].map(str::to_owned);
     let mut missing = Vec::new();
     for one in sources::crates_below(&shell::root(), &layers).expect("the crates") {

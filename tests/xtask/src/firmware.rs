@@ -11,8 +11,10 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
+use crate::image_size::{Size, measure};
 use crate::machine::TARGET;
-use crate::{setup, shell, stack, worst};
+use crate::{setup, shell, worst};
+use embedded_audit::facts::facts;
 
 /// The image that plays tapes.
 const TAPE_IMAGE: &str = "floorguard-mps2-an500-tape";
@@ -25,14 +27,6 @@ const TAPE_BYTES_MAX: u64 = (16 << 20) - (128 << 10);
 /// Instruction counts may differ from the golden file by this share.
 const GATE: f64 = 0.005;
 
-/// First budgets: instructions at most, by what is counted.
-pub const BUDGETS: &[(&str, u64)] = &[
-    ("lidar-packet", 40_000),
-    ("stage-guard-packet", 40_000),
-    ("stage-guard-scan", 20_000),
-    ("sweep", 6_000_000),
-    ("sweep-12-people", 6_000_000),
-];
 /// Twelve people around the robot; what is counted of it, and how it is called.
 const CROWD: &str = "tests/goldens/twelve_people.toml";
 const CROWD_COUNTS: [&str; 4] = ["sweep", "stage-floor-clusters", "stage-features", "stage-track"];
@@ -42,8 +36,6 @@ const FLASH_MAX: u64 = 512 << 10;
 const RAM_MAX: u64 = 448 << 10;
 /// Bytes of the black box across resets, outside of that memory: SRAM4 of the chip, PSRAM of the emulated board.
 const KEPT_MAX: u64 = 64 << 10;
-/// Bytes of stack: three quarters of what the chip has for it, SRAM1 to 3.
-pub const STACK_MAX: u64 = (288 << 10) / 4 * 3;
 /// Interrupt handlers of the images by level, the guard's executor first.
 const BOARD_HANDLERS: &[&[&str]] = &[
     &["GUARD_EXECUTOR"],
@@ -113,20 +105,6 @@ struct Outcome {
     instructions: BTreeMap<String, Cost>,
 }
 
-/// Bytes of an image.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-struct Size {
-    /// Program and constants.
-    flash_bytes: u64,
-    /// Statics.
-    ram_bytes: u64,
-    /// The deepest stack, start-up included; 0: not asked.
-    stack_bytes: u64,
-    /// The black box across resets, in a memory of its own.
-    #[serde(default)]
-    kept_bytes: u64,
-}
-
 /// Runs the command; false when host and board differ, or a count leaves its gate.
 pub fn run(options: &Options) -> Result<bool> {
     setup::need_target()?;
@@ -182,9 +160,10 @@ fn link_for_the_chip(update: bool) -> Result<bool> {
 /// Shows and judges the size of an image: against the limits, and against the golden file, which `update` writes.
 fn fits(image: &str, size: Size, update: bool) -> Result<bool> {
     let Size { flash_bytes, ram_bytes, stack_bytes, kept_bytes } = size;
+    let stack_max = facts().firmware.as_ref().map_or(0, |firmware| firmware.stack_bytes);
     println!(
         "firmware: {image}: {flash_bytes} of {FLASH_MAX} bytes of flash, {ram_bytes} of {RAM_MAX} of statics, \
-         {stack_bytes} of {STACK_MAX} of stack; elsewhere {kept_bytes} of {KEPT_MAX} that are kept across a reset"
+         {stack_bytes} of {stack_max} of stack; elsewhere {kept_bytes} of {KEPT_MAX} that are kept across a reset"
     );
     let mut golden = golden()?;
     if update {
@@ -195,13 +174,13 @@ fn fits(image: &str, size: Size, update: bool) -> Result<bool> {
     let before = golden.images.get(image).copied().unwrap_or(Size {
         flash_bytes: FLASH_MAX,
         ram_bytes: RAM_MAX,
-        stack_bytes: STACK_MAX,
+        stack_bytes: stack_max,
         kept_bytes: KEPT_MAX,
     });
     let judged = [
         ("flash", flash_bytes, FLASH_MAX, before.flash_bytes),
         ("statics", ram_bytes, RAM_MAX, before.ram_bytes),
-        ("stack", stack_bytes, STACK_MAX, before.stack_bytes),
+        ("stack", stack_bytes, stack_max, before.stack_bytes),
         ("kept memory", kept_bytes, KEPT_MAX, before.kept_bytes),
     ];
     let mut good = true;
@@ -326,52 +305,12 @@ fn play(image: &Path, tape: &Path) -> Result<Outcome> {
     Ok(outcome)
 }
 
-/// How large an image is; its stack where the interrupt handlers are told.
-fn measure(image: &Path, handlers: Option<&[&[&str]]>) -> Result<Size> {
-    let size = sizes(image)?;
-    let stack_bytes = match handlers {
-        Some(handlers) => {
-            let need = stack::need(image, handlers)?;
-            let stack::Need { start, task, interrupts } = need;
-            println!(
-                "firmware: stack: start-up {start} bytes, a task {task}, interrupts above it {interrupts}"
-            );
-            u64::from(need.most())
-        }
-        None => 0,
-    };
-    Ok(Size { stack_bytes, ..size })
-}
-
-/// Bytes of program and constants, of statics, and of what is kept across resets; not of the stack.
-fn sizes(image: &Path) -> Result<Size> {
-    use object::{Object, ObjectSection, SectionKind};
-    let bytes = std::fs::read(image)?;
-    let file = object::File::parse(&*bytes)?;
-    let mut size = Size::default();
-    for section in file.sections() {
-        match section.kind() {
-            SectionKind::Text | SectionKind::ReadOnlyData => size.flash_bytes += section.size(),
-            // Initial values lie in flash and are copied.
-            SectionKind::Data => {
-                size.flash_bytes += section.size();
-                size.ram_bytes += section.size();
-            }
-            SectionKind::UninitializedData if section.name() == Ok(".kept") => {
-                size.kept_bytes += section.size()
-            }
-            SectionKind::UninitializedData => size.ram_bytes += section.size(),
-            _ => {}
-        }
-    }
-    Ok(size)
-}
-
 fn show(outcome: &Outcome, hosted: &str) {
     println!("firmware: fingerprint on the host {hosted}, on the emulated Cortex-M7 {}", outcome.digest);
     println!("  {:22} {:>8} {:>12} {:>12} {:>12}", "instructions", "times", "mean", "most", "budget");
+    let budgets = facts().firmware.as_ref().map(|firmware| &firmware.budgets);
     for (name, cost) in &outcome.instructions {
-        let budget = BUDGETS.iter().find(|(wanted, _)| wanted == name).map(|(_, budget)| *budget);
+        let budget = budgets.and_then(|budgets| budgets.get(name)).copied();
         let verdict = match budget {
             Some(budget) if cost.max > budget => format!("{budget:>12}, over it"),
             Some(budget) => format!("{budget:>12}"),

@@ -3,26 +3,20 @@
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use embedded_audit::{audit, campaign, facts, records, shell, structure};
 
-mod audit;
 mod bench;
 #[cfg(test)]
 mod book;
-mod campaign;
 mod check_recording;
 #[cfg(test)]
 mod citations;
-mod copied_tree;
-mod counting;
-mod facts;
 mod firmware;
+mod image_size;
 mod machine;
-mod mutants;
 mod reproduce;
 mod setup;
-mod shell;
 mod stack;
-mod structure;
 mod targets;
 mod test;
 mod vcan;
@@ -47,7 +41,7 @@ enum Command {
     /// Check every claim of the safety evidence and write it to target/audit.
     Audit(audit::Options),
     /// Let the records of docs/evidence follow code that only moved since a commit.
-    Moved(audit::moved::Options),
+    Moved(records::Options),
     /// Check which crate and module knows which, and how long files are; --write draws the graph.
     Structure(structure::Options),
     /// Run one of the long campaigns on all cores, or go on where it was cut.
@@ -83,9 +77,11 @@ fn run(command: Command) -> anyhow::Result<bool> {
     match command {
         Command::Setup => setup::run(),
         Command::Test(options) => test::run(&options),
-        Command::Audit(options) => audit::run(&options),
-        Command::Moved(options) => audit::moved::run(&options),
+        // Without the target no claim on compiled code could be judged, and the sources would be blamed for it.
+        Command::Audit(options) => setup::need_target().and_then(|()| audit::run(&options)),
+        Command::Moved(options) => records::run(&options),
         Command::Structure(options) => structure::run(&options),
+        Command::Campaign(options) if options.name == "worst" => worst::search(options.trials, options.seed),
         Command::Campaign(options) => campaign::run(&options),
         Command::Firmware(options) => firmware::run(&options),
         Command::Vcan(options) => vcan::run(&options),

@@ -11,7 +11,7 @@ use std::path::Path;
 use anyhow::{Context, Result, bail};
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
 
-use crate::audit::thumb::{self, Flow};
+use embedded_audit::image::thumb::{self, Flow};
 
 /// What the processor pushes at an interrupt, bytes: registers, those of the floating-point unit, and alignment.
 const EXCEPTION_BYTES: u32 = 112;

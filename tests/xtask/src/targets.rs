@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use anyhow::Result;
 
-use crate::audit::sources;
 use crate::{machine, shell};
+use embedded_audit::sources;
 
 /// Name for rustc and cargo, and an example of what has it.
 type Target = (&'static str, &'static str);

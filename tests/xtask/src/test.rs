@@ -7,9 +7,9 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use clap::Args;
 
-use crate::audit::sources;
 use crate::machine::TARGET;
 use crate::{setup, shell};
+use embedded_audit::sources;
 
 /// Which part of the test run.
 #[derive(Args)]

@@ -4,6 +4,13 @@ use core::fmt;
 
 /// Ordered: the most severe active cause wins (FG-REQ-001). Stop categories after IEC 60204-1 (book, Guard: Stop
 /// categories).
+///
+/// ```
+/// use floorguard_guard::Action;
+///
+/// assert!(Action::None < Action::Limit && Action::Category1 < Action::Category0);
+/// assert!(Action::Category2.stops() && !Action::Limit.stops());
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Action {

@@ -40,6 +40,14 @@ impl AdvisedPerson {
 }
 
 /// One message of the perception ring.
+///
+/// ```
+/// use floorguard_guard::Advice;
+///
+/// // Advice can only tighten: none of it permits anything.
+/// let advice = Advice { speed_limit_mps: Some(0.2), ..Advice::default() };
+/// assert!(advice.people.is_empty() && !advice.stop);
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Advice {
     /// When the measurement behind it was taken.

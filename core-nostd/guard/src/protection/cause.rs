@@ -8,6 +8,14 @@ use super::source::Source;
 pub const CAUSES: usize = PLAIN.len() + 2 * Source::COUNT;
 
 /// Why the guard objects.
+///
+/// ```
+/// use floorguard_guard::{Action, Cause, Source};
+///
+/// assert_eq!(Cause::EmergencyStop.action(), Action::Category0);
+/// assert_eq!(Cause::all().len(), floorguard_guard::CAUSES);
+/// assert!(Cause::SourceLost(Source::Lidar).action().stops());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Cause {

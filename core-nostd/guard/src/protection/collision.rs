@@ -18,6 +18,18 @@ const STEPS: u8 = 30;
 const STRAIGHT_RADPS: f32 = 0.05;
 
 /// The body as three circles in a row, for times to collision, and as a box, for distances.
+///
+/// ```
+/// use floorguard_guard::{AdvisedPerson, Body};
+/// use floorguard_types::geometry::{Point2, Twist2};
+///
+/// let body = Body { x_m: [-0.5, 0.5], y_m: [-0.4, 0.4] };
+/// assert_eq!(body.distance_m(Point2::new(2.0, 0.0)), 1.5);
+/// // Somebody stands 3.5 m ahead of a robot that drives 1 m/s.
+/// let person = AdvisedPerson { position: Point2::new(3.5, 0.0), ..AdvisedPerson::default() };
+/// let [estimated_s, doubtful_s] = body.times_to_person_s(&person, Twist2 { linear_mps: 1.0, angular_radps: 0.0 });
+/// assert!((2.0..3.0).contains(&estimated_s) && doubtful_s <= estimated_s);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Body {
     /// Least and greatest x, metres.
@@ -114,6 +126,17 @@ impl Blocked {
 
 /// Seconds until a point at `p` moving with `u` relative to us is within `radius_m`; 0 when it is, infinite when it
 /// never will be.
+///
+/// ```
+/// use floorguard_guard::time_to_collision_s;
+/// use floorguard_types::geometry::Point2;
+///
+/// // 5 m away, 1 m/s towards the disc of 1 m; and past it.
+/// let towards = time_to_collision_s(Point2::new(5.0, 0.0), Point2::new(-1.0, 0.0), 1.0);
+/// assert!((towards - 4.0).abs() < 1.0e-5);
+/// let past = time_to_collision_s(Point2::new(5.0, 2.0), Point2::new(-1.0, 0.0), 1.0);
+/// assert_eq!(past, f32::INFINITY);
+/// ```
 #[must_use]
 pub fn time_to_collision_s(p: Point2, u: Point2, radius_m: f32) -> f32 {
     let a = u.x_m * u.x_m + u.y_m * u.y_m;

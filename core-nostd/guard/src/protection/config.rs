@@ -244,6 +244,12 @@ impl GuardConfig {
     ///
     /// # Errors
     /// The first broken rule, with its numbers.
+    ///
+    /// ```
+    /// use floorguard_guard::{GuardConfig, GuardConfigError};
+    ///
+    /// assert_eq!(GuardConfig::NONE.validate(), Err(GuardConfigError::Footprint));
+    /// ```
     pub fn validate(&self) -> Result<(), GuardConfigError> {
         if self.footprint.len() < 3 || !point_in_polygon(Point2::default(), &self.footprint) {
             return Err(GuardConfigError::Footprint);

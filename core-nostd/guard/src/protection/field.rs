@@ -14,6 +14,15 @@ pub(super) fn edges(polygon: &[Point2]) -> impl Iterator<Item = (Point2, Point2)
 }
 
 /// Crossing-number test (book, Conventions: Point in polygon): bottom and left edges belong to the polygon.
+///
+/// ```
+/// use floorguard_guard::point_in_polygon;
+/// use floorguard_types::geometry::Point2;
+///
+/// let field = [(0.0, -1.0), (2.0, -1.0), (2.0, 1.0), (0.0, 1.0)].map(|(x, y)| Point2::new(x, y));
+/// assert!(point_in_polygon(Point2::new(1.0, 0.5), &field));
+/// assert!(!point_in_polygon(Point2::new(2.5, 0.5), &field));
+/// ```
 #[must_use]
 pub fn point_in_polygon(point: Point2, polygon: &[Point2]) -> bool {
     let mut inside = false;
@@ -29,6 +38,16 @@ pub fn point_in_polygon(point: Point2, polygon: &[Point2]) -> bool {
 /// Where a ray from `origin` along the unit vector `direction` leaves the polygon for the last time, metres; 0 when it
 /// never meets it. For a polygon that is not star-shaped seen from `origin` everything before the last crossing
 /// counts as inside: more than the polygon, never less (FG-REQ-020).
+///
+/// ```
+/// use floorguard_guard::ray_exit_m;
+/// use floorguard_types::geometry::Point2;
+///
+/// let field = [(0.0, -1.0), (2.0, -1.0), (2.0, 1.0), (0.0, 1.0)].map(|(x, y)| Point2::new(x, y));
+/// let ahead = Point2::new(1.0, 0.0);
+/// assert_eq!(ray_exit_m(&field, Point2::new(0.5, 0.0), ahead), 1.5);
+/// assert_eq!(ray_exit_m(&field, Point2::new(0.5, 3.0), ahead), 0.0);
+/// ```
 #[must_use]
 pub fn ray_exit_m(polygon: &[Point2], origin: Point2, direction: Point2) -> f32 {
     let mut exit_m = 0.0_f32;

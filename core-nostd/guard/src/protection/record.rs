@@ -29,6 +29,15 @@ pub enum Unit {
 }
 
 /// Why, seen when it began. Never overwritten while the cause stays.
+///
+/// ```
+/// use floorguard_guard::{Cause, CauseRecord, Unit};
+/// use floorguard_types::time::Stamp;
+///
+/// let record = CauseRecord::new(Cause::ScanProtective, Stamp::ZERO).metres(0.8, 1.2).aged(45_000);
+/// assert_eq!((record.measured, record.limit, record.unit), (0.8, 1.2, Unit::Metres));
+/// assert_eq!(record.action, Cause::ScanProtective.action());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct CauseRecord {

@@ -9,6 +9,13 @@ use floorguard_types::geometry::Point2;
 type Limits = [u16; SCAN_BEAMS_MAX];
 
 /// Range per beam and field set below which something is inside.
+///
+/// ```
+/// use floorguard_guard::ScanTable;
+///
+/// // Two millimetre limits for each beam and field set.
+/// assert!(size_of::<ScanTable>() > 541 * 8 * 4);
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScanTable {
     pub(crate) protective: [Limits; FIELD_SETS_MAX],

@@ -3,6 +3,13 @@
 use core::fmt;
 
 /// Where evidence comes from.
+///
+/// ```
+/// use floorguard_guard::Source;
+///
+/// assert_eq!(Source::ALL.len(), Source::COUNT);
+/// assert_eq!(Source::ALL[Source::Lidar.index()], Source::Lidar);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Source {
@@ -112,6 +119,14 @@ impl fmt::Display for Health {
 }
 
 /// When the failure of a source matters (book, Guard: Source deadlines).
+///
+/// ```
+/// use floorguard_guard::SourceRules;
+///
+/// // Slow down to 0.3 m/s after 100 ms of silence, stop after 200 ms.
+/// let rules = SourceRules::required(100, 0.3, 200);
+/// assert_eq!((rules.limit_after_us, rules.stop_after_us), (100_000, Some(200_000)));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SourceRules {
     /// The robot has it. One that it has not is never asked for.

@@ -70,10 +70,7 @@ pub fn search(
         levels,
         points,
         window,
-        raster: Raster {
-            origin: geometry.origin_in_map(),
-            cells_per_metre: geometry.cells_per_metre(),
-        },
+        raster: Raster { origin: geometry.origin_in_map(), cells_per_metre: geometry.cells_per_metre() },
         edge_m: geometry.resolution_m(),
         full_score,
         best: Candidate { bound: floor, level: usize::MAX, ..Candidate::default() },
@@ -82,7 +79,8 @@ pub fn search(
     let SearchScratch { cells, blocks } = scratch;
     let roots = search.fill_roots(cells, blocks);
     let blocks = blocks.get_mut(..roots)?;
-    blocks.sort_unstable_by_key(|block| (core::cmp::Reverse(block.bound), block.turn, block.row, block.column));
+    blocks
+        .sort_unstable_by_key(|block| (core::cmp::Reverse(block.bound), block.turn, block.row, block.column));
     for block in blocks.iter() {
         if block.bound <= search.best.bound {
             break;

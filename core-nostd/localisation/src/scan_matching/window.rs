@@ -69,9 +69,8 @@ impl SearchWindow {
     /// The least that any pose of a block of 2^`shift` cells loses, as a share of the score.
     pub(super) fn least_penalty(&self, candidate: &Candidate, shift: u8, edge_m: f32) -> f32 {
         let side = 1_i32 << shift.min(15);
-        let nearest = |first: i32| {
-            0_i32.clamp(first, first.saturating_add(side).saturating_sub(1)) as f32 * edge_m
-        };
+        let nearest =
+            |first: i32| 0_i32.clamp(first, first.saturating_add(side).saturating_sub(1)) as f32 * edge_m;
         let (x, y) = (nearest(candidate.column), nearest(candidate.row));
         let turn = candidate.turn as f32 * self.turn_step_rad;
         self.penalty.per_square_metre * (x * x + y * y) + self.penalty.per_square_radian * turn * turn
@@ -79,8 +78,7 @@ impl SearchWindow {
 
     /// Whether a single pose counts.
     pub(super) fn admits(&self, candidate: &Candidate) -> bool {
-        let inside =
-            candidate.column <= self.half_side_cells && candidate.row <= self.half_side_cells;
+        let inside = candidate.column <= self.half_side_cells && candidate.row <= self.half_side_cells;
         inside && !self.excluded.is_some_and(|excluded| excluded.holds(candidate))
     }
 

@@ -24,7 +24,8 @@ impl<S: AsRef<[u8]> + AsMut<[u8]>> MatchField<S> {
     /// A storage is smaller than the geometry.
     pub fn new(geometry: GridGeometry, storage: [S; 2], reach_m: f32) -> Result<Self, GridTooSmall> {
         let [fine, coarse] = storage;
-        let mut field = Self { fine: Grid::new(geometry, fine)?, coarse: Grid::new(geometry, coarse)?, reach_m };
+        let mut field =
+            Self { fine: Grid::new(geometry, fine)?, coarse: Grid::new(geometry, coarse)?, reach_m };
         field.fine.values_mut().fill(0);
         field.coarse.values_mut().fill(0);
         Ok(field)

@@ -38,8 +38,7 @@ impl Stamp {
         }
         for row in low..=high {
             let away_y = closest(y, row, window);
-            let (Some(first), Some(last)) =
-                (self.geometry.index(left, row), self.geometry.index(right, row))
+            let (Some(first), Some(last)) = (self.geometry.index(left, row), self.geometry.index(right, row))
             else {
                 continue;
             };

@@ -28,3 +28,4 @@ pub use published::{PublishedDijkstra, Wavefront, WavefrontFull};
 pub use replan::{PlanState, check_plan};
 pub use smooth::smooth;
 pub use step_costs::StepCosts;
+pub(crate) use trace::nearest_cell;

@@ -93,7 +93,7 @@ pub(super) fn head_forward(path: &mut [Waypoint]) {
 }
 
 /// The nearest cell to a point, at most `reach_m` from it, for which `is_good` holds; ties go to the smaller index.
-pub(super) fn nearest_cell(
+pub(crate) fn nearest_cell(
     geometry: &GridGeometry,
     point_in_map: Point2,
     reach_m: f32,

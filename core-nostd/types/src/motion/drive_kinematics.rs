@@ -136,7 +136,8 @@ mod tests {
 
     #[test]
     fn an_arc_ends_where_the_circle_says() {
-        let quarter = Pose2::default().after(Twist2 { linear_mps: 1.0, angular_radps: 1.0 }, core::f32::consts::FRAC_PI_2);
+        let quarter = Pose2::default()
+            .after(Twist2 { linear_mps: 1.0, angular_radps: 1.0 }, core::f32::consts::FRAC_PI_2);
         assert!((quarter.x_m - 1.0).abs() < 1e-5 && (quarter.y_m - 1.0).abs() < 1e-5);
         let straight = Pose2::default().after(Twist2 { linear_mps: 2.0, angular_radps: 0.0 }, 1.5);
         assert!((straight.x_m - 3.0).abs() < 1e-6 && straight.y_m == 0.0);

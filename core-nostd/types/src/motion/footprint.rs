@@ -56,7 +56,8 @@ impl Footprint {
         if corners_in_base.iter().any(|corner| !corner.norm().is_finite()) {
             return Err(FootprintError::NotFinite);
         }
-        let mut outline = Self { corners_in_base: corners, inscribed_radius_m: 0.0, circumscribed_radius_m: 0.0 };
+        let mut outline =
+            Self { corners_in_base: corners, inscribed_radius_m: 0.0, circumscribed_radius_m: 0.0 };
         if !outline.contains(Point2::default()) {
             return Err(FootprintError::BaseOutside);
         }

@@ -32,8 +32,9 @@ impl MovingPerson {
     pub fn after(&self, time_s: f32, acceleration_mps2: f32) -> Self {
         let drift_m = self.velocity_deviation_mps * time_s;
         let surprise_m = 0.5 * acceleration_mps2 * time_s * time_s;
-        let variance_m2 =
-            self.position_deviation_m * self.position_deviation_m + drift_m * drift_m + surprise_m * surprise_m;
+        let variance_m2 = self.position_deviation_m * self.position_deviation_m
+            + drift_m * drift_m
+            + surprise_m * surprise_m;
         Self {
             position_in_map: Point2::new(
                 self.position_in_map.x_m + self.velocity_in_map_mps.x_m * time_s,

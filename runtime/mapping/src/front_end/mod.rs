@@ -3,9 +3,11 @@
 mod config;
 mod local_map;
 mod node;
+mod sequence;
 mod tracker;
 
 pub use config::FrontEndConfig;
 pub use local_map::LocalMap;
 pub use node::{Node, Passage};
+pub use sequence::sequence_edges;
 pub use tracker::{Step, Tracker};

@@ -31,8 +31,6 @@ pub struct Tracker {
     maps: Vec<LocalMap>,
     cells: Vec<CellOffset>,
     blocks: Vec<Candidate>,
-    /// The last motion from record to record, used where odometry is missing.
-    last: Option<(Option<Se2>, Se2)>,
 }
 
 /// Blocks that a search of the tracking can keep.
@@ -49,7 +47,6 @@ impl Tracker {
             maps: Vec::new(),
             cells: Vec::new(),
             blocks: vec![Candidate::default(); BLOCKS],
-            last: None,
         }
     }
 
@@ -130,7 +127,7 @@ impl Tracker {
             pose,
             odometry: record.odometry,
             points: points.into_boxed_slice(),
-            information: refined.information,
+            information: in_own_frame(&refined),
             score: refined.score,
         });
         Step::Node(index)
@@ -139,7 +136,8 @@ impl Tracker {
     /// The trajectory of all scans, by the poses of the kept ones (in their order), ordered by time.
     #[must_use]
     pub fn trajectory(&self, poses: &[Se2]) -> Vec<(f64, Se2)> {
-        let mut all: Vec<(f64, Se2)> = self.nodes.iter().zip(poses).map(|(node, pose)| (node.time_s, *pose)).collect();
+        let mut all: Vec<(f64, Se2)> =
+            self.nodes.iter().zip(poses).map(|(node, pose)| (node.time_s, *pose)).collect();
         for passage in &self.passages {
             if let Some(pose) = poses.get(passage.node) {
                 all.push((passage.time_s, pose.compose(passage.from_node)));
@@ -148,4 +146,11 @@ impl Tracker {
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         all
     }
+}
+
+/// The information of a match, turned from the field's frame into the scan's.
+fn in_own_frame(refined: &Refined) -> Matrix3<f32> {
+    let (sin, cos) = refined.pose.heading_rad.sin_cos();
+    let turn = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
+    turn.transpose() * refined.information * turn
 }

@@ -89,7 +89,16 @@ impl BlockSystem {
         let memory = MemBuffer::try_new(scratch).map_err(|_| Unsolvable)?;
         let values = vec![0.0; symbolic.row_idx().len()];
         let factor = vec![0.0; cholesky.len_val()];
-        Ok(Self { places, columns, symbolic, cholesky, values, gradient: vec![0.0; 3 * variables], factor, memory })
+        Ok(Self {
+            places,
+            columns,
+            symbolic,
+            cholesky,
+            values,
+            gradient: vec![0.0; 3 * variables],
+            factor,
+            memory,
+        })
     }
 
     /// Begins a new step.
@@ -206,8 +215,8 @@ fn analyse(
     let count = lower.len();
     let blocks = SymbolicSparseColMat::new_checked(variables, variables, starts, None, lower);
     let (mut forward, mut inverse) = (vec![0_usize; variables], vec![0_usize; variables]);
-    let mut memory =
-        MemBuffer::try_new(amd::order_maybe_unsorted_scratch::<usize>(variables, count)).map_err(|_| Unsolvable)?;
+    let mut memory = MemBuffer::try_new(amd::order_maybe_unsorted_scratch::<usize>(variables, count))
+        .map_err(|_| Unsolvable)?;
     // The ordering reads the pattern of A + Aᵀ: the lower triangle says it all.
     amd::order_maybe_unsorted(
         &mut forward,
@@ -222,8 +231,10 @@ fn analyse(
     };
     let (forward, inverse) = (spread(&forward), spread(&inverse));
     let order = faer::perm::PermRef::new_checked(&forward, &inverse, 3 * variables);
-    let parameters =
-        CholeskySymbolicParams { supernodal_flop_ratio_threshold: SupernodalThreshold::AUTO, ..Default::default() };
+    let parameters = CholeskySymbolicParams {
+        supernodal_flop_ratio_threshold: SupernodalThreshold::AUTO,
+        ..Default::default()
+    };
     factorize_symbolic_cholesky(symbolic.as_ref(), Side::Lower, SymmetricOrdering::Custom(order), parameters)
         .map_err(|_| Unsolvable)
 }

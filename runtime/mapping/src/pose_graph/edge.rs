@@ -61,7 +61,8 @@ impl Edge {
         let second = Matrix3::new(cos, sin, 0.0, -sin, cos, 0.0, 0.0, 0.0, 1.0);
         let first = Matrix3::new(-cos, -sin, turned[0], sin, -cos, turned[1], 0.0, 0.0, -1.0);
         let information = self.information * weight;
-        let (weighed_first, weighed_second) = (first.transpose() * information, second.transpose() * information);
+        let (weighed_first, weighed_second) =
+            (first.transpose() * information, second.transpose() * information);
         PairTerms {
             first: weighed_first * first,
             second: weighed_second * second,

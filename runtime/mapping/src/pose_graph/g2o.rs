@@ -37,13 +37,17 @@ pub fn read_g2o(text: &str) -> Result<Graph, G2oError> {
             _ => continue,
         };
         let damaged = |what| G2oError { line: index + 1, what };
-        let mut id = || words.next().and_then(|word| word.parse::<u64>().ok()).ok_or(damaged("a number of a pose"));
+        let mut id =
+            || words.next().and_then(|word| word.parse::<u64>().ok()).ok_or(damaged("a number of a pose"));
         let first = id()?;
         let second = if ids == 2 { id()? } else { first };
-        let numbers: Option<Vec<f64>> = words.map(|word| word.parse().ok().filter(|n: &f64| n.is_finite())).collect();
+        let numbers: Option<Vec<f64>> =
+            words.map(|word| word.parse().ok().filter(|n: &f64| n.is_finite())).collect();
         let numbers = numbers.ok_or(damaged("a word is no number"))?;
         if ids == 1 {
-            let Some([x, y, heading]) = numbers.first_chunk::<3>() else { return Err(damaged("it ends too early")) };
+            let Some([x, y, heading]) = numbers.first_chunk::<3>() else {
+                return Err(damaged("it ends too early"));
+            };
             vertices.insert(first, Se2::new(*x, *y, *heading));
         } else {
             let Some(&[x, y, heading, xx, xy, xt, yy, yt, tt]) = numbers.first_chunk::<9>() else {

@@ -34,7 +34,11 @@ pub struct Optimised {
 ///
 /// # Errors
 /// A part of the graph hangs on nothing.
-pub fn optimise(graph: &mut Graph, weights: &[f64], config: &OptimiseConfig) -> Result<Optimised, Unsolvable> {
+pub fn optimise(
+    graph: &mut Graph,
+    weights: &[f64],
+    config: &OptimiseConfig,
+) -> Result<Optimised, Unsolvable> {
     let mut system = BlockSystem::new(graph.poses.len(), &graph.pairs())?;
     optimise_with(&mut system, graph, weights, config)
 }

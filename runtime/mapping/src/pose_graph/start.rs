@@ -20,7 +20,8 @@ pub fn chain_start(graph: &Graph) -> Vec<Se2> {
     }
     let mut poses: Vec<Option<Se2>> = vec![None; count];
     // The sequence is followed to its end before any loop: those wait in the second queue.
-    let (mut sequence, mut loops) = (vec![0_usize], std::collections::VecDeque::new());
+    let mut sequence = vec![0_usize];
+    let mut loops: std::collections::VecDeque<(usize, Se2)> = std::collections::VecDeque::new();
     if let (Some(first), Some(pose)) = (poses.first_mut(), graph.poses.first()) {
         *first = Some(*pose);
     }

@@ -1,0 +1,252 @@
+//! Searches loops while the path grows.
+
+use std::collections::BTreeMap;
+
+use floorguard_localisation::scan_matching::{
+    Candidate, CellOffset, DescentConfig, Exclusion, Found, Guess, MotionPenalty, SearchScratch, SearchWindow, refine,
+    search,
+};
+use nalgebra::Matrix3;
+
+use super::config::LoopConfig;
+use super::stretch::{Stretch, StretchField};
+use super::verify::agreement;
+use crate::front_end::Node;
+use crate::pose_graph::{Edge, EdgeKind};
+use crate::refine::ScanView;
+use crate::se2::Se2;
+
+/// What was searched and found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LoopStatistics {
+    /// Pairs of stretches searched.
+    pub searched: usize,
+    /// No place with enough score.
+    pub unlike: usize,
+    /// A second place fits nearly as well.
+    pub ambiguous: usize,
+    /// One saw through what the other saw, or they share too little.
+    pub contradicted: usize,
+    /// Accepted.
+    pub accepted: usize,
+}
+
+/// The search for loops.
+pub struct LoopCloser {
+    config: LoopConfig,
+    /// The stretches so far.
+    pub stretches: Vec<Stretch>,
+    fields: BTreeMap<usize, StretchField>,
+    /// Accepted loops between stretches.
+    links: Vec<[usize; 2]>,
+    next_node: usize,
+    cells: Vec<CellOffset>,
+    blocks: Vec<Candidate>,
+    /// What was searched.
+    pub statistics: LoopStatistics,
+}
+
+/// Blocks that a search can keep.
+const BLOCKS: usize = 200_000;
+
+impl LoopCloser {
+    /// Nothing yet.
+    #[must_use]
+    pub fn new(config: LoopConfig) -> Self {
+        Self {
+            config,
+            stretches: Vec::new(),
+            fields: BTreeMap::new(),
+            links: Vec::new(),
+            next_node: 0,
+            cells: Vec::new(),
+            blocks: vec![Candidate::default(); BLOCKS],
+            statistics: LoopStatistics::default(),
+        }
+    }
+
+    /// Looks for loops of the stretches that have become complete; `poses` are the best ones in the map so far, `views`
+    /// the scans by bearing. With `is_last`, the rest of the path is a stretch, too.
+    pub fn advance(&mut self, nodes: &[Node], views: &[ScanView], poses: &[Se2], is_last: bool) -> Vec<Edge> {
+        let mut edges = Vec::new();
+        let mut travelled = 0.0;
+        let mut node = self.next_node;
+        while node + 1 < nodes.len() {
+            travelled += nodes[node].pose.distance(nodes[node + 1].pose);
+            node += 1;
+            if travelled >= self.config.stretch_m || node - self.next_node >= self.config.stretch_nodes {
+                edges.extend(self.complete(nodes, views, poses, node));
+                travelled = 0.0;
+            }
+        }
+        if is_last && nodes.len() > self.next_node + 1 {
+            edges.extend(self.complete(nodes, views, poses, nodes.len()));
+        }
+        edges
+    }
+
+    fn complete(&mut self, nodes: &[Node], views: &[ScanView], poses: &[Se2], end: usize) -> Vec<Edge> {
+        let stretch = Stretch::new(nodes, self.next_node, end, self.config.thin_m);
+        self.next_node = end;
+        let index = self.stretches.len();
+        self.stretches.push(stretch);
+        let paths = self.path_lengths(nodes, index);
+        let here = self.stretches[index].place(poses);
+        let mut partners: Vec<(f64, usize)> = (0..index)
+            .filter(|&other| paths[other] >= self.config.path_least_m)
+            .map(|other| (here.distance(self.stretches[other].place(poses)), other))
+            .filter(|&(distance, other)| distance <= self.config.near_m + self.window_m(paths[other]))
+            .collect();
+        partners.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut edges = Vec::new();
+        for (_, other) in partners.into_iter().take(self.config.partners_most) {
+            self.statistics.searched += 1;
+            if let Some(edge) = self.compare((nodes, views), poses, [index, other], paths[other]) {
+                self.links.push([index, other]);
+                edges.push(edge);
+            }
+        }
+        edges
+    }
+
+    fn window_m(&self, path_m: f64) -> f64 {
+        (self.config.window_m + self.config.drift_share * path_m).min(self.config.window_most_m)
+    }
+
+    /// Length of the shortest path from a stretch to all earlier ones; a loop has no length.
+    fn path_lengths(&self, nodes: &[Node], from: usize) -> Vec<f64> {
+        let count = self.stretches.len();
+        let step = |a: usize| nodes[self.stretches[a].centre].pose.distance(nodes[self.stretches[a + 1].centre].pose)
+            .max(0.5 * self.config.stretch_m);
+        let mut length = vec![f64::INFINITY; count];
+        length[from] = 0.0;
+        let mut done = vec![false; count];
+        for _ in 0..count {
+            let Some(here) = (0..count).filter(|&i| !done[i]).min_by(|&a, &b| length[a].total_cmp(&length[b])) else {
+                break;
+            };
+            done[here] = true;
+            let at = length[here];
+            if here > 0 {
+                length[here - 1] = length[here - 1].min(at + step(here - 1));
+            }
+            if here + 1 < count {
+                length[here + 1] = length[here + 1].min(at + step(here));
+            }
+            for &[a, b] in &self.links {
+                if a == here || b == here {
+                    let there = a + b - here;
+                    length[there] = length[there].min(at + 1.0);
+                }
+            }
+        }
+        length
+    }
+
+    /// Searches a stretch in an earlier one.
+    fn compare(
+        &mut self,
+        scans: (&[Node], &[ScanView]),
+        poses: &[Se2],
+        [index, other]: [usize; 2],
+        path_m: f64,
+    ) -> Option<Edge> {
+        let config = self.config;
+        if !self.fields.contains_key(&other) {
+            let field = self.stretches[other].field(&config)?;
+            self.fields.insert(other, field);
+        }
+        let (query, reference) = (&self.stretches[index], &self.stretches[other]);
+        let levels = self.fields.get(&other)?.levels();
+        let expected = reference.place(poses).between(query.place(poses));
+        let half_m = self.window_m(path_m);
+        let [turn, growth, most] = config.turn_window_rad;
+        let half_rad = (turn + growth * path_m).min(most);
+        let window = SearchWindow {
+            centre: expected.single(),
+            half_side_cells: (half_m as f32 / config.cell_m).ceil() as i32,
+            half_turn_steps: (half_rad as f32 / config.turn_step_rad).ceil() as i32,
+            turn_step_rad: config.turn_step_rad,
+            penalty: MotionPenalty::default(),
+            excluded: None,
+            minimum_score: config.score_least * 0.7,
+        };
+        self.cells.resize(query.points.len(), CellOffset::default());
+        let found = look(&levels, query, &window, (&mut self.cells, &mut self.blocks));
+        let Some(found) = found else {
+            self.statistics.unlike += 1;
+            return None;
+        };
+        let descent = DescentConfig {
+            reach_m: config.reach_m,
+            return_deviation_m: 0.3,
+            outlier_distance_m: 0.1,
+            steps_max: 15,
+            step_least: 5.0e-4,
+        };
+        let guess = Guess { start: found.pose, expected: found.pose, information: Matrix3::zeros() };
+        let refined = refine(&levels[0], &query.points, &guess, &descent);
+        if refined.score < config.score_least * 0.8 {
+            self.statistics.unlike += 1;
+            return None;
+        }
+        // Both stretches' returns against the other's scans.
+        let measured = Se2::from(refined.pose);
+        let (nodes, _) = scans;
+        let forward: Vec<_> = query.points.iter().map(|point| refined.pose.transform(*point)).collect();
+        let inverse = measured.inverse().single();
+        let backward: Vec<_> = reference.points.iter().map(|point| inverse.transform(*point)).collect();
+        let there = agreement(&forward, nodes[reference.centre].pose, scans, reference.first..reference.end);
+        let back = agreement(&backward, nodes[query.centre].pose, scans, query.first..query.end);
+        let conflict = there.and(back).conflict_share();
+        let overlap = there.overlap_share().max(back.overlap_share());
+        let log = std::env::var("SLAM_LOG").is_ok();
+        if log {
+            println!("  {index}->{other} path {path_m:.0} window {half_m:.1} score {:.2} refined {:.2} conflict {conflict:.2} overlap {overlap:.2} expected {:?} found {:?}", found.score, refined.score, expected, measured);
+        }
+        if conflict > config.conflict_most || overlap < config.overlap_least {
+            self.statistics.contradicted += 1;
+            return None;
+        }
+        let near = |m: f32| (m / config.cell_m).ceil() as i32;
+        let excluded = Exclusion {
+            column: found.place.column,
+            row: found.place.row,
+            turn: found.place.turn,
+            half_side_cells: near(0.8),
+            half_turn_steps: (0.15 / config.turn_step_rad).ceil() as i32,
+        };
+        let needed = 1.0 - (1.0 - found.score) * config.loss_ratio;
+        let second = SearchWindow { excluded: Some(excluded), minimum_score: needed, ..window };
+        if look(&levels, query, &second, (&mut self.cells, &mut self.blocks)).is_some() {
+            if log {
+                println!("   ambiguous");
+            }
+            self.statistics.ambiguous += 1;
+            return None;
+        }
+        self.statistics.accepted += 1;
+        let (sin, cos) = refined.pose.heading_rad.sin_cos();
+        let turn = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
+        let information = (turn.transpose() * refined.information * turn).map(f64::from);
+        // Never surer than 3 cm and half a degree: the walls decide the rest.
+        let floor = Matrix3::from_diagonal(&[9.0e-4, 9.0e-4, 8.0e-5].into());
+        let covariance = (information + Matrix3::from_diagonal_element(1.0e-3)).try_inverse()? + floor;
+        Some(Edge {
+            from: reference.centre,
+            to: query.centre,
+            measured,
+            information: covariance.try_inverse()?,
+            kind: EdgeKind::Loop,
+        })
+    }
+}
+
+fn look(
+    levels: &[floorguard_mapping::match_field::FieldLevel<'_>],
+    query: &Stretch,
+    window: &SearchWindow,
+    (cells, blocks): (&mut [CellOffset], &mut [Candidate]),
+) -> Option<Found> {
+    search(levels, &query.points, window, SearchScratch { cells, blocks })
+}

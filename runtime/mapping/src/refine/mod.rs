@@ -1,0 +1,14 @@
+//! All scans against all scans that saw the same walls, at once: the last centimetres.
+//!
+//! Source: Lu, Milios 1997, "Globally consistent range scan alignment"; Censi 2008 (point to line). The residuals of all
+//! pairs enter one system of equations, so that no pair has to be trusted by itself.
+
+mod align;
+mod pairs;
+mod scan_view;
+mod terms;
+
+pub use align::{AlignConfig, align};
+pub use pairs::{PairConfig, overlapping_pairs};
+pub use scan_view::ScanView;
+pub use terms::{MatchLimits, PairMatch, match_pair};

@@ -1,0 +1,244 @@
+//! How often each loop was seen to turn at most, beside its bound.
+//!
+//! `cargo xtask campaign loops` counts and records; the audit compares. A record names a loop by its function, its kind
+//! and its number among those of that kind there, so that it outlives a change elsewhere in the file.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::claim::{Claim, Finding};
+use crate::facts::facts;
+use crate::loops::LoopSite;
+
+/// Where the counts are kept.
+pub const RECORD: &str = "docs/evidence/loops.json";
+
+/// What is known of one loop from running it.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct Seen {
+    /// Most turns of one run through it. `None`: no test reached it, or it cannot be counted.
+    pub largest_seen: Option<u64>,
+    /// The bound as a number, as the program computed it where the largest count was seen.
+    pub bound_value: Option<u64>,
+    /// Counters were compiled into it.
+    pub counted: bool,
+    /// Why there is no count.
+    pub why_not: String,
+}
+
+/// One counted loop, as it is kept.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Record {
+    /// File from the workspace root.
+    pub file: String,
+    /// Function that holds it.
+    pub function: String,
+    /// `for`, or the method.
+    pub kind: String,
+    /// Number among those of its kind in functions of that name in the file.
+    pub number: usize,
+    /// The bound as its text says.
+    pub bound: String,
+    /// Most turns; `None`: it never ran.
+    pub largest: Option<u64>,
+    /// The bound as a number, 0 where the type of a slice does not tell.
+    pub bound_value: u64,
+}
+
+/// The records as they are kept: one loop a line, so that a change can be read.
+pub fn written(records: &[Record]) -> anyhow::Result<String> {
+    let lines: Vec<String> = records.iter().map(serde_json::to_string).collect::<Result<_, _>>()?;
+    Ok(format!("[\n{}\n]\n", lines.join(",\n")))
+}
+
+/// What a record is found by.
+pub type Name = (String, String, String, usize, String);
+
+impl Record {
+    /// What it is found by.
+    pub fn name(&self) -> Name {
+        let text = |text: &String| text.clone();
+        (text(&self.file), text(&self.function), text(&self.kind), self.number, text(&self.bound))
+    }
+}
+
+/// The names of all loops, in their order.
+pub fn numbers(sites: &[LoopSite]) -> Vec<usize> {
+    let mut next = BTreeMap::new();
+    let number = |site: &LoopSite| {
+        let count: &mut usize =
+            next.entry((site.file.clone(), site.function.clone(), site.kind.clone())).or_default();
+        let number = *count;
+        *count += 1;
+        number
+    };
+    sites.iter().map(number).collect()
+}
+
+/// Why a loop is in no record.
+fn why_not(site: &LoopSite) -> String {
+    let why = match site.kind.as_str() {
+        _ if !site.edits.is_empty() => "new since loops were counted, or no counter compiles there",
+        "fill" | "comparison" => "the compiler writes it: as many turns as the array is long",
+        "own iterator" => "each of its turns is one of the loop that asks it",
+        _ => "the compiler may compute it, or its source has no name that a counter could be put to",
+    };
+    why.to_owned()
+}
+
+/// The tests that are to reach what the counted tests did not.
+fn expected(file: &str) -> Option<String> {
+    let entry = facts().not_counted.iter().find(|entry| file.starts_with(&entry.path))?;
+    let first = format!("{}/{}", facts().trace.tests_folder, entry.tests.first()?);
+    Some([vec![first], entry.tests[1..].to_vec()].concat().join(", "))
+}
+
+/// Puts what was recorded beside the loops.
+pub fn compare(root: &Path, sites: &mut [LoopSite]) -> Claim {
+    let text = std::fs::read_to_string(root.join(RECORD)).map_err(|error| format!("cannot be read: {error}"));
+    judge(text.and_then(|text| records_in(&text)), sites)
+}
+
+fn records_in(text: &str) -> Result<Vec<Record>, String> {
+    serde_json::from_str(text).map_err(|error| format!("is broken: {error}"))
+}
+
+/// What the record as a whole lacks.
+fn of_record(why: &str) -> Finding {
+    let message = format!("{why}; `{} campaign loops` counts again", facts().command);
+    Finding { place: RECORD.to_owned(), line: 0, message }
+}
+
+fn judge(records: Result<Vec<Record>, String>, sites: &mut [LoopSite]) -> Claim {
+    let unreadable = records.as_ref().err().map(|why| of_record(why));
+    let records: BTreeMap<Name, Record> =
+        records.unwrap_or_default().into_iter().map(|record| (record.name(), record)).collect();
+    let mut findings = Vec::new();
+    let mut present = BTreeSet::new();
+    let (mut countable, mut ran, mut never, mut unknown) = (0, 0, 0, 0);
+    let numbers = numbers(sites);
+    for (site, number) in sites.iter_mut().zip(numbers) {
+        let text = |text: &String| text.clone();
+        let name = (text(&site.file), text(&site.function), text(&site.kind), number, text(&site.bound));
+        countable += usize::from(!site.edits.is_empty());
+        let Some(record) = records.get(&name) else {
+            site.seen.why_not = why_not(site);
+            unknown += usize::from(!site.edits.is_empty());
+            continue;
+        };
+        present.insert(name);
+        let bound_value = Some(record.bound_value).filter(|value| *value > 0);
+        let why_not =
+            if record.largest.is_none() { expected(&site.file).unwrap_or_default() } else { String::new() };
+        site.seen = Seen { largest_seen: record.largest, bound_value, counted: true, why_not };
+        ran += usize::from(record.largest.is_some());
+        if record.largest.is_none() {
+            never += 1;
+            if expected(&site.file).is_none() {
+                let message = String::from(
+                    "never ran while it was counted; write a test, or name the one that reaches it in tests/audit.toml",
+                );
+                findings.push(Finding { place: site.file.clone(), line: site.line, message });
+            }
+        }
+        if let (Some(largest), Some(bound)) = (record.largest, bound_value)
+            && largest > bound
+        {
+            let message = format!("was seen to turn {largest} times; its bound `{}` is {bound}", site.bound);
+            findings.push(Finding { place: site.file.clone(), line: site.line, message });
+        }
+    }
+    match unreadable {
+        Some(finding) => findings.push(finding),
+        None if present.is_empty() => findings.push(of_record("has no count of any loop that there is")),
+        None => {}
+    }
+    Claim {
+        id: "loops-within-bounds",
+        text: "No loop was ever seen to turn more often than its bound.",
+        evidence: format!(
+            "{ran} of {countable} countable loops ran in the tests and were counted, {never} never ran meanwhile: the table \
+             names the tests that are to reach them; {unknown} cannot be counted or are new since; {} records are of loops that \
+             are gone; `{} campaign loops` counts again",
+            records.len() - present.len(),
+            facts().command
+        ),
+        findings,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::loops;
+    use crate::sources;
+
+    fn sites() -> Vec<LoopSite> {
+        let text = "fn f() {\n for i in 0..4 {}\n for i in 0..4 {}\n}";
+        loops::list(&sources::parse("core-nostd/guard/src/example.rs", text.to_owned()).expect("it parses")).0
+    }
+
+    fn record(number: usize, largest: Option<u64>) -> Record {
+        let text = str::to_owned;
+        let (file, function) = (text("core-nostd/guard/src/example.rs"), text("f"));
+        Record { file, function, kind: text("for"), number, bound: text("4"), largest, bound_value: 4 }
+    }
+
+    #[test]
+    fn the_tests_that_are_to_reach_the_rest_exist() {
+        for name in facts().not_counted.iter().flat_map(|entry| &entry.tests) {
+            assert!(crate::shell::root().join(&facts().trace.tests_folder).join(name).is_file(), "{name}");
+        }
+        for path in facts().not_counted.iter().map(|entry| &entry.path) {
+            assert!(crate::shell::root().join(path).exists(), "{path}");
+        }
+    }
+
+    #[test]
+    fn a_count_above_its_bound_is_named() {
+        let mut sites = sites();
+        let claim = judge(Ok(vec![record(0, Some(4)), record(1, Some(5))]), &mut sites);
+        assert_eq!(claim.findings.iter().map(|finding| finding.line).collect::<Vec<_>>(), [3]);
+        assert_eq!(sites[0].seen.largest_seen, Some(4));
+        assert_eq!(sites[1].seen.bound_value, Some(4));
+    }
+
+    #[test]
+    fn what_never_ran_or_has_no_record_is_told() {
+        let mut sites = sites();
+        let claim = judge(Ok(vec![record(1, None)]), &mut sites);
+        assert!(claim.evidence.starts_with("0 of 2 countable"), "{}", claim.evidence);
+        assert_eq!(claim.findings.iter().map(|finding| finding.line).collect::<Vec<_>>(), [3], "no reason");
+        assert!(claim.evidence.contains("1 cannot"), "{}", claim.evidence);
+        assert_eq!((sites[0].seen.counted, sites[1].seen.counted), (false, true));
+        assert!(sites[0].seen.why_not.starts_with("new since"), "{}", sites[0].seen.why_not);
+    }
+
+    #[test]
+    fn a_record_that_cannot_be_read_or_counts_nothing_fails() {
+        let places =
+            |claim: &Claim| claim.findings.iter().map(|f| (f.place.clone(), f.line)).collect::<Vec<_>>();
+        let named = [(RECORD.to_owned(), 0)];
+        let folder = tempfile::tempdir().expect("a folder");
+        let absent = compare(folder.path(), &mut sites());
+        assert_eq!(places(&absent), named);
+        assert!(absent.findings[0].message.starts_with("cannot be read"), "{:?}", absent.findings);
+        assert_eq!(places(&judge(records_in("[{]"), &mut sites())), named);
+        assert_eq!(places(&judge(records_in("[]"), &mut sites())), named);
+        assert_eq!(places(&judge(Ok(vec![record(7, Some(1))]), &mut sites())), named, "of another loop");
+    }
+
+    #[test]
+    fn records_of_loops_that_are_gone_are_told() {
+        let renamed = Record { function: "g".to_owned(), ..record(0, Some(4)) };
+        let records = vec![record(0, Some(4)), record(1, Some(4)), record(2, Some(4)), renamed];
+        let claim = judge(Ok(records), &mut sites());
+        assert!(
+            claim.holds() && claim.evidence.contains("2 records are of loops that are gone"),
+            "{}",
+            claim.evidence
+        );
+    }
+}
