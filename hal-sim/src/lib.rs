@@ -8,6 +8,7 @@ pub mod can;
 pub mod dirt;
 pub mod faults;
 pub mod floor;
+pub mod hazards;
 pub mod people;
 pub mod robot;
 pub mod scenario;

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::shared::BoxEntry;
 
 /// Version of the rows; a reader refuses another one.
-pub const LOG_VERSION: u8 = 1;
+pub const LOG_VERSION: u8 = 2;
 /// Longest row with its zero.
 pub const LOG_ROW_BYTES: usize = 40;
 
@@ -91,14 +91,21 @@ pub struct LogMoment {
     state: u8,
     action: u8,
     cause: u8,
+    holding: u8,
     permitted_mmps: i16,
     measured_mmps: i16,
     limit_mmps: i16,
     field_set: u8,
 }
 
-const STATES: [GuardState; 5] =
-    [GuardState::Init, GuardState::Run, GuardState::Slow, GuardState::Stop, GuardState::Latched];
+const STATES: [GuardState; 6] = [
+    GuardState::Init,
+    GuardState::Run,
+    GuardState::Slow,
+    GuardState::Stop,
+    GuardState::Latched,
+    GuardState::AwaitsStart,
+];
 const ACTIONS: [Action; 5] =
     [Action::None, Action::Limit, Action::Category2, Action::Category1, Action::Category0];
 
@@ -111,6 +118,18 @@ fn position<T: PartialEq>(list: &[T], wanted: &T) -> u8 {
     list.iter().position(|each| each == wanted).map_or(u8::MAX, |index| index as u8)
 }
 
+fn number(cause: Option<Cause>) -> u8 {
+    cause.map_or(NO_CAUSE, |cause| cause.index() as u8)
+}
+
+/// The cause of a number, if there is one; the outer `None` for a number that stands for nothing.
+fn known(number: u8) -> Option<Option<Cause>> {
+    match number {
+        NO_CAUSE => Some(None),
+        index => Cause::all().get(usize::from(index)).copied().map(Some),
+    }
+}
+
 impl LogMoment {
     /// Of an entry.
     #[must_use]
@@ -119,7 +138,8 @@ impl LogMoment {
             stamp_us: stamp.as_micros(),
             state: position(&STATES, &entry.state),
             action: position(&ACTIONS, &entry.action),
-            cause: entry.cause.map_or(NO_CAUSE, |cause| cause.index() as u8),
+            cause: number(entry.cause),
+            holding: number(entry.holding),
             permitted_mmps: millimetres(entry.permitted_mps),
             measured_mmps: millimetres(entry.measured_mps),
             limit_mmps: millimetres(entry.limit_mps),
@@ -130,15 +150,13 @@ impl LogMoment {
     /// The entry again, to the millimetre. `None` when a number stands for nothing that this version knows.
     #[must_use]
     pub fn entry(&self) -> Option<(Stamp, BoxEntry)> {
-        let cause = match self.cause {
-            NO_CAUSE => None,
-            index => Some(*Cause::all().get(usize::from(index))?),
-        };
+        let (cause, holding) = (known(self.cause)?, known(self.holding)?);
         let metres = |millimetres: i16| f32::from(millimetres) / 1_000.0;
         let entry = BoxEntry {
             state: *STATES.get(usize::from(self.state))?,
             action: *ACTIONS.get(usize::from(self.action))?,
             cause,
+            holding,
             permitted_mps: metres(self.permitted_mmps),
             measured_mps: metres(self.measured_mmps),
             limit_mps: metres(self.limit_mmps),
@@ -154,7 +172,7 @@ pub fn encode_row(row: &LogRow) -> heapless::Vec<u8, LOG_ROW_BYTES> {
     let mut plain = [0; LOG_ROW_BYTES];
     let mut packed = heapless::Vec::<u8, LOG_ROW_BYTES>::new();
     let _ = packed.resize(LOG_ROW_BYTES, 0);
-    // The largest row has 27 bytes with its checksum; COBS adds one, the zero another.
+    // The largest row has 28 bytes with its checksum; COBS adds one, the zero another.
     let length = match postcard::to_slice_crc32(row, &mut plain, CRC.digest()) {
         Ok(bytes) => cobs::try_encode(bytes, &mut packed).unwrap_or(0),
         Err(_) => 0,
@@ -179,6 +197,7 @@ mod tests {
             state: GuardState::Latched,
             action: Action::Category0,
             cause,
+            holding: cause,
             permitted_mps: -0.123,
             measured_mps: 1.0,
             limit_mps: 0.3,
@@ -224,7 +243,8 @@ mod tests {
             (Stamp::from_micros(5), GuardState::Latched, Some(Cause::BumperRear))
         );
         assert!((entry.permitted_mps + 0.123).abs() < 1e-6 && entry.field_set == 7);
-        let unknown = LogMoment { cause: 200, ..moment };
-        assert_eq!(unknown.entry(), None);
+        for unknown in [LogMoment { cause: 200, ..moment }, LogMoment { holding: 200, ..moment }] {
+            assert_eq!(unknown.entry(), None);
+        }
     }
 }

@@ -16,6 +16,7 @@ pub mod clock;
 pub mod configuration;
 pub mod digest;
 pub mod io;
+pub mod kept_latches;
 pub mod mission;
 pub mod shared;
 pub mod tape;

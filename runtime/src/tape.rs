@@ -39,6 +39,8 @@ pub enum TapeLine {
     Pause,
     /// The operator pressed resume.
     Resume,
+    /// The operator gave the start command.
+    Start,
 }
 
 impl TapeLine {
@@ -54,6 +56,7 @@ impl TapeLine {
             Self::Route => 6,
             Self::Pause => 7,
             Self::Resume => 8,
+            Self::Start => 9,
         }
     }
 
@@ -69,6 +72,7 @@ impl TapeLine {
             6 => Some(Self::Route),
             7 => Some(Self::Pause),
             8 => Some(Self::Resume),
+            9 => Some(Self::Start),
             _ => None,
         }
     }

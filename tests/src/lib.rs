@@ -12,6 +12,7 @@ pub mod environment;
 pub mod fuzz;
 pub mod lidar_frames;
 pub mod online;
+pub mod prediction;
 pub mod reproduce;
 pub mod rgbd;
 pub mod wired;

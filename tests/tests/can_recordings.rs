@@ -169,8 +169,8 @@ fn our_configurator_repeats_the_dialogue_with_the_single_drive() {
                 node.poll(at(*seconds), &mut |frame| sent.push(*frame));
                 assert_eq!(sent.last(), Some(frame), "{seconds}");
             }
-            0x583 => node.on_answer(frame.payload(), at(*seconds)),
-            0x703 => node.on_heartbeat(frame.payload()[0], at(*seconds)),
+            0x583 => _ = node.on_answer(frame.payload(), at(*seconds)),
+            0x703 => _ = node.on_heartbeat(frame.payload()[0], at(*seconds)),
             0x083 => emergencies.push(Emergency::decode(frame.payload()).unwrap()),
             id => panic!("{id:03X}"),
         }

@@ -42,6 +42,18 @@ impl Model {
         )
     }
 
+    fn waits_for_reset(cause: Cause) -> bool {
+        Self::needs_operator(cause) || cause == Cause::StateCorrupted
+    }
+
+    /// The start command ends the waiting for it, if nothing else waits for a person or for the first healthy sensors.
+    fn start(&mut self) {
+        let others = |cause: Cause| Self::waits_for_reset(cause) || cause == Cause::StartUp;
+        if !self.evidence.iter().any(|(cause, _)| others(*cause)) {
+            self.evidence.retain(|(cause, _)| *cause != Cause::StartNeeded);
+        }
+    }
+
     /// Action, and whether it is latched.
     fn step(&mut self, fit: bool, now: u64) -> (Action, bool) {
         let disturbed =
@@ -56,7 +68,7 @@ impl Model {
             }
         }
         self.evidence.retain(|(cause, at)| {
-            if *cause == Cause::StateCorrupted {
+            if matches!(cause, Cause::StateCorrupted | Cause::StartNeeded) {
                 true
             } else if Self::needs_operator(*cause) {
                 !released
@@ -65,9 +77,11 @@ impl Model {
                 now - at < wait
             }
         });
+        if released {
+            self.raise(Cause::StartNeeded, now);
+        }
         let action = self.evidence.iter().map(|(cause, _)| cause.action()).max().unwrap_or(Action::None);
-        let latched = |cause: &Cause| Self::needs_operator(*cause) || *cause == Cause::StateCorrupted;
-        (action, self.evidence.iter().any(|(cause, _)| latched(cause)))
+        (action, self.evidence.iter().any(|(cause, _)| Self::waits_for_reset(*cause)))
     }
 }
 
@@ -76,7 +90,8 @@ fn trial(mut random: Random, reached: &mut [u64; 5]) {
     let causes = Cause::all();
     let mut now = 10_000_000_u64;
     let mut machine = DecisionMachine::new(Stamp::from_micros(now));
-    let mut model = Model { evidence: [(Cause::StartUp, now)].into(), pressed: None };
+    let mut model =
+        Model { evidence: [(Cause::StartUp, now), (Cause::StartNeeded, now)].into(), pressed: None };
     for step in 0..STEPS {
         now += 1 + random.below(150_000);
         if random.seldom(12) {
@@ -90,6 +105,10 @@ fn trial(mut random: Random, reached: &mut [u64; 5]) {
         if random.seldom(9) {
             machine.request_reset(Stamp::from_micros(now));
             model.pressed = Some(now);
+        }
+        if random.seldom(4) {
+            machine.request_start();
+            model.start();
         }
         let fit = !random.seldom(30);
         let verdict = machine.settle(fit, Stamp::from_micros(now));

@@ -48,6 +48,18 @@ pub struct CellDirt {
 }
 
 /// The brush sweeps `swept` sub-samples of a cell. Returns the units removed and updates the cell.
+///
+/// ```
+/// use floorguard_cleaning::{ActuatorModel, CellDirt, sweep_cell};
+/// use floorguard_types::random::Pcg32;
+///
+/// // A brush that takes everything, over the whole cell, twice: the second time there is nothing left.
+/// let mut cell = CellDirt { units: 10, covered: 0 };
+/// let model = (ActuatorModel::PassCoverage, 1.0);
+/// let mut random = Pcg32::new(1, 1);
+/// assert_eq!(sweep_cell(&mut cell, u64::MAX, model, &mut random), 10);
+/// assert_eq!((sweep_cell(&mut cell, u64::MAX, model, &mut random), cell.units), (0, 0));
+/// ```
 #[inline]
 pub fn sweep_cell(
     cell: &mut CellDirt,

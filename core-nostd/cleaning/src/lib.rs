@@ -1,4 +1,6 @@
 //! Cleaning that can be guaranteed: what is believed about dirt, what still has to be cleaned, and in which order.
+//!
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(

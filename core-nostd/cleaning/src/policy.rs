@@ -8,6 +8,17 @@ use floorguard_mapping::threshold_rate;
 use floorguard_mapping::{DirtCell, NO_SLOT};
 
 /// When a cell counts as clean.
+///
+/// ```
+/// use floorguard_cleaning::{CleanRule, Verdict};
+/// use floorguard_mapping::{DirtCell, poisson_tail};
+///
+/// // Clean: more than five units with a probability of at most 1 %.
+/// let rule = CleanRule::per_cell(5, 0.01);
+/// let cell = |mean: f32| DirtCell::poisson(mean, poisson_tail(5, f64::from(mean)) as f32);
+/// assert_eq!(rule.verdict(&cell(1.785)), Verdict::Clean);
+/// assert_eq!(rule.verdict(&cell(1.786)), Verdict::Dirty);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CleanRule {
     threshold_units: f32,

@@ -41,6 +41,17 @@ impl Brush {
 }
 
 /// The ground swept between two positions of the bar: one or two convex pieces.
+///
+/// ```
+/// use floorguard_cleaning::{Brush, Swath};
+/// use floorguard_types::geometry::{Point2, Pose2};
+///
+/// // A brush of 0.2 m goes 0.1 m ahead: it covers half of a cell that begins at its middle.
+/// let brush = Brush { width_m: 0.2, offset_m: 0.0 };
+/// let swath = Swath::between(brush.bar_at(Pose2::default()), brush.bar_at(Pose2::new(0.1, 0.0, 0.0)));
+/// assert!((swath.share_of_square(Point2::new(0.05, 0.0), 0.1) - 0.5).abs() < 1.0e-5);
+/// assert!(swath.contains(Point2::new(0.05, 0.05)) && !swath.contains(Point2::new(0.05, 0.15)));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Swath {
     /// The bars do not cross.

@@ -41,6 +41,17 @@ impl PassShape {
 /// Chooses the pass over the cell around `centre` that costs the least way from `from` and on to `towards`.
 /// `is_clear(a, b)` says that the robot can drive straight from a to b. Falls back to shorter passes beside walls;
 /// `None` where not even the centre can be reached.
+///
+/// ```
+/// use floorguard_cleaning::{PassShape, choose_pass};
+/// use floorguard_types::geometry::Point2;
+///
+/// let (from, centre, next) = (Point2::default(), Point2::new(1.0, 0.0), Some(Point2::new(2.0, 0.0)));
+/// let shape = PassShape { cell_m: 0.1, margin_m: 0.05, turn_cost_m: 1.0 };
+/// let pass = choose_pass((from, centre, next), &shape, |_, _| true).unwrap();
+/// assert!((pass.entry.x_m - 0.9).abs() < 1.0e-6 && (pass.exit.x_m - 1.1).abs() < 1.0e-6);
+/// assert!(choose_pass((from, centre, next), &shape, |_, _| false).is_none());
+/// ```
 #[must_use]
 pub fn choose_pass(
     (from, centre, towards): (Point2, Point2, Option<Point2>),

@@ -4,7 +4,6 @@ use super::field_selection::{Demand, STANDING_MPS};
 use super::limiter::{is_straight, lets_leave, limited};
 use super::machine::Verdict;
 use super::supervisor::Supervisor;
-use crate::protection::is_collision;
 use crate::protection::{Action, Advice, Cause, CauseRecord, Decision, FaultKind, Health, Source, Unit};
 use floorguard_types::geometry::Twist2;
 use floorguard_types::time::Stamp;
@@ -41,6 +40,7 @@ impl Supervisor {
             speed_limit_mps,
             state: verdict.state,
             primary_cause: verdict.primary,
+            holding_cause: verdict.holding,
             torque_off: verdict.action == Action::Category0
                 || (verdict.action == Action::Category1 && standing),
             escaping,
@@ -121,9 +121,7 @@ impl Supervisor {
             let times_s = self.body.times_to_person_s(person, twist);
             nearest_m = nearest_m.min(distance_m);
             for (soonest_s, time_s) in soonest_s.iter_mut().zip(times_s) {
-                if is_collision(time_s, distance_m) {
-                    *soonest_s = soonest_s.min(time_s);
-                }
+                *soonest_s = soonest_s.min(time_s);
             }
         }
         self.judge_people((nearest_m, soonest_s, twist.linear_mps.abs()), age_us, now);

@@ -45,6 +45,9 @@ pub struct Verdict {
     pub limit_mps: f32,
     /// First cause of this stop; without a stop the cause with the least limit.
     pub primary: Option<CauseRecord>,
+    /// What holds the robot now: of the causes with the most severe demand the one with the newest evidence; without a stop
+    /// as [`Self::primary`] (FG-REQ-071).
+    pub holding: Option<CauseRecord>,
 }
 
 impl DecisionMachine {
@@ -52,10 +55,11 @@ impl DecisionMachine {
     pub(super) const IDLE: Self =
         Self { held: HeldCauses::new(), first_stop: None, reset_since: None, resets: 0 };
 
-    /// Nothing holds but the start-up check.
+    /// Nothing holds but the start-up check, and nobody has given the start command (FG-REQ-019).
     pub fn new(now: Stamp) -> Self {
         let mut machine = Self::IDLE;
         machine.raise(CauseRecord::new(Cause::StartUp, now));
+        machine.raise(CauseRecord::new(Cause::StartNeeded, now));
         machine
     }
 
@@ -71,6 +75,23 @@ impl DecisionMachine {
     /// The operator pressed reset: starts the self-test (FG-REQ-005).
     pub fn request_reset(&mut self, now: Stamp) {
         self.reset_since = Some(now);
+    }
+
+    /// The operator gave the start command. It counts when nothing else waits for a person, and is not remembered: who
+    /// resets afterwards must start again (FG-REQ-019).
+    pub fn request_start(&mut self) {
+        let waits = |cause: Cause| cause.is_latching() || cause == Cause::StartUp;
+        if !self.held.iter().any(|held| waits(held.first.cause)) {
+            self.held.retain(|held| held.first.cause != Cause::StartNeeded);
+        }
+    }
+
+    /// The causes that hold and need a reset, one bit for each [`Cause::index`]: what a reboot must not forget
+    /// (FG-REQ-070).
+    #[must_use]
+    pub fn latches(&self) -> u64 {
+        let latched = self.held.iter().filter(|held| held.first.cause.clear() == Clear::Reset);
+        latched.fold(0, |bits, held| bits | 1_u64.wrapping_shl(held.first.cause.index() as u32))
     }
 
     /// A cause holds.
@@ -103,8 +124,11 @@ impl DecisionMachine {
         self.held.retain(|held| match held.first.cause.clear() {
             Clear::Quiet(needed_us) => elapsed_us(held.last_pulse, now) < needed_us,
             Clear::Reset => !granted,
-            Clear::Restart => true,
+            Clear::Start | Clear::Restart => true,
         });
+        if granted {
+            self.raise(CauseRecord::new(Cause::StartNeeded, now));
+        }
         let verdict = self.verdict();
         if !verdict.action.stops() {
             self.first_stop = None;
@@ -128,12 +152,21 @@ impl DecisionMachine {
     }
 
     fn verdict(&self) -> Verdict {
-        let mut verdict =
-            Verdict { action: Action::None, state: GuardState::Run, limit_mps: f32::INFINITY, primary: None };
+        let mut verdict = Verdict {
+            action: Action::None,
+            state: GuardState::Run,
+            limit_mps: f32::INFINITY,
+            primary: None,
+            holding: None,
+        };
         let mut latched = false;
+        let (mut holding, mut newest) = (None, (Action::None, Stamp::ZERO));
         for slot in self.held.iter() {
             verdict.action = verdict.action.max(slot.first.action);
-            latched |= !matches!(slot.first.cause.clear(), Clear::Quiet(_));
+            if (slot.first.action, slot.last_pulse) >= newest {
+                (holding, newest) = (Some(slot.first), (slot.first.action, slot.last_pulse));
+            }
+            latched |= slot.first.cause.is_latching();
             if slot.first.action == Action::Limit && slot.limit_mps < verdict.limit_mps {
                 verdict.limit_mps = slot.limit_mps;
                 verdict.primary = Some(slot.first);
@@ -141,11 +174,14 @@ impl DecisionMachine {
         }
         if verdict.action.stops() {
             verdict.limit_mps = 0.0;
-            verdict.primary = self.first_stop;
+            (verdict.primary, verdict.holding) = (self.first_stop, holding);
+        } else {
+            verdict.holding = verdict.primary;
         }
         verdict.state = match verdict.action {
             _ if latched => GuardState::Latched,
             _ if self.holds(Cause::StartUp) => GuardState::Init,
+            _ if self.holds(Cause::StartNeeded) => GuardState::AwaitsStart,
             Action::None => GuardState::Run,
             Action::Limit => GuardState::Slow,
             _ => GuardState::Stop,
@@ -171,7 +207,7 @@ impl DecisionMachine {
             let longest_us = match slot.first.cause.clear() {
                 Clear::Quiet(us) => us,
                 Clear::Reset => PRESENT_US,
-                Clear::Restart => 0,
+                Clear::Start | Clear::Restart => 0,
             };
             (slot.first.cause, elapsed_us(slot.last_pulse, now).min(longest_us))
         });

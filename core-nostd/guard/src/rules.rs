@@ -13,7 +13,9 @@ pub const LIMIT_QUIET_US: u64 = 500_000;
 pub enum Clear {
     /// By itself, after this many microseconds without evidence.
     Quiet(u64),
-    /// By the operator, and only with a passed self-test.
+    /// By the operator's start command, once nothing is latched and the sensors have been healthy.
+    Start,
+    /// By the operator, and only with a passed self-test; a start command follows (FG-REQ-019).
     Reset,
     /// Never without a restart.
     Restart,
@@ -46,6 +48,8 @@ impl Cause {
             | Self::ClockFault
             | Self::SourceLost(Source::Discrete | Source::Drive) => Action::Category1,
             Self::Warning
+            | Self::WayNarrow
+            | Self::WayUnseen
             | Self::PersonNear
             | Self::CollisionSlow
             | Self::AdviceLimit
@@ -61,6 +65,7 @@ impl Cause {
     pub const fn clear(self) -> Clear {
         match self {
             Self::StateCorrupted => Clear::Restart,
+            Self::StartNeeded => Clear::Start,
             Self::EmergencyStop
             | Self::InputFault
             | Self::InputUnknown
@@ -77,6 +82,12 @@ impl Cause {
             _ if matches!(self.action(), Action::Limit) => Clear::Quiet(LIMIT_QUIET_US),
             _ => Clear::Quiet(STOP_QUIET_US),
         }
+    }
+
+    /// Only a person's act ends it: a reset, or a restart.
+    #[must_use]
+    pub fn is_latching(self) -> bool {
+        matches!(self.clear(), Clear::Reset | Clear::Restart)
     }
 
     /// In which direction the robot may leave (FG-REQ-040).

@@ -2,12 +2,13 @@
 //! to a decision, whether or not anybody commands (FG-REQ-007).
 
 use super::packet_check::BLIND_RUN_CDEG;
+use super::rules::Clear;
 use super::scan_check::ScanFinding;
 use super::source_monitor::SourceMonitor;
 use super::state::State;
 use crate::protection::{
     Advice, Body, Cause, CauseRecord, Decision, FaultKind, GuardConfig, GuardConfigError, Integrity,
-    PacketTable, ScanTable, Source, SourceReport, Unit,
+    LidarRays, LocalMemory, PacketTable, ScanTable, Source, SourceReport, Unit,
 };
 use floorguard_types::geometry::Twist2;
 use floorguard_types::sensing::{
@@ -22,6 +23,8 @@ pub struct Supervisor {
     pub(super) body: Body,
     pub(super) scan_table: ScanTable,
     pub(super) packet_table: PacketTable,
+    pub(super) rays: LidarRays,
+    pub(super) memory: LocalMemory,
     pub(super) integrity: Integrity,
     pub(super) state: State,
     pub(super) copy: State,
@@ -34,6 +37,8 @@ impl Supervisor {
         body: Body { x_m: [0.0; 2], y_m: [0.0; 2] },
         scan_table: ScanTable::EMPTY,
         packet_table: PacketTable::EMPTY,
+        rays: LidarRays::NONE,
+        memory: LocalMemory::EMPTY,
         integrity: Integrity::NONE,
         state: State::UNKNOWN,
         copy: State::UNKNOWN,
@@ -59,7 +64,9 @@ impl Supervisor {
         self.body = Body::around(&config.footprint);
         self.scan_table.fill(&config.scanner, &config.fields);
         self.packet_table.fill(&config.lidar, &config.fields);
-        self.integrity.remember(&config, self.body, (&self.scan_table, &self.packet_table));
+        self.rays.fill(&config.lidar);
+        self.memory.forget();
+        self.integrity.remember(&config, self.body, (&self.scan_table, &self.packet_table, &self.rays));
         self.state = State::new(&config, now);
         self.copy = self.state;
         self.config = config;
@@ -72,6 +79,7 @@ impl Supervisor {
         self.accept(Source::Scanner, (scan.stamp, scan.sequence), now);
         if self.scan_table.fits(scan) {
             self.judge_scan(scan, now);
+            self.memory.take_scan(scan, &self.scan_table);
         } else {
             self.fault(Source::Scanner, FaultKind::WrongGeometry);
         }
@@ -88,6 +96,7 @@ impl Supervisor {
         let is_blind = self.state.silent_cdeg > BLIND_RUN_CDEG;
         self.monitor(Source::Lidar, |monitor| monitor.blind = is_blind);
         self.judge_packet(packet, now);
+        self.memory.take_packet(packet, (&self.rays, &self.packet_table));
         self.decide(now)
     }
 
@@ -109,11 +118,7 @@ impl Supervisor {
                 SafetyInput::Fault => Cause::InputFault,
                 SafetyInput::Unknown => Cause::InputUnknown,
             };
-            let mut record = CauseRecord::new(cause, now).aged(inputs.stamp.past_us(now));
-            if cause == Cause::EmergencyStop {
-                record.action = self.config.thresholds.emergency_action;
-            }
-            self.state.machine.raise(record);
+            self.raise_input(cause, inputs.stamp, now);
         }
         self.decide(now)
     }
@@ -124,6 +129,7 @@ impl Supervisor {
         self.accept(Source::Wheels, (stamp, 0), now);
         if measured.is_finite() {
             self.state.motion.wheels = measured;
+            self.memory.follow(measured, stamp);
         } else {
             self.fault(Source::Wheels, FaultKind::Garbled);
         }
@@ -189,6 +195,7 @@ impl Supervisor {
             self.state.machine.raise(CauseRecord::new(Cause::CommandInvalid, now).aged(stamp.past_us(now)));
         }
         self.state.wanted = if accepted && wanted.is_finite() { wanted } else { Twist2::ZERO };
+        self.judge_way(now);
         self.decide(now)
     }
 
@@ -207,13 +214,40 @@ impl Supervisor {
         self.decide(now)
     }
 
+    /// The operator gave the start command: nothing moves before, after power-up and after each reset (FG-REQ-019).
+    pub fn request_start(&mut self, now: Stamp) -> Decision {
+        self.begin(now);
+        self.state.machine.request_start();
+        self.decide(now)
+    }
+
+    /// What was latched when the computer last ran, as [`Self::latches`] gave it: it is latched again (FG-REQ-070).
+    pub fn on_latches(&mut self, latches: u64, now: Stamp) -> Decision {
+        self.begin(now);
+        for cause in Cause::all() {
+            let was_latched = latches.wrapping_shr(cause.index() as u32) & 1 != 0;
+            if was_latched && cause.clear() == Clear::Reset {
+                self.raise_input(cause, now, now);
+            }
+        }
+        self.decide(now)
+    }
+
+    /// The causes that hold and need a reset, one bit for each [`Cause::index`]: for memory that outlives the computer.
+    #[must_use]
+    pub fn latches(&self) -> u64 {
+        self.state.machine.latches()
+    }
+
     /// Time has passed: call every 10 ms. Looks at a sixteenth of the constants (FG-REQ-017).
     pub fn tick(&mut self, now: Stamp) -> Decision {
         self.begin(now);
-        let tables = (&self.scan_table, &self.packet_table);
-        if !self.integrity.check_next(&self.config, self.body, tables) {
+        let tables = (&self.scan_table, &self.packet_table, &self.rays);
+        let is_whole = self.integrity.check_next(&self.config, self.body, tables) && self.memory.check_next();
+        if !is_whole {
             self.state.machine.raise(CauseRecord::new(Cause::StateCorrupted, now));
         }
+        self.judge_way(now);
         self.decide(now)
     }
 
@@ -253,6 +287,14 @@ impl Supervisor {
         if now < self.state.decided_at {
             self.state.machine.raise(CauseRecord::new(Cause::ClockFault, now));
         }
+    }
+
+    fn raise_input(&mut self, cause: Cause, stamp: Stamp, now: Stamp) {
+        let mut record = CauseRecord::new(cause, now).aged(stamp.past_us(now));
+        if cause == Cause::EmergencyStop {
+            record.action = self.config.thresholds.emergency_action;
+        }
+        self.state.machine.raise(record);
     }
 
     fn accept(&mut self, source: Source, (stamp, fingerprint): (Stamp, u32), now: Stamp) -> bool {

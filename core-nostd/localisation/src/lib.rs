@@ -1,6 +1,8 @@
 //! Where the robot is: odometry, a history of poses, and how well a scan fits a map.
 //!
 //! No heap, no clock, no I/O, no `unsafe`, no panic.
+//!
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(

@@ -7,6 +7,18 @@ use floorguard_types::random::Pcg32;
 const DIRECTION_FLOOR_M: f32 = 0.005;
 
 /// What the odometry saw since the last update: turn, drive, turn.
+///
+/// ```
+/// use floorguard_localisation::{OdometryStep, sample_motion};
+/// use floorguard_types::{geometry::Pose2, random::Pcg32};
+///
+/// let (before, after) = (Pose2::new(1.0, 2.0, 0.7), Pose2::new(1.1, 2.1, 0.8));
+/// let step = OdometryStep::between(before, after);
+/// assert!((step.forward_m - 0.02_f32.sqrt()).abs() < 1.0e-6);
+/// // Without noise a particle moves as the robot did.
+/// let moved = sample_motion(before, step, [0.0; 3], &mut Pcg32::new(1, 1));
+/// assert!((moved.x_m - 1.1).abs() < 1.0e-6 && (moved.y_m - 2.1).abs() < 1.0e-6);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OdometryStep {
     /// Turn towards the direction of travel, radians.
@@ -40,6 +52,15 @@ impl OdometryStep {
 
 /// Variance coefficients α₁..α₄ of the odometry model (book, Cleaning: Motion noise): turn by turn, turn by drive,
 /// drive by drive, drive by turn. Deviations are the square roots.
+///
+/// ```
+/// use floorguard_localisation::{MotionNoise, OdometryStep};
+///
+/// let metre = OdometryStep { forward_m: 1.0, ..OdometryStep::default() };
+/// let two = OdometryStep { forward_m: 2.0, ..OdometryStep::default() };
+/// let deviation_m = |step| MotionNoise::MEASURED.deviations(step)[1];
+/// assert!(deviation_m(two) > deviation_m(metre));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionNoise {
     /// α₁, rad²/rad².

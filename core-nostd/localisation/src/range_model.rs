@@ -5,6 +5,7 @@
 
 use floorguard_mapping::DistanceField;
 use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::number::{saturating_i32, saturating_u8};
 
 /// Parameters of the likelihood field.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,6 +52,14 @@ impl RangeModelConfig {
 pub const BEAMS_TO_JUDGE: usize = 10;
 
 /// Logarithm of the likelihood for every stored distance, one table entry a centimetre.
+///
+/// ```
+/// use floorguard_localisation::{RangeModel, RangeModelConfig};
+///
+/// let model = RangeModel::new(RangeModelConfig { hit_deviation_m: 0.2, ..RangeModelConfig::XTION });
+/// assert!((model.likelihood(0.0) - 0.962_5).abs() < 1.0e-5);
+/// assert!((model.likelihood(0.5) - 0.054_240).abs() < 1.0e-5);
+/// ```
 #[derive(Clone, Debug)]
 pub struct RangeModel {
     log_likelihood: [f32; 256],
@@ -71,14 +80,14 @@ impl RangeModel {
             let value = libm::logf((config.hit_share * gaussian + floor).max(1e-6));
             *entry = if value.is_finite() { value } else { 0.0 };
         }
-        let explained_limit_cm = (config.explained_within_m * 100.0 + 0.5).clamp(1.0, 199.0) as u8;
+        let explained_limit_cm = saturating_u8((config.explained_within_m * 100.0 + 0.5).clamp(1.0, 199.0));
         Self { log_likelihood, beam_weight: 1.0 / config.beams_as_one.max(1.0), explained_limit_cm }
     }
 
     /// Likelihood at a distance from the map, for tests and reports.
     #[must_use]
     pub fn likelihood(&self, distance_m: f32) -> f32 {
-        let centimetres = (distance_m.max(0.0) * 100.0 + 0.5).min(255.0) as u8;
+        let centimetres = saturating_u8((distance_m.max(0.0) * 100.0 + 0.5).min(255.0));
         self.log_likelihood.get(usize::from(centimetres)).map_or(1.0, |&value| libm::expf(value))
     }
 
@@ -149,8 +158,8 @@ impl<'a> Lookup<'a> {
     /// Stored distance at the end of a beam; outside the map nothing explains it.
     #[inline]
     fn centimetres(&self, hit: Point2) -> u8 {
-        let column = (self.x + self.cos * hit.x_m - self.sin * hit.y_m) as i32;
-        let row = (self.y + self.sin * hit.x_m + self.cos * hit.y_m) as i32;
+        let column = saturating_i32(self.x + self.cos * hit.x_m - self.sin * hit.y_m);
+        let row = saturating_i32(self.y + self.sin * hit.x_m + self.cos * hit.y_m);
         let column = column.wrapping_sub(SHIFT) as u32;
         let row = row.wrapping_sub(SHIFT) as u32;
         if column >= self.width || row >= self.height {

@@ -1,9 +1,18 @@
 //! Weights that sum to one, and drawing particles by them.
 
+use floorguard_types::number::saturating_usize;
 use floorguard_types::random::Pcg32;
 
 /// Turns logarithms of weights into weights that sum to 1 (log-sum-exp). Returns the effective number of particles,
 /// 1/Σw². `None` if no weight was usable: the weights are then uniform and the caller must flag it.
+///
+/// ```
+/// use floorguard_localisation::normalise;
+///
+/// let mut weights = [0.0; 4];
+/// let effective = normalise(&[f32::NAN, 0.0, f32::NEG_INFINITY, 0.0], &mut weights);
+/// assert_eq!((weights, effective), ([0.0, 0.5, 0.0, 0.5], Some(2.0)));
+/// ```
 pub fn normalise<const N: usize>(log_weights: &[f32; N], weights: &mut [f32; N]) -> Option<f32> {
     let uniform = 1.0 / (N as f32).max(1.0);
     let largest = log_weights.iter().copied().filter(|w| w.is_finite()).fold(f32::NEG_INFINITY, f32::max);
@@ -26,6 +35,15 @@ pub fn normalise<const N: usize>(log_weights: &[f32; N], weights: &mut [f32; N])
 }
 
 /// Systematic resampling: one uniform number, N equally spaced marks. `parents[k]` is the particle that k continues.
+///
+/// ```
+/// use floorguard_localisation::systematic;
+/// use floorguard_types::random::Pcg32;
+///
+/// let mut parents = [9; 4];
+/// systematic(&[0.0, 0.5, 0.0, 0.5], &mut Pcg32::new(1, 1), &mut parents);
+/// assert_eq!(parents, [1, 1, 3, 3]);
+/// ```
 pub fn systematic<const N: usize>(weights: &[f32; N], random: &mut Pcg32, parents: &mut [u16; N]) {
     let mut filled = 0_usize;
     let mut cumulated = 0.0_f32;
@@ -38,7 +56,7 @@ pub fn systematic<const N: usize>(weights: &[f32; N], random: &mut Pcg32, parent
         }
         last_parent = index;
         // Marks at (k + u)/N below the cumulated weight belong to this particle.
-        let until = libm::ceilf(cumulated * N as f32 - first).max(0.0) as usize;
+        let until = saturating_usize(libm::ceilf(cumulated * N as f32 - first).max(0.0));
         let until = until.min(N);
         for parent in parents.iter_mut().take(until).skip(filled) {
             *parent = index;

@@ -6,6 +6,14 @@ use super::grid::Grid;
 pub const NO_SLOT: u16 = u16::MAX;
 
 /// What is believed of one cell. Dirt is counted in units of one sensor hit (book, Cleaning: Dirt model).
+///
+/// ```
+/// use floorguard_mapping::DirtCell;
+///
+/// let cell = DirtCell::poisson(2.0, 0.017);
+/// // A claim never gains from the encoding.
+/// assert!(cell.tail_probability() >= 0.017 && cell.tail_probability() < 0.017_02);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirtCell {
     /// Mean of the dirt in the cell, λ, units ≥ 0.

@@ -6,6 +6,16 @@
 use super::poisson::{negative_binomial_quantile, threshold_rate};
 
 /// What is believed of the arrival rate of one cell: Gamma(shape, hours), mean shape/hours units per hour.
+///
+/// ```
+/// use floorguard_mapping::{DirtRate, RunObservation};
+///
+/// // A day's dirt, all of it picked up: ten units.
+/// let run = RunObservation { hours_since_cleaning: 24.0, measured_units: 10.0, observed_share: 1.0 };
+/// let rate = DirtRate::PRIOR.observe(run);
+/// assert!((rate.units_per_hour() - 11.0 / 48.0).abs() < 1.0e-6);
+/// assert!((rate.predict(0.0, 48.0) - 11.0).abs() < 1.0e-5);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirtRate {
     /// Shape a > 0: units seen so far, and the prior's.

@@ -15,6 +15,19 @@ pub type DistanceField<S> = Grid<u8, S>;
 
 /// Fills `field` from `is_obstacle(index)`. `rows` is scratch of the same number of cells and holds column distances
 /// afterwards. Costs cells × (2 · 2 m/resolution + 3) steps; done once a map.
+///
+/// ```
+/// use floorguard_mapping::{Grid, GridGeometry, fill_distances};
+/// use floorguard_types::geometry::Point2;
+///
+/// // A wall along the left edge of a map of 2 × 1 m.
+/// let geometry = GridGeometry::new(20, 10, 0.1, Point2::default()).unwrap();
+/// let mut field = Grid::new(geometry, [0_u8; 200]).unwrap();
+/// let mut scratch = field.clone();
+/// fill_distances(&mut field, &mut scratch, |cell| geometry.coordinates(cell).0 == 0);
+/// assert!((field.clearance_m(Point2::new(1.25, 0.5)) - 1.2).abs() < 1.0e-6);
+/// assert_eq!(field.clearance_m(Point2::new(-1.0, 0.5)), 0.0);
+/// ```
 pub fn fill_distances<S, R>(
     field: &mut DistanceField<S>,
     rows: &mut Grid<u8, R>,

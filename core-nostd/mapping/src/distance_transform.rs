@@ -103,7 +103,8 @@ fn build_envelope(row: &[u32], envelope: &mut [Parabola]) -> usize {
         let height = i64::from(vertical).wrapping_mul(i64::from(vertical));
         let mut new = Parabola { vertex: column as i32, from: 0, height };
         // Every parabola leaves the envelope once.
-        for _ in 0..=count {
+        let before = count;
+        for _ in 0..=before {
             let Some(top) = count.checked_sub(1).and_then(|last| envelope.get(last)) else { break };
             if height_at(top, top.from) > height_at(&new, top.from) {
                 count = count.saturating_sub(1);

@@ -22,6 +22,17 @@ const fn sixteen_bits(side: u32) -> u16 {
 
 /// Where the cells of a raster lie in the map frame. Cell (0, 0) is the one with the smallest coordinates; the index
 /// runs along x first. Invariants: 0 < `resolution_m` < 100, both sides ≥ 1.
+///
+/// ```
+/// use floorguard_mapping::GridGeometry;
+/// use floorguard_types::geometry::Point2;
+///
+/// let geometry = GridGeometry::new(40, 20, 0.5, Point2::new(-10.0, -5.0)).unwrap();
+/// let cell = geometry.cell_at(Point2::new(0.1, 0.1)).unwrap();
+/// assert_eq!(geometry.coordinates(cell), (20, 10));
+/// assert_eq!(geometry.centre(cell), Point2::new(0.25, 0.25));
+/// assert_eq!(geometry.cell_at(Point2::new(11.0, 0.0)), None);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridGeometry {
     columns: u32,
@@ -183,6 +194,19 @@ impl core::fmt::Display for GridTooSmall {
 impl core::error::Error for GridTooSmall {}
 
 /// One value for every cell of a raster, in storage `S`.
+///
+/// ```
+/// use floorguard_mapping::{FixedGrid, Grid, GridGeometry, GridTooSmall};
+/// use floorguard_types::geometry::Point2;
+///
+/// // Storage is handed in: an array on a microcontroller, a boxed slice on a computer.
+/// let geometry = GridGeometry::new(4, 3, 0.1, Point2::default()).unwrap();
+/// let mut grid: FixedGrid<u8, 12> = Grid::new(geometry, [0; 12]).unwrap();
+/// *grid.get_mut(5).unwrap() = 7;
+/// assert_eq!(grid.values().iter().sum::<u8>(), 7);
+/// let error = Grid::<u8, _>::new(geometry, [0; 11]).unwrap_err();
+/// assert_eq!(error, GridTooSmall { needed: 12, capacity: 11 });
+/// ```
 #[derive(Clone, Debug)]
 pub struct Grid<T, S> {
     geometry: GridGeometry,

@@ -2,6 +2,8 @@
 //!
 //! A map never allocates. Its storage is handed in: an array of fixed size on the target (`FixedGrid`), a boxed slice
 //! on a Linux computer.
+//!
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(

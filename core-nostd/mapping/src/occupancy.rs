@@ -1,6 +1,14 @@
 //! What a cell of an occupancy map says. Three values: unseen floor is not free floor.
 
 /// State of a cell of an occupancy map.
+///
+/// ```
+/// use floorguard_mapping::Occupancy;
+///
+/// // The thresholds of a ROS map: between them a cell is unknown.
+/// let occupancy = |probability| Occupancy::from_probability(probability, 0.196, 0.65);
+/// assert_eq!([0.0, 0.4, 0.9].map(occupancy), [Occupancy::Free, Occupancy::Unknown, Occupancy::Occupied]);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Occupancy {

@@ -55,6 +55,15 @@ pub fn poisson_quantile(confidence: f64, rate: f64) -> u32 {
 
 /// λ*(τ, δ): the largest rate of which at most δ of the draws exceed τ. Sixty halvings of [0, τ + 20]; accurate to
 /// 1e-12 for δ within (0, 1). A δ of 0 or less gives 0: nothing is ever clean enough.
+///
+/// ```
+/// use floorguard_mapping::{poisson_tail, threshold_rate};
+///
+/// // At which mean do at most 1 % of all cells hold more than five units?
+/// let rate = threshold_rate(5, 0.01);
+/// assert!((rate - 1.785_3).abs() < 1.0e-3);
+/// assert!((poisson_tail(5, rate) - 0.01).abs() < 1.0e-9);
+/// ```
 #[must_use]
 pub fn threshold_rate(tolerated_units: u32, delta: f64) -> f64 {
     if delta.is_nan() || delta <= 0.0 {

@@ -34,6 +34,19 @@ pub enum Following {
 
 /// The wanted command from a pose towards the end of the stretch `from` → `to`, all in the map frame. `period_s` is
 /// the time for which the command will hold, > 0: it keeps the robot from overshooting.
+///
+/// ```
+/// use floorguard_navigation::{FollowConfig, Following, follow};
+/// use floorguard_types::geometry::{Point2, Pose2};
+///
+/// let stretch = (Point2::new(0.0, 0.0), Point2::new(1.0, 0.0));
+/// let command = |pose| follow(pose, stretch, &FollowConfig::ROOMBA, 0.1);
+/// let Following::Drive(twist) = command(Pose2::default()) else { panic!("a command") };
+/// assert_eq!((twist.linear_mps, twist.angular_radps), (0.1, 0.0));
+/// let Following::Drive(turn) = command(Pose2::new(0.0, 0.0, 2.0)) else { panic!("a command") };
+/// assert_eq!((turn.linear_mps, turn.angular_radps), (0.0, -0.6));
+/// assert_eq!(command(Pose2::new(1.0, 0.0, 0.0)), Following::Arrived);
+/// ```
 #[must_use]
 pub fn follow(
     pose_in_map: Pose2,

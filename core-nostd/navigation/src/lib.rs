@@ -1,6 +1,8 @@
 //! Which path the robot takes: search on a grid, and following what was found.
 //!
 //! No heap, no clock, no I/O, no `unsafe`, no panic.
+//!
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(

@@ -11,8 +11,8 @@ use floorguard_mapping::GridGeometry;
 pub const STRAIGHT: u32 = 29;
 /// Cost of a diagonal step.
 pub const DIAGONAL: u32 = 41;
-/// Cells that a search may cover: the hosted profile. Beyond them nothing is reached, so nothing is claimed.
-pub const SEARCH_CELLS_MAX: usize = 65_536;
+/// Cells that a search may cover: a map of 4,096 × 4,096. Beyond them nothing is reached, so nothing is claimed.
+pub const SEARCH_CELLS_MAX: usize = 1 << 24;
 /// Circular buckets: a power of two above the largest step.
 const BUCKETS: usize = 64;
 /// Turns of a search: every one settles a cell or passes an empty bucket, of which at most all come in a row.
@@ -35,6 +35,23 @@ impl SearchCell {
 }
 
 /// A search over a raster; `S` stores one [`SearchCell`] a cell.
+///
+/// ```
+/// use floorguard_mapping::GridGeometry;
+/// use floorguard_navigation::{PathSearch, STRAIGHT, SearchCell};
+/// use floorguard_types::geometry::Point2;
+///
+/// // A wall across a room of 5 × 3 cells, with a door in its upper row.
+/// let geometry = GridGeometry::new(5, 3, 0.1, Point2::default()).unwrap();
+/// let passable = |cell| geometry.coordinates(cell) != (2, 0) && geometry.coordinates(cell) != (2, 1);
+/// let mut search = PathSearch::new(geometry, [SearchCell::EMPTY; 15]);
+/// let (start, goal) = (geometry.index(0, 0).unwrap(), geometry.index(4, 0).unwrap());
+/// search.run(start, passable);
+/// // Corners are not cut: eight straight steps less one diagonal on each side of the door.
+/// let distance = search.distance(goal).unwrap();
+/// assert!(distance > 6 * STRAIGHT && distance < 8 * STRAIGHT);
+/// assert_eq!(search.distance(geometry.index(2, 0).unwrap()), None);
+/// ```
 #[derive(Clone, Debug)]
 pub struct PathSearch<S> {
     geometry: GridGeometry,

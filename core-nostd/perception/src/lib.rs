@@ -1,6 +1,8 @@
 //! What the sensors show: people, legs, people in depth pictures, what moves by itself, the floor, learning on the spot.
 //!
 //! No heap, no clock, no I/O, no `unsafe`, no panic. What is found here can only tighten what the guard permits.
+//!
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![forbid(unsafe_code)]
 #![cfg_attr(

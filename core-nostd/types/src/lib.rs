@@ -25,6 +25,7 @@ extern crate std;
 pub mod capacities;
 pub mod geometry;
 pub mod motion;
+pub mod number;
 pub mod random;
 pub mod sensing;
 pub mod time;

@@ -3,6 +3,8 @@
 //! The same seed gives the same run on every machine, so every stochastic result can be repeated (book, Conventions:
 //! Random numbers). Every sampler is bounded: no rejection loops.
 
+use crate::number::saturating_u32;
+
 /// PCG-XSH-RR 64/32 (O'Neill 2014). Invariant: `increment` is odd.
 ///
 /// ```
@@ -91,7 +93,7 @@ impl Pcg32 {
     #[inline]
     pub fn round_randomly(&mut self, value: f32) -> u32 {
         let floor = libm::floorf(value.max(0.0));
-        (floor as u32).saturating_add(u32::from(self.bernoulli(value - floor)))
+        saturating_u32(floor).saturating_add(u32::from(self.bernoulli(value - floor)))
     }
 
     /// Binomial(n, p) with n ≤ 255, as n Bernoulli draws.
@@ -129,7 +131,7 @@ impl Pcg32 {
     pub fn poisson_with(&mut self, rate: f32, exp_of_minus_rate: f32) -> u32 {
         let mut left = self.uniform();
         let mut term = exp_of_minus_rate;
-        let bound = ((rate + 12.0 * libm::sqrtf(rate.max(0.0)) + 20.0) as u32).min(POISSON_MAX);
+        let bound = saturating_u32(rate + 12.0 * libm::sqrtf(rate.max(0.0)) + 20.0).min(POISSON_MAX);
         for count in 0..bound {
             if left < term {
                 return count;

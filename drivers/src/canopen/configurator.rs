@@ -21,6 +21,8 @@ const HEARTBEAT_US: u64 = 350_000;
 const CALL_US: u64 = 500_000;
 /// After the start command the node must say so within this time, microseconds.
 const START_US: u64 = 500_000;
+/// Producer heartbeat time: 0 in a device that nobody has set up since it was switched on (CiA 301).
+const HEARTBEAT_TIME: u16 = 0x1017;
 /// Reads kept of a script.
 const READS_KEPT: usize = 4;
 
@@ -65,6 +67,8 @@ pub struct NodeConfigurator {
     reads_done: usize,
     /// It left operation by itself; told with the next poll.
     left: bool,
+    /// It was heard of since this master runs: what it does now is this master's doing, or it has booted.
+    met: bool,
 }
 
 impl NodeConfigurator {
@@ -82,6 +86,7 @@ impl NodeConfigurator {
             reads: [0; READS_KEPT],
             reads_done: 0,
             left: false,
+            met: false,
         }
     }
 
@@ -115,16 +120,18 @@ impl NodeConfigurator {
         self.reads.get(number).copied().filter(|_| number < self.reads_done)
     }
 
-    /// It would be operational without us having started it: somebody else did, before we came.
-    #[must_use]
-    pub fn is_found_running(&self, byte: u8) -> bool {
+    /// A heartbeat or boot-up message of this node. True when a master that ran before this one has set it up: it is
+    /// operational and this master has not started it, or the first that is heard of it is a heartbeat in another state, as
+    /// after the loss of its master (CiA 301, object 1029h).
+    pub fn on_heartbeat(&mut self, byte: u8, now: Stamp) -> bool {
+        let Some(state) = NodeState::from_byte(byte) else { return false };
         let ours = matches!(self.phase, NodePhase::Starting | NodePhase::Operational);
-        !ours && NodeState::from_byte(byte) == Some(NodeState::Operational)
-    }
-
-    /// A heartbeat or boot-up message of this node.
-    pub fn on_heartbeat(&mut self, byte: u8, now: Stamp) {
-        let Some(state) = NodeState::from_byte(byte) else { return };
+        let first = !core::mem::replace(&mut self.met, true);
+        let found = match state {
+            NodeState::BootUp => false,
+            NodeState::Operational => !ours,
+            NodeState::Stopped | NodeState::PreOperational => first,
+        };
         self.monitor.hear(state, now);
         match (self.phase, state) {
             (NodePhase::Starting, NodeState::Operational) => self.phase = NodePhase::Operational,
@@ -138,21 +145,28 @@ impl NodeConfigurator {
             (_, NodeState::BootUp) => self.begin(),
             _ => {}
         }
+        found
     }
 
-    /// An SDO answer of this node.
-    pub fn on_answer(&mut self, payload: &[u8], now: Stamp) {
-        let Some((index, subindex, answer)) = decode_sdo(payload) else { return };
-        let step = match self.phase {
-            NodePhase::Configuring(number) => number,
-            // An answer to the call: it is there, although it has no heartbeat yet.
-            NodePhase::Absent => {
-                self.monitor.hear(NodeState::PreOperational, now);
-                self.begin();
-                return;
-            }
-            _ => return,
-        };
+    /// An SDO answer of this node. True when it is the first that is heard of it, and tells that a master that ran before
+    /// this one has set up its heartbeat.
+    pub fn on_answer(&mut self, payload: &[u8], now: Stamp) -> bool {
+        let Some((index, subindex, answer)) = decode_sdo(payload) else { return false };
+        // An answer to the call: it is there, although it has no heartbeat yet.
+        if self.phase == NodePhase::Absent {
+            let first = !core::mem::replace(&mut self.met, true);
+            self.monitor.hear(NodeState::PreOperational, now);
+            self.begin();
+            let is_set_up = matches!(answer, SdoAnswer::Value(period_ms) if period_ms != 0);
+            return first && index == HEARTBEAT_TIME && is_set_up;
+        }
+        self.take_step((index, subindex), answer, now);
+        false
+    }
+
+    /// The answer to a step of the script.
+    fn take_step(&mut self, (index, subindex): (u16, u8), answer: SdoAnswer, now: Stamp) {
+        let NodePhase::Configuring(step) = self.phase else { return };
         let Some(request) = self.script.step(step) else { return };
         if !request.is_answered_by(index, subindex) {
             return;
@@ -160,6 +174,8 @@ impl NodeConfigurator {
         // Configuring shows that it lives, even before its heartbeat is set up.
         self.monitor.hear(NodeState::PreOperational, now);
         match (answer, request.write) {
+            (SdoAnswer::Aborted(error), Some(_))
+                if error.is_missing_object() && self.script.is_optional(step) => {}
             (SdoAnswer::Aborted(error), _) => {
                 self.give_up(ConfigurationFailure { index, subindex, error }, now);
                 return;
@@ -196,7 +212,10 @@ impl NodeConfigurator {
         });
         match self.phase {
             NodePhase::Absent if waited_us.is_none_or(|us| us >= CALL_US) => {
-                send(&super::sdo::SdoRequest { index: 0x1000, subindex: 0, write: None }.frame(self.node));
+                send(
+                    &super::sdo::SdoRequest { index: HEARTBEAT_TIME, subindex: 0, write: None }
+                        .frame(self.node),
+                );
                 self.sent = Some(now);
             }
             NodePhase::Configuring(step) if waited_us.is_none_or(|us| us >= ANSWER_US) => {
@@ -396,7 +415,6 @@ mod tests {
     /// Who comes to a bus that is running finds devices in operation that it has not started.
     #[test]
     fn operation_that_is_not_ours_is_found() {
-        let mut node = NodeConfigurator::new(5, script());
         for (phase, found) in [
             (NodePhase::Absent, true),
             (NodePhase::Configuring(1), true),
@@ -404,10 +422,36 @@ mod tests {
             (NodePhase::Starting, false),
             (NodePhase::Operational, false),
         ] {
-            node.phase = phase;
-            assert_eq!(node.is_found_running(5), found, "{phase:?}");
-            assert!(!node.is_found_running(0x7F) && !node.is_found_running(0), "{phase:?}");
+            let mut node = NodeConfigurator::new(5, script());
+            (node.phase, node.met) = (phase, true);
+            assert!(
+                !node.clone().on_heartbeat(0x7F, at(0)) && !node.clone().on_heartbeat(0, at(0)),
+                "{phase:?}"
+            );
+            assert_eq!(node.on_heartbeat(5, at(0)), found, "{phase:?}");
         }
+    }
+
+    /// Only what a device need not have may be missing, and only missing is excused.
+    #[test]
+    fn an_object_that_may_be_missing_is_passed_over() {
+        let absent = [0x80, 0x29, 0x10, 1, 0, 0, 2, 6];
+        let no_part = [0x80, 0x29, 0x10, 1, 0x11, 0, 9, 6];
+        let refused = [0x80, 0x29, 0x10, 1, 0x30, 0, 9, 6];
+        let after = |script: Script, answer: [u8; 8]| {
+            let mut node = NodeConfigurator::new(5, script);
+            node.on_heartbeat(0, at(0));
+            poll(&mut node, 0);
+            node.on_answer(&answer, at(1));
+            node.phase()
+        };
+        let optional = || Script::new().write_if_present(0x1029, 1, 1, 1).write(0x1017, 0, 100, 2);
+        assert_eq!(after(optional(), absent), NodePhase::Configuring(1));
+        assert_eq!(after(optional(), no_part), NodePhase::Configuring(1));
+        assert_eq!(after(optional(), refused), NodePhase::Refused);
+        assert_eq!(after(Script::new().write(0x1029, 1, 1, 1), absent), NodePhase::Refused);
+        let behind = Script::new().read(0x6002, 0).followed_by(&optional());
+        assert_eq!([0, 1, 2, 3].map(|step| behind.is_optional(step)), [false, true, false, false]);
     }
 
     #[test]

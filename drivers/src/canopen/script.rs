@@ -24,6 +24,8 @@ pub type Step = SdoRequest;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Script {
     steps: Vec<Step, SCRIPT_STEPS_MAX>,
+    /// One bit for each step whose object a device need not have.
+    optional: u64,
     overflowed: bool,
 }
 
@@ -31,7 +33,20 @@ impl Script {
     /// No steps.
     #[must_use]
     pub const fn new() -> Self {
-        Self { steps: Vec::new(), overflowed: false }
+        Self { steps: Vec::new(), optional: 0, overflowed: false }
+    }
+
+    /// Adds a write to an object that a device need not have: that it is missing is no refusal.
+    #[must_use]
+    pub fn write_if_present(mut self, index: u16, subindex: u8, value: u32, bytes: u8) -> Self {
+        self.optional |= bit(self.steps.len());
+        self.write(index, subindex, value, bytes)
+    }
+
+    /// The object of a step may be missing.
+    #[must_use]
+    pub fn is_optional(&self, number: usize) -> bool {
+        self.optional & bit(number) != 0
     }
 
     /// Adds a write of 1, 2 or 4 bytes.
@@ -51,6 +66,7 @@ impl Script {
     /// Adds the steps of another one.
     #[must_use]
     pub fn followed_by(mut self, other: &Self) -> Self {
+        self.optional |= other.optional.wrapping_shl(self.steps.len() as u32);
         self.overflowed |= other.overflowed || self.steps.extend_from_slice(&other.steps).is_err();
         self
     }
@@ -109,6 +125,12 @@ impl Script {
     pub const fn overflowed(&self) -> bool {
         self.overflowed
     }
+}
+
+const _: () = assert!(SCRIPT_STEPS_MAX <= 64);
+
+fn bit(number: usize) -> u64 {
+    1_u64.wrapping_shl(number as u32)
 }
 
 #[cfg(test)]

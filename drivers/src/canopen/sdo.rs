@@ -47,6 +47,12 @@ impl SdoError {
     pub const TIME_OUT: Self = Self(0x0504_0000);
     /// The object is longer than the request can take.
     pub const TOO_LONG: Self = Self(0x0607_0012);
+
+    /// The device does not have the object, or this part of it.
+    #[must_use]
+    pub const fn is_missing_object(self) -> bool {
+        matches!(self.0, 0x0602_0000 | 0x0609_0011)
+    }
 }
 
 impl fmt::Display for SdoError {

@@ -37,7 +37,8 @@ pub enum BaseEvent {
     Emergency(u8, Emergency),
     /// A device fell silent; its number.
     NodeLost(u8),
-    /// The traction drive was in operation before this master started it: the master was away, the drive was not.
+    /// The traction drive was set up, and perhaps in operation, before this master started it: the master was away, the drive
+    /// was not.
     FoundRunning,
 }
 
@@ -64,7 +65,7 @@ pub struct BaseCounters {
 ///
 /// let mut base = ThreeWheelBase::new(BaseConfiguration::default());
 /// assert_eq!(base.commanded(), DriveCommand::Stop(StopKind::TorqueOff));
-/// // Nobody answers yet: the five devices are called, and the base is not complete.
+/// // No device answers yet: the five devices are called, and the base is not complete.
 /// let mut identifiers = Vec::new();
 /// base.poll(Stamp::ZERO, &mut |_| {}, &mut |frame| identifiers.extend(frame.standard_id()));
 /// assert!(identifiers.contains(&0x77F), "the master's own heartbeat");
@@ -122,17 +123,14 @@ impl ThreeWheelBase {
             0x380 => self.on_image(node, (2, payload), now, event),
             0x480 => self.on_image(node, (3, payload), now, event),
             0x580 => {
-                if let Some(device) = self.device(node) {
-                    device.on_answer(payload, now);
+                if self.device(node).is_some_and(|device| device.on_answer(payload, now)) {
+                    self.on_found(node, event);
                 }
             }
             0x700 => {
-                if let (Some(device), Some(byte)) = (self.device(node), payload.first()) {
-                    let found_running = device.is_found_running(*byte);
-                    device.on_heartbeat(*byte, now);
-                    if found_running && node == self.configuration.traction_node {
-                        event(BaseEvent::FoundRunning);
-                    }
+                let byte = payload.first().copied().unwrap_or(u8::MAX);
+                if self.device(node).is_some_and(|device| device.on_heartbeat(byte, now)) {
+                    self.on_found(node, event);
                 }
             }
             _ => {}
@@ -263,6 +261,13 @@ impl ThreeWheelBase {
         [&mut self.traction, &mut self.steering, &mut self.left, &mut self.right, &mut self.inputs]
             .into_iter()
             .find(|device| device.node() == node)
+    }
+
+    /// Another master has set this device up before: this one was away (FG-REQ-018).
+    fn on_found(&self, node: u8, event: &mut impl FnMut(BaseEvent)) {
+        if node == self.configuration.traction_node {
+            event(BaseEvent::FoundRunning);
+        }
     }
 
     fn on_emergency(&mut self, node: u8, payload: &[u8], event: &mut impl FnMut(BaseEvent)) {

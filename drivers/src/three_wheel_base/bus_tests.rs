@@ -314,6 +314,63 @@ fn a_drive_that_runs_already_is_told() {
     }
 }
 
+/// A drive that lost its master and fell to pre-operational, as CiA 301 has it without object 1029h, or that was stopped: its
+/// heartbeat was set up by somebody, and it has not booted since.
+#[test]
+fn fg_req_018_a_drive_that_left_operation_while_the_master_was_away_is_told() {
+    for (state, node) in [0x7F, 0x04].into_iter().flat_map(|state| (1..=5_u16).map(move |node| (state, node)))
+    {
+        let mut bus = Bus {
+            base: ThreeWheelBase::new(BaseConfiguration::default()),
+            now_ms: 1_000,
+            silent: Vec::new(),
+        };
+        let wanted: &[BaseEvent] = if node == 1 { &[BaseEvent::FoundRunning] } else { &[] };
+        assert_eq!(bus.hear(0x700 + node, &[state]), wanted, "node {node}");
+        assert_eq!(bus.hear(0x700 + node, &[state]), [], "once");
+    }
+}
+
+/// The master asks before it changes anything: the answer tells whether somebody has set up a heartbeat before.
+#[test]
+fn fg_req_018_a_drive_that_answers_before_its_next_heartbeat_is_told_too() {
+    for (period_ms, found) in [(0_u8, false), (100, true)] {
+        let mut base = ThreeWheelBase::new(BaseConfiguration::default());
+        let (mut sent, mut events) = (Vec::new(), Vec::new());
+        let now = Stamp::from_micros(1_000_000);
+        base.poll(now, &mut |_| (), &mut |frame| sent.push(*frame));
+        let call = CanFrame::standard(0x601, &[0x40, 0x17, 0x10, 0, 0, 0, 0, 0]);
+        assert!(sent.contains(&call), "{sent:?}");
+        let answer = CanFrame::standard(0x581, &[0x4B, 0x17, 0x10, 0, period_ms, 0, 0, 0]);
+        base.on_frame(&answer, now, &mut |event| events.push(event));
+        assert_eq!(!events.is_empty(), found, "{period_ms} ms: {events:?}");
+    }
+}
+
+/// A drive that boots while the master listens is fresh, whatever it says afterwards.
+#[test]
+fn fg_req_018_a_drive_that_boots_is_not_found() {
+    let mut bus =
+        Bus { base: ThreeWheelBase::new(BaseConfiguration::default()), now_ms: 1_000, silent: Vec::new() };
+    assert_eq!((bus.hear(0x701, &[0]), bus.hear(0x701, &[0x7F])), (Vec::new(), Vec::new()));
+}
+
+/// Object 1029h: a drive keeps its network state when the master falls silent.
+#[test]
+fn fg_req_018_drives_are_told_to_stay_in_operation() {
+    let mut bus =
+        Bus { base: ThreeWheelBase::new(BaseConfiguration::default()), now_ms: 1_000, silent: Vec::new() };
+    let mut asked = Vec::new();
+    for _ in 0..80 {
+        let (sent, _) = bus.poll();
+        for frame in sent.iter().filter(|frame| frame.payload().get(1..3) == Some([0x29, 0x10].as_slice())) {
+            asked.push(*frame);
+        }
+    }
+    let stay = |node: u16| CanFrame::standard(0x600 + node, &[0x2F, 0x29, 0x10, 1, 1, 0, 0, 0]);
+    assert_eq!(asked, [stay(2), stay(1)], "the steering has the shorter script");
+}
+
 /// FG-REQ-055: a wheel that goes on turning although it is told to stand is stopped by silence and by NMT.
 #[test]
 fn a_traction_drive_that_does_not_obey_is_left_alone() {

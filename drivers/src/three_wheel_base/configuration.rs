@@ -1,5 +1,7 @@
 //! The bus as configured, and what each device is told.
 
+use floorguard_types::number::saturating_u32;
+
 use crate::canopen::Script;
 use crate::cia406::EncoderReport;
 use crate::flexisoft::InputMap;
@@ -8,6 +10,8 @@ use crate::flexisoft::InputMap;
 const MASTER_SILENT_MS: u32 = 200;
 /// Object 1017h: heartbeat of each device, milliseconds.
 const HEARTBEAT_MS: u32 = 100;
+/// Object 1029h: no change of the network state when the heartbeat of the master is missing.
+const KEEP_STATE: u32 = 1;
 /// Controlword; leads to "switch-on disabled" from every state but a fault.
 const QUICK_STOP: u32 = 0x0002;
 /// By every SYNC.
@@ -63,13 +67,18 @@ impl Default for BaseConfiguration {
 impl BaseConfiguration {
     fn watched(&self) -> Script {
         let watch = (u32::from(self.master_node) << 16) | MASTER_SILENT_MS;
-        // Action on loss of communication: 3 = quick stop.
-        Script::new().write(0x1017, 0, HEARTBEAT_MS, 2).write(0x1016, 1, watch, 4).write(0x6007, 0, 3, 2)
+        // Action on loss of communication: 3 = quick stop. The network state stays as it is meanwhile (object 1029h, CiA 301,
+        // section on error behaviour), so that the drive goes on telling its state.
+        Script::new()
+            .write(0x1017, 0, HEARTBEAT_MS, 2)
+            .write(0x1016, 1, watch, 4)
+            .write(0x6007, 0, 3, 2)
+            .write_if_present(0x1029, 1, KEEP_STATE, 1)
     }
 
     pub(super) fn traction_script(&self) -> Script {
         let node = self.traction_node;
-        let millimetres = |metres: f32| (metres * 1_000.0).max(1.0) as u32;
+        let millimetres = |metres: f32| saturating_u32((metres * 1_000.0).max(1.0));
         // Process data do not reach the drive before it is started again: if it turns, it must not go on turning.
         Script::new()
             .write(0x6040, 0, QUICK_STOP, 2)

@@ -1,5 +1,6 @@
 //! Traction and steering: from a command to two process data objects, and back from two to one report.
 
+use floorguard_types::number::saturating_i32;
 use floorguard_types::sensing::{DriveFeedback, DriveState};
 use floorguard_types::time::Stamp;
 
@@ -220,7 +221,7 @@ impl Drives {
         let both = [self.traction.state, self.steering.state] == [Some(PowerState::OperationEnabled); 2];
         let target = match self.command {
             DriveCommand::Move { wheel_mps, .. } if both && wheel_mps.is_finite() => {
-                libm::roundf(wheel_mps * 1_000.0) as i32
+                saturating_i32(libm::roundf(wheel_mps * 1_000.0))
             }
             _ => 0,
         };
@@ -232,7 +233,7 @@ impl Drives {
         let Some(state) = self.steering.state else { return self.steering_stop_frame(node) };
         let target = match self.command {
             DriveCommand::Move { steering_rad, .. } if steering_rad.is_finite() => {
-                libm::roundf(steering_rad * MILLIDEGREES) as i32
+                saturating_i32(libm::roundf(steering_rad * MILLIDEGREES))
             }
             _ => self.steering.value,
         };

@@ -77,19 +77,6 @@ impl core::fmt::Display for DeviceFault {
 impl core::error::Error for DeviceFault {}
 
 /// What happened; saturating.
-///
-/// ```
-/// use floorguard_drivers::xsens::{Device, DevicePhase, encode};
-/// use floorguard_types::time::Stamp;
-///
-/// // Ask for configuration; the device acknowledges, then it is asked who it is.
-/// let mut device = Device::new(115_200);
-/// let mut sent = Vec::new();
-/// device.poll(Stamp::ZERO, &mut |frame| sent.extend_from_slice(frame));
-/// assert_eq!(sent, [0xFA, 0xFF, 0x30, 0x00, 0xD1]);
-/// device.push(&encode(0x31, &[]).unwrap(), Stamp::from_micros(9_000), |_| {});
-/// assert_eq!(device.phase(), DevicePhase::Identifying);
-/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct DeviceCounters {

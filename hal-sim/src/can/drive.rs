@@ -306,4 +306,26 @@ mod tests {
         drive.tick(220_000, 0.01, (0.5, 0.0), &mut out);
         assert_eq!(drive.state(), DriveState::QuickStop);
     }
+
+    /// CiA 301, object 1029h sub-index 1: 0, the default, falls to pre-operational, 1 keeps the state, 2 stops.
+    #[test]
+    fn a_dead_master_changes_the_network_state_as_object_1029h_says() {
+        for (behaviour, state) in [(None, 0x7F), (Some(0), 0x7F), (Some(1), 5), (Some(2), 4)] {
+            let mut drive = enabled();
+            let mut out = Vec::new();
+            drive.receive(&CanFrame::new(0x605, &[0x23, 0x16, 0x10, 0x01, 0xC8, 0, 0x7F, 0]), 0, &mut out);
+            drive.receive(&CanFrame::new(0x605, &[0x2B, 0x17, 0x10, 0, 100, 0, 0, 0]), 0, &mut out);
+            if let Some(value) = behaviour {
+                let write = CanFrame::new(0x605, &[0x2F, 0x29, 0x10, 1, value, 0, 0, 0]);
+                drive.receive(&write, 0, &mut out);
+            }
+            drive.receive(&CanFrame::new(0x000, &[1, 0]), 0, &mut out);
+            drive.receive(&CanFrame::new(0x77F, &[5]), 0, &mut out);
+            drive.tick(210_000, 0.01, (0.5, 0.0), &mut out);
+            out.clear();
+            drive.tick(310_000, 0.01, (0.5, 0.0), &mut out);
+            let beat = out.iter().find(|frame| frame.id == 0x705).expect("a heartbeat");
+            assert_eq!(beat.payload(), [state], "{behaviour:?}");
+        }
+    }
 }

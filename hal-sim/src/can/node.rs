@@ -41,6 +41,8 @@ impl Node {
         objects.define(0x1016, 0, 1, 1);
         objects.define(0x1016, 1, 4, 0);
         objects.define(0x1017, 0, 2, 0);
+        objects.define_read_only(0x1029, 0, 1, 1);
+        objects.define(0x1029, 1, 1, 0);
         for pdo in 0..4_u16 {
             let disabled = 0x8000_0000;
             objects.define(0x1400 + pdo, 1, 4, disabled | (0x200 + 0x100 * u32::from(pdo) + u32::from(id)));
@@ -114,7 +116,10 @@ impl Node {
         }
         let watch_us = u64::from(self.objects.get(0x1016, 1) & 0xFFFF) * 1_000;
         if let Some(heard_us) = self.master_heard_us.filter(|_| watch_us > 0) {
-            self.master_lost = now_us > heard_us + watch_us;
+            let was_lost = std::mem::replace(&mut self.master_lost, now_us > heard_us + watch_us);
+            if self.master_lost && !was_lost && self.operational() {
+                self.lose_master();
+            }
         }
         if !self.operational() {
             return;
@@ -128,6 +133,15 @@ impl Node {
                 self.next_event_us[pdo] = next_due(self.next_event_us[pdo], event_us, now_us);
                 self.send_process_data(pdo as u16, out);
             }
+        }
+    }
+
+    /// The reaction to a lost heartbeat that the error behaviour object names (CiA 301, object 1029h, sub-index 1).
+    fn lose_master(&mut self) {
+        match self.objects.get(0x1029, 1) {
+            0 => self.state = PRE_OPERATIONAL,
+            2 => self.state = STOPPED,
+            _ => {}
         }
     }
 

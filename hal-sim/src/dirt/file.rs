@@ -3,13 +3,13 @@
 use floorguard_mapping::GridGeometry;
 use floorguard_types::geometry::Point2;
 use floorguard_types::random::Pcg32;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Edge of a patch of dirt, metres: a cell of the cleaning belief (book, Cleaning: Dirt model).
 const PATCH_M: f32 = 0.1;
 
 /// A round spill.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SpillFile {
     /// Middle, world frame, metres.
@@ -21,7 +21,7 @@ pub struct SpillFile {
 }
 
 /// Dirt on the floor. One unit is one hit of the dirt sensor.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct DirtFile {
     /// Share of dirt on its way that one pass of the brush picks up.

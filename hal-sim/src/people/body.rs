@@ -58,6 +58,70 @@ fn leg(person: &Person, swing_m: f32, left_m: f32, hip_m: f32, radius_m: f32) ->
     BodyPart::Capsule(Capsule::new(low, Vector::new(hip.x_m, hip.y_m, hip_m), radius_m))
 }
 
+/// A rod with round ends between two points: metres ahead, to the left, up.
+fn rod(person: &Person, from: [f32; 3], to: [f32; 3], radius_m: f32) -> BodyPart {
+    let [from, to] = [from, to].map(|[ahead_m, left_m, up_m]| {
+        let at = person.beside(ahead_m, left_m);
+        Vector::new(at.x_m, at.y_m, up_m)
+    });
+    BodyPart::Capsule(Capsule::new(from, to, radius_m))
+}
+
+/// On the back: 1.75 m from the feet at -0.80 m to the head at 0.80 m.
+fn lying(person: &Person) -> Vec<BodyPart> {
+    let head_at = person.beside(0.72, 0.0);
+    vec![
+        rod(person, [-0.80, 0.12, 0.065], [0.0, 0.09, 0.08], 0.065),
+        rod(person, [-0.80, -0.12, 0.065], [0.0, -0.09, 0.08], 0.065),
+        rod(person, [0.0, 0.09, 0.13], [0.45, 0.09, 0.13], 0.13),
+        rod(person, [0.0, -0.09, 0.13], [0.45, -0.09, 0.13], 0.13),
+        BodyPart::Ball(Vector::new(head_at.x_m, head_at.y_m, 0.11), Ball::new(0.11)),
+        rod(person, [0.40, 0.25, 0.05], [0.05, 0.75, 0.05], 0.05),
+    ]
+}
+
+/// Bent over, an arm stretched out ahead and down to 0.45 m.
+fn reaching(person: &Person) -> Vec<BodyPart> {
+    vec![
+        rod(person, [0.0, 0.10, 0.065], [-0.05, 0.10, 0.82], 0.065),
+        rod(person, [0.0, -0.10, 0.065], [-0.05, -0.10, 0.82], 0.065),
+        rod(person, [-0.05, 0.09, 0.90], [0.20, 0.09, 1.20], 0.14),
+        rod(person, [-0.05, -0.09, 0.90], [0.20, -0.09, 1.20], 0.14),
+        BodyPart::Ball(
+            Vector::new(person.beside(0.32, 0.0).x_m, person.beside(0.32, 0.0).y_m, 1.34),
+            Ball::new(0.11),
+        ),
+        rod(person, [0.25, 0.18, 1.15], [0.75, 0.18, 0.45], 0.05),
+    ]
+}
+
+/// Parts of people as far as a contact with them differs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limb {
+    /// Leg and foot.
+    Leg,
+    /// Belly, chest, back.
+    Torso,
+    /// Arm and hand.
+    Arm,
+    /// Head.
+    Head,
+    /// Chair, trolley, suitcase.
+    Thing,
+}
+
+/// What each of the [`body_parts`] of a kind is, in the same order.
+#[must_use]
+pub const fn limbs(kind: PersonKind) -> &'static [Limb] {
+    use Limb::{Arm, Head, Leg, Thing, Torso};
+    match kind {
+        PersonKind::Wheelchair => &[Thing, Thing, Thing, Torso, Torso, Head, Leg, Leg],
+        PersonKind::Crouching => &[Leg, Leg, Torso, Head],
+        PersonKind::Lying | PersonKind::Reaching => &[Leg, Leg, Torso, Torso, Head, Arm],
+        _ => &[Leg, Leg, Torso, Torso, Head, Thing],
+    }
+}
+
 /// The parts of a person at this moment.
 #[must_use]
 pub fn body_parts(person: &Person) -> Vec<BodyPart> {
@@ -79,6 +143,8 @@ pub fn body_parts(person: &Person) -> Vec<BodyPart> {
             upright(person, (-0.05, 0.0), (0.2, h - 0.18), 0.19),
             head(person, 0.0, h),
         ],
+        PersonKind::Lying => lying(person),
+        PersonKind::Reaching => reaching(person),
         kind => {
             let mut parts = walking(person, h);
             match kind {
@@ -104,4 +170,48 @@ fn walking(person: &Person, height_m: f32) -> Vec<BodyPart> {
         upright(person, (0.0, -0.09 * scale), (hip_m - 0.1, height_m - neck_m), 0.14 * scale),
         head(person, 0.02, height_m),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::people::Build;
+    use floorguard_types::geometry::Point2;
+
+    #[test]
+    fn every_part_is_a_limb_of_the_right_height() {
+        for kind in PersonKind::ALL {
+            let person = Person {
+                id: 1,
+                kind,
+                build: Build::SAME,
+                position: Point2::new(1.0, 2.0),
+                velocity: Point2::default(),
+                heading_rad: 0.5,
+                gait_rad: 0.0,
+                goals: Vec::new(),
+                goal: 0,
+                speed_mps: 0.0,
+                starts_us: 0,
+                sees_robot: false,
+                walk: None,
+            };
+            let parts = body_parts(&person);
+            assert!(limbs(kind).len() >= parts.len(), "{kind:?}");
+            // A ball is a head, a box is a thing.
+            for (part, limb) in parts.iter().zip(limbs(kind)) {
+                match part {
+                    BodyPart::Ball(..) => assert_eq!(*limb, Limb::Head, "{kind:?}"),
+                    BodyPart::Box(..) => assert_eq!(*limb, Limb::Thing, "{kind:?}"),
+                    BodyPart::Capsule(_) => assert!(!matches!(limb, Limb::Head | Limb::Thing), "{kind:?}"),
+                }
+            }
+            let down = Ray::new(
+                Vector::new(person.beside(0.2, 0.09).x_m, person.beside(0.2, 0.09).y_m, 3.0),
+                -Vector::Z,
+            );
+            let top_m = parts.iter().filter_map(|part| part.cast(&down, 3.0)).fold(3.0, f32::min);
+            assert!(3.0 - top_m <= person.height_m() + 1e-3, "{kind:?}: {top_m}");
+        }
+    }
 }

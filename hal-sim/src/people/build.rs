@@ -4,12 +4,12 @@
 //! ways of a crowd do not depend on it.
 
 use floorguard_types::random::Pcg32;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::PersonKind;
 
 /// Which bodies the people of a scenario have.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Bodies {
     /// All of a kind are the same.

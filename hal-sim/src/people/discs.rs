@@ -23,6 +23,9 @@ pub fn ground_discs(person: &Person) -> Vec<Disc> {
             disc(0.1, -0.29, 0.03),
         ],
         PersonKind::Crouching => vec![disc(0.1, 0.1, 0.09), disc(0.1, -0.1, 0.09)],
+        PersonKind::Lying => {
+            vec![disc(0.0, 0.0, 0.2), disc(0.25, 0.0, 0.22), disc(0.45, 0.0, 0.2), disc(0.72, 0.0, 0.1)]
+        }
         kind => {
             let radius_m = 0.065 * kind.height_m() / 1.75 * person.build.breadth;
             let mut discs: Vec<Disc> = person.feet().map(|foot| (foot, radius_m)).to_vec();
@@ -43,6 +46,8 @@ pub fn body_discs(person: &Person) -> Vec<Disc> {
     match person.kind {
         PersonKind::Trolley => discs.extend([0.45, 0.75, 1.05].map(|ahead_m| disc(ahead_m, 0.0, 0.29))),
         PersonKind::Luggage => discs.push(disc(-0.55, 0.1, 0.25)),
+        PersonKind::Lying => discs.extend([-0.8, -0.55, -0.3].map(|ahead_m| disc(ahead_m, 0.0, 0.18))),
+        PersonKind::Reaching => discs.extend([0.45, 0.6, 0.75].map(|ahead_m| disc(ahead_m, 0.18, 0.08))),
         PersonKind::Wheelchair => discs.extend([disc(0.25, 0.0, 0.3), disc(-0.2, 0.0, 0.35)]),
         _ => {}
     }

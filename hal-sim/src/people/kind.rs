@@ -1,9 +1,9 @@
 //! Kinds of people.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Who it is, as far as a laser can tell.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PersonKind {
     /// Standing or walking.
@@ -19,9 +19,25 @@ pub enum PersonKind {
     Trolley,
     /// Pulling a suitcase.
     Luggage,
+    /// Lying on the floor, the head in front.
+    Lying,
+    /// Standing bent with an arm stretched out to a low board.
+    Reaching,
 }
 
 impl PersonKind {
+    /// All of them.
+    pub const ALL: [Self; 8] = [
+        Self::Adult,
+        Self::Child,
+        Self::Wheelchair,
+        Self::Crouching,
+        Self::Trolley,
+        Self::Luggage,
+        Self::Lying,
+        Self::Reaching,
+    ];
+
     /// Metres.
     #[must_use]
     pub const fn height_m(self) -> f32 {
@@ -30,6 +46,23 @@ impl PersonKind {
             Self::Child => 1.15,
             Self::Wheelchair => 1.30,
             Self::Crouching => 0.95,
+            Self::Lying => 0.30,
+            Self::Reaching => 1.45,
+        }
+    }
+
+    /// For reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Adult => "adult",
+            Self::Child => "child",
+            Self::Wheelchair => "wheelchair",
+            Self::Crouching => "crouching person",
+            Self::Trolley => "person with a trolley",
+            Self::Luggage => "person with luggage",
+            Self::Lying => "lying person",
+            Self::Reaching => "reaching person",
         }
     }
 
@@ -40,6 +73,7 @@ impl PersonKind {
             Self::Child => 0.18,
             Self::Wheelchair => 0.38,
             Self::Crouching => 0.28,
+            Self::Lying => 0.45,
             _ => 0.25,
         }
     }

@@ -10,7 +10,7 @@ mod social_force;
 mod walk;
 mod way_round;
 
-pub use body::{BodyPart, body_parts};
+pub use body::{BodyPart, Limb, body_parts, limbs};
 pub use build::{Bodies, Build, Clothes, PLAIN};
 pub use bump::RobotShape;
 pub use discs::{Disc, body_discs, ground_discs};

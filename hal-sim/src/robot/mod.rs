@@ -3,5 +3,5 @@
 mod parameters;
 mod physics;
 
-pub use parameters::{NodeIds, RobotParameters, ScannerDevice, SensorMount};
+pub use parameters::{BodyPrism, NodeIds, RobotParameters, ScannerDevice, SensorMount};
 pub use physics::{BrakeLaw, RobotBody};

@@ -33,6 +33,17 @@ pub struct NodeIds {
     pub dirt_sensor: u8,
 }
 
+/// A part of the robot's true body: an upright prism.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyPrism {
+    /// What it is.
+    pub name: &'static str,
+    /// Corners of a convex outline, counter-clockwise, robot frame, metres.
+    pub outline_m: Vec<[f32; 2]>,
+    /// Lower and upper face above the floor, metres.
+    pub height_m: [f32; 2],
+}
+
 /// Which safety scanner it carries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ScannerDevice {
@@ -48,6 +59,14 @@ pub enum ScannerDevice {
 pub struct RobotParameters {
     /// Outline, counter-clockwise, metres, robot frame (origin in the middle of the rear axle).
     pub footprint: Vec<Point2>,
+    /// The true body over that outline: how high each part of it reaches. Sensors look through it.
+    pub body: Vec<BodyPrism>,
+    /// Kilograms with full tanks.
+    pub mass_kg: f32,
+    /// Bumpers in front and at the rear are there: outline and heights, robot frame.
+    pub bumpers: [BodyPrism; 2],
+    /// Where the floor is felt for in front and at the rear, robot frame, metres.
+    pub floor_switches_m: [[[f32; 2]; 2]; 2],
     /// Rear axle to front wheel, metres.
     pub wheelbase_m: f32,
     /// Between the rear wheels, metres.
@@ -81,10 +100,27 @@ pub struct RobotParameters {
 impl Default for RobotParameters {
     fn default() -> Self {
         let mount = |x_m, z_m| SensorMount { x_m, y_m: 0.0, z_m, yaw_rad: 0.0 };
+        let prism = |name, x: [f32; 2], y_m: f32, height_m| BodyPrism {
+            name,
+            outline_m: vec![[x[0], -y_m], [x[1], -y_m], [x[1], y_m], [x[0], y_m]],
+            height_m,
+        };
         Self {
             footprint: [(-0.45, -0.40), (0.95, -0.40), (0.95, 0.40), (-0.45, 0.40)]
                 .map(|(x, y)| Point2::new(x, y))
                 .to_vec(),
+            body: vec![
+                prism("body", [-0.45, 0.95], 0.40, [0.02, 0.75]),
+                prism("brushes", [0.10, 0.40], 0.40, [0.005, 0.02]),
+                prism("squeegee", [-0.45, -0.35], 0.40, [0.005, 0.02]),
+                prism("lidar mast", [0.44, 0.56], 0.06, [0.75, 0.88]),
+            ],
+            mass_kg: 300.0,
+            bumpers: [
+                prism("front bumper", [0.90, 0.955], 0.40, [0.04, 0.40]),
+                prism("rear bumper", [-0.455, -0.40], 0.40, [0.04, 0.40]),
+            ],
+            floor_switches_m: [[[0.93, 0.30], [0.93, -0.30]], [[-0.43, 0.30], [-0.43, -0.30]]],
             wheelbase_m: 0.80,
             track_m: 0.60,
             ticks_per_m: 20_000.0,

@@ -2,7 +2,7 @@
 
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::random::Pcg32;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::dirt::{DirtFile, DirtyPatch};
@@ -24,7 +24,7 @@ pub enum ScenarioError {
 }
 
 /// Where the robot begins.
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct StartFile {
     /// World frame, metres.
@@ -35,7 +35,7 @@ pub struct StartFile {
 }
 
 /// Where the robot is sent; waypoints in the world frame.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct RouteFile {
     /// m/s.
@@ -48,7 +48,7 @@ pub struct RouteFile {
 }
 
 /// A person, or several of one kind.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PersonFile {
     /// Who.
@@ -59,6 +59,9 @@ pub struct PersonFile {
     /// m/s; 0 stands.
     #[serde(default)]
     pub speed_mps: f32,
+    /// Where somebody who stands looks, counter-clockwise, degrees.
+    #[serde(default)]
+    pub yaw_deg: f32,
     /// Where to walk, over and over.
     #[serde(default)]
     pub goals_m: Vec<[f32; 2]>,
@@ -78,7 +81,7 @@ fn yes() -> bool {
 }
 
 /// People who go where others have really gone.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordedFile {
     /// The recording, beside the scenario file.
@@ -94,8 +97,36 @@ pub struct RecordedFile {
     pub from_s: f32,
 }
 
+/// Somebody drives the robot by hand: a command that is held for some time.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct ManoeuvreFile {
+    /// How long, seconds.
+    pub seconds: f32,
+    /// Forward, m/s; negative in reverse.
+    #[serde(default)]
+    pub forward_mps: f32,
+    /// Counter-clockwise, rad/s.
+    #[serde(default)]
+    pub turn_radps: f32,
+}
+
+/// By how much a sensor is not where the robot's file says.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MisplacedFile {
+    /// Forward, metres.
+    pub x_m: f32,
+    /// Left, metres.
+    pub y_m: f32,
+    /// Up, metres.
+    pub z_m: f32,
+    /// Counter-clockwise, degrees.
+    pub yaw_deg: f32,
+}
+
 /// Everything that a run begins with.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
     /// One line for people.
@@ -106,6 +137,22 @@ pub struct Scenario {
     /// The robot's way.
     #[serde(default)]
     pub route: RouteFile,
+    /// Commands by hand instead of the route, one after the other.
+    #[serde(default)]
+    pub manoeuvre: Vec<ManoeuvreFile>,
+    /// The bumpers feel what the body runs into; otherwise they are never pressed.
+    #[serde(default)]
+    pub bumpers: bool,
+    /// The bumpers are there and are never pressed, as with a cut strip that still says that all is well.
+    #[serde(default)]
+    pub deaf_bumpers: bool,
+    /// The switches that feel for the floor never open.
+    #[serde(default)]
+    pub without_floor_switches: bool,
+    /// The lidar is not where the robot's file says.
+    pub lidar_misplaced: Option<MisplacedFile>,
+    /// The scanner is not where the robot's file says.
+    pub scanner_misplaced: Option<MisplacedFile>,
     /// What stands still.
     #[serde(default)]
     pub scene: SceneFile,
@@ -135,6 +182,12 @@ impl Scenario {
     /// The text is not a scenario; the message names line and key.
     pub fn from_toml(text: &str) -> Result<Self, ScenarioError> {
         Ok(toml::from_str(text)?)
+    }
+
+    /// The text of a scenario file that says the same; what it refers to in other files is left to them.
+    #[must_use]
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).unwrap_or_else(|error| format!("# cannot be written: {error}\n"))
     }
 
     /// The robot's start, world frame.
@@ -176,6 +229,7 @@ fn somebody(index: usize, random: &mut Pcg32) -> Person {
         at_m: [0.0; 2],
         kind: PersonKind::Adult,
         speed_mps: 0.0,
+        yaw_deg: 0.0,
         goals_m: Vec::new(),
         starts_s: 0.0,
         sees_robot: false,
@@ -187,8 +241,9 @@ fn somebody(index: usize, random: &mut Pcg32) -> Person {
 fn person((seed, index): (u64, usize), file: &PersonFile, random: &mut Pcg32) -> Person {
     let goals: Vec<Point2> = file.goals_m.iter().map(|[x, y]| Point2::new(*x, *y)).collect();
     let position = Point2::new(file.at_m[0], file.at_m[1]);
-    let heading_rad =
-        goals.first().map_or(0.0, |goal| libm::atan2f(goal.y_m - position.y_m, goal.x_m - position.x_m));
+    let heading_rad = goals.first().map_or(file.yaw_deg.to_radians(), |goal| {
+        libm::atan2f(goal.y_m - position.y_m, goal.x_m - position.x_m)
+    });
     Person {
         id: index as u32 + 1,
         kind: file.kind,

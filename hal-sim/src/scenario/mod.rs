@@ -4,4 +4,6 @@ mod built_in;
 mod encounter;
 mod file;
 
-pub use file::{PersonFile, RecordedFile, RouteFile, Scenario, ScenarioError, StartFile};
+pub use file::{
+    ManoeuvreFile, MisplacedFile, PersonFile, RecordedFile, RouteFile, Scenario, ScenarioError, StartFile,
+};

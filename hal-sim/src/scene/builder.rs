@@ -3,7 +3,7 @@
 use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::shape::{Compound, SharedShape};
 
-use super::{Material, Scene};
+use super::{DropTruth, Material, PartShape, PartTruth, Scene};
 
 /// Thickness of walls and panels, metres.
 const WALL_M: f32 = 0.1;
@@ -13,20 +13,31 @@ const HEAD_M: f32 = 1.6;
 /// Collects parts.
 #[derive(Default)]
 pub struct SceneBuilder {
-    parts: Vec<(Pose, SharedShape)>,
-    materials: Vec<Material>,
+    parts: Vec<PartTruth>,
     plan: Vec<(Pose, SharedShape)>,
+    drops: Vec<DropTruth>,
+    name: String,
 }
 
 impl SceneBuilder {
+    /// What is added from now on belongs to a thing of this name.
+    pub fn named(&mut self, name: String) {
+        self.name = name;
+    }
+
     /// A box: middle of its ground area, yaw, sizes along its own x and y, and from which height to which.
     pub fn cuboid(&mut self, place: (f32, f32, f32), size: (f32, f32), z: (f32, f32), material: Material) {
         let (x, y, yaw) = place;
         let half = ((size.0 / 2.0).max(0.005), (size.1 / 2.0).max(0.005), ((z.1 - z.0) / 2.0).max(0.005));
         let turn = Rotation::from_rotation_z(yaw);
-        let middle = Vector::new(x, y, (z.0 + z.1) / 2.0);
-        self.parts.push((Pose::from_parts(middle, turn), SharedShape::cuboid(half.0, half.1, half.2)));
-        self.materials.push(material);
+        self.parts.push(PartTruth {
+            name: self.name.clone(),
+            shape: PartShape::Box([half.0, half.1, half.2]),
+            centre_m: [x, y, (z.0 + z.1) / 2.0],
+            yaw_rad: yaw,
+            slope_rad: 0.0,
+            material,
+        });
         if z.0 < HEAD_M {
             let pose = Pose::from_parts(Vector::new(x, y, 1.0), turn);
             self.plan.push((pose, SharedShape::cuboid(half.0, half.1, 1.0)));
@@ -75,17 +86,56 @@ impl SceneBuilder {
     /// A ramp that rises along its own x; people and the robot do not climb it, lasers see it.
     pub fn ramp(&mut self, place: (f32, f32, f32), size: (f32, f32), rise_m: f32) {
         let slope = libm::atan2f(rise_m, size.0);
-        let turn = Rotation::from_rotation_z(place.2) * Rotation::from_rotation_y(-slope);
         let length = libm::hypotf(size.0, rise_m);
-        let pose = Pose::from_parts(Vector::new(place.0, place.1, rise_m / 2.0 - 0.02), turn);
-        self.parts.push((pose, SharedShape::cuboid(length / 2.0, size.1 / 2.0, 0.02)));
-        self.materials.push(Material::Matte);
+        self.parts.push(PartTruth {
+            name: self.name.clone(),
+            shape: PartShape::Box([length / 2.0, size.1 / 2.0, 0.02]),
+            centre_m: [place.0, place.1, rise_m / 2.0 - 0.02],
+            yaw_rad: place.2,
+            slope_rad: slope,
+            material: Material::Matte,
+        });
+    }
+
+    /// A round post.
+    pub fn post(&mut self, at: (f32, f32), radius_m: f32, z: (f32, f32), material: Material) {
+        let height_m = (z.1 - z.0).max(0.01);
+        self.parts.push(PartTruth {
+            name: self.name.clone(),
+            shape: PartShape::Post(radius_m.max(0.005), height_m),
+            centre_m: [at.0, at.1, (z.0 + z.1) / 2.0],
+            yaw_rad: 0.0,
+            slope_rad: 0.0,
+            material,
+        });
+        if z.0 < HEAD_M {
+            let pose = Pose::from_translation(Vector::new(at.0, at.1, 1.0));
+            self.plan.push((pose, SharedShape::cuboid(radius_m, radius_m, 1.0)));
+        }
+    }
+
+    /// A pallet truck: two tines of 0.16 m near the floor along its own x, the drive unit behind them.
+    pub fn forks(&mut self, place: (f32, f32, f32), length_m: f32, z: (f32, f32)) {
+        let (sin, cos) = libm::sincosf(place.2);
+        let at = |ahead: f32, left: f32| {
+            (place.0 + cos * ahead - sin * left, place.1 + sin * ahead + cos * left, place.2)
+        };
+        for left in [0.19, -0.19] {
+            self.cuboid(at(0.0, left), (length_m, 0.16), z, Material::Dark);
+        }
+        self.cuboid(at(-length_m / 2.0 - 0.2, 0.0), (0.4, 0.54), (0.03, 1.2), Material::Matte);
+    }
+
+    /// A hole in the floor.
+    pub fn hole(&mut self, drop: DropTruth) {
+        self.drops.push(drop);
     }
 
     /// The finished scene.
     #[must_use]
     pub fn build(self) -> Scene {
         let compound = |parts: Vec<_>| (!parts.is_empty()).then(|| Compound::new(parts));
-        Scene::new(compound(self.parts), self.materials, compound(self.plan))
+        let solids = compound(self.parts.iter().map(PartTruth::placed).collect());
+        Scene::new(solids, (self.parts, self.drops), compound(self.plan))
     }
 }

@@ -1,11 +1,11 @@
 //! The scene's part of a scenario file.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-use super::{Material, OccupiedCells, Scene, SceneBuilder};
+use super::{DropTruth, Material, OccupiedCells, Scene, SceneBuilder};
 
 /// A wall or panel.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct WallFile {
     /// Metres.
@@ -21,7 +21,7 @@ pub struct WallFile {
 }
 
 /// A piece of furniture.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct FurnitureFile {
     /// What it is.
@@ -37,13 +37,16 @@ pub struct FurnitureFile {
     /// Metres; of a ramp: its rise.
     #[serde(default = "wall_height")]
     pub height_m: f32,
-    /// Surface of a box.
+    /// Lower face of a box, a post or a fork above the floor, metres: a board, a rail.
+    #[serde(default)]
+    pub from_m: f32,
+    /// Surface of a box or a post.
     #[serde(default)]
     pub material: Material,
 }
 
 /// Kinds of furniture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FurnitureKind {
     /// A solid block: a column, a pallet, a carton.
@@ -56,10 +59,45 @@ pub enum FurnitureKind {
     Trolley,
     /// A slope.
     Ramp,
+    /// A round post; its diameter is the first size.
+    Post,
+    /// A pallet truck with its tines along its own x.
+    Forks,
+}
+
+/// A hole in the floor: a loading dock, a stairwell.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct DropFile {
+    /// Middle, metres.
+    pub at_m: [f32; 2],
+    /// Along its own x and y, metres.
+    pub size_m: [f32; 2],
+    /// Counter-clockwise, degrees.
+    #[serde(default)]
+    pub yaw_deg: f32,
+    /// How much lower the floor is, metres.
+    pub depth_m: f32,
+}
+
+impl FurnitureKind {
+    /// For reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Box => "box",
+            Self::Shelf => "shelf",
+            Self::Table => "table",
+            Self::Trolley => "trolley",
+            Self::Ramp => "ramp",
+            Self::Post => "post",
+            Self::Forks => "forks",
+        }
+    }
 }
 
 /// A map that stands in the scene.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct MapFile {
     /// Description or picture of a ROS `map_server` map, beside the scenario file.
@@ -70,7 +108,7 @@ pub struct MapFile {
 }
 
 /// Everything that stands still.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
     /// Walls and panels.
@@ -79,6 +117,9 @@ pub struct SceneFile {
     /// Furniture.
     #[serde(default)]
     pub furniture: Vec<FurnitureFile>,
+    /// Holes in the floor.
+    #[serde(default)]
+    pub drop: Vec<DropFile>,
     /// A map of walls; whoever loads the file reads it into `occupied`.
     pub map: Option<MapFile>,
     /// What the map says.
@@ -99,21 +140,37 @@ impl SceneFile {
     #[must_use]
     pub fn build(&self) -> Scene {
         let mut builder = SceneBuilder::default();
-        for wall in &self.wall {
+        for (wall, number) in self.wall.iter().zip(1..) {
+            builder.named(format!("wall {number}"));
             builder.wall(wall.from_m, wall.to_m, wall.height_m, wall.material);
         }
-        for piece in &self.furniture {
+        for (piece, number) in self.furniture.iter().zip(1..) {
+            builder.named(format!("{} {number}", piece.kind.name()));
+            let heights = (piece.from_m, piece.height_m);
             let place = (piece.at_m[0], piece.at_m[1], piece.yaw_deg.to_radians());
             let size = (piece.size_m[0], piece.size_m[1]);
             match piece.kind {
-                FurnitureKind::Box => builder.cuboid(place, size, (0.0, piece.height_m), piece.material),
+                FurnitureKind::Box => builder.cuboid(place, size, heights, piece.material),
                 FurnitureKind::Shelf => builder.shelf(place, size, piece.height_m),
                 FurnitureKind::Table => builder.table(place, size, piece.height_m),
                 FurnitureKind::Trolley => builder.trolley(place),
                 FurnitureKind::Ramp => builder.ramp(place, size, piece.height_m),
+                FurnitureKind::Post => {
+                    builder.post((place.0, place.1), size.0 / 2.0, heights, piece.material);
+                }
+                FurnitureKind::Forks => builder.forks(place, size.0, heights),
             }
         }
+        for drop in &self.drop {
+            builder.hole(DropTruth {
+                centre_m: drop.at_m,
+                size_m: drop.size_m,
+                yaw_rad: drop.yaw_deg.to_radians(),
+                depth_m: drop.depth_m,
+            });
+        }
         if let Some(map) = &self.map {
+            builder.named("map".to_owned());
             self.occupied.build(map.height_m, &mut builder);
         }
         builder.build()

@@ -1,9 +1,9 @@
 //! How a surface answers a laser.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 /// Surface of a part of the scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Material {
     /// Paint, wood, cloth, cardboard.

@@ -4,10 +4,12 @@ mod builder;
 mod file;
 mod material;
 mod occupied;
+mod part;
 mod scene3;
 
 pub use builder::SceneBuilder;
-pub use file::{FurnitureKind, MapFile, SceneFile};
+pub use file::{DropFile, FurnitureFile, FurnitureKind, MapFile, SceneFile, WallFile};
 pub use material::Material;
 pub use occupied::OccupiedCells;
+pub use part::{DropTruth, PartShape, PartTruth};
 pub use scene3::{Hit, Scene};

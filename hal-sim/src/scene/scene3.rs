@@ -1,11 +1,12 @@
 //! Casts rays at the standing world, through parry's bounding-volume hierarchy.
 
 use floorguard_types::geometry::Point2;
+use parry3d::math::Pose;
 use parry3d::math::Vector;
-use parry3d::query::{PointQuery, Ray};
-use parry3d::shape::{CompositeShapeRef, Compound};
+use parry3d::query::{PointQuery, Ray, intersection_test};
+use parry3d::shape::{CompositeShapeRef, Compound, Shape};
 
-use super::Material;
+use super::{DropTruth, Material, PartTruth};
 
 /// A beam meets at most this many panes and mirrors on its way.
 const BOUNCES_MAX: usize = 3;
@@ -28,13 +29,56 @@ pub struct Hit {
 /// The standing world: a floor at z = 0 and parts on it.
 pub struct Scene {
     parts: Option<Compound>,
-    materials: Vec<Material>,
+    truth: Vec<PartTruth>,
+    drops: Vec<DropTruth>,
     plan: Option<Compound>,
 }
 
 impl Scene {
-    pub(super) fn new(parts: Option<Compound>, materials: Vec<Material>, plan: Option<Compound>) -> Self {
-        Self { parts, materials, plan }
+    pub(super) fn new(
+        parts: Option<Compound>,
+        (truth, drops): (Vec<PartTruth>, Vec<DropTruth>),
+        plan: Option<Compound>,
+    ) -> Self {
+        Self { parts, truth, drops, plan }
+    }
+
+    /// Every part as it is, for judges.
+    #[must_use]
+    pub fn truth(&self) -> &[PartTruth] {
+        &self.truth
+    }
+
+    /// Every hole in the floor.
+    #[must_use]
+    pub fn drops(&self) -> &[DropTruth] {
+        &self.drops
+    }
+
+    /// The floor is there.
+    #[must_use]
+    pub fn has_floor_at(&self, place: Point2) -> bool {
+        !self.drops.iter().any(|drop| drop.contains([place.x_m, place.y_m]))
+    }
+
+    /// A shape touches a part.
+    #[must_use]
+    pub fn touches(&self, pose: &Pose, shape: &dyn Shape) -> bool {
+        let parts = self.parts.iter().flat_map(|parts| parts.shapes());
+        let around = shape.compute_aabb(pose);
+        parts.into_iter().any(|(at, part)| {
+            use parry3d::bounding_volume::BoundingVolume as _;
+            part.compute_aabb(at).intersects(&around)
+                && intersection_test(at, part.as_ref(), pose, shape).is_ok_and(|met| met.intersecting)
+        })
+    }
+
+    /// Along a beam to the floor, or to the floor of a hole, metres.
+    fn floor_range(&self, origin: Vector, direction: Vector) -> Option<f32> {
+        let range_m = floor_range(origin, direction)?;
+        let at = origin + direction * range_m;
+        let drop = self.drops.iter().find(|drop| drop.contains([at.x, at.y]));
+        Some(drop.map_or(range_m, |drop| (origin.z + drop.depth_m) / -direction.z))
     }
 
     /// Follows a beam (unit direction) through panes and mirrors to a surface within `range_max_m`.
@@ -43,12 +87,12 @@ impl Scene {
         let (mut origin, mut direction, mut gone_m) = (origin, direction, 0.0);
         for _ in 0..BOUNCES_MAX {
             let left_m = range_max_m - gone_m;
-            let floor = floor_range(origin, direction).filter(|range| *range < left_m);
+            let floor = self.floor_range(origin, direction).filter(|range| *range < left_m);
             let part = self.nearest_part(origin, direction, floor.unwrap_or(left_m));
             let Some((index, range_m)) = part else {
                 return floor.map(|range_m| Hit { range_m: gone_m + range_m, reflectivity: 30 });
             };
-            let material = self.materials.get(index as usize).copied().unwrap_or_default();
+            let material = self.truth.get(index as usize).map(|part| part.material).unwrap_or_default();
             let end = Hit { range_m: gone_m + range_m, reflectivity: material.reflectivity() };
             if !matches!(material, Material::Glass | Material::Mirror) {
                 return Some(end);
@@ -135,7 +179,7 @@ impl Scene {
     /// Number of parts.
     #[must_use]
     pub fn parts(&self) -> usize {
-        self.materials.len()
+        self.truth.len()
     }
 }
 

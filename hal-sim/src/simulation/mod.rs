@@ -4,6 +4,9 @@ mod bus;
 mod dirt;
 mod engine;
 mod event;
+mod look;
+mod misplaced;
+mod touch;
 mod truth;
 
 pub use engine::Simulation;

@@ -27,6 +27,7 @@ fn moments() -> Vec<(Stamp, BoxEntry)> {
             state: if stopped { GuardState::Latched } else { GuardState::Run },
             action: if stopped { Action::Category0 } else { Action::None },
             cause: stopped.then_some(Cause::EmergencyStop),
+            holding: stopped.then_some(Cause::EmergencyStop),
             permitted_mps: if stopped { 0.0 } else { 0.8 },
             measured_mps: 0.75,
             limit_mps: 1.0,
@@ -42,7 +43,7 @@ fn a_log_becomes_a_recording_and_damage_costs_only_itself() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("stop.fgbox");
     let log = black_box_log(&moments());
-    assert!(log.len() < 1_000 * 28, "compact: {} bytes", log.len());
+    assert!(log.len() < 1_000 * 29, "compact: {} bytes", log.len());
     std::fs::write(&path, &log).expect("written");
     let (output, rows) = blackbox(&path);
     assert_eq!((output.status.code(), rows), (Some(0), 1_000), "{output:?}");

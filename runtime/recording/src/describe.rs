@@ -136,10 +136,12 @@ pub fn decision(decision: &Decision) -> Diagnostic {
         (false, Some(_)) => Severity::Warning,
         (false, None) => Severity::Good,
     };
-    let message = decision.primary_cause.map_or_else(String::new, |record| record.to_string());
+    let words = |record: CauseRecord| record.to_string();
+    let message = decision.holding_cause.map_or_else(String::new, words);
     let values = vec![
         ("state".to_owned(), format!("{:?}", decision.state)),
         ("action".to_owned(), decision.action.to_string()),
+        ("first_cause".to_owned(), decision.primary_cause.map_or_else(String::new, words)),
         ("speed_limit_mps".to_owned(), format!("{:.3}", decision.speed_limit_mps)),
         ("permitted_mps".to_owned(), format!("{:.3}", decision.permitted.linear_mps)),
         ("field_set".to_owned(), decision.field_set.to_string()),

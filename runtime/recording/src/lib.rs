@@ -20,6 +20,7 @@ mod run;
 mod scan_map;
 mod schemas;
 pub mod topics;
+pub mod truth;
 
 pub use lidar_view::{LidarView, points as sweep_points};
 pub use messages::{Diagnostic, GridImage, Marker, MarkerShape, PointRow, Severity, octets_of};

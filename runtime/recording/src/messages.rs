@@ -134,7 +134,7 @@ pub fn twist(stamp: Stamp, twist: Twist2) -> Vec<u8> {
     encoder.finish()
 }
 
-fn header(encoder: &mut Encoder, stamp: Stamp, frame: &str) {
+pub(super) fn header(encoder: &mut Encoder, stamp: Stamp, frame: &str) {
     time(encoder, stamp);
     encoder.text(frame);
 }
@@ -209,11 +209,21 @@ pub fn imu(sample: &ImuSample, frame: &str) -> Vec<u8> {
 
 /// `nav_msgs/msg/Odometry`; `covariance` is that of x, y and heading, row by row.
 pub fn odometry(stamp: Stamp, at: Pose2, twist: Twist2, covariance: &[[f32; 3]; 3]) -> Vec<u8> {
+    odometry_in(("odom", "base_link"), stamp, (at, twist), covariance)
+}
+
+/// The same of a child frame in another frame.
+pub fn odometry_in(
+    (parent, child): (&str, &str),
+    stamp: Stamp,
+    (at, twist): (Pose2, Twist2),
+    covariance: &[[f32; 3]; 3],
+) -> Vec<u8> {
     /// Where x, y and the rotation about z stand in the 6 × 6 matrix of ROS.
     const ROWS: [usize; 3] = [0, 1, 5];
     let mut encoder = Encoder::new();
-    header(&mut encoder, stamp, "odom");
-    encoder.text("base_link");
+    header(&mut encoder, stamp, parent);
+    encoder.text(child);
     pose(&mut encoder, at);
     let mut wide = [0.0; 36];
     for (row, values) in ROWS.into_iter().zip(covariance) {

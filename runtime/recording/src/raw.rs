@@ -61,7 +61,7 @@ impl RawStream {
             TapeLine::Scanner => Self::Scanner,
             TapeLine::Imu => Self::Imu,
             TapeLine::Can => Self::CanReceived,
-            TapeLine::Reset | TapeLine::Pause | TapeLine::Resume => Self::Operator,
+            TapeLine::Reset | TapeLine::Start | TapeLine::Pause | TapeLine::Resume => Self::Operator,
             TapeLine::Route => Self::Route,
         }
     }

@@ -139,7 +139,7 @@ impl<W: Write + Seek> RunRecorder<W> {
         self.failed.as_ref()
     }
 
-    fn write(&mut self, write: impl FnOnce(&mut Recorder<W>) -> Result<(), RecordError>) {
+    pub(super) fn write(&mut self, write: impl FnOnce(&mut Recorder<W>) -> Result<(), RecordError>) {
         if self.failed.is_none() {
             self.failed = write(&mut self.recorder).err();
         }

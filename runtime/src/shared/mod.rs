@@ -89,6 +89,11 @@ pub struct Shared<M: RawMutex> {
     pub wanted: Latest<M, (Stamp, Twist2)>,
     /// The operator pressed reset.
     pub reset: Signal<M, ()>,
+    /// The operator gave the start command.
+    pub start: Signal<M, ()>,
+    /// The causes that hold and need a reset, one bit for each `Cause::index`; published when they change, for memory that
+    /// outlives the computer.
+    pub latches: Latest<M, u64>,
     /// The drives are to be led out of their faults, too.
     pub drive_reset: Signal<M, ()>,
     /// What perception saw last.
@@ -134,6 +139,8 @@ impl<M: RawMutex> Shared<M> {
             floor: Latest::new(),
             wanted: Latest::new(),
             reset: Signal::new(),
+            start: Signal::new(),
+            latches: Latest::new(),
             drive_reset: Signal::new(),
             people: Latest::new(),
             status: Latest::new(),
@@ -156,14 +163,30 @@ impl<M: RawMutex> Shared<M> {
 
     /// Gives evidence to the guard and makes its answer known: to the drive, to the black box, to the list of stops.
     pub fn decide(&self, evidence: impl FnOnce(&mut Supervisor) -> Decision) -> Decision {
-        let decision = self.guard.lock(|guard| evidence(&mut guard.borrow_mut()));
+        let (decision, latches) = self.guard.lock(|guard| {
+            let guard = &mut *guard.borrow_mut();
+            (evidence(guard), guard.latches())
+        });
         let pose = self.pose.get().unwrap_or_default();
-        let began = self.records.lock(|records| records.borrow_mut().note(&decision, &pose));
+        let (began, latched) = self.records.lock(|records| {
+            let records = &mut *records.borrow_mut();
+            (records.note(&decision, &pose), records.note_latches(latches))
+        });
+        if latched {
+            self.latches.publish(latches);
+        }
         if let Some(stop) = began {
             self.stops.push(stop);
         }
         self.decision.publish(decision);
         decision
+    }
+
+    /// What was latched when the computer last ran is latched again (FG-REQ-070). Call before the tasks run.
+    pub fn restore_latches(&self, latches: u64, now: Stamp) {
+        if latches != 0 {
+            self.decide(|guard| guard.on_latches(latches, now));
+        }
     }
 
     /// Looks at the guard without telling it anything.

@@ -19,8 +19,10 @@ pub struct BoxEntry {
     pub state: GuardState,
     /// Most severe demand.
     pub action: Action,
-    /// Its cause.
+    /// What stopped it first, or limits it.
     pub cause: Option<Cause>,
+    /// What holds it at this moment.
+    pub holding: Option<Cause>,
     /// Speed permitted, m/s.
     pub permitted_mps: f32,
     /// Speed measured, m/s.
@@ -50,12 +52,18 @@ pub(super) struct Records {
     pub ring: BlackBox<BoxEntry>,
     last: Option<(Stamp, BoxEntry)>,
     stopped: bool,
+    latches: u64,
 }
 
 impl Records {
     pub const fn new() -> Self {
         // Nothing moves at first: the start is not a stop.
-        Self { ring: BlackBox::new(), last: None, stopped: true }
+        Self { ring: BlackBox::new(), last: None, stopped: true, latches: 0 }
+    }
+
+    /// True when other causes are latched than before.
+    pub fn note_latches(&mut self, latches: u64) -> bool {
+        core::mem::replace(&mut self.latches, latches) != latches
     }
 
     /// Takes in a decision; gives the stop that it begins.
@@ -64,6 +72,7 @@ impl Records {
             state: decision.state,
             action: decision.action,
             cause: decision.primary_cause.map(|record| record.cause),
+            holding: decision.holding_cause.map(|record| record.cause),
             permitted_mps: decision.permitted.linear_mps,
             measured_mps: pose.twist.linear_mps,
             limit_mps: decision.speed_limit_mps,
@@ -71,7 +80,7 @@ impl Records {
         };
         let due = self.last.is_none_or(|(stamp, last)| {
             let aged = matches!(stamp.age(decision.stamp), Age::Past(us) if us >= ENTRY_EVERY_US);
-            aged || (last.state, last.action, last.cause) != (entry.state, entry.action, entry.cause)
+            aged || told(&last) != told(&entry)
         });
         if due {
             self.ring.record(decision.stamp, entry);
@@ -89,4 +98,9 @@ impl Records {
             speed_mps: pose.twist.linear_mps,
         })
     }
+}
+
+/// What is news at once.
+const fn told(entry: &BoxEntry) -> (GuardState, Action, Option<Cause>, Option<Cause>) {
+    (entry.state, entry.action, entry.cause, entry.holding)
 }

@@ -1,5 +1,6 @@
 //! What other rings and people tell the guard.
 
+use embassy_futures::select::{Either, select};
 use embassy_sync::blocking_mutex::raw::RawMutex;
 
 use crate::clock;
@@ -21,11 +22,17 @@ pub async fn advice_input<M: RawMutex>(shared: &Shared<M>) {
     }
 }
 
-/// Guard ring: the reset button. Runs for ever.
+/// Guard ring: the buttons for reset and start. Runs for ever.
 pub async fn operator_input<M: RawMutex>(shared: &Shared<M>) {
     loop {
-        shared.reset.wait().await;
-        shared.drive_reset.signal(());
-        shared.decide(|guard| guard.request_reset(clock::now()));
+        match select(shared.reset.wait(), shared.start.wait()).await {
+            Either::First(()) => {
+                shared.drive_reset.signal(());
+                shared.decide(|guard| guard.request_reset(clock::now()));
+            }
+            Either::Second(()) => {
+                shared.decide(|guard| guard.request_start(clock::now()));
+            }
+        }
     }
 }

@@ -7,6 +7,7 @@
 
 mod archive;
 mod drive;
+mod recovery;
 mod robot;
 mod score;
 mod stack;
@@ -15,4 +16,5 @@ mod world;
 pub use drive::{Outcome, drive};
 pub use robot::{Which, jackal};
 pub use score::{Score, Summary, summarise};
+pub use stack::mppi;
 pub use world::{World, load};

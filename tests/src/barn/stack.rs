@@ -3,7 +3,7 @@
 use floorguard_mapping::{GridGeometry, Occupancy, Parabola};
 use floorguard_navigation::costmap::{
     Beam, CostmapLayers, CostmapView, Inflation, InflationConfig, InflationScratch, ObstacleLayer,
-    ObstacleLimits, PeopleCost, compose, footprint_cost,
+    ObstacleLimits, PeopleCost, compose,
 };
 use floorguard_navigation::global::{
     GlobalPlanner as _, GridPlanner, GridSearch, PlanRequest, SearchMethod, StepCosts, smooth,
@@ -15,6 +15,7 @@ use floorguard_navigation::local::{
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use floorguard_types::motion::{AlwaysPermitted, Waypoint};
 
+use super::recovery::Recovery;
 use super::robot::{DRIVE, Which, jackal};
 use super::world::World;
 
@@ -39,8 +40,7 @@ pub(super) struct Stack {
     planner: GridPlanner<Vec<u32>, Vec<u32>>,
     path: Vec<Waypoint>,
     local: Box<dyn LocalPlanner>,
-    /// Cycles that the local planner has found nothing in a row.
-    blocked: u32,
+    recovery: Recovery,
     revision: u32,
 }
 
@@ -67,7 +67,7 @@ impl Stack {
             planner: GridPlanner::new(search, SearchMethod::Dijkstra),
             path: vec![Waypoint::default(); 4_000],
             local: local(which, cells, seed),
-            blocked: 0,
+            recovery: Recovery::default(),
             revision: 0,
         }
     }
@@ -82,13 +82,22 @@ impl Stack {
             fixed: &self.fixed,
             observed: self.layer.cells().values(),
             zones: &[],
-            people: &[],
-            people_cost: PeopleCost::DEFAULT,
+            people: &self.recovery.stuck,
+            people_cost: PeopleCost {
+                collision_radius_m: 0.0,
+                deviation_m: 0.15,
+                ahead_m_per_mps: 0.0,
+                peak: 200,
+            },
         };
         let mut scratch =
             InflationScratch { squared_cells: &mut self.squared_cells, envelope: &mut self.envelope };
         compose(&layers, &mut self.costs, &mut scratch).expect("the layers fit");
         self.revision += 1;
+        self.recovery.note(pose);
+        if let Some(twist) = self.recovery.backing(pose) {
+            return twist;
+        }
         let costmap = CostmapView::new(self.geometry, &self.costs, self.revision).expect("as many costs");
         let goal = World::goal();
         let request = PlanRequest {
@@ -97,7 +106,9 @@ impl Stack {
             goal_in_map: Pose2::new(goal.x_m, goal.y_m, std::f32::consts::FRAC_PI_2),
             tolerance_m: 0.5,
         };
-        let Ok(plan) = self.planner.plan(&request, &mut self.path) else { return self.recover(pose) };
+        let Ok(plan) = self.planner.plan(&request, &mut self.path) else {
+            return self.recovery.blocked(pose);
+        };
         let waypoints = smooth(costmap, &mut self.path[..plan.waypoints]);
         let command = self.local.command(&LocalSituation {
             pose_in_map: pose,
@@ -113,25 +124,10 @@ impl Stack {
 
     fn outcome(&mut self, command: LocalCommand, pose: Pose2) -> Twist2 {
         if command.verdict == LocalVerdict::Blocked {
-            return self.recover(pose);
+            return self.recovery.blocked(pose);
         }
-        self.blocked = 0;
+        self.recovery.free();
         command.twist
-    }
-
-    /// Stands, then turns on the spot to the side where nothing is touched, as the published recovery does.
-    fn recover(&mut self, pose: Pose2) -> Twist2 {
-        self.blocked += 1;
-        let costmap = CostmapView::new(self.geometry, &self.costs, self.revision).expect("as many costs");
-        let footprint = jackal();
-        let is_free = |sign: f32| {
-            (1..=6).all(|step| {
-                let turned = Pose2::new(pose.x_m, pose.y_m, pose.heading_rad + sign * 0.05 * step as f32);
-                footprint_cost(costmap, &footprint, turned).is_ok()
-            })
-        };
-        let side = [1.0, -1.0].into_iter().find(|&sign| self.blocked > 10 && is_free(sign));
-        Twist2 { linear_mps: 0.0, angular_radps: 0.5 * side.unwrap_or(0.0) }
     }
 }
 
@@ -150,7 +146,8 @@ fn local(which: Which, cells: usize, seed: u64) -> Box<dyn LocalPlanner> {
 }
 
 /// Ours for this robot.
-fn mppi() -> MppiConfig {
+#[must_use]
+pub fn mppi() -> MppiConfig {
     MppiConfig {
         drive: DRIVE,
         step_s: 0.06,

@@ -5,6 +5,8 @@ mod cpu;
 mod floor;
 mod guard;
 mod lidar;
+mod navigation;
+mod navigation_local;
 mod peers;
 pub mod tours;
 mod tracking;
@@ -12,6 +14,7 @@ mod tracking;
 pub use floor::{FrameTime, run_floor};
 pub use guard::{DECISION_MAX_NS, DecisionTime, decisions};
 pub use lidar::{Measured, StageTime, run};
+pub use navigation::{NavigationTime, navigation};
 pub use peers::{OurTime, ours};
 
 fn nanoseconds(mut work: impl FnMut()) -> f64 {

@@ -3,21 +3,34 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use floorguard_tests::bench::{DECISION_MAX_NS, cleaning, ours, run};
+use floorguard_tests::bench::{DECISION_MAX_NS, cleaning, navigation, ours, run};
 
 /// Without arguments, times of the stages; fails where the guard decides too late. With `--peers FOLDER`, the inputs of
-/// the peers go there, and our times are printed as JSON, one object a line; with TASK only those of one.
+/// the peers go there, and our times are printed as JSON, one object a line; with TASK only those of one. With `--navigation`, times
+/// of planning.
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     match arguments.as_slice() {
         [] => stages(),
+        [option] if option == "--navigation" => planning(),
         [option, folder] if option == "--peers" => peers(Path::new(folder), None),
         [option, folder, task] if option == "--peers" => peers(Path::new(folder), Some(task)),
         _ => {
-            eprintln!("usage: floorguard-bench [--peers FOLDER [TASK]]");
+            eprintln!("usage: floorguard-bench [--navigation | --peers FOLDER [TASK]]");
             ExitCode::from(2)
         }
     }
+}
+
+fn planning() -> ExitCode {
+    println!("{:22} {:28} {:>10}  note", "task", "input", "ms");
+    for row in navigation() {
+        println!("{:22} {:28} {:10.3}  {}", row.task, row.input, row.ms, row.note);
+    }
+    println!(
+        "computing time of one thread, the fastest round; other programs at work still cost caches and memory"
+    );
+    ExitCode::SUCCESS
 }
 
 fn peers(folder: &Path, task: Option<&str>) -> ExitCode {

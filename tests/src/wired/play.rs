@@ -47,6 +47,8 @@ const TRACTION_ORDER: u32 = 0x201;
 const OPERATE: u8 = 0x0f;
 /// State of the guard that waits for an operator.
 const LATCHED: u32 = 4;
+/// State of the guard that waits for the start command.
+const AWAITS_START: u32 = 5;
 /// How long the operator looks around first, microseconds.
 const LOOKS_AROUND_US: u64 = 3_000_000;
 
@@ -222,8 +224,11 @@ impl World {
         Ok(())
     }
 
-    /// The person with the key: resets what is latched.
+    /// The person with the key: resets what is latched, and gives the start command when the robot waits for it.
     fn operate(&mut self, board: &Board, report: &Report, to_us: u64) -> anyhow::Result<()> {
+        if report.state == AWAITS_START {
+            board.witness.send(b"S")?;
+        }
         if report.state != LATCHED {
             self.latched_since_us = None;
         } else if to_us - *self.latched_since_us.get_or_insert(to_us) >= self.looks_around_us {

@@ -55,7 +55,7 @@ enum Command {
     /// Read a recording with readers that others wrote: Python's mcap and rosbags, Rerun's importer.
     CheckRecording(check_recording::Options),
     /// Build the crates of the core and the drivers for every kind of processor that they are meant for.
-    Targets,
+    Targets(targets::Options),
     /// Repeat published experiments, beside the published figures.
     Reproduce(reproduce::Options),
 }
@@ -87,7 +87,7 @@ fn run(command: Command) -> anyhow::Result<bool> {
         Command::Vcan(options) => vcan::run(&options),
         Command::Bench(options) => bench::run(&options),
         Command::CheckRecording(options) => check_recording::run(&options),
-        Command::Targets => targets::run(),
+        Command::Targets(options) => targets::run(&options),
         Command::Reproduce(options) => reproduce::run(&options),
     }
 }

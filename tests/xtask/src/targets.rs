@@ -3,9 +3,25 @@
 use std::time::Instant;
 
 use anyhow::Result;
+use clap::Args;
 
 use crate::{machine, shell};
 use embedded_audit::sources;
+
+/// Which crates.
+#[derive(Args)]
+pub struct Options {
+    /// Build only the crates whose name contains this word.
+    #[arg(long, default_value = "")]
+    only: String,
+}
+
+impl Options {
+    fn packages(&self) -> Vec<&'static str> {
+        let all = sources::crates().iter().map(|one| one.package.as_str());
+        all.filter(|package| package.contains(&self.only)).collect()
+    }
+}
 
 /// Name for rustc and cargo, and an example of what has it.
 type Target = (&'static str, &'static str);
@@ -32,12 +48,13 @@ enum Outcome {
 
 /// Builds for the host and each target and packs the crates. A target that cannot be installed is skipped and named. Good if
 /// nothing failed.
-pub fn run() -> Result<bool> {
-    let mut outcomes = vec![("the host", build(None)?)];
+pub fn run(options: &Options) -> Result<bool> {
+    let packages = options.packages();
+    let mut outcomes = vec![("the host", build(&packages, None)?)];
     for (target, example) in TARGETS {
         println!("\n== {target}: {example}");
         let is_there = machine::has_target(target) || machine::add_target(target)?;
-        outcomes.push((target, if is_there { build(Some(target))? } else { Outcome::Skipped }));
+        outcomes.push((target, if is_there { build(&packages, Some(target))? } else { Outcome::Skipped }));
     }
     println!("\n== packages: what others would download");
     outcomes.push(("packages", package()?));
@@ -48,20 +65,16 @@ pub fn run() -> Result<bool> {
     Ok(outcomes.iter().all(|(_, outcome)| *outcome != Outcome::Failed))
 }
 
-/// Compiles all crates in one go, in each way.
-fn build(target: Option<&str>) -> Result<Outcome> {
+/// Compiles the crates in one go, in each way.
+fn build(packages: &[&str], target: Option<&str>) -> Result<Outcome> {
     for (verb, feature) in WAYS {
         let start = Instant::now();
-        let arguments = arguments(verb, target, feature);
+        let arguments = arguments(packages, target, (verb, feature));
         if !shell::succeeds(shell::cargo().args(&arguments))? {
             return Ok(Outcome::Failed);
         }
         let named = if feature.is_empty() { "no features" } else { feature };
-        println!(
-            "{verb} of {} crates, {named}: {:.0} s",
-            sources::crates().len(),
-            start.elapsed().as_secs_f64()
-        );
+        println!("{verb} of {} crates, {named}: {:.0} s", packages.len(), start.elapsed().as_secs_f64());
     }
     Ok(Outcome::Built)
 }
@@ -75,12 +88,12 @@ fn package() -> Result<Outcome> {
 }
 
 /// What cargo is called with.
-fn arguments(verb: &str, target: Option<&str>, feature: &str) -> Vec<String> {
+fn arguments(packages: &[&str], target: Option<&str>, (verb, feature): (&str, &str)) -> Vec<String> {
     let mut arguments: Vec<String> = [verb, "--quiet", "--lib"].map(String::from).to_vec();
-    for one in sources::crates() {
-        arguments.extend(["--package".to_owned(), one.package.clone()]);
+    for package in packages {
+        arguments.extend(["--package", package].map(String::from));
         if !feature.is_empty() {
-            arguments.extend(["--features".to_owned(), format!("{}/{feature}", one.package)]);
+            arguments.extend(["--features".to_owned(), format!("{package}/{feature}")]);
         }
     }
     arguments.extend(target.into_iter().flat_map(|target| ["--target".to_owned(), target.to_owned()]));
@@ -97,11 +110,12 @@ fn words(outcome: Outcome) -> &'static str {
 
 #[cfg(test)]
 mod tests {
-    use super::arguments;
+    use super::{Options, arguments};
 
     #[test]
     fn every_audited_crate_is_built_with_its_feature() {
-        let arguments = arguments("check", Some("thumbv6m-none-eabi"), "defmt").join(" ");
+        let packages = Options { only: String::new() }.packages();
+        let arguments = arguments(&packages, Some("thumbv6m-none-eabi"), ("check", "defmt")).join(" ");
         for package in ["types", "guard", "perception", "drivers"] {
             let wanted = format!("--package floorguard-{package} --features floorguard-{package}/defmt");
             assert!(arguments.contains(&wanted), "{wanted}: {arguments}");

@@ -54,6 +54,18 @@ impl core::fmt::Display for TourError {
 impl core::error::Error for TourError {}
 
 /// A tour over at most `N` − 1 nodes; node 0 is the start.
+///
+/// ```
+/// use floorguard_cleaning::{EuclideanCells, TourSolver};
+/// use floorguard_types::random::Pcg32;
+///
+/// let points = [(0.0, 0.0), (2.0, 1.0), (0.5, 2.0), (3.0, 3.0), (1.0, 3.5), (2.5, 0.2)];
+/// let distances = EuclideanCells { points: &points, scale: 1.0e6 };
+/// let mut solver = TourSolver::<16>::new(Pcg32::new(1, 1));
+/// solver.start(6, &distances).unwrap();
+/// assert!(solver.order().eq([0, 2, 4, 3, 1, 5]));
+/// assert_eq!(solver.length(&distances) / 1_000_000, 8);
+/// ```
 #[derive(Clone, Debug)]
 pub struct TourSolver<const N: usize> {
     search: LocalSearch<N>,

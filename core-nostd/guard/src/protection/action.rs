@@ -47,7 +47,7 @@ impl fmt::Display for Action {
     }
 }
 
-/// The state to show (book, Guard: Causes). Priority: Latched > Init > Stop > Slow > Run.
+/// The state to show (book, Guard: Causes). Priority: Latched > Init > AwaitsStart > Stop > Slow > Run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum GuardState {
@@ -60,6 +60,8 @@ pub enum GuardState {
     Slow,
     /// Standing; goes on by itself when the cause is gone.
     Stop,
-    /// Standing; needs an operator.
+    /// Standing; needs an operator's reset, and then a start command.
     Latched,
+    /// Standing; ready, and waits for the start command.
+    AwaitsStart,
 }

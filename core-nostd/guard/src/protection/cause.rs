@@ -21,6 +21,8 @@ pub const CAUSES: usize = PLAIN.len() + 2 * Source::COUNT;
 pub enum Cause {
     /// Not every required source was healthy yet.
     StartUp,
+    /// Nobody has given the start command since power-up, or since the last reset.
+    StartNeeded,
     /// Emergency stop pressed.
     EmergencyStop,
     /// The channels of a safety input disagree, or its line is cut.
@@ -43,6 +45,12 @@ pub enum Cause {
     BlindSector,
     /// Something in the warning field.
     Warning,
+    /// The body would touch something that was seen, and there is no room left to drive up to it.
+    WayClosed,
+    /// The body would touch something that was seen: slowly enough to stand before it.
+    WayNarrow,
+    /// Nobody looks where the body goes.
+    WayUnseen,
     /// A person within 1.2 m.
     PersonNear,
     /// A person would be reached before the robot could stop.
@@ -76,8 +84,9 @@ pub enum Cause {
 }
 
 /// The causes that do not belong to a source's health.
-const PLAIN: [Cause; 25] = [
+const PLAIN: [Cause; 29] = [
     Cause::StartUp,
+    Cause::StartNeeded,
     Cause::EmergencyStop,
     Cause::InputFault,
     Cause::InputUnknown,
@@ -89,6 +98,9 @@ const PLAIN: [Cause; 25] = [
     Cause::LidarProtective,
     Cause::BlindSector,
     Cause::Warning,
+    Cause::WayClosed,
+    Cause::WayNarrow,
+    Cause::WayUnseen,
     Cause::PersonNear,
     Cause::CollisionStop,
     Cause::CollisionSlow,
@@ -134,6 +146,7 @@ impl Cause {
     pub const fn name(self) -> &'static str {
         match self {
             Self::StartUp => "start-up check: not every required source was healthy yet",
+            Self::StartNeeded => "waits for the start command",
             Self::EmergencyStop => "emergency stop pressed",
             Self::InputFault => "safety input faulty: its channels disagree or its line is cut",
             Self::InputUnknown => "safety input not read",
@@ -145,6 +158,9 @@ impl Cause {
             Self::LidarProtective => "obstacle in the protective field (lidar)",
             Self::BlindSector => "scanner sees nothing in a part of the protective field",
             Self::Warning => "obstacle in the warning field",
+            Self::WayClosed => "the body would touch what was seen around it",
+            Self::WayNarrow => "little room for the body on its way",
+            Self::WayUnseen => "no sensor looks where the body goes",
             Self::PersonNear => "person near",
             Self::CollisionStop => "person would be reached before standstill",
             Self::CollisionSlow => "person ahead",

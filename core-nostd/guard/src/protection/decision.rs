@@ -21,6 +21,9 @@ pub struct Decision {
     pub state: GuardState,
     /// First cause of this stop; without a stop the cause with the least limit.
     pub primary_cause: Option<CauseRecord>,
+    /// What holds the robot now: of the causes with the most severe demand the one with the newest evidence; without a stop
+    /// the same as [`Self::primary_cause`] (FG-REQ-071).
+    pub holding_cause: Option<CauseRecord>,
     /// The drive's torque must be off: category 0, or category 1 once the robot stands.
     pub torque_off: bool,
     /// The robot leaves an obstacle at escape speed although a stop is in force.

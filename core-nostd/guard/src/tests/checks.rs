@@ -103,6 +103,9 @@ fn fg_req_005_a_request_is_granted_once_and_evidence_cancels_it() {
     let mut machine = DecisionMachine::new(at(0));
     machine.raise(CauseRecord::new(Cause::EmergencyStop, at(0)));
     machine.request_reset(at(1_000));
+    let verdict = machine.settle(true, at(1_400));
+    assert_eq!((verdict.action, verdict.state), (Action::Category2, GuardState::AwaitsStart));
+    machine.request_start();
     assert_eq!(machine.settle(true, at(1_400)).action, Action::None);
     for ms in [1_500, 2_500, 3_500] {
         machine.settle(true, at(ms));

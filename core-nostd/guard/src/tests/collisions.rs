@@ -7,34 +7,40 @@ use floorguard_types::random::Pcg32;
 
 const STEP_S: f64 = 1.0e-3;
 
-/// Three circles that cover the body: at a sixth, a half and five sixths of its length.
-fn circles(body: &Body) -> ([(f64, f64); 3], f64) {
+/// From the nearest point of the body's box to a point.
+fn from_body(body: &Body, (x, y): (f64, f64)) -> (f64, f64) {
     let [[x0, x1], [y0, y1]] = [body.x_m, body.y_m].map(|pair| pair.map(f64::from));
-    let (length, middle) = (x1 - x0, (y0 + y1) / 2.0);
-    let radius = (length / 6.0).hypot((y1 - y0) / 2.0);
-    ([1.0, 3.0, 5.0].map(|sixths| (x0 + length * sixths / 6.0, middle)), radius)
+    (x - x.clamp(x0, x1), y - y.clamp(y0, y1))
 }
 
-/// A straight robot and a person; the person walks towards each circle faster by the doubt. Seconds, up to 10.
+fn distance(body: &Body, at: (f64, f64)) -> f64 {
+    let (x, y) = from_body(body, at);
+    x.hypot(y)
+}
+
+/// The first of some moments at which somebody is within a radius and comes nearer, or touches the body from the start.
+fn first_touch(times_s: impl Iterator<Item = f64>, gap_m: impl Fn(f64) -> f64, radius_m: f64) -> f64 {
+    if gap_m(0.0) < 0.3 {
+        return 0.0;
+    }
+    let nearer = |time_s: f64, by_s: f64| gap_m(time_s + by_s) < gap_m(time_s);
+    let mut times_s = times_s.map(|time_s| (time_s, time_s == 0.0 || nearer(time_s - STEP_S, STEP_S)));
+    let touch = times_s.find(|(time_s, came)| {
+        gap_m(*time_s) <= radius_m && (nearer(*time_s, STEP_S) || (*came && *time_s > 0.0))
+    });
+    touch.map_or(f64::INFINITY, |(time_s, _)| time_s)
+}
+
+/// A straight robot and a person; the person walks towards the body faster by the doubt. Seconds, up to 10.
 fn walked_s(body: &Body, person: &AdvisedPerson, speed_mps: f64, doubt_mps: f64) -> f64 {
-    let (centres, circle_m) = circles(body);
-    let radius_m = circle_m + 0.3 + 2.0 * f64::from(person.position_sigma_m);
+    let radius_m = 0.3 + 2.0 * f64::from(person.position_sigma_m);
     let start = (f64::from(person.position.x_m), f64::from(person.position.y_m));
     let velocity = (f64::from(person.velocity_mps.x_m), f64::from(person.velocity_mps.y_m));
-    let mut soonest_s = f64::INFINITY;
-    for centre in centres {
-        let from = (start.0 - centre.0, start.1 - centre.1);
-        let distance = from.0.hypot(from.1);
-        let closing = (
-            velocity.0 - speed_mps - doubt_mps * from.0 / distance,
-            velocity.1 - doubt_mps * from.1 / distance,
-        );
-        let touch = (0..10_000)
-            .map(|step| f64::from(step) * STEP_S)
-            .find(|time_s| (from.0 + closing.0 * time_s).hypot(from.1 + closing.1 * time_s) <= radius_m);
-        soonest_s = soonest_s.min(touch.unwrap_or(f64::INFINITY));
-    }
-    soonest_s
+    let (from, gap) = (from_body(body, start), distance(body, start));
+    let share = doubt_mps / gap.max(1.0e-9);
+    let closing = (velocity.0 - speed_mps - share * from.0, velocity.1 - share * from.1);
+    let gap_m = |time_s: f64| distance(body, (start.0 + closing.0 * time_s, start.1 + closing.1 * time_s));
+    first_touch((0..10_000).map(|step| f64::from(step) * STEP_S), gap_m, radius_m)
 }
 
 fn person(random: &mut Pcg32) -> AdvisedPerson {
@@ -75,33 +81,41 @@ fn fg_req_031_straight_times_are_those_of_people_who_walk() {
     assert!(finite > 60 && grazes < 4, "{finite} meet, {grazes} differ");
 }
 
-/// A turning robot by very small steps; whole tenths of a second are looked at, as the book, Guard: Collision, has it.
-fn turned_s(body: &Body, person: &AdvisedPerson, twist: Twist2, growth_mps: f64) -> f64 {
-    let (centres, circle_m) = circles(body);
+/// Where a turning robot is after a time, by very small steps.
+fn robot_after(twist: Twist2, time_s: f64) -> (f64, f64, f64) {
     let (mut x, mut y, mut heading) = (0.0_f64, 0.0_f64, 0.0_f64);
-    for step in 0..=30_000_u32 {
-        let time_s = f64::from(step) * 1.0e-4;
-        if step % 1_000 == 0 {
-            let radius_m = circle_m + 0.3 + 2.0 * f64::from(person.position_sigma_m) + growth_mps * time_s;
-            let there = (
-                f64::from(person.position.x_m) + f64::from(person.velocity_mps.x_m) * time_s,
-                f64::from(person.position.y_m) + f64::from(person.velocity_mps.y_m) * time_s,
+    let step_s = time_s / 500.0;
+    for _ in 0..500 {
+        let middle = heading + f64::from(twist.angular_radps) * 0.5 * step_s;
+        x += f64::from(twist.linear_mps) * step_s * middle.cos();
+        y += f64::from(twist.linear_mps) * step_s * middle.sin();
+        heading += f64::from(twist.angular_radps) * step_s;
+    }
+    (x, y, heading)
+}
+
+/// Whole tenths of a second are looked at, and whether the person is nearer at the next or was farther at the last.
+fn turned_s(body: &Body, person: &AdvisedPerson, twist: Twist2, growth_mps: f64) -> f64 {
+    let radius_m = 0.3 + 2.0 * f64::from(person.position_sigma_m);
+    let gaps: std::vec::Vec<f64> = (0..=31_u32)
+        .map(|step| {
+            let time_s = f64::from(step) * 0.1;
+            let (x, y, heading) = robot_after(twist, time_s);
+            let ahead = (
+                f64::from(person.position.x_m) + f64::from(person.velocity_mps.x_m) * time_s - x,
+                f64::from(person.position.y_m) + f64::from(person.velocity_mps.y_m) * time_s - y,
             );
             let (sin, cos) = heading.sin_cos();
-            let touches = centres.iter().any(|centre| {
-                let (px, py) = (x + cos * centre.0 - sin * centre.1, y + sin * centre.0 + cos * centre.1);
-                (there.0 - px).hypot(there.1 - py) <= radius_m
-            });
-            if touches {
-                return time_s;
-            }
-        }
-        let middle = heading + f64::from(twist.angular_radps) * 0.5e-4;
-        x += f64::from(twist.linear_mps) * 1.0e-4 * middle.cos();
-        y += f64::from(twist.linear_mps) * 1.0e-4 * middle.sin();
-        heading += f64::from(twist.angular_radps) * 1.0e-4;
+            let in_robot = (cos * ahead.0 + sin * ahead.1, cos * ahead.1 - sin * ahead.0);
+            distance(body, in_robot) - growth_mps * time_s
+        })
+        .collect();
+    if gaps[0] < 0.3 {
+        return 0.0;
     }
-    f64::INFINITY
+    let comes = |step: usize| gaps[step + 1] < gaps[step] || (step > 0 && gaps[step] < gaps[step - 1]);
+    let touch = (0..=30).find(|step| gaps[*step] <= radius_m && comes(*step));
+    touch.map_or(f64::INFINITY, |step| step as f64 * 0.1)
 }
 
 #[test]

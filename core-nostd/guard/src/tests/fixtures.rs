@@ -20,8 +20,8 @@ fn set(travel: Travel, speed_max_mps: f32, protective: Polygon, warning: Polygon
 pub fn config() -> GuardConfig {
     let fields = [
         set(Travel::Straight, 0.3, rectangle([-0.45, 1.25], 0.5), rectangle([-0.45, 1.7], 0.6)),
-        set(Travel::Straight, 0.6, rectangle([-0.45, 1.5], 0.5), rectangle([-0.45, 2.1], 0.6)),
-        set(Travel::Straight, 1.1, rectangle([-0.45, 2.2], 0.5), rectangle([-0.45, 3.2], 0.6)),
+        set(Travel::Straight, 0.6, rectangle([-0.45, 1.55], 0.5), rectangle([-0.45, 2.1], 0.6)),
+        set(Travel::Straight, 1.1, rectangle([-0.45, 2.3], 0.51), rectangle([-0.45, 3.2], 0.6)),
         set(Travel::Reverse, 0.3, rectangle([-0.8, 0.95], 0.5), rectangle([-1.0, 0.95], 0.6)),
     ];
     GuardConfig {
@@ -33,6 +33,7 @@ pub fn config() -> GuardConfig {
             step_rad: radians(0.5),
             beams: 541,
             sector_rad: [radians(-135.0), radians(135.0)],
+            height_m: 0.15,
         },
         lidar: LidarGeometry {
             mounting: Transform3::from_mounting(Point3::new(0.5, 0.0, 0.8), 0.0, 0.0, 0.0),
@@ -50,6 +51,7 @@ pub fn config() -> GuardConfig {
             wheelbase_m: 0.8,
         },
         thresholds: Thresholds::default(),
+        unseen: UnseenLimits::NONE,
         sources: GuardConfig::default_sources(),
     }
 }
@@ -113,6 +115,8 @@ pub struct Rig {
     pub drive_state: DriveState,
     pub stamp_ahead_us: [u64; Source::COUNT],
     pub frozen_scanner: bool,
+    /// The operator gives the start command whenever the robot waits for it.
+    pub operator_starts: bool,
     sequence: u32,
     azimuth_cdeg: u16,
 }
@@ -138,6 +142,7 @@ impl Rig {
             drive_state: DriveState::Enabled,
             stamp_ahead_us: [0; Source::COUNT],
             frozen_scanner: false,
+            operator_starts: true,
             sequence: 0,
             azimuth_cdeg: 0,
         }
@@ -165,7 +170,10 @@ impl Rig {
                 self.speak(source);
             }
         }
-        let decision = self.guard.tick(self.now);
+        let mut decision = self.guard.tick(self.now);
+        if self.operator_starts && decision.state == GuardState::AwaitsStart {
+            decision = self.guard.request_start(self.now);
+        }
         assert!(decision.permitted.linear_mps.abs() <= self.wanted.linear_mps.abs() + 1.0e-6, "{decision:?}");
         // The drive follows upwards at once and brakes with 0.8 m/s².
         let (from_mps, to_mps) = (self.measured.linear_mps, decision.permitted.linear_mps);

@@ -147,8 +147,13 @@ fn fg_req_050_the_envelope_waits_for_the_response_time() {
 fn fg_req_021_what_is_desired_keeps_the_curve() {
     let mut rig = Rig::cruising();
     rig.guard.on_command(turning(0.8, 0.4), rig.now, rig.now);
-    let verdict =
-        |action, limit_mps| machine::Verdict { action, state: GuardState::Slow, limit_mps, primary: None };
+    let verdict = |action, limit_mps| machine::Verdict {
+        action,
+        state: GuardState::Slow,
+        limit_mps,
+        primary: None,
+        holding: None,
+    };
     for (limit_mps, share) in [(0.3, 0.375), (f32::INFINITY, 1.0), (0.0, 0.125)] {
         let desired = rig.guard.desired(&verdict(Action::Limit, limit_mps));
         assert!(
@@ -211,7 +216,7 @@ fn fg_req_005_evidence_of_exactly_200_ms_is_no_longer_present() {
 fn fg_req_001_the_least_limit_wins_and_the_first_of_equals_is_shown() {
     let now = Stamp::from_micros(20_000_000);
     let verdict = |first: (Cause, f32), second: (Cause, f32)| {
-        let mut machine = DecisionMachine::new(Stamp::from_micros(1_000_000));
+        let mut machine = DecisionMachine::IDLE;
         for (cause, limit_mps) in [first, second] {
             machine.raise(CauseRecord::new(cause, now).limited_to(limit_mps));
         }

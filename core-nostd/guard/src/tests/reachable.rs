@@ -39,6 +39,7 @@ happenings! {
     Contact,
     Person,
     ImuSilent,
+    Start,
     Reset,
     ResetBesideObstacle,
     ResetWhilePressed,
@@ -120,6 +121,9 @@ fn play(rig: &mut Rig, (state, measured): Node, happening: Happening) -> (Node, 
     if matches!(happening, Reset | ResetBesideObstacle | ResetWhilePressed) {
         rig.guard.request_reset(rig.now);
     }
+    if happening == Start {
+        rig.guard.request_start(rig.now);
+    }
     let decision = rig.run_ms(STEP_MS / 2);
     ((rig.guard.state, rig.measured), decision)
 }
@@ -127,8 +131,8 @@ fn play(rig: &mut Rig, (state, measured): Node, happening: Happening) -> (Node, 
 /// What must hold of every transition.
 fn judge(before: &State, (after, decision): (&State, &Decision), happening: Happening) {
     let stands = decision.permitted == Twist2::ZERO;
-    let latched =
-        |state: &State| state.machine.held().any(|held| !matches!(held.cause.clear(), Clear::Quiet(_)));
+    let latched = |state: &State| state.machine.held().any(|held| held.cause.is_latching());
+    let awaits_start = |state: &State| state.machine.holds(Cause::StartNeeded);
     let leaves = decision.escaping && (-0.1 - 1.0e-6..=0.0).contains(&decision.permitted.linear_mps);
     if happening == Leave {
         // The field behind is free: the obstacle ahead is no hazard to a robot that goes backwards.
@@ -148,8 +152,13 @@ fn judge(before: &State, (after, decision): (&State, &Decision), happening: Happ
     }
     if latched(before) && !latched(after) {
         assert!(after.machine.resets() > before.machine.resets(), "released without reset and self-test");
+        assert!(awaits_start(after), "reset and start were one act");
         assert!(happening != ImuSilent, "released while a source was lost");
     }
+    if awaits_start(before) {
+        assert!(awaits_start(after) || happening == Start, "released without the start command");
+    }
+    assert!(!awaits_start(after) || stands, "moving before the start command: {decision:?}");
     if !after.started {
         assert!(stands, "moving before the start-up check: {decision:?}");
     }
@@ -159,7 +168,7 @@ fn judge(before: &State, (after, decision): (&State, &Decision), happening: Happ
 #[test]
 fn fg_req_005_every_reachable_state_of_the_supervisor_stops_for_hazards_and_latches() {
     let mut rig = Rig::new();
-    rig.wanted = forward(0.6);
+    (rig.wanted, rig.operator_starts) = (forward(0.6), false);
     let config = rig.guard.config.clone();
     let start: Node = (rig.guard.state, Twist2::ZERO);
     let (mut seen, mut queue) = (BTreeSet::from([key(&start, &config)]), VecDeque::from([start]));

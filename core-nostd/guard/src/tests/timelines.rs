@@ -111,7 +111,7 @@ fn fg_req_020_an_obstacle_in_the_protective_field_stops_after_two_scans_and_says
     assert!(stopped_ms <= 80, "{stopped_ms}");
     let cause = rig.step().primary_cause.unwrap();
     assert_eq!(cause.cause, Cause::ScanProtective);
-    assert!((cause.measured - 0.9).abs() < 0.02 && (cause.limit - 1.3).abs() < 0.02, "{cause}");
+    assert!((cause.measured - 0.9).abs() < 0.02 && (cause.limit - 1.4).abs() < 0.02, "{cause}");
 }
 
 #[test]
@@ -339,6 +339,36 @@ fn fg_req_004_the_first_cause_of_a_stop_is_never_overwritten() {
     assert_eq!(decision.primary_cause, Some(first));
     assert_eq!(decision.action, Action::Category0, "the most severe action, not the first, is taken");
     assert!(rig.guard.causes().count() >= 3);
+}
+
+#[test]
+fn fg_req_071_what_holds_the_robot_now_is_told_beside_what_stopped_it_first() {
+    let of = |record: Option<CauseRecord>| record.map(|record| record.cause);
+    // Somebody stands before the robot from power-up on.
+    let mut rig = Rig::new();
+    rig.obstacles.push(Point2::new(1.1, 0.0));
+    let decision = rig.run_ms(20_000);
+    assert_eq!(of(decision.primary_cause), Some(Cause::StartUp));
+    assert_eq!(of(decision.holding_cause), Some(Cause::ScanProtective), "{decision:?}");
+    // The more severe cause holds it, then the one that is still there, then the one that waits for the operator.
+    rig.inputs.emergency_stop = SafetyInput::Active;
+    assert_eq!(of(rig.run_ms(500).holding_cause), Some(Cause::EmergencyStop));
+    rig.inputs.emergency_stop = SafetyInput::Clear;
+    rig.run_ms(500);
+    rig.operator_starts = false;
+    rig.guard.request_reset(rig.now);
+    assert_eq!(of(rig.run_ms(1_000).holding_cause), Some(Cause::ScanProtective));
+    rig.obstacles.clear();
+    let decision = rig.run_ms(2_000);
+    assert_eq!(of(decision.holding_cause), Some(Cause::StartNeeded));
+    assert_eq!(of(decision.primary_cause), Some(Cause::StartUp), "never overwritten");
+    rig.guard.request_start(rig.now);
+    let decision = rig.run_ms(3_000);
+    assert_eq!((decision.primary_cause, decision.holding_cause), (None, None), "{decision:?}");
+    rig.obstacles.push(Point2::new(3.0, 0.0));
+    let decision = rig.run_ms(500);
+    assert_eq!(of(decision.holding_cause), Some(Cause::Warning));
+    assert_eq!(decision.primary_cause, decision.holding_cause);
 }
 
 #[test]

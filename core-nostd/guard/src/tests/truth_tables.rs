@@ -25,7 +25,9 @@ fn fg_req_002_every_cause_has_its_slot_and_its_action() {
         assert_eq!(is_limit, matches!(cause.clear(), Clear::Quiet(500_000)), "{cause:?}");
         let stops_by_itself = matches!(cause.clear(), Clear::Quiet(us) if us >= 1_000_000);
         assert!(
-            is_limit || stops_by_itself || matches!(cause.clear(), Clear::Reset | Clear::Restart),
+            is_limit
+                || stops_by_itself
+                || matches!(cause.clear(), Clear::Start | Clear::Reset | Clear::Restart),
             "{cause:?}"
         );
         // What turns the torque off can never be driven away from.

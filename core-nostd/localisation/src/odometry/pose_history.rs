@@ -24,6 +24,20 @@ pub enum PoseLookupError {
 }
 
 /// A ring of stamped poses.
+///
+/// ```
+/// use floorguard_localisation::odometry::{PoseHistory, PoseLookupError};
+/// use floorguard_types::{geometry::Pose2, time::Stamp};
+///
+/// let mut history = PoseHistory::new();
+/// for step in 0..10_u8 {
+///     let stamp = Stamp::from_micros(u64::from(step) * 10_000);
+///     history.record(stamp, Pose2::new(0.1 * f32::from(step), 0.0, 0.0));
+/// }
+/// let between = history.at(Stamp::from_micros(45_000)).unwrap();
+/// assert!((between.x_m - 0.45).abs() < 1.0e-6);
+/// assert_eq!(history.at(Stamp::from_micros(500_000)), Err(PoseLookupError::TooNew));
+/// ```
 #[derive(Clone, Debug)]
 pub struct PoseHistory {
     entries: [(Stamp, Pose2); POSE_HISTORY],

@@ -5,6 +5,18 @@ use core::f32::consts::FRAC_PI_2;
 use floorguard_types::geometry::{Twist2, wrap_angle};
 
 /// The base of FLOBOT: two free rear wheels, one front wheel that drives and steers.
+///
+/// ```
+/// use floorguard_localisation::odometry::Tricycle;
+/// use floorguard_types::geometry::Twist2;
+///
+/// let base = Tricycle { wheelbase_m: 1.1, steering_max_rad: 1.57 };
+/// let wanted = Twist2 { linear_mps: 0.5, angular_radps: 0.066_666_7 };
+/// let steering_rad = base.steering_rad(wanted, 0.0);
+/// assert!((steering_rad - 0.145_628).abs() < 1.0e-6);
+/// let driven = base.twist(base.wheel_mps(wanted, steering_rad, steering_rad), steering_rad);
+/// assert!((driven.linear_mps - 0.5).abs() < 1.0e-3);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tricycle {
     /// Rear axle to front wheel, metres, > 0.

@@ -52,6 +52,23 @@ const STEP_MAX_US: u64 = 1_000_000;
 const IMPLAUSIBLE: f32 = 1.5;
 
 /// Differences of samples.
+///
+/// ```
+/// use floorguard_localisation::odometry::{WheelGeometry, WheelOdometry};
+/// use floorguard_types::{sensing::WheelSample, time::Stamp};
+///
+/// let geometry = WheelGeometry { track_m: 0.6, ticks_per_m: 20_000.0, speed_max_mps: 1.0 };
+/// let mut wheels = WheelOdometry::new(geometry);
+/// let sample = |micros, left_ticks, right_ticks| {
+///     WheelSample { stamp: Stamp::from_micros(micros), left_ticks, right_ticks }
+/// };
+/// assert_eq!(wheels.update(&sample(0, 0, 0)), None);
+/// let motion = wheels.update(&sample(50_000, 480, 520)).unwrap();
+/// assert!((motion.twist.linear_mps - 0.5).abs() < 1.0e-6);
+/// assert!((motion.twist.angular_radps - 0.066_666_7).abs() < 1.0e-6);
+/// // A jump of five metres is no motion.
+/// assert_eq!(wheels.update(&sample(100_000, 100_480, 520)), None);
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct WheelOdometry {
     geometry: WheelGeometry,

@@ -14,6 +14,15 @@ const WEEK_S: i64 = 604_800;
 const EPOCH_AFTER_MONDAY_S: i64 = 3 * DAY_S;
 
 /// Microseconds since 1970-01-01 00:00 UTC.
+///
+/// ```
+/// use floorguard_mapping::environment::WallTime;
+///
+/// // 1970-01-01 was a Thursday; two hours east of Greenwich it begins at 2 o'clock.
+/// let local = WallTime::from_seconds(0).local(7_200);
+/// assert_eq!(local.hour(), 2);
+/// assert_eq!(local.hour_of_week(), 3 * 24 + 2);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct WallTime(i64);
 

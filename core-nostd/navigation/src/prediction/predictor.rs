@@ -86,13 +86,11 @@ impl<S: AsRef<[FlowCell]> + AsMut<[FlowCell]>> PeoplePredictor<S> {
         }
         trail.push(place_in_map);
         trail.since_pending = trail.since_pending.saturating_add(1);
-        if trail.places().len() == SEEN_STEPS && trail.since_pending >= PENDING_EVERY {
-            if let Some(rows) = Rows::of(trail, &self.flow) {
-                let pending = Pending { rows, from: place_in_map, outcome: heapless::Vec::new() };
-                if trail.pending.push(pending).is_ok() {
-                    trail.since_pending = 0;
-                }
-            }
+        let is_due = trail.places().len() == SEEN_STEPS && trail.since_pending >= PENDING_EVERY;
+        let Some(rows) = Rows::of(trail, &self.flow).filter(|_| is_due) else { return };
+        let pending = Pending { rows, from: place_in_map, outcome: heapless::Vec::new() };
+        if trail.pending.push(pending).is_ok() {
+            trail.since_pending = 0;
         }
     }
 

@@ -7,6 +7,14 @@
 use super::lanes::Lanes;
 
 /// `σ_z = constant_m + growth_per_m · (z − nearest_m)²`, and steps of `step_per_m · z²`.
+///
+/// ```
+/// use floorguard_perception::floor::DepthNoise;
+///
+/// // Nguyen et al. 2012: 1.2 mm at 0.4 m, and more with the square of what lies beyond.
+/// assert!((DepthNoise::NGUYEN.axial_m(0.4) - 0.001_2).abs() < 1.0e-7);
+/// assert!((DepthNoise::NGUYEN.axial_m(1.4) - 0.003_1).abs() < 1.0e-7);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthNoise {
     /// Least standard deviation, metres.

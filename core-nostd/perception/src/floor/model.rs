@@ -133,6 +133,29 @@ struct Good {
 }
 
 /// The floor under one camera. Invariant: `good` passed the gate.
+///
+/// ```
+/// use floorguard_perception::floor::{FloorModel, FloorParameters, FloorSource, Plane};
+/// use floorguard_types::sensing::{DepthImage, PinholeCamera};
+/// use floorguard_types::time::Stamp;
+///
+/// // What a camera would see of a level floor, 0.9 m below it.
+/// let camera = PinholeCamera::new([131.25, 131.25], [79.5, 59.5]).unwrap();
+/// let level = Plane::of_mounting(0.9, 0.7).unwrap();
+/// let depth_mm: Vec<u16> = (0..120_u8).flat_map(|row| (0..160_u8).map(move |column| (column, row)))
+///     .map(|(column, row)| {
+///         let ray = camera.ray(f32::from(column), f32::from(row));
+///         (900.0 / (0.9 - level.height_m(ray))).round() as u16
+///     })
+///     .collect();
+/// let image = DepthImage::new(Stamp::from_micros(40_000), (160, 120), &depth_mm).unwrap();
+///
+/// let mut model = FloorModel::new(FloorParameters::mounted(camera, 0.9, 0.7).unwrap(), 1);
+/// let estimate = model.update(&image, Stamp::from_micros(50_000));
+/// assert!(matches!(estimate.source, FloorSource::Measured) && estimate.is_known);
+/// assert!((estimate.plane.distance_m - 0.9).abs() < 0.005);
+/// assert!(estimate.plane.tilt_from_rad(&level) < 0.005);
+/// ```
 #[derive(Clone, Debug)]
 pub struct FloorModel {
     parameters: FloorParameters,

@@ -3,6 +3,17 @@
 /// Points `p` with `normal · p + distance = 0`, in the camera frame (x right, y down, z forward).
 /// Invariants: the normal has unit length and points up, to the camera's side; `distance_m` > 0 is the height of
 /// the camera above the plane.
+///
+/// ```
+/// use floorguard_perception::floor::Plane;
+///
+/// // A camera 0.9 m above the floor that looks 40° down.
+/// let floor = Plane::of_mounting(0.9, 40.0_f32.to_radians()).unwrap();
+/// assert_eq!(floor.height_m([0.0, 0.0, 0.0]), 0.9);
+/// // Where the optical axis meets the floor.
+/// let depth_m = 0.9 / 40.0_f32.to_radians().sin();
+/// assert!(floor.height_m([0.0, 0.0, depth_m]).abs() < 1.0e-6);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     /// Unit vector that points up.

@@ -63,6 +63,18 @@ pub struct LegOutput<'a> {
 }
 
 /// Working memory; one a scanner.
+///
+/// ```
+/// use floorguard_perception::legs::LegDetector;
+/// use floorguard_types::{geometry::Point2, sensing::{BeamReturn, Scan}};
+///
+/// // A wall 3 m away is wider than any leg: it is not even looked at.
+/// let mut scan = Scan { first_angle_rad: -0.3, step_rad: 0.01, ..Scan::EMPTY };
+/// scan.beams.extend((0..60).map(|_| BeamReturn::Hit(3_000)));
+/// let mut detector = Box::new(LegDetector::new());
+/// let output = detector.process(&scan, None::<fn(Point2) -> bool>);
+/// assert_eq!((output.legs.len(), output.segments), (0, 0));
+/// ```
 #[derive(Clone, Debug)]
 pub struct LegDetector {
     /// What may be a leg.

@@ -10,6 +10,21 @@ use floorguard_types::geometry::Point2;
 /// # Invariants
 /// The shared covariance `[[position, cross], [cross, velocity]]` is positive definite: every update uses the Joseph
 /// form and variances are floored.
+///
+/// ```
+/// use floorguard_perception::people::ConstantVelocity;
+/// use floorguard_types::geometry::Point2;
+///
+/// // A person walks 1 m/s; the velocity is not known at first.
+/// let mut person = ConstantVelocity::new(Point2::default(), Point2::default(), 0.1, 1.0);
+/// for step in 1..=20_u8 {
+///     person.advance(0.1, 0.4);
+///     person.correct(Point2::new(0.1 * f32::from(step), 0.0), 0.05);
+/// }
+/// assert!((person.velocity.x_m - 1.0).abs() < 0.05);
+/// // A place two metres aside would be a surprise.
+/// assert!(person.distance2(Point2::new(2.0, 2.0), 0.05) > 100.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstantVelocity {
     /// Position, metres.

@@ -8,6 +8,14 @@ use floorguard_types::sensing::{Sweep, SweepColumn};
 use floorguard_types::units::RADIANS_PER_DEGREE;
 
 /// Sines of the elevations of the rings, 0 lowest.
+///
+/// ```
+/// use floorguard_perception::people::RingAngles;
+///
+/// let (sine, cosine, height_m) = RingAngles::vlp16().rings[15];
+/// assert!((sine - 0.258_819).abs() < 1.0e-5 && (cosine - 0.965_926).abs() < 1.0e-5);
+/// assert!((height_m + 0.011_23).abs() < 1.0e-4);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RingAngles {
     /// Sine, cosine and height of the laser's virtual origin in metres, per ring.

@@ -3,6 +3,7 @@
 use heapless::Vec;
 
 use crate::capacities::SCAN_BEAMS_MAX;
+use crate::number::saturating_usize;
 use crate::time::Stamp;
 
 /// What one beam says. Three values, not two: "no data" must never look like "no obstacle".
@@ -99,7 +100,7 @@ impl Scan {
     /// ```
     pub fn copy_thinned(&mut self, other: &Self, step_rad: f32) {
         let steps = libm::roundf(step_rad / other.step_rad);
-        let every = if steps.is_finite() { (steps as usize).clamp(1, SCAN_BEAMS_MAX) } else { 1 };
+        let every = if steps.is_finite() { saturating_usize(steps).clamp(1, SCAN_BEAMS_MAX) } else { 1 };
         self.stamp = other.stamp;
         self.sequence = other.sequence;
         self.first_angle_rad = other.first_angle_rad;

@@ -11,7 +11,7 @@ const DURATION_S: u64 = 25;
 /// Share of lidar packets that are lost.
 const LOSS: &str = "lidar:drop=5%";
 
-/// One encounter: no avoidable contact, no missed stop.
+/// One encounter: no contact and no missed stop that the sensors could have avoided.
 #[must_use]
 pub fn encounter(seed: u64) -> RunOutcome {
     let command = format!(
@@ -25,12 +25,7 @@ pub fn encounter(seed: u64) -> RunOutcome {
     match played {
         Ok(observation) => {
             let verdict = observation.verdict;
-            let failure = (!verdict.passed).then(|| {
-                format!(
-                    "{} avoidable contacts, {} missed stops",
-                    verdict.avoidable_contacts, verdict.missed_stops
-                )
-            });
+            let failure = (!verdict.passed).then(|| verdict.why_not());
             RunOutcome { command, failure, verdict: Some(verdict) }
         }
         Err(error) => RunOutcome { command, failure: Some(error.to_string()), verdict: None },

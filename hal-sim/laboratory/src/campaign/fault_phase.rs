@@ -98,8 +98,7 @@ impl PhaseRun {
     ) -> Option<String> {
         let verdict = &seen.verdict;
         if !verdict.passed {
-            let (contacts, missed) = (verdict.avoidable_contacts, verdict.missed_stops);
-            return Some(format!("{contacts} avoidable contacts, {missed} missed stops"));
+            return Some(verdict.why_not());
         }
         let (from_s, to_s) = self.stands_s?;
         let rolled_m = seen.way_m(from_s, to_s);

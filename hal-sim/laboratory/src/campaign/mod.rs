@@ -1,17 +1,21 @@
 //! Many seeded runs in parallel, each in its own virtual time, and one table of what came of them.
 
+mod contacts;
 mod encounters;
 mod fault_class;
 mod fault_matrix;
 mod fault_phase;
 mod single_faults;
+mod spoil;
 mod summary;
 
+pub use contacts::{ContactRow, ContactSummary, contact_plan, contact_trial, contact_trial_with};
 pub use encounters::encounter;
 pub use fault_class::random_fault;
 pub use fault_matrix::{Cell, cell_of, cells, coverage, fault_trial, name, taped_fault_trial};
 pub use fault_phase::box_in_the_way;
 pub use single_faults::single_fault;
+pub use spoil::Spoil;
 pub use summary::{CampaignSummary, RunOutcome, run_all, run_some};
 
 use crate::world::{Observation, Observer, Plan, run_recorded};
@@ -20,6 +24,14 @@ use floorguard_operator::telemetry::Witnesses;
 
 /// Large state is moved by value when a run begins.
 const STACK_BYTES: usize = 32 << 20;
+
+/// Plays a plan without showing anything, on a thread with room for the robot's state.
+///
+/// # Errors
+/// The robot cannot be configured, or one of its tasks spins.
+pub fn played(plan: &Plan) -> anyhow::Result<Observation> {
+    watched(plan)
+}
 
 /// Plays a plan without showing anything.
 fn watched(plan: &Plan) -> anyhow::Result<Observation> {

@@ -86,8 +86,7 @@ impl Case {
     fn judge(&self, seen: &Observation) -> Option<String> {
         let verdict = &seen.verdict;
         if !verdict.passed {
-            let (contacts, missed) = (verdict.avoidable_contacts, verdict.missed_stops);
-            return Some(format!("{contacts} avoidable contacts, {missed} missed stops"));
+            return Some(verdict.why_not());
         }
         let allowed = sources(self.stream);
         if let Some(wrong) = verdict.faulty_sources.iter().find(|name| !allowed.contains(&name.as_str())) {

@@ -1,5 +1,6 @@
 //! Runs a list of cases on all cores and adds up the verdicts in the order of the cases.
 
+use floorguard_contact_judge::ContactCounts;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -27,8 +28,12 @@ pub struct CampaignSummary {
     pub contacts: u32,
     /// Sum over all runs.
     pub avoidable_contacts: u32,
+    /// Sum over all runs, by kind.
+    pub bodies: ContactCounts,
     /// Sum over all runs.
     pub missed_stops: u32,
+    /// Sum over all runs: what no sensor had seen.
+    pub missed_unseen: u32,
     /// Sum over all runs.
     pub nuisance_stops: u32,
     /// Sum over all runs.
@@ -60,6 +65,8 @@ pub fn run_some<C: Sync>(
         if let Some(verdict) = &outcome.verdict {
             summary.contacts += verdict.contacts;
             summary.avoidable_contacts += verdict.avoidable_contacts;
+            summary.bodies.add(&verdict.bodies.counts);
+            summary.missed_unseen += verdict.bodies.missed_unseen;
             summary.missed_stops += verdict.missed_stops;
             summary.nuisance_stops += verdict.nuisance_stops;
             summary.stops += verdict.stops;

@@ -3,23 +3,23 @@
 //! The judge sees the true poses of robot, people and walls, and the commands that went to the drive. It never sees a
 //! scan, a track or a decision's reason, so that a blind robot cannot talk itself into a good verdict.
 
-mod contacts;
 mod digest;
 mod latency;
 mod mission_outcome;
 mod orders;
 mod shape;
 mod stops;
+mod true_world;
 mod truth;
 mod verdict;
 mod zone;
 
-pub use contacts::ContactJudge;
 pub use digest::Digest;
 pub use latency::Quantiles;
 pub use mission_outcome::{MissionJudge, MissionOutcome, MissionReport};
 pub use orders::StopOrders;
 pub use stops::{StopJudge, StopReason};
+pub use true_world::{TrueContacts, person, setup};
 pub use truth::{Truth, TruthPerson};
 pub use verdict::{Judge, Verdict};
 pub use zone::TrueZones;

@@ -1,12 +1,14 @@
 //! What a run comes to.
 
+use floorguard_contact_judge::Report;
 use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_sim::simulation::Simulation;
 use floorguard_types::time::Stamp;
 use serde::Serialize;
 
-use super::contacts::ContactJudge;
 use super::latency::Quantiles;
 use super::stops::{StopJudge, StopReason};
+use super::true_world::TrueContacts;
 use super::truth::Truth;
 use crate::judge::MissionReport;
 use floorguard_robot::learning::LearningReport;
@@ -14,8 +16,10 @@ use floorguard_robot::learning::LearningReport;
 /// The result of `floorguard simulate --json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Verdict {
-    /// No avoidable contact, no missed stop, and the expectations of the scenario hold.
+    /// What [`Report::passed`] says, and every intrusion into the robot's own protective field was answered in time.
     pub passed: bool,
+    /// Why not.
+    pub failures: Vec<String>,
     /// Name of the scenario.
     pub scenario: String,
     /// Seed of all randomness.
@@ -26,12 +30,14 @@ pub struct Verdict {
     pub ready_s: Option<f64>,
     /// Driven way, metres.
     pub distance_m: f64,
-    /// Times that the robot and a person touched.
+    /// Times that any part of the robot touched anything, people who walked into the standing robot included.
     pub contacts: u32,
-    /// Those that braking would have prevented.
+    /// Those that this machine's sensors could have avoided.
     pub avoidable_contacts: u32,
-    /// Intrusions that the robot did not answer in time.
+    /// Times that the body would have hit something that a sensor had seen.
     pub missed_stops: u32,
+    /// Intrusions into the robot's own protective field that it did not answer in time.
+    pub late_field_stops: u32,
     /// Stops for something that was not there.
     pub nuisance_stops: u32,
     /// All stops.
@@ -59,53 +65,95 @@ pub struct Verdict {
     /// What the robot learned of the looks of people, if it does.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub learned: Option<LearningReport>,
+    /// All that the judge of contacts has to say: every contact with its kind, place, speed and blame.
+    pub bodies: Report,
     /// Fingerprint of all outputs, 16 hexadecimal digits.
     pub digest: String,
 }
 
+impl Verdict {
+    /// Why the run does not pass, in one line.
+    #[must_use]
+    pub fn why_not(&self) -> String {
+        let first = self.bodies.contacts.iter().find(|contact| contact.while_moving());
+        let first = first.map(|contact| format!(" ({})", contact.line())).unwrap_or_default();
+        format!("{}{first}", self.failures.join(", "))
+    }
+
+    /// Every kind of contact, in words.
+    #[must_use]
+    pub fn contacts_in_words(&self) -> String {
+        let counts = &self.bodies.counts;
+        format!(
+            "{} while it moved ({} with people, {} with things, {} over edges; its sensors could have avoided {}, a perfect machine {}), {} of people who walked into it as it stood",
+            counts.while_moving(),
+            counts.people_while_moving,
+            counts.drove_into_things,
+            counts.over_edges,
+            counts.avoidable_by_sensors,
+            counts.avoidable,
+            counts.walked_into_standing
+        )
+    }
+}
+
 /// All judges of a run.
 pub struct Judge {
-    contacts: ContactJudge,
+    bodies: Option<TrueContacts>,
     stops: StopJudge,
-    last: Option<Stamp>,
-    first: Option<Stamp>,
 }
 
 impl Judge {
     /// For a robot.
     #[must_use]
     pub fn new(robot: &RobotConfiguration) -> Self {
-        Self { contacts: ContactJudge::new(robot), stops: StopJudge::new(robot), last: None, first: None }
+        Self { bodies: None, stops: StopJudge::new(robot) }
+    }
+
+    /// The world is there; without this nobody judges contacts, and no run passes.
+    pub fn begin(&mut self, bodies: TrueContacts) {
+        self.bodies = Some(bodies);
     }
 
     /// Looks at the next moment. `commanded_mps` is what the drive was last told.
-    pub fn observe(&mut self, truth: &Truth, commanded_mps: f32) {
-        let step_s = self.last.map_or(0.0, |last| truth.stamp.seconds_since(last));
-        self.first.get_or_insert(truth.stamp);
-        self.last = Some(truth.stamp);
-        self.contacts.observe(truth, step_s);
+    pub fn observe(&mut self, simulation: &Simulation, (truth, commanded_mps): (&Truth, f32)) {
+        if let Some(bodies) = &mut self.bodies {
+            bodies.observe(simulation);
+        }
         self.stops.observe(truth, commanded_mps);
     }
 
     /// The robot decided to stop.
     pub fn stop(&mut self, at: Stamp, reason: StopReason) {
         self.stops.stop(at.as_micros() as f32 * 1.0e-6, reason);
+        if let Some(bodies) = self.bodies.as_mut().filter(|_| reason != StopReason::Other) {
+            bodies.stop(at.as_micros() as f64 * 1.0e-6);
+        }
     }
 
     /// The verdict so far; the caller adds names and tracking.
     #[must_use]
-    pub fn verdict(&self) -> Verdict {
-        let duration_s = self.last.zip(self.first).map_or(0.0, |(last, first)| last.seconds_since(first));
+    pub fn verdict(&self, ready_s: Option<f64>) -> Verdict {
+        let bodies = self.bodies.as_ref().map(|bodies| bodies.report(ready_s)).unwrap_or_default();
+        let late_field_stops = self.stops.missed();
+        let mut failures = bodies.failures.clone();
+        if late_field_stops > 0 {
+            failures.push(format!("{late_field_stops} late answers to its own protective field"));
+        }
         Verdict {
-            passed: self.contacts.avoidable() == 0 && self.stops.missed() == 0,
-            duration_s: f64::from(duration_s),
-            distance_m: f64::from(self.contacts.driven_m()),
-            contacts: self.contacts.contacts(),
-            avoidable_contacts: self.contacts.avoidable(),
-            missed_stops: self.stops.missed(),
-            nuisance_stops: self.stops.nuisance(),
+            passed: bodies.passed && late_field_stops == 0,
+            failures,
+            duration_s: bodies.duration_s,
+            distance_m: bodies.travelled_m,
+            contacts: bodies.counts.while_moving() + bodies.counts.walked_into_standing,
+            avoidable_contacts: bodies.counts.avoidable_by_sensors,
+            missed_stops: bodies.missed_stops,
+            late_field_stops,
+            nuisance_stops: bodies.nuisance_stops,
             stops: self.stops.stops(),
             intrusion_latency_ms: Quantiles::of_micros(self.stops.latencies_us().to_vec()),
+            ready_s,
+            bodies,
             ..Verdict::default()
         }
     }

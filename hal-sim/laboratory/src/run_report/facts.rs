@@ -29,7 +29,12 @@ fn glance(observation: &Observation) -> Vec<Tile> {
     let (word, class) = if verdict.passed { ("good", "good") } else { ("FAILED", "bad") };
     let mut tiles = vec![
         (word.to_owned(), "verdict by ground truth", class),
-        none_is_good(verdict.avoidable_contacts, "avoidable contact", "avoidable contacts"),
+        none_is_good(
+            verdict.bodies.counts.while_moving(),
+            "contact while it moved",
+            "contacts while it moved",
+        ),
+        none_is_good(verdict.avoidable_contacts, "of these avoidable", "of these avoidable"),
         none_is_good(verdict.missed_stops, "missed stop", "missed stops"),
         count_tile(u64::from(verdict.stops), "stop", "stops"),
         (format!("{:.1} m", verdict.distance_m), "driven", ""),
@@ -64,7 +69,9 @@ fn rows(plan: &Plan, observation: &Observation) -> Vec<(&'static str, String)> {
         let text = format!("median {median:.0} ms, 99 % within {most:.0} ms ({times})");
         rows.push(("measurement to order to stop", text));
     }
-    rows.push(("contacts", format!("{}, {} avoidable", verdict.contacts, verdict.avoidable_contacts)));
+    let lines = verdict.bodies.contacts.iter().filter(|contact| contact.while_moving());
+    let lines: String = lines.map(|contact| format!("; {}", contact.line())).collect();
+    rows.push(("contacts", verdict.contacts_in_words() + &lines));
     if let (Some(mota), Some(idf1)) = (verdict.mota, verdict.idf1) {
         let off_m = verdict.localisation_error_m.unwrap_or(0.0);
         let switches = counted(verdict.id_switches, "identity switch");

@@ -21,13 +21,13 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
     let _ = writeln!(text, "  {}", ready.as_deref().unwrap_or("never ready to move"));
     let _ = writeln!(
         text,
-        "  stops {} ({} without need), missed {}; contacts {} ({} avoidable)",
-        verdict.stops,
-        verdict.nuisance_stops,
-        verdict.missed_stops,
-        verdict.contacts,
-        verdict.avoidable_contacts
+        "  stops {} ({} without need), missed {} ({} more for what no sensor saw)",
+        verdict.stops, verdict.nuisance_stops, verdict.missed_stops, verdict.bodies.missed_unseen
     );
+    let _ = writeln!(text, "  contacts: {}", verdict.contacts_in_words());
+    for contact in verdict.bodies.contacts.iter().filter(|contact| contact.while_moving()) {
+        let _ = writeln!(text, "    {}", contact.line());
+    }
     for (kind, count) in kinds(observation) {
         let _ = writeln!(text, "    {count:3} x {kind}");
     }
@@ -66,7 +66,8 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
     if observation.resets > 0 {
         let _ = writeln!(text, "  the operator pressed reset {}", counted(observation.resets, "time"));
     }
-    let word = if verdict.passed { "good" } else { "FAILED" };
+    let word =
+        if verdict.passed { "good".to_owned() } else { format!("FAILED: {}", verdict.failures.join(", ")) };
     let _ = writeln!(text, "  verdict: {word}   (digest {} of {})", verdict.digest, plan.name);
     text
 }

@@ -76,6 +76,7 @@ impl Ends {
             mission: None,
             people: PeopleInbox::default(),
             learning: None,
+            latches: None,
         };
         Ok((Self { lidar, scanner, imu, can, refused: 0 }, links))
     }

@@ -1,5 +1,6 @@
 //! The robot's tasks in a world: simulated on a virtual clock, simulated over real carriers, or real devices.
 
+mod by_hand;
 mod ends;
 mod floor_camera;
 mod mission_plan;
@@ -10,6 +11,7 @@ mod real_world;
 mod recorded_plan;
 mod scenario_file;
 mod swath;
+mod true_state;
 mod truth;
 mod virtual_world;
 

@@ -17,7 +17,7 @@ use super::plan::Plan;
 use super::swath::Swath;
 use super::truth::Eyewitness;
 use crate::judge::{Judge, Quantiles, StopOrders, StopReason, Verdict};
-use crate::judge::{MissionJudge, MissionOutcome};
+use crate::judge::{MissionJudge, MissionOutcome, TrueContacts};
 use crate::metrics::MotAccumulator;
 use floorguard_robot::camera::SeenDirt;
 use floorguard_robot::cleaner::MissionProgress;
@@ -212,7 +212,7 @@ impl<'a> Observer<'a> {
     pub fn observe_without_computer(&mut self, simulation: &Simulation) {
         self.commanded_mps = 0.0;
         let truth = simulation.truth();
-        self.judge.observe(&self.eyewitness.judged(simulation, &truth), 0.0);
+        self.judge.observe(simulation, (&self.eyewitness.judged(simulation, &truth), 0.0));
         self.note_ways(truth.stamp.as_micros(), &truth);
         // A new life counts its publications from zero.
         (self.seen_people, self.seen_status) = (0, 0);
@@ -229,7 +229,7 @@ impl<'a> Observer<'a> {
         let now_us = truth.stamp.as_micros();
         // The rim of the front wheel is faster than the middle of the rear axle.
         let commanded_mps = self.commanded_mps * libm::cosf(truth.steering_rad);
-        self.judge.observe(&self.eyewitness.judged(simulation, &truth), commanded_mps);
+        self.judge.observe(simulation, (&self.eyewitness.judged(simulation, &truth), commanded_mps));
         stops.iter().for_each(|stop| self.on_stop(stop, &truth));
         if let Some(people) = shared.people.get().filter(|people| self.last_sweep != Some(people.sweep.stamp))
         {
@@ -244,8 +244,12 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// The floor before a mission.
-    pub fn begin_mission(&mut self, plan: &Plan, simulation: &Simulation) {
+    /// The world before the run: what the judges know from the start.
+    pub fn begin(&mut self, plan: &Plan, simulation: &Simulation) {
+        match TrueContacts::new(plan, simulation) {
+            Ok(bodies) => self.judge.begin(bodies),
+            Err(error) => say!("  {error}: nobody judges contacts"),
+        }
         self.mission = plan.mission.as_ref().map(|mission| MissionJudge::new(mission, simulation.dirt()));
     }
 
@@ -285,7 +289,7 @@ impl<'a> Observer<'a> {
         }
         if self.last_status != Some(status.decision.stamp) {
             self.last_status = Some(status.decision.stamp);
-            if let Some(record) = status.decision.primary_cause {
+            if let Some(record) = status.decision.holding_cause {
                 *self.seen.under_cause_s.entry(kind_of(&record)).or_default() += STATUS_S;
             }
         }
@@ -384,12 +388,11 @@ impl<'a> Observer<'a> {
             id_switches: summary.switches as u32,
             localisation_error_m: summary.motp,
             stop_latency_ms: Quantiles::of_micros(self.orders.latencies_us().to_vec()),
-            ready_s: self.seen.ready_s,
             learned: self.seen.learned,
             mission: self.seen.mission.as_ref().map(|mission| mission.report.clone()),
             digest: format!("{:016x}", self.digest.value()),
             faulty_sources: self.faulty.iter().cloned().collect(),
-            ..self.judge.verdict()
+            ..self.judge.verdict(self.seen.ready_s)
         };
     }
 

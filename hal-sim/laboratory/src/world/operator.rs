@@ -1,6 +1,8 @@
-//! The person with the key: presses the emergency stop when the plan says so, and resets when the robot waits for it.
+//! The person with the key: presses the emergency stop when the plan says so, resets when the robot waits for it, and gives
+//! the start command, after power-up and after each reset.
 
 use floorguard_guard::GuardState;
+use floorguard_operator::panel::Order;
 
 /// How long a human looks around before pressing reset, microseconds.
 const LOOKS_AROUND_US: u64 = 3_000_000;
@@ -12,6 +14,21 @@ pub struct Deed {
     pub pressed: bool,
     /// Reset is pressed once.
     pub reset: bool,
+    /// Start is pressed once.
+    pub start: bool,
+    /// It is the first start of the run.
+    pub begins: bool,
+}
+
+impl Deed {
+    /// The buttons that are pressed. Where somebody sits at a panel the run is begun for them, and they press the rest.
+    pub fn orders(self, operated: bool) -> Option<Order> {
+        match (self.reset, self.start) {
+            (true, _) if !operated => Some(Order::Reset),
+            (false, true) if !operated || self.begins => Some(Order::Start),
+            _ => None,
+        }
+    }
 }
 
 /// A scripted operator.
@@ -20,12 +37,13 @@ pub struct Operator {
     presses_us: Vec<(u64, u64)>,
     latched_since_us: Option<u64>,
     resets: u32,
+    starts: u32,
 }
 
 impl Operator {
     /// Who presses the emergency stop within these times.
     pub const fn new(presses_us: Vec<(u64, u64)>) -> Self {
-        Self { presses_us, latched_since_us: None, resets: 0 }
+        Self { presses_us, latched_since_us: None, resets: 0, starts: 0 }
     }
 
     /// Looks at the robot.
@@ -33,7 +51,10 @@ impl Operator {
         let pressed = self.presses_us.iter().any(|(from, to)| (*from..*to).contains(&now_us));
         if pressed || state != GuardState::Latched {
             self.latched_since_us = None;
-            return Deed { pressed, reset: false };
+            let start = !pressed && state == GuardState::AwaitsStart;
+            let begins = start && self.starts == 0;
+            self.starts += u32::from(start);
+            return Deed { pressed, reset: false, start, begins };
         }
         let since_us = *self.latched_since_us.get_or_insert(now_us);
         let reset = now_us - since_us >= LOOKS_AROUND_US;
@@ -41,7 +62,7 @@ impl Operator {
             self.latched_since_us = None;
             self.resets += 1;
         }
-        Deed { pressed, reset }
+        Deed { pressed, reset, ..Deed::default() }
     }
 
     /// Times that reset was pressed.
@@ -53,6 +74,16 @@ impl Operator {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn starts_what_waits_for_it_and_nothing_that_is_pressed() {
+        let mut operator = Operator::new(vec![(1_000_000, 2_000_000)]);
+        let deed = operator.act(0, GuardState::AwaitsStart);
+        assert_eq!(deed, Deed { start: true, begins: true, ..Deed::default() });
+        assert!(!operator.act(1_500_000, GuardState::AwaitsStart).start);
+        assert!(!operator.act(2_500_000, GuardState::Init).start);
+        assert_eq!(operator.starts, 1);
+    }
 
     #[test]
     fn resets_only_what_is_latched_and_released() {

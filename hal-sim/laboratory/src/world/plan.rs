@@ -50,6 +50,8 @@ pub struct Plan {
     pub emergency_stop_us: Vec<(u64, u64)>,
     /// One firing of the lidar in so many is measured, and those after it repeat it: 1 for a lidar as it is.
     pub lidar_grain: usize,
+    /// Something was taken from the robot to see whether its judges notice: its faults excuse nothing.
+    pub is_spoiled: bool,
 }
 
 /// Why a plan cannot be made.
@@ -115,6 +117,7 @@ impl Plan {
             learning: None,
             emergency_stop_us: Vec::new(),
             lidar_grain: 1,
+            is_spoiled: false,
         })
     }
 

@@ -13,7 +13,6 @@ use super::observer::Observer;
 use super::operator::Operator;
 use super::plan::Plan;
 use floorguard_host::executor::{Ring, StopFlag, take_priority};
-use floorguard_operator::panel::Order;
 use floorguard_operator::telemetry::Witnesses;
 use floorguard_operator::telemetry::{Notes, with_onlooker};
 use floorguard_robot::assembly::new_shared;
@@ -66,7 +65,7 @@ pub fn run_real_recorded(
         .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
     let flag = StopFlag::default();
     let mission = plan.mission.clone().map(|mission| MissionSetup::new(mission, Store::None));
-    observer.begin_mission(plan, &simulation);
+    observer.begin(plan, &simulation);
     say!("  {}", take_priority(Ring::World));
     let ended = witnesses.ended.clone();
     with_onlooker(witnesses, &shared, |tap, notes| {
@@ -153,9 +152,7 @@ impl World<'_> {
                 let deed = operator.act(to_us, state);
                 simulation.press_emergency_stop(deed.pressed);
                 observer.on_emergency_stop(deed.pressed, to_us);
-                if deed.reset && !*operated {
-                    notes.order(Order::Reset);
-                }
+                deed.orders(*operated).into_iter().for_each(|order| notes.order(order));
                 let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
                 stops.iter().for_each(|stop| notes.stop(stop));
                 observer.observe(simulation, shared, &stops);

@@ -7,14 +7,17 @@ use floorguard_drivers::can::CanFrame;
 use floorguard_runtime::configuration::ScannerModel;
 use floorguard_runtime::shared::{Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
+use floorguard_runtime::tasks::perceive;
 use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
 use floorguard_sim::{CanFrame as SimCanFrame, FaultKind, FaultLayer, FaultSpec, FaultTarget};
 use floorguard_types::time::Stamp;
 
+use super::by_hand::drive_by_hand;
 use super::floor_camera::SimulatedCamera;
 use super::observer::Observer;
 use super::operator::Operator;
 use super::plan::Plan;
+use super::true_state;
 use floorguard_host::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 use floorguard_host::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 use floorguard_operator::panel::Order;
@@ -29,6 +32,9 @@ use floorguard_robot::learning::{LearningKeeper, LearningSetup};
 
 /// How often truth is compared with what the robot does, microseconds.
 const JUDGE_US: u64 = 10_000;
+
+/// The true state is recorded this often, microseconds.
+const TRUTH_US: u64 = 20_000;
 
 /// The map of seen dirt is told this often, microseconds.
 const SEEN_DIRT_US: u64 = 5_000_000;
@@ -125,10 +131,14 @@ struct World<'a, 'b> {
     /// What the robot cleans, with the disk that outlives its computer's lives.
     mission: Option<MissionSetup>,
     camera: Option<SimulatedCamera>,
+    /// What is latched, on the disk that outlives the computer's lives.
+    latches: u64,
     /// Writes what is learned; the file outlives the computer's lives.
     learned: Option<LearningKeeper>,
     /// The map of seen dirt is told again from here on.
     next_map_us: u64,
+    /// The true state is recorded again from here on.
+    next_truth_us: u64,
     judge_us: u64,
     now_us: u64,
     /// The run ends with the mission.
@@ -160,16 +170,20 @@ fn play(
             .mission
             .clone()
             .map(|mission| MissionSetup::new(mission, Store::Memory(Arc::default()))),
+        latches: 0,
         camera: plan.has_camera.then(|| SimulatedCamera::new(plan)).flatten(),
         learned: plan.learning.as_ref().map(LearningSetup::keeper),
         next_map_us: 0,
+        next_truth_us: 0,
         judge_us: 0,
         now_us: 0,
         until_clean: plan.until_clean,
         end_us: plan.duration_us,
     };
     let dead = |at_us| plan.faults.iter().any(|fault| is_reset(fault) && fault.applies(at_us));
-    world.observer.begin_mission(plan, world.simulation);
+    world.observer.begin(plan, world.simulation);
+    let begin = (Stamp::from_micros(world.now_us), plan.odometry_in_world());
+    world.witnesses.true_world(begin, || true_state::things(plan, world.simulation));
     while live(plan, &mut world, dead)? == End::PowerLost {
         let off = plan.faults.iter().filter(|fault| is_reset(fault) && fault.applies(world.now_us));
         let until_us = off.map(|fault| fault.to_us).max().unwrap_or(world.now_us).min(world.end_us);
@@ -199,6 +213,7 @@ fn is_reset(fault: &FaultSpec) -> bool {
 fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> anyhow::Result<End> {
     let shared: Box<Shared<NoopRawMutex>> = new_shared(&plan.robot, Stamp::from_micros(world.now_us))
         .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
+    shared.restore_latches(world.latches, Stamp::from_micros(world.now_us));
     let mut perception = new_perception(&plan.robot, plan.stages);
     perception.motion.learn(plan.learning.as_ref().map(LearningSetup::again).as_ref());
     let setup = world.mission.clone();
@@ -216,6 +231,10 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     let guard_tasks = tasks.len();
     match &mut mission {
         Some(mission) => spawn_cleaning_ring(&mut tasks, &shared, (&mut perception, mission)),
+        None if !plan.scenario.manoeuvre.is_empty() => {
+            tasks.spawn(perceive(&shared, &mut perception));
+            tasks.spawn(drive_by_hand(&shared, plan.scenario.manoeuvre.clone()));
+        }
         None => spawn_perception_ring(&mut tasks, &shared, &plan.robot, &mut perception),
     }
     let mut orders = Vec::new();
@@ -246,6 +265,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
             world.judge_us += JUDGE_US;
             // A button reaches the tasks with the next moment.
             orders = world.operate(&shared);
+            world.latches = shared.latches.get().unwrap_or(world.latches);
             let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
             stops.iter().for_each(|stop| world.witnesses.stop(stop));
             if let Some(setup) = setup.as_ref().filter(|setup| setup.watch.published() != told) {
@@ -253,6 +273,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
                 world.tell(&shared, setup);
             }
             world.observer.observe(world.simulation, &shared, &stops);
+            world.tell_truth();
             world.look_at_floor(&shared)?;
             world.keep_learned();
         }
@@ -295,9 +316,8 @@ impl World<'_, '_> {
         self.simulation.press_emergency_stop(deed.pressed);
         self.observer.on_emergency_stop(deed.pressed, self.now_us);
         let mut orders = self.witnesses.attend(shared, self.now_us);
-        if deed.reset && self.witnesses.panel.is_none() {
-            orders.push(Order::Reset);
-        }
+        let operated = self.witnesses.panel.is_some();
+        orders.extend(deed.orders(operated));
         orders
     }
 
@@ -319,6 +339,15 @@ impl World<'_, '_> {
         self.witnesses.mission(&progress);
         if self.until_clean && progress.phase == MissionPhase::Done {
             self.witnesses.ended.stop();
+        }
+    }
+
+    /// The true state goes into the recording.
+    fn tell_truth(&mut self) {
+        if self.now_us >= self.next_truth_us {
+            self.next_truth_us = self.now_us + TRUTH_US;
+            let (at, robot) = (Stamp::from_micros(self.now_us), self.simulation.robot());
+            self.witnesses.true_moment(at, robot, || true_state::people(self.simulation));
         }
     }
 

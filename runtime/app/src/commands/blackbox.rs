@@ -51,6 +51,7 @@ struct MomentRow {
     state: String,
     action: String,
     cause: Option<String>,
+    holding: Option<String>,
     permitted_mps: f32,
     measured_mps: f32,
     limit_mps: f32,
@@ -239,6 +240,7 @@ fn row(stamp: Stamp, entry: &BoxEntry) -> MomentRow {
         state: format!("{:?}", entry.state),
         action: entry.action.to_string(),
         cause: entry.cause.map(|cause| cause.to_string()),
+        holding: entry.holding.map(|cause| cause.to_string()),
         permitted_mps: entry.permitted_mps,
         measured_mps: entry.measured_mps,
         limit_mps: entry.limit_mps,
@@ -248,8 +250,8 @@ fn row(stamp: Stamp, entry: &BoxEntry) -> MomentRow {
 
 fn tell_change(pair: &[(Stamp, BoxEntry)]) -> std::io::Result<()> {
     let [(_, before), (stamp, now)] = pair else { return Ok(()) };
-    if (before.state, before.action, before.cause) != (now.state, now.action, now.cause) {
-        let cause = now.cause.map_or_else(String::new, |cause| format!(": {cause}"));
+    if (before.state, before.action, before.holding) != (now.state, now.action, now.holding) {
+        let cause = now.holding.map_or_else(String::new, |cause| format!(": {cause}"));
         tell!(
             "{:10.3} s  {:?}, {}{cause}  at {:.2} m/s",
             stamp.as_micros() as f64 * 1.0e-6,
@@ -296,11 +298,13 @@ fn write_moment(
 }
 
 fn describe(entry: &BoxEntry) -> Diagnostic {
-    let cause = entry.cause.map(|cause| cause.to_string()).unwrap_or_default();
+    let [first, cause] =
+        [entry.cause, entry.holding].map(|cause| cause.map(|cause| cause.to_string()).unwrap_or_default());
     let values = [
         ("state", format!("{:?}", entry.state)),
         ("action", entry.action.to_string()),
         ("cause", cause.clone()),
+        ("first_cause", first),
         ("speed_mps", format!("{:.3}", entry.measured_mps)),
         ("speed_limit_mps", format!("{:.3}", entry.limit_mps)),
     ];

@@ -1,10 +1,12 @@
 //! `floorguard campaign`: many seeded runs on all cores, and what came of them.
 
 use std::io::IsTerminal;
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::campaign_contacts::{ContactCampaign, Shard, merge};
 use super::exit::{Unfinished, VerdictFailed};
 use super::interrupt::end_at_ctrl_c;
 use floorguard_host::executor::StopFlag;
@@ -21,6 +23,10 @@ pub enum CampaignKind {
     SingleFaults,
     /// Twenty classes of faults × each source × each phase of a mission, with the table of what was covered.
     Faults,
+    /// Worlds that hurt: boards, low boxes, forks, glass, edges, people behind shelves; turns, spins, reverse.
+    Contacts,
+    /// Adds up the files that `contacts --record` wrote on several machines.
+    Merge,
 }
 
 /// How many of what.
@@ -28,15 +34,26 @@ pub enum CampaignKind {
 pub struct CampaignArguments {
     /// What to repeat.
     pub kind: CampaignKind,
+    /// Merge only: the files.
+    pub files: Vec<PathBuf>,
     /// Runs.
     #[arg(long, default_value_t = 1_000, value_parser = clap::value_parser!(u64).range(1..))]
     pub trials: u64,
     /// Seed of the first run; each next one has the next number.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Faults only: number of the first trial, to repeat one.
+    /// Faults and contacts only: number of the first trial, to repeat one.
     #[arg(long, default_value_t = 0)]
     pub first: u64,
+    /// Contacts only: this machine's part of the trials, as 3/16.
+    #[arg(long, default_value = "1/1")]
+    pub shard: Shard,
+    /// Contacts only: a file that keeps a row for each trial; trials that are in it are not played again.
+    #[arg(long)]
+    pub record: Option<PathBuf>,
+    /// Contacts only: a folder for the worlds of failed trials, as scenario files.
+    #[arg(long)]
+    pub worlds: Option<PathBuf>,
     /// One object on standard output.
     #[arg(long)]
     pub json: bool,
@@ -53,11 +70,16 @@ pub fn run(arguments: &CampaignArguments) -> anyhow::Result<()> {
     }
     let style = ProgressStyle::with_template("  {bar:50} {pos}/{len} runs, {elapsed} passed, {eta} to go");
     bar.set_style(style.unwrap_or(ProgressStyle::default_bar()));
+    match arguments.kind {
+        CampaignKind::Contacts => return contacts(arguments).run(&bar),
+        CampaignKind::Merge => return merge(&arguments.files, arguments.json),
+        CampaignKind::Encounters | CampaignKind::SingleFaults | CampaignKind::Faults => {}
+    }
     let one = |seed| {
         let outcome = match arguments.kind {
             CampaignKind::Encounters => encounter(seed),
             CampaignKind::SingleFaults => single_fault(seed),
-            CampaignKind::Faults => fault_trial(arguments.seed, seed).1,
+            _ => fault_trial(arguments.seed, seed).1,
         };
         bar.inc(1);
         outcome
@@ -92,6 +114,17 @@ pub fn run(arguments: &CampaignArguments) -> anyhow::Result<()> {
     Err(VerdictFailed(format!("{} of {} runs failed", summary.failures.len(), summary.runs)).into())
 }
 
+fn contacts(arguments: &CampaignArguments) -> ContactCampaign<'_> {
+    ContactCampaign {
+        seed: arguments.seed,
+        trials: arguments.first..arguments.first.saturating_add(arguments.trials),
+        shard: arguments.shard,
+        record: arguments.record.as_deref(),
+        worlds: arguments.worlds.as_deref(),
+        json: arguments.json,
+    }
+}
+
 fn show(summary: &CampaignSummary) {
     say!(
         "{} runs, {:.0} s and {:.0} m of robot time: {} failed",
@@ -100,13 +133,21 @@ fn show(summary: &CampaignSummary) {
         summary.distance_m,
         summary.failures.len()
     );
+    let bodies = &summary.bodies;
     say!(
-        "contacts {} ({} avoidable), stops {} ({} without need), missed {}",
-        summary.contacts,
-        summary.avoidable_contacts,
+        "contacts while it moved {} ({} with people, {} with things; its sensors could have avoided {}), people who walked into it as it stood {}",
+        bodies.while_moving(),
+        bodies.people_while_moving,
+        bodies.drove_into_things,
+        bodies.avoidable_by_sensors,
+        bodies.walked_into_standing
+    );
+    say!(
+        "missed stops {} ({} more for what no sensor saw), stops {} ({} without need)",
+        summary.missed_stops,
+        summary.missed_unseen,
         summary.stops,
-        summary.nuisance_stops,
-        summary.missed_stops
+        summary.nuisance_stops
     );
     if summary.stop_latency_max_ms > 0.0 {
         say!("slowest order to stop {:.0} ms", summary.stop_latency_max_ms);

@@ -23,6 +23,7 @@ pub(super) fn status_of(
         people,
         stops,
         last_stop,
+        held_by: status.decision.holding_cause.map(|record| record.to_string()),
         sources: sources.collect(),
     }
 }

@@ -5,6 +5,7 @@ mod ask;
 mod blackbox;
 #[cfg(feature = "laboratory")]
 mod campaign;
+mod campaign_contacts;
 mod check;
 mod decode;
 #[cfg(feature = "laboratory")]

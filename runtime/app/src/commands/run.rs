@@ -31,7 +31,7 @@ use floorguard_operator::panel::Order;
 use floorguard_operator::report::make_folder;
 use floorguard_operator::telemetry::{Notes, RecordedRun, Witnesses, with_onlooker};
 use floorguard_robot::assembly::new_shared;
-use floorguard_robot::assembly::{HostedShared, Links, run_rings, write_stop_file};
+use floorguard_robot::assembly::{HostedShared, LatchFile, Links, latched_words, run_rings, write_stop_file};
 use floorguard_robot::camera::open_eye;
 use floorguard_robot::cleaner::{MissionPhase, MissionPlan, MissionProgress, MissionSetup, Store};
 use floorguard_robot::environment::{Calendar, LiveLearner};
@@ -92,7 +92,10 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
         let flag = flag.clone();
         move || flag.stop()
     })?;
-    say!("floorguard run: {}; Ctrl-C ends it, r and Enter resets", arguments.file.display());
+    say!(
+        "floorguard run: {}; Ctrl-C ends it; r and Enter resets, s and Enter starts",
+        arguments.file.display()
+    );
     if let Some(folder) = &arguments.black_box {
         make_folder(folder)?;
     }
@@ -111,6 +114,7 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     watch.mission.clone_from(&mission);
     links.mission = mission;
     links.learning = learning;
+    links.latches = Some(latches_of(&arguments.file));
     with_onlooker(&mut witnesses, &shared, |tap, notes| {
         links.tap = tap;
         let inbox = links.people.clone();
@@ -136,6 +140,16 @@ fn all_written(unwritten: Option<&(u64, String)>) -> anyhow::Result<()> {
     let Some((files, first)) = unwritten else { return Ok(()) };
     let files = counted(*files, "file");
     Err(BadInput(format!("the run went on; {files} could not be written, the first: {first}")).into())
+}
+
+/// What is latched outlives the computer, beside the robot's file.
+fn latches_of(robot_toml: &Path) -> LatchFile {
+    let file = LatchFile::beside(robot_toml);
+    let latches = file.read();
+    if latches != 0 {
+        say!("  latched when it ran last ({}): {}", file.path().display(), latched_words(latches));
+    }
+    file
 }
 
 /// How the robot learns what people look like, if the file says so.
@@ -261,8 +275,12 @@ impl<'a> Watch<'a> {
         let ends_s = self.arguments.duration.unwrap_or(f64::INFINITY);
         while !flag.is_stopped() && self.began.elapsed().as_secs_f64() < ends_s {
             thread::sleep(LOOK);
-            if typed.try_iter().any(|line| line.trim().eq_ignore_ascii_case("r")) {
-                notes.order(Order::Reset);
+            for line in typed.try_iter() {
+                match line.trim() {
+                    "r" | "R" => notes.order(Order::Reset),
+                    "s" | "S" => notes.order(Order::Start),
+                    _ => {}
+                }
             }
             while let Some(stop) = self.shared.stops.try_pop() {
                 notes.stop(&stop);

@@ -325,10 +325,7 @@ pub(super) fn conclude(
     if verdict.passed {
         return Ok(());
     }
-    let what = format!(
-        "{} avoidable contacts, {} missed stops; repeat it with: {repeat}",
-        verdict.avoidable_contacts, verdict.missed_stops,
-    );
+    let what = format!("{}; repeat it with: {repeat}", verdict.failures.join(", "));
     Err(VerdictFailed(what).into())
 }
 

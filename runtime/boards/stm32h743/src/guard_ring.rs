@@ -1,5 +1,7 @@
 //! Everything that can stop the robot, on the executor of interrupt priority. One thin wrapper per task.
 
+use core::mem::MaybeUninit;
+
 use embassy_executor::Spawner;
 use embassy_net::Runner;
 use embassy_stm32::peripherals::IWDG1;
@@ -12,10 +14,11 @@ use floorguard_drivers::three_wheel_base::ThreeWheelBase;
 use floorguard_drivers::velodyne::{Decoder, ModelChoice};
 use floorguard_drivers::xsens::Device as ImuDevice;
 use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::kept_latches::KeptLatches;
 use floorguard_runtime::tasks::{can_bus, imu_input, lidar_input, scanner_input};
 
 use crate::can::FdcanBus;
-use crate::inputs::{Pair, direct_inputs};
+use crate::inputs::{Button, Pair, direct_inputs, operator_buttons};
 use crate::network::{self, Device, LidarSocket};
 use crate::serial::Line;
 use crate::start::IMU_BAUD;
@@ -27,8 +30,14 @@ pub struct Devices {
     pub imu: Line,
     pub can: FdcanBus,
     pub inputs: [Pair; 5],
+    /// Reset, start.
+    pub buttons: [Button; 2],
     pub watchdog: IndependentWatchdog<'static, IWDG1>,
 }
+
+/// In SRAM4, which neither start-up code nor loader writes.
+#[unsafe(link_section = ".kept.latches")]
+static LATCHES: MaybeUninit<KeptLatches> = MaybeUninit::uninit();
 
 /// Starts all tasks of the ring on the executor that runs this.
 pub fn spawn_ring(
@@ -48,7 +57,9 @@ pub fn spawn_ring(
     let base = (ThreeWheelBase::new(robot.base()), robot.tricycle());
     spawner.spawn(can(shared, devices.can, base).unwrap());
     spawner.spawn(direct_inputs(shared, devices.inputs).unwrap());
-    spawn_deciders(spawner, shared);
+    // SAFETY: any bits are valid atomic words.
+    spawn_deciders(spawner, shared, unsafe { LATCHES.assume_init_ref() });
+    spawner.spawn(operator_buttons(shared, devices.buttons).unwrap());
     spawner.spawn(watchdog(shared, devices.watchdog).unwrap());
 }
 

@@ -47,3 +47,42 @@ pub async fn direct_inputs(shared: &'static RobotShared, mut pairs: [Pair; 5]) {
         }
     }
 }
+
+/// Readings after which a button counts as pressed or released: 30 ms, contacts bounce for less.
+const STEADY_READINGS: u8 = 6;
+
+/// A push button of the operator, high = pressed. It acts when it is released (ISO 13849-1, 5.2.2): one that is stuck or
+/// tied down does nothing.
+pub struct Button {
+    pub input: Input<'static>,
+    pub is_pressed: bool,
+    pub steady: u8,
+}
+
+impl Button {
+    /// A reading; true when the button has just been released.
+    fn is_released(&mut self) -> bool {
+        let reads = self.input.is_high();
+        self.steady = if reads == self.is_pressed { 0 } else { self.steady.saturating_add(1) };
+        if self.steady < STEADY_READINGS {
+            return false;
+        }
+        self.steady = 0;
+        core::mem::replace(&mut self.is_pressed, reads)
+    }
+}
+
+/// Guard ring. Order: reset, start.
+#[embassy_executor::task]
+pub async fn operator_buttons(shared: &'static RobotShared, [mut reset, mut start]: [Button; 2]) {
+    let mut ticker = Ticker::every(READ_EVERY);
+    loop {
+        ticker.next().await;
+        if reset.is_released() {
+            shared.reset.signal(());
+        }
+        if start.is_released() {
+            shared.start.signal(());
+        }
+    }
+}

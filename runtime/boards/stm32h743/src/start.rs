@@ -20,7 +20,7 @@ use static_cell::StaticCell;
 
 use crate::can::FdcanBus;
 use crate::guard_ring::{Devices, spawn_ring};
-use crate::inputs::Pair;
+use crate::inputs::{Button, Pair};
 use crate::{clocks, network, serial};
 
 const SCANNER_BAUD: u32 = 500_000;
@@ -137,8 +137,14 @@ fn devices(chip: Peripherals) -> Devices {
             pair(chip.PF7.into(), chip.PF9.into()),
             pair(chip.PG0.into(), chip.PG1.into()),
         ],
+        buttons: [button(chip.PG2.into()), button(chip.PG3.into())],
         watchdog: IndependentWatchdog::new(chip.IWDG1, WATCHDOG_US),
     }
+}
+
+/// Pulled down: a cut wire reads as not pressed.
+fn button(pin: Peri<'static, AnyPin>) -> Button {
+    Button { input: Input::new(pin, Pull::Down), is_pressed: false, steady: 0 }
 }
 
 /// Pulled down: a cut wire reads as danger.

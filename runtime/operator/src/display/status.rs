@@ -28,6 +28,8 @@ pub struct Status {
     pub stops: u32,
     /// Cause of the last stop.
     pub last_stop: Option<String>,
+    /// What limits or holds the robot now.
+    pub held_by: Option<String>,
     /// All sources.
     pub sources: Vec<SourceStatus>,
 }
@@ -37,9 +39,10 @@ impl Status {
     #[must_use]
     pub fn table(&self, coloured: bool) -> String {
         let sources: Vec<String> = self.sources.iter().map(|source| source_cell(source, coloured)).collect();
-        let last_stop = self.last_stop.as_deref().unwrap_or("none");
+        let [last_stop, held_by] =
+            [&self.last_stop, &self.held_by].map(|cause| cause.as_deref().unwrap_or("none"));
         format!(
-            "  speed   {:5.2} m/s   limit {:5.2} m/s   people {:3}   stops {:3}\n  sources {}\n  last stop: {last_stop}",
+            "  speed   {:5.2} m/s   limit {:5.2} m/s   people {:3}   stops {:3}\n  sources {}\n  last stop: {last_stop}\n  held by: {held_by}",
             self.speed_mps,
             self.limit_mps,
             self.people,

@@ -3,6 +3,7 @@
 use floorguard_types::geometry::Point2;
 use serde::Serialize;
 
+use super::hub::Order;
 use super::layers::MissionFrame;
 
 /// A place, metres, to the centimetre.
@@ -76,6 +77,8 @@ pub struct Frame {
     pub paused: bool,
     /// The guard waits for a reset.
     pub reset_allowed: bool,
+    /// The guard waits for the start command.
+    pub start_allowed: bool,
     /// Where the robot is in the odometry frame: x, y, heading.
     pub pose: [f32; 3],
     /// Metres driven since the start.
@@ -96,10 +99,24 @@ pub struct Frame {
     pub people: Vec<PersonFrame>,
     /// Sources.
     pub sources: Vec<SourceFrame>,
-    /// What limits or stops the robot now.
+    /// What limits or holds the robot now.
     pub cause: Option<CauseFrame>,
+    /// What stopped it first, where that is something else.
+    pub first_cause: Option<CauseFrame>,
     /// How far the cleaning mission is, if there is one.
     pub mission: Option<MissionFrame>,
     /// The last stops, newest first.
     pub stops: Vec<CauseFrame>,
+}
+
+impl Frame {
+    /// The operator's act that the guard waits for.
+    #[must_use]
+    pub const fn awaited(&self) -> Option<Order> {
+        match (self.reset_allowed, self.start_allowed) {
+            (true, _) => Some(Order::Reset),
+            (false, true) => Some(Order::Start),
+            (false, false) => None,
+        }
+    }
 }

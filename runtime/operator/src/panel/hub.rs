@@ -33,6 +33,8 @@ pub enum Order {
     Resume,
     /// The operator asks the guard to release a latched stop.
     Reset,
+    /// The operator gives the start command.
+    Start,
 }
 
 impl Order {
@@ -43,6 +45,7 @@ impl Order {
             Self::Pause => TapeLine::Pause,
             Self::Resume => TapeLine::Resume,
             Self::Reset => TapeLine::Reset,
+            Self::Start => TapeLine::Start,
         }
     }
 
@@ -52,6 +55,7 @@ impl Order {
             Self::Pause => shared.pause(true),
             Self::Resume => shared.pause(false),
             Self::Reset => shared.reset.signal(()),
+            Self::Start => shared.start.signal(()),
         }
     }
 }
@@ -64,8 +68,8 @@ pub(super) struct Hub {
     pub newest: watch::Receiver<(u64, Arc<str>)>,
     /// Number and text of the newest floor of a mission.
     pub layers: watch::Receiver<(u64, Arc<str>)>,
-    /// Whether the newest picture says that a reset is waited for.
-    pub reset_allowed: watch::Receiver<bool>,
+    /// What the robot of the newest picture waits for.
+    pub awaited: watch::Receiver<Option<Order>>,
     orders: Arc<Mutex<SyncSender<Order>>>,
 }
 
@@ -82,7 +86,7 @@ pub struct Panel {
     view: PanelView,
     newest: watch::Sender<(u64, Arc<str>)>,
     layers: watch::Sender<(u64, Arc<str>)>,
-    reset_allowed: watch::Sender<bool>,
+    awaited: watch::Sender<Option<Order>>,
     orders: Receiver<Order>,
     drawn: Option<Instant>,
     address: SocketAddr,
@@ -101,18 +105,18 @@ impl Panel {
         let address = listener.local_addr()?;
         let (newest, newest_seen) = watch::channel((0, Arc::from("{}")));
         let (layers, layers_seen) = watch::channel((0, Arc::from("{}")));
-        let (reset_allowed, reset_seen) = watch::channel(false);
+        let (awaited, awaited_seen) = watch::channel(None);
         let (sender, orders) = sync_channel(ORDERS_MAX);
         let hub = Hub {
             access: Arc::new(access),
             newest: newest_seen,
             layers: layers_seen,
-            reset_allowed: reset_seen,
+            awaited: awaited_seen,
             orders: Arc::new(Mutex::new(sender)),
         };
         say!("  panel: http://{address}/#{}", hub.access.token);
         std::thread::Builder::new().name("panel".to_owned()).spawn(move || server::serve(listener, hub))?;
-        Ok(Self { view, newest, layers, reset_allowed, orders, drawn: None, address, start: Stamp::ZERO })
+        Ok(Self { view, newest, layers, awaited, orders, drawn: None, address, start: Stamp::ZERO })
     }
 
     /// Where it listens; with port 0 the system has chosen one.
@@ -151,7 +155,7 @@ impl Panel {
         }
         self.drawn = Some(Instant::now());
         let Some(frame) = self.view.frame(shared, self.start) else { return };
-        self.reset_allowed.send_replace(frame.reset_allowed);
+        self.awaited.send_replace(frame.awaited());
         if let Ok(text) = serde_json::to_string(&frame) {
             self.newest.send_replace((frame.number, text.into()));
         }

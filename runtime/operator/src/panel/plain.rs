@@ -11,6 +11,7 @@ pub fn remedy(record: &CauseRecord) -> &'static str {
         (Cause::StartUp, _) => {
             "Wait: the robot checks its sensors. If it takes long, look which one is not healthy."
         }
+        (Cause::StartNeeded, _) | (_, Clear::Start) => "Look around, then press start.",
         (Cause::BumperFront | Cause::BumperRear, _) => "Free the bumper, look around, then press reset.",
         (Cause::CliffFront | Cause::CliffRear, _) => {
             "By itself it drives only straight away from the edge. If it stays: press the emergency stop, hold the robot, release \

@@ -148,7 +148,7 @@ fn records(source: Source, mishap: Mishap) -> Vec<CauseRecord> {
         for record in guard.causes() {
             let is_told = records.iter().any(|told| told.cause == record.cause);
             match record.cause {
-                Cause::StartUp => {}
+                Cause::StartUp | Cause::StartNeeded => {}
                 Cause::SourceLate(of) | Cause::SourceLost(of) if of == source => {
                     if !is_told {
                         records.push(*record);
@@ -167,6 +167,7 @@ fn clears(cause: Cause) -> String {
         Clear::Quiet(quiet_us) => {
             format!("by itself, {:.1} s after the last of it", quiet_us as f64 * 1.0e-6)
         }
+        Clear::Start => String::from("after a start command"),
         Clear::Reset => String::from("after reset"),
         Clear::Restart => String::from("after a restart"),
     }

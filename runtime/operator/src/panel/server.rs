@@ -167,10 +167,17 @@ async fn order(State(hub): State<Hub>, headers: HeaderMap, body: Bytes) -> Respo
         return refusal(StatusCode::UNSUPPORTED_MEDIA_TYPE, "send application/json");
     }
     let Ok(OrderBody { order }) = serde_json::from_slice(&body) else {
-        return refusal(StatusCode::BAD_REQUEST, "orders are pause, resume and reset");
+        return refusal(StatusCode::BAD_REQUEST, "orders are pause, resume, reset and start");
     };
-    if order == Order::Reset && !*hub.reset_allowed.borrow() {
-        return refusal(StatusCode::CONFLICT, "no stop waits for a reset");
+    let awaited = *hub.awaited.borrow();
+    match order {
+        Order::Reset if awaited != Some(order) => {
+            return refusal(StatusCode::CONFLICT, "no stop waits for a reset");
+        }
+        Order::Start if awaited != Some(order) => {
+            return refusal(StatusCode::CONFLICT, "the robot does not wait for a start command");
+        }
+        _ => {}
     }
     if hub.order(order) {
         refusal(StatusCode::ACCEPTED, "the robot has it")

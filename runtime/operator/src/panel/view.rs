@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use floorguard_drivers::velodyne::ModelChoice;
-use floorguard_guard::{GuardState, Health};
+use floorguard_guard::{Cause, CauseRecord, Decision, GuardState, Health};
 use floorguard_perception::people::RingAngles;
 use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
 use floorguard_runtime::shared::{RobotStatus, Shared, StopRecord};
@@ -38,6 +38,8 @@ pub struct PanelView {
     number: u64,
     mission: Option<Arc<MissionProgress>>,
     layers: u64,
+    /// What held the robot in the last picture, while it was stopped.
+    held_by: Option<Cause>,
 }
 
 impl PanelView {
@@ -60,6 +62,7 @@ impl PanelView {
             number: 0,
             mission: None,
             layers: 0,
+            held_by: None,
         }
     }
 
@@ -80,8 +83,23 @@ impl PanelView {
     /// A stop that began.
     pub fn stop(&mut self, record: &StopRecord, start: Stamp) {
         let at_s = seconds(record.stamp, start);
-        let (text, remedy) = (record.cause.to_string(), remedy(&record.cause));
-        self.stops.push_front(CauseFrame { at_s, text, remedy });
+        self.list_stop(CauseFrame { at_s, ..cause_frame(&record.cause, start) });
+        self.held_by = Some(record.cause.cause);
+    }
+
+    /// What holds a stopped robot has changed: that belongs to the history of the stop.
+    fn note_holding(&mut self, decision: &Decision, start: Stamp) {
+        let holding = decision.holding_cause.filter(|record| record.action.stops());
+        let news = holding.filter(|record| self.held_by.is_some_and(|known| known != record.cause));
+        if let Some(record) = news {
+            let frame = cause_frame(&record, start);
+            self.list_stop(CauseFrame { text: format!("then held by: {}", frame.text), ..frame });
+        }
+        self.held_by = holding.map(|record| record.cause);
+    }
+
+    fn list_stop(&mut self, frame: CauseFrame) {
+        self.stops.push_front(frame);
         self.stops.truncate(STOPS_SHOWN);
     }
 
@@ -93,6 +111,7 @@ impl PanelView {
         let here = Point2::new(pose.x_m, pose.y_m);
         self.driven_m += self.last_place.replace(here).map_or(0.0, |last| last.distance(here));
         self.number += 1;
+        self.note_holding(decision, start);
         let set = self.robot.fields.get(decision.field_set);
         Some(Frame {
             number: self.number,
@@ -104,6 +123,7 @@ impl PanelView {
             limit_mps: round(decision.speed_limit_mps),
             paused: shared.is_paused(),
             reset_allowed: decision.state == GuardState::Latched,
+            start_allowed: decision.state == GuardState::AwaitsStart,
             pose: [round(pose.x_m), round(pose.y_m), pose.heading_rad],
             driven_m: round(self.driven_m),
             route: self.robot.route.waypoints.iter().copied().map(place).collect(),
@@ -114,11 +134,9 @@ impl PanelView {
             lidar: self.points.clone(),
             people: people(shared),
             sources: sources(&status),
-            cause: decision.primary_cause.map(|record| CauseFrame {
-                at_s: seconds(record.raised_at, start),
-                text: record.to_string(),
-                remedy: remedy(&record),
-            }),
+            cause: decision.holding_cause.map(|record| cause_frame(&record, start)),
+            first_cause: other_than(decision.primary_cause, decision.holding_cause)
+                .map(|record| cause_frame(&record, start)),
             mission: self.mission.as_ref().map(|progress| mission_frame(progress, self.layers)),
             stops: self.stops.iter().cloned().collect(),
         })
@@ -130,6 +148,15 @@ impl PanelView {
         self.mission = Some(Arc::clone(progress));
         layers(progress, self.layers)
     }
+}
+
+fn cause_frame(record: &CauseRecord, start: Stamp) -> CauseFrame {
+    CauseFrame { at_s: seconds(record.raised_at, start), text: record.to_string(), remedy: remedy(record) }
+}
+
+/// The first, unless the second tells of the same cause.
+fn other_than(first: Option<CauseRecord>, second: Option<CauseRecord>) -> Option<CauseRecord> {
+    first.filter(|record| second.is_none_or(|second| second.cause != record.cause))
 }
 
 fn seconds(stamp: Stamp, start: Stamp) -> f64 {

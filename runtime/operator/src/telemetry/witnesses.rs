@@ -12,6 +12,7 @@ use floorguard_drivers::can::CanFrame;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::shared::{Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
+use floorguard_types::geometry::{Pose2, Twist2};
 use floorguard_types::time::Stamp;
 
 use super::tape::{Tape, encode_route};
@@ -19,6 +20,7 @@ use crate::panel::{Order, Panel};
 use floorguard_host::executor::StopFlag;
 use floorguard_host::outcome::BadInput;
 use floorguard_recording::replay::{LEARNED, MISSION, REPEATABLE};
+use floorguard_recording::truth::TrueSolid;
 use floorguard_recording::{RecordError, RunInfo, RunRecorder};
 use floorguard_robot::assembly::Stages;
 use floorguard_robot::camera::{PictureFolder, SeenDirt};
@@ -154,6 +156,29 @@ impl Witnesses {
     pub fn seen_dirt(&mut self, seen: &SeenDirt) {
         if let Some(recording) = &mut self.recording {
             recording.seen_dirt(seen);
+        }
+    }
+
+    /// What really stands around a simulated robot, if somebody records it.
+    pub fn true_world(
+        &mut self,
+        (at, odometry_in_world): (Stamp, Pose2),
+        things: impl FnOnce() -> Vec<TrueSolid>,
+    ) {
+        if let Some(recording) = &mut self.recording {
+            recording.true_world((at, odometry_in_world), &things());
+        }
+    }
+
+    /// The true state of a simulated robot and of everybody, if somebody records it.
+    pub fn true_moment(
+        &mut self,
+        at: Stamp,
+        robot: (Pose2, Twist2),
+        people: impl FnOnce() -> Vec<TrueSolid>,
+    ) {
+        if let Some(recording) = &mut self.recording {
+            recording.true_moment(at, robot, &people());
         }
     }
 

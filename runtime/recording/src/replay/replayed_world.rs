@@ -322,6 +322,7 @@ impl Stage<'_> {
                 }
             }
             TapeLine::Reset => self.shared.reset.signal(()),
+            TapeLine::Start => self.shared.start.signal(()),
             TapeLine::Pause => self.shared.pause(true),
             TapeLine::Resume => self.shared.pause(false),
             TapeLine::Route => {}

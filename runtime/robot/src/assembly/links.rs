@@ -6,6 +6,7 @@ use std::sync::mpsc::{Receiver, channel};
 
 use floorguard_runtime::tape::TapeLine;
 
+use super::latch_file::LatchFile;
 use super::tap::{Tap, Tapped};
 use crate::assembly::{GuardCarriers, PeopleInbox, ScannerCarrier};
 use crate::cleaner::MissionSetup;
@@ -41,6 +42,8 @@ pub struct Links {
     pub people: PeopleInbox,
     /// How the robot learns; without it, it does not.
     pub learning: Option<LearningSetup>,
+    /// Where what is latched outlives the computer; a simulated robot does without.
+    pub latches: Option<LatchFile>,
 }
 
 /// A device that is not there yet.
@@ -85,6 +88,7 @@ impl Links {
             mission: None,
             people: PeopleInbox::default(),
             learning: None,
+            latches: None,
         })
     }
 

@@ -1,6 +1,7 @@
 //! The robot on this computer: both rings on threads of their own, on the carriers that `robot.toml` names.
 
 mod inbox;
+mod latch_file;
 mod links;
 mod rings;
 mod spawn;
@@ -8,6 +9,7 @@ mod stop_files;
 mod tap;
 
 pub use inbox::PeopleInbox;
+pub use latch_file::{LatchFile, latched_words};
 pub use links::{Links, Missing, ScannerLink};
 pub use rings::{HostedShared, StopsAtEnd, run_rings};
 pub use spawn::{

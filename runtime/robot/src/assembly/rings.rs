@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Context;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use floorguard_runtime::clock;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::shared::Shared;
 
@@ -43,7 +44,19 @@ pub fn run_rings<T>(
     let mission = links.mission.take().map(|setup| setup.begin(robot)).transpose()?;
     let heard = (links.people.clone(), links.learning.take());
     let drives_route = mission.is_none();
+    let latches = links.latches.take();
+    if let Some(latches) = &latches {
+        shared.restore_latches(latches.read(), clock::now());
+    }
+    let latches_flag = StopFlag::default();
     thread::scope(|scope| {
+        let kept = latches.as_ref().map(|latches| {
+            let keep = || latches.keep(shared, &latches_flag);
+            thread::Builder::new().name("latches".to_owned()).spawn_scoped(scope, keep)
+        });
+        let kept = kept.transpose()?;
+        // Also when a ring cannot start: the scope waits for all its threads.
+        let at_end = StopsAtEnd(latches_flag.clone());
         let guard = start(scope, "guard", flag, || guard_ring((robot, links), shared, &guard_flag))?;
         let perception = start(scope, "perception", flag, || {
             perception_ring((robot, drives_route, heard), shared, &perception_flag)
@@ -61,6 +74,8 @@ pub fn run_rings<T>(
         finished(guard.join(), "guard")?;
         finished(seen, "perception")?;
         finished(cleaned, "mission")?;
+        drop(at_end);
+        finished(kept.map_or(Ok(Ok(())), |kept| kept.join().map(Ok)), "latches")?;
         Ok(answer.unwrap_or_else(|panic| resume_unwind(panic)))
     })
 }

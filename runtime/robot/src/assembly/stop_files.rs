@@ -43,13 +43,14 @@ pub fn black_box_log(moments: &[(Stamp, BoxEntry)]) -> Vec<u8> {
 
 fn table(stop: &StopRecord, moments: &[(Stamp, BoxEntry)]) -> String {
     let mut text = format!("# {:.3} s: {}\n", stop.stamp.as_micros() as f64 * 1.0e-6, stop.cause);
-    text.push_str("time_s,state,action,cause,permitted_mps,measured_mps,limit_mps,field_set\n");
+    text.push_str("time_s,state,action,cause,holding,permitted_mps,measured_mps,limit_mps,field_set\n");
     for (stamp, entry) in moments {
-        let cause = entry.cause.map(|cause| cause.to_string()).unwrap_or_default();
+        let [cause, holding] = [entry.cause, entry.holding]
+            .map(|cause| cause.map(|cause| cause.to_string()).unwrap_or_default());
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{:.3},{:?},{:?},{cause},{:.3},{:.3},{:.3},{}",
+            "{:.3},{:?},{:?},{cause},{holding},{:.3},{:.3},{:.3},{}",
             stamp.as_micros() as f64 * 1.0e-6,
             entry.state,
             entry.action,

@@ -259,7 +259,7 @@ impl Cleaner {
             self.held_s = 0.0;
             return;
         }
-        let cause = decision.and_then(|decision| decision.primary_cause).map(|record| record.cause);
+        let cause = decision.and_then(|decision| decision.holding_cause).map(|record| record.cause);
         let in_the_way = [Cause::ScanProtective, Cause::LidarProtective, Cause::CollisionStop];
         let pose = self.pose();
         let thing_lies = || self.obstacles.lies_near(Point2::new(pose.x_m, pose.y_m), THING_HOLDS_M);

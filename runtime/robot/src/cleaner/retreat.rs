@@ -4,7 +4,7 @@
 //! The guard looks at the motion that is wished: while somebody stands where a turn or an arc would lead, it holds the robot
 //! as long as it wishes that turn. A wish that leads off is another matter, and from there every way is open again.
 
-use floorguard_guard::{AdvisedPerson, Body as GuardBody, DriveLimits, is_collision};
+use floorguard_guard::{AdvisedPerson, Body as GuardBody, DriveLimits};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 
@@ -63,7 +63,7 @@ impl PeopleNear {
                 return false;
             }
             let [soonest_s, _] = self.body.times_to_person_s(person, twist);
-            soonest_s >= clear_s || !is_collision(soonest_s, self.body.distance_m(person.position))
+            soonest_s >= clear_s
         })
     }
 }

@@ -84,7 +84,7 @@ impl Spent {
     #[must_use]
     pub fn of(wish: Twist2, decision: Option<Decision>) -> Self {
         let Some(decision) = decision else { return Self::HeldOther };
-        let cause = decision.primary_cause.map(|record| record.cause);
+        let cause = decision.holding_cause.map(|record| record.cause);
         let permitted = decision.permitted;
         if is_standing(permitted) {
             return match cause {
@@ -166,7 +166,8 @@ mod tests {
             action: Action::None,
             speed_limit_mps: linear_mps,
             state: GuardState::Run,
-            primary_cause: cause.map(|cause| CauseRecord::new(cause, Stamp::ZERO)),
+            primary_cause: cause.map(|_| CauseRecord::new(Cause::StartUp, Stamp::ZERO)),
+            holding_cause: cause.map(|cause| CauseRecord::new(cause, Stamp::ZERO)),
             torque_off: false,
             escaping: false,
             field_set: 0,

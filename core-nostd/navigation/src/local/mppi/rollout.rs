@@ -8,6 +8,9 @@ use super::forecast::{Forecast, Place};
 use super::path_left::PathLeft;
 use crate::costmap::{CostmapView, Costs, Placement, outline_cost};
 
+/// Nearer than this the true outline counts, metres.
+const NEAR_M: f32 = 0.3;
+
 /// What does not change from sample to sample.
 pub(super) struct Stage<'a, P> {
     pub(super) config: &'a MppiConfig,
@@ -153,25 +156,21 @@ impl<P: PermittedMotion> Stage<'_, P> {
     fn person_cost(&self, robot: &Model, person: Place) -> Option<f32> {
         let config = self.config;
         let (dx_m, dy_m) = (person.middle.x_m - robot.at.x_m, person.middle.y_m - robot.at.y_m);
-        let reach_m = self.footprint.circumscribed_radius_m()
-            + config.person_radius_m
-            + 3.0 * (0.3 + person.deviation_m);
-        if dx_m * dx_m + dy_m * dy_m > reach_m * reach_m {
+        let spread_m = 0.3 + person.deviation_m;
+        let around_m = self.footprint.circumscribed_radius_m() + config.person_radius_m;
+        let squared_m2 = dx_m * dx_m + dy_m * dy_m;
+        let reach_m = around_m + 2.5 * spread_m;
+        if squared_m2 > reach_m * reach_m {
             return Some(0.0);
         }
-        let in_base =
-            Point2::new(robot.at.cos * dx_m + robot.at.sin * dy_m, robot.at.cos * dy_m - robot.at.sin * dx_m);
-        let gap_m = if self.footprint.contains(in_base) {
-            0.0
-        } else {
-            (self.footprint.distance_to_edge_m(in_base) - config.person_radius_m).max(0.0)
-        };
+        // Far from the body the circumscribed disc is near enough; it never says farther than it is.
+        let far_m = libm::sqrtf(squared_m2) - around_m;
+        let gap_m = if far_m > NEAR_M { far_m } else { self.gap_m(robot, Point2::new(dx_m, dy_m)) };
         let is_moving = libm::fabsf(robot.twist.linear_mps) > 0.05;
         if gap_m <= 0.0 && is_moving && person.deviation_m < 2.0 * config.person_radius_m {
             return None;
         }
         // The chance that the person is there falls as the doubt spreads over more floor.
-        let spread_m = 0.3 + person.deviation_m;
         let share = 0.3 / spread_m;
         Some(
             config.weights.person
@@ -179,6 +178,17 @@ impl<P: PermittedMotion> Stage<'_, P> {
                 * share
                 * libm::expf(-gap_m * gap_m / (2.0 * spread_m * spread_m)),
         )
+    }
+
+    /// From the outline to a person, given relative to the robot in the axes of the map, metres.
+    fn gap_m(&self, robot: &Model, relative: Point2) -> f32 {
+        let (sin, cos) = (robot.at.sin, robot.at.cos);
+        let in_base =
+            Point2::new(cos * relative.x_m + sin * relative.y_m, cos * relative.y_m - sin * relative.x_m);
+        if self.footprint.contains(in_base) {
+            return 0.0;
+        }
+        (self.footprint.distance_to_edge_m(in_base) - self.config.person_radius_m).max(0.0)
     }
 
     /// What is left at the end.

@@ -5,6 +5,15 @@ use core::f64::consts::PI;
 /// Eigenvalues of `[xx, xy, xz, yy, yz, zz]`, descending. Trigonometric solution of the characteristic cubic of the
 /// matrix with its mean removed (Smith 1961). Double precision, because the smallest of three very different
 /// values is a difference.
+///
+/// ```
+/// use floorguard_perception::people::classify::eigenvalues3;
+///
+/// // The scatter of a flat thing that is long along x, and of a ball.
+/// let [first, second, third] = eigenvalues3([3.0, 0.0, 0.0, 1.0, 0.0, 0.5]);
+/// assert!((first - 3.0).abs() + (second - 1.0).abs() + (third - 0.5).abs() < 1.0e-9);
+/// assert_eq!(eigenvalues3([2.0, 0.0, 0.0, 2.0, 0.0, 2.0]), [2.0; 3]);
+/// ```
 #[must_use]
 pub fn eigenvalues3([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> [f64; 3] {
     let mean = (xx + yy + zz) / 3.0;

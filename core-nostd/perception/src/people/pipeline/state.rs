@@ -20,6 +20,19 @@ use floorguard_types::geometry::{Point2, Point3};
 use floorguard_types::sensing::Sweep;
 
 /// All state of the stage; about 240 KiB, so keep it in a static or on the heap of the host.
+///
+/// ```
+/// use floorguard_perception::people::{PeoplePipeline, RingAngles, SweepContext};
+/// use floorguard_types::geometry::{Point3, Pose2, Transform3, Twist2};
+/// use floorguard_types::sensing::Sweep;
+///
+/// static EMPTY: Sweep = Sweep::EMPTY;
+/// let mut pipeline = Box::new(PeoplePipeline::new(RingAngles::vlp16()));
+/// let sensor_in_base = Transform3::from_mounting(Point3::new(0.0, 0.0, 0.8), 0.0, 0.0, 0.0);
+/// let context = SweepContext { sensor_in_base, twist: Twist2::ZERO, base_in_odom: Pose2::default() };
+/// let output = pipeline.process(&EMPTY, &context);
+/// assert!(output.tracks.is_empty() && output.clusters.is_empty());
+/// ```
 #[derive(Clone, Debug)]
 pub struct PeoplePipeline {
     /// Elevations of the lidar.

@@ -62,6 +62,7 @@ impl Lines {
                 }
             }
             TapeLine::Reset => shared.reset.signal(()),
+            TapeLine::Start => shared.start.signal(()),
             TapeLine::Pause => shared.pause(true),
             TapeLine::Resume => shared.pause(false),
             TapeLine::Route => {}

@@ -15,6 +15,7 @@ use floorguard_drivers::xsens::Device;
 use floorguard_localisation::odometry::Tricycle;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::io::SlcanBus;
+use floorguard_runtime::kept_latches::KeptLatches;
 use floorguard_runtime::tasks::{can_bus, imu_input, lidar_input, scanner_input};
 use floorguard_types::geometry::Transform3;
 
@@ -34,6 +35,8 @@ const BLACK_BOX_BAUD: u32 = 115_200;
 
 #[unsafe(link_section = ".kept.black_box")]
 static KEPT: MaybeUninit<KeptBox> = MaybeUninit::uninit();
+#[unsafe(link_section = ".kept.latches")]
+static LATCHES: MaybeUninit<KeptLatches> = MaybeUninit::uninit();
 
 /// Starts the ring. `robot` lives as long as the program.
 pub fn start_guard_ring(
@@ -62,7 +65,8 @@ async fn ring(shared: &'static RobotShared, robot: &'static RobotConfiguration, 
         spawner.spawn(imu(shared, configured.mounting.transform()).unwrap());
     }
     spawner.spawn(can(shared, (ThreeWheelBase::new(robot.base()), robot.tricycle())).unwrap());
-    spawn_deciders(spawner, shared);
+    // SAFETY: any bits are valid atomic words.
+    spawn_deciders(spawner, shared, unsafe { LATCHES.assume_init_ref() });
     // SAFETY: any bits are a valid value; what is no row is told from rows by their checksums.
     let kept = unsafe { KEPT.assume_init_ref() };
     kept.begin();

@@ -72,6 +72,7 @@ pub async fn witness(shared: &'static RobotShared, socket: UdpSocket<'static>) {
                 bench = from;
                 match order {
                     [b'R', ..] => shared.reset.signal(()),
+                    [b'S', ..] => shared.start.signal(()),
                     [b'Q', ..] => debug::exit(debug::EXIT_SUCCESS),
                     _ => {}
                 }

@@ -1,0 +1,56 @@
+//! From floats to whole numbers, in one place: towards zero, saturating at the ends of the type, 0 for a NaN.
+//!
+//! This is what `as` does (Rust Reference, Operator expressions: Numeric cast), and what it compiles to; the name says that
+//! the ends were thought of.
+
+/// Towards zero, within 0…255; 0 for a NaN.
+///
+/// ```
+/// use floorguard_types::number::saturating_u8;
+///
+/// assert_eq!([-1.0, 7.9, 1.0e9, f32::NAN].map(saturating_u8), [0, 7, 255, 0]);
+/// ```
+#[inline(always)]
+#[must_use]
+pub const fn saturating_u8(value: f32) -> u8 {
+    value as u8
+}
+
+/// Towards zero, within 0…4,294,967,295; 0 for a NaN.
+///
+/// ```
+/// use floorguard_types::number::saturating_u32;
+///
+/// assert_eq!([-1.0, 7.9, 1.0e12, f32::NAN].map(saturating_u32), [0, 7, u32::MAX, 0]);
+/// ```
+#[inline(always)]
+#[must_use]
+pub const fn saturating_u32(value: f32) -> u32 {
+    value as u32
+}
+
+/// Towards zero, within the numbers of 32 bits; 0 for a NaN. Not the floor: −0.5 becomes 0.
+///
+/// ```
+/// use floorguard_types::number::saturating_i32;
+///
+/// assert_eq!([-0.5, -7.9, 1.0e12, f32::NAN].map(saturating_i32), [0, -7, i32::MAX, 0]);
+/// ```
+#[inline(always)]
+#[must_use]
+pub const fn saturating_i32(value: f32) -> i32 {
+    value as i32
+}
+
+/// Towards zero, at least 0, at most the largest index; 0 for a NaN.
+///
+/// ```
+/// use floorguard_types::number::saturating_usize;
+///
+/// assert_eq!([-1.0, 7.9, f32::INFINITY, f32::NAN].map(saturating_usize), [0, 7, usize::MAX, 0]);
+/// ```
+#[inline(always)]
+#[must_use]
+pub const fn saturating_usize(value: f32) -> usize {
+    value as usize
+}

@@ -1,0 +1,255 @@
+//! Worlds that hurt, one trial after the other, judged by true geometry: what came of each is a row that can be kept,
+//! merged with rows of other machines, and added up.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use floorguard_contact_judge::{ContactCounts, Report};
+use floorguard_sim::hazards::{Hazard, HazardFamily};
+use serde::{Deserialize, Serialize};
+
+use super::watched;
+use crate::world::{Observation, Plan};
+
+/// People have crossed and routes have ended by then, seconds.
+const DURATION_S: u64 = 25;
+/// After the last command by hand the robot comes to rest, seconds.
+const REST_S: f32 = 3.0;
+/// Every second firing of the lidar is cast, 0.4° apart, and the one after it repeats it.
+const LIDAR_GRAIN: usize = 2;
+
+/// The plan of a trial.
+///
+/// # Errors
+/// The world cannot be played.
+pub fn contact_plan(seed: u64, trial: u64) -> anyhow::Result<Plan> {
+    let hazard = Hazard::drawn(seed, trial);
+    let by_hand_s: f32 = hazard.scenario.manoeuvre.iter().map(|manoeuvre| manoeuvre.seconds).sum();
+    let duration_us = match hazard.scenario.manoeuvre.is_empty() {
+        true => DURATION_S * 1_000_000,
+        false => ((by_hand_s + REST_S) * 1.0e6) as u64,
+    };
+    let name = format!("hazard:{seed}:{trial}");
+    let world_seed = seed.wrapping_mul(1_000_003).wrapping_add(trial);
+    let mut plan = Plan::of(&name, hazard.scenario, world_seed, duration_us)?;
+    plan.lidar_grain = LIDAR_GRAIN;
+    Ok(plan)
+}
+
+/// What came of a trial.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ContactRow {
+    /// Seed of the campaign.
+    pub seed: u64,
+    /// Number of the trial.
+    pub trial: u64,
+    /// What the world is about.
+    pub family: String,
+    /// It passed.
+    pub passed: bool,
+    /// Why not.
+    pub failures: Vec<String>,
+    /// Contacts by kind.
+    pub counts: ContactCounts,
+    /// Every contact in words.
+    pub contacts: Vec<String>,
+    /// The body would have hit what a sensor had seen.
+    pub missed_stops: u32,
+    /// The body would have hit what no sensor had seen.
+    pub missed_unseen: u32,
+    /// Stops for something in the way.
+    pub stops: u32,
+    /// Those without need.
+    pub nuisance_stops: u32,
+    /// Answers to its own protective field that came late.
+    pub late_field_stops: u32,
+    /// What came of the job.
+    pub job: String,
+    /// Robot time, seconds.
+    pub duration_s: f64,
+    /// Metres.
+    pub distance_m: f64,
+    /// Of the robot time: moving, turning, reversing, seconds.
+    pub moving_s: [f64; 3],
+    /// Fingerprint of the robot's outputs.
+    pub digest: String,
+}
+
+impl ContactRow {
+    fn of((seed, trial): (u64, u64), seen: &Observation) -> Self {
+        let verdict = &seen.verdict;
+        let bodies: &Report = &verdict.bodies;
+        let moving_s = bodies.duration_s * bodies.moving_share;
+        Self {
+            passed: verdict.passed,
+            failures: verdict.failures.clone(),
+            counts: bodies.counts,
+            contacts: bodies.contacts.iter().map(floorguard_contact_judge::Contact::line).collect(),
+            missed_stops: bodies.missed_stops,
+            missed_unseen: bodies.missed_unseen,
+            stops: verdict.stops,
+            nuisance_stops: bodies.nuisance_stops,
+            late_field_stops: verdict.late_field_stops,
+            job: format!("{:?}", bodies.job),
+            duration_s: bodies.duration_s,
+            distance_m: bodies.travelled_m,
+            moving_s: [moving_s, moving_s * bodies.turning_share, moving_s * bodies.reversing_share],
+            digest: verdict.digest.clone(),
+            ..Self::begun(seed, trial)
+        }
+    }
+
+    fn begun(seed: u64, trial: u64) -> Self {
+        let family = Hazard::drawn(seed, trial).family.name().to_owned();
+        Self { seed, trial, family, ..Self::default() }
+    }
+
+    /// The command that plays the trial again.
+    #[must_use]
+    pub fn command(&self) -> String {
+        format!("floorguard campaign contacts --seed {} --first {} --trials 1", self.seed, self.trial)
+    }
+}
+
+/// Plays a trial; a run that breaks is a trial that did not pass.
+#[must_use]
+pub fn contact_trial(seed: u64, trial: u64) -> ContactRow {
+    contact_trial_with(seed, trial, |_| {})
+}
+
+/// The same with a plan that somebody has changed.
+#[must_use]
+pub fn contact_trial_with(seed: u64, trial: u64, change: impl FnOnce(&mut Plan)) -> ContactRow {
+    let played = contact_plan(seed, trial).and_then(|mut plan| {
+        change(&mut plan);
+        watched(&plan)
+    });
+    match played {
+        Ok(seen) => ContactRow::of((seed, trial), &seen),
+        Err(error) => ContactRow { failures: vec![format!("{error:#}")], ..ContactRow::begun(seed, trial) },
+    }
+}
+
+/// Rows added up.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct ContactSummary {
+    /// Trials.
+    pub trials: u64,
+    /// Trials that did not pass.
+    pub failed: u64,
+    /// Contacts by kind.
+    pub counts: ContactCounts,
+    /// Sum over all trials.
+    pub missed_stops: u64,
+    /// Sum over all trials.
+    pub missed_unseen: u64,
+    /// Sum over all trials.
+    pub stops: u64,
+    /// Sum over all trials.
+    pub nuisance_stops: u64,
+    /// Robot time, hours.
+    pub hours: f64,
+    /// Metres.
+    pub distance_m: f64,
+    /// Share of the time in motion in which the robot turned.
+    pub turning_share: f64,
+    /// Share of the time in motion in which it drove backwards.
+    pub reversing_share: f64,
+    /// Trials, failed ones and contacts while moving, by family.
+    pub families: BTreeMap<String, [u64; 3]>,
+}
+
+impl ContactSummary {
+    /// Adds up rows; a trial counts once.
+    #[must_use]
+    pub fn of(rows: &[ContactRow]) -> Self {
+        let mut sum = Self::default();
+        let mut moving_s = [0.0; 3];
+        let once: BTreeMap<(u64, u64), &ContactRow> =
+            rows.iter().map(|row| ((row.seed, row.trial), row)).collect();
+        for row in once.values() {
+            sum.trials += 1;
+            sum.failed += u64::from(!row.passed);
+            sum.counts.add(&row.counts);
+            sum.missed_stops += u64::from(row.missed_stops);
+            sum.missed_unseen += u64::from(row.missed_unseen);
+            sum.stops += u64::from(row.stops);
+            sum.nuisance_stops += u64::from(row.nuisance_stops);
+            sum.hours += row.duration_s / 3_600.0;
+            sum.distance_m += row.distance_m;
+            moving_s.iter_mut().zip(row.moving_s).for_each(|(sum, seconds)| *sum += seconds);
+            let family = sum.families.entry(row.family.clone()).or_default();
+            family[0] += 1;
+            family[1] += u64::from(!row.passed);
+            family[2] += u64::from(row.counts.while_moving());
+        }
+        let share = |part: f64| if moving_s[0] > 0.0 { part / moving_s[0] } else { 0.0 };
+        (sum.turning_share, sum.reversing_share) = (share(moving_s[1]), share(moving_s[2]));
+        sum
+    }
+
+    /// In a few lines; the first one says what counts.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let counts = &self.counts;
+        let mut text = String::new();
+        let _ = writeln!(
+            text,
+            "{} trials: {} contacts while the robot moved ({} that its sensors could have avoided, {} that a perfect machine could have), {} missed stops ({} more unseen), {} people walked into the standing robot",
+            self.trials,
+            counts.while_moving(),
+            counts.avoidable_by_sensors,
+            counts.avoidable,
+            self.missed_stops,
+            self.missed_unseen,
+            counts.walked_into_standing
+        );
+        let _ = writeln!(
+            text,
+            "  with people {} (of these driven into {}), with things {}, over edges {}; beyond the limits of a short impact {}",
+            counts.people_while_moving,
+            counts.drove_into_people,
+            counts.drove_into_things,
+            counts.over_edges,
+            counts.harmful
+        );
+        let _ = writeln!(
+            text,
+            "  {} trials did not pass; stops {} ({} without need); {:.2} hours, {:.0} m, {:.0} % of the motion turning, {:.0} % in reverse",
+            self.failed,
+            self.stops,
+            self.nuisance_stops,
+            self.hours,
+            self.distance_m,
+            100.0 * self.turning_share,
+            100.0 * self.reversing_share
+        );
+        for family in HazardFamily::ALL {
+            if let Some([trials, failed, contacts]) = self.families.get(family.name()) {
+                let name = family.name();
+                let _ =
+                    writeln!(text, "  {name:11} {trials:6} trials, {failed:5} failed, {contacts:5} contacts");
+            }
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_written_and_read_and_a_trial_counts_once() {
+        let mut row = ContactRow::begun(7, 3);
+        row.counts.drove_into_things = 2;
+        row.moving_s = [10.0, 4.0, 1.0];
+        let text = serde_json::to_string(&row).unwrap();
+        assert_eq!(serde_json::from_str::<ContactRow>(&text).unwrap(), row);
+        let other = ContactRow { passed: true, ..ContactRow::begun(7, 4) };
+        let sum = ContactSummary::of(&[row.clone(), other, row]);
+        assert_eq!((sum.trials, sum.failed, sum.counts.while_moving()), (2, 1, 2));
+        assert!((sum.turning_share - 0.4).abs() < 1e-9);
+        assert!(sum.words().starts_with("2 trials: 2 contacts while the robot moved"));
+    }
+}

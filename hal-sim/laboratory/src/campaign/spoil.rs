@@ -1,0 +1,79 @@
+//! Takes something from the robot, to see whether its judges notice. Nothing of this is in the robot's own code.
+
+use floorguard_sim::FaultSpec;
+use floorguard_sim::scenario::MisplacedFile;
+use floorguard_types::geometry::Point2;
+
+use crate::world::Plan;
+
+/// Half the width of a field that is none, metres.
+const NEEDLE_M: f32 = 0.01;
+/// A sensor up there sees nothing and says so all the time, metres.
+const AWAY_M: f32 = 150.0;
+
+/// What is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Spoil {
+    /// Protective and warning fields are 2 cm wide.
+    NeedleFields,
+    /// The scanner talks, and looks at nothing.
+    BlindScanner,
+    /// The lidar talks, and looks at nothing.
+    BlindLidar,
+    /// A line is cut, as `--fault` names it.
+    Cut(&'static str),
+    /// The bumpers are never pressed.
+    NoBumpers,
+    /// The switches that feel for the floor never open.
+    NoFloorSwitches,
+    /// The scanner's protective field is never entered: no number of beams is enough.
+    NoScanRule,
+    /// The lidar's protective field is never entered: no number of returns is enough.
+    NoPacketRule,
+    /// Both of them.
+    NoProtectiveRules,
+    /// Something in the warning field slows nothing down.
+    NoWarningRule,
+    /// Somebody near slows nothing down.
+    NoPersonRule,
+}
+
+impl Spoil {
+    /// Takes it from the robot of a plan.
+    ///
+    /// # Errors
+    /// There is no such line.
+    pub fn apply(self, plan: &mut Plan) -> anyhow::Result<()> {
+        plan.is_spoiled = true;
+        let away = Some(MisplacedFile { z_m: AWAY_M, ..MisplacedFile::default() });
+        let speed_mps = plan.robot.limits.speed_mps;
+        let thresholds = &mut plan.robot.thresholds;
+        match self {
+            Self::NeedleFields => needles(plan),
+            Self::BlindScanner => plan.scenario.scanner_misplaced = away,
+            Self::BlindLidar => plan.scenario.lidar_misplaced = away,
+            Self::Cut(line) => plan.faults.push(FaultSpec::parse(&format!("{line}:drop=100%"))?),
+            Self::NoBumpers => plan.scenario.deaf_bumpers = true,
+            Self::NoFloorSwitches => plan.scenario.without_floor_switches = true,
+            Self::NoScanRule => thresholds.scan_adjacent_beams = u8::MAX,
+            Self::NoPacketRule => thresholds.packet_returns = u8::MAX,
+            Self::NoProtectiveRules => {
+                (thresholds.scan_adjacent_beams, thresholds.packet_returns) = (u8::MAX, u8::MAX);
+            }
+            Self::NoWarningRule => thresholds.warning_speed_mps = speed_mps,
+            Self::NoPersonRule => thresholds.person_speed_mps = speed_mps,
+        }
+        Ok(())
+    }
+}
+
+/// Fields as long as they are, and 2 cm wide.
+fn needles(plan: &mut Plan) {
+    for field in &mut plan.robot.fields {
+        for outline in [&mut field.protective, &mut field.warning] {
+            for corner in outline.iter_mut() {
+                *corner = Point2::new(corner.x_m, NEEDLE_M.copysign(corner.y_m));
+            }
+        }
+    }
+}

@@ -1,0 +1,282 @@
+//! From the simulator's true state to the plain numbers that the judge of contacts takes.
+
+use floorguard_contact_judge as judge;
+use floorguard_sim::people::{BodyPart, Limb, Person, body_parts, limbs};
+use floorguard_sim::robot::{BodyPrism, RobotParameters, ScannerDevice};
+use floorguard_sim::scene::{DropTruth, Material, PartShape, PartTruth};
+use floorguard_sim::sensors::FloorEye;
+use floorguard_sim::simulation::Simulation;
+
+use crate::world::Plan;
+
+/// From the measurement of a scanner or a lidar to the order to brake, seconds: what the safety manual budgets.
+const DELAY_S: f32 = 0.22;
+/// The same for the floor camera, which takes five pictures a second and thinks about each, seconds.
+const CAMERA_DELAY_S: f32 = 0.5;
+/// The same for the floor switches, seconds.
+const SWITCH_DELAY_S: f32 = 0.05;
+/// Returns of a lidar and points of a depth camera this low above the floor may be the floor, metres.
+const FLOOR_M: [f32; 2] = [0.10, 0.03];
+
+/// Everything that the judge knows before a run.
+#[must_use]
+pub fn setup(plan: &Plan, simulation: &Simulation) -> judge::Setup {
+    let parameters = simulation.parameters();
+    let prism = |prism: &BodyPrism| judge::BodyPart {
+        name: prism.name.to_owned(),
+        outline_m: prism.outline_m.clone(),
+        height_m: prism.height_m,
+    };
+    let half_m = parameters.track_m / 2.0;
+    let wheel_m = [parameters.wheelbase_m, 0.0];
+    let scene = simulation.scene();
+    judge::Setup {
+        body: parameters.body.iter().map(prism).collect(),
+        wheels_m: vec![wheel_m, [0.0, half_m], [0.0, -half_m]],
+        bumpers: parameters.bumpers.iter().filter(|_| plan.scenario.bumpers).map(prism).collect(),
+        mass_kg: parameters.mass_kg,
+        brakes: judge::Brakes {
+            response_s: plan.robot.limits.response_s,
+            deceleration_mps2: plan.robot.limits.braking_mps2,
+            wheel_m,
+        },
+        sensors: sensors(simulation.nominal(), plan.has_camera),
+        things: scene.truth().iter().map(thing).chain(scene.drops().iter().map(hole)).collect(),
+        job: job(plan),
+    }
+}
+
+fn job(plan: &Plan) -> judge::Job {
+    if plan.mission.is_some() || !plan.scenario.manoeuvre.is_empty() {
+        return judge::Job::Mission;
+    }
+    match plan.scenario.route.waypoints_m.as_slice() {
+        [] => judge::Job::None,
+        places => judge::Job::Route(places.to_vec()),
+    }
+}
+
+fn thing(part: &PartTruth) -> judge::Thing {
+    let [x, y, z] = part.centre_m;
+    let solid = match part.shape {
+        PartShape::Box(half_m) => judge::Solid::Box {
+            centre_m: part.centre_m,
+            half_m,
+            yaw_rad: part.yaw_rad,
+            slope_rad: part.slope_rad,
+        },
+        PartShape::Post(radius_m, height_m) => {
+            judge::Solid::Cylinder { foot_m: [x, y, z - height_m / 2.0], radius_m, height_m }
+        }
+    };
+    let surface = match part.material {
+        Material::Glass => judge::Surface::Glass,
+        Material::Mirror => judge::Surface::Mirror,
+        _ => judge::Surface::Opaque,
+    };
+    judge::Thing { name: part.name.clone(), kind: judge::ThingKind::Solid, solid, surface, from_s: 0.0 }
+}
+
+fn hole(drop: &DropTruth) -> judge::Thing {
+    let [x, y] = drop.centre_m;
+    judge::Thing {
+        name: "hole in the floor".to_owned(),
+        kind: judge::ThingKind::Drop,
+        solid: judge::Solid::Box {
+            centre_m: [x, y, -drop.depth_m / 2.0],
+            half_m: [drop.size_m[0] / 2.0, drop.size_m[1] / 2.0, drop.depth_m / 2.0],
+            yaw_rad: drop.yaw_rad,
+            slope_rad: 0.0,
+        },
+        surface: judge::Surface::Opaque,
+        from_s: 0.0,
+    }
+}
+
+/// The sensors where the robot's file says that they are: what is misplaced or taken away is no excuse.
+fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor> {
+    let (scanner, lidar) = (parameters.scanner, parameters.lidar);
+    let (half_deg, beams) = match parameters.scanner_device {
+        ScannerDevice::S300 => (135.0_f32, 541),
+        ScannerDevice::MicroScan3(beams) => (137.5, beams),
+    };
+    let step_rad = (2.0 * half_deg / f32::from(beams.max(2) - 1)).to_radians();
+    let scanner = judge::Sensor {
+        name: "scanner".to_owned(),
+        at_m: [scanner.x_m, scanner.y_m, scanner.z_m],
+        yaw_rad: scanner.yaw_rad,
+        view: judge::SensorView::Plane { half_angle_rad: half_deg.to_radians(), step_rad },
+        range_m: [0.0, 29.9],
+        delay_s: DELAY_S,
+        above_floor_m: 0.0,
+        sees_holes: false,
+        beams_min: 2,
+    };
+    let elevations_rad = (0..16_u8).map(|ring| (f32::from(ring) * 2.0 - 15.0).to_radians()).collect();
+    let lidar = judge::Sensor {
+        name: "lidar".to_owned(),
+        at_m: [lidar.x_m, lidar.y_m, lidar.z_m],
+        yaw_rad: lidar.yaw_rad,
+        view: judge::SensorView::Rings { elevations_rad, step_rad: 0.4_f32.to_radians() },
+        range_m: [0.45, 100.0],
+        above_floor_m: FLOOR_M[0],
+        ..scanner.clone()
+    };
+    let (height_m, forward_m, pitch_rad) = FloorEye::MOUNTING;
+    let (columns, rows) = FloorEye::DEPTH_SIZE;
+    let size = [columns, rows].map(|count| count as u16);
+    let camera = judge::Sensor {
+        name: "floor camera".to_owned(),
+        at_m: [forward_m, 0.0, height_m],
+        yaw_rad: 0.0,
+        view: judge::SensorView::Camera { pitch_rad, size, focal_px: FloorEye::FOCAL_PX },
+        range_m: [0.4, 8.0],
+        delay_s: CAMERA_DELAY_S,
+        above_floor_m: FLOOR_M[1],
+        sees_holes: true,
+        ..scanner.clone()
+    };
+    let switches = parameters.floor_switches_m.iter().flatten().map(|[x, y]| judge::Sensor {
+        name: "floor switch".to_owned(),
+        at_m: [*x, *y, 0.1],
+        view: judge::SensorView::Down,
+        range_m: [0.0, 0.5],
+        delay_s: SWITCH_DELAY_S,
+        sees_holes: true,
+        beams_min: 1,
+        ..scanner.clone()
+    });
+    let switches: Vec<judge::Sensor> = switches.collect();
+    let camera = has_camera.then_some(camera);
+    [scanner, lidar].into_iter().chain(camera).chain(switches).collect()
+}
+
+/// A person as it is.
+#[must_use]
+pub fn person(person: &Person) -> judge::Person {
+    let parts = body_parts(person);
+    let names = limbs(person.kind).iter().map(|limb| limb_name(*limb));
+    judge::Person {
+        id: person.id,
+        kind: person.kind.name(),
+        velocity_mps: [person.velocity.x_m, person.velocity.y_m],
+        limbs: parts.iter().zip(names).map(|(part, name)| judge::Limb { name, solid: solid(part) }).collect(),
+    }
+}
+
+const fn limb_name(limb: Limb) -> judge::LimbName {
+    match limb {
+        Limb::Leg => judge::LimbName::LowerLeg,
+        Limb::Torso => judge::LimbName::Torso,
+        Limb::Arm => judge::LimbName::Arm,
+        Limb::Head => judge::LimbName::Head,
+        Limb::Thing => judge::LimbName::Carried,
+    }
+}
+
+fn solid(part: &BodyPart) -> judge::Solid {
+    match part {
+        BodyPart::Capsule(capsule) => judge::Solid::Capsule {
+            from_m: capsule.segment.a.to_array(),
+            to_m: capsule.segment.b.to_array(),
+            radius_m: capsule.radius,
+        },
+        BodyPart::Ball(centre, ball) => {
+            judge::Solid::Ball { centre_m: centre.to_array(), radius_m: ball.radius }
+        }
+        BodyPart::Box(pose, cuboid) => {
+            let along = pose.rotation * parry3d::math::Vector::X;
+            judge::Solid::Box {
+                centre_m: pose.translation.to_array(),
+                half_m: cuboid.half_extents.to_array(),
+                yaw_rad: libm::atan2f(along.y, along.x),
+                slope_rad: 0.0,
+            }
+        }
+    }
+}
+
+/// Feeds the judge with every moment of a run.
+pub struct TrueContacts {
+    judge: judge::ContactJudge,
+    excuse: Option<&'static str>,
+}
+
+impl TrueContacts {
+    /// Of a run that is about to begin.
+    ///
+    /// # Errors
+    /// The simulated robot's body is none.
+    pub fn new(plan: &Plan, simulation: &Simulation) -> Result<Self, judge::BodyError> {
+        let excuse = match (plan.faults.is_empty() || plan.is_spoiled, plan.emergency_stop_us.is_empty()) {
+            (false, _) => Some("a fault was put in"),
+            (true, false) => Some("the emergency stop was pressed"),
+            (true, true) => None,
+        };
+        Ok(Self { judge: judge::ContactJudge::new(setup(plan, simulation))?, excuse })
+    }
+
+    /// Looks at the last moment played.
+    pub fn observe(&mut self, simulation: &Simulation) {
+        let (pose, twist) = simulation.robot();
+        let people: Vec<judge::Person> = simulation.people().iter().map(person).collect();
+        self.judge.observe(&judge::Moment {
+            at_s: simulation.now_us() as f64 * 1.0e-6,
+            pose: judge::RobotPose { x_m: pose.x_m, y_m: pose.y_m, heading_rad: pose.heading_rad },
+            motion: judge::RobotMotion { forward_mps: twist.linear_mps, turn_radps: twist.angular_radps },
+            people: &people,
+        });
+    }
+
+    /// The robot has stopped for something that it believed in its way.
+    pub fn stop(&mut self, at_s: f64) {
+        self.judge.stop(at_s);
+    }
+
+    /// What the run comes to.
+    #[must_use]
+    pub fn report(&self, ready_s: Option<f64>) -> judge::Report {
+        self.judge.report(ready_s, self.excuse)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use floorguard_sim::people::PersonKind;
+    use floorguard_sim::scenario::Scenario;
+    use std::f32::consts::FRAC_PI_2;
+
+    /// What the judge takes for a body and a thing is what the simulator's beams meet: rays from all sides end alike.
+    #[test]
+    fn the_judge_is_given_what_the_simulator_plays() {
+        let scenario = Scenario::named("supermarket").unwrap();
+        let simulation = Simulation::new(&scenario, 1).unwrap();
+        for part in simulation.scene().truth() {
+            let given = thing(part);
+            assert_eq!(given.name, part.name);
+            let judge::Solid::Box { centre_m, .. } = given.solid else { panic!("boxes alone") };
+            assert_eq!(centre_m, part.centre_m);
+        }
+        for real in simulation.people() {
+            let given = person(real);
+            assert_eq!(given.limbs.len(), body_parts(real).len());
+            for (limb, part) in given.limbs.iter().zip(body_parts(real)) {
+                let around = match (&limb.solid, &part) {
+                    (judge::Solid::Capsule { from_m, .. }, BodyPart::Capsule(capsule)) => {
+                        *from_m == capsule.segment.a.to_array()
+                    }
+                    (judge::Solid::Ball { centre_m, .. }, BodyPart::Ball(centre, _)) => {
+                        *centre_m == centre.to_array()
+                    }
+                    (judge::Solid::Box { yaw_rad, .. }, BodyPart::Box(..)) => {
+                        (yaw_rad - real.heading_rad).rem_euclid(4.0 * FRAC_PI_2) < 1.0e-3
+                            || (real.heading_rad - yaw_rad).rem_euclid(4.0 * FRAC_PI_2) < 1.0e-3
+                    }
+                    _ => false,
+                };
+                assert!(around, "{:?} {limb:?}", PersonKind::name(real.kind));
+            }
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! Named worlds that hurt: which of them the robot gets through, and that each of these is lost when something that
+//! protects is taken away. The judge is the one that knows true geometry alone.
+
+use floorguard_laboratory::campaign::{Spoil, played};
+use floorguard_laboratory::judge::Verdict;
+use floorguard_laboratory::world::{Plan, load_scenario};
+
+/// Every fourth firing of the lidar is enough for these worlds.
+const LIDAR_GRAIN: usize = 4;
+
+fn verdict(case: &str, spoil: Option<Spoil>) -> Verdict {
+    let path = format!("{}/../scenarios/hazards/{case}.toml", env!("CARGO_MANIFEST_DIR"));
+    let scenario = load_scenario(path.as_ref()).unwrap_or_else(|error| panic!("{case}: {error:#}"));
+    let mut plan = Plan::of(case, scenario, 1, 14_000_000).expect("a plan");
+    plan.lidar_grain = LIDAR_GRAIN;
+    if let Some(spoil) = spoil {
+        spoil.apply(&mut plan).expect("a line of that name");
+    }
+    let play = move || played(&plan);
+    let thread = std::thread::Builder::new().stack_size(32 << 20).spawn(play).expect("a thread");
+    thread.join().expect("no panic").unwrap_or_else(|error| panic!("{case}: {error:#}")).verdict
+}
+
+/// No contact at all, not even one that no sensor could have avoided.
+fn holds(case: &str, spoil: Option<Spoil>) -> (bool, String) {
+    let verdict = verdict(case, spoil);
+    let is_free = verdict.passed && verdict.bodies.counts.while_moving() == 0;
+    (is_free, format!("{case} {spoil:?}: {:?} {}", verdict.failures, verdict.contacts_in_words()))
+}
+
+/// Worlds that the robot gets through today.
+const HOLD: [&str; 0] = [];
+/// Worlds in which it runs into something today. Whoever mends the guard moves them to the other list.
+const RED: [&str; 0] = [];
+
+#[test]
+fn worlds_that_hold_and_worlds_that_do_not() {
+    for case in HOLD {
+        let (holds, words) = holds(case, None);
+        assert!(holds, "it held before: {words}");
+    }
+    for case in RED {
+        let (holds, words) = holds(case, None);
+        assert!(!holds, "it holds now, move it to the worlds that hold: {words}");
+    }
+}
+
+/// For a look at all of them: `cargo test -p floorguard-laboratory --test hazard_cases -- --ignored --nocapture`.
+#[test]
+#[ignore = "prints a table, judges nothing"]
+fn table() {
+    let cases = [
+        "board-30",
+        "board-45",
+        "board-55",
+        "board-70",
+        "low-box-8",
+        "low-box-12",
+        "box-30",
+        "box-160",
+        "person",
+        "tail-12",
+        "tail-45",
+        "reverse-45",
+        "edge",
+    ];
+    for case in cases {
+        println!("{:?}", holds(case, None));
+    }
+    let spoils = [
+        Spoil::NeedleFields,
+        Spoil::BlindScanner,
+        Spoil::BlindLidar,
+        Spoil::Cut("scanner"),
+        Spoil::Cut("lidar"),
+        Spoil::Cut("imu"),
+        Spoil::Cut("encoders"),
+        Spoil::Cut("inputs"),
+        Spoil::NoScanRule,
+        Spoil::NoPacketRule,
+        Spoil::NoProtectiveRules,
+        Spoil::NoWarningRule,
+        Spoil::NoPersonRule,
+    ];
+    for spoil in spoils {
+        for case in ["box-30", "box-160", "board-70", "person"] {
+            println!("{:?}", holds(case, Some(spoil)));
+        }
+    }
+    println!("{:?}", holds("low-box-12", Some(Spoil::NoBumpers)));
+    println!("{:?}", holds("edge", Some(Spoil::NoFloorSwitches)));
+}
