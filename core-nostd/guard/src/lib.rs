@@ -37,7 +37,6 @@ mod state;
 mod supervisor;
 #[cfg(test)]
 mod tests;
-mod way_check;
 
 pub use crate::protection::*;
 pub use machine::{DecisionMachine, Verdict};

@@ -48,8 +48,6 @@ impl Cause {
             | Self::ClockFault
             | Self::SourceLost(Source::Discrete | Source::Drive) => Action::Category1,
             Self::Warning
-            | Self::WayNarrow
-            | Self::WayUnseen
             | Self::PersonNear
             | Self::CollisionSlow
             | Self::AdviceLimit

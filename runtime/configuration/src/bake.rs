@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use floorguard_drivers::flexisoft::InputBits;
-use floorguard_guard::{Action, Thresholds, UnseenLimits};
+use floorguard_guard::{Action, Thresholds};
 use floorguard_runtime::configuration::{FieldPair, Mounting, RobotConfiguration};
 use floorguard_types::geometry::Point2;
 
@@ -61,7 +61,6 @@ pub fn bake(robot: &RobotConfiguration) -> String {
     line("route", format!("Route {{ waypoints: {}, repeat: {} }}", points(&route.waypoints), route.repeat));
     line("route_limits", format!("{:?}", robot.route_limits));
     line("thresholds", thresholds(&robot.thresholds));
-    line("unseen", unseen(&robot.unseen));
     code.push_str("    }\n}\n");
     code
 }
@@ -110,11 +109,6 @@ fn can(robot: &RobotConfiguration) -> String {
     )
 }
 
-/// Infinite numbers print as no Rust.
-fn unseen(unseen: &UnseenLimits) -> String {
-    format!("{unseen:?}").replace("inf", "f32::INFINITY")
-}
-
 fn thresholds(thresholds: &Thresholds) -> String {
     let action = match thresholds.emergency_action {
         Action::Category1 => "Category1",
@@ -133,9 +127,7 @@ mod tests {
     fn every_number_of_the_example_is_in_the_source() {
         let robot = parse("robot.toml", EXAMPLE).unwrap().robot;
         let source = bake(&robot);
-        for text in
-            ["speed_mps: 1.0", "braking_mps2: 0.8", "UnseenLimits { toward_mps: [", "Action::Category0"]
-        {
+        for text in ["speed_mps: 1.0", "braking_mps2: 0.8", "Point2::new(3.2, -0.6)", "Action::Category0"] {
             assert!(source.contains(text), "{text} is missing in\n{source}");
         }
     }

@@ -3,7 +3,6 @@
 mod address;
 mod bake;
 mod camera;
-mod coverage;
 mod devices;
 mod fields;
 mod learning;
@@ -17,7 +16,6 @@ mod reference;
 pub use address::{CanAddress, DatagramAddress, ScannerAddress, SenderAddress, SerialAddress};
 pub use bake::bake;
 pub use camera::{CameraConfiguration, CameraSource};
-pub use coverage::{CoverageGap, gap_name, gaps_of, seen_from_m};
 pub use learning::LearningConfiguration;
 pub use mission::{CleaningStrategy, MissionConfiguration};
 pub use polygon::contains as polygon_contains;

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use floorguard_guard::{Thresholds, UnseenLimits};
+use floorguard_guard::Thresholds;
 use floorguard_runtime::configuration::{CanConfiguration, Deadlines, Geometry, Limits, RobotConfiguration};
 use floorguard_runtime::mission::{ROUTE_WAYPOINTS_MAX, Route, RouteLimits};
 use floorguard_types::geometry::Point2;
@@ -12,7 +12,6 @@ use toml::de::DeTable;
 
 use super::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
 use super::camera::{CameraConfiguration, read_camera};
-use super::coverage::{CoverageGap, check_coverage};
 use super::devices::{read_can, read_imu, read_inputs, read_lidar, read_scanner};
 use super::fields::{read_fields, read_polygon};
 use super::learning::{LearningConfiguration, read_learning};
@@ -46,8 +45,6 @@ pub struct HostedConfiguration {
     pub mission: Option<MissionConfiguration>,
     /// How it learns what people look like; without it, it does not.
     pub learning: Option<LearningConfiguration>,
-    /// What no sensor sees, and how fast the body goes there.
-    pub coverage: Vec<CoverageGap>,
 }
 
 /// Reads and checks a file.
@@ -91,73 +88,45 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let can = read_can(top.section("can"));
     let camera = top.optional_section("camera").map(read_camera);
     let inputs = read_inputs(top.section("inputs"));
-    let guard = top.optional_section("guard");
-    let thresholds = guard.as_ref().map_or_else(Thresholds::default, read_thresholds);
+    let thresholds = top.optional_section("guard").map_or_else(Thresholds::default, read_thresholds);
     let fields = read_fields(&top, &geometry, &limits);
     let (route, route_limits) =
         top.optional_section("route").map_or_else(Default::default, |section| read_route(section, &limits));
     let mission = top.optional_section("mission").and_then(read_mission);
     let learning = top.optional_section("learning").and_then(read_learning);
+    top.finish();
+    let (lidar, lidar_address) = lidar?;
+    let (scanner, scanner_address) = scanner?;
+    let (can, can_address) = can?;
+    let can = CanConfiguration { inputs: inputs?, ..can };
     let (imu, imu_address) = match imu {
-        Some(read) => read.map_or((None, None), |(imu, address)| (Some(imu), Some(address))),
+        Some(read) => read.map(|(imu, address)| (Some(imu), Some(address)))?,
         None => (None, None),
     };
-    let parts = (lidar, scanner, can, inputs, geometry);
-    let (
-        Some((lidar, lidar_address)),
-        Some((scanner, scanner_address)),
-        Some((can, can_address)),
-        Some(inputs),
-        Some(geometry),
-    ) = parts
-    else {
-        finish_guard(guard);
-        top.finish();
-        return None;
-    };
-    let mut robot = RobotConfiguration {
-        geometry,
-        limits,
-        deadlines,
-        lidar,
-        scanner,
-        imu,
-        can: CanConfiguration { inputs, ..can },
-        fields,
-        route,
-        route_limits,
-        thresholds,
-        unseen: UnseenLimits::NONE,
-    };
-    let camera = camera.flatten();
-    let mut coverage = Vec::new();
-    if top.good_so_far() {
-        let known = (&robot.guard(), camera.as_ref(), limits.reverse_mps);
-        (robot.unseen, coverage) = check_coverage(guard.as_ref(), &top, known);
-    }
-    finish_guard(guard);
-    top.finish();
     Some(HostedConfiguration {
-        robot,
+        robot: RobotConfiguration {
+            geometry: geometry?,
+            limits,
+            deadlines,
+            lidar,
+            scanner,
+            imu,
+            can,
+            fields,
+            route,
+            route_limits,
+            thresholds,
+        },
         carriers: Carriers {
             lidar: lidar_address,
             scanner: scanner_address,
             imu: imu_address,
             can: can_address,
-            camera,
+            camera: camera.flatten(),
         },
         mission,
         learning,
-        coverage,
     })
-}
-
-/// The keys of the guard that are read last are known, too.
-fn finish_guard(section: Option<Reader<'_>>) {
-    if let Some(section) = section {
-        section.known(&["accept_unseen", "contact_speed_mps"]);
-        section.finish();
-    }
 }
 
 fn read_geometry(section: Reader<'_>) -> Option<Geometry> {
@@ -199,14 +168,16 @@ fn read_deadlines(section: Reader<'_>) -> Deadlines {
 }
 
 /// The guard's thresholds that a site may want to change; the others follow from the standards.
-fn read_thresholds(section: &Reader<'_>) -> Thresholds {
+fn read_thresholds(section: Reader<'_>) -> Thresholds {
     let defaults = Thresholds::default();
-    Thresholds {
+    let thresholds = Thresholds {
         warning_speed_mps: section.number_or("warning_speed_mps", 0.05..=0.5, defaults.warning_speed_mps),
         person_speed_mps: section.number_or("person_speed_mps", 0.05..=0.5, defaults.person_speed_mps),
         person_near_m: section.number_or("person_near_m", 0.5..=5.0, defaults.person_near_m),
         ..defaults
-    }
+    };
+    section.finish();
+    thresholds
 }
 
 fn read_route(section: Reader<'_>, limits: &Limits) -> (Route, RouteLimits) {

@@ -254,18 +254,6 @@ impl<'a> Reader<'a> {
         text.map(|text| (text, value.span()))
     }
 
-    /// A list of texts that may be there, with its place.
-    pub fn texts(&self, key: &'static str, example: &str) -> Option<(Vec<&'a str>, Range<usize>)> {
-        self.note(key, "list of texts", (format!("for example `[{example}]`"), Some("none".to_owned())));
-        let value = self.find(key)?;
-        let texts = value.get_ref().as_array();
-        let texts = texts.and_then(|items| items.iter().map(|item| item.get_ref().as_str()).collect());
-        if texts.is_none() {
-            self.refuse_type(&value.span(), key, "a list of texts in quotes", value.get_ref());
-        }
-        texts.map(|texts| (texts, value.span()))
-    }
-
     /// One of a list of words.
     pub fn choice<T: Copy>(&self, key: &'static str, choices: &[(&str, T)]) -> Option<T> {
         let words: Vec<String> = choices.iter().map(|(word, _)| format!("`{word}`")).collect();
@@ -335,11 +323,6 @@ impl<'a> Reader<'a> {
             self.refuse_type(&value.span(), key, expected, value.get_ref());
         }
         numbers
-    }
-
-    /// Keys that are asked for only where everything else is right.
-    pub fn known(&self, keys: &[&'static str]) {
-        self.asked.borrow_mut().extend(keys);
     }
 
     /// Refuses every key that nobody asked for.

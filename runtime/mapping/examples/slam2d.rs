@@ -4,8 +4,8 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use floorguard_mapping_host::Se2;
-use floorguard_mapping_host::mapper::{MapConfig, Mapper};
 use floorguard_mapping_host::input::ScanRecord;
+use floorguard_mapping_host::mapper::{MapConfig, Mapper};
 use floorguard_mapping_host::metrics::{read_relations, score_relations};
 
 fn unpack(path: &Path) -> String {
@@ -53,6 +53,39 @@ fn rebuilt(text: &str) -> Vec<ScanRecord> {
         .collect()
 }
 
+/// The default settings, changed by `SET=name=value,…`.
+fn settings() -> MapConfig {
+    let mut config = MapConfig::default();
+    let text = std::env::var("SET").unwrap_or_default();
+    for pair in text.split(',').filter(|p| !p.is_empty()) {
+        let (name, value) = pair.split_once('=').unwrap();
+        let v: f64 = value.parse().unwrap();
+        match name {
+            "travel" => config.front_end.travel_m = v,
+            "turn" => config.front_end.turn_rad = v,
+            "range" => config.front_end.range_most_m = v as f32,
+            "map_travel" => config.front_end.map_travel_m = v,
+            "map_nodes" => config.front_end.map_nodes = v as usize,
+            "dev" => config.front_end.descent.return_deviation_m = v as f32,
+            "reach" => config.front_end.descent.reach_m = v as f32,
+            "out" => config.align.outlier_m = v,
+            "pdev" => config.align.point_deviation_m = v,
+            "share" => config.align.matched_share = v,
+            "recent" => config.align.pairs.recent = v as usize,
+            "recent_max" => config.align.pairs.recent_max = v as usize,
+            "other_max" => config.align.pairs.other_max = v as usize,
+            "pdist" => config.align.pairs.distance_m = v,
+            "pturn" => config.align.pairs.turn_rad = v,
+            "last" => config.align.distances_m.extend([v as f32; 4]),
+            "ratio" => config.loops.loss_ratio = v as f32,
+            "score" => config.loops.score_least = v as f32,
+            "stretch" => config.loops.stretch_m = v,
+            _ => panic!("{name}"),
+        }
+    }
+    config
+}
+
 /// Processor time of this thread, seconds.
 fn cpu_s() -> f64 {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap();
@@ -76,13 +109,19 @@ fn main() {
         let text = unpack(&data.join(log));
         let records = if log.contains("clf") { carmen(&text) } else { rebuilt(&text) };
         let relations = read_relations(&unpack(&data.join(key))).unwrap();
-        let mut mapper = Mapper::new(MapConfig::default());
+        let mut mapper = Mapper::new(settings());
         let show = |what: &str, mapper: &Mapper, since: f64| {
-            let score = score_relations(&relations, &mapper.tracker.trajectory(&mapper.poses), 0.6);
+            let path = if what == "matched" { mapper.matched_trajectory() } else { mapper.trajectory() };
+            let score = score_relations(&relations, &path, 0.6);
             println!(
                 "{name:9} {what:8} {} nodes  {:.4} m max {:.3}  {:.3} deg missing {} cpu {:.0} ms",
-                mapper.poses.len(), score.translation_mean_m(), score.translation_max_m(),
-                score.rotation_mean_rad().to_degrees(), score.without_pose, (cpu_s() - since) * 1e3);
+                mapper.poses.len(),
+                score.translation_mean_m(),
+                score.translation_max_m(),
+                score.rotation_mean_rad().to_degrees(),
+                score.without_pose,
+                (cpu_s() - since) * 1e3
+            );
         };
         let start = cpu_s();
         let mut worst = 0.0_f64;
@@ -92,9 +131,34 @@ fn main() {
             worst = worst.max(cpu_s() - t);
         }
         show("online", &mapper, start);
-        println!("{name:9} {:?} loops {} worst {:.1} ms", mapper.closer.statistics, mapper.loops.len(), worst * 1e3);
+        println!(
+            "{name:9} {:?} loops {} worst {:.1} ms",
+            mapper.closer.statistics,
+            mapper.loops.len(),
+            worst * 1e3
+        );
         let start = cpu_s();
         mapper.finish().unwrap();
         show("aligned", &mapper, start);
+        let start = cpu_s();
+        show("matched", &mapper, start);
+        if let Ok(path) = std::env::var("ERRORS") {
+            let score = score_relations(&relations, &mapper.matched_trajectory(), 0.6);
+            let lines: Vec<String> = score
+                .errors
+                .iter()
+                .map(|e| {
+                    format!(
+                        "{:.3} {:.3} {:.2} {:.4} {:.3}",
+                        e.relation.from_s,
+                        e.relation.to_s,
+                        e.relation.pose.x_m.hypot(e.relation.pose.y_m),
+                        e.translation_m,
+                        e.rotation_rad.to_degrees()
+                    )
+                })
+                .collect();
+            std::fs::write(path, lines.join("\n")).unwrap();
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! The robot as a whole: geometry, limits, deadlines, and where its sensors are.
 
-use floorguard_guard::{Thresholds, UnseenLimits};
+use floorguard_guard::Thresholds;
 use floorguard_types::capacities::FIELD_SETS_MAX;
 use heapless::Vec;
 
@@ -76,6 +76,4 @@ pub struct RobotConfiguration {
     pub route_limits: RouteLimits,
     /// Thresholds of the guard.
     pub thresholds: Thresholds,
-    /// How fast the body goes where no sensor looks.
-    pub unseen: UnseenLimits,
 }

@@ -45,12 +45,6 @@ pub enum Cause {
     BlindSector,
     /// Something in the warning field.
     Warning,
-    /// The body would touch something that was seen, and there is no room left to drive up to it.
-    WayClosed,
-    /// The body would touch something that was seen: slowly enough to stand before it.
-    WayNarrow,
-    /// Nobody looks where the body goes.
-    WayUnseen,
     /// A person within 1.2 m.
     PersonNear,
     /// A person would be reached before the robot could stop.
@@ -84,7 +78,7 @@ pub enum Cause {
 }
 
 /// The causes that do not belong to a source's health.
-const PLAIN: [Cause; 29] = [
+const PLAIN: [Cause; 26] = [
     Cause::StartUp,
     Cause::StartNeeded,
     Cause::EmergencyStop,
@@ -98,9 +92,6 @@ const PLAIN: [Cause; 29] = [
     Cause::LidarProtective,
     Cause::BlindSector,
     Cause::Warning,
-    Cause::WayClosed,
-    Cause::WayNarrow,
-    Cause::WayUnseen,
     Cause::PersonNear,
     Cause::CollisionStop,
     Cause::CollisionSlow,
@@ -158,9 +149,6 @@ impl Cause {
             Self::LidarProtective => "obstacle in the protective field (lidar)",
             Self::BlindSector => "scanner sees nothing in a part of the protective field",
             Self::Warning => "obstacle in the warning field",
-            Self::WayClosed => "the body would touch what was seen around it",
-            Self::WayNarrow => "little room for the body on its way",
-            Self::WayUnseen => "no sensor looks where the body goes",
             Self::PersonNear => "person near",
             Self::CollisionStop => "person would be reached before standstill",
             Self::CollisionSlow => "person ahead",

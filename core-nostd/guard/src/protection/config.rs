@@ -4,12 +4,16 @@ use heapless::Vec;
 
 use super::action::Action;
 use super::config_error::GuardConfigError;
-use super::coverage::Region;
 use super::field::{Polygon, point_in_polygon};
+use super::kinematics::field_length_m;
 use super::source::{Source, SourceRules};
-use super::swept_outline::{Zone, contains, swept_outline};
 use floorguard_types::capacities::{FIELD_SETS_MAX, PACKET_RINGS_MAX, SCAN_BEAMS_MAX};
 use floorguard_types::geometry::{Point2, Pose2, Transform3};
+
+/// General measurement supplement of a safety scanner, Z_G, metres (book, Guard: Field length).
+pub const SCANNER_SUPPLEMENT_M: f32 = 0.1;
+/// Brake wear Z_B as a share of the braking distance (book, Guard: Field length).
+pub const BRAKE_WEAR: f32 = 0.1;
 
 /// Where the robot is going: the steering bin of a field set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -55,8 +59,6 @@ pub struct ScannerGeometry {
     pub beams: usize,
     /// First and last angle in the sensor's frame that are not covered by the robot's own body, radians.
     pub sector_rad: [f32; 2],
-    /// Its plane above the floor, metres.
-    pub height_m: f32,
 }
 
 impl ScannerGeometry {
@@ -67,7 +69,6 @@ impl ScannerGeometry {
         step_rad: 0.0,
         beams: 0,
         sector_rad: [0.0; 2],
-        height_m: 0.0,
     };
 }
 
@@ -106,6 +107,8 @@ pub struct DriveLimits {
 /// Thresholds of the checks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thresholds {
+    /// Response time of the scanner, seconds; 0.08 for an S300 with double sampling.
+    pub scanner_response_s: f32,
     /// Adjacent beams that make an obstacle (book, Guard: Scanner check).
     pub scan_adjacent_beams: u8,
     /// Consecutive scans that make an obstacle (book, Guard: Scanner check).
@@ -138,6 +141,7 @@ pub struct Thresholds {
 impl Thresholds {
     /// The values of the book, Guard.
     pub const DEFAULT: Self = Self {
+        scanner_response_s: 0.08,
         scan_adjacent_beams: 2,
         scan_consecutive: 2,
         packet_returns: 6,
@@ -160,20 +164,6 @@ impl Default for Thresholds {
     }
 }
 
-/// How fast the body goes where nobody looks (FG-REQ-029).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct UnseenLimits {
-    /// Into each region, in the order of [`Region::ALL`], m/s; infinite where everything is seen.
-    pub toward_mps: [f32; Region::COUNT],
-    /// At which a contact does no harm before the bumper stops: where nobody has looked since the start, m/s.
-    pub bumper_mps: f32,
-}
-
-impl UnseenLimits {
-    /// Everything is seen.
-    pub const NONE: Self = Self { toward_mps: [f32::INFINITY; Region::COUNT], bumper_mps: 0.1 };
-}
-
 /// Everything that the guard must know.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GuardConfig {
@@ -189,8 +179,6 @@ pub struct GuardConfig {
     pub drive: DriveLimits,
     /// Thresholds.
     pub thresholds: Thresholds,
-    /// Speeds where nobody looks.
-    pub unseen: UnseenLimits,
     /// Rules per source, in the order of [`Source::ALL`].
     pub sources: [SourceRules; Source::COUNT],
 }
@@ -217,7 +205,6 @@ impl GuardConfig {
             wheelbase_m: 1.0,
         },
         thresholds: Thresholds::DEFAULT,
-        unseen: UnseenLimits::NONE,
         sources: Self::default_sources(),
     };
 
@@ -287,13 +274,13 @@ impl GuardConfig {
             ("braking", drive.braking_mps2),
             ("response time", drive.response_s),
             ("wheelbase", drive.wheelbase_m),
+            ("response time of the scanner", limits.scanner_response_s),
             ("speed in the warning field", limits.warning_speed_mps),
             ("speed near people", limits.person_speed_mps),
             ("distance to people", limits.person_near_m),
             ("escape speed", limits.escape_speed_mps),
             ("tolerated difference of speeds", limits.speed_disagreement_mps),
             ("tolerated difference of turning rates", limits.turn_disagreement_radps),
-            ("speed of a contact", self.unseen.bumper_mps),
             ("number of adjacent beams", f32::from(limits.scan_adjacent_beams)),
             ("number of consecutive scans", f32::from(limits.scan_consecutive)),
             ("number of returns", f32::from(limits.packet_returns)),
@@ -333,31 +320,19 @@ impl GuardConfig {
         if !set.speed_max_mps.is_finite() || set.speed_max_mps <= 0.0 {
             return Err(GuardConfigError::NotPositive("speed of a field set"));
         }
-        let needed =
-            swept_outline(&self.footprint, &self.drive, (set.travel, set.speed_max_mps), Zone::Protective);
-        let given_m = length_m(set.travel, &set.protective);
-        let needed_m = length_m(set.travel, &needed);
-        if given_m < needed_m - SAME_LENGTH_M {
-            let body_m = length_m(set.travel, &self.footprint);
-            let (needed_m, given_m) = (needed_m - body_m, given_m - body_m);
+        let given_m = match set.travel {
+            Travel::Reverse => rearmost_m(&self.footprint) - rearmost_m(&set.protective),
+            Travel::Spin => f32::INFINITY,
+            _ => foremost_m(&set.protective) - foremost_m(&self.footprint),
+        };
+        let wear_m = BRAKE_WEAR * set.speed_max_mps * set.speed_max_mps / (2.0 * self.drive.braking_mps2);
+        let response_s = self.drive.response_s + self.thresholds.scanner_response_s;
+        let supplements_m = SCANNER_SUPPLEMENT_M + wear_m;
+        let needed_m = field_length_m(set.speed_max_mps, response_s, self.drive.braking_mps2, supplements_m);
+        if given_m < needed_m {
             return Err(GuardConfigError::FieldTooShort { set: index, needed_m, given_m });
         }
-        if !contains(&set.protective, &needed) {
-            return Err(GuardConfigError::FieldTooNarrow { set: index, needed });
-        }
         Ok(())
-    }
-}
-
-/// Lengths that differ by less are the same, metres.
-const SAME_LENGTH_M: f32 = 2.0e-3;
-
-/// How far a field reaches where the robot goes, metres from the robot's origin; of a field for turning it says nothing.
-fn length_m(travel: Travel, polygon: &[Point2]) -> f32 {
-    match travel {
-        Travel::Reverse => -rearmost_m(polygon),
-        Travel::Spin => 0.0,
-        _ => foremost_m(polygon),
     }
 }
 

@@ -6,7 +6,6 @@
 
 use super::collision::Body;
 use super::config::GuardConfig;
-use super::looks::LidarRays;
 use super::packet_table::{BINS, Bin, PacketTable};
 use super::scan_table::ScanTable;
 use floorguard_types::capacities::SCAN_BEAMS_MAX;
@@ -35,7 +34,7 @@ impl Integrity {
     };
 
     /// Remembers them.
-    pub fn remember(&mut self, config: &GuardConfig, body: Body, tables: Tables<'_>) {
+    pub fn remember(&mut self, config: &GuardConfig, body: Body, tables: (&ScanTable, &PacketTable)) {
         for (part, sum) in self.sums.iter_mut().enumerate() {
             *sum = sum_of(part, tables);
         }
@@ -44,7 +43,12 @@ impl Integrity {
     }
 
     /// Looks at the next part; `false` when something changed. The configuration is a part of its own.
-    pub fn check_next(&mut self, config: &GuardConfig, body: Body, tables: Tables<'_>) -> bool {
+    pub fn check_next(
+        &mut self,
+        config: &GuardConfig,
+        body: Body,
+        tables: (&ScanTable, &PacketTable),
+    ) -> bool {
         let part = self.next % PARTS;
         self.next = part.wrapping_add(1);
         let configured = part != 0
@@ -53,10 +57,7 @@ impl Integrity {
     }
 }
 
-/// Everything that is precomputed.
-type Tables<'a> = (&'a ScanTable, &'a PacketTable, &'a LidarRays);
-
-fn sum_of(part: usize, (scan, packet, rays): Tables<'_>) -> u32 {
+fn sum_of(part: usize, (scan, packet): (&ScanTable, &PacketTable)) -> u32 {
     let mut sum = Sum(part as u32);
     for limits in [&scan.protective, &scan.warning] {
         // Two parts for each set.
@@ -73,8 +74,6 @@ fn sum_of(part: usize, (scan, packet, rays): Tables<'_>) -> u32 {
     scan.watched.iter().for_each(|beams| sum.add(u32::from(*beams)));
     sum.add(packet.origin.x_m.to_bits());
     sum.add(packet.origin.y_m.to_bits());
-    rays.words().for_each(|word| sum.add(word.to_bits()));
-    sum.add(rays.count as u32);
     for bins in packet.bins.chunks(BINS.div_ceil(PARTS)).skip(part).take(1) {
         bins.iter().for_each(|bin| sum.bin(bin));
     }

@@ -7,43 +7,29 @@ mod cause;
 mod collision;
 mod config;
 mod config_error;
-mod coverage;
 mod decision;
 mod field;
 mod held;
 mod integrity;
 mod kinematics;
-mod local_memory;
-mod looks;
 mod packet_table;
 mod record;
 mod scan_table;
 mod source;
-mod sweep;
-mod swept_outline;
 
 pub use action::{Action, GuardState};
 pub use advice::{ADVISED_PEOPLE_MAX, Advice, AdvisedPerson};
 pub use cause::{CAUSES, Cause};
 pub use collision::{Blocked, Body, time_to_collision_s};
-pub use config::{
-    DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeometry, Thresholds, Travel, UnseenLimits,
-};
+pub use config::{DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeometry, Thresholds, Travel};
 pub use config_error::GuardConfigError;
-pub use coverage::{EYES_MAX, Eye, Gap, Region, SensorCoverage, Unseen};
 pub use decision::{Decision, SourceReport};
 pub use field::{Polygon, point_in_polygon, ray_exit_m};
 pub use held::{HeldCause, HeldCauses};
 pub use integrity::{Integrity, PARTS};
 pub use kinematics::{field_length_m, stop_distance_m};
-pub use local_memory::{Cell, LocalMemory};
-pub use looks::LidarRays;
 pub use packet_table::PacketTable;
 pub(crate) use packet_table::{BIN_CDEG, Bin};
 pub use record::{CauseRecord, Unit};
 pub use scan_table::ScanTable;
 pub use source::{FaultKind, Health, Source, SourceRules};
-pub use sweep::{
-    BRAKE_WEAR, MARGIN_M, REACTION_S, STANDOFF_M, Stopping, Sweep, fastest_mps, signed_distance_m,
-};
-pub use swept_outline::{BEND_PER_M, OVERSPEED_SHARE, Zone, contains, swept_outline};

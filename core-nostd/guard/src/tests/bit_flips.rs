@@ -172,7 +172,6 @@ fn fg_req_017_every_flipped_bit_of_the_configuration_stops() {
     }
     flip_all!(config.drive);
     flip_all!(config.thresholds);
-    flip_all!(config.unseen);
     flip_all!(config.sources);
     flip_all!(config.fields);
     flip_all!(config.footprint);

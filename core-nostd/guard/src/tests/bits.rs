@@ -5,7 +5,7 @@ use crate::field_selection::FieldSelection;
 use crate::motion_checks::{Motion, MotionChecks, Persistence};
 use crate::protection::{
     CauseRecord, DriveLimits, FaultKind, FieldSet, HeldCause, HeldCauses, ScannerGeometry, SourceRules,
-    Thresholds, Travel, Unit, UnseenLimits,
+    Thresholds, Travel, Unit,
 };
 use crate::source_monitor::SourceMonitor;
 use crate::state::State;
@@ -169,11 +169,10 @@ fields! {
     SourceRules { fitted, required_at_start, limit_after_us, limit_mps, stop_after_us, frozen_samples }
     DriveLimits { speed_mps, turn_radps, acceleration_mps2, braking_mps2, response_s, wheelbase_m }
     Thresholds {
-        scan_adjacent_beams, scan_consecutive, packet_returns, field_activation_us,
+        scanner_response_s, scan_adjacent_beams, scan_consecutive, packet_returns, field_activation_us,
         warning_speed_mps, person_speed_mps, person_near_m, escape_speed_mps, emergency_action, overspeed_us,
         speed_disagreement_mps, turn_disagreement_radps, disagreement_us,
     }
-    UnseenLimits { toward_mps, bumper_mps }
     FieldSet { travel, speed_max_mps, protective, warning }
-    ScannerGeometry { mounting, first_angle_rad, step_rad, beams, sector_rad, height_m }
+    ScannerGeometry { mounting, first_angle_rad, step_rad, beams, sector_rad }
 }

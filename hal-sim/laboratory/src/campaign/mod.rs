@@ -6,7 +6,6 @@ mod fault_class;
 mod fault_matrix;
 mod fault_phase;
 mod single_faults;
-mod spoil;
 mod summary;
 
 pub use contacts::{ContactRow, ContactSummary, contact_plan, contact_trial, contact_trial_with};
@@ -15,7 +14,6 @@ pub use fault_class::random_fault;
 pub use fault_matrix::{Cell, cell_of, cells, coverage, fault_trial, name, taped_fault_trial};
 pub use fault_phase::box_in_the_way;
 pub use single_faults::single_fault;
-pub use spoil::Spoil;
 pub use summary::{CampaignSummary, RunOutcome, run_all, run_some};
 
 use crate::world::{Observation, Observer, Plan, run_recorded};

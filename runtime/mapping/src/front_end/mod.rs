@@ -1,11 +1,13 @@
 //! From scan to scan: each is matched against the returns of the last metres.
 
+mod between;
 mod config;
 mod local_map;
 mod node;
 mod sequence;
 mod tracker;
 
+pub use between::interpolated;
 pub use config::FrontEndConfig;
 pub use local_map::LocalMap;
 pub use node::{Node, Passage};

@@ -22,8 +22,8 @@ pub struct Node {
     pub score: f32,
 }
 
-/// A scan between two kept ones: only its odometry counts.
-#[derive(Clone, Copy, Debug)]
+/// A scan between two kept ones: the tracking passes it over, the finished trajectory holds it.
+#[derive(Clone, Debug)]
 pub struct Passage {
     /// Seconds.
     pub time_s: f64,
@@ -31,4 +31,6 @@ pub struct Passage {
     pub node: usize,
     /// Where it stands, seen from that scan, by odometry or by the last motion.
     pub from_node: Se2,
+    /// The returns, in the scanner's frame.
+    pub points: Box<[Point2]>,
 }

@@ -64,7 +64,9 @@ impl Tracker {
         let (distance, turn) = (moved.x_m.hypot(moved.y_m), moved.heading_rad.abs());
         if distance < self.config.travel_m && turn < self.config.turn_rad && record.odometry.is_some() {
             let node = self.nodes.len() - 1;
-            self.passages.push(Passage { time_s: record.time_s, node, from_node: moved });
+            let points =
+                record.points(self.config.range_least_m, self.config.range_most_m).into_boxed_slice();
+            self.passages.push(Passage { time_s: record.time_s, node, from_node: moved, points });
             return Step::Passed;
         }
         let expected = node.pose.compose(moved);
@@ -131,20 +133,6 @@ impl Tracker {
             score: refined.score,
         });
         Step::Node(index)
-    }
-
-    /// The trajectory of all scans, by the poses of the kept ones (in their order), ordered by time.
-    #[must_use]
-    pub fn trajectory(&self, poses: &[Se2]) -> Vec<(f64, Se2)> {
-        let mut all: Vec<(f64, Se2)> =
-            self.nodes.iter().zip(poses).map(|(node, pose)| (node.time_s, *pose)).collect();
-        for passage in &self.passages {
-            if let Some(pose) = poses.get(passage.node) {
-                all.push((passage.time_s, pose.compose(passage.from_node)));
-            }
-        }
-        all.sort_by(|a, b| a.0.total_cmp(&b.0));
-        all
     }
 }
 

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use floorguard_localisation::scan_matching::{
-    Candidate, CellOffset, DescentConfig, Exclusion, Found, Guess, MotionPenalty, SearchScratch, SearchWindow, refine,
-    search,
+    Candidate, CellOffset, DescentConfig, Exclusion, Found, Guess, MotionPenalty, SearchScratch,
+    SearchWindow, refine, search,
 };
 use nalgebra::Matrix3;
 
@@ -116,13 +116,19 @@ impl LoopCloser {
     /// Length of the shortest path from a stretch to all earlier ones; a loop has no length.
     fn path_lengths(&self, nodes: &[Node], from: usize) -> Vec<f64> {
         let count = self.stretches.len();
-        let step = |a: usize| nodes[self.stretches[a].centre].pose.distance(nodes[self.stretches[a + 1].centre].pose)
-            .max(0.5 * self.config.stretch_m);
+        let step = |a: usize| {
+            nodes[self.stretches[a].centre]
+                .pose
+                .distance(nodes[self.stretches[a + 1].centre].pose)
+                .max(0.5 * self.config.stretch_m)
+        };
         let mut length = vec![f64::INFINITY; count];
         length[from] = 0.0;
         let mut done = vec![false; count];
         for _ in 0..count {
-            let Some(here) = (0..count).filter(|&i| !done[i]).min_by(|&a, &b| length[a].total_cmp(&length[b])) else {
+            let Some(here) =
+                (0..count).filter(|&i| !done[i]).min_by(|&a, &b| length[a].total_cmp(&length[b]))
+            else {
                 break;
             };
             done[here] = true;
@@ -202,7 +208,10 @@ impl LoopCloser {
         let overlap = there.overlap_share().max(back.overlap_share());
         let log = std::env::var("SLAM_LOG").is_ok();
         if log {
-            println!("  {index}->{other} path {path_m:.0} window {half_m:.1} score {:.2} refined {:.2} conflict {conflict:.2} overlap {overlap:.2} expected {:?} found {:?}", found.score, refined.score, expected, measured);
+            println!(
+                "  {index}->{other} path {path_m:.0} window {half_m:.1} score {:.2} refined {:.2} conflict {conflict:.2} overlap {overlap:.2} expected {:?} found {:?}",
+                found.score, refined.score, expected, measured
+            );
         }
         if conflict > config.conflict_most || overlap < config.overlap_least {
             self.statistics.contradicted += 1;

@@ -66,7 +66,8 @@ impl Stretch {
         let corner = Point2::new(low_x - margin, low_y - margin);
         let geometry = GridGeometry::new(cells(low_x, high_x), cells(low_y, high_y), config.cell_m, corner)?;
         let count = geometry.cell_count();
-        let mut field = MatchField::new(geometry, [vec![0_u8; count], vec![0_u8; count]], config.reach_m).ok()?;
+        let mut field =
+            MatchField::new(geometry, [vec![0_u8; count], vec![0_u8; count]], config.reach_m).ok()?;
         for point in &self.points {
             field.insert(*point);
         }

@@ -55,7 +55,12 @@ const NEAR_M: f32 = 0.2;
 
 /// Asks the scans `of` about points in the frame of their stretch, whose origin is `origin` in the frame of the tracking.
 #[must_use]
-pub fn agreement(points: &[Point2], origin: Se2, scans: (&[Node], &[ScanView]), of: Range<usize>) -> Agreement {
+pub fn agreement(
+    points: &[Point2],
+    origin: Se2,
+    scans: (&[Node], &[ScanView]),
+    of: Range<usize>,
+) -> Agreement {
     let (nodes, views) = scans;
     let mut result = Agreement { all: points.len(), ..Agreement::default() };
     // Every third scan sees nearly what all of them see.

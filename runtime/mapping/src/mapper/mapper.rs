@@ -1,10 +1,10 @@
 //! Tracking, loops, optimisation, alignment.
 
-use crate::front_end::{FrontEndConfig, Step, Tracker, sequence_edges};
+use crate::front_end::{FrontEndConfig, Step, Tracker, interpolated, sequence_edges};
 use crate::input::ScanRecord;
 use crate::loops::{LoopCloser, LoopConfig};
 use crate::pose_graph::{Edge, Graph, RobustConfig, Unsolvable, optimise_robustly};
-use crate::refine::{AlignConfig, ScanView, align};
+use crate::refine::{AlignConfig, LocateConfig, ScanView, align, locate};
 use crate::se2::Se2;
 
 /// All settings.
@@ -18,6 +18,8 @@ pub struct MapConfig {
     pub robust: RobustConfig,
     /// Alignment.
     pub align: AlignConfig,
+    /// Scans between the kept ones.
+    pub locate: LocateConfig,
 }
 
 /// Makes a map of scans.
@@ -34,6 +36,7 @@ pub struct Mapper {
     /// Counts corrections of the map.
     pub map_revision: u32,
     views: Vec<ScanView>,
+    step_rad: f32,
 }
 
 impl Mapper {
@@ -48,6 +51,7 @@ impl Mapper {
             loops: Vec::new(),
             map_revision: 0,
             views: Vec::new(),
+            step_rad: 0.01,
         }
     }
 
@@ -56,6 +60,7 @@ impl Mapper {
     /// # Errors
     /// The graph cannot be solved.
     pub fn push(&mut self, record: &ScanRecord) -> Result<(), Unsolvable> {
+        self.step_rad = record.step_rad;
         let Step::Node(index) = self.tracker.push(record) else { return Ok(()) };
         let node = &self.tracker.nodes[index];
         self.views.push(ScanView::new(&node.points, record.step_rad));
@@ -91,5 +96,38 @@ impl Mapper {
         self.close(found)?;
         let edges = sequence_edges(&self.tracker.nodes);
         align(&self.views, &mut self.poses, &edges, &self.config.align)
+    }
+
+    /// The trajectory of all scans by odometry between the kept ones, ordered by time.
+    #[must_use]
+    pub fn trajectory(&self) -> Vec<(f64, Se2)> {
+        let nodes = &self.tracker.nodes;
+        let kept = nodes.iter().zip(&self.poses).map(|(node, pose)| (node.time_s, *pose));
+        let passed = self
+            .tracker
+            .passages
+            .iter()
+            .filter_map(|passage| Some((passage.time_s, interpolated(nodes, &self.poses, passage)?)));
+        let mut all: Vec<(f64, Se2)> = kept.chain(passed).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all
+    }
+
+    /// The same, with every scan that the tracking passed over matched against the kept ones around it.
+    #[must_use]
+    pub fn matched_trajectory(&self) -> Vec<(f64, Se2)> {
+        let nodes = &self.tracker.nodes;
+        let mut all: Vec<(f64, Se2)> =
+            nodes.iter().zip(&self.poses).map(|(node, pose)| (node.time_s, *pose)).collect();
+        for passage in &self.tracker.passages {
+            let Some(guess) = interpolated(nodes, &self.poses, passage) else { continue };
+            let view = ScanView::new(&passage.points, self.step_rad);
+            let first = passage.node.saturating_sub(2);
+            let last = (passage.node + 4).min(nodes.len());
+            let partners: Vec<_> = (first..last).map(|node| (&self.views[node], self.poses[node])).collect();
+            all.push((passage.time_s, locate(&view, guess, &partners, &self.config.locate)));
+        }
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all
     }
 }

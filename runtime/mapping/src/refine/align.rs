@@ -37,7 +37,12 @@ impl Default for AlignConfig {
 ///
 /// # Errors
 /// A part hangs on nothing.
-pub fn align(views: &[ScanView], poses: &mut [Se2], edges: &[Edge], config: &AlignConfig) -> Result<(), Unsolvable> {
+pub fn align(
+    views: &[ScanView],
+    poses: &mut [Se2],
+    edges: &[Edge],
+    config: &AlignConfig,
+) -> Result<(), Unsolvable> {
     let compared = overlapping_pairs(poses, &config.pairs);
     let pairs: Vec<[usize; 2]> =
         compared.iter().copied().chain(edges.iter().map(|edge| [edge.from, edge.to])).collect();

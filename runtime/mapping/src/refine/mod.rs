@@ -4,11 +4,13 @@
 //! pairs enter one system of equations, so that no pair has to be trusted by itself.
 
 mod align;
+mod locate;
 mod pairs;
 mod scan_view;
 mod terms;
 
 pub use align::{AlignConfig, align};
+pub use locate::{LocateConfig, locate};
 pub use pairs::{PairConfig, overlapping_pairs};
 pub use scan_view::ScanView;
 pub use terms::{MatchLimits, PairMatch, match_pair};

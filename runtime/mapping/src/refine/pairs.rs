@@ -49,7 +49,8 @@ pub fn overlapping_pairs(poses: &[Se2], config: &PairConfig) -> Vec<[usize; 2]> 
             }
         }
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let (recent, others): (Vec<_>, Vec<_>) = near.iter().partition(|(_, other)| index - other <= config.recent);
+        let (recent, others): (Vec<_>, Vec<_>) =
+            near.iter().partition(|(_, other)| index - other <= config.recent);
         pairs.extend(spread(&recent, config.recent_max).into_iter().map(|other| [index, other]));
         pairs.extend(spread(&others, config.other_max).into_iter().map(|other| [index, other]));
         places.entry((column, row)).or_default().push(index);

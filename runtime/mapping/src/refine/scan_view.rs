@@ -117,7 +117,8 @@ fn wall_normal(points: &[WallPoint], index: usize, step_rad: f32) -> Point2 {
         return Point2::default();
     }
     let (mean_x, mean_y) = (sum_x / count, sum_y / count);
-    let (xx, xy, yy) = (xx / count - mean_x * mean_x, xy / count - mean_x * mean_y, yy / count - mean_y * mean_y);
+    let (xx, xy, yy) =
+        (xx / count - mean_x * mean_x, xy / count - mean_x * mean_y, yy / count - mean_y * mean_y);
     let half_trace = 0.5 * (xx + yy);
     let root = (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt();
     let (large, small) = (half_trace + root, half_trace - root);

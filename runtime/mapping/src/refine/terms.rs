@@ -87,12 +87,14 @@ fn one_way(views: [&ScanView; 2], poses: [Se2; 2], limits: &MatchLimits) -> Sums
         let place = relative.transform(wall.point);
         let Some(other) = views[1].nearest(place, limits.distance_m) else { continue };
         let normal = other.normal;
-        let turned = (cos * wall.normal.x_m - sin * wall.normal.y_m, sin * wall.normal.x_m + cos * wall.normal.y_m);
+        let turned =
+            (cos * wall.normal.x_m - sin * wall.normal.y_m, sin * wall.normal.x_m + cos * wall.normal.y_m);
         if (turned.0 * normal.x_m + turned.1 * normal.y_m).abs() < limits.direction_cosine {
             continue;
         }
         sums.matched += 1;
-        let (away_x, away_y) = (f64::from(place.x_m - other.point.x_m), f64::from(place.y_m - other.point.y_m));
+        let (away_x, away_y) =
+            (f64::from(place.x_m - other.point.x_m), f64::from(place.y_m - other.point.y_m));
         let (nx, ny) = (f64::from(normal.x_m), f64::from(normal.y_m));
         let error = nx * away_x + ny * away_y;
         let weight = 1.0 / (1.0 + (error / limits.outlier_m).powi(2));
