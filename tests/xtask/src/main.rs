@@ -20,6 +20,8 @@ mod stack;
 mod targets;
 mod test;
 mod vcan;
+#[cfg(test)]
+mod vocabulary;
 mod worst;
 
 /// Automation of floorguard. Exit codes: 0 good, 1 verdict negative, 2 usage, 3 bad input.

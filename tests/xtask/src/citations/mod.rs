@@ -5,4 +5,4 @@ mod refused;
 mod sources;
 mod tests;
 
-pub use comments::files;
+pub use comments::{files, paragraphs};
