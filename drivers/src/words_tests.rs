@@ -11,15 +11,15 @@ use crate::xsens::DeviceFault;
 
 /// All texts differ, and none is empty.
 fn differ<T: core::fmt::Display>(reasons: &[T]) {
-    let told: BTreeSet<String> = reasons.iter().map(ToString::to_string).collect();
-    assert_eq!(told.len(), reasons.len(), "{told:?}");
-    assert!(told.iter().all(|text| text.len() > 8), "{told:?}");
+    let reported: BTreeSet<String> = reasons.iter().map(ToString::to_string).collect();
+    assert_eq!(reported.len(), reasons.len(), "{reported:?}");
+    assert!(reported.iter().all(|text| text.len() > 8), "{reported:?}");
 }
 
 /// The text names each of these words.
 fn names(reason: &impl core::fmt::Display, words: &[&str]) {
-    let told = reason.to_string();
-    assert!(words.iter().all(|word| told.contains(word)), "{told}: {words:?}");
+    let reported = reason.to_string();
+    assert!(words.iter().all(|word| reported.contains(word)), "{reported}: {words:?}");
 }
 
 #[test]

@@ -33,7 +33,7 @@ pub fn corpus() -> &'static Corpus {
     CORPUS.get_or_init(Corpus::simulated)
 }
 
-/// Runs on a thread with room for a whole robot; its panic becomes ours.
+/// Runs on a thread whose stack holds a whole robot; its panic becomes ours.
 pub fn on_a_large_stack(work: impl FnOnce() + Send) {
     std::thread::scope(|scope| {
         let thread = std::thread::Builder::new().stack_size(STACK_BYTES);

@@ -29,7 +29,7 @@ fn play(scenario: &str, seed: u64, until_us: u64) -> Vec<WireEvent> {
 }
 
 #[test]
-fn same_seed_same_bytes_in_order_at_the_rates_of_the_devices() {
+fn same_seed_gives_same_bytes_and_rates() {
     let events = play("supermarket", 5, 1_000_000);
     assert_eq!(digest(&events), digest(&play("supermarket", 5, 1_000_000)));
     assert_ne!(digest(&events), digest(&play("supermarket", 6, 1_000_000)));
@@ -64,7 +64,7 @@ fn enable_and_drive(simulation: &mut Simulation, speed_mm_s: i32) {
 }
 
 #[test]
-fn the_robot_drives_when_told_and_the_emergency_stop_brakes_it() {
+fn robot_drives_on_command_emergency_stop_brakes() {
     let mut simulation = Simulation::new(&Scenario::named("empty").unwrap(), 1).unwrap();
     enable_and_drive(&mut simulation, 800);
     simulation.advance_to(3_000_000, &mut |_| {});
@@ -75,13 +75,13 @@ fn the_robot_drives_when_told_and_the_emergency_stop_brakes_it() {
     let after = simulation.truth();
     assert_eq!(after.twist.linear_mps, 0.0);
     assert!(after.emergency_stop);
-    let way_m = after.robot.x_m - before.robot.x_m;
+    let path_m = after.robot.x_m - before.robot.x_m;
     let expected_m = 0.8 * 0.05 + 0.8 * 0.8 / 3.0;
-    assert!((way_m - expected_m).abs() < 0.01, "{way_m} against {expected_m}");
+    assert!((path_m - expected_m).abs() < 0.01, "{path_m} against {expected_m}");
 }
 
 #[test]
-fn the_scanner_sees_the_wall_at_its_true_distance() {
+fn scanner_sees_wall_at_true_distance() {
     let events = play("empty", 2, 300_000);
     let bytes: Vec<u8> = events
         .iter()
@@ -110,7 +110,7 @@ fn raw(events: &[WireEvent], azimuth_cdeg: i32, laser: usize) -> i32 {
 }
 
 #[test]
-fn the_lidar_sees_floor_and_walls_on_the_right_sides() {
+fn lidar_sees_floor_and_walls_correctly() {
     let events = play("empty", 3, 150_000);
     let near = |found: i32, expected_m: f32| (found - (expected_m * 500.0) as i32).abs() <= 25;
     let up = libm::cosf(1.0_f32.to_radians());

@@ -6,7 +6,7 @@
 use floorguard_types::time::Stamp;
 use heapless::Vec;
 
-/// Ten seconds at one entry per 10 ms tick, plus room for 24 events a second between the ticks.
+/// Ten seconds at one entry per 10 ms tick, plus capacity for 24 events a second between the ticks.
 pub const BLACK_BOX_ENTRIES: usize = 1_240;
 
 /// A ring of stamped entries.
@@ -24,7 +24,7 @@ impl<T: Copy, const N: usize> BlackBox<T, N> {
         Self { entries: Vec::new(), next: 0, written: 0 }
     }
 
-    /// Appends an entry; the oldest one makes room.
+    /// Appends an entry; when full, the oldest one is dropped.
     pub fn record(&mut self, stamp: Stamp, entry: T) {
         if let Err(entry) = self.entries.push((stamp, entry))
             && let Some(slot) = self.entries.get_mut(self.next)
@@ -67,7 +67,7 @@ mod tests {
     use std::vec::Vec;
 
     #[test]
-    fn oldest_entries_make_room_in_order() {
+    fn oldest_entries_are_dropped_in_order() {
         let mut ring = BlackBox::<u32, 3>::new();
         for entry in 0..5 {
             ring.record(Stamp::from_micros(u64::from(entry) * 10), entry);

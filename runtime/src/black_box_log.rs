@@ -55,7 +55,7 @@ pub enum RestartCause {
     Fault = 2,
     /// The guard did not decide in time.
     Watchdog = 3,
-    /// An interrupt that nobody asked for.
+    /// An unexpected interrupt.
     Interrupt = 4,
 }
 
@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn every_row_fits_and_comes_back_without_a_zero_inside() {
+    fn rows_round_trip_without_inner_zeros() {
         let causes = Cause::all().into_iter().map(Some).chain([None]);
         let moments = causes.flat_map(|cause| [moment(0, cause), moment(u64::MAX, cause)]);
         let restart = LogRestart { cause: 3, detail: u32::MAX, uptime_ms: u32::MAX, deaths: u32::MAX };
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn no_flipped_bit_and_no_cut_passes_for_a_row() {
+    fn flipped_or_cut_rows_are_rejected() {
         let bytes = encode_row(&moment(123_456_789, Some(Cause::EmergencyStop)));
         let inside = &bytes[..bytes.len() - 1];
         for bit in 0..inside.len() * 8 {

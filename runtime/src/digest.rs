@@ -36,7 +36,7 @@ impl Default for Fnv64 {
     }
 }
 
-/// Drive frames, people and decisions, each in its own order, so that it does not matter when somebody looks.
+/// Drive frames, people and decisions, each in its own order, so that it does not matter when it is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OutputDigest {
     frames: Fnv64,
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn the_order_between_kinds_does_not_matter_and_within_one_it_does() {
+    fn order_matters_only_within_a_kind() {
         let [a, b] = [1, 2].map(|id| CanFrame::standard(id, &[7]));
         let people = PeopleReport::default();
         let mut one = OutputDigest::default();

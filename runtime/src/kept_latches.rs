@@ -59,7 +59,7 @@ mod tests {
     }
 
     #[test]
-    fn fg_req_070_what_is_kept_is_there_after_a_reset_and_nothing_after_power() {
+    fn fg_req_070_kept_state_survives_reset_not_power() {
         for fill in [0, u32::MAX, 0xA5A5_5A5A] {
             let kept = memory(fill);
             assert_eq!(kept.begin(), 0, "memory that was without power");

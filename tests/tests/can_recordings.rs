@@ -54,7 +54,7 @@ fn dictionary<'a>(requests: impl Iterator<Item = &'a SdoRequest>) -> BTreeMap<(u
 }
 
 #[test]
-fn every_request_of_the_two_wheel_base_is_written_again_bit_for_bit() {
+fn two_wheel_base_requests_are_reproduced_exactly() {
     let Some(frames) = read_log(NAVICAN) else { return };
     assert_eq!(frames.len(), 110);
     let mut requests = 0;
@@ -74,7 +74,7 @@ fn every_request_of_the_two_wheel_base_is_written_again_bit_for_bit() {
 }
 
 #[test]
-fn the_answers_of_the_two_wheel_base_say_who_it_is() {
+fn two_wheel_base_answers_identify_it() {
     let Some(frames) = read_log(NAVICAN) else { return };
     for node in [1, 2] {
         let answers: Vec<(u16, u8, SdoAnswer)> = frames
@@ -127,7 +127,7 @@ fn our_scripts_leave_the_same_mapping() {
 }
 
 #[test]
-fn the_first_process_data_of_the_two_wheel_base() {
+fn first_process_data_of_two_wheel_base() {
     let Some(frames) = read_log(NAVICAN) else { return };
     let payload = |id: u16| {
         let found = frames.iter().find(|(_, frame)| frame.standard_id() == Some(id)).unwrap();
@@ -149,7 +149,7 @@ fn the_first_process_data_of_the_two_wheel_base() {
 
 /// Our configurator in the place of the recorded master: it sends the same requests and reads the same values.
 #[test]
-fn our_configurator_repeats_the_dialogue_with_the_single_drive() {
+fn configurator_repeats_the_single_drive_dialogue() {
     let Some(frames) = read_log(ROS_CANOPEN) else { return };
     assert_eq!(frames.len(), 14);
     let at = |seconds: f64| Stamp::from_micros((seconds * 1.0e6).round() as u64);

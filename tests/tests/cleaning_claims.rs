@@ -22,7 +22,7 @@ fn config(trial: u64) -> MissionConfig {
 }
 
 #[test]
-fn claims_hold_under_slip_pushes_lost_packets_and_power_cuts() {
+fn claims_hold_under_slip_pushes_and_losses() {
     let slice = Slice::from_environment(4);
     let plain = Floor::new("plain", rooms::plain().expect("a room"), 0.17).expect("a floor");
     let furnished = Floor::new("furnished", rooms::furnished().expect("a room"), 0.17).expect("a floor");

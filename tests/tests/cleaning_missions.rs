@@ -2,7 +2,7 @@
 
 use floorguard_host::executor::StopFlag;
 use floorguard_laboratory::mission::{
-    Keeping, Memory, MissionConfig, Onlooker, Strategy, run, run_keeping, run_strategies_believing,
+    Memory, MissionConfig, MissionStorage, RunMonitor, Strategy, run, run_keeping, run_strategies_believing,
 };
 use floorguard_robot::site::{DirtSource, Floor, rooms};
 use floorguard_types::random::Pcg32;
@@ -11,14 +11,14 @@ use floorguard_types::random::Pcg32;
 fn the_guarantee_is_kept_in_a_plain_room() {
     let floor = Floor::new("plain", rooms::plain().expect("a room"), 0.17).expect("a floor");
     let dirt = DirtSource::Cells { count: 25, units: vec![10.0, 15.0, 20.0, 25.0] };
-    let mut ways_m = Vec::new();
+    let mut paths_m = Vec::new();
     for strategy in [Strategy::Guarantee, Strategy::NoReplanning, Strategy::Systematic] {
         for seed in 0..3 {
             let expected = dirt.expected_units(&floor, &mut Pcg32::new(seed, 77)).expect("dirt");
             let config = MissionConfig::published(strategy);
             let begin = std::time::Instant::now();
             let result = run(&floor, &config, &expected, seed).expect("a mission");
-            ways_m.push(result.distance_m);
+            paths_m.push(result.distance_m);
             // 25 cells with δ = 0.01 each: more than one false claim in a mission is beyond chance.
             assert!(result.falsely_claimed_cells <= 1, "{}", strategy.name());
             if strategy == Strategy::Guarantee {
@@ -50,15 +50,15 @@ fn the_guarantee_is_kept_in_a_plain_room() {
         }
     }
     let mean = |part: &[f32]| part.iter().sum::<f32>() / part.len() as f32;
-    let (guarantee, others) = ways_m.split_at(3);
+    let (guarantee, others) = paths_m.split_at(3);
     let (once, lanes) = others.split_at(3);
     assert!(mean(once) < mean(guarantee) && mean(guarantee) < mean(lanes));
 }
 
-/// Power fails again and again until the mission is done: nothing that was cleaned is forgotten, nothing is claimed that is
-/// not clean, and the way is hardly longer than in one go.
+/// Power fails again and again until the mission is done: nothing that was cleaned is forgotten, nothing is claimed
+/// that is not clean, and the path is hardly longer than in one go.
 #[test]
-fn power_cuts_cost_neither_claims_nor_much_way() {
+fn power_cuts_cost_no_claims_little_distance() {
     let floor = Floor::new("plain", rooms::plain().expect("a room"), 0.17).expect("a floor");
     let dirt = DirtSource::Cells { count: 25, units: vec![8.0, 15.0] };
     for (strategy, every_s) in [(Strategy::Guarantee, 120.0), (Strategy::Systematic, 500.0)] {
@@ -77,8 +77,8 @@ fn power_cuts_cost_neither_claims_nor_much_way() {
                 newest = Some(Memory::decode(&now.encode())?);
                 Ok(())
             };
-            let keeping = Keeping { from: memory.as_ref(), keep: Some(&mut keep), ended: None };
-            match run_keeping(&floor, &config, (&expected, &expected), (5, keeping)) {
+            let storage = MissionStorage { from: memory.as_ref(), keep: Some(&mut keep), ended: None };
+            match run_keeping(&floor, &config, (&expected, &expected), (5, storage)) {
                 Ok(result) => break result,
                 Err(_) => cuts += 1,
             }
@@ -114,13 +114,13 @@ fn a_memory_of_another_mission_is_refused() {
     let expected = dirt.expected_units(&floor, &mut Pcg32::new(5, 77)).expect("dirt");
     let config = MissionConfig::published(Strategy::Guarantee);
     let other = Memory { about: 1, ..Memory::default() };
-    let keeping = Keeping { from: Some(&other), ..Keeping::default() };
-    assert!(run_keeping(&floor, &config, (&expected, &expected), (5, keeping)).is_err());
+    let storage = MissionStorage { from: Some(&other), ..MissionStorage::default() };
+    assert!(run_keeping(&floor, &config, (&expected, &expected), (5, storage)).is_err());
 }
 
 /// Somebody ends a campaign after its third mission: what every strategy has done counts, and nothing half done does.
 #[test]
-fn what_is_done_when_somebody_ends_the_missions_counts() {
+fn finished_missions_count_after_early_end() {
     let floor = Floor::new("plain", rooms::plain().expect("a room"), 0.17).expect("a floor");
     let dirt = DirtSource::Cells { count: 2, units: vec![8.0] };
     let config = MissionConfig::published(Strategy::Guarantee);
@@ -131,9 +131,9 @@ fn what_is_done_when_somebody_ends_the_missions_counts() {
             ended.stop();
         }
     };
-    let onlooker = Onlooker { progress: &progress, ended: &ended };
+    let monitor = RunMonitor { progress: &progress, ended: &ended };
     // Trials run side by side; on any number of cores hundreds cannot all have ended by the third mission.
-    let columns = run_strategies_believing(&floor, (&strategies, &config, &dirt), None, (300, 1), &onlooker)
+    let columns = run_strategies_believing(&floor, (&strategies, &config, &dirt), None, (300, 1), &monitor)
         .expect("missions");
     let counts: Vec<usize> = columns.iter().map(|column| column.trials.len()).collect();
     assert!(counts[0] == counts[1] && counts[0] < 150, "{counts:?}");

@@ -3,7 +3,7 @@
 use floorguard_tests::reproduce::{FigureFive, environments, figure_five, figure_six, table_one};
 
 #[test]
-fn table_one_keeps_the_guarantee_with_less_way_than_the_lanes() {
+fn table_one_guarantee_beats_lanes_in_distance() {
     let table = table_one(2).expect("built-in rooms");
     println!("{}", table.text());
     assert!(table.holds());

@@ -1,7 +1,7 @@
 //! The robot that drives cleans: judged by the dirt that really lies there.
 
 use floorguard_laboratory::world::{Observation, Observer, Plan, run_recorded};
-use floorguard_operator::telemetry::Witnesses;
+use floorguard_operator::telemetry::RunSinks;
 use floorguard_robot::cleaner::MissionStrategy;
 use floorguard_sim::FaultSpec;
 use floorguard_sim::scenario::Scenario;
@@ -33,19 +33,19 @@ fn plan(seconds: u64) -> Plan {
     Plan::of("room", scenario, 1, seconds * 1_000_000).unwrap().cleaning(None).unwrap()
 }
 
-fn played(plan: &Plan, witnesses: &mut Witnesses) -> Observation {
+fn played(plan: &Plan, sinks: &mut RunSinks) -> Observation {
     let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
     let mut observer = Observer::new(plan, &mut show);
-    run_recorded(plan, &mut observer, witnesses).unwrap();
+    run_recorded(plan, &mut observer, sinks).unwrap();
     observer.into_observation()
 }
 
-/// Nobody in the way: the spills are gone by the truth, and nothing is claimed that is not clean.
+/// Nobody on the path: the spills are gone by the truth, and nothing is claimed that is not clean.
 #[test]
-fn an_empty_room_is_cleaned_and_nothing_is_claimed_falsely() {
+fn empty_room_is_cleaned_without_false_claims() {
     let mut plan = plan(90);
     plan.until_clean = true;
-    let seen = played(&plan, &mut Witnesses::default());
+    let seen = played(&plan, &mut RunSinks::default());
     let mission = &seen.mission.as_ref().unwrap().report;
     assert!(
         mission.dirty_cells >= 35 && mission.claimed_cells == mission.dirty_cells && mission.finished,
@@ -68,7 +68,7 @@ fn an_empty_room_is_cleaned_and_nothing_is_claimed_falsely() {
 fn a_minute_among_twenty_people() {
     let plan = Plan::named("busy-supermarket", 2, 60_000_000).unwrap().cleaning(None).unwrap();
     assert_eq!(plan.scenario.people(1).len(), 20);
-    let seen = played(&plan, &mut Witnesses::default());
+    let seen = played(&plan, &mut RunSinks::default());
     let mission = &seen.mission.as_ref().unwrap().report;
     assert!(seen.verdict.passed && seen.verdict.avoidable_contacts == 0, "{:?}", seen.verdict);
     assert!(mission.dirt_after_units < mission.dirt_before_units && mission.distance_m > 3.0, "{mission:?}");
@@ -83,9 +83,9 @@ fn a_minute_among_twenty_people() {
 fn the_route_cleans_only_what_lies_on_it() {
     let scenario = Scenario::from_toml(ROOM).unwrap();
     let bare = Plan::of("room", scenario, 1, 20_000_000).unwrap();
-    assert!(played(&bare, &mut Witnesses::default()).mission.is_none());
+    assert!(played(&bare, &mut RunSinks::default()).mission.is_none());
     let route = bare.cleaning(Some(MissionStrategy::Route)).unwrap();
-    let report = played(&route, &mut Witnesses::default()).mission.unwrap().report;
+    let report = played(&route, &mut RunSinks::default()).mission.unwrap().report;
     assert!(report.completion < 0.95, "{report:?}");
     assert!(report.dirt_after_units < report.dirt_before_units, "{report:?}");
 }
@@ -97,7 +97,7 @@ fn a_power_cut_costs_time_and_no_claims() {
     for fault in ["computer:reset,from=8s,to=10s", "computer:reset,from=22s,to=24s"] {
         let mut plan = plan(75);
         plan.faults.push(FaultSpec::parse(fault).unwrap());
-        let seen = played(&plan, &mut Witnesses::default());
+        let seen = played(&plan, &mut RunSinks::default());
         let mission = &seen.mission.as_ref().unwrap().report;
         assert!(mission.claimed_cells * 10 >= mission.dirty_cells * 9, "{fault}: {mission:?}");
         assert_eq!(mission.falsely_claimed_cells, 0, "{fault}: {mission:?}");

@@ -67,7 +67,7 @@ fn budget() -> Duration {
 }
 
 #[test]
-fn a_hundred_and_three_hundred_cells_stay_within_one_percent() {
+fn tours_stay_within_one_percent() {
     for size in [100, 300] {
         for instance in 1..=3 {
             let Some(percent) = excess_percent(&format!("tsp_{size}_{instance}"), budget()) else { return };

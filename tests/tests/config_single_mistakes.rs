@@ -29,7 +29,7 @@ fn refusal_of(mistake: &Mistake) -> String {
 }
 
 #[test]
-fn every_single_mistake_is_refused_with_line_limit_and_remedy() {
+fn single_mistakes_name_line_limit_and_remedy() {
     let mut differences = Vec::new();
     for mistake in &MISTAKES {
         let refusal = refusal_of(mistake);

@@ -28,7 +28,7 @@ fn run(slice: &Slice) {
 }
 
 #[test]
-fn no_fault_of_the_matrix_makes_the_robot_miss_a_stop() {
+fn no_matrix_fault_misses_a_stop() {
     let slice = Slice::from_environment(12);
     let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
     let outcome = thread.spawn(move || run(&slice)).expect("a thread").join();

@@ -1,6 +1,6 @@
 //! What the fault campaigns found, each as a test of its own.
 
-use floorguard_laboratory::campaign::box_in_the_way;
+use floorguard_laboratory::campaign::box_on_path;
 use floorguard_laboratory::world::{Observation, Observer, Plan, run_virtual};
 use floorguard_sim::FaultSpec;
 
@@ -24,10 +24,10 @@ fn play(plan: Plan) -> Observation {
 
 /// Drives up to a box under a fault; the front of the robot must stay off it.
 fn stays_off_the_box(fault: &str) {
-    let mut plan = box_in_the_way(7, 9_000_000).expect("a plan");
+    let mut plan = box_on_path(7, 9_000_000).expect("a plan");
     plan.faults.push(FaultSpec::parse(fault).expect("a fault"));
     let seen = play(plan);
-    let farthest_m = seen.robot_way.iter().map(|pose| pose.x_m).fold(0.0_f32, f32::max);
+    let farthest_m = seen.robot_path.iter().map(|pose| pose.x_m).fold(0.0_f32, f32::max);
     assert!(seen.verdict.missed_stops == 0 && seen.verdict.passed, "{fault}: {:?}", seen.verdict);
     // The box begins at 2.1 m, the body ends 0.95 m before the origin.
     assert!(
@@ -40,13 +40,13 @@ fn stays_off_the_box(fault: &str) {
 /// The process data to the traction drive are stuck at "drive on" while the master's heartbeat goes on: the drive's
 /// watchdog had no reason to stop it.
 #[test]
-fn fg_req_055_orders_that_are_stuck_on_the_way_to_the_drive_do_not_carry_the_robot_on() {
+fn fg_req_055_stuck_drive_orders_stop_the_robot() {
     for from in ["1.5s", "2s", "2.5s", "3s", "4s"] {
         stays_off_the_box(&format!("traction-command:stuck,from={from},to=9s"));
     }
 }
 
-/// The bus repeats what the computer said two seconds ago, heartbeats included.
+/// The bus repeats the computer's frames of two seconds ago, heartbeats included.
 #[test]
 fn fg_req_055_old_orders_do_not_carry_the_robot_on() {
     for from in ["2.5s", "3s", "4s"] {
@@ -57,7 +57,7 @@ fn fg_req_055_old_orders_do_not_carry_the_robot_on() {
 /// The computer loses its power while the emergency stop is pressed, and comes back after its release: what was latched
 /// is forgotten, and the drives were never switched off.
 #[test]
-fn fg_req_018_a_computer_that_comes_back_does_not_start_the_robot_by_itself() {
+fn fg_req_018_restarted_computer_does_not_start_robot() {
     let runs = [
         ("2.9s", "4.2s", vec![(3_000_000, 4_000_000)], 4.75),
         ("3s", "3.5s", vec![], 4.25),
@@ -71,20 +71,20 @@ fn fg_req_018_a_computer_that_comes_back_does_not_start_the_robot_by_itself() {
         plan.faults.push(FaultSpec::parse(&format!("computer:reset,from={from},to={to}")).expect("a fault"));
         let seen = play(plan);
         // The operator of the simulator resets when the robot has waited for three seconds.
-        assert!(seen.way_m(stands_from_s, stands_from_s + 2.0) < 0.05, "{from}: it started by itself");
-        assert!(seen.resets >= 1 && seen.way_m(9.0, 11.75) > 0.5, "{from}: {} resets", seen.resets);
+        assert!(seen.path_m(stands_from_s, stands_from_s + 2.0) < 0.05, "{from}: it started by itself");
+        assert!(seen.resets >= 1 && seen.path_m(9.0, 11.75) > 0.5, "{from}: {} resets", seen.resets);
     }
 }
 
 /// Every telegram of the safety inputs is cut in half while the emergency stop is pressed and released (seed 2 of the
 /// campaign, trial 3127): nobody heard it, so an operator must look.
 #[test]
-fn fg_req_003_inputs_that_could_not_be_read_do_not_let_the_robot_start_by_itself() {
+fn fg_req_003_unread_inputs_prevent_automatic_start() {
     let mut plan = Plan::named("empty", 11, 12_000_000).expect("a plan");
     plan.emergency_stop_us = vec![(3_000_000, 4_000_000)];
     plan.faults.push(FaultSpec::parse("inputs:truncate=100%,from=2s,to=4s").expect("a fault"));
     let seen = play(plan);
     // The operator of the simulator resets when the robot has waited for three seconds.
-    assert!(seen.way_m(4.0, 5.0) < 0.05, "it rolled on while nobody had reset");
-    assert!(seen.resets >= 1 && seen.way_m(9.0, 11.75) > 0.5, "{} resets", seen.resets);
+    assert!(seen.path_m(4.0, 5.0) < 0.05, "it rolled on while nobody had reset");
+    assert!(seen.resets >= 1 && seen.path_m(9.0, 11.75) > 0.5, "{} resets", seen.resets);
 }

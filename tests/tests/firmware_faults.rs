@@ -1,5 +1,5 @@
-//! The faults of the matrix on the emulated Cortex-M7: the board is told what the host's robot was told, faults and all,
-//! and must answer with the same fingerprint; the host's run is judged by the simulator's truth.
+//! The faults of the matrix on the emulated Cortex-M7: the board receives the input of the host's robot, faults
+//! included, and must answer with the same fingerprint; the host's run is judged by the simulator's truth.
 //!
 //! `cargo xtask campaign firmware-faults` builds the firmware and says where it is.
 
@@ -9,7 +9,7 @@ use std::path::Path;
 use floorguard_laboratory::campaign::{Cell, cells, name, taped_fault_trial};
 use floorguard_laboratory::judge::Verdict;
 use floorguard_laboratory::world::{Observer, Plan, run_recorded};
-use floorguard_operator::telemetry::{Tape, Witnesses};
+use floorguard_operator::telemetry::{RunSinks, Tape};
 use floorguard_robot::assembly::Stages;
 use floorguard_sim::FaultSpec;
 use floorguard_tests::campaign::{Slice, report};
@@ -17,26 +17,26 @@ use floorguard_tests::worst::Emulator;
 
 /// The robot's state is large, and moved by value when a run begins.
 const STACK_BYTES: usize = 64 << 20;
-/// Room for a tape in the board's memory.
+/// Capacity for a tape in the board's memory.
 const TAPE_BYTES_MAX: usize = (16 << 20) - (128 << 10);
 
-/// What once differed, seed 2, trial 496: a sweep put together from wrong packets seems to show 75 people, the board has
-/// room for 32, and the host followed them all. Pinned by what it is: a number names another trial as soon as trials are
-/// drawn otherwise.
+/// What once differed, seed 2, trial 496: a sweep put together from wrong packets seems to show 75 people, the board's
+/// capacity is 32, and the host followed them all. Pinned by what it is: a number names another trial as soon as trials
+/// are drawn otherwise.
 const WRONG_ORDER: (&str, u64, u64, &str) =
     ("encounter", 2_496_809_226, 10_600_000, "lidar:reorder=100%,from=6.2s,to=8.1s");
 
-/// Plays it on the host, with the board's stages: its verdict, and the tape of what the robot was told.
+/// Plays it on the host, with the board's stages: its verdict, and the tape of the robot's input.
 fn play_finding((scenario, seed, duration_us, fault): (&str, u64, u64, &str)) -> (Verdict, Vec<u8>) {
     let mut plan = Plan::named(scenario, seed, duration_us).expect("a plan");
     plan.faults.push(FaultSpec::parse(fault).expect("a fault"));
     plan.stages = Stages::AsOnBoard;
     let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
     let mut observer = Observer::new(&plan, &mut show);
-    let mut witnesses = Witnesses::default();
-    witnesses.tape = Tape::new(&plan.robot, plan.duration_us);
-    run_recorded(&plan, &mut observer, &mut witnesses).expect("the run");
-    (observer.into_observation().verdict, witnesses.tape.finish())
+    let mut sinks = RunSinks::default();
+    sinks.tape = Tape::new(&plan.robot, plan.duration_us);
+    run_recorded(&plan, &mut observer, &mut sinks).expect("the run");
+    (observer.into_observation().verdict, sinks.tape.finish())
 }
 
 /// Why the run counts as failed: the board must answer the tape with the host's fingerprint.
@@ -76,7 +76,7 @@ fn run(slice: &Slice, emulator: &Emulator) {
 }
 
 #[test]
-fn the_emulated_board_answers_every_fault_as_the_host_does() {
+fn emulated_board_matches_host_for_every_fault() {
     let Some(image) = std::env::var_os("FLOORGUARD_TAPE_IMAGE") else {
         println!("skipped: no firmware; cargo xtask campaign firmware-faults builds it");
         return;

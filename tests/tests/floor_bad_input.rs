@@ -40,7 +40,7 @@ fn image(depth_mm: &[u16], at_us: u64) -> DepthImage<'_> {
 }
 
 #[test]
-fn without_a_fit_the_plane_is_reused_and_the_floor_becomes_unknown() {
+fn missing_fit_reuses_plane_then_unknown() {
     let mut model = model();
     let (good, dark) = (level_floor(0), vec![0; WIDTH * HEIGHT]);
     let measured = model.update(&image(&good, 1_000_000), Stamp::from_micros(1_000_000));
@@ -70,7 +70,7 @@ fn a_model_that_has_seen_nothing_knows_nothing() {
 }
 
 #[test]
-fn a_frozen_camera_is_told_from_a_still_one() {
+fn frozen_camera_differs_from_still_one() {
     let mut model = model();
     let (frozen, other) = (level_floor(0), level_floor(1));
     let mut faults = Vec::new();
@@ -87,7 +87,7 @@ fn a_frozen_camera_is_told_from_a_still_one() {
 }
 
 #[test]
-fn stamps_from_the_future_and_from_before_are_refused() {
+fn future_and_old_stamps_are_refused() {
     let mut model = model();
     let good = level_floor(0);
     let early = model.update(&image(&good, 1_000), Stamp::from_micros(400));
@@ -171,7 +171,7 @@ fn a_picture_of_another_camera_is_bad_input() {
     assert!(!floor(&task).is_err_and(|problem| problem.is::<BadInput>()));
 }
 
-/// A picture wider than what the core has room for is looked at in part: the same plane, places and sizes.
+/// A picture wider than the core's capacity is processed in part: the same plane, places and sizes.
 #[test]
 fn wide_pictures_are_reduced() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -1,12 +1,12 @@
-//! A robot with a rendered floor camera: dirt is seen where it lies, and a low thing that neither lidar nor scanner sees is
-//! not driven over.
+//! A robot with a rendered floor camera: dirt is seen where it lies, and a low object that neither lidar nor scanner
+//! sees is not driven over.
 
 use floorguard_laboratory::world::{Observation, Observer, Plan, run_virtual};
 use floorguard_robot::cleaner::MissionStrategy;
 use floorguard_sim::scenario::Scenario;
 use floorguard_types::geometry::Point2;
 
-/// A hall with a spill ahead, and a brick of 5 cm beside the straight way to another.
+/// A hall with a spill ahead, and a brick of 5 cm beside the straight path to another.
 const HALL: &str = r#"
 title = "a hall with a brick on the floor"
 start = { at_m = [0.0, 0.0] }
@@ -42,24 +42,24 @@ fn drive(has_camera: bool, (strategy, seconds): (MissionStrategy, u64)) -> (Plan
     (plan, observer.into_observation())
 }
 
-/// The way brought the robot's outline over the brick.
+/// The path brought the robot's outline over the brick.
 fn drove_over(plan: &Plan, seen: &Observation) -> bool {
     let corners = || plan.robot.geometry.footprint.iter();
     let bound = |pick: fn(&Point2) -> f32| {
         corners().map(pick).fold((f32::MAX, f32::MIN), |(low, high), value| (low.min(value), high.max(value)))
     };
     let ((rear, front), (right, left)) = (bound(|corner| corner.x_m), bound(|corner| corner.y_m));
-    seen.robot_way.iter().any(|pose| {
+    seen.robot_path.iter().any(|pose| {
         let brick = pose.inverse().transform(BRICK);
         (rear..front).contains(&brick.x_m) && (right..left).contains(&brick.y_m)
     })
 }
 
 #[test]
-fn dirt_is_mapped_and_a_brick_is_not_driven_over() {
+fn dirt_is_mapped_and_brick_is_avoided() {
     let straight_on = (MissionStrategy::Route, 12);
     let (plan, blind) = drive(false, straight_on);
-    assert!(drove_over(&plan, &blind), "the experiment shows nothing: the way does not lead over the brick");
+    assert!(drove_over(&plan, &blind), "the experiment shows nothing: the path does not lead over the brick");
     let (plan, seen) = drive(true, straight_on);
     assert!(!drove_over(&plan, &seen) && seen.verdict.distance_m > 0.8, "{} m", seen.verdict.distance_m);
     let (plan, seen) = drive(true, (MissionStrategy::Guarantee, 30));

@@ -81,7 +81,7 @@ fn a_large_frame_is_reduced() {
 }
 
 #[test]
-fn laser_marking_and_what_is_no_floor_are_left_out() {
+fn laser_marking_and_non_floor_are_excluded() {
     let folder = tempfile::tempdir().expect("a folder");
     let (picture, mask) = frame(3);
     picture.save(folder.path().join("a1.png")).expect("room");
@@ -168,7 +168,7 @@ fn ours_is_better_on_the_benchmark_floors() {
     assert!(ours.block_auc > published.block_auc, "{published:?}");
 }
 
-/// Cracks in pavement: not dirt, but real texture with a rare thing in it.
+/// Cracks in pavement: not dirt, but real texture with a rare object in it.
 #[test]
 fn ours_is_better_on_real_surfaces() {
     let Some(folder) = floorguard_tests::data::recording("surface_images") else { return };

@@ -141,7 +141,7 @@ fn shows(objects: &[FloorObject], [x, y]: [f32; 2]) -> bool {
     })
 }
 
-/// Boxes of one height at places all over the working range; how many are found, and how many other things.
+/// Boxes of one height at places all over the working range; how many are found, and how many other objects.
 fn campaign(scene: &mut Scene, height_m: f32, trials: u32) -> (u32, u32) {
     let mut watcher = Watcher::new();
     let mut places = Pcg32::new(17, 4);
@@ -157,29 +157,29 @@ fn campaign(scene: &mut Scene, height_m: f32, trials: u32) -> (u32, u32) {
 }
 
 #[test]
-fn two_centimetres_are_found_on_flat_wavy_and_sagging_floor() {
+fn two_centimetre_objects_are_found_on_uneven_floor() {
     for (name, sag, waves) in [("flat", 0.0, 0.0), ("wavy", 0.0, 0.0025), ("sagging", 0.02, 0.0)] {
         let mut scene = Scene::new(sag, waves);
         for (height_m, least) in [(0.02, 95), (0.05, 95)] {
             let (found, others) = campaign(&mut scene, height_m, 100);
-            println!("{name}, {height_m} m: {found} of 100 found, {others} other things");
+            println!("{name}, {height_m} m: {found} of 100 found, {others} other objects");
             assert!(found >= least, "{name}, {height_m} m: {found} of 100");
-            assert!(others == 0, "{name}, {height_m} m: {others} things that are not there");
+            assert!(others == 0, "{name}, {height_m} m: {others} objects that are not there");
         }
     }
 }
 
 #[test]
 fn an_empty_floor_has_no_objects() {
-    let mut things = 0;
+    let mut false_objects = 0;
     for (sag, waves) in [(0.0, 0.0), (0.0, 0.0025), (0.02, 0.0), (-0.015, 0.0)] {
         let mut scene = Scene::new(sag, waves);
         let mut watcher = Watcher::new();
         for _ in 0..250 {
-            things += watcher.objects(&scene.render(None)).len();
+            false_objects += watcher.objects(&scene.render(None)).len();
         }
     }
-    assert_eq!(things, 0, "in 1,000 frames");
+    assert_eq!(false_objects, 0, "in 1,000 frames");
 }
 
 #[test]

@@ -88,7 +88,7 @@ const ON_FLOOR_M: f32 = 0.04;
 
 /// A lidar that is mounted askew, people and a tripod in the room: the key's planes, and the same points in them.
 #[test]
-fn floors_of_a_lidar_lie_where_the_keys_say() {
+fn lidar_floors_match_the_keys() {
     const FOLDER: &str = "vlp16_clouds/acfr_lab";
     let Some(key) = recording(&format!("{FOLDER}/key.csv")) else { return };
     let key = std::fs::read_to_string(key).expect("the key is text");

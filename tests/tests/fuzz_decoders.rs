@@ -5,14 +5,14 @@
 use floorguard_configuration::EXAMPLE;
 use floorguard_drivers::microscan3::Receiver as SafetyScanner;
 use floorguard_tests::campaign::{Random, Slice, report};
-use floorguard_tests::fuzz::{Corpus, decoders, files, messages, pick, spoil};
+use floorguard_tests::fuzz::{Corpus, corrupt, decoders, files, messages, pick};
 
 /// Runs each trial with its own random numbers and tells how many messages were of use.
 fn campaign(trials: u64, trial: impl FnMut(&mut Random) -> u64) {
     campaign_of(trials, 1, trial);
 }
 
-/// The same where one trial feeds the decoder several spoilt messages.
+/// The same where one trial feeds the decoder several corrupted messages.
 fn campaign_of(trials: u64, messages: u64, mut trial: impl FnMut(&mut Random) -> u64) {
     let slice = Slice::from_environment(trials);
     let mut useful = 0;
@@ -25,10 +25,10 @@ fn campaign_of(trials: u64, messages: u64, mut trial: impl FnMut(&mut Random) ->
     assert!(useful > 0 || executions < 100, "every message was refused: the campaign tests nothing");
 }
 
-/// One of the messages, spoilt with parts of another one.
-fn spoilt(corpus: &[Vec<u8>], longest: usize, random: &mut Random) -> Vec<u8> {
+/// One of the messages, corrupted with parts of another one.
+fn corrupted(corpus: &[Vec<u8>], longest: usize, random: &mut Random) -> Vec<u8> {
     let mut bytes = pick(corpus, random).clone();
-    spoil(&mut bytes, pick::<Vec<u8>>(corpus, random), longest, random);
+    corrupt(&mut bytes, pick::<Vec<u8>>(corpus, random), longest, random);
     bytes
 }
 
@@ -36,7 +36,7 @@ fn spoilt(corpus: &[Vec<u8>], longest: usize, random: &mut Random) -> Vec<u8> {
 fn fuzz_velodyne() {
     let corpus = Corpus::simulated().lidar;
     campaign(8_000, |random| {
-        let datagrams: Vec<_> = (0..1 + random.below(3)).map(|_| spoilt(&corpus, 2_048, random)).collect();
+        let datagrams: Vec<_> = (0..1 + random.below(3)).map(|_| corrupted(&corpus, 2_048, random)).collect();
         decoders::velodyne(&datagrams)
     });
 }
@@ -46,9 +46,9 @@ fn fuzz_position() {
     let corpus = Corpus::simulated().position;
     let sentence = b"$GPRMC,220516,A,5133.82,N,00042.24,W,173.8,231.8,130694,004.2,W*70";
     campaign(8_000, |random| {
-        let taken = decoders::position(&spoilt(&corpus, 1_024, random));
+        let taken = decoders::position(&corrupted(&corpus, 1_024, random));
         let mut text = sentence.to_vec();
-        spoil(&mut text, sentence, 128, random);
+        corrupt(&mut text, sentence, 128, random);
         taken + decoders::sentence(&text)
     });
 }
@@ -57,11 +57,11 @@ fn fuzz_position() {
 fn fuzz_s300() {
     let corpus = Corpus::simulated().scanner;
     campaign(3_000, |random| {
-        let bytes = spoilt(&corpus, 4_096, random);
+        let bytes = corrupted(&corpus, 4_096, random);
         let portion = 1 + random.below(700) as usize;
-        // Whether it finds back costs ten times the damage itself: one trial in eight looks.
-        let looks = random.seldom(8);
-        decoders::s300(&bytes, portion, if looks { &corpus[..2] } else { &[] })
+        // Whether it finds back costs ten times the damage itself: one trial in eight checks it.
+        let is_known = random.seldom(8);
+        decoders::s300(&bytes, portion, if is_known { &corpus[..2] } else { &[] })
     });
 }
 
@@ -72,7 +72,7 @@ fn fuzz_slcan() {
         frames.iter().map(|frame| floorguard_sim::can::encode_slcan(frame).into_bytes()).collect();
     campaign(20_000, |random| {
         let mut bytes: Vec<u8> = (0..4).flat_map(|_| pick(&lines, random).clone()).collect();
-        spoil(&mut bytes, pick::<Vec<u8>>(&lines, random), 512, random);
+        corrupt(&mut bytes, pick::<Vec<u8>>(&lines, random), 512, random);
         decoders::slcan(&bytes)
     });
 }
@@ -86,7 +86,7 @@ fn fuzz_base() {
 #[test]
 fn fuzz_xsens() {
     let corpus = [Corpus::simulated().imu, messages::xsens_messages()].concat();
-    campaign(8_000, |random| decoders::xsens(&spoilt(&corpus, 4_096, random)));
+    campaign(8_000, |random| decoders::xsens(&corrupted(&corpus, 4_096, random)));
 }
 
 #[test]
@@ -96,10 +96,10 @@ fn fuzz_microscan3() {
     let right = messages::microscan3_datagrams(&whole, 77);
     let (mut receiver, mut now_us) = (SafetyScanner::new(Default::default()), 1_000_000);
     campaign(4_000, |random| {
-        // Either the content is spoilt and then sent whole, or the datagrams are spoilt on their way.
+        // Either the content is corrupted and then sent whole, or the datagrams are corrupted in transit.
         let mut message = whole.clone();
         if random.seldom(2) {
-            spoil(&mut message, &whole, 2_048, random);
+            corrupt(&mut message, &whole, 2_048, random);
             decoders::microscan3_message(&message);
         }
         let mut sent = messages::microscan3_datagrams(&message, random.below(4) as u32);
@@ -107,7 +107,7 @@ fn fuzz_microscan3() {
             .drain(..)
             .map(|mut datagram| {
                 if random.seldom(3) {
-                    spoil(&mut datagram, pick::<Vec<u8>>(&corpus, random), 1_500, random);
+                    corrupt(&mut datagram, pick::<Vec<u8>>(&corpus, random), 1_500, random);
                 }
                 (random.below(20_000), datagram)
             })
@@ -122,12 +122,12 @@ fn fuzz_configuration() {
     campaign(1_000, |random| {
         // One section alone is read ten times as fast as the file, and damage to it seldom hits mere words.
         let corpus = if random.seldom(8) { &whole[..] } else { &sections };
-        files::configuration(&spoilt(corpus, 64 * 1024, random))
+        files::configuration(&corrupted(corpus, 64 * 1024, random))
     });
 }
 
 #[test]
 fn fuzz_recording() {
     let corpus = [messages::recording()];
-    campaign(1_000, |random| files::recording(spoilt(&corpus, 1 << 20, random)));
+    campaign(1_000, |random| files::recording(corrupted(&corpus, 1 << 20, random)));
 }

@@ -85,7 +85,7 @@ fn every_requirement_has_code_and_a_test() {
 }
 
 #[test]
-fn a_missing_test_missing_code_and_an_unknown_id_are_each_found() {
+fn missing_tests_code_and_identifiers_are_found() {
     let document = "| FG-REQ-901 | text | code | hazard |\n| FG-REQ-902 | text | code | hazard |";
     assert_eq!(
         findings(document, "FG-REQ-901 FG-REQ-902", "fn fg_req_901_a fn fg_req_902_b"),
@@ -132,7 +132,7 @@ fn most_operators(code: &str) -> (usize, String) {
 }
 
 #[test]
-fn no_decision_of_the_guard_has_more_than_four_conditions() {
+fn guard_decisions_have_at_most_four_conditions() {
     for (path, lines) in guard_code() {
         let (operators, statement) = most_operators(&lines.join("\n"));
         assert!(operators <= 3, "{}: {operators} operators in {statement}", path.display());

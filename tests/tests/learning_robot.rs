@@ -8,7 +8,7 @@ use std::path::Path;
 use floorguard_configuration::EXAMPLE;
 use floorguard_laboratory::world::{Observation, Observer, Plan, run_recorded};
 use floorguard_operator::report::{document, read_history};
-use floorguard_operator::telemetry::Witnesses;
+use floorguard_operator::telemetry::RunSinks;
 use floorguard_perception::online_learning::Weights;
 use floorguard_recording::Recording;
 use floorguard_recording::replay::{ReplayAudience, ReplayOutcome, replay_recording};
@@ -27,17 +27,17 @@ fn plan() -> Plan {
 fn play(plan: &Plan, record: Option<&Path>) -> Observation {
     let mut quiet = |_: f64, _: &_, _: usize, _: &[_]| {};
     let mut observer = Observer::new(plan, &mut quiet);
-    let mut witnesses = Witnesses::default();
+    let mut sinks = RunSinks::default();
     if let Some(path) = record {
-        record_plan(&mut witnesses, plan, path).expect("it is recorded");
+        record_plan(&mut sinks, plan, path).expect("it is recorded");
     }
-    run_recorded(plan, &mut observer, &mut witnesses).expect("it runs");
+    run_recorded(plan, &mut observer, &mut sinks).expect("it runs");
     observer.into_observation()
 }
 
-struct Nobody;
+struct NoAudience;
 
-impl ReplayAudience for Nobody {
+impl ReplayAudience for NoAudience {
     fn on_people(&mut self, _report: &PeopleReport, _digest: u64) {}
 }
 
@@ -45,11 +45,11 @@ fn replay(path: &Path) -> ReplayOutcome {
     let file = std::fs::File::open(path).expect("the recording is there");
     let mut recording = Recording::new(BufReader::new(file));
     let first = recording.next().expect("a message").expect("it is whole");
-    replay_recording(first, &mut recording, &mut Nobody).expect("it is ours")
+    replay_recording(first, &mut recording, &mut NoAudience).expect("it is ours")
 }
 
 /// Without anchors nothing holds a correction back: the largest one there is calls everybody nobody.
-fn says_nobody() -> LearningSetup {
+fn reports_no_person() -> LearningSetup {
     LearningSetup::beside(Vec::new(), Weights { offset: -1.0e2, ..Weights::ZERO }, 5_000_000)
 }
 
@@ -58,7 +58,7 @@ fn says_nobody() -> LearningSetup {
 fn whatever_was_learned_no_stop_is_loosened() {
     let shipped = play(&plan(), None);
     let mut forgetful = plan();
-    forgetful.learning = Some(says_nobody());
+    forgetful.learning = Some(reports_no_person());
     let forgetful = play(&forgetful, None);
     let people =
         |seen: &Observation| seen.people_seen.iter().map(|moment| moment.people.len()).sum::<usize>();
@@ -67,10 +67,11 @@ fn whatever_was_learned_no_stop_is_loosened() {
     assert!(shipped.verdict.distance_m > 1.0, "{:?}", shipped.verdict);
     assert_eq!(shipped.stops, forgetful.stops);
     assert_eq!(shipped.speeds, forgetful.speeds);
-    assert_eq!(shipped.robot_way, forgetful.robot_way);
+    assert_eq!(shipped.robot_path, forgetful.robot_path);
     assert_eq!(shipped.under_cause_s, forgetful.under_cause_s);
     assert_ne!(shipped.verdict.digest, forgetful.verdict.digest);
-    // What adds people can only tighten: the limit is never higher before the robot has gone another way for it.
+    // What adds people can only tighten: the limit is never higher before the robot has taken another path for
+    // it.
     let mut anxious = plan();
     let all = Weights { offset: 1.0e2, ..Weights::ZERO };
     anxious.learning = Some(LearningSetup::beside(Vec::new(), all, 5_000_000));
@@ -83,20 +84,23 @@ fn whatever_was_learned_no_stop_is_loosened() {
 
 /// Before anything is taken over, the robot with `[learning]` is the robot without, to the bit.
 #[test]
-fn a_robot_that_has_learned_nothing_is_the_shipped_one() {
+fn unlearned_robot_equals_the_shipped_one() {
     let shipped = play(&plan(), None);
     let mut new = plan();
     new.learning = Some(LearningSetup::from_nothing(30_000_000));
     let new = play(&new, None);
     assert_eq!((shipped.verdict.mota, shipped.stops), (new.verdict.mota, new.stops.clone()));
-    assert_eq!((shipped.robot_way, shipped.people_seen), (new.robot_way.clone(), new.people_seen.clone()));
+    assert_eq!((shipped.robot_path, shipped.people_seen), (new.robot_path.clone(), new.people_seen.clone()));
     let learned = new.learned.expect("it tells");
-    assert!(learned.looks > 100 && learned.accepted == 0 && learned.decided_otherwise == 0, "{learned:?}");
+    assert!(
+        learned.shapes_scored > 100 && learned.accepted == 0 && learned.decided_otherwise == 0,
+        "{learned:?}"
+    );
     assert_eq!(shipped.learned, None);
 }
 
 #[test]
-fn the_same_recording_and_the_same_start_learn_the_same_bits() {
+fn equal_recordings_learn_equal_bits() {
     let folder = tempfile::tempdir().expect("a folder");
     let robot = folder.path().join("robot.toml");
     let model = folder.path().join("people.learned");
@@ -108,7 +112,7 @@ fn the_same_recording_and_the_same_start_learn_the_same_bits() {
     let path = folder.path().join("run.mcap");
     let run = play(&plan, Some(&path));
     let learned = run.learned.expect("it tells");
-    assert!(learned.resumed && learned.looks > 100, "{learned:?}");
+    assert!(learned.resumed && learned.shapes_scored > 100, "{learned:?}");
     let again = replay(&path);
     assert!(again.is_identical() && again.compared > 5, "{again:?}");
     assert_eq!(format!("{:016x}", again.digest), run.verdict.digest);
@@ -128,14 +132,14 @@ fn the_same_recording_and_the_same_start_learn_the_same_bits() {
 
 /// What is taken over goes into its file while the robot drives, not at its end: the power may be cut.
 #[test]
-fn what_was_taken_over_is_kept_in_virtual_time_too() {
+fn accepted_updates_are_saved_in_virtual_time() {
     let folder = tempfile::tempdir().expect("a folder");
     let robot = folder.path().join("robot.toml");
     std::fs::write(&robot, format!("{EXAMPLE}\n[learning]\n")).expect("it is written");
     let mut plan = Plan::named("empty", 3, 2_000_000).expect("a built-in scenario");
     plan = plan.with_robot(&robot).expect("the robot is the example with learning");
     let learned = Weights { steps: 4_000, offset: 0.1, ..Weights::ZERO };
-    plan.learning.as_ref().expect("it learns").desk.put(LearningReport::default(), &learned);
+    plan.learning.as_ref().expect("it learns").slot.put(LearningReport::default(), &learned);
     play(&plan, None);
     let model = folder.path().join("people.learned");
     let kept = load_weights(&model, anchors_fingerprint(&shipped_anchors())).expect("it is whole");

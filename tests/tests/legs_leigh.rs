@@ -11,7 +11,7 @@ const F1_COARSE_MIN: f64 = 0.74;
 const F1_WITHOUT_MAP_MIN: f64 = 0.42;
 
 #[test]
-fn legs_are_found_in_recordings_that_were_not_learnt_from() {
+fn legs_are_found_in_held_out_recordings() {
     let Some(scans) = recording("laser2d_people/leigh_leg_training.csv.gz") else { return };
     let report = legs(&scans, false).expect("it is readable");
     println!("{report:?}");
@@ -25,7 +25,7 @@ fn legs_are_found_in_recordings_that_were_not_learnt_from() {
 
 /// The table that the core carries is what `train legs` makes of these recordings.
 #[test]
-fn the_table_of_this_build_finds_the_legs_it_learnt_from() {
+fn built_in_table_finds_its_training_legs() {
     let Some(scans) = recording("laser2d_people/leigh_leg_training.csv.gz") else { return };
     let report = legs(&scans, true).expect("it is readable");
     assert!(report.method == "table" && report.f1 > 0.85, "{report:?}");

@@ -66,7 +66,7 @@ fn datagrams(scan: u32) -> Vec<Vec<u8>> {
 /// What a bad network makes of a stream: (arrival in µs, datagram).
 fn network(scans: u32, seed: u64, (lost, doubled, late): (f32, f32, f32)) -> (Vec<(u64, Vec<u8>)>, u32) {
     let mut random = Pcg32::new(seed, 1);
-    let (mut arrivals, mut spoilt) = (Vec::new(), 0);
+    let (mut arrivals, mut corrupted) = (Vec::new(), 0);
     for scan in 0..scans {
         let sent_us = 1_000_000 + u64::from(scan) * 40_000;
         let mut whole = true;
@@ -82,10 +82,10 @@ fn network(scans: u32, seed: u64, (lost, doubled, late): (f32, f32, f32)) -> (Ve
             }
             arrivals.push((sent_us + delay_us, datagram));
         }
-        spoilt += u32::from(!whole);
+        corrupted += u32::from(!whole);
     }
     arrivals.sort_by_key(|(at_us, _)| *at_us);
-    (arrivals, spoilt)
+    (arrivals, corrupted)
 }
 
 fn receive(arrivals: &[(u64, Vec<u8>)]) -> (Vec<Scan>, Receiver) {
@@ -114,7 +114,7 @@ fn check(scan: &Scan) {
 }
 
 #[test]
-fn a_good_network_gives_every_scan_with_its_moment() {
+fn good_network_delivers_every_stamped_scan() {
     let (arrivals, _) = network(100, 1, (0.0, 0.0, 0.0));
     let (scans, receiver) = receive(&arrivals);
     assert_eq!(scans.len(), 100);
@@ -161,19 +161,19 @@ fn doubled_and_reordered_datagrams_change_nothing() {
 #[test]
 fn lost_datagrams_cost_their_scan_and_no_other() {
     for seed in 0..5 {
-        let (arrivals, spoilt) = network(300, seed, (0.02, 0.05, 0.0));
+        let (arrivals, corrupted) = network(300, seed, (0.02, 0.05, 0.0));
         let (scans, receiver) = receive(&arrivals);
-        assert!(spoilt > 20);
-        assert_eq!(scans.len() as u32, 300 - spoilt);
+        assert!(corrupted > 20);
+        assert_eq!(scans.len() as u32, 300 - corrupted);
         scans.iter().for_each(check);
         let behind_last = 299 - scans.last().unwrap().sequence;
         let before_first = scans[0].sequence;
-        assert_eq!(receiver.counters().lost_scans, spoilt - behind_last - before_first);
+        assert_eq!(receiver.counters().lost_scans, corrupted - behind_last - before_first);
     }
 }
 
 #[test]
-fn whatever_the_network_does_a_scan_that_comes_is_right() {
+fn delivered_scans_are_right_on_any_network() {
     for seed in 0..10 {
         let (arrivals, _) = network(200, 100 + seed, (0.01, 0.1, 0.2));
         let (scans, receiver) = receive(&arrivals);

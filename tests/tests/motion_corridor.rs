@@ -12,7 +12,7 @@ const SEEDS: std::ops::Range<u64> = 0..4;
 const SWEEPS: usize = 150;
 
 #[test]
-fn a_walker_past_a_driving_robot_is_found_moving() {
+fn walker_past_driving_robot_is_found_moving() {
     let mut total = Score::default();
     for seed in SEEDS {
         let score = judge(&record(seed, SWEEPS), Method::Own { reach_m: 8.0 }, MotionParameters::FIXED);

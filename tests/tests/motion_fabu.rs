@@ -22,6 +22,6 @@ fn walking_people_are_found_moving_and_nothing_else() {
         assert!(track.walking_frames > 50, "{track:?}");
         assert!(track.found >= FOUND_MIN, "{track:?}");
     }
-    assert!(report.static_things > 5_000, "the hall is full of things: {}", report.static_things);
+    assert!(report.static_objects > 5_000, "the hall is full of objects: {}", report.static_objects);
     assert!(report.false_positives_per_100_sweeps <= FALSE_PER_100_SWEEPS_MAX, "{report:?}");
 }

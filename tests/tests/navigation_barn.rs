@@ -6,7 +6,7 @@ use floorguard_tests::data::recording;
 use rayon::prelude::*;
 
 #[test]
-fn ours_crosses_the_static_worlds_and_beats_the_window() {
+fn ours_beats_the_window_in_static_worlds() {
     let Some(path) = recording("barn/barn_even.npz") else { return };
     let worlds = load(&path).expect("the benchmark's worlds");
     assert_eq!(worlds.len(), 150);

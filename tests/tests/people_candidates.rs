@@ -4,7 +4,7 @@
 use floorguard_tests::candidates::{SEED, scores};
 
 #[test]
-fn our_detector_claims_more_people_and_fewer_things() {
+fn our_detector_claims_more_people_fewer_objects() {
     for (scene, precision_min, recall_min) in [("supermarket", 0.97, 0.86), ("airport", 0.92, 0.84)] {
         let ([ours, published], misses) = scores(scene, 6, SEED).expect("the scene is built in");
         println!("{scene}: ours {:.3} {:.3}, {ours:?}", ours.precision(), ours.recall());

@@ -25,9 +25,9 @@ fn thirty_people_keep_their_identity() {
     );
 }
 
-/// A crowd in which the robot drives: without a look at them people lose their names a third more often.
+/// A crowd in which the robot drives: without appearance people lose their identities a third more often.
 #[test]
-fn clothes_tell_who_comes_out_from_behind_whom() {
+fn clothes_identify_people_behind_each_other() {
     let crowd = CROWDS.iter().find(|scene| scene.name == "30, robot drives").expect("a built-in crowd");
     let [_, _, ours, blind] =
         totals(&CrowdScene { varied: true, ..*crowd }, 3, 20).expect("the scene is readable");

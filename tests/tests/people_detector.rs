@@ -15,6 +15,6 @@ fn walking_people_of_a_real_hall_are_claimed() {
     println!("{report:?}");
     assert!(report.frames == 130 && report.key_people > 300, "{report:?}");
     assert!(report.recall >= 0.90, "recall {}", report.recall);
-    // What stands in that hall besides the three is not keyed: one thing of a person's shape never moves.
+    // What stands in that hall besides the three is not keyed: one object of a person's shape never moves.
     assert!(report.other_claims_per_frame <= 2.0, "{} others a frame", report.other_claims_per_frame);
 }

@@ -64,7 +64,7 @@ fn exit_of(line: &[&str]) -> u8 {
 }
 
 #[test]
-fn wrong_usage_and_bad_files_have_codes_of_their_own() {
+fn usage_and_file_errors_have_own_codes() {
     assert_eq!(exit_of(&["floorguard", "eval", "tracks", "--truth", "only.txt"]), 2);
     let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, text: &str| {

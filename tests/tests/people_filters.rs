@@ -157,7 +157,7 @@ fn the_polar_vector_of_the_specification_holds() {
 }
 
 #[test]
-fn a_belief_that_is_none_is_refused_and_kept() {
+fn invalid_belief_is_refused_and_kept() {
     for sigma_m in [f32::NAN, f32::INFINITY] {
         let seen = Observation::Cartesian { position: Point2::new(f32::NAN, 0.0), sigma_m };
         let mut filter = ExtendedKalman { state: start() };

@@ -62,7 +62,7 @@ fn floor_counts(pitch_rad: f32) -> Option<[u32; 3]> {
 }
 
 #[test]
-fn floor_is_told_from_what_stands_on_it() {
+fn floor_is_distinguished_from_objects_on_it() {
     // Level, and with a mounting angle that is wrong by a degree either way.
     for pitch_deg in [0.0_f32, 1.0, -1.0] {
         let Some([right, wrong, missed]) = floor_counts(pitch_deg.to_radians()) else { return };

@@ -111,27 +111,29 @@ fn complete_at(file: &[u8]) -> Vec<usize> {
 
 /// Reads a file that was cut; gives the messages delivered and those that the error speaks of.
 fn read_cut(file: &[u8]) -> (u64, Option<u64>) {
-    let (mut delivered, mut told) = (0, None);
+    let (mut delivered, mut reported) = (0, None);
     for message in Recording::new(file) {
         match message {
             Ok(_) => delivered += 1,
-            Err(ReadError::Cut { messages } | ReadError::Broken { messages, .. }) => told = Some(messages),
+            Err(ReadError::Cut { messages } | ReadError::Broken { messages, .. }) => {
+                reported = Some(messages)
+            }
             Err(ReadError::Io(error)) => panic!("memory cannot fail: {error}"),
         }
     }
-    (delivered, told)
+    (delivered, reported)
 }
 
 #[test]
-fn a_cut_at_any_byte_keeps_every_complete_message() {
+fn cut_keeps_every_complete_message() {
     let file = every_kind(8);
     let ends = complete_at(&file);
     assert_eq!(ends.len(), 1 + 8 * 6 + 3);
     for cut in 0..file.len() {
         let expected = ends.iter().filter(|end| **end <= cut).count() as u64;
-        let (delivered, told) = read_cut(&file[..cut]);
+        let (delivered, reported) = read_cut(&file[..cut]);
         assert_eq!(delivered, expected, "cut at byte {cut}");
-        assert!(told.is_none_or(|told| told == expected), "cut at byte {cut}");
+        assert!(reported.is_none_or(|reported| reported == expected), "cut at byte {cut}");
     }
 }
 

@@ -6,7 +6,7 @@ use std::io::{BufReader, Read};
 use std::path::Path;
 
 use floorguard_laboratory::world::{Observer, Plan, run_recorded};
-use floorguard_operator::telemetry::Witnesses;
+use floorguard_operator::telemetry::RunSinks;
 use floorguard_recording::replay::{ReplayAudience, ReplayOutcome, replay_recording};
 use floorguard_recording::{ReadError, Recording};
 use floorguard_runtime::shared::{PeopleReport, StopRecord};
@@ -31,9 +31,9 @@ impl ReplayAudience for Counter {
 fn record(plan: &Plan, path: &Path) -> (String, usize) {
     let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
     let mut observer = Observer::new(plan, &mut show);
-    let mut witnesses = Witnesses::default();
-    record_plan(&mut witnesses, plan, path).unwrap();
-    run_recorded(plan, &mut observer, &mut witnesses).unwrap();
+    let mut sinks = RunSinks::default();
+    record_plan(&mut sinks, plan, path).unwrap();
+    run_recorded(plan, &mut observer, &mut sinks).unwrap();
     let seen = observer.into_observation();
     (seen.verdict.digest, seen.stops.len())
 }
@@ -55,7 +55,7 @@ fn check(plan: &Plan) {
     assert!(u64::from(outcome.compared) >= plan.duration_us / 1_000_000, "{outcome:?}");
     assert_eq!(counter.stops, stops);
     assert!(counter.sweeps as u64 >= plan.duration_us / 100_000 - 10, "{}", counter.sweeps);
-    // Cut anywhere: identical up to the cut, and the cut is told.
+    // Cut anywhere: identical up to the cut, and the cut is reported.
     let bytes = std::fs::read(&path).unwrap();
     for share in [0.2, 0.613] {
         let cut = (bytes.len() as f64 * share) as usize;
@@ -71,7 +71,7 @@ fn people_crossing_replay_to_the_bit() {
 }
 
 #[test]
-fn faults_and_the_operators_buttons_replay_to_the_bit() {
+fn faults_and_buttons_replay_to_the_bit() {
     let mut plan = Plan::named("supermarket", 2, 16_000_000).unwrap();
     plan.faults =
         vec![FaultSpec::parse("lidar:drop=5%").unwrap(), FaultSpec::parse("scanner:drop=1%").unwrap()];

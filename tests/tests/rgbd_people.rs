@@ -74,7 +74,7 @@ fn two_people_and_a_wall_are_two_people() {
 
 /// A wall alone, an empty hall: nobody. A picture without depth: nobody, and the account says that nothing was seen.
 #[test]
-fn nobody_is_found_where_nobody_is() {
+fn empty_scenes_have_no_people() {
     assert_eq!(find(&picture(&[], 4.0)), []);
     let mut blind = picture(&[(3.0, 0.0)], 5.0);
     blind.depth_mm.fill(0);
@@ -106,7 +106,7 @@ fn missing_depth_does_not_make_a_person_disappear() {
 
 /// At 1.3 m the head is out of view: legs alone.
 #[test]
-fn somebody_near_is_found_by_the_legs() {
+fn near_person_is_found_by_the_legs() {
     let found = find(&picture(&[(1.4, 0.0)], 5.0));
     assert!(is_at(&found, 1.4, 0.0), "{found:#?}");
     assert!(found.iter().all(|one| one.kind == RgbdKind::Legs), "{found:#?}");
@@ -114,7 +114,7 @@ fn somebody_near_is_found_by_the_legs() {
 
 /// The frames show an office desk and a corridor with doors and cabinets, and nobody.
 #[test]
-fn real_frames_without_people_have_at_most_one_doubtful_detection() {
+fn empty_real_frames_have_one_detection_at_most() {
     for (name, most) in [("tum", 0), ("sun", 1)] {
         let Some(depth) = recording(&format!("rgbd_floor/{name}_depth_mm.png")) else { return };
         let Some(colour) = recording(&format!("rgbd_floor/{name}_color.jpg")) else { return };

@@ -16,20 +16,20 @@ fn plan(name: &str, seed: u64, seconds: u64) -> Plan {
 }
 
 #[test]
-fn drives_its_route_in_an_empty_hall_without_a_single_stop() {
+fn drives_route_in_empty_hall_without_stops() {
     let seen = play(&plan("empty", 1, 60));
     assert!(seen.verdict.passed, "{:?}", seen.verdict);
     assert_eq!((seen.verdict.stops, seen.verdict.faulty_sources.len()), (0, 0), "{:?}", seen.stops);
     assert!(seen.ready_s.is_some_and(|ready_s| ready_s < 2.0), "ready within 2 s: {:?}", seen.ready_s);
     assert!(seen.verdict.distance_m > 30.0, "{}", seen.verdict.distance_m);
     // The route is a rectangle of 6 m × 3 m: odometry that drifts would leave it.
-    for pose in &seen.robot_way {
+    for pose in &seen.robot_path {
         assert!((-2.0..8.0).contains(&pose.x_m) && (-1.5..4.5).contains(&pose.y_m), "{pose:?}");
     }
 }
 
 #[test]
-fn stops_for_people_in_a_supermarket_and_hurts_nobody() {
+fn stops_for_people_in_a_supermarket() {
     let seen = play(&plan("supermarket", 1, 40));
     assert!(seen.verdict.passed, "{:?}", seen.verdict);
     assert!(seen.verdict.stops > 0 && seen.verdict.distance_m > 5.0, "{:?}", seen.verdict);
@@ -37,7 +37,7 @@ fn stops_for_people_in_a_supermarket_and_hurts_nobody() {
 }
 
 #[test]
-fn the_same_seed_gives_the_same_bits_and_another_seed_does_not() {
+fn only_the_same_seed_gives_same_bits() {
     let digest = |seed| play(&plan("crossing", seed, 15)).verdict.digest;
     assert_eq!(digest(5), digest(5));
     assert_ne!(digest(5), digest(6));
@@ -51,8 +51,8 @@ fn the_emergency_stop_latches_until_the_operator_resets() {
     let causes: Vec<&str> = seen.stops.iter().map(|stop| stop.kind.as_str()).collect();
     assert!(causes.iter().any(|cause| cause.contains("emergency stop")), "{causes:?}");
     // Pressed at 8 s, released at 11 s, reset three seconds later at the earliest.
-    assert!(seen.way_m(9.5, 13.5) < 0.01, "{}", seen.way_m(9.5, 13.5));
-    assert!(seen.resets >= 1 && seen.way_m(18.0, 24.0) > 1.0, "{} {}", seen.resets, seen.way_m(18.0, 24.0));
+    assert!(seen.path_m(9.5, 13.5) < 0.01, "{}", seen.path_m(9.5, 13.5));
+    assert!(seen.resets >= 1 && seen.path_m(18.0, 24.0) > 1.0, "{} {}", seen.resets, seen.path_m(18.0, 24.0));
     assert!(seen.verdict.passed);
 }
 
@@ -85,7 +85,7 @@ fn late_devices_and_cut_lines_are_survived() {
             "{line}: ready {:?}",
             seen.ready_s
         );
-        let (before_m, after_m) = (seen.way_m(5.0, 8.0), seen.way_m(16.0, 20.0));
+        let (before_m, after_m) = (seen.path_m(5.0, 8.0), seen.path_m(16.0, 20.0));
         assert!(before_m > 0.5, "{line}: {before_m} m before");
         assert!(after_m > 0.5, "{line}: {after_m} m after; {:?}", seen.under_cause_s);
         println!(
@@ -98,7 +98,7 @@ fn late_devices_and_cut_lines_are_survived() {
 
 /// A scenario file with a map of walls and a recording of people beside it, as a user would write them.
 #[test]
-fn walls_of_a_map_and_people_of_a_recording_are_in_the_world() {
+fn world_has_map_walls_and_recorded_people() {
     let folder = tempfile::tempdir().unwrap();
     // A room of 8 m × 4 m with walls of one cell; the robot drives along it, a person walks across its end.
     let mut picture = image::GrayImage::from_pixel(82, 42, image::Luma([254]));
@@ -120,10 +120,10 @@ fn walls_of_a_map_and_people_of_a_recording_are_in_the_world() {
     let scenario = load_scenario(&folder.path().join("room.toml")).unwrap();
     let seen = play(&Plan::of("room", scenario, 1, 19_000_000).unwrap());
     assert!(seen.verdict.passed, "{:?}", seen.verdict);
-    let way = &seen.people_ways[&1];
-    assert!(way.iter().all(|place| (place.x_m - 4.5).abs() < 1e-3) && way.len() > 70, "{}", way.len());
+    let path = &seen.people_paths[&1];
+    assert!(path.iter().all(|place| (place.x_m - 4.5).abs() < 1e-3) && path.len() > 70, "{}", path.len());
     assert!(seen.verdict.mota.is_some_and(|mota| mota > 0.5), "{:?}", seen.verdict);
-    let farthest_m = seen.robot_way.iter().map(|pose| pose.x_m).fold(f32::MIN, f32::max);
+    let farthest_m = seen.robot_path.iter().map(|pose| pose.x_m).fold(f32::MIN, f32::max);
     // The wall is at 6 m, the body reaches 0.95 m ahead.
     assert!((1.0..5.0).contains(&farthest_m), "{farthest_m}");
     let missing = load_scenario(&folder.path().join("none.toml")).unwrap_err();

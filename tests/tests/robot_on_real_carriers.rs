@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::BufReader;
 
 use floorguard_laboratory::world::{Observer, Plan, run_real_recorded, run_virtual};
-use floorguard_operator::telemetry::Witnesses;
+use floorguard_operator::telemetry::RunSinks;
 use floorguard_recording::replay::{ReplayAudience, ReplayOutcome, replay_recording};
 use floorguard_recording::{RawStream, Recording, topics};
 use floorguard_runtime::shared::PeopleReport;
@@ -25,9 +25,9 @@ fn real_carriers_give_the_verdict_of_virtual_time() {
     let mut observer = Observer::new(&plan, &mut show);
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("run.mcap");
-    let mut witnesses = Witnesses::default();
-    record_plan_in_real_time(&mut witnesses, &plan, &file).unwrap();
-    let figures = run_real_recorded((&plan, None), &mut observer, &mut witnesses).unwrap();
+    let mut sinks = RunSinks::default();
+    record_plan_in_real_time(&mut sinks, &plan, &file).unwrap();
+    let figures = run_real_recorded((&plan, None), &mut observer, &mut sinks).unwrap();
     let real_time = observer.into_observation();
     println!("{figures:?} {:?}", real_time.verdict);
     assert!(virtual_time.verdict.passed && real_time.verdict.passed, "{:?}", real_time.verdict);

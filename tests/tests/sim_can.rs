@@ -173,7 +173,7 @@ impl Rig {
 }
 
 #[test]
-fn the_bus_is_up_within_a_second_and_drives() {
+fn bus_is_up_within_a_second() {
     let mut rig = Rig::new();
     rig.run(1.0);
     assert!(rig.base.is_complete(), "{:?}", rig.base.devices().map(|device| device.phase()));
@@ -192,7 +192,7 @@ fn the_bus_is_up_within_a_second_and_drives() {
 }
 
 #[test]
-fn steering_left_turns_left_and_the_wheels_tell_it() {
+fn steering_left_turns_left_by_wheel_odometry() {
     let mut rig = Rig::new();
     rig.through_text = Some(TextLine::default());
     rig.run(1.0);
@@ -211,7 +211,7 @@ fn steering_left_turns_left_and_the_wheels_tell_it() {
 }
 
 #[test]
-fn each_kind_of_stop_stands_within_its_way() {
+fn each_stop_stands_within_its_distance() {
     for (kind, state) in [
         (StopKind::Hold, DriveState::Enabled),
         (StopKind::Ramp, DriveState::Disabled),
@@ -228,16 +228,16 @@ fn each_kind_of_stop_stands_within_its_way() {
         rig.deliver(&sent);
         rig.run(2.0);
         let truth = rig.simulation.truth();
-        let way_m = truth.robot.x_m - from_m;
+        let path_m = truth.robot.x_m - from_m;
         assert!(truth.twist.linear_mps.abs() < 0.01, "{kind:?} {:?}", truth.twist);
         // The guard counts on 0.8 m/s² after 0.15 s: 0.52 m.
-        assert!(way_m < 0.52, "{kind:?} {way_m}");
+        assert!(path_m < 0.52, "{kind:?} {path_m}");
         assert_eq!(rig.last_drive().state, state, "{kind:?}");
     }
 }
 
 #[test]
-fn the_emergency_stop_is_a_fault_that_only_a_reset_ends() {
+fn emergency_stop_fault_needs_a_reset() {
     let mut rig = Rig::new();
     rig.run(1.0);
     rig.drive(0.5, 0.0);
@@ -260,7 +260,7 @@ fn the_emergency_stop_is_a_fault_that_only_a_reset_ends() {
 }
 
 #[test]
-fn a_silent_encoder_is_lost_and_comes_back_without_a_jump() {
+fn silent_encoder_returns_without_a_jump() {
     let mut rig = Rig::new();
     rig.run(1.0);
     rig.drive(0.5, 0.0);
@@ -280,10 +280,10 @@ fn a_silent_encoder_is_lost_and_comes_back_without_a_jump() {
     assert!(rolled > 0 && rolled < 20_000, "{rolled}");
 }
 
-/// Only the way from the drive to the master is broken: the master's heartbeat still reaches the drive, so that its
-/// own watchdog stays quiet. The stop has to be sent although nobody answers.
+/// Only the link from the drive to the master is broken: the master's heartbeat still reaches the drive, so that
+/// its own watchdog stays quiet. The stop has to be sent although nobody answers.
 #[test]
-fn a_drive_that_is_not_heard_any_more_is_still_told_to_stop() {
+fn silent_drive_still_receives_stop_commands() {
     for deaf_s in [0.05, 1.0] {
         let mut rig = Rig::new();
         rig.run(1.0);
@@ -301,7 +301,7 @@ fn a_drive_that_is_not_heard_any_more_is_still_told_to_stop() {
 /// Some other master, or a service tool, takes the drive out of operation, or restarts its communication. Process data
 /// do not reach it any more while it is configured anew, and its power stage may still be on.
 #[test]
-fn a_drive_that_was_taken_out_of_operation_stands_and_is_reported() {
+fn drive_taken_out_of_operation_is_reported() {
     for command in [0x80, 0x82] {
         let mut rig = Rig::new();
         rig.run(1.0);
@@ -322,7 +322,7 @@ fn a_drive_that_was_taken_out_of_operation_stands_and_is_reported() {
 
 /// A device that restarts in the middle of its configuration has forgotten the first half of it.
 #[test]
-fn a_device_that_restarts_while_it_is_configured_gets_everything_again() {
+fn restarted_device_is_configured_from_the_start() {
     let mut rig = Rig::new();
     rig.run(0.08);
     assert!(!rig.base.is_complete());
@@ -346,8 +346,8 @@ fn a_broken_cable_stops_the_robot_without_us() {
     let truth = rig.simulation.truth();
     assert!(truth.twist.linear_mps.abs() < 0.01, "{:?}", truth.twist);
     // 0.2 s of silence, a heartbeat's distance before it, then 2 m/s².
-    let way_m = truth.robot.x_m - from_m;
-    assert!(way_m < 0.8 * 0.26 + 0.16 + 0.02, "{way_m}");
+    let path_m = truth.robot.x_m - from_m;
+    assert!(path_m < 0.8 * 0.26 + 0.16 + 0.02, "{path_m}");
     for node in 1..=5 {
         assert!(rig.events.contains(&BaseEvent::NodeLost(node)), "{node}");
     }
@@ -365,7 +365,7 @@ fn a_broken_cable_stops_the_robot_without_us() {
 /// Too short a break for us to miss a heartbeat, long enough for the drive: it has stopped by itself, and that is a
 /// fault until somebody resets it.
 #[test]
-fn a_drive_that_stopped_by_itself_is_a_fault_until_the_reset() {
+fn self_stopped_drive_is_fault_until_reset() {
     let mut rig = Rig::new();
     rig.run(1.0);
     rig.drive(0.8, 0.0);
@@ -387,7 +387,7 @@ fn a_drive_that_stopped_by_itself_is_a_fault_until_the_reset() {
 
 /// Our own computer restarts while the robot moves: the new master stops it before it configures anything.
 #[test]
-fn a_new_master_on_a_running_bus_stops_the_robot_first() {
+fn new_master_stops_a_running_robot_first() {
     let mut rig = Rig::new();
     rig.run(1.0);
     rig.drive(0.8, 0.0);
@@ -399,15 +399,15 @@ fn a_new_master_on_a_running_bus_stops_the_robot_first() {
     let truth = rig.simulation.truth();
     assert!(truth.twist.linear_mps.abs() < 0.01, "{:?}", truth.twist);
     // The brake's 1.5 m/s² and two polls.
-    let way_m = truth.robot.x_m - from_m;
-    assert!(way_m < 0.30, "{way_m}");
+    let path_m = truth.robot.x_m - from_m;
+    assert!(path_m < 0.30, "{path_m}");
     rig.run(0.5);
     assert!(rig.base.is_complete());
 }
 
-/// Without the gateway no input is judged any more: what it last said must not stay.
+/// Without the gateway no input is judged any more: its last report must not stay in force.
 #[test]
-fn a_silent_gateway_says_nothing_instead_of_clear() {
+fn silent_gateway_is_unknown_not_clear() {
     let mut rig = Rig::new();
     rig.run(1.0);
     rig.muted = Some(5);
@@ -433,7 +433,7 @@ fn a_silent_gateway_says_nothing_instead_of_clear() {
 
 /// From the command to the drive's target: the frame leaves within the call, or with the very next poll.
 #[test]
-fn a_stop_is_the_first_frame_of_the_next_poll() {
+fn stop_is_first_frame_of_next_poll() {
     let mut rig = Rig::new();
     rig.run(1.0);
     rig.drive(0.5, 0.0);

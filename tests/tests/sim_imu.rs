@@ -12,11 +12,11 @@ use floorguard_sim::simulation::{Stream, Truth, WireEvent};
 use floorguard_types::geometry::Pose2;
 use floorguard_types::sensing::ImuSample;
 use floorguard_types::time::{Age, Stamp};
-use sim_support::{Seat, bytes_of, mean_and_deviation, room};
+use sim_support::{DrivenSimulation, bytes_of, mean_and_deviation, room};
 
 /// A robot with an inertial sensor, a line that may be bad, and the truth at each millisecond.
 struct Rig {
-    seat: Seat,
+    seat: DrivenSimulation,
     device: Device,
     faults: FaultLayer,
     samples: Vec<ImuSample>,
@@ -30,7 +30,7 @@ impl Rig {
     fn new(seed: u64, faults: &[&str]) -> Self {
         let specs: Vec<FaultSpec> = faults.iter().map(|text| FaultSpec::parse(text).unwrap()).collect();
         Self {
-            seat: Seat::new(&room(Pose2::new(-1.0, -1.5, 0.3)), seed),
+            seat: DrivenSimulation::new(&room(Pose2::new(-1.0, -1.5, 0.3)), seed),
             device: Device::new(115_200),
             faults: FaultLayer::new(&specs, seed),
             samples: Vec::new(),
@@ -80,7 +80,7 @@ impl Rig {
 }
 
 #[test]
-fn the_handshake_is_done_and_a_hundred_samples_come_a_second() {
+fn handshake_leads_to_hundred_samples_per_second() {
     let mut rig = Rig::new(3, &[]);
     rig.run(0.2);
     assert_eq!(rig.device.phase(), DevicePhase::Measuring);
@@ -109,7 +109,7 @@ fn stamps_are_the_sampling_instants() {
 }
 
 #[test]
-fn samples_equal_the_motion_within_the_noise_of_the_device() {
+fn samples_equal_motion_within_device_noise() {
     let mut rig = Rig::new(5, &[]);
     rig.run(1.0);
     rig.seat.drive(0.6, 0.7);
@@ -192,9 +192,10 @@ fn a_lost_wake_up_message_is_survived() {
     assert!(matches!(rig.newest().age(Stamp::from_micros(5_000_000)), Age::Past(us) if us < 20_000));
 }
 
-/// The line to the device is cut, the line from it is not: its data are used all the same, and the fault is said.
+/// The line to the device is cut, the line from it is not: its data are used all the same, and the fault is
+/// reported.
 #[test]
-fn a_device_that_cannot_hear_is_used_as_it_is() {
+fn deaf_device_is_used_unconfigured() {
     let mut rig = Rig::new(8, &[]);
     rig.deaf = true;
     rig.run(6.0);

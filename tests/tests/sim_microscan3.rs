@@ -13,7 +13,7 @@ use floorguard_drivers::microscan3::{Configuration, Event, Receiver};
 use floorguard_guard::{Health, Source};
 use floorguard_host::executor::{TaskSet, use_virtual_clock};
 use floorguard_laboratory::world::{Observation, Observer, Plan, run_recorded, run_virtual};
-use floorguard_operator::telemetry::Witnesses;
+use floorguard_operator::telemetry::RunSinks;
 use floorguard_recording::Recording;
 use floorguard_recording::replay::{ReplayAudience, replay_recording};
 use floorguard_robot::assembly::new_shared;
@@ -39,7 +39,7 @@ const NOISE_M: f64 = 0.012;
 const MIDDLE_US: u64 = 15_278;
 
 #[derive(Default)]
-struct Told {
+struct Reported {
     scans: Vec<(u64, Scan)>,
     stand_by: usize,
     refused: usize,
@@ -51,31 +51,31 @@ fn simulation(beams: u16) -> Simulation {
     Simulation::with_robot(&room(START), 1, parameters).unwrap()
 }
 
-fn listen(simulation: &mut Simulation, receiver: &mut Receiver, until_us: u64) -> Told {
-    let mut told = Told::default();
+fn listen(simulation: &mut Simulation, receiver: &mut Receiver, until_us: u64) -> Reported {
+    let mut reported = Reported::default();
     simulation.advance_to(until_us, &mut |event| {
         let Some(bytes) = bytes_of(&event, Stream::ScannerData) else { return };
         receiver.push(bytes, Stamp::from_micros(event.at_us), |heard| match heard {
-            Event::Scan(scan) => told.scans.push((event.at_us, scan.clone())),
-            Event::StandBy { .. } => told.stand_by += 1,
-            Event::Refused(_) => told.refused += 1,
+            Event::Scan(scan) => reported.scans.push((event.at_us, scan.clone())),
+            Event::StandBy { .. } => reported.stand_by += 1,
+            Event::Refused(_) => reported.refused += 1,
         });
     });
-    told
+    reported
 }
 
 /// Every beam of a standing robot is the wall, at both resolutions of the family; bearings by the device's own frame, in
 /// which straight ahead is 90° and the first beam lies at -47.5°.
 #[test]
-fn every_beam_of_a_standing_robot_is_the_wall() {
+fn standing_robot_beams_meet_the_wall() {
     for beams in [2_751, 1_651] {
         let mut receiver = Receiver::new(Configuration::default());
-        let told = listen(&mut simulation(beams), &mut receiver, 1_000_000);
-        assert!((24..=25).contains(&told.scans.len()), "{}", told.scans.len());
-        assert_eq!((told.refused, receiver.counters().lost_scans), (0, 0));
+        let reported = listen(&mut simulation(beams), &mut receiver, 1_000_000);
+        assert!((24..=25).contains(&reported.scans.len()), "{}", reported.scans.len());
+        assert_eq!((reported.refused, receiver.counters().lost_scans), (0, 0));
         let sensor = START.transform(Point2::new(MOUNT_M, 0.0));
         let mut errors = Vec::new();
-        for (_, scan) in &told.scans {
+        for (_, scan) in &reported.scans {
             assert_eq!(scan.beams.len(), usize::from(beams));
             for (index, beam) in scan.beams.iter().enumerate() {
                 let polar_deg = -47.5 + 275.0 / f64::from(beams - 1) * index as f64;
@@ -93,8 +93,8 @@ fn every_beam_of_a_standing_robot_is_the_wall() {
 /// A scan may be taken for a little older than it is, never for younger.
 #[test]
 fn stamps_are_the_middle_of_the_scan() {
-    let told = listen(&mut simulation(2_751), &mut Receiver::new(Configuration::default()), 2_000_000);
-    for (number, (_, scan)) in (0_u64..).zip(&told.scans) {
+    let reported = listen(&mut simulation(2_751), &mut Receiver::new(Configuration::default()), 2_000_000);
+    for (number, (_, scan)) in (0_u64..).zip(&reported.scans) {
         let (stamp_us, middle_us) = (scan.stamp.as_micros(), number * 40_000 + MIDDLE_US);
         assert!(stamp_us <= middle_us + 100, "{number}: {stamp_us} is younger than {middle_us}");
         assert!(stamp_us + 5_000 >= middle_us, "{number}: {stamp_us} is much older than {middle_us}");
@@ -106,8 +106,8 @@ fn what_does_not_measure_gives_no_scan() {
     let (mut simulation, mut receiver) = (simulation(2_751), Receiver::new(Configuration::default()));
     let mut phase = |state, until_us| {
         simulation.set_scanner_state(state);
-        let told = listen(&mut simulation, &mut receiver, until_us);
-        (told.scans.len(), told.stand_by, told.refused)
+        let reported = listen(&mut simulation, &mut receiver, until_us);
+        (reported.scans.len(), reported.stand_by, reported.refused)
     };
     // A scan that was on its way when the state changed still arrives.
     let measured = phase(ScannerState::Measuring, 1_000_000);
@@ -172,7 +172,7 @@ fn health_without(block: Option<usize>) -> Health {
 
 /// It answers, and its data output is set up wrongly: nobody is sent to its cable.
 #[test]
-fn a_scanner_that_does_not_send_what_is_needed_is_faulty_and_not_absent() {
+fn scanner_with_missing_output_is_faulty() {
     assert_eq!(health_without(None), Health::Healthy);
     for (what, place) in [("angles", 36), ("distances", 40)] {
         assert_eq!(health_without(Some(place)), Health::Faulty, "without {what}");
@@ -181,7 +181,7 @@ fn a_scanner_that_does_not_send_what_is_needed_is_faulty_and_not_absent() {
 
 /// It drives on a healthy scanner, and stops for one that is silent or talks nonsense.
 #[test]
-fn the_robot_drives_with_it_and_stops_without_it() {
+fn robot_needs_the_scanner_to_drive() {
     let seen = play(&plan("corridor", 7, &[]));
     assert!(seen.verdict.passed && seen.verdict.distance_m > 1.5, "{:?}", seen.verdict);
     let scanner_stops = |fault: &str| {
@@ -195,27 +195,27 @@ fn the_robot_drives_with_it_and_stops_without_it() {
     }
 }
 
-struct Nobody;
+struct NoAudience;
 
-impl ReplayAudience for Nobody {
+impl ReplayAudience for NoAudience {
     fn on_people(&mut self, _report: &PeopleReport, _digest: u64) {}
 }
 
 /// The raw datagrams in a recording give the same run again, to the bit.
 #[test]
-fn a_recording_of_it_is_replayed_to_the_bit() {
+fn its_recording_replays_to_the_bit() {
     let plan = plan("crossing", 6, &["scanner:drop=3%,from=2s,to=5s"]);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
     let mut observer = Observer::new(&plan, &mut show);
-    let mut witnesses = Witnesses::default();
-    record_plan(&mut witnesses, &plan, &path).unwrap();
-    run_recorded(&plan, &mut observer, &mut witnesses).unwrap();
+    let mut sinks = RunSinks::default();
+    record_plan(&mut sinks, &plan, &path).unwrap();
+    run_recorded(&plan, &mut observer, &mut sinks).unwrap();
     let digest = observer.into_observation().verdict.digest;
     let mut recording = Recording::new(BufReader::new(File::open(&path).unwrap()));
     let first = recording.next().unwrap().unwrap();
-    let outcome = replay_recording(first, &mut recording, &mut Nobody).unwrap();
+    let outcome = replay_recording(first, &mut recording, &mut NoAudience).unwrap();
     assert!(outcome.is_identical(), "{outcome:?}");
     assert_eq!(format!("{:016x}", outcome.digest), digest);
 }

@@ -18,7 +18,7 @@ use floorguard_sim::simulation::{Simulation, Stream};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::sensing::{BeamReturn, Scan};
 use floorguard_types::time::Stamp;
-use sim_support::{Seat, bytes_of, mean_and_deviation, room, wall_range_m};
+use sim_support::{DrivenSimulation, bytes_of, mean_and_deviation, room, wall_range_m};
 
 const START: Pose2 = Pose2 { x_m: 0.7, y_m: -0.4, heading_rad: 0.5 };
 /// The scanner's place on the robot, metres forward.
@@ -30,7 +30,7 @@ const NOISE_END_M: f64 = 0.041_57;
 const GRID_M: f64 = 0.005;
 
 #[derive(Clone, Debug, PartialEq)]
-enum Told {
+enum Reported {
     Scan(Box<Scan>),
     StandBy(u32),
     Refused(TelegramError),
@@ -52,33 +52,38 @@ fn portions(simulation: &mut Simulation, from_us: u64, to_us: u64, faults: &[&st
     arrived
 }
 
-fn receive(receiver: &mut Receiver, arrived: &[Portion]) -> Vec<(u64, Told)> {
-    let mut told = Vec::new();
+fn receive(receiver: &mut Receiver, arrived: &[Portion]) -> Vec<(u64, Reported)> {
+    let mut reported = Vec::new();
     for (at_us, bytes) in arrived {
         receiver.push(bytes, Stamp::from_micros(*at_us), |event| {
             let event = match event {
-                Event::Scan(scan) => Told::Scan(Box::new(scan.clone())),
-                Event::StandBy { sequence } => Told::StandBy(sequence),
-                Event::Refused(error) => Told::Refused(error),
+                Event::Scan(scan) => Reported::Scan(Box::new(scan.clone())),
+                Event::StandBy { sequence } => Reported::StandBy(sequence),
+                Event::Refused(error) => Reported::Refused(error),
             };
-            told.push((*at_us, event));
+            reported.push((*at_us, event));
         });
     }
-    told
+    reported
 }
 
-fn scans(told: &[(u64, Told)]) -> Vec<(u64, &Scan)> {
-    told.iter()
-        .filter_map(|(at_us, told)| if let Told::Scan(scan) = told { Some((*at_us, &**scan)) } else { None })
+fn scans(reported: &[(u64, Reported)]) -> Vec<(u64, &Scan)> {
+    reported
+        .iter()
+        .filter_map(
+            |(at_us, reported)| {
+                if let Reported::Scan(scan) = reported { Some((*at_us, &**scan)) } else { None }
+            },
+        )
         .collect()
 }
 
-fn heard(scenario: &Scenario, seed: u64, seconds: f64, faults: &[&str]) -> (Vec<(u64, Told)>, Counters) {
+fn heard(scenario: &Scenario, seed: u64, seconds: f64, faults: &[&str]) -> (Vec<(u64, Reported)>, Counters) {
     let mut simulation = Simulation::new(scenario, seed).unwrap();
     let arrived = portions(&mut simulation, 0, (seconds * 1.0e6) as u64, faults);
     let mut receiver = Receiver::new(Configuration::default());
-    let told = receive(&mut receiver, &arrived);
-    (told, receiver.counters())
+    let reported = receive(&mut receiver, &arrived);
+    (reported, receiver.counters())
 }
 
 /// Bearing of a beam in the scanner's frame: book, SICK S300: Line.
@@ -87,9 +92,9 @@ fn beam_rad(beam: usize) -> f64 {
 }
 
 #[test]
-fn every_beam_of_a_standing_robot_is_the_wall() {
-    let (told, counters) = heard(&room(START), 1, 4.0, &[]);
-    let scans = scans(&told);
+fn standing_robot_beams_meet_the_wall() {
+    let (reported, counters) = heard(&room(START), 1, 4.0, &[]);
+    let scans = scans(&reported);
     assert!((97..=99).contains(&scans.len()), "{}", scans.len());
     assert_eq!((counters.telegrams as usize, counters.checksum_failures), (scans.len(), 0));
     assert_eq!((counters.lost_scans, counters.repeated_scans), (0, 0));
@@ -118,14 +123,14 @@ fn every_beam_of_a_standing_robot_is_the_wall() {
 /// scan for older than it is, by the doubt about the scanner's own delay (book, SICK S300: Line), but not for younger.
 #[test]
 fn stamps_are_the_middle_of_the_scan() {
-    let (told, _) = heard(&room(START), 2, 4.0, &[]);
-    for (number, (at_us, scan)) in (0_u64..).zip(scans(&told)) {
+    let (reported, _) = heard(&room(START), 2, 4.0, &[]);
+    for (number, (at_us, scan)) in (0_u64..).zip(scans(&reported)) {
         let middle_us = number * 40_000 + 15_000;
         let stamp_us = scan.stamp.as_micros();
         assert!(stamp_us <= middle_us && stamp_us + 25_000 >= middle_us, "{number}: {stamp_us} {middle_us}");
         assert!(stamp_us < at_us);
     }
-    let stamps: Vec<u64> = scans(&told).iter().skip(1).map(|(_, scan)| scan.stamp.as_micros()).collect();
+    let stamps: Vec<u64> = scans(&reported).iter().skip(1).map(|(_, scan)| scan.stamp.as_micros()).collect();
     assert!(stamps.windows(2).all(|pair| (pair[1] - pair[0]).abs_diff(40_000) <= 1));
 }
 
@@ -147,13 +152,13 @@ wall = [
 
 /// "No echo" is free up to the range that the configuration vouches for; what bit 13 means is configuration as well.
 #[test]
-fn flags_and_missing_echoes_are_told_apart() {
+fn flags_and_missing_echoes_are_distinguished() {
     let mut simulation = Simulation::new(&gallery(), 3).unwrap();
     let arrived = portions(&mut simulation, 0, 500_000, &[]);
     for (bit13, reflector_is_hit) in [(Bit13::Reflector, true), (Bit13::Dazzled, false)] {
         let mut receiver = Receiver::new(Configuration { bit13, ..Configuration::default() });
-        let told = receive(&mut receiver, &arrived);
-        let scans = scans(&told);
+        let reported = receive(&mut receiver, &arrived);
+        let scans = scans(&reported);
         assert!(scans.len() >= 10);
         for (_, scan) in scans {
             // 3.05 m from the scanner to the reflector, ±18° wide.
@@ -175,7 +180,7 @@ fn flags_and_missing_echoes_are_told_apart() {
 }
 
 #[test]
-fn stand_by_and_lock_out_are_neither_obstacle_nor_free() {
+fn stand_by_and_lock_out_are_unknown() {
     let mut simulation = Simulation::new(&room(START), 4).unwrap();
     let mut receiver = Receiver::new(Configuration::default());
     let mut phase = |state, to_us| {
@@ -187,13 +192,16 @@ fn stand_by_and_lock_out_are_neither_obstacle_nor_free() {
     assert_eq!(scans(&measuring).len(), measuring.len());
     let stand_by = phase(ScannerState::StandBy, 2_000_000);
     // One telegram may have been on the line already.
-    assert!(stand_by.iter().skip(1).all(|(_, told)| matches!(told, Told::StandBy(_))), "{stand_by:?}");
+    assert!(
+        stand_by.iter().skip(1).all(|(_, reported)| matches!(reported, Reported::StandBy(_))),
+        "{stand_by:?}"
+    );
     assert!((24..=26).contains(&stand_by.len()));
     let locked = phase(ScannerState::LockOut, 3_000_000);
-    let lock_out = Told::Refused(TelegramError::LockOut { status: 1 });
-    assert!(locked.iter().skip(1).all(|(_, told)| *told == lock_out), "{locked:?}");
+    let lock_out = Reported::Refused(TelegramError::LockOut { status: 1 });
+    assert!(locked.iter().skip(1).all(|(_, reported)| *reported == lock_out), "{locked:?}");
     let again = phase(ScannerState::Measuring, 4_000_000);
-    assert!(again.iter().skip(1).all(|(_, told)| matches!(told, Told::Scan(_))));
+    assert!(again.iter().skip(1).all(|(_, reported)| matches!(reported, Reported::Scan(_))));
     assert!(scans(&again).len() >= 23);
 }
 
@@ -228,10 +236,10 @@ fn health_of(state: ScannerState, configuration: Configuration) -> Health {
     shared.inspect(|guard| guard.health()[Source::Scanner.index()].health)
 }
 
-/// Whoever reads why the robot stands is sent to the scanner, not to its cable: it answers, and is at fault. (The words for
-/// it are tested with the panel.)
+/// The stop reason points to the scanner, not to its cable: it answers, and is at fault. (The words for it are tested
+/// with the panel.)
 #[test]
-fn a_scanner_that_locked_itself_out_is_faulty_and_not_absent() {
+fn locked_out_scanner_is_faulty_not_absent() {
     for (state, health) in
         [(ScannerState::Measuring, Health::Healthy), (ScannerState::LockOut, Health::Faulty)]
     {
@@ -241,7 +249,7 @@ fn a_scanner_that_locked_itself_out_is_faulty_and_not_absent() {
 
 /// It answers, too, and no cable would help.
 #[test]
-fn a_scanner_with_other_beams_than_configured_is_faulty_and_not_absent() {
+fn scanner_with_wrong_beams_is_faulty() {
     for (beams, health) in [(540, Health::Faulty), (541, Health::Healthy), (542, Health::Faulty)] {
         let values_per_field = [beams].into_iter().collect();
         let configuration = Configuration { values_per_field, ..Configuration::default() };
@@ -260,8 +268,8 @@ fn a_frozen_scan_number_is_counted_and_shown() {
         })
         .collect();
     let mut receiver = Receiver::new(Configuration::default());
-    let told = receive(&mut receiver, &frozen);
-    let scans = scans(&told);
+    let reported = receive(&mut receiver, &frozen);
+    let scans = scans(&reported);
     assert_eq!(scans.len(), 20);
     assert_eq!(receiver.counters().repeated_scans, 19);
     assert!(
@@ -281,9 +289,9 @@ fn serial_noise_costs_scans_and_never_falsifies_them() {
         ("scanner:truncate=4%", 0.18),
         ("scanner:duplicate=4%", 0.18),
     ] {
-        let (told, counters) = heard(&room(START), 6, 20.0, &[fault]);
-        let scans = scans(&told);
-        assert_eq!(scans.len(), told.len(), "{fault}: nothing else is heard");
+        let (reported, counters) = heard(&room(START), 6, 20.0, &[fault]);
+        let scans = scans(&reported);
+        assert_eq!(scans.len(), reported.len(), "{fault}: nothing else is heard");
         for (_, scan) in &scans {
             for (index, beam) in scan.beams.iter().enumerate() {
                 let range_m = wall_range_m(sensor, f64::from(START.heading_rad) + beam_rad(index));
@@ -302,10 +310,10 @@ fn serial_noise_costs_scans_and_never_falsifies_them() {
 /// The robot drives: with the true pose at the moment of a beam its end lies on the wall. The stamp may be older than
 /// the truth by the doubt of the scanner's delay, here 10 ms.
 #[test]
-fn scans_of_a_driving_robot_lie_on_the_walls() {
-    let mut seat = Seat::new(&room(Pose2::new(-1.5, 0.5, 0.2)), 7);
+fn driving_robot_scans_lie_on_walls() {
+    let mut seat = DrivenSimulation::new(&room(Pose2::new(-1.5, 0.5, 0.2)), 7);
     let mut receiver = Receiver::new(Configuration::default());
-    let mut told = Vec::new();
+    let mut reported = Vec::new();
     let mut poses = std::collections::BTreeMap::new();
     for ms in 0..7_000_u64 {
         if ms == 1_000 {
@@ -313,13 +321,13 @@ fn scans_of_a_driving_robot_lie_on_the_walls() {
         }
         for event in seat.step() {
             if let Some(bytes) = bytes_of(&event, Stream::ScannerSerial) {
-                told.extend(receive(&mut receiver, &[(event.at_us, bytes.to_vec())]));
+                reported.extend(receive(&mut receiver, &[(event.at_us, bytes.to_vec())]));
             }
         }
         poses.insert(seat.now_us(), seat.simulation.truth().robot);
     }
     let mut errors = Vec::new();
-    for (_, scan) in scans(&told).iter().skip(60) {
+    for (_, scan) in scans(&reported).iter().skip(60) {
         // 55.6 µs from beam to beam, the middle one at the stamp; 9.2 ms are this scanner's difference to the default.
         for (index, beam) in scan.beams.iter().enumerate() {
             let at_us = scan.stamp.as_micros() as f64 + 9_200.0 + (index as f64 - 270.0) * 55.556;

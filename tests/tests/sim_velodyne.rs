@@ -18,7 +18,7 @@ use floorguard_sim::wire::ReturnMode;
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
 use floorguard_types::sensing::{LidarPacket, Sweep};
 use floorguard_types::time::Stamp;
-use sim_support::{HALF_M, Seat, bytes_of, mean_and_deviation, room, wall_range_m};
+use sim_support::{DrivenSimulation, HALF_M, bytes_of, mean_and_deviation, room, wall_range_m};
 
 const START: Pose2 = Pose2 { x_m: 0.7, y_m: -0.4, heading_rad: 0.5 };
 /// The lidar's place on the robot, metres forward and up.
@@ -89,7 +89,7 @@ fn judge(name: &str, errors: &[f64]) {
 }
 
 #[test]
-fn every_return_of_a_standing_robot_is_the_wall_or_the_floor() {
+fn standing_robot_returns_meet_wall_or_floor() {
     let sensor = START.compose(Pose2::new(MOUNT.0, 0.0, 0.0));
     let (sent, _) = datagrams(1, 0.5, &[]);
     let (mut errors, mut cells) = (Vec::new(), 0);
@@ -168,8 +168,8 @@ fn stamps_and_azimuths_are_those_of_the_firings() {
 /// The robot drives a circle: with the driver's stamps and the true poses every return lies on its wall. A stamp that
 /// is a packet too late would show as more than twice the allowed mean.
 #[test]
-fn returns_of_a_driving_robot_lie_on_the_walls() {
-    let mut seat = Seat::new(&room(Pose2::new(-1.5, 0.5, 0.2)), 4);
+fn driving_robot_returns_lie_on_walls() {
+    let mut seat = DrivenSimulation::new(&room(Pose2::new(-1.5, 0.5, 0.2)), 4);
     let mut truths = BTreeMap::new();
     let mut datagrams = Vec::new();
     for ms in 0..9_000_u64 {
@@ -246,7 +246,7 @@ fn revolutions(arrived: &[Datagram], decoder: &mut Decoder) -> (Vec<(LidarPacket
 }
 
 #[test]
-fn lost_packets_are_counted_and_their_sector_is_unknown() {
+fn lost_packets_leave_unknown_counted_sectors() {
     for fault in ["lidar:drop=5%", "lidar:burst=30", "lidar:drop=50%"] {
         let (sent, arrived) = datagrams(5, 4.0, &[fault]);
         let mut decoder = decoder();
@@ -259,8 +259,8 @@ fn lost_packets_are_counted_and_their_sector_is_unknown() {
         assert_eq!(decoder.counters().lost as usize, lost, "{fault}");
         assert_eq!(packets.iter().map(|(_, lost)| usize::from(*lost)).sum::<usize>(), lost, "{fault}");
         for pair in arrived.windows(2).zip(packets.windows(2)) {
-            let ((before, after), (_, (_, told))) = ((&pair.0[0], &pair.0[1]), (&pair.1[0], &pair.1[1]));
-            assert_eq!(usize::from(*told), place(after.0) - place(before.0) - 1, "{fault}");
+            let ((before, after), (_, (_, reported))) = ((&pair.0[0], &pair.0[1]), (&pair.1[0], &pair.1[1]));
+            assert_eq!(usize::from(*reported), place(after.0) - place(before.0) - 1, "{fault}");
         }
         assert!((36..=40).contains(&sweeps.len()), "{fault}: {}", sweeps.len());
         for (columns, unknown, packets, _) in sweeps.iter().skip(1) {
@@ -302,7 +302,7 @@ fn repeated_and_overtaken_packets_change_nothing() {
 }
 
 #[test]
-fn broken_datagrams_are_refused_and_good_ones_go_on() {
+fn only_broken_datagrams_are_refused() {
     let (_, arrived) = datagrams(7, 2.0, &["lidar:truncate=10%"]);
     let mut decoder = decoder();
     let broken = arrived.iter().filter(|(_, bytes)| bytes.len() != 1_206).count();
@@ -356,7 +356,7 @@ fn dual_return_gives_the_same_room() {
 }
 
 #[test]
-fn position_packets_tell_the_same_clock_and_no_satellites() {
+fn position_packets_share_the_clock_without_satellites() {
     let mut simulation = floorguard_sim::Simulation::new(&room(START), 10).unwrap();
     let (mut data_us, mut count) = (None, 0);
     simulation.advance_to(2_000_000, &mut |event| {

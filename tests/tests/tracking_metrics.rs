@@ -53,9 +53,9 @@ fn figures_of_a_public_sequence_equal_the_key() {
     let mut numbers: Vec<_> = truth.keys().chain(tracks.keys()).collect();
     numbers.sort_unstable();
     numbers.dedup();
-    let nobody = Vec::new();
+    let empty = Vec::new();
     for number in numbers {
-        let (objects, found) = (truth.get(number).unwrap_or(&nobody), tracks.get(number).unwrap_or(&nobody));
+        let (objects, found) = (truth.get(number).unwrap_or(&empty), tracks.get(number).unwrap_or(&empty));
         let ids = |list: &[(u64, Rectangle)]| -> Vec<u64> { list.iter().map(|(id, _)| *id).collect() };
         accumulator.frame_by_distance(&ids(objects), &ids(found), |object, track| {
             distance(&objects[object].1, &found[track].1)

@@ -161,7 +161,7 @@ fn fragments_and_other_protocols_are_counted() {
 }
 
 #[test]
-fn cut_at_any_byte_it_delivers_what_is_whole_and_says_that_it_was_cut() {
+fn cut_capture_delivers_whole_packets_and_reports() {
     let frames = three_frames();
     let bytes = pcap(&frames, 0xa1b2_c3d4, u32::to_le_bytes, 1);
     let mut whole = vec![24];
@@ -183,7 +183,7 @@ fn cut_at_any_byte_it_delivers_what_is_whole_and_says_that_it_was_cut() {
 }
 
 #[test]
-fn a_packed_capture_that_was_cut_says_so_too() {
+fn cut_packed_capture_is_reported() {
     let packed = gzip(&pcap(&three_frames(), 0xa1b2_c3d4, u32::to_le_bytes, 1));
     for cut in 1..packed.len() {
         let (_, ended) = read(packed[..cut].to_vec());
@@ -205,7 +205,7 @@ proptest::proptest! {
     #![proptest_config(proptest::test_runner::Config::with_cases(300))]
 
     #[test]
-    fn damage_anywhere_ends_in_a_value_or_an_error(
+    fn damage_gives_a_value_or_an_error(
         damage in proptest::collection::vec((0_usize..1_500, 0_u8..), 1..6),
         is_ng: bool,
     ) {
@@ -221,7 +221,7 @@ proptest::proptest! {
     }
 
     #[test]
-    fn any_bytes_end_in_a_value_or_an_error(bytes in proptest::collection::vec(0_u8.., 0..400)) {
+    fn any_bytes_give_value_or_error(bytes in proptest::collection::vec(0_u8.., 0..400)) {
         let _ = read(bytes.clone());
         let _ = read(gzip(&bytes));
     }

@@ -62,7 +62,7 @@ fn without_csv_standard_output_stays_empty() {
 }
 
 #[test]
-fn bad_input_is_3_with_the_remedy_and_wrong_usage_is_2() {
+fn bad_input_exits_3_wrong_usage_2() {
     let (_, code, message) = decode(&["no/such/file.pcap"]);
     assert!(code == 3 && message.contains("no/such/file.pcap"), "{message}");
     assert_eq!(arguments(&["x.pcap", "--model", "vlp-99"]).expect_err("unknown").exit_code(), 2);

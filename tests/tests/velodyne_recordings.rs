@@ -227,7 +227,7 @@ fn single_packets_of_a_fourth_project_are_understood() {
 }
 
 #[test]
-fn sweeps_hold_every_return_once_and_know_the_model() {
+fn sweeps_hold_every_return_once() {
     for (name, ending) in RECORDINGS {
         let Some(path) = recording(&format!("vlp16_packets/{name}.{ending}")) else { continue };
         let Some(rows) = key(&format!("vlp16_packets/keys/{name}.packets.csv")) else { continue };
@@ -334,7 +334,7 @@ fn an_hdl32e_is_not_taken_for_a_vlp16() {
 }
 
 #[test]
-fn a_truncated_capture_gives_what_it_has_and_says_so() {
+fn truncated_capture_is_used_and_reported() {
     let Some(path) = recording("vlp16_packets/mrpt_gps_600rpm.pcap") else { return };
     let bytes = std::fs::read(path).expect("the recording is readable");
     let whole = Capture::read("whole", std::io::Cursor::new(bytes.clone())).expect("a capture").count();

@@ -143,13 +143,13 @@ fn every_item_equals_its_key() {
 }
 
 /// One message of the text: item → lines behind it.
-type Told = BTreeMap<String, Vec<String>>;
+type Reported = BTreeMap<String, Vec<String>>;
 
-fn told(text: &str) -> Vec<Told> {
+fn reported(text: &str) -> Vec<Reported> {
     text.trim_end()
         .split("\n\n")
         .map(|message| {
-            let mut items = Told::new();
+            let mut items = Reported::new();
             let mut name = String::new();
             for line in message.lines() {
                 if let Some(value) = line.strip_prefix("  ") {
@@ -167,24 +167,24 @@ fn told(text: &str) -> Vec<Told> {
 }
 
 #[test]
-fn every_message_equals_the_text_of_an_independent_decoder() {
+fn messages_equal_an_independent_decoders_text() {
     for number in [1, 2, 5] {
         let (Some(messages), Some(text)) =
             (messages(number), unpacked(&format!("xsens_mti/{number}_output.golden.gz")))
         else {
             return;
         };
-        let told = told(&text);
-        assert_eq!(told.len(), messages.len());
+        let reported = reported(&text);
+        assert_eq!(reported.len(), messages.len());
         let mut compared = 0;
-        for ((_, data), told) in messages.iter().zip(&told) {
+        for ((_, data), reported) in messages.iter().zip(&reported) {
             let measurement = Measurement::decode(data).unwrap();
             let items: BTreeMap<u16, Vec<f64>> = Items::new(data)
                 .map(Result::unwrap)
                 .filter(|item| is_number_list(item.kind))
                 .map(|item| (item.kind, numbers(&item)))
                 .collect();
-            for (name, values) in told {
+            for (name, values) in reported {
                 compared += 1;
                 compare(name, values, &measurement, &items);
             }

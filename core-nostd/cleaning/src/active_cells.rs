@@ -70,7 +70,7 @@ impl<const PARTICLES: usize> ActiveCell<PARTICLES> {
 pub enum Collapse {
     /// The paper's equation (6): the mean, taken as Poisson. Thins the tail when some particles missed the cell.
     Poisson,
-    /// The mean, with the particles' own probability of more than τ beside it; the guarantee looks at both.
+    /// The mean, with the particles' own probability of more than τ beside it; the guarantee uses both.
     #[default]
     Mixture,
 }
@@ -100,7 +100,7 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> ActiveCells<S, P
         self.slots().iter().filter(|slot| slot.cell != NO_CELL).count()
     }
 
-    /// Times a cell found no room. It then keeps its dirt: nothing is claimed for it.
+    /// Cells that did not fit, counted. It then keeps its dirt: nothing is claimed for it.
     #[must_use]
     pub const fn refused(&self) -> u32 {
         self.refused
@@ -112,7 +112,7 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> ActiveCells<S, P
     }
 
     /// The value of a particle for a cell, drawn from the map's belief at first touch. `None` where there is nothing
-    /// to clean, or no room.
+    /// to clean, or the list is full.
     #[inline]
     pub fn touch<'s, M: AsRef<[DirtCell]> + AsMut<[DirtCell]>>(
         &'s mut self,
@@ -167,9 +167,9 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> ActiveCells<S, P
         self.shrink();
     }
 
-    /// Calls `look(cell, what the map said before, share of the cell that the brush has swept since)` for every cell
-    /// that is held; the share is the mean over the particles, within [0, 1].
-    pub fn look(&mut self, weights: &[f32; PARTICLES], mut look: impl FnMut(usize, &DirtCell, f32)) {
+    /// Calls `visit(cell, the map's prior, share of the cell that the brush has swept since)` for every cell that is
+    /// held; the share is the mean over the particles, within [0, 1].
+    pub fn visit(&mut self, weights: &[f32; PARTICLES], mut visit: impl FnMut(usize, &DirtCell, f32)) {
         for slot in self.slots() {
             if slot.cell == NO_CELL {
                 continue;
@@ -177,12 +177,12 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> ActiveCells<S, P
             let swept = |(weight, mask): (&f32, &u64)| weight * mask.count_ones() as f32 / SAMPLES;
             let share: f32 = weights.iter().zip(&slot.covered).map(swept).sum();
             let prior = DirtCell { slot: NO_SLOT, ..slot.prior };
-            look(slot.cell as usize, &prior, share);
+            visit(slot.cell as usize, &prior, share);
         }
     }
 
-    /// Gives up what was cleaned since the cells became active: they fall back to what the map said before. For a
-    /// robot that finds that it was not where it believed to be.
+    /// Gives up what was cleaned since the cells became active: they fall back to the map's prior. For a robot
+    /// that finds that it was not where it believed to be.
     pub fn distrust<M: AsRef<[DirtCell]> + AsMut<[DirtCell]>>(&mut self, map: &mut DirtMap<M>) {
         for slot in self.slots() {
             if slot.cell == NO_CELL {
@@ -321,21 +321,21 @@ mod tests {
     }
 
     #[test]
-    fn tells_how_much_was_swept() {
+    fn swept_share_is_computed() {
         let mut map = map(DirtCell::poisson(8.0, 0.8));
         let mut cells = ActiveCells::<_, 2>::new(vec![ActiveCell::EMPTY; 2]);
         let mut random = Pcg32::new(1, 1);
         let touched = cells.touch(&mut map, 3, (0, &mut random)).unwrap();
         touched.set(CellDirt { units: 3, covered: u64::MAX >> 16 });
         let mut seen = Vec::new();
-        cells.look(&[0.8, 0.2], |cell, prior, share| seen.push((cell, prior.expected_units, share)));
+        cells.visit(&[0.8, 0.2], |cell, prior, share| seen.push((cell, prior.expected_units, share)));
         assert_eq!(seen.len(), 1);
         assert_eq!((seen[0].0, seen[0].1), (3, 8.0));
         assert!((seen[0].2 - 0.6).abs() < 1e-6);
     }
 
     #[test]
-    fn a_full_table_gives_no_credit_and_says_so() {
+    fn full_table_gives_no_credit() {
         let mut map = map(DirtCell::poisson(8.0, 0.8));
         let mut cells = ActiveCells::<_, 1>::new(vec![ActiveCell::EMPTY; 1]);
         let mut random = Pcg32::new(2, 1);

@@ -35,9 +35,10 @@ pub struct BeliefConfig {
     pub range: RangeModelConfig,
     /// Units that may stay in a clean cell, τ.
     pub tolerated_units: u8,
-    /// Every twentieth particle is moved by these deviations (metres, radians) beside the odometry's doubt: scouts
-    /// that find the robot after a slip or a push. Where nothing happened their weight is next to nothing.
-    pub scouts: Option<(f32, f32)>,
+    /// Every twentieth particle is moved by these deviations (metres, radians) beside the odometry's doubt:
+    /// recovery particles that find the robot after a slip or a push. Where nothing happened their weight is next
+    /// to nothing.
+    pub recovery_particles: Option<(f32, f32)>,
     /// Resample at every update, as published; otherwise when fewer than half of the particles are effective.
     pub resample_always: bool,
 }
@@ -91,8 +92,8 @@ pub struct Belief<S, const PARTICLES: usize> {
     random: Pcg32,
 }
 
-/// One particle in this many is a scout.
-const SCOUT_INTERVAL: usize = 20;
+/// One particle in this many is a recovery particle.
+const RECOVERY_INTERVAL: usize = 20;
 
 /// A pose with normal deviations of position (metres) and heading (radians).
 fn scatter(pose: Pose2, (position_m, heading_rad): (f32, f32), random: &mut Pcg32) -> Pose2 {
@@ -195,16 +196,16 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> Belief<S, PARTIC
         for (particle, (pose, log_weight)) in self.poses.iter_mut().zip(&mut self.log_weights).enumerate() {
             let before = *pose;
             *pose = sample_motion(before, step, deviations, &mut self.random);
-            let scouting = config.scouts.filter(|_| particle % SCOUT_INTERVAL == 0);
-            if let Some(deviations) = scouting {
+            let recovery = config.recovery_particles.filter(|_| particle % RECOVERY_INTERVAL == 0);
+            if let Some(deviations) = recovery {
                 *pose = scatter(*pose, deviations, &mut self.random);
             }
             *log_weight += self.range.log_likelihood(field, *pose, evidence.hits_in_base);
             let bar = config.brush.bar_at(*pose);
             places.add(bar, &geometry);
             let mut removed = 0_u32;
-            // A scout leaps; the ground below its leap was not cleaned.
-            if evidence.brush_is_cleaning && scouting.is_none() {
+            // A recovery particle leaps; the floor below its leap was not cleaned.
+            if evidence.brush_is_cleaning && recovery.is_none() {
                 let swath = Swath::between(config.brush.bar_at(before), bar);
                 let mask = SwathMask::of(&swath, &geometry);
                 report.is_swath_clipped |= mask.is_clipped();
@@ -284,10 +285,10 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> Belief<S, PARTIC
         self.cells.empty(map, (&self.weights, self.config.tolerated_units), |_| true);
     }
 
-    /// Calls `look(cell, what the map said before, share that the brush has swept since)` for every cell that the
+    /// Calls `visit(cell, the map's prior, share that the brush has swept since)` for every cell that the
     /// particles hold: a cell that the brush only grazed must stay on the tour.
-    pub fn look_at_active(&mut self, look: impl FnMut(usize, &DirtCell, f32)) {
-        self.cells.look(&self.weights, look);
+    pub fn visit_active(&mut self, visit: impl FnMut(usize, &DirtCell, f32)) {
+        self.cells.visit(&self.weights, visit);
     }
 
     /// Number of cells that the particles hold at the moment.
@@ -296,7 +297,7 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> Belief<S, PARTIC
         self.cells.count()
     }
 
-    /// Times that a cell found no room among the active ones; it kept its dirt.
+    /// Cells that did not fit among the active ones; they kept their dirt.
     #[must_use]
     pub const fn refused_cells(&self) -> u32 {
         self.cells.refused()

@@ -42,7 +42,7 @@ impl BrushPlaces {
         self.low = (self.low.0.min(place.0), self.low.1.min(place.1));
         self.high = (self.high.0.max(place.0), self.high.1.max(place.1));
         if !self.cells.contains(&place) {
-            // More places than room: the bounding box holds cells longer than needed, never shorter.
+            // More places than capacity: the bounding box holds cells longer than needed, never shorter.
             self.is_full |= self.cells.push(place).is_err();
         }
     }

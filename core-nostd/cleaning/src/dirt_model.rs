@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn one_false_hit_kills_nobody() {
+    fn one_false_hit_removes_no_particle() {
         let sensor = DirtSensorModel::default();
         assert!(sensor.log_likelihood(1, 0).is_finite());
         assert!(sensor.log_likelihood(5, 5) > sensor.log_likelihood(5, 0));

@@ -24,7 +24,7 @@ pub struct PlanReport {
     pub added: usize,
     /// Cells of the policy that cannot be reached: not guaranteed.
     pub unreachable: usize,
-    /// Cells of the policy that found no room in this plan; the farthest ones.
+    /// Cells of the policy that did not fit into this plan; the farthest ones.
     pub postponed: usize,
     /// The order is not that of the previous plan.
     pub path_changed: bool,
@@ -102,7 +102,7 @@ where
     /// robot. Makes `experiments` attempts to shorten the tour.
     ///
     /// # Errors
-    /// Only if the tour solver has less room than the planner, which the types rule out.
+    /// Only if the tour solver has less capacity than the planner, which the types rule out.
     pub fn replan(
         &mut self,
         robot_cell: usize,
@@ -140,13 +140,13 @@ where
     }
 
     /// Some cell of the policy should join the tour. While more wait than fit, they come in batches of an eighth of the
-    /// room, so that not every visit leads to a new tour.
+    /// capacity, so that not every visit leads to a new tour.
     fn has_new(&self, wanted: &impl Fn(usize) -> bool, report: &mut PlanReport) -> bool {
         let cells = (0..self.search.geometry().cell_count()).take(SEARCH_CELLS_MAX);
         let all = cells.filter(|&cell| wanted(cell)).count();
         let new = all.saturating_sub(self.order.len());
-        let room = N.saturating_sub(2).saturating_sub(self.order.len());
-        let is_batch = new <= room || room >= N / 8;
+        let free_slots = N.saturating_sub(2).saturating_sub(self.order.len());
+        let is_batch = new <= free_slots || free_slots >= N / 8;
         report.postponed = if is_batch { 0 } else { new };
         new > 0 && is_batch
     }
@@ -163,11 +163,11 @@ where
         }
     }
 
-    /// Appends the cells of the policy that are not planned yet, nearest first where room is short; expects the
-    /// search from the robot.
+    /// Appends the cells of the policy that are not planned yet, nearest first where capacity is short; expects
+    /// the search from the robot.
     fn add_wanted(&mut self, wanted: &impl Fn(usize) -> bool, report: &mut PlanReport) {
-        let room = N.saturating_sub(2).saturating_sub(self.order.len());
-        let limit = self.distance_limit(wanted, room);
+        let free_slots = N.saturating_sub(2).saturating_sub(self.order.len());
+        let limit = self.distance_limit(wanted, free_slots);
         for cell in 0..self.search.geometry().cell_count().min(SEARCH_CELLS_MAX) {
             if !wanted(cell) || self.is_planned(cell) {
                 continue;
@@ -197,9 +197,9 @@ where
         self.order.push(node).is_ok()
     }
 
-    /// Distance from the robot within which the wanted cells fit the room; `u32::MAX` if all do. A histogram of 2 m a
-    /// bin, so the last bin may be cut off early.
-    fn distance_limit(&self, wanted: &impl Fn(usize) -> bool, room: usize) -> u32 {
+    /// Distance from the robot within which the wanted cells fit the capacity; `u32::MAX` if all do. A histogram of 2
+    /// m a bin, so the last bin may be cut off early.
+    fn distance_limit(&self, wanted: &impl Fn(usize) -> bool, free_slots: usize) -> u32 {
         const BINS: usize = 256;
         let per_bin = STRAIGHT.saturating_mul(20);
         let mut bins = [0_usize; BINS];
@@ -215,21 +215,21 @@ where
                 *count = count.saturating_add(1);
             }
         }
-        if all <= room {
+        if all <= free_slots {
             return u32::MAX;
         }
         let mut sum = 0_usize;
         for (count, bin) in bins.iter().zip(1_u32..) {
             sum = sum.saturating_add(*count);
-            if sum >= room {
+            if sum >= free_slots {
                 return per_bin.saturating_mul(bin);
             }
         }
         u32::MAX
     }
 
-    /// Distances from a node to all others after a search from its cell. The raster overestimates skew ways by up to
-    /// 8 %: the ratio of straight line to the raster's own free-space distance takes that back.
+    /// Distances from a node to all others after a search from its cell. The raster overestimates skew paths by up
+    /// to 8 %: the ratio of straight line to the raster's own free-space distance takes that back.
     fn fill_row(&mut self, node: u16) {
         let geometry = *self.search.geometry();
         let (column, row) = geometry.coordinates(self.cell_of(node));
@@ -339,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn goes_round_a_wall_and_keeps_what_is_known() {
+    fn wall_detour_keeps_known_distances() {
         let mut planner = planner();
         let geometry = *planner.geometry();
         // A wall at column 10 with a gap in row 19.
@@ -362,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_reached_or_does_not_fit_is_counted() {
+    fn unreachable_and_overflowing_cells_are_counted() {
         let mut planner = planner();
         let geometry = *planner.geometry();
         let passable = |cell| geometry.coordinates(cell).0 != 10;

@@ -23,10 +23,10 @@ use floorguard_mapping::{DirtCell, NO_SLOT};
 pub struct CleanRule {
     threshold_units: f32,
     delta: f32,
-    looks_at_mixture: bool,
+    checks_mixture: bool,
 }
 
-/// What may be said about a cell.
+/// The status of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// The belief says so with the confidence asked.
@@ -46,7 +46,7 @@ impl CleanRule {
         Self {
             threshold_units: threshold_rate(u32::from(tolerated_units), delta) as f32,
             delta: delta as f32,
-            looks_at_mixture: true,
+            checks_mixture: true,
         }
     }
 
@@ -56,10 +56,10 @@ impl CleanRule {
         Self::per_cell(tolerated_units, delta / (dirty_cells as f64).max(1.0))
     }
 
-    /// The published rule, which looks at the mean alone.
+    /// The published rule, which uses the mean alone.
     #[must_use]
     pub const fn mean_only(self) -> Self {
-        Self { looks_at_mixture: false, ..self }
+        Self { checks_mixture: false, ..self }
     }
 
     /// λ*, units.
@@ -68,7 +68,7 @@ impl CleanRule {
         self.threshold_units
     }
 
-    /// What may be said about a cell.
+    /// The status of a cell.
     #[inline]
     #[must_use]
     pub fn verdict(&self, cell: &DirtCell) -> Verdict {
@@ -76,7 +76,7 @@ impl CleanRule {
             Verdict::Active
         } else if cell.expected_units.is_nan() || cell.expected_units > self.threshold_units {
             Verdict::Dirty
-        } else if self.looks_at_mixture && cell.heavy_units > 0 && cell.tail_probability() > self.delta {
+        } else if self.checks_mixture && cell.heavy_units > 0 && cell.tail_probability() > self.delta {
             Verdict::Uncertain
         } else {
             Verdict::Clean
@@ -100,8 +100,8 @@ const STEP: f64 = 0.75;
 /// The published criterion of success is the 99 % quantile over the cells that were dirty at the start: one cell in a
 /// hundred may hold more than τ. With n cells the number that fails is taken as Poisson (its tail is the heavier one),
 /// so the mission may expect at most λ*(⌊n/100⌋, risk) failing cells in all. Most cleaned cells need next to nothing of
-/// that; what they leave goes to those whose last doubt is dear, so that no cell is visited again for a risk that the
-/// mission can bear. No single cell gets more than δ.
+/// that; the remainder goes to those whose last doubt is expensive to remove, so that no cell is visited again for a
+/// risk that the mission can bear. No single cell gets more than δ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MissionRisk {
     allowance: f32,
@@ -154,7 +154,7 @@ impl MissionRisk {
         self.steps.get(loosest).copied().unwrap_or(CleanRule {
             threshold_units: 0.0,
             delta: 0.0,
-            looks_at_mixture: true,
+            checks_mixture: true,
         })
     }
 }
@@ -194,7 +194,7 @@ mod tests {
 
     /// 100 cells may expect 0.149 failures: 0.0015 for each alike. Where 90 of them need nothing, the last ten get more.
     #[test]
-    fn the_risk_goes_to_the_cells_that_need_it() {
+    fn risk_goes_to_expensive_cells() {
         let risk = MissionRisk::new(5, (0.01, 0.01), 100);
         let all = |few: f32, rest: f32| -> std::vec::Vec<DirtCell> {
             (0..100).map(|i| cell(if i < 10 { few } else { rest })).collect()
@@ -216,7 +216,7 @@ mod tests {
 
     /// The sum of what is granted never exceeds the mission's allowance, whatever the beliefs are.
     #[test]
-    fn the_sum_of_the_risks_stays_within_the_allowance() {
+    fn sum_of_risks_stays_within_allowance() {
         let mut random = floorguard_types::random::Pcg32::new(3, 3);
         for count in [25_u32, 120, 400] {
             let risk = MissionRisk::new(5, (0.01, 0.01), count as usize);

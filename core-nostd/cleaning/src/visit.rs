@@ -19,15 +19,15 @@ pub struct Pass {
 pub struct PassShape {
     /// Edge of a cell, metres.
     pub cell_m: f32,
-    /// Way before and behind the cell, for doubt about the position, metres.
+    /// Distance before and behind the cell, for position uncertainty, metres.
     pub margin_m: f32,
-    /// Way that a turn in the middle of a cell costs beside its way: its corners have less room than the rim of a straight
-    /// pass.
+    /// Distance equivalent of a turn in the middle of a cell: its corners have less clearance than the rim of a
+    /// straight pass.
     pub turn_cost_m: f32,
 }
 
 impl PassShape {
-    /// Half the way of a pass: half of the cell as seen in the direction of travel, and the margin.
+    /// Half the length of a pass: half of the cell as seen in the direction of travel, and the margin.
     fn reach_m(&self, (sin, cos): (f32, f32)) -> f32 {
         self.half_extent_m((sin, cos)) + self.margin_m
     }
@@ -38,7 +38,7 @@ impl PassShape {
     }
 }
 
-/// Chooses the pass over the cell around `centre` that costs the least way from `from` and on to `towards`.
+/// Chooses the pass over the cell around `centre` with the shortest path from `from` and on to `towards`.
 /// `is_clear(a, b)` says that the robot can drive straight from a to b. Falls back to shorter passes beside walls;
 /// `None` where not even the centre can be reached.
 ///
@@ -91,17 +91,17 @@ pub fn choose_pass(
 }
 
 /// In to the middle of the cell, a turn on the spot, and out again: the bar sweeps the strip before, its own circle,
-/// and the strip behind, so nothing of the cell is left out, and no way is spent on a straight line through it. Both
-/// ways must begin outside the cell.
+/// and the strip behind, so nothing of the cell is left out, and no distance is spent on a straight line through it.
+/// Both paths must begin outside the cell.
 fn turn_in_the_middle(
     (from, centre, towards): (Point2, Point2, Option<Point2>),
     shape: &PassShape,
 ) -> Option<(f32, Pass)> {
     let next = towards?;
-    let (way_in_m, way_out_m) = (from.distance(centre), centre.distance(next));
+    let (entry_m, exit_m) = (from.distance(centre), centre.distance(next));
     let needed_m = 0.5 * core::f32::consts::SQRT_2 * shape.cell_m;
-    let cost = way_in_m + way_out_m + shape.turn_cost_m;
-    (way_in_m >= needed_m && way_out_m >= needed_m).then_some((cost, Pass { entry: centre, exit: centre }))
+    let cost = entry_m + exit_m + shape.turn_cost_m;
+    (entry_m >= needed_m && exit_m >= needed_m).then_some((cost, Pass { entry: centre, exit: centre }))
 }
 
 #[cfg(test)]
@@ -114,14 +114,14 @@ mod tests {
         let shape = PassShape { cell_m: 0.1, margin_m: 0.015, turn_cost_m: 0.0 };
         let back = choose_pass((from, centre, Some(Point2::new(0.8, 0.1))), &shape, |_, _| true).unwrap();
         assert_eq!((back.entry, back.exit), (centre, centre));
-        // A way that begins within the cell would leave the part behind it: a straight pass.
+        // A path that begins within the cell would leave the part behind it: a straight pass.
         let near = Point2::new(0.97, 0.0);
         let pass = choose_pass((near, centre, Some(Point2::new(0.8, 0.1))), &shape, |_, _| true).unwrap();
         assert!(pass.entry.distance(pass.exit) > 0.1);
     }
 
     #[test]
-    fn passes_in_the_direction_of_travel_and_along_walls() {
+    fn passes_follow_travel_and_walls() {
         let (from, centre) = (Point2::new(0.0, 0.0), Point2::new(1.0, 0.0));
         let next = Some(Point2::new(2.0, 0.0));
         let shape = PassShape { cell_m: 0.1, margin_m: 0.05, turn_cost_m: 1.0 };

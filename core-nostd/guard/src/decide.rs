@@ -98,7 +98,7 @@ impl Supervisor {
         }
     }
 
-    /// People, and what perception asks for. A number that is none is a fault of perception, not a licence.
+    /// People, and what perception asks for. A non-finite number is a fault of perception, not a licence.
     pub(super) fn judge_advice(&mut self, advice: &Advice, now: Stamp) {
         let age_us = advice.stamp.past_us(now);
         if advice.stop {

@@ -1,8 +1,8 @@
 //! Everything that can decide to move or stop, and nothing else.
 //!
-//! The rule of the room: at most 1,600 code lines, no decision with more than four conditions, a truth table for each,
-//! and a requirement identifier (`FG-REQ-…`, listed in `docs/requirements.md`) at each rule and each test. What the
-//! guard knows (fields, tables, configuration) and the words it uses are in `protection`.
+//! The rule of this module: at most 1,600 code lines, no decision with more than four conditions, a truth table for
+//! each, and a requirement identifier (`FG-REQ-…`, listed in `docs/requirements.md`) at each rule and each test. What
+//! the guard knows (fields, tables, configuration) and the words it uses are in `protection`.
 //!
 #![doc = include_str!("../README.md")]
 #![no_std]

@@ -1,7 +1,7 @@
 //! The decision machine: which causes hold, and which one wins.
 //!
 //! Evidence arrives as pulses: [`DecisionMachine::raise`]. A cause holds from its first pulse until its rule lets it
-//! go; no rule looks at anything but the time since the last pulse and the operator's reset, so evidence that stops
+//! go; no rule uses anything but the time since the last pulse and the operator's reset, so evidence that stops
 //! arriving is not evidence of safety (its source will then raise its own cause).
 
 use super::rules::Clear;

@@ -57,8 +57,8 @@ impl Cause {
     }
 
     /// How it may clear (FG-REQ-003). Contact, cliff, emergency stop and faults of the machine need an operator (ISO
-    /// 3691-4 4.1.14, IEC 63327 7.8), and so do power that comes back and inputs that could not be read: who pressed a button
-    /// meanwhile was not heard. What merely stood in the way does not (IEC 63327 7.9).
+    /// 3691-4 4.1.14, IEC 63327 7.8), and so do power that comes back and inputs that could not be read: who pressed a
+    /// button meanwhile was not heard. A mere obstacle does not (IEC 63327 7.9).
     #[must_use]
     pub const fn clear(self) -> Clear {
         match self {

@@ -97,8 +97,8 @@ impl ScanTable {
     }
 }
 
-/// Millimetres to what stands there, the greatest number where nothing does, `None` where nobody knows. A beam that
-/// is free only up to less than the limit says nothing about the rest of the field.
+/// Millimetres to what stands there, the greatest number where nothing does, `None` where unknown. A beam that is
+/// free only up to less than the limit says nothing about the rest of the field.
 fn range_of(beam: BeamReturn, limit_mm: u16) -> Option<u16> {
     match beam {
         BeamReturn::Hit(range_mm) => Some(range_mm),

@@ -178,7 +178,7 @@ impl Supervisor {
         self.decide(now)
     }
 
-    /// Somebody wants to move. A number that is none stops (FG-REQ-054).
+    /// A command to move is present. A non-finite number stops (FG-REQ-054).
     pub fn on_command(&mut self, wanted: Twist2, stamp: Stamp, now: Stamp) -> Decision {
         self.begin(now);
         let accepted = self.accept(Source::Command, (stamp, 0), now);
@@ -229,7 +229,7 @@ impl Supervisor {
         self.state.machine.latches()
     }
 
-    /// Time has passed: call every 10 ms. Looks at a sixteenth of the constants (FG-REQ-017).
+    /// Time has passed: call every 10 ms. Checks a sixteenth of the constants (FG-REQ-017).
     pub fn tick(&mut self, now: Stamp) -> Decision {
         self.begin(now);
         let tables = (&self.scan_table, &self.packet_table);

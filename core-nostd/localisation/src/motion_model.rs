@@ -80,7 +80,7 @@ impl MotionNoise {
     /// A small robot with a gyroscope (book, Cleaning: Motion noise).
     pub const GYROSCOPE: Self =
         Self { turn_by_turn: 0.02, turn_by_drive: 0.02, drive_by_drive: 0.05, drive_by_turn: 0.02 };
-    /// For the errors of the published protocol (5 % of the way, 0.02 rad/m, 3 % of the turn) at steps of 0.1 m,
+    /// For the errors of the published protocol (5 % of the distance, 0.02 rad/m, 3 % of the turn) at steps of 0.1 m,
     /// deviations taken 1.6 times as large. Too tight a model loses the robot after slip; too wide a one blurs what was
     /// cleaned.
     pub const MEASURED: Self =

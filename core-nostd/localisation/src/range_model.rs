@@ -28,7 +28,7 @@ pub struct RangeModelConfig {
 impl RangeModelConfig {
     /// The published robot: a depth camera used as a scanner (book, Cleaning: Likelihood field). Narrower than the
     /// 0.2 m of AMCL, for the sensor errs by 0.03 m and the map by half a pixel of 0.05 m; with a b as cautious as
-    /// there: 3 instead of 6 lost the robot between furniture, with five times as many bumps and no shorter way.
+    /// there: 3 instead of 6 lost the robot between furniture, with five times as many bumps and no shorter path.
     pub const XTION: Self = Self {
         hit_share: 0.95,
         random_share: 0.05,
@@ -37,7 +37,8 @@ impl RangeModelConfig {
         beams_as_one: 6.0,
         explained_within_m: 0.12,
     };
-    /// A safety scanner of 270°: beams 4.5° apart hit different things, and a map of 5 cm is the larger error.
+    /// A safety scanner of 270°: beams 4.5° apart hit different objects, and a map of 5 cm is the larger
+    /// error.
     pub const SAFETY_SCANNER: Self = Self {
         hit_share: 0.9,
         random_share: 0.1,

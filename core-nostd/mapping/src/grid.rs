@@ -191,7 +191,7 @@ pub struct GridTooSmall {
 
 impl core::fmt::Display for GridTooSmall {
     fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(formatter, "the map has {} cells, but there is room for {}", self.needed, self.capacity)
+        write!(formatter, "the map has {} cells, but the capacity is {}", self.needed, self.capacity)
     }
 }
 

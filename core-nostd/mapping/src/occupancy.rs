@@ -12,7 +12,7 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Occupancy {
-    /// Nobody has looked there. Never driven on, never cleaned, never claimed.
+    /// Not observed. Never driven on, never cleaned, never claimed.
     #[default]
     Unknown,
     /// Floor.

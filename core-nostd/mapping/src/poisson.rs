@@ -7,7 +7,7 @@
 const RATE_MAX: f64 = 700.0;
 /// Most terms of a sum: 40 deviations above the largest rate are 1,819.
 const TERMS_MAX: u32 = 2_048;
-/// Most counts that the negative binomial search looks at.
+/// Most counts that the negative binomial search examines.
 const COUNTS_MAX: u32 = 1_000_000;
 
 /// P(D ≤ count) for D ~ Poisson(rate). A rate below 0 or not finite gives NaN-free bounds: 1 for ≤ 0, 0 for the rest.

@@ -1,9 +1,9 @@
-//! Shortest collision-free ways over the raster: Dijkstra with circular buckets.
+//! Shortest collision-free paths over the raster: Dijkstra with circular buckets.
 //!
 //! Steps cost 29 (straight) and 41 (diagonal), which is √2 to 0.03 %. Corners are not cut. Every cell is settled at
 //! most once, so the search ends after as many steps as there are cells (book, Cleaning: Path search). A search may end
 //! as soon as what it was asked for is settled, and costs nothing for the rest of the map: cells of an older search are
-//! told by their round.
+//! recognised by their round number.
 
 use floorguard_mapping::GridGeometry;
 
@@ -17,7 +17,7 @@ pub const SEARCH_CELLS_MAX: usize = 1 << 24;
 const BUCKETS: usize = 64;
 /// Turns of a search: every one settles a cell or passes an empty bucket, of which at most all come in a row.
 const TURNS_MAX: usize = (SEARCH_CELLS_MAX + 1) * BUCKETS;
-const NOBODY: u32 = u32::MAX;
+const NO_CELL: u32 = u32::MAX;
 
 /// Working memory of the search for one cell.
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +31,7 @@ pub struct SearchCell {
 
 impl SearchCell {
     /// Not reached.
-    pub const EMPTY: Self = Self { distance: NOBODY, next: NOBODY, previous: NOBODY, round: 0 };
+    pub const EMPTY: Self = Self { distance: NO_CELL, next: NO_CELL, previous: NO_CELL, round: 0 };
 }
 
 /// A search over a raster; `S` stores one [`SearchCell`] a cell.
@@ -78,7 +78,7 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
     /// A search over this raster. Cells beyond the storage count as impassable.
     #[must_use]
     pub const fn new(geometry: GridGeometry, cells: S) -> Self {
-        Self { geometry, cells, heads: [NOBODY; BUCKETS], round: 0, horizon: 0 }
+        Self { geometry, cells, heads: [NO_CELL; BUCKETS], round: 0, horizon: 0 }
     }
 
     /// The raster.
@@ -108,8 +108,8 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
         let mut empty_run = 0_usize;
         let mut bucket = 0_usize;
         for _ in 0..TURNS_MAX {
-            let head = self.heads.get(bucket).copied().unwrap_or(NOBODY);
-            if head == NOBODY {
+            let head = self.heads.get(bucket).copied().unwrap_or(NO_CELL);
+            if head == NO_CELL {
                 bucket = bucket.wrapping_add(1) % BUCKETS;
                 empty_run = empty_run.saturating_add(1);
                 if empty_run > BUCKETS {
@@ -130,7 +130,7 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
 
     /// Forgets the last search: a new round, and once in four thousand million rounds a sweep.
     fn begin(&mut self) {
-        self.heads = [NOBODY; BUCKETS];
+        self.heads = [NO_CELL; BUCKETS];
         self.horizon = 0;
         self.round = self.round.wrapping_add(1);
         if self.round == 0 {
@@ -170,7 +170,7 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
     fn raw(&self, cell: usize) -> u32 {
         match self.cells.as_ref().get(cell) {
             Some(entry) if entry.round == self.round => entry.distance,
-            _ => NOBODY,
+            _ => NO_CELL,
         }
     }
 
@@ -181,13 +181,13 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
         if distance >= old {
             return;
         }
-        if old != NOBODY {
+        if old != NO_CELL {
             self.unlink(cell);
         }
         let slot = distance as usize % BUCKETS;
-        let head = self.heads.get(slot).copied().unwrap_or(NOBODY);
+        let head = self.heads.get(slot).copied().unwrap_or(NO_CELL);
         if let Some(entry) = self.cells.as_mut().get_mut(cell) {
-            *entry = SearchCell { distance, next: head, previous: NOBODY, round: self.round };
+            *entry = SearchCell { distance, next: head, previous: NO_CELL, round: self.round };
         }
         if let Some(entry) = self.cells.as_mut().get_mut(head as usize) {
             entry.previous = cell as u32;
@@ -202,7 +202,7 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
         let Some(&SearchCell { distance, next, previous, .. }) = self.cells.as_ref().get(cell) else {
             return;
         };
-        if previous == NOBODY {
+        if previous == NO_CELL {
             if let Some(head) = self.heads.get_mut(distance as usize % BUCKETS) {
                 *head = next;
             }
@@ -218,10 +218,11 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
     #[inline]
     #[must_use]
     pub fn distance(&self, cell: usize) -> Option<u32> {
-        Some(self.raw(cell)).filter(|&d| d != NOBODY && d <= self.horizon)
+        Some(self.raw(cell)).filter(|&d| d != NO_CELL && d <= self.horizon)
     }
 
-    /// The next cell on a shortest way from `cell` to the start; `None` at the start and where there is no way.
+    /// The next cell on a shortest path from `cell` to the start; `None` at the start and where there is no
+    /// path.
     #[must_use]
     pub fn towards_start(&self, cell: usize) -> Option<usize> {
         let here = self.distance(cell)?;
@@ -232,9 +233,9 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
                 continue;
             };
             let Some(distance) = self.distance(other) else { continue };
-            let is_on_way = distance.saturating_add(cost) == here;
+            let is_on_path = distance.saturating_add(cost) == here;
             // A diagonal step that fits the sum was checked for corners when it was made, or a straight one exists.
-            if is_on_way
+            if is_on_path
                 && best.is_none_or(|(d, _)| distance < d)
                 && self.has_clear_sides((column, row), (dx, dy))
             {
@@ -245,7 +246,8 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
     }
 
     fn has_clear_sides(&self, (column, row): (i32, i32), (dx, dy): (i32, i32)) -> bool {
-        let reached = |x: i32, y: i32| self.geometry.index(x, y).is_some_and(|cell| self.raw(cell) != NOBODY);
+        let reached =
+            |x: i32, y: i32| self.geometry.index(x, y).is_some_and(|cell| self.raw(cell) != NO_CELL);
         dx == 0 || dy == 0 || (reached(column.wrapping_add(dx), row) && reached(column, row.wrapping_add(dy)))
     }
 }
@@ -309,7 +311,7 @@ mod tests {
                         let Some(next) = search.towards_start(here) else { break };
                         here = next;
                     }
-                    assert_eq!(here, start, "the way leads to the start");
+                    assert_eq!(here, start, "the path leads to the start");
                 }
             }
         }

@@ -3,7 +3,7 @@
 //! Two profiles: the MCU (everything within 512 KiB of RAM) and, with feature `hosted`, a Linux computer. Running out
 //! of any of these is a value that the caller handles and counts, never a silent loss.
 
-/// So much room as is asked for, at most one's own. Without the feature `hosted` it is always one's own, whatever is asked
+/// The requested capacity, at most the own one. Without the feature `hosted` it is always one's own, whatever is asked
 /// for: on the microcontroller nobody asks for less, and the compiler knows it.
 ///
 /// ```
@@ -11,7 +11,7 @@
 ///
 /// assert_eq!(room(10_000, SCAN_BEAMS_MAX), SCAN_BEAMS_MAX);
 /// ```
-pub const fn room(asked: usize, own: usize) -> usize {
+pub const fn limited_capacity(asked: usize, own: usize) -> usize {
     if cfg!(feature = "hosted") && asked < own { asked } else { own }
 }
 
@@ -34,8 +34,8 @@ pub const SCAN_BEAMS_MAX: usize = 2_751;
 pub const CLUSTERS_MAX: usize = if cfg!(feature = "hosted") { 1_024 } else { CLUSTERS_ON_BOARD };
 /// The same on the microcontroller.
 pub const CLUSTERS_ON_BOARD: usize = 256;
-/// Provisional names of things while a sweep is grouped: one for each place where something begins. A sweep of a hall needs
-/// some hundred, one through a tree some thousand; cells beyond stay ungrouped and are counted.
+/// Provisional names of objects while a sweep is grouped: one for each place where something begins. A sweep of a hall
+/// needs some hundred, one through a tree some thousand; cells beyond stay ungrouped and are counted.
 pub const LABELS_MAX: usize = if cfg!(feature = "hosted") { 16_384 } else { LABELS_ON_BOARD };
 /// The same on the microcontroller.
 pub const LABELS_ON_BOARD: usize = 4_096;
@@ -49,10 +49,10 @@ pub const POSE_HISTORY: usize = 128;
 pub const FIELD_VERTICES_MAX: usize = 16;
 /// Field sets: four speed bins, forward and reverse.
 pub const FIELD_SETS_MAX: usize = 8;
-/// Things of a sweep whose motion is judged; the farthest are dropped first and counted. The correspondence compares
-/// all pairs.
-pub const MOTION_THINGS_MAX: usize = if cfg!(feature = "hosted") { 256 } else { 64 };
-/// Moving things believed in at once.
+/// Objects of a sweep whose motion is judged; the farthest are dropped first and counted. The correspondence
+/// compares all pairs.
+pub const MOTION_OBJECTS_MAX: usize = if cfg!(feature = "hosted") { 256 } else { 64 };
+/// Moving objects believed in at once.
 pub const MOTION_TRACKED_MAX: usize = if cfg!(feature = "hosted") { 64 } else { 16 };
 /// Columns along each side of the motion voxels, 0.1 m each; a power of two. Memory: four bytes a column and reference.
 pub const MOTION_VOXEL_SIDE: usize = if cfg!(feature = "hosted") { 256 } else { 128 };
@@ -77,15 +77,15 @@ pub const RGBD_LABELS_MAX: usize = 255;
 pub const RGBD_HEADS_MAX: usize = if cfg!(feature = "hosted") { 16 } else { 8 };
 /// Columns of a region at the size of the silhouette: 3.7 m of a body of 1.75 m.
 pub const RGBD_CROP_COLUMNS: usize = if cfg!(feature = "hosted") { 192 } else { 160 };
-/// Its rows: from above the head to below the shoulders of whoever is a head shorter.
+/// Its rows: from above the head to below the shoulders of a person who is a head shorter.
 pub const RGBD_CROP_ROWS: usize = 64;
 /// Heads that fit the silhouette, before one stays for each person.
 pub const RGBD_CANDIDATES_MAX: usize = if cfg!(feature = "hosted") { 64 } else { 24 };
 /// People of one depth picture; the farthest are dropped first and counted.
 pub const RGBD_PEOPLE_MAX: usize = if cfg!(feature = "hosted") { 32 } else { 16 };
-/// Things of the shape of a leg in one depth picture.
+/// Objects of the shape of a leg in one depth picture.
 pub const RGBD_LEGS_MAX: usize = if cfg!(feature = "hosted") { 32 } else { 16 };
-/// Things in the band of the legs that may be open at once while a picture is read.
+/// Objects in the band of the legs that may be open at once while a picture is read.
 pub const RGBD_LEG_PARTS_MAX: usize = if cfg!(feature = "hosted") { 512 } else { 192 };
 /// Labelled shapes of each class from which a robot learns: the published learner keeps 1,005 of each for an SVM; waves
 /// need fewer.
@@ -94,7 +94,7 @@ pub const LEARNING_SAMPLES: usize = if cfg!(feature = "hosted") { 1_024 } else {
 pub const LEARNING_HELD_OUT: usize = if cfg!(feature = "hosted") { 256 } else { 64 };
 /// Shapes with a known truth, of both classes together, on which nothing may get worse.
 pub const LEARNING_ANCHORS: usize = if cfg!(feature = "hosted") { 2_048 } else { 128 };
-/// Tracks whose diary is kept.
+/// Tracks whose history is kept.
 pub const LEARNING_TRACKS: usize = TRACKS_MAX;
-/// Looks kept of one track.
-pub const LEARNING_LOOKS: usize = if cfg!(feature = "hosted") { 12 } else { 4 };
+/// Shapes kept of one track.
+pub const LEARNING_SHAPES: usize = if cfg!(feature = "hosted") { 12 } else { 4 };

@@ -1,7 +1,7 @@
 //! Values that every part of the robot's software shares: geometry, time, units, what sensors deliver, fixed sizes.
 //!
-//! No heap, no clock, no I/O, no `unsafe`, no panic. Time is an argument, running out of room is a value, and
-//! "no data" is never "no obstacle".
+//! No heap, no clock, no I/O, no `unsafe`, no panic. Time is an argument, exceeding a capacity is a value, and "no
+//! data" is never "no obstacle".
 //!
 #![doc = include_str!("../README.md")]
 #![no_std]

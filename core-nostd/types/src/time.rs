@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn future_stamps_are_told_apart_from_fresh_ones() {
+    fn future_stamps_are_not_fresh_ones() {
         let now = Stamp::from_micros(1_000);
         assert_eq!(Stamp::from_micros(400).age(now), Age::Past(600));
         assert_eq!(Stamp::from_micros(1_000).age(now), Age::Past(0));

@@ -12,9 +12,9 @@ pub trait Absorb: Copy {
     fn absorb(&mut self, other: &Self);
 }
 
-/// There is no room for another part.
+/// The part list is full.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NoRoom;
+pub struct CapacityExceeded;
 
 #[derive(Clone, Copy, Debug)]
 struct Part<T> {
@@ -25,7 +25,7 @@ struct Part<T> {
 /// Up to `N` parts, at most 65,536.
 ///
 /// ```
-/// use floorguard_types::united_parts::{Absorb, NoRoom, UnitedParts};
+/// use floorguard_types::united_parts::{Absorb, CapacityExceeded, UnitedParts};
 ///
 /// /// Pixels of a part.
 /// #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,7 +39,7 @@ struct Part<T> {
 /// let mut parts = UnitedParts::<Pixels, 2>::default();
 /// let left = parts.join([].into_iter(), &Pixels(1)).unwrap();
 /// let right = parts.join([].into_iter(), &Pixels(1)).unwrap();
-/// assert_eq!(parts.join([].into_iter(), &Pixels(1)), Err(NoRoom));
+/// assert_eq!(parts.join([].into_iter(), &Pixels(1)), Err(CapacityExceeded));
 /// // A pixel between both unites them.
 /// parts.join([left, right].into_iter(), &Pixels(1)).unwrap();
 /// assert!(parts.finished().eq(&[Pixels(3)]));
@@ -64,9 +64,9 @@ impl<T: Absorb, const N: usize> UnitedParts<T, N> {
     /// Adds a piece to the parts of its neighbours, united, or to a new one. Gives the part's number.
     ///
     /// # Errors
-    /// It touches nothing, and there is no room for a part of its own.
+    /// It touches nothing, and the part list is full.
     #[inline]
-    pub fn join(&mut self, neighbours: impl Iterator<Item = u16>, own: &T) -> Result<u16, NoRoom> {
+    pub fn join(&mut self, neighbours: impl Iterator<Item = u16>, own: &T) -> Result<u16, CapacityExceeded> {
         let mut joined: Option<u16> = None;
         for neighbour in neighbours {
             let root = self.root(neighbour);
@@ -78,8 +78,8 @@ impl<T: Absorb, const N: usize> UnitedParts<T, N> {
             }
             return Ok(root);
         }
-        let index = u16::try_from(self.parts.len()).map_err(|_| NoRoom)?;
-        self.parts.push(Part { parent: index, content: *own }).map_err(|_| NoRoom)?;
+        let index = u16::try_from(self.parts.len()).map_err(|_| CapacityExceeded)?;
+        self.parts.push(Part { parent: index, content: *own }).map_err(|_| CapacityExceeded)?;
         Ok(index)
     }
 
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_that_meet_are_one_and_a_chain_of_meetings_is_followed() {
+    fn touching_parts_merge_along_chains() {
         let mut parts = UnitedParts::<u32, 4>::default();
         let begun = [1, 10, 100].map(|own| parts.join(core::iter::empty(), &own));
         assert_eq!(begun, [Ok(0), Ok(1), Ok(2)]);
@@ -151,10 +151,10 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_room_is_told() {
+    fn overflow_is_reported() {
         let mut parts = UnitedParts::<u32, 1>::default();
         assert_eq!(parts.join(core::iter::empty(), &1), Ok(0));
-        assert_eq!(parts.join(core::iter::empty(), &1), Err(NoRoom));
+        assert_eq!(parts.join(core::iter::empty(), &1), Err(CapacityExceeded));
         assert_eq!(parts.join([0].into_iter(), &1), Ok(0), "what exists still grows");
         parts.clear();
         assert_eq!(parts.finished().count(), 0);

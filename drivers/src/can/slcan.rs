@@ -12,7 +12,7 @@ pub const SLCAN_LINE_BYTES: usize = 32;
 const CARRIAGE_RETURN: u8 = 0x0D;
 const BELL: u8 = 0x07;
 
-/// What the line told.
+/// What the line reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SlcanEvent {
     /// A frame from the bus.
@@ -247,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_python_package_accepts_and_must_not_be() {
+    fn inputs_wrongly_accepted_by_the_python_package() {
         for line in ["t7011\r", "t1239\r", "t8000\r", "T200000000\r", "t45631122334\r", "tXYZ0\r", "q\r"] {
             let (found, counters) = frames(line.as_bytes());
             assert_eq!((found.len(), counters.refused), (0, 1), "{line:?}");
@@ -260,9 +260,9 @@ mod tests {
     }
 
     #[test]
-    fn digits_may_be_small_and_a_line_that_is_too_long_is_no_frame() {
+    fn lower_case_digits_accepted_long_lines_refused() {
         assert_eq!(frames(b"t0812abcf\r").0, [CanFrame::standard(0x081, &[0xAB, 0xCF])]);
-        // The longest line with a time stamp is a frame; what follows it in the same line spoils it.
+        // The longest line with a time stamp is a frame; further characters in the same line invalidate it.
         let longest = b"T01ABCDEF811223344556677881A2B";
         let mut bytes = longest.to_vec();
         bytes.push(b'\r');
@@ -288,7 +288,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_bytes_in_any_portions_give_the_same_frames(bytes: StdVec<u8>, cut in 0_usize..64) {
+        fn portioning_does_not_change_frames(bytes: StdVec<u8>, cut in 0_usize..64) {
             let whole = frames(&bytes);
             let mut receiver = SlcanReceiver::new();
             let mut found = StdVec::new();

@@ -33,7 +33,7 @@ pub enum NodePhase {
     Absent,
     /// Being configured: this step.
     Configuring(usize),
-    /// Told to start.
+    /// Commanded to start.
     Starting,
     /// Process data flow.
     Operational,
@@ -65,7 +65,7 @@ pub struct NodeConfigurator {
     failure: Option<ConfigurationFailure>,
     reads: [u32; READS_KEPT],
     reads_done: usize,
-    /// It left operation by itself; told with the next poll.
+    /// It left operation by itself; reported with the next poll.
     left: bool,
     /// It was heard of since this master runs: what it does now is this master's doing, or it has booted.
     met: bool,
@@ -302,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn calls_configures_starts_and_starts_over_after_a_loss() {
+    fn boots_configures_starts_and_restarts_after_loss() {
         let mut node = NodeConfigurator::new(5, script());
         assert_eq!(poll(&mut node, 0).0.len(), 1);
         assert_eq!(poll(&mut node, 10).0.len(), 0, "one request in flight");
@@ -337,7 +337,7 @@ mod tests {
         assert_eq!(node.phase(), NodePhase::Absent);
     }
 
-    /// It may have lost what it was told: everything is told again, and whoever depends on it hears of it.
+    /// It may have lost its configuration: all of it is sent again, and dependants are notified.
     #[test]
     fn a_restart_starts_over_from_any_phase() {
         for phase in [
@@ -355,12 +355,12 @@ mod tests {
             let (sent, lost) = poll(&mut node, 20);
             assert_eq!(sent.len(), 2, "pre-operational and the first write, {phase:?}");
             assert_eq!(lost, phase == NodePhase::Operational);
-            assert!(!poll(&mut node, 30).1, "told once");
+            assert!(!poll(&mut node, 30).1, "reported once");
         }
     }
 
     #[test]
-    fn an_operational_node_that_is_taken_out_of_operation_is_a_loss() {
+    fn node_taken_out_of_operation_is_lost() {
         for state in [0x04, 0x7F] {
             let mut node = NodeConfigurator::new(5, script());
             node.phase = NodePhase::Operational;
@@ -371,7 +371,7 @@ mod tests {
 
     /// A read is answered by a value, a write by an acknowledgement; text is of no use.
     #[test]
-    fn an_answer_of_the_wrong_kind_is_no_answer() {
+    fn answer_of_wrong_kind_is_ignored() {
         let mut node = NodeConfigurator::new(5, Script::new().read(0x6002, 0));
         node.on_heartbeat(0, at(0));
         poll(&mut node, 0);
@@ -398,7 +398,7 @@ mod tests {
 
     /// The first request, its repetition, and nothing in between; the same for the command to start.
     #[test]
-    fn a_request_is_repeated_when_its_time_is_over_and_not_before() {
+    fn request_is_repeated_only_after_its_timeout() {
         let mut node = NodeConfigurator::new(5, Script::new().write(0x1017, 0, 100, 2));
         node.on_heartbeat(0, at(0));
         assert_eq!(poll(&mut node, 0).0.len(), 2);
@@ -434,7 +434,7 @@ mod tests {
 
     /// Only what a device need not have may be missing, and only missing is excused.
     #[test]
-    fn an_object_that_may_be_missing_is_passed_over() {
+    fn optional_missing_object_is_skipped() {
         let absent = [0x80, 0x29, 0x10, 1, 0, 0, 2, 6];
         let no_part = [0x80, 0x29, 0x10, 1, 0x11, 0, 9, 6];
         let refused = [0x80, 0x29, 0x10, 1, 0x30, 0, 9, 6];
@@ -455,7 +455,7 @@ mod tests {
     }
 
     #[test]
-    fn a_node_that_was_given_up_is_not_believed_to_live() {
+    fn abandoned_node_is_not_alive() {
         let mut node = NodeConfigurator::new(5, script());
         node.phase = NodePhase::Operational;
         node.monitor.hear(NodeState::Operational, at(0));

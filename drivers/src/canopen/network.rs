@@ -2,7 +2,7 @@
 
 use crate::can::CanFrame;
 
-/// What a node is told to become.
+/// The state that a node is commanded to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NetworkCommand {
     /// Process data flow.

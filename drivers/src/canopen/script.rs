@@ -1,4 +1,4 @@
-//! What a node must be told before it may start: a list of SDO requests.
+//! The configuration of a node before it may start: a list of SDO requests.
 
 use heapless::Vec;
 
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_told() {
+    fn overflow_of_the_script_is_reported() {
         let mut script = Script::new();
         assert!(script.is_empty());
         for step in 0..SCRIPT_STEPS_MAX {
@@ -197,10 +197,10 @@ mod tests {
         assert!(over.overflowed());
         assert!(over.clone().read(0x1000, 0).overflowed() && over.clone().write(0, 0, 0, 1).overflowed());
         let one = Script::new().read(0x1000, 0);
-        assert!(script.followed_by(&one).overflowed(), "no room");
+        assert!(script.followed_by(&one).overflowed(), "full");
         assert!(one.clone().followed_by(&over).overflowed(), "incomplete already");
         let both = one.clone().followed_by(&one);
         assert_eq!((both.len(), both.overflowed()), (2, false));
-        assert!(over.followed_by(&Script::new()).overflowed(), "once told, always told");
+        assert!(over.followed_by(&Script::new()).overflowed(), "once reported, always reported");
     }
 }

@@ -256,7 +256,7 @@ mod tests {
         );
     }
 
-    /// Texts are told by their size and not read; a stray segment of one is no answer.
+    /// Texts are recognised by their size and not read; a stray segment of one is no answer.
     #[test]
     fn segments_are_no_answers() {
         let size = decode_sdo(&[0x41, 8, 0x10, 0, 0x1A, 0, 0, 0]);

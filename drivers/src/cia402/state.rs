@@ -101,7 +101,7 @@ pub const fn controlword(state: PowerState, goal: DriveGoal) -> u16 {
     }
 }
 
-/// What is wrong with a drive that was operating and, without having been told, does not any more.
+/// The fault of a drive that left operation without a command.
 #[must_use]
 pub const fn profile_error(state: PowerState, operated: bool, goal: DriveGoal) -> bool {
     operated

@@ -1,4 +1,4 @@
-//! The process data object that an encoder is told to send: position, then speed.
+//! The process data object that an encoder is configured to send: position, then speed.
 
 /// What [`EncoderReport::MAPPING`] carries.
 ///

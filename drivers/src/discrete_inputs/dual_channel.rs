@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lasting_difference_is_a_fault_that_only_a_full_press_clears() {
+    fn lasting_discrepancy_needs_a_full_press() {
         let seen = judged(&[
             (0, [true, false]),
             (100, [true, false]),

@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_not_sent_is_unknown_and_what_was_is_not_hidden_by_it() {
+    fn unsent_inputs_are_unknown_sent_ones_known() {
         let inputs = SafetyImage::new(MAP).take(0, &[0xFF; 4], at(0)).unwrap();
         assert_eq!((inputs.emergency_stop, inputs.cliff_front), (Unknown, Unknown));
         let split = InputMap { emergency_stop: InputBits::new([31, 33]), ..MAP };
@@ -164,7 +164,7 @@ mod tests {
     /// The factory mapping puts the inputs of modules 5 to 12 into the second object (book, Safety inputs: Flexi Soft
     /// gateway).
     #[test]
-    fn inputs_in_several_objects_wait_for_all_and_notice_the_loss_of_one() {
+    fn split_inputs_need_all_objects() {
         let map = InputMap { bumper_front: InputBits::new([64 + 8, 64 + 9]), ..MAP };
         let mut image = SafetyImage::new(map);
         let first = [0, 0, 0, 0, 0b11_0011, 1, 0, 0];

@@ -1,4 +1,4 @@
-//! Each bit of the state and of a beam means one thing (book, microScan3: Blocks).
+//! Each bit of the state and of a beam has one meaning (book, microScan3: Blocks).
 
 use super::blocks::{BeamStatus, DeviceStatus};
 

@@ -10,7 +10,7 @@ use super::configuration::Configuration;
 use super::fragment::FragmentError;
 use super::message::{Message, MessageError};
 
-/// What the scanner told.
+/// What the scanner reported.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event<'a> {
     /// A scan. It stays in the receiver until the next one.
@@ -38,7 +38,7 @@ pub enum ScanError {
     NoMeasurement,
     /// Angles, resolution or distance factor are impossible.
     Geometry,
-    /// The blocks of the message disagree, or the scan is larger than there is room.
+    /// The blocks of the message disagree, or the scan exceeds the capacity.
     Beams {
         /// Beams measured.
         found: usize,
@@ -62,10 +62,7 @@ impl core::fmt::Display for ScanError {
             }
             Self::Geometry => f.write_str("scanner sends impossible angles or units"),
             Self::Beams { found, announced } => {
-                write!(
-                    f,
-                    "scanner sends {found} beams and announces {announced}; room is for fewer or as many"
-                )
+                write!(f, "scanner sends {found} beams and announces {announced}; at most as many fit")
             }
             Self::Device => f.write_str("scanner reports an error; see its display"),
         }
@@ -90,7 +87,7 @@ pub struct Counters {
     pub repeated_scans: u32,
 }
 
-/// Receives one scanner. About 47 KiB with room for 2,751 beams.
+/// Receives one scanner. About 47 KiB with a capacity of 2,751 beams.
 ///
 /// ```
 /// use floorguard_drivers::microscan3::{Configuration, Event, Receiver};

@@ -52,7 +52,7 @@ impl Rig {
 }
 
 #[test]
-fn two_scans_may_interleave_and_come_out_of_order() {
+fn scans_may_interleave_out_of_order() {
     let (first, second) = (pieces(10, 1), pieces(11, 2));
     let mut rig = Rig::new();
     for (a, b) in first.iter().rev().zip(&second) {
@@ -66,7 +66,7 @@ fn two_scans_may_interleave_and_come_out_of_order() {
 
 /// The manufacturer's driver sums up lengths: two copies of one piece would complete this message.
 #[test]
-fn a_doubled_piece_does_not_stand_in_for_a_missing_one() {
+fn duplicate_fragment_does_not_replace_missing_one() {
     let bytes = message();
     let mut rig = Rig::new();
     for _ in 0..3 {
@@ -95,7 +95,7 @@ fn overlapping_pieces_fit_if_they_agree() {
 }
 
 #[test]
-fn a_total_that_changes_spoils_the_message() {
+fn changed_total_invalidates_the_message() {
     let bytes = message();
     let mut rig = Rig::new();
     rig.push(&piece(&bytes, 7, (0, 60)), 0);
@@ -185,7 +185,7 @@ fn incomplete_messages_are_given_up() {
 
 /// Three unfinished messages at once: the oldest gives way, the others are finished.
 #[test]
-fn room_is_bounded() {
+fn buffer_is_bounded() {
     let messages: Vec<_> = (0..3).map(|number| pieces(10 + number, number)).collect();
     let mut rig = Rig::new();
     messages.iter().for_each(|pieces| rig.push(&pieces[0], 0));
@@ -210,7 +210,7 @@ fn a_restarted_or_frozen_scanner_is_seen() {
 
 /// The largest message of the family, in pieces of 1,460 bytes.
 #[test]
-fn a_scan_that_is_larger_than_the_room_is_refused_whole() {
+fn oversized_scan_is_refused_whole() {
     let mut bytes = message()[..92].to_vec();
     let beams = 2_751_u16;
     bytes[70..72].copy_from_slice(&beams.to_le_bytes());
@@ -222,8 +222,8 @@ fn a_scan_that_is_larger_than_the_room_is_refused_whole() {
     for from in (0..bytes.len()).step_by(1_460) {
         rig.push(&piece(&bytes, 7, (from, (from + 1_460).min(bytes.len()))), 0);
     }
-    let room = floorguard_types::capacities::SCAN_BEAMS_MAX;
-    if room >= usize::from(beams) {
+    let capacity = floorguard_types::capacities::SCAN_BEAMS_MAX;
+    if capacity >= usize::from(beams) {
         assert_eq!(rig.scans.len(), 1);
     } else {
         let error = ScanError::Beams { found: usize::from(beams), announced: beams };
@@ -234,7 +234,7 @@ fn a_scan_that_is_larger_than_the_room_is_refused_whole() {
 proptest! {
     /// Any cuts, any order, any duplicates: the scan comes exactly when the last byte does.
     #[test]
-    fn a_message_is_complete_exactly_when_every_byte_is_there(
+    fn message_completes_with_its_last_byte(
         spans in proptest::collection::vec((0_usize..116, 1_usize..80), 1..40),
     ) {
         let bytes = message();

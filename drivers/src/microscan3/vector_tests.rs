@@ -96,7 +96,7 @@ fn upside_down_the_beams_run_the_other_way() {
 }
 
 /// The message with one change, as a single datagram.
-fn told_of(change: impl FnOnce(&mut Vec<u8>)) -> (Vec<ScanError>, u32, u32) {
+fn reported_for(change: impl FnOnce(&mut Vec<u8>)) -> (Vec<ScanError>, u32, u32) {
     let mut bytes = message();
     change(&mut bytes);
     let mut datagram = hex(A)[..24].to_vec();
@@ -113,46 +113,54 @@ fn told_of(change: impl FnOnce(&mut Vec<u8>)) -> (Vec<ScanError>, u32, u32) {
 }
 
 #[test]
-fn what_the_device_says_of_itself_comes_before_its_beams() {
-    assert_eq!(told_of(|_| {}), (std::vec![], 0, 1));
-    assert_eq!(told_of(|bytes| bytes[52] = 0b10), (std::vec![], 1, 0), "stand-by");
-    assert_eq!(told_of(|bytes| bytes[52] = 0), (std::vec![], 1, 0), "does not run");
-    assert_eq!(told_of(|bytes| bytes[67] = 1), (std::vec![ScanError::Device], 0, 0));
-    assert_eq!(told_of(|bytes| bytes[67] = 2), (std::vec![ScanError::Device], 0, 0));
+fn device_status_precedes_its_beams() {
+    assert_eq!(reported_for(|_| {}), (std::vec![], 0, 1));
+    assert_eq!(reported_for(|bytes| bytes[52] = 0b10), (std::vec![], 1, 0), "stand-by");
+    assert_eq!(reported_for(|bytes| bytes[52] = 0), (std::vec![], 1, 0), "does not run");
+    assert_eq!(reported_for(|bytes| bytes[67] = 1), (std::vec![ScanError::Device], 0, 0));
+    assert_eq!(reported_for(|bytes| bytes[67] = 2), (std::vec![ScanError::Device], 0, 0));
 }
 
 #[test]
 fn messages_that_lie_are_refused() {
     let only = |error| (std::vec![error], 0, 0);
     let invalid = ScanError::Message(MessageError::Invalid { found: 0 });
-    assert_eq!(told_of(|bytes| bytes[0] = 0), only(invalid));
+    assert_eq!(reported_for(|bytes| bytes[0] = 0), only(invalid));
     assert_eq!(
-        told_of(|bytes| bytes.truncate(51)),
+        reported_for(|bytes| bytes.truncate(51)),
         only(ScanError::Message(MessageError::Short { length: 51 }))
     );
     let header_alone = |bytes: &mut Vec<u8>| {
         bytes.truncate(52);
         bytes[32..].fill(0);
     };
-    assert_eq!(told_of(header_alone), only(ScanError::NoGeometry), "a whole message without blocks");
+    assert_eq!(reported_for(header_alone), only(ScanError::NoGeometry), "a whole message without blocks");
     let outside = ScanError::Message(MessageError::Block { offset: 92, size: 25 });
-    assert_eq!(told_of(|bytes| bytes[42] = 25), only(outside));
+    assert_eq!(reported_for(|bytes| bytes[42] = 25), only(outside));
     let within_header = ScanError::Message(MessageError::Block { offset: 51, size: 24 });
-    assert_eq!(told_of(|bytes| bytes[40] = 51), only(within_header));
+    assert_eq!(reported_for(|bytes| bytes[40] = 51), only(within_header));
     let far = ScanError::Message(MessageError::Block { offset: 0xFFFF, size: 0xFFFF });
-    assert_eq!(told_of(|bytes| bytes[40..44].fill(0xFF)), only(far));
-    assert_eq!(told_of(|bytes| bytes[36..40].fill(0)), only(ScanError::NoGeometry));
-    assert_eq!(told_of(|bytes| bytes[38] = 19), only(ScanError::NoGeometry));
-    assert_eq!(told_of(|bytes| bytes[40..44].fill(0)), only(ScanError::NoMeasurement));
-    assert_eq!(told_of(|bytes| bytes[92] = 6), only(ScanError::NoMeasurement), "six beams of five");
-    assert_eq!(told_of(|bytes| bytes[92..96].fill(0xFF)), only(ScanError::NoMeasurement));
-    assert_eq!(told_of(|bytes| bytes[92] = 4), only(ScanError::Beams { found: 4, announced: 5 }));
+    assert_eq!(reported_for(|bytes| bytes[40..44].fill(0xFF)), only(far));
+    assert_eq!(reported_for(|bytes| bytes[36..40].fill(0)), only(ScanError::NoGeometry));
+    assert_eq!(reported_for(|bytes| bytes[38] = 19), only(ScanError::NoGeometry));
+    assert_eq!(reported_for(|bytes| bytes[40..44].fill(0)), only(ScanError::NoMeasurement));
+    assert_eq!(reported_for(|bytes| bytes[92] = 6), only(ScanError::NoMeasurement), "six beams of five");
+    assert_eq!(reported_for(|bytes| bytes[92..96].fill(0xFF)), only(ScanError::NoMeasurement));
+    assert_eq!(reported_for(|bytes| bytes[92] = 4), only(ScanError::Beams { found: 4, announced: 5 }));
     let none = |bytes: &mut Vec<u8>| (bytes[92], bytes[70]) = (0, 0);
-    assert_eq!(told_of(none), only(ScanError::Beams { found: 0, announced: 0 }));
-    assert_eq!(told_of(|bytes| bytes[68..70].fill(0)), only(ScanError::Geometry), "a count of no length");
-    assert_eq!(told_of(|bytes| bytes[80..84].fill(0)), only(ScanError::Geometry), "all beams at one angle");
-    assert_eq!(told_of(|bytes| bytes[83] = 0x80), only(ScanError::Geometry), "backwards");
-    assert_eq!(told_of(|bytes| bytes[83] = 0x7F), only(ScanError::Geometry), "more than a turn");
+    assert_eq!(reported_for(none), only(ScanError::Beams { found: 0, announced: 0 }));
+    assert_eq!(
+        reported_for(|bytes| bytes[68..70].fill(0)),
+        only(ScanError::Geometry),
+        "a count of no length"
+    );
+    assert_eq!(
+        reported_for(|bytes| bytes[80..84].fill(0)),
+        only(ScanError::Geometry),
+        "all beams at one angle"
+    );
+    assert_eq!(reported_for(|bytes| bytes[83] = 0x80), only(ScanError::Geometry), "backwards");
+    assert_eq!(reported_for(|bytes| bytes[83] = 0x7F), only(ScanError::Geometry), "more than a turn");
 }
 
 /// Flags of the book, microScan3: Beams, in all combinations: only "valid" alone is an obstacle and only "infinite"
@@ -179,7 +187,7 @@ fn no_flag_makes_a_blind_beam_free() {
 }
 
 #[test]
-fn intrusion_is_read_path_by_path_and_never_beyond_its_end() {
+fn intrusion_is_read_within_its_bounds() {
     let block = hex("02000000 0180 00000000 01000000 FF 05000000 00");
     let paths: Vec<&[u8]> = Intrusion::new(&block).paths().collect();
     assert_eq!(paths, [&[0x01, 0x80][..], &[], &[0xFF]]);
@@ -189,7 +197,7 @@ fn intrusion_is_read_path_by_path_and_never_beyond_its_end() {
 
 /// Blocks that the robot does not need, where they are sent.
 #[test]
-fn intrusion_and_application_are_handed_on_where_they_are_sent() {
+fn intrusion_and_application_are_delivered() {
     let mut bytes = message();
     let found = |bytes: &[u8]| {
         let message = Message::new_checked(bytes).unwrap();

@@ -12,14 +12,14 @@ const BUFFER_BYTES: usize = 2_432;
 const STAND_BY_WORD: u16 = 0x4004;
 /// Distance of a beam without echo.
 const NO_ECHO: u16 = 0x1fff;
-/// Farthest distance that can be said in millimetres, centimetres.
+/// Farthest distance that fits the millimetre field, centimetres.
 const FARTHEST_CM: u16 = u16::MAX / 10;
-/// Farther than can be said in millimetres.
+/// Farther than the millimetre field can hold.
 const BEYOND_CM: u16 = FARTHEST_CM + 1;
 /// Dazzled or a reflector, as the scanner is configured.
 const DAZZLED: u16 = 0x2000;
 
-/// What the line told.
+/// What the line reported.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event<'a> {
     /// A scan. It stays in the receiver until the next one.
@@ -157,9 +157,9 @@ impl Receiver {
 
     fn append(&mut self, portion: &[u8]) {
         let end = self.length.saturating_add(portion.len());
-        // Always room: what is wanted never exceeds the longest telegram, of which two fit.
-        if let Some(room) = self.buffer.get_mut(self.length..end) {
-            for (slot, byte) in room.iter_mut().zip(portion) {
+        // It always fits: the request never exceeds the longest telegram, of which two fit.
+        if let Some(space) = self.buffer.get_mut(self.length..end) {
+            for (slot, byte) in space.iter_mut().zip(portion) {
                 *slot = *byte;
             }
             self.length = end;
@@ -178,8 +178,8 @@ impl Receiver {
                 Front::Telegram(length, rule) => {
                     self.rule = rule;
                     self.counters.telegrams = self.counters.telegrams.saturating_add(1);
-                    if let Some(told) = self.interpret(length, now) {
-                        event(told);
+                    if let Some(reading) = self.interpret(length, now) {
+                        event(reading);
                     }
                     self.discard(length);
                 }
@@ -339,10 +339,10 @@ fn beam(word: u16, dazzled: u16, free: BeamReturn) -> BeamReturn {
 
 /// A word of which only what matters is left.
 #[inline(never)]
-fn flagged(told: u16, free: BeamReturn) -> BeamReturn {
-    match told {
+fn flagged(reading: u16, free: BeamReturn) -> BeamReturn {
+    match reading {
         NO_ECHO => free,
-        1..=FARTHEST_CM => BeamReturn::Hit(told.wrapping_mul(10)),
+        1..=FARTHEST_CM => BeamReturn::Hit(reading.wrapping_mul(10)),
         BEYOND_CM..NO_ECHO => BeamReturn::Hit(u16::MAX),
         // Dazzled; or 0, which is not a defined value: contamination or dazzle.
         _ => BeamReturn::Unknown,

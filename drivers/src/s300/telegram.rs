@@ -27,7 +27,7 @@ pub(super) const UNCOVERED: usize = 4;
 /// A checksum that grows with the bytes that arrive, so that little is left to do for the last of them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RunningSum {
-    /// Bytes of the telegram that were looked at.
+    /// Bytes of the telegram that were examined.
     length: usize,
     sum: u16,
 }
@@ -194,7 +194,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lengths_fit_and_only_the_newer_version_counts_more_than_the_words() {
+    fn lengths_fit_in_both_protocol_versions() {
         assert_eq!(candidate_lengths(0x0103, 541), [Some(1_086), Some(1_090), Some(1_096)]);
         assert_eq!(candidate_lengths(0x0102, 541), [Some(1_086), None, None]);
         assert_eq!(candidate_lengths(0x0103, 0), [None; 3]);
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_too_short_or_odd_is_no_telegram_whatever_its_checksum() {
+    fn short_or_odd_bytes_are_no_telegram() {
         assert!(Telegram::new_checked(&summed::<26>(3)).is_some());
         assert!(Telegram::new_checked(&summed::<24>(3)).is_none());
         assert!(Telegram::new_checked(&summed::<27>(3)).is_none());
@@ -221,7 +221,7 @@ mod tests {
 
     /// A buffer whose beginning was dropped holds another telegram, and a shorter one.
     #[test]
-    fn a_running_sum_begins_anew_for_a_shorter_telegram() {
+    fn running_checksum_restarts_for_shorter_telegram() {
         let (long, short) = (summed::<60>(3), summed::<30>(7));
         let mut sum = RunningSum::START;
         sum.extend(&long, 20);

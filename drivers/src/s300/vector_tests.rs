@@ -44,30 +44,30 @@ fn configured(values: &[u16]) -> Configuration {
 
 /// An event that outlives the receiver.
 #[derive(Clone, Debug, PartialEq)]
-enum Told {
+enum Reported {
     Scan(floorguard_types::sensing::Scan),
     StandBy(u32),
     Refused(TelegramError),
 }
 
-fn told(event: Event<'_>) -> Told {
+fn reported(event: Event<'_>) -> Reported {
     match event {
-        Event::Scan(scan) => Told::Scan(scan.clone()),
-        Event::StandBy { sequence } => Told::StandBy(sequence),
-        Event::Refused(error) => Told::Refused(error),
+        Event::Scan(scan) => Reported::Scan(scan.clone()),
+        Event::StandBy { sequence } => Reported::StandBy(sequence),
+        Event::Refused(error) => Reported::Refused(error),
     }
 }
 
-fn receive(configuration: Configuration, bytes: &[u8]) -> (Vec<Told>, Counters) {
+fn receive(configuration: Configuration, bytes: &[u8]) -> (Vec<Reported>, Counters) {
     let mut events = Vec::new();
     let mut receiver = Receiver::new(configuration);
-    receiver.push(bytes, Stamp::from_micros(1_000_000), |event| events.push(told(event)));
+    receiver.push(bytes, Stamp::from_micros(1_000_000), |event| events.push(reported(event)));
     (events, receiver.counters())
 }
 
-fn only_scan(events: &[Told]) -> &floorguard_types::sensing::Scan {
+fn only_scan(events: &[Reported]) -> &floorguard_types::sensing::Scan {
     match events {
-        [Told::Scan(scan)] => scan,
+        [Reported::Scan(scan)] => scan,
         other => panic!("not one scan: {other:?}"),
     }
 }
@@ -120,7 +120,7 @@ fn s1_to_s3_by_each_size_rule() {
 
 /// The reading that was right last is tried first and covers too much: the sum then begins anew for the others.
 #[test]
-fn the_size_rule_may_change_from_telegram_to_telegram() {
+fn size_rule_may_change_between_telegrams() {
     let with = |head: &str, sum: &str| telegram(head, 1_000..1_541, sum);
     let (s2, s3) = (with(S2, "315A"), with(S3, "4F96"));
     let bytes = [&s3[..], &s2, &s1(), &s2, &s3, &s1(), &s3].concat();
@@ -138,11 +138,11 @@ fn the_size_rule_may_change_from_telegram_to_telegram() {
 #[test]
 fn s4_stand_by_is_no_data() {
     let bytes = telegram(S4, core::iter::repeat_n(0x4004, 541), "ED4D");
-    assert_eq!(receive(configured(&[541]), &bytes).0, [Told::StandBy(5)]);
+    assert_eq!(receive(configured(&[541]), &bytes).0, [Reported::StandBy(5)]);
 }
 
 #[test]
-fn s5_flags_and_no_echo_in_both_meanings_of_bit_13() {
+fn s5_flags_and_no_echo_of_bit_13() {
     let first = [0x1fff, 0x2064, 0x4064, 0x8064, 0xc064, 0xe064];
     let bytes = telegram(S5, first.into_iter().chain(core::iter::repeat_n(500, 535)), "B648");
     let (events, _) = receive(configured(&[541]), &bytes);
@@ -159,13 +159,13 @@ fn s5_flags_and_no_echo_in_both_meanings_of_bit_13() {
 }
 
 #[test]
-fn s6_and_s7_are_right_and_of_no_use() {
+fn s6_and_s7_are_valid_but_unusable() {
     let s6 = hex("000000000000 0010 FF07 0201 0100 2A000000 2B00 BBBB 1111 6400C8202C419081FF1F A1BE");
     let (events, _) = receive(configured(&[541]), &s6);
-    assert_eq!(events, [Told::Refused(TelegramError::LockOut { status: 1 })]);
+    assert_eq!(events, [Reported::Refused(TelegramError::LockOut { status: 1 })]);
     let s7 = hex("000000000000 000E FF07 0301 0000 2A000000 2B00 BBBB 1111 6400C8202C419081FF1F 5F76");
     let (events, _) = receive(configured(&[541]), &s7);
-    assert_eq!(events, [Told::Refused(TelegramError::Values { found: 5, expected: 541 })]);
+    assert_eq!(events, [Reported::Refused(TelegramError::Values { found: 5, expected: 541 })]);
 }
 
 #[test]
@@ -190,7 +190,7 @@ fn resynchronises_within_one_telegram_after_any_beginning() {
 }
 
 #[test]
-fn an_unfinished_telegram_is_given_up_after_a_silence() {
+fn unfinished_telegram_is_dropped_after_silence() {
     let good = s1();
     let mut receiver = Receiver::new(configured(&[541]));
     let mut scans = 0;
@@ -226,7 +226,7 @@ proptest::proptest! {
         let mut rest = bytes.as_slice();
         for portion in portions.iter().cycle() {
             let (now, later) = rest.split_at((*portion).min(rest.len()));
-            receiver.push(now, Stamp::from_micros(1_000_000), |event| events.push(told(event)));
+            receiver.push(now, Stamp::from_micros(1_000_000), |event| events.push(reported(event)));
             rest = later;
             if rest.is_empty() { break; }
         }

@@ -9,7 +9,7 @@ use floorguard_types::time::{Age, Stamp};
 use super::configuration::BaseConfiguration;
 use super::drives::{Axis, DriveCommand, Drives};
 use super::encoders::{Encoders, Side};
-use super::obedience::Obedience;
+use super::following_error::FollowingErrorMonitor;
 use crate::can::CanFrame;
 use crate::canopen::{
     Emergency, NetworkCommand, NodeConfigurator, master_heartbeat, network_frame, sync_frame,
@@ -22,7 +22,7 @@ const HEARTBEAT_US: u64 = 50_000;
 /// An answer to a SYNC that is later than this belongs to nothing, microseconds.
 const LATE_US: u64 = 9_000;
 
-/// What the bus told.
+/// What the bus reported.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BaseEvent {
     /// Both wheels, latched at the same moment.
@@ -84,7 +84,7 @@ pub struct ThreeWheelBase {
     image: SafetyImage,
     latched: Stamp,
     heartbeat: Option<Stamp>,
-    obedience: Obedience,
+    following_error: FollowingErrorMonitor,
     counters: BaseCounters,
 }
 
@@ -104,7 +104,7 @@ impl ThreeWheelBase {
             image: SafetyImage::new(configuration.inputs),
             latched: Stamp::ZERO,
             heartbeat: None,
-            obedience: Obedience::default(),
+            following_error: FollowingErrorMonitor::default(),
             counters: BaseCounters::default(),
             configuration,
         }
@@ -143,7 +143,7 @@ impl ThreeWheelBase {
     pub fn poll(&mut self, now: Stamp, event: &mut impl FnMut(BaseEvent), send: &mut impl FnMut(&CanFrame)) {
         // The command first: a serial line sends in order, and nothing may hold a stop up.
         self.send_command(send);
-        let silent = self.is_disobeyed(now);
+        let silent = self.has_following_error(now);
         let start = network_frame(NetworkCommand::Start, self.configuration.traction_node);
         if silent {
             self.counters.silences = self.counters.silences.saturating_add(1);
@@ -172,14 +172,14 @@ impl ThreeWheelBase {
         }
     }
 
-    /// The traction drive does not do what it is told (FG-REQ-055).
-    fn is_disobeyed(&mut self, now: Stamp) -> bool {
+    /// The traction drive does not follow its commands (FG-REQ-055).
+    fn has_following_error(&mut self, now: Stamp) -> bool {
         let ordered_mps = match self.drives.commanded() {
             DriveCommand::Move { wheel_mps, .. } if wheel_mps.is_finite() => wheel_mps,
             _ => 0.0,
         };
         let ramp_mps2 = self.configuration.deceleration_mps2.min(self.configuration.quick_stop_mps2);
-        self.obedience.watch(ordered_mps, self.drives.traction_mps(), ramp_mps2, now)
+        self.following_error.watch(ordered_mps, self.drives.traction_mps(), ramp_mps2, now)
     }
 
     fn watch(&mut self, now: Stamp, event: &mut impl FnMut(BaseEvent), send: &mut impl FnMut(&CanFrame)) {
@@ -209,7 +209,7 @@ impl ThreeWheelBase {
         self.drives.command(command);
     }
 
-    /// What the drives were last told.
+    /// The last command to the drives.
     #[must_use]
     pub const fn commanded(&self) -> DriveCommand {
         self.drives.commanded()
@@ -217,8 +217,8 @@ impl ThreeWheelBase {
 
     /// Sends the command at once: a stop does not wait for the next poll.
     ///
-    /// A drive that is not operational, as far as is known, is told to stop: perhaps only its answers are lost, and
-    /// the master's heartbeat keeps its own watchdog quiet.
+    /// A drive that is not operational, as far as is known, is commanded to stop: perhaps only its answers are
+    /// lost, and the master's heartbeat keeps its own watchdog quiet.
     pub fn send_command(&self, send: &mut impl FnMut(&CanFrame)) {
         let (traction, steering) = (self.configuration.traction_node, self.configuration.steering_node);
         send(&if self.traction.is_operational() {

@@ -9,13 +9,13 @@ use super::*;
 use crate::can::CanFrame;
 use crate::cia402::PowerState;
 
-/// Frames of one poll that the runtime has room for.
+/// Capacity of the runtime for frames of one poll.
 const FRAMES_MAX: usize = 16;
 const TRACTION: u16 = 0x201;
 const STEERING: u16 = 0x202;
 
 #[derive(Clone, Debug)]
-enum Happening {
+enum StepEvent {
     Frame(u16, Vec<u8>),
     Status(u8, u16, i32),
     Heartbeat(u8, u8),
@@ -38,7 +38,7 @@ fn command() -> impl Strategy<Value = DriveCommand> {
     ]
 }
 
-fn happening() -> impl Strategy<Value = Happening> {
+fn step_event() -> impl Strategy<Value = StepEvent> {
     let status = prop_oneof![
         any::<u16>(),
         proptest::sample::select(
@@ -47,13 +47,13 @@ fn happening() -> impl Strategy<Value = Happening> {
     ];
     let state = proptest::sample::select([0_u8, 4, 5, 0x7F, 0x85, 9].to_vec());
     prop_oneof![
-        2 => (0_u16..0x800, proptest::collection::vec(any::<u8>(), 0..=8)).prop_map(|(id, data)| Happening::Frame(id, data)),
-        4 => (1_u8..=2, status, any::<i32>()).prop_map(|(node, status, value)| Happening::Status(node, status, value)),
-        2 => (1_u8..=5, state).prop_map(|(node, state)| Happening::Heartbeat(node, state)),
-        8 => Just(Happening::GoodAnswers),
-        3 => command().prop_map(Happening::Command),
-        1 => Just(Happening::Reset),
-        6 => prop_oneof![9 => Just(10_i64), 1 => -2_000_i64..2_000].prop_map(Happening::Poll),
+        2 => (0_u16..0x800, proptest::collection::vec(any::<u8>(), 0..=8)).prop_map(|(id, data)| StepEvent::Frame(id, data)),
+        4 => (1_u8..=2, status, any::<i32>()).prop_map(|(node, status, value)| StepEvent::Status(node, status, value)),
+        2 => (1_u8..=5, state).prop_map(|(node, state)| StepEvent::Heartbeat(node, state)),
+        8 => Just(StepEvent::GoodAnswers),
+        3 => command().prop_map(StepEvent::Command),
+        1 => Just(StepEvent::Reset),
+        6 => prop_oneof![9 => Just(10_i64), 1 => -2_000_i64..2_000].prop_map(StepEvent::Poll),
     ]
 }
 
@@ -62,13 +62,13 @@ struct Bench {
     base: ThreeWheelBase,
     now_ms: i64,
     requests: Vec<CanFrame>,
-    told: [Option<PowerState>; 2],
+    reported: [Option<PowerState>; 2],
 }
 
 impl Bench {
     fn new() -> Self {
         let base = ThreeWheelBase::new(BaseConfiguration::default());
-        Self { base, now_ms: 10_000, requests: Vec::new(), told: [None; 2] }
+        Self { base, now_ms: 10_000, requests: Vec::new(), reported: [None; 2] }
     }
 
     fn now(&self) -> Stamp {
@@ -82,27 +82,27 @@ impl Bench {
         assert!(events <= 1);
         if let (0x181 | 0x182, [low, high, _, _, _, _, ..]) = (id, payload) {
             let state = PowerState::from_statusword(u16::from_le_bytes([*low, *high]));
-            self.told[usize::from(id - 0x181)] = state;
+            self.reported[usize::from(id - 0x181)] = state;
         }
     }
 
-    fn play(&mut self, happening: Happening) {
-        match happening {
-            Happening::Frame(id, data) => self.frame(id, &data),
-            Happening::Status(node, status, value) => {
+    fn play(&mut self, step_event: StepEvent) {
+        match step_event {
+            StepEvent::Frame(id, data) => self.frame(id, &data),
+            StepEvent::Status(node, status, value) => {
                 let ([low, high], [a, b, c, d]) = (status.to_le_bytes(), value.to_le_bytes());
                 self.frame(0x180 + u16::from(node), &[low, high, a, b, c, d]);
             }
-            Happening::Heartbeat(node, state) => self.frame(0x700 + u16::from(node), &[state]),
-            Happening::GoodAnswers => self.answer(),
-            Happening::Command(command) => {
+            StepEvent::Heartbeat(node, state) => self.frame(0x700 + u16::from(node), &[state]),
+            StepEvent::GoodAnswers => self.answer(),
+            StepEvent::Command(command) => {
                 self.base.command(command);
                 let mut sent = Vec::new();
                 self.base.send_command(&mut |frame| sent.push(*frame));
                 self.check(&sent);
             }
-            Happening::Reset => self.base.reset_faults(),
-            Happening::Poll(ms) => self.poll(ms),
+            StepEvent::Reset => self.base.reset_faults(),
+            StepEvent::Poll(ms) => self.poll(ms),
         }
     }
 
@@ -139,7 +139,7 @@ impl Bench {
         self.requests.extend(&sent);
     }
 
-    /// What the drives are told, against what was commanded and what they last said.
+    /// The frames to the drives, against what was commanded and what they last reported.
     fn check(&self, sent: &[CanFrame]) {
         let commanded = self.base.commanded();
         for frame in sent {
@@ -159,25 +159,32 @@ impl Bench {
                 assert!(matches!(word, 0x0000 | 0x0002 | 0x0080), "{commanded:?}: {word:04X}");
             }
             if word == 0x000F {
-                let state = self.told[usize::from(!traction)];
+                let state = self.reported[usize::from(!traction)];
                 let climbed = matches!(state, Some(PowerState::SwitchedOn | PowerState::OperationEnabled));
-                assert!(climbed, "enabled although it said {state:?}");
+                assert!(climbed, "enabled although it reported {state:?}");
             }
             if traction && target != [0; 4] {
-                assert_eq!(self.told, [Some(PowerState::OperationEnabled); 2], "turned before both operate");
+                assert_eq!(
+                    self.reported,
+                    [Some(PowerState::OperationEnabled); 2],
+                    "turned before both operate"
+                );
             }
         }
-        assert!(sent.iter().any(|frame| frame.standard_id() == Some(TRACTION)), "the drive is always told");
+        assert!(
+            sent.iter().any(|frame| frame.standard_id() == Some(TRACTION)),
+            "the drive always gets a command"
+        );
     }
 }
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(512))]
     #[test]
-    fn whatever_the_bus_says(happenings in proptest::collection::vec(happening(), 0..200)) {
+    fn whatever_the_bus_says(step_events in proptest::collection::vec(step_event(), 0..200)) {
         let mut bench = Bench::new();
-        for happening in happenings {
-            bench.play(happening);
+        for step_event in step_events {
+            bench.play(step_event);
         }
     }
 }
@@ -187,28 +194,28 @@ proptest! {
 fn a_bus_that_answers_comes_up_and_moves() {
     let mut bench = Bench::new();
     for _ in 0..80 {
-        bench.play(Happening::Poll(10));
-        bench.play(Happening::GoodAnswers);
+        bench.play(StepEvent::Poll(10));
+        bench.play(StepEvent::GoodAnswers);
     }
     assert!(bench.base.is_complete());
-    bench.play(Happening::Command(DriveCommand::Move { wheel_mps: 0.5, steering_rad: 0.0 }));
+    bench.play(StepEvent::Command(DriveCommand::Move { wheel_mps: 0.5, steering_rad: 0.0 }));
     for status in [0x0240, 0x0231, 0x0233, 0x0237] {
-        bench.play(Happening::Status(1, status, 0));
-        bench.play(Happening::Status(2, status, 0));
-        bench.play(Happening::Poll(10));
+        bench.play(StepEvent::Status(1, status, 0));
+        bench.play(StepEvent::Status(2, status, 0));
+        bench.play(StepEvent::Poll(10));
     }
     let mut sent = Vec::new();
     bench.base.send_command(&mut |frame| sent.push(*frame));
     assert_eq!(sent.first(), Some(&CanFrame::standard(TRACTION, &[0x0F, 0, 0xF4, 1, 0, 0])));
 }
 
-/// A position outside the measuring range is a lie, not a way.
+/// A position outside the measuring range is invalid, not a distance.
 #[test]
 fn encoders_are_held_to_their_range() {
     let mut bench = Bench::new();
     for _ in 0..80 {
-        bench.play(Happening::Poll(10));
-        bench.play(Happening::GoodAnswers);
+        bench.play(StepEvent::Poll(10));
+        bench.play(StepEvent::GoodAnswers);
     }
     let mut samples = Vec::new();
     let now = bench.now();

@@ -39,7 +39,7 @@ impl Bus {
         events
     }
 
-    /// Ten milliseconds: what the master sent, and what it told; then the devices answer.
+    /// Ten milliseconds: what the master sent, and what it reported; then the devices answer.
     fn poll(&mut self) -> (Vec<CanFrame>, Vec<BaseEvent>) {
         self.now_ms += 10;
         let (mut sent, mut events) = (Vec::new(), Vec::new());
@@ -86,7 +86,7 @@ impl Bus {
 }
 
 #[test]
-fn both_drives_make_one_report_in_metres_and_radians() {
+fn drives_report_metres_and_radians() {
     let mut bus = Bus::running();
     let events = bus.drives(0x0237, -1_234, 57_296);
     let [BaseEvent::Drive(feedback)] = events[..] else { panic!("{events:?}") };
@@ -98,7 +98,7 @@ fn both_drives_make_one_report_in_metres_and_radians() {
 
 /// The angle goes out in thousandths of a degree, the speed in mm/s; what is no number moves nothing.
 #[test]
-fn commands_go_out_in_the_units_of_the_drives() {
+fn commands_use_the_units_of_the_drives() {
     let mut bus = Bus::running();
     bus.drives(0x0237, 0, 4_000);
     let targets = |bus: &Bus| {
@@ -159,7 +159,7 @@ fn a_reset_is_an_edge_of_some_polls() {
 }
 
 #[test]
-fn emergencies_name_their_device_and_become_the_code_of_its_fault() {
+fn emergencies_name_device_and_fault_code() {
     let mut bus = Bus::running();
     let emergency = Emergency { code: 0x5441, register: 0x20, manufacturer: [1, 2, 3, 4, 5] };
     let payload = [0x41, 0x54, 0x20, 1, 2, 3, 4, 5];
@@ -189,7 +189,7 @@ fn emergencies_name_their_device_and_become_the_code_of_its_fault() {
 }
 
 #[test]
-fn the_dirt_sensor_is_heard_where_there_is_one() {
+fn configured_dirt_sensor_is_received() {
     let dirt = BaseConfiguration { dirt_sensor_node: Some(6), ..BaseConfiguration::default() };
     let mut bus = Bus::with(dirt);
     for (flags, brush_turns) in [(1, true), (3, true), (0, false), (2, false)] {
@@ -205,7 +205,7 @@ fn the_dirt_sensor_is_heard_where_there_is_one() {
 
 /// The gateway's four objects, and nobody else's.
 #[test]
-fn inputs_come_from_the_gateway_in_any_of_its_objects() {
+fn inputs_arrive_in_any_gateway_object() {
     let mut configuration = BaseConfiguration::default();
     configuration.inputs.emergency_stop.bits = [0, 1];
     configuration.inputs.bumper_front.bits = [64, 65];
@@ -218,24 +218,25 @@ fn inputs_come_from_the_gateway_in_any_of_its_objects() {
     }
 }
 
-/// A device that falls silent is told once and counted; its drive is stopped, its last report does not count.
+/// A device that falls silent is reported once and counted; its drive is stopped, its last report does not
+/// count.
 #[test]
-fn a_lost_drive_is_told_and_forgotten() {
+fn lost_drive_is_reported_and_forgotten() {
     for node in [1_u8, 2] {
         let mut bus = Bus::running();
         bus.base.command(DriveCommand::Move { wheel_mps: 0.5, steering_rad: 0.0 });
         bus.drives(0x0237, 0, 0);
         assert_eq!(bus.words()[0].1, 0x000F);
         bus.silent.push(node);
-        let mut told = Vec::new();
+        let mut reported = Vec::new();
         for _ in 0..60 {
             let (sent, events) = bus.poll();
-            // Whoever is left hears of a loss at once, not with the next poll.
+            // The remaining devices are notified of a loss at once, not with the next poll.
             let commands = sent.iter().filter(|frame| frame.standard_id() == Some(0x201)).count();
             assert_eq!(commands, 1 + events.len(), "{events:?}");
-            told.extend(events);
+            reported.extend(events);
         }
-        assert_eq!(told, [BaseEvent::NodeLost(node)]);
+        assert_eq!(reported, [BaseEvent::NodeLost(node)]);
         assert_eq!((bus.base.counters().losses, bus.base.is_complete()), (1, false));
         // It comes back and is started again, but nothing is known of it: the wheel gets no target and no way to operate.
         bus.silent.clear();
@@ -289,7 +290,7 @@ fn positions_of_two_moments_make_no_sample() {
     assert_eq!(bus.base.counters().late, 1);
 }
 
-/// The master speaks every 50 ms, or whoever watches it stops the robot.
+/// The master sends every 50 ms, or the devices that monitor it stop the robot.
 #[test]
 fn the_master_keeps_its_heartbeat() {
     let mut bus = Bus::running();
@@ -298,9 +299,10 @@ fn the_master_keeps_its_heartbeat() {
     assert!(beats.windows(5).all(|five| five.iter().filter(|beat| **beat).count() == 1), "{beats:?}");
 }
 
-/// The traction drive was in operation before this master came; that is told once, and of no other device.
+/// The traction drive was in operation before this master started; that is reported once, and for no other
+/// device.
 #[test]
-fn a_drive_that_runs_already_is_told() {
+fn running_drive_is_reported() {
     for node in 1..=5_u16 {
         let mut bus = Bus {
             base: ThreeWheelBase::new(BaseConfiguration::default()),
@@ -317,7 +319,7 @@ fn a_drive_that_runs_already_is_told() {
 /// A drive that lost its master and fell to pre-operational, as CiA 301 has it without object 1029h, or that was stopped: its
 /// heartbeat was set up by somebody, and it has not booted since.
 #[test]
-fn fg_req_018_a_drive_that_left_operation_while_the_master_was_away_is_told() {
+fn fg_req_018_drive_leaving_operation_meanwhile_is_reported() {
     for (state, node) in [0x7F, 0x04].into_iter().flat_map(|state| (1..=5_u16).map(move |node| (state, node)))
     {
         let mut bus = Bus {
@@ -333,7 +335,7 @@ fn fg_req_018_a_drive_that_left_operation_while_the_master_was_away_is_told() {
 
 /// The master asks before it changes anything: the answer tells whether somebody has set up a heartbeat before.
 #[test]
-fn fg_req_018_a_drive_that_answers_before_its_next_heartbeat_is_told_too() {
+fn fg_req_018_early_drive_answer_is_reported() {
     for (period_ms, found) in [(0_u8, false), (100, true)] {
         let mut base = ThreeWheelBase::new(BaseConfiguration::default());
         let (mut sent, mut events) = (Vec::new(), Vec::new());
@@ -357,7 +359,7 @@ fn fg_req_018_a_drive_that_boots_is_not_found() {
 
 /// Object 1029h: a drive keeps its network state when the master falls silent.
 #[test]
-fn fg_req_018_drives_are_told_to_stay_in_operation() {
+fn fg_req_018_drives_are_configured_to_stay_operational() {
     let mut bus =
         Bus { base: ThreeWheelBase::new(BaseConfiguration::default()), now_ms: 1_000, silent: Vec::new() };
     let mut asked = Vec::new();
@@ -371,9 +373,10 @@ fn fg_req_018_drives_are_told_to_stay_in_operation() {
     assert_eq!(asked, [stay(2), stay(1)], "the steering has the shorter script");
 }
 
-/// FG-REQ-055: a wheel that goes on turning although it is told to stand is stopped by silence and by NMT.
+/// FG-REQ-055: a wheel that goes on turning although it is commanded to stand is stopped by silence and by
+/// NMT.
 #[test]
-fn a_traction_drive_that_does_not_obey_is_left_alone() {
+fn disobedient_traction_drive_is_left_alone() {
     let mut bus = Bus::running();
     bus.base.command(DriveCommand::Move { wheel_mps: 1.0, steering_rad: 0.0 });
     bus.drives(0x0237, 1_000, 0);
@@ -400,7 +403,7 @@ fn a_traction_drive_that_does_not_obey_is_left_alone() {
 
 /// What is no number orders a halt, and a halt is given its time: a wheel that begins to slow down after 140 ms obeys.
 #[test]
-fn an_order_that_is_no_number_is_obeyed_by_stopping() {
+fn non_finite_order_stops_the_drives() {
     for wheel_mps in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         let mut bus = Bus::running();
         bus.base.command(DriveCommand::Move { wheel_mps: 0.8, steering_rad: 0.0 });
@@ -423,7 +426,7 @@ fn an_order_that_is_no_number_is_obeyed_by_stopping() {
 
 /// The drives watch the master: 127 and 200 ms in one word; ramps in mm/s².
 #[test]
-fn the_drives_are_told_whom_to_watch_and_how_to_brake() {
+fn drives_get_heartbeat_and_braking_configuration() {
     let configuration =
         BaseConfiguration { acceleration_mps2: 0.5, quick_stop_mps2: 2.5, ..BaseConfiguration::default() };
     let mut base = ThreeWheelBase::new(configuration);

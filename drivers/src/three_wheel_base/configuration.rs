@@ -1,4 +1,4 @@
-//! The bus as configured, and what each device is told.
+//! The bus as configured, and the commands to each device.
 
 use floorguard_types::number::saturating_u32;
 

@@ -7,7 +7,7 @@ use floorguard_types::time::Stamp;
 use crate::can::CanFrame;
 use crate::cia402::{DriveGoal, PowerState, controlword, profile_error};
 
-/// Code reported for a drive that left operation without being told and without an emergency message.
+/// Code reported for a drive that left operation without a command and without an emergency message.
 const LEFT_OPERATION: u16 = 0xFF01;
 /// Code reported for a fault bit without an emergency message.
 const UNNAMED_FAULT: u16 = 0x1000;
@@ -80,7 +80,7 @@ impl Report {
             self.emergency = 0;
         }
         self.left_operation |= profile_error(state, self.operated, goal);
-        // Only what operates as told can leave operation by itself.
+        // Only a drive that operates as commanded can leave operation by itself.
         self.operated = state == PowerState::OperationEnabled && goal == DriveGoal::Operate;
         self.fresh = true;
         true
@@ -150,7 +150,7 @@ impl Drives {
         self.axis(axis).emergency = code;
     }
 
-    /// A drive is gone: what it said does not count any more.
+    /// A drive is gone: its last reports are void.
     pub fn forget(&mut self, axis: Axis) {
         *self.axis(axis) = Report::default();
     }
@@ -298,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drive_that_silently_leaves_operation_is_a_fault_until_reset() {
+    fn drive_leaving_operation_is_fault_until_reset() {
         let mut drives = Drives::default();
         drives.command(DriveCommand::Move { wheel_mps: 1.0, steering_rad: 0.0 });
         for status in [0x0237, 0x0250, 0x0250] {
@@ -344,9 +344,9 @@ mod tests {
         }
     }
 
-    /// The report that was under way while a stop was taken back shows no drive that left operation by itself.
+    /// The report that was in flight while a stop was taken back shows no drive that left operation by itself.
     #[test]
-    fn a_stop_that_is_taken_back_at_once_is_no_fault() {
+    fn withdrawn_stop_is_no_fault() {
         let mut drives = Drives::default();
         let go = DriveCommand::Move { wheel_mps: 1.0, steering_rad: 0.0 };
         drives.command(go);

@@ -4,7 +4,7 @@ mod base;
 mod configuration;
 mod drives;
 mod encoders;
-mod obedience;
+mod following_error;
 
 pub use base::{BaseCounters, BaseEvent, ThreeWheelBase};
 pub use configuration::BaseConfiguration;

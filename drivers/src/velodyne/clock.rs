@@ -131,7 +131,7 @@ mod tests {
         assert!(late.as_micros() <= 50_010_010, "{late:?}");
     }
 
-    /// What is told of a sensor time after another, and whether the mapping began anew.
+    /// The mapped time of each sensor time, and whether the mapping restarted.
     fn restarts_after(sensor_us: i64, elapsed_us: i64) -> u32 {
         let mut clock = HourClock::default();
         clock.stamp(1_000_000_000, Stamp::from_micros(5_000_000_000));
@@ -141,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn small_steps_either_way_are_followed_and_greater_ones_restart() {
+    fn small_clock_steps_are_followed_large_restart() {
         assert_eq!(restarts_after(-500, 1_000), 0, "a packet that was overtaken");
         assert_eq!(restarts_after(-JUMP_US, 1_000), 0);
         assert_eq!(restarts_after(-JUMP_US - 1, 1_000), 1);

@@ -112,7 +112,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_azimuth_of_a_column_is_that_of_its_middle_laser_rounded() {
+    fn column_azimuth_is_the_middle_lasers_rounded() {
         let columns = Columns::new(Model::Vlp16, &Model::Vlp16.angles());
         // Of a block of 110.592 us the eighth firing ends after 17.28, that of the second sequence 55.296 later.
         assert_eq!(columns.middle_azimuth(1_000, 0, 40), 1_006, "6.25");

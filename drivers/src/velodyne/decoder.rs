@@ -41,7 +41,7 @@ pub enum DecodeError {
         /// The byte.
         product_byte: u8,
     },
-    /// The lidar has more lasers than this build has room for.
+    /// The lidar has more lasers than the capacity of this build.
     TooManyLasers {
         /// Which one sends.
         model: Model,

@@ -96,7 +96,7 @@ fn a_clock_that_is_set_costs_no_packet() {
 }
 
 #[test]
-fn the_hour_rolls_over_even_when_the_sensor_is_late_with_it() {
+fn late_hour_rollover_is_handled() {
     // Stamps up to 3600.06 s have been seen (book, Velodyne: Clock).
     for (before, after) in [(3_599_999_500, 827), (3_600_060_000, 61_327)] {
         let mut decoder = Decoder::new(ModelChoice::Auto);
@@ -146,7 +146,7 @@ fn the_return_mode_may_change_while_running() {
 }
 
 #[test]
-fn a_dual_packet_without_pairs_or_with_a_standing_head_is_refused() {
+fn unpaired_or_standing_dual_packet_is_refused() {
     let mut bytes = packet(0, 0, 500, SINGLE);
     bytes[1_204] = 0x39;
     let mut decoder = Decoder::new(ModelChoice::Auto);
@@ -158,7 +158,7 @@ fn a_dual_packet_without_pairs_or_with_a_standing_head_is_refused() {
 }
 
 #[test]
-fn the_robot_itself_is_unknown_not_free_and_counted() {
+fn self_returns_are_unknown_and_counted() {
     let mut decoder = Decoder::new(ModelChoice::Auto).with_blind_range_mm(501);
     let (near, _) = decoder.decode(&packet(0, 0, 250, SINGLE), Stamp::ZERO).expect("accepted");
     assert!(near.columns.iter().flat_map(|column| column.range_raw).all(|raw| raw == 0));
@@ -228,7 +228,7 @@ proptest::proptest! {
 
 /// The model that was decided for, and none before.
 #[test]
-fn the_decided_model_is_told() {
+fn decided_model_is_reported() {
     let mut decoder = Decoder::new(ModelChoice::Auto);
     assert_eq!(decoder.model(), None);
     decoder.decode(&packet(0, 1_000, 500, SINGLE), Stamp::from_micros(9)).expect("a valid packet");
@@ -237,7 +237,7 @@ fn the_decided_model_is_told() {
 
 /// Early firmware of a VLP-16 names itself as the HDL-32E does: the period between two packets tells which it is.
 #[test]
-fn a_name_that_two_lidars_share_is_decided_by_the_period() {
+fn shared_product_byte_is_decided_by_period() {
     const SHARED: [u8; 2] = [0x37, 0x21];
     let play = |choice, period_us: u32| {
         let mut decoder = Decoder::new(choice);
@@ -258,7 +258,7 @@ fn a_name_that_two_lidars_share_is_decided_by_the_period() {
 }
 
 #[test]
-fn a_configured_model_is_held_to_the_name_that_the_packet_gives() {
+fn configured_model_must_match_the_packet() {
     for (model, byte) in [(Model::Vlp16, 0x22), (Model::HiRes, 0x24)] {
         let mut decoder = Decoder::new(ModelChoice::Fixed(model));
         decoder
@@ -272,7 +272,7 @@ fn a_configured_model_is_held_to_the_name_that_the_packet_gives() {
 
 /// Each of the two firings of a block has its own sixteen distances.
 #[test]
-fn the_second_firing_of_a_block_has_its_own_distances() {
+fn second_firing_has_its_own_distances() {
     let mut bytes = packet(0, 1_000, 500, SINGLE);
     for block in 0..12 {
         (16..32)
@@ -301,12 +301,12 @@ fn the_last_stamp_that_is_one() {
     assert_eq!(of(3_601_000_001), Err(PacketError::Stamp { micros: 3_601_000_001 }));
 }
 
-/// A lidar with as many lasers as there is room for is taken, one with more is named.
+/// A lidar with as many lasers as the capacity is accepted, one with more is reported.
 #[test]
-fn a_lidar_of_thirty_two_lasers_needs_room_for_them() {
+fn thirty_two_lasers_need_the_capacity() {
     let mut decoder = Decoder::new(ModelChoice::Fixed(Model::Hdl32E));
     let result = decoder.decode(&packet(0, 1_000, 500, [0x37, 0x21]), Stamp::from_micros(9)).map(|_| ());
-    let has_room = floorguard_types::capacities::PACKET_RINGS_MAX >= 32;
-    let wanted = if has_room { Ok(()) } else { Err(DecodeError::TooManyLasers { model: Model::Hdl32E }) };
+    let has_capacity = floorguard_types::capacities::PACKET_RINGS_MAX >= 32;
+    let wanted = if has_capacity { Ok(()) } else { Err(DecodeError::TooManyLasers { model: Model::Hdl32E }) };
     assert_eq!(result, wanted);
 }

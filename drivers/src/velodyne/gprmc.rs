@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_read_to_the_bit_and_nothing_else_is_one() {
+    fn numbers_are_read_to_the_bit() {
         for text in [
             "0",
             "4807.038",
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sum_has_two_digits_and_nothing_behind_them() {
+    fn checksum_has_exactly_two_digits() {
         assert_eq!(hexadecimal(b"7f"), Some(0x7F));
         for text in ["7", "07F", "G0", "0G", ""] {
             assert_eq!(hexadecimal(text.as_bytes()), None, "{text}");

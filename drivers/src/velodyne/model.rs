@@ -236,7 +236,7 @@ mod tests {
 
     /// The early VLP-16 calls itself an HDL-32E, its packets come less than half as often.
     #[test]
-    fn the_time_between_packets_tells_an_early_model() {
+    fn packet_period_identifies_an_early_model() {
         for (period_us, model) in [
             (1_327, Some(Model::Vlp16)),
             (663, Some(Model::Vlp16)),
@@ -254,7 +254,7 @@ mod tests {
 
     /// Even channels of an HDL-32E rise from the bottom in steps of 4/3°, odd ones from -9.33°.
     #[test]
-    fn the_lasers_of_an_hdl_32e_rise_in_two_rows() {
+    fn hdl_32e_lasers_rise_in_two_rows() {
         for (row, angles) in (0_u8..).zip(Model::Hdl32E.angles().chunks(2)) {
             for (angle, from_deg) in angles.iter().zip([-92.0 / 3.0, -28.0 / 3.0]) {
                 let expected_deg = from_deg + f32::from(row) * 4.0 / 3.0;
@@ -266,7 +266,7 @@ mod tests {
     /// The lasers of a VLP-32C from the bottom, and where their columns lie: 4.2° to the left or right of
     /// the head's direction, the others 1.4°, even channels to one side and odd ones to the other.
     #[test]
-    fn the_lasers_of_a_vlp_32c_lie_in_four_columns() {
+    fn vlp_32c_lasers_lie_in_four_columns() {
         let angles = Model::Vlp32C.angles();
         let mut elevations_mdeg = angles.map(|angle| libm::roundf(angle.elevation_deg * 1_000.0) as i32);
         elevations_mdeg.sort_unstable();

@@ -1,8 +1,8 @@
 //! Assembles revolutions: cut where the azimuth passes the cut angle, never by counting packets.
 //!
 //! A sector that was not measured is found by the azimuth that the head turned meanwhile, whatever the reason (packets
-//! lost, refused, or a sensor that was told to skip a sector), and entered as columns about which nothing is known, so
-//! that neighbours in the image are neighbours in space.
+//! lost, refused, or a sensor that is configured to skip a sector), and entered as columns about which nothing is
+//! known, so that neighbours in the image are neighbours in space.
 //!
 //! Limit: a sweep of 16 rings takes the lowest 16 of a lidar of 32; use `Sweep<32>` for those.
 
@@ -127,7 +127,7 @@ impl SweepBuilder {
     }
 
     /// How far the head turned from the newest column to the next packet: the azimuths tell it up to whole turns, the
-    /// missing columns tell whether there was one. At most two turns, which is as far back as anybody looks.
+    /// missing columns tell whether there was one. At most two turns, the longest history in use.
     fn turned_cdeg(&self, last_cdeg: u32, first_cdeg: u32, missing: u32) -> u32 {
         let within_turn = (first_cdeg + TURN_CDEG).saturating_sub(last_cdeg) % TURN_CDEG;
         let expected = missing.saturating_add(1).saturating_mul(self.step_cdeg);
@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn a_head_that_jitters_does_not_end_a_turn() {
+    fn jittering_head_does_not_end_a_turn() {
         let mut building = Sweep::<16>::EMPTY;
         let mut builder = SweepBuilder::new(0);
         let mut ended = 0;
@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn more_than_half_a_column_too_many_is_a_gap() {
+    fn more_than_half_a_column_is_a_gap() {
         for (turned_cdeg, columns) in [(29, 0), (30, 1), (39, 1), (49, 1), (50, 2)] {
             let mut building = Sweep::<16>::EMPTY;
             let mut builder = SweepBuilder::new(0);

@@ -59,7 +59,7 @@ fn a_missing_sector_is_there_and_unknown() {
 }
 
 #[test]
-fn a_sector_missing_over_the_cut_makes_no_extra_sweep() {
+fn missing_sector_over_cut_adds_no_sweep() {
     // Packet 112 crosses the cut at 180 degrees (480 cdeg a packet: 37.5 packets).
     for first in 105..113 {
         for lost in 1..12_u16 {
@@ -73,7 +73,7 @@ fn a_sector_missing_over_the_cut_makes_no_extra_sweep() {
 }
 
 #[test]
-fn a_sector_that_nobody_reported_missing_is_unknown_too() {
+fn unreported_missing_sector_is_unknown() {
     let received = (0..200).filter(|number| !(100..105).contains(number));
     let all = sweeps(received.map(|number| (number, 0)));
     assert!(all.contains(&(1_800, 1_680, 0)), "{all:?}");
@@ -89,7 +89,7 @@ fn a_whole_missing_revolution_is_unknown() {
 }
 
 #[test]
-fn a_sweep_that_is_full_counts_what_it_drops() {
+fn full_sweep_counts_dropped_columns() {
     // A head that swings back by a packet again and again never passes the cut.
     let mut building = Box::new(Sweep::<16>::EMPTY);
     let mut builder = SweepBuilder::new(18_000);
@@ -153,7 +153,7 @@ fn firings_that_are_18_cdeg_apart_share_none() {
 
 /// What was not measured stays unknown, however near the next firing is; the azimuth wraps.
 #[test]
-fn a_firing_is_not_merged_into_an_unknown_column_and_merges_over_zero() {
+fn firing_merges_over_zero_not_unknown() {
     let mut building = Box::new(Sweep::<16>::EMPTY);
     let mut builder = SweepBuilder::new(18_000);
     let mut packet = slow(0, 500, 400);

@@ -133,7 +133,7 @@ fn t4_uneven_rotation_follows_each_block() {
 }
 
 #[test]
-fn t2_single_return_over_the_azimuth_wrap_and_the_hour() {
+fn t2_single_return_over_azimuth_and_hour_wrap() {
     let cells = [
         (0, 0, 500, 10),
         (0, 1, 1000, 20),
@@ -160,7 +160,7 @@ fn t2_single_return_over_the_azimuth_wrap_and_the_hour() {
 }
 
 #[test]
-fn t3_dual_return_gives_each_echo_once_and_the_nearer_one_to_the_columns() {
+fn t3_dual_return_gives_nearer_echo_to_columns() {
     let cells = [
         (0, 4, 1500, 40),
         (1, 4, 1200, 90),

@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn jitter_of_the_arrival_does_not_reach_the_stamp_across_either_wrap() {
+    fn arrival_jitter_does_not_reach_the_stamp() {
         assert!(worst_us(864_000_000 - 50_000, 864_000_000) < 300);
         assert!(worst_us((1 << 32) - 50_000, 1 << 32) < 300);
         assert!(worst_us(36_000_000 - 50_000, 1 << 32) < 300);
@@ -78,7 +78,7 @@ mod tests {
 
     /// Not even a small step back is followed: a clock that does not count on is a new one, at any time of its day.
     #[test]
-    fn a_clock_that_falls_back_is_told_by_its_arrival() {
+    fn backward_clock_is_detected_by_arrival() {
         for fell in [1, 10, 100, 36_000] {
             for first in [50_000, 431_000_000, 863_000_000] {
                 let mut clock = SampleClock::default();

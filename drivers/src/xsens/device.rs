@@ -23,7 +23,7 @@ const ERROR_OVERFLOW: u8 = 0x29;
 /// Fewer samples than this are of no use; a line that cannot carry them is wrong.
 const RATE_MIN_HZ: u16 = 25;
 
-/// What the device told.
+/// What the device reported.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DeviceEvent {
     /// A sample, in the sensor's own axes. The orientation is from the sensor to east-north-up.
@@ -32,7 +32,7 @@ pub enum DeviceEvent {
     Refused(MeasurementError),
     /// It reports an error, by its code.
     Error(u8),
-    /// It sends another list than it was told to: rates may be lower.
+    /// It sends another list than configured: rates may be lower.
     OtherConfiguration,
 }
 
@@ -158,13 +158,13 @@ impl Device {
         self.fault
     }
 
-    /// Samples per second that it was told to send.
+    /// Samples per second that it was configured to send.
     #[must_use]
     pub const fn rate_hz(&self) -> u16 {
         self.rate_hz
     }
 
-    /// Its serial number; 0 before it has told.
+    /// Its serial number; 0 before it was reported.
     #[must_use]
     pub const fn identifier(&self) -> u32 {
         self.identifier

@@ -94,7 +94,7 @@ fn start_up() {
 
 /// One reset, and then two seconds of patience: a device that is reset while it starts never comes up.
 #[test]
-fn no_answer_leads_to_one_reset_in_a_cycle() {
+fn no_answer_causes_one_reset_per_cycle() {
     let mut device = Device::new(115_200);
     let mut requests = Vec::new();
     for ms in (0..5_200).step_by(10) {
@@ -108,7 +108,7 @@ fn no_answer_leads_to_one_reset_in_a_cycle() {
 }
 
 #[test]
-fn a_device_that_wakes_up_is_acknowledged_and_configured() {
+fn waking_device_is_acknowledged_and_configured() {
     for mut device in [Device::new(115_200), measuring(0)] {
         sent(&mut device, 1);
         answer(&mut device, 200, 0x3E, &[]);
@@ -148,7 +148,7 @@ fn frozen_and_incomplete_data_start_over() {
 
 /// A known defect: the acknowledgement never comes, but data do.
 #[test]
-fn a_device_that_never_answers_is_used_as_it_is() {
+fn silent_device_is_used_unconfigured() {
     let mut device = Device::new(115_200);
     let mut delivered = 0;
     for step in 0..400_u16 {
@@ -160,7 +160,7 @@ fn a_device_that_never_answers_is_used_as_it_is() {
 }
 
 #[test]
-fn the_wrong_product_is_refused_and_asked_again_later() {
+fn wrong_product_is_refused_and_retried() {
     let mut device = Device::new(115_200);
     sent(&mut device, 0);
     answer(&mut device, 1, 0x31, &[]);
@@ -172,7 +172,7 @@ fn the_wrong_product_is_refused_and_asked_again_later() {
     assert_eq!(sent(&mut device, 5_004), [0xFA, 0xFF, 0x30, 0x00, 0xD1]);
 }
 
-/// Slower is accepted and said; other items, or other formats, are not used.
+/// Slower is accepted and reported; other items, or other formats, are not used.
 #[test]
 fn the_echo_is_compared() {
     let phase_after = |change: fn(&mut [u8])| {
@@ -183,11 +183,11 @@ fn the_echo_is_compared() {
         answer(&mut device, 1, 0x1D, b"MTi-30");
         let mut echo = PROFILE;
         change(&mut echo);
-        let mut told = 0;
+        let mut reported = 0;
         device.push(&encode(0xC1, &echo).unwrap(), at(1), |event| {
-            told += u32::from(event == DeviceEvent::OtherConfiguration);
+            reported += u32::from(event == DeviceEvent::OtherConfiguration);
         });
-        (device.phase(), device.fault(), told)
+        (device.phase(), device.fault(), reported)
     };
     let going = DevicePhase::GoingToMeasurement;
     assert_eq!(phase_after(|_| {}), (going, None, 0));
@@ -200,7 +200,7 @@ fn the_echo_is_compared() {
 
 /// After error 0x29 less is asked for, and not for ever.
 #[test]
-fn a_line_that_is_too_slow_lowers_the_rate_and_then_gives_up() {
+fn slow_line_lowers_rate_then_gives_up() {
     let mut device = measuring(0);
     let mut codes = Vec::new();
     for rate_hz in [50, 25] {
@@ -213,7 +213,7 @@ fn a_line_that_is_too_slow_lowers_the_rate_and_then_gives_up() {
 }
 
 #[test]
-fn a_configuration_that_is_rejected_is_not_repeated_at_once() {
+fn rejected_configuration_is_not_repeated_at_once() {
     let mut device = Device::new(115_200);
     for (id, data) in [(0x31, &[][..]), (0x01, &[0; 4]), (0x1D, b"MTi-30"), (0x42, &[0x21])] {
         sent(&mut device, 0);
@@ -240,7 +240,7 @@ fn doubtful_samples_are_marked() {
 
 /// Quaternions in another local frame, or from a filter that is not valid, are no orientation.
 #[test]
-fn orientation_is_east_north_up_and_valid_or_none() {
+fn orientation_is_valid_east_north_up() {
     let orientation = |id_low: u8, status: u8| {
         let mut data = data_frame(1, u32::from(status));
         data.truncate(data.len() - 1);
@@ -255,7 +255,7 @@ fn orientation_is_east_north_up_and_valid_or_none() {
 }
 
 #[test]
-fn without_sample_time_the_arrival_less_line_and_latency_is_the_stamp() {
+fn stamp_falls_back_to_arrival_less_latency() {
     let configuration =
         DeviceConfiguration { baud: 100_000, latency_us: 700, ..DeviceConfiguration::default() };
     let mut device = Device::with_configuration(configuration);
@@ -360,7 +360,7 @@ fn warnings_and_frames_are_counted() {
 
 /// The answer to a reset is waited for no longer than until it comes.
 #[test]
-fn a_reset_that_is_acknowledged_goes_on_at_once() {
+fn acknowledged_reset_continues_at_once() {
     let mut device = Device::new(115_200);
     (0..5).for_each(|number| _ = sent(&mut device, 100 * number));
     assert_eq!(sent(&mut device, 500), [0xFA, 0xFF, 0x40, 0x00, 0xC1]);

@@ -258,7 +258,7 @@ mod tests {
 
     /// The checksum does not cover the preamble.
     #[test]
-    fn a_frame_without_its_preamble_or_for_another_master_is_none() {
+    fn frame_needs_preamble_and_own_address() {
         for bytes in ["FB FF 31 00 D0", "FA FE 31 00 D1"] {
             let (found, counters) = received(&[&hex(bytes), &hex("FA FF 30 00 D1")]);
             assert_eq!(found, [(0x30, StdVec::new())], "{bytes}");
@@ -306,11 +306,11 @@ mod tests {
         let (found, counters) = received(&[&hex("00 FA FF"), &bytes, &hex("FA FF 31 00 D0")]);
         assert_eq!(found.iter().map(|(_, data)| data.len()).collect::<StdVec<_>>(), [2_048, 0]);
         assert_eq!(counters.frames, 2);
-        assert!(size_of::<FrameReceiver>() < 2_200, "about 2 KiB, as its users are told");
+        assert!(size_of::<FrameReceiver>() < 2_200, "about 2 KiB, as documented");
     }
 
     #[test]
-    fn an_impossible_length_and_a_silence_hold_nothing_up() {
+    fn bad_length_and_silence_block_nothing() {
         let next = hex("FA FF 31 00 D0");
         assert_eq!(received(&[&hex("FA FF 36 FF 08 01"), &next]).0.len(), 1);
         let mut receiver = FrameReceiver::new();
@@ -321,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_longer_than_allowed_is_noise_and_what_is_as_long_is_none() {
+    fn overlong_frames_are_noise_longest_is_accepted() {
         for (data_max, found) in [(3, 0), (4, 1), (5, 1)] {
             let (mut receiver, mut count) = (FrameReceiver::limited(data_max), 0);
             receiver.push(&hex("FA FF 36 04 00 00 00 00 C7"), Stamp::ZERO, |_, _| count += 1);

@@ -150,7 +150,7 @@ pub enum MeasurementError {
     Length,
     /// Not a number, or infinite.
     NotFinite,
-    /// A quaternion that is none.
+    /// An invalid quaternion.
     Norm,
 }
 

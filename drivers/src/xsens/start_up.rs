@@ -7,7 +7,7 @@ pub enum DevicePhase {
     /// Asked to stop measuring.
     #[default]
     GoingToConfig,
-    /// Told to reset, because it did not answer.
+    /// Commanded to reset, because it did not answer.
     Resetting,
     /// Starts after the reset; asked to stop measuring.
     AfterReset,
@@ -15,13 +15,13 @@ pub enum DevicePhase {
     Identifying,
     /// Asked for its name.
     Naming,
-    /// Told what to send.
+    /// Output configured.
     Configuring,
-    /// Told to measure.
+    /// Commanded to measure.
     GoingToMeasurement,
     /// Measures.
     Measuring,
-    /// It is the wrong device or does not do what it is told; asked again after a pause.
+    /// It is the wrong device or rejects its configuration; asked again after a pause.
     Refused,
 }
 
@@ -48,7 +48,7 @@ pub(super) mod id {
 
 /// How long a step waits for its answer, how often it asks, and what follows when nothing helps.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Patience {
+pub(super) struct RetryPolicy {
     /// Asked again after this, microseconds.
     pub answer_us: u64,
     /// Asked this often.
@@ -65,7 +65,7 @@ const WRITE_US: u64 = 500_000;
 const REFUSED_US: u64 = 5_000_000;
 
 impl DevicePhase {
-    pub(super) const fn patience(self) -> Patience {
+    pub(super) const fn patience(self) -> RetryPolicy {
         let (answer_us, tries, then) = match self {
             Self::GoingToConfig => (ANSWER_US, 5, Self::Resetting),
             // Once: a device that is reset again while it starts never comes up.
@@ -75,7 +75,7 @@ impl DevicePhase {
             Self::Refused => (REFUSED_US, 1, Self::GoingToConfig),
             _ => (ANSWER_US, 5, Self::GoingToConfig),
         };
-        Patience { answer_us, tries, then }
+        RetryPolicy { answer_us, tries, then }
     }
 
     /// The request of the step; the output configuration has data of its own.
@@ -138,7 +138,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn writing_its_memory_takes_a_device_longer_than_an_answer() {
+    fn memory_writes_get_a_longer_timeout() {
         let patience = DevicePhase::Configuring.patience();
         assert_eq!((patience.answer_us, patience.tries), (500_000, 3));
         assert_eq!(DevicePhase::Naming.patience().answer_us, 100_000);

@@ -15,7 +15,7 @@ fn main() -> std::io::Result<()> {
     let lines: Vec<Vec<u8>> =
         simulated.can.iter().map(|frame| floorguard_sim::can::encode_slcan(frame).into_bytes()).collect();
     let scan = messages::microscan3_message(40);
-    // What chooses by numbers needs no example of them, only room for some.
+    // Inputs that are read as numbers need no example of them, only space for some.
     let numbers: Vec<Vec<u8>> = (0..8).map(|value: u8| vec![value.wrapping_mul(37); 512]).collect();
     let of_targets: [(&str, Vec<Vec<u8>>); 10] = [
         ("velodyne", simulated.lidar.chunks(2).map(joined).collect()),

@@ -14,9 +14,9 @@ use crate::{Brakes, RobotPose};
 
 /// So far back a reason is looked for with people, seconds.
 const PEOPLE_BACK_S: f64 = 4.0;
-/// From moment to moment with people, with things, and with things longer ago, seconds.
+/// From moment to moment with people, with objects, and with objects longer ago, seconds.
 const STEPS_S: [f64; 3] = [0.04, 0.05, 0.25];
-/// Longer ago things are looked for in larger steps, seconds.
+/// Longer ago objects are looked for in larger steps, seconds.
 const LONG_AGO_S: f64 = 4.0;
 /// Braking that ends this much before the contact has avoided it, metres.
 const SHORT_M: f64 = 0.001;
@@ -28,7 +28,7 @@ const AHEAD_S: f32 = 0.5;
 const STANDS_MPS: f32 = 0.002;
 /// What is seen once may be noise: it is seen when it is seen this much before, too, seconds.
 const AGAIN_S: f64 = 0.1;
-/// A thing is seen when it is seen within this of the place that is touched, metres.
+/// An object is seen when it is seen within this of the place that is touched, metres.
 const THING_M: f32 = 0.5;
 /// A person is seen when any limb is, within this of the middle, metres.
 const PERSON_M: f32 = 1.2;
@@ -44,7 +44,7 @@ pub(crate) struct Case {
     pub(crate) point_m: [f32; 3],
 }
 
-/// A thing and its shape.
+/// An object and its shape.
 pub(crate) struct StandingThing {
     pub(crate) thing: Thing,
     pub(crate) placed: Placed,
@@ -128,8 +128,8 @@ impl Past<'_> {
         };
         let wheel_mps = self.brakes.wheel_mps(begin.motion);
         let Key::Person(id) = case.key else {
-            let ends_m = begin.way_m + f64::from(self.brakes.stopping_m(wheel_mps));
-            return ends_m < contact.way_m - SHORT_M;
+            let ends_m = begin.path_m + f64::from(self.brakes.stopping_m(wheel_mps));
+            return ends_m < contact.path_m - SHORT_M;
         };
         if wheel_mps < STANDS_MPS {
             // It stands, and need not have started.
@@ -150,9 +150,10 @@ impl Past<'_> {
     /// Where the robot is some time after it began to brake, on the way that it really took.
     fn braked(&self, begin: &Sample, then_s: f64, after_s: f32) -> Option<RobotPose> {
         let braked_m =
-            begin.way_m + f64::from(self.brakes.way_m(self.brakes.wheel_mps(begin.motion), after_s));
+            begin.path_m + f64::from(self.brakes.path_m(self.brakes.wheel_mps(begin.motion), after_s));
         let last_s = self.track.last().map_or(then_s, |last| last.at_s);
-        let really_m = self.track.at(then_s).filter(|_| then_s <= last_s).map_or(f64::MAX, |then| then.way_m);
+        let really_m =
+            self.track.at(then_s).filter(|_| then_s <= last_s).map_or(f64::MAX, |then| then.path_m);
         self.track.at_way(braked_m.min(really_m))
     }
 

@@ -242,7 +242,7 @@ mod tests {
         let gap = |solid| robot.nearest(RobotPose::default(), &solid).gap_m;
         assert!((gap(post(2.0, 0.0, [0.0, 1.0])) - 0.95).abs() < 1e-3);
         assert!((gap(post(0.98, 0.0, [0.0, 1.0])) + 0.07).abs() < 1e-3);
-        // Under the body there is room for 5 cm, over it the mast is met.
+        // 5 cm pass under the body, over it the mast is met.
         assert!((gap(post(0.2, 0.2, [0.0, 0.03])) - 0.02).abs() < 1e-3);
         assert!(gap(post(0.5, 0.0, [0.85, 1.0])) < 0.0);
         assert!(gap(post(0.0, 0.0, [0.75, 1.0])) > 0.04);
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn a_body_without_volume_or_with_a_dent_is_refused() {
+    fn body_must_be_convex_with_volume() {
         let dent = [[0.0, 0.0], [1.0, 0.0], [0.2, 0.2], [0.0, 1.0]];
         assert_eq!(
             RobotBody::new(&[part("L", &dent, [0.0, 1.0])]).err(),

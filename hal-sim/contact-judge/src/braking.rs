@@ -32,12 +32,12 @@ impl Brakes {
     /// Way of the braked wheel from the order to standing, metres: v·t + v²/(2b).
     #[must_use]
     pub fn stopping_m(&self, wheel_mps: f32) -> f32 {
-        self.way_m(wheel_mps, f32::INFINITY)
+        self.path_m(wheel_mps, f32::INFINITY)
     }
 
     /// Way of the braked wheel `seconds` after the order, metres.
     #[must_use]
-    pub fn way_m(&self, wheel_mps: f32, seconds: f32) -> f32 {
+    pub fn path_m(&self, wheel_mps: f32, seconds: f32) -> f32 {
         let b = self.deceleration_mps2.max(0.01);
         let steady_s = seconds.min(self.response_s);
         let braked_s = (seconds - self.response_s).clamp(0.0, wheel_mps / b);
@@ -55,8 +55,8 @@ mod tests {
         // 1 m/s: 0.15 m, then 1/1.6 m in 1.25 s.
         assert!((brakes.stopping_m(1.0) - 0.775).abs() < 1e-6);
         assert!((brakes.stopping_s(1.0) - 1.4).abs() < 1e-6);
-        assert!((brakes.way_m(1.0, 0.1) - 0.1).abs() < 1e-6);
-        assert!((brakes.way_m(1.0, 1.15) - (0.15 + 1.0 - 0.4)).abs() < 1e-6);
+        assert!((brakes.path_m(1.0, 0.1) - 0.1).abs() < 1e-6);
+        assert!((brakes.path_m(1.0, 1.15) - (0.15 + 1.0 - 0.4)).abs() < 1e-6);
         // A spin of 0.5 rad/s about the rear axle: the front wheel goes 0.4 m/s.
         let spin = RobotMotion { forward_mps: 0.0, turn_radps: 0.5 };
         assert!((brakes.wheel_mps(spin) - 0.4).abs() < 1e-6);

@@ -10,7 +10,7 @@ use crate::{BodyPlace, Force, LimbName, RobotPose};
 pub enum Other {
     /// Something that stands.
     Thing {
-        /// Index in the list of things.
+        /// Index in the list of objects.
         index: usize,
         /// Its name.
         name: String,

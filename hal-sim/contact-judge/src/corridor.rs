@@ -11,7 +11,7 @@ use crate::scene::Key;
 use crate::solid::Placed;
 use crate::{Brakes, RobotMotion, RobotPose};
 
-/// From a thing's being there to the order to brake, seconds.
+/// From an object's being there to the order to brake, seconds.
 const SENSING_S: f32 = 0.22;
 /// What the drive needs besides, seconds: an even brake is an idea.
 const GRACE_S: f64 = 0.1;
@@ -89,7 +89,7 @@ pub(crate) struct CorridorWatch {
 
 impl CorridorWatch {
     /// Tells what is in the corridor now; gives the moment at which it came in when the stop for it is missed now.
-    pub(crate) fn look(&mut self, at_s: f64, key: Key, wheel_mps: Option<(f32, &Brakes)>) -> Option<f64> {
+    pub(crate) fn observe(&mut self, at_s: f64, key: Key, wheel_mps: Option<(f32, &Brakes)>) -> Option<f64> {
         let Some((wheel_mps, brakes)) = wheel_mps else {
             self.since.remove(&key);
             self.missed.remove(&key);
@@ -157,14 +157,14 @@ mod tests {
     }
 
     #[test]
-    fn a_stop_is_missed_when_the_time_for_it_is_over() {
+    fn stop_is_missed_after_its_time() {
         let mut watch = CorridorWatch::default();
         // 0.22 + 0.15 + 1.25 + 0.1 s.
-        let mut tell = |at_s: f64| watch.look(at_s, Key::Thing(3), Some((1.0, &BRAKES)));
+        let mut tell = |at_s: f64| watch.observe(at_s, Key::Thing(3), Some((1.0, &BRAKES)));
         assert_eq!((tell(2.0), tell(3.7)), (None, None));
         assert_eq!(tell(3.73), Some(2.0));
         assert_eq!(tell(3.8), None, "counted once");
-        assert_eq!(watch.look(4.0, Key::Thing(3), None), None);
+        assert_eq!(watch.observe(4.0, Key::Thing(3), None), None);
         assert_eq!(watch.known().count(), 0);
     }
 }

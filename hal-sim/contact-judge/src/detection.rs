@@ -15,7 +15,7 @@ use crate::solid::Placed;
 
 /// No point of the robot moves further between two looks, metres.
 pub(crate) const STEP_M: f32 = 0.002;
-/// A pair is looked at again when it has moved by this share of its gap: clearances are right within it.
+/// A pair is examined again when it has moved by this share of its gap: clearances are right within it.
 const SHARE: f32 = 0.125;
 /// A contact ends when the gap is larger than this, metres.
 const APART_M: f32 = 0.01;
@@ -59,7 +59,7 @@ pub(crate) struct Detector {
     pub(crate) people: BTreeMap<u32, Pair>,
     /// How far the robot's body has moved at most since the start, metres.
     pub(crate) travel_m: f64,
-    /// No thing needs a look before, metres.
+    /// No object needs a look before, metres.
     pub(crate) things_due_m: f64,
 }
 
@@ -95,7 +95,7 @@ impl Detector {
     }
 
     /// Looks at a pair; worth it when it is due.
-    pub(crate) fn look(&mut self, key: Key, (robot, body): (&Pose, &RobotBody), parts: &Parts) -> Found {
+    pub(crate) fn observe(&mut self, key: Key, (robot, body): (&Pose, &RobotBody), parts: &Parts) -> Found {
         let travel_m = self.travel_m;
         let pair = match key {
             Key::Thing(index) => self.things.get_mut(index),
@@ -121,7 +121,7 @@ impl Detector {
         Found::Touch(is_new, nearest, limb)
     }
 
-    /// When the next look at a thing is due, metres.
+    /// When the next look at an object is due, metres.
     pub(crate) fn settle(&mut self) {
         self.things_due_m = self.things.iter().map(|pair| pair.due_m).fold(f64::MAX, f64::min);
     }
@@ -155,19 +155,19 @@ mod tests {
         let parts = [(None, plate.placed())];
         let mut detector = Detector { things: vec![Pair::default()], ..Detector::default() };
         let body = robot();
-        let mut looks = 0;
+        let mut evaluations = 0;
         for step in 0..4_000_u16 {
             let pose = RobotPose { x_m: f32::from(step) * STEP_M, ..RobotPose::default() };
             detector.travel_m = f64::from(step) * f64::from(STEP_M);
             if !detector.is_due(Key::Thing(0)) {
                 continue;
             }
-            looks += 1;
-            let found = detector.look(Key::Thing(0), (&pose.placed(), &body), &parts);
+            evaluations += 1;
+            let found = detector.observe(Key::Thing(0), (&pose.placed(), &body), &parts);
             if let Found::Touch(true, nearest, _) = found {
                 assert!((pose.x_m + 0.95 - 4.999).abs() <= STEP_M + 1e-4, "{pose:?}");
                 assert!(nearest.gap_m <= 0.0 && nearest.on_robot_m[1] > 0.38, "{nearest:?}");
-                assert!(looks < 120, "{looks}");
+                assert!(evaluations < 120, "{evaluations}");
                 return;
             }
         }

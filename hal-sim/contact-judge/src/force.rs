@@ -1,7 +1,8 @@
 //! How hard a contact is.
 //!
-//! People: the two-body model of ISO/TS 15066:2016, annex A (force = relative speed · √(stiffness · reduced mass)) with the
-//! stiffness and effective mass of its table of body regions and the limits of its table of pressures and forces. Things have no limits; their classes are speeds.
+//! People: the two-body model of ISO/TS 15066:2016, annex A (force = relative speed · √(stiffness · reduced mass)) with
+//! the stiffness and effective mass of its table of body regions and the limits of its table of pressures and forces.
+//! Objects have no limits; their classes are speeds.
 
 use serde::Serialize;
 
@@ -11,9 +12,9 @@ use crate::scene::LimbName;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ForceClass {
-    /// A person: within the limit of lasting force. A thing: slower than 0.05 m/s.
+    /// A person: within the limit of lasting force. An object: slower than 0.05 m/s.
     Touch,
-    /// A person: within the limit of a short impact. A thing: slower than 0.25 m/s.
+    /// A person: within the limit of a short impact. An object: slower than 0.25 m/s.
     Bump,
     /// Beyond both.
     Harm,
@@ -49,7 +50,7 @@ const fn limits(limb: LimbName) -> Option<Limits> {
     Some(Limits { stiffness_n_per_m, mass_kg, lasting_n, impact_n: lasting_n * factor })
 }
 
-/// Of a robot of this mass that closes in on a limb, or on a thing, at this speed.
+/// Of a robot of this mass that closes in on a limb, or on an object, at this speed.
 #[must_use]
 pub fn force(limb: Option<LimbName>, closing_mps: f32, robot_kg: f32) -> Force {
     let speed_mps = closing_mps.max(0.0);

@@ -29,7 +29,7 @@ pub enum JobOutcome {
     OnItsWay,
     /// Something is in its way.
     Blocked(String),
-    /// Whoever ran the world knows the reason: a fault, the emergency stop.
+    /// The caller that ran the world knows the reason: a fault, the emergency stop.
     Excused(String),
     /// Nothing was in its way.
     Undone,
@@ -56,7 +56,7 @@ impl JobWatch {
     }
 
     /// The robot has come to a pose.
-    pub(crate) fn look(&mut self, at_s: f64, pose: RobotPose) {
+    pub(crate) fn observe(&mut self, at_s: f64, pose: RobotPose) {
         self.now_s = at_s;
         if let Job::Route(places) = &self.job
             && places
@@ -109,15 +109,15 @@ mod tests {
     #[test]
     fn places_are_reached_in_order() {
         let mut watch = JobWatch::new(Job::Route(vec![[3.0, 0.0], [0.0, 0.0]]));
-        watch.look(0.0, pose(0.0));
-        watch.look(5.0, pose(2.9));
+        watch.observe(0.0, pose(0.0));
+        watch.observe(5.0, pose(2.9));
         assert_eq!(watch.next_place(), Some([0.0, 0.0]));
         assert_eq!(watch.outcome(None, None), JobOutcome::OnItsWay);
-        watch.look(20.0, pose(2.9));
+        watch.observe(20.0, pose(2.9));
         assert_eq!(watch.outcome(None, None), JobOutcome::Undone);
         assert_eq!(watch.outcome(Some("a box".into()), None), JobOutcome::Blocked("a box".into()));
         assert_eq!(watch.outcome(None, Some("fault")), JobOutcome::Excused("fault".into()));
-        watch.look(30.0, pose(0.1));
+        watch.observe(30.0, pose(0.1));
         assert_eq!(watch.outcome(None, None), JobOutcome::Done);
     }
 }

@@ -23,7 +23,7 @@ use crate::{Brakes, RobotMotion, RobotPose};
 const STANDS_MPS: f32 = 0.002;
 /// Somebody leans against the standing robot: when it moves towards them faster than this it drives into them, m/s.
 const PUSHES_MPS: f32 = 0.005;
-/// Corridor, clearance and job are looked at this often, seconds.
+/// Corridor, clearance and job are examined this often, seconds.
 const LOOK_S: f64 = 0.05;
 /// Half the edge of a wheel's place on the floor, metres.
 const WHEEL_M: f32 = 0.02;
@@ -137,8 +137,8 @@ impl ContactJudge {
         })
     }
 
-    /// Looks at the next moment; moments rise. Ten milliseconds apart or less is right for robots and people: in between
-    /// the judge goes in steps of 2 mm.
+    /// Processes the next sample; moments rise. Ten milliseconds apart or less is right for robots and people: in
+    /// between the judge goes in steps of 2 mm.
     pub fn observe(&mut self, moment: &Moment<'_>) {
         let before = self.track.last().copied();
         self.first_s.get_or_insert(moment.at_s);
@@ -148,7 +148,7 @@ impl ContactJudge {
             at_s: moment.at_s,
             pose: moment.pose,
             motion: moment.motion,
-            way_m: 0.0,
+            path_m: 0.0,
         });
         self.account(&from, moment);
         let now = moment.people.iter().map(|person| (person.id, person.clone())).collect();
@@ -158,7 +158,7 @@ impl ContactJudge {
         if moment.at_s >= self.next_look_s {
             self.next_look_s = moment.at_s + LOOK_S - 1.0e-6;
             self.look_ahead(moment);
-            self.job.look(moment.at_s, moment.pose);
+            self.job.observe(moment.at_s, moment.pose);
         }
     }
 
@@ -224,7 +224,7 @@ impl ContactJudge {
             let is_there = standing.thing.from_s <= step.at_s && self.detector.is_due(Key::Thing(index));
             let Some(body) = body.filter(|_| is_there) else { continue };
             let parts = [(None, standing.placed.clone())];
-            let found = self.detector.look(Key::Thing(index), (&robot, body), &parts);
+            let found = self.detector.observe(Key::Thing(index), (&robot, body), &parts);
             self.found(step, Key::Thing(index), found);
             let gap_m = self.detector.gap_m(Key::Thing(index));
             self.note_clearance(step, gap_m);
@@ -244,7 +244,7 @@ impl ContactJudge {
         let person = before.between(now, share);
         let parts: Vec<(Option<LimbName>, Placed)> =
             person.limbs.iter().map(|limb| (Some(limb.name), limb.solid.placed())).collect();
-        let found = self.detector.look(key, (&step.pose.placed(), &self.body), &parts);
+        let found = self.detector.observe(key, (&step.pose.placed(), &self.body), &parts);
         self.found(step, key, found);
         self.note_clearance(step, self.detector.gap_m(key));
     }

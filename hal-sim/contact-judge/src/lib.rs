@@ -1,9 +1,9 @@
-//! Judges contacts of a simulated robot by true geometry: the whole body in 3-D against people and things of any height,
-//! in any motion.
+//! Judges contacts of a simulated robot by true geometry: the whole body in 3-D against people and objects of any
+//! height, in any motion.
 //!
-//! The judge depends on none of the robot's own crates and reads none of its data. It gets plain numbers: the true shape
-//! and pose of the robot, the true bodies of people, the true things. It does not know protective fields, tracks,
-//! decisions or their reasons, so that a wrong idea of the robot cannot excuse itself.
+//! The judge depends on none of the robot's own crates and reads none of its data. It gets plain numbers: the true
+//! shape and pose of the robot, the true bodies of people, the true objects. It does not know protective fields,
+//! tracks, decisions or their reasons, so that a wrong idea of the robot cannot excuse itself.
 //!
 //! What a contact could have been avoided by is decided twice: by a perfect machine with the same brakes, and by this
 //! machine's sensors, whose view is computed here by casting rays at the true scene.

@@ -66,10 +66,10 @@ impl RobotPose {
     #[must_use]
     pub fn after(self, motion: RobotMotion, seconds: f32) -> Self {
         let turned_rad = motion.turn_radps * seconds;
-        let way_m = motion.forward_mps * seconds;
+        let path_m = motion.forward_mps * seconds;
         // Chord of the arc: sin(a)/a with a = half of the turn.
         let half_rad = turned_rad / 2.0;
-        let chord_m = if half_rad.abs() < 1.0e-4 { way_m } else { way_m * libm::sinf(half_rad) / half_rad };
+        let chord_m = if half_rad.abs() < 1.0e-4 { path_m } else { path_m * libm::sinf(half_rad) / half_rad };
         let (sin, cos) = libm::sincosf(self.heading_rad + half_rad);
         Self {
             x_m: self.x_m + chord_m * cos,
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn the_rear_corner_of_a_spinning_robot_goes_sideways() {
+    fn spinning_robot_moves_its_rear_corner_sideways() {
         let spin = RobotMotion { forward_mps: 0.0, turn_radps: 0.5 };
         let [x_mps, y_mps] = spin.at([-0.4, 0.3]);
         assert!((x_mps + 0.15).abs() < 1e-6 && (y_mps + 0.2).abs() < 1e-6);

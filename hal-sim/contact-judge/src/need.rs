@@ -79,7 +79,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_stop_needs_a_reason_of_the_last_moments() {
+    fn stop_needs_a_recent_reason() {
         let mut need = Need::default();
         need.stop(1.0);
         need.is_there(5.0);

@@ -7,11 +7,11 @@ use crate::{Contact, ContactKind, JobOutcome};
 /// Contacts by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ContactCounts {
-    /// The moving robot and people or what they carry, whoever came to whom.
+    /// The moving robot and people or what they carry, whichever of the two moved.
     pub people_while_moving: u32,
     /// Of these: the robot's own motion took its body towards them.
     pub drove_into_people: u32,
-    /// The robot drove into things.
+    /// The robot drove into objects.
     pub drove_into_things: u32,
     /// A wheel came over an edge.
     pub over_edges: u32,

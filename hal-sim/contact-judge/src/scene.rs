@@ -1,4 +1,4 @@
-//! What is there besides the robot: things that stand, and people.
+//! What is there besides the robot: objects that stand, and people.
 
 use serde::Serialize;
 
@@ -16,7 +16,7 @@ pub enum Surface {
     Mirror,
 }
 
-/// What a thing is to the robot.
+/// What an object is to the robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ThingKind {
     /// No part of the robot may touch it.
@@ -26,7 +26,7 @@ pub enum ThingKind {
     Drop,
 }
 
-/// A thing that stands where it is.
+/// An object that stands where it is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Thing {
     /// For reports.
@@ -97,7 +97,7 @@ pub struct Moment<'a> {
 /// With whom or what the judge deals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Key {
-    /// Index of the thing.
+    /// Index of the object.
     Thing(usize),
     /// Number of the person.
     Person(u32),

@@ -45,11 +45,11 @@ pub struct Sensor {
     pub range_m: [f32; 2],
     /// From the measurement to the order to brake, seconds.
     pub delay_s: f32,
-    /// What is lower above the floor cannot be told from the floor, metres.
+    /// What is lower above the floor is indistinguishable from the floor, metres.
     pub above_floor_m: f32,
     /// It tells a hole in the floor from a floor that sends nothing back.
     pub sees_holes: bool,
-    /// So many beams on a thing are a sight of it.
+    /// So many beams on an object are a sight of it.
     pub beams_min: usize,
 }
 
@@ -66,7 +66,7 @@ pub(crate) struct Window {
 
 impl Window {
     fn azimuth_has(&self, azimuth_rad: f32) -> bool {
-        // Steep views and near things: every azimuth.
+        // Steep views and near objects: every azimuth.
         self.half_rad + self.elevation_rad.abs() > 1.3
             || crate::motion::wrapped(azimuth_rad - self.azimuth_rad).abs()
                 <= self.half_rad / libm::cosf(self.elevation_rad)
@@ -140,7 +140,7 @@ mod tests {
     const ALL: Window = Window { azimuth_rad: 0.0, elevation_rad: 0.0, half_rad: 4.0 };
 
     #[test]
-    fn every_device_has_as_many_beams_as_its_data_sheet_says() {
+    fn devices_have_the_beams_of_their_datasheets() {
         let half_degree = 0.5_f32.to_radians();
         let scanner = SensorView::Plane { half_angle_rad: 135.0_f32.to_radians(), step_rad: half_degree };
         assert_eq!(scanner.beams(&ALL).len(), 541);
@@ -160,7 +160,7 @@ mod tests {
 
     /// A camera that looks down by 45°: the middle of its picture meets the floor as far ahead as it is high.
     #[test]
-    fn a_camera_looks_where_it_is_tilted_to() {
+    fn camera_view_follows_its_tilt() {
         let view = SensorView::Camera {
             pitch_rad: core::f32::consts::FRAC_PI_4,
             size: [160, 120],

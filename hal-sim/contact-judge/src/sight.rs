@@ -1,7 +1,7 @@
 //! Whether a sensor sees something: beams cast at the true scene.
 //!
-//! Written independently of the simulator's sensors: it gives no ranges and no noise, only whether enough beams end on the
-//! thing asked for.
+//! Written independently of the simulator's sensors: it gives no ranges and no noise, only whether enough beams end on
+//! the object asked for.
 
 use parry3d::math::Vector;
 use parry3d::query::Ray;
@@ -40,8 +40,8 @@ pub(crate) fn sees(sensor: &Sensor, robot: RobotPose, target: &Target, scene: &[
     let origin = Vector::new(x, y, sensor.at_m[2]);
     let heading_rad = robot.heading_rad + sensor.yaw_rad;
     let centre = Vector::from_array(target.centre_m);
-    let way = centre - origin;
-    let distance_m = way.length();
+    let path = centre - origin;
+    let distance_m = path.length();
     let [nearest_m, farthest_m] = sensor.range_m;
     if distance_m - target.radius_m > farthest_m || distance_m + target.radius_m < nearest_m {
         return false;
@@ -52,8 +52,8 @@ pub(crate) fn sees(sensor: &Sensor, robot: RobotPose, target: &Target, scene: &[
         core::f32::consts::PI
     };
     let window = Window {
-        azimuth_rad: libm::atan2f(way.y, way.x) - heading_rad,
-        elevation_rad: libm::atan2f(way.z, libm::hypotf(way.x, way.y)),
+        azimuth_rad: libm::atan2f(path.y, path.x) - heading_rad,
+        elevation_rad: libm::atan2f(path.z, libm::hypotf(path.x, path.y)),
         half_rad: if sensor.view == SensorView::Down { core::f32::consts::PI } else { half_rad },
     };
     let (sin, cos) = libm::sincosf(heading_rad);
@@ -63,8 +63,8 @@ pub(crate) fn sees(sensor: &Sensor, robot: RobotPose, target: &Target, scene: &[
         let direction = Vector::new(cos * beam[0] - sin * beam[1], sin * beam[0] + cos * beam[1], beam[2]);
         let Some((key, range_m)) = end(&near, origin, direction, farthest_m) else { continue };
         let at = origin + direction * range_m;
-        let is_told_apart = if at.z <= 0.0 { sensor.sees_holes } else { at.z >= sensor.above_floor_m };
-        let is_target = key == target.key && is_told_apart && (at - centre).length() <= target.radius_m;
+        let is_distinguished = if at.z <= 0.0 { sensor.sees_holes } else { at.z >= sensor.above_floor_m };
+        let is_target = key == target.key && is_distinguished && (at - centre).length() <= target.radius_m;
         count += usize::from(is_target && range_m >= nearest_m);
         if count >= sensor.beams_min {
             return true;
@@ -77,10 +77,10 @@ pub(crate) fn sees(sensor: &Sensor, robot: RobotPose, target: &Target, scene: &[
 fn reaches(seen: &Visible, from: Vector, to: Vector) -> bool {
     let [low, high] = seen.placed.bounds();
     let (middle, radius_m) = ((low + high) / 2.0, (high - low).length() / 2.0);
-    let way = to - from;
-    let along = ((middle - from).dot(way) / way.length_squared().max(1.0e-6)).clamp(0.0, 1.0);
+    let path = to - from;
+    let along = ((middle - from).dot(path) / path.length_squared().max(1.0e-6)).clamp(0.0, 1.0);
     // Beams of the window end within a metre of the target.
-    (from + way * along - middle).length() <= radius_m + 1.0
+    (from + path * along - middle).length() <= radius_m + 1.0
 }
 
 /// On what a beam ends, and how far away, metres; the floor ends it, too.
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_behind_another_is_not_seen_and_what_stands_behind_glass_is() {
+    fn solid_hides_and_glass_does_not() {
         let hidden = |surface| {
             let scene = [board(0, 4.0, [0.0, 1.0], Surface::Opaque), board(1, 2.0, [0.0, 1.0], surface)];
             let aside = RobotPose { y_m: 0.5, heading_rad: -0.15, ..RobotPose::default() };
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn glass_is_seen_at_right_angles_and_a_mirror_never() {
+    fn glass_is_seen_perpendicularly_mirror_never() {
         let one = |surface, heading_rad: f32| {
             let scene = [board(0, 3.0, [0.0, 1.0], surface)];
             let pose = RobotPose { y_m: -2.4 * heading_rad, heading_rad, ..RobotPose::default() };
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn behind_the_robot_the_scanner_sees_nothing_and_a_switch_feels_a_hole() {
+    fn scanner_is_blind_behind_switch_feels_hole() {
         let rear = [board(0, -1.0, [0.0, 1.0], Surface::Opaque)];
         let behind = Target { key: Key::Thing(0), centre_m: [-0.95, 0.0, 0.5], radius_m: 0.5 };
         assert!(!sees(&scanner(), RobotPose::default(), &behind, &rear));

@@ -1,4 +1,4 @@
-//! Solid shapes of things and limbs, world frame, in plain numbers.
+//! Solid shapes of objects and limbs, world frame, in plain numbers.
 
 use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::shape::SharedShape;

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use crate::scene::Person;
 use crate::{Brakes, RobotMotion, RobotPose};
 
-/// The robot's way is kept for so long, seconds.
+/// The robot's path is kept for so long, seconds.
 const ROBOT_S: f64 = 120.0;
 /// People are kept for so long, seconds: longer than any stop takes.
 const PEOPLE_S: f64 = 6.0;
@@ -21,7 +21,7 @@ pub(crate) struct Sample {
     pub(crate) pose: RobotPose,
     pub(crate) motion: RobotMotion,
     /// Way of the braked wheel since the start, metres.
-    pub(crate) way_m: f64,
+    pub(crate) path_m: f64,
 }
 
 /// The past.
@@ -34,11 +34,11 @@ pub(crate) struct Track {
 impl Track {
     /// The robot has come to a pose.
     pub(crate) fn push(&mut self, at_s: f64, pose: RobotPose, (motion, brakes): (RobotMotion, &Brakes)) {
-        let way_m = self.robot.back().map_or(0.0, |last| {
+        let path_m = self.robot.back().map_or(0.0, |last| {
             let [from, to] = [last.pose, pose].map(|pose| pose.point(brakes.wheel_m));
-            last.way_m + f64::from(libm::hypotf(to[0] - from[0], to[1] - from[1]))
+            last.path_m + f64::from(libm::hypotf(to[0] - from[0], to[1] - from[1]))
         });
-        self.robot.push_back(Sample { at_s, pose, motion, way_m });
+        self.robot.push_back(Sample { at_s, pose, motion, path_m });
         while self.robot.front().is_some_and(|sample| sample.at_s < at_s - ROBOT_S) {
             self.robot.pop_front();
         }
@@ -77,9 +77,9 @@ impl Track {
     }
 
     /// Where the robot was when the braked wheel had come so far.
-    pub(crate) fn at_way(&self, way_m: f64) -> Option<RobotPose> {
-        let next = self.robot.partition_point(|sample| sample.way_m <= way_m);
-        self.mixed(next, |sample| sample.way_m, way_m).map(|sample| sample.pose)
+    pub(crate) fn at_way(&self, path_m: f64) -> Option<RobotPose> {
+        let next = self.robot.partition_point(|sample| sample.path_m <= path_m);
+        self.mixed(next, |sample| sample.path_m, path_m).map(|sample| sample.pose)
     }
 
     fn mixed(&self, next: usize, of: impl Fn(&Sample) -> f64, value: f64) -> Option<Sample> {
@@ -97,7 +97,7 @@ impl Track {
                 forward_mps: mix(before.motion.forward_mps, after.motion.forward_mps),
                 turn_radps: mix(before.motion.turn_radps, after.motion.turn_radps),
             },
-            way_m: before.way_m + f64::from(share) * (after.way_m - before.way_m),
+            path_m: before.path_m + f64::from(share) * (after.path_m - before.path_m),
         })
     }
 
@@ -120,7 +120,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_past_is_asked_by_time_and_by_way() {
+    fn past_is_queried_by_time_and_distance() {
         let brakes = Brakes { response_s: 0.0, deceleration_mps2: 1.0, wheel_m: [0.8, 0.0] };
         let motion = RobotMotion { forward_mps: 0.5, turn_radps: 0.0 };
         let mut track = Track::default();
@@ -129,7 +129,7 @@ mod tests {
             track.push(at_s, RobotPose { x_m: 0.5 * at_s as f32, ..RobotPose::default() }, (motion, &brakes));
         }
         let then = track.at(0.505).unwrap();
-        assert!((then.pose.x_m - 0.2525).abs() < 1e-5 && (then.way_m - 0.2525).abs() < 1e-5, "{then:?}");
+        assert!((then.pose.x_m - 0.2525).abs() < 1e-5 && (then.path_m - 0.2525).abs() < 1e-5, "{then:?}");
         assert!((track.at_way(0.3).unwrap().x_m - 0.3).abs() < 1e-5);
         assert!((track.at(9.0).unwrap().pose.x_m - 0.995).abs() < 1e-5);
     }

@@ -2,16 +2,16 @@
 
 mod common;
 
-use common::{block, drive, nobody, person, setup, straight};
+use common::{block, drive, no_people, person, setup, straight};
 use floorguard_contact_judge::{
     BodyPart, ContactKind, ForceClass, Job, JobOutcome, LimbName, Other, RobotMotion, Surface, Thing,
     ThingKind,
 };
 
 #[test]
-fn a_wall_is_met_where_it_stands_and_every_sensor_had_seen_it() {
+fn wall_contact_was_visible_to_every_sensor() {
     let wall = block("wall", [5.0, 0.0], [0.1, 4.0], [0.0, 2.0]);
-    let report = drive(setup(vec![wall]), 6.0, straight(0.8), nobody);
+    let report = drive(setup(vec![wall]), 6.0, straight(0.8), no_people);
     let [contact] = report.contacts.as_slice() else { panic!("{report:?}") };
     // The front at 0.95 m comes to 4.95 m after 4.0 m.
     assert!((contact.at_s - 5.0).abs() < 0.011, "{contact:?}");
@@ -27,32 +27,32 @@ fn a_wall_is_met_where_it_stands_and_every_sensor_had_seen_it() {
 fn a_table_board_is_met_at_its_height() {
     for z_m in [0.30, 0.45, 0.55] {
         let board = block("board", [6.0, 0.0], [0.6, 1.6], [z_m, z_m + 0.03]);
-        let report = drive(setup(vec![board]), 6.8, straight(0.8), nobody);
+        let report = drive(setup(vec![board]), 6.8, straight(0.8), no_people);
         let [contact] = report.contacts.as_slice() else { panic!("{z_m}: {report:?}") };
         assert!((contact.place.point_m[2] - z_m - 0.015).abs() < 0.03, "{contact:?}");
         assert!(contact.avoidable, "{z_m}");
         assert_eq!(contact.seen_by.as_deref(), Some("lidar"), "{z_m}");
     }
-    // Over the mast there is room.
+    // Over the mast it is free.
     let board = block("board", [6.0, 0.0], [0.6, 1.6], [0.90, 0.93]);
-    assert!(drive(setup(vec![board]), 6.8, straight(0.8), nobody).contacts.is_empty());
+    assert!(drive(setup(vec![board]), 6.8, straight(0.8), no_people).contacts.is_empty());
 }
 
 #[test]
-fn a_low_box_is_met_and_no_sensor_could_see_it() {
+fn low_box_contact_was_invisible() {
     let low = block("box", [5.0, 0.0], [0.4, 0.4], [0.0, 0.08]);
-    let report = drive(setup(vec![low]), 6.0, straight(0.8), nobody);
+    let report = drive(setup(vec![low]), 6.0, straight(0.8), no_people);
     let [contact] = report.contacts.as_slice() else { panic!("{report:?}") };
     assert!(contact.avoidable && contact.seen_by.is_none(), "{contact:?}");
     assert_eq!((report.missed_stops, report.missed_unseen), (0, 1));
-    assert!(report.passed, "what nobody could see is told apart: {:?}", report.failures);
+    assert!(report.passed, "what was invisible is separated: {:?}", report.failures);
     let flat = block("sill", [5.0, 0.0], [0.4, 0.4], [0.0, 0.015]);
-    assert!(drive(setup(vec![flat]), 6.0, straight(0.8), nobody).contacts.is_empty());
+    assert!(drive(setup(vec![flat]), 6.0, straight(0.8), no_people).contacts.is_empty());
 }
 
 /// A bumper from 4 to 40 cm: at 0.4 m/s the robot has 0.06 + 0.1 m of braking, 0.04 m of delay and 0.05 m of grace.
 #[test]
-fn going_on_with_a_bumper_touched_is_told() {
+fn motion_with_touched_bumper_is_reported() {
     let bumper = BodyPart {
         name: "bumper".into(),
         outline_m: vec![[0.90, -0.4], [0.955, -0.4], [0.955, 0.4], [0.90, 0.4]],
@@ -63,7 +63,7 @@ fn going_on_with_a_bumper_touched_is_told() {
         let plan = floorguard_contact_judge::Setup { bumpers: vec![bumper.clone()], ..setup(things) };
         let motion =
             |at_s: f32| RobotMotion { forward_mps: if at_s < stops_s { 0.4 } else { 0.0 }, turn_radps: 0.0 };
-        drive(plan, 8.0, motion, nobody).counts.went_on
+        drive(plan, 8.0, motion, no_people).counts.went_on
     };
     // The box is met after 1.85 m: at 4.625 s. 0.25 m later it is 5.25 s.
     assert_eq!(went_on([0.0, 0.08], 5.15), 0);
@@ -73,10 +73,10 @@ fn going_on_with_a_bumper_touched_is_told() {
 
 /// The rear right corner at (-0.45, -0.40) is 0.602 m from the axle; beside it, 5 cm away, stands a box.
 #[test]
-fn the_rear_corner_swings_into_a_box_beside_it() {
+fn rear_corner_swings_into_a_box() {
     let beside = block("box", [-0.35, -0.65], [0.3, 0.4], [0.0, 0.45]);
     let spin = |at_s: f32| RobotMotion { forward_mps: 0.0, turn_radps: if at_s < 1.0 { 0.0 } else { 0.5 } };
-    let report = drive(setup(vec![beside]), 3.0, spin, nobody);
+    let report = drive(setup(vec![beside]), 3.0, spin, no_people);
     let [contact] = report.contacts.as_slice() else { panic!("{report:?}") };
     // The corner moves on a circle of 0.602 m from y = -0.40 to y = -0.45 at x = -0.40: atan2(0.40, 0.45) = 41.6° to
     // asin(0.45/0.602) = 48.4°: 0.118 rad, 0.24 s.
@@ -89,11 +89,11 @@ fn the_rear_corner_swings_into_a_box_beside_it() {
 #[test]
 fn reverse_and_creeping_count_as_motion() {
     let behind = block("box", [-1.0, 0.0], [0.2, 0.2], [0.0, 0.3]);
-    let report = drive(setup(vec![behind.clone()]), 4.0, straight(-0.25), nobody);
+    let report = drive(setup(vec![behind.clone()]), 4.0, straight(-0.25), no_people);
     assert_eq!(report.contacts.len(), 1, "{report:?}");
     assert_eq!(report.contacts[0].place.side, "rear");
     assert!((report.contacts[0].at_s - 1.8).abs() < 0.02 && (report.reversing_share - 1.0).abs() < 1e-6);
-    let creeps = drive(setup(vec![behind]), 60.0, straight(-0.01), nobody);
+    let creeps = drive(setup(vec![behind]), 60.0, straight(-0.01), no_people);
     assert_eq!(creeps.counts.drove_into_things, 1, "{creeps:?}");
     assert!((creeps.contacts[0].at_s - 45.0).abs() < 0.2);
     assert_eq!(creeps.contacts[0].force.class, ForceClass::Touch);
@@ -101,7 +101,7 @@ fn reverse_and_creeping_count_as_motion() {
 
 /// Who walks into a robot that stands is counted apart; who is driven into is not excused by standing still.
 #[test]
-fn who_came_to_whom_is_told_apart() {
+fn initiator_of_contact_is_distinguished() {
     let walks = |at_s: f32| vec![person([3.0 - at_s, 0.0], [-1.0, 0.0])];
     let stood = drive(setup(Vec::new()), 2.3, straight(0.0), walks);
     assert_eq!(stood.counts.walked_into_standing, 1, "{stood:?}");
@@ -125,7 +125,7 @@ fn who_came_to_whom_is_told_apart() {
 
 /// Somebody leans against the standing robot, and it drives off into them.
 #[test]
-fn pushing_somebody_who_leans_on_the_robot_is_driving_into_them() {
+fn pushing_a_leaning_person_counts_as_contact() {
     let leans = |_: f32| vec![person([1.01, 0.0], [0.0, 0.0])];
     let starts = |at_s: f32| RobotMotion { forward_mps: if at_s < 2.0 { 0.0 } else { 0.2 }, turn_radps: 0.0 };
     let report = drive(setup(Vec::new()), 3.0, starts, leans);
@@ -145,7 +145,7 @@ fn what_appears_too_late_is_nobodys_fault() {
     let falls = |ahead_m: f32| {
         let at_m = [0.95 + 0.8 * 3.0 + ahead_m + 0.2, 0.0];
         let fallen = Thing { from_s: 3.0, ..block("box", at_m, [0.4, 0.4], [0.0, 0.4]) };
-        drive(setup(vec![fallen]), 6.0, straight(0.8), nobody).contacts.remove(0)
+        drive(setup(vec![fallen]), 6.0, straight(0.8), no_people).contacts.remove(0)
     };
     // v·t + v²/2b = 0.12 + 0.4 m; sensing takes another 0.176 m.
     assert!(!falls(0.3).avoidable);
@@ -156,7 +156,7 @@ fn what_appears_too_late_is_nobodys_fault() {
 
 /// Somebody who stood in safety steps before the robot at the last moment.
 #[test]
-fn nobody_knows_what_people_will_do() {
+fn future_motion_of_people_is_unknown() {
     let steps_out = |when_s: f32| {
         move |at_s: f32| {
             let y_m = (1.3 - 2.0 * (at_s - when_s).max(0.0)).max(0.0);
@@ -173,14 +173,14 @@ fn nobody_knows_what_people_will_do() {
 }
 
 #[test]
-fn a_pane_of_glass_across_the_way_is_seen_and_one_askew_is_not() {
+fn only_perpendicular_glass_is_seen() {
     let pane = |yaw_rad: f32| {
         let mut pane = block("pane", [5.0, 0.0], [0.02, 3.0], [0.0, 2.0]);
         pane.surface = Surface::Glass;
         if let floorguard_contact_judge::Solid::Box { yaw_rad: yaw, .. } = &mut pane.solid {
             *yaw = yaw_rad;
         }
-        drive(setup(vec![pane]), 6.5, straight(0.8), nobody).contacts.remove(0)
+        drive(setup(vec![pane]), 6.5, straight(0.8), no_people).contacts.remove(0)
     };
     assert!(pane(0.0).seen_by.is_some());
     // Its foot of the perpendicular is far from the place that is hit.
@@ -188,10 +188,10 @@ fn a_pane_of_glass_across_the_way_is_seen_and_one_askew_is_not() {
 }
 
 #[test]
-fn a_wheel_over_an_edge_is_told() {
+fn wheel_over_an_edge_is_reported() {
     let mut hole = block("dock", [6.0, 0.0], [2.0, 4.0], [-1.0, 0.0]);
     hole.kind = ThingKind::Drop;
-    let report = drive(setup(vec![hole]), 6.0, straight(0.8), nobody);
+    let report = drive(setup(vec![hole]), 6.0, straight(0.8), no_people);
     assert_eq!(report.counts.over_edges, 1, "{report:?}");
     // The front wheel at 0.8 m reaches 5.0 m.
     assert!((report.contacts[0].at_s - 5.25).abs() < 0.04, "{:?}", report.contacts[0]);
@@ -205,7 +205,7 @@ fn braking_in_time_is_no_missed_stop() {
         RobotMotion { forward_mps, turn_radps: 0.0 }
     };
     let wall = block("wall", [4.05, 0.0], [0.1, 4.0], [0.0, 2.0]);
-    let report = drive(setup(vec![wall]), 6.0, brakes, nobody);
+    let report = drive(setup(vec![wall]), 6.0, brakes, no_people);
     assert_eq!((report.contacts.len(), report.missed_stops, report.missed_unseen), (0, 0, 0), "{report:?}");
     assert!(report.clearance_m.is_some_and(|gap_m| (0.24..0.30).contains(&gap_m)), "{report:?}");
     assert!(report.passed);
@@ -215,7 +215,7 @@ fn braking_in_time_is_no_missed_stop() {
 fn a_robot_that_stands_about_does_not_pass() {
     let mut idle = setup(Vec::new());
     idle.job = Job::Route(vec![[5.0, 0.0]]);
-    let report = drive(idle.clone(), 20.0, straight(0.0), nobody);
+    let report = drive(idle.clone(), 20.0, straight(0.0), no_people);
     assert_eq!(report.job, JobOutcome::Undone);
     assert!(!report.passed && report.failures.iter().any(|why| why.contains("never moved")), "{report:?}");
     let wall = block("wall", [1.2, 0.0], [0.1, 4.0], [0.0, 2.0]);
@@ -223,9 +223,9 @@ fn a_robot_that_stands_about_does_not_pass() {
         floorguard_contact_judge::Setup { things: vec![wall], ..idle.clone() },
         20.0,
         straight(0.0),
-        nobody,
+        no_people,
     );
     assert_eq!(held.job, JobOutcome::Blocked("wall".into()));
     assert!(held.passed, "{held:?}");
-    assert_eq!(drive(idle, 12.0, straight(0.5), nobody).job, JobOutcome::Done);
+    assert_eq!(drive(idle, 12.0, straight(0.5), no_people).job, JobOutcome::Done);
 }

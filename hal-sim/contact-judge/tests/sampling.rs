@@ -1,8 +1,8 @@
-//! The judge against brute force: points sampled in things and in the robot, moments sampled on the way.
+//! The judge against brute force: points sampled in objects and in the robot, moments sampled on the way.
 
 mod common;
 
-use common::{body, drive, nobody, setup};
+use common::{body, drive, no_people, setup};
 use floorguard_contact_judge::{RobotBody, RobotMotion, RobotPose, Solid, Surface, Thing, ThingKind};
 use proptest::prelude::*;
 
@@ -104,7 +104,7 @@ proptest! {
         let mut plan = setup(vec![thing]);
         // Who could have seen it is not the question here.
         plan.sensors.clear();
-        let report = drive(plan, 3.0, |_| motion, nobody);
+        let report = drive(plan, 3.0, |_| motion, no_people);
         let sampled = |at_s: f32| sampled_m(RobotPose::default().after(motion, at_s), &cloud);
         let moments = || (0..300_u16).map(|step| f32::from(step) * 0.01);
         let first_s = moments().find(|at_s| sampled(*at_s) <= 0.0);

@@ -104,7 +104,7 @@ impl Drive {
         self.demand * 1.0e-3
     }
 
-    /// Angle that the steering drive is told to take, radians; `None` unless it moves.
+    /// Angle commanded to the steering drive, radians; `None` unless it moves.
     #[must_use]
     pub fn target_rad(&self) -> Option<f32> {
         let target_mdeg = self.node.objects.get(0x607A, 0) as i32;
@@ -309,7 +309,7 @@ mod tests {
 
     /// CiA 301, object 1029h sub-index 1: 0, the default, falls to pre-operational, 1 keeps the state, 2 stops.
     #[test]
-    fn a_dead_master_changes_the_network_state_as_object_1029h_says() {
+    fn dead_master_follows_object_1029h() {
         for (behaviour, state) in [(None, 0x7F), (Some(0), 0x7F), (Some(1), 5), (Some(2), 4)] {
             let mut drive = enabled();
             let mut out = Vec::new();

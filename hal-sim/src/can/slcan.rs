@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_are_read_across_splits_and_wrong_ones_refused() {
+    fn split_lines_are_read_wrong_ones_refused() {
         let mut decoder = SlcanDecoder::default();
         assert!(decoder.push(b"T12ABCDEF").0.is_empty());
         let (frames, replies) = decoder.push(b"2AA55\rt7011\rt1239\rS6\rO\r");

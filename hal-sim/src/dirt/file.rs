@@ -24,7 +24,7 @@ pub struct SpillFile {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct DirtFile {
-    /// Share of dirt on its way that one pass of the brush picks up.
+    /// Share of dirt under the brush that one pass picks up.
     #[serde(default = "pickup")]
     pub pickup: f32,
     /// Spills.
@@ -136,7 +136,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn spills_are_round_and_strewn_patches_have_their_share() {
+    fn spills_are_round_patches_strewn() {
         let text = "spill = [{ at_m = [1.0, 2.0], radius_m = 0.3, units = 12.0 }]\n\
                     strewn_area_m = [4.0, 0.0, 8.0, 5.0]\nstrewn_share = 0.1\nstrewn_units = [5.0, 10.0]";
         let file: DirtFile = toml::from_str(text).unwrap();

@@ -133,7 +133,7 @@ mod tests {
 
     /// A bar of 0.2 m that rolls over three rows of cells of 0.1 m, of which only the inner two lie under it.
     #[test]
-    fn a_pass_takes_its_share_of_what_lies_under_the_brush_and_nothing_else() {
+    fn pass_takes_its_share_under_the_brush() {
         let raster = GridGeometry::new(100, 3, 0.1, Point2::new(0.0, -0.1)).unwrap();
         let mut random = Pcg32::new(5, 0);
         let mut floor = DirtyFloor::draw(raster, &[20.0; 300], &mut random);

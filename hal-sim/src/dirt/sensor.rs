@@ -58,7 +58,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_count_goes_on_with_few_misses_and_few_false_hits() {
+    fn count_has_few_misses_and_false_hits() {
         let mut sensor = DirtSensor::new(6, 1);
         for _ in 0..1_000 {
             sensor.hear(10, 0.01);

@@ -88,7 +88,7 @@ impl FaultLayer {
             let mut next = Vec::new();
             for event in events {
                 if fault.spec.target.concerns(&event, self.output) && fault.spec.applies(now_us) {
-                    spoil(fault, &mut self.random, event, &mut next);
+                    corrupt(fault, &mut self.random, event, &mut next);
                 } else {
                     next.push(event);
                 }
@@ -106,7 +106,7 @@ impl FaultLayer {
     }
 }
 
-fn spoil(fault: &mut Active, random: &mut Pcg32, mut event: WireEvent, out: &mut Vec<WireEvent>) {
+fn corrupt(fault: &mut Active, random: &mut Pcg32, mut event: WireEvent, out: &mut Vec<WireEvent>) {
     match fault.spec.kind {
         FaultKind::Drop(share) if random.bernoulli(share) => return,
         FaultKind::Burst(length) => {
@@ -134,7 +134,7 @@ fn spoil(fault: &mut Active, random: &mut Pcg32, mut event: WireEvent, out: &mut
         FaultKind::Duplicate(share) if random.bernoulli(share) => out.push(event.clone()),
         FaultKind::Truncate(share) if random.bernoulli(share) => truncate(&mut event.payload),
         FaultKind::Flip(share) if random.bernoulli(share) => flip(&mut event.payload, random),
-        FaultKind::Stuck => event.payload = fault.first.get_or_insert(event.payload).clone(),
+        FaultKind::SpinningTask => event.payload = fault.first.get_or_insert(event.payload).clone(),
         FaultKind::Silent => return,
         FaultKind::Flap(period_us) if (event.at_us / (period_us / 2)) % 2 == 1 => return,
         FaultKind::Reset => return,
@@ -195,7 +195,7 @@ fn change(
     out.push(event);
 }
 
-/// What the same device said some time ago, in place of what it says now.
+/// An earlier message of the same device, in place of the present one.
 fn repeat_past(fault: &mut Active, back_us: u64, event: &mut WireEvent) {
     let id = |event: &WireEvent| match &event.payload {
         Payload::Frame(frame) => frame.id,
@@ -268,14 +268,14 @@ mod tests {
         let scenario = crate::scenario::Scenario::named("empty").unwrap();
         let mut simulation = crate::simulation::Simulation::new(&scenario, 3).unwrap();
         let mut layer = FaultLayer::new(&[FaultSpec::parse(text).unwrap()], 7);
-        let (mut plain, mut spoilt) = (Vec::new(), Vec::new());
+        let (mut plain, mut corrupted) = (Vec::new(), Vec::new());
         simulation.advance_to(900_000, &mut |event| {
             if event.stream == stream {
                 plain.push(event.clone());
-                layer.pass(event, &mut |event| spoilt.push(event));
+                layer.pass(event, &mut |event| corrupted.push(event));
             }
         });
-        (plain, spoilt)
+        (plain, corrupted)
     }
 
     fn bytes(events: &[WireEvent]) -> Vec<u8> {
@@ -287,13 +287,13 @@ mod tests {
     }
 
     #[test]
-    fn telegrams_of_the_scanner_are_changed_as_a_whole() {
+    fn scanner_telegrams_are_changed_as_a_whole() {
         for kind in ["extreme", "past=200ms", "future=200ms", "drift=10%", "stranger", "blind=90deg"] {
-            let (plain, spoilt) = world(&format!("scanner:{kind}"), Stream::ScannerSerial);
-            let (plain, spoilt) = (bytes(&plain), bytes(&spoilt));
-            assert_eq!(plain.len(), spoilt.len(), "{kind}: nothing gets lost");
+            let (plain, corrupted) = world(&format!("scanner:{kind}"), Stream::ScannerSerial);
+            let (plain, corrupted) = (bytes(&plain), bytes(&corrupted));
+            assert_eq!(plain.len(), corrupted.len(), "{kind}: nothing gets lost");
             // The clock of a drift has not gone wrong by a whole scan yet in the first ones.
-            let pairs = plain.chunks_exact(1_108).zip(spoilt.chunks_exact(1_108));
+            let pairs = plain.chunks_exact(1_108).zip(corrupted.chunks_exact(1_108));
             assert!(pairs.clone().any(|(a, b)| a != b), "{kind}: changed");
             for (before, after) in pairs {
                 assert_eq!(before[..9], after[..9], "{kind}: the frame is kept");
@@ -305,26 +305,26 @@ mod tests {
     }
 
     #[test]
-    fn clocks_of_the_lidar_go_wrong_and_its_values_are_spoilt() {
+    fn lidar_clock_and_value_faults_apply() {
         let clock = |event: &WireEvent| {
             let bytes = bytes(std::slice::from_ref(event));
             i64::from(u32::from_le_bytes([bytes[1200], bytes[1201], bytes[1202], bytes[1203]]))
         };
         for (kind, wanted_us) in [("past=30ms", -30_000_i64), ("future=30ms", 30_000), ("drift=1%", 8_999)] {
-            let (plain, spoilt) = world(&format!("lidar:{kind}"), Stream::LidarData);
-            let off_us = clock(spoilt.last().unwrap()) - clock(plain.last().unwrap());
+            let (plain, corrupted) = world(&format!("lidar:{kind}"), Stream::LidarData);
+            let off_us = clock(corrupted.last().unwrap()) - clock(plain.last().unwrap());
             assert!((off_us - wanted_us).abs() < 20, "{kind}: {off_us}");
         }
         for kind in ["extreme", "stranger", "blind=120deg"] {
-            let (plain, spoilt) = world(&format!("lidar:{kind}"), Stream::LidarData);
-            assert!(plain.len() == spoilt.len() && plain != spoilt, "{kind}");
+            let (plain, corrupted) = world(&format!("lidar:{kind}"), Stream::LidarData);
+            assert!(plain.len() == corrupted.len() && plain != corrupted, "{kind}");
         }
-        let (plain, spoilt) = world("lidar:rate=3", Stream::LidarData);
-        assert_eq!(plain.len() / 3, spoilt.len());
+        let (plain, corrupted) = world("lidar:rate=3", Stream::LidarData);
+        assert_eq!(plain.len() / 3, corrupted.len());
     }
 
     #[test]
-    fn the_bus_repeats_what_it_said_and_devices_swap_their_numbers() {
+    fn bus_repeats_frames_and_swaps_identifiers() {
         let run = |text: &str| {
             let mut layer = FaultLayer::new(&[FaultSpec::parse(text).unwrap()], 7);
             let mut seen = Vec::new();

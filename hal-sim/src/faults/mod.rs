@@ -1,4 +1,4 @@
-//! Faults as seeded middleware between the devices and whoever listens.
+//! Faults as seeded middleware between the devices and their receivers.
 
 mod edit;
 mod layer;

@@ -47,7 +47,7 @@ pub enum FaultKind {
     /// One bit of a message is wrong.
     Flip(f32),
     /// The first message of the fault is repeated in place of every other.
-    Stuck,
+    SpinningTask,
     /// Nothing comes.
     Silent,
     /// The link goes down and up again with this period, microseconds.
@@ -160,7 +160,7 @@ fn parse_kind(name: &str, value: &str) -> Result<FaultKind, FaultError> {
         "duplicate" => FaultKind::Duplicate(share(value)?),
         "truncate" => FaultKind::Truncate(share(value)?),
         "flip" => FaultKind::Flip(share(value)?),
-        "stuck" => FaultKind::Stuck,
+        "stuck" => FaultKind::SpinningTask,
         "silent" => FaultKind::Silent,
         "flap" => FaultKind::Flap(micros(value)?.max(2)),
         "blind" => FaultKind::Blind(number(value.trim_end_matches("deg"))?),

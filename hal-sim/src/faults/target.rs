@@ -1,4 +1,4 @@
-//! Where a fault sits: a line, one device of the bus, the way to the devices, or the computer itself.
+//! Where a fault sits: a line, one device of the bus, the output to the devices, or the computer itself.
 
 use super::FaultKind;
 use crate::robot::RobotParameters;
@@ -77,7 +77,7 @@ impl FaultTarget {
         matches!(self, Self::Commands | Self::TractionCommand)
     }
 
-    /// An event on its way is concerned. `output`: the computer sent it.
+    /// An event in transit is concerned. `output`: the computer sent it.
     #[must_use]
     pub fn concerns(self, event: &WireEvent, output: bool) -> bool {
         let frame_id = match &event.payload {

@@ -32,7 +32,7 @@ impl Default for FloorCamera {
     }
 }
 
-/// What a pixel looks at.
+/// The ray of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sight {
     /// Place on the floor before (x) and left of (y) the camera's foot point, metres.

@@ -82,7 +82,7 @@ impl Lighting {
         self.ambient + lamps * free
     }
 
-    /// Light that a mirror on the floor sends to the eye, for a unit ray from the eye to the place.
+    /// Light that a mirror on the floor sends to the camera, for a unit ray from the camera to the place.
     pub(super) fn mirrored(&self, (x, y): (f32, f32), ray: [f32; 3]) -> f32 {
         let up = [ray[0], ray[1], -ray[2]];
         self.lamps.iter().map(|lamp| lamp.mirrored((x, y), up, self.sharpness)).sum()

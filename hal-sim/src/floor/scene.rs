@@ -149,7 +149,7 @@ impl FloorScene {
         dot
     }
 
-    /// Light from a surface to the eye.
+    /// Light from a surface to the camera.
     fn seen(
         &self,
         surface: Surface,

@@ -8,7 +8,7 @@ use crate::scene::{FurnitureFile, FurnitureKind, Material, WallFile};
 
 /// The robot's outline with what stays free around it at the start, metres: rear, right, front, left.
 const START_M: [f32; 4] = [-0.48, -0.43, 0.985, 0.43];
-/// Furniture is looked at in points that are this far apart, metres.
+/// Furniture is examined in points that are this far apart, metres.
 const POINTS_M: f32 = 0.02;
 
 /// Draws a world.
@@ -65,12 +65,12 @@ impl<'r> Draft<'r> {
         let first = [self.between(2.5, 5.0), self.between(-0.5, 0.5)];
         let side = self.sign();
         let second = [first[0] + self.between(-1.5, 2.0), side * self.between(2.0, 4.0)];
-        let mut way = vec![first, second];
+        let mut path = vec![first, second];
         if self.chance(0.6) {
-            way.push([self.between(-2.0, 8.0), side * self.between(-1.0, 5.0)]);
+            path.push([self.between(-2.0, 8.0), side * self.between(-1.0, 5.0)]);
         }
-        self.route(&way);
-        way
+        self.route(&path);
+        path
     }
 
     /// Adds a piece unless it stands in the robot.

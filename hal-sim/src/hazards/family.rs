@@ -9,7 +9,7 @@ use crate::scenario::Scenario;
 /// What a world is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum HazardFamily {
-    /// Things of 3 cm to 2 m anywhere along a way with turns.
+    /// Objects of 3 cm to 2 m anywhere along a way with turns.
     Scatter,
     /// Boards at 0.25 to 0.85 m across the way.
     Overhang,
@@ -23,7 +23,7 @@ pub enum HazardFamily {
     Aisle,
     /// Boxes beside the rear of a robot that turns.
     Tail,
-    /// Forward, spin and reverse by hand among things.
+    /// Forward, spin and reverse by hand among objects.
     Manoeuvres,
     /// A loading dock ahead or beside the way.
     Edge,
@@ -35,9 +35,9 @@ pub enum HazardFamily {
     Standing,
     /// People who step out from behind shelves.
     StepOut,
-    /// People who cross the way without looking, among things.
+    /// People who cross the way without looking, among objects.
     Crossing,
-    /// Sensors that are not where the robot's file says, among things.
+    /// Sensors that are not where the robot's file says, among objects.
     Misplaced,
 }
 
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn a_world_follows_from_its_number_and_is_written_and_read_as_it_is() {
+    fn world_is_seeded_and_round_trips() {
         for (trial, hazard) in worlds().enumerate() {
             let again = Hazard::drawn(3, trial as u64);
             let text = hazard.scenario.to_toml();

@@ -73,7 +73,7 @@ fn by_hand(draft: &mut Draft<'_>, count: u32) {
     }
 }
 
-/// Forward, spin and reverse among things all around.
+/// Forward, spin and reverse among objects all around.
 pub(super) fn manoeuvres(draft: &mut Draft<'_>) {
     by_hand(draft, 7);
     for _ in 0..draft.count(3, 7) {
@@ -100,7 +100,7 @@ pub(super) fn misplaced(draft: &mut Draft<'_>) {
     let which = draft.count(0, 2);
     draft.scenario.lidar_misplaced = (which != 0).then_some(lidar);
     draft.scenario.scanner_misplaced = (which != 1).then_some(scanner);
-    let way = draft.winding();
+    let path = draft.winding();
     let count = draft.count(4, 8);
-    strew(draft, &way, count);
+    strew(draft, &path, count);
 }

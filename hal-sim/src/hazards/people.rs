@@ -8,7 +8,7 @@ use crate::scene::{FurnitureFile, FurnitureKind};
 
 /// People who do not move: beside the way, on it, and beside the robot.
 pub(super) fn standing(draft: &mut Draft<'_>) {
-    let way = if draft.chance(0.5) {
+    let path = if draft.chance(0.5) {
         draft.winding()
     } else {
         draft.straight();
@@ -16,7 +16,7 @@ pub(super) fn standing(draft: &mut Draft<'_>) {
     };
     for _ in 0..draft.count(1, 4) {
         let kind = draft.pick(&PersonKind::ALL);
-        let at_m = [draft.between(2.6, way[0][0] + 1.5), draft.between(-1.1, 1.1)];
+        let at_m = [draft.between(2.6, path[0][0] + 1.5), draft.between(-1.1, 1.1)];
         draft.person(kind, at_m);
     }
     if draft.chance(0.4) {
@@ -74,7 +74,7 @@ fn walk_out(draft: &mut Draft<'_>, at_m: [f32; 2], (passes_s, towards): (f32, f3
     });
 }
 
-/// The random encounters of old, with things between.
+/// The random encounters of old, with objects between.
 pub(super) fn crossing(draft: &mut Draft<'_>) {
     draft.straight();
     draft.scenario.random_encounter = true;

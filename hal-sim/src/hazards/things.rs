@@ -3,14 +3,14 @@
 use super::draft::{Draft, piece};
 use crate::scene::{DropFile, FurnitureFile, FurnitureKind, Material};
 
-/// Heights of things on the floor, metres.
+/// Heights of objects on the floor, metres.
 const HEIGHTS_M: [f32; 10] = [0.03, 0.05, 0.08, 0.12, 0.2, 0.3, 0.45, 0.6, 1.0, 2.0];
 
-/// Things beside the legs of a way and on them.
-pub(super) fn strew(draft: &mut Draft<'_>, way: &[[f32; 2]], count: u32) {
+/// Objects beside the legs of a way and on them.
+pub(super) fn strew(draft: &mut Draft<'_>, path: &[[f32; 2]], count: u32) {
     for _ in 0..count {
-        let leg = draft.random.below(way.len() as u32) as usize;
-        let (from, to) = (if leg == 0 { [0.0, 0.0] } else { way[leg - 1] }, way[leg]);
+        let leg = draft.random.below(path.len() as u32) as usize;
+        let (from, to) = (if leg == 0 { [0.0, 0.0] } else { path[leg - 1] }, path[leg]);
         let (along, aside_m) = (draft.between(0.1, 1.1), draft.between(-1.3, 1.3));
         let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
         let length_m = libm::hypotf(dx, dy).max(0.1);
@@ -27,9 +27,9 @@ pub(super) fn strew(draft: &mut Draft<'_>, way: &[[f32; 2]], count: u32) {
 }
 
 pub(super) fn scatter(draft: &mut Draft<'_>) {
-    let way = draft.winding();
+    let path = draft.winding();
     let count = draft.count(4, 10);
-    strew(draft, &way, count);
+    strew(draft, &path, count);
 }
 
 /// A board that hangs or stands on legs beside the way.
@@ -118,14 +118,14 @@ pub(super) fn ramp(draft: &mut Draft<'_>) {
 
 /// Rails across the way and posts on it.
 pub(super) fn thin(draft: &mut Draft<'_>) {
-    let way = if draft.chance(0.5) {
+    let path = if draft.chance(0.5) {
         draft.winding()
     } else {
         draft.straight();
         vec![[8.0, 0.0]]
     };
     for _ in 0..draft.count(1, 4) {
-        let at_m = [draft.between(2.0, way[0][0] + 1.0), draft.between(-0.6, 0.6)];
+        let at_m = [draft.between(2.0, path[0][0] + 1.0), draft.between(-0.6, 0.6)];
         let (thick_m, z_m) = (draft.between(0.02, 0.04), draft.between(0.05, 0.86));
         if draft.chance(0.5) {
             let (size_m, yaw_deg) = ([thick_m, draft.between(0.6, 2.5)], draft.between(-40.0, 40.0));

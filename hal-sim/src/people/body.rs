@@ -179,7 +179,7 @@ mod tests {
     use floorguard_types::geometry::Point2;
 
     #[test]
-    fn every_part_is_a_limb_of_the_right_height() {
+    fn every_part_is_a_correctly_high_limb() {
         for kind in PersonKind::ALL {
             let person = Person {
                 id: 1,
@@ -198,7 +198,7 @@ mod tests {
             };
             let parts = body_parts(&person);
             assert!(limbs(kind).len() >= parts.len(), "{kind:?}");
-            // A ball is a head, a box is a thing.
+            // A ball is a head, a box is an object.
             for (part, limb) in parts.iter().zip(limbs(kind)) {
                 match part {
                     BodyPart::Ball(..) => assert_eq!(*limb, Limb::Head, "{kind:?}"),

@@ -1,7 +1,7 @@
 //! What makes a person different from others of the same kind: stature, breadth, and what the clothes throw back.
 //!
 //! Without it all adults are one and the same for a lidar. Everything is drawn from the person's own seed, so that the
-//! ways of a crowd do not depend on it.
+//! paths of a crowd do not depend on it.
 
 use floorguard_types::random::Pcg32;
 use serde::{Deserialize, Serialize};
@@ -84,7 +84,7 @@ const PATCH_M: f32 = 0.05;
 const PATCHES_AROUND: f32 = 24.0;
 /// Hair and skin, and what people push and pull.
 const HEAD: u8 = 40;
-const THING: u8 = 45;
+const OBJECT: u8 = 45;
 
 impl Clothes {
     fn drawn(random: &mut Pcg32) -> Self {
@@ -102,7 +102,7 @@ impl Clothes {
             0 | 1 => trousers,
             2 | 3 => top,
             4 => return HEAD,
-            _ => return THING,
+            _ => return OBJECT,
         };
         let brighter_rad = self.pattern as f32 / u32::MAX as f32 * core::f32::consts::TAU;
         let turn = (around_rad / core::f32::consts::TAU).rem_euclid(1.0);

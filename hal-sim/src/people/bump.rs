@@ -49,7 +49,7 @@ pub fn slide_off(person: &mut Person, robot: &RobotShape<'_>) {
     }
 }
 
-/// The way that takes a disc out of an outline; `None` when it is out already.
+/// The shortest displacement that takes a disc out of an outline; `None` when it is out already.
 fn push_out(outline: &[Point2], middle: Point2, radius_m: f32) -> Option<Point2> {
     let mut nearest: Option<(f32, Point2)> = None;
     let mut inside = false;
@@ -101,9 +101,9 @@ mod tests {
         }
     }
 
-    /// Somebody who looks at a telephone walks straight at a robot that stands, from every side.
+    /// An inattentive person walks straight at a robot that stands, from every side.
     #[test]
-    fn nobody_gets_into_the_body_of_the_robot_and_most_get_past_it() {
+    fn no_person_enters_robot_most_pass() {
         let robot = RobotParameters::default();
         let scene = SceneBuilder::default().build();
         let shape = RobotShape {
@@ -121,7 +121,7 @@ mod tests {
             for side in 0..12 {
                 let angle = side as f32 * 0.523 + 0.1;
                 let at =
-                    |way_m: f32| Point2::new(1.25 + way_m * angle.cos(), 2.1 + way_m * angle.sin() + 0.13);
+                    |path_m: f32| Point2::new(1.25 + path_m * angle.cos(), 2.1 + path_m * angle.sin() + 0.13);
                 let mut crowd = Crowd::new(vec![walker(kind, at(-4.0), at(4.0))]);
                 let mut arrived = false;
                 for step in 0..1_500_u64 {

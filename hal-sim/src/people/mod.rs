@@ -3,12 +3,12 @@
 mod body;
 mod build;
 mod bump;
+mod detour;
 mod discs;
 mod kind;
 mod person;
 mod social_force;
 mod walk;
-mod way_round;
 
 pub use body::{BodyPart, Limb, body_parts, limbs};
 pub use build::{Bodies, Build, Clothes, PLAIN};

@@ -1,4 +1,4 @@
-//! One person on the way.
+//! One walking person.
 
 use floorguard_types::geometry::Point2;
 
@@ -29,9 +29,9 @@ pub struct Person {
     pub speed_mps: f32,
     /// Stands until then, microseconds.
     pub starts_us: u64,
-    /// Walks around the robot; one who looks at a telephone does not.
+    /// Walks around the robot; an inattentive person does not.
     pub sees_robot: bool,
-    /// Goes this way at these times, whatever happens; instead of the goals.
+    /// Follows this path at these times, whatever happens; instead of the goals.
     pub walk: Option<RecordedWalk>,
 }
 
@@ -60,7 +60,7 @@ impl Person {
         let speed = self.velocity.norm();
         if speed > 0.05 {
             self.heading_rad = libm::atan2f(self.velocity.y_m, self.velocity.x_m);
-            // A pair of steps covers about 0.7 m plus half a second's way: 1.3 m at walking speed.
+            // A pair of steps covers about 0.7 m plus half a second's travel: 1.3 m at walking speed.
             let stride_m = 0.7 + 0.5 * speed;
             self.gait_rad += core::f32::consts::TAU * speed * step_s / stride_m;
             self.gait_rad %= core::f32::consts::TAU;

@@ -2,7 +2,7 @@
 //!
 //! Everybody accelerates towards the wanted velocity within 0.5 s and is pushed away from others, from walls and, who
 //! sees it, from the robot by forces that fall exponentially with the distance of the bodies. Where the forces balance, the
-//! wanted velocity turns aside (`way_round`).
+//! wanted velocity turns aside (`detour`).
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use floorguard_types::geometry::Point2;
 
 use super::Person;
 use super::bump::{RobotShape, slide_off};
-use super::way_round::{Aim, Around, WayRound};
+use super::detour::{Aim, Around, Detour};
 use crate::scene::Scene;
 
 /// Relaxation time, seconds.
@@ -40,23 +40,23 @@ pub struct Crowd {
     pub people: Vec<Person>,
     /// Those who come later or have gone.
     absent: Vec<Person>,
-    /// People look for ways round and walk round the robot in time.
+    /// People take detours and walk round the robot in time.
     attentive: bool,
     /// Of everybody who walks, by number.
-    ways: BTreeMap<u32, WayRound>,
+    detours: BTreeMap<u32, Detour>,
 }
 
 impl Crowd {
-    /// The people of a scenario; whoever follows a recording comes with its first moment.
+    /// The people of a scenario; those that follow a recording appear with its first moment.
     #[must_use]
     pub fn new(people: Vec<Person>) -> Self {
         let (absent, people) = people.into_iter().partition(|person| person.walk.is_some());
-        Self { people, absent, attentive: false, ways: BTreeMap::new() }
+        Self { people, absent, attentive: false, detours: BTreeMap::new() }
     }
 
     /// The same people, who look where they go, or do not.
     #[must_use]
-    pub fn looking(self, attentive: bool) -> Self {
+    pub fn with_attention(self, attentive: bool) -> Self {
         Self { attentive, ..self }
     }
 
@@ -81,12 +81,12 @@ impl Crowd {
             return vec![Aim::Goal; self.people.len()];
         }
         let around = Around { people: &self.people, scene, robot };
-        let ways = &mut self.ways;
+        let detours = &mut self.detours;
         let aim = |person: &Person| {
             let walks = person.walk.is_none() && person.starts_us <= now_us && person.speed_mps > 0.0;
             let goal = person.goals.get(person.goal % person.goals.len().max(1)).filter(|_| walks);
-            let way = goal.map(|goal| (ways.entry(person.id).or_default(), *goal));
-            way.map_or(Aim::Goal, |(way, goal)| way.aim(person, (goal, step_s), around))
+            let detour = goal.map(|goal| (detours.entry(person.id).or_default(), *goal));
+            detour.map_or(Aim::Goal, |(detour, goal)| detour.aim(person, (goal, step_s), around))
         };
         self.people.iter().map(aim).collect()
     }
@@ -139,7 +139,7 @@ fn add(sum: &mut Point2, more: Point2) {
     sum.y_m += more.y_m;
 }
 
-/// Towards the next goal, or to a place on the way there.
+/// Towards the next goal, or to an intermediate place.
 fn drive(person: &mut Person, aim: Aim) -> Point2 {
     let goal = person.goals[person.goal % person.goals.len()];
     let distance = goal.distance(person.position);

@@ -1,4 +1,4 @@
-//! A recorded walk: somebody who really went this way at these times.
+//! A recorded walk: somebody who really walked this path at these times.
 
 use floorguard_types::geometry::Point2;
 
@@ -18,9 +18,9 @@ impl RecordedWalk {
         let (to_us, to) = *self.places.get(next)?;
         let lasts_s = (to_us - from_us) as f32 * 1.0e-6;
         let part = (now_us - from_us) as f32 * 1.0e-6 / lasts_s;
-        let way = Point2::new(to.x_m - from.x_m, to.y_m - from.y_m);
-        let place = Point2::new(from.x_m + part * way.x_m, from.y_m + part * way.y_m);
-        Some((place, Point2::new(way.x_m / lasts_s, way.y_m / lasts_s)))
+        let offset = Point2::new(to.x_m - from.x_m, to.y_m - from.y_m);
+        let place = Point2::new(from.x_m + part * offset.x_m, from.y_m + part * offset.y_m);
+        Some((place, Point2::new(offset.x_m / lasts_s, offset.y_m / lasts_s)))
     }
 }
 
@@ -29,7 +29,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn between_two_moments_the_walk_is_straight_and_outside_there_is_nobody() {
+    fn walk_is_straight_between_samples_empty_outside() {
         let places = vec![(1_000_000, Point2::new(0.0, 0.0)), (1_400_000, Point2::new(0.4, -0.2))];
         let walk = RecordedWalk { places };
         let (place, velocity) = walk.at(1_200_000).unwrap();

@@ -101,8 +101,8 @@ impl RobotBody {
     pub fn counts(&self, ahead_s: f32) -> [i64; 2] {
         let speeds = self.wheel_speeds();
         [0, 1].map(|side| {
-            let way = self.rolled_m[side] + f64::from(speeds[side] * ahead_s);
-            (way * f64::from(self.parameters.ticks_per_m)).floor() as i64
+            let travel = self.rolled_m[side] + f64::from(speeds[side] * ahead_s);
+            (travel * f64::from(self.parameters.ticks_per_m)).floor() as i64
         })
     }
 
@@ -154,8 +154,8 @@ impl RobotBody {
         self.y_m += ds * libm::sin(middle);
         self.heading_rad += dh;
         let speeds = self.wheel_speeds();
-        for (way, speed) in self.rolled_m.iter_mut().zip(speeds) {
-            *way += f64::from(speed * step_s);
+        for (travel, speed) in self.rolled_m.iter_mut().zip(speeds) {
+            *travel += f64::from(speed * step_s);
         }
     }
 }
@@ -168,9 +168,9 @@ mod tests {
         RobotBody::new(RobotParameters::default(), Pose2::default())
     }
 
-    /// v²/(2b), plus the way before the brake grips.
+    /// v²/(2b), plus the distance before the brake grips.
     #[test]
-    fn the_brake_takes_the_way_of_the_formula() {
+    fn braking_distance_follows_the_formula() {
         let mut robot = body();
         for _ in 0..1_000 {
             robot.step(0.001, BrakeLaw::Driven(1.0), Some(0.0));
@@ -179,9 +179,9 @@ mod tests {
         for _ in 0..2_000 {
             robot.step(0.001, BrakeLaw::Braked, None);
         }
-        let way = robot.pose().x_m - start;
+        let travel = robot.pose().x_m - start;
         let expected = 0.05 + 0.995 * 0.995 / 3.0;
-        assert!((way - expected).abs() < 0.005, "{way} against {expected}");
+        assert!((travel - expected).abs() < 0.005, "{travel} against {expected}");
         assert_eq!(robot.front_mps(), 0.0);
     }
 

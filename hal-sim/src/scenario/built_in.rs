@@ -37,7 +37,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_built_in_scenario_is_readable_and_has_a_route() {
+    fn built_in_scenarios_are_readable_with_routes() {
         for name in Scenario::names() {
             let scenario = Scenario::named(name).unwrap_or_else(|error| panic!("{name}: {error}"));
             assert!(!scenario.route.waypoints_m.is_empty(), "{name}");

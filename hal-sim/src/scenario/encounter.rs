@@ -1,4 +1,4 @@
-//! Random encounters: 1 to 10 people cross the robot's way at 0 to 2 m/s without looking.
+//! Random encounters: 1 to 10 people cross the robot's path at 0 to 2 m/s without looking.
 
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::random::Pcg32;

@@ -134,7 +134,7 @@ pub struct Scenario {
     /// The robot's start.
     #[serde(default)]
     pub start: StartFile,
-    /// The robot's way.
+    /// The robot's path.
     #[serde(default)]
     pub route: RouteFile,
     /// Commands by hand instead of the route, one after the other.
@@ -159,14 +159,14 @@ pub struct Scenario {
     /// Who is there.
     #[serde(default)]
     pub person: Vec<PersonFile>,
-    /// People find ways round what stands in theirs and walk round a robot in time, as people do. Without it they walk as
+    /// People take detours around obstacles and walk round a robot in time, as people do. Without it they walk as
     /// social forces push them, up to the robot and into each other: the harder trial for its guard.
     #[serde(default)]
     pub attentive: bool,
-    /// Adds 1 to 10 people whose straight ways cross the robot's at random.
+    /// Adds 1 to 10 people whose straight paths cross the robot's at random.
     #[serde(default)]
     pub random_encounter: bool,
-    /// A recording of people; whoever loads the file reads it into `walks`.
+    /// A recording of people; the loader reads it into `walks`.
     pub recorded: Option<RecordedFile>,
     /// Dirt on the floor.
     pub dirt: Option<DirtFile>,
@@ -214,7 +214,7 @@ impl Scenario {
             super::encounter::add_people(self.start_pose(), &mut people, &mut random);
         }
         for walk in &self.walks {
-            people.push(Person { walk: Some(walk.clone()), ..somebody(people.len(), &mut random) });
+            people.push(Person { walk: Some(walk.clone()), ..random_person(people.len(), &mut random) });
         }
         people
     }
@@ -223,8 +223,8 @@ impl Scenario {
 /// First of the streams from which bodies are drawn.
 const BUILDS: u64 = 6_000;
 
-/// Of a recording nothing is known but the way.
-fn somebody(index: usize, random: &mut Pcg32) -> Person {
+/// Of a recording only the path is known.
+fn random_person(index: usize, random: &mut Pcg32) -> Person {
     let adult = PersonFile {
         at_m: [0.0; 2],
         kind: PersonKind::Adult,
@@ -249,7 +249,7 @@ fn person((seed, index): (u64, usize), file: &PersonFile, random: &mut Pcg32) ->
         kind: file.kind,
         build: match file.bodies {
             Bodies::Same => Build::SAME,
-            // Of its own seed: the ways stay what they were.
+            // Of its own seed: the paths stay the same.
             Bodies::Varied => Build::drawn(file.kind, &mut Pcg32::new(seed, BUILDS + index as u64)),
         },
         position,

@@ -7,7 +7,7 @@ use super::{DropTruth, Material, PartShape, PartTruth, Scene};
 
 /// Thickness of walls and panels, metres.
 const WALL_M: f32 = 0.1;
-/// Height up to which things stand in people's way, metres.
+/// Height up to which objects obstruct people, metres.
 const HEAD_M: f32 = 1.6;
 
 /// Collects parts.
@@ -20,7 +20,7 @@ pub struct SceneBuilder {
 }
 
 impl SceneBuilder {
-    /// What is added from now on belongs to a thing of this name.
+    /// What is added from now on belongs to an object of this name.
     pub fn named(&mut self, name: String) {
         self.name = name;
     }

@@ -120,7 +120,7 @@ pub struct SceneFile {
     /// Holes in the floor.
     #[serde(default)]
     pub drop: Vec<DropFile>,
-    /// A map of walls; whoever loads the file reads it into `occupied`.
+    /// A map of walls; the loader reads it into `occupied`.
     pub map: Option<MapFile>,
     /// What the map says.
     #[serde(skip)]

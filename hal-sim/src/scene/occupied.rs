@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn a_beam_ends_at_the_wall_of_the_map() {
+    fn beam_ends_at_the_map_wall() {
         let mut builder = SceneBuilder::default();
         cells(["######", "#....#", "#....#", "######"]).build(2.0, &mut builder);
         let scene = builder.build();

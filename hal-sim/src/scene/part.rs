@@ -1,4 +1,4 @@
-//! A part of the standing world in plain numbers: what sensors meet, and what judges are told.
+//! A part of the standing world in plain numbers: what sensors meet, and what judges receive.
 
 use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::shape::SharedShape;
@@ -17,7 +17,7 @@ pub enum PartShape {
 /// A part: everything of it is true.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartTruth {
-    /// Kind of thing and its number in the scenario.
+    /// Kind of object and its number in the scenario.
     pub name: String,
     /// Shape.
     pub shape: PartShape,

@@ -8,11 +8,11 @@ use parry3d::shape::{CompositeShapeRef, Compound, Shape};
 
 use super::{DropTruth, Material, PartTruth};
 
-/// A beam meets at most this many panes and mirrors on its way.
+/// A beam meets at most this many panes and mirrors.
 const BOUNCES_MAX: usize = 3;
 /// Cosine of the tilt below which a part is as wide at every height that it reaches.
 const UPRIGHT_COSINE: f32 = 0.999_999;
-/// So few parts are looked at one by one, which is faster than to ask the hierarchy.
+/// So few parts are examined one by one, which is faster than to ask the hierarchy.
 const FEW: usize = 6;
 /// Cosine above which glass throws a beam back: within 6° of the right angle.
 const GLASS_COSINE: f32 = 0.9945;
@@ -139,7 +139,7 @@ impl Scene {
             .map_or(Vector::Z, |hit| hit.normal)
     }
 
-    /// The nearest point of anything that stands in the way, seen from above; `None` in an empty world.
+    /// The nearest point of any obstacle, seen from above; `None` in an empty world.
     #[must_use]
     pub fn nearest_obstacle(&self, point: Point2) -> Option<(Point2, f32)> {
         let plan = self.plan.as_ref()?;
@@ -157,16 +157,17 @@ impl Scene {
         Some(self.parts.as_ref()?.distance_to_local_point(at, true))
     }
 
-    /// Lower left and upper right corner of everything that stands in the way, seen from above.
+    /// Lower left and upper right corner of every obstacle, seen from above.
     #[must_use]
     pub fn bounds(&self) -> Option<[Point2; 2]> {
         let around = self.plan.as_ref()?.local_aabb();
         Some([Point2::new(around.mins.x, around.mins.y), Point2::new(around.maxs.x, around.maxs.y)])
     }
 
-    /// Everything that stands looks the same at both heights above the floor, metres: a level beam meets the same things.
+    /// Everything that stands looks the same at both heights above the floor, metres: a level beam meets the same
+    /// objects.
     #[must_use]
-    pub fn looks_the_same_at(&self, one_m: f32, other_m: f32) -> bool {
+    pub fn is_same_at_heights(&self, one_m: f32, other_m: f32) -> bool {
         let parts = self.parts.iter().flat_map(|parts| parts.shapes());
         parts.into_iter().all(|(pose, shape)| {
             let around = shape.compute_aabb(pose);
@@ -204,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_ends_the_beam_at_its_face_and_the_floor_at_its_height() {
+    fn beam_ends_at_wall_face_and_floor() {
         let scene = room(Material::Matte);
         assert!((range(&scene, Vector::X).unwrap() - 1.95).abs() < 1e-4);
         let down = range(&scene, Vector::new(1.0, 0.0, -1.0)).unwrap();
@@ -221,21 +222,21 @@ mod tests {
     }
 
     #[test]
-    fn heights_look_the_same_unless_something_ends_between_them_or_leans() {
+    fn equal_heights_unless_objects_end_or_lean() {
         let mut builder = SceneBuilder::default();
         builder.wall([2.0, -3.0], [2.0, 3.0], 2.0, Material::Matte);
         builder.cuboid((5.0, 0.0, 0.3), (1.0, 1.0), (0.6, 0.7), Material::Matte);
         let scene = builder.build();
-        assert!(scene.looks_the_same_at(0.15, 0.4) && scene.looks_the_same_at(0.15, 0.75));
-        assert!(!scene.looks_the_same_at(0.15, 0.65) && !scene.looks_the_same_at(0.15, 2.5));
+        assert!(scene.is_same_at_heights(0.15, 0.4) && scene.is_same_at_heights(0.15, 0.75));
+        assert!(!scene.is_same_at_heights(0.15, 0.65) && !scene.is_same_at_heights(0.15, 2.5));
         let mut builder = SceneBuilder::default();
         builder.ramp((3.0, 0.0, 0.0), (4.0, 1.0), 0.5);
         let scene = builder.build();
-        assert!(!scene.looks_the_same_at(0.15, 0.3) && scene.looks_the_same_at(0.8, 1.2));
+        assert!(!scene.is_same_at_heights(0.15, 0.3) && scene.is_same_at_heights(0.8, 1.2));
     }
 
     #[test]
-    fn few_parts_are_met_as_the_hierarchy_meets_them() {
+    fn linear_search_equals_the_hierarchy() {
         // The same corner of a room, once alone and once with so much far behind it that the hierarchy is asked.
         let corner = |far: usize| {
             let mut builder = SceneBuilder::default();

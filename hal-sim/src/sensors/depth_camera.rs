@@ -94,8 +94,8 @@ impl DepthCamera {
     #[must_use]
     pub fn picture(&self, scene: &Scene, people: &[Person], robot: Pose2, seed: u64) -> DepthPicture {
         let (width, height) = self.size;
-        let eye = robot.compose(Pose2::new(self.forward_m / self.scale, 0.0, 0.0));
-        let seen: Vec<Seen<'_>> = people.iter().map(|person| seen(person, eye)).collect();
+        let camera = robot.compose(Pose2::new(self.forward_m / self.scale, 0.0, 0.0));
+        let seen: Vec<Seen<'_>> = people.iter().map(|person| seen(person, camera)).collect();
         let mut random = Pcg32::new(seed, 0xDE);
         let jitter_px = LATERAL_PX * width as f32 / 640.0;
         let mut dots = Vec::with_capacity(width * height);
@@ -103,7 +103,7 @@ impl DepthCamera {
             let (du, dv) = random.normal_pair();
             let column = (index % width) as f32 + jitter_px * du;
             let row = (index / width) as f32 + jitter_px * dv;
-            dots.push(self.dot(scene, &seen, eye, (column, row)));
+            dots.push(self.dot(scene, &seen, camera, (column, row)));
         }
         let mut depths: Vec<f32> = dots.iter().map(|dot| self.measured(dot.depth_m, &mut random)).collect();
         self.cast_shadows(&dots, &mut depths);
@@ -116,19 +116,19 @@ impl DepthCamera {
         }
     }
 
-    fn dot(&self, scene: &Scene, people: &[Seen<'_>], eye: Pose2, (column, row): (f32, f32)) -> Dot {
+    fn dot(&self, scene: &Scene, people: &[Seen<'_>], camera: Pose2, (column, row): (f32, f32)) -> Dot {
         let (sin, cos) = libm::sincosf(self.pitch_rad);
         let x = (column - (self.size.0 as f32 - 1.0) / 2.0) / self.focal_px;
         let y = (row - (self.size.1 as f32 - 1.0) / 2.0) / self.focal_px;
         let (forward, left, up) = (cos - y * sin, -x, -sin - y * cos);
         let length = (1.0 + x * x + y * y).sqrt();
-        let (heading_sin, heading_cos) = libm::sincosf(eye.heading_rad);
+        let (heading_sin, heading_cos) = libm::sincosf(camera.heading_rad);
         let direction = Vector::new(
             (heading_cos * forward - heading_sin * left) / length,
             (heading_sin * forward + heading_cos * left) / length,
             up / length,
         );
-        let origin = Vector::new(eye.x_m, eye.y_m, self.height_m / self.scale);
+        let origin = Vector::new(camera.x_m, camera.y_m, self.height_m / self.scale);
         let farthest = 20.0;
         let standing = scene.cast(origin, direction, farthest);
         let mut range_m = standing.map_or(farthest, |hit| hit.range_m);
@@ -205,8 +205,8 @@ impl DepthCamera {
     }
 }
 
-fn seen(person: &Person, eye: Pose2) -> Seen<'_> {
-    let (dx, dy) = (person.position.x_m - eye.x_m, person.position.y_m - eye.y_m);
+fn seen(person: &Person, camera: Pose2) -> Seen<'_> {
+    let (dx, dy) = (person.position.x_m - camera.x_m, person.position.y_m - camera.y_m);
     let distance = libm::hypotf(dx, dy);
     let half_angle_rad =
         if distance > REACH_M + 0.1 { libm::asinf(REACH_M / distance) + 0.02 } else { core::f32::consts::PI };
@@ -217,7 +217,7 @@ fn hash(a: u32, b: u32) -> u32 {
     Pcg32::new(u64::from(a), u64::from(b)).next_u32()
 }
 
-/// Trousers, top, skin, things: by the order in which bodies are built.
+/// Trousers, top, skin, objects: by the order in which bodies are built.
 fn clothes(person: u32, part: usize) -> [u8; 3] {
     let layer = match part {
         0 | 1 => 0,
@@ -229,7 +229,7 @@ fn clothes(person: u32, part: usize) -> [u8; 3] {
     [colour, colour >> 8, colour >> 16].map(|value| 20 + (value & 0x7F) as u8)
 }
 
-/// Grey floor, coloured things in blocks of half a metre.
+/// Grey floor, coloured objects in blocks of half a metre.
 fn surface(at: Vector) -> [u8; 3] {
     if at.z < 0.01 {
         return [125, 122, 118];
@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn a_person_is_where_it_stands_and_shades_the_wall_behind() {
+    fn person_is_placed_and_shades_the_wall() {
         let mut builder = SceneBuilder::default();
         builder.wall([6.0, -5.0], [6.0, 5.0], 3.0, Material::Matte);
         let camera = DepthCamera { forward_m: 0.0, ..DepthCamera::FORWARD_SMALL };

@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn people_with_bodies_of_their_own_differ_and_others_do_not() {
+    fn only_individual_bodies_differ() {
         let [one, other] = &two("varied").people(3)[..] else { panic!("two people") };
         assert!((one.height_m() - other.height_m()).abs() > 0.005 && one.radius_m() != other.radius_m());
         assert!(one.build.clothes.is_some() && one.build.clothes != other.build.clothes);
@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn a_coarse_lidar_repeats_its_firings_and_returns_as_much() {
+    fn coarse_lidar_repeats_firings_with_equal_returns() {
         let (fine, coarse) = (firings(1), firings(4));
         assert!(coarse.chunks(4).all(|four| four.iter().all(|row| *row == four[0])));
         assert!(fine.chunks(4).any(|four| four[0] != four[1]));

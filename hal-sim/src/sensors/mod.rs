@@ -1,14 +1,14 @@
 //! The sensors: what they measure in the world and the bytes they send.
 
 mod depth_camera;
-mod floor_eye;
+mod floor_camera_sensor;
 mod imu;
 mod lidar;
 mod scanner;
 mod view;
 
 pub use depth_camera::{DepthCamera, DepthPicture};
-pub use floor_eye::{FloorEye, FloorFrame};
+pub use floor_camera_sensor::{FloorCameraSensor, FloorFrame};
 pub use imu::{Imu, Motion};
 pub use lidar::{LIDAR_PACKET_NS, Lidar};
 pub use scanner::{Scanner, ScannerState};

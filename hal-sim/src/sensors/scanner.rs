@@ -1,4 +1,4 @@
-//! The safety scanner: what it measures in a turn of its mirror, and its way to the robot's computer.
+//! The safety scanner: what it measures in a turn of its mirror, and its link to the robot's computer.
 //!
 //! An S300 sends a telegram on a serial line (book, SICK S300), a microScan3 a message in datagrams (book, microScan3).
 

@@ -18,7 +18,7 @@ use crate::people::{Crowd, RobotShape};
 use crate::robot::{BrakeLaw, RobotBody, RobotParameters};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::scene::Scene;
-use crate::sensors::{FloorEye, FloorFrame, Imu, Lidar, Motion, Scanner, ScannerState, View};
+use crate::sensors::{FloorCameraSensor, FloorFrame, Imu, Lidar, Motion, Scanner, ScannerState, View};
 use crate::wire::ReturnMode;
 
 const STEP_US: u64 = 1_000;
@@ -79,7 +79,7 @@ impl Simulation {
             nominal,
             dirt: DirtyWorld::new((scenario, &scene), &parameters, seed),
             scene,
-            crowd: Crowd::new(scenario.people(seed)).looking(scenario.attentive),
+            crowd: Crowd::new(scenario.people(seed)).with_attention(scenario.attentive),
             body: RobotBody::new(parameters.clone(), scenario.start_pose()),
             bus: Bus::new(parameters.nodes),
             lidar: Lidar::new(seed, ReturnMode::Strongest),
@@ -256,7 +256,7 @@ impl Simulation {
         self.lidar.coarse(grain);
     }
 
-    /// Moves the robot past its drives, for experiments that only need sensors on the way: rim speed of the front wheel
+    /// Moves the robot past its drives, for experiments that only need moving sensors: rim speed of the front wheel
     /// (m/s) and steering angle (radians, counter-clockwise).
     pub const fn tow(&mut self, rim_mps: f32, steering_rad: f32) {
         self.towed = Some((rim_mps, steering_rad));
@@ -310,9 +310,9 @@ impl Simulation {
 
     /// What a floor camera sees at the last moment played; `frame` draws its noise.
     #[must_use]
-    pub fn floor_frame(&self, eye: &FloorEye, frame: u32) -> FloorFrame {
+    pub fn floor_frame(&self, sensor: &FloorCameraSensor, frame: u32) -> FloorFrame {
         let seen = (&self.scene, self.crowd.people.as_slice(), self.dirt());
-        eye.look(seen, self.body.pose(), (frame, self.now_us as f32 * 1.0e-6))
+        sensor.render(seen, self.body.pose(), (frame, self.now_us as f32 * 1.0e-6))
     }
 
     /// The robot that is simulated.

@@ -58,7 +58,8 @@ impl Simulation {
         }
     }
 
-    /// Points on standing things around the robot at the scanner's height, robot frame, one per 2°, within a range.
+    /// Points on standing objects around the robot at the scanner's height, robot frame, one per 2°, within a
+    /// range.
     #[must_use]
     pub fn obstacles_in_robot(&self, range_m: f32) -> Vec<Point2> {
         self.obstacles_at_height(self.parameters.scanner.z_m, range_m)
@@ -81,10 +82,10 @@ impl Simulation {
         (0..180).filter_map(beam).collect()
     }
 
-    /// Level beams at both heights above the floor meet the same standing things, metres.
+    /// Level beams at both heights above the floor meet the same standing objects, metres.
     #[must_use]
-    pub fn looks_the_same_at(&self, one_m: f32, other_m: f32) -> bool {
-        self.scene.looks_the_same_at(one_m, other_m)
+    pub fn is_same_at_heights(&self, one_m: f32, other_m: f32) -> bool {
+        self.scene.is_same_at_heights(one_m, other_m)
     }
 
     fn person_truth(&self, person: &Person) -> PersonTruth {
@@ -105,11 +106,11 @@ impl Simulation {
     /// A beam from the lidar to the person's chest meets nothing that stands still.
     fn is_in_sight(&self, person: &Person) -> bool {
         let mount = self.parameters.lidar;
-        let eye = self.body.pose().transform(Point2::new(mount.x_m, mount.y_m));
-        let from = Vector::new(eye.x_m, eye.y_m, mount.z_m);
+        let viewpoint = self.body.pose().transform(Point2::new(mount.x_m, mount.y_m));
+        let from = Vector::new(viewpoint.x_m, viewpoint.y_m, mount.z_m);
         let chest = Vector::new(person.position.x_m, person.position.y_m, 0.7 * person.height_m());
-        let way = chest - from;
-        let distance_m = way.length();
-        distance_m < 0.1 || self.scene.cast(from, way / distance_m, distance_m - 0.05).is_none()
+        let path = chest - from;
+        let distance_m = path.length();
+        distance_m < 0.1 || self.scene.cast(from, path / distance_m, distance_m - 0.05).is_none()
     }
 }

@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn each_bumper_feels_its_own_end_at_its_own_height() {
+    fn bumpers_feel_own_end_and_height() {
         let mut builder = SceneBuilder::default();
         builder.cuboid((2.0, 0.0, 0.0), (0.2, 0.2), (0.0, 0.12), Material::Matte);
         builder.cuboid((4.0, 0.0, 0.0), (0.2, 0.2), (0.0, 0.03), Material::Matte);

@@ -10,7 +10,7 @@ fn floorguard(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_floorguard")).args(arguments).output().unwrap()
 }
 
-fn said(output: &Output) -> String {
+fn stderr_text(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
@@ -48,7 +48,7 @@ fn day(folder: &Path) -> String {
 fn ask(model: &str, question: &[&str]) -> Value {
     let arguments = [&["ask", "--model", model, "--json"], question].concat();
     let output = floorguard(&arguments);
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", stderr_text(&output));
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
@@ -61,7 +61,7 @@ fn an_operator_learns_a_week_and_asks() {
         let start = format!("2026-04-{date:02}T00:00");
         let output =
             floorguard(&["learn", "--model", &model, &tracks, "--start", &start, "--timezone", "+02:00"]);
-        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+        assert_eq!(output.status.code(), Some(0), "{}", stderr_text(&output));
     }
     let at = |time: &'static str, rest: &[&'static str]| ask(&model, &[&["--now", time], rest].concat());
     let (noon, night) = ("2026-04-13T12:00", "2026-04-13T22:00");
@@ -104,8 +104,8 @@ fn mistakes_are_named() {
     std::fs::write(&tracks, "time_s,id,x_m,y_m\n0,1,0,0\n1,1,1.5,0\n").unwrap();
     let refused = |arguments: &[&str], code: i32, word: &str| {
         let output = floorguard(arguments);
-        assert_eq!(output.status.code(), Some(code), "{}", said(&output));
-        assert!(said(&output).contains(word), "{}", said(&output));
+        assert_eq!(output.status.code(), Some(code), "{}", stderr_text(&output));
+        assert!(stderr_text(&output).contains(word), "{}", stderr_text(&output));
     };
     refused(&["ask", "dirt", "--model", &model], 3, "floorguard learn");
     refused(&["learn", "--model", &model, &tracks], 3, "--start");
@@ -118,7 +118,7 @@ fn mistakes_are_named() {
     );
     refused(&["ask", "what"], 2, "what");
     let output = floorguard(&["learn", "--model", &model, &tracks, "--start", "2026-04-06T08:00"]);
-    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    assert_eq!(output.status.code(), Some(0), "{}", stderr_text(&output));
     refused(
         &["learn", "--model", &model, &tracks, "--start", "2026-04-05T08:00"],
         3,
@@ -146,8 +146,8 @@ fn real_recordings_become_models_and_pictures() {
         let learn =
             ["learn", "--model", &model, &tracks, "--start", "2026-04-06T12:05", "--picture", &picture];
         let output = floorguard(&learn);
-        assert_eq!(output.status.code(), Some(0), "{}", said(&output));
-        assert!(said(&output).contains(&format!("{people} people")), "{}", said(&output));
+        assert_eq!(output.status.code(), Some(0), "{}", stderr_text(&output));
+        assert!(stderr_text(&output).contains(&format!("{people} people")), "{}", stderr_text(&output));
         assert!(std::fs::metadata(&picture).unwrap().len() > 1_000);
         let answer = ask(&model, &["people", "--from", "12", "--to", "13"]);
         assert!(answer["details"]["places"].as_array().unwrap().len() >= places, "{file}: {answer}");

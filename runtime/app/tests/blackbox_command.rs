@@ -39,7 +39,7 @@ fn moments() -> Vec<(Stamp, BoxEntry)> {
 }
 
 #[test]
-fn a_log_becomes_a_recording_and_damage_costs_only_itself() {
+fn log_becomes_recording_despite_damage() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("stop.fgbox");
     let log = black_box_log(&moments());
@@ -82,7 +82,7 @@ fn what_is_no_log_is_refused() {
 
 /// A machine that died and came back answers on its line: the life before, what ended it, the life since.
 #[test]
-fn a_machine_is_asked_on_its_line_and_tells_what_it_died_of() {
+fn machine_reports_its_crash_over_the_line() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("machine.socket");
     let listener = UnixListener::bind(&path).expect("a socket");
@@ -105,8 +105,8 @@ fn a_machine_is_asked_on_its_line_and_tells_what_it_died_of() {
     let output = command.output().expect("the program starts");
     machine.join().expect("the machine was asked");
     assert_eq!(output.status.code(), Some(0), "{output:?}");
-    let told = String::from_utf8_lossy(&output.stdout);
-    let rows: Vec<&str> = told.lines().collect();
+    let reported = String::from_utf8_lossy(&output.stdout);
+    let rows: Vec<&str> = reported.lines().collect();
     assert_eq!(rows.len(), 2_001);
     let death = rows.get(1_000).expect("a row");
     assert!(death.contains("watchdog") && death.contains("\"deaths\":2"), "{death}");

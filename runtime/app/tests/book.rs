@@ -44,7 +44,7 @@ fn targets(text: &str) -> BTreeSet<&str> {
 }
 
 #[test]
-fn every_link_leads_somewhere_and_every_chapter_is_listed() {
+fn links_resolve_and_chapters_are_listed() {
     let summary = read(&book().join("SUMMARY.md"));
     for (path, text) in texts() {
         let folder = path.parent().expect("a folder");
@@ -106,7 +106,7 @@ fn is_pattern(call: &str) -> bool {
 /// In running text, in tables and in the README: the command exists, and so does each option that is named with it. A call
 /// without placeholders is one that the program takes, or one that only lacks what it is about.
 #[test]
-fn every_command_in_the_text_exists_with_its_options() {
+fn documented_commands_exist_with_options() {
     let program = Arguments::command();
     let mut found = 0;
     for (path, text) in texts() {
@@ -183,9 +183,9 @@ fn rehearsed(line: &str) -> Option<Vec<String>> {
 }
 
 /// The folder in which a stranger works: a configuration, and what was brought.
-fn desk() -> tempfile::TempDir {
-    let desk = tempfile::tempdir().expect("a folder");
-    let copy = |from: PathBuf, name: &str| match std::fs::copy(&from, desk.path().join(name)) {
+fn folder() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let copy = |from: PathBuf, name: &str| match std::fs::copy(&from, folder.path().join(name)) {
         Ok(_) => {}
         Err(_) => println!("skipped: {} is absent", from.display()),
     };
@@ -195,24 +195,24 @@ fn desk() -> tempfile::TempDir {
         let packing = if source.ends_with(".gz") && !name.ends_with(".gz") { ".gz" } else { "" };
         copy(root().join("../shared/data").join(source), &format!("{name}{packing}"));
     }
-    desk
+    folder
 }
 
 #[test]
 fn the_tutorials_do_what_they_say() {
     let mut done = 0;
-    // One desk: the later chapters use what the first one has made.
-    let desk = desk();
+    // One folder: the later chapters use what the first one has made.
+    let folder = folder();
     for name in ["tutorial-simulator.md", "tutorial-recording.md", "seeing.md"] {
         for line in typed(&read(&book().join(name))) {
             let Some(words) = rehearsed(&line) else { continue };
             let (mut absent, mut words) = (false, words);
             for word in &mut words {
                 let brought = BROUGHT.iter().any(|(name, _)| name == word);
-                let packed = desk.path().join(format!("{word}.gz"));
+                let packed = folder.path().join(format!("{word}.gz"));
                 if brought && packed.exists() {
                     word.push_str(".gz");
-                } else if brought && !desk.path().join(&*word).exists() {
+                } else if brought && !folder.path().join(&*word).exists() {
                     absent = true;
                 }
             }
@@ -221,9 +221,10 @@ fn the_tutorials_do_what_they_say() {
                 continue;
             }
             let mut program = Command::new(env!("CARGO_BIN_EXE_floorguard"));
-            let output = program.args(&words).current_dir(desk.path()).output().expect("the program starts");
-            let said = String::from_utf8_lossy(&output.stderr);
-            assert_eq!(output.status.code(), Some(0), "{name}: {line}, typed as {words:?}: {said}");
+            let output =
+                program.args(&words).current_dir(folder.path()).output().expect("the program starts");
+            let stderr_text = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(output.status.code(), Some(0), "{name}: {line}, typed as {words:?}: {stderr_text}");
             done += 1;
         }
     }

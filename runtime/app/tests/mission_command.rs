@@ -1,4 +1,4 @@
-//! `floorguard mission` as a user meets it: maps that are none, dirt that is none, and Ctrl-C.
+//! `floorguard mission` as a user meets it: invalid maps, invalid dirt, and Ctrl-C.
 
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::Path;
@@ -10,7 +10,7 @@ fn mission(folder: &Path, more: &[&str]) -> Command {
     command
 }
 
-fn said(output: &Output) -> String {
+fn stderr_text(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
@@ -35,7 +35,7 @@ fn write_room(folder: &Path, name: &str, (wall, floor): (u8, u8), lines: &str) -
 }
 
 #[test]
-fn maps_of_every_mode_are_cleaned_and_senseless_ones_refused_with_a_reason() {
+fn every_map_mode_works_bad_ones_refused() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let run = |map: &str, dirt: &str| {
@@ -50,8 +50,8 @@ fn maps_of_every_mode_are_cleaned_and_senseless_ones_refused_with_a_reason() {
     ];
     for (name, greys, lines) in good {
         let output = run(&write_room(folder, name, greys, lines), "random:1%:10-15");
-        assert_eq!(output.status.code(), Some(0), "{name}: {}", said(&output));
-        assert!(said(&output).contains("falsely claimed 0 of"), "{name}: {}", said(&output));
+        assert_eq!(output.status.code(), Some(0), "{name}: {}", stderr_text(&output));
+        assert!(stderr_text(&output).contains("falsely claimed 0 of"), "{name}: {}", stderr_text(&output));
     }
     let bad = [
         ("yes", (0, 254), "mode: best\n", "none of trinary, scale, raw"),
@@ -63,30 +63,31 @@ fn maps_of_every_mode_are_cleaned_and_senseless_ones_refused_with_a_reason() {
     ];
     for (name, greys, lines, reason) in bad {
         let output = run(&write_room(folder, name, greys, lines), "random:1%:10-15");
-        assert_eq!(output.status.code(), Some(3), "{name}: {}", said(&output));
-        assert!(said(&output).contains(reason), "{name}: {}", said(&output));
+        assert_eq!(output.status.code(), Some(3), "{name}: {}", stderr_text(&output));
+        assert!(stderr_text(&output).contains(reason), "{name}: {}", stderr_text(&output));
     }
     let dirt = folder.join("dirt.csv");
     std::fs::write(&dirt, "x_m,y_m,units\n-9.0,-19.2,12\n-9.0,nan,12\n").unwrap();
     let map = folder.join("plain.yaml").display().to_string();
     let output = run(&map, &dirt.display().to_string());
     assert_eq!(output.status.code(), Some(3));
-    assert!(said(&output).contains("dirt.csv:3: expected x_m,y_m,units"), "{}", said(&output));
+    assert!(stderr_text(&output).contains("dirt.csv:3: expected x_m,y_m,units"), "{}", stderr_text(&output));
     assert_eq!(run(&map, "random:5%:20-10").status.code(), Some(2));
 }
 
-/// Ctrl-C: what is done is told, and counts; before the first mission is done there is nothing to tell.
+/// Ctrl-C: finished missions are reported and count; before the first one is finished there is nothing to
+/// report.
 #[test]
 fn an_interrupt_ends_the_missions_in_order() {
     let folder = tempfile::tempdir().unwrap();
     let interrupt = |more: &[&str], until: &str| {
         let mut child =
             mission(folder.path(), more).stderr(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-        let mut said = BufReader::new(child.stderr.take().unwrap());
+        let mut stderr_text = BufReader::new(child.stderr.take().unwrap());
         let mut line = String::new();
         while !line.contains(until) {
             line.clear();
-            assert!(said.read_line(&mut line).unwrap() > 0, "ended before it ran");
+            assert!(stderr_text.read_line(&mut line).unwrap() > 0, "ended before it ran");
         }
         // The first missions take a moment.
         std::thread::sleep(std::time::Duration::from_millis(300));
@@ -95,7 +96,7 @@ fn an_interrupt_ends_the_missions_in_order() {
             Command::new("sh").args(["-c", &format!("kill -INT {identity}")]).status().unwrap().success()
         );
         let mut rest = String::new();
-        said.read_to_string(&mut rest).unwrap();
+        stderr_text.read_to_string(&mut rest).unwrap();
         (child.wait().unwrap().code(), rest)
     };
     let file = folder.path().join("kept").display().to_string();
@@ -133,6 +134,6 @@ fn a_run_until_clean_ends_with_the_mission() {
             .unwrap();
         let verdict: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         let lasted_s = verdict["duration_s"].as_f64().unwrap();
-        assert!(lasted_s < 10.0, "{more:?}: {lasted_s} s; {}", said(&output));
+        assert!(lasted_s < 10.0, "{more:?}: {lasted_s} s; {}", stderr_text(&output));
     }
 }

@@ -1,4 +1,4 @@
-//! A cleaning mission in recording, report and panel: whoever tells its progress, it is seen.
+//! A cleaning mission in recording, report and panel: its progress is visible whatever the source.
 
 use floorguard_laboratory::world::record_plan;
 use std::fs::File;
@@ -10,21 +10,21 @@ mod seen_support;
 
 use floorguard_laboratory::world::{Observer, Plan, run_recorded};
 use floorguard_operator::panel::{Access, Panel, PanelView};
-use floorguard_operator::telemetry::Witnesses;
+use floorguard_operator::telemetry::RunSinks;
 use floorguard_recording::{Recording, decode, topics};
 use seen_support::{browser, progress, screenshot};
 
 #[test]
-fn a_mission_is_in_the_recording_and_in_its_report() {
+fn mission_is_in_recording_and_report() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("mission.mcap");
     let plan = Plan::named("empty", 1, 3_000_000).expect("a plan");
     let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
     let mut observer = Observer::new(&plan, &mut show);
-    let mut witnesses = Witnesses::default();
-    record_plan(&mut witnesses, &plan, &path).expect("a recording");
-    [0.0, 0.25, 0.5].into_iter().for_each(|share| witnesses.mission(&progress(share)));
-    run_recorded(&plan, &mut observer, &mut witnesses).expect("a run");
+    let mut sinks = RunSinks::default();
+    record_plan(&mut sinks, &plan, &path).expect("a recording");
+    [0.0, 0.25, 0.5].into_iter().for_each(|share| sinks.mission(&progress(share)));
+    run_recorded(&plan, &mut observer, &mut sinks).expect("a run");
     let messages: Vec<_> =
         Recording::new(File::open(&path).expect("the file")).collect::<Result<_, _>>().expect("whole");
     let grids = |topic: &str| -> Vec<decode::Grid> {
@@ -55,7 +55,7 @@ fn a_mission_is_in_the_recording_and_in_its_report() {
 }
 
 #[test]
-fn the_panel_serves_the_floor_when_it_has_changed() {
+fn panel_serves_changed_floors() {
     let plan = Plan::named("empty", 1, 1_000_000).expect("a plan");
     let access = Access::new("127.0.0.1:0".parse().expect("an address"), None).expect("on the loopback");
     let mut panel = Panel::open(access, PanelView::new("a test", &plan.robot)).expect("open");
@@ -95,7 +95,7 @@ fn the_panel_serves_the_floor_when_it_has_changed() {
 
 /// A run in real time with a panel and a mission, looked at with a wide and with a narrow browser.
 #[test]
-fn a_browser_shows_the_floor_on_a_screen_and_on_a_phone() {
+fn browser_shows_floor_on_screen_and_phone() {
     let Some(browser) = browser() else {
         println!("skipped: no Chromium is installed");
         return;
@@ -107,10 +107,10 @@ fn a_browser_shows_the_floor_on_a_screen_and_on_a_phone() {
     let run = std::thread::spawn(move || {
         let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
         let mut observer = Observer::new(&plan, &mut show);
-        let mut witnesses = Witnesses::default();
-        witnesses.panel = Some(panel);
-        witnesses.mission(&progress(0.5));
-        run_recorded(&plan, &mut observer, &mut witnesses).map_err(|error| error.to_string())
+        let mut sinks = RunSinks::default();
+        sinks.panel = Some(panel);
+        sinks.mission(&progress(0.5));
+        run_recorded(&plan, &mut observer, &mut sinks).map_err(|error| error.to_string())
     });
     std::thread::scope(|scope| {
         for size in [(1280, 800), (390, 1400)] {

@@ -88,7 +88,7 @@ fn speed(state: &Value) -> f64 {
 }
 
 #[test]
-fn pause_and_resume_by_the_panel_and_nobody_else() {
+fn only_the_panel_pauses_and_resumes() {
     let mut run = start(&["--duration", &SECONDS.to_string()]);
     let started = Instant::now();
     // Sixty browsers that ask and never read.
@@ -129,7 +129,7 @@ fn pause_and_resume_by_the_panel_and_nobody_else() {
 /// its emergency stop is pressed, every row of
 /// its lines is in the recording, and who reads gets a picture every tenth of a second.
 #[test]
-fn browsers_in_real_time_lose_pictures_and_the_robot_nothing() {
+fn slow_browsers_lose_pictures_robot_loses_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("run.mcap");
     let path = file.to_str().expect("a readable path");
@@ -234,9 +234,9 @@ fn refusals(run: &Run) {
 fn the_network_sees_nothing_without_a_configured_token() {
     let arguments = ["simulate", "--scenario", "empty", "--duration", "1", "--panel", "0.0.0.0:0"];
     let output = program().args(arguments).output().expect("the program starts");
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(3), "{told}");
-    assert!(told.contains("FLOORGUARD_PANEL_TOKEN"), "{told}");
+    let output_text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "{output_text}");
+    assert!(output_text.contains("FLOORGUARD_PANEL_TOKEN"), "{output_text}");
     let weak = program().args(arguments).env("FLOORGUARD_PANEL_TOKEN", "short").output().expect("starts");
     assert_eq!(weak.status.code(), Some(3));
 }

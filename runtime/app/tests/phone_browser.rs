@@ -30,10 +30,10 @@ fn width_px(browser: &str, folder: &Path, page: &str) -> u32 {
         .arg(format!("file://{}", outer.display()))
         .output()
         .expect("the browser starts");
-    let told = String::from_utf8_lossy(&output.stdout).into_owned();
-    let title = told.split_once("<title>").and_then(|(_, rest)| rest.split_once("</title>"));
+    let output_text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let title = output_text.split_once("<title>").and_then(|(_, rest)| rest.split_once("</title>"));
     let width = title.and_then(|(title, _)| title.parse().ok());
-    width.unwrap_or_else(|| panic!("no width: {}", told.chars().take(300).collect::<String>()))
+    width.unwrap_or_else(|| panic!("no width: {}", output_text.chars().take(300).collect::<String>()))
 }
 
 #[test]

@@ -44,10 +44,10 @@ fn a_recorded_run_gives_the_recorded_digest() {
     let digest = rows(&simulated)[0]["digest"].as_str().expect("a digest").to_owned();
     let (output, rows) = replay(&file);
     assert_eq!(output.status.code(), Some(0), "{output:?}");
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(told.contains(&digest) && told.contains("as recorded"), "{told}");
+    let output_text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output_text.contains(&digest) && output_text.contains("as recorded"), "{output_text}");
     assert!(rows.len() > 50 && rows.iter().all(|row| row["digest"].is_string()));
-    // Cut in the middle: what was complete is played, and the cut is told.
+    // Cut in the middle: what was complete is played, and the cut is reported.
     let bytes = std::fs::read(&file).expect("the recording");
     std::fs::write(&file, &bytes[..bytes.len() / 2]).expect("written");
     let (output, cut) = replay(&file);
@@ -95,7 +95,7 @@ fn bag(folder: &Path, seconds: u64) -> PathBuf {
 }
 
 #[test]
-fn somebody_walks_through_a_bag() {
+fn person_walks_through_a_bag() {
     let folder = tempfile::tempdir().expect("a folder");
     let (output, rows) = replay(&bag(folder.path(), 3));
     assert_eq!((output.status.code(), rows.len()), (Some(0), 30), "{output:?}");
@@ -169,8 +169,8 @@ fn legs_walk_through_a_laser_log() {
     assert_eq!(replay(&renamed).1, rows);
     // A damaged line ends it with its number.
     std::fs::write(&path, log.replacen("FLASER 361", "FLASER 400", 1)).expect("written");
-    let told = refusal(&path);
-    assert!(told.contains("line 4") && told.contains("FLASER"), "{told}");
+    let output_text = refusal(&path);
+    assert!(output_text.contains("line 4") && output_text.contains("FLASER"), "{output_text}");
 }
 
 /// Two legs of 0.12 m, 0.3 m apart, in front of a wall at 8 m.
@@ -212,7 +212,7 @@ fn packed_mountain(head: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn what_is_no_data_is_refused_with_a_reason() {
+fn non_data_is_refused_with_a_reason() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = |name: &str, bytes: &[u8]| {
         let path = folder.path().join(name);
@@ -240,27 +240,33 @@ fn what_is_no_data_is_refused_with_a_reason() {
         ("packed.pcap.xz", b"\xfd7zXZ\0 and more", "unxz"),
         // A capture is one by its bytes, even by the name of a laser log.
         ("capture.log", &pcap, "no datagram to port 2368"),
-        ("text.log", b"this is somebody's diary\n", "no scan in it"),
+        ("text.log", b"this is a text of some kind\n", "no scan in it"),
     ];
     for (name, bytes, reason) in cases {
-        let told = refusal(&file(name, bytes));
-        assert!(told.contains(reason) && told.contains(name), "{name}: {told}");
+        let output_text = refusal(&file(name, bytes));
+        assert!(output_text.contains(reason) && output_text.contains(name), "{name}: {output_text}");
     }
-    // A wrong topic: the right ones are told, and nothing else.
+    // A wrong topic: the right ones are listed, and nothing else.
     let bag = bag(folder.path(), 1);
     let wrong = floorguard(&["replay", text(&bag), "--topic", "/nowhere"]);
-    let told = String::from_utf8_lossy(&wrong.stderr).into_owned();
+    let output_text = String::from_utf8_lossy(&wrong.stderr).into_owned();
     assert_eq!(wrong.status.code(), Some(3));
-    assert!(told.contains("PointCloud2)") && !told.contains("/floorguard/digest"), "{told}");
+    assert!(
+        output_text.contains("PointCloud2)") && !output_text.contains("/floorguard/digest"),
+        "{output_text}"
+    );
     // A pipe is read once only.
     for command in ["replay", "decode"] {
         let piped = Command::new("sh")
             .args(["-c", &format!("echo hello | {} {command} /dev/stdin", env!("CARGO_BIN_EXE_floorguard"))])
             .output()
             .expect("a shell");
-        let told = String::from_utf8_lossy(&piped.stderr).into_owned();
-        assert!(piped.status.code() == Some(3) && told.contains("write it to a file first"), "{told}");
+        let output_text = String::from_utf8_lossy(&piped.stderr).into_owned();
+        assert!(
+            piped.status.code() == Some(3) && output_text.contains("write it to a file first"),
+            "{output_text}"
+        );
     }
-    let told = refusal(&folder.path().join("nowhere.mcap"));
-    assert!(told.contains("nowhere.mcap"), "{told}");
+    let output_text = refusal(&folder.path().join("nowhere.mcap"));
+    assert!(output_text.contains("nowhere.mcap"), "{output_text}");
 }

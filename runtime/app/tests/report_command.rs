@@ -17,7 +17,7 @@ fn text(path: &Path) -> &str {
 }
 
 #[test]
-fn a_run_with_stops_is_one_page_with_each_of_them() {
+fn report_page_lists_each_stop() {
     let folder = tempfile::tempdir().expect("a folder");
     let (recording, page) = (folder.path().join("run.mcap"), folder.path().join("run.html"));
     let run = ["simulate", "--scenario", "supermarket", "--strategy", "route", "--duration", "24", "--json"];
@@ -37,7 +37,7 @@ fn a_run_with_stops_is_one_page_with_each_of_them() {
     assert!(addresses.iter().all(|address| address.contains("://www.w3.org/2000")), "{addresses:?}");
     assert!(!html.contains("<script") && !html.contains("<link") && html.len() < 1_000_000, "{}", html.len());
     for part in
-        ["Map, way and stops", "Speed and limit", "Where people were", "Health of the sources", "Counters"]
+        ["Map, path and stops", "Speed and limit", "Where people were", "Health of the sources", "Counters"]
     {
         assert!(html.contains(part), "{part}");
     }
@@ -46,9 +46,9 @@ fn a_run_with_stops_is_one_page_with_each_of_them() {
     std::fs::write(&recording, &bytes[..bytes.len() / 2]).expect("written");
     std::fs::remove_file(&page).expect("there");
     let output = floorguard(&["report", text(&recording)]);
-    let told = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(3), "as replay: {told}");
-    assert!(told.contains("is cut") && told.contains("report: "), "{told}");
+    let output_text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "as replay: {output_text}");
+    assert!(output_text.contains("is cut") && output_text.contains("report: "), "{output_text}");
     assert!(std::fs::read_to_string(&page).expect("a page").contains("Incomplete"));
 }
 

@@ -33,13 +33,17 @@ fn missing_devices_are_named_and_waited_for() {
         .env_remove("FLOORGUARD_PANEL_TOKEN")
         .output()
         .unwrap();
-    let (said, told) = (String::from_utf8(output.stderr).unwrap(), String::from_utf8(output.stdout).unwrap());
-    assert_eq!(output.status.code(), Some(0), "{said}");
+    let (stderr_text, stdout_text) =
+        (String::from_utf8(output.stderr).unwrap(), String::from_utf8(output.stdout).unwrap());
+    assert_eq!(output.status.code(), Some(0), "{stderr_text}");
     for source in ["safety scanner", "inertial sensor", "CAN bus"] {
-        assert!(said.contains(&format!("{source}: not there yet")), "{said}");
+        assert!(stderr_text.contains(&format!("{source}: not there yet")), "{stderr_text}");
     }
-    assert!(told.contains("\"lidar\":\"absent\"") && told.contains("\"drive\":\"faulty\""), "{told}");
-    assert!(told.contains("\"limit_mps\":0.0"), "{told}");
+    assert!(
+        stdout_text.contains("\"lidar\":\"absent\"") && stdout_text.contains("\"drive\":\"faulty\""),
+        "{stdout_text}"
+    );
+    assert!(stdout_text.contains("\"limit_mps\":0.0"), "{stdout_text}");
     the_recording_tells(&record);
     // Without a scanner nothing was watched: nothing is known of the place, and the file says so.
     let asked =
@@ -55,19 +59,19 @@ fn the_recording_tells(record: &std::path::Path) {
     assert!(count(topics::PERMITTED) > 5 && count(topics::DIAGNOSTICS) > 1, "{}", messages.len());
     assert_eq!(count("/raw/lidar"), 0);
     let output = Command::new(env!("CARGO_BIN_EXE_floorguard")).arg("replay").arg(record).output().unwrap();
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success() && said.contains("it ran in real time"), "{said}");
+    let stderr_text = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && stderr_text.contains("it ran in real time"), "{stderr_text}");
 }
 
 /// Its messages, from when it waits for its devices.
 fn once_it_runs(child: &mut Child) -> BufReader<ChildStderr> {
-    let mut said = BufReader::new(child.stderr.take().unwrap());
+    let mut stderr_text = BufReader::new(child.stderr.take().unwrap());
     let mut line = String::new();
     while !line.contains("not there yet") {
         line.clear();
-        assert!(said.read_line(&mut line).unwrap() > 0, "ended before it ran");
+        assert!(stderr_text.read_line(&mut line).unwrap() > 0, "ended before it ran");
     }
-    said
+    stderr_text
 }
 
 /// What systemd sends ends a run as Ctrl-C does: the robot is brought to a stand, and the recording has its end.
@@ -82,11 +86,11 @@ fn a_term_ends_the_run_in_order() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    let mut said = once_it_runs(&mut child);
+    let mut stderr_text = once_it_runs(&mut child);
     let identity = child.id().to_string();
     assert!(Command::new("sh").args(["-c", &format!("kill -TERM {identity}")]).status().unwrap().success());
     let mut rest = String::new();
-    said.read_to_string(&mut rest).unwrap();
+    stderr_text.read_to_string(&mut rest).unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(0), "{rest}");
     assert!(rest.contains("the robot stands"), "{rest}");
     let messages: Result<Vec<_>, _> = Recording::new(std::fs::File::open(&record).unwrap()).collect();
@@ -95,20 +99,20 @@ fn a_term_ends_the_run_in_order() {
 
 /// A connection that is lost ends a run in order, too, unless it was started to outlive it, as `nohup` does.
 #[test]
-fn a_lost_connection_ends_only_who_did_not_say_otherwise() {
+fn lost_connection_respects_nohup() {
     for (started, outlives) in [("", false), ("trap '' HUP; ", true)] {
         let folder = tempfile::tempdir().unwrap();
         let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
         let file = robot_file(folder.path(), port);
         let program = env!("CARGO_BIN_EXE_floorguard");
-        // Whoever runs the tests may outlive a connection, too, and what is ignored is inherited.
+        // The test process may outlive a connection, too, and what is ignored is inherited.
         let mut child = Command::new("env")
             .args(["--default-signal=HUP", "sh", "-c"])
             .arg(format!("{started}exec {program} run {file} --duration 60"))
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        let mut said = once_it_runs(&mut child);
+        let mut stderr_text = once_it_runs(&mut child);
         let signal = |name: &str| {
             let kill = format!("kill -{name} {}", child.id());
             Command::new("sh").args(["-c", &kill]).status().unwrap().success()
@@ -117,15 +121,15 @@ fn a_lost_connection_ends_only_who_did_not_say_otherwise() {
         std::thread::sleep(std::time::Duration::from_secs(1));
         let is_there = signal("TERM") && child.try_wait().unwrap().is_none();
         let mut rest = String::new();
-        said.read_to_string(&mut rest).unwrap();
+        stderr_text.read_to_string(&mut rest).unwrap();
         assert_eq!(child.wait().unwrap().code(), Some(0), "{rest}");
         assert_eq!(is_there, outlives, "{started}: {rest}");
     }
 }
 
-/// Logs that nobody takes any more, a recording on a full disk: told where somebody listens, and the robot goes on.
+/// Closed log outputs, a recording on a full disk: reported where an output is left, and the robot goes on.
 #[test]
-fn a_full_disk_and_a_log_that_is_gone_do_not_end_the_run() {
+fn run_survives_full_disk_and_closed_log() {
     let folder = tempfile::tempdir().unwrap();
     let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
     let run = |more: &[&str]| {
@@ -135,16 +139,16 @@ fn a_full_disk_and_a_log_that_is_gone_do_not_end_the_run() {
         command
     };
     let output = run(&["--json", "--record", "/dev/full"]).stdout(full()).output().unwrap();
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(3), "the recording is missing: {said}");
-    assert_eq!(said.matches("standard output takes nothing any more").count(), 1, "{said}");
-    assert_eq!(said.matches("the robot goes on without its recording").count(), 1, "{said}");
-    assert!(said.contains("the run went on without its recording"), "{said}");
+    let stderr_text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(3), "the recording is missing: {stderr_text}");
+    assert_eq!(stderr_text.matches("standard output takes nothing any more").count(), 1, "{stderr_text}");
+    assert_eq!(stderr_text.matches("the robot goes on without its recording").count(), 1, "{stderr_text}");
+    assert!(stderr_text.contains("the run went on without its recording"), "{stderr_text}");
     let output = run(&[]).stdout(full()).stderr(full()).output().unwrap();
     assert_eq!(output.status.code(), Some(0));
     let taken = robot_file(folder.path(), 0);
-    let said = run(&["--black-box", &taken]).output().unwrap();
-    assert_eq!(said.status.code(), Some(3), "no folder");
+    let stderr_text = run(&["--black-box", &taken]).output().unwrap();
+    assert_eq!(stderr_text.status.code(), Some(3), "no folder");
 }
 
 /// Whatever becomes of the display, the rings end with it: a robot that nobody can end any more must not go on.
@@ -156,7 +160,7 @@ fn a_panic_beside_the_rings_ends_them() {
     assert_eq!(outcome, Ok((true, true)), "the rings go on");
 }
 
-/// Whether the panic came through, and whether the rings were told to end.
+/// Whether the panic came through, and whether the rings were ordered to end.
 fn panic_beside_the_rings() -> (bool, bool) {
     let folder = tempfile::tempdir().unwrap();
     let configuration = load(std::path::Path::new(&robot_file(folder.path(), 0))).unwrap();
@@ -180,17 +184,18 @@ fn a_taken_port_is_refused_with_its_name() {
         .args(["run", &file, "--duration", "5"])
         .output()
         .unwrap();
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(3), "{said}");
+    let stderr_text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(3), "{stderr_text}");
     assert!(
-        said.contains(&format!("[lidar] udp:127.0.0.1:{port}")) && said.contains("end the other program"),
-        "{said}"
+        stderr_text.contains(&format!("[lidar] udp:127.0.0.1:{port}"))
+            && stderr_text.contains("end the other program"),
+        "{stderr_text}"
     );
 }
 
-/// The mission of the file is told before anything moves, and a map that is not there is bad input.
+/// The mission of the file is reported before anything moves, and a missing map is bad input.
 #[test]
-fn a_mission_is_taken_from_the_file_and_a_wrong_one_refused() {
+fn mission_comes_from_file_wrong_one_refused() {
     let folder = tempfile::tempdir().unwrap();
     let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
     let file = robot_file(folder.path(), port);
@@ -207,23 +212,23 @@ fn a_mission_is_taken_from_the_file_and_a_wrong_one_refused() {
         (output.status.code(), String::from_utf8(output.stderr).unwrap())
     };
     let start = "start_x_m = 2.0\nstart_y_m = 3.0\n";
-    let (code, said) = run(&format!("map = \"hall.png\"\ndirt = \"dirt.csv\"\n{start}"));
-    assert_eq!(code, Some(0), "{said}");
-    assert!(said.contains("mission: starting, 0 % of what was dirty"), "{said}");
+    let (code, stderr_text) = run(&format!("map = \"hall.png\"\ndirt = \"dirt.csv\"\n{start}"));
+    assert_eq!(code, Some(0), "{stderr_text}");
+    assert!(stderr_text.contains("mission: starting, 0 % of what was dirty"), "{stderr_text}");
     for (wrong, why) in [
         ("map = \"cellar.png\"\ndirt = \"dirt.csv\"\n", "cellar.png"),
         ("map = \"hall.png\"\ndirt = \"mud.csv\"\n", "mud.csv"),
         ("map = \"hall.png\"\n", "`dirt` is missing"),
     ] {
-        let (code, said) = run(&format!("{wrong}{start}"));
-        assert_eq!(code, Some(3), "{said}");
-        assert!(said.contains("[mission]") && said.contains(why), "{said}");
+        let (code, stderr_text) = run(&format!("{wrong}{start}"));
+        assert_eq!(code, Some(3), "{stderr_text}");
+        assert!(stderr_text.contains("[mission]") && stderr_text.contains(why), "{stderr_text}");
     }
 }
 
 /// Bytes that come and are of no use: the driver says what is wrong with them, once.
 #[test]
-fn a_lidar_that_is_none_is_told_with_the_reason() {
+fn wrong_lidar_is_reported_with_reason() {
     let folder = tempfile::tempdir().unwrap();
     let port = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
     let file = robot_file(folder.path(), port);
@@ -238,14 +243,15 @@ fn a_lidar_that_is_none_is_told_with_the_reason() {
         let _ = sender.send_to(&vec![7; 500 + length], ("127.0.0.1", port));
         std::thread::sleep(std::time::Duration::from_millis(40));
     }
-    let said = String::from_utf8(child.wait_with_output().unwrap().stderr).unwrap();
-    let told: Vec<&str> = said.lines().filter(|line| line.contains("lidar: lidar packet of 5")).collect();
-    assert_eq!(told.len(), 1, "{said}");
-    assert!(told[0].contains("a data packet has 1206"), "{said}");
+    let stderr_text = String::from_utf8(child.wait_with_output().unwrap().stderr).unwrap();
+    let stdout_text: Vec<&str> =
+        stderr_text.lines().filter(|line| line.contains("lidar: lidar packet of 5")).collect();
+    assert_eq!(stdout_text.len(), 1, "{stderr_text}");
+    assert!(stdout_text[0].contains("a data packet has 1206"), "{stderr_text}");
 }
 
-/// Recorded pictures as the camera: dirt is mapped at the places that the poses tell, a broken picture is told by its name,
-/// the end of the pictures, too, and the map is in the recording.
+/// Recorded pictures as the camera: dirt is mapped at the places given by the poses, a broken picture is reported by
+/// its name, so is the end of the pictures, and the map is in the recording.
 #[test]
 fn a_folder_of_pictures_is_a_camera() {
     let folder = tempfile::tempdir().unwrap();
@@ -262,14 +268,18 @@ fn a_folder_of_pictures_is_a_camera() {
             .arg(&record)
             .output()
             .unwrap();
-        let told = String::from_utf8(output.stdout).unwrap();
-        (output.status.code(), String::from_utf8(output.stderr).unwrap(), told)
+        let stdout_text = String::from_utf8(output.stdout).unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap(), stdout_text)
     };
-    let (code, said, told) = run(&section);
-    assert_eq!(code, Some(0), "{said}");
-    assert!(said.contains("1.400000.png") && said.contains("the floor is unknown"), "{said}");
-    assert!(said.contains("all 15 pictures were shown"), "{said}");
-    let dirt = told.lines().rev().find(|line| line.contains("\"type\":\"dirt\"")).expect("a map of dirt");
+    let (code, stderr_text, stdout_text) = run(&section);
+    assert_eq!(code, Some(0), "{stderr_text}");
+    assert!(
+        stderr_text.contains("1.400000.png") && stderr_text.contains("the floor is unknown"),
+        "{stderr_text}"
+    );
+    assert!(stderr_text.contains("all 15 pictures were shown"), "{stderr_text}");
+    let dirt =
+        stdout_text.lines().rev().find(|line| line.contains("\"type\":\"dirt\"")).expect("a map of dirt");
     let dirt: serde_json::Value = serde_json::from_str(dirt).unwrap();
     let spots = dirt["spots"].as_array().unwrap();
     let is_near = |spot: &serde_json::Value| {
@@ -286,8 +296,8 @@ fn a_folder_of_pictures_is_a_camera() {
         ("frames\"", "frames/rgb\"", "no depth pictures"),
         ("[camera]", "[camera]\nrate_hz = 900.0", "rate_hz"),
     ] {
-        let (code, said, _) = run(&section.replace(from, to));
-        assert!(code == Some(3) && said.contains(why), "{said}");
+        let (code, stderr_text, _) = run(&section.replace(from, to));
+        assert!(code == Some(3) && stderr_text.contains(why), "{stderr_text}");
     }
 }
 
@@ -295,15 +305,16 @@ const SPILLED: Point2 = Point2 { x_m: 2.4, y_m: 0.1 };
 
 /// Pictures of a drive towards a spill on vinyl, 12 cm and 200 ms apart, one of them cut off.
 fn render(root: &std::path::Path) {
-    let eye = FloorCamera { size: (320, 240), focal_px: 262.5, forward_m: 0.9, ..FloorCamera::default() };
-    let mounting = (eye.height_m, eye.forward_m, eye.pitch_rad);
-    let camera = PictureCamera { size: eye.size, focal_px: eye.focal_px, mounting };
+    let rendered =
+        FloorCamera { size: (320, 240), focal_px: 262.5, forward_m: 0.9, ..FloorCamera::default() };
+    let mounting = (rendered.height_m, rendered.forward_m, rendered.pitch_rad);
+    let camera = PictureCamera { size: rendered.size, focal_px: rendered.focal_px, mounting };
     let mut pictures = PictureFolder::new(root, camera).unwrap();
     let mut scene = FloorScene::new(FloorKind::Vinyl, 4.0, 7);
     let coffee = Spill::random(DirtKind::Liquid, SPILLED, &mut Pcg32::new(7, 7));
     scene.spills.push(Spill { radii_m: [0.1; 2], strength: 1.0, ..coffee });
-    let plane = Plane::of_mounting(eye.height_m, eye.pitch_rad).unwrap();
-    let pinhole = PinholeCamera::new([eye.focal_px; 2], [159.5, 119.5]).unwrap();
+    let plane = Plane::of_mounting(rendered.height_m, rendered.pitch_rad).unwrap();
+    let pinhole = PinholeCamera::new([rendered.focal_px; 2], [159.5, 119.5]).unwrap();
     for step in 0..15_u32 {
         let robot = Pose2::new(0.12 * step as f32, 0.0, 0.0);
         let depth = |index: u32| {
@@ -314,8 +325,8 @@ fn render(root: &std::path::Path) {
         };
         let depth_mm: Vec<u16> = (0..320 * 240).map(depth).collect();
         let stamp = Stamp::from_micros(u64::from(step) * 200_000);
-        let picture = scene.picture(&eye, robot, (step, 0.0));
-        pictures.add((stamp, robot), (&depth_mm, eye.size), &picture.rgb).unwrap();
+        let picture = scene.picture(&rendered, robot, (step, 0.0));
+        pictures.add((stamp, robot), (&depth_mm, rendered.size), &picture.rgb).unwrap();
     }
     pictures.finish().unwrap();
     let broken = root.join("depth/1.400000.png");
@@ -323,9 +334,10 @@ fn render(root: &std::path::Path) {
     std::fs::write(broken, &whole[..whole.len() / 2]).unwrap();
 }
 
-/// What two devices send to one port is told once, with the remedy; what is not the lidar's is left out where it is named.
+/// Two devices that send to one port are reported once, with the remedy; datagrams of other senders are ignored where
+/// the lidar's sender is configured.
 #[test]
-fn a_stranger_on_the_port_of_the_lidar_is_told_and_left_out() {
+fn foreign_sender_on_lidar_port_is_ignored() {
     let folder = tempfile::tempdir().unwrap();
     let [lidar, stranger] = [(); 2].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap());
     let run = |sender: &str| {
@@ -348,14 +360,20 @@ fn a_stranger_on_the_port_of_the_lidar_is_told_and_left_out() {
         String::from_utf8(child.wait_with_output().unwrap().stderr).unwrap()
     };
     let [first, second] = [&lidar, &stranger].map(|socket| socket.local_addr().unwrap().to_string());
-    let said = run("");
-    assert_eq!(said.matches("datagrams come from").count(), 1, "{said}");
-    assert!(said.contains(&first) && said.contains(&second) && said.contains("name the device"), "{said}");
-    assert!(said.contains("packet of 33 bytes"), "{said}");
-    let said = run(&format!("sender = \"{first}\"\n"));
-    let told = format!("[lidar] datagrams of {second} are left out: only sender {first} is listened to");
-    assert_eq!(said.matches(&told).count(), 1, "{said}");
-    assert!(!said.contains("packet of 33 bytes"), "{said}");
+    let stderr_text = run("");
+    assert_eq!(stderr_text.matches("datagrams come from").count(), 1, "{stderr_text}");
+    assert!(
+        stderr_text.contains(&first)
+            && stderr_text.contains(&second)
+            && stderr_text.contains("name the device"),
+        "{stderr_text}"
+    );
+    assert!(stderr_text.contains("packet of 33 bytes"), "{stderr_text}");
+    let stderr_text = run(&format!("sender = \"{first}\"\n"));
+    let stdout_text =
+        format!("[lidar] datagrams of {second} are left out: only sender {first} is listened to");
+    assert_eq!(stderr_text.matches(&stdout_text).count(), 1, "{stderr_text}");
+    assert!(!stderr_text.contains("packet of 33 bytes"), "{stderr_text}");
 }
 
 fn robot_file(folder: &std::path::Path, port: u16) -> String {

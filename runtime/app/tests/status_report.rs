@@ -6,7 +6,7 @@ use std::process::Command;
 use serde_json::Value;
 
 #[test]
-fn the_report_is_one_page_whose_numbers_add_up() {
+fn report_is_one_page_with_consistent_numbers() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
     // Two spots, one of them on the sill of a wall where the brush cannot pass; one cell that is no spot.
@@ -25,8 +25,8 @@ fn the_report_is_one_page_whose_numbers_add_up() {
         .args(["--out", &path("out"), "--report", &path("report"), "--zones", &path("zones.toml")])
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(0), "{said}");
+    let stderr_text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{stderr_text}");
     let status: Value = serde_json::from_slice(&std::fs::read(path("report/status.json")).unwrap()).unwrap();
     let number = |value: &Value, key: &str| value[key].as_f64().unwrap();
     let total = &status["total"];
@@ -75,8 +75,8 @@ fn missions_teach_the_model_what_to_expect() {
             .args(["--environment", &path("model"), "--now", &now])
             .output()
             .unwrap();
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(0), "{said}");
+        let stderr_text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(0), "{stderr_text}");
         serde_json::from_slice::<Value>(&output.stdout).unwrap()
     };
     // Nobody knows anything: every cell counts as dirty.

@@ -54,8 +54,9 @@ fn ended_in_order(more: &[&str]) {
         std::thread::sleep(std::time::Duration::from_millis(50));
     }
     interrupt(&child);
-    let mut said = BufReader::new(child.stderr.take().expect("its words")).lines().map_while(Result::ok);
-    assert!(said.any(|line| line.contains("Ctrl-C")));
+    let mut stderr_text =
+        BufReader::new(child.stderr.take().expect("its words")).lines().map_while(Result::ok);
+    assert!(stderr_text.any(|line| line.contains("Ctrl-C")));
     let mut verdict = String::new();
     child.stdout.take().expect("its verdict").read_to_string(&mut verdict).expect("readable");
     assert!(child.wait().expect("ended").code().is_some(), "not by the signal");
@@ -64,13 +65,13 @@ fn ended_in_order(more: &[&str]) {
     assert!((1.0..600.0).contains(&duration_s), "{verdict}");
     assert!(report.join("index.html").exists());
     let again = run(&["replay", text(&recording)]);
-    let told = String::from_utf8_lossy(&again.stderr).into_owned();
-    assert_eq!(again.status.code(), Some(0), "{told}");
-    assert!(more.contains(&"--real-io") || told.contains("as recorded"), "{told}");
+    let stdout_text = String::from_utf8_lossy(&again.stderr).into_owned();
+    assert_eq!(again.status.code(), Some(0), "{stdout_text}");
+    assert!(more.contains(&"--real-io") || stdout_text.contains("as recorded"), "{stdout_text}");
 }
 
 #[test]
-fn ctrl_c_ends_a_run_with_all_that_it_has_to_show() {
+fn ctrl_c_ends_a_run_with_its_results() {
     ended_in_order(&[]);
     ended_in_order(&["--strategy", "guarantee"]);
 }
@@ -101,7 +102,7 @@ fn who_reads_enough_may_go() {
 }
 
 #[test]
-fn what_is_nearly_right_is_refused_with_a_way_out() {
+fn nearly_right_input_is_refused_with_remedy() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = |name: &str, bytes: &[u8]| {
         let path = folder.path().join(name);
@@ -114,17 +115,17 @@ fn what_is_nearly_right_is_refused_with_a_way_out() {
         (file("two.db3", b"SQLite format 3\0"), "ros2 bag convert"),
         (file("diary.txt", b"words"), ".mcap"),
     ];
-    for (path, way_out) in cases {
+    for (path, remedy) in cases {
         let output = run(&["replay", text(&path)]);
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(3), "{told}");
-        assert!(told.contains(text(&path)) && told.contains(way_out), "{told}");
+        let stdout_text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(3), "{stdout_text}");
+        assert!(stdout_text.contains(text(&path)) && stdout_text.contains(remedy), "{stdout_text}");
     }
 }
 
-/// A folder that cannot be made is told before the run, not after it; a run of nothing is no success.
+/// A folder that cannot be created is reported before the run, not after it; a run of nothing is no success.
 #[test]
-fn wrong_wishes_are_told_at_once() {
+fn wrong_arguments_are_reported_at_once() {
     let late = ["simulate", "--scenario", "crossing", "--duration", "80000", "--report", "/proc/nowhere"];
     let output = run(&late);
     assert_eq!(output.status.code(), Some(3), "{output:?}");
@@ -133,7 +134,7 @@ fn wrong_wishes_are_told_at_once() {
 }
 
 #[test]
-fn an_emergency_stop_behind_the_end_is_told() {
+fn emergency_stop_behind_the_end_is_reported() {
     let run = |span: &str| {
         let output = run(&["simulate", "--scenario", "empty", "--duration", "0.5", "--emergency-stop", span]);
         assert_eq!(output.status.code(), Some(0), "{output:?}");
@@ -143,7 +144,7 @@ fn an_emergency_stop_behind_the_end_is_told() {
 }
 
 #[test]
-fn a_campaign_that_is_interrupted_tells_what_it_has() {
+fn interrupted_campaign_reports_partial_results() {
     let mut child = program()
         .args(["campaign", "single-faults", "--trials", "100000", "--json"])
         .stdout(Stdio::piped())
@@ -152,18 +153,21 @@ fn a_campaign_that_is_interrupted_tells_what_it_has() {
         .expect("the program starts");
     std::thread::sleep(std::time::Duration::from_secs(2));
     interrupt(&child);
-    let (mut told, mut said) = (String::new(), String::new());
-    child.stdout.take().expect("a pipe").read_to_string(&mut told).expect("readable");
-    child.stderr.take().expect("a pipe").read_to_string(&mut said).expect("readable");
-    assert_eq!(child.wait().expect("a child").code(), Some(130), "{said}");
-    let summary: Value = serde_json::from_str(&told).expect("one object");
+    let (mut stdout_text, mut stderr_text) = (String::new(), String::new());
+    child.stdout.take().expect("a pipe").read_to_string(&mut stdout_text).expect("readable");
+    child.stderr.take().expect("a pipe").read_to_string(&mut stderr_text).expect("readable");
+    assert_eq!(child.wait().expect("a child").code(), Some(130), "{stderr_text}");
+    let summary: Value = serde_json::from_str(&stdout_text).expect("one object");
     assert!(summary["runs"].as_u64().is_some_and(|runs| runs < 100_000), "{summary}");
-    assert!(said.contains(&format!("interrupted after {} of 100000 runs", summary["runs"])), "{said}");
+    assert!(
+        stderr_text.contains(&format!("interrupted after {} of 100000 runs", summary["runs"])),
+        "{stderr_text}"
+    );
 }
 
 #[test]
-fn a_good_configuration_is_told_in_the_words_of_its_devices() {
+fn valid_configuration_lists_its_devices() {
     let robot = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robot.toml");
-    let said = String::from_utf8_lossy(&run(&["check", robot]).stderr).into_owned();
-    assert!(said.contains("lidar VLP-16, scanner S300, 4 waypoints"), "{said}");
+    let stderr_text = String::from_utf8_lossy(&run(&["check", robot]).stderr).into_owned();
+    assert!(stderr_text.contains("lidar VLP-16, scanner S300, 4 waypoints"), "{stderr_text}");
 }

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 pub struct DatagramAddress {
     /// Address and port on this computer.
     pub local: SocketAddr,
-    /// Whom it listens to; without it, to everybody.
+    /// The accepted sender; without it, every sender.
     pub sender: Option<SenderAddress>,
 }
 
@@ -18,7 +18,7 @@ pub struct DatagramAddress {
 pub struct SenderAddress {
     /// Its address.
     pub address: IpAddr,
-    /// Its port, where that is told.
+    /// Its port, where it is given.
     pub port: Option<u16>,
 }
 
@@ -107,7 +107,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sender_is_told_by_its_address_and_by_its_port_where_it_has_one() {
+    fn sender_is_matched_by_address_and_port() {
         let from = |text: &str| text.parse::<SocketAddr>().unwrap();
         let any = SenderAddress::parse("192.168.1.201").unwrap();
         assert!(any.is(from("192.168.1.201:2368")) && any.is(from("192.168.1.201:9")));

@@ -124,7 +124,7 @@ mod tests {
     use crate::{EXAMPLE, parse};
 
     #[test]
-    fn every_number_of_the_example_is_in_the_source() {
+    fn example_numbers_come_from_the_source() {
         let robot = parse("robot.toml", EXAMPLE).unwrap().robot;
         let source = bake(&robot);
         for text in ["speed_mps: 1.0", "braking_mps2: 0.8", "Point2::new(3.2, -0.6)", "Action::Category0"] {

@@ -1,4 +1,4 @@
-//! The floor camera: where its pictures come from, and how it looks at the floor.
+//! The floor camera: where its pictures come from, and its parameters for the floor.
 
 use std::path::PathBuf;
 
@@ -105,7 +105,7 @@ fn read_pictures(section: &Reader<'_>) -> Option<CameraSource> {
 /// A camera that looks down at the floor before the robot.
 pub(super) fn read_camera(section: Reader<'_>) -> Option<CameraConfiguration> {
     let source = read_pictures(&section);
-    // The core has room for pictures of this size.
+    // The core's buffers hold pictures of this size.
     let size = (section.integer("width", 64..=640) as usize, section.integer("height", 48..=480) as usize);
     let focal = [section.number("fx", 30.0..=2_000.0), section.number("fy", 30.0..=2_000.0)];
     let centre = [section.number("cx", 0.0..=640.0), section.number("cy", 0.0..=480.0)];

@@ -13,8 +13,8 @@ use super::address::{
 };
 use super::reader::Reader;
 
-/// Beams of the finest output of the microScan3 family (book, microScan3: Blocks); what there is room for is the
-/// guard's to say.
+/// Beams of the finest output of the microScan3 family (book, microScan3: Blocks); the guard limits the
+/// capacity.
 const MICROSCAN3_BEAMS: u16 = 2_751;
 
 pub(super) fn read_mounting(section: Reader<'_>) -> Mounting {
@@ -52,7 +52,7 @@ pub(super) fn read_source<T>(
 /// The port to bind, and the only device that is listened to there, if one is named.
 fn read_datagrams(section: &Reader<'_>, example: &str) -> Option<DatagramAddress> {
     let source = read_source(section, example, DatagramAddress::parse);
-    let text = section.text_or_absent("sender", "192.168.1.201", "whoever sends is listened to");
+    let text = section.text_or_absent("sender", "192.168.1.201", "datagrams of every sender are accepted");
     let sender = text.as_ref().and_then(|(text, _)| SenderAddress::parse(text));
     if let (Some((text, span)), None) = (&text, sender) {
         section.refuse(

@@ -52,7 +52,7 @@ mod tests {
     }
 
     #[test]
-    fn a_robot_learns_only_where_the_file_says_so() {
+    fn robot_learns_only_when_configured() {
         assert_eq!(read(""), Ok(None));
         let default = read("[learning]").unwrap().unwrap();
         assert_eq!(
@@ -61,7 +61,7 @@ mod tests {
         );
         let off = read("[learning]\nenabled = false\nmodel = \"a/b\"\nupdate_s = 5").unwrap().unwrap();
         assert_eq!(off, LearningConfiguration { enabled: false, model: "a/b".into(), update_us: 5_000_000 });
-        for (wrong, told) in [
+        for (wrong, reported) in [
             ("update_s = 1.0", "update_s"),
             ("update_s = 7200", "update_s"),
             ("update_ms = 30", "wrong unit"),
@@ -71,7 +71,7 @@ mod tests {
             ("modle = \"x\"", "did you mean `model`"),
         ] {
             let refused = read(&format!("[learning]\n{wrong}")).unwrap_err();
-            assert!(refused.contains(told), "{wrong}: {refused}");
+            assert!(refused.contains(reported), "{wrong}: {refused}");
         }
     }
 }

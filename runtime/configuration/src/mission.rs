@@ -74,7 +74,7 @@ mod tests {
     use crate::{EXAMPLE, parse};
 
     #[test]
-    fn a_mission_is_read_and_a_guarantee_without_dirt_is_refused() {
+    fn guarantee_without_dirt_is_refused() {
         let text = format!(
             "{EXAMPLE}\n[mission]\nmap = \"hall.yaml\"\nstrategy = \"guarantee\"\ndirt = \"dirt.csv\"\nstart_yaw_deg = 90.0\n"
         );

@@ -9,7 +9,7 @@ pub enum BadPolygon {
     /// Fewer than three corners.
     #[error("it has fewer than 3 corners")]
     TooFew,
-    /// More corners than the guard has room for.
+    /// More corners than the guard's capacity.
     #[error("it has more than 16 corners")]
     TooMany,
     /// Two edges cross.

@@ -208,7 +208,7 @@ mod tests {
     use crate::camera::{CameraSource, EXAMPLE_SECTION};
 
     #[test]
-    fn a_camera_is_read_and_one_that_looks_up_is_refused() {
+    fn upward_camera_is_refused() {
         let text = format!("{EXAMPLE}\n{EXAMPLE_SECTION}");
         let camera = parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}")).carriers.camera;
         let camera = camera.expect("there is a camera");

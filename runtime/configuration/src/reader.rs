@@ -1,8 +1,8 @@
 //! Reads typed values out of a TOML table, keeps the place of every mistake, and knows the keys it was asked for.
 //!
 //! A derived deserialiser stops at the first mistake and cannot know ranges or units. This reader goes on, so that
-//! one run shows everything that is wrong. A key nobody asked for is refused with the nearest one that exists; a key
-//! that differs only in its unit is told apart from a misspelt one.
+//! one run shows everything that is wrong. An unknown key is refused with the nearest one that exists; a key that
+//! differs only in its unit is distinguished from a misspelt one.
 
 use std::cell::RefCell;
 use std::ops::{Range, RangeInclusive};
@@ -325,7 +325,7 @@ impl<'a> Reader<'a> {
         numbers
     }
 
-    /// Refuses every key that nobody asked for.
+    /// Refuses every unknown key.
     pub fn finish(self) {
         let asked = self.asked.borrow();
         for (key, _) in

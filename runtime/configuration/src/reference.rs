@@ -113,7 +113,7 @@ mod tests {
     use std::path::Path;
 
     #[test]
-    fn the_page_of_the_book_is_what_the_code_reads() {
+    fn configuration_page_matches_the_code() {
         let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/src/configuration.md");
         let made = super::reference();
         assert!(made.matches("\n| `").count() > 50, "{made}");

@@ -1,4 +1,4 @@
-//! What is said to people (standard error) and to machines (standard output). Never a panic: a robot outlives whoever listens.
+//! Output for people (standard error) and for machines (standard output). Never a panic: a robot outlives its readers.
 //!
 //! The macros of the standard library panic when a terminal is gone, a pipe is closed or the disk of a log is full.
 
@@ -13,7 +13,7 @@ macro_rules! say {
     }};
 }
 
-/// Tells a machine a line; an error if it cannot be told.
+/// Tells a machine a line; an error if it cannot be written.
 #[macro_export]
 macro_rules! tell {
     ($($words:tt)*) => {{

@@ -10,7 +10,7 @@ pub mod outcome;
 pub mod packing;
 pub mod words;
 
-// Its implementation for programs with threads is linked by whoever names it.
+// Its implementation for programs with threads is linked by the crates that name it.
 use critical_section as _;
 
 #[doc(hidden)]

@@ -1,4 +1,4 @@
-//! Files as people pack them, told by their first bytes: gzip, bzip2 and zstd are unpacked on the way, others named.
+//! Compressed files, recognised by their first bytes: gzip, bzip2 and zstd are unpacked on the way, others named.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
@@ -23,7 +23,7 @@ const TEXT_BYTES_MAX: u64 = 1 << 30;
 const ZSTD: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 const ZSTD_NOTES: [u8; 3] = [0x2a, 0x4d, 0x18];
 
-/// Looks through the packing.
+/// Inspects the compression.
 ///
 /// # Errors
 /// It cannot be read, or is packed in a way that is named. While reading: it is damaged, or unfolds to far more than any
@@ -54,8 +54,8 @@ struct Counted<R> {
 }
 
 impl<R: Read> Read for Counted<R> {
-    fn read(&mut self, room: &mut [u8]) -> io::Result<usize> {
-        let count = self.source.read(room)?;
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.source.read(buffer)?;
         self.bytes.fetch_add(count as u64, Ordering::Relaxed);
         Ok(count)
     }
@@ -69,8 +69,8 @@ struct Unfolding {
 }
 
 impl Read for Unfolding {
-    fn read(&mut self, room: &mut [u8]) -> io::Result<usize> {
-        let count = self.source.read(room)?;
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.source.read(buffer)?;
         self.bytes = self.bytes.saturating_add(count as u64);
         let packed_bytes = self.packed_bytes.load(Ordering::Relaxed);
         if self.bytes > HARMLESS_BYTES.max(packed_bytes.saturating_mul(RATIO_MAX)) {
@@ -109,11 +109,11 @@ impl<R: BufRead> ZstdFrames<R> {
 }
 
 impl<R: BufRead> Read for ZstdFrames<R> {
-    fn read(&mut self, room: &mut [u8]) -> io::Result<usize> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         loop {
             if let Some(mut frame) = self.frame.take() {
-                let count = frame.read(room)?;
-                if count > 0 || room.is_empty() {
+                let count = frame.read(buffer)?;
+                if count > 0 || buffer.is_empty() {
                     self.frame = Some(frame);
                     return Ok(count);
                 }
@@ -152,7 +152,7 @@ pub fn beginning(path: &Path, bytes: u64) -> io::Result<Vec<u8>> {
     Ok(found)
 }
 
-/// Looks again where it has looked before, which only a file allows.
+/// Reads again from an earlier position, which only a file allows.
 ///
 /// # Errors
 /// It is a pipe, a terminal or a device.
@@ -172,7 +172,7 @@ mod tests {
     use std::io::Write as _;
 
     #[test]
-    fn what_is_packed_is_unpacked_and_what_cannot_be_is_named() {
+    fn packed_files_are_unpacked_or_named() {
         let words = b"the same words in every packing";
         let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
         gzip.write_all(words).unwrap();
@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_of_zstd_follow_each_other_with_notes_between_them() {
+    fn zstd_frames_may_have_skippable_frames_between() {
         let notes = [&[0x5a][..], &ZSTD_NOTES, &[3, 0, 0, 0], b"any"].concat();
         let packed = [&notes[..], &zstd(b"one "), &notes, &zstd(b""), &zstd(b"two"), &notes].concat();
         let mut found = Vec::new();
@@ -207,7 +207,7 @@ mod tests {
         for end in [packed.len() - 1, packed.len() - 20, 5] {
             let cut = packed[..end].to_vec();
             let read = unpacked(io::Cursor::new(cut)).and_then(|mut it| it.read_to_end(&mut found));
-            assert!(end == packed.len() - 1 || read.is_err(), "{end}: a cut is told");
+            assert!(end == packed.len() - 1 || read.is_err(), "{end}: a cut is reported");
         }
     }
 
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn a_small_file_that_unfolds_to_a_mountain_ends_in_an_error() {
+    fn decompression_bomb_is_an_error() {
         let small = mountain(8);
         let mut found = Vec::new();
         unpacked(io::Cursor::new(small)).unwrap().read_to_end(&mut found).unwrap();

@@ -1,4 +1,4 @@
-//! Sweeps for the eye: points out of the raw datagrams, apart from the robot's own tasks.
+//! Sweeps for display: points out of the raw datagrams, apart from the robot's own tasks.
 
 use floorguard_drivers::velodyne::{Decoder, ModelChoice, SweepBuilder};
 use floorguard_perception::people::RingAngles;

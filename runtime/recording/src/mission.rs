@@ -8,7 +8,7 @@ use floorguard_robot::cleaner::{CellState, MissionProgress};
 /// Name of the mission among the diagnostics.
 pub const MISSION: &str = "mission";
 
-/// What may be said of each cell, as percent clean; −1 where the mission does not answer.
+/// The status of each cell, as percent clean; −1 where the mission does not answer.
 pub fn claimed_cells(progress: &MissionProgress) -> Vec<i8> {
     let percent = |state: &CellState| match state {
         CellState::OffLimits => -1,

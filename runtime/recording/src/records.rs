@@ -43,7 +43,7 @@ pub enum Step<'a> {
     Needs(u64),
 }
 
-/// Looks at the first record of `bytes`.
+/// Parses the first record of `bytes`.
 #[must_use]
 pub fn first_record(bytes: &[u8]) -> Step<'_> {
     let Some((&[opcode, ref length @ ..], rest)) = bytes.split_first_chunk::<RECORD_HEAD_BYTES>() else {

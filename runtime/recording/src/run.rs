@@ -267,7 +267,7 @@ impl<W: Write + Seek> RunRecorder<W> {
         self.write(|out| out.map(topics::SEEN_DIRT, (now, "odom"), &grid));
     }
 
-    /// The cleaning mission has told its progress.
+    /// The cleaning mission has reported its progress.
     pub fn mission(&mut self, progress: &Arc<MissionProgress>) {
         let now_us = self.seen.now_us;
         let now = Stamp::from_micros(now_us);
@@ -352,7 +352,7 @@ impl<W: Write + Seek> RunRecorder<W> {
     /// The run has ended: how long it was, and the fingerprint of all outputs, if it has one.
     ///
     /// # Errors
-    /// The first thing that could not be written.
+    /// The first failed write.
     pub fn finish(mut self, duration_us: u64, digest: Option<u64>) -> Result<W, RecordError> {
         self.write_map(duration_us);
         if let Some(progress) = self.mission.take() {

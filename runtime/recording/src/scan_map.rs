@@ -1,6 +1,7 @@
-//! The map of a run for the eye: what the safety scanner has seen free and occupied, in the odometry frame.
+//! The map of a run for display: what the safety scanner has seen free and occupied, in the odometry frame.
 //!
-//! It is counted, not estimated: nothing on the robot uses it. Cells stand in tiles, so that a map grows with the way.
+//! It is counted, not estimated: nothing on the robot uses it. Cells stand in tiles, so that a map grows with the
+//! path.
 
 use std::collections::BTreeMap;
 
@@ -119,7 +120,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_wall_stands_where_it_was_seen_and_behind_it_nothing_is_known() {
+    fn wall_is_mapped_and_unknown_behind() {
         let mut scan = Scan { first_angle_rad: -0.1, step_rad: 0.01, ..Scan::default() };
         for _ in 0..20 {
             scan.beams.push(BeamReturn::Hit(5_000)).unwrap();

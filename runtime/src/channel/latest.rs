@@ -71,7 +71,7 @@ impl<M: RawMutex, T: Clone> Latest<M, T> {
         self.slot.lock(|slot| slot.borrow().published)
     }
 
-    /// Values that nobody took before they were replaced.
+    /// Values replaced before they were read.
     pub fn overwritten(&self) -> u32 {
         self.slot.lock(|slot| slot.borrow().overwritten)
     }
@@ -90,7 +90,7 @@ mod tests {
     use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 
     #[test]
-    fn reader_sees_the_newest_and_the_loss_is_counted() {
+    fn reader_gets_newest_losses_are_counted() {
         let latest = Latest::<NoopRawMutex, u32>::new();
         assert_eq!(latest.get(), None);
         latest.publish(1);

@@ -10,7 +10,7 @@ pub const FIELD_SPEED_BINS: usize = 4;
 /// A polygon in the robot frame, metres, counter-clockwise.
 pub type Polygon = Vec<Point2, FIELD_VERTICES_MAX>;
 
-/// Which way the robot goes when a field applies.
+/// Direction of travel to which a field applies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DirectionOfTravel {
     /// Forward or turning on the spot.
@@ -23,7 +23,7 @@ pub enum DirectionOfTravel {
 /// The fields of one speed bin and direction.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FieldPair {
-    /// Which way the robot goes.
+    /// Direction of travel.
     pub direction: DirectionOfTravel,
     /// The pair applies up to this speed, m/s.
     pub speed_max_mps: f32,

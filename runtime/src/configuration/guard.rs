@@ -120,7 +120,7 @@ impl RobotConfiguration {
         }
     }
 
-    /// As many as there is room for: packets of a larger lidar are refused.
+    /// As many as the capacity: packets of a larger lidar are refused.
     fn elevations_rad(&self) -> heapless::Vec<f32, PACKET_RINGS_MAX> {
         let model = self.lidar_model().unwrap_or(Model::Vlp16);
         let angles = model.ring_angles();

@@ -66,7 +66,7 @@ pub enum ScannerModel {
 }
 
 impl ScannerModel {
-    /// What it looks at, degrees, half of it to either side (book, SICK S300: Line; book, microScan3: Test message).
+    /// Field of view, degrees, half of it to either side (book, SICK S300: Line; book, microScan3: Test message).
     const fn sector_deg(self) -> f32 {
         match self {
             Self::S300 => 270.0,

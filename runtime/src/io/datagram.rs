@@ -1,7 +1,7 @@
 //! Datagrams with the time at which they arrived.
 //!
-//! `embassy-net` and the operating system offer different sockets; the lidar needs one thing only: the next datagram,
-//! and when the board saw it.
+//! `embassy-net` and the operating system offer different sockets; the lidar needs this only: the next datagram, and
+//! when the board saw it.
 
 use floorguard_types::time::Stamp;
 

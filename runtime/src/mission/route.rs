@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn reaches_the_end_of_a_square_and_stands_still() {
+    fn reaches_end_of_square_and_stands() {
         let mut follower =
             RouteFollower::new(route(&[(5.0, 0.0), (5.0, 5.0), (0.0, 5.0)], false), RouteLimits::default());
         let pose = drive(&mut follower, 60.0);
@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn an_empty_route_wants_nothing_even_when_it_repeats() {
+    fn empty_route_requests_nothing() {
         let mut follower = RouteFollower::new(route(&[], true), RouteLimits::default());
         assert_eq!(follower.wanted(Pose2::default()), Twist2::ZERO);
     }

@@ -1,4 +1,4 @@
-//! Why a device is of no use, in the words of its driver: for whoever brings it up. Nothing is decided by it.
+//! Why a device is of no use, in the words of its driver: for commissioning. Nothing is decided by it.
 
 use floorguard_drivers::microscan3::ScanError;
 use floorguard_drivers::s300::TelegramError;
@@ -19,6 +19,6 @@ pub struct Complaints {
 }
 
 impl Complaints {
-    /// Whether anybody hears of them.
-    pub const ARE_TOLD: bool = cfg!(not(target_os = "none"));
+    /// Whether they are reported at all.
+    pub const ARE_REPORTED: bool = cfg!(not(target_os = "none"));
 }

@@ -30,7 +30,7 @@ pub struct BusReport {
 }
 
 impl BusReport {
-    /// Of a base. A device that is being configured counts as at the first step, so that a report is not news at each.
+    /// Of a base. A device that is being configured counts as at the first step, so that it does not report each step.
     #[must_use]
     pub fn of(base: &ThreeWheelBase) -> Self {
         let mut names = NAMES.into_iter();

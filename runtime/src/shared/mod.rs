@@ -27,12 +27,12 @@ use floorguard_types::sensing::{DirtReading, LidarPacket, Scan};
 use floorguard_types::time::Stamp;
 use heapless::Vec;
 
-use crate::channel::{Belt, Latest, Queue};
+use crate::channel::{Latest, Queue, SlotQueue};
 use crate::tasks::FloorSight;
 
 /// Lidar packets that perception may be late by: 21 ms. Eight more do not fit beside the legs into the memory of the boards.
 pub const PACKETS_QUEUED: usize = 16;
-/// Scans that perception may be late by: it looks at all of them for legs, after each packet.
+/// Scans that perception may be late by: it searches all of them for legs, after each packet.
 pub const SCANS_QUEUED: usize = 3;
 /// Poses that perception may be late by: 640 ms at 200 Hz.
 pub const POSES_QUEUED: usize = 128;
@@ -50,7 +50,7 @@ impl QueuedPacket {
     /// Nothing. A place to decode into.
     pub const EMPTY: Self = Self { packet: LidarPacket::EMPTY, lost_before: 0 };
 
-    /// Nothing but zeros, which take no room in a program: a place to decode into, too.
+    /// Nothing but zeros, which take no space in a program: a place to decode into, too.
     const BLANK: Self = Self {
         packet: LidarPacket { stamp: Stamp::ZERO, range_unit_mm: 0, rings: 0, columns: Vec::new() },
         lost_before: 0,
@@ -67,17 +67,17 @@ impl QueuedPacket {
 pub struct Shared<M: RawMutex> {
     guard: Mutex<M, RefCell<Supervisor>>,
     motion: Mutex<M, RefCell<Motion>>,
-    /// What is permitted now. Wakes whoever talks to the drive.
+    /// What is permitted now. Wakes the task that commands the drive.
     pub decision: Latest<M, Decision>,
     /// Guard ring → perception: every lidar packet.
-    pub packets: Belt<M, QueuedPacket, PACKETS_QUEUED>,
+    pub packets: SlotQueue<M, QueuedPacket, PACKETS_QUEUED>,
     /// Guard ring → perception: where the robot was.
     pub poses: Queue<M, StampedPose, POSES_QUEUED>,
-    /// Guard ring → whoever wants the newest: where the robot is.
+    /// Guard ring → readers of the newest: where the robot is.
     pub pose: Latest<M, StampedPose>,
     /// Guard ring → perception: every scan.
-    pub scans: Belt<M, Scan, SCANS_QUEUED>,
-    /// Guard ring → whoever wants the newest: a scan.
+    pub scans: SlotQueue<M, Scan, SCANS_QUEUED>,
+    /// Guard ring → readers of the newest: a scan.
     pub scan: Latest<M, Scan>,
     /// Guard ring → mission: what the dirt sensor has counted.
     pub dirt: Latest<M, DirtReading>,
@@ -129,10 +129,10 @@ impl<M: RawMutex> Shared<M> {
             guard: const { Mutex::new(RefCell::new(Supervisor::UNCONFIGURED)) },
             motion: Mutex::new(RefCell::new(motion)),
             decision: Latest::new(),
-            packets: const { Belt::new([const { QueuedPacket::BLANK }; PACKETS_QUEUED]) },
+            packets: const { SlotQueue::new([const { QueuedPacket::BLANK }; PACKETS_QUEUED]) },
             poses: Queue::new(),
             pose: Latest::new(),
-            scans: Belt::new([const { Scan::EMPTY }; SCANS_QUEUED]),
+            scans: SlotQueue::new([const { Scan::EMPTY }; SCANS_QUEUED]),
             scan: Latest::new(),
             dirt: Latest::new(),
             advice: Latest::new(),
@@ -189,9 +189,9 @@ impl<M: RawMutex> Shared<M> {
         }
     }
 
-    /// Looks at the guard without telling it anything.
-    pub fn inspect<R>(&self, look: impl FnOnce(&Supervisor) -> R) -> R {
-        self.guard.lock(|guard| look(&guard.borrow()))
+    /// Reads the guard's state without input to it.
+    pub fn inspect<R>(&self, observe: impl FnOnce(&Supervisor) -> R) -> R {
+        self.guard.lock(|guard| observe(&guard.borrow()))
     }
 
     /// New evidence about the robot's own motion; the newest pose is made known.
@@ -244,7 +244,7 @@ impl<M: RawMutex> Shared<M> {
 
     /// Keeps why a device is of no use, where there is a console that tells it: a board pays nothing.
     pub fn complain(&self, change: impl FnOnce(&mut Complaints)) {
-        if !Complaints::ARE_TOLD {
+        if !Complaints::ARE_REPORTED {
             return;
         }
         self.complaints.lock(|complaints| {

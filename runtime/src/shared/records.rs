@@ -80,7 +80,7 @@ impl Records {
         };
         let due = self.last.is_none_or(|(stamp, last)| {
             let aged = matches!(stamp.age(decision.stamp), Age::Past(us) if us >= ENTRY_EVERY_US);
-            aged || told(&last) != told(&entry)
+            aged || reported(&last) != reported(&entry)
         });
         if due {
             self.ring.record(decision.stamp, entry);
@@ -101,6 +101,6 @@ impl Records {
 }
 
 /// What is news at once.
-const fn told(entry: &BoxEntry) -> (GuardState, Action, Option<Cause>, Option<Cause>) {
+const fn reported(entry: &BoxEntry) -> (GuardState, Action, Option<Cause>, Option<Cause>) {
     (entry.state, entry.action, entry.cause, entry.holding)
 }

@@ -70,7 +70,7 @@ pub struct RobotStatus {
 /// What happened on the links; saturating.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LinkCounters {
-    /// Lidar datagrams that are none.
+    /// Invalid lidar datagrams.
     pub lidar_refused: u32,
     /// Failures of the lidar's socket.
     pub lidar_errors: u32,

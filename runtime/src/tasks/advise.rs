@@ -13,8 +13,9 @@ pub const MOVING_PROBABILITY_MIN: f32 = 0.5;
 
 /// The advice of one sweep. Tracks beyond the capacity are the farthest ones; the guard's own sensors see those near.
 ///
-/// `learned` is what the robot has learned itself about a track: it can add a person to those that the shipped classifier
-/// and the motion tell of, and takes none away. Whom it adds takes nobody's place either, be that one farther away.
+/// `learned` is what the robot has learned itself about a track: it can add a person to those that the shipped
+/// classifier and the motion tell of, and takes none away. An added person replaces no other one, even if that one is
+/// farther away.
 pub fn advice(
     stamp: Stamp,
     tracks: &[Track],
@@ -24,11 +25,11 @@ pub fn advice(
     let mut advice = Advice { stamp, ..Advice::default() };
     let to_robot = base_in_odom.inverse();
     let confirmed = || tracks.iter().filter(|track| track.status == TrackStatus::Confirmed);
-    for track in confirmed().filter(|track| is_told(track)) {
+    for track in confirmed().filter(|track| is_reported(track)) {
         insert_by_distance(&mut advice.people, advised(track, to_robot));
     }
     let is_learned = |track: &Track| learned(track).is_some_and(|known| known >= PERSON_PROBABILITY_MIN);
-    for track in confirmed().filter(|track| !is_told(track) && is_learned(track)) {
+    for track in confirmed().filter(|track| !is_reported(track) && is_learned(track)) {
         if !advice.people.is_full() {
             insert_by_distance(&mut advice.people, advised(track, to_robot));
         }
@@ -37,7 +38,7 @@ pub fn advice(
 }
 
 /// Without anything learned.
-fn is_told(track: &Track) -> bool {
+fn is_reported(track: &Track) -> bool {
     track.person_probability >= PERSON_PROBABILITY_MIN || track.moving_probability >= MOVING_PROBABILITY_MIN
 }
 
@@ -65,7 +66,7 @@ fn insert_by_distance(people: &mut heapless::Vec<AdvisedPerson, ADVISED_PEOPLE_M
         }
         people.pop();
     }
-    // There is room now and the place is within the list.
+    // The list is not full now, and the place is within it.
     let _ = people.insert(place, person);
 }
 
@@ -88,7 +89,7 @@ mod tests {
         assert_eq!(distances, expected);
     }
 
-    /// Sixty things that stand, of which the shipped classifier calls about half people.
+    /// Sixty objects that stand, of which the shipped classifier calls about half people.
     fn crowd() -> std::boxed::Box<Tracker> {
         let mut tracker = std::boxed::Box::new(Tracker::new(TrackerParameters::DEFAULT));
         for sweep in 1..=12_u64 {
@@ -114,7 +115,7 @@ mod tests {
 
     /// Whatever was learned: everybody of whom the guard would hear without it, it hears of with it, and the same.
     #[test]
-    fn what_is_learned_adds_people_and_takes_nobody_away() {
+    fn learning_adds_people_and_removes_none() {
         let tracker = crowd();
         let of = |learned: &dyn Fn(&Track) -> Option<f32>| {
             advice(Stamp::from_micros(1_200_000), tracker.tracks(), Pose2::default(), learned).people
@@ -138,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn velocities_turn_with_the_robot_and_do_not_move_with_it() {
+    fn velocities_rotate_but_do_not_translate() {
         let to_robot = Pose2::new(3.0, 4.0, core::f32::consts::FRAC_PI_2).inverse();
         let velocity = turned(to_robot, Point2::new(0.0, 1.0));
         assert!((velocity.x_m - 1.0).abs() < 1e-6 && velocity.y_m.abs() < 1e-6);

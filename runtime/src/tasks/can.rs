@@ -1,7 +1,6 @@
 //! The CAN bus: encoders, drives and safety inputs in, the permitted command out.
 //!
-//! A decision that asks for less than the drives were last told goes out at once; one that allows more waits for the
-//! next 10 ms.
+//! A decision below the last command to the drives goes out at once; one that allows more waits for the next 10 ms.
 
 use embassy_futures::select::{Either3, select3};
 use embassy_sync::blocking_mutex::raw::RawMutex;
@@ -34,7 +33,7 @@ pub async fn can_bus<M: RawMutex>(
 ) {
     let mut ticker = Ticker::every(Duration::from_millis(TICK_MS));
     let mut steering_rad = 0.0;
-    let mut told = None;
+    let mut reported = None;
     loop {
         let mut frames = Frames::new();
         // The bus gives way before it takes a frame: a decision and a tick that are due come first. Asked before it, decisions
@@ -70,7 +69,7 @@ pub async fn can_bus<M: RawMutex>(
                 }
                 let send = &mut |frame: &CanFrame| collect(&mut frames, frame);
                 base.poll(clock::now(), &mut |event| take_in(shared, &event), send);
-                tell_changes(shared, &base, &mut told);
+                report_changes(shared, &base, &mut reported);
             }
         }
         for frame in &frames {
@@ -83,11 +82,11 @@ pub async fn can_bus<M: RawMutex>(
     }
 }
 
-/// Makes known how far the devices are, if that is news.
-fn tell_changes<M: RawMutex>(shared: &Shared<M>, base: &ThreeWheelBase, told: &mut Option<BusReport>) {
+/// Publishes the devices' progress when it changes.
+fn report_changes<M: RawMutex>(shared: &Shared<M>, base: &ThreeWheelBase, reported: &mut Option<BusReport>) {
     let report = Some(BusReport::of(base));
-    if *told != report {
-        *told = report;
+    if *reported != report {
+        *reported = report;
         report.into_iter().for_each(|report| shared.bus.publish(report));
     }
 }

@@ -1,7 +1,7 @@
-//! Runs a cleaning mission: collects what it needs to know, and makes known what it wishes.
+//! Runs a cleaning mission: collects its inputs and publishes its requested velocity.
 //!
-//! The mission is a value behind a trait, as the verdict on what moves is: the hosted robot has room for a belief of 500
-//! particles, another board may have another. Whatever it wishes, the guard permits or not.
+//! The mission is a value behind a trait, as the verdict on what moves is: the hosted robot has memory for a belief of
+//! 500 particles, another board may have another. The guard permits or refuses each request.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::{Duration, Ticker};
@@ -14,7 +14,7 @@ use super::floor_camera::FloorSight;
 use crate::clock;
 use crate::shared::{PeopleReport, Shared, StampedPose};
 
-/// How often the wish is renewed: the guard takes one of 200 ms for stale.
+/// How often the requested velocity is renewed: the guard takes one of 200 ms for stale.
 const PERIOD_MS: u64 = 50;
 
 /// What a mission learns at a moment.
@@ -44,7 +44,7 @@ pub trait CleaningMission {
     fn step(&mut self, moment: &MissionMoment<'_>) -> Twist2;
 }
 
-/// Perception ring. Runs for ever; wishes to stand when nothing is left to be done or the operator pauses.
+/// Perception ring. Runs for ever; requests to stand when nothing is left to be done or the operator pauses.
 pub async fn clean<M: RawMutex>(shared: &Shared<M>, mission: &mut impl CleaningMission) {
     let mut ticker = Ticker::every(Duration::from_millis(PERIOD_MS));
     let mut seen_scan = 0;
@@ -73,8 +73,8 @@ pub async fn clean<M: RawMutex>(shared: &Shared<M>, mission: &mut impl CleaningM
             floor: floor.as_ref(),
             is_paused: shared.is_paused(),
         };
-        let wish = mission.step(&moment);
-        let wanted = if moment.is_paused { Twist2::ZERO } else { wish };
+        let requested = mission.step(&moment);
+        let wanted = if moment.is_paused { Twist2::ZERO } else { requested };
         shared.wanted.publish((clock::now(), wanted));
     }
 }

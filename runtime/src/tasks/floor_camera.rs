@@ -1,24 +1,24 @@
-//! What the floor camera tells the rings: things on the floor ahead, and whether the floor is known at all.
+//! What the floor camera tells the rings: objects on the floor ahead, and whether the floor is known at all.
 //!
-//! It can only tighten. A thing of two centimetres in the way is no reason for an emergency stop, but none to drive over
-//! it either: the robot may be only so fast that it stands before it. Where a camera is configured and its floor is not
-//! known, nobody drives faster than the guard lets in a warning zone; a robot without one is as before.
+//! It can only tighten. An object of two centimetres on the path is no reason for an emergency stop, but none to drive
+//! over it either: the robot may be only so fast that it stands before it. Where a camera is configured and its floor
+//! is not known, nobody drives faster than the guard lets in a warning zone; a robot without one is as before.
 
 use floorguard_guard::Advice;
 use floorguard_types::geometry::Point2;
 use floorguard_types::time::{Age, Stamp};
 use heapless::Vec;
 
-/// Things in one report; more are dropped farthest first, because the nearest one decides.
-pub const THINGS_SEEN_MAX: usize = 8;
+/// Objects in one report; more are dropped farthest first, because the nearest one decides.
+pub const FLOOR_OBSTACLES_MAX: usize = 8;
 /// A sight this old says nothing any more, µs: fifteen frames of a camera at 30 Hz.
 pub const SIGHT_MAX_US: u64 = 500_000;
-/// Lower things are driven over, metres (book, Guard: Floor camera speed).
-pub const THING_HEIGHT_MIN_M: f32 = 0.014;
+/// Lower objects are driven over, metres (book, Guard: Floor camera speed).
+pub const OBSTACLE_HEIGHT_MIN_M: f32 = 0.014;
 
-/// One thing on the floor.
+/// One object on the floor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FloorThing {
+pub struct FloorObstacle {
     /// Its nearest point, in the robot's frame.
     pub position: Point2,
     /// Half of its width across the robot, metres.
@@ -32,10 +32,10 @@ pub struct FloorThing {
 pub struct FloorSight {
     /// When the picture was taken.
     pub stamp: Stamp,
-    /// False where the camera is dark, frozen, silent, or shows no floor: nobody may say that it is free or clean.
+    /// False where the camera is dark, frozen, silent, or shows no floor: it is unknown, neither free nor clean.
     pub is_known: bool,
-    /// Things that several frames showed, nearest first.
-    pub things: Vec<FloorThing, THINGS_SEEN_MAX>,
+    /// Objects that several frames showed, nearest first.
+    pub obstacles: Vec<FloorObstacle, FLOOR_OBSTACLES_MAX>,
     /// What the robot makes of it.
     pub limits: FloorLimits,
 }
@@ -51,11 +51,11 @@ pub struct FloorLimits {
     pub braking_mps2: f32,
     /// From the decision to the brake's effect, with the age of a frame, seconds.
     pub response_s: f32,
-    /// Speed over floor that nobody knows, m/s.
+    /// Speed over unknown floor, m/s.
     pub unknown_speed_mps: f32,
 }
 
-/// Keeps this far from a thing, metres.
+/// Keeps this far from an object, metres.
 const MARGIN_M: f32 = 0.05;
 
 impl FloorSight {
@@ -67,21 +67,21 @@ impl FloorSight {
         if !is_fresh || !self.is_known {
             return Some(limits.unknown_speed_mps);
         }
-        let in_the_way = self.things.iter().filter(|thing| {
-            thing.height_m >= THING_HEIGHT_MIN_M
-                && thing.position.x_m > limits.front_m - MARGIN_M
-                && thing.position.y_m.abs() - thing.half_width_m < limits.half_width_m
+        let on_path = self.obstacles.iter().filter(|obstacle| {
+            obstacle.height_m >= OBSTACLE_HEIGHT_MIN_M
+                && obstacle.position.x_m > limits.front_m - MARGIN_M
+                && obstacle.position.y_m.abs() - obstacle.half_width_m < limits.half_width_m
         });
-        let free_m = in_the_way.map(|thing| thing.position.x_m - limits.front_m - MARGIN_M);
+        let free_m = on_path.map(|obstacle| obstacle.position.x_m - limits.front_m - MARGIN_M);
         free_m.min_by(f32::total_cmp).map(|free_m| limits.stops_within_mps(free_m.max(0.0)))
     }
 }
 
 impl FloorLimits {
-    /// The speed from which the robot stands within a way: the root of `v²/2b + v t = s`.
-    fn stops_within_mps(&self, way_m: f32) -> f32 {
+    /// The speed from which the robot stands within a distance: the root of `v²/2b + v t = s`.
+    fn stops_within_mps(&self, distance_m: f32) -> f32 {
         let lost = self.braking_mps2 * self.response_s;
-        libm::sqrtf(lost * lost + 2.0 * self.braking_mps2 * way_m) - lost
+        libm::sqrtf(lost * lost + 2.0 * self.braking_mps2 * distance_m) - lost
     }
 }
 
@@ -109,32 +109,38 @@ mod tests {
     };
     const NOW: Stamp = Stamp::from_micros(10_000_000);
 
-    fn sight(things: &[(f32, f32, f32)]) -> FloorSight {
-        let thing = |(x_m, y_m, height_m): &(f32, f32, f32)| FloorThing {
+    fn sight(obstacles: &[(f32, f32, f32)]) -> FloorSight {
+        let obstacle = |(x_m, y_m, height_m): &(f32, f32, f32)| FloorObstacle {
             position: Point2::new(*x_m, *y_m),
             half_width_m: 0.03,
             height_m: *height_m,
         };
-        FloorSight { stamp: NOW, is_known: true, things: things.iter().map(thing).collect(), limits: LIMITS }
+        FloorSight {
+            stamp: NOW,
+            is_known: true,
+            obstacles: obstacles.iter().map(obstacle).collect(),
+            limits: LIMITS,
+        }
     }
 
     fn limit(sight: FloorSight) -> Option<f32> {
         with_floor(Advice::default(), Some(&sight), NOW).speed_limit_mps
     }
 
-    /// The robot stands before the nearest thing in its way; what lies beside it or is flat does not count.
+    /// The robot stops before the nearest obstacle on its path; what lies beside it or is flat does not
+    /// count.
     #[test]
-    fn stands_before_what_lies_in_the_way() {
+    fn stops_before_obstacles_on_the_path() {
         let found = limit(sight(&[(1.6, 0.2, 0.02), (1.2, 0.6, 0.05), (1.1, 0.0, 0.008)])).unwrap();
-        let way_m = found * found / (2.0 * 0.8) + found * 0.25;
-        assert!((way_m - 0.6).abs() < 1e-3, "{found} m/s needs {way_m} m");
+        let distance_m = found * found / (2.0 * 0.8) + found * 0.25;
+        assert!((distance_m - 0.6).abs() < 1e-3, "{found} m/s needs {distance_m} m");
         assert_eq!(limit(sight(&[(0.96, 0.0, 0.05)])), Some(0.0));
         assert_eq!(limit(sight(&[(1.2, 0.6, 0.05)])), None);
         assert_eq!(limit(sight(&[(0.2, 0.0, 0.05)])), None, "under the robot");
     }
 
     #[test]
-    fn floor_that_nobody_knows_is_driven_over_slowly() {
+    fn unknown_floor_is_driven_over_slowly() {
         let unknown = FloorSight { is_known: false, ..sight(&[]) };
         let old = FloorSight { stamp: Stamp::from_micros(9_400_000), ..sight(&[]) };
         let early = FloorSight { stamp: Stamp::from_micros(10_000_001), ..sight(&[]) };

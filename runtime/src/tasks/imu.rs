@@ -15,7 +15,7 @@ use crate::shared::{Complaints, Shared};
 
 /// At 115,200 baud 10 ms are 115 bytes.
 const PORTION_BYTES: usize = 128;
-/// How often the start-up looks at the clock, milliseconds.
+/// How often the start-up reads the clock, milliseconds.
 const POLL_MS: u64 = 20;
 /// Pause after a failure of the line, milliseconds.
 const RETRY_MS: u64 = 50;
@@ -30,7 +30,7 @@ pub async fn imu_input<M: RawMutex>(
 ) {
     let mut ticker = Ticker::every(Duration::from_millis(POLL_MS));
     let mut portion = [0; PORTION_BYTES];
-    let mut told = None;
+    let mut reported = None;
     loop {
         match select(line.read(&mut portion), ticker.next()).await {
             Either::First(Ok(count)) if count > 0 => {
@@ -48,9 +48,9 @@ pub async fn imu_input<M: RawMutex>(
             // One poll sends two short frames at most.
             let _ = requests.extend_from_slice(frame);
         });
-        if Complaints::ARE_TOLD && device.fault() != told {
-            told = device.fault();
-            shared.complain(|complaints| complaints.imu = told.or(complaints.imu));
+        if Complaints::ARE_REPORTED && device.fault() != reported {
+            reported = device.fault();
+            shared.complain(|complaints| complaints.imu = reported.or(complaints.imu));
         }
         if !requests.is_empty() && line.write_all(&requests).await.is_err() {
             fail(shared, FaultKind::LinkDown);
@@ -96,7 +96,7 @@ mod tests {
     use floorguard_types::geometry::Point3;
 
     #[test]
-    fn a_sensor_on_its_head_turns_the_other_way() {
+    fn inverted_sensor_turns_the_other_way() {
         let mounting = Transform3::from_mounting(Point3::new(0.3, 0.0, 0.4), core::f32::consts::PI, 0.0, 0.0);
         let sample = ImuSample { angular_radps: [0.1, 0.2, 0.3], ..ImuSample::default() };
         let [x, y, z] = in_robot_axes(&sample, &mounting).angular_radps;

@@ -1,4 +1,4 @@
-//! Lidar datagrams: each is judged by the guard before anything else looks at it.
+//! Lidar datagrams: each is judged by the guard before any other use.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::Timer;

@@ -21,7 +21,8 @@ pub use advise::PERSON_PROBABILITY_MIN;
 pub use can::can_bus;
 pub use clean::{CleaningMission, MissionMoment, clean};
 pub use floor_camera::{
-    FloorLimits, FloorSight, FloorThing, SIGHT_MAX_US, THING_HEIGHT_MIN_M, THINGS_SEEN_MAX, with_floor,
+    FLOOR_OBSTACLES_MAX, FloorLimits, FloorObstacle, FloorSight, OBSTACLE_HEIGHT_MIN_M, SIGHT_MAX_US,
+    with_floor,
 };
 pub use imu::imu_input;
 pub use inputs::{advice_input, command_input, operator_input};

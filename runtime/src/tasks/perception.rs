@@ -19,7 +19,7 @@ use crate::shared::{PeopleReport, PersonReport, QueuedPacket, Shared, SweepRepor
 /// Revolutions are cut behind the robot.
 const CUT_CDEG: u16 = 18_000;
 
-/// Judges what moves by itself. A board without room for it leaves the question open.
+/// Judges what moves by itself. A board without memory for it leaves the result unknown.
 pub trait JudgeMotion {
     /// Takes in a sweep, with its verdicts on the clusters and tracks.
     fn people<'a>(

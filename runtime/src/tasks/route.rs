@@ -8,10 +8,10 @@ use crate::clock;
 use crate::mission::RouteFollower;
 use crate::shared::Shared;
 
-/// How often the wish is renewed: the guard takes one of 200 ms for stale.
+/// How often the requested velocity is renewed: the guard takes one of 200 ms for stale.
 const PERIOD_MS: u64 = 50;
 
-/// Perception ring. Runs for ever; wishes to stand when the route has ended or the operator pauses.
+/// Perception ring. Runs for ever; requests to stand when the route has ended or the operator pauses.
 pub async fn drive_route<M: RawMutex>(shared: &Shared<M>, mut follower: RouteFollower) {
     let mut ticker = Ticker::every(Duration::from_millis(PERIOD_MS));
     loop {

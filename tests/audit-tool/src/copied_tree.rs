@@ -81,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_added_module_is_named_alike_within_and_without_its_crate() {
+    fn added_module_has_one_name_everywhere() {
         let library = library_with("#![no_std]\n#[cfg(test)]\nextern crate std;\npub mod a;\n", "extra");
         assert_eq!(library.matches("extern crate std;").count(), 1, "{library}");
         let own_name = path_of("extra").split("::").nth(1).map(str::to_owned).expect("a crate");

@@ -89,7 +89,7 @@ fn complaint(found: &Dependency, manifest: &str) -> Option<Finding> {
     let what = match (found.reason.is_empty(), allowed) {
         (false, true) => return None,
         (true, _) => "has no reason: write one behind it in the table of the workspace",
-        (false, false) => "has a licence that nobody has looked at",
+        (false, false) => "has an unreviewed licence",
     };
     let name = found.name.split(' ').next().unwrap_or_default();
     let line =

@@ -71,7 +71,7 @@ mod tests {
     use super::test_executable;
 
     #[test]
-    fn the_test_is_found_among_the_programs_that_are_built_with_it() {
+    fn test_is_found_among_built_programs() {
         let program = r#"{"profile":{"test":false},"executable":"/a/floorguard-wired"}"#;
         let test = r#"{"profile":{"test":true},"executable":"/a/faults-12"}"#;
         let library = r#"{"profile":{"test":false},"executable":null}"#;

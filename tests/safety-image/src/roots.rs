@@ -11,7 +11,7 @@ use crate::{drivers, perception};
 
 /// Reaches every root; the linker starts here. The image is read, never run, so the arguments do not matter.
 #[unsafe(no_mangle)]
-pub extern "C" fn entry(state: Option<&mut Everything>) {
+pub extern "C" fn entry(state: Option<&mut ImageState>) {
     let Some(state) = state else { return };
     let now = state.now;
     root_guard_scan(&mut state.guard, &state.scan, now);
@@ -26,7 +26,7 @@ pub extern "C" fn entry(state: Option<&mut Everything>) {
 }
 
 /// All state of the image.
-pub struct Everything {
+pub struct ImageState {
     guard: Supervisor,
     built: Option<Supervisor>,
     config: GuardConfig,
@@ -58,7 +58,7 @@ fn root_guard_inputs(guard: &mut Supervisor, inputs: &DiscreteInputs, now: Stamp
 }
 
 #[inline(never)]
-fn root_guard_motion(state: &mut Everything, now: Stamp) -> Decision {
+fn root_guard_motion(state: &mut ImageState, now: Stamp) -> Decision {
     state.guard.on_wheels(state.wanted, now, now);
     state.guard.on_imu(&state.imu, now);
     state.guard.on_drive(&state.drive, now);

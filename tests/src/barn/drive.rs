@@ -1,4 +1,4 @@
-//! One run: the judge moves the robot, looks whether it touches anything, and plays the scanner.
+//! One run: the judge moves the robot, checks whether it touches anything, and plays the scanner.
 
 use floorguard_navigation::costmap::Beam;
 use floorguard_types::geometry::{Point2, Twist2};
@@ -13,8 +13,8 @@ const BEAMS: u32 = 720;
 const VIEW_RAD: f32 = 1.5 * std::f32::consts::PI;
 const RANGE_M: f32 = 30.0;
 const NOISE_M: f32 = 0.01;
-/// The judge looks this often between two commands.
-const LOOKS: u32 = 5;
+/// The judge samples this often between two commands.
+const SAMPLES: u32 = 5;
 const TIME_MAX_S: f32 = 100.0;
 /// The goal counts as reached within, metres.
 const REACHED_M: f32 = 1.0;
@@ -59,8 +59,8 @@ pub fn drive(world: &World, which: Which, seed: u64) -> Outcome {
         let beams: Vec<Beam> =
             (0..BEAMS).map(|beam| scan(world, (pose.heading_rad, place), beam, &mut random)).collect();
         let request = stack.command(pose, twist, &beams);
-        for _ in 0..LOOKS {
-            let step_s = PERIOD_S / LOOKS as f32;
+        for _ in 0..SAMPLES {
+            let step_s = PERIOD_S / SAMPLES as f32;
             twist = DRIVE.reachable(twist, request, step_s);
             pose = pose.after(twist, step_s);
             let touches =

@@ -1,4 +1,5 @@
-//! Where nothing is free any more: back out along the way the robot came, and think that place dearer from then on.
+//! Where nothing is free any more: back out along the way the robot came, and think that place more expensive from
+//! then on.
 
 use floorguard_navigation::path::{FollowLimits, FollowState, PathFollower};
 use floorguard_types::geometry::{Pose2, Twist2};
@@ -48,21 +49,22 @@ impl Recovery {
                 ..MovingPerson::default()
             });
             let back = self.trail.iter().rev().take(BACK + 1);
-            let way = std::iter::once(&pose).chain(back);
-            let way: Vec<Waypoint> = way.map(|at| Waypoint { pose_in_map: *at, gear: Gear::Back }).collect();
-            let follower = PathFollower::new(&way);
+            let path = std::iter::once(&pose).chain(back);
+            let path: Vec<Waypoint> =
+                path.map(|at| Waypoint { pose_in_map: *at, gear: Gear::Back }).collect();
+            let follower = PathFollower::new(&path);
             self.trail.truncate(self.trail.len().saturating_sub(BACK));
-            self.backing = Some((way, follower));
+            self.backing = Some((path, follower));
         }
         Twist2::ZERO
     }
 
     /// While it backs out: the velocity.
     pub(super) fn backing(&mut self, pose: Pose2) -> Option<Twist2> {
-        let (way, follower) = self.backing.as_mut()?;
+        let (path, follower) = self.backing.as_mut()?;
         let limits =
             FollowLimits { look_ahead_m: 0.2, reached_m: 0.06, turn_radps: 1.0, ..FollowLimits::DEFAULT };
-        if let FollowState::Drive(twist) = follower.follow(way, pose, &limits) {
+        if let FollowState::Drive(twist) = follower.follow(path, pose, &limits) {
             return Some(twist);
         }
         self.backing = None;

@@ -80,7 +80,7 @@ fn measure(input: &'static str, datagrams: &[Datagram], height_m: Option<f32>) -
         row("decode", decode),
         row("sweep", assemble),
         row("floor", times.floor),
-        row("clusters", (times.things - times.floor).max(0.0)),
+        row("clusters", (times.clusters - times.floor).max(0.0)),
         row("motion", times.motion),
         row("people", times.people),
         row("track", times.track),
@@ -129,7 +129,7 @@ fn assemble(packets: &[LidarPacket]) -> f64 {
 struct Perception {
     floor: f64,
     /// Floor and clusters.
-    things: f64,
+    clusters: f64,
     motion: f64,
     /// Candidates, their shapes and the classifier.
     people: f64,
@@ -148,9 +148,9 @@ fn perception(sweeps: &[Box<Sweep>], context: &SweepContext) -> Perception {
         let mut motion = Box::new(MotionDetector::new(MotionParameters::FIXED));
         let mut tracker = Box::new(Tracker::new(TrackerParameters::default()));
         for sweep in sweeps {
-            let [floor, things, moving, people, track, whole] = &mut times;
+            let [floor, clusters, moving, people, track, whole] = &mut times;
             floor.push(nanoseconds(|| mask.find(black_box(sweep), &angles, &context.sensor_in_base)));
-            things.push(nanoseconds(|| staged.find_things(black_box(sweep), context)));
+            clusters.push(nanoseconds(|| staged.find_clusters(black_box(sweep), context)));
             moving.push(nanoseconds(|| {
                 black_box(motion.process(&staged, black_box(sweep), context));
             }));
@@ -162,6 +162,6 @@ fn perception(sweeps: &[Box<Sweep>], context: &SweepContext) -> Perception {
             }));
         }
     }
-    let [floor, things, motion, people, track, whole] = times.map(median);
-    Perception { floor, things, motion, people, track, whole }
+    let [floor, clusters, motion, people, track, whole] = times.map(median);
+    Perception { floor, clusters, motion, people, track, whole }
 }

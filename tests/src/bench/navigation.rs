@@ -193,13 +193,13 @@ fn across_a_building() -> Option<NavigationTime> {
     };
     let mut path = vec![Waypoint::default(); 10_000];
     let (ms, plan) = fastest_ms(5, || planner.plan(&request, &mut path));
-    let way_m = geometry.centre(start).distance(geometry.centre(goal));
+    let path_m = geometry.centre(start).distance(geometry.centre(goal));
     let note = match plan {
         Ok(plan) => format!(
             "{:.0} m apart, {:.0} s of driving, {} poses looked at; at most 50 ms",
-            way_m,
+            path_m,
             plan.cost,
-            planner.lattice().looked_at()
+            planner.lattice().examined()
         ),
         Err(failure) => format!("{failure}"),
     };

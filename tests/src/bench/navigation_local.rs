@@ -110,8 +110,8 @@ fn predictions() -> NavigationTime {
     let mut trails = vec![PersonTrail::default(); 30];
     for step in 0..40 {
         for (number, trail) in trails.iter_mut().enumerate() {
-            let way_m = 0.4 * step as f32 + random.uniform_between(-0.05, 0.05);
-            predictor.observe(trail, Point2::new(way_m - 8.0, number as f32 - 15.0));
+            let path_m = 0.4 * step as f32 + random.uniform_between(-0.05, 0.05);
+            predictor.observe(trail, Point2::new(path_m - 8.0, number as f32 - 15.0));
         }
         predictor.end_step();
     }

@@ -132,7 +132,7 @@ impl OurTime {
         Self { task, input, ns: median(times), fastest_ns, note }
     }
 
-    pub(super) const fn told(task: &'static str, input: String, ns: f64, note: String) -> Self {
+    pub(super) const fn reported(task: &'static str, input: String, ns: f64, note: String) -> Self {
         Self { task, input, ns, fastest_ns: ns, note }
     }
 }
@@ -184,7 +184,7 @@ fn detector(folder: &Path, name: &str, sweep: &Sweep) -> anyhow::Result<OurTime>
     let mut pipeline = Box::new(PeoplePipeline::new(angles));
     let round = |_| {
         nanoseconds(|| {
-            pipeline.find_things(black_box(sweep), &context);
+            pipeline.find_clusters(black_box(sweep), &context);
             pipeline.find_detections(sweep, &context);
         })
     };
@@ -212,7 +212,7 @@ fn clusters(folder: &Path, name: &str, sweep: &Sweep) -> anyhow::Result<OurTime>
     let mut mask = Box::new(FloorMask::new());
     mask.find(sweep, &angles, &context.sensor_in_base);
     let times =
-        (0..ROUNDS).map(|_| nanoseconds(|| pipeline.find_things(black_box(sweep), &context))).collect();
+        (0..ROUNDS).map(|_| nanoseconds(|| pipeline.find_clusters(black_box(sweep), &context))).collect();
     let mut points = Vec::new();
     for_each_return(sweep, height_m, |column, ring, point| {
         if !mask.is_floor(column, ring) {

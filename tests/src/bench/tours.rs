@@ -39,7 +39,7 @@ impl From<OurTour> for OurTime {
     fn from(tour: OurTour) -> Self {
         let unit_mm = distances_unit_mm();
         let note = format!("closed tour of {:.0} units of {unit_mm:.1} mm", tour.length);
-        Self::told("tour", tour.input, tour.ms * 1e6, note)
+        Self::reported("tour", tour.input, tour.ms * 1e6, note)
     }
 }
 
@@ -55,7 +55,7 @@ impl Distances for Matrix {
     }
 }
 
-/// Cells drawn from those that the robot reaches, and the way between each two of them.
+/// Cells drawn from those that the robot reaches, and the path between each two of them.
 fn matrix(floor: &Floor, count: usize) -> Option<Matrix> {
     let mut reachable: Vec<usize> = (0..floor.cells.cell_count()).filter(|&i| floor.reachable[i]).collect();
     let mut random = Pcg32::new(7, count as u64);

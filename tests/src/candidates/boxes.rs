@@ -1,4 +1,4 @@
-//! Boxes of returns: of people, of things, and how much two of them overlap.
+//! Boxes of returns: of people, of objects, and how much two of them overlap.
 
 use floorguard_perception::people::{RingAngles, SweepContext};
 use floorguard_sim::Truth;

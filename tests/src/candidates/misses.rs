@@ -8,7 +8,7 @@ use floorguard_sim::people::PersonKind;
 use super::OVERLAP_MIN;
 use super::boxes::Bounds;
 
-/// A thing that shares less than this with somebody has nothing to do with the person.
+/// An object that shares less than this with somebody has nothing to do with the person.
 const NOTHING: f32 = 0.1;
 /// Distances of the table, metres.
 const BANDS_M: [f32; 4] = [4.0, 8.0, 12.0, 20.0];
@@ -18,9 +18,9 @@ const BANDS_M: [f32; 4] = [4.0, 8.0, 12.0, 20.0];
 pub enum Miss {
     /// A box that fits, which was not taken for a person.
     NotBelieved,
-    /// A thing that fits, which was no candidate.
+    /// An object that fits, which was no candidate.
     Refused,
-    /// A thing that is larger: one with what is beside, or with what the person pushes.
+    /// An object that is larger: one with what is beside, or with what the person pushes.
     Merged,
     /// Only parts.
     InParts,
@@ -37,7 +37,7 @@ impl Miss {
         (Self::Nothing, "nothing found"),
     ];
 
-    fn of(label: &Bounds, detections: &[Bounds], things: &[Bounds]) -> Self {
+    fn of(label: &Bounds, detections: &[Bounds], clusters: &[Bounds]) -> Self {
         let best = |boxes: &[Bounds]| {
             let overlaps = boxes.iter().map(|bounds| (label.overlap(bounds), *bounds));
             overlaps.max_by(|a, b| a.0.total_cmp(&b.0))
@@ -46,9 +46,11 @@ impl Miss {
             return Self::NotBelieved;
         }
         let volume = |bounds: &Bounds| bounds.sides_m().iter().product::<f32>();
-        match best(things) {
+        match best(clusters) {
             Some((overlap, _)) if overlap >= OVERLAP_MIN => Self::Refused,
-            Some((overlap, thing)) if overlap >= NOTHING && volume(&thing) > volume(label) => Self::Merged,
+            Some((overlap, cluster)) if overlap >= NOTHING && volume(&cluster) > volume(label) => {
+                Self::Merged
+            }
             Some((overlap, _)) if overlap >= NOTHING => Self::InParts,
             _ => Self::Nothing,
         }
@@ -64,18 +66,18 @@ pub struct Misses {
 }
 
 impl Misses {
-    /// A label, whether it was claimed, and what else there was: detections and things.
+    /// A label, whether it was claimed, and what else there was: detections and objects.
     pub fn note(
         &mut self,
         (kind, label): (PersonKind, &Bounds),
         claimed: bool,
-        (detections, things): (&[Bounds], &[Bounds]),
+        (detections, clusters): (&[Bounds], &[Bounds]),
     ) {
         let band = BANDS_M.iter().position(|far_m| label.distance_m() < *far_m).unwrap_or(3);
         self.bands[band][0] += u64::from(!claimed);
         self.bands[band][1] += 1;
         if !claimed {
-            let miss = Miss::of(label, detections, things);
+            let miss = Miss::of(label, detections, clusters);
             *self.causes.entry((miss, format!("{kind:?}").to_lowercase())).or_default() += 1;
         }
     }

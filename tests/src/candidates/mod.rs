@@ -1,4 +1,4 @@
-//! Which things are people, after the published Table 4: `cargo xtask reproduce candidates`.
+//! Which objects are people, after the published Table 4: `cargo xtask reproduce candidates`.
 //!
 //! The protocol of the book, People: Evaluation: up to 415 labelled people a scene, a claim is right where its box
 //! overlaps a label's by half of their joint volume, one to one. A claim on somebody who has too few returns for a
@@ -99,7 +99,7 @@ impl Score {
     }
 }
 
-/// Ours and the published detector's, and whom we missed.
+/// Ours and the published detector's, and the people that ours missed.
 pub type SweepScores = ([Score; 2], Misses);
 
 /// The published detector: nested rings, then the volume (book, People: Published clusters; book, People: Candidates).
@@ -197,7 +197,7 @@ fn one_run(seed: u64) -> anyhow::Result<Vec<SweepScores>> {
     Ok(scores)
 }
 
-/// What one sweep told: ours, and the published detector; and whom we missed.
+/// The detections of one sweep: ours, and those of the published detector; and the people that ours missed.
 fn sweep_scores(
     (pipeline, tracks): (&PeoplePipeline, &[Point2]),
     (sweep, context): (&Sweep, &SweepContext),
@@ -214,11 +214,11 @@ fn sweep_scores(
     let detections: Vec<Bounds> = (0..pipeline.detections().len())
         .filter_map(|index| pipeline.body_bounds(sweep, context, index).map(as_box))
         .collect();
-    let things: Vec<Bounds> =
-        pipeline.things().iter().map(|thing| as_box([thing.lower, thing.upper])).collect();
+    let clusters: Vec<Bounds> =
+        pipeline.clusters().iter().map(|cluster| as_box([cluster.lower, cluster.upper])).collect();
     let mut misses = Misses::default();
     for (index, (kind, label)) in labels.people.iter().enumerate() {
-        misses.note((*kind, label), claimed.contains(&index), (&detections, &things));
+        misses.note((*kind, label), claimed.contains(&index), (&detections, &clusters));
     }
     ([score, Score::of(&theirs, &labels).0], misses)
 }
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn only_claims_on_people_without_a_label_are_left_out() {
+    fn claims_on_unlabelled_people_are_left_out() {
         let people = vec![(PersonKind::Adult, cube(2.0, 0.0))];
         let labels = Labels { people, unlabelled: vec![(Point2::new(5.2, 0.2), 0.25)] };
         let count = |claims: &[Bounds]| {
@@ -277,7 +277,7 @@ mod tests {
         };
         assert_eq!(count(&[cube(2.0, 0.0)]), (1, 1, 1));
         assert_eq!(count(&[cube(2.0, 0.0), cube(5.0, 0.0)]), (1, 1, 1), "somebody with too few returns");
-        assert_eq!(count(&[cube(2.0, 0.0), cube(8.0, 0.0)]), (1, 2, 1), "a thing");
+        assert_eq!(count(&[cube(2.0, 0.0), cube(8.0, 0.0)]), (1, 2, 1), "an object");
         assert_eq!(count(&[cube(2.0, 0.0), cube(2.05, 0.0)]), (1, 2, 1), "twice the same");
         assert_eq!(count(&[cube(2.3, 0.0)]), (0, 1, 1), "the wrong box");
     }

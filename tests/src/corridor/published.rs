@@ -66,7 +66,7 @@ impl Published {
 
     /// Clusters within the published crop.
     fn clusters(&self, people: &PeoplePipeline, sweep: &Sweep, context: &SweepContext) -> Vec<Cluster> {
-        let mut points: Vec<Vec<Point>> = vec![Vec::new(); people.things().len()];
+        let mut points: Vec<Vec<Point>> = vec![Vec::new(); people.clusters().len()];
         let columns = sweep.used_columns();
         let duration_s = f64::from(sweep.end_stamp.seconds_since(sweep.stamp));
         for (index, column) in columns.iter().enumerate().filter(|(_, column)| column.measured) {
@@ -78,8 +78,8 @@ impl Published {
                 let (x, y) =
                     (azimuth.cos() * elevation.cos() * range_m, -azimuth.sin() * elevation.cos() * range_m);
                 let kept = *raw != 0 && x.abs().max(y.abs()) <= f64::from(self.crop_m);
-                let thing = people.thing_of(index, ring).filter(|_| kept);
-                if let Some(list) = thing.and_then(|thing| points.get_mut(thing)) {
+                let cluster = people.cluster_of(index, ring).filter(|_| kept);
+                if let Some(list) = cluster.and_then(|cluster| points.get_mut(cluster)) {
                     list.push(placed([x, y, range_m * elevation.sin()], before_end_s, context));
                 }
             }

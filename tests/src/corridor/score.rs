@@ -4,7 +4,7 @@ use floorguard_types::geometry::Point2;
 
 use super::Moment;
 
-/// A moving thing this near to the walker is the walker, metres: half a body and half a sweep's way.
+/// A moving object this near to the walker is the walker, metres: half a body and half a sweep's travel.
 const MATCH_M: f32 = 0.5;
 /// One this near to where the walker was up to [`WAKE_S`] ago is a late report of him, no false alarm.
 const WAKE_M: f32 = 0.7;
@@ -15,9 +15,9 @@ const WAKE_S: f64 = 0.5;
 pub struct Score {
     /// Sweeps in which the walker was within the area.
     pub present: u32,
-    /// Of them those in which a moving thing was found where he was.
+    /// Of them those in which a moving object was found where he was.
     pub found: u32,
-    /// Moving things elsewhere, summed over the sweeps.
+    /// Moving objects elsewhere, summed over the sweeps.
     pub false_positives: u32,
     /// Sweeps.
     pub sweeps: u32,
@@ -36,11 +36,11 @@ impl Score {
         let Some(now) = truth.last() else { return };
         if is_present {
             self.present += 1;
-            self.found += u32::from(moving.iter().any(|thing| thing.distance(now.walker) <= MATCH_M));
+            self.found += u32::from(moving.iter().any(|object| object.distance(now.walker) <= MATCH_M));
         }
         let recent = |moment: &&Moment| now.time_s - moment.time_s <= WAKE_S;
-        let is_false = |thing: &&Point2| {
-            !truth.iter().rev().take_while(recent).any(|moment| moment.walker.distance(**thing) <= WAKE_M)
+        let is_false = |object: &&Point2| {
+            !truth.iter().rev().take_while(recent).any(|moment| moment.walker.distance(**object) <= WAKE_M)
         };
         self.false_positives += moving.iter().filter(is_false).count() as u32;
     }

@@ -16,7 +16,7 @@ const BODY_M: f32 = 0.3;
 const POSITION_NOISE_M: f32 = 0.005;
 const HEADING_NOISE_RAD: f32 = 0.1 * std::f32::consts::PI / 180.0;
 
-/// Sweeps of a run with what the odometry said of them and what is true.
+/// Sweeps of a run with their odometry and the ground truth.
 pub struct Run {
     /// The lidar on the robot.
     pub sensor_in_base: Transform3,
@@ -107,12 +107,12 @@ pub fn judge(run: &Run, method: Method, parameters: MotionParameters) -> Score {
         let lidar = run.sensor_in_base.translation;
         let lidar_in_odom = moment.robot.compose(Pose2::new(lidar.x_m, lidar.y_m, 0.0));
         let walker = lidar_in_odom.inverse().transform(moment.walker);
-        people.find_things(sweep, context);
+        people.find_clusters(sweep, context);
         let moving: Vec<Point2> = match &mut published {
             Some(published) => published.process(&people, sweep, context),
             None => {
                 let moving = motion.process(&people, sweep, context).moving.iter();
-                moving.map(|thing| Point2::new(thing.centroid.x_m, thing.centroid.y_m)).collect()
+                moving.map(|object| Point2::new(object.centroid.x_m, object.centroid.y_m)).collect()
             }
         };
         score.enter(&moving, &truth, method.covers(walker));

@@ -1,4 +1,4 @@
-//! Corridor, clutter, walker and the robot's way, all from one seed.
+//! Corridor, clutter, walker and the robot's path, all from one seed.
 
 use floorguard_sim::people::{Build, Person, PersonKind};
 use floorguard_sim::robot::{RobotBody, RobotParameters};

@@ -42,7 +42,7 @@ impl Lost {
 }
 
 /// One person of a frame: number, place, in sight.
-pub type Somebody = (u64, Point2, bool);
+pub type ObservedPerson = (u64, Point2, bool);
 
 #[derive(Clone, Copy, Debug)]
 struct Owner {
@@ -62,8 +62,8 @@ pub struct Causes {
 }
 
 impl Causes {
-    /// One sweep: everybody, all tracks that exist (also those not told), and the pairs of the metric.
-    pub fn frame(&mut self, people: &[Somebody], tracks: &[(u64, Point2)], pairs: &BTreeMap<u64, u64>) {
+    /// One sweep: everybody, all tracks that exist (also unreported ones), and the pairs of the metric.
+    pub fn frame(&mut self, people: &[ObservedPerson], tracks: &[(u64, Point2)], pairs: &BTreeMap<u64, u64>) {
         for (person, track) in pairs {
             let before = self.partners.insert(*person, *track);
             if let Some(old) = before.filter(|old| old != track) {
@@ -77,9 +77,9 @@ impl Causes {
         self.follow(people, tracks);
     }
 
-    fn cause(&self, person: u64, old: u64, people: &[Somebody], tracks: &[(u64, Point2)]) -> Lost {
+    fn cause(&self, person: u64, old: u64, people: &[ObservedPerson], tracks: &[(u64, Point2)]) -> Lost {
         let Some((_, place)) = tracks.iter().find(|(id, _)| *id == old) else { return Lost::Forgotten };
-        let me = people.iter().find(|somebody| somebody.0 == person);
+        let me = people.iter().find(|other| other.0 == person);
         if me.is_some_and(|me| me.1.distance(*place) < NEAR_M)
             && self.owners.get(&old).is_none_or(|owner| owner.person == person)
         {
@@ -89,13 +89,11 @@ impl Causes {
     }
 
     /// A track stays with its person while it is near; else it goes to the nearest.
-    fn follow(&mut self, people: &[Somebody], tracks: &[(u64, Point2)]) {
+    fn follow(&mut self, people: &[ObservedPerson], tracks: &[(u64, Point2)]) {
         for (id, place) in tracks {
             let before = self.owners.get(id).copied();
             let stays = before.is_some_and(|owner| {
-                people
-                    .iter()
-                    .any(|somebody| somebody.0 == owner.person && somebody.1.distance(*place) < NEAR_M)
+                people.iter().any(|other| other.0 == owner.person && other.1.distance(*place) < NEAR_M)
             });
             let nearest = people.iter().min_by(|a, b| a.1.distance(*place).total_cmp(&b.1.distance(*place)));
             let Some(nearest) = nearest.filter(|nearest| nearest.1.distance(*place) < NEAR_M) else {
@@ -106,7 +104,7 @@ impl Causes {
             };
             let person = if stays { before.map_or(nearest.0, |owner| owner.person) } else { nearest.0 };
             if let Some(owner) = before.filter(|owner| owner.person != person) {
-                let in_sight = people.iter().any(|somebody| somebody.0 == owner.person && somebody.2);
+                let in_sight = people.iter().any(|other| other.0 == owner.person && other.2);
                 let cause = if owner.place.distance(*place) > LEAP_M {
                     Lost::GivenAway
                 } else if in_sight {

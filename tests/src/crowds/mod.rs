@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 pub use causes::{Causes, Lost};
 pub use play::{Followers, Following, Seen, follow, play, play_all};
-pub use scenes::{CROWDS, CrowdScene, Ways};
+pub use scenes::{CROWDS, CrowdScene, WalkPattern};
 
 /// Seconds of each run.
 pub const SECONDS: u64 = 30;
@@ -29,15 +29,15 @@ const MOTA_MIN: f64 = 0.85;
 const SWITCHES_PER_PERSON_MINUTE_MAX: f64 = 1.0;
 const ACQUIRED_S_MAX: f64 = 0.3;
 /// What is followed with: the cheapest pair first, joint probabilities, these with the legs that the S300 sees, and all
-/// that without a look at anybody.
+/// that without appearance.
 const DEFAULT: TrackerParameters = TrackerParameters::DEFAULT;
-const WAYS: [(&str, TrackerParameters, bool); 4] = [
+const METHODS: [(&str, TrackerParameters, bool); 4] = [
     ("NN", TrackerParameters { association: Association::Nearest, ..DEFAULT }, false),
     ("NNJPDA", DEFAULT, false),
     ("+ legs", DEFAULT, true),
-    ("- looks", TrackerParameters::WITHOUT_LOOKS, true),
+    ("- appearance", TrackerParameters::WITHOUT_APPEARANCE, true),
 ];
-/// The way of the robot, which uses all that it has.
+/// The method of the robot, which uses all of its inputs.
 const OURS: usize = 2;
 
 /// All runs of one crowd with one tracker, added up.
@@ -125,13 +125,13 @@ impl Total {
     }
 }
 
-/// Follows `seeds` crowds of a scene; one total for each way: NN, NNJPDA, NNJPDA with lidar and scanner, the same without
-/// a look at anybody.
+/// Follows `seeds` crowds of a scene; one total for each method: NN, NNJPDA, NNJPDA with lidar and scanner, the same
+/// without appearance.
 ///
 /// # Errors
 /// None in practice: the scenes are built in.
 pub fn totals(scene: &CrowdScene, seeds: u64, seconds: u64) -> anyhow::Result<[Total; 4]> {
-    let trackers = WAYS.map(|(_, parameters, legs)| (parameters, legs));
+    let trackers = METHODS.map(|(_, parameters, legs)| (parameters, legs));
     let runs: Vec<Vec<Following>> = (SEED..SEED + seeds)
         .into_par_iter()
         .map(|seed| follow(scene, (seed, seconds), &trackers))
@@ -179,14 +179,14 @@ pub fn crowds(seeds: u64, folder: &Path) -> anyhow::Result<(String, bool)> {
         let mut causes: BTreeMap<Lost, [u32; 2]> = BTreeMap::new();
         for scene in CROWDS.map(|scene| CrowdScene { varied, ..scene }) {
             let totals = totals(&scene, seeds, SECONDS)?;
-            for ((name, ..), total) in WAYS.iter().zip(&totals) {
+            for ((name, ..), total) in METHODS.iter().zip(&totals) {
                 text.push_str(&total.line(scene.name, name));
             }
             let ours = &totals[OURS];
             add_causes(&mut causes, &ours.causes);
             // Real people differ; those who do not are there to show what it is worth.
             holds &= !varied || ours.holds();
-            eprint!("{}", ours.line(scene.name, WAYS[OURS].0));
+            eprint!("{}", ours.line(scene.name, METHODS[OURS].0));
         }
         text.push_str(&causes_text(&causes));
     }

@@ -15,7 +15,7 @@ use floorguard_types::geometry::{Point2, Point3, Pose2, Transform3, Twist2};
 use floorguard_types::sensing::{Scan, Sweep};
 use floorguard_types::time::Stamp;
 
-use super::causes::{Causes, Somebody};
+use super::causes::{Causes, ObservedPerson};
 use super::scenes::CrowdScene;
 use super::sight::shares_in_sight;
 
@@ -27,7 +27,7 @@ const SEEN_MIN: f32 = 0.34;
 const GATE_M: f64 = 0.5;
 /// A track this near to a hidden person is not wrong, metres.
 const HIDDEN_M: f32 = 1.0;
-/// The world moves on by this between two looks at the robot's pose, µs.
+/// The world moves on by this between two samples of the robot's pose, µs.
 const STEP_US: u64 = 1_000;
 /// Poses kept: 0.2 s, because a sweep is handed out when its last packet has come.
 const POSES: usize = 200;
@@ -71,7 +71,7 @@ pub fn follow(
         simulation.tow(TOWED.0, TOWED.1);
     }
     let mut followers = Followers::new(trackers);
-    play_all(&mut simulation, seconds, &mut |seen, truth| followers.look(&seen, truth));
+    play_all(&mut simulation, seconds, &mut |seen, truth| followers.observe(&seen, truth));
     Ok(followers.finish())
 }
 
@@ -89,14 +89,14 @@ impl Followers {
     }
 
     /// Lets all of them look, and compares what they say with the truth.
-    pub fn look(&mut self, seen: &Seen<'_>, truth: &Truth) {
+    pub fn observe(&mut self, seen: &Seen<'_>, truth: &Truth) {
         match seen {
             Seen::Sweep(sweep, context) => {
                 let mount = context.sensor_in_base.translation;
-                let eye = truth.robot.transform(Point2::new(mount.x_m, mount.y_m));
-                let shares = shares_in_sight(truth, eye);
+                let viewpoint = truth.robot.transform(Point2::new(mount.x_m, mount.y_m));
+                let shares = shares_in_sight(truth, viewpoint);
                 for follower in &mut self.followers {
-                    follower.take(sweep, context, (truth, &shares, eye));
+                    follower.take(sweep, context, (truth, &shares, viewpoint));
                 }
             }
             Seen::Scan(scan, scanner_in_odom) => {
@@ -118,7 +118,7 @@ impl Followers {
 /// What becomes of a sweep, where it was taken, and the truth at its end.
 pub type Sink<'a> = &'a mut dyn FnMut(&Sweep, &SweepContext, &Truth);
 
-/// What a robot looks at.
+/// The input of a robot.
 pub enum Seen<'a> {
     /// A whole sweep, and where it was taken.
     Sweep(&'a Sweep, &'a SweepContext),
@@ -212,7 +212,7 @@ impl Follower {
         &mut self,
         sweep: &Sweep,
         context: &SweepContext,
-        (truth, shares, eye): (&Truth, &[f32], Point2),
+        (truth, shares, viewpoint): (&Truth, &[f32], Point2),
     ) {
         let output = self.pipeline.process(sweep, context);
         let counts = |track: &&Track| {
@@ -225,7 +225,7 @@ impl Follower {
             .map(|track| (u64::from(track.id), track.state.position))
             .collect();
         let people = truth.people.iter().zip(shares);
-        let is_seen = |share: f32, place: Point2| share >= SEEN_MIN && place.distance(eye) < RANGE_M;
+        let is_seen = |share: f32, place: Point2| share >= SEEN_MIN && place.distance(viewpoint) < RANGE_M;
         let seen: Vec<(u64, Point2)> = people
             .clone()
             .filter(|(person, share)| is_seen(**share, person.position))
@@ -238,8 +238,9 @@ impl Follower {
         };
         let near_seen =
             |place: Point2| seen.iter().any(|(_, person)| f64::from(person.distance(place)) <= GATE_M);
-        tracks
-            .retain(|(_, place)| near_seen(*place) || place.distance(eye) < RANGE_M && !near_hidden(*place));
+        tracks.retain(|(_, place)| {
+            near_seen(*place) || place.distance(viewpoint) < RANGE_M && !near_hidden(*place)
+        });
         let ids = |list: &[(u64, Point2)]| -> Vec<u64> { list.iter().map(|(id, _)| *id).collect() };
         self.mot.frame_by_distance(&ids(&seen), &ids(&tracks), |object, track| {
             let distance_m = f64::from(seen[object].1.distance(tracks[track].1));
@@ -247,7 +248,7 @@ impl Follower {
         });
         let all: Vec<(u64, Point2)> =
             output.tracks.iter().map(|track| (u64::from(track.id), track.state.position)).collect();
-        let everybody: Vec<Somebody> = people
+        let everybody: Vec<ObservedPerson> = people
             .clone()
             .map(|(person, share)| (u64::from(person.id), person.position, is_seen(*share, person.position)))
             .collect();

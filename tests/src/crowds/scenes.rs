@@ -14,7 +14,7 @@ pub struct CrowdScene {
     /// How many.
     pub people: u32,
     /// Where they walk.
-    pub ways: Ways,
+    pub pattern: WalkPattern,
     /// Columns and a partition stand in the hall.
     pub columns: bool,
     /// The robot drives a circle of about 3 m instead of standing.
@@ -25,7 +25,7 @@ pub struct CrowdScene {
 
 /// Where people walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ways {
+pub enum WalkPattern {
     /// From anywhere to anywhere; one in eight stands.
     Milling,
     /// Two streams cross in front of the robot.
@@ -37,7 +37,7 @@ pub const CROWDS: [CrowdScene; 7] = [
     CrowdScene {
         name: "5 milling",
         people: 5,
-        ways: Ways::Milling,
+        pattern: WalkPattern::Milling,
         columns: false,
         drives: false,
         varied: false,
@@ -45,7 +45,7 @@ pub const CROWDS: [CrowdScene; 7] = [
     CrowdScene {
         name: "15 milling",
         people: 15,
-        ways: Ways::Milling,
+        pattern: WalkPattern::Milling,
         columns: false,
         drives: false,
         varied: false,
@@ -53,7 +53,7 @@ pub const CROWDS: [CrowdScene; 7] = [
     CrowdScene {
         name: "15 crossing",
         people: 15,
-        ways: Ways::Crossing,
+        pattern: WalkPattern::Crossing,
         columns: false,
         drives: false,
         varied: false,
@@ -61,7 +61,7 @@ pub const CROWDS: [CrowdScene; 7] = [
     CrowdScene {
         name: "15 among columns",
         people: 15,
-        ways: Ways::Milling,
+        pattern: WalkPattern::Milling,
         columns: true,
         drives: false,
         varied: false,
@@ -69,7 +69,7 @@ pub const CROWDS: [CrowdScene; 7] = [
     CrowdScene {
         name: "30 milling",
         people: 30,
-        ways: Ways::Milling,
+        pattern: WalkPattern::Milling,
         columns: false,
         drives: false,
         varied: false,
@@ -77,7 +77,7 @@ pub const CROWDS: [CrowdScene; 7] = [
     CrowdScene {
         name: "30 crossing",
         people: 30,
-        ways: Ways::Crossing,
+        pattern: WalkPattern::Crossing,
         columns: false,
         drives: false,
         varied: false,
@@ -85,7 +85,7 @@ pub const CROWDS: [CrowdScene; 7] = [
     CrowdScene {
         name: "30, robot drives",
         people: 30,
-        ways: Ways::Milling,
+        pattern: WalkPattern::Milling,
         columns: false,
         drives: true,
         varied: false,
@@ -102,7 +102,7 @@ const START_M: [f32; 2] = [0.0, -3.0];
 const CLEAR_M: f32 = 1.6;
 
 impl CrowdScene {
-    /// Written as scenario text, so that it can be looked at with `floorguard simulate`.
+    /// Written as scenario text, so that it can be examined with `floorguard simulate`.
     #[must_use]
     pub fn text(&self, seed: u64) -> String {
         let mut random = Pcg32::new(seed, 40);
@@ -138,9 +138,9 @@ impl CrowdScene {
 
     fn person(&self, index: u32, random: &mut Pcg32) -> String {
         let mut at = place(random);
-        let goals = match self.ways {
-            Ways::Milling => (0..12).map(|_| place(random)).collect(),
-            Ways::Crossing => {
+        let goals = match self.pattern {
+            WalkPattern::Milling => (0..12).map(|_| place(random)).collect(),
+            WalkPattern::Crossing => {
                 let (side, along) = (random.uniform_between(-2.5, 2.5), random.uniform());
                 let (from, to) = if index.is_multiple_of(2) {
                     ([MARGIN_M - HALF_M[0], side + 1.5], [HALF_M[0] - MARGIN_M, side + 1.5])
@@ -151,7 +151,7 @@ impl CrowdScene {
                 if random.bernoulli(0.5) { vec![to, from] } else { vec![from, to] }
             }
         };
-        let stands = self.ways == Ways::Milling && random.bernoulli(0.125);
+        let stands = self.pattern == WalkPattern::Milling && random.bernoulli(0.125);
         let speed_mps = if stands { 0.0 } else { random.uniform_between(0.6, 1.5) };
         let kind = if random.bernoulli(0.12) { "child" } else { "adult" };
         let bodies = if self.varied { "varied" } else { "same" };

@@ -27,7 +27,8 @@ const FOUND_MIN: f64 = 0.9;
 const FALSE_A_100_M2_MAX: f64 = 1.0;
 
 /// Runs the comparison with a number of scenes for each floor and dirt and as many halls of each floor; tables and
-/// pictures go to the folder. Seeds below 1,000 were looked at while the detector and the map were made. True if everything that must show did.
+/// pictures go to the folder. Seeds below 1,000 were examined while the detector and the map were made. True if
+/// everything that must show did.
 ///
 /// # Errors
 /// A file cannot be written, or a frame cannot be judged.

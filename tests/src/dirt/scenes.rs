@@ -10,7 +10,7 @@ use floorguard_types::sensing::PinholeCamera;
 
 /// Frames of a scene; the last one is judged.
 pub const FRAMES: u32 = 5;
-/// Way and time between frames.
+/// Travel and time between frames.
 const STEP_M: f32 = 0.12;
 const STEP_S: f32 = 0.3;
 /// Spots of dirt in view.
@@ -63,7 +63,7 @@ impl Approach {
     }
 }
 
-/// What the detector is told of the simulated camera.
+/// The detector's parameters for the simulated camera.
 pub fn view(camera: &FloorCamera, robot_in_map: Pose2) -> FloorView {
     let centre = [(camera.size.0 as f32 - 1.0) / 2.0, (camera.size.1 as f32 - 1.0) / 2.0];
     FloorView {

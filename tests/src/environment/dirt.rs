@@ -36,12 +36,12 @@ pub struct Evening {
     /// Of those, in truth dirtier than tolerated.
     pub falsely: u64,
     /// Metres.
-    pub way_m: f64,
+    pub path_m: f64,
     /// Seconds.
     pub time_s: f64,
 }
 
-/// Units that arrive in a day in each cell: a busy corner, a way through the room, and little elsewhere.
+/// Units that arrive in a day in each cell: a busy corner, a path through the room, and little elsewhere.
 fn arriving(floor: &Floor) -> Vec<f32> {
     (0..floor.cells.cell_count())
         .map(|cell| {
@@ -95,7 +95,7 @@ fn run(seed: u64) -> anyhow::Result<[Evening; DAYS]> {
         }
         evening.claimed += u64::from(result.claimed_cells);
         evening.falsely += u64::from(result.falsely_claimed_cells);
-        evening.way_m += f64::from(result.distance_m);
+        evening.path_m += f64::from(result.distance_m);
         evening.time_s += f64::from(result.time_s);
     }
     Ok(evenings)
@@ -119,7 +119,7 @@ pub fn dirt_days(runs: u64, seed: u64) -> anyhow::Result<[Evening; DAYS]> {
             sum.dirty += one.dirty;
             sum.claimed += one.claimed;
             sum.falsely += one.falsely;
-            sum.way_m += one.way_m / runs as f64;
+            sum.path_m += one.path_m / runs as f64;
             sum.time_s += one.time_s / runs as f64;
         }
     }
@@ -145,22 +145,23 @@ pub fn table(evenings: &[Evening; DAYS], runs: u64) -> String {
             one.claimed,
             one.falsely,
             100.0 * one.falsely as f64 / one.claimed.max(1) as f64,
-            one.way_m,
+            one.path_m,
             one.time_s
         );
     }
     text
 }
 
-/// What knowing the rates must save of the way of lanes: a tenth.
-const WAY_MAX: f64 = 0.9;
+/// What knowing the rates must save of the distance of lanes: a tenth.
+const DISTANCE_MAX: f64 = 0.9;
 
-/// Once the rates are known, no more than δ of the claimed cells are claimed falsely, with a tenth less way than lanes on
-/// every evening.
+/// Once the rates are known, no more than δ of the claimed cells are claimed falsely, with a tenth less distance than
+/// lanes on every evening.
 #[must_use]
 pub fn holds(evenings: &[Evening; DAYS]) -> bool {
     let learned = || evenings.iter().skip(DAYS_OF_LANES);
     let claimed: u64 = learned().map(|one| one.claimed).sum();
     let falsely: u64 = learned().map(|one| one.falsely).sum();
-    falsely as f64 <= DELTA * claimed as f64 && learned().all(|one| one.way_m <= WAY_MAX * evenings[0].way_m)
+    falsely as f64 <= DELTA * claimed as f64
+        && learned().all(|one| one.path_m <= DISTANCE_MAX * evenings[0].path_m)
 }

@@ -18,7 +18,7 @@ pub use recorded::{RECORDED, Recorded, recorded};
 pub use recovery::{Recovery, recovery};
 pub use trials::{Row, Watching, totals, trial, trials};
 
-/// Seed of the first run of the tests, and of what was looked at while the model was made.
+/// Seed of the first run of the tests, and of what was examined while the model was made.
 pub const SEED: u64 = 2_017;
 
 /// Runs everything with `runs` runs from `seed` on for each combination, writes tables and pictures into `folder`, and returns the

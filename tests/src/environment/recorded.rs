@@ -65,22 +65,22 @@ pub fn recorded(
 
 /// Counts again, from the positions alone and in another way.
 fn count(name: &'static str, model: &Model, tracks: &Recording) -> Recorded {
-    let mut ways: BTreeMap<u64, Vec<(i64, f32, f32)>> = BTreeMap::new();
+    let mut paths: BTreeMap<u64, Vec<(i64, f32, f32)>> = BTreeMap::new();
     for (micros, points) in &tracks.moments {
         for point in points {
-            ways.entry(point.id).or_default().push((*micros, point.position.x_m, point.position.y_m));
+            paths.entry(point.id).or_default().push((*micros, point.position.x_m, point.position.y_m));
         }
     }
     let heat = model.core.heat.cells();
     let origin = heat.geometry().origin_in_map();
     let (mut moved, mut counted_s, mut entered) = (0, 0.0, BTreeSet::new());
-    for way in ways.values() {
-        let (_, x0, y0) = way[0];
-        if !way.iter().any(|(_, x, y)| (x - x0).hypot(y - y0) >= 1.0) {
+    for path in paths.values() {
+        let (_, x0, y0) = path[0];
+        if !path.iter().any(|(_, x, y)| (x - x0).hypot(y - y0) >= 1.0) {
             continue;
         }
         moved += 1;
-        for pair in way.windows(2) {
+        for pair in path.windows(2) {
             let [(t0, x0, y0), (t1, x1, y1)] = [pair[0], pair[1]];
             if t1 - t0 > 2_000_000 || (x1 - x0).hypot(y1 - y0) > 3.0 {
                 continue;
@@ -100,7 +100,7 @@ fn count(name: &'static str, model: &Model, tracks: &Recording) -> Recorded {
     };
     Recorded {
         name,
-        people: (ways.len(), moved),
+        people: (paths.len(), moved),
         counted_s,
         heat_s: heat.values().iter().map(|cell| f64::from(cell.dwell_cs) * 0.01).sum(),
         cells: heat.values().iter().filter(|cell| cell.visits > 0).count(),

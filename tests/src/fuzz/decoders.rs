@@ -12,7 +12,7 @@ use floorguard_types::sensing::BeamReturn;
 use floorguard_types::time::Stamp;
 
 use super::messages::xsens_list;
-use super::{pick, spoil};
+use super::{corrupt, pick};
 use crate::campaign::Random;
 
 fn at(micros: u64) -> Stamp {
@@ -92,19 +92,19 @@ pub fn slcan(bytes: &[u8]) -> u64 {
 /// Frames that one base sees.
 pub const BUS_FRAMES: u64 = 20;
 
-/// Spoilt frames of a bus, orders and time between them.
+/// Corrupted frames of a bus, orders and time between them.
 pub fn base(frames: &[SimulatedFrame], random: &mut Random) -> u64 {
     let mut base = ThreeWheelBase::new(BaseConfiguration::default());
     let mut now = 1_000_000;
-    let mut told = 0;
+    let mut reported = 0;
     for _ in 0..BUS_FRAMES {
         let frame = pick(frames, random);
         let mut payload = frame.data[..usize::from(frame.len.min(8))].to_vec();
-        spoil(&mut payload, &[0xFF; 8], 8, random);
+        corrupt(&mut payload, &[0xFF; 8], 8, random);
         let id = if random.seldom(4) { random.below(0x800) as u16 } else { frame.id as u16 & 0x7FF };
         let begun = now;
         let mut event = |event: BaseEvent| {
-            told += 1;
+            reported += 1;
             if let BaseEvent::Wheels(sample) = event {
                 assert!(sample.stamp <= at(begun), "a sample from the future");
             }
@@ -117,7 +117,7 @@ pub fn base(frames: &[SimulatedFrame], random: &mut Random) -> u64 {
             base.poll(at(now), &mut event, &mut |frame| assert!(frame.payload().len() <= 8));
         }
     }
-    told
+    reported
 }
 
 /// Bytes of the inertial sensor.

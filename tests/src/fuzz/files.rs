@@ -34,7 +34,7 @@ pub fn sections_of(configuration: &str) -> Vec<Vec<u8>> {
     sections
 }
 
-/// A recording. A reader that finds nothing wrong in a spoilt file would go on for ever only if it never came to the end.
+/// A recording. A reader that finds no error in a corrupted file would loop for ever only if it never reached the end.
 pub fn recording(bytes: Vec<u8>) -> u64 {
     Recording::new(Cursor::new(bytes)).take(10_000).filter(Result::is_ok).count() as u64
 }

@@ -1,15 +1,16 @@
 //! Anything into every decoder, the configuration, recordings and the whole runtime.
 //!
 //! [`decoders`], [`files`] and [`worlds`] feed what they are given and say how much of it was of use; they panic where the
-//! answer is wrong. Two kinds of callers give: the tests `fuzz_…`, in-process and on the stable compiler, spoil real messages
-//! (`cargo xtask campaign fuzz-…` runs 1e8 of them); libFuzzer, in the folder `fuzz`, follows the branches that it has seen.
+//! answer is wrong. Two kinds of callers give: the tests `fuzz_…`, in-process and on the stable compiler, corrupt real
+//! messages (`cargo xtask campaign fuzz-…` runs 1e8 of them); libFuzzer, in the folder `fuzz`, follows the branches
+//! that it has seen.
 
 mod corpus;
+mod corrupt;
 pub mod decoders;
 pub mod files;
 pub mod messages;
-mod spoil;
 pub mod worlds;
 
 pub use corpus::Corpus;
-pub use spoil::{pick, spoil};
+pub use corrupt::{corrupt, pick};

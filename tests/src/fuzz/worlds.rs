@@ -58,9 +58,9 @@ pub fn world(random: &mut Random) -> Played {
     let limit_mps = plan.robot.limits.speed_mps;
     let seen = play(&plan).unwrap_or_else(|error| panic!("{texts:?}: {error}"));
     let verdict = &seen.verdict;
-    assert!(verdict.distance_m.is_finite() && seen.robot_way.iter().all(|pose| pose.x_m.is_finite()));
+    assert!(verdict.distance_m.is_finite() && seen.robot_path.iter().all(|pose| pose.x_m.is_finite()));
     for (at_s, speed_mps, limit_seen_mps) in &seen.speeds {
-        // What the robot believes of its speed may be spoilt; what it permits may not.
+        // The robot's speed estimate may be corrupted; its permitted speed may not.
         assert!(
             limit_seen_mps.is_finite() && *limit_seen_mps <= limit_mps + 1.0e-3 && !speed_mps.is_infinite(),
             "{texts:?}: {limit_seen_mps} m/s permitted at {at_s} s"

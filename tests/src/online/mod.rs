@@ -1,7 +1,7 @@
 //! Learning on the robot in new places, in simulation: `cargo xtask reproduce online-learning`.
 //!
-//! Rooms and sensor heights that made neither the shipped classifier nor the anchors. The robot stands and watches; every
-//! look is asked before anything is learnt from it. What must show: nothing gets worse anywhere.
+//! Rooms and sensor heights that made neither the shipped classifier nor the anchors. The robot stands and watches;
+//! every sample is scored before anything is learnt from it. What must show: nothing gets worse anywhere.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -17,7 +17,7 @@ use rayon::prelude::*;
 const SEED: u64 = 76_000;
 /// Rooms of the anchors.
 const ANCHOR_SCENES: u64 = 40;
-/// How much precision and recall of the second half may fall against the shipped classifier: a few looks.
+/// How much precision and recall of the second half may fall against the shipped classifier: a few samples.
 const WORSE_MAX: [f64; 2] = [0.005, 0.01];
 
 /// The places: random rooms, each with a lidar at another height than the last.
@@ -56,10 +56,10 @@ pub fn holds(report: &OnlineReport) -> bool {
 fn line(place: &OnlinePlace, report: &OnlineReport) -> String {
     let [[precision, recall], [learned_precision, learned_recall]] = report.second_half;
     let last = report.windows.last().copied().unwrap_or_default();
-    let [people, nobodies, _] = last.labelled;
+    let [people, non_people, _] = last.labelled;
     let [taken, refused] = last.judged;
     format!(
-        "{:<10} {:>6.1} {precision:>9.3} {recall:>7.3} {learned_precision:>10.3} {learned_recall:>7.3} {:>8.3} {:>7.3} {people:>7} {nobodies:>7} {taken:>6} {refused:>8}\n",
+        "{:<10} {:>6.1} {precision:>9.3} {recall:>7.3} {learned_precision:>10.3} {learned_recall:>7.3} {:>8.3} {:>7.3} {people:>7} {non_people:>7} {taken:>6} {refused:>8}\n",
         report.place,
         place.sensor_height_m,
         report.shipped.f1(),

@@ -66,8 +66,8 @@ pub fn figure_five(
     Ok(cells)
 }
 
-/// All strategies on one combination, without what the figure does not show: the ways of thousands of missions fill a
-/// memory.
+/// All strategies on one combination, without what the figure does not show: the paths of thousands of missions fill
+/// a memory.
 fn run(floor: &Floor, (share, units): (f32, (f32, f32)), trials: u64) -> anyhow::Result<Vec<StrategyTrials>> {
     let dirt = DirtSource::Random { share, units };
     let mut columns = run_strategies(floor, (&STRATEGIES, &protocol(), &dirt), (trials, SEED), || {})?;
@@ -112,7 +112,7 @@ impl FigureFive {
         let mut text = String::from(
             "Figure 5: means over environments and shares of dirty cells; p: one-sided paired t-test against ours.\n\
              Published: ours 100 % in every range, the others fall with the amount; no replanning < ours < systematic \
-             in way.\n\
+             in distance.\n\
              units    strategy        missions  success    q99        p    way m        p   claimed falsely\n",
         );
         for range in self.ranges() {
@@ -154,7 +154,8 @@ impl FigureFive {
     }
 
     fn by_environment(&self) -> String {
-        let mut text = String::from("by environment and share: success and way of ours, way of systematic\n");
+        let mut text =
+            String::from("by environment and share: success and distance of ours, distance of systematic\n");
         for cell in &self.cells {
             let [ours, _, systematic, _] = cell.columns.as_slice() else { continue };
             let (ours, systematic) = (ours.summary(), systematic.summary());
@@ -178,8 +179,8 @@ impl FigureFive {
     pub fn holds(&self) -> bool {
         self.ranges().all(|range| {
             let always = self.values(range, 0, QUANTITIES[0].2).iter().all(|&success| success > 0.0);
-            let way = |strategy| mean(self.values(range, strategy, QUANTITIES[2].2));
-            always && way(0) < way(2)
+            let distance_of = |strategy| mean(self.values(range, strategy, QUANTITIES[2].2));
+            always && distance_of(0) < distance_of(2)
         })
     }
 

@@ -1,8 +1,8 @@
 //! The published experiments, repeated in simulation: `cargo xtask reproduce cleaning` and `motion`.
 //!
 //! Every table stands beside the published figures, and every number comes from the missions that were just run. The
-//! protocol of cleaning is that of the book, Cleaning: Published protocol; what it leaves open is said in the table
-//! that it matters for.
+//! protocol of cleaning is that of the book, Cleaning: Published protocol; what it leaves open is stated in the
+//! table concerned.
 
 mod environments;
 mod figure_five;

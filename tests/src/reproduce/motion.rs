@@ -1,4 +1,4 @@
-//! The published sweeps of η, ζ and β_max for moving things, repeated: `cargo xtask reproduce motion`.
+//! The published sweeps of η, ζ and β_max for moving objects, repeated: `cargo xtask reproduce motion`.
 //!
 //! After Rath et al. 2020: one person walks in a corridor, a lidar drives by, poses come from an odometry. The
 //! published steps (`corridor::published`) and ours are judged on the same sweeps.
@@ -11,7 +11,7 @@ use floorguard_perception::motion::MotionParameters;
 
 use crate::corridor::{Method, Run, Score, judge, record};
 
-/// First seed; those below 120 were looked at while parameters were chosen.
+/// First seed; those below 120 were examined while parameters were chosen.
 const SEED: u64 = 1_000;
 /// Sweeps of a run: 15 s.
 const SWEEPS: usize = 150;
@@ -134,8 +134,8 @@ impl MotionFigures {
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = format!(
-            "Moving things: {} runs of {} sweeps, seeds from {SEED}; accuracy = found of present, false = moving \
-             things elsewhere.\nPublished at ζ = 4, β_max = 3, η = 20: {} % with {} false, one run.\n\n",
+            "Moving objects: {} runs of {} sweeps, seeds from {SEED}; accuracy = found of present, false = moving \
+             objects elsewhere.\nPublished at ζ = 4, β_max = 3, η = 20: {} % with {} false, one run.\n\n",
             self.runs, self.sweeps, PUBLISHED.0, PUBLISHED.1
         );
         for (index, contender) in CONTENDERS.iter().enumerate() {

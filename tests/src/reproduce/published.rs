@@ -6,7 +6,7 @@ pub struct PublishedLine {
     pub strategy: &'static str,
     /// Runs that succeeded, of ten.
     pub successes: u32,
-    /// Way, metres; not given for the vendor's own behaviour.
+    /// Distance, metres; not given for the vendor's own behaviour.
     pub distance_m: Option<f64>,
     /// Time, s.
     pub time_s: f64,
@@ -20,5 +20,5 @@ pub const TABLE_ONE: [PublishedLine; 4] = [
     PublishedLine { strategy: "random", successes: 0, distance_m: None, time_s: 321.54 },
 ];
 
-/// Way of the systematic strategy over that of the guarantee, as published.
+/// Distance of the systematic strategy over that of the guarantee, as published.
 pub const DISTANCE_RATIO: f64 = 81.12 / 20.54;

@@ -148,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn goes_on_where_it_was_cut_off_and_trusts_no_other_code() {
+    fn resumes_where_cut_and_rejects_other_code() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("missions.jsonl");
         let missions = [

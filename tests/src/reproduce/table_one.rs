@@ -67,8 +67,8 @@ impl TableOne {
             );
         };
         for (column, published) in self.columns.iter().zip(&TABLE_ONE) {
-            let way = published.distance_m.map_or(String::from("–"), |m| format!("{m:.2} m"));
-            let beside = format!("{}/10, {way}, {:.2} s", published.successes, published.time_s);
+            let distance_of = published.distance_m.map_or(String::from("–"), |m| format!("{m:.2} m"));
+            let beside = format!("{}/10, {distance_of}, {:.2} s", published.successes, published.time_s);
             line(published.strategy, column, &beside);
         }
         line("guarantee, a cell alone", &self.per_cell, "δ for each cell instead of for the mission");
@@ -89,11 +89,11 @@ impl TableOne {
         text
     }
 
-    /// Way of the systematic strategy over ours.
+    /// Distance of the systematic strategy over ours.
     #[must_use]
     pub fn distance_ratio(&self) -> f64 {
-        let way = |index: usize| self.columns.get(index).map_or(f64::NAN, |c| c.summary().distance_m);
-        way(2) / way(0)
+        let distance_of = |index: usize| self.columns.get(index).map_or(f64::NAN, |c| c.summary().distance_m);
+        distance_of(2) / distance_of(0)
     }
 
     /// Ours always succeeds and drives less than the systematic strategy.

@@ -15,7 +15,7 @@ const PEERS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/peers/measure.py");
 
 /// A line of a peer.
 #[derive(Deserialize)]
-struct Told {
+struct Reported {
     peer: String,
     #[serde(default)]
     input: String,
@@ -67,14 +67,14 @@ pub fn tours(folder: &Path) -> anyhow::Result<(String, bool)> {
 }
 
 /// What the peers say; one that is not there says so.
-fn peers(folder: &Path) -> Vec<Told> {
+fn peers(folder: &Path) -> Vec<Reported> {
     let python = python();
     let output = Command::new(&python).arg(PEERS).arg(folder).args([".", ".", "tour"]).output();
     let text = output.map(|output| String::from_utf8_lossy(&output.stdout).into_owned()).unwrap_or_default();
-    let told: Vec<Told> = text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
-    if told.is_empty() {
+    let reported: Vec<Reported> = text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
+    if reported.is_empty() {
         let skipped = format!("{} does not run tests/peers/measure.py: it needs numpy", python.display());
-        return vec![Told {
+        return vec![Reported {
             peer: "LKH, OR-Tools".to_owned(),
             input: String::new(),
             version: String::new(),
@@ -83,7 +83,7 @@ fn peers(folder: &Path) -> Vec<Told> {
             skipped: Some(skipped),
         }];
     }
-    told
+    reported
 }
 
 /// Python with the peers: of FLOORGUARD_PYTHON, of the environment that `cargo xtask bench --peers` makes, or the system's.

@@ -1,7 +1,7 @@
 //! People in simulated depth pictures: `cargo xtask reproduce rgbd-people`.
 //!
-//! Rooms with people of every kind and with things that are none, seen by the forward camera in both profiles. A picture is
-//! judged by itself; a tracker on top drops what does not come again. The rules of the finder come from other seeds.
+//! Rooms with people of every kind and with objects, seen by the forward camera in both profiles. A picture is judged
+//! by itself; a tracker on top drops what does not come again. The rules of the finder come from other seeds.
 
 mod scenes;
 mod score;

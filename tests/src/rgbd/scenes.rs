@@ -1,4 +1,4 @@
-//! Rooms before a forward depth camera: people of every kind at every distance, and things that are none.
+//! Rooms before a forward depth camera: people of every kind at every distance, and objects.
 
 use floorguard_sim::people::{Build, Person, PersonKind};
 use floorguard_sim::scene::{Material, Scene, SceneBuilder};
@@ -10,7 +10,7 @@ use floorguard_types::random::Pcg32;
 const RANGES_M: [f32; 2] = [1.0, 6.8];
 /// Half of the angle in which people stand, radians: a little more than the camera sees.
 const HALF_VIEW_RAD: f32 = 0.5;
-/// People do not stand nearer to each other, to things, metres.
+/// People do not stand nearer to each other, to objects, metres.
 const APART_M: [f32; 2] = [0.6, 0.35];
 const KINDS: [(PersonKind, u32); 5] = [
     (PersonKind::Adult, 70),
@@ -72,7 +72,7 @@ pub fn room(seed: u64, camera: DepthCamera) -> RgbdScene {
 fn person(id: u32, robot: Pose2, random: &mut Pcg32) -> Person {
     let range_m = random.uniform_between(RANGES_M[0], RANGES_M[1]);
     let bearing = random.uniform_between(-HALF_VIEW_RAD, HALF_VIEW_RAD);
-    // The camera is at the world's origin, whatever way the robot is turned.
+    // The camera is at the world's origin, whatever the robot's heading.
     let (sin, cos) = libm::sincosf(robot.heading_rad + bearing);
     let mut draw = random.below(KINDS.iter().map(|(_, weight)| weight).sum());
     let kind = KINDS.iter().find(|(_, weight)| {

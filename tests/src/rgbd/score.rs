@@ -41,14 +41,14 @@ pub struct Judged {
 pub fn shown(scene: &RgbdScene, picture: &DepthPicture) -> Vec<Shown> {
     let camera = scene.camera;
     let into_base = scene.robot.inverse();
-    let eye = Pose2::new(camera.forward_m, 0.0, 0.0).inverse();
+    let to_camera = Pose2::new(camera.forward_m, 0.0, 0.0).inverse();
     let each = scene.people.iter().map(|person| {
         let base = into_base.transform(person.position);
         let place = Point2::new(base.x_m * camera.scale, base.y_m * camera.scale);
-        let from_eye = eye.transform(place);
+        let from_camera = to_camera.transform(place);
         let height_m = person.kind.height_m() * camera.scale;
         let sees = |aside_m: f32, up_m: f32| {
-            pixel(scene, from_eye, (aside_m, up_m)).is_some_and(|index| picture.person[index] == person.id)
+            pixel(scene, from_camera, (aside_m, up_m)).is_some_and(|index| picture.person[index] == person.id)
         };
         let size = height_m / 1.75;
         // The top of the head, its middle, both shoulders, chest.
@@ -56,7 +56,7 @@ pub fn shown(scene: &RgbdScene, picture: &DepthPicture) -> Vec<Shown> {
         let upper_body = upper.iter().all(|(aside, down)| sees(aside * size, height_m + down * size));
         let shins = person.feet().map(|foot| {
             let foot = into_base.transform(foot);
-            eye.transform(Point2::new(foot.x_m * camera.scale, foot.y_m * camera.scale))
+            to_camera.transform(Point2::new(foot.x_m * camera.scale, foot.y_m * camera.scale))
         });
         let on = |foot: &Point2, up_m| {
             pixel(scene, *foot, (0.0, up_m)).is_some_and(|index| picture.person[index] == person.id)
@@ -64,18 +64,18 @@ pub fn shown(scene: &RgbdScene, picture: &DepthPicture) -> Vec<Shown> {
         let walks = !matches!(person.kind, PersonKind::Wheelchair | PersonKind::Crouching);
         let [a, b] = shins;
         // Two shins one behind the other look like one.
-        let apart = (a.y_m / a.x_m - b.y_m / b.x_m).abs() * from_eye.x_m > 0.15;
+        let apart = (a.y_m / a.x_m - b.y_m / b.x_m).abs() * from_camera.x_m > 0.15;
         let legs = walks && apart && shins.iter().all(|foot| on(foot, 0.12) && on(foot, 0.35));
-        Shown { place, range_m: from_eye.norm(), height_m, upper_body, legs }
+        Shown { place, range_m: from_camera.norm(), height_m, upper_body, legs }
     });
     each.collect()
 }
 
 /// The pixel of a point beside and above a place, in a level robot's picture.
-fn pixel(scene: &RgbdScene, from_eye: Point2, (aside_m, up_m): (f32, f32)) -> Option<usize> {
+fn pixel(scene: &RgbdScene, from_camera: Point2, (aside_m, up_m): (f32, f32)) -> Option<usize> {
     let camera = scene.camera;
     let (sin, cos) = libm::sincosf(camera.pitch_rad);
-    let (forward, left, up) = (from_eye.x_m, from_eye.y_m + aside_m, up_m - camera.height_m);
+    let (forward, left, up) = (from_camera.x_m, from_camera.y_m + aside_m, up_m - camera.height_m);
     let depth = forward * cos - up * sin;
     if depth < 0.2 {
         return None;

@@ -42,10 +42,10 @@ fn read_once(program: &Path, socket: &Path) -> anyhow::Result<ReadOut> {
     let mut command = Command::new(program);
     command.arg("blackbox").arg(socket).arg("--json").arg("--out").arg(&recording);
     let output = command.output().with_context(|| format!("cannot start {}", program.display()))?;
-    let told = String::from_utf8_lossy(&output.stderr);
-    anyhow::ensure!(output.status.success(), "floorguard blackbox: {told}");
+    let reported = String::from_utf8_lossy(&output.stderr);
+    anyhow::ensure!(output.status.success(), "floorguard blackbox: {reported}");
     anyhow::ensure!(std::fs::metadata(&recording)?.len() > 0, "floorguard blackbox wrote no recording");
-    let mut read = ReadOut { whole: told.contains(" 0 damaged rows, complete"), ..ReadOut::default() };
+    let mut read = ReadOut { whole: reported.contains(" 0 damaged rows, complete"), ..ReadOut::default() };
     for line in String::from_utf8_lossy(&output.stdout).lines() {
         let row: Value = serde_json::from_str(line)?;
         if let Some(cause) = row["restart"].as_str() {

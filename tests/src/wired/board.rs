@@ -16,7 +16,7 @@ const OPTIONS_AT: u32 = 0x60ff_ff00;
 const OPTIONS: [u32; 2] = [0x504f_4746, 1];
 /// Ports of the firmware.
 const LIDAR_PORT: u16 = 2_368;
-const WITNESS_PORT: u16 = 2_369;
+const BENCH_PORT: u16 = 2_369;
 /// A silent board is a dead one.
 const SILENT_AFTER: Duration = Duration::from_secs(60);
 
@@ -26,7 +26,7 @@ pub struct Board {
     /// Lidar datagrams go here.
     pub lidar: UdpSocket,
     /// Reports come from here.
-    pub witness: UdpSocket,
+    pub bench: UdpSocket,
     /// The safety scanner's line.
     pub scanner: Line,
     /// The inertial sensor's line.
@@ -35,7 +35,7 @@ pub struct Board {
     pub can: Line,
     /// Who asks here for the black box gets it.
     pub black_box: PathBuf,
-    /// What the board's log has said.
+    /// The output of the board's log.
     pub log: PathBuf,
 }
 
@@ -59,13 +59,13 @@ impl Board {
     pub fn start(image: &Path, tape: &[u8], fault: u32, folder: &Path) -> anyhow::Result<Self> {
         let tape_path = folder.join("route.tape");
         std::fs::write(&tape_path, tape)?;
-        let (lidar_port, witness_port) = (free_port()?, free_port()?);
+        let (lidar_port, bench_port) = (free_port()?, free_port()?);
         let mut command = Command::new("qemu-system-arm");
         command.args(["-M", "mps2-an500", "-display", "none", "-monitor", "none"]);
         command.args(["-semihosting-config", "enable=on,target=native", "-icount", "shift=1,sleep=off"]);
         let forward = |host, board| format!("hostfwd=udp:127.0.0.1:{host}-:{board}");
-        let (lidar, witness) = (forward(lidar_port, LIDAR_PORT), forward(witness_port, WITNESS_PORT));
-        command.arg("-nic").arg(format!("user,{lidar},{witness}"));
+        let (lidar, bench) = (forward(lidar_port, LIDAR_PORT), forward(bench_port, BENCH_PORT));
+        command.arg("-nic").arg(format!("user,{lidar},{bench}"));
         command.arg("-echr").arg("256");
         let sockets: Vec<PathBuf> =
             ["scanner", "imu", "can"].iter().map(|name| folder.join(format!("{name}.socket"))).collect();
@@ -94,9 +94,9 @@ impl Board {
         let [scanner, imu, can] = sockets.as_slice() else { unreachable!("three lines") };
         let (scanner, imu, can) =
             (Line::open(scanner, 50_000)?, Line::open(imu, 11_520)?, Line::open(can, 100_000)?);
-        let (lidar, witness) = (connected(lidar_port)?, connected(witness_port)?);
+        let (lidar, bench) = (connected(lidar_port)?, connected(bench_port)?);
         let emulator = board.0.take().context("the emulator was started")?;
-        Ok(Self { emulator, lidar, witness, scanner, imu, can, black_box, log })
+        Ok(Self { emulator, lidar, bench, scanner, imu, can, black_box, log })
     }
 
     /// Tells the firmware to end, and waits for it.
@@ -105,7 +105,7 @@ impl Board {
     /// It ends otherwise than it should.
     pub fn quit(mut self) -> anyhow::Result<()> {
         for _ in 0..300 {
-            self.witness.send(b"Q")?;
+            self.bench.send(b"Q")?;
             std::thread::sleep(Duration::from_millis(100));
             if let Some(status) = self.emulator.try_wait()? {
                 anyhow::ensure!(status.success(), "the firmware failed: {status}");

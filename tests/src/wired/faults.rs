@@ -35,10 +35,10 @@ const DRIVES_WITHIN_MS: u32 = 30_000;
 const DYING_MS: u32 = 20;
 /// Watchdog and the pause between two feedings.
 const WATCHDOG_MS: u32 = 130;
-/// Deadline of a source (`[deadlines]` of robot.toml), two ticks of the guard, and what was under way.
+/// Deadline of a source (`[deadlines]` of robot.toml), two ticks of the guard, and what was in flight.
 const COMMAND_LOST_MS: u32 = 200 + 30;
 const LIDAR_LOST_MS: u32 = 300 + 30;
-/// Datagrams under way while a FIFO of eight is to overrun.
+/// Datagrams in flight while a FIFO of eight is to overrun.
 const FLOOD: u32 = 64;
 /// Numbers of the faults that change what the world does.
 const ETHERNET_OVERRUN: u32 = 8;
@@ -49,7 +49,7 @@ const AT_ONCE: usize = 2;
 /// Portions of the bus that are read after a death.
 const LISTENED: usize = 64;
 /// An operator in a hurry.
-const LOOKS_AROUND_US: u64 = 100_000;
+const RESET_DELAY_US: u64 = 100_000;
 /// Silent for this long, the board is asked; for that long, it is given up. Of our time: a dead board has none.
 const SILENCE: Duration = Duration::from_millis(300);
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -133,9 +133,9 @@ fn run_fault(image: &Path, program: &Path, fault: &Fault) -> anyhow::Result<Resu
     let mut board =
         Board::start(image, &Tape::new(&plan.robot, plan.duration_us).finish(), fault.number, folder.path())?;
     let mut world = World::new(&plan)?;
-    world.looks_around_us = LOOKS_AROUND_US;
+    world.reset_delay_us = RESET_DELAY_US;
     let start = greet(&board)?;
-    board.witness.set_read_timeout(Some(SILENCE))?;
+    board.bench.set_read_timeout(Some(SILENCE))?;
     let (mut newest, mut stopped_ms) = (start, None);
     let mut heard = Instant::now();
     let reborn = loop {
@@ -143,11 +143,11 @@ fn run_fault(image: &Path, program: &Path, fault: &Fault) -> anyhow::Result<Resu
         // it is, it tells by the number of its deaths.
         let Ok(report) = newest_report(&board) else {
             anyhow::ensure!(heard.elapsed() < PATIENCE, "the board has fallen silent: {newest:?}");
-            board.witness.send(b"H")?;
+            board.bench.send(b"H")?;
             continue;
         };
         heard = Instant::now();
-        let [.., deaths] = report.last_words;
+        let [.., deaths] = report.crash_record;
         if deaths > 0 {
             break Some(report);
         }
@@ -176,13 +176,13 @@ fn run_fault(image: &Path, program: &Path, fault: &Fault) -> anyhow::Result<Resu
         let read = read_out(program, &board.black_box)?;
         return Ok(judge_living(fault, &newest, stopped_ms, &read));
     };
-    // It may have died long after its last report, and its last words may stand behind much else.
+    // It may have died long after its last report, and its crash record may stand behind much else.
     for _ in 0..LISTENED {
         world.listen(&mut board, newest.now_us - start.now_us)?;
     }
     let read = read_out(program, &board.black_box)?;
-    let told = log::read(image, &board.log)?;
-    let logged = told.iter().any(|message| message.text.contains("death {}"));
+    let reported = log::read(image, &board.log)?;
+    let logged = reported.iter().any(|message| message.text.contains("death {}"));
     Ok(judge_dead(fault, (&newest, &reborn), &read, world.stopped_nodes).and_then(|good| {
         if logged { Ok(good) } else { Err(format!("WRONG: the log tells of no death; {good}")) }
     }))
@@ -196,7 +196,7 @@ fn judge_living(
 ) -> Result<String, String> {
     let objected = |cause: &Option<String>| cause.as_deref().is_some_and(|cause| cause == fault.cause);
     let boxed = read.since.iter().any(objected);
-    let told = format!(
+    let reported = format!(
         "drives stopped {} ms later ({} allowed), {:?} in the black box: {boxed}; {} packets late, FIFO full {} times",
         stopped_ms.map_or_else(|| "never".to_owned(), |ms| ms.to_string()),
         fault.bound_ms,
@@ -206,7 +206,7 @@ fn judge_living(
     );
     let in_time = stopped_ms.is_some_and(|ms| ms <= fault.bound_ms);
     let as_it_should = fault.restart.is_none() && in_time && boxed && read.whole && (fault.seen)(report);
-    if as_it_should { Ok(told) } else { Err(format!("WRONG: {told}")) }
+    if as_it_should { Ok(reported) } else { Err(format!("WRONG: {reported}")) }
 }
 
 fn judge_dead(
@@ -215,10 +215,10 @@ fn judge_dead(
     read: &ReadOut,
     stopped_nodes: bool,
 ) -> Result<String, String> {
-    let [_, detail, uptime_ms, deaths] = reborn.last_words;
+    let [_, detail, uptime_ms, deaths] = reborn.crash_record;
     let after_ms = uptime_ms.saturating_sub(newest.planned_ms);
     let restart = read.restart.as_deref().unwrap_or("nothing");
-    let told = format!(
+    let reported = format!(
         "drives stopped {after_ms} ms later ({} allowed), reset; black box: {} moments before it, {restart} ({detail:#x})",
         fault.bound_ms,
         read.before.len(),
@@ -228,8 +228,8 @@ fn judge_dead(
     let named = fault.restart.is_some_and(|wanted| restart.starts_with(wanted));
     let as_it_should = named && moments && read.whole && deaths == 1 && after_ms <= fault.bound_ms;
     match (as_it_should, stopped_nodes) {
-        (true, true) => Ok(told),
-        (_, false) => Err(format!("WRONG: nobody stopped the drives; {told}")),
-        (false, true) => Err(format!("WRONG: {told}")),
+        (true, true) => Ok(reported),
+        (_, false) => Err(format!("WRONG: nobody stopped the drives; {reported}")),
+        (false, true) => Err(format!("WRONG: {reported}")),
     }
 }

@@ -50,16 +50,16 @@ impl Line {
         self.sent += bytes.len() as u64;
     }
 
-    /// Hands over what waits, no faster than the line's bit rate and as long as at most `window` bytes are under way; the
-    /// board has `taken` so many so far, `elapsed_us` of its time after the call before.
+    /// Hands over what waits, no faster than the line's bit rate and as long as at most `window` bytes are in flight;
+    /// the board has `taken` so many so far, `elapsed_us` of its time after the call before.
     ///
     /// # Errors
     /// The emulator has gone.
     pub fn flush(&mut self, taken: u32, window: u64, elapsed_us: u64) -> anyhow::Result<()> {
         let handed_over = self.sent - self.waiting.len() as u64;
-        let under_way = handed_over.saturating_sub(u64::from(taken));
+        let in_flight = handed_over.saturating_sub(u64::from(taken));
         self.allowed = (self.allowed + elapsed_us * self.bytes_per_s).min(LATE_US * self.bytes_per_s);
-        let free = window.saturating_sub(under_way).min(self.allowed / 1_000_000);
+        let free = window.saturating_sub(in_flight).min(self.allowed / 1_000_000);
         let mut left = usize::try_from(free)?;
         while !self.waiting.is_empty() && left > 0 {
             let (front, _) = self.waiting.as_slices();

@@ -23,12 +23,12 @@ pub struct Message {
 /// All messages of a log.
 ///
 /// # Errors
-/// A frame that is none, or whose string the image does not know.
+/// An invalid frame, or one whose string the image does not know.
 pub fn read(image: &Path, log: &Path) -> anyhow::Result<Vec<Message>> {
     let strings = strings(image)?;
     let bytes = std::fs::read(log)?;
     let mut frames: Vec<&[u8]> = bytes.split(|byte| *byte == 0).collect();
-    // Behind the last zero stands what was still under way.
+    // Behind the last zero stands what was still in flight.
     frames.pop();
     frames.into_iter().filter(|frame| !frame.is_empty()).map(|frame| message(&strings, frame)).collect()
 }

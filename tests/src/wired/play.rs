@@ -1,7 +1,7 @@
 //! Plays the simulated world on the board's own clock.
 //!
-//! The world never runs ahead of the board: it is advanced to the time that the board reports, and no more datagrams are
-//! under way than its Ethernet controller holds. So a busy host makes the run slower, not worse.
+//! The world never runs ahead of the board: it is advanced to the time that the board reports, and no more datagrams
+//! are in flight than its Ethernet controller holds. So a busy host makes the run slower, not worse.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -30,14 +30,15 @@ pub struct Options {
     pub duration_us: u64,
 }
 
-/// Bytes under way on the lines of scanner, inertial sensor and CAN adapter: what a busy host was late with does not arrive
-/// all at once, as it would on no wire. Two telegrams, 70 ms of samples, 100 ms of the bus.
-const BYTES_UNDER_WAY: [u64; 3] = [2_216, 512, 1_024];
+/// Bytes in flight on the lines of scanner, inertial sensor and CAN adapter: what a busy host was late with does not
+/// arrive all at once, as it would on no wire. Two telegrams, 70 ms of samples, 100 ms of the bus.
+const BYTES_IN_FLIGHT: [u64; 3] = [2_216, 512, 1_024];
 /// Between two datagrams, microseconds: three quarters of the lidar's own pause, so that a busy host can catch up.
 const PACKET_US: u64 = 1_000;
-/// Datagrams under way: the emulated controller holds eight.
+/// Datagrams in flight: the emulated controller holds eight.
 const WINDOW: u32 = 6;
-/// After the end, what is under way or still waits for a line has this long to arrive, microseconds of the board's time.
+/// After the end, what is in flight or still waits for a line has this long to arrive, microseconds of the board's
+/// time.
 const DRAIN_US: u64 = 10_000_000;
 /// NMT: stop, all nodes.
 const STOP_ALL_NODES: [u8; 2] = [2, 0];
@@ -50,7 +51,7 @@ const LATCHED: u32 = 4;
 /// State of the guard that waits for the start command.
 const AWAITS_START: u32 = 5;
 /// How long the operator looks around first, microseconds.
-const LOOKS_AROUND_US: u64 = 3_000_000;
+const RESET_DELAY_US: u64 = 3_000_000;
 
 /// The world's end of the wires.
 pub(super) struct World {
@@ -58,17 +59,18 @@ pub(super) struct World {
     adapter: SlcanDecoder,
     datagrams: VecDeque<Vec<u8>>,
     pub(super) outcome: Outcome,
-    /// The board told all nodes of the bus to stop.
+    /// The board commanded all nodes of the bus to stop.
     pub(super) stopped_nodes: bool,
-    /// Since when the traction drive is told to stand, microseconds of the world's time; `None` while it is told to move.
+    /// Since when the traction drive is commanded to stand, microseconds of the world's time; `None` while it is
+    /// commanded to move.
     pub(super) ordered_to_stand_us: Option<u64>,
     /// How long the operator looks around before a reset, microseconds.
-    pub(super) looks_around_us: u64,
+    pub(super) reset_delay_us: u64,
     /// The board's time when it was served last, microseconds.
     served_us: u64,
     /// Time in which no datagram was sent, up to a window of them.
     packets_allowed_us: u64,
-    /// Datagrams that may be under way.
+    /// Datagrams that may be in flight.
     pub(super) window: u32,
     latched_since_us: Option<u64>,
 }
@@ -107,13 +109,13 @@ pub fn run(options: &Options) -> anyhow::Result<Outcome> {
 /// Says hello until the board answers.
 pub(super) fn greet(board: &Board) -> anyhow::Result<Report> {
     let patience = Instant::now() + Duration::from_secs(30);
-    board.witness.set_read_timeout(Some(Duration::from_millis(100)))?;
+    board.bench.set_read_timeout(Some(Duration::from_millis(100)))?;
     while Instant::now() < patience {
-        board.witness.send(b"H")?;
+        board.bench.send(b"H")?;
         let mut bytes = [0; 256];
-        let answer = board.witness.recv(&mut bytes).ok();
+        let answer = board.bench.recv(&mut bytes).ok();
         if let Some(report) = answer.and_then(|length| Report::parse(bytes.get(..length)?)) {
-            board.witness.set_read_timeout(Some(Duration::from_secs(20)))?;
+            board.bench.set_read_timeout(Some(Duration::from_secs(20)))?;
             return Ok(report);
         }
     }
@@ -123,13 +125,13 @@ pub(super) fn greet(board: &Board) -> anyhow::Result<Report> {
 /// Waits for a report, and takes the newest that is there.
 pub(super) fn newest_report(board: &Board) -> anyhow::Result<Report> {
     let mut bytes = [0; 256];
-    let length = board.witness.recv(&mut bytes).context("the firmware has fallen silent")?;
+    let length = board.bench.recv(&mut bytes).context("the firmware has fallen silent")?;
     let mut newest = bytes.get(..length).and_then(Report::parse);
-    board.witness.set_nonblocking(true)?;
-    while let Ok(length) = board.witness.recv(&mut bytes) {
+    board.bench.set_nonblocking(true)?;
+    while let Ok(length) = board.bench.recv(&mut bytes) {
         newest = bytes.get(..length).and_then(Report::parse).or(newest);
     }
-    board.witness.set_nonblocking(false)?;
+    board.bench.set_nonblocking(false)?;
     newest.context("the firmware reports in words that nobody knows")
 }
 
@@ -158,7 +160,7 @@ impl World {
             window: WINDOW,
             served_us: 0,
             packets_allowed_us: 0,
-            looks_around_us: LOOKS_AROUND_US,
+            reset_delay_us: RESET_DELAY_US,
             latched_since_us: None,
         })
     }
@@ -193,12 +195,12 @@ impl World {
             (&mut board.imu, report.imu_bytes),
             (&mut board.can, report.can_bytes),
         ];
-        for ((line, taken), window) in lines.into_iter().zip(BYTES_UNDER_WAY) {
+        for ((line, taken), window) in lines.into_iter().zip(BYTES_IN_FLIGHT) {
             line.flush(taken, window, elapsed_us)?;
         }
         self.packets_allowed_us = (self.packets_allowed_us + elapsed_us).min(u64::from(WINDOW) * PACKET_US);
-        let under_way = self.outcome.lidar_sent.wrapping_sub(report.lidar);
-        let allowed = self.window.saturating_sub(under_way).min((self.packets_allowed_us / PACKET_US) as u32);
+        let in_flight = self.outcome.lidar_sent.wrapping_sub(report.lidar);
+        let allowed = self.window.saturating_sub(in_flight).min((self.packets_allowed_us / PACKET_US) as u32);
         for _ in 0..allowed {
             let Some(datagram) = self.datagrams.pop_front() else { break };
             board.lidar.send(&datagram)?;
@@ -227,13 +229,13 @@ impl World {
     /// The person with the key: resets what is latched, and gives the start command when the robot waits for it.
     fn operate(&mut self, board: &Board, report: &Report, to_us: u64) -> anyhow::Result<()> {
         if report.state == AWAITS_START {
-            board.witness.send(b"S")?;
+            board.bench.send(b"S")?;
         }
         if report.state != LATCHED {
             self.latched_since_us = None;
-        } else if to_us - *self.latched_since_us.get_or_insert(to_us) >= self.looks_around_us {
+        } else if to_us - *self.latched_since_us.get_or_insert(to_us) >= self.reset_delay_us {
             self.latched_since_us = None;
-            board.witness.send(b"R")?;
+            board.bench.send(b"R")?;
         }
         Ok(())
     }

@@ -10,7 +10,7 @@ pub struct Report {
     pub now_us: u64,
     /// Lidar datagrams that reached the task.
     pub lidar: u32,
-    /// Frames that found no room on their way.
+    /// Frames that were dropped in transit.
     pub lost_frames: u32,
     /// Bytes that the serial devices gave.
     pub scanner_bytes: u32,
@@ -44,7 +44,7 @@ pub struct Report {
     /// bytes of the serial lines, datagrams of the lidar; and how long the guard ring worked at a stretch, microseconds.
     pub latest_with: [u32; 4],
     /// What the machine died of last: cause, detail, uptime in milliseconds, deaths so far; zeros if it did not.
-    pub last_words: [u32; 4],
+    pub crash_record: [u32; 4],
 }
 
 impl Report {
@@ -76,7 +76,7 @@ impl Report {
             late_bytes,
             late_datagrams,
             late_stretch_us,
-            ref last_words @ ..,
+            ref crash_record @ ..,
         ] = words.as_slice()[..]
         else {
             return None;
@@ -100,7 +100,7 @@ impl Report {
             objection,
             planned_ms,
             latest_with: [late_at_ms, late_bytes, late_datagrams, late_stretch_us],
-            last_words: last_words.try_into().ok()?,
+            crash_record: crash_record.try_into().ok()?,
         })
     }
 }

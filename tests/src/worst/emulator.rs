@@ -33,8 +33,8 @@ impl Emulator {
     /// The emulator is missing, the firmware fails, or it tells no fingerprint.
     pub fn digest(&self, tape: &[u8]) -> Result<String> {
         let text = self.play(tape)?;
-        let told = text.lines().find_map(|line| line.strip_prefix("digest "));
-        told.map(|digest| digest.trim().to_owned()).context("the firmware tells no fingerprint")
+        let reported = text.lines().find_map(|line| line.strip_prefix("digest "));
+        reported.map(|digest| digest.trim().to_owned()).context("the firmware tells no fingerprint")
     }
 
     fn play(&self, tape: &[u8]) -> Result<String> {

@@ -23,7 +23,7 @@ pub struct Kept {
     pub trials: u64,
     /// Instructions at most.
     pub instructions: u64,
-    /// What it looks like.
+    /// Its appearance.
     pub scene: Scene,
 }
 

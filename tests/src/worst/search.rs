@@ -17,7 +17,7 @@ pub const STAGES: [&str; 6] = [
     "stage-features",
     "stage-track",
 ];
-/// A third of the trials looks anywhere, the rest climbs.
+/// A third of the trials samples anywhere, the rest climbs.
 const ANYWHERE: u64 = 3;
 /// A little worse is taken now and then, or the climb ends on the first hill.
 const DOWN_SHARE: f64 = 0.995;

@@ -45,14 +45,14 @@ pub fn wall_range_m(from: Point2, bearing_rad: f64) -> f64 {
     along(from.x_m, HALF_M[0], bearing_rad.cos()).min(along(from.y_m, HALF_M[1], bearing_rad.sin()))
 }
 
-/// The simulated world with somebody at the wheel.
-pub struct Seat {
+/// The simulated world with a driver.
+pub struct DrivenSimulation {
     pub simulation: Simulation,
     base: ThreeWheelBase,
     now_us: u64,
 }
 
-impl Seat {
+impl DrivenSimulation {
     pub fn new(scenario: &Scenario, seed: u64) -> Self {
         Self {
             simulation: Simulation::new(scenario, seed).unwrap(),

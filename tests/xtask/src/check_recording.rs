@@ -100,7 +100,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_that_is_not_there_is_named_before_anything_is_installed() {
+    fn missing_file_is_named_before_installation() {
         let wrong = Options { file: Some(PathBuf::from("/nowhere/run.mcap")), cuts: 1 };
         let error = run(&wrong).unwrap_err().to_string();
         assert!(error.contains("/nowhere/run.mcap: no such file"), "{error}");

@@ -21,7 +21,7 @@ pub struct Size {
     pub kept_bytes: u64,
 }
 
-/// How large an image is; its stack where the interrupt handlers are told.
+/// The size of an image; its stack where the interrupt handlers are given.
 pub fn measure(image: &Path, handlers: Option<&[&[&str]]>) -> Result<Size> {
     let size = sizes(image)?;
     let stack_bytes = match handlers {

@@ -1,4 +1,5 @@
-//! `cargo xtask setup`: a bare machine becomes one on which everything runs. Commands that need one thing ask for it here.
+//! `cargo xtask setup`: a bare machine becomes one on which everything runs. Commands with a prerequisite check it
+//! here.
 
 use anyhow::{Result, ensure};
 

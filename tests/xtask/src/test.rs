@@ -101,7 +101,7 @@ fn run_step(name: &str, words: &str, count: &mut Count) -> Result<bool> {
     Ok(child.wait()?.success())
 }
 
-/// What cargo is told.
+/// The arguments for cargo.
 fn arguments(words: &str) -> Vec<&str> {
     let packages = || sources::crates().iter().flat_map(|one| ["--package", one.package.as_str()]).collect();
     let word = |word| match word {
@@ -126,7 +126,7 @@ mod tests {
     use super::{STEPS, TARGET, arguments, number_before};
 
     #[test]
-    fn the_step_without_a_standard_library_builds_for_the_board() {
+    fn no_std_step_builds_for_the_board() {
         let (_, words) = STEPS.iter().find(|(name, _)| *name == "no_std").expect("a step");
         assert_eq!(arguments(words).last(), Some(&TARGET));
         assert!(arguments(words).windows(2).any(|pair| pair == ["--package", "floorguard-guard"]));

@@ -68,7 +68,7 @@ fn boot(image: &Path) -> Result<String> {
 fn judge(printed: &str) -> Result<bool> {
     let code = printed.lines().find_map(|line| line.trim().strip_prefix(EXIT_MARK));
     let Some(code) = code else {
-        bail!("vcan: the little Linux ended without running the program; it said:\n{printed}");
+        bail!("vcan: the little Linux ended without running the program; it printed:\n{printed}");
     };
     for line in printed.lines().filter(|line| !line.contains(EXIT_MARK)) {
         println!("  {line}");
@@ -166,7 +166,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_verdict_is_the_exit_code_of_the_program() {
+    fn verdict_is_the_programs_exit_code() {
         let driven = "{\"distance_m\":3.5}\nvcan-exit-code:";
         assert!(judge(&format!("{driven}0\n")).unwrap() && !judge(&format!("{driven}1\n")).unwrap());
         assert!(!judge("{\"distance_m\":0.0}\nvcan-exit-code:0\n").unwrap());

@@ -8,7 +8,7 @@ use crate::{firmware, shell};
 
 /// The kept inputs with their counts.
 pub const GOLDEN: &str = "tests/goldens/worst-inputs.json";
-/// Scenes for each stage, unless told otherwise.
+/// Scenes for each stage, by default.
 const TRIALS: u64 = 200;
 
 /// Searches on from what is kept.

@@ -62,7 +62,7 @@ impl<const N: usize> Cycle<N> {
         self.at(if position == 0 { self.count.saturating_sub(1) } else { position.saturating_sub(1) })
     }
 
-    /// `b` lies on the way from `a` to `c`, in the direction of the tour.
+    /// `b` lies on the path from `a` to `c`, in the direction of the tour.
     #[inline]
     pub fn is_between(&self, a: u16, b: u16, c: u16) -> bool {
         let (a, b, c) = (self.position(a), self.position(b), self.position(c));
@@ -74,7 +74,7 @@ impl<const N: usize> Cycle<N> {
         self.logged = 0;
     }
 
-    /// The log has no more room: the experiment must be taken back.
+    /// The log is full: the experiment must be taken back.
     pub const fn is_log_full(&self) -> bool {
         self.logged.saturating_add(8) > LOG_MAX
     }
@@ -147,7 +147,7 @@ mod tests {
     use floorguard_types::random::Pcg32;
 
     #[test]
-    fn turns_keep_the_permutation_and_can_be_taken_back() {
+    fn turns_keep_the_permutation_and_are_reversible() {
         let mut random = Pcg32::new(1, 1);
         let mut cycle = Cycle::<32>::new();
         cycle.set(0..30);

@@ -1,4 +1,4 @@
-//! Exchanges that shorten a tour: 2-opt and Or-opt with neighbour lists and a queue of nodes worth a look.
+//! Exchanges that shorten a tour: 2-opt and Or-opt with neighbour lists and a queue of nodes to examine.
 //!
 //! First gain wins. A node leaves the queue when none of its exchanges helps, and comes back when an edge of it
 //! changes (book, Cleaning: Tour; "don't look bits" of Bentley 1992).
@@ -7,14 +7,14 @@ use super::cycle::Cycle;
 use super::distances::Distances;
 use super::neighbours::Neighbours;
 
-/// Looks that one call may take, whatever the caller asks.
-pub(super) const LOOKS_MAX: u32 = 4_096;
+/// Upper bound of evaluations in one call.
+pub(super) const EVALUATIONS_MAX: u32 = 4_096;
 /// Longest stretch that Or-opt moves.
 const SEGMENT_MAX: usize = 3;
 
-/// Which way along the tour.
+/// Direction along the tour.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Way {
+enum TourDirection {
     Forward,
     Backward,
 }
@@ -71,7 +71,7 @@ impl<const N: usize> LocalSearch<N> {
         Some(node)
     }
 
-    /// Some node waits for a look.
+    /// Some node waits to be examined.
     pub const fn is_waiting(&self) -> bool {
         self.queued > 0
     }
@@ -82,10 +82,10 @@ impl<const N: usize> LocalSearch<N> {
         self.queued = 0;
     }
 
-    /// Looks at the nodes of the queue, at most `looks` times. Returns the sum of all gains, ≥ 0.
-    pub fn run(&mut self, distances: &impl Distances, looks: u32) -> i32 {
+    /// Examines the nodes of the queue, at most `evaluations` times. Returns the sum of all gains, ≥ 0.
+    pub fn run(&mut self, distances: &impl Distances, evaluations: u32) -> i32 {
         let mut gained = 0_i32;
-        for _ in 0..looks.min(LOOKS_MAX) {
+        for _ in 0..evaluations.min(EVALUATIONS_MAX) {
             if self.cycle.is_log_full() {
                 break;
             }
@@ -99,23 +99,23 @@ impl<const N: usize> LocalSearch<N> {
         gained
     }
 
-    fn step(&self, node: u16, way: Way) -> u16 {
-        match way {
-            Way::Forward => self.cycle.next(node),
-            Way::Backward => self.cycle.previous(node),
+    fn step(&self, node: u16, direction: TourDirection) -> u16 {
+        match direction {
+            TourDirection::Forward => self.cycle.next(node),
+            TourDirection::Backward => self.cycle.previous(node),
         }
     }
 
     /// The first exchange at a node that gains; 0 if none does.
     fn improve(&mut self, node: u16, distances: &impl Distances) -> i32 {
-        for way in [Way::Forward, Way::Backward] {
-            let gain = self.two_opt(node, way, distances);
+        for direction in [TourDirection::Forward, TourDirection::Backward] {
+            let gain = self.two_opt(node, direction, distances);
             if gain > 0 {
                 return gain;
             }
         }
-        for way in [Way::Forward, Way::Backward] {
-            let gain = self.or_opt(node, way, distances);
+        for direction in [TourDirection::Forward, TourDirection::Backward] {
+            let gain = self.or_opt(node, direction, distances);
             if gain > 0 {
                 return gain;
             }
@@ -123,24 +123,24 @@ impl<const N: usize> LocalSearch<N> {
         0
     }
 
-    /// Replaces (a, b) and (c, d) by (a, c) and (b, d), where b and d follow a and c in direction `way`.
-    fn two_opt(&mut self, a: u16, way: Way, distances: &impl Distances) -> i32 {
-        let b = self.step(a, way);
+    /// Replaces (a, b) and (c, d) by (a, c) and (b, d), where b and d follow a and c in direction `direction`.
+    fn two_opt(&mut self, a: u16, direction: TourDirection, distances: &impl Distances) -> i32 {
+        let b = self.step(a, direction);
         let removed = distances.between(a, b);
         for c in self.neighbours.of(a) {
-            if !Neighbours::<N>::is_somebody(c) {
+            if !Neighbours::<N>::is_node(c) {
                 break;
             }
             let first_gain = removed.wrapping_sub(distances.between(a, c));
             if first_gain <= 0 {
                 break;
             }
-            let d = self.step(c, way);
+            let d = self.step(c, direction);
             let gain = first_gain.wrapping_add(distances.between(c, d)).wrapping_sub(distances.between(b, d));
             if gain > 0 && c != b && d != a {
-                match way {
-                    Way::Forward => self.cycle.reverse(b, c),
-                    Way::Backward => self.cycle.reverse(a, d),
+                match direction {
+                    TourDirection::Forward => self.cycle.reverse(b, c),
+                    TourDirection::Backward => self.cycle.reverse(a, d),
                 }
                 for node in [a, b, c, d] {
                     self.wake(node);
@@ -151,11 +151,15 @@ impl<const N: usize> LocalSearch<N> {
         0
     }
 
-    /// Moves the stretch that starts at `a` and runs against `way` to a place beside a neighbour of `a`, either way
+    /// Moves the stretch that starts at `a` and runs against `direction` to a place beside a neighbour of `a`, either way
     /// round.
-    fn or_opt(&mut self, a: u16, way: Way, distances: &impl Distances) -> i32 {
-        let back = if way == Way::Forward { Way::Backward } else { Way::Forward };
-        let before = self.step(a, way);
+    fn or_opt(&mut self, a: u16, direction: TourDirection, distances: &impl Distances) -> i32 {
+        let back = if direction == TourDirection::Forward {
+            TourDirection::Backward
+        } else {
+            TourDirection::Forward
+        };
+        let before = self.step(a, direction);
         let mut last = a;
         for _ in 0..SEGMENT_MAX {
             let after = self.step(last, back);
@@ -166,7 +170,7 @@ impl<const N: usize> LocalSearch<N> {
                 .between(before, a)
                 .wrapping_add(distances.between(last, after))
                 .wrapping_sub(distances.between(before, after));
-            let ends = SegmentEnds { a, last, before, after, way };
+            let ends = SegmentEnds { a, last, before, after, direction };
             let gain = self.insert_segment(ends, removal, distances);
             if gain > 0 {
                 return gain;
@@ -177,23 +181,23 @@ impl<const N: usize> LocalSearch<N> {
     }
 
     fn insert_segment(&mut self, ends: SegmentEnds, removal: i32, distances: &impl Distances) -> i32 {
-        let SegmentEnds { a, last, way, .. } = ends;
+        let SegmentEnds { a, last, direction, .. } = ends;
         for c in self.neighbours.of(a) {
-            if !Neighbours::<N>::is_somebody(c) {
+            if !Neighbours::<N>::is_node(c) {
                 break;
             }
             let first_gain = removal.wrapping_sub(distances.between(a, c));
             if first_gain <= 0 {
                 break;
             }
-            let inside = match way {
-                Way::Forward => self.cycle.is_between(last, c, a),
-                Way::Backward => self.cycle.is_between(a, c, last),
+            let inside = match direction {
+                TourDirection::Forward => self.cycle.is_between(last, c, a),
+                TourDirection::Backward => self.cycle.is_between(a, c, last),
             };
             if inside {
                 continue;
             }
-            for side in [Way::Forward, Way::Backward] {
+            for side in [TourDirection::Forward, TourDirection::Backward] {
                 let d = self.step(c, side);
                 if d == a || d == last {
                     continue;
@@ -210,12 +214,13 @@ impl<const N: usize> LocalSearch<N> {
     }
 
     /// Puts the stretch between `c` and `d` so that `a` is beside `c`. Made of two or three turns.
-    fn move_segment(&mut self, ends: SegmentEnds, (c, d, side): (u16, u16, Way)) {
-        let SegmentEnds { a, last, before, after, way } = ends;
+    fn move_segment(&mut self, ends: SegmentEnds, (c, d, side): (u16, u16, TourDirection)) {
+        let SegmentEnds { a, last, before, after, direction } = ends;
         // In the direction of the tour: `low` … `high` is the stretch, from `left` to `right` the gap it goes to.
-        let (low, high) = if way == Way::Forward { (last, a) } else { (a, last) };
-        let (left, right) = if side == Way::Forward { (c, d) } else { (d, c) };
-        let (outer_low, outer_high) = if way == Way::Forward { (after, before) } else { (before, after) };
+        let (low, high) = if direction == TourDirection::Forward { (last, a) } else { (a, last) };
+        let (left, right) = if side == TourDirection::Forward { (c, d) } else { (d, c) };
+        let (outer_low, outer_high) =
+            if direction == TourDirection::Forward { (after, before) } else { (before, after) };
         if self.is_ahead(high, left) {
             // outer_low [low … high] [outer_high … left] right
             self.exchange(outer_low, (low, high), (outer_high, left));
@@ -267,5 +272,5 @@ struct SegmentEnds {
     last: u16,
     before: u16,
     after: u16,
-    way: Way,
+    direction: TourDirection,
 }

@@ -8,14 +8,14 @@ use super::distances::{Distances, OpenPath};
 use super::local_search::LocalSearch;
 use floorguard_types::random::Pcg32;
 
-/// Looks at nodes, for every node, that the first local search may take.
-const LOOKS_PER_NODE: u32 = 50;
+/// Evaluations, for every node, that the first local search may take.
+const EVALUATIONS_PER_NODE: u32 = 50;
 /// Rounds of the first local search, whatever the number of nodes.
 const ROUNDS_MAX: u32 = 65_536;
 /// Experiments that one call may make; a caller with more time calls again.
 const EXPERIMENTS_MAX: u32 = 1_000_000;
-/// Looks of one experiment.
-const LOOKS_PER_EXPERIMENT: u32 = 400;
+/// Evaluations of one experiment.
+const EVALUATIONS_PER_EXPERIMENT: u32 = 400;
 /// Longest stretch that an experiment moves.
 const STRETCH_MAX: u32 = 30;
 /// Fewer nodes than this leave nothing to exchange.
@@ -24,7 +24,7 @@ const NODES_MIN: usize = 8;
 /// Why there is no tour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TourError {
-    /// More nodes than room: visit the nearest ones first and plan again.
+    /// More nodes than capacity: visit the nearest ones first and plan again.
     TooMany {
         /// Nodes asked for, the start included.
         nodes: usize,
@@ -39,10 +39,7 @@ impl core::fmt::Display for TourError {
     fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::TooMany { nodes, capacity } => {
-                write!(
-                    formatter,
-                    "a tour of {nodes} places does not fit the {capacity} that there is room for"
-                )
+                write!(formatter, "a tour of {nodes} places does not fit the {capacity} that fit")
             }
             Self::NotAnOrder => {
                 write!(formatter, "the order to start from is not a permutation of the places")
@@ -170,9 +167,9 @@ impl<const N: usize> TourSolver<N> {
         for node in (0..self.end()).take(N) {
             self.search.wake(node);
         }
-        let looks = (self.nodes as u32).saturating_mul(LOOKS_PER_NODE);
+        let evaluations = (self.nodes as u32).saturating_mul(EVALUATIONS_PER_NODE);
         // The first search has nothing to take back; beginning anew whenever the log is full keeps it going.
-        for _ in 0..(looks / 64).saturating_add(1).min(ROUNDS_MAX) {
+        for _ in 0..(evaluations / 64).saturating_add(1).min(ROUNDS_MAX) {
             self.search.cycle.begin();
             let gained =
                 if self.closed { self.search.run(distances, 64) } else { self.run_open(distances, 64) };
@@ -183,9 +180,9 @@ impl<const N: usize> TourSolver<N> {
         self.search.forget();
     }
 
-    fn run_open(&mut self, distances: &impl Distances, looks: u32) -> i32 {
+    fn run_open(&mut self, distances: &impl Distances, evaluations: u32) -> i32 {
         let path = OpenPath { distances, end: self.end() };
-        self.search.run(&path, looks)
+        self.search.run(&path, evaluations)
     }
 
     /// Makes `experiments` experiments. Returns by how much the tour became shorter.
@@ -242,7 +239,7 @@ impl<const N: usize> TourSolver<N> {
                 self.search.wake(node);
             }
         }
-        self.search.run(distances, LOOKS_PER_EXPERIMENT).wrapping_sub(loss)
+        self.search.run(distances, EVALUATIONS_PER_EXPERIMENT).wrapping_sub(loss)
     }
 
     fn is_closing(&self, a: u16, b: u16) -> bool {

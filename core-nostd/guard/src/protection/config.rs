@@ -46,7 +46,7 @@ pub struct FieldSet {
     pub warning: Polygon,
 }
 
-/// Where the safety scanner looks.
+/// Pose of the safety scanner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScannerGeometry {
     /// Sensor frame in the robot frame.
@@ -72,7 +72,7 @@ impl ScannerGeometry {
     };
 }
 
-/// Where the lidar looks.
+/// Pose of the lidar.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LidarGeometry {
     /// Sensor frame (x forward, y left, z up) to robot frame.

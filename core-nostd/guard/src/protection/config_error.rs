@@ -26,7 +26,7 @@ pub enum GuardConfigError {
         /// Given beyond the body, metres.
         given_m: f32,
     },
-    /// The scanner has no beams, more than there is room for, or no positive step.
+    /// The scanner has no beams, more than the capacity, or no positive step.
     Scanner,
     /// The lidar has no rings, or the body ends below the floor clearance.
     Lidar,
@@ -52,7 +52,9 @@ impl fmt::Display for GuardConfigError {
                 out,
                 "the protective field of set {set} reaches {given_m:.2} m beyond the body, stopping needs {needed_m:.2} m"
             ),
-            Self::Scanner => out.write_str("the scanner needs beams, room for them, and a positive step"),
+            Self::Scanner => {
+                out.write_str("the scanner needs beams, at most the capacity, and a positive step")
+            }
             Self::Lidar => {
                 out.write_str("the lidar needs rings, and a body height above its floor clearance")
             }

@@ -1,4 +1,4 @@
-//! What the guard answers to everything that it is told.
+//! The guard's answer to its inputs.
 
 use super::action::{Action, GuardState};
 use super::record::CauseRecord;
@@ -11,7 +11,7 @@ use floorguard_types::time::Stamp;
 pub struct Decision {
     /// When it was taken.
     pub stamp: Stamp,
-    /// What the drive may be told; zero when the robot must stand.
+    /// The command permitted to the drive; zero when the robot must stand.
     pub permitted: Twist2,
     /// The most severe demand of all causes that hold.
     pub action: Action,

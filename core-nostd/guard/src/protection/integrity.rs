@@ -1,7 +1,7 @@
 //! Are the guard's constants still what they were at start? Tables by a sum over each part, the rest by a second copy.
 //!
-//! The tables are too large to be kept twice or looked at in every tick, so one part of sixteen is looked at in each:
-//! a flipped bit is found within 160 ms. Each step of the sum is one-to-one in what was summed before, so that a single
+//! The tables are too large to be kept twice or looked at in every tick, so one part of sixteen is examined in each: a
+//! flipped bit is found within 160 ms. Each step of the sum is one-to-one in what was summed before, so that a single
 //! changed word always changes it.
 
 use super::collision::Body;
@@ -42,7 +42,7 @@ impl Integrity {
         (self.body, self.next) = (body, 0);
     }
 
-    /// Looks at the next part; `false` when something changed. The configuration is a part of its own.
+    /// Checks the next part; `false` when something changed. The configuration is a part of its own.
     pub fn check_next(
         &mut self,
         config: &GuardConfig,

@@ -61,7 +61,7 @@ impl PacketTable {
 }
 
 impl Bin {
-    /// Nothing but zeros, which take no room in a program.
+    /// Nothing but zeros, which take no space in a program.
     const EMPTY: Self = Self {
         direction: Point2::new(0.0, 0.0),
         plane_share: [0; PACKET_RINGS_MAX],

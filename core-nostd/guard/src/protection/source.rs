@@ -25,7 +25,7 @@ pub enum Source {
     Imu,
     /// Traction and steering drive.
     Drive,
-    /// Whoever wants to move.
+    /// A command to move.
     Command,
     /// The perception ring.
     Perception,

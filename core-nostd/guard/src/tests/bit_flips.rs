@@ -21,9 +21,9 @@ const RESET_AT: u64 = 2_800;
 /// Ticks at which the emergency stop holds: the self-test after the reset begins between two ticks and is passed at the last.
 const EMERGENCY: std::ops::Range<u64> = PRESSED_AT..RESET_AT + SELF_TEST_US / 10_000 - 1;
 
-/// 40 s in which everything happens: start, cruise, warning, stop, leaving backwards, clear way, lidar stop, lost
-/// sources, emergency stop, reset, a stamp from the future, contact. `visit` is told, too, whether the emergency stop holds
-/// now and at the next tick; nothing else in the mission may cut the torque.
+/// 40 s in which everything happens: start, cruise, warning, stop, leaving backwards, clear path, lidar stop, lost
+/// sources, emergency stop, reset, a stamp from the future, contact. `visit` also receives whether the emergency stop
+/// holds now and at the next tick; nothing else in the mission may cut the torque.
 fn mission(mut visit: impl FnMut(u64, &Supervisor, bool)) {
     let mut rig = Rig::new();
     for tick in 0..MOMENTS * TICKS {
@@ -90,7 +90,7 @@ impl Classes {
 }
 
 #[test]
-fn fg_req_008_no_flipped_bit_of_the_state_is_silently_unsafe() {
+fn fg_req_008_no_flipped_state_bit_is_silently_unsafe() {
     let (mut classes, mut moments, mut stopped) = (Classes::default(), 0, 0);
     mission(|moment, guard, is_stopped| {
         if !is_asked_for(moment) {
@@ -120,8 +120,8 @@ fn fg_req_008_no_flipped_bit_of_the_state_is_silently_unsafe() {
         }
     });
     let Classes { no_effect, stops } = classes;
-    assert!(moments > 0, "no moment of the mission, which has {MOMENTS}, was looked at");
-    // Whoever is stopped already, by an emergency stop, has nothing to stop for.
+    assert!(moments > 0, "no moment of the mission, which has {MOMENTS}, was checked");
+    // A robot that is stopped already, by an emergency stop, has nothing to stop for.
     let moving = moments - stopped;
     assert!(
         stops > 1_000 * moving || moving == 0,

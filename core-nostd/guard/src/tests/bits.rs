@@ -73,17 +73,17 @@ choices! {
 }
 
 /// What stands in the place of nothing when the mark between them flips.
-pub trait Something {
+pub trait FlippedValue {
     /// Any value.
-    fn something() -> Self;
+    fn flipped_value() -> Self;
 }
 
-macro_rules! somethings {
-    ($($type:ty: $value:expr;)*) => { $(impl Something for $type {
-        fn something() -> Self { $value }
+macro_rules! flipped_values {
+    ($($type:ty: $value:expr;)*) => { $(impl FlippedValue for $type {
+        fn flipped_value() -> Self { $value }
     })* };
 }
-somethings! {
+flipped_values! {
     Stamp: Stamp::from_micros(1_000);
     FaultKind: FaultKind::LinkDown;
     CauseRecord: CauseRecord::new(Cause::Warning, Stamp::ZERO);
@@ -91,7 +91,7 @@ somethings! {
     u64: 0;
 }
 
-impl<T: Bits + Something> Bits for Option<T> {
+impl<T: Bits + FlippedValue> Bits for Option<T> {
     fn bits(&self) -> u32 {
         1 + self.as_ref().map_or(0, Bits::bits)
     }
@@ -99,7 +99,7 @@ impl<T: Bits + Something> Bits for Option<T> {
         match self {
             Some(inner) if bit > 0 => inner.flip(bit - 1),
             Some(_) => *self = None,
-            None => *self = Some(T::something()),
+            None => *self = Some(T::flipped_value()),
         }
     }
 }

@@ -20,7 +20,7 @@ fn below(limit: f32) -> f32 {
 }
 
 #[test]
-fn fg_req_031_people_count_below_their_limits_and_not_at_them() {
+fn fg_req_031_people_count_only_below_their_limits() {
     let near_m = super::fixtures::config().thresholds.person_near_m;
     let near = |distance_m| judged((distance_m, [FAR; 2], 0.0), Cause::PersonNear);
     assert!(near(near_m).is_none() && near(below(near_m)).is_some());
@@ -51,7 +51,7 @@ fn fg_req_031_touching_begins_below_three_tenths_of_a_metre() {
 }
 
 #[test]
-fn fg_req_001_at_five_hundredths_of_a_metre_per_second_the_robot_moves() {
+fn fg_req_001_robot_moves_at_five_centimetres_per_second() {
     for (speed_mps, torque_off) in [(0.05, false), (below(0.05), true)] {
         let mut rig = Rig::cruising();
         rig.guard.state.machine.raise(CauseRecord::new(Cause::Overspeed, rig.now));

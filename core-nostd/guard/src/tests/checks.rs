@@ -31,7 +31,7 @@ fn turning(linear_mps: f32, angular_radps: f32) -> Twist2 {
 }
 
 #[test]
-fn fg_req_051_sensors_that_agree_at_any_steering_angle_raise_nothing() {
+fn fg_req_051_agreeing_sensors_raise_no_cause() {
     let wheelbase_m = config().drive.wheelbase_m;
     for degrees in [-75.0_f32, -40.0, 0.0, 20.0, 60.0, 85.0] {
         let steering_rad = degrees.to_radians();
@@ -50,7 +50,7 @@ fn fg_req_051_sensors_that_agree_at_any_steering_angle_raise_nothing() {
 }
 
 #[test]
-fn fg_req_053_slip_is_the_difference_to_what_steering_and_drive_give() {
+fn fg_req_053_slip_is_difference_to_steering_and_drive() {
     // 0.8 m wheelbase, a right angle: the whole speed of the driven wheel turns the robot.
     let steering_rad = core::f32::consts::FRAC_PI_2;
     let motion = |turn_radps: f32| Motion {
@@ -98,7 +98,7 @@ fn fg_req_009_quiet_is_over_at_its_microsecond() {
 }
 
 #[test]
-fn fg_req_005_a_request_is_granted_once_and_evidence_cancels_it() {
+fn fg_req_005_request_is_granted_once_unless_evidence_cancels() {
     let at = |ms: u64| NOW.plus_micros(ms * 1_000);
     let mut machine = DecisionMachine::new(at(0));
     machine.raise(CauseRecord::new(Cause::EmergencyStop, at(0)));
@@ -125,7 +125,7 @@ fn fg_req_005_a_request_is_granted_once_and_evidence_cancels_it() {
 }
 
 #[test]
-fn fg_req_006_turning_on_the_spot_goes_on_from_the_speed_that_it_had() {
+fn fg_req_006_turning_continues_from_its_speed() {
     let drive = config().drive;
     let wanted = turning(0.0, 0.5);
     for previous_mps in [-0.5, 0.5] {
@@ -136,7 +136,7 @@ fn fg_req_006_turning_on_the_spot_goes_on_from_the_speed_that_it_had() {
 }
 
 #[test]
-fn fg_req_016_silence_of_the_lidar_adds_up_to_blindness_and_ends_with_a_return() {
+fn fg_req_016_lidar_silence_becomes_blindness_until_a_return() {
     let silent_packet = |rig: &Rig| {
         let mut silent = packet(rig.now, 0, 10.0);
         silent.columns = [0, 100]
@@ -160,7 +160,7 @@ fn fg_req_016_silence_of_the_lidar_adds_up_to_blindness_and_ends_with_a_return()
 }
 
 #[test]
-fn fg_req_015_every_bit_of_an_inertial_sample_counts_against_frozen() {
+fn fg_req_015_every_inertial_bit_counts_against_frozen() {
     let sample = ImuSample {
         stamp: NOW,
         angular_radps: [0.11, -0.07, 0.013],
@@ -187,7 +187,7 @@ fn fg_req_015_every_bit_of_an_inertial_sample_counts_against_frozen() {
 }
 
 #[test]
-fn fg_req_010_a_sample_with_one_bad_number_is_a_fault() {
+fn fg_req_010_one_bad_number_is_a_fault() {
     let fault = |rig: &Rig, source: Source| rig.guard.state.monitors[source.index()].fault;
     let good = ImuSample { stamp: NOW, angular_radps: [0.0, 0.0, 0.2], ..ImuSample::default() };
     let mut rig = Rig::new();
@@ -212,7 +212,7 @@ fn fg_req_010_a_sample_with_one_bad_number_is_a_fault() {
 }
 
 #[test]
-fn fg_req_054_a_command_counts_only_when_it_is_finite_and_not_from_the_future() {
+fn fg_req_054_command_must_be_finite_and_not_future() {
     let wanted = |twist: Twist2, stamp: Stamp| {
         let mut rig = Rig::cruising();
         let now = rig.now;
@@ -226,7 +226,7 @@ fn fg_req_054_a_command_counts_only_when_it_is_finite_and_not_from_the_future() 
 }
 
 #[test]
-fn fg_req_004_held_causes_keep_their_first_record_and_equal_their_copy() {
+fn fg_req_004_held_causes_keep_first_record_and_copy() {
     let all = Cause::all();
     let record = |cause, ms: u64, limit_mps| {
         CauseRecord::new(cause, NOW.plus_micros(ms * 1_000)).limited_to(limit_mps)

@@ -54,7 +54,7 @@ fn person(random: &mut Pcg32) -> AdvisedPerson {
     }
 }
 
-/// Equal, or both so late that nobody looks: a graze may be found or missed by a step.
+/// Equal, or both beyond the horizon: a graze may be found or missed by a step.
 fn agree(found_s: f32, walked_s: f64) -> bool {
     let found_s = f64::from(found_s);
     (found_s - walked_s).abs() < 5.0 * STEP_S || (found_s > 9.9 && walked_s > 9.9)
@@ -94,7 +94,7 @@ fn robot_after(twist: Twist2, time_s: f64) -> (f64, f64, f64) {
     (x, y, heading)
 }
 
-/// Whole tenths of a second are looked at, and whether the person is nearer at the next or was farther at the last.
+/// Whole tenths of a second are examined, and whether the person is nearer at the next or was farther at the last.
 fn turned_s(body: &Body, person: &AdvisedPerson, twist: Twist2, growth_mps: f64) -> f64 {
     let radius_m = 0.3 + 2.0 * f64::from(person.position_sigma_m);
     let gaps: std::vec::Vec<f64> = (0..=31_u32)
@@ -119,7 +119,7 @@ fn turned_s(body: &Body, person: &AdvisedPerson, twist: Twist2, growth_mps: f64)
 }
 
 #[test]
-fn fg_req_031_turning_times_are_those_of_a_robot_that_turns() {
+fn fg_req_031_turning_robots_have_turning_times() {
     let body = Body { x_m: [-0.3, 1.2], y_m: [-0.2, 0.6] };
     let mut random = Pcg32::new(22, 1);
     let (mut finite, mut grazes) = (0, 0);
@@ -141,7 +141,7 @@ fn fg_req_031_turning_times_are_those_of_a_robot_that_turns() {
 }
 
 #[test]
-fn fg_req_031_who_only_touches_the_circle_is_within_it_and_who_stands_never_comes() {
+fn fg_req_031_tangent_person_is_within_standing_never_arrives() {
     let time =
         |p: (f32, f32), u: (f32, f32)| time_to_collision_s(Point2::new(p.0, p.1), Point2::new(u.0, u.1), 1.0);
     assert_eq!(time((1.0, 0.0), (0.0, 0.0)), 0.0);

@@ -5,7 +5,7 @@ use crate::*;
 use floorguard_types::capacities::SCAN_BEAMS_MAX;
 use floorguard_types::geometry::Point2;
 
-/// What the check says to a configuration with one thing changed.
+/// What the check says to a configuration with one value changed.
 fn with(change: impl FnOnce(&mut GuardConfig)) -> Result<(), GuardConfigError> {
     let mut config = config();
     change(&mut config);
@@ -119,14 +119,14 @@ fn fg_req_020_fields_have_corners_and_contain_the_footprint() {
     assert_eq!((narrow(0.4), narrow(0.39)), (Ok(()), Err(GuardConfigError::FieldInsideFootprint(0))));
 }
 
-/// Least length before the body: way of the response, braking with wear, supplement of the scanner.
+/// Least length before the body: distance during the response, braking with wear, supplement of the scanner.
 fn needed_m(speed_mps: f64) -> f64 {
     let braking_m = speed_mps * speed_mps / 1.6;
     speed_mps * (0.15 + 0.08) + braking_m + 0.1 * braking_m + 0.1
 }
 
 #[test]
-fn fg_req_020_fields_are_as_long_as_the_robot_needs_to_stop() {
+fn fg_req_020_fields_are_as_long_as_stopping_distance() {
     for (travel, set) in [(Travel::Straight, 1), (Travel::Left, 1), (Travel::Right, 1), (Travel::Reverse, 3)]
     {
         for speed_mps in [0.1_f32, 0.3, 0.6, 1.0] {
@@ -162,15 +162,15 @@ fn fg_req_020_stopping_distances_are_those_of_a_simulated_stop() {
     for (speed, response, acceleration, braking) in
         [(1.0, 0.15, 0.0, 0.8), (0.6, 0.23, 0.5, 1.2), (0.0, 0.5, 1.0, 1.5), (1.3, 0.0, 0.7, 0.6)]
     {
-        let (mut way, mut now, mut time) = (0.0_f64, speed, 0.0_f64);
+        let (mut travel, mut now, mut time) = (0.0_f64, speed, 0.0_f64);
         while now > 0.0 || time < response {
             let change = if time < response { acceleration } else { -braking };
-            way += (now + 0.5 * change * 1.0e-5) * 1.0e-5;
+            travel += (now + 0.5 * change * 1.0e-5) * 1.0e-5;
             now += change * 1.0e-5;
             time += 1.0e-5;
         }
         let found = stop_distance_m(speed as f32, response as f32, acceleration as f32, braking as f32);
-        assert!((f64::from(found) - way).abs() < 1.0e-3, "{found} {way}");
+        assert!((f64::from(found) - travel).abs() < 1.0e-3, "{found} {travel}");
     }
     assert!(stop_distance_m(0.0, 0.1, 0.0, 0.0).is_infinite());
     assert!(stop_distance_m(1.0, 0.1, 0.0, -1.0).is_infinite());
@@ -178,7 +178,7 @@ fn fg_req_020_stopping_distances_are_those_of_a_simulated_stop() {
 }
 
 #[test]
-fn fg_req_020_a_field_of_exactly_the_needed_length_is_long_enough() {
+fn fg_req_020_field_of_exact_stopping_distance_is_accepted() {
     let with_front = |speed_mps: f32, front_m: f32| {
         with(|config| {
             config.fields[1].protective = rectangle([-0.45, front_m], 0.5);

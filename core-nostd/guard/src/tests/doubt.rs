@@ -25,7 +25,7 @@ fn protection(person: AdvisedPerson, twist: Twist2) -> (Action, f32) {
 
 /// 1.35 m ahead of the front edge, coming with 1.4 m/s towards a robot at 1 m/s.
 #[test]
-fn fg_req_033_a_person_who_comes_is_stopped_for_whatever_the_doubt() {
+fn fg_req_033_approaching_person_stops_despite_doubt() {
     for sigma_m in [0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 2.0] {
         let person = AdvisedPerson {
             position: Point2::new(0.95 + 1.35, 0.0),

@@ -20,7 +20,7 @@ fn key(machine: &DecisionMachine, now: Stamp) -> String {
 }
 
 #[test]
-fn fg_req_005_no_path_leads_from_latched_to_moving_without_reset_and_self_test() {
+fn fg_req_005_latched_moves_only_after_reset_and_self_test() {
     let start = Stamp::from_micros(10_000_000);
     let mut seen = BTreeSet::new();
     let mut queue = VecDeque::from(vec![(DecisionMachine::new(start), start, false)]);

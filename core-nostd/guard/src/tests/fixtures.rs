@@ -1,4 +1,4 @@
-//! A robot on a bench: every source healthy, an ideal drive, and levers to spoil each of it.
+//! A robot on a bench: every source healthy, an ideal drive, and levers to corrupt each of it.
 
 use heapless::Vec;
 

@@ -35,7 +35,7 @@ fn turning(linear_mps: f32, angular_radps: f32) -> Twist2 {
 }
 
 #[test]
-fn fg_req_031_speed_towards_people_is_what_the_formula_says() {
+fn fg_req_031_speed_towards_people_follows_the_formula() {
     let mut configured = config();
     configured.drive.speed_mps = 0.9;
     let mut rig = Rig::with(configured);
@@ -55,7 +55,7 @@ fn fg_req_031_speed_towards_people_is_what_the_formula_says() {
 }
 
 #[test]
-fn fg_req_031_a_standing_robot_judges_the_slow_start_that_it_wants() {
+fn fg_req_031_standing_robot_judges_requested_slow_start() {
     let mut rig = Rig::cruising();
     rig.measured = Twist2::ZERO;
     for (wanted, likely) in [
@@ -80,7 +80,7 @@ fn fg_req_031_a_standing_robot_judges_the_slow_start_that_it_wants() {
 }
 
 #[test]
-fn fg_req_031_beside_the_body_is_no_collision_and_at_the_body_is_one() {
+fn fg_req_031_collision_only_at_the_body() {
     for (y_m, stops) in [(0.73, false), (0.6, true)] {
         let mut rig = Rig::cruising();
         rig.measured = Twist2::ZERO;
@@ -92,7 +92,7 @@ fn fg_req_031_beside_the_body_is_no_collision_and_at_the_body_is_one() {
 }
 
 #[test]
-fn fg_req_013_a_late_source_tells_its_age_and_its_deadline() {
+fn fg_req_013_late_source_reports_age_and_deadline() {
     let mut rig = Rig::cruising();
     rig.silent.push(Source::Imu);
     rig.until(|decision| decision.action.stops()).expect("stops");
@@ -109,7 +109,7 @@ fn fg_req_013_a_late_source_tells_its_age_and_its_deadline() {
 }
 
 #[test]
-fn fg_req_012_what_is_not_fitted_or_not_required_is_not_waited_for() {
+fn fg_req_012_absent_or_optional_sources_are_not_awaited() {
     let mut configured = config();
     configured.sources[Source::Imu.index()].fitted = false;
     let mut rig = Rig::with(configured);
@@ -119,7 +119,7 @@ fn fg_req_012_what_is_not_fitted_or_not_required_is_not_waited_for() {
 }
 
 #[test]
-fn fg_req_001_torque_goes_when_category_1_stands_and_stays_in_category_2() {
+fn fg_req_001_category_1_removes_torque_category_2_holds() {
     let mut rig = Rig::cruising();
     rig.silent.push(Source::Drive);
     let torque_off = |rig: &mut Rig| rig.until(|decision| decision.torque_off);
@@ -187,7 +187,7 @@ fn fg_req_025_directions_change_exactly_at_their_limits() {
 }
 
 #[test]
-fn fg_req_006_the_limiter_counts_the_steered_wheel_and_the_acceleration() {
+fn fg_req_006_limiter_covers_steered_wheel_and_acceleration() {
     let drive = config().drive;
     assert!(near(effective_speed_mps(turning(0.0, 0.5), &drive), 0.4));
     assert!(near(effective_speed_mps(turning(0.6, 0.5), &drive), 0.6));
@@ -200,7 +200,7 @@ fn fg_req_006_the_limiter_counts_the_steered_wheel_and_the_acceleration() {
 }
 
 #[test]
-fn fg_req_005_evidence_of_exactly_200_ms_is_no_longer_present() {
+fn fg_req_005_evidence_ends_at_exactly_200_ms() {
     let at = |ms: u64| Stamp::from_micros(10_000_000 + ms * 1_000);
     let granted_after = |ms: u64| {
         let mut machine = DecisionMachine::new(at(0));
@@ -213,7 +213,7 @@ fn fg_req_005_evidence_of_exactly_200_ms_is_no_longer_present() {
 }
 
 #[test]
-fn fg_req_001_the_least_limit_wins_and_the_first_of_equals_is_shown() {
+fn fg_req_001_lowest_limit_wins_first_of_equals_shown() {
     let now = Stamp::from_micros(20_000_000);
     let verdict = |first: (Cause, f32), second: (Cause, f32)| {
         let mut machine = DecisionMachine::IDLE;
@@ -229,7 +229,7 @@ fn fg_req_001_the_least_limit_wins_and_the_first_of_equals_is_shown() {
 }
 
 #[test]
-fn fg_req_040_each_contact_has_its_way_out() {
+fn fg_req_040_each_contact_has_its_escape() {
     let expected = [
         (Cause::BumperFront, Escape::Backward),
         (Cause::CliffFront, Escape::Backward),
@@ -246,7 +246,7 @@ fn fg_req_040_each_contact_has_its_way_out() {
 }
 
 #[test]
-fn fg_req_011_a_measurement_ahead_of_the_clock_is_fresh_within_its_tolerance_only() {
+fn fg_req_011_future_stamp_is_fresh_within_tolerance_only() {
     let stamp = Stamp::from_micros(10_000_000);
     let mut monitor = SourceMonitor::default();
     assert!(monitor.accept(stamp, 1, stamp));
@@ -257,13 +257,13 @@ fn fg_req_011_a_measurement_ahead_of_the_clock_is_fresh_within_its_tolerance_onl
 }
 
 #[test]
-fn a_guard_without_a_robot_lets_nothing_move_and_one_configured_in_place_is_as_a_new_one() {
+fn unconfigured_guard_permits_nothing_in_place_equals_new() {
     let mut rig = Rig::new();
     rig.guard = Supervisor::UNCONFIGURED;
     for _ in 0..500 {
         assert_eq!(rig.step().permitted, Twist2::ZERO);
     }
-    // Whatever it was told before it knew the robot is forgotten.
+    // Inputs received before the robot was configured are discarded.
     rig.guard.configure(config(), rig.now).unwrap();
     let mut fresh = Rig::new();
     (fresh.guard, fresh.now) = (Supervisor::new(config(), rig.now).unwrap(), rig.now);

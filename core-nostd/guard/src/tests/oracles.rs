@@ -74,7 +74,7 @@ fn tricky_raw(bin: &crate::protection::Bin, ring: usize, unit_mm: u32, random: &
 }
 
 #[test]
-fn fg_req_023_each_return_is_judged_as_a_plain_check_judges_it() {
+fn fg_req_023_each_return_equals_the_plain_check() {
     let (config, body) = crooked();
     let (_, table) = tables(&config);
     let mut random = Pcg32::new(11, 1);
@@ -157,7 +157,7 @@ fn plain_scan(table: &ScanTable, scan: &Scan, set: usize, (adjacent, body): (u8,
 }
 
 #[test]
-fn fg_req_020_each_beam_is_judged_as_a_plain_check_judges_it() {
+fn fg_req_020_each_beam_equals_the_plain_check() {
     let (config, body) = crooked();
     let (table, _) = tables(&config);
     let mut random = Pcg32::new(12, 1);
@@ -240,7 +240,7 @@ fn fg_req_020_a_scan_of_another_geometry_does_not_fit() {
 }
 
 #[test]
-fn fg_req_040_what_stands_level_with_an_edge_of_the_body_does_not_come_nearer() {
+fn fg_req_040_object_level_with_the_body_is_not_approached() {
     let body = Body { x_m: [-0.5, 1.0], y_m: [-0.4, 0.4] };
     let blocks = |x_m: f32, y_m: f32| {
         let mut blocked = Blocked::default();

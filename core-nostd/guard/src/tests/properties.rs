@@ -33,7 +33,7 @@ proptest! {
 
     /// A person who walks straight at the robot with up to 1.6 m/s meets a robot that stands.
     #[test]
-    fn fg_req_032_a_robot_that_somebody_walks_into_stands_at_contact(
+    fn fg_req_032_robot_stands_when_a_person_makes_contact(
         walk_mps in 0.0_f32..1.6, distance_m in 3.5_f32..8.0, y_m in -0.35_f32..0.35,
     ) {
         let mut rig = Rig::cruising();

@@ -1,7 +1,7 @@
 //! All reachable states of the whole supervisor, by breadth-first search that drives the real code.
 //!
-//! Abstraction: a step is 200 ms of the robot on the bench under one of a few happenings; times are counted in steps up
-//! to the longest that a rule looks at, speeds in steps of 0.05 m/s. States that agree in this are the same.
+//! Abstraction: a step is 200 ms of the robot on the bench under one of a few events; times are counted in steps up to
+//! the longest that a rule uses, speeds in steps of 0.05 m/s. States that agree in this are the same.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::string::String;
@@ -18,20 +18,20 @@ use floorguard_types::time::{Age, Stamp};
 const STEP_MS: u64 = 200;
 
 /// The names of what can happen, once for the type and for the list of all.
-macro_rules! happenings {
+macro_rules! events {
     ($($(#[$meaning:meta])* $name:ident,)*) => {
         /// What happens during a step.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        enum Happening {
+        enum StepEvent {
             $($(#[$meaning])* $name,)*
         }
-        use Happening::*;
+        use StepEvent::*;
 
-        const ALL: &[Happening] = &[$($name),*];
+        const ALL: &[StepEvent] = &[$($name),*];
     };
 }
 
-happenings! {
+events! {
     Nothing,
     Obstacle,
     Warning,
@@ -48,7 +48,7 @@ happenings! {
     LeaveWhilePressed,
 }
 
-impl Happening {
+impl StepEvent {
     const fn is_pressed(self) -> bool {
         matches!(self, EmergencyStop | ResetWhilePressed | LeaveWhilePressed)
     }
@@ -58,7 +58,7 @@ impl Happening {
     }
 }
 
-/// On the robot's way, and coming.
+/// On the robot's path, and approaching.
 fn person_ahead() -> AdvisedPerson {
     AdvisedPerson {
         position: Point2::new(1.8, 0.0),
@@ -102,26 +102,26 @@ fn key((state, measured): &Node, config: &GuardConfig) -> String {
 }
 
 /// One step on the bench; the decision at its end.
-fn play(rig: &mut Rig, (state, measured): Node, happening: Happening) -> (Node, Decision) {
+fn play(rig: &mut Rig, (state, measured): Node, event: StepEvent) -> (Node, Decision) {
     (rig.guard.state, rig.guard.copy) = (state, state);
     (rig.now, rig.measured) = (state.decided_at, measured);
-    rig.obstacles = match happening {
+    rig.obstacles = match event {
         Warning => vec![Point2::new(1.8, 0.0)],
         obstacle if obstacle.is_obstacle() => vec![Point2::new(1.1, 0.0)],
         _ => vec![],
     };
-    rig.inputs.emergency_stop = if happening.is_pressed() { SafetyInput::Active } else { SafetyInput::Clear };
-    rig.inputs.bumper_front = if happening == Contact { SafetyInput::Active } else { SafetyInput::Clear };
-    rig.people = if happening == Person { vec![person_ahead()] } else { vec![] };
-    rig.wanted = if matches!(happening, Leave | LeaveWhilePressed) { forward(-0.2) } else { forward(0.6) };
-    rig.silent = if happening == ImuSilent { vec![Source::Imu] } else { vec![] };
+    rig.inputs.emergency_stop = if event.is_pressed() { SafetyInput::Active } else { SafetyInput::Clear };
+    rig.inputs.bumper_front = if event == Contact { SafetyInput::Active } else { SafetyInput::Clear };
+    rig.people = if event == Person { vec![person_ahead()] } else { vec![] };
+    rig.wanted = if matches!(event, Leave | LeaveWhilePressed) { forward(-0.2) } else { forward(0.6) };
+    rig.silent = if event == ImuSilent { vec![Source::Imu] } else { vec![] };
     let decision = rig.run_ms(STEP_MS / 2);
     let stands = |decision: &Decision| decision.permitted == Twist2::ZERO;
-    assert!(!happening.is_pressed() || stands(&decision), "{happening:?}: {decision:?}");
-    if matches!(happening, Reset | ResetBesideObstacle | ResetWhilePressed) {
+    assert!(!event.is_pressed() || stands(&decision), "{event:?}: {decision:?}");
+    if matches!(event, Reset | ResetBesideObstacle | ResetWhilePressed) {
         rig.guard.request_reset(rig.now);
     }
-    if happening == Start {
+    if event == Start {
         rig.guard.request_start(rig.now);
     }
     let decision = rig.run_ms(STEP_MS / 2);
@@ -129,19 +129,19 @@ fn play(rig: &mut Rig, (state, measured): Node, happening: Happening) -> (Node, 
 }
 
 /// What must hold of every transition.
-fn judge(before: &State, (after, decision): (&State, &Decision), happening: Happening) {
+fn judge(before: &State, (after, decision): (&State, &Decision), event: StepEvent) {
     let stands = decision.permitted == Twist2::ZERO;
     let latched = |state: &State| state.machine.held().any(|held| held.cause.is_latching());
     let awaits_start = |state: &State| state.machine.holds(Cause::StartNeeded);
     let leaves = decision.escaping && (-0.1 - 1.0e-6..=0.0).contains(&decision.permitted.linear_mps);
-    if happening == Leave {
+    if event == Leave {
         // The field behind is free: the obstacle ahead is no hazard to a robot that goes backwards.
         assert!(decision.permitted.linear_mps <= 0.0, "towards the obstacle: {decision:?}");
-    } else if happening.is_obstacle() || happening == Person {
+    } else if event.is_obstacle() || event == Person {
         // Standing is enough: while the direction changes, no field lets it go anyway.
-        assert!(stands, "{happening:?} and moving: {decision:?}");
-    } else if happening.is_pressed() || matches!(happening, ImuSilent | Contact) {
-        assert!(stands && decision.action.stops(), "{happening:?} and moving: {decision:?}");
+        assert!(stands, "{event:?} and moving: {decision:?}");
+    } else if event.is_pressed() || matches!(event, ImuSilent | Contact) {
+        assert!(stands && decision.action.stops(), "{event:?} and moving: {decision:?}");
     }
     if latched(after) {
         // After contact at the front the robot may leave backwards.
@@ -153,10 +153,10 @@ fn judge(before: &State, (after, decision): (&State, &Decision), happening: Happ
     if latched(before) && !latched(after) {
         assert!(after.machine.resets() > before.machine.resets(), "released without reset and self-test");
         assert!(awaits_start(after), "reset and start were one act");
-        assert!(happening != ImuSilent, "released while a source was lost");
+        assert!(event != ImuSilent, "released while a source was lost");
     }
     if awaits_start(before) {
-        assert!(awaits_start(after) || happening == Start, "released without the start command");
+        assert!(awaits_start(after) || event == Start, "released without the start command");
     }
     assert!(!awaits_start(after) || stands, "moving before the start command: {decision:?}");
     if !after.started {
@@ -166,7 +166,7 @@ fn judge(before: &State, (after, decision): (&State, &Decision), happening: Happ
 }
 
 #[test]
-fn fg_req_005_every_reachable_state_of_the_supervisor_stops_for_hazards_and_latches() {
+fn fg_req_005_every_reachable_state_stops_and_latches() {
     let mut rig = Rig::new();
     (rig.wanted, rig.operator_starts) = (forward(0.6), false);
     let config = rig.guard.config.clone();
@@ -176,9 +176,9 @@ fn fg_req_005_every_reachable_state_of_the_supervisor_stops_for_hazards_and_latc
     let mut shown = BTreeMap::from([(key(&start, &config), GuardState::Init)]);
     while let Some(node) = queue.pop_front() {
         let from = shown.get(&key(&node, &config)).copied().unwrap_or_default();
-        for happening in ALL.iter().copied() {
-            let (next, decision) = play(&mut rig, node, happening);
-            judge(&node.0, (&next.0, &decision), happening);
+        for event in ALL.iter().copied() {
+            let (next, decision) = play(&mut rig, node, event);
+            judge(&node.0, (&next.0, &decision), event);
             *transitions.entry(format!("{from:?} to {:?}", decision.state)).or_default() += 1;
             let key = key(&next, &config);
             if seen.insert(key.clone()) {

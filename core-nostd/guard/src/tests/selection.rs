@@ -30,7 +30,7 @@ fn demand(drives: Twist2, wanted: Twist2) -> Demand {
     Demand { wanted, permitted: drives, measured: drives }
 }
 
-/// The selection after one look, beginning with the set `active`.
+/// The selection after one update, beginning with the set `active`.
 fn after(active: usize, demand: &Demand) -> FieldSelection {
     let mut selection = watching(active);
     selection.update(&sets(), demand, (ACTIVATION_US, NOW));
@@ -38,7 +38,7 @@ fn after(active: usize, demand: &Demand) -> FieldSelection {
 }
 
 #[test]
-fn fg_req_021_a_faster_robot_has_the_larger_set_at_once() {
+fn fg_req_021_faster_robot_gets_larger_set_at_once() {
     for (drives_mps, active) in [(0.2, 0), (0.3, 0), (0.5, 1), (0.6, 1), (0.7, 2), (1.5, 2)] {
         let drives = forward(drives_mps);
         assert_eq!(after(0, &demand(drives, drives)).active, active, "{drives_mps}");
@@ -50,7 +50,7 @@ fn fg_req_021_a_faster_robot_has_the_larger_set_at_once() {
 }
 
 #[test]
-fn fg_req_021_a_smaller_set_is_taken_below_its_limit_by_the_hysteresis_only() {
+fn fg_req_021_smaller_set_needs_the_hysteresis() {
     for (drives_mps, active) in [(0.7, 2), (0.58, 2), (0.54, 1), (0.28, 1), (0.24, 0)] {
         let drives = forward(drives_mps);
         assert_eq!(after(2, &demand(drives, drives)).active, active, "{drives_mps}");
@@ -60,7 +60,7 @@ fn fg_req_021_a_smaller_set_is_taken_below_its_limit_by_the_hysteresis_only() {
 }
 
 #[test]
-fn fg_req_022_only_a_wish_beyond_the_set_watches_the_next_one() {
+fn fg_req_022_only_faster_requests_watch_the_next_set() {
     let candidate = |active, wanted_mps: f32| {
         let drives = forward(0.25);
         after(active, &demand(drives, forward(wanted_mps))).candidate
@@ -72,28 +72,28 @@ fn fg_req_022_only_a_wish_beyond_the_set_watches_the_next_one() {
 }
 
 #[test]
-fn fg_req_022_a_watched_set_becomes_active_when_it_was_clear_for_the_activation_time() {
+fn fg_req_022_watched_set_activates_after_clear_activation_time() {
     let sets = sets();
-    let wish = demand(forward(0.25), forward(0.5));
+    let requested = demand(forward(0.25), forward(0.5));
     let mut selection = watching(0);
-    let mut look = |ms: u64| {
-        selection.update(&sets, &wish, (ACTIVATION_US, NOW.plus_micros(ms * 1_000)));
+    let mut at_ms = |ms: u64| {
+        selection.update(&sets, &requested, (ACTIVATION_US, NOW.plus_micros(ms * 1_000)));
         (selection.active, selection.candidate)
     };
-    assert_eq!(look(0), (0, Some(1)));
-    assert_eq!(look(99), (0, Some(1)));
-    assert_eq!(look(100), (1, None));
+    assert_eq!(at_ms(0), (0, Some(1)));
+    assert_eq!(at_ms(99), (0, Some(1)));
+    assert_eq!(at_ms(100), (1, None));
     let mut selection = watching(0);
-    selection.update(&sets, &wish, (ACTIVATION_US, NOW));
+    selection.update(&sets, &requested, (ACTIVATION_US, NOW));
     selection.candidate_blocked(NOW.plus_micros(50_000));
-    selection.update(&sets, &wish, (ACTIVATION_US, NOW.plus_micros(149_000)));
+    selection.update(&sets, &requested, (ACTIVATION_US, NOW.plus_micros(149_000)));
     assert_eq!(selection.active, 0, "something was in it");
-    selection.update(&sets, &wish, (ACTIVATION_US, NOW.plus_micros(150_000)));
+    selection.update(&sets, &requested, (ACTIVATION_US, NOW.plus_micros(150_000)));
     assert_eq!(selection.active, 1);
 }
 
 #[test]
-fn fg_req_025_a_change_of_direction_holds_the_speed_down_for_the_activation_time() {
+fn fg_req_025_direction_change_limits_speed_during_activation() {
     let sets = sets();
     let left = Twist2 { linear_mps: 0.4, angular_radps: 0.3 };
     assert_eq!(travel_of(left), Some(Travel::Left));
@@ -116,7 +116,7 @@ fn fg_req_025_a_change_of_direction_holds_the_speed_down_for_the_activation_time
 }
 
 #[test]
-fn fg_req_021_no_set_lets_the_robot_go_the_other_way() {
+fn fg_req_021_no_set_permits_the_opposite_direction() {
     let sets = sets();
     let cap = |active, wanted_mps| watching(active).cap_mps(&sets, forward(wanted_mps), NOW.plus_micros(1));
     assert_eq!([cap(1, 0.2), cap(1, 0.0), cap(1, -0.2)], [0.6, 0.6, 0.0]);

@@ -13,7 +13,7 @@ fn untouched() -> Rig {
 }
 
 #[test]
-fn fg_req_019_a_route_does_not_start_by_itself_after_power_up() {
+fn fg_req_019_route_needs_a_start_after_power_up() {
     let mut rig = untouched();
     for _ in 0..1_000 {
         assert_eq!(rig.step().permitted, Twist2::ZERO);
@@ -42,7 +42,7 @@ fn fg_req_019_reset_and_start_are_two_acts() {
 }
 
 #[test]
-fn fg_req_019_a_start_before_the_sensors_were_healthy_is_none() {
+fn fg_req_019_start_before_healthy_sensors_is_void() {
     let mut rig = untouched();
     rig.silent.push(Source::Imu);
     rig.run_ms(500);
@@ -52,7 +52,7 @@ fn fg_req_019_a_start_before_the_sensors_were_healthy_is_none() {
 }
 
 #[test]
-fn fg_req_019_what_stops_and_clears_by_itself_needs_no_second_start() {
+fn fg_req_019_self_clearing_stop_needs_no_start() {
     let mut rig = Rig::cruising();
     rig.operator_starts = false;
     rig.silent.push(Source::Imu);
@@ -97,7 +97,7 @@ fn fg_req_070_bits_that_mean_nothing_latch_nothing() {
 }
 
 #[test]
-fn fg_req_070_the_emergency_stop_comes_back_with_its_configured_action() {
+fn fg_req_070_emergency_stop_keeps_its_configured_action() {
     let mut configured = super::fixtures::config();
     configured.thresholds.emergency_action = Action::Category1;
     let mut rig = Rig::with(configured);

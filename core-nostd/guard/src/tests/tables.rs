@@ -35,7 +35,7 @@ fn shapes() -> [Polygon; 3] {
 }
 
 #[test]
-fn fg_req_020_a_ray_leaves_a_field_where_geometry_says() {
+fn fg_req_020_ray_exit_equals_plane_geometry() {
     for (index, shape) in shapes().iter().enumerate() {
         for origin in [(0.0_f32, 0.0_f32), (0.4, 0.05), (-3.0, 0.3)] {
             for step in 0..720_u32 {
@@ -80,7 +80,7 @@ fn exit_count(shape: &Polygon, x: f64, y: f64) -> usize {
 }
 
 #[test]
-fn fg_req_020_inside_is_what_another_crossing_number_says() {
+fn fg_req_020_inside_equals_another_crossing_number() {
     for (index, shape) in shapes().iter().enumerate() {
         let mut inside = 0;
         for (x, y) in (-20..60).flat_map(|x| (-25..40).map(move |y| (x, y))) {
@@ -135,7 +135,7 @@ fn fg_req_023_each_bin_holds_the_extremes_of_its_rays() {
 }
 
 #[test]
-fn fg_req_023_a_tilted_lidar_sees_the_floor_where_it_is() {
+fn fg_req_023_tilted_lidar_places_the_floor_correctly() {
     let mut config = config();
     let pitch = radians(10.0);
     config.lidar.mounting = Transform3::from_mounting(Point3::new(0.5, 0.0, 0.8), 0.0, pitch, radians(90.0));
@@ -143,7 +143,7 @@ fn fg_req_023_a_tilted_lidar_sees_the_floor_where_it_is() {
     let (_, table) = tables(&config);
     let bin = |azimuth_deg: usize| table.bins[azimuth_deg / 2];
     assert!(table.bins.iter().all(|bin| (bin.direction.norm() - 1.0).abs() < 1.0e-5), "unit vectors");
-    // Its front looks to the left of the robot, and down by 10°.
+    // Its front points to the left of the robot, and down by 10°.
     let reach_mm = 0.7e3 / f64::from(pitch).sin();
     assert!((f64::from(bin(0).height_mm[0]) - reach_mm).abs() < 30.0, "{}", bin(0).height_mm[0]);
     assert!(bin(0).direction.y_m > 0.99 && bin(90).direction.x_m > 0.99);
@@ -193,7 +193,7 @@ fn fg_req_020_each_beam_has_the_reach_of_its_field() {
 }
 
 #[test]
-fn fg_req_017_every_part_of_the_tables_is_looked_at() {
+fn fg_req_017_every_part_of_the_tables_is_checked() {
     let config = config();
     let body = Body::around(&config.footprint);
     let (scan, packet) = tables(&config);

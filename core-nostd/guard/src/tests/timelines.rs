@@ -12,7 +12,7 @@ fn stopped(decision: &Decision) -> bool {
 }
 
 #[test]
-fn fg_req_012_nothing_moves_before_every_required_source_was_healthy_and_it_is_ready_within_two_seconds() {
+fn fg_req_012_motion_needs_healthy_sources_ready_within_two_seconds() {
     for missing in Source::ALL.into_iter().filter(|source| config().rules(*source).required_at_start) {
         let mut rig = Rig::new();
         rig.silent.push(missing);
@@ -28,7 +28,7 @@ fn fg_req_012_nothing_moves_before_every_required_source_was_healthy_and_it_is_r
 }
 
 #[test]
-fn fg_req_013_loss_of_any_source_stops_within_20_ms_of_its_deadline_and_names_it() {
+fn fg_req_013_lost_source_stops_within_20_ms_named() {
     for source in Source::ALL {
         let Some(deadline_us) = config().rules(source).stop_after_us else { continue };
         let mut rig = Rig::cruising();
@@ -54,7 +54,7 @@ fn fg_req_013_loss_of_any_source_stops_within_20_ms_of_its_deadline_and_names_it
 }
 
 #[test]
-fn fg_req_014_silent_perception_limits_to_half_a_metre_per_second_instead_of_setting_free() {
+fn fg_req_014_silent_perception_limits_speed() {
     let mut rig = Rig::cruising();
     rig.silent.push(Source::Perception);
     let decision = rig.run_ms(600);
@@ -63,7 +63,7 @@ fn fg_req_014_silent_perception_limits_to_half_a_metre_per_second_instead_of_set
 }
 
 #[test]
-fn fg_req_011_stamps_from_the_future_are_a_fault_that_says_by_how_much() {
+fn fg_req_011_future_stamps_are_a_fault_with_offset() {
     for source in Source::ALL.into_iter().filter(|source| config().rules(*source).stop_after_us.is_some()) {
         let mut rig = Rig::cruising();
         rig.stamp_ahead_us[source.index()] = 3_200_000;
@@ -89,7 +89,7 @@ fn fg_req_015_a_scanner_whose_counter_stands_still_is_frozen() {
 }
 
 #[test]
-fn fg_req_016_a_lidar_without_a_single_return_is_blind_and_stops() {
+fn fg_req_016_lidar_without_returns_is_blind_and_stops() {
     let mut rig = Rig::cruising();
     rig.silent.push(Source::Lidar);
     for step in 0..8_u16 {
@@ -104,7 +104,7 @@ fn fg_req_016_a_lidar_without_a_single_return_is_blind_and_stops() {
 }
 
 #[test]
-fn fg_req_020_an_obstacle_in_the_protective_field_stops_after_two_scans_and_says_where() {
+fn fg_req_020_protective_field_stops_after_two_scans() {
     let mut rig = Rig::cruising();
     rig.obstacles.push(Point2::new(1.8, 0.0));
     let stopped_ms = rig.until(stopped).unwrap();
@@ -115,7 +115,7 @@ fn fg_req_020_an_obstacle_in_the_protective_field_stops_after_two_scans_and_says
 }
 
 #[test]
-fn fg_req_009_a_stop_lasts_until_one_second_after_the_field_is_clear() {
+fn fg_req_009_stop_lasts_one_second_after_clear_field() {
     let mut rig = Rig::cruising();
     rig.obstacles.push(Point2::new(1.1, 0.0));
     rig.run_ms(2_000);
@@ -125,7 +125,7 @@ fn fg_req_009_a_stop_lasts_until_one_second_after_the_field_is_clear() {
 }
 
 #[test]
-fn fg_req_023_a_packet_with_an_obstacle_stops_within_that_packet() {
+fn fg_req_023_obstacle_packet_stops_within_that_packet() {
     let mut rig = Rig::cruising();
     let decision = rig.guard.on_lidar_packet(&super::fixtures::packet(rig.now, 0, 1.2), rig.now);
     assert!(stopped(&decision), "{decision:?}");
@@ -151,7 +151,7 @@ fn fg_req_024_a_dazzled_sector_counts_as_blocked() {
 }
 
 #[test]
-fn fg_req_022_a_larger_field_must_be_clear_before_its_speed_is_allowed() {
+fn fg_req_022_larger_field_must_be_clear_before_speed() {
     let mut config = config();
     config.thresholds.warning_speed_mps = 1.0;
     let mut rig = Rig::with(config);
@@ -168,7 +168,7 @@ fn fg_req_022_a_larger_field_must_be_clear_before_its_speed_is_allowed() {
 }
 
 #[test]
-fn fg_req_021_the_field_follows_the_higher_of_commanded_and_measured_speed() {
+fn fg_req_021_field_follows_higher_commanded_or_measured_speed() {
     let mut rig = Rig::cruising();
     assert_eq!(rig.step().field_set, 2);
     rig.wanted = Twist2::ZERO;
@@ -179,7 +179,7 @@ fn fg_req_021_the_field_follows_the_higher_of_commanded_and_measured_speed() {
 }
 
 #[test]
-fn fg_req_003_latched_causes_survive_everything_but_reset_with_a_passed_self_test() {
+fn fg_req_003_latched_causes_need_reset_and_self_test() {
     type Press = fn(&mut Rig);
     let presses: [(Press, Press, Cause); 5] = [
         (|rig| rig.inputs.emergency_stop = SafetyInput::Active, |_| (), Cause::EmergencyStop),
@@ -212,7 +212,7 @@ fn fg_req_003_latched_causes_survive_everything_but_reset_with_a_passed_self_tes
 }
 
 #[test]
-fn fg_req_040_a_pressed_front_bumper_permits_a_crawl_backward_and_nothing_else() {
+fn fg_req_040_front_bumper_permits_only_crawl_backward() {
     let mut rig = Rig::cruising();
     rig.inputs.bumper_front = SafetyInput::Active;
     rig.run_ms(500);
@@ -227,7 +227,7 @@ fn fg_req_040_a_pressed_front_bumper_permits_a_crawl_backward_and_nothing_else()
 }
 
 #[test]
-fn fg_req_041_leaving_an_obstacle_needs_a_way_that_nothing_blocks() {
+fn fg_req_041_escape_needs_an_unblocked_path() {
     let mut rig = Rig::cruising();
     rig.obstacles.push(Point2::new(1.1, 0.0));
     rig.run_ms(500);
@@ -243,7 +243,7 @@ fn fg_req_041_leaving_an_obstacle_needs_a_way_that_nothing_blocks() {
 }
 
 #[test]
-fn fg_req_031_a_person_near_limits_and_a_person_in_the_way_stops() {
+fn fg_req_031_person_near_limits_person_on_path_stops() {
     let person = |x_m: f32, vx: f32| AdvisedPerson {
         id: 1,
         position: Point2::new(x_m, 0.0),
@@ -276,7 +276,7 @@ fn fg_req_050_a_robot_that_does_not_brake_is_latched() {
 }
 
 #[test]
-fn fg_req_052_gyroscope_against_encoders_is_latched_after_half_a_second() {
+fn fg_req_052_gyroscope_disagreement_latches_after_half_a_second() {
     let mut rig = Rig::cruising();
     rig.gyro_offset_radps = 0.4;
     let stopped_ms = rig.until(stopped).unwrap();
@@ -328,7 +328,7 @@ fn fg_req_054_commands_that_are_no_numbers_stop() {
 }
 
 #[test]
-fn fg_req_004_the_first_cause_of_a_stop_is_never_overwritten() {
+fn fg_req_004_first_stop_cause_is_never_overwritten() {
     let mut rig = Rig::cruising();
     rig.obstacles.push(Point2::new(1.1, 0.0));
     rig.until(stopped).unwrap();
@@ -342,7 +342,7 @@ fn fg_req_004_the_first_cause_of_a_stop_is_never_overwritten() {
 }
 
 #[test]
-fn fg_req_071_what_holds_the_robot_now_is_told_beside_what_stopped_it_first() {
+fn fg_req_071_present_and_first_causes_are_reported() {
     let of = |record: Option<CauseRecord>| record.map(|record| record.cause);
     // Somebody stands before the robot from power-up on.
     let mut rig = Rig::new();
@@ -372,7 +372,7 @@ fn fg_req_071_what_holds_the_robot_now_is_told_beside_what_stopped_it_first() {
 }
 
 #[test]
-fn fg_req_007_a_stop_needs_no_command_and_no_tick_to_be_decided() {
+fn fg_req_007_stop_needs_no_command_and_no_tick() {
     let mut rig = Rig::cruising();
     rig.inputs.emergency_stop = SafetyInput::Active;
     rig.inputs.stamp = rig.now;
@@ -381,7 +381,7 @@ fn fg_req_007_a_stop_needs_no_command_and_no_tick_to_be_decided() {
 }
 
 #[test]
-fn fg_req_008_a_flipped_bit_or_a_clock_that_runs_backwards_is_noticed() {
+fn fg_req_008_flipped_bit_or_backward_clock_is_detected() {
     let mut rig = Rig::cruising();
     rig.guard.state.started = false;
     let decision = rig.guard.tick(rig.now);
@@ -392,7 +392,7 @@ fn fg_req_008_a_flipped_bit_or_a_clock_that_runs_backwards_is_noticed() {
 }
 
 #[test]
-fn fg_req_060_a_zone_inside_the_footprint_or_too_short_is_refused() {
+fn fg_req_060_inner_or_short_zone_is_refused() {
     let mut wrong = config();
     wrong.fields[0].protective = rectangle([-0.4, 1.25], 0.5);
     assert_eq!(wrong.validate(), Err(GuardConfigError::FieldInsideFootprint(0)));

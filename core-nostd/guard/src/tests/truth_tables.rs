@@ -11,7 +11,7 @@ use floorguard_types::geometry::{Point2, Twist2};
 use floorguard_types::time::Stamp;
 
 #[test]
-fn fg_req_001_actions_are_ordered_and_only_the_stop_categories_stop() {
+fn fg_req_001_actions_are_ordered_only_categories_stop() {
     let ordered = [Action::None, Action::Limit, Action::Category2, Action::Category1, Action::Category0];
     assert!(ordered.windows(2).all(|pair| pair[0] < pair[1]));
     assert_eq!(ordered.map(Action::stops), [false, false, true, true, true]);
@@ -39,7 +39,7 @@ fn fg_req_002_every_cause_has_its_slot_and_its_action() {
 }
 
 #[test]
-fn fg_req_010_health_names_the_first_thing_that_is_wrong() {
+fn fg_req_010_health_names_the_first_fault() {
     let rules = SourceRules { frozen_samples: 2, ..SourceRules::required(100, 0.3, 200) };
     let now = Stamp::from_micros(1_000_000);
     for bits in 0..16_u8 {
@@ -64,7 +64,7 @@ fn fg_req_010_health_names_the_first_thing_that_is_wrong() {
 }
 
 #[test]
-fn fg_req_013_demand_of_a_source_by_fitting_health_and_age() {
+fn fg_req_013_source_demand_by_fitting_health_and_age() {
     let now = Stamp::from_micros(1_000_000);
     let at = |age_us: u64, rules: SourceRules| {
         let mut monitor = SourceMonitor::default();
@@ -86,7 +86,7 @@ fn fg_req_013_demand_of_a_source_by_fitting_health_and_age() {
 }
 
 #[test]
-fn fg_req_011_only_stamps_beyond_the_tolerance_are_from_the_future() {
+fn fg_req_011_only_stamps_beyond_tolerance_are_future() {
     let now = Stamp::from_micros(1_000_000);
     for (ahead_us, accepted) in [(0, true), (2_000, true), (2_001, false), (u64::MAX / 2, false)] {
         let mut monitor = SourceMonitor::default();
@@ -104,7 +104,7 @@ fn fg_req_011_only_stamps_beyond_the_tolerance_are_from_the_future() {
 }
 
 #[test]
-fn fg_req_040_leaving_by_cause_action_direction_and_way() {
+fn fg_req_040_leaving_by_cause_action_direction_and_path() {
     for cause in Cause::all() {
         for action in [Action::None, Action::Limit, Action::Category2, Action::Category1, Action::Category0] {
             for (backward, clear) in [(false, false), (false, true), (true, false), (true, true)] {
@@ -175,7 +175,7 @@ fn fg_req_025_steering_bins() {
 }
 
 #[test]
-fn fg_req_006_limiting_keeps_the_curve_and_never_exceeds_the_input() {
+fn fg_req_006_limiting_keeps_curve_and_never_exceeds_input() {
     let drive = config().drive;
     let wanted = Twist2 { linear_mps: 0.8, angular_radps: 0.4 };
     let out = limited(wanted, 0.4, &drive, (wanted, 0.01));

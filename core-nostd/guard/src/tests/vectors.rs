@@ -22,7 +22,7 @@ fn fg_req_020_field_lengths_of_the_specification() {
 }
 
 #[test]
-fn fg_req_020_points_on_the_lower_and_left_edge_are_inside() {
+fn fg_req_020_lower_and_left_edges_are_inside() {
     let square = rectangle([0.0, 1.0], 0.5);
     for (x, y, inside) in
         [(0.5, 0.0, true), (0.0, 0.0, true), (1.0, 0.0, false), (0.5, -0.5, true), (0.5, 0.5, false)]
@@ -50,7 +50,7 @@ fn fg_req_030_time_to_collision_of_the_closed_form() {
 }
 
 #[test]
-fn fg_req_026_every_scan_point_inside_a_field_is_seen_and_the_zone_contains_the_footprint_at_rest() {
+fn fg_req_026_inner_points_are_seen_zone_contains_footprint() {
     let config = config();
     let mut table = crate::ScanTable::EMPTY;
     table.fill(&config.scanner, &config.fields);
@@ -77,7 +77,7 @@ fn fg_req_026_every_scan_point_inside_a_field_is_seen_and_the_zone_contains_the_
 }
 
 #[test]
-fn fg_req_024_free_beams_that_end_inside_the_field_say_nothing() {
+fn fg_req_024_free_beams_inside_the_field_are_ignored() {
     let config = config();
     let mut table = crate::ScanTable::EMPTY;
     table.fill(&config.scanner, &config.fields);

@@ -1,4 +1,4 @@
-//! What the operator reads: each part of a record is said when it says something, and not otherwise.
+//! What the operator reads: each part of a record is printed only when it has content.
 
 use std::string::ToString as _;
 
@@ -11,7 +11,7 @@ use floorguard_types::time::Stamp;
 const NOW: Stamp = Stamp::from_micros(10_000_000);
 
 #[test]
-fn fg_req_004_a_record_says_cause_numbers_age_and_action() {
+fn fg_req_004_record_has_cause_numbers_age_and_action() {
     let plain = CauseRecord::new(Cause::EmergencyStop, NOW);
     assert_eq!(plain.to_string(), "emergency stop pressed -> torque off (category 0)");
     let near = CauseRecord::new(Cause::ScanProtective, NOW).metres(1.234, 1.5).aged(42_900);
@@ -37,7 +37,7 @@ fn fg_req_004_a_record_says_cause_numbers_age_and_action() {
 }
 
 #[test]
-fn fg_req_013_a_source_says_how_it_is_and_how_far_ahead() {
+fn fg_req_013_source_reports_health_and_future_offset() {
     let mut record = CauseRecord::new(Cause::SourceLost(Source::Imu), NOW);
     (record.health, record.age_us) = (Health::Stale, 120_000);
     assert_eq!(record.to_string(), "inertial sensor stale, 120 ms old -> stop and hold (category 2)");
@@ -76,7 +76,7 @@ fn fg_req_002_every_word_is_its_own() {
 }
 
 #[test]
-fn fg_req_030_a_person_with_any_number_that_is_none_is_refused() {
+fn fg_req_030_person_with_non_finite_number_is_refused() {
     assert!(AdvisedPerson::default().is_finite());
     let bad = f32::NAN;
     let people = [
@@ -97,7 +97,7 @@ fn fg_req_030_a_person_with_any_number_that_is_none_is_refused() {
 }
 
 #[test]
-fn fg_req_023_returns_of_two_packets_add_up_and_an_empty_one_is_no_evidence() {
+fn fg_req_023_two_packets_add_up_empty_is_none() {
     // Six returns are needed; each near column of the packet has one.
     let stops = |before: u8, near: usize| {
         let mut rig = Rig::cruising();

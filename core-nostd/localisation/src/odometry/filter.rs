@@ -291,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn standing_still_teaches_the_bias_and_keeps_the_heading() {
+    fn standstill_estimates_bias_and_keeps_heading() {
         let mut odometry = Odometry::new(OdometryNoise::DEFAULT);
         for step in 0..1_000 {
             odometry.on_wheels(&wheels(step * 10_000, 0.0, 0.0));
@@ -302,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn one_wild_number_is_refused_and_a_persistent_one_is_believed() {
+    fn one_outlier_is_refused_persistent_ones_accepted() {
         let mut odometry = Odometry::new(OdometryNoise::DEFAULT);
         for step in 0..100 {
             odometry.on_wheels(&wheels(step * 10_000, 0.5, 0.0));
@@ -318,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn stamps_from_the_past_and_after_a_gap_move_nothing() {
+    fn past_stamps_and_gaps_move_nothing() {
         let mut odometry = Odometry::new(OdometryNoise::DEFAULT);
         odometry.on_wheels(&wheels(1_000_000, 0.5, 0.0));
         odometry.on_wheels(&wheels(10_000, 0.5, 0.0));

@@ -82,7 +82,7 @@ impl PoseHistory {
     }
 
     /// The pose at a moment: between two entries in a straight line, after the newest in continuation of the last
-    /// step. Looks back from the newest entry, because almost every question is about the last 100 ms.
+    /// step. Searches back from the newest entry, because almost every question is about the last 100 ms.
     ///
     /// # Errors
     /// [`PoseLookupError`]: the caller must not use a guess.
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn between_entries_and_across_the_wrap_of_the_heading() {
+    fn interpolates_between_entries_and_across_heading_wrap() {
         let pose = history(100).at(Stamp::from_micros(145_000)).unwrap();
         assert!((pose.x_m - 1.45).abs() < 1e-5);
         assert!((pose.heading_rad - wrap_angle(3.145)).abs() < 1e-5, "{pose:?}");

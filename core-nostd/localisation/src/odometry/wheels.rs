@@ -22,7 +22,7 @@ pub struct WheelMotion {
     pub stamp: Stamp,
     /// Mean velocity of the middle of the rear axle.
     pub twist: Twist2,
-    /// Way of the middle of the rear axle, metres.
+    /// Travel of the middle of the rear axle, metres.
     pub distance_m: f32,
     /// Change of heading, radians.
     pub turn_rad: f32,
@@ -100,9 +100,9 @@ impl WheelOdometry {
         }
         let seconds = step_us as f32 * 1.0e-6;
         let ticks_per_m = self.geometry.ticks_per_m.max(1.0e-3);
-        let way_m = |now: i32, before: i32| now.wrapping_sub(before) as f32 / ticks_per_m;
-        let left_m = way_m(sample.left_ticks, last.left_ticks);
-        let right_m = way_m(sample.right_ticks, last.right_ticks);
+        let path_m = |now: i32, before: i32| now.wrapping_sub(before) as f32 / ticks_per_m;
+        let left_m = path_m(sample.left_ticks, last.left_ticks);
+        let right_m = path_m(sample.right_ticks, last.right_ticks);
         let distance_m = (left_m + right_m) * 0.5;
         let turn_rad = (right_m - left_m) / self.geometry.track_m.max(1.0e-3);
         let fastest_m = libm::fabsf(left_m).max(libm::fabsf(right_m));

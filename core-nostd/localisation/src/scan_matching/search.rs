@@ -24,7 +24,7 @@ pub struct Found {
     pub score: f32,
     /// Where it lies in the window.
     pub place: Candidate,
-    /// Blocks that were left out for want of room; 0 means that the answer is exact.
+    /// Blocks that were left out because the list was full; 0 means that the answer is exact.
     pub left_out: u32,
 }
 

@@ -1,4 +1,4 @@
-//! Which of several formulas predicts best, told by predictions made before the answer was known.
+//! Which of several formulas predicts best, judged by predictions made before the answer was known.
 //!
 //! Held-out data in fixed memory (book, Environment: Choice of model): every sample is first predicted, then learned.
 

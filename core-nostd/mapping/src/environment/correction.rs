@@ -1,9 +1,9 @@
 //! What is particular to an hour of the week, beyond what a coarser formula expects of it.
 //!
-//! An hour's factor has a Gamma(α, α) law, and α is told from the data: as much as the counts of the hours vary more
-//! around the formula than Poisson counts would (empirical Bayes, by moments). Then f = (V + α)/(E + α), with V visits
-//! where E were expected: little data stay with the formula, much data speak for themselves, and a formula that does
-//! not fit is believed no more than it deserves.
+//! An hour's factor has a Gamma(α, α) law, and α is estimated from the data: as much as the counts of the hours vary
+//! more around the formula than Poisson counts would (empirical Bayes, by moments). Then f = (V + α)/(E + α), with V
+//! visits where E were expected: little data stay with the formula, much data speak for themselves, and a formula that
+//! does not fit is believed no more than it deserves.
 
 use super::evidence::Rate;
 use super::wall_time::LocalTime;

@@ -1,5 +1,5 @@
-//! How fast a place gets dirty: told from the dirt that was picked up there and, before there is any, from the people
-//! who come (book, Environment: Dirt by place).
+//! How fast a place gets dirty: estimated from the dirt that was picked up there and, before there is any, from the
+//! people who come (book, Environment: Dirt by place).
 //!
 //! What a visitor leaves is learned from all places together, so a place that was never cleaned is expected to be as
 //! dirty as its visitors make the others.
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn people_tell_before_dirt_was_measured_and_dirt_overrules_them() {
+    fn people_predict_dirt_until_it_is_measured() {
         let mut per_visit = DirtPerVisit::PRIOR;
         let mut place = visited();
         assert!((place.dirt_rate(&per_visit).units_per_hour() - 0.5).abs() < 0.01);
@@ -186,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_left_behind_is_expected_and_not_counted_twice() {
+    fn left_dirt_is_expected_not_counted_twice() {
         let mut per_visit = DirtPerVisit::PRIOR;
         let mut place = visited();
         let at = |hours: i64| WallTime::from_seconds(MONDAY_S + hours * 3_600);

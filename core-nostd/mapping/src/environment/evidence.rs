@@ -13,7 +13,7 @@ const PLACE_PRIOR: Evidence = Evidence { visits: 0.25, hours: 0.25 };
 /// How much an answer is worth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Confidence {
-    /// Nobody has watched there: not the same as empty.
+    /// Not observed: not the same as empty.
     Unknown,
     /// Watched, but for less than one hour.
     Guess,

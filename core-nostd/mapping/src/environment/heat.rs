@@ -35,7 +35,7 @@ impl HeatCell {
         (self.watched_cs > 0).then(|| (self.visits as f32 + 1.0) / (self.watched_hours() + 1.0))
     }
 
-    /// People there at a moment, on average: time spent by time watched; `None` if nobody ever looked.
+    /// People there at a moment, on average: time spent by time watched; `None` if never observed.
     #[must_use]
     pub fn people(&self) -> Option<f32> {
         (self.watched_cs > 0).then(|| self.dwell_cs as f32 / self.watched_cs as f32)
@@ -89,7 +89,7 @@ where
         &mut self.hours
     }
 
-    /// Tracks for which there was no room.
+    /// Tracks beyond the capacity.
     #[must_use]
     pub const fn dropped_tracks(&self) -> u32 {
         self.visitors.dropped()
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn exposure_turns_counts_into_rates_and_unseen_into_unknown() {
+    fn exposure_gives_rates_and_unseen_is_unknown() {
         let mut heat = heat();
         walk(&mut heat, 1, 9);
         heat.watch(360_000, |point| point.x_m < 3.0);

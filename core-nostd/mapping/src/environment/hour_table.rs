@@ -1,12 +1,12 @@
 //! Who passed which cell in which hour of the week: a table of fixed size for the few pairs that ever occur.
 //!
 //! A full table would need 168 numbers for each of a quarter of a million cells, nearly all of them zero. Open
-//! addressing with a bounded probe (book, Environment: Hour table) holds what occurred; what finds no room is counted,
+//! addressing with a bounded probe (book, Environment: Hour table) holds what occurred; what does not fit is counted,
 //! and the totals of the heat map, which are kept elsewhere, stay right.
 
 use super::wall_time::HOURS_OF_WEEK;
 
-/// Places looked at before an entry counts as lost (book, Environment: Hour table).
+/// Places examined before an entry counts as lost (book, Environment: Hour table).
 const PROBES_MAX: usize = 64;
 /// Key of a place that holds nothing.
 const EMPTY: u32 = u32::MAX;
@@ -48,7 +48,7 @@ impl<S: AsRef<[HourEntry]> + AsMut<[HourEntry]>> HourTable<S> {
         Self { entries: storage, lost: 0 }
     }
 
-    /// Adds visits and time to a cell and hour. False, and counted, where there is no room.
+    /// Adds visits and time to a cell and hour. False, and counted, where the capacity is exhausted.
     pub fn add(&mut self, cell: usize, hour: u8, visits: u16, dwell_cs: u32) -> bool {
         let hours = HOURS_OF_WEEK as u32;
         let key =
@@ -80,7 +80,7 @@ impl<S: AsRef<[HourEntry]> + AsMut<[HourEntry]>> HourTable<S> {
         self.entries.as_ref().iter().filter(|entry| entry.key != EMPTY)
     }
 
-    /// How often something found no room.
+    /// Entries that did not fit, counted.
     #[must_use]
     pub const fn lost(&self) -> u32 {
         self.lost
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn no_room_is_counted() {
+    fn overflow_is_counted() {
         let mut table = HourTable::new([HourEntry::NOTHING; 8]);
         let taken = (0..20).filter(|cell| table.add(*cell, 3, 1, 0)).count();
         assert_eq!((taken, table.lost(), table.iter().count()), (8, 12, 8));

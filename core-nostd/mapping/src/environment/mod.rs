@@ -2,7 +2,7 @@
 //!
 //! Two rasters. The fine one (0.2 m) counts who passed which cell, for every hour of the week. The coarse one (2 m)
 //! holds, in fixed memory, how the number of visitors varies with the time, as a histogram and as a spectrum, and
-//! predicts it. Both know how long they were watched: a place that nobody looked at is unknown, not empty.
+//! predicts it. Both know how long they were watched: an unobserved place is unknown, not empty.
 
 mod contest;
 mod correction;

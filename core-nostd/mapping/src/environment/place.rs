@@ -27,7 +27,7 @@ const MONDAY_S: i64 = 345_600;
 const RATE_MIN: f32 = 0.001;
 /// An hour of the day watched for less was not really seen, h.
 const SEEN_HOURS: f32 = 0.25;
-/// What is said of an hour that was not seen is at most a guess, h.
+/// An answer about an unobserved hour is at most a guess, h.
 const UNSEEN_EVIDENCE_HOURS: f32 = 0.5;
 
 /// Which model predicts.
@@ -274,8 +274,8 @@ impl<const HOURS: usize, const PERIODS: usize> Forecast<'_, HOURS, PERIODS> {
             .map(|rate| rate.max(RATE_MIN))
     }
 
-    /// Visits an hour with the model that has predicted best so far. Unknown where nobody watched; a guess for an hour
-    /// of the day at which nobody did.
+    /// Visits an hour with the model that has predicted best so far. Unknown where not observed; a guess for an
+    /// unobserved hour of the day.
     #[must_use]
     pub fn rate(&self, at: LocalTime) -> Rate {
         let (week, spread) = (&self.place.week, self.place.spread());
@@ -288,7 +288,7 @@ impl<const HOURS: usize, const PERIODS: usize> Forecast<'_, HOURS, PERIODS> {
             RateModel::Week if week.around(at).hours >= SEEN_HOURS => {
                 return Rate::of(week.around(at), self.mean, spread);
             }
-            // A spectrum says something of hours that nobody has seen, but nothing to rely on.
+            // A spectrum predicts unobserved hours, but not reliably.
             _ => self.rhythm.rate(week, &self.of_rhythm, at),
         };
         let hours = if is_seen { hours } else { total.hours.min(UNSEEN_EVIDENCE_HOURS) };

@@ -64,7 +64,7 @@ fn learns_the_hours_of_the_week() {
 }
 
 #[test]
-fn an_hour_that_nobody_saw_is_a_guess_and_a_place_that_nobody_saw_is_unknown() {
+fn unseen_hour_is_guess_unseen_place_unknown() {
     let place = watched(2, |local| local.hour() < 7);
     let noon = place.forecast().rate(WallTime::from_seconds(MONDAY_S + 12 * 3_600).local(0));
     assert_eq!(noon.confidence(), Confidence::Guess);
@@ -73,7 +73,7 @@ fn an_hour_that_nobody_saw_is_a_guess_and_a_place_that_nobody_saw_is_unknown() {
 }
 
 #[test]
-fn a_short_look_without_visitors_is_weak_evidence() {
+fn short_watch_without_visitors_is_weak_evidence() {
     let mut place = Office::default();
     let at = WallTime::from_seconds(MONDAY_S);
     place.watch((at, 0), 6_000);

@@ -46,7 +46,7 @@ where
         &mut self.grid
     }
 
-    /// Tracks for which there was no room.
+    /// Tracks beyond the capacity.
     #[must_use]
     pub const fn dropped_tracks(&self) -> u32 {
         self.visitors.dropped()

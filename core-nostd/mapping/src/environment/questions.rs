@@ -14,7 +14,7 @@ pub const PROFILE_STEP_S: i64 = 900;
 pub const DRYING_HOURS: f32 = 1.0 / 6.0;
 /// Encounters that are as good as none when zones are compared.
 const EPSILON: f32 = 0.05;
-/// A person doubles, triples, quadruples what a way costs (κ; book, Environment: Questions).
+/// A person doubles, triples, quadruples the cost of a path (κ; book, Environment: Questions).
 const KAPPA: f32 = 3.0;
 
 /// What is expected in a zone in a quarter of an hour.
@@ -167,7 +167,7 @@ pub enum Wetness {
     Dry,
     /// Wet would probably do, but too little is known to say so: dry.
     DryToBeSafe,
-    /// Nobody has watched there: dry.
+    /// Not observed: dry.
     DryUnknown,
 }
 

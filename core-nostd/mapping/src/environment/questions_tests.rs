@@ -30,7 +30,7 @@ fn profile(places: &[Corridor], hour: i64) -> Profile {
 }
 
 #[test]
-fn the_best_time_is_when_nobody_comes_and_haste_makes_it_earlier() {
+fn best_time_is_quiet_and_earlier_with_haste() {
     let places = vec![corridor(); 3];
     let profile = profile(&places, 9);
     let calm = best_time(&profile, 96, 2, 0.0).unwrap();
@@ -64,7 +64,7 @@ fn nothing_known_is_no_answer() {
 }
 
 #[test]
-fn zones_and_ways_are_weighed() {
+fn zones_and_paths_are_weighed() {
     assert!(removal_per_encounter(5.0, 0.0) > removal_per_encounter(5.0, 1.0));
     assert_eq!((cost_multiplier(0.0), cost_multiplier(1.0), cost_multiplier(7.0)), (1.0, 4.0, 4.0));
 }

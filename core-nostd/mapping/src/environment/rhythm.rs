@@ -9,7 +9,7 @@ use super::evidence::Rate;
 use super::wall_time::LocalTime;
 use super::week::{Evidence, Week};
 
-/// Rounds in which hours and weekdays are told apart.
+/// Rounds in which the factors of hours and weekdays are separated.
 const ROUNDS: usize = 3;
 
 /// The factors of a place.

@@ -20,7 +20,7 @@ fn week(weeks: u16, rate: impl Fn(usize) -> u16) -> Week<168> {
 }
 
 #[test]
-fn a_product_of_hours_and_days_is_found_exactly() {
+fn product_of_hours_and_days_is_exact() {
     let rate = |index: usize| {
         let hour = if (8..18).contains(&(index % 24)) { 20 } else { 2 };
         if index / 24 < 5 { hour } else { hour / 2 }
@@ -37,7 +37,7 @@ fn a_product_of_hours_and_days_is_found_exactly() {
 }
 
 #[test]
-fn what_the_product_misses_is_put_right_where_it_was_seen_often() {
+fn frequent_residuals_correct_the_product() {
     // A market on Thursday mornings only.
     let rate = |index: usize| if index / 24 == 3 && (6..12).contains(&(index % 24)) { 60 } else { 3 };
     let week = week(30, rate);
@@ -71,7 +71,7 @@ fn little_data_say_little() {
 
 /// Counts of variance 100 + 20² around 100: α is (100/20)² = 25.
 #[test]
-fn the_spread_of_counts_tells_the_shape() {
+fn spread_of_counts_gives_the_shape() {
     let counts = [78.0, 122.0, 78.0, 122.0, 80.0, 120.0].map(|seen| (Count { seen, expected: 100.0 }, 1.0));
     let excess: f32 = counts.iter().map(|(count, _)| (count.seen - 100.0).powi(2) - 100.0).sum::<f32>() / 6.0;
     assert!((shape(counts.into_iter(), 1.0) - 10_000.0 / excess).abs() < 1e-3);

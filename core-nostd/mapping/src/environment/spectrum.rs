@@ -177,7 +177,7 @@ impl<const PERIODS: usize> Spectrum<PERIODS> {
     }
 
     /// The strongest periods, strongest first; of equals the longer one. A period longer than the time watched is not
-    /// used: nobody has seen it repeat.
+    /// used: no repetition was observed.
     #[must_use]
     pub fn tones(&self) -> [Tone; ORDER_MAX] {
         let span_s = self.span_s();

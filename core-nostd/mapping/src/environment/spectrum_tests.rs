@@ -74,7 +74,7 @@ fn agrees_with_numpy_on_whole_weeks() {
 }
 
 #[test]
-fn what_was_not_seen_to_repeat_is_not_used() {
+fn unrepeated_periods_are_not_used() {
     let mut spectrum = Spectrum::<84>::weekly();
     for i in 0..40_i64 {
         spectrum.add(at(i * 600), f32::from(u8::from(i % 18 < 9)), 1.0);
@@ -100,7 +100,7 @@ fn uneven_sampling_of_a_constant_shows_no_period() {
 }
 
 #[test]
-fn weights_count_like_repetitions_and_fading_keeps_the_shape() {
+fn weights_count_as_repetitions_fading_keeps_shape() {
     let mut heavy = Spectrum::<24>::daily();
     let mut often = Spectrum::<24>::daily();
     for hour in 0..72_i64 {

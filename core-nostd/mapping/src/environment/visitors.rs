@@ -28,7 +28,7 @@ pub struct PersonAt {
     pub position_in_map: Point2,
 }
 
-/// A piece of somebody's way.
+/// A segment of a person's path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Footprint {
     /// The cell.
@@ -67,7 +67,7 @@ impl<const TRACKS: usize, const RECENT: usize> Default for Visitors<TRACKS, RECE
 }
 
 impl<const TRACKS: usize, const RECENT: usize> Visitors<TRACKS, RECENT> {
-    /// Tracks for which there was no room.
+    /// Tracks beyond the capacity.
     #[must_use]
     pub const fn dropped(&self) -> u32 {
         self.dropped
@@ -86,7 +86,7 @@ impl<const TRACKS: usize, const RECENT: usize> Visitors<TRACKS, RECENT> {
             return;
         }
         let known = self.visitors.iter().position(|v| v.is_some_and(|v| v.id == person.id));
-        let Some(slot) = known.or_else(|| self.room(at)) else {
+        let Some(slot) = known.or_else(|| self.free_slot(at)) else {
             self.dropped = self.dropped.saturating_add(1);
             return;
         };
@@ -105,7 +105,7 @@ impl<const TRACKS: usize, const RECENT: usize> Visitors<TRACKS, RECENT> {
     }
 
     /// A free place, or that of a track that has not been seen for longest, if that is more than a minute ago.
-    fn room(&mut self, now: WallTime) -> Option<usize> {
+    fn free_slot(&mut self, now: WallTime) -> Option<usize> {
         if let Some(free) = self.visitors.iter().position(Option::is_none) {
             return Some(free);
         }

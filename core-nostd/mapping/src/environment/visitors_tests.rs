@@ -13,10 +13,10 @@ fn raster() -> GridGeometry {
 fn play<const N: usize>(
     visitors: &mut Visitors<N, 64>,
     id: u64,
-    way: impl Iterator<Item = (f32, f32)>,
+    path: impl Iterator<Item = (f32, f32)>,
 ) -> Seen {
     let mut seen = Seen::new();
-    for (i, (x_m, y_m)) in way.enumerate() {
+    for (i, (x_m, y_m)) in path.enumerate() {
         let at = WallTime::from_micros(i as i64 * 100_000);
         let person = PersonAt { id, position_in_map: Point2::new(x_m, y_m) };
         visitors.follow(&raster(), (person, at), |f| {
@@ -29,7 +29,7 @@ fn play<const N: usize>(
 }
 
 #[test]
-fn a_straight_walk_visits_each_cell_once_and_no_time_is_lost() {
+fn straight_walk_visits_each_cell_once() {
     let mut visitors = Visitors::<4, 64>::default();
     // 1.3 m/s along a row: from x = 0.5 to 5.7.
     let seen = play(&mut visitors, 7, (0..41).map(|i| (0.5 + 0.13 * i as f32, 1.1)));
@@ -39,7 +39,7 @@ fn a_straight_walk_visits_each_cell_once_and_no_time_is_lost() {
 }
 
 #[test]
-fn a_fast_step_fills_the_cells_between_and_a_jump_does_not() {
+fn fast_step_fills_cells_jump_does_not() {
     let mut visitors = Visitors::<4, 64>::default();
     let seen = play(&mut visitors, 1, [(0.1, 0.1), (2.1, 0.1)].into_iter());
     assert_eq!(seen.len(), 11);
@@ -56,7 +56,7 @@ fn a_false_track_that_stands_never_counts() {
 }
 
 #[test]
-fn standing_on_a_border_is_one_visit_with_all_its_time() {
+fn standing_on_a_border_is_one_visit() {
     let mut visitors = Visitors::<4, 64>::default();
     let walk = (0..20).map(|i| (1.0 + 0.1 * i as f32, 1.1));
     let stand = (0..400).map(|i| (if i % 2 == 0 { 2.99 } else { 3.01 }, 1.1));
@@ -77,7 +77,7 @@ fn who_returns_after_a_minute_counts_again() {
 }
 
 #[test]
-fn a_full_table_counts_what_it_drops_and_reuses_what_is_gone() {
+fn full_table_counts_drops_and_reuses_slots() {
     let mut visitors = Visitors::<2, 8>::default();
     let person = |id| PersonAt { id, position_in_map: Point2::new(1.0, 1.0) };
     for id in 0..5 {

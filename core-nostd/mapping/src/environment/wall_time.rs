@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn before_the_epoch_and_at_the_ends_of_time() {
+    fn times_before_epoch_and_at_extremes() {
         assert_eq!(WallTime::from_micros(-1).local(0).hour_of_week(), 2 * 24 + 23);
         for extreme in [i64::MIN, i64::MAX] {
             let local = WallTime::from_micros(extreme).local(i32::MAX);

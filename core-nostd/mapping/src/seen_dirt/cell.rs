@@ -1,12 +1,13 @@
-//! One cell of the map of seen dirt: how dirty its last nine observations were, and what they first said.
+//! One cell of the map of seen dirt: how dirty its last nine observations were, and what they first showed.
 //!
-//! An observation is the score that a quarter of the cell's pixels exceed, so that a chip or a knot of the floor is none.
-//! The published map (Yan et al. 2020a, section 5.2) takes the median of the newest nine; but a lamp's reflection stays
-//! over a cell for half of its views and longer. So dirt is what eight of nine agree on, and where only the median says
-//! so nobody knows. Scores are kept and not only verdicts, because how dirty is dirty depends on the floor, and a floor
-//! is known only after much of it was seen. Beside the score a cell keeps the colour of the decimetre around it, for
-//! what tints a place and is no stranger in any pixel. What the mission first perceived is frozen when the cell, well
-//! seen, was out of view for a while, so that cleaning does not change the report of what was there before.
+//! An observation is the score that a quarter of the cell's pixels exceed, so that a chip or a knot of the floor is
+//! none. The published map (Yan et al. 2020a, section 5.2) takes the median of the newest nine; but a lamp's reflection
+//! stays over a cell for half of its views and longer. So dirt is what eight of nine agree on, and where only the
+//! median says so it is unknown. Scores are kept and not only verdicts, because how dirty is dirty depends on the
+//! floor, and a floor is known only after much of it was seen. Beside the score a cell keeps the colour of the
+//! decimetre around it, for what tints a place and is no stranger in any pixel. What the mission first perceived is
+//! frozen when the cell, well seen, was out of view for a while, so that cleaning does not change the report of what
+//! was there before.
 
 use super::rank::of_rank;
 use super::tint::{FloorTints, KeptTint, kept, middle};
@@ -307,7 +308,7 @@ mod tests {
         cell
     }
 
-    /// Nobody knows before three views. A reflection that stays for seven of nine makes no dirt, one that stays for five no
+    /// Unknown before three views. A reflection that stays for seven of nine makes no dirt, one that stays for five no
     /// clean floor either, and the tenth view replaces the first.
     #[test]
     fn dirt_is_what_views_agree_on() {
@@ -369,7 +370,8 @@ mod tests {
         assert_eq!(since_s, [2, 87], "spilled again: eight of nine at the eighth");
     }
 
-    /// Four glances that saw nothing do not keep a closer look from finding dirt; nine looks do.
+    /// Four distant observations that saw nothing do not keep a closer one from finding dirt; nine
+    /// observations do.
     #[test]
     fn a_glance_proves_no_floor_clean() {
         for (glances, expected) in [(4, CellState::Dirty), (9, CellState::Clean)] {

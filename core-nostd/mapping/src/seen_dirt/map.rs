@@ -11,14 +11,14 @@ use floorguard_types::capacities::FLOOR_IMAGE_COLUMNS_MAX;
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::time::Stamp;
 
-/// Another viewpoint after this way or turn (book, Floor and dirt: Map of seen dirt). Time alone makes none: a
-/// reflection stays while the robot stands.
+/// Another viewpoint after this distance or turn (book, Floor and dirt: Map of seen dirt). Time alone makes
+/// none: a reflection stays while the robot stands.
 const MOVED_M: f32 = 0.1;
 const TURNED_RAD: f32 = 0.087_27;
 /// Farther from the camera's foot point the view is too flat to be an observation, metres (the range within which
 /// objects must be found; book, Floor and dirt: Objects).
 const REACH_M: f32 = 1.3;
-/// Pixels of the result that are looked at: every second column and row.
+/// Pixels of the result that are examined: every second column and row.
 const STEP: usize = 2;
 const COLUMNS_MAX: usize = FLOOR_IMAGE_COLUMNS_MAX / NOVELTY_BIN;
 /// Half of the cells, and the part of them that is clean floor, whatever the floor: what views agree on there is what the
@@ -98,7 +98,7 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
         self.cells.as_ref().get(..self.geometry.cell_count()).unwrap_or(&[])
     }
 
-    /// The detector's threshold, where no frame has told it.
+    /// The detector's threshold, where no frame has set it.
     #[cfg(test)]
     pub(super) const fn expect(&mut self, threshold: f32) {
         self.threshold = threshold;

@@ -47,12 +47,12 @@ pub struct DirtSpot {
 pub struct DirtSpots {
     /// The spots.
     pub spots: Vec<DirtSpot, SPOTS_MAX>,
-    /// Pieces of spots for which there was no room while the rows were read (runs of cells of a row, beyond the runs of a row
-    /// single cells), and spots for which there was none among these.
+    /// Pieces of spots that did not fit while the rows were read (runs of cells of a row, beyond the runs of a row
+    /// single cells), and spots beyond the capacity.
     pub dropped: u32,
 }
 
-/// Cells of one row that touch, and the part that they belong to; `None` where there was no room for one.
+/// Cells of one row that touch, and the part that they belong to; `None` where the list was full.
 #[derive(Clone, Copy)]
 struct Run {
     first: usize,
@@ -271,8 +271,8 @@ mod tests {
         assert!(large.low_in_map.distance(Point2::new(1.0, 2.0)) < 1e-4, "{large:?}");
     }
 
-    /// A cell that was below the limit whenever it was looked at, and is above that of today, is as old as its last view; it
-    /// does not make the spot as old as the clock, nor one that was found dirty before any younger.
+    /// A cell that was below the limit whenever it was examined, and is above that of today, is as old as its last
+    /// view; it does not make the spot as old as the clock, nor one that was found dirty before any younger.
     #[test]
     fn a_limit_that_falls_makes_nothing_old() {
         let view = |limit: f32, seconds: core::ops::Range<u32>| {
@@ -298,7 +298,7 @@ mod tests {
 
     /// 600 spots of a cell each: what finds no part while the rows are read and what finds no place in the report is counted.
     #[test]
-    fn what_has_no_room_is_counted() {
+    fn overflow_is_counted() {
         let rows = [&*"*.".repeat(40), &*".".repeat(80)];
         let mut cells = map(&rows.repeat(15));
         let geometry = GridGeometry::new(80, 30, 0.1, Point2::new(0.0, 0.0)).unwrap();

@@ -82,9 +82,9 @@ impl FloorTints {
         [ll * l + la * a + lb * b, la * l + aa * a + ab * b, lb * l + ab * a + bb * b]
     }
 
-    /// How strange on this floor the colour is that eight of nine views agree on, or all of fewer, natural logarithms: as
-    /// far as they go along with the middle one; and how strange the middle one is. 0 before the floor is known: a cell
-    /// that is not seen again keeps what was said of it, and what was a guess would stay dirt for the whole mission.
+    /// How strange on this floor the colour is that eight of nine views agree on, or all of fewer, natural logarithms:
+    /// as far as they go along with the middle one; and how strange the middle one is. 0 before the floor is known: a
+    /// cell that is not seen again keeps its state, and a guess would stay dirt for the whole mission.
     pub(super) fn strangeness(&self, views: &[KeptTint]) -> [f32; 2] {
         if !self.is_known {
             return [0.0; 2];
@@ -147,7 +147,7 @@ mod tests {
     /// A floor that varies in brightness, all channels together, like wood: a brighter place is usual, an equally large
     /// step across is strange. A few spills among the places hardly change that.
     #[test]
-    fn strange_is_what_the_floor_does_not_vary_along() {
+    fn strangeness_ignores_the_floors_own_variation() {
         let mut random = Pcg32::new(8, 1);
         let mut floor = FloorTints::NEW;
         for place in 0..4_000 {

@@ -12,7 +12,7 @@ pub struct BodyBand {
     pub low_m: f32,
     /// Higher returns are above the robot.
     pub high_m: f32,
-    /// A ray clears only where it passes below this height: higher ones see over low things.
+    /// A ray clears only where it passes below this height: higher ones see over low objects.
     pub clearing_below_m: f32,
 }
 
@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn only_low_rays_clear_and_only_the_band_marks() {
+    fn low_rays_clear_and_the_band_marks() {
         let geometry = GridGeometry::new(50, 11, 0.1, Point2::default()).unwrap();
         let mut layer = ObstacleLayer::new(geometry, vec![Occupancy::Free; 550]).unwrap();
         let limits = ObstacleLimits { mark_m: 10.0, clear_m: 10.0 };

@@ -60,7 +60,7 @@ impl core::fmt::Display for InflationError {
     fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::TooManyCells(cells) => {
-                write!(formatter, "inflation over {cells} cells; there is room for {INFLATION_CELLS_MAX}")
+                write!(formatter, "inflation over {cells} cells; the capacity is {INFLATION_CELLS_MAX}")
             }
             Self::Illegal => {
                 write!(formatter, "radii and fall-off of the inflation must be positive numbers")

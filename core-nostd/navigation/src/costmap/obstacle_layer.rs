@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_mark_their_ends_and_clear_on_the_path() {
+    fn rays_mark_ends_and_clear_the_path() {
         let mut layer = layer();
         let sensor = Point2::new(0.55, 1.05);
         let limits = ObstacleLimits { mark_m: 2.0, clear_m: 2.5 };
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hit_cell_is_not_cleared_by_its_neighbour_beam() {
+    fn neighbour_beam_does_not_clear_a_hit() {
         let mut layer = layer();
         let sensor = Point2::new(0.55, 1.05);
         let beams = [Beam::Hit(Point2::new(2.05, 1.05)), Beam::Hit(Point2::new(2.65, 1.07))];

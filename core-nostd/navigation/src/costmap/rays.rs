@@ -58,12 +58,12 @@ struct Axis {
 
 impl Axis {
     fn new(from: f32, to: f32) -> Self {
-        let way = to - from;
+        let travel = to - from;
         let floor = libm::floorf(from);
-        if way > 0.0 {
-            Self { step: 1, next: (floor + 1.0 - from) / way, delta: 1.0 / way }
-        } else if way < 0.0 {
-            Self { step: -1, next: (floor - from) / way, delta: -1.0 / way }
+        if travel > 0.0 {
+            Self { step: 1, next: (floor + 1.0 - from) / travel, delta: 1.0 / travel }
+        } else if travel < 0.0 {
+            Self { step: -1, next: (floor - from) / travel, delta: -1.0 / travel }
         } else {
             Self { step: 0, next: f32::INFINITY, delta: f32::INFINITY }
         }

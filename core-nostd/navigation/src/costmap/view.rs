@@ -13,7 +13,7 @@ impl Costs {
     pub const INSCRIBED: u8 = 253;
     /// An obstacle.
     pub const LETHAL: u8 = 254;
-    /// Nobody has looked there.
+    /// Not observed.
     pub const UNKNOWN: u8 = 255;
 }
 

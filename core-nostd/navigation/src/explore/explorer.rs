@@ -89,7 +89,7 @@ impl Explorer {
         if self.given_up.is_full() {
             self.given_up.remove(0);
         }
-        // There is room now.
+        // It fits now.
         let _ = self.given_up.push(goal);
     }
 
@@ -113,12 +113,12 @@ impl Explorer {
         let mut left_out = 0_usize;
         let mut best: Option<(f32, Frontier)> = None;
         for frontier in &found.frontiers {
-            let way_m = distance_m(frontier).filter(|_| !self.is_given_up(frontier.goal_in_map));
-            let Some(way_m) = way_m else {
+            let path_m = distance_m(frontier).filter(|_| !self.is_given_up(frontier.goal_in_map));
+            let Some(path_m) = path_m else {
                 left_out = left_out.saturating_add(1);
                 continue;
             };
-            let cost = self.cost(frontier, way_m);
+            let cost = self.cost(frontier, path_m);
             if best.is_none_or(|(least, _)| cost < least) {
                 best = Some((cost, *frontier));
             }
@@ -134,12 +134,12 @@ impl Explorer {
     }
 
     /// The present goal is favoured by the hysteresis.
-    fn cost(&self, frontier: &Frontier, way_m: f32) -> f32 {
+    fn cost(&self, frontier: &Frontier, path_m: f32) -> f32 {
         let config = &self.config;
         let is_present =
             self.goal.is_some_and(|goal| goal.distance(frontier.goal_in_map) <= config.hysteresis_m);
         let bonus_m = if is_present { config.hysteresis_m } else { 0.0 };
-        config.cost.potential_scale * (way_m - bonus_m)
+        config.cost.potential_scale * (path_m - bonus_m)
             - config.cost.gain_scale * frontier.cells as f32 * 0.05
     }
 
@@ -187,32 +187,32 @@ mod tests {
     }
 
     #[test]
-    fn goes_to_the_near_one_and_does_not_turn_to_and_fro() {
+    fn goes_to_near_frontier_without_oscillation() {
         let mut explorer = Explorer::new(ExploreConfig::PUBLISHED);
         let both = found(&[frontier(4.0, 20), frontier(-4.5, 20)]);
-        let way = |x_m: f32| move |frontier: &Frontier| Some((frontier.goal_in_map.x_m - x_m).abs());
-        assert_eq!(went_to(explorer.decide(Point2::new(0.0, 0.0), &both, way(0.0), 1.0)), 4.0);
+        let path = |x_m: f32| move |frontier: &Frontier| Some((frontier.goal_in_map.x_m - x_m).abs());
+        assert_eq!(went_to(explorer.decide(Point2::new(0.0, 0.0), &both, path(0.0), 1.0)), 4.0);
         // The other one is nearer by less than the hysteresis now.
-        assert_eq!(went_to(explorer.decide(Point2::new(-0.5, 0.0), &both, way(-0.5), 1.0)), 4.0);
-        assert_eq!(went_to(explorer.decide(Point2::new(-2.0, 0.0), &both, way(-2.0), 1.0)), -4.5);
+        assert_eq!(went_to(explorer.decide(Point2::new(-0.5, 0.0), &both, path(-0.5), 1.0)), 4.0);
+        assert_eq!(went_to(explorer.decide(Point2::new(-2.0, 0.0), &both, path(-2.0), 1.0)), -4.5);
     }
 
     #[test]
     fn gives_up_without_progress_and_says_so() {
         let mut explorer = Explorer::new(ExploreConfig::PUBLISHED);
         let only = found(&[frontier(4.0, 20)]);
-        let way = |frontier: &Frontier| Some(frontier.goal_in_map.x_m);
+        let path = |frontier: &Frontier| Some(frontier.goal_in_map.x_m);
         let here = Point2::new(0.0, 0.0);
         for _ in 0..30 {
-            assert_eq!(went_to(explorer.decide(here, &only, way, 1.0)), 4.0);
+            assert_eq!(went_to(explorer.decide(here, &only, path, 1.0)), 4.0);
         }
-        assert_eq!(explorer.decide(here, &only, way, 1.0), Exploration::GivenUp(1));
-        assert_eq!(explorer.decide(here, &found(&[]), way, 1.0), Exploration::Finished);
+        assert_eq!(explorer.decide(here, &only, path, 1.0), Exploration::GivenUp(1));
+        assert_eq!(explorer.decide(here, &found(&[]), path, 1.0), Exploration::Finished);
         explorer.try_again();
-        assert_eq!(went_to(explorer.decide(here, &only, way, 1.0)), 4.0);
+        assert_eq!(went_to(explorer.decide(here, &only, path, 1.0)), 4.0);
         explorer.goal_is_unreachable();
-        assert_eq!(explorer.decide(here, &only, way, 1.0), Exploration::GivenUp(1));
+        assert_eq!(explorer.decide(here, &only, path, 1.0), Exploration::GivenUp(1));
         let lost = FrontierSearch { is_lost: true, ..FrontierSearch::default() };
-        assert_eq!(explorer.decide(here, &lost, way, 1.0), Exploration::Lost);
+        assert_eq!(explorer.decide(here, &lost, path, 1.0), Exploration::Lost);
     }
 }

@@ -45,7 +45,7 @@ pub struct FrontierScratch<'a> {
 pub struct FrontierSearch {
     /// The frontiers, in the order in which the search met them.
     pub frontiers: Vec<Frontier, FRONTIERS_MAX>,
-    /// Frontiers that there was no room for.
+    /// Frontiers beyond the capacity.
     pub dropped: u32,
     /// The robot stands on no known floor, nor does anything within reach of it.
     pub is_lost: bool,

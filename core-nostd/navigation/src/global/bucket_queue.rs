@@ -44,7 +44,7 @@ impl<Q: AsRef<[u32]> + AsMut<[u32]>> BucketQueue<Q> {
         (chunk as usize).saturating_mul(CHUNK).saturating_add(entry)
     }
 
-    /// Adds an entry; false: no room, nothing was added.
+    /// Adds an entry; false: full, nothing was added.
     #[inline]
     pub(super) fn push(&mut self, bucket: usize, value: u32) -> bool {
         let Some(bucket) = self.buckets.get_mut(bucket % BUCKETS) else { return false };
@@ -96,7 +96,7 @@ mod tests {
     use std::vec::Vec;
 
     #[test]
-    fn what_goes_in_comes_out_and_chunks_are_reused() {
+    fn chunks_round_trip_and_are_reused() {
         let mut queue = BucketQueue::new(vec![0; 40 * CHUNK]);
         let mut expected = vec![Vec::new(); BUCKETS];
         let mut random = floorguard_types::random::Pcg32::new(1, 1);

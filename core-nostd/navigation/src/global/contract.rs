@@ -52,7 +52,9 @@ impl core::fmt::Display for PlanFailure {
             }
             Self::GoalBlocked => write!(formatter, "the goal lies within an obstacle or outside of the map"),
             Self::Unreachable => write!(formatter, "no path leads to the goal"),
-            Self::PathTooLong(waypoints) => write!(formatter, "the path has {waypoints} waypoints, no room"),
+            Self::PathTooLong(waypoints) => {
+                write!(formatter, "the path has {waypoints} waypoints, beyond the capacity")
+            }
             Self::OutOfRoom => {
                 write!(formatter, "the map or the search is larger than the planner's storage")
             }

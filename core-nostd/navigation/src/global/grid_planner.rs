@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn blocked_ends_move_to_the_nearest_place_or_are_refused() {
+    fn blocked_ends_move_nearby_or_are_refused() {
         let mut costs = vec![0; 200];
         for row in 0..10 {
             costs[row * 20 + 10] = Costs::LETHAL;

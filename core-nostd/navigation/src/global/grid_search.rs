@@ -23,7 +23,7 @@ pub enum SearchMethod {
 pub enum SearchEnd {
     /// The goal's distance is known.
     Reached,
-    /// Everything reachable was looked at; the goal, if there was one, is not among it.
+    /// Everything reachable was examined; the goal, if there was one, is not among it.
     Exhausted,
     /// The storage is too small for the costmap or for the entries of the search; nothing is known.
     OutOfRoom,
@@ -203,7 +203,7 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GridSearch<
         distance.is_some_and(|distance| distance / run.width < bucket)
     }
 
-    /// Looks at the eight neighbours; false: out of room. `kept` is the cell's distance + 1.
+    /// Looks at the eight neighbours; false: full. `kept` is the cell's distance + 1.
     #[inline]
     fn expand(&mut self, run: &Run<'_>, cell: usize, kept: u32) -> bool {
         let columns = run.columns;
@@ -213,7 +213,7 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GridSearch<
                 let there = self.distances.as_ref().get(to).copied().unwrap_or(BLOCKED);
                 (there != BLOCKED, self.try_step(run, Step { to, there, kept, diagonal: false }))
             });
-        let mut has_room = east_open.1 && west_open.1 && north_open.1 && south_open.1;
+        let mut has_capacity = east_open.1 && west_open.1 && north_open.1 && south_open.1;
         let corners = [
             (north.wrapping_add(1), north_open.0 && east_open.0),
             (north.wrapping_sub(1), north_open.0 && west_open.0),
@@ -223,13 +223,13 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GridSearch<
         for (to, is_open) in corners {
             if is_open {
                 let there = self.distances.as_ref().get(to).copied().unwrap_or(BLOCKED);
-                has_room &= self.try_step(run, Step { to, there, kept, diagonal: true });
+                has_capacity &= self.try_step(run, Step { to, there, kept, diagonal: true });
             }
         }
-        has_room
+        has_capacity
     }
 
-    /// Lowers the distance of a neighbour if this step does; false: out of room.
+    /// Lowers the distance of a neighbour if this step does; false: full.
     #[inline]
     fn try_step(&mut self, run: &Run<'_>, step: Step) -> bool {
         let least = if step.diagonal { StepCosts::NEUTRAL_DIAGONAL } else { StepCosts::NEUTRAL };

@@ -40,7 +40,7 @@ pub struct Pace {
 
 /// What the search asks.
 pub trait LatticeWorld {
-    /// How many times as long as in the open a motion to this pose takes; `None`: the robot cannot be there.
+    /// Factor of the time against open floor a motion to this pose takes; `None`: the robot cannot be there.
     fn slowness(&self, pose_in_map: Pose2, gear: Gear) -> Option<f32>;
     /// Time from this pose to the goal, seconds, estimated; `None`: the goal cannot be reached from there.
     fn left_s(&self, pose_in_map: Pose2) -> Option<f32>;
@@ -106,7 +106,7 @@ where
 
     /// How many poses the last search looked at.
     #[must_use]
-    pub const fn looked_at(&self) -> usize {
+    pub const fn examined(&self) -> usize {
         self.used
     }
 
@@ -249,9 +249,9 @@ fn motions(pace: &Pace) -> [Motion; MOTIONS] {
         costs_s: TURN_RAD / pace.turn_radps,
         gear: Gear::Spin,
     };
-    let straight = |way_m: f32, speed_mps: f32, gear| Motion {
-        by: Pose2::new(way_m, 0.0, 0.0),
-        costs_s: libm::fabsf(way_m) / speed_mps,
+    let straight = |path_m: f32, speed_mps: f32, gear| Motion {
+        by: Pose2::new(path_m, 0.0, 0.0),
+        costs_s: libm::fabsf(path_m) / speed_mps,
         gear,
     };
     [

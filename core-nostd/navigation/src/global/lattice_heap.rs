@@ -12,7 +12,7 @@ pub struct HeapEntry {
 /// Levels of a heap with 2³² entries.
 const LEVELS: usize = 32;
 
-/// Adds an entry; `None`: no room.
+/// Adds an entry; `None`: full.
 pub(super) fn push(heap: &mut [HeapEntry], count: usize, entry: HeapEntry) -> Option<usize> {
     *heap.get_mut(count)? = entry;
     let mut at = count;

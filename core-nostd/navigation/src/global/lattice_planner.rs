@@ -19,7 +19,7 @@ pub struct LatticeGoal {
     pub within_m: f32,
     /// Within this angle, radians; π or more: any heading.
     pub within_rad: f32,
-    /// Below this cost nothing touches the circumscribed disc of the robot: its outline need not be looked at.
+    /// Below this cost nothing touches the circumscribed disc of the robot: its outline need not be examined.
     pub clear_cost: u8,
 }
 
@@ -159,7 +159,7 @@ mod tests {
 
     /// A robot of 1.2 m × 0.5 m through a gap of 0.8 m, to a goal that it must reach backwards out of a pocket otherwise.
     #[test]
-    fn a_long_robot_goes_through_a_gap_with_its_whole_outline() {
+    fn long_robot_passes_gap_with_whole_outline() {
         let geometry = GridGeometry::new(160, 120, 0.05, Point2::default()).unwrap();
         let mut fixed = vec![Occupancy::Free; geometry.cell_count()];
         for (cell, value) in fixed.iter_mut().enumerate() {

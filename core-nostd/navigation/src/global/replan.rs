@@ -22,10 +22,10 @@ pub enum PlanState {
     },
 }
 
-/// Along a leg the outline is looked at this often, metres.
-const LOOK_EVERY_M: f32 = 0.1;
+/// Along a leg the outline is examined this often, metres.
+const SAMPLE_EVERY_M: f32 = 0.1;
 /// Looks at one leg at most.
-const LOOKS_MAX: usize = 1_000;
+const SAMPLES_MAX: usize = 1_000;
 
 /// A pose on a leg, headed along it as at its beginning, and at its end as there.
 fn between(from: &Waypoint, to: &Waypoint, share: f32) -> Pose2 {
@@ -49,9 +49,9 @@ pub fn check_plan(
     for (waypoint, at) in rest.iter().enumerate() {
         let from = before.replace(*at).unwrap_or(*at);
         let length_m = from.place_in_map().distance(at.place_in_map());
-        let looks = ((length_m / LOOK_EVERY_M) as usize).min(LOOKS_MAX).saturating_add(1);
-        for look in 1..=looks {
-            let share = look as f32 / looks as f32;
+        let samples = ((length_m / SAMPLE_EVERY_M) as usize).min(SAMPLES_MAX).saturating_add(1);
+        for sample in 1..=samples {
+            let share = sample as f32 / samples as f32;
             if footprint_cost(costmap, footprint, between(&from, at, share)).is_err() {
                 return PlanState::Blocked { waypoint, along_m: along_m + share * length_m };
             }
@@ -71,7 +71,7 @@ mod tests {
     use std::vec;
 
     #[test]
-    fn a_new_obstacle_on_the_path_is_found_before_the_robot_meets_it() {
+    fn new_obstacle_is_found_before_contact() {
         let geometry = GridGeometry::new(80, 40, 0.1, Point2::default()).unwrap();
         let mut costs = vec![0; 3_200];
         let corners = [(0.3, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.3, -0.3)];

@@ -1,4 +1,4 @@
-//! Any-angle smoothing: straight lines instead of steps along the raster, where they are no dearer.
+//! Any-angle smoothing: straight lines instead of steps along the raster, where they are not more expensive.
 
 use floorguard_types::motion::Waypoint;
 
@@ -7,11 +7,11 @@ use crate::costmap::{CostmapView, Costs, line_cost};
 
 /// Straight lines are tried over at most this many waypoints.
 const REACH: usize = 400;
-/// A line may pass cells this much dearer than the dearest waypoint that it replaces.
+/// A line may pass cells this much more expensive than the most expensive waypoint that it replaces.
 const SLACK: u8 = 4;
 
-/// Replaces stretches of a forward path by straight lines that pass no obstacle and nothing dearer than what they replace;
-/// gives how many waypoints are left. Ends stay. Cost: waypoints × log₂(400) lines of cells.
+/// Replaces stretches of a forward path by straight lines that pass no obstacle and nothing more expensive than what
+/// they replace; gives how many waypoints are left. Ends stay. Cost: waypoints × log₂(400) lines of cells.
 pub fn smooth(costmap: CostmapView<'_>, path: &mut [Waypoint]) -> usize {
     let count = path.len();
     let (mut kept, mut at) = (1_usize, 0_usize);
@@ -59,11 +59,11 @@ fn farthest_in_line(costmap: CostmapView<'_>, path: &[Waypoint], from: usize) ->
 fn is_line(costmap: CostmapView<'_>, path: &[Waypoint], from: usize, to: usize) -> bool {
     let (Some(first), Some(last)) = (path.get(from), path.get(to)) else { return false };
     let stretch = path.get(from..=to).unwrap_or(&[]);
-    let dearest = stretch.iter().map(|at| costmap.cost_at(at.place_in_map())).max().unwrap_or(0);
+    let highest_cost = stretch.iter().map(|at| costmap.cost_at(at.place_in_map())).max().unwrap_or(0);
     let geometry = costmap.geometry();
     let ends = [first, last].map(|at| geometry.coordinates_of(at.place_in_map()));
     let [begin, end] = ends;
-    let limit = dearest.saturating_add(SLACK).min(Costs::INSCRIBED - 1);
+    let limit = highest_cost.saturating_add(SLACK).min(Costs::INSCRIBED - 1);
     line_cost(costmap, begin, end).is_ok_and(|cost| cost <= limit)
 }
 
@@ -77,7 +77,7 @@ mod tests {
     use std::vec::Vec;
 
     #[test]
-    fn a_staircase_becomes_a_line_and_a_corner_stays() {
+    fn staircase_becomes_line_corner_stays() {
         let geometry = GridGeometry::new(60, 60, 0.1, Point2::default()).unwrap();
         let mut costs = vec![0; 3_600];
         for row in 0..30 {

@@ -143,9 +143,9 @@ fn simulate<P>(
     (config, footprint): (&DwaConfig, &Footprint),
     twist: Twist2,
 ) -> Option<(u8, Placement)> {
-    let way_m = libm::fabsf(twist.linear_mps) * config.horizon_s;
+    let path_m = libm::fabsf(twist.linear_mps) * config.horizon_s;
     let turn_rad = libm::fabsf(twist.angular_radps) * config.horizon_s;
-    let steps = libm::ceilf((way_m / config.granularity_m).max(turn_rad / config.angular_granularity_rad));
+    let steps = libm::ceilf((path_m / config.granularity_m).max(turn_rad / config.angular_granularity_rad));
     let steps = (steps as u32).clamp(1, STEPS_MAX);
     let step_s = config.horizon_s / steps as f32;
     let start = situation.pose_in_map;

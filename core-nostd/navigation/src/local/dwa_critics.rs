@@ -59,12 +59,13 @@ impl Oscillation {
     /// Takes note of the velocity that was chosen at a pose.
     pub fn note(&mut self, config: &DwaConfig, twist: Twist2, pose_in_map: Pose2) {
         if let Some(since) = self.since {
-            let way = floorguard_types::geometry::Point2::new(
+            let travel = floorguard_types::geometry::Point2::new(
                 pose_in_map.x_m - since.x_m,
                 pose_in_map.y_m - since.y_m,
             );
             let turn_rad = wrap_angle(pose_in_map.heading_rad - since.heading_rad);
-            if way.norm() > config.oscillation_reset_m || libm::fabsf(turn_rad) > config.oscillation_reset_rad
+            if travel.norm() > config.oscillation_reset_m
+                || libm::fabsf(turn_rad) > config.oscillation_reset_rad
             {
                 *self = Self { last: self.last, ..Self::default() };
             }
@@ -97,7 +98,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_change_of_sign_forbids_the_old_one_until_the_robot_has_moved() {
+    fn sign_change_forbids_old_sign_until_motion() {
         let config = DwaConfig::PUBLISHED;
         let turn = |angular_radps| Twist2 { linear_mps: 0.0, angular_radps };
         let mut oscillation = Oscillation::default();

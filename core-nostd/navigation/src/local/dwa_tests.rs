@@ -46,7 +46,7 @@ fn line(to: Point2) -> Vec<Waypoint> {
 }
 
 #[test]
-fn drives_along_a_free_path_and_turns_towards_one_aside() {
+fn drives_free_path_and_turns_towards_another() {
     let costs = vec![0; 6_400];
     let moving = Twist2 { linear_mps: 0.5, angular_radps: 0.0 };
     let ahead = command(&costs, &line(Point2::new(1.5, 0.0)), Pose2::default(), moving);

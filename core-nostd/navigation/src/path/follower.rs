@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn off_the_path_it_is_lost_and_an_empty_path_is_over() {
+    fn off_path_is_lost_empty_path_is_over() {
         let path = [at(0.0, 0.0, 0.0, Gear::Ahead), at(2.0, 0.0, 0.0, Gear::Ahead)];
         let limits = FollowLimits::DEFAULT;
         let mut follower = PathFollower::new(&path);

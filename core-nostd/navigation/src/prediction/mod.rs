@@ -1,8 +1,8 @@
 //! Where people will be: constant velocity, corrected by what was learnt of this place.
 //!
-//! Measured on recorded pedestrians (8 steps of 0.4 s seen, 12 predicted) two things help: how much people here keep their
-//! speed and their turns, and where others went on from the same spot. Repulsion between people (social forces) was tried as
-//! features of the same model and did not help on any of the sets; it is not here.
+//! Measured on recorded pedestrians (8 steps of 0.4 s seen, 12 predicted) two objects help: how much people here keep
+//! their speed and their turns, and where others went on from the same spot. Repulsion between people (social forces)
+//! was tried as features of the same model and did not help on any of the sets; it is not here.
 
 mod doubt;
 mod motion_model;

@@ -97,18 +97,18 @@ impl MotionModel {
     }
 
     /// From where the person is to where they will be after a step of the horizon, metres.
-    pub(super) fn way(&self, rows: &Rows, step: usize) -> Point2 {
-        let mut way = Point2::default();
+    pub(super) fn travel(&self, rows: &Rows, step: usize) -> Point2 {
+        let mut travel = Point2::default();
         for (vector, number) in rows.at(step).into_iter().zip(self.numbers) {
-            way.x_m += vector.x_m * number as f32;
-            way.y_m += vector.y_m * number as f32;
+            travel.x_m += vector.x_m * number as f32;
+            travel.y_m += vector.y_m * number as f32;
         }
-        way
+        travel
     }
 
     /// Takes in the way that a person really went up to a step.
-    pub(super) fn learn(&mut self, rows: &Rows, step: usize, way: Point2) {
-        let error_m = f64::from(self.way(rows, step).distance(way));
+    pub(super) fn learn(&mut self, rows: &Rows, step: usize, travel: Point2) {
+        let error_m = f64::from(self.travel(rows, step).distance(travel));
         if !error_m.is_finite() {
             return;
         }
@@ -120,7 +120,7 @@ impl MotionModel {
             for (entry, b) in row.iter_mut().zip(vectors) {
                 *entry += weight * dot(a, b);
             }
-            *right += weight * dot(a, way);
+            *right += weight * dot(a, travel);
         }
     }
 

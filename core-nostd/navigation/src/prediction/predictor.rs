@@ -110,11 +110,11 @@ impl<S: AsRef<[FlowCell]> + AsMut<[FlowCell]>> PeoplePredictor<S> {
         }
         let Pending { rows, from, outcome } = trail.pending.remove(0);
         for (step, place) in outcome.iter().enumerate() {
-            let way = Point2::new(place.x_m - from.x_m, place.y_m - from.y_m);
-            let predicted = self.model.way(&rows, step);
-            let error = Point2::new(way.x_m - predicted.x_m, way.y_m - predicted.y_m);
+            let travel = Point2::new(place.x_m - from.x_m, place.y_m - from.y_m);
+            let predicted = self.model.travel(&rows, step);
+            let error = Point2::new(travel.x_m - predicted.x_m, travel.y_m - predicted.y_m);
             self.doubt.learn(step, rows.last, error);
-            self.model.learn(&rows, step, way);
+            self.model.learn(&rows, step, travel);
         }
     }
 
@@ -124,9 +124,9 @@ impl<S: AsRef<[FlowCell]> + AsMut<[FlowCell]>> PeoplePredictor<S> {
         let rows = Rows::of(trail, &self.flow)?;
         let from = *trail.places().last()?;
         let places = core::array::from_fn(|step| {
-            let way = self.model.way(&rows, step);
+            let travel = self.model.travel(&rows, step);
             PredictedPlace {
-                place_in_map: Point2::new(from.x_m + way.x_m, from.y_m + way.y_m),
+                place_in_map: Point2::new(from.x_m + travel.x_m, from.y_m + travel.y_m),
                 half_axes_m: self.doubt.half_axes_m(step, rows.last),
             }
         });
@@ -153,8 +153,8 @@ mod tests {
         let mut trail = PersonTrail::default();
         let aside_m = random.uniform_between(-0.3, 0.3);
         let place = |step: usize| {
-            let way_m = 0.5 * step as f32;
-            if way_m < 8.0 { Point2::new(way_m, aside_m) } else { Point2::new(8.0 + aside_m, way_m - 8.0) }
+            let path_m = 0.5 * step as f32;
+            if path_m < 8.0 { Point2::new(path_m, aside_m) } else { Point2::new(8.0 + aside_m, path_m - 8.0) }
         };
         let mut error_m = 0.0;
         for step in 0..30 {

@@ -33,7 +33,7 @@ impl PersonTrail {
         if self.places.is_full() {
             self.places.remove(0);
         }
-        // There is room now.
+        // It fits now.
         let _ = self.places.push(place);
     }
 

@@ -12,7 +12,7 @@ use floorguard_types::capacities::FLOOR_IMAGE_COLUMNS_MAX;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum PixelClass {
-    /// No depth, or a lonely pixel of another height than all around it: nobody knows.
+    /// No depth, or a lonely pixel of another height than all around it: unknown.
     #[default]
     Unknown,
     /// In the floor.
@@ -53,7 +53,8 @@ impl Judge {
 
     /// Judges a row into `classes`; both have the width of the image, at most the profile's.
     pub(super) fn row(&self, row: usize, depths: &[u16], classes: &mut [PixelClass]) {
-        // Told apart once a row, so that the loop over the pixels has no branch and compilers vectorise it.
+        // Distinguished once a row, so that the loop over the pixels has no branch and compilers vectorise
+        // it.
         let [_, ray_y, _] = self.parameters.camera.ray(0.0, row as f32);
         match self.curvature.as_ref().map(|curvature| curvature.row(ray_y)) {
             None => self.row_over(ray_y, depths, classes, |_, _| 0.0),

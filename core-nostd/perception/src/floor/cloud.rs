@@ -1,4 +1,4 @@
-//! The floor of a point cloud: how a sensor that scans the room is mounted, from one look at the floor around it.
+//! The floor of a point cloud: how a sensor that scans the room is mounted, from one sweep of the floor around it.
 //!
 //! The same search and the same least squares as for a depth camera, but every return counts alike: a lidar errs by the
 //! same centimetre near and far. Source: book, Floor and dirt: Floor of a point cloud.

@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_place_twice_in_three_frames_while_the_robot_drives() {
+    fn same_place_twice_in_three_frames_confirms() {
         let mut memory = ObjectMemory::default();
         let at = |x_m: f32| Pose2::new(x_m, 0.0, 0.0);
         assert!(memory.update(&frame(1.0), at(0.0)).is_empty());

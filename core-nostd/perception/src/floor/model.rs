@@ -1,8 +1,8 @@
 //! The floor from frame to frame: fit, gate, reuse for a while, then the configured plane — and whether it is known.
 //!
 //! A frame that shows no floor says nothing about the floor. The last good plane serves for two seconds, because a
-//! camera does not move on its robot; then the mounting does. But after one second without a fit nobody may say any
-//! more that the floor is free or clean: [`FloorEstimate::is_known`] (book, Floor and dirt: Validity).
+//! camera does not move on its robot; then the mounting does. But after one second without a fit the floor is
+//! unknown, neither free nor clean: [`FloorEstimate::is_known`] (book, Floor and dirt: Validity).
 
 use super::curvature::Curvature;
 use super::depth_noise::DepthNoise;
@@ -117,7 +117,7 @@ pub struct FloorEstimate {
     pub curvature: Curvature,
     /// Where the plane comes from.
     pub source: FloorSource,
-    /// False where nobody may say that the floor is free or clean.
+    /// False where the floor is unknown, neither free nor clean.
     pub is_known: bool,
     /// The last fit's quality.
     pub quality: FitQuality,

@@ -1,4 +1,4 @@
-//! Things on the floor: connected pixels that are higher than it, row by row, in fixed memory.
+//! Objects on the floor: connected pixels that are higher than it, row by row, in fixed memory.
 //!
 //! Three rows are open at once. A pixel counts where most of its neighbourhood is high too; neighbours belong
 //! together unless their depths jump; parts that meet are united. What is too small to be anything is dropped, and
@@ -37,13 +37,13 @@ pub struct FloorObject {
 pub struct FloorObjects {
     /// Nearest first.
     pub objects: Vec<FloorObject, FLOOR_OBJECTS_MAX>,
-    /// Objects and parts for which there was no room: there is more than the list says.
+    /// Objects and parts beyond the capacity: the list is incomplete.
     pub dropped: u32,
     /// Pixels of each class: floor, object, hole.
     pub counts: [u32; 3],
 }
 
-/// The image has more columns than the profile has room for.
+/// The image has more columns than the capacity of the profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ImageTooWide {
@@ -55,7 +55,7 @@ impl core::fmt::Display for ImageTooWide {
     fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         write!(
             formatter,
-            "the image has {} columns, but there is room for {FLOOR_IMAGE_COLUMNS_MAX}",
+            "the image has {} columns, but the capacity is {FLOOR_IMAGE_COLUMNS_MAX}",
             self.width
         )
     }

@@ -1,8 +1,8 @@
-//! Where the floor lies when nobody knows: planes through three random points, judged by all.
+//! The floor without a prior: planes through three random points, judged by all.
 //!
 //! A table or an empty wall is a plane too. The floor is the one that faces up as expected and that *nothing lies
-//! below*: whoever has more points under it than in it is furniture. Every loop has a fixed count (book,
-//! Floor and dirt: Floor plane).
+//! below*: a plane with more points under it than in it is furniture. Every loop has a fixed count (book, Floor
+//! and dirt: Floor plane).
 
 use heapless::Vec;
 

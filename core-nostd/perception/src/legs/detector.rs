@@ -56,9 +56,9 @@ pub const LEGS_MAX: usize = 64;
 pub struct LegOutput<'a> {
     /// Legs, in the order of the beams.
     pub legs: &'a [Leg],
-    /// Segments that were looked at.
+    /// Segments that were examined.
     pub segments: u32,
-    /// Legs dropped for want of room.
+    /// Legs dropped because the list was full.
     pub dropped: u32,
 }
 
@@ -111,7 +111,7 @@ impl LegDetector {
     pub fn process(&mut self, scan: &Scan, map: Option<impl Fn(Point2) -> bool>) -> LegOutput<'_> {
         self.segments.cut(scan, self.limits.gap_m);
         self.legs.clear();
-        let (mut looked_at, mut dropped) = (0_u32, 0_u32);
+        let (mut examined, mut dropped) = (0_u32, 0_u32);
         for segment in self.segments.iter().filter(|segment| segment.points.len() >= self.limits.points_min) {
             let position = centre(segment.points);
             let width_m =
@@ -120,7 +120,7 @@ impl LegDetector {
                 continue;
             }
             let Some(features) = leg_features(&segment) else { continue };
-            looked_at = looked_at.saturating_add(1);
+            examined = examined.saturating_add(1);
             let score = match self.near_floor && map.is_none() {
                 true => leg_score_near_floor(&features),
                 false => leg_score(&features, map.is_some()),
@@ -139,7 +139,7 @@ impl LegDetector {
                 }
             }
         }
-        LegOutput { legs: &self.legs, segments: looked_at, dropped }
+        LegOutput { legs: &self.legs, segments: examined, dropped }
     }
 
     /// The legs of the newest scan.

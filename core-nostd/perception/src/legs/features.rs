@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn straight_and_tiny_segments_have_finite_numbers_or_none() {
+    fn degenerate_segments_have_finite_features_or_none() {
         let line = [0.0, 0.1, 0.2, 0.3].map(|y| Point2::new(2.0, y));
         let bare = |points| Segment { points, previous: None, next: None };
         let found = leg_features(&bare(&line)).expect("four points");

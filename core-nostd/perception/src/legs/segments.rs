@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn a_thin_thing_in_front_does_not_cut_what_is_behind() {
+    fn thin_foreground_does_not_split_background() {
         assert_eq!(sizes(&[2_000, 2_000, 1_000, 1_000, 2_000, 2_000]), [4, 2]);
     }
 
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_are_told_even_of_another_segment() {
+    fn neighbours_are_known_across_segments() {
         let mut segments = Box::new(Segments::new());
         segments.cut(&scan(&[3_000, 1_000, 1_000, 1_000, 0]), 0.1);
         let leg = segments.iter().nth(1).expect("two segments");

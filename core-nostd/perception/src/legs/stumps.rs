@@ -6,7 +6,7 @@ use super::leg_table::{NEAR_FLOOR, WITH_MAP, WITHOUT_MAP};
 /// One comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stump {
-    /// Which number it looks at.
+    /// Index of its feature.
     pub feature: u8,
     /// What it compares it with.
     pub threshold: f32,

@@ -59,12 +59,12 @@ impl PersonByLegs {
         0.3 / self.reliability.max(0.1)
     }
 
-    /// As a sighting, of a scanner at `eye`.
+    /// As a sighting, of a scanner at `sensor`.
     #[must_use]
-    pub fn detection(&self, eye: Point2) -> Detection {
+    pub fn detection(&self, sensor: Point2) -> Detection {
         Detection {
             position: self.position,
-            distance_m: self.position.distance(eye),
+            distance_m: self.position.distance(sensor),
             sigma_m: self.sigma_m(),
             likeness: self.reliability,
             points: 2,
@@ -80,7 +80,7 @@ pub struct LegTracker {
     tracks: Vec<LegTrack, LEG_TRACKS_MAX>,
     next_id: u32,
     now: Option<Stamp>,
-    /// Legs not followed for want of room, since the start.
+    /// Legs not followed because the list was full, since the start.
     pub dropped: u32,
     /// Scans refused because they were older than the newest one.
     pub late: u32,
@@ -234,7 +234,7 @@ mod tests {
 
     /// Two people side by side, 0.3 m between the legs of each, 0.9 m from one to the other.
     #[test]
-    fn the_closest_legs_make_a_person_and_keep_their_identity() {
+    fn closest_legs_pair_and_keep_identity() {
         let mut tracker = LegTracker::new();
         for step in 0..40_u64 {
             let along_m = 0.04 * step as f32;
@@ -251,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lost_leg_is_given_up_and_an_old_scan_refused() {
+    fn lost_leg_is_dropped_old_scan_refused() {
         let mut tracker = LegTracker::new();
         tracker.update(Stamp::from_micros(100_000), &[leg(1.0, 0.0)]);
         tracker.update(Stamp::from_micros(50_000), &[leg(2.0, 0.0)]);

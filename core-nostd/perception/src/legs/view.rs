@@ -15,7 +15,7 @@ pub struct PeopleByLegs {
     detector: LegDetector,
     tracker: LegTracker,
     view: PeopleView,
-    /// People left out for want of room, since the start.
+    /// People left out because the list was full, since the start.
     pub dropped: u32,
 }
 
@@ -52,10 +52,10 @@ impl PeopleByLegs {
         view.stamp = scan.stamp;
         view.detections.clear();
         view.open.measure(scan, sensor_in_odom, RECOGNISED_M);
-        let eye = Point2::new(sensor_in_odom.x_m, sensor_in_odom.y_m);
+        let sensor = Point2::new(sensor_in_odom.x_m, sensor_in_odom.y_m);
         tracker.people(|person| {
             // Pairs that are only remembered are no sighting.
-            if tracker.is_seen_now(person.legs) && !view.add(person.detection(eye)) {
+            if tracker.is_seen_now(person.legs) && !view.add(person.detection(sensor)) {
                 *dropped = dropped.saturating_add(1);
             }
         });

@@ -1,31 +1,31 @@
-//! Believes in a moving thing after several sweeps and forgets it after several: confidence tracking. Source: book,
+//! Believes in a moving object after several sweeps and forgets it after several: confidence tracking. Source: book,
 //! Motion: Confidence.
 //!
-//! The source keeps the results of ζ sweeps and the correspondences between them; one run length per thing carries the
-//! same information. The reported centroids are kept in the frame of the odometry, so the robot's own motion
-//! needs no correction here.
+//! The source keeps the results of ζ sweeps and the correspondences between them; one run length per object carries
+//! the same information. The reported centroids are kept in the frame of the odometry, so the robot's own motion needs
+//! no correction here.
 
 use heapless::Vec;
 
-use super::correspondence::{Thing, nearest, squared};
+use super::correspondence::{MotionObject, nearest, squared};
 use super::parameters::MotionParameters;
-use floorguard_types::capacities::{MOTION_THINGS_MAX, MOTION_TRACKED_MAX};
+use floorguard_types::capacities::{MOTION_OBJECTS_MAX, MOTION_TRACKED_MAX};
 use floorguard_types::geometry::Point3;
 
-/// Sweeps for which a moving thing is believed in while it cannot be told whether it still moves: a person who passes
-/// behind a pillar or another person.
+/// Sweeps for which a moving object stays confirmed while it is not observable whether it still moves: a person who
+/// passes behind a pillar or another person.
 const HELD_MAX: u8 = 10;
 
-/// A moving thing that is believed in.
+/// A moving object that is believed in.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MovingThing {
+pub struct MovingObject {
     /// Where it was seen last, in the frame of the odometry.
     pub centroid: Point3,
     /// Sweeps at rest, less those in motion (β).
     pub rest: u8,
-    /// Index of what was seen of it in the newest sweep (a part, or a thing of the published steps); `None` if nothing
-    /// near it changed.
-    pub thing: Option<u16>,
+    /// Index of what was seen of it in the newest sweep (a part, or an object of the published steps); `None` if
+    /// nothing near it changed.
+    pub object: Option<u16>,
     /// Sweeps since it was last seen to change, without having been seen at rest.
     held: u8,
     /// Returns around it that the moment before says nothing about: their number and sum. Of the newest sweep.
@@ -34,20 +34,20 @@ pub struct MovingThing {
     hidden: bool,
 }
 
-impl MovingThing {
-    /// A thing that has just been found moving.
-    const fn new(centroid: Point3, thing: u16) -> Self {
+impl MovingObject {
+    /// An object that has just been found moving.
+    const fn new(centroid: Point3, object: u16) -> Self {
         let unknown = (0, [0.0; 3]);
-        Self { centroid, rest: 0, thing: Some(thing), held: 0, unknown, hidden: false }
+        Self { centroid, rest: 0, object: Some(object), held: 0, unknown, hidden: false }
     }
 }
 
-/// Run lengths and the set of moving things.
+/// Run lengths and the set of moving objects.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Confidence {
-    runs: Vec<u8, MOTION_THINGS_MAX>,
-    pub(super) moving: Vec<MovingThing, MOTION_TRACKED_MAX>,
-    /// Moving things that found no room.
+    runs: Vec<u8, MOTION_OBJECTS_MAX>,
+    pub(super) moving: Vec<MovingObject, MOTION_TRACKED_MAX>,
+    /// Moving objects beyond the capacity.
     pub(super) dropped: u32,
 }
 
@@ -56,12 +56,13 @@ impl Confidence {
         Self { runs: Vec::new(), moving: Vec::new(), dropped: 0 }
     }
 
-    /// A gap or a jump: what is known of the past no longer belongs to what comes. Moving things age by one sweep.
+    /// A gap or a jump: what is known of the past no longer belongs to what comes. Moving objects age by one
+    /// sweep.
     pub(super) fn break_chains(&mut self, parameters: &MotionParameters) {
         self.runs.clear();
         for moving in &mut self.moving {
             moving.rest = moving.rest.saturating_add(1);
-            moving.thing = None;
+            moving.object = None;
         }
         self.moving.retain(|moving| moving.rest <= parameters.rest_max);
     }
@@ -74,7 +75,7 @@ impl Confidence {
         }
     }
 
-    /// A return about which the moment before says nothing belongs to the moving things around it.
+    /// A return about which the moment before says nothing belongs to the moving objects around it.
     pub(super) fn note_unknown(&mut self, point: Point3, parameters: &MotionParameters) {
         let near_m = parameters.leave_off_m;
         for moving in &mut self.moving {
@@ -86,16 +87,16 @@ impl Confidence {
         }
     }
 
-    /// Takes in the results of a sweep: per thing, whether it changed and its predecessor.
+    /// Takes in the results of a sweep: per object, whether it changed and its predecessor.
     pub(super) fn update(
         &mut self,
-        things: &[Thing],
+        objects: &[MotionObject],
         changed: &[bool],
         predecessors: &[Option<u16>],
         parameters: &MotionParameters,
     ) {
         for moving in &mut self.moving {
-            moving.observe(things, changed, parameters);
+            moving.observe(objects, changed, parameters);
         }
         self.moving.retain(|moving| moving.rest <= parameters.rest_max);
         self.merge(parameters);
@@ -103,18 +104,18 @@ impl Confidence {
         for (changed, predecessor) in changed.iter().zip(predecessors) {
             let before = predecessor.and_then(|index| self.runs.get(usize::from(index))).copied();
             let run = if *changed { before.unwrap_or(0).saturating_add(1) } else { 0 };
-            // Same capacity as the list of things: never full.
+            // Same capacity as the list of objects: never full.
             let _ = runs.push(run);
         }
         self.runs = runs;
-        for (index, thing) in things.iter().enumerate().take(self.runs.len()) {
+        for (index, object) in objects.iter().enumerate().take(self.runs.len()) {
             if self.runs.get(index).is_some_and(|run| *run >= parameters.chain) {
-                self.believe(index, thing.centroid, parameters);
+                self.believe(index, object.centroid, parameters);
             }
         }
     }
 
-    /// Two that met and cannot be told apart any more are one: the one that has rested less, the first of equals.
+    /// Two that met and are no longer distinguishable are one: the one that has rested less, the first of equals.
     fn merge(&mut self, parameters: &MotionParameters) {
         let catch_up2 = parameters.catch_up_m * parameters.catch_up_m;
         let all = self.moving.clone();
@@ -129,9 +130,9 @@ impl Confidence {
         });
     }
 
-    /// Enters a thing at the end of a chain, or moves the one that it is.
+    /// Enters an object at the end of a chain, or moves the one that it is.
     fn believe(&mut self, index: usize, centroid: Point3, parameters: &MotionParameters) {
-        let mut best: Option<(&mut MovingThing, f32)> = None;
+        let mut best: Option<(&mut MovingObject, f32)> = None;
         for moving in &mut self.moving {
             let distance2 = squared(moving.centroid, centroid);
             if best.as_ref().is_none_or(|(_, least2)| distance2 < *least2) {
@@ -140,26 +141,27 @@ impl Confidence {
         }
         let catch_up2 = parameters.catch_up_m * parameters.catch_up_m;
         if let Some((moving, _)) = best.filter(|(_, distance2)| *distance2 <= catch_up2) {
-            (moving.centroid, moving.thing) = (centroid, Some(index as u16));
+            (moving.centroid, moving.object) = (centroid, Some(index as u16));
             return;
         }
-        let fresh = MovingThing::new(centroid, index as u16);
+        let fresh = MovingObject::new(centroid, index as u16);
         if self.moving.push(fresh).is_err() {
             self.dropped = self.dropped.saturating_add(1);
         }
     }
 
-    /// A moving thing was last seen here.
+    /// A moving object was last seen here.
     pub(super) fn is_near(&self, centroid: Point3, parameters: &MotionParameters) -> bool {
         let leave_off2 = parameters.leave_off_m * parameters.leave_off_m;
         self.moving.iter().any(|moving| squared(moving.centroid, centroid) <= leave_off2)
     }
 }
 
-impl MovingThing {
-    /// Nothing near it changed. It rests, unless that cannot be told for a while: unknown is not at rest (own).
+impl MovingObject {
+    /// Nothing near it changed. It rests, unless that is not observable for a while: unknown is not at rest
+    /// (own).
     fn hold(&mut self, parameters: &MotionParameters) {
-        self.thing = None;
+        self.object = None;
         let (count, [x, y, z]) = self.unknown;
         let is_unknown = count >= parameters.points_min;
         if self.held >= HELD_MAX || !(is_unknown || self.hidden) {
@@ -173,10 +175,10 @@ impl MovingThing {
         }
     }
 
-    /// Policies 1 to 3 with the nearest thing.
-    fn observe(&mut self, things: &[Thing], changed: &[bool], parameters: &MotionParameters) {
+    /// Policies 1 to 3 with the nearest object.
+    fn observe(&mut self, objects: &[MotionObject], changed: &[bool], parameters: &MotionParameters) {
         let leave_off2 = parameters.leave_off_m * parameters.leave_off_m;
-        let near = nearest(things, self.centroid).filter(|(_, distance2)| *distance2 <= leave_off2);
+        let near = nearest(objects, self.centroid).filter(|(_, distance2)| *distance2 <= leave_off2);
         let Some((index, _)) = near else {
             self.hold(parameters);
             return;
@@ -187,9 +189,9 @@ impl MovingThing {
         } else {
             self.rest.saturating_add(1)
         };
-        self.thing = Some(index as u16);
-        if let Some(thing) = things.get(index) {
-            self.centroid = thing.centroid;
+        self.object = Some(index as u16);
+        if let Some(object) = objects.get(index) {
+            self.centroid = object.centroid;
         }
     }
 }
@@ -198,9 +200,9 @@ impl MovingThing {
 mod tests {
     use super::*;
 
-    /// The example of the book, Motion: Confidence: one thing, ζ = 4, β_max = 3.
+    /// The example of the book, Motion: Confidence: one object, ζ = 4, β_max = 3.
     #[test]
-    fn the_published_sequence_is_reported_from_5_to_10() {
+    fn published_sequence_is_reported_from_5_to_10() {
         let parameters = MotionParameters::PAPER;
         let results = [0, 1, 1, 1, 1, 0, 0, 1, 0, 0, 0, 0];
         // The example counts frames from 1.
@@ -208,10 +210,13 @@ mod tests {
         let mut reported = std::vec::Vec::new();
         let mut rests = std::vec::Vec::new();
         for (frame, result) in results.into_iter().enumerate() {
-            let thing =
-                Thing { centroid: Point3::new(frame as f32 * 0.1, 0.0, 0.0), volume_m3: 0.3, points: 100 };
-            confidence.update(&[thing], &[result == 1], &[(frame > 0).then_some(0)], &parameters);
-            reported.push(confidence.moving.iter().any(|moving| moving.thing == Some(0)));
+            let object = MotionObject {
+                centroid: Point3::new(frame as f32 * 0.1, 0.0, 0.0),
+                volume_m3: 0.3,
+                points: 100,
+            };
+            confidence.update(&[object], &[result == 1], &[(frame > 0).then_some(0)], &parameters);
+            reported.push(confidence.moving.iter().any(|moving| moving.object == Some(0)));
             rests.push(confidence.moving.first().map(|moving| moving.rest));
         }
         let (no, yes) = (false, true);

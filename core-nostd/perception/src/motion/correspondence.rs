@@ -1,16 +1,16 @@
-//! Which thing of the sweep before is which of this one: reciprocal nearest neighbours. Source: book, Motion:
-//! Correspondence.
+//! Which object of the sweep before is which of this one: reciprocal nearest neighbours. Source: book,
+//! Motion: Correspondence.
 
 use heapless::Vec;
 
 use super::parameters::MotionParameters;
-use floorguard_types::capacities::MOTION_THINGS_MAX;
+use floorguard_types::capacities::MOTION_OBJECTS_MAX;
 use floorguard_types::geometry::Point3;
 
-/// What the correspondence needs to know of a thing, in a frame that does not move with the robot (or with both sweeps
-/// brought into the same one).
+/// What the correspondence needs to know of an object, in a frame that does not move with the robot (or with both
+/// sweeps brought into the same one).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Thing {
+pub struct MotionObject {
     /// Mean of its returns.
     pub centroid: Point3,
     /// Of the box around it, cubic metres.
@@ -26,10 +26,10 @@ pub(super) fn squared(a: Point3, b: Point3) -> f32 {
 }
 
 /// The index and squared distance of the nearest centroid; the first of several equally near.
-pub(super) fn nearest(things: &[Thing], centroid: Point3) -> Option<(usize, f32)> {
+pub(super) fn nearest(objects: &[MotionObject], centroid: Point3) -> Option<(usize, f32)> {
     let mut best: Option<(usize, f32)> = None;
-    for (index, thing) in things.iter().enumerate() {
-        let distance2 = squared(thing.centroid, centroid);
+    for (index, object) in objects.iter().enumerate() {
+        let distance2 = squared(object.centroid, centroid);
         if best.is_none_or(|(_, least2)| distance2 < least2) {
             best = Some((index, distance2));
         }
@@ -37,21 +37,21 @@ pub(super) fn nearest(things: &[Thing], centroid: Point3) -> Option<(usize, f32)
     best.filter(|(_, distance2)| distance2.is_finite())
 }
 
-/// Predecessors of the things of this sweep, one entry each. Brute force: at most 256² distances.
+/// Predecessors of the objects of this sweep, one entry each. Brute force: at most 256² distances.
 pub(super) fn correspond(
-    before: &[Thing],
-    now: &[Thing],
+    before: &[MotionObject],
+    now: &[MotionObject],
     elapsed_s: f32,
     parameters: &MotionParameters,
-) -> Vec<Option<u16>, MOTION_THINGS_MAX> {
+) -> Vec<Option<u16>, MOTION_OBJECTS_MAX> {
     let gate_m = parameters.speed_max_mps * elapsed_s.max(0.0) + parameters.gate_m;
     let mut predecessors = Vec::new();
-    for (index, thing) in now.iter().enumerate().take(MOTION_THINGS_MAX) {
-        let predecessor = nearest(before, thing.centroid).filter(|(candidate, distance2)| {
+    for (index, object) in now.iter().enumerate().take(MOTION_OBJECTS_MAX) {
+        let predecessor = nearest(before, object.centroid).filter(|(candidate, distance2)| {
             *distance2 <= gate_m * gate_m
                 && before.get(*candidate).is_some_and(|other| {
                     nearest(now, other.centroid).is_some_and(|(back, _)| back == index)
-                        && volumes_agree(thing, other, libm::sqrtf(*distance2), parameters)
+                        && volumes_agree(object, other, libm::sqrtf(*distance2), parameters)
                 })
         });
         // Same capacity: never full.
@@ -60,7 +60,7 @@ pub(super) fn correspond(
     predecessors
 }
 
-fn volumes_agree(a: &Thing, b: &Thing, distance_m: f32, parameters: &MotionParameters) -> bool {
+fn volumes_agree(a: &MotionObject, b: &MotionObject, distance_m: f32, parameters: &MotionParameters) -> bool {
     let sum = a.volume_m3 + b.volume_m3;
     if sum <= 0.0 {
         return distance_m < parameters.catch_up_m;
@@ -72,37 +72,37 @@ fn volumes_agree(a: &Thing, b: &Thing, distance_m: f32, parameters: &MotionParam
 mod tests {
     use super::*;
 
-    fn thing(x_m: f32, volume_m3: f32) -> Thing {
-        Thing { centroid: Point3::new(x_m, 0.0, 0.0), volume_m3, points: 10 }
+    fn object(x_m: f32, volume_m3: f32) -> MotionObject {
+        MotionObject { centroid: Point3::new(x_m, 0.0, 0.0), volume_m3, points: 10 }
     }
 
-    fn pairs(before: &[Thing], now: &[Thing]) -> std::vec::Vec<Option<u16>> {
+    fn pairs(before: &[MotionObject], now: &[MotionObject]) -> std::vec::Vec<Option<u16>> {
         correspond(before, now, 0.1, &MotionParameters::PAPER).iter().copied().collect()
     }
 
     #[test]
-    fn only_mutual_neighbours_of_like_volume_within_reach_are_the_same() {
-        // Two new things compete for the one old thing: the nearer has it.
-        assert_eq!(pairs(&[thing(0.0, 1.0)], &[thing(0.3, 1.0), thing(0.1, 1.0)]), [None, Some(0)]);
-        assert_eq!(pairs(&[thing(0.0, 1.0)], &[thing(0.1, 1.9)]), [None]);
-        assert_eq!(pairs(&[thing(0.0, 1.0)], &[thing(0.1, 1.8)]), [Some(0)]);
+    fn only_mutual_near_similar_neighbours_match() {
+        // Two new objects compete for the one old object: the nearer has it.
+        assert_eq!(pairs(&[object(0.0, 1.0)], &[object(0.3, 1.0), object(0.1, 1.0)]), [None, Some(0)]);
+        assert_eq!(pairs(&[object(0.0, 1.0)], &[object(0.1, 1.9)]), [None]);
+        assert_eq!(pairs(&[object(0.0, 1.0)], &[object(0.1, 1.8)]), [Some(0)]);
         // 6 m/s · 0.1 s + 0.1 m.
-        assert_eq!(pairs(&[thing(0.0, 1.0)], &[thing(0.69, 1.0)]), [Some(0)]);
-        assert_eq!(pairs(&[thing(0.0, 1.0)], &[thing(0.71, 1.0)]), [None]);
-        assert_eq!(pairs(&[], &[thing(0.0, 1.0)]), [None]);
+        assert_eq!(pairs(&[object(0.0, 1.0)], &[object(0.69, 1.0)]), [Some(0)]);
+        assert_eq!(pairs(&[object(0.0, 1.0)], &[object(0.71, 1.0)]), [None]);
+        assert_eq!(pairs(&[], &[object(0.0, 1.0)]), [None]);
     }
 
     #[test]
-    fn flat_things_must_be_close() {
-        assert_eq!(pairs(&[thing(0.0, 0.0)], &[thing(0.19, 0.0)]), [Some(0)]);
-        assert_eq!(pairs(&[thing(0.0, 0.0)], &[thing(0.21, 0.0)]), [None]);
+    fn flat_objects_must_be_close() {
+        assert_eq!(pairs(&[object(0.0, 0.0)], &[object(0.19, 0.0)]), [Some(0)]);
+        assert_eq!(pairs(&[object(0.0, 0.0)], &[object(0.21, 0.0)]), [None]);
     }
 
     #[test]
     fn what_is_no_number_has_no_predecessor() {
-        let mut broken = thing(0.0, 1.0);
+        let mut broken = object(0.0, 1.0);
         broken.centroid.y_m = f32::NAN;
-        assert_eq!(pairs(&[thing(0.0, 1.0)], &[broken]), [None]);
-        assert_eq!(pairs(&[broken], &[thing(0.0, 1.0)]), [None]);
+        assert_eq!(pairs(&[object(0.0, 1.0)], &[broken]), [None]);
+        assert_eq!(pairs(&[broken], &[object(0.0, 1.0)]), [None]);
     }
 }

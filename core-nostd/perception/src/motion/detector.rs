@@ -1,19 +1,19 @@
-//! From the things of a sweep to verdicts: moving or static. Source: book, Motion, on the clusters of `people`.
+//! From the objects of a sweep to verdicts: moving or static. Source: book, Motion, on the clusters of `people`.
 //!
 //! Differs from the source where measuring showed why (see `parts`, `reference`, `seen_through`): what is followed from
 //! sweep to sweep is what changed, not the cluster around it, and it is compared with half a second ago.
 
 use heapless::Vec;
 
-use super::confidence::{Confidence, MovingThing};
-use super::correspondence::{Thing, correspond};
+use super::confidence::{Confidence, MovingObject};
+use super::correspondence::{MotionObject, correspond};
 use super::parameters::MotionParameters;
 use super::parts::{Part, Parts};
 use super::reference::References;
 use super::seen_through::{Before, SeenThrough};
 use super::voxels::{REACH_M, cell};
 use crate::people::{Cluster, PeoplePipeline, RingAngles, SweepContext, SweepFrame};
-use floorguard_types::capacities::{CLUSTERS_MAX, MOTION_THINGS_MAX, SWEEP_RINGS};
+use floorguard_types::capacities::{CLUSTERS_MAX, MOTION_OBJECTS_MAX, SWEEP_RINGS};
 use floorguard_types::geometry::{Point2, Point3, Pose2};
 use floorguard_types::sensing::Sweep;
 use floorguard_types::time::Stamp;
@@ -23,18 +23,19 @@ const GAP_MAX_US: u64 = 300_000;
 /// A robot that is farther from where it was has not driven there, metres per second.
 const JUMP_MPS: f32 = 6.0;
 
-/// What is known of one thing of the sweep.
+/// What is known of one object of the sweep.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Verdict {
-    /// It was judged: near enough, and there was room.
+    /// It was judged: near enough, and within the capacity.
     pub judged: bool,
-    /// It moves, with the confidence of several sweeps: it changed, and a moving thing is where its middle is.
+    /// It moves, with the confidence of several sweeps: it changed, and a moving object is where its middle
+    /// is.
     pub moving: bool,
     /// It changed against the moment before, in this sweep alone.
     pub changed: bool,
     /// Its returns within reach.
     pub points: u16,
-    /// Of them those that fill space which was free, or which the thing itself hid.
+    /// Of them those that fill space which was free, or which the object itself hid.
     pub new_points: u16,
     /// Of them those about whose place nothing was known.
     pub unknown_points: u16,
@@ -49,19 +50,19 @@ pub struct MotionCounters {
     pub resets: u32,
     /// Sweeps of which less than half was measured: not judged.
     pub blind_sweeps: u32,
-    /// Things that were not judged for want of room.
-    pub dropped_things: u32,
-    /// Moving things that found no room.
+    /// Objects that were not judged because the list was full.
+    pub dropped_objects: u32,
+    /// Moving objects beyond the capacity.
     pub dropped_moving: u32,
 }
 
-/// What a sweep told.
+/// What a sweep yielded.
 #[derive(Clone, Copy, Debug)]
 pub struct MotionOutput<'a> {
-    /// One per thing of the sweep, in the same order.
+    /// One per object of the sweep, in the same order.
     pub verdicts: &'a [Verdict],
-    /// Moving things, in the frame of the odometry.
-    pub moving: &'a [MovingThing],
+    /// Moving objects, in the frame of the odometry.
+    pub moving: &'a [MovingObject],
     /// Everything this near to the robot was judged, metres; `None` while there is nothing to compare with.
     pub judged_within_m: Option<f32>,
 }
@@ -75,7 +76,7 @@ pub struct MotionDetector {
     now: SeenThrough,
     parts: Parts,
     confidence: Confidence,
-    before: Vec<Thing, MOTION_THINGS_MAX>,
+    before: Vec<MotionObject, MOTION_OBJECTS_MAX>,
     verdicts: Vec<Verdict, CLUSTERS_MAX>,
     last: Option<(Stamp, Pose2)>,
     /// Measured columns of the fullest sweep of late.
@@ -101,14 +102,14 @@ impl MotionDetector {
                 sweeps: 0,
                 resets: 0,
                 blind_sweeps: 0,
-                dropped_things: 0,
+                dropped_objects: 0,
                 dropped_moving: 0,
             },
         }
     }
 
-    /// Judges the things that the pipeline has just found in the same sweep: call it between
-    /// [`PeoplePipeline::find_things`] and [`PeoplePipeline::find_people`]. Linear in the cells, quadratic in the things
+    /// Judges the objects that the pipeline has just found in the same sweep: call it between
+    /// [`PeoplePipeline::find_clusters`] and [`PeoplePipeline::find_people`]. Linear in the cells, quadratic in the objects
     /// (at most 256).
     pub fn process(
         &mut self,
@@ -119,9 +120,9 @@ impl MotionDetector {
         self.counters.sweeps = self.counters.sweeps.saturating_add(1);
         let measured = sweep.used_columns().iter().filter(|column| column.measured).count();
         let whole = measured.saturating_mul(20) >= self.most_columns.saturating_mul(19);
-        // Slowly forgotten: a lidar may be told to look at a narrower sector.
+        // Slowly forgotten: a lidar may be configured to a narrower sector.
         self.most_columns = measured.max(self.most_columns.saturating_sub(self.most_columns / 64));
-        self.choose(people.things());
+        self.choose(people.clusters());
         if measured.saturating_mul(2) < self.most_columns {
             // Almost nothing was measured: no verdict, and the past stays what it was.
             self.counters.blind_sweeps = self.counters.blind_sweeps.saturating_add(1);
@@ -130,8 +131,8 @@ impl MotionDetector {
         let elapsed_s = self.elapsed_s(sweep.end_stamp, context.base_in_odom);
         let judged_within_m = self.references.oldest().map(|_| REACH_M);
         self.last = Some((sweep.end_stamp, context.base_in_odom));
-        self.look(people, sweep, context, whole.then_some(measured));
-        self.conclude(people.things(), context.base_in_odom, elapsed_s);
+        self.compare_sweep(people, sweep, context, whole.then_some(measured));
+        self.conclude(people.clusters(), context.base_in_odom, elapsed_s);
         self.output(judged_within_m)
     }
 
@@ -157,25 +158,25 @@ impl MotionDetector {
         }
     }
 
-    /// Chooses what is judged: things within reach, the nearest where there are too many.
-    fn choose(&mut self, things: &[Cluster]) {
+    /// Chooses what is judged: objects within reach, the nearest where there are too many.
+    fn choose(&mut self, clusters: &[Cluster]) {
         self.verdicts.clear();
-        let in_reach = |thing: &Cluster| thing.nearest_m < REACH_M;
-        let count = things.iter().filter(|thing| in_reach(thing)).count();
-        let farthest_m = if count > MOTION_THINGS_MAX { nth_distance_m(things) } else { f32::INFINITY };
+        let in_reach = |cluster: &Cluster| cluster.nearest_m < REACH_M;
+        let count = clusters.iter().filter(|cluster| in_reach(cluster)).count();
+        let farthest_m = if count > MOTION_OBJECTS_MAX { nth_distance_m(clusters) } else { f32::INFINITY };
         let mut judged = 0;
-        for thing in things {
-            let chosen = in_reach(thing) && thing.nearest_m <= farthest_m && judged < MOTION_THINGS_MAX;
+        for cluster in clusters {
+            let chosen = in_reach(cluster) && cluster.nearest_m <= farthest_m && judged < MOTION_OBJECTS_MAX;
             judged += usize::from(chosen);
             // Same capacity: never full.
             let _ = self.verdicts.push(Verdict { judged: chosen, ..Verdict::default() });
         }
         let dropped = count.saturating_sub(judged) as u32;
-        self.counters.dropped_things = self.counters.dropped_things.saturating_add(dropped);
+        self.counters.dropped_objects = self.counters.dropped_objects.saturating_add(dropped);
     }
 
-    /// Asks for every return of a thing what was there before, and enters it where a new reference is due.
-    fn look(
+    /// Asks for every return of an object what was there before, and enters it where a new reference is due.
+    fn compare_sweep(
         &mut self,
         people: &PeoplePipeline,
         sweep: &Sweep,
@@ -190,8 +191,8 @@ impl MotionDetector {
         confidence.begin(|place| now.is_hidden(place, &people.angles));
         if let Some(reference) = self.references.oldest() {
             let mut below: Option<(usize, Point3)> = None;
-            for_each_return(people, sweep, context, |thing, place, in_base| {
-                let Some(verdict) = self.verdicts.get_mut(thing).filter(|verdict| verdict.judged) else {
+            for_each_return(people, sweep, context, |cluster, place, in_base| {
+                let Some(verdict) = self.verdicts.get_mut(cluster).filter(|verdict| verdict.judged) else {
                     return;
                 };
                 verdict.points = verdict.points.saturating_add(1);
@@ -228,23 +229,28 @@ impl MotionDetector {
     }
 
     /// Correspondence, results and confidence.
-    fn conclude(&mut self, things: &[Cluster], base_in_odom: Pose2, elapsed_s: f32) {
+    fn conclude(&mut self, clusters: &[Cluster], base_in_odom: Pose2, elapsed_s: f32) {
         let odom = Place::new(base_in_odom);
         self.parts.finish(self.parameters.points_min, self.parameters.sensitivity);
-        let mut now: Vec<Thing, MOTION_THINGS_MAX> = Vec::new();
-        let mut changed: Vec<bool, MOTION_THINGS_MAX> = Vec::new();
+        let mut now: Vec<MotionObject, MOTION_OBJECTS_MAX> = Vec::new();
+        let mut changed: Vec<bool, MOTION_OBJECTS_MAX> = Vec::new();
         for part in &self.parts.list {
             // Same capacities: never full.
-            let _ =
-                now.push(Thing { centroid: part.centroid, volume_m3: part.volume_m3(), points: part.points });
+            let _ = now.push(MotionObject {
+                centroid: part.centroid,
+                volume_m3: part.volume_m3(),
+                points: part.points,
+            });
             let _ = changed.push(true);
         }
         let predecessors = correspond(&self.before, &now, elapsed_s, &self.parameters);
         self.confidence.update(&now, &changed, &predecessors, &self.parameters);
         self.counters.dropped_moving = self.confidence.dropped;
-        for (thing, verdict) in things.iter().zip(&mut self.verdicts).filter(|(_, verdict)| verdict.judged) {
+        for (cluster, verdict) in
+            clusters.iter().zip(&mut self.verdicts).filter(|(_, verdict)| verdict.judged)
+        {
             verdict.changed = self.parameters.has_changed(verdict.new_points, verdict.points);
-            let centroid = odom.transform(thing.centroid);
+            let centroid = odom.transform(cluster.centroid);
             verdict.moving = verdict.changed && self.confidence.is_near(centroid, &self.parameters);
         }
         self.before = now;
@@ -270,7 +276,7 @@ impl MotionDetector {
 }
 
 impl MotionParameters {
-    /// The decision of step 6, multiplied out: the thing before is taken to have had as many returns.
+    /// The decision of step 6, multiplied out: the object before is taken to have had as many returns.
     fn has_changed(&self, new_points: u16, points: u16) -> bool {
         u32::from(new_points) * u32::from(self.sensitivity) > 2 * u32::from(points)
     }
@@ -317,7 +323,7 @@ impl Place {
     }
 }
 
-/// Every return within reach that belongs to a thing, in the robot's frame, with the index of the thing.
+/// Every return within reach that belongs to an object, in the robot's frame, with the index of the object.
 fn for_each_return(
     people: &PeoplePipeline,
     sweep: &Sweep,
@@ -331,19 +337,19 @@ fn for_each_return(
             if *raw == 0 || frame.range_m(*raw) * angle.1 > REACH_M {
                 continue;
             }
-            if let Some(thing) = people.thing_of(index, ring) {
-                act(thing, index * SWEEP_RINGS + ring, frame.point(*raw, angle));
+            if let Some(cluster) = people.cluster_of(index, ring) {
+                act(cluster, index * SWEEP_RINGS + ring, frame.point(*raw, angle));
             }
         }
     }
 }
 
-/// The distance within which as many things lie as there is room for; by halving an interval, 16 times.
-fn nth_distance_m(things: &[Cluster]) -> f32 {
+/// The distance within which as many objects lie as the capacity allows; by halving an interval, 16 times.
+fn nth_distance_m(clusters: &[Cluster]) -> f32 {
     let (mut within_m, mut beyond_m) = (0.0, REACH_M);
     for _ in 0..16 {
         let middle_m = 0.5 * (within_m + beyond_m);
-        if things.iter().filter(|thing| thing.nearest_m <= middle_m).count() <= MOTION_THINGS_MAX {
+        if clusters.iter().filter(|cluster| cluster.nearest_m <= middle_m).count() <= MOTION_OBJECTS_MAX {
             within_m = middle_m;
         } else {
             beyond_m = middle_m;

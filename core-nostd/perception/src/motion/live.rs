@@ -1,11 +1,11 @@
-//! Everything about a sweep at once: things, which of them move, people, tracks that know whether they move.
+//! Everything about a sweep at once: objects, which of them move, people, tracks that know whether they move.
 
 use super::detector::{MotionDetector, MotionOutput};
 use crate::people::{PeopleOutput, PeoplePipeline, SweepContext};
 use floorguard_types::geometry::Point2;
 use floorguard_types::sensing::Sweep;
 
-/// What is this near to a moving thing is it, metres: half a person and half a sweep's way.
+/// A position this near to a moving object is that object, metres: half a person and half a sweep's travel.
 const SAME_M: f32 = 0.5;
 
 /// Takes in a sweep. The clusters carry their verdict; the tracks take it into their probability of moving.
@@ -15,24 +15,24 @@ pub fn find_moving_people<'a>(
     sweep: &Sweep,
     context: &SweepContext,
 ) -> PeopleOutput<'a> {
-    people.find_things(sweep, context);
-    let told = motion.process(people, sweep, context);
-    let is_known = told.judged_within_m.is_some();
+    people.find_clusters(sweep, context);
+    let output = motion.process(people, sweep, context);
+    let is_known = output.judged_within_m.is_some();
     people.note_motion(
-        told.verdicts.iter().map(|verdict| (is_known && verdict.judged).then_some(verdict.moving)),
+        output.verdicts.iter().map(|verdict| (is_known && verdict.judged).then_some(verdict.moving)),
     );
     let robot = context.base_in_odom;
     let robot = Point2::new(robot.x_m, robot.y_m);
-    people.find_people_moving(sweep, context, |place| told.at(place, robot))
+    people.find_people_moving(sweep, context, |place| output.at(place, robot))
 }
 
 impl MotionOutput<'_> {
     /// Whether what stands at a place moves; `None` where nothing was judged. Both places in the frame of the odometry.
     #[must_use]
     pub fn at(&self, place: Point2, robot: Point2) -> Option<bool> {
-        let is_same = |thing: Point2| thing.distance(place) <= SAME_M;
+        let is_same = |object: Point2| object.distance(place) <= SAME_M;
         let moves =
-            self.moving.iter().any(|thing| is_same(Point2::new(thing.centroid.x_m, thing.centroid.y_m)));
+            self.moving.iter().any(|object| is_same(Point2::new(object.centroid.x_m, object.centroid.y_m)));
         let in_reach = self.judged_within_m.is_some_and(|reach_m| place.distance(robot) <= reach_m);
         (moves || in_reach).then_some(moves)
     }

@@ -1,8 +1,8 @@
-//! Moving things: which cluster of a sweep moves by itself, after the robot's own motion is taken out (DATMO).
+//! Moving objects: which cluster of a sweep moves by itself, after the robot's own motion is taken out (DATMO).
 //!
 //! Seven steps (book, Motion). Pose, floor and clusters come from `odometry` and `people`; here are the
-//! correspondence of things between sweeps, the change of each against what the space held a moment before, and the
-//! confidence that turns single results into a verdict.
+//! correspondence of objects between sweeps, the change of each against what the space held a moment before, and
+//! the confidence that turns single results into a verdict.
 
 mod confidence;
 mod correspondence;
@@ -14,8 +14,8 @@ mod reference;
 mod seen_through;
 mod voxels;
 
-pub use confidence::MovingThing;
-pub use correspondence::Thing;
+pub use confidence::MovingObject;
+pub use correspondence::MotionObject;
 pub use detector::{MotionCounters, MotionDetector, MotionOutput, Verdict};
 pub use live::find_moving_people;
 pub use parameters::{CHAIN_MAX, MotionParameters};

@@ -1,4 +1,4 @@
-//! What the detector of moving things may be told, with the published values and ours.
+//! The parameters of the detector of moving objects, with the published values and ours.
 //!
 //! Symbols of the source in brackets (book, Motion: Published steps).
 
@@ -8,19 +8,20 @@ pub const CHAIN_MAX: u8 = 8;
 /// Steps 4 to 7.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionParameters {
-    /// Sweeps in a row in which a thing must have changed before it is reported (ζ).
+    /// Sweeps in a row in which an object must have changed before it is reported (ζ).
     pub chain: u8,
-    /// Sweeps at rest after which a reported thing is forgotten: one more than this (β_max).
+    /// Sweeps at rest after which a reported object is forgotten: one more than this (β_max).
     pub rest_max: u8,
-    /// A thing has changed if `changed · sensitivity > points before + points now` (η).
+    /// An object has changed if `changed · sensitivity > points before + points now` (η).
     pub sensitivity: u16,
-    /// A centroid closer than this to a reported one is the same thing, metres (Δ_catch-up).
+    /// A centroid closer than this to a reported one is the same object, metres (Δ_catch-up).
     pub catch_up_m: f32,
-    /// A reported thing whose nearest thing is farther than this has left, metres (Δ_leave-off, true distance).
+    /// A reported object whose nearest object is farther than this has left, metres (Δ_leave-off, true
+    /// distance).
     pub leave_off_m: f32,
-    /// |v₁−v₂| / (v₁+v₂) of two boxes that may be the same thing (δ).
+    /// |v₁−v₂| / (v₁+v₂) of two boxes that may be the same object (δ).
     pub volume_change_max: f32,
-    /// Fastest thing, m/s: gate of the correspondence (book, Motion: Correspondence).
+    /// Fastest object, m/s: gate of the correspondence (book, Motion: Correspondence).
     pub speed_max_mps: f32,
     /// Parts with fewer new returns are noise (own; not used by the published steps).
     pub points_min: u16,

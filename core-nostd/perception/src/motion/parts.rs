@@ -7,7 +7,7 @@
 use heapless::Vec;
 
 use super::voxels::{Cell, REACH_M, VOXEL_M, floor};
-use floorguard_types::capacities::{MOTION_THINGS_MAX, MOTION_VOXEL_SIDE};
+use floorguard_types::capacities::{MOTION_OBJECTS_MAX, MOTION_VOXEL_SIDE};
 use floorguard_types::geometry::Point3;
 
 /// A return this near to a part belongs to it, metres along x and y each.
@@ -38,7 +38,7 @@ pub struct Part {
     pub centroid: Point3,
     /// New returns.
     pub points: u16,
-    /// Returns of things on the floor cells below it, new or not.
+    /// Returns of objects on the floor cells below it, new or not.
     pub points_around: u16,
     /// Of the new ones those that stand on another of the ring below.
     upright: u16,
@@ -48,10 +48,10 @@ pub struct Part {
 /// Working memory of one sweep.
 #[derive(Clone, Debug)]
 pub(super) struct Parts {
-    pub(super) list: Vec<Part, MOTION_THINGS_MAX>,
-    /// Returns of things per floor cell.
+    pub(super) list: Vec<Part, MOTION_OBJECTS_MAX>,
+    /// Returns of objects per floor cell.
     counts: [u16; SIDE * SIDE],
-    /// New returns that found no part and no room for another.
+    /// New returns that belong to no part while the part list is full.
     pub(super) dropped: u32,
 }
 
@@ -75,7 +75,7 @@ impl Parts {
         self.counts.fill(0);
     }
 
-    /// Counts a return of a thing in a voxel, new or not.
+    /// Counts a return of an object in a voxel, new or not.
     pub(super) fn count(&mut self, (x, y, _): Cell) {
         let coarse = |index: i32| index >> CELL_VOXELS.trailing_zeros();
         if let Some(count) = self.counts.get_mut(slot(coarse(x), coarse(y))) {
@@ -116,7 +116,7 @@ impl Parts {
 impl Parts {
     /// Joins parts that grew together: at most one pass over all pairs.
     fn merge(&mut self) {
-        for first in 0..MOTION_THINGS_MAX {
+        for first in 0..MOTION_OBJECTS_MAX {
             let Some((head, tail)) = self.list.split_at_mut_checked(first.saturating_add(1)) else { return };
             let Some(part) = head.last_mut().filter(|part| part.points > 0) else { continue };
             for other in tail.iter_mut().filter(|other| other.points > 0) {

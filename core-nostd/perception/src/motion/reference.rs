@@ -53,7 +53,7 @@ impl References {
     }
 
     /// A place for this sweep of so many measured columns, emptied, if a new reference is due: the youngest has aged by
-    /// a step, or it knows much less than this sweep. The oldest makes room.
+    /// a step, or it knows much less than this sweep. The oldest one is replaced.
     pub(super) fn renew(&mut self, now: Stamp, columns: usize) -> Option<&mut Reference> {
         let aged = |stamp: Stamp| now.as_micros().saturating_sub(stamp.as_micros()) >= STEP_US;
         let youngest = self.all.iter_mut().max_by_key(|reference| reference.stamp)?;

@@ -1,7 +1,7 @@
 //! What the space held a moment ago, as the lidar saw it then: free, the same surface, hidden, or unknown.
 //!
-//! A static thing that comes out from behind another fills voxels that were empty before, just like one that moves. The
-//! range image of the moment before tells them apart: only where the lidar looked through, something has come.
+//! A static object that comes out from behind another fills voxels that were empty before, just like one that moves.
+//! The range image of the moment before tells them apart: only where the lidar looked through, something has come.
 
 use crate::people::{RingAngles, SweepContext};
 use floorguard_types::capacities::{SWEEP_COLUMNS, SWEEP_RINGS};
@@ -19,7 +19,8 @@ const NO_RETURN: u16 = u16::MAX;
 const SAME_M: f32 = 0.2;
 /// What stood in front is gone if the lidar now looks through by more than this, metres: noise of both.
 const GONE_M: f32 = 0.1;
-/// What stood nearer by at most this may be the thing itself, which has receded since, metres: a person and a stride.
+/// What stood nearer by at most this may be the object itself, which has receded since, metres: a person and a
+/// stride.
 const RECEDED_M: f32 = 0.8;
 
 /// What was where a point is now.
@@ -28,7 +29,7 @@ pub(super) enum Before {
     /// The lidar looked through.
     Free,
     /// Hidden behind a surface not far in front, here in the frame of the odometry: if that is gone now, it was the
-    /// thing itself, which has receded since.
+    /// object itself, which has receded since.
     JustBehind(Point3),
     /// The same surface.
     Same,
@@ -86,7 +87,7 @@ pub(super) struct SeenThrough {
     metres_per_count: f32,
     first_azimuth_cdeg: u16,
     duration_s: f32,
-    lidar: LidarWay,
+    lidar: LidarMotion,
 }
 
 impl SeenThrough {
@@ -96,7 +97,7 @@ impl SeenThrough {
             metres_per_count: 0.002,
             first_azimuth_cdeg: 0,
             duration_s: 0.0,
-            lidar: LidarWay::NEW,
+            lidar: LidarMotion::NEW,
         }
     }
 
@@ -106,7 +107,7 @@ impl SeenThrough {
         self.metres_per_count = f32::from(sweep.range_unit_mm) * 1.0e-3;
         self.first_azimuth_cdeg = sweep.used_columns().first().map_or(0, |column| column.azimuth_cdeg);
         self.duration_s = sweep.end_stamp.seconds_since(sweep.stamp);
-        self.lidar = LidarWay::new(context);
+        self.lidar = LidarMotion::new(context);
         for column in sweep.used_columns().iter().take(SWEEP_COLUMNS).filter(|column| column.measured) {
             let Some(nearest) = self.nearest.get_mut(sector(u32::from(column.azimuth_cdeg))) else {
                 continue;
@@ -168,7 +169,7 @@ impl SeenThrough {
 
 /// The lidar at the end of a sweep and how it moved, in the frame of the odometry.
 #[derive(Clone, Copy, Debug)]
-struct LidarWay {
+struct LidarMotion {
     place: Point3,
     sin: f32,
     cos: f32,
@@ -177,7 +178,7 @@ struct LidarWay {
     is_still: bool,
 }
 
-impl LidarWay {
+impl LidarMotion {
     const NEW: Self = Self {
         place: Point3 { x_m: 0.0, y_m: 0.0, z_m: 0.0 },
         sin: 0.0,
@@ -210,7 +211,7 @@ impl LidarWay {
         }
     }
 
-    /// Within a sweep the way is short: straight, and turns are small angles.
+    /// Within a sweep the travel is short: straight, and turns are small angles.
     fn direction(&self, point: Point3, before_end_s: f32) -> Direction {
         let [vx, vy] = self.velocity;
         let turn_rad = self.turn_radps * before_end_s;

@@ -60,7 +60,7 @@ impl Basis {
         basis
     }
 
-    /// The waves at a shape. A number that is none counts as average.
+    /// The waves at a shape. A non-finite number counts as average.
     pub(super) fn at(&self, shape: &ShapeVector) -> [f32; BASIS] {
         let mut standard = [0.0; SHAPE_FEATURES];
         let units = self.means.iter().zip(&self.scales);

@@ -1,17 +1,17 @@
 //! What was learnt, as a belief about each track: beside the tracker's own, which stays what it is.
 //!
-//! The tracker goes on with the shipped classifier, so that its tracks are the same with and without learning. Here the same
-//! evidence is added up once more with the corrected looks in place of the shipped ones.
+//! The tracker goes on with the shipped classifier, so that its tracks are the same with and without learning. Here the
+//! same evidence is added up once more with the corrected scores in place of the shipped ones.
 
 use heapless::Vec;
 
 use crate::people::person_model::probability;
-use crate::people::{BELIEF_MAX, LOOK_MAX, PeopleSensor, Track};
+use crate::people::{BELIEF_MAX, PeopleSensor, SHAPE_EVIDENCE_MAX, Track};
 use floorguard_types::capacities::LEARNING_TRACKS;
 
-/// The log-odds of one look at a track.
+/// The log-odds of one observation of a track.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TwoLooks {
+pub struct ShapeScores {
     /// By the shipped classifier.
     pub shipped: f32,
     /// By what is in use.
@@ -41,20 +41,20 @@ impl LearnedBeliefs {
     }
 
     /// Takes in all tracks of a sweep, each with its look if there was one. Tracks that are not among them are forgotten.
-    pub fn update<'a>(&mut self, tracks: impl Iterator<Item = (&'a Track, Option<TwoLooks>)>) {
+    pub fn update<'a>(&mut self, tracks: impl Iterator<Item = (&'a Track, Option<ShapeScores>)>) {
         for belief in &mut self.beliefs {
             belief.is_there = false;
         }
-        for (track, looks) in tracks.take(LEARNING_TRACKS) {
+        for (track, scores) in tracks.take(LEARNING_TRACKS) {
             let now = log_odds(track.person_probability);
-            let looks = looks.unwrap_or(TwoLooks { shipped: 0.0, learned: 0.0 });
+            let scores = scores.unwrap_or(ShapeScores { shipped: 0.0, learned: 0.0 });
             match self.beliefs.iter_mut().find(|belief| belief.track == track.id) {
-                Some(belief) => belief.follow(now, looks),
+                Some(belief) => belief.follow(now, scores),
                 None => {
-                    let share =
-                        looks.learned.clamp(-LOOK_MAX, LOOK_MAX) - looks.shipped.clamp(-LOOK_MAX, LOOK_MAX);
+                    let share = scores.learned.clamp(-SHAPE_EVIDENCE_MAX, SHAPE_EVIDENCE_MAX)
+                        - scores.shipped.clamp(-SHAPE_EVIDENCE_MAX, SHAPE_EVIDENCE_MAX);
                     let learned = (now + share).clamp(-BELIEF_MAX, BELIEF_MAX);
-                    // Without room the tracker's belief is all there is.
+                    // Beyond the capacity only the tracker's belief is kept.
                     let _ =
                         self.beliefs.push(Belief { track: track.id, shipped: now, learned, is_there: true });
                 }
@@ -71,13 +71,13 @@ impl LearnedBeliefs {
 }
 
 impl Belief {
-    fn follow(&mut self, now: f32, looks: TwoLooks) {
-        let share = PeopleSensor::Lidar.look_share();
+    fn follow(&mut self, now: f32, scores: ShapeScores) {
+        let share = PeopleSensor::Lidar.evidence_weight();
         let (shipped, learned) = (
-            share * looks.shipped.clamp(-LOOK_MAX, LOOK_MAX),
-            share * looks.learned.clamp(-LOOK_MAX, LOOK_MAX),
+            share * scores.shipped.clamp(-SHAPE_EVIDENCE_MAX, SHAPE_EVIDENCE_MAX),
+            share * scores.learned.clamp(-SHAPE_EVIDENCE_MAX, SHAPE_EVIDENCE_MAX),
         );
-        // A firm belief does not show what else was added to it: way, legs, cameras.
+        // A firm belief does not show what else was added to it: motion, legs, cameras.
         let is_firm = now.abs() > BELIEF_MAX - 1.0e-2;
         let others = if is_firm { 0.0 } else { now - self.shipped - shipped };
         self.learned = (self.learned + learned + others).clamp(-BELIEF_MAX, BELIEF_MAX);
@@ -97,7 +97,8 @@ mod tests {
     use floorguard_types::geometry::Point2;
     use floorguard_types::time::Stamp;
 
-    /// Somebody stands there for `sweeps` sweeps and looks `shipped`; gives the tracker's probability and ours.
+    /// A person stands there for `sweeps` sweeps with the score `shipped`; gives the tracker's probability and
+    /// ours.
     fn stand(shipped: f32, learned: f32, sweeps: u64) -> [f32; 2] {
         let mut tracker = std::boxed::Box::new(Tracker::new(TrackerParameters::DEFAULT));
         let mut beliefs = LearnedBeliefs::new();
@@ -114,7 +115,8 @@ mod tests {
                 appearance: Appearance::UNKNOWN,
             };
             tracker.update(Stamp::from_micros(sweep * 100_000), &[sighting], |_| true);
-            beliefs.update(tracker.tracks().iter().map(|track| (track, Some(TwoLooks { shipped, learned }))));
+            beliefs
+                .update(tracker.tracks().iter().map(|track| (track, Some(ShapeScores { shipped, learned }))));
         }
         let track = &tracker.tracks()[0];
         [track.person_probability, beliefs.probability(track.id).unwrap()]
@@ -131,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn a_corrected_look_turns_it_and_a_forgotten_track_is_unknown() {
+    fn corrected_shape_flips_belief_forgotten_track_unknown() {
         let [own, ours] = stand(1.0, -1.0, 30);
         assert!(own > 0.9 && ours < 0.1, "{own} {ours}");
         let [own, ours] = stand(-1.0, 1.0, 30);

@@ -1,6 +1,6 @@
 //! Two experts who look at a track as a whole: this one was a person, that one was none.
 //!
-//! Source: book, Online learning: Experts. Where ours differ it is said beside the number.
+//! Source: book, Online learning: Experts. Where ours differ, the comment at the number says so.
 
 /// When an expert speaks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +18,7 @@ pub struct ExpertRules {
     pub variance_max_m2: f32,
     /// For so long, seconds. Published 30 poses, that is 1 to 3 s: people stand as long.
     pub standing_min_s: f32,
-    /// Whoever looks like a person beyond this may stand as long as it likes: mean log-odds. Ours.
+    /// A track with the shape of a person beyond this may stand for any time: mean log-odds. Ours.
     pub certain: f32,
 }
 
@@ -42,7 +42,7 @@ pub(super) struct TrackSummary {
     pub walked_m: f32,
     pub strayed_m: f32,
     pub variance_m2: f32,
-    /// Greatest and mean log-odds of its looks.
+    /// Greatest and mean log-odds of its shapes.
     pub best: f32,
     pub mean: f32,
 }
@@ -50,11 +50,11 @@ pub(super) struct TrackSummary {
 /// What the experts say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// All its looks are those of a person.
+    /// All its shapes are those of a person.
     Person,
-    /// None of its looks is a person's. The published expert speaks only of looks that were taken for a person; then what
-    /// was rightly refused is forgotten, and passes for a person later.
-    Nobody,
+    /// None of its shapes is a person's. The published expert labels only shapes that were classified as a person; then
+    /// what was rightly refused is forgotten, and passes for a person later.
+    NotAPerson,
     /// Neither expert knows.
     Silent,
 }
@@ -70,7 +70,7 @@ impl ExpertRules {
         if walks && track.best > 0.0 {
             return Verdict::Person;
         }
-        if self.stands(track) && track.mean < self.certain { Verdict::Nobody } else { Verdict::Silent }
+        if self.stands(track) && track.mean < self.certain { Verdict::NotAPerson } else { Verdict::Silent }
     }
 
     fn stands(&self, track: &TrackSummary) -> bool {
@@ -90,7 +90,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn walkers_standers_and_those_of_whom_nobody_can_tell() {
+    fn walkers_standers_and_undecided_tracks() {
         let rules = ExpertRules::DEFAULT;
         let walker = TrackSummary {
             seconds: 5.0,
@@ -103,8 +103,8 @@ mod tests {
         let stander =
             TrackSummary { seconds: 12.0, walked_m: 1.0, strayed_m: 0.1, variance_m2: 0.004, ..walker };
         assert_eq!(rules.judge(&walker), Verdict::Person);
-        assert_eq!(rules.judge(&stander), Verdict::Nobody);
-        assert_eq!(rules.judge(&TrackSummary { best: -0.1, ..stander }), Verdict::Nobody);
+        assert_eq!(rules.judge(&stander), Verdict::NotAPerson);
+        assert_eq!(rules.judge(&TrackSummary { best: -0.1, ..stander }), Verdict::NotAPerson);
         for silent in [
             TrackSummary { best: -0.5, ..walker },
             TrackSummary { walked_m: 2.0, ..walker },

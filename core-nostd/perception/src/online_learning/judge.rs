@@ -1,9 +1,9 @@
 //! Is a correction better than what is in use? Asked of samples that it did not learn from.
 //!
 //! Two sets: what was held out in this place, and the anchors, labelled by the truth of a simulation. The place says
-//! whether anything was gained; the anchors, that no person was forgotten for it: the experts err, and whoever stands is
-//! labelled nobody by them. Refused is whatever does not decide more held-out looks rightly, and none of either class less
-//! rightly: things outnumber people by far, so that a hundredth of them is much of the precision.
+//! whether anything was gained; the anchors, that no person was forgotten for it: the experts err, and a standing
+//! person is labelled as none by them. An update is refused unless it decides more held-out shapes correctly, and none
+//! of either class less rightly: objects outnumber people by far, so that a hundredth of them is much of the precision.
 
 use super::basis::Basis;
 use super::samples::{LabelledShape, SampleStore};
@@ -12,7 +12,7 @@ use crate::people::shape::ShapeVector;
 
 /// People among the anchors that may be lost against the shipped classifier, as a share, and others.
 const ANCHOR_LOSS_MAX: [f32; 2] = [0.005, 0.002];
-/// Held-out looks in the place that must be decided rightly beyond what is in use, the shares of both classes added.
+/// Gain in correctly decided held-out shapes of the place over the model in use, the shares of both classes added.
 const PLACE_GAIN_MIN: f32 = 0.02;
 /// Mean surprise on the anchors may grow by this against the shipped classifier.
 const ANCHOR_SURPRISE_MAX: f32 = 0.02;
@@ -72,15 +72,15 @@ pub(super) fn on_anchors(weights: &Weights, basis: &Basis, anchors: &[LabelledSh
 /// What new weights are compared with: how those in use and no correction stand in the place, and no correction on the
 /// anchors.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Rivals {
+pub(super) struct Baselines {
     pub used: Standing,
     pub shipped: Standing,
     pub shipped_on_anchors: Standing,
 }
 
 /// Whether new weights, with their standing in the place, may take the place of those in use.
-pub(super) fn is_better(place: Standing, anchors: Standing, rivals: &Rivals) -> bool {
-    let Rivals { used, shipped, shipped_on_anchors } = *rivals;
+pub(super) fn is_better(place: Standing, anchors: Standing, rivals: &Baselines) -> bool {
+    let Baselines { used, shipped, shipped_on_anchors } = *rivals;
     let keeps = |before: Standing| place.recall >= before.recall && place.rejected >= before.rejected;
     let gained = place.recall - used.recall + place.rejected - used.rejected;
     place.surprise <= used.surprise - GAIN_MIN
@@ -103,10 +103,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn better_in_the_place_and_not_worse_on_the_anchors() {
+    fn update_must_improve_place_and_keep_anchors() {
         let used = Standing { recall: 0.9, rejected: 0.6, surprise: 0.5 };
         let anchors = Standing { recall: 0.95, rejected: 0.9, surprise: 0.2 };
-        let rivals = Rivals { used, shipped: used, shipped_on_anchors: anchors };
+        let rivals = Baselines { used, shipped: used, shipped_on_anchors: anchors };
         let good = Standing { rejected: 0.7, surprise: 0.4, ..used };
         assert!(is_better(good, anchors, &rivals));
         let refused = [
@@ -116,7 +116,7 @@ mod tests {
             Standing { rejected: 0.61, ..good },
             Standing { surprise: 0.5, ..good },
             Standing { surprise: f32::NAN, ..good },
-            // Much won among the things, a person lost.
+            // Much won among the objects, a person lost.
             Standing { recall: 0.895, rejected: 0.9, ..good },
             Standing { recall: 1.0, rejected: 0.595, ..good },
         ];
@@ -124,7 +124,7 @@ mod tests {
             assert!(!is_better(place, anchors, &rivals), "{place:?}");
         }
         // What was won since the start must not be lost again by and by.
-        let before = Rivals { shipped: Standing { recall: 0.91, ..used }, ..rivals };
+        let before = Baselines { shipped: Standing { recall: 0.91, ..used }, ..rivals };
         assert!(!is_better(good, anchors, &before));
         for worse in [
             Standing { recall: 0.94, ..anchors },

@@ -1,12 +1,12 @@
-//! The learner: diaries of tracks in, corrected log-odds out, and never worse than what was shipped.
+//! The learner: track histories in, corrected log-odds out, and never worse than what was shipped.
 
 use heapless::Vec;
 
 use super::basis::Basis;
-use super::diary::Diary;
 use super::experts::{ExpertRules, Verdict};
-use super::judge::{Rivals, Standing, in_place, is_better, is_harmless, on_anchors};
+use super::judge::{Baselines, Standing, in_place, is_better, is_harmless, on_anchors};
 use super::samples::{LabelledShape, SampleStore};
+use super::track_history::TrackHistory;
 use super::weights::Weights;
 use crate::people::shape::ShapeVector;
 use floorguard_types::capacities::{LEARNING_ANCHORS, LEARNING_TRACKS};
@@ -23,7 +23,7 @@ const ANCHOR_EVERY: u32 = 2;
 /// Samples of each class before anything is learnt.
 const SAMPLES_MIN: usize = 16;
 
-/// Where a track is in this sweep, and how it looks if it was seen.
+/// Where a track is in this sweep, and its shape if it was seen.
 #[derive(Clone, Copy, Debug)]
 pub struct Sight<'a> {
     /// Number of the track.
@@ -40,14 +40,14 @@ pub struct LearnerCounters {
     /// Tracks that the P-expert called people.
     pub people: u32,
     /// Tracks that the N-expert called nobody.
-    pub nobodies: u32,
+    pub non_people: u32,
     /// Tracks of which neither could tell.
     pub silent: u32,
     /// Corrections taken over.
     pub accepted: u32,
     /// Corrections thrown away.
     pub rejected: u32,
-    /// Tracks for which there was no room.
+    /// Tracks beyond the capacity.
     pub dropped: u32,
 }
 
@@ -61,7 +61,7 @@ pub struct OnlineLearner {
     used: Weights,
     tried: Weights,
     round: u32,
-    diaries: Vec<Diary, LEARNING_TRACKS>,
+    histories: Vec<TrackHistory, LEARNING_TRACKS>,
     store: SampleStore,
     random: Pcg32,
     counters: LearnerCounters,
@@ -69,14 +69,14 @@ pub struct OnlineLearner {
 }
 
 impl OnlineLearner {
-    /// A learner that has seen nothing. The anchors are samples with a known truth, of both classes, that did not make the
-    /// shipped classifier; as many are kept as there is room for.
+    /// A learner that has seen nothing. The anchors are samples with a known truth, of both classes, that did not make
+    /// the shipped classifier; as many are kept as fit.
     #[must_use]
     pub fn new(anchors: &[LabelledShape], rules: ExpertRules) -> Self {
         let basis = Basis::new(anchors.iter().map(|anchor| &anchor.shape));
         let mut kept = Vec::new();
         for anchor in anchors.iter().take(LEARNING_ANCHORS) {
-            // Not more than there is room for: a push cannot fail.
+            // Within the capacity: a push cannot fail.
             let _ = kept.push(*anchor);
         }
         let shipped = on_anchors(&Weights::ZERO, &basis, &kept);
@@ -88,7 +88,7 @@ impl OnlineLearner {
             used: Weights::ZERO,
             tried: Weights::ZERO,
             round: 0,
-            diaries: Vec::new(),
+            histories: Vec::new(),
             store: SampleStore::new(),
             random: Pcg32::new(0x1EA2, 1),
             counters: LearnerCounters::default(),
@@ -117,17 +117,19 @@ impl OnlineLearner {
     /// Takes in one sweep: all tracks, each once.
     pub fn observe<'a>(&mut self, stamp: Stamp, sights: impl Iterator<Item = Sight<'a>>) {
         for sight in sights.take(LEARNING_TRACKS) {
-            let known = self.diaries.iter().position(|diary| diary.track == sight.track);
-            let index = known.unwrap_or(self.diaries.len());
-            if known.is_none() && self.diaries.push(Diary::new(sight.track, stamp, sight.position)).is_err() {
+            let known = self.histories.iter().position(|history| history.track == sight.track);
+            let index = known.unwrap_or(self.histories.len());
+            if known.is_none()
+                && self.histories.push(TrackHistory::new(sight.track, stamp, sight.position)).is_err()
+            {
                 self.counters.dropped = self.counters.dropped.saturating_add(1);
                 continue;
             }
-            let Some(diary) = self.diaries.get_mut(index) else { continue };
-            diary.enter(stamp, sight.position);
+            let Some(history) = self.histories.get_mut(index) else { continue };
+            history.enter(stamp, sight.position);
             if let Some(shape) = sight.shape {
                 let log_odds = self.used.log_odds(&self.basis, shape);
-                diary.look(shape, log_odds, &mut self.random);
+                history.add_shape(shape, log_odds, &mut self.random);
             }
         }
         self.close(stamp);
@@ -136,29 +138,29 @@ impl OnlineLearner {
     /// Judges tracks that have ended or have stood for long enough.
     fn close(&mut self, now: Stamp) {
         for index in (0..LEARNING_TRACKS).rev() {
-            let Some(diary) = self.diaries.get(index) else { continue };
-            let gone = !matches!(diary.last.age(now), Age::Past(age) if age < ENDED_US);
-            let summary = diary.summary();
+            let Some(history) = self.histories.get(index) else { continue };
+            let gone = !matches!(history.last.age(now), Age::Past(age) if age < ENDED_US);
+            let summary = history.summary();
             if !(gone || self.rules.is_ripe(&summary)) {
                 continue;
             }
-            let diary = self.diaries.swap_remove(index);
-            let looks = diary.looks.iter();
+            let history = self.histories.swap_remove(index);
+            let shapes = history.shapes.iter();
             match self.rules.judge(&summary) {
                 Verdict::Person => {
                     self.counters.people = self.counters.people.saturating_add(1);
-                    self.store.add(true, looks, &mut self.random);
+                    self.store.add(true, shapes, &mut self.random);
                 }
-                Verdict::Nobody => {
-                    self.counters.nobodies = self.counters.nobodies.saturating_add(1);
-                    self.store.add(false, looks, &mut self.random);
+                Verdict::NotAPerson => {
+                    self.counters.non_people = self.counters.non_people.saturating_add(1);
+                    self.store.add(false, shapes, &mut self.random);
                 }
                 Verdict::Silent => self.counters.silent = self.counters.silent.saturating_add(1),
             }
         }
     }
 
-    /// Steps from one judgement to the next, for whoever shares out the time.
+    /// Steps from one judgement to the next, for the scheduler.
     pub const ROUND_STEPS: u32 = ROUND_STEPS;
 
     /// Learns for at most `steps` steps; at the end of a round what was learnt is judged. Call it when there is time.
@@ -196,7 +198,7 @@ impl OnlineLearner {
         let Some(((new, used), shipped)) = standings else { return };
         self.agreement = Some([shipped, used]);
         let anchors = on_anchors(&self.tried, &self.basis, &self.anchors);
-        let rivals = Rivals { used, shipped, shipped_on_anchors: self.shipped };
+        let rivals = Baselines { used, shipped, shipped_on_anchors: self.shipped };
         if self.tried.is_sound() && is_better(new, anchors, &rivals) {
             self.used = self.tried;
             self.agreement = Some([shipped, new]);
@@ -225,8 +227,8 @@ impl OnlineLearner {
         &self.store
     }
 
-    /// How the shipped classifier and what is in use agreed with the experts about the looks that were held out, at the
-    /// newest judgement; `None` before the first one.
+    /// How the shipped classifier and what is in use agreed with the experts about the held-out shapes, at the newest
+    /// judgement; `None` before the first one.
     #[must_use]
     pub const fn agreement(&self) -> Option<[Standing; 2]> {
         self.agreement

@@ -64,9 +64,9 @@ fn play(learner: &mut OnlineLearner, walkers: &[ShapeVector], standers: &[ShapeV
     }
 }
 
-/// A thing that the shipped table takes for a person, unlike the people of the anchors and of the place.
+/// An object that the shipped table takes for a person, unlike the people of the anchors and of the place.
 #[test]
-fn a_new_thing_that_stands_is_learnt_and_nobody_is_forgotten() {
+fn standing_object_is_learnt_without_forgetting_people() {
     let mut random = Pcg32::new(7, 7);
     let anchors = anchors(&mut random);
     let people = surely(true, 300, &mut random);
@@ -74,15 +74,15 @@ fn a_new_thing_that_stands_is_learnt_and_nobody_is_forgotten() {
         let log_odds = person_log_odds(shape);
         (0.3..1.0).contains(&log_odds)
     });
-    let thing = doubtful.expect("a doubtful shape");
-    let things: Vec<ShapeVector> = (0..100).map(|_| near(&thing, 0.01, &mut random)).collect();
+    let doubtful_shape = doubtful.expect("a doubtful shape");
+    let similar: Vec<ShapeVector> = (0..100).map(|_| near(&doubtful_shape, 0.01, &mut random)).collect();
     let mut learner = Box::new(OnlineLearner::new(&anchors, ExpertRules::DEFAULT));
-    assert_eq!(learner.log_odds(&thing), person_log_odds(&thing));
-    play(&mut learner, &people, &things, &mut random);
+    assert_eq!(learner.log_odds(&doubtful_shape), person_log_odds(&doubtful_shape));
+    play(&mut learner, &people, &similar, &mut random);
     let counters = learner.counters();
-    assert!(counters.people >= 50 && counters.nobodies >= 50, "{counters:?}");
+    assert!(counters.people >= 50 && counters.non_people >= 50, "{counters:?}");
     assert!(counters.accepted >= 1, "{counters:?}");
-    assert!(learner.log_odds(&thing) < 0.0, "{}", learner.log_odds(&thing));
+    assert!(learner.log_odds(&doubtful_shape) < 0.0, "{}", learner.log_odds(&doubtful_shape));
     let [shipped, used] = learner.agreement().expect("it was judged");
     assert!(used.rejected > shipped.rejected + 0.1 && used.recall >= shipped.recall, "{shipped:?} {used:?}");
     let [shipped, now] = learner.on_anchors();
@@ -91,7 +91,7 @@ fn a_new_thing_that_stands_is_learnt_and_nobody_is_forgotten() {
     let weights = *learner.weights();
     let mut again = Box::new(OnlineLearner::new(&anchors, ExpertRules::DEFAULT));
     assert!(again.resume(&weights));
-    assert_eq!(again.log_odds(&thing), learner.log_odds(&thing));
+    assert_eq!(again.log_odds(&doubtful_shape), learner.log_odds(&doubtful_shape));
     // Weights that would forget people are not taken up.
     assert!(!again.resume(&Weights { offset: -3.0, ..Weights::ZERO }));
     assert!(!again.resume(&Weights { offset: f32::NAN, ..Weights::ZERO }));
@@ -107,7 +107,7 @@ fn labels_that_are_wrong_are_refused() {
         Box::new(OnlineLearner::new(&anchors, ExpertRules { certain: 30.0, ..ExpertRules::DEFAULT }));
     play(&mut learner, &people, &people, &mut random);
     let counters = learner.counters();
-    assert!(counters.nobodies >= 50 && counters.rejected >= 10, "{counters:?}");
+    assert!(counters.non_people >= 50 && counters.rejected >= 10, "{counters:?}");
     let [shipped, now] = learner.on_anchors();
     assert!(now.recall >= shipped.recall - 0.005, "{shipped:?} {now:?}");
 }

@@ -6,17 +6,17 @@
 
 mod basis;
 mod belief;
-mod diary;
 mod experts;
 mod judge;
 mod learner;
 #[cfg(test)]
 mod learner_tests;
 mod samples;
+mod track_history;
 mod weights;
 
 pub use basis::{BASIS, Basis};
-pub use belief::{LearnedBeliefs, TwoLooks};
+pub use belief::{LearnedBeliefs, ShapeScores};
 pub use experts::{ExpertRules, Verdict};
 pub use judge::Standing;
 pub use learner::{LearnerCounters, OnlineLearner, Sight};

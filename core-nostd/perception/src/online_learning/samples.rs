@@ -1,4 +1,4 @@
-//! What the experts labelled, in fixed room: an even choice of everything so far, each class with its own.
+//! What the experts labelled, in fixed memory: an even choice of everything so far, each class with its own.
 
 use heapless::Vec;
 
@@ -15,17 +15,17 @@ pub struct LabelledShape {
     pub is_person: bool,
 }
 
-/// Every so many-th track of a class is held out, with all its looks: looks of one track are too alike.
+/// Every so many-th track of a class is held out, with all its shapes: shapes of one track are too alike.
 const HELD_OUT_EVERY: u32 = 4;
 
 /// An even choice of a stream.
 #[derive(Clone, Debug)]
-struct Reservoir<const ROOM: usize> {
-    kept: Vec<ShapeVector, ROOM>,
+struct Reservoir<const CAPACITY: usize> {
+    kept: Vec<ShapeVector, CAPACITY>,
     seen: u32,
 }
 
-impl<const ROOM: usize> Reservoir<ROOM> {
+impl<const CAPACITY: usize> Reservoir<CAPACITY> {
     const fn new() -> Self {
         Self { kept: Vec::new(), seen: 0 }
     }
@@ -59,7 +59,7 @@ impl SampleStore {
         }
     }
 
-    /// Adds the looks of a track.
+    /// Adds the shapes of a track.
     pub(super) fn add<'a>(
         &mut self,
         is_person: bool,
@@ -120,7 +120,7 @@ mod tests {
     use crate::people::shape::SHAPE_FEATURES;
 
     #[test]
-    fn every_fourth_track_is_held_out_and_old_samples_give_way_evenly() {
+    fn every_fourth_track_is_held_out() {
         let (mut store, mut random) = (std::boxed::Box::new(SampleStore::new()), Pcg32::new(1, 1));
         for track in 0..4_000_u32 {
             let shapes = [[track as f32; SHAPE_FEATURES]; 2];

@@ -49,8 +49,9 @@ impl Weights {
     pub(super) fn step(&mut self, basis: &Basis, shape: &ShapeVector, label: Option<bool>) {
         let waves = basis.at(shape);
         let shipped = person_log_odds(shape);
-        let told = probability(shipped + self.correction(&waves));
-        let wrong = label.map_or(probability(shipped), |is_person| f32::from(u8::from(is_person))) - told;
+        let predicted = probability(shipped + self.correction(&waves));
+        let wrong =
+            label.map_or(probability(shipped), |is_person| f32::from(u8::from(is_person))) - predicted;
         let rate = STEP / (1.0 + self.steps as f32 * 1.0e-3);
         for (weight, wave) in self.waves.iter_mut().zip(waves) {
             *weight += rate * (wrong * wave - DECAY * *weight);
@@ -66,7 +67,7 @@ mod tests {
     use crate::people::shape::SHAPE_FEATURES;
 
     #[test]
-    fn steps_move_the_answer_towards_the_label_and_zero_is_the_shipped_one() {
+    fn steps_move_towards_labels_zero_is_shipped() {
         let basis = Basis::new([].iter());
         let shape = [0.4; SHAPE_FEATURES];
         let mut weights = Weights::ZERO;

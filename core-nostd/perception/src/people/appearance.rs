@@ -1,9 +1,9 @@
-//! What somebody looks like to a lidar: how bright trousers and top are, and how tall. In a crowd that tells who comes out
-//! from behind whom.
+//! Appearance of a person to a lidar: brightness of trousers and top, and stature. In a crowd that identifies who
+//! reappears.
 //!
 //! Every trait has a value and a variance; a pair of track and detection gets the logarithm of the ratio of two
-//! likelihoods: of the same person seen again, and of anybody. Only traits that both sides know take part. The board keeps
-//! no reflectivities, so there nothing is known of anybody, and nothing of this takes room or time.
+//! likelihoods: of the same person seen again, and of anybody. Only traits that both sides know take part. The board
+//! keeps no reflectivities, so there nothing is known of anybody, and nothing of this takes memory or time.
 
 /// Traits: brightness of trousers and of top (logarithms of the mean reflectivity), stature in metres.
 const TRAITS: usize = if cfg!(feature = "hosted") { 3 } else { 0 };
@@ -38,12 +38,13 @@ const SPREADS: [Spread; 3] = [
 
 /// One trait never says more than this for or against a pair, natural logarithm.
 const TRAIT_MAX: f32 = 5.0;
-/// Share of the looks that are, in part, at somebody else: who touches others, and who is half hidden.
+/// Share of the observations that are, in part, of another person: who touches others, and who is half
+/// hidden.
 const MISTAKEN: f32 = 0.03;
 /// Nor do all together.
 const TOGETHER_MAX: f32 = 6.0;
 
-/// What is known of a person's looks.
+/// The appearance of a person.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Appearance {
     traits: [Trait; TRAITS],
@@ -116,7 +117,7 @@ mod gathered {
     const RETURNS_MIN: u32 = 5;
     /// Variance of the logarithm from return to return (folds), and of a whole look.
     const FOLDS: f32 = 0.5;
-    const LOOK: f32 = 0.04;
+    const POLL_PERIOD: f32 = 0.04;
     /// Angle from ring to ring, radians (VLP-16), and the highest one.
     const RING_STEP: f32 = 0.035;
     const RING_TOP: f32 = 0.268;
@@ -157,7 +158,7 @@ mod gathered {
                 // A recording without reflectivities has zeros.
                 if returns >= RETURNS_MIN && *sum >= returns {
                     let value = libm::logf(*sum as f32 / returns as f32);
-                    *slot = Trait { value, variance: doubt * (LOOK + FOLDS / returns as f32) };
+                    *slot = Trait { value, variance: doubt * (POLL_PERIOD + FOLDS / returns as f32) };
                 }
             }
             // The head ends somewhere between the highest ring that met it and the next.
@@ -190,7 +191,7 @@ mod tests {
     use super::*;
 
     /// Somebody 5 m away whose trousers and top throw back so much, seen by 40 returns each.
-    fn look([trousers, top]: [u8; 2], stature_m: f32) -> Appearance {
+    fn appearance([trousers, top]: [u8; 2], stature_m: f32) -> Appearance {
         let mut shades = Shades::default();
         for _ in 0..40 {
             shades.add(0.4, Some(&trousers));
@@ -199,32 +200,32 @@ mod tests {
         shades.appearance((stature_m, false), (0.8, 5.0))
     }
 
-    fn known(looks: &[Appearance]) -> Appearance {
+    fn known(observed: &[Appearance]) -> Appearance {
         let mut known = Appearance::UNKNOWN;
-        looks.iter().for_each(|look| known.learn(look, 0.1));
+        observed.iter().for_each(|appearance| known.learn(appearance, 0.1));
         known
     }
 
     #[test]
     fn people_are_like_themselves_and_unlike_others() {
-        let dark = known(&[look([8, 10], 1.7); 10]);
-        assert!(dark.likeness(&look([9, 11], 1.72)) > 1.0);
-        assert!(dark.likeness(&look([9, 60], 1.72)) < -1.0, "another top");
-        assert!(dark.likeness(&look([8, 10], 1.1)) < 0.0, "a child");
+        let dark = known(&[appearance([8, 10], 1.7); 10]);
+        assert!(dark.likeness(&appearance([9, 11], 1.72)) > 1.0);
+        assert!(dark.likeness(&appearance([9, 60], 1.72)) < -1.0, "another top");
+        assert!(dark.likeness(&appearance([8, 10], 1.1)) < 0.0, "a child");
     }
 
     #[test]
-    fn a_bent_head_or_one_mistaken_look_does_not_make_somebody_else() {
-        let dark = known(&[look([8, 10], 1.7); 10]);
+    fn one_bad_observation_keeps_the_identity() {
+        let dark = known(&[appearance([8, 10], 1.7); 10]);
         let [same, bent, other] = [([8, 10], 1.7), ([8, 10], 1.55), ([8, 100], 1.7)]
-            .map(|(garments, stature_m)| dark.likeness(&look(garments, stature_m)));
+            .map(|(garments, stature_m)| dark.likeness(&appearance(garments, stature_m)));
         assert!(bent > same - 1.2, "{bent}, {same}");
         assert!(other < -1.0 && other > same - 5.0, "half of it is somebody else's: {other}, {same}");
     }
 
     #[test]
-    fn what_is_not_known_says_nothing() {
-        let dark = known(&[look([8, 10], 1.7); 10]);
+    fn unknown_traits_add_no_evidence() {
+        let dark = known(&[appearance([8, 10], 1.7); 10]);
         assert_eq!(dark.likeness(&Appearance::UNKNOWN), 0.0);
         assert_eq!(Appearance::UNKNOWN.likeness(&dark), 0.0);
         let mut same = dark;
@@ -237,10 +238,10 @@ mod tests {
     }
 
     #[test]
-    fn no_pair_is_decided_by_looks_alone() {
-        let bright = known(&[look([100, 100], 1.9); 50]);
-        let likeness = bright.likeness(&look([1, 1], 1.0));
+    fn appearance_alone_decides_no_pair() {
+        let bright = known(&[appearance([100, 100], 1.9); 50]);
+        let likeness = bright.likeness(&appearance([1, 1], 1.0));
         assert!((-TOGETHER_MAX..-3.0).contains(&likeness), "{likeness}");
-        assert!(bright.likeness(&look([100, 100], 1.9)) <= TOGETHER_MAX);
+        assert!(bright.likeness(&appearance([100, 100], 1.9)) <= TOGETHER_MAX);
     }
 }

@@ -3,7 +3,7 @@
 use heapless::Vec;
 
 use super::joint::{GROUP_DETECTIONS, GROUP_TRACKS, JointGroup};
-use floorguard_types::capacities::{TRACKS_MAX, room};
+use floorguard_types::capacities::{TRACKS_MAX, limited_capacity};
 
 /// How detections are given to tracks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,7 +47,7 @@ pub(super) struct Associator {
     unsolved: [bool; TRACKS_MAX],
     /// Pairs of each track and of each detection.
     rivals: ([u8; TRACKS_MAX], [u8; DETECTIONS_MAX]),
-    /// Pairs not considered for want of room.
+    /// Pairs not considered because the list was full.
     pub(super) dropped_pairs: u32,
     /// Tracks that fell back to the nearest detection.
     pub(super) large_groups: u32,
@@ -86,7 +86,7 @@ impl Associator {
     /// A pair within the gate.
     pub(super) fn add(&mut self, track: usize, detection: usize, cost: f32) {
         let pair = Pair { cost, track: track as u16, detection: detection as u16 };
-        if self.pairs.len() >= room(self.pairs_max, PAIRS_MAX) || self.pairs.push(pair).is_err() {
+        if self.pairs.len() >= limited_capacity(self.pairs_max, PAIRS_MAX) || self.pairs.push(pair).is_err() {
             self.dropped_pairs = self.dropped_pairs.saturating_add(1);
         }
     }
@@ -249,7 +249,7 @@ mod tests {
 
     /// Costs of the test values of the book, Tracking: Joint association.
     #[test]
-    fn both_ways_solve_the_vector() {
+    fn both_solvers_solve_the_vector() {
         let pairs = [(0, 0, -4.371_447), (1, 0, 0.739_664), (0, 1, 2.295_22), (1, 1, -3.704_78)];
         for association in [Association::Nearest, Association::Joint] {
             let found = solved(association, &pairs);
@@ -266,7 +266,7 @@ mod tests {
         }
     }
 
-    /// The cheapest first, written down once more: whoever has nobody but each other, too, and everybody else.
+    /// The cheapest first, written down once more: isolated pairs, too, and all others.
     #[test]
     fn nearest_equals_its_definition() {
         let mut random = floorguard_types::random::Pcg32::new(4, 4);

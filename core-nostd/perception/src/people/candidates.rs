@@ -1,5 +1,5 @@
-//! Which things may be people: the published volume (Yan et al. 2020a, section 4.1), made honest about distance and
-//! about the floor.
+//! Which clusters may be people: the published volume (Yan et al. 2020a, section 4.1), made honest about distance
+//! and about the floor.
 
 use super::appearance::Appearance;
 use super::cluster::Cluster;
@@ -16,7 +16,8 @@ pub struct CandidateLimits {
     pub height_min_m: f32,
     /// Tallest.
     pub height_max_m: f32,
-    /// The lowest return may hang this high above the floor before a thing is no walker, when its lower part is in view.
+    /// The lowest return may hang this high above the floor before a cluster is no walker, when its lower part is in
+    /// view.
     pub bottom_max_m: f32,
     /// The top must reach this high: bags and bins do not.
     pub top_min_m: f32,
@@ -45,17 +46,17 @@ impl Default for CandidateLimits {
 pub struct Detection {
     /// Where it stands on the floor.
     pub position: Point2,
-    /// How far from the sensor, metres: the farthest is given up first when there is no room.
+    /// How far from the sensor, metres: the farthest is given up first when the list is full.
     pub distance_m: f32,
     /// Standard deviation of the position, metres.
     pub sigma_m: f32,
-    /// Probability that it is a person, from this one look at its shape.
+    /// Probability that it is a person, from this one shape.
     pub likeness: f32,
     /// Returns that speak for it.
     pub points: u16,
     /// Whether it moves by itself; `None` if that was not judged.
     pub moving: Option<bool>,
-    /// What it looks like.
+    /// Its appearance.
     pub appearance: Appearance,
 }
 

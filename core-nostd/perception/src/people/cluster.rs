@@ -1,4 +1,4 @@
-//! A thing that stands out of the floor: which returns make one, and what is known of it.
+//! A cluster that stands out of the floor: which returns make one, and what is known of it.
 
 use floorguard_types::capacities::{CLUSTERS_MAX, CLUSTERS_ON_BOARD, LABELS_MAX, LABELS_ON_BOARD};
 use floorguard_types::geometry::Point3;
@@ -8,12 +8,12 @@ use floorguard_types::geometry::Point3;
 pub struct ClusterLimits {
     /// Horizontal distances of neighbours may differ by this many metres.
     pub gap_m: f32,
-    /// Things with fewer returns are dropped.
+    /// Clusters with fewer returns are dropped.
     pub points_min: u16,
     /// Returns farther than this are not grouped, metres (the outermost published ring ends at 40 m).
     pub range_max_m: f32,
-    /// Things kept, at most `CLUSTERS_MAX`; without the feature `hosted` always that many.
-    pub things_max: usize,
+    /// Clusters kept, at most `CLUSTERS_MAX`; without the feature `hosted` always that many.
+    pub clusters_max: usize,
     /// Provisional names, at most `LABELS_MAX`; without the feature `hosted` always that many.
     pub labels_max: usize,
 }
@@ -24,13 +24,13 @@ impl ClusterLimits {
         gap_m: 0.2,
         points_min: 5,
         range_max_m: 40.0,
-        things_max: CLUSTERS_MAX,
+        clusters_max: CLUSTERS_MAX,
         labels_max: LABELS_MAX,
     };
 
-    /// With the room of the microcontroller: the same input gives the same things on every machine.
+    /// With the capacity of the microcontroller: the same input gives the same clusters on every machine.
     pub const AS_ON_BOARD: Self =
-        Self { things_max: CLUSTERS_ON_BOARD, labels_max: LABELS_ON_BOARD, ..Self::DEFAULT };
+        Self { clusters_max: CLUSTERS_ON_BOARD, labels_max: LABELS_ON_BOARD, ..Self::DEFAULT };
 }
 
 impl Default for ClusterLimits {
@@ -39,7 +39,7 @@ impl Default for ClusterLimits {
     }
 }
 
-/// One thing.
+/// One cluster.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cluster {
     /// Returns.
@@ -62,11 +62,11 @@ pub struct Cluster {
     pub(super) root: u16,
 }
 
-/// Rings with a hidden edge that make a thing occluded; one alone is a stray return.
+/// Rings with a hidden edge that make a cluster occluded; one alone is a stray return.
 const HIDDEN_EDGES_MIN: u16 = 2;
 
 impl Cluster {
-    /// A thing of which the first return and its distance are known; it is not included yet.
+    /// A cluster of which the first return and its distance are known; it is not included yet.
     pub(super) fn start(root: u16, (point, nearest_m): (Point3, f32)) -> Self {
         Self {
             points: 0,
@@ -102,7 +102,8 @@ impl Cluster {
     }
 }
 
-/// What of a thing changes with each of its returns: in registers, as long as returns of the same thing follow.
+/// What of a cluster changes with each of its returns: in registers, as long as returns of the same cluster
+/// follow.
 #[derive(Clone, Copy)]
 pub(super) struct Growth {
     points: u16,

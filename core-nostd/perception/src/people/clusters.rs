@@ -1,4 +1,4 @@
-//! Groups the returns that are no floor into things.
+//! Groups the returns that are no floor into clusters.
 //!
 //! Cells are joined with their neighbours of the range image: the same ring a few columns back, the rings below in the
 //! same column. What must be close is the horizontal distance from the sensor, so the join does not depend on nested
@@ -9,7 +9,7 @@ use heapless::Vec;
 use super::cluster::{Cluster, ClusterLimits, Growth};
 use super::labels::{Labels, Mark, NONE};
 use super::projection::{ColumnFrame, RingAngles};
-use floorguard_types::capacities::{CLUSTERS_MAX, LABELS_MAX, SWEEP_COLUMNS, SWEEP_RINGS, room};
+use floorguard_types::capacities::{CLUSTERS_MAX, LABELS_MAX, SWEEP_COLUMNS, SWEEP_RINGS, limited_capacity};
 use floorguard_types::geometry::Point3;
 
 /// Columns looked back in the same ring: bridges two missing returns.
@@ -64,7 +64,7 @@ const NO_OBSTACLES: Entered = [Cell::EMPTY; SWEEP_RINGS];
 const RECENT: usize = 4;
 const _: () = assert!(COLUMNS_BACK < RECENT && RECENT.is_power_of_two());
 
-/// Working memory: a label per cell, the labels, and what is known of each thing.
+/// Working memory: a label per cell, the labels, and what is known of each cluster.
 #[derive(Clone, Debug)]
 pub(super) struct Clusterer {
     labels: Labels,
@@ -125,7 +125,7 @@ impl Clusterer {
                 self.label_behind((column, ring), (count, gap))
             };
             let label = if beside != NONE && below.label == beside {
-                // Beside and below mostly are the same thing already.
+                // Beside and below mostly are the same cluster already.
                 self.labels.count(beside);
                 beside
             } else {
@@ -240,7 +240,8 @@ impl Clusterer {
         limits: &ClusterLimits,
     ) {
         let Some(labels) = self.cells.get(index).copied() else { return };
-        // Neighbours mostly belong to the same thing: it is looked up once, and written back when another one follows.
+        // Neighbours mostly belong to the same cluster: it is looked up once, and written back when another one
+        // follows.
         let (mut known, mut growing) = (NONE, None);
         for ring in rings_of(self.present_in(index)) {
             let (Some(label), Some(raw), Some(angle)) =
@@ -283,7 +284,9 @@ impl Clusterer {
         }
         let fresh = Cluster::start(root, first);
         let index = self.clusters.len();
-        let index = if index < room(limits.things_max, CLUSTERS_MAX) && self.clusters.push(fresh).is_ok() {
+        let index = if index < limited_capacity(limits.clusters_max, CLUSTERS_MAX)
+            && self.clusters.push(fresh).is_ok()
+        {
             Some(index)
         } else {
             self.replace_farthest(fresh)
@@ -292,8 +295,8 @@ impl Clusterer {
         index
     }
 
-    /// Out of room: the farthest thing goes first, because near ones matter (book, Conventions: Running out of room).
-    /// `None` if the new one is the farthest.
+    /// Full: the farthest cluster is dropped first, because near ones matter (book, Conventions: Exceeded
+    /// capacities). `None` if the new one is the farthest.
     fn replace_farthest(&mut self, fresh: Cluster) -> Option<usize> {
         self.dropped = self.dropped.saturating_add(1);
         let (index, farthest) = self

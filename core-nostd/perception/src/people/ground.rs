@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn the_foot_of_a_wall_belongs_to_the_wall() {
+    fn foot_of_a_wall_belongs_to_it() {
         assert_eq!(marks(&[(3.0, 0.0), (4.0, 0.02), (4.02, 0.15), (4.0, 0.3)]), 0b0001);
     }
 
@@ -195,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ramp_is_floor_and_a_table_is_not() {
+    fn ramp_is_floor_and_table_is_not() {
         assert_eq!(marks(&[(3.0, 0.0), (4.0, 0.08), (5.0, 0.16), (6.0, 0.24)]), 0b1111);
         assert_eq!(marks(&[(3.0, 0.0), (3.2, 0.7), (3.4, 0.7), (3.7, 0.7)]), 0b0001);
     }
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn a_foot_is_known_by_what_begins_above_the_rings_that_can_meet_a_floor() {
+    fn foot_is_recognised_above_the_floor_rings() {
         let mut ranges_m = [0.0; SWEEP_RINGS];
         // The floor 0.9 m below, as the ring at −5° meets it.
         ranges_m[5] = 0.9 / 0.0872;
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lidar_just_above_the_floor_sees_it_with_rings_that_look_up() {
+    fn low_lidar_sees_floor_with_upward_rings() {
         // Something 4 cm high at 3.4 m, before which the floor was seen.
         let mut ranges_m = [0.0; SWEEP_RINGS];
         (ranges_m[7], ranges_m[8]) = (2.8, 3.4);
@@ -247,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn the_cheap_question_is_the_same_for_every_mounting() {
+    fn quick_check_is_equal_for_every_mounting() {
         let mut random = floorguard_types::random::Pcg32::new(7, 1);
         let (mut columns, mut differ) = (0_u32, 0);
         for sensor_m in [0.05, 0.15, 0.6, 0.9, 2.4] {

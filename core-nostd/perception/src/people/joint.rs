@@ -1,4 +1,4 @@
-//! Joint probabilities of who is whom, within one small group of tracks and detections. Source: book, Tracking: Joint
+//! Joint association probabilities within one small group of tracks and detections. Source: book, Tracking: Joint
 //! association.
 //!
 //! A joint event gives every detection a track of its own or calls it clutter. The published code enumerates all events,
@@ -60,8 +60,8 @@ impl JointGroup {
         // forward[j][set]: weight of all events of the first j detections that use exactly the tracks of the set.
         let mut forward = [[0.0_f32; SETS]; GROUP_DETECTIONS + 1];
         let mut reached: Sets = [0.0; SETS];
-        if let Some(nobody) = reached.first_mut() {
-            *nobody = 1.0;
+        if let Some(empty) = reached.first_mut() {
+            *empty = 1.0;
         }
         for (row, slot) in rows().zip(forward.iter_mut()) {
             *slot = reached;

@@ -1,9 +1,9 @@
-//! Provisional labels of the cells of a range image, and which of them name the same thing.
+//! Provisional labels of the cells of a range image, and which of them name the same cluster.
 //!
 //! A cell takes the label of a neighbour that it belongs to; only where two labels meet must be remembered that they
 //! are one. So the table is as large as there are labels, not cells.
 
-use floorguard_types::capacities::{LABELS_MAX, room};
+use floorguard_types::capacities::{LABELS_MAX, limited_capacity};
 
 /// A cell that belongs to nothing.
 pub(super) const NONE: u16 = u16::MAX;
@@ -34,22 +34,22 @@ pub(super) struct Labels {
     marks: [u16; LABELS_MAX],
     used: usize,
     /// Labels that may be used.
-    room: usize,
+    capacity: usize,
 }
 
 impl Labels {
     pub(super) const fn new() -> Self {
-        Self { parents: [0; LABELS_MAX], marks: [0; LABELS_MAX], used: 0, room: LABELS_MAX }
+        Self { parents: [0; LABELS_MAX], marks: [0; LABELS_MAX], used: 0, capacity: LABELS_MAX }
     }
 
-    /// Forgets everything, and has room for so many labels, at most `LABELS_MAX`.
+    /// Clears everything, with capacity for so many labels, at most `LABELS_MAX`.
     pub(super) fn clear(&mut self, labels_max: usize) {
-        (self.used, self.room) = (0, labels_max);
+        (self.used, self.capacity) = (0, labels_max);
     }
 
     /// A label that nothing has yet; `None` if there is no more.
     pub(super) fn fresh(&mut self) -> Option<u16> {
-        if self.used >= room(self.room, LABELS_MAX) {
+        if self.used >= limited_capacity(self.capacity, LABELS_MAX) {
             return None;
         }
         let (parent, mark) = (self.parents.get_mut(self.used)?, self.marks.get_mut(self.used)?);
@@ -84,7 +84,7 @@ impl Labels {
         current
     }
 
-    /// Two labels name the same thing.
+    /// Two labels name the same cluster.
     pub(super) fn join(&mut self, first: u16, second: u16) {
         if self.parents.get(usize::from(first)) == self.parents.get(usize::from(second)) {
             return;
@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn a_long_chain_stays_one_set_and_the_table_ends() {
+    fn long_chain_stays_one_set_table_ends() {
         let mut labels = std::boxed::Box::new(Labels::new());
         (0..LABELS_MAX).for_each(|_| assert!(labels.fresh().is_some()));
         assert_eq!(labels.fresh(), None);

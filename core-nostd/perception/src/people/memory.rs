@@ -1,8 +1,8 @@
-//! People who went out of sight: whoever appears where one of them can have walked to, walks on as that person did and
-//! looks like it, is that person again.
+//! People who went out of sight: a person who appears where one of them can have walked to, walks on as that person
+//! did and has the same appearance, is that person again.
 //!
-//! A crowd hides everybody for seconds at a time. Who is out of sight keeps identity and way; a fresh track takes them
-//! over as soon as it is told as a person. A wrong guess costs no more than a new identity would.
+//! A crowd hides everybody for seconds at a time. A person out of sight keeps identity and velocity; a fresh track
+//! takes them over as soon as it is reported as a person. A wrong guess costs no more than a new identity would.
 
 use super::track::Track;
 use super::tracker::TrackerParameters;
@@ -10,10 +10,10 @@ use floorguard_types::geometry::Point2;
 
 /// Nobody is looked for farther away, metres.
 const REACH_MAX_M: f32 = 4.0;
-/// People keep to their way for about this long, seconds: of 2,769 people who came out of sight and into it again in
-/// simulated crowds, half were within 0.21 m of where that says after 0.75 s, 0.64 m after 2 s, and 1.2 m after 3 s
-/// (0.55, 1.33 and 1.84 m from where they were last seen).
-const WAY_S: f32 = 3.0;
+/// People keep their velocity for about this long, seconds: of 2,769 people who came out of sight and into it again
+/// in simulated crowds, half were within 0.21 m of where that says after 0.75 s, 0.64 m after 2 s, and 1.2 m after 3
+/// s (0.55, 1.33 and 1.84 m from where they were last seen).
+const COAST_S: f32 = 3.0;
 /// Spectral density of the acceleration of somebody out of sight, m²/s³.
 const ACCELERATION_DENSITY: f32 = 0.2;
 /// Where a track begins is about where the person is, m²; who goes round others strays, m²/s²; and the first three
@@ -23,10 +23,10 @@ const STRAYS_M2PS2: f32 = 0.02;
 const TURNS_M2PS2: f32 = 0.1;
 /// Who stops or turns is not as rare as a normal distribution has it: degrees of freedom of Student's.
 const FREEDOM: f32 = 6.0;
-/// People whom nobody knows yet appear anywhere, 1/m², at any speed around 1 m/s.
+/// Density of new people, 1/m², at any speed around 1 m/s.
 const STRANGERS_PER_M2: f32 = 0.005;
 
-/// Whom of some tracks, whom nobody sees, a fresh one is most likely; `None` if it is more likely a stranger.
+/// The lost track that a fresh one most likely continues; `None` if it is more likely a stranger.
 pub(super) fn best_of<'a>(
     lost: impl Iterator<Item = &'a Track>,
     fresh: &Track,
@@ -34,7 +34,7 @@ pub(super) fn best_of<'a>(
 ) -> Option<u32> {
     let fits = lost.filter_map(|track| {
         let likeness = track.appearance.likeness(&fresh.appearance);
-        let gain = way_gain(track, fresh)? + parameters.recall_looks_share * likeness;
+        let gain = coast_gain(track, fresh)? + parameters.recall_appearance_weight * likeness;
         (gain > 0.0).then_some((gain, track.id))
     });
     fits.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, id)| id)
@@ -42,16 +42,16 @@ pub(super) fn best_of<'a>(
 
 /// ln of how much more likely place and velocity of a fresh track are if it is somebody lost than if it is a stranger, at
 /// the moment of its first sighting. `None` beyond reach, and if both were seen at the same time.
-fn way_gain(lost: &Track, fresh: &Track) -> Option<f32> {
+fn coast_gain(lost: &Track, fresh: &Track) -> Option<f32> {
     if lost.last_seen >= fresh.created {
         return None;
     }
     let seconds = lost.last_seen.past_us(fresh.created) as f32 * 1.0e-6;
-    let (way_s, slower) = way(seconds);
+    let (coast_s, slower) = coast(seconds);
     let (mut then, now) = (lost.seen_state, fresh.state.velocity);
     let velocity = then.velocity;
     let place =
-        Point2::new(then.position.x_m + way_s * velocity.x_m, then.position.y_m + way_s * velocity.y_m);
+        Point2::new(then.position.x_m + coast_s * velocity.x_m, then.position.y_m + coast_s * velocity.y_m);
     if fresh.first_position.distance(place) > REACH_MAX_M {
         return None;
     }
@@ -73,7 +73,7 @@ fn way_gain(lost: &Track, fresh: &Track) -> Option<f32> {
 }
 
 /// For how long the last velocity counts `seconds` later, seconds, and which share of it is left.
-fn way(seconds: f32) -> (f32, f32) {
-    let slower = libm::expf(-seconds / WAY_S);
-    (WAY_S * (1.0 - slower), slower)
+fn coast(seconds: f32) -> (f32, f32) {
+    let slower = libm::expf(-seconds / COAST_S);
+    (COAST_S * (1.0 - slower), slower)
 }

@@ -5,6 +5,7 @@
 
 mod appearance;
 mod association;
+mod candidate_shapes;
 mod candidates;
 pub mod classify;
 mod cluster;
@@ -15,7 +16,6 @@ mod floor_height;
 mod ground;
 mod joint;
 mod labels;
-mod looks;
 mod memory;
 pub mod person_model;
 mod person_table;
@@ -42,7 +42,7 @@ pub use pipeline::{PeopleCounters, PeopleOutput, PeoplePipeline, SweepContext};
 pub use projection::RingAngles;
 pub(crate) use projection::SweepFrame;
 pub use sensors::{PEOPLE_SENSORS, PeopleSensor, SensorSet};
-pub(crate) use track::{BELIEF_MAX, LOOK_MAX};
+pub(crate) use track::{BELIEF_MAX, SHAPE_EVIDENCE_MAX};
 pub use track::{Track, TrackStatus};
 pub use tracker::{Sightings, Tracker, TrackerParameters};
 pub use views::{PeopleView, VIEW_PEOPLE_MAX, VIEWS_WAITING};

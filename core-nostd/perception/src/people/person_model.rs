@@ -15,7 +15,7 @@ const DEPTH: usize = 3;
 /// One tree of three levels, complete: node n is followed by 2n + 1 (at most the threshold) or 2n + 2 (above).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tree {
-    /// Which number of the vector each node looks at.
+    /// Index of the feature of each node.
     pub features: [u8; TREE_NODES],
     /// What it compares it with.
     pub thresholds: [f32; TREE_NODES],

@@ -30,9 +30,9 @@ impl PeopleSensor {
         }
     }
 
-    /// Share of a look's log-odds that a sighting adds to the belief: looks that follow each other quickly are not
-    /// independent, so the share falls with the rate.
-    pub(crate) const fn look_share(self) -> f32 {
+    /// Share of a shape's log-odds that a sighting adds to the belief: shapes that follow each other quickly are
+    /// not independent, so the share falls with the rate.
+    pub(crate) const fn evidence_weight(self) -> f32 {
         match self {
             Self::Lidar => 0.25,
             Self::Scanner => 0.06,
@@ -49,8 +49,8 @@ impl PeopleSensor {
         }
     }
 
-    /// Log-odds that a look costs which should have shown a person and did not, if this sensor never saw the person.
-    /// Only the lidar finds nearly everybody; legs in a long coat are no reason to doubt.
+    /// Log-odds subtracted by an observation that should have shown a person and did not, if this sensor never saw
+    /// the person. Only the lidar finds nearly everybody; legs in a long coat are no reason to doubt.
     pub(super) const fn doubt(self) -> f32 {
         match self {
             Self::Lidar => 0.4,

@@ -1,4 +1,4 @@
-//! What a candidate looks like, in numbers that do not tell where it stands.
+//! The shape of a candidate, in numbers that do not tell where it stands.
 //!
 //! The published features (book, People: Published features) encode the position: a model learns the hall it was
 //! trained in. Here every number is a length on the object itself, seen across the line of sight or along it, or a
@@ -291,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_thing_has_the_same_numbers_at_every_distance() {
+    fn features_are_equal_at_every_distance() {
         let (near, far) = (plate(4.0), plate(9.0));
         for (index, (a, b)) in near.iter().zip(far).enumerate() {
             let same = (a - b).abs() < 0.1 + 0.1 * a.abs() || b == UNSEEN;
@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn a_round_body_bulges_and_two_legs_are_not_closed() {
+    fn round_body_bulges_two_legs_stay_open() {
         let sensor = Point3::new(0.0, 0.0, 0.8);
         let mut builder = ShapeBuilder::new(sensor, Point3::new(4.0, 0.0, 0.8), (0.1, 1.5));
         for step in -12..=12_i8 {

@@ -1,19 +1,19 @@
-//! People who touch are one thing for a lidar. Where the tracker expects two or more within one thing, its returns are
-//! shared out: each goes to the nearest expected person.
+//! People who touch are one cluster for a lidar. Where the tracker expects two or more within one cluster, its returns
+//! are shared out: each goes to the nearest expected person.
 
 use heapless::Vec;
 
 use super::cluster::Cluster;
 use floorguard_types::geometry::{Point2, Point3};
 
-/// Expected people who are close to a thing, of one sweep. More than this touch nobody.
+/// Expected people who are close to a cluster, of one sweep. More than this touch nobody.
 pub(super) const SEEDS_MAX: usize = 32;
 
-/// One person's share of a thing.
+/// One person's share of a cluster.
 #[derive(Clone, Copy, Debug)]
 struct Share {
-    /// Index of the thing.
-    thing: u16,
+    /// Index of the cluster.
+    cluster: u16,
     /// Where the person is expected, robot frame.
     expected: Point2,
     /// The returns of this share.
@@ -22,7 +22,7 @@ struct Share {
     slot: Option<u16>,
 }
 
-/// The shared things of a sweep.
+/// The shared clusters of a sweep.
 #[derive(Clone, Debug)]
 pub(super) struct Splits {
     shares: Vec<Share, SEEDS_MAX>,
@@ -42,18 +42,23 @@ impl Splits {
         self.shares.is_empty()
     }
 
-    /// Finds the people expected within a thing; two at least make it shared.
-    pub(super) fn consider(&mut self, index: usize, thing: &Cluster, expected: impl Iterator<Item = Point2>) {
-        let [width_m, depth_m, _] = thing.extent_m();
+    /// Finds the people expected within a cluster; two at least make it shared.
+    pub(super) fn consider(
+        &mut self,
+        index: usize,
+        cluster: &Cluster,
+        expected: impl Iterator<Item = Point2>,
+    ) {
+        let [width_m, depth_m, _] = cluster.extent_m();
         if !(WIDTH_MIN_M..=WIDTH_MAX_M).contains(&width_m.max(depth_m)) {
             return;
         }
         let before = self.shares.len();
-        for place in expected.filter(|place| is_within(*place, thing)) {
+        for place in expected.filter(|place| is_within(*place, cluster)) {
             let is_new = |share: &Share| share.expected.distance(place) >= APART_MIN_M;
             if self.shares.iter().skip(before).all(is_new) {
-                let fresh = Share { thing: index as u16, expected: place, part: None, slot: None };
-                // Without room the thing stays whole.
+                let fresh = Share { cluster: index as u16, expected: place, part: None, slot: None };
+                // Beyond the capacity the cluster stays whole.
                 let _ = self.shares.push(fresh);
             }
         }
@@ -62,14 +67,14 @@ impl Splits {
         }
     }
 
-    /// The thing is shared.
-    pub(super) fn is_shared(&self, thing: usize) -> bool {
-        self.shares.iter().any(|share| usize::from(share.thing) == thing)
+    /// The cluster is shared.
+    pub(super) fn is_shared(&self, cluster: usize) -> bool {
+        self.shares.iter().any(|share| usize::from(share.cluster) == cluster)
     }
 
-    /// Gives a return of a thing to the nearest expected person.
-    pub(super) fn add(&mut self, thing: usize, point: Point3, distance_m: f32) {
-        if let Some(share) = self.nearest(thing, point).and_then(|index| self.shares.get_mut(index)) {
+    /// Gives a return of a cluster to the nearest expected person.
+    pub(super) fn add(&mut self, cluster: usize, point: Point3, distance_m: f32) {
+        if let Some(share) = self.nearest(cluster, point).and_then(|index| self.shares.get_mut(index)) {
             share
                 .part
                 .get_or_insert_with(|| Cluster::start(0, (point, distance_m)))
@@ -77,14 +82,14 @@ impl Splits {
         }
     }
 
-    /// Thing and returns of a share, by its index; `None` where nothing was seen of the person.
+    /// Cluster and returns of a share, by its index; `None` where nothing was seen of the person.
     pub(super) fn part(&self, index: usize) -> Option<(usize, Cluster)> {
         let share = self.shares.get(index)?;
         let mut part = share.part?;
         part.finish();
         // Its neighbour may hide a part of it.
         part.occluded = true;
-        Some((usize::from(share.thing), part))
+        Some((usize::from(share.cluster), part))
     }
 
     /// The candidate that a share has become.
@@ -94,47 +99,48 @@ impl Splits {
         }
     }
 
-    /// The candidate to which a return of a shared thing belongs.
-    pub(super) fn slot(&self, thing: usize, point: Point3) -> Option<usize> {
-        let share = self.nearest(thing, point).and_then(|index| self.shares.get(index))?;
+    /// The candidate to which a return of a shared cluster belongs.
+    pub(super) fn slot(&self, cluster: usize, point: Point3) -> Option<usize> {
+        let share = self.nearest(cluster, point).and_then(|index| self.shares.get(index))?;
         share.slot.map(usize::from)
     }
 
-    fn nearest(&self, thing: usize, point: Point3) -> Option<usize> {
+    fn nearest(&self, cluster: usize, point: Point3) -> Option<usize> {
         let at = Point2::new(point.x_m, point.y_m);
-        let shares = self.shares.iter().enumerate().filter(|(_, share)| usize::from(share.thing) == thing);
+        let shares =
+            self.shares.iter().enumerate().filter(|(_, share)| usize::from(share.cluster) == cluster);
         let distances = shares.map(|(index, share)| (share.expected.distance(at), index));
         let nearest = distances.min_by(|a, b| a.0.total_cmp(&b.0));
         nearest.filter(|(distance_m, _)| *distance_m < REACH_M).map(|(_, index)| index)
     }
 }
 
-/// Things narrower than this are one person, metres.
+/// Clusters narrower than this are one person, metres.
 const WIDTH_MIN_M: f32 = 0.6;
-/// Wider things are walls and shelves, metres.
+/// Wider clusters are walls and shelves, metres.
 const WIDTH_MAX_M: f32 = 3.0;
-/// Somebody expected this far outside a thing's box may belong to it, metres.
+/// Somebody expected this far outside a cluster's box may belong to it, metres.
 const MARGIN_M: f32 = 0.15;
 /// Two expected places nearer to each other than this are one person, metres.
 const APART_MIN_M: f32 = 0.1;
 /// A return farther from the expected place than this is somebody else's, metres.
 const REACH_M: f32 = 0.7;
 
-fn is_within(place: Point2, thing: &Cluster) -> bool {
-    (thing.lower.x_m - MARGIN_M..=thing.upper.x_m + MARGIN_M).contains(&place.x_m)
-        && (thing.lower.y_m - MARGIN_M..=thing.upper.y_m + MARGIN_M).contains(&place.y_m)
+fn is_within(place: Point2, cluster: &Cluster) -> bool {
+    (cluster.lower.x_m - MARGIN_M..=cluster.upper.x_m + MARGIN_M).contains(&place.x_m)
+        && (cluster.lower.y_m - MARGIN_M..=cluster.upper.y_m + MARGIN_M).contains(&place.y_m)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// A thing as wide as two people: points along y from −0.5 to 0.5 m, 3 m ahead.
+    /// A cluster as wide as two people: points along y from −0.5 to 0.5 m, 3 m ahead.
     fn wide() -> Cluster {
-        let mut thing = Cluster::start(0, (Point3::new(3.0, -0.5, 0.5), 3.0));
-        points().for_each(|point| thing.include(point, 3.0, 0));
-        thing.finish();
-        thing
+        let mut cluster = Cluster::start(0, (Point3::new(3.0, -0.5, 0.5), 3.0));
+        points().for_each(|point| cluster.include(point, 3.0, 0));
+        cluster.finish();
+        cluster
     }
 
     fn points() -> impl Iterator<Item = Point3> {
@@ -142,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn two_expected_people_share_a_wide_thing() {
+    fn two_expected_people_share_a_wide_cluster() {
         let mut splits = Splits::new();
         let places = [Point2::new(3.1, -0.3), Point2::new(3.1, 0.35), Point2::new(9.0, 0.0)];
         splits.consider(7, &wide(), places.into_iter());
@@ -150,7 +156,7 @@ mod tests {
         points().for_each(|point| splits.add(7, point, 3.0));
         let parts = [0, 1].map(|index| splits.part(index).expect("both were seen"));
         assert!(splits.part(2).is_none());
-        let [left, right] = parts.map(|(thing, part)| (thing, part.centroid.y_m, part.points));
+        let [left, right] = parts.map(|(cluster, part)| (cluster, part.centroid.y_m, part.points));
         assert!(
             left.1 < -0.2 && right.1 > 0.2 && left.2 + right.2 == 41 && left.0 == 7,
             "{left:?} {right:?}"
@@ -160,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn one_expected_person_or_a_narrow_thing_stays_whole() {
+    fn single_expectation_or_narrow_cluster_stays_whole() {
         let mut splits = Splits::new();
         splits.consider(0, &wide(), [Point2::new(3.0, 0.0), Point2::new(3.0, 0.05)].into_iter());
         let mut narrow = wide();

@@ -17,8 +17,8 @@ pub enum TrackStatus {
     Tentative,
     /// Seen often enough.
     Confirmed,
-    /// Once confirmed, and out of sight for so long that nobody knows where exactly: kept, so that whoever comes out
-    /// there again is the same person, but no longer told.
+    /// Once confirmed, and out of sight for so long that nobody knows where exactly: kept, so that a person who
+    /// reappears there keeps the identity, but no longer reported.
     Hidden,
 }
 
@@ -31,7 +31,7 @@ pub struct Track {
     pub state: ConstantVelocity,
     /// How sure.
     pub status: TrackStatus,
-    /// Probability that it is a person: the looks at its shape and its walking, fused over its life.
+    /// Probability that it is a person: its shapes and its walking, fused over its life.
     pub person_probability: f32,
     /// Belief that it moves, 0…1.
     pub moving_probability: f32,
@@ -51,9 +51,9 @@ pub struct Track {
     pub(super) distance_m: f32,
     /// The state when it was last seen: what is left of it later says less.
     pub(super) seen_state: ConstantVelocity,
-    /// It was asked whether it is somebody who was lost.
+    /// Re-identification has run.
     pub(super) is_named: bool,
-    /// What it looks like.
+    /// Its appearance.
     pub(super) appearance: Appearance,
     /// What its sightings weigh, see [`PeopleSensor::weight`].
     weight: u16,
@@ -68,9 +68,9 @@ pub struct Track {
 }
 
 /// One look never says more than this, log-odds.
-pub(crate) const LOOK_MAX: f32 = 2.0;
+pub(crate) const SHAPE_EVIDENCE_MAX: f32 = 2.0;
 /// What walking adds to the belief, and how fast the belief in movement follows, as shares of
-/// [`PeopleSensor::look_share`]: with the lidar 0.2 log-odds a sighting, because shelves do not walk, and 0.3.
+/// [`PeopleSensor::evidence_weight`]: with the lidar 0.2 log-odds a sighting, because shelves do not walk, and 0.3.
 const WALK_GAIN: f32 = 0.8;
 const MOVING_GAIN: f32 = 1.2;
 /// The belief never becomes so firm that ten sightings to the contrary cannot turn it, log-odds.
@@ -84,10 +84,10 @@ const CONTRIBUTES_US: u64 = 500_000;
 const TWIN_FRESH_US: u64 = 200_000;
 const TWIN_SPEED_MPS: f32 = 0.8;
 
-/// What a look says, log-odds.
-fn look(detection: &Detection) -> f32 {
+/// Evidence of one shape, log-odds.
+fn shape_evidence(detection: &Detection) -> f32 {
     let probability = detection.likeness.clamp(1.0e-3, 1.0 - 1.0e-3);
-    libm::logf(probability / (1.0 - probability)).clamp(-LOOK_MAX, LOOK_MAX)
+    libm::logf(probability / (1.0 - probability)).clamp(-SHAPE_EVIDENCE_MAX, SHAPE_EVIDENCE_MAX)
 }
 
 fn is_older(stamp: Stamp, now: Stamp, limit_us: u64) -> bool {
@@ -101,14 +101,14 @@ impl Track {
             id,
             state,
             status: TrackStatus::Tentative,
-            person_probability: probability(look(detection)),
+            person_probability: probability(shape_evidence(detection)),
             moving_probability: 0.0,
             sightings: 1,
             created: stamp,
             last_seen: stamp,
             first_position: detection.position,
             seen_by: [None; PEOPLE_SENSORS],
-            belief: look(detection),
+            belief: shape_evidence(detection),
             distance_m: detection.distance_m,
             seen_state: state,
             is_named: false,
@@ -169,9 +169,9 @@ impl Track {
         let walking = walked_m > WALKED_M && self.state.speed_mps() > 0.25;
         // What walks goes from place to place; what moves need not, and two views that differ leave it open.
         let moves = u8::from(walking).saturating_add(u8::from(detection.moving.unwrap_or(walking)));
-        let share = sensor.look_share();
+        let share = sensor.evidence_weight();
         self.moving_probability += MOVING_GAIN * share * (0.5 * f32::from(moves) - self.moving_probability);
-        self.believe(share * look(detection) + if walking { WALK_GAIN * share } else { 0.0 });
+        self.believe(share * shape_evidence(detection) + if walking { WALK_GAIN * share } else { 0.0 });
     }
 
     fn believe(&mut self, gain: f32) {
@@ -185,17 +185,17 @@ impl Track {
         }
     }
 
-    /// Confirmed, and rather a person than a thing.
+    /// Confirmed, and rather a person than a cluster.
     fn is_person(&self) -> bool {
         self.status != TrackStatus::Tentative && self.belief > 0.0
     }
 
-    /// A person of whom nobody asked yet who it is.
+    /// A person whose re-identification is pending.
     pub(super) fn is_to_be_named(&self) -> bool {
         self.is_person() && !self.is_named
     }
 
-    /// A person whom nobody saw for a while.
+    /// A person unseen for a while.
     pub(super) fn may_be_astray(&self, now: Stamp, astray_us: u64) -> bool {
         self.is_person() && is_older(self.last_seen, now, astray_us)
     }

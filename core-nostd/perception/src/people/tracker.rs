@@ -8,11 +8,11 @@ use super::filter::ConstantVelocity;
 use super::memory::best_of;
 use super::sensors::PeopleSensor;
 use super::track::{Track, TrackStatus};
-use floorguard_types::capacities::{TRACKS_MAX, TRACKS_ON_BOARD, room};
+use floorguard_types::capacities::{TRACKS_MAX, TRACKS_ON_BOARD, limited_capacity};
 use floorguard_types::geometry::Point2;
 use floorguard_types::time::{Age, Stamp};
 
-/// Beyond this share of the gate's square nobody looks closer.
+/// Beyond this share of the gate's square no closer check is made.
 const FAR: f32 = 1.001;
 
 /// How tracks live.
@@ -30,12 +30,13 @@ pub struct TrackerParameters {
     pub sightings_min: u16,
     /// Misses in a row, where the sensor that found it could see it, that end a tentative track.
     pub tentative_misses_max: u16,
-    /// A confirmed track that nobody saw, or could see, for this long is told no longer, µs (book, Tracking: Track
-    /// life).
+    /// A confirmed track that nobody saw, or could see, for this long is no longer reported, µs (book, Tracking:
+    /// Track life).
     pub coast_max_us: u64,
     /// A confirmed track that a sensor should have seen and did not, for this long after the first miss, µs.
     pub missed_max_us: u64,
-    /// Sum of the position variances above which a track is told no longer, m² (book, Tracking: Track life).
+    /// Sum of the position variances above which a track is no longer reported, m² (book, Tracking: Track
+    /// life).
     pub variance_max_m2: f32,
     /// A new track nearer to an old one than this is a duplicate, metres (book, Tracking: Track life).
     pub duplicate_m: f32,
@@ -48,10 +49,10 @@ pub struct TrackerParameters {
     /// Nobody who was out of sight for a moment is looked for farther from where the track says than this, metres: its
     /// doubt grows faster than people walk, and a wide gate takes in strangers.
     pub hidden_gate_m: f32,
-    /// Share of what the looks say that counts, 0: none. Looks of one moment are not independent of those before.
-    pub looks_share: f32,
-    /// The same when somebody is recalled: several looks on either side.
-    pub recall_looks_share: f32,
+    /// Weight of the appearance, 0: none. Observations of one moment are not independent of those before.
+    pub appearance_weight: f32,
+    /// The same at re-identification: several observations on either side.
+    pub recall_appearance_weight: f32,
     /// Tracks at once, at most `TRACKS_MAX`; without the feature `hosted` always that many. Twice as many detections and eight
     /// times as many pairs take part.
     pub tracks_max: usize,
@@ -73,20 +74,21 @@ impl TrackerParameters {
         astray_us: 250_000,
         remembered_us: 8_000_000,
         hidden_gate_m: 1.5,
-        looks_share: 0.5,
-        recall_looks_share: 1.0,
+        appearance_weight: 0.5,
+        recall_appearance_weight: 1.0,
         tracks_max: TRACKS_MAX,
     };
 
     /// Whatever people look like does not count: as on the board, which keeps no reflectivities.
-    pub const WITHOUT_LOOKS: Self = Self { looks_share: 0.0, recall_looks_share: 0.0, ..Self::DEFAULT };
+    pub const WITHOUT_APPEARANCE: Self =
+        Self { appearance_weight: 0.0, recall_appearance_weight: 0.0, ..Self::DEFAULT };
 
-    /// With the room of the microcontroller, too: the same input gives the same tracks on every machine.
-    pub const AS_ON_BOARD: Self = Self { tracks_max: TRACKS_ON_BOARD, ..Self::WITHOUT_LOOKS };
+    /// With the capacity of the microcontroller, too: the same input gives the same tracks on every machine.
+    pub const AS_ON_BOARD: Self = Self { tracks_max: TRACKS_ON_BOARD, ..Self::WITHOUT_APPEARANCE };
 
     /// Detections that take part in one association.
     pub(super) fn detections_max(&self) -> usize {
-        room(self.tracks_max.saturating_mul(DETECTIONS_A_TRACK), DETECTIONS_MAX)
+        limited_capacity(self.tracks_max.saturating_mul(DETECTIONS_A_TRACK), DETECTIONS_MAX)
     }
 }
 
@@ -114,7 +116,7 @@ pub struct Tracker {
     tracks: Vec<Track, TRACKS_MAX>,
     next_id: u32,
     now: Option<Stamp>,
-    /// Tracks given up or not created, and detections that took no part, for want of room.
+    /// Tracks given up or not created, and detections that took no part, because the list was full.
     pub dropped: u32,
     /// Sweeps refused because they were older than the newest one.
     pub late: u32,
@@ -174,21 +176,21 @@ impl Tracker {
         };
         let excess = seen.detections.len().saturating_sub(self.parameters.detections_max());
         self.dropped = self.dropped.saturating_add(u32::try_from(excess).unwrap_or(u32::MAX));
-        let look = (seen.sensor, seen.stamp);
-        self.associate(look, (seen.detections, late_s));
+        let observation = (seen.sensor, seen.stamp);
+        self.associate(observation, (seen.detections, late_s));
         if late_s > 0.0 {
             return;
         }
         for (row, track) in self.tracks.iter_mut().enumerate() {
             if self.associator.detection_of(row).is_none() {
-                track.miss(look, visible(track.state.position), &self.parameters);
+                track.miss(observation, visible(track.state.position), &self.parameters);
             }
         }
         self.recall(seen.stamp);
         self.delete(seen.stamp);
         for (column, detection) in seen.detections.iter().enumerate().take(self.parameters.detections_max()) {
             if !self.associator.is_used(column) {
-                self.create(look, detection);
+                self.create(observation, detection);
             }
         }
         self.unite(seen.stamp);
@@ -237,7 +239,7 @@ impl Tracker {
         Some(0.0)
     }
 
-    /// Who is told as a person from now on may be somebody who was lost, or whose track went astray while unseen.
+    /// A person reported from now on may be one whose track was lost, or whose track went astray while unseen.
     // Not inlined, here and below: each frame is gone before the next one comes.
     #[inline(never)]
     fn recall(&mut self, stamp: Stamp) {
@@ -260,7 +262,7 @@ impl Tracker {
         }
     }
 
-    /// Pairs of track and detection that were not considered for want of room, since the start.
+    /// Pairs of track and detection that were not considered because the list was full, since the start.
     #[must_use]
     pub const fn dropped_pairs(&self) -> u32 {
         self.associator.dropped_pairs
@@ -275,7 +277,7 @@ impl Tracker {
     /// Gives detections to tracks by d² + ln|S|, so that an uncertain track does not win (book, Tracking: Gating). Only
     /// pairs within the gate take part.
     #[inline(never)]
-    fn associate(&mut self, look: (PeopleSensor, Stamp), (detections, late_s): (&[Detection], f32)) {
+    fn associate(&mut self, observation: (PeopleSensor, Stamp), (detections, late_s): (&[Detection], f32)) {
         self.associator.clear(self.parameters.tracks_max);
         let detections_max = self.parameters.detections_max();
         for row in 0..self.tracks.len().min(TRACKS_MAX) {
@@ -289,7 +291,7 @@ impl Tracker {
         for (row, track) in self.tracks.iter_mut().enumerate() {
             let seen = self.associator.detection_of(row).and_then(|column| detections.get(column));
             if let Some(detection) = seen {
-                track.see(look, (detection, late_s), self.parameters.sightings_min);
+                track.see(observation, (detection, late_s), self.parameters.sightings_min);
             }
         }
     }
@@ -312,7 +314,8 @@ impl Tracker {
         let near = !unseen || distance_m <= self.parameters.hidden_gate_m;
         let inside = distance2 <= gate * gate && near && track.is_expected();
         inside.then(|| {
-            let likeness = self.parameters.looks_share * track.appearance.likeness(&detection.appearance);
+            let likeness =
+                self.parameters.appearance_weight * track.appearance.likeness(&detection.appearance);
             distance2 + 2.0 * libm::logf(innovation_variance) - 2.0 * likeness
         })
     }
@@ -322,10 +325,10 @@ impl Tracker {
         self.tracks.retain_mut(|track| track.grow_old(stamp, &parameters));
     }
 
-    /// Out of room: the farthest track goes first, because near ones matter (book, Conventions: Running out of room).
+    /// Full: the farthest track is dropped first, because near ones matter (book, Conventions: Exceeded capacities).
     /// False if everybody is nearer than `distance_m`.
-    fn make_room(&mut self, distance_m: f32) -> bool {
-        if self.tracks.len() < room(self.parameters.tracks_max, TRACKS_MAX) {
+    fn free_slot(&mut self, distance_m: f32) -> bool {
+        if self.tracks.len() < limited_capacity(self.parameters.tracks_max, TRACKS_MAX) {
             return true;
         }
         self.dropped = self.dropped.saturating_add(1);
@@ -349,7 +352,7 @@ impl Tracker {
     }
 
     #[inline(never)]
-    fn create(&mut self, look: (PeopleSensor, Stamp), detection: &Detection) {
+    fn create(&mut self, observation: (PeopleSensor, Stamp), detection: &Detection) {
         let duplicate = self
             .tracks
             .iter()
@@ -358,14 +361,14 @@ impl Tracker {
         if duplicate {
             return;
         }
-        let fresh = Track::new(self.next_id, look, detection);
-        if self.make_room(detection.distance_m) && self.tracks.push(fresh).is_ok() {
+        let fresh = Track::new(self.next_id, observation, detection);
+        if self.free_slot(detection.distance_m) && self.tracks.push(fresh).is_ok() {
             self.next_id = self.next_id.wrapping_add(1).max(1);
         }
     }
 
-    /// Two tracks that no sensor saw both of late, and that go the same way at the same place, are one person in the
-    /// eyes of two sensors: the older one stays.
+    /// Two tracks that no sensor saw both of late, and that go the same way at the same place, are one person seen
+    /// by two sensors: the older one stays.
     fn unite(&mut self, now: Stamp) {
         let limit_m = self.parameters.duplicate_m;
         for row in 1..self.tracks.len().min(TRACKS_MAX) {

@@ -16,10 +16,10 @@ fn sighting(x_m: f32, y_m: f32) -> Detection {
     }
 }
 
-/// Numbers of those who are told, oldest first.
-fn told(tracker: &Tracker) -> std::vec::Vec<u32> {
-    let told = tracker.tracks().iter().filter(|track| track.status != TrackStatus::Hidden);
-    told.map(|track| track.id).collect()
+/// Identifiers of the reported tracks, oldest first.
+fn reported_ids(tracker: &Tracker) -> std::vec::Vec<u32> {
+    let reported_ids = tracker.tracks().iter().filter(|track| track.status != TrackStatus::Hidden);
+    reported_ids.map(|track| track.id).collect()
 }
 
 /// Two people meet head on and pass 0.8 m apart.
@@ -40,7 +40,7 @@ fn passing_people_keep_their_identity_with_both_associations() {
 }
 
 #[test]
-fn hidden_people_are_waited_for_and_absent_ones_are_not() {
+fn hidden_people_are_awaited_absent_ones_not() {
     for (visible, expected) in [(false, 1), (true, 0)] {
         let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
         for step in 0..20_u64 {
@@ -49,7 +49,7 @@ fn hidden_people_are_waited_for_and_absent_ones_are_not() {
         for step in 20..30_u64 {
             tracker.update(Stamp::from_micros(step * 100_000), &[], |_| visible);
         }
-        assert_eq!(told(&tracker).len(), expected, "visible {visible}");
+        assert_eq!(reported_ids(&tracker).len(), expected, "visible {visible}");
     }
 }
 
@@ -67,9 +67,9 @@ fn near_people_push_out_far_ones() {
     assert_eq!((tracker.tracks().len(), tracker.dropped), (TRACKS_MAX, 2));
 }
 
-/// A computer that repeats what the microcontroller does has the same room, and the same people fall out.
+/// A computer that repeats what the microcontroller does has the same capacity, and drops the same people.
 #[test]
-fn as_on_board_there_is_room_for_fewer() {
+fn board_profile_holds_fewer() {
     let mut tracker = std::boxed::Box::new(Tracker::new(TrackerParameters::AS_ON_BOARD));
     let at = |index: usize| sighting(3.0 + index as f32, 0.0);
     let crowd: std::vec::Vec<_> = (0..2 * TRACKS_ON_BOARD).rev().map(at).collect();
@@ -85,7 +85,7 @@ fn as_on_board_there_is_room_for_fewer() {
 
 /// A little late moves whom it fits, with more doubt, and begins nobody; much too late is refused.
 #[test]
-fn what_is_late_only_moves_and_what_is_too_late_is_refused_and_counted() {
+fn late_data_moves_tracks_too_late_is_refused() {
     let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
     tracker.update(Stamp::from_micros(400_000), &[sighting(3.0, 0.0)], |_| true);
     let before = tracker.tracks()[0].state;
@@ -122,7 +122,7 @@ fn sensors_share_their_tracks() {
 
 /// Misses of the scanner end a track only where it saw that person before and could see the place.
 #[test]
-fn a_sensor_misses_only_whom_it_knew_and_could_see() {
+fn sensor_misses_only_known_visible_people() {
     for (legs_before, visible, expected) in [(true, true, 0), (true, false, 1), (false, true, 1)] {
         let mut tracker = Tracker::new(TrackerParameters {
             coast_max_us: 9_000_000,
@@ -139,7 +139,7 @@ fn a_sensor_misses_only_whom_it_knew_and_could_see() {
         for scan in 0..40_u64 {
             take(&mut tracker, PeopleSensor::Scanner, 1_000_000 + scan * 40_000, &[], visible);
         }
-        assert_eq!(told(&tracker).len(), expected, "legs {legs_before}, visible {visible}");
+        assert_eq!(reported_ids(&tracker).len(), expected, "legs {legs_before}, visible {visible}");
     }
 }
 
@@ -147,14 +147,14 @@ fn a_sensor_misses_only_whom_it_knew_and_could_see() {
 /// cannot look, the scanner's word stands.
 #[test]
 fn legs_without_a_body_are_doubted() {
-    for (lidar_looks, is_person) in [(true, false), (false, true)] {
+    for (lidar_observes, is_person) in [(true, false), (false, true)] {
         let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
         let legs = Detection { sigma_m: 0.3, likeness: 0.9, ..sighting(2.0, 0.0) };
         for scan in 0..50_u64 {
             take(&mut tracker, PeopleSensor::Scanner, scan * 40_000, &[legs], true);
             if scan % 5 == 4 {
-                take(&mut tracker, PeopleSensor::Lidar, scan * 40_000 + 1, &[], lidar_looks);
-                take(&mut tracker, PeopleSensor::Lidar, scan * 40_000 + 2, &[], lidar_looks);
+                take(&mut tracker, PeopleSensor::Lidar, scan * 40_000 + 1, &[], lidar_observes);
+                take(&mut tracker, PeopleSensor::Lidar, scan * 40_000 + 2, &[], lidar_observes);
             }
         }
         let probability = tracker.tracks()[0].person_probability;
@@ -162,9 +162,9 @@ fn legs_without_a_body_are_doubted() {
     }
 }
 
-/// Two tracks that grow together, each in the eyes of one sensor only, are one person; those of one sensor are two.
+/// Two tracks that grow together, each seen by one sensor only, are one person; those of one sensor are two.
 #[test]
-fn one_person_in_the_eyes_of_two_sensors_is_one_track() {
+fn person_seen_by_two_sensors_is_one_track() {
     for (other, expected) in [(PeopleSensor::Scanner, 1), (PeopleSensor::Lidar, 2)] {
         let mut tracker = Tracker::new(TrackerParameters { gate: 0.5, ..TrackerParameters::DEFAULT });
         for step in 0..20_u64 {
@@ -186,7 +186,7 @@ fn one_person_in_the_eyes_of_two_sensors_is_one_track() {
 /// Somebody who vanished behind a column and comes out on its other side is the same person; somebody who appears
 /// too far away is not.
 #[test]
-fn who_returns_after_a_long_time_out_of_sight_is_known_again() {
+fn long_hidden_person_is_re_identified() {
     for (returns_at_m, expected) in [(3.5, 1), (12.0, 2)] {
         let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
         let stamp = |step: u64| Stamp::from_micros(step * 100_000);
@@ -201,14 +201,14 @@ fn who_returns_after_a_long_time_out_of_sight_is_known_again() {
             let along_m = returns_at_m + 0.1 * (step - 50) as f32;
             tracker.update(stamp(step), &[sighting(along_m, 3.0)], |_| true);
         }
-        assert_eq!(told(&tracker), [expected], "{returns_at_m}");
+        assert_eq!(reported_ids(&tracker), [expected], "{returns_at_m}");
     }
 }
 
 /// One walks, one stands, and both vanish: who appears three seconds later between them, nearer to where the other one
-/// stood, is the one whose way led there.
+/// stood, is the one whose path led there.
 #[test]
-fn who_walks_on_out_of_sight_is_expected_farther_along() {
+fn hidden_walker_is_expected_farther_along() {
     let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
     let stamp = |step: u64| Stamp::from_micros(step * 100_000);
     for step in 0..30 {
@@ -218,18 +218,19 @@ fn who_walks_on_out_of_sight_is_expected_farther_along() {
     for step in 30..60 {
         tracker.update(stamp(step), &[], |_| false);
     }
-    assert!(told(&tracker).is_empty());
+    assert!(reported_ids(&tracker).is_empty());
     for step in 60..64 {
         tracker.update(stamp(step), &[sighting(2.4 + 0.1 * (step - 60) as f32, 3.0)], |_| false);
     }
-    assert_eq!(told(&tracker), [1]);
+    assert_eq!(reported_ids(&tracker), [1]);
 }
 
-/// Nobody out of sight is taken for somebody who appears without being asked who it is.
+/// Nobody out of sight is matched with a new person before its re-identification.
 const ONLY_RECALL: TrackerParameters = TrackerParameters { hidden_gate_m: 0.0, ..TrackerParameters::DEFAULT };
 
-/// Two people, each from a place along x with a speed, are seen for two seconds, nobody for three, then one for half a second,
-/// who moves by `mps` along x from `from`: the number of that one. What is left of a way of 1 m/s leads 1.9 m ahead.
+/// Two people, each from a place along x with a speed, are seen for two seconds, nobody for three, then one for half a
+/// second, who moves by `mps` along x from `from`: the number of that one. The remainder of a walk at 1 m/s leads 1.9 m
+/// ahead.
 fn who_returns(two: [[f32; 3]; 2], (from, mps): ([f32; 2], f32)) -> u32 {
     let mut tracker = Tracker::new(ONLY_RECALL);
     let stamp = |step: u64| Stamp::from_micros(step * 100_000);
@@ -251,7 +252,7 @@ fn who_returns(two: [[f32; 3]; 2], (from, mps): ([f32; 2], f32)) -> u32 {
 /// Two who walk towards each other vanish; who comes out where both are expected, a little nearer to the one, is the one who
 /// walked that way.
 #[test]
-fn who_comes_out_is_who_walked_that_way() {
+fn reappearing_person_is_the_one_walking_there() {
     let two = [[-3.8, 4.4, 1.0], [3.8, 3.6, -1.0]];
     assert_eq!(who_returns(two, ([0.0, 3.9], 1.0)), 1);
     assert_eq!(who_returns(two, ([0.0, 4.1], -1.0)), 2);
@@ -259,7 +260,7 @@ fn who_comes_out_is_who_walked_that_way() {
 
 /// One walks 2 m behind the other: where the first one vanished, three seconds later, it is the one behind.
 #[test]
-fn who_walks_on_out_of_sight_has_walked_on() {
+fn hidden_walker_is_found_farther_along() {
     let two = [[-4.0, 4.0, 1.0], [-2.0, 4.0, 1.0]];
     assert_eq!(who_returns(two, ([-0.1, 4.0], 1.0)), 1);
     assert_eq!(who_returns(two, ([1.9, 4.0], 1.0)), 2);
@@ -277,14 +278,15 @@ fn two_are_known_again_at_the_same_time() {
     for step in 50..53 {
         tracker.update(stamp(step), &[sighting(4.1, 2.0), sighting(4.1, -2.0)], |_| true);
     }
-    let mut back = told(&tracker);
+    let mut back = reported_ids(&tracker);
     back.sort_unstable();
     assert_eq!(back, [1, 2]);
 }
 
-/// Who comes back half hidden looks like a thing at first: asked is when a person is told.
+/// Somebody who reappears half hidden resembles an object at first: re-identification runs when the track is
+/// reported as a person.
 #[test]
-fn who_looks_like_a_thing_at_first_is_known_again_too() {
+fn initially_object_like_person_is_re_identified() {
     let mut tracker = Tracker::new(ONLY_RECALL);
     let stamp = |step: u64| Stamp::from_micros(step * 100_000);
     for step in 0..20 {
@@ -303,14 +305,14 @@ fn who_looks_like_a_thing_at_first_is_known_again_too() {
             people.filter(|track| track.person_probability > 0.5).map(|track| track.id).collect();
         assert!(numbers.is_empty() || numbers == [1], "{step}: {numbers:?}");
     }
-    assert_eq!(told(&tracker), [1]);
-    assert_eq!(told(&other), [2], "a thing is nobody");
+    assert_eq!(reported_ids(&tracker), [1]);
+    assert_eq!(reported_ids(&other), [2], "an object is no person");
 }
 
-/// Who it is is asked once, when somebody is told: a stranger who turns round later and then goes as the lost one went stays a
-/// stranger.
+/// Re-identification runs once, when a track is reported as a person: a stranger who turns round later and then goes as
+/// the lost one went stays a stranger.
 #[test]
-fn a_stranger_does_not_become_somebody_else_later() {
+fn new_person_is_not_re_identified_later() {
     let mut tracker = Tracker::new(ONLY_RECALL);
     let stamp = |step: u64| Stamp::from_micros(step * 100_000);
     for step in 0..20 {
@@ -322,10 +324,10 @@ fn a_stranger_does_not_become_somebody_else_later() {
     let mut x_m = 6.0;
     let mut numbers = std::vec::Vec::new();
     for step in 50..90 {
-        // Against the lost one's way, slower, and then as it went.
+        // Against the lost one's heading, slower, and then as it went.
         x_m += (0.01 * (step - 50) as f32 - 0.15).min(0.1);
         tracker.update(stamp(step), &[sighting(x_m, 2.0)], |_| false);
-        numbers.extend(told(&tracker));
+        numbers.extend(reported_ids(&tracker));
     }
     numbers.dedup();
     assert_eq!(numbers, [2]);
@@ -348,7 +350,7 @@ fn a_doubtful_track_does_not_take_in_strangers() {
 }
 
 #[test]
-fn people_are_forgotten_and_make_room_first() {
+fn forgotten_people_free_their_slots_first() {
     let mut tracker = std::boxed::Box::new(Tracker::new(TrackerParameters::DEFAULT));
     let stamp = |step: u64| Stamp::from_micros(step * 100_000);
     for step in 0..10 {
@@ -365,14 +367,14 @@ fn people_are_forgotten_and_make_room_first() {
     assert!(other.tracks().is_empty());
     let crowd: std::vec::Vec<_> = (0..TRACKS_MAX).map(|index| sighting(5.0 + index as f32, 0.0)).collect();
     tracker.update(stamp(40), &crowd, |_| true);
-    assert_eq!((told(&tracker).len(), tracker.dropped), (TRACKS_MAX, 1));
+    assert_eq!((reported_ids(&tracker).len(), tracker.dropped), (TRACKS_MAX, 1));
 }
 
 /// Two people stand 2 m apart, out of sight for a second; then one of them stands between, nearer to the place of the
 /// other: clothes tell who it is.
 #[cfg(feature = "hosted")]
 #[test]
-fn clothes_tell_who_comes_back() {
+fn clothes_identify_who_comes_back() {
     let dressed = |y_m: f32, reflectivity: u8| {
         let mut shades = crate::people::appearance::Shades::default();
         for _ in 0..40 {
@@ -398,6 +400,6 @@ fn clothes_tell_who_comes_back() {
         let seen = tracker.tracks().iter().find(|track| track.last_seen == back).expect("somebody is back");
         seen.first_position.y_m
     };
-    assert!(who_is_back(TrackerParameters::WITHOUT_LOOKS) > 0.0, "the nearer one");
+    assert!(who_is_back(TrackerParameters::WITHOUT_APPEARANCE) > 0.0, "the nearer one");
     assert!(who_is_back(TrackerParameters::DEFAULT) < 0.0, "the brighter one");
 }

@@ -39,7 +39,7 @@ impl PeopleView {
         Self { sensor, stamp: Stamp::ZERO, detections: Vec::new(), open: OpenSpace::BLIND }
     }
 
-    /// Adds somebody; false if there is no room.
+    /// Adds a person; false if the list is full.
     pub fn add(&mut self, detection: Detection) -> bool {
         self.detections.push(detection).is_ok()
     }
@@ -49,7 +49,7 @@ impl PeopleView {
 #[derive(Clone, Debug)]
 pub(super) struct WaitingViews {
     views: Vec<PeopleView, VIEWS_WAITING>,
-    /// Views given to the tracker before their turn for want of room, since the start.
+    /// Views given to the tracker before their turn because the queue was full, since the start.
     pub(super) hurried: u32,
 }
 
@@ -58,14 +58,14 @@ impl WaitingViews {
         Self { views: Vec::new(), hurried: 0 }
     }
 
-    /// Lets a view wait. Without room the oldest one goes to the tracker at once.
+    /// Lets a view wait. When full, the oldest one goes to the tracker at once.
     pub(super) fn add(&mut self, view: &PeopleView, tracker: &mut Tracker) {
         if self.views.is_full() {
             self.hurried = self.hurried.saturating_add(1);
             self.give_first(tracker);
         }
         let place = self.views.iter().position(|other| other.stamp > view.stamp);
-        // There is room, and the place is within the list.
+        // The list is not full, and the place is within it.
         let _ = self.views.insert(place.unwrap_or(self.views.len()), view.clone());
     }
 
@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_waits_for_a_silent_lidar_and_room_is_bounded() {
+    fn silent_lidar_blocks_nothing_and_queue_is_bounded() {
         let mut tracker = Tracker::new(TrackerParameters::DEFAULT);
         let mut waiting = WaitingViews::new();
         for scan in 0..20_u64 {

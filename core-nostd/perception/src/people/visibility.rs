@@ -49,7 +49,7 @@ impl Visibility {
         *self = Self::new();
     }
 
-    /// What is known of the sector of a column of the lidar, to be told of its obstacles and given back.
+    /// The state of the sector of a column of the lidar, to be updated with its obstacles and stored again.
     pub(super) fn sector(&self, azimuth_cdeg: u16) -> Nearest {
         self.nearest.get(sector_of_cdeg(azimuth_cdeg)).copied().unwrap_or(Nearest::NOTHING)
     }
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_is_missed_behind_the_scanner_or_too_far_away() {
+    fn no_miss_behind_scanner_or_too_far() {
         let free = open(|_| None);
         assert!(free.is_visible(Point2::new(4.0, 1.0)));
         assert!(!free.is_visible(Point2::new(-2.0, 0.0)), "the scanner sees 270°");
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn who_is_hidden_or_in_a_dazzled_sector_is_not_missed() {
+    fn no_miss_when_hidden_or_dazzled() {
         let column = |bearing: f32| (bearing.abs() < 6.0).then_some(BeamReturn::Hit(1_500));
         assert!(!open(column).is_visible(Point2::new(4.0, 0.0)), "behind a column");
         assert!(open(column).is_visible(Point2::new(2.6, 0.0)), "the column itself may be the person");

@@ -1,9 +1,9 @@
-//! Connected things in the band of the legs, read row by row in fixed memory.
+//! Connected objects in the band of the legs, read row by row in fixed memory.
 //!
 //! Source: book, Depth people: Leg band. The published chain voxels the cloud, takes planes away and joins points
 //! within 10 cm, which joins two legs that stand side by side; here neighbours in the picture belong together unless
-//! their depths jump, so the floor seen between two legs keeps them apart, and a wall is one thing that is too wide for
-//! a leg.
+//! their depths jump, so the floor seen between two legs keeps them apart, and a wall is one object that is too wide
+//! for a leg.
 
 use super::floor_frame::{FloorFrame, FloorPoint};
 use super::parameters::RgbdParameters;
@@ -11,14 +11,14 @@ use floorguard_types::capacities::{FLOOR_IMAGE_COLUMNS_MAX, RGBD_LEG_PARTS_MAX};
 use floorguard_types::sensing::DepthImage;
 use floorguard_types::united_parts::{Absorb, UnitedParts};
 
-/// Pixels a row that are looked at.
+/// Pixels a row that are examined.
 const LATTICE_COLUMNS: usize = 320;
 /// Neighbours of one leg differ in depth by less than this and three standard deviations, metres.
 const DEPTH_STEP_M: f32 = 0.03;
 /// Heights beyond this many standard deviations are not floor.
 const SIGMAS: f32 = 4.0;
 
-/// A thing in the band.
+/// An object in the band.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BandPart {
     /// Least right, ahead and height, metres.
@@ -27,7 +27,7 @@ pub(super) struct BandPart {
     pub high_m: [f32; 3],
     /// Sums of right, ahead and depth, metres.
     pub sums_m: [f32; 3],
-    /// Pixels looked at.
+    /// Pixels examined.
     pub pixels: u32,
     /// Corner of its rectangle in the picture.
     pub first_px: [u16; 2],
@@ -67,7 +67,7 @@ struct Above {
 pub(super) struct Band {
     above: [Above; FLOOR_IMAGE_COLUMNS_MAX],
     parts: UnitedParts<BandPart, RGBD_LEG_PARTS_MAX>,
-    /// Parts for which there was no room.
+    /// Parts beyond the capacity.
     pub dropped: u32,
 }
 
@@ -131,8 +131,8 @@ impl Band {
         part.ok()
     }
 
-    /// The finished things.
-    pub(super) fn things(&self) -> impl Iterator<Item = &BandPart> {
+    /// The finished objects.
+    pub(super) fn parts(&self) -> impl Iterator<Item = &BandPart> {
         self.parts.finished()
     }
 }

@@ -16,7 +16,7 @@ const KERNEL: [f32; 4] = [0.175_401_2, 0.165_921_6, 0.140_446_3, 0.106_386_8];
 /// Heads are not nearer to each other than this, pixels of the crop: a third of a head.
 const APART: usize = 4;
 
-/// Local maxima of the outline, from the left; `dropped` counts those without room.
+/// Local maxima of the outline, from the left; `dropped` counts those beyond the capacity.
 pub(super) fn heads(crop: &Crop, size: [usize; 2], dropped: &mut u32) -> Vec<HeadPlace, RGBD_HEADS_MAX> {
     let [columns, rows] = size;
     let mut outline = [0.0_f32; RGBD_CROP_COLUMNS];

@@ -2,8 +2,8 @@
 //! what is unknown.
 //!
 //! Source: book, Depth people: Crops. The published code keeps a slab of depth; here a pixel belongs to the region when
-//! its place on the floor does, so whoever stands before or behind is not cut into. A pixel without depth, or with
-//! something nearer before it, is unknown: it may be body.
+//! its place on the floor does, so people before or behind are not cut into. A pixel without depth, or with something
+//! nearer before it, is unknown: it may be body.
 
 use super::floor_frame::FloorFrame;
 use super::parameters::UpperBodyRules;
@@ -18,7 +18,7 @@ pub(super) enum CropPixel {
     /// Out of view: outside of the picture, or hidden by something nearer.
     #[default]
     Outside,
-    /// Nobody knows: no return.
+    /// Unknown: no return.
     Unknown,
     /// Something behind or beside the region.
     Behind,

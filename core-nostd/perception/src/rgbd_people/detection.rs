@@ -45,7 +45,7 @@ pub struct RgbdDetection {
     pub last_px: [u16; 2],
 }
 
-/// Why candidates did not become people. Together with the list they account for everything that was looked at.
+/// Why candidates did not become people. Together with the list they account for everything that was examined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RgbdCounters {
@@ -65,11 +65,11 @@ pub struct RgbdCounters {
     pub no_silhouette: u32,
     /// Heads that are the same person as a better one.
     pub suppressed: u32,
-    /// Things in the band of the legs.
+    /// Objects in the band of the legs.
     pub leg_parts: u32,
     /// Of them shaped like a leg.
     pub leg_candidates: u32,
-    /// Whatever had no room: regions, heads, parts, people. There is more than the list says.
+    /// What was dropped: regions, heads, parts, people. There is more than the list says.
     pub dropped: u32,
 }
 
@@ -83,7 +83,7 @@ pub struct RgbdPeople {
 }
 
 impl RgbdPeople {
-    /// Adds a person; the farthest is given up when there is no room.
+    /// Adds a person; the farthest is given up when the list is full.
     pub(super) fn keep(&mut self, person: RgbdDetection) {
         if self.people.is_full() {
             self.counters.dropped = self.counters.dropped.saturating_add(1);

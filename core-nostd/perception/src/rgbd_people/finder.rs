@@ -76,7 +76,7 @@ impl RgbdPeopleFinder {
         Ok(found)
     }
 
-    /// Things of the shape of a leg in the last picture.
+    /// Objects of the shape of a leg in the last picture.
     #[must_use]
     pub fn legs(&self) -> &[LegCandidate] {
         &self.legs
@@ -86,7 +86,7 @@ impl RgbdPeopleFinder {
         self.legs.clear();
         self.band.read(&scene.image, &scene.frame, &scene.parameters);
         let last_row = u16::try_from(scene.image.height().saturating_sub(1)).unwrap_or(u16::MAX);
-        for part in self.band.things() {
+        for part in self.band.parts() {
             counters.leg_parts = counters.leg_parts.saturating_add(1);
             let Some(mut leg) = LegCandidate::of(part, &scene.parameters, last_row) else { continue };
             counters.leg_candidates = counters.leg_candidates.saturating_add(1);

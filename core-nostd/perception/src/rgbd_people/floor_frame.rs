@@ -102,7 +102,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_and_points_agree_and_the_floor_has_no_height() {
+    fn rows_match_points_and_floor_is_zero() {
         let camera = PinholeCamera::new([525.0, 525.0], [319.5, 239.5]).unwrap();
         let frame = FloorFrame::new(camera, Plane::of_mounting(0.55, 0.1).unwrap());
         let (by_row, by_point) = (frame.row(300).point(100, 2.0), frame.point(100.0, 300.0, 2.0));

@@ -17,7 +17,7 @@ pub(super) const GRID_CELLS: usize = GRID_COLUMNS * GRID_ROWS;
 pub(super) const CELLS_PER_M: f32 = 20.0;
 /// Half of the grid's width, metres.
 const HALF_WIDTH_M: f32 = 3.0;
-/// Pixels a row that are looked at: neighbours in a larger image fall into the same cells.
+/// Pixels a row that are examined: neighbours in a larger image fall into the same cells.
 const LATTICE_COLUMNS: usize = 320;
 /// Focal length for which the published weights were made, pixels.
 const PUBLISHED_FOCAL_PX: f32 = 525.0;
@@ -34,7 +34,7 @@ pub(super) fn cell_of(point: &FloorPoint) -> Option<usize> {
     inside.then_some(row as usize * GRID_COLUMNS + column as usize)
 }
 
-/// Every pixel that is looked at: column, row, depth in metres and place.
+/// Every pixel that is examined: column, row, depth in metres and place.
 pub(super) fn lattice<'a>(
     image: &DepthImage<'a>,
     frame: &FloorFrame,
@@ -169,7 +169,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_kernel_is_the_normal_curve_of_two_cells_and_sums_to_one() {
+    fn kernel_is_normal_and_sums_to_one() {
         let sum: f32 = KERNEL[0] + 2.0 * KERNEL[1..].iter().sum::<f32>();
         assert!((sum - 1.0).abs() < 1e-4, "{sum}");
         for (offset, tap) in KERNEL.iter().enumerate() {

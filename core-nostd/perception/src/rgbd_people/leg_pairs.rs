@@ -39,7 +39,7 @@ pub(super) fn pairs(scene: &Scene<'_>, legs: &Legs, grid: &FloorGrid) -> Vec<Rgb
             }
         }
         if let (Some(a), Some(b)) = (legs.get(first), legs.get(second)) {
-            let belief = if looks_above(scene, &middle(a, b)) { BELIEF[0] } else { BELIEF[1] };
+            let belief = if is_upright_above(scene, &middle(a, b)) { BELIEF[0] } else { BELIEF[1] };
             // There are at most half as many pairs as legs: a push cannot fail.
             let _ = people.push(detection(scene, a, b, belief));
         }
@@ -47,7 +47,7 @@ pub(super) fn pairs(scene: &Scene<'_>, legs: &Legs, grid: &FloorGrid) -> Vec<Rgb
     people
 }
 
-/// The closest pair that is none yet.
+/// The closest pair that is not joined yet.
 fn closest(
     scene: &Scene<'_>,
     legs: &Legs,
@@ -87,7 +87,7 @@ fn view_top_m(scene: &Scene<'_>, place: &FloorPoint) -> f32 {
     near.height_m + slope * (place.ahead_m - near.ahead_m) - BORDER_M
 }
 
-fn looks_above(scene: &Scene<'_>, place: &FloorPoint) -> bool {
+fn is_upright_above(scene: &Scene<'_>, place: &FloorPoint) -> bool {
     view_top_m(scene, place) >= scene.parameters.legs.body_min_m
 }
 

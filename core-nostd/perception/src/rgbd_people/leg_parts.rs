@@ -1,4 +1,4 @@
-//! Which things in the band are shaped like a leg, and the colours of each.
+//! Which objects in the band are shaped like a leg, and the colours of each.
 //!
 //! Source: book, Depth people: Leg candidates.
 
@@ -9,14 +9,14 @@ use floorguard_types::sensing::{ColorImage, DepthImage};
 
 /// Colours of the histogram: four steps each of red, green and blue.
 pub(super) const COLOURS: usize = 64;
-/// Fewest pixels of a leg among those that are looked at.
+/// Fewest pixels of a leg among those that are examined.
 const PIXELS_MIN: u32 = 12;
 /// A leg goes on above the band: its visible part ends at most this far below the band's upper border, metres.
 const UPPER_GAP_M: f32 = 0.06;
 /// Pixels of a leg lie within this of its box, metres.
 const BOX_MARGIN_M: f32 = 0.01;
 
-/// A thing of the shape of a leg.
+/// An object of the shape of a leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LegCandidate {
     /// Metres to the right of the camera's foot point and ahead of it.
@@ -36,7 +36,7 @@ pub struct LegCandidate {
 }
 
 impl LegCandidate {
-    /// A thing as a leg; `None` where the rules say no. `last_row` is the picture's last row.
+    /// An object as a leg; `None` where the rules say no. `last_row` is the picture's last row.
     pub(super) fn of(part: &BandPart, parameters: &RgbdParameters, last_row: u16) -> Option<Self> {
         let rules = parameters.legs;
         let ([lr, la, lowest], [hr, ha, highest]) = (part.low_m, part.high_m);

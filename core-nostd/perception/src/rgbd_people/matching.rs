@@ -124,7 +124,7 @@ fn fit_at(crop: &Crop, silhouette: &Silhouette, corner: (i16, i16)) -> Option<Fi
 }
 
 /// Depth of the middle block of 10 × 10 pixels: mean, then mean of what is near the mean. The published code takes the
-/// median, holes included, and skips whoever has holes there.
+/// median, holes included, and skips people with holes there.
 fn middle_depth_mm(crop: &Crop, column: usize, row: usize) -> Option<f32> {
     let mean_near = |around: f32, within: f32| {
         let (mut sum, mut count) = (0.0_f32, 0_u32);

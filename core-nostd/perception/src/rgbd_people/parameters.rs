@@ -10,8 +10,8 @@ pub struct UpperBodyRules {
     pub depth_m: [f32; 2],
     /// Heights above the floor of what is projected on it, metres (book, Depth people: Floor grid).
     pub heights_m: [f32; 2],
-    /// A column of the floor with something above this height is building or furniture, metres. Ours: without it whoever
-    /// stands at a wall is one region with it.
+    /// A column of the floor with something above this height is building or furniture, metres. Ours: without it a
+    /// person at a wall is one region with it.
     pub structure_m: f32,
     /// Occupied from this weight on. A pixel of a camera of 525 px focal length weighs its depth in metres, as published;
     /// beyond 5 m a fifth of the depth's square, so that a body at 7 m weighs what it does at 5 m. Published: 500.

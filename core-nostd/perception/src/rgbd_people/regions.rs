@@ -21,7 +21,7 @@ pub(super) struct Region {
     pub label: u8,
     /// Nearest row of cells: the farthest regions are given up first.
     nearest: u16,
-    /// Pixels looked at.
+    /// Pixels examined.
     pub pixels: u32,
     /// Corner of its rectangle in the picture.
     pub first_px: [usize; 2],
@@ -62,7 +62,7 @@ pub(super) struct Regions {
     labels: [u8; GRID_CELLS],
     patches: UnitedParts<Patch, RGBD_LABELS_MAX>,
     pub found: Vec<Region, RGBD_REGIONS_MAX>,
-    /// Labels and regions for which there was no room.
+    /// Labels and regions beyond the capacity.
     pub dropped: u32,
 }
 
@@ -160,15 +160,15 @@ impl Regions {
 
 /// Keeps a region among the nearest; false where that cost one, this or the farthest.
 fn keep(found: &mut Vec<Region, RGBD_REGIONS_MAX>, region: Region) -> bool {
-    let had_room = !found.is_full();
-    if !had_room {
+    let had_capacity = !found.is_full();
+    if !had_capacity {
         if found.last().is_some_and(|last| last.nearest <= region.nearest) {
             return false;
         }
         let _ = found.pop();
     }
     let place = found.iter().position(|other| other.nearest > region.nearest).unwrap_or(found.len());
-    found.insert(place, region).is_ok() && had_room
+    found.insert(place, region).is_ok() && had_capacity
 }
 
 /// Numbers of patches fit into a label.

@@ -182,7 +182,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_head_a_neck_and_shoulders_in_mirror_symmetry() {
+    fn head_neck_and_shoulders_are_symmetric() {
         let silhouette = Silhouette::default();
         let is_body = |pixel: &SilhouettePixel| pixel.depth > 0.0;
         let widths = silhouette.rows().map(|row| row.iter().filter(|pixel| is_body(pixel)).count());

@@ -13,7 +13,7 @@ const SAME_PLACE_M: f32 = 0.3;
 /// Candidates, best first.
 pub(super) type Candidates = Vec<RgbdDetection, RGBD_CANDIDATES_MAX>;
 
-/// Adds a candidate in the order of its score; the worst is given up when there is no room. True if one was given up.
+/// Adds a candidate in the order of its score; the worst is given up when the list is full. True if one was given up.
 pub(super) fn enlist(candidates: &mut Candidates, candidate: RgbdDetection) -> bool {
     let is_full = candidates.is_full();
     if is_full {

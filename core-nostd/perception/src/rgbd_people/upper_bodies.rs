@@ -22,7 +22,7 @@ const POSE_M: [f32; 2] = [0.07, 0.05];
 const BODY_M: [f32; 2] = [1.1, 1.95];
 /// Below this height a body has a child's proportions, metres.
 const CHILD_M: f32 = 1.35;
-/// Fewest pixels of a region, of those that are looked at.
+/// Fewest pixels of a region, of those that are examined.
 const PIXELS_MIN: u32 = 60;
 
 /// Working memory of the search.

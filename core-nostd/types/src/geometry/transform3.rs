@@ -99,7 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn yaw_turns_forward_to_left_and_pitch_dips_it() {
+    fn yaw_turns_left_and_pitch_dips() {
         let quarter = core::f32::consts::FRAC_PI_2;
         let yawed = Transform3::from_mounting(Point3::new(0.0, 0.0, 0.8), 0.0, 0.0, quarter);
         let p = yawed.transform(Point3::new(1.0, 0.0, 0.0));

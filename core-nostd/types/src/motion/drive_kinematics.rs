@@ -84,7 +84,7 @@ impl Pose2 {
     #[must_use]
     pub fn after(self, twist: Twist2, period_s: f32) -> Self {
         let turn_rad = twist.angular_radps * period_s;
-        let way_m = twist.linear_mps * period_s;
+        let path_m = twist.linear_mps * period_s;
         // The chord of the arc; sin(x)/x by its series where x is small.
         let half_rad = 0.5 * turn_rad;
         let ratio = if libm::fabsf(half_rad) < 1.0e-2 {
@@ -93,7 +93,7 @@ impl Pose2 {
             libm::sinf(half_rad) / half_rad
         };
         let (sin, cos) = libm::sincosf(self.heading_rad + half_rad);
-        let chord_m = way_m * ratio;
+        let chord_m = path_m * ratio;
         Self::new(self.x_m + chord_m * cos, self.y_m + chord_m * sin, self.heading_rad + turn_rad)
     }
 }

@@ -1,7 +1,7 @@
 //! A depth image as the camera delivers it: whole millimetres, 0 where nothing came back.
 //!
-//! The pixels stay with whoever received them; an image is a checked view, so no stage has to ask again whether the
-//! size fits. What did not come back is unknown, never far away and never floor.
+//! The pixels stay with their receiver; an image is a checked view, so no stage has to ask again whether the size
+//! fits. What did not come back is unknown, never far away and never floor.
 
 use super::frame_watch::fingerprint;
 use super::image_size::{ImageView, WrongImageSize};
@@ -91,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_cut_or_empty_image_is_refused_with_its_size() {
+    fn cut_or_empty_image_is_refused() {
         let pixels = [0_u16, 700, 800, 900, 1_000, 1_100];
         let image = DepthImage::new(Stamp::ZERO, (3, 2), &pixels).unwrap();
         assert_eq!((image.width(), image.height(), image.returns()), (3, 2, 5));

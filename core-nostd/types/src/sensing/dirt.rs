@@ -41,7 +41,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_count_wraps_and_a_restart_is_no_count() {
+    fn count_wraps_and_restart_counts_nothing() {
         let reading = |count| DirtReading { count, ..DirtReading::default() };
         assert_eq!(reading(3).hits_since(&reading(65_534)), Some(5));
         assert_eq!(reading(7).hits_since(&reading(7)), Some(0));

@@ -97,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frozen_late_and_future_frames_are_told() {
+    fn frozen_late_and_future_frames_are_reported() {
         let mut watch = FrameWatch::NEW;
         let at = Stamp::from_micros;
         let picture = |value: u64| fingerprint([7, value].into_iter());

@@ -7,10 +7,12 @@ use heapless::Vec;
 use crate::capacities::{PACKET_COLUMNS_MAX, PACKET_RINGS_MAX};
 use crate::time::Stamp;
 
-/// Calibrated reflectivity per ring. Only hosted: no stage on the MCU asks for it, and there it takes no room.
+/// Calibrated reflectivity per ring. Only hosted: no stage on the MCU asks for it, and there it takes no
+/// memory.
 #[cfg(feature = "hosted")]
 pub type Reflectivity<const RINGS: usize> = [u8; RINGS];
-/// Calibrated reflectivity per ring. Only hosted: no stage on the MCU asks for it, and there it takes no room.
+/// Calibrated reflectivity per ring. Only hosted: no stage on the MCU asks for it, and there it takes no
+/// memory.
 #[cfg(not(feature = "hosted"))]
 pub type Reflectivity<const RINGS: usize> = [u8; 0];
 
@@ -83,7 +85,7 @@ impl LidarPacket {
     /// Becomes equal to another one without a copy on the way.
     pub fn copy_from(&mut self, other: &Self) {
         (self.stamp, self.range_unit_mm, self.rings) = (other.stamp, other.range_unit_mm, other.rings);
-        // The same capacity: always room.
+        // The same capacity: it always fits.
         let _ = self.columns.resize(other.columns.len(), LidarColumn::SILENT);
         for (to, from) in self.columns.iter_mut().zip(&other.columns) {
             *to = *from;

@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn a_beam_that_says_nothing_is_behind_nothing() {
+    fn beam_without_return_hides_nothing() {
         assert!(BeamReturn::Hit(700).is_behind(500, 700) && !BeamReturn::Hit(699).is_behind(500, 700));
         assert!(BeamReturn::Hit(500).is_behind(500, 0) && !BeamReturn::Hit(499).is_behind(500, 0));
         assert!(BeamReturn::Free(500).is_behind(500, 700) && !BeamReturn::Free(499).is_behind(500, 0));

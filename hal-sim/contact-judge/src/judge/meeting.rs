@@ -20,7 +20,7 @@ impl ContactJudge {
         match found {
             Found::Apart => {}
             Found::End => {
-                self.corridor.look(step.at_s, key, None);
+                self.corridor.observe(step.at_s, key, None);
                 let open = self.open.remove(&key);
                 if let Some(contact) = open.and_then(|open| self.contacts.get_mut(open.at)) {
                     contact.until_s = step.at_s;
@@ -57,17 +57,17 @@ impl ContactJudge {
             return None;
         }
         let wheel_mps = self.brakes.wheel_mps(step.motion);
-        let way_m = self.brakes.stopping_m(wheel_mps) + wheel_mps * BUMPER_S + STANDS_WITHIN_M;
-        self.track.at(step.at_s).map(|now| now.way_m + f64::from(way_m))
+        let path_m = self.brakes.stopping_m(wheel_mps) + wheel_mps * BUMPER_S + STANDS_WITHIN_M;
+        self.track.at(step.at_s).map(|now| now.path_m + f64::from(path_m))
     }
 
     /// A contact that has begun before.
     fn goes_on(&mut self, (open, key): (Open, Key), now: Contact, nearest: &Nearest) {
-        let way_m = self.track.at(now.at_s).map_or(0.0, |now| now.way_m);
+        let path_m = self.track.at(now.at_s).map_or(0.0, |now| now.path_m);
         let Some(known) = self.contacts.get_mut(open.at) else { return };
         known.until_s = now.at_s;
         known.depth_m = known.depth_m.max(now.depth_m);
-        known.went_on |= open.stands_at_m.is_some_and(|stands_at_m| way_m > stands_at_m);
+        known.went_on |= open.stands_at_m.is_some_and(|stands_at_m| path_m > stands_at_m);
         // Somebody leans against the standing robot, and it moves towards them.
         let pushes = now.kind != ContactKind::WalkedIntoStanding && now.robot_closing_mps > PUSHES_MPS;
         if known.kind == ContactKind::WalkedIntoStanding && pushes {

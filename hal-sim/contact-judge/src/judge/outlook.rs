@@ -14,18 +14,18 @@ impl ContactJudge {
         let Moment { at_s, pose, motion, people } = *moment;
         let corridor = Corridor { pose, motion, brakes: &self.brakes };
         let (reach_m, is_empty) = (corridor.reach_m(&self.body), corridor.is_empty());
-        let way = WayAhead::new(pose, motion, (&self.brakes, &self.body));
+        let path = WayAhead::new(pose, motion, (&self.brakes, &self.body));
         let (mut inside, mut has_reason) = (Vec::new(), false);
         for (index, standing) in self.things.iter().enumerate() {
             let key = Key::Thing(index);
             let gap_m = self.detector.gap_min_m(key);
             let is_there = standing.thing.from_s <= at_s;
-            if !is_there || gap_m > reach_m.max(way.reach_m) {
+            if !is_there || gap_m > reach_m.max(path.reach_m) {
                 continue;
             }
             let is_drop = standing.thing.kind == ThingKind::Drop;
             let body = self.wheels.as_ref().filter(|_| is_drop).unwrap_or(&self.body);
-            has_reason |= way.is_near(body, core::slice::from_ref(&standing.placed));
+            has_reason |= path.is_near(body, core::slice::from_ref(&standing.placed));
             let solids = core::iter::once(&standing.placed);
             if !is_empty && !self.open.contains_key(&key) && gap_m <= reach_m && corridor.meets(body, solids)
             {
@@ -36,11 +36,11 @@ impl ContactJudge {
             let key = Key::Person(person.id);
             let [x, y] = person.middle_m();
             let far_m = libm::hypotf(x - pose.x_m, y - pose.y_m) - self.body.radius_m() - 1.3;
-            if far_m > way.reach_m.max(reach_m) + 3.0 {
+            if far_m > path.reach_m.max(reach_m) + 3.0 {
                 continue;
             }
             let solids: Vec<Placed> = person.limbs.iter().map(|limb| limb.solid.placed()).collect();
-            has_reason |= self.is_reason(pose, (person, &solids), &way);
+            has_reason |= self.is_reason(pose, (person, &solids), &path);
             if !is_empty && !self.open.contains_key(&key) && corridor.meets(&self.body, solids.iter()) {
                 inside.push(key);
             }
@@ -52,22 +52,22 @@ impl ContactJudge {
     }
 
     /// Somebody is near, or will be near the way within the next seconds.
-    fn is_reason(&self, pose: RobotPose, (person, solids): (&Person, &[Placed]), way: &WayAhead) -> bool {
+    fn is_reason(&self, pose: RobotPose, (person, solids): (&Person, &[Placed]), path: &WayAhead) -> bool {
         let robot = pose.placed();
         let is_near = solids.iter().any(|solid| self.body.distance_m(&robot, solid) < PERSON_M);
         let later = |ahead_s: f32| -> Vec<Placed> {
             person.after(ahead_s).limbs.iter().map(|limb| limb.solid.placed()).collect()
         };
-        is_near || [0.0, 0.5, 1.0, 1.5, 2.0, 2.5].iter().any(|s| way.is_near(&self.body, &later(*s)))
+        is_near || [0.0, 0.5, 1.0, 1.5, 2.0, 2.5].iter().any(|s| path.is_near(&self.body, &later(*s)))
     }
 
     fn note_corridor(&mut self, at_s: f64, inside: &[Key], wheel_mps: f32) {
         let gone: Vec<Key> = self.corridor.known().filter(|key| !inside.contains(key)).collect();
         for key in gone {
-            self.corridor.look(at_s, key, None);
+            self.corridor.observe(at_s, key, None);
         }
         for key in inside {
-            let Some(since_s) = self.corridor.look(at_s, *key, Some((wheel_mps, &self.brakes))) else {
+            let Some(since_s) = self.corridor.observe(at_s, *key, Some((wheel_mps, &self.brakes))) else {
                 continue;
             };
             let point_m = self.point_of(*key);
@@ -100,10 +100,10 @@ impl ContactJudge {
             self.job.next_place().map_or(pose.heading_rad, |[x, y]| libm::atan2f(y - pose.y_m, x - pose.x_m));
         let towards = RobotPose { heading_rad, ..pose };
         let forward = RobotMotion { forward_mps: 1.0, turn_radps: 0.0 };
-        let ways = (0..=6_u8).map(|step| towards.after(forward, FREE_WAY_M.0 * f32::from(step) / 6.0));
-        let ways: Vec<RobotPose> = ways.chain([pose]).collect();
+        let paths = (0..=6_u8).map(|step| towards.after(forward, FREE_WAY_M.0 * f32::from(step) / 6.0));
+        let paths: Vec<RobotPose> = paths.chain([pose]).collect();
         let is_near = |solid: &Placed| {
-            ways.iter().any(|pose| self.body.distance_m(&pose.placed(), solid) < FREE_WAY_M.1)
+            paths.iter().any(|pose| self.body.distance_m(&pose.placed(), solid) < FREE_WAY_M.1)
         };
         let thing = self.things.iter().find(|standing| is_near(&standing.placed));
         let person = || {

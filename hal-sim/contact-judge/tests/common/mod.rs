@@ -112,6 +112,6 @@ pub fn straight(forward_mps: f32) -> impl Fn(f32) -> RobotMotion {
     move |_| RobotMotion { forward_mps, turn_radps: 0.0 }
 }
 
-pub fn nobody(_: f32) -> Vec<Person> {
+pub fn no_people(_: f32) -> Vec<Person> {
     Vec::new()
 }

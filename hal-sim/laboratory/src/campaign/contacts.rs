@@ -206,7 +206,7 @@ impl ContactSummary {
         );
         let _ = writeln!(
             text,
-            "  with people {} (of these driven into {}), with things {}, over edges {}; beyond the limits of a short impact {}",
+            "  with people {} (of these driven into {}), with objects {}, over edges {}; beyond the limits of a short impact {}",
             counts.people_while_moving,
             counts.drove_into_people,
             counts.drove_into_things,
@@ -240,7 +240,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_are_written_and_read_and_a_trial_counts_once() {
+    fn rows_round_trip_and_trials_count_once() {
         let mut row = ContactRow::begun(7, 3);
         row.counts.drove_into_things = 2;
         row.moving_s = [10.0, 4.0, 1.0];

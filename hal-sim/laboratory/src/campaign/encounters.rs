@@ -1,4 +1,4 @@
-//! Random encounters: people cross the robot's way without looking, packets get lost.
+//! Random encounters: people cross the robot's path without looking, packets get lost.
 
 use floorguard_sim::FaultSpec;
 

@@ -1,4 +1,4 @@
-//! The twenty classes of faults, and how each looks at each source.
+//! The twenty classes of faults, and what each is at each source.
 
 use floorguard_types::random::Pcg32;
 
@@ -53,8 +53,9 @@ pub const fn is_computer(source: usize) -> bool {
     source >= TASKS
 }
 
-/// The class can happen at the source. Process data on the bus carry no stamp; only what looks can be blinded; tasks
-/// can be slow or stand, and the whole computer can lose its power; outputs are stuck where the computer speaks.
+/// The class can happen at the source. Process data on the bus carry no stamp; only sensors of light can be blinded;
+/// tasks can be slow or stand, and the whole computer can lose its power; outputs are stuck where the computer
+/// speaks.
 #[must_use]
 pub fn is_possible(class: usize, source: usize) -> bool {
     let (device, command) = (source < DEVICES, SOURCES[source] == "commands");
@@ -115,7 +116,7 @@ mod tests {
     use floorguard_sim::FaultSpec;
 
     #[test]
-    fn every_class_happens_somewhere_and_every_text_is_understood() {
+    fn every_class_occurs_and_every_text_parses() {
         let mut random = Pcg32::new(1, 1);
         for (class, name) in CLASSES.iter().enumerate() {
             assert!((0..SOURCES.len()).any(|source| is_possible(class, source)), "{name}");

@@ -11,7 +11,7 @@ use super::fault_phase::{self, PHASES, PhaseRun};
 use super::summary::RunOutcome;
 use super::{watched, watched_by};
 use crate::world::{Observation, Plan};
-use floorguard_operator::telemetry::{Tape, Witnesses};
+use floorguard_operator::telemetry::{RunSinks, Tape};
 use floorguard_robot::assembly::Stages;
 
 /// A cell of the matrix: indices of class, source and phase.
@@ -117,7 +117,7 @@ pub fn fault_trial(seed: u64, trial: u64) -> (Cell, RunOutcome) {
     }
 }
 
-/// Plays one trial with the stages of the microcontroller, and gives the tape of all that the robot was told.
+/// Plays one trial with the stages of the microcontroller, and gives the tape of all input of the robot.
 ///
 /// `None` where the fault is in the computer itself: a tape holds only what comes from outside.
 #[must_use]
@@ -131,12 +131,12 @@ pub fn taped_fault_trial(seed: u64, trial: u64) -> Option<(Cell, RunOutcome, Vec
         Err(broken) => return Some((cell, *broken, Vec::new())),
     };
     trial.run.plan.stages = Stages::AsOnBoard;
-    // Most of the time goes into the emulator: the board is told every firing.
+    // Most of the time goes into the emulator: the board receives every firing.
     trial.run.plan.lidar_grain = 1;
-    let mut witnesses = Witnesses::default();
-    witnesses.tape = Tape::new(&trial.run.plan.robot, trial.run.plan.duration_us);
-    let seen = watched_by(&trial.run.plan, &mut witnesses);
-    Some((cell, trial.outcome(seen), witnesses.tape.finish()))
+    let mut sinks = RunSinks::default();
+    sinks.tape = Tape::new(&trial.run.plan.robot, trial.run.plan.duration_us);
+    let seen = watched_by(&trial.run.plan, &mut sinks);
+    Some((cell, trial.outcome(seen), sinks.tape.finish()))
 }
 
 /// How often each cell was run, as a table: a row for each class, a column for each source, `-` where the class cannot
@@ -182,13 +182,13 @@ mod tests {
 
     /// A robot that rolls under the fault is held against a run without any: its own would excuse it.
     #[test]
-    fn who_must_stand_is_held_against_a_run_without_the_fault() {
+    fn required_standstill_is_compared_without_the_fault() {
         let trial = (0..).map(|trial| draw(2, trial).expect("a trial"));
         let trial = trial.into_iter().find(|trial| PHASES[trial.cell.2] == "hold").expect("a trial");
         assert_eq!((trial.run.plan.faults.len(), undisturbed(&trial.run.plan).faults.len()), (1, 0));
         let mut rolls = Observation::default();
         rolls.verdict.passed = true;
-        rolls.robot_way = (0..44_u8).map(|step| Pose2::new(f32::from(step), 0.0, 0.0)).collect();
+        rolls.robot_path = (0..44_u8).map(|step| Pose2::new(f32::from(step), 0.0, 0.0)).collect();
         let judge = move || trial.outcome(Ok(rolls)).failure;
         let judge = std::thread::Builder::new().stack_size(32 << 20).spawn(judge).expect("a thread");
         assert!(judge.join().expect("no panic").is_some_and(|failure| failure.contains("rolled 15.00 m")));

@@ -8,9 +8,9 @@ use crate::world::{Observation, Plan, PlanError};
 /// Phases.
 pub const PHASES: [&str; 5] = ["start", "cruise", "approach", "hold", "operator"];
 
-/// A box stands in the way, and stays.
+/// A box stands on the path, and stays.
 const HOLD: &str = r#"
-title = "something stands in the way"
+title = "an object on the path"
 [route]
 speed_mps = 0.8
 waypoints_m = [[12.0, 0.0]]
@@ -69,7 +69,7 @@ pub fn draw(phase: usize, seed: u64, random: &mut Pcg32) -> Result<PhaseRun, Pla
     let to_ds = from_ds + lasts_ds;
     let duration_us = (to_ds + after_ds).max(if PHASES[phase] == "operator" { 85 } else { 0 }) * 100_000;
     let mut plan = match scenario {
-        "hold" => box_in_the_way(seed, duration_us)?,
+        "hold" => box_on_path(seed, duration_us)?,
         name => Plan::named(name, seed, duration_us)?,
     };
     plan.lidar_grain = LIDAR_GRAIN;
@@ -83,7 +83,7 @@ pub fn draw(phase: usize, seed: u64, random: &mut Pcg32) -> Result<PhaseRun, Pla
 ///
 /// # Errors
 /// The scenario is broken.
-pub fn box_in_the_way(seed: u64, duration_us: u64) -> Result<Plan, PlanError> {
+pub fn box_on_path(seed: u64, duration_us: u64) -> Result<Plan, PlanError> {
     Plan::of("hold", Scenario::from_toml(HOLD)?, seed, duration_us)
 }
 
@@ -101,20 +101,20 @@ impl PhaseRun {
             return Some(verdict.why_not());
         }
         let (from_s, to_s) = self.stands_s?;
-        let rolled_m = seen.way_m(from_s, to_s);
+        let rolled_m = seen.path_m(from_s, to_s);
         if rolled_m <= ROLLS_M {
             return None;
         }
         let anyway_m = match undisturbed() {
-            Ok(twin) => twin.way_m(from_s, to_s),
+            Ok(twin) => twin.path_m(from_s, to_s),
             Err(error) => return Some(format!("without the fault: {error}")),
         };
-        let told = || {
+        let reported = || {
             format!(
                 "it rolled {rolled_m:.2} m between {from_s} s and {to_s} s, without the fault {anyway_m:.2} m"
             )
         };
-        (rolled_m > anyway_m + ROLLS_M).then(told)
+        (rolled_m > anyway_m + ROLLS_M).then(reported)
     }
 }
 
@@ -124,23 +124,23 @@ mod tests {
     use floorguard_types::geometry::Pose2;
 
     #[test]
-    fn a_robot_that_rolls_while_it_must_stand_fails_and_a_run_may_end_before() {
+    fn rolling_during_required_standstill_fails() {
         let mut random = Pcg32::new(3, 3);
         let run = draw(3, 5, &mut random).expect("a plan");
         let mut seen = Observation::default();
         seen.verdict.passed = true;
         // Ten seconds at a quarter of a second, from 7.5 s on at 0.4 m/s.
         let place = |step: u16| Pose2::new(f32::from(step.saturating_sub(30)) * 0.1, 0.0, 0.0);
-        seen.robot_way = (0..40).map(place).collect();
+        seen.robot_path = (0..40).map(place).collect();
         let judge = |seen: &Observation, twin: &Observation| run.judge(seen, || Ok(twin.clone()));
         let mut stands = seen.clone();
-        stands.robot_way.iter_mut().for_each(|pose| pose.x_m = 1.0);
+        stands.robot_path.iter_mut().for_each(|pose| pose.x_m = 1.0);
         assert!(judge(&seen, &stands).is_some_and(|failure| failure.contains("rolled 0.90 m")));
         assert_eq!(judge(&stands, &stands), None);
         // What it does without the fault, too, is not the fault's; what it does beyond that is.
         assert_eq!(judge(&seen, &seen), None);
         let mut nearer = stands.clone();
-        nearer.robot_way.iter_mut().skip(30).for_each(|pose| pose.x_m += 0.08);
+        nearer.robot_path.iter_mut().skip(30).for_each(|pose| pose.x_m += 0.08);
         assert!(judge(&seen, &nearer).is_some_and(|failure| failure.contains("without the fault 0.08 m")));
         assert_eq!(judge(&nearer, &nearer), None);
         assert!(
@@ -150,9 +150,9 @@ mod tests {
 
     /// Seed 2 of the campaign, trial 82214: the robot came nearer to the box at 7.4 s, and the fault began at 7.7 s.
     #[test]
-    fn a_robot_that_comes_nearer_before_the_fault_begins_does_not_fail() {
+    fn approach_before_the_fault_does_not_fail() {
         let play = || {
-            let mut plan = box_in_the_way(1_259_538_087, 11_000_000).expect("a plan");
+            let mut plan = box_on_path(1_259_538_087, 11_000_000).expect("a plan");
             plan.lidar_grain = LIDAR_GRAIN;
             crate::campaign::watched(&plan).expect("a run")
         };
@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_goes_on_until_the_robot_had_time_to_return() {
+    fn run_continues_until_the_robot_could_return() {
         for (phase, name) in PHASES.iter().enumerate() {
             for seed in 0..20 {
                 let run = draw(phase, seed, &mut Pcg32::new(seed, 61)).expect("a plan");

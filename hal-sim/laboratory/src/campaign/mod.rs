@@ -12,13 +12,13 @@ pub use contacts::{ContactRow, ContactSummary, contact_plan, contact_trial, cont
 pub use encounters::encounter;
 pub use fault_class::random_fault;
 pub use fault_matrix::{Cell, cell_of, cells, coverage, fault_trial, name, taped_fault_trial};
-pub use fault_phase::box_in_the_way;
+pub use fault_phase::box_on_path;
 pub use single_faults::single_fault;
 pub use summary::{CampaignSummary, RunOutcome, run_all, run_some};
 
 use crate::world::{Observation, Observer, Plan, run_recorded};
 use floorguard_host::executor::StopFlag;
-use floorguard_operator::telemetry::Witnesses;
+use floorguard_operator::telemetry::RunSinks;
 
 /// Large state is moved by value when a run begins.
 const STACK_BYTES: usize = 32 << 20;
@@ -33,18 +33,18 @@ pub fn played(plan: &Plan) -> anyhow::Result<Observation> {
 
 /// Plays a plan without showing anything.
 fn watched(plan: &Plan) -> anyhow::Result<Observation> {
-    watched_by(plan, &mut Witnesses::default())
+    watched_by(plan, &mut RunSinks::default())
 }
 
-/// The same, with witnesses.
-fn watched_by(plan: &Plan, witnesses: &mut Witnesses) -> anyhow::Result<Observation> {
+/// The same, with run sinks.
+fn watched_by(plan: &Plan, sinks: &mut RunSinks) -> anyhow::Result<Observation> {
     let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
     let mut observer = Observer::new(plan, &mut show);
-    run_recorded(plan, &mut observer, witnesses)?;
+    run_recorded(plan, &mut observer, sinks)?;
     Ok(observer.into_observation())
 }
 
-/// Runs cases on all cores, on threads with room for the robot's state.
+/// Runs cases on all cores, on threads whose stacks hold the robot's state.
 ///
 /// # Errors
 /// The system gives no threads.

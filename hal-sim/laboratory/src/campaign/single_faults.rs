@@ -9,7 +9,7 @@ use crate::world::{Observation, Plan};
 
 const DURATION_S: u64 = 20;
 /// The robot must stand this long after a fault that leaves it without a source: deadline 0.3 s, response 0.15 s,
-/// 1.25 s of braking from full speed, and a quarter of a second between two looks.
+/// 1.25 s of braking from full speed, and a quarter of a second between two samples.
 const STANDS_AFTER_S: f64 = 2.0;
 /// It may still roll this far, metres.
 const ROLLS_M: f32 = 0.05;
@@ -93,7 +93,7 @@ impl Case {
             return Some(format!("{wrong} is named as faulty and was not"));
         }
         // From when it must stand to the end of the fault.
-        let rolled_m = seen.way_m(self.from_s as f64 + STANDS_AFTER_S, self.to_s as f64);
+        let rolled_m = seen.path_m(self.from_s as f64 + STANDS_AFTER_S, self.to_s as f64);
         match self.expected {
             Expected::Stands if rolled_m > ROLLS_M => {
                 Some(format!("it rolled {rolled_m:.2} m under the fault"))

@@ -90,7 +90,7 @@ mod tests {
     use floorguard_host::executor::StopFlag;
 
     #[test]
-    fn failures_keep_their_command_and_the_order_of_the_cases() {
+    fn failures_keep_command_and_case_order() {
         let cases: Vec<u32> = (0..100).collect();
         let summary = run_all(&cases, |case| RunOutcome {
             command: format!("floorguard simulate --seed {case}"),
@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_begins_any_more_when_somebody_has_ended_it() {
+    fn ended_campaign_starts_nothing() {
         let ended = StopFlag::default();
         let run = |seed: u64| {
             if seed == 0 {

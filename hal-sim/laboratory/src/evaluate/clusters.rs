@@ -11,7 +11,7 @@ use super::frames::{capture_frames, standing_context};
 use floorguard_host::outcome::BadInput;
 use floorguard_robot::picture_files::{numbers, read_text};
 
-/// A claim farther than this from a person of the key is another thing, metres (book, Tracking: Metrics).
+/// A claim farther than this from a person of the key is another object, metres (book, Tracking: Metrics).
 const GATE_M: f32 = 0.5;
 /// Farther away neither key nor claims count, metres: the keys end there too.
 const RANGE_MAX_M: f32 = 12.0;
@@ -35,7 +35,7 @@ pub struct ClustersReport {
     pub recall: f64,
     /// Harmonic mean of both.
     pub f1: f64,
-    /// Share of the key's people where a thing of any kind was found.
+    /// Share of the key's people where an object of any kind was found.
     pub clustered: f64,
     /// Claims a frame that the key does not know.
     pub other_claims_per_frame: f64,
@@ -80,9 +80,10 @@ pub fn clusters(capture: &Path, key: &Path) -> anyhow::Result<ClustersReport> {
             .map(|track| track.state.position)
             .filter(|position| position.norm() < RANGE_MAX_M)
             .collect();
-        let things = output.clusters.iter().map(|thing| Point2::new(thing.centroid.x_m, thing.centroid.y_m));
-        let things: Vec<Point2> = things.collect();
-        clustered += pairs(wanted, &things).len() as u64;
+        let centroids =
+            output.clusters.iter().map(|cluster| Point2::new(cluster.centroid.x_m, cluster.centroid.y_m));
+        let centroids: Vec<Point2> = centroids.collect();
+        clustered += pairs(wanted, &centroids).len() as u64;
         let found = pairs(wanted, &claims);
         error_m += found.iter().map(|distance_m| f64::from(*distance_m)).sum::<f64>();
         report.frames += 1;

@@ -112,7 +112,7 @@ mod tests {
 
     /// A covered camera says nothing of dirt: its frame is unknown, and counts neither as clean nor as the end of the folder.
     #[test]
-    fn a_black_frame_is_unknown_and_the_others_are_judged() {
+    fn black_frame_is_unknown_others_are_judged() {
         let folder = tempfile::tempdir().unwrap();
         let mut random = Pcg32::new(1, 1);
         let mut frame = |name: &str, grey: u8| {

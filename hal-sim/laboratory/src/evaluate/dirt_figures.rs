@@ -11,7 +11,7 @@ const BLOCK: usize = 16;
 const BLOCK_DIRTY: f64 = 0.02;
 
 /// How well a detector tells dirt from floor. Overlap and areas are means over the frames with dirt; precision and
-/// recall count the pixels of all frames. What nothing can be said of, such as the recall where no dirt is, is NaN (`null`).
+/// recall count the pixels of all frames. An undefined figure, such as the recall where no dirt is, is NaN (`null`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct DirtFigures {
     /// Intersection over union of pixels at the best threshold of each frame.

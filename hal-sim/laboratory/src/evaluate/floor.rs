@@ -60,9 +60,9 @@ pub struct FloorReport {
     pub curvature_per_m: [f32; 3],
     /// What stands on the floor within the working range, nearest first.
     pub objects: Vec<ObjectReport>,
-    /// Objects for which there was no room.
+    /// Objects beyond the capacity.
     pub objects_dropped: u32,
-    /// Pixels of the file along one that was looked at.
+    /// Pixels of the file along one that was examined.
     pub reduced_by: usize,
 }
 
@@ -154,7 +154,7 @@ pub fn floor(task: &FloorTask) -> anyhow::Result<FloorReport> {
 ///
 /// # Errors
 /// There is no such camera, or not with such a picture: its optical axis would meet the picture's plane outside of the
-/// picture. Whoever exchanges pictures of two cameras would otherwise read that there is no floor.
+/// picture. Swapped pictures of two cameras would otherwise appear as a missing floor.
 pub(super) fn camera(
     [fx, fy, cx, cy]: [f32; 4],
     (path, (width, height)): (&Path, (usize, usize)),
@@ -189,7 +189,7 @@ pub(super) fn parameters(
     parameters.ok_or_else(|| BadInput("a camera below the floor".to_owned()).into())
 }
 
-/// Every so manieth pixel along both sides, so that the picture fits; depths are no means, which would lie between things.
+/// Stride of pixels along both sides, so that the picture fits; depths are no means, which would lie between objects.
 fn reduced(file: &DepthFile) -> (DepthFile, usize) {
     let by = file.width.div_ceil(COLUMNS_MAX).max(1);
     let (width, height, first) = ((file.width / by).max(1), (file.height / by).max(1), (by - 1) / 2);

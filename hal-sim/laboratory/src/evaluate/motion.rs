@@ -1,4 +1,4 @@
-//! Which things move, against a key of walking people: a recording of a lidar that stands still.
+//! Which objects move, against a key of walking people: a recording of a lidar that stands still.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -11,10 +11,10 @@ use super::motion_key::{KeyRow, read_key};
 use super::motion_play::{Moment, play};
 use floorguard_host::outcome::BadInput;
 
-/// A moving thing this near to a keyed position is that person, metres.
+/// A moving object this near to a keyed position is that person, metres.
 pub const MATCH_M: f32 = 0.5;
-/// A moving thing this near to where a keyed person was within [`AROUND_S`] is a part of him or of where he came from,
-/// not a false alarm; metres.
+/// A moving object this near to where a keyed person was within [`AROUND_S`] is a part of him or of where he came
+/// from, not a false alarm; metres.
 const BELONGS_M: f32 = 0.7;
 const AROUND_S: f64 = 0.5;
 /// The same after the last position of a person, seconds: a key loses people behind furniture, where they go on moving.
@@ -34,7 +34,7 @@ pub struct TrackReport {
     pub keyed_frames: u64,
     /// Of them those in which he walks by the key itself.
     pub walking_frames: u64,
-    /// Share of the walking frames in which a moving thing was found where he is.
+    /// Share of the walking frames in which a moving object was found where he is.
     pub found: f64,
     /// Share of all keyed frames, standing ones included.
     pub found_in_all: f64,
@@ -47,12 +47,12 @@ pub struct MotionReport {
     pub sweeps: u64,
     /// Walking people found moving, of all walking people in all frames (Rath et al. 2020, equation 10), in percent.
     pub accuracy: f64,
-    /// Things called moving where nobody was keyed, summed over the sweeps.
+    /// Objects called moving where nobody was keyed, summed over the sweeps.
     pub false_positives: u64,
     /// The same per 100 sweeps.
     pub false_positives_per_100_sweeps: f64,
-    /// Things judged where nobody was keyed, summed over the sweeps.
-    pub static_things: u64,
+    /// Objects judged where nobody was keyed, summed over the sweeps.
+    pub static_objects: u64,
     /// Rows of the key from when nothing was recorded: they do not count.
     pub key_rows_outside: u64,
     /// Nanoseconds a sweep for the verdicts alone, without floor and clusters.
@@ -134,8 +134,8 @@ fn compare(rows: &[KeyRow], moments: &[Moment]) -> MotionReport {
     let sum = |index: usize| tracks.values().map(|counts| counts[index]).sum::<u64>();
     report.accuracy = 100.0 * share(sum(2), sum(1));
     for moment in moments {
-        for found in moment.found.iter().filter(|found| is_nobody(rows, moment.middle_s, found.position)) {
-            report.static_things += 1;
+        for found in moment.found.iter().filter(|found| is_no_walker(rows, moment.middle_s, found.position)) {
+            report.static_objects += 1;
             report.false_positives += u64::from(found.moving);
         }
     }
@@ -144,7 +144,7 @@ fn compare(rows: &[KeyRow], moments: &[Moment]) -> MotionReport {
 }
 
 /// No keyed person was near this place around this time.
-fn is_nobody(rows: &[KeyRow], middle_s: f64, position: Point2) -> bool {
+fn is_no_walker(rows: &[KeyRow], middle_s: f64, position: Point2) -> bool {
     !rows.iter().any(|row| {
         let later_s = middle_s - row.time_s - HALF_FRAME_S;
         let until_s = if row.is_last { BEYOND_END_S } else { AROUND_S };

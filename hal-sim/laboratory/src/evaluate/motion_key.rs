@@ -1,4 +1,4 @@
-//! Who walked where, by somebody else's eyes: the key of a recording, rows of `frame,time_s,track,x,y`.
+//! Ground truth of who walked where: the key of a recording, rows of `frame,time_s,track,x,y`.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -97,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn walking_is_told_by_the_speed_around_a_row() {
+    fn walking_follows_from_speed_around_a_row() {
         let mut rows: Vec<_> = (0..40)
             .map(|frame| KeyRow {
                 frame,

@@ -1,4 +1,4 @@
-//! Plays a recording of a lidar that stands still, upright, into the detector of moving things.
+//! Plays a recording of a lidar that stands still, upright, into the detector of moving objects.
 
 use std::path::Path;
 
@@ -18,16 +18,16 @@ const ASSUMED_HEIGHT_M: f32 = 0.8;
 /// A sweep with fewer columns began or ended in the middle of a revolution.
 const WHOLE_COLUMNS: usize = 1_500;
 
-/// What moves is told against what was seen before.
+/// Motion is judged against what was seen before.
 const SWEEPS_MIN: usize = 2;
 
-/// One thing of one sweep.
+/// One object of one sweep.
 pub(super) struct Found {
     pub(super) position: Point2,
     pub(super) moving: bool,
 }
 
-/// One sweep: its middle in seconds after the first packet, and its things.
+/// One sweep: its middle in seconds after the first packet, and its objects.
 pub(super) struct Moment {
     pub(super) middle_s: f64,
     pub(super) found: Vec<Found>,
@@ -79,7 +79,7 @@ impl Player {
     }
 
     fn judge(&mut self, sweep: &Sweep) -> Moment {
-        self.people.find_things(sweep, &self.context);
+        self.people.find_clusters(sweep, &self.context);
         let started = std::time::Instant::now();
         let output = self.motion.process(&self.people, sweep, &self.context);
         self.spent_ns += started.elapsed().as_nanos() as f64;
@@ -89,10 +89,10 @@ impl Player {
             position: Point2::new(moving.centroid.x_m, moving.centroid.y_m),
             moving: true,
         });
-        let judged = self.people.things().iter().zip(output.verdicts).filter(|(_, verdict)| verdict.judged);
+        let judged = self.people.clusters().iter().zip(output.verdicts).filter(|(_, verdict)| verdict.judged);
         let found = judged
-            .map(|(thing, verdict)| Found {
-                position: Point2::new(thing.centroid.x_m, thing.centroid.y_m),
+            .map(|(cluster, verdict)| Found {
+                position: Point2::new(cluster.centroid.x_m, cluster.centroid.y_m),
                 moving: verdict.moving,
             })
             .chain(moving);
@@ -137,10 +137,8 @@ fn sweeps(recording: &Path) -> anyhow::Result<(Vec<Box<Sweep>>, RingAngles)> {
     }
     let whole = sweeps.iter().filter(|sweep| sweep.column_count > WHOLE_COLUMNS / 4).count();
     if whole < SWEEPS_MIN {
-        let reason = format!(
-            "{}: {whole} whole revolutions; what moves is told from {SWEEPS_MIN} at least",
-            recording.display()
-        );
+        let reason =
+            format!("{}: {whole} whole revolutions; motion needs {SWEEPS_MIN} at least", recording.display());
         return Err(BadInput(reason).into());
     }
     Ok((sweeps, angles))

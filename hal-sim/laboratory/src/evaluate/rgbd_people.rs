@@ -97,10 +97,10 @@ pub struct RgbdPersonReport {
     pub rectangle_px: [u16; 4],
 }
 
-/// What became of everything that was looked at.
+/// What became of everything that was examined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct RgbdAccount {
-    /// Pixels with a depth, of those that are looked at.
+    /// Pixels with a depth, of those that are examined.
     pub returns: u32,
     /// Regions on the floor.
     pub regions: u32,
@@ -116,11 +116,11 @@ pub struct RgbdAccount {
     pub no_silhouette: u32,
     /// Second detections of one person.
     pub suppressed: u32,
-    /// Things in the band of the legs.
+    /// Objects in the band of the legs.
     pub leg_parts: u32,
     /// Of them shaped like a leg.
     pub leg_candidates: u32,
-    /// Without room.
+    /// Beyond the capacity.
     pub dropped: u32,
 }
 

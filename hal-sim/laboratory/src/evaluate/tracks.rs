@@ -1,4 +1,4 @@
-//! CLEAR-MOT figures of two files in the MOT15 format: what was there, and what a tracker said.
+//! CLEAR-MOT figures of two files in the MOT15 format: the truth, and a tracker's output.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -61,10 +61,9 @@ pub fn tracks(truth: &Path, result: &Path) -> anyhow::Result<TracksReport> {
     numbers.sort_unstable();
     numbers.dedup();
     let mut accumulator = MotAccumulator::new();
-    let nobody = Vec::new();
+    let empty = Vec::new();
     for number in numbers {
-        let (objects, found) =
-            (objects.get(&number).unwrap_or(&nobody), found.get(&number).unwrap_or(&nobody));
+        let (objects, found) = (objects.get(&number).unwrap_or(&empty), found.get(&number).unwrap_or(&empty));
         let ids = |list: &[(u64, Rectangle)]| -> Vec<u64> { list.iter().map(|(id, _)| *id).collect() };
         accumulator.frame_by_distance(&ids(objects), &ids(found), |object, track| {
             distance(&objects[object].1, &found[track].1)

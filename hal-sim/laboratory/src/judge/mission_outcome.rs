@@ -42,15 +42,15 @@ pub struct MissionReport {
     pub uncertain_cells: BTreeMap<String, u32>,
     /// Dirty cells that the robot cannot get to.
     pub unreachable_cells: usize,
-    /// Way driven, metres.
+    /// Distance driven, metres.
     pub distance_m: f32,
     /// When nothing was left to clean, seconds since the start.
     pub finished_after_s: Option<f64>,
-    /// Time that people and what else stood in the way cost, seconds.
+    /// Time lost to people and other obstacles, seconds.
     pub people_cost_s: f32,
     /// Where the time went, seconds by reason; the sum is the time of the mission.
     pub time_s: BTreeMap<String, f32>,
-    /// Times that the robot looked for a way round.
+    /// Times that the robot took a detour.
     pub detours: u32,
     /// Distance of the believed from the true place, mean and largest, metres.
     pub localisation_error_m: Option<f64>,
@@ -63,7 +63,7 @@ pub struct MissionReport {
 pub struct MissionOutcome {
     /// In numbers.
     pub report: MissionReport,
-    /// What the robot said at the end.
+    /// The robot's final report.
     pub progress: Arc<MissionProgress>,
     /// Units that really lay in each cell at the start.
     pub before: Vec<u32>,
@@ -94,7 +94,7 @@ impl MissionJudge {
         }
     }
 
-    /// The robot told its progress while it was at `robot` in the world and believed to be at `odometry`.
+    /// The robot reported its progress while it was at `robot` in the world and believed to be at `odometry`.
     pub fn observe(
         &mut self,
         progress: &Arc<MissionProgress>,
@@ -169,7 +169,7 @@ impl MissionJudge {
 mod tests {
     use super::*;
     use floorguard_configuration::{EXAMPLE, parse};
-    use floorguard_robot::cleaner::{MissionSetup, MissionStrategy, Spent, Store};
+    use floorguard_robot::cleaner::{MissionSetup, MissionStrategy, Store, TimeUse};
     use floorguard_sim::scenario::Scenario;
     use floorguard_types::time::Stamp;
 
@@ -184,15 +184,15 @@ mod tests {
         let cleaner = MissionSetup::new(plan.clone(), Store::Memory(Arc::default())).begin(&robot).unwrap();
         let mut progress = cleaner.progress(Stamp::ZERO);
         (progress.waited_s, progress.detours) = (3.0, 2);
-        for (spent, time_s) in [(Spent::Paused, 1.0), (Spent::HeldSomebodyComes, 3.0)] {
+        for (spent, time_s) in [(TimeUse::Paused, 1.0), (TimeUse::HeldPersonApproaches, 3.0)] {
             progress.times.add(spent, Default::default(), time_s);
         }
         let mut judge = MissionJudge::new(&plan, None);
         judge.observe(&Arc::new(progress), (Pose2::default(), Pose2::default(), 4.0));
         let report = judge.judge(None).unwrap().report;
         let reported: Vec<(String, f32)> = report.time_s.into_iter().collect();
-        let words = |spent: Spent, time_s: f32| (spent.words().to_owned(), time_s);
-        assert_eq!(reported, [words(Spent::HeldSomebodyComes, 3.0), words(Spent::Paused, 1.0)]);
+        let words = |spent: TimeUse, time_s: f32| (spent.words().to_owned(), time_s);
+        assert_eq!(reported, [words(TimeUse::HeldPersonApproaches, 3.0), words(TimeUse::Paused, 1.0)]);
         assert_eq!((report.people_cost_s, report.detours), (3.0, 2));
     }
 }

@@ -49,7 +49,8 @@ impl StopOrders {
         }
     }
 
-    /// The first order of less after the decision; a stop of a robot that was not told to move needs none.
+    /// The first order of less after the decision; a stop of a robot that was not commanded to move needs
+    /// none.
     fn answer(&mut self, stop: &Pending) -> bool {
         let before = self.orders.iter().rev().find(|order| order.at_us < stop.decided_us);
         let speed_mps = before.map_or(0.0, |order| order.speed_mps.abs());
@@ -75,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_order_of_less_answers_whichever_is_noticed_first() {
+    fn first_lower_order_answers_the_first_cause() {
         let mut orders = StopOrders::default();
         for tick in 0..100_u64 {
             orders.order(tick * 10_000, 0.5);

@@ -4,7 +4,7 @@ use floorguard_types::geometry::Point2;
 
 use floorguard_configuration::polygon_contains;
 
-/// Distance from a point to an outline, metres; negative inside, where it is the way out.
+/// Distance from a point to an outline, metres; negative inside: the distance to the edge.
 #[must_use]
 pub fn distance_m(outline: &[Point2], point: Point2) -> f32 {
     let ends = outline.iter().cycle().skip(1);

@@ -26,7 +26,7 @@ const COURSE_MARGIN_M: f32 = 0.4;
 const COURSE_STEPS: u16 = 20;
 
 /// Moves everybody on in straight lines, the robot on its arc.
-fn somebody_on_course(footprint: &[Point2], truth: &Truth) -> bool {
+fn person_on_course(footprint: &[Point2], truth: &Truth) -> bool {
     (0..=COURSE_STEPS).any(|step| {
         let ahead_s = COURSE_S * f32::from(step) / f32::from(COURSE_STEPS);
         let turned_rad = truth.twist.angular_radps * ahead_s;
@@ -44,8 +44,8 @@ fn somebody_on_course(footprint: &[Point2], truth: &Truth) -> bool {
     })
 }
 
-/// Simulated people who do not look walk on through a robot that stands in their way, which no real body can. That they
-/// touched it is the business of the judge of contacts; who is inside its body is no intrusion into its field.
+/// Simulated people who do not look walk on through a robot that stands on their path, which no real body can. That
+/// they touched it is the business of the judge of contacts; who is inside its body is no intrusion into its field.
 fn without_bodies_inside(truth: &Truth, footprint: &[Point2]) -> Truth {
     let mut truth = truth.clone();
     let to_robot = truth.robot.inverse();
@@ -55,11 +55,11 @@ fn without_bodies_inside(truth: &Truth, footprint: &[Point2]) -> Truth {
     truth
 }
 
-/// Why the robot says it stopped; only stops for something in the way can be a nuisance.
+/// Why the robot says it stopped; only stops for an obstacle can be a nuisance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopReason {
     /// A protective field was violated.
-    SomethingInTheWay,
+    PathBlocked,
     /// A person would be reached.
     PersonOnCourse,
     /// Anything else: start, operator, fault, end of the route.
@@ -102,7 +102,7 @@ impl StopJudge {
         }
     }
 
-    /// Looks at the next moment. `commanded_mps` is what the drive was last told.
+    /// Processes the next sample. `commanded_mps` is the last command to the drive.
     pub fn observe(&mut self, truth: &Truth, commanded_mps: f32) {
         let seconds = truth.stamp.as_micros() as f32 * 1.0e-6;
         let speed_mps = truth.twist.linear_mps;
@@ -112,7 +112,7 @@ impl StopJudge {
         if TrueZones::nearness_m(&pair.warning, truth) > -NUISANCE_MARGIN_M {
             self.last_near_s = seconds;
         }
-        if somebody_on_course(&self.footprint, truth) {
+        if person_on_course(&self.footprint, truth) {
             self.last_course_s = seconds;
         }
         let truth = &without_bodies_inside(truth, &self.footprint);
@@ -154,7 +154,7 @@ impl StopJudge {
     pub fn stop(&mut self, at_s: f32, reason: StopReason) {
         self.stops += 1;
         let explained_s = match reason {
-            StopReason::SomethingInTheWay => self.last_near_s,
+            StopReason::PathBlocked => self.last_near_s,
             StopReason::PersonOnCourse => self.last_near_s.max(self.last_course_s),
             StopReason::Other => return,
         };
@@ -169,7 +169,7 @@ impl StopJudge {
         self.missed
     }
 
-    /// Stops for something in the way while nothing was.
+    /// Stops for an obstacle while there was none.
     #[must_use]
     pub const fn nuisance(&self) -> u32 {
         self.nuisance
@@ -196,7 +196,7 @@ mod tests {
     use floorguard_types::geometry::Twist2;
     use floorguard_types::time::Stamp;
 
-    /// A robot at 0.8 m/s towards a wall; from `brakes_s` on it is told to stop and brakes as specified.
+    /// A robot at 0.8 m/s towards a wall; from `brakes_s` on it is commanded to stop and brakes as specified.
     fn approach(brakes_s: f32) -> StopJudge {
         let mut judge = StopJudge::new(&parse("robot.toml", EXAMPLE).unwrap().robot);
         let (mut x_m, mut speed_mps) = (0.0, 0.8_f32);
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn a_late_stop_is_missed_and_a_timely_one_is_not() {
+    fn only_a_late_stop_is_missed() {
         // The zone of 0.8 m/s reaches x = 2.2 m: the wall at 5 m enters it at 3.5 s, 5 cm deep at 3.57 s.
         assert_eq!(approach(3.65).missed(), 0);
         assert_eq!(approach(4.3).missed(), 1);
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn a_body_inside_the_robot_is_no_intrusion_and_one_at_its_edge_is() {
+    fn intrusion_counts_at_edge_not_inside() {
         let judge = approach(3.65);
         let person =
             |x_m: f32| TruthPerson { ground: vec![(Point2::new(x_m, 0.0), 0.06)], ..TruthPerson::default() };
@@ -242,10 +242,10 @@ mod tests {
     #[test]
     fn a_stop_without_anything_near_is_a_nuisance() {
         let mut judge = approach(3.65);
-        judge.stop(3.65, StopReason::SomethingInTheWay);
+        judge.stop(3.65, StopReason::PathBlocked);
         judge.stop(100.0, StopReason::Other);
         assert_eq!((judge.stops(), judge.nuisance()), (2, 0));
-        judge.stop(100.0, StopReason::SomethingInTheWay);
+        judge.stop(100.0, StopReason::PathBlocked);
         assert_eq!(judge.nuisance(), 1);
     }
 }

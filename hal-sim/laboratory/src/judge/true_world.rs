@@ -4,7 +4,7 @@ use floorguard_contact_judge as judge;
 use floorguard_sim::people::{BodyPart, Limb, Person, body_parts, limbs};
 use floorguard_sim::robot::{BodyPrism, RobotParameters, ScannerDevice};
 use floorguard_sim::scene::{DropTruth, Material, PartShape, PartTruth};
-use floorguard_sim::sensors::FloorEye;
+use floorguard_sim::sensors::FloorCameraSensor;
 use floorguard_sim::simulation::Simulation;
 
 use crate::plan::Plan;
@@ -122,14 +122,14 @@ fn sensors(parameters: &RobotParameters, has_camera: bool) -> Vec<judge::Sensor>
         above_floor_m: FLOOR_M[0],
         ..scanner.clone()
     };
-    let (height_m, forward_m, pitch_rad) = FloorEye::MOUNTING;
-    let (columns, rows) = FloorEye::DEPTH_SIZE;
+    let (height_m, forward_m, pitch_rad) = FloorCameraSensor::MOUNTING;
+    let (columns, rows) = FloorCameraSensor::DEPTH_SIZE;
     let size = [columns, rows].map(|count| count as u16);
     let camera = judge::Sensor {
         name: "floor camera".to_owned(),
         at_m: [forward_m, 0.0, height_m],
         yaw_rad: 0.0,
-        view: judge::SensorView::Camera { pitch_rad, size, focal_px: FloorEye::FOCAL_PX },
+        view: judge::SensorView::Camera { pitch_rad, size, focal_px: FloorCameraSensor::FOCAL_PX },
         range_m: [0.4, 8.0],
         delay_s: CAMERA_DELAY_S,
         above_floor_m: FLOOR_M[1],
@@ -208,7 +208,7 @@ impl TrueContacts {
     /// # Errors
     /// The simulated robot's body is none.
     pub fn new(plan: &Plan, simulation: &Simulation) -> Result<Self, judge::BodyError> {
-        let excuse = match (plan.faults.is_empty() || plan.is_spoiled, plan.emergency_stop_us.is_empty()) {
+        let excuse = match (plan.faults.is_empty() || plan.is_corrupted, plan.emergency_stop_us.is_empty()) {
             (false, _) => Some("a fault was put in"),
             (true, false) => Some("the emergency stop was pressed"),
             (true, true) => None,
@@ -247,7 +247,8 @@ mod tests {
     use floorguard_sim::scenario::Scenario;
     use std::f32::consts::FRAC_PI_2;
 
-    /// What the judge takes for a body and a thing is what the simulator's beams meet: rays from all sides end alike.
+    /// What the judge takes for a body and an object is what the simulator's beams meet: rays from all sides end
+    /// alike.
     #[test]
     fn the_judge_is_given_what_the_simulator_plays() {
         let scenario = Scenario::named("supermarket").unwrap();

@@ -28,7 +28,7 @@ pub struct Verdict {
     pub duration_s: f64,
     /// Seconds until the robot could move; none if it never could.
     pub ready_s: Option<f64>,
-    /// Driven way, metres.
+    /// Distance driven, metres.
     pub distance_m: f64,
     /// Times that any part of the robot touched anything, people who walked into the standing robot included.
     pub contacts: u32,
@@ -62,7 +62,7 @@ pub struct Verdict {
     /// What was cleaned, if that was the mission.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mission: Option<MissionReport>,
-    /// What the robot learned of the looks of people, if it does.
+    /// What the robot learned of the appearance of people, if it does.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub learned: Option<LearningReport>,
     /// All that the judge of contacts has to say: every contact with its kind, place, speed and blame.
@@ -85,7 +85,7 @@ impl Verdict {
     pub fn contacts_in_words(&self) -> String {
         let counts = &self.bodies.counts;
         format!(
-            "{} while it moved ({} with people, {} with things, {} over edges; its sensors could have avoided {}, a perfect machine {}), {} of people who walked into it as it stood",
+            "{} while it moved ({} with people, {} with objects, {} over edges; its sensors could have avoided {}, a perfect machine {}), {} of people who walked into it as it stood",
             counts.while_moving(),
             counts.people_while_moving,
             counts.drove_into_things,
@@ -115,7 +115,7 @@ impl Judge {
         self.bodies = Some(bodies);
     }
 
-    /// Looks at the next moment. `commanded_mps` is what the drive was last told.
+    /// Processes the next sample. `commanded_mps` is the last command to the drive.
     pub fn observe(&mut self, simulation: &Simulation, (truth, commanded_mps): (&Truth, f32)) {
         if let Some(bodies) = &mut self.bodies {
             bodies.observe(simulation);

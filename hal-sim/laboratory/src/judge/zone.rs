@@ -34,7 +34,7 @@ impl TrueZones {
     }
 
     /// How deep something that the safety scanner can see reaches into an outline, metres; negative: the gap to the
-    /// nearest thing.
+    /// nearest object.
     #[must_use]
     pub fn intrusion_m(outline: &[Point2], truth: &Truth) -> f32 {
         let people = truth.people.iter().flat_map(|person| &person.ground);

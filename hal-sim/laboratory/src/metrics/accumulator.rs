@@ -1,4 +1,4 @@
-//! Collects frame after frame what was there and what the tracker said.
+//! Collects frame after frame what was there and the tracker's output.
 //!
 //! The rules are those of CLEAR-MOT: a pairing of the frame before is kept as long as it is within the gate; only the
 //! rest is paired anew, as many as possible and then at the least distance.
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn a_switch_a_miss_and_a_ghost_are_told_apart() {
+    fn switch_miss_and_ghost_are_distinguished() {
         let mut accumulator = MotAccumulator::new();
         accumulator.frame(&[at(1, 0.0)], &[at(10, 0.5)]);
         accumulator.frame(&[at(1, 0.0)], &[]);
@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pairing_is_kept_although_another_track_is_nearer() {
+    fn pairing_is_kept_despite_nearer_track() {
         let mut accumulator = MotAccumulator::new();
         accumulator.frame(&[at(1, 0.0)], &[at(10, 0.1)]);
         accumulator.frame(&[at(1, 0.0)], &[at(10, 0.8), at(11, 0.1)]);

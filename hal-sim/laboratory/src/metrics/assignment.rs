@@ -42,7 +42,7 @@ mod tests {
     }
 
     #[test]
-    fn more_rows_than_columns_and_pairs_that_are_worth_nothing() {
+    fn more_rows_than_columns_and_worthless_pairs() {
         let weights = [[0], [3], [7]];
         assert_eq!(best_pairs(3, 1, |row, column| weights[row][column]), [(2, 0)]);
         assert_eq!(best_pairs(1, 3, |_, _| 0), []);

@@ -7,7 +7,7 @@ use floorguard_types::random::Pcg32;
 
 use super::config::{MissionConfig, Strategy};
 use super::statistics::{mean, wilson95};
-use super::trial::{Interrupted, Keeping, TrialResult, run_keeping};
+use super::trial::{Interrupted, MissionStorage, TrialResult, run_keeping};
 use floorguard_host::executor::StopFlag;
 use floorguard_robot::site::DirtSource;
 use floorguard_robot::site::Floor;
@@ -37,7 +37,7 @@ pub struct StrategySummary {
     pub quantile99_all_cells: f64,
     /// Largest of all missions, units in one cell.
     pub max_left: u32,
-    /// Mean way, metres.
+    /// Mean distance, metres.
     pub distance_m: f64,
     /// Mean time, s.
     pub time_s: f64,
@@ -75,8 +75,8 @@ pub struct StrategySummary {
     pub faults: u64,
 }
 
-/// Who looks on.
-pub struct Onlooker<'a> {
+/// The monitor of a campaign: progress and early end.
+pub struct RunMonitor<'a> {
     /// Called after every mission.
     pub progress: &'a (dyn Fn() + Sync),
     /// Set by somebody who wants the missions to end: those that run are broken off and do not count.
@@ -94,8 +94,8 @@ pub fn run_strategies(
     (trials, seed): (u64, u64),
     progress: impl Fn() + Sync,
 ) -> anyhow::Result<Vec<StrategyTrials>> {
-    let onlooker = Onlooker { progress: &progress, ended: &StopFlag::default() };
-    run_strategies_believing(floor, (strategies, config, dirt), None, (trials, seed), &onlooker)
+    let monitor = RunMonitor { progress: &progress, ended: &StopFlag::default() };
+    run_strategies_believing(floor, (strategies, config, dirt), None, (trials, seed), &monitor)
 }
 
 /// As [`run_strategies`], with a robot that believes in `believed` units in each cell, whatever lies there. Only trials
@@ -108,14 +108,14 @@ pub fn run_strategies_believing(
     (strategies, config, dirt): (&[Strategy], &MissionConfig, &DirtSource),
     believed: Option<&[f32]>,
     (trials, seed): (u64, u64),
-    onlooker: &Onlooker<'_>,
+    monitor: &RunMonitor<'_>,
 ) -> anyhow::Result<Vec<StrategyTrials>> {
     let run = |trial| {
-        if onlooker.ended.is_stopped() {
+        if monitor.ended.is_stopped() {
             return Ok(None);
         }
         let seed = seed.wrapping_add(trial);
-        match run_trial(floor, (strategies, config, dirt), believed, (seed, onlooker)) {
+        match run_trial(floor, (strategies, config, dirt), believed, (seed, monitor)) {
             Err(error) if error.is::<Interrupted>() => Ok(None),
             row => row.map(Some),
         }
@@ -137,14 +137,14 @@ fn run_trial(
     floor: &Floor,
     (strategies, config, dirt): (&[Strategy], &MissionConfig, &DirtSource),
     believed: Option<&[f32]>,
-    (seed, onlooker): (u64, &Onlooker<'_>),
+    (seed, monitor): (u64, &RunMonitor<'_>),
 ) -> anyhow::Result<Vec<TrialResult>> {
     let expected = dirt.expected_units(floor, &mut Pcg32::new(seed, 0))?;
     let dirt = (expected.as_slice(), believed.unwrap_or(&expected));
     let run = |strategy, distance_limit_m| {
         let config = MissionConfig { strategy, distance_limit_m, ..*config };
-        let keeping = Keeping { ended: Some(onlooker.ended), ..Keeping::default() };
-        run_keeping(floor, &config, dirt, (seed, keeping))
+        let storage = MissionStorage { ended: Some(monitor.ended), ..MissionStorage::default() };
+        run_keeping(floor, &config, dirt, (seed, storage))
     };
     let mut guarantee_m = None;
     let mut results: Vec<Option<TrialResult>> = strategies.iter().map(|_| None).collect();
@@ -154,7 +154,7 @@ fn run_trial(
             let result = run(strategy, None)?;
             guarantee_m = Some(result.distance_m);
             *slot = Some(result);
-            (onlooker.progress)();
+            (monitor.progress)();
         }
     }
     for (slot, &strategy) in results.iter_mut().zip(strategies) {
@@ -162,12 +162,12 @@ fn run_trial(
             continue;
         }
         let limit = match (strategy, guarantee_m) {
-            (Strategy::Random, Some(way)) => Some(way),
+            (Strategy::Random, Some(distance)) => Some(distance),
             (Strategy::Random, None) => Some(run(Strategy::Guarantee, None)?.distance_m),
             _ => None,
         };
         *slot = Some(run(strategy, limit)?);
-        (onlooker.progress)();
+        (monitor.progress)();
     }
     Ok(results.into_iter().flatten().collect())
 }

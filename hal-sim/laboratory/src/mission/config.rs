@@ -16,7 +16,7 @@ pub enum Strategy {
     NoReplanning,
     /// Lanes over the whole floor.
     Systematic,
-    /// Straight on until something is in the way, then any other direction.
+    /// Straight on until there is an obstacle, then any other direction.
     Random,
 }
 
@@ -88,7 +88,7 @@ pub struct MissionConfig {
     pub mission_risk: f64,
     /// What is promised.
     pub guarantee: Guarantee,
-    /// The clean rule looks at the mean alone, and particles collapse to a Poisson law, as published.
+    /// The clean rule uses the mean alone, and particles collapse to a Poisson law, as published.
     pub as_published: bool,
     /// The robot.
     pub robot: Robot,
@@ -104,7 +104,7 @@ pub struct MissionConfig {
     pub people: usize,
     /// What goes wrong.
     pub faults: FaultRates,
-    /// Way after which the random strategy ends, metres.
+    /// Distance after which the random strategy ends, metres.
     pub distance_limit_m: Option<f32>,
 }
 
@@ -140,7 +140,7 @@ impl MissionConfig {
             motion: MotionNoise::MEASURED,
             range: self.robot.range,
             tolerated_units: self.tolerated_units,
-            scouts: if self.faults.are_zero() { None } else { Some((0.12, 0.1)) },
+            recovery_particles: if self.faults.are_zero() { None } else { Some((0.12, 0.1)) },
             resample_always: self.as_published,
         }
     }

@@ -51,9 +51,9 @@ impl Shares {
         let share = |cell: usize| {
             let place = place_of(cell)?;
             let (walked, count) = sums[place];
-            let (anywhere, ways) =
+            let (anywhere, paths) =
                 if walked > 0.0 { (ANYWHERE, (1.0 - ANYWHERE) / walked) } else { (1.0, 0.0) };
-            Some((place, anywhere / count + ways * visits(cell)))
+            Some((place, anywhere / count + paths * visits(cell)))
         };
         Self((0..floor.cells.cell_count()).map(share).collect())
     }

@@ -2,10 +2,10 @@
 
 use floorguard_types::random::Pcg32;
 
-/// How often things go wrong, events a minute.
+/// Fault rates, events a minute.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FaultRates {
-    /// Slip for one second, with 30 % of the way lost or more.
+    /// Slip for one second, with 30 % of the travel lost or more.
     pub slips: f32,
     /// Pushes by about 0.1 m and 6°.
     pub jumps: f32,

@@ -194,7 +194,7 @@ mod tests {
 
     /// A cut leaves the new file unfinished beside the old one: the old one is what is read.
     #[test]
-    fn a_cut_at_any_byte_of_a_save_leaves_the_memory_before() {
+    fn cut_save_leaves_the_previous_memory() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("mission");
         assert_eq!(Memory::load(&path).unwrap(), None);

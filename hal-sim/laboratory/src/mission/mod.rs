@@ -14,10 +14,10 @@ pub mod statistics;
 mod trial;
 mod truth;
 
-pub use campaign::{Onlooker, StrategySummary, StrategyTrials, run_strategies, run_strategies_believing};
+pub use campaign::{RunMonitor, StrategySummary, StrategyTrials, run_strategies, run_strategies_believing};
 pub use config::{Guarantee, MissionConfig, Robot, Strategy};
 pub use environment::{CleaningLesson, expected_units, teach_cleaning};
 pub use faults::{FaultKind, FaultRates};
 pub use memory::Memory;
-pub use trial::{Interrupted, Keeping, TrialResult, run, run_believing, run_keeping};
+pub use trial::{Interrupted, MissionStorage, TrialResult, run, run_believing, run_keeping};
 pub use truth::{OdometryErrors, RangeSensor};

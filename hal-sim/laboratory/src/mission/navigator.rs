@@ -22,7 +22,7 @@ const REPLAN_S: f32 = 5.0;
 pub const VISITS_MAX: u8 = 40;
 /// With more doubt about the position than this, metres, a pass would prove little: the robot first turns once round to
 /// see where it is.
-const LOOK_ROUND_ABOVE_M: f32 = 0.05;
+const SCAN_AROUND_ABOVE_M: f32 = 0.05;
 /// Later passes over a cell run this far to the left and to the right of it in turn, metres, for the rim that the ones
 /// before may have missed.
 const SIDE_STEP_M: f32 = 0.035;
@@ -37,8 +37,9 @@ const LANE_LEFT_M: f32 = 0.03;
 /// Attempts at a lane before its rest is left out.
 const LANE_TRIES_MAX: u8 = 12;
 
-/// A pass begins and ends 10 mm outside the cell. A turn in its middle leaves 14 mm of room at the corners, less than the
-/// 35 mm beside a straight pass, and is worth it where it saves 20 mm: measured in rooms with 5 and 20 % of dirty cells.
+/// A pass begins and ends 10 mm outside the cell. A turn in its middle leaves 14 mm of clearance at the corners, less
+/// than the 35 mm beside a straight pass, and is worth it where it saves 20 mm: measured in rooms with 5 and 20 % of
+/// dirty cells.
 const PASS: PassShape = PassShape { cell_m: CELL_M, margin_m: 0.01, turn_cost_m: 0.02 };
 
 /// A planner with its memory.
@@ -61,7 +62,7 @@ pub struct Navigator {
     heading_rad: f32,
     backing_left_m: f32,
     looking_left_rad: f32,
-    has_looked_round: bool,
+    has_scanned_around: bool,
     leavings: u8,
     random: Pcg32,
     /// Visits of every cell.
@@ -78,7 +79,7 @@ pub struct Navigator {
 }
 
 /// What the navigator wants.
-pub enum Wish {
+pub enum NavigationRequest {
     /// Drive.
     Drive(Twist2),
     /// The mission is over.
@@ -117,7 +118,7 @@ impl Navigator {
             heading_rad: 0.0,
             backing_left_m: 0.0,
             looking_left_rad: 0.0,
-            has_looked_round: false,
+            has_scanned_around: false,
             leavings: 0,
             random,
             visits: vec![0; count],
@@ -129,7 +130,7 @@ impl Navigator {
         }
     }
 
-    /// Lanes that are not finished, the one under way included.
+    /// Lanes that are not finished, the current one included.
     pub fn lanes_left(&self) -> usize {
         self.lanes.len() + usize::from(self.lane.is_some())
     }
@@ -148,18 +149,18 @@ impl Navigator {
     }
 
     /// What to do from this pose at this time.
-    pub fn wish(
+    pub fn next_request(
         &mut self,
         (floor, localiser, promise): (&Floor, &mut Localiser, &Promise),
         (pose, now_s): (Pose2, f32),
         period_s: f32,
-    ) -> Wish {
+    ) -> NavigationRequest {
         if self.backing_left_m > 0.0 {
             self.backing_left_m -= 0.05 * period_s;
-            return Wish::Drive(Twist2 { linear_mps: -0.05, angular_radps: 0.0 });
+            return NavigationRequest::Drive(Twist2 { linear_mps: -0.05, angular_radps: 0.0 });
         }
         if self.strategy == Strategy::Random {
-            return Wish::Drive(self.random_drive(floor, pose, period_s));
+            return NavigationRequest::Drive(self.random_drive(floor, pose, period_s));
         }
         let is_first = self.strategy == Strategy::NoReplanning && self.plans == 0;
         if (self.strategy == Strategy::Guarantee && now_s >= self.next_plan_s) || is_first {
@@ -167,24 +168,27 @@ impl Navigator {
         }
         if self.looking_left_rad > 0.0 {
             self.looking_left_rad -= self.config.turn_radps * period_s;
-            return Wish::Drive(Twist2 { linear_mps: 0.0, angular_radps: self.config.turn_radps });
+            return NavigationRequest::Drive(Twist2 {
+                linear_mps: 0.0,
+                angular_radps: self.config.turn_radps,
+            });
         }
         // A stretch that ends at once is followed by the next; four are more than ever follow each other.
         for _ in 0..4 {
             if self.waypoints.is_empty() && !self.choose_next((floor, localiser, promise), (pose, now_s)) {
-                return Wish::Done;
+                return NavigationRequest::Done;
             }
             let Some(&to) = self.waypoints.front() else { break };
             match follow(pose, (self.stretch_from, to), &self.config, period_s) {
                 Following::Drive(twist) => {
                     self.stretch_age_s += period_s;
                     self.give_up_if_stuck(Point2::new(pose.x_m, pose.y_m), to);
-                    return Wish::Drive(twist);
+                    return NavigationRequest::Drive(twist);
                 }
                 Following::Arrived => self.arrive(to),
             }
         }
-        Wish::Drive(Twist2::ZERO)
+        NavigationRequest::Drive(Twist2::ZERO)
     }
 
     fn arrive(&mut self, to: Point2) {
@@ -197,7 +201,7 @@ impl Navigator {
     }
 
     fn finish_visit(&mut self) {
-        self.has_looked_round = false;
+        self.has_scanned_around = false;
         if let Some(target) = self.target.take() {
             self.visits[target] = self.visits[target].saturating_add(1);
             if self.planner.tour().next() == Some(target) {
@@ -217,7 +221,7 @@ impl Navigator {
         }
     }
 
-    /// Something is in the way: back off and think again.
+    /// Something is on the path: back off and plan again.
     pub fn bumped(&mut self, pose: Pose2) {
         let was_backing = self.backing_left_m > 0.0;
         self.backing_left_m = if was_backing { 0.0 } else { 0.08 };
@@ -247,8 +251,8 @@ impl Navigator {
             localiser.map.get(cell).is_some_and(|dirt| rule.needs_cleaning(dirt))
                 || grazed.binary_search(&cell).is_ok()
         };
-        // A visit that has begun is finished unless its cell has become clean meanwhile, and the tour goes on from its end:
-        // turning away from half of the visits cost a tenth of the way and a quarter of the visits.
+        // A visit that has begun is finished unless its cell has become clean meanwhile, and the tour goes on from its
+        // end: turning away from half of the visits cost a tenth of the distance and a quarter of the visits.
         let is_passing = self.waypoints.len() <= self.pass_begins_at;
         let visiting = self.target.filter(|&target| is_passing || is_dirty(target));
         let here = visiting.and_then(|_| self.waypoints.back().copied()).unwrap_or(here);
@@ -307,9 +311,9 @@ impl Navigator {
             (tour.next(), tour.next())
         };
         let (Some(target), next) = targets else { return false };
-        let may_look = self.strategy == Strategy::Guarantee && !self.has_looked_round;
-        if may_look && localiser.doubt_m() > LOOK_ROUND_ABOVE_M {
-            self.has_looked_round = true;
+        let may_scan = self.strategy == Strategy::Guarantee && !self.has_scanned_around;
+        if may_scan && localiser.doubt_m() > SCAN_AROUND_ABOVE_M {
+            self.has_scanned_around = true;
             self.looking_left_rad = std::f32::consts::TAU;
             return true;
         }
@@ -371,8 +375,8 @@ impl Navigator {
         let here = Point2::new(pose.x_m, pose.y_m);
         for attempt in 0..64 {
             let angle = pose.heading_rad + 0.4 * attempt as f32;
-            let way = 0.5 + 0.01 * attempt as f32;
-            let there = Point2::new(here.x_m + way * angle.cos(), here.y_m + way * angle.sin());
+            let distance = 0.5 + 0.01 * attempt as f32;
+            let there = Point2::new(here.x_m + distance * angle.cos(), here.y_m + distance * angle.sin());
             if floor.is_clear(here, there) {
                 self.waypoints.push_back(there);
                 return;
@@ -436,7 +440,7 @@ impl Navigator {
             floor.clearance.clearance_m(point)
         };
         let here = floor.clearance.clearance_m(Point2::new(pose.x_m, pose.y_m));
-        // Stops 0.05 m before an obstacle; where it stands nearer, any way out is good.
+        // Stops 0.05 m before an obstacle; where it stands nearer, any escape path is good.
         let limit = floor.robot_radius_m + 0.05;
         let is_open = |angle: f32| ahead(angle) >= limit || ahead(angle) > here;
         if is_open(self.heading_rad) {
@@ -467,7 +471,7 @@ fn beside((from, to): Lane, tries: u8, is_clear: impl Fn(Point2, Point2) -> bool
     if is_clear(shifted.0, shifted.1) { shifted } else { (from, to) }
 }
 
-/// The first pass goes over the middle of the cell, the next ones beside it where there is room.
+/// The first pass goes over the middle of the cell, the next ones beside it where there is space.
 fn side_step(pass: Pass, visits: u8, is_clear: impl Fn(Point2, Point2) -> bool) -> Pass {
     let side_m = match visits % 3 {
         0 => return pass,

@@ -72,7 +72,7 @@ impl Crowd {
                 person.place.y_m + step * (person.goal.y_m - person.place.y_m),
             );
             if next.distance(here) < reach + 0.1 && next.distance(here) < person.place.distance(here) {
-                // In the way: stands for a moment, then goes elsewhere.
+                // On the path: stands for a moment, then goes elsewhere.
                 person.pause_s = 1.0;
                 person.goal = choose_goal(floor, person.place, &self.places, &mut self.random);
             } else {

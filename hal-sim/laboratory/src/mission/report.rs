@@ -9,7 +9,7 @@ use floorguard_robot::site::Floor;
 pub fn table(summaries: &[StrategySummary]) -> String {
     let mut text = format!(
         "{:<14} {:>8} {:>7} {:>9} {:>8} {:>7} {:>8} {:>14} {:>8}\n",
-        "strategy", "success", "q99", "way m", "time s", "replans", "claimed", "falsely", "of clean"
+        "strategy", "success", "q99", "path m", "time s", "replans", "claimed", "falsely", "of clean"
     );
     for s in summaries {
         let _infallible = writeln!(

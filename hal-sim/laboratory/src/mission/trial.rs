@@ -9,7 +9,7 @@ use floorguard_types::random::Pcg32;
 use super::config::{MissionConfig, Strategy};
 use super::faults::Faults;
 use super::memory::{Memory, about};
-use super::navigator::{Navigator, VISITS_MAX, Wish};
+use super::navigator::{NavigationRequest, Navigator, VISITS_MAX};
 use super::people::Crowd;
 use super::promise::Promise;
 use super::truth::Truth;
@@ -36,7 +36,7 @@ pub struct TrialResult {
     pub max_left: u32,
     /// The quantile over the dirty cells is at most τ.
     pub success: bool,
-    /// Way driven, metres.
+    /// Distance driven, metres.
     pub distance_m: f32,
     /// Simulated time, s.
     pub time_s: f32,
@@ -82,7 +82,7 @@ pub struct TrialResult {
     pub update_s: f64,
     /// First planning and slowest re-planning, s of the computer.
     pub planning_s: (f64, f64),
-    /// What may be said about every cell at the end.
+    /// The status of every cell at the end.
     pub verdicts: Vec<Option<Verdict>>,
     /// What really lies there.
     pub left: Vec<u32>,
@@ -112,20 +112,20 @@ pub fn run_believing(
     dirt: (&[f32], &[f32]),
     seed: u64,
 ) -> anyhow::Result<TrialResult> {
-    run_keeping(floor, config, dirt, (seed, Keeping::default()))
+    run_keeping(floor, config, dirt, (seed, MissionStorage::default()))
 }
 
 /// Takes the memory of a mission and keeps it.
-pub type Keeper<'a> = dyn FnMut(&Memory) -> anyhow::Result<()> + 'a;
+pub type MemoryWriter<'a> = dyn FnMut(&Memory) -> anyhow::Result<()> + 'a;
 
 /// What becomes of the memory of a mission.
 #[derive(Default)]
-pub struct Keeping<'a> {
+pub struct MissionStorage<'a> {
     /// The memory with which the mission goes on. The simulated world, which has no memory of its own, is driven up to
     /// the same moment first; the robot then knows what it remembers and nothing else.
     pub from: Option<&'a Memory>,
     /// Called with the memory about once a second of the mission.
-    pub keep: Option<&'a mut Keeper<'a>>,
+    pub keep: Option<&'a mut MemoryWriter<'a>>,
     /// Set by somebody who wants the mission to be broken off.
     pub ended: Option<&'a StopFlag>,
 }
@@ -143,7 +143,7 @@ pub fn run_keeping(
     floor: &Floor,
     config: &MissionConfig,
     (expected, believed): (&[f32], &[f32]),
-    (seed, keeping): (u64, Keeping<'_>),
+    (seed, storage): (u64, MissionStorage<'_>),
 ) -> anyhow::Result<TrialResult> {
     let stream = |number| Pcg32::new(seed, number);
     let tolerated = u32::from(config.tolerated_units);
@@ -181,7 +181,7 @@ pub fn run_keeping(
         cuts_s: Vec::new(),
         result: TrialResult::default(),
     };
-    mission.drive_to_the_end(keeping)?;
+    mission.drive_to_the_end(storage)?;
     Ok(mission.judge(&dirty))
 }
 
@@ -221,9 +221,9 @@ struct Mission<'a> {
 }
 
 impl Mission<'_> {
-    fn drive_to_the_end(&mut self, mut keeping: Keeping<'_>) -> anyhow::Result<()> {
-        self.remembers = self.config.faults.resets > 0.0 || keeping.from.is_some() || keeping.keep.is_some();
-        if let Some(memory) = keeping.from {
+    fn drive_to_the_end(&mut self, mut storage: MissionStorage<'_>) -> anyhow::Result<()> {
+        self.remembers = self.config.faults.resets > 0.0 || storage.from.is_some() || storage.keep.is_some();
+        if let Some(memory) = storage.from {
             anyhow::ensure!(memory.about == self.about, "the memory is that of another mission");
             for &cut_s in &memory.cuts_s {
                 self.drive_until(cut_s);
@@ -238,11 +238,11 @@ impl Mission<'_> {
                 break;
             }
             if self.remember_if_due()
-                && let (Some(keep), Some(memory)) = (&mut keeping.keep, &self.memory)
+                && let (Some(keep), Some(memory)) = (&mut storage.keep, &self.memory)
             {
                 keep(memory)?;
             }
-            if keeping.ended.is_some_and(StopFlag::is_stopped) {
+            if storage.ended.is_some_and(StopFlag::is_stopped) {
                 return Err(Interrupted.into());
             }
             if !self.step() {
@@ -323,13 +323,13 @@ impl Mission<'_> {
             Strategy::Random => self.truth.pose,
             _ => self.localiser.pose(self.truth.odometry),
         };
-        let twist = match self.navigator.wish(
+        let twist = match self.navigator.next_request(
             (self.floor, &mut self.localiser, &self.promise),
             (pose, self.truth.time_s),
             PERIOD_S,
         ) {
-            Wish::Drive(twist) => self.permitted(twist),
-            Wish::Done => return false,
+            NavigationRequest::Drive(twist) => self.permitted(twist),
+            NavigationRequest::Done => return false,
         };
         self.truth.grip = fault.grip;
         let brush = Some(self.config.robot.brush);

@@ -34,11 +34,11 @@ impl RangeSensor {
         Self { view_rad: 4.712, beams: 60, range_m: (0.05, 30.0), noise_m: 0.02, outliers: 0.01 };
 }
 
-/// Errors of the odometry (book, Cleaning: Published protocol). White parts are for 0.1 m of way and grow with its
-/// root.
+/// Errors of the odometry (book, Cleaning: Published protocol). White parts are for 0.1 m of travel and grow with
+/// its root.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OdometryErrors {
-    /// Share of the way.
+    /// Share of the distance.
     pub drive: f32,
     /// Radians of drift a metre.
     pub drift_rad_per_m: f32,
@@ -57,7 +57,7 @@ pub struct Truth {
     pub pose: Pose2,
     /// What the wheels say, in the odometry frame.
     pub odometry: Pose2,
-    /// Way driven, metres.
+    /// Distance driven, metres.
     pub distance_m: f32,
     /// Simulated time, s.
     pub time_s: f32,
@@ -117,9 +117,10 @@ impl Truth {
         let before = self.pose;
         let after = before.compose(real);
         // An obstacle stops what goes towards it, forwards or backwards; away from it the robot comes free.
-        let room = |pose: Pose2| floor.clearance.clearance_m(Point2::new(pose.x_m, pose.y_m));
-        let room_m = room(after);
-        if forward != 0.0 && room_m < floor.robot_radius_m - 0.02 && room_m <= room(before) {
+        let clearance_at = |pose: Pose2| floor.clearance.clearance_m(Point2::new(pose.x_m, pose.y_m));
+        let clearance_m = clearance_at(after);
+        if forward != 0.0 && clearance_m < floor.robot_radius_m - 0.02 && clearance_m <= clearance_at(before)
+        {
             return (0, true);
         }
         self.pose = after;
@@ -142,13 +143,13 @@ impl Truth {
     fn roll_wheels(&mut self, forward: f32, turn: f32) {
         let (a, b) = self.random.normal_pair();
         let c = self.random.normal();
-        let root = |way: f32, unit: f32| (way.abs() * unit).sqrt();
-        let way = forward * (1.0 + self.drive_bias) + 0.87 * self.errors.drive * root(forward, 0.1) * a;
+        let root = |travel: f32, unit: f32| (travel.abs() * unit).sqrt();
+        let travel = forward * (1.0 + self.drive_bias) + 0.87 * self.errors.drive * root(forward, 0.1) * a;
         let angle = turn * (1.0 + self.turn_bias)
             + self.drift_bias * forward
             + 0.87 * self.errors.drift_rad_per_m * root(forward, 0.1) * b
             + 0.87 * self.errors.turn * root(turn, 0.17) * c;
-        self.odometry = self.odometry.compose(Pose2::new(way, 0.0, angle));
+        self.odometry = self.odometry.compose(Pose2::new(travel, 0.0, angle));
     }
 
     fn sweep(&mut self, floor: &Floor, brush: Brush, before: Pose2) -> u32 {

@@ -84,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_range_file_is_read_and_a_broken_one_names_its_line() {
+    fn range_file_errors_name_the_line() {
         let file = RangeFile::parse("x\n-1 1\n1 3 7077\n3 -0.5 0.5\n", "a.range").expect("good");
         assert_eq!(file.scaling().ranges, [(3.0, 7_077.0), (0.0, 0.0), (-0.5, 0.5)]);
         let broken = RangeFile::parse("x\n-1 1\n1 3 many\n", "a.range").expect_err("broken");

@@ -9,7 +9,7 @@ use floorguard_types::geometry::Point2;
 
 /// Edge of a pixel of a map that is drawn from a scene, metres.
 const PIXEL_M: f32 = 0.05;
-/// A pixel this near to a thing belongs to it, metres.
+/// A pixel this near to an object belongs to it, metres.
 const TOUCHES_M: f32 = 0.03;
 /// Height of the safety scanner's plane, and of what it sees nothing of, metres.
 const HEIGHTS_M: (f32, f32) = (0.15, 0.06);
@@ -55,7 +55,7 @@ fn survey(scenario: &Scenario, scene: &Scene) -> anyhow::Result<OccupancyMap> {
     let count = |axis: usize| u16::try_from(((high[axis] - low[axis]) / PIXEL_M).ceil() as u32 + 1);
     let (width, height) = (count(0)?, count(1)?);
     let geometry = GridGeometry::new(width, height, PIXEL_M, Point2::new(low[0], low[1]))
-        .ok_or_else(|| anyhow::anyhow!("the scene makes no map"))?;
+        .ok_or_else(|| anyhow::anyhow!("the scene is too small for a map"))?;
     let pixel = |index: usize| {
         let place = geometry.centre(index);
         let touches = |height_m| scene.distance_at(place, height_m).is_some_and(|gap_m| gap_m <= TOUCHES_M);
@@ -78,7 +78,7 @@ mod tests {
 
     /// The cleaner's own tests read the plan from a file: they know no simulator.
     #[test]
-    fn the_file_of_the_cleaners_tests_is_this_plan() {
+    fn cleaner_test_file_equals_this_plan() {
         let scenario = Scenario::named("supermarket").unwrap();
         let plan = plan_of_scenario(&scenario, MissionStrategy::Guarantee, 1).unwrap();
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../runtime/robot/src/cleaner/supermarket.json");

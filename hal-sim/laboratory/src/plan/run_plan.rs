@@ -1,4 +1,4 @@
-//! What to simulate: scenario, seed, duration, faults, and the robot that is told to drive the scenario's route.
+//! What to simulate: scenario, seed, duration, faults, and the robot that drives the scenario's route.
 
 use std::path::Path;
 
@@ -42,7 +42,7 @@ pub struct Plan {
     pub mission: Option<MissionPlan>,
     /// The run ends when the mission has nothing left to clean; `duration_us` is then the longest that it may take.
     pub until_clean: bool,
-    /// A floor camera looks at rendered pictures.
+    /// A floor camera with rendered pictures.
     pub has_camera: bool,
     /// How the robot learns; without it, it does not.
     pub learning: Option<LearningSetup>,
@@ -51,7 +51,7 @@ pub struct Plan {
     /// One firing of the lidar in so many is measured, and those after it repeat it: 1 for a lidar as it is.
     pub lidar_grain: usize,
     /// Something was taken from the robot to see whether its judges notice: its faults excuse nothing.
-    pub is_spoiled: bool,
+    pub is_corrupted: bool,
 }
 
 /// Why a plan cannot be made.
@@ -80,7 +80,7 @@ impl Plan {
         Self::of(name, Scenario::named(name)?, seed, duration_us)
     }
 
-    /// A scenario with the example robot, which is told to drive the scenario's route.
+    /// A scenario with the example robot on the scenario's route.
     ///
     /// # Errors
     /// The route is too long.
@@ -117,7 +117,7 @@ impl Plan {
             learning: None,
             emergency_stop_us: Vec::new(),
             lidar_grain: 1,
-            is_spoiled: false,
+            is_corrupted: false,
         })
     }
 
@@ -150,8 +150,8 @@ impl Plan {
         Ok(self)
     }
 
-    /// With dirt on the floor and a robot that cleans it. Without a wish: the guarantee where the scenario has dirt, otherwise
-    /// the route and no mission.
+    /// With dirt on the floor and a robot that cleans it. By default: the guarantee where the scenario has dirt,
+    /// otherwise the route and no mission.
     ///
     /// # Errors
     /// The scene makes no map.

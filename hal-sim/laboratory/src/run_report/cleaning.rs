@@ -16,7 +16,7 @@ const DIRT: [Legend; 5] = [
     ("#b85f1d", "11 to 20"),
     ("#6e2a0a", "more than 20"),
 ];
-/// What may be said of a cell.
+/// The status of a cell.
 const CLAIMS: [Legend; 4] = [
     ("#bfe3c6", "claimed clean"),
     ("#e2a24c", "not claimed: dirty"),

@@ -115,7 +115,7 @@ fn cleaning(mission: &MissionReport, brushed_m2: f64) -> Vec<(&'static str, Stri
         (
             "in the way",
             format!(
-                "people and things cost {:.0} s and {}; {off_m:.2} m off the true place",
+                "people and objects cost {:.0} s and {}; {off_m:.2} m off the true place",
                 mission.people_cost_s,
                 counted(mission.detours, "detour")
             ),

@@ -11,7 +11,7 @@ use crate::world::{Observation, Plan};
 use floorguard_operator::report::style::{self, chart, escaped, map};
 use floorguard_operator::report::{charts, make_folder};
 
-const MAP_LEGEND: &str = "Blue: the robot's way, its start as an outline and its end filled; light blue: what the brush \
+const MAP_LEGEND: &str = "Blue: the robot's path, its start as an outline and its end filled; light blue: what the brush \
 passed over. Coloured lines: people, the dot where each was last. Discs: stops, numbered as below. Dark: walls; grey: \
 furniture. This is the true world, which the robot never sees.";
 const SPEED_LEGEND: &str =
@@ -43,7 +43,7 @@ fn page(plan: &Plan, observation: &Observation, (picture, speed): (&str, &str)) 
     cleaning.extend(observation.seen_dirt.as_ref().map(super::seen_dirt::section));
     let _ = write!(
         html,
-        "{}<h2>Way, people and stops</h2>{}<p class=legend>{MAP_LEGEND}</p>{cleaning}<h2>Speed and limit</h2>{}\
+        "{}<h2>Path, people and stops</h2>{}<p class=legend>{MAP_LEGEND}</p>{cleaning}<h2>Speed and limit</h2>{}\
          <p class=legend>{SPEED_LEGEND}</p><h2>Stops ({})</h2>",
         facts(plan, observation),
         map(picture),

@@ -93,12 +93,12 @@ fn mission_lines(mission: &MissionReport) -> String {
     };
     let _ = writeln!(
         text,
-        "    {end}; people and things in the way cost {:.0} s, {}; {:.2} m off the true place",
+        "    {end}; people and objects on the path cost {:.0} s, {}; {:.2} m off the true place",
         mission.people_cost_s,
         counted(mission.detours, "detour"),
         mission.localisation_error_m.unwrap_or_default()
     );
-    // Half a second and more: less is told as none.
+    // Half a second and more: less is reported as none.
     for (reason, seconds) in mission.time_s.iter().filter(|(_, seconds)| **seconds >= 0.5) {
         let _ = writeln!(text, "    {seconds:6.0} s {reason}");
     }

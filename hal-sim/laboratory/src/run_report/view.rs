@@ -15,7 +15,7 @@ pub fn top_view(plan: &Plan, observation: &Observation) -> TopView {
     let verdict = &observation.verdict;
     let word = if verdict.passed { "good" } else { "FAILED" };
     let people = observation
-        .people_ways
+        .people_paths
         .iter()
         .map(|(id, points)| PersonPath { id: u64::from(*id), points: points.clone() });
     let stops = observation.stops.iter().map(|stop| StopMark {
@@ -34,7 +34,7 @@ pub fn top_view(plan: &Plan, observation: &Observation) -> TopView {
             .into_iter()
             .chain(map_boxes(&plan.scenario.scene))
             .collect(),
-        robot_path: observation.robot_way.clone(),
+        robot_path: observation.robot_path.clone(),
         robot_outline: plan.robot.geometry.footprint.iter().copied().collect(),
         swath_width_m: BRUSH_M,
         people: people.collect(),

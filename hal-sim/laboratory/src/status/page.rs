@@ -86,7 +86,7 @@ fn cards(html: &mut String, status: &MissionStatus) {
         ("spots before / open", format!("{} / {}", total.spots_before, total.spots_after)),
         ("floor in reach", format!("{:.1} m²", total.answered_m2)),
         ("driven over", format!("{:.1} m²", total.swept_m2)),
-        ("way", format!("{:.0} m", result.distance_m)),
+        ("path", format!("{:.0} m", result.distance_m)),
         ("time", minutes(result.time_s)),
         ("of it waiting for people", minutes(result.waited_s)),
     ];

@@ -78,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn touching_cells_are_one_spot_and_single_ones_none() {
+    fn touching_cells_are_one_spot() {
         let geometry = GridGeometry::new(6, 3, 0.1, Point2::new(0.0, 0.0)).unwrap();
         let picture = ["##..#.", "#..#..", "....##"];
         let is_dirty: Vec<bool> = picture.iter().flat_map(|row| row.chars().map(|c| c == '#')).collect();

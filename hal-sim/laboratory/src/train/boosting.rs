@@ -190,7 +190,7 @@ mod tests {
 
     /// Two numbers whose product decides: no single comparison can.
     #[test]
-    fn what_one_comparison_cannot_tell_is_learnt() {
+    fn more_than_one_comparison_is_learnt() {
         let mut random = Pcg32::new(1, 1);
         let mut draw = || {
             let features = [random.uniform_between(-1.0, 1.0), random.uniform_between(-1.0, 1.0)];

@@ -93,7 +93,7 @@ impl Geometry {
             scan.first_angle_rad += self.step_rad * beams.len().saturating_sub(1) as f32;
             scan.step_rad = -self.step_rad;
         }
-        // As many as were expected: always room.
+        // As many as were expected: they always fit.
         let _ = scan.beams.extend_from_slice(&beams);
         scan
     }
@@ -211,14 +211,14 @@ mod tests {
     }
 
     #[test]
-    fn a_file_is_read_and_one_that_contradicts_itself_is_refused() {
+    fn contradictory_file_is_refused() {
         let scans = read(GOOD).unwrap();
         assert_eq!((scans.len(), scans[0].scan.beams.len()), (1, 9));
         // A clockwise scanner: the same picture from the other end.
         let clockwise = "# angle_min=0.0 angle_increment=-0.1\na,0,1,2.0:0.0,2.0,5,5,5,5,5,5,5,5\n";
         assert_eq!(read(clockwise).unwrap()[0].scan.beams, scans[0].scan.beams);
         assert!(read(&GOOD.replace(" n=9", "")).is_ok());
-        for (from, to, told) in [
+        for (from, to, reported) in [
             (",5,5,2.0", ",5,2.0", "8 ranges, and the scanner of this file has 9 beams"),
             ("2.0\n", "2.0\nb,1,0,,5,5\n", "line 3: 2 ranges"),
             (",5,5,5,5,5,5,5,5,2.0", "", "no ranges"),
@@ -239,7 +239,7 @@ mod tests {
         ] {
             assert!(GOOD.contains(from), "{from}");
             let refused = read(&GOOD.replacen(from, to, 1)).expect_err(to);
-            assert!(refused.contains(told), "{from} -> {to}: {refused}");
+            assert!(refused.contains(reported), "{from} -> {to}: {refused}");
         }
         let turn = format!("# angle_min=-3.1 angle_increment=0.1\na,0,0,{}\n", ",5".repeat(100));
         assert!(read(&turn).unwrap_err().contains("more than a whole turn"));

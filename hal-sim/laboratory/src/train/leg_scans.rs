@@ -22,7 +22,7 @@ pub struct LabelledScan {
 /// A segment farther than this from every label is no leg, metres; labels are middles of segments.
 pub const LABEL_GATE_M: f32 = 0.1;
 
-/// The jumps to the things beside a segment, of its numbers.
+/// The jumps to the objects beside a segment, of its numbers.
 const JUMPS: std::ops::Range<usize> = 2..4;
 /// What is farther behind a segment than this is background, and where it may be in another room, metres.
 const BACKGROUND_MIN_M: f32 = 0.3;
@@ -34,7 +34,7 @@ pub fn coarser(scan: &Scan, step: usize) -> Scan {
     let mut coarse = Scan { step_rad: scan.step_rad * step as f32, ..scan.clone() };
     coarse.beams.clear();
     for beam in scan.beams.iter().step_by(step) {
-        // Fewer than before: always room.
+        // Fewer than before: they always fit.
         let _ = coarse.beams.push(*beam);
     }
     coarse
@@ -45,7 +45,7 @@ pub fn coarser(scan: &Scan, step: usize) -> Scan {
 pub struct LegSample {
     /// Numbers and truth.
     pub sample: Sample<LEG_FEATURES>,
-    /// The same thing in another room: what is behind it is somewhere else.
+    /// The same object in another room: what is behind it is somewhere else.
     pub elsewhere: Sample<LEG_FEATURES>,
     /// Furniture of the map.
     pub known: bool,
@@ -93,9 +93,9 @@ fn hit_sum(scan: &Scan) -> u64 {
     hits.map(u64::from).sum()
 }
 
-/// Puts a wall somewhere behind the segment. The recorder dropped what it was not sure of, so that four of five legs have no
-/// return beside them and a jump of 0, while things before a wall are furniture: a committee of these recordings alone finds
-/// no leg in a hall. What is nearer than the segment or just beside it stays as it is.
+/// Puts a wall somewhere behind the segment. The recorder dropped what it was not sure of, so that four of five legs
+/// have no return beside them and a jump of 0, while objects before a wall are furniture: a committee of these
+/// recordings alone finds no leg in a hall. What is nearer than the segment or just beside it stays as it is.
 fn with_another_wall(mut features: LegFeatures, segment: &Segment<'_>, random: &mut Pcg32) -> LegFeatures {
     let ends = [(segment.points.first(), segment.previous), (segment.points.last(), segment.next)];
     for (jump_m, (end, beside)) in features[JUMPS].iter_mut().zip(ends) {

@@ -1,6 +1,7 @@
 //! A robot in a new place: what the shipped classifier says, and what it says after learning from tracks.
 //!
-//! Every look is asked before it is learnt from. The truth of the simulation only counts; the learner never sees it.
+//! Every sample is scored before it is learnt from. The truth of the simulation only counts; the learner never sees
+//! it.
 
 use floorguard_perception::online_learning::{
     ExpertRules, LabelledShape, LearnerCounters, OnlineLearner, Sight, Weights,
@@ -24,7 +25,7 @@ const STEPS: u16 = 40;
 const SWEEPS_PER_S: usize = 10;
 /// A window of the report, seconds.
 const WINDOW_S: usize = 10;
-/// Farther looks are not counted, metres.
+/// Farther samples are not counted, metres.
 const RANGE_MAX_M: f32 = 25.0;
 
 /// A place to learn in.
@@ -38,7 +39,7 @@ pub struct OnlinePlace {
     pub seed: u64,
     /// How long the robot stands there.
     pub seconds: usize,
-    /// Every length is multiplied by this: people and things of other sizes than those learnt from.
+    /// Every length is multiplied by this: people and objects of other sizes than those learnt from.
     pub scale: f32,
     /// Height of the lidar before scaling, metres.
     pub sensor_height_m: f32,
@@ -104,7 +105,7 @@ pub struct OnlineWindow {
     pub until_s: f64,
     /// The shipped classifier.
     pub shipped: Answers,
-    /// The same with what was learnt until each look.
+    /// The same with what was learnt until each sample.
     pub learned: Answers,
     /// Precision and recall of the shipped classifier, then with what was learnt.
     pub precision_recall: [[f64; 2]; 2],
@@ -172,7 +173,7 @@ pub fn learn_place(
         }
         sweeps += 1;
         if let Some(window) = windows.last_mut() {
-            look(&mut pipeline, &mut learner, &labelled, window);
+            score_and_learn(&mut pipeline, &mut learner, &labelled, window);
             close(window, sweeps, learner.counters());
         }
     });
@@ -180,7 +181,7 @@ pub fn learn_place(
 }
 
 /// One sweep: ask, count, learn.
-fn look(
+fn score_and_learn(
     pipeline: &mut PeoplePipeline,
     learner: &mut OnlineLearner,
     labelled: &LabelledSweep,
@@ -213,7 +214,7 @@ fn look(
 fn close(window: &mut OnlineWindow, sweeps: usize, counters: LearnerCounters) {
     window.until_s = sweeps as f64 / SWEEPS_PER_S as f64;
     window.precision_recall = [window.shipped, window.learned].map(|one| [one.precision(), one.recall()]);
-    window.labelled = [counters.people, counters.nobodies, counters.silent];
+    window.labelled = [counters.people, counters.non_people, counters.silent];
     window.judged = [counters.accepted, counters.rejected];
 }
 

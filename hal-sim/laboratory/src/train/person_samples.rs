@@ -14,15 +14,15 @@ use super::simulated::{LabelledSweep, SceneRun, play};
 pub type Samples = Vec<Sample<SHAPE_FEATURES>>;
 
 /// Farther than this from everybody it is nobody, metres; between the two the truth cannot say.
-const NOBODY_M: f32 = 0.9;
+const NO_PERSON_M: f32 = 0.9;
 /// Candidates farther than this are not learnt from, metres: a handful of returns is left there.
 const RANGE_MAX_M: f32 = 25.0;
 /// Sweeps a scene, and sweeps from one to the next.
 const SWEEPS: (usize, usize) = (4, 4);
 
-/// How much broader a thing may be than the simulator's: its people have no arms, coats or bags.
+/// How much broader an object may be than the simulator's: its people have no arms, coats or bags.
 const PEOPLE_STRETCH: (f32, f32) = (0.95, 1.4);
-const THING_STRETCH: (f32, f32) = (0.7, 1.4);
+const OBJECT_STRETCH: (f32, f32) = (0.7, 1.4);
 
 /// Stretches every sample along the floor by a random factor. Lengths on the floor grow with it, so do slopes of floor
 /// over height; heights and shares stay.
@@ -30,7 +30,7 @@ const THING_STRETCH: (f32, f32) = (0.7, 1.4);
 pub fn stretched(samples: &Samples, seed: u64) -> Samples {
     let mut random = Pcg32::new(seed, 32);
     let stretch = |sample: &Sample<SHAPE_FEATURES>| {
-        let (low, high) = if sample.positive { PEOPLE_STRETCH } else { THING_STRETCH };
+        let (low, high) = if sample.positive { PEOPLE_STRETCH } else { OBJECT_STRETCH };
         let factor = random.uniform_between(low, high);
         let mut features = sample.features;
         for (value, along_floor) in features.iter_mut().zip(ALONG_FLOOR) {
@@ -87,7 +87,7 @@ fn label(pipeline: &mut PeoplePipeline, labelled: &LabelledSweep, samples: &mut 
         twist: Twist2::ZERO,
         base_in_odom: Pose2::default(),
     };
-    pipeline.find_things(&labelled.sweep, &context);
+    pipeline.find_clusters(&labelled.sweep, &context);
     pipeline.find_detections(&labelled.sweep, &context);
     for (index, detection) in pipeline.detections().iter().enumerate() {
         let truth = is_person(detection.position, labelled);
@@ -110,5 +110,5 @@ pub fn is_person(position: Point2, labelled: &LabelledSweep) -> Option<bool> {
         PersonKind::Wheelchair => 0.5,
         _ => 0.35,
     };
-    if distance_m <= reach_m { Some(true) } else { (distance_m > NOBODY_M).then_some(false) }
+    if distance_m <= reach_m { Some(true) } else { (distance_m > NO_PERSON_M).then_some(false) }
 }

@@ -1,6 +1,6 @@
-//! Scenes to learn from: rooms full of things that are no people, and people of every kind.
+//! Scenes to learn from: rooms full of objects, and people of every kind.
 //!
-//! Written as scenario text, so that any of them can be looked at with `floorguard simulate`.
+//! Written as scenario text, so that any of them can be examined with `floorguard simulate`.
 
 use std::fmt::Write as _;
 
@@ -20,7 +20,7 @@ pub fn random_scenes(first_seed: u64, count: u64) -> Vec<SceneRun> {
     (first_seed..first_seed + count).filter_map(random_scene).collect()
 }
 
-/// The built-in scenarios, seen from random places on the robot's way.
+/// The built-in scenarios, seen from random places on the robot's path.
 #[must_use]
 pub fn built_in_scenes(first_seed: u64, count: u64) -> Vec<SceneRun> {
     let names = ["supermarket", "airport", "warehouse", "corridor"];
@@ -28,9 +28,9 @@ pub fn built_in_scenes(first_seed: u64, count: u64) -> Vec<SceneRun> {
         .filter_map(|seed| {
             let mut random = Pcg32::new(seed, 31);
             let mut scenario = Scenario::named(names[seed as usize % names.len()]).ok()?;
-            let way = &scenario.route.waypoints_m;
-            let from = way[random.below(way.len() as u32) as usize];
-            let to = way[random.below(way.len() as u32) as usize];
+            let path = &scenario.route.waypoints_m;
+            let from = path[random.below(path.len() as u32) as usize];
+            let to = path[random.below(path.len() as u32) as usize];
             let share = random.uniform();
             scenario.start.at_m = [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])];
             scenario.start.yaw_deg = random.uniform_between(0.0, 360.0);
@@ -86,7 +86,7 @@ fn place(half: [f32; 2], random: &mut Pcg32) -> [f32; 2] {
     [half[0] - 0.5, at[1]]
 }
 
-/// One piece, or a few that make one thing.
+/// One piece, or a few that make one object.
 fn furniture(half: [f32; 2], random: &mut Pcg32) -> Vec<String> {
     let at = place(half, random);
     let yaw = random.uniform_between(0.0, 180.0);
@@ -125,7 +125,7 @@ fn furniture(half: [f32; 2], random: &mut Pcg32) -> Vec<String> {
             block(at, yaw, [between(0.3, 0.7), between(0.3, 0.7)], between(0.3, 1.0)),
             block(at, yaw + between(0.0, 90.0), [between(0.08, 0.4), between(0.08, 0.4)], between(1.0, 2.0)),
         ],
-        // Things left standing together.
+        // Objects left standing together.
         7..=9 => {
             let count = 2 + (3.9 * a) as usize;
             let mut some = || {
@@ -171,7 +171,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_seed_gives_a_scene_and_the_same_one_again() {
+    fn every_seed_gives_a_repeatable_scene() {
         let (once, again) = (random_scenes(1, 50), random_scenes(1, 50));
         assert_eq!(once.len(), 50);
         for (a, b) in once.iter().zip(&again) {

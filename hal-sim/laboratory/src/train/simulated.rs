@@ -33,7 +33,7 @@ pub struct LabelledSweep {
     pub people: Vec<(u32, PersonKind, Point2)>,
 }
 
-/// Microseconds of the world between two looks at the decoder.
+/// Microseconds of the world between two polls of the decoder.
 const STEP_US: u64 = 5_000;
 
 /// Plays a scene; every `every`-th sweep of `count` taken ones goes to `sink`.

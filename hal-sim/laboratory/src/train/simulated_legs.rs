@@ -24,7 +24,7 @@ const FOOT_MAX_M: f32 = 0.15;
 const NEAR_FOOT_M: f32 = 0.13;
 /// What else is this near to a person is neither: a bag, a wheel, half a leg, metres.
 const DOUBTFUL_M: f32 = 0.7;
-/// Microseconds of the world between two looks at the line.
+/// Microseconds of the world between two polls of the line.
 const STEP_US: u64 = 5_000;
 
 /// Segments of the scans of some scenes, as the detector would look at them.

@@ -1,11 +1,11 @@
-//! The floor camera of a simulated robot: rendered pictures of what lies before it, through the same eyes as a real
-//! camera's, five times a second.
+//! The floor camera of a simulated robot: rendered pictures of what lies before it, through the same stages as a
+//! real camera's, five times a second.
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use floorguard_runtime::configuration::Mounting;
 use floorguard_runtime::shared::Shared;
 use floorguard_sim::floor::FloorKind;
-use floorguard_sim::sensors::FloorEye;
+use floorguard_sim::sensors::FloorCameraSensor;
 use floorguard_sim::simulation::Simulation;
 use floorguard_types::geometry::Point3;
 use floorguard_types::sensing::PinholeCamera;
@@ -13,16 +13,16 @@ use floorguard_types::time::Stamp;
 
 use crate::plan::Plan;
 use floorguard_configuration::{CameraConfiguration, CameraSource};
-use floorguard_robot::camera::{DirtLook, FloorLook, PictureCamera, PictureFolder, SeenDirt};
+use floorguard_robot::camera::{DirtStage, FloorStage, PictureCamera, PictureFolder, SeenDirt};
 
 /// Between pictures, microseconds: rendering one takes as long as everything else in this time.
 const EVERY_US: u64 = 200_000;
 
-/// A rendered camera and what looks at its pictures.
+/// A rendered camera and the stages for its pictures.
 pub struct SimulatedCamera {
-    eye: FloorEye,
-    floor: FloorLook,
-    dirt: DirtLook,
+    sensor: FloorCameraSensor,
+    floor: FloorStage,
+    dirt: DirtStage,
     next_us: u64,
     frame: u32,
 }
@@ -36,22 +36,22 @@ impl SimulatedCamera {
     /// The camera of a plan's robot, over vinyl as supermarkets have it.
     #[must_use]
     pub fn new(plan: &Plan) -> Option<Self> {
-        let (height_m, forward_m, pitch_rad) = FloorEye::MOUNTING;
+        let (height_m, forward_m, pitch_rad) = FloorCameraSensor::MOUNTING;
         let camera = CameraConfiguration {
             source: CameraSource::Devices { depth: "".into(), colour: None },
-            size: FloorEye::DEPTH_SIZE,
-            camera: pinhole(FloorEye::DEPTH_SIZE, FloorEye::FOCAL_PX)?,
+            size: FloorCameraSensor::DEPTH_SIZE,
+            camera: pinhole(FloorCameraSensor::DEPTH_SIZE, FloorCameraSensor::FOCAL_PX)?,
             mounting: Mounting {
                 position: Point3::new(forward_m, 0.0, height_m),
                 pitch_rad,
                 ..plan.robot.lidar.mounting
             },
         };
-        let colour = pinhole(FloorEye::COLOUR_SIZE, 2.0 * FloorEye::FOCAL_PX)?;
+        let colour = pinhole(FloorCameraSensor::COLOUR_SIZE, 2.0 * FloorCameraSensor::FOCAL_PX)?;
         Some(Self {
-            eye: FloorEye::new(FloorKind::Vinyl, plan.seed),
-            floor: FloorLook::new(&plan.robot, &camera)?,
-            dirt: DirtLook::new(FloorEye::COLOUR_SIZE, colour)?,
+            sensor: FloorCameraSensor::new(FloorKind::Vinyl, plan.seed),
+            floor: FloorStage::new(&plan.robot, &camera)?,
+            dirt: DirtStage::new(FloorCameraSensor::COLOUR_SIZE, colour)?,
             next_us: 0,
             frame: 0,
         })
@@ -59,9 +59,9 @@ impl SimulatedCamera {
 
     /// What its colour pictures are like.
     pub const PICTURES: PictureCamera = PictureCamera {
-        size: FloorEye::COLOUR_SIZE,
-        focal_px: 2.0 * FloorEye::FOCAL_PX,
-        mounting: FloorEye::MOUNTING,
+        size: FloorCameraSensor::COLOUR_SIZE,
+        focal_px: 2.0 * FloorCameraSensor::FOCAL_PX,
+        mounting: FloorCameraSensor::MOUNTING,
     };
 
     /// Takes a picture when it is time, and tells the rings what it shows; it goes into the folder, too. True if it did.
@@ -79,14 +79,14 @@ impl SimulatedCamera {
         }
         self.next_us = now_us + EVERY_US;
         self.frame += 1;
-        let picture = simulation.floor_frame(&self.eye, self.frame);
+        let picture = simulation.floor_frame(&self.sensor, self.frame);
         let pose = shared.pose.get().unwrap_or_default().pose_in_odometry;
         let now = Stamp::from_micros(now_us);
-        shared.floor.publish(self.floor.look(&picture.depth_mm, pose, (now, now)));
+        shared.floor.publish(self.floor.process(&picture.depth_mm, pose, (now, now)));
         // What it cannot judge stays unknown, and is counted.
-        let _ = self.dirt.look(&picture.rgb, &self.floor, pose, (now, now));
+        let _ = self.dirt.process(&picture.rgb, &self.floor, pose, (now, now));
         if let Some(folder) = folder {
-            folder.add((now, pose), (&picture.depth_mm, FloorEye::DEPTH_SIZE), &picture.rgb)?;
+            folder.add((now, pose), (&picture.depth_mm, FloorCameraSensor::DEPTH_SIZE), &picture.rgb)?;
         }
         Ok(true)
     }

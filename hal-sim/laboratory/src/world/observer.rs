@@ -14,7 +14,7 @@ use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::time::Stamp;
 
 use super::swath::Swath;
-use super::truth::Eyewitness;
+use super::truth::TruthSampler;
 use crate::judge::{Judge, Quantiles, StopOrders, StopReason, Verdict};
 use crate::judge::{MissionJudge, MissionOutcome, TrueContacts};
 use crate::metrics::MotAccumulator;
@@ -28,8 +28,8 @@ use floorguard_robot::learning::LearningReport;
 pub const TRACKED_RANGE_M: f32 = 12.0;
 /// A track this near to a person whom something hides is not wrong, metres.
 const HIDDEN_M: f32 = 1.0;
-/// A way is drawn with one place per quarter of a second.
-const WAY_US: u64 = 250_000;
+/// A path is drawn with one place per quarter of a second.
+const PATH_US: u64 = 250_000;
 /// The list of people is kept at most this often.
 const PEOPLE_US: u64 = 200_000;
 /// A status comes every tenth tick, seconds.
@@ -58,9 +58,9 @@ pub struct Observation {
     /// The verdict.
     pub verdict: Verdict,
     /// Where the robot was.
-    pub robot_way: Vec<Pose2>,
+    pub robot_path: Vec<Pose2>,
     /// Where each person was, by the person's number.
-    pub people_ways: std::collections::BTreeMap<u32, Vec<Point2>>,
+    pub people_paths: std::collections::BTreeMap<u32, Vec<Point2>>,
     /// The robot's own list of people, five times a second.
     pub people_seen: Vec<PeopleSeen>,
     /// Every stop.
@@ -79,16 +79,17 @@ pub struct Observation {
     pub mission: Option<MissionOutcome>,
     /// What the floor camera saw of the dirt, if there was one; in the odometry frame.
     pub seen_dirt: Option<SeenDirt>,
-    /// What the robot learned of the looks of people, if it does.
+    /// What the robot learned of the appearance of people, if it does.
     pub learned: Option<LearningReport>,
 }
 
 impl Observation {
-    /// The way between two moments, seconds since the start, as far as the run went: metres along the noted places.
+    /// The distance between two moments, seconds since the start, as far as the run went: metres along the noted
+    /// places.
     #[must_use]
-    pub fn way_m(&self, from_s: f64, to_s: f64) -> f32 {
-        let index = |seconds: f64| (seconds * 1.0e6) as usize / WAY_US as usize;
-        let places = self.robot_way.get(index(from_s)..index(to_s).min(self.robot_way.len()));
+    pub fn path_m(&self, from_s: f64, to_s: f64) -> f32 {
+        let index = |seconds: f64| (seconds * 1.0e6) as usize / PATH_US as usize;
+        let places = self.robot_path.get(index(from_s)..index(to_s).min(self.robot_path.len()));
         let steps = places.unwrap_or_default().windows(2);
         steps.map(|pair| (pair[1].x_m - pair[0].x_m).hypot(pair[1].y_m - pair[0].y_m)).sum()
     }
@@ -100,7 +101,7 @@ pub type Show<'a> = &'a mut dyn FnMut(f64, &RobotStatus, usize, &[SeenStop]);
 /// The watcher.
 pub struct Observer<'a> {
     judge: Judge,
-    eyewitness: Eyewitness,
+    truth_sampler: TruthSampler,
     orders: StopOrders,
     pressed: bool,
     digest: OutputDigest,
@@ -117,7 +118,7 @@ pub struct Observer<'a> {
     swath: Swath,
     mission: Option<MissionJudge>,
     last_status: Option<Stamp>,
-    next_way_us: u64,
+    next_path_us: u64,
     next_speed_us: u64,
     people_now: usize,
     faulty: std::collections::BTreeSet<String>,
@@ -131,7 +132,7 @@ impl<'a> Observer<'a> {
     pub fn new(plan: &Plan, show: Show<'a>) -> Self {
         Self {
             judge: Judge::new(&plan.robot),
-            eyewitness: Eyewitness::default(),
+            truth_sampler: TruthSampler::default(),
             orders: StopOrders::default(),
             pressed: false,
             digest: OutputDigest::default(),
@@ -148,7 +149,7 @@ impl<'a> Observer<'a> {
             swath: Swath::default(),
             mission: None,
             last_status: None,
-            next_way_us: 0,
+            next_path_us: 0,
             next_speed_us: 0,
             people_now: 0,
             faulty: std::collections::BTreeSet::new(),
@@ -212,8 +213,8 @@ impl<'a> Observer<'a> {
     pub fn observe_without_computer(&mut self, simulation: &Simulation) {
         self.commanded_mps = 0.0;
         let truth = simulation.truth();
-        self.judge.observe(simulation, (&self.eyewitness.judged(simulation, &truth), 0.0));
-        self.note_ways(truth.stamp.as_micros(), &truth);
+        self.judge.observe(simulation, (&self.truth_sampler.judged(simulation, &truth), 0.0));
+        self.record_paths(truth.stamp.as_micros(), &truth);
         // A new life counts its publications from zero.
         (self.seen_people, self.seen_status) = (0, 0);
     }
@@ -229,7 +230,7 @@ impl<'a> Observer<'a> {
         let now_us = truth.stamp.as_micros();
         // The rim of the front wheel is faster than the middle of the rear axle.
         let commanded_mps = self.commanded_mps * libm::cosf(truth.steering_rad);
-        self.judge.observe(simulation, (&self.eyewitness.judged(simulation, &truth), commanded_mps));
+        self.judge.observe(simulation, (&self.truth_sampler.judged(simulation, &truth), commanded_mps));
         stops.iter().for_each(|stop| self.on_stop(stop, &truth));
         if let Some(people) = shared.people.get().filter(|people| self.last_sweep != Some(people.sweep.stamp))
         {
@@ -238,7 +239,7 @@ impl<'a> Observer<'a> {
             self.on_people(&people, &truth, believed);
         }
         self.swath.touch(truth.robot);
-        self.note_ways(now_us, &truth);
+        self.record_paths(now_us, &truth);
         if let Some(status) = shared.status.get() {
             self.on_status(now_us, &status);
         }
@@ -253,7 +254,7 @@ impl<'a> Observer<'a> {
         self.mission = plan.mission.as_ref().map(|mission| MissionJudge::new(mission, simulation.dirt()));
     }
 
-    /// The mission has told its progress, while the robot believed in a pose of the odometry frame.
+    /// The mission has reported its progress, while the robot believed in a pose of the odometry frame.
     pub fn on_mission(
         &mut self,
         progress: &Arc<MissionProgress>,
@@ -312,7 +313,7 @@ impl<'a> Observer<'a> {
 
     fn on_stop(&mut self, stop: &StopRecord, truth: &SimTruth) {
         let reason = match stop.cause.cause {
-            Cause::ScanProtective | Cause::LidarProtective => StopReason::SomethingInTheWay,
+            Cause::ScanProtective | Cause::LidarProtective => StopReason::PathBlocked,
             Cause::CollisionStop => StopReason::PersonOnCourse,
             _ => StopReason::Other,
         };
@@ -363,14 +364,14 @@ impl<'a> Observer<'a> {
         self.mot.frame(&people, &tracks);
     }
 
-    fn note_ways(&mut self, now_us: u64, truth: &SimTruth) {
-        if now_us < self.next_way_us {
+    fn record_paths(&mut self, now_us: u64, truth: &SimTruth) {
+        if now_us < self.next_path_us {
             return;
         }
-        self.next_way_us += WAY_US;
-        self.seen.robot_way.push(truth.robot);
+        self.next_path_us += PATH_US;
+        self.seen.robot_path.push(truth.robot);
         for person in &truth.people {
-            self.seen.people_ways.entry(person.id).or_default().push(person.position);
+            self.seen.people_paths.entry(person.id).or_default().push(person.position);
         }
     }
 

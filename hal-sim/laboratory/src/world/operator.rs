@@ -5,11 +5,11 @@ use floorguard_guard::GuardState;
 use floorguard_operator::panel::Order;
 
 /// How long a human looks around before pressing reset, microseconds.
-const LOOKS_AROUND_US: u64 = 3_000_000;
+const RESET_DELAY_US: u64 = 3_000_000;
 
 /// What the operator does now.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Deed {
+pub struct OperatorAction {
     /// The emergency stop is pressed.
     pub pressed: bool,
     /// Reset is pressed once.
@@ -20,7 +20,7 @@ pub struct Deed {
     pub begins: bool,
 }
 
-impl Deed {
+impl OperatorAction {
     /// The buttons that are pressed. Where somebody sits at a panel the run is begun for them, and they press the rest.
     pub fn orders(self, operated: bool) -> Option<Order> {
         match (self.reset, self.start) {
@@ -46,23 +46,23 @@ impl Operator {
         Self { presses_us, latched_since_us: None, resets: 0, starts: 0 }
     }
 
-    /// Looks at the robot.
-    pub fn act(&mut self, now_us: u64, state: GuardState) -> Deed {
+    /// Observes the robot.
+    pub fn act(&mut self, now_us: u64, state: GuardState) -> OperatorAction {
         let pressed = self.presses_us.iter().any(|(from, to)| (*from..*to).contains(&now_us));
         if pressed || state != GuardState::Latched {
             self.latched_since_us = None;
             let start = !pressed && state == GuardState::AwaitsStart;
             let begins = start && self.starts == 0;
             self.starts += u32::from(start);
-            return Deed { pressed, reset: false, start, begins };
+            return OperatorAction { pressed, reset: false, start, begins };
         }
         let since_us = *self.latched_since_us.get_or_insert(now_us);
-        let reset = now_us - since_us >= LOOKS_AROUND_US;
+        let reset = now_us - since_us >= RESET_DELAY_US;
         if reset {
             self.latched_since_us = None;
             self.resets += 1;
         }
-        Deed { pressed, reset, ..Deed::default() }
+        OperatorAction { pressed, reset, ..OperatorAction::default() }
     }
 
     /// Times that reset was pressed.
@@ -76,10 +76,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn starts_what_waits_for_it_and_nothing_that_is_pressed() {
+    fn start_releases_only_what_awaits_it() {
         let mut operator = Operator::new(vec![(1_000_000, 2_000_000)]);
-        let deed = operator.act(0, GuardState::AwaitsStart);
-        assert_eq!(deed, Deed { start: true, begins: true, ..Deed::default() });
+        let action = operator.act(0, GuardState::AwaitsStart);
+        assert_eq!(action, OperatorAction { start: true, begins: true, ..OperatorAction::default() });
         assert!(!operator.act(1_500_000, GuardState::AwaitsStart).start);
         assert!(!operator.act(2_500_000, GuardState::Init).start);
         assert_eq!(operator.starts, 1);
@@ -92,9 +92,9 @@ mod tests {
         for step in 0..100_u64 {
             let now_us = step * 100_000;
             let state = if now_us >= 1_000_000 { GuardState::Latched } else { GuardState::Run };
-            let deed = operator.act(now_us, state);
-            assert_eq!(deed.pressed, (1_000_000..5_000_000).contains(&now_us));
-            if deed.reset {
+            let action = operator.act(now_us, state);
+            assert_eq!(action.pressed, (1_000_000..5_000_000).contains(&now_us));
+            if action.reset {
                 resets.push(now_us);
             }
         }

@@ -13,12 +13,12 @@ use super::observer::Observer;
 use super::operator::Operator;
 use crate::plan::Plan;
 use floorguard_host::executor::{Ring, StopFlag, take_priority};
-use floorguard_operator::telemetry::Witnesses;
-use floorguard_operator::telemetry::{Notes, with_onlooker};
+use floorguard_operator::telemetry::RunSinks;
+use floorguard_operator::telemetry::{TelemetrySender, with_telemetry};
 use floorguard_robot::assembly::new_shared;
 use floorguard_robot::assembly::{HostedShared, run_rings};
 use floorguard_robot::cleaner::{MissionPhase, MissionSetup, Store};
-use floorguard_robot::learning::{LearningKeeper, LearningSetup};
+use floorguard_robot::learning::{LearningSetup, LearningWriter};
 
 /// How often truth is compared with what the robot does, microseconds.
 const JUDGE_US: u64 = 10_000;
@@ -41,7 +41,7 @@ pub fn run_real(
     can_interface: Option<&str>,
     observer: &mut Observer<'_>,
 ) -> anyhow::Result<CarrierFigures> {
-    run_real_recorded((plan, can_interface), observer, &mut Witnesses::default())
+    run_real_recorded((plan, can_interface), observer, &mut RunSinks::default())
 }
 
 /// The same, with a recording or a panel.
@@ -51,24 +51,24 @@ pub fn run_real(
 pub fn run_real_recorded(
     (plan, can_interface): (&Plan, Option<&str>),
     observer: &mut Observer<'_>,
-    witnesses: &mut Witnesses,
+    sinks: &mut RunSinks,
 ) -> anyhow::Result<CarrierFigures> {
     let mut simulation = plan.simulation()?;
     let (mut ends, mut links) = Ends::open(plan.robot.scanner.model, can_interface)?;
     let start = clock::now();
     observer.set_clock_start(start);
-    if let Some(panel) = &mut witnesses.panel {
+    if let Some(panel) = &mut sinks.panel {
         panel.set_clock_start(start);
     }
-    let operated = witnesses.panel.is_some();
+    let operated = sinks.panel.is_some();
     let shared: Box<HostedShared> = new_shared(&plan.robot, start)
         .map_err(|error| anyhow::anyhow!("the guard refuses the robot: {error}"))?;
     let flag = StopFlag::default();
     let mission = plan.mission.clone().map(|mission| MissionSetup::new(mission, Store::None));
     observer.begin(plan, &simulation);
     say!("  {}", take_priority(Ring::World));
-    let ended = witnesses.ended.clone();
-    with_onlooker(witnesses, &shared, |tap, notes| {
+    let ended = sinks.ended.clone();
+    with_telemetry(sinks, &shared, |tap, notes| {
         links.tap = tap;
         links.mission.clone_from(&mission);
         links.learning.clone_from(&plan.learning);
@@ -80,15 +80,15 @@ pub fn run_real_recorded(
             ends: &mut ends,
             ended,
             mission: mission.clone(),
-            learned: plan.learning.as_ref().map(LearningSetup::keeper),
+            learned: plan.learning.as_ref().map(LearningSetup::writer),
         };
         run_rings((&plan.robot, links), &shared, &flag, || world.play((&shared, &flag, notes), observer))?
     })
 }
 
-/// The mission has told its progress.
+/// The mission has reported its progress.
 fn tell(
-    (observer, notes): (&mut Observer<'_>, &Notes<'_>),
+    (observer, notes): (&mut Observer<'_>, &TelemetrySender<'_>),
     (simulation, shared): (&Simulation, &HostedShared),
     setup: &MissionSetup,
 ) {
@@ -109,7 +109,7 @@ struct World<'a> {
     /// What the robot cleans.
     mission: Option<MissionSetup>,
     /// Writes what is learned.
-    learned: Option<LearningKeeper>,
+    learned: Option<LearningWriter>,
     simulation: &'a mut Simulation,
     ends: &'a mut Ends,
 }
@@ -117,11 +117,11 @@ struct World<'a> {
 impl World<'_> {
     fn play(
         &mut self,
-        (shared, flag, notes): (&HostedShared, &StopFlag, &Notes<'_>),
+        (shared, flag, notes): (&HostedShared, &StopFlag, &TelemetrySender<'_>),
         observer: &mut Observer<'_>,
     ) -> anyhow::Result<CarrierFigures> {
         let Self { plan, start, operated, ended, mission, learned, simulation, ends } = self;
-        let mut told = 0;
+        let mut reported = 0;
         let mut faults = FaultLayer::new(&plan.faults, plan.seed);
         let mut operator = Operator::new(plan.emergency_stop_us.clone());
         let mut judge_us = 0;
@@ -132,7 +132,7 @@ impl World<'_> {
             if now_us > plan.duration_us || ended.is_stopped() {
                 break;
             }
-            // Truth is looked at every 10 ms of the world's time, however late this thread is.
+            // Truth is examined every 10 ms of the world's time, however late this thread is.
             let to_us = now_us.min(judge_us);
             latest_us = latest_us.max(now_us - to_us);
             simulation.advance_to(to_us, &mut |event| faults.pass(event, &mut |event| ends.deliver(event)));
@@ -149,21 +149,21 @@ impl World<'_> {
             if to_us >= judge_us {
                 judge_us += JUDGE_US;
                 let state = shared.decision.get().map(|decision| decision.state).unwrap_or_default();
-                let deed = operator.act(to_us, state);
-                simulation.press_emergency_stop(deed.pressed);
-                observer.on_emergency_stop(deed.pressed, to_us);
-                deed.orders(*operated).into_iter().for_each(|order| notes.order(order));
+                let action = operator.act(to_us, state);
+                simulation.press_emergency_stop(action.pressed);
+                observer.on_emergency_stop(action.pressed, to_us);
+                action.orders(*operated).into_iter().for_each(|order| notes.order(order));
                 let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
                 stops.iter().for_each(|stop| notes.stop(stop));
                 observer.observe(simulation, shared, &stops);
-                if let Some(news) = learned.as_mut().and_then(LearningKeeper::attend) {
-                    say!("  {news}");
+                if let Some(update) = learned.as_mut().and_then(LearningWriter::attend) {
+                    say!("  {update}");
                 }
-                if let Some(setup) = mission.as_ref().filter(|setup| setup.watch.published() != told) {
-                    told = setup.watch.published();
+                if let Some(setup) = mission.as_ref().filter(|setup| setup.watch.published() != reported) {
+                    reported = setup.watch.published();
                     tell((observer, notes), (simulation, shared), setup);
                     if plan.until_clean
-                        && setup.watch.get().is_some_and(|told| told.phase == MissionPhase::Done)
+                        && setup.watch.get().is_some_and(|reported| reported.phase == MissionPhase::Done)
                     {
                         ended.stop();
                     }
@@ -173,7 +173,7 @@ impl World<'_> {
             ends.wait(due_us.saturating_sub(clock_us()))?;
         }
         observer.finish_mission(simulation);
-        if let Some(report) = learned.as_ref().and_then(LearningKeeper::report) {
+        if let Some(report) = learned.as_ref().and_then(LearningWriter::report) {
             observer.on_learning(report);
         }
         observer.finish(operator.resets());

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use floorguard_operator::telemetry::{IN_REAL_TIME, RecordedRun, Witnesses};
+use floorguard_operator::telemetry::{IN_REAL_TIME, RecordedRun, RunSinks};
 use floorguard_recording::replay::{IMU_BAUD, REPEATABLE};
 use floorguard_sim::{FaultSpec, FaultTarget};
 
 use crate::plan::Plan;
 
-/// A computer that halts or loses its power does other things with the same bytes.
+/// A computer that halts or loses its power behaves differently with the same bytes.
 fn hits_computer(fault: &FaultSpec) -> bool {
     matches!(fault.target, FaultTarget::Computer | FaultTarget::Guard | FaultTarget::Perception)
 }
@@ -17,24 +17,24 @@ fn hits_computer(fault: &FaultSpec) -> bool {
 ///
 /// # Errors
 /// The file cannot be made.
-pub fn record_plan(witnesses: &mut Witnesses, plan: &Plan, path: &Path) -> anyhow::Result<()> {
+pub fn record_plan(sinks: &mut RunSinks, plan: &Plan, path: &Path) -> anyhow::Result<()> {
     let repeatable = match plan.faults.iter().any(hits_computer) {
         true => "no",
         false if plan.has_camera => "no: the floor camera's pictures are not recorded",
         false => "yes",
     };
-    record(witnesses, plan, (path, repeatable))
+    record(sinks, plan, (path, repeatable))
 }
 
 /// Starts a recording of a plan that is played in real time.
 ///
 /// # Errors
 /// The file cannot be made.
-pub fn record_plan_in_real_time(witnesses: &mut Witnesses, plan: &Plan, path: &Path) -> anyhow::Result<()> {
-    record(witnesses, plan, (path, IN_REAL_TIME))
+pub fn record_plan_in_real_time(sinks: &mut RunSinks, plan: &Plan, path: &Path) -> anyhow::Result<()> {
+    record(sinks, plan, (path, IN_REAL_TIME))
 }
 
-fn record(witnesses: &mut Witnesses, plan: &Plan, (path, repeatable): (&Path, &str)) -> anyhow::Result<()> {
+fn record(sinks: &mut RunSinks, plan: &Plan, (path, repeatable): (&Path, &str)) -> anyhow::Result<()> {
     let seed = plan.seed.to_string();
     let texts = [
         ("scenario", plan.name.as_str()),
@@ -50,5 +50,5 @@ fn record(witnesses: &mut Witnesses, plan: &Plan, (path, repeatable): (&Path, &s
         mission: plan.mission.as_ref(),
         learning: plan.learning.as_ref(),
     };
-    witnesses.record_run(&run, &texts, path)
+    sinks.record_run(&run, &texts, path)
 }

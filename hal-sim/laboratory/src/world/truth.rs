@@ -7,12 +7,12 @@ use crate::judge::{Truth, TruthPerson};
 
 /// Farther away nothing reaches a zone, metres.
 const RANGE_M: f32 = 5.0;
-/// Heights at which things may be that the safety scanner cannot see, metres.
+/// Heights at which objects may be that the safety scanner cannot see, metres.
 const RAISED_M: [f32; 4] = [0.4, 0.75, 0.95, 1.2];
 
-/// Sees the world as the judge wants it. What stands does not move: it is looked at again only when the robot has moved.
+/// Sees the world as the judge wants it. What stands does not move: it is examined again only when the robot has moved.
 #[derive(Default)]
-pub struct Eyewitness {
+pub struct TruthSampler {
     /// Heights at which something else stands than at the scanner's, metres.
     raised_m: Option<Vec<f32>>,
     around: Option<(Pose2, Around)>,
@@ -21,7 +21,7 @@ pub struct Eyewitness {
 /// Points on what stands, robot frame, metres: at the scanner's height, and at other heights.
 type Around = (Vec<Point2>, Vec<Point2>);
 
-impl Eyewitness {
+impl TruthSampler {
     /// The moment; `truth` is the simulation's own.
     pub fn judged(&mut self, simulation: &Simulation, truth: &SimTruth) -> Truth {
         let people = truth.people.iter().map(|person| TruthPerson {
@@ -36,12 +36,12 @@ impl Eyewitness {
             let scanner_m = simulation.parameters().scanner.z_m;
             RAISED_M
                 .into_iter()
-                .filter(|raised_m| !simulation.looks_the_same_at(scanner_m, *raised_m))
+                .filter(|raised_m| !simulation.is_same_at_heights(scanner_m, *raised_m))
                 .collect()
         });
-        let look = || (truth.robot, look_around(simulation, raised_m));
+        let sample = || (truth.robot, sample_surroundings(simulation, raised_m));
         let known = self.around.take().filter(|(from, _)| *from == truth.robot);
-        let (_, around) = self.around.insert(known.unwrap_or_else(look));
+        let (_, around) = self.around.insert(known.unwrap_or_else(sample));
         Truth {
             stamp: truth.stamp,
             robot: truth.robot,
@@ -53,7 +53,7 @@ impl Eyewitness {
     }
 }
 
-fn look_around(simulation: &Simulation, raised_m: &[f32]) -> Around {
+fn sample_surroundings(simulation: &Simulation, raised_m: &[f32]) -> Around {
     let raised = raised_m.iter().flat_map(|height_m| simulation.obstacles_at_height(*height_m, RANGE_M));
     (simulation.obstacles_in_robot(RANGE_M), raised.collect())
 }
@@ -64,25 +64,25 @@ mod tests {
     use floorguard_sim::scenario::Scenario;
 
     #[test]
-    fn what_stands_is_looked_at_again_when_the_robot_has_moved() {
+    fn static_surroundings_are_resampled_after_motion() {
         let mut simulation = Simulation::new(&Scenario::named("crossing").unwrap(), 1).unwrap();
-        let mut eyewitness = Eyewitness::default();
+        let mut truth_sampler = TruthSampler::default();
         for step in 1..6 {
             // It stands first, and is towed then.
             simulation.tow(if step < 3 { 0.0 } else { 0.8 }, 0.1);
             simulation.advance_to(step * 400_000, &mut |_| {});
-            let seen = eyewitness.judged(&simulation, &simulation.truth());
+            let seen = truth_sampler.judged(&simulation, &simulation.truth());
             assert_eq!(seen.robot, simulation.robot().0);
             assert_eq!(seen.obstacles_in_robot, simulation.obstacles_in_robot(RANGE_M), "{step}");
         }
     }
 
     #[test]
-    fn what_only_the_lidar_can_see_is_looked_at_where_there_is_any() {
+    fn lidar_only_heights_are_sampled_where_present() {
         let raised = |name: &str| {
             let mut simulation = Simulation::new(&Scenario::named(name).unwrap(), 1).unwrap();
             simulation.advance_to(10_000, &mut |_| {});
-            let seen = Eyewitness::default().judged(&simulation, &simulation.truth());
+            let seen = TruthSampler::default().judged(&simulation, &simulation.truth());
             (seen.raised_in_robot.len(), seen.obstacles_in_robot.len())
         };
         // Walls look the same at every height; shelves with boards and tables do not.

@@ -20,13 +20,13 @@ use crate::plan::Plan;
 use floorguard_host::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 use floorguard_host::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 use floorguard_operator::panel::Order;
-use floorguard_operator::telemetry::Witnesses;
+use floorguard_operator::telemetry::RunSinks;
 use floorguard_recording::replay::ScannerPipe;
 use floorguard_robot::assembly::{
     GuardCarriers, ScannerCarrier, new_perception, new_shared, spawn_guard_ring,
 };
 use floorguard_robot::cleaner::{MissionPhase, MissionSetup, Store};
-use floorguard_robot::learning::{LearningKeeper, LearningSetup};
+use floorguard_robot::learning::{LearningSetup, LearningWriter};
 
 /// How often truth is compared with what the robot does, microseconds.
 const JUDGE_US: u64 = 10_000;
@@ -34,7 +34,7 @@ const JUDGE_US: u64 = 10_000;
 /// The true state is recorded this often, microseconds.
 const TRUTH_US: u64 = 20_000;
 
-/// The map of seen dirt is told this often, microseconds.
+/// The map of seen dirt is reported this often, microseconds.
 const SEEN_DIRT_US: u64 = 5_000_000;
 
 /// The lines between simulator and robot.
@@ -66,25 +66,25 @@ impl Lines {
         (lines, Ends { scanner: scanner_reader, imu, from_imu_line })
     }
 
-    fn deliver(&self, event: WireEvent, now_us: u64, witnesses: &mut Witnesses) {
+    fn deliver(&self, event: WireEvent, now_us: u64, sinks: &mut RunSinks) {
         let when = (now_us, event.at_us);
         match (event.stream, event.payload) {
             (Stream::LidarData, Payload::Bytes(bytes)) => {
-                witnesses.delivered(when, TapeLine::Lidar, &bytes);
+                sinks.delivered(when, TapeLine::Lidar, &bytes);
                 self.lidar.push(Stamp::from_micros(event.at_us), bytes);
             }
             (Stream::ScannerSerial | Stream::ScannerData, Payload::Bytes(bytes)) => {
-                witnesses.delivered(when, TapeLine::Scanner, &bytes);
+                sinks.delivered(when, TapeLine::Scanner, &bytes);
                 self.scanner.push(Stamp::from_micros(event.at_us), &bytes);
             }
             (Stream::ImuSerial, Payload::Bytes(bytes)) => {
-                witnesses.delivered(when, TapeLine::Imu, &bytes);
+                sinks.delivered(when, TapeLine::Imu, &bytes);
                 self.imu.push(&bytes);
             }
             (Stream::Can, Payload::Frame(frame)) => {
                 let [low, high] = (frame.id as u16).to_le_bytes();
                 let bytes: Vec<u8> = [low, high].iter().chain(frame.payload()).copied().collect();
-                witnesses.delivered(when, TapeLine::Can, &bytes);
+                sinks.delivered(when, TapeLine::Can, &bytes);
                 self.can.push(CanFrame::standard(frame.id as u16, frame.payload()));
             }
             // Position packets only discipline the lidar's clock, which the arrival times already do.
@@ -98,21 +98,17 @@ impl Lines {
 /// # Errors
 /// The robot cannot be configured, or one of its tasks spins.
 pub fn run_virtual(plan: &Plan, observer: &mut Observer<'_>) -> anyhow::Result<()> {
-    run_recorded(plan, observer, &mut Witnesses::default())
+    run_recorded(plan, observer, &mut RunSinks::default())
 }
 
-/// The same, with witnesses.
+/// The same, with run sinks.
 ///
 /// # Errors
 /// As [`run_virtual`].
-pub fn run_recorded(
-    plan: &Plan,
-    observer: &mut Observer<'_>,
-    witnesses: &mut Witnesses,
-) -> anyhow::Result<()> {
+pub fn run_recorded(plan: &Plan, observer: &mut Observer<'_>, sinks: &mut RunSinks) -> anyhow::Result<()> {
     let mut simulation = plan.simulation()?;
     use_virtual_clock(0);
-    let outcome = play(plan, &mut simulation, (observer, witnesses));
+    let outcome = play(plan, &mut simulation, (observer, sinks));
     use_real_clock();
     outcome
 }
@@ -121,7 +117,7 @@ pub fn run_recorded(
 struct World<'a, 'b> {
     simulation: &'a mut Simulation,
     observer: &'a mut Observer<'b>,
-    witnesses: &'a mut Witnesses,
+    sinks: &'a mut RunSinks,
     faults: FaultLayer,
     /// On the way from the computer to the bus.
     output_faults: FaultLayer,
@@ -132,8 +128,8 @@ struct World<'a, 'b> {
     /// What is latched, on the disk that outlives the computer's lives.
     latches: u64,
     /// Writes what is learned; the file outlives the computer's lives.
-    learned: Option<LearningKeeper>,
-    /// The map of seen dirt is told again from here on.
+    learned: Option<LearningWriter>,
+    /// The map of seen dirt is reported again from here on.
     next_map_us: u64,
     /// The true state is recorded again from here on.
     next_truth_us: u64,
@@ -155,12 +151,12 @@ enum End {
 fn play(
     plan: &Plan,
     simulation: &mut Simulation,
-    (observer, witnesses): (&mut Observer<'_>, &mut Witnesses),
+    (observer, sinks): (&mut Observer<'_>, &mut RunSinks),
 ) -> anyhow::Result<()> {
     let mut world = World {
         simulation,
         observer,
-        witnesses,
+        sinks,
         faults: FaultLayer::new(&plan.faults, plan.seed),
         output_faults: FaultLayer::for_output(&plan.faults, plan.seed),
         operator: Operator::new(plan.emergency_stop_us.clone()),
@@ -170,7 +166,7 @@ fn play(
             .map(|mission| MissionSetup::new(mission, Store::Memory(Arc::default()))),
         latches: 0,
         camera: plan.has_camera.then(|| SimulatedCamera::new(plan)).flatten(),
-        learned: plan.learning.as_ref().map(LearningSetup::keeper),
+        learned: plan.learning.as_ref().map(LearningSetup::writer),
         next_map_us: 0,
         next_truth_us: 0,
         judge_us: 0,
@@ -181,7 +177,7 @@ fn play(
     let dead = |at_us| plan.faults.iter().any(|fault| is_reset(fault) && fault.applies(at_us));
     world.observer.begin(plan, world.simulation);
     let begin = (Stamp::from_micros(world.now_us), plan.odometry_in_world());
-    world.witnesses.true_world(begin, || true_state::things(plan, world.simulation));
+    world.sinks.true_world(begin, || true_state::things(plan, world.simulation));
     while live(plan, &mut world, dead)? == End::PowerLost {
         let off = plan.faults.iter().filter(|fault| is_reset(fault) && fault.applies(world.now_us));
         let until_us = off.map(|fault| fault.to_us).max().unwrap_or(world.now_us).min(world.end_us);
@@ -190,17 +186,17 @@ fn play(
     world.observer.finish_mission(world.simulation);
     if let Some(camera) = &world.camera {
         let seen = camera.seen(world.now_us);
-        world.witnesses.seen_dirt(&seen);
+        world.sinks.seen_dirt(&seen);
         world.observer.on_seen_dirt(seen);
     }
-    if let Some(learned) = world.learned.as_ref().and_then(LearningKeeper::report) {
+    if let Some(learned) = world.learned.as_ref().and_then(LearningWriter::report) {
         world.observer.on_learning(learned);
     }
     world.observer.finish(world.operator.resets());
-    if let Some(folder) = world.witnesses.pictures.take() {
+    if let Some(folder) = world.sinks.pictures.take() {
         folder.finish()?;
     }
-    Ok(world.witnesses.finish((world.end_us, world.observer.digest().value()))?)
+    Ok(world.sinks.finish((world.end_us, world.observer.digest().value()))?)
 }
 
 fn is_reset(fault: &FaultSpec) -> bool {
@@ -216,7 +212,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     perception.motion.learn(plan.learning.as_ref().map(LearningSetup::again).as_ref());
     let setup = world.mission.clone();
     let mut mission = setup.as_ref().map(|setup| setup.begin(&plan.robot)).transpose()?;
-    let mut told = setup.as_ref().map_or(0, |setup| setup.watch.published());
+    let mut reported = setup.as_ref().map_or(0, |setup| setup.watch.published());
     let (lines, Ends { scanner, imu, from_imu_line }) = Lines::new(plan.robot.scanner.model);
     let mut tasks = TaskSet::new();
     let carriers = GuardCarriers {
@@ -231,7 +227,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     let mut orders = Vec::new();
     loop {
         let now_us = world.next_us().min(next_timer_us().unwrap_or(u64::MAX)).max(world.now_us);
-        if world.witnesses.ended.is_stopped() {
+        if world.sinks.ended.is_stopped() {
             // What happens at this moment still happens: a replay knows moments only.
             world.end_us = world.end_us.min(world.now_us);
         }
@@ -244,28 +240,28 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
         }
         world.advance(&lines);
         advance_virtual(now_us);
-        orders.drain(..).for_each(|order| world.witnesses.order(order, &shared, now_us));
+        orders.drain(..).for_each(|order| world.sinks.order(order, &shared, now_us));
         let halted = |target| halts(plan, target, now_us);
         let runs =
             |task| !halted(if task < guard_tasks { FaultTarget::Guard } else { FaultTarget::Perception });
         tasks.poll_until_quiet_if(runs)?;
         world.observer.after_tasks(&shared);
         world.take_from_robot(&lines, &from_imu_line);
-        world.witnesses.after_tasks(&shared, (now_us, world.observer.digest().value()));
+        world.sinks.after_tasks(&shared, (now_us, world.observer.digest().value()));
         if now_us >= world.judge_us {
             world.judge_us += JUDGE_US;
             // A button reaches the tasks with the next moment.
             orders = world.operate(&shared);
             world.latches = shared.latches.get().unwrap_or(world.latches);
             let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
-            stops.iter().for_each(|stop| world.witnesses.stop(stop));
-            if let Some(setup) = setup.as_ref().filter(|setup| setup.watch.published() != told) {
-                told = setup.watch.published();
+            stops.iter().for_each(|stop| world.sinks.stop(stop));
+            if let Some(setup) = setup.as_ref().filter(|setup| setup.watch.published() != reported) {
+                reported = setup.watch.published();
                 world.tell(&shared, setup);
             }
             world.observer.observe(world.simulation, &shared, &stops);
             world.tell_truth();
-            world.look_at_floor(&shared)?;
+            world.observe_floor(&shared)?;
             world.keep_learned();
         }
     }
@@ -290,7 +286,7 @@ impl World<'_, '_> {
     fn take_from_robot(&mut self, lines: &Lines, from_imu_line: &PipeReader) {
         for frame in lines.can.drain() {
             self.observer.on_frame(&frame, self.now_us);
-            self.witnesses.sent(&frame, self.now_us);
+            self.sinks.sent(&frame, self.now_us);
             let id = u32::from(frame.standard_id().unwrap_or_default());
             self.send(SimCanFrame::new(id, frame.payload()));
         }
@@ -303,33 +299,33 @@ impl World<'_, '_> {
     /// The operator's hands, of the plan or at the panel; gives the buttons that were pressed.
     fn operate(&mut self, shared: &Shared<NoopRawMutex>) -> Vec<Order> {
         let state = shared.decision.get().map(|decision| decision.state).unwrap_or_default();
-        let deed = self.operator.act(self.now_us, state);
-        self.simulation.press_emergency_stop(deed.pressed);
-        self.observer.on_emergency_stop(deed.pressed, self.now_us);
-        let mut orders = self.witnesses.attend(shared, self.now_us);
-        let operated = self.witnesses.panel.is_some();
-        orders.extend(deed.orders(operated));
+        let action = self.operator.act(self.now_us, state);
+        self.simulation.press_emergency_stop(action.pressed);
+        self.observer.on_emergency_stop(action.pressed, self.now_us);
+        let mut orders = self.sinks.attend(shared, self.now_us);
+        let operated = self.sinks.panel.is_some();
+        orders.extend(action.orders(operated));
         orders
     }
 
     /// Plays up to now; what reaches the computer goes into its lines.
     fn advance(&mut self, lines: &Lines) {
-        let Self { simulation, faults, output_faults, witnesses, now_us, .. } = self;
+        let Self { simulation, faults, output_faults, sinks, now_us, .. } = self;
         let now_us = *now_us;
         output_faults.release(now_us, &mut |event| hear(simulation, event, now_us));
         simulation.advance_to(now_us, &mut |event| {
-            faults.pass(event, &mut |event| lines.deliver(event, now_us, witnesses))
+            faults.pass(event, &mut |event| lines.deliver(event, now_us, sinks))
         });
-        faults.release(now_us, &mut |event| lines.deliver(event, now_us, witnesses));
+        faults.release(now_us, &mut |event| lines.deliver(event, now_us, sinks));
     }
 
-    /// The mission has told its progress.
+    /// The mission has reported its progress.
     fn tell(&mut self, shared: &Shared<NoopRawMutex>, setup: &MissionSetup) {
         let (Some(progress), Some(pose)) = (setup.watch.get(), shared.pose.get()) else { return };
         self.observer.on_mission(&progress, (self.simulation, pose.pose_in_odometry));
-        self.witnesses.mission(&progress);
+        self.sinks.mission(&progress);
         if self.until_clean && progress.phase == MissionPhase::Done {
-            self.witnesses.ended.stop();
+            self.sinks.ended.stop();
         }
     }
 
@@ -338,26 +334,26 @@ impl World<'_, '_> {
         if self.now_us >= self.next_truth_us {
             self.next_truth_us = self.now_us + TRUTH_US;
             let (at, robot) = (Stamp::from_micros(self.now_us), self.simulation.robot());
-            self.witnesses.true_moment(at, robot, || true_state::people(self.simulation));
+            self.sinks.true_moment(at, robot, || true_state::people(self.simulation));
         }
     }
 
     /// What was learned goes into its file.
     fn keep_learned(&mut self) {
-        if let Some(news) = self.learned.as_mut().and_then(LearningKeeper::attend) {
-            say!("  {:.0} s: {news}", self.now_us as f64 * 1.0e-6);
+        if let Some(update) = self.learned.as_mut().and_then(LearningWriter::attend) {
+            say!("  {:.0} s: {update}", self.now_us as f64 * 1.0e-6);
         }
     }
 
-    /// The floor camera, if there is one; its map goes to the witnesses now and then.
-    fn look_at_floor(&mut self, shared: &Shared<NoopRawMutex>) -> anyhow::Result<()> {
+    /// The floor camera, if there is one; its map goes to the run sinks now and then.
+    fn observe_floor(&mut self, shared: &Shared<NoopRawMutex>) -> anyhow::Result<()> {
         let Some(camera) = &mut self.camera else { return Ok(()) };
-        let folder = self.witnesses.pictures.as_mut();
+        let folder = self.sinks.pictures.as_mut();
         let is_new = camera.attend(self.simulation, shared, (self.now_us, folder))?;
         if is_new && self.now_us >= self.next_map_us {
             self.next_map_us = self.now_us + SEEN_DIRT_US;
-            if self.witnesses.listen() {
-                self.witnesses.seen_dirt(&camera.seen(self.now_us));
+            if self.sinks.listen() {
+                self.sinks.seen_dirt(&camera.seen(self.now_us));
             }
         }
         Ok(())
@@ -371,7 +367,7 @@ impl World<'_, '_> {
         output_faults.pass(event, &mut |event| hear(simulation, event, now_us));
     }
 
-    /// The computer is off: nobody listens and nobody speaks, and the judge looks on.
+    /// The computer is off: no input and no output, and the judge goes on.
     fn without_computer(&mut self, until_us: u64) {
         while self.now_us < until_us {
             self.now_us = self.next_us().clamp(self.now_us, until_us);

@@ -14,7 +14,7 @@ pub struct Arguments {
     pub command: Option<Command>,
 }
 
-/// One thing to do.
+/// One task.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     #[cfg(feature = "laboratory")]

@@ -90,7 +90,7 @@ fn share(text: &str) -> Result<f32, String> {
 /// Runs the command.
 ///
 /// # Errors
-/// No model, a zone or a moment that is none.
+/// No model, an invalid zone or an invalid moment.
 pub fn run(arguments: &AskArguments) -> anyhow::Result<()> {
     let answer = ask(arguments).map_err(|error| BadInput(format!("{error:#}")))?;
     if arguments.json {

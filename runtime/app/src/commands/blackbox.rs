@@ -68,7 +68,7 @@ struct RestartRow {
 
 /// Asks for the black box.
 const REQUEST: &[u8] = b"B";
-/// A line that says nothing for this long has said all.
+/// A line that is silent for this long is complete.
 const QUIET: Duration = Duration::from_millis(1_000);
 /// A read-out takes at most this long: 60 KiB at 115,200 Bd take five seconds.
 const LONGEST: Duration = Duration::from_secs(60);
@@ -191,7 +191,7 @@ fn tell(moments: &[(Stamp, BoxEntry)], restart: Option<&LogRestart>, json: bool)
             tell!("{}", serde_json::to_string(&row(*stamp, entry))?)?;
         }
     } else {
-        moments.windows(2).try_for_each(tell_change)?;
+        moments.windows(2).try_for_each(report_change)?;
     }
     let Some(restart) = restart else { return Ok(()) };
     let name = restart.known_cause().map_or("cause unknown to this program", |cause| cause.name());
@@ -248,7 +248,7 @@ fn row(stamp: Stamp, entry: &BoxEntry) -> MomentRow {
     }
 }
 
-fn tell_change(pair: &[(Stamp, BoxEntry)]) -> std::io::Result<()> {
+fn report_change(pair: &[(Stamp, BoxEntry)]) -> std::io::Result<()> {
     let [(_, before), (stamp, now)] = pair else { return Ok(()) };
     if (before.state, before.action, before.holding) != (now.state, now.action, now.holding) {
         let cause = now.holding.map_or_else(String::new, |cause| format!(": {cause}"));

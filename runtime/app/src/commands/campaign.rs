@@ -17,7 +17,7 @@ use floorguard_laboratory::campaign::{
 /// Kinds of campaigns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum CampaignKind {
-    /// 1 to 10 people cross the robot's way without looking, 5 % of the lidar packets are lost.
+    /// 1 to 10 people cross the robot's path without looking, 5 % of the lidar packets are lost.
     Encounters,
     /// One random fault on one line.
     SingleFaults,
@@ -135,7 +135,7 @@ fn show(summary: &CampaignSummary) {
     );
     let bodies = &summary.bodies;
     say!(
-        "contacts while it moved {} ({} with people, {} with things; its sensors could have avoided {}), people who walked into it as it stood {}",
+        "contacts while it moved {} ({} with people, {} with objects; its sensors could have avoided {}), people who walked into it as it stood {}",
         bodies.while_moving(),
         bodies.people_while_moving,
         bodies.drove_into_things,

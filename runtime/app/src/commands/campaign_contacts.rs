@@ -17,8 +17,8 @@ use indicatif::ProgressBar;
 use super::exit::{Unfinished, VerdictFailed};
 use super::interrupt::end_at_ctrl_c;
 
-/// So many failed trials are told one by one.
-const TOLD_MAX: usize = 40;
+/// So many failed trials are listed one by one.
+const REPORTED_MAX: usize = 40;
 
 /// A part of the trials: this machine's of so many machines'.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -139,12 +139,12 @@ fn conclude(rows: &[ContactRow], json: bool) -> anyhow::Result<()> {
         say!("{}", summary.words().trim_end());
         let mut failed: Vec<&ContactRow> = rows.iter().filter(|row| !row.passed).collect();
         failed.sort_by_key(|row| row.trial);
-        for row in failed.iter().take(TOLD_MAX) {
+        for row in failed.iter().take(REPORTED_MAX) {
             say!("failed ({}): {}\n  {}", row.family, row.failures.join(", "), row.command());
             row.contacts.iter().for_each(|line| say!("    {line}"));
         }
-        if failed.len() > TOLD_MAX {
-            say!("and {} more", failed.len() - TOLD_MAX);
+        if failed.len() > REPORTED_MAX {
+            say!("and {} more", failed.len() - REPORTED_MAX);
         }
     }
     if summary.failed == 0 {
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_of_rows_is_gone_on_with_behind_a_cut_line() {
+    fn row_file_resumes_after_a_cut_line() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("rows.jsonl");
         let row = |trial| ContactRow { trial, seed: 5, ..ContactRow::default() };

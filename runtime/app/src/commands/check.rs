@@ -27,7 +27,7 @@ pub fn run(file: &Path) -> anyhow::Result<()> {
         let seconds = learning.update_us as f64 * 1.0e-6;
         match learning.enabled {
             true => say!(
-                "  learns what people look like, into {}, an update in {seconds} s at most",
+                "  learns the appearance of people, into {}, an update in {seconds} s at most",
                 learning.model.display()
             ),
             false => say!("  learning is switched off"),

@@ -27,7 +27,7 @@ impl ModelArgument {
 /// Bad input; what came before it has been printed.
 pub fn run(arguments: &DecodeArguments) -> anyhow::Result<()> {
     match decode_to(arguments, BufWriter::new(std::io::stdout().lock())) {
-        // Whoever reads our output has seen enough, as `head` does.
+        // The reader of our output has closed it, as `head` does.
         Err(error) if is_broken_pipe(&error) => Ok(()),
         other => other,
     }

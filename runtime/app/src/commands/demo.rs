@@ -7,11 +7,11 @@ use std::time::Instant;
 use clap::{Args, ValueEnum as _};
 
 use super::exit::BadInput;
-use super::simulate::{conclude, open_witnesses, pace, play, play_real};
+use super::simulate::{conclude, open_sinks, pace, play, play_real};
 use floorguard_laboratory::run_report::write_report;
 use floorguard_laboratory::world::Plan;
 use floorguard_operator::report::make_folder;
-use floorguard_operator::telemetry::Witnesses;
+use floorguard_operator::telemetry::RunSinks;
 use floorguard_robot::cleaner::MissionStrategy;
 
 /// How to show the demo.
@@ -40,7 +40,8 @@ pub struct DemoArguments {
     /// robot.
     #[arg(long, value_name = "robot.toml")]
     pub robot: Option<PathBuf>,
-    /// Render a floor camera: things on the floor are driven round, and dirt is mapped. Takes as much time as all the rest.
+    /// Render a floor camera: objects on the floor are driven round, and dirt is mapped. Takes as much time as all the
+    /// rest.
     #[arg(long, conflicts_with = "real_io")]
     pub camera: bool,
     /// Show the run live in a browser, in real time: `--panel 127.0.0.1:8080`.
@@ -81,13 +82,13 @@ pub fn run(arguments: &DemoArguments) -> anyhow::Result<()> {
     plan.has_camera = arguments.camera;
     say!("floorguard demo: {} (seed {})", plan.scenario.title, plan.seed);
     make_folder(&arguments.report)?;
-    let mut witnesses = Witnesses::default();
+    let mut sinks = RunSinks::default();
     let (record, panel) = (arguments.record.as_deref(), arguments.panel);
-    open_witnesses(&mut witnesses, &plan, (record, panel, arguments.real_io))?;
+    open_sinks(&mut sinks, &plan, (record, panel, arguments.real_io))?;
     let observation = if arguments.real_io {
-        play_real((&plan, None), false, &mut witnesses)?
+        play_real((&plan, None), false, &mut sinks)?
     } else {
-        play(&plan, false, &mut witnesses)?
+        play(&plan, false, &mut sinks)?
     };
     let page = write_report(&arguments.report, &plan, &observation)?;
     say!("{}", pace(&plan, started));
@@ -118,7 +119,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_command_that_repeats_a_demo_says_all_that_it_depends_on() {
+    fn demo_repeat_command_is_complete() {
         let arguments = DemoArguments {
             strategy: Some(MissionStrategy::Systematic),
             robot: Some(PathBuf::from("mine.toml")),

@@ -35,7 +35,7 @@ pub enum EvalStage {
         #[arg(long)]
         rows: PathBuf,
     },
-    /// Which things move, in a recording of a lidar that stands still, against a key of walking people.
+    /// Which objects move, in a recording of a lidar that stands still, against a key of walking people.
     Motion {
         /// The capture: .pcap, .pcapng, either of them .gz; a lidar of 16 rings.
         recording: PathBuf,
@@ -68,7 +68,7 @@ pub enum EvalStage {
         /// What was there.
         #[arg(long)]
         truth: PathBuf,
-        /// What the tracker said.
+        /// The tracker's output.
         #[arg(long)]
         result: PathBuf,
     },

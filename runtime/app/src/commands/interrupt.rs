@@ -33,7 +33,7 @@ pub(super) fn end_at_ctrl_c(ended: &StopFlag, what: &str) -> std::io::Result<()>
 /// The system gives no handler.
 pub(super) fn at_interrupt(mut act: impl FnMut() + Send + 'static) -> std::io::Result<()> {
     let mut wanted = vec![SIGINT, SIGTERM];
-    // `nohup` says so: whoever started this wants it to outlive the connection.
+    // `nohup` requests it: the program is to outlive the connection.
     if !is_ignored(SIGHUP) {
         wanted.push(SIGHUP);
     }
@@ -62,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_mask_tells_what_is_ignored() {
+    fn mask_marks_ignored_pixels() {
         let status = "Name:\tx\nSigBlk:\tffffffffffffffff\nSigIgn:\t0000000000001001\n";
         assert!(ignores(status, SIGHUP));
         assert!(!ignores(status, SIGINT));

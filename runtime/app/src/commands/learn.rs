@@ -116,7 +116,7 @@ fn tell(model: &Model, (path, read): (&Path, &ReadTracks), (start, lesson): (Wal
         } else {
             String::new()
         },
-        if lesson.lost > 0 { format!("; {} times there was no room", lesson.lost) } else { String::new() },
+        if lesson.lost > 0 { format!("; {} entries did not fit", lesson.lost) } else { String::new() },
     );
 }
 

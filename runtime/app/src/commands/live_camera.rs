@@ -8,17 +8,17 @@ use serde_json::json;
 
 use floorguard_configuration::HostedConfiguration;
 use floorguard_host::executor::StopFlag;
-use floorguard_operator::telemetry::Notes;
+use floorguard_operator::telemetry::TelemetrySender;
 use floorguard_robot::assembly::PeopleInbox;
 use floorguard_robot::assembly::{HostedShared, StopsAtEnd};
-use floorguard_robot::camera::{CameraNews, LiveEye, SeenDirt, watch_floor};
+use floorguard_robot::camera::{CameraEvent, LiveSource, SeenDirt, watch_floor};
 
 /// What the camera's thread needs to tell.
 pub struct LiveCamera<'a> {
     /// What runs.
     pub configuration: &'a HostedConfiguration,
-    /// The way to the recording.
-    pub notes: &'a Notes<'a>,
+    /// The path of the recording.
+    pub notes: &'a TelemetrySender<'a>,
     /// One object per line on standard output.
     pub has_json: bool,
 }
@@ -27,7 +27,7 @@ impl LiveCamera<'_> {
     /// Runs `beside` while the camera, if there is one, looks at floor, people and dirt on a thread of its own.
     pub fn watch<T>(
         &self,
-        eye: Option<LiveEye>,
+        source: Option<LiveSource>,
         (shared, inbox): (&HostedShared, &PeopleInbox),
         beside: impl FnOnce() -> T,
     ) -> T {
@@ -35,10 +35,10 @@ impl LiveCamera<'_> {
         let configuration = self.configuration;
         let began = Instant::now();
         thread::scope(|scope| {
-            if let Some((camera, eye)) = configuration.carriers.camera.as_ref().zip(eye) {
-                let tell = move |news| self.tell(news, began);
+            if let Some((camera, source)) = configuration.carriers.camera.as_ref().zip(source) {
+                let tell = move |event| self.tell(event, began);
                 scope.spawn(move || {
-                    watch_floor((&configuration.robot, camera), eye, (shared, inbox, flag), tell);
+                    watch_floor((&configuration.robot, camera), source, (shared, inbox, flag), tell);
                 });
             }
             let _at_end = StopsAtEnd(flag.clone());
@@ -46,12 +46,12 @@ impl LiveCamera<'_> {
         })
     }
 
-    fn tell(&self, news: CameraNews, began: Instant) {
-        match news {
-            CameraNews::Says(words) => say!("floorguard run: camera: {words}"),
-            CameraNews::Dirt(seen) => {
+    fn tell(&self, event: CameraEvent, began: Instant) {
+        match event {
+            CameraEvent::Message(words) => say!("floorguard run: camera: {words}"),
+            CameraEvent::Dirt(seen) => {
                 if self.has_json {
-                    // Who tells the status says that nobody takes it.
+                    // The reporter finds that its output is closed.
                     let _ = tell!("{}", dirt_line(&seen, began.elapsed().as_secs_f64()));
                 } else {
                     say!("floorguard run: camera: {}", seen.words());

@@ -11,8 +11,8 @@ use super::interrupt::end_at_ctrl_c;
 use super::{BadInput, VerdictFailed};
 use floorguard_host::executor::StopFlag;
 use floorguard_laboratory::mission::{
-    FaultKind, FaultRates, Guarantee, Interrupted, Keeping, Memory, MissionConfig, Onlooker, Robot, Strategy,
-    StrategySummary, StrategyTrials, pictures, report, run_keeping, run_strategies_believing,
+    FaultKind, FaultRates, Guarantee, Interrupted, Memory, MissionConfig, MissionStorage, Robot, RunMonitor,
+    Strategy, StrategySummary, StrategyTrials, pictures, report, run_keeping, run_strategies_believing,
 };
 use floorguard_laboratory::mission::{expected_units, teach_cleaning};
 use floorguard_laboratory::status::{MissionStatus, write_status};
@@ -137,11 +137,11 @@ pub fn run(arguments: &MissionArguments) -> anyhow::Result<()> {
             (&arguments.strategy, &config, &arguments.dirt),
             believed,
             (arguments.trials, arguments.seed),
-            &Onlooker { progress: &|| bar.inc(1), ended: &ended },
+            &RunMonitor { progress: &|| bar.inc(1), ended: &ended },
         )?,
     };
     bar.finish_and_clear();
-    tell_partial(&columns, arguments.trials)?;
+    report_partial(&columns, arguments.trials)?;
     let summaries: Vec<StrategySummary> = columns.iter().map(StrategyTrials::summary).collect();
     say!("{}", report::table(&summaries).trim_end());
     say!("{}", report::proof(&summaries, arguments.delta).trim_end());
@@ -164,7 +164,7 @@ pub fn run(arguments: &MissionArguments) -> anyhow::Result<()> {
 }
 
 /// Somebody has ended the missions: how many count; an error if none does.
-fn tell_partial(columns: &[StrategyTrials], asked: u64) -> anyhow::Result<()> {
+fn report_partial(columns: &[StrategyTrials], asked: u64) -> anyhow::Result<()> {
     let done = columns.iter().map(|column| column.trials.len() as u64).min().unwrap_or(0);
     if done == 0 {
         return Err(Unfinished("ended before the first mission was done".to_owned()).into());
@@ -228,9 +228,9 @@ fn kept_mission(
         say!("{}: goes on after {:.0} s", file.display(), memory.time_s);
     }
     let mut keep = |memory: &Memory| memory.save(file);
-    let keeping = Keeping { from: before.as_ref(), keep: Some(&mut keep), ended: Some(ended) };
+    let storage = MissionStorage { from: before.as_ref(), keep: Some(&mut keep), ended: Some(ended) };
     let dirt = (expected.as_slice(), believed.unwrap_or(&expected));
-    let result = run_keeping(floor, &config, dirt, (arguments.seed, keeping)).map_err(|error| {
+    let result = run_keeping(floor, &config, dirt, (arguments.seed, storage)).map_err(|error| {
         if error.is::<Interrupted>() {
             Unfinished(format!("ended; the same command goes on from {}", file.display())).into()
         } else {

@@ -32,7 +32,7 @@ pub fn run(arguments: &ReportArguments) -> anyhow::Result<()> {
     let file = File::open(&arguments.file).and_then(unpacked).map_err(|error| bad(&error))?;
     let mut recording = Recording::new(BufReader::new(file));
     let history = read_history(&mut recording).map_err(|error| bad(&error))?;
-    if history.way.is_empty() && history.scans.is_empty() {
+    if history.path.is_empty() && history.scans.is_empty() {
         return Err(bad(&"the recording holds neither odometry nor scans: nothing to report").into());
     }
     let title = arguments.file.file_name().unwrap_or_default().to_string_lossy().into_owned();

@@ -29,16 +29,16 @@ use floorguard_host::words::counted;
 use floorguard_operator::display::LiveDisplay;
 use floorguard_operator::panel::Order;
 use floorguard_operator::report::make_folder;
-use floorguard_operator::telemetry::{Notes, RecordedRun, Witnesses, with_onlooker};
+use floorguard_operator::telemetry::{RecordedRun, RunSinks, TelemetrySender, with_telemetry};
 use floorguard_robot::assembly::new_shared;
 use floorguard_robot::assembly::{HostedShared, LatchFile, Links, latched_words, run_rings, write_stop_file};
-use floorguard_robot::camera::open_eye;
+use floorguard_robot::camera::open_source;
 use floorguard_robot::cleaner::{MissionPhase, MissionPlan, MissionProgress, MissionSetup, Store};
 use floorguard_robot::environment::{Calendar, LiveLearner};
-use floorguard_robot::learning::{LearningKeeper, LearningReport, LearningSetup};
+use floorguard_robot::learning::{LearningReport, LearningSetup, LearningWriter};
 
-/// How often the display looks at the robot.
-const LOOK: Duration = Duration::from_millis(50);
+/// How often the display reads the robot's state.
+const POLL_PERIOD: Duration = Duration::from_millis(50);
 /// Stands in the recording of a robot without an inertial sensor.
 const IMU_BAUD: u32 = 115_200;
 /// With `--json` a status comes this often, seconds.
@@ -62,7 +62,7 @@ pub struct RunArguments {
     #[arg(long)]
     pub black_box: Option<PathBuf>,
     /// Let this environment model learn from the list of people, saved every minute; made if there is none. Places are
-    /// told from where the robot was switched on.
+    /// relative to where the robot was switched on.
     #[arg(long)]
     pub learn: Option<PathBuf>,
     /// Record the run: ROS 2 messages and every raw byte, for `replay`, `report` and other tools.
@@ -83,7 +83,8 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
         return Err(BadInput(format!("--duration {duration}: give seconds, more than 0")).into());
     }
     let folder = arguments.file.parent().unwrap_or(Path::new("."));
-    let eye = configuration.carriers.camera.as_ref().map(|camera| open_eye(camera, folder)).transpose()?;
+    let source =
+        configuration.carriers.camera.as_ref().map(|camera| open_source(camera, folder)).transpose()?;
     let mut links = Links::bind(&configuration.carriers).map_err(|error| BadInput(error.to_string()))?;
     let shared: Box<HostedShared> = new_shared(&configuration.robot, clock::now())
         .map_err(|error| BadInput(format!("{}: {error}", arguments.file.display())))?;
@@ -107,35 +108,35 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
         watch.learner = Some(learner.map_err(|error| BadInput(format!("{}: {error:#}", path.display())))?);
     }
     let learning = learning_of((arguments, folder), &configuration)?;
-    watch.learned = learning.as_ref().map(LearningSetup::keeper);
+    watch.learned = learning.as_ref().map(LearningSetup::writer);
     let mission = mission_of((arguments, folder), &configuration)?;
     let plan = mission.as_ref().map(|mission| &mission.plan);
-    let mut witnesses = open_witnesses(arguments, &configuration, (plan, learning.as_ref()))?;
+    let mut sinks = open_sinks(arguments, &configuration, (plan, learning.as_ref()))?;
     watch.mission.clone_from(&mission);
     links.mission = mission;
     links.learning = learning;
     links.latches = Some(latches_of(&arguments.file));
-    with_onlooker(&mut witnesses, &shared, |tap, notes| {
+    with_telemetry(&mut sinks, &shared, |tap, notes| {
         links.tap = tap;
         let inbox = links.people.clone();
         run_rings((&configuration.robot, links), &shared, &flag, || {
             let typed = typed_lines();
             // The display reads what the rings share; the word for it is on the console already.
-            let _ = take_priority(Ring::Onlooker);
+            let _ = take_priority(Ring::Telemetry);
             let camera = LiveCamera { configuration: &configuration, notes, has_json: arguments.json };
-            camera.watch(eye, (&shared, &inbox), || watch.until_stopped(&flag, &typed, notes));
+            camera.watch(source, (&shared, &inbox), || watch.until_stopped(&flag, &typed, notes));
         })
     })?;
     if let Some(learner) = watch.learner.take() {
         let positions = learner.finish(Calendar::now())?;
         say!("floorguard run: learned {positions} positions of people");
     }
-    watch.told_what_was_learned();
+    watch.reports_learned_state();
     say!("floorguard run: the robot stands, {}", counted(watch.stops, "stop"));
     all_written(watch.unwritten.as_ref())
 }
 
-/// The robot outlives a full disk; whoever started it hears of it at the end.
+/// The robot outlives a full disk; the user is notified at the end.
 fn all_written(unwritten: Option<&(u64, String)>) -> anyhow::Result<()> {
     let Some((files, first)) = unwritten else { return Ok(()) };
     let files = counted(*files, "file");
@@ -172,34 +173,35 @@ fn mission_of(
         |error: anyhow::Error| BadInput(format!("{}: [mission]: {error:#}", arguments.file.display()));
     let plan = MissionPlan::of_configuration(mission, folder).map_err(refuse)?;
     let setup = MissionSetup::new(plan, Store::File(folder.join(&mission.save)));
-    // Before anything moves: a floor on which the robot has no room is told now.
+    // Before anything moves: a floor that is too small for the robot is reported now.
     let begun = setup.begin(&configuration.robot).map_err(refuse)?;
     say!("  mission: {}", begun.progress(clock::now()).words());
     Ok(Some(setup))
 }
 
 /// A recording and a panel, where they are wanted.
-fn open_witnesses(
+fn open_sinks(
     arguments: &RunArguments,
     configuration: &HostedConfiguration,
-    told: (Option<&MissionPlan>, Option<&LearningSetup>),
-) -> anyhow::Result<Witnesses> {
+    reported: (Option<&MissionPlan>, Option<&LearningSetup>),
+) -> anyhow::Result<RunSinks> {
     let name = arguments.file.display().to_string();
     let robot = &configuration.robot;
-    let mut witnesses = Witnesses::default();
+    let mut sinks = RunSinks::default();
     if let Some(path) = &arguments.record {
         let text =
             std::fs::read_to_string(&arguments.file).map_err(|error| BadInput(format!("{name}: {error}")))?;
         let imu_baud = configuration.carriers.imu.as_ref().map_or(IMU_BAUD, |line| line.baud);
-        let run = RecordedRun { robot, robot_toml: &text, imu_baud, mission: told.0, learning: told.1 };
-        witnesses.record_devices(&run, &name, path)?;
+        let run =
+            RecordedRun { robot, robot_toml: &text, imu_baud, mission: reported.0, learning: reported.1 };
+        sinks.record_devices(&run, &name, path)?;
     }
     if let Some(address) = arguments.panel {
         let mut panel = open_panel(address, &name, robot)?;
         panel.set_clock_start(clock::now());
-        witnesses.panel = Some(panel);
+        sinks.panel = Some(panel);
     }
-    Ok(witnesses)
+    Ok(sinks)
 }
 
 /// Lines from a terminal; a pipe is not an operator.
@@ -234,9 +236,9 @@ struct Watch<'a> {
     bus: Option<BusReport>,
     complaints: Complaints,
     learner: Option<LiveLearner>,
-    learned: Option<LearningKeeper>,
+    learned: Option<LearningWriter>,
     mission: Option<MissionSetup>,
-    told: u32,
+    reported: u32,
     is_done: bool,
     next_mission_s: f64,
     lines: Lines,
@@ -262,7 +264,7 @@ impl<'a> Watch<'a> {
             learner: None,
             learned: None,
             mission: None,
-            told: 0,
+            reported: 0,
             is_done: false,
             next_mission_s: 0.0,
             lines: Lines::default(),
@@ -271,10 +273,10 @@ impl<'a> Watch<'a> {
         }
     }
 
-    fn until_stopped(&mut self, flag: &StopFlag, typed: &Receiver<String>, notes: &Notes<'_>) {
+    fn until_stopped(&mut self, flag: &StopFlag, typed: &Receiver<String>, notes: &TelemetrySender<'_>) {
         let ends_s = self.arguments.duration.unwrap_or(f64::INFINITY);
         while !flag.is_stopped() && self.began.elapsed().as_secs_f64() < ends_s {
-            thread::sleep(LOOK);
+            thread::sleep(POLL_PERIOD);
             for line in typed.try_iter() {
                 match line.trim() {
                     "r" | "R" => notes.order(Order::Reset),
@@ -286,7 +288,7 @@ impl<'a> Watch<'a> {
                 notes.stop(&stop);
                 self.on_stop(&stop);
             }
-            let learned = self.learner.as_mut().map(|learner| learner.look(self.shared, Calendar::now()));
+            let learned = self.learner.as_mut().map(|learner| learner.learn(self.shared, Calendar::now()));
             self.written(learned.unwrap_or(Ok(())));
             self.on_learning();
             if let Some(progress) = self.news_of_mission() {
@@ -306,11 +308,11 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// What cannot be written is told and does not hold up the robot.
+    /// A failed write is reported and does not hold up the robot.
     fn written(&mut self, outcome: anyhow::Result<()>) {
         let Err(error) = outcome else { return };
         let what = format!("{error:#}");
-        // Told once: a full disk stays full, and the robot may run for months.
+        // Reported once: a full disk stays full, and the robot may run for months.
         let (files, _) = self.unwritten.get_or_insert_with(|| {
             self.display.note(&format!("  {what}; the robot goes on"));
             (0, what)
@@ -320,23 +322,23 @@ impl<'a> Watch<'a> {
 
     fn news_of_mission(&mut self) -> Option<Arc<MissionProgress>> {
         let watch = &self.mission.as_ref()?.watch;
-        let told = std::mem::replace(&mut self.told, watch.published());
-        if told == self.told { None } else { watch.get() }
+        let reported = std::mem::replace(&mut self.reported, watch.published());
+        if reported == self.reported { None } else { watch.get() }
     }
 
-    /// What was taken over goes into its file, and is told.
+    /// Accepted updates are written to their file and reported.
     fn on_learning(&mut self) {
-        let Some(keeper) = &mut self.learned else { return };
-        let Some(news) = keeper.attend() else { return };
+        let Some(writer) = &mut self.learned else { return };
+        let Some(update) = writer.attend() else { return };
         if self.arguments.json {
             self.print_learned();
         } else {
-            self.display.note(&format!("  {news}"));
+            self.display.note(&format!("  {update}"));
         }
     }
 
     fn print_learned(&mut self) {
-        let report: Option<LearningReport> = self.learned.as_ref().and_then(LearningKeeper::report);
+        let report: Option<LearningReport> = self.learned.as_ref().and_then(LearningWriter::report);
         if let Some(report) = report {
             let elapsed_s = self.began.elapsed().as_secs_f64();
             self.lines.tell(&json!({"type": "learning", "time_s": elapsed_s, "learned": report}));
@@ -344,9 +346,9 @@ impl<'a> Watch<'a> {
     }
 
     /// At the end.
-    fn told_what_was_learned(&mut self) {
+    fn reports_learned_state(&mut self) {
         self.on_learning();
-        if let Some(report) = self.learned.as_ref().and_then(LearningKeeper::report) {
+        if let Some(report) = self.learned.as_ref().and_then(LearningWriter::report) {
             if self.arguments.json {
                 self.print_learned();
             }
@@ -354,7 +356,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// The mission has told its progress: every ten seconds, and when it is done.
+    /// The mission has reported its progress: every ten seconds, and when it is done.
     fn on_mission(&mut self, progress: &MissionProgress) {
         let elapsed_s = self.began.elapsed().as_secs_f64();
         let is_done = progress.phase == MissionPhase::Done && !self.is_done;

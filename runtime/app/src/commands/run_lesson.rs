@@ -10,7 +10,7 @@ use floorguard_types::geometry::Point2;
 
 use super::learn::{PlaceArguments, bad, bounds, open};
 
-/// When the first simulated run begins unless something else is said.
+/// When the first simulated run begins by default.
 const FIRST_RUN: &str = "2026-04-06T08:00";
 
 /// What is to be learned from a simulated run, made ready before it: a run of an hour must not end in a wrong date.
@@ -25,7 +25,7 @@ impl RunLesson {
     /// For a run that begins at `start`; without it, after what the model knows, or on a Monday morning.
     ///
     /// # Errors
-    /// A model that cannot be read, a moment that is none.
+    /// A model that cannot be read, an invalid moment.
     pub(super) fn prepare((path, start): (&Path, Option<&str>), plan: &Plan) -> anyhow::Result<Self> {
         let outlines: Vec<Vec<Point2>> = outlines(&plan.scenario.scene);
         let bounds = bounds(outlines.iter().flatten().map(|corner| (*corner, *corner)));

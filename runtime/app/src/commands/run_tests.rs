@@ -8,7 +8,7 @@ use floorguard_types::time::Stamp;
 use super::*;
 
 #[test]
-fn a_black_box_that_cannot_be_written_does_not_hold_up_the_robot_and_is_counted() {
+fn unwritable_black_box_is_counted_without_blocking() {
     let configuration =
         floorguard_configuration::parse("robot.toml", floorguard_configuration::EXAMPLE).unwrap();
     let shared: Box<HostedShared> = new_shared(&configuration.robot, Stamp::ZERO).unwrap();
@@ -32,7 +32,7 @@ fn a_black_box_that_cannot_be_written_does_not_hold_up_the_robot_and_is_counted(
     watch.on_stop(&stop);
     watch.on_stop(&stop);
     assert_eq!(watch.stops, 2);
-    let told = all_written(watch.unwritten.as_ref()).unwrap_err().to_string();
-    assert!(told.contains("2 files") && told.contains("/dev/null/stops"), "{told}");
+    let reported = all_written(watch.unwritten.as_ref()).unwrap_err().to_string();
+    assert!(reported.contains("2 files") && reported.contains("/dev/null/stops"), "{reported}");
     assert!(all_written(None).is_ok());
 }

@@ -23,7 +23,7 @@ use floorguard_laboratory::world::{
 };
 use floorguard_operator::display::LiveDisplay;
 use floorguard_operator::report::make_folder;
-use floorguard_operator::telemetry::{Tape, Witnesses};
+use floorguard_operator::telemetry::{RunSinks, Tape};
 use floorguard_robot::assembly::Stages;
 use floorguard_robot::camera::PictureFolder;
 use floorguard_robot::cleaner::MissionStrategy;
@@ -72,7 +72,8 @@ pub struct SimulateArguments {
     /// With --real-io: an interface of the kernel as the CAN bus, for example vcan0, instead of SLCAN.
     #[arg(long, requires = "real_io")]
     pub can_interface: Option<String>,
-    /// Render a floor camera: things on the floor are driven round, and dirt is mapped. Takes as much time as all the rest.
+    /// Render a floor camera: objects on the floor are driven round, and dirt is mapped. Takes as much time as all the
+    /// rest.
     #[arg(long, conflicts_with_all = ["tape", "real_io"])]
     pub camera: bool,
     /// With --camera: write its pictures into this folder, from which `run` takes them as from a camera (`camera.toml`).
@@ -123,27 +124,27 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
     if let Some(folder) = &arguments.report {
         make_folder(folder)?;
     }
-    let mut witnesses = Witnesses::default();
+    let mut sinks = RunSinks::default();
     if let Some(path) = &arguments.tape {
-        // A place that cannot be written is told before the run, and not after it.
+        // A path that cannot be written is reported before the run, and not after it.
         std::fs::write(path, []).map_err(|error| unwritable(path, &error))?;
-        witnesses.tape = Tape::new(&plan.robot, plan.duration_us);
+        sinks.tape = Tape::new(&plan.robot, plan.duration_us);
     }
     let lesson = arguments.learn.as_deref();
     let lesson =
         lesson.map(|path| RunLesson::prepare((path, arguments.start.as_deref()), &plan)).transpose()?;
     let (record, panel) = (arguments.record.as_deref(), arguments.panel);
-    open_witnesses(&mut witnesses, &plan, (record, panel, arguments.real_io))?;
+    open_sinks(&mut sinks, &plan, (record, panel, arguments.real_io))?;
     let folder = arguments.pictures.as_deref();
-    witnesses.pictures =
+    sinks.pictures =
         folder.map(|folder| PictureFolder::new(folder, SimulatedCamera::PICTURES)).transpose()?;
     let observation = if arguments.real_io {
-        play_real((&plan, arguments.can_interface.as_deref()), arguments.json, &mut witnesses)?
+        play_real((&plan, arguments.can_interface.as_deref()), arguments.json, &mut sinks)?
     } else {
-        play(&plan, arguments.json, &mut witnesses)?
+        play(&plan, arguments.json, &mut sinks)?
     };
     if let Some(path) = &arguments.tape {
-        std::fs::write(path, witnesses.tape.finish()).map_err(|error| unwritable(path, &error))?;
+        std::fs::write(path, sinks.tape.finish()).map_err(|error| unwritable(path, &error))?;
     }
     if let Some(folder) = &arguments.report {
         write_report(folder, &plan, &observation)?;
@@ -203,11 +204,11 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
     };
     if arguments.tape.is_some() && arguments.strategy.is_some() {
         let what =
-            "--tape: the emulated board drives the route and has no room for a mission; leave --strategy out";
+            "--tape: the emulated board drives the route and cannot hold a mission; leave --strategy out";
         return Err(BadInput(what.to_owned()).into());
     }
     if arguments.tape.is_some() && arguments.scanner != FittedScanner::S300 {
-        let what = "--tape: the emulated board has room for the beams of an S300 only; leave --scanner out";
+        let what = "--tape: the emulated board can hold the beams of an S300 only; leave --scanner out";
         return Err(BadInput(what.to_owned()).into());
     }
     if let Some(robot) = &arguments.robot {
@@ -252,37 +253,36 @@ fn parse_span(text: &str) -> anyhow::Result<(u64, u64)> {
 }
 
 /// A recording and a panel, where they are wanted.
-pub(super) fn open_witnesses(
-    witnesses: &mut Witnesses,
+pub(super) fn open_sinks(
+    sinks: &mut RunSinks,
     plan: &Plan,
     (record, panel, real_io): (Option<&Path>, Option<SocketAddr>, bool),
 ) -> anyhow::Result<()> {
     match record {
-        Some(path) if real_io => record_plan_in_real_time(witnesses, plan, path)?,
-        Some(path) => record_plan(witnesses, plan, path)?,
+        Some(path) if real_io => record_plan_in_real_time(sinks, plan, path)?,
+        Some(path) => record_plan(sinks, plan, path)?,
         None => {}
     }
-    end_at_ctrl_c(&witnesses.ended, "the run ends here")?;
+    end_at_ctrl_c(&sinks.ended, "the run ends here")?;
     if let Some(address) = panel {
-        witnesses.panel = Some(open_panel(address, &plan.scenario.title, &plan.robot)?);
+        sinks.panel = Some(open_panel(address, &plan.scenario.title, &plan.robot)?);
     }
     Ok(())
 }
 
 /// Plays a plan with a live display.
-pub(super) fn play(plan: &Plan, quiet: bool, witnesses: &mut Witnesses) -> anyhow::Result<Observation> {
-    watched(plan, quiet, |observer| run_recorded(plan, observer, witnesses))
-        .map(|(observation, ())| observation)
+pub(super) fn play(plan: &Plan, quiet: bool, sinks: &mut RunSinks) -> anyhow::Result<Observation> {
+    watched(plan, quiet, |observer| run_recorded(plan, observer, sinks)).map(|(observation, ())| observation)
 }
 
 /// The same in real time over real carriers.
 pub(super) fn play_real(
     (plan, can_interface): (&Plan, Option<&str>),
     quiet: bool,
-    witnesses: &mut Witnesses,
+    sinks: &mut RunSinks,
 ) -> anyhow::Result<Observation> {
     let (observation, figures) =
-        watched(plan, quiet, |observer| run_real_recorded((plan, can_interface), observer, witnesses))?;
+        watched(plan, quiet, |observer| run_real_recorded((plan, can_interface), observer, sinks))?;
     let late_ms = figures.latest_us as f64 / 1_000.0;
     say!(
         "  real carriers: the simulator was late by {late_ms:.1} ms at most, {} messages refused by full lines",
@@ -351,7 +351,7 @@ mod tests {
     }
 
     #[test]
-    fn the_command_that_repeats_a_run_says_all_that_the_run_depends_on() {
+    fn run_repeat_command_is_complete() {
         for more in [
             "",
             " --strategy systematic --scanner microscan3 --camera",
@@ -366,7 +366,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_is_told_before_the_run() {
+    fn impossible_plans_are_reported_before_the_run() {
         let refused = |more: &str| {
             let typed = format!("simulate --scenario crossing {more}");
             let arguments = Line::try_parse_from(typed.split(' ')).unwrap().simulate;

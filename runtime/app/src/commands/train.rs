@@ -83,7 +83,8 @@ pub struct TrainOnlineArguments {
     /// How long the robot stands there.
     #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=86_400))]
     pub seconds: u32,
-    /// Every length is multiplied by this: people and things of other sizes than those that the shipped table knows.
+    /// Every length is multiplied by this: people and objects of other sizes than those that the shipped table
+    /// knows.
     #[arg(long, default_value_t = 1.0)]
     pub scale: f32,
     /// Simulate so many rooms for the anchors, on which nothing may get worse, instead of those that ship with the program. What is
@@ -206,7 +207,7 @@ fn write_anchors(scenes: u64, count: usize, out: &Path) -> anyhow::Result<()> {
 fn legs(scans: &Path, out: &Path) -> anyhow::Result<()> {
     let recordings = recordings(read_leg_scans(scans)?);
     let samples = [true, false].map(|with_map| training_samples(recordings.iter(), with_map));
-    // Half recorded, half simulated: what is learnt must not depend on how either looks alone.
+    // Half recorded, half simulated: what is learnt must not depend on the appearance of one source alone.
     let mut near_floor = simulated_leg_samples(&random_scenes(0, LEG_SCENES));
     near_floor.extend(simulated_leg_samples(&built_in_scenes(0, LEG_SCENES)));
     let simulated = near_floor.len();
@@ -233,7 +234,7 @@ fn legs(scans: &Path, out: &Path) -> anyhow::Result<()> {
 /// Simulated scenes of either kind in which legs are learnt.
 const LEG_SCENES: u64 = 100;
 
-/// How often each number is looked at.
+/// How often each number is examined.
 fn print_use(forest: &Forest) {
     for (index, name) in SHAPE_NAMES.iter().enumerate() {
         let nodes = forest.trees.iter().flat_map(|tree| tree.features.iter().zip(tree.thresholds));

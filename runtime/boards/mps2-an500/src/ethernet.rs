@@ -37,8 +37,8 @@ const FRAME_BYTES: usize = 1_514;
 /// Frames that wait for the network task, which runs at the guard's priority: 12 are 16 ms of lidar, beside the eight
 /// that the controller holds.
 const FRAMES: usize = 12;
-/// The controller's receive FIFO has room for another frame up to this many bytes.
-const ROOM_UP_TO: u32 = 10_560 - 1_518;
+/// The controller's receive FIFO can hold another frame up to this fill level, bytes.
+const FIFO_FREE_UP_TO: u32 = 10_560 - 1_518;
 /// Frames taken per interrupt: the FIFO cannot hold more.
 const FRAMES_PER_INTERRUPT: usize = 16;
 /// Our address on the emulated network, locally administered.
@@ -50,10 +50,9 @@ struct Ring {
     lengths: [usize; FRAMES],
     first: usize,
     count: usize,
-    /// Frames that found no room.
+    /// Frames that did not fit.
     lost: u32,
-    /// Times that the controller's FIFO was found without room for another frame: it drops what comes then, and does
-    /// not count it.
+    /// Times that the controller's FIFO was found full: it drops what comes then, and does not count it.
     full: u32,
 }
 
@@ -111,7 +110,7 @@ fn mac_write(index: u32, value: u32) {
 extern "C" fn ETHERNET() {
     critical_section::with(|token| {
         let mut ring = RING.borrow_ref_mut(token);
-        if RECEIVE_FIFO.read() & 0xffff > ROOM_UP_TO {
+        if RECEIVE_FIFO.read() & 0xffff > FIFO_FREE_UP_TO {
             ring.full = ring.full.saturating_add(1);
         }
         for _ in 0..FRAMES_PER_INTERRUPT {
@@ -129,7 +128,7 @@ extern "C" fn ETHERNET() {
     RECEIVED.wake();
 }
 
-/// Moves one frame out of the FIFO, into the ring if there is room.
+/// Moves one frame out of the FIFO, into the ring if that is not full.
 fn take_frame(ring: &mut Ring) {
     let length = (RECEIVE_STATUS.read() >> 16 & 0x3fff) as usize;
     let words = length.div_ceil(4);

@@ -17,7 +17,7 @@ use crate::interrupts::{self, Interrupt, priority};
 const THREAD: usize = usize::MAX;
 const GUARD: usize = 31;
 
-/// Spent between two looks at the devices while the thread has nothing to do and must not sleep.
+/// Spent between two polls of the devices while the thread has nothing to do and must not sleep.
 const AWAKE_CYCLES: u32 = 4_000;
 
 /// When the guard ring began to work, microseconds since the start; wraps.

@@ -1,4 +1,5 @@
-//! Faults on purpose: each is broken once, soon after the robot first drives, to see the drives stop and the cause told.
+//! Faults on purpose: each is broken once, soon after the robot first drives, to verify that the drives stop and that
+//! the cause is reported.
 
 use core::hint::black_box;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -7,8 +8,8 @@ use cortex_m::peripheral::NVIC;
 use embassy_time::{Duration, Instant, Timer};
 use floorguard_board_support::RobotShared;
 
+use crate::crash_record;
 use crate::interrupts::{self, Interrupt, priority};
-use crate::last_words;
 
 /// How long after the robot was first permitted to drive, milliseconds.
 const AFTER_MS: u32 = 300;
@@ -55,7 +56,7 @@ pub enum Fault {
 impl Fault {
     /// The fault of a number; `None` for 0, for unknown ones, and after the first start.
     pub fn of(number: u32) -> Option<Self> {
-        if last_words::read() != [0; 4] {
+        if crash_record::read() != [0; 4] {
             return None;
         }
         Some(match number {
@@ -142,6 +143,6 @@ fn stall() -> u32 {
 
 #[allow(unconditional_recursion, reason = "it is to run out of stack")]
 fn deeper(depth: u32) -> u32 {
-    let room = black_box([depth; 64]);
-    deeper(depth.wrapping_add(room[0])).wrapping_add(room[63])
+    let frame = black_box([depth; 64]);
+    deeper(depth.wrapping_add(frame[0])).wrapping_add(frame[63])
 }

@@ -32,7 +32,7 @@ unsafe impl InterruptNumber for Interrupt {
     }
 }
 
-/// Priorities, 0 most urgent. Time comes before the devices, and they before the guard: they have no room for what
+/// Priorities, 0 most urgent. Time comes before the devices, and they before the guard: they cannot buffer what
 /// arrives meanwhile. What they take from the guard is bounded by what their wires can bring.
 pub mod priority {
     /// Timer interrupt: wakes both rings.

@@ -1,7 +1,7 @@
 //! The log: `defmt` frames on a port of its own, read with `defmt-print` and the image.
 //!
-//! A frame is packed in the caller's context into a buffer and sent from there by a task of the lowest priority. A frame
-//! that finds no room is counted and told later: words never make anybody wait.
+//! A frame is packed in the caller's context into a buffer and sent from there by a task of the lowest priority. A
+//! frame that does not fit is counted and reported later: logging never blocks.
 
 use core::cell::RefCell;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -13,7 +13,7 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::pipe::Pipe;
 use embassy_time::Instant;
 use embedded_io_async::Write;
-use floorguard_board_support::{RobotShared, tell_decisions};
+use floorguard_board_support::{RobotShared, log_decisions};
 use heapless::Vec;
 
 use crate::uart::{self, Port};
@@ -105,7 +105,7 @@ defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
 pub fn start(spawner: Spawner, shared: &'static RobotShared) {
     uart::LOG.start(BAUD);
     let version = env!("CARGO_PKG_VERSION");
-    match crate::last_words::restart() {
+    match crate::crash_record::restart() {
         None => defmt::info!("floorguard {} on mps2-an500, switched on", version),
         Some(last) => defmt::error!(
             "floorguard {} on mps2-an500, death {}: cause {}, detail {:x}, after {} ms",
@@ -122,20 +122,20 @@ pub fn start(spawner: Spawner, shared: &'static RobotShared) {
 
 #[embassy_executor::task]
 async fn send() {
-    let (mut bytes, mut told) = ([0; 64], 0);
+    let (mut bytes, mut reported) = ([0; 64], 0);
     loop {
         let count = WAITING.read(&mut bytes).await;
         // The port cannot fail.
         let _ = Port(&uart::LOG).write_all(&bytes[..count]).await;
         let lost = LOST.load(Ordering::Relaxed);
-        if lost != told {
-            told = lost;
-            defmt::warn!("{} messages found no room so far", lost);
+        if lost != reported {
+            reported = lost;
+            defmt::warn!("{} messages did not fit so far", lost);
         }
     }
 }
 
 #[embassy_executor::task]
 async fn decisions(shared: &'static RobotShared) {
-    tell_decisions(shared).await;
+    log_decisions(shared).await;
 }

@@ -9,6 +9,8 @@
 #[cfg(target_os = "none")]
 mod clock;
 #[cfg(target_os = "none")]
+mod crash_record;
+#[cfg(target_os = "none")]
 mod ethernet;
 #[cfg(target_os = "none")]
 mod executor;
@@ -16,8 +18,6 @@ mod executor;
 mod faults;
 #[cfg(target_os = "none")]
 mod interrupts;
-#[cfg(target_os = "none")]
-mod last_words;
 #[cfg(target_os = "none")]
 mod log;
 #[cfg(target_os = "none")]

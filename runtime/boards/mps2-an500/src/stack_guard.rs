@@ -2,7 +2,7 @@
 
 use cortex_m::peripheral::MPU;
 
-/// Bytes that nobody may touch; room for the fault's own frames, which the protection does not stop.
+/// Bytes that nobody may touch; space for the fault's own frames, which the protection does not stop.
 const GUARD_BYTES: u32 = 1_024;
 /// log2 of the size, minus one: what the register wants.
 const SIZE_FIELD: u32 = GUARD_BYTES.ilog2() - 1;

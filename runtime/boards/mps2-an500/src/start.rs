@@ -6,8 +6,8 @@ use floorguard_runtime::black_box_log::RestartCause;
 use floorguard_runtime::configuration::RobotConfiguration;
 use static_cell::StaticCell;
 
+use crate::crash_record;
 use crate::faults::break_perception;
-use crate::last_words;
 use crate::robot::{robot_for, tape};
 use crate::wired::{options, start_guard_ring};
 use crate::{clock, executor, log, stack_guard, watchdog};
@@ -42,24 +42,23 @@ fn main() -> ! {
 
 #[exception]
 unsafe fn DefaultHandler(number: i16) {
-    last_words::die(RestartCause::Interrupt, number as u32);
+    crash_record::die(RestartCause::Interrupt, number as u32);
 }
 
 #[exception]
 unsafe fn NonMaskableInt() {
     // The watchdog's first expiry; its second one resets the machine.
-    last_words::die(RestartCause::Watchdog, 0);
+    crash_record::die(RestartCause::Watchdog, 0);
 }
 
 #[exception]
 unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
-    // The frame may lie where the stack has no room any more: it is not looked at.
-    // SAFETY: the register can always be read.
+    // The frame may lie beyond the end of the stack: it is not read. SAFETY: the register can always be read.
     let status = unsafe { (*cortex_m::peripheral::SCB::PTR).cfsr.read() };
-    last_words::die(RestartCause::Fault, status)
+    crash_record::die(RestartCause::Fault, status)
 }
 
 #[panic_handler]
 fn panic(info: &core::panic::PanicInfo) -> ! {
-    last_words::die(RestartCause::Panic, info.location().map_or(0, |location| location.line()))
+    crash_record::die(RestartCause::Panic, info.location().map_or(0, |location| location.line()))
 }

@@ -23,7 +23,7 @@ const CONTROL_TRANSMIT_INTERRUPT: u32 = 1 << 2;
 const CONTROL_RECEIVE_INTERRUPT: u32 = 1 << 3;
 /// Bytes taken per interrupt: bounds the time that the line can steal from the rings.
 const BYTES_PER_INTERRUPT: usize = 32;
-/// Looks at the state of the device per byte of the last words: ten milliseconds of a fast processor.
+/// Polls of the device's state per byte of the crash record: ten milliseconds of a fast processor.
 const LAST_WORDS_POLLS: u32 = 1_000_000;
 /// Software buffer, bytes: more than one S300 telegram (1,108).
 const BUFFER: usize = 1_536;
@@ -48,7 +48,7 @@ pub static CAN: Uart = Uart::new(0x4000_6000, Interrupt::Uart2Receive, Interrupt
 /// The log.
 pub static LOG: Uart = Uart::new(0x4000_7000, Interrupt::Uart3Receive, Interrupt::Uart3Transmit);
 
-/// The black box, for whoever asks.
+/// The black box, on request.
 pub static BLACK_BOX: Uart = Uart::new(0x4000_9000, Interrupt::Uart4Receive, Interrupt::Uart4Transmit);
 
 impl Uart {
@@ -83,21 +83,22 @@ impl Uart {
     fn on_receive(&self) {
         // Clear first: an edge that comes while the byte is read must not be lost.
         self.clear().write(1 << 1);
-        let room = self.received.free_capacity();
-        if room == 0 {
+        let free = self.received.free_capacity();
+        if free == 0 {
             self.control().modify(CONTROL_RECEIVE_INTERRUPT, 0);
             return;
         }
         let mut bytes = [0; BYTES_PER_INTERRUPT];
         let mut count = 0;
-        for slot in bytes.iter_mut().take(room) {
+        for slot in bytes.iter_mut().take(free) {
             if self.state().read() & STATE_RECEIVE_FULL == 0 {
                 break;
             }
             *slot = self.data().read() as u8;
             count += 1;
         }
-        // There is room: only this handler writes. Two turns at most: up to the end of the buffer, and from its beginning.
+        // There is space: only this handler writes. Two turns at most: up to the end of the buffer, and from its
+        // beginning.
         let mut rest = &bytes[..count];
         for _ in 0..2 {
             let written = self.received.try_write(rest).unwrap_or(0);
@@ -126,10 +127,10 @@ impl Uart {
         self.taken.load(Ordering::Relaxed)
     }
 
-    /// Writes without waiting for the executor: for last words.
+    /// Writes without waiting for the executor: for crash record.
     pub fn write_blocking(&self, bytes: &[u8]) {
         for byte in bytes {
-            // The bound keeps a dead device from hanging the last words.
+            // The bound keeps a dead device from hanging the crash record.
             for _ in 0..LAST_WORDS_POLLS {
                 if self.state().read() & STATE_TRANSMIT_FULL == 0 {
                     break;

@@ -23,7 +23,7 @@ impl CanBus for FdcanBus {
     async fn send(&mut self, frame: &CanFrame) -> Result<(), BusError> {
         let Some(id) = frame.standard_id() else { return Err(BusError::Software) };
         let frame = Frame::new_standard(id, frame.payload()).map_err(|_| BusError::Software)?;
-        // A frame that had to make room in the mailboxes is repeated by its protocol.
+        // A frame that was pushed out of the mailboxes is repeated by its protocol.
         let _ = self.0.write(&frame).await;
         Ok(())
     }

@@ -1,5 +1,5 @@
-//! Emergency stop, bumpers and cliff sensors on pins, two channels each. They can only stop: that all is clear is said by
-//! the safety controller on the bus.
+//! Emergency stop, bumpers and cliff sensors on pins, two channels each. They can only stop: only the safety controller
+//! on the bus reports that all is clear.
 
 use embassy_stm32::gpio::Input;
 use embassy_time::{Duration, Ticker};

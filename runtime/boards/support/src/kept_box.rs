@@ -17,7 +17,7 @@ use crate::RobotShared;
 const RING_WORDS: usize = 7_680;
 /// Words that a read-out leaves out, because they may be overwritten before they are sent.
 const MARGIN_WORDS: usize = 256;
-/// Whoever sends this byte wants the black box.
+/// A request for the black box is this byte.
 pub const REQUEST: u8 = b'B';
 /// How often new entries are copied: what is younger dies with the machine.
 const KEEP_EVERY: Duration = Duration::from_millis(5);
@@ -144,12 +144,12 @@ pub async fn keep_black_box(shared: &RobotShared, kept: &KeptBox) {
     }
 }
 
-/// Sends the black box to whoever asks on a line: the life before the last reset, what ended it, and the life since.
+/// Sends the black box on request over a line: the life before the last reset, what ended it, and the life since.
 /// Runs until the line fails.
 ///
 /// # Errors
 /// Those of the line.
-pub async fn tell_black_box<L: Read + Write>(
+pub async fn send_black_box<L: Read + Write>(
     kept: &KeptBox,
     restart: Option<LogRestart>,
     mut line: L,

@@ -5,16 +5,16 @@
 
 mod guard_ring;
 mod kept_box;
+#[cfg(feature = "defmt")]
+mod log_events;
 mod perception_ring;
 mod robot;
 mod shared;
-#[cfg(feature = "defmt")]
-mod tell;
 
 pub use guard_ring::{FEED_EVERY, feed_while_deciding, spawn_deciders};
-pub use kept_box::{KeptBox, REQUEST, keep_black_box, tell_black_box};
+pub use kept_box::{KeptBox, REQUEST, keep_black_box, send_black_box};
+#[cfg(feature = "defmt")]
+pub use log_events::log_decisions;
 pub use perception_ring::{fresh_perception, start_perception_ring};
 pub use robot::robot;
 pub use shared::{RobotShared, share};
-#[cfg(feature = "defmt")]
-pub use tell::tell_decisions;

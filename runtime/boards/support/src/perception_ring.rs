@@ -34,7 +34,7 @@ pub fn fresh_perception(
     [sensor_in_base, scanner_in_base]: [Transform3; 2],
 ) -> &'static mut PerceptionState {
     const PEOPLE: PeoplePipeline = PeoplePipeline::new(RingAngles::NONE);
-    // Nothing but zeros, which take no room in the program; the first packet brings the unit.
+    // Nothing but zeros, which take no space in the program; the first packet brings the unit.
     const BUILDING: Sweep = Sweep { range_unit_mm: 0, ..Sweep::EMPTY };
     const LEGS: PeopleByLegs = PeopleByLegs::new();
     const SCAN: Scan = Scan::EMPTY;

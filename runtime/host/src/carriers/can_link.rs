@@ -85,7 +85,7 @@ mod tests {
 
     /// Two thousand frames wait, and the guard decides in every round: the tick sends what it has to, and frames are taken.
     #[test]
-    fn a_flooded_bus_keeps_the_tick_from_nothing_and_decisions_keep_it_from_no_frame() {
+    fn flooded_bus_and_decisions_do_not_starve_others() {
         let (here, mut there) = UnixStream::pair().unwrap();
         there.write_all(&FRAME.repeat(FLOOD)).unwrap();
         there.set_nonblocking(true).unwrap();

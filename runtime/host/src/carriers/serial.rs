@@ -164,7 +164,7 @@ mod tests {
 
     /// A device that never pauses is read piece by piece, and every other task has its turn in between.
     #[test]
-    fn whoever_floods_a_line_takes_turns_with_the_other_tasks() {
+    fn flooded_line_takes_turns_with_other_tasks() {
         let read = turns(&[0; 50], async |mut line, taken| {
             while line.read(&mut [0]).await.is_ok() {
                 taken.set(taken.get() + 1);
@@ -175,7 +175,7 @@ mod tests {
 
     /// An adapter hands on at most what one read of its line has brought: 128 bytes, here six frames and a part.
     #[test]
-    fn an_adapter_that_always_has_a_frame_takes_turns_with_the_other_tasks() {
+    fn busy_adapter_takes_turns_with_other_tasks() {
         let (taken, most_at_once) = turns(&b"t18180102030405060708\r".repeat(60), async |line, taken| {
             let mut bus = SlcanBus::new(line);
             while bus.receive().await.is_ok() {

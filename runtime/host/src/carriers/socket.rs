@@ -10,7 +10,7 @@ use floorguard_runtime::io::{DatagramReceiver, Received};
 use crate::executor::Source;
 use floorguard_configuration::SenderAddress;
 
-/// So many senders are told apart; whoever comes later is left unnamed.
+/// Senders that are counted separately; later ones are left unnamed.
 const SENDERS_MAX: usize = 8;
 
 /// Who is listened to on a port, and who hears of others.
@@ -20,7 +20,7 @@ pub struct Listening {
     pub section: &'static str,
     /// The only sender that is listened to.
     pub only: Option<SenderAddress>,
-    /// Whoever tells people; it never holds up the one that receives.
+    /// The reporting task; it never blocks the receiving one.
     pub notices: Option<Sender<String>>,
 }
 
@@ -70,7 +70,7 @@ impl UdpReceiver {
             _ => None,
         };
         if let (Some(what), Some(notices)) = (what, notices) {
-            // Whoever listened has ended: so does the robot.
+            // The parent process has ended: so does the robot.
             let _ = notices.send(what);
         }
         is_heard
@@ -108,7 +108,7 @@ mod tests {
 
     /// Datagrams that wait in the kernel are taken one by one, and every other task has its turn in between.
     #[test]
-    fn whoever_floods_a_port_takes_turns_with_the_other_tasks() {
+    fn flooded_port_takes_turns_with_other_tasks() {
         let mut receiver = UdpReceiver::bind("127.0.0.1:0".parse().unwrap()).unwrap();
         let sender = UdpSocket::bind("127.0.0.1:0").unwrap();
         let address = receiver.local_address().unwrap();

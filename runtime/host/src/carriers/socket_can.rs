@@ -135,7 +135,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_survive_the_way_to_the_kernel_and_back() {
+    fn frames_survive_the_kernel_round_trip() {
         let remote = CanFrame::new_remote(embedded_can::StandardId::new(0x701).unwrap(), 1).unwrap();
         let extended = CanFrame::extended(0x01AB_CDEF, &[1, 2, 3]).unwrap();
         for frame in [
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn an_interface_that_does_not_exist_is_named_and_not_tried_at_every_use() {
+    fn missing_interface_is_named_and_not_retried() {
         let mut bus = SocketCanBus::new("fgnone0".to_owned());
         let error = bus.open().unwrap_err();
         // A kernel without CAN refuses the socket itself.

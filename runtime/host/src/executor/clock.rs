@@ -81,7 +81,7 @@ mod tests {
     use embassy_time::{Duration, Timer};
 
     #[test]
-    fn timers_fire_on_the_virtual_clock_only_when_it_moves() {
+    fn timers_fire_only_when_virtual_clock_moves() {
         use_virtual_clock(1_000);
         let fired = Cell::new(0);
         let mut tasks = TaskSet::new();

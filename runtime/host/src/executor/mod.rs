@@ -14,4 +14,4 @@ pub use clock::{advance_virtual, next_timer_us, use_real_clock, use_virtual_cloc
 pub use priority::{Ring, take_priority};
 pub use reactor::Source;
 pub use real_loop::{StopFlag, run_until};
-pub use task_set::{Stuck, TaskSet};
+pub use task_set::{SpinningTask, TaskSet};

@@ -16,7 +16,7 @@ pub enum Ring {
     World,
     /// Recording, panel and display: below both rings, but above everything else on the computer. It reads what the rings
     /// share, and must not be interrupted by some other program while a ring waits for it to have read.
-    Onlooker,
+    Telemetry,
 }
 
 impl Ring {
@@ -26,7 +26,7 @@ impl Ring {
             Self::Guard => 40,
             Self::Perception => 20,
             Self::World => 45,
-            Self::Onlooker => 10,
+            Self::Telemetry => 10,
         }
     }
 }
@@ -38,7 +38,7 @@ pub fn take_priority(ring: Ring) -> String {
         Ring::Guard => "guard ring",
         Ring::Perception => "perception ring",
         Ring::World => "simulated world",
-        Ring::Onlooker => "recording and panel",
+        Ring::Telemetry => "recording and panel",
     };
     let wanted = ring.priority();
     let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);

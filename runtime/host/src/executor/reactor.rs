@@ -114,7 +114,7 @@ impl<F: AsFd> Drop for Source<F> {
     }
 }
 
-/// Sleeps until a watched descriptor has news or the time is over, then wakes the tasks concerned.
+/// Sleeps until a watched descriptor is ready or the time is over, then wakes the tasks concerned.
 pub(super) fn wait(at_most: Option<Duration>) -> io::Result<()> {
     let mut events = Vec::with_capacity(EVENTS_PER_WAIT);
     let timeout = at_most.map(|duration| rustix::event::Timespec {

@@ -68,7 +68,7 @@ mod tests {
 
     /// A device that never pauses keeps neither the tick of the guard nor the drives waiting.
     #[test]
-    fn a_task_that_is_always_ready_takes_turns_with_timers_and_files() {
+    fn always_ready_task_takes_turns_with_timers() {
         let flag = StopFlag::default();
         let (here, there) = std::os::unix::net::UnixStream::pair().unwrap();
         here.set_nonblocking(true).unwrap();

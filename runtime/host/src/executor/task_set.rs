@@ -18,7 +18,7 @@ const POLLS_WITHOUT_PROGRESS_MAX: usize = 1_000_000;
 /// A task keeps waking itself without waiting for anything.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("task {task} keeps waking itself: {POLLS_WITHOUT_PROGRESS_MAX} polls without the clock moving")]
-pub struct Stuck {
+pub struct SpinningTask {
     /// Index of the task, in the order of spawning.
     pub task: usize,
 }
@@ -89,16 +89,16 @@ impl<'a> TaskSet<'a> {
     /// Polls ready tasks until none is ready. Gives the number of polls.
     ///
     /// # Errors
-    /// [`Stuck`] when a task spins.
-    pub fn poll_until_quiet(&mut self) -> Result<usize, Stuck> {
+    /// [`SpinningTask`] when a task spins.
+    pub fn poll_until_quiet(&mut self) -> Result<usize, SpinningTask> {
         self.poll_until_quiet_if(|_| true)
     }
 
     /// As [`Self::poll_until_quiet`], but only the tasks that run now; the others stay ready.
     ///
     /// # Errors
-    /// [`Stuck`] when a task spins.
-    pub fn poll_until_quiet_if(&mut self, runs: impl Fn(usize) -> bool) -> Result<usize, Stuck> {
+    /// [`SpinningTask`] when a task spins.
+    pub fn poll_until_quiet_if(&mut self, runs: impl Fn(usize) -> bool) -> Result<usize, SpinningTask> {
         let running = (0..self.tasks.len()).filter(|task| runs(*task)).fold(0, |bits, task| bits | 1 << task);
         let mut polls = 0;
         loop {
@@ -106,7 +106,7 @@ impl<'a> TaskSet<'a> {
             for index in self.poll_ready(running) {
                 polls += 1;
                 if polls > POLLS_WITHOUT_PROGRESS_MAX {
-                    return Err(Stuck { task: index });
+                    return Err(SpinningTask { task: index });
                 }
             }
             if polls == before {
@@ -189,13 +189,13 @@ mod tests {
     }
 
     #[test]
-    fn a_spinning_task_is_an_error_and_not_a_hang() {
+    fn spinning_task_is_an_error() {
         let mut tasks = TaskSet::new();
         tasks.spawn(async {
             loop {
                 yield_now().await;
             }
         });
-        assert_eq!(tasks.poll_until_quiet(), Err(Stuck { task: 0 }));
+        assert_eq!(tasks.poll_until_quiet(), Err(SpinningTask { task: 0 }));
     }
 }

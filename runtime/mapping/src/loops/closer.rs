@@ -168,7 +168,7 @@ impl LoopCloser {
         let expected = reference.place(poses).between(query.place(poses));
         let window = config.window(expected, path_m);
         self.cells.resize(query.points.len(), CellOffset::default());
-        let found = look(&levels, query, &window, (&mut self.cells, &mut self.blocks));
+        let found = observe(&levels, query, &window, (&mut self.cells, &mut self.blocks));
         let Some(found) = found else {
             self.statistics.unlike += 1;
             return None;
@@ -187,7 +187,7 @@ impl LoopCloser {
         let needed = 1.0 - (1.0 - found.score) * config.loss_ratio;
         let second =
             SearchWindow { excluded: Some(config.exclusion(&found)), minimum_score: needed, ..window };
-        if look(&levels, query, &second, (&mut self.cells, &mut self.blocks)).is_some() {
+        if observe(&levels, query, &second, (&mut self.cells, &mut self.blocks)).is_some() {
             self.statistics.ambiguous += 1;
             return None;
         }
@@ -262,7 +262,7 @@ fn edge([from, to]: [usize; 2], refined: &Refined) -> Option<Edge> {
     Some(Edge { from, to, measured: Se2::from(refined.pose), information, kind: EdgeKind::Loop })
 }
 
-fn look(
+fn observe(
     levels: &[floorguard_mapping::match_field::FieldLevel<'_>],
     query: &Stretch,
     window: &SearchWindow,

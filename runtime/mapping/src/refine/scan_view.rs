@@ -7,7 +7,7 @@ use floorguard_types::geometry::Point2;
 pub struct WallPoint {
     /// In the scanner's frame.
     pub point: Point2,
-    /// Across the wall, length 1; zero where no direction could be told.
+    /// Across the wall, length 1; zero where no direction is observable.
     pub normal: Point2,
     /// Bearing, radians.
     pub bearing_rad: f32,
@@ -29,7 +29,7 @@ const DEGREES: usize = 360;
 const NEIGHBOUR_M: f32 = 0.2;
 /// ... or than so many times the gap between beams.
 const NEIGHBOUR_GAPS: f32 = 2.6;
-/// Points to each side that are looked at.
+/// Points to each side that are examined.
 const NEIGHBOURS: usize = 8;
 
 fn degree_of(bearing_rad: f32) -> usize {

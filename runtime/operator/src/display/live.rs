@@ -65,7 +65,7 @@ impl LiveDisplay {
         }
     }
 
-    /// A line that stays, above the bar; said also when no status is shown.
+    /// A persistent line above the bar; printed also when no status is shown.
     pub fn note(&self, line: &str) {
         if self.terminal {
             self.bar.println(line);

@@ -1,4 +1,4 @@
-//! The state of the robot in a few words, and how it looks as a table.
+//! The state of the robot in a few words, and its form as a table.
 
 use owo_colors::OwoColorize;
 

@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn the_network_needs_a_token_and_the_loopback_gets_one() {
+    fn network_needs_token_loopback_gets_one() {
         assert!(matches!(Access::new(address("0.0.0.0:80"), None), Err(AccessError::NeedsToken(_))));
         let weak = Access::new(address("0.0.0.0:80"), Some("secret".to_owned()));
         assert!(matches!(weak, Err(AccessError::WeakToken)));

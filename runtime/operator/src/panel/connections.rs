@@ -18,10 +18,10 @@ const CONNECTIONS_MAX: usize = 512;
 /// A browser asks once a second. One that neither asks nor takes for this long has gone or does not mean well.
 const SILENCE_MAX: Duration = Duration::from_secs(5);
 
-/// Gives connections while there is room for them.
+/// Accepts connections while slots are free.
 pub(super) struct Bounded {
     listener: TcpListener,
-    room: Arc<Semaphore>,
+    slots: Arc<Semaphore>,
     silence_max: Duration,
 }
 
@@ -31,7 +31,7 @@ impl Bounded {
     }
 
     fn with(listener: TcpListener, connections_max: usize, silence_max: Duration) -> Self {
-        Self { listener, room: Arc::new(Semaphore::new(connections_max)), silence_max }
+        Self { listener, slots: Arc::new(Semaphore::new(connections_max)), silence_max }
     }
 }
 
@@ -40,7 +40,7 @@ impl Listener for Bounded {
     type Addr = std::net::SocketAddr;
 
     async fn accept(&mut self) -> (Self::Io, Self::Addr) {
-        let place = self.room.clone().acquire_owned().await.ok();
+        let place = self.slots.clone().acquire_owned().await.ok();
         let (stream, address) = Listener::accept(&mut self.listener).await;
         let silence = Box::pin(tokio::time::sleep(self.silence_max));
         (Connection { stream, silence, silence_max: self.silence_max, _place: place }, address)
@@ -109,7 +109,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_full_panel_lets_the_next_one_in_when_a_silent_one_has_been_sent_away() {
+    fn full_panel_replaces_silent_connections() {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
         runtime.block_on(async {
             let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
@@ -119,7 +119,7 @@ mod tests {
             let (mut first, _) = bounded.accept().await;
             let (_second, _) = bounded.accept().await;
             let third = tokio::time::timeout(Duration::from_millis(20), bounded.accept()).await;
-            assert!(third.is_err(), "there is room for two");
+            assert!(third.is_err(), "there are two slots");
             let mut bytes = [0; 8];
             let mut into = ReadBuf::new(&mut bytes);
             let read =

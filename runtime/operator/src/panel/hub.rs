@@ -94,7 +94,7 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// Opens the panel: it can be looked at from now on.
+    /// Opens the panel: it can be examined from now on.
     ///
     /// # Errors
     /// The address is taken, or the thread cannot start.
@@ -140,7 +140,7 @@ impl Panel {
         self.view.stop(record, self.start);
     }
 
-    /// The cleaning mission has told its progress.
+    /// The cleaning mission has reported its progress.
     pub fn mission(&mut self, progress: &Arc<MissionProgress>) {
         let layers = self.view.mission(progress);
         if let Ok(text) = serde_json::to_string(&layers) {
@@ -149,7 +149,7 @@ impl Panel {
     }
 
     /// Makes a picture when it is time for one. Cheap to call at any rate.
-    pub fn look<M: RawMutex>(&mut self, shared: &Shared<M>) {
+    pub fn publish<M: RawMutex>(&mut self, shared: &Shared<M>) {
         if self.drawn.is_some_and(|drawn| drawn.elapsed() < EVERY) {
             return;
         }

@@ -25,7 +25,7 @@ pub struct MissionFrame {
     pub unreachable_cells: usize,
     /// Expected dirt now, percent of that before.
     pub dirt_percent: f32,
-    /// Time that people and what else stood in the way cost, seconds.
+    /// Time lost to people and other obstacles, seconds.
     pub waited_s: f32,
     /// Where the odometry frame lies in the map of the mission: x, y, heading.
     pub odometry_in_map: [f32; 3],

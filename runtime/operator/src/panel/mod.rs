@@ -2,7 +2,7 @@
 //!
 //! It runs on a thread of its own and looks at the newest picture only: slow or many browsers lose pictures, they never
 //! hold anybody up. A command goes into a short queue that the robot's side empties when it likes. Nothing here can
-//! release a stop: reset is a wish that the guard judges, as from a button on the machine.
+//! release a stop: reset is a request that the guard judges, as from a button on the machine.
 
 mod access;
 mod connections;

@@ -20,7 +20,7 @@ const FAR: u16 = u16::MAX;
 
 /// How a source may fail.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Mishap {
+enum SourceFailure {
     /// Nothing ever came.
     Never,
     /// Nothing comes any more.
@@ -39,31 +39,36 @@ enum Mishap {
 
 /// What the tasks of the guard ring can tell of each source; a stamp is ahead only where it is reckoned from a device's
 /// clock or the length of a line.
-fn mishaps(source: Source) -> Vec<Mishap> {
-    let own: &[Mishap] = match source {
+fn failures(source: Source) -> Vec<SourceFailure> {
+    let own: &[SourceFailure] = match source {
         Source::Scanner => &[
-            Mishap::Ahead,
-            Mishap::Reported(FaultKind::Device(1)),
-            Mishap::Reported(FaultKind::StandBy),
-            Mishap::Reported(FaultKind::WrongGeometry),
-            Mishap::Reported(FaultKind::LinkDown),
+            SourceFailure::Ahead,
+            SourceFailure::Reported(FaultKind::Device(1)),
+            SourceFailure::Reported(FaultKind::StandBy),
+            SourceFailure::Reported(FaultKind::WrongGeometry),
+            SourceFailure::Reported(FaultKind::LinkDown),
         ],
-        Source::Lidar => &[Mishap::Ahead, Mishap::Blind, Mishap::Reported(FaultKind::LinkDown)],
-        Source::Wheels => &[Mishap::Reported(FaultKind::Garbled)],
+        Source::Lidar => {
+            &[SourceFailure::Ahead, SourceFailure::Blind, SourceFailure::Reported(FaultKind::LinkDown)]
+        }
+        Source::Wheels => &[SourceFailure::Reported(FaultKind::Garbled)],
         Source::Imu => &[
-            Mishap::Ahead,
-            Mishap::Reported(FaultKind::Device(1)),
-            Mishap::Reported(FaultKind::Garbled),
-            Mishap::Reported(FaultKind::LinkDown),
+            SourceFailure::Ahead,
+            SourceFailure::Reported(FaultKind::Device(1)),
+            SourceFailure::Reported(FaultKind::Garbled),
+            SourceFailure::Reported(FaultKind::LinkDown),
         ],
         Source::Drive => &[
-            Mishap::FoundRunning,
-            Mishap::Reported(FaultKind::StandBy),
-            Mishap::Reported(FaultKind::LinkDown),
+            SourceFailure::FoundRunning,
+            SourceFailure::Reported(FaultKind::StandBy),
+            SourceFailure::Reported(FaultKind::LinkDown),
         ],
         Source::Discrete | Source::Command | Source::Perception => &[],
     };
-    [Mishap::Never, Mishap::Silent, Mishap::Frozen].into_iter().chain(own.iter().copied()).collect()
+    [SourceFailure::Never, SourceFailure::Silent, SourceFailure::Frozen]
+        .into_iter()
+        .chain(own.iter().copied())
+        .collect()
 }
 
 /// What a source sends in a step.
@@ -76,20 +81,20 @@ struct Sample {
 }
 
 /// Tells the guard of a step of a source.
-fn hear(guard: &mut Supervisor, source: Source, mishap: Option<Mishap>, step: u64) {
+fn hear(guard: &mut Supervisor, source: Source, failure: Option<SourceFailure>, step: u64) {
     let now = Stamp::from_micros(step * STEP_US);
     let well = Sample { stamp: now, number: step as u16, range_raw: FAR };
-    let sample = match mishap {
+    let sample = match failure {
         None => well,
-        Some(Mishap::Never | Mishap::Silent) => return,
-        Some(Mishap::Frozen) => Sample { number: 0, ..well },
-        Some(Mishap::Blind) => Sample { range_raw: 0, ..well },
-        Some(Mishap::Ahead) => Sample { stamp: now.plus_micros(AHEAD_US), ..well },
-        Some(Mishap::Reported(kind)) => {
+        Some(SourceFailure::Never | SourceFailure::Silent) => return,
+        Some(SourceFailure::Frozen) => Sample { number: 0, ..well },
+        Some(SourceFailure::Blind) => Sample { range_raw: 0, ..well },
+        Some(SourceFailure::Ahead) => Sample { stamp: now.plus_micros(AHEAD_US), ..well },
+        Some(SourceFailure::Reported(kind)) => {
             guard.on_source_fault(source, kind, now);
             return;
         }
-        Some(Mishap::FoundRunning) => {
+        Some(SourceFailure::FoundRunning) => {
             guard.on_found_running(now);
             well
         }
@@ -133,28 +138,28 @@ fn measure(guard: &mut Supervisor, source: Source, sample: &Sample, now: Stamp) 
 }
 
 /// What a guard with the usual rules says of a source to which something happens.
-fn records(source: Source, mishap: Mishap) -> Vec<CauseRecord> {
+fn records(source: Source, failure: SourceFailure) -> Vec<CauseRecord> {
     let robot = parse("robot.toml", EXAMPLE).unwrap().robot;
     let config = GuardConfig { sources: GuardConfig::default_sources(), ..robot.guard() };
     let mut guard = Box::new(Supervisor::UNCONFIGURED);
     guard.configure(config, Stamp::ZERO).unwrap();
     let mut records: Vec<CauseRecord> = Vec::new();
     for step in 1..=STEPS {
-        let fails = step > WELL_STEPS || mishap == Mishap::Never;
+        let fails = step > WELL_STEPS || failure == SourceFailure::Never;
         for heard in Source::ALL {
-            hear(&mut guard, heard, (fails && heard == source).then_some(mishap), step);
+            hear(&mut guard, heard, (fails && heard == source).then_some(failure), step);
         }
         guard.tick(Stamp::from_micros(step * STEP_US));
         for record in guard.causes() {
-            let is_told = records.iter().any(|told| told.cause == record.cause);
+            let is_shown = records.iter().any(|shown| shown.cause == record.cause);
             match record.cause {
                 Cause::StartUp | Cause::StartNeeded => {}
                 Cause::SourceLate(of) | Cause::SourceLost(of) if of == source => {
-                    if !is_told {
+                    if !is_shown {
                         records.push(*record);
                     }
                 }
-                other => panic!("{source:?}, {mishap:?}: {other:?}"),
+                other => panic!("{source:?}, {failure:?}: {other:?}"),
             }
         }
     }
@@ -174,11 +179,11 @@ fn clears(cause: Cause) -> String {
 }
 
 /// As the panel and the console tell it, without what was measured and what it demands.
-fn said(record: &CauseRecord) -> String {
+fn shown_text(record: &CauseRecord) -> String {
     let unit = if record.unit == Unit::Code { Unit::Code } else { Unit::None };
-    let told = CauseRecord { unit, age_us: 0, ..*record }.to_string();
-    let said = told.split(" -> ").next().unwrap_or_default();
-    let words = said.split(' ').map(|word| if word.contains(char::is_numeric) { "…" } else { word });
+    let shown = CauseRecord { unit, age_us: 0, ..*record }.to_string();
+    let shown_text = shown.split(" -> ").next().unwrap_or_default();
+    let words = shown_text.split(' ').map(|word| if word.contains(char::is_numeric) { "…" } else { word });
     words.collect::<Vec<_>>().join(" ")
 }
 
@@ -187,16 +192,16 @@ fn rest(record: &CauseRecord) -> String {
     format!(" | {} | {} | {} |", record.action, clears(record.cause), remedy(record))
 }
 
-/// The table of the book: a row for each cause; sources of which the same is told share one.
+/// The table of the book: a row for each cause; sources with the same entry share one.
 fn rows() -> BTreeSet<String> {
     let is_plain = |cause: &Cause| !matches!(cause, Cause::SourceLate(_) | Cause::SourceLost(_));
     let plain = Cause::all().into_iter().filter(is_plain).map(|cause| CauseRecord::new(cause, Stamp::ZERO));
-    let plain = plain.map(|record| format!("| {}{}", said(&record), rest(&record)));
+    let plain = plain.map(|record| format!("| {}{}", shown_text(&record), rest(&record)));
     let mut shared: BTreeMap<String, Vec<&str>> = BTreeMap::new();
     for source in Source::ALL {
-        for record in mishaps(source).into_iter().flat_map(|mishap| records(source, mishap)) {
-            let said = said(&record);
-            let how = said.strip_prefix(source.name()).expect("a record begins with its source");
+        for record in failures(source).into_iter().flat_map(|failure| records(source, failure)) {
+            let shown_text = shown_text(&record);
+            let how = shown_text.strip_prefix(source.name()).expect("a record begins with its source");
             let names = shared.entry(format!("{how}{}", rest(&record))).or_default();
             if !names.contains(&source.name()) {
                 names.push(source.name());
@@ -207,48 +212,48 @@ fn rows() -> BTreeSet<String> {
 }
 
 #[test]
-fn the_book_tells_every_cause_as_the_panel_does_and_no_other() {
+fn book_and_panel_list_the_same_causes() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/src/operating.md");
     let book = std::fs::read_to_string(file).expect("the chapter");
     let table = book.lines().filter(|line| line.starts_with("| ") && !line.starts_with("| it says |"));
-    let (told, rows) = (table.map(String::from).collect::<BTreeSet<_>>(), rows());
+    let (shown, rows) = (table.map(String::from).collect::<BTreeSet<_>>(), rows());
     let lines = |rows: Vec<&String>| rows.into_iter().map(|row| format!("\n{row}")).collect::<String>();
-    let (missing, other) = (rows.difference(&told).collect(), told.difference(&rows).collect());
+    let (missing, other) = (rows.difference(&shown).collect(), shown.difference(&rows).collect());
     assert!(
-        told == rows,
+        shown == rows,
         "docs/src/operating.md lacks:{}\nand has, though no guard says it:{}",
         lines(missing),
         lines(other)
     );
 }
 
-/// Only where it says nothing its cable is the first to be looked at.
+/// Only where it says nothing its cable is the first to be examined.
 #[test]
-fn a_device_that_answers_sends_nobody_to_its_cable() {
-    let reported = Mishap::Reported;
-    for (source, mishap, help) in [
-        (Source::Scanner, Mishap::Silent, "Check cable and power"),
+fn answering_device_is_no_cable_fault() {
+    let reported = SourceFailure::Reported;
+    for (source, failure, help) in [
+        (Source::Scanner, SourceFailure::Silent, "Check cable and power"),
         (Source::Scanner, reported(FaultKind::Device(1)), "look at its display"),
         (Source::Scanner, reported(FaultKind::WrongGeometry), "another one than the robot was set up for"),
-        (Source::Scanner, Mishap::Frozen, "switch it off and on"),
-        (Source::Lidar, Mishap::Silent, "Check cable and power"),
-        (Source::Lidar, Mishap::Blind, "Uncover"),
-        (Source::Lidar, Mishap::Ahead, "off and on"),
+        (Source::Scanner, SourceFailure::Frozen, "switch it off and on"),
+        (Source::Lidar, SourceFailure::Silent, "Check cable and power"),
+        (Source::Lidar, SourceFailure::Blind, "Uncover"),
+        (Source::Lidar, SourceFailure::Ahead, "off and on"),
         (Source::Imu, reported(FaultKind::Device(7)), "look at its display"),
     ] {
-        let records = records(source, mishap);
-        assert!(!records.is_empty(), "{source:?}, {mishap:?}");
+        let records = records(source, failure);
+        assert!(!records.is_empty(), "{source:?}, {failure:?}");
         for record in records {
-            let told = remedy(&record);
-            assert!(told.contains(help), "{record}: {told}");
-            let is_sent = told.contains("Check cable");
-            assert_eq!(is_sent, mishap == Mishap::Silent, "{record}: {told}");
+            let shown = remedy(&record);
+            assert!(shown.contains(help), "{record}: {shown}");
+            let is_sent = shown.contains("Check cable");
+            assert_eq!(is_sent, failure == SourceFailure::Silent, "{record}: {shown}");
         }
     }
 }
 
 #[test]
-fn whoever_must_press_reset_is_told_what_to_look_at_first() {
+fn reset_advice_names_the_first_check() {
     let vague = Cause::all().into_iter().filter(|cause| {
         let help = remedy(&CauseRecord::new(*cause, Stamp::ZERO));
         cause.clear() == Clear::Reset && (!help.contains("press reset") || help.starts_with("Find out why"))

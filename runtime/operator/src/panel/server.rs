@@ -109,7 +109,7 @@ async fn state(
     query: Result<Query<After>, QueryRejection>,
 ) -> Response {
     let newest = hub.newest.clone();
-    look(&hub, &headers, (query, newest)).await
+    snapshot(&hub, &headers, (query, newest)).await
 }
 
 /// The floor of the mission, in the same way.
@@ -119,12 +119,12 @@ async fn layers(
     query: Result<Query<After>, QueryRejection>,
 ) -> Response {
     let newest = hub.layers.clone();
-    look(&hub, &headers, (query, newest)).await
+    snapshot(&hub, &headers, (query, newest)).await
 }
 
 type Newest = tokio::sync::watch::Receiver<(u64, std::sync::Arc<str>)>;
 
-async fn look(
+async fn snapshot(
     hub: &Hub,
     headers: &HeaderMap,
     (query, mut newest): (Result<Query<After>, QueryRejection>, Newest),

@@ -21,7 +21,7 @@ use floorguard_robot::cleaner::MissionProgress;
 
 /// Stops that the page lists.
 const STOPS_SHOWN: usize = 8;
-/// Lidar points of a picture; more say nothing to the eye.
+/// Lidar points of a picture; more are not visible.
 const POINTS_SHOWN: usize = 1_500;
 /// Points between these heights are drawn, metres above the floor.
 const HEIGHTS_M: std::ops::Range<f32> = 0.15..2.0;
@@ -103,7 +103,7 @@ impl PanelView {
         self.stops.truncate(STOPS_SHOWN);
     }
 
-    /// A picture of this moment; `start` is zero on the page. `None` before the guard has said anything.
+    /// A picture of this moment; `start` is zero on the page. `None` before the guard's first decision.
     pub fn frame<M: RawMutex>(&mut self, shared: &Shared<M>, start: Stamp) -> Option<Frame> {
         let status = shared.status.get()?;
         let decision = &status.decision;
@@ -142,7 +142,7 @@ impl PanelView {
         })
     }
 
-    /// The cleaning mission has told its progress; gives the floor as it is now.
+    /// The cleaning mission has reported its progress; gives the floor as it is now.
     pub fn mission(&mut self, progress: &Arc<MissionProgress>) -> Layers {
         self.layers += 1;
         self.mission = Some(Arc::clone(progress));

@@ -93,7 +93,7 @@ impl Canvas {
         self.close_group();
     }
 
-    /// What follows belongs to a class, so that a page can change its looks.
+    /// What follows belongs to a class, so that a page can change its style.
     pub(super) fn open_group(&mut self, class: &'static str) {
         self.add(format_args!("<g class=\"{class}\">"));
     }
@@ -165,21 +165,21 @@ impl Mapping {
         )
     }
 
-    /// A way in pixels, without the points that nobody could tell from the one before.
-    pub(super) fn way_px(&self, points: impl Iterator<Item = Point2>) -> Vec<(f32, f32)> {
+    /// A path in pixels, without indistinguishable points.
+    pub(super) fn path_px(&self, points: impl Iterator<Item = Point2>) -> Vec<(f32, f32)> {
         const DISTINCT_PX: f32 = 0.7;
-        let mut way: Vec<(f32, f32)> = Vec::new();
+        let mut path: Vec<(f32, f32)> = Vec::new();
         let mut skipped = None;
         for point in points.filter(|point| point.x_m.is_finite() && point.y_m.is_finite()) {
             let (x, y) = self.px(point);
             let is_distinct =
-                way.last().is_none_or(|(last_x, last_y)| (x - last_x).hypot(y - last_y) > DISTINCT_PX);
+                path.last().is_none_or(|(last_x, last_y)| (x - last_x).hypot(y - last_y) > DISTINCT_PX);
             skipped = (!is_distinct).then_some((x, y));
             if is_distinct {
-                way.push((x, y));
+                path.push((x, y));
             }
         }
-        way.extend(skipped);
-        way
+        path.extend(skipped);
+        path
     }
 }

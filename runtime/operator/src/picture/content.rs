@@ -25,7 +25,7 @@ pub struct TopView {
     pub stops: Vec<StopMark>,
 }
 
-/// The way of one person.
+/// The path of one person.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PersonPath {
     /// Number of the person.

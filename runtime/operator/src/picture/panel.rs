@@ -91,13 +91,13 @@ type Sample = fn(&mut Canvas, (f32, f32));
 fn samples(view: &TopView) -> Vec<(Sample, String)> {
     let mut samples: Vec<(Sample, String)> = Vec::new();
     if !view.robot_path.is_empty() {
-        samples.push((robot_sample, "way of the robot".into()));
+        samples.push((robot_sample, "path of the robot".into()));
         samples.push((start_sample, "start (white) and end (blue)".into()));
     }
     match view.people.len() {
         0 => {}
-        1 => samples.push((people_sample, "way of 1 person, dot at the end".into())),
-        many => samples.push((people_sample, format!("ways of {many} people, dot at the end"))),
+        1 => samples.push((people_sample, "path of 1 person, dot at the end".into())),
+        many => samples.push((people_sample, format!("paths of {many} people, dot at the end"))),
     }
     if !view.walls.is_empty() {
         samples.push((|canvas, at| block_sample(canvas, at, palette::WALL), "walls".into()));

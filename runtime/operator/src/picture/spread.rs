@@ -32,7 +32,7 @@ mod tests {
     use super::spread;
 
     #[test]
-    fn marks_at_one_place_stand_apart_and_lone_ones_stay() {
+    fn coincident_marks_spread_lone_ones_stay() {
         let places = [[(5.0, 5.0); 9].as_slice(), &[(500.0, 5.0)]].concat();
         let drawn = spread(&places, 16.0);
         assert_eq!((drawn[0], drawn[9]), (places[0], places[9]));

@@ -18,7 +18,7 @@ const MAP_AREA_PX: (f32, f32) = (1_060.0, 860.0);
 const HEIGHT_MIN_PX: f32 = 420.0;
 /// Marks of stops are this far from each other, pixels.
 const STOP_APART_PX: f32 = 24.0;
-/// From arrow to arrow along the robot's way, pixels.
+/// From arrow to arrow along the robot's path, pixels.
 const ARROW_SPACING_PX: f32 = 90.0;
 
 impl TopView {
@@ -98,9 +98,9 @@ impl TopView {
     fn draw_people(&self, canvas: &mut Canvas, mapping: &Mapping) {
         for (index, person) in self.people.iter().enumerate() {
             let colour = palette::person(index);
-            let way = mapping.way_px(person.points.iter().copied());
-            canvas.path(&way, false, Ink { opacity: 0.75, ..line(colour, 1.8) });
-            let Some(end) = way.last() else { continue };
+            let path = mapping.path_px(person.points.iter().copied());
+            canvas.path(&path, false, Ink { opacity: 0.75, ..line(colour, 1.8) });
+            let Some(end) = path.last() else { continue };
             canvas.circle(*end, 4.5, Ink { stroke: palette::PAPER, width_px: 1.0, ..area(colour) });
             let lettering = Lettering {
                 at_px: (end.0 + 7.0, end.1 + 4.0),
@@ -115,14 +115,14 @@ impl TopView {
 
     fn draw_robot(&self, canvas: &mut Canvas, mapping: &Mapping) {
         let places = self.robot_path.iter().map(|pose| Point2::new(pose.x_m, pose.y_m));
-        let way = mapping.way_px(places);
+        let path = mapping.path_px(places);
         if self.swath_width_m > 0.0 {
             let width_px = self.swath_width_m * mapping.px_per_m;
-            canvas.path(&way, false, Ink { opacity: 0.16, ..line(palette::ROBOT, width_px) });
+            canvas.path(&path, false, Ink { opacity: 0.16, ..line(palette::ROBOT, width_px) });
         }
-        canvas.path(&way, false, Ink { opacity: 0.85, ..line(palette::PAPER, 5.0) });
-        canvas.path(&way, false, line(palette::ROBOT, 2.6));
-        for arrow in arrows(&way) {
+        canvas.path(&path, false, Ink { opacity: 0.85, ..line(palette::PAPER, 5.0) });
+        canvas.path(&path, false, line(palette::ROBOT, 2.6));
+        for arrow in arrows(&path) {
             canvas.path(&arrow, true, area(palette::ROBOT));
         }
         if let Some(start) = self.robot_path.first() {
@@ -132,7 +132,7 @@ impl TopView {
         if let Some(end) = self.robot_path.last() {
             let ink = Ink { fill: palette::ROBOT, ..line(palette::PAPER, 1.5) };
             canvas.path(&self.outline_px(*end, mapping), true, ink);
-            // A nose tells where it looks.
+            // A nose marks its heading.
             let nose = [(0.05, 0.15), (0.25, 0.0), (0.05, -0.15)];
             let nose: Vec<_> = nose
                 .into_iter()
@@ -182,11 +182,11 @@ pub(super) fn line(stroke: &'static str, width_px: f32) -> Ink {
     Ink { fill: "none", stroke, width_px, opacity: 1.0 }
 }
 
-/// Small triangles along a way that show its direction.
-fn arrows(way: &[(f32, f32)]) -> Vec<Vec<(f32, f32)>> {
+/// Small triangles along a path that show its direction.
+fn arrows(path: &[(f32, f32)]) -> Vec<Vec<(f32, f32)>> {
     let mut arrows = Vec::new();
     let mut since_px = ARROW_SPACING_PX / 2.0;
-    for pair in way.windows(2) {
+    for pair in path.windows(2) {
         let [(x0, y0), (x1, y1)] = *pair else { continue };
         let (dx, dy) = (x1 - x0, y1 - y0);
         let length = dx.hypot(dy);
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn an_empty_run_and_values_that_are_no_numbers_still_give_a_picture() {
+    fn empty_and_non_finite_runs_give_pictures() {
         let nan = Point2::new(f32::NAN, f32::INFINITY);
         let people = vec![PersonPath { id: 1, points: vec![nan, nan] }, PersonPath::default()];
         let robot_path = vec![Pose2 { x_m: f32::NAN, y_m: 0.0, heading_rad: f32::NAN }];
@@ -278,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn places_are_where_they_belong_and_words_cannot_break_the_document() {
+    fn positions_are_right_and_text_is_escaped() {
         let square = |low: f32, high: f32| {
             [(low, low), (high, low), (high, high), (low, high)].map(|(x, y)| Point2::new(x, y)).to_vec()
         };

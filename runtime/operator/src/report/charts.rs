@@ -8,7 +8,7 @@ use super::style::escaped;
 const WIDTH: f64 = 960.0;
 const HEIGHT: f64 = 300.0;
 const LEFT: f64 = 60.0;
-/// Room for half the word of the last mark.
+/// Space for half the text of the last mark.
 const RIGHT: f64 = 36.0;
 /// The unit stands above the curve.
 const TOP: f64 = 36.0;

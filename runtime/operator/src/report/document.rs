@@ -19,12 +19,12 @@ pub fn document(history: &History, name: &str) -> String {
     let title = history.texts.get("title").cloned().unwrap_or_else(|| name.to_owned());
     let mut html = style::head(&title);
     head(&mut html, history, name);
-    section(&mut html, "Map, way and stops", &map(&sketch::overview(history)), OVERVIEW_LEGEND);
+    section(&mut html, "Map, path and stops", &map(&sketch::overview(history)), OVERVIEW_LEGEND);
     mission::section(&mut html, history);
     let speeds: Vec<_> =
         history.speeds.iter().map(|s| (s.at_s, s.speed_mps, s.limit_mps.unwrap_or(0.0))).collect();
     let speeds = charts::speeds(history.duration_s, &speeds, history.stops.iter().map(|stop| stop.at_s));
-    // A bag of somebody else's robot knows of no guard: nothing is said about its stops.
+    // A bag of somebody else's robot knows of no guard: its stops are unknown.
     if history.speeds.iter().any(|speed| speed.limit_mps.is_some()) || !history.stops.is_empty() {
         section(&mut html, "Speed and limit", &chart(&speeds), SPEED_LEGEND);
         stops(&mut html, history);
@@ -55,7 +55,7 @@ pub fn document(history: &History, name: &str) -> String {
     html + "</html>\n"
 }
 
-const OVERVIEW_LEGEND: &str = "White: seen free. Dark: something stands there. Blue: the robot's way. Thin coloured \
+const OVERVIEW_LEGEND: &str = "White: seen free. Dark: something stands there. Blue: the robot's path. Thin coloured \
 lines: tracked people. Red: stops, numbered as below. In the odometry frame, without correction.";
 const SPEED_LEGEND: &str = "Line: measured speed in m/s. Area: what the guard permits. Red ticks: stops.";
 const GRID_LEGEND: &str = "White: 0. Dark: 100. Blue-grey: unknown.";
@@ -87,7 +87,7 @@ fn head(html: &mut String, history: &History, name: &str) {
     let moving_s = history.speeds.windows(2).filter(|pair| pair[0].speed_mps.abs() > 0.02);
     // The sum of nothing is −0.
     let moving_s = moving_s.map(|pair| pair[1].at_s - pair[0].at_s).sum::<f64>() + 0.0;
-    let people = history.people.values().filter(|way| way.len() > 5).count();
+    let people = history.people.values().filter(|path| path.len() > 5).count();
     html.push_str(&tiles([
         (format!("{:.0} s", history.duration_s), "recorded", ""),
         (format!("{:.1} m", history.driven_m), "driven", ""),

@@ -12,8 +12,8 @@ use floorguard_recording::{
     END_METADATA, LEARNED, RUN_METADATA, ReadError, Recorded, Recording, describe, topics,
 };
 
-/// The way has a place every quarter of a second.
-const WAY_S: f64 = 0.25;
+/// The path has a place every quarter of a second.
+const PATH_S: f64 = 0.25;
 /// The map takes two scans a second.
 const MAP_S: f64 = 0.5;
 /// Speeds are drawn five times a second.
@@ -59,7 +59,7 @@ pub struct Speed {
     pub at_s: f64,
     /// Measured, m/s.
     pub speed_mps: f32,
-    /// Permitted, m/s; none before the guard has said anything.
+    /// Permitted, m/s; none before the guard's first decision.
     pub limit_mps: Option<f32>,
 }
 
@@ -77,7 +77,7 @@ pub struct MapScan {
 pub struct History {
     /// About the run: scenario, seed, version.
     pub texts: BTreeMap<String, String>,
-    /// What the robot learned of the looks of people, in words, if it does.
+    /// What the robot learned of the appearance of people, in words, if it does.
     pub learned: Option<String>,
     /// From the first message to the last, seconds.
     pub duration_s: f64,
@@ -86,7 +86,7 @@ pub struct History {
     /// Why it ends early.
     pub ended: Option<String>,
     /// Where the robot was.
-    pub way: Vec<Pose2>,
+    pub path: Vec<Pose2>,
     /// Metres driven.
     pub driven_m: f64,
     /// Speed and limit.
@@ -123,7 +123,7 @@ struct Reader {
     scan: Option<LaserScan>,
     people: Vec<(i32, Point2)>,
     fields: Vec<Drawn>,
-    next_way_s: f64,
+    next_path_s: f64,
     next_map_s: f64,
     next_speed_s: f64,
 }
@@ -199,12 +199,12 @@ impl Reader {
 
     fn motion(&mut self, at_s: f64, odometry: &decode::Odometry) {
         self.pose = odometry.pose;
-        if at_s >= self.next_way_s {
-            self.next_way_s = at_s + WAY_S;
+        if at_s >= self.next_path_s {
+            self.next_path_s = at_s + PATH_S;
             let place = |pose: &Pose2| Point2::new(pose.x_m, pose.y_m);
-            let step_m = self.history.way.last().map_or(0.0, |last| place(last).distance(place(&self.pose)));
+            let step_m = self.history.path.last().map_or(0.0, |last| place(last).distance(place(&self.pose)));
             self.history.driven_m += f64::from(step_m);
-            self.history.way.push(self.pose);
+            self.history.path.push(self.pose);
         }
         if at_s >= self.next_speed_s {
             self.next_speed_s = at_s + SPEED_S;

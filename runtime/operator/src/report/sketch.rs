@@ -1,4 +1,4 @@
-//! Pictures of a recording as SVG: the map with ways and stops, where people were, and the moment of a stop.
+//! Pictures of a recording as SVG: the map with paths and stops, where people were, and the moment of a stop.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -143,7 +143,7 @@ fn place(pose: &Pose2) -> Point2 {
 fn everything(history: &History, cells: &Cells) -> Frame {
     let occupied = cells.iter().filter(|(_, seen)| is_occupied(seen));
     let corners = occupied.map(|((x, y), _)| Point2::new(*x as f32 * CELL_M, *y as f32 * CELL_M));
-    Frame::around(corners.chain(history.way.iter().map(place)))
+    Frame::around(corners.chain(history.path.iter().map(place)))
 }
 
 const fn is_occupied((free, hit): &(u32, u32)) -> bool {
@@ -160,21 +160,21 @@ fn ground(frame: &Frame, cells: &Cells) -> String {
     )
 }
 
-/// The map, the robot's way, the ways of people, and every stop with its number.
+/// The map, the robot's path, the paths of people, and every stop with its number.
 pub fn overview(history: &History) -> String {
     let cells = map(&history.scans);
     let frame = everything(history, &cells);
-    let mut svg = frame.open("map with the way of the robot, people and stops");
+    let mut svg = frame.open("map with the path of the robot, people and stops");
     svg.push_str(&ground(&frame, &cells));
-    for (index, way) in history.people.values().filter(|way| way.len() > 5).enumerate() {
+    for (index, path) in history.people.values().filter(|path| path.len() > 5).enumerate() {
         let hue = index * 47 % 360;
-        let line = frame.line(way.iter().step_by(3).copied());
+        let line = frame.line(path.iter().step_by(3).copied());
         let _ = write!(
             svg,
             "<path d=\"{line}\" fill=\"none\" stroke=\"hsl({hue} 60% 50%)\" stroke-width=\"1.5\" opacity=\".6\"/>"
         );
     }
-    let line = frame.line(history.way.iter().map(place));
+    let line = frame.line(history.path.iter().map(place));
     let _ = write!(svg, "<path d=\"{line}\" fill=\"none\" stroke=\"#0b5394\" stroke-width=\"3\"/>");
     let places: Vec<_> = history.stops.iter().map(|stop| frame.at(place(&stop.pose))).collect();
     let drawn = spread(&places, MARKS_APART_PX);

@@ -1,9 +1,9 @@
 //! Who records and shows a run: a tape for the emulated board, a recording, the operator's panel.
 
-mod onlooker;
+mod run_sinks;
 mod tape;
-mod witnesses;
+mod telemetry_thread;
 
-pub use onlooker::{Notes, with_onlooker};
+pub use run_sinks::{FileRecorder, IN_REAL_TIME, RecordedRun, RunSinks};
 pub use tape::{Tape, encode_route};
-pub use witnesses::{FileRecorder, IN_REAL_TIME, RecordedRun, Witnesses};
+pub use telemetry_thread::{TelemetrySender, with_telemetry};

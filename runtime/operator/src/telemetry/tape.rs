@@ -50,7 +50,7 @@ impl Tape {
     }
 }
 
-/// What the robot is told to drive, as `floorguard_runtime::tape::decode_route` reads it.
+/// The robot's route, as `floorguard_runtime::tape::decode_route` reads it.
 #[must_use]
 pub fn encode_route(robot: &RobotConfiguration) -> Vec<u8> {
     let (route, limits) = (&robot.route, robot.route_limits);

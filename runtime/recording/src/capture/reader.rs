@@ -187,15 +187,15 @@ impl Capture {
     }
 }
 
-/// Keeps what the first failure said; an end that comes early is none.
+/// Keeps the message of the first failure; an early end is none.
 struct Remembering {
     source: Box<dyn Read + Send>,
     failure: Arc<OnceLock<String>>,
 }
 
 impl Read for Remembering {
-    fn read(&mut self, room: &mut [u8]) -> io::Result<usize> {
-        self.source.read(room).inspect_err(|error| {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.source.read(buffer).inspect_err(|error| {
             if error.kind() != io::ErrorKind::UnexpectedEof {
                 let _ = self.failure.set(error.to_string());
             }

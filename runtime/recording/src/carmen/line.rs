@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn damage_is_named_and_other_lines_are_not_asked() {
+    fn damage_is_named_other_lines_are_skipped() {
         assert_eq!(parse_line("# a comment"), Ok(CarmenLine::Other));
         assert_eq!(parse_line("PARAM robot_frontlaser_offset 0.0 nohost 0"), Ok(CarmenLine::Other));
         let number = |what| Err(LineError::Number { kind: "FLASER", what });

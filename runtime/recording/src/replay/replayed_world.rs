@@ -208,7 +208,7 @@ fn play<R: Read>(
         now_us: 0,
     };
     let outcome = stage.run(recording, audience)?;
-    let learned = learning.and_then(|learning| learning.desk.newest()).map(|(report, _)| report);
+    let learned = learning.and_then(|learning| learning.slot.newest()).map(|(report, _)| report);
     Ok(ReplayOutcome { learned, ..outcome })
 }
 

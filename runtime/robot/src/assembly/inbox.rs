@@ -8,7 +8,7 @@ use floorguard_perception::people::PeopleView;
 /// Views that wait for the next sweep: a camera at 60 Hz sends six.
 const WAITING_MAX: usize = 8;
 
-/// A few views; whoever writes never waits for who reads.
+/// A few views; the writer never waits for the reader.
 #[derive(Clone, Debug, Default)]
 pub struct PeopleInbox(Arc<Mutex<VecDeque<PeopleView>>>);
 
@@ -36,7 +36,7 @@ mod tests {
     use floorguard_types::time::Stamp;
 
     #[test]
-    fn the_oldest_gives_way_and_nothing_is_given_twice() {
+    fn oldest_is_dropped_nothing_delivered_twice() {
         let inbox = PeopleInbox::default();
         for at_us in 0..10 {
             let mut view = PeopleView::new(PeopleSensor::DepthCamera);

@@ -13,10 +13,10 @@ use floorguard_runtime::kept_latches::unknown_latches;
 
 use super::rings::HostedShared;
 
-/// How often the guard is looked at: what is younger than this, and the time of the disk, is lost with the power.
-const LOOK: Duration = Duration::from_millis(20);
+/// How often the guard is examined: what is younger than this, and the time of the disk, is lost with the power.
+const POLL_PERIOD: Duration = Duration::from_millis(20);
 /// A disk that took nothing is tried again after so many looks.
-const LOOKS_PER_TRY: u32 = 50;
+const POLLS_PER_TRY: u32 = 50;
 /// First words of the file.
 const NAME: &str = "floorguard-latches 1";
 
@@ -86,14 +86,14 @@ impl LatchFile {
                                 self.path.display()
                             );
                         }
-                        (wait, refused) = (LOOKS_PER_TRY, true);
+                        (wait, refused) = (POLLS_PER_TRY, true);
                     }
                 }
             }
             if last {
                 return;
             }
-            thread::sleep(LOOK);
+            thread::sleep(POLL_PERIOD);
         }
     }
 }
@@ -124,7 +124,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn fg_req_070_what_is_written_is_read_and_what_is_damaged_asks_for_the_operator() {
+    fn fg_req_070_latch_round_trips_damage_needs_operator() {
         let folder = tempfile::tempdir().unwrap();
         let file = LatchFile::beside(&folder.path().join("robot.toml"));
         assert_eq!(file.read(), 0, "no file");

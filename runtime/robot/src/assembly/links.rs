@@ -1,4 +1,4 @@
-//! Opens what `robot.toml` names. A device that is not there yet is said and waited for; a port that is taken is not.
+//! Opens what `robot.toml` names. A missing device is reported and waited for; a port in use is not.
 
 use std::io;
 use std::net::UdpSocket;
@@ -19,14 +19,15 @@ use floorguard_host::carriers::{CanLink, Listening, ReconnectingLine, UdpReceive
 pub enum ScannerLink {
     /// An S300's line.
     Serial(SerialAddress),
-    /// A microScan3's port, bound already, and whom it listens to.
+    /// A microScan3's port, bound already, and its accepted sender.
     Datagrams(UdpSocket, Listening),
 }
 
 /// Where the bytes come from, before the guard's thread opens it.
 #[derive(Debug)]
 pub struct Links {
-    /// The lidar's port, bound already, and whom it listens to: a port that is taken is an error at the start.
+    /// The lidar's port, bound already, and its accepted sender: a port that is taken is an error at the
+    /// start.
     pub lidar: (UdpSocket, Listening),
     /// The safety scanner's line or port.
     pub scanner: ScannerLink,

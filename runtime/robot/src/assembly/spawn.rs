@@ -66,8 +66,8 @@ pub enum Stages {
     /// Everything.
     #[default]
     All,
-    /// What also runs on the microcontroller, bit for bit: with its room for things and people, and without the verdict
-    /// on what moves, which takes more memory than it has.
+    /// What also runs on the microcontroller, bit for bit: with its capacity for clusters and people, and without the
+    /// verdict on what moves, which takes more memory than it has.
     AsOnBoard,
 }
 
@@ -135,7 +135,7 @@ impl JudgeMotion for HostedMotion {
         if let Some(learner) = &mut self.learner {
             learner.observe(people, sweep.end_stamp);
         }
-        PeopleOutput { clusters: people.things(), tracks: people.tracks(), counters }
+        PeopleOutput { clusters: people.clusters(), tracks: people.tracks(), counters }
     }
 
     fn learned(&self, track: &Track) -> Option<f32> {
@@ -150,13 +150,14 @@ pub fn new_perception(robot: &RobotConfiguration, stages: Stages) -> Box<HostedP
         LidarModel::PuckHiRes => RingAngles::even(-10.0, 4.0 / 3.0),
         _ => RingAngles::vlp16(),
     };
-    // The board keeps no reflectivities, so it does not know what people look like; and it has less room.
-    let (things, tracker) = match stages {
+    // The board keeps no reflectivities, so it does not know the appearance of people; and it has less
+    // capacity.
+    let (clusters, tracker) = match stages {
         Stages::All => (ClusterLimits::DEFAULT, TrackerParameters::DEFAULT),
         Stages::AsOnBoard => (ClusterLimits::AS_ON_BOARD, TrackerParameters::AS_ON_BOARD),
     };
     let mut people = PeoplePipeline::with_tracker(angles, tracker);
-    people.cluster_limits = things;
+    people.cluster_limits = clusters;
     Box::new(PerceptionState {
         building: Sweep::EMPTY,
         people,

@@ -139,7 +139,7 @@ impl<T: CanBus> CanBus for Tapped<T> {
 
     async fn receive(&mut self) -> Result<CanFrame, T::Error> {
         let frame = self.carrier.receive().await?;
-        // No device of the robot uses other identifiers, and the tape has no room for them.
+        // No device of the robot uses other identifiers, and the tape cannot hold them.
         if let (Some(tap), Some(id)) = (&self.tap, frame.standard_id()) {
             let bytes = id.to_le_bytes().iter().chain(frame.payload()).copied().collect();
             tap.delivered(None, self.line, bytes);
@@ -160,7 +160,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_queue_that_nobody_empties_loses_rows_and_counts_them() {
+    fn unread_queue_counts_lost_rows() {
         let (tap, rows) = tap();
         for index in 0..ROWS_MAX + 5 {
             tap.delivered(None, TapeLine::Scanner, index.to_le_bytes().to_vec());

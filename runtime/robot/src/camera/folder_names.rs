@@ -1,4 +1,4 @@
-//! What belongs together in a folder of recorded pictures, and when each was taken, told by the names.
+//! What belongs together in a folder of recorded pictures, and when each was taken, from the names.
 //!
 //! Either each kind has a folder, `depth/NAME.png` with `rgb/NAME.png` (or `frames`, `images`, `color`, as in sets of dirty
 //! floors), or everything stands side by side: `NAME_depth.png` (or `NAME_depth_mm.png`) with `NAME_color.jpg`,
@@ -132,8 +132,8 @@ fn base(path: &Path, endings: &[&str]) -> String {
     stem[..cut].to_owned()
 }
 
-/// The stamp at the end of a name, microseconds: seconds with a point, or whole milli-, micro- or nanoseconds since 1970,
-/// told by their digits. A short whole number counts pictures and is none.
+/// The stamp at the end of a name, microseconds: seconds with a point, or whole milli-, micro- or nanoseconds since
+/// 1970, recognised by their digits. A short whole number counts pictures and is none.
 fn stamp_us(base: &str) -> Option<u64> {
     let from =
         base.rfind(|letter: char| !letter.is_ascii_digit() && letter != '.').map_or(0, |last| last + 1);
@@ -156,7 +156,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn stamps_are_told_by_their_digits() {
+    fn stamp_units_follow_from_their_digits() {
         for (name, expected) in [
             ("1305031102.160407", Some(1_305_031_102_160_407)),
             ("floor_1305031102.5", Some(1_305_031_102_500_000)),
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_depth_or_no_stamps_is_refused() {
+    fn recordings_without_depth_or_stamps_are_refused() {
         let refused = |files: &[&str]| {
             RecordedPictures::list(folder(files).path(), None).expect_err("refused").to_string()
         };

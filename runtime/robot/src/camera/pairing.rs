@@ -3,8 +3,8 @@
 use floorguard_types::geometry::Pose2;
 use floorguard_types::time::{Age, Stamp};
 
-/// Pictures within this belong together, microseconds: on the way between them the robot drives half a cell of the map of
-/// dirt at 1 m/s, and two cameras of 30 Hz that know nothing of each other are 17 ms apart at most.
+/// Pictures within this belong together, microseconds: between them the robot drives half a cell of the map of dirt at
+/// 1 m/s, and two cameras of 30 Hz that know nothing of each other are 17 ms apart at most.
 const TOGETHER_US: u64 = 25_000;
 
 /// The newest of both streams that still wait for each other.

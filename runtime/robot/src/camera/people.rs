@@ -1,4 +1,4 @@
-//! People in the pictures of the camera, and where it could have seen somebody: one more voice for the list of people.
+//! People in the pictures of the camera, and where it could have seen somebody: one more source for the list of people.
 //!
 //! A picture without a known floor says nothing about anybody. Where something stands before a place, or nothing came back,
 //! nobody is missed there.
@@ -12,29 +12,29 @@ use floorguard_types::time::Stamp;
 
 use floorguard_configuration::CameraConfiguration;
 
-/// What hides somebody begins at this height and ends at that of a head, metres.
+/// An occluder begins at this height and ends at that of a head, metres.
 const HIDES_M: [f32; 2] = [0.1, 1.8];
 /// Bearings on which the picture is laid for that, radians: no camera sees more than 120°.
 const BEAMS: u16 = 241;
 const STEP_RAD: f32 = 0.5 * core::f32::consts::PI / 180.0;
-/// Of the picture's columns and rows every so manieth says where somebody could be seen.
+/// Stride over the picture's columns and rows for the visibility of people.
 const EVERY: usize = 2;
 /// Legs are recognised up to here, metres, if the picture shows them so high (book, Depth people: Leg band).
 const LEGS_MAX_M: f32 = 4.0;
 const LEGS_TOP_M: f32 = 0.4;
 
 /// The memory of one camera.
-pub struct PeopleLook {
+pub struct DepthPeopleStage {
     size: (usize, usize),
     camera: PinholeCamera,
     camera_in_robot: Pose2,
     recognised_m: f32,
     finder: Box<RgbdPeopleFinder>,
-    /// People left out for want of room, since the start.
+    /// People left out because the list was full, since the start.
     pub dropped: u32,
 }
 
-impl PeopleLook {
+impl DepthPeopleStage {
     /// For a camera on a robot.
     #[must_use]
     pub fn new(camera: &CameraConfiguration) -> Self {
@@ -52,10 +52,10 @@ impl PeopleLook {
         }
     }
 
-    /// Looks at a picture above a floor that this very picture showed; the robot's pose is the odometry's. `None` for a
-    /// picture of another size.
+    /// Processes a picture above a floor that this very picture showed; the robot's pose is the odometry's. `None` for
+    /// a picture of another size.
     #[must_use]
-    pub fn look(
+    pub fn process(
         &mut self,
         depth_mm: &[u16],
         (plane, robot_in_odom): (&Plane, Pose2),
@@ -75,7 +75,7 @@ impl PeopleLook {
         Some(view)
     }
 
-    /// The picture as a scan: by bearing, what is nearest among what can hide somebody.
+    /// The picture as a scan: the nearest occluder by bearing.
     fn in_view(&self, image: &DepthImage<'_>, plane: &Plane) -> Scan {
         let [right, ahead] = plane.axes();
         let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -102,7 +102,7 @@ impl PeopleLook {
             }
         }
         let mut scan = Scan { stamp: image.stamp(), first_angle_rad, step_rad: STEP_RAD, ..Scan::default() };
-        // Fewer beams than a scan has room for.
+        // Fewer beams than the capacity of a scan.
         let _ = scan.beams.extend_from_slice(&beams);
         scan
     }
@@ -125,7 +125,7 @@ fn detection(person: &RgbdDetection, robot_in_odom: Pose2) -> Detection {
 mod tests {
     use super::*;
     use crate::assembly::{PeopleInbox, Stages, new_perception};
-    use crate::camera::FloorLook;
+    use crate::camera::FloorStage;
     use floorguard_configuration::{CameraSource, EXAMPLE, parse};
     use floorguard_perception::people::{PeopleOutput, SweepContext};
     use floorguard_runtime::tasks::JudgeMotion as _;
@@ -161,10 +161,10 @@ mod tests {
         CAMERA.picture(&builder.build(), &[person], Pose2::default(), shot).depth_mm
     }
 
-    /// From pictures to the list of people: the camera's bit, the right place and way; nobody is missed behind a partition,
-    /// beside the picture or beyond where legs are recognised.
+    /// From pictures to the list of people: the camera's bit, the right place and velocity; nobody is missed behind a
+    /// partition, beside the picture or beyond where legs are recognised.
     #[test]
-    fn somebody_whom_only_the_camera_sees_is_on_the_list() {
+    fn camera_only_person_is_listed() {
         let robot = parse("robot.toml", EXAMPLE).expect("the example is right").robot;
         let mut mounting = robot.lidar.mounting;
         (mounting.position.x_m, mounting.position.y_m, mounting.position.z_m) = (0.9, 0.0, 0.9);
@@ -175,8 +175,8 @@ mod tests {
             camera: PinholeCamera::new([CAMERA.focal_px; 2], [79.5, 59.5]).expect("a camera"),
             mounting,
         };
-        let mut floor = FloorLook::new(&robot, &camera).expect("above the floor");
-        let mut people = PeopleLook::new(&camera);
+        let mut floor = FloorStage::new(&robot, &camera).expect("above the floor");
+        let mut people = DepthPeopleStage::new(&camera);
         let inbox = PeopleInbox::default();
         let mut ring = new_perception(&robot, Stages::AsOnBoard);
         ring.motion.listen_to(inbox.clone());
@@ -184,9 +184,9 @@ mod tests {
         for shot in 0..10_u64 {
             let stamp = Stamp::from_micros(1_000_000 + shot * 100_000);
             let depth_mm = picture(0.1 * shot as f32, shot);
-            let _ = floor.look(&depth_mm, Pose2::default(), (stamp, stamp));
+            let _ = floor.process(&depth_mm, Pose2::default(), (stamp, stamp));
             let view =
-                floor.plane().and_then(|plane| people.look(&depth_mm, (plane, Pose2::default()), stamp));
+                floor.plane().and_then(|plane| people.process(&depth_mm, (plane, Pose2::default()), stamp));
             let view = view.expect("the floor is known");
             seen += view.detections.len();
             newest = Some(view.clone());
@@ -202,9 +202,9 @@ mod tests {
                 let track =
                     tracks.iter().find(|track| track.sensors(stamp).contains(PeopleSensor::DepthCamera));
                 let track = track.unwrap_or_else(|| panic!("{seen} sightings, {tracks:?}"));
-                let (place, way) = (track.state.position, track.state.velocity);
+                let (place, velocity) = (track.state.position, track.state.velocity);
                 assert!(place.distance(Point2::new(3.2, 0.3)) < 0.25, "{place:?}");
-                assert!((0.5..1.5).contains(&way.y_m) && way.x_m.abs() < 0.4, "{way:?}");
+                assert!((0.5..1.5).contains(&velocity.y_m) && velocity.x_m.abs() < 0.4, "{velocity:?}");
             }
         }
         let open = newest.expect("ten views").open;

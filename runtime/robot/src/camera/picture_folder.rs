@@ -48,7 +48,7 @@ impl PictureFolder {
         let section = format!(
             "[camera]\nsource = \"folder:{}\"\nwidth = {width}\nheight = {height}\nfx = {focal_px:.2}\nfy = {focal_px:.2}\n\
              cx = {:.1}\ncy = {:.1}\nmounting = {{ x_m = {forward_m:.3}, y_m = 0.0, z_m = {height_m:.3}, pitch_deg = {:.3} }}\n",
-            // Whoever copies the section may have the robot.toml elsewhere.
+            // A user who copies the section may have the robot.toml elsewhere.
             std::path::absolute(root).unwrap_or_else(|_| root.to_owned()).display(),
             middle(width),
             middle(height),

@@ -114,7 +114,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cut_frames_are_refused_and_padded_lines_are_not() {
+    fn cut_frames_are_refused_padded_lines_accepted() {
         let bytes = [1, 2, 3, 4, 9, 9, 5, 6, 7, 8, 9, 9];
         assert_eq!(depth_of(&bytes, (2, 2), 6).unwrap(), [0x0201, 0x0403, 0x0605, 0x0807]);
         assert_eq!(depth_of(&bytes, (2, 2), 0).unwrap(), [0x0201, 0x0403, 0x0909, 0x0605]);

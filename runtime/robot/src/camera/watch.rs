@@ -8,25 +8,25 @@ use floorguard_runtime::clock;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_types::time::{Age, Stamp};
 
-use super::dirt_look::SeenDirt;
-use super::eye::Eye;
-use super::folder_eye::FolderEye;
-use super::kernel_eye::KernelEye;
+use super::dirt_stage::SeenDirt;
+use super::folder_source::FolderSource;
+use super::frame_source::FrameSource;
+use super::kernel_source::KernelSource;
 use super::watcher::Watcher;
 use crate::assembly::HostedShared;
 use crate::assembly::PeopleInbox;
 use floorguard_configuration::{CameraConfiguration, CameraSource};
 use floorguard_host::executor::StopFlag;
 
-/// Between looks at the streams: a third of a frame at 30 Hz.
+/// Between polls of the streams: a third of a frame at 30 Hz.
 const POLL: Duration = Duration::from_millis(10);
-/// The map of dirt is told this often, microseconds.
+/// The map of dirt is reported this often, microseconds.
 const SEEN_EVERY_US: u64 = 10_000_000;
 
 /// What the camera tells besides what the rings hear.
-pub enum CameraNews {
+pub enum CameraEvent {
     /// For the console.
-    Says(String),
+    Message(String),
     /// The map of dirt, from time to time and at the end.
     Dirt(Box<SeenDirt>),
 }
@@ -35,63 +35,64 @@ pub enum CameraNews {
 ///
 /// # Errors
 /// The folder is no recording.
-pub fn open_eye(camera: &CameraConfiguration, beside: &Path) -> anyhow::Result<LiveEye> {
+pub fn open_source(camera: &CameraConfiguration, beside: &Path) -> anyhow::Result<LiveSource> {
     Ok(match &camera.source {
         CameraSource::Devices { depth, colour } => {
-            LiveEye::Kernel(KernelEye::new(depth, colour.as_deref(), camera.size))
+            LiveSource::Kernel(KernelSource::new(depth, colour.as_deref(), camera.size))
         }
         CameraSource::Folder { path, rate_hz } => {
-            LiveEye::Folder(FolderEye::open(&beside.join(path), camera.size, *rate_hz)?)
+            LiveSource::Folder(FolderSource::open(&beside.join(path), camera.size, *rate_hz)?)
         }
     })
 }
 
-/// The eyes that `run` knows.
-pub enum LiveEye {
+/// The frame sources of `run`.
+pub enum LiveSource {
     /// Devices.
-    Kernel(KernelEye),
+    Kernel(KernelSource),
     /// A recording.
-    Folder(FolderEye),
+    Folder(FolderSource),
 }
 
 /// Publishes what the camera sees until `flag` stops; before the first picture, that nothing is known.
 pub fn watch_floor(
     (robot, camera): (&RobotConfiguration, &CameraConfiguration),
-    eye: LiveEye,
+    source: LiveSource,
     (shared, inbox, flag): (&HostedShared, &PeopleInbox, &StopFlag),
-    tell: impl Fn(CameraNews),
+    tell: impl Fn(CameraEvent),
 ) {
-    match eye {
-        LiveEye::Kernel(eye) => watch((robot, camera), eye, (shared, inbox, flag), tell),
-        LiveEye::Folder(eye) => watch((robot, camera), eye, (shared, inbox, flag), tell),
+    match source {
+        LiveSource::Kernel(source) => watch((robot, camera), source, (shared, inbox, flag), tell),
+        LiveSource::Folder(source) => watch((robot, camera), source, (shared, inbox, flag), tell),
     }
 }
 
 fn watch(
     (robot, camera): (&RobotConfiguration, &CameraConfiguration),
-    mut eye: impl Eye,
+    mut source: impl FrameSource,
     (shared, inbox, flag): (&HostedShared, &PeopleInbox, &StopFlag),
-    tell: impl Fn(CameraNews),
+    tell: impl Fn(CameraEvent),
 ) {
-    let Some(mut watcher) = Watcher::new(robot, camera, eye.has_colour()) else { return };
+    let Some(mut watcher) = Watcher::new(robot, camera, source.has_colour()) else { return };
     shared.floor.publish(watcher.blind(clock::now()));
-    tell(CameraNews::Says(eye.name()));
-    let mut told = clock::now();
-    let is_due = |told: Stamp| matches!(told.age(clock::now()), Age::Past(age_us) if age_us >= SEEN_EVERY_US);
+    tell(CameraEvent::Message(source.name()));
+    let mut reported = clock::now();
+    let is_due =
+        |reported: Stamp| matches!(reported.age(clock::now()), Age::Past(age_us) if age_us >= SEEN_EVERY_US);
     while !flag.is_stopped() {
         let pose = shared.pose.get().unwrap_or_default().pose_in_odometry;
-        let attended = watcher.attend(&mut eye, pose, clock::now);
-        attended.words.into_iter().for_each(|words| tell(CameraNews::Says(words)));
+        let attended = watcher.attend(&mut source, pose, clock::now);
+        attended.words.into_iter().for_each(|words| tell(CameraEvent::Message(words)));
         attended.people.into_iter().for_each(|view| inbox.put(view));
         if let Some(sight) = attended.sight {
             shared.floor.publish(sight);
         } else {
             thread::sleep(POLL);
         }
-        if is_due(told) {
-            told = clock::now();
-            watcher.seen(told).into_iter().for_each(|seen| tell(CameraNews::Dirt(Box::new(seen))));
+        if is_due(reported) {
+            reported = clock::now();
+            watcher.seen(reported).into_iter().for_each(|seen| tell(CameraEvent::Dirt(Box::new(seen))));
         }
     }
-    watcher.seen(clock::now()).into_iter().for_each(|seen| tell(CameraNews::Dirt(Box::new(seen))));
+    watcher.seen(clock::now()).into_iter().for_each(|seen| tell(CameraEvent::Dirt(Box::new(seen))));
 }

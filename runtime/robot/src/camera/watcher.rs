@@ -1,4 +1,5 @@
-//! What a camera's pictures mean for the robot, picture by picture: floor and things, people, dirt, and what to say.
+//! What a camera's pictures mean for the robot, picture by picture: floor and objects, people, dirt, and what to
+//! log.
 
 use floorguard_perception::people::PeopleView;
 use floorguard_runtime::configuration::RobotConfiguration;
@@ -6,28 +7,28 @@ use floorguard_runtime::tasks::FloorSight;
 use floorguard_types::geometry::Pose2;
 use floorguard_types::time::Stamp;
 
-use super::dirt_look::{DirtLook, SeenDirt};
-use super::eye::{Eye, News};
-use super::look::FloorLook;
+use super::dirt_stage::{DirtStage, SeenDirt};
+use super::floor_stage::FloorStage;
+use super::frame_source::{FrameEvent, FrameSource};
+use super::log_throttle::LogThrottle;
 use super::pairing::{Pair, Pairing};
-use super::people::PeopleLook;
-use super::said::Said;
+use super::people::DepthPeopleStage;
 use floorguard_configuration::CameraConfiguration;
 
-/// Unpaired colour pictures in a row that are told.
+/// Unpaired colour pictures in a row that are reported.
 const ALONE_MAX: u32 = 30;
 
 /// The memory of one camera.
 pub struct Watcher {
-    floor: FloorLook,
-    people: PeopleLook,
+    floor: FloorStage,
+    people: DepthPeopleStage,
     /// None without a colour camera.
-    dirt: Option<DirtLook>,
+    dirt: Option<DirtStage>,
     pairing: Pairing,
-    said: [Said; 2],
+    throttle: [LogThrottle; 2],
 }
 
-/// What came of one look at the streams.
+/// The result of one poll of the streams.
 #[derive(Default)]
 pub struct Attended {
     /// To be published, if there is something new.
@@ -42,17 +43,17 @@ impl Watcher {
     /// For a camera on a robot; `None` for a mounting that makes no plane.
     #[must_use]
     pub fn new(robot: &RobotConfiguration, camera: &CameraConfiguration, has_colour: bool) -> Option<Self> {
-        let dirt = if has_colour { Some(DirtLook::new(camera.size, camera.camera)?) } else { None };
+        let dirt = if has_colour { Some(DirtStage::new(camera.size, camera.camera)?) } else { None };
         Some(Self {
-            floor: FloorLook::new(robot, camera)?,
-            people: PeopleLook::new(camera),
+            floor: FloorStage::new(robot, camera)?,
+            people: DepthPeopleStage::new(camera),
             dirt,
             pairing: Pairing::default(),
-            said: Default::default(),
+            throttle: Default::default(),
         })
     }
 
-    /// What is told while no picture says anything.
+    /// What is reported while no picture is usable.
     #[must_use]
     pub fn blind(&self, stamp: Stamp) -> FloorSight {
         self.floor.blind(stamp)
@@ -65,60 +66,71 @@ impl Watcher {
     }
 
     /// Takes what both streams have; the robot's pose is its odometry's. `clock` is asked after each picture came.
-    pub fn attend(&mut self, eye: &mut impl Eye, robot: Pose2, clock: impl Fn() -> Stamp) -> Attended {
+    pub fn attend(
+        &mut self,
+        source: &mut impl FrameSource,
+        robot: Pose2,
+        clock: impl Fn() -> Stamp,
+    ) -> Attended {
         let mut attended = Attended::default();
-        self.attend_depth(eye, robot, &clock, &mut attended);
+        self.attend_depth(source, robot, &clock, &mut attended);
         if self.dirt.is_some() {
-            self.attend_colour(eye, &clock, &mut attended);
+            self.attend_colour(source, &clock, &mut attended);
         }
         attended
     }
 
     fn attend_depth(
         &mut self,
-        eye: &mut impl Eye,
+        source: &mut impl FrameSource,
         robot: Pose2,
         clock: &impl Fn() -> Stamp,
         attended: &mut Attended,
     ) {
-        let news = eye.depth(clock());
+        let event = source.depth(clock());
         let now = clock();
-        let why = match news {
-            News::Nothing => return,
-            News::Picture(stamp, depth_mm) => {
-                let robot = eye.pose().unwrap_or(robot);
-                attended.sight = Some(self.floor.look(&depth_mm, robot, (stamp, now)));
+        let why = match event {
+            FrameEvent::Nothing => return,
+            FrameEvent::Picture(stamp, depth_mm) => {
+                let robot = source.pose().unwrap_or(robot);
+                attended.sight = Some(self.floor.process(&depth_mm, robot, (stamp, now)));
                 let plane = self.floor.plane();
-                attended.people = plane.and_then(|plane| self.people.look(&depth_mm, (plane, robot), stamp));
+                attended.people =
+                    plane.and_then(|plane| self.people.process(&depth_mm, (plane, robot), stamp));
                 let pair = self.pairing.depth(stamp, robot);
                 self.judge(pair, now, attended);
                 self.floor.why_blind().map(str::to_owned)
             }
-            News::Damaged(problem) => {
+            FrameEvent::Damaged(problem) => {
                 attended.sight = Some(self.floor.lost(now));
                 Some(problem.to_string())
             }
-            News::Silent(why) => {
+            FrameEvent::Silent(why) => {
                 attended.sight = Some(self.floor.lost(now));
                 Some(why)
             }
         };
-        let [said, _] = &mut self.said;
+        let [throttle, _] = &mut self.throttle;
         match why {
-            Some(why) if said.trouble(&why, now) => {
+            Some(why) if throttle.trouble(&why, now) => {
                 attended.words.push(format!("depth: {why}; the floor is unknown"));
             }
-            None if said.well(now) => attended.words.push("depth: the floor is known again".to_owned()),
+            None if throttle.well(now) => attended.words.push("depth: the floor is known again".to_owned()),
             _ => {}
         }
     }
 
-    fn attend_colour(&mut self, eye: &mut impl Eye, clock: &impl Fn() -> Stamp, attended: &mut Attended) {
-        let news = eye.colour(clock());
+    fn attend_colour(
+        &mut self,
+        source: &mut impl FrameSource,
+        clock: &impl Fn() -> Stamp,
+        attended: &mut Attended,
+    ) {
+        let event = source.colour(clock());
         let now = clock();
-        match news {
-            News::Nothing => {}
-            News::Picture(stamp, rgb) => {
+        match event {
+            FrameEvent::Nothing => {}
+            FrameEvent::Picture(stamp, rgb) => {
                 let pair = self.pairing.colour(stamp, rgb);
                 self.judge(pair, now, attended);
                 if self.pairing.alone >= ALONE_MAX {
@@ -126,8 +138,8 @@ impl Watcher {
                     self.blind_to_dirt("no depth picture was taken at the same time", now, attended);
                 }
             }
-            News::Damaged(problem) => self.blind_to_dirt(&problem.to_string(), now, attended),
-            News::Silent(why) => self.blind_to_dirt(&why, now, attended),
+            FrameEvent::Damaged(problem) => self.blind_to_dirt(&problem.to_string(), now, attended),
+            FrameEvent::Silent(why) => self.blind_to_dirt(&why, now, attended),
         }
     }
 
@@ -135,12 +147,12 @@ impl Watcher {
     fn judge(&mut self, pair: Option<Pair>, now: Stamp, attended: &mut Attended) {
         let (Some(dirt), Some(pair)) = (&mut self.dirt, pair) else { return };
         self.pairing.alone = 0;
-        let outcome = dirt.look(&pair.rgb, &self.floor, pair.robot, (pair.stamp, now));
-        let [_, said] = &mut self.said;
+        let outcome = dirt.process(&pair.rgb, &self.floor, pair.robot, (pair.stamp, now));
+        let [_, throttle] = &mut self.throttle;
         match outcome {
-            Ok(_) if said.well(now) => attended.words.push("colour: dirt is seen again".to_owned()),
+            Ok(_) if throttle.well(now) => attended.words.push("colour: dirt is seen again".to_owned()),
             Ok(_) => {}
-            Err(why) => self.tell_blind(&why.to_string(), now, attended),
+            Err(why) => self.report_blind(&why.to_string(), now, attended),
         }
     }
 
@@ -149,12 +161,12 @@ impl Watcher {
         if let Some(dirt) = &mut self.dirt {
             dirt.miss();
         }
-        self.tell_blind(why, now, attended);
+        self.report_blind(why, now, attended);
     }
 
-    fn tell_blind(&mut self, why: &str, now: Stamp, attended: &mut Attended) {
-        let [_, said] = &mut self.said;
-        if said.trouble(why, now) {
+    fn report_blind(&mut self, why: &str, now: Stamp, attended: &mut Attended) {
+        let [_, throttle] = &mut self.throttle;
+        if throttle.trouble(why, now) {
             attended.words.push(format!("colour: {why}; what lies here is unknown, not clean"));
         }
     }

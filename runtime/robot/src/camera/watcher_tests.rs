@@ -16,11 +16,11 @@ const SPILLED: Point2 = Point2 { x_m: 2.4, y_m: 0.1 };
 /// Streams that say what they are given.
 #[derive(Default)]
 struct Fake {
-    depth: Vec<News<Vec<u16>>>,
-    colour: Vec<News<Vec<u8>>>,
+    depth: Vec<FrameEvent<Vec<u16>>>,
+    colour: Vec<FrameEvent<Vec<u8>>>,
 }
 
-impl Eye for Fake {
+impl FrameSource for Fake {
     fn name(&self) -> String {
         "fake".to_owned()
     }
@@ -29,12 +29,12 @@ impl Eye for Fake {
         true
     }
 
-    fn depth(&mut self, _: Stamp) -> News<Vec<u16>> {
-        self.depth.pop().unwrap_or(News::Nothing)
+    fn depth(&mut self, _: Stamp) -> FrameEvent<Vec<u16>> {
+        self.depth.pop().unwrap_or(FrameEvent::Nothing)
     }
 
-    fn colour(&mut self, _: Stamp) -> News<Vec<u8>> {
-        self.colour.pop().unwrap_or(News::Nothing)
+    fn colour(&mut self, _: Stamp) -> FrameEvent<Vec<u8>> {
+        self.colour.pop().unwrap_or(FrameEvent::Nothing)
     }
 }
 
@@ -42,7 +42,7 @@ impl Eye for Fake {
 struct Drive {
     watcher: Watcher,
     scene: FloorScene,
-    eye: FloorCamera,
+    rendered: FloorCamera,
     step: u64,
     words: Vec<String>,
 }
@@ -72,9 +72,10 @@ impl Drive {
             ..Spill::random(DirtKind::Liquid, SPILLED, &mut random)
         };
         scene.spills.push(coffee);
-        let eye = FloorCamera { size: SIZE, focal_px: FOCAL_PX, forward_m: 0.9, ..FloorCamera::default() };
+        let rendered =
+            FloorCamera { size: SIZE, focal_px: FOCAL_PX, forward_m: 0.9, ..FloorCamera::default() };
         let watcher = Watcher::new(&robot, &camera, true).expect("above the floor");
-        Self { watcher, scene, eye, step: 0, words: Vec::new() }
+        Self { watcher, scene, rendered, step: 0, words: Vec::new() }
     }
 
     fn pose(&self) -> Pose2 {
@@ -82,7 +83,7 @@ impl Drive {
     }
 
     fn depth(&self) -> Vec<u16> {
-        let plane = Plane::of_mounting(self.eye.height_m, self.eye.pitch_rad).expect("a plane");
+        let plane = Plane::of_mounting(self.rendered.height_m, self.rendered.pitch_rad).expect("a plane");
         let centre = [(SIZE.0 as f32 - 1.0) / 2.0, (SIZE.1 as f32 - 1.0) / 2.0];
         let camera = PinholeCamera::new([FOCAL_PX; 2], centre).expect("a camera");
         let pixel = |index: usize| {
@@ -95,16 +96,20 @@ impl Drive {
     }
 
     fn colour(&self) -> Vec<u8> {
-        self.scene.picture(&self.eye, self.pose(), (self.step as u32, 0.0)).rgb
+        self.scene.picture(&self.rendered, self.pose(), (self.step as u32, 0.0)).rgb
     }
 
     /// One step on; the colour picture is changed, and is taken `late_ms` after the depth picture.
-    fn drive(&mut self, late_ms: u64, change: impl FnOnce(Stamp, Vec<u8>) -> News<Vec<u8>>) -> Attended {
+    fn drive(
+        &mut self,
+        late_ms: u64,
+        change: impl FnOnce(Stamp, Vec<u8>) -> FrameEvent<Vec<u8>>,
+    ) -> Attended {
         self.step += 1;
         let stamp = at(self.step);
         let colour_at = Stamp::from_micros(stamp.as_micros() + 1_000 * late_ms);
         let mut fake = Fake {
-            depth: vec![News::Picture(stamp, self.depth())],
+            depth: vec![FrameEvent::Picture(stamp, self.depth())],
             colour: vec![change(colour_at, self.colour())],
         };
         let attended = self.watcher.attend(&mut fake, self.pose(), || colour_at);
@@ -122,12 +127,13 @@ impl Drive {
     }
 }
 
-/// Good pictures of both streams, a few milliseconds apart: dirt is where it was spilled, and nothing is said.
+/// Good pictures of both streams, a few milliseconds apart: dirt is where it was spilled, and nothing is
+/// logged.
 #[test]
 fn dirt_is_mapped_live() {
     let mut drive = Drive::new();
     for _ in 0..14 {
-        let attended = drive.drive(12, News::Picture);
+        let attended = drive.drive(12, FrameEvent::Picture);
         assert!(attended.sight.is_some_and(|sight| sight.is_known));
     }
     let spots = drive.spots();
@@ -138,38 +144,39 @@ fn dirt_is_mapped_live() {
 /// Every picture is an observation of its own: once the spill is gone two pictures are enough for nobody to call the place
 /// dirty any more. Scores carried over from earlier pictures would agree with those for many more.
 #[test]
-fn earlier_pictures_do_not_vouch_for_a_later_one() {
+fn earlier_pictures_do_not_validate_later_ones() {
     let mut drive = Drive::new();
     for _ in 0..8 {
-        drive.drive(12, News::Picture);
+        drive.drive(12, FrameEvent::Picture);
     }
     assert!(drive.spots().iter().any(|spot| spot.distance(SPILLED) < 0.1), "{:?}", drive.spots());
     drive.scene.spills.clear();
     for _ in 0..2 {
-        drive.drive(12, News::Picture);
+        drive.drive(12, FrameEvent::Picture);
     }
     assert_eq!(drive.spots(), [], "it is gone");
 }
 
-/// Each of these ways of colour to fail leaves the floor unknown, and is told once; the floor's shape is still known.
+/// Each of these failures of the colour stream leaves the floor unknown, and is reported once; the floor's shape is
+/// still known.
 #[test]
-fn bad_colour_is_unknown_floor_and_told_once() {
-    type Change = fn(Stamp, Vec<u8>) -> News<Vec<u8>>;
+fn bad_colour_is_unknown_and_reported_once() {
+    type Change = fn(Stamp, Vec<u8>) -> FrameEvent<Vec<u8>>;
     let cases: [(&str, u64, Change); 7] = [
-        ("at the same time", 26, News::Picture),
-        ("not 320 × 240", 0, |_, _| News::Damaged(WrongFrame::OtherSize((160, 120), SIZE))),
-        ("unplugged", 0, |_, _| News::Silent("unplugged".to_owned())),
+        ("at the same time", 26, FrameEvent::Picture),
+        ("not 320 × 240", 0, |_, _| FrameEvent::Damaged(WrongFrame::OtherSize((160, 120), SIZE))),
+        ("unplugged", 0, |_, _| FrameEvent::Silent("unplugged".to_owned())),
         ("no picture", 0, |stamp, mut rgb| {
             rgb.truncate(99);
-            News::Picture(stamp, rgb)
+            FrameEvent::Picture(stamp, rgb)
         }),
         ("black or overexposed", 0, |stamp, rgb| {
-            News::Picture(stamp, rgb.iter().map(|value| value % 9).collect())
+            FrameEvent::Picture(stamp, rgb.iter().map(|value| value % 9).collect())
         }),
         ("blinded camera", 0, |stamp, rgb| {
-            News::Picture(stamp, rgb.iter().map(|value| 254 + value % 2).collect())
+            FrameEvent::Picture(stamp, rgb.iter().map(|value| 254 + value % 2).collect())
         }),
-        ("frozen", 0, |stamp, rgb| News::Picture(stamp, vec![90; rgb.len()])),
+        ("frozen", 0, |stamp, rgb| FrameEvent::Picture(stamp, vec![90; rgb.len()])),
     ];
     for (part, late_ms, change) in cases {
         let mut drive = Drive::new();
@@ -178,39 +185,43 @@ fn bad_colour_is_unknown_floor_and_told_once() {
             let attended = drive.drive(late_ms, change);
             assert!(attended.sight.is_some_and(|sight| sight.is_known), "{part}");
         }
-        let told: Vec<&String> = drive.words.iter().filter(|word| word.starts_with("colour")).collect();
-        assert!(told.iter().filter(|word| word.contains(part)).count() == 1, "{part}: {told:?}");
-        assert!(told.iter().all(|word| word.contains("unknown, not clean")), "{told:?}");
+        let reported: Vec<&String> = drive.words.iter().filter(|word| word.starts_with("colour")).collect();
+        assert!(reported.iter().filter(|word| word.contains(part)).count() == 1, "{part}: {reported:?}");
+        assert!(reported.iter().all(|word| word.contains("unknown, not clean")), "{reported:?}");
         assert_eq!((drive.seen_m2(), drive.spots().len()), (0.0, 0), "{part}");
         let (_, unknown) = drive.watcher.seen(at(drive.step)).expect("a colour camera").frames;
         assert!(unknown > 0, "{part}: it is counted");
     }
 }
 
-/// Without a depth picture nobody knows where a colour picture's pixels lie; when both are back, it is told once.
+/// Without a depth picture nobody knows where a colour picture's pixels lie; when both are back, it is reported
+/// once.
 #[test]
-fn depth_that_fails_blinds_both_until_it_is_back() {
-    depth_fails(|| News::Silent("unplugged".to_owned()), "unplugged");
-    depth_fails(|| News::Damaged(WrongFrame::OtherSize((160, 120), SIZE)), "not 320 × 240");
+fn failed_depth_blinds_both_until_recovery() {
+    depth_fails(|| FrameEvent::Silent("unplugged".to_owned()), "unplugged");
+    depth_fails(|| FrameEvent::Damaged(WrongFrame::OtherSize((160, 120), SIZE)), "not 320 × 240");
 }
 
-fn depth_fails(news: impl Fn() -> News<Vec<u16>>, why: &str) {
+fn depth_fails(event: impl Fn() -> FrameEvent<Vec<u16>>, why: &str) {
     let mut drive = Drive::new();
     for _ in 0..3 {
         drive.step += 1;
         let mut fake =
-            Fake { depth: vec![news()], colour: vec![News::Picture(at(drive.step), drive.colour())] };
+            Fake { depth: vec![event()], colour: vec![FrameEvent::Picture(at(drive.step), drive.colour())] };
         let attended = drive.watcher.attend(&mut fake, drive.pose(), || at(drive.step));
         assert!(attended.sight.is_some_and(|sight| !sight.is_known) && attended.people.is_none());
         drive.words.extend(attended.words);
     }
-    let told = drive.words.join("; ");
-    assert!(drive.words.len() == 1 && told.starts_with("depth: ") && told.contains(why), "{told}");
-    assert!(told.ends_with("; the floor is unknown"), "{told}");
+    let reported = drive.words.join("; ");
+    assert!(
+        drive.words.len() == 1 && reported.starts_with("depth: ") && reported.contains(why),
+        "{reported}"
+    );
+    assert!(reported.ends_with("; the floor is unknown"), "{reported}");
     assert_eq!(drive.seen_m2(), 0.0);
     drive.words.clear();
     for _ in 0..14 {
-        drive.drive(0, News::Picture);
+        drive.drive(0, FrameEvent::Picture);
     }
     assert_eq!(drive.words, ["depth: the floor is known again"]);
     assert!(drive.seen_m2() > 0.5, "{}", drive.seen_m2());
@@ -224,8 +235,8 @@ fn stale_colour_is_unknown_floor() {
         drive.step += 1;
         let stamp = at(drive.step);
         let mut fake = Fake {
-            depth: vec![News::Picture(stamp, drive.depth())],
-            colour: vec![News::Picture(stamp, drive.colour())],
+            depth: vec![FrameEvent::Picture(stamp, drive.depth())],
+            colour: vec![FrameEvent::Picture(stamp, drive.colour())],
         };
         let late = || Stamp::from_micros(stamp.as_micros() + 500_001);
         let attended = drive.watcher.attend(&mut fake, drive.pose(), late);

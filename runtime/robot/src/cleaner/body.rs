@@ -1,6 +1,8 @@
-//! The room that the robot needs to be let go by its guard: its slowest protective fields as discs along its axis.
+//! The footprint that the guard needs to be clear before the robot may start: its slowest protective fields as discs
+//! along its axis.
 //!
-//! A field is a rectangle; discs that cover it need one look each at a distance field, whatever way the robot points.
+//! A field is a rectangle; discs that cover it need one lookup each in a distance field, whatever the robot's
+//! heading.
 
 use floorguard_runtime::configuration::{DirectionOfTravel, RobotConfiguration};
 use floorguard_types::geometry::{Point2, Pose2};
@@ -12,14 +14,14 @@ const MARGIN_M: f32 = 0.06;
 
 /// Discs that cover a rectangle around the robot's axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Room {
+pub struct FootprintDiscs {
     /// Middles, metres ahead of the rear axle.
     pub middles_m: [f32; DISCS],
     /// Radius of each, metres.
     pub radius_m: f32,
 }
 
-impl Room {
+impl FootprintDiscs {
     fn covering((rear_m, front_m): (f32, f32), half_width_m: f32) -> Self {
         let half_m = (front_m - rear_m) / (2.0 * DISCS as f32);
         let middles_m = [0, 1, 2].map(|disc| rear_m + half_m * (2 * disc + 1) as f32);
@@ -33,19 +35,19 @@ impl Room {
     }
 }
 
-/// Rooms for driving forward or turning, and backwards.
+/// Footprint discs for driving forward or turning, and backwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     /// Forward and on the spot.
-    pub ahead: Room,
+    pub ahead: FootprintDiscs,
     /// Backwards.
-    pub back: Room,
+    pub back: FootprintDiscs,
 }
 
 impl Body {
     /// Of a robot: its footprint and its slowest protective field in each direction.
     pub fn of(robot: &RobotConfiguration) -> Self {
-        let room = |direction| {
+        let discs = |direction| {
             let slowest = robot
                 .fields
                 .iter()
@@ -58,9 +60,9 @@ impl Body {
                 front_m = front_m.max(corner.x_m);
                 half_m = half_m.max(corner.y_m.abs());
             }
-            Room::covering((rear_m - MARGIN_M, front_m + MARGIN_M), half_m + MARGIN_M)
+            FootprintDiscs::covering((rear_m - MARGIN_M, front_m + MARGIN_M), half_m + MARGIN_M)
         };
-        Self { ahead: room(DirectionOfTravel::Forward), back: room(DirectionOfTravel::Reverse) }
+        Self { ahead: discs(DirectionOfTravel::Forward), back: discs(DirectionOfTravel::Reverse) }
     }
 }
 
@@ -73,15 +75,15 @@ mod tests {
     fn the_discs_cover_the_slowest_fields() {
         let robot = parse("robot.toml", EXAMPLE).unwrap().robot;
         let body = Body::of(&robot);
-        for (room, direction) in
+        for (discs, direction) in
             [(body.ahead, DirectionOfTravel::Forward), (body.back, DirectionOfTravel::Reverse)]
         {
             let slowest = robot.fields.iter().find(|pair| pair.direction == direction).unwrap();
             for corner in slowest.protective.iter().chain(&robot.geometry.footprint) {
-                let nearest = room.middles_m.iter().map(|x| corner.distance(Point2::new(*x, 0.0)));
-                assert!(nearest.fold(f32::MAX, f32::min) < room.radius_m, "{direction:?} {corner:?}");
+                let nearest = discs.middles_m.iter().map(|x| corner.distance(Point2::new(*x, 0.0)));
+                assert!(nearest.fold(f32::MAX, f32::min) < discs.radius_m, "{direction:?} {corner:?}");
             }
-            assert!(room.radius_m < 0.75, "{room:?}");
+            assert!(discs.radius_m < 0.75, "{discs:?}");
         }
     }
 }

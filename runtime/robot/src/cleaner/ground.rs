@@ -9,7 +9,7 @@ use super::lattice::{Gear, Lattice, STEP_M};
 use super::plan::MissionPlan;
 use crate::site::Floor;
 
-/// Cells this near to the end of the brush are not counted on, metres: the error of the way driven.
+/// Cells this near to the end of the brush are not counted on, metres: the error of the distance driven.
 const RIM_M: f32 = 0.08;
 /// Cells under the brush are found in steps of half a cell, metres.
 const FINE_M: f32 = 0.05;
@@ -19,7 +19,7 @@ pub struct Ground {
     /// Map, distances and raster; `reachable` are the cells that the mission answers for, `passable` those where the rear
     /// axle can be.
     pub floor: Floor,
-    /// The room that the robot needs.
+    /// The footprint discs of the robot.
     pub body: Body,
     /// The brush.
     pub brush: Brush,
@@ -66,20 +66,20 @@ impl Ground {
 
     /// The robot fits there, as far as the map shows.
     pub fn is_free(&self, pose: Pose2, gear: Gear) -> bool {
-        // What lies ahead is left behind on the way backwards.
-        let (room, count) = match gear {
+        // What lies ahead is left behind when driving backwards.
+        let (discs, count) = match gear {
             Gear::Ahead | Gear::Spin => (&self.body.ahead, DISCS),
             Gear::Back => (&self.body.back, DISCS - 1),
         };
         let clearance_m = |place: &Point2| self.floor.clearance.clearance_m(*place);
-        room.places(pose).iter().take(count).all(|place| clearance_m(place) >= room.radius_m)
+        discs.places(pose).iter().take(count).all(|place| clearance_m(place) >= discs.radius_m)
     }
 
-    /// Cells over which the whole brush passes while the robot goes straight on by `way_m`.
-    fn under_brush(&self, pose: Pose2, way_m: f32, mut cell: impl FnMut(usize)) {
+    /// Cells over which the whole brush passes while the robot goes straight on by `path_m`.
+    fn under_brush(&self, pose: Pose2, path_m: f32, mut cell: impl FnMut(usize)) {
         let reach_m = self.lane_m();
         let count = |length_m: f32| (length_m / FINE_M).floor() as i32;
-        for ahead in 0..=count(way_m) {
+        for ahead in 0..=count(path_m) {
             for aside in -count(reach_m)..=count(reach_m) {
                 let ahead_m = self.brush.offset_m + ahead as f32 * FINE_M;
                 let place = pose.transform(Point2::new(ahead_m, aside as f32 * FINE_M));

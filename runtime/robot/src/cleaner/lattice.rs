@@ -1,7 +1,7 @@
-//! Finds a way for a long robot: straight on, on arcs, on the spot, and backwards.
+//! Finds a path for a long robot: straight on, on arcs, on the spot, and backwards.
 //!
-//! Best-first search over place and heading (hybrid A*: the poses stay continuous, a raster of cells and 16 headings tells
-//! which are alike). The estimate of what is left is the way of a point over the raster around obstacles.
+//! Best-first search over place and heading (hybrid A*: the poses stay continuous, a raster of cells and 16 headings
+//! tells which are alike). The estimate of what is left is the path of a point over the raster around obstacles.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -9,16 +9,16 @@ use std::collections::BinaryHeap;
 use floorguard_mapping::GridGeometry;
 use floorguard_types::geometry::{Pose2, wrap_angle};
 
-/// Headings that are told apart.
+/// Heading bins of the search.
 pub const HEADINGS: usize = 16;
 const TURN_RAD: f32 = std::f32::consts::TAU / HEADINGS as f32;
-/// Way of a straight step, metres: more than a cell, so that it leaves it.
+/// Length of a straight step, metres: more than a cell, so that it leaves it.
 pub const STEP_M: f32 = 0.15;
 /// Radius of an arc, metres.
 const ARC_M: f32 = 0.75;
 /// Poses that a search may look at.
 const POSES_MAX: usize = 150_000;
-/// The estimate counts this much more than the way behind: finds good ways sooner than the best one.
+/// The estimate counts this much more than the path behind: finds good paths sooner than the best one.
 const HASTE: f32 = 1.3;
 
 /// How a pose was reached from the one before.
@@ -33,7 +33,7 @@ pub enum Gear {
     Back,
 }
 
-/// A pose on a way.
+/// A pose on a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Waypoint {
     /// In the map frame.
@@ -97,9 +97,9 @@ impl Lattice {
             costs_s: TURN_RAD / pace.turn_radps,
             gear: Gear::Spin,
         };
-        let straight = |way_m: f32, speed_mps: f32, gear| Motion {
-            by: Pose2::new(way_m, 0.0, 0.0),
-            costs_s: way_m.abs() / speed_mps,
+        let straight = |path_m: f32, speed_mps: f32, gear| Motion {
+            by: Pose2::new(path_m, 0.0, 0.0),
+            costs_s: path_m.abs() / speed_mps,
             gear,
         };
         let motions = [
@@ -125,9 +125,9 @@ impl Lattice {
         Some(cell * HEADINGS + heading.rem_euclid(HEADINGS as i32) as usize)
     }
 
-    /// The way from a pose to the first one that is good enough. `slowness(pose, gear)` tells where the robot may be, and how
-    /// many times as long as in the open it takes there;
-    /// `left_s(pose)` estimates the time that is left, `None`: no way leads on from there. The start need not be free.
+    /// The path from a pose to the first one that is good enough. `slowness(pose, gear)` tells where the robot may be,
+    /// and how many times as long as in the open it takes there; `left_s(pose)` estimates the time that is left,
+    /// `None`: no path leads on from there. The start need not be free.
     pub fn find(
         &mut self,
         start: Pose2,
@@ -150,7 +150,7 @@ impl Lattice {
                 continue;
             }
             if is_enough(pose) {
-                return Some(self.way_to(index));
+                return Some(self.path_to(index));
             }
             if self.nodes.len() >= POSES_MAX {
                 return None;
@@ -203,16 +203,16 @@ impl Lattice {
         }
     }
 
-    fn way_to(&self, index: u32) -> Vec<Waypoint> {
-        let mut way = Vec::new();
+    fn path_to(&self, index: u32) -> Vec<Waypoint> {
+        let mut path = Vec::new();
         let mut at = index;
         while let Some(node) = self.nodes.get(at as usize) {
             let pose = Pose2 { heading_rad: wrap_angle(node.pose.heading_rad), ..node.pose };
-            way.push(Waypoint { pose, gear: node.gear });
+            path.push(Waypoint { pose, gear: node.gear });
             at = node.parent;
         }
-        way.reverse();
-        way
+        path.reverse();
+        path
     }
 }
 
@@ -225,7 +225,7 @@ mod tests {
 
     /// A wall with one gap between the robot and the place behind it.
     #[test]
-    fn goes_through_the_gap_and_not_through_the_wall() {
+    fn path_uses_gap_not_wall() {
         let raster = GridGeometry::new(80, 60, 0.1, Point2::default()).unwrap();
         let mut lattice = Lattice::new(raster, PACE);
         let is_free = |pose: Pose2, _| {
@@ -237,10 +237,10 @@ mod tests {
         let left_s = |pose: Pose2| Some(place(pose).distance(goal) / PACE.speed_mps);
         let start = Pose2::new(1.0, 1.0, 0.0);
         let slowness = |pose: Pose2, gear| is_free(pose, gear).then_some(1.0);
-        let way = lattice.find(start, (slowness, left_s), |pose| place(pose).distance(goal) < 0.2).unwrap();
-        assert!(way.iter().all(|at| is_free(at.pose, at.gear)));
-        assert!(way.iter().any(|at| at.pose.y_m > 4.0));
-        assert!(way.windows(2).all(|pair| place(pair[0].pose).distance(place(pair[1].pose)) < 0.4));
+        let path = lattice.find(start, (slowness, left_s), |pose| place(pose).distance(goal) < 0.2).unwrap();
+        assert!(path.iter().all(|at| is_free(at.pose, at.gear)));
+        assert!(path.iter().any(|at| at.pose.y_m > 4.0));
+        assert!(path.windows(2).all(|pair| place(pair[0].pose).distance(place(pair[1].pose)) < 0.4));
         let nowhere = |pose: Pose2| place(pose).distance(Point2::new(9.0, 9.0)) < 0.2;
         assert!(lattice.find(start, (slowness, |_| Some(0.0)), nowhere).is_none());
         let mut reached = 0;

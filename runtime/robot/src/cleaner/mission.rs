@@ -1,5 +1,5 @@
-//! The mission itself: where the robot is, what is still dirty, which way leads there, and what to do when somebody stands
-//! in it.
+//! The mission itself: where the robot is, what is still dirty, which path leads there, and what to do when a person
+//! stands on it.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -26,13 +26,13 @@ use super::plan::{MissionPlan, MissionStrategy};
 use super::progress::{MissionPhase, MissionWatch};
 use super::retreat::PeopleNear;
 use super::store::{Saved, Store};
-use super::times::{Spent, Times, is_standing};
+use super::times::{TimeUse, Times, is_standing};
 use super::track::{Track, Tracking};
 use crate::site::{Lane, Localiser, lanes, scrubber};
 
 /// Nodes of a tour: 1,024 cells, the robot, and the end of the path.
 const NODES: usize = 1_026;
-/// Held by the guard for this long, the robot looks for a way round, seconds.
+/// Held by the guard for this long, the robot takes a detour, seconds.
 const PATIENCE_S: f32 = 2.0;
 /// Progress is made known this often, seconds.
 const PROGRESS_S: f32 = 1.0;
@@ -42,20 +42,20 @@ const SAVE_S: f32 = 1.0;
 const ROLLED_ON: (f32, f32) = (0.35, 0.15);
 /// For so long it stands to find itself; after that it drives on, which shows it more, seconds.
 const FINDS_S: f32 = 6.0;
-/// A thing on the floor this near may be what holds the robot, metres from its rear axle.
-const THING_HOLDS_M: f32 = 1.6;
+/// An object on the floor this near may be what holds the robot, metres from its rear axle.
+const OBSTACLE_HOLDS_M: f32 = 1.6;
 
 /// A progress that anybody may watch.
 pub type SharedWatch = Arc<MissionWatch<CriticalSectionRawMutex>>;
 
 /// Where the scanner sits on the robot.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Eye {
+pub(super) struct ScannerMount {
     pub(super) in_base: Pose2,
 }
 
-/// What a way costs among people: the guard lets the robot go more slowly there, and its front wheel no faster than in the
-/// slowest fields while it turns on the spot.
+/// Cost of a path among people: the guard lets the robot go more slowly there, and its front wheel no faster than in
+/// the slowest fields while it turns on the spot.
 fn among_people(robot: &RobotConfiguration, pace: Pace) -> Pace {
     let slow_mps = robot.thresholds.warning_speed_mps;
     Pace {
@@ -65,7 +65,7 @@ fn among_people(robot: &RobotConfiguration, pace: Pace) -> Pace {
     }
 }
 
-impl Eye {
+impl ScannerMount {
     fn of(robot: &RobotConfiguration) -> Self {
         let mounting = robot.scanner.mounting;
         Self { in_base: Pose2::new(mounting.position.x_m, mounting.position.y_m, mounting.yaw_rad) }
@@ -82,7 +82,8 @@ fn pace_of(robot: &RobotConfiguration) -> Pace {
     }
 }
 
-/// Where the robot can go and turn, and what the ways cost. It answers for nothing from where it cannot tell where it is.
+/// Where the robot can go and turn, and the costs of paths. It answers for nothing from where it cannot tell where it
+/// is.
 fn lattice_of(
     ground: &mut Ground,
     (plan, robot): (&MissionPlan, &RobotConfiguration),
@@ -129,10 +130,10 @@ pub struct Cleaner {
     pub(super) guess: PathSearch<Vec<SearchCell>>,
     pub(super) obstacles: Obstacles,
     /// Everybody and everything that is tracked, odometry frame.
-    pub(super) somebody: Vec<Point2>,
+    pub(super) people_seen: Vec<Point2>,
     pub(super) near: PeopleNear,
     pub(super) pace: Pace,
-    pub(super) eye: Eye,
+    pub(super) scanner_mount: ScannerMount,
     pub(super) route: RouteFollower,
     pub(super) lanes: VecDeque<Lane>,
     pub(super) poses: VecDeque<StampedPose>,
@@ -146,16 +147,16 @@ pub struct Cleaner {
     pub(super) postponed: Vec<(usize, f32)>,
     pub(super) leavings: u8,
     pub(super) try_s: f32,
-    pub(super) wish: Twist2,
+    pub(super) requested: Twist2,
     pub(super) held_s: f32,
     pub(super) held_at: Option<(Point2, f32)>,
     pub(super) last_s: f32,
     pub(super) plan_s: f32,
-    pub(super) tell_s: f32,
+    pub(super) next_report_s: f32,
     pub(super) save_s: f32,
     /// Nothing is left to be saved.
     pub(super) is_kept: bool,
-    pub(super) look_s: f32,
+    pub(super) next_retry_s: f32,
     pub(super) lost_s: f32,
 }
 
@@ -200,10 +201,10 @@ impl Cleaner {
             lattice,
             guess: search_of(raster),
             obstacles: Obstacles::new(raster),
-            somebody: Vec::new(),
+            people_seen: Vec::new(),
             near: PeopleNear::of(robot),
             pace: pace_of(robot),
-            eye: Eye::of(robot),
+            scanner_mount: ScannerMount::of(robot),
             route: RouteFollower::new(robot.route.clone(), robot.route_limits),
             lanes: lanes_of(plan, &ground),
             poses: VecDeque::new(),
@@ -215,15 +216,15 @@ impl Cleaner {
             postponed: Vec::new(),
             leavings: 0,
             try_s: 0.0,
-            wish: Twist2::ZERO,
+            requested: Twist2::ZERO,
             held_s: 0.0,
             held_at: None,
             last_s: 0.0,
             plan_s: 0.0,
-            tell_s: 0.0,
+            next_report_s: 0.0,
             save_s: 0.0,
             is_kept: false,
-            look_s: 0.0,
+            next_retry_s: 0.0,
             lost_s: 0.0,
             plan: plan.clone(),
             ground,
@@ -237,38 +238,38 @@ impl Cleaner {
     }
 
     /// What the time since the last moment went to.
-    fn spent_on(&self, moment: &MissionMoment<'_>) -> Spent {
+    fn time_use(&self, moment: &MissionMoment<'_>) -> TimeUse {
         if self.phase == MissionPhase::Done {
-            Spent::Done
+            TimeUse::Done
         } else if moment.is_paused {
-            Spent::Paused
-        } else if self.wish != Twist2::ZERO {
-            Spent::of(self.wish, moment.decision)
+            TimeUse::Paused
+        } else if self.requested != Twist2::ZERO {
+            TimeUse::of(self.requested, moment.decision)
         } else if self.lost_s > 0.0 {
-            Spent::Finding
+            TimeUse::Finding
         } else {
-            Spent::NoWay
+            TimeUse::NoPath
         }
     }
 
-    /// The guard does not let the robot do what it wishes.
+    /// The guard does not permit the requested velocity.
     fn notice_hold(&mut self, decision: Option<Decision>, lasted_s: f32) {
-        let wishes = self.wish != Twist2::ZERO;
+        let wants_motion = self.requested != Twist2::ZERO;
         let stands = decision.is_none_or(|decision| is_standing(decision.permitted));
-        if !(wishes && stands) {
+        if !(wants_motion && stands) {
             self.held_s = 0.0;
             return;
         }
         let cause = decision.and_then(|decision| decision.holding_cause).map(|record| record.cause);
-        let in_the_way = [Cause::ScanProtective, Cause::LidarProtective, Cause::CollisionStop];
+        let on_path = [Cause::ScanProtective, Cause::LidarProtective, Cause::CollisionStop];
         let pose = self.pose();
-        let thing_lies = || self.obstacles.lies_near(Point2::new(pose.x_m, pose.y_m), THING_HOLDS_M);
-        if cause.is_none_or(|cause| in_the_way.contains(&cause)) || thing_lies() {
+        let obstacle_lies = || self.obstacles.lies_near(Point2::new(pose.x_m, pose.y_m), OBSTACLE_HOLDS_M);
+        if cause.is_none_or(|cause| on_path.contains(&cause)) || obstacle_lies() {
             self.held_s += lasted_s;
         }
     }
 
-    /// What the robot wishes to do now.
+    /// The robot's requested velocity.
     fn decide(&mut self, now_s: f32) -> Twist2 {
         if self.plan.strategy == MissionStrategy::Route {
             return self.route.wanted(self.odometry.pose_in_odometry);
@@ -285,7 +286,7 @@ impl Cleaner {
             self.held_s = 0.0;
             self.go_round(pose, now_s);
         }
-        // A way that ends at once is followed by the next; four are more than ever follow each other.
+        // A path that ends at once is followed by the next; four are more than ever follow each other.
         for _ in 0..4 {
             if self.track.is_over() && !self.choose(pose, now_s) {
                 return Twist2::ZERO;
@@ -332,24 +333,24 @@ impl CleaningMission for Cleaner {
             self.see_floor(floor, now_s);
         }
         let permitted = moment.decision.map_or(Twist2::ZERO, |decision| decision.permitted);
-        self.times.add(self.spent_on(moment), (self.wish, permitted), lasted_s);
+        self.times.add(self.time_use(moment), (self.requested, permitted), lasted_s);
         if self.phase == MissionPhase::Done {
-            self.wish = Twist2::ZERO;
+            self.requested = Twist2::ZERO;
         } else if moment.is_paused {
             self.phase = MissionPhase::Paused;
-            self.wish = Twist2::ZERO;
+            self.requested = Twist2::ZERO;
         } else {
             self.notice_hold(moment.decision, lasted_s);
             self.lost_s = if self.localiser.is_trusted() { 0.0 } else { self.lost_s + lasted_s };
             self.phase = if self.held_s > 0.5 { MissionPhase::Waiting } else { MissionPhase::Cleaning };
-            self.wish = self.decide(now_s);
+            self.requested = self.decide(now_s);
         }
         self.save(now_s);
-        if now_s >= self.tell_s {
-            self.tell_s = now_s + PROGRESS_S;
+        if now_s >= self.next_report_s {
+            self.next_report_s = now_s + PROGRESS_S;
             self.watch.publish(Arc::new(self.progress(moment.now)));
         }
-        self.wish
+        self.requested
     }
 }
 

@@ -31,28 +31,30 @@ fn paused_at(ms: u64) -> MissionMoment<'static> {
     }
 }
 
-/// From the moment to the verdict: every second has a reason, and what people cost is told from the same seconds.
+/// From the moment to the verdict: every second has a reason, and what people cost is computed from the same
+/// seconds.
 #[test]
-fn where_the_time_went_is_told_to_the_end() {
+fn time_use_is_reported_to_the_end() {
     let (_, mut cleaner) = begun();
     for ms in [0, 500, 1_000] {
         cleaner.step(&paused_at(ms));
     }
-    assert_eq!(cleaner.times.of(Spent::Paused), 1.0);
-    cleaner.times.add(Spent::HeldSomebodyComes, (Twist2::ZERO, Twist2::ZERO), 3.0);
+    assert_eq!(cleaner.times.of(TimeUse::Paused), 1.0);
+    cleaner.times.add(TimeUse::HeldPersonApproaches, (Twist2::ZERO, Twist2::ZERO), 3.0);
     cleaner.detours = 2;
     let progress = cleaner.progress(Stamp::ZERO);
     assert_eq!((progress.waited_s, progress.times, progress.detours), (3.0, cleaner.times, 2));
-    let told: Vec<_> = progress.times.iter().collect();
+    let reported: Vec<_> = progress.times.iter().collect();
     assert!(
-        told.contains(&(Spent::HeldSomebodyComes, 3.0)) && told.contains(&(Spent::Paused, 1.0)),
-        "{told:?}"
+        reported.contains(&(TimeUse::HeldPersonApproaches, 3.0))
+            && reported.contains(&(TimeUse::Paused, 1.0)),
+        "{reported:?}"
     );
 }
 
 /// A power cut finds the newest save; after the end there is nothing to go on with.
 #[test]
-fn what_is_saved_is_gone_when_the_mission_is_done() {
+fn save_is_removed_when_mission_is_done() {
     let folder = tempfile::tempdir().unwrap();
     let store = Store::File(folder.path().join("mission.fgm"));
     let (plan, mut cleaner) = begun_with(store.clone());
@@ -64,27 +66,27 @@ fn what_is_saved_is_gone_when_the_mission_is_done() {
     assert!(store.load(&plan, cells).is_none());
 }
 
-/// Held at a place it looks for another way to the same dirt; held there for long it leaves the dirt for later.
+/// Held at a place it takes another path to the same dirt; held there for long it leaves the dirt for later.
 #[test]
-fn who_stays_in_the_way_is_gone_round_and_then_left_for_later() {
+fn persistent_blocker_is_bypassed_then_postponed() {
     let (_, mut cleaner) = begun();
     let pose = cleaner.pose();
     cleaner.near.is_leaving = true;
-    assert!(cleaner.choose(pose, 0.0) && !cleaner.near.is_leaving, "on a way to dirt it leaves nobody");
+    assert!(cleaner.choose(pose, 0.0) && !cleaner.near.is_leaving, "on a path to dirt it does not retreat");
     let target = cleaner.target.unwrap();
     let nowhere = Waypoint { pose: Pose2::new(99.0, 99.0, 0.0), gear: Gear::Ahead };
     cleaner.track = Track::new(vec![nowhere; 3]);
     cleaner.go_round(pose, 1.0);
     assert_eq!((cleaner.detours, cleaner.target), (1, Some(target)));
-    assert!(cleaner.track.rest().last().is_some_and(|end| end.pose.x_m < 50.0), "another way");
+    assert!(cleaner.track.rest().last().is_some_and(|end| end.pose.x_m < 50.0), "another path");
     cleaner.go_round(pose, 7.0);
     assert_eq!((cleaner.detours, cleaner.target), (2, None));
     assert!(cleaner.postponed.iter().any(|(cell, _)| *cell == target));
 }
 
-/// Held by somebody who stands near, it backs off before it looks for another way.
+/// Held by somebody who stands near, it backs off before it searches another path.
 #[test]
-fn who_is_held_by_somebody_who_stands_backs_off() {
+fn robot_held_by_standing_person_retreats() {
     let (_, mut cleaner) = begun();
     let position = Point2::new(1.55, 0.3);
     let person = AdvisedPerson { position, position_sigma_m: 0.07, ..AdvisedPerson::default() };
@@ -92,6 +94,9 @@ fn who_is_held_by_somebody_who_stands_backs_off() {
     cleaner.obstacles.see_people(&[(cleaner.pose().transform(position), 0.33)], 0.0);
     cleaner.near.seen_s = 0.0;
     cleaner.held_s = 1.5;
-    let wish = cleaner.decide(0.1);
-    assert!(cleaner.near.is_leaving && wish.linear_mps < 0.0 && wish.angular_radps.abs() < 0.05, "{wish:?}");
+    let requested = cleaner.decide(0.1);
+    assert!(
+        cleaner.near.is_leaving && requested.linear_mps < 0.0 && requested.angular_radps.abs() < 0.05,
+        "{requested:?}"
+    );
 }

@@ -1,10 +1,11 @@
-//! The cleaning mission of the robot that drives: the belief and the tours of the trials, with real bytes around, and a way
-//! for a long robot among people.
+//! The cleaning mission of the robot that drives: the belief and the tours of the trials, with real bytes around, and
+//! paths for a long robot among people.
 
 mod body;
 mod ground;
 mod lattice;
 mod mission;
+mod mission_report;
 mod obstacles;
 mod plan;
 mod progress;
@@ -14,7 +15,6 @@ mod setup;
 mod store;
 mod surroundings;
 mod targets;
-mod tell;
 mod times;
 mod track;
 mod visits;
@@ -24,4 +24,4 @@ pub use plan::{ExpectedDirt, MissionPlan, MissionStrategy, PlanBegin};
 pub use progress::{CellState, Doubt, MissionPhase, MissionProgress, MissionWatch, UncertainCell};
 pub use setup::MissionSetup;
 pub use store::Store;
-pub use times::{Spent, Times};
+pub use times::{TimeUse, Times};

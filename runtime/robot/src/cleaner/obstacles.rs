@@ -1,7 +1,7 @@
 //! What stands on the floor and is not on the map: people who wait, trolleys, cartons.
 //!
-//! Every scan marks the cells where it ends short of what the map shows. A mark fades after a while, so that who has left
-//! bars no way; one that a beam passes is gone at once.
+//! Every scan marks the cells where it ends short of what the map shows. A mark fades after a while, so that a person
+//! who has left blocks no path; one that a beam passes is gone at once.
 
 use floorguard_mapping::GridGeometry;
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
@@ -18,12 +18,12 @@ pub(super) const FADES_S: f32 = 4.0;
 
 /// A beam that ends this much farther than a mark has passed it, metres.
 const BEYOND_M: f32 = 0.3;
-/// One beam in this many is looked at.
+/// One beam in this many is examined.
 const BEAM_INTERVAL: usize = 3;
-/// A thing on the floor lies there until it is seen to be gone, or this long, seconds.
+/// An object on the floor lies there until it is seen to be gone, or this long, seconds.
 const LIES_S: f32 = 60.0;
-/// Sights of one thing are within this of each other, metres.
-const SAME_THING_M: f32 = 0.15;
+/// Observations of one object are within this of each other, metres.
+const SAME_OBSTACLE_M: f32 = 0.15;
 
 /// A person's feet and what it pushes or carries are within this of its middle, metres.
 const PERSON_REACH_M: f32 = 0.8;
@@ -65,8 +65,8 @@ pub struct Obstacles {
     /// Place, and what is kept around it.
     people: Vec<(Point2, f32)>,
     people_s: f32,
-    /// Place, half width and last sight of things that lie on the floor.
-    things: Vec<(Point2, f32, f32)>,
+    /// Place, half width and last sight of objects that lie on the floor.
+    low_obstacles: Vec<(Point2, f32, f32)>,
 }
 
 impl Obstacles {
@@ -78,7 +78,7 @@ impl Obstacles {
             marked: Vec::new(),
             people: Vec::new(),
             people_s: 0.0,
-            things: Vec::new(),
+            low_obstacles: Vec::new(),
         }
     }
 
@@ -116,17 +116,17 @@ impl Obstacles {
         self.people_s = seen_s;
     }
 
-    /// Things on the floor that the camera sees, in the robot's frame at a pose in the map frame. True if one is new. What
-    /// belongs to something on the map or to a person is no thing: at the edge of a picture legs look low.
-    pub fn see_things(
+    /// Objects on the floor that the camera sees, in the robot's frame at a pose in the map frame. True if one is new.
+    /// What belongs to something on the map or to a person is no object: at the edge of a picture legs look low.
+    pub fn see_obstacles(
         &mut self,
         floor: &Floor,
         pose: Pose2,
-        (things, now_s): (&[(Point2, f32)], f32),
+        (low_obstacles, now_s): (&[(Point2, f32)], f32),
     ) -> bool {
-        self.things.retain(|(_, _, seen_s)| now_s - seen_s <= LIES_S);
+        self.low_obstacles.retain(|(_, _, seen_s)| now_s - seen_s <= LIES_S);
         let mut is_new = false;
-        for (in_robot, half_m) in things {
+        for (in_robot, half_m) in low_obstacles {
             let place = pose.transform(*in_robot);
             let is_explained = floor.surfaces.clearance_m(place) < EXPLAINED_M
                 || floor.clearance.clearance_m(place) < EXPLAINED_M
@@ -134,12 +134,13 @@ impl Obstacles {
             if is_explained {
                 continue;
             }
-            let known = self.things.iter_mut().find(|(other, ..)| other.distance(place) < SAME_THING_M);
+            let known =
+                self.low_obstacles.iter_mut().find(|(other, ..)| other.distance(place) < SAME_OBSTACLE_M);
             match known {
                 Some(known) => *known = (place, half_m.max(known.1), now_s),
                 None => {
                     is_new = true;
-                    self.things.push((place, *half_m, now_s));
+                    self.low_obstacles.push((place, *half_m, now_s));
                 }
             }
         }
@@ -148,7 +149,7 @@ impl Obstacles {
 
     /// Something is known to lie within a distance of a place, metres.
     pub fn lies_near(&self, place: Point2, within_m: f32) -> bool {
-        self.things.iter().any(|(thing, ..)| thing.distance(place) < within_m)
+        self.low_obstacles.iter().any(|(obstacle, ..)| obstacle.distance(place) < within_m)
     }
 
     /// Places that are taken now, each with a disc around it, metres.
@@ -156,9 +157,9 @@ impl Obstacles {
         let recent = |cell: &&u32| now_s - self.seen_s[**cell as usize] <= FADES_S;
         let marks = self.marked.iter().filter(recent).map(|cell| (self.raster.centre(*cell as usize), 0.0));
         let people = self.people.iter().filter(|_| now_s - self.people_s <= FADES_S);
-        let things = self.things.iter().filter(|(_, _, seen_s)| now_s - seen_s <= LIES_S);
-        let things = things.map(|(place, half_m, _)| (*place, *half_m));
-        marks.chain(things).chain(people.copied()).collect()
+        let low_obstacles = self.low_obstacles.iter().filter(|(_, _, seen_s)| now_s - seen_s <= LIES_S);
+        let low_obstacles = low_obstacles.map(|(place, half_m, _)| (*place, *half_m));
+        marks.chain(low_obstacles).chain(people.copied()).collect()
     }
 }
 
@@ -181,15 +182,15 @@ mod tests {
 
     /// Somebody a metre ahead, in the middle of a room.
     #[test]
-    fn a_mark_goes_with_who_made_it_and_not_with_a_beam_that_says_nothing() {
+    fn mark_clears_by_evidence_not_empty_beams() {
         let floor = Floor::new("plain", rooms::plain().unwrap(), 0.17).unwrap();
         let half = |cells: u16| i32::from(cells) / 2;
         let middle = floor.cells.index(half(floor.cells.width()), half(floor.cells.height())).unwrap();
         let middle = floor.cells.centre(middle);
         let scanner = Pose2::new(middle.x_m - 1.0, middle.y_m, 0.0);
-        let somebody = scan(|degrees| (degrees.abs() < 6).then_some(1_000));
+        let person = scan(|degrees| (degrees.abs() < 6).then_some(1_000));
         let mut obstacles = Obstacles::new(floor.cells);
-        obstacles.see(&floor, scanner, (&somebody, 0.0));
+        obstacles.see(&floor, scanner, (&person, 0.0));
         assert!(!obstacles.places(0.1).is_empty());
         obstacles.see(&floor, scanner, (&scan(|_| None), 0.2));
         assert!(!obstacles.places(0.2).is_empty(), "blind is not clear");
@@ -197,7 +198,7 @@ mod tests {
         assert!(!obstacles.places(0.3).is_empty(), "that may be the same one");
         obstacles.see(&floor, scanner, (&scan(|_| Some(30_000)), 0.4));
         assert!(obstacles.places(0.4).is_empty(), "a beam went through");
-        obstacles.see(&floor, scanner, (&somebody, 0.5));
+        obstacles.see(&floor, scanner, (&person, 0.5));
         assert!(obstacles.places(0.5 + FADES_S + 0.1).is_empty(), "it fades");
     }
 }

@@ -1,4 +1,4 @@
-//! What a mission is told before it begins: the map, the dirt that is expected, and how to decide where to clean.
+//! The input of a mission: the map, the dirt that is expected, and how to decide where to clean.
 
 use std::path::Path;
 
@@ -183,7 +183,7 @@ impl MissionPlan {
     /// As one line of text, for recordings.
     ///
     /// # Errors
-    /// A number that is none.
+    /// A non-finite number.
     pub fn to_text(&self) -> anyhow::Result<String> {
         Ok(serde_json::to_string(self)?)
     }
@@ -247,7 +247,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_plan_survives_its_text_and_its_map_shows_the_scene() {
+    fn plan_survives_text_and_map_shows_scene() {
         let plan = MissionPlan::supermarket();
         assert_eq!(MissionPlan::from_text(&plan.to_text().unwrap()).unwrap(), plan);
         let map = plan.occupancy().unwrap();
@@ -271,7 +271,7 @@ mod tests {
 
     /// A field of 70 x 70 m: a robot that drives there does not know where it is, and what it claimed would be false.
     #[test]
-    fn a_field_without_walls_is_refused_and_of_a_hall_what_sees_a_wall_is_answered_for() {
+    fn only_cells_in_sight_of_walls_count() {
         let robot =
             floorguard_configuration::parse("robot.toml", floorguard_configuration::EXAMPLE).unwrap().robot;
         let whole = MissionPlan::supermarket();

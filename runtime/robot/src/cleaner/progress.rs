@@ -42,7 +42,7 @@ impl MissionPhase {
     }
 }
 
-/// What may be said of a cell.
+/// The status of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CellState {
     /// No free floor, or the robot does not fit: the mission does not answer for it.
@@ -108,7 +108,7 @@ pub struct MissionProgress {
     pub odometry_in_map: Pose2,
     /// Root of the mean squared error of the position that the belief expects, metres.
     pub position_deviation_m: f32,
-    /// What may be said of each cell; [`CellState::Clean`] is the claimed-clean map.
+    /// The status of each cell; [`CellState::Clean`] is the claimed-clean map.
     pub cells: Vec<CellState>,
     /// Dirt expected before the mission, units a cell.
     pub expected_before: Vec<f32>,
@@ -126,13 +126,13 @@ pub struct MissionProgress {
     pub tour: Vec<Point2>,
     /// Where the robot drives next, map frame.
     pub waypoints: Vec<Point2>,
-    /// Way driven, metres.
+    /// Distance driven, metres.
     pub distance_m: f32,
     /// Time that people and what else held the robot cost, seconds.
     pub waited_s: f32,
     /// Where the time went.
     pub times: Times,
-    /// Times that the way was planned anew around something or somebody.
+    /// Times that the path was planned anew around an obstacle or a person.
     pub detours: u32,
 }
 
@@ -142,9 +142,9 @@ impl MissionProgress {
     pub fn words(&self) -> String {
         let percent = 100.0 * self.completion;
         let name = self.phase.name();
-        let (left, way_m) = (self.uncertain.len(), self.distance_m);
+        let (left, path_m) = (self.uncertain.len(), self.distance_m);
         format!(
-            "{name}, {percent:.0} % of what was dirty is claimed clean, {left} cells are not yet, {way_m:.0} m driven"
+            "{name}, {percent:.0} % of what was dirty is claimed clean, {left} cells are not yet, {path_m:.0} m driven"
         )
     }
 }

@@ -1,8 +1,7 @@
-//! Out of the way of somebody who stands too near: a short straight way off, back or on, whichever the guard lets the robot
-//! drive.
+//! Retreat from a person who stands too near: a short straight path, backwards or ahead, whichever the guard permits.
 //!
-//! The guard looks at the motion that is wished: while somebody stands where a turn or an arc would lead, it holds the robot
-//! as long as it wishes that turn. A wish that leads off is another matter, and from there every way is open again.
+//! The guard judges the requested velocity: while a person stands where a turn or an arc would lead, it holds the robot
+//! as long as that turn is requested. A request that leads away is permitted, and from there every path is open again.
 
 use floorguard_guard::{AdvisedPerson, Body as GuardBody, DriveLimits};
 use floorguard_runtime::configuration::RobotConfiguration;
@@ -19,9 +18,9 @@ const AFTER_S: f32 = 1.0;
 const FRESH_S: f32 = 0.5;
 /// Who walks faster than this is gone in a moment, m/s.
 pub(super) const STANDS_MPS: f32 = 0.25;
-/// Somebody farther away is not who holds the robot, metres from its body.
+/// A person farther away is not the one that holds the robot, metres from its body.
 const NEAR_M: f32 = 1.2;
-/// Steps of the way off, and how long one is, metres.
+/// Steps of the retreat, and how long one is, metres.
 const STEPS: i8 = 4;
 const STEP_M: f32 = 0.12;
 /// Slowly, m/s.
@@ -36,7 +35,7 @@ pub struct PeopleNear {
     pub people: Vec<AdvisedPerson>,
     /// When they were seen, seconds of the mission.
     pub seen_s: f32,
-    /// On a way off from somebody, until another one is chosen.
+    /// On a retreat from a person, until another path is chosen.
     pub is_leaving: bool,
     body: GuardBody,
     drive: DriveLimits,
@@ -81,7 +80,7 @@ impl Cleaner {
         self.near.people.iter().map(in_robot).collect()
     }
 
-    /// Leaves, if somebody who stands near holds the robot and a straight way leads off.
+    /// Retreats, if a person who stands near holds the robot and a straight path leads away.
     pub(super) fn retreat(&mut self, pose: Pose2, now_s: f32) {
         let is_known = now_s - self.near.seen_s <= FRESH_S;
         if self.held_s < AFTER_S || self.near.is_leaving || !is_known {
@@ -93,30 +92,30 @@ impl Cleaner {
             return;
         }
         let around = Surroundings::new(&self.ground, (&self.obstacles, now_s), pose);
-        let ways = [(Gear::Back, -1.0), (Gear::Ahead, 1.0)].into_iter().filter_map(|(gear, sign)| {
+        let paths = [(Gear::Back, -1.0), (Gear::Ahead, 1.0)].into_iter().filter_map(|(gear, sign)| {
             let twist = Twist2 { linear_mps: sign * SPEED_MPS, angular_radps: 0.0 };
             if !self.near.is_let(&people, twist) {
                 return None;
             }
             let place = |step: i8| pose.compose(Pose2::new(sign * STEP_M * f32::from(step), 0.0, 0.0));
             let free = (1..=STEPS).take_while(|step| around.is_free(place(*step), gear)).count();
-            let way = (0..=free as i8).map(|step| Waypoint { pose: place(step), gear });
-            Some(way.collect::<Vec<Waypoint>>())
+            let path = (0..=free as i8).map(|step| Waypoint { pose: place(step), gear });
+            Some(path.collect::<Vec<Waypoint>>())
         });
-        let Some(way) = ways.filter(|way| way.len() > 1).max_by_key(Vec::len) else { return };
+        let Some(path) = paths.filter(|path| path.len() > 1).max_by_key(Vec::len) else { return };
         self.held_s = 0.0;
         self.detours += 1;
         self.near.is_leaving = true;
         self.target = None;
-        self.track = Track::new(way);
+        self.track = Track::new(path);
     }
 }
 
 /// Middle of a person on the map and what is kept around it, metres: of one who stands, what the guard keeps.
-pub(super) fn room_of(person: &AdvisedPerson, place: Point2) -> (Point2, f32) {
-    /// Half a person; the room of the robot has a margin of its own.
+pub(super) fn keep_out_disc(person: &AdvisedPerson, place: Point2) -> (Point2, f32) {
+    /// Half a person; the footprint of the robot has a margin of its own.
     const WALKS_M: f32 = 0.15;
-    /// A body of 0.3 m, two standard deviations of its place, and half a second of the robot's way.
+    /// A body of 0.3 m, two standard deviations of its place, and half a second of the robot's travel.
     const STANDS_M: f32 = 0.33;
     (place, if person.velocity_mps.norm() < STANDS_MPS { STANDS_M } else { WALKS_M })
 }
@@ -134,7 +133,7 @@ mod tests {
     use floorguard_runtime::shared::{PeopleReport, PersonReport};
     use floorguard_types::time::Stamp;
 
-    fn somebody(x_m: f32, y_m: f32, walks_mps: f32) -> AdvisedPerson {
+    fn advised_person(x_m: f32, y_m: f32, walks_mps: f32) -> AdvisedPerson {
         AdvisedPerson {
             position: Point2::new(x_m, y_m),
             velocity_mps: Point2::new(walks_mps, 0.0),
@@ -143,9 +142,9 @@ mod tests {
         }
     }
 
-    /// The way that a robot takes which somebody holds.
-    fn way_from(person: AdvisedPerson, held_s: f32) -> Vec<Waypoint> {
-        way_from_whom_it_saw(person, 0.1, held_s)
+    /// The path of a robot that a person holds.
+    fn path_from(person: AdvisedPerson, held_s: f32) -> Vec<Waypoint> {
+        path_from_seen_person(person, 0.1, held_s)
     }
 
     /// A robot in the aisle of a supermarket.
@@ -156,13 +155,13 @@ mod tests {
         Cleaner::new(&plan, &robot, (SharedWatch::default(), store)).unwrap()
     }
 
-    fn way_from_whom_it_saw(person: AdvisedPerson, seen_ago_s: f32, held_s: f32) -> Vec<Waypoint> {
+    fn path_from_seen_person(person: AdvisedPerson, seen_ago_s: f32, held_s: f32) -> Vec<Waypoint> {
         let mut cleaner = in_an_aisle();
         let pose = cleaner.pose();
         cleaner.near.people = vec![person];
         cleaner.near.seen_s = -seen_ago_s;
         let place = pose.transform(person.position);
-        cleaner.obstacles.see_people(&[room_of(&person, place)], -seen_ago_s);
+        cleaner.obstacles.see_people(&[keep_out_disc(&person, place)], -seen_ago_s);
         cleaner.held_s = held_s;
         cleaner.retreat(pose, 0.0);
         assert_eq!(cleaner.near.is_leaving, !cleaner.track.is_over());
@@ -170,34 +169,42 @@ mod tests {
     }
 
     #[test]
-    fn leaves_who_stands_in_the_way_straight_back_or_on_and_waits_for_who_walks() {
-        let back = way_from(somebody(1.55, 0.3, 0.0), 1.5);
+    fn retreats_from_standing_waits_for_walking_people() {
+        let back = path_from(advised_person(1.55, 0.3, 0.0), 1.5);
         assert!(
             back.iter().all(|at| at.gear == Gear::Back) && back.last().unwrap().pose.x_m < -0.3,
             "{back:?}"
         );
-        let on = way_from(somebody(-1.2, 0.1, 0.0), 1.5);
+        let on = path_from(advised_person(-1.2, 0.1, 0.0), 1.5);
         assert!(on.iter().all(|at| at.gear == Gear::Ahead) && on.last().unwrap().pose.x_m > 0.3, "{on:?}");
-        assert!(way_from(somebody(1.55, 0.3, 0.0), 0.5).is_empty(), "at once the guard may let it go");
-        assert!(way_from(somebody(1.55, 0.3, -1.0), 1.5).is_empty(), "who walks is gone in a moment");
-        assert!(way_from(somebody(0.3, 0.5, 0.0), 1.5).is_empty(), "who touches it is in every way");
-        assert!(way_from(somebody(4.0, 0.0, 0.0), 1.5).is_empty(), "somebody far away does not hold it");
-        let before = way_from_whom_it_saw(somebody(1.55, 0.3, 0.0), 0.6, 1.5);
-        assert!(before.is_empty(), "whom it saw a while ago may stand behind it by now");
-        let nowhere = AdvisedPerson { position_sigma_m: f32::NAN, ..somebody(1.55, 0.3, 0.0) };
-        assert!(way_from(nowhere, 1.5).is_empty(), "what is no number is no licence");
+        assert!(path_from(advised_person(1.55, 0.3, 0.0), 0.5).is_empty(), "at once the guard may let it go");
+        assert!(path_from(advised_person(1.55, 0.3, -1.0), 1.5).is_empty(), "who walks is gone in a moment");
+        assert!(
+            path_from(advised_person(0.3, 0.5, 0.0), 1.5).is_empty(),
+            "a person in contact blocks every path"
+        );
+        assert!(
+            path_from(advised_person(4.0, 0.0, 0.0), 1.5).is_empty(),
+            "somebody far away does not hold it"
+        );
+        let before = path_from_seen_person(advised_person(1.55, 0.3, 0.0), 0.6, 1.5);
+        assert!(before.is_empty(), "a person seen a while ago may stand behind it by now");
+        let nowhere = AdvisedPerson { position_sigma_m: f32::NAN, ..advised_person(1.55, 0.3, 0.0) };
+        assert!(path_from(nowhere, 1.5).is_empty(), "what is no number is no licence");
     }
 
-    /// Who stands is given the room that the guard keeps, who walks less: that one is gone in a moment.
+    /// A standing person gets the clearance that the guard keeps, a walking one less, because they will be
+    /// gone in a moment.
     #[test]
-    fn who_stands_is_given_more_room() {
-        let room_m = |walks_mps: f32| room_of(&somebody(1.0, 0.0, walks_mps), Point2::default()).1;
-        assert!(room_m(0.0) > 0.3 && room_m(0.0) - room_m(1.0) > 0.1);
+    fn standing_people_get_more_clearance() {
+        let keep_out_m =
+            |walks_mps: f32| keep_out_disc(&advised_person(1.0, 0.0, walks_mps), Point2::default()).1;
+        assert!(keep_out_m(0.0) > 0.3 && keep_out_m(0.0) - keep_out_m(1.0) > 0.1);
     }
 
-    /// What perception said last, again and again, while it is silent or speaks of a time to come.
+    /// The last output of perception, repeated while it is silent or has a future stamp.
     #[test]
-    fn who_was_seen_last_is_neither_there_for_ever_nor_nobody() {
+    fn last_seen_person_expires() {
         let mut cleaner = in_an_aisle();
         let place = cleaner.odometry.pose_in_odometry.transform(Point2::new(1.55, 0.3));
         let mut report = PeopleReport::default();
@@ -222,14 +229,14 @@ mod tests {
             cleaner.track = Track::default();
             cleaner.retreat(cleaner.pose(), moment(now_ms).1);
             let places = cleaner.obstacles.places(moment(now_ms).1).len();
-            // What bars the way is left out of the match with the map, too.
-            assert_eq!(cleaner.is_of_somebody(place, moment(now_ms).1), places > 0);
+            // Obstacles are left out of the match with the map, too.
+            assert_eq!(cleaner.is_on_person(place, moment(now_ms).1), places > 0);
             (places, cleaner.near.is_leaving)
         };
         assert_eq!(at(1_000, 1_100), (1, true), "there, and to be left");
         assert_eq!(at(1_000, 2_000), (1, false), "there, but nobody knows who else is");
         assert_eq!(at(1_000, 4_900), (1, false));
-        assert_eq!(at(1_000, 5_100), (0, false), "an old word bars no way");
+        assert_eq!(at(1_000, 5_100), (0, false), "a stale report blocks no path");
         assert_eq!(at(6_001, 6_000), (1, true), "rounding is no time to come");
         assert_eq!(at(9_000, 7_000), (1, false), "who is measured in two seconds is not seen again");
         assert_eq!(at(9_000, 9_300), (1, true), "by then it is past");

@@ -11,7 +11,7 @@ use super::store::Store;
 /// A mission that is about to begin.
 #[derive(Clone)]
 pub struct MissionSetup {
-    /// What it is told.
+    /// Its input.
     pub plan: MissionPlan,
     /// Where it tells its progress.
     pub watch: SharedWatch,

@@ -130,7 +130,8 @@ fn fingerprint(plan: &MissionPlan) -> u64 {
 }
 
 impl Store {
-    /// Saves a mission. A disk that fails does not stop a robot: it is told, and the save before stays.
+    /// Saves a mission. A disk that fails does not stop a robot: the failure is reported, and the save before
+    /// stays.
     pub fn save(&self, plan: &MissionPlan, saved: &Saved) {
         match self {
             Self::None => {}
@@ -183,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn a_save_comes_back_and_every_damaged_byte_is_noticed() {
+    fn save_round_trips_and_detects_damage() {
         let bytes = saved().encode(5);
         let back = Saved::decode(&bytes, (5, 50)).unwrap();
         assert_eq!(back, saved());
@@ -202,7 +203,7 @@ mod tests {
 
     /// Near the saved pose dirt is as likely as not, and stays to be cleaned; elsewhere, and where little is left, nothing changes.
     #[test]
-    fn dirt_around_the_saved_pose_is_doubted_and_never_claimed() {
+    fn dirt_around_saved_pose_is_never_claimed() {
         let raster = GridGeometry::new(100, 1, 0.1, Point2::new(0.0, -2.05)).unwrap();
         let rule = CleanRule::per_cell(5, 0.01);
         let light = DirtCell {
@@ -221,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_is_cut_leaves_the_save_before() {
+    fn cut_file_leaves_the_previous_save() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("mission.fgm");
         let old = saved().encode(5);

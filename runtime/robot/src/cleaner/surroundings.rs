@@ -1,19 +1,20 @@
-//! Where the robot may be at this moment: the floor of the map, what stands on it now, and a way out for a robot that
-//! somebody has come too near to.
+//! Where the robot may be at this moment: the floor of the map, what stands on it now, and an escape path for a robot
+//! that a person has come too near to.
 
 use floorguard_mapping::GridGeometry;
 use floorguard_types::geometry::{Point2, Pose2};
 
-use super::body::{DISCS, Room};
+use super::body::{DISCS, FootprintDiscs};
 use super::ground::Ground;
 use super::lattice::Gear;
 use super::obstacles::Obstacles;
 
-/// Within this distance of where it stands the robot may stay as near to things as it is, metres.
+/// Within this distance of where it stands the robot may stay as near to objects as it is, metres.
 const AROUND_M: f32 = 0.9;
-/// Places ahead of the rear axle with the room that they need so that nothing is in the warning zone, metres.
+/// Places ahead of the rear axle with the clearance that they need so that nothing is in the warning zone,
+/// metres.
 const WARNING_M: [(f32, f32); 3] = [(0.2, 0.75), (0.9, 0.75), (1.6, 0.6)];
-/// How many times as long a way takes there.
+/// Factor of the travel time there.
 const SLOW: f32 = 2.0;
 /// What a raster of cells may take from a distance, metres.
 const RASTER_M: f32 = 0.05;
@@ -35,38 +36,38 @@ impl<'a> Surroundings<'a> {
         let gaps_m = gaps(ground.raster(), &obstacles.places(now_s), reach_m);
         let mut here =
             Self { ground, gaps_m, start, least_ahead_m: [0.0; DISCS], least_back_m: [0.0; DISCS] };
-        let least = |room: &Room| {
-            room.places(start).map(|place| (here.clearance_m(place) - RASTER_M).clamp(0.0, room.radius_m))
+        let least = |discs: &FootprintDiscs| {
+            discs.places(start).map(|place| (here.clearance_m(place) - RASTER_M).clamp(0.0, discs.radius_m))
         };
         let (ahead, back) = (least(&ground.body.ahead), least(&ground.body.back));
         (here.least_ahead_m, here.least_back_m) = (ahead, back);
         here
     }
 
-    /// From a place to the nearest thing, metres.
+    /// From a place to the nearest object, metres.
     fn clearance_m(&self, place: Point2) -> f32 {
         let gap_m = self.ground.raster().cell_at(place).and_then(|cell| self.gaps_m.get(cell));
         gap_m.map_or(0.0, |gap_m| gap_m.min(self.ground.floor.clearance.clearance_m(place)))
     }
 
-    /// The robot may be there. Near the start no disc of it need be farther from things than it is already: who has come
-    /// near bars no way that leads off.
+    /// The robot may be there. Near the start no disc of it need be farther from objects than it is already: a person
+    /// nearby blocks no path that leads away.
     pub fn is_free(&self, pose: Pose2, gear: Gear) -> bool {
         let body = &self.ground.body;
-        let (room, least_m, count) = match gear {
+        let (discs, least_m, count) = match gear {
             Gear::Ahead | Gear::Spin => (&body.ahead, &self.least_ahead_m, DISCS),
-            // What lies ahead is left behind on the way backwards.
+            // What lies ahead is left behind when driving backwards.
             Gear::Back => (&body.back, &self.least_back_m, DISCS - 1),
         };
         let is_near = (pose.x_m - self.start.x_m).hypot(pose.y_m - self.start.y_m) < AROUND_M;
-        room.places(pose).iter().zip(least_m).take(count).all(|(place, least_m)| {
+        discs.places(pose).iter().zip(least_m).take(count).all(|(place, least_m)| {
             let clearance_m = self.clearance_m(*place);
-            clearance_m >= room.radius_m || (is_near && *least_m > 0.0 && clearance_m >= *least_m)
+            clearance_m >= discs.radius_m || (is_near && *least_m > 0.0 && clearance_m >= *least_m)
         })
     }
 
-    /// How many times as long as in the open the robot takes there; `None`: it may not be there. With something in its warning
-    /// zone the guard lets it go slowly only.
+    /// Factor of the time against open floor the robot takes there; `None`: it may not be there. With something in its
+    /// warning zone the guard lets it go slowly only.
     pub fn slowness(&self, pose: Pose2, gear: Gear) -> Option<f32> {
         if !self.is_free(pose, gear) {
             return None;
@@ -79,11 +80,11 @@ impl<'a> Surroundings<'a> {
     }
 
     /// The robot can go straight on from a pose by so much.
-    pub fn is_clear_ahead(&self, pose: Pose2, way_m: f32) -> bool {
-        let steps = (way_m / 0.3).ceil().max(1.0) as i32;
+    pub fn is_clear_ahead(&self, pose: Pose2, path_m: f32) -> bool {
+        let steps = (path_m / 0.3).ceil().max(1.0) as i32;
         (1..=steps).all(|step| {
             let share = step as f32 / steps as f32;
-            self.is_free(pose.compose(Pose2::new(share * way_m, 0.0, 0.0)), Gear::Ahead)
+            self.is_free(pose.compose(Pose2::new(share * path_m, 0.0, 0.0)), Gear::Ahead)
         })
     }
 }
@@ -120,11 +121,11 @@ mod tests {
     /// Somebody has stepped close to the nose of the robot: backwards is free, ahead is not, and the same place is barred to
     /// a robot that comes from afar.
     #[test]
-    fn who_has_come_near_bars_the_way_on_and_not_the_way_off() {
+    fn near_person_blocks_ahead_not_retreat() {
         let ground = ground();
         let here = Pose2::new(5.0, 0.0, 0.0);
         let mut obstacles = Obstacles::new(*ground.raster());
-        let ahead = |way_m: f32| here.compose(Pose2::new(way_m, 0.0, 0.0));
+        let ahead = |path_m: f32| here.compose(Pose2::new(path_m, 0.0, 0.0));
         let free = Surroundings::new(&ground, (&obstacles, 0.0), here);
         assert!(free.is_free(ahead(0.15), Gear::Ahead) && free.is_clear_ahead(here, 1.0));
         obstacles.see_people(&[(Point2::new(6.4, 0.0), 0.15)], 0.0);
@@ -137,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn beside_a_shelf_the_robot_is_slower_than_in_the_middle_of_the_aisle() {
+    fn robot_is_slower_beside_a_shelf() {
         let ground = ground();
         let obstacles = Obstacles::new(*ground.raster());
         let around = Surroundings::new(&ground, (&obstacles, 0.0), Pose2::default());

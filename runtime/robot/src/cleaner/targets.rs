@@ -44,7 +44,7 @@ impl Cleaner {
         }
     }
 
-    /// The tour over what is dirty; a cell that became clean on the way is no target any more.
+    /// The tour over what is dirty; a cell that became clean meanwhile is no target any more.
     pub(super) fn replan(&mut self, pose: Pose2, now_s: f32) {
         self.plan_s = now_s + REPLAN_S;
         let here = Point2::new(pose.x_m, pose.y_m);
@@ -74,8 +74,8 @@ impl Cleaner {
         }
     }
 
-    /// Somebody or something stands in the way: another way if there is one. Who walks is gone in a moment; only what stays
-    /// sends the robot to another cell first.
+    /// A person or an object stands on the path: another path if there is one. Who walks is gone in a moment; only what
+    /// stays sends the robot to another cell first.
     pub(super) fn go_round(&mut self, pose: Pose2, now_s: f32) {
         self.detours += 1;
         let here = Point2::new(pose.x_m, pose.y_m);
@@ -90,7 +90,7 @@ impl Cleaner {
             self.track = Track::default();
             self.postpone(target, now_s);
         } else if self.track.rest().len() > PASS_LEGS {
-            // A pass that has begun is waited for: any other way would begin it again.
+            // A pass that has begun is waited for: any other path would begin it again.
             self.plan_to(target, pose, now_s);
         }
     }
@@ -159,8 +159,8 @@ impl Cleaner {
         self.leavings += 1;
         let here = Point2::new(pose.x_m, pose.y_m);
         let is_far = |pose: Pose2| Point2::new(pose.x_m, pose.y_m).distance(here) > LEAVES_M;
-        self.search((pose, now_s), (|_: Pose2| Some(0.0), is_far)).is_some_and(|way| {
-            self.track = Track::new(way);
+        self.search((pose, now_s), (|_: Pose2| Some(0.0), is_far)).is_some_and(|path| {
+            self.track = Track::new(path);
             self.plan_s = now_s;
             true
         })
@@ -180,7 +180,7 @@ impl Cleaner {
             };
             let speed_mps = self.pace.speed_mps;
             let left_s = move |pose: Pose2| Some(Point2::new(pose.x_m, pose.y_m).distance(from) / speed_mps);
-            let Some(mut way) = self.search((pose, now_s), (left_s, start)) else { continue };
+            let Some(mut path) = self.search((pose, now_s), (left_s, start)) else { continue };
             let steps = (from.distance(to) / STEP_M).floor() as i32;
             for step in 1..=steps {
                 let share = step as f32 * STEP_M;
@@ -188,9 +188,9 @@ impl Cleaner {
                 if !self.ground.is_free(next, Gear::Ahead) {
                     break;
                 }
-                way.push(Waypoint { pose: next, gear: Gear::Ahead });
+                path.push(Waypoint { pose: next, gear: Gear::Ahead });
             }
-            self.track = Track::new(way);
+            self.track = Track::new(path);
             return true;
         }
         false

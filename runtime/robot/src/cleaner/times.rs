@@ -1,13 +1,13 @@
-//! Where the time of a mission goes: driving, slowed, held or with no way to go, each by its reason.
+//! Where the time of a mission goes: driving, slowed, held or without a free path, each by its reason.
 //!
-//! What people cost is told from this and from nothing else, so that the sum of all reasons is the time of the mission.
+//! What people cost is computed from this alone, so that the sum of all reasons is the time of the mission.
 
 use floorguard_guard::{Cause, Decision};
 use floorguard_types::geometry::Twist2;
 
 /// Slower than this is standing, m/s and rad/s.
 const STANDS: (f32, f32) = (0.02, 0.02);
-/// A limit this much below the wish slows the robot, m/s.
+/// A limit this much below the requested speed slows the robot, m/s.
 const SLOWER_MPS: f32 = 0.02;
 
 /// Who may drive no faster than this stands.
@@ -17,25 +17,25 @@ pub(super) fn is_standing(permitted: Twist2) -> bool {
 
 /// What a moment is spent on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Spent {
-    /// Drives as it wishes.
+pub enum TimeUse {
+    /// Drives as requested.
     Driving,
-    /// Slower than it wishes: something in the warning field, or where a faster field would reach.
-    SlowNearThings,
+    /// Slower than requested: something in the warning field, or where a faster field would reach.
+    SlowNearObjects,
     /// Slower: a person near the body.
     SlowNearPerson,
     /// Slower: somebody comes nearer.
-    SlowSomebodyComes,
+    SlowPersonApproaches,
     /// Slower for another reason of the guard's.
     SlowOther,
     /// Held: something in the protective field.
     HeldField,
     /// Held: somebody would walk into it.
-    HeldSomebodyComes,
+    HeldPersonApproaches,
     /// Held for another reason of the guard's.
     HeldOther,
     /// Everything that is left to clean is behind somebody or something.
-    NoWay,
+    NoPath,
     /// Stands to find out where it is.
     Finding,
     /// Paused by the operator.
@@ -44,18 +44,18 @@ pub enum Spent {
     Done,
 }
 
-impl Spent {
-    /// All of them, in the order in which they are told.
+impl TimeUse {
+    /// All of them, in the order in which they are reported.
     pub const ALL: [Self; 12] = [
         Self::Driving,
-        Self::SlowNearThings,
+        Self::SlowNearObjects,
         Self::SlowNearPerson,
-        Self::SlowSomebodyComes,
+        Self::SlowPersonApproaches,
         Self::SlowOther,
         Self::HeldField,
-        Self::HeldSomebodyComes,
+        Self::HeldPersonApproaches,
         Self::HeldOther,
-        Self::NoWay,
+        Self::NoPath,
         Self::Finding,
         Self::Paused,
         Self::Done,
@@ -65,24 +65,24 @@ impl Spent {
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
-            Self::Driving => "driving as it wishes",
-            Self::SlowNearThings => "slowed: something stands near its way",
+            Self::Driving => "driving as requested",
+            Self::SlowNearObjects => "slowed: an object near the path",
             Self::SlowNearPerson => "slowed: a person is near",
-            Self::SlowSomebodyComes => "slowed: somebody comes nearer",
+            Self::SlowPersonApproaches => "slowed: a person approaches",
             Self::SlowOther => "slowed: another reason",
             Self::HeldField => "held: something in the protective field",
-            Self::HeldSomebodyComes => "held: somebody would walk into it",
+            Self::HeldPersonApproaches => "held: a person would walk into it",
             Self::HeldOther => "held: another reason",
-            Self::NoWay => "waiting: somebody stands in every way",
+            Self::NoPath => "waiting: every path is blocked",
             Self::Finding => "standing to find itself",
             Self::Paused => "paused",
             Self::Done => "nothing left to do",
         }
     }
 
-    /// Of a robot that wishes to move, from what its guard permits.
+    /// Of a robot with a non-zero request, from what its guard permits.
     #[must_use]
-    pub fn of(wish: Twist2, decision: Option<Decision>) -> Self {
+    pub fn of(requested: Twist2, decision: Option<Decision>) -> Self {
         let Some(decision) = decision else { return Self::HeldOther };
         let cause = decision.holding_cause.map(|record| record.cause);
         let permitted = decision.permitted;
@@ -91,18 +91,18 @@ impl Spent {
                 // No cause stops it: it is only about to set off.
                 _ if decision.speed_limit_mps > STANDS.0 => Self::Driving,
                 Some(Cause::ScanProtective | Cause::LidarProtective) | None => Self::HeldField,
-                Some(Cause::CollisionStop) => Self::HeldSomebodyComes,
+                Some(Cause::CollisionStop) => Self::HeldPersonApproaches,
                 Some(_) => Self::HeldOther,
             };
         }
-        if decision.speed_limit_mps + SLOWER_MPS >= wish.linear_mps.abs() {
+        if decision.speed_limit_mps + SLOWER_MPS >= requested.linear_mps.abs() {
             return Self::Driving;
         }
         match cause {
             Some(Cause::PersonNear) => Self::SlowNearPerson,
-            Some(Cause::CollisionSlow) => Self::SlowSomebodyComes,
+            Some(Cause::CollisionSlow) => Self::SlowPersonApproaches,
             Some(Cause::Warning | Cause::ScanProtective | Cause::LidarProtective) | None => {
-                Self::SlowNearThings
+                Self::SlowNearObjects
             }
             Some(_) => Self::SlowOther,
         }
@@ -112,41 +112,42 @@ impl Spent {
 /// Seconds by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Times {
-    spent_s: [f32; Spent::ALL.len()],
+    spent_s: [f32; TimeUse::ALL.len()],
     lost_s: f32,
 }
 
 impl Times {
-    /// A moment more, with what the robot wished and was permitted.
-    pub fn add(&mut self, spent: Spent, (wish, permitted): (Twist2, Twist2), lasted_s: f32) {
+    /// A moment more, with the requested and the permitted velocity.
+    pub fn add(&mut self, spent: TimeUse, (requested, permitted): (Twist2, Twist2), lasted_s: f32) {
         if let Some(seconds) = self.spent_s.get_mut(spent as usize) {
             *seconds += lasted_s;
         }
         let share = match spent {
-            Spent::HeldField | Spent::HeldSomebodyComes | Spent::NoWay => 1.0,
-            Spent::SlowNearPerson | Spent::SlowSomebodyComes => {
-                (1.0 - permitted.linear_mps.abs() / wish.linear_mps.abs().max(STANDS.0)).clamp(0.0, 1.0)
+            TimeUse::HeldField | TimeUse::HeldPersonApproaches | TimeUse::NoPath => 1.0,
+            TimeUse::SlowNearPerson | TimeUse::SlowPersonApproaches => {
+                (1.0 - permitted.linear_mps.abs() / requested.linear_mps.abs().max(STANDS.0)).clamp(0.0, 1.0)
             }
             _ => 0.0,
         };
         self.lost_s += share * lasted_s;
     }
 
-    /// What people and things in the way cost: standing before them in full, driving slowly past people by what is missing.
+    /// What people and objects on the path cost: standing before them in full, driving slowly past people by what is
+    /// missing.
     #[must_use]
     pub const fn lost_s(&self) -> f32 {
         self.lost_s
     }
 
-    /// Seconds spent on one thing.
+    /// Seconds of one category.
     #[must_use]
-    pub fn of(&self, spent: Spent) -> f32 {
+    pub fn of(&self, spent: TimeUse) -> f32 {
         self.spent_s.get(spent as usize).copied().unwrap_or(0.0)
     }
 
-    /// Everything that took time, in the order of [`Spent::ALL`].
-    pub fn iter(&self) -> impl Iterator<Item = (Spent, f32)> + '_ {
-        Spent::ALL.into_iter().zip(self.spent_s).filter(|(_, seconds)| *seconds > 0.0)
+    /// Everything that took time, in the order of [`TimeUse::ALL`].
+    pub fn iter(&self) -> impl Iterator<Item = (TimeUse, f32)> + '_ {
+        TimeUse::ALL.into_iter().zip(self.spent_s).filter(|(_, seconds)| *seconds > 0.0)
     }
 }
 
@@ -157,7 +158,7 @@ mod tests {
 
     use super::*;
 
-    const WISH: Twist2 = Twist2 { linear_mps: 0.6, angular_radps: 0.0 };
+    const REQUESTED: Twist2 = Twist2 { linear_mps: 0.6, angular_radps: 0.0 };
 
     fn decision(linear_mps: f32, cause: Option<Cause>) -> Decision {
         Decision {
@@ -175,21 +176,21 @@ mod tests {
     }
 
     #[test]
-    fn every_moment_has_one_reason_and_slowness_costs_what_is_missing() {
+    fn every_moment_has_one_time_use() {
         let cases = [
-            (0.6, None, Spent::Driving, 0.0),
-            (0.3, Some(Cause::PersonNear), Spent::SlowNearPerson, 0.5),
-            (0.15, Some(Cause::CollisionSlow), Spent::SlowSomebodyComes, 0.75),
-            (0.3, None, Spent::SlowNearThings, 0.0),
-            (0.0, Some(Cause::CollisionStop), Spent::HeldSomebodyComes, 1.0),
-            (0.0, Some(Cause::ScanProtective), Spent::HeldField, 1.0),
-            (0.0, Some(Cause::EmergencyStop), Spent::HeldOther, 0.0),
+            (0.6, None, TimeUse::Driving, 0.0),
+            (0.3, Some(Cause::PersonNear), TimeUse::SlowNearPerson, 0.5),
+            (0.15, Some(Cause::CollisionSlow), TimeUse::SlowPersonApproaches, 0.75),
+            (0.3, None, TimeUse::SlowNearObjects, 0.0),
+            (0.0, Some(Cause::CollisionStop), TimeUse::HeldPersonApproaches, 1.0),
+            (0.0, Some(Cause::ScanProtective), TimeUse::HeldField, 1.0),
+            (0.0, Some(Cause::EmergencyStop), TimeUse::HeldOther, 0.0),
         ];
         let (mut times, mut lost_s) = (Times::default(), 0.0);
         for (permitted_mps, cause, spent, costs) in cases {
             let decision = decision(permitted_mps, cause);
-            assert_eq!(Spent::of(WISH, Some(decision)), spent, "{cause:?}");
-            times.add(spent, (WISH, decision.permitted), 2.0);
+            assert_eq!(TimeUse::of(REQUESTED, Some(decision)), spent, "{cause:?}");
+            times.add(spent, (REQUESTED, decision.permitted), 2.0);
             lost_s += 2.0 * costs;
         }
         assert!((times.lost_s() - lost_s).abs() < 1e-5, "{}", times.lost_s());

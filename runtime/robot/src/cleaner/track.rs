@@ -1,4 +1,5 @@
-//! Drives a way of the lattice: forward pieces by pure pursuit, turns on the spot, backwards pieces straight.
+//! Drives a path of the lattice: forward pieces by pure pursuit, turns on the spot, backwards pieces
+//! straight.
 
 use floorguard_types::geometry::{Point2, Pose2, Twist2, wrap_angle};
 
@@ -6,7 +7,7 @@ use super::lattice::{Gear, Pace, Waypoint};
 
 /// The point that the robot aims at lies this far ahead, metres.
 const LOOK_AHEAD_M: f32 = 0.45;
-/// Off the way by more than this the way is given up, metres.
+/// Cross-track error at which the path is given up, metres.
 const LOST_M: f32 = 0.4;
 /// A heading within this is reached, radians.
 const AIMED_RAD: f32 = 0.06;
@@ -17,7 +18,7 @@ const EASE_MPS2: f32 = 0.4;
 /// The slowest that still gets there, m/s and rad/s.
 const CRAWL: (f32, f32) = (0.08, 0.15);
 
-/// Legs that may be reached from one look to the next.
+/// Legs that may be reached from one step to the next.
 const LEGS_AHEAD: usize = 5;
 
 /// What to do next.
@@ -27,40 +28,40 @@ pub enum Tracking {
     Drive(Twist2),
     /// The end is reached.
     Arrived,
-    /// The robot is not on its way any more.
+    /// The robot has left its path.
     Lost,
 }
 
-/// A way being driven.
+/// A path being driven.
 #[derive(Clone, Debug, Default)]
 pub struct Track {
-    way: Vec<Waypoint>,
+    path: Vec<Waypoint>,
     /// The piece of one gear that is driven now: its first and one past its last waypoint.
     piece: (usize, usize),
     at: usize,
 }
 
 impl Track {
-    /// A way from its first waypoint, where the robot is.
-    pub fn new(way: Vec<Waypoint>) -> Self {
-        let mut track = Self { way, piece: (0, 0), at: 0 };
+    /// A path from its first waypoint, where the robot is.
+    pub fn new(path: Vec<Waypoint>) -> Self {
+        let mut track = Self { path, piece: (0, 0), at: 0 };
         track.begin(1);
         track
     }
 
     /// Nothing is left to drive.
     pub fn is_over(&self) -> bool {
-        self.piece.0 >= self.way.len()
+        self.piece.0 >= self.path.len()
     }
 
     /// What is still to be driven.
     pub fn rest(&self) -> &[Waypoint] {
-        self.way.get(self.at..).unwrap_or(&[])
+        self.path.get(self.at..).unwrap_or(&[])
     }
 
     fn begin(&mut self, first: usize) {
-        let gear = self.way.get(first).map(|at| at.gear);
-        let rest = self.way.get(first..).unwrap_or(&[]);
+        let gear = self.path.get(first).map(|at| at.gear);
+        let rest = self.path.get(first..).unwrap_or(&[]);
         let count = rest.iter().take_while(|at| Some(at.gear) == gear).count();
         self.piece = (first, first + count);
         self.at = first;
@@ -69,8 +70,8 @@ impl Track {
     /// What to do from a pose in the map frame.
     pub fn follow(&mut self, pose: Pose2, pace: &Pace) -> Tracking {
         // Every turn ends a piece or returns; there are fewer pieces than waypoints.
-        for _ in 0..=self.way.len() {
-            let Some(end) = self.way.get(self.piece.0..self.piece.1).and_then(<[_]>::last).copied() else {
+        for _ in 0..=self.path.len() {
+            let Some(end) = self.path.get(self.piece.0..self.piece.1).and_then(<[_]>::last).copied() else {
                 return Tracking::Arrived;
             };
             let tracking = match end.gear {
@@ -88,7 +89,7 @@ impl Track {
 
     /// The corner points of the piece, with the one where it begins.
     fn points(&self) -> &[Waypoint] {
-        self.way.get(self.piece.0.saturating_sub(1)..self.piece.1).unwrap_or(&[])
+        self.path.get(self.piece.0.saturating_sub(1)..self.piece.1).unwrap_or(&[])
     }
 
     /// Where on the piece the robot is; or that it need not go on, or cannot.
@@ -129,7 +130,7 @@ impl Track {
         if let Err(end) = self.advance(pose) {
             return end;
         }
-        let heading_rad = self.way.get(self.at).map_or(pose.heading_rad, |at| at.pose.heading_rad);
+        let heading_rad = self.path.get(self.at).map_or(pose.heading_rad, |at| at.pose.heading_rad);
         let error_rad = wrap_angle(heading_rad - pose.heading_rad);
         Tracking::Drive(Twist2 {
             linear_mps: -pace.reverse_mps,
@@ -153,7 +154,7 @@ struct Foot {
     leg: usize,
     /// Metres along that leg.
     along_m: f32,
-    /// Way left to the end of the piece, metres; negative beyond the end.
+    /// Distance left to the end of the piece, metres; negative beyond the end.
     left_m: f32,
     /// Distance from the piece, metres.
     off_m: f32,
@@ -163,8 +164,8 @@ fn place(waypoint: &Waypoint) -> Point2 {
     Point2::new(waypoint.pose.x_m, waypoint.pose.y_m)
 }
 
-/// The nearest point of the legs, from the one where the robot was on, and only of the next few: a way may cross itself.
-/// On the last one the robot may be beyond the end.
+/// The nearest point of the legs, from the one where the robot was on, and only of the next few: a path may cross
+/// itself. On the last one the robot may be beyond the end.
 fn foot_of(points: &[Waypoint], (here, was_on): (Point2, usize)) -> Option<Foot> {
     let lengths: Vec<f32> = points.windows(2).map(|leg| place(&leg[0]).distance(place(&leg[1]))).collect();
     let mut best: Option<Foot> = None;
@@ -215,7 +216,7 @@ mod tests {
     #[test]
     fn drives_ahead_turns_and_backs_up() {
         let quarter = std::f32::consts::FRAC_PI_2;
-        let way = vec![
+        let path = vec![
             at(0.0, 0.0, 0.0, Gear::Ahead),
             at(1.0, 0.0, 0.0, Gear::Ahead),
             at(2.0, 0.0, 0.0, Gear::Ahead),
@@ -223,7 +224,7 @@ mod tests {
             at(2.0, 1.0, quarter, Gear::Ahead),
             at(2.0, 0.5, quarter, Gear::Back),
         ];
-        let mut track = Track::new(way);
+        let mut track = Track::new(path);
         let mut pose = Pose2::new(0.0, 0.1, 0.1);
         let mut farthest_m = 0.0_f32;
         for _ in 0..1_000 {

@@ -1,4 +1,5 @@
-//! From a dirty cell to a way over it: one straight pass of the brush over as much of the dirt around it as fits.
+//! From a dirty cell to a path over it: one straight pass of the brush over as much of the dirt around it as
+//! fits.
 
 use floorguard_types::geometry::{Point2, Pose2};
 
@@ -42,23 +43,24 @@ impl Spot {
 }
 
 impl Cleaner {
-    /// Finds the way to a pass over a cell and over the dirt around it; over the cell alone if there is no other.
+    /// Finds the path to a pass over a cell and over the dirt around it; over the cell alone if there is no
+    /// other.
     pub(super) fn plan_to(&mut self, cell: usize, pose: Pose2, now_s: f32) -> bool {
         let target = self.ground.raster().centre(cell);
         let dirty = self.dirty_around(target);
         let [all, most] = TAKEN.map(|share| self.spot((target, share), &dirty));
         let alone = Spot { target, cells: vec![target], needed: 1, run_up_m: 0.05 };
-        let mut ways =
-            [all, most, alone].into_iter().filter_map(|spot| self.way_before(cell, (pose, now_s), &spot));
-        let Some(mut way) = ways.next() else { return false };
-        drop(ways);
-        if let Some(last) = way.last().copied() {
+        let mut paths =
+            [all, most, alone].into_iter().filter_map(|spot| self.path_before(cell, (pose, now_s), &spot));
+        let Some(mut path) = paths.next() else { return false };
+        drop(paths);
+        if let Some(last) = path.last().copied() {
             let around = Surroundings::new(&self.ground, (&self.obstacles, now_s), pose);
             let past_m = self.pass_m(last.pose, (target, &dirty), &around);
             let end = last.pose.compose(Pose2::new(past_m, 0.0, 0.0));
-            way.push(Waypoint { pose: end, gear: Gear::Ahead });
+            path.push(Waypoint { pose: end, gear: Gear::Ahead });
         }
-        self.track = Track::new(way);
+        self.track = Track::new(path);
         self.near.is_leaving = false;
         self.target = Some(cell);
         true
@@ -92,7 +94,7 @@ impl Cleaner {
         Spot { target, needed: (share * best as f32).ceil() as usize, cells, run_up_m: RUN_UP_M }
     }
 
-    /// How far straight on the robot goes so that the brush passes the target, and all dirt before it while there is room.
+    /// How far straight on the robot goes so that the brush passes the target, and all dirt before it while it fits.
     fn pass_m(&self, pose: Pose2, (target, dirty): (Point2, &[Point2]), around: &Surroundings<'_>) -> f32 {
         let ahead_m = |place: Point2| pose.inverse().transform(place).x_m - self.ground.brush.offset_m;
         let least_m = ahead_m(target) + PAST_M;
@@ -102,23 +104,28 @@ impl Cleaner {
             in_robot.y_m.abs() < lane_m && (0.0..AHEAD_M).contains(&ahead_m(**place))
         });
         let most_m = in_lane.map(|place| ahead_m(*place) + PAST_M).fold(least_m, f32::max);
-        let is_free = |way_m: f32| around.is_free(pose.compose(Pose2::new(way_m, 0.0, 0.0)), Gear::Ahead);
+        let is_free = |path_m: f32| around.is_free(pose.compose(Pose2::new(path_m, 0.0, 0.0)), Gear::Ahead);
         let steps = ((most_m - least_m) / STEP_M).ceil() as i32;
         let more =
             (1..=steps).take_while(|step| is_free(least_m + *step as f32 * STEP_M)).last().unwrap_or(0);
         (least_m + more as f32 * STEP_M).min(most_m).max(least_m)
     }
 
-    /// The way to a pose from where the robot can go straight on over a spot.
-    fn way_before(&mut self, cell: usize, (pose, now_s): (Pose2, f32), spot: &Spot) -> Option<Vec<Waypoint>> {
+    /// The path to a pose from where the robot can go straight on over a spot.
+    fn path_before(
+        &mut self,
+        cell: usize,
+        (pose, now_s): (Pose2, f32),
+        spot: &Spot,
+    ) -> Option<Vec<Waypoint>> {
         let (ground, guess, speed_mps) = (&self.ground, &mut self.guess, self.lattice.pace().speed_mps);
         let around = Surroundings::new(ground, (&self.obstacles, now_s), pose);
         guess.run(cell, |cell| ground.floor.passable[cell] || ground.floor.reachable[cell]);
         let left_s = |pose: Pose2| {
             let axle = Point2::new(pose.x_m, pose.y_m);
             let units = ground.raster().cell_at(axle).and_then(|cell| guess.distance(cell));
-            let way_m = units.map_or(1.5 * axle.distance(spot.target), |units| units as f32 / 290.0);
-            Some((way_m - 0.5).max(0.0) / speed_mps)
+            let path_m = units.map_or(1.5 * axle.distance(spot.target), |units| units as f32 / 290.0);
+            Some((path_m - 0.5).max(0.0) / speed_mps)
         };
         let is_enough = |pose: Pose2| {
             let past_m = pose.inverse().transform(spot.target).x_m - ground.brush.offset_m + PAST_M;
@@ -127,7 +134,7 @@ impl Cleaner {
         self.lattice.find(pose, (|pose, gear| around.slowness(pose, gear), left_s), is_enough)
     }
 
-    /// A way to any pose that is good enough.
+    /// A path to any pose that is good enough.
     pub(super) fn search(
         &mut self,
         (pose, now_s): (Pose2, f32),

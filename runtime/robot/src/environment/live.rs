@@ -1,8 +1,8 @@
 //! Learning while the robot works: from its own list of people, saved every minute.
 //!
-//! There is no map on the robot yet, so places are told from where it was switched on: a robot that always starts from
-//! its dock always learns the same places. What the safety scanner's beams passed through was watched, and nothing
-//! else: what stands behind something is unknown, not empty.
+//! There is no map on the robot yet, so places are relative to where it was switched on: a robot that always starts
+//! from its dock always learns the same places. What the safety scanner's beams passed through was watched, and
+//! nothing else: what stands behind something is unknown, not empty.
 
 use std::path::{Path, PathBuf};
 
@@ -63,11 +63,11 @@ impl LiveLearner {
         })
     }
 
-    /// Looks at what perception has published. To be called many times a second.
+    /// Reads what perception has published. To be called many times a second.
     ///
     /// # Errors
     /// The model cannot be saved.
-    pub fn look<M: RawMutex>(&mut self, shared: &Shared<M>, now: WallTime) -> anyhow::Result<()> {
+    pub fn learn<M: RawMutex>(&mut self, shared: &Shared<M>, now: WallTime) -> anyhow::Result<()> {
         let Some(robot) = shared.pose.get().map(|pose| pose.pose_in_odometry) else { return Ok(()) };
         let offset_s = self.model.calendar.offset_s(now);
         if let Some(scan) = shared.scan.get().filter(|_| now >= self.next_watch) {

@@ -1,4 +1,5 @@
-//! The environment model of a Linux computer: the core's, with room for a large hall, a calendar and named zones.
+//! The environment model of a Linux computer: the core's, with capacity for a large hall, a calendar and named
+//! zones.
 
 use anyhow::ensure;
 use floorguard_mapping::GridGeometry;

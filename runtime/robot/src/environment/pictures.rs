@@ -1,4 +1,4 @@
-//! Heat maps as pictures: from dark blue over red to yellow; grey is what nobody has watched.
+//! Heat maps as pictures: from dark blue over red to yellow; grey is unobserved.
 
 use std::path::Path;
 
@@ -36,7 +36,7 @@ fn colour(value: f32) -> Rgb<u8> {
     Rgb([mix(0), mix(1), mix(2)])
 }
 
-/// One value a cell: `None` for a cell that nobody watched; in all hours, or in some.
+/// One value a cell: `None` for an unobserved cell; in all hours, or in some.
 #[must_use]
 pub fn values(model: &Model, layer: Layer, hours: Option<&WeekHours>) -> Vec<Option<f32>> {
     let heat = &model.core.heat;

@@ -20,15 +20,16 @@ impl Sight {
     }
 
     /// The walls that can matter from here, to be asked many times.
-    pub fn from(&self, eye: Point2) -> impl Fn(Point2) -> bool + use<> {
+    pub fn from(&self, observer: Point2) -> impl Fn(Point2) -> bool + use<> {
         let range_m = self.range_m;
         let near = |(a, b): &&(Point2, Point2)| {
             let middle = Point2::new(0.5 * (a.x_m + b.x_m), 0.5 * (a.y_m + b.y_m));
-            middle.distance(eye) - 0.5 * a.distance(*b) < range_m
+            middle.distance(observer) - 0.5 * a.distance(*b) < range_m
         };
         let edges: Vec<(Point2, Point2)> = self.edges.iter().filter(near).copied().collect();
         move |point| {
-            point.distance(eye) <= range_m && !edges.iter().any(|(a, b)| cross((eye, point), (*a, *b)))
+            point.distance(observer) <= range_m
+                && !edges.iter().any(|(a, b)| cross((observer, point), (*a, *b)))
         }
     }
 }

@@ -50,7 +50,7 @@ fn a_model_survives_the_file_unchanged() {
 }
 
 #[test]
-fn a_cut_at_any_byte_loses_at_most_the_newest_update() {
+fn cut_loses_at_most_the_newest_update() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("m");
     let (new, old) = (beside(&path, ".new"), beside(&path, ".old"));
@@ -100,7 +100,7 @@ fn damage_at_any_byte_is_found() {
 }
 
 #[test]
-fn says_what_is_wrong_and_never_had_is_not_lost() {
+fn status_names_faults_and_absent_is_not_lost() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("m");
     assert!(load(&path).unwrap().is_none());

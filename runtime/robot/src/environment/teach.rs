@@ -33,7 +33,7 @@ pub struct Lesson {
     pub outside: u64,
     /// Seconds watched.
     pub seconds: f64,
-    /// Tracks for which there was no room, and cells and hours for which there was none.
+    /// Tracks, cells and hours beyond the capacity.
     pub lost: u64,
 }
 
@@ -49,19 +49,19 @@ pub fn teach_recording(model: &mut Model, recording: &Recording, start: WallTime
             && point.y_m >= low.y_m - RIM_M
             && point.y_m <= high.y_m + RIM_M
     };
-    let mut pupil = Pupil::new(model, start)?;
+    let mut learner = RecordingLearner::new(model, start)?;
     let mut watched_us = 0;
     for (&micros, points) in &recording.moments {
         while watched_us <= micros {
-            pupil.watch(start.plus_micros(watched_us), in_view);
+            learner.watch(start.plus_micros(watched_us), in_view);
             watched_us += WATCH_US;
         }
         for point in points {
             let person = PersonAt { id: point.id, position_in_map: point.position };
-            pupil.observe(person, start.plus_micros(micros));
+            learner.observe(person, start.plus_micros(micros));
         }
     }
-    Ok(pupil.finish(start.plus_micros(recording.length_us()), recording.length_us()))
+    Ok(learner.finish(start.plus_micros(recording.length_us()), recording.length_us()))
 }
 
 /// Learns what the robot saw of people on a run that began at `start`, through walls and shelves excepted.
@@ -75,25 +75,25 @@ pub fn teach_run(
     range_m: f32,
 ) -> anyhow::Result<Lesson> {
     let sight = Sight::new(outlines.iter(), range_m);
-    let mut pupil = Pupil::new(model, start)?;
+    let mut learner = RecordingLearner::new(model, start)?;
     let mut next_watch_us = i64::MIN;
     for moment in seen {
         let micros = i64::try_from(moment.at_us).unwrap_or(i64::MAX);
         let at = start.plus_micros(micros);
         if micros >= next_watch_us {
             next_watch_us = micros.saturating_add(WATCH_US);
-            pupil.watch(at, sight.from(Point2::new(moment.robot.x_m, moment.robot.y_m)));
+            learner.watch(at, sight.from(Point2::new(moment.robot.x_m, moment.robot.y_m)));
         }
         for (id, position_in_map) in &moment.people {
-            pupil.observe(PersonAt { id: *id, position_in_map: *position_in_map }, at);
+            learner.observe(PersonAt { id: *id, position_in_map: *position_in_map }, at);
         }
     }
     let last_us = seen.last().map_or(0, |moment| i64::try_from(moment.at_us).unwrap_or(i64::MAX));
-    Ok(pupil.finish(start.plus_micros(last_us), last_us))
+    Ok(learner.finish(start.plus_micros(last_us), last_us))
 }
 
 /// A model that learns one recording.
-struct Pupil<'a> {
+struct RecordingLearner<'a> {
     model: &'a mut Model,
     offset_s: i32,
     lesson: Lesson,
@@ -102,7 +102,7 @@ struct Pupil<'a> {
     first_id: u64,
 }
 
-impl<'a> Pupil<'a> {
+impl<'a> RecordingLearner<'a> {
     fn new(model: &'a mut Model, start: WallTime) -> anyhow::Result<Self> {
         if let Some(newest) = model.core.newest() {
             ensure!(

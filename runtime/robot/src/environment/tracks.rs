@@ -191,12 +191,12 @@ const ETH_UCY_STEP_S: f64 = 0.4;
 /// Frames a second: from the velocities if the file has them, from the step between annotated frames in a file of the ETH
 /// and UCY sets, else what the layout is known for.
 fn frame_rate(rows: &[Row], format: TrackFormat) -> f64 {
-    let told = match format {
+    let reported = match format {
         TrackFormat::Eth => rate_of_velocities(rows),
         TrackFormat::EthUcy => rate_of_steps(rows),
         _ => None,
     };
-    told.unwrap_or(format.frames_per_second())
+    reported.unwrap_or(format.frames_per_second())
 }
 
 /// The same person in two successive rows, in the order of the frames.
@@ -300,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn says_which_line_is_wrong() {
+    fn error_names_the_wrong_line() {
         let error = rows("1 84 154.0 679.0 175.4\n1 x 150.0 650.0 175.4\n", TrackFormat::Hermes).unwrap_err();
         assert!(error.to_string().contains("line 2"), "{error:#}");
         assert!(rows("{\"track\": {\"f\": 0}}", TrackFormat::Lcas).is_err());

@@ -41,7 +41,7 @@ struct ZoneEntry {
 /// Reads zones: `[[zone]]` with `name`, `corners_m = [[x, y], …]` and, where it is so, `always_dry = true`.
 ///
 /// # Errors
-/// A file that cannot be read, or a zone that is none.
+/// A file that cannot be read, or an invalid zone.
 pub fn read_zones(path: &Path) -> anyhow::Result<Vec<Zone>> {
     let text =
         std::fs::read_to_string(path).with_context(|| format!("{}: cannot be read", path.display()))?;
@@ -59,7 +59,7 @@ impl Zone {
     /// A zone from its corners.
     ///
     /// # Errors
-    /// Fewer than three or too many corners, numbers that are none, no name.
+    /// Fewer than three or too many corners, non-finite numbers, no name.
     pub fn new(name: String, corners: Vec<Point2>, is_always_dry: bool) -> anyhow::Result<Self> {
         ensure!(!name.trim().is_empty() && name.len() <= 80, "a zone needs a name of up to 80 bytes");
         let count = corners.len();

@@ -79,7 +79,7 @@ mod tests {
     use floorguard_perception::people::person_model::person_log_odds;
 
     #[test]
-    fn the_shipped_anchors_are_of_both_kinds_and_the_shipped_classifier_knows_them() {
+    fn shipped_anchors_match_the_shipped_classifier() {
         let anchors = read_anchors(SHIPPED).expect("the file is whole");
         let right = |person: bool| {
             let of: Vec<bool> = anchors

@@ -1,17 +1,17 @@
-//! The learner beside the people stages: after each sweep it looks at the tracks, learns a little, and says what it now
-//! thinks of each.
+//! The learner beside the people stages: after each sweep it reads the tracks, learns a little, and gives its belief
+//! about each.
 //!
 //! Everything follows from the sweeps and their stamps, so a recording with the same start gives the same bits.
 
 use floorguard_perception::online_learning::{
-    ExpertRules, LabelledShape, LearnedBeliefs, OnlineLearner, Sight, TwoLooks, Weights,
+    ExpertRules, LabelledShape, LearnedBeliefs, OnlineLearner, ShapeScores, Sight, Weights,
 };
 use floorguard_perception::people::person_model::person_log_odds;
 use floorguard_perception::people::{PeoplePipeline, Track};
 use floorguard_types::geometry::Point2;
 use floorguard_types::time::{Age, Stamp};
 
-use super::desk::LearningDesk;
+use super::learning_slot::LearningSlot;
 use super::report::LearningReport;
 
 /// A detection this near to its track's place is its own, metres.
@@ -28,15 +28,15 @@ pub struct PeopleLearner {
     resumed: bool,
     corrects: bool,
     pace: Pace,
-    looks: [u64; 2],
-    desk: LearningDesk,
+    shapes_scored: [u64; 2],
+    slot: LearningSlot,
 }
 
 impl PeopleLearner {
     /// Begins with weights that were learned before; ones that do worse on the anchors than none are left aside (see
     /// [`Self::is_resumed`]). `update_us`: from one judgement to the next, at least.
     #[must_use]
-    pub fn new(anchors: &[LabelledShape], start: &Weights, (update_us, desk): (u64, LearningDesk)) -> Self {
+    pub fn new(anchors: &[LabelledShape], start: &Weights, (update_us, slot): (u64, LearningSlot)) -> Self {
         let mut learner = Box::new(OnlineLearner::new(anchors, ExpertRules::DEFAULT));
         let corrects = *start != Weights::ZERO && learner.resume(start);
         Self {
@@ -45,8 +45,8 @@ impl PeopleLearner {
             resumed: corrects,
             corrects,
             pace: Pace { update_us: update_us.max(1), last: None, due: 0 },
-            looks: [0; 2],
-            desk,
+            shapes_scored: [0; 2],
+            slot,
         }
     }
 
@@ -58,7 +58,7 @@ impl PeopleLearner {
 
     /// Takes in a sweep that went through the people stages.
     pub fn observe(&mut self, people: &PeoplePipeline, stamp: Stamp) {
-        let Self { learner, beliefs, looks, corrects, .. } = self;
+        let Self { learner, beliefs, shapes_scored, corrects, .. } = self;
         let own = |track: &Track| {
             let is_seen = track.last_seen == stamp;
             own_detection(people, track.state.position)
@@ -67,23 +67,25 @@ impl PeopleLearner {
         };
         if *corrects {
             beliefs.update(people.tracks().iter().map(|track| {
-                let both = own(track).map(|shape| TwoLooks {
+                let both = own(track).map(|shape| ShapeScores {
                     shipped: person_log_odds(shape),
                     learned: learner.log_odds(shape),
                 });
-                looks[1] += u64::from(both.is_some_and(|both| (both.shipped > 0.0) != (both.learned > 0.0)));
+                shapes_scored[1] +=
+                    u64::from(both.is_some_and(|both| (both.shipped > 0.0) != (both.learned > 0.0)));
                 (track, both)
             }));
         }
         let seen = people.tracks().iter().filter(|track| track.last_seen == stamp);
         let sights = seen.map(|track| {
             let shape = own(track);
-            looks[0] += u64::from(shape.is_some());
+            shapes_scored[0] += u64::from(shape.is_some());
             Sight { track: track.id, position: track.state.position, shape }
         });
         learner.observe(stamp, sights);
         self.learn(stamp);
-        self.desk.put(LearningReport::of(&self.learner, self.resumed, self.looks), self.learner.weights());
+        self.slot
+            .put(LearningReport::of(&self.learner, self.resumed, self.shapes_scored), self.learner.weights());
     }
 
     /// As many steps as are due: one judgement in `update_us`.
@@ -139,7 +141,7 @@ mod tests {
     use floorguard_types::random::Pcg32;
 
     #[test]
-    fn a_round_takes_as_long_as_an_update_may_and_a_pause_is_not_caught_up() {
+    fn round_takes_one_update_period_after_pauses() {
         for (update_us, seconds) in [(30_000_000, 300), (5_000_000, 50), (3_600_000_000, 7_200)] {
             let mut pace = Pace { update_us, last: None, due: 0 };
             let mut sum = 0_u64;
@@ -160,7 +162,7 @@ mod tests {
 
     /// From the shipped classifier on: what the advice hears changes with the first update that is taken over, not before.
     #[test]
-    fn the_first_update_that_is_taken_over_is_used() {
+    fn first_accepted_update_is_used() {
         let mut random = Pcg32::new(7, 7);
         let mut drawn = |is_wanted: fn(f32) -> bool, span: f32, count: usize| -> Vec<ShapeVector> {
             let shapes =
@@ -169,18 +171,18 @@ mod tests {
         };
         let (people, others) = (drawn(|odds| odds > 0.5, 1.2, 500), drawn(|odds| odds < -0.5, 1.2, 200));
         // What the shipped classifier doubtfully takes for people stands about here.
-        let thing = drawn(|odds| (0.3..1.0).contains(&odds), 1.8, 1)[0];
+        let doubtful_shape = drawn(|odds| (0.3..1.0).contains(&odds), 1.8, 1)[0];
         let label = |shapes: &[ShapeVector], is_person| {
             shapes.iter().map(|shape| LabelledShape { shape: *shape, is_person }).collect::<Vec<_>>()
         };
         let anchors = [label(&people[..200], true), label(&others, false)].concat();
-        let desk = LearningDesk::default();
-        let mut learner = PeopleLearner::new(&anchors, &Weights::ZERO, (5_000_000, desk));
+        let slot = LearningSlot::default();
+        let mut learner = PeopleLearner::new(&anchors, &Weights::ZERO, (5_000_000, slot));
         for step in 0..9_600_u32 {
             let (stamp, round) = (Stamp::from_micros(u64::from(step) * 100_000), step / 160);
             if step % 160 < 120 {
                 let walker = people[random.below(people.len() as u32) as usize];
-                let stander = thing.map(|value| value + random.uniform_between(-0.01, 0.01));
+                let stander = doubtful_shape.map(|value| value + random.uniform_between(-0.01, 0.01));
                 let walked = Point2::new(0.1 * (step % 160) as f32, 3.0);
                 let sights = [
                     Sight { track: 2 * round, position: walked, shape: Some(&walker) },

@@ -5,14 +5,14 @@
 //! learned can only add a person to the advice.
 
 mod anchors;
-mod desk;
+mod learning_slot;
 mod live;
 mod report;
 mod setup;
 mod weights_file;
 
 pub use anchors::{anchors_file, anchors_fingerprint, read_anchors, shipped_anchors};
-pub use desk::{LearningDesk, LearningKeeper};
+pub use learning_slot::{LearningSlot, LearningWriter};
 pub use live::{PeopleLearner, own_detection};
 pub use report::LearningReport;
 pub use setup::LearningSetup;

@@ -23,27 +23,31 @@ pub struct LearningReport {
     /// Agreement with the labels of the examples held out, at the newest judgement: the mean of the shares of people and of others
     /// decided as labelled, by the shipped classifier and by what is in use. None before the first judgement.
     pub agreement: Option<[f32; 2]>,
-    /// Looks at tracks, and those that what was learned decided otherwise than the shipped classifier.
-    pub looks: u64,
-    /// See `looks`.
+    /// Shapes scored, and those that the learned model decided otherwise than the shipped classifier.
+    pub shapes_scored: u64,
+    /// See `shapes_scored`.
     pub decided_otherwise: u64,
 }
 
 impl LearningReport {
-    pub(super) fn of(learner: &OnlineLearner, resumed: bool, [looks, decided_otherwise]: [u64; 2]) -> Self {
-        let LearnerCounters { people, nobodies, silent, accepted, rejected, .. } = learner.counters();
+    pub(super) fn of(
+        learner: &OnlineLearner,
+        resumed: bool,
+        [shapes_scored, decided_otherwise]: [u64; 2],
+    ) -> Self {
+        let LearnerCounters { people, non_people, silent, accepted, rejected, .. } = learner.counters();
         let [others, persons] = learner.store().counts();
         let [others_held, persons_held] = learner.store().held_out_counts();
         let mean = |standing: Standing| 0.5 * (standing.recall + standing.rejected);
         Self {
             resumed,
-            tracks: [people, nobodies, silent],
+            tracks: [people, non_people, silent],
             examples: [persons, others],
             held_out: [persons_held, others_held],
             accepted,
             refused: rejected,
             agreement: learner.agreement().map(|both| both.map(mean)),
-            looks,
+            shapes_scored,
             decided_otherwise,
         }
     }
@@ -62,9 +66,9 @@ impl LearningReport {
             None => "too few examples for a judgement yet".to_owned(),
         };
         let (people, others) = (counted(*people, "person"), counted(*others, "other track"));
-        let (updates, looks) = (counted(*accepted, "update"), counted(self.looks, "look"));
+        let (updates, shapes_scored) = (counted(*accepted, "update"), counted(self.shapes_scored, "look"));
         format!(
-            "{of_people} + {of_others} examples from {people} and {others}; {updates} taken over, {refused} refused; {agreement}; {} of {looks} decided otherwise",
+            "{of_people} + {of_others} examples from {people} and {others}; {updates} taken over, {refused} refused; {agreement}; {} of {shapes_scored} decided otherwise",
             self.decided_otherwise
         )
     }

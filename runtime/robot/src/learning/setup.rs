@@ -6,7 +6,7 @@ use anyhow::{Context, ensure};
 use floorguard_perception::online_learning::{LabelledShape, Weights};
 
 use super::anchors::{anchors_fingerprint, shipped_anchors};
-use super::desk::{LearningDesk, LearningKeeper};
+use super::learning_slot::{LearningSlot, LearningWriter};
 use super::live::PeopleLearner;
 use super::weights_file::{decode_weights, encode_weights, load_weights};
 use floorguard_configuration::LearningConfiguration;
@@ -20,12 +20,12 @@ pub struct LearningSetup {
     update_us: u64,
     path: Option<PathBuf>,
     /// Where the ring lays down what it has learned.
-    pub desk: LearningDesk,
+    pub slot: LearningSlot,
 }
 
 impl LearningSetup {
-    /// By a section of robot.toml; `None` if it is switched off. `folder` is that of the file. A model that cannot be used
-    /// is told to `say`, and the robot begins with the shipped classifier.
+    /// By a section of robot.toml; `None` if it is switched off. `folder` is that of the file. A model that cannot be
+    /// used is reported through `say`, and the robot begins with the shipped classifier.
     ///
     /// # Errors
     /// The folder of the model is not there: nothing could ever be kept.
@@ -87,7 +87,7 @@ impl LearningSetup {
     #[must_use]
     pub fn beside(anchors: Vec<LabelledShape>, start: Weights, update_us: u64) -> Self {
         let fingerprint = anchors_fingerprint(&anchors);
-        Self { anchors, fingerprint, start, update_us, path: None, desk: LearningDesk::default() }
+        Self { anchors, fingerprint, start, update_us, path: None, slot: LearningSlot::default() }
     }
 
     /// As a recording tells of its start; nothing is kept.
@@ -116,20 +116,20 @@ impl LearningSetup {
     /// The same robot after its computer was switched off and on again: with what was kept.
     #[must_use]
     pub fn again(&self) -> Self {
-        let start = self.desk.newest().map_or(self.start, |(_, weights)| weights);
+        let start = self.slot.newest().map_or(self.start, |(_, weights)| weights);
         Self { start, ..self.clone() }
     }
 
     /// Begins.
     #[must_use]
     pub fn learner(&self) -> PeopleLearner {
-        PeopleLearner::new(&self.anchors, &self.start, (self.update_us, self.desk.clone()))
+        PeopleLearner::new(&self.anchors, &self.start, (self.update_us, self.slot.clone()))
     }
 
-    /// Whoever writes what was taken over.
+    /// The writer of accepted updates.
     #[must_use]
-    pub fn keeper(&self) -> LearningKeeper {
-        LearningKeeper::new(self.desk.clone(), self.path.clone(), (self.fingerprint, self.start))
+    pub fn writer(&self) -> LearningWriter {
+        LearningWriter::new(self.slot.clone(), self.path.clone(), (self.fingerprint, self.start))
     }
 }
 
@@ -143,9 +143,9 @@ mod tests {
     fn open(folder: &Path) -> (Option<LearningSetup>, String) {
         let model = PathBuf::from("people.learned");
         let configuration = LearningConfiguration { enabled: true, model, update_us: UPDATE_US };
-        let mut said = String::new();
-        let setup = LearningSetup::open(&configuration, folder, &mut |what| said += what).unwrap();
-        (setup, said)
+        let mut message = String::new();
+        let setup = LearningSetup::open(&configuration, folder, &mut |what| message += what).unwrap();
+        (setup, message)
     }
 
     /// A correction that the anchors permit.
@@ -154,33 +154,36 @@ mod tests {
     }
 
     #[test]
-    fn what_was_kept_is_gone_on_with_and_a_bad_file_gives_way_to_the_shipped_classifier() {
+    fn saved_learning_resumes_bad_file_uses_shipped() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("people.learned");
-        let (new, said) = open(folder.path());
+        let (new, message) = open(folder.path());
         let new = new.expect("it is enabled");
-        assert!(said.contains("begins with the shipped classifier") && !new.learner().is_resumed(), "{said}");
+        assert!(
+            message.contains("begins with the shipped classifier") && !new.learner().is_resumed(),
+            "{message}"
+        );
         // An update is taken over: the keeper writes it once.
-        let mut keeper = new.keeper();
-        assert_eq!(keeper.attend(), None);
-        new.desk.put(LearningReport::default(), &Weights::ZERO);
-        assert_eq!(keeper.attend(), None);
+        let mut writer = new.writer();
+        assert_eq!(writer.attend(), None);
+        new.slot.put(LearningReport::default(), &Weights::ZERO);
+        assert_eq!(writer.attend(), None);
         assert!(!path.exists());
-        new.desk.put(LearningReport { accepted: 1, ..LearningReport::default() }, &small());
-        let news = keeper.attend().expect("something was taken over");
-        assert!(news.contains("1 update taken over"), "{news}");
-        assert_eq!(keeper.attend(), None);
-        let (again, said) = open(folder.path());
-        assert!(said.contains("goes on with") && said.contains("update 1"), "{said}");
+        new.slot.put(LearningReport { accepted: 1, ..LearningReport::default() }, &small());
+        let update = writer.attend().expect("something was taken over");
+        assert!(update.contains("1 update taken over"), "{update}");
+        assert_eq!(writer.attend(), None);
+        let (again, message) = open(folder.path());
+        assert!(message.contains("goes on with") && message.contains("update 1"), "{message}");
         assert!(again.is_some_and(|setup| setup.start == small() && setup.learner().is_resumed()));
         // Whatever the file may be, the robot starts, says why, and is the shipped one.
         let whole = std::fs::read(&path).unwrap();
         let mut damaged = whole.clone();
         damaged[40] ^= 1;
-        let wrong = |bytes: &[u8], told: &str| {
+        let wrong = |bytes: &[u8], expected: &str| {
             std::fs::write(&path, bytes).unwrap();
-            let (setup, said) = open(folder.path());
-            assert!(said.contains(told) && said.contains("shipped"), "{said}");
+            let (setup, message) = open(folder.path());
+            assert!(message.contains(expected) && message.contains("shipped"), "{message}");
             assert!(setup.is_some_and(|setup| setup.start == Weights::ZERO));
         };
         wrong(&whole[..100], "cut short or damaged");
@@ -190,13 +193,13 @@ mod tests {
         // Sound numbers that forget people.
         let forgets = Weights { offset: -4.0, ..Weights::ZERO };
         save_weights(&path, &forgets, new.fingerprint).unwrap();
-        let (setup, said) = open(folder.path());
-        assert!(said.contains("does worse on the anchors"), "{said}");
+        let (setup, message) = open(folder.path());
+        assert!(message.contains("does worse on the anchors"), "{message}");
         assert!(setup.is_some_and(|setup| setup.start == Weights::ZERO));
     }
 
     #[test]
-    fn a_folder_that_is_not_there_is_refused_and_a_disk_that_fails_is_told_once() {
+    fn missing_folder_refused_failing_disk_reported_once() {
         let folder = tempfile::tempdir().unwrap();
         let of = |model: &str, enabled| {
             let configuration = LearningConfiguration { enabled, model: model.into(), update_us: UPDATE_US };
@@ -209,19 +212,19 @@ mod tests {
         let inner = folder.path().join("inner");
         std::fs::create_dir(&inner).unwrap();
         let setup = of("inner/people.learned", true).unwrap().unwrap();
-        let mut keeper = setup.keeper();
+        let mut writer = setup.writer();
         std::fs::remove_dir(&inner).unwrap();
-        setup.desk.put(LearningReport::default(), &small());
-        assert!(keeper.attend().is_some_and(|said| said.contains("cannot be kept")));
-        setup.desk.put(LearningReport::default(), &Weights { steps: 4_000, ..small() });
-        assert_eq!(keeper.attend(), None);
-        // There is room again, and then there is none again: that is new.
+        setup.slot.put(LearningReport::default(), &small());
+        assert!(writer.attend().is_some_and(|message| message.contains("cannot be kept")));
+        setup.slot.put(LearningReport::default(), &Weights { steps: 4_000, ..small() });
+        assert_eq!(writer.attend(), None);
+        // There is space again, and then there is none again: that is a new fault.
         std::fs::create_dir(&inner).unwrap();
-        setup.desk.put(LearningReport::default(), &Weights { steps: 6_000, ..small() });
-        assert!(keeper.attend().is_some_and(|said| said.contains("taken over")));
+        setup.slot.put(LearningReport::default(), &Weights { steps: 6_000, ..small() });
+        assert!(writer.attend().is_some_and(|message| message.contains("taken over")));
         std::fs::remove_dir_all(&inner).unwrap();
-        setup.desk.put(LearningReport::default(), &Weights { steps: 8_000, ..small() });
-        assert!(keeper.attend().is_some_and(|said| said.contains("cannot be kept")));
+        setup.slot.put(LearningReport::default(), &Weights { steps: 8_000, ..small() });
+        assert!(writer.attend().is_some_and(|message| message.contains("cannot be kept")));
     }
 
     #[test]

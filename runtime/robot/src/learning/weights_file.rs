@@ -1,4 +1,5 @@
-//! What a robot learned about the looks of people, as a file: a header with version, generation, length and checksum.
+//! What a robot learned about the appearance of people, as a file: a header with version, generation, length and
+//! checksum.
 //!
 //! | bytes | content |
 //! |---|---|
@@ -105,8 +106,11 @@ pub fn decode_weights(bytes: &[u8], anchors: u32) -> anyhow::Result<(u32, Weight
     let generation = reader.u32()?;
     let waves = reader.u32()?;
     ensure!(waves as usize == BASIS, "{waves} waves; this program has {BASIS}");
-    let told = reader.u32()?;
-    ensure!(told == anchors, "learned beside other anchors ({told:08x}) than those in use ({anchors:08x})");
+    let reported = reader.u32()?;
+    ensure!(
+        reported == anchors,
+        "learned beside other anchors ({reported:08x}) than those in use ({anchors:08x})"
+    );
     let mut weights = Weights { offset: reader.f32()?, steps: reader.u32()?, ..Weights::ZERO };
     for weight in &mut weights.waves {
         *weight = reader.f32()?;
@@ -127,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn weights_come_back_and_damage_is_noticed_at_every_byte() {
+    fn weights_round_trip_and_detect_damage() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("people.learned");
         assert_eq!(load(&path), None);
@@ -144,7 +148,7 @@ mod tests {
         }
         let others = decode_weights(&whole, ANCHORS + 1).unwrap_err().to_string();
         assert!(others.contains("other anchors (000000a5)"), "{others}");
-        // A damaged file gives way to the one before, and that is said.
+        // A damaged file gives way to the one before, and that is reported.
         save_weights(&path, &Weights::ZERO, ANCHORS).unwrap();
         assert_eq!(load(&path), Some((2, Weights::ZERO)));
         std::fs::write(&path, &whole[..20]).unwrap();
@@ -155,7 +159,7 @@ mod tests {
 
     /// Whatever a power cut leaves of a save, at most the newest save is lost.
     #[test]
-    fn a_cut_at_any_byte_loses_at_most_the_newest() {
+    fn cut_loses_at_most_the_newest() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("people.learned");
         let of = |offset: f32| Weights { offset, ..Weights::ZERO };

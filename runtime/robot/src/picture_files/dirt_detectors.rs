@@ -86,7 +86,7 @@ impl DirtDetectors {
         self.ours.detect(image, usable, view, &mut self.memory.lend())
     }
 
-    /// What ours said last, for the map.
+    /// The last output of ours, for the map.
     #[must_use]
     pub fn scores(&self) -> Scores<'_> {
         let pixels = self.ours.columns() * self.ours.rows();

@@ -13,7 +13,7 @@ pub struct NoveltyBuffers {
 }
 
 impl NoveltyBuffers {
-    /// Room for images of this many pixels.
+    /// Capacity for images of this many pixels.
     pub fn resize(&mut self, image_pixels: usize) {
         let half = image_pixels.div_ceil(NOVELTY_BIN * NOVELTY_BIN);
         self.half.iter_mut().for_each(|values| values.resize(half, [0.0; 4]));

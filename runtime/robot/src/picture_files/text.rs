@@ -5,7 +5,7 @@ use std::path::Path;
 use floorguard_host::outcome::BadInput;
 use floorguard_host::packing;
 
-/// The text of a file, packed or not; the packing is told by its first bytes, not by its name.
+/// The text of a file, packed or not; the packing is recognised by its first bytes, not by its name.
 ///
 /// # Errors
 /// The file cannot be read, is cut off or is no text.

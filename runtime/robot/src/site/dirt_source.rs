@@ -164,7 +164,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_without_dirt_on_the_map_is_refused() {
+    fn file_without_dirt_is_refused() {
         let floor = Floor::new("plain", super::super::rooms::plain().unwrap(), 0.17).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("dirt.csv");

@@ -12,9 +12,9 @@ use super::ros_map::OccupancyMap;
 pub const CELL_M: f32 = 0.1;
 /// Cells that one mission can answer for: the hosted profile.
 pub const CELLS_MAX: usize = 65_536;
-/// Half the way of a pass over a cell, metres: half the cell's diagonal and a little for doubt.
+/// Half the length of a pass over a cell, metres: half the cell's diagonal and a little for doubt.
 const PASS_REACH_M: f32 = 0.085;
-/// Directions and share of that way of which one must be clear for a cell to be cleanable.
+/// Directions and share of that length of which one must be clear for a cell to be cleanable.
 const PASS_DIRECTIONS: u8 = 16;
 const PASS_SHARE: f32 = 0.75;
 /// Kept between the robot's rim and obstacles when planning, beyond its radius, metres.

@@ -141,7 +141,7 @@ fn order(floor: &Floor, mut lanes: Vec<Lane>, start: Point2) -> Vec<Lane> {
             for (end, turned) in [(lane.0, false), (lane.1, true)] {
                 let far = here.distance(end);
                 let least = best.map_or(f32::MAX, |b| b.0);
-                // The line of sight is dear: only for what can still win.
+                // The line of sight is expensive: only for what can still win.
                 let cost = match far {
                     far if far >= least => continue,
                     far if floor.is_clear(here, end) => far,

@@ -12,8 +12,8 @@ use super::floor::Floor;
 pub const PARTICLES: usize = 500;
 /// Cells that the particles can hold at once.
 const ACTIVE_CELLS: usize = 256;
-/// Way and turn after which the belief is updated. 15° instead of the 10° of the published protocol: a mission turns
-/// more than it drives, its errors and visits are the same, and a third fewer updates are made.
+/// Distance and turn after which the belief is updated. 15° instead of the 10° of the published protocol: a mission
+/// turns more than it drives, its errors and visits are the same, and a third fewer updates are made.
 const UPDATE_M: f32 = 0.1;
 const UPDATE_RAD: f32 = 0.262;
 /// Below this share of explained beams something is wrong with the pose.
@@ -21,7 +21,7 @@ const SUSPECT_BELOW: f32 = 0.6;
 /// From this share on, and with the particles together again, it is trusted again.
 const TRUSTED_FROM: f32 = 0.75;
 const TOGETHER_M: f32 = 0.1;
-/// The mean of the particles differs by more than this from where the wheels said it would be, metres: a slip or a push.
+/// The mean of the particles differs by more than this from where the wheel odometry puts it, metres: a slip or a push.
 const LEAP_M: f32 = 0.05;
 /// From this share on a cell counts as visited (book, Cleaning: Re-planning).
 const SWEPT_SHARE: f32 = 0.8;
@@ -120,8 +120,8 @@ impl Localiser {
     /// A pose that does not explain the scan is not believed, and neither is what was cleaned from it.
     fn judge_health(&mut self, explained_share: Option<f32>, step: OdometryStep) {
         let Some(share) = explained_share else { return };
-        // A robot that stands to find itself has its doubt already: as much again at every look would drive the particles
-        // apart, and none would leave copies of a few.
+        // A robot that stands to find itself has its doubt already: as much again at every update would drive the
+        // particles apart, and none would leave copies of a few.
         let turned_rad = (step.first_turn_rad + step.second_turn_rad).abs();
         let stands = step.forward_m.abs() < STANDS.0 && turned_rad < STANDS.1 && !self.is_trusted;
         if stands && share < TRUSTED_FROM {
@@ -149,7 +149,7 @@ impl Localiser {
     /// are as they were before it came.
     pub fn remembered(&mut self) -> Vec<(u32, DirtCell)> {
         let mut under_brush = Vec::new();
-        self.belief.look_at_active(|cell, prior, _| under_brush.push((cell, *prior)));
+        self.belief.visit_active(|cell, prior, _| under_brush.push((cell, *prior)));
         under_brush.sort_unstable_by_key(|&(cell, _)| cell);
         let stored = |(cell, dirt): (usize, &DirtCell)| {
             let before = under_brush.binary_search_by_key(&cell, |&(held, _)| held).ok();
@@ -211,7 +211,7 @@ impl Localiser {
     /// visited.
     pub fn grazed(&mut self, rule: &CleanRule) -> Vec<usize> {
         let mut cells = Vec::new();
-        self.belief.look_at_active(|cell, prior, swept| {
+        self.belief.visit_active(|cell, prior, swept| {
             if swept < SWEPT_SHARE && rule.needs_cleaning(prior) {
                 cells.push(cell);
             }

@@ -12,7 +12,7 @@ fn room(wide_m: f32, high_m: f32) -> anyhow::Result<OccupancyMap> {
     let pixels = |m: f32| (m / PIXEL_M).round() as u16 + 4;
     let corner = Point2::new(-2.0 * PIXEL_M, -2.0 * PIXEL_M);
     let geometry = GridGeometry::new(pixels(wide_m), pixels(high_m), PIXEL_M, corner)
-        .ok_or_else(|| anyhow::anyhow!("a room of {wide_m} m × {high_m} m makes no map"))?;
+        .ok_or_else(|| anyhow::anyhow!("a room of {wide_m} m × {high_m} m is too small for a map"))?;
     let mut map = Grid::new(geometry, vec![Occupancy::Occupied; geometry.cell_count()])?;
     fill(&mut map, (0.0, 0.0, wide_m, high_m), Occupancy::Free);
     Ok(map)

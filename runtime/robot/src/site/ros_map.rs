@@ -160,7 +160,7 @@ fn convert(description: &Description, picture: &image::GrayAlphaImage) -> anyhow
     let side = |n: u32| u16::try_from(n).with_context(|| format!("the picture is {width} × {height} pixels"));
     let origin = Point2::new(description.origin[0], description.origin[1]);
     let geometry = GridGeometry::new(side(width)?, side(height)?, description.resolution_m, origin)
-        .with_context(|| format!("a resolution of {} m makes no map", description.resolution_m))?;
+        .with_context(|| format!("a resolution of {} m is too small for a map", description.resolution_m))?;
     // The picture's first row is the top of the map.
     let pixels = (0..height).rev().flat_map(|row| (0..width).map(move |column| (column, row)));
     let cells = pixels.map(|(column, row)| description.state(*picture.get_pixel(column, row)));
@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn reads_the_fields_and_turns_the_picture_the_right_way_up() {
+    fn reads_fields_and_flips_the_picture() {
         let description = describe(TEXT).unwrap();
         assert_eq!(description.image, PathBuf::from("a.pgm"));
         let mut picture = grey(3, 2, &[((0, 0), 0), ((2, 1), 205)]);

@@ -6,7 +6,7 @@ use floorguard_localisation::{MotionNoise, RangeModelConfig};
 /// The scrubbing deck (FLOBOT's), a bar across the robot, ahead of the rear axle.
 pub const BRUSH: Brush = Brush { width_m: 0.65, offset_m: 0.25 };
 
-/// Parameters of the belief. Scouts are always on: wheels slip on a floor that is being wetted.
+/// Parameters of the belief. Recovery particles are always on: wheels slip on a floor that is being wetted.
 #[must_use]
 pub fn belief(tolerated_units: u8) -> BeliefConfig {
     BeliefConfig {
@@ -18,7 +18,7 @@ pub fn belief(tolerated_units: u8) -> BeliefConfig {
         motion: MotionNoise::MEASURED,
         range: RangeModelConfig::SAFETY_SCANNER,
         tolerated_units,
-        scouts: Some((0.12, 0.1)),
+        recovery_particles: Some((0.12, 0.1)),
         resample_always: false,
     }
 }

@@ -100,7 +100,7 @@ fn names_lines(claims: &[Claim], id: &str, lines: std::ops::RangeInclusive<usize
 }
 
 #[test]
-fn a_clean_image_passes_and_each_mistake_in_it_is_named() {
+fn clean_image_passes_each_mistake_is_named() {
     let clean = "pub fn stage(data: &mut [u32; 16], number: usize) -> u32 {
     let mut sum = number as u32;
     for step in 0..number.min(64) {
@@ -126,7 +126,7 @@ fn a_panic_that_the_optimiser_leaves_is_named() {
 }
 
 #[test]
-fn a_heap_is_named_even_if_it_is_inlined() {
+fn inlined_heap_use_is_named() {
     let code = "pub fn stage(data: &mut [u32; 16], number: usize) -> u32 {
     let mut kept = alloc::vec::Vec::with_capacity(number & 15);
     kept.push(number as u32);
@@ -194,7 +194,7 @@ pub fn stage(data: &mut [u32; 16], number: usize) -> u32 {
 }
 
 #[test]
-fn a_loop_that_waits_for_a_sensor_is_named() {
+fn loop_waiting_for_a_sensor_is_named() {
     let code = "pub fn stage(data: &mut [u32; 16], number: usize) -> u32 {
     let mut turns = number as u32;
     while core::hint::black_box(data[0]) & 1 == 0 {

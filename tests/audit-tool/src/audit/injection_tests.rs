@@ -1,6 +1,7 @@
-//! Real files of the guard and the drivers, each spoilt by one mistake: the audit must fail and name the line.
+//! Real files of the guard and the drivers, each corrupted by one mistake: the audit must fail and name the
+//! line.
 //!
-//! The unspoilt file is audited first, so that each test sees the verdict turn.
+//! The unmodified file is audited first, so that each test sees the verdict turn.
 
 use crate::audit::run::judge_sources;
 use crate::claim::Claim;
@@ -23,9 +24,9 @@ fn failing(file: SourceFile) -> Vec<(&'static str, usize)> {
 
 /// Puts `mistake` for `original` in a file of the tree; the audit must then name its line under `claim`, and nothing
 /// else.
-fn spoil(path: &str, (original, mistake): (&str, &str), claim: &str) {
+fn corrupt(path: &str, (original, mistake): (&str, &str), claim: &str) {
     let text = std::fs::read_to_string(shell::root().join(path)).expect("the file is there");
-    assert_eq!(failing(parsed(path, text.clone())), [], "the unspoilt file must hold");
+    assert_eq!(failing(parsed(path, text.clone())), [], "the unmodified file must hold");
     assert_eq!(text.matches(original).count(), 1, "`{original}` must stand once in {path}");
     let line = text.split(original).next().map_or(0, |before| before.matches('\n').count() + 1);
     let found = failing(parsed(path, text.replace(original, mistake)));
@@ -34,28 +35,32 @@ fn spoil(path: &str, (original, mistake): (&str, &str), claim: &str) {
 
 #[test]
 fn a_deleted_bound_is_named() {
-    spoil(TABLE, ("for sample in 0..SAMPLES {", "for sample in 0.. {"), "loops-bounded");
-    spoil(TABLE, ("for sample in 0..SAMPLES {", "for sample in 0..first_cdeg * 2 + sets {"), "loops-bounded");
+    corrupt(TABLE, ("for sample in 0..SAMPLES {", "for sample in 0.. {"), "loops-bounded");
+    corrupt(
+        TABLE,
+        ("for sample in 0..SAMPLES {", "for sample in 0..first_cdeg * 2 + sets {"),
+        "loops-bounded",
+    );
 }
 
 #[test]
 fn a_while_on_a_sensor_value_is_named() {
     let first = "        let silent = silent_cdeg(packet);";
     let waiting = "        let silent = silent_cdeg(packet); while packet.columns.is_empty() {}";
-    spoil(GUARD, (first, waiting), "loops-bounded");
+    corrupt(GUARD, (first, waiting), "loops-bounded");
 }
 
 #[test]
 fn a_vec_is_named() {
     let first = "        let mut accepted = false;";
-    spoil(GUARD, (first, "        let mut accepted = false; let v: Vec<u8> = f();"), "no-heap-in-sources");
-    spoil(GUARD, (first, "        let mut accepted = false; let v = vec![1];"), "no-heap-in-sources");
+    corrupt(GUARD, (first, "        let mut accepted = false; let v: Vec<u8> = f();"), "no-heap-in-sources");
+    corrupt(GUARD, (first, "        let mut accepted = false; let v = vec![1];"), "no-heap-in-sources");
 }
 
 #[test]
 fn an_unwrap_is_named() {
     let original = "self.state.monitors.get_mut(source.index())";
-    spoil(
+    corrupt(
         GUARD,
         (original, "Some(self.state.monitors.get_mut(source.index()).unwrap())"),
         "no-panic-in-sources",
@@ -65,23 +70,23 @@ fn an_unwrap_is_named() {
 #[test]
 fn a_recursion_is_named() {
     let original = "        self.state.machine.request_reset(now);";
-    spoil(GUARD, (original, "        self.request_reset(now);"), "no-recursion-in-sources");
-    spoil(GUARD, (original, "        Supervisor::request_reset(self, now);"), "no-recursion-in-sources");
+    corrupt(GUARD, (original, "        self.request_reset(now);"), "no-recursion-in-sources");
+    corrupt(GUARD, (original, "        Supervisor::request_reset(self, now);"), "no-recursion-in-sources");
 }
 
 #[test]
 fn unsafe_code_is_named() {
     let original = "        self.state.machine.request_reset(now);";
-    spoil(GUARD, (original, "        unsafe { self.state.machine.request_reset(now) };"), "no-unsafe");
+    corrupt(GUARD, (original, "        unsafe { self.state.machine.request_reset(now) };"), "no-unsafe");
 }
 
 #[test]
 fn a_call_through_a_pointer_is_named() {
     let original = "        self.state.machine.request_reset(now);";
-    spoil(GUARD, (original, "        let call: fn(Stamp) = later; call(now);"), "no-pointers");
+    corrupt(GUARD, (original, "        let call: fn(Stamp) = later; call(now);"), "no-pointers");
 }
 
-/// The tree as it stands: what the tests above spoil holds before.
+/// The tree as it stands: what the tests above break holds before.
 #[test]
 fn the_sources_of_the_tree_hold() {
     let files = sources::read_audited(&shell::root()).expect("the layers can be read");
@@ -91,7 +96,7 @@ fn the_sources_of_the_tree_hold() {
 }
 
 #[test]
-fn a_crate_that_forgets_what_the_compiler_must_refuse_is_named() {
+fn crate_without_compiler_refusals_is_named() {
     for library in sources::crates().iter().map(|one| format!("{}/src/lib.rs", one.folder)) {
         for (attribute, claim) in
             [("#![forbid(unsafe_code)]", "no-unsafe"), ("#![no_std]", "no-heap-in-sources")]

@@ -41,7 +41,7 @@ fn a_loop_without_its_bound_is_refused() {
 }
 
 #[test]
-fn a_bound_is_followed_to_its_let_and_no_further() {
+fn bound_is_followed_to_its_let_only() {
     assert!(loops_of("fn f(n: usize) { let last = n.min(CAPACITY); for i in 0..last / 2 {} }").1.is_empty());
     assert!(loops_of("fn f(n: u8) { for i in 0..n {} }").1.is_empty());
     names_line(&loops_of("fn f(n: usize) {\n let last = n;\n for i in 0..last {}\n}").1, 3);
@@ -52,7 +52,7 @@ fn a_bound_is_followed_to_its_let_and_no_further() {
 }
 
 #[test]
-fn an_endless_range_is_refused_where_it_is_made() {
+fn endless_range_is_refused_at_its_origin() {
     names_line(&loops_of("fn f() -> impl Iterator {\n (0..).map(g)\n}").1, 2);
     assert!(loops_of("fn f(a: &[u8]) { for x in (0..).step_by(2).zip(a) {} }").1.is_empty());
     assert!(loops_of("fn f(n: usize) -> bool { (1..n).contains(&3) }").1.is_empty());

@@ -16,8 +16,8 @@ fn failing((path, place): (&str, &str), statement: &str) -> (usize, Vec<(&'stati
     let text = std::fs::read_to_string(shell::root().join(path)).expect("the file is there");
     assert_eq!(text.matches(place).count(), 1, "`{place}` must stand once in {path}");
     let line = text.split(place).next().map_or(0, |before| before.matches('\n').count() + 1);
-    let spoilt = text.replace(place, &format!("{statement}\n{place}"));
-    let file = sources::parse(path, spoilt).unwrap_or_else(|error| panic!("`{statement}`: {error}"));
+    let corrupted = text.replace(place, &format!("{statement}\n{place}"));
+    let file = sources::parse(path, corrupted).unwrap_or_else(|error| panic!("`{statement}`: {error}"));
     let (claims, _) = judge_sources(&[file]);
     let named = |claim: &Claim| claim.findings.iter().map(|found| (claim.id, found.line)).collect::<Vec<_>>();
     let mut found: Vec<_> = claims.iter().flat_map(named).collect();
@@ -28,7 +28,7 @@ fn failing((path, place): (&str, &str), statement: &str) -> (usize, Vec<(&'stati
 /// Each statement makes `claim` fail at its line, in both layers.
 fn refused(claim: &str, statements: &[&str]) {
     for host in HOSTS {
-        assert_eq!(failing(*host, "let harmless = 1;").1, [], "the unspoilt file must hold");
+        assert_eq!(failing(*host, "let harmless = 1;").1, [], "the unmodified file must hold");
         for statement in statements {
             let (line, found) = failing(*host, statement);
             assert!(found.contains(&(claim, line)), "`{statement}` in {}: {found:?}", host.0);
@@ -75,7 +75,7 @@ fn loops_that_may_never_end_are_refused() {
 }
 
 #[test]
-fn loops_whose_bound_hides_in_a_name_are_refused() {
+fn loops_with_hidden_bounds_are_refused() {
     refused(
         "loops-bounded",
         &[
@@ -142,7 +142,7 @@ fn the_heap_is_refused_in_every_disguise() {
 }
 
 #[test]
-fn a_growing_vec_is_refused_where_no_fixed_one_is_imported() {
+fn growing_vec_is_refused_without_fixed_import() {
     for statement in ["let list = Vec::<u8>::new();", "let list: Vec<u8> = bytes.iter().copied().collect();"]
     {
         for host in HOSTS {

@@ -82,7 +82,7 @@ mod tests {
     use crate::facts::facts;
 
     #[test]
-    fn a_block_that_somebody_ended_is_no_finding_and_one_that_crashed_is() {
+    fn crashed_block_is_a_finding_ended_is_not() {
         let folder = tempfile::tempdir().unwrap();
         let ends_by = |what: &str| {
             let test = folder.path().join("block");
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn counts_are_read_behind_the_words_of_the_harness() {
+    fn counts_are_read_after_harness_output() {
         let counts = counts_in("running 1 test\ntest f ... campaign: steps = 12\ncampaign: stops = 3\nok\n");
         assert_eq!(counts.into_iter().collect::<Vec<_>>(), [("steps".into(), 12), ("stops".into(), 3)]);
     }

@@ -31,7 +31,7 @@ mod tests {
 
     /// Dealt out from the middle, as parallel iterators do, hundreds of parts would be done out of order.
     #[test]
-    fn what_is_done_when_somebody_stops_it_is_the_beginning() {
+    fn stopped_campaign_keeps_its_beginning() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
         let (done, stop) = (Mutex::new(Vec::new()), AtomicBool::new(false));
         let part = |number: u32| {
@@ -51,7 +51,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_is_told_and_ends_the_others() {
+    fn error_is_reported_and_ends_the_others() {
         let stop = AtomicBool::new(false);
         let failed = run(vec![1, 2, 3], &stop, |number| if number == 1 { bail!("full") } else { Ok(()) });
         assert_eq!(failed.unwrap_err().to_string(), "full");

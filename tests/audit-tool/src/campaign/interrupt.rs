@@ -38,7 +38,7 @@ mod tests {
 
     /// Without the handler the signal would end this test.
     #[test]
-    fn an_interrupt_raises_the_flag_instead_of_ending_the_program() {
+    fn interrupt_raises_the_flag_only() {
         let flag = flag().unwrap();
         for signal in [SIGINT, SIGTERM] {
             flag.store(false, Ordering::Relaxed);

@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn a_campaign_keeps_what_it_began_with_until_another_is_whole() {
+    fn campaign_keeps_its_program_until_replaced() {
         let begun = Begun::new();
         assert!(!is_kept(&begun.kept).unwrap());
         begun.make("first", false).unwrap();
@@ -160,27 +160,28 @@ mod tests {
     }
 
     #[test]
-    fn sources_that_change_during_the_build_are_told() {
+    fn source_changes_during_the_build_are_reported() {
         let begun = Begun::new();
         begun.make("first", false).unwrap();
-        let told = begun.make("second", true).unwrap_err().to_string();
-        assert!(told.contains("the sources changed"), "{told}");
+        let reported = begun.make("second", true).unwrap_err().to_string();
+        assert!(reported.contains("the sources changed"), "{reported}");
         assert_eq!(begun.kept(), three("first"));
     }
 
     #[test]
-    fn a_test_without_its_firmware_does_not_go_on() {
+    fn test_without_its_firmware_fails() {
         let begun = Begun::new();
         begun.make("first", false).unwrap();
         std::fs::remove_file(begun.kept.firmware.as_ref().unwrap()).unwrap();
-        let told = is_kept(&begun.kept).unwrap_err().to_string();
-        assert!(told.contains("a.firmware") && told.contains("--same-program"), "{told}");
+        let reported = is_kept(&begun.kept).unwrap_err().to_string();
+        assert!(reported.contains("a.firmware") && reported.contains("--same-program"), "{reported}");
     }
 
     #[test]
-    fn what_cannot_be_copied_is_named_with_its_place() {
+    fn uncopyable_file_is_named_with_its_place() {
         let folder = tempfile::tempdir().unwrap();
-        let told = copy(&folder.path().join("absent"), &folder.path().join("to")).unwrap_err().to_string();
-        assert!(told.contains("absent to ") && told.ends_with("/to"), "{told}");
+        let reported =
+            copy(&folder.path().join("absent"), &folder.path().join("to")).unwrap_err().to_string();
+        assert!(reported.contains("absent to ") && reported.ends_with("/to"), "{reported}");
     }
 }

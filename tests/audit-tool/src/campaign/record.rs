@@ -94,7 +94,7 @@ pub fn keep(came: &Outcome<'_>, code: Option<&str>) -> Result<()> {
     let text = std::fs::read_to_string(&path).unwrap_or_else(|_| String::from("[]"));
     let records: Vec<Value> = serde_json::from_str(&text).with_context(|| format!("{RECORD} is broken"))?;
     let mut new = came.entry();
-    tell_code(&mut new, code);
+    report_code(&mut new, code);
     let records = with(records, new);
     std::fs::write(&path, serde_json::to_string_pretty(&records)? + "\n")
         .with_context(|| format!("cannot write {RECORD}"))?;
@@ -103,7 +103,7 @@ pub fn keep(came: &Outcome<'_>, code: Option<&str>) -> Result<()> {
 }
 
 /// `code`: core and drivers, `null` where it is not known. `whole`: runtime and simulator, too, where it was kept.
-fn tell_code(record: &mut Value, code: Option<&str>) {
+fn report_code(record: &mut Value, code: Option<&str>) {
     let mut lines = code.into_iter().flat_map(str::lines);
     record["code"] = json!(lines.next());
     if let Some(whole) = lines.next() {
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_replaces_its_predecessor_and_sums_the_matrix_up() {
+    fn record_replaces_predecessor_and_sums_matrix() {
         let kind = kinds::find("faults").expect("a campaign");
         let counts = [("cell | a | b | c", 3), ("cell | a | b | d", 0), ("stops", 7)];
         let entry = |blocks: &[u64], failed| {
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn a_campaign_that_was_ended_is_recorded_as_far_as_it_came() {
+    fn ended_campaign_is_recorded_partially() {
         let kind = kinds::find("claims").expect("a campaign");
         let entry = |blocks: &[u64]| Outcome::of((kind, 1), &state(kind, blocks, &[]), 100, 0).entry();
         let whole = entry(&[0, 1, 2, 3, 4]);
@@ -165,22 +165,22 @@ mod tests {
     }
 
     #[test]
-    fn a_record_tells_the_code_of_the_robot_where_all_of_it_ran() {
-        let told = |code| {
+    fn record_has_robot_code_where_it_ran() {
+        let reported = |code| {
             let mut record = json!({});
-            tell_code(&mut record, code);
+            report_code(&mut record, code);
             record
         };
-        assert_eq!(told(None), json!({ "code": null }));
-        assert_eq!(told(Some("12ab")), json!({ "code": "12ab" }));
-        assert_eq!(told(Some("12ab\n34cd")), json!({ "code": "12ab", "whole": "34cd" }));
+        assert_eq!(reported(None), json!({ "code": null }));
+        assert_eq!(reported(Some("12ab")), json!({ "code": "12ab" }));
+        assert_eq!(reported(Some("12ab\n34cd")), json!({ "code": "12ab", "whole": "34cd" }));
         let lines =
             |name| code_of(kinds::find(name).expect("a campaign")).expect("the sources").lines().count();
         assert_eq!((lines("model"), lines("faults")), (1, 2));
     }
 
     #[test]
-    fn a_share_that_is_missed_is_recorded_as_a_finding() {
+    fn missed_share_is_recorded_as_finding() {
         let kind = kinds::find("claims").expect("a campaign");
         let findings = |falsely| {
             let counts = [("falsely with faults", falsely), ("claimed with faults", 10_000)];

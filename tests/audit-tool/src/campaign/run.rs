@@ -80,7 +80,7 @@ pub fn run(options: &Options) -> Result<bool> {
     Ok(came.findings == 0)
 }
 
-/// A part of the trials that failed, and what the test said.
+/// A part of the trials that failed, and the test's message.
 type Finding = (Range<u64>, String);
 
 /// Runs what is missing, the first trials first, to the end, to the first finding or until somebody ends it.

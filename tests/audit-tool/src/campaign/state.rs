@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_longer_run_goes_on_within_a_block_that_a_shorter_one_cut() {
+    fn longer_run_resumes_within_a_cut_block() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("model-1.json");
         assert_eq!(play(&path, 4), [(0, 4)]);
@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn a_campaign_from_before_cuts_were_kept_goes_on() {
+    fn old_campaign_without_cuts_resumes() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("model-1.json");
         let old = r#"{"program": "program", "done": [0, 20], "counts": {"steps": 5}, "trials": 20}"#;

@@ -57,7 +57,7 @@ pub fn run(seed: u64, stages: Option<u64>, fresh: bool) -> Result<bool> {
         }
         let records = with(records(&sites, &refused, &read(&counts)?), &before);
         write(&records)?;
-        over = told(&records);
+        over = reported(&records);
         let ran = records.iter().filter(|record| record.largest.is_some()).count();
         println!("loops: {ran} ran in {} and before; kept in {RECORD}", packages(stage).join(", "));
     }
@@ -198,7 +198,7 @@ fn write(records: &[Record]) -> Result<()> {
 }
 
 /// Names what turned too often.
-fn told(records: &[Record]) -> usize {
+fn reported(records: &[Record]) -> usize {
     let over = records.iter().filter(|record| {
         record.bound_value > 0 && record.largest.is_some_and(|largest| largest > record.bound_value)
     });
@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_count_is_kept_and_one_above_its_bound_before_it() {
+    fn largest_count_and_bound_violation_are_kept() {
         let mut largest = BTreeMap::new();
         merge("3 5 8\n3 9 0\n4 0 0\n", &mut largest);
         assert_eq!(largest, BTreeMap::from([(3, (9, 0)), (4, (0, 0))]));

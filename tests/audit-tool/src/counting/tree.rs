@@ -107,7 +107,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_bound_that_does_not_compile_is_left_out() {
+    fn uncompilable_bound_is_left_out() {
         let text = format!("f({SITE}, {BOUND}N as u64{BOUND});");
         assert_eq!(written(&text, 7, true), "f(7, N as u64);");
         assert_eq!(written(&text, 7, false), "f(7, 0);");

@@ -80,7 +80,7 @@ pub fn facts() -> &'static Facts {
     &FACTS
 }
 
-/// Reads them, so that a mistake in the file is told in words before anything begins.
+/// Reads them, so that a mistake in the file is reported before anything begins.
 ///
 /// # Errors
 /// The file is absent, or says what nobody asks for.

@@ -1,6 +1,6 @@
 //! What must not stand in the audited layers: unsafe code, the heap, panics, recursion, calls through pointers.
 //!
-//! The compiled image is the stronger witness for panics, recursion and the heap; this one names the line.
+//! The compiled image is the stronger evidence for panics, recursion and the heap; this one names the line.
 
 use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
@@ -28,7 +28,7 @@ pub struct Forbidden {
     pub recursion: Vec<Finding>,
 }
 
-/// Looks through one file.
+/// Searches one file.
 pub fn inspect(file: &SourceFile, into: &mut Forbidden) {
     let mut imports = FixedVec(false);
     imports.visit_file(&file.syntax);

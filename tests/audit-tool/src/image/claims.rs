@@ -248,7 +248,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_root_that_the_optimiser_took_away_is_named() {
+    fn optimised_away_root_is_named() {
         let text = "#[inline(never)]\nfn root_here(bytes: &[u8]) {}\n\npub fn root_gone<T>(state: T) {}\n";
         let roots = roots::in_text("tests/safety-image/src/drivers.rs", text.to_owned()).expect("it parses");
         let claim = roots_linked(["image::drivers::root_here", "memcpy"].into_iter(), &roots);

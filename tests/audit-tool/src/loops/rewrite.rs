@@ -68,7 +68,7 @@ const CHANGERS: &[&str] = &[
 pub fn of_for_loop(each: &syn::ExprForLoop, bound: &str) -> Vec<Edit> {
     // A chain of several containers turns for each of them, one of iterators within iterators for each of those.
     let several = [".chain(", "flat_map(", "flatten("].iter().any(|word| shown(&each.expr).contains(word));
-    let bound = value_of(bound).or_else(|| room_of(chain_root(&each.expr)).filter(|_| !several));
+    let bound = value_of(bound).or_else(|| capacity_of(chain_root(&each.expr)).filter(|_| !several));
     let open = format!(
         "{{ let mut counted_turns = {}::Turns::new({SITE}, {}); ",
         copied_tree::path_of(MODULE),
@@ -86,7 +86,7 @@ pub fn of_chain(call: &syn::ExprMethodCall, adapters: &[&str], bound: &str) -> V
         |call: &syn::ExprMethodCall, names: &[&str]| names.contains(&call.method.to_string().as_str());
     let method = call.method.to_string();
     let root = chain_root(&syn::Expr::MethodCall(call.clone())).clone();
-    let bound = marked(value_of(bound).or_else(|| room_of(&root)));
+    let bound = marked(value_of(bound).or_else(|| capacity_of(&root)));
     let counted = format!(".loop_counted({SITE}, {bound})");
     if matches!(root, syn::Expr::Range(_)) {
         let first = calls.first().map(|first| Edit::behind(&first.receiver, counted));
@@ -156,7 +156,7 @@ fn wide(expression: &syn::Expr) -> Option<String> {
 }
 
 /// The capacity of a container that can be named twice without harm.
-fn room_of(expression: &syn::Expr) -> Option<String> {
+fn capacity_of(expression: &syn::Expr) -> Option<String> {
     fn is_place(expression: &syn::Expr) -> bool {
         match expression {
             syn::Expr::Path(_) => true,
@@ -165,7 +165,7 @@ fn room_of(expression: &syn::Expr) -> Option<String> {
         }
     }
     is_place(expression)
-        .then(|| format!("{}::Room(&{}).of()", copied_tree::path_of(MODULE), shown(expression)))
+        .then(|| format!("{}::Capacity(&{}).of()", copied_tree::path_of(MODULE), shown(expression)))
 }
 
 fn marked(bound: Option<String>) -> String {

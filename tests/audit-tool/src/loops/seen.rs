@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn the_tests_that_are_to_reach_the_rest_exist() {
+    fn tests_for_the_rest_exist() {
         for name in facts().not_counted.iter().flat_map(|entry| &entry.tests) {
             assert!(crate::shell::root().join(&facts().trace.tests_folder).join(name).is_file(), "{name}");
         }
@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn what_never_ran_or_has_no_record_is_told() {
+    fn unrun_or_unrecorded_loops_are_reported() {
         let mut sites = sites();
         let claim = judge(Ok(vec![record(1, None)]), &mut sites);
         assert!(claim.evidence.starts_with("0 of 2 countable"), "{}", claim.evidence);
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_that_cannot_be_read_or_counts_nothing_fails() {
+    fn unreadable_or_empty_record_fails() {
         let places =
             |claim: &Claim| claim.findings.iter().map(|f| (f.place.clone(), f.line)).collect::<Vec<_>>();
         let named = [(RECORD.to_owned(), 0)];
@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn records_of_loops_that_are_gone_are_told() {
+    fn records_of_removed_loops_are_reported() {
         let renamed = Record { function: "g".to_owned(), ..record(0, Some(4)) };
         let records = vec![record(0, Some(4)), record(1, Some(4)), record(2, Some(4)), renamed];
         let claim = judge(Ok(records), &mut sites());

@@ -326,7 +326,7 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
             && range.end.is_none()
             && self.taken_in(&chain).is_none()
         {
-            // Nobody may walk it here, but whoever does would never come to its end.
+            // No caller walks it here, but a walk would never end.
             self.record(call, "range", Err(String::from("an open range never ends; add `.take(CONSTANT)`")));
         }
         // An endless source within a chain that ends is no mistake; one that is handed to a method may be.

@@ -3,26 +3,26 @@
 use anyhow::Result;
 
 use super::list::Mutant;
+use super::mutated_copy::MutatedCopy;
 use super::outcome::Outcome;
-use super::spoiled::Spoiled;
 use super::trial::Program;
 use crate::facts::Part;
 use crate::{copied_tree, shell};
 
 /// Puts one mutant into the copy, asks the suites, and puts the text back.
-pub fn try_out(spoiled: &Spoiled, mutant: &Mutant, part: &Part) -> Result<Outcome> {
+pub fn try_out(mutated: &MutatedCopy, mutant: &Mutant, part: &Part) -> Result<Outcome> {
     let text = std::fs::read_to_string(shell::root().join(&mutant.file))?;
-    let path = spoiled.sources().join(&mutant.file);
+    let path = mutated.sources().join(&mutant.file);
     let others = std::fs::read_to_string(&path)?;
     copied_tree::write(&path, &changed(&text, mutant))?;
-    let outcome = ask(spoiled, part);
+    let outcome = ask(mutated, part);
     copied_tree::write(&path, &others)?;
     outcome
 }
 
-fn ask(spoiled: &Spoiled, part: &Part) -> Result<Outcome> {
+fn ask(mutated: &MutatedCopy, part: &Part) -> Result<Outcome> {
     for suite in &part.suites {
-        let Some(program) = Program::build(spoiled, &part.package, suite)? else {
+        let Some(program) = Program::build(mutated, &part.package, suite)? else {
             return Ok(Outcome::Unviable);
         };
         if program.notices("none", &program.tests()?)? {

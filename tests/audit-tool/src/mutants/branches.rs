@@ -49,10 +49,10 @@ fn on(number: usize) -> String {
 }
 
 /// `if on(1) { first } else if on(2) { second } else { otherwise }`.
-fn choice(ways: impl Iterator<Item = (usize, String)>, otherwise: &str) -> String {
+fn choice(alternatives: impl Iterator<Item = (usize, String)>, otherwise: &str) -> String {
     let mut text = String::new();
-    for (number, way) in ways {
-        let _ = write!(text, "if {} {{ {way} }} else ", on(number));
+    for (number, alternative) in alternatives {
+        let _ = write!(text, "if {} {{ {alternative} }} else ", on(number));
     }
     text + "{ " + otherwise + " }"
 }
@@ -106,37 +106,40 @@ impl Visitor<'_> {
     }
 
     /// An operator whose operands are both evaluated.
-    fn operator(&mut self, binary: &syn::ExprBinary, ways: Vec<(usize, String)>) {
-        let numbers: Vec<usize> = ways.iter().map(|(number, _)| *number).collect();
+    fn operator(&mut self, binary: &syn::ExprBinary, alternatives: Vec<(usize, String)>) {
+        let numbers: Vec<usize> = alternatives.iter().map(|(number, _)| *number).collect();
         use syn::BinOp::{Eq, Ge, Gt, Le, Lt, Ne};
         let borrowed =
             if matches!(binary.op, Eq(_) | Ne(_) | Lt(_) | Le(_) | Gt(_) | Ge(_)) { "&" } else { "" };
         let otherwise = format!("l {} r", self.source(&binary.op));
-        let ways = choice(ways.into_iter().map(|(number, op)| (number, format!("l {op} r"))), &otherwise);
+        let alternatives =
+            choice(alternatives.into_iter().map(|(number, op)| (number, format!("l {op} r"))), &otherwise);
         self.before(&binary.left, format!("(match ({borrowed}("), &numbers);
         self.instead(&binary.op, format!("), {borrowed}("), &numbers);
-        self.behind(&binary.right, format!(")) {{ (l, r) => {ways} }})"), &numbers);
+        self.behind(&binary.right, format!(")) {{ (l, r) => {alternatives} }})"), &numbers);
     }
 
     /// `&&` and `||`, which become each other: the right side is evaluated only if the left one asks for it.
     fn lazy(&mut self, binary: &syn::ExprBinary, number: usize) {
         let is_and = matches!(binary.op, syn::BinOp::And(_));
-        let (way, result) = if is_and { ("and", "") } else { ("or", "!") };
-        self.before(&binary.left, format!("(if {}::{way}({number}, (", switch()), &[number]);
+        let (alternative, result) = if is_and { ("and", "") } else { ("or", "!") };
+        self.before(&binary.left, format!("(if {}::{alternative}({number}, (", switch()), &[number]);
         self.instead(&binary.op, ")) { ", &[number]);
         self.behind(&binary.right, format!(" }} else {{ {result}{} }})", on(number)), &[number]);
     }
 
     /// `a += b`.
-    fn assignment(&mut self, binary: &syn::ExprBinary, ways: Vec<(usize, String)>) {
-        let numbers: Vec<usize> = ways.iter().map(|(number, _)| *number).collect();
+    fn assignment(&mut self, binary: &syn::ExprBinary, alternatives: Vec<(usize, String)>) {
+        let numbers: Vec<usize> = alternatives.iter().map(|(number, _)| *number).collect();
         let place = self.source(&binary.left).to_owned();
         let otherwise = format!("{place} {} r", self.source(&binary.op));
-        let ways =
-            choice(ways.into_iter().map(|(number, op)| (number, format!("{place} {op} r"))), &otherwise);
+        let alternatives = choice(
+            alternatives.into_iter().map(|(number, op)| (number, format!("{place} {op} r"))),
+            &otherwise,
+        );
         let gone = binary.left.span().byte_range().start..binary.right.span().byte_range().start;
         self.edit(gone, Order::Opens(self.depth), String::from("match ("), &numbers);
-        self.behind(&binary.right, format!(") {{ r => {ways} }}"), &numbers);
+        self.behind(&binary.right, format!(") {{ r => {alternatives} }}"), &numbers);
     }
 
     /// The parts of a chain of conditions with a `let` in it, whose `&&` nothing can take the place of.
@@ -151,8 +154,10 @@ impl Visitor<'_> {
     }
 
     fn guard(&mut self, guard: &syn::Expr, without: Option<usize>) {
-        let ways = self.wanted_at(guard, Genre::MatchArmGuard);
-        let becomes = |word: &str| ways.iter().find(|(_, way)| way == word).map(|(number, _)| *number);
+        let alternatives = self.wanted_at(guard, Genre::MatchArmGuard);
+        let becomes = |word: &str| {
+            alternatives.iter().find(|(_, alternative)| alternative == word).map(|(number, _)| *number)
+        };
         let (always, never) = (becomes("true"), becomes("false"));
         let numbers: Vec<usize> = [without, always, never].into_iter().flatten().collect();
         if numbers.is_empty() {
@@ -212,29 +217,29 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
 
     fn visit_expr_binary(&mut self, binary: &'ast syn::ExprBinary) {
         use syn::BinOp::{And, Or};
-        let ways = self.wanted_at(&binary.op, Genre::BinaryOperator);
+        let alternatives = self.wanted_at(&binary.op, Genre::BinaryOperator);
         let whole = syn::Expr::Binary(binary.clone());
-        match (&binary.op, ways.first()) {
+        match (&binary.op, alternatives.first()) {
             (And(_), _) if holds_let(&whole) => return self.chain_with_let(&whole),
             (_, None) => {}
-            (And(_) | Or(_), Some((number, _))) if ways.len() == 1 => self.lazy(binary, *number),
+            (And(_) | Or(_), Some((number, _))) if alternatives.len() == 1 => self.lazy(binary, *number),
             (And(_) | Or(_), Some(_)) => {}
             _ if self.source(&binary.op).ends_with('=') && is_assignment(&binary.op) => {
-                self.assignment(binary, ways);
+                self.assignment(binary, alternatives);
             }
-            _ => self.operator(binary, ways),
+            _ => self.operator(binary, alternatives),
         }
         visit::visit_expr_binary(self, binary);
     }
 
     fn visit_expr_unary(&mut self, unary: &'ast syn::ExprUnary) {
         if let Some((number, _)) = self.wanted_at(&unary.op, Genre::UnaryOperator).first() {
-            let ways = choice(
+            let alternatives = choice(
                 [(*number, String::from("v"))].into_iter(),
                 &(self.source(&unary.op).to_owned() + "v"),
             );
             self.instead(&unary.op, "(match (", &[*number]);
-            self.behind(&unary.expr, format!(") {{ v => {ways} }})"), &[*number]);
+            self.behind(&unary.expr, format!(") {{ v => {alternatives} }})"), &[*number]);
         }
         visit::visit_expr_unary(self, unary);
     }
@@ -294,7 +299,7 @@ mod tests {
     use super::*;
 
     /// The text with these changes: genre, line, column, replacement.
-    fn spoiled(text: &str, changes: &[(Genre, usize, usize, &str)]) -> String {
+    fn mutated(text: &str, changes: &[(Genre, usize, usize, &str)]) -> String {
         let mutants: Vec<Mutant> = changes
             .iter()
             .map(|(genre, line, column, replacement)| {
@@ -308,14 +313,14 @@ mod tests {
         let syntax = syn::parse_file(text).expect("the example parses");
         let edits = of_file((text, &syntax), &numbered, &BTreeSet::new());
         let text = edits::apply(text, edits).text.replace(&(switch() + "::"), "");
-        syn::parse_file(&text).expect("the spoiled example parses");
+        syn::parse_file(&text).expect("the mutated example parses");
         text
     }
 
     #[test]
     fn operators_evaluate_their_operands_once() {
         assert_eq!(
-            spoiled("fn f() -> u8 { a + b }", &[(Genre::BinaryOperator, 1, 18, "-")]),
+            mutated("fn f() -> u8 { a + b }", &[(Genre::BinaryOperator, 1, 18, "-")]),
             "fn f() -> u8 { (match ((a ), ( b)) { (l, r) => if on(0) { l - r } else { l + r } }) }"
                 .replace("a )", "a ")
                 .replace("a , ", "a ), ")
@@ -324,7 +329,7 @@ mod tests {
 
     #[test]
     fn branches_lie_within_branches() {
-        let text = spoiled(
+        let text = mutated(
             "fn f() -> bool { a < b && !c }",
             &[
                 (Genre::BinaryOperator, 1, 20, "<="),
@@ -340,26 +345,26 @@ mod tests {
     }
 
     #[test]
-    fn constants_ask_no_switch_and_a_chain_with_let_keeps_its_and() {
+    fn constants_and_let_chains_are_not_switched() {
         let constant = "const A: u8 = 1 + 2;";
-        assert_eq!(spoiled(constant, &[(Genre::BinaryOperator, 1, 17, "-")]), constant);
+        assert_eq!(mutated(constant, &[(Genre::BinaryOperator, 1, 17, "-")]), constant);
         let chain = "fn f() { if a && let Some(b) = c {} }";
-        assert_eq!(spoiled(chain, &[(Genre::BinaryOperator, 1, 15, "||")]), chain);
+        assert_eq!(mutated(chain, &[(Genre::BinaryOperator, 1, 15, "||")]), chain);
     }
 
     #[test]
     fn arms_values_fields_and_assignments() {
-        let arm = spoiled(
+        let arm = mutated(
             "fn f() { match x { 1 => a, 2 if g => b, _ => c } }",
             &[(Genre::MatchArm, 1, 20, ""), (Genre::MatchArmGuard, 1, 33, "true")],
         );
         assert!(arm.contains("1 if !on(0) => a, 2 if (!false && (on(1) || (!false && (g)))) => b"), "{arm}");
-        let value = spoiled("const fn f() -> u8 { a }", &[(Genre::FnValue, 1, 22, "0")]);
+        let value = mutated("const fn f() -> u8 { a }", &[(Genre::FnValue, 1, 22, "0")]);
         assert_eq!(value, " fn f() -> u8 { if on(0) { return 0; } a }");
-        assert_eq!(spoiled("const fn f() -> u8 { a }", &[]), "const fn f() -> u8 { a }");
-        let field = spoiled("fn f() { S { a: 1, ..t } }", &[(Genre::StructField, 1, 14, "")]);
+        assert_eq!(mutated("const fn f() -> u8 { a }", &[]), "const fn f() -> u8 { a }");
+        let field = mutated("fn f() { S { a: 1, ..t } }", &[(Genre::StructField, 1, 14, "")]);
         assert!(field.contains("S { a: (if on(0) { (t).a } else { 1 }), ..t }"), "{field}");
-        let assignment = spoiled("fn f() { a.b += 1; }", &[(Genre::BinaryOperator, 1, 14, "-=")]);
+        let assignment = mutated("fn f() { a.b += 1; }", &[(Genre::BinaryOperator, 1, 14, "-=")]);
         assert!(
             assignment.contains("match (1) { r => if on(0) { a.b -= r } else { a.b += r } };"),
             "{assignment}"

@@ -59,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nested_edits_open_from_outside_and_close_from_inside() {
+    fn nested_edits_open_outside_close_inside() {
         let edit = |gone, text: &str, order| Edit { gone, text: text.to_owned(), order, mutants: vec![] };
         let edits = vec![
             edit(1..1, ">", Order::Closes(Reverse(1))),

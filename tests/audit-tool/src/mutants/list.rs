@@ -1,4 +1,4 @@
-//! What can be spoiled, as cargo-mutants lists it.
+//! The possible mutations, as cargo-mutants lists them.
 
 use std::process::Stdio;
 
@@ -99,7 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_place_becomes_a_byte_also_behind_long_characters() {
+    fn place_maps_to_byte_behind_long_characters() {
         let text = "ab\nµs = 3;\n";
         assert_eq!(Place { line: 2, column: 3 }.byte(text).map(|at| &text[at..]), Some(" = 3;\n"));
         assert_eq!(Place { line: 4, column: 1 }.byte(text), None);

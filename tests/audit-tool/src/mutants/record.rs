@@ -28,7 +28,7 @@ pub struct Record {
     /// Mutants that were not tried when the campaign was cut.
     #[serde(default)]
     pub untried: usize,
-    /// The fingerprint of core and drivers that were spoilt; empty: not recorded.
+    /// The fingerprint of core and drivers that were mutated; empty: not recorded.
     #[serde(default)]
     pub code: String,
     /// Mutants that no test noticed.
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn a_reason_is_of_the_change_that_it_names_and_of_no_second_one() {
+    fn reason_matches_exactly_one_change() {
         let [first, second] = [equivalent("µ > 1", 1), equivalent("> last", 1)];
         assert_eq!(reasons(&[17], std::slice::from_ref(&first)), [""], "the other `>` of the line");
         assert_eq!(reasons(&[7, 17], std::slice::from_ref(&first)), ["µ > 1", ""]);
@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn the_kept_files_are_read_and_each_reason_finds_its_line() {
+    fn kept_reasons_find_their_lines() {
         let root = crate::shell::root();
         let known = equivalents(&root).expect("the reasons");
         let stale = known.iter().filter(|known| {

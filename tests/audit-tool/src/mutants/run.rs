@@ -11,9 +11,9 @@ use rayon::iter::{IntoParallelRefIterator as _, ParallelIterator as _};
 
 use super::alone;
 use super::list::{self, Mutant};
+use super::mutated_copy::{MutatedCopy, Refused};
 use super::outcome::{Outcome, Outcomes};
 use super::record::{self, Record};
-use super::spoiled::{Refused, Spoiled};
 use super::trial::Program;
 use crate::facts::{Part, Suite, facts};
 use crate::shell;
@@ -23,29 +23,29 @@ pub fn run(name: &str, fresh: bool) -> Result<Option<bool>> {
     let Some(part) = facts().mutants.iter().find(|part| part.name == name) else { return Ok(None) };
     let mutants = list::ask(&part.package, &part.files)?;
     let code = crate::sources::code_today()?;
-    let (spoiled, refused) = Spoiled::make(&part.package, &mutants)?;
+    let (mutated, refused) = MutatedCopy::make(&part.package, &mutants)?;
     println!(
         "{name}: {} mutants, {} of which do not compile, {} are built by themselves, the others are in one program",
         mutants.len(),
         refused.unviable.len(),
         refused.alone.len()
     );
-    let path = spoiled.folder.join(format!("{name}.json"));
+    let path = mutated.folder.join(format!("{name}.json"));
     if fresh {
         let _ = std::fs::remove_file(&path);
     }
-    let first = part.suites.first().map(|suite| program(&spoiled, part, suite)).transpose()?;
+    let first = part.suites.first().map(|suite| program(&mutated, part, suite)).transpose()?;
     let mut outcomes = Outcomes::load(&path, &fingerprint(first.as_slice())?);
     outcomes.code = code;
     for number in &refused.unviable {
         outcomes.book(&mutants[*number].name, Outcome::Unviable)?;
     }
-    together(&spoiled, part, (&mutants, &refused), &mut outcomes)?;
+    together(&mutated, part, (&mutants, &refused), &mut outcomes)?;
     conclude(part, &mutants, &outcomes)?;
     for number in &refused.alone {
         let mutant = &mutants[*number];
         if outcomes.of(&mutant.name).is_none() {
-            outcomes.book(&mutant.name, alone::try_out(&spoiled, mutant, part)?)?;
+            outcomes.book(&mutant.name, alone::try_out(&mutated, mutant, part)?)?;
             // These take long: what is known is kept even if the rest is cut.
             record::keep(&shell::root(), result(part, &mutants, &outcomes, &shell::root())?)?;
         }
@@ -53,14 +53,14 @@ pub fn run(name: &str, fresh: bool) -> Result<Option<bool>> {
     conclude(part, &mutants, &outcomes).map(Some)
 }
 
-fn program(spoiled: &Spoiled, part: &Part, suite: &Suite) -> Result<Program> {
-    Program::build(spoiled, &part.package, suite)?
+fn program(mutated: &MutatedCopy, part: &Part, suite: &Suite) -> Result<Program> {
+    Program::build(mutated, &part.package, suite)?
         .with_context(|| format!("{:?} does not build", suite.target))
 }
 
 /// Each suite sees what survived the ones before it.
 fn together(
-    spoiled: &Spoiled,
+    mutated: &MutatedCopy,
     part: &Part,
     (mutants, refused): (&[Mutant], &Refused),
     outcomes: &mut Outcomes,
@@ -77,7 +77,7 @@ fn together(
         };
         let open: Vec<usize> = (0..mutants.len()).filter(open).collect();
         if !open.is_empty() {
-            try_all(&program(spoiled, part, suite)?, number, (&open, mutants), outcomes)?;
+            try_all(&program(mutated, part, suite)?, number, (&open, mutants), outcomes)?;
         }
     }
     Ok(())

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, Result, bail};
 
-use super::spoiled::Spoiled;
+use super::mutated_copy::MutatedCopy;
 use crate::facts::{Suite, facts};
 use crate::{shell, sources};
 
@@ -29,8 +29,8 @@ pub struct Program {
 
 impl Program {
     /// Builds the suite; `None` if it does not compile.
-    pub fn build(spoiled: &Spoiled, package: &str, suite: &Suite) -> Result<Option<Self>> {
-        let mut command = spoiled.cargo();
+    pub fn build(mutated: &MutatedCopy, package: &str, suite: &Suite) -> Result<Option<Self>> {
+        let mut command = mutated.cargo();
         command.args(["test", "--quiet", "--no-run", "--message-format=json", "--package", package]);
         let output =
             command.args(&suite.target).stderr(Stdio::null()).output().context("cannot start cargo")?;
@@ -39,7 +39,7 @@ impl Program {
         }
         let path = shell::test_executable(&String::from_utf8_lossy(&output.stdout));
         let path = path.context("cargo names no test executable")?;
-        let folder = spoiled.sources().join(sources::folder_of(package)?);
+        let folder = mutated.sources().join(sources::folder_of(package)?);
         let mut arguments: Vec<String> = suite.chosen.clone();
         arguments.extend(suite.skipped.iter().flat_map(|word| ["--skip".to_owned(), word.clone()]));
         Ok(Some(Self { path, folder, arguments }))

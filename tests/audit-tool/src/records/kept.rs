@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_absent_or_broken_is_told_by_its_name() {
+    fn absent_or_broken_records_are_named() {
         let folder = tempfile::tempdir().expect("a folder");
         let missing = read(folder.path()).missing;
         let names = &facts().records;

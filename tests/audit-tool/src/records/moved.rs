@@ -39,7 +39,7 @@ struct Moves {
     new: Functions,
 }
 
-/// Rewrites the records. Always good: what cannot follow is told.
+/// Rewrites the records. Always good: what cannot follow is reported.
 pub fn run(options: &Options) -> Result<bool> {
     let root = shell::root();
     let names = renamed(&git(&["diff", "--name-status", "-M40%", "-l0", &options.since])?);
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_follows_what_moved_and_not_what_changed() {
+    fn record_follows_moves_not_changes() {
         let old = tree(&[("a/src/x.rs", "fn f() { crate::g(1) }\nfn h() { 2 }\nfn k() { 3 }")]);
         let new = tree(&[
             ("b/src/y.rs", "/// Moved.\npub(crate) fn f() { other::place::g(1) }\nfn h() { 4 }"),

@@ -20,17 +20,17 @@ fn records_in(text: &str) -> Result<Vec<Record>, String> {
 
 fn judge(records: Result<&[Record], &str>, code_today: &str) -> Claim {
     let mut findings = Vec::new();
-    let mut told = Vec::new();
+    let mut reported = Vec::new();
     if let Err(why) = records {
         findings.push(of_record(format!("{why}; nothing is known of any mutant")));
-        told.push(String::from("no record"));
+        reported.push(String::from("no record"));
     }
     for part in records.is_ok().then_some(&facts().mutants).into_iter().flatten() {
         let mut of_it = records.unwrap_or_default().iter().filter(|record| record.name == part.name);
         match (of_it.next(), of_it.next()) {
             (Some(record), None) => {
                 findings.extend(judge_record(part, record));
-                told.push(tell(part, record, code_today));
+                reported.push(tell(part, record, code_today));
             }
             (None, _) => {
                 let message =
@@ -42,8 +42,8 @@ fn judge(records: Result<&[Record], &str>, code_today: &str) -> Claim {
     }
     Claim {
         id: "mutants-caught",
-        text: "The tests notice a spoilt guard or driver; what they cannot notice is explained.",
-        evidence: told.join("; "),
+        text: "The tests notice a mutated guard or driver; what they cannot notice is explained.",
+        evidence: reported.join("; "),
         findings,
     }
 }
@@ -84,7 +84,7 @@ fn judge_record(part: &Part, record: &Record) -> Vec<Finding> {
     findings
 }
 
-/// The figures of a part, and whether the code is still the one that was spoilt.
+/// The figures of a part, and whether the code is still the one that was mutated.
 fn tell(part: &Part, record: &Record, code_today: &str) -> String {
     let since = match record.code.as_str() {
         "" => ", by code that is not recorded",

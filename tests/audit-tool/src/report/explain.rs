@@ -107,7 +107,7 @@ pub const EXPLANATIONS: &[Explanation] = &[
              its line is named.",
             "The image of the audit, not the firmware with its board support.",
         ),
-        ("stack", "image_injection_tests.rs: a_heap_is_named_even_if_it_is_inlined"),
+        ("stack", "image_injection_tests.rs: inlined_heap_use_is_named"),
     ),
     explanation(
         "no-panic-linked",
@@ -149,7 +149,7 @@ pub const EXPLANATIONS: &[Explanation] = &[
              compiler, which would leave out what it can foresee.",
             "That a root reaches all of its stage is for its reader to judge; the counts of functions and loops are in the table.",
         ),
-        ("stack", "image_claims.rs: a_root_that_the_optimiser_took_away_is_named"),
+        ("stack", "image_claims.rs: optimised_away_root_is_named"),
     ),
     explanation(
         "loops-complete",
@@ -157,10 +157,7 @@ pub const EXPLANATIONS: &[Explanation] = &[
             "Each backward branch of the image is led back, over inlined calls, to a line of the list.",
             "Loops of libraries are counted, not listed one by one.",
         ),
-        (
-            "loops",
-            "image_injection_tests.rs: a_loop_that_waits_for_a_sensor_is_named, a_clean_image_passes_and_…",
-        ),
+        ("loops", "image_injection_tests.rs: loop_waiting_for_a_sensor_is_named, a_clean_image_passes_and_…"),
     ),
     explanation(
         "stack-budget",
@@ -219,7 +216,7 @@ pub const EXPLANATIONS: &[Explanation] = &[
              cycle may come of them.",
             "Dependencies of tests alone are left out. What broke the rule when it was made is in tests/structure-known.toml.",
         ),
-        ("claims", "planted_tests.rs: an_arrow_that_the_table_does_not_allow_is_refused"),
+        ("claims", "planted_tests.rs: disallowed_arrow_is_refused"),
     ),
     explanation(
         "modules-acyclic",
@@ -228,7 +225,7 @@ pub const EXPLANATIONS: &[Explanation] = &[
              module's.",
             "Calls of methods name no module and are not seen.",
         ),
-        ("claims", "planted_tests.rs: a_cycle_of_modules_is_seen_however_it_is_written"),
+        ("claims", "planted_tests.rs: module_cycle_is_found_in_any_notation"),
     ),
     explanation(
         "files-short",

@@ -14,8 +14,8 @@ pub struct Reached {
     pub what: &'static str,
     /// The campaign.
     pub campaign: &'static str,
-    /// Of one recorded run without a finding: runs of an older state of the code do not add up with those of a newer one, and a
-    /// run that found something is told beside it.
+    /// Of one recorded run without a finding: runs of an older state of the code do not add up with those of a newer
+    /// one, and a run that found something is reported beside it.
     pub reached: u64,
     /// What is aimed at.
     pub aim: u64,
@@ -24,7 +24,7 @@ pub struct Reached {
     /// Findings of the other recorded runs, each of which was mended since.
     pub findings_of_other_runs: u64,
     /// Recorded runs that do not say how many findings they had: nothing of them counts.
-    pub without_findings_told: u64,
+    pub without_findings_reported: u64,
 }
 
 /// What the records say of one campaign.
@@ -33,7 +33,7 @@ struct Sum {
     /// The run that counts, and its code: one that reaches the aim with the code of today, or else the longest.
     best: Option<(u64, Since)>,
     findings: u64,
-    untold: u64,
+    unreported: u64,
 }
 
 fn sum(records: &[Value], (campaign, count, aim): (&str, &str, u64), today: &CodeToday) -> Sum {
@@ -50,7 +50,7 @@ fn sum(records: &[Value], (campaign, count, aim): (&str, &str, u64), today: &Cod
                 sum.best = sum.best.into_iter().chain([run]).max_by_key(|run| rank(*run));
             }
             Some(findings) => sum.findings += findings,
-            None => sum.untold += 1,
+            None => sum.unreported += 1,
         }
     }
     sum
@@ -62,10 +62,18 @@ pub fn list(records: Option<&Value>, today: &CodeToday) -> Vec<Reached> {
     let records = records.and_then(Value::as_array).unwrap_or(&none);
     let entry = |goal: &'static Goal| {
         let Goal { what, campaign, count, aim } = goal;
-        let Sum { best, findings, untold } = sum(records, (campaign, count, *aim), today);
+        let Sum { best, findings, unreported } = sum(records, (campaign, count, *aim), today);
         let (reached, code) = best.unwrap_or((0, Since::NotRecorded));
-        let (findings_of_other_runs, without_findings_told) = (findings, untold);
-        Reached { what, campaign, reached, aim: *aim, code, findings_of_other_runs, without_findings_told }
+        let (findings_of_other_runs, without_findings_reported) = (findings, unreported);
+        Reached {
+            what,
+            campaign,
+            reached,
+            aim: *aim,
+            code,
+            findings_of_other_runs,
+            without_findings_reported,
+        }
     };
     facts().goal.iter().map(entry).collect()
 }
@@ -90,18 +98,18 @@ fn judged(line: &Reached) -> String {
 pub fn section(records: Option<&Value>, today: &CodeToday) -> String {
     let mut table = Table::new(&["what", "reached", "aim", "", "campaign"]);
     for line in list(records, today) {
-        let told = match line.findings_of_other_runs {
+        let reported = match line.findings_of_other_runs {
             0 => String::new(),
-            1 => String::from("; 1 finding of another run, told below"),
-            findings => format!("; {findings} findings of other runs, told below"),
+            1 => String::from("; 1 finding of another run, reported below"),
+            findings => format!("; {findings} findings of other runs, reported below"),
         };
-        let untold = match line.without_findings_told {
+        let unreported = match line.without_findings_reported {
             0 => String::new(),
             records => format!("; {records} recorded without a number of findings, not counted"),
         };
         table.row(&[
             escape(line.what),
-            format!("{}{told}{untold}", grouped(line.reached)),
+            format!("{}{reported}{unreported}", grouped(line.reached)),
             grouped(line.aim),
             judged(&line),
             code(line.campaign),
@@ -166,18 +174,18 @@ mod tests {
     }
 
     #[test]
-    fn a_run_that_does_not_tell_its_findings_counts_for_nothing() {
+    fn run_without_findings_counts_for_nothing() {
         for findings in [Value::Null, "0".into()] {
             let record = serde_json::json!([{"name": "flips, seed 1", "findings": findings, "counts": {"moments": 2_000}}]);
             let line = &list(Some(&record), &today())[1];
-            assert_eq!((line.campaign, line.reached, line.without_findings_told), ("flips", 0, 1));
+            assert_eq!((line.campaign, line.reached, line.without_findings_reported), ("flips", 0, 1));
             assert!(section(Some(&record), &today()).contains("1 recorded without a number of findings"));
         }
     }
 
     /// Where the whole robot ran, another runtime or simulator is another code.
     #[test]
-    fn the_code_of_the_whole_robot_counts_where_it_ran() {
+    fn whole_robot_code_counts_where_it_ran() {
         let since = |whole: Value| {
             let record = serde_json::json!({"code": "today", "whole": whole});
             Since::of_campaign(&record, &today())

@@ -6,7 +6,7 @@ use super::table::{Table, code, escape, grouped, verdict};
 use crate::facts::{Firmware, facts};
 
 /// What is counted under a name.
-fn told(name: &str) -> String {
+fn reported(name: &str) -> String {
     let Some(firmware) = &facts().firmware else { return String::new() };
     let of = |name: &str| firmware.stages.get(name).cloned();
     let suffixed = |(suffix, words): (&String, &String)| {
@@ -45,7 +45,7 @@ pub fn section(firmware: Option<&Value>, worst: Option<&Value>) -> String {
         let budget = budgets.and_then(|budgets| budgets.get(name)).copied();
         table.row(&[
             code(name),
-            escape(&told(name)),
+            escape(&reported(name)),
             number(&cost["count"]),
             number(&cost["mean"]),
             number(&cost["max"]),
@@ -77,10 +77,10 @@ mod tests {
         let golden: Value =
             serde_json::from_str(&std::fs::read_to_string(path).expect("a file")).expect("JSON");
         let names = golden["instructions"].as_object().expect("stages").keys();
-        let silent: Vec<_> = names.filter(|name| told(name).is_empty()).collect();
+        let silent: Vec<_> = names.filter(|name| reported(name).is_empty()).collect();
         assert!(silent.is_empty(), "{silent:?}");
         assert!(kept(5, 5).contains("5, kept") && kept(6, 5).contains("5, missed"));
-        assert!(told("sweep-12-people").ends_with("twelve people around"));
+        assert!(reported("sweep-12-people").ends_with("twelve people around"));
     }
 
     #[test]

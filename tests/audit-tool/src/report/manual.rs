@@ -8,8 +8,8 @@ pub const NOT_CLAIMED: &str = "What is not claimed";
 pub const REACTION: &str = "How fast it reacts";
 pub const ASSUMPTIONS: &str = "What the machine must provide";
 
-/// A chapter of the manual, by the words of its heading, as HTML: paragraphs, lists and tables only. Where the manual has no such
-/// chapter, or nothing in it, that is said in its place.
+/// A chapter of the manual, by the words of its heading, as HTML: paragraphs, lists and tables only. Where the manual
+/// has no such chapter, or nothing in it, that is reported in its place.
 pub fn chapter(manual: &str, heading: &str) -> String {
     let html = body_of(manual, heading);
     if html.is_empty() {
@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn a_chapter_that_is_missing_or_empty_says_so() {
+    fn missing_or_empty_chapter_is_reported() {
         for manual in ["", "## 1. Other\n\ntext\n", "## 5. What is not claimed\n\n## 6. Next\n\ntext\n"] {
             let html = chapter(manual, NOT_CLAIMED);
             assert!(
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn the_manual_has_the_chapters_that_the_page_quotes() {
+    fn manual_has_the_quoted_chapters() {
         let manual =
             std::fs::read_to_string(crate::shell::root().join(&facts().records.manual)).expect("the manual");
         for heading in [NOT_CLAIMED, REACTION, ASSUMPTIONS] {

@@ -74,20 +74,15 @@ pub fn html(evidence: &Evidence) -> String {
 
 /// The records that could not be read, before everything else: their sections are empty or short.
 fn missing(files: &[String]) -> String {
-    let told = files.iter().map(|why| {
+    let reported = files.iter().map(|why| {
         format!("<p>{} {}</p>", verdict(false, "cannot be read, and is missing below:"), escape(why))
     });
-    told.collect()
+    reported.collect()
 }
 
 fn requirements(trace: &Trace) -> String {
-    let mut table = Table::new(&[
-        "requirement",
-        "code",
-        "tests and their last result",
-        "hazards",
-        "clauses it has an eye on",
-    ]);
+    let mut table =
+        Table::new(&["requirement", "code", "tests and their last result", "hazards", "clauses considered"]);
     for line in &trace.requirements {
         let tests: Vec<String> = line
             .tests
@@ -223,7 +218,7 @@ fn mutants(records: &[Record], code_today: &str) -> String {
         }
     }
     format!(
-        "<p>The code is spoiled in one place at a time, as cargo-mutants lists it; the tests of the package must fail. What no \
+        "<p>The code is mutated in one place at a time, as cargo-mutants lists it; the tests of the package must fail. What no \
          test notices is listed: with the reason where nobody could notice it, and with nothing where a test is missing. Those \
          count against the share, and so does what was not tried.</p>{}{}",
         parts.finish(),
@@ -295,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn a_record_that_cannot_be_read_is_named_before_everything_else() {
+    fn unreadable_record_is_named_first() {
         assert_eq!(missing(&[]), "");
         let html = missing(&["docs/a.json: <broken>".to_owned()]);
         assert!(html.contains("docs/a.json: &lt;broken&gt;") && html.contains("class=bad"), "{html}");

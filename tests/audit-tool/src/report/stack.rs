@@ -10,7 +10,7 @@ use crate::image::roots::{Root, is_root, short};
 
 /// The tasks that run a stage.
 fn task_of(root: &str) -> &'static str {
-    facts().image.tasks.get(short(root)).map_or("not told", String::as_str)
+    facts().image.tasks.get(short(root)).map_or("not assigned", String::as_str)
 }
 
 fn roots_of<'a>(image: &'a Image, roots: &'a [Root]) -> impl Iterator<Item = &'a str> {
@@ -83,7 +83,7 @@ mod tests {
     use crate::image::roots;
 
     #[test]
-    fn every_root_belongs_to_a_task_that_there_is() {
+    fn every_root_belongs_to_an_existing_task() {
         let root = crate::shell::root();
         let files =
             std::fs::read_dir(root.join(&facts().image.tasks_folder)).expect("tasks").filter_map(Result::ok);
@@ -91,11 +91,11 @@ mod tests {
             files.map(|file| std::fs::read_to_string(file.path()).unwrap_or_default()).collect();
         let roots = roots::of_the_image(&root).expect("the sources of the image");
         let mut names: Vec<_> = roots.iter().map(|root| root.name.as_str()).collect();
-        let mut told: Vec<_> = facts().image.tasks.keys().map(String::as_str).collect();
+        let mut reported: Vec<_> = facts().image.tasks.keys().map(String::as_str).collect();
         names.sort_unstable();
-        told.sort_unstable();
+        reported.sort_unstable();
         assert!(names.len() > 15, "{names:?}");
-        assert_eq!(names, told, "left the roots of the image, right those of the facts");
+        assert_eq!(names, reported, "left the roots of the image, right those of the facts");
         for (name, named) in &facts().image.tasks {
             for task in named.split(", ").filter(|task| *task != "start-up" && !task.starts_with("none: ")) {
                 assert!(tasks.contains(&format!("pub async fn {task}<")), "{name}: there is no task {task}");

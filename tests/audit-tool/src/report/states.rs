@@ -85,7 +85,7 @@ mod tests {
     use crate::trace::results::Transition;
 
     #[test]
-    fn counts_and_causes_are_told_in_words() {
+    fn counts_and_causes_are_reported_in_words() {
         let step =
             |from: &str, to: &str| Transition { from: from.to_owned(), to: to.to_owned(), steps: 7_000 };
         let explored = Explored {

@@ -45,7 +45,7 @@ pub fn anchor(id: &str) -> String {
     format!("<b id='{0}'>{0}</b>", escape(id))
 }
 
-/// The way to a name on the page.
+/// The link to a name on the page.
 pub fn link(id: &str) -> String {
     format!("<a href='#{0}'>{0}</a>", escape(id))
 }
@@ -55,7 +55,7 @@ pub fn code(text: &str) -> String {
     format!("<code>{}</code>", escape(text))
 }
 
-/// A line of a source, with the way to its file from the folder of the page.
+/// A line of a source, with the path to its file from the folder of the page.
 pub fn source(file: &str, line: usize) -> String {
     format!("<a href='../../{0}'><code>{0}:{line}</code></a>", escape(file))
 }

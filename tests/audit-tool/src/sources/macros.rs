@@ -5,7 +5,7 @@ use syn::Token;
 use syn::parse::Parser as _;
 use syn::punctuated::Punctuated;
 
-/// The arguments, where all of them are expressions, as in `write!(f, "…", x)`; of `matches!` what it looks at and its
+/// The arguments, where all of them are expressions, as in `write!(f, "…", x)`; of `matches!` its value and its
 /// condition.
 pub fn arguments(invocation: &syn::Macro) -> Option<Vec<syn::Expr>> {
     if invocation.path.is_ident("matches") {
@@ -46,7 +46,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn arguments_are_parsed_and_words_found_in_any_depth() {
+    fn macro_arguments_are_parsed_at_any_depth() {
         let macro_of = |text: &str| syn::parse_str::<syn::Macro>(text).expect("a macro");
         assert_eq!(arguments(&macro_of("write!(f, \"{}\", x.y())")).map(|found| found.len()), Some(3));
         assert_eq!(arguments(&macro_of("matches!(x, 3.. | 1 if y)")).map(|found| found.len()), Some(2));

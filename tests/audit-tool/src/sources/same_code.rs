@@ -83,8 +83,8 @@ pub fn differences(
     names: &BTreeMap<String, String>,
 ) -> BTreeSet<String> {
     let read = |files: &[SourceFile], name: &dyn Fn(&String) -> String| {
-        let said = files.iter().map(|file| (name(&file.path), all_of(file)));
-        said.filter(|(_, text)| !text.is_empty()).collect::<BTreeSet<_>>()
+        let texts = files.iter().map(|file| (name(&file.path), all_of(file)));
+        texts.filter(|(_, text)| !text.is_empty()).collect::<BTreeSet<_>>()
     };
     let before = read(old, &|path| names.get(path).unwrap_or(path).clone());
     let now = read(new, &String::clone);
@@ -93,12 +93,12 @@ pub fn differences(
 
 /// What a file says besides importing, declaring modules and setting lints.
 fn all_of(file: &SourceFile) -> String {
-    let says_something = |item: &&syn::Item| match item {
+    let has_content = |item: &&syn::Item| match item {
         syn::Item::Use(_) | syn::Item::ExternCrate(_) => false,
         syn::Item::Mod(module) => module.content.is_some(),
         _ => true,
     };
-    let items = file.syntax.items.iter().filter(says_something);
+    let items = file.syntax.items.iter().filter(has_content);
     items.map(|item| plain(item.to_token_stream())).collect()
 }
 
@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn a_move_is_no_difference_and_anything_else_is() {
+    fn only_a_move_is_no_difference() {
         let names = BTreeMap::from([(String::from("a.rs"), String::from("b.rs"))]);
         let old = [file("a.rs", "use crate::c::D;\npub fn f(d: D) -> u8 { crate::c::g(d) + u8::MAX }")];
         let differs = |text: &str| !differences(&old, &[file("b.rs", text)], &names).is_empty();

@@ -65,7 +65,7 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn dependencies_of_builds_are_read_and_those_of_tests_are_not() {
+    fn only_build_dependencies_are_read() {
         let one = |name: &str, kind: Value| json!({ "name": name, "kind": kind });
         let package = |name: &str, needs: Vec<Value>| json!({ "name": name, "manifest_path": format!("/w/{name}/Cargo.toml"), "dependencies": needs });
         let needs = vec![one("b", Value::Null), one("libm", Value::Null), one("c", json!("dev"))];

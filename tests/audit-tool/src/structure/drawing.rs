@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_drawn_stands_between_the_markers_and_nowhere_else() {
+    fn drawing_stays_between_the_markers() {
         let mut crates = Graph::default();
         crates.point("core/a-b", "core/c");
         let mut modules = Graph::default();

@@ -63,7 +63,7 @@ fn planted(folder: &str, own: &[&str], others: &[&str]) -> Vec<(String, String)>
 }
 
 #[test]
-fn an_arrow_that_the_table_does_not_allow_is_refused() {
+fn disallowed_arrow_is_refused() {
     let arrow = |from: &str, to: &str| [(from.to_owned(), to.to_owned())];
     assert_eq!(planted("tests", &["panel"], &["anything"]), []);
     assert_eq!(planted("runtime/boards", &["types"], &[]), [], "below the runtime");
@@ -94,10 +94,10 @@ fn cycles(files: &[(&str, &str)]) -> usize {
 }
 
 #[test]
-fn a_cycle_of_modules_is_seen_however_it_is_written() {
+fn module_cycle_is_found_in_any_notation() {
     let root = ("lib.rs", "pub mod one; pub mod two; pub use one::Handed; pub use two::inner::*;");
-    let one = ("one/mod.rs", "use crate::two::Thing;\npub struct Handed;");
-    assert_eq!(cycles(&[root, one, ("two/mod.rs", "pub mod inner; pub struct Thing;")]), 0);
+    let one = ("one/mod.rs", "use crate::two::Item;\npub struct Handed;");
+    assert_eq!(cycles(&[root, one, ("two/mod.rs", "pub mod inner; pub struct Item;")]), 0);
     for back in [
         "use crate::one::Handed;",
         "use crate::{one::Handed as H};",
@@ -165,7 +165,7 @@ fn each_planted_fault_turns_its_claim() {
 }
 
 #[test]
-fn what_is_known_is_borne_and_must_go_from_the_list_when_it_is_gone() {
+fn known_cycles_are_listed_until_removed() {
     let circle = || crate_of(&[("lib.rs", ""), ("one.rs", "use crate::two;"), ("two.rs", "use crate::one;")]);
     let long = [("app/panel/src/one.rs", 500), ("b.rs", 1), ("c.rs", 1)];
     let mut borne = found(good(), circle(), &long);

@@ -64,7 +64,7 @@ pub fn claim(root: &Path, (explored, causes): (&Explored, &[CauseLine]), wanted:
     let kept = std::fs::read_to_string(root.join(&facts().states.picture)).unwrap_or_default();
     Claim {
         id: "states-pictured",
-        text: "The picture of states and transitions in the safety manual is what the code does, and the code told every cause.",
+        text: "The picture of states and transitions in the safety manual is what the code does, and the code reported every cause.",
         evidence: format!(
             "the search over all reachable states found {} of them, judged each of {} steps, and saw {} pairs of shown states \
              follow one another; {} causes printed what they demand, of {} in the code",
@@ -74,7 +74,7 @@ pub fn claim(root: &Path, (explored, causes): (&Explored, &[CauseLine]), wanted:
             causes.len(),
             wanted.len()
         ),
-        findings: [drawn(&kept, explored), told(causes, wanted)].concat(),
+        findings: [drawn(&kept, explored), reported(causes, wanted)].concat(),
     }
 }
 
@@ -103,7 +103,7 @@ fn drawn(kept: &str, explored: &Explored) -> Vec<Finding> {
 }
 
 /// What the printed table of causes lacks, or has too much.
-fn told(causes: &[CauseLine], wanted: &BTreeSet<String>) -> Vec<Finding> {
+fn reported(causes: &[CauseLine], wanted: &BTreeSet<String>) -> Vec<Finding> {
     let complain = |message: String| Finding { place: facts().trace.causes.clone(), line: 0, message };
     if causes.is_empty() || wanted.is_empty() {
         return vec![complain(String::from(
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn arrows_are_drawn_for_what_was_seen_and_nothing_else() {
+    fn arrows_are_drawn_only_for_seen_transitions() {
         let seen = [("Run", "Stop"), ("Latched", "Run"), ("Run", "Run")];
         let seen = seen.map(|(from, to)| Transition { from: from.to_owned(), to: to.to_owned(), steps: 1 });
         let picture = svg(&seen);
@@ -177,11 +177,15 @@ mod tests {
         };
         let wanted = BTreeSet::from(["A", "B(X)"].map(str::to_owned));
         let messages = |causes: &[CauseLine]| {
-            told(causes, &wanted).into_iter().map(|finding| finding.message).collect::<Vec<_>>().join("; ")
+            reported(causes, &wanted)
+                .into_iter()
+                .map(|finding| finding.message)
+                .collect::<Vec<_>>()
+                .join("; ")
         };
         assert_eq!(messages(&[line("A"), line("B(X)")]), "");
         assert!(messages(&[line("A")]).contains("did not print `B(X)`"));
         assert!(messages(&[line("A"), line("B(X)"), line("C")]).contains("`C`, which is no cause"));
-        assert_eq!(told(&[], &wanted).len(), 1);
+        assert_eq!(reported(&[], &wanted).len(), 1);
     }
 }

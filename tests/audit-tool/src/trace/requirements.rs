@@ -128,7 +128,7 @@ impl Sources {
                     .push(at(&test.place, format!("{id} is tested here and not listed in {requirements}"))),
             }
         }
-        // Where nothing ran, as when core does not compile, that is one thing to say and not one of each test.
+        // Where nothing ran, as when core does not compile, that is one finding and not one of each test.
         let have_run = !results.is_empty();
         if !have_run {
             findings.push(Finding {
@@ -214,7 +214,7 @@ fn orphaned(line: &Requirement, have_run: bool) -> Vec<Finding> {
         (line.code.is_empty(), "is named by no code"),
         (line.tests.is_empty(), "has no test"),
         (line.hazards.is_empty(), "answers no hazard"),
-        (line.serves.is_empty(), "says not which clauses it has an eye on"),
+        (line.serves.is_empty(), "names no clauses"),
     ] {
         findings.extend(lacking.then(|| complain(what.to_owned())));
     }
@@ -323,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cause_of_a_source_is_printed_once_for_each() {
+    fn source_causes_are_printed_once_per_source() {
         let causes = printed("enum Cause { A, B(Source) }", "enum Source { X, Y }").expect("two enums");
         assert_eq!(causes.into_iter().collect::<Vec<_>>(), ["A", "B(X)", "B(Y)"]);
     }
@@ -338,13 +338,13 @@ mod tests {
 
     /// As when core does not compile: one finding, not one of each test.
     #[test]
-    fn where_nothing_ran_that_is_said_once() {
+    fn nothing_run_is_reported_once() {
         let expected = [(0, "no test of a requirement ran".to_owned())];
         assert_eq!(messages_of(&sources(LINE, HAZARD), &[]), expected);
     }
 
     #[test]
-    fn every_break_of_the_chain_is_named_with_its_line() {
+    fn chain_breaks_are_named_with_line() {
         let one = |requirements: &str, hazards: &str, passed, line: usize, words: &str| {
             let found = messages(&sources(requirements, hazards), passed);
             assert!(found.iter().any(|(at, text)| *at == line && text.contains(words)), "{words}: {found:?}");

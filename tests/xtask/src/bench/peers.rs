@@ -5,7 +5,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
-use super::table::{Row, Told, markdown};
+use super::table::{Reported, Row, markdown};
 use crate::shell;
 
 /// Between these lines of BENCHMARKS.md the command writes; what stands around them is written by hand.
@@ -31,17 +31,17 @@ pub fn run(json: bool, tasks: &[String]) -> Result<()> {
     let mut rows = Vec::new();
     for task in TASKS.iter().filter(|task| tasks.is_empty() || tasks.iter().any(|wanted| wanted == *task)) {
         eprintln!("  {task}: ours, the peers, ours again");
-        let ours = || -> Result<Vec<Told>> {
+        let ours = || -> Result<Vec<Reported>> {
             let mut bench = super::bench();
-            let told = shell::output(bench.arg("--peers").arg(&inputs).arg(task));
-            Told::read(&told.context("our measurement failed")?)
+            let reported = shell::output(bench.arg("--peers").arg(&inputs).arg(task));
+            Reported::read(&reported.context("our measurement failed")?)
         };
         let mut measure = Command::new(&python);
         measure.arg(shell::root().join("tests/peers/measure.py")).arg(&inputs);
         measure.arg(data.join("data/models")).arg(data.join("bench")).arg(task);
         let before = ours()?;
         let theirs = shell::output(&mut measure).context("the peers' measurement failed")?;
-        rows.extend(Row::join(&[before, ours()?], &Told::read(&theirs)?));
+        rows.extend(Row::join(&[before, ours()?], &Reported::read(&theirs)?));
     }
     let text = markdown(&rows, &machine());
     if json {

@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 /// A line that a measurement printed.
 #[derive(Clone, Debug, Deserialize)]
-pub struct Told {
+pub struct Reported {
     task: String,
     peer: String,
     #[serde(default)]
@@ -23,7 +23,7 @@ pub struct Told {
     skipped: Option<String>,
 }
 
-impl Told {
+impl Reported {
     /// One object a line; some peers print lines of their own between them.
     pub fn read(text: &str) -> Result<Vec<Self>> {
         text.lines()
@@ -36,33 +36,34 @@ impl Told {
 /// A line of the table.
 #[derive(Clone, Debug)]
 pub struct Row {
-    ours: Told,
+    ours: Reported,
     /// The fastest round of ours, before or after the peers; and the mean of both medians, nanoseconds.
     ours_ns: [f64; 2],
     /// None: nothing does the same.
-    peer: Option<Told>,
+    peer: Option<Reported>,
 }
 
 impl Row {
     /// Every task and input of ours with every peer that did the same; peers that were skipped follow without times.
-    pub fn join(ours: &[Vec<Told>; 2], peers: &[Told]) -> Vec<Self> {
+    pub fn join(ours: &[Vec<Reported>; 2], peers: &[Reported]) -> Vec<Self> {
         let [first, second] = ours;
         let mut rows = Vec::new();
-        for told in first {
-            let same = |other: &&Told| other.task == told.task && other.input == told.input;
-            let both = || std::iter::once(told).chain(second.iter().find(same));
-            let fastest = both().filter_map(Told::fastest).fold(f64::NAN, f64::min);
-            let medians: Vec<f64> = both().filter_map(|told| told.ns).collect();
+        for reported in first {
+            let same = |other: &&Reported| other.task == reported.task && other.input == reported.input;
+            let both = || std::iter::once(reported).chain(second.iter().find(same));
+            let fastest = both().filter_map(Reported::fastest).fold(f64::NAN, f64::min);
+            let medians: Vec<f64> = both().filter_map(|reported| reported.ns).collect();
             let ours_ns = [fastest, medians.iter().sum::<f64>() / medians.len().max(1) as f64];
-            let row = |peer| Self { ours: told.clone(), ours_ns, peer };
-            let matching: Vec<&Told> = peers.iter().filter(same).filter(|told| told.ns.is_some()).collect();
+            let row = |peer| Self { ours: reported.clone(), ours_ns, peer };
+            let matching: Vec<&Reported> =
+                peers.iter().filter(same).filter(|reported| reported.ns.is_some()).collect();
             if matching.is_empty() {
                 rows.push(row(None));
             }
             rows.extend(matching.into_iter().map(|peer| row(Some(peer.clone()))));
         }
-        for told in peers.iter().filter(|told| told.skipped.is_some()) {
-            rows.push(Self { ours: told.clone(), ours_ns: [f64::NAN; 2], peer: Some(told.clone()) });
+        for reported in peers.iter().filter(|reported| reported.skipped.is_some()) {
+            rows.push(Self { ours: reported.clone(), ours_ns: [f64::NAN; 2], peer: Some(reported.clone()) });
         }
         rows
     }
@@ -86,7 +87,7 @@ impl Row {
             "note": self.ours.note,
             "peer": peer.map(|peer| &peer.peer),
             "peer_version": peer.map(|peer| &peer.version),
-            "peer_fastest_ns": peer.and_then(Told::fastest),
+            "peer_fastest_ns": peer.and_then(Reported::fastest),
             "peer_median_ns": peer.and_then(|peer| peer.ns),
             "peer_note": peer.map(|peer| &peer.note),
             "ratio": self.ratios().map(|[fastest, _]| fastest),
@@ -97,7 +98,7 @@ impl Row {
     }
 }
 
-impl Told {
+impl Reported {
     fn fastest(&self) -> Option<f64> {
         self.fastest_ns.or(self.ns)
     }
@@ -124,10 +125,10 @@ pub fn markdown(rows: &[Row], machine: &str) -> String {
         let [fastest, _] = row.ours_ns;
         let (peer, time, note) = match &row.peer {
             None => (none(), none(), String::new()),
-            Some(Told { skipped: Some(why), peer, .. }) => (peer.clone(), none(), why.clone()),
-            Some(told) => {
-                let name = format!("{} {}", told.peer, told.version);
-                (name, shown(told.fastest().unwrap_or(f64::NAN)), told.note.clone())
+            Some(Reported { skipped: Some(why), peer, .. }) => (peer.clone(), none(), why.clone()),
+            Some(reported) => {
+                let name = format!("{} {}", reported.peer, reported.version);
+                (name, shown(reported.fastest().unwrap_or(f64::NAN)), reported.note.clone())
             }
         };
         let [ratio, of_medians] = row.ratios().map_or([none(), none()], |[fastest, median]| {
@@ -154,14 +155,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn fastest_rounds_are_compared_and_an_absent_peer_has_its_line() {
-        let told = |text: &str| Told::read(text).expect("lines of JSON");
+    fn fastest_rounds_compare_absent_peers_listed() {
+        let reported = |text: &str| Reported::read(text).expect("lines of JSON");
         let ours = |fastest: u32| {
-            told(&format!(
+            reported(&format!(
                 r#"{{"task":"t","peer":"floorguard","input":"a","ns":300,"fastest_ns":{fastest}}}"#
             ))
         };
-        let theirs = told(
+        let theirs = reported(
             "a word of the peer\n{\"task\":\"t\",\"peer\":\"P\",\"input\":\"a\",\"ns\":9000,\"fastest_ns\":4000,\"aim\":20}\n\
              {\"task\":\"t\",\"peer\":\"Q\",\"skipped\":\"absent: pip install q\"}\n",
         );

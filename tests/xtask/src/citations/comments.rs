@@ -71,8 +71,8 @@ pub fn paragraphs(path: &Path, text: &str) -> Vec<Paragraph> {
 fn comment<'a>(line: &'a str, marker: &str) -> Option<(&'a str, &'a str)> {
     let begins = |at: usize| !line.get(..at).is_some_and(|before| before.ends_with([':', '"', '\'', '/']));
     let at = line.match_indices(marker).map(|(at, _)| at).find(|&at| begins(at))?;
-    let (before, said) = line.split_at(at);
-    let said = said.strip_prefix(marker).unwrap_or(said);
-    let said = if marker == "//" { said.trim_start_matches(['/', '!']) } else { said };
-    Some((before, said))
+    let (before, prose) = line.split_at(at);
+    let prose = prose.strip_prefix(marker).unwrap_or(prose);
+    let prose = if marker == "//" { prose.trim_start_matches(['/', '!']) } else { prose };
+    Some((before, prose))
 }

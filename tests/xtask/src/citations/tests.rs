@@ -38,7 +38,7 @@ fn every_citation_can_be_found() {
 }
 
 #[test]
-fn what_nobody_can_find_is_refused() {
+fn unfindable_citations_are_refused() {
     let sources = of_the_book();
     let all = [
         "algorithms D.4 | algorithms H | Algorithms K15 | wire-formats 3 | wire-formats, section 6.1",

@@ -11,7 +11,7 @@ pub struct Options {
     /// The publication.
     experiment: Experiment,
     /// Runs for each combination: 5 (the published number of missions is 100, which takes hours for Figure 5), with
-    /// moving things 20.
+    /// moving objects 20.
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     trials: Option<u64>,
     /// Another seed than the fresh one, for candidates, dirt and environment.
@@ -26,11 +26,12 @@ enum Experiment {
     Cleaning,
     /// Tours beside LKH's and OR-Tools', re-planning, and what a step of the belief costs.
     Tours,
-    /// Moving things in a corridor: Figures 6 to 8.
+    /// Moving objects in a corridor: Figures 6 to 8.
     Motion,
     /// People followed in crowds, nearest neighbours against joint probabilities.
     Crowds,
-    /// People among things as a lidar sees them: our candidates against the published ones; a trial is a place.
+    /// People among objects as a lidar sees them: our candidates against the published ones; a trial is a
+    /// place.
     Candidates,
     /// Weekly patterns found again, predictions against a plain histogram, real tracks as heat maps.
     Environment,

@@ -60,7 +60,7 @@ pub struct MppiConfig {
     pub turn_noise_radps: f32,
     /// Samples that are this much worse than the best count e times less, seconds, > 0.
     pub temperature_s: f32,
-    /// Below this cost nothing touches the circumscribed disc of the robot: its outline need not be looked at.
+    /// Below this cost nothing touches the circumscribed disc of the robot: its outline need not be examined.
     pub clear_cost: u8,
     /// Unannounced acceleration of people, m/s² (a standard deviation).
     pub people_acceleration_mps2: f32,

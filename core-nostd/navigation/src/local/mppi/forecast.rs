@@ -49,7 +49,7 @@ impl Forecast {
                     *farthest = (distance_m, known);
                 }
             } else {
-                // There is room.
+                // It fits.
                 let _ = nearest.push((distance_m, known));
             }
         }

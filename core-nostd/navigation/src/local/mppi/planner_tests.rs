@@ -120,7 +120,7 @@ fn is_at_goal(pose: &Pose2) -> bool {
 }
 
 #[test]
-fn drives_round_an_obstacle_on_the_path_with_its_true_outline() {
+fn drives_round_obstacle_with_true_outline() {
     let costs = costs(|place| place.distance(Point2::new(3.0, 0.1)) < 0.3);
     let (poses, digest) = drive(&costs, &AlwaysPermitted, |_| None, 20.0);
     assert!(is_at_goal(poses.last().unwrap()), "{:?}", poses.last());
@@ -177,7 +177,7 @@ fn goes_where_the_guard_lets_it() {
 }
 
 #[test]
-fn stands_where_it_cannot_move_and_without_a_path() {
+fn stands_when_blocked_or_without_path() {
     let walled = costs(|place| place.distance(Point2::new(0.0, 0.0)) < 0.5);
     let mut planner = Mppi::new(CONFIG, outline(), vec![MppiSample::default(); 100], 7);
     let path = straight_path(6.0);

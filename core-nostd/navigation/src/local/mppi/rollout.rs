@@ -46,12 +46,12 @@ impl Model {
     #[inline]
     fn step(&mut self, step_s: f32) {
         let half_rad = 0.5 * self.twist.angular_radps * step_s;
-        let way_m = self.twist.linear_mps * step_s;
+        let path_m = self.twist.linear_mps * step_s;
         let (sin, cos) = small_sincos(half_rad);
         let middle_sin = self.at.sin * cos + self.at.cos * sin;
         let middle_cos = self.at.cos * cos - self.at.sin * sin;
-        self.at.x_m += way_m * middle_cos;
-        self.at.y_m += way_m * middle_sin;
+        self.at.x_m += path_m * middle_cos;
+        self.at.y_m += path_m * middle_sin;
         self.at.sin = middle_sin * cos + middle_cos * sin;
         self.at.cos = middle_cos * cos - middle_sin * sin;
         self.heading_rad += 2.0 * half_rad;
@@ -71,7 +71,7 @@ fn small_sincos(angle_rad: f32) -> (f32, f32) {
 }
 
 impl<P: PermittedMotion> Stage<'_, P> {
-    /// Plays requested velocities. A sample that touches something ends there, the dearer the sooner.
+    /// Plays requested velocities. A sample that touches something ends there, the more expensive the sooner.
     pub(super) fn play(&self, requests: &[Twist2; MPPI_STEPS]) -> Outcome {
         let config = self.config;
         let (sin, cos) = libm::sincosf(self.pose.heading_rad);

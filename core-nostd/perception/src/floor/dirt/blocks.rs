@@ -22,9 +22,9 @@ const SATURATED: u8 = 255;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum DirtFault {
-    /// The image has this many columns, more than there is room for.
+    /// The image has this many columns, more than the capacity.
     TooWide(usize),
-    /// The image has this many blocks, more than there is room for.
+    /// The image has this many blocks, more than the capacity.
     TooManyBlocks(usize),
     /// The mask has this many values, for this many pixels.
     WrongMask(usize, usize),
@@ -41,10 +41,10 @@ impl core::fmt::Display for DirtFault {
         match self {
             Self::TooWide(width) => write!(
                 formatter,
-                "the image has {width} columns, but there is room for {FLOOR_IMAGE_COLUMNS_MAX}"
+                "the image has {width} columns, but the capacity is {FLOOR_IMAGE_COLUMNS_MAX}"
             ),
             Self::TooManyBlocks(blocks) => {
-                write!(formatter, "the image has {blocks} blocks, but there is room for {FLOOR_BLOCKS_MAX}")
+                write!(formatter, "the image has {blocks} blocks, but the capacity is {FLOOR_BLOCKS_MAX}")
             }
             Self::WrongMask(values, pixels) => {
                 write!(formatter, "the mask has {values} values for {pixels} pixels")

@@ -1,4 +1,4 @@
-//! Colour as the eye weighs it: CIELAB from sRGB, by table.
+//! Perceptual colour: CIELAB from sRGB, by table.
 //!
 //! Distances in Lab are differences that one sees, so one threshold fits dark and bright floor. The curves of both
 //! steps are tables: no power and no root for a pixel. Source: book, Floor and dirt: Lab colours.

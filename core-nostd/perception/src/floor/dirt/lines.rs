@@ -162,7 +162,7 @@ fn extreme<const LARGEST: bool>(
     }
 }
 
-/// The contrast from which on a thin thing stands out of the floor's own grain.
+/// The contrast from which on a thin object stands out of the floor's own grain.
 fn limit(contrasts: &[u8]) -> u8 {
     let mut counts = [0_u32; 256];
     let mut total = 0_u32;
@@ -190,7 +190,7 @@ mod tests {
     /// A gap right through, and a blot and a flat puddle of the same darkness: only the gap is a line.
     #[test]
     fn gaps_are_lines_and_blots_are_not() {
-        // 80 columns are what the smallest profile has room for.
+        // 80 columns are the capacity of the smallest profile.
         let (columns, rows) = (80_usize, 64_usize);
         assert!(columns <= HALF_COLUMNS_MAX);
         let gap = |x: usize, _: usize| x.abs_diff(30) < 2;

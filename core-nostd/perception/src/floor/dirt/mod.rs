@@ -1,4 +1,4 @@
-//! Dirt: what is new on a floor that nobody has seen before, without training on dirt or on floors.
+//! Dirt: what is novel on an unknown floor, without training on dirt or on floors.
 //!
 //! Two detectors on the same image. The published one compares the texture of blocks with a mixture fitted to all
 //! blocks; ours asks of every pixel how rare its colour and texture are, and whether they stay where they are while the

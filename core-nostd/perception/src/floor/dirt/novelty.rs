@@ -3,7 +3,7 @@
 //! Light falls off over an image, so everything is taken relative to the median of its wide surroundings. Three cues
 //! are summed, each as a logarithm of rarity: the colour of a spot of millimetres, the colour of a spot of centimetres,
 //! in which chips and grain average out, and texture that changes both ways, which gaps and planks do not. Gaps are
-//! told by their shape and left out. Nothing is trained on dirt or on floors; the image itself is the reference.
+//! recognised by their shape and left out. Nothing is trained on dirt or on floors; the image itself is the reference.
 
 use super::blocks::DirtFault;
 use super::lab::LabTables;
@@ -55,7 +55,8 @@ pub struct NoveltyMemory<'a> {
     pub bytes: [&'a mut [u8]; 4],
     /// The result at half size: how rare each pixel is; NaN where it is no free floor.
     pub scores: &'a mut [f32],
-    /// What is remembered from frame to frame at half size, and room for the next. The caller keeps the first.
+    /// What is remembered from frame to frame at half size, and a buffer for the next. The caller keeps the
+    /// first.
     pub remembered: [&'a mut [Remembered]; 2],
 }
 
@@ -179,12 +180,12 @@ impl NoveltyDetector {
         let lengths = |slices: &[&mut [Pixel]]| slices.iter().map(|slice| slice.len()).min().unwrap_or(0);
         let bytes = memory.bytes.iter().map(|slice| slice.len()).min().unwrap_or(0);
         let remembered = memory.remembered.iter().map(|slice| slice.len()).min().unwrap_or(0);
-        let room = lengths(&memory.half)
+        let capacity = lengths(&memory.half)
             .min(lengths(&memory.quarter).saturating_mul(4).saturating_add(3))
             .min(bytes)
             .min(memory.scores.len())
             .min(remembered);
-        if room < pixels { Err(DirtFault::MemoryTooSmall(room, pixels)) } else { Ok(pixels) }
+        if capacity < pixels { Err(DirtFault::MemoryTooSmall(capacity, pixels)) } else { Ok(pixels) }
     }
 
     /// Texture that changes both ways, relative to its surroundings and beyond what is usual: the first of the cues.

@@ -1,4 +1,4 @@
-//! What earlier frames said about the same places of the floor.
+//! Scores of earlier frames for the same places of the floor.
 //!
 //! Dirt stays where it is while the robot drives; reflections of lamps and shadows of people move over it, and noise is
 //! new in every frame. So the scores of earlier frames are carried along with the floor and averaged, older ones with
@@ -25,7 +25,7 @@ pub struct FloorView {
 
 /// What an earlier frame counts against the next newer one.
 const FADE: f32 = 0.8;
-/// A viewpoint is another after this way or turn (half the cell of the dirt map).
+/// A viewpoint is another after this distance or turn (half the cell of the dirt map).
 const MOVED_M: f32 = 0.05;
 const TURNED_RAD: f32 = 0.05;
 

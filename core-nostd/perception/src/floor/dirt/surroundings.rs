@@ -212,7 +212,7 @@ mod tests {
     /// A spot does not change what surrounds it, and a slow ramp is followed.
     #[test]
     fn follows_light_and_not_dirt() {
-        // 40 columns are what the smallest profile has room for.
+        // 40 columns are the capacity of the smallest profile.
         let (columns, rows) = (40, 32);
         assert!(columns <= HALF_COLUMNS_MAX / 2);
         let ramp = |column: usize| 40.0 + 0.2 * column as f32;

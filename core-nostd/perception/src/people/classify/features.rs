@@ -247,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn a_flat_cluster_of_one_brightness_has_no_slices_and_one_bin() {
+    fn flat_uniform_cluster_has_no_slices() {
         let features = features_of(&[(2.0, 0.0, 0.5, 7), (2.0, 0.1, 0.5, 7), (2.0, 0.2, 0.5, 7)]);
         assert!(features[14..44].iter().all(|value| *value == 0.0));
         assert_eq!(features[68], 3.0);

@@ -62,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bounds_are_exact_and_beyond_is_told() {
+    fn bounds_are_exact_and_overflow_is_reported() {
         let scaling =
             Scaling { lower: -1.0, upper: 1.0, ranges: &[(3.0, 7_077.0), (0.25, 1_302.49), (2.0, 2.0)] };
         let inside = scaling.apply(&[3.0, 1_302.49, 9.0]);

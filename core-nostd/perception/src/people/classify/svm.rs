@@ -99,7 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_vector_of_each_class_is_told_by_its_neighbour() {
+    fn each_class_is_decided_by_its_neighbour() {
         let model = SvmModel {
             gamma: 0.5,
             rho: 0.0,

@@ -73,7 +73,7 @@ impl Observation {
         Matrix2::new(a * a, 0.0, 0.0, b * b)
     }
 
-    /// `one − other`, a bearing by the short way.
+    /// `one − other`, wrapped to the shorter arc.
     pub(super) fn difference(&self, one: Vector2<f32>, other: Vector2<f32>) -> Vector2<f32> {
         let difference = one - other;
         match self {

@@ -1,9 +1,9 @@
 //! The box of a person, without what the person touches, pushes or pulls.
 //!
-//! A customer and a trolley are one thing for a lidar, and its box is half trolley. What stands out above desks and
-//! trolleys is the torso: around its axis the body ends within an arm's length, and what is farther is something else. The
-//! foot ahead is often one thing with the trolley, or alone, and belongs to the body all the same.
-//! On demand only: tracks need no boxes.
+//! A customer and a trolley are one cluster for a lidar, and its box is half trolley. What stands out above desks and
+//! trolleys is the torso: around its axis the body ends within an arm's length, and what is farther is something else.
+//! The foot ahead is often one cluster with the trolley, or alone, and belongs to the body all the same. On demand
+//! only: tracks need no boxes.
 
 use super::context::SweepContext;
 use super::state::PeoplePipeline;
@@ -21,13 +21,13 @@ const SHOULDERS_M: f32 = 0.40;
 const BEHIND_M: f32 = 0.10;
 /// A body with its arms ends within this of its middle, whatever it touches, metres.
 const BODY_M: f32 = 0.34;
-/// Below the knees, metres, a foot may be part of another thing, or one of its own.
+/// Below the knees, metres, a foot may be part of another cluster, or one of its own.
 const KNEE_M: f32 = 0.45;
 /// A stride before and behind the axis, metres.
 const STRIDE_M: f32 = 0.38;
 /// Lower returns may be the floor, metres.
 const FLOOR_M: f32 = 0.1;
-/// A candidate that begins higher has no feet: they are another thing below it, metres.
+/// A candidate that begins higher has no feet: they are another cluster below it, metres.
 const HANGING_M: f32 = 0.45;
 /// Knees, feet and wheels around the torso of somebody who sits, metres.
 const SEATED_M: f32 = 0.45;
@@ -75,7 +75,8 @@ impl Body {
         Self::Upright(axis, Point2::new(axis.x_m + share * dx, axis.y_m + share * dy))
     }
 
-    /// Whether a return belongs to it; `is_own` says that it belongs to the thing that the body was found in.
+    /// Whether a return belongs to it; `is_own` says that it belongs to the cluster that the body was found
+    /// in.
     fn takes(&self, point: &Point3, is_own: bool) -> bool {
         let at = Point2::new(point.x_m, point.y_m);
         match self {
@@ -170,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn the_box_of_a_customer_ends_at_the_trolley() {
+    fn customer_box_ends_at_the_trolley() {
         let mut sweep = std::boxed::Box::new(Sweep::EMPTY);
         sweep.column_count = 1_800;
         for (index, column) in sweep.columns.iter_mut().enumerate().take(1_800) {
@@ -191,12 +192,12 @@ mod tests {
         let mut pipeline = std::boxed::Box::new(PeoplePipeline::new(RingAngles::vlp16()));
         pipeline.process(&sweep, &context);
         assert_eq!(pipeline.detections().len(), 1, "{:?}", pipeline.detections());
-        let thing = pipeline.things().iter().max_by_key(|thing| thing.points).expect("two things");
-        let (whole_low, whole) = (thing.lower, thing.upper);
-        assert!(whole.y_m > 0.9, "one thing with the trolley: {whole:?}");
+        let cluster = pipeline.clusters().iter().max_by_key(|cluster| cluster.points).expect("two clusters");
+        let (whole_low, whole) = (cluster.lower, cluster.upper);
+        assert!(whole.y_m > 0.9, "one cluster with the trolley: {whole:?}");
         let [lower, upper] = pipeline.body_bounds(&sweep, &context, 0).expect("somebody was found");
         assert!(upper.y_m < 0.45 && lower.y_m < -0.2, "{lower:?} {upper:?}");
-        assert!(whole_low.x_m > 3.9, "the foot is no part of that thing: {whole_low:?}");
+        assert!(whole_low.x_m > 3.9, "the foot is no part of that cluster: {whole_low:?}");
         assert!(lower.x_m < 3.75, "the foot ahead belongs to the body: {lower:?}");
         assert!(lower.z_m < 0.5 && upper.z_m > 1.4, "from foot to head: {lower:?} {upper:?}");
         assert_eq!(pipeline.body_bounds(&sweep, &context, 1), None);

@@ -1,4 +1,4 @@
-//! Which things of a sweep go to the tracker.
+//! Which clusters of a sweep go to the tracker.
 
 use super::context::SweepContext;
 use super::state::PeoplePipeline;
@@ -20,29 +20,29 @@ impl PeoplePipeline {
     #[inline(never)]
     pub(super) fn find_candidates(&mut self, context: &SweepContext) {
         self.detections.clear();
-        self.looks.clear();
+        self.candidate_shapes.clear();
         let sensor_height_m = context.sensor_in_base.translation.z_m;
-        for index in 0..self.things.len().min(CLUSTERS_MAX) {
-            let Some(thing) = self.things.get(index).copied() else { continue };
-            if !self.splits.is_shared(index) && self.candidate_limits.admits(&thing, sensor_height_m) {
-                self.propose(detection(&thing, context), index, &thing, context);
+        for index in 0..self.clusters.len().min(CLUSTERS_MAX) {
+            let Some(cluster) = self.clusters.get(index).copied() else { continue };
+            if !self.splits.is_shared(index) && self.candidate_limits.admits(&cluster, sensor_height_m) {
+                self.propose(detection(&cluster, context), index, &cluster, context);
             }
         }
         for index in 0..SEEDS_MAX {
-            let Some((thing, part)) = self.splits.part(index) else { continue };
+            let Some((cluster, part)) = self.splits.part(index) else { continue };
             if self.candidate_limits.admits(&part, sensor_height_m) {
-                let slot = self.propose(detection(&part, context), thing, &part, context);
+                let slot = self.propose(detection(&part, context), cluster, &part, context);
                 self.splits.assign(index, slot);
             }
         }
     }
 
-    /// Slot of the new candidate. Out of room: the farthest candidate goes first.
+    /// Slot of the new candidate. Full: the farthest candidate is dropped first.
     pub(super) fn propose(
         &mut self,
         detection: Detection,
         index: usize,
-        thing: &Cluster,
+        cluster: &Cluster,
         context: &SweepContext,
     ) -> Option<usize> {
         self.counters.candidates = self.counters.candidates.saturating_add(1);
@@ -55,22 +55,22 @@ impl PeoplePipeline {
             *worse = detection;
             slot = row;
         }
-        let heights_m = (thing.lower.z_m, thing.upper.z_m);
-        let builder = ShapeBuilder::new(context.sensor_in_base.translation, thing.centroid, heights_m);
-        self.looks.set(slot, index, builder, thing);
+        let heights_m = (cluster.lower.z_m, cluster.upper.z_m);
+        let builder = ShapeBuilder::new(context.sensor_in_base.translation, cluster.centroid, heights_m);
+        self.candidate_shapes.set(slot, index, builder, cluster);
         Some(slot)
     }
 }
 
-/// A thing as a measurement for the tracker; nobody has looked at its shape yet.
-pub(super) fn detection(thing: &Cluster, context: &SweepContext) -> Detection {
-    let centre = Point2::new(thing.centroid.x_m, thing.centroid.y_m);
+/// A cluster as a measurement for the tracker; nobody has looked at its shape yet.
+pub(super) fn detection(cluster: &Cluster, context: &SweepContext) -> Detection {
+    let centre = Point2::new(cluster.centroid.x_m, cluster.centroid.y_m);
     Detection {
         position: context.base_in_odom.transform(centre),
-        distance_m: thing.nearest_m,
-        sigma_m: (SIGMA_M + SIGMA_PER_M * thing.nearest_m) * if thing.occluded { OCCLUDED } else { 1.0 },
+        distance_m: cluster.nearest_m,
+        sigma_m: (SIGMA_M + SIGMA_PER_M * cluster.nearest_m) * if cluster.occluded { OCCLUDED } else { 1.0 },
         likeness: 0.5,
-        points: thing.points,
+        points: cluster.points,
         moving: None,
         appearance: Appearance::UNKNOWN,
     }

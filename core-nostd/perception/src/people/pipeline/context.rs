@@ -1,4 +1,4 @@
-//! What a sweep needs to be understood, and what it told.
+//! What a sweep needs to be interpreted, and what it yielded.
 
 use crate::people::cluster::Cluster;
 use crate::people::track::Track;
@@ -23,15 +23,15 @@ pub struct PeopleCounters {
     pub points: u32,
     /// Returns that are floor.
     pub floor_points: u32,
-    /// Things found.
+    /// Clusters found.
     pub clusters: u32,
     /// Of them those that move by themselves.
     pub moving_clusters: u32,
-    /// Things that may be people.
+    /// Clusters that may be people.
     pub candidates: u32,
-    /// Things dropped for want of room.
+    /// Clusters dropped because the list was full.
     pub dropped_clusters: u32,
-    /// Candidates dropped for want of room.
+    /// Candidates dropped because the list was full.
     pub dropped_candidates: u32,
     /// Columns that were not measured.
     pub unknown_columns: u32,
@@ -50,10 +50,10 @@ impl PeopleCounters {
     };
 }
 
-/// What a sweep told.
+/// What a sweep yielded.
 #[derive(Clone, Copy, Debug)]
 pub struct PeopleOutput<'a> {
-    /// Things of this sweep, in the robot's frame.
+    /// Clusters of this sweep, in the robot's frame.
     pub clusters: &'a [Cluster],
     /// People and what looks like them, in the fixed frame.
     pub tracks: &'a [Track],

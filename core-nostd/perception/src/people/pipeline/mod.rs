@@ -1,12 +1,12 @@
-//! The whole way from a sweep to the list of people: things, candidates, looks at their shapes, tracks.
+//! The whole pipeline from a sweep to the list of people: clusters, candidates, candidate shapes, tracks.
 
 mod body_box;
 mod candidates;
 mod context;
-mod looking;
+mod describe;
+mod find_clusters;
 mod sharing;
 mod state;
-mod things;
 mod upper_bodies;
 
 pub use context::{PeopleCounters, PeopleOutput, SweepContext};

@@ -1,4 +1,4 @@
-//! Things in which the tracker expects several people.
+//! Clusters in which the tracker expects several people.
 
 use super::context::SweepContext;
 use super::state::PeoplePipeline;
@@ -7,14 +7,14 @@ use crate::people::projection::{ColumnFrame, SweepFrame};
 use floorguard_types::sensing::Sweep;
 
 impl PeoplePipeline {
-    /// Things in which the tracker expects several people are shared out among them.
+    /// Clusters in which the tracker expects several people are shared out among them.
     #[inline(never)]
     pub(super) fn share_out(&mut self, sweep: &Sweep, context: &SweepContext) {
         self.splits.clear();
         let odom_in_base = context.base_in_odom.inverse();
-        for (index, thing) in self.things.iter().enumerate() {
+        for (index, cluster) in self.clusters.iter().enumerate() {
             let expected = self.tracker.expected(sweep.end_stamp);
-            self.splits.consider(index, thing, expected.map(|place| odom_in_base.transform(place)));
+            self.splits.consider(index, cluster, expected.map(|place| odom_in_base.transform(place)));
         }
         if self.splits.is_empty() {
             return;
@@ -28,10 +28,12 @@ impl PeoplePipeline {
                     continue;
                 };
                 let index =
-                    self.clusterer.index_of(index, ring).filter(|thing| self.splits.is_shared(*thing));
-                if let Some((index, thing)) = index.and_then(|index| Some((index, self.things.get(index)?))) {
+                    self.clusterer.index_of(index, ring).filter(|cluster| self.splits.is_shared(*cluster));
+                if let Some((index, cluster)) =
+                    index.and_then(|index| Some((index, self.clusters.get(index)?)))
+                {
                     let point = frame.get_or_insert_with(|| frames.column(column)).point(*raw, *angle);
-                    self.splits.add(index, point, thing.nearest_m);
+                    self.splits.add(index, point, cluster.nearest_m);
                 }
             }
         }

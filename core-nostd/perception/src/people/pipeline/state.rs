@@ -4,10 +4,10 @@ use heapless::Vec;
 
 use super::context::{PeopleCounters, PeopleOutput, SweepContext};
 use crate::people::association::DETECTIONS_MAX;
+use crate::people::candidate_shapes::CandidateShapes;
 use crate::people::candidates::{CandidateLimits, Detection};
 use crate::people::cluster::{Cluster, ClusterLimits};
 use crate::people::clusters::Clusterer;
-use crate::people::looks::Looks;
 use crate::people::projection::RingAngles;
 use crate::people::shape::ShapeVector;
 use crate::people::splits::Splits;
@@ -42,10 +42,10 @@ pub struct PeoplePipeline {
     /// What may be a person.
     pub candidate_limits: CandidateLimits,
     pub(super) clusterer: Clusterer,
-    pub(super) things: Vec<Cluster, CLUSTERS_MAX>,
+    pub(super) clusters: Vec<Cluster, CLUSTERS_MAX>,
     pub(super) visibility: Visibility,
     pub(super) detections: Vec<Detection, DETECTIONS_MAX>,
-    pub(super) looks: Looks,
+    pub(super) candidate_shapes: CandidateShapes,
     pub(super) splits: Splits,
     pub(super) tracker: Tracker,
     pub(super) counters: PeopleCounters,
@@ -67,10 +67,10 @@ impl PeoplePipeline {
             cluster_limits: ClusterLimits::DEFAULT,
             candidate_limits: CandidateLimits::DEFAULT,
             clusterer: Clusterer::new(),
-            things: Vec::new(),
+            clusters: Vec::new(),
             visibility: Visibility::new(),
             detections: Vec::new(),
-            looks: Looks::new(),
+            candidate_shapes: CandidateShapes::new(),
             splits: Splits::new(),
             tracker: Tracker::new(parameters),
             counters: PeopleCounters::ZERO,
@@ -80,17 +80,17 @@ impl PeoplePipeline {
 
     /// Takes in a sweep. Linear in its cells, plus tracks × detections.
     pub fn process(&mut self, sweep: &Sweep, context: &SweepContext) -> PeopleOutput<'_> {
-        self.find_things(sweep, context);
+        self.find_clusters(sweep, context);
         self.find_people(sweep, context)
     }
 
-    /// People among the things of the same sweep; after [`Self::find_things`]. Between the two, motion can be judged
-    /// (see [`Self::thing_of`]).
+    /// People among the clusters of the same sweep; after [`Self::find_clusters`]. Between the two, motion can be
+    /// judged (see [`Self::cluster_of`]).
     pub fn find_people(&mut self, sweep: &Sweep, context: &SweepContext) -> PeopleOutput<'_> {
         self.find_people_moving(sweep, context, |_| None)
     }
 
-    /// The same, told which places of the fixed frame something moves at; `None` where nobody knows.
+    /// The same, given the places of the fixed frame at which something moves; `None` where unknown.
     pub fn find_people_moving(
         &mut self,
         sweep: &Sweep,
@@ -102,7 +102,7 @@ impl PeoplePipeline {
             detection.moving = moving_at(detection.position);
         }
         self.track(sweep, context);
-        PeopleOutput { clusters: &self.things, tracks: self.tracker.tracks(), counters: self.counters }
+        PeopleOutput { clusters: &self.clusters, tracks: self.tracker.tracks(), counters: self.counters }
     }
 
     /// Takes in what another sensor saw. It waits for the sweep of its time; when the lidar is silent for longer than
@@ -112,21 +112,21 @@ impl PeoplePipeline {
         self.waiting.give_overdue(&mut self.tracker)
     }
 
-    /// Enters for each thing, in their order, whether it moves; after [`Self::find_things`].
+    /// Enters for each cluster, in their order, whether it moves; after [`Self::find_clusters`].
     pub fn note_motion(&mut self, verdicts: impl Iterator<Item = Option<bool>>) {
-        for (thing, moving) in self.things.iter_mut().zip(verdicts) {
-            thing.moving = moving;
+        for (cluster, moving) in self.clusters.iter_mut().zip(verdicts) {
+            cluster.moving = moving;
             let moves = u32::from(moving == Some(true));
             self.counters.moving_clusters = self.counters.moving_clusters.saturating_add(moves);
         }
     }
 
-    /// Which things may be people, and how probably; after [`Self::find_things`].
+    /// Which clusters may be people, and how probably; after [`Self::find_clusters`].
     pub fn find_detections(&mut self, sweep: &Sweep, context: &SweepContext) {
         self.waiting.give_until(sweep.end_stamp, &mut self.tracker);
         self.share_out(sweep, context);
         self.find_candidates(context);
-        self.look(sweep, context);
+        self.describe_candidates(sweep, context);
         self.splits.clear();
         self.find_upper_bodies(sweep, context);
     }
@@ -160,16 +160,16 @@ impl PeoplePipeline {
         &self.tracker
     }
 
-    /// The things of the newest sweep, in the robot's frame.
+    /// The clusters of the newest sweep, in the robot's frame.
     #[must_use]
-    pub fn things(&self) -> &[Cluster] {
-        &self.things
+    pub fn clusters(&self) -> &[Cluster] {
+        &self.clusters
     }
 
-    /// Index of the thing to which a cell belongs; `None` if to none. Valid from [`Self::find_things`] to
+    /// Index of the cluster to which a cell belongs; `None` if to none. Valid from [`Self::find_clusters`] to
     /// [`Self::find_people`], which groups once more.
     #[must_use]
-    pub fn thing_of(&self, column: usize, ring: usize) -> Option<usize> {
+    pub fn cluster_of(&self, column: usize, ring: usize) -> Option<usize> {
         self.clusterer.index_of(column, ring)
     }
 
@@ -182,12 +182,12 @@ impl PeoplePipeline {
     /// Lowest and highest coordinates of the returns of a detection of the newest sweep, by its index; robot frame, metres.
     #[must_use]
     pub fn bounds(&self, detection: usize) -> Option<[Point3; 2]> {
-        self.looks.bounds(detection)
+        self.candidate_shapes.bounds(detection)
     }
 
     /// The shape of a detection of the newest sweep, by its index: what the classifier saw.
     #[must_use]
     pub fn shape(&self, detection: usize) -> Option<&ShapeVector> {
-        self.looks.shape(detection)
+        self.candidate_shapes.shape(detection)
     }
 }

@@ -2,8 +2,8 @@
 
 use super::candidates::detection;
 use super::context::SweepContext;
+use super::find_clusters::in_counts;
 use super::state::PeoplePipeline;
-use super::things::in_counts;
 use crate::people::cluster::Cluster;
 use crate::people::clusters::{Obstacles, rings_of};
 use crate::people::projection::{RingProfile, SweepFrame};
@@ -16,17 +16,17 @@ const UPPER_BODY_M: f32 = 1.05;
 const UPPER_BODY_RANGE_M: f32 = 8.0;
 
 impl PeoplePipeline {
-    /// People who touch a desk or a trolley are one thing with it. What stands out above it is grouped once more, on
-    /// its own, where a nearby thing is too wide for a person.
+    /// People who touch a desk or a trolley are one cluster with it. What stands out above it is grouped once more,
+    /// on its own, where a nearby cluster is too wide for a person.
     pub(super) fn find_upper_bodies(&mut self, sweep: &Sweep, context: &SweepContext) {
-        let too_wide = |thing: &Cluster| {
-            let [width_m, depth_m, height_m] = thing.extent_m();
+        let too_wide = |cluster: &Cluster| {
+            let [width_m, depth_m, height_m] = cluster.extent_m();
             let widest_m = width_m.max(depth_m);
             widest_m > self.candidate_limits.width_max_m
                 && height_m > 0.3
-                && thing.nearest_m < UPPER_BODY_RANGE_M
+                && cluster.nearest_m < UPPER_BODY_RANGE_M
         };
-        if !self.things.iter().any(too_wide) {
+        if !self.clusters.iter().any(too_wide) {
             return;
         }
         self.clusterer.clear(&self.cluster_limits);
@@ -35,7 +35,7 @@ impl PeoplePipeline {
         let mut profile = frames.still(&SweepColumn::UNKNOWN).profile(&self.angles);
         for (index, column) in sweep.used_columns().iter().enumerate() {
             obstacles.present = 0;
-            // What stands that high is an obstacle among the first things, too.
+            // What stands that high is an obstacle among the first clusters, too.
             let before = self.clusterer.present_in(index);
             if before != 0 {
                 if !frames.is_level() {
@@ -57,7 +57,7 @@ impl PeoplePipeline {
                 }
             }
         }
-        self.look(sweep, context);
+        self.describe_candidates(sweep, context);
     }
 }
 

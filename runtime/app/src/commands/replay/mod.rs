@@ -25,7 +25,7 @@ use floorguard_recording::replay::is_replayable;
 /// First bytes of an MCAP file.
 const MCAP_MAGIC: &[u8] = b"\x89MCAP";
 /// So much of a file tells what it is.
-const LOOK_BYTES: u64 = 16_384;
+const SNIFF_BYTES: u64 = 16_384;
 
 /// Runs the command.
 ///
@@ -37,7 +37,7 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
         return Err(refuse(&"this is a folder; give the .mcap file in it").into());
     }
     must_be_a_file(&arguments.file).map_err(|error| refuse(&error))?;
-    let begins = beginning(&arguments.file, LOOK_BYTES).map_err(|error| refuse(&error))?;
+    let begins = beginning(&arguments.file, SNIFF_BYTES).map_err(|error| refuse(&error))?;
     if let Some(what) = not_for_us(&begins) {
         return Err(refuse(&what).into());
     }
@@ -95,7 +95,7 @@ fn recording(arguments: &ReplayArguments) -> anyhow::Result<()> {
         Some(Err(error)) => return Err(bad(&error).into()),
         None => return Err(bad(&"the recording holds no message").into()),
     };
-    // Who names a topic wants people out of it, whoever wrote it.
+    // An explicitly named topic is searched for people, whatever recorded it.
     if is_replayable(&recording) && arguments.topic.is_none() {
         if arguments.record.is_some() {
             return Err(bad(&"it is a recording already; --record is for captures, bags and logs").into());

@@ -99,7 +99,7 @@ fn verdict(name: &str, outcome: ReplayOutcome) -> anyhow::Result<()> {
             Ok(())
         }
         None if outcome.recorded_digest.is_some() => {
-            say!("digest {digest:016x}, as recorded, and at {seconds} moments on the way");
+            say!("digest {digest:016x}, as recorded, and at {seconds} moments of the run");
             Ok(())
         }
         None => {

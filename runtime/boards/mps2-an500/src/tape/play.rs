@@ -211,7 +211,7 @@ fn report(digest: &OutputDigest, costs: &Costs, stages: &Stages) {
         ("stage-guard-packet", &stages.guard_packet),
         ("stage-build", &stages.build),
         ("stage-floor", &stages.floor),
-        ("stage-floor-clusters", &stages.things),
+        ("stage-floor-clusters", &stages.clusters),
         ("stage-features", &stages.features),
         ("stage-track", &stages.track),
         ("stage-guard-scan", &stages.guard_scan),

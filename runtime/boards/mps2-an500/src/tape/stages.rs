@@ -28,7 +28,7 @@ pub struct Stages {
     /// The floor of a sweep, by itself.
     pub floor: Stopwatch,
     /// Floor and clusters of a sweep, in one pass.
-    pub things: Stopwatch,
+    pub clusters: Stopwatch,
     /// Candidates, shapes, classifier and upper bodies of a sweep.
     pub features: Stopwatch,
     /// The tracker.
@@ -63,7 +63,7 @@ pub fn measure(tape: TapeReader<'static>, robot: &RobotConfiguration, state: &mu
                 let seen = sweeps;
                 builder.add(&packet, lost, &mut state.building, |sweep| {
                     sweeps += 1;
-                    look(&mut stages, (&mut state.people, robot), sweep);
+                    measure_perception(&mut stages, (&mut state.people, robot), sweep);
                 });
                 // The sweep's own stages do not count as building it.
                 if sweeps == seen {
@@ -94,7 +94,7 @@ pub fn measure(tape: TapeReader<'static>, robot: &RobotConfiguration, state: &mu
     stages
 }
 
-fn look(
+fn measure_perception(
     stages: &mut Stages,
     (people, robot): (&mut floorguard_perception::people::PeoplePipeline, &RobotConfiguration),
     sweep: &Sweep,
@@ -109,9 +109,9 @@ fn look(
     mask.find(sweep, &people.angles, &context.sensor_in_base);
     stages.floor.end();
     core::hint::black_box(&mask);
-    stages.things.begin();
-    people.find_things(sweep, &context);
-    stages.things.end();
+    stages.clusters.begin();
+    people.find_clusters(sweep, &context);
+    stages.clusters.end();
     stages.features.begin();
     people.find_detections(sweep, &context);
     stages.features.end();

@@ -6,7 +6,7 @@ use embassy_executor::{SendSpawner, Spawner};
 use embassy_net::Runner;
 use embassy_time::Instant;
 use floorguard_board_support::{
-    KeptBox, RobotShared, feed_while_deciding, keep_black_box, spawn_deciders, tell_black_box,
+    KeptBox, RobotShared, feed_while_deciding, keep_black_box, send_black_box, spawn_deciders,
 };
 use floorguard_drivers::s300::{Configuration, Receiver};
 use floorguard_drivers::three_wheel_base::ThreeWheelBase;
@@ -19,13 +19,13 @@ use floorguard_runtime::kept_latches::KeptLatches;
 use floorguard_runtime::tasks::{can_bus, imu_input, lidar_input, scanner_input};
 use floorguard_types::geometry::Transform3;
 
+use super::bench_link;
 use super::network::{self, LidarSocket};
 use super::options::Options;
-use super::witness;
 use crate::ethernet::Ethernet;
 use crate::faults::{Fault, break_guard, planned_ms};
 use crate::uart::{self, Port};
-use crate::{last_words, watchdog};
+use crate::{crash_record, watchdog};
 
 /// Bit rates of the lines; the emulator does not simulate them.
 const SCANNER_BAUD: u32 = 500_000;
@@ -67,7 +67,7 @@ async fn ring(shared: &'static RobotShared, robot: &'static RobotConfiguration, 
     spawner.spawn(can(shared, (ThreeWheelBase::new(robot.base()), robot.tricycle())).unwrap());
     // SAFETY: any bits are valid atomic words.
     spawn_deciders(spawner, shared, unsafe { LATCHES.assume_init_ref() });
-    // SAFETY: any bits are a valid value; what is no row is told from rows by their checksums.
+    // SAFETY: any bits are a valid value; rows are recognised by their checksums.
     let kept = unsafe { KEPT.assume_init_ref() };
     kept.begin();
     uart::BLACK_BOX.start(BLACK_BOX_BAUD);
@@ -77,9 +77,9 @@ async fn ring(shared: &'static RobotShared, robot: &'static RobotConfiguration, 
     if let Some(fault) = options.fault {
         spawner.spawn(break_guard(shared, fault).unwrap());
     }
-    spawner.spawn(witness::lateness().unwrap());
+    spawner.spawn(bench_link::lateness().unwrap());
     if options.bench {
-        spawner.spawn(witness::witness(shared, network::witness_socket(stack)).unwrap());
+        spawner.spawn(bench_link::bench_link(shared, network::bench_socket(stack)).unwrap());
     }
 }
 
@@ -103,7 +103,7 @@ async fn keep(shared: &'static RobotShared, kept: &'static KeptBox) {
 #[embassy_executor::task]
 async fn tell(kept: &'static KeptBox) {
     // The port cannot fail.
-    let _ = tell_black_box(kept, last_words::restart(), Port(&uart::BLACK_BOX)).await;
+    let _ = send_black_box(kept, crash_record::restart(), Port(&uart::BLACK_BOX)).await;
 }
 
 #[embassy_executor::task]

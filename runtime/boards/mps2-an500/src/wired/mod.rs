@@ -1,8 +1,8 @@
 //! The robot on the board's own devices: UDP, UARTs, timers, two rings of different priority.
 
+mod bench_link;
 mod guard_ring;
 mod network;
 pub mod options;
-mod witness;
 
 pub use guard_ring::start_guard_ring;

@@ -1,4 +1,4 @@
-//! The lidar's port and the witness's, on `embassy-net`.
+//! The ports of the lidar and of the bench link, on `embassy-net`.
 
 use core::sync::atomic::{AtomicU32, Ordering};
 
@@ -15,8 +15,8 @@ pub const MINE: Ipv4Address = Ipv4Address::new(10, 0, 2, 15);
 const GATEWAY: Ipv4Address = Ipv4Address::new(10, 0, 2, 2);
 /// Port of the lidar (book, Velodyne).
 const LIDAR_PORT: u16 = 2_368;
-/// Port of the witness.
-const WITNESS_PORT: u16 = 2_369;
+/// Port of the bench link.
+const BENCH_PORT: u16 = 2_369;
 /// Datagrams that the socket holds: 10 ms of lidar.
 const DATAGRAMS: usize = 8;
 const DATAGRAM_BYTES: usize = 1_300;
@@ -72,10 +72,10 @@ pub fn stack(ethernet: Ethernet) -> (Stack<'static>, Runner<'static, Ethernet>) 
     embassy_net::new(ethernet, config, RESOURCES.init(StackResources::new()), 0x666c_6f6f)
 }
 
-/// The port that the witness answers on. Call once.
-pub fn witness_socket(stack: Stack<'static>) -> UdpSocket<'static> {
+/// The port that the bench link answers on. Call once.
+pub fn bench_socket(stack: Stack<'static>) -> UdpSocket<'static> {
     static BUFFERS: StaticCell<Buffers<4, 256>> = StaticCell::new();
-    BUFFERS.init(Buffers::new()).socket(stack, WITNESS_PORT)
+    BUFFERS.init(Buffers::new()).socket(stack, BENCH_PORT)
 }
 
 /// The lidar's port.

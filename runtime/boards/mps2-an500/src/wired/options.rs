@@ -1,4 +1,5 @@
-//! What the emulator's bench wants to know, in the last words of PSRAM; without a bench they are zero.
+//! What the emulator's bench wants to know, in the last machine words of PSRAM; without a bench they are
+//! zero.
 
 use crate::faults::Fault;
 use crate::register::Register;
@@ -10,7 +11,7 @@ const MAGIC: u32 = 0x504f_4746;
 /// How to run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
-    /// Somebody listens to the witness, and ends the run.
+    /// A bench is connected, and ends the run.
     pub bench: bool,
     /// The thread never sleeps: virtual time is the number of instructions.
     pub never_sleep: bool,

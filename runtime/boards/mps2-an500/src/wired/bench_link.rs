@@ -14,7 +14,7 @@ use floorguard_board_support::RobotShared;
 use super::network;
 use crate::ethernet::Ethernet;
 use crate::uart::Uart;
-use crate::{executor, faults, last_words, uart};
+use crate::{crash_record, executor, faults, uart};
 
 /// First word of a report: "FGST".
 const MAGIC: u32 = 0x5453_4746;
@@ -58,9 +58,9 @@ pub async fn lateness() {
     }
 }
 
-/// Reports to whoever said hello. Runs until told to quit.
+/// Reports to the client that sent a hello. Runs until it receives the order to quit.
 #[embassy_executor::task]
-pub async fn witness(shared: &'static RobotShared, socket: UdpSocket<'static>) {
+pub async fn bench_link(shared: &'static RobotShared, socket: UdpSocket<'static>) {
     let mut order = [0; 16];
     let Ok((_, mut bench)) = socket.recv_from(&mut order).await else { return };
     // Start-up does not count.
@@ -83,7 +83,7 @@ pub async fn witness(shared: &'static RobotShared, socket: UdpSocket<'static>) {
                 for (slot, word) in bytes.chunks_exact_mut(4).zip(report(shared)) {
                     slot.copy_from_slice(&word.to_le_bytes());
                 }
-                // A report that finds no room is made up for by the next one.
+                // A report that does not fit is replaced by the next one.
                 let _ = socket.send_to(&bytes, bench).await;
             }
         }
@@ -100,7 +100,7 @@ fn report(shared: &RobotShared) -> [u32; WORDS] {
         .and_then(|decision| decision.primary_cause)
         .map_or(0, |record| record.cause.index() as u32 + 1);
     let links = shared.links();
-    let [cause, detail, uptime_ms, deaths] = last_words::read();
+    let [cause, detail, uptime_ms, deaths] = crash_record::read();
     let [late_at_ms, late_bytes, late_datagrams, late_stretch_us] =
         LATEST_WITH.each_ref().map(|word| word.load(Ordering::Relaxed));
     [

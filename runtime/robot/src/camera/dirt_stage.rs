@@ -11,7 +11,7 @@ use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::sensing::{ColorImage, FrameFault, FrameWatch, PinholeCamera};
 use floorguard_types::time::{Age, Stamp};
 
-use super::look::FloorLook;
+use super::floor_stage::FloorStage;
 use crate::picture_files::DirtDetectors;
 
 /// Edge of a cell, and of the square around the start that is mapped, metres.
@@ -46,7 +46,7 @@ pub enum DirtBlind {
 }
 
 /// The memory of one colour camera, and the map that it fills, in the frame of the poses that it is given.
-pub struct DirtLook {
+pub struct DirtStage {
     size: (usize, usize),
     camera: PinholeCamera,
     watch: FrameWatch,
@@ -88,7 +88,7 @@ impl SeenDirt {
     }
 }
 
-impl DirtLook {
+impl DirtStage {
     /// For pictures of a size, whose intrinsics these are; `None` for a size that makes no map.
     #[must_use]
     pub fn new(size: (usize, usize), camera: PinholeCamera) -> Option<Self> {
@@ -111,10 +111,10 @@ impl DirtLook {
     ///
     /// # Errors
     /// The picture adds nothing: why.
-    pub fn look(
+    pub fn process(
         &mut self,
         rgb: &[u8],
-        floor: &FloorLook,
+        floor: &FloorStage,
         robot_in_map: Pose2,
         (stamp, now): (Stamp, Stamp),
     ) -> Result<ViewOutcome, DirtBlind> {
@@ -134,7 +134,7 @@ impl DirtLook {
     fn judge(
         &mut self,
         rgb: &[u8],
-        floor: &FloorLook,
+        floor: &FloorStage,
         robot_in_map: Pose2,
         (stamp, now): (Stamp, Stamp),
     ) -> Result<ViewOutcome, DirtBlind> {
@@ -152,7 +152,7 @@ impl DirtLook {
     }
 
     /// Free floor of the depth picture, which shows the same view in another size.
-    fn take_mask(&mut self, floor: &FloorLook) {
+    fn take_mask(&mut self, floor: &FloorStage) {
         let depth: Vec<bool> = floor.is_floor().collect();
         let ((width, height), (columns, rows)) = (self.size, floor.size());
         for (index, usable) in self.usable.iter_mut().enumerate() {

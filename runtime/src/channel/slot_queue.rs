@@ -1,6 +1,6 @@
 //! A bounded queue for large elements, written and read in place: one copy in, one copy out.
 //!
-//! As in [`super::Queue`] the sender never waits, and what finds no room is counted.
+//! As in [`super::Queue`] the sender never waits, and what does not fit is counted.
 
 use core::cell::RefCell;
 
@@ -16,12 +16,12 @@ struct Slots<T, const N: usize> {
 }
 
 /// A queue of at most `N` elements, with one reader.
-pub struct Belt<M: RawMutex, T, const N: usize> {
+pub struct SlotQueue<M: RawMutex, T, const N: usize> {
     slots: Mutex<M, RefCell<Slots<T, N>>>,
     filled: Signal<M, ()>,
 }
 
-impl<M: RawMutex, T, const N: usize> Belt<M, T, N> {
+impl<M: RawMutex, T, const N: usize> SlotQueue<M, T, N> {
     /// An empty queue of slots like these.
     #[must_use]
     pub const fn new(slots: [T; N]) -> Self {
@@ -73,7 +73,7 @@ impl<M: RawMutex, T, const N: usize> Belt<M, T, N> {
         })
     }
 
-    /// Elements that found no room.
+    /// Elements that did not fit.
     pub fn lost(&self) -> u32 {
         self.slots.lock(|slots| slots.borrow().lost)
     }
@@ -86,13 +86,13 @@ mod tests {
     use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 
     #[test]
-    fn a_full_belt_keeps_the_oldest_and_counts() {
-        let belt = Belt::<NoopRawMutex, u8, 2>::new([0; 2]);
+    fn full_slot_queue_keeps_oldest_and_counts() {
+        let queue = SlotQueue::<NoopRawMutex, u8, 2>::new([0; 2]);
         for round in 0..3 {
-            assert!(belt.push(|slot| *slot = 1) && belt.push(|slot| *slot = 2));
-            assert!(!belt.push(|_| panic!("no room")));
-            assert_eq!((block_on(belt.pop(|slot| *slot)), block_on(belt.pop(|slot| *slot))), (1, 2));
-            assert_eq!(belt.lost(), round + 1);
+            assert!(queue.push(|slot| *slot = 1) && queue.push(|slot| *slot = 2));
+            assert!(!queue.push(|_| panic!("full")));
+            assert_eq!((block_on(queue.pop(|slot| *slot)), block_on(queue.pop(|slot| *slot))), (1, 2));
+            assert_eq!(queue.lost(), round + 1);
         }
     }
 }

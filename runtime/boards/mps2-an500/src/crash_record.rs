@@ -16,7 +16,7 @@ const STOP_ALL_NODES: &[u8] = b"\rt00020200\r";
 /// Magic, cause, program counter or number, uptime in milliseconds, deaths so far, and their sum.
 struct Words([AtomicU32; 6]);
 
-#[unsafe(link_section = ".uninit.last_words")]
+#[unsafe(link_section = ".uninit.crash_record")]
 static WORDS: MaybeUninit<Words> = MaybeUninit::uninit();
 
 static DYING: AtomicBool = AtomicBool::new(false);

@@ -11,80 +11,82 @@ use anyhow::Context;
 use floorguard_runtime::clock;
 use floorguard_runtime::shared::StopRecord;
 
-use super::witnesses::Witnesses;
+use super::run_sinks::RunSinks;
 use crate::panel::Order;
 use floorguard_host::executor::{Ring, take_priority};
 use floorguard_robot::assembly::{HostedShared, Tap, TapRow, TapRows, tap};
 use floorguard_robot::camera::SeenDirt;
 use floorguard_robot::cleaner::MissionProgress;
 
-/// How often it looks: scans come every 40 ms, poses are written every 20 ms.
-const LOOK: Duration = Duration::from_millis(5);
+/// Polling period: scans come every 40 ms, poses are written every 20 ms.
+const POLL_PERIOD: Duration = Duration::from_millis(5);
 
-/// What the thread with the display tells the onlooker.
-enum Note {
+/// Messages from the display thread to the telemetry thread.
+enum TelemetryEvent {
     Stop(StopRecord),
     Mission(Arc<MissionProgress>),
     Order(Order),
     Dirt(Box<SeenDirt>),
 }
 
-/// The way to the onlooker, if there is one.
-pub struct Notes<'a> {
+/// The channel to the telemetry thread, if there is one.
+pub struct TelemetrySender<'a> {
     shared: &'a HostedShared,
-    notes: Option<Sender<Note>>,
+    notes: Option<Sender<TelemetryEvent>>,
 }
 
-impl Notes<'_> {
+impl TelemetrySender<'_> {
     /// A stop that began.
     pub fn stop(&self, record: &StopRecord) {
-        self.note(Note::Stop(*record));
+        self.note(TelemetryEvent::Stop(*record));
     }
 
-    /// The cleaning mission has told its progress.
+    /// The cleaning mission has reported its progress.
     pub fn mission(&self, progress: &Arc<MissionProgress>) {
-        self.note(Note::Mission(Arc::clone(progress)));
+        self.note(TelemetryEvent::Mission(Arc::clone(progress)));
     }
 
     /// The floor camera's map of dirt.
     pub fn seen_dirt(&self, seen: Box<SeenDirt>) {
-        self.note(Note::Dirt(seen));
+        self.note(TelemetryEvent::Dirt(seen));
     }
 
     /// An operator's order: the tasks get it, and so does the recording.
     pub fn order(&self, order: Order) {
-        if !self.note(Note::Order(order)) {
+        if !self.note(TelemetryEvent::Order(order)) {
             order.apply(self.shared);
         }
     }
 
-    fn note(&self, note: Note) -> bool {
+    fn note(&self, note: TelemetryEvent) -> bool {
         self.notes.as_ref().is_some_and(|notes| notes.send(note).is_ok())
     }
 }
 
-/// Runs `body` while the witnesses look on. The body gives the tap to the robot's lines; without witnesses there is none.
+/// Runs `body` beside the telemetry thread. The body gives the tap to the robot's lines; without run sinks there is
+/// none.
 ///
 /// # Errors
 /// What `body` says, or the recording could not be written.
-pub fn with_onlooker<T>(
-    witnesses: &mut Witnesses,
+pub fn with_telemetry<T>(
+    sinks: &mut RunSinks,
     shared: &HostedShared,
-    body: impl FnOnce(Option<Tap>, &Notes<'_>) -> anyhow::Result<T>,
+    body: impl FnOnce(Option<Tap>, &TelemetrySender<'_>) -> anyhow::Result<T>,
 ) -> anyhow::Result<T> {
-    if !witnesses.listen() {
-        return body(None, &Notes { shared, notes: None });
+    if !sinks.listen() {
+        return body(None, &TelemetrySender { shared, notes: None });
     }
     let ((tap, rows), (sender, notes)) = (tap(), channel());
     let ended = AtomicBool::new(false);
     thread::scope(|scope| {
         let flag = &ended;
-        let look_on = move || look_on(witnesses, shared, ((&rows, &notes), flag));
-        let onlooker = thread::Builder::new().name("onlooker".to_owned()).spawn_scoped(scope, look_on)?;
+        let run_telemetry = move || run_telemetry(sinks, shared, ((&rows, &notes), flag));
+        let telemetry =
+            thread::Builder::new().name("onlooker".to_owned()).spawn_scoped(scope, run_telemetry)?;
         let at_end = SetAtEnd(&ended);
-        let answer = body(Some(tap), &Notes { shared, notes: Some(sender) });
+        let answer = body(Some(tap), &TelemetrySender { shared, notes: Some(sender) });
         drop(at_end);
-        let written = onlooker.join().unwrap_or_else(|_| {
+        let written = telemetry.join().unwrap_or_else(|_| {
             Err(anyhow::anyhow!("the recording's thread panicked; this is a defect, please report it"))
         });
         let answer = answer?;
@@ -101,58 +103,60 @@ impl Drop for SetAtEnd<'_> {
     }
 }
 
-fn look_on(
-    witnesses: &mut Witnesses,
+fn run_telemetry(
+    sinks: &mut RunSinks,
     shared: &HostedShared,
-    ((rows, notes), ended): ((&TapRows, &Receiver<Note>), &AtomicBool),
+    ((rows, notes), ended): ((&TapRows, &Receiver<TelemetryEvent>), &AtomicBool),
 ) -> anyhow::Result<()> {
     // Also because a thread begins with the priority of the one that started it, be it the simulated world's.
-    say!("  {}", take_priority(Ring::Onlooker));
-    let mut told = false;
+    say!("  {}", take_priority(Ring::Telemetry));
+    let mut is_reported = false;
     loop {
         // Read before the queues: what was put in before the end is still taken out.
         let last = ended.load(Ordering::Acquire);
-        take_in(witnesses, shared, (rows, notes));
-        if let Some(error) = witnesses.failure().filter(|_| !told) {
-            told = true;
+        take_in(sinks, shared, (rows, notes));
+        if let Some(error) = sinks.failure().filter(|_| !is_reported) {
+            is_reported = true;
             say!("  {error}; the robot goes on without its recording");
         }
         if last {
             break;
         }
-        thread::sleep(LOOK);
+        thread::sleep(POLL_PERIOD);
     }
     let lost = rows.lost();
     if lost > 0 {
         say!("  the recording misses {lost} messages of the lines: the disk was too slow");
     }
-    witnesses
-        .finish_in_real_time(clock::now().as_micros(), lost)
-        .context("the run went on without its recording")
+    sinks.finish_in_real_time(clock::now().as_micros(), lost).context("the run went on without its recording")
 }
 
-fn take_in(witnesses: &mut Witnesses, shared: &HostedShared, (rows, notes): (&TapRows, &Receiver<Note>)) {
+fn take_in(
+    sinks: &mut RunSinks,
+    shared: &HostedShared,
+    (rows, notes): (&TapRows, &Receiver<TelemetryEvent>),
+) {
     while let Some(row) = rows.next() {
         match row {
             TapRow::Delivered { at, arrival, line, bytes } => {
-                witnesses.delivered((at.as_micros(), arrival.as_micros()), line, &bytes);
+                sinks.delivered((at.as_micros(), arrival.as_micros()), line, &bytes);
             }
-            TapRow::Sent(at, frame) => witnesses.sent(&frame, at.as_micros()),
+            TapRow::Sent(at, frame) => sinks.sent(&frame, at.as_micros()),
         }
     }
     let now_us = clock::now().as_micros();
     for note in notes.try_iter() {
         match note {
-            Note::Stop(record) => witnesses.stop(&record),
-            Note::Mission(progress) => witnesses.mission(&progress),
-            Note::Dirt(seen) => witnesses.seen_dirt(&seen),
-            Note::Order(order) => witnesses.order(order, shared, now_us),
+            TelemetryEvent::Stop(record) => sinks.stop(&record),
+            TelemetryEvent::Mission(progress) => sinks.mission(&progress),
+            TelemetryEvent::Dirt(seen) => sinks.seen_dirt(&seen),
+            TelemetryEvent::Order(order) => sinks.order(order, shared, now_us),
         }
     }
-    if let Some(panel) = &mut witnesses.panel {
-        panel.look(shared);
+    if let Some(panel) = &mut sinks.panel {
+        panel.publish(shared);
         let orders: Vec<Order> = std::iter::from_fn(|| panel.order()).collect();
-        orders.into_iter().for_each(|order| witnesses.order(order, shared, now_us));
+        orders.into_iter().for_each(|order| sinks.order(order, shared, now_us));
     }
-    witnesses.look(shared, now_us);
+    sinks.publish(shared, now_us);
 }

@@ -1,4 +1,4 @@
-//! What was said already: the same trouble is told once, and its end once.
+//! Log throttle: a persistent fault is logged once, and its end once.
 
 use floorguard_types::time::{Age, Stamp};
 
@@ -7,7 +7,7 @@ const OVER_US: u64 = 2_000_000;
 
 /// The last trouble of a stream.
 #[derive(Debug, Default)]
-pub struct Said {
+pub struct LogThrottle {
     last: Option<(String, Stamp)>,
 }
 
@@ -16,8 +16,8 @@ fn kind(text: &str) -> String {
     text.chars().filter(|letter| !letter.is_ascii_digit()).collect()
 }
 
-impl Said {
-    /// There is trouble now: true if it is to be told.
+impl LogThrottle {
+    /// There is a fault now: true if it is to be logged.
     pub fn trouble(&mut self, why: &str, now: Stamp) -> bool {
         let kind = kind(why);
         let is_new = self.last.as_ref().is_none_or(|(last, _)| *last != kind);
@@ -25,7 +25,7 @@ impl Said {
         is_new
     }
 
-    /// All is well now: true if it is to be told.
+    /// There is no fault now: true if that is to be logged.
     pub fn well(&mut self, now: Stamp) -> bool {
         let is_over = |since: Stamp| matches!(since.age(now), Age::Past(age_us) if age_us > OVER_US);
         self.last.take_if(|(_, since)| is_over(*since)).is_some()
@@ -37,13 +37,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_same_trouble_is_told_once() {
+    fn same_fault_is_logged_once() {
         let at = |ms: u64| Stamp::from_micros(1_000 * ms);
-        let mut said = Said::default();
-        assert!(!said.well(at(0)) && said.trouble("3 bytes", at(10)) && !said.trouble("4 bytes", at(20)));
-        assert!(!said.well(at(30)) && !said.trouble("5 bytes", at(1_000)), "it flickers");
-        assert!(said.trouble("gone", at(1_010)));
-        assert!(!said.well(at(3_010)) && said.well(at(3_011)) && !said.well(at(3_012)));
-        assert!(said.trouble("gone", at(3_013)));
+        let mut throttle = LogThrottle::default();
+        assert!(
+            !throttle.well(at(0))
+                && throttle.trouble("3 bytes", at(10))
+                && !throttle.trouble("4 bytes", at(20))
+        );
+        assert!(!throttle.well(at(30)) && !throttle.trouble("5 bytes", at(1_000)), "it flickers");
+        assert!(throttle.trouble("gone", at(1_010)));
+        assert!(!throttle.well(at(3_010)) && throttle.well(at(3_011)) && !throttle.well(at(3_012)));
+        assert!(throttle.trouble("gone", at(3_013)));
     }
 }

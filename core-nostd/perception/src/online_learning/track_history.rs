@@ -2,17 +2,17 @@
 
 use super::experts::TrackSummary;
 use crate::people::shape::ShapeVector;
-use floorguard_types::capacities::LEARNING_LOOKS;
+use floorguard_types::capacities::LEARNING_SHAPES;
 use floorguard_types::geometry::Point2;
 use floorguard_types::random::Pcg32;
 use floorguard_types::time::{Age, Stamp};
 
-/// The way is measured in steps of this, µs: from sweep to sweep it would be noise.
+/// The travel is measured in steps of this, µs: from sweep to sweep it would be noise.
 const STEP_US: u64 = 500_000;
 
-/// The diary of a track.
+/// The history of a track.
 #[derive(Clone, Debug)]
-pub(super) struct Diary {
+pub(super) struct TrackHistory {
     pub track: u32,
     began: Stamp,
     pub last: Stamp,
@@ -23,12 +23,12 @@ pub(super) struct Diary {
     /// Sums of the places relative to the start and of their squares.
     sums: [f32; 4],
     count: u32,
-    looks_seen: u32,
+    shapes_seen: u32,
     log_odds: (f32, f32),
-    pub looks: heapless::Vec<ShapeVector, LEARNING_LOOKS>,
+    pub shapes: heapless::Vec<ShapeVector, LEARNING_SHAPES>,
 }
 
-impl Diary {
+impl TrackHistory {
     pub(super) fn new(track: u32, stamp: Stamp, place: Point2) -> Self {
         Self {
             track,
@@ -40,9 +40,9 @@ impl Diary {
             strayed_m: 0.0,
             sums: [0.0; 4],
             count: 0,
-            looks_seen: 0,
+            shapes_seen: 0,
             log_odds: (f32::NEG_INFINITY, 0.0),
-            looks: heapless::Vec::new(),
+            shapes: heapless::Vec::new(),
         }
     }
 
@@ -62,13 +62,13 @@ impl Diary {
         }
     }
 
-    /// Enters how it looks and the log-odds it got; of many looks an even choice is kept.
-    pub(super) fn look(&mut self, shape: &ShapeVector, log_odds: f32, random: &mut Pcg32) {
-        self.looks_seen = self.looks_seen.saturating_add(1);
+    /// Enters its shape and the log-odds it got; of many shapes an even choice is kept.
+    pub(super) fn add_shape(&mut self, shape: &ShapeVector, log_odds: f32, random: &mut Pcg32) {
+        self.shapes_seen = self.shapes_seen.saturating_add(1);
         let (best, sum) = self.log_odds;
         self.log_odds = (best.max(log_odds), sum + log_odds);
-        if self.looks.push(*shape).is_err()
-            && let Some(slot) = self.looks.get_mut(random.below(self.looks_seen) as usize)
+        if self.shapes.push(*shape).is_err()
+            && let Some(slot) = self.shapes.get_mut(random.below(self.shapes_seen) as usize)
         {
             *slot = *shape;
         }
@@ -88,7 +88,7 @@ impl Diary {
             strayed_m: self.strayed_m,
             variance_m2: (xx - x * x + yy - y * y).max(0.0),
             best,
-            mean: sum / self.looks_seen.max(1) as f32,
+            mean: sum / self.shapes_seen.max(1) as f32,
         }
     }
 }
@@ -98,14 +98,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_way_is_that_of_half_seconds() {
-        let mut diary = Diary::new(1, Stamp::ZERO, Point2::new(2.0, 0.0));
+    fn travel_is_summed_over_half_seconds() {
+        let mut history = TrackHistory::new(1, Stamp::ZERO, Point2::new(2.0, 0.0));
         for step in 1..=40_u32 {
             let noise = if step % 2 == 0 { 0.05 } else { 0.0 };
             let place = Point2::new(2.0 + 0.1 * step as f32, noise);
-            diary.enter(Stamp::from_micros(u64::from(step) * 100_000), place);
+            history.enter(Stamp::from_micros(u64::from(step) * 100_000), place);
         }
-        let summary = diary.summary();
+        let summary = history.summary();
         assert!((summary.seconds - 4.0).abs() < 1e-4 && (summary.strayed_m - 4.0).abs() < 0.01);
         assert!((summary.walked_m - 4.0).abs() < 0.05, "{}", summary.walked_m);
     }

@@ -12,9 +12,9 @@ use super::weights_file::save_weights;
 
 /// The newest state of the learning.
 #[derive(Clone, Debug, Default)]
-pub struct LearningDesk(Arc<Mutex<Option<(LearningReport, Weights)>>>);
+pub struct LearningSlot(Arc<Mutex<Option<(LearningReport, Weights)>>>);
 
-impl LearningDesk {
+impl LearningSlot {
     /// Lays down the newest state.
     pub fn put(&self, report: LearningReport, weights: &Weights) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some((report, *weights));
@@ -29,34 +29,34 @@ impl LearningDesk {
 
 /// Writes what was taken over.
 #[derive(Clone, Debug)]
-pub struct LearningKeeper {
-    desk: LearningDesk,
+pub struct LearningWriter {
+    slot: LearningSlot,
     path: Option<PathBuf>,
     anchors: u32,
     kept: Weights,
     is_failing: bool,
 }
 
-impl LearningKeeper {
-    /// Watches a desk. Without a path nothing is written. `anchors` is their fingerprint.
+impl LearningWriter {
+    /// Watches a slot. Without a path nothing is written. `anchors` is their fingerprint.
     pub(super) const fn new(
-        desk: LearningDesk,
+        slot: LearningSlot,
         path: Option<PathBuf>,
         (anchors, kept): (u32, Weights),
     ) -> Self {
-        Self { desk, path, anchors, kept, is_failing: false }
+        Self { slot, path, anchors, kept, is_failing: false }
     }
 
-    /// Looks at the desk, and saves a correction that was taken over since. Gives what there is to say about it.
+    /// Reads the slot, and saves a correction that was accepted since. Gives what there is to say about it.
     pub fn attend(&mut self) -> Option<String> {
-        let (report, weights) = self.desk.newest()?;
+        let (report, weights) = self.slot.newest()?;
         if weights == self.kept {
             return None;
         }
         self.kept = weights;
         let saved = self.path.as_ref().map(|path| save_weights(path, &weights, self.anchors));
         match saved {
-            // Said once: a full disk stays full.
+            // Logged once: a full disk stays full.
             Some(Err(error)) if !self.is_failing => {
                 self.is_failing = true;
                 Some(format!(
@@ -74,6 +74,6 @@ impl LearningKeeper {
     /// What was learned in all.
     #[must_use]
     pub fn report(&self) -> Option<LearningReport> {
-        self.desk.newest().map(|(report, _)| report)
+        self.slot.newest().map(|(report, _)| report)
     }
 }

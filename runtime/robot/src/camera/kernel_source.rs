@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use floorguard_types::time::{Age, Stamp};
 
 use super::device::Device;
-use super::eye::{Eye, News};
+use super::frame_source::{FrameEvent, FrameSource};
 use super::pixels::{ColourFormat, WrongFrame, colour_of, depth_of};
 
 /// Between attempts to open a device that is not there, microseconds.
@@ -38,51 +38,51 @@ struct Line<S> {
 impl<S: Stream> Line<S> {
     const CLOSED: Self = Self { stream: None, retry_at: Stamp::ZERO, last: Stamp::ZERO };
 
-    fn news<P>(
+    fn next_event<P>(
         &mut self,
         now: Stamp,
         open: impl FnOnce() -> io::Result<S>,
         unpack: impl FnOnce(&S, &[u8]) -> Result<P, WrongFrame>,
-    ) -> News<P> {
+    ) -> FrameEvent<P> {
         let later = |after_us: u64| Stamp::from_micros(now.as_micros().saturating_add(after_us));
         if self.stream.is_none() {
             if now < self.retry_at {
-                return News::Nothing;
+                return FrameEvent::Nothing;
             }
             self.retry_at = later(RETRY_US);
             match open() {
                 Ok(stream) => (self.stream, self.last) = (Some(stream), now),
-                Err(problem) => return News::Silent(problem.to_string()),
+                Err(problem) => return FrameEvent::Silent(problem.to_string()),
             }
         }
-        let Some(stream) = &mut self.stream else { return News::Nothing };
+        let Some(stream) = &mut self.stream else { return FrameEvent::Nothing };
         let why = match stream.newest() {
             Ok(Some((stamp, bytes))) => {
                 self.last = now;
                 return match unpack(stream, &bytes) {
-                    Ok(picture) => News::Picture(stamp, picture),
-                    Err(problem) => News::Damaged(problem),
+                    Ok(picture) => FrameEvent::Picture(stamp, picture),
+                    Err(problem) => FrameEvent::Damaged(problem),
                 };
             }
             Ok(None) if matches!(self.last.age(now), Age::Past(age_us) if age_us > SILENT_US) => {
                 "no pictures any more".to_owned()
             }
-            Ok(None) => return News::Nothing,
+            Ok(None) => return FrameEvent::Nothing,
             Err(problem) => problem.to_string(),
         };
         (self.stream, self.retry_at) = (None, later(RETRY_US));
-        News::Silent(why)
+        FrameEvent::Silent(why)
     }
 }
 
 /// The devices of a camera.
-pub struct KernelEye {
+pub struct KernelSource {
     size: (usize, usize),
     depth: (PathBuf, Line<Device>),
     colour: Option<(PathBuf, Line<Device>)>,
 }
 
-impl KernelEye {
+impl KernelSource {
     /// Devices for depth and colour that show pictures of a size; opened when they are asked for the first time.
     #[must_use]
     pub fn new(depth: &Path, colour: Option<&Path>, size: (usize, usize)) -> Self {
@@ -91,7 +91,7 @@ impl KernelEye {
     }
 }
 
-impl Eye for KernelEye {
+impl FrameSource for KernelSource {
     fn name(&self) -> String {
         let colour = self.colour.iter().map(|(path, _)| format!(" and {}", path.display()));
         format!("{}{}", self.depth.0.display(), colour.collect::<String>())
@@ -101,19 +101,19 @@ impl Eye for KernelEye {
         self.colour.is_some()
     }
 
-    fn depth(&mut self, now: Stamp) -> News<Vec<u16>> {
+    fn depth(&mut self, now: Stamp) -> FrameEvent<Vec<u16>> {
         let (size, (path, line)) = (self.size, &mut self.depth);
-        line.news(
+        line.next_event(
             now,
             || Device::open(path, size, &[Z16]),
             |device, bytes| depth_of(bytes, size, device.line_bytes),
         )
     }
 
-    fn colour(&mut self, now: Stamp) -> News<Vec<u8>> {
-        let (size, Some((path, line))) = (self.size, &mut self.colour) else { return News::Nothing };
+    fn colour(&mut self, now: Stamp) -> FrameEvent<Vec<u8>> {
+        let (size, Some((path, line))) = (self.size, &mut self.colour) else { return FrameEvent::Nothing };
         let letters = ColourFormat::ALL.map(|(_, letters)| letters);
-        line.news(
+        line.next_event(
             now,
             || Device::open(path, size, &letters),
             |device, bytes| {
@@ -141,35 +141,39 @@ mod tests {
         }
     }
 
-    fn news(line: &mut Line<Fake>, at_ms: u64, frames: Vec<Option<Vec<u8>>>) -> News<Vec<u16>> {
+    fn next_event(line: &mut Line<Fake>, at_ms: u64, frames: Vec<Option<Vec<u8>>>) -> FrameEvent<Vec<u16>> {
         let now = Stamp::from_micros(1_000 * at_ms);
-        line.news(now, || Ok(Fake(frames)), |_, bytes| depth_of(bytes, (2, 1), 0))
+        line.next_event(now, || Ok(Fake(frames)), |_, bytes| depth_of(bytes, (2, 1), 0))
     }
 
-    /// An unplugged device is told, left alone for two seconds, and opened again; a cut frame is no picture.
+    /// An unplugged device is reported, left alone for two seconds, and opened again; a cut frame is no
+    /// picture.
     #[test]
     fn a_device_may_go_and_come_back() {
         let mut line = Line::CLOSED;
         let good = || Some(vec![1, 0, 2, 0]);
-        let picture = News::Picture(Stamp::from_micros(7), vec![1, 2]);
-        assert_eq!(news(&mut line, 10, vec![good(), None, Some(vec![1]), good()]), picture);
-        assert_eq!(news(&mut line, 20, vec![]), News::Nothing);
-        assert_eq!(news(&mut line, 30, vec![]), News::Damaged(WrongFrame::Short(1, 4)));
-        assert_eq!(news(&mut line, 40, vec![]), picture);
-        assert_eq!(news(&mut line, 50, vec![]), News::Silent("no such device".to_owned()));
-        assert_eq!(news(&mut line, 2_040, vec![good()]), News::Nothing, "not yet");
-        assert_eq!(news(&mut line, 2_050, vec![good()]), picture);
+        let picture = FrameEvent::Picture(Stamp::from_micros(7), vec![1, 2]);
+        assert_eq!(next_event(&mut line, 10, vec![good(), None, Some(vec![1]), good()]), picture);
+        assert_eq!(next_event(&mut line, 20, vec![]), FrameEvent::Nothing);
+        assert_eq!(next_event(&mut line, 30, vec![]), FrameEvent::Damaged(WrongFrame::Short(1, 4)));
+        assert_eq!(next_event(&mut line, 40, vec![]), picture);
+        assert_eq!(next_event(&mut line, 50, vec![]), FrameEvent::Silent("no such device".to_owned()));
+        assert_eq!(next_event(&mut line, 2_040, vec![good()]), FrameEvent::Nothing, "not yet");
+        assert_eq!(next_event(&mut line, 2_050, vec![good()]), picture);
     }
 
     #[test]
     fn a_device_that_sends_nothing_is_opened_again() {
         let mut line = Line::CLOSED;
-        assert_eq!(news(&mut line, 10, vec![None; 9]), News::Nothing);
-        assert_eq!(news(&mut line, 2_010, vec![]), News::Nothing);
-        assert_eq!(news(&mut line, 2_020, vec![]), News::Silent("no pictures any more".to_owned()));
+        assert_eq!(next_event(&mut line, 10, vec![None; 9]), FrameEvent::Nothing);
+        assert_eq!(next_event(&mut line, 2_010, vec![]), FrameEvent::Nothing);
+        assert_eq!(
+            next_event(&mut line, 2_020, vec![]),
+            FrameEvent::Silent("no pictures any more".to_owned())
+        );
         let absent = || Err(io::Error::other("not there"));
         let at = Stamp::from_micros(4_020_000);
         let unpack = |_: &Fake, bytes: &[u8]| depth_of(bytes, (2, 1), 0);
-        assert_eq!(line.news(at, absent, unpack), News::Silent("not there".to_owned()));
+        assert_eq!(line.next_event(at, absent, unpack), FrameEvent::Silent("not there".to_owned()));
     }
 }

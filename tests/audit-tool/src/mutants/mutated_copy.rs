@@ -29,22 +29,22 @@ pub struct Refused {
 }
 
 /// The copy.
-pub struct Spoiled {
+pub struct MutatedCopy {
     /// Holds `tree` and `target`.
     pub folder: PathBuf,
 }
 
-impl Spoiled {
+impl MutatedCopy {
     /// Copies the workspace, writes all mutants into it that compile there, and tells which do not.
     pub fn make(package: &str, mutants: &[Mutant]) -> Result<(Self, Refused)> {
-        let spoiled = Self { folder: copied_tree::copy("mutants")? };
+        let mutated = Self { folder: copied_tree::copy("mutants")? };
         let mut refused = Refused::default();
         for _ in 0..ROUNDS {
-            let files = spoiled.write(mutants, &refused)?;
-            let mistakes = spoiled.mistakes(package)?;
+            let files = mutated.write(mutants, &refused)?;
+            let mistakes = mutated.mistakes(package)?;
             if mistakes.is_empty() {
                 refused.alone.extend(without_branch(mutants, &files, &refused));
-                return Ok((spoiled, refused));
+                return Ok((mutated, refused));
             }
             if !blame(&mistakes, &files, mutants, &mut refused) {
                 bail!("the copy with the mutants does not compile: {:?}", mistakes.first());
@@ -58,7 +58,7 @@ impl Spoiled {
         self.folder.join("tree")
     }
 
-    /// A cargo that builds there, fast and without a word on what looks strange in spoiled code.
+    /// A cargo that builds there, fast and without warnings about mutated code.
     pub fn cargo(&self) -> Command {
         let mut command = shell::cargo();
         command.current_dir(self.sources()).env("CARGO_TARGET_DIR", self.folder.join("target"));
@@ -111,7 +111,7 @@ impl Spoiled {
     }
 }
 
-/// The spoiled files by name.
+/// The mutated files by name.
 type Files = BTreeMap<String, edits::Edited>;
 
 /// An error of the compiler.
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn a_function_that_must_stay_constant_is_named_by_the_compiler() {
+    fn compiler_names_functions_that_stay_constant() {
         let named = |message: &str| Mistake { message: message.to_owned(), spans: vec![] }.constant();
         let message = "cannot call non-const associated function `CobId::<3>::of` in constants";
         assert_eq!(named(message).as_deref(), Some("of"));

@@ -1,4 +1,4 @@
-//! Looks at the candidates once more: all their returns, for the shape of each.
+//! Second pass over the candidates: all their returns, for the shape of each.
 
 use heapless::Vec;
 
@@ -10,11 +10,11 @@ use floorguard_types::capacities::CLUSTERS_MAX;
 use floorguard_types::geometry::Point3;
 
 /// No candidate.
-const NOBODY: u16 = u16::MAX;
+const NO_CLUSTER: u16 = u16::MAX;
 
 /// Which cluster each candidate came from, and its shape. Slots are those of the list of detections.
 #[derive(Clone, Debug)]
-pub(super) struct Looks {
+pub(super) struct CandidateShapes {
     slot_of_cluster: [u16; CLUSTERS_MAX],
     candidates: Vec<Look, DETECTIONS_MAX>,
 }
@@ -22,7 +22,7 @@ pub(super) struct Looks {
 /// One candidate.
 #[derive(Clone, Copy, Debug)]
 struct Look {
-    /// Index of its cluster while its returns are gathered, then [`NOBODY`].
+    /// Index of its cluster while its returns are gathered, then [`NO_CLUSTER`].
     cluster: u16,
     occluded: bool,
     bounds: [Point3; 2],
@@ -31,9 +31,9 @@ struct Look {
     shades: Shades,
 }
 
-impl Looks {
+impl CandidateShapes {
     pub(super) const fn new() -> Self {
-        Self { slot_of_cluster: [NOBODY; CLUSTERS_MAX], candidates: Vec::new() }
+        Self { slot_of_cluster: [NO_CLUSTER; CLUSTERS_MAX], candidates: Vec::new() }
     }
 
     pub(super) fn clear(&mut self) {
@@ -41,28 +41,30 @@ impl Looks {
     }
 
     /// The candidate of a slot; the slot is the next one or a used one, whose candidate is given up.
-    pub(super) fn set(&mut self, slot: usize, index: usize, builder: ShapeBuilder, thing: &Cluster) {
-        let look = Look {
+    pub(super) fn set(&mut self, slot: usize, index: usize, builder: ShapeBuilder, cluster: &Cluster) {
+        let candidate = Look {
             cluster: index as u16,
-            occluded: thing.occluded,
-            bounds: [thing.lower, thing.upper],
+            occluded: cluster.occluded,
+            bounds: [cluster.lower, cluster.upper],
             builder,
             shape: [0.0; SHAPE_FEATURES],
             shades: Shades::default(),
         };
         match self.candidates.get_mut(slot) {
-            Some(used) => *used = look,
+            Some(used) => *used = candidate,
             // As many slots as detections: never full.
-            None => drop(self.candidates.push(look)),
+            None => drop(self.candidates.push(candidate)),
         }
     }
 
-    /// Begins a pass over the returns; false where nobody is to be looked at.
+    /// Begins a pass over the returns; false where nobody is to be examined.
     pub(super) fn begin(&mut self) -> bool {
-        self.slot_of_cluster.fill(NOBODY);
+        self.slot_of_cluster.fill(NO_CLUSTER);
         let mut any = false;
-        for (slot, look) in self.candidates.iter().enumerate().filter(|(_, look)| look.cluster != NOBODY) {
-            if let Some(entry) = self.slot_of_cluster.get_mut(usize::from(look.cluster)) {
+        for (slot, candidate) in
+            self.candidates.iter().enumerate().filter(|(_, candidate)| candidate.cluster != NO_CLUSTER)
+        {
+            if let Some(entry) = self.slot_of_cluster.get_mut(usize::from(candidate.cluster)) {
                 *entry = slot as u16;
                 any = true;
             }
@@ -72,36 +74,38 @@ impl Looks {
 
     /// The candidate that a cluster belongs to.
     pub(super) fn slot(&self, cluster: usize) -> Option<usize> {
-        let slot = self.slot_of_cluster.get(cluster).copied().filter(|slot| *slot != NOBODY);
+        let slot = self.slot_of_cluster.get(cluster).copied().filter(|slot| *slot != NO_CLUSTER);
         slot.map(usize::from)
     }
 
     /// A return of a candidate.
     pub(super) fn add(&mut self, slot: usize, point: Point3, (ring, reflectivity): (usize, Option<&u8>)) {
-        if let Some(look) = self.candidates.get_mut(slot) {
-            look.builder.add(point, ring);
-            look.shades.add(point.z_m, reflectivity);
+        if let Some(candidate) = self.candidates.get_mut(slot) {
+            candidate.builder.add(point, ring);
+            candidate.shades.add(point.z_m, reflectivity);
         }
     }
 
-    /// Ends the pass; hands out slot, shape, shades, top and whether it is half hidden of every candidate that was looked at in it.
+    /// Ends the pass; hands out slot, shape, shades, top and whether it is half hidden of every candidate that was
+    /// examined in it.
     pub(super) fn finish(&mut self, mut found: impl FnMut(usize, &ShapeVector, &Shades, (f32, bool))) {
-        for (slot, look) in self.candidates.iter_mut().enumerate().filter(|(_, look)| look.cluster != NOBODY)
+        for (slot, candidate) in
+            self.candidates.iter_mut().enumerate().filter(|(_, candidate)| candidate.cluster != NO_CLUSTER)
         {
-            look.shape = look.builder.finish(look.occluded);
-            look.cluster = NOBODY;
-            let [_, upper] = look.bounds;
-            found(slot, &look.shape, &look.shades, (upper.z_m, look.occluded));
+            candidate.shape = candidate.builder.finish(candidate.occluded);
+            candidate.cluster = NO_CLUSTER;
+            let [_, upper] = candidate.bounds;
+            found(slot, &candidate.shape, &candidate.shades, (upper.z_m, candidate.occluded));
         }
     }
 
     /// Lowest and highest coordinates of a candidate's returns, robot frame.
     pub(super) fn bounds(&self, slot: usize) -> Option<[Point3; 2]> {
-        self.candidates.get(slot).map(|look| look.bounds)
+        self.candidates.get(slot).map(|candidate| candidate.bounds)
     }
 
     /// The shape of a candidate.
     pub(super) fn shape(&self, slot: usize) -> Option<&ShapeVector> {
-        self.candidates.get(slot).map(|look| &look.shape)
+        self.candidates.get(slot).map(|candidate| &candidate.shape)
     }
 }

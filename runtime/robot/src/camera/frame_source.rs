@@ -7,30 +7,30 @@ use super::pixels::WrongFrame;
 
 /// What a stream has to say.
 #[derive(Clone, Debug, PartialEq)]
-pub enum News<P> {
+pub enum FrameEvent<P> {
     /// Nothing new.
     Nothing,
     /// A picture, and when it was taken.
     Picture(Stamp, P),
     /// Something came that is no picture.
     Damaged(WrongFrame),
-    /// No pictures come: why. Told again at every attempt to get some.
+    /// No pictures come: why. Reported again at every attempt to get some.
     Silent(String),
 }
 
 /// A depth camera with or without a colour camera beside it.
-pub trait Eye {
-    /// What is told of it on the console.
+pub trait FrameSource {
+    /// What the console shows of it.
     fn name(&self) -> String;
 
     /// True if there is a colour camera.
     fn has_colour(&self) -> bool;
 
     /// The newest depth picture, whole millimetres.
-    fn depth(&mut self, now: Stamp) -> News<Vec<u16>>;
+    fn depth(&mut self, now: Stamp) -> FrameEvent<Vec<u16>>;
 
     /// The newest colour picture: red, green, blue.
-    fn colour(&mut self, now: Stamp) -> News<Vec<u8>>;
+    fn colour(&mut self, now: Stamp) -> FrameEvent<Vec<u8>>;
 
     /// From where the robot took the newest depth picture, if the pictures know; otherwise its odometry does.
     fn pose(&self) -> Option<Pose2> {

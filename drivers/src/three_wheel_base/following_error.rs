@@ -1,7 +1,8 @@
-//! Does the wheel slow down when it is told to? If not, the orders do not reach the drive, however often they are sent.
+//! Following-error monitor: does the wheel slow down when commanded to? If not, the orders do not reach the drive,
+//! however often they are sent.
 //!
-//! What is left then is the drive's own watch over the bus: told to leave operation, or without the master's heartbeat,
-//! it stops by itself (CiA 402, object 6007h; FG-REQ-055).
+//! What is left then is the drive's own bus monitoring: commanded to leave operation, or without the master's
+//! heartbeat, it stops by itself (CiA 402, object 6007h; FG-REQ-055).
 
 use floorguard_types::time::{Age, Stamp};
 
@@ -20,19 +21,19 @@ const POLL_S: f32 = 0.01;
 
 /// Watches one drive.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Obedience {
+pub(super) struct FollowingErrorMonitor {
     /// What the wheel may still do, m/s.
     allowed_mps: f32,
     /// The order that was last tightened.
     tightened: Option<Stamp>,
     ordered_mps: f32,
-    disobeyed: u8,
+    polls_in_error: u8,
     silent: u16,
     /// The wheel has reported: what it does from now on must follow the orders.
     heard: bool,
 }
 
-impl Obedience {
+impl FollowingErrorMonitor {
     /// Every poll: what is ordered (0 for any stop), what the wheel reports if anything, and the configured ramp. True
     /// while the drive must be stopped by silence.
     pub fn watch(&mut self, ordered_mps: f32, reported_mps: Option<f32>, ramp_mps2: f32, now: Stamp) -> bool {
@@ -42,7 +43,8 @@ impl Obedience {
             return self.silent > 0;
         };
         if !self.heard {
-            // A drive that turns when it is first heard was told so by somebody else, and may take the ramp to stop.
+            // A drive that turns when it is first heard was commanded by another master, and may take the ramp to
+            // stop.
             *self = Self {
                 heard: true,
                 allowed_mps: reported_mps,
@@ -61,10 +63,10 @@ impl Obedience {
         let slower_mps = if waits { 0.0 } else { ramp_mps2 * RAMP_SHARE * POLL_S };
         self.allowed_mps = ordered_mps.max(self.allowed_mps - slower_mps);
         let obeys = reported_mps <= self.allowed_mps + MARGIN_MPS;
-        self.disobeyed = if obeys { 0 } else { self.disobeyed.saturating_add(1) };
-        if self.disobeyed >= POLLS {
+        self.polls_in_error = if obeys { 0 } else { self.polls_in_error.saturating_add(1) };
+        if self.polls_in_error >= POLLS {
             self.silent = SILENT_POLLS;
-            self.disobeyed = 0;
+            self.polls_in_error = 0;
         }
         self.silent > 0
     }
@@ -76,7 +78,7 @@ mod tests {
 
     /// Polls until silence, if any within two seconds, for a wheel that brakes with `brakes_mps2` from 0.8 m/s.
     fn silence_after(brakes_mps2: f32) -> Option<u64> {
-        let mut watch = Obedience::default();
+        let mut watch = FollowingErrorMonitor::default();
         let mut now = Stamp::from_micros(1_000_000);
         for _ in 0..100 {
             assert!(!watch.watch(0.8, Some(0.8), 1.5, now));
@@ -93,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wheel_that_brakes_is_left_alone_and_one_that_does_not_is_stopped_by_silence() {
+    fn unbraked_wheel_is_stopped_by_silence() {
         assert_eq!(silence_after(1.5), None);
         assert_eq!(silence_after(0.75), None);
         let polls = silence_after(0.0).expect("silence");
@@ -101,8 +103,8 @@ mod tests {
     }
 
     #[test]
-    fn a_standing_wheel_that_starts_without_an_order_is_stopped_and_silence_ends() {
-        let mut watch = Obedience::default();
+    fn unordered_start_is_stopped_and_silence_ends() {
+        let mut watch = FollowingErrorMonitor::default();
         let now = Stamp::from_micros(1_000_000);
         assert!(!watch.watch(0.0, Some(0.0), 1.5, now));
         let silent = (0..10).filter(|_| watch.watch(0.0, Some(0.3), 1.5, now)).count();
@@ -112,8 +114,8 @@ mod tests {
     }
 
     #[test]
-    fn a_drive_that_turns_when_it_is_first_heard_may_take_its_time_to_answer_and_half_the_ramp() {
-        let mut watch = Obedience::default();
+    fn initially_turning_drive_gets_half_the_ramp() {
+        let mut watch = FollowingErrorMonitor::default();
         let mut speed_mps = 0.8_f32;
         let silent = (0..120_u64).any(|poll| {
             speed_mps = (speed_mps - if poll < 14 { 0.0 } else { 0.0075 }).max(0.0);
@@ -123,8 +125,8 @@ mod tests {
     }
 
     #[test]
-    fn a_report_that_was_missing_for_a_poll_does_not_end_the_silence() {
-        let mut watch = Obedience::default();
+    fn missing_report_does_not_end_the_silence() {
+        let mut watch = FollowingErrorMonitor::default();
         let now = Stamp::from_micros(1_000_000);
         let mut polls = 0;
         while !watch.watch(0.0, Some(if polls == 0 { 0.0 } else { 0.3 }), 1.5, now) {
@@ -136,16 +138,16 @@ mod tests {
     }
 
     #[test]
-    fn a_drive_that_turns_when_it_is_first_heard_has_the_time_of_the_ramp() {
-        let mut watch = Obedience::default();
+    fn initially_turning_drive_gets_the_ramp_time() {
+        let mut watch = FollowingErrorMonitor::default();
         let mut now = Stamp::from_micros(1_000_000);
-        let silent = |watch: &mut Obedience, speed_mps: f32, now: &mut Stamp| {
+        let silent = |watch: &mut FollowingErrorMonitor, speed_mps: f32, now: &mut Stamp| {
             *now = now.plus_micros(10_000);
             watch.watch(0.0, Some(speed_mps), 1.5, *now)
         };
         assert!(!watch.watch(0.0, None, 1.5, now));
         assert!((0..80).all(|poll| !silent(&mut watch, 0.8 - 0.01 * poll as f32, &mut now)));
-        let mut watch = Obedience::default();
+        let mut watch = FollowingErrorMonitor::default();
         assert!((0..60).any(|_| silent(&mut watch, 0.8, &mut now)));
     }
 }

@@ -12,8 +12,8 @@ impl PeoplePipeline {
     /// Gathers the shape of the new candidates and asks the classifier.
     // Not inlined, here and below: each frame is gone before the next one comes.
     #[inline(never)]
-    pub(super) fn look(&mut self, sweep: &Sweep, context: &SweepContext) {
-        if !self.looks.begin() {
+    pub(super) fn describe_candidates(&mut self, sweep: &Sweep, context: &SweepContext) {
+        if !self.candidate_shapes.begin() {
             return;
         }
         let frames = SweepFrame::new(sweep, &context.sensor_in_base, context.twist);
@@ -27,10 +27,11 @@ impl PeoplePipeline {
                 else {
                     continue;
                 };
-                // Neighbours mostly belong to the same thing: it is looked up once.
+                // Neighbours mostly belong to the same cluster: it is looked up once.
                 if *label != known.0 {
                     let cluster = self.clusterer.cluster_of_label(*label);
-                    let slot = cluster.and_then(|cluster| Some((cluster, self.looks.slot(cluster)?)));
+                    let slot =
+                        cluster.and_then(|cluster| Some((cluster, self.candidate_shapes.slot(cluster)?)));
                     known = (*label, slot);
                 }
                 let Some((cluster, mut slot)) = known.1 else { continue };
@@ -39,12 +40,12 @@ impl PeoplePipeline {
                     let Some(share) = self.splits.slot(cluster, point) else { continue };
                     slot = share;
                 }
-                self.looks.add(slot, point, (ring, column.reflectivity.get(ring)));
+                self.candidate_shapes.add(slot, point, (ring, column.reflectivity.get(ring)));
             }
         }
         let detections = &mut self.detections;
         let sensor_m = context.sensor_in_base.translation.z_m;
-        self.looks.finish(|slot, shape, shades, (top_m, occluded)| {
+        self.candidate_shapes.finish(|slot, shape, shades, (top_m, occluded)| {
             if let Some(detection) = detections.get_mut(slot) {
                 detection.likeness = probability(person_log_odds(shape));
                 detection.appearance = shades.appearance((top_m, occluded), (sensor_m, detection.distance_m));

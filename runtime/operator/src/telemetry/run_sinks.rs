@@ -26,11 +26,11 @@ use floorguard_robot::assembly::Stages;
 use floorguard_robot::camera::{PictureFolder, SeenDirt};
 use floorguard_robot::cleaner::MissionPlan;
 use floorguard_robot::cleaner::MissionProgress;
-use floorguard_robot::learning::{LearningDesk, LearningSetup};
+use floorguard_robot::learning::{LearningSetup, LearningSlot};
 
 /// The fingerprint is written this often, microseconds.
 const DIGEST_EVERY_US: u64 = 1_000_000;
-/// Points of every fifth sweep are enough for the eye; the raw bytes hold all.
+/// Points of every fifth sweep are enough for display; the raw bytes hold all.
 const CLOUDS_EVERY: u32 = 5;
 /// Bytes on their way to the disk.
 const BUFFER_BYTES: usize = 1 << 20;
@@ -56,9 +56,9 @@ pub struct RecordedRun<'a> {
 /// A recording on its way into a file.
 pub type FileRecorder = RunRecorder<BufWriter<File>>;
 
-/// Everybody who listens; none by default.
+/// All sinks of a run; none by default.
 #[derive(Default)]
-pub struct Witnesses {
+pub struct RunSinks {
     /// A tape for the emulated board.
     pub tape: Tape,
     /// A recording for everybody else.
@@ -70,12 +70,12 @@ pub struct Witnesses {
     /// Set by somebody who wants the run to end here and now, in order.
     pub ended: StopFlag,
     /// What the robot learns, for the end of the recording.
-    learning: LearningDesk,
+    learning: LearningSlot,
     next_digest_us: u64,
     started: Option<Instant>,
 }
 
-impl Witnesses {
+impl RunSinks {
     /// Starts a recording with these texts, by name.
     ///
     /// # Errors
@@ -108,11 +108,11 @@ impl Witnesses {
     /// What a robot begins with goes into the recording, and at its end what it learned.
     fn learned_before(&mut self, learning: Option<&LearningSetup>) -> Option<(String, String)> {
         let learning = learning?;
-        self.learning = learning.desk.clone();
+        self.learning = learning.slot.clone();
         Some((LEARNED.to_owned(), learning.to_text()))
     }
 
-    /// Somebody listens at all.
+    /// There is at least one sink.
     #[must_use]
     pub const fn listen(&self) -> bool {
         self.recording.is_some() || self.panel.is_some()
@@ -142,7 +142,7 @@ impl Witnesses {
         }
     }
 
-    /// The cleaning mission has told its progress, about once a second.
+    /// The cleaning mission has reported its progress, about once a second.
     pub fn mission(&mut self, progress: &Arc<MissionProgress>) {
         if let Some(recording) = &mut self.recording {
             recording.mission(progress);
@@ -197,7 +197,7 @@ impl Witnesses {
         let Some(panel) = &mut self.panel else { return Vec::new() };
         let started = *self.started.get_or_insert_with(Instant::now);
         std::thread::sleep(Duration::from_micros(now_us).saturating_sub(started.elapsed()));
-        panel.look(shared);
+        panel.publish(shared);
         std::iter::from_fn(|| panel.order()).collect()
     }
 
@@ -208,7 +208,7 @@ impl Witnesses {
     }
 
     /// What the tasks have published meanwhile is written.
-    pub fn look<M: RawMutex>(&mut self, shared: &Shared<M>, now_us: u64) {
+    pub fn publish<M: RawMutex>(&mut self, shared: &Shared<M>, now_us: u64) {
         if let Some(recording) = &mut self.recording {
             recording.after_tasks(shared, now_us);
         }
@@ -216,7 +216,7 @@ impl Witnesses {
 
     /// The tasks have run, and everything that they put out is in the fingerprint.
     pub fn after_tasks<M: RawMutex>(&mut self, shared: &Shared<M>, (now_us, digest): (u64, u64)) {
-        self.look(shared, now_us);
+        self.publish(shared, now_us);
         let Some(recording) = &mut self.recording else { return };
         if now_us >= self.next_digest_us {
             self.next_digest_us = now_us - now_us % DIGEST_EVERY_US + DIGEST_EVERY_US;

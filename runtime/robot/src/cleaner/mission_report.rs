@@ -9,8 +9,8 @@ use super::mission::Cleaner;
 use super::progress::{CellState, Doubt, MissionProgress, UncertainCell};
 use super::targets::VISITS_MAX;
 
-/// Centres of a tour that are told.
-const TOUR_TOLD: usize = 1_024;
+/// Centres of a tour that are reported.
+const TOUR_REPORTED: usize = 1_024;
 
 impl Cleaner {
     /// The mission now.
@@ -64,7 +64,7 @@ impl Cleaner {
             unreachable_cells: (0..cells.len())
                 .filter(|cell| was_dirty[*cell] && !floor.reachable[*cell])
                 .count(),
-            tour: self.planner.tour().take(TOUR_TOLD).map(|cell| raster.centre(cell)).collect(),
+            tour: self.planner.tour().take(TOUR_REPORTED).map(|cell| raster.centre(cell)).collect(),
             waypoints: self.track.rest().iter().map(|at| place(at.pose)).collect(),
             distance_m: self.distance_m,
             waited_s: self.times.lost_s(),
@@ -105,7 +105,7 @@ mod tests {
 
     /// A computer that comes back knows where it was and what it had cleaned.
     #[test]
-    fn what_was_cleaned_before_a_power_cut_is_not_forgotten() {
+    fn cleaned_cells_survive_a_power_cut() {
         let robot = parse("robot.toml", EXAMPLE).unwrap().robot;
         let plan = MissionPlan::supermarket();
         let store = Store::Memory(Arc::default());
@@ -122,8 +122,8 @@ mod tests {
         let pose = Pose2::new(3.0, 0.5, 1.0);
         store.save(&plan, &Saved::of(pose, &cells, &prior));
         let second = begin();
-        let told = second.progress(Stamp::ZERO);
-        assert!((told.completion - 0.5).abs() < 0.1, "{}", told.completion);
+        let reported = second.progress(Stamp::ZERO);
+        assert!((reported.completion - 0.5).abs() < 0.1, "{}", reported.completion);
         assert!((second.pose().x_m - pose.x_m).abs() < 1e-4 && (second.pose().y_m - pose.y_m).abs() < 1e-4);
         assert!(!second.localiser.is_trusted(), "it rolled on without its computer");
     }

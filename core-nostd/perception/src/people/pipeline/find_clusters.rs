@@ -13,7 +13,7 @@ const CEILING_M: f32 = 2.1;
 
 impl PeoplePipeline {
     /// Floor and clusters.
-    pub fn find_things(&mut self, sweep: &Sweep, context: &SweepContext) {
+    pub fn find_clusters(&mut self, sweep: &Sweep, context: &SweepContext) {
         self.counters = PeopleCounters::default();
         self.clusterer.clear(&self.cluster_limits);
         self.visibility.clear();
@@ -36,12 +36,12 @@ impl PeoplePipeline {
         }
         self.gather(sweep, &frames);
         // Element by element: a clone of the whole vector would pass over the stack.
-        self.things.clear();
-        for thing in &self.clusterer.clusters {
+        self.clusters.clear();
+        for cluster in &self.clusterer.clusters {
             // Same capacity: never full.
-            let _ = self.things.push(*thing);
+            let _ = self.clusters.push(*cluster);
         }
-        self.counters.clusters = self.things.len() as u32;
+        self.counters.clusters = self.clusters.len() as u32;
         self.counters.dropped_clusters = self.clusterer.dropped;
     }
 

@@ -1,32 +1,32 @@
 //! A folder of recorded pictures as a camera: they come at their own pace or at a fixed rate, stamped as if taken now.
 //!
-//! Whoever has no camera sees with it what `run` makes of pictures. A file `poses.csv` in the folder (`name,x_m,y_m,heading_rad`)
-//! says from where each was taken; without it the robot's odometry does, as with a camera.
+//! Without a camera it shows what `run` makes of pictures. A file `poses.csv` in the folder
+//! (`name,x_m,y_m,heading_rad`) says from where each was taken; without it the robot's odometry does, as with a camera.
 
 use std::path::{Path, PathBuf};
 
 use floorguard_types::geometry::Pose2;
 use floorguard_types::time::{Age, Stamp};
 
-use super::eye::{Eye, News};
 use super::folder_names::{RecordedPicture, RecordedPictures};
+use super::frame_source::{FrameEvent, FrameSource};
 use super::pixels::WrongFrame;
 use crate::picture_files::{read_colour, read_depth, read_text};
 use floorguard_host::outcome::BadInput;
 
-/// After the last picture the camera is silent, and that is told after this time, microseconds.
+/// After the last picture the camera is silent, and that is reported after this time, microseconds.
 const SILENT_US: u64 = 1_000_000;
 /// Where the robot was.
 const POSES: &str = "poses.csv";
 const COLUMNS: [&str; 4] = ["name", "x_m", "y_m", "heading_rad"];
 
 /// Pictures that are still to come.
-struct Reel {
+struct Playback {
     pictures: Vec<RecordedPicture>,
     shown: usize,
 }
 
-impl Reel {
+impl Playback {
     /// The newest picture that is due; those that nobody took in time are left out, as a camera does.
     fn due(&mut self, since_start_us: u64) -> Option<&RecordedPicture> {
         let due = self.pictures.partition_point(|picture| picture.at_us <= since_start_us);
@@ -41,17 +41,17 @@ impl Reel {
 }
 
 /// The folder.
-pub struct FolderEye {
+pub struct FolderSource {
     root: PathBuf,
     size: (usize, usize),
     started: Option<Stamp>,
-    depth: Reel,
-    colour: Reel,
-    /// By the depth picture's place in the reel; empty without a file.
+    depth: Playback,
+    colour: Playback,
+    /// By the depth picture's index in the playback; empty without a file.
     poses: Vec<Pose2>,
 }
 
-impl FolderEye {
+impl FolderSource {
     /// Lists a folder of pictures of a size; with a rate they come so many times a second.
     ///
     /// # Errors
@@ -60,13 +60,13 @@ impl FolderEye {
         let RecordedPictures { depth, colour } = RecordedPictures::list(root, rate_hz)?;
         let path = root.join(POSES);
         let poses = if path.exists() { read_poses(&path, &depth)? } else { Vec::new() };
-        let reel = |pictures| Reel { pictures, shown: 0 };
+        let playback = |pictures| Playback { pictures, shown: 0 };
         Ok(Self {
             root: root.to_owned(),
             size,
             started: None,
-            depth: reel(depth),
-            colour: reel(colour),
+            depth: playback(depth),
+            colour: playback(colour),
             poses,
         })
     }
@@ -78,25 +78,29 @@ impl FolderEye {
     }
 }
 
-/// The next picture of a reel, read and checked.
+/// The next picture of a playback, read and checked.
 fn next<P>(
-    reel: &mut Reel,
+    playback: &mut Playback,
     (started, since_start_us): (Stamp, u64),
     read: impl FnOnce(&Path) -> anyhow::Result<Result<P, WrongFrame>>,
-) -> News<P> {
-    let Some(picture) = reel.due(since_start_us) else {
-        let count = reel.pictures.len();
-        let over = reel.is_over(since_start_us) && count > 0;
-        return if over { News::Silent(format!("all {count} pictures were shown")) } else { News::Nothing };
+) -> FrameEvent<P> {
+    let Some(picture) = playback.due(since_start_us) else {
+        let count = playback.pictures.len();
+        let over = playback.is_over(since_start_us) && count > 0;
+        return if over {
+            FrameEvent::Silent(format!("all {count} pictures were shown"))
+        } else {
+            FrameEvent::Nothing
+        };
     };
     let stamp = Stamp::from_micros(started.as_micros().saturating_add(picture.at_us));
     let named =
         |problem: WrongFrame| WrongFrame::InFile(picture.path.display().to_string(), Box::new(problem));
     match read(&picture.path) {
-        Ok(Ok(pixels)) => News::Picture(stamp, pixels),
-        Ok(Err(problem)) => News::Damaged(named(problem)),
+        Ok(Ok(pixels)) => FrameEvent::Picture(stamp, pixels),
+        Ok(Err(problem)) => FrameEvent::Damaged(named(problem)),
         // These say the name themselves.
-        Err(problem) => News::Damaged(WrongFrame::Unreadable(problem.to_string())),
+        Err(problem) => FrameEvent::Damaged(WrongFrame::Unreadable(problem.to_string())),
     }
 }
 
@@ -104,7 +108,7 @@ fn fitting<P>(pixels: P, (found, wanted): ((usize, usize), (usize, usize))) -> R
     if found == wanted { Ok(pixels) } else { Err(WrongFrame::OtherSize(found, wanted)) }
 }
 
-impl Eye for FolderEye {
+impl FrameSource for FolderSource {
     fn name(&self) -> String {
         self.root.display().to_string()
     }
@@ -113,14 +117,14 @@ impl Eye for FolderEye {
         !self.colour.pictures.is_empty()
     }
 
-    fn depth(&mut self, now: Stamp) -> News<Vec<u16>> {
+    fn depth(&mut self, now: Stamp) -> FrameEvent<Vec<u16>> {
         let (when, size) = (self.since_start_us(now), self.size);
         next(&mut self.depth, when, |path| {
             read_depth(path).map(|file| fitting(file.depth_mm, ((file.width, file.height), size)))
         })
     }
 
-    fn colour(&mut self, now: Stamp) -> News<Vec<u8>> {
+    fn colour(&mut self, now: Stamp) -> FrameEvent<Vec<u8>> {
         let (when, size) = (self.since_start_us(now), self.size);
         next(&mut self.colour, when, |path| {
             read_colour(path).map(|file| fitting(file.rgb, ((file.width, file.height), size)))
@@ -186,20 +190,24 @@ mod tests {
         RgbImage::new(2, 1).save(root.path().join("10.1.png")).expect("room");
         let poses = "name,x_m,y_m,heading_rad\n10.1,2.0,0,0\n10.0,1.0,0,0\n10.3,3.0,0,0.5\n";
         std::fs::write(root.path().join(POSES), poses).expect("room");
-        let mut eye = FolderEye::open(root.path(), (2, 1), None).expect("a recording");
-        assert!(eye.has_colour() && eye.pose().is_none());
-        assert_eq!(eye.depth(at(0)), News::Picture(at(0), vec![1; 2]));
-        assert_eq!((eye.pose().map(|pose| pose.x_m), eye.depth(at(99))), (Some(1.0), News::Nothing));
-        assert_eq!(eye.colour(at(310)), News::Picture(at(100), vec![0; 6]));
-        assert_eq!(eye.depth(at(310)), News::Picture(at(300), vec![3; 2]));
-        assert_eq!(eye.pose(), Some(Pose2::new(3.0, 0.0, 0.5)));
-        assert_eq!(eye.depth(at(1_300)), News::Nothing);
-        assert_eq!(eye.depth(at(1_301)), News::Silent("all 3 pictures were shown".to_owned()));
+        let mut source = FolderSource::open(root.path(), (2, 1), None).expect("a recording");
+        assert!(source.has_colour() && source.pose().is_none());
+        assert_eq!(source.depth(at(0)), FrameEvent::Picture(at(0), vec![1; 2]));
+        assert_eq!(
+            (source.pose().map(|pose| pose.x_m), source.depth(at(99))),
+            (Some(1.0), FrameEvent::Nothing)
+        );
+        assert_eq!(source.colour(at(310)), FrameEvent::Picture(at(100), vec![0; 6]));
+        assert_eq!(source.depth(at(310)), FrameEvent::Picture(at(300), vec![3; 2]));
+        assert_eq!(source.pose(), Some(Pose2::new(3.0, 0.0, 0.5)));
+        assert_eq!(source.depth(at(1_300)), FrameEvent::Nothing);
+        assert_eq!(source.depth(at(1_301)), FrameEvent::Silent("all 3 pictures were shown".to_owned()));
     }
 
-    /// A file that is cut off, of another size or of other pixels is told by its name, and the next one is taken.
+    /// A file that is cut off, of another size or of other pixels is reported by its name, and the next one is
+    /// taken.
     #[test]
-    fn bad_pictures_are_told_by_name() {
+    fn bad_pictures_are_reported_by_name() {
         let root = tempfile::tempdir().expect("a folder");
         let path = |name: &str| root.path().join(name);
         depth(&path("a1_depth.png"), (2, 1), 1);
@@ -208,14 +216,16 @@ mod tests {
         std::fs::write(path("a3_depth.png"), &whole[..whole.len() / 2]).expect("room");
         RgbImage::new(2, 1).save(path("a4_depth.png")).expect("room");
         depth(&path("a5_depth.png"), (2, 1), 5);
-        let mut eye = FolderEye::open(root.path(), (2, 1), Some(10.0)).expect("a recording");
-        assert!(matches!(eye.depth(at(0)), News::Picture(..)));
+        let mut source = FolderSource::open(root.path(), (2, 1), Some(10.0)).expect("a recording");
+        assert!(matches!(source.depth(at(0)), FrameEvent::Picture(..)));
         for (number, part) in [(2, "3 × 1"), (3, "a3_depth.png"), (4, "16 bits")] {
-            let News::Damaged(problem) = eye.depth(at(100 * (number - 1))) else { panic!("{number}") };
+            let FrameEvent::Damaged(problem) = source.depth(at(100 * (number - 1))) else {
+                panic!("{number}")
+            };
             let text = problem.to_string();
             assert!(text.contains(part) && text.contains(&format!("a{number}_depth.png")), "{text}");
         }
-        assert!(matches!(eye.depth(at(400)), News::Picture(..)));
+        assert!(matches!(source.depth(at(400)), FrameEvent::Picture(..)));
     }
 
     #[test]
@@ -229,7 +239,7 @@ mod tests {
             ("name,x_m,y_m,heading_rad\nb1,1,2,0\n", "no pose of a1"),
         ] {
             std::fs::write(root.path().join(POSES), poses).expect("room");
-            let refused = FolderEye::open(root.path(), (2, 1), Some(9.0)).err().expect("refused");
+            let refused = FolderSource::open(root.path(), (2, 1), Some(9.0)).err().expect("refused");
             assert!(refused.is::<BadInput>() && refused.to_string().contains(part), "{refused}");
         }
     }

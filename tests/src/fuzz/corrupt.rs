@@ -7,7 +7,7 @@ const EDGES: [u64; 12] =
     [0, 1, 2, 0x7F, 0x80, 0xFF, 0x100, 0x7FFF, 0x8000, 0xFFFF, 0x7FFF_FFFF, 0xFFFF_FFFF_FFFF_FFFF];
 
 /// One to six mistakes in `bytes`, which keeps at most `longest` bytes. One message in eight stays as it is.
-pub fn spoil(bytes: &mut Vec<u8>, other: &[u8], longest: usize, random: &mut Random) {
+pub fn corrupt(bytes: &mut Vec<u8>, other: &[u8], longest: usize, random: &mut Random) {
     if random.seldom(8) {
         return;
     }

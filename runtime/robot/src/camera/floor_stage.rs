@@ -1,11 +1,11 @@
-//! From a depth picture to what the rings hear of it: floor, things on it, and whether it is known.
+//! From a depth picture to what the rings hear of it: floor, objects on it, and whether it is known.
 
 use floorguard_perception::floor::dirt::FloorView;
 use floorguard_perception::floor::{
     ConfirmedObject, FloorModel, FloorParameters, ObjectFinder, ObjectMemory, PixelClass, Plane,
 };
 use floorguard_runtime::configuration::RobotConfiguration;
-use floorguard_runtime::tasks::{FloorLimits, FloorSight, FloorThing};
+use floorguard_runtime::tasks::{FloorLimits, FloorObstacle, FloorSight};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::sensing::{DepthImage, PinholeCamera};
 use floorguard_types::time::{Age, Stamp};
@@ -19,11 +19,11 @@ const SIDE_MARGIN_M: f32 = 0.05;
 /// A frame takes this long from the light to here, seconds.
 const FRAME_S: f32 = 0.1;
 
-/// A thing this near to the edge of the picture is about to leave it, metres.
+/// An object this near to the edge of the picture is about to leave it, metres.
 const NEAR_EDGE_M: f32 = 0.15;
-/// A thing this far behind the front edge is under the robot, where nobody can help any more, metres.
+/// An object this far behind the front edge is under the robot, where nobody can help any more, metres.
 const PASSED_M: f32 = 0.2;
-/// Two sights within this are of one thing, metres.
+/// Two observations within this are of one object, metres.
 const SAME_M: f32 = 0.1;
 /// What was not seen for this long may have been taken away, microseconds.
 const HIDDEN_US: u64 = 60_000_000;
@@ -37,7 +37,7 @@ fn nearest_m(camera: &CameraConfiguration) -> f32 {
 }
 
 /// The memory of one camera.
-pub struct FloorLook {
+pub struct FloorStage {
     size: (usize, usize),
     model: FloorModel,
     finder: Box<ObjectFinder>,
@@ -47,13 +47,14 @@ pub struct FloorLook {
     limits: FloorLimits,
     plane: Option<Plane>,
     why_blind: Option<String>,
-    /// Things that the robot has come so near to that they left the picture, in the odometry frame, and when they did.
-    hidden: Vec<(Point2, FloorThing, Stamp)>,
+    /// Objects that the robot has come so near to that they left the picture, in the odometry frame, and when they
+    /// did.
+    hidden: Vec<(Point2, FloorObstacle, Stamp)>,
     /// Nearer than this before the robot's origin nothing is in the picture, metres.
     nearest_m: f32,
 }
 
-impl FloorLook {
+impl FloorStage {
     /// For a camera on a robot; `None` for a mounting that makes no plane.
     #[must_use]
     pub fn new(robot: &RobotConfiguration, camera: &CameraConfiguration) -> Option<Self> {
@@ -102,15 +103,15 @@ impl FloorLook {
         self.blind(now)
     }
 
-    /// What is told while no picture says anything.
+    /// What is reported while no picture is usable.
     #[must_use]
     pub fn blind(&self, stamp: Stamp) -> FloorSight {
         FloorSight { stamp, limits: self.limits, ..FloorSight::default() }
     }
 
-    /// Looks at a picture; the robot's pose is the odometry's.
+    /// Processes a picture; the robot's pose is the odometry's.
     #[must_use]
-    pub fn look(
+    pub fn process(
         &mut self,
         depth_mm: &[u16],
         robot_in_odom: Pose2,
@@ -134,9 +135,9 @@ impl FloorLook {
         self.plane = sight.is_known.then_some(estimate.plane);
         if sight.is_known {
             let camera_in_odom = robot_in_odom.compose(self.camera_in_robot);
-            for thing in self.seen.update(&found, camera_in_odom).iter().map(|seen| self.thing(seen)) {
+            for obstacle in self.seen.update(&found, camera_in_odom).iter().map(|seen| self.obstacle(seen)) {
                 // The list is sorted by distance: what does not fit is farther away.
-                let _ = sight.things.push(thing);
+                let _ = sight.obstacles.push(obstacle);
             }
         }
         self.recall(&mut sight, robot_in_odom);
@@ -150,27 +151,30 @@ impl FloorLook {
 
     /// What lies between the robot and the edge of the picture is still there, though no picture shows it.
     fn recall(&mut self, sight: &mut FloorSight, robot_in_odom: Pose2) {
-        let (to_robot, seen) = (robot_in_odom.inverse(), sight.things.len());
+        let (to_robot, seen) = (robot_in_odom.inverse(), sight.obstacles.len());
         let (front_m, nearest_m, now) = (self.limits.front_m, self.nearest_m, sight.stamp);
-        self.hidden.retain(|(place, thing, seen)| {
-            let ahead_m = to_robot.transform(*place).x_m + thing.half_width_m;
+        self.hidden.retain(|(place, obstacle, seen)| {
+            let ahead_m = to_robot.transform(*place).x_m + obstacle.half_width_m;
             let is_recent = matches!(seen.age(now), Age::Past(age_us) if age_us <= HIDDEN_US);
             is_recent && ahead_m > front_m - PASSED_M && ahead_m < nearest_m + 2.0 * NEAR_EDGE_M
         });
-        for (place, thing, _) in &self.hidden {
+        for (place, obstacle, _) in &self.hidden {
             let position = to_robot.transform(*place);
-            let is_seen = sight.things.iter().any(|other| other.position.distance(position) < SAME_M);
+            let is_seen = sight.obstacles.iter().any(|other| other.position.distance(position) < SAME_M);
             if !is_seen && position.x_m < nearest_m {
-                let _ = sight.things.push(FloorThing { position, ..*thing });
+                let _ = sight.obstacles.push(FloorObstacle { position, ..*obstacle });
             }
         }
         // Those at the edge of the picture are the next to leave it.
-        for thing in
-            sight.things.iter().take(seen).filter(|thing| thing.position.x_m < nearest_m + NEAR_EDGE_M)
+        for obstacle in sight
+            .obstacles
+            .iter()
+            .take(seen)
+            .filter(|obstacle| obstacle.position.x_m < nearest_m + NEAR_EDGE_M)
         {
-            let place = robot_in_odom.transform(thing.position);
+            let place = robot_in_odom.transform(obstacle.position);
             self.hidden.retain(|(other, ..)| other.distance(place) >= SAME_M);
-            self.hidden.push((place, *thing, now));
+            self.hidden.push((place, *obstacle, now));
         }
     }
 
@@ -181,7 +185,7 @@ impl FloorLook {
         self.plane.map(|plane| FloorView { camera, plane, robot_in_map, camera_in_robot })
     }
 
-    /// Of each pixel of the picture that was looked at last, whether it shows free floor.
+    /// Of each pixel of the picture that was examined last, whether it shows free floor.
     pub fn is_floor(&self) -> impl Iterator<Item = bool> {
         self.classes.iter().map(|class| *class == PixelClass::Floor)
     }
@@ -192,9 +196,9 @@ impl FloorLook {
         self.size
     }
 
-    fn thing(&self, seen: &ConfirmedObject) -> FloorThing {
+    fn obstacle(&self, seen: &ConfirmedObject) -> FloorObstacle {
         let ([left, near], [right, _]) = (seen.object.low_m, seen.object.high_m);
-        FloorThing {
+        FloorObstacle {
             position: self.camera_in_robot.transform(Point2::new(near, -0.5 * (left + right))),
             half_width_m: 0.5 * (right - left),
             height_m: seen.object.height_m,
@@ -212,7 +216,7 @@ mod tests {
     const PITCH_RAD: f32 = 0.8;
     const HEIGHT_M: f32 = 0.72;
 
-    fn look() -> FloorLook {
+    fn stage() -> FloorStage {
         let configuration = parse("robot.toml", EXAMPLE).expect("the example is right");
         let mut mounting = configuration.robot.lidar.mounting;
         (mounting.position.x_m, mounting.position.z_m, mounting.pitch_rad) = (0.9, HEIGHT_M, PITCH_RAD);
@@ -222,7 +226,7 @@ mod tests {
             camera: PinholeCamera::new([131.0, 131.0], [79.5, 59.5]).expect("a camera"),
             mounting,
         };
-        FloorLook::new(&configuration.robot, &camera).expect("above the floor")
+        FloorStage::new(&configuration.robot, &camera).expect("above the floor")
     }
 
     /// A level floor with a block of a height, 12 cm wide, from `ahead_m` before the camera on.
@@ -251,38 +255,41 @@ mod tests {
         (0..SIZE.0 * SIZE.1).map(pixel).collect()
     }
 
-    fn limit(look: &mut FloorLook, frames: &[Vec<u16>]) -> (FloorSight, Option<f32>) {
+    fn limit(stage: &mut FloorStage, frames: &[Vec<u16>]) -> (FloorSight, Option<f32>) {
         let mut sight = FloorSight::default();
         for (frame, depth_mm) in (1_u64..).zip(frames) {
             let at = Stamp::from_micros(33_333 * frame);
-            sight = look.look(depth_mm, Pose2::default(), (at, at));
+            sight = stage.process(depth_mm, Pose2::default(), (at, at));
         }
         let limit = with_floor(Default::default(), Some(&sight), sight.stamp).speed_limit_mps;
         (sight, limit)
     }
 
     #[test]
-    fn a_thing_ahead_slows_the_robot_and_free_floor_does_not() {
+    fn obstacle_ahead_slows_free_floor_does_not() {
         let free: Vec<Vec<u16>> = (0..3).map(|frame| picture(frame, None)).collect();
-        let (sight, unlimited) = limit(&mut look(), &free);
-        assert!(sight.is_known && sight.things.is_empty(), "{sight:?}");
+        let (sight, unlimited) = limit(&mut stage(), &free);
+        assert!(sight.is_known && sight.obstacles.is_empty(), "{sight:?}");
         assert_eq!(unlimited, None);
         let blocked: Vec<Vec<u16>> = (0..3).map(|frame| picture(frame, Some((0.7, 0.05)))).collect();
-        let (sight, slow) = limit(&mut look(), &blocked);
-        let thing = sight.things.first().expect("it is seen");
-        assert!((thing.position.x_m - 1.6).abs() < 0.06 && thing.position.y_m.abs() < 0.03, "{thing:?}");
-        assert!((thing.height_m - 0.05).abs() < 0.015 && thing.half_width_m < 0.1, "{thing:?}");
+        let (sight, slow) = limit(&mut stage(), &blocked);
+        let obstacle = sight.obstacles.first().expect("it is seen");
+        assert!(
+            (obstacle.position.x_m - 1.6).abs() < 0.06 && obstacle.position.y_m.abs() < 0.03,
+            "{obstacle:?}"
+        );
+        assert!((obstacle.height_m - 0.05).abs() < 0.015 && obstacle.half_width_m < 0.1, "{obstacle:?}");
         assert!(slow.is_some_and(|speed| (0.3..0.9).contains(&speed)), "{slow:?}");
     }
 
-    /// Frozen, dark and cut pictures are floor that nobody knows.
+    /// Frozen, dark and cut pictures are unknown floor.
     #[test]
     fn bad_pictures_are_unknown_floor() {
         let frozen = vec![picture(0, None); 3];
         let dark = vec![vec![0; SIZE.0 * SIZE.1]; 3];
         let cut = vec![vec![700; 99]; 3];
         for (name, frames) in [("frozen", frozen), ("dark", dark), ("cut", cut)] {
-            let (sight, slow) = limit(&mut look(), &frames);
+            let (sight, slow) = limit(&mut stage(), &frames);
             assert!(!sight.is_known, "{name}");
             assert_eq!(slow, Some(0.3), "{name}");
         }
@@ -291,9 +298,9 @@ mod tests {
     /// With the stream goes what was known of the floor: nothing is judged by a plane of earlier.
     #[test]
     fn a_lost_stream_takes_the_floor_with_it() {
-        let mut look = look();
+        let mut stage = stage();
         let free: Vec<Vec<u16>> = (0..3).map(|frame| picture(frame, None)).collect();
-        assert!(limit(&mut look, &free).0.is_known && look.plane().is_some());
-        assert!(!look.lost(Stamp::from_micros(200_000)).is_known && look.plane().is_none());
+        assert!(limit(&mut stage, &free).0.is_known && stage.plane().is_some());
+        assert!(!stage.lost(Stamp::from_micros(200_000)).is_known && stage.plane().is_none());
     }
 }

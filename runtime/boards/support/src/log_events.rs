@@ -4,12 +4,12 @@ use embassy_time::{Duration, Ticker};
 
 use crate::RobotShared;
 
-/// How often the guard is looked at: text is rare, and what matters is in the black box.
-const LOOK_EVERY: Duration = Duration::from_millis(100);
+/// How often the guard is examined: text is rare, and what matters is in the black box.
+const POLL_PERIOD: Duration = Duration::from_millis(100);
 
 /// Runs for ever, on the ring of perception: words never delay a decision.
-pub async fn tell_decisions(shared: &RobotShared) {
-    let mut ticker = Ticker::every(LOOK_EVERY);
+pub async fn log_decisions(shared: &RobotShared) {
+    let mut ticker = Ticker::every(POLL_PERIOD);
     let (mut state, mut lost) = (None, 0);
     loop {
         ticker.next().await;

@@ -21,7 +21,7 @@ const LAMPS_M: f32 = 25.0;
 
 /// The camera and the floor that it looks at.
 #[derive(Clone, Debug)]
-pub struct FloorEye {
+pub struct FloorCameraSensor {
     depth: DepthCamera,
     colour: FloorCamera,
     floor: FloorScene,
@@ -37,7 +37,7 @@ pub struct FloorFrame {
     pub rgb: Vec<u8>,
 }
 
-impl FloorEye {
+impl FloorCameraSensor {
     /// Columns and rows of the depth picture.
     pub const DEPTH_SIZE: (usize, usize) = (160, 120);
     /// Columns and rows of the colour picture, of the same view.
@@ -75,7 +75,7 @@ impl FloorEye {
     }
 
     /// What is seen from a pose at a time; `frame` draws the noise.
-    pub(crate) fn look(
+    pub(crate) fn render(
         &self,
         (scene, people, dirt): (&Scene, &[Person], Option<&DirtyFloor>),
         robot: Pose2,
