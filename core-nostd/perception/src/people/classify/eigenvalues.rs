@@ -9,7 +9,7 @@ use core::f64::consts::PI;
 /// ```
 /// use floorguard_perception::people::classify::eigenvalues3;
 ///
-/// // The scatter of a flat thing that is long along x, and of a ball.
+/// // The scatter of a flat object that is long along x, and of a ball.
 /// let [first, second, third] = eigenvalues3([3.0, 0.0, 0.0, 1.0, 0.0, 0.5]);
 /// assert!((first - 3.0).abs() + (second - 1.0).abs() + (third - 0.5).abs() < 1.0e-9);
 /// assert_eq!(eigenvalues3([2.0, 0.0, 0.0, 2.0, 0.0, 2.0]), [2.0; 3]);
