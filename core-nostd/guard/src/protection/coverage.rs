@@ -1,4 +1,4 @@
-//! What the sensors of a robot can see of the room that its body goes into, and what nobody sees (FG-REQ-062).
+//! What the sensors of a robot can see of the room that its body goes into, and what nobody sees.
 //!
 //! Pure geometry of mountings, angles and ranges: no scan is needed. Ahead and behind, what counts is whether a thing is seen
 //! while the robot comes near, in time to stop, because the guard's memory keeps what was seen; apart from that, whether somebody
