@@ -67,13 +67,31 @@ impl Spoil {
     }
 }
 
-/// Fields as long as they are, and 2 cm wide.
+/// Fields as long as they are that enclose the body, as they must, and are 2 cm wide ahead of it and behind it.
 fn needles(plan: &mut Plan) {
+    let body = &plan.robot.geometry.footprint;
+    let fold = |of: fn(&Point2) -> f32, pick: fn(f32, f32) -> f32, from: f32| body.iter().map(of).fold(from, pick);
+    let (rear_m, front_m) = (fold(|p| p.x_m, f32::min, f32::MAX), fold(|p| p.x_m, f32::max, f32::MIN));
+    let (right_m, left_m) = (fold(|p| p.y_m, f32::min, f32::MAX), fold(|p| p.y_m, f32::max, f32::MIN));
     for field in &mut plan.robot.fields {
         for outline in [&mut field.protective, &mut field.warning] {
-            for corner in outline.iter_mut() {
-                *corner = Point2::new(corner.x_m, NEEDLE_M.copysign(corner.y_m));
-            }
+            let low_m = outline.iter().map(|corner| corner.x_m).fold(rear_m, f32::min);
+            let high_m = outline.iter().map(|corner| corner.x_m).fold(front_m, f32::max);
+            let corners = [
+                (low_m, -NEEDLE_M),
+                (rear_m, -NEEDLE_M),
+                (rear_m, right_m),
+                (front_m, right_m),
+                (front_m, -NEEDLE_M),
+                (high_m, -NEEDLE_M),
+                (high_m, NEEDLE_M),
+                (front_m, NEEDLE_M),
+                (front_m, left_m),
+                (rear_m, left_m),
+                (rear_m, NEEDLE_M),
+                (low_m, NEEDLE_M),
+            ];
+            *outline = corners.into_iter().map(|(x_m, y_m)| Point2::new(x_m, y_m)).collect();
         }
     }
 }
