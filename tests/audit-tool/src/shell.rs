@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::LazyLock;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 
 /// Where the facts of a project are, from the root of its workspace.
 pub const FILE: &str = "tests/audit.toml";
@@ -31,6 +31,53 @@ pub fn target_folder() -> PathBuf {
 pub fn cargo() -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.current_dir(root());
+    command
+}
+
+/// Set where all tests of the workspace have just been built. Cargo builds a package alone with fewer features of its dependencies
+/// than together with all others, so that nearly everything would be built once more for each program that is asked for alone.
+pub const ALL_BUILT: &str = "XTASK_ALL_BUILT";
+
+fn all_built() -> bool {
+    std::env::var_os(ALL_BUILT).is_some()
+}
+
+/// What Cargo selects: these packages, or the whole workspace where that is built already.
+pub fn selection<'a>(packages: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
+    if all_built() {
+        return vec!["--workspace"];
+    }
+    packages.into_iter().flat_map(|package| ["--package", package]).collect()
+}
+
+fn built_with_all(binary: &str) -> Option<PathBuf> {
+    let path = target_folder().join("debug").join(binary);
+    (all_built() && path.is_file()).then_some(path)
+}
+
+/// Where a program of a package is, built.
+///
+/// # Errors
+/// It does not build.
+pub fn built(package: &str, binary: &str) -> Result<PathBuf> {
+    if let Some(path) = built_with_all(binary) {
+        return Ok(path);
+    }
+    let mut build = cargo();
+    build.args(["build", "--quiet", "--package", package, "--bin", binary]);
+    ensure!(succeeds(&mut build)?, "{binary} does not build");
+    Ok(target_folder().join("debug").join(binary))
+}
+
+/// A program of a package, ready for its arguments: as it was built with all tests, or built now.
+pub fn program(package: &str, binary: &str) -> Command {
+    if let Some(built) = built_with_all(binary) {
+        let mut command = Command::new(built);
+        command.current_dir(root());
+        return command;
+    }
+    let mut command = cargo();
+    command.args(["run", "--quiet", "--package", package, "--bin", binary, "--"]);
     command
 }
 

@@ -208,26 +208,12 @@ impl Options {
 fn wired(options: &Options) -> Result<bool> {
     let image = build(&target_folder()?, WIRED_IMAGE)?;
     let small = fits("mps2-an500", measure(&image, Some(BOARD_HANDLERS))?, options.update)?;
-    let mut play = shell::cargo();
-    play.args([
-        "run",
-        "--quiet",
-        "--package",
-        "floorguard-tests",
-        "--bin",
-        "floorguard-wired",
-        "--",
-        "--image",
-    ]);
-    play.arg(image).args(["--scenario", &options.scenario, "--seed", &options.seed.to_string()]);
+    let mut play = shell::program("floorguard-tests", "floorguard-wired");
+    play.arg("--image").arg(image).args(["--scenario", &options.scenario, "--seed", &options.seed.to_string()]);
     play.args(["--duration", &options.duration.unwrap_or(60).to_string()]);
     if let Some(which) = &options.faults {
-        let mut program = shell::cargo();
-        program.args(["build", "--quiet", "--package", "floorguard"]);
-        if !shell::succeeds(&mut program)? {
-            bail!("the program that reads the black box does not build");
-        }
-        play.args(["--faults", which]).arg("--program").arg(target_folder()?.join("debug/floorguard"));
+        let reader_of_the_black_box = shell::built("floorguard", "floorguard")?;
+        play.args(["--faults", which]).arg("--program").arg(reader_of_the_black_box);
     }
     if options.json {
         play.arg("--json");
@@ -237,8 +223,8 @@ fn wired(options: &Options) -> Result<bool> {
 
 /// Plays the scenario on the host; gives the fingerprint.
 fn record((scenario, seed, seconds): (&str, u64, u32), tape: &Path) -> Result<String> {
-    let mut simulate = shell::cargo();
-    simulate.args(["run", "--quiet", "--package", "floorguard", "--", "simulate", "--json"]);
+    let mut simulate = shell::program("floorguard", "floorguard");
+    simulate.args(["simulate", "--json"]);
     simulate.args(["--scenario", scenario, "--seed", &seed.to_string()]);
     simulate.args(["--duration", &seconds.to_string(), "--tape"]).arg(tape);
     let printed =

@@ -1,7 +1,7 @@
 //! `cargo xtask test`: what CI runs, step by step, with a verdict at the end.
 
 use std::io::{BufRead, BufReader};
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use std::time::Instant;
 
 use anyhow::{Context, Result};
@@ -27,11 +27,14 @@ const ON_TARGET: &str = "TARGET";
 /// Stands in the words of a step for the crates of the core and the drivers.
 const AUDITED: &str = "AUDITED";
 
+/// The step that builds the whole workspace with its tests: the later ones take the programs that it built.
+const ALL_TESTS: &str = "tests";
+
 const STEPS: &[Step] = &[
     ("format", "fmt --all --check"),
     ("clippy", "clippy --quiet --workspace --all-targets -- --deny warnings"),
     ("no_std", "build --quiet AUDITED --package floorguard-runtime --target TARGET"),
-    ("tests", "test --workspace --no-fail-fast"),
+    (ALL_TESTS, "test --workspace --no-fail-fast"),
     ("firmware", "xtask firmware"),
     ("wired", "xtask firmware --wired --duration 5"),
     ("faults", "xtask firmware --faults few"),
@@ -56,11 +59,15 @@ pub fn run(options: &Options) -> Result<bool> {
     }
     let mut failed_steps = Vec::new();
     let mut count = Count::default();
+    let mut all_built = false;
     let wanted = |step: &&Step| options.only.as_ref().is_none_or(|word| step.0.contains(word.as_str()));
     for &(name, words) in STEPS.iter().filter(wanted) {
         println!("\n== {name}: cargo {words}");
         let start = Instant::now();
-        let succeeded = run_step(name, words, &mut count)?;
+        let before = count.passed + count.failed;
+        let succeeded = run_step((name, words), all_built, &mut count)?;
+        // Where a test ran, all of them were built.
+        all_built |= name == ALL_TESTS && count.passed + count.failed > before;
         println!(
             "== {name}: {} after {:.0} s",
             if succeeded { "good" } else { "FAILED" },
@@ -84,9 +91,12 @@ pub fn run(options: &Options) -> Result<bool> {
 }
 
 /// Runs one step, shows its output as it comes, and adds up the harnesses' closing lines.
-fn run_step(name: &str, words: &str, count: &mut Count) -> Result<bool> {
-    let mut command = shell::cargo();
-    command.args(arguments(words)).stdin(Stdio::null()).stdout(Stdio::piped());
+fn run_step((name, words): Step, all_built: bool, count: &mut Count) -> Result<bool> {
+    let mut command = command(words)?;
+    if all_built {
+        command.env(shell::ALL_BUILT, "1");
+    }
+    command.stdin(Stdio::null()).stdout(Stdio::piped());
     let mut child = command.spawn().with_context(|| format!("cannot start cargo for step {name}"))?;
     if let Some(output) = child.stdout.take() {
         for line in BufReader::new(output).lines() {
@@ -99,6 +109,25 @@ fn run_step(name: &str, words: &str, count: &mut Count) -> Result<bool> {
         }
     }
     Ok(child.wait()?.success())
+}
+
+/// Cargo, or this program itself: started by cargo it would be built once more.
+fn command(words: &str) -> Result<Command> {
+    let mut command = match words.strip_prefix("xtask ") {
+        Some(own) => {
+            let mut itself = Command::new(std::env::current_exe().context("where am I?")?);
+            itself.current_dir(shell::root()).args(arguments(own));
+            itself
+        }
+        None => {
+            let mut cargo = shell::cargo();
+            cargo.args(arguments(words));
+            cargo
+        }
+    };
+    // Everything is built once here and nothing is edited in between.
+    command.env("CARGO_INCREMENTAL", "0");
+    Ok(command)
 }
 
 /// What cargo is told.

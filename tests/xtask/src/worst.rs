@@ -31,8 +31,7 @@ pub fn check(image: &Path, update: bool) -> Result<bool> {
 }
 
 fn run(image: &Path, arguments: &[&str]) -> Result<bool> {
-    let mut worst = shell::cargo();
-    worst.args(["run", "--quiet", "--package", "floorguard-tests", "--bin", "floorguard-worst", "--"]);
+    let mut worst = shell::program("floorguard-tests", "floorguard-worst");
     worst.arg("--image").arg(image).arg("--golden").arg(shell::root().join(GOLDEN)).args(arguments);
     shell::succeeds(&mut worst)
 }

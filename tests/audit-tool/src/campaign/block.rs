@@ -14,8 +14,11 @@ use crate::shell;
 /// Builds the test, optimised but with overflow checks, and tells where it is.
 pub fn build(kind: &Kind) -> Result<PathBuf> {
     let mut command = shell::cargo();
-    command.args(["test", "--quiet", "--no-run", "--message-format=json", "--package", &kind.package]);
-    command.args(&kind.target).stderr(Stdio::inherit());
+    command.args(["test", "--quiet", "--no-run", "--message-format=json"]);
+    // A library has the same name for its tests in every package.
+    let alone = kind.target.iter().any(|word| word == "--lib");
+    let packages = if alone { vec!["--package", &kind.package] } else { shell::selection([kind.package.as_str()]) };
+    command.args(packages).args(&kind.target).stderr(Stdio::inherit());
     let output = command.output().context("cannot start cargo")?;
     if !output.status.success() {
         bail!("the test of campaign {} does not build", kind.name);

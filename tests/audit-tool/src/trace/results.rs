@@ -77,8 +77,9 @@ impl Drop for Building {
 
 fn command(targets: &BTreeSet<String>) -> Command {
     let mut command = shell::cargo();
-    command.args(["test", "--quiet", "--no-fail-fast", "--lib", "--package", &facts().trace.tests]);
-    command.args(sources::crates().iter().flat_map(|one| ["--package", &one.package]));
+    command.args(["test", "--quiet", "--no-fail-fast", "--lib"]);
+    let audited = sources::crates().iter().map(|one| one.package.as_str());
+    command.args(shell::selection(audited.chain([facts().trace.tests.as_str()])));
     for target in targets {
         command.args(["--test", target]);
     }

@@ -1,5 +1,7 @@
 //! `cargo xtask bench`: times of the stages, in release; with `--peers` side by side with what one installs today.
 
+mod history;
+mod machine;
 mod peers;
 mod table;
 
@@ -18,6 +20,9 @@ pub struct Options {
     /// With --peers: one JSON object a row on standard output, everything else on standard error.
     #[arg(long, requires = "peers")]
     json: bool,
+    /// Write the last measurement of docs/evidence/benchmarks.json into BENCHMARKS.md and README.md; measures nothing.
+    #[arg(long, conflicts_with = "peers")]
+    render: bool,
     /// With --peers: only these tasks, for example `tracker`; BENCHMARKS.md stays as it is.
     #[arg(long, requires = "peers", value_name = "TASK")]
     task: Vec<String>,
@@ -25,6 +30,10 @@ pub struct Options {
 
 /// Builds and runs the measurement. False if the guard decides too late.
 pub fn run(options: &Options) -> Result<bool> {
+    if options.render {
+        peers::render(&shell::root())?;
+        return Ok(true);
+    }
     if options.peers {
         peers::run(options.json, &options.task)?;
         return Ok(true);

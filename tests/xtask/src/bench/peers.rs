@@ -5,12 +5,17 @@ use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
-use super::table::{Row, Told, markdown};
+use super::history::{self, Measurement};
+use super::machine::Machine;
+use super::table::{Line, Told, best_peers, markdown};
 use crate::shell;
 
 /// Between these lines of BENCHMARKS.md the command writes; what stands around them is written by hand.
 const BEGIN: &str = "<!-- written by cargo xtask bench --peers -->";
 const END: &str = "<!-- end -->";
+/// The same of the README, which names the best peer of each task.
+const BEGIN_BEST: &str = "<!-- best peers, written by cargo xtask bench --peers -->";
+const END_BEST: &str = "<!-- end of the best peers -->";
 
 /// In the order of the table.
 const TASKS: [&str; 11] = [
@@ -23,12 +28,16 @@ pub fn run(json: bool, tasks: &[String]) -> Result<()> {
     if let Some(unknown) = tasks.iter().find(|task| !TASKS.contains(&task.as_str())) {
         bail!("no task `{unknown}`; there are {}", TASKS.join(", "));
     }
+    let mut machine = Machine::here();
+    if tasks.is_empty() {
+        machine.need_quiet()?;
+    }
     let work = shell::root().join("target/peers");
     std::fs::create_dir_all(&work)?;
     let python = environment(&work)?;
     let inputs = work.join("inputs");
     let data = shared();
-    let mut rows = Vec::new();
+    let mut lines = Vec::new();
     for task in TASKS.iter().filter(|task| tasks.is_empty() || tasks.iter().any(|wanted| wanted == *task)) {
         eprintln!("  {task}: ours, the peers, ours again");
         let ours = || -> Result<Vec<Told>> {
@@ -41,15 +50,44 @@ pub fn run(json: bool, tasks: &[String]) -> Result<()> {
         measure.arg(data.join("data/models")).arg(data.join("bench")).arg(task);
         let before = ours()?;
         let theirs = shell::output(&mut measure).context("the peers' measurement failed")?;
-        rows.extend(Row::join(&[before, ours()?], &Told::read(&theirs)?));
+        lines.extend(Line::join(&[before, ours()?], &Told::read(&theirs)?));
+        machine.look_again();
     }
-    let text = markdown(&rows, &machine());
     if json {
-        rows.iter().for_each(|row| println!("{}", row.to_json()));
+        for line in &lines {
+            println!("{}", serde_json::to_string(line)?);
+        }
     } else {
-        println!("{text}");
+        println!("{}", markdown(&lines, &machine.words()));
     }
-    if tasks.is_empty() { write(&shell::root().join("BENCHMARKS.md"), &text) } else { Ok(()) }
+    if !tasks.is_empty() {
+        return Ok(());
+    }
+    machine.need_quiet()?;
+    history::add(&shell::root(), Measurement { machine, lines })?;
+    render(&shell::root())
+}
+
+/// Writes the last measurement into BENCHMARKS.md and its best peers into the README.
+///
+/// # Errors
+/// There is none, or a document has lost its marks.
+pub fn render(root: &Path) -> Result<()> {
+    let all = history::read(root)?;
+    let Measurement { machine, lines } = all.last().context("nothing was measured yet")?;
+    let table = markdown(lines, &machine.words());
+    write(&root.join("BENCHMARKS.md"), (BEGIN, END), &table)?;
+    write(&root.join("README.md"), (BEGIN_BEST, END_BEST), &best(machine, lines))
+}
+
+/// What the README says.
+fn best(machine: &Machine, lines: &[Line]) -> String {
+    let warning = if machine.is_busy() {
+        " The machine was busy, which flatters us where a peer runs longer than ours; to be measured again."
+    } else {
+        ""
+    };
+    format!("{}\nMeasured: {}.{warning}\n", best_peers(lines), machine.words())
 }
 
 /// A virtual environment with whatever of the requirements can be installed.
@@ -78,21 +116,36 @@ fn shared() -> PathBuf {
     shell::root().join("../shared")
 }
 
-/// Processor, cores and how busy they are.
-fn machine() -> String {
-    let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
-    let processor = read("/proc/cpuinfo");
-    let name = processor.lines().find(|line| line.starts_with("model name"));
-    let name = name.and_then(|line| line.split(": ").nth(1)).unwrap_or("unknown processor").to_owned();
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let load = read("/proc/loadavg").split(' ').next().unwrap_or("unknown").to_owned();
-    format!("{name}, {cores} cores, load {load}, one thread each")
+fn write(path: &Path, (begin, end): (&str, &str), table: &str) -> Result<()> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let old = std::fs::read_to_string(path).with_context(|| format!("cannot read {name}"))?;
+    let new = replaced(&old, (begin, end), table).with_context(|| format!("{name} has lost its marks"))?;
+    std::fs::write(path, new).with_context(|| format!("cannot write {name}"))
 }
 
-fn write(path: &Path, table: &str) -> Result<()> {
-    let old = std::fs::read_to_string(path).unwrap_or_else(|_| format!("# Benchmarks\n\n{BEGIN}\n{END}\n"));
-    let (before, rest) = old.split_once(BEGIN).context("BENCHMARKS.md has lost its first mark")?;
-    let (_, after) = rest.split_once(END).context("BENCHMARKS.md has lost its second mark")?;
-    std::fs::write(path, format!("{before}{BEGIN}\n\n{table}\n{END}{after}"))?;
-    Ok(())
+fn replaced(document: &str, (begin, end): (&str, &str), table: &str) -> Option<String> {
+    let (before, rest) = document.split_once(begin)?;
+    let (_, after) = rest.split_once(end)?;
+    Some(format!("{before}{begin}\n\n{table}\n{end}{after}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// No figure is written by hand, and none is left behind.
+    #[test]
+    fn the_documents_show_the_last_measurement() {
+        let root = shell::root();
+        let all = history::read(&root).expect("measurements");
+        let Measurement { machine, lines } = all.last().expect("one at least");
+        for (name, marks, text) in [
+            ("BENCHMARKS.md", (BEGIN, END), markdown(lines, &machine.words())),
+            ("README.md", (BEGIN_BEST, END_BEST), best(machine, lines)),
+        ] {
+            let document = std::fs::read_to_string(root.join(name)).expect(name);
+            let wanted = replaced(&document, marks, &text).expect("its marks");
+            assert!(document == wanted, "{name}: run `cargo xtask bench --render`");
+        }
+    }
 }

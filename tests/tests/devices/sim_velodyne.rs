@@ -2,7 +2,6 @@
 //! Ranges are judged by plane geometry of a room, not by anybody's ray caster.
 
 #[allow(dead_code, reason = "each test file uses a part of it")]
-mod sim_support;
 
 use std::collections::BTreeMap;
 
@@ -18,7 +17,7 @@ use floorguard_sim::wire::ReturnMode;
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
 use floorguard_types::sensing::{LidarPacket, Sweep};
 use floorguard_types::time::Stamp;
-use sim_support::{HALF_M, Seat, bytes_of, mean_and_deviation, room, wall_range_m};
+use crate::sim_support::{HALF_M, Seat, bytes_of, mean_and_deviation, room, wall_range_m};
 
 const START: Pose2 = Pose2 { x_m: 0.7, y_m: -0.4, heading_rad: 0.5 };
 /// The lidar's place on the robot, metres forward and up.

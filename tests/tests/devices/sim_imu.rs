@@ -2,7 +2,6 @@
 //! alone.
 
 #[allow(dead_code, reason = "each test file uses a part of it")]
-mod sim_support;
 
 use std::collections::BTreeMap;
 
@@ -12,7 +11,7 @@ use floorguard_sim::simulation::{Stream, Truth, WireEvent};
 use floorguard_types::geometry::Pose2;
 use floorguard_types::sensing::ImuSample;
 use floorguard_types::time::{Age, Stamp};
-use sim_support::{Seat, bytes_of, mean_and_deviation, room};
+use crate::sim_support::{Seat, bytes_of, mean_and_deviation, room};
 
 /// A robot with an inertial sensor, a line that may be bad, and the truth at each millisecond.
 struct Rig {

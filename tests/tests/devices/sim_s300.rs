@@ -2,7 +2,6 @@
 //! format alone. Ranges are judged by plane geometry of a room.
 
 #[allow(dead_code, reason = "each test file uses a part of it")]
-mod sim_support;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use floorguard_drivers::s300::{Bit13, Configuration, Counters, Event, Receiver, TelegramError};
@@ -18,7 +17,7 @@ use floorguard_sim::simulation::{Simulation, Stream};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::sensing::{BeamReturn, Scan};
 use floorguard_types::time::Stamp;
-use sim_support::{Seat, bytes_of, mean_and_deviation, room, wall_range_m};
+use crate::sim_support::{Seat, bytes_of, mean_and_deviation, room, wall_range_m};
 
 const START: Pose2 = Pose2 { x_m: 0.7, y_m: -0.4, heading_rad: 0.5 };
 /// The scanner's place on the robot, metres forward.

@@ -2,7 +2,6 @@
 //! written from the description of the format alone, and the whole robot on it.
 
 #[allow(dead_code, reason = "each test file uses a part of it")]
-mod sim_support;
 
 use floorguard_laboratory::world::record_plan;
 use std::fs::File;
@@ -28,7 +27,7 @@ use floorguard_sim::simulation::{Simulation, Stream};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::sensing::{BeamReturn, Scan};
 use floorguard_types::time::Stamp;
-use sim_support::{bytes_of, mean_and_deviation, room, wall_range_m};
+use crate::sim_support::{bytes_of, mean_and_deviation, room, wall_range_m};
 
 const START: Pose2 = Pose2 { x_m: 0.7, y_m: -0.4, heading_rad: 0.5 };
 /// The scanner's place on the robot, metres forward.
