@@ -98,23 +98,28 @@ fn associations(folder: &Path, wanted: impl Fn(&str) -> bool) -> anyhow::Result<
     if wanted("tracker") {
         for targets in [10, 50, 100] {
             let steps = passes(|| tracker_step(targets, Association::Nearest))?;
-            times.extend(
-                steps.map(|steps| OurTime::of("tracker", format!("{targets} targets"), &steps, String::new())),
-            );
+            times
+                .extend(steps.map(|steps| {
+                    OurTime::of("tracker", format!("{targets} targets"), &steps, String::new())
+                }));
         }
     }
     if wanted("joint") {
         for targets in [10, 50] {
             let spread = passes(|| tracker_step(targets, Association::Joint))?;
-            times.extend(
-                spread
-                    .map(|steps| OurTime::of("joint", format!("{targets} targets, spread"), &steps, String::new())),
-            );
+            times.extend(spread.map(|steps| {
+                OurTime::of("joint", format!("{targets} targets, spread"), &steps, String::new())
+            }));
         }
         for targets in [10, 14, 16] {
             let crowd = passes(|| Ok(Some(joint_step(targets))))?.unwrap_or_default();
             let note = if targets == 16 { "aim 1 ms" } else { "" };
-            times.push(OurTime::of("joint", format!("{targets} targets in a crowd"), &crowd, note.to_owned()));
+            times.push(OurTime::of(
+                "joint",
+                format!("{targets} targets in a crowd"),
+                &crowd,
+                note.to_owned(),
+            ));
         }
         write_crowds(folder)?;
     }

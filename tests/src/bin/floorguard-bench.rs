@@ -63,7 +63,13 @@ fn stages() -> ExitCode {
     println!();
     println!("{:24} {:28} {:>12} {:>10}", "input", "stage", "ms / frame", "fastest");
     for row in floorguard_tests::bench::run_floor() {
-        println!("{:24} {:28} {:12.2} {:10.2}", row.input, row.stage, 1e-6 * row.median.wall_ns, 1e-6 * row.fastest.wall_ns);
+        println!(
+            "{:24} {:28} {:12.2} {:10.2}",
+            row.input,
+            row.stage,
+            1e-6 * row.median.wall_ns,
+            1e-6 * row.fastest.wall_ns
+        );
     }
     println!("medians on this machine, one core; quote ratios measured in one run, not these absolutes");
     if in_time { ExitCode::SUCCESS } else { ExitCode::FAILURE }

@@ -2,9 +2,9 @@
 //! Ranges are judged by plane geometry of a room, not by anybody's ray caster.
 
 #[allow(dead_code, reason = "each test file uses a part of it")]
-
 use std::collections::BTreeMap;
 
+use crate::sim_support::{HALF_M, Seat, bytes_of, mean_and_deviation, room, wall_range_m};
 use floorguard_drivers::velodyne::{
     DecodeError, Decoder, Gprmc, Model, ModelChoice, Packet, PositionPacket, PpsState, Return, Returns,
     ReturnsOf, SweepBuilder,
@@ -17,7 +17,6 @@ use floorguard_sim::wire::ReturnMode;
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
 use floorguard_types::sensing::{LidarPacket, Sweep};
 use floorguard_types::time::Stamp;
-use crate::sim_support::{HALF_M, Seat, bytes_of, mean_and_deviation, room, wall_range_m};
 
 const START: Pose2 = Pose2 { x_m: 0.7, y_m: -0.4, heading_rad: 0.5 };
 /// The lidar's place on the robot, metres forward and up.

@@ -209,7 +209,12 @@ fn wired(options: &Options) -> Result<bool> {
     let image = build(&target_folder()?, WIRED_IMAGE)?;
     let small = fits("mps2-an500", measure(&image, Some(BOARD_HANDLERS))?, options.update)?;
     let mut play = shell::program("floorguard-tests", "floorguard-wired");
-    play.arg("--image").arg(image).args(["--scenario", &options.scenario, "--seed", &options.seed.to_string()]);
+    play.arg("--image").arg(image).args([
+        "--scenario",
+        &options.scenario,
+        "--seed",
+        &options.seed.to_string(),
+    ]);
     play.args(["--duration", &options.duration.unwrap_or(60).to_string()]);
     if let Some(which) = &options.faults {
         let reader_of_the_black_box = shell::built("floorguard", "floorguard")?;

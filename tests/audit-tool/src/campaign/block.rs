@@ -17,7 +17,8 @@ pub fn build(kind: &Kind) -> Result<PathBuf> {
     command.args(["test", "--quiet", "--no-run", "--message-format=json"]);
     // A library has the same name for its tests in every package.
     let alone = kind.target.iter().any(|word| word == "--lib");
-    let packages = if alone { vec!["--package", &kind.package] } else { shell::selection([kind.package.as_str()]) };
+    let packages =
+        if alone { vec!["--package", &kind.package] } else { shell::selection([kind.package.as_str()]) };
     command.args(packages).args(&kind.target).stderr(Stdio::inherit());
     let output = command.output().context("cannot start cargo")?;
     if !output.status.success() {

@@ -76,8 +76,7 @@ mod tests {
 
     #[test]
     fn a_busy_machine_is_refused() {
-        let machine =
-            |load| Machine { date: String::new(), processor: String::from("P"), cores: 2, load };
+        let machine = |load| Machine { date: String::new(), processor: String::from("P"), cores: 2, load };
         assert!(machine(2.0).need_quiet().is_ok());
         let refused = machine(2.01).need_quiet().expect_err("too busy").to_string();
         assert!(refused.starts_with("the load is 2.01 on 2 cores"), "{refused}");

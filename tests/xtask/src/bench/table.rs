@@ -222,7 +222,8 @@ pub fn best_peers(lines: &[Line]) -> String {
             (*least, *most) = (least.min(ratio), most.max(ratio));
         }
     }
-    let mut text = String::from("| task | the best peer | it takes so many times as long |\n|---|---|---:|\n");
+    let mut text =
+        String::from("| task | the best peer | it takes so many times as long |\n|---|---|---:|\n");
     for (task, peers) in &tasks {
         let best = peers.iter().min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0));
         if let Some((peer, (least, most))) = best {
