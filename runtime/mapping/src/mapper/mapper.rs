@@ -81,7 +81,7 @@ impl Mapper {
         let mut edges = sequence_edges(&self.tracker.nodes);
         edges.extend(self.loops.iter().copied());
         let mut graph = Graph { poses: std::mem::take(&mut self.poses), edges };
-        let outcome = optimise_robustly(&mut graph, &self.config.robust);
+        let outcome = optimise_robustly(&mut graph, &[], &self.config.robust);
         self.poses = graph.poses;
         self.map_revision += 1;
         outcome.map(|_| ())

@@ -4,6 +4,7 @@
 //! covariance scaling); Yang, Antonante, Tzoumas, Carlone 2020 (graduated non-convexity); Carlone, Censi 2014 (linear
 //! start from the orientations).
 
+mod along_path;
 mod block_system;
 mod edge;
 mod g2o;
@@ -12,6 +13,7 @@ mod optimise;
 mod robust;
 mod start;
 
+pub use along_path::optimise_along_path;
 pub use block_system::{BlockSystem, PairTerms, Unsolvable};
 pub use edge::{Edge, EdgeKind};
 pub use g2o::{G2oError, read_g2o, write_g2o};

@@ -45,40 +45,72 @@ pub struct RobustOutcome {
     pub rounds: usize,
 }
 
-/// Moves the poses to the least error of the edges that agree. Edges of the sequence always count.
+/// Moves the poses to the least error of the edges that agree, beginning at the poses as they are. Edges of the sequence
+/// always count; loops of which `decided` holds a weight are not doubted again, but dropped or taken back at the end.
 ///
 /// # Errors
 /// A part of the graph hangs on nothing.
-pub fn optimise_robustly(graph: &mut Graph, config: &RobustConfig) -> Result<RobustOutcome, Unsolvable> {
+pub fn optimise_robustly(
+    graph: &mut Graph,
+    decided: &[Option<f64>],
+    config: &RobustConfig,
+) -> Result<RobustOutcome, Unsolvable> {
     let mut system = BlockSystem::new(graph.poses.len(), &graph.pairs())?;
     let is_loop = |edge: &Edge| edge.kind == EdgeKind::Loop;
-    let mut weights = vec![1.0; graph.edges.len()];
-    let worst = graph.edges.iter().filter(|e| is_loop(e)).map(|e| graph.edge_chi2(e)).fold(0.0, f64::max);
-    let limit = config.chi2_limit;
-    let mut control = if worst > limit { limit / (2.0 * worst - limit) } else { f64::INFINITY };
-    let mut rounds = 0;
-    while rounds < config.rounds_max && control.is_finite() {
-        rounds += 1;
-        let mut undecided = 0;
+    let decided = |index: usize| decided.get(index).copied().flatten();
+    let doubted: Vec<usize> =
+        (0..graph.edges.len()).filter(|&i| is_loop(&graph.edges[i]) && decided(i).is_none()).collect();
+    let mut weights: Vec<f64> = (0..graph.edges.len()).map(|index| decided(index).unwrap_or(1.0)).collect();
+    let rounds = graduate(&mut system, graph, (&doubted, &mut weights), config)?;
+    for _ in 0..JOIN_ROUNDS {
+        let before = weights.clone();
         for (edge, weight) in graph.edges.iter().zip(&mut weights) {
             if is_loop(edge) {
-                *weight = truncated_weight(graph.edge_chi2(edge), limit, control);
-                undecided += usize::from(*weight > 1.0e-3 && *weight < 0.999);
+                *weight = f64::from(u8::from(graph.edge_chi2(edge) <= config.chi2_limit));
             }
         }
-        optimise_with(&mut system, graph, &weights, &config.round)?;
-        if undecided == 0 && rounds > 3 {
+        if before == weights {
             break;
         }
-        control *= config.growth;
-    }
-    for (edge, weight) in graph.edges.iter().zip(&mut weights) {
-        if is_loop(edge) {
-            *weight = f64::from(u8::from(graph.edge_chi2(edge) <= limit));
-        }
+        optimise_with(&mut system, graph, &weights, &config.round)?;
     }
     let optimised = optimise_with(&mut system, graph, &weights, &config.last)?;
     Ok(RobustOutcome { optimised, weights, rounds })
+}
+
+/// Rounds in which loops may join or leave after the graduation.
+const JOIN_ROUNDS: usize = 12;
+
+/// The graduation over the doubted edges; answers the rounds.
+fn graduate(
+    system: &mut BlockSystem,
+    graph: &mut Graph,
+    (doubted, weights): (&[usize], &mut Vec<f64>),
+    config: &RobustConfig,
+) -> Result<usize, Unsolvable> {
+    let limit = config.chi2_limit;
+    let worst = |graph: &Graph| {
+        doubted.iter().map(|&index| graph.edge_chi2(&graph.edges[index])).fold(0.0, f64::max)
+    };
+    let at_start = worst(graph);
+    if at_start <= limit {
+        return Ok(0);
+    }
+    let mut control = limit / (2.0 * at_start - limit);
+    for round in 1..=config.rounds_max {
+        let mut undecided = 0;
+        for &index in doubted {
+            let weight = truncated_weight(graph.edge_chi2(&graph.edges[index]), limit, control);
+            undecided += usize::from(weight > 1.0e-3 && weight < 0.999);
+            weights[index] = weight;
+        }
+        if undecided == 0 && round > 1 {
+            return Ok(round);
+        }
+        optimise_with(system, graph, weights, &config.round)?;
+        control *= config.growth;
+    }
+    Ok(config.rounds_max)
 }
 
 /// Weight of a squared error under the truncated square at a stage of the control (Yang et al. 2020, equation 14).
