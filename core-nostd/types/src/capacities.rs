@@ -7,9 +7,9 @@
 /// for: on the microcontroller nobody asks for less, and the compiler knows it.
 ///
 /// ```
-/// use floorguard_types::capacities::{SCAN_BEAMS_MAX, room};
+/// use floorguard_types::capacities::{SCAN_BEAMS_MAX, limited_capacity};
 ///
-/// assert_eq!(room(10_000, SCAN_BEAMS_MAX), SCAN_BEAMS_MAX);
+/// assert_eq!(limited_capacity(10_000, SCAN_BEAMS_MAX), SCAN_BEAMS_MAX);
 /// ```
 pub const fn limited_capacity(asked: usize, own: usize) -> usize {
     if cfg!(feature = "hosted") && asked < own { asked } else { own }
