@@ -74,7 +74,8 @@ impl Button {
 
 /// Guard ring. Order: reset, start.
 #[embassy_executor::task]
-pub async fn operator_buttons(shared: &'static RobotShared, [mut reset, mut start]: [Button; 2]) {
+pub async fn operator_buttons(shared: &'static RobotShared, buttons: [Button; 2]) {
+    let [mut reset, mut start] = buttons;
     let mut ticker = Ticker::every(READ_EVERY);
     loop {
         ticker.next().await;

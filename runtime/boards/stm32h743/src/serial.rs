@@ -6,7 +6,8 @@ use static_cell::StaticCell;
 
 /// More than one S300 telegram (1,108 bytes).
 pub const RECEIVE_BYTES: usize = 2_048;
-pub const SEND_BYTES: usize = 256;
+/// Orders to the inertial sensor; a longer one waits until there is room.
+pub const SEND_BYTES: usize = 128;
 
 /// Buffers of one line.
 pub struct Buffers {
