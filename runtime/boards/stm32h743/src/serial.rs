@@ -6,7 +6,7 @@ use static_cell::StaticCell;
 
 /// More than one S300 telegram (1,108 bytes).
 pub const RECEIVE_BYTES: usize = 2_048;
-/// Orders to the inertial sensor; a longer one waits until there is room.
+/// Orders to the inertial sensor; a longer one is sent in parts.
 pub const SEND_BYTES: usize = 128;
 
 /// Buffers of one line.
