@@ -1,5 +1,5 @@
 //! The supervisor: takes evidence, answers with what is permitted. Time-driven: every input and every 10 ms tick leads
-//! to a decision, whether or not anybody commands (FG-REQ-007).
+//! to a decision, with or without a command (FG-REQ-007).
 
 use super::packet_check::BLIND_RUN_CDEG;
 use super::rules::Clear;

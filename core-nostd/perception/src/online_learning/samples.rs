@@ -15,7 +15,7 @@ pub struct LabelledShape {
     pub is_person: bool,
 }
 
-/// Every so many-th track of a class is held out, with all its shapes: shapes of one track are too alike.
+/// One track of a class in this many is held out with all its shapes: shapes of one track resemble each other.
 const HELD_OUT_EVERY: u32 = 4;
 
 /// An even choice of a stream.

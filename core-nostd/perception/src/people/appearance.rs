@@ -2,8 +2,8 @@
 //! reappears.
 //!
 //! Every trait has a value and a variance; a pair of track and detection gets the logarithm of the ratio of two
-//! likelihoods: of the same person seen again, and of anybody. Only traits that both sides know take part. The board
-//! keeps no reflectivities, so there nothing is known of anybody, and nothing of this takes memory or time.
+//! likelihoods: of the same person seen again, and of a random person. Only traits that both sides know take part. The
+//! board keeps no reflectivities: there no trait exists, and none takes memory or time.
 
 /// Traits: brightness of trousers and of top (logarithms of the mean reflectivity), stature in metres.
 const TRAITS: usize = if cfg!(feature = "hosted") { 3 } else { 0 };

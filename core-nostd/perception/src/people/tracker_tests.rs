@@ -83,7 +83,7 @@ fn board_profile_holds_fewer() {
     assert_eq!((tracker.tracks().len(), tracker.dropped), (TRACKS_ON_BOARD, TRACKS_ON_BOARD as u32 + 1));
 }
 
-/// A little late moves whom it fits, with more doubt, and begins nobody; much too late is refused.
+/// A slightly late view updates matching tracks with more doubt and starts none; a very late one is refused.
 #[test]
 fn late_data_moves_tracks_too_late_is_refused() {
     let mut tracker = Tracker::new(TrackerParameters::DEFAULT);

@@ -1,4 +1,4 @@
-//! Who knows whom, by name: cycles, order, and what is left when implied arrows go.
+//! Dependencies by name: cycles, order, and what is left when implied arrows go.
 
 use std::collections::{BTreeMap, BTreeSet};
 
