@@ -26,7 +26,7 @@ pub enum Command {
     /// Drive the simulated robot through a scenario and judge it by ground truth.
     Simulate(super::SimulateArguments),
     #[cfg(feature = "laboratory")]
-    /// Many seeded runs on all cores: random encounters with people, random single faults.
+    /// Many seeded runs on all cores: encounters with people, faults, worlds judged for contacts by true geometry.
     Campaign(super::CampaignArguments),
     /// Feed a recording, a lidar capture, a ROS 2 bag or a laser log through the same stages as on the robot.
     Replay(ReplayArguments),
