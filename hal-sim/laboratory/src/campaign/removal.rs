@@ -14,6 +14,8 @@ const NEEDLE_M: f32 = 0.01;
 const AWAY_M: f32 = 150.0;
 /// Nothing is as near as this, metres; the guard refuses 0.
 const NEVER_NEAR_M: f32 = 1.0e-3;
+/// More than any difference of speeds, m/s or rad/s.
+const ANY: f32 = 1.0e3;
 /// Longer than any run, microseconds.
 const NEVER_US: u64 = 1_000_000_000;
 
@@ -52,13 +54,19 @@ pub enum Removal {
     WarningRule,
     /// Rule `PersonNear`: somebody near slows nothing down.
     PersonRule,
+    /// Rule `Overspeed`: no speed lasts too long.
+    OverspeedRule,
+    /// Rule `SpeedDisagreement`: encoders and drive may differ by any speed.
+    SpeedRule,
+    /// Rules `TurnDisagreement` and `SteeringDisagreement`: any difference is permitted.
+    TurnRules,
     /// Rule `SourceLost` of the scanner: its silence is never too long.
     ScannerLostRule,
 }
 
 impl Removal {
     /// All.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 20] = [
         Self::Fields,
         Self::ScannerReturns,
         Self::LidarReturns,
@@ -75,6 +83,9 @@ impl Removal {
         Self::ProtectiveRules,
         Self::WarningRule,
         Self::PersonRule,
+        Self::OverspeedRule,
+        Self::SpeedRule,
+        Self::TurnRules,
         Self::ScannerLostRule,
     ];
 
@@ -119,6 +130,15 @@ impl Removal {
         }
         if matches!(self, Self::LidarRule | Self::ProtectiveRules) {
             thresholds.packet_returns = u8::MAX;
+        }
+        if self == Self::OverspeedRule {
+            thresholds.overspeed_us = NEVER_US;
+        }
+        if self == Self::SpeedRule {
+            thresholds.speed_disagreement_mps = ANY;
+        }
+        if self == Self::TurnRules {
+            thresholds.turn_disagreement_radps = ANY;
         }
         if self == Self::WarningRule {
             thresholds.warning_speed_mps = speed_mps;
