@@ -1,11 +1,9 @@
 //! The lidar's driver against the simulator's lidar, whose bytes were written from the description of the format alone.
 //! Ranges are judged by plane geometry of a room, not by anybody's ray caster.
 
-#[allow(dead_code, reason = "each test file uses a part of it")]
-mod sim_support;
-
 use std::collections::BTreeMap;
 
+use crate::sim_support::{DrivenSimulation, HALF_M, bytes_of, mean_and_deviation, room, wall_range_m};
 use floorguard_drivers::velodyne::{
     DecodeError, Decoder, Gprmc, Model, ModelChoice, Packet, PositionPacket, PpsState, Return, Returns,
     ReturnsOf, SweepBuilder,
@@ -18,7 +16,6 @@ use floorguard_sim::wire::ReturnMode;
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
 use floorguard_types::sensing::{LidarPacket, Sweep};
 use floorguard_types::time::Stamp;
-use sim_support::{DrivenSimulation, HALF_M, bytes_of, mean_and_deviation, room, wall_range_m};
 
 const START: Pose2 = Pose2 { x_m: 0.7, y_m: -0.4, heading_rad: 0.5 };
 /// The lidar's place on the robot, metres forward and up.
