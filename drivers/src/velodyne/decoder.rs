@@ -7,7 +7,7 @@ use floorguard_types::time::Stamp;
 use super::clock::HourClock;
 use super::columns::Columns;
 use super::model::{Model, detect_model};
-use super::packet::{Packet, PacketError};
+use super::packet::{BLOCKS, BlockTurn, Packet, PacketError};
 
 /// Which model sends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,6 +124,8 @@ pub struct Counters {
     pub lost: u32,
     /// Packets repeated or overtaken (also counted as refused).
     pub not_newer: u32,
+    /// Blocks left out of accepted packets, because their azimuth is none.
+    pub odd_blocks: u32,
     /// Returns nearer than the blind range, taken for the robot itself and entered as unknown.
     pub self_returns: u32,
 }
@@ -163,6 +165,8 @@ pub struct Decoder {
     since_accepted_us: Option<u32>,
     clock: HourClock,
     counters: Counters,
+    /// Why a block of the newest accepted packet was left out.
+    odd_block: Option<PacketError>,
 }
 
 #[derive(Clone, Debug)]
@@ -199,6 +203,7 @@ impl Decoder {
             since_accepted_us: None,
             clock: HourClock::default(),
             counters: Counters::default(),
+            odd_block: None,
         }
     }
 
@@ -227,6 +232,12 @@ impl Decoder {
         self.counters
     }
 
+    /// Why a block of the newest packet was left out though the packet was taken: [`PacketError::Azimuth`].
+    #[must_use]
+    pub const fn odd_block(&self) -> Option<PacketError> {
+        self.odd_block
+    }
+
     /// Decodes one UDP payload that arrived at `arrival`. Gives the columns and how many packets are missing right
     /// before them.
     ///
@@ -248,6 +259,7 @@ impl Decoder {
         arrival: Stamp,
         out: &mut LidarPacket,
     ) -> Result<u16, DecodeError> {
+        self.odd_block = None;
         let outcome = self.try_decode(payload, arrival, out);
         match outcome {
             Ok(_) => self.counters.accepted = self.counters.accepted.saturating_add(1),
@@ -274,7 +286,8 @@ impl Decoder {
         self.since_accepted_us =
             self.since_accepted_us.zip(step_us).map(|(sum, step)| sum.saturating_add(step));
         decision?;
-        check_rotation(&packet)?;
+        let turns = packet.turns();
+        check_rotation(&packet, &turns)?;
         let Some(Decided { model, columns, .. }) = &self.decided else {
             return Err(DecodeError::ModelUndecided);
         };
@@ -286,8 +299,11 @@ impl Decoder {
         let stamp = self.clock.stamp(packet.stamp_us(), first_firing);
         self.since_accepted_us = Some(0);
         self.counters.lost = self.counters.lost.saturating_add(u32::from(lost));
-        let self_returns = columns.convert(&packet, (stamp, self.blind_range_mm), out);
+        let self_returns = columns.convert((&packet, &turns), (stamp, self.blind_range_mm), out);
         self.counters.self_returns = self.counters.self_returns.saturating_add(self_returns);
+        self.odd_block = packet.odd_blocks().next();
+        let odd = turns.iter().filter(|turn| turn.azimuth_cdeg.is_none()).count() as u32;
+        self.counters.odd_blocks = self.counters.odd_blocks.saturating_add(odd);
         Ok(lost)
     }
 
@@ -351,16 +367,20 @@ impl Decoder {
 }
 
 /// The head turns, neither too slow nor too fast, in every block; blocks of a dual return come in pairs.
-fn check_rotation(packet: &Packet<'_>) -> Result<(), DecodeError> {
+fn check_rotation(packet: &Packet<'_>, turns: &[BlockTurn; BLOCKS]) -> Result<(), DecodeError> {
     if packet.is_dual() {
-        let [a0, a1, b0, b1, c0, c1, d0, d1, e0, e1, f0, f1] = packet.azimuths();
-        let pairs = [(a0, a1), (b0, b1), (c0, c1), (d0, d1), (e0, e1), (f0, f1)];
-        if let Some((first_cdeg, second_cdeg)) = pairs.into_iter().find(|(first, second)| first != second) {
-            return Err(DecodeError::NoPairs { first_cdeg, second_cdeg });
+        let (pairs, _) = turns.as_chunks::<2>();
+        for [first, second] in pairs {
+            if let (Some(first_cdeg), Some(second_cdeg)) = (first.azimuth_cdeg, second.azimuth_cdeg)
+                && first_cdeg != second_cdeg
+            {
+                return Err(DecodeError::NoPairs { first_cdeg, second_cdeg });
+            }
         }
     }
-    match packet.gaps().into_iter().find(|gap| !(1..=GAP_MAX_CDEG).contains(gap)) {
-        Some(gap_cdeg) => Err(DecodeError::Rotation { gap_cdeg }),
+    let mut known = turns.iter().filter(|turn| turn.azimuth_cdeg.is_some());
+    match known.find(|turn| !(1..=GAP_MAX_CDEG).contains(&turn.gap_cdeg)) {
+        Some(BlockTurn { gap_cdeg, .. }) => Err(DecodeError::Rotation { gap_cdeg: *gap_cdeg }),
         None => Ok(()),
     }
 }

@@ -16,11 +16,13 @@ pub use clock::HourClock;
 pub use decoder::{Counters, DecodeError, Decoder, ModelChoice};
 pub use gprmc::{Gprmc, GprmcError, Place};
 pub use model::{LaserAngles, Model, detect_model};
-pub use packet::{Packet, PacketError, ReturnMode};
+pub use packet::{BlockTurn, Packet, PacketError, ReturnMode};
 pub use position::{PositionError, PositionPacket, PpsState};
 pub use returns::{Return, Returns, ReturnsOf};
 pub use sweep_builder::SweepBuilder;
 
+#[cfg(test)]
+mod blocks_tests;
 #[cfg(test)]
 mod decoder_tests;
 #[cfg(test)]

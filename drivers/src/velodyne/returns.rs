@@ -70,12 +70,13 @@ impl Returns {
         self.model
     }
 
-    /// Calls `each` for every return of the packet, in the order of the wire. At most 384.
+    /// Calls `each` for every return of the packet whose direction is known, in the order of the wire. At most 384.
     pub fn for_each(&self, packet: &Packet<'_>, of: ReturnsOf, mut each: impl FnMut(Return)) {
         let dual = packet.is_dual();
-        let gaps = packet.gaps();
+        let turns = packet.turns();
         let mut previous = None;
-        for ((index, block), gap) in packet.blocks().enumerate().zip(gaps) {
+        for ((index, block), turn) in packet.blocks().enumerate().zip(turns) {
+            let Some(block_cdeg) = turn.azimuth_cdeg else { continue };
             let second_of_pair = dual && index % 2 == 1;
             let time_step = if dual { index / 2 } else { index } as u32;
             let first = if second_of_pair { previous } else { None };
@@ -90,8 +91,8 @@ impl Returns {
                 let within_ns = self.within_block_ns(channel);
                 each(self.place(
                     Cell { block: index as u8, channel, distance_raw, reflectivity },
-                    block.azimuth_cdeg,
-                    (gap, within_ns),
+                    block_cdeg,
+                    (turn.gap_cdeg, within_ns),
                     time_step.saturating_mul(self.model.block_ns()).saturating_add(within_ns),
                 ));
             }

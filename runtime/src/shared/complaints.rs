@@ -8,7 +8,7 @@ use floorguard_drivers::xsens::DeviceFault;
 /// The newest complaint about each device; it stays when the device has become good.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Complaints {
-    /// A lidar datagram that gave no columns.
+    /// A lidar datagram that gave no columns, or not those of all its blocks.
     pub lidar: Option<DecodeError>,
     /// A scanner's telegram that is right and of no use.
     pub scanner: Option<TelegramError>,

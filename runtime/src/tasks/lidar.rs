@@ -2,7 +2,7 @@
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::Timer;
-use floorguard_drivers::velodyne::Decoder;
+use floorguard_drivers::velodyne::{DecodeError, Decoder};
 use floorguard_guard::{FaultKind, Source};
 
 use crate::clock;
@@ -35,6 +35,9 @@ pub async fn lidar_input<M: RawMutex>(
                 newest.lost_before = lost_before;
                 shared.decide(|guard| guard.on_lidar_packet(&newest.packet, clock::now()));
                 shared.packets.push(|slot| slot.copy_from(&newest));
+                if let Some(error) = decoder.odd_block() {
+                    shared.complain(|complaints| complaints.lidar = Some(DecodeError::Packet(error)));
+                }
             }
             // One bad datagram is no fault of the device; if no good one comes, its age stops the robot.
             Err(error) => {

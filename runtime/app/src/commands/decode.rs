@@ -75,6 +75,7 @@ impl std::fmt::Display for Sums {
 struct Totals {
     packets: u64,
     refused: u64,
+    odd_blocks: u64,
     file: Sums,
     revolutions: u64,
     revolution: Sums,
@@ -84,6 +85,9 @@ struct Totals {
 impl Totals {
     /// A revolution starts at the first block whose azimuth falls by more than half a turn.
     fn enter_block(&mut self, azimuth_cdeg: u16) {
+        if azimuth_cdeg >= 36_000 {
+            return;
+        }
         if self.last_azimuth.is_some_and(|last| last > azimuth_cdeg && last - azimuth_cdeg > 18_000) {
             self.end_revolution();
         }
@@ -124,8 +128,11 @@ impl<W: Write> Printer<W> {
         if self.totals.last_azimuth.is_some() {
             self.totals.end_revolution();
         }
-        let Totals { packets, refused, file, revolutions, .. } = &self.totals;
+        let Totals { packets, refused, odd_blocks, file, revolutions, .. } = &self.totals;
         let CaptureNotes { fragments, other, .. } = capture.notes();
+        if *odd_blocks > 0 {
+            say!("{odd_blocks} blocks left out: azimuth above 36000 cdeg");
+        }
         say!(
             "{}: {packets} packets, {refused} refused, {revolutions} revolutions (the first and the last may be \
              parts), {file}; {fragments} IP fragments and {other} other frames skipped",
@@ -145,6 +152,10 @@ impl<W: Write> Printer<W> {
                 return Ok(());
             }
         };
+        for error in packet.odd_blocks() {
+            totals.odd_blocks += 1;
+            say!("packet {}: {error}", totals.packets);
+        }
         let mut sums = Sums::default();
         let mut failed = Ok(());
         let mut azimuths = packet.azimuths().into_iter();

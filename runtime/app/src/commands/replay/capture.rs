@@ -59,6 +59,7 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
     let mut pace = Pace { enabled: arguments.realtime, start: None };
     let mut ended: Option<CaptureError> = None;
     let mut refusal: Option<DecodeError> = None;
+    let mut odd_block = None;
     let started = Instant::now();
     for datagram in Capture::open(&arguments.file)? {
         match datagram {
@@ -68,7 +69,8 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
                 player.recorded.datagram(arrival, &datagram.payload);
                 match decoder.decode(&datagram.payload, arrival) {
                     Ok((packet, lost)) => {
-                        builder.add(&packet, lost, &mut building, |sweep| player.sweep(sweep))
+                        builder.add(&packet, lost, &mut building, |sweep| player.sweep(sweep));
+                        odd_block = decoder.odd_block().or(odd_block);
                     }
                     Err(error) => refusal = Some(error),
                 }
@@ -91,6 +93,9 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
             );
         }
         say!("{refused} refused, the last: {error}");
+    }
+    if let Some(error) = odd_block {
+        say!("{} left out, the last: {error}", counted(counters.odd_blocks, "block"));
     }
     player.summary(&counters, started.elapsed());
     player.recorded.finish()?;
