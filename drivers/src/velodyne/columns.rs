@@ -31,11 +31,12 @@ impl Columns {
     }
 
     /// Writes the columns of all blocks whose direction is known: up to 24 in single, 12 in dual return. Returns nearer
-    /// than `blind_range_mm` become unknown; gives their number.
+    /// than `blind_range_mm` become unknown; gives their number. What follows a closed sector was fired `skipped_us`
+    /// later.
     pub(super) fn convert(
         &self,
         (packet, turns): (&Packet<'_>, &[BlockTurn; BLOCKS]),
-        (stamp, blind_range_mm): (Stamp, u16),
+        ((stamp, skipped_us), blind_range_mm): ((Stamp, u32), u16),
         out: &mut LidarPacket,
     ) -> u32 {
         let blind_raw = blind_range_mm.div_ceil(u16::from(self.model.range_unit_mm().max(1)));
@@ -52,16 +53,20 @@ impl Columns {
         let mut echoes = packet.blocks().skip(1).step_by(step);
         let mut columns = out.columns.iter_mut();
         let mut self_returns = 0;
+        let mut later_us = 0;
         for (time_step, (block, turn)) in blocks.enumerate() {
             let echo = if packet.is_dual() { echoes.next() } else { None };
             let Some(block_cdeg) = turn.azimuth_cdeg else { continue };
+            if turn.skipped_cdeg > 0 {
+                later_us = skipped_us;
+            }
             for (sequence, column) in columns.by_ref().take(sequences).enumerate() {
                 *column = LidarColumn::SILENT;
                 column.azimuth_cdeg = self.middle_azimuth(block_cdeg, sequence, turn.gap_cdeg);
                 let start_ns = (time_step as u32)
                     .saturating_mul(self.model.block_ns())
                     .saturating_add((sequence as u32).saturating_mul(self.model.sequence_ns()));
-                column.offset_us = start_ns / 1_000;
+                column.offset_us = (start_ns / 1_000).saturating_add(later_us);
                 self_returns += self.fill(column, block, sequence, blind_raw);
                 if let Some(echo) = echo {
                     self_returns += self.fill(column, echo, sequence, blind_raw);

@@ -5,9 +5,10 @@ use floorguard_types::sensing::LidarPacket;
 use floorguard_types::time::Stamp;
 
 use super::clock::HourClock;
+use super::closed_sector::{ClosedSector, PacketTurn, SectorWatch};
 use super::columns::Columns;
 use super::model::{Model, detect_model};
-use super::packet::{BLOCKS, BlockTurn, Packet, PacketError};
+use super::packet::{BLOCKS, BlockTurn, GAP_MAX_CDEG, Packet, PacketError};
 
 /// Which model sends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,7 +121,7 @@ pub struct Counters {
     pub accepted: u32,
     /// Datagrams refused, for any reason.
     pub refused: u32,
-    /// Packets missing between two accepted ones.
+    /// Packets missing between two accepted ones. What a closed sector was taken for before it had shown is taken back.
     pub lost: u32,
     /// Packets repeated or overtaken (also counted as refused).
     pub not_newer: u32,
@@ -167,6 +168,7 @@ pub struct Decoder {
     counters: Counters,
     /// Why a block of the newest accepted packet was left out.
     odd_block: Option<PacketError>,
+    sectors: SectorWatch,
 }
 
 #[derive(Clone, Debug)]
@@ -181,8 +183,6 @@ struct LastPacket {
     stamp_us: u32,
 }
 
-/// At 1,200 rpm a block turns 80 cdeg; the margin is for a head that overshoots (book, Velodyne: Azimuth).
-const GAP_MAX_CDEG: u16 = 100;
 /// A longer silence is a restart, not a number of lost packets.
 const LOST_MAX: u32 = 750;
 /// An hour, microseconds.
@@ -204,6 +204,7 @@ impl Decoder {
             clock: HourClock::default(),
             counters: Counters::default(),
             odd_block: None,
+            sectors: SectorWatch::default(),
         }
     }
 
@@ -236,6 +237,13 @@ impl Decoder {
     #[must_use]
     pub const fn odd_block(&self) -> Option<PacketError> {
         self.odd_block
+    }
+
+    /// The sector that the lidar leaves out because it is set to a field of view, once it has shown. It stays unknown, and
+    /// nothing of it is lost.
+    #[must_use]
+    pub const fn closed_sector(&self) -> Option<ClosedSector> {
+        self.sectors.known()
     }
 
     /// Decodes one UDP payload that arrived at `arrival`. Gives the columns and how many packets are missing right
@@ -286,20 +294,34 @@ impl Decoder {
         self.since_accepted_us =
             self.since_accepted_us.zip(step_us).map(|(sum, step)| sum.saturating_add(step));
         decision?;
-        let turns = packet.turns();
+        let mut turns = packet.turns();
         check_rotation(&packet, &turns)?;
         let Some(Decided { model, columns, .. }) = &self.decided else {
             return Err(DecodeError::ModelUndecided);
         };
+        let step = if packet.is_dual() { 2 } else { 1 };
+        if self.sectors.known().is_none() {
+            leave_out_alone(&mut turns, step);
+        }
+        let turned = PacketTurn::new(&turns, model.block_ns(), step)
+            .ok_or(DecodeError::Rotation { gap_cdeg: 0 })?;
+        let turned = self.sectors.timed(turned);
         let packet_us = model.packet_us(packet.is_dual());
-        let lost = lost_packets(self.since_accepted_us, packet_us);
+        let since_us = self.since_accepted_us.map(|since_us| {
+            since_us.saturating_sub(self.sectors.closed_us(&turned, since_us, packet_us))
+        });
+        let lost = lost_packets(since_us, packet_us);
+        let no_loss = self.sectors.accept(&turned, lost, self.since_accepted_us);
         // The datagram is sent after its last firing; the sensor's stamp is that of the first (book, Velodyne: Data
         // packet).
-        let first_firing = arrival.minus_micros(u64::from(packet_us));
+        let taken_us = packet_us.saturating_add(turned.skipped_us);
+        let first_firing = arrival.minus_micros(u64::from(taken_us));
         let stamp = self.clock.stamp(packet.stamp_us(), first_firing);
         self.since_accepted_us = Some(0);
-        self.counters.lost = self.counters.lost.saturating_add(u32::from(lost));
-        let self_returns = columns.convert((&packet, &turns), (stamp, self.blind_range_mm), out);
+        self.counters.lost =
+            self.counters.lost.saturating_add(u32::from(lost)).saturating_sub(no_loss);
+        let times = (stamp, turned.skipped_us);
+        let self_returns = columns.convert((&packet, &turns), (times, self.blind_range_mm), out);
         self.counters.self_returns = self.counters.self_returns.saturating_add(self_returns);
         self.odd_block = packet.odd_blocks().next();
         let odd = turns.iter().filter(|turn| turn.azimuth_cdeg.is_none()).count() as u32;
@@ -379,9 +401,33 @@ fn check_rotation(packet: &Packet<'_>, turns: &[BlockTurn; BLOCKS]) -> Result<()
         }
     }
     let mut known = turns.iter().filter(|turn| turn.azimuth_cdeg.is_some());
+    // Two jumps in a packet are one block with a wrong azimuth, or a field of view narrower than a packet.
+    let mut jumps = known.clone().filter(|turn| turn.skipped_cdeg > 0);
+    if let (Some(first), Some(_)) = (jumps.next(), jumps.next()) {
+        return Err(DecodeError::Rotation { gap_cdeg: first.skipped_cdeg.saturating_add(first.gap_cdeg) });
+    }
     match known.find(|turn| !(1..=GAP_MAX_CDEG).contains(&turn.gap_cdeg)) {
         Some(BlockTurn { gap_cdeg, .. }) => Err(DecodeError::Rotation { gap_cdeg: *gap_cdeg }),
         None => Ok(()),
+    }
+}
+
+/// A block (pair) that stands alone on its side of a jump may have a wrong azimuth as well as a closed sector beside it.
+fn leave_out_alone(turns: &mut [BlockTurn; BLOCKS], step: usize) {
+    let Some(jump) = turns.iter().position(|turn| turn.skipped_cdeg > 0) else { return };
+    let known = |from: usize, until: usize| {
+        turns.iter().take(until).skip(from).filter(|turn| turn.azimuth_cdeg.is_some()).count() / step
+    };
+    let alone = if known(jump, BLOCKS) == 1 {
+        Some((jump, BLOCKS))
+    } else if known(0, jump) == 1 {
+        Some((0, jump))
+    } else {
+        None
+    };
+    if let Some((from, until)) = alone {
+        turns.iter_mut().take(until).skip(from).for_each(|turn| turn.azimuth_cdeg = None);
+        turns.iter_mut().for_each(|turn| turn.skipped_cdeg = 0);
     }
 }
 

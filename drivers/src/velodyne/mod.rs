@@ -3,6 +3,7 @@
 //! Source of formats, angles and times: book, Velodyne.
 
 mod clock;
+mod closed_sector;
 mod columns;
 mod decoder;
 mod gprmc;
@@ -13,6 +14,7 @@ mod returns;
 mod sweep_builder;
 
 pub use clock::HourClock;
+pub use closed_sector::ClosedSector;
 pub use decoder::{Counters, DecodeError, Decoder, ModelChoice};
 pub use gprmc::{Gprmc, GprmcError, Place};
 pub use model::{LaserAngles, Model, detect_model};
@@ -23,6 +25,8 @@ pub use sweep_builder::SweepBuilder;
 
 #[cfg(test)]
 mod blocks_tests;
+#[cfg(test)]
+mod closed_sector_tests;
 #[cfg(test)]
 mod decoder_tests;
 #[cfg(test)]

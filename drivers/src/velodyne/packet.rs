@@ -140,7 +140,13 @@ pub struct BlockTurn {
     pub azimuth_cdeg: Option<u16>,
     /// Rotation within the block, hundredths of a degree.
     pub gap_cdeg: u16,
+    /// Closed sector between the block (pair) before and this one, hundredths of a degree: a lidar that is set to a
+    /// field of view leaves out what it fires elsewhere. 0 where the head has turned evenly.
+    pub skipped_cdeg: u16,
 }
+
+/// At 1,200 rpm a block turns 80 cdeg; the margin is for a head that overshoots (book, Velodyne: Azimuth).
+pub(super) const GAP_MAX_CDEG: u16 = 100;
 
 impl<'a> Packet<'a> {
     /// Checks a UDP payload.
@@ -237,26 +243,25 @@ impl<'a> Packet<'a> {
 
     /// Where the head was at each block and how it turned; book, Velodyne: Azimuth. A block without an azimuth lies
     /// between its neighbours: they have turned evenly over it. The last block (pair) has no successor and takes the gap
-    /// of the one before.
+    /// of the one before, and so does one before a closed sector: nothing is spread over what was not measured.
     #[must_use]
     pub fn turns(&self) -> [BlockTurn; field::BLOCKS] {
         let step = if self.is_dual() { 2 } else { 1 };
         let mut turns = self.known_azimuths();
         let mut last: Option<(usize, u16)> = None;
-        let mut previous = 0;
         for at in (0..field::BLOCKS).step_by(step) {
             let Some(azimuth_cdeg) = turns.get(at).and_then(|turn| turn.azimuth_cdeg) else { continue };
             if let Some((from, last_cdeg)) = last {
                 // Both are below 36,000, so the sum cannot overflow 17 bits nor underflow.
                 let turned_cdeg = (u32::from(azimuth_cdeg) + 36_000 - u32::from(last_cdeg)) % 36_000;
                 let steps = ((at - from) / step) as u32;
-                previous = turned_cdeg.checked_div(steps).unwrap_or(0) as u16;
-                turns.iter_mut().take(at).skip(from).for_each(|turn| turn.gap_cdeg = previous);
+                let gap_cdeg = turned_cdeg.checked_div(steps).unwrap_or(0) as u16;
+                turns.iter_mut().take(at).skip(from).for_each(|turn| turn.gap_cdeg = gap_cdeg);
             }
             last = Some((at, azimuth_cdeg));
         }
         let behind = last.map_or(0, |(from, _)| from);
-        turns.iter_mut().skip(behind).for_each(|turn| turn.gap_cdeg = previous);
+        close_sectors(&mut turns, behind, step);
         turns
     }
 
@@ -274,6 +279,32 @@ impl<'a> Packet<'a> {
             }
         }
         turns
+    }
+}
+
+/// Takes out of the gaps what no head turns within a block, if any other gap tells how fast the head turns. `behind` is
+/// the last block (pair) with an azimuth; a pair has `step` 2.
+fn close_sectors(turns: &mut [BlockTurn; BLOCKS], behind: usize, step: usize) {
+    let known = turns.iter().take(behind).filter(|turn| turn.azimuth_cdeg.is_some());
+    let even = known.map(|turn| turn.gap_cdeg).find(|gap_cdeg| *gap_cdeg <= GAP_MAX_CDEG);
+    let mut previous = even;
+    let mut skipped_cdeg = 0;
+    for (at, turn) in turns.iter_mut().enumerate() {
+        if turn.azimuth_cdeg.is_some() && at % step == 0 {
+            (turn.skipped_cdeg, skipped_cdeg) = (skipped_cdeg, 0);
+        }
+        if at >= behind {
+            turn.gap_cdeg = previous.unwrap_or(turn.gap_cdeg);
+        } else if let Some(even_cdeg) = previous
+            && turn.gap_cdeg > GAP_MAX_CDEG
+        {
+            // Both blocks of a pair stand for the same turn.
+            let wider_cdeg = if at % step == 0 { turn.gap_cdeg.saturating_sub(even_cdeg) } else { 0 };
+            skipped_cdeg = skipped_cdeg.saturating_add(wider_cdeg);
+            turn.gap_cdeg = even_cdeg;
+        } else {
+            previous = previous.map(|_| turn.gap_cdeg);
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use floorguard_types::capacities::PACKET_RINGS_MAX;
 use floorguard_types::geometry::Point3;
 use floorguard_types::units::centidegrees_to_radians;
 
+use super::closed_sector::PacketTurn;
 use super::model::{LaserAngles, Model};
 use super::packet::Packet;
 
@@ -74,9 +75,16 @@ impl Returns {
     pub fn for_each(&self, packet: &Packet<'_>, of: ReturnsOf, mut each: impl FnMut(Return)) {
         let dual = packet.is_dual();
         let turns = packet.turns();
+        let step = if dual { 2 } else { 1 };
+        let skipped_us =
+            PacketTurn::new(&turns, self.model.block_ns(), step).map_or(0, |packet| packet.skipped_us);
+        let mut later_ns = 0;
         let mut previous = None;
         for ((index, block), turn) in packet.blocks().enumerate().zip(turns) {
             let Some(block_cdeg) = turn.azimuth_cdeg else { continue };
+            if turn.skipped_cdeg > 0 {
+                later_ns = skipped_us.saturating_mul(1_000);
+            }
             let second_of_pair = dual && index % 2 == 1;
             let time_step = if dual { index / 2 } else { index } as u32;
             let first = if second_of_pair { previous } else { None };
@@ -93,7 +101,10 @@ impl Returns {
                     Cell { block: index as u8, channel, distance_raw, reflectivity },
                     block_cdeg,
                     (turn.gap_cdeg, within_ns),
-                    time_step.saturating_mul(self.model.block_ns()).saturating_add(within_ns),
+                    time_step
+                        .saturating_mul(self.model.block_ns())
+                        .saturating_add(within_ns)
+                        .saturating_add(later_ns),
                 ));
             }
             previous = Some(block);

@@ -57,6 +57,8 @@ const GAP_COLUMNS_MAX: u32 = 3_648;
 /// The head jitters; a step back by less than this is no turn of almost 360 degrees.
 const JITTER_CDEG: u32 = 500;
 const TURN_CDEG: u32 = 36_000;
+/// A step from column to column is no longer than this, hundredths of a degree: 1,200 rpm and two sequences left out.
+const STEP_MAX_CDEG: u32 = 200;
 
 impl SweepBuilder {
     /// A builder that cuts where the azimuth passes `cut_cdeg` (0…35,999). Behind the robot is a good place.
@@ -84,10 +86,16 @@ impl SweepBuilder {
         self.step_cdeg = mean_step_cdeg(packet).clamp(1, 200);
         self.slow_head = self.step_cdeg < SLOW_HEAD_CDEG;
         let missing = u32::from(lost_packets).saturating_mul(packet.columns.len() as u32);
-        self.enter_gap(missing, packet, building, &mut complete);
+        if let Some(first) = packet.columns.first() {
+            self.enter_gap((missing, first.azimuth_cdeg), packet.stamp, building, &mut complete);
+        }
         building.lost_packets = building.lost_packets.saturating_add(lost_packets);
         for column in &packet.columns {
             let stamp = packet.stamp.plus_micros(u64::from(column.offset_us));
+            // A block was left out, or a sector is closed.
+            if self.is_gap(column.azimuth_cdeg) {
+                self.enter_gap((0, column.azimuth_cdeg), stamp, building, &mut complete);
+            }
             self.enter(column.azimuth_cdeg, stamp, building, &mut complete);
             self.last_stamp = stamp;
             if !(self.slow_head && merge(building, column)) {
@@ -97,21 +105,30 @@ impl SweepBuilder {
         building.packets = building.packets.saturating_add(1);
     }
 
-    /// Enters unknown columns between the newest column and the packet, evenly in azimuth and time.
+    /// More than half a column is missing between the newest one and the next.
+    fn is_gap(&self, next_cdeg: u16) -> bool {
+        let Some(last) = self.last_cdeg else { return false };
+        let from_cut = u32::from(next_cdeg) + 2 * TURN_CDEG - u32::from(self.cut_cdeg) - u32::from(last);
+        let spacing_cdeg = self.step_cdeg.max(MERGE_CDEG);
+        from_cut % TURN_CDEG > spacing_cdeg + spacing_cdeg / 2
+    }
+
+    /// Enters unknown columns between the newest column and the next, evenly in azimuth and time; `missing` columns are
+    /// known to be missing.
     fn enter_gap<const RINGS: usize>(
         &mut self,
-        missing: u32,
-        packet: &LidarPacket,
+        (missing, next_cdeg): (u32, u16),
+        next: Stamp,
         building: &mut Sweep<RINGS>,
         complete: &mut impl FnMut(&mut Sweep<RINGS>),
     ) {
-        let (Some(last), Some(first)) = (self.last_cdeg, packet.columns.first()) else { return };
+        let Some(last) = self.last_cdeg else { return };
         let last_cdeg = (u32::from(last) + u32::from(self.cut_cdeg)) % TURN_CDEG;
-        let turned_cdeg = self.turned_cdeg(last_cdeg, u32::from(first.azimuth_cdeg), missing);
+        let turned_cdeg = self.turned_cdeg(last_cdeg, u32::from(next_cdeg), missing);
         // Steps of a packet alternate by rounding; a gap is more than half a column too many.
         let spacing_cdeg = if self.slow_head { MERGE_CDEG } else { self.step_cdeg };
         let columns = (turned_cdeg.saturating_add(spacing_cdeg / 2) / spacing_cdeg.max(1)).saturating_sub(1);
-        let (from, until) = (self.last_stamp.as_micros(), packet.stamp.as_micros());
+        let (from, until) = (self.last_stamp.as_micros(), next.as_micros());
         let between_us = until.saturating_sub(from);
         for index in 1..=columns.min(GAP_COLUMNS_MAX) {
             let share = |whole: u64| whole.saturating_mul(u64::from(index)) / (u64::from(columns) + 1);
@@ -162,18 +179,25 @@ impl SweepBuilder {
     }
 }
 
+/// Rotation from column to column of a packet, without what it leaves out: the sum, hundredths of a degree, and of how
+/// many steps.
+fn steps_of(packet: &LidarPacket) -> (u32, u32) {
+    let mut sum = (0_u32, 0_u32);
+    let next = packet.columns.iter().skip(1);
+    for (column, next) in packet.columns.iter().zip(next) {
+        let turned_cdeg = (u32::from(next.azimuth_cdeg) + TURN_CDEG - u32::from(column.azimuth_cdeg)) % TURN_CDEG;
+        if turned_cdeg <= STEP_MAX_CDEG {
+            sum = (sum.0.saturating_add(turned_cdeg), sum.1.saturating_add(1));
+        }
+    }
+    sum
+}
+
 /// Mean rotation from column to column of a packet, rounded; that of a normal head where the packet cannot tell. Cut off
 /// instead, 19.9 would become 19 and a gap of 24 columns would be filled with 25.
 fn mean_step_cdeg(packet: &LidarPacket) -> u32 {
-    let steps = packet.columns.len().saturating_sub(1) as u32;
-    match (packet.columns.first(), packet.columns.last()) {
-        (Some(first), Some(last)) => (u32::from(last.azimuth_cdeg) + 36_000 - u32::from(first.azimuth_cdeg))
-            .wrapping_rem(36_000)
-            .saturating_add(steps / 2)
-            .checked_div(steps)
-            .unwrap_or(20),
-        _ => 20,
-    }
+    let (turned_cdeg, steps) = steps_of(packet);
+    turned_cdeg.saturating_add(steps / 2).checked_div(steps).unwrap_or(20)
 }
 
 /// Forgets the content without touching the columns.
@@ -289,7 +313,7 @@ mod tests {
             let mut building = Sweep::<16>::EMPTY;
             let mut builder = SweepBuilder::new(0);
             builder.last_cdeg = Some(0);
-            builder.enter_gap(0, &packet_of(24, turned_cdeg, 460), &mut building, &mut |_| ());
+            builder.enter_gap((0, turned_cdeg), Stamp::ZERO, &mut building, &mut |_| ());
             assert_eq!(building.column_count, columns, "{turned_cdeg}");
         }
     }

@@ -35,8 +35,12 @@ pub async fn lidar_input<M: RawMutex>(
                 newest.lost_before = lost_before;
                 shared.decide(|guard| guard.on_lidar_packet(&newest.packet, clock::now()));
                 shared.packets.push(|slot| slot.copy_from(&newest));
-                if let Some(error) = decoder.odd_block() {
-                    shared.complain(|complaints| complaints.lidar = Some(DecodeError::Packet(error)));
+                let (odd, closed) = (decoder.odd_block(), decoder.closed_sector());
+                if odd.is_some() || closed.is_some() {
+                    shared.complain(|complaints| {
+                        complaints.lidar = odd.map(DecodeError::Packet).or(complaints.lidar);
+                        complaints.lidar_closed = closed;
+                    });
                 }
             }
             // One bad datagram is no fault of the device; if no good one comes, its age stops the robot.

@@ -2,7 +2,9 @@
 
 use std::io::{BufWriter, Write};
 
-use floorguard_drivers::velodyne::{Model, ModelChoice, Packet, Return, Returns, ReturnsOf};
+use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, Packet, Return, Returns, ReturnsOf};
+
+use floorguard_types::time::Stamp;
 
 use super::arguments::{DecodeArguments, ModelArgument};
 use floorguard_recording::capture::{Capture, CaptureError, CaptureNotes, LIDAR_DATA_PORT, settle_model};
@@ -40,7 +42,13 @@ pub fn run(arguments: &DecodeArguments) -> anyhow::Result<()> {
 pub fn decode_to(arguments: &DecodeArguments, out: impl Write) -> anyhow::Result<()> {
     let model = settle_model(&arguments.file, arguments.model.choice())?;
     let mut printer =
-        Printer { returns: Returns::new(model), csv: arguments.csv, out, totals: Totals::default() };
+        Printer {
+            returns: Returns::new(model),
+            decoder: Decoder::new(ModelChoice::Fixed(model)),
+            csv: arguments.csv,
+            out,
+            totals: Totals::default(),
+        };
     printer.print(&arguments.file)
 }
 
@@ -83,12 +91,13 @@ struct Totals {
 }
 
 impl Totals {
-    /// A revolution starts at the first block whose azimuth falls by more than half a turn.
+    /// A revolution starts at the first block whose azimuth falls by more than 10°: of a lidar that is set to a field of
+    /// view it falls by little.
     fn enter_block(&mut self, azimuth_cdeg: u16) {
         if azimuth_cdeg >= 36_000 {
             return;
         }
-        if self.last_azimuth.is_some_and(|last| last > azimuth_cdeg && last - azimuth_cdeg > 18_000) {
+        if self.last_azimuth.is_some_and(|last| last > azimuth_cdeg && last - azimuth_cdeg > 1_000) {
             self.end_revolution();
         }
         self.last_azimuth = Some(azimuth_cdeg);
@@ -103,6 +112,8 @@ impl Totals {
 
 struct Printer<W> {
     returns: Returns,
+    /// Knows from packet to packet what is closed.
+    decoder: Decoder,
     csv: bool,
     out: W,
     totals: Totals,
@@ -118,6 +129,8 @@ impl<W: Write> Printer<W> {
         for datagram in &mut capture {
             match datagram {
                 Ok(datagram) if datagram.destination_port == LIDAR_DATA_PORT => {
+                    let arrival = Stamp::from_micros(datagram.captured_us);
+                    let _ = self.decoder.decode(&datagram.payload, arrival);
                     self.packet(&datagram.payload)?
                 }
                 Ok(_) => {}
@@ -130,6 +143,9 @@ impl<W: Write> Printer<W> {
         }
         let Totals { packets, refused, odd_blocks, file, revolutions, .. } = &self.totals;
         let CaptureNotes { fragments, other, .. } = capture.notes();
+        if let Some(closed) = self.decoder.closed_sector() {
+            say!("the lidar is set to a field of view: {closed}");
+        }
         if *odd_blocks > 0 {
             say!("{odd_blocks} blocks left out: azimuth above 36000 cdeg");
         }

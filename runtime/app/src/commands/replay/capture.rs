@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use floorguard_drivers::velodyne::{Counters, DecodeError, Decoder, Model, ModelChoice, SweepBuilder};
+use floorguard_drivers::velodyne::{ClosedSector, Counters, DecodeError, Decoder, Model, ModelChoice, SweepBuilder};
 use floorguard_perception::motion::{MotionDetector, MotionParameters, find_moving_people};
 use floorguard_perception::people::{
     FloorHeight, PeoplePipeline, RingAngles, SweepContext, Track, TrackStatus,
@@ -37,6 +37,7 @@ struct Player {
     identities: std::collections::BTreeSet<u32>,
     failed: std::io::Result<()>,
     recorded: Recorded,
+    closed: Option<ClosedSector>,
 }
 
 /// Runs the command.
@@ -69,6 +70,7 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
                 player.recorded.datagram(arrival, &datagram.payload);
                 match decoder.decode(&datagram.payload, arrival) {
                     Ok((packet, lost)) => {
+                        player.closed = decoder.closed_sector();
                         builder.add(&packet, lost, &mut building, |sweep| player.sweep(sweep));
                         odd_block = decoder.odd_block().or(odd_block);
                     }
@@ -124,6 +126,7 @@ impl Player {
             identities: std::collections::BTreeSet::new(),
             failed: Ok(()),
             recorded,
+            closed: None,
         }
     }
 
@@ -141,7 +144,8 @@ impl Player {
         let people = output.tracks.iter().filter(|track| is_person(track));
         self.most_people = self.most_people.max(people.clone().count());
         self.identities.extend(people.map(|track| track.id));
-        let row = SweepRow::of_output(sweep, &output);
+        let closed_cdeg = self.closed.map_or(0, |closed| closed.width_cdeg());
+        let row = SweepRow::of_output(sweep, &output).with_closed(sweep, closed_cdeg);
         if self.json && self.failed.is_ok() {
             self.failed = print(&row);
         }
@@ -154,6 +158,9 @@ impl Player {
             say!(
                 "no sweep has shown the floor: the lidar is taken to be {ASSUMED_HEIGHT_M:.2} m above it, and what was found may be wrong"
             );
+        }
+        if let Some(closed) = &self.closed {
+            say!("the lidar is set to a field of view: {closed}; what lies in the closed sector stays unknown");
         }
         let per_sweep_ms = took.as_secs_f64() * 1.0e3 / self.sweeps.max(1) as f64;
         say!(
