@@ -42,10 +42,12 @@ pub enum DecodeError {
         /// The byte.
         product_byte: u8,
     },
-    /// The lidar has more lasers than the capacity of this build.
+    /// The lidar has more lasers than the capacity of this build or [`Decoder::with_lasers_max`] allow.
     TooManyLasers {
         /// Which one sends.
         model: Model,
+        /// As many are taken.
+        lasers_max: u8,
     },
     /// The head does not turn, or turns impossibly fast: azimuths cannot be trusted.
     Rotation {
@@ -83,13 +85,8 @@ impl core::fmt::Display for DecodeError {
             Self::UnknownProduct { product_byte } => {
                 write!(f, "unknown lidar product byte 0x{product_byte:02X}; set the model by hand")
             }
-            Self::TooManyLasers { model } => {
-                write!(
-                    f,
-                    "a {} has {} lasers, this build takes {PACKET_RINGS_MAX}",
-                    model.name(),
-                    model.lasers()
-                )
+            Self::TooManyLasers { model, lasers_max } => {
+                write!(f, "a {} has {} lasers, {lasers_max} are taken here", model.name(), model.lasers())
             }
             Self::Rotation { gap_cdeg } => {
                 write!(
@@ -160,6 +157,7 @@ pub struct Decoder {
     choice: ModelChoice,
     decided: Option<Decided>,
     blind_range_mm: u16,
+    lasers_max: u8,
     /// The newest packet that is one, accepted or not: for the period.
     last: Option<LastPacket>,
     /// Sensor time since the newest *accepted* packet: what was refused in between is missing in the sweep.
@@ -199,6 +197,7 @@ impl Decoder {
             choice,
             decided: None,
             blind_range_mm: 0,
+            lasers_max: PACKET_RINGS_MAX as u8,
             last: None,
             since_accepted_us: None,
             clock: HourClock::default(),
@@ -213,6 +212,12 @@ impl Decoder {
     #[must_use]
     pub fn with_blind_range_mm(self, blind_range_mm: u16) -> Self {
         Self { blind_range_mm, ..self }
+    }
+
+    /// The same decoder for stages that take lidars of at most `lasers_max` rings: packets of a larger one are refused.
+    #[must_use]
+    pub fn with_lasers_max(self, lasers_max: u8) -> Self {
+        Self { lasers_max: lasers_max.min(PACKET_RINGS_MAX as u8), ..self }
     }
 
     /// The model, once it is known.
@@ -377,8 +382,8 @@ impl Decoder {
                 model
             }
         };
-        if model.lasers() > PACKET_RINGS_MAX {
-            return Err(DecodeError::TooManyLasers { model });
+        if model.lasers() > usize::from(self.lasers_max) {
+            return Err(DecodeError::TooManyLasers { model, lasers_max: self.lasers_max });
         }
         if self.model() != Some(model) {
             self.decided =

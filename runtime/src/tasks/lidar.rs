@@ -4,6 +4,7 @@ use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::Timer;
 use floorguard_drivers::velodyne::{DecodeError, Decoder};
 use floorguard_guard::{FaultKind, Source};
+use floorguard_types::capacities::SWEEP_RINGS;
 
 use crate::clock;
 use crate::io::DatagramReceiver;
@@ -18,8 +19,10 @@ const RETRY_MS: u64 = 50;
 pub async fn lidar_input<M: RawMutex>(
     shared: &Shared<M>,
     mut socket: impl DatagramReceiver,
-    mut decoder: Decoder,
+    decoder: Decoder,
 ) {
+    // Angles of fields and of the people stages are those of a lidar of 16 rings.
+    let mut decoder = decoder.with_lasers_max(SWEEP_RINGS as u8);
     let mut buffer = [0; DATAGRAM_BYTES];
     let mut newest = QueuedPacket::EMPTY;
     loop {
