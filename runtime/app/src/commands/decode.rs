@@ -1,4 +1,4 @@
-//! `floorguard decode`: every return of a lidar capture, exactly as the driver sees it.
+//! `floorguard decode`: every return of a lidar capture, or every sample of an inertial sensor, as the driver sees it.
 
 use std::io::{BufWriter, Write};
 
@@ -7,7 +7,13 @@ use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, Packet, Return, 
 use floorguard_types::time::Stamp;
 
 use super::arguments::{DecodeArguments, ModelArgument};
+use super::decode_inertial::decode_inertial;
+use super::inspect::inertial;
+use floorguard_host::packing::beginning;
 use floorguard_recording::capture::{Capture, CaptureError, CaptureNotes, LIDAR_DATA_PORT, settle_model};
+
+/// So much of a file tells whether it is an inertial sensor's line.
+const INERTIAL_BYTES: u64 = 16_384;
 
 impl ModelArgument {
     /// As the decoder wants it.
@@ -40,6 +46,10 @@ pub fn run(arguments: &DecodeArguments) -> anyhow::Result<()> {
 /// # Errors
 /// Bad input, or `out` takes no more.
 pub fn decode_to(arguments: &DecodeArguments, out: impl Write) -> anyhow::Result<()> {
+    let begins = beginning(&arguments.file, INERTIAL_BYTES).unwrap_or_default();
+    if inertial(&begins).is_some() {
+        return decode_inertial(&arguments.file, arguments.csv, out);
+    }
     let model = settle_model(&arguments.file, arguments.model.choice())?;
     let mut printer =
         Printer {
