@@ -169,7 +169,10 @@ impl SectorWatch {
         }
         if packet.closed.is_some() {
             self.known = packet.closed;
-        } else if self.known.is_some_and(|known| known.holds(packet.first_cdeg) || known.holds(packet.end_cdeg)) {
+        } else if self
+            .known
+            .is_some_and(|known| known.holds(packet.first_cdeg) || known.holds(packet.end_cdeg))
+        {
             // It is open now.
             self.known = None;
         }

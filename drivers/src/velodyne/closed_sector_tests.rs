@@ -20,8 +20,11 @@ fn blocks(view: (u64, u64), turns: u64) -> Vec<(u16, u64)> {
     let all = (0..turns * TURN_NS / BLOCK_NS).map(|number| number * BLOCK_NS);
     let azimuth = |time_ns: u64| (time_ns % TURN_NS) * 36_000 / TURN_NS;
     let (from, until) = view;
-    let is_open = |cdeg: u64| if from < until { (from..until).contains(&cdeg) } else { cdeg >= from || cdeg < until };
-    all.filter(|time_ns| is_open(azimuth(*time_ns))).map(|time_ns| (azimuth(time_ns) as u16, time_ns)).collect()
+    let is_open =
+        |cdeg: u64| if from < until { (from..until).contains(&cdeg) } else { cdeg >= from || cdeg < until };
+    all.filter(|time_ns| is_open(azimuth(*time_ns)))
+        .map(|time_ns| (azimuth(time_ns) as u16, time_ns))
+        .collect()
 }
 
 /// Twelve blocks a packet, each at 1 m in all channels, with the stamp of the first and the time of arrival.
@@ -65,7 +68,8 @@ fn lost_packets_beside_a_closed_sector_count() {
     for view in VIEWS {
         let mut decoder = Decoder::new(ModelChoice::Auto);
         let all = packets(view, 20);
-        let missing = |number: usize| (100..103).contains(&number) || number == 150 || (180..184).contains(&number);
+        let missing =
+            |number: usize| (100..103).contains(&number) || number == 150 || (180..184).contains(&number);
         for (_, (bytes, arrival)) in all.iter().enumerate().filter(|(number, _)| !missing(*number)) {
             decoder.decode(bytes, *arrival).expect("the packet is taken");
         }
@@ -115,7 +119,8 @@ fn a_closed_sector_is_unknown_in_the_sweep() {
             builder.add(&columns, lost, &mut building, |sweep| {
                 let used = sweep.used_columns();
                 for pair in used.windows(2) {
-                    let turned = (u32::from(pair[1].azimuth_cdeg) + 36_000 - u32::from(pair[0].azimuth_cdeg)) % 36_000;
+                    let turned =
+                        (u32::from(pair[1].azimuth_cdeg) + 36_000 - u32::from(pair[0].azimuth_cdeg)) % 36_000;
                     assert!((10..=30).contains(&turned), "{turned} cdeg from column to column");
                     // In the first turns nobody knows yet how fast the head turns to 0.2 ms.
                     assert!(whole.len() < 2 || pair[0].offset_us <= pair[1].offset_us);

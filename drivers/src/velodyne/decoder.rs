@@ -308,13 +308,13 @@ impl Decoder {
         if self.sectors.known().is_none() {
             leave_out_alone(&mut turns, step);
         }
-        let turned = PacketTurn::new(&turns, model.block_ns(), step)
-            .ok_or(DecodeError::Rotation { gap_cdeg: 0 })?;
+        let turned =
+            PacketTurn::new(&turns, model.block_ns(), step).ok_or(DecodeError::Rotation { gap_cdeg: 0 })?;
         let turned = self.sectors.timed(turned);
         let packet_us = model.packet_us(packet.is_dual());
-        let since_us = self.since_accepted_us.map(|since_us| {
-            since_us.saturating_sub(self.sectors.closed_us(&turned, since_us, packet_us))
-        });
+        let since_us = self
+            .since_accepted_us
+            .map(|since_us| since_us.saturating_sub(self.sectors.closed_us(&turned, since_us, packet_us)));
         let lost = lost_packets(since_us, packet_us);
         let no_loss = self.sectors.accept(&turned, lost, self.since_accepted_us);
         // The datagram is sent after its last firing; the sensor's stamp is that of the first (book, Velodyne: Data
@@ -323,8 +323,7 @@ impl Decoder {
         let first_firing = arrival.minus_micros(u64::from(taken_us));
         let stamp = self.clock.stamp(packet.stamp_us(), first_firing);
         self.since_accepted_us = Some(0);
-        self.counters.lost =
-            self.counters.lost.saturating_add(u32::from(lost)).saturating_sub(no_loss);
+        self.counters.lost = self.counters.lost.saturating_add(u32::from(lost)).saturating_sub(no_loss);
         let times = (stamp, turned.skipped_us);
         let self_returns = columns.convert((&packet, &turns), (times, self.blind_range_mm), out);
         self.counters.self_returns = self.counters.self_returns.saturating_add(self_returns);

@@ -184,9 +184,9 @@ impl<'a> Packet<'a> {
     /// The blocks whose azimuth is above 36,000: their returns have no direction and are left out. At most eleven.
     pub fn odd_blocks(&self) -> impl Iterator<Item = PacketError> + use<'a> {
         let numbered = (0_u8..).zip(self.blocks());
-        numbered.filter(|(_, block)| block.azimuth_cdeg >= TURN_CDEG).map(|(block, odd)| {
-            PacketError::Azimuth { block, azimuth_cdeg: odd.azimuth_cdeg }
-        })
+        numbered
+            .filter(|(_, block)| block.azimuth_cdeg >= TURN_CDEG)
+            .map(|(block, odd)| PacketError::Azimuth { block, azimuth_cdeg: odd.azimuth_cdeg })
     }
 
     /// Microseconds since the top of the sensor's hour, at the first firing.

@@ -97,15 +97,17 @@ impl Returns {
                     continue;
                 }
                 let within_ns = self.within_block_ns(channel);
-                each(self.place(
-                    Cell { block: index as u8, channel, distance_raw, reflectivity },
-                    block_cdeg,
-                    (turn.gap_cdeg, within_ns),
-                    time_step
-                        .saturating_mul(self.model.block_ns())
-                        .saturating_add(within_ns)
-                        .saturating_add(later_ns),
-                ));
+                each(
+                    self.place(
+                        Cell { block: index as u8, channel, distance_raw, reflectivity },
+                        block_cdeg,
+                        (turn.gap_cdeg, within_ns),
+                        time_step
+                            .saturating_mul(self.model.block_ns())
+                            .saturating_add(within_ns)
+                            .saturating_add(later_ns),
+                    ),
+                );
             }
             previous = Some(block);
         }

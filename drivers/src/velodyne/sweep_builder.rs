@@ -134,8 +134,10 @@ impl SweepBuilder {
     fn shares<const RINGS: usize>(&self, building: &Sweep<RINGS>, column: &LidarColumn) -> bool {
         let newest = building.column_count.checked_sub(1).and_then(|newest| building.columns.get(newest));
         let Some(newest) = newest.filter(|newest| newest.measured) else { return false };
-        let place = |cdeg: u16| (u32::from(cdeg) + TURN_CDEG - u32::from(self.cut_cdeg)) % TURN_CDEG / MERGE_CDEG;
-        let turned_cdeg = (u32::from(column.azimuth_cdeg) + TURN_CDEG - u32::from(newest.azimuth_cdeg)) % TURN_CDEG;
+        let place =
+            |cdeg: u16| (u32::from(cdeg) + TURN_CDEG - u32::from(self.cut_cdeg)) % TURN_CDEG / MERGE_CDEG;
+        let turned_cdeg =
+            (u32::from(column.azimuth_cdeg) + TURN_CDEG - u32::from(newest.azimuth_cdeg)) % TURN_CDEG;
         match self.sharing {
             Sharing::None => false,
             Sharing::SamePlace => place(column.azimuth_cdeg) == place(newest.azimuth_cdeg),
@@ -223,7 +225,8 @@ fn steps_of(packet: &LidarPacket) -> (u32, u32) {
     let mut sum = (0_u32, 0_u32);
     let next = packet.columns.iter().skip(1);
     for (column, next) in packet.columns.iter().zip(next) {
-        let turned_cdeg = (u32::from(next.azimuth_cdeg) + TURN_CDEG - u32::from(column.azimuth_cdeg)) % TURN_CDEG;
+        let turned_cdeg =
+            (u32::from(next.azimuth_cdeg) + TURN_CDEG - u32::from(column.azimuth_cdeg)) % TURN_CDEG;
         if turned_cdeg <= STEP_MAX_CDEG {
             sum = (sum.0.saturating_add(turned_cdeg), sum.1.saturating_add(1));
         }

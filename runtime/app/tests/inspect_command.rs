@@ -33,8 +33,8 @@ fn published_recordings_are_known_by_their_bytes() {
         ("vlp16_packets/cu_vlp16_single_600rpm.pcap.gz", "capture", None, "replay"),
         ("slam2d_logs/radish_intel.clf.bz2", "laser log", None, "replay"),
         ("xsens_mti/1_output.bin", "Xsens MTi", Some(100), "decode"),
-        ("can_canopen/navican_two_wheel_cia402_start.candump.txt", "candump", None, ""),
-        ("can_canopen/ros_canopen_issue259_start.candump.txt", "candump", None, ""),
+        ("can_canopen/navican_two_wheel_cia402_start.candump.txt", "candump", None, "decode"),
+        ("can_canopen/ros_canopen_issue259_start.candump.txt", "candump", None, "decode"),
     ] {
         let Some(path) = recording(name) else { continue };
         let page = page(&path);
@@ -61,4 +61,30 @@ fn what_is_wrong_is_named() {
     let output = inspect(&path, false);
     assert_eq!(output.status.code(), Some(3), "{output:?}");
     assert!(String::from_utf8_lossy(&output.stderr).contains("nothing that we know"), "{output:?}");
+}
+
+/// Rows of `decode` of what is no lidar capture: one for each sample of an MTi and each frame of a candump.
+#[test]
+fn samples_and_frames_become_rows() {
+    let rows = |name: &str| {
+        let path = recording(name)?;
+        let words = ["decode", path.to_str().expect("a readable path"), "--csv"];
+        let output =
+            Command::new(env!("CARGO_BIN_EXE_floorguard")).args(words).output().expect("the program starts");
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+        let text = String::from_utf8(output.stdout).expect("text");
+        Some(text.lines().map(str::to_owned).collect::<Vec<_>>())
+    };
+    for number in [1, 2] {
+        let Some(rows) = rows(&format!("xsens_mti/{number}_output.bin")) else { continue };
+        assert_eq!(rows.len(), 101, "a head and a hundred samples");
+        assert!(rows[1..].iter().all(|row| row.split(',').count() == rows[0].split(',').count()));
+    }
+    let name = "can_canopen/ros_canopen_issue259_start.candump.txt";
+    if let Some(rows) = rows(name) {
+        assert_eq!(
+            rows[1..4].join(" "),
+            "0,000,network management,8203 14403,703,heartbeat,00 16868,083,emergency,B081010000000000"
+        );
+    }
 }

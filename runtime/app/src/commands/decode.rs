@@ -7,8 +7,9 @@ use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, Packet, Return, 
 use floorguard_types::time::Stamp;
 
 use super::arguments::{DecodeArguments, ModelArgument};
+use super::decode_can::decode_can;
 use super::decode_inertial::decode_inertial;
-use super::inspect::inertial;
+use super::inspect::{inertial, is_candump};
 use floorguard_host::packing::beginning;
 use floorguard_recording::capture::{Capture, CaptureError, CaptureNotes, LIDAR_DATA_PORT, settle_model};
 
@@ -50,15 +51,17 @@ pub fn decode_to(arguments: &DecodeArguments, out: impl Write) -> anyhow::Result
     if inertial(&begins).is_some() {
         return decode_inertial(&arguments.file, arguments.csv, out);
     }
+    if is_candump(&begins) {
+        return decode_can(&arguments.file, arguments.csv, out);
+    }
     let model = settle_model(&arguments.file, arguments.model.choice())?;
-    let mut printer =
-        Printer {
-            returns: Returns::new(model),
-            decoder: Decoder::new(ModelChoice::Fixed(model)),
-            csv: arguments.csv,
-            out,
-            totals: Totals::default(),
-        };
+    let mut printer = Printer {
+        returns: Returns::new(model),
+        decoder: Decoder::new(ModelChoice::Fixed(model)),
+        csv: arguments.csv,
+        out,
+        totals: Totals::default(),
+    };
     printer.print(&arguments.file)
 }
 

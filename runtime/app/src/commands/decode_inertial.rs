@@ -59,7 +59,10 @@ fn row(measured: &Measurement) -> String {
         value.map_or_else(String::new, |value| value.to_string())
     }
     fn each<const N: usize>(values: Option<[f64; N]>) -> String {
-        (0..N).map(|index| one(values.and_then(|values| values.get(index).copied()))).collect::<Vec<_>>().join(",")
+        (0..N)
+            .map(|index| one(values.and_then(|values| values.get(index).copied())))
+            .collect::<Vec<_>>()
+            .join(",")
     }
     [
         one(measured.sample_time_fine.map(|ticks| u64::from(ticks) * 100)),

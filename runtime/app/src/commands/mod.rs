@@ -8,6 +8,7 @@ mod campaign;
 mod campaign_contacts;
 mod check;
 mod decode;
+mod decode_can;
 mod decode_inertial;
 #[cfg(feature = "laboratory")]
 mod demo;

@@ -62,7 +62,10 @@ pub fn page(file: &Path) -> anyhow::Result<Page> {
         ];
         page.commands.extend(found.iter().filter(|(kind, _)| has(kind)).map(|(_, what)| (*what).to_owned()));
         if !page.commands.is_empty() && !has("TFMessage") {
-            page.faults.push("no frames (tf_static): the sensor is taken to stand upright at the robot's origin".to_owned());
+            page.faults.push(
+                "no frames (tf_static): the sensor is taken to stand upright at the robot's origin"
+                    .to_owned(),
+            );
         }
         if !page.commands.is_empty() && !has("Odometry") {
             page.faults.push("no odometry: people are in the frame of the sensor".to_owned());
@@ -117,7 +120,8 @@ fn said(schema: &str, data: &[u8]) -> Option<Said> {
         "Imu" => of(decode::imu(data)?.header, Vec::new(), false),
         "TFMessage" => {
             let frames = decode::frames(data)?;
-            let named = frames.iter().map(|frame| format!("{} in {}", frame.child, frame.header.frame)).collect();
+            let named =
+                frames.iter().map(|frame| format!("{} in {}", frame.child, frame.header.frame)).collect();
             Said { fields: named, is_empty: frames.is_empty(), ..Said::default() }
         }
         _ => Said::default(),

@@ -18,7 +18,8 @@ pub fn page(file: &Path) -> anyhow::Result<Page> {
     let mut page = Page::new("a capture of the network");
     let mut ports = BTreeMap::<u16, (Timeline, usize)>::new();
     let model = settle_model(file, ModelChoice::Auto);
-    let mut decoder = Decoder::new(model.as_ref().map_or(ModelChoice::Auto, |model| ModelChoice::Fixed(*model)));
+    let mut decoder =
+        Decoder::new(model.as_ref().map_or(ModelChoice::Auto, |model| ModelChoice::Fixed(*model)));
     let mut refusal = None;
     for datagram in Capture::open(file)? {
         let datagram = match datagram {
@@ -55,7 +56,9 @@ pub fn page(file: &Path) -> anyhow::Result<Page> {
             page.commands.push("floorguard replay: people in its sweeps".to_owned());
             page.commands.push("floorguard decode --csv: every return".to_owned());
         }
-        Ok(_) => page.commands.push("floorguard decode --csv: every return (people stages take 16 rings)".to_owned()),
+        Ok(_) => page
+            .commands
+            .push("floorguard decode --csv: every return (people stages take 16 rings)".to_owned()),
         Err(error) => page.faults.push(error.to_string()),
     }
     Ok(page)

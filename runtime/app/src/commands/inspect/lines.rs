@@ -45,7 +45,8 @@ pub fn laser_log(file: &Path) -> anyhow::Result<Page> {
     page.streams.push(Stream::new("odometry", "ODOM", &odometry));
     page.streams.retain(|stream| stream.count > 0);
     if others > 0 {
-        page.streams.push(Stream { count: others, ..Stream::new("other lines", "not read", &Timeline::default()) });
+        page.streams
+            .push(Stream { count: others, ..Stream::new("other lines", "not read", &Timeline::default()) });
     }
     if scans.count() > 0 {
         page.commands.push("floorguard replay: legs and people in its scans".to_owned());
@@ -53,8 +54,19 @@ pub fn laser_log(file: &Path) -> anyhow::Result<Page> {
     Ok(page)
 }
 
-/// A frame of a candump line: when, if it says so, and its identifier.
-fn can_frame(line: &str) -> Option<(Option<u64>, u32)> {
+/// A frame of a candump.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DumpedFrame {
+    /// Microseconds, if the line says so.
+    pub time_us: Option<u64>,
+    /// 11 or 29 bits.
+    pub identifier: u32,
+    /// At most eight, 64 of CAN FD.
+    pub bytes: Vec<u8>,
+}
+
+/// A line of a candump, in any of its forms.
+pub fn can_frame(line: &str) -> Option<DumpedFrame> {
     let mut words = line.split_ascii_whitespace().peekable();
     let time = words.peek().and_then(|word| word.strip_prefix('(')?.strip_suffix(')')?.parse::<f64>().ok());
     if time.is_some() {
@@ -62,17 +74,24 @@ fn can_frame(line: &str) -> Option<(Option<u64>, u32)> {
     }
     let _interface = words.next()?;
     let word = words.next()?;
-    let (identifier, has_data) = match word.split_once('#') {
-        Some((identifier, _)) => (identifier, true),
-        None => (word, words.next().is_some_and(|count| count.starts_with('[') && count.ends_with(']'))),
+    let byte = |digits: &str| u8::from_str_radix(digits, 16).ok();
+    let (identifier, bytes) = match word.split_once('#') {
+        Some((identifier, digits)) => {
+            let pairs = (0..digits.len() / 2).map(|pair| digits.get(2 * pair..2 * pair + 2).and_then(byte));
+            (identifier, pairs.collect::<Option<Vec<u8>>>()?)
+        }
+        None => {
+            let count: usize = words.next()?.strip_prefix('[')?.strip_suffix(']')?.parse().ok()?;
+            (word, words.map_while(byte).take(count).collect())
+        }
     };
-    let is_identifier = matches!(identifier.len(), 3 | 8) && has_data;
-    let identifier = u32::from_str_radix(identifier, 16).ok().filter(|_| is_identifier)?;
-    Some((time.map(micros), identifier))
+    let identifier =
+        u32::from_str_radix(identifier, 16).ok().filter(|_| matches!(identifier.len(), 3 | 8))?;
+    Some(DumpedFrame { time_us: time.map(micros), identifier, bytes })
 }
 
 /// What a CANopen identifier is for (CiA 301, predefined connection set).
-const fn can_service(identifier: u32) -> &'static str {
+pub const fn can_service(identifier: u32) -> &'static str {
     match identifier {
         0 => "network management",
         0x80 => "synchronisation",
@@ -84,14 +103,19 @@ const fn can_service(identifier: u32) -> &'static str {
     }
 }
 
+/// Its first line is a frame.
+pub fn is_candump(begins: &[u8]) -> bool {
+    let sample = String::from_utf8_lossy(begins);
+    let mut first = sample.lines().filter(|line| !line.trim().is_empty() && !line.starts_with('#'));
+    first.next().is_some_and(|line| can_frame(line).is_some())
+}
+
 /// A candump, in any of its forms; `None` if its first lines are none.
 ///
 /// # Errors
 /// It cannot be read.
 pub fn candump(file: &Path, begins: &[u8]) -> anyhow::Result<Option<Page>> {
-    let sample = String::from_utf8_lossy(begins);
-    let mut first = sample.lines().filter(|line| !line.trim().is_empty() && !line.starts_with('#'));
-    if !first.next().is_some_and(|line| can_frame(line).is_some()) {
+    if !is_candump(begins) {
         return Ok(None);
     }
     let text = packing::text(file).map_err(|error| BadInput(format!("{}: {error}", file.display())))?;
@@ -99,7 +123,7 @@ pub fn candump(file: &Path, begins: &[u8]) -> anyhow::Result<Option<Page>> {
     let mut services = BTreeMap::<&str, (Timeline, BTreeMap<u32, u64>)>::new();
     let (mut damaged, mut timed) = (0_u64, false);
     for (number, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
-        let Some((time_us, identifier)) = can_frame(line) else {
+        let Some(DumpedFrame { time_us, identifier, .. }) = can_frame(line) else {
             damaged += u64::from(!line.starts_with('#'));
             continue;
         };
@@ -115,7 +139,8 @@ pub fn candump(file: &Path, begins: &[u8]) -> anyhow::Result<Option<Page>> {
         if !timed {
             stream.times = super::timeline::Times::default();
         }
-        stream.fields = identifiers.iter().map(|(identifier, count)| format!("{identifier:03X}h {count}")).collect();
+        stream.fields =
+            identifiers.iter().map(|(identifier, count)| format!("{identifier:03X}h {count}")).collect();
         page.streams.push(stream);
     }
     if !timed {
@@ -124,6 +149,7 @@ pub fn candump(file: &Path, begins: &[u8]) -> anyhow::Result<Option<Page>> {
     if damaged > 0 {
         page.faults.push(format!("{damaged} lines are no frames"));
     }
+    page.commands.push("floorguard decode --csv: every frame as a row".to_owned());
     Ok(Some(page))
 }
 
@@ -152,12 +178,20 @@ mod tests {
     #[test]
     fn every_form_of_candump_is_read() {
         for (line, expected) in [
-            ("can0  764   [1]  00", Some((None, 0x764))),
-            ("(000.014403) RX 703 [1]  00", Some((Some(14_403), 0x703))),
-            ("(1436509052.249713) vcan0 044#2A366C2BBA", Some((Some(1_436_509_052_249_713), 0x44))),
+            ("can0  764   [1]  00", Some((None, 0x764, &[0_u8][..]))),
+            ("(000.014403) RX 703 [2]  82 03", Some((Some(14_403), 0x703, &[0x82, 3]))),
+            (
+                "(1436509052.249713) vcan0 044#2A366C2BBA",
+                Some((Some(1_436_509_052_249_713), 0x44, &[0x2A, 0x36, 0x6C, 0x2B, 0xBA])),
+            ),
             ("FLASER 180 1.0 2.0", None),
             ("1 2 3 4", None),
         ] {
+            let expected = expected.map(|(time_us, identifier, bytes)| DumpedFrame {
+                time_us,
+                identifier,
+                bytes: bytes.to_vec(),
+            });
             assert_eq!(can_frame(line), expected, "{line}");
         }
     }

@@ -8,5 +8,6 @@ mod run;
 mod serial;
 mod timeline;
 
+pub use lines::{can_frame, can_service, is_candump};
 pub use run::{InspectArguments, run};
 pub use serial::{inertial, scanner};

@@ -64,7 +64,10 @@ pub fn inertial(bytes: &[u8]) -> Option<Page> {
                         ("orientation", measured.quaternion.is_some() || measured.euler_deg.is_some()),
                         ("status", measured.status.is_some()),
                     ];
-                    present.iter().filter(|(_, is)| *is).for_each(|(name, _)| *fields.entry(name).or_default() += 1);
+                    present
+                        .iter()
+                        .filter(|(_, is)| *is)
+                        .for_each(|(name, _)| *fields.entry(name).or_default() += 1);
                 }
                 Err(error) => refusal = Some(format!("{error:?}")),
             }
@@ -86,7 +89,10 @@ pub fn inertial(bytes: &[u8]) -> Option<Page> {
     }
     page.streams.push(stream);
     for (id, count) in messages.iter().filter(|(id, _)| **id != 0x36) {
-        page.streams.push(Stream { count: *count, ..Stream::new(format!("{id:02X}h"), "Xbus message", &Timeline::default()) });
+        page.streams.push(Stream {
+            count: *count,
+            ..Stream::new(format!("{id:02X}h"), "Xbus message", &Timeline::default())
+        });
     }
     let counters = receiver.counters();
     if counters.checksum_failures > 0 {

@@ -110,7 +110,10 @@ mod tests {
             line.times().faults(line.count()).join("; ")
         };
         assert_eq!(of(&[7, 7, 7]), "all 3 bear one time");
-        assert_eq!(of(&[1_000, 2_000, 2_000, 1_500]), "1 of 4 bear the time of the one before; 1 of 4 are earlier than the one before");
+        assert_eq!(
+            of(&[1_000, 2_000, 2_000, 1_500]),
+            "1 of 4 bear the time of the one before; 1 of 4 are earlier than the one before"
+        );
         assert_eq!(of(&[0, 100_000, 200_000, 900_000, 1_000_000]), "1 gaps, the longest 0.70 s");
         assert_eq!(of(&[0, 100_000, 200_000]), "");
     }

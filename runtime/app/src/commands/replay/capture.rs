@@ -2,7 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use floorguard_drivers::velodyne::{ClosedSector, Counters, DecodeError, Decoder, Model, ModelChoice, SweepBuilder};
+use floorguard_drivers::velodyne::{
+    ClosedSector, Counters, DecodeError, Decoder, Model, ModelChoice, SweepBuilder,
+};
 use floorguard_perception::motion::{MotionDetector, MotionParameters, find_moving_people};
 use floorguard_perception::people::{
     FloorHeight, PeoplePipeline, RingAngles, SweepContext, Track, TrackStatus,
@@ -160,7 +162,9 @@ impl Player {
             );
         }
         if let Some(closed) = &self.closed {
-            say!("the lidar is set to a field of view: {closed}; what lies in the closed sector stays unknown");
+            say!(
+                "the lidar is set to a field of view: {closed}; what lies in the closed sector stays unknown"
+            );
         }
         let per_sweep_ms = took.as_secs_f64() * 1.0e3 / self.sweeps.max(1) as f64;
         say!(

@@ -40,7 +40,8 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
             Event::Scan(scan) => {
                 let number = u64::from(scan.sequence);
                 let mut scan = scan.clone();
-                scan.stamp = Stamp::from_micros(number.saturating_sub(*first.get_or_insert(number)) * SCAN_US);
+                scan.stamp =
+                    Stamp::from_micros(number.saturating_sub(*first.get_or_insert(number)) * SCAN_US);
                 let row = player.scan(&scan, (Pose2::default(), "sensor"));
                 summary.legs += row.legs() as u64;
                 summary.people(row.people());
