@@ -91,8 +91,9 @@ pub(super) struct PacketTurn {
 }
 
 impl PacketTurn {
-    /// Of the turns of a packet; `None` if nothing in it turns. `block_ns` is the time of a block, `step` 2 for pairs.
-    pub(super) fn new(turns: &[BlockTurn; BLOCKS], block_ns: u32, step: usize) -> Option<Self> {
+    /// Of the turns of a packet; `None` if nothing in it turns. `block_ns` is the time of a block; dual returns come in pairs.
+    pub(super) fn new(turns: &[BlockTurn; BLOCKS], block_ns: u32, is_dual: bool) -> Option<Self> {
+        let step = if is_dual { 2 } else { 1 };
         let mut known = turns.iter().step_by(step).filter_map(|turn| Some((turn.azimuth_cdeg?, turn)));
         let (first_cdeg, _) = known.clone().next()?;
         let (gaps_cdeg, count) = known

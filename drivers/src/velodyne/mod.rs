@@ -11,6 +11,7 @@ mod model;
 mod packet;
 mod position;
 mod returns;
+mod rotation;
 mod sweep_builder;
 
 pub use clock::HourClock;

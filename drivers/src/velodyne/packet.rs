@@ -261,7 +261,7 @@ impl<'a> Packet<'a> {
             last = Some((at, azimuth_cdeg));
         }
         let behind = last.map_or(0, |(from, _)| from);
-        close_sectors(&mut turns, behind, step);
+        close_sectors(&mut turns, behind, self.is_dual());
         turns
     }
 
@@ -283,8 +283,9 @@ impl<'a> Packet<'a> {
 }
 
 /// Takes out of the gaps what no head turns within a block, if any other gap tells how fast the head turns. `behind` is
-/// the last block (pair) with an azimuth; a pair has `step` 2.
-fn close_sectors(turns: &mut [BlockTurn; BLOCKS], behind: usize, step: usize) {
+/// the last block (pair) with an azimuth.
+fn close_sectors(turns: &mut [BlockTurn; BLOCKS], behind: usize, is_dual: bool) {
+    let step = if is_dual { 2 } else { 1 };
     let known = turns.iter().take(behind).filter(|turn| turn.azimuth_cdeg.is_some());
     let even = known.map(|turn| turn.gap_cdeg).find(|gap_cdeg| *gap_cdeg <= GAP_MAX_CDEG);
     let mut previous = even;

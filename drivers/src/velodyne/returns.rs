@@ -75,9 +75,8 @@ impl Returns {
     pub fn for_each(&self, packet: &Packet<'_>, of: ReturnsOf, mut each: impl FnMut(Return)) {
         let dual = packet.is_dual();
         let turns = packet.turns();
-        let step = if dual { 2 } else { 1 };
         let skipped_us =
-            PacketTurn::new(&turns, self.model.block_ns(), step).map_or(0, |packet| packet.skipped_us);
+            PacketTurn::new(&turns, self.model.block_ns(), dual).map_or(0, |packet| packet.skipped_us);
         let mut later_ns = 0;
         let mut previous = None;
         for ((index, block), turn) in packet.blocks().enumerate().zip(turns) {
