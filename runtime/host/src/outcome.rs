@@ -5,6 +5,11 @@
 #[error("verdict: failed: {0}")]
 pub struct VerdictFailed(pub String);
 
+/// The run ended, nothing bad happened, and what was asked for was not reached.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("verdict: not finished: {0}")]
+pub struct NotFinished(pub String);
+
 /// A file, a device or a scenario name that cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]

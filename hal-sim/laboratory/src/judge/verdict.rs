@@ -7,6 +7,7 @@ use floorguard_types::time::Stamp;
 use serde::Serialize;
 
 use super::latency::Quantiles;
+use super::outcome::Outcome;
 use super::stops::{StopJudge, StopReason};
 use super::true_world::TrueContacts;
 use super::truth::Truth;
@@ -20,6 +21,10 @@ pub struct Verdict {
     pub passed: bool,
     /// Why not.
     pub failures: Vec<String>,
+    /// What the run comes to: good, failed, or not finished.
+    pub verdict: Outcome,
+    /// Why, in words.
+    pub reason: String,
     /// Name of the scenario.
     pub scenario: String,
     /// Seed of all randomness.

@@ -66,9 +66,8 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
     if observation.resets > 0 {
         let _ = writeln!(text, "  the operator pressed reset {}", counted(observation.resets, "time"));
     }
-    let word =
-        if verdict.passed { "good".to_owned() } else { format!("FAILED: {}", verdict.failures.join(", ")) };
-    let _ = writeln!(text, "  verdict: {word}   (digest {} of {})", verdict.digest, plan.name);
+    let (word, reason) = (verdict.verdict.words(), &verdict.reason);
+    let _ = writeln!(text, "  verdict: {word}: {reason}   (digest {} of {})", verdict.digest, plan.name);
     text
 }
 
@@ -87,10 +86,7 @@ fn mission_lines(mission: &MissionReport) -> String {
         percent(mission.completion),
         mission.falsely_claimed_cells
     );
-    let end = match mission.finished_after_s {
-        Some(seconds) => format!("guarantee reached after {seconds:.0} s"),
-        None => "not finished".to_owned(),
-    };
+    let end = mission.end_in_words();
     let _ = writeln!(
         text,
         "    {end}; people and objects on the path cost {:.0} s, {}; {:.2} m off the true place",

@@ -15,7 +15,7 @@ use floorguard_types::time::Stamp;
 
 use super::swath::Swath;
 use super::truth::TruthSampler;
-use crate::judge::{Judge, Quantiles, StopOrders, StopReason, Verdict};
+use crate::judge::{Asked, Judge, Quantiles, Standing, StopOrders, StopReason, Verdict};
 use crate::judge::{MissionJudge, MissionOutcome, TrueContacts};
 use crate::metrics::MotAccumulator;
 use crate::plan::Plan;
@@ -123,6 +123,8 @@ pub struct Observer<'a> {
     people_now: usize,
     faulty: std::collections::BTreeSet<String>,
     show: Show<'a>,
+    asked: Asked,
+    standing: Standing,
     /// What the robot's clock showed when the world began.
     clock_start: Stamp,
 }
@@ -154,6 +156,8 @@ impl<'a> Observer<'a> {
             people_now: 0,
             faulty: std::collections::BTreeSet::new(),
             show,
+            asked: Asked::of(plan),
+            standing: Standing::default(),
             clock_start: Stamp::ZERO,
         }
     }
@@ -239,6 +243,7 @@ impl<'a> Observer<'a> {
             self.on_people(&people, &truth, believed);
         }
         self.swath.touch(truth.robot);
+        self.standing.observe(truth.stamp, truth.twist);
         self.record_paths(now_us, &truth);
         if let Some(status) = shared.status.get() {
             self.on_status(now_us, &status);
@@ -290,6 +295,8 @@ impl<'a> Observer<'a> {
         }
         if self.last_status != Some(status.decision.stamp) {
             self.last_status = Some(status.decision.stamp);
+            let ready_for_s = if self.seen.ready_s.is_some() { STATUS_S } else { 0.0 };
+            self.standing.held(status.decision.holding_cause, ready_for_s);
             if let Some(record) = status.decision.holding_cause {
                 *self.seen.under_cause_s.entry(kind_of(&record)).or_default() += STATUS_S;
             }
@@ -395,6 +402,7 @@ impl<'a> Observer<'a> {
             faulty_sources: self.faulty.iter().cloned().collect(),
             ..self.judge.verdict(self.seen.ready_s)
         };
+        self.seen.verdict.conclude(self.asked, &self.standing);
     }
 
     /// The fingerprint of the outputs.

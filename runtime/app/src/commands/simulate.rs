@@ -11,11 +11,12 @@ use floorguard_sim::FaultSpec;
 use floorguard_sim::scenario::Scenario;
 use floorguard_types::capacities::SCAN_BEAMS_MAX;
 
-use super::exit::{BadInput, VerdictFailed};
+use super::exit::{BadInput, NotFinished, VerdictFailed};
 use super::interrupt::end_at_ctrl_c;
 use super::live::status_of;
 use super::panel::open_panel;
 use super::run_lesson::RunLesson;
+use floorguard_laboratory::judge::Outcome;
 use floorguard_laboratory::run_report::write_report;
 use floorguard_laboratory::world::{
     Observation, Observer, Plan, SeenStop, SimulatedCamera, load_scenario, record_plan,
@@ -322,11 +323,12 @@ pub(super) fn conclude(
     } else {
         say!("{}", floorguard_laboratory::run_report::summary(plan, observation).trim_end());
     }
-    if verdict.passed {
-        return Ok(());
+    let what = format!("{}; repeat it with: {repeat}", verdict.reason);
+    match verdict.verdict {
+        Outcome::Good => Ok(()),
+        Outcome::Failed => Err(VerdictFailed(what).into()),
+        Outcome::NotFinished => Err(NotFinished(what).into()),
     }
-    let what = format!("{}; repeat it with: {repeat}", verdict.failures.join(", "));
-    Err(VerdictFailed(what).into())
 }
 
 /// How long a run took, for people.
