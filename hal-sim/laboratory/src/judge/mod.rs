@@ -23,5 +23,5 @@ pub use outcome::{Asked, Outcome, Standing};
 pub use stops::{StopJudge, StopReason};
 pub use true_world::{TrueContacts, person, setup};
 pub use truth::{Truth, TruthPerson};
-pub use verdict::{Judge, Verdict};
+pub use verdict::{HeardOf, Judge, Verdict};
 pub use zone::TrueZones;

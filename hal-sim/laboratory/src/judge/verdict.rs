@@ -1,5 +1,7 @@
 //! What a run comes to.
 
+use std::collections::BTreeMap;
+
 use floorguard_contact_judge::Report;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_sim::simulation::Simulation;
@@ -12,6 +14,7 @@ use super::stops::{StopJudge, StopReason};
 use super::true_world::TrueContacts;
 use super::truth::Truth;
 use crate::judge::MissionReport;
+use floorguard_operator::display::{HeldEvent, HeldKind};
 use floorguard_robot::learning::LearningReport;
 
 /// The result of `floorguard simulate --json`.
@@ -62,6 +65,12 @@ pub struct Verdict {
     pub id_switches: u32,
     /// Mean distance between track and person, metres.
     pub localisation_error_m: Option<f64>,
+    /// Times that the operator pressed reset.
+    pub resets: u32,
+    /// Robot time under each cause that limited or stopped, seconds.
+    pub held_back_s: BTreeMap<String, f64>,
+    /// What else held the robot than what began a stop, and what came of the resets.
+    pub history: Vec<HeardOf>,
     /// Sources that the records name as faulty.
     pub faulty_sources: Vec<String>,
     /// What was cleaned, if that was the mission.
@@ -99,6 +108,28 @@ impl Verdict {
             counts.avoidable,
             counts.walked_into_standing
         )
+    }
+}
+
+/// An entry of the history of a run, as the robot told it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HeardOf {
+    /// Seconds since the start.
+    pub at_s: f64,
+    /// What it tells of.
+    pub kind: HeldKind,
+    /// In one line.
+    pub text: String,
+    /// What helps; empty if there is nothing to do.
+    pub remedy: &'static str,
+}
+
+impl HeardOf {
+    /// Of an event at a moment of the world.
+    #[must_use]
+    pub fn of(at: Stamp, event: &HeldEvent) -> Self {
+        let at_s = at.as_micros() as f64 * 1.0e-6;
+        Self { at_s, kind: event.kind, text: event.line(), remedy: event.remedy }
     }
 }
 

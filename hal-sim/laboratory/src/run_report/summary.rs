@@ -7,6 +7,9 @@ use crate::judge::MissionReport;
 use crate::world::{Observation, Plan};
 use floorguard_host::words::{beside, counted};
 
+/// Entries of the history that are told.
+const HISTORY_MAX: usize = 20;
+
 /// Plain words, ending with the verdict.
 #[must_use]
 pub fn summary(plan: &Plan, observation: &Observation) -> String {
@@ -37,6 +40,9 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
         held.iter().take(5).map(|(kind, seconds)| format!("{kind} {seconds:.1} s")).collect();
     if !held.is_empty() {
         let _ = writeln!(text, "  held back by: {}", held.join(", "));
+    }
+    for event in verdict.history.iter().take(HISTORY_MAX) {
+        let _ = writeln!(text, "    {:6.1} s {}. {}", event.at_s, event.text, event.remedy);
     }
     let latency = &verdict.stop_latency_ms;
     if latency.count > 0 {

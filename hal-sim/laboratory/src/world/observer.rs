@@ -16,9 +16,10 @@ use floorguard_types::time::Stamp;
 use super::swath::Swath;
 use super::truth::TruthSampler;
 use crate::judge::{Asked, Judge, Quantiles, Standing, StopOrders, StopReason, Verdict};
-use crate::judge::{MissionJudge, MissionOutcome, TrueContacts};
+use crate::judge::{HeardOf, MissionJudge, MissionOutcome, TrueContacts};
 use crate::metrics::MotAccumulator;
 use crate::plan::Plan;
+use floorguard_operator::display::HeldHistory;
 use floorguard_robot::camera::SeenDirt;
 use floorguard_robot::cleaner::MissionProgress;
 use floorguard_robot::environment::PeopleSeen;
@@ -32,6 +33,8 @@ const HIDDEN_M: f32 = 1.0;
 const PATH_US: u64 = 250_000;
 /// The list of people is kept at most this often.
 const PEOPLE_US: u64 = 200_000;
+/// Entries of the history of what held the robot.
+const HISTORY_MAX: usize = 1_000;
 /// A status comes every tenth tick, seconds.
 const STATUS_S: f64 = 0.1;
 /// Front wheel's target: object 60FFh in mm/s behind the controlword.
@@ -65,6 +68,8 @@ pub struct Observation {
     pub people_seen: Vec<PeopleSeen>,
     /// Every stop.
     pub stops: Vec<SeenStop>,
+    /// What else held the robot than what began a stop, and what came of the resets.
+    pub held: Vec<HeardOf>,
     /// Times that the operator pressed reset.
     pub resets: u32,
     /// Seconds from the start until the robot could move.
@@ -125,6 +130,7 @@ pub struct Observer<'a> {
     show: Show<'a>,
     asked: Asked,
     standing: Standing,
+    history: HeldHistory,
     /// What the robot's clock showed when the world began.
     clock_start: Stamp,
 }
@@ -158,6 +164,7 @@ impl<'a> Observer<'a> {
             show,
             asked: Asked::of(plan),
             standing: Standing::default(),
+            history: HeldHistory::default(),
             clock_start: Stamp::ZERO,
         }
     }
@@ -315,6 +322,11 @@ impl<'a> Observer<'a> {
             let limit_mps = status.decision.speed_limit_mps;
             self.seen.speeds.push((seconds, status.pose.twist.linear_mps, limit_mps));
         }
+        let news = self.history.news(status).into_iter();
+        let room = HISTORY_MAX.saturating_sub(self.seen.held.len());
+        let heard = news.map(|event| HeardOf::of(self.in_world(event.at), &event));
+        let heard: Vec<HeardOf> = heard.take(room).collect();
+        self.seen.held.extend(heard);
         (self.show)(seconds, status, self.people_now, &self.seen.stops);
     }
 
@@ -399,6 +411,9 @@ impl<'a> Observer<'a> {
             learned: self.seen.learned,
             mission: self.seen.mission.as_ref().map(|mission| mission.report.clone()),
             digest: format!("{:016x}", self.digest.value()),
+            resets: self.seen.resets,
+            held_back_s: self.seen.under_cause_s.clone(),
+            history: self.seen.held.clone(),
             faulty_sources: self.faulty.iter().cloned().collect(),
             ..self.judge.verdict(self.seen.ready_s)
         };

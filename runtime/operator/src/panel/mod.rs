@@ -15,4 +15,5 @@ mod view;
 
 pub use access::{Access, AccessError};
 pub use hub::{Order, Panel};
+pub use plain::remedy;
 pub use view::PanelView;
