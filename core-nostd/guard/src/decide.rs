@@ -3,7 +3,7 @@
 use super::field_selection::{Demand, STANDING_MPS};
 use super::limiter::{is_straight, lets_leave, limited};
 use super::machine::Verdict;
-use super::reset::ResetProgress;
+use super::reset_answer::ResetProgress;
 use super::supervisor::Supervisor;
 use crate::protection::{Action, Advice, Cause, CauseRecord, Decision, FaultKind, Health, Source, Unit};
 use floorguard_types::geometry::Twist2;

@@ -31,6 +31,7 @@ mod motion_checks;
 mod packet_check;
 pub mod protection;
 mod reset;
+mod reset_answer;
 mod rules;
 mod scan_check;
 mod source_monitor;

@@ -45,6 +45,8 @@ pub struct Asked {
     pub until_clean: bool,
     /// A fault or a pressed emergency stop was asked for, too: the robot may stand for it.
     pub is_disturbed: bool,
+    /// The route begins again at its end: it is never done.
+    pub repeats: bool,
 }
 
 /// How the robot stood at the end.
@@ -69,6 +71,7 @@ impl Asked {
             duration_s: plan.duration_us as f64 * 1.0e-6,
             until_clean: plan.until_clean,
             is_disturbed: !(plan.faults.is_empty() && plan.emergency_stop_us.is_empty()),
+            repeats: plan.robot.route.repeat,
         }
     }
 }
@@ -93,7 +96,7 @@ impl Standing {
 }
 
 /// An end of a run that comes this much early was somebody's wish, seconds.
-const EARLY_S: f64 = 0.05;
+const EARLY_S: f64 = 0.5;
 /// A robot that stands for less than this at the end is on its way, seconds.
 const STANDS_S: f64 = 30.0;
 /// Share of the time since it was ready in which it may stand.
@@ -105,17 +108,30 @@ const OFF_PLACE_M: f64 = 0.5;
 impl Verdict {
     /// Decides what the run comes to, and why.
     pub fn conclude(&mut self, asked: Asked, standing: &Standing) {
-        let reason = if self.passed { self.shortfall(asked, standing) } else { None };
-        (self.verdict, self.reason) = match (self.passed, reason) {
-            (false, _) => (Outcome::Failed, self.failures.join(", ")),
-            (true, Some(reason)) => (Outcome::NotFinished, reason),
-            (true, None) => (Outcome::Good, self.achievement(asked)),
+        let found = self.failures.join(", ");
+        (self.verdict, self.reason) = match self.shortfall(asked, standing) {
+            _ if !self.passed && self.has_harmed() => (Outcome::Failed, found),
+            Some(reason) => (Outcome::NotFinished, reason),
+            // It never moved, or left its job undone: where nothing was to be done, that is no fault.
+            None if !self.passed && !self.is_done() => (Outcome::NotFinished, found),
+            None => (Outcome::Good, self.achievement(asked)),
         };
+    }
+
+    /// The judges found something that must not happen, whatever became of the job.
+    fn has_harmed(&self) -> bool {
+        let counts = &self.bodies.counts;
+        self.missed_stops + self.late_field_stops + self.avoidable_contacts + counts.went_on > 0
+    }
+
+    /// Its mission has ended by itself.
+    fn is_done(&self) -> bool {
+        self.mission.as_ref().is_some_and(|mission| mission.finished)
     }
 
     /// What was asked for and not reached; the first that matters.
     fn shortfall(&self, asked: Asked, standing: &Standing) -> Option<String> {
-        let is_done = self.mission.as_ref().is_some_and(|mission| mission.finished);
+        let is_done = self.is_done();
         if self.duration_s + EARLY_S < asked.duration_s && !(asked.until_clean && is_done) {
             return Some(format!(
                 "ended by somebody after {:.1} of {:.1} s{}",
@@ -124,7 +140,7 @@ impl Verdict {
                 self.mission.as_ref().map(|mission| format!(", {}", mission.claims())).unwrap_or_default()
             ));
         }
-        if self.ready_s.is_none() && !asked.is_disturbed {
+        if self.ready_s.is_none() && !asked.is_disturbed && !is_done {
             let cause = standing.cause.as_deref().unwrap_or("no cause is known");
             return Some(format!("the robot never became ready to move: {cause}"));
         }
@@ -143,6 +159,7 @@ impl Verdict {
     fn stood(&self, asked: Asked, standing: &Standing) -> Option<String> {
         let is_done = match &self.mission {
             Some(mission) => mission.finished,
+            None if asked.repeats => self.bodies.job == JobOutcome::NoJob,
             None => matches!(self.bodies.job, JobOutcome::NoJob | JobOutcome::Done),
         };
         if is_done || asked.is_disturbed {

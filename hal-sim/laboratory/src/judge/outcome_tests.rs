@@ -3,7 +3,7 @@
 use super::*;
 use floorguard_robot::cleaner::LaneCount;
 
-const MINUTE: Asked = Asked { duration_s: 60.0, until_clean: false, is_disturbed: false };
+const MINUTE: Asked = Asked { duration_s: 60.0, until_clean: false, is_disturbed: false, repeats: true };
 
 fn passed() -> Verdict {
     Verdict { passed: true, ready_s: Some(1.3), duration_s: 60.0, ..Verdict::default() }
@@ -85,6 +85,11 @@ fn robot_that_stands_is_not_finished() {
     assert_eq!(value(on_its_way(), MINUTE, &idle).0, Outcome::NotFinished);
     let disturbed = Asked { is_disturbed: true, ..MINUTE };
     assert_eq!(value(on_its_way(), disturbed, &at_rest(10.0)).0, Outcome::Good);
+    // The first round of a route that begins again is not its end.
+    let mut once_round = on_its_way();
+    once_round.bodies.job = JobOutcome::Done;
+    assert_eq!(value(once_round.clone(), MINUTE, &at_rest(10.0)).0, Outcome::NotFinished);
+    assert_eq!(value(once_round, Asked { repeats: false, ..MINUTE }, &at_rest(10.0)).0, Outcome::Good);
     // Without a job there is nothing to stand in the way of.
     assert_eq!(value(passed(), MINUTE, &at_rest(2.0)).0, Outcome::Good);
 }
@@ -100,7 +105,7 @@ fn robot_off_its_place_is_not_finished() {
 
 #[test]
 fn robot_never_ready_is_not_finished() {
-    let never = Verdict { ready_s: None, ..passed() };
+    let never = Verdict { ready_s: None, passed: false, ..passed() };
     let (outcome, reason) = value(never, MINUTE, &at_rest(0.0));
     assert_eq!(outcome, Outcome::NotFinished);
     assert!(reason.contains("never became ready to move: person near"), "{reason}");
@@ -108,6 +113,7 @@ fn robot_never_ready_is_not_finished() {
 
 #[test]
 fn what_judges_find_is_failed() {
-    let failed = Verdict { passed: false, failures: vec!["1 missed stops".to_owned()], ..passed() };
+    let failed =
+        Verdict { passed: false, failures: vec!["1 missed stops".to_owned()], missed_stops: 1, ..passed() };
     assert_eq!(value(failed, MINUTE, &Standing::default()), (Outcome::Failed, "1 missed stops".to_owned()));
 }

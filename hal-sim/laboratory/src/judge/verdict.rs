@@ -14,7 +14,7 @@ use super::stops::{StopJudge, StopReason};
 use super::true_world::TrueContacts;
 use super::truth::Truth;
 use crate::judge::MissionReport;
-use floorguard_operator::display::{HeldEvent, HeldKind};
+use floorguard_operator::panel::{HeldEvent, HeldKind};
 use floorguard_robot::learning::LearningReport;
 
 /// The result of `floorguard simulate --json`.

@@ -19,7 +19,7 @@ use crate::judge::{Asked, Judge, Quantiles, Standing, StopOrders, StopReason, Ve
 use crate::judge::{HeardOf, MissionJudge, MissionOutcome, TrueContacts};
 use crate::metrics::MotAccumulator;
 use crate::plan::Plan;
-use floorguard_operator::display::HeldHistory;
+use floorguard_operator::panel::HeldHistory;
 use floorguard_robot::camera::SeenDirt;
 use floorguard_robot::cleaner::MissionProgress;
 use floorguard_robot::environment::PeopleSeen;

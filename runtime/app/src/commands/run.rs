@@ -18,16 +18,17 @@ use floorguard_runtime::shared::{BusReport, Complaints, RobotStatus, StopRecord}
 use serde_json::json;
 
 use super::exit::BadInput;
-use super::interrupt::at_interrupt;
+use super::interrupt::end_at_ctrl_c;
 use super::live::status_of;
 use super::live_camera::LiveCamera;
 use super::panel::open_panel;
+use super::values::{panel_address, seconds};
 use floorguard_configuration::{HostedConfiguration, load};
 use floorguard_host::console::Lines;
 use floorguard_host::executor::{Ring, StopFlag, take_priority};
 use floorguard_host::words::counted;
-use floorguard_operator::display::{HeldHistory, LiveDisplay};
-use floorguard_operator::panel::{Order, remedy};
+use floorguard_operator::display::LiveDisplay;
+use floorguard_operator::panel::{HeldHistory, Order, remedy};
 use floorguard_operator::report::make_folder;
 use floorguard_operator::telemetry::{RecordedRun, RunSinks, TelemetrySender, with_telemetry};
 use floorguard_robot::assembly::new_shared;
@@ -55,7 +56,7 @@ pub struct RunArguments {
     /// The configuration; `floorguard check` explains its mistakes.
     pub file: PathBuf,
     /// End after so many seconds instead of at Ctrl-C.
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, allow_negative_numbers = true, value_parser = seconds)]
     pub duration: Option<f64>,
     /// One object per line on standard output: a status every second, and every stop.
     #[arg(long)]
@@ -71,7 +72,7 @@ pub struct RunArguments {
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
     /// Show the robot live in a browser: `--panel 127.0.0.1:8080`.
-    #[arg(long, value_name = "ADDRESS:PORT")]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = panel_address)]
     pub panel: Option<SocketAddr>,
 }
 
@@ -81,9 +82,6 @@ pub struct RunArguments {
 /// The configuration is refused, the lidar's port is taken, or a ring failed.
 pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     let configuration = load(&arguments.file)?;
-    if let Some(duration) = arguments.duration.filter(|duration| !(*duration > 0.0 && duration.is_finite())) {
-        return Err(BadInput(format!("--duration {duration}: give seconds, more than 0")).into());
-    }
     let folder = arguments.file.parent().unwrap_or(Path::new("."));
     let source =
         configuration.carriers.camera.as_ref().map(|camera| open_source(camera, folder)).transpose()?;
@@ -91,10 +89,7 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     let shared: Box<HostedShared> = new_shared(&configuration.robot, clock::now())
         .map_err(|error| BadInput(format!("{}: {error}", arguments.file.display())))?;
     let flag = StopFlag::default();
-    at_interrupt({
-        let flag = flag.clone();
-        move || flag.stop()
-    })?;
+    end_at_ctrl_c(&flag, "the robot is brought to a stand")?;
     say!(
         "floorguard run: {}; Ctrl-C ends it; r and Enter resets, s and Enter starts",
         arguments.file.display()

@@ -14,9 +14,9 @@ use floorguard_types::sensing::BeamReturn;
 use floorguard_types::time::Stamp;
 
 use super::frame::{CauseFrame, Frame, PersonFrame, Place, SourceFrame, place, round};
+use super::held_history::{HeldEvent, HeldHistory, HeldKind};
 use super::layers::{Layers, layers, mission_frame};
 use super::plain::remedy;
-use crate::display::{HeldEvent, HeldHistory, HeldKind};
 use floorguard_recording::{LidarView, describe};
 use floorguard_robot::cleaner::MissionProgress;
 

@@ -5,7 +5,7 @@ use floorguard_runtime::shared::RobotStatus;
 use floorguard_types::time::Stamp;
 use serde::Serialize;
 
-use crate::panel::remedy;
+use super::plain::remedy;
 
 /// What the history tells of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
