@@ -3,6 +3,7 @@
 use super::field_selection::{Demand, STANDING_MPS};
 use super::limiter::{is_straight, lets_leave, limited};
 use super::machine::Verdict;
+use super::reset_answer::ResetProgress;
 use super::supervisor::Supervisor;
 use crate::protection::{Action, Advice, Cause, CauseRecord, Decision, FaultKind, Health, Source, Unit};
 use floorguard_types::geometry::Twist2;
@@ -20,7 +21,9 @@ impl Supervisor {
         self.judge_start(all_healthy, now);
         self.judge_motion(now);
         let standing = self.state.motion.wheels.linear_mps.abs() < STANDING_MPS;
+        let reset = ResetProgress::of(&self.state.machine);
         let verdict = self.state.machine.settle(all_healthy && standing, now);
+        self.note_reset(&reset, standing, now);
         let desired = self.desired(&verdict);
         let demand =
             Demand { wanted: desired, permitted: self.state.permitted, measured: self.state.motion.wheels };

@@ -32,6 +32,7 @@ mod run_lesson;
 mod simulate;
 #[cfg(feature = "laboratory")]
 mod train;
+mod values;
 
 pub use arguments::{Arguments, Command, DecodeArguments, ModelArgument, ReplayArguments};
 pub use ask::{AskArguments, AskQuestion};
@@ -43,7 +44,7 @@ pub use decode::decode_to;
 pub use demo::DemoArguments;
 #[cfg(feature = "laboratory")]
 pub use eval::{EvalArguments, EvalStage};
-pub use exit::{BadInput, VerdictFailed, exit_code, is_broken_pipe};
+pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
 pub use inspect::InspectArguments;
 pub use learn::{LearnArguments, PlaceArguments};
 #[cfg(feature = "laboratory")]
