@@ -40,7 +40,7 @@ fn an_odd_azimuth_costs_only_its_block() {
 }
 
 #[test]
-fn a_block_left_out_is_counted_with_its_reason() {
+fn an_odd_block_is_counted_with_its_reason() {
     let mut bytes = packet(1_000, 0, 500, SINGLE);
     set_azimuth(&mut bytes, 5, 0xf0b8);
     let mut decoder = Decoder::new(ModelChoice::Auto);

@@ -45,6 +45,8 @@ pub struct SweepBuilder {
     last_stamp: Stamp,
     /// How firings share columns.
     sharing: Sharing,
+    /// Rotation within the newest packet, hundredths of a degree, and in how many steps.
+    speed: (u32, u32),
 }
 
 /// How firings share columns: a head that turns slowly fires more often than a sweep has columns.
@@ -52,7 +54,7 @@ pub struct SweepBuilder {
 enum Sharing {
     /// Every firing has its own.
     None,
-    /// Those that fall into the same 20 cdeg of the turn: at 590 rpm one of fifty.
+    /// Those that fall into the same 20 cdeg of the turn, while the rest would not fit: at 590 rpm one of a hundred.
     SamePlace,
     /// Those within 20 cdeg of the first of the column: at 300 rpm, 10 cdeg apart, every second one.
     Near,
@@ -94,6 +96,7 @@ impl SweepBuilder {
             step_cdeg: 20,
             last_stamp: Stamp::ZERO,
             sharing: Sharing::None,
+            speed: (0, 0),
         }
     }
 
@@ -110,6 +113,7 @@ impl SweepBuilder {
         let (turned_cdeg, steps) = steps_of(packet);
         self.step_cdeg = mean_step_cdeg(turned_cdeg, steps).clamp(1, 200);
         self.sharing = Sharing::of(turned_cdeg, steps);
+        self.speed = (turned_cdeg, steps);
         let missing = u32::from(lost_packets).saturating_mul(packet.columns.len() as u32);
         if let Some(first) = packet.columns.first() {
             self.enter_gap((missing, first.azimuth_cdeg), packet.stamp, building, &mut complete);
@@ -140,9 +144,19 @@ impl SweepBuilder {
             (u32::from(column.azimuth_cdeg) + TURN_CDEG - u32::from(newest.azimuth_cdeg)) % TURN_CDEG;
         match self.sharing {
             Sharing::None => false,
-            Sharing::SamePlace => place(column.azimuth_cdeg) == place(newest.azimuth_cdeg),
+            Sharing::SamePlace => {
+                self.is_short(building, column) && place(column.azimuth_cdeg) == place(newest.azimuth_cdeg)
+            }
             Sharing::Near => turned_cdeg < MERGE_CDEG,
         }
+    }
+
+    /// At this speed the rest of the turn does not fit into the rest of the columns, with two to spare.
+    fn is_short<const RINGS: usize>(&self, building: &Sweep<RINGS>, column: &LidarColumn) -> bool {
+        let from_cut = (u32::from(column.azimuth_cdeg) + TURN_CDEG - u32::from(self.cut_cdeg)) % TURN_CDEG;
+        let left = building.columns.len().saturating_sub(building.column_count).saturating_sub(2) as u32;
+        let (turned_cdeg, steps) = self.speed;
+        left.saturating_mul(turned_cdeg) < TURN_CDEG.saturating_sub(from_cut).saturating_mul(steps)
     }
 
     /// More than half a column is missing between the newest one and the next.

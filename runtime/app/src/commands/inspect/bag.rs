@@ -26,7 +26,7 @@ struct Topic {
 
 /// What a message says of itself.
 #[derive(Default)]
-struct Said {
+struct SelfDescription {
     stamp_us: Option<u64>,
     frame: Option<String>,
     fields: Vec<String>,
@@ -82,20 +82,20 @@ fn kind(schema: &str) -> &str {
 fn enter(topic: &mut Topic, message: &Recorded) {
     topic.schema = message.schema.to_string();
     topic.encoding = message.encoding.to_string();
-    let said = if topic.encoding == "cdr" { said(&topic.schema, &message.data) } else { None };
-    topic.damaged += u64::from(said.is_none() && topic.encoding == "cdr");
-    let said = said.unwrap_or_default();
-    topic.timeline.add(said.stamp_us.unwrap_or_else(|| message.at.as_micros()));
-    topic.empty += u64::from(said.is_empty);
-    topic.frame = topic.frame.take().or(said.frame);
+    let description = if topic.encoding == "cdr" { description(&topic.schema, &message.data) } else { None };
+    topic.damaged += u64::from(description.is_none() && topic.encoding == "cdr");
+    let description = description.unwrap_or_default();
+    topic.timeline.add(description.stamp_us.unwrap_or_else(|| message.at.as_micros()));
+    topic.empty += u64::from(description.is_empty);
+    topic.frame = topic.frame.take().or(description.frame);
     if topic.fields.is_empty() {
-        topic.fields = said.fields;
+        topic.fields = description.fields;
     }
 }
 
 /// `None` for a message of a known kind that cannot be read.
-fn said(schema: &str, data: &[u8]) -> Option<Said> {
-    let of = |header: decode::Header, fields, is_empty| Said {
+fn description(schema: &str, data: &[u8]) -> Option<SelfDescription> {
+    let of = |header: decode::Header, fields, is_empty| SelfDescription {
         stamp_us: Some(header.stamp.as_micros()),
         frame: Some(header.frame),
         fields,
@@ -122,9 +122,9 @@ fn said(schema: &str, data: &[u8]) -> Option<Said> {
             let frames = decode::frames(data)?;
             let named =
                 frames.iter().map(|frame| format!("{} in {}", frame.child, frame.header.frame)).collect();
-            Said { fields: named, is_empty: frames.is_empty(), ..Said::default() }
+            SelfDescription { fields: named, is_empty: frames.is_empty(), ..SelfDescription::default() }
         }
-        _ => Said::default(),
+        _ => SelfDescription::default(),
     })
 }
 

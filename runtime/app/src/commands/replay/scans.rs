@@ -241,9 +241,9 @@ pub fn to_scan(
 mod tests {
     use super::*;
 
-    /// Legs that change partners: whoever they belong to, nobody is in a scan twice.
+    /// Legs that change partners: no person has two places in a scan.
     #[test]
-    fn nobody_is_in_a_scan_twice() {
+    fn no_identity_is_given_twice() {
         let mut walkers = Walkers::default();
         let mut scan = |pairs: &[[u32; 2]]| -> Vec<u32> {
             walkers.taken.clear();
