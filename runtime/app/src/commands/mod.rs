@@ -13,6 +13,8 @@ mod demo;
 #[cfg(feature = "laboratory")]
 mod eval;
 mod exit;
+#[cfg(feature = "laboratory")]
+mod heartbeat;
 mod interrupt;
 mod learn;
 mod live;
@@ -23,6 +25,7 @@ mod panel;
 mod replay;
 mod report;
 mod run;
+mod run_begin;
 #[cfg(feature = "laboratory")]
 mod run_lesson;
 #[cfg(feature = "laboratory")]

@@ -22,6 +22,7 @@ use super::interrupt::end_at_ctrl_c;
 use super::live::status_of;
 use super::live_camera::LiveCamera;
 use super::panel::open_panel;
+use super::run_begin::{latches_of, learning_of, mission_of};
 use super::values::{panel_address, seconds};
 use floorguard_configuration::{HostedConfiguration, load};
 use floorguard_host::console::Lines;
@@ -32,9 +33,9 @@ use floorguard_operator::panel::{HeldHistory, Order, remedy};
 use floorguard_operator::report::make_folder;
 use floorguard_operator::telemetry::{RecordedRun, RunSinks, TelemetrySender, with_telemetry};
 use floorguard_robot::assembly::new_shared;
-use floorguard_robot::assembly::{HostedShared, LatchFile, Links, latched_words, run_rings, write_stop_file};
+use floorguard_robot::assembly::{HostedShared, Links, run_rings, write_stop_file};
 use floorguard_robot::camera::open_source;
-use floorguard_robot::cleaner::{MissionPhase, MissionPlan, MissionProgress, MissionSetup, Store};
+use floorguard_robot::cleaner::{MissionPhase, MissionPlan, MissionProgress, MissionSetup};
 use floorguard_robot::environment::{Calendar, LiveLearner};
 use floorguard_robot::learning::{LearningReport, LearningSetup, LearningWriter};
 
@@ -138,42 +139,6 @@ fn all_written(unwritten: Option<&(u64, String)>) -> anyhow::Result<()> {
     let Some((files, first)) = unwritten else { return Ok(()) };
     let files = counted(*files, "file");
     Err(BadInput(format!("the run went on; {files} could not be written, the first: {first}")).into())
-}
-
-/// What is latched outlives the computer, beside the robot's file.
-fn latches_of(robot_toml: &Path) -> LatchFile {
-    let file = LatchFile::beside(robot_toml);
-    let latches = file.read();
-    if latches != 0 {
-        say!("  latched when it ran last ({}): {}", file.path().display(), latched_words(latches));
-    }
-    file
-}
-
-/// How the robot learns what people look like, if the file says so.
-fn learning_of(
-    (arguments, folder): (&RunArguments, &Path),
-    configuration: &HostedConfiguration,
-) -> anyhow::Result<Option<LearningSetup>> {
-    let Some(learning) = &configuration.learning else { return Ok(None) };
-    let setup = LearningSetup::open(learning, folder, &mut |what| say!("  {what}"));
-    setup.map_err(|error| BadInput(format!("{}: {error:#}", arguments.file.display())).into())
-}
-
-/// The mission of the file, begun or gone on with where it was broken off.
-fn mission_of(
-    (arguments, folder): (&RunArguments, &Path),
-    configuration: &HostedConfiguration,
-) -> anyhow::Result<Option<MissionSetup>> {
-    let Some(mission) = &configuration.mission else { return Ok(None) };
-    let refuse =
-        |error: anyhow::Error| BadInput(format!("{}: [mission]: {error:#}", arguments.file.display()));
-    let plan = MissionPlan::of_configuration(mission, folder).map_err(refuse)?;
-    let setup = MissionSetup::new(plan, Store::File(folder.join(&mission.save)));
-    // Before anything moves: a floor that is too small for the robot is reported now.
-    let begun = setup.begin(&configuration.robot).map_err(refuse)?;
-    say!("  mission: {}", begun.progress(clock::now()).words());
-    Ok(Some(setup))
 }
 
 /// A recording and a panel, where they are wanted.
