@@ -121,8 +121,12 @@ impl Supervisor {
                 continue;
             }
             let distance_m = self.body.distance_m(person.position);
-            let times_s = self.body.times_to_person_s(person, twist);
             nearest_m = nearest_m.min(distance_m);
+            // Who is left behind does not hold the robot (FG-REQ-034).
+            if self.body.recedes_from(person, twist) {
+                continue;
+            }
+            let times_s = self.body.times_to_person_s(person, twist);
             for (soonest_s, time_s) in soonest_s.iter_mut().zip(times_s) {
                 *soonest_s = soonest_s.min(time_s);
             }

@@ -213,6 +213,22 @@ mod tests {
     use crate::EXAMPLE;
     use crate::camera::{CameraSource, EXAMPLE_SECTION};
 
+    /// The stages that find people take 16 rings: a lidar of 32 is refused, with what takes how many and what to do.
+    #[test]
+    fn lidars_of_32_rings_are_refused() {
+        for model in ["vlp32c", "hdl32e"] {
+            let text = EXAMPLE.replace("model = \"vlp16\"", &format!("model = \"{model}\""));
+            let refused = parse("robot.toml", &text).expect_err("refused").to_string();
+            for words in ["32 rings", "the guard takes 32", "16", "puck-hi-res", "floorguard decode"] {
+                assert!(refused.contains(words), "{words} is not in: {refused}");
+            }
+        }
+        for model in ["auto", "puck-hi-res"] {
+            let text = EXAMPLE.replace("model = \"vlp16\"", &format!("model = \"{model}\""));
+            parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}"));
+        }
+    }
+
     #[test]
     fn upward_camera_is_refused() {
         let text = format!("{EXAMPLE}\n{EXAMPLE_SECTION}");

@@ -99,14 +99,12 @@ impl Verdict {
     pub fn contacts_in_words(&self) -> String {
         let counts = &self.bodies.counts;
         format!(
-            "{} while it moved ({} with people, {} with objects, {} over edges; its sensors could have avoided {}, a perfect machine {}), {} of people who walked into it as it stood",
+            "{} while it moved ({} with people, {} with objects, {} over edges): {}",
             counts.while_moving(),
             counts.people_while_moving,
             counts.drove_into_things,
             counts.over_edges,
-            counts.avoidable_by_sensors,
-            counts.avoidable,
-            counts.walked_into_standing
+            counts.headline()
         )
     }
 }

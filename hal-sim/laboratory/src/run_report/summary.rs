@@ -66,6 +66,15 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
     if let Some(learned) = &verdict.learned {
         let _ = writeln!(text, "  learned: {}", learned.words());
     }
+    let outside = verdict.bodies.counts.failing_no_run();
+    if outside > 0 {
+        let _ = writeln!(
+            text,
+            "  {} that no verdict counts: {}",
+            counted(u64::from(outside), "contact"),
+            verdict.bodies.counts.headline()
+        );
+    }
     if !verdict.faulty_sources.is_empty() {
         let _ = writeln!(text, "  sources that failed: {}", verdict.faulty_sources.join(", "));
     }

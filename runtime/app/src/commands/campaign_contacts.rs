@@ -146,6 +146,12 @@ fn conclude(rows: &[ContactRow], json: bool) -> anyhow::Result<()> {
         if failed.len() > REPORTED_MAX {
             say!("and {} more", failed.len() - REPORTED_MAX);
         }
+        let mut unseen: Vec<&ContactRow> = rows.iter().filter(|row| row.passed_with_contact()).collect();
+        unseen.sort_by_key(|row| row.trial);
+        for row in unseen.iter().take(REPORTED_MAX) {
+            say!("passed with a contact ({}):\n  {}", row.family, row.command());
+            row.contacts.iter().for_each(|line| say!("    {line}"));
+        }
     }
     if summary.failed == 0 {
         return Ok(());

@@ -8,6 +8,8 @@ mod campaign;
 mod campaign_contacts;
 mod check;
 mod decode;
+mod decode_can;
+mod decode_inertial;
 #[cfg(feature = "laboratory")]
 mod demo;
 #[cfg(feature = "laboratory")]
@@ -15,6 +17,7 @@ mod eval;
 mod exit;
 #[cfg(feature = "laboratory")]
 mod heartbeat;
+mod inspect;
 mod interrupt;
 mod learn;
 mod live;
@@ -45,6 +48,7 @@ pub use demo::DemoArguments;
 #[cfg(feature = "laboratory")]
 pub use eval::{EvalArguments, EvalStage};
 pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
+pub use inspect::InspectArguments;
 pub use learn::{LearnArguments, PlaceArguments};
 #[cfg(feature = "laboratory")]
 pub use mission::MissionArguments;
@@ -66,6 +70,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Blackbox(arguments)) => blackbox::run(&arguments),
         Some(Command::Report(arguments)) => report::run(&arguments),
         Some(Command::Decode(arguments)) => decode::run(&arguments),
+        Some(Command::Inspect(arguments)) => inspect::run(&arguments),
         #[cfg(feature = "laboratory")]
         Some(Command::Mission(arguments)) => mission::run(&arguments),
         Some(Command::Learn(arguments)) => learn::run(&arguments),

@@ -367,12 +367,15 @@ impl<'a> Watch<'a> {
     fn on_complaints(&mut self, complaints: &Complaints) {
         let known = std::mem::replace(&mut self.complaints, *complaints);
         let lidar = complaints.lidar.filter(|now| known.lidar.map(|then| kind(&then)) != Some(kind(now)));
+        // Its edges wander by a block from turn to turn: once is enough.
+        let closed = complaints.lidar_closed.filter(|_| known.lidar_closed.is_none());
         let scanner = complaints.scanner.filter(|_| known.scanner != complaints.scanner);
         let message = complaints.scanner_message;
         let message = message.filter(|_| known.scanner_message != complaints.scanner_message);
         let imu = complaints.imu.filter(|_| known.imu != complaints.imu);
         let reasons = [
             ("lidar", lidar.map(|error| error.to_string())),
+            ("lidar", closed.map(|sector| format!("{sector}; what lies in the closed sector stays unknown"))),
             ("safety scanner", scanner.map(|error| error.to_string())),
             ("safety scanner", message.map(|error| error.to_string())),
             ("inertial sensor", imu.map(|fault| fault.to_string())),
