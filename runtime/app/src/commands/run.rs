@@ -186,6 +186,12 @@ fn kind(error: &DecodeError) -> Discriminant<DecodeError> {
     std::mem::discriminant(error)
 }
 
+/// A line for each device that has not been heard of.
+fn silent_devices(report: &BusReport) -> Vec<String> {
+    let silent = report.devices.iter().filter(|device| device.phase == NodePhase::Absent);
+    silent.map(|device| format!("  {device}")).collect()
+}
+
 /// Shows the robot while it runs.
 struct Watch<'a> {
     arguments: &'a RunArguments,
@@ -349,9 +355,7 @@ impl<'a> Watch<'a> {
     fn on_bus(&mut self, report: &BusReport) {
         if !self.silent_told && self.began.elapsed() >= SILENT_AFTER {
             self.silent_told = true;
-            for device in report.devices.iter().filter(|device| device.phase == NodePhase::Absent) {
-                self.display.note(&format!("  {device}"));
-            }
+            silent_devices(report).iter().for_each(|line| self.display.note(line));
         }
         for (index, device) in report.devices.iter().enumerate() {
             let known = self.bus.and_then(|known| known.devices.get(index).copied());
