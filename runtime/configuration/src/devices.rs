@@ -11,8 +11,12 @@ use floorguard_types::units::radians;
 use super::address::{
     CanAddress, DatagramAddress, ScannerAddress, SenderAddress, SerialAddress, parse_serial,
 };
-use super::distinct::check_bits;
 use super::reader::Reader;
+
+mod distinct;
+
+use distinct::check_bits;
+pub(super) use distinct::{Addresses, check_addresses};
 
 /// Beams of the finest output of the microScan3 family (book, microScan3: Blocks); the guard limits the
 /// capacity.

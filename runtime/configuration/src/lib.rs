@@ -4,7 +4,6 @@ mod address;
 mod bake;
 mod camera;
 mod devices;
-mod distinct;
 mod fields;
 mod learning;
 mod mission;
@@ -20,9 +19,8 @@ pub use camera::{CameraConfiguration, CameraSource};
 pub use learning::LearningConfiguration;
 pub use mission::{CleaningStrategy, MissionConfiguration};
 pub use polygon::contains as polygon_contains;
-pub use problem::{Problem, Refused};
+pub use problem::{Problem, Refused, did_you_mean};
 pub use read::{Carriers, HostedConfiguration, load, parse};
-pub use reader::did_you_mean;
 pub use reference::reference;
 
 /// The example configuration at the root of the workspace; the simulated robot is built like this.

@@ -2,6 +2,9 @@
 
 use std::fmt;
 
+/// Names closer than this (Jaro-Winkler, 0…1) are offered as "did you mean".
+const SIMILAR: f64 = 0.75;
+
 /// One mistake in `robot.toml`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
@@ -71,4 +74,12 @@ mod tests {
         assert_eq!(position("a\nbä c", 6), (2, 4));
         assert_eq!(position("a", 99), (1, 2));
     }
+}
+
+/// The known word that is nearest to this one, as a question; none if no word is near.
+#[must_use]
+pub fn did_you_mean(word: &str, known: &[&str]) -> Option<String> {
+    let score = |candidate: &&str| strsim::jaro_winkler(word, candidate);
+    let best = known.iter().copied().max_by(|a, b| score(a).total_cmp(&score(b)))?;
+    (score(&best) >= SIMILAR).then(|| format!("did you mean `{best}`?"))
 }

@@ -12,8 +12,7 @@ use toml::de::DeTable;
 
 use super::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
 use super::camera::{CameraConfiguration, read_camera};
-use super::devices::{read_can, read_imu, read_inputs, read_lidar, read_scanner};
-use super::distinct::{Addresses, check_addresses};
+use super::devices::{Addresses, check_addresses, read_can, read_imu, read_inputs, read_lidar, read_scanner};
 use super::fields::{read_fields, read_polygon};
 use super::learning::{LearningConfiguration, read_learning};
 use super::mission::{MissionConfiguration, read_mission};

@@ -10,7 +10,7 @@ use std::ops::{Range, RangeInclusive};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::problem::Problem;
+use super::problem::{Problem, did_you_mean};
 use super::reference::{Asked, note};
 
 /// Endings of keys that carry a unit.
@@ -18,8 +18,6 @@ const UNITS: [&str; 22] = [
     "_mps2", "_mps", "_kmh", "_radps", "_degps", "_deg", "_rad", "_mm", "_cm", "_km", "_m", "_us", "_ms",
     "_s", "_min", "_hz", "_khz", "_per_m", "_baud", "_kg", "_in", "_ft",
 ];
-/// Names closer than this (Jaro-Winkler, 0…1) are offered as "did you mean".
-const SIMILAR: f64 = 0.75;
 
 /// All mistakes found so far; shared by the readers of all tables.
 pub type Problems = RefCell<Vec<Problem>>;
@@ -415,12 +413,4 @@ fn unit_hint(key: &str, number: f32, range: &RangeInclusive<f32>) -> String {
         // Six digits: the factor must not show up as 0.90000004.
         format!("if {number} is meant in {unit}, write {}", (number * factor * 1.0e6).round() / 1.0e6)
     })
-}
-
-/// The known word that is nearest to this one, as a question; none if no word is near.
-#[must_use]
-pub fn did_you_mean(word: &str, known: &[&str]) -> Option<String> {
-    let score = |candidate: &&str| strsim::jaro_winkler(word, candidate);
-    let best = known.iter().copied().max_by(|a, b| score(a).total_cmp(&score(b)))?;
-    (score(&best) >= SIMILAR).then(|| format!("did you mean `{best}`?"))
 }

@@ -14,6 +14,7 @@ mod oracles;
 mod properties;
 mod reachable;
 mod receding;
+mod reset_answers;
 mod selection;
 mod starts;
 mod tables;

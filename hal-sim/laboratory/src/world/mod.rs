@@ -3,6 +3,7 @@
 mod by_hand;
 mod ends;
 mod floor_camera;
+mod observation;
 mod observer;
 mod operator;
 mod planning;
@@ -16,7 +17,8 @@ mod virtual_world;
 
 pub use crate::plan::{Plan, PlanError, plan_of_scenario};
 pub use floor_camera::SimulatedCamera;
-pub use observer::{Observation, Observer, SeenStop, TRACKED_RANGE_M};
+pub use observation::{Observation, SeenStop};
+pub use observer::{Observer, TRACKED_RANGE_M};
 pub use real_world::{CarrierFigures, run_real, run_real_recorded};
 pub use recorded_plan::{record_plan, record_plan_in_real_time};
 pub use scenario_file::load_scenario;

@@ -1,16 +1,13 @@
 //! `floorguard mission`: cleaning missions in simulation, and what their claims are worth.
 
-use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::{Duration, Instant};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use super::exit::Unfinished;
+use super::heartbeat::Heartbeat;
 use super::interrupt::end_at_ctrl_c;
 use super::{BadInput, VerdictFailed, WrongUsage};
 use floorguard_host::executor::StopFlag;
@@ -24,10 +21,6 @@ use floorguard_mapping::environment::WallTime;
 use floorguard_robot::environment::{Calendar, Model, load, read_zones, save};
 use floorguard_robot::site::{DirtSource, Floor, rooms, ros_map};
 use floorguard_types::random::Pcg32;
-
-/// Without a terminal the progress is told this often; the thread looks this often whether it is over.
-const HEARTBEAT: Duration = Duration::from_secs(10);
-const LOOK: Duration = Duration::from_millis(100);
 
 /// What to clean, how, and how often.
 #[derive(Clone, Debug, Args)]
@@ -191,45 +184,6 @@ fn robot_words(robot: &Robot) -> String {
         robot.follow.speed_mps,
         robot.brush.width_m
     )
-}
-
-/// Says now and then how far the missions are, where no bar is shown: a mission among many people takes minutes.
-struct Heartbeat {
-    done: Arc<AtomicU64>,
-    ended: Arc<AtomicBool>,
-}
-
-impl Heartbeat {
-    fn start(missions: u64) -> Self {
-        let heartbeat = Self { done: Arc::default(), ended: Arc::default() };
-        if std::io::stderr().is_terminal() {
-            return heartbeat;
-        }
-        let (done, ended) = (Arc::clone(&heartbeat.done), Arc::clone(&heartbeat.ended));
-        std::thread::spawn(move || {
-            let (began, mut next) = (Instant::now(), HEARTBEAT);
-            while !ended.load(Ordering::Relaxed) {
-                std::thread::sleep(LOOK);
-                if began.elapsed() >= next {
-                    next += HEARTBEAT;
-                    let done = done.load(Ordering::Relaxed);
-                    say!("  {:.0} s: {done} of {missions} missions", began.elapsed().as_secs_f64());
-                }
-            }
-        });
-        heartbeat
-    }
-
-    fn count(&self, bar: &ProgressBar) {
-        self.done.fetch_add(1, Ordering::Relaxed);
-        bar.inc(1);
-    }
-}
-
-impl Drop for Heartbeat {
-    fn drop(&mut self) {
-        self.ended.store(true, Ordering::Relaxed);
-    }
 }
 
 /// Somebody has ended the missions: how many count; an error if none does.

@@ -15,6 +15,8 @@ mod demo;
 #[cfg(feature = "laboratory")]
 mod eval;
 mod exit;
+#[cfg(feature = "laboratory")]
+mod heartbeat;
 mod inspect;
 mod interrupt;
 mod learn;
@@ -26,6 +28,7 @@ mod panel;
 mod replay;
 mod report;
 mod run;
+mod run_begin;
 #[cfg(feature = "laboratory")]
 mod run_lesson;
 #[cfg(feature = "laboratory")]

@@ -22,6 +22,7 @@ use super::interrupt::end_at_ctrl_c;
 use super::live::status_of;
 use super::live_camera::LiveCamera;
 use super::panel::open_panel;
+use super::run_begin::{latches_of, learning_of, mission_of};
 use super::values::{panel_address, seconds};
 use floorguard_configuration::{HostedConfiguration, load};
 use floorguard_host::console::Lines;
@@ -32,9 +33,9 @@ use floorguard_operator::panel::{HeldHistory, Order, remedy};
 use floorguard_operator::report::make_folder;
 use floorguard_operator::telemetry::{RecordedRun, RunSinks, TelemetrySender, with_telemetry};
 use floorguard_robot::assembly::new_shared;
-use floorguard_robot::assembly::{HostedShared, LatchFile, Links, latched_words, run_rings, write_stop_file};
+use floorguard_robot::assembly::{HostedShared, Links, run_rings, write_stop_file};
 use floorguard_robot::camera::open_source;
-use floorguard_robot::cleaner::{MissionPhase, MissionPlan, MissionProgress, MissionSetup, Store};
+use floorguard_robot::cleaner::{MissionPhase, MissionPlan, MissionProgress, MissionSetup};
 use floorguard_robot::environment::{Calendar, LiveLearner};
 use floorguard_robot::learning::{LearningReport, LearningSetup, LearningWriter};
 
@@ -140,42 +141,6 @@ fn all_written(unwritten: Option<&(u64, String)>) -> anyhow::Result<()> {
     Err(BadInput(format!("the run went on; {files} could not be written, the first: {first}")).into())
 }
 
-/// What is latched outlives the computer, beside the robot's file.
-fn latches_of(robot_toml: &Path) -> LatchFile {
-    let file = LatchFile::beside(robot_toml);
-    let latches = file.read();
-    if latches != 0 {
-        say!("  latched when it ran last ({}): {}", file.path().display(), latched_words(latches));
-    }
-    file
-}
-
-/// How the robot learns what people look like, if the file says so.
-fn learning_of(
-    (arguments, folder): (&RunArguments, &Path),
-    configuration: &HostedConfiguration,
-) -> anyhow::Result<Option<LearningSetup>> {
-    let Some(learning) = &configuration.learning else { return Ok(None) };
-    let setup = LearningSetup::open(learning, folder, &mut |what| say!("  {what}"));
-    setup.map_err(|error| BadInput(format!("{}: {error:#}", arguments.file.display())).into())
-}
-
-/// The mission of the file, begun or gone on with where it was broken off.
-fn mission_of(
-    (arguments, folder): (&RunArguments, &Path),
-    configuration: &HostedConfiguration,
-) -> anyhow::Result<Option<MissionSetup>> {
-    let Some(mission) = &configuration.mission else { return Ok(None) };
-    let refuse =
-        |error: anyhow::Error| BadInput(format!("{}: [mission]: {error:#}", arguments.file.display()));
-    let plan = MissionPlan::of_configuration(mission, folder).map_err(refuse)?;
-    let setup = MissionSetup::new(plan, Store::File(folder.join(&mission.save)));
-    // Before anything moves: a floor that is too small for the robot is reported now.
-    let begun = setup.begin(&configuration.robot).map_err(refuse)?;
-    say!("  mission: {}", begun.progress(clock::now()).words());
-    Ok(Some(setup))
-}
-
 /// A recording and a panel, where they are wanted.
 fn open_sinks(
     arguments: &RunArguments,
@@ -219,6 +184,12 @@ fn typed_lines() -> Receiver<String> {
 /// What is wrong, without the figures, which are others for each datagram.
 fn kind(error: &DecodeError) -> Discriminant<DecodeError> {
     std::mem::discriminant(error)
+}
+
+/// A line for each device that has not been heard of.
+fn silent_devices(report: &BusReport) -> Vec<String> {
+    let silent = report.devices.iter().filter(|device| device.phase == NodePhase::Absent);
+    silent.map(|device| format!("  {device}")).collect()
 }
 
 /// Shows the robot while it runs.
@@ -384,9 +355,7 @@ impl<'a> Watch<'a> {
     fn on_bus(&mut self, report: &BusReport) {
         if !self.silent_told && self.began.elapsed() >= SILENT_AFTER {
             self.silent_told = true;
-            for device in report.devices.iter().filter(|device| device.phase == NodePhase::Absent) {
-                self.display.note(&format!("  {device}"));
-            }
+            silent_devices(report).iter().for_each(|line| self.display.note(line));
         }
         for (index, device) in report.devices.iter().enumerate() {
             let known = self.bus.and_then(|known| known.devices.get(index).copied());

@@ -382,7 +382,8 @@ mod tests {
             let arguments = Line::try_parse_from(typed.split(' ')).unwrap().simulate;
             run(&arguments).unwrap_err().to_string()
         };
-        assert!(refused("--duration -1").contains("--duration -1: give seconds"));
+        let wrong = Line::try_parse_from(["simulate", "--scenario", "crossing", "--duration", "-1"]);
+        assert!(wrong.is_err_and(|error| error.to_string().contains("give seconds")));
         // Nothing was recorded: nothing has run.
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("never.mcap");

@@ -4,7 +4,9 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use floorguard_recording::{PointRow, Recorder, Recording, topics};
+use floorguard_recording::{
+    PointRow, RUN_METADATA, RawStream, Recorder, Recording, Times, octets_of, topics,
+};
 use floorguard_types::geometry::{Point3, Transform3};
 use floorguard_types::time::Stamp;
 use serde_json::Value;
@@ -55,6 +57,33 @@ fn a_recorded_run_gives_the_recorded_digest() {
     assert_eq!(output.status.code(), Some(3));
     assert_eq!(cut.as_slice(), &rows[..cut.len()]);
     assert!(String::from_utf8_lossy(&output.stderr).contains("is cut"), "{output:?}");
+}
+
+/// A recording from before robots waited for a start command: replay says why the robot stands.
+#[test]
+fn missing_start_command_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (file, old) = (folder.path().join("run.mcap"), folder.path().join("old.mcap"));
+    let arguments =
+        ["simulate", "--scenario", "crossing", "--duration", "4", "--json", "--record", text(&file)];
+    assert!(floorguard(&arguments).status.success());
+    let mut recording = Recording::new(std::fs::File::open(&file).expect("the recording"));
+    let messages: Vec<_> = recording.by_ref().map(|message| message.expect("whole")).collect();
+    let mut recorder = Recorder::new(std::fs::File::create(&old).expect("a file")).expect("written");
+    let texts = recording.metadata(RUN_METADATA).expect("about the run").clone();
+    recorder.metadata(RUN_METADATA, texts).expect("written");
+    for message in messages {
+        let stream = RawStream::of_topic(&message.topic).filter(|stream| *stream != RawStream::Operator);
+        if let (Some(stream), Some(bytes)) = (stream, octets_of(&message.data)) {
+            let times = Times { logged: message.at, published: message.published };
+            recorder.raw(stream, times, bytes).expect("written");
+        }
+    }
+    recorder.finish().expect("closed");
+    let says =
+        |path: &Path| String::from_utf8_lossy(&floorguard(&["replay", text(path)]).stderr).into_owned();
+    assert!(says(&old).contains("holds no start command"), "{}", says(&old));
+    assert!(!says(&file).contains("holds no start command"));
 }
 
 /// A hall with a floor and somebody who walks through it, seen by a lidar of 16 rings at 0.8 m.

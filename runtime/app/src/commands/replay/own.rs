@@ -19,7 +19,7 @@ struct Printer {
     stops: u64,
     identities: std::collections::BTreeSet<u32>,
     failed: std::io::Result<()>,
-    /// The robot waits for the start command.
+    /// The robot waited for the start command at some time.
     awaits_start: bool,
     /// It could move at some time.
     was_started: bool,
@@ -41,7 +41,7 @@ impl ReplayAudience for Printer {
 
     fn on_status(&mut self, status: &RobotStatus) {
         let decision = &status.decision;
-        self.awaits_start = decision.state == GuardState::AwaitsStart;
+        self.awaits_start |= decision.state == GuardState::AwaitsStart;
         self.was_started |= decision.speed_limit_mps > 0.0 && !decision.action.stops();
     }
 

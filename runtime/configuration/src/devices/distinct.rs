@@ -5,11 +5,11 @@ use std::path::Path;
 
 use floorguard_drivers::flexisoft::InputBits;
 
-use super::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
-use super::reader::Reader;
+use crate::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
+use crate::reader::Reader;
 
 /// The addresses of the devices, as far as they were read.
-pub(super) struct Addresses<'a> {
+pub(crate) struct Addresses<'a> {
     pub lidar: &'a DatagramAddress,
     pub scanner: &'a ScannerAddress,
     pub imu: Option<&'a SerialAddress>,
@@ -17,7 +17,7 @@ pub(super) struct Addresses<'a> {
 }
 
 /// Refuses two devices on one line or port. Each device is named by its section.
-pub(super) fn check_addresses(top: &Reader<'_>, addresses: &Addresses<'_>) {
+pub(crate) fn check_addresses(top: &Reader<'_>, addresses: &Addresses<'_>) {
     let mut lines: Vec<(&'static str, &Path)> = Vec::new();
     let mut ports = vec![("lidar", *addresses.lidar)];
     match addresses.scanner {

@@ -1,0 +1,48 @@
+//! What a robot goes on with when it begins to run: what was latched, what it has learned, its mission.
+
+use std::path::Path;
+
+use floorguard_runtime::clock;
+
+use super::exit::BadInput;
+use super::run::RunArguments;
+use floorguard_configuration::HostedConfiguration;
+use floorguard_robot::assembly::{LatchFile, latched_words};
+use floorguard_robot::cleaner::{MissionPlan, MissionSetup, Store};
+use floorguard_robot::learning::LearningSetup;
+
+/// What is latched outlives the computer, beside the robot's file.
+pub(super) fn latches_of(robot_toml: &Path) -> LatchFile {
+    let file = LatchFile::beside(robot_toml);
+    let latches = file.read();
+    if latches != 0 {
+        say!("  latched when it ran last ({}): {}", file.path().display(), latched_words(latches));
+    }
+    file
+}
+
+/// How the robot learns what people look like, if the file says so.
+pub(super) fn learning_of(
+    (arguments, folder): (&RunArguments, &Path),
+    configuration: &HostedConfiguration,
+) -> anyhow::Result<Option<LearningSetup>> {
+    let Some(learning) = &configuration.learning else { return Ok(None) };
+    let setup = LearningSetup::open(learning, folder, &mut |what| say!("  {what}"));
+    setup.map_err(|error| BadInput(format!("{}: {error:#}", arguments.file.display())).into())
+}
+
+/// The mission of the file, begun or gone on with where it was broken off.
+pub(super) fn mission_of(
+    (arguments, folder): (&RunArguments, &Path),
+    configuration: &HostedConfiguration,
+) -> anyhow::Result<Option<MissionSetup>> {
+    let Some(mission) = &configuration.mission else { return Ok(None) };
+    let refuse =
+        |error: anyhow::Error| BadInput(format!("{}: [mission]: {error:#}", arguments.file.display()));
+    let plan = MissionPlan::of_configuration(mission, folder).map_err(refuse)?;
+    let setup = MissionSetup::new(plan, Store::File(folder.join(&mission.save)));
+    // Before anything moves: a floor that is too small for the robot is reported now.
+    let begun = setup.begin(&configuration.robot).map_err(refuse)?;
+    say!("  mission: {}", begun.progress(clock::now()).words());
+    Ok(Some(setup))
+}
