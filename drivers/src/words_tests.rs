@@ -135,7 +135,7 @@ fn lidar_and_inertial_sensor() {
         DecodeError::Packet(PacketError::Length { received: 1 }),
         DecodeError::ModelUndecided,
         DecodeError::UnknownProduct { product_byte: 9 },
-        DecodeError::TooManyLasers { model: Model::Hdl32E },
+        DecodeError::TooManyLasers { model: Model::Hdl32E, lasers_max: 16 },
         DecodeError::Rotation { gap_cdeg: 0 },
         DecodeError::NoPairs { first_cdeg: 1, second_cdeg: 2 },
         DecodeError::NotNewer { stamp_us: 4 },

@@ -3,6 +3,7 @@
 use super::field_selection::{Demand, STANDING_MPS};
 use super::limiter::{is_straight, lets_leave, limited};
 use super::machine::Verdict;
+use super::reset_answer::ResetProgress;
 use super::supervisor::Supervisor;
 use crate::protection::{Action, Advice, Cause, CauseRecord, Decision, FaultKind, Health, Source, Unit};
 use floorguard_types::geometry::Twist2;
@@ -20,7 +21,9 @@ impl Supervisor {
         self.judge_start(all_healthy, now);
         self.judge_motion(now);
         let standing = self.state.motion.wheels.linear_mps.abs() < STANDING_MPS;
+        let reset = ResetProgress::of(&self.state.machine);
         let verdict = self.state.machine.settle(all_healthy && standing, now);
+        self.note_reset(&reset, standing, now);
         let desired = self.desired(&verdict);
         let demand =
             Demand { wanted: desired, permitted: self.state.permitted, measured: self.state.motion.wheels };
@@ -118,8 +121,12 @@ impl Supervisor {
                 continue;
             }
             let distance_m = self.body.distance_m(person.position);
-            let times_s = self.body.times_to_person_s(person, twist);
             nearest_m = nearest_m.min(distance_m);
+            // Who is left behind does not hold the robot (FG-REQ-034).
+            if self.body.recedes_from(person, twist) {
+                continue;
+            }
+            let times_s = self.body.times_to_person_s(person, twist);
             for (soonest_s, time_s) in soonest_s.iter_mut().zip(times_s) {
                 *soonest_s = soonest_s.min(time_s);
             }

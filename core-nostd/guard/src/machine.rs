@@ -45,8 +45,8 @@ pub struct Verdict {
     pub limit_mps: f32,
     /// First cause of this stop; without a stop the cause with the least limit.
     pub primary: Option<CauseRecord>,
-    /// What holds the robot now: of the causes with the most severe demand the one with the newest evidence; without a stop
-    /// as [`Self::primary`] (FG-REQ-071).
+    /// What holds the robot now: a pressed emergency stop, or of the causes with the most severe demand one that is still
+    /// there, with the newest evidence; without a stop as [`Self::primary`] (FG-REQ-071).
     pub holding: Option<CauseRecord>,
 }
 
@@ -129,7 +129,7 @@ impl DecisionMachine {
         if granted {
             self.raise(CauseRecord::new(Cause::StartNeeded, now));
         }
-        let verdict = self.verdict();
+        let verdict = self.verdict(now);
         if !verdict.action.stops() {
             self.first_stop = None;
         }
@@ -140,9 +140,7 @@ impl DecisionMachine {
     /// cancels the request (FG-REQ-005).
     fn reset_granted(&mut self, self_test_passed: bool, now: Stamp) -> bool {
         let Some(since) = self.reset_since else { return false };
-        let present = self.held.iter().any(|held| {
-            held.first.cause.clear() == Clear::Reset && elapsed_us(held.last_pulse, now) < PRESENT_US
-        });
+        let present = self.present_latch(now).is_some();
         let granted = self_test_passed && !present && elapsed_us(since, now) >= SELF_TEST_US;
         if granted || present || !self_test_passed {
             self.reset_since = None;
@@ -151,7 +149,18 @@ impl DecisionMachine {
         granted
     }
 
-    fn verdict(&self) -> Verdict {
+    /// A cause that needs a reset and whose evidence is present.
+    pub(super) fn present_latch(&self, now: Stamp) -> Option<Cause> {
+        let is_present = |cause: Cause, last_pulse: Stamp| {
+            cause.clear() == Clear::Reset && elapsed_us(last_pulse, now) < PRESENT_US
+        };
+        self.held
+            .iter()
+            .find(|held| is_present(held.first.cause, held.last_pulse))
+            .map(|held| held.first.cause)
+    }
+
+    fn verdict(&self, now: Stamp) -> Verdict {
         let mut verdict = Verdict {
             action: Action::None,
             state: GuardState::Run,
@@ -160,11 +169,18 @@ impl DecisionMachine {
             holding: None,
         };
         let mut latched = false;
-        let (mut holding, mut newest) = (None, (Action::None, Stamp::ZERO));
+        let (mut holding, mut foremost) = (None, Foremost::default());
         for slot in self.held.iter() {
             verdict.action = verdict.action.max(slot.first.action);
-            if (slot.first.action, slot.last_pulse) >= newest {
-                (holding, newest) = (Some(slot.first), (slot.first.action, slot.last_pulse));
+            let is_present = elapsed_us(slot.last_pulse, now) < PRESENT_US;
+            let candidate = Foremost {
+                is_pressed: is_present && slot.first.cause == Cause::EmergencyStop,
+                action: slot.first.action,
+                is_present,
+                newest: slot.last_pulse,
+            };
+            if candidate >= foremost {
+                (holding, foremost) = (Some(slot.first), candidate);
             }
             latched |= slot.first.cause.is_latching();
             if slot.first.action == Action::Limit && slot.limit_mps < verdict.limit_mps {
@@ -188,6 +204,16 @@ impl DecisionMachine {
         };
         verdict
     }
+}
+
+/// Which of two causes is shown as what holds the robot: a pressed emergency stop before all others, then the more severe
+/// demand, then what is still there, then the newest evidence (FG-REQ-071).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+struct Foremost {
+    is_pressed: bool,
+    action: Action,
+    is_present: bool,
+    newest: Stamp,
 }
 
 /// Microseconds from a pulse to now; 0 when the pulse lies in the future: then nothing has been quiet.

@@ -2,6 +2,7 @@
 //! to a decision, with or without a command (FG-REQ-007).
 
 use super::packet_check::BLIND_RUN_CDEG;
+use super::reset::ResetReport;
 use super::rules::Clear;
 use super::scan_check::ScanFinding;
 use super::source_monitor::SourceMonitor;
@@ -26,6 +27,7 @@ pub struct Supervisor {
     pub(super) integrity: Integrity,
     pub(super) state: State,
     pub(super) copy: State,
+    pub(super) resets: ResetReport,
 }
 
 impl Supervisor {
@@ -38,6 +40,7 @@ impl Supervisor {
         integrity: Integrity::NONE,
         state: State::UNKNOWN,
         copy: State::UNKNOWN,
+        resets: ResetReport::NONE,
     };
 
     /// A configured guard, by value.
@@ -64,6 +67,7 @@ impl Supervisor {
         self.state = State::new(&config, now);
         self.copy = self.state;
         self.config = config;
+        self.resets = ResetReport::NONE;
         Ok(())
     }
 

@@ -11,7 +11,7 @@ use floorguard_types::sensing::{LidarColumn, LidarPacket};
 use floorguard_types::time::Stamp;
 
 use super::model::{LaserAngles, Model};
-use super::packet::{BLOCKS, Block, Packet};
+use super::packet::{BLOCKS, Block, BlockTurn, Packet};
 
 /// Converts packets of one model.
 #[derive(Clone, Debug)]
@@ -30,12 +30,13 @@ impl Columns {
         Self { model, rings }
     }
 
-    /// Writes all columns of a packet: 12 to 24 in single, 6 to 12 in dual return. Returns nearer than `blind_range_mm`
-    /// become unknown; gives their number.
+    /// Writes the columns of all blocks whose direction is known: up to 24 in single, 12 in dual return. Returns nearer
+    /// than `blind_range_mm` become unknown; gives their number. What follows a closed sector was fired `skipped_us`
+    /// later.
     pub(super) fn convert(
         &self,
-        packet: &Packet<'_>,
-        (stamp, blind_range_mm): (Stamp, u16),
+        (packet, turns): (&Packet<'_>, &[BlockTurn; BLOCKS]),
+        ((stamp, skipped_us), blind_range_mm): ((Stamp, u32), u16),
         out: &mut LidarPacket,
     ) -> u32 {
         let blind_raw = blind_range_mm.div_ceil(u16::from(self.model.range_unit_mm().max(1)));
@@ -44,23 +45,28 @@ impl Columns {
         out.stamp = stamp;
         out.range_unit_mm = self.model.range_unit_mm();
         out.rings = self.model.lasers() as u8;
+        let known = turns.iter().step_by(step).filter(|turn| turn.azimuth_cdeg.is_some()).count();
         // 12 blocks of two sequences are exactly the capacity.
-        let _ = out.columns.resize(BLOCKS / step * sequences, LidarColumn::SILENT);
-        let gaps = packet.gaps();
-        let blocks = packet.blocks().zip(gaps).step_by(step);
+        let _ = out.columns.resize(known * sequences, LidarColumn::SILENT);
+        let blocks = packet.blocks().zip(turns).step_by(step);
         // The second blocks of the pairs.
         let mut echoes = packet.blocks().skip(1).step_by(step);
         let mut columns = out.columns.iter_mut();
         let mut self_returns = 0;
-        for (time_step, (block, gap_cdeg)) in blocks.enumerate() {
+        let mut later_us = 0;
+        for (time_step, (block, turn)) in blocks.enumerate() {
             let echo = if packet.is_dual() { echoes.next() } else { None };
+            let Some(block_cdeg) = turn.azimuth_cdeg else { continue };
+            if turn.skipped_cdeg > 0 {
+                later_us = skipped_us;
+            }
             for (sequence, column) in columns.by_ref().take(sequences).enumerate() {
                 *column = LidarColumn::SILENT;
-                column.azimuth_cdeg = self.middle_azimuth(block.azimuth_cdeg, sequence, gap_cdeg);
+                column.azimuth_cdeg = self.middle_azimuth(block_cdeg, sequence, turn.gap_cdeg);
                 let start_ns = (time_step as u32)
                     .saturating_mul(self.model.block_ns())
                     .saturating_add((sequence as u32).saturating_mul(self.model.sequence_ns()));
-                column.offset_us = start_ns / 1_000;
+                column.offset_us = (start_ns / 1_000).saturating_add(later_us);
                 self_returns += self.fill(column, block, sequence, blind_raw);
                 if let Some(echo) = echo {
                     self_returns += self.fill(column, echo, sequence, blind_raw);

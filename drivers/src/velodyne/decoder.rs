@@ -5,9 +5,11 @@ use floorguard_types::sensing::LidarPacket;
 use floorguard_types::time::Stamp;
 
 use super::clock::HourClock;
+use super::closed_sector::{ClosedSector, PacketTurn, SectorWatch};
 use super::columns::Columns;
 use super::model::{Model, detect_model};
 use super::packet::{Packet, PacketError};
+use super::rotation::{check_rotation, leave_out_alone, lost_packets};
 
 /// Which model sends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,10 +43,12 @@ pub enum DecodeError {
         /// The byte.
         product_byte: u8,
     },
-    /// The lidar has more lasers than the capacity of this build.
+    /// The lidar has more lasers than the capacity of this build or [`Decoder::with_lasers_max`] allow.
     TooManyLasers {
         /// Which one sends.
         model: Model,
+        /// As many are taken.
+        lasers_max: u8,
     },
     /// The head does not turn, or turns impossibly fast: azimuths cannot be trusted.
     Rotation {
@@ -82,13 +86,8 @@ impl core::fmt::Display for DecodeError {
             Self::UnknownProduct { product_byte } => {
                 write!(f, "unknown lidar product byte 0x{product_byte:02X}; set the model by hand")
             }
-            Self::TooManyLasers { model } => {
-                write!(
-                    f,
-                    "a {} has {} lasers, this build takes {PACKET_RINGS_MAX}",
-                    model.name(),
-                    model.lasers()
-                )
+            Self::TooManyLasers { model, lasers_max } => {
+                write!(f, "a {} has {} lasers, {lasers_max} are taken here", model.name(), model.lasers())
             }
             Self::Rotation { gap_cdeg } => {
                 write!(
@@ -120,10 +119,12 @@ pub struct Counters {
     pub accepted: u32,
     /// Datagrams refused, for any reason.
     pub refused: u32,
-    /// Packets missing between two accepted ones.
+    /// Packets missing between two accepted ones. What a closed sector was taken for before it had shown is taken back.
     pub lost: u32,
     /// Packets repeated or overtaken (also counted as refused).
     pub not_newer: u32,
+    /// Blocks left out of accepted packets, because their azimuth is none.
+    pub odd_blocks: u32,
     /// Returns nearer than the blind range, taken for the robot itself and entered as unknown.
     pub self_returns: u32,
 }
@@ -157,12 +158,16 @@ pub struct Decoder {
     choice: ModelChoice,
     decided: Option<Decided>,
     blind_range_mm: u16,
+    lasers_max: u8,
     /// The newest packet that is one, accepted or not: for the period.
     last: Option<LastPacket>,
     /// Sensor time since the newest *accepted* packet: what was refused in between is missing in the sweep.
     since_accepted_us: Option<u32>,
     clock: HourClock,
     counters: Counters,
+    /// Why a block of the newest accepted packet was left out.
+    odd_block: Option<PacketError>,
+    sectors: SectorWatch,
 }
 
 #[derive(Clone, Debug)]
@@ -177,10 +182,6 @@ struct LastPacket {
     stamp_us: u32,
 }
 
-/// At 1,200 rpm a block turns 80 cdeg; the margin is for a head that overshoots (book, Velodyne: Azimuth).
-const GAP_MAX_CDEG: u16 = 100;
-/// A longer silence is a restart, not a number of lost packets.
-const LOST_MAX: u32 = 750;
 /// An hour, microseconds.
 const HOUR_US: u32 = 3_600_000_000;
 /// A packet that is older than the one before by up to this was repeated or overtaken on the way; by more, the sensor's
@@ -195,10 +196,13 @@ impl Decoder {
             choice,
             decided: None,
             blind_range_mm: 0,
+            lasers_max: PACKET_RINGS_MAX as u8,
             last: None,
             since_accepted_us: None,
             clock: HourClock::default(),
             counters: Counters::default(),
+            odd_block: None,
+            sectors: SectorWatch::default(),
         }
     }
 
@@ -207,6 +211,12 @@ impl Decoder {
     #[must_use]
     pub fn with_blind_range_mm(self, blind_range_mm: u16) -> Self {
         Self { blind_range_mm, ..self }
+    }
+
+    /// The same decoder for stages that take lidars of at most `lasers_max` rings: packets of a larger one are refused.
+    #[must_use]
+    pub fn with_lasers_max(self, lasers_max: u8) -> Self {
+        Self { lasers_max: lasers_max.min(PACKET_RINGS_MAX as u8), ..self }
     }
 
     /// The model, once it is known.
@@ -225,6 +235,19 @@ impl Decoder {
     #[must_use]
     pub const fn counters(&self) -> Counters {
         self.counters
+    }
+
+    /// Why a block of the newest packet was left out though the packet was taken: [`PacketError::Azimuth`].
+    #[must_use]
+    pub const fn odd_block(&self) -> Option<PacketError> {
+        self.odd_block
+    }
+
+    /// The sector that the lidar leaves out because it is set to a field of view, once it has shown. It stays unknown, and
+    /// nothing of it is lost.
+    #[must_use]
+    pub const fn closed_sector(&self) -> Option<ClosedSector> {
+        self.sectors.known()
     }
 
     /// Decodes one UDP payload that arrived at `arrival`. Gives the columns and how many packets are missing right
@@ -248,6 +271,7 @@ impl Decoder {
         arrival: Stamp,
         out: &mut LidarPacket,
     ) -> Result<u16, DecodeError> {
+        self.odd_block = None;
         let outcome = self.try_decode(payload, arrival, out);
         match outcome {
             Ok(_) => self.counters.accepted = self.counters.accepted.saturating_add(1),
@@ -274,20 +298,36 @@ impl Decoder {
         self.since_accepted_us =
             self.since_accepted_us.zip(step_us).map(|(sum, step)| sum.saturating_add(step));
         decision?;
-        check_rotation(&packet)?;
+        let mut turns = packet.turns();
+        check_rotation(&packet, &turns)?;
         let Some(Decided { model, columns, .. }) = &self.decided else {
             return Err(DecodeError::ModelUndecided);
         };
+        if self.sectors.known().is_none() {
+            leave_out_alone(&mut turns, packet.is_dual());
+        }
+        let turned = PacketTurn::new(&turns, model.block_ns(), packet.is_dual())
+            .ok_or(DecodeError::Rotation { gap_cdeg: 0 })?;
+        let turned = self.sectors.timed(turned);
         let packet_us = model.packet_us(packet.is_dual());
-        let lost = lost_packets(self.since_accepted_us, packet_us);
+        let since_us = self
+            .since_accepted_us
+            .map(|since_us| since_us.saturating_sub(self.sectors.closed_us(&turned, since_us, packet_us)));
+        let lost = lost_packets(since_us, packet_us);
+        let no_loss = self.sectors.accept(&turned, lost, self.since_accepted_us);
         // The datagram is sent after its last firing; the sensor's stamp is that of the first (book, Velodyne: Data
         // packet).
-        let first_firing = arrival.minus_micros(u64::from(packet_us));
+        let taken_us = packet_us.saturating_add(turned.skipped_us);
+        let first_firing = arrival.minus_micros(u64::from(taken_us));
         let stamp = self.clock.stamp(packet.stamp_us(), first_firing);
         self.since_accepted_us = Some(0);
-        self.counters.lost = self.counters.lost.saturating_add(u32::from(lost));
-        let self_returns = columns.convert(&packet, (stamp, self.blind_range_mm), out);
+        self.counters.lost = self.counters.lost.saturating_add(u32::from(lost)).saturating_sub(no_loss);
+        let times = (stamp, turned.skipped_us);
+        let self_returns = columns.convert((&packet, &turns), (times, self.blind_range_mm), out);
         self.counters.self_returns = self.counters.self_returns.saturating_add(self_returns);
+        self.odd_block = packet.odd_blocks().next();
+        let odd = turns.iter().filter(|turn| turn.azimuth_cdeg.is_none()).count() as u32;
+        self.counters.odd_blocks = self.counters.odd_blocks.saturating_add(odd);
         Ok(lost)
     }
 
@@ -339,49 +379,13 @@ impl Decoder {
                 model
             }
         };
-        if model.lasers() > PACKET_RINGS_MAX {
-            return Err(DecodeError::TooManyLasers { model });
+        if model.lasers() > usize::from(self.lasers_max) {
+            return Err(DecodeError::TooManyLasers { model, lasers_max: self.lasers_max });
         }
         if self.model() != Some(model) {
             self.decided =
                 Some(Decided { model, product_byte, columns: Columns::new(model, &model.angles()) });
         }
         Ok(())
-    }
-}
-
-/// The head turns, neither too slow nor too fast, in every block; blocks of a dual return come in pairs.
-fn check_rotation(packet: &Packet<'_>) -> Result<(), DecodeError> {
-    if packet.is_dual() {
-        let [a0, a1, b0, b1, c0, c1, d0, d1, e0, e1, f0, f1] = packet.azimuths();
-        let pairs = [(a0, a1), (b0, b1), (c0, c1), (d0, d1), (e0, e1), (f0, f1)];
-        if let Some((first_cdeg, second_cdeg)) = pairs.into_iter().find(|(first, second)| first != second) {
-            return Err(DecodeError::NoPairs { first_cdeg, second_cdeg });
-        }
-    }
-    match packet.gaps().into_iter().find(|gap| !(1..=GAP_MAX_CDEG).contains(gap)) {
-        Some(gap_cdeg) => Err(DecodeError::Rotation { gap_cdeg }),
-        None => Ok(()),
-    }
-}
-
-fn lost_packets(step_us: Option<u32>, period_us: u32) -> u16 {
-    let periods = step_us.map_or(1, |step| step.saturating_add(period_us / 2) / period_us.max(1));
-    let lost = periods.saturating_sub(1);
-    if lost > LOST_MAX { 0 } else { u16::try_from(lost).unwrap_or(0) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn missing_packets_are_the_nearest_number_of_periods() {
-        assert_eq!(lost_packets(None, 1_327), 0);
-        assert_eq!(lost_packets(Some(1_327), 1_327), 0);
-        assert_eq!(lost_packets(Some(1_990), 1_327), 0, "less than half a period late");
-        assert_eq!(lost_packets(Some(3_450), 1_327), 2, "2.6 periods");
-        assert_eq!(lost_packets(Some(1_000 * (LOST_MAX + 1)), 1_000), LOST_MAX as u16);
-        assert_eq!(lost_packets(Some(1_000 * (LOST_MAX + 2)), 1_000), 0, "a clock that was set, no gap");
     }
 }

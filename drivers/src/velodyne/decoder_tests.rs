@@ -307,6 +307,10 @@ fn thirty_two_lasers_need_the_capacity() {
     let mut decoder = Decoder::new(ModelChoice::Fixed(Model::Hdl32E));
     let result = decoder.decode(&packet(0, 1_000, 500, [0x37, 0x21]), Stamp::from_micros(9)).map(|_| ());
     let has_capacity = floorguard_types::capacities::PACKET_RINGS_MAX >= 32;
-    let wanted = if has_capacity { Ok(()) } else { Err(DecodeError::TooManyLasers { model: Model::Hdl32E }) };
-    assert_eq!(result, wanted);
+    let too_many = |lasers_max| Err(DecodeError::TooManyLasers { model: Model::Hdl32E, lasers_max });
+    assert_eq!(result, if has_capacity { Ok(()) } else { too_many(16) });
+    // Stages that take sixteen rings are given no other lidar, whatever the build has room for.
+    let mut decoder = Decoder::new(ModelChoice::Auto).with_lasers_max(16);
+    let refused = decoder.decode(&packet(0, 1_000, 500, [0x37, 0x28]), Stamp::from_micros(9)).map(|_| ());
+    assert_eq!(refused, Err(DecodeError::TooManyLasers { model: Model::Vlp32C, lasers_max: 16 }));
 }

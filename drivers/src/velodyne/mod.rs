@@ -3,6 +3,7 @@
 //! Source of formats, angles and times: book, Velodyne.
 
 mod clock;
+mod closed_sector;
 mod columns;
 mod decoder;
 mod gprmc;
@@ -10,17 +11,23 @@ mod model;
 mod packet;
 mod position;
 mod returns;
+mod rotation;
 mod sweep_builder;
 
 pub use clock::HourClock;
+pub use closed_sector::ClosedSector;
 pub use decoder::{Counters, DecodeError, Decoder, ModelChoice};
 pub use gprmc::{Gprmc, GprmcError, Place};
 pub use model::{LaserAngles, Model, detect_model};
-pub use packet::{Packet, PacketError, ReturnMode};
+pub use packet::{BlockTurn, Packet, PacketError, ReturnMode};
 pub use position::{PositionError, PositionPacket, PpsState};
 pub use returns::{Return, Returns, ReturnsOf};
 pub use sweep_builder::SweepBuilder;
 
+#[cfg(test)]
+mod blocks_tests;
+#[cfg(test)]
+mod closed_sector_tests;
 #[cfg(test)]
 mod decoder_tests;
 #[cfg(test)]

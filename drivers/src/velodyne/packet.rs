@@ -43,9 +43,9 @@ pub enum PacketError {
         /// What stands there.
         found: [u8; 2],
     },
-    /// An azimuth above 36,000.
+    /// An azimuth above 36,000 in this block and in every other; a packet with one that has an azimuth is taken.
     Azimuth {
-        /// Which block.
+        /// The first block.
         block: u8,
         /// Hundredths of a degree.
         azimuth_cdeg: u16,
@@ -72,7 +72,7 @@ impl core::fmt::Display for PacketError {
                 write!(f, "lidar block {block} starts with {a:02X} {b:02X}; expected FF EE")
             }
             Self::Azimuth { block, azimuth_cdeg } => {
-                write!(f, "lidar block {block} has azimuth {azimuth_cdeg} cdeg; the limit is 36000")
+                write!(f, "lidar block {block} has azimuth {azimuth_cdeg} cdeg; the limit is 36000: left out")
             }
             Self::ReturnMode { found } => {
                 write!(f, "lidar return mode 0x{found:02X}; known are 0x37, 0x38, 0x39")
@@ -95,8 +95,8 @@ pub const STAMP_LIMIT_US: u32 = 3_601_000_000;
 /// A checked data packet.
 ///
 /// # Invariants
-/// 1,206 bytes; every block starts with FF EE and has an azimuth of at most 36,000, which is 0; the return mode is known; the stamp is
-/// within the hour and one second.
+/// 1,206 bytes; every block starts with FF EE, and one at least has an azimuth of at most 36,000, which is 0; the return mode is
+/// known; the stamp is within the hour and one second.
 ///
 /// ```
 /// use floorguard_drivers::velodyne::{Packet, PacketError, ReturnMode};
@@ -125,10 +125,28 @@ pub struct Packet<'a> {
 /// One block of a packet.
 #[derive(Clone, Copy, Debug)]
 pub struct Block<'a> {
-    /// Hundredths of a degree, clockwise, at the first firing.
+    /// Hundredths of a degree, clockwise, at the first firing; above 35,999 it is none, and nobody knows where the
+    /// block looked.
     pub azimuth_cdeg: u16,
     channels: &'a [u8],
 }
+
+/// Where the head was at a block, and how it turned.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct BlockTurn {
+    /// At the first firing, hundredths of a degree, 0…35,999; `None` where the wire has no azimuth. Of a dual return
+    /// both blocks of a pair have one, or none.
+    pub azimuth_cdeg: Option<u16>,
+    /// Rotation within the block, hundredths of a degree.
+    pub gap_cdeg: u16,
+    /// Closed sector between the block (pair) before and this one, hundredths of a degree: a lidar that is set to a
+    /// field of view leaves out what it fires elsewhere. 0 where the head has turned evenly.
+    pub skipped_cdeg: u16,
+}
+
+/// At 1,200 rpm a block turns 80 cdeg; the margin is for a head that overshoots (book, Velodyne: Azimuth).
+pub(super) const GAP_MAX_CDEG: u16 = 100;
 
 impl<'a> Packet<'a> {
     /// Checks a UDP payload.
@@ -140,13 +158,9 @@ impl<'a> Packet<'a> {
             payload.try_into().map_err(|_| PacketError::Length { received: payload.len() })?;
         let blocks = bytes.get(..field::BLOCKS * field::BLOCK_BYTES).unwrap_or_default();
         for (block, bytes) in (0u8..12).zip(blocks.chunks_exact(field::BLOCK_BYTES)) {
-            let [flag_low, flag_high, azimuth_low, azimuth_high, ..] = *bytes else { continue };
+            let [flag_low, flag_high, ..] = *bytes else { continue };
             if [flag_low, flag_high] != field::FLAG {
                 return Err(PacketError::BlockFlag { block, found: [flag_low, flag_high] });
-            }
-            let azimuth_cdeg = u16::from_le_bytes([azimuth_low, azimuth_high]);
-            if azimuth_cdeg > TURN_CDEG {
-                return Err(PacketError::Azimuth { block, azimuth_cdeg });
             }
         }
         let return_mode = match bytes[field::RETURN_MODE] {
@@ -160,7 +174,19 @@ impl<'a> Packet<'a> {
         if stamp_us > STAMP_LIMIT_US {
             return Err(PacketError::Stamp { micros: stamp_us });
         }
-        Ok(Self { blocks, stamp_us, return_mode, product_byte: bytes[field::PRODUCT] })
+        let packet = Self { blocks, stamp_us, return_mode, product_byte: bytes[field::PRODUCT] };
+        match packet.odd_blocks().next() {
+            Some(first) if packet.odd_blocks().count() == field::BLOCKS => Err(first),
+            _ => Ok(packet),
+        }
+    }
+
+    /// The blocks whose azimuth is above 36,000: their returns have no direction and are left out. At most eleven.
+    pub fn odd_blocks(&self) -> impl Iterator<Item = PacketError> + use<'a> {
+        let numbered = (0_u8..).zip(self.blocks());
+        numbered
+            .filter(|(_, block)| block.azimuth_cdeg >= TURN_CDEG)
+            .map(|(block, odd)| PacketError::Azimuth { block, azimuth_cdeg: odd.azimuth_cdeg })
     }
 
     /// Microseconds since the top of the sensor's hour, at the first firing.
@@ -191,15 +217,15 @@ impl<'a> Packet<'a> {
     pub fn blocks(&self) -> impl ExactSizeIterator<Item = Block<'a>> + Clone + use<'a> {
         self.blocks.chunks_exact(field::BLOCK_BYTES).map(|bytes| match bytes {
             [_, _, low, high, channels @ ..] => {
-                // At most a whole turn, see `new_checked`; a whole turn is none.
+                // A whole turn is none.
                 let azimuth_cdeg = u16::from_le_bytes([*low, *high]);
-                Block { azimuth_cdeg: if azimuth_cdeg < TURN_CDEG { azimuth_cdeg } else { 0 }, channels }
+                Block { azimuth_cdeg: if azimuth_cdeg == TURN_CDEG { 0 } else { azimuth_cdeg }, channels }
             }
             _ => Block { azimuth_cdeg: 0, channels: &[] },
         })
     }
 
-    /// Azimuths of the twelve blocks.
+    /// Azimuths of the twelve blocks as on the wire, a whole turn as 0; above 35,999 there is none.
     #[must_use]
     pub fn azimuths(&self) -> [u16; field::BLOCKS] {
         let mut azimuths = [0; field::BLOCKS];
@@ -209,23 +235,77 @@ impl<'a> Packet<'a> {
         azimuths
     }
 
-    /// Rotation within each block, hundredths of a degree; book, Velodyne: Azimuth. The last block (pair) has no
-    /// successor and takes the gap of the one before.
+    /// Rotation within each block, hundredths of a degree; see [`Self::turns`].
     #[must_use]
     pub fn gaps(&self) -> [u16; field::BLOCKS] {
-        let azimuths = self.azimuths();
+        self.turns().map(|turn| turn.gap_cdeg)
+    }
+
+    /// Where the head was at each block and how it turned; book, Velodyne: Azimuth. A block without an azimuth lies
+    /// between its neighbours: they have turned evenly over it. The last block (pair) has no successor and takes the gap
+    /// of the one before, and so does one before a closed sector: nothing is spread over what was not measured.
+    #[must_use]
+    pub fn turns(&self) -> [BlockTurn; field::BLOCKS] {
         let step = if self.is_dual() { 2 } else { 1 };
-        let mut gaps = [0; field::BLOCKS];
-        let mut previous = 0;
-        let successors = azimuths.iter().skip(step).map(Some).chain(core::iter::repeat_n(None, step));
-        for ((gap, azimuth), successor) in gaps.iter_mut().zip(&azimuths).zip(successors) {
-            if let Some(next) = successor {
+        let mut turns = self.known_azimuths();
+        let mut last: Option<(usize, u16)> = None;
+        for at in (0..field::BLOCKS).step_by(step) {
+            let Some(azimuth_cdeg) = turns.get(at).and_then(|turn| turn.azimuth_cdeg) else { continue };
+            if let Some((from, last_cdeg)) = last {
                 // Both are below 36,000, so the sum cannot overflow 17 bits nor underflow.
-                previous = ((u32::from(*next) + 36_000 - u32::from(*azimuth)) % 36_000) as u16;
+                let turned_cdeg = (u32::from(azimuth_cdeg) + 36_000 - u32::from(last_cdeg)) % 36_000;
+                let steps = ((at - from) / step) as u32;
+                let gap_cdeg = turned_cdeg.checked_div(steps).unwrap_or(0) as u16;
+                turns.iter_mut().take(at).skip(from).for_each(|turn| turn.gap_cdeg = gap_cdeg);
             }
-            *gap = previous;
+            last = Some((at, azimuth_cdeg));
         }
-        gaps
+        let behind = last.map_or(0, |(from, _)| from);
+        close_sectors(&mut turns, behind, self.is_dual());
+        turns
+    }
+
+    /// The azimuths, without gaps; of a pair both or none.
+    fn known_azimuths(&self) -> [BlockTurn; field::BLOCKS] {
+        let mut turns = [BlockTurn::default(); field::BLOCKS];
+        for (turn, block) in turns.iter_mut().zip(self.blocks()) {
+            turn.azimuth_cdeg = (block.azimuth_cdeg < TURN_CDEG).then_some(block.azimuth_cdeg);
+        }
+        if self.is_dual() {
+            for [first, second] in turns.as_chunks_mut::<2>().0 {
+                if first.azimuth_cdeg.is_none() || second.azimuth_cdeg.is_none() {
+                    (first.azimuth_cdeg, second.azimuth_cdeg) = (None, None);
+                }
+            }
+        }
+        turns
+    }
+}
+
+/// Takes out of the gaps what no head turns within a block, if any other gap tells how fast the head turns. `behind` is
+/// the last block (pair) with an azimuth.
+fn close_sectors(turns: &mut [BlockTurn; BLOCKS], behind: usize, is_dual: bool) {
+    let step = if is_dual { 2 } else { 1 };
+    let known = turns.iter().take(behind).filter(|turn| turn.azimuth_cdeg.is_some());
+    let even = known.map(|turn| turn.gap_cdeg).find(|gap_cdeg| *gap_cdeg <= GAP_MAX_CDEG);
+    let mut previous = even;
+    let mut skipped_cdeg = 0;
+    for (at, turn) in turns.iter_mut().enumerate() {
+        if turn.azimuth_cdeg.is_some() && at % step == 0 {
+            (turn.skipped_cdeg, skipped_cdeg) = (skipped_cdeg, 0);
+        }
+        if at >= behind {
+            turn.gap_cdeg = previous.unwrap_or(turn.gap_cdeg);
+        } else if let Some(even_cdeg) = previous
+            && turn.gap_cdeg > GAP_MAX_CDEG
+        {
+            // Both blocks of a pair stand for the same turn.
+            let wider_cdeg = if at % step == 0 { turn.gap_cdeg.saturating_sub(even_cdeg) } else { 0 };
+            skipped_cdeg = skipped_cdeg.saturating_add(wider_cdeg);
+            turn.gap_cdeg = even_cdeg;
+        } else {
+            previous = previous.map(|_| turn.gap_cdeg);
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use floorguard_types::capacities::PACKET_RINGS_MAX;
 use floorguard_types::geometry::Point3;
 use floorguard_types::units::centidegrees_to_radians;
 
+use super::closed_sector::PacketTurn;
 use super::model::{LaserAngles, Model};
 use super::packet::Packet;
 
@@ -70,12 +71,19 @@ impl Returns {
         self.model
     }
 
-    /// Calls `each` for every return of the packet, in the order of the wire. At most 384.
+    /// Calls `each` for every return of the packet whose direction is known, in the order of the wire. At most 384.
     pub fn for_each(&self, packet: &Packet<'_>, of: ReturnsOf, mut each: impl FnMut(Return)) {
         let dual = packet.is_dual();
-        let gaps = packet.gaps();
+        let turns = packet.turns();
+        let skipped_us =
+            PacketTurn::new(&turns, self.model.block_ns(), dual).map_or(0, |packet| packet.skipped_us);
+        let mut later_ns = 0;
         let mut previous = None;
-        for ((index, block), gap) in packet.blocks().enumerate().zip(gaps) {
+        for ((index, block), turn) in packet.blocks().enumerate().zip(turns) {
+            let Some(block_cdeg) = turn.azimuth_cdeg else { continue };
+            if turn.skipped_cdeg > 0 {
+                later_ns = skipped_us.saturating_mul(1_000);
+            }
             let second_of_pair = dual && index % 2 == 1;
             let time_step = if dual { index / 2 } else { index } as u32;
             let first = if second_of_pair { previous } else { None };
@@ -88,12 +96,17 @@ impl Returns {
                     continue;
                 }
                 let within_ns = self.within_block_ns(channel);
-                each(self.place(
-                    Cell { block: index as u8, channel, distance_raw, reflectivity },
-                    block.azimuth_cdeg,
-                    (gap, within_ns),
-                    time_step.saturating_mul(self.model.block_ns()).saturating_add(within_ns),
-                ));
+                each(
+                    self.place(
+                        Cell { block: index as u8, channel, distance_raw, reflectivity },
+                        block_cdeg,
+                        (turn.gap_cdeg, within_ns),
+                        time_step
+                            .saturating_mul(self.model.block_ns())
+                            .saturating_add(within_ns)
+                            .saturating_add(later_ns),
+                    ),
+                );
             }
             previous = Some(block);
         }

@@ -43,13 +43,37 @@ pub struct SweepBuilder {
     step_cdeg: u32,
     /// When the newest column was measured.
     last_stamp: Stamp,
-    /// The head turns so slowly that firings share columns.
-    slow_head: bool,
+    /// How firings share columns.
+    sharing: Sharing,
 }
 
-/// A head this slow (mean rotation from firing to firing) fires more often than a sweep has columns: at 300 rpm 3,617
-/// times a revolution, 10 cdeg apart, against 20 cdeg at 600 rpm.
-const SLOW_HEAD_CDEG: u32 = 18;
+/// How firings share columns: a head that turns slowly fires more often than a sweep has columns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Sharing {
+    /// Every firing has its own.
+    None,
+    /// Those that fall into the same 20 cdeg of the turn: at 590 rpm one of fifty.
+    SamePlace,
+    /// Those within 20 cdeg of the first of the column: at 300 rpm, 10 cdeg apart, every second one.
+    Near,
+}
+
+impl Sharing {
+    /// Of a packet whose columns turn by `turned_cdeg` in `steps` steps. A sweep has room for 1,824 firings, 19.74 cdeg
+    /// apart (595 rpm), and the head's speed wavers; at 600 rpm they are 19.91 cdeg apart.
+    const fn of(turned_cdeg: u32, steps: u32) -> Self {
+        // At most 24 steps of 200 cdeg.
+        let turned = turned_cdeg.saturating_mul(100);
+        if turned < steps.saturating_mul(1_750) {
+            Self::Near
+        } else if turned < steps.saturating_mul(1_979) {
+            Self::SamePlace
+        } else {
+            Self::None
+        }
+    }
+}
+
 /// Firings of a slow head closer together than this share a column, so that 1,800 columns are enough at any speed.
 const MERGE_CDEG: u32 = 20;
 /// Columns that a gap may hold: two revolutions of a head at 600 rpm.
@@ -57,6 +81,8 @@ const GAP_COLUMNS_MAX: u32 = 3_648;
 /// The head jitters; a step back by less than this is no turn of almost 360 degrees.
 const JITTER_CDEG: u32 = 500;
 const TURN_CDEG: u32 = 36_000;
+/// A step from column to column is no longer than this, hundredths of a degree: 1,200 rpm and two sequences left out.
+const STEP_MAX_CDEG: u32 = 200;
 
 impl SweepBuilder {
     /// A builder that cuts where the azimuth passes `cut_cdeg` (0…35,999). Behind the robot is a good place.
@@ -67,7 +93,7 @@ impl SweepBuilder {
             last_cdeg: None,
             step_cdeg: 20,
             last_stamp: Stamp::ZERO,
-            slow_head: false,
+            sharing: Sharing::None,
         }
     }
 
@@ -81,37 +107,68 @@ impl SweepBuilder {
         building: &mut Sweep<RINGS>,
         mut complete: impl FnMut(&mut Sweep<RINGS>),
     ) {
-        self.step_cdeg = mean_step_cdeg(packet).clamp(1, 200);
-        self.slow_head = self.step_cdeg < SLOW_HEAD_CDEG;
+        let (turned_cdeg, steps) = steps_of(packet);
+        self.step_cdeg = mean_step_cdeg(turned_cdeg, steps).clamp(1, 200);
+        self.sharing = Sharing::of(turned_cdeg, steps);
         let missing = u32::from(lost_packets).saturating_mul(packet.columns.len() as u32);
-        self.enter_gap(missing, packet, building, &mut complete);
+        if let Some(first) = packet.columns.first() {
+            self.enter_gap((missing, first.azimuth_cdeg), packet.stamp, building, &mut complete);
+        }
         building.lost_packets = building.lost_packets.saturating_add(lost_packets);
         for column in &packet.columns {
             let stamp = packet.stamp.plus_micros(u64::from(column.offset_us));
+            // A block was left out, or a sector is closed.
+            if self.is_gap(column.azimuth_cdeg) {
+                self.enter_gap((0, column.azimuth_cdeg), stamp, building, &mut complete);
+            }
             self.enter(column.azimuth_cdeg, stamp, building, &mut complete);
             self.last_stamp = stamp;
-            if !(self.slow_head && merge(building, column)) {
+            if !(self.shares(building, column) && merge(building, column)) {
                 push(building, stamp, packet.range_unit_mm, |slot| fill(slot, column));
             }
         }
         building.packets = building.packets.saturating_add(1);
     }
 
-    /// Enters unknown columns between the newest column and the packet, evenly in azimuth and time.
+    /// The newest column takes this firing, too.
+    fn shares<const RINGS: usize>(&self, building: &Sweep<RINGS>, column: &LidarColumn) -> bool {
+        let newest = building.column_count.checked_sub(1).and_then(|newest| building.columns.get(newest));
+        let Some(newest) = newest.filter(|newest| newest.measured) else { return false };
+        let place =
+            |cdeg: u16| (u32::from(cdeg) + TURN_CDEG - u32::from(self.cut_cdeg)) % TURN_CDEG / MERGE_CDEG;
+        let turned_cdeg =
+            (u32::from(column.azimuth_cdeg) + TURN_CDEG - u32::from(newest.azimuth_cdeg)) % TURN_CDEG;
+        match self.sharing {
+            Sharing::None => false,
+            Sharing::SamePlace => place(column.azimuth_cdeg) == place(newest.azimuth_cdeg),
+            Sharing::Near => turned_cdeg < MERGE_CDEG,
+        }
+    }
+
+    /// More than half a column is missing between the newest one and the next.
+    fn is_gap(&self, next_cdeg: u16) -> bool {
+        let Some(last) = self.last_cdeg else { return false };
+        let from_cut = u32::from(next_cdeg) + 2 * TURN_CDEG - u32::from(self.cut_cdeg) - u32::from(last);
+        let spacing_cdeg = self.step_cdeg.max(MERGE_CDEG);
+        from_cut % TURN_CDEG > spacing_cdeg + spacing_cdeg / 2
+    }
+
+    /// Enters unknown columns between the newest column and the next, evenly in azimuth and time; `missing` columns are
+    /// known to be missing.
     fn enter_gap<const RINGS: usize>(
         &mut self,
-        missing: u32,
-        packet: &LidarPacket,
+        (missing, next_cdeg): (u32, u16),
+        next: Stamp,
         building: &mut Sweep<RINGS>,
         complete: &mut impl FnMut(&mut Sweep<RINGS>),
     ) {
-        let (Some(last), Some(first)) = (self.last_cdeg, packet.columns.first()) else { return };
+        let Some(last) = self.last_cdeg else { return };
         let last_cdeg = (u32::from(last) + u32::from(self.cut_cdeg)) % TURN_CDEG;
-        let turned_cdeg = self.turned_cdeg(last_cdeg, u32::from(first.azimuth_cdeg), missing);
+        let turned_cdeg = self.turned_cdeg(last_cdeg, u32::from(next_cdeg), missing);
         // Steps of a packet alternate by rounding; a gap is more than half a column too many.
-        let spacing_cdeg = if self.slow_head { MERGE_CDEG } else { self.step_cdeg };
+        let spacing_cdeg = if self.sharing == Sharing::None { self.step_cdeg } else { MERGE_CDEG };
         let columns = (turned_cdeg.saturating_add(spacing_cdeg / 2) / spacing_cdeg.max(1)).saturating_sub(1);
-        let (from, until) = (self.last_stamp.as_micros(), packet.stamp.as_micros());
+        let (from, until) = (self.last_stamp.as_micros(), next.as_micros());
         let between_us = until.saturating_sub(from);
         for index in 1..=columns.min(GAP_COLUMNS_MAX) {
             let share = |whole: u64| whole.saturating_mul(u64::from(index)) / (u64::from(columns) + 1);
@@ -162,18 +219,25 @@ impl SweepBuilder {
     }
 }
 
-/// Mean rotation from column to column of a packet, rounded; that of a normal head where the packet cannot tell. Cut off
-/// instead, 19.9 would become 19 and a gap of 24 columns would be filled with 25.
-fn mean_step_cdeg(packet: &LidarPacket) -> u32 {
-    let steps = packet.columns.len().saturating_sub(1) as u32;
-    match (packet.columns.first(), packet.columns.last()) {
-        (Some(first), Some(last)) => (u32::from(last.azimuth_cdeg) + 36_000 - u32::from(first.azimuth_cdeg))
-            .wrapping_rem(36_000)
-            .saturating_add(steps / 2)
-            .checked_div(steps)
-            .unwrap_or(20),
-        _ => 20,
+/// Rotation from column to column of a packet, without what it leaves out: the sum, hundredths of a degree, and of how
+/// many steps.
+fn steps_of(packet: &LidarPacket) -> (u32, u32) {
+    let mut sum = (0_u32, 0_u32);
+    let next = packet.columns.iter().skip(1);
+    for (column, next) in packet.columns.iter().zip(next) {
+        let turned_cdeg =
+            (u32::from(next.azimuth_cdeg) + TURN_CDEG - u32::from(column.azimuth_cdeg)) % TURN_CDEG;
+        if turned_cdeg <= STEP_MAX_CDEG {
+            sum = (sum.0.saturating_add(turned_cdeg), sum.1.saturating_add(1));
+        }
     }
+    sum
+}
+
+/// Mean rotation from column to column, rounded; that of a normal head where the packet cannot tell. Cut off instead,
+/// 19.9 would become 19 and a gap of 24 columns would be filled with 25.
+fn mean_step_cdeg(turned_cdeg: u32, steps: u32) -> u32 {
+    turned_cdeg.saturating_add(steps / 2).checked_div(steps).unwrap_or(20)
 }
 
 /// Forgets the content without touching the columns.
@@ -202,16 +266,12 @@ fn push<const RINGS: usize>(
     sweep.range_unit_mm = range_unit_mm;
 }
 
-/// Enters a firing into the newest column if it is that close to it; of two returns the nearer one stays.
+/// Enters a firing into the newest column; of two returns the nearer one stays. False if there is none.
 fn merge<const RINGS: usize>(sweep: &mut Sweep<RINGS>, column: &LidarColumn) -> bool {
     let Some(slot) = sweep.column_count.checked_sub(1).and_then(|newest| sweep.columns.get_mut(newest))
     else {
         return false;
     };
-    let turned = (u32::from(column.azimuth_cdeg) + 36_000 - u32::from(slot.azimuth_cdeg)) % 36_000;
-    if !slot.measured || turned >= MERGE_CDEG {
-        return false;
-    }
     for (ring, (range, raw)) in slot.range_raw.iter_mut().zip(&column.range_raw).enumerate() {
         if *raw != 0 && (*range == 0 || *raw < *range) {
             *range = *raw;
@@ -251,8 +311,11 @@ mod tests {
 
     #[test]
     fn the_mean_step_is_rounded() {
-        assert_eq!(mean_step_cdeg(&packet_of(24, 100, 457)), 20, "19.87");
-        assert_eq!(mean_step_cdeg(&packet_of(24, 100, 448)), 19, "19.48");
+        let mean = |turned_cdeg| {
+            let (turned_cdeg, steps) = steps_of(&packet_of(24, 100, turned_cdeg));
+            mean_step_cdeg(turned_cdeg, steps)
+        };
+        assert_eq!((mean(457), mean(448)), (20, 19), "19.87 and 19.48");
     }
 
     #[test]
@@ -289,7 +352,7 @@ mod tests {
             let mut building = Sweep::<16>::EMPTY;
             let mut builder = SweepBuilder::new(0);
             builder.last_cdeg = Some(0);
-            builder.enter_gap(0, &packet_of(24, turned_cdeg, 460), &mut building, &mut |_| ());
+            builder.enter_gap((0, turned_cdeg), Stamp::ZERO, &mut building, &mut |_| ());
             assert_eq!(building.column_count, columns, "{turned_cdeg}");
         }
     }

@@ -3,6 +3,11 @@
 //! People: the two-body model of ISO/TS 15066:2016, annex A (force = relative speed · √(stiffness · reduced mass)) with
 //! the stiffness and effective mass of its table of body regions and the limits of its table of pressures and forces.
 //! Objects have no limits; their classes are speeds.
+//!
+//! The figures are not compared with the text of the standard, which is not public. Stiffness and effective mass agree with an
+//! implementation that others published, stiffness also with a published table; so do the limits of face, chest and thigh. Of
+//! forearm and lower leg secondary sources differ (150 or 160 N, 130 or 180 N); those here are what the project has used from its
+//! beginning. The classes compare runs with each other and prove no conformity.
 
 use serde::Serialize;
 

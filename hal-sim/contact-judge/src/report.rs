@@ -57,6 +57,37 @@ impl ContactCounts {
         self.people_while_moving + self.drove_into_things + self.over_edges
     }
 
+    /// While it moved: a perfect machine would have stood, and no sensor of this machine saw the other in time.
+    #[must_use]
+    pub const fn unseen(&self) -> u32 {
+        self.avoidable.saturating_sub(self.avoidable_by_sensors)
+    }
+
+    /// While it moved: not even a perfect machine with the same brakes would have stood.
+    #[must_use]
+    pub const fn unavoidable(&self) -> u32 {
+        self.while_moving().saturating_sub(self.avoidable)
+    }
+
+    /// Contacts that fail no run: those that no sensor saw in time, those that nobody could have avoided, and people who walked
+    /// into the standing robot.
+    #[must_use]
+    pub const fn failing_no_run(&self) -> u32 {
+        self.unseen() + self.unavoidable() + self.walked_into_standing
+    }
+
+    /// The headline: every contact counts in exactly one of its numbers.
+    #[must_use]
+    pub fn headline(&self) -> String {
+        format!(
+            "{} seen in time by a sensor, {} UNSEEN by every sensor, {} that nobody could have avoided; {} people walked into the standing robot",
+            self.avoidable_by_sensors,
+            self.unseen(),
+            self.unavoidable(),
+            self.walked_into_standing
+        )
+    }
+
     /// Adds those of another run.
     pub const fn add(&mut self, other: &Self) {
         self.people_while_moving += other.people_while_moving;

@@ -27,7 +27,7 @@ fn missing_devices_are_named_and_waited_for() {
     let model = folder.path().join("m").display().to_string();
     let record = folder.path().join("run.mcap");
     let output = Command::new(env!("CARGO_BIN_EXE_floorguard"))
-        .args(["run", &file, "--duration", "1.5", "--json", "--learn", &model, "--panel", "127.0.0.1:0"])
+        .args(["run", &file, "--duration", "3.6", "--json", "--learn", &model, "--panel", "127.0.0.1:0"])
         .arg("--record")
         .arg(&record)
         .env_remove("FLOORGUARD_PANEL_TOKEN")
@@ -38,6 +38,9 @@ fn missing_devices_are_named_and_waited_for() {
     assert_eq!(output.status.code(), Some(0), "{stderr_text}");
     for source in ["safety scanner", "inertial sensor", "CAN bus"] {
         assert!(stderr_text.contains(&format!("{source}: not there yet")), "{stderr_text}");
+    }
+    for device in ["traction drive (node 1)", "safety controller (node 5)"] {
+        assert!(stderr_text.contains(&format!("{device}: not heard of")), "{stderr_text}");
     }
     assert!(
         stdout_text.contains("\"lidar\":\"absent\"") && stdout_text.contains("\"drive\":\"faulty\""),

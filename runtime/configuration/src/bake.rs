@@ -93,7 +93,7 @@ fn can(robot: &RobotConfiguration) -> String {
     format!(
         "CanConfiguration {{ drive_node: {}, steering_node: {}, left_encoder_node: {}, right_encoder_node: {}, \
          inputs_node: {}, dirt_sensor_node: {:?}, inputs: InputMap {{ emergency_stop: {}, bumper_front: {}, bumper_rear: {}, cliff_front: {}, \
-         cliff_rear: {}, discrepancy_us: {} }} }}",
+         cliff_rear: {}, discrepancy_us: {} }}, buttons: {:?} }}",
         can.drive_node,
         can.steering_node,
         can.left_encoder_node,
@@ -105,7 +105,8 @@ fn can(robot: &RobotConfiguration) -> String {
         fitted(can.inputs.bumper_rear),
         fitted(can.inputs.cliff_front),
         fitted(can.inputs.cliff_rear),
-        can.inputs.discrepancy_us
+        can.inputs.discrepancy_us,
+        can.buttons
     )
 }
 

@@ -2,8 +2,8 @@
 
 use floorguard_drivers::flexisoft::{InputBits, InputMap};
 use floorguard_runtime::configuration::{
-    CanConfiguration, ImuConfiguration, LidarConfiguration, LidarModel, Mounting, ScannerConfiguration,
-    ScannerModel,
+    CanConfiguration, ImuConfiguration, LidarConfiguration, LidarModel, Mounting, OperatorButtons,
+    ScannerConfiguration, ScannerModel,
 };
 use floorguard_types::geometry::Point3;
 use floorguard_types::units::radians;
@@ -11,11 +11,15 @@ use floorguard_types::units::radians;
 use super::address::{
     CanAddress, DatagramAddress, ScannerAddress, SenderAddress, SerialAddress, parse_serial,
 };
+use super::distinct::check_bits;
 use super::reader::Reader;
 
 /// Beams of the finest output of the microScan3 family (book, microScan3: Blocks); the guard limits the
 /// capacity.
 const MICROSCAN3_BEAMS: u16 = 2_751;
+
+/// Bit rates of an S300 with which its scans come before the guard takes it for late (book, SICK S300: Line).
+const S300_BAUDS: [u32; 4] = [115_200, 125_000, 250_000, 500_000];
 
 pub(super) fn read_mounting(section: Reader<'_>) -> Mounting {
     let mounting = Mounting {
@@ -79,6 +83,15 @@ pub(super) fn read_lidar(section: Reader<'_>) -> Option<(LidarConfiguration, Dat
         ("hdl32e", LidarModel::Hdl32e),
     ];
     let model = section.choice("model", &models);
+    if let Some(LidarModel::Vlp32c | LidarModel::Hdl32e) = model {
+        section.refuse(
+            section.span(),
+            "[lidar]: `model` has 32 rings: the guard takes 32, but people, motion, legs beside them, and learning take \
+             16, so that nobody would be seen where he is",
+            "mount a VLP-16 (`vlp16`) or a Puck Hi-Res (`puck-hi-res`); captures of this model can be read with \
+             floorguard decode",
+        );
+    }
     let source = read_datagrams(&section, "udp:0.0.0.0:2368");
     let mounting = read_mounting(section.section("mounting"));
     section.finish();
@@ -128,7 +141,20 @@ pub(super) fn read_scanner_device(section: &Reader<'_>) -> (Option<ScannerModel>
             "leave `beams` out, or write model = \"microscan3\"",
         );
     }
-    (model, read_serial(section).map(ScannerAddress::Serial))
+    let line = read_serial(section);
+    if let (Some(line), true) = (&line, model.is_some() && section.good_so_far())
+        && !S300_BAUDS.contains(&line.baud)
+    {
+        section.refuse(
+            &section.find("baud").map_or(section.span().clone(), |value| value.span()),
+            format!(
+                "[scanner]: `baud` is {}, an S300 has no such rate, or its scans come too late with it",
+                line.baud
+            ),
+            "write 500000, 250000, 125000 or 115200, as it is set in the scanner",
+        );
+    }
+    (model, line.map(ScannerAddress::Serial))
 }
 
 pub(super) fn read_imu(section: Reader<'_>) -> Option<(ImuConfiguration, SerialAddress)> {
@@ -149,6 +175,7 @@ pub(super) fn read_can(section: Reader<'_>) -> Option<(CanConfiguration, CanAddr
         inputs_node: node("inputs_node"),
         dirt_sensor_node: section.integer_or_absent("dirt_sensor_node", 1..=127).map(|node| node as u8),
         inputs: InputMap::default(),
+        buttons: OperatorButtons::default(),
     };
     let mut nodes = vec![
         can.drive_node,
@@ -159,7 +186,7 @@ pub(super) fn read_can(section: Reader<'_>) -> Option<(CanConfiguration, CanAddr
     ];
     nodes.extend(can.dirt_sensor_node);
     let different: std::collections::BTreeSet<u8> = nodes.iter().copied().collect();
-    if different.len() < nodes.len() {
+    if section.good_so_far() && different.len() < nodes.len() {
         section.refuse(
             section.span(),
             format!("[can]: node numbers {nodes:?} are not different"),
@@ -170,8 +197,8 @@ pub(super) fn read_can(section: Reader<'_>) -> Option<(CanConfiguration, CanAddr
     Some((can, source?))
 }
 
-/// Which bit of the safety controller's process image means what.
-pub(super) fn read_inputs(section: Reader<'_>) -> Option<InputMap> {
+/// Which bit of the safety controller's process image means what, and which are the operator's buttons.
+pub(super) fn read_inputs(section: Reader<'_>) -> Option<(InputMap, OperatorButtons)> {
     let inverted = section.bit_list("inverted_bits");
     let with_polarity = |bits: [u8; 2]| InputBits { bits, inverted: bits.map(|bit| inverted.contains(&bit)) };
     let required = |key| {
@@ -190,13 +217,29 @@ pub(super) fn read_inputs(section: Reader<'_>) -> Option<InputMap> {
     let (bumper_rear, cliff_front) = (optional("bumper_rear_bits"), optional("cliff_front_bits"));
     let cliff_rear = optional("cliff_rear_bits");
     let discrepancy_us = (section.number_or("discrepancy_s", 0.01..=1.0, 0.5) * 1.0e6) as u64;
+    let button = |key| section.integer_or_absent(key, 0..=255).map(|bit| bit as u8);
+    let buttons = OperatorButtons { reset_bit: button("reset_bit"), start_bit: button("start_bit") };
+    let of_button = |bit: Option<u8>| bit.map(|bit| InputBits::new([bit, bit]));
+    check_bits(
+        &section,
+        &[
+            ("emergency_stop_bits", emergency_stop),
+            ("bumper_front_bits", bumper_front),
+            ("bumper_rear_bits", bumper_rear),
+            ("cliff_front_bits", cliff_front),
+            ("cliff_rear_bits", cliff_rear),
+            ("reset_bit", of_button(buttons.reset_bit)),
+            ("start_bit", of_button(buttons.start_bit)),
+        ],
+    );
     section.finish();
-    Some(InputMap {
+    let inputs = InputMap {
         emergency_stop: emergency_stop?,
         bumper_front: bumper_front?,
         bumper_rear,
         cliff_front,
         cliff_rear,
         discrepancy_us,
-    })
+    };
+    Some((inputs, buttons))
 }

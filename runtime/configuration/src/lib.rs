@@ -4,6 +4,7 @@ mod address;
 mod bake;
 mod camera;
 mod devices;
+mod distinct;
 mod fields;
 mod learning;
 mod mission;
@@ -21,6 +22,7 @@ pub use mission::{CleaningStrategy, MissionConfiguration};
 pub use polygon::contains as polygon_contains;
 pub use problem::{Problem, Refused};
 pub use read::{Carriers, HostedConfiguration, load, parse};
+pub use reader::did_you_mean;
 pub use reference::reference;
 
 /// The example configuration at the root of the workspace; the simulated robot is built like this.

@@ -13,6 +13,7 @@ use toml::de::DeTable;
 use super::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
 use super::camera::{CameraConfiguration, read_camera};
 use super::devices::{read_can, read_imu, read_inputs, read_lidar, read_scanner};
+use super::distinct::{Addresses, check_addresses};
 use super::fields::{read_fields, read_polygon};
 use super::learning::{LearningConfiguration, read_learning};
 use super::mission::{MissionConfiguration, read_mission};
@@ -94,11 +95,17 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
         top.optional_section("route").map_or_else(Default::default, |section| read_route(section, &limits));
     let mission = top.optional_section("mission").and_then(read_mission);
     let learning = top.optional_section("learning").and_then(read_learning);
+    let lines = (&lidar, &scanner, &can);
+    if let (Some((_, lidar)), Some((_, scanner)), Some((_, can))) = lines {
+        let imu = imu.as_ref().and_then(Option::as_ref).map(|(_, line)| line);
+        check_addresses(&top, &Addresses { lidar, scanner, imu, can });
+    }
     top.finish();
     let (lidar, lidar_address) = lidar?;
     let (scanner, scanner_address) = scanner?;
     let (can, can_address) = can?;
-    let can = CanConfiguration { inputs: inputs?, ..can };
+    let (inputs, buttons) = inputs?;
+    let can = CanConfiguration { inputs, buttons, ..can };
     let (imu, imu_address) = match imu {
         Some(read) => read.map(|(imu, address)| (Some(imu), Some(address)))?,
         None => (None, None),
@@ -206,6 +213,22 @@ mod tests {
     use super::*;
     use crate::EXAMPLE;
     use crate::camera::{CameraSource, EXAMPLE_SECTION};
+
+    /// The stages that find people take 16 rings: a lidar of 32 is refused, with what takes how many and what to do.
+    #[test]
+    fn lidars_of_32_rings_are_refused() {
+        for model in ["vlp32c", "hdl32e"] {
+            let text = EXAMPLE.replace("model = \"vlp16\"", &format!("model = \"{model}\""));
+            let refused = parse("robot.toml", &text).expect_err("refused").to_string();
+            for words in ["32 rings", "the guard takes 32", "16", "puck-hi-res", "floorguard decode"] {
+                assert!(refused.contains(words), "{words} is not in: {refused}");
+            }
+        }
+        for model in ["auto", "puck-hi-res"] {
+            let text = EXAMPLE.replace("model = \"vlp16\"", &format!("model = \"{model}\""));
+            parse("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}"));
+        }
+    }
 
     #[test]
     fn upward_camera_is_refused() {

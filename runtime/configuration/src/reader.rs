@@ -417,7 +417,9 @@ fn unit_hint(key: &str, number: f32, range: &RangeInclusive<f32>) -> String {
     })
 }
 
-fn did_you_mean(word: &str, known: &[&str]) -> Option<String> {
+/// The known word that is nearest to this one, as a question; none if no word is near.
+#[must_use]
+pub fn did_you_mean(word: &str, known: &[&str]) -> Option<String> {
     let score = |candidate: &&str| strsim::jaro_winkler(word, candidate);
     let best = known.iter().copied().max_by(|a, b| score(a).total_cmp(&score(b)))?;
     (score(&best) >= SIMILAR).then(|| format!("did you mean `{best}`?"))

@@ -1,6 +1,6 @@
 //! What the robot knows, in the form in which it is drawn and listed.
 
-use floorguard_guard::{CauseRecord, Decision, Health, SourceReport, Unit};
+use floorguard_guard::{CauseRecord, Decision, Health, ResetReport, SourceReport, Unit};
 use floorguard_perception::people::TrackStatus;
 use floorguard_runtime::configuration::FieldPair;
 use floorguard_runtime::shared::{LinkCounters, PeopleReport, PersonReport, StopRecord};
@@ -19,6 +19,11 @@ const VELOCITY_GROUP: &str = "velocities";
 pub const PROTECTIVE_GROUP: &str = "protective field";
 /// Group of the warning field.
 pub const WARNING_GROUP: &str = "warning field";
+
+/// Name of the guard's state among the diagnostics.
+pub const GUARD: &str = "guard";
+/// Name of the answers to resets among the diagnostics.
+pub const RESET: &str = "reset";
 
 /// Confirmed, and rather a person than not.
 pub fn is_person(track: &PersonReport) -> bool {
@@ -141,13 +146,28 @@ pub fn decision(decision: &Decision) -> Diagnostic {
     let values = vec![
         ("state".to_owned(), format!("{:?}", decision.state)),
         ("action".to_owned(), decision.action.to_string()),
+        (
+            "holding".to_owned(),
+            decision.holding_cause.map_or_else(String::new, |record| record.cause.to_string()),
+        ),
         ("first_cause".to_owned(), decision.primary_cause.map_or_else(String::new, words)),
         ("speed_limit_mps".to_owned(), format!("{:.3}", decision.speed_limit_mps)),
         ("permitted_mps".to_owned(), format!("{:.3}", decision.permitted.linear_mps)),
         ("field_set".to_owned(), decision.field_set.to_string()),
         ("escaping".to_owned(), decision.escaping.to_string()),
     ];
-    Diagnostic { severity, name: "guard".to_owned(), message, values }
+    Diagnostic { severity, name: GUARD.to_owned(), message, values }
+}
+
+/// What came of the operator's last reset.
+pub fn reset(report: &ResetReport) -> Diagnostic {
+    let (severity, message) = match report.refusal {
+        Some(why) => (Severity::Warning, format!("refused: {why}")),
+        None => (Severity::Good, "granted".to_owned()),
+    };
+    let counts = [("granted", report.granted), ("refused", report.refused)];
+    let values = counts.map(|(name, count)| (name.to_owned(), count.to_string()));
+    Diagnostic { severity, name: RESET.to_owned(), message, values: values.to_vec() }
 }
 
 /// A source.

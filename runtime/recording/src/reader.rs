@@ -68,6 +68,8 @@ pub struct Recording<R: Read> {
     /// Bytes of the file that were read and not yet used, from `used` on.
     buffer: Vec<u8>,
     used: usize,
+    /// Bytes of the file before the buffer.
+    dropped: u64,
     begun: bool,
     /// Content of the chunk that is being read, and how far.
     chunk: (Vec<u8>, usize),
@@ -87,6 +89,7 @@ impl<R: Read> Recording<R> {
             source,
             buffer: Vec::new(),
             used: 0,
+            dropped: 0,
             begun: false,
             chunk: (Vec::new(), 0),
             schemas: BTreeMap::new(),
@@ -108,6 +111,11 @@ impl<R: Read> Recording<R> {
         self.channels.values().map(|topic| (topic.name.clone(), topic.schema.clone())).collect()
     }
 
+    /// Byte of the file behind the record that was taken last.
+    fn file_position(&self) -> u64 {
+        self.dropped + self.used as u64
+    }
+
     fn broken(&self, cause: impl Into<String>) -> ReadError {
         ReadError::Broken { messages: self.messages, cause: cause.into() }
     }
@@ -115,6 +123,7 @@ impl<R: Read> Recording<R> {
     /// Makes sure that so many unused bytes are in the buffer. False at the end of the source.
     fn fill(&mut self, wanted: usize) -> Result<bool, ReadError> {
         while self.buffer.len() - self.used < wanted {
+            self.dropped += self.used as u64;
             self.buffer.drain(..self.used);
             self.used = 0;
             let before = self.buffer.len();
@@ -234,7 +243,8 @@ impl<R: Read> Recording<R> {
             opcode::CHUNK => {
                 let records = unpack(fields).map_err(|error| match error {
                     ChunkError::Short => short(),
-                    other => self.broken(other.to_string()),
+                    other => self
+                        .broken(format!("{other}, in the record that ends at byte {}", self.file_position())),
                 })?;
                 self.chunk = (records, 0);
             }

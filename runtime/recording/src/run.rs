@@ -11,7 +11,7 @@ use embassy_sync::blocking_mutex::raw::RawMutex;
 use floorguard_drivers::can::CanFrame;
 use floorguard_drivers::velodyne::ModelChoice;
 use floorguard_drivers::xsens::{Device, DeviceEvent};
-use floorguard_guard::GuardState;
+use floorguard_guard::{Cause, GuardState, ResetReport};
 use floorguard_perception::people::RingAngles;
 use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
 use floorguard_runtime::shared::{RobotStatus, Shared, StopRecord};
@@ -92,7 +92,8 @@ struct Seen {
     mission_us: Option<u64>,
     phase: Option<MissionPhase>,
     field_set: Option<usize>,
-    state: Option<(GuardState, bool)>,
+    state: Option<(GuardState, bool, Option<Cause>)>,
+    resets: ResetReport,
 }
 
 impl<W: Write + Seek> RunRecorder<W> {
@@ -304,10 +305,15 @@ impl<W: Write + Seek> RunRecorder<W> {
     fn on_status(&mut self, status: &RobotStatus, now: Stamp) {
         let decision = &status.decision;
         self.write(|out| out.permitted(now, decision.permitted, decision.speed_limit_mps));
-        let state = (decision.state, decision.action.stops());
+        let holding = decision.holding_cause.filter(|record| record.action.stops());
+        let state = (decision.state, decision.action.stops(), holding.map(|record| record.cause));
         if self.seen.state != Some(state) {
             self.seen.state = Some(state);
             self.write(|out| out.diagnostics(topics::DIAGNOSTICS, now, &[describe::decision(decision)]));
+        }
+        if self.seen.resets != status.resets {
+            self.seen.resets = status.resets;
+            self.write(|out| out.diagnostics(topics::DIAGNOSTICS, now, &[describe::reset(&status.resets)]));
         }
         if self.seen.field_set != Some(decision.field_set) {
             self.seen.field_set = Some(decision.field_set);

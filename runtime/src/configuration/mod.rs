@@ -9,6 +9,6 @@ mod sources;
 pub use fields::{DirectionOfTravel, FIELD_SPEED_BINS, FieldPair, Polygon};
 pub use robot::{Deadlines, Geometry, Limits, RobotConfiguration};
 pub use sources::{
-    CanConfiguration, ImuConfiguration, LidarConfiguration, LidarModel, Mounting, ScannerConfiguration,
-    ScannerModel,
+    CanConfiguration, ImuConfiguration, LidarConfiguration, LidarModel, Mounting, OperatorButtons,
+    ScannerConfiguration, ScannerModel,
 };

@@ -131,4 +131,15 @@ pub struct CanConfiguration {
     pub dirt_sensor_node: Option<u8>,
     /// What its process image means.
     pub inputs: InputMap,
+    /// Which of its bits are the operator's buttons.
+    pub buttons: OperatorButtons,
+}
+
+/// Push buttons of the operator in the safety controller's image, 1 = pressed; they act when they are released.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct OperatorButtons {
+    /// Asks for a reset.
+    pub reset_bit: Option<u8>,
+    /// Gives the start command.
+    pub start_bit: Option<u8>,
 }

@@ -2,14 +2,16 @@
 
 use floorguard_drivers::microscan3::ScanError;
 use floorguard_drivers::s300::TelegramError;
-use floorguard_drivers::velodyne::DecodeError;
+use floorguard_drivers::velodyne::{ClosedSector, DecodeError};
 use floorguard_drivers::xsens::DeviceFault;
 
 /// The newest complaint about each device; it stays when the device has become good.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Complaints {
-    /// A lidar datagram that gave no columns.
+    /// A lidar datagram that gave no columns, or not those of all its blocks.
     pub lidar: Option<DecodeError>,
+    /// What the lidar leaves out because it is set to a field of view.
+    pub lidar_closed: Option<ClosedSector>,
     /// A scanner's telegram that is right and of no use.
     pub scanner: Option<TelegramError>,
     /// The same of a microScan3's datagram or message.

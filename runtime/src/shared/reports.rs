@@ -1,6 +1,6 @@
 //! What the robot tells about itself: people, health, links.
 
-use floorguard_guard::{Decision, Source, SourceReport};
+use floorguard_guard::{Decision, ResetReport, Source, SourceReport};
 use floorguard_perception::people::{PeopleCounters, SensorSet, TrackStatus};
 use floorguard_types::capacities::TRACKS_MAX;
 use floorguard_types::geometry::Point2;
@@ -65,6 +65,8 @@ pub struct RobotStatus {
     pub sources: [SourceReport; Source::COUNT],
     /// Where the robot believes to be.
     pub pose: StampedPose,
+    /// What came of the operator's resets.
+    pub resets: ResetReport,
 }
 
 /// What happened on the links; saturating.

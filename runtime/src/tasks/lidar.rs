@@ -2,8 +2,9 @@
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::Timer;
-use floorguard_drivers::velodyne::Decoder;
+use floorguard_drivers::velodyne::{DecodeError, Decoder};
 use floorguard_guard::{FaultKind, Source};
+use floorguard_types::capacities::SWEEP_RINGS;
 
 use crate::clock;
 use crate::io::DatagramReceiver;
@@ -18,8 +19,10 @@ const RETRY_MS: u64 = 50;
 pub async fn lidar_input<M: RawMutex>(
     shared: &Shared<M>,
     mut socket: impl DatagramReceiver,
-    mut decoder: Decoder,
+    decoder: Decoder,
 ) {
+    // Angles of fields and of the people stages are those of a lidar of 16 rings.
+    let mut decoder = decoder.with_lasers_max(SWEEP_RINGS as u8);
     let mut buffer = [0; DATAGRAM_BYTES];
     let mut newest = QueuedPacket::EMPTY;
     loop {
@@ -35,6 +38,13 @@ pub async fn lidar_input<M: RawMutex>(
                 newest.lost_before = lost_before;
                 shared.decide(|guard| guard.on_lidar_packet(&newest.packet, clock::now()));
                 shared.packets.push(|slot| slot.copy_from(&newest));
+                let (odd, closed) = (decoder.odd_block(), decoder.closed_sector());
+                if odd.is_some() || closed.is_some() {
+                    shared.complain(|complaints| {
+                        complaints.lidar = odd.map(DecodeError::Packet).or(complaints.lidar);
+                        complaints.lidar_closed = closed;
+                    });
+                }
             }
             // One bad datagram is no fault of the device; if no good one comes, its age stops the robot.
             Err(error) => {

@@ -6,6 +6,7 @@
 //! | perception | [`perceive`], [`drive_route`] or [`clean`] |
 
 mod advise;
+mod buttons;
 mod can;
 mod clean;
 mod floor_camera;
@@ -18,6 +19,7 @@ mod scanner;
 mod supervise;
 
 pub use advise::PERSON_PROBABILITY_MIN;
+pub use buttons::BusWithButtons;
 pub use can::can_bus;
 pub use clean::{CleaningMission, MissionMoment, clean};
 pub use floor_camera::{

@@ -20,9 +20,9 @@ pub async fn supervise<M: RawMutex>(shared: &Shared<M>) {
         let decision = shared.decide(|guard| guard.tick(clock::now()));
         ticks = ticks.wrapping_add(1);
         if ticks.is_multiple_of(TICKS_PER_STATUS) {
-            let sources = shared.inspect(|guard| guard.health());
+            let (sources, resets) = shared.inspect(|guard| (guard.health(), guard.resets()));
             let pose = shared.pose.get().unwrap_or_default();
-            shared.status.publish(RobotStatus { decision, sources, pose });
+            shared.status.publish(RobotStatus { decision, sources, pose, resets });
         }
     }
 }

@@ -131,15 +131,40 @@ pub fn run(options: &Options) -> Result<bool> {
             played.instructions.into_iter().filter(|(name, _)| CROWD_COUNTS.contains(&name.as_str()));
         outcome.instructions.extend(counted.map(|(name, cost)| (name + CROWD_SUFFIX, cost)));
     }
-    if options.json {
-        println!("{}", serde_json::to_string(&outcome)?);
-    } else {
+    if !options.json {
         show(&outcome, &hosted);
     }
     if !equal {
         eprintln!("firmware: the board's outputs differ from the host's");
     }
-    Ok(equal && (!standard || compare(&outcome, options.update)? & worst::check(&image, options.update)?))
+    let within_gates =
+        !standard || compare(&outcome, options.update)? & worst::check(&image, options.update)?;
+    let verdict = Verdict { is_good: equal && within_gates, equal, within_gates, host_digest: hosted };
+    if options.json {
+        println!("{}", serde_json::to_string(&Judged { verdict: &verdict, outcome: &outcome })?);
+    }
+    Ok(verdict.is_good)
+}
+
+/// Whether the run is as it should be.
+#[derive(Serialize)]
+struct Verdict {
+    #[serde(rename = "good")]
+    is_good: bool,
+    /// Host and board put out the same.
+    equal: bool,
+    /// No count and no size left its gate; only the standard run has gates.
+    within_gates: bool,
+    /// Fingerprint on the host.
+    host_digest: String,
+}
+
+/// What `--json` prints.
+#[derive(Serialize)]
+struct Judged<'a> {
+    verdict: &'a Verdict,
+    #[serde(flatten)]
+    outcome: &'a Outcome,
 }
 
 /// Builds the image of the real chip and measures it; nothing here can run it.
@@ -161,7 +186,7 @@ fn link_for_the_chip(update: bool) -> Result<bool> {
 fn fits(image: &str, size: Size, update: bool) -> Result<bool> {
     let Size { flash_bytes, ram_bytes, stack_bytes, kept_bytes } = size;
     let stack_max = facts().firmware.as_ref().map_or(0, |firmware| firmware.stack_bytes);
-    println!(
+    eprintln!(
         "firmware: {image}: {flash_bytes} of {FLASH_MAX} bytes of flash, {ram_bytes} of {RAM_MAX} of statics, \
          {stack_bytes} of {stack_max} of stack; elsewhere {kept_bytes} of {KEPT_MAX} that are kept across a reset"
     );
@@ -330,7 +355,7 @@ fn golden() -> Result<Outcome> {
 
 fn write_golden(golden: &Outcome) -> Result<()> {
     std::fs::write(golden_path(), serde_json::to_string_pretty(golden)? + "\n")?;
-    println!("firmware: wrote {}", golden_path().display());
+    eprintln!("firmware: wrote {}", golden_path().display());
     Ok(())
 }
 

@@ -10,13 +10,13 @@ use floorguard_types::geometry::{Point2, Pose2, Twist2};
 /// Radius of a person, metres.
 const PERSON_RADIUS_M: f32 = 0.3;
 /// Standard deviations of the position that are added to the radius.
-const POSITION_SIGMAS: f32 = 2.0;
+pub(super) const POSITION_SIGMAS: f32 = 2.0;
 /// Added to the time to standstill before a person must be reached later (book, Guard: Collision), seconds.
 const MARGIN_S: f32 = 0.5;
 /// Steps of 0.1 s for a turning robot: three seconds.
 const STEPS: u8 = 30;
 /// Turning slower than this counts as straight, rad/s.
-const STRAIGHT_RADPS: f32 = 0.05;
+pub(super) const STRAIGHT_RADPS: f32 = 0.05;
 /// Slower, squared, a person does not move relative to the robot, m²/s².
 const STILL_M2PS2: f32 = 1.0e-6;
 
@@ -47,7 +47,7 @@ impl Body {
     }
 
     /// From the nearest point of the box to a point, metres; zero inside.
-    fn offset(&self, point: Point2) -> Point2 {
+    pub(super) fn offset(&self, point: Point2) -> Point2 {
         let beyond = |at: f32, [low, high]: [f32; 2]| (at - high).max(0.0) + (at - low).min(0.0);
         Point2::new(beyond(point.x_m, self.x_m), beyond(point.y_m, self.y_m))
     }

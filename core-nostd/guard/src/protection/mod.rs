@@ -13,6 +13,7 @@ mod held;
 mod integrity;
 mod kinematics;
 mod packet_table;
+mod receding;
 mod record;
 mod scan_table;
 mod source;

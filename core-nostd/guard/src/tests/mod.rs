@@ -13,6 +13,7 @@ mod numbers;
 mod oracles;
 mod properties;
 mod reachable;
+mod receding;
 mod selection;
 mod starts;
 mod tables;

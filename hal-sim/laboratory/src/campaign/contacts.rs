@@ -104,6 +104,12 @@ impl ContactRow {
         Self { seed, trial, family, ..Self::default() }
     }
 
+    /// It passed, and the moving robot touched something: no sensor had seen it in time, or nobody could have avoided it.
+    #[must_use]
+    pub const fn passed_with_contact(&self) -> bool {
+        self.passed && self.counts.while_moving() > 0
+    }
+
     /// The command that plays the trial again.
     #[must_use]
     pub fn command(&self) -> String {
@@ -155,8 +161,46 @@ pub struct ContactSummary {
     pub turning_share: f64,
     /// Share of the time in motion in which it drove backwards.
     pub reversing_share: f64,
-    /// Trials, failed ones and contacts while moving, by family.
-    pub families: BTreeMap<String, [u64; 3]>,
+    /// Trials that passed although the moving robot touched something: no sensor had seen it in time, or nobody could have
+    /// avoided it.
+    pub passed_with_contact: u64,
+    /// By family.
+    pub families: BTreeMap<String, FamilyCounts>,
+}
+
+/// What came of the trials of a family.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct FamilyCounts {
+    /// Trials.
+    pub trials: u64,
+    /// Trials that did not pass.
+    pub failed: u64,
+    /// Contacts of the moving robot that a sensor had seen in time.
+    pub seen: u64,
+    /// Those that no sensor had seen in time.
+    pub unseen: u64,
+    /// Those that nobody could have avoided.
+    pub unavoidable: u64,
+    /// People who walked into the standing robot.
+    pub walked_into_standing: u64,
+}
+
+impl FamilyCounts {
+    fn words(&self) -> String {
+        format!(
+            "{:6} trials, {:5} failed; contacts: {:4} seen, {:4} unseen, {:4} unavoidable, {:4} of people with the standing robot",
+            self.trials, self.failed, self.seen, self.unseen, self.unavoidable, self.walked_into_standing
+        )
+    }
+
+    fn add(&mut self, row: &ContactRow) {
+        self.trials += 1;
+        self.failed += u64::from(!row.passed);
+        self.seen += u64::from(row.counts.avoidable_by_sensors);
+        self.unseen += u64::from(row.counts.unseen());
+        self.unavoidable += u64::from(row.counts.unavoidable());
+        self.walked_into_standing += u64::from(row.counts.walked_into_standing);
+    }
 }
 
 impl ContactSummary {
@@ -178,10 +222,8 @@ impl ContactSummary {
             sum.hours += row.duration_s / 3_600.0;
             sum.distance_m += row.distance_m;
             moving_s.iter_mut().zip(row.moving_s).for_each(|(sum, seconds)| *sum += seconds);
-            let family = sum.families.entry(row.family.clone()).or_default();
-            family[0] += 1;
-            family[1] += u64::from(!row.passed);
-            family[2] += u64::from(row.counts.while_moving());
+            sum.passed_with_contact += u64::from(row.passed_with_contact());
+            sum.families.entry(row.family.clone()).or_default().add(row);
         }
         let share = |part: f64| if moving_s[0] > 0.0 { part / moving_s[0] } else { 0.0 };
         (sum.turning_share, sum.reversing_share) = (share(moving_s[1]), share(moving_s[2]));
@@ -195,14 +237,14 @@ impl ContactSummary {
         let mut text = String::new();
         let _ = writeln!(
             text,
-            "{} trials: {} contacts while the robot moved ({} that its sensors could have avoided, {} that a perfect machine could have), {} missed stops ({} more unseen), {} people walked into the standing robot",
+            "{} trials, {} failed, {} passed with a contact; {} contacts while the robot moved: {}; missed stops {} seen, {} UNSEEN",
             self.trials,
+            self.failed,
+            self.passed_with_contact,
             counts.while_moving(),
-            counts.avoidable_by_sensors,
-            counts.avoidable,
+            counts.headline(),
             self.missed_stops,
-            self.missed_unseen,
-            counts.walked_into_standing
+            self.missed_unseen
         );
         let _ = writeln!(
             text,
@@ -215,8 +257,7 @@ impl ContactSummary {
         );
         let _ = writeln!(
             text,
-            "  {} trials did not pass; stops {} ({} without need); {:.2} hours, {:.0} m, {:.0} % of the motion turning, {:.0} % in reverse",
-            self.failed,
+            "  stops {} ({} without need); {:.2} hours, {:.0} m, {:.0} % of the motion turning, {:.0} % in reverse",
             self.stops,
             self.nuisance_stops,
             self.hours,
@@ -225,10 +266,8 @@ impl ContactSummary {
             100.0 * self.reversing_share
         );
         for family in HazardFamily::ALL {
-            if let Some([trials, failed, contacts]) = self.families.get(family.name()) {
-                let name = family.name();
-                let _ =
-                    writeln!(text, "  {name:11} {trials:6} trials, {failed:5} failed, {contacts:5} contacts");
+            if let Some(counts) = self.families.get(family.name()) {
+                let _ = writeln!(text, "  {:11} {}", family.name(), counts.words());
             }
         }
         text
@@ -246,10 +285,14 @@ mod tests {
         row.moving_s = [10.0, 4.0, 1.0];
         let text = serde_json::to_string(&row).unwrap();
         assert_eq!(serde_json::from_str::<ContactRow>(&text).unwrap(), row);
-        let other = ContactRow { passed: true, ..ContactRow::begun(7, 4) };
+        let mut other = ContactRow { passed: true, ..ContactRow::begun(7, 4) };
+        (other.counts.drove_into_things, other.counts.avoidable) = (1, 1);
+        other.counts.walked_into_standing = 3;
         let sum = ContactSummary::of(&[row.clone(), other, row]);
-        assert_eq!((sum.trials, sum.failed, sum.counts.while_moving()), (2, 1, 2));
+        assert_eq!((sum.trials, sum.failed, sum.counts.while_moving()), (2, 1, 3));
         assert!((sum.turning_share - 0.4).abs() < 1e-9);
-        assert!(sum.words().starts_with("2 trials: 2 contacts while the robot moved"));
+        let expected = "2 trials, 1 failed, 1 passed with a contact; 3 contacts while the robot moved: 0 seen in time by a sensor, \
+                        1 UNSEEN by every sensor, 2 that nobody could have avoided; 3 people walked into the standing robot";
+        assert!(sum.words().starts_with(expected), "{}", sum.words());
     }
 }

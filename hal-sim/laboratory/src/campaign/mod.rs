@@ -5,14 +5,20 @@ mod encounters;
 mod fault_class;
 mod fault_matrix;
 mod fault_phase;
+mod removal;
+#[cfg(test)]
+mod removal_tests;
 mod single_faults;
 mod summary;
 
-pub use contacts::{ContactRow, ContactSummary, contact_plan, contact_trial, contact_trial_with};
+pub use contacts::{
+    ContactRow, ContactSummary, FamilyCounts, contact_plan, contact_trial, contact_trial_with,
+};
 pub use encounters::encounter;
 pub use fault_class::random_fault;
 pub use fault_matrix::{Cell, cell_of, cells, coverage, fault_trial, name, taped_fault_trial};
 pub use fault_phase::box_on_path;
+pub use removal::Removal;
 pub use single_faults::single_fault;
 pub use summary::{CampaignSummary, RunOutcome, run_all, run_some};
 

@@ -9,15 +9,18 @@ use floorguard_types::geometry::Pose2;
 use serde::Serialize;
 
 use floorguard_robot::cleaner::MissionPlan;
-use floorguard_robot::cleaner::{CellState, MissionPhase, MissionProgress};
+use floorguard_robot::cleaner::{CellState, LaneCount, MissionPhase, MissionProgress};
 
 /// What a mission came to.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct MissionReport {
     /// How the robot decided where to clean.
     pub strategy: String,
-    /// Nothing was left that could be cleaned.
+    /// Nothing was left that the robot could do; how much is claimed clean is another matter.
     pub finished: bool,
+    /// Lanes planned and driven, if it drove lanes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lanes: Option<LaneCount>,
     /// Share of the cells that were dirty and can be reached which is claimed clean.
     pub completion: f32,
     /// Share of all cells that the mission answers for which is claimed clean.
@@ -44,7 +47,7 @@ pub struct MissionReport {
     pub unreachable_cells: usize,
     /// Distance driven, metres.
     pub distance_m: f32,
-    /// When nothing was left to clean, seconds since the start.
+    /// When nothing was left to do, seconds since the start.
     pub finished_after_s: Option<f64>,
     /// Time lost to people and other obstacles, seconds.
     pub people_cost_s: f32,
@@ -128,6 +131,7 @@ impl MissionJudge {
         let mut report = MissionReport {
             strategy: self.plan.strategy.name().to_owned(),
             finished: progress.phase == MissionPhase::Done,
+            lanes: progress.lanes,
             completion: progress.completion,
             claimed_fraction: progress.claimed_fraction,
             tolerated_units: self.plan.tolerated_units,

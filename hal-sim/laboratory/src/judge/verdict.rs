@@ -1,5 +1,7 @@
 //! What a run comes to.
 
+use std::collections::BTreeMap;
+
 use floorguard_contact_judge::Report;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_sim::simulation::Simulation;
@@ -7,10 +9,12 @@ use floorguard_types::time::Stamp;
 use serde::Serialize;
 
 use super::latency::Quantiles;
+use super::outcome::Outcome;
 use super::stops::{StopJudge, StopReason};
 use super::true_world::TrueContacts;
 use super::truth::Truth;
 use crate::judge::MissionReport;
+use floorguard_operator::panel::{HeldEvent, HeldKind};
 use floorguard_robot::learning::LearningReport;
 
 /// The result of `floorguard simulate --json`.
@@ -20,6 +24,10 @@ pub struct Verdict {
     pub passed: bool,
     /// Why not.
     pub failures: Vec<String>,
+    /// What the run comes to: good, failed, or not finished.
+    pub verdict: Outcome,
+    /// Why, in words.
+    pub reason: String,
     /// Name of the scenario.
     pub scenario: String,
     /// Seed of all randomness.
@@ -57,6 +65,12 @@ pub struct Verdict {
     pub id_switches: u32,
     /// Mean distance between track and person, metres.
     pub localisation_error_m: Option<f64>,
+    /// Times that the operator pressed reset.
+    pub resets: u32,
+    /// Robot time under each cause that limited or stopped, seconds.
+    pub held_back_s: BTreeMap<String, f64>,
+    /// What else held the robot than what began a stop, and what came of the resets.
+    pub history: Vec<HeardOf>,
     /// Sources that the records name as faulty.
     pub faulty_sources: Vec<String>,
     /// What was cleaned, if that was the mission.
@@ -85,15 +99,35 @@ impl Verdict {
     pub fn contacts_in_words(&self) -> String {
         let counts = &self.bodies.counts;
         format!(
-            "{} while it moved ({} with people, {} with objects, {} over edges; its sensors could have avoided {}, a perfect machine {}), {} of people who walked into it as it stood",
+            "{} while it moved ({} with people, {} with objects, {} over edges): {}",
             counts.while_moving(),
             counts.people_while_moving,
             counts.drove_into_things,
             counts.over_edges,
-            counts.avoidable_by_sensors,
-            counts.avoidable,
-            counts.walked_into_standing
+            counts.headline()
         )
+    }
+}
+
+/// An entry of the history of a run, as the robot told it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HeardOf {
+    /// Seconds since the start.
+    pub at_s: f64,
+    /// What it tells of.
+    pub kind: HeldKind,
+    /// In one line.
+    pub text: String,
+    /// What helps; empty if there is nothing to do.
+    pub remedy: &'static str,
+}
+
+impl HeardOf {
+    /// Of an event at a moment of the world.
+    #[must_use]
+    pub fn of(at: Stamp, event: &HeldEvent) -> Self {
+        let at_s = at.as_micros() as f64 * 1.0e-6;
+        Self { at_s, kind: event.kind, text: event.line(), remedy: event.remedy }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::summary::kinds;
-use crate::judge::MissionReport;
+use crate::judge::{MissionReport, Outcome};
 use crate::world::{Observation, Plan};
 use floorguard_host::words::counted;
 use floorguard_operator::report::style::{Tile, count_tile, escaped, tiles};
@@ -26,7 +26,8 @@ fn glance(observation: &Observation) -> Vec<Tile> {
         let (value, what, _) = count_tile(u64::from(count), one, many);
         (value, what, if count == 0 { "good" } else { "bad" })
     };
-    let (word, class) = if verdict.passed { ("good", "good") } else { ("FAILED", "bad") };
+    let class = if verdict.verdict == Outcome::Good { "good" } else { "bad" };
+    let word = verdict.verdict.words();
     let mut tiles = vec![
         (word.to_owned(), "verdict by ground truth", class),
         none_is_good(
@@ -34,7 +35,13 @@ fn glance(observation: &Observation) -> Vec<Tile> {
             "contact while it moved",
             "contacts while it moved",
         ),
-        none_is_good(verdict.avoidable_contacts, "of these avoidable", "of these avoidable"),
+        none_is_good(verdict.avoidable_contacts, "of these seen in time", "of these seen in time"),
+        none_is_good(verdict.bodies.counts.unseen(), "of these unseen", "of these unseen"),
+        none_is_good(
+            verdict.bodies.counts.walked_into_standing,
+            "person walked into it as it stood",
+            "people walked into it as it stood",
+        ),
         none_is_good(verdict.missed_stops, "missed stop", "missed stops"),
         count_tile(u64::from(verdict.stops), "stop", "stops"),
         (format!("{:.1} m", verdict.distance_m), "driven", ""),
@@ -49,7 +56,10 @@ fn glance(observation: &Observation) -> Vec<Tile> {
 
 fn rows(plan: &Plan, observation: &Observation) -> Vec<(&'static str, String)> {
     let verdict = &observation.verdict;
-    let mut rows = vec![("run", format!("scenario {}, seed {}", verdict.scenario, verdict.seed))];
+    let mut rows = vec![
+        ("run", format!("scenario {}, seed {}", verdict.scenario, verdict.seed)),
+        ("verdict", format!("{}: {}", verdict.verdict.words(), verdict.reason)),
+    ];
     if let Some(ready_s) = observation.ready_s {
         rows.push(("ready to move", format!("after {ready_s:.1} s")));
     }
@@ -96,10 +106,7 @@ fn rows(plan: &Plan, observation: &Observation) -> Vec<(&'static str, String)> {
 
 fn cleaning(mission: &MissionReport, brushed_m2: f64) -> Vec<(&'static str, String)> {
     let (strategy, before, after) = (&mission.strategy, mission.dirt_before_units, mission.dirt_after_units);
-    let end = match mission.finished_after_s {
-        Some(seconds) => format!("guarantee reached after {seconds:.0} s"),
-        None => "not finished".to_owned(),
-    };
+    let end = mission.end_in_words();
     let off_m = mission.localisation_error_m.unwrap_or_default();
     vec![
         ("cleaning", format!("{strategy}, {end}; {brushed_m2:.1} m² brushed; dirt {before} → {after} units")),

@@ -51,6 +51,7 @@ fn page(plan: &Plan, observation: &Observation, (picture, speed): (&str, &str)) 
         observation.stops.len()
     );
     stops(&mut html, observation);
+    held(&mut html, observation);
     html.push_str("</html>\n");
     html
 }
@@ -72,6 +73,24 @@ fn stops(html: &mut String, observation: &Observation) {
             // No −0.
             (stop.speed_mps * 100.0).round() / 100.0 + 0.0,
             escaped(&stop.cause)
+        );
+    }
+    html.push_str("</table>");
+}
+
+/// What else held the robot, and what came of the resets.
+fn held(html: &mut String, observation: &Observation) {
+    if observation.held.is_empty() {
+        return;
+    }
+    html.push_str("<h3>What else held the robot, and resets</h3><table><tr><th class=num>time<th>what<th>what helps</tr>");
+    for event in &observation.held {
+        let _ = write!(
+            html,
+            "<tr><td class=num>{:.1} s<td>{}<td>{}</tr>",
+            event.at_s,
+            escaped(&event.text),
+            event.remedy
         );
     }
     html.push_str("</table>");

@@ -7,6 +7,9 @@ use crate::judge::MissionReport;
 use crate::world::{Observation, Plan};
 use floorguard_host::words::{beside, counted};
 
+/// Entries of the history that are told.
+const HISTORY_MAX: usize = 20;
+
 /// Plain words, ending with the verdict.
 #[must_use]
 pub fn summary(plan: &Plan, observation: &Observation) -> String {
@@ -38,6 +41,9 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
     if !held.is_empty() {
         let _ = writeln!(text, "  held back by: {}", held.join(", "));
     }
+    for event in verdict.history.iter().take(HISTORY_MAX) {
+        let _ = writeln!(text, "    {:6.1} s {}. {}", event.at_s, event.text, event.remedy);
+    }
     let latency = &verdict.stop_latency_ms;
     if latency.count > 0 {
         let (median, most, times) = (latency.median, latency.p99, counted(latency.count as u64, "time"));
@@ -60,15 +66,23 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
     if let Some(learned) = &verdict.learned {
         let _ = writeln!(text, "  learned: {}", learned.words());
     }
+    let outside = verdict.bodies.counts.failing_no_run();
+    if outside > 0 {
+        let _ = writeln!(
+            text,
+            "  {} that no verdict counts: {}",
+            counted(u64::from(outside), "contact"),
+            verdict.bodies.counts.headline()
+        );
+    }
     if !verdict.faulty_sources.is_empty() {
         let _ = writeln!(text, "  sources that failed: {}", verdict.faulty_sources.join(", "));
     }
     if observation.resets > 0 {
         let _ = writeln!(text, "  the operator pressed reset {}", counted(observation.resets, "time"));
     }
-    let word =
-        if verdict.passed { "good".to_owned() } else { format!("FAILED: {}", verdict.failures.join(", ")) };
-    let _ = writeln!(text, "  verdict: {word}   (digest {} of {})", verdict.digest, plan.name);
+    let (word, reason) = (verdict.verdict.words(), &verdict.reason);
+    let _ = writeln!(text, "  verdict: {word}: {reason}   (digest {} of {})", verdict.digest, plan.name);
     text
 }
 
@@ -87,10 +101,7 @@ fn mission_lines(mission: &MissionReport) -> String {
         percent(mission.completion),
         mission.falsely_claimed_cells
     );
-    let end = match mission.finished_after_s {
-        Some(seconds) => format!("guarantee reached after {seconds:.0} s"),
-        None => "not finished".to_owned(),
-    };
+    let end = mission.end_in_words();
     let _ = writeln!(
         text,
         "    {end}; people and objects on the path cost {:.0} s, {}; {:.2} m off the true place",

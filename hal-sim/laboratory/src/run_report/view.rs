@@ -13,7 +13,7 @@ const WALL_HALF_M: f32 = 0.06;
 #[must_use]
 pub fn top_view(plan: &Plan, observation: &Observation) -> TopView {
     let verdict = &observation.verdict;
-    let word = if verdict.passed { "good" } else { "FAILED" };
+    let word = verdict.verdict.words();
     let people = observation
         .people_paths
         .iter()

@@ -15,10 +15,11 @@ use floorguard_types::time::Stamp;
 
 use super::swath::Swath;
 use super::truth::TruthSampler;
-use crate::judge::{Judge, Quantiles, StopOrders, StopReason, Verdict};
-use crate::judge::{MissionJudge, MissionOutcome, TrueContacts};
+use crate::judge::{Asked, Judge, Quantiles, Standing, StopOrders, StopReason, Verdict};
+use crate::judge::{HeardOf, MissionJudge, MissionOutcome, TrueContacts};
 use crate::metrics::MotAccumulator;
 use crate::plan::Plan;
+use floorguard_operator::panel::HeldHistory;
 use floorguard_robot::camera::SeenDirt;
 use floorguard_robot::cleaner::MissionProgress;
 use floorguard_robot::environment::PeopleSeen;
@@ -32,6 +33,8 @@ const HIDDEN_M: f32 = 1.0;
 const PATH_US: u64 = 250_000;
 /// The list of people is kept at most this often.
 const PEOPLE_US: u64 = 200_000;
+/// Entries of the history of what held the robot.
+const HISTORY_MAX: usize = 1_000;
 /// A status comes every tenth tick, seconds.
 const STATUS_S: f64 = 0.1;
 /// Front wheel's target: object 60FFh in mm/s behind the controlword.
@@ -65,6 +68,8 @@ pub struct Observation {
     pub people_seen: Vec<PeopleSeen>,
     /// Every stop.
     pub stops: Vec<SeenStop>,
+    /// What else held the robot than what began a stop, and what came of the resets.
+    pub held: Vec<HeardOf>,
     /// Times that the operator pressed reset.
     pub resets: u32,
     /// Seconds from the start until the robot could move.
@@ -123,6 +128,9 @@ pub struct Observer<'a> {
     people_now: usize,
     faulty: std::collections::BTreeSet<String>,
     show: Show<'a>,
+    asked: Asked,
+    standing: Standing,
+    history: HeldHistory,
     /// What the robot's clock showed when the world began.
     clock_start: Stamp,
 }
@@ -154,6 +162,9 @@ impl<'a> Observer<'a> {
             people_now: 0,
             faulty: std::collections::BTreeSet::new(),
             show,
+            asked: Asked::of(plan),
+            standing: Standing::default(),
+            history: HeldHistory::default(),
             clock_start: Stamp::ZERO,
         }
     }
@@ -239,6 +250,7 @@ impl<'a> Observer<'a> {
             self.on_people(&people, &truth, believed);
         }
         self.swath.touch(truth.robot);
+        self.standing.observe(truth.stamp, truth.twist);
         self.record_paths(now_us, &truth);
         if let Some(status) = shared.status.get() {
             self.on_status(now_us, &status);
@@ -290,6 +302,8 @@ impl<'a> Observer<'a> {
         }
         if self.last_status != Some(status.decision.stamp) {
             self.last_status = Some(status.decision.stamp);
+            let ready_for_s = if self.seen.ready_s.is_some() { STATUS_S } else { 0.0 };
+            self.standing.held(status.decision.holding_cause, ready_for_s);
             if let Some(record) = status.decision.holding_cause {
                 *self.seen.under_cause_s.entry(kind_of(&record)).or_default() += STATUS_S;
             }
@@ -308,6 +322,11 @@ impl<'a> Observer<'a> {
             let limit_mps = status.decision.speed_limit_mps;
             self.seen.speeds.push((seconds, status.pose.twist.linear_mps, limit_mps));
         }
+        let news = self.history.news(status).into_iter();
+        let room = HISTORY_MAX.saturating_sub(self.seen.held.len());
+        let heard = news.map(|event| HeardOf::of(self.in_world(event.at), &event));
+        let heard: Vec<HeardOf> = heard.take(room).collect();
+        self.seen.held.extend(heard);
         (self.show)(seconds, status, self.people_now, &self.seen.stops);
     }
 
@@ -392,9 +411,13 @@ impl<'a> Observer<'a> {
             learned: self.seen.learned,
             mission: self.seen.mission.as_ref().map(|mission| mission.report.clone()),
             digest: format!("{:016x}", self.digest.value()),
+            resets: self.seen.resets,
+            held_back_s: self.seen.under_cause_s.clone(),
+            history: self.seen.held.clone(),
             faulty_sources: self.faulty.iter().cloned().collect(),
             ..self.judge.verdict(self.seen.ready_s)
         };
+        self.seen.verdict.conclude(self.asked, &self.standing);
     }
 
     /// The fingerprint of the outputs.

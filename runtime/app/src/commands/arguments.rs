@@ -34,8 +34,10 @@ pub enum Command {
     Report(super::ReportArguments),
     /// Read the log of a black box and make it a recording.
     Blackbox(super::BlackBoxArguments),
-    /// Print every return of a lidar capture.
+    /// Print every return of a lidar capture, or every sample of an inertial sensor's bytes.
     Decode(DecodeArguments),
+    /// Say what is in a recording, what is wrong with it, and what can be done with it.
+    Inspect(super::InspectArguments),
     #[cfg(feature = "laboratory")]
     /// Clean a map in simulation with a guarantee, and compare strategies.
     Mission(super::MissionArguments),
@@ -59,7 +61,7 @@ pub enum Command {
 /// What to decode.
 #[derive(Clone, Debug, Args)]
 pub struct DecodeArguments {
-    /// The capture: .pcap, .pcapng, either of them .gz.
+    /// The capture: .pcap, .pcapng, either of them .gz; or the bytes of an MTi's line.
     pub file: PathBuf,
     /// Which lidar made it.
     #[arg(long, default_value = "auto")]
@@ -72,8 +74,8 @@ pub struct DecodeArguments {
 /// What to replay.
 #[derive(Clone, Debug, Args)]
 pub struct ReplayArguments {
-    /// A recording of `--record` or a ROS 2 bag (.mcap), a lidar capture (.pcap, .pcapng, .gz), or a CARMEN log (.clf,
-    /// .log, .gz, .bz2).
+    /// A recording of `--record` or a ROS 2 bag (.mcap), a lidar capture (.pcap, .pcapng, .gz), a CARMEN log (.clf,
+    /// .log, .gz, .bz2), or the bytes of an S300's line.
     pub file: PathBuf,
     /// Which lidar made a capture.
     #[arg(long, default_value = "auto")]

@@ -135,12 +135,12 @@ fn show(summary: &CampaignSummary) {
     );
     let bodies = &summary.bodies;
     say!(
-        "contacts while it moved {} ({} with people, {} with objects; its sensors could have avoided {}), people who walked into it as it stood {}",
+        "contacts while it moved {} ({} with people, {} with objects, {} over edges): {}",
         bodies.while_moving(),
         bodies.people_while_moving,
         bodies.drove_into_things,
-        bodies.avoidable_by_sensors,
-        bodies.walked_into_standing
+        bodies.over_edges,
+        bodies.headline()
     );
     say!(
         "missed stops {} ({} more for what no sensor saw), stops {} ({} without need)",

@@ -8,7 +8,7 @@ use std::sync::Mutex;
 
 use anyhow::Context;
 use floorguard_host::executor::StopFlag;
-use floorguard_host::outcome::BadInput;
+use floorguard_host::outcome::{BadInput, WrongUsage};
 use floorguard_laboratory::campaign::{
     ContactRow, ContactSummary, RunOutcome, contact_plan, contact_trial, run_seeds_until,
 };
@@ -120,7 +120,7 @@ impl ContactCampaign<'_> {
 pub fn merge(files: &[PathBuf], json: bool) -> anyhow::Result<()> {
     if files.is_empty() {
         return Err(
-            BadInput("campaign merge: name the files of rows that `--record` wrote".to_owned()).into()
+            WrongUsage("campaign merge: name the files of rows that `--record` wrote".to_owned()).into()
         );
     }
     let mut rows = Vec::new();
@@ -145,6 +145,12 @@ fn conclude(rows: &[ContactRow], json: bool) -> anyhow::Result<()> {
         }
         if failed.len() > REPORTED_MAX {
             say!("and {} more", failed.len() - REPORTED_MAX);
+        }
+        let mut unseen: Vec<&ContactRow> = rows.iter().filter(|row| row.passed_with_contact()).collect();
+        unseen.sort_by_key(|row| row.trial);
+        for row in unseen.iter().take(REPORTED_MAX) {
+            say!("passed with a contact ({}):\n  {}", row.family, row.command());
+            row.contacts.iter().for_each(|line| say!("    {line}"));
         }
     }
     if summary.failed == 0 {

@@ -1,11 +1,20 @@
-//! `floorguard decode`: every return of a lidar capture, exactly as the driver sees it.
+//! `floorguard decode`: every return of a lidar capture, or every sample of an inertial sensor, as the driver sees it.
 
 use std::io::{BufWriter, Write};
 
-use floorguard_drivers::velodyne::{Model, ModelChoice, Packet, Return, Returns, ReturnsOf};
+use floorguard_drivers::velodyne::{Decoder, Model, ModelChoice, Packet, Return, Returns, ReturnsOf};
+
+use floorguard_types::time::Stamp;
 
 use super::arguments::{DecodeArguments, ModelArgument};
+use super::decode_can::decode_can;
+use super::decode_inertial::decode_inertial;
+use super::inspect::{inertial, is_candump};
+use floorguard_host::packing::beginning;
 use floorguard_recording::capture::{Capture, CaptureError, CaptureNotes, LIDAR_DATA_PORT, settle_model};
+
+/// So much of a file tells whether it is an inertial sensor's line.
+const INERTIAL_BYTES: u64 = 16_384;
 
 impl ModelArgument {
     /// As the decoder wants it.
@@ -38,9 +47,21 @@ pub fn run(arguments: &DecodeArguments) -> anyhow::Result<()> {
 /// # Errors
 /// Bad input, or `out` takes no more.
 pub fn decode_to(arguments: &DecodeArguments, out: impl Write) -> anyhow::Result<()> {
+    let begins = beginning(&arguments.file, INERTIAL_BYTES).unwrap_or_default();
+    if inertial(&begins).is_some() {
+        return decode_inertial(&arguments.file, arguments.csv, out);
+    }
+    if is_candump(&begins) {
+        return decode_can(&arguments.file, arguments.csv, out);
+    }
     let model = settle_model(&arguments.file, arguments.model.choice())?;
-    let mut printer =
-        Printer { returns: Returns::new(model), csv: arguments.csv, out, totals: Totals::default() };
+    let mut printer = Printer {
+        returns: Returns::new(model),
+        decoder: Decoder::new(ModelChoice::Fixed(model)),
+        csv: arguments.csv,
+        out,
+        totals: Totals::default(),
+    };
     printer.print(&arguments.file)
 }
 
@@ -75,6 +96,7 @@ impl std::fmt::Display for Sums {
 struct Totals {
     packets: u64,
     refused: u64,
+    odd_blocks: u64,
     file: Sums,
     revolutions: u64,
     revolution: Sums,
@@ -82,9 +104,13 @@ struct Totals {
 }
 
 impl Totals {
-    /// A revolution starts at the first block whose azimuth falls by more than half a turn.
+    /// A revolution starts at the first block whose azimuth falls by more than 10°: of a lidar that is set to a field of
+    /// view it falls by little.
     fn enter_block(&mut self, azimuth_cdeg: u16) {
-        if self.last_azimuth.is_some_and(|last| last > azimuth_cdeg && last - azimuth_cdeg > 18_000) {
+        if azimuth_cdeg >= 36_000 {
+            return;
+        }
+        if self.last_azimuth.is_some_and(|last| last > azimuth_cdeg && last - azimuth_cdeg > 1_000) {
             self.end_revolution();
         }
         self.last_azimuth = Some(azimuth_cdeg);
@@ -99,6 +125,8 @@ impl Totals {
 
 struct Printer<W> {
     returns: Returns,
+    /// Knows from packet to packet what is closed.
+    decoder: Decoder,
     csv: bool,
     out: W,
     totals: Totals,
@@ -114,6 +142,8 @@ impl<W: Write> Printer<W> {
         for datagram in &mut capture {
             match datagram {
                 Ok(datagram) if datagram.destination_port == LIDAR_DATA_PORT => {
+                    let arrival = Stamp::from_micros(datagram.captured_us);
+                    let _ = self.decoder.decode(&datagram.payload, arrival);
                     self.packet(&datagram.payload)?
                 }
                 Ok(_) => {}
@@ -124,8 +154,14 @@ impl<W: Write> Printer<W> {
         if self.totals.last_azimuth.is_some() {
             self.totals.end_revolution();
         }
-        let Totals { packets, refused, file, revolutions, .. } = &self.totals;
+        let Totals { packets, refused, odd_blocks, file, revolutions, .. } = &self.totals;
         let CaptureNotes { fragments, other, .. } = capture.notes();
+        if let Some(closed) = self.decoder.closed_sector() {
+            say!("the lidar is set to a field of view: {closed}");
+        }
+        if *odd_blocks > 0 {
+            say!("{odd_blocks} blocks left out: azimuth above 36000 cdeg");
+        }
         say!(
             "{}: {packets} packets, {refused} refused, {revolutions} revolutions (the first and the last may be \
              parts), {file}; {fragments} IP fragments and {other} other frames skipped",
@@ -145,6 +181,10 @@ impl<W: Write> Printer<W> {
                 return Ok(());
             }
         };
+        for error in packet.odd_blocks() {
+            totals.odd_blocks += 1;
+            say!("packet {}: {error}", totals.packets);
+        }
         let mut sums = Sums::default();
         let mut failed = Ok(());
         let mut azimuths = packet.azimuths().into_iter();

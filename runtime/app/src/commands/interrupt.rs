@@ -5,13 +5,11 @@ use std::thread;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 
-#[cfg(feature = "laboratory")]
 use floorguard_host::executor::StopFlag;
 
 /// What shells say of a program that an interrupt has ended.
 pub(super) const INTERRUPTED: i32 = 130;
 
-#[cfg(feature = "laboratory")]
 /// The first Ctrl-C ends what goes on in order, with everything that it has to show until then; the second one at once.
 ///
 /// # Errors
@@ -31,7 +29,7 @@ pub(super) fn end_at_ctrl_c(ended: &StopFlag, what: &str) -> std::io::Result<()>
 ///
 /// # Errors
 /// The system gives no handler.
-pub(super) fn at_interrupt(mut act: impl FnMut() + Send + 'static) -> std::io::Result<()> {
+fn at_interrupt(mut act: impl FnMut() + Send + 'static) -> std::io::Result<()> {
     let mut wanted = vec![SIGINT, SIGTERM];
     // `nohup` requests it: the program is to outlive the connection.
     if !is_ignored(SIGHUP) {

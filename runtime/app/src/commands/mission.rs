@@ -1,6 +1,10 @@
 //! `floorguard mission`: cleaning missions in simulation, and what their claims are worth.
 
+use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -8,7 +12,7 @@ use serde::Serialize;
 
 use super::exit::Unfinished;
 use super::interrupt::end_at_ctrl_c;
-use super::{BadInput, VerdictFailed};
+use super::{BadInput, VerdictFailed, WrongUsage};
 use floorguard_host::executor::StopFlag;
 use floorguard_laboratory::mission::{
     FaultKind, FaultRates, Guarantee, Interrupted, Memory, MissionConfig, MissionStorage, Robot, RunMonitor,
@@ -20,6 +24,10 @@ use floorguard_mapping::environment::WallTime;
 use floorguard_robot::environment::{Calendar, Model, load, read_zones, save};
 use floorguard_robot::site::{DirtSource, Floor, rooms, ros_map};
 use floorguard_types::random::Pcg32;
+
+/// Without a terminal the progress is told this often; the thread looks this often whether it is over.
+const HEARTBEAT: Duration = Duration::from_secs(10);
+const LOOK: Duration = Duration::from_millis(100);
 
 /// What to clean, how, and how often.
 #[derive(Clone, Debug, Args)]
@@ -46,7 +54,7 @@ pub struct MissionArguments {
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// People on the floor.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = people)]
     pub people: usize,
     /// What goes wrong, about every twenty seconds in all; without a list, everything does.
     #[arg(long, value_delimiter = ',', num_args = 0..=1, default_missing_value = "all")]
@@ -91,6 +99,14 @@ pub enum Sensor {
     DepthCamera,
 }
 
+/// More do not stand on any floor, and each of them costs time.
+const PEOPLE_MAX: usize = 1_000;
+
+fn people(text: &str) -> Result<usize, String> {
+    let some = text.parse::<usize>().ok().filter(|people| *people <= PEOPLE_MAX);
+    some.ok_or_else(|| format!("give 0 to {PEOPLE_MAX} people"))
+}
+
 fn probability(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value > 0.0 && value < 1.0 => Ok(value),
@@ -130,6 +146,8 @@ pub fn run(arguments: &MissionArguments) -> anyhow::Result<()> {
     let believed = prior.as_ref().map(|prior| prior.believed.as_slice());
     let ended = StopFlag::default();
     end_at_ctrl_c(&ended, "the run ends here")?;
+    say!("{}", robot_words(&config.robot));
+    let heartbeat = Heartbeat::start(missions);
     let columns = match &arguments.resume {
         Some(file) => vec![kept_mission(arguments, (file, &ended), (&floor, &config), believed)?],
         None => run_strategies_believing(
@@ -137,9 +155,10 @@ pub fn run(arguments: &MissionArguments) -> anyhow::Result<()> {
             (&arguments.strategy, &config, &arguments.dirt),
             believed,
             (arguments.trials, arguments.seed),
-            &RunMonitor { progress: &|| bar.inc(1), ended: &ended },
+            &RunMonitor { progress: &|| heartbeat.count(&bar), ended: &ended },
         )?,
     };
+    drop(heartbeat);
     bar.finish_and_clear();
     report_partial(&columns, arguments.trials)?;
     let summaries: Vec<StrategySummary> = columns.iter().map(StrategyTrials::summary).collect();
@@ -161,6 +180,56 @@ pub fn run(arguments: &MissionArguments) -> anyhow::Result<()> {
         status_report(arguments, (folder, believed), (&floor, &config), &columns)?;
     }
     verdict(&summaries, arguments.delta)
+}
+
+/// The robot that is played: it is not the one of a robot.toml.
+fn robot_words(robot: &Robot) -> String {
+    format!(
+        "the robot of these missions is round, {:.2} m wide, drives {:.2} m/s with a brush of {:.2} m; that of a robot.toml is \
+         played by simulate",
+        2.0 * robot.radius_m,
+        robot.follow.speed_mps,
+        robot.brush.width_m
+    )
+}
+
+/// Says now and then how far the missions are, where no bar is shown: a mission among many people takes minutes.
+struct Heartbeat {
+    done: Arc<AtomicU64>,
+    ended: Arc<AtomicBool>,
+}
+
+impl Heartbeat {
+    fn start(missions: u64) -> Self {
+        let heartbeat = Self { done: Arc::default(), ended: Arc::default() };
+        if std::io::stderr().is_terminal() {
+            return heartbeat;
+        }
+        let (done, ended) = (Arc::clone(&heartbeat.done), Arc::clone(&heartbeat.ended));
+        std::thread::spawn(move || {
+            let (began, mut next) = (Instant::now(), HEARTBEAT);
+            while !ended.load(Ordering::Relaxed) {
+                std::thread::sleep(LOOK);
+                if began.elapsed() >= next {
+                    next += HEARTBEAT;
+                    let done = done.load(Ordering::Relaxed);
+                    say!("  {:.0} s: {done} of {missions} missions", began.elapsed().as_secs_f64());
+                }
+            }
+        });
+        heartbeat
+    }
+
+    fn count(&self, bar: &ProgressBar) {
+        self.done.fetch_add(1, Ordering::Relaxed);
+        bar.inc(1);
+    }
+}
+
+impl Drop for Heartbeat {
+    fn drop(&mut self) {
+        self.ended.store(true, Ordering::Relaxed);
+    }
 }
 
 /// Somebody has ended the missions: how many count; an error if none does.
@@ -189,7 +258,10 @@ fn load_floor(arguments: &MissionArguments) -> anyhow::Result<Floor> {
         floor.keep_in_sight()?;
         Ok(floor)
     });
-    floor.map_err(|error| BadInput(format!("{name}: {error:#}")).into())
+    floor.map_err(|error| {
+        let why = format!("{error:#}");
+        BadInput(if why.contains(&name) { why } else { format!("{name}: {why}") }).into()
+    })
 }
 
 fn config(arguments: &MissionArguments) -> MissionConfig {
@@ -216,10 +288,10 @@ fn kept_mission(
 ) -> anyhow::Result<StrategyTrials> {
     let bad = |error: anyhow::Error| BadInput(format!("{error:#}"));
     let &[strategy] = arguments.strategy.as_slice() else {
-        return Err(BadInput("--resume keeps the mission of one strategy".to_owned()).into());
+        return Err(WrongUsage("--resume keeps the mission of one strategy".to_owned()).into());
     };
     if arguments.trials != 1 {
-        return Err(BadInput("--resume keeps one mission: --trials 1".to_owned()).into());
+        return Err(WrongUsage("--resume keeps one mission: --trials 1".to_owned()).into());
     }
     let config = MissionConfig { strategy, ..*config };
     let expected = arguments.dirt.expected_units(floor, &mut Pcg32::new(arguments.seed, 0)).map_err(bad)?;

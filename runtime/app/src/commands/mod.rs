@@ -8,11 +8,14 @@ mod campaign;
 mod campaign_contacts;
 mod check;
 mod decode;
+mod decode_can;
+mod decode_inertial;
 #[cfg(feature = "laboratory")]
 mod demo;
 #[cfg(feature = "laboratory")]
 mod eval;
 mod exit;
+mod inspect;
 mod interrupt;
 mod learn;
 mod live;
@@ -29,6 +32,7 @@ mod run_lesson;
 mod simulate;
 #[cfg(feature = "laboratory")]
 mod train;
+mod values;
 
 pub use arguments::{Arguments, Command, DecodeArguments, ModelArgument, ReplayArguments};
 pub use ask::{AskArguments, AskQuestion};
@@ -40,7 +44,8 @@ pub use decode::decode_to;
 pub use demo::DemoArguments;
 #[cfg(feature = "laboratory")]
 pub use eval::{EvalArguments, EvalStage};
-pub use exit::{BadInput, VerdictFailed, exit_code, is_broken_pipe};
+pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
+pub use inspect::InspectArguments;
 pub use learn::{LearnArguments, PlaceArguments};
 #[cfg(feature = "laboratory")]
 pub use mission::MissionArguments;
@@ -62,6 +67,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Blackbox(arguments)) => blackbox::run(&arguments),
         Some(Command::Report(arguments)) => report::run(&arguments),
         Some(Command::Decode(arguments)) => decode::run(&arguments),
+        Some(Command::Inspect(arguments)) => inspect::run(&arguments),
         #[cfg(feature = "laboratory")]
         Some(Command::Mission(arguments)) => mission::run(&arguments),
         Some(Command::Learn(arguments)) => learn::run(&arguments),

@@ -18,16 +18,17 @@ use floorguard_runtime::shared::{BusReport, Complaints, RobotStatus, StopRecord}
 use serde_json::json;
 
 use super::exit::BadInput;
-use super::interrupt::at_interrupt;
+use super::interrupt::end_at_ctrl_c;
 use super::live::status_of;
 use super::live_camera::LiveCamera;
 use super::panel::open_panel;
+use super::values::{panel_address, seconds};
 use floorguard_configuration::{HostedConfiguration, load};
 use floorguard_host::console::Lines;
 use floorguard_host::executor::{Ring, StopFlag, take_priority};
 use floorguard_host::words::counted;
 use floorguard_operator::display::LiveDisplay;
-use floorguard_operator::panel::Order;
+use floorguard_operator::panel::{HeldHistory, Order, remedy};
 use floorguard_operator::report::make_folder;
 use floorguard_operator::telemetry::{RecordedRun, RunSinks, TelemetrySender, with_telemetry};
 use floorguard_robot::assembly::new_shared;
@@ -44,6 +45,8 @@ const IMU_BAUD: u32 = 115_200;
 /// With `--json` a status comes this often, seconds.
 const JSON_STATUS_S: f64 = 1.0;
 
+/// A device on the CAN bus that has not been heard of for so long is named.
+const SILENT_AFTER: Duration = Duration::from_secs(3);
 /// A word on the mission comes this often, seconds.
 const MISSION_WORD_S: f64 = 10.0;
 
@@ -53,7 +56,7 @@ pub struct RunArguments {
     /// The configuration; `floorguard check` explains its mistakes.
     pub file: PathBuf,
     /// End after so many seconds instead of at Ctrl-C.
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, allow_negative_numbers = true, value_parser = seconds)]
     pub duration: Option<f64>,
     /// One object per line on standard output: a status every second, and every stop.
     #[arg(long)]
@@ -69,7 +72,7 @@ pub struct RunArguments {
     #[arg(long, value_name = "FILE.mcap")]
     pub record: Option<PathBuf>,
     /// Show the robot live in a browser: `--panel 127.0.0.1:8080`.
-    #[arg(long, value_name = "ADDRESS:PORT")]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = panel_address)]
     pub panel: Option<SocketAddr>,
 }
 
@@ -79,9 +82,6 @@ pub struct RunArguments {
 /// The configuration is refused, the lidar's port is taken, or a ring failed.
 pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     let configuration = load(&arguments.file)?;
-    if let Some(duration) = arguments.duration.filter(|duration| !(*duration > 0.0 && duration.is_finite())) {
-        return Err(BadInput(format!("--duration {duration}: give seconds, more than 0")).into());
-    }
     let folder = arguments.file.parent().unwrap_or(Path::new("."));
     let source =
         configuration.carriers.camera.as_ref().map(|camera| open_source(camera, folder)).transpose()?;
@@ -89,10 +89,7 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     let shared: Box<HostedShared> = new_shared(&configuration.robot, clock::now())
         .map_err(|error| BadInput(format!("{}: {error}", arguments.file.display())))?;
     let flag = StopFlag::default();
-    at_interrupt({
-        let flag = flag.clone();
-        move || flag.stop()
-    })?;
+    end_at_ctrl_c(&flag, "the robot is brought to a stand")?;
     say!(
         "floorguard run: {}; Ctrl-C ends it; r and Enter resets, s and Enter starts",
         arguments.file.display()
@@ -233,7 +230,10 @@ struct Watch<'a> {
     next_json_s: f64,
     stops: u32,
     last_stop: Option<String>,
+    history: HeldHistory,
     bus: Option<BusReport>,
+    /// The devices on the bus that have not been heard of are told.
+    silent_told: bool,
     complaints: Complaints,
     learner: Option<LiveLearner>,
     learned: Option<LearningWriter>,
@@ -259,7 +259,9 @@ impl<'a> Watch<'a> {
             next_json_s: 0.0,
             stops: 0,
             last_stop: None,
+            history: HeldHistory::default(),
             bus: None,
+            silent_told: false,
             complaints: Complaints::default(),
             learner: None,
             learned: None,
@@ -378,8 +380,14 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Says what has changed on the CAN bus.
+    /// Says what has changed on the CAN bus, and which devices have said nothing since the start.
     fn on_bus(&mut self, report: &BusReport) {
+        if !self.silent_told && self.began.elapsed() >= SILENT_AFTER {
+            self.silent_told = true;
+            for device in report.devices.iter().filter(|device| device.phase == NodePhase::Absent) {
+                self.display.note(&format!("  {device}"));
+            }
+        }
         for (index, device) in report.devices.iter().enumerate() {
             let known = self.bus.and_then(|known| known.devices.get(index).copied());
             let silent_at_start = known.is_none() && device.phase == NodePhase::Absent;
@@ -394,12 +402,15 @@ impl<'a> Watch<'a> {
     fn on_complaints(&mut self, complaints: &Complaints) {
         let known = std::mem::replace(&mut self.complaints, *complaints);
         let lidar = complaints.lidar.filter(|now| known.lidar.map(|then| kind(&then)) != Some(kind(now)));
+        // Its edges wander by a block from turn to turn: once is enough.
+        let closed = complaints.lidar_closed.filter(|_| known.lidar_closed.is_none());
         let scanner = complaints.scanner.filter(|_| known.scanner != complaints.scanner);
         let message = complaints.scanner_message;
         let message = message.filter(|_| known.scanner_message != complaints.scanner_message);
         let imu = complaints.imu.filter(|_| known.imu != complaints.imu);
         let reasons = [
             ("lidar", lidar.map(|error| error.to_string())),
+            ("lidar", closed.map(|sector| format!("{sector}; what lies in the closed sector stays unknown"))),
             ("safety scanner", scanner.map(|error| error.to_string())),
             ("safety scanner", message.map(|error| error.to_string())),
             ("inertial sensor", imu.map(|fault| fault.to_string())),
@@ -427,7 +438,21 @@ impl<'a> Watch<'a> {
         }
     }
 
+    /// What holds the robot has changed, or a reset was answered.
+    fn on_history(&mut self, status: &RobotStatus) {
+        for event in self.history.news(status) {
+            let (at_s, line) = (event.at.as_micros() as f64 * 1.0e-6, event.line());
+            if self.arguments.json {
+                self.lines
+                    .tell(&json!({"type": event.kind, "time_s": at_s, "text": line, "remedy": event.remedy}));
+            } else {
+                self.display.note(&format!("  {at_s:.1} s: {line}. {}", event.remedy));
+            }
+        }
+    }
+
     fn on_status(&mut self, status: &RobotStatus) {
+        self.on_history(status);
         let elapsed_s = self.began.elapsed().as_secs_f64();
         let people = self.shared.people.get().map_or(0, |report| report.people.len());
         let seen = status_of(elapsed_s, status, (people, self.stops, self.last_stop.clone()));
@@ -442,6 +467,9 @@ impl<'a> Watch<'a> {
             self.lines.tell(
                 &json!({"type": "status", "time_s": elapsed_s, "state": format!("{:?}", status.decision.state),
                 "speed_mps": seen.speed_mps, "limit_mps": seen.limit_mps, "people": seen.people,
+                "held_by": status.decision.holding_cause.map(|record| record.to_string()),
+                "remedy": status.decision.holding_cause.map(|record| remedy(&record)),
+                "first_cause": status.decision.primary_cause.map(|record| record.to_string()),
                 "sources": sources, "can_sent": links.can_sent, "can_errors": links.can_errors}),
             );
         }

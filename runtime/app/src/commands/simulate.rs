@@ -11,11 +11,14 @@ use floorguard_sim::FaultSpec;
 use floorguard_sim::scenario::Scenario;
 use floorguard_types::capacities::SCAN_BEAMS_MAX;
 
-use super::exit::{BadInput, VerdictFailed};
+use super::exit::{BadInput, NotFinished, VerdictFailed, WrongUsage};
 use super::interrupt::end_at_ctrl_c;
 use super::live::status_of;
 use super::panel::open_panel;
 use super::run_lesson::RunLesson;
+use super::values::{panel_address, simulated_seconds};
+use floorguard_configuration::did_you_mean;
+use floorguard_laboratory::judge::Outcome;
 use floorguard_laboratory::run_report::write_report;
 use floorguard_laboratory::world::{
     Observation, Observer, Plan, SeenStop, SimulatedCamera, load_scenario, record_plan,
@@ -42,7 +45,7 @@ pub struct SimulateArguments {
     #[arg(long, value_enum)]
     pub strategy: Option<MissionStrategy>,
     /// Simulated seconds.
-    #[arg(long, default_value_t = 120.0, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 120.0, allow_negative_numbers = true, value_parser = simulated_seconds)]
     pub duration: f64,
     /// End as soon as the mission has nothing left to clean; --duration is then the longest that it may take.
     #[arg(long, conflicts_with = "tape")]
@@ -80,7 +83,7 @@ pub struct SimulateArguments {
     #[arg(long, value_name = "FOLDER", requires = "camera")]
     pub pictures: Option<PathBuf>,
     /// Show the run live in a browser, in real time: `--panel 127.0.0.1:8080`.
-    #[arg(long, value_name = "ADDRESS:PORT")]
+    #[arg(long, value_name = "ADDRESS:PORT", value_parser = panel_address)]
     pub panel: Option<SocketAddr>,
     /// One verdict object on standard output, no live status.
     #[arg(long)]
@@ -189,27 +192,22 @@ fn repeat(arguments: &SimulateArguments) -> String {
 }
 
 fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
-    if !(arguments.duration > 0.0 && arguments.duration <= 86_400.0) {
-        let what =
-            format!("--duration {}: give seconds, more than 0 and up to 86400 (a day)", arguments.duration);
-        return Err(BadInput(what).into());
-    }
     let duration_us = (arguments.duration * 1.0e6) as u64;
     let mut plan = if Path::new(&arguments.scenario).extension().is_some() {
         let scenario = load_scenario(Path::new(&arguments.scenario))?;
         Plan::of(&arguments.scenario, scenario, arguments.seed, duration_us)?
     } else {
         Plan::named(&arguments.scenario, arguments.seed, duration_us)
-            .map_err(|error| BadInput(error.to_string()))?
+            .map_err(|error| WrongUsage(format!("--scenario: {error}{}", meant(&arguments.scenario))))?
     };
     if arguments.tape.is_some() && arguments.strategy.is_some() {
         let what =
             "--tape: the emulated board drives the route and cannot hold a mission; leave --strategy out";
-        return Err(BadInput(what.to_owned()).into());
+        return Err(WrongUsage(what.to_owned()).into());
     }
     if arguments.tape.is_some() && arguments.scanner != FittedScanner::S300 {
         let what = "--tape: the emulated board can hold the beams of an S300 only; leave --scanner out";
-        return Err(BadInput(what.to_owned()).into());
+        return Err(WrongUsage(what.to_owned()).into());
     }
     if let Some(robot) = &arguments.robot {
         plan = plan.with_robot(robot).map_err(|error| BadInput(format!("{error:#}")))?;
@@ -227,10 +225,10 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
             "--until-clean: the scenario '{}' has no dirt to clean; give --strategy systematic",
             plan.name
         );
-        return Err(BadInput(what).into());
+        return Err(WrongUsage(what).into());
     }
     for text in &arguments.fault {
-        plan.faults.push(FaultSpec::parse(text).map_err(|error| BadInput(format!("--fault {error}")))?);
+        plan.faults.push(FaultSpec::parse(text).map_err(|error| WrongUsage(format!("--fault {error}")))?);
     }
     for text in &arguments.emergency_stop {
         let (from_us, to_us) = parse_span(text)?;
@@ -243,12 +241,21 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
     Ok(plan)
 }
 
+/// The scenario that was meant, if one is called nearly so.
+fn meant(name: &str) -> String {
+    let names: Vec<&str> = Scenario::names().collect();
+    did_you_mean(name, &names).map(|meant| format!("; {meant}")).unwrap_or_default()
+}
+
 /// `20..25`, seconds.
 fn parse_span(text: &str) -> anyhow::Result<(u64, u64)> {
-    let micros = |part: &str| part.parse::<f64>().ok().filter(|s| *s >= 0.0).map(|s| (s * 1.0e6) as u64);
+    let micros = |part: &str| {
+        part.parse::<f64>().ok().filter(|s| *s >= 0.0 && s.is_finite()).map(|s| (s * 1.0e6) as u64)
+    };
     let span = text.split_once("..").and_then(|(from, to)| Some((micros(from)?, micros(to)?)));
     span.filter(|(from, to)| from < to).ok_or_else(|| {
-        BadInput(format!("--emergency-stop {text}: write the seconds as FROM..TO, for example 20..25")).into()
+        WrongUsage(format!("--emergency-stop {text}: write the seconds as FROM..TO, for example 20..25"))
+            .into()
     })
 }
 
@@ -322,11 +329,14 @@ pub(super) fn conclude(
     } else {
         say!("{}", floorguard_laboratory::run_report::summary(plan, observation).trim_end());
     }
-    if verdict.passed {
-        return Ok(());
+    // The reason stands in the summary, right above.
+    let reason = if json { &verdict.reason } else { "as above" };
+    let what = format!("{reason}; repeat it with: {repeat}");
+    match verdict.verdict {
+        Outcome::Good => Ok(()),
+        Outcome::Failed => Err(VerdictFailed(what).into()),
+        Outcome::NotFinished => Err(NotFinished(what).into()),
     }
-    let what = format!("{}; repeat it with: {repeat}", verdict.failures.join(", "));
-    Err(VerdictFailed(what).into())
 }
 
 /// How long a run took, for people.

@@ -7,7 +7,7 @@ use floorguard_perception::legs::LEG_FEATURES;
 use floorguard_perception::people::shape::SHAPE_NAMES;
 use floorguard_sim::Scenario;
 
-use super::BadInput;
+use super::{BadInput, WrongUsage};
 use floorguard_laboratory::evaluate::{in_any_room, learn_legs, recordings, training_samples};
 use floorguard_laboratory::train::{
     Boosting, Forest, OnlinePlace, Sample, anchors, boost, built_in_scenes, draw_online, learn_place,
@@ -145,7 +145,7 @@ fn people(arguments: &TrainPeopleArguments) -> anyhow::Result<()> {
 fn online(arguments: &TrainOnlineArguments) -> anyhow::Result<()> {
     let bad = |error: anyhow::Error| anyhow::Error::from(BadInput(format!("{error:#}")));
     if !(0.3..=3.0).contains(&arguments.scale) {
-        return Err(BadInput(format!("--scale {}: 0.3 to 3", arguments.scale)).into());
+        return Err(WrongUsage(format!("--scale {}: 0.3 to 3", arguments.scale)).into());
     }
     let name = Path::new(&arguments.place).file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let scenario = if Path::new(&arguments.place).is_file() {

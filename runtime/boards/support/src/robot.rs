@@ -4,7 +4,8 @@ use floorguard_drivers::flexisoft::{InputBits, InputMap};
 use floorguard_guard::{Action, Thresholds};
 use floorguard_runtime::configuration::{
     CanConfiguration, Deadlines, DirectionOfTravel, FieldPair, Geometry, ImuConfiguration,
-    LidarConfiguration, LidarModel, Limits, Mounting, RobotConfiguration, ScannerConfiguration, ScannerModel,
+    LidarConfiguration, LidarModel, Limits, Mounting, OperatorButtons, RobotConfiguration,
+    ScannerConfiguration, ScannerModel,
 };
 use floorguard_runtime::mission::{Route, RouteLimits};
 use floorguard_types::geometry::{Point2, Point3};

@@ -56,8 +56,9 @@ impl Status {
     pub fn line(&self) -> String {
         let bad = self.sources.iter().filter(|source| !source.good);
         let bad: Vec<String> = bad.map(|source| format!("{} ({})", source.name, source.health)).collect();
+        let held = self.held_by.as_ref().map(|cause| format!("  held by: {cause}")).unwrap_or_default();
         format!(
-            "{:7.1} s  speed {:.2} m/s  limit {:.2} m/s  people {}  stops {}  {}",
+            "{:7.1} s  speed {:.2} m/s  limit {:.2} m/s  people {}  stops {}  {}{held}",
             self.elapsed_s,
             self.speed_mps,
             self.limit_mps,

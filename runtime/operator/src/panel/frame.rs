@@ -77,6 +77,8 @@ pub struct Frame {
     pub paused: bool,
     /// The guard waits for a reset.
     pub reset_allowed: bool,
+    /// Why the last reset was refused, and what helps, while the guard waits for a reset.
+    pub reset_refused: Option<String>,
     /// The guard waits for the start command.
     pub start_allowed: bool,
     /// Where the robot is in the odometry frame: x, y, heading.

@@ -7,6 +7,7 @@
 mod access;
 mod connections;
 mod frame;
+mod held_history;
 mod hub;
 mod layers;
 mod plain;
@@ -14,5 +15,7 @@ mod server;
 mod view;
 
 pub use access::{Access, AccessError};
+pub use held_history::{HeldEvent, HeldHistory, HeldKind};
 pub use hub::{Order, Panel};
+pub use plain::remedy;
 pub use view::PanelView;

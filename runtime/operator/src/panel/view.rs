@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use floorguard_drivers::velodyne::ModelChoice;
-use floorguard_guard::{Cause, CauseRecord, Decision, GuardState, Health};
+use floorguard_guard::{CauseRecord, GuardState, Health};
 use floorguard_perception::people::RingAngles;
 use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
 use floorguard_runtime::shared::{RobotStatus, Shared, StopRecord};
@@ -14,6 +14,7 @@ use floorguard_types::sensing::BeamReturn;
 use floorguard_types::time::Stamp;
 
 use super::frame::{CauseFrame, Frame, PersonFrame, Place, SourceFrame, place, round};
+use super::held_history::{HeldEvent, HeldHistory, HeldKind};
 use super::layers::{Layers, layers, mission_frame};
 use super::plain::remedy;
 use floorguard_recording::{LidarView, describe};
@@ -38,8 +39,10 @@ pub struct PanelView {
     number: u64,
     mission: Option<Arc<MissionProgress>>,
     layers: u64,
-    /// What held the robot in the last picture, while it was stopped.
-    held_by: Option<Cause>,
+    /// What held the robot, and what came of the resets.
+    history: HeldHistory,
+    /// The last reset that was refused.
+    refused: Option<HeldEvent>,
 }
 
 impl PanelView {
@@ -62,7 +65,8 @@ impl PanelView {
             number: 0,
             mission: None,
             layers: 0,
-            held_by: None,
+            history: HeldHistory::default(),
+            refused: None,
         }
     }
 
@@ -84,18 +88,22 @@ impl PanelView {
     pub fn stop(&mut self, record: &StopRecord, start: Stamp) {
         let at_s = seconds(record.stamp, start);
         self.list_stop(CauseFrame { at_s, ..cause_frame(&record.cause, start) });
-        self.held_by = Some(record.cause.cause);
     }
 
-    /// What holds a stopped robot has changed: that belongs to the history of the stop.
-    fn note_holding(&mut self, decision: &Decision, start: Stamp) {
-        let holding = decision.holding_cause.filter(|record| record.action.stops());
-        let news = holding.filter(|record| self.held_by.is_some_and(|known| known != record.cause));
-        if let Some(record) = news {
-            let frame = cause_frame(&record, start);
-            self.list_stop(CauseFrame { text: format!("then held by: {}", frame.text), ..frame });
+    /// What holds a stopped robot has changed, or a reset was answered: that belongs to the history of the stop.
+    fn note_holding(&mut self, status: &RobotStatus, start: Stamp) {
+        for event in self.history.news(status) {
+            let at_s = seconds(event.at, start);
+            let then = if event.kind == HeldKind::Held { "then " } else { "" };
+            let text = format!("{then}{}", event.line());
+            self.list_stop(CauseFrame { at_s, text, remedy: event.remedy });
+            if event.kind != HeldKind::Held {
+                self.refused = Some(event).filter(|event| event.kind == HeldKind::ResetRefused);
+            }
         }
-        self.held_by = holding.map(|record| record.cause);
+        if status.decision.state != GuardState::Latched {
+            self.refused = None;
+        }
     }
 
     fn list_stop(&mut self, frame: CauseFrame) {
@@ -111,7 +119,7 @@ impl PanelView {
         let here = Point2::new(pose.x_m, pose.y_m);
         self.driven_m += self.last_place.replace(here).map_or(0.0, |last| last.distance(here));
         self.number += 1;
-        self.note_holding(decision, start);
+        self.note_holding(&status, start);
         let set = self.robot.fields.get(decision.field_set);
         Some(Frame {
             number: self.number,
@@ -123,6 +131,7 @@ impl PanelView {
             limit_mps: round(decision.speed_limit_mps),
             paused: shared.is_paused(),
             reset_allowed: decision.state == GuardState::Latched,
+            reset_refused: self.refused.as_ref().map(|event| format!("{}. {}", event.line(), event.remedy)),
             start_allowed: decision.state == GuardState::AwaitsStart,
             pose: [round(pose.x_m), round(pose.y_m), pose.heading_rad],
             driven_m: round(self.driven_m),

@@ -55,6 +55,9 @@ pub fn document(history: &History, name: &str) -> String {
     html + "</html>\n"
 }
 
+/// Entries of the list of what held the robot; more make the page too long for a phone.
+const HELD_MAX: usize = 200;
+
 const OVERVIEW_LEGEND: &str = "White: seen free. Dark: something stands there. Blue: the robot's path. Thin coloured \
 lines: tracked people. Red: stops, numbered as below. In the odometry frame, without correction.";
 const SPEED_LEGEND: &str = "Line: measured speed in m/s. Area: what the guard permits. Red ticks: stops.";
@@ -122,10 +125,27 @@ fn stops(html: &mut String, history: &History) {
     for (index, stop) in history.stops.iter().enumerate() {
         one_stop(html, (index + 1, stop), &footprint);
     }
+    held(html, history);
     html.push_str(
         "<p class=legend>Pictures: the robot in blue, its front up; the fields that were watched in yellow and red; \
          dots: what the safety scanner saw last; orange: tracked people.</p>",
     );
+}
+
+/// What held the robot one after another, and what came of the resets.
+fn held(html: &mut String, history: &History) {
+    if history.held.is_empty() {
+        return;
+    }
+    html.push_str("<h3>What held the robot, and resets</h3><table><tr><th class=num>time<th>what</tr>");
+    for (at_s, text) in history.held.iter().take(HELD_MAX) {
+        let _ = write!(html, "<tr><td class=num>{at_s:.1} s<td>{}</tr>", escaped(text));
+    }
+    html.push_str("</table>");
+    if history.held.len() > HELD_MAX {
+        let _ =
+            write!(html, "<p class=legend>{} more are in the recording.</p>", history.held.len() - HELD_MAX);
+    }
 }
 
 fn one_stop(html: &mut String, (number, stop): (usize, &Stop), footprint: &[Point2]) {

@@ -1,6 +1,6 @@
 //! A recording, read once from its beginning to its end: what the report of it needs.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 
 use floorguard_types::geometry::{Point2, Point3, Pose2, Transform3};
@@ -23,6 +23,8 @@ const CLOUD_POINTS: usize = 4_000;
 const STANDS_M: std::ops::Range<f32> = 0.2..1.8;
 /// Number of the type in `sensor_msgs/msg/PointField`.
 const FLOAT32: u8 = 7;
+/// Level of a status of an error in `diagnostic_msgs/msg/DiagnosticStatus`: the guard's while it stops the robot.
+const STOPPED: u8 = 2;
 /// More pictures of stops than this make the page too long for a phone.
 const MOMENTS_MAX: usize = 80;
 
@@ -101,6 +103,8 @@ pub struct History {
     pub counters: BTreeMap<String, Vec<(String, String)>>,
     /// How far the cleaning mission was, and when: named values.
     pub mission: Vec<(f64, Vec<(String, String)>)>,
+    /// What held the robot and what came of the resets: when, and in words.
+    pub held: Vec<(f64, String)>,
     /// Every stop.
     pub stops: Vec<Stop>,
     /// Scans for the map.
@@ -123,6 +127,7 @@ struct Reader {
     scan: Option<LaserScan>,
     people: Vec<(i32, Point2)>,
     fields: Vec<Drawn>,
+    held: BTreeSet<String>,
     next_path_s: f64,
     next_map_s: f64,
     next_speed_s: f64,
@@ -294,6 +299,15 @@ impl Reader {
         }
     }
 
+    /// A cause that has not held the robot during this stop; causes that take turns are told once.
+    fn on_held(&mut self, at_s: f64, status: &Status) {
+        let holding = status.value("holding").filter(|cause| !cause.is_empty() && status.level == STOPPED);
+        let Some(cause) = holding else { return self.held.clear() };
+        if self.held.insert(cause.to_owned()) {
+            self.history.held.push((at_s, format!("held by: {}", status.message)));
+        }
+    }
+
     fn on_status(&mut self, at_s: f64, list: Vec<Status>) {
         for status in list {
             if ["links", "sweep", "recording"].contains(&status.name.as_str()) {
@@ -303,6 +317,14 @@ impl Reader {
             if status.name == MISSION {
                 self.history.mission.push((at_s, status.values));
                 continue;
+            }
+            if status.name == describe::RESET {
+                self.history.held.push((at_s, format!("reset {}", status.message)));
+                self.held.clear();
+                continue;
+            }
+            if status.name == describe::GUARD {
+                self.on_held(at_s, &status);
             }
             let (level, word) = match status.value("state") {
                 Some(state) => (status.level, state.to_lowercase()),

@@ -18,8 +18,9 @@ use floorguard_runtime::io::{CanBus, DatagramReceiver};
 use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::{Motion, Shared};
 use floorguard_runtime::tasks::{
-    JudgeMotion, NoMotion, PerceptionState, advice_input, can_bus, clean, command_input, drive_route,
-    imu_input, lidar_input, operator_input, perceive, scanner_datagrams, scanner_input, supervise,
+    BusWithButtons, JudgeMotion, NoMotion, PerceptionState, advice_input, can_bus, clean, command_input,
+    drive_route, imu_input, lidar_input, operator_input, perceive, scanner_datagrams, scanner_input,
+    supervise,
 };
 use floorguard_types::sensing::{Scan, Sweep};
 use floorguard_types::time::Stamp;
@@ -198,7 +199,8 @@ pub fn spawn_guard_ring<'a, M: RawMutex>(
         tasks.spawn(imu_input(shared, line, (Device::new(baud), imu.mounting.transform())));
     }
     let base = (ThreeWheelBase::new(robot.base()), robot.tricycle());
-    tasks.spawn(can_bus(shared, carriers.can, base));
+    let bus = BusWithButtons::new(carriers.can, shared, &robot.can);
+    tasks.spawn(can_bus(shared, bus, base));
     tasks.spawn(supervise(shared));
     tasks.spawn(command_input(shared));
     tasks.spawn(advice_input(shared));

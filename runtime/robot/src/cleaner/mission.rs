@@ -23,7 +23,7 @@ use super::ground::Ground;
 use super::lattice::{Lattice, Pace};
 use super::obstacles::Obstacles;
 use super::plan::{MissionPlan, MissionStrategy};
-use super::progress::{MissionPhase, MissionWatch};
+use super::progress::{LaneCount, MissionPhase, MissionWatch};
 use super::retreat::PeopleNear;
 use super::store::{Saved, Store};
 use super::times::{TimeUse, Times, is_standing};
@@ -136,6 +136,7 @@ pub struct Cleaner {
     pub(super) scanner_mount: ScannerMount,
     pub(super) route: RouteFollower,
     pub(super) lanes: VecDeque<Lane>,
+    pub(super) lane_count: LaneCount,
     pub(super) poses: VecDeque<StampedPose>,
     pub(super) dirt: Option<DirtReading>,
     pub(super) began: Option<Stamp>,
@@ -179,6 +180,7 @@ impl Cleaner {
             saved.restore(&raster, &mut cells);
             ground.floor.start = saved.pose_in_map;
         }
+        let lanes = lanes_of(plan, &ground);
         let stream = |number| Pcg32::new(plan.seed, number);
         let config = scrubber::belief(plan.tolerated_units);
         let mut localiser = Localiser::new(&ground.floor, config, Grid::new(raster, cells)?, stream(71));
@@ -206,7 +208,8 @@ impl Cleaner {
             pace: pace_of(robot),
             scanner_mount: ScannerMount::of(robot),
             route: RouteFollower::new(robot.route.clone(), robot.route_limits),
-            lanes: lanes_of(plan, &ground),
+            lane_count: LaneCount { planned: lanes.len() as u32, driven: 0 },
+            lanes,
             poses: VecDeque::new(),
             dirt: None,
             began: None,

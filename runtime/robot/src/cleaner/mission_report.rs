@@ -6,6 +6,7 @@ use floorguard_types::geometry::Pose2;
 use floorguard_types::time::Stamp;
 
 use super::mission::Cleaner;
+use super::plan::MissionStrategy;
 use super::progress::{CellState, Doubt, MissionProgress, UncertainCell};
 use super::targets::VISITS_MAX;
 
@@ -70,6 +71,7 @@ impl Cleaner {
             waited_s: self.times.lost_s(),
             times: self.times,
             detours: self.detours,
+            lanes: (self.plan.strategy == MissionStrategy::Systematic).then_some(self.lane_count),
             expected_before: self.ground.expected.clone(),
             expected_now: map.iter().map(|dirt| dirt.expected_units).collect(),
             cells,

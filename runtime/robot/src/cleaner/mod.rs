@@ -21,7 +21,7 @@ mod visits;
 
 pub use mission::{Cleaner, SharedWatch};
 pub use plan::{ExpectedDirt, MissionPlan, MissionStrategy, PlanBegin};
-pub use progress::{CellState, Doubt, MissionPhase, MissionProgress, MissionWatch, UncertainCell};
+pub use progress::{CellState, Doubt, LaneCount, MissionPhase, MissionProgress, MissionWatch, UncertainCell};
 pub use setup::MissionSetup;
 pub use store::Store;
 pub use times::{TimeUse, Times};

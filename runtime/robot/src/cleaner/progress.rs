@@ -95,6 +95,15 @@ pub struct UncertainCell {
     pub doubt: Doubt,
 }
 
+/// Lanes of a mission that drives over the whole floor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct LaneCount {
+    /// That the floor needs.
+    pub planned: u32,
+    /// That were driven to their end; one that nobody could get to is left out.
+    pub driven: u32,
+}
+
 /// A mission at a moment. Grids run along x first, from the corner `geometry.origin_in_map()`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MissionProgress {
@@ -134,6 +143,8 @@ pub struct MissionProgress {
     pub times: Times,
     /// Times that the path was planned anew around an obstacle or a person.
     pub detours: u32,
+    /// Lanes, if it drives lanes: such a mission claims what it can prove, and guarantees nothing.
+    pub lanes: Option<LaneCount>,
 }
 
 impl MissionProgress {

@@ -62,7 +62,7 @@ impl PeopleNear {
                 return false;
             }
             let [soonest_s, _] = self.body.times_to_person_s(person, twist);
-            soonest_s >= clear_s
+            soonest_s >= clear_s || self.body.recedes_from(person, twist)
         })
     }
 }

@@ -34,6 +34,7 @@ const TRIES: usize = 4;
 impl Cleaner {
     pub(super) fn arrive(&mut self) {
         self.track = Track::default();
+        self.lane_count.driven += u32::from(self.plan.strategy == MissionStrategy::Systematic);
         if let Some(target) = self.target.take() {
             self.visits[target] = self.visits[target].saturating_add(1);
             let around: Vec<usize> = self.cells_within(target, CLUSTER_M).collect();

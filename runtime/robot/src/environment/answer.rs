@@ -235,15 +235,22 @@ fn wet_or_dry(model: &Model, zone: &Zone, (threshold, now): (f32, WallTime)) -> 
         }
     };
     let confidence = if zone.is_always_dry { Confidence::Sure } else { step.rate.confidence() };
-    Answer {
-        question: "wet-or-dry",
-        answer: format!(
-            "Clean zone {} {word}: {why}. Somebody comes to a place within ten minutes with {:.0} % (at most {:.0} %); {:.0} % is accepted.",
-            zone.name,
+    let is_observed = profile.known_places > 0;
+    // A share of nothing is no number.
+    let share = |value: f32| if is_observed { json!(value) } else { Value::Null };
+    let observed = if is_observed {
+        format!(
+            "Somebody comes to a place within ten minutes with {:.0} % (at most {:.0} %); {:.0} % is accepted.",
             100.0 * step.presence,
             100.0 * step.presence_high,
             100.0 * threshold
-        ),
+        )
+    } else {
+        "Nothing was observed there: how often somebody comes is not known.".to_owned()
+    };
+    Answer {
+        question: "wet-or-dry",
+        answer: format!("Clean zone {} {word}: {why}. {observed}", zone.name),
         confidence: confidence.name(),
         evidence: vec![
             watched(&profile, zone),
@@ -251,7 +258,8 @@ fn wet_or_dry(model: &Model, zone: &Zone, (threshold, now): (f32, WallTime)) -> 
             format!("as of {}", model.calendar.words(now)),
         ],
         details: json!({
-            "zone": zone.name, "clean": word, "presence": step.presence, "presence_high": step.presence_high,
+            "zone": zone.name, "clean": word, "observed": is_observed,
+            "presence": share(step.presence), "presence_high": share(step.presence_high),
             "threshold": threshold, "drying_minutes": 10, "watched_hours": profile.watched_hours,
         }),
     }

@@ -125,7 +125,8 @@ fn test(tree: &Tree, (stage, counts): (&Stage, &Path), seed: u64) -> Result<bool
     let mut command = cargo(tree);
     command.args(["test", "--quiet", "--no-fail-fast"]);
     command.args(packages(stage).into_iter().flat_map(|package| ["--package", package]));
-    command.args(stage.files.iter().flat_map(|file| ["--test", file]));
+    command.args(stage.programs.iter().flat_map(|program| ["--test", program]));
+    command.arg("--").args(stage.modules.iter().map(|module| format!("{module}::")));
     command
         .env(facts().variable("LOOP_COUNTS"), counts)
         .env(facts().variable("CAMPAIGN_SEED"), seed.to_string());

@@ -81,9 +81,12 @@ pub struct Stage {
     /// None: the audited ones.
     #[serde(default)]
     pub packages: Vec<String>,
-    /// In the last package these files of tests only; none: all.
+    /// In the last package these programs of tests only; none: all.
     #[serde(default)]
-    pub files: Vec<String>,
+    pub programs: Vec<String>,
+    /// In these programs the tests of these modules only; none: all.
+    #[serde(default)]
+    pub modules: Vec<String>,
 }
 
 /// Loops that no counted test reached, and the tests that are to reach them.

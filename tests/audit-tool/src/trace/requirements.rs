@@ -94,7 +94,9 @@ impl Sources {
         let files = self.tests.iter().map(|(_, test)| test.place.file.as_str());
         let stems = files.filter_map(|file| {
             let rest = file.strip_prefix(&facts().trace.tests_folder)?.strip_prefix('/')?;
-            rest.split('/').next()?.strip_suffix(".rs")
+            let first = rest.split('/').next()?;
+            // A folder is a program, and so is a file beside it.
+            Some(first.strip_suffix(".rs").unwrap_or(first))
         });
         stems.map(str::to_owned).collect()
     }

@@ -7,13 +7,14 @@ use std::collections::BTreeMap;
 use std::io::Read;
 
 use floorguard_localisation::odometry::PoseHistory;
-use floorguard_perception::people::{FloorHeight, PeoplePipeline, SweepContext};
+use floorguard_perception::people::{PeoplePipeline, SweepContext};
 use floorguard_types::geometry::{Point3, Pose2, Transform3, Twist2};
 use floorguard_types::sensing::Sweep;
 use floorguard_types::time::Stamp;
 
 use super::capture::{ASSUMED_HEIGHT_M, is_person};
 use super::cloud::CloudSorter;
+use super::floor_below::floor_below_m;
 use super::recorded::Recorded as Written;
 use super::rows::{SweepRow, print};
 use super::scans::{ScanPlayer, to_scan};
@@ -23,6 +24,10 @@ use crate::commands::exit::BadInput;
 use floorguard_recording::decode::{self, LaserScan};
 use floorguard_recording::{ReadError, Recorded, Recording};
 
+/// A lidar is at least this high, metres.
+const FLOOR_NEAREST_M: f32 = 0.2;
+/// Heights that differ by less are the same floor, metres: that of the frame tree is then the better one.
+const SAME_FLOOR_M: f32 = 0.1;
 /// Links from a sensor to the robot; more are a ring.
 const LINKS_MAX: usize = 16;
 /// Frames that stand for the robot.
@@ -41,6 +46,8 @@ struct Player<'a> {
     sweeps: Summary,
     scans: Summary,
     damaged: u64,
+    /// Whole messages in which the sensor sent nothing.
+    empty: u64,
     written: Written,
 }
 
@@ -49,7 +56,8 @@ struct Lidar {
     sorter: CloudSorter,
     sweep: Box<Sweep>,
     pipeline: Option<Box<PeoplePipeline>>,
-    height_m: Option<f32>,
+    /// Of the floor below, and with which mounting it was found.
+    height: Option<(Option<Transform3>, f32)>,
 }
 
 /// Runs the command on a bag whose first message has been read.
@@ -73,6 +81,7 @@ pub fn run<R: Read>(
         sweeps: Summary::new(),
         scans: Summary::new(),
         damaged: 0,
+        empty: 0,
         written: Written::open(&arguments.file, arguments.record.as_deref())?,
     };
     let mut ended: Option<ReadError> = None;
@@ -171,6 +180,10 @@ impl Player<'_> {
 
     fn cloud(&mut self, message: &Recorded) -> anyhow::Result<Option<()>> {
         let Some(cloud) = decode::cloud(&message.data) else { return Ok(None) };
+        if cloud.width == 0 || cloud.height == 0 {
+            self.empty += 1;
+            return Ok(Some(()));
+        }
         let mounting = self.mounting(&cloud.header.frame);
         let (pose, twist) = (self.pose(cloud.header.stamp), self.twist);
         let lidar = self.lidar.get_or_insert_with(|| Lidar {
@@ -178,7 +191,7 @@ impl Player<'_> {
             sorter: CloudSorter::default(),
             sweep: Box::new(Sweep::EMPTY),
             pipeline: None,
-            height_m: None,
+            height: None,
         });
         if lidar.topic != *message.topic {
             return Ok(Some(()));
@@ -189,12 +202,20 @@ impl Player<'_> {
             .map_err(|error| BadInput(format!("{}: {}: {error}", self.name, message.topic)))?;
         let angles = lidar.sorter.angles();
         let pipeline = lidar.pipeline.get_or_insert_with(|| Box::new(PeoplePipeline::new(angles)));
-        if lidar.height_m.is_none() {
-            lidar.height_m = FloorHeight::estimate_m(&lidar.sweep, &pipeline.angles);
-        }
         let mut sensor_in_base = mounting.unwrap_or(Transform3::IDENTITY);
-        // Whatever height the frame tree gives is above its base, not above the floor.
-        sensor_in_base.translation.z_m = lidar.height_m.unwrap_or(ASSUMED_HEIGHT_M);
+        // The frame tree may name a lidar's mounting later than the first cloud.
+        if lidar.height.is_none_or(|(with, _)| with != mounting) {
+            let found_m = floor_below_m(&lidar.sweep, &angles, &sensor_in_base);
+            lidar.height = found_m.map(|height_m| (mounting, height_m));
+        }
+        // The height in the frame tree is above its base, which may be the floor or an axle: the floor itself tells.
+        let by_tree_m = Some(sensor_in_base.translation.z_m).filter(|z_m| *z_m > FLOOR_NEAREST_M);
+        let seen_m = lidar.height.map(|(_, height_m)| height_m);
+        sensor_in_base.translation.z_m = match (seen_m, by_tree_m) {
+            (Some(seen_m), Some(tree_m)) if (seen_m - tree_m).abs() < SAME_FLOOR_M => tree_m,
+            (Some(seen_m), _) => seen_m,
+            (None, tree_m) => tree_m.unwrap_or(ASSUMED_HEIGHT_M),
+        };
         let base_in_odom = pose.unwrap_or_default();
         let output = pipeline.process(&lidar.sweep, &SweepContext { sensor_in_base, twist, base_in_odom });
         let frame = if pose.is_some() { "odom" } else { "sensor" };
@@ -208,7 +229,14 @@ impl Player<'_> {
     }
 
     fn scan(&mut self, message: &Recorded) -> anyhow::Result<Option<()>> {
-        let Some(laser) = decode::laser_scan(&message.data).filter(is_usable) else { return Ok(None) };
+        let Some(laser) = decode::laser_scan(&message.data) else { return Ok(None) };
+        if laser.ranges_m.is_empty() {
+            self.empty += 1;
+            return Ok(Some(()));
+        }
+        if !is_usable(&laser) {
+            return Ok(None);
+        }
         let mounting = self.mounting(&laser.header.frame).unwrap_or(Transform3::IDENTITY);
         let pose = self.pose(laser.header.stamp);
         let angles = (laser.first_angle_rad, laser.step_rad);
@@ -230,6 +258,9 @@ impl Player<'_> {
     fn conclude<R: Read>(&self, recording: &Recording<R>) -> anyhow::Result<()> {
         if self.damaged > 0 {
             say!("{} damaged messages were left out", self.damaged);
+        }
+        if self.empty > 0 {
+            say!("{} empty scans or clouds: the sensor sent no values", self.empty);
         }
         if self.sweeps.frames > 0 {
             say!("{}", self.sweeps.line("sweep"));

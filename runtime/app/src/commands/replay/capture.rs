@@ -2,7 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use floorguard_drivers::velodyne::{Counters, DecodeError, Decoder, Model, ModelChoice, SweepBuilder};
+use floorguard_drivers::velodyne::{
+    ClosedSector, Counters, DecodeError, Decoder, Model, ModelChoice, SweepBuilder,
+};
 use floorguard_perception::motion::{MotionDetector, MotionParameters, find_moving_people};
 use floorguard_perception::people::{
     FloorHeight, PeoplePipeline, RingAngles, SweepContext, Track, TrackStatus,
@@ -37,6 +39,7 @@ struct Player {
     identities: std::collections::BTreeSet<u32>,
     failed: std::io::Result<()>,
     recorded: Recorded,
+    closed: Option<ClosedSector>,
 }
 
 /// Runs the command.
@@ -59,6 +62,7 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
     let mut pace = Pace { enabled: arguments.realtime, start: None };
     let mut ended: Option<CaptureError> = None;
     let mut refusal: Option<DecodeError> = None;
+    let mut odd_block = None;
     let started = Instant::now();
     for datagram in Capture::open(&arguments.file)? {
         match datagram {
@@ -68,7 +72,9 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
                 player.recorded.datagram(arrival, &datagram.payload);
                 match decoder.decode(&datagram.payload, arrival) {
                     Ok((packet, lost)) => {
-                        builder.add(&packet, lost, &mut building, |sweep| player.sweep(sweep))
+                        player.closed = decoder.closed_sector();
+                        builder.add(&packet, lost, &mut building, |sweep| player.sweep(sweep));
+                        odd_block = decoder.odd_block().or(odd_block);
                     }
                     Err(error) => refusal = Some(error),
                 }
@@ -91,6 +97,9 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
             );
         }
         say!("{refused} refused, the last: {error}");
+    }
+    if let Some(error) = odd_block {
+        say!("{} left out, the last: {error}", counted(counters.odd_blocks, "block"));
     }
     player.summary(&counters, started.elapsed());
     player.recorded.finish()?;
@@ -119,6 +128,7 @@ impl Player {
             identities: std::collections::BTreeSet::new(),
             failed: Ok(()),
             recorded,
+            closed: None,
         }
     }
 
@@ -136,7 +146,8 @@ impl Player {
         let people = output.tracks.iter().filter(|track| is_person(track));
         self.most_people = self.most_people.max(people.clone().count());
         self.identities.extend(people.map(|track| track.id));
-        let row = SweepRow::of_output(sweep, &output);
+        let closed_cdeg = self.closed.map_or(0, |closed| closed.width_cdeg());
+        let row = SweepRow::of_output(sweep, &output).with_closed(sweep, closed_cdeg);
         if self.json && self.failed.is_ok() {
             self.failed = print(&row);
         }
@@ -148,6 +159,11 @@ impl Player {
         if !self.floor_known {
             say!(
                 "no sweep has shown the floor: the lidar is taken to be {ASSUMED_HEIGHT_M:.2} m above it, and what was found may be wrong"
+            );
+        }
+        if let Some(closed) = &self.closed {
+            say!(
+                "the lidar is set to a field of view: {closed}; what lies in the closed sector stays unknown"
             );
         }
         let per_sweep_ms = took.as_secs_f64() * 1.0e3 / self.sweeps.max(1) as f64;

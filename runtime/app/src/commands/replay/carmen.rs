@@ -22,12 +22,14 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
     let mut recorded = Recorded::open(&arguments.file, arguments.record.as_deref())?;
     let mut summary = Summary::new();
     let mut ended = None;
+    let mut standing = 0_u64;
     for line in CarmenLog::open(&arguments.file).map_err(|error| bad(&error))? {
         match line {
             Ok(CarmenLine::Laser(scan)) => {
                 let row = play(&mut player, &scan, &mut recorded);
                 summary.legs += row.legs() as u64;
                 summary.people(row.people());
+                standing += u64::from(!row.is_newer());
                 if arguments.json {
                     print(&row)?;
                 }
@@ -43,6 +45,14 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
         .into());
     }
     say!("{}", summary.line("scan"));
+    if standing > 0 && standing + 1 == summary.frames {
+        say!(
+            "all {} scans bear one time: speeds, who stands and who walks cannot be known from this log",
+            summary.frames
+        );
+    } else if standing > 0 {
+        say!("{standing} of {} scans are not later than the one before them", summary.frames);
+    }
     recorded.finish()?;
     ended.map_or(Ok(()), |error| Err(error.into()))
 }

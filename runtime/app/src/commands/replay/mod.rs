@@ -6,9 +6,11 @@ mod bag;
 mod capture;
 mod carmen;
 mod cloud;
+mod floor_below;
 mod own;
 mod recorded;
 mod rows;
+mod scanner_line;
 mod scans;
 mod summary;
 
@@ -18,12 +20,13 @@ use std::path::Path;
 
 use super::arguments::ReplayArguments;
 use super::exit::BadInput;
+use super::inspect::scanner;
 use floorguard_host::packing::{beginning, must_be_a_file, unpacked};
 use floorguard_recording::Recording;
 use floorguard_recording::replay::is_replayable;
 
 /// First bytes of an MCAP file.
-const MCAP_MAGIC: &[u8] = b"\x89MCAP";
+pub(super) const MCAP_MAGIC: &[u8] = b"\x89MCAP";
 /// So much of a file tells what it is.
 const SNIFF_BYTES: u64 = 16_384;
 
@@ -45,13 +48,15 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
         recording(arguments)
     } else if !is_capture(&begins) && (is_log(&begins) || is_named_log(&arguments.file)) {
         carmen::run(arguments)
+    } else if !is_capture(&begins) && scanner(&begins).is_some() {
+        scanner_line::run(arguments)
     } else {
         capture::run(arguments)
     }
 }
 
 /// What people bring that is nearly right, and what they can do about it.
-fn not_for_us(begins: &[u8]) -> Option<&'static str> {
+pub(super) fn not_for_us(begins: &[u8]) -> Option<&'static str> {
     if begins.starts_with(b"#ROSBAG") {
         return Some(
             "this is a bag of ROS 1; make it a bag of ROS 2 in MCAP first, for example with rosbags-convert",
@@ -63,7 +68,7 @@ fn not_for_us(begins: &[u8]) -> Option<&'static str> {
 }
 
 /// pcap in both byte orders, with microseconds and with nanoseconds, and pcapng.
-fn is_capture(begins: &[u8]) -> bool {
+pub(super) fn is_capture(begins: &[u8]) -> bool {
     let magics = [0xa1b2_c3d4_u32, 0xa1b2_3c4d, 0x0a0d_0d0a];
     magics
         .iter()
@@ -71,7 +76,7 @@ fn is_capture(begins: &[u8]) -> bool {
 }
 
 /// A line of it begins as one of a CARMEN log does, whatever the file is called.
-fn is_log(begins: &[u8]) -> bool {
+pub(super) fn is_log(begins: &[u8]) -> bool {
     let words = ["FLASER ", "RLASER ", "ROBOTLASER1 ", "RAWLASER1 ", "ODOM ", "PARAM "];
     let text = String::from_utf8_lossy(begins);
     text.lines().any(|line| words.iter().any(|word| line.starts_with(word)))

@@ -3,13 +3,14 @@
 use std::io::Read;
 use std::time::{Duration, Instant};
 
-use floorguard_runtime::shared::{PeopleReport, StopRecord};
+use floorguard_guard::GuardState;
+use floorguard_runtime::shared::{PeopleReport, RobotStatus, StopRecord};
 
 use super::rows::{SweepRow, print};
 use crate::commands::exit::{BadInput, VerdictFailed};
 use floorguard_host::words::counted;
 use floorguard_recording::replay::{ReplayAudience, ReplayOutcome, replay_recording};
-use floorguard_recording::{Recorded, Recording, describe};
+use floorguard_recording::{ReadError, Recorded, Recording, describe};
 
 struct Printer {
     json: bool,
@@ -18,6 +19,10 @@ struct Printer {
     stops: u64,
     identities: std::collections::BTreeSet<u32>,
     failed: std::io::Result<()>,
+    /// The robot waits for the start command.
+    awaits_start: bool,
+    /// It could move at some time.
+    was_started: bool,
 }
 
 impl ReplayAudience for Printer {
@@ -32,6 +37,12 @@ impl ReplayAudience for Printer {
         if self.json && self.failed.is_ok() {
             self.failed = print(&SweepRow::of_report(report, digest));
         }
+    }
+
+    fn on_status(&mut self, status: &RobotStatus) {
+        let decision = &status.decision;
+        self.awaits_start = decision.state == GuardState::AwaitsStart;
+        self.was_started |= decision.speed_limit_mps > 0.0 && !decision.action.stops();
     }
 
     fn on_stop(&mut self, stop: &StopRecord) {
@@ -59,6 +70,8 @@ pub fn run<R: Read>(
         stops: 0,
         identities: std::collections::BTreeSet::new(),
         failed: Ok(()),
+        awaits_start: false,
+        was_started: false,
     };
     let outcome = replay_recording(first, recording, &mut printer)
         .map_err(|error| BadInput(format!("{name}: {error}")))?;
@@ -71,6 +84,12 @@ pub fn run<R: Read>(
         counted(printer.identities.len() as u64, "person"),
         counted(printer.stops, "stop"),
     );
+    if printer.awaits_start && !printer.was_started {
+        say!(
+            "the recording holds no start command, and the robot of this version waits for one: it stands all the time. A \
+             recording made before it did cannot be repeated to the bit"
+        );
+    }
     if let Some(learned) = &outcome.learned {
         say!("learned: {}", learned.words());
     }
@@ -79,6 +98,14 @@ pub fn run<R: Read>(
 
 fn verdict(name: &str, outcome: ReplayOutcome) -> anyhow::Result<()> {
     let digest = outcome.digest;
+    // What cannot be read is no other behaviour of the robot.
+    if let Some(error @ ReadError::Broken { .. }) = &outcome.ended {
+        say!(
+            "digest {digest:016x} at the damaged place, after {} moments that were as recorded",
+            outcome.compared
+        );
+        return Err(BadInput(format!("{name}: {error}")).into());
+    }
     if !outcome.is_identical() {
         let place = outcome.first_difference.map_or_else(
             || "at its end".to_owned(),

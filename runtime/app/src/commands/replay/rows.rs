@@ -62,6 +62,9 @@ pub struct SweepRow {
     people: Vec<PersonRow>,
     lost_packets: u16,
     unknown_columns: u32,
+    /// Degrees of the turn that the lidar is set to see.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    coverage_deg: Option<f32>,
     dropped_clusters: u32,
     dropped_candidates: u32,
     health: &'static str,
@@ -79,6 +82,20 @@ impl SweepRow {
             people: output.tracks.iter().map(|track| PersonRow::of_track(track, sweep.end_stamp)).collect(),
             ..Self::counted(sweep.end_stamp.as_micros(), ("sensor", blind), &output.counters)
         }
+    }
+
+    /// Of a lidar that leaves out a sector, hundredths of a degree: what it cannot see there does not make it blind.
+    pub fn with_closed(mut self, sweep: &Sweep, closed_cdeg: u32) -> Self {
+        if closed_cdeg == 0 {
+            return self;
+        }
+        let columns = sweep.column_count as u64;
+        let closed = columns * u64::from(closed_cdeg) / 36_000;
+        let unknown = u64::from(self.unknown_columns).saturating_sub(closed);
+        let is_blind = self.points == 0 || unknown * 2 > columns.saturating_sub(closed);
+        self.health = if is_blind { "blind" } else { "healthy" };
+        self.coverage_deg = Some((36_000 - closed_cdeg.min(36_000)) as f32 / 100.0);
+        self
     }
 
     /// Everybody in it.
@@ -114,6 +131,7 @@ impl SweepRow {
             people: Vec::new(),
             lost_packets: 0,
             unknown_columns: counters.unknown_columns,
+            coverage_deg: None,
             dropped_clusters: counters.dropped_clusters,
             dropped_candidates: counters.dropped_candidates,
             health: if blind || counters.points == 0 { "blind" } else { "healthy" },

@@ -1,6 +1,6 @@
 //! Scans of any two-dimensional scanner: legs, and the people that they carry.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use floorguard_perception::legs::{Leg, LegDetector, LegTracker};
 use floorguard_types::capacities::SCAN_BEAMS_MAX;
@@ -54,6 +54,11 @@ impl ScanRow {
         &self.people
     }
 
+    /// It bears a later time than the scan before.
+    pub fn is_newer(&self) -> bool {
+        self.health != "frozen"
+    }
+
     /// Legs in it.
     pub fn legs(&self) -> usize {
         self.legs.len()
@@ -89,6 +94,10 @@ impl Furniture {
 #[derive(Debug, Default)]
 struct Walkers {
     by_leg: BTreeMap<u32, u32>,
+    /// Who is in the scan already: nobody is in it twice.
+    taken: BTreeSet<u32>,
+    /// How many there were so far.
+    known: u32,
     /// Where each was first seen, and whether it has walked since.
     walked: BTreeMap<u32, (Point2, bool)>,
 }
@@ -98,8 +107,12 @@ impl Walkers {
     /// with that person, whatever other leg it is paired with.
     fn know(&mut self, legs: [u32; 2], position: Point2) -> (u32, bool) {
         let [one, other] = legs;
-        let known = self.by_leg.get(&one).or_else(|| self.by_leg.get(&other));
-        let id = known.copied().unwrap_or(one.min(other));
+        let known = [one, other].map(|leg| self.by_leg.get(&leg).copied());
+        let id = known.into_iter().flatten().find(|id| !self.taken.contains(id)).unwrap_or_else(|| {
+            self.known += 1;
+            self.known
+        });
+        self.taken.insert(id);
         self.by_leg.extend([(one, id), (other, id)]);
         let (first, walked) = self.walked.entry(id).or_insert((position, false));
         *walked |= first.distance(position) >= WALKED_M;
@@ -113,6 +126,8 @@ pub struct ScanPlayer {
     tracker: LegTracker,
     furniture: Furniture,
     walkers: Walkers,
+    /// Time of the newest scan.
+    newest: Option<Stamp>,
 }
 
 impl ScanPlayer {
@@ -123,12 +138,15 @@ impl ScanPlayer {
             tracker: LegTracker::new(),
             furniture: Furniture::default(),
             walkers: Walkers::default(),
+            newest: None,
         }
     }
 
     /// A scan, and where its scanner was in the fixed frame.
     pub fn scan(&mut self, scan: &Scan, (sensor, frame): (Pose2, &'static str)) -> ScanRow {
         let now_us = scan.stamp.as_micros();
+        let is_newer = self.newest.is_none_or(|newest| scan.stamp > newest);
+        self.newest = Some(scan.stamp);
         let furniture = &mut self.furniture;
         let (mut points, mut settled) = (0_u32, 0_u32);
         for point in hits(scan) {
@@ -158,13 +176,19 @@ impl ScanPlayer {
                 .collect(),
             people: self.people(),
             dropped_legs: dropped,
-            health: if points == 0 { "blind" } else { "healthy" },
+            health: match (points, is_newer) {
+                (0, _) => "blind",
+                // Its time stands still or runs backwards: nothing that depends on time is known.
+                (_, false) => "frozen",
+                (_, true) => "healthy",
+            },
         }
     }
 
     fn people(&mut self) -> Vec<PersonRow> {
         let mut people = Vec::new();
         let Self { tracker, walkers, .. } = self;
+        walkers.taken.clear();
         tracker.people(|person| {
             let legs = person.legs.map(|id| tracker.tracks().iter().find(|track| track.id == id));
             if let [Some(one), Some(other)] = legs {
@@ -211,4 +235,25 @@ pub fn to_scan(
         scan.turn_round();
     }
     scan
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Legs that change partners: whoever they belong to, nobody is in a scan twice.
+    #[test]
+    fn nobody_is_in_a_scan_twice() {
+        let mut walkers = Walkers::default();
+        let mut scan = |pairs: &[[u32; 2]]| -> Vec<u32> {
+            walkers.taken.clear();
+            pairs.iter().map(|legs| walkers.know(*legs, Point2::new(0.0, 0.0)).0).collect()
+        };
+        let first = scan(&[[1, 2]]);
+        for pairs in [[[1, 3], [2, 4]], [[3, 4], [1, 2]], [[1, 4], [2, 3]]] {
+            let ids = scan(&pairs);
+            assert_ne!(ids[0], ids[1], "{pairs:?}");
+            assert!(ids.contains(&first[0]), "the first one is still there: {ids:?}");
+        }
+    }
 }

@@ -134,6 +134,7 @@ fn a_run_until_clean_ends_with_the_mission() {
             .unwrap();
         let verdict: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         let lasted_s = verdict["duration_s"].as_f64().unwrap();
+        assert_eq!(output.status.code(), Some(0), "nothing was to be done: {}", stderr_text(&output));
         assert!(lasted_s < 10.0, "{more:?}: {lasted_s} s; {}", stderr_text(&output));
     }
 }

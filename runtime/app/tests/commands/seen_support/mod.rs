@@ -76,5 +76,6 @@ pub fn progress(share: f32) -> Arc<MissionProgress> {
         waited_s: 4.0,
         times: Default::default(),
         detours: 1,
+        lanes: None,
     })
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use floorguard_recording::{PointRow, Recorder, Recording, topics};
+use floorguard_types::geometry::{Point3, Transform3};
 use floorguard_types::time::Stamp;
 use serde_json::Value;
 
@@ -269,4 +270,68 @@ fn non_data_is_refused_with_a_reason() {
     }
     let output_text = refusal(&folder.path().join("nowhere.mcap"));
     assert!(output_text.contains("nowhere.mcap"), "{output_text}");
+}
+
+/// The hall of [`hall`] without anybody, seen by a lidar 1.61 m high that looks down by 6.7°: which returns are floor.
+fn tilted_hall() -> (Vec<PointRow>, usize) {
+    let (tilt_sin, tilt_cos) = 6.7_f32.to_radians().sin_cos();
+    let (mut points, mut floor) = (Vec::new(), 0);
+    for ring in 0..16_u16 {
+        let (sin, cos) = (-15.0 + 2.0 * f32::from(ring)).to_radians().sin_cos();
+        for column in 0..1_800_u16 {
+            let (y, x) = (-f32::from(column) * 0.2_f32.to_radians()).sin_cos();
+            let (forward, left, up) = (cos * x, cos * y, sin);
+            // In axes that stand upright; the walls stand 9 m away.
+            let ahead = tilt_cos * forward + tilt_sin * up;
+            let rise = tilt_cos * up - tilt_sin * forward;
+            let wall_m = 9.0 / ahead.hypot(left);
+            let floor_m = if rise < 0.0 { -1.61 / rise } else { f32::INFINITY };
+            floor += usize::from(floor_m < wall_m);
+            let range_m = wall_m.min(floor_m);
+            let position_m = [range_m * forward, range_m * left, range_m * up];
+            points.push(PointRow { position_m, reflectivity: 20, ring, time_s: 0.0 });
+        }
+    }
+    (points, floor)
+}
+
+/// A bag with its frame tree: the floor below a tilted lidar is found, and empty clouds are called so.
+#[test]
+fn floor_below_a_tilted_lidar_is_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("tilted.mcap");
+    let mut recorder = Recorder::new(std::fs::File::create(&path).expect("a file")).expect("written");
+    let (sin, cos) = 6.7_f32.to_radians().sin_cos();
+    let mounting = Transform3 {
+        translation: Point3::new(0.0, 0.0, 1.61),
+        rotation: [[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]],
+    };
+    recorder.mounting(Stamp::from_micros(1_000_000), "velodyne", &mounting).expect("written");
+    let (points, floor) = tilted_hall();
+    for round in 0..3_u64 {
+        let stamp = Stamp::from_micros(1_000_000 + round * 100_000);
+        recorder.points(stamp, (stamp, "velodyne"), &points).expect("written");
+        recorder.points(stamp, (stamp, "velodyne"), &[]).expect("written");
+    }
+    recorder.finish().expect("closed");
+    let (output, rows) = replay(&path);
+    assert_eq!((output.status.code(), rows.len()), (Some(0), 3), "{output:?}");
+    let found = rows[2]["floor_points"].as_u64().expect("a count") as usize;
+    assert!(found * 10 > floor * 9, "{found} of {floor} floor returns");
+    let words = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(words.contains("3 empty scans or clouds") && !words.contains("damaged"), "{words}");
+}
+
+/// A log in which all scans bear one time is not healthy, and says so.
+#[test]
+fn a_log_without_times_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("still.clf");
+    let scan = format!("FLASER 181{} 0 0 0 0 0 0 7.5 host 7.5\n", " 4.0".repeat(181));
+    std::fs::write(&path, scan.repeat(5)).expect("written");
+    let (output, rows) = replay(&path);
+    let words = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(words.contains("all 5 scans bear one time"), "{words}");
+    let frozen = rows.iter().filter(|row| row["health"] == "frozen").count();
+    assert_eq!((rows.len(), frozen), (5, 4));
 }

@@ -54,7 +54,7 @@ fn no_page_is_wider_than_a_phone() {
             .concat(),
     );
     floorguard(&["report", &recording, "--out", &path("run.html")]);
-    let panel = include_str!("../../operator/src/panel/page.html");
+    let panel = include_str!("../../../operator/src/panel/page.html");
     let titled =
         panel.replace(">floorguard</b>", ">a supermarket with customers in the aisles and more words</b>");
     let read = |name: &str| std::fs::read_to_string(path(name)).expect("a page");

@@ -1,9 +1,7 @@
 //! The safety scanner's driver against the simulator's scanner, whose bytes were written from the description of the
 //! format alone. Ranges are judged by plane geometry of a room.
 
-#[allow(dead_code, reason = "each test file uses a part of it")]
-mod sim_support;
-
+use crate::sim_support::{DrivenSimulation, bytes_of, mean_and_deviation, room, wall_range_m};
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use floorguard_drivers::s300::{Bit13, Configuration, Counters, Event, Receiver, TelegramError};
 use floorguard_guard::{Health, Source};
@@ -18,7 +16,6 @@ use floorguard_sim::simulation::{Simulation, Stream};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::sensing::{BeamReturn, Scan};
 use floorguard_types::time::Stamp;
-use sim_support::{DrivenSimulation, bytes_of, mean_and_deviation, room, wall_range_m};
 
 const START: Pose2 = Pose2 { x_m: 0.7, y_m: -0.4, heading_rad: 0.5 };
 /// The scanner's place on the robot, metres forward.

@@ -1,18 +1,15 @@
 //! The driver of the Xsens MTi against the simulator's device, which was written from the description of the format
 //! alone.
 
-#[allow(dead_code, reason = "each test file uses a part of it")]
-mod sim_support;
-
 use std::collections::BTreeMap;
 
+use crate::sim_support::{DrivenSimulation, bytes_of, mean_and_deviation, room};
 use floorguard_drivers::xsens::{Device, DeviceEvent, DevicePhase};
 use floorguard_sim::faults::{FaultLayer, FaultSpec};
 use floorguard_sim::simulation::{Stream, Truth, WireEvent};
 use floorguard_types::geometry::Pose2;
 use floorguard_types::sensing::ImuSample;
 use floorguard_types::time::{Age, Stamp};
-use sim_support::{DrivenSimulation, bytes_of, mean_and_deviation, room};
 
 /// A robot with an inertial sensor, a line that may be bad, and the truth at each millisecond.
 struct Rig {

@@ -52,6 +52,29 @@ fn report_page_lists_each_stop() {
     assert!(std::fs::read_to_string(&page).expect("a page").contains("Incomplete"));
 }
 
+/// A bit that the disk has lost within a chunk: everything before it is shown, and the place is named.
+#[test]
+fn damage_in_a_chunk_is_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recording = folder.path().join("run.mcap");
+    let run =
+        ["simulate", "--scenario", "crossing", "--duration", "6", "--json", "--record", text(&recording)];
+    assert!(floorguard(&run).status.success());
+    let mut bytes = std::fs::read(&recording).expect("the recording");
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 0x10;
+    std::fs::write(&recording, &bytes).expect("written");
+    for command in ["report", "replay"] {
+        let output = floorguard(&[command, text(&recording)]);
+        let output_text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(3), "{command}: {output_text}");
+        assert!(
+            output_text.contains("checksum") && output_text.contains("byte "),
+            "{command}: {output_text}"
+        );
+    }
+}
+
 #[test]
 fn what_is_no_recording_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -59,8 +59,10 @@ fn ended_in_order(more: &[&str]) {
     assert!(stderr_text.any(|line| line.contains("Ctrl-C")));
     let mut verdict = String::new();
     child.stdout.take().expect("its verdict").read_to_string(&mut verdict).expect("readable");
-    assert!(child.wait().expect("ended").code().is_some(), "not by the signal");
+    assert_eq!(child.wait().expect("ended").code(), Some(1), "not by the signal, and not finished");
     let verdict: Value = serde_json::from_str(&verdict).expect("one verdict");
+    assert_eq!(verdict["verdict"], "not-finished");
+    assert!(verdict["reason"].as_str().is_some_and(|why| why.contains("ended by somebody")), "{verdict}");
     let duration_s = verdict["duration_s"].as_f64().expect("a duration");
     assert!((1.0..600.0).contains(&duration_s), "{verdict}");
     assert!(report.join("index.html").exists());
@@ -131,6 +133,78 @@ fn wrong_arguments_are_reported_at_once() {
     assert_eq!(output.status.code(), Some(3), "{output:?}");
     assert!(String::from_utf8_lossy(&output.stderr).contains("/proc/nowhere"));
     assert_eq!(run(&["campaign", "encounters", "--trials", "0"]).status.code(), Some(2));
+}
+
+/// A value on the command line that cannot be is wrong usage, whatever the command.
+#[test]
+fn wrong_flag_values_end_with_two() {
+    let robot = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robot.toml");
+    let cases: [(&[&str], &str); 9] = [
+        (&["demo", "--duration", "1e400"], "give seconds"),
+        (&["simulate", "--scenario", "crossing", "--duration", "0"], "give seconds"),
+        (&["run", robot, "--duration", "1e400"], "give seconds"),
+        (&["simulate", "--scenario", "crossing", "--emergency-stop", "5..1e400"], "FROM..TO"),
+        (&["simulate", "--scenario", "crossing", "--fault", "lidar:drop=200%"], "--fault"),
+        (&["simulate", "--scenario", "crosing"], "did you mean `crossing`?"),
+        (&["simulate", "--scenario", "crossing", "--until-clean"], "no dirt to clean"),
+        (&["simulate", "--scenario", "crossing", "--panel", "8080"], "ADDRESS:PORT"),
+        (&["mission", "--map", "plain", "--dirt", "random:5%:10-15", "--people", "100000"], "1000 people"),
+    ];
+    for (arguments, remedy) in cases {
+        let output = run(arguments);
+        let stderr_text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {stderr_text}");
+        assert!(stderr_text.contains(remedy), "{arguments:?}: {stderr_text}");
+    }
+}
+
+/// A file in which nothing stands: what is missing, and nothing that was made up.
+#[test]
+fn empty_configuration_names_missing_sections() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("empty.toml");
+    std::fs::write(&path, b"").expect("written");
+    let output = run(&["check", text(&path)]);
+    let stderr_text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "{stderr_text}");
+    assert!(stderr_text.contains("[can]") && !stderr_text.contains("[1, 1"), "{stderr_text}");
+}
+
+/// A file that is not there is named once, and so is the reason of a verdict.
+#[test]
+fn errors_are_printed_once() {
+    let output = run(&["mission", "--map", "nowhere.yaml", "--dirt", "random:5%:10-15"]);
+    let stderr_text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(
+        (output.status.code(), stderr_text.matches("nowhere.yaml").count()),
+        (Some(3), 1),
+        "{stderr_text}"
+    );
+    let output = run(&["simulate", "--scenario", "supermarket", "--duration", "0.5"]);
+    let stderr_text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(
+        (output.status.code(), stderr_text.matches("never became ready").count()),
+        (Some(1), 1),
+        "{stderr_text}"
+    );
+}
+
+/// What was asked for and not reached is not finished, and no success; what ran as asked is good.
+#[test]
+fn runs_end_with_their_verdict() {
+    let verdict = |more: &[&str]| {
+        let output = run(&[&["simulate", "--scenario", "supermarket", "--json"], more].concat());
+        let verdict: Value = serde_json::from_slice(&output.stdout).expect("one verdict");
+        (
+            output.status.code(),
+            verdict["verdict"].clone(),
+            verdict["reason"].as_str().unwrap_or_default().to_owned(),
+        )
+    };
+    let (code, value, reason) = verdict(&["--duration", "8"]);
+    assert!(code == Some(0) && value == "good" && reason.contains("mission under way: "), "{reason}");
+    let (code, value, reason) = verdict(&["--duration", "8", "--until-clean"]);
+    assert!(code == Some(1) && value == "not-finished" && reason.contains("has not ended"), "{reason}");
 }
 
 #[test]

@@ -1,13 +1,11 @@
 //! A robot that carries a microScan3 in place of the S300: its driver against the simulator's scanner, whose bytes were
 //! written from the description of the format alone, and the whole robot on it.
 
-#[allow(dead_code, reason = "each test file uses a part of it")]
-mod sim_support;
-
 use floorguard_laboratory::world::record_plan;
 use std::fs::File;
 use std::io::BufReader;
 
+use crate::sim_support::{bytes_of, mean_and_deviation, room, wall_range_m};
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use floorguard_drivers::microscan3::{Configuration, Event, Receiver};
 use floorguard_guard::{Health, Source};
@@ -28,7 +26,6 @@ use floorguard_sim::simulation::{Simulation, Stream};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::sensing::{BeamReturn, Scan};
 use floorguard_types::time::Stamp;
-use sim_support::{bytes_of, mean_and_deviation, room, wall_range_m};
 
 const START: Pose2 = Pose2 { x_m: 0.7, y_m: -0.4, heading_rad: 0.5 };
 /// The scanner's place on the robot, metres forward.

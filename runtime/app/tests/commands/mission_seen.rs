@@ -6,13 +6,11 @@ use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::process::Command;
 
-mod seen_support;
-
+use crate::seen_support::{browser, progress, screenshot};
 use floorguard_laboratory::world::{Observer, Plan, run_recorded};
 use floorguard_operator::panel::{Access, Panel, PanelView};
 use floorguard_operator::telemetry::RunSinks;
 use floorguard_recording::{Recording, decode, topics};
-use seen_support::{browser, progress, screenshot};
 
 #[test]
 fn mission_is_in_recording_and_report() {

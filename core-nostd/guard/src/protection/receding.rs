@@ -1,0 +1,65 @@
+//! People whom the robot leaves behind: a stop would only keep it near to them (book, Guard: Collision).
+
+use super::advice::AdvisedPerson;
+use super::collision::{Body, POSITION_SIGMAS, STRAIGHT_RADPS};
+use floorguard_types::geometry::Twist2;
+
+/// Slower than this the robot drives away from nobody, m/s.
+const LEAVING_MPS: f32 = 0.02;
+/// Of the angle within which the trailing edge drives away from a person only this share counts: the bearing of the
+/// person changes while the robot turns.
+const TURNING_SHARE: f32 = 0.5;
+
+impl Body {
+    /// The robot's own motion leaves a person behind: it cannot bring the body nearer to anywhere that the person may
+    /// be, a disc of two standard deviations, and the person does not follow faster than the robot leaves (FG-REQ-034).
+    ///
+    /// The person is beyond the trailing edge. A robot that drives straight touches nobody who is not beyond its leading
+    /// edge. The trailing edge of a turning robot swings aside: all of the disc must be behind it, near to straight
+    /// behind, the nearer the more the robot turns. More doubt never turns this from `false` to `true`.
+    ///
+    /// ```
+    /// use floorguard_guard::{AdvisedPerson, Body};
+    /// use floorguard_types::geometry::{Point2, Twist2};
+    ///
+    /// let body = Body { x_m: [-0.5, 1.0], y_m: [-0.4, 0.4] };
+    /// let behind = AdvisedPerson { position: Point2::new(-0.7, 0.1), ..AdvisedPerson::default() };
+    /// assert!(body.recedes_from(&behind, Twist2 { linear_mps: 0.3, angular_radps: 0.0 }));
+    /// assert!(!body.recedes_from(&behind, Twist2 { linear_mps: -0.3, angular_radps: 0.0 }));
+    /// ```
+    #[must_use]
+    pub fn recedes_from(&self, person: &AdvisedPerson, twist: Twist2) -> bool {
+        let speed_mps = twist.linear_mps.abs();
+        let doubt_m = POSITION_SIGMAS * person.position_sigma_m.max(0.0);
+        let offset = self.offset(person.position);
+        let behind_m = -offset.x_m * twist.linear_mps.signum();
+        if speed_mps < LEAVING_MPS || behind_m <= 0.0 || self.is_followed_by(person, twist) {
+            return false;
+        }
+        if twist.angular_radps.abs() <= STRAIGHT_RADPS {
+            return behind_m + self.x_m[1] - self.x_m[0] > doubt_m;
+        }
+        let [trailing_m, half_width_m] = self.trailing_edge_m(twist.linear_mps);
+        let swings_mps = twist.angular_radps.abs() * trailing_m;
+        let leaves_mps = speed_mps - twist.angular_radps.abs() * half_width_m;
+        let aside_m = offset.y_m.abs() + doubt_m;
+        leaves_mps > 0.0
+            && behind_m > doubt_m
+            && aside_m * swings_mps <= TURNING_SHARE * leaves_mps * (behind_m - doubt_m)
+    }
+
+    /// The person comes nearer to the nearest point of the body, as both move.
+    fn is_followed_by(&self, person: &AdvisedPerson, twist: Twist2) -> bool {
+        let (place, offset) = (person.position, self.offset(person.position));
+        let nearest = [place.x_m - offset.x_m, place.y_m - offset.y_m];
+        let along_mps = person.velocity_mps.x_m - twist.linear_mps + twist.angular_radps * nearest[1];
+        let across_mps = person.velocity_mps.y_m - twist.angular_radps * nearest[0];
+        offset.x_m * along_mps + offset.y_m * across_mps < 0.0
+    }
+
+    /// From the axle to the trailing edge along x, and to its farther end along y, metres.
+    fn trailing_edge_m(&self, linear_mps: f32) -> [f32; 2] {
+        let trailing_m = if linear_mps < 0.0 { self.x_m[1] } else { self.x_m[0] };
+        [trailing_m.abs(), self.y_m[0].abs().max(self.y_m[1].abs())]
+    }
+}

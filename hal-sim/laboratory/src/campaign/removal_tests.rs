@@ -1,0 +1,169 @@
+//! Robots with one protection taken away: named worlds, each of which the whole robot gets through, and drawn ones. The judge knows true
+//! geometry alone.
+
+use std::collections::BTreeMap;
+
+use floorguard_contact_judge::JobOutcome;
+use floorguard_sim::FaultSpec;
+
+use super::contacts::contact_plan;
+use super::removal::Removal;
+use super::{STACK_BYTES, watched};
+use crate::judge::Verdict;
+use crate::plan::Plan;
+use crate::world::load_scenario;
+
+/// By then what stands on the way is reached, microseconds.
+const DURATION_US: u64 = 14_000_000;
+/// Somebody presses the emergency stop on the way to the box, until the run is over, microseconds.
+const EMERGENCY_STOP_US: (u64, u64) = (3_500_000, 60_000_000);
+
+/// What shows that something is missing.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Sign {
+    /// The run does not pass.
+    Fails,
+    /// The headline counts a contact that the whole robot has not. The run may pass, where no sensor could see the object.
+    Touches,
+}
+
+/// A world, what goes on in it with every robot, and the protection without which it is lost.
+struct Case {
+    world: &'static str,
+    fault: Option<&'static str>,
+    emergency_stop: bool,
+    removal: Removal,
+    sign: Sign,
+}
+
+const fn case(world: &'static str, removal: Removal) -> Case {
+    Case { world, fault: None, emergency_stop: false, removal, sign: Sign::Fails }
+}
+
+const CASES: [Case; 16] = [
+    case("box-aside", Removal::Fields),
+    case("box-30", Removal::ScannerReturns),
+    case("board-70", Removal::LidarReturns),
+    case("box-160", Removal::Scanner),
+    case("box-160", Removal::Lidar),
+    case("box-160", Removal::Imu),
+    case("box-160", Removal::Encoders),
+    case("box-160", Removal::Inputs),
+    case("low-box-8", Removal::Bumpers),
+    case("edge", Removal::FloorSwitches),
+    Case { emergency_stop: true, sign: Sign::Touches, ..case("low-box-8", Removal::EmergencyStop) },
+    case("box-30", Removal::ScanRule),
+    case("board-70", Removal::LidarRule),
+    case("board-70", Removal::ProtectiveRules),
+    case("step-in", Removal::PersonRule),
+    Case {
+        fault: Some("scanner:drop=100%,from=3s"),
+        sign: Sign::Touches,
+        ..case("box-30", Removal::ScannerLostRule)
+    },
+];
+
+/// No world known to us is lost without these. The warning field lowers the speed before a protective field is entered, and the fields,
+/// which grow with the speed, hold the robot in time without it. Of the motion checks each finds the faults of the others' devices, too,
+/// and no simulated drive runs away.
+const UNNOTICED: [Removal; 4] =
+    [Removal::WarningRule, Removal::OverspeedRule, Removal::SpeedRule, Removal::TurnRules];
+
+fn plan(case: &Case) -> Plan {
+    let path = format!("{}/../scenarios/hazards/{}.toml", env!("CARGO_MANIFEST_DIR"), case.world);
+    let scenario = load_scenario(path.as_ref()).unwrap_or_else(|error| panic!("{path}: {error:#}"));
+    let mut plan = Plan::of(case.world, scenario, 1, DURATION_US).expect("a plan");
+    plan.lidar_grain = 2;
+    plan.faults.extend(case.fault.map(|fault| FaultSpec::parse(fault).expect("a fault")));
+    plan.emergency_stop_us.extend(case.emergency_stop.then_some(EMERGENCY_STOP_US));
+    plan
+}
+
+fn verdict(plan: &Plan, removal: Option<Removal>) -> Verdict {
+    let mut plan = plan.clone();
+    if let Some(removal) = removal {
+        removal.apply(&mut plan).expect("a line of that name");
+    }
+    watched(&plan).unwrap_or_else(|error| panic!("{}: {error:#}", plan.name)).verdict
+}
+
+fn with_room<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().stack_size(STACK_BYTES).build();
+    pool.expect("threads").install(work)
+}
+
+/// What is wrong with a case.
+fn complaint(case: &Case) -> Option<String> {
+    let plan = plan(case);
+    let (whole, without) = rayon::join(|| verdict(&plan, None), || verdict(&plan, Some(case.removal)));
+    let touches = |verdict: &Verdict| verdict.bodies.counts.while_moving() > 0;
+    let words = |what: &str, verdict: &Verdict| {
+        let (failures, contacts) = (&verdict.failures, verdict.contacts_in_words());
+        Some(format!("{} without {:?}: {what}: {failures:?}, {contacts}", case.world, case.removal))
+    };
+    match case.sign {
+        _ if !whole.passed => words("the whole robot fails", &whole),
+        Sign::Touches if touches(&whole) => words("the whole robot touches something", &whole),
+        Sign::Fails if without.passed => words("it passes", &without),
+        Sign::Touches if !touches(&without) => words("it touches nothing", &without),
+        _ => None,
+    }
+}
+
+#[test]
+fn each_removed_protection_is_noticed() {
+    let complaints: Vec<String> = with_room(|| {
+        use rayon::prelude::*;
+        CASES.par_iter().filter_map(complaint).collect()
+    });
+    assert!(complaints.is_empty(), "{complaints:#?}");
+}
+
+#[test]
+fn every_removal_has_a_world_or_is_listed() {
+    for removal in Removal::ALL {
+        let cases = CASES.iter().filter(|case| case.removal == removal).count();
+        assert_eq!(cases, usize::from(!UNNOTICED.contains(&removal)), "{removal:?}");
+    }
+}
+
+/// The trials that the campaign asks for, with its seed. Otherwise: every silent sensor in the first world.
+fn slice() -> (u64, std::ops::Range<u64>) {
+    let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());
+    let from = number("FLOORGUARD_CAMPAIGN_FROM").unwrap_or(3);
+    let to = number("FLOORGUARD_CAMPAIGN_TO").unwrap_or(8);
+    (number("FLOORGUARD_CAMPAIGN_SEED").unwrap_or(1), from..to)
+}
+
+/// Plays a drawn world with the whole robot and without one protection: what is counted.
+fn drawn_trial(seed: u64, trial: u64) -> Vec<String> {
+    let kinds = Removal::ALL.len() as u64;
+    let removal = Removal::ALL[(trial % kinds) as usize];
+    let plan = contact_plan(seed, trial / kinds).expect("a world");
+    let (whole, without) = (verdict(&plan, None), verdict(&plan, Some(removal)));
+    let is_blocked = matches!(without.bodies.job, JobOutcome::Blocked(_));
+    assert!(
+        !removal.is_silence() || !without.passed || is_blocked,
+        "seed {seed} trial {trial}: nobody notices that {removal:?} is silent"
+    );
+    let contacts = |verdict: &Verdict| verdict.bodies.counts.while_moving();
+    let noticed = whole.passed && (!without.passed || contacts(&without) > contacts(&whole));
+    let names = [("runs", true), ("that the whole robot passes", whole.passed), ("noticed", noticed)];
+    let counted = names.into_iter().filter(|(_, holds)| *holds);
+    counted.map(|(name, _)| format!("without {removal:?} {name}")).collect()
+}
+
+#[test]
+fn silent_sensors_never_pass_in_drawn_worlds() {
+    let (seed, trials) = slice();
+    let counted: Vec<Vec<String>> = with_room(|| {
+        use rayon::prelude::*;
+        trials.into_par_iter().map(|trial| drawn_trial(seed, trial)).collect()
+    });
+    let mut counts = BTreeMap::<String, u64>::new();
+    counted.into_iter().flatten().for_each(|name| *counts.entry(name).or_default() += 1);
+    for (name, count) in &counts {
+        println!("campaign: {name} = {count}");
+    }
+    assert!(!counts.is_empty());
+}

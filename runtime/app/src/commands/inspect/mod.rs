@@ -1,0 +1,13 @@
+//! `floorguard inspect`: what is in a recording, what is wrong with it, and what can be done with it, on one page.
+
+mod bag;
+mod capture;
+mod lines;
+mod page;
+mod run;
+mod serial;
+mod timeline;
+
+pub use lines::{can_frame, can_service, is_candump};
+pub use run::{InspectArguments, run};
+pub use serial::{inertial, scanner};

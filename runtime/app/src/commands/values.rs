@@ -1,0 +1,64 @@
+//! Values on the command line: what cannot be is wrong usage, and ends with 2 as every other mistake on it does.
+
+use std::net::{SocketAddr, ToSocketAddrs as _};
+
+/// The longest simulated run, seconds: a day.
+const DAY_S: f64 = 86_400.0;
+
+/// Seconds of a simulated run: more than 0, up to a day.
+///
+/// # Errors
+/// Anything else, in words.
+pub(super) fn simulated_seconds(text: &str) -> Result<f64, String> {
+    let in_a_day = text.parse::<f64>().ok().filter(|seconds| *seconds > 0.0 && *seconds <= DAY_S);
+    in_a_day.ok_or_else(|| "give seconds, more than 0 and up to 86400 (a day)".to_owned())
+}
+
+/// Seconds of a run of the robot: more than 0.
+///
+/// # Errors
+/// Anything else, in words.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
+    let some = text.parse::<f64>().ok().filter(|seconds| *seconds > 0.0 && seconds.is_finite());
+    some.ok_or_else(|| "give seconds, more than 0".to_owned())
+}
+
+/// Where a panel listens: `127.0.0.1:8080`, `[::1]:8080`, or a name of this computer as `localhost:8080`.
+///
+/// # Errors
+/// No address and port, or a name that nobody knows.
+pub(super) fn panel_address(text: &str) -> Result<SocketAddr, String> {
+    if let Ok(address) = text.parse() {
+        return Ok(address);
+    }
+    let resolved = text
+        .to_socket_addrs()
+        .map_err(|error| format!("write ADDRESS:PORT, for example 127.0.0.1:8080 ({error})"))?;
+    let all: Vec<SocketAddr> = resolved.collect();
+    // A browser on this computer tries both; the older form is there everywhere.
+    let first = all.iter().find(|address| address.is_ipv4()).or(all.first());
+    first.copied().ok_or_else(|| format!("`{text}` is the name of no computer"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn infinite_duration_is_refused() {
+        assert_eq!(simulated_seconds("9.5"), Ok(9.5));
+        for text in ["0", "-1", "1e400", "nan", "inf", "90000", "ten"] {
+            assert!(simulated_seconds(text).is_err(), "{text}");
+        }
+        assert_eq!(seconds("100000"), Ok(100_000.0));
+        assert!(seconds("1e400").is_err() && seconds("0").is_err());
+    }
+
+    #[test]
+    fn panel_takes_names_of_this_computer() {
+        let address = panel_address("localhost:8085").unwrap();
+        assert!(address.ip().is_loopback() && address.port() == 8_085);
+        assert_eq!(panel_address("[::1]:80").unwrap().port(), 80);
+        assert!(panel_address("8080").is_err());
+    }
+}

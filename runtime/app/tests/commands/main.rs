@@ -1,0 +1,14 @@
+//! The program's commands as a user meets them. What runs in real time beside a panel is in programs of its own.
+
+mod ask_command;
+mod blackbox_command;
+mod book;
+mod mission_command;
+mod mission_seen;
+mod panel_browser;
+mod phone_browser;
+mod replay_command;
+mod report_command;
+mod seen_support;
+mod status_report;
+mod terminal;

@@ -1,0 +1,84 @@
+//! What two devices cannot share: a serial line, a UDP port, a bit of the safety controller's image.
+
+use std::ops::Range;
+use std::path::Path;
+
+use floorguard_drivers::flexisoft::InputBits;
+
+use super::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
+use super::reader::Reader;
+
+/// The addresses of the devices, as far as they were read.
+pub(super) struct Addresses<'a> {
+    pub lidar: &'a DatagramAddress,
+    pub scanner: &'a ScannerAddress,
+    pub imu: Option<&'a SerialAddress>,
+    pub can: &'a CanAddress,
+}
+
+/// Refuses two devices on one line or port. Each device is named by its section.
+pub(super) fn check_addresses(top: &Reader<'_>, addresses: &Addresses<'_>) {
+    let mut lines: Vec<(&'static str, &Path)> = Vec::new();
+    let mut ports = vec![("lidar", *addresses.lidar)];
+    match addresses.scanner {
+        ScannerAddress::Serial(line) => lines.push(("scanner", &line.device)),
+        ScannerAddress::Datagrams(port) => ports.push(("scanner", *port)),
+    }
+    lines.extend(addresses.imu.map(|line| ("imu", line.device.as_path())));
+    if let CanAddress::Slcan(device) = addresses.can {
+        lines.push(("can", device));
+    }
+    for (index, (section, device)) in lines.iter().enumerate() {
+        let before = lines.get(..index).unwrap_or_default();
+        if let Some((other, _)) = before.iter().find(|(_, known)| known == device) {
+            let what = format!("[{section}]: `source` is {}, and so is that of [{other}]", device.display());
+            top.refuse(&place(top, section), what, "give each device its own line");
+        }
+    }
+    for (index, (section, port)) in ports.iter().enumerate() {
+        let before = ports.get(..index).unwrap_or_default();
+        if let Some((other, _)) = before.iter().find(|(_, known)| is_same_port(known, port)) {
+            let what = format!(
+                "[{section}]: `source` is UDP port {}, and so is that of [{other}]",
+                port.local.port()
+            );
+            top.refuse(&place(top, section), what, "let each device send to a port of its own");
+        }
+    }
+}
+
+fn is_same_port(one: &DatagramAddress, other: &DatagramAddress) -> bool {
+    let (one, other) = (one.local, other.local);
+    let is_any = one.ip().is_unspecified() || other.ip().is_unspecified();
+    one.port() == other.port() && (is_any || one.ip() == other.ip())
+}
+
+fn place(top: &Reader<'_>, section: &'static str) -> Range<usize> {
+    top.find(section).map_or(0..0, |value| value.span())
+}
+
+/// Refuses two channels of an input on one bit, and two inputs on one bit. Each input comes with its key.
+pub(super) fn check_bits(section: &Reader<'_>, inputs: &[(&'static str, Option<InputBits>)]) {
+    let fitted = || inputs.iter().filter_map(|(key, input)| input.map(|input| (*key, input.bits)));
+    let is_pair = |key: &'static str| {
+        let value = section.find(key).and_then(|value| value.get_ref().as_array());
+        value.is_some_and(|numbers| numbers.len() > 1)
+    };
+    let place = |key: &'static str| section.find(key).map_or(0..0, |value| value.span());
+    for (index, (key, [first, second])) in fitted().enumerate() {
+        if first == second && is_pair(key) {
+            let what = format!("[inputs]: both channels of `{key}` are bit {first}");
+            section.refuse(
+                &place(key),
+                what,
+                "give each channel its own bit, or write a single one for an input with one channel",
+            );
+        }
+        let shared = |bits: [u8; 2]| [first, second].into_iter().find(|bit| bits.contains(bit));
+        let other = fitted().take(index).find_map(|(other, bits)| shared(bits).map(|bit| (other, bit)));
+        if let Some((other, bit)) = other {
+            let what = format!("[inputs]: bit {bit} of `{key}` is one of `{other}`, too");
+            section.refuse(&place(key), what, "give each input its own bits");
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! Cleaning and navigation: missions, the robot's own tasks, whether claims hold, planners in published worlds.
+
+mod cleaning_claims;
+mod cleaning_missions;
+mod cleaning_reproduce;
+mod cleaning_robot;
+mod navigation_barn;
+mod navigation_paths;
+mod navigation_prediction;

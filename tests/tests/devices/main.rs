@@ -1,0 +1,14 @@
+//! Device drivers against recordings, against keys from documents, and against the simulator's own encoders.
+
+mod can_recordings;
+mod microscan3_scans;
+mod sim_can;
+mod sim_imu;
+mod sim_microscan3;
+mod sim_s300;
+mod sim_support;
+mod sim_velodyne;
+mod velodyne_captures;
+mod velodyne_decode_command;
+mod velodyne_recordings;
+mod xsens_recordings;
