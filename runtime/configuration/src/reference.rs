@@ -111,7 +111,13 @@ z up.
 classifier of people from the tracks that it sees (hosted only; `run`, and `simulate` and `demo` with `--robot FILE`; a replay learns
 as its recording did). `model` is relative to the folder of this file. The guard hears of what was learned only where that adds a
 person: no stop is loosened by it. In `[scanner]`, `baud` is an S300's; `beams` and `sender` are a microScan3's, whose `source` is like
-the lidar's.
+the lidar's. No two devices share a line, a UDP port or a bit of the safety controller's image, and an S300's `baud` is 500000, 250000,
+125000 or 115200: at any other its scans come too late, or not at all.
+
+In `[inputs]`, `reset_bit` and `start_bit` are push buttons of the operator, 1 = pressed: with them a robot without panel and terminal can
+be reset and started, for example as a service. A button acts when it is released, after 0.03 to 5 s: one that is stuck or tied down
+does nothing. Wire them to the safety controller beside the emergency stop, where one sees the whole robot; `inverted_bits` does not
+concern them. A recording holds what the buttons did, because it holds the frames of the bus.
 ";
 
 #[cfg(test)]
