@@ -38,6 +38,11 @@ const OPTIONAL: &str = "
 map = \"hall.yaml\"
 strategy = \"systematic\"
 [learning]
+[[field]]
+direction = \"forward\"
+speed_max_mps = 0.3
+protective_m = [[-0.60, -0.60], [1.40, -0.60], [1.40, 0.60], [-0.60, 0.60]]
+warning_m = [[-0.80, -0.80], [1.90, -0.80], [1.90, 0.80], [-0.80, 0.80]]
 ";
 
 /// The scanner of the example robot, and the other one: each is asked for what the other does not have.
@@ -101,11 +106,18 @@ test fails when this page is old. `floorguard check robot.toml` tells every mist
 Units stand at the end of each key. The robot's frame lies on the floor in the middle of the rear axle, x forward, y left,
 z up.
 
-`[imu]`, `[guard]`, `[route]`, `[camera]`, `[mission]` and `[learning]` may be missing as a whole. `[learning]`: the robot corrects its
+`[imu]`, `[guard]`, `[route]`, `[camera]`, `[mission]`, `[learning]` and every `[[field]]` may be missing as a whole. Fields follow from
+`[robot]` and `[limits]`; what is drawn in `[[field]]` must contain them and is added. `[learning]`: the robot corrects its
 classifier of people from the tracks that it sees (hosted only; `run`, and `simulate` and `demo` with `--robot FILE`; a replay learns
 as its recording did). `model` is relative to the folder of this file. The guard hears of what was learned only where that adds a
 person: no stop is loosened by it. In `[scanner]`, `baud` is an S300's; `beams` and `sender` are a microScan3's, whose `source` is like
-the lidar's.
+the lidar's. No two devices share a line, a UDP port or a bit of the safety controller's image, and an S300's `baud` is 500000, 250000,
+125000 or 115200: at any other its scans come too late, or not at all.
+
+In `[inputs]`, `reset_bit` and `start_bit` are push buttons of the operator, 1 = pressed: with them a robot without panel and terminal can
+be reset and started, for example as a service. A button acts when it is released, after 0.03 to 5 s: one that is stuck or tied down
+does nothing. Wire them to the safety controller beside the emergency stop, where one sees the whole robot; `inverted_bits` does not
+concern them. A recording holds what the buttons did, because it holds the frames of the bus.
 ";
 
 #[cfg(test)]

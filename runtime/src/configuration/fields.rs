@@ -1,5 +1,6 @@
 //! Protective and warning fields per speed and direction.
 
+use floorguard_guard::Travel;
 use floorguard_types::capacities::FIELD_VERTICES_MAX;
 use floorguard_types::geometry::Point2;
 use heapless::Vec;
@@ -13,11 +14,31 @@ pub type Polygon = Vec<Point2, FIELD_VERTICES_MAX>;
 /// Direction of travel to which a field applies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DirectionOfTravel {
-    /// Forward or turning on the spot.
+    /// Forward, and turning where no other field is drawn.
     #[default]
     Forward,
     /// Backwards.
     Reverse,
+    /// Forward in a left bend.
+    Left,
+    /// Forward in a right bend.
+    Right,
+    /// Turning on the spot.
+    Spin,
+}
+
+impl DirectionOfTravel {
+    /// As the guard calls it.
+    #[must_use]
+    pub const fn travel(self) -> Travel {
+        match self {
+            Self::Forward => Travel::Straight,
+            Self::Reverse => Travel::Reverse,
+            Self::Left => Travel::Left,
+            Self::Right => Travel::Right,
+            Self::Spin => Travel::Spin,
+        }
+    }
 }
 
 /// The fields of one speed bin and direction.

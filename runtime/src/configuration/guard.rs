@@ -5,14 +5,13 @@ use core::f32::consts::PI;
 use floorguard_drivers::three_wheel_base::BaseConfiguration;
 use floorguard_drivers::velodyne::Model;
 use floorguard_guard::{
-    DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeometry, Source, SourceRules, Travel,
+    DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeometry, Source, SourceRules,
 };
 use floorguard_localisation::odometry::{Tricycle, WheelGeometry};
 use floorguard_types::capacities::PACKET_RINGS_MAX;
 use floorguard_types::geometry::Pose2;
 
-use super::fields::DirectionOfTravel;
-use super::robot::RobotConfiguration;
+use super::robot::{Limits, RobotConfiguration};
 use super::sources::LidarModel;
 
 /// Lower than this a return is floor: half a brush height and the error of a tilted lidar, metres.
@@ -25,6 +24,21 @@ const RAMP_RESERVE: f32 = 1.8;
 /// The front wheel turns a little less than a quarter to either side, radians.
 const STEERING_MAX_RAD: f32 = 1.5;
 
+impl Limits {
+    /// What the guard knows of the drive.
+    #[must_use]
+    pub const fn drive(&self, wheelbase_m: f32) -> DriveLimits {
+        DriveLimits {
+            speed_mps: self.speed_mps,
+            turn_radps: self.turn_radps,
+            acceleration_mps2: self.acceleration_mps2,
+            braking_mps2: self.braking_mps2,
+            response_s: self.response_s,
+            wheelbase_m,
+        }
+    }
+}
+
 impl RobotConfiguration {
     /// What the guard must know. [`GuardConfig::validate`] has the last word.
     #[must_use]
@@ -32,13 +46,9 @@ impl RobotConfiguration {
         let mounting = self.scanner.mounting;
         let mut fields = heapless::Vec::new();
         for field in &self.fields {
-            let travel = match field.direction {
-                DirectionOfTravel::Forward => Travel::Straight,
-                DirectionOfTravel::Reverse => Travel::Reverse,
-            };
             // Same capacity: never full.
             let _ = fields.push(FieldSet {
-                travel,
+                travel: field.direction.travel(),
                 speed_max_mps: field.speed_max_mps,
                 protective: field.protective.clone(),
                 warning: field.warning.clone(),
@@ -61,14 +71,7 @@ impl RobotConfiguration {
                 floor_clearance_m: FLOOR_CLEARANCE_M,
                 body_height_m: BODY_HEIGHT_M,
             },
-            drive: DriveLimits {
-                speed_mps: self.limits.speed_mps,
-                turn_radps: self.limits.turn_radps,
-                acceleration_mps2: self.limits.acceleration_mps2,
-                braking_mps2: self.limits.braking_mps2,
-                response_s: self.limits.response_s,
-                wheelbase_m: self.geometry.wheelbase_m,
-            },
+            drive: self.limits.drive(self.geometry.wheelbase_m),
             thresholds: self.thresholds,
             sources: self.source_rules(),
         }

@@ -5,15 +5,10 @@ use heapless::Vec;
 use super::action::Action;
 use super::config_error::GuardConfigError;
 use super::field::{Polygon, point_in_polygon};
-use super::kinematics::field_length_m;
 use super::source::{Source, SourceRules};
+use super::swept_outline::{Zone, contains, swept_outline};
 use floorguard_types::capacities::{FIELD_SETS_MAX, PACKET_RINGS_MAX, SCAN_BEAMS_MAX};
 use floorguard_types::geometry::{Point2, Pose2, Transform3};
-
-/// General measurement supplement of a safety scanner, Z_G, metres (book, Guard: Field length).
-pub const SCANNER_SUPPLEMENT_M: f32 = 0.1;
-/// Brake wear Z_B as a share of the braking distance (book, Guard: Field length).
-pub const BRAKE_WEAR: f32 = 0.1;
 
 /// Where the robot is going: the steering bin of a field set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -107,8 +102,6 @@ pub struct DriveLimits {
 /// Thresholds of the checks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thresholds {
-    /// Response time of the scanner, seconds; 0.08 for an S300 with double sampling.
-    pub scanner_response_s: f32,
     /// Adjacent beams that make an obstacle (book, Guard: Scanner check).
     pub scan_adjacent_beams: u8,
     /// Consecutive scans that make an obstacle (book, Guard: Scanner check).
@@ -141,7 +134,6 @@ pub struct Thresholds {
 impl Thresholds {
     /// The values of the book, Guard.
     pub const DEFAULT: Self = Self {
-        scanner_response_s: 0.08,
         scan_adjacent_beams: 2,
         scan_consecutive: 2,
         packet_returns: 6,
@@ -274,7 +266,6 @@ impl GuardConfig {
             ("braking", drive.braking_mps2),
             ("response time", drive.response_s),
             ("wheelbase", drive.wheelbase_m),
-            ("response time of the scanner", limits.scanner_response_s),
             ("speed in the warning field", limits.warning_speed_mps),
             ("speed near people", limits.person_speed_mps),
             ("distance to people", limits.person_near_m),
@@ -320,19 +311,31 @@ impl GuardConfig {
         if !set.speed_max_mps.is_finite() || set.speed_max_mps <= 0.0 {
             return Err(GuardConfigError::NotPositive("speed of a field set"));
         }
-        let given_m = match set.travel {
-            Travel::Reverse => rearmost_m(&self.footprint) - rearmost_m(&set.protective),
-            Travel::Spin => f32::INFINITY,
-            _ => foremost_m(&set.protective) - foremost_m(&self.footprint),
-        };
-        let wear_m = BRAKE_WEAR * set.speed_max_mps * set.speed_max_mps / (2.0 * self.drive.braking_mps2);
-        let response_s = self.drive.response_s + self.thresholds.scanner_response_s;
-        let supplements_m = SCANNER_SUPPLEMENT_M + wear_m;
-        let needed_m = field_length_m(set.speed_max_mps, response_s, self.drive.braking_mps2, supplements_m);
-        if given_m < needed_m {
+        let needed =
+            swept_outline(&self.footprint, &self.drive, (set.travel, set.speed_max_mps), Zone::Protective);
+        let given_m = length_m(set.travel, &set.protective);
+        let needed_m = length_m(set.travel, &needed);
+        if given_m < needed_m - SAME_LENGTH_M {
+            let body_m = length_m(set.travel, &self.footprint);
+            let (needed_m, given_m) = (needed_m - body_m, given_m - body_m);
             return Err(GuardConfigError::FieldTooShort { set: index, needed_m, given_m });
         }
+        if !contains(&set.protective, &needed) {
+            return Err(GuardConfigError::FieldTooNarrow { set: index, needed });
+        }
         Ok(())
+    }
+}
+
+/// Lengths that differ by less are the same, metres.
+const SAME_LENGTH_M: f32 = 2.0e-3;
+
+/// How far a field reaches where the robot goes, metres from the robot's origin; of a field for turning it says nothing.
+fn length_m(travel: Travel, polygon: &[Point2]) -> f32 {
+    match travel {
+        Travel::Reverse => -rearmost_m(polygon),
+        Travel::Spin => 0.0,
+        _ => foremost_m(polygon),
     }
 }
 

@@ -2,10 +2,11 @@
 
 use core::fmt;
 
+use super::field::Polygon;
 use super::source::Source;
 
 /// Nothing starts half-configured (FG-REQ-060). The number is the index of the field set where there is one.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum GuardConfigError {
     /// The footprint has fewer than three corners or is not around the origin of the robot frame.
     Footprint,
@@ -25,6 +26,13 @@ pub enum GuardConfigError {
         needed_m: f32,
         /// Given beyond the body, metres.
         given_m: f32,
+    },
+    /// A protective field leaves out a part of what the body sweeps before it stands: the least field that does not.
+    FieldTooNarrow {
+        /// Which set.
+        set: usize,
+        /// Its corners must be inside, metres.
+        needed: Polygon,
     },
     /// The scanner has no beams, more than the capacity, or no positive step.
     Scanner,
@@ -52,6 +60,13 @@ impl fmt::Display for GuardConfigError {
                 out,
                 "the protective field of set {set} reaches {given_m:.2} m beyond the body, stopping needs {needed_m:.2} m"
             ),
+            Self::FieldTooNarrow { set, needed } => {
+                write!(
+                    out,
+                    "the protective field of set {set} leaves out what the body sweeps; it must contain"
+                )?;
+                needed.iter().try_for_each(|corner| write!(out, " [{:.2}, {:.2}]", corner.x_m, corner.y_m))
+            }
             Self::Scanner => {
                 out.write_str("the scanner needs beams, at most the capacity, and a positive step")
             }

@@ -17,6 +17,8 @@ mod receding;
 mod record;
 mod scan_table;
 mod source;
+mod sweep;
+mod swept_outline;
 
 pub use action::{Action, GuardState};
 pub use advice::{ADVISED_PEOPLE_MAX, Advice, AdvisedPerson};
@@ -34,3 +36,5 @@ pub(crate) use packet_table::{BIN_CDEG, Bin};
 pub use record::{CauseRecord, Unit};
 pub use scan_table::ScanTable;
 pub use source::{FaultKind, Health, Source, SourceRules};
+pub use sweep::{BRAKE_WEAR, REACTION_S, STANDOFF_M, Stopping, Sweep, fastest_mps, signed_distance_m};
+pub use swept_outline::{BEND_PER_M, OVERSPEED_SHARE, Zone, contains, swept_outline};

@@ -169,7 +169,7 @@ fields! {
     SourceRules { fitted, required_at_start, limit_after_us, limit_mps, stop_after_us, frozen_samples }
     DriveLimits { speed_mps, turn_radps, acceleration_mps2, braking_mps2, response_s, wheelbase_m }
     Thresholds {
-        scanner_response_s, scan_adjacent_beams, scan_consecutive, packet_returns, field_activation_us,
+        scan_adjacent_beams, scan_consecutive, packet_returns, field_activation_us,
         warning_speed_mps, person_speed_mps, person_near_m, escape_speed_mps, emergency_action, overspeed_us,
         speed_disagreement_mps, turn_disagreement_radps, disagreement_us,
     }

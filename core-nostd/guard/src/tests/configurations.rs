@@ -15,14 +15,13 @@ fn with(change: impl FnOnce(&mut GuardConfig)) -> Result<(), GuardConfigError> {
 #[test]
 fn fg_req_012_every_number_must_be_positive() {
     type Place = fn(&mut GuardConfig) -> &mut f32;
-    let places: [(&str, Place); 13] = [
+    let places: [(&str, Place); 12] = [
         ("greatest speed", |config| &mut config.drive.speed_mps),
         ("greatest turning rate", |config| &mut config.drive.turn_radps),
         ("acceleration", |config| &mut config.drive.acceleration_mps2),
         ("braking", |config| &mut config.drive.braking_mps2),
         ("response time", |config| &mut config.drive.response_s),
         ("wheelbase", |config| &mut config.drive.wheelbase_m),
-        ("response time of the scanner", |config| &mut config.thresholds.scanner_response_s),
         ("speed in the warning field", |config| &mut config.thresholds.warning_speed_mps),
         ("speed near people", |config| &mut config.thresholds.person_speed_mps),
         ("distance to people", |config| &mut config.thresholds.person_near_m),
@@ -116,19 +115,19 @@ fn fg_req_020_fields_have_corners_and_contain_the_footprint() {
     let triangle = [(-3.0, -3.0), (6.0, 0.0), (-3.0, 3.0)].map(|(x_m, y_m)| Point2::new(x_m, y_m));
     assert_eq!(with(|config| config.fields[0].protective = triangle.into_iter().collect()), Ok(()));
     let narrow = |y_m: f32| with(|config| config.fields[0].protective = rectangle([-0.45, 1.25], y_m));
-    assert_eq!((narrow(0.4), narrow(0.39)), (Ok(()), Err(GuardConfigError::FieldInsideFootprint(0))));
+    assert_eq!((narrow(0.47), narrow(0.39)), (Ok(()), Err(GuardConfigError::FieldInsideFootprint(0))));
 }
 
-/// Least length before the body: distance during the response, braking with wear, supplement of the scanner.
+/// Least length before the body: way of the whole chain of 220 ms and of the response, braking with wear, supplement of the
+/// scanner.
 fn needed_m(speed_mps: f64) -> f64 {
     let braking_m = speed_mps * speed_mps / 1.6;
-    speed_mps * (0.15 + 0.08) + braking_m + 0.1 * braking_m + 0.1
+    speed_mps * (0.15 + 0.22) + braking_m + 0.1 * braking_m + 0.1
 }
 
 #[test]
 fn fg_req_020_fields_are_as_long_as_stopping_distance() {
-    for (travel, set) in [(Travel::Straight, 1), (Travel::Left, 1), (Travel::Right, 1), (Travel::Reverse, 3)]
-    {
+    for (travel, set) in [(Travel::Straight, 1), (Travel::Reverse, 3)] {
         for speed_mps in [0.1_f32, 0.3, 0.6, 1.0] {
             let needed = needed_m(f64::from(speed_mps)) as f32;
             let with_length = |length_m: f32| {
@@ -141,20 +140,60 @@ fn fg_req_020_fields_are_as_long_as_stopping_distance() {
             };
             assert_eq!(with_length(needed + 1.0e-4), Ok(()), "{travel:?} {speed_mps}");
             let Err(GuardConfigError::FieldTooShort { set: found, needed_m, given_m }) =
-                with_length(needed - 1.0e-4)
+                with_length(needed - 5.0e-3)
             else {
                 panic!("{travel:?} {speed_mps}: a field that is too short is accepted");
             };
             assert_eq!(found, set);
-            assert!((needed_m - needed).abs() < 1.0e-5 && (given_m - needed + 1.0e-4).abs() < 1.0e-5);
+            assert!((needed_m - needed).abs() < 1.0e-5 && (given_m - needed + 5.0e-3).abs() < 1.0e-5);
         }
     }
-    // Turning on the spot needs no length.
-    let spin = with(|config| {
-        config.fields[3].travel = Travel::Spin;
-        config.fields[3].protective = rectangle([-0.45, 0.95], 0.5);
-    });
-    assert_eq!(spin, Ok(()));
+}
+
+/// Needles, notches, and fields for turning that end where the body begins.
+#[test]
+fn fg_req_061_a_field_contains_all_that_the_body_sweeps() {
+    let set = |index: usize, travel: Travel, protective: Polygon| {
+        with(|config| {
+            config.fields[index].travel = travel;
+            config.fields[index].protective = protective;
+        })
+    };
+    let corners = |list: &[(f32, f32)]| list.iter().map(|(x_m, y_m)| Point2::new(*x_m, *y_m)).collect();
+    // As wide as the body behind, two centimetres wide ahead of it.
+    let needle: Polygon = corners(&[
+        (-0.46, -0.41),
+        (0.96, -0.41),
+        (0.96, -0.01),
+        (3.0, -0.01),
+        (3.0, 0.01),
+        (0.96, 0.01),
+        (0.96, 0.41),
+        (-0.46, 0.41),
+    ]);
+    let notched: Polygon =
+        corners(&[(-0.5, -0.6), (3.0, -0.6), (3.0, 0.6), (1.4, 0.6), (1.3, 0.0), (1.2, 0.6), (-0.5, 0.6)]);
+    for bad in [needle, notched, rectangle([-0.46, 3.0], 0.41)] {
+        let found = set(1, Travel::Straight, bad.clone());
+        assert!(matches!(found, Err(GuardConfigError::FieldTooNarrow { set: 1, .. })), "{found:?} {bad:?}");
+    }
+    assert_eq!(set(1, Travel::Straight, rectangle([-0.46, 3.0], 0.49)), Ok(()));
+    // Turning on the spot with 0.8 rad/s swings the front corners far out to both sides.
+    for (half_m, good) in [(0.5, false), (0.8, false), (1.15, true)] {
+        let found = set(3, Travel::Spin, rectangle([-0.9, 1.15], half_m));
+        assert_eq!(found.is_ok(), good, "spin {half_m}: {found:?}");
+    }
+    for (travel, sign) in [(Travel::Left, 1.0_f32), (Travel::Right, -1.0)] {
+        let bend = |inner_m: f32, outer_m: f32| {
+            let mut bend = rectangle([-0.8, 1.7], 1.0);
+            for corner in &mut bend {
+                corner.y_m = if corner.y_m * sign > 0.0 { sign * outer_m } else { -sign * inner_m };
+            }
+            set(1, travel, bend)
+        };
+        assert!(bend(0.75, 1.4).is_ok(), "{travel:?}: {:?}", bend(0.75, 1.4));
+        assert!(bend(0.75, 0.6).is_err() && bend(0.41, 1.4).is_err(), "{travel:?}");
+    }
 }
 
 #[test]
@@ -175,26 +214,4 @@ fn fg_req_020_stopping_distances_are_those_of_a_simulated_stop() {
     assert!(stop_distance_m(0.0, 0.1, 0.0, 0.0).is_infinite());
     assert!(stop_distance_m(1.0, 0.1, 0.0, -1.0).is_infinite());
     assert_eq!(field_length_m(1.0, 0.5, 1.0, 0.25), stop_distance_m(1.0, 0.5, 0.0, 1.0) + 0.25);
-}
-
-#[test]
-fn fg_req_020_field_of_exact_stopping_distance_is_accepted() {
-    let with_front = |speed_mps: f32, front_m: f32| {
-        with(|config| {
-            config.fields[1].protective = rectangle([-0.45, front_m], 0.5);
-            config.fields[1].speed_max_mps = speed_mps;
-        })
-    };
-    // A speed whose length has no rounding when it is added to the front edge of the body.
-    let speeds = core::iter::successors(Some(0.5_f32), |speed_mps| Some(speed_mps.next_up())).take(1_000);
-    let exact = speeds.into_iter().find_map(|speed_mps| match with_front(speed_mps, 1.0) {
-        Err(GuardConfigError::FieldTooShort { needed_m, .. }) => {
-            let front_m = 0.95 + needed_m;
-            (front_m - 0.95 == needed_m).then_some((speed_mps, front_m))
-        }
-        _ => None,
-    });
-    let (speed_mps, front_m) = exact.expect("such a speed");
-    assert_eq!(with_front(speed_mps, front_m), Ok(()));
-    assert!(with_front(speed_mps, front_m.next_down()).is_err());
 }

@@ -20,8 +20,8 @@ fn set(travel: Travel, speed_max_mps: f32, protective: Polygon, warning: Polygon
 pub fn config() -> GuardConfig {
     let fields = [
         set(Travel::Straight, 0.3, rectangle([-0.45, 1.25], 0.5), rectangle([-0.45, 1.7], 0.6)),
-        set(Travel::Straight, 0.6, rectangle([-0.45, 1.5], 0.5), rectangle([-0.45, 2.1], 0.6)),
-        set(Travel::Straight, 1.1, rectangle([-0.45, 2.2], 0.5), rectangle([-0.45, 3.2], 0.6)),
+        set(Travel::Straight, 0.6, rectangle([-0.45, 1.55], 0.5), rectangle([-0.45, 2.1], 0.6)),
+        set(Travel::Straight, 1.1, rectangle([-0.45, 2.3], 0.51), rectangle([-0.45, 3.2], 0.6)),
         set(Travel::Reverse, 0.3, rectangle([-0.8, 0.95], 0.5), rectangle([-1.0, 0.95], 0.6)),
     ];
     GuardConfig {

@@ -111,7 +111,7 @@ fn fg_req_020_protective_field_stops_after_two_scans() {
     assert!(stopped_ms <= 80, "{stopped_ms}");
     let cause = rig.step().primary_cause.unwrap();
     assert_eq!(cause.cause, Cause::ScanProtective);
-    assert!((cause.measured - 0.9).abs() < 0.02 && (cause.limit - 1.3).abs() < 0.02, "{cause}");
+    assert!((cause.measured - 0.9).abs() < 0.02 && (cause.limit - 1.4).abs() < 0.02, "{cause}");
 }
 
 #[test]
