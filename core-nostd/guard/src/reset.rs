@@ -1,7 +1,5 @@
 //! What came of the operator's reset: granted, or refused and why. For display alone; nothing is decided by it.
 
-use core::fmt;
-
 use crate::protection::{Cause, Health, Source};
 use floorguard_types::time::Stamp;
 
@@ -15,16 +13,6 @@ pub enum ResetRefusal {
     NotHealthy(Source, Health),
     /// The robot moves.
     Moving,
-}
-
-impl fmt::Display for ResetRefusal {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Present(cause) => write!(out, "{cause}: it is still there"),
-            Self::NotHealthy(source, health) => write!(out, "{} is {health}", source.name()),
-            Self::Moving => out.write_str("the robot still moves"),
-        }
-    }
 }
 
 /// The resets so far; saturating.

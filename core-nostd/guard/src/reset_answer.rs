@@ -1,4 +1,6 @@
-//! Compares a reset before and after a decision: what came of it.
+//! Compares a reset before and after a decision: what came of it, and in words.
+
+use core::fmt;
 
 use super::machine::DecisionMachine;
 use super::reset::{ResetRefusal, ResetReport};
@@ -54,5 +56,15 @@ pub(super) struct ResetProgress {
 impl ResetProgress {
     pub(super) const fn of(machine: &DecisionMachine) -> Self {
         Self { is_under_way: machine.reset_since.is_some(), granted: machine.resets }
+    }
+}
+
+impl fmt::Display for ResetRefusal {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Present(cause) => write!(out, "{cause}: it is still there"),
+            Self::NotHealthy(source, health) => write!(out, "{} is {health}", source.name()),
+            Self::Moving => out.write_str("the robot still moves"),
+        }
     }
 }

@@ -95,7 +95,7 @@ impl PacketTurn {
     pub(super) fn new(turns: &[BlockTurn; BLOCKS], block_ns: u32, is_dual: bool) -> Option<Self> {
         let step = if is_dual { 2 } else { 1 };
         let mut known = turns.iter().step_by(step).filter_map(|turn| Some((turn.azimuth_cdeg?, turn)));
-        let (first_cdeg, _) = known.clone().next()?;
+        let first_cdeg = turns.iter().step_by(step).find_map(|turn| turn.azimuth_cdeg)?;
         let (gaps_cdeg, count) = known
             .clone()
             .fold((0_u64, 0_u64), |(sum, count), (_, turn)| (sum + u64::from(turn.gap_cdeg), count + 1));

@@ -20,8 +20,10 @@ pub(super) fn check_rotation(packet: &Packet<'_>, turns: &[BlockTurn; BLOCKS]) -
     }
     let mut known = turns.iter().filter(|turn| turn.azimuth_cdeg.is_some());
     // Two jumps in a packet are one block with a wrong azimuth, or a field of view narrower than a packet.
-    let mut jumps = known.clone().filter(|turn| turn.skipped_cdeg > 0);
-    if let (Some(first), Some(_)) = (jumps.next(), jumps.next()) {
+    let jumps = known.clone().filter(|turn| turn.skipped_cdeg > 0).count();
+    if jumps > 1
+        && let Some(first) = known.clone().find(|turn| turn.skipped_cdeg > 0)
+    {
         return Err(DecodeError::Rotation { gap_cdeg: first.skipped_cdeg.saturating_add(first.gap_cdeg) });
     }
     match known.find(|turn| !(1..=GAP_MAX_CDEG).contains(&turn.gap_cdeg)) {

@@ -138,6 +138,9 @@ impl SweepBuilder {
 
     /// The newest column takes this firing, too.
     fn shares<const RINGS: usize>(&self, building: &Sweep<RINGS>, column: &LidarColumn) -> bool {
+        if self.sharing == Sharing::None {
+            return false;
+        }
         let newest = building.column_count.checked_sub(1).and_then(|newest| building.columns.get(newest));
         let Some(newest) = newest.filter(|newest| newest.measured) else { return false };
         let place =
@@ -166,9 +169,13 @@ impl SweepBuilder {
     /// More than half a column is missing between the newest one and the next.
     fn is_gap(&self, next_cdeg: u16) -> bool {
         let Some(last) = self.last_cdeg else { return false };
-        let from_cut = u32::from(next_cdeg) + 2 * TURN_CDEG - u32::from(self.cut_cdeg) - u32::from(last);
+        let newest_cdeg = u32::from(self.cut_cdeg) + u32::from(last);
+        // At most two turns and a bit: subtractions cost the board less than a division for each column.
+        let from_newest = u32::from(next_cdeg) + 2 * TURN_CDEG - newest_cdeg;
+        let within_two = if from_newest >= 2 * TURN_CDEG { from_newest - 2 * TURN_CDEG } else { from_newest };
+        let turned_cdeg = if within_two >= TURN_CDEG { within_two - TURN_CDEG } else { within_two };
         let spacing_cdeg = self.step_cdeg.max(MERGE_CDEG);
-        from_cut % TURN_CDEG > spacing_cdeg + spacing_cdeg / 2
+        turned_cdeg > spacing_cdeg + spacing_cdeg / 2
     }
 
     /// Enters unknown columns between the newest column and the next, evenly in azimuth and time; `missing` columns are
