@@ -15,7 +15,7 @@ impl Supervisor {
         self.resets
     }
 
-    /// After a decision: what came of a reset that was under way before it.
+    /// After a decision: what came of a reset that was in progress before it.
     pub(super) fn note_reset(&mut self, before: &ResetProgress, standing: bool, now: Stamp) {
         let after = ResetProgress::of(&self.state.machine);
         if !before.is_under_way || after.is_under_way {

@@ -20,7 +20,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2_000))]
 
     #[test]
-    fn fg_req_034_receding_robot_comes_nearer_to_nobody(
+    fn fg_req_034_receding_robot_comes_nearer_to_no_person(
         (linear_mps, angular_radps) in (-1.0_f32..1.0, prop_oneof![Just(0.0_f32), 0.051_f32..0.4, -0.4_f32..-0.051]),
         (behind_m, y_m) in (0.0_f32..2.0, -1.0_f32..1.0),
         sigma_m in 0.0_f32..0.3,

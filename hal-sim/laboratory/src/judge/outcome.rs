@@ -95,7 +95,7 @@ impl Standing {
     }
 }
 
-/// An end of a run that comes this much early was somebody's wish, seconds.
+/// An end of a run that comes this much early was asked for by a person, seconds.
 const EARLY_S: f64 = 0.5;
 /// A robot that stands for less than this at the end is on its way, seconds.
 const STANDS_S: f64 = 30.0;
@@ -197,7 +197,7 @@ impl Verdict {
     fn achievement(&self, asked: Asked) -> String {
         match &self.mission {
             Some(mission) if mission.finished => mission.claims(),
-            Some(mission) => format!("ran as asked; mission under way: {}", mission.claims()),
+            Some(mission) => format!("ran as asked; mission in progress: {}", mission.claims()),
             None if self.ready_s.is_none() && asked.is_disturbed => {
                 "ran as asked; the robot stood under what was put in".to_owned()
             }

@@ -34,7 +34,7 @@ fn at_rest(since_s: f64) -> Standing {
 fn mission_under_way_as_asked_is_good() {
     let (outcome, reason) = value(cleaning(104, false), MINUTE, &Standing::default());
     assert_eq!(outcome, Outcome::Good);
-    assert!(reason.contains("mission under way: 104 of 147 dirty cells"), "{reason}");
+    assert!(reason.contains("mission in progress: 104 of 147 dirty cells"), "{reason}");
 }
 
 #[test]
@@ -43,7 +43,7 @@ fn until_clean_needs_a_clean_floor() {
     let (outcome, reason) = value(cleaning(104, false), asked, &Standing::default());
     assert_eq!(outcome, Outcome::NotFinished);
     assert!(reason.contains("104 of 147"), "{reason}");
-    // It ends as soon as all is clean, which is nobody's wish.
+    // It ends as soon as all is clean, which was not asked for.
     let early = Verdict { duration_s: 51.0, ..cleaning(147, true) };
     assert_eq!(value(early.clone(), asked, &Standing::default()).0, Outcome::Good);
     assert_eq!(value(early, MINUTE, &Standing::default()).0, Outcome::NotFinished);

@@ -109,7 +109,7 @@ impl Verdict {
     }
 }
 
-/// An entry of the history of a run, as the robot told it.
+/// An entry of the history of a run, as the robot reported it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HeardOf {
     /// Seconds since the start.

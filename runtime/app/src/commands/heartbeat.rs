@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
 
-/// Without a terminal the progress is told this often; the thread looks this often whether it is over.
+/// Without a terminal the progress is printed this often; the thread looks this often whether it is over.
 const HEARTBEAT: Duration = Duration::from_secs(10);
 const LOOK: Duration = Duration::from_millis(100);
 

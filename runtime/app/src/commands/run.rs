@@ -203,8 +203,8 @@ struct Watch<'a> {
     last_stop: Option<String>,
     history: HeldHistory,
     bus: Option<BusReport>,
-    /// The devices on the bus that have not been heard of are told.
-    silent_told: bool,
+    /// The devices on the bus that have not been heard of are named.
+    silent_reported: bool,
     complaints: Complaints,
     learner: Option<LiveLearner>,
     learned: Option<LearningWriter>,
@@ -232,7 +232,7 @@ impl<'a> Watch<'a> {
             last_stop: None,
             history: HeldHistory::default(),
             bus: None,
-            silent_told: false,
+            silent_reported: false,
             complaints: Complaints::default(),
             learner: None,
             learned: None,
@@ -351,10 +351,10 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Says what has changed on the CAN bus, and which devices have said nothing since the start.
+    /// Says what has changed on the CAN bus, and which devices have sent nothing since the start.
     fn on_bus(&mut self, report: &BusReport) {
-        if !self.silent_told && self.began.elapsed() >= SILENT_AFTER {
-            self.silent_told = true;
+        if !self.silent_reported && self.began.elapsed() >= SILENT_AFTER {
+            self.silent_reported = true;
             silent_devices(report).iter().for_each(|line| self.display.note(line));
         }
         for (index, device) in report.devices.iter().enumerate() {

@@ -7,7 +7,7 @@ use floorguard_types::time::Stamp;
 
 use super::*;
 
-/// Devices that have said nothing since the start are named, with their nodes.
+/// Devices that have sent nothing since the start are named, with their nodes.
 #[test]
 fn silent_nodes_are_named() {
     let robot =

@@ -202,7 +202,7 @@ fn runs_end_with_their_verdict() {
         )
     };
     let (code, value, reason) = verdict(&["--duration", "8"]);
-    assert!(code == Some(0) && value == "good" && reason.contains("mission under way: "), "{reason}");
+    assert!(code == Some(0) && value == "good" && reason.contains("mission in progress: "), "{reason}");
     let (code, value, reason) = verdict(&["--duration", "8", "--until-clean"]);
     assert!(code == Some(1) && value == "not-finished" && reason.contains("has not ended"), "{reason}");
 }

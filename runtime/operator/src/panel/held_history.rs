@@ -57,8 +57,8 @@ impl HeldEvent {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct HeldHistory {
     /// The causes that have held the robot during this stop, one bit for each [`Cause::index`]: causes that take turns are
-    /// told once.
-    told: u64,
+    /// reported once.
+    reported: u64,
     resets: ResetReport,
 }
 
@@ -69,14 +69,14 @@ impl HeldHistory {
         news.extend(self.answered(&status.resets));
         let decision = &status.decision;
         let Some(record) = decision.holding_cause.filter(|record| record.action.stops()) else {
-            self.told = 0;
+            self.reported = 0;
             return news;
         };
-        if let Some(first) = decision.primary_cause.filter(|_| self.told == 0) {
-            self.told = bit(first.cause);
+        if let Some(first) = decision.primary_cause.filter(|_| self.reported == 0) {
+            self.reported = bit(first.cause);
         }
-        if self.told & bit(record.cause) == 0 {
-            self.told |= bit(record.cause);
+        if self.reported & bit(record.cause) == 0 {
+            self.reported |= bit(record.cause);
             news.push(HeldEvent {
                 at: decision.stamp,
                 kind: HeldKind::Held,
@@ -95,7 +95,7 @@ impl HeldHistory {
             let text = refusal.map(|why| why.to_string()).unwrap_or_default();
             Some(HeldEvent { at, kind: HeldKind::ResetRefused, text, remedy: refusal_remedy(resets, at) })
         } else if resets.granted > before.granted {
-            self.told = 0;
+            self.reported = 0;
             Some(HeldEvent {
                 at,
                 kind: HeldKind::ResetGranted,
@@ -153,31 +153,31 @@ mod tests {
         RobotStatus { decision, sources: guard.health(), pose: Default::default(), resets }
     }
 
-    /// A stop that began with the start-up check: the emergency stop that is pressed meanwhile is told, once.
+    /// A stop that began with the start-up check: the emergency stop that is pressed meanwhile is reported, once.
     #[test]
-    fn later_cause_is_told_once() {
+    fn later_cause_is_reported_once() {
         let mut history = HeldHistory::default();
         let mut news = |holding| history.news(&status(Cause::StartUp, holding, ResetReport::NONE));
         assert_eq!(news(Cause::StartUp), []);
-        let told = news(Cause::EmergencyStop);
-        assert_eq!(told.len(), 1);
-        assert!(told[0].line().starts_with("held by: emergency stop pressed"), "{told:?}");
-        assert!(told[0].remedy.starts_with("Release the emergency stop"), "{told:?}");
+        let reported = news(Cause::EmergencyStop);
+        assert_eq!(reported.len(), 1);
+        assert!(reported[0].line().starts_with("held by: emergency stop pressed"), "{reported:?}");
+        assert!(reported[0].remedy.starts_with("Release the emergency stop"), "{reported:?}");
         assert_eq!(news(Cause::StartUp).len() + news(Cause::EmergencyStop).len(), 0);
     }
 
     #[test]
-    fn each_refused_reset_is_told() {
+    fn each_refused_reset_is_reported() {
         let mut history = HeldHistory::default();
         let why = ResetRefusal::NotHealthy(Source::Lidar, floorguard_guard::Health::Stale);
         for refused in 1..3 {
             let resets = ResetReport { refused, refusal: Some(why), ..ResetReport::NONE };
-            let told = history.news(&status(Cause::EmergencyStop, Cause::EmergencyStop, resets));
-            assert_eq!(told.len(), 1);
-            assert_eq!(told[0].line(), "reset refused: lidar is stale");
+            let reported = history.news(&status(Cause::EmergencyStop, Cause::EmergencyStop, resets));
+            assert_eq!(reported.len(), 1);
+            assert_eq!(reported[0].line(), "reset refused: lidar is stale");
         }
         let resets = ResetReport { refused: 2, granted: 1, ..ResetReport::NONE };
-        let told = history.news(&status(Cause::EmergencyStop, Cause::EmergencyStop, resets));
-        assert_eq!(told[0].kind, HeldKind::ResetGranted);
+        let reported = history.news(&status(Cause::EmergencyStop, Cause::EmergencyStop, resets));
+        assert_eq!(reported[0].kind, HeldKind::ResetGranted);
     }
 }

@@ -299,7 +299,7 @@ impl Reader {
         }
     }
 
-    /// A cause that has not held the robot during this stop; causes that take turns are told once.
+    /// A cause that has not held the robot during this stop; causes that take turns are reported once.
     fn on_held(&mut self, at_s: f64, status: &Status) {
         let holding = status.value("holding").filter(|cause| !cause.is_empty() && status.level == STOPPED);
         let Some(cause) = holding else { return self.held.clear() };
