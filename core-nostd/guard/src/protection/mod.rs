@@ -34,6 +34,8 @@ pub use held::{HeldCause, HeldCauses};
 pub use integrity::{Integrity, PARTS};
 pub use kinematics::{field_length_m, stop_distance_m};
 pub use lidar_rays::LidarRays;
+#[cfg(test)]
+pub(crate) use local_memory::Row;
 pub use local_memory::{Cell, LocalMemory};
 pub use packet_table::PacketTable;
 pub(crate) use packet_table::{BIN_CDEG, Bin};

@@ -1,6 +1,7 @@
 //! The memory of what was seen, and the sweep of the body through it, against plain geometry.
 
 use super::fixtures::{config, forward, rectangle};
+use crate::protection::Row;
 use crate::*;
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use floorguard_types::random::Pcg32;
@@ -106,7 +107,7 @@ fn fg_req_027_stopping_chain_and_share_are_inverse() {
 
 fn count(memory: &LocalMemory) -> usize {
     let mut cells = 0;
-    memory.for_each((false, 1, 0), |_| cells += 1);
+    memory.for_each(false, |_| cells += 1);
     cells
 }
 
@@ -120,15 +121,28 @@ fn memory() -> std::boxed::Box<LocalMemory> {
     memory
 }
 
+/// Nothing happens for a span of time.
+fn pass_span(memory: &mut LocalMemory, spans: u64) {
+    memory.follow(Twist2::ZERO, at(spans * 310));
+}
+
+/// The lidar meets each height in two spans of time.
+fn meet_twice(memory: &mut LocalMemory, cell: Cell, heights_m: &[f32]) {
+    for span in 1..3 {
+        heights_m.iter().for_each(|height_m| memory.meet(cell, *height_m, 0.05));
+        pass_span(memory, span);
+    }
+}
+
 #[test]
 fn fg_req_028_only_rays_through_heights_clear_them() {
     let cell = Cell::of(Point2::new(1.0, 0.3));
-    let (lower, upper) = ((0.05, false), (0.05, true));
     let with = |heights_m: &[f32], passes_m: &[f32]| {
         let mut memory = memory();
-        heights_m.iter().for_each(|height_m| memory.meet(cell, *height_m, lower));
+        meet_twice(&mut memory, cell, heights_m);
         passes_m.iter().for_each(|height_m| memory.pass(cell, *height_m));
-        memory.met(cell)
+        assert_eq!(memory.holds(cell), count(&memory) == 1);
+        memory.holds(cell)
     };
     let board = [0.503, 0.511, 0.527];
     assert!(with(&board, &[]));
@@ -137,21 +151,36 @@ fn fg_req_028_only_rays_through_heights_clear_them() {
     assert!(!with(&[0.4, 0.45, 0.5, 0.55, 0.6], &[0.53]), "a person is gone who is looked through");
     assert!(with(&[0.5, 0.8], &[0.65]), "between two boards there is nothing to look through");
     assert!(!with(&[0.51], &[0.51]) && with(&[0.51], &[0.53]));
-    // Above the lidar the higher one stays, which is the one that sinks out of its rays.
-    let mut memory = memory();
-    memory.meet(cell, 1.0, upper);
-    memory.meet(cell, 1.3, upper);
-    memory.pass(cell, 1.0);
-    assert!(memory.met(cell));
-    memory.pass(cell, 1.3);
-    assert!(!memory.met(cell));
     // The scanner's plane is another matter.
+    let mut memory = memory();
     memory.set_scanned(cell, true);
-    memory.meet(cell, 0.5, lower);
+    meet_twice(&mut memory, cell, &[0.5]);
     memory.pass(cell, 0.5);
-    assert_eq!((memory.met(cell), count(&memory)), (false, 1));
+    assert_eq!((memory.holds(cell), count(&memory)), (false, 1));
     memory.set_scanned(cell, false);
     assert_eq!(count(&memory), 0);
+}
+
+#[test]
+fn fg_req_028_what_one_span_meets_is_not_kept() {
+    let cell = Cell::of(Point2::new(1.0, 0.3));
+    let mut memory = memory();
+    pass_span(&mut memory, 0);
+    for _ in 0..100 {
+        memory.meet(cell, 0.5, 0.05);
+    }
+    assert_eq!((count(&memory), memory.holds(cell)), (0, true), "not yet");
+    pass_span(&mut memory, 1);
+    pass_span(&mut memory, 2);
+    assert!(!memory.holds(cell), "and no more");
+    memory.meet(cell, 0.7, 0.05);
+    pass_span(&mut memory, 3);
+    memory.meet(cell, 0.7, 0.05);
+    assert_eq!(count(&memory), 1, "two spans agree");
+    memory.pass(cell, 0.6);
+    assert_eq!(count(&memory), 1, "the height of the first time is forgotten");
+    memory.pass(cell, 0.7);
+    assert_eq!((count(&memory), memory.holds(cell)), (0, false));
 }
 
 #[test]
@@ -197,7 +226,7 @@ fn fg_req_028_window_moves_and_keeps_places() {
     }
     let pose = memory.pose_at(at(now_ms));
     let mut found = std::vec::Vec::new();
-    memory.for_each((false, 1, 0), |cell| found.push(cell));
+    memory.for_each(false, |cell| found.push(cell));
     assert!(found.iter().all(|cell| known.contains(cell)), "nothing is made up");
     let near = |cell: &&Cell| cell.middle().distance(Point2::new(pose.x_m, pose.y_m)) < 0.9;
     let lately = &known[known.len() - 100..];
@@ -211,20 +240,23 @@ fn fg_req_028_a_flipped_bit_of_the_memory_is_noticed() {
     let mut memory = memory();
     for index in 0..200_u16 {
         let place = Point2::new(f32::from(index) * 0.013, f32::from(index % 40) * 0.05 - 1.0);
-        memory.meet(Cell::of(place), 0.3 + f32::from(index % 9) * 0.1, (0.05, false));
+        memory.meet(Cell::of(place), 0.3 + f32::from(index % 9) * 0.1, 0.05);
         memory.set_scanned(Cell::of(place), index % 3 == 0);
     }
+    pass_span(&mut memory, 1);
+    memory.meet(Cell::of(Point2::new(0.5, 0.5)), 0.4, 0.05);
     let noticed = |memory: &mut LocalMemory| (0..16).any(|_| !memory.check_next());
     assert!(!noticed(&mut memory));
+    fn word(row: &mut Row, index: usize) -> &mut u64 {
+        let [now, before] = &mut row.lately;
+        [&mut row.by_lidar, &mut row.by_scanner, now, before].into_iter().nth(index).unwrap()
+    }
     for row in 0..memory.rows.len() {
-        for word in 0..3 {
-            let bit = 1 << ((row * 7 + word * 11) % 32);
-            memory.rows[row].by_lidar[word] ^= bit;
+        for index in 0..4 {
+            let bit = 1 << ((row * 7 + index * 11) % 64);
+            *word(&mut memory.rows[row], index) ^= bit;
             assert!(noticed(&mut memory), "row {row}");
-            memory.rows[row].by_lidar[word] ^= bit;
-            memory.rows[row].by_scanner[word] ^= bit;
-            assert!(noticed(&mut memory), "row {row}");
-            memory.rows[row].by_scanner[word] ^= bit;
+            *word(&mut memory.rows[row], index) ^= bit;
         }
     }
     assert!(!noticed(&mut memory));
@@ -239,7 +271,7 @@ fn fg_req_028_what_the_body_stands_on_is_forgotten() {
     }
     memory.forget_inside(&config().footprint, (Pose2::default(), body));
     let mut left = std::vec::Vec::new();
-    memory.for_each((false, 1, 0), |cell| left.push(cell));
+    memory.for_each(false, |cell| left.push(cell));
     assert!(!left.contains(&Cell::of(Point2::new(0.2, 0.1))), "{left:?}");
     assert_eq!(left.len(), 3, "at its edge objects stay: {left:?}");
 }
