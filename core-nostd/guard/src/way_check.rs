@@ -111,7 +111,7 @@ impl Supervisor {
 fn free_in(memory: &LocalMemory, pose: Pose2, (sweep, needed_m): (&Sweep<'_>, f32)) -> f32 {
     let (sin, cos) = libm::sincosf(pose.heading_rad);
     let mut free_m = needed_m;
-    memory.for_each(false, |cell: Cell| {
+    memory.for_each_obstacle(|cell: Cell| {
         let place = cell.middle();
         let (dx, dy) = (place.x_m - pose.x_m, place.y_m - pose.y_m);
         let in_robot = Point2::new(cos * dx + sin * dy, cos * dy - sin * dx);

@@ -3,7 +3,7 @@
 //!
 //! A window of 4.5 m by 4.5 m in cells of 7 cm, fixed to the floor by the wheels; its middle lies 1.2 m ahead of the
 //! robot's origin. Each cell keeps two things apart: that the safety scanner met something in its plane, and a run of
-//! heights in which the lidar did. Of several runs the lowest one stays.
+//! heights below the lidar in which the lidar did, in two spans of time. Of several runs the lowest one stays.
 
 use heapless::Vec;
 
@@ -125,6 +125,11 @@ impl Row {
 
     fn run(&self, index: usize) -> Run {
         self.runs.get(index).copied().unwrap_or_default()
+    }
+
+    /// Cells that are kept, of both sensors.
+    const fn kept(&self) -> u64 {
+        self.by_lidar | self.by_scanner
     }
 
     /// Heights in which the lidar met something lately, or at any time if it is kept.
@@ -292,11 +297,32 @@ impl LocalMemory {
         }
     }
 
-    /// Visits every cell in which something stands, of all sensors or of the scanner alone. At most 4,096.
-    pub fn for_each(&self, is_scanned_only: bool, mut visit: impl FnMut(Cell)) {
+    /// Visits every cell that is kept, of both sensors or of the scanner alone. At most 4,096.
+    pub fn for_each(&self, is_scanned_only: bool, visit: impl FnMut(Cell)) {
+        self.visit(|row| if is_scanned_only { row.by_scanner } else { row.kept() }, visit);
+    }
+
+    /// Visits every cell in which something stands: what the scanner met, and what the lidar met if another cell beside it is
+    /// kept, too. One that stands alone is the edge of a person who went away: the rays that met it came from somewhere else,
+    /// and none of them passes at its height again. At most 4,096.
+    pub fn for_each_obstacle(&self, visit: impl FnMut(Cell)) {
+        let kept = |index: usize| self.rows.get(index % SIDE).map_or(0, Row::kept);
+        // Rows and bits go round: at the border of the window a cell may count as one beside the opposite border.
+        let beside = |word: u64| word.rotate_left(1) | word.rotate_right(1);
+        let mut rows = 0_usize;
+        let obstacles = |row: &Row| {
+            let (above, below) = (kept(rows.wrapping_add(1)), kept(rows.wrapping_add(SIDE - 1)));
+            rows = rows.wrapping_add(1);
+            let has_neighbour = beside(row.kept()) | above | beside(above) | below | beside(below);
+            row.by_scanner | (row.by_lidar & has_neighbour)
+        };
+        self.visit(obstacles, visit);
+    }
+
+    fn visit(&self, mut cells_of: impl FnMut(&Row) -> u64, mut visit: impl FnMut(Cell)) {
         for (index, row) in self.rows.iter().enumerate() {
             let y = global(self.first.y, index);
-            let mut word = if is_scanned_only { row.by_scanner } else { row.by_scanner | row.by_lidar };
+            let mut word = cells_of(row);
             for _ in 0..SIDE {
                 if word == 0 {
                     break;

@@ -275,3 +275,28 @@ fn fg_req_028_what_the_body_stands_on_is_forgotten() {
     assert!(!left.contains(&Cell::of(Point2::new(0.2, 0.1))), "{left:?}");
     assert_eq!(left.len(), 3, "at its edge objects stay: {left:?}");
 }
+
+#[test]
+fn fg_req_028_lone_cell_of_the_lidar_is_no_obstacle() {
+    let place = Cell::of(Point2::new(1.0, 0.3));
+    let obstacles = |memory: &LocalMemory| {
+        let mut cells = std::vec::Vec::new();
+        memory.for_each_obstacle(|cell| cells.push(cell));
+        cells
+    };
+    for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)] {
+        let mut memory = memory();
+        meet_twice(&mut memory, place, &[0.5]);
+        assert_eq!((obstacles(&memory).len(), count(&memory)), (0, 1));
+        let beside = Cell { x: place.x + dx, y: place.y + dy };
+        memory.set_scanned(beside, true);
+        let found = obstacles(&memory);
+        assert!(found.len() == 2 && found.contains(&place) && found.contains(&beside), "{found:?}");
+        memory.pass(place, 0.5);
+        assert_eq!(obstacles(&memory), [beside], "the scanner's stands alone");
+        let apart = Cell { x: place.x + 2 * dx, y: place.y + 2 * dy };
+        memory.set_scanned(beside, false);
+        memory.set_scanned(apart, true);
+        assert_eq!(obstacles(&memory), [apart]);
+    }
+}
