@@ -91,6 +91,11 @@ impl Run {
         Self { low, top }
     }
 
+    /// A single height, but for what a range is uncertain.
+    const fn is_thin(self) -> bool {
+        self.top.saturating_sub(self.low) < 2
+    }
+
     const fn word(self, index: usize) -> u32 {
         u32::from_le_bytes([self.low, self.top, 0, 0]).rotate_left(index as u32 % 32)
     }
@@ -100,10 +105,9 @@ impl Run {
         if self.is_empty() {
             return false;
         }
-        let is_thin = self.top.saturating_sub(self.low) < 2;
         // A step beside a thin one: while the robot moves, no ray comes back to exactly the same height.
         let is_at_it = step >= self.low.saturating_sub(1) && step <= self.top.saturating_add(1);
-        (step > self.low && step < self.top) || (is_thin && is_at_it)
+        (step > self.low && step < self.top) || (self.is_thin() && is_at_it)
     }
 }
 
@@ -130,6 +134,20 @@ impl Row {
     /// Cells that are kept, of both sensors.
     const fn kept(&self) -> u64 {
         self.by_lidar | self.by_scanner
+    }
+
+    /// Of these cells, those in which the lidar met a single height.
+    fn thin_of(&self, cells: u64) -> u64 {
+        let mut thin = 0;
+        for (index, run) in self.runs.iter().enumerate() {
+            if cells == 0 {
+                break;
+            }
+            if has_bit(cells, index) && run.is_thin() {
+                set_bit(&mut thin, index, true);
+            }
+        }
+        thin
     }
 
     /// Heights in which the lidar met something lately, or at any time if it is kept.
@@ -302,9 +320,9 @@ impl LocalMemory {
         self.visit(|row| if is_scanned_only { row.by_scanner } else { row.kept() }, visit);
     }
 
-    /// Visits every cell in which something stands: what the scanner met, and what the lidar met if another cell beside it is
-    /// kept, too. One that stands alone is the edge of a person who went away: the rays that met it came from somewhere else,
-    /// and none of them passes at its height again. At most 4,096.
+    /// Visits every cell in which something stands: what the scanner met, and what the lidar met, unless it met a single height of
+    /// it and no cell beside it is kept. That is the edge of a person who went away: the rays that met it came from somewhere
+    /// else, and none of them passes at its height again. At most 4,096.
     pub fn for_each_obstacle(&self, visit: impl FnMut(Cell)) {
         let kept = |index: usize| self.rows.get(index % SIDE).map_or(0, Row::kept);
         // Rows and bits go round: at the border of the window a cell may count as one beside the opposite border.
@@ -314,7 +332,7 @@ impl LocalMemory {
             let (above, below) = (kept(rows.wrapping_add(1)), kept(rows.wrapping_add(SIDE - 1)));
             rows = rows.wrapping_add(1);
             let has_neighbour = beside(row.kept()) | above | beside(above) | below | beside(below);
-            row.by_scanner | (row.by_lidar & has_neighbour)
+            row.kept() & !row.thin_of(row.by_lidar & !row.by_scanner & !has_neighbour)
         };
         self.visit(obstacles, visit);
     }

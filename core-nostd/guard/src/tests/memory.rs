@@ -277,7 +277,7 @@ fn fg_req_028_what_the_body_stands_on_is_forgotten() {
 }
 
 #[test]
-fn fg_req_028_lone_cell_of_the_lidar_is_no_obstacle() {
+fn fg_req_028_lone_height_of_a_lone_cell_is_no_obstacle() {
     let place = Cell::of(Point2::new(1.0, 0.3));
     let obstacles = |memory: &LocalMemory| {
         let mut cells = std::vec::Vec::new();
@@ -288,6 +288,11 @@ fn fg_req_028_lone_cell_of_the_lidar_is_no_obstacle() {
         let mut memory = memory();
         meet_twice(&mut memory, place, &[0.5]);
         assert_eq!((obstacles(&memory).len(), count(&memory)), (0, 1));
+        memory.meet(place, 0.53, 0.05);
+        assert_eq!(obstacles(&memory), [place], "two heights are an object");
+        memory.pass(place, 0.515);
+        meet_twice(&mut memory, place, &[0.5]);
+        assert_eq!(obstacles(&memory), []);
         let beside = Cell { x: place.x + dx, y: place.y + dy };
         memory.set_scanned(beside, true);
         let found = obstacles(&memory);
