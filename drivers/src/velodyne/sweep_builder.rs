@@ -78,6 +78,8 @@ impl Sharing {
 
 /// Firings of a slow head closer together than this share a column, so that 1,800 columns are enough at any speed.
 const MERGE_CDEG: u32 = 20;
+/// Share of the speed that the whole hundredths of a degree of one packet leave in doubt: one part in this many.
+const SPEED_DOUBT: u32 = 192;
 /// Columns that a gap may hold: two revolutions of a head at 600 rpm.
 const GAP_COLUMNS_MAX: u32 = 3_648;
 /// The head jitters; a step back by less than this is no turn of almost 360 degrees.
@@ -156,7 +158,9 @@ impl SweepBuilder {
         let from_cut = (u32::from(column.azimuth_cdeg) + TURN_CDEG - u32::from(self.cut_cdeg)) % TURN_CDEG;
         let left = building.columns.len().saturating_sub(building.column_count).saturating_sub(2) as u32;
         let (turned_cdeg, steps) = self.speed;
-        left.saturating_mul(turned_cdeg) < TURN_CDEG.saturating_sub(from_cut).saturating_mul(steps)
+        let needed = TURN_CDEG.saturating_sub(from_cut).saturating_mul(steps);
+        // The speed within one packet is known to half a per cent.
+        left.saturating_mul(turned_cdeg) < needed - needed / SPEED_DOUBT
     }
 
     /// More than half a column is missing between the newest one and the next.

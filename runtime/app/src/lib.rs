@@ -4,3 +4,4 @@
 extern crate floorguard_host;
 
 pub mod commands;
+pub mod recordings;

@@ -64,6 +64,14 @@ fn position(text: &str, offset: usize) -> (usize, usize) {
     (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
 }
 
+/// The known word that is nearest to this one, as a question; none if no word is near.
+#[must_use]
+pub fn did_you_mean(word: &str, known: &[&str]) -> Option<String> {
+    let score = |candidate: &&str| strsim::jaro_winkler(word, candidate);
+    let best = known.iter().copied().max_by(|a, b| score(a).total_cmp(&score(b)))?;
+    (score(&best) >= SIMILAR).then(|| format!("did you mean `{best}`?"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -74,12 +82,4 @@ mod tests {
         assert_eq!(position("a\nbä c", 6), (2, 4));
         assert_eq!(position("a", 99), (1, 2));
     }
-}
-
-/// The known word that is nearest to this one, as a question; none if no word is near.
-#[must_use]
-pub fn did_you_mean(word: &str, known: &[&str]) -> Option<String> {
-    let score = |candidate: &&str| strsim::jaro_winkler(word, candidate);
-    let best = known.iter().copied().max_by(|a, b| score(a).total_cmp(&score(b)))?;
-    (score(&best) >= SIMILAR).then(|| format!("did you mean `{best}`?"))
 }

@@ -1,7 +1,8 @@
 //! What `floorguard decode` prints and how it ends.
 
 use clap::Parser as _;
-use floorguard_app::commands::{Arguments, Command, DecodeArguments, decode_to, exit_code};
+use floorguard_app::commands::{Arguments, Command, exit_code};
+use floorguard_app::recordings::{DecodeArguments, decode_to};
 use floorguard_tests::data::recording;
 
 fn arguments(words: &[&str]) -> Result<DecodeArguments, clap::Error> {

@@ -321,7 +321,13 @@ impl GuardConfig {
             return Err(GuardConfigError::FieldTooShort { set: index, needed_m, given_m });
         }
         if !contains(&set.protective, &needed) {
-            return Err(GuardConfigError::FieldTooNarrow { set: index, needed });
+            let (first, corners) = (Point2::default(), needed.iter());
+            let least = corners
+                .clone()
+                .fold(first, |at, corner| Point2::new(at.x_m.min(corner.x_m), at.y_m.min(corner.y_m)));
+            let greatest =
+                corners.fold(first, |at, corner| Point2::new(at.x_m.max(corner.x_m), at.y_m.max(corner.y_m)));
+            return Err(GuardConfigError::FieldTooNarrow { set: index, least, greatest });
         }
         Ok(())
     }

@@ -2,8 +2,8 @@
 
 use core::fmt;
 
-use super::field::Polygon;
 use super::source::Source;
+use floorguard_types::geometry::Point2;
 
 /// Nothing starts half-configured (FG-REQ-060). The number is the index of the field set where there is one.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,12 +27,14 @@ pub enum GuardConfigError {
         /// Given beyond the body, metres.
         given_m: f32,
     },
-    /// A protective field leaves out a part of what the body sweeps before it stands: the least field that does not.
+    /// A protective field leaves out a part of what the body sweeps before it stands. The box around the least field:
     FieldTooNarrow {
         /// Which set.
         set: usize,
-        /// Its corners must be inside, metres.
-        needed: Polygon,
+        /// Least x and y, metres.
+        least: Point2,
+        /// Greatest x and y, metres.
+        greatest: Point2,
     },
     /// The scanner has no beams, more than the capacity, or no positive step.
     Scanner,
@@ -60,13 +62,11 @@ impl fmt::Display for GuardConfigError {
                 out,
                 "the protective field of set {set} reaches {given_m:.2} m beyond the body, stopping needs {needed_m:.2} m"
             ),
-            Self::FieldTooNarrow { set, needed } => {
-                write!(
-                    out,
-                    "the protective field of set {set} leaves out what the body sweeps; it must contain"
-                )?;
-                needed.iter().try_for_each(|corner| write!(out, " [{:.2}, {:.2}]", corner.x_m, corner.y_m))
-            }
+            Self::FieldTooNarrow { set, least, greatest } => write!(
+                out,
+                "the protective field of set {set} leaves out what the body sweeps, from [{:.2}, {:.2}] to [{:.2}, {:.2}]",
+                least.x_m, least.y_m, greatest.x_m, greatest.y_m
+            ),
             Self::Scanner => {
                 out.write_str("the scanner needs beams, at most the capacity, and a positive step")
             }

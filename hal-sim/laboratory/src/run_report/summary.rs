@@ -7,7 +7,7 @@ use crate::judge::MissionReport;
 use crate::world::{Observation, Plan};
 use floorguard_host::words::{beside, counted};
 
-/// Entries of the history that are told.
+/// Entries of the history that are shown.
 const HISTORY_MAX: usize = 20;
 
 /// Plain words, ending with the verdict.
@@ -22,28 +22,7 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
     );
     let ready = observation.ready_s.map(|ready_s| format!("ready to move after {ready_s:.1} s"));
     let _ = writeln!(text, "  {}", ready.as_deref().unwrap_or("never ready to move"));
-    let _ = writeln!(
-        text,
-        "  stops {} ({} without need), missed {} ({} more for what no sensor saw)",
-        verdict.stops, verdict.nuisance_stops, verdict.missed_stops, verdict.bodies.missed_unseen
-    );
-    let _ = writeln!(text, "  contacts: {}", verdict.contacts_in_words());
-    for contact in verdict.bodies.contacts.iter().filter(|contact| contact.while_moving()) {
-        let _ = writeln!(text, "    {}", contact.line());
-    }
-    for (kind, count) in kinds(observation) {
-        let _ = writeln!(text, "    {count:3} x {kind}");
-    }
-    let mut held: Vec<_> = observation.under_cause_s.iter().collect();
-    held.sort_by(|a, b| b.1.total_cmp(a.1));
-    let held: Vec<String> =
-        held.iter().take(5).map(|(kind, seconds)| format!("{kind} {seconds:.1} s")).collect();
-    if !held.is_empty() {
-        let _ = writeln!(text, "  held back by: {}", held.join(", "));
-    }
-    for event in verdict.history.iter().take(HISTORY_MAX) {
-        let _ = writeln!(text, "    {:6.1} s {}. {}", event.at_s, event.text, event.remedy);
-    }
+    text.push_str(&stop_lines(observation));
     let latency = &verdict.stop_latency_ms;
     if latency.count > 0 {
         let (median, most, times) = (latency.median, latency.p99, counted(latency.count as u64, "time"));
@@ -83,6 +62,35 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
     }
     let (word, reason) = (verdict.verdict.words(), &verdict.reason);
     let _ = writeln!(text, "  verdict: {word}: {reason}   (digest {} of {})", verdict.digest, plan.name);
+    text
+}
+
+/// Stops and contacts, what held the robot back and in which order.
+fn stop_lines(observation: &Observation) -> String {
+    let verdict = &observation.verdict;
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "  stops {} ({} without need), missed {} ({} more for what no sensor saw)",
+        verdict.stops, verdict.nuisance_stops, verdict.missed_stops, verdict.bodies.missed_unseen
+    );
+    let _ = writeln!(text, "  contacts: {}", verdict.contacts_in_words());
+    for contact in verdict.bodies.contacts.iter().filter(|contact| contact.while_moving()) {
+        let _ = writeln!(text, "    {}", contact.line());
+    }
+    for (kind, count) in kinds(observation) {
+        let _ = writeln!(text, "    {count:3} x {kind}");
+    }
+    let mut held: Vec<_> = observation.under_cause_s.iter().collect();
+    held.sort_by(|a, b| b.1.total_cmp(a.1));
+    let held: Vec<String> =
+        held.iter().take(5).map(|(kind, seconds)| format!("{kind} {seconds:.1} s")).collect();
+    if !held.is_empty() {
+        let _ = writeln!(text, "  held back by: {}", held.join(", "));
+    }
+    for event in verdict.history.iter().take(HISTORY_MAX) {
+        let _ = writeln!(text, "    {:6.1} s {}. {}", event.at_s, event.text, event.remedy);
+    }
     text
 }
 

@@ -7,9 +7,6 @@ mod blackbox;
 mod campaign;
 mod campaign_contacts;
 mod check;
-mod decode;
-mod decode_can;
-mod decode_inertial;
 #[cfg(feature = "laboratory")]
 mod demo;
 #[cfg(feature = "laboratory")]
@@ -17,7 +14,6 @@ mod eval;
 mod exit;
 #[cfg(feature = "laboratory")]
 mod heartbeat;
-mod inspect;
 mod interrupt;
 mod learn;
 mod live;
@@ -25,7 +21,6 @@ mod live_camera;
 #[cfg(feature = "laboratory")]
 mod mission;
 mod panel;
-mod replay;
 mod report;
 mod run;
 mod run_begin;
@@ -37,18 +32,16 @@ mod simulate;
 mod train;
 mod values;
 
-pub use arguments::{Arguments, Command, DecodeArguments, ModelArgument, ReplayArguments};
+pub use arguments::{Arguments, Command};
 pub use ask::{AskArguments, AskQuestion};
 pub use blackbox::BlackBoxArguments;
 #[cfg(feature = "laboratory")]
 pub use campaign::{CampaignArguments, CampaignKind};
-pub use decode::decode_to;
 #[cfg(feature = "laboratory")]
 pub use demo::DemoArguments;
 #[cfg(feature = "laboratory")]
 pub use eval::{EvalArguments, EvalStage};
 pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
-pub use inspect::InspectArguments;
 pub use learn::{LearnArguments, PlaceArguments};
 #[cfg(feature = "laboratory")]
 pub use mission::MissionArguments;
@@ -60,17 +53,19 @@ pub use simulate::SimulateArguments;
 #[cfg(feature = "laboratory")]
 pub use train::{TrainArguments, TrainPeopleArguments, TrainWhat};
 
+use crate::recordings;
+
 /// Runs the command.
 ///
 /// # Errors
 /// Anything that ends the program with another exit code than 0, see [`exit_code`].
 pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
     match arguments.command {
-        Some(Command::Replay(arguments)) => replay::run(&arguments),
+        Some(Command::Replay(arguments)) => recordings::replay(&arguments),
         Some(Command::Blackbox(arguments)) => blackbox::run(&arguments),
         Some(Command::Report(arguments)) => report::run(&arguments),
-        Some(Command::Decode(arguments)) => decode::run(&arguments),
-        Some(Command::Inspect(arguments)) => inspect::run(&arguments),
+        Some(Command::Decode(arguments)) => recordings::decode(&arguments),
+        Some(Command::Inspect(arguments)) => recordings::inspect(&arguments),
         #[cfg(feature = "laboratory")]
         Some(Command::Mission(arguments)) => mission::run(&arguments),
         Some(Command::Learn(arguments)) => learn::run(&arguments),

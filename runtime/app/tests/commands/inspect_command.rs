@@ -40,7 +40,7 @@ fn published_recordings_are_known_by_their_bytes() {
         let page = page(&path);
         assert!(page["kind"].as_str().expect("a kind").contains(kind), "{page}");
         assert!(page["streams"].as_array().is_some_and(|streams| !streams.is_empty()), "{page}");
-        assert_eq!(page["commands"].to_string().contains(command), true, "{page}");
+        assert!(page["commands"].to_string().contains(command), "{page}");
         if let Some(count) = count {
             assert_eq!(page["streams"][0]["count"], count, "{page}");
         }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use floorguard_cleaning::{CleanRule, Planner};
 use floorguard_guard::{Cause, Decision};
-use floorguard_mapping::{Grid, GridGeometry};
+use floorguard_mapping::{DirtCell, DirtMap, Grid, GridGeometry};
 use floorguard_navigation::{PathSearch, SearchCell};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::mission::RouteFollower;
@@ -100,6 +100,20 @@ fn search_of(raster: GridGeometry) -> PathSearch<Vec<SearchCell>> {
     PathSearch::new(raster, vec![SearchCell::EMPTY; raster.cell_count()])
 }
 
+/// Sure of its place; after a break anywhere within what it may have rolled on.
+fn localiser_of(
+    (ground, plan): (&Ground, &MissionPlan),
+    cells: DirtMap<Vec<DirtCell>>,
+    was_broken_off: bool,
+) -> Localiser {
+    let config = scrubber::belief(plan.tolerated_units);
+    let mut localiser = Localiser::new(&ground.floor, config, cells, Pcg32::new(plan.seed, 71));
+    if was_broken_off {
+        localiser.restart_within(Pose2::default(), ROLLED_ON);
+    }
+    localiser
+}
+
 /// The lanes of a mission that drives over everything; none for one that knows where it wants to go.
 fn lanes_of(plan: &MissionPlan, ground: &Ground) -> VecDeque<Lane> {
     let start = Point2::new(ground.floor.start.x_m, ground.floor.start.y_m);
@@ -182,11 +196,7 @@ impl Cleaner {
         }
         let lanes = lanes_of(plan, &ground);
         let stream = |number| Pcg32::new(plan.seed, number);
-        let config = scrubber::belief(plan.tolerated_units);
-        let mut localiser = Localiser::new(&ground.floor, config, Grid::new(raster, cells)?, stream(71));
-        if saved.is_some() {
-            localiser.restart_within(Pose2::default(), ROLLED_ON);
-        }
+        let localiser = localiser_of((&ground, plan), Grid::new(raster, cells)?, saved.is_some());
         Ok(Self {
             rule: CleanRule::per_cell(plan.tolerated_units, plan.delta),
             planner: Planner::new(search_of(raster), vec![0; NODES * NODES], stream(72)),

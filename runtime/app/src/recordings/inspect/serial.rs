@@ -12,7 +12,7 @@ use floorguard_types::time::Stamp;
 
 use super::page::{Page, Stream};
 use super::timeline::Timeline;
-use crate::commands::exit::BadInput;
+use floorguard_host::outcome::BadInput;
 
 /// So many right checksums make no accident.
 const RIGHT_MIN: u64 = 2;

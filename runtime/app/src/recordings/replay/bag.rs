@@ -19,8 +19,8 @@ use super::recorded::Recorded as Written;
 use super::rows::{SweepRow, print};
 use super::scans::{ScanPlayer, to_scan};
 use super::summary::Summary;
-use crate::commands::arguments::ReplayArguments;
-use crate::commands::exit::BadInput;
+use crate::recordings::arguments::ReplayArguments;
+use floorguard_host::outcome::BadInput;
 use floorguard_recording::decode::{self, LaserScan};
 use floorguard_recording::{ReadError, Recorded, Recording};
 

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use floorguard_host::packing;
 
-use super::exit::BadInput;
 use super::inspect::{can_frame, can_service};
+use floorguard_host::outcome::BadInput;
 
 /// Prints the frames of a candump.
 ///

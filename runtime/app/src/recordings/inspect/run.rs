@@ -8,8 +8,8 @@ use floorguard_host::packing::{beginning, must_be_a_file};
 
 use super::page::Page;
 use super::{bag, capture, lines, serial};
-use crate::commands::exit::BadInput;
-use crate::commands::replay::{MCAP_MAGIC, is_capture, is_log, not_for_us};
+use crate::recordings::replay::{MCAP_MAGIC, is_capture, is_log, not_for_us};
+use floorguard_host::outcome::BadInput;
 
 /// So much of a file tells what it is.
 const SNIFF_BYTES: u64 = 65_536;

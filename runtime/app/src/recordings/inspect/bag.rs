@@ -11,7 +11,7 @@ use floorguard_recording::{Recorded, Recording, decode};
 
 use super::page::{Page, Stream};
 use super::timeline::Timeline;
-use crate::commands::exit::BadInput;
+use floorguard_host::outcome::BadInput;
 
 #[derive(Default)]
 struct Topic {

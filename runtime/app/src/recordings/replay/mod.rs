@@ -19,8 +19,8 @@ use std::io::BufReader;
 use std::path::Path;
 
 use super::arguments::ReplayArguments;
-use super::exit::BadInput;
 use super::inspect::scanner;
+use floorguard_host::outcome::BadInput;
 use floorguard_host::packing::{beginning, must_be_a_file, unpacked};
 use floorguard_recording::Recording;
 use floorguard_recording::replay::is_replayable;

@@ -11,7 +11,7 @@ use floorguard_types::sensing::{Scan, Sweep};
 use floorguard_types::time::Stamp;
 
 use super::rows::PersonRow;
-use crate::commands::exit::BadInput;
+use floorguard_host::outcome::BadInput;
 use floorguard_recording::{
     Marker, MotionRow, RUN_METADATA, RawStream, RecordError, Recorder, Times, describe, sweep_points, topics,
 };

@@ -15,8 +15,8 @@ use floorguard_types::time::Stamp;
 
 use super::recorded::Recorded;
 use super::rows::{SweepRow, print};
-use crate::commands::arguments::ReplayArguments;
-use crate::commands::exit::BadInput;
+use crate::recordings::arguments::ReplayArguments;
+use floorguard_host::outcome::BadInput;
 use floorguard_host::words::counted;
 use floorguard_recording::capture::{Capture, CaptureError};
 use floorguard_recording::capture::{LIDAR_DATA_PORT, settle_model};

@@ -9,7 +9,7 @@ use floorguard_robot::environment::{TrackFormat, TrackReading, read_tracks};
 
 use super::page::{Page, Stream};
 use super::timeline::Timeline;
-use crate::commands::exit::BadInput;
+use floorguard_host::outcome::BadInput;
 
 fn micros(time_s: f64) -> u64 {
     (time_s.max(0.0) * 1.0e6) as u64

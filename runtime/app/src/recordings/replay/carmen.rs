@@ -7,8 +7,8 @@ use super::recorded::Recorded;
 use super::rows::print;
 use super::scans::{ScanPlayer, ScanRow, to_scan};
 use super::summary::Summary;
-use crate::commands::arguments::ReplayArguments;
-use crate::commands::exit::BadInput;
+use crate::recordings::arguments::ReplayArguments;
+use floorguard_host::outcome::BadInput;
 use floorguard_recording::carmen::{CarmenLine, CarmenLog, LaserLine};
 
 /// Runs the command on a log.

@@ -12,8 +12,8 @@ use super::recorded::Recorded;
 use super::rows::print;
 use super::scans::ScanPlayer;
 use super::summary::Summary;
-use crate::commands::arguments::ReplayArguments;
-use crate::commands::exit::BadInput;
+use crate::recordings::arguments::ReplayArguments;
+use floorguard_host::outcome::BadInput;
 
 /// From scan to scan (book, SICK S300: Line): the bytes have no times of their own, the scans are numbered.
 const SCAN_US: u64 = 40_000;

@@ -8,7 +8,7 @@ use floorguard_drivers::xsens::{FrameReceiver, Measurement};
 use floorguard_host::packing::unpacked;
 use floorguard_types::time::Stamp;
 
-use super::exit::BadInput;
+use floorguard_host::outcome::BadInput;
 
 /// Identifier of the message with measurements (book, Xsens MTi).
 const MTDATA2: u8 = 0x36;

@@ -7,7 +7,7 @@ use floorguard_guard::GuardState;
 use floorguard_runtime::shared::{PeopleReport, RobotStatus, StopRecord};
 
 use super::rows::{SweepRow, print};
-use crate::commands::exit::{BadInput, VerdictFailed};
+use floorguard_host::outcome::{BadInput, VerdictFailed};
 use floorguard_host::words::counted;
 use floorguard_recording::replay::{ReplayAudience, ReplayOutcome, replay_recording};
 use floorguard_recording::{ReadError, Recorded, Recording, describe};

@@ -1,0 +1,13 @@
+//! Recordings of every kind: what is in them, their rows, and what the robot's stages make of them.
+
+mod arguments;
+mod decode;
+mod decode_can;
+mod decode_inertial;
+mod inspect;
+mod replay;
+
+pub use arguments::{DecodeArguments, ModelArgument, ReplayArguments};
+pub use decode::{decode_to, run as decode};
+pub use inspect::{InspectArguments, run as inspect};
+pub use replay::run as replay;
