@@ -4,9 +4,7 @@
 use super::field_selection::STANDING_MPS;
 use super::limiter::effective_speed_mps;
 use super::supervisor::Supervisor;
-use crate::protection::{
-    Cause, CauseRecord, Cell, LocalMemory, REACTION_S, STANDOFF_M, Stopping, Sweep,
-};
+use crate::protection::{Cause, CauseRecord, Cell, LocalMemory, REACTION_S, STANDOFF_M, Stopping, Sweep};
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use floorguard_types::sensing::{LidarPacket, Scan};
 use floorguard_types::time::Stamp;

@@ -272,7 +272,11 @@ impl LocalMemory {
 }
 
 /// How far the rays of a firing went, metres in the plane: without a return nobody knows, and nothing was looked through.
-fn reaches_m(firing: &Firing, column: &LidarColumn, (unit_m, count): (f32, usize)) -> [f32; PACKET_RINGS_MAX] {
+fn reaches_m(
+    firing: &Firing,
+    column: &LidarColumn,
+    (unit_m, count): (f32, usize),
+) -> [f32; PACKET_RINGS_MAX] {
     let mut reaches_m = [0.0; PACKET_RINGS_MAX];
     let rays = column.range_raw.iter().zip(&firing.rays).take(count);
     for (reach_m, (raw, ray)) in reaches_m.iter_mut().zip(rays) {

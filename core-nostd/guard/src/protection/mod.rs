@@ -14,6 +14,7 @@ mod integrity;
 mod kinematics;
 mod lidar_rays;
 mod local_memory;
+mod memory_row;
 mod packet_table;
 mod receding;
 mod record;
@@ -34,9 +35,9 @@ pub use held::{HeldCause, HeldCauses};
 pub use integrity::{Integrity, PARTS};
 pub use kinematics::{field_length_m, stop_distance_m};
 pub use lidar_rays::LidarRays;
-#[cfg(test)]
-pub(crate) use local_memory::Row;
 pub use local_memory::{Cell, LocalMemory};
+#[cfg(test)]
+pub(crate) use memory_row::Row;
 pub use packet_table::PacketTable;
 pub(crate) use packet_table::{BIN_CDEG, Bin};
 pub use record::{CauseRecord, Unit};
