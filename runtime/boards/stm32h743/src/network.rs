@@ -14,8 +14,9 @@ const LIDAR_PORT: u16 = 2_368;
 const DATAGRAMS: usize = 4;
 const DATAGRAM_BYTES: usize = 1_300;
 
-/// Descriptors and buffers of the DMA: 16 received frames are 21 ms of lidar.
-pub type Queue = PacketQueue<4, 16>;
+/// Descriptors and buffers of the DMA: 2 frames to send, answers to address requests alone; 16 received ones are 21 ms of
+/// lidar.
+pub type Queue = PacketQueue<2, 16>;
 /// Where they lie: AXI SRAM, which the DMA reaches.
 pub static QUEUE: StaticCell<Queue> = StaticCell::new();
 /// Locally administered.
