@@ -62,7 +62,7 @@ impl FloorParameters {
             noise: DepthNoise::NGUYEN,
             expectation,
             limits: FitLimits::default(),
-            lattice_columns: if cfg!(feature = "hosted") { 160 } else { 54 },
+            lattice_columns: if cfg!(not(target_os = "none")) { 160 } else { 54 },
             working_range_m: 2.0,
         }
     }

@@ -6,7 +6,7 @@
 //! board keeps no reflectivities: there no trait exists, and none takes memory or time.
 
 /// Traits: brightness of trousers and of top (logarithms of the mean reflectivity), stature in metres.
-const TRAITS: usize = if cfg!(feature = "hosted") { 3 } else { 0 };
+const TRAITS: usize = if cfg!(not(target_os = "none")) { 3 } else { 0 };
 
 /// What is known of one trait.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,11 +103,11 @@ impl Trait {
     }
 }
 
-#[cfg(feature = "hosted")]
+#[cfg(not(target_os = "none"))]
 pub(super) use gathered::Shades;
 
 /// The returns of a candidate on their way to an appearance.
-#[cfg(feature = "hosted")]
+#[cfg(not(target_os = "none"))]
 mod gathered {
     use super::{Appearance, Trait};
 
@@ -173,11 +173,11 @@ mod gathered {
 }
 
 /// The board keeps no reflectivities: nothing is gathered.
-#[cfg(not(feature = "hosted"))]
+#[cfg(target_os = "none")]
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Shades {}
 
-#[cfg(not(feature = "hosted"))]
+#[cfg(target_os = "none")]
 impl Shades {
     pub(super) fn add(&mut self, _: f32, _: Option<&u8>) {}
 
@@ -186,7 +186,7 @@ impl Shades {
     }
 }
 
-#[cfg(all(test, feature = "hosted"))]
+#[cfg(test)]
 mod tests {
     use super::*;
 

@@ -12,9 +12,9 @@ pub struct ClusterLimits {
     pub points_min: u16,
     /// Returns farther than this are not grouped, metres (the outermost published ring ends at 40 m).
     pub range_max_m: f32,
-    /// Clusters kept, at most `CLUSTERS_MAX`; without the feature `hosted` always that many.
+    /// Clusters kept, at most `CLUSTERS_MAX`; on bare metal always that many.
     pub clusters_max: usize,
-    /// Provisional names, at most `LABELS_MAX`; without the feature `hosted` always that many.
+    /// Provisional names, at most `LABELS_MAX`; on bare metal always that many.
     pub labels_max: usize,
 }
 

@@ -53,7 +53,7 @@ pub struct TrackerParameters {
     pub appearance_weight: f32,
     /// The same at re-identification: several observations on either side.
     pub recall_appearance_weight: f32,
-    /// Tracks at once, at most `TRACKS_MAX`; without the feature `hosted` always that many. Twice as many detections and eight
+    /// Tracks at once, at most `TRACKS_MAX`; on bare metal always that many. Twice as many detections and eight
     /// times as many pairs take part.
     pub tracks_max: usize,
 }

@@ -372,7 +372,7 @@ fn forgotten_people_free_their_slots_first() {
 
 /// Two people stand 2 m apart, out of sight for a second; then one of them stands between, nearer to the place of the
 /// other: clothes tell who it is.
-#[cfg(feature = "hosted")]
+#[cfg(not(target_os = "none"))]
 #[test]
 fn clothes_identify_who_comes_back() {
     let dressed = |y_m: f32, reflectivity: u8| {

@@ -7,23 +7,23 @@ use heapless::Vec;
 use crate::capacities::{PACKET_COLUMNS_MAX, PACKET_RINGS_MAX};
 use crate::time::Stamp;
 
-/// Calibrated reflectivity per ring. Only hosted: no stage on the MCU asks for it, and there it takes no
+/// Calibrated reflectivity per ring. Not on bare metal: no stage on the MCU asks for it, and there it takes no
 /// memory.
-#[cfg(feature = "hosted")]
+#[cfg(not(target_os = "none"))]
 pub type Reflectivity<const RINGS: usize> = [u8; RINGS];
-/// Calibrated reflectivity per ring. Only hosted: no stage on the MCU asks for it, and there it takes no
+/// Calibrated reflectivity per ring. Not on bare metal: no stage on the MCU asks for it, and there it takes no
 /// memory.
-#[cfg(not(feature = "hosted"))]
+#[cfg(target_os = "none")]
 pub type Reflectivity<const RINGS: usize> = [u8; 0];
 
 /// Nothing reflects.
-#[cfg(feature = "hosted")]
+#[cfg(not(target_os = "none"))]
 pub(super) const fn no_reflectivity<const RINGS: usize>() -> Reflectivity<RINGS> {
     [0; RINGS]
 }
 
 /// Nothing reflects.
-#[cfg(not(feature = "hosted"))]
+#[cfg(target_os = "none")]
 pub(super) const fn no_reflectivity<const RINGS: usize>() -> Reflectivity<RINGS> {
     []
 }
