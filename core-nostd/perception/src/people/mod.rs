@@ -30,20 +30,22 @@ mod tracker;
 mod views;
 mod visibility;
 
-pub use appearance::Appearance;
+pub use appearance::{Appearance, AppearanceOf};
 pub use association::Association;
-pub use candidates::{CandidateLimits, Detection};
+pub use candidates::{CandidateLimits, Detection, DetectionOf};
 pub use cluster::{Cluster, ClusterLimits};
 pub use filter::ConstantVelocity;
 pub use floor_height::FloorHeight;
 pub use ground::FloorMask;
 pub use joint::{GROUP_DETECTIONS, GROUP_TRACKS, JointGroup, Marginals};
-pub use pipeline::{PeopleCounters, PeopleOutput, PeoplePipeline, SweepContext};
+pub use pipeline::{
+    PeopleCounters, PeopleOutput, PeopleOutputOf, PeoplePipeline, PeoplePipelineOf, SweepContext,
+};
 pub use projection::RingAngles;
 pub(crate) use projection::SweepFrame;
 pub use sensors::{PEOPLE_SENSORS, PeopleSensor, SensorSet};
 pub(crate) use track::{BELIEF_MAX, SHAPE_EVIDENCE_MAX};
-pub use track::{Track, TrackStatus};
-pub use tracker::{Sightings, Tracker, TrackerParameters};
-pub use views::{PeopleView, VIEW_PEOPLE_MAX, VIEWS_WAITING};
+pub use track::{Track, TrackOf, TrackStatus};
+pub use tracker::{Sightings, SightingsOf, Tracker, TrackerOf, TrackerParameters};
+pub use views::{PeopleView, PeopleViewOf, VIEW_PEOPLE_MAX, VIEWS_WAITING};
 pub use visibility::OpenSpace;

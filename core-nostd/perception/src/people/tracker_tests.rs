@@ -1,7 +1,10 @@
 //! Lives of tracks: birth, hiding, return, crowds, time that runs backwards.
 
 use super::*;
-use crate::people::{Appearance, SensorSet};
+use crate::people::{Appearance, Detection, SensorSet};
+
+const TRACKS_MAX: usize = <Native as Profile>::Tracks::N;
+const TRACKS_ON_BOARD: usize = <Board as Profile>::Tracks::N;
 
 fn sighting(x_m: f32, y_m: f32) -> Detection {
     let position = Point2::new(x_m, y_m);
@@ -372,11 +375,10 @@ fn forgotten_people_free_their_slots_first() {
 
 /// Two people stand 2 m apart, out of sight for a second; then one of them stands between, nearer to the place of the
 /// other: clothes tell who it is.
-#[cfg(not(target_os = "none"))]
 #[test]
 fn clothes_identify_who_comes_back() {
     let dressed = |y_m: f32, reflectivity: u8| {
-        let mut shades = crate::people::appearance::Shades::default();
+        let mut shades = crate::people::appearance::Shades::NEW;
         for _ in 0..40 {
             shades.add(0.4, Some(&reflectivity));
             shades.add(1.2, Some(&reflectivity));

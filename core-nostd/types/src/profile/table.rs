@@ -3,6 +3,8 @@
 use core::fmt::Debug;
 use core::slice::{Iter, IterMut};
 
+use crate::geometry::{Point2, Point3};
+
 /// What a table can hold: it has a value to begin with, known at compile time, because tables lie in statics.
 pub trait Entry: Copy + Debug + PartialEq {
     /// Nothing yet. All its bytes are zero where that is possible: such a table takes no space in a program.
@@ -13,7 +15,7 @@ macro_rules! blank {
     ($($entry:ty = $blank:expr),*) => { $(impl Entry for $entry { const BLANK: Self = $blank; })* };
 }
 
-blank!(bool = false, u8 = 0, u16 = 0, u32 = 0, f32 = 0.0);
+blank!(bool = false, u8 = 0, u16 = 0, u32 = 0, f32 = 0.0, Point2 = Point2::new(0.0, 0.0), Point3 = Point3::new(0.0, 0.0, 0.0));
 
 impl<T: Copy + Debug + PartialEq> Entry for Option<T> {
     const BLANK: Self = None;

@@ -13,6 +13,29 @@ pub trait Profile: Copy + Debug + Default + PartialEq + Eq + 'static {
     type Reflectivity: Keep;
     /// Beams of a scan.
     type Beams: Size;
+    /// Clusters kept of one sweep; the farthest are dropped first and counted.
+    type Clusters: Size;
+    /// Provisional names of objects while a sweep is grouped: one for each place where something begins. A sweep of a hall
+    /// needs some hundred, one through a tree some thousand; cells beyond stay ungrouped and are counted.
+    type Labels: Size;
+    /// People tracked at once; the farthest are dropped first and counted.
+    type Tracks: Size;
+    /// Detections that take part in one association: two for each track.
+    type Detections: Size;
+    /// Pairs of one association: each track may have eight detections within its gate.
+    type Pairs: Size;
+    /// Objects of a sweep whose motion is judged; the farthest are dropped first and counted. The correspondence
+    /// compares all pairs.
+    type MotionObjects: Size;
+    /// Moving objects believed in at once.
+    type MotionTracked: Size;
+    /// Columns along each side of the motion voxels, 0.1 m each; a power of two. Memory: four bytes a column and
+    /// reference.
+    type MotionVoxels: Size;
+    /// Cells along each side of the same window: a quarter of the voxels.
+    type MotionCells: Size;
+    /// Sweeps kept to compare with: the more, the steadier the age of the oldest. At least two.
+    type MotionReferences: Size;
 }
 
 /// A microcontroller: everything within 512 KiB of RAM.
@@ -30,6 +53,16 @@ impl Profile for Board {
     type Reflectivity = LeftOut;
     /// 270° at 0.5° and both ends (SICK S300).
     type Beams = Of<541>;
+    type Clusters = Of<256>;
+    type Labels = Of<4_096>;
+    type Tracks = Of<32>;
+    type Detections = Of<64>;
+    type Pairs = Of<256>;
+    type MotionObjects = Of<64>;
+    type MotionTracked = Of<16>;
+    type MotionVoxels = Of<128>;
+    type MotionCells = Of<32>;
+    type MotionReferences = Of<2>;
 }
 
 impl Profile for Host {
@@ -38,6 +71,16 @@ impl Profile for Host {
     type Reflectivity = Kept;
     /// The microScan3 family delivers up to 2,751.
     type Beams = Of<2_751>;
+    type Clusters = Of<1_024>;
+    type Labels = Of<16_384>;
+    type Tracks = Of<128>;
+    type Detections = Of<256>;
+    type Pairs = Of<1_024>;
+    type MotionObjects = Of<256>;
+    type MotionTracked = Of<64>;
+    type MotionVoxels = Of<256>;
+    type MotionCells = Of<64>;
+    type MotionReferences = Of<3>;
 }
 
 /// What the names without `Of` are of: a microcontroller's sizes on bare metal, a computer's elsewhere.
