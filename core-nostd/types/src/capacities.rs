@@ -53,26 +53,10 @@ pub const POSE_HISTORY: usize = 128;
 pub const FIELD_VERTICES_MAX: usize = 16;
 /// Field sets: four speed bins, forward and reverse.
 pub const FIELD_SETS_MAX: usize = 8;
-/// Objects of a sweep whose motion is judged; the farthest are dropped first and counted. The correspondence
-/// compares all pairs.
-pub const MOTION_OBJECTS_MAX: usize = if HOST { 256 } else { 64 };
-/// Moving objects believed in at once.
-pub const MOTION_TRACKED_MAX: usize = if HOST { 64 } else { 16 };
-/// Columns along each side of the motion voxels, 0.1 m each; a power of two. Memory: four bytes a column and reference.
-pub const MOTION_VOXEL_SIDE: usize = if HOST { 256 } else { 128 };
-/// Columns of the widest depth or colour image of the floor: 640 × 480, or 160 × 120 on the MCU.
-pub const FLOOR_IMAGE_COLUMNS_MAX: usize = if HOST { 640 } else { 160 };
-/// Points among which the floor is searched when nothing is known: five times those of the published ground plane.
-pub const FLOOR_SEARCH_SAMPLES: usize = if HOST { 1_024 } else { 512 };
-/// Objects on the floor in one image; the farthest are dropped first and counted.
-pub const FLOOR_OBJECTS_MAX: usize = if HOST { 32 } else { 16 };
-/// Connected parts of an image that may be open at once: one can begin at every second column of a row, and on the
-/// target at every second one of a quarter of the columns.
-pub const FLOOR_PARTS_MAX: usize = if HOST { 1_024 } else { 256 };
-/// Sweeps kept to compare with: the more, the steadier the age of the oldest.
-pub const MOTION_REFERENCES: usize = if HOST { 3 } else { 2 };
+/// Columns of the widest colour image of the floor, and of the widest depth image in which people are looked for: 640 × 480.
+pub const FLOOR_IMAGE_COLUMNS_MAX: usize = 640;
 /// Blocks of 16 × 16 pixels in the largest colour image.
-pub const FLOOR_BLOCKS_MAX: usize = if HOST { 1_200 } else { 300 };
+pub const FLOOR_BLOCKS_MAX: usize = 1_200;
 /// Regions of a depth picture in which people are looked for; the farthest are dropped first and counted.
 pub const RGBD_REGIONS_MAX: usize = 16;
 /// Provisional names of occupied cells while they are grouped: a byte, 0 for none.

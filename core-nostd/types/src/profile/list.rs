@@ -28,6 +28,9 @@ pub trait List<T>:
     /// The length is more than fits; then nothing is changed.
     fn resize(&mut self, length: usize, entry: T) -> Result<(), heapless::CapacityError>;
 
+    /// Takes the last entry off.
+    fn pop(&mut self) -> Option<T>;
+
     /// Leaves out all entries.
     fn clear(&mut self);
 
@@ -58,6 +61,11 @@ impl<T: Clone + Debug + PartialEq, const N: usize> List<T> for heapless::Vec<T, 
     #[inline]
     fn resize(&mut self, length: usize, entry: T) -> Result<(), heapless::CapacityError> {
         heapless::Vec::resize(self, length, entry)
+    }
+
+    #[inline]
+    fn pop(&mut self) -> Option<T> {
+        heapless::Vec::pop(self)
     }
 
     #[inline]

@@ -36,6 +36,16 @@ pub trait Profile: Copy + Debug + Default + PartialEq + Eq + 'static {
     type MotionCells: Size;
     /// Sweeps kept to compare with: the more, the steadier the age of the oldest. At least two.
     type MotionReferences: Size;
+    /// Columns of the widest depth image of the floor.
+    type FloorColumns: Size;
+    /// Points among which the floor is searched when nothing is known.
+    type FloorSamples: Size;
+    /// Objects on the floor in one image; the farthest are dropped first and counted.
+    type FloorObjects: Size;
+    /// Connected parts of an image that may be open at once: one can begin at every second column of a row.
+    type FloorParts: Size;
+    /// Lattice points a row from which the floor is fitted.
+    const FLOOR_LATTICE_COLUMNS: u16;
 }
 
 /// A microcontroller: everything within 512 KiB of RAM.
@@ -63,6 +73,12 @@ impl Profile for Board {
     type MotionVoxels = Of<128>;
     type MotionCells = Of<32>;
     type MotionReferences = Of<2>;
+    type FloorColumns = Of<160>;
+    type FloorSamples = Of<512>;
+    type FloorObjects = Of<16>;
+    /// For every second one of a quarter of the columns, in several rows.
+    type FloorParts = Of<256>;
+    const FLOOR_LATTICE_COLUMNS: u16 = 54;
 }
 
 impl Profile for Host {
@@ -81,6 +97,12 @@ impl Profile for Host {
     type MotionVoxels = Of<256>;
     type MotionCells = Of<64>;
     type MotionReferences = Of<3>;
+    type FloorColumns = Of<640>;
+    /// Five times those of the published ground plane.
+    type FloorSamples = Of<1_024>;
+    type FloorObjects = Of<32>;
+    type FloorParts = Of<1_024>;
+    const FLOOR_LATTICE_COLUMNS: u16 = 160;
 }
 
 /// What the names without `Of` are of: a microcontroller's sizes on bare metal, a computer's elsewhere.
