@@ -10,8 +10,8 @@ use std::ops::{Range, RangeInclusive};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::asked::{Asked, note};
 use super::problem::{Problem, did_you_mean};
-use super::reference::{Asked, note};
 
 /// Endings of keys that carry a unit.
 const UNITS: [&str; 22] = [

@@ -8,7 +8,7 @@ use floorguard_drivers::three_wheel_base::{
 };
 use floorguard_sim::can as sim_can;
 use floorguard_sim::scenario::Scenario;
-use floorguard_sim::simulation::{Payload, Simulation, Stream};
+use floorguard_sim::{Payload, Simulation, Stream};
 use floorguard_types::sensing::{DriveFeedback, DriveState, SafetyInput, WheelSample};
 use floorguard_types::time::Stamp;
 

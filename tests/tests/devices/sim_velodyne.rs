@@ -11,7 +11,7 @@ use floorguard_drivers::velodyne::{
 use floorguard_sim::faults::{FaultLayer, FaultSpec};
 use floorguard_sim::robot::{RobotBody, RobotParameters};
 use floorguard_sim::sensors::{Lidar, View};
-use floorguard_sim::simulation::Stream;
+use floorguard_sim::Stream;
 use floorguard_sim::wire::ReturnMode;
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
 use floorguard_types::sensing::{LidarPacket, Sweep};
