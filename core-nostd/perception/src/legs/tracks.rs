@@ -4,7 +4,7 @@
 use heapless::Vec;
 
 use super::detector::{LEGS_MAX, Leg};
-use crate::people::{AppearanceOf, ConstantVelocity, DetectionOf};
+use crate::tracking::{AppearanceOf, ConstantVelocity, DetectionOf};
 use floorguard_types::geometry::Point2;
 use floorguard_types::profile::Profile;
 use floorguard_types::time::{Age, Stamp};

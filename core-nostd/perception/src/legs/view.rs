@@ -2,7 +2,7 @@
 
 use super::detector::LegDetectorOf;
 use super::tracks::LegTracker;
-use crate::people::{PeopleSensor, PeopleViewOf};
+use crate::tracking::{PeopleSensor, PeopleViewOf};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::profile::{Native, Profile};
 use floorguard_types::sensing::ScanOf;

@@ -1,8 +1,8 @@
 //! Second pass over the candidates: all their returns, for the shape of each.
 
-use super::appearance::Shades;
-use super::cluster::Cluster;
-use super::shape::{SHAPE_FEATURES, ShapeBuilder, ShapeVector};
+use crate::clusters::Cluster;
+use crate::shapes::shape::{SHAPE_FEATURES, ShapeBuilder, ShapeVector};
+use crate::tracking::Shades;
 use floorguard_types::geometry::Point3;
 use floorguard_types::profile::{Entry, List, ListOf, Profile, Table, TableOf};
 

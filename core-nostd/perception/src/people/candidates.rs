@@ -1,10 +1,7 @@
 //! Which clusters may be people: the published volume (Yan et al. 2020a, section 4.1), made honest about distance
 //! and about the floor.
 
-use super::appearance::AppearanceOf;
-use super::cluster::Cluster;
-use floorguard_types::geometry::Point2;
-use floorguard_types::profile::{Native, Profile};
+use crate::clusters::Cluster;
 
 /// The volume that a person can fill, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,28 +38,6 @@ impl Default for CandidateLimits {
         Self::DEFAULT
     }
 }
-
-/// A candidate, in the fixed frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DetectionOf<P: Profile> {
-    /// Where it stands on the floor.
-    pub position: Point2,
-    /// How far from the sensor, metres: the farthest is given up first when the list is full.
-    pub distance_m: f32,
-    /// Standard deviation of the position, metres.
-    pub sigma_m: f32,
-    /// Probability that it is a person, from this one shape.
-    pub likeness: f32,
-    /// Returns that speak for it.
-    pub points: u16,
-    /// Whether it moves by itself; `None` if that was not judged.
-    pub moving: Option<bool>,
-    /// Its appearance.
-    pub appearance: AppearanceOf<P>,
-}
-
-/// A candidate in the memory of the target.
-pub type Detection = DetectionOf<Native>;
 
 /// Vertical distance between two rings per metre of range: 2°.
 const RING_STEP: f32 = 0.035;

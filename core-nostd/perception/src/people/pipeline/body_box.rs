@@ -7,7 +7,7 @@
 
 use super::context::SweepContext;
 use super::state::PeoplePipelineOf;
-use crate::people::projection::SweepFrame;
+use crate::clusters::SweepFrame;
 use floorguard_types::geometry::{Point2, Point3};
 use floorguard_types::profile::Profile;
 use floorguard_types::sensing::SweepOf;
@@ -148,7 +148,8 @@ impl<P: Profile> PeoplePipelineOf<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::people::{PeoplePipeline, RingAngles};
+    use crate::clusters::RingAngles;
+    use crate::people::PeoplePipeline;
     use floorguard_types::geometry::{Pose2, Transform3, Twist2};
     use floorguard_types::sensing::Sweep;
 

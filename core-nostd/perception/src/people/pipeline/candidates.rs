@@ -2,11 +2,10 @@
 
 use super::context::SweepContext;
 use super::state::PeoplePipelineOf;
-use crate::people::appearance::AppearanceOf;
-use crate::people::candidates::DetectionOf;
-use crate::people::cluster::Cluster;
-use crate::people::shape::ShapeBuilder;
+use crate::clusters::Cluster;
 use crate::people::splits::SEEDS_MAX;
+use crate::shapes::shape::ShapeBuilder;
+use crate::tracking::{AppearanceOf, DetectionOf};
 use floorguard_types::geometry::Point2;
 use floorguard_types::profile::{List, Profile, Size};
 

@@ -1,7 +1,7 @@
 //! What a sweep needs to be interpreted, and what it yielded.
 
-use crate::people::cluster::Cluster;
-use crate::people::track::TrackOf;
+use crate::clusters::Cluster;
+use crate::tracking::TrackOf;
 use floorguard_types::geometry::{Pose2, Transform3, Twist2};
 use floorguard_types::profile::{Native, Profile};
 

@@ -1,17 +1,14 @@
 //! The stages in their order, and what they keep.
 
 use super::context::{PeopleCounters, PeopleOutputOf, SweepContext};
+use crate::clusters::{Cluster, ClusterLimits, Clusterer, RingAngles};
 use crate::people::candidate_shapes::CandidateShapes;
-use crate::people::candidates::{CandidateLimits, DetectionOf};
-use crate::people::cluster::{Cluster, ClusterLimits};
-use crate::people::clusters::Clusterer;
-use crate::people::projection::RingAngles;
-use crate::people::shape::ShapeVector;
+use crate::people::candidates::CandidateLimits;
 use crate::people::splits::Splits;
-use crate::people::track::TrackOf;
-use crate::people::tracker::{TrackerOf, TrackerParameters};
-use crate::people::views::{PeopleViewOf, WaitingViews};
-use crate::people::visibility::Visibility;
+use crate::shapes::shape::ShapeVector;
+use crate::tracking::{
+    DetectionOf, PeopleViewOf, TrackOf, TrackerOf, TrackerParameters, Visibility, WaitingViews,
+};
 use floorguard_types::geometry::{Point2, Point3};
 use floorguard_types::profile::{List, ListOf, Native, Profile};
 use floorguard_types::sensing::SweepOf;

@@ -4,9 +4,7 @@ use super::candidates::detection;
 use super::context::SweepContext;
 use super::find_clusters::in_counts;
 use super::state::PeoplePipelineOf;
-use crate::people::cluster::Cluster;
-use crate::people::clusters::{Obstacles, rings_of};
-use crate::people::projection::{RingProfile, SweepFrame};
+use crate::clusters::{Cluster, Obstacles, RingProfile, SweepFrame, rings_of};
 use floorguard_types::profile::{Profile, Size};
 use floorguard_types::sensing::{SweepColumnOf, SweepOf};
 

@@ -6,7 +6,7 @@
 
 use heapless::Vec;
 
-use super::candidates::DetectionOf;
+use super::detection::DetectionOf;
 use super::sensors::PeopleSensor;
 use super::tracker::{SightingsOf, TrackerOf};
 use super::visibility::OpenSpace;
@@ -51,19 +51,19 @@ impl<P: Profile> PeopleViewOf<P> {
 
 /// Views in the order of their stamps; those of one moment in the order of their arrival.
 #[derive(Clone, Debug)]
-pub(super) struct WaitingViews<P: Profile> {
+pub(crate) struct WaitingViews<P: Profile> {
     views: Vec<PeopleViewOf<P>, VIEWS_WAITING>,
     /// Views given to the tracker before their turn because the queue was full, since the start.
-    pub(super) hurried: u32,
+    pub(crate) hurried: u32,
 }
 
 impl<P: Profile> WaitingViews<P> {
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self { views: Vec::new(), hurried: 0 }
     }
 
     /// Lets a view wait. When full, the oldest one goes to the tracker at once.
-    pub(super) fn add(&mut self, view: &PeopleViewOf<P>, tracker: &mut TrackerOf<P>) {
+    pub(crate) fn add(&mut self, view: &PeopleViewOf<P>, tracker: &mut TrackerOf<P>) {
         if self.views.is_full() {
             self.hurried = self.hurried.saturating_add(1);
             self.give_first(tracker);
@@ -74,12 +74,12 @@ impl<P: Profile> WaitingViews<P> {
     }
 
     /// Gives the tracker what was seen up to `stamp`, oldest first. True if there was something.
-    pub(super) fn give_until(&mut self, stamp: Stamp, tracker: &mut TrackerOf<P>) -> bool {
+    pub(crate) fn give_until(&mut self, stamp: Stamp, tracker: &mut TrackerOf<P>) -> bool {
         self.give_while(tracker, |view| view.stamp <= stamp)
     }
 
     /// The lidar is silent: gives the tracker what waited too long. True if there was something.
-    pub(super) fn give_overdue(&mut self, tracker: &mut TrackerOf<P>) -> bool {
+    pub(crate) fn give_overdue(&mut self, tracker: &mut TrackerOf<P>) -> bool {
         let Some(newest) = self.views.last().map(|view| view.stamp) else { return false };
         self.give_while(tracker, |view| view.stamp.past_us(newest) >= WAIT_MAX_US)
     }
@@ -108,7 +108,7 @@ impl<P: Profile> WaitingViews<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::people::{Appearance, Detection, Tracker, TrackerParameters};
+    use crate::tracking::{Appearance, Detection, Tracker, TrackerParameters};
     use floorguard_types::geometry::Point2;
 
     fn legs(at_us: u64, x_m: f32) -> PeopleView {

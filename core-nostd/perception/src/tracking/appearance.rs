@@ -65,14 +65,14 @@ impl<P: Profile> AppearanceOf<P> {
 
     /// ln of how much more likely a sighting is if it is of this person than if it is of anybody; 0 where nothing is
     /// known.
-    pub(super) fn likeness(&self, seen: &Self) -> f32 {
+    pub(crate) fn likeness(&self, seen: &Self) -> f32 {
         let pairs = self.traits.iter().zip(seen.traits.iter()).zip(&SPREADS);
         let sum: f32 = pairs.map(|((own, seen), spread)| own.likeness(seen, spread)).sum();
         sum.clamp(-TOGETHER_MAX, TOGETHER_MAX)
     }
 
     /// Takes in a sighting, `seconds` after the one before.
-    pub(super) fn learn(&mut self, seen: &Self, seconds: f32) {
+    pub(crate) fn learn(&mut self, seen: &Self, seconds: f32) {
         for ((own, seen), spread) in self.traits.iter_mut().zip(seen.traits.iter()).zip(&SPREADS) {
             own.learn(seen, (spread, seconds));
         }
@@ -112,7 +112,7 @@ impl Trait {
     }
 }
 
-pub(super) use gathered::Shades;
+pub(crate) use gathered::Shades;
 
 /// The returns of a candidate on their way to an appearance.
 mod gathered {
@@ -149,15 +149,15 @@ mod gathered {
 
     /// Sums over the returns of a candidate.
     #[derive(Clone, Copy, Debug, PartialEq)]
-    pub(in crate::people) struct Shades<P: Profile> {
+    pub(crate) struct Shades<P: Profile> {
         garments: <P::Reflectivity as Keep>::Table<Garment, Of<2>>,
     }
 
     impl<P: Profile> Shades<P> {
-        pub(in crate::people) const NEW: Self = Self { garments: Entry::BLANK };
+        pub(crate) const NEW: Self = Self { garments: Entry::BLANK };
 
         /// A return at a height above the floor.
-        pub(in crate::people) fn add(&mut self, height_m: f32, reflectivity: Option<&u8>) {
+        pub(crate) fn add(&mut self, height_m: f32, reflectivity: Option<&u8>) {
             let band = BANDS_M.iter().position(|(low_m, high_m)| (*low_m..*high_m).contains(&height_m));
             let (Some(band), Some(reflectivity)) = (band, reflectivity) else { return };
             if let Some(garment) = self.garments.get_mut(band) {
@@ -167,7 +167,7 @@ mod gathered {
         }
 
         /// What they tell; the top of the candidate, how high the sensor is and how far from it the candidate.
-        pub(in crate::people) fn appearance(
+        pub(crate) fn appearance(
             &self,
             (top_m, occluded): (f32, bool),
             (sensor_m, distance_m): (f32, f32),

@@ -1,11 +1,11 @@
 //! One person, or something that looks like one: what was seen of it by which sensor, and when it is given up.
 
 use super::appearance::AppearanceOf;
-use super::candidates::DetectionOf;
+use super::detection::DetectionOf;
 use super::filter::ConstantVelocity;
-use super::person_model::probability;
 use super::sensors::{PEOPLE_SENSORS, PeopleSensor, SensorSet};
 use super::tracker::TrackerParameters;
+use crate::shapes::person_model::probability;
 use floorguard_types::geometry::Point2;
 use floorguard_types::profile::{Native, Profile};
 use floorguard_types::time::{Age, Stamp};

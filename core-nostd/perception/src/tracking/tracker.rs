@@ -1,7 +1,7 @@
 //! Follows people: gating, association, creation, deletion, coasting. Source: book, Tracking.
 
 use super::association::{Association, Associator, DETECTIONS_A_TRACK};
-use super::candidates::DetectionOf;
+use super::detection::DetectionOf;
 use super::filter::ConstantVelocity;
 use super::memory::best_of;
 use super::sensors::PeopleSensor;
@@ -152,7 +152,7 @@ impl<P: Profile> TrackerOf<P> {
     }
 
     /// Detections that take part in one association.
-    pub(super) fn detections_max(&self) -> usize {
+    pub(crate) fn detections_max(&self) -> usize {
         self.parameters.detections_max::<P>()
     }
 
@@ -386,5 +386,5 @@ impl<P: Profile> TrackerOf<P> {
 }
 
 #[cfg(test)]
-#[path = "tracker_tests.rs"]
+#[path = "tracker_tests/mod.rs"]
 mod tests;
