@@ -133,6 +133,7 @@ impl<T: Absorb, S: Size> UnitedParts<T, S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::profile::Of;
 
     impl Absorb for u32 {
         fn absorb(&mut self, other: &Self) {
@@ -142,7 +143,7 @@ mod tests {
 
     #[test]
     fn touching_parts_merge_along_chains() {
-        let mut parts = UnitedParts::<u32, 4>::default();
+        let mut parts = UnitedParts::<u32, Of<4>>::default();
         let begun = [1, 10, 100].map(|own| parts.join(core::iter::empty(), &own));
         assert_eq!(begun, [Ok(0), Ok(1), Ok(2)]);
         assert_eq!(parts.join([2, 1].into_iter(), &1_000), Ok(1));
@@ -155,7 +156,7 @@ mod tests {
 
     #[test]
     fn overflow_is_reported() {
-        let mut parts = UnitedParts::<u32, 1>::default();
+        let mut parts = UnitedParts::<u32, Of<1>>::default();
         assert_eq!(parts.join(core::iter::empty(), &1), Ok(0));
         assert_eq!(parts.join(core::iter::empty(), &1), Err(CapacityExceeded));
         assert_eq!(parts.join([0].into_iter(), &1), Ok(0), "what exists still grows");
