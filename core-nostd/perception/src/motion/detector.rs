@@ -67,7 +67,7 @@ pub struct MotionOutput<'a> {
     pub judged_within_m: Option<f32>,
 }
 
-/// All state; about 600 KiB hosted, 190 KiB on the MCU: keep it in a static or on the heap of the host.
+/// All state; about 600 KiB for `Host`, 190 KiB for `Board`: keep it in a static or on the heap of the host.
 #[derive(Clone, Debug)]
 pub struct MotionDetectorOf<P: Profile> {
     parameters: MotionParameters,

@@ -41,7 +41,7 @@ impl<P: Profile, const RINGS: usize> SweepColumnOf<P, RINGS> {
 /// Where the robot stood while a column was measured, relative to where it stood at the end of the sweep.
 pub type SweepPose = Pose2;
 
-/// A revolution. About 100 KiB, 71 KiB on the MCU: keep it in a static and pass references.
+/// A revolution. About 100 KiB for `Host`, 71 KiB for `Board`: keep it in a static and pass references.
 ///
 /// ```
 /// use floorguard_types::sensing::{Sweep, SweepColumn};
