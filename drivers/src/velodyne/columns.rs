@@ -33,6 +33,8 @@ impl<P: Profile> Columns<P> {
     /// Writes the columns of all blocks whose direction is known: up to 24 in single, 12 in dual return. Returns nearer
     /// than `blind_range_mm` become unknown; gives their number. What follows a closed sector was fired `skipped_us`
     /// later.
+    // Not inlined: its frame is gone when the guard judges the packet.
+    #[inline(never)]
     pub(super) fn convert(
         &self,
         (packet, turns): (&Packet<'_>, &[BlockTurn; BLOCKS]),

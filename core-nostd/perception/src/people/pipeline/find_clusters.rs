@@ -12,6 +12,8 @@ const CEILING_M: f32 = 2.1;
 
 impl<P: Profile> PeoplePipelineOf<P> {
     /// Floor and clusters.
+    // Not inlined, here and below: once in a program, and each frame is gone before the next one comes.
+    #[inline(never)]
     pub fn find_clusters(&mut self, sweep: &SweepOf<P>, context: &SweepContext) {
         self.counters = PeopleCounters::default();
         self.clusterer.clear(&self.cluster_limits);
@@ -77,6 +79,7 @@ impl<P: Profile> PeoplePipelineOf<P> {
     }
 
     /// Turns the entered columns into clusters.
+    #[inline(never)]
     pub(super) fn gather(&mut self, sweep: &SweepOf<P>, frames: &SweepFrame) {
         self.clusterer.close(&self.cluster_limits);
         for (index, column) in sweep.used_columns().iter().enumerate() {

@@ -119,6 +119,8 @@ impl<P: Profile> PeoplePipelineOf<P> {
     }
 
     /// Which clusters may be people, and how probably; after [`Self::find_clusters`].
+    // Not inlined: once in a program.
+    #[inline(never)]
     pub fn find_detections(&mut self, sweep: &SweepOf<P>, context: &SweepContext) {
         self.waiting.give_until(sweep.end_stamp, &mut self.tracker);
         self.share_out(sweep, context);
