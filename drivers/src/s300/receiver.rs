@@ -290,7 +290,12 @@ impl<P: Profile> ReceiverOf<P> {
     }
 }
 
-fn fill<P: Profile>(scan: &mut ScanOf<P>, telegram: &Telegram<'_>, configuration: &Configuration, now: Stamp) {
+fn fill<P: Profile>(
+    scan: &mut ScanOf<P>,
+    telegram: &Telegram<'_>,
+    configuration: &Configuration,
+    now: Stamp,
+) {
     scan.stamp = now.minus_micros(configuration.delay_us);
     scan.sequence = telegram.scan_number();
     scan.first_angle_rad = configuration.first_angle_rad;

@@ -386,8 +386,11 @@ impl<P: Profile> DecoderOf<P> {
             return Err(DecodeError::TooManyLasers { model, lasers_max: self.lasers_max });
         }
         if self.model() != Some(model) {
-            self.decided =
-                Some(Decided { model, product_byte, columns: Columns::new(model, &model.angles_of::<P::Rings>()) });
+            self.decided = Some(Decided {
+                model,
+                product_byte,
+                columns: Columns::new(model, &model.angles_of::<P::Rings>()),
+            });
         }
         Ok(())
     }

@@ -138,7 +138,11 @@ impl SweepBuilder {
     }
 
     /// The newest column takes this firing, too.
-    fn shares<P: Profile, const RINGS: usize>(&self, building: &SweepOf<P, RINGS>, column: &LidarColumnOf<P>) -> bool {
+    fn shares<P: Profile, const RINGS: usize>(
+        &self,
+        building: &SweepOf<P, RINGS>,
+        column: &LidarColumnOf<P>,
+    ) -> bool {
         if self.sharing == Sharing::None {
             return false;
         }
@@ -158,7 +162,11 @@ impl SweepBuilder {
     }
 
     /// At this speed the rest of the turn does not fit into the rest of the columns, with two to spare.
-    fn is_short<P: Profile, const RINGS: usize>(&self, building: &SweepOf<P, RINGS>, column: &LidarColumnOf<P>) -> bool {
+    fn is_short<P: Profile, const RINGS: usize>(
+        &self,
+        building: &SweepOf<P, RINGS>,
+        column: &LidarColumnOf<P>,
+    ) -> bool {
         let from_cut = (u32::from(column.azimuth_cdeg) + TURN_CDEG - u32::from(self.cut_cdeg)) % TURN_CDEG;
         let left = building.columns.len().saturating_sub(building.column_count).saturating_sub(2) as u32;
         let (turned_cdeg, steps) = self.speed;

@@ -9,8 +9,8 @@ use super::cell::SeenCell;
 use super::limit::{CellState, DirtLimit, SeenLayer};
 use super::map::SeenDirtMap;
 use floorguard_types::geometry::Point2;
-use floorguard_types::time::Stamp;
 use floorguard_types::profile::Of;
+use floorguard_types::time::Stamp;
 use floorguard_types::united_parts::{Absorb, UnitedParts};
 
 /// Spots in a report (book, Floor and dirt: Spots).

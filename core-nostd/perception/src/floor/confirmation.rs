@@ -49,9 +49,8 @@ impl<P: Profile> ObjectMemoryOf<P> {
             // Robot frames have x forward and y left; footprints have right first, then forward.
             let place = camera_in_map.transform(Point2::new(0.5 * (ly + hy), -0.5 * (lx + hx)));
             let [_, before, earlier] = &self.frames;
-            let was_there = |frame: &[Point2]| {
-                u8::from(frame.iter().any(|other| other.distance(place) < SAME_PLACE_M))
-            };
+            let was_there =
+                |frame: &[Point2]| u8::from(frame.iter().any(|other| other.distance(place) < SAME_PLACE_M));
             let sightings = 1_u8.saturating_add(was_there(before)).saturating_add(was_there(earlier));
             // Both lists have the capacity of the frame's own list: a push cannot fail.
             let _ = places.push(place);

@@ -27,7 +27,8 @@ pub use curvature::Curvature;
 pub use depth_noise::DepthNoise;
 pub use gate::{FitFault, FitLimits};
 pub use model::{
-    FloorEstimate, FloorFault, FloorModel, FloorModelOf, FloorParameters, FloorSource, KNOWN_MAX_US, REUSE_MAX_US,
+    FloorEstimate, FloorFault, FloorModel, FloorModelOf, FloorParameters, FloorSource, KNOWN_MAX_US,
+    REUSE_MAX_US,
 };
 pub use objects::{FloorObject, FloorObjects, FloorObjectsOf, ImageTooWide, ObjectFinder, ObjectFinderOf};
 pub use plane::{Plane, cross, dot, unit};

@@ -175,7 +175,13 @@ impl<P: Profile> FloorModelOf<P> {
     /// A model that has seen nothing; `seed` drives the search.
     #[must_use]
     pub const fn new(parameters: FloorParameters, seed: u64) -> Self {
-        Self { parameters, random: Pcg32::new(seed, 0xF1), good: None, watch: FrameWatch::NEW, profile: PhantomData }
+        Self {
+            parameters,
+            random: Pcg32::new(seed, 0xF1),
+            good: None,
+            watch: FrameWatch::NEW,
+            profile: PhantomData,
+        }
     }
 
     /// What the model was made with.
@@ -215,7 +221,8 @@ impl<P: Profile> FloorModelOf<P> {
                 .and_then(|plane| judged(&lattice, &noise, plane, (&limits, &expectation)));
         }
         if result.is_err() {
-            let start = search::<P::FloorSamples>(&lattice, &expectation, &mut self.random).ok_or(FloorFault::NoPlane)?;
+            let start = search::<P::FloorSamples>(&lattice, &expectation, &mut self.random)
+                .ok_or(FloorFault::NoPlane)?;
             result = refine(&lattice, &noise, start, &BANDS_AFTER_SEARCH_M)
                 .ok_or(FloorFault::Rejected(FitFault::Degenerate))
                 .and_then(|plane| judged(&lattice, &noise, plane, (&limits, &expectation)));

@@ -105,11 +105,7 @@ pub type ObjectFinder = ObjectFinderOf<Native>;
 
 impl<P: Profile> Default for ObjectFinderOf<P> {
     fn default() -> Self {
-        Self {
-            classes: Entry::BLANK,
-            above: Entry::BLANK,
-            parts: UnitedParts::default(),
-        }
+        Self { classes: Entry::BLANK, above: Entry::BLANK, parts: UnitedParts::default() }
     }
 }
 

@@ -43,7 +43,11 @@ const SAMPLES_MIN: usize = 10;
 pub(super) type Samples<S> = ListOf<[f32; 3], S>;
 
 /// The most supported plane that the expectation allows; `None` without points or without such a plane.
-pub(super) fn search<S: Size>(lattice: &Lattice<'_>, expectation: &Expectation, random: &mut Pcg32) -> Option<Plane> {
+pub(super) fn search<S: Size>(
+    lattice: &Lattice<'_>,
+    expectation: &Expectation,
+    random: &mut Pcg32,
+) -> Option<Plane> {
     best(&samples::<S>(lattice.points(UPPER_PART), random), expectation, random)
 }
 

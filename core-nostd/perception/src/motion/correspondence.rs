@@ -75,7 +75,10 @@ mod tests {
     }
 
     fn pairs(before: &[MotionObject], now: &[MotionObject]) -> std::vec::Vec<Option<u16>> {
-        correspond::<floorguard_types::profile::Of<8>>(before, now, 0.1, &MotionParameters::PAPER).iter().copied().collect()
+        correspond::<floorguard_types::profile::Of<8>>(before, now, 0.1, &MotionParameters::PAPER)
+            .iter()
+            .copied()
+            .collect()
     }
 
     #[test]

@@ -169,7 +169,8 @@ impl<P: Profile> MotionDetectorOf<P> {
         self.verdicts.clear();
         let in_reach = |cluster: &Cluster| cluster.nearest_m < Self::REACH_M;
         let count = clusters.iter().filter(|cluster| in_reach(cluster)).count();
-        let farthest_m = if count > P::MotionObjects::N { Self::nth_distance_m(clusters) } else { f32::INFINITY };
+        let farthest_m =
+            if count > P::MotionObjects::N { Self::nth_distance_m(clusters) } else { f32::INFINITY };
         let mut judged = 0;
         for cluster in clusters {
             let chosen = in_reach(cluster) && cluster.nearest_m <= farthest_m && judged < P::MotionObjects::N;
@@ -186,7 +187,8 @@ impl<P: Profile> MotionDetectorOf<P> {
         let (mut within_m, mut beyond_m) = (0.0, Self::REACH_M);
         for _ in 0..16 {
             let middle_m = 0.5 * (within_m + beyond_m);
-            if clusters.iter().filter(|cluster| cluster.nearest_m <= middle_m).count() <= P::MotionObjects::N {
+            if clusters.iter().filter(|cluster| cluster.nearest_m <= middle_m).count() <= P::MotionObjects::N
+            {
                 within_m = middle_m;
             } else {
                 beyond_m = middle_m;

@@ -8,8 +8,8 @@ use super::floor_frame::{FloorFrame, FloorPoint};
 use super::floor_grid::{FloorGrid, GRID_CELLS, GRID_COLUMNS, cell_of, lattice};
 use super::parameters::UpperBodyRules;
 use floorguard_types::capacities::{RGBD_LABELS_MAX, RGBD_REGIONS_MAX};
-use floorguard_types::sensing::DepthImage;
 use floorguard_types::profile::Of;
+use floorguard_types::sensing::DepthImage;
 use floorguard_types::united_parts::{Absorb, UnitedParts};
 
 /// Fewest cells of a region (book, Depth people: Regions).

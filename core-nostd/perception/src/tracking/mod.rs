@@ -15,8 +15,8 @@ mod tracker;
 mod views;
 mod visibility;
 
-pub use appearance::{Appearance, AppearanceOf};
 pub(crate) use appearance::Shades;
+pub use appearance::{Appearance, AppearanceOf};
 pub use association::Association;
 pub use detection::{Detection, DetectionOf};
 pub use filter::ConstantVelocity;

@@ -82,7 +82,8 @@ impl TrackerParameters {
         Self { appearance_weight: 0.0, recall_appearance_weight: 0.0, ..Self::DEFAULT };
 
     /// With the capacity of the microcontroller, too: the same input gives the same tracks on every machine.
-    pub const AS_ON_BOARD: Self = Self { tracks_max: <Board as Profile>::Tracks::N, ..Self::WITHOUT_APPEARANCE };
+    pub const AS_ON_BOARD: Self =
+        Self { tracks_max: <Board as Profile>::Tracks::N, ..Self::WITHOUT_APPEARANCE };
 
     /// Detections that take part in one association.
     fn detections_max<P: Profile>(&self) -> usize {
@@ -192,7 +193,9 @@ impl<P: Profile> TrackerOf<P> {
         }
         self.recall(seen.stamp);
         self.delete(seen.stamp);
-        for (column, detection) in seen.detections.iter().enumerate().take(self.parameters.detections_max::<P>()) {
+        for (column, detection) in
+            seen.detections.iter().enumerate().take(self.parameters.detections_max::<P>())
+        {
             if !self.associator.is_used(column) {
                 self.create(observation, detection);
             }
@@ -281,7 +284,11 @@ impl<P: Profile> TrackerOf<P> {
     /// Gives detections to tracks by d² + ln|S|, so that an uncertain track does not win (book, Tracking: Gating). Only
     /// pairs within the gate take part.
     #[inline(never)]
-    fn associate(&mut self, observation: (PeopleSensor, Stamp), (detections, late_s): (&[DetectionOf<P>], f32)) {
+    fn associate(
+        &mut self,
+        observation: (PeopleSensor, Stamp),
+        (detections, late_s): (&[DetectionOf<P>], f32),
+    ) {
         self.associator.clear(self.parameters.tracks_max);
         let detections_max = self.parameters.detections_max::<P>();
         for row in 0..self.tracks.len().min(P::Tracks::N) {

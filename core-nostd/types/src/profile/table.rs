@@ -15,7 +15,15 @@ macro_rules! blank {
     ($($entry:ty = $blank:expr),*) => { $(impl Entry for $entry { const BLANK: Self = $blank; })* };
 }
 
-blank!(bool = false, u8 = 0, u16 = 0, u32 = 0, f32 = 0.0, Point2 = Point2::new(0.0, 0.0), Point3 = Point3::new(0.0, 0.0, 0.0));
+blank!(
+    bool = false,
+    u8 = 0,
+    u16 = 0,
+    u32 = 0,
+    f32 = 0.0,
+    Point2 = Point2::new(0.0, 0.0),
+    Point3 = Point3::new(0.0, 0.0, 0.0)
+);
 
 impl<T: Copy + Debug + PartialEq> Entry for Option<T> {
     const BLANK: Self = None;

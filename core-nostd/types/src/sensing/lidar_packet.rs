@@ -30,12 +30,8 @@ pub type LidarColumn = LidarColumnOf<Native>;
 
 impl<P: Profile> LidarColumnOf<P> {
     /// A column without a return.
-    pub const SILENT: Self = Self {
-        azimuth_cdeg: 0,
-        offset_us: 0,
-        range_raw: Entry::BLANK,
-        reflectivity: Entry::BLANK,
-    };
+    pub const SILENT: Self =
+        Self { azimuth_cdeg: 0, offset_us: 0, range_raw: Entry::BLANK, reflectivity: Entry::BLANK };
 }
 
 /// A decoded datagram.
