@@ -30,5 +30,5 @@ pub mod path;
 mod path_search;
 pub mod prediction;
 
-pub use follow::{FollowConfig, Following, follow};
+pub use follow::{FollowConfig, Following, Stretch, follow};
 pub use path_search::{PathSearch, SEARCH_CELLS_MAX, STRAIGHT, SearchCell};

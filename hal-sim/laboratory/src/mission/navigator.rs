@@ -3,8 +3,8 @@
 use std::collections::VecDeque;
 use std::time::Instant;
 
-use floorguard_cleaning::{Pass, PassShape, Planner, choose_pass};
-use floorguard_navigation::{FollowConfig, Following, PathSearch, SearchCell, follow};
+use floorguard_cleaning::{Pass, PassPlaces, PassShape, PlanCells, Planner, choose_pass};
+use floorguard_navigation::{FollowConfig, Following, PathSearch, SearchCell, Stretch, follow};
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use floorguard_types::random::Pcg32;
 
@@ -179,7 +179,8 @@ impl Navigator {
                 return NavigationRequest::Done;
             }
             let Some(&to) = self.waypoints.front() else { break };
-            match follow(pose, (self.stretch_from, to), &self.config, period_s) {
+            let stretch = Stretch { from: self.stretch_from, to };
+            match follow(pose, stretch, &self.config, period_s) {
                 Following::Drive(twist) => {
                     self.stretch_age_s += period_s;
                     self.give_up_if_stuck(Point2::new(pose.x_m, pose.y_m), to);
@@ -265,7 +266,8 @@ impl Navigator {
         };
         let begin = Instant::now();
         let experiments = if self.plans == 0 { 20_000 } else { 500 };
-        let report = self.planner.replan(cell, (wanted, |c: usize| floor.passable[c]), experiments);
+        let cells = PlanCells { wanted, passable: |c: usize| floor.passable[c] };
+        let report = self.planner.replan(cell, &cells, experiments);
         let took = begin.elapsed().as_secs_f64();
         if self.plans == 0 {
             self.first_plan_s = self.first_plan_s.max(took);
@@ -326,7 +328,7 @@ impl Navigator {
         let is_clear = |a: Point2, b: Point2| floor.is_clear(a, b);
         self.target = Some(target);
         let centre = floor.cells.centre(target);
-        let chosen = choose_pass((here, centre, next), &self.shape, is_clear);
+        let chosen = choose_pass(PassPlaces { from: here, centre, towards: next }, &self.shape, is_clear);
         match chosen.map(|pass| side_step(pass, self.visits[target], is_clear)) {
             Some(pass) => {
                 self.route(floor, here, pass.entry);

@@ -1,5 +1,6 @@
 //! Where the mission goes next: the tour over what is dirty, what is postponed, and the lanes of a mission without a belief.
 
+use floorguard_cleaning::PlanCells;
 use floorguard_mapping::NO_SLOT;
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
 
@@ -63,7 +64,7 @@ impl Cleaner {
         let wanted = |cell: usize| all_wanted[cell];
         let passable = |cell: usize| floor.passable[cell] || floor.reachable[cell];
         // A tour that does not fit its memory is the one before, without what is clean by now.
-        let _ = self.planner.replan(cell, (wanted, passable), 500);
+        let _ = self.planner.replan(cell, &PlanCells { wanted, passable }, 500);
         // A pass that has begun is not broken off while any of its dirt is left.
         let is_gone = |target: usize| {
             let is_decided = map.get(target).is_some_and(|dirt| dirt.slot == NO_SLOT);
