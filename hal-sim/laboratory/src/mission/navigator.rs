@@ -179,8 +179,7 @@ impl Navigator {
                 return NavigationRequest::Done;
             }
             let Some(&to) = self.waypoints.front() else { break };
-            let stretch = Stretch { from: self.stretch_from, to };
-            match follow(pose, stretch, &self.config, period_s) {
+            match follow(pose, Stretch { from: self.stretch_from, to }, &self.config, period_s) {
                 Following::Drive(twist) => {
                     self.stretch_age_s += period_s;
                     self.give_up_if_stuck(Point2::new(pose.x_m, pose.y_m), to);
@@ -265,9 +264,8 @@ impl Navigator {
                 && is_dirty(cell)
         };
         let begin = Instant::now();
-        let experiments = if self.plans == 0 { 20_000 } else { 500 };
         let cells = PlanCells { wanted, passable: |c: usize| floor.passable[c] };
-        let report = self.planner.replan(cell, &cells, experiments);
+        let report = self.planner.replan(cell, &cells, if self.plans == 0 { 20_000 } else { 500 });
         let took = begin.elapsed().as_secs_f64();
         if self.plans == 0 {
             self.first_plan_s = self.first_plan_s.max(took);
