@@ -9,6 +9,7 @@ use heapless::Vec;
 use super::tour::{Distances, TourError, TourSolver};
 use floorguard_mapping::GridGeometry;
 use floorguard_navigation::{PathSearch, SEARCH_CELLS_MAX, STRAIGHT, SearchCell};
+use floorguard_types::number::saturating_u16;
 use floorguard_types::random::Pcg32;
 
 const NO_CELL: u32 = u32::MAX;
@@ -249,8 +250,10 @@ where
             let distance = match self.search.distance(cell as usize) {
                 Some(units) => {
                     let (x, y) = geometry.coordinates(cell as usize);
-                    (units as f32 * straightness(x.abs_diff(column), y.abs_diff(row)) + 0.5).min(65_534.0)
-                        as u16
+                    saturating_u16(
+                        (units as f32 * straightness(x.abs_diff(column), y.abs_diff(row)) + 0.5)
+                            .min(65_534.0),
+                    )
                 }
                 None => FARTHEST,
             };
