@@ -1,5 +1,9 @@
 //! The pages of the book are what the records give, and can be read.
 
+use std::collections::BTreeSet;
+
+use regex_lite::Regex;
+
 use super::{RECORDS, differing, page, pages, schema};
 use crate::shell;
 
@@ -30,6 +34,23 @@ fn every_page_is_in_the_summary() {
     for subject in schema::read(&shell::root().join(RECORDS)).expect("the records") {
         assert!(summary.contains(&format!("(figures/{}.md)", subject.name)), "{}", subject.name);
     }
+}
+
+/// Numbers of a text, as they are written.
+fn numbers(text: &str) -> BTreeSet<String> {
+    let pattern = Regex::new(r"\d[\d,]*(\.\d+)?").expect("a pattern");
+    pattern.find_iter(text).map(|found| found.as_str().trim_end_matches(',').to_owned()).collect()
+}
+
+#[test]
+fn the_readme_quotes_numbers_of_the_pages() {
+    let readme = std::fs::read_to_string(shell::root().join("README.md")).expect("the README");
+    let table = readme.split("| measured | figure |").nth(1).and_then(|rest| rest.split("\n\n").next());
+    let quoted = numbers(table.expect("the table of measured figures"));
+    let pages: String =
+        pages(&shell::root()).expect("the records").into_iter().map(|page| page.text).collect();
+    let missing: Vec<_> = quoted.difference(&numbers(&pages)).cloned().collect();
+    assert!(quoted.len() >= 15 && missing.is_empty(), "on no page: {missing:?}");
 }
 
 #[test]
