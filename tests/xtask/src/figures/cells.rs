@@ -52,7 +52,7 @@ fn shared(experiment: &Experiment, figure: &Figure) -> Shared {
 
 fn data_and_seed(data: &str, seed: &str) -> String {
     match (data, seed) {
-        (AS_ABOVE, AS_ABOVE) => AS_ABOVE.to_owned(),
+        (_, AS_ABOVE) => data.to_owned(),
         (_, NOT_RECORDED) => format!("{data}; seed not recorded"),
         _ => format!("{data}; seed: {seed}"),
     }

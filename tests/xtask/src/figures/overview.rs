@@ -11,7 +11,7 @@ const INTRODUCTION: &str = "# Measured figures
 
 One page for each subject. Each row of a table names the data and the seed, how many, the result with its interval where
 there is one, the target, whether it was met, and the command that measures it again. Below each table stand the date, the
-commit that first printed the figures, the machine and its load; what was not written down at the time is \"not recorded\".
+commit (of figures from before 23 November 2026 the one that first printed them), the machine and its load; what was not written down at the time is \"not recorded\".
 Misses and what was tried without gain are lists below the table. Experiments marked \"former\" were replaced by a later one;
 they stay on their page and are not counted here.
 

@@ -36,7 +36,7 @@ fn add(text: &mut String, experiment: &Experiment) {
 fn record(record: &Record) -> String {
     let Record { measured_on, printed_on, commit, machine, load } = record;
     format!(
-        "Measured on: {measured_on}. First printed: {printed_on}, commit {commit}. Machine: {machine}. Load: {load}."
+        "Measured on: {measured_on}. First printed: {printed_on}. Commit: {commit}. Machine: {machine}. Load: {load}."
     )
 }
 

@@ -52,6 +52,7 @@ pub struct Record {
     pub measured_on: String,
     /// Date of the commit that first printed the figures.
     pub printed_on: String,
+    /// The code that was measured; of older figures the commit that first printed them.
     pub commit: String,
     pub machine: String,
     pub load: String,

@@ -74,7 +74,7 @@ fn rows_show_their_experiment_once() {
         "{text}"
     );
     assert!(text.contains("| o | as above; seed: 2 | as above | 5 | – | – | – |"), "{text}");
-    assert!(text.contains("First printed: 2026-11-21, commit abc. Machine: M. Load: 24."), "{text}");
+    assert!(text.contains("First printed: 2026-11-21. Commit: abc. Machine: M. Load: 24."), "{text}");
     assert!(text.contains("\nMissed:\n\n* too many\n\nTried without gain:\n\n* less\n"), "{text}");
 }
 
