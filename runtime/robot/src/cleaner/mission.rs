@@ -8,6 +8,7 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use floorguard_cleaning::{CleanRule, LaneAttempt, LaneQueue, Planner, VisitPlan};
 use floorguard_guard::{Cause, Decision};
 use floorguard_mapping::{DirtCell, DirtMap, Grid, GridGeometry};
+use floorguard_navigation::path::FollowState;
 use floorguard_navigation::{PathSearch, SearchCell};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::mission::RouteFollower;
@@ -28,7 +29,7 @@ use super::retreat::PeopleNear;
 use super::store::{Saved, Store};
 use super::targets::VISITS_MAX;
 use super::times::{TimeUse, Times, is_standing};
-use super::track::{Track, Tracking};
+use super::track::Track;
 use crate::site::{Localiser, lanes, scrubber};
 
 /// Nodes of a tour: 1,024 cells, the robot, and the end of the path.
@@ -306,9 +307,9 @@ impl Cleaner {
                 return Twist2::ZERO;
             }
             match self.track.follow(pose, &self.pace) {
-                Tracking::Drive(twist) => return twist,
-                Tracking::Arrived => self.arrive(),
-                Tracking::Lost => self.track = Track::default(),
+                FollowState::Drive(twist) => return twist,
+                FollowState::Arrived => self.arrive(),
+                FollowState::Lost => self.track = Track::default(),
             }
         }
         Twist2::ZERO
