@@ -10,6 +10,7 @@ mod lidar_packet;
 mod motion_samples;
 mod pinhole;
 mod scan;
+mod stamped_image;
 mod sweep;
 
 pub use color_image::ColorImage;
@@ -22,4 +23,5 @@ pub use lidar_packet::{LidarColumn, LidarPacket, Reflectivity, silent_cdeg};
 pub use motion_samples::{DriveFeedback, DriveState, ImuSample, WheelSample};
 pub use pinhole::PinholeCamera;
 pub use scan::{BeamReturn, Scan};
+pub use stamped_image::StampedImage;
 pub use sweep::{Sweep, SweepColumn, SweepPose};
