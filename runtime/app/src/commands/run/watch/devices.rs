@@ -1,4 +1,4 @@
-//! What is said of devices on the bus and of what they send.
+//! Notes for the operator on devices of the bus and on what they send.
 
 use std::mem::Discriminant;
 use std::time::Duration;
