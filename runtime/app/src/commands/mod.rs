@@ -5,6 +5,7 @@ mod ask;
 mod blackbox;
 #[cfg(feature = "laboratory")]
 mod campaign;
+#[cfg(feature = "laboratory")]
 mod campaign_contacts;
 mod check;
 #[cfg(feature = "laboratory")]
