@@ -121,7 +121,7 @@ impl MapSummary {
         );
         doubt(
             share(input.not_later, read) > LEFT_OUT_SHARE_MAX,
-            format!("{} scans are not later than the one before", input.not_later),
+            format!("{} scans are too late or come twice", input.not_later),
         );
         doubt(
             share(input.empty, read) > 0.5,
@@ -129,6 +129,10 @@ impl MapSummary {
         );
         if !self.doubts.is_empty() {
             self.verdict = "doubtful";
+        }
+        if input.uneven_times > 0 {
+            let what = "bear a time a little before that of the scan before: the clock of the log is uneven";
+            self.notes.push(format!("{} scans {what}", input.uneven_times));
         }
         if input.odometry_jumps > 0 {
             self.notes.push(format!("odometry was set anew {} times; it was continued", input.odometry_jumps));

@@ -46,7 +46,7 @@ pub fn build_grid_map<'a>(
             counts.beam(from, [cell(x, config.cell_m), cell(y, config.cell_m)]);
         }
     }
-    let [low, high] = counts.bounds()?;
+    let [low, high] = counts.bounds(config.beams_least)?;
     let low = low.map(|value| value - config.margin_cells);
     let side = |axis: usize| (high[axis] + config.margin_cells - low[axis] + 1).max(1) as usize;
     let (columns, rows) = (side(0), side(1));

@@ -69,12 +69,14 @@ impl CountGrid {
         tile.and_then(|tile| tile.get(index)).copied().unwrap_or_default()
     }
 
-    /// Smallest and largest cell of the smallest rectangle that holds every beam; `None` without any.
+    /// Smallest and largest cell of the smallest rectangle that holds every cell with at least so many beams; `None` without
+    /// any.
     #[must_use]
-    pub fn bounds(&self) -> Option<[[i32; 2]; 2]> {
+    pub fn bounds(&self, beams_least: u16) -> Option<[[i32; 2]; 2]> {
+        let is_known = |cell: &CellCounts| cell.hits.saturating_add(cell.passes) >= beams_least.max(1);
         let mut bounds: Option<[[i32; 2]; 2]> = None;
         for (&(column, row), tile) in &self.tiles {
-            for (index, _) in tile.iter().enumerate().filter(|(_, cell)| cell.hits > 0 || cell.passes > 0) {
+            for (index, _) in tile.iter().enumerate().filter(|(_, cell)| is_known(cell)) {
                 let index = index as i32;
                 let (x, y) = (column * TILE + index % TILE, row * TILE + index / TILE);
                 let [low, high] = bounds.get_or_insert([[x, y], [x, y]]);
@@ -104,6 +106,6 @@ mod tests {
         assert_eq!(grid.at([5, 5]).hits, 1);
         let passed: u32 = (-70..=70).map(|x| (-1..=21).map(|y| u32::from(grid.at([x, y]).passes)).sum::<u32>()).sum();
         assert_eq!(passed, 3 * 139, "one cell a column");
-        assert_eq!(grid.bounds(), Some([[-70, 0], [70, 20]]));
+        assert_eq!(grid.bounds(1), Some([[-70, 0], [70, 20]]));
     }
 }

@@ -19,6 +19,10 @@ pub struct LocaliseConfig {
     pub first_path_m: f64,
     /// Further searches after so much more.
     pub next_path_m: f64,
+    /// After a search without an answer the next one waits longer by this factor...
+    pub patience: f64,
+    /// ... up to so much path.
+    pub next_path_most_m: f64,
     /// Searches must agree over so much path.
     pub confirm_path_m: f64,
     /// Path whose scans are searched together, metres.
@@ -54,9 +58,11 @@ impl Default for LocaliseConfig {
             turn_step_rad: 0.02,
             first_path_m: 2.0,
             next_path_m: 1.0,
+            patience: 1.3,
+            next_path_most_m: 4.0,
             confirm_path_m: 2.0,
             query_path_m: 8.0,
-            query_points: 500,
+            query_points: 250,
             score_least: 0.5,
             loss_ratio: 1.25,
             through_most: 0.15,

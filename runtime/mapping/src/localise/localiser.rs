@@ -82,6 +82,7 @@ pub struct Localiser {
     /// Path since then, and at the last search.
     path_m: f64,
     searched_m: Option<f64>,
+    next_path_m: f64,
     checked_s: f64,
     /// What the searches said.
     pub statistics: LocaliserStatistics,
@@ -101,6 +102,7 @@ impl Localiser {
             since: 0,
             path_m: 0.0,
             searched_m: None,
+            next_path_m: config.next_path_m,
             checked_s: f64::NEG_INFINITY,
             statistics: LocaliserStatistics::default(),
         }
@@ -177,10 +179,11 @@ impl Localiser {
         self.since = self.tracker.nodes.len().saturating_sub(1);
         self.path_m = 0.0;
         self.searched_m = None;
+        self.next_path_m = self.config.next_path_m;
     }
 
     fn search_if_due(&mut self) {
-        let due = self.searched_m.map_or(self.config.first_path_m, |last| last + self.config.next_path_m);
+        let due = self.searched_m.map_or(self.config.first_path_m, |last| last + self.next_path_m);
         if self.path_m < due {
             return;
         }
@@ -198,8 +201,10 @@ impl Localiser {
             };
             *count += 1;
             self.hypothesis = None;
+            self.next_path_m = (self.next_path_m * self.config.patience).min(self.config.next_path_most_m);
             return;
         };
+        self.next_path_m = self.config.next_path_m;
         let node = nodes.len() - 1;
         let (distance_m, turn_rad) = self.config.agree;
         let agreeing = self.hypothesis.filter(|before| {

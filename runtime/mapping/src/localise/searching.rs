@@ -60,7 +60,7 @@ impl Searcher {
             turn_step_rad: config.turn_step_rad,
             penalty: MotionPenalty::default(),
             excluded: None,
-            minimum_score: config.score_least * 0.8,
+            minimum_score: config.score_least * 0.9,
         };
         let (cells, blocks) = (&mut self.cells, &mut self.blocks);
         let Some(found) = search(&levels, &query.points, &window, SearchScratch { cells, blocks }) else {

@@ -6,16 +6,22 @@ use serde::Serialize;
 
 /// A scanner that moved this far, metres or radians, sees something else, to the last digit of some range.
 const FROZEN: (f64, f64) = (0.05, 0.05);
-/// No robot that cleans is faster, m/s and rad/s: odometry that says so was set anew.
+/// No robot that cleans is faster, m/s and rad/s...
 const SPEED_MAX: (f64, f64) = (5.0, 10.0);
+/// ... and uneven clocks add no more than this, metres and radians: odometry that says so was set anew.
+const STEP_MAX: (f64, f64) = (0.5, 1.0);
+/// The clock of a log may step back so far from scan to scan, seconds; the odometry of the scan tells where it belongs.
+const STEP_BACK_S: f64 = 1.0;
 
 /// What was left out or mended, and why.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SieveCounters {
     /// Scans that were used.
     pub scans: u64,
-    /// Scans not later than the one before.
+    /// Scans that are too late or come twice.
     pub not_later: u64,
+    /// Scans that were used although their time is a little before that of the scan before.
+    pub uneven_times: u64,
     /// Scans equal to the last one while the robot moved.
     pub frozen: u64,
     /// Scans without any return.
@@ -42,9 +48,13 @@ pub struct Sieve {
 impl Sieve {
     /// The scan as the mapper may see it; `None` if it may not.
     pub fn pass(&mut self, mut record: ScanRecord) -> Option<ScanRecord> {
-        if self.last_time_s.is_some_and(|last_s| record.time_s <= last_s) {
-            self.counters.not_later += 1;
-            return None;
+        let later_s = self.last_time_s.map_or(f64::INFINITY, |last_s| record.time_s - last_s);
+        if later_s <= 0.0 {
+            if later_s == 0.0 || later_s < -STEP_BACK_S || record.odometry.is_none() {
+                self.counters.not_later += 1;
+                return None;
+            }
+            self.counters.uneven_times += 1;
         }
         self.last_time_s = Some(record.time_s);
         record.odometry = record.odometry.map(|raw| self.mended(record.time_s, raw));
@@ -63,10 +73,10 @@ impl Sieve {
 
     fn mended(&mut self, time_s: f64, raw: Se2) -> Se2 {
         if let Some((last_s, last)) = self.last_odometry {
-            let passed_s = (time_s - last_s).max(0.05);
+            let passed_s = (time_s - last_s).max(0.0);
             let step = last.between(raw);
             let (distance_m, turn_rad) = (step.x_m.hypot(step.y_m), step.heading_rad.abs());
-            if distance_m > SPEED_MAX.0 * passed_s || turn_rad > SPEED_MAX.1 * passed_s {
+            if distance_m > STEP_MAX.0 + SPEED_MAX.0 * passed_s || turn_rad > STEP_MAX.1 + SPEED_MAX.1 * passed_s {
                 self.counters.odometry_jumps += 1;
                 self.mend = self.mend.compose(last).compose(raw.inverse());
             }
@@ -118,6 +128,8 @@ mod tests {
         assert!(sieve.pass(empty).is_none());
         let counters = sieve.counters;
         assert_eq!((counters.scans, counters.not_later, counters.frozen, counters.empty), (3, 1, 1, 1));
+        assert!(sieve.pass(record(1.2, 0.28, 3.3)).is_some(), "an uneven clock");
+        assert!(sieve.pass(record(0.1, 0.28, 3.4)).is_none(), "far too late");
     }
 
     #[test]
