@@ -70,7 +70,8 @@ fn row(table: &mut String, log: &Log, score: &RelationScore, took_s: f64) {
         100.0 * score.translation_max_m()
     );
     for peer_m in log.peers_m {
-        let _ = if peer_m.is_nan() { write!(table, " – |") } else { write!(table, " {:.1} |", 100.0 * peer_m) };
+        let _ =
+            if peer_m.is_nan() { write!(table, " – |") } else { write!(table, " {:.1} |", 100.0 * peer_m) };
     }
     table.push('\n');
 }

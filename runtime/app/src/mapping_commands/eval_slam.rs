@@ -74,7 +74,8 @@ fn by_relations(
     let of = |value: fn(&floorguard_mapping_host::metrics::RelationError) -> f64| {
         ErrorStatistics::of(&score.errors.iter().map(value).collect::<Vec<_>>())
     };
-    let (translation, rotation) = (of(|error| error.translation_m), of(|error| error.rotation_rad.to_degrees()));
+    let (translation, rotation) =
+        (of(|error| error.translation_m), of(|error| error.rotation_rad.to_degrees()));
     let figures = json!({
         "relations": score.errors.len(),
         "relations_without_pose": score.without_pose,

@@ -136,7 +136,8 @@ impl Course {
             tell!("{row}")?;
             return Ok(());
         }
-        let first = self.first_found_s.map_or_else(|| "never".to_owned(), |at_s| format!("after {at_s:.1} s"));
+        let first =
+            self.first_found_s.map_or_else(|| "never".to_owned(), |at_s| format!("after {at_s:.1} s"));
         say!(
             "found {first}; known at {found} of {}, in doubt at {doubt}; {} of the map: {} without a place, {} with \
              several, {} through walls; lost {}",

@@ -37,7 +37,12 @@ impl Progress {
             Some(bar) => bar.inc(1),
             None if self.began.elapsed() >= self.printed.get() + LINE_EVERY => {
                 self.printed.set(self.began.elapsed());
-                say!("  {:.0} s: {} of {} scans", self.began.elapsed().as_secs_f64(), self.done.get(), self.all);
+                say!(
+                    "  {:.0} s: {} of {} scans",
+                    self.began.elapsed().as_secs_f64(),
+                    self.done.get(),
+                    self.all
+                );
             }
             None => {}
         }

@@ -7,7 +7,8 @@ use super::summary::MapSummary;
 /// The page; it shows `picture.png` beside it.
 pub fn document(summary: &MapSummary, files: &[String]) -> String {
     let mut html = head("Map");
-    let verdict = (summary.verdict.to_owned(), "verdict", if summary.doubts.is_empty() { "good" } else { "bad" });
+    let verdict =
+        (summary.verdict.to_owned(), "verdict", if summary.doubts.is_empty() { "good" } else { "bad" });
     let [width_m, height_m] = summary.size_m;
     let all = [
         verdict,
@@ -47,7 +48,10 @@ fn figures(summary: &MapSummary, files: &[String]) -> String {
         ("duration", format!("{:.0} s", summary.duration_s)),
         ("scans used", input.scans.to_string()),
         ("scans kept in the graph", summary.kept_scans.to_string()),
-        ("left out: not later, frozen, empty", format!("{}, {}, {}", input.not_later, input.frozen, input.empty)),
+        (
+            "left out: not later, frozen, empty",
+            format!("{}, {}, {}", input.not_later, input.frozen, input.empty),
+        ),
         ("mean value of the matches", format!("{:.2}", summary.score_mean)),
         ("kept scans that hardly fit", summary.poor_scans.to_string()),
         ("recognised places rejected by the others", summary.loops_rejected.to_string()),

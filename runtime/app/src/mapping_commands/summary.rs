@@ -64,7 +64,8 @@ pub fn summarise(mapper: &Mapper, map: &GridMap, input: SieveCounters, took_s: f
     let nodes = &mapper.tracker.nodes;
     let matched = nodes.iter().skip(1);
     let poor_scans = matched.clone().filter(|node| node.score < SCORE_POOR).count();
-    let score_mean = matched.clone().map(|node| f64::from(node.score)).sum::<f64>() / matched.len().max(1) as f64;
+    let score_mean =
+        matched.clone().map(|node| f64::from(node.score)).sum::<f64>() / matched.len().max(1) as f64;
     let path_m = mapper.poses.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
     let believed = mapper.loop_weights.iter().filter(|weight| **weight > 0.5).count();
     let time = |node: Option<&floorguard_mapping_host::front_end::Node>| node.map_or(0.0, |node| node.time_s);
@@ -135,12 +136,15 @@ impl MapSummary {
             self.notes.push(format!("{} scans {what}", input.uneven_times));
         }
         if input.odometry_jumps > 0 {
-            self.notes.push(format!("odometry was set anew {} times; it was continued", input.odometry_jumps));
+            self.notes
+                .push(format!("odometry was set anew {} times; it was continued", input.odometry_jumps));
         }
         if input.without_odometry > 0 {
             self.notes.push(format!("{} scans were matched without odometry", input.without_odometry));
         }
-        if self.path_m >= SUSPICIOUS_PATH_M && self.odometry_drift_m.is_some_and(|drift_m| drift_m < SUSPICIOUS_M) {
+        if self.path_m >= SUSPICIOUS_PATH_M
+            && self.odometry_drift_m.is_some_and(|drift_m| drift_m < SUSPICIOUS_M)
+        {
             self.notes.push(format!(
                 "the odometry agrees with the map within {:.2} m over {:.0} m: it was probably corrected by a mapping program \
                  already, and this is no test of ours",

@@ -104,7 +104,8 @@ mod tests {
         assert_eq!(grid.at([-70, 0]).passes, 3);
         assert_eq!(grid.at([0, 10]).passes, 3, "the middle of the beam");
         assert_eq!(grid.at([5, 5]).hits, 1);
-        let passed: u32 = (-70..=70).map(|x| (-1..=21).map(|y| u32::from(grid.at([x, y]).passes)).sum::<u32>()).sum();
+        let passed: u32 =
+            (-70..=70).map(|x| (-1..=21).map(|y| u32::from(grid.at([x, y]).passes)).sum::<u32>()).sum();
         assert_eq!(passed, 3 * 139, "one cell a column");
         assert_eq!(grid.bounds(1), Some([[-70, 0], [70, 20]]));
     }

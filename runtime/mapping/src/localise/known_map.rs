@@ -27,11 +27,13 @@ impl KnownMap {
         let cell_m = config.cell_m.max(map.cell_m as f32);
         let margin_m = config.reach_m + cell_m;
         let side = |cells: usize| ((cells as f64 * map.cell_m) as f32 + 2.0 * margin_m) / cell_m;
-        let sides = GridSides { columns: side(map.columns).ceil() as u32, rows: side(map.rows).ceil() as u32 };
+        let sides =
+            GridSides { columns: side(map.columns).ceil() as u32, rows: side(map.rows).ceil() as u32 };
         let corner = map.corner_m.map(|value| value as f32 - margin_m);
         let geometry = GridGeometry::with_sides(sides, cell_m, Point2::new(corner[0], corner[1]))?;
         let count = geometry.cell_count();
-        let mut field = MatchField::new(geometry, [vec![0_u8; count], vec![0_u8; count]], config.reach_m).ok()?;
+        let mut field =
+            MatchField::new(geometry, [vec![0_u8; count], vec![0_u8; count]], config.reach_m).ok()?;
         let mut walls = 0_usize;
         for index in (0..map.cells.len()).filter(|index| is_face(&map, *index)) {
             let [x_m, y_m] = map.centre_m(index);

@@ -37,7 +37,7 @@ pub struct Located {
     pub score: f32,
 }
 
-/// What the searches said.
+/// What the searches came to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LocaliserStatistics {
     /// Searches of the whole map.
@@ -84,7 +84,7 @@ pub struct Localiser {
     searched_m: Option<f64>,
     next_path_m: f64,
     checked_s: f64,
-    /// What the searches said.
+    /// What the searches came to.
     pub statistics: LocaliserStatistics,
 }
 
@@ -127,7 +127,8 @@ impl Localiser {
             }
         };
         if self.followed.is_some() {
-            let is_due = matches!(step, Step::Node(_)) || record.time_s - self.checked_s >= self.config.check_s;
+            let is_due =
+                matches!(step, Step::Node(_)) || record.time_s - self.checked_s >= self.config.check_s;
             return self.follow(scanner_in_tracking, &points, is_due.then_some(record.time_s));
         }
         if matches!(step, Step::Node(_)) {

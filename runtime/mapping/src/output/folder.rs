@@ -16,7 +16,9 @@ pub const MARKER: &str = "map.yaml";
 #[derive(Debug, thiserror::Error)]
 pub enum ReplaceError {
     /// It holds files, and is no map: they would be lost.
-    #[error("{0}: this folder holds files and no map; give another folder, which is made, or that of a former map")]
+    #[error(
+        "{0}: this folder holds files and no map; give another folder, which is made, or that of a former map"
+    )]
     Foreign(PathBuf),
     /// The place is a file, or has no name.
     #[error("{0}: no folder can be made here")]
@@ -40,7 +42,11 @@ pub fn check_place(folder: &Path) -> Result<(), ReplaceError> {
         return Err(ReplaceError::NoPlace(folder.to_owned()));
     }
     let is_empty = fs::read_dir(folder).map_or(true, |mut entries| entries.next().is_none());
-    if is_empty || folder.join(MARKER).is_file() { Ok(()) } else { Err(ReplaceError::Foreign(folder.to_owned())) }
+    if is_empty || folder.join(MARKER).is_file() {
+        Ok(())
+    } else {
+        Err(ReplaceError::Foreign(folder.to_owned()))
+    }
 }
 
 /// Puts the files into a folder in place of all that was in it. The folder beside it in which they are prepared is named

@@ -9,7 +9,8 @@ fn files(version: &str) -> Vec<OutputFile> {
 fn version(folder: &Path) -> Option<String> {
     let read = |name: &str| fs::read_to_string(folder.join(name)).ok();
     let version = read(MARKER)?.strip_prefix("map.yaml ")?.to_owned();
-    let is_whole = files(&version).iter().all(|file| read(&file.name).is_some_and(|text| text.as_bytes() == file.bytes));
+    let is_whole =
+        files(&version).iter().all(|file| read(&file.name).is_some_and(|text| text.as_bytes() == file.bytes));
     is_whole.then_some(version)
 }
 

@@ -52,6 +52,8 @@ mod tests {
         let map = GridMap { columns: 3, rows: 2, cell_m: 0.05, corner_m: [-1.5, 2.0], cells };
         assert_eq!(pgm(&map), [&b"P5\n3 2\n255\n"[..], &[254, 254, 254, 254, 0, 205]].concat());
         let text = yaml(&map, "map.pgm");
-        assert!(text.contains("origin: [-1.500000, 2.000000, 0.0]\n") && text.starts_with("image: map.pgm\n"));
+        assert!(
+            text.contains("origin: [-1.500000, 2.000000, 0.0]\n") && text.starts_with("image: map.pgm\n")
+        );
     }
 }

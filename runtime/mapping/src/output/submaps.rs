@@ -62,7 +62,13 @@ fn sub_map(nodes: &[Node], poses: &[Se2], [first, last]: [usize; 2], grid: &Grid
     let pose = poses[first + (last - first) / 2];
     let scans = (first..=last).map(|node| (pose.between(poses[node]), &*nodes[node].points));
     let map = build_grid_map(scans, grid)?;
-    Some(SubMap { first_node: first, last_node: last, pose, times_s: [nodes[first].time_s, nodes[last].time_s], map })
+    Some(SubMap {
+        first_node: first,
+        last_node: last,
+        pose,
+        times_s: [nodes[first].time_s, nodes[last].time_s],
+        map,
+    })
 }
 
 /// The list of the sub-maps: a line of names, then a line each, separated by spaces. File `NAME.yaml` is a `map_server`

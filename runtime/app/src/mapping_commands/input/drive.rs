@@ -84,7 +84,10 @@ fn kind_of(path: &Path) -> Result<FileKind, BadInput> {
     } else if is_log(&begins) {
         Ok(FileKind::Log)
     } else {
-        Err(bad(path, &"neither a recording or bag (MCAP) nor a CARMEN log; `floorguard inspect` tells what it is"))
+        Err(bad(
+            path,
+            &"neither a recording or bag (MCAP) nor a CARMEN log; `floorguard inspect` tells what it is",
+        ))
     }
 }
 
@@ -105,7 +108,10 @@ impl Drive {
         if let Some((path, _)) = files.iter().find(|(_, kind)| *kind == FileKind::Bag) {
             let chosen = survey.choose(options.topic.as_deref()).map_err(|what| bad(path, &what))?;
             if !chosen.is_mounted {
-                notes.push("the bag names no mounting of the scanner: the trajectory is that of the scanner".to_owned());
+                notes.push(
+                    "the bag names no mounting of the scanner: the trajectory is that of the scanner"
+                        .to_owned(),
+                );
             }
             bag = Some(chosen);
         }
@@ -128,7 +134,8 @@ impl Drive {
                 Ok(())
             })?;
             if count == 0 {
-                let what = "no scan in it; needed are LaserScan messages, or lines FLASER, ROBOTLASER1 or RAWLASER1";
+                let what =
+                    "no scan in it; needed are LaserScan messages, or lines FLASER, ROBOTLASER1 or RAWLASER1";
                 return Err(bad(path, &what).into());
             }
             let gap_s = begins_s - last_s;
@@ -146,7 +153,11 @@ impl Drive {
         self.first_s = first_s.unwrap_or(0.0);
         self.scans = times.iter().filter(|time_s| self.is_wanted(**time_s)).count() as u64;
         if self.scans == 0 {
-            return Err(BadInput(format!("no scan between --from {} and --to {}", self.options.from_s, self.options.to_s)).into());
+            return Err(BadInput(format!(
+                "no scan between --from {} and --to {}",
+                self.options.from_s, self.options.to_s
+            ))
+            .into());
         }
         Ok(())
     }

@@ -76,7 +76,9 @@ impl Sieve {
             let passed_s = (time_s - last_s).max(0.0);
             let step = last.between(raw);
             let (distance_m, turn_rad) = (step.x_m.hypot(step.y_m), step.heading_rad.abs());
-            if distance_m > STEP_MAX.0 + SPEED_MAX.0 * passed_s || turn_rad > STEP_MAX.1 + SPEED_MAX.1 * passed_s {
+            if distance_m > STEP_MAX.0 + SPEED_MAX.0 * passed_s
+                || turn_rad > STEP_MAX.1 + SPEED_MAX.1 * passed_s
+            {
                 self.counters.odometry_jumps += 1;
                 self.mend = self.mend.compose(last).compose(raw.inverse());
             }
