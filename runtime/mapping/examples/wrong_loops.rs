@@ -4,6 +4,7 @@ use std::io::Read;
 use std::time::Instant;
 
 use floorguard_mapping_host::Se2;
+use floorguard_mapping_host::metrics::{ErrorStatistics, PosePair, TimedPose, absolute_errors};
 use floorguard_mapping_host::pose_graph::*;
 
 /// A linear congruential generator (Knuth's constants), 0 to 1.
@@ -63,14 +64,23 @@ fn main() {
                 .zip(&outcome.weights)
                 .filter(|(e, w)| e.kind == EdgeKind::Loop && **w < 0.5)
                 .count();
-            let away: f64 =
-                graph.poses.iter().zip(&right.poses).map(|(a, b)| a.distance(*b).powi(2)).sum::<f64>()
-                    / count as f64;
+            let timed = |pose: &Se2| TimedPose {
+                time_s: 0.0,
+                place_m: nalgebra::Vector3::new(pose.x_m, pose.y_m, 0.0),
+                rotation: nalgebra::UnitQuaternion::identity(),
+            };
+            let pairs: Vec<PosePair> = graph
+                .poses
+                .iter()
+                .zip(&right.poses)
+                .map(|(a, b)| PosePair { truth: timed(b), result: timed(a) })
+                .collect();
+            let away = ErrorStatistics::of(&absolute_errors(&pairs)).rmse;
             let extent = right.poses.iter().map(|p| p.distance(Se2::default())).fold(0.0, f64::max);
             println!(
                 "{name:16} {:3.0} %: added {added} believed {believed}, right {loops} lost {lost}, rms {:.3} of {extent:.0} m, {:.0} ms, {} rounds",
                 100.0 * share,
-                away.sqrt(),
+                away,
                 took.as_secs_f64() * 1e3,
                 outcome.rounds
             );
