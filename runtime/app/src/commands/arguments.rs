@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
 
+use crate::mapping_commands::{LocaliseArguments, MapArguments};
 use crate::recordings::{DecodeArguments, InspectArguments, ReplayArguments};
 
 /// On-robot software for a floor-cleaning robot among people: perceives, guards, records.
@@ -50,7 +51,10 @@ pub enum Command {
     #[cfg(feature = "laboratory")]
     /// Learn a classifier and write it as a table of the core.
     Train(super::TrainArguments),
-    #[cfg(feature = "laboratory")]
+    /// Map a building: a drive's scans become a map, a trajectory and a pose graph.
+    Map(MapArguments),
+    /// Find a robot in a known map without a hint; "I do not know" is an answer.
+    Localise(LocaliseArguments),
     /// Compare a stage with recorded truth or with an independent key.
     Eval(super::EvalArguments),
     /// Check a configuration: every mistake with line, limit and remedy.
