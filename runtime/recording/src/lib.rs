@@ -11,6 +11,7 @@ pub mod describe;
 mod lidar_view;
 mod messages;
 pub mod mission;
+pub mod order;
 mod raw;
 mod reader;
 mod recorder;

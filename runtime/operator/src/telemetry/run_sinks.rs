@@ -19,10 +19,11 @@ use super::tape::{Tape, encode_route};
 use crate::panel::{Order, Panel};
 use floorguard_host::executor::StopFlag;
 use floorguard_host::outcome::BadInput;
+use floorguard_recording::order::{ORDER, ORDER_VERSION, OrderLog};
 use floorguard_recording::replay::{LEARNED, MISSION, REPEATABLE};
 use floorguard_recording::truth::TrueSolid;
 use floorguard_recording::{RecordError, RunInfo, RunRecorder};
-use floorguard_robot::assembly::Stages;
+use floorguard_robot::assembly::{Stages, TapRow};
 use floorguard_robot::camera::{PictureFolder, SeenDirt};
 use floorguard_robot::cleaner::MissionPlan;
 use floorguard_robot::cleaner::MissionProgress;
@@ -71,6 +72,7 @@ pub struct RunSinks {
     pub ended: StopFlag,
     /// What the robot learns, for the end of the recording.
     learning: LearningSlot,
+    order: OrderLog,
     next_digest_us: u64,
     started: Option<Instant>,
 }
@@ -101,7 +103,12 @@ impl RunSinks {
     /// # Errors
     /// The file cannot be made.
     pub fn record_devices(&mut self, run: &RecordedRun<'_>, title: &str, path: &Path) -> anyhow::Result<()> {
-        let texts = [("title", title), ("stages", Stages::All.name()), (REPEATABLE, IN_REAL_TIME)];
+        let texts = [
+            ("title", title),
+            ("stages", Stages::All.name()),
+            (REPEATABLE, IN_REAL_TIME),
+            (ORDER, ORDER_VERSION),
+        ];
         self.record_run(run, &texts, path)
     }
 
@@ -132,6 +139,27 @@ impl RunSinks {
         }
         if let (Some(panel), TapeLine::Lidar) = (&mut self.panel, line) {
             panel.lidar_datagram(data, Stamp::from_micros(when.1));
+        }
+    }
+
+    /// A row of the tap becomes part of the order.
+    pub fn ordered(&mut self, row: &TapRow, now_us: u64) {
+        if self.recording.is_some() && self.order.note(row) {
+            self.write_order(now_us);
+        }
+    }
+
+    /// The rows so far have been taken in; `complete` when none was lost among them.
+    pub fn rows_taken(&mut self, now_us: u64, complete: bool) {
+        if !complete {
+            self.order.lose();
+        }
+        self.write_order(now_us);
+    }
+
+    fn write_order(&mut self, now_us: u64) {
+        if let (Some(recording), Some(entries)) = (&mut self.recording, self.order.take()) {
+            recording.order(now_us, &entries);
         }
     }
 

@@ -192,6 +192,7 @@ fn play<R: Read>(
         scanner: scanner_reader,
         imu: Some((DuplexPipe { reader: imu_reader, writer: to_imu }, baud)),
         can: lines.can.clone(),
+        tap: None,
     };
     spawn_guard_ring(&mut tasks, &shared, robot, carriers);
     match &mut mission {
