@@ -90,7 +90,10 @@ impl RunSinks {
     ) -> anyhow::Result<()> {
         let RecordedRun { robot, robot_toml, imu_baud, .. } = *run;
         let mission = run.mission.map(MissionPlan::to_text).transpose()?;
-        let texts = texts.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned()));
+        let in_real_time = texts.contains(&(REPEATABLE, IN_REAL_TIME));
+        let order = in_real_time.then_some((ORDER, ORDER_VERSION));
+        let texts = texts.iter().chain(&order);
+        let texts = texts.map(|(name, text)| ((*name).to_owned(), (*text).to_owned()));
         let texts = texts.chain(mission.map(|text| (MISSION.to_owned(), text)));
         let texts = texts.chain(self.learned_before(run.learning)).collect::<BTreeMap<_, _>>();
         let info = RunInfo { robot, robot_toml, imu_baud, clouds_every: CLOUDS_EVERY, texts };
@@ -103,12 +106,7 @@ impl RunSinks {
     /// # Errors
     /// The file cannot be made.
     pub fn record_devices(&mut self, run: &RecordedRun<'_>, title: &str, path: &Path) -> anyhow::Result<()> {
-        let texts = [
-            ("title", title),
-            ("stages", Stages::All.name()),
-            (REPEATABLE, IN_REAL_TIME),
-            (ORDER, ORDER_VERSION),
-        ];
+        let texts = [("title", title), ("stages", Stages::All.name()), (REPEATABLE, IN_REAL_TIME)];
         self.record_run(run, &texts, path)
     }
 
