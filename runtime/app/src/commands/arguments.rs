@@ -34,6 +34,8 @@ pub enum Command {
     Replay(ReplayArguments),
     /// Write the report of a recording: one HTML file with map, stops, speeds, people and health.
     Report(super::ReportArguments),
+    /// Say why the robot stopped: what each sensor saw, which rule decided, what would have happened otherwise.
+    Explain(super::ExplainArguments),
     /// Read the log of a black box and make it a recording.
     Blackbox(super::BlackBoxArguments),
     /// Print every return of a lidar capture, or every sample of an inertial sensor's bytes.

@@ -12,6 +12,7 @@ mod demo;
 #[cfg(feature = "laboratory")]
 mod eval;
 mod exit;
+mod explain;
 #[cfg(feature = "laboratory")]
 mod heartbeat;
 mod interrupt;
@@ -41,6 +42,7 @@ pub use campaign::{CampaignArguments, CampaignKind};
 pub use demo::DemoArguments;
 #[cfg(feature = "laboratory")]
 pub use eval::{EvalArguments, EvalStage};
+pub use explain::ExplainArguments;
 pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
 pub use learn::{LearnArguments, PlaceArguments};
 #[cfg(feature = "laboratory")]
@@ -64,6 +66,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Replay(arguments)) => recordings::replay(&arguments),
         Some(Command::Blackbox(arguments)) => blackbox::run(&arguments),
         Some(Command::Report(arguments)) => report::run(&arguments),
+        Some(Command::Explain(arguments)) => explain::run(&arguments),
         Some(Command::Decode(arguments)) => recordings::decode(&arguments),
         Some(Command::Inspect(arguments)) => recordings::inspect(&arguments),
         #[cfg(feature = "laboratory")]
