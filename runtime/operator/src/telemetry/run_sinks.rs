@@ -27,6 +27,7 @@ use floorguard_robot::assembly::{Stages, TapRow};
 use floorguard_robot::camera::{PictureFolder, SeenDirt};
 use floorguard_robot::cleaner::MissionPlan;
 use floorguard_robot::cleaner::MissionProgress;
+use floorguard_robot::environment::Calendar;
 use floorguard_robot::learning::{LearningSetup, LearningSlot};
 
 /// The fingerprint is written this often, microseconds.
@@ -38,6 +39,9 @@ const BUFFER_BYTES: usize = 1 << 20;
 
 /// The threads of a robot in real time are not scheduled the same way twice.
 pub const IN_REAL_TIME: &str = "no: it ran in real time";
+
+/// Name of the text that says when a run in real time began, RFC 3339.
+pub const RECORDED_AT: &str = "recorded_at";
 
 /// What a recording says of the run that it holds.
 #[derive(Clone, Copy, Debug)]
@@ -94,6 +98,8 @@ impl RunSinks {
         let order = in_real_time.then_some((ORDER, ORDER_VERSION));
         let texts = texts.iter().chain(&order);
         let texts = texts.map(|(name, text)| ((*name).to_owned(), (*text).to_owned()));
+        let recorded_at = in_real_time.then(|| Calendar::of_this_computer().iso(Calendar::now()));
+        let texts = texts.chain(recorded_at.map(|moment| (RECORDED_AT.to_owned(), moment)));
         let texts = texts.chain(mission.map(|text| (MISSION.to_owned(), text)));
         let texts = texts.chain(self.learned_before(run.learning)).collect::<BTreeMap<_, _>>();
         let info = RunInfo { robot, robot_toml, imu_baud, clouds_every: CLOUDS_EVERY, texts };
