@@ -29,7 +29,7 @@ pub struct ExplainArguments {
     /// Also write one page that needs nothing else: the moment from above, the sensors, the ten seconds before.
     #[arg(long, value_name = "FILE.html")]
     pub out: Option<PathBuf>,
-    /// One object on standard output in place of the text; its fields: book, Recordings.
+    /// One object on standard output in place of the text; its fields: book, What a recording holds.
     #[arg(long)]
     pub json: bool,
 }

@@ -23,7 +23,7 @@ pub struct SourceLine {
     pub health: String,
     /// Age of its newest measurement, ms; none before the first.
     pub age_ms: Option<u64>,
-    /// What it saw, as far as it can be said in words.
+    /// What it saw, as far as words can tell.
     pub saw: String,
 }
 
