@@ -101,12 +101,7 @@ pub struct Incident {
 impl Incident {
     /// Of the snapshots that were gathered; `None` when there are none.
     #[must_use]
-    pub fn new(
-        file: &str,
-        snapshots: &[Snapshot],
-        drive: &DriveLimits,
-        repetition: String,
-    ) -> Option<Self> {
+    pub fn new(file: &str, snapshots: &[Snapshot], drive: &DriveLimits, repetition: String) -> Option<Self> {
         let moment = snapshots.last()?;
         let decision = &moment.decision;
         let holding = decision.holding_cause;
@@ -215,9 +210,9 @@ fn source_line(report: &SourceReport, moment: &Snapshot) -> SourceLine {
             let twist = moment.pose.twist;
             format!("{:.2} m/s, {:.2} rad/s", twist.linear_mps, twist.angular_radps)
         }
-        Source::Command => moment
-            .wanted
-            .map_or_else(String::new, |it| format!("{:.2} m/s, {:.2} rad/s", it.linear_mps, it.angular_radps)),
+        Source::Command => moment.wanted.map_or_else(String::new, |it| {
+            format!("{:.2} m/s, {:.2} rad/s", it.linear_mps, it.angular_radps)
+        }),
         _ => String::new(),
     };
     SourceLine {
