@@ -14,6 +14,7 @@ mod eval;
 #[cfg(feature = "laboratory")]
 mod eval_stages;
 mod exit;
+mod explain;
 #[cfg(feature = "laboratory")]
 mod heartbeat;
 mod interrupt;
@@ -45,6 +46,7 @@ pub use eval::{EvalArguments, EvalStage};
 #[cfg(feature = "laboratory")]
 pub use eval_stages::RecordedStage;
 pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
+pub use explain::ExplainArguments;
 pub use learn::{LearnArguments, PlaceArguments};
 #[cfg(feature = "laboratory")]
 pub use mission::MissionArguments;
@@ -67,6 +69,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Replay(arguments)) => recordings::replay(&arguments),
         Some(Command::Blackbox(arguments)) => blackbox::run(&arguments),
         Some(Command::Report(arguments)) => report::run(&arguments),
+        Some(Command::Explain(arguments)) => explain::run(&arguments),
         Some(Command::Decode(arguments)) => recordings::decode(&arguments),
         Some(Command::Inspect(arguments)) => recordings::inspect(&arguments),
         #[cfg(feature = "laboratory")]

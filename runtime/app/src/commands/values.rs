@@ -25,6 +25,15 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
     some.ok_or_else(|| "give seconds, more than 0".to_owned())
 }
 
+/// A moment of a recording, seconds of the robot's clock: not before 0.
+///
+/// # Errors
+/// Anything else, in words.
+pub(super) fn moment_s(text: &str) -> Result<f64, String> {
+    let some = text.parse::<f64>().ok().filter(|seconds| *seconds >= 0.0 && *seconds < 1.0e9);
+    some.ok_or_else(|| "give seconds of the robot's clock, not before 0".to_owned())
+}
+
 /// Where a panel listens: `127.0.0.1:8080`, `[::1]:8080`, or a name of this computer as `localhost:8080`.
 ///
 /// # Errors

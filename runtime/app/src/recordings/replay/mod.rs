@@ -105,7 +105,7 @@ fn recording(arguments: &ReplayArguments) -> anyhow::Result<()> {
         if arguments.record.is_some() {
             return Err(bad(&"it is a recording already; --record is for captures, bags and logs").into());
         }
-        return own::run(first, &mut recording, (&name, arguments.json, arguments.realtime));
+        return own::run(first, &mut recording, (&name, arguments));
     }
     bag::run(first, &mut recording, (&name, arguments))
 }
