@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
 
+use crate::mapping_commands::{LocaliseArguments, MapArguments};
 use crate::recordings::{DecodeArguments, InspectArguments, ReplayArguments};
 
 /// On-robot software for a floor-cleaning robot among people: perceives, guards, records.
@@ -66,7 +67,10 @@ pub enum Command {
     /// Learn a classifier and write it as a table of the core.
     #[command(after_help = "Example:\n  floorguard train online --place hall --seconds 120 --model people.learned --out lesson")]
     Train(super::TrainArguments),
-    #[cfg(feature = "laboratory")]
+    /// Map a building: a drive's scans become a map, a trajectory and a pose graph.
+    Map(MapArguments),
+    /// Find a robot in a known map without a hint; "I do not know" is an answer.
+    Localise(LocaliseArguments),
     /// Compare a stage with recorded truth or with an independent key.
     #[command(after_help = "Example:\n  floorguard eval tracks --truth truth.txt --result result.txt")]
     Eval(super::EvalArguments),

@@ -5,12 +5,14 @@ mod ask;
 mod blackbox;
 #[cfg(feature = "laboratory")]
 mod campaign;
+#[cfg(feature = "laboratory")]
 mod campaign_contacts;
 mod check;
 #[cfg(feature = "laboratory")]
 mod demo;
-#[cfg(feature = "laboratory")]
 mod eval;
+#[cfg(feature = "laboratory")]
+mod eval_stages;
 mod exit;
 mod explain;
 #[cfg(feature = "laboratory")]
@@ -40,8 +42,9 @@ pub use blackbox::BlackBoxArguments;
 pub use campaign::{CampaignArguments, CampaignKind};
 #[cfg(feature = "laboratory")]
 pub use demo::DemoArguments;
-#[cfg(feature = "laboratory")]
 pub use eval::{EvalArguments, EvalStage};
+#[cfg(feature = "laboratory")]
+pub use eval_stages::RecordedStage;
 pub use explain::ExplainArguments;
 pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
 pub use learn::{LearnArguments, PlaceArguments};
@@ -55,7 +58,7 @@ pub use simulate::SimulateArguments;
 #[cfg(feature = "laboratory")]
 pub use train::{TrainArguments, TrainPeopleArguments, TrainWhat};
 
-use crate::recordings;
+use crate::{mapping_commands, recordings};
 
 /// Runs the command.
 ///
@@ -75,7 +78,8 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Ask(arguments)) => ask::run(&arguments),
         #[cfg(feature = "laboratory")]
         Some(Command::Train(arguments)) => train::run(&arguments),
-        #[cfg(feature = "laboratory")]
+        Some(Command::Map(arguments)) => mapping_commands::map(&arguments),
+        Some(Command::Localise(arguments)) => mapping_commands::localise(&arguments),
         Some(Command::Eval(arguments)) => eval::run(&arguments),
         Some(Command::Check { file }) => check::run(&file),
         #[cfg(feature = "laboratory")]

@@ -3,12 +3,14 @@
 use std::net::{SocketAddr, ToSocketAddrs as _};
 
 /// The longest simulated run, seconds: a day.
+#[cfg(any(test, feature = "laboratory"))]
 const DAY_S: f64 = 86_400.0;
 
 /// Seconds of a simulated run: more than 0, up to a day.
 ///
 /// # Errors
 /// Anything else, in words.
+#[cfg(any(test, feature = "laboratory"))]
 pub(super) fn simulated_seconds(text: &str) -> Result<f64, String> {
     let in_a_day = text.parse::<f64>().ok().filter(|seconds| *seconds > 0.0 && *seconds <= DAY_S);
     in_a_day.ok_or_else(|| "give seconds, more than 0 and up to 86400 (a day)".to_owned())
