@@ -165,7 +165,9 @@ fn cleaning(history: &History) -> Option<Cleaning> {
     let not_claimed = doubts.chain([out_of_reach]).filter(|(cells, _)| *cells > 0);
     Some(Cleaning {
         phase: value("state").unwrap_or_default().to_owned(),
-        confidence_percent: planned("delta").and_then(serde_json::Value::as_f64).map(|delta| 100.0 * (1.0 - delta)),
+        confidence_percent: planned("delta")
+            .and_then(serde_json::Value::as_f64)
+            .map(|delta| 100.0 * (1.0 - delta)),
         tolerated_units: planned("tolerated_units").and_then(serde_json::Value::as_u64),
         cleaned_m2: area_m2(CLEANED),
         assumed_m2: area_m2(ASSUMED),
@@ -178,7 +180,7 @@ fn cleaning(history: &History) -> Option<Cleaning> {
 
 const CLEANED: &str = "cleaned";
 const ASSUMED: &str = "assumed clean";
-const UNSURE: &str = "driven over, not sure";
+const UNSURE: &str = "not sure";
 const TO_DO: &str = "to do";
 
 /// A cell of the mission's floor.
@@ -201,7 +203,9 @@ pub struct Cell {
 pub fn cells(history: &History) -> Vec<Cell> {
     let Some((first, last)) = history.grids.get(topics::CLAIMED) else { return Vec::new() };
     let dirt = history.grids.get(topics::DIRT);
-    let at = |grid: Option<&Grid>, index: usize| grid.and_then(|grid| grid.cells.get(index)).copied().unwrap_or(-1);
+    let at = |grid: Option<&Grid>, index: usize| {
+        grid.and_then(|grid| grid.cells.get(index)).copied().unwrap_or(-1)
+    };
     let cells = last.cells.iter().enumerate().filter(|(_, claimed)| **claimed >= 0);
     cells
         .map(|(index, claimed)| {
@@ -321,7 +325,12 @@ mod tests {
     }
 
     fn history() -> History {
-        let values = [("state", "done"), ("doubt_obstructed_cells", "1"), ("dirt_before_units", "100"), ("dirt_now_units", "40")];
+        let values = [
+            ("state", "done"),
+            ("doubt_obstructed_cells", "1"),
+            ("dirt_before_units", "100"),
+            ("dirt_now_units", "40"),
+        ];
         let values = values.map(|(name, value)| (name.to_owned(), value.to_owned())).to_vec();
         let mut history = History { mission: vec![(1.0, values)], ..History::default() };
         let both = |first, last| (grid(first), grid(last));
