@@ -45,6 +45,10 @@ pub enum Cause {
     BlindSector,
     /// Something in the warning field.
     Warning,
+    /// The body would touch something that was seen, and no distance is left to approach it.
+    WayClosed,
+    /// The body would touch something that was seen: slowly enough to stand before it.
+    WayNarrow,
     /// A person within 1.2 m.
     PersonNear,
     /// A person would be reached before the robot could stop.
@@ -78,7 +82,7 @@ pub enum Cause {
 }
 
 /// The causes that do not belong to a source's health.
-const PLAIN: [Cause; 26] = [
+const PLAIN: [Cause; 28] = [
     Cause::StartUp,
     Cause::StartNeeded,
     Cause::EmergencyStop,
@@ -92,6 +96,8 @@ const PLAIN: [Cause; 26] = [
     Cause::LidarProtective,
     Cause::BlindSector,
     Cause::Warning,
+    Cause::WayClosed,
+    Cause::WayNarrow,
     Cause::PersonNear,
     Cause::CollisionStop,
     Cause::CollisionSlow,
@@ -149,6 +155,8 @@ impl Cause {
             Self::LidarProtective => "obstacle in the protective field (lidar)",
             Self::BlindSector => "scanner sees nothing in a part of the protective field",
             Self::Warning => "obstacle in the warning field",
+            Self::WayClosed => "the body would touch what was seen around it",
+            Self::WayNarrow => "little room for the body on its way",
             Self::PersonNear => "person near",
             Self::CollisionStop => "person would be reached before standstill",
             Self::CollisionSlow => "person ahead",

@@ -12,6 +12,9 @@ mod field;
 mod held;
 mod integrity;
 mod kinematics;
+mod lidar_rays;
+mod local_memory;
+mod memory_row;
 mod packet_table;
 mod receding;
 mod record;
@@ -31,10 +34,16 @@ pub use field::{Polygon, point_in_polygon, ray_exit_m};
 pub use held::{HeldCause, HeldCauses};
 pub use integrity::{Integrity, PARTS};
 pub use kinematics::{field_length_m, stop_distance_m};
+pub use lidar_rays::LidarRays;
+pub use local_memory::{Cell, LocalMemory};
+#[cfg(test)]
+pub(crate) use memory_row::Row;
 pub use packet_table::PacketTable;
 pub(crate) use packet_table::{BIN_CDEG, Bin};
 pub use record::{CauseRecord, Unit};
 pub use scan_table::ScanTable;
 pub use source::{FaultKind, Health, Source, SourceRules};
-pub use sweep::{BRAKE_WEAR, REACTION_S, STANDOFF_M, Stopping, Sweep, fastest_mps, signed_distance_m};
+pub use sweep::{
+    BRAKE_WEAR, MARGIN_M, REACTION_S, STANDOFF_M, Stopping, Sweep, fastest_mps, signed_distance_m,
+};
 pub use swept_outline::{BEND_PER_M, OVERSPEED_SHARE, Zone, contains, swept_outline};

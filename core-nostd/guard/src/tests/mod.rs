@@ -9,6 +9,7 @@ mod configurations;
 mod doubt;
 mod exploration;
 mod fixtures;
+mod memory;
 mod numbers;
 mod oracles;
 mod properties;
