@@ -152,9 +152,12 @@ impl FieldSelection {
 
     fn watch_next(&mut self, sets: &Vec<FieldSet, FIELD_SETS_MAX>, wanted_mps: f32, now: Stamp) {
         let active_mps = speed_at(sets, self.active);
-        let next = pick(sets, travel_at(sets, self.active), active_mps + 1.0e-3);
-        let larger = wanted_mps > active_mps && speed_at(sets, next) > active_mps;
-        let candidate = larger.then_some(next);
+        let candidate = if wanted_mps > active_mps {
+            let next = pick(sets, travel_at(sets, self.active), active_mps + 1.0e-3);
+            (speed_at(sets, next) > active_mps).then_some(next)
+        } else {
+            None
+        };
         if candidate != self.candidate {
             self.candidate_clear_since = now;
         }

@@ -4,7 +4,9 @@
 use super::field_selection::STANDING_MPS;
 use super::limiter::effective_speed_mps;
 use super::supervisor::Supervisor;
-use crate::protection::{Cause, CauseRecord, Cell, LocalMemory, REACTION_S, STANDOFF_M, Stopping, Sweep};
+use crate::protection::{
+    Cause, CauseRecord, Cell, GuardConfig, LocalMemory, REACTION_S, STANDOFF_M, Stopping, Sweep,
+};
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use floorguard_types::sensing::{LidarPacket, Scan};
 use floorguard_types::time::Stamp;
@@ -14,19 +16,37 @@ const CREEP_MPS: f32 = 0.02;
 /// Of the standoff, what a robot that already brakes may use up: it is held before the rest is gone.
 const USED_SHARE: f32 = 0.5;
 
-/// What the way of a motion allows.
+/// The way of a motion, and how much of it is free.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Way {
+struct Way<'a> {
+    sweep: Sweep<'a>,
+    stopping: Stopping,
+    /// What the motion needs to stop, with the standoff, metres.
+    needed_m: f32,
     /// How far the fastest point of the body may go, metres; not beyond what the motion needs.
-    pub free_m: f32,
-    /// What it needs to stop, with the standoff, metres.
-    pub needed_m: f32,
-    /// Share of the motion's speed from which it stands in time.
-    pub share: f32,
+    free_m: f32,
 }
 
-impl Way {
-    const OPEN: Self = Self { free_m: f32::INFINITY, needed_m: 0.0, share: 1.0 };
+impl<'a> Way<'a> {
+    /// Of a motion, before anything stands in it; `None`: nothing moves. `reaction_s`: from the event to the order.
+    fn of(config: &'a GuardConfig, twist: Twist2, reaction_s: f32) -> Option<Self> {
+        let stopping = Stopping::from(&config.footprint, twist, (&config.drive, reaction_s));
+        let needed_m = stopping.path_m() + STANDOFF_M;
+        let sweep = Sweep::along(&config.footprint, twist, needed_m)?;
+        Some(Self { sweep, stopping, needed_m, free_m: needed_m })
+    }
+
+    /// Something stands at a place of the robot frame.
+    fn meet(&mut self, place: Point2) {
+        if self.free_m > 0.0 && self.sweep.is_near(place) {
+            self.free_m = self.sweep.free_m(place, self.free_m);
+        }
+    }
+
+    /// Share of the motion's speed from which the robot stands in time.
+    fn share(&self) -> f32 {
+        self.stopping.share_within(self.free_m - STANDOFF_M)
+    }
 }
 
 impl Supervisor {
@@ -50,49 +70,36 @@ impl Supervisor {
         let wanted = self.possible(self.state.wanted);
         let measured = self.state.motion.wheels;
         let moves = effective_speed_mps(measured, &self.config.drive) > STANDING_MPS;
-        let ahead = self.way_of(wanted, pose, REACTION_S);
-        let mut share = ahead.share;
-        let mut nearest = ahead;
-        if moves {
-            // The steering goes from the one curve to the other.
-            let between = Twist2 {
-                linear_mps: 0.5 * (wanted.linear_mps + measured.linear_mps),
-                angular_radps: 0.5 * (wanted.angular_radps + measured.angular_radps),
-            };
-            let path = self.way_of(between, pose, REACTION_S);
-            share = share.min(path.share);
-            nearest = if path.share < nearest.share { path } else { nearest };
+        // The steering goes from the one curve to the other.
+        let between = Twist2 {
+            linear_mps: 0.5 * (wanted.linear_mps + measured.linear_mps),
+            angular_radps: 0.5 * (wanted.angular_radps + measured.angular_radps),
+        };
+        let while_moving = |twist: Twist2, reaction_s: f32| {
+            if moves { Way::of(&self.config, twist, reaction_s) } else { None }
+        };
+        let mut ways = [
+            Way::of(&self.config, wanted, REACTION_S),
+            while_moving(between, REACTION_S),
+            // What it does already must end before the body touches anything: no reaction is waited for.
+            while_moving(measured, 0.0),
+        ];
+        if ways.iter().any(Option::is_some) {
+            meet_all(&self.memory, pose, &mut ways);
+        }
+        let [ahead, path, braking] = ways.map(|way| way.map(|way| Found::from(&way)));
+        let nearest = [ahead, path].into_iter().flatten().reduce(|a, b| if b.share < a.share { b } else { a });
+        if let Some(found) = braking.filter(|found| found.free_m < found.needed_m - USED_SHARE * STANDOFF_M) {
+            let record = CauseRecord::new(Cause::WayClosed, now);
+            self.state.machine.raise(record.metres(found.free_m, found.needed_m));
         }
         let wanted_mps = effective_speed_mps(wanted, &self.config.drive);
-        let allowed_mps = share * wanted_mps;
-        self.judge_braking(measured, (pose, moves), now);
-        if share < 1.0 && wanted_mps > 0.0 {
+        if let Some(found) = nearest.filter(|found| found.share < 1.0 && wanted_mps > 0.0) {
+            let allowed_mps = found.share * wanted_mps;
             let cause = if allowed_mps < CREEP_MPS { Cause::WayClosed } else { Cause::WayNarrow };
             let record = CauseRecord::new(cause, now).limited_to(allowed_mps);
-            self.state.machine.raise(record.metres(nearest.free_m, nearest.needed_m));
+            self.state.machine.raise(record.metres(found.free_m, found.needed_m));
         }
-    }
-
-    /// What the robot does already must end before the body touches anything: no reaction is waited for.
-    fn judge_braking(&mut self, measured: Twist2, (pose, moves): (Pose2, bool), now: Stamp) {
-        if !moves {
-            return;
-        }
-        let path = self.way_of(measured, pose, 0.0);
-        if path.free_m < path.needed_m - USED_SHARE * STANDOFF_M {
-            let record = CauseRecord::new(Cause::WayClosed, now);
-            self.state.machine.raise(record.metres(path.free_m, path.needed_m));
-        }
-    }
-
-    /// How far a motion may go.
-    fn way_of(&self, twist: Twist2, pose: Pose2, reaction_s: f32) -> Way {
-        let outline = &self.config.footprint;
-        let stopping = Stopping::from(outline, twist, (&self.config.drive, reaction_s));
-        let needed_m = stopping.path_m() + STANDOFF_M;
-        let Some(sweep) = Sweep::along(outline, twist, needed_m) else { return Way::OPEN };
-        let free_m = free_in(&self.memory, pose, (&sweep, needed_m));
-        Way { free_m, needed_m, share: stopping.share_within(free_m - STANDOFF_M) }
     }
 
     /// The motion as far as the drive can follow it.
@@ -105,17 +112,27 @@ impl Supervisor {
     }
 }
 
-/// How far a sweep is free of all that stands around, metres.
-fn free_in(memory: &LocalMemory, pose: Pose2, (sweep, needed_m): (&Sweep<'_>, f32)) -> f32 {
+/// What the way of a motion allows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Found {
+    free_m: f32,
+    needed_m: f32,
+    share: f32,
+}
+
+impl From<&Way<'_>> for Found {
+    fn from(way: &Way<'_>) -> Self {
+        Self { free_m: way.free_m, needed_m: way.needed_m, share: way.share() }
+    }
+}
+
+/// Everything that stands around, against all ways at once.
+fn meet_all(memory: &LocalMemory, pose: Pose2, ways: &mut [Option<Way<'_>>; 3]) {
     let (sin, cos) = libm::sincosf(pose.heading_rad);
-    let mut free_m = needed_m;
     memory.for_each_obstacle(|cell: Cell| {
         let place = cell.middle();
         let (dx, dy) = (place.x_m - pose.x_m, place.y_m - pose.y_m);
         let in_robot = Point2::new(cos * dx + sin * dy, cos * dy - sin * dx);
-        if sweep.is_near(in_robot) {
-            free_m = sweep.free_m(in_robot, free_m);
-        }
+        ways.iter_mut().flatten().for_each(|way| way.meet(in_robot));
     });
-    free_m
 }

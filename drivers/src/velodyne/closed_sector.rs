@@ -98,10 +98,10 @@ impl PacketTurn {
         let first_cdeg = turns.iter().step_by(step).find_map(|turn| turn.azimuth_cdeg)?;
         let (gaps_cdeg, count) = known
             .clone()
-            .fold((0_u64, 0_u64), |(sum, count), (_, turn)| (sum + u64::from(turn.gap_cdeg), count + 1));
+            .fold((0_u32, 0_u32), |(sum, count), (_, turn)| (sum + u32::from(turn.gap_cdeg), count + 1));
         let time_us = |cdeg: u32| {
-            let ns = u64::from(cdeg) * u64::from(block_ns) * count;
-            u32::try_from(ns.checked_div(gaps_cdeg * 1_000).unwrap_or(0)).unwrap_or(u32::MAX)
+            let ns = u64::from(cdeg) * u64::from(block_ns) * u64::from(count);
+            u32::try_from(ns.checked_div(u64::from(gaps_cdeg) * 1_000).unwrap_or(0)).unwrap_or(u32::MAX)
         };
         let mut jump = None;
         let mut end = first_cdeg;

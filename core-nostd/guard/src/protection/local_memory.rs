@@ -8,7 +8,7 @@
 use heapless::Vec;
 
 use super::collision::Body;
-use super::memory_row::{Row, height_step};
+use super::memory_row::{Row, Run, height_step};
 use super::sweep::signed_distance_m;
 use floorguard_types::geometry::{Point2, Pose2, Twist2, wrap_angle};
 use floorguard_types::number::saturating_i32;
@@ -46,7 +46,11 @@ impl Cell {
     #[must_use]
     pub fn of(place: Point2) -> Self {
         // Saturated: a robot that far away has left the window of everything.
-        let index = |metres: f32| saturating_i32(libm::floorf(metres * (1.0 / CELL_M)));
+        let index = |metres: f32| {
+            let cells = metres * (1.0 / CELL_M);
+            let towards_zero = saturating_i32(cells);
+            towards_zero.saturating_sub(i32::from(cells < towards_zero as f32))
+        };
         Self { x: index(place.x_m), y: index(place.y_m) }
     }
 
@@ -140,13 +144,28 @@ impl LocalMemory {
         self.has(cell) && self.rows.get(local(cell.y)).is_some_and(|row| row.holds(local(cell.x)))
     }
 
-    /// A ray of the lidar has passed through a cell at a height.
-    pub fn pass(&mut self, cell: Cell, height_m: f32) {
-        let step = height_step(height_m);
-        let Some((row, index)) = self.place(cell) else { return };
-        if row.run(index).is_refuted_at(step) {
+    /// What the lidar met in a cell; nothing outside of the window.
+    pub(crate) fn run(&self, cell: Cell) -> Run {
+        let row = if self.has(cell) { self.rows.get(local(cell.y)) } else { None };
+        row.map_or_else(Run::default, |row| row.run(local(cell.x)))
+    }
+
+    /// A ray of the lidar has passed through what was met in a cell.
+    pub(crate) fn clear_lidar(&mut self, cell: Cell) {
+        if let Some((row, index)) = self.place(cell) {
             row.clear_lidar(index);
         }
+    }
+
+    /// A place in cells, counted from the corner of the window.
+    pub(super) fn in_window(&self, place: Point2) -> Point2 {
+        let from = |metres: f32, first: i32| metres * (1.0 / CELL_M) - first as f32;
+        Point2::new(from(place.x_m, self.first.x), from(place.y_m, self.first.y))
+    }
+
+    /// The cell that is so many from the corner of the window.
+    pub(super) const fn cell_in_window(&self, x: i32, y: i32) -> Cell {
+        Cell { x: self.first.x.wrapping_add(x), y: self.first.y.wrapping_add(y) }
     }
 
     /// Visits every cell that is kept, of both sensors or of the scanner alone. At most 4,096.

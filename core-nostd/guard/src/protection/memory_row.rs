@@ -44,12 +44,17 @@ impl Run {
         self.top.saturating_sub(self.low) < 2
     }
 
+    /// The same for a height in metres.
+    pub(crate) fn is_refuted_at_m(self, height_m: f32) -> bool {
+        self.is_refuted_at(height_step(height_m))
+    }
+
     const fn word(self, index: usize) -> u32 {
         u32::from_le_bytes([self.low, self.top, 0, 0]).rotate_left(index as u32 % 32)
     }
 
     /// A ray at this height goes through the run: between its ends, or through one that has no between.
-    pub(super) const fn is_refuted_at(self, step: u8) -> bool {
+    const fn is_refuted_at(self, step: u8) -> bool {
         if self.is_empty() {
             return false;
         }
@@ -86,12 +91,14 @@ impl Row {
 
     /// Of these cells, those in which the lidar met a single height.
     pub(super) fn thin_of(&self, cells: u64) -> u64 {
-        let mut thin = 0;
-        for (index, run) in self.runs.iter().enumerate() {
-            if cells == 0 {
+        let (mut thin, mut left) = (0, cells);
+        for _ in 0..SIDE {
+            if left == 0 {
                 break;
             }
-            if has_bit(cells, index) && run.is_thin() {
+            let index = left.trailing_zeros() as usize;
+            left &= left.wrapping_sub(1);
+            if self.run(index).is_thin() {
                 set_bit(&mut thin, index, true);
             }
         }

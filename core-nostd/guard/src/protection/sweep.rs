@@ -104,6 +104,17 @@ struct Place {
 }
 
 impl Place {
+    /// The place that is reached from this one by a step that begins at the origin.
+    fn then(&self, step: &Self) -> Self {
+        let to = self.moved(Point2::new(step.x_m, step.y_m));
+        Self {
+            x_m: to.x_m,
+            y_m: to.y_m,
+            sin: self.sin * step.cos + self.cos * step.sin,
+            cos: self.cos * step.cos - self.sin * step.sin,
+        }
+    }
+
     /// A point of the robot frame of now, as it is seen from this place.
     fn seen_from(&self, point: Point2) -> Point2 {
         let (dx, dy) = (point.x_m - self.x_m, point.y_m - self.y_m);
@@ -141,14 +152,12 @@ impl<'a> Sweep<'a> {
         let mut body = EMPTY;
         outline.iter().for_each(|corner| reach(&mut body, *corner));
         let mut sweep = Self { outline, places: [Place::default(); STEPS], step_m, body, around: body };
-        let mut gone_m = 0.0;
-        for index in 0..STEPS {
-            gone_m += step_m;
-            let place = place_after(twist, gone_m / fastest_mps);
+        let step = place_after(twist, step_m / fastest_mps);
+        let mut place = Place { cos: 1.0, ..Place::default() };
+        for slot in &mut sweep.places {
+            place = place.then(&step);
             outline.iter().for_each(|corner| reach(&mut sweep.around, place.moved(*corner)));
-            if let Some(slot) = sweep.places.get_mut(index) {
-                *slot = place;
-            }
+            *slot = place;
         }
         Some(sweep)
     }
