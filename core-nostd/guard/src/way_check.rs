@@ -88,7 +88,8 @@ impl Supervisor {
             meet_all(&self.memory, pose, &mut ways);
         }
         let [ahead, path, braking] = ways.map(|way| way.map(|way| Found::from(&way)));
-        let nearest = [ahead, path].into_iter().flatten().reduce(|a, b| if b.share < a.share { b } else { a });
+        let nearest =
+            [ahead, path].into_iter().flatten().reduce(|a, b| if b.share < a.share { b } else { a });
         if let Some(found) = braking.filter(|found| found.free_m < found.needed_m - USED_SHARE * STANDOFF_M) {
             let record = CauseRecord::new(Cause::WayClosed, now);
             self.state.machine.raise(record.metres(found.free_m, found.needed_m));

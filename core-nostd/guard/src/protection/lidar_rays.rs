@@ -117,7 +117,8 @@ pub(super) struct Ray {
 impl Firing {
     /// How far along the firing a place lies, metres in the plane.
     pub(super) fn along_m(&self, place: Point2) -> f32 {
-        self.direction.x_m * (place.x_m - self.origin.x_m) + self.direction.y_m * (place.y_m - self.origin.y_m)
+        self.direction.x_m * (place.x_m - self.origin.x_m)
+            + self.direction.y_m * (place.y_m - self.origin.y_m)
     }
 
     /// How far its rays went, metres in the plane: without a return nothing is known, and nothing was looked through.

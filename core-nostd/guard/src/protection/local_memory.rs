@@ -9,6 +9,7 @@ use heapless::Vec;
 
 use super::collision::Body;
 use super::memory_row::{Row, Run, height_step};
+use super::scan_looks::ROW_STEP;
 use super::sweep::signed_distance_m;
 use floorguard_types::geometry::{Point2, Pose2, Twist2, wrap_angle};
 use floorguard_types::number::saturating_i32;
@@ -73,8 +74,10 @@ pub struct LocalMemory {
     next: usize,
     /// When the present span of time began.
     span_at: Stamp,
-    /// Which beams of the next scan and which firing of the next packet are taken.
+    /// Which firing of the next packet is taken.
     pub(super) turn: usize,
+    /// Scans so far: which beams and which rows of cells are taken.
+    pub(super) scans: usize,
 }
 
 impl LocalMemory {
@@ -88,6 +91,7 @@ impl LocalMemory {
         next: 0,
         span_at: Stamp::ZERO,
         turn: 0,
+        scans: 0,
     };
 
     /// Forgets everything, in place.
@@ -168,9 +172,14 @@ impl LocalMemory {
         Cell { x: self.first.x.wrapping_add(x), y: self.first.y.wrapping_add(y) }
     }
 
-    /// Visits every cell that is kept, of both sensors or of the scanner alone. At most 4,096.
-    pub fn for_each(&self, is_scanned_only: bool, visit: impl FnMut(Cell)) {
-        self.visit(|row| if is_scanned_only { row.by_scanner } else { row.kept() }, visit);
+    /// Visits every cell that is kept, of both sensors. At most 4,096.
+    pub fn for_each(&self, visit: impl FnMut(Cell)) {
+        self.visit((0, 1), Row::kept, visit);
+    }
+
+    /// Visits the cells in which the scanner met something, of every fourth row. At most 1,024.
+    pub(super) fn for_each_scanned(&self, first: usize, visit: impl FnMut(Cell)) {
+        self.visit((first, ROW_STEP), |row| row.by_scanner, visit);
     }
 
     /// Visits every cell in which something stands: what the scanner met, and what the lidar met, unless it met a single height of
@@ -187,11 +196,16 @@ impl LocalMemory {
             let has_neighbour = beside(row.kept()) | above | beside(above) | below | beside(below);
             row.kept() & !row.thin_of(row.by_lidar & !row.by_scanner & !has_neighbour)
         };
-        self.visit(obstacles, visit);
+        self.visit((0, 1), obstacles, visit);
     }
 
-    fn visit(&self, mut cells_of: impl FnMut(&Row) -> u64, mut visit: impl FnMut(Cell)) {
-        for (index, row) in self.rows.iter().enumerate() {
+    fn visit(
+        &self,
+        (from, step): (usize, usize),
+        mut cells_of: impl FnMut(&Row) -> u64,
+        mut visit: impl FnMut(Cell),
+    ) {
+        for (index, row) in self.rows.iter().enumerate().skip(from).step_by(step) {
             let y = global(self.first.y, index);
             let mut word = cells_of(row);
             for _ in 0..SIDE {
@@ -209,7 +223,7 @@ impl LocalMemory {
     pub fn forget_inside(&mut self, outline: &[Point2], (pose, body): (Pose2, Body)) {
         let (sin, cos) = libm::sincosf(pose.heading_rad);
         let mut inside = Vec::<Cell, INSIDE_MAX>::new();
-        self.for_each(false, |cell| {
+        self.for_each(|cell| {
             let place = cell.middle();
             let (dx, dy) = (place.x_m - pose.x_m, place.y_m - pose.y_m);
             let in_robot = Point2::new(cos * dx + sin * dy, cos * dy - sin * dx);

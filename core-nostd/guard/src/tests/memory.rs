@@ -107,7 +107,7 @@ fn fg_req_027_stopping_chain_and_share_are_inverse() {
 
 fn count(memory: &LocalMemory) -> usize {
     let mut cells = 0;
-    memory.for_each(false, |_| cells += 1);
+    memory.for_each(|_| cells += 1);
     cells
 }
 
@@ -233,7 +233,7 @@ fn fg_req_028_window_moves_and_keeps_places() {
     }
     let pose = memory.pose_at(at(now_ms));
     let mut found = std::vec::Vec::new();
-    memory.for_each(false, |cell| found.push(cell));
+    memory.for_each(|cell| found.push(cell));
     assert!(found.iter().all(|cell| known.contains(cell)), "nothing is made up");
     let near = |cell: &&Cell| cell.middle().distance(Point2::new(pose.x_m, pose.y_m)) < 0.9;
     let lately = &known[known.len() - 100..];
@@ -278,7 +278,7 @@ fn fg_req_028_what_the_body_stands_on_is_forgotten() {
     }
     memory.forget_inside(&config().footprint, (Pose2::default(), body));
     let mut left = std::vec::Vec::new();
-    memory.for_each(false, |cell| left.push(cell));
+    memory.for_each(|cell| left.push(cell));
     assert!(!left.contains(&Cell::of(Point2::new(0.2, 0.1))), "{left:?}");
     assert_eq!(left.len(), 3, "at its edge objects stay: {left:?}");
 }
