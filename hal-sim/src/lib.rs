@@ -20,4 +20,5 @@ pub mod wire;
 pub use can::CanFrame;
 pub use faults::{FaultKind, FaultLayer, FaultSpec, FaultTarget};
 pub use scenario::Scenario;
-pub use simulation::{Payload, Simulation, Stream, Truth, WireEvent};
+pub use simulation::{Simulation, Truth};
+pub use wire::{Payload, Stream, WireEvent};

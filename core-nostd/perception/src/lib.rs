@@ -21,9 +21,12 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod clusters;
 pub mod floor;
 pub mod legs;
 pub mod motion;
 pub mod online_learning;
 pub mod people;
 pub mod rgbd_people;
+pub mod shapes;
+pub mod tracking;

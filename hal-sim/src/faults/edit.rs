@@ -1,8 +1,8 @@
 //! Changes inside messages that stay well-formed: values, clocks, sender marks; checksums are made good again.
 
 use crate::can::CanFrame;
-use crate::simulation::{Payload, Stream, WireEvent};
 use crate::wire::{BEAM_BYTES, BEAMS_FROM, DATAGRAM_HEADER, reseal_message, reseal_telegram};
+use crate::wire::{Payload, Stream, WireEvent};
 
 /// Bytes of a lidar block, and of its header.
 const BLOCK_BYTES: usize = 100;

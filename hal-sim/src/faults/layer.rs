@@ -6,7 +6,7 @@ use floorguard_types::random::Pcg32;
 
 use super::edit::{self, Edit};
 use super::{FaultKind, FaultSpec};
-use crate::simulation::{Payload, Stream, WireEvent};
+use crate::wire::{Payload, Stream, WireEvent};
 
 /// Where a telegram of the scanner tells its size, and what the size leaves out (rule B; book, SICK S300: Size field).
 const TELEGRAM_SIZE: std::ops::Range<usize> = 6..8;

@@ -204,7 +204,7 @@ fn micros(value: &str) -> Result<u64, FaultError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulation::Stream;
+    use crate::wire::Stream;
 
     #[test]
     fn the_example_is_understood() {

@@ -2,7 +2,7 @@
 
 use super::FaultKind;
 use crate::robot::RobotParameters;
-use crate::simulation::{Payload, Stream, WireEvent};
+use crate::wire::{Payload, Stream, WireEvent};
 
 /// What a fault concerns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

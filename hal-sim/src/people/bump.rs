@@ -3,7 +3,7 @@
 use floorguard_types::geometry::{Point2, Pose2};
 
 use super::{Person, body_discs};
-use crate::simulation::distance_to_area;
+use crate::scene::distance_to_area;
 
 /// A body may press this deep into the outline, metres: touching stays a contact for judges.
 const PRESS_M: f32 = 0.01;

@@ -1,5 +1,6 @@
 //! What stands still: floor, walls, shelves, tables, trolleys, glass and mirrors, ramps.
 
+mod area;
 mod builder;
 mod file;
 mod material;
@@ -7,6 +8,7 @@ mod occupied;
 mod part;
 mod scene3;
 
+pub use area::distance_to_area;
 pub use builder::SceneBuilder;
 pub use file::{DropFile, FurnitureFile, FurnitureKind, MapFile, SceneFile, WallFile};
 pub use material::Material;

@@ -155,7 +155,8 @@ fn within_turn_rad(azimuth_cdeg: f64, turns_cdeg: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use crate::scenario::Scenario;
-    use crate::simulation::{Payload, Simulation, Stream};
+    use crate::simulation::Simulation;
+    use crate::wire::{Payload, Stream};
 
     /// Cells of the packets of a tenth of a second, a row for each firing.
     fn firings(grain: usize) -> Vec<Vec<u8>> {

@@ -6,7 +6,7 @@ use floorguard_types::random::Pcg32;
 
 use super::View;
 use crate::robot::ScannerDevice;
-use crate::simulation::Stream;
+use crate::wire::Stream;
 use crate::wire::{
     BeamWords, DEVICE_ERROR, MessageHeader, RUNS, STANDS_BY, TelegramHeader, encode_scan_message,
     encode_telegram, scan_datagrams,

@@ -11,7 +11,6 @@ use super::bus::Bus;
 use super::dirt::DirtyWorld;
 use super::misplaced::mounted;
 use super::touch::Touch;
-use super::{Payload, Stream, WireEvent};
 use crate::can::{CanFrame, SafetyChannels};
 use crate::dirt::DirtyFloor;
 use crate::people::{Crowd, RobotShape};
@@ -19,7 +18,7 @@ use crate::robot::{BrakeLaw, RobotBody, RobotParameters};
 use crate::scenario::{Scenario, ScenarioError};
 use crate::scene::Scene;
 use crate::sensors::{FloorCameraSensor, FloorFrame, Imu, Lidar, Motion, Scanner, ScannerState, View};
-use crate::wire::ReturnMode;
+use crate::wire::{Payload, ReturnMode, Stream, WireEvent};
 
 const STEP_US: u64 = 1_000;
 const PEOPLE_STEP_US: u64 = 10_000;

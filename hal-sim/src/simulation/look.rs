@@ -5,10 +5,11 @@ use floorguard_types::time::Stamp;
 use parry3d::math::Vector;
 
 use super::Simulation;
-use super::truth::{PersonTruth, Truth, distance_to_area};
+use super::truth::{PersonTruth, Truth};
 use crate::people::{Person, body_discs, ground_discs};
 use crate::robot::RobotParameters;
 use crate::scene::Scene;
+use crate::scene::distance_to_area;
 
 impl Simulation {
     /// The last moment played, microseconds.

@@ -3,12 +3,10 @@
 mod bus;
 mod dirt;
 mod engine;
-mod event;
 mod look;
 mod misplaced;
 mod touch;
 mod truth;
 
 pub use engine::Simulation;
-pub use event::{Payload, Stream, WireEvent};
-pub use truth::{PersonTruth, Truth, distance_to_area};
+pub use truth::{PersonTruth, Truth};

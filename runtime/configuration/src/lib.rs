@@ -1,6 +1,7 @@
 //! `robot.toml`: read strictly, refused with file, line, the limit broken and a remedy.
 
 mod address;
+mod asked;
 mod bake;
 mod camera;
 mod devices;

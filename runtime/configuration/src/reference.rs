@@ -1,36 +1,8 @@
 //! The reference of `robot.toml`, out of the reading itself: every key that is asked for, with what is allowed.
 
-use std::cell::RefCell;
 use std::fmt::Write;
 
-/// A key that was asked for.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Asked {
-    pub section: String,
-    pub key: &'static str,
-    pub kind: &'static str,
-    pub allowed: String,
-    pub default: Option<String>,
-}
-
-impl Asked {
-    fn is_of(&self, section: &str, key: &str) -> bool {
-        self.section == section && self.key == key
-    }
-}
-
-thread_local! {
-    static LIST: RefCell<Option<Vec<Asked>>> = const { RefCell::new(None) };
-}
-
-/// Takes note while a reference is made; else nothing.
-pub(crate) fn note(asked: impl FnOnce() -> Asked) {
-    LIST.with_borrow_mut(|list| {
-        if let Some(list) = list {
-            list.push(asked());
-        }
-    });
-}
+use super::asked::{Asked, asked_during};
 
 /// More sections that the example robot does not have.
 const OPTIONAL: &str = "
@@ -84,9 +56,7 @@ pub fn reference() -> String {
 
 /// What is asked for while a text is read, each key once: `[[field]]` is asked for as often as it stands there.
 fn rows_of(configuration: &str) -> Vec<Asked> {
-    LIST.set(Some(Vec::new()));
-    let read = super::parse("robot.toml", configuration);
-    let asked = LIST.take().unwrap_or_default();
+    let (read, asked) = asked_during(|| super::parse("robot.toml", configuration));
     debug_assert!(read.is_ok(), "the example is a right configuration");
     let mut rows = Vec::<Asked>::new();
     for mut row in asked {

@@ -21,14 +21,13 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_sync::signal::Signal;
-use floorguard_guard::{Advice, Decision, GuardConfig, GuardConfigError, Supervisor};
+use floorguard_guard::{Advice, Decision, FloorSight, GuardConfig, GuardConfigError, Supervisor};
 use floorguard_types::geometry::Twist2;
 use floorguard_types::sensing::{DirtReading, LidarPacket, Scan};
 use floorguard_types::time::Stamp;
 use heapless::Vec;
 
 use crate::channel::{Latest, Queue, SlotQueue};
-use crate::tasks::FloorSight;
 
 /// Lidar packets that perception may be late by: 21 ms. Eight more do not fit beside the legs into the memory of the boards.
 pub const PACKETS_QUEUED: usize = 16;

@@ -5,12 +5,11 @@
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::{Duration, Ticker};
-use floorguard_guard::Decision;
+use floorguard_guard::{Decision, FloorSight};
 use floorguard_types::geometry::Twist2;
 use floorguard_types::sensing::{DirtReading, Scan};
 use floorguard_types::time::Stamp;
 
-use super::floor_camera::FloorSight;
 use crate::clock;
 use crate::shared::{PeopleReport, Shared, StampedPose};
 

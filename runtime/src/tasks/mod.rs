@@ -9,7 +9,6 @@ mod advise;
 mod buttons;
 mod can;
 mod clean;
-mod floor_camera;
 mod imu;
 mod inputs;
 mod lidar;
@@ -22,10 +21,6 @@ pub use advise::PERSON_PROBABILITY_MIN;
 pub use buttons::BusWithButtons;
 pub use can::can_bus;
 pub use clean::{CleaningMission, MissionMoment, clean};
-pub use floor_camera::{
-    FLOOR_OBSTACLES_MAX, FloorLimits, FloorObstacle, FloorSight, OBSTACLE_HEIGHT_MIN_M, SIGHT_MAX_US,
-    with_floor,
-};
 pub use imu::imu_input;
 pub use inputs::{advice_input, command_input, operator_input};
 pub use lidar::lidar_input;

@@ -3,6 +3,7 @@
 use embassy_futures::select::{Either, select};
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use floorguard_drivers::velodyne::SweepBuilder;
+use floorguard_guard::with_floor;
 use floorguard_localisation::odometry::{PoseHistory, PoseLookupError};
 use floorguard_perception::legs::PeopleByLegs;
 use floorguard_perception::motion::{MotionDetector, find_moving_people};
@@ -12,7 +13,6 @@ use floorguard_types::sensing::{Scan, Sweep};
 use floorguard_types::time::Stamp;
 
 use super::advise::advice;
-use super::floor_camera::with_floor;
 use crate::clock;
 use crate::shared::{PeopleReport, PersonReport, QueuedPacket, Shared, SweepReport};
 

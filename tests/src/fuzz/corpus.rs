@@ -2,7 +2,7 @@
 
 use floorguard_sim::can::CanFrame;
 use floorguard_sim::scenario::Scenario;
-use floorguard_sim::simulation::{Payload, Simulation, Stream};
+use floorguard_sim::{Payload, Simulation, Stream};
 
 /// Messages of each stream, as the simulated devices send them.
 pub struct Corpus {

@@ -11,7 +11,7 @@ use anyhow::Context;
 use floorguard_laboratory::world::Plan;
 use floorguard_operator::telemetry::Tape;
 use floorguard_sim::can::{CanFrame, SlcanDecoder, encode_slcan};
-use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
+use floorguard_sim::{Payload, Simulation, Stream, WireEvent};
 
 use super::board::Board;
 use super::outcome::Outcome;

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use crate::sim_support::{DrivenSimulation, bytes_of, mean_and_deviation, room};
 use floorguard_drivers::xsens::{Device, DeviceEvent, DevicePhase};
 use floorguard_sim::faults::{FaultLayer, FaultSpec};
-use floorguard_sim::simulation::{Stream, Truth, WireEvent};
+use floorguard_sim::{Stream, Truth, WireEvent};
 use floorguard_types::geometry::Pose2;
 use floorguard_types::sensing::ImuSample;
 use floorguard_types::time::{Age, Stamp};

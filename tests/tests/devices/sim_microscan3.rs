@@ -22,7 +22,7 @@ use floorguard_runtime::tasks::scanner_datagrams;
 use floorguard_sim::FaultSpec;
 use floorguard_sim::robot::{RobotParameters, ScannerDevice};
 use floorguard_sim::sensors::ScannerState;
-use floorguard_sim::simulation::{Simulation, Stream};
+use floorguard_sim::{Simulation, Stream};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::sensing::{BeamReturn, Scan};
 use floorguard_types::time::Stamp;

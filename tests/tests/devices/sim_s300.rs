@@ -12,7 +12,7 @@ use floorguard_runtime::tasks::scanner_input;
 use floorguard_sim::Scenario;
 use floorguard_sim::faults::{FaultLayer, FaultSpec};
 use floorguard_sim::sensors::ScannerState;
-use floorguard_sim::simulation::{Simulation, Stream};
+use floorguard_sim::{Simulation, Stream};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::sensing::{BeamReturn, Scan};
 use floorguard_types::time::Stamp;

@@ -8,10 +8,10 @@ use floorguard_drivers::velodyne::{
     DecodeError, Decoder, Gprmc, Model, ModelChoice, Packet, PositionPacket, PpsState, Return, Returns,
     ReturnsOf, SweepBuilder,
 };
+use floorguard_sim::Stream;
 use floorguard_sim::faults::{FaultLayer, FaultSpec};
 use floorguard_sim::robot::{RobotBody, RobotParameters};
 use floorguard_sim::sensors::{Lidar, View};
-use floorguard_sim::simulation::Stream;
 use floorguard_sim::wire::ReturnMode;
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
 use floorguard_types::sensing::{LidarPacket, Sweep};

@@ -8,7 +8,7 @@ use super::config::{DriveLimits, foremost_m, rearmost_m};
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 
 /// Radius of a person, metres.
-const PERSON_RADIUS_M: f32 = 0.3;
+pub(super) const PERSON_RADIUS_M: f32 = 0.3;
 /// Standard deviations of the position that are added to the radius.
 pub(super) const POSITION_SIGMAS: f32 = 2.0;
 /// Added to the time to standstill before a person must be reached later (book, Guard: Collision), seconds.

@@ -9,6 +9,7 @@ mod config;
 mod config_error;
 mod decision;
 mod field;
+mod floor_sight;
 mod held;
 mod integrity;
 mod kinematics;
@@ -33,6 +34,10 @@ pub use config::{DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeome
 pub use config_error::GuardConfigError;
 pub use decision::{Decision, SourceReport};
 pub use field::{Polygon, point_in_polygon, ray_exit_m};
+pub use floor_sight::{
+    FLOOR_OBSTACLES_MAX, FloorLimits, FloorObstacle, FloorSight, OBSTACLE_HEIGHT_MIN_M, SIGHT_MAX_US,
+    with_floor,
+};
 pub use held::{HeldCause, HeldCauses};
 pub use integrity::{Integrity, PARTS};
 pub use kinematics::{field_length_m, stop_distance_m};

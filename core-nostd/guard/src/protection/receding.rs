@@ -1,7 +1,7 @@
 //! People whom the robot leaves behind: a stop would only keep it near to them (book, Guard: Collision).
 
 use super::advice::AdvisedPerson;
-use super::collision::{Body, POSITION_SIGMAS, STRAIGHT_RADPS};
+use super::collision::{Body, PERSON_RADIUS_M, POSITION_SIGMAS, STRAIGHT_RADPS};
 use floorguard_types::geometry::Twist2;
 
 /// Slower than this the robot drives away from nobody, m/s.
@@ -9,14 +9,18 @@ const LEAVING_MPS: f32 = 0.02;
 /// Of the angle within which the trailing edge drives away from a person only this share counts: the bearing of the
 /// person changes while the robot turns.
 const TURNING_SHARE: f32 = 0.5;
+/// Who comes nearer to the flank more slowly than this stands beside it, m/s: tracks of people who stand move by some
+/// 0.05 m/s.
+const BESIDE_MPS: f32 = 0.1;
 
 impl Body {
     /// The robot's own motion leaves a person behind: it cannot bring the body nearer to anywhere that the person may
     /// be, a disc of two standard deviations, and the person does not follow faster than the robot leaves (FG-REQ-034).
     ///
-    /// The person is beyond the trailing edge. A robot that drives straight touches nobody who is not beyond its leading
-    /// edge. The trailing edge of a turning robot swings aside: all of the disc must be behind it, near to straight
-    /// behind, the nearer the more the robot turns. More doubt never turns this from `false` to `true`.
+    /// The person is beyond the trailing edge, or stands beside the flank of a robot that drives straight: such a robot
+    /// touches nobody who is not beyond its leading edge. The trailing edge of a turning robot swings aside: all of the
+    /// disc must be behind it, near to straight behind, the nearer the more the robot turns. More doubt never turns this
+    /// from `false` to `true`.
     ///
     /// ```
     /// use floorguard_guard::{AdvisedPerson, Body};
@@ -33,7 +37,10 @@ impl Body {
         let doubt_m = POSITION_SIGMAS * person.position_sigma_m.max(0.0);
         let offset = self.offset(person.position);
         let behind_m = -offset.x_m * twist.linear_mps.signum();
-        if speed_mps < LEAVING_MPS || behind_m <= 0.0 || self.is_followed_by(person, twist) {
+        if self.is_beside(person, twist) {
+            return speed_mps >= LEAVING_MPS;
+        }
+        if speed_mps < LEAVING_MPS || behind_m <= 0.0 || self.closing_m2ps(person, twist) > 0.0 {
             return false;
         }
         if twist.angular_radps.abs() <= STRAIGHT_RADPS {
@@ -48,13 +55,27 @@ impl Body {
             && aside_m * swings_mps <= TURNING_SHARE * leaves_mps * (behind_m - doubt_m)
     }
 
-    /// The person comes nearer to the nearest point of the body, as both move.
-    fn is_followed_by(&self, person: &AdvisedPerson, twist: Twist2) -> bool {
+    /// All of the disc of the person, its radius and two standard deviations, is beside a body that drives straight, none
+    /// of it ahead, and the person does not come nearer.
+    fn is_beside(&self, person: &AdvisedPerson, twist: Twist2) -> bool {
+        let offset = self.offset(person.position);
+        let disc_m = PERSON_RADIUS_M + POSITION_SIGMAS * person.position_sigma_m.max(0.0);
+        let leading_m = if twist.linear_mps < 0.0 { -self.x_m[0] } else { self.x_m[1] };
+        let place_m = person.position.x_m * twist.linear_mps.signum();
+        twist.angular_radps.abs() <= STRAIGHT_RADPS
+            && offset.x_m == 0.0
+            && offset.y_m != 0.0
+            && leading_m - place_m > disc_m
+            && self.closing_m2ps(person, twist) < BESIDE_MPS * offset.y_m.abs()
+    }
+
+    /// How fast the person comes nearer to the nearest point of the body, as both move, times the gap, m²/s.
+    fn closing_m2ps(&self, person: &AdvisedPerson, twist: Twist2) -> f32 {
         let (place, offset) = (person.position, self.offset(person.position));
         let nearest = [place.x_m - offset.x_m, place.y_m - offset.y_m];
         let along_mps = person.velocity_mps.x_m - twist.linear_mps + twist.angular_radps * nearest[1];
         let across_mps = person.velocity_mps.y_m - twist.angular_radps * nearest[0];
-        offset.x_m * along_mps + offset.y_m * across_mps < 0.0
+        -(offset.x_m * along_mps + offset.y_m * across_mps)
     }
 
     /// From the axle to the trailing edge along x, and to its farther end along y, metres.

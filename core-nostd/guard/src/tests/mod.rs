@@ -9,6 +9,7 @@ mod configurations;
 mod doubt;
 mod exploration;
 mod fixtures;
+mod latches;
 mod memory;
 mod numbers;
 mod oracles;

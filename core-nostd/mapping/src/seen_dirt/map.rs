@@ -3,7 +3,8 @@
 //! Every observation is of one picture alone. Scores that the detector has averaged with earlier frames would carry a
 //! reflection or a passing shadow from view to view, and views that repeat each other cannot disagree.
 
-use super::cell::{CellState, DirtLimit, KeptScore, SeenCell, SeenLayer, Together};
+use super::cell::SeenCell;
+use super::limit::{CellState, DirtLimit, KeptScore, SeenLayer, Together};
 use super::tint::FloorTints;
 use crate::GridGeometry;
 use floorguard_perception::floor::dirt::{FloorView, NOVELTY_BIN, Pixel};

@@ -5,7 +5,8 @@
 
 use heapless::Vec;
 
-use super::cell::{CellState, DirtLimit, SeenCell, SeenLayer};
+use super::cell::SeenCell;
+use super::limit::{CellState, DirtLimit, SeenLayer};
 use super::map::SeenDirtMap;
 use floorguard_types::geometry::Point2;
 use floorguard_types::time::Stamp;
@@ -228,7 +229,7 @@ impl Part {
 
 #[cfg(test)]
 mod tests {
-    use super::super::cell::KeptScore;
+    use super::super::limit::KeptScore;
     use super::super::tint::FloorTints;
     use super::*;
     use crate::GridGeometry;

@@ -5,7 +5,7 @@ use heapless::Vec;
 use super::features::leg_features;
 use super::segments::Segments;
 use super::stumps::{leg_score, leg_score_near_floor};
-use crate::people::person_model::probability;
+use crate::shapes::person_model::probability;
 use floorguard_types::geometry::Point2;
 use floorguard_types::sensing::Scan;
 

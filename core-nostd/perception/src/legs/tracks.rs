@@ -4,7 +4,7 @@
 use heapless::Vec;
 
 use super::detector::{LEGS_MAX, Leg};
-use crate::people::{Appearance, ConstantVelocity, Detection};
+use crate::tracking::{Appearance, ConstantVelocity, Detection};
 use floorguard_types::geometry::Point2;
 use floorguard_types::time::{Age, Stamp};
 

@@ -2,7 +2,7 @@
 
 use super::detector::LegDetector;
 use super::tracks::LegTracker;
-use crate::people::{PeopleSensor, PeopleView};
+use crate::tracking::{PeopleSensor, PeopleView};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::sensing::Scan;
 

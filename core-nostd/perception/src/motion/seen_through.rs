@@ -3,7 +3,8 @@
 //! A static object that comes out from behind another fills voxels that were empty before, just like one that moves.
 //! The range image of the moment before tells them apart: only where the lidar looked through, something has come.
 
-use crate::people::{RingAngles, SweepContext};
+use crate::clusters::RingAngles;
+use crate::people::SweepContext;
 use floorguard_types::capacities::{SWEEP_COLUMNS, SWEEP_RINGS};
 use floorguard_types::geometry::{Point3, Twist2};
 use floorguard_types::sensing::Sweep;

@@ -3,7 +3,7 @@
 //! `z(x) = √(2/D) · cos(Ωx + b)` with normal Ω and even b approximates exp(−γ‖x − y‖²) (Rahimi and Recht 2007; book,
 //! Online learning: Random waves). The waves follow from a seed, so a file needs no more than the weights.
 
-use crate::people::shape::{SHAPE_FEATURES, ShapeVector};
+use crate::shapes::shape::{SHAPE_FEATURES, ShapeVector};
 use floorguard_types::random::Pcg32;
 
 /// Waves.

@@ -5,8 +5,8 @@
 
 use heapless::Vec;
 
-use crate::people::person_model::probability;
-use crate::people::{BELIEF_MAX, PeopleSensor, SHAPE_EVIDENCE_MAX, Track};
+use crate::shapes::person_model::probability;
+use crate::tracking::{BELIEF_MAX, PeopleSensor, SHAPE_EVIDENCE_MAX, Track};
 use floorguard_types::capacities::LEARNING_TRACKS;
 
 /// The log-odds of one observation of a track.
@@ -93,7 +93,7 @@ fn log_odds(probability: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::people::{Appearance, Detection, Tracker, TrackerParameters};
+    use crate::tracking::{Appearance, Detection, Tracker, TrackerParameters};
     use floorguard_types::geometry::Point2;
     use floorguard_types::time::Stamp;
 

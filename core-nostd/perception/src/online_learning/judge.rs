@@ -8,7 +8,7 @@
 use super::basis::Basis;
 use super::samples::{LabelledShape, SampleStore};
 use super::weights::Weights;
-use crate::people::shape::ShapeVector;
+use crate::shapes::shape::ShapeVector;
 
 /// People among the anchors that may be lost against the shipped classifier, as a share, and others.
 const ANCHOR_LOSS_MAX: [f32; 2] = [0.005, 0.002];

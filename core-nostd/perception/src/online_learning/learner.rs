@@ -8,7 +8,7 @@ use super::judge::{Baselines, Standing, in_place, is_better, is_harmless, on_anc
 use super::samples::{LabelledShape, SampleStore};
 use super::track_history::TrackHistory;
 use super::weights::Weights;
-use crate::people::shape::ShapeVector;
+use crate::shapes::shape::ShapeVector;
 use floorguard_types::capacities::{LEARNING_ANCHORS, LEARNING_TRACKS};
 use floorguard_types::geometry::Point2;
 use floorguard_types::random::Pcg32;

@@ -4,8 +4,8 @@ use std::boxed::Box;
 use std::vec::Vec;
 
 use super::*;
-use crate::people::person_model::person_log_odds;
-use crate::people::shape::{SHAPE_FEATURES, ShapeVector};
+use crate::shapes::person_model::person_log_odds;
+use crate::shapes::shape::{SHAPE_FEATURES, ShapeVector};
 use floorguard_types::geometry::Point2;
 use floorguard_types::random::Pcg32;
 use floorguard_types::time::Stamp;

@@ -2,7 +2,7 @@
 
 use heapless::Vec;
 
-use crate::people::shape::ShapeVector;
+use crate::shapes::shape::ShapeVector;
 use floorguard_types::capacities::{LEARNING_HELD_OUT, LEARNING_SAMPLES};
 use floorguard_types::random::Pcg32;
 
@@ -117,7 +117,7 @@ impl Default for SampleStore {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::people::shape::SHAPE_FEATURES;
+    use crate::shapes::shape::SHAPE_FEATURES;
 
     #[test]
     fn every_fourth_track_is_held_out() {

@@ -1,7 +1,7 @@
 //! What one track did, in constant memory: how far, how fast, how it looked.
 
 use super::experts::TrackSummary;
-use crate::people::shape::ShapeVector;
+use crate::shapes::shape::ShapeVector;
 use floorguard_types::capacities::LEARNING_SHAPES;
 use floorguard_types::geometry::Point2;
 use floorguard_types::random::Pcg32;

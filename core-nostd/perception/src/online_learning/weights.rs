@@ -1,8 +1,8 @@
 //! The correction: weights of the waves, added to the log-odds of the shipped classifier.
 
 use super::basis::{BASIS, Basis};
-use crate::people::person_model::{person_log_odds, probability};
-use crate::people::shape::ShapeVector;
+use crate::shapes::person_model::{person_log_odds, probability};
+use crate::shapes::shape::ShapeVector;
 
 /// The farthest a correction goes, in log-odds: what is certain stays so.
 const CORRECTION_MAX: f32 = 4.0;
@@ -64,7 +64,7 @@ impl Weights {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::people::shape::SHAPE_FEATURES;
+    use crate::shapes::shape::SHAPE_FEATURES;
 
     #[test]
     fn steps_move_towards_labels_zero_is_shipped() {

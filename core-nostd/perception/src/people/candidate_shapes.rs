@@ -2,10 +2,9 @@
 
 use heapless::Vec;
 
-use super::appearance::Shades;
-use super::association::DETECTIONS_MAX;
-use super::cluster::Cluster;
-use super::shape::{SHAPE_FEATURES, ShapeBuilder, ShapeVector};
+use crate::clusters::Cluster;
+use crate::shapes::shape::{SHAPE_FEATURES, ShapeBuilder, ShapeVector};
+use crate::tracking::{DETECTIONS_MAX, Shades};
 use floorguard_types::capacities::CLUSTERS_MAX;
 use floorguard_types::geometry::Point3;
 

@@ -1,9 +1,7 @@
 //! Which clusters may be people: the published volume (Yan et al. 2020a, section 4.1), made honest about distance
 //! and about the floor.
 
-use super::appearance::Appearance;
-use super::cluster::Cluster;
-use floorguard_types::geometry::Point2;
+use crate::clusters::Cluster;
 
 /// The volume that a person can fill, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,25 +37,6 @@ impl Default for CandidateLimits {
     fn default() -> Self {
         Self::DEFAULT
     }
-}
-
-/// A candidate, in the fixed frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Detection {
-    /// Where it stands on the floor.
-    pub position: Point2,
-    /// How far from the sensor, metres: the farthest is given up first when the list is full.
-    pub distance_m: f32,
-    /// Standard deviation of the position, metres.
-    pub sigma_m: f32,
-    /// Probability that it is a person, from this one shape.
-    pub likeness: f32,
-    /// Returns that speak for it.
-    pub points: u16,
-    /// Whether it moves by itself; `None` if that was not judged.
-    pub moving: Option<bool>,
-    /// Its appearance.
-    pub appearance: Appearance,
 }
 
 /// Vertical distance between two rings per metre of range: 2°.

@@ -1,49 +1,19 @@
 //! People: from a sweep to tracks with identity, velocity and doubt.
 //!
-//! Ground → clusters → candidates → tracker, on the range image: neighbourhood is index arithmetic, no tree is built.
-//! Source: book, People; book, Tracking.
+//! [`clusters`](crate::clusters) → candidates → [`shapes`](crate::shapes) → [`tracking`](crate::tracking). What a caller
+//! of the pipeline needs of these stands here, too. Source: book, People; book, Tracking.
 
-mod appearance;
-mod association;
 mod candidate_shapes;
 mod candidates;
-pub mod classify;
-mod cluster;
-mod clusters;
-mod filter;
-pub mod filters;
-mod floor_height;
-mod ground;
-mod joint;
-mod labels;
-mod memory;
-pub mod person_model;
-mod person_table;
 mod pipeline;
-mod projection;
-pub mod ring_clusters;
-mod sensors;
-pub mod shape;
 mod splits;
-mod track;
-mod tracker;
-mod views;
-mod visibility;
 
-pub use appearance::Appearance;
-pub use association::Association;
-pub use candidates::{CandidateLimits, Detection};
-pub use cluster::{Cluster, ClusterLimits};
-pub use filter::ConstantVelocity;
-pub use floor_height::FloorHeight;
-pub use ground::FloorMask;
-pub use joint::{GROUP_DETECTIONS, GROUP_TRACKS, JointGroup, Marginals};
+pub use crate::clusters::{Cluster, ClusterLimits, FloorHeight, FloorMask, RingAngles, ring_clusters};
+pub use crate::shapes::{classify, person_model, shape};
+pub use crate::tracking::{
+    Appearance, Association, ConstantVelocity, Detection, GROUP_DETECTIONS, GROUP_TRACKS, JointGroup,
+    Marginals, OpenSpace, PEOPLE_SENSORS, PeopleSensor, PeopleView, SensorSet, Sightings, Track, TrackStatus,
+    Tracker, TrackerParameters, VIEW_PEOPLE_MAX, VIEWS_WAITING, filters,
+};
+pub use candidates::CandidateLimits;
 pub use pipeline::{PeopleCounters, PeopleOutput, PeoplePipeline, SweepContext};
-pub use projection::RingAngles;
-pub(crate) use projection::SweepFrame;
-pub use sensors::{PEOPLE_SENSORS, PeopleSensor, SensorSet};
-pub(crate) use track::{BELIEF_MAX, SHAPE_EVIDENCE_MAX};
-pub use track::{Track, TrackStatus};
-pub use tracker::{Sightings, Tracker, TrackerParameters};
-pub use views::{PeopleView, VIEW_PEOPLE_MAX, VIEWS_WAITING};
-pub use visibility::OpenSpace;

@@ -3,7 +3,7 @@
 
 use heapless::Vec;
 
-use super::cluster::Cluster;
+use crate::clusters::Cluster;
 use floorguard_types::geometry::{Point2, Point3};
 
 /// Expected people who are close to a cluster, of one sweep. More than this touch nobody.

@@ -9,7 +9,7 @@ use embedded_can::Frame as _;
 use floorguard_runtime::configuration::ScannerModel;
 use floorguard_sim::CanFrame as SimCanFrame;
 use floorguard_sim::can::{SlcanDecoder, encode_slcan};
-use floorguard_sim::simulation::{Payload, Stream, WireEvent};
+use floorguard_sim::{Payload, Stream, WireEvent};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use socketcan::{CanFrame as KernelFrame, CanSocket, Socket};
 

@@ -5,7 +5,7 @@ use floorguard_drivers::can::CanFrame;
 use floorguard_runtime::clock;
 use floorguard_runtime::shared::StopRecord;
 use floorguard_sim::FaultLayer;
-use floorguard_sim::simulation::{Simulation, Stream};
+use floorguard_sim::{Simulation, Stream};
 use floorguard_types::time::Stamp;
 
 use super::ends::Ends;

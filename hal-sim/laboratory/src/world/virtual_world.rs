@@ -7,8 +7,8 @@ use floorguard_drivers::can::CanFrame;
 use floorguard_runtime::configuration::ScannerModel;
 use floorguard_runtime::shared::{Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
-use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
 use floorguard_sim::{CanFrame as SimCanFrame, FaultKind, FaultLayer, FaultSpec, FaultTarget};
+use floorguard_sim::{Payload, Simulation, Stream, WireEvent};
 use floorguard_types::time::Stamp;
 
 use super::floor_camera::SimulatedCamera;

@@ -7,18 +7,6 @@ use floorguard_types::time::Stamp;
 
 use super::*;
 
-/// Devices that have sent nothing since the start are named, with their nodes.
-#[test]
-fn silent_nodes_are_named() {
-    let robot =
-        floorguard_configuration::parse("robot.toml", floorguard_configuration::EXAMPLE).unwrap().robot;
-    let mut report = BusReport::of(&floorguard_drivers::three_wheel_base::ThreeWheelBase::new(robot.base()));
-    let lines = silent_devices(&report);
-    assert!(lines.len() == 5 && lines[4].contains("safety controller (node 5): not heard of"), "{lines:?}");
-    report.devices[0].phase = NodePhase::Operational;
-    assert_eq!(silent_devices(&report).len(), 4);
-}
-
 #[test]
 fn unwritable_black_box_is_counted_without_blocking() {
     let configuration =

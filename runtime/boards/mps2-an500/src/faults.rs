@@ -2,7 +2,7 @@
 //! the cause is reported.
 
 use core::hint::black_box;
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use core::sync::atomic::{AtomicU32, Ordering};
 
 use cortex_m::peripheral::NVIC;
 use embassy_time::{Duration, Instant, Timer};
@@ -10,6 +10,7 @@ use floorguard_board_support::RobotShared;
 
 use crate::crash_record;
 use crate::interrupts::{self, Interrupt, priority};
+use crate::uart;
 
 /// How long after the robot was first permitted to drive, milliseconds.
 const AFTER_MS: u32 = 300;
@@ -119,7 +120,7 @@ pub async fn break_guard(shared: &'static RobotShared, fault: Fault) {
             stall();
         }
         Fault::InterruptStorm => {
-            STORM.store(true, Ordering::Relaxed);
+            uart::STORM.store(true, Ordering::Relaxed);
             interrupts::enable(Interrupt::Uart3Transmit, priority::DEVICE);
             NVIC::pend(Interrupt::Uart3Transmit);
         }
@@ -131,9 +132,6 @@ pub async fn break_guard(shared: &'static RobotShared, fault: Fault) {
         _ => {}
     }
 }
-
-/// The line of the log's transmitter keeps itself pending while this is set.
-pub static STORM: AtomicBool = AtomicBool::new(false);
 
 fn stall() -> u32 {
     loop {

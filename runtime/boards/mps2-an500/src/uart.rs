@@ -4,14 +4,13 @@
 //! buffer is full the byte stays in the device, the interrupt is switched off, and the reader switches it on again.
 
 use core::convert::Infallible;
-use core::sync::atomic::{AtomicU32, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use embassy_sync::pipe::Pipe;
 use embassy_sync::signal::Signal;
 use embedded_io_async::{ErrorType, Read, Write};
 
-use crate::faults::STORM;
 use crate::interrupts::{self, Interrupt, priority};
 use crate::register::Register;
 
@@ -50,6 +49,9 @@ pub static LOG: Uart = Uart::new(0x4000_7000, Interrupt::Uart3Receive, Interrupt
 
 /// The black box, on request.
 pub static BLACK_BOX: Uart = Uart::new(0x4000_9000, Interrupt::Uart4Receive, Interrupt::Uart4Transmit);
+
+/// The line of the log's transmitter keeps itself pending while this is set: a fault on purpose.
+pub static STORM: AtomicBool = AtomicBool::new(false);
 
 impl Uart {
     const fn new(base: usize, receive: Interrupt, transmit: Interrupt) -> Self {

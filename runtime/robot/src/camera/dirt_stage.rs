@@ -3,10 +3,10 @@
 //! Only what the depth picture beside it shows as free floor is judged. A picture that repeats itself, comes from the
 //! future or shows too little floor adds nothing: the floor stays as unknown as it was.
 
+use floorguard_guard::SIGHT_MAX_US;
 use floorguard_mapping::GridGeometry;
 use floorguard_mapping::seen_dirt::{CellState, DirtSpots, SeenCell, SeenDirtMap, SeenLayer, ViewOutcome};
 use floorguard_perception::floor::dirt::DirtFault;
-use floorguard_runtime::tasks::SIGHT_MAX_US;
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::sensing::{ColorImage, FrameFault, FrameWatch, PinholeCamera};
 use floorguard_types::time::{Age, Stamp};

@@ -1,11 +1,11 @@
 //! From a depth picture to what the rings hear of it: floor, objects on it, and whether it is known.
 
+use floorguard_guard::{FloorLimits, FloorObstacle, FloorSight};
 use floorguard_perception::floor::dirt::FloorView;
 use floorguard_perception::floor::{
     ConfirmedObject, FloorModel, FloorParameters, ObjectFinder, ObjectMemory, PixelClass, Plane,
 };
 use floorguard_runtime::configuration::RobotConfiguration;
-use floorguard_runtime::tasks::{FloorLimits, FloorObstacle, FloorSight};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::sensing::{DepthImage, PinholeCamera};
 use floorguard_types::time::{Age, Stamp};
@@ -210,7 +210,7 @@ impl FloorStage {
 mod tests {
     use super::*;
     use floorguard_configuration::{CameraSource, EXAMPLE, parse};
-    use floorguard_runtime::tasks::with_floor;
+    use floorguard_guard::with_floor;
 
     const SIZE: (usize, usize) = (160, 120);
     const PITCH_RAD: f32 = 0.8;

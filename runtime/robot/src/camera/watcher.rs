@@ -1,9 +1,9 @@
 //! What a camera's pictures mean for the robot, picture by picture: floor and objects, people, dirt, and what to
 //! log.
 
+use floorguard_guard::FloorSight;
 use floorguard_perception::people::PeopleView;
 use floorguard_runtime::configuration::RobotConfiguration;
-use floorguard_runtime::tasks::FloorSight;
 use floorguard_types::geometry::Pose2;
 use floorguard_types::time::Stamp;
 

@@ -1,9 +1,10 @@
 //! What the mission hears and sees: where it is, what the brush picks up, who and what stands on the path.
 
 use floorguard_guard::{AdvisedPerson, FUTURE_TOLERANCE_US};
+use floorguard_guard::{FloorSight, OBSTACLE_HEIGHT_MIN_M};
 use floorguard_perception::people::TrackStatus;
 use floorguard_runtime::shared::{PeopleReport, StampedPose};
-use floorguard_runtime::tasks::{FloorSight, OBSTACLE_HEIGHT_MIN_M, PERSON_PROBABILITY_MIN};
+use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
 use floorguard_types::sensing::{DirtReading, Scan};
 use floorguard_types::time::{Age, Stamp};

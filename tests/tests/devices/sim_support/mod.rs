@@ -5,7 +5,7 @@ use floorguard_drivers::can::CanFrame;
 use floorguard_drivers::three_wheel_base::{BaseConfiguration, DriveCommand, ThreeWheelBase};
 use floorguard_sim::can as sim_can;
 use floorguard_sim::scenario::Scenario;
-use floorguard_sim::simulation::{Payload, Simulation, Stream, WireEvent};
+use floorguard_sim::{Payload, Simulation, Stream, WireEvent};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::time::Stamp;
 

@@ -7,7 +7,7 @@
 
 use super::context::SweepContext;
 use super::state::PeoplePipeline;
-use crate::people::projection::SweepFrame;
+use crate::clusters::SweepFrame;
 use floorguard_types::geometry::{Point2, Point3};
 use floorguard_types::sensing::Sweep;
 
@@ -147,7 +147,7 @@ impl PeoplePipeline {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::people::RingAngles;
+    use crate::clusters::RingAngles;
     use floorguard_types::geometry::{Pose2, Transform3, Twist2};
 
     const SENSOR_M: f32 = 0.8;

@@ -2,11 +2,10 @@
 
 use super::context::SweepContext;
 use super::state::PeoplePipeline;
-use crate::people::appearance::Appearance;
-use crate::people::candidates::Detection;
-use crate::people::cluster::Cluster;
-use crate::people::shape::ShapeBuilder;
+use crate::clusters::Cluster;
 use crate::people::splits::SEEDS_MAX;
+use crate::shapes::shape::ShapeBuilder;
+use crate::tracking::{Appearance, Detection};
 use floorguard_types::capacities::CLUSTERS_MAX;
 use floorguard_types::geometry::Point2;
 

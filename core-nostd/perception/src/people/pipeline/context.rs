@@ -1,7 +1,7 @@
 //! What a sweep needs to be interpreted, and what it yielded.
 
-use crate::people::cluster::Cluster;
-use crate::people::track::Track;
+use crate::clusters::Cluster;
+use crate::tracking::Track;
 use floorguard_types::geometry::{Pose2, Transform3, Twist2};
 
 /// Where the sensor was while it measured.

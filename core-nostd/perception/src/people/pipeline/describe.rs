@@ -2,10 +2,8 @@
 
 use super::context::SweepContext;
 use super::state::PeoplePipeline;
-use crate::people::clusters::rings_of;
-use crate::people::labels::NONE;
-use crate::people::person_model::{person_log_odds, probability};
-use crate::people::projection::{ColumnFrame, SweepFrame};
+use crate::clusters::{ColumnFrame, NONE, SweepFrame, rings_of};
+use crate::shapes::person_model::{person_log_odds, probability};
 use floorguard_types::sensing::Sweep;
 
 impl PeoplePipeline {

@@ -2,9 +2,7 @@
 
 use super::context::{PeopleCounters, SweepContext};
 use super::state::PeoplePipeline;
-use crate::people::clusters::{Obstacles, rings_of};
-use crate::people::ground::FloorLimits;
-use crate::people::projection::{RingProfile, SweepFrame};
+use crate::clusters::{FloorLimits, Obstacles, RingProfile, SweepFrame, rings_of};
 use floorguard_types::capacities::SWEEP_RINGS;
 use floorguard_types::sensing::{Sweep, SweepColumn};
 

@@ -2,8 +2,7 @@
 
 use super::context::SweepContext;
 use super::state::PeoplePipeline;
-use crate::people::clusters::rings_of;
-use crate::people::projection::{ColumnFrame, SweepFrame};
+use crate::clusters::{ColumnFrame, SweepFrame, rings_of};
 use floorguard_types::sensing::Sweep;
 
 impl PeoplePipeline {

@@ -3,18 +3,14 @@
 use heapless::Vec;
 
 use super::context::{PeopleCounters, PeopleOutput, SweepContext};
-use crate::people::association::DETECTIONS_MAX;
+use crate::clusters::{Cluster, ClusterLimits, Clusterer, RingAngles};
 use crate::people::candidate_shapes::CandidateShapes;
-use crate::people::candidates::{CandidateLimits, Detection};
-use crate::people::cluster::{Cluster, ClusterLimits};
-use crate::people::clusters::Clusterer;
-use crate::people::projection::RingAngles;
-use crate::people::shape::ShapeVector;
+use crate::people::candidates::CandidateLimits;
 use crate::people::splits::Splits;
-use crate::people::track::Track;
-use crate::people::tracker::{Tracker, TrackerParameters};
-use crate::people::views::{PeopleView, WaitingViews};
-use crate::people::visibility::Visibility;
+use crate::shapes::shape::ShapeVector;
+use crate::tracking::{
+    DETECTIONS_MAX, Detection, PeopleView, Track, Tracker, TrackerParameters, Visibility, WaitingViews,
+};
 use floorguard_types::capacities::CLUSTERS_MAX;
 use floorguard_types::geometry::{Point2, Point3};
 use floorguard_types::sensing::Sweep;

@@ -4,9 +4,7 @@ use super::candidates::detection;
 use super::context::SweepContext;
 use super::find_clusters::in_counts;
 use super::state::PeoplePipeline;
-use crate::people::cluster::Cluster;
-use crate::people::clusters::{Obstacles, rings_of};
-use crate::people::projection::{RingProfile, SweepFrame};
+use crate::clusters::{Cluster, Obstacles, RingProfile, SweepFrame, rings_of};
 use floorguard_types::capacities::CLUSTERS_MAX;
 use floorguard_types::sensing::{Sweep, SweepColumn};
 

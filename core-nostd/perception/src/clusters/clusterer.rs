@@ -23,11 +23,11 @@ const HIDDEN: u16 = 0x8000;
 
 /// The obstacles of a column.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Obstacles {
+pub(crate) struct Obstacles {
     /// A bit per ring that shows one.
-    pub(super) present: u16,
+    pub(crate) present: u16,
     /// Their horizontal distances, counts of 2 mm, at least 1; meaningless where there is none.
-    pub(super) counts: [u16; SWEEP_RINGS],
+    pub(crate) counts: [u16; SWEEP_RINGS],
 }
 
 const _: () = assert!(SWEEP_RINGS == 16);
@@ -36,7 +36,7 @@ const _: () = assert!(SWEEP_RINGS == 16);
 const AT_MOST: &[(); SWEEP_RINGS] = &[(); SWEEP_RINGS];
 
 /// The rings of the bits that are set, lowest first.
-pub(super) fn rings_of(bits: u16) -> impl Iterator<Item = usize> {
+pub(crate) fn rings_of(bits: u16) -> impl Iterator<Item = usize> {
     let mut left = u32::from(bits);
     AT_MOST.iter().map_while(move |()| {
         let ring = left.trailing_zeros() as usize % SWEEP_RINGS;
@@ -66,7 +66,7 @@ const _: () = assert!(COLUMNS_BACK < RECENT && RECENT.is_power_of_two());
 
 /// Working memory: a label per cell, the labels, and what is known of each cluster.
 #[derive(Clone, Debug)]
-pub(super) struct Clusterer {
+pub(crate) struct Clusterer {
     labels: Labels,
     cells: [[u16; SWEEP_RINGS]; SWEEP_COLUMNS],
     /// Where the cells have labels, a bit per ring.
@@ -76,12 +76,12 @@ pub(super) struct Clusterer {
     /// The first columns of the revolution.
     first: [Entered; COLUMNS_BACK],
     columns: usize,
-    pub(super) clusters: Vec<Cluster, CLUSTERS_MAX>,
-    pub(super) dropped: u32,
+    pub(crate) clusters: Vec<Cluster, CLUSTERS_MAX>,
+    pub(crate) dropped: u32,
 }
 
 impl Clusterer {
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self {
             labels: Labels::new(),
             cells: [[NONE; SWEEP_RINGS]; SWEEP_COLUMNS],
@@ -95,7 +95,7 @@ impl Clusterer {
     }
 
     /// Starts a sweep.
-    pub(super) fn clear(&mut self, limits: &ClusterLimits) {
+    pub(crate) fn clear(&mut self, limits: &ClusterLimits) {
         self.labels.clear(limits.labels_max);
         (self.recent, self.first) = ([NO_OBSTACLES; RECENT], [NO_OBSTACLES; COLUMNS_BACK]);
         self.columns = 0;
@@ -104,7 +104,7 @@ impl Clusterer {
     }
 
     /// Enters the obstacles of the next column and joins them with those before. Columns without any are entered, too.
-    pub(super) fn enter_column(&mut self, obstacles: &Obstacles, limits: &ClusterLimits) {
+    pub(crate) fn enter_column(&mut self, obstacles: &Obstacles, limits: &ClusterLimits) {
         let gap = (limits.gap_m * 500.0) as u16;
         let column = self.columns;
         self.forget(column);
@@ -216,7 +216,7 @@ impl Clusterer {
 
     /// Joins the end of the revolution with its start. After the last [`Self::enter_column`], before
     /// [`Self::add_column`].
-    pub(super) fn close(&mut self, limits: &ClusterLimits) {
+    pub(crate) fn close(&mut self, limits: &ClusterLimits) {
         let gap = (limits.gap_m * 500.0) as u16;
         let newest = self.columns.wrapping_sub(1);
         for ring in 0..SWEEP_RINGS {
@@ -233,7 +233,7 @@ impl Clusterer {
     }
 
     /// Adds the points of a column to their clusters.
-    pub(super) fn add_column(
+    pub(crate) fn add_column(
         &mut self,
         index: usize,
         (frame, raw, angles): (&ColumnFrame, &[u16; SWEEP_RINGS], &RingAngles),
@@ -313,17 +313,17 @@ impl Clusterer {
     }
 
     /// Where something stands in a column of the newest image, a bit per ring.
-    pub(super) fn present_in(&self, column: usize) -> u16 {
+    pub(crate) fn present_in(&self, column: usize) -> u16 {
         self.present.get(column).copied().unwrap_or(0)
     }
 
     /// The labels of a column, for [`Self::cluster_of_label`].
-    pub(super) fn labels_of(&self, column: usize) -> Option<&[u16; SWEEP_RINGS]> {
+    pub(crate) fn labels_of(&self, column: usize) -> Option<&[u16; SWEEP_RINGS]> {
         self.cells.get(column).filter(|_| column < self.columns)
     }
 
     /// Index of the cluster that a label names.
-    pub(super) fn cluster_of_label(&self, label: u16) -> Option<usize> {
+    pub(crate) fn cluster_of_label(&self, label: u16) -> Option<usize> {
         let root = self.labels.root_of(plain_label(label)?)?;
         match self.labels.mark(root) {
             Mark::Cluster(index) => Some(index),
@@ -332,12 +332,12 @@ impl Clusterer {
     }
 
     /// Index of the cluster of a cell.
-    pub(super) fn index_of(&self, column: usize, ring: usize) -> Option<usize> {
+    pub(crate) fn index_of(&self, column: usize, ring: usize) -> Option<usize> {
         self.labels_of(column)?.get(ring).and_then(|label| self.cluster_of_label(*label))
     }
 
     /// Finishes the means.
-    pub(super) fn finish(&mut self) {
+    pub(crate) fn finish(&mut self) {
         self.clusters.iter_mut().for_each(Cluster::finish);
     }
 }

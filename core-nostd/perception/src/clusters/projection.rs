@@ -146,7 +146,7 @@ impl ColumnFrame {
     }
 
     /// Distances and heights along each ring.
-    pub(super) fn profile(&self, angles: &RingAngles) -> RingProfile {
+    pub(crate) fn profile(&self, angles: &RingAngles) -> RingProfile {
         let ([.., horizontal], [.., vertical], [.., origin]) = (self.horizontal, self.vertical, self.origin);
         let unit = self.metres_per_count;
         angles.rings.map(|(sin, cos, height_m)| {

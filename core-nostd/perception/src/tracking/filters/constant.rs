@@ -4,7 +4,7 @@ use nalgebra::{Matrix4, Vector4};
 
 use super::gaussian::{Degenerate, Gaussian, Surprise};
 use super::{Observation, PersonFilter};
-use crate::people::ConstantVelocity;
+use crate::tracking::ConstantVelocity;
 
 impl PersonFilter for ConstantVelocity {
     fn predict(&mut self, seconds: f32, density: f32) {

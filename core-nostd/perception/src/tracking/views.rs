@@ -6,7 +6,7 @@
 
 use heapless::Vec;
 
-use super::candidates::Detection;
+use super::detection::Detection;
 use super::sensors::PeopleSensor;
 use super::tracker::{Sightings, Tracker};
 use super::visibility::OpenSpace;
@@ -47,19 +47,19 @@ impl PeopleView {
 
 /// Views in the order of their stamps; those of one moment in the order of their arrival.
 #[derive(Clone, Debug)]
-pub(super) struct WaitingViews {
+pub(crate) struct WaitingViews {
     views: Vec<PeopleView, VIEWS_WAITING>,
     /// Views given to the tracker before their turn because the queue was full, since the start.
-    pub(super) hurried: u32,
+    pub(crate) hurried: u32,
 }
 
 impl WaitingViews {
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self { views: Vec::new(), hurried: 0 }
     }
 
     /// Lets a view wait. When full, the oldest one goes to the tracker at once.
-    pub(super) fn add(&mut self, view: &PeopleView, tracker: &mut Tracker) {
+    pub(crate) fn add(&mut self, view: &PeopleView, tracker: &mut Tracker) {
         if self.views.is_full() {
             self.hurried = self.hurried.saturating_add(1);
             self.give_first(tracker);
@@ -70,12 +70,12 @@ impl WaitingViews {
     }
 
     /// Gives the tracker what was seen up to `stamp`, oldest first. True if there was something.
-    pub(super) fn give_until(&mut self, stamp: Stamp, tracker: &mut Tracker) -> bool {
+    pub(crate) fn give_until(&mut self, stamp: Stamp, tracker: &mut Tracker) -> bool {
         self.give_while(tracker, |view| view.stamp <= stamp)
     }
 
     /// The lidar is silent: gives the tracker what waited too long. True if there was something.
-    pub(super) fn give_overdue(&mut self, tracker: &mut Tracker) -> bool {
+    pub(crate) fn give_overdue(&mut self, tracker: &mut Tracker) -> bool {
         let Some(newest) = self.views.last().map(|view| view.stamp) else { return false };
         self.give_while(tracker, |view| view.stamp.past_us(newest) >= WAIT_MAX_US)
     }
@@ -104,7 +104,7 @@ impl WaitingViews {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::people::{Appearance, TrackerParameters};
+    use crate::tracking::{Appearance, TrackerParameters};
     use floorguard_types::geometry::Point2;
 
     fn legs(at_us: u64, x_m: f32) -> PeopleView {

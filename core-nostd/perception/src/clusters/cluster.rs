@@ -67,7 +67,7 @@ const HIDDEN_EDGES_MIN: u16 = 2;
 
 impl Cluster {
     /// A cluster of which the first return and its distance are known; it is not included yet.
-    pub(super) fn start(root: u16, (point, nearest_m): (Point3, f32)) -> Self {
+    pub(crate) fn start(root: u16, (point, nearest_m): (Point3, f32)) -> Self {
         Self {
             points: 0,
             lower: point,
@@ -82,13 +82,13 @@ impl Cluster {
         }
     }
 
-    pub(super) fn include(&mut self, point: Point3, nearest_m: f32, hidden_edges: u16) {
+    pub(crate) fn include(&mut self, point: Point3, nearest_m: f32, hidden_edges: u16) {
         let mut growth = Growth::of(self);
         growth.include(point, nearest_m, hidden_edges);
         growth.put_back(self);
     }
 
-    pub(super) fn finish(&mut self) {
+    pub(crate) fn finish(&mut self) {
         let count = f32::from(self.points.max(1));
         let [x, y, z] = self.sums;
         self.occluded = self.hidden_edges >= HIDDEN_EDGES_MIN;

@@ -3,7 +3,7 @@
 use heapless::Vec;
 
 use super::association::{Association, Associator, DETECTIONS_A_TRACK, DETECTIONS_MAX};
-use super::candidates::Detection;
+use super::detection::Detection;
 use super::filter::ConstantVelocity;
 use super::memory::best_of;
 use super::sensors::PeopleSensor;
@@ -148,7 +148,7 @@ impl Tracker {
     }
 
     /// Detections that take part in one association.
-    pub(super) fn detections_max(&self) -> usize {
+    pub(crate) fn detections_max(&self) -> usize {
         self.parameters.detections_max()
     }
 
@@ -382,5 +382,5 @@ impl Tracker {
 }
 
 #[cfg(test)]
-#[path = "tracker_tests.rs"]
+#[path = "tracker_tests/mod.rs"]
 mod tests;

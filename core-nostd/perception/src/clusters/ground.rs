@@ -75,7 +75,7 @@ const fn bit(ring: usize) -> u16 {
 
 /// How high a return may lie: the cheap question, asked first, for most returns are walls.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FloorLimits {
+pub(crate) struct FloorLimits {
     /// Per ring: height of a count over the highest floor at its distance, metres, and the most that passes.
     excess: [(f32, f32); SWEEP_RINGS],
     /// Rings from the lowest on that can meet a floor; those above look over every ramp.
@@ -83,7 +83,7 @@ pub(super) struct FloorLimits {
 }
 
 impl FloorLimits {
-    pub(super) fn new(profile: &RingProfile) -> Self {
+    pub(crate) fn new(profile: &RingProfile) -> Self {
         let excess =
             profile.map(|(along, rise, origin_m)| (rise - HIGHEST_SLOPE * along, HIGHEST_M - origin_m));
         let highest = excess.iter().rposition(|(rise, most_m)| *rise < 0.0 || *most_m >= 0.0);
@@ -92,7 +92,7 @@ impl FloorLimits {
 
     /// Walks up a column, from the lowest ring on; the returns that are floor, a bit each.
     #[inline]
-    pub(super) fn floor_of(&self, range_raw: &[u16; SWEEP_RINGS], profile: &RingProfile) -> u16 {
+    pub(crate) fn floor_of(&self, range_raw: &[u16; SWEEP_RINGS], profile: &RingProfile) -> u16 {
         let mut walk = FloorWalk::default();
         let (Some((lower, upper)), Some((below, above))) =
             (range_raw.split_at_checked(self.rings), profile.split_at_checked(self.rings))

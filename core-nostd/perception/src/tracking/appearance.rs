@@ -56,14 +56,14 @@ impl Appearance {
 
     /// ln of how much more likely a sighting is if it is of this person than if it is of anybody; 0 where nothing is
     /// known.
-    pub(super) fn likeness(&self, seen: &Self) -> f32 {
+    pub(crate) fn likeness(&self, seen: &Self) -> f32 {
         let pairs = self.traits.iter().zip(&seen.traits).zip(&SPREADS);
         let sum: f32 = pairs.map(|((own, seen), spread)| own.likeness(seen, spread)).sum();
         sum.clamp(-TOGETHER_MAX, TOGETHER_MAX)
     }
 
     /// Takes in a sighting, `seconds` after the one before.
-    pub(super) fn learn(&mut self, seen: &Self, seconds: f32) {
+    pub(crate) fn learn(&mut self, seen: &Self, seconds: f32) {
         for ((own, seen), spread) in self.traits.iter_mut().zip(&seen.traits).zip(&SPREADS) {
             own.learn(seen, (spread, seconds));
         }
@@ -104,7 +104,7 @@ impl Trait {
 }
 
 #[cfg(feature = "hosted")]
-pub(super) use gathered::Shades;
+pub(crate) use gathered::Shades;
 
 /// The returns of a candidate on their way to an appearance.
 #[cfg(feature = "hosted")]
@@ -128,14 +128,14 @@ mod gathered {
 
     /// Sums over the returns of a candidate.
     #[derive(Clone, Copy, Debug, Default)]
-    pub(in crate::people) struct Shades {
+    pub(crate) struct Shades {
         sums: [u32; 2],
         returns: [u32; 2],
     }
 
     impl Shades {
         /// A return at a height above the floor.
-        pub(in crate::people) fn add(&mut self, height_m: f32, reflectivity: Option<&u8>) {
+        pub(crate) fn add(&mut self, height_m: f32, reflectivity: Option<&u8>) {
             let band = BANDS_M.iter().position(|(low_m, high_m)| (*low_m..*high_m).contains(&height_m));
             let (Some(band), Some(reflectivity)) = (band, reflectivity) else { return };
             if let (Some(sum), Some(returns)) = (self.sums.get_mut(band), self.returns.get_mut(band)) {
@@ -145,7 +145,7 @@ mod gathered {
         }
 
         /// What they tell; the top of the candidate, how high the sensor is and how far from it the candidate.
-        pub(in crate::people) fn appearance(
+        pub(crate) fn appearance(
             &self,
             (top_m, occluded): (f32, bool),
             (sensor_m, distance_m): (f32, f32),
@@ -175,13 +175,13 @@ mod gathered {
 /// The board keeps no reflectivities: nothing is gathered.
 #[cfg(not(feature = "hosted"))]
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Shades {}
+pub(crate) struct Shades {}
 
 #[cfg(not(feature = "hosted"))]
 impl Shades {
-    pub(super) fn add(&mut self, _: f32, _: Option<&u8>) {}
+    pub(crate) fn add(&mut self, _: f32, _: Option<&u8>) {}
 
-    pub(super) fn appearance(&self, _: (f32, bool), _: (f32, f32)) -> Appearance {
+    pub(crate) fn appearance(&self, _: (f32, bool), _: (f32, f32)) -> Appearance {
         Appearance::UNKNOWN
     }
 }

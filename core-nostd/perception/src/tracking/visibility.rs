@@ -14,14 +14,14 @@ const LEGS_HALF_M: f32 = 0.15;
 
 /// Horizontal distance up to which each sector is open.
 #[derive(Clone, Debug)]
-pub(super) struct Visibility {
+pub(crate) struct Visibility {
     nearest: [Nearest; SECTORS],
     measured: [u16; SECTORS],
 }
 
 /// Nearest and second nearest obstacle of a sector, counts of 2 mm: one stray return hides nothing.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Nearest {
+pub(crate) struct Nearest {
     first: u16,
     second: u16,
 }
@@ -31,7 +31,7 @@ impl Nearest {
 
     /// An obstacle of the sector.
     #[inline]
-    pub(super) fn include(&mut self, distance: u16) {
+    pub(crate) fn include(&mut self, distance: u16) {
         // Most stand behind both.
         if distance < self.second {
             self.second = self.first.max(distance);
@@ -41,21 +41,21 @@ impl Nearest {
 }
 
 impl Visibility {
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self { nearest: [Nearest::NOTHING; SECTORS], measured: [0; SECTORS] }
     }
 
-    pub(super) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         *self = Self::new();
     }
 
     /// The state of the sector of a column of the lidar, to be updated with its obstacles and stored again.
-    pub(super) fn sector(&self, azimuth_cdeg: u16) -> Nearest {
+    pub(crate) fn sector(&self, azimuth_cdeg: u16) -> Nearest {
         self.nearest.get(sector_of_cdeg(azimuth_cdeg)).copied().unwrap_or(Nearest::NOTHING)
     }
 
     /// A column of the lidar was measured, which leaves its sector so.
-    pub(super) fn measured(&mut self, azimuth_cdeg: u16, nearest: Nearest) {
+    pub(crate) fn measured(&mut self, azimuth_cdeg: u16, nearest: Nearest) {
         let sector = sector_of_cdeg(azimuth_cdeg);
         if let (Some(count), Some(slot)) = (self.measured.get_mut(sector), self.nearest.get_mut(sector)) {
             *count = count.saturating_add(1);
@@ -64,7 +64,7 @@ impl Visibility {
     }
 
     /// A person at `point_in_sensor` (x forward, y left) could have been seen.
-    pub(super) fn is_visible(&self, point_in_sensor: Point2) -> bool {
+    pub(crate) fn is_visible(&self, point_in_sensor: Point2) -> bool {
         let sector = sector_of(point_in_sensor);
         let measured = self.measured.get(sector).copied().unwrap_or(0);
         let nearest = self.nearest.get(sector).map_or(0, |nearest| nearest.second);

@@ -1,11 +1,11 @@
 //! One person, or something that looks like one: what was seen of it by which sensor, and when it is given up.
 
 use super::appearance::Appearance;
-use super::candidates::Detection;
+use super::detection::Detection;
 use super::filter::ConstantVelocity;
-use super::person_model::probability;
 use super::sensors::{PEOPLE_SENSORS, PeopleSensor, SensorSet};
 use super::tracker::TrackerParameters;
+use crate::shapes::person_model::probability;
 use floorguard_types::geometry::Point2;
 use floorguard_types::time::{Age, Stamp};
 

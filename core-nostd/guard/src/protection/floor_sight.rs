@@ -4,10 +4,11 @@
 //! over it either: the robot may be only so fast that it stands before it. Where a camera is configured and its floor
 //! is not known, nobody drives faster than the guard lets in a warning zone; a robot without one is as before.
 
-use floorguard_guard::Advice;
 use floorguard_types::geometry::Point2;
 use floorguard_types::time::{Age, Stamp};
 use heapless::Vec;
+
+use super::Advice;
 
 /// Objects in one report; more are dropped farthest first, because the nearest one decides.
 pub const FLOOR_OBSTACLES_MAX: usize = 8;

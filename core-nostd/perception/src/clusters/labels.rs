@@ -6,7 +6,7 @@
 use floorguard_types::capacities::{LABELS_MAX, limited_capacity};
 
 /// A cell that belongs to nothing.
-pub(super) const NONE: u16 = u16::MAX;
+pub(crate) const NONE: u16 = u16::MAX;
 /// A mark with this bit holds the index of a cluster, one without it the number of cells.
 const INDEX: u16 = 0x8000;
 /// Marks a set whose cluster was given up for a nearer one.

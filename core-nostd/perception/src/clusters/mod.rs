@@ -1,0 +1,20 @@
+//! Clusters: from a sweep to what stands on the floor, without a judgement what it is.
+//!
+//! Ground → clusters, on the range image: neighbourhood is index arithmetic, no tree is built. Source: book, People.
+
+mod cluster;
+mod clusterer;
+mod floor_height;
+mod ground;
+mod labels;
+mod projection;
+pub mod ring_clusters;
+
+pub use cluster::{Cluster, ClusterLimits};
+pub(crate) use clusterer::{Clusterer, Obstacles, rings_of};
+pub use floor_height::FloorHeight;
+pub(crate) use ground::FloorLimits;
+pub use ground::FloorMask;
+pub(crate) use labels::NONE;
+pub use projection::RingAngles;
+pub(crate) use projection::{ColumnFrame, RingProfile, SweepFrame};

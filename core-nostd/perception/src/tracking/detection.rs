@@ -1,0 +1,23 @@
+//! What a sensor reports of one person: the input of the tracker.
+
+use super::appearance::Appearance;
+use floorguard_types::geometry::Point2;
+
+/// A candidate, in the fixed frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Detection {
+    /// Where it stands on the floor.
+    pub position: Point2,
+    /// How far from the sensor, metres: the farthest is given up first when the list is full.
+    pub distance_m: f32,
+    /// Standard deviation of the position, metres.
+    pub sigma_m: f32,
+    /// Probability that it is a person, from this one shape.
+    pub likeness: f32,
+    /// Returns that speak for it.
+    pub points: u16,
+    /// Whether it moves by itself; `None` if that was not judged.
+    pub moving: Option<bool>,
+    /// Its appearance.
+    pub appearance: Appearance,
+}

@@ -1,0 +1,32 @@
+//! Tracking: from detections of all sensors to tracks with identity, velocity and doubt.
+//!
+//! Source: book, Tracking.
+
+mod appearance;
+mod association;
+mod detection;
+mod filter;
+pub mod filters;
+mod joint;
+mod memory;
+mod sensors;
+mod track;
+mod tracker;
+mod views;
+mod visibility;
+
+pub use appearance::Appearance;
+pub(crate) use appearance::Shades;
+pub use association::Association;
+pub(crate) use association::DETECTIONS_MAX;
+pub use detection::Detection;
+pub use filter::ConstantVelocity;
+pub use joint::{GROUP_DETECTIONS, GROUP_TRACKS, JointGroup, Marginals};
+pub use sensors::{PEOPLE_SENSORS, PeopleSensor, SensorSet};
+pub(crate) use track::{BELIEF_MAX, SHAPE_EVIDENCE_MAX};
+pub use track::{Track, TrackStatus};
+pub use tracker::{Sightings, Tracker, TrackerParameters};
+pub(crate) use views::WaitingViews;
+pub use views::{PeopleView, VIEW_PEOPLE_MAX, VIEWS_WAITING};
+pub use visibility::OpenSpace;
+pub(crate) use visibility::Visibility;

@@ -1,0 +1,87 @@
+//! What is said of devices on the bus and of what they send.
+
+use std::mem::Discriminant;
+use std::time::Duration;
+
+use floorguard_drivers::canopen::NodePhase;
+use floorguard_drivers::velodyne::DecodeError;
+use floorguard_runtime::shared::{BusReport, Complaints};
+
+use super::Watch;
+
+/// A device on the CAN bus that has not been heard of for so long is named.
+const SILENT_AFTER: Duration = Duration::from_secs(3);
+
+/// What is wrong, without the figures, which are others for each datagram.
+fn kind(error: &DecodeError) -> Discriminant<DecodeError> {
+    std::mem::discriminant(error)
+}
+
+/// A line for each device that has not been heard of.
+fn silent_devices(report: &BusReport) -> Vec<String> {
+    let silent = report.devices.iter().filter(|device| device.phase == NodePhase::Absent);
+    silent.map(|device| format!("  {device}")).collect()
+}
+
+impl Watch<'_> {
+    /// Says what has changed on the CAN bus, and which devices have sent nothing since the start.
+    pub(super) fn on_bus(&mut self, report: &BusReport) {
+        if !self.silent_reported && self.began.elapsed() >= SILENT_AFTER {
+            self.silent_reported = true;
+            silent_devices(report).iter().for_each(|line| self.display.note(line));
+        }
+        for (index, device) in report.devices.iter().enumerate() {
+            let known = self.bus.and_then(|known| known.devices.get(index).copied());
+            let silent_at_start = known.is_none() && device.phase == NodePhase::Absent;
+            if known != Some(*device) && !silent_at_start {
+                self.display.note(&format!("  {device}"));
+            }
+        }
+        self.bus = Some(*report);
+    }
+
+    /// Says why a device is of no use, once for each reason.
+    pub(super) fn on_complaints(&mut self, complaints: &Complaints) {
+        let known = std::mem::replace(&mut self.complaints, *complaints);
+        let lidar = complaints.lidar.filter(|now| known.lidar.map(|then| kind(&then)) != Some(kind(now)));
+        // Its edges wander by a block from turn to turn: once is enough.
+        let closed = complaints.lidar_closed.filter(|_| known.lidar_closed.is_none());
+        let scanner = complaints.scanner.filter(|_| known.scanner != complaints.scanner);
+        let message = complaints.scanner_message;
+        let message = message.filter(|_| known.scanner_message != complaints.scanner_message);
+        let imu = complaints.imu.filter(|_| known.imu != complaints.imu);
+        let reasons = [
+            ("lidar", lidar.map(|error| error.to_string())),
+            ("lidar", closed.map(|sector| format!("{sector}; what lies in the closed sector stays unknown"))),
+            ("safety scanner", scanner.map(|error| error.to_string())),
+            ("safety scanner", message.map(|error| error.to_string())),
+            ("inertial sensor", imu.map(|fault| fault.to_string())),
+        ];
+        for (device, reason) in reasons {
+            if let Some(reason) = reason {
+                self.display.note(&format!("  {device}: {reason}"));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Devices that have sent nothing since the start are named, with their nodes.
+    #[test]
+    fn silent_nodes_are_named() {
+        let robot =
+            floorguard_configuration::parse("robot.toml", floorguard_configuration::EXAMPLE).unwrap().robot;
+        let mut report =
+            BusReport::of(&floorguard_drivers::three_wheel_base::ThreeWheelBase::new(robot.base()));
+        let lines = silent_devices(&report);
+        assert!(
+            lines.len() == 5 && lines[4].contains("safety controller (node 5): not heard of"),
+            "{lines:?}"
+        );
+        report.devices[0].phase = NodePhase::Operational;
+        assert_eq!(silent_devices(&report).len(), 4);
+    }
+}

@@ -1,0 +1,51 @@
+//! Texts and words of a table.
+
+use std::ops::Range;
+
+use super::Reader;
+use crate::problem::did_you_mean;
+
+impl<'a> Reader<'a> {
+    /// A text that must be there, with its place.
+    pub fn text(&self, key: &'static str, example: &str) -> Option<(&'a str, Range<usize>)> {
+        self.note(key, "text", (format!("for example `{example}`"), None));
+        self.words(key, example)
+    }
+
+    /// A text that may be there, with its place; `without` says what holds if it is not.
+    pub fn text_or_absent(
+        &self,
+        key: &'static str,
+        example: &str,
+        without: &str,
+    ) -> Option<(&'a str, Range<usize>)> {
+        self.note(key, "text", (format!("for example `{example}`"), Some(without.to_owned())));
+        self.find(key).and_then(|_| self.words(key, example))
+    }
+
+    fn words(&self, key: &'static str, example: &str) -> Option<(&'a str, Range<usize>)> {
+        let value = self.require(key, &format!("\"{example}\""))?;
+        let text = value.get_ref().as_str();
+        if text.is_none() {
+            self.refuse_type(&value.span(), key, "a text in quotes", value.get_ref());
+        }
+        text.map(|text| (text, value.span()))
+    }
+
+    /// One of a list of words.
+    pub fn choice<T: Copy>(&self, key: &'static str, choices: &[(&str, T)]) -> Option<T> {
+        let words: Vec<String> = choices.iter().map(|(word, _)| format!("`{word}`")).collect();
+        self.note(key, "word", (words.join(", "), None));
+        let (text, span) = self.words(key, choices.first().map_or("", |(word, _)| word))?;
+        let chosen = choices.iter().find(|(word, _)| *word == text).map(|(_, value)| *value);
+        if chosen.is_none() {
+            let words: Vec<&str> = choices.iter().map(|(word, _)| *word).collect();
+            self.refuse(
+                &span,
+                format!("{}: `{key}` is \"{text}\", which is not known", self.title()),
+                did_you_mean(text, &words).unwrap_or(format!("allowed are {}", words.join(", "))),
+            );
+        }
+        chosen
+    }
+}
