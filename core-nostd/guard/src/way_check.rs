@@ -53,13 +53,14 @@ impl Supervisor {
     /// What a lidar packet says of the surroundings. Call it with each packet after [`Self::on_lidar_packet`]: no stop waits
     /// for it. Nothing is decided; the next tick uses it.
     pub fn remember_packet(&mut self, packet: &LidarPacket) {
-        self.memory.take_packet(packet, (&self.rays, &self.packet_table));
+        let reach_m = self.config.thresholds.memory_reach_m;
+        self.memory.take_packet(packet, (&self.rays, &self.packet_table), reach_m);
     }
 
     /// The same for a scan, after [`Self::on_scan`]. A scan of another geometry than the configured one says nothing.
     pub fn remember_scan(&mut self, scan: &Scan) {
         if self.scan_table.fits(scan) {
-            self.memory.take_scan(scan, &self.scan_table);
+            self.memory.take_scan(scan, &self.scan_table, self.config.thresholds.memory_reach_m);
         }
     }
 

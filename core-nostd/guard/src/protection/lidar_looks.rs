@@ -11,8 +11,8 @@ use floorguard_types::geometry::Point2;
 use floorguard_types::number::saturating_i32;
 use floorguard_types::sensing::{LidarColumn, LidarPacket};
 
-/// Farther away nothing is kept: the window ends there, metres from the sensor.
-pub(super) const REACH_M: f32 = 3.2;
+/// No look is followed farther: the window ends there, metres from the sensor.
+const REACH_M: f32 = 3.2;
 /// A look passes through a cell when it ends this far behind its middle, metres: half a cell's diagonal and the noise of a range.
 pub(super) const BEHIND_M: f32 = 0.10;
 /// Neighbouring rays that end so near to each other met the same object, metres; a single one is noise.
@@ -44,8 +44,14 @@ struct Pair<'a> {
 }
 
 impl LocalMemory {
-    /// Takes in one firing of a lidar packet. At most 45 cells of a look and 16 returns.
-    pub fn take_packet(&mut self, packet: &LidarPacket, (rays, table): (&LidarRays, &PacketTable)) {
+    /// Takes in one firing of a lidar packet: at most 40 cells of its look, and its returns up to `reach_m` from the lidar, metres
+    /// in the plane.
+    pub fn take_packet(
+        &mut self,
+        packet: &LidarPacket,
+        (rays, table): (&LidarRays, &PacketTable),
+        reach_m: f32,
+    ) {
         self.turn = self.turn.wrapping_add(FIRING_STEP);
         let index = self.turn.checked_rem(packet.columns.len()).unwrap_or(0);
         let beside = if index == 0 { 1 } else { index.wrapping_sub(1) };
@@ -58,18 +64,18 @@ impl LocalMemory {
         let reaches_m = firing.reaches_m(column, unit_m);
         self.look_along(&firing, &reaches_m);
         let pair = Pair { column, beside, unit_m, own_m: f32::from(bin.own_mm) * 1.0e-3 };
-        self.meet_along(&firing, &pair, rays.heights_m);
+        self.meet_along(&firing, &pair, (rays.heights_m, reach_m));
     }
 
     /// What one firing met.
-    fn meet_along(&mut self, firing: &Firing, pair: &Pair<'_>, [low_m, high_m]: [f32; 2]) {
+    fn meet_along(&mut self, firing: &Firing, pair: &Pair<'_>, ([low_m, high_m], reach_m): ([f32; 2], f32)) {
         let returns = pair.column.range_raw.iter().zip(&pair.beside.range_raw).zip(&firing.rays);
         for (ring, ((raw, beside), ray)) in returns.enumerate() {
             let range_m = f32::from(*raw) * pair.unit_m;
             let plane_m = range_m * ray.plane;
             let height_m = firing.height_m + plane_m * ray.slope;
             let is_one_thing = (range_m - f32::from(*beside) * pair.unit_m).abs() < SAME_OBSTACLE_M;
-            if *raw == 0 || plane_m > REACH_M || plane_m < pair.own_m || !is_one_thing {
+            if *raw == 0 || plane_m > reach_m || plane_m < pair.own_m || !is_one_thing {
                 continue;
             }
             if height_m < low_m || height_m > high_m {

@@ -1,7 +1,7 @@
 //! What a scan of the safety scanner says to the memory: what it met in its plane, and what it looked through.
 
 use super::config::ScannerGeometry;
-use super::lidar_looks::{BEHIND_M, REACH_M, SAME_OBSTACLE_M};
+use super::lidar_looks::{BEHIND_M, SAME_OBSTACLE_M};
 use super::local_memory::{Cell, LocalMemory};
 use super::scan_table::ScanTable;
 use floorguard_types::geometry::Point2;
@@ -17,8 +17,8 @@ pub(super) const ROW_STEP: usize = 4;
 const SEEN_THROUGH_MAX: usize = 128;
 
 impl LocalMemory {
-    /// Takes in a scan of the safety scanner that fits the table.
-    pub fn take_scan(&mut self, scan: &Scan, table: &ScanTable) {
+    /// Takes in a scan of the safety scanner that fits the table: what it met up to `reach_m` from it, metres.
+    pub fn take_scan(&mut self, scan: &Scan, table: &ScanTable, reach_m: f32) {
         self.scans = self.scans.wrapping_add(1);
         let pose = self.pose_at(scan.stamp);
         let (sin, cos) = libm::sincosf(pose.heading_rad);
@@ -36,7 +36,7 @@ impl LocalMemory {
             let (BeamReturn::Hit(range_mm), BeamReturn::Hit(beside_mm)) = (*beam, *beside) else { continue };
             let range_m = f32::from(range_mm) * 1.0e-3;
             // Two beams make an object.
-            if range_m > REACH_M || (f32::from(beside_mm) * 1.0e-3 - range_m).abs() > SAME_OBSTACLE_M {
+            if range_m > reach_m || (f32::from(beside_mm) * 1.0e-3 - range_m).abs() > SAME_OBSTACLE_M {
                 continue;
             }
             let (x, y) =
