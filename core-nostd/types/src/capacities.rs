@@ -1,100 +1,56 @@
-//! Every fixed size of the core, with its reason.
+//! Fixed sizes that are the same in every program, each with its reason. What differs between programs is in their
+//! [`profile`](crate::profile).
 //!
-//! Two profiles: the MCU (everything within 512 KiB of RAM) and, with feature `hosted`, a Linux computer. Running out
-//! of any of these is a value that the caller handles and counts, never a silent loss.
+//! Running out of any of these is a value that the caller handles and counts, never a silent loss.
 
-/// The requested capacity, at most the own one. Without the feature `hosted` it is always one's own, whatever is asked
-/// for: on the microcontroller nobody asks for less, and the compiler knows it.
-///
-/// ```
-/// use floorguard_types::capacities::{SCAN_BEAMS_MAX, limited_capacity};
-///
-/// assert_eq!(limited_capacity(10_000, SCAN_BEAMS_MAX), SCAN_BEAMS_MAX);
-/// ```
-pub const fn limited_capacity(asked: usize, own: usize) -> usize {
-    if cfg!(feature = "hosted") && asked < own { asked } else { own }
-}
+use crate::profile::{Host, Native, Profile, Size};
 
 /// Laser rings of the sweep: a VLP-16 or Puck Hi-Res.
 pub const SWEEP_RINGS: usize = 16;
 /// Columns of the sweep: 1,808.4 firings per revolution at 600 rpm, rounded up to whole packets (76 × 24).
 pub const SWEEP_COLUMNS: usize = 1_824;
-/// Rings of the largest lidar: VLP-32C and HDL-32E, or on the MCU VLP-16 and Puck Hi-Res. Packets of a larger one are
-/// refused.
-pub const PACKET_RINGS_MAX: usize = if cfg!(feature = "hosted") { 32 } else { 16 };
+/// Rings of the largest lidar whose packets fit a `LidarPacket`.
+pub const PACKET_RINGS_MAX: usize = <Native as Profile>::Rings::N;
 /// Firings in one lidar packet: 12 blocks of two sequences.
 pub const PACKET_COLUMNS_MAX: usize = 24;
-/// Beams of a scan: 270° at 0.5° and both ends (SICK S300).
-#[cfg(not(feature = "hosted"))]
-pub const SCAN_BEAMS_MAX: usize = 541;
-/// Beams of a scan: the microScan3 family delivers up to 2,751.
-#[cfg(feature = "hosted")]
-pub const SCAN_BEAMS_MAX: usize = 2_751;
-/// Clusters kept of one sweep; the farthest are dropped first and counted.
-pub const CLUSTERS_MAX: usize = if cfg!(feature = "hosted") { 1_024 } else { CLUSTERS_ON_BOARD };
-/// The same on the microcontroller.
-pub const CLUSTERS_ON_BOARD: usize = 256;
-/// Provisional names of objects while a sweep is grouped: one for each place where something begins. A sweep of a hall
-/// needs some hundred, one through a tree some thousand; cells beyond stay ungrouped and are counted.
-pub const LABELS_MAX: usize = if cfg!(feature = "hosted") { 16_384 } else { LABELS_ON_BOARD };
-/// The same on the microcontroller.
-pub const LABELS_ON_BOARD: usize = 4_096;
-/// People tracked at once; the farthest are dropped first and counted.
-pub const TRACKS_MAX: usize = if cfg!(feature = "hosted") { 128 } else { TRACKS_ON_BOARD };
-/// The same on the microcontroller.
-pub const TRACKS_ON_BOARD: usize = 32;
+/// Beams that fit a `Scan`.
+pub const SCAN_BEAMS_MAX: usize = <Native as Profile>::Beams::N;
 /// Poses kept for de-skewing and stamping: 1.28 s at 100 Hz (book, Odometry: Pose history).
 pub const POSE_HISTORY: usize = 128;
 /// Vertices of a protective or warning field.
 pub const FIELD_VERTICES_MAX: usize = 16;
 /// Field sets: four speed bins, forward and reverse.
 pub const FIELD_SETS_MAX: usize = 8;
-/// Objects of a sweep whose motion is judged; the farthest are dropped first and counted. The correspondence
-/// compares all pairs.
-pub const MOTION_OBJECTS_MAX: usize = if cfg!(feature = "hosted") { 256 } else { 64 };
-/// Moving objects believed in at once.
-pub const MOTION_TRACKED_MAX: usize = if cfg!(feature = "hosted") { 64 } else { 16 };
-/// Columns along each side of the motion voxels, 0.1 m each; a power of two. Memory: four bytes a column and reference.
-pub const MOTION_VOXEL_SIDE: usize = if cfg!(feature = "hosted") { 256 } else { 128 };
-/// Columns of the widest depth or colour image of the floor: 640 × 480, or 160 × 120 on the MCU.
-pub const FLOOR_IMAGE_COLUMNS_MAX: usize = if cfg!(feature = "hosted") { 640 } else { 160 };
-/// Points among which the floor is searched when nothing is known: five times those of the published ground plane.
-pub const FLOOR_SEARCH_SAMPLES: usize = if cfg!(feature = "hosted") { 1_024 } else { 512 };
-/// Objects on the floor in one image; the farthest are dropped first and counted.
-pub const FLOOR_OBJECTS_MAX: usize = if cfg!(feature = "hosted") { 32 } else { 16 };
-/// Connected parts of an image that may be open at once: one can begin at every second column of a row, and on the
-/// target at every second one of a quarter of the columns.
-pub const FLOOR_PARTS_MAX: usize = if cfg!(feature = "hosted") { 1_024 } else { 256 };
-/// Sweeps kept to compare with: the more, the steadier the age of the oldest.
-pub const MOTION_REFERENCES: usize = if cfg!(feature = "hosted") { 3 } else { 2 };
+/// Columns of the widest colour image of the floor, and of the widest depth image in which people are looked for: 640 × 480.
+pub const FLOOR_IMAGE_COLUMNS_MAX: usize = 640;
 /// Blocks of 16 × 16 pixels in the largest colour image.
-pub const FLOOR_BLOCKS_MAX: usize = if cfg!(feature = "hosted") { 1_200 } else { 300 };
+pub const FLOOR_BLOCKS_MAX: usize = 1_200;
 /// Regions of a depth picture in which people are looked for; the farthest are dropped first and counted.
-pub const RGBD_REGIONS_MAX: usize = if cfg!(feature = "hosted") { 16 } else { 8 };
+pub const RGBD_REGIONS_MAX: usize = 16;
 /// Provisional names of occupied cells while they are grouped: a byte, 0 for none.
 pub const RGBD_LABELS_MAX: usize = 255;
 /// Heads tried in a region (the outline has no components).
-pub const RGBD_HEADS_MAX: usize = if cfg!(feature = "hosted") { 16 } else { 8 };
+pub const RGBD_HEADS_MAX: usize = 16;
 /// Columns of a region at the size of the silhouette: 3.7 m of a body of 1.75 m.
-pub const RGBD_CROP_COLUMNS: usize = if cfg!(feature = "hosted") { 192 } else { 160 };
+pub const RGBD_CROP_COLUMNS: usize = 192;
 /// Its rows: from above the head to below the shoulders of a person who is a head shorter.
 pub const RGBD_CROP_ROWS: usize = 64;
 /// Heads that fit the silhouette, before one stays for each person.
-pub const RGBD_CANDIDATES_MAX: usize = if cfg!(feature = "hosted") { 64 } else { 24 };
+pub const RGBD_CANDIDATES_MAX: usize = 64;
 /// People of one depth picture; the farthest are dropped first and counted.
-pub const RGBD_PEOPLE_MAX: usize = if cfg!(feature = "hosted") { 32 } else { 16 };
+pub const RGBD_PEOPLE_MAX: usize = 32;
 /// Objects of the shape of a leg in one depth picture.
-pub const RGBD_LEGS_MAX: usize = if cfg!(feature = "hosted") { 32 } else { 16 };
+pub const RGBD_LEGS_MAX: usize = 32;
 /// Objects in the band of the legs that may be open at once while a picture is read.
-pub const RGBD_LEG_PARTS_MAX: usize = if cfg!(feature = "hosted") { 512 } else { 192 };
+pub const RGBD_LEG_PARTS_MAX: usize = 512;
 /// Labelled shapes of each class from which a robot learns: the published learner keeps 1,005 of each for an SVM; waves
 /// need fewer.
-pub const LEARNING_SAMPLES: usize = if cfg!(feature = "hosted") { 1_024 } else { 128 };
+pub const LEARNING_SAMPLES: usize = 1_024;
 /// Labelled shapes of each class by which what was learnt is judged.
-pub const LEARNING_HELD_OUT: usize = if cfg!(feature = "hosted") { 256 } else { 64 };
+pub const LEARNING_HELD_OUT: usize = 256;
 /// Shapes with a known truth, of both classes together, on which nothing may get worse.
-pub const LEARNING_ANCHORS: usize = if cfg!(feature = "hosted") { 2_048 } else { 128 };
+pub const LEARNING_ANCHORS: usize = 2_048;
 /// Tracks whose history is kept.
-pub const LEARNING_TRACKS: usize = TRACKS_MAX;
+pub const LEARNING_TRACKS: usize = <Host as Profile>::Tracks::N;
 /// Shapes kept of one track.
-pub const LEARNING_SHAPES: usize = if cfg!(feature = "hosted") { 12 } else { 4 };
+pub const LEARNING_SHAPES: usize = 12;

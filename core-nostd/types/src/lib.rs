@@ -26,6 +26,7 @@ pub mod capacities;
 pub mod geometry;
 pub mod motion;
 pub mod number;
+pub mod profile;
 pub mod random;
 pub mod sensing;
 pub mod time;

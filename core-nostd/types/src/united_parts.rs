@@ -4,10 +4,12 @@
 //! neighbours, which are one from then on, or begins a part. Which parts are one is remembered by parents: the earlier
 //! part takes the later one in.
 
-use heapless::Vec;
+use core::fmt::Debug;
+
+use crate::profile::{List, ListOf, Size};
 
 /// What a part consists of.
-pub trait Absorb: Copy {
+pub trait Absorb: Copy + Debug + PartialEq {
     /// Takes the pieces of another part in.
     fn absorb(&mut self, other: &Self);
 }
@@ -16,15 +18,16 @@ pub trait Absorb: Copy {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CapacityExceeded;
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Part<T> {
     parent: u16,
     content: T,
 }
 
-/// Up to `N` parts, at most 65,536.
+/// Up to as many parts as the size says, at most 65,536.
 ///
 /// ```
+/// use floorguard_types::profile::Of;
 /// use floorguard_types::united_parts::{Absorb, CapacityExceeded, UnitedParts};
 ///
 /// /// Pixels of a part.
@@ -36,7 +39,7 @@ struct Part<T> {
 ///     }
 /// }
 ///
-/// let mut parts = UnitedParts::<Pixels, 2>::default();
+/// let mut parts = UnitedParts::<Pixels, Of<2>>::default();
 /// let left = parts.join([].into_iter(), &Pixels(1)).unwrap();
 /// let right = parts.join([].into_iter(), &Pixels(1)).unwrap();
 /// assert_eq!(parts.join([].into_iter(), &Pixels(1)), Err(CapacityExceeded));
@@ -45,17 +48,17 @@ struct Part<T> {
 /// assert!(parts.finished().eq(&[Pixels(3)]));
 /// ```
 #[derive(Clone, Debug)]
-pub struct UnitedParts<T, const N: usize> {
-    parts: Vec<Part<T>, N>,
+pub struct UnitedParts<T: Absorb, S: Size> {
+    parts: ListOf<Part<T>, S>,
 }
 
-impl<T, const N: usize> Default for UnitedParts<T, N> {
+impl<T: Absorb, S: Size> Default for UnitedParts<T, S> {
     fn default() -> Self {
-        Self { parts: Vec::new() }
+        Self { parts: List::EMPTY }
     }
 }
 
-impl<T: Absorb, const N: usize> UnitedParts<T, N> {
+impl<T: Absorb, S: Size> UnitedParts<T, S> {
     /// Forgets all.
     pub fn clear(&mut self) {
         self.parts.clear();
@@ -91,13 +94,13 @@ impl<T: Absorb, const N: usize> UnitedParts<T, N> {
     /// The same with their numbers.
     pub fn numbered(&self) -> impl Iterator<Item = (u16, &T)> {
         let own = |(index, part): &(u16, &Part<T>)| part.parent == *index;
-        (0..=u16::MAX).zip(&self.parts).filter(own).map(|(index, part)| (index, &part.content))
+        (0..=u16::MAX).zip(self.parts.iter()).filter(own).map(|(index, part)| (index, &part.content))
     }
 
     /// The part that a part was united with in the end. Parents have smaller numbers, so the walk ends.
     pub fn root(&mut self, part: u16) -> u16 {
         let mut index = part;
-        for _ in 0..N {
+        for _ in 0..S::N {
             let parent = self.parts.get(usize::from(index)).map_or(index, |part| part.parent);
             if parent == index {
                 break;
@@ -130,6 +133,7 @@ impl<T: Absorb, const N: usize> UnitedParts<T, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::profile::Of;
 
     impl Absorb for u32 {
         fn absorb(&mut self, other: &Self) {
@@ -139,7 +143,7 @@ mod tests {
 
     #[test]
     fn touching_parts_merge_along_chains() {
-        let mut parts = UnitedParts::<u32, 4>::default();
+        let mut parts = UnitedParts::<u32, Of<4>>::default();
         let begun = [1, 10, 100].map(|own| parts.join(core::iter::empty(), &own));
         assert_eq!(begun, [Ok(0), Ok(1), Ok(2)]);
         assert_eq!(parts.join([2, 1].into_iter(), &1_000), Ok(1));
@@ -152,7 +156,7 @@ mod tests {
 
     #[test]
     fn overflow_is_reported() {
-        let mut parts = UnitedParts::<u32, 1>::default();
+        let mut parts = UnitedParts::<u32, Of<1>>::default();
         assert_eq!(parts.join(core::iter::empty(), &1), Ok(0));
         assert_eq!(parts.join(core::iter::empty(), &1), Err(CapacityExceeded));
         assert_eq!(parts.join([0].into_iter(), &1), Ok(0), "what exists still grows");

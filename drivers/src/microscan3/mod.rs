@@ -15,7 +15,7 @@ pub use blocks::{BeamStatus, DeviceStatus, Geometry, Intrusion, Measured};
 pub use configuration::Configuration;
 pub use fragment::{Fragment, FragmentError};
 pub use message::{Message, MessageError};
-pub use receiver::{Counters, Event, Receiver, ScanError};
+pub use receiver::{Counters, Event, EventOf, Receiver, ReceiverOf, ScanError};
 
 #[cfg(test)]
 mod blocks_tests;

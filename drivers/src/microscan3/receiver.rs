@@ -1,6 +1,7 @@
 //! From datagrams to scans.
 
-use floorguard_types::sensing::{BeamReturn, Scan};
+use floorguard_types::profile::{List, Native, Profile, Size};
+use floorguard_types::sensing::{BeamReturn, ScanOf};
 use floorguard_types::time::Stamp;
 use floorguard_types::units::radians;
 
@@ -12,9 +13,9 @@ use super::message::{Message, MessageError};
 
 /// What the scanner reported.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Event<'a> {
+pub enum EventOf<'a, P: Profile> {
     /// A scan. It stays in the receiver until the next one.
-    Scan(&'a Scan),
+    Scan(&'a ScanOf<P>),
     /// The scanner does not measure: no data, neither obstacle nor free.
     StandBy {
         /// Its scan number.
@@ -23,6 +24,9 @@ pub enum Event<'a> {
     /// A datagram or message of no use.
     Refused(ScanError),
 }
+
+/// The same in the memory of the target.
+pub type Event<'a> = EventOf<'a, Native>;
 
 /// Why there is no scan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,16 +121,19 @@ pub struct Counters {
 /// assert!(receiver.status().unwrap().runs());
 /// ```
 #[derive(Clone, Debug)]
-pub struct Receiver {
+pub struct ReceiverOf<P: Profile> {
     configuration: Configuration,
     assembler: Assembler,
     last_scan: Option<u32>,
     status: Option<DeviceStatus>,
     counters: Counters,
-    scan: Scan,
+    scan: ScanOf<P>,
 }
 
-impl Receiver {
+/// A receiver for the scanners of the target.
+pub type Receiver = ReceiverOf<Native>;
+
+impl<P: Profile> ReceiverOf<P> {
     /// An empty receiver.
     #[must_use]
     pub fn new(configuration: Configuration) -> Self {
@@ -136,7 +143,7 @@ impl Receiver {
             last_scan: None,
             status: None,
             counters: Counters::default(),
-            scan: Scan::default(),
+            scan: ScanOf::default(),
         }
     }
 
@@ -153,11 +160,11 @@ impl Receiver {
     }
 
     /// Takes in a UDP payload that arrived at `now`. `event` is called at most once.
-    pub fn push(&mut self, datagram: &[u8], now: Stamp, mut event: impl FnMut(Event<'_>)) {
+    pub fn push(&mut self, datagram: &[u8], now: Stamp, mut event: impl FnMut(EventOf<'_, P>)) {
         let (bytes, began) = match self.assembler.push(datagram, now) {
             Ok(Some(complete)) => complete,
             Ok(None) => return,
-            Err(error) => return event(Event::Refused(ScanError::Fragment(error))),
+            Err(error) => return event(EventOf::Refused(ScanError::Fragment(error))),
         };
         let message = Message::new_checked(bytes).map_err(ScanError::Message);
         let outcome = message.and_then(|message| {
@@ -178,12 +185,12 @@ impl Receiver {
             Ok((sequence, true)) => {
                 self.counters.scans = self.counters.scans.saturating_add(1);
                 self.count_scan(sequence);
-                event(Event::Scan(&self.scan));
+                event(EventOf::Scan(&self.scan));
             }
-            Ok((sequence, false)) => event(Event::StandBy { sequence }),
+            Ok((sequence, false)) => event(EventOf::StandBy { sequence }),
             Err(error) => {
                 self.counters.refused = self.counters.refused.saturating_add(1);
-                event(Event::Refused(error));
+                event(EventOf::Refused(error));
             }
         }
     }
@@ -203,8 +210,8 @@ impl Receiver {
     }
 }
 
-fn fill(
-    scan: &mut Scan,
+fn fill<P: Profile>(
+    scan: &mut ScanOf<P>,
     message: &Message<'_>,
     configuration: &Configuration,
     began: Stamp,
@@ -215,7 +222,7 @@ fn fill(
     let beams = measured.beams();
     let found = beams.len();
     let error = ScanError::Beams { found, announced: geometry.beams };
-    if found != usize::from(geometry.beams) || found > scan.beams.capacity() || found == 0 {
+    if found != usize::from(geometry.beams) || found > P::Beams::N || found == 0 {
         return Err(error);
     }
     scan.stamp = began.minus_micros(since_middle_us(&geometry).saturating_add(configuration.latency_us));

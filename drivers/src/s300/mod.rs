@@ -8,7 +8,7 @@ mod receiver;
 mod telegram;
 
 pub use configuration::{Bit13, Configuration};
-pub use receiver::{Counters, Event, Receiver};
+pub use receiver::{Counters, Event, EventOf, Receiver, ReceiverOf};
 pub use telegram::{Telegram, TelegramError};
 
 #[cfg(test)]

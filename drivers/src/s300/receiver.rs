@@ -1,6 +1,7 @@
 //! From bytes in any portions to scans: searches, waits, checks, resynchronises. Source: book, SICK S300: Receiver.
 
-use floorguard_types::sensing::{BeamReturn, Scan};
+use floorguard_types::profile::{List, Native, Profile};
+use floorguard_types::sensing::{BeamReturn, ScanOf};
 use floorguard_types::time::{Age, Stamp};
 
 use super::configuration::{Bit13, Configuration};
@@ -21,9 +22,9 @@ const DAZZLED: u16 = 0x2000;
 
 /// What the line reported.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Event<'a> {
+pub enum EventOf<'a, P: Profile> {
     /// A scan. It stays in the receiver until the next one.
-    Scan(&'a Scan),
+    Scan(&'a ScanOf<P>),
     /// The scanner is in stand-by: no data, neither obstacle nor free.
     StandBy {
         /// Its scan number.
@@ -32,6 +33,9 @@ pub enum Event<'a> {
     /// A telegram that is right and of no use.
     Refused(TelegramError),
 }
+
+/// The same in the memory of the target.
+pub type Event<'a> = EventOf<'a, Native>;
 
 /// What happened on the line; saturating.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -83,7 +87,7 @@ pub struct Counters {
 /// assert_eq!(scans, [(0x117, 29, BeamReturn::Unknown, BeamReturn::Hit(10_000))]);
 /// ```
 #[derive(Clone, Debug)]
-pub struct Receiver {
+pub struct ReceiverOf<P: Profile> {
     configuration: Configuration,
     buffer: [u8; BUFFER_BYTES],
     length: usize,
@@ -97,7 +101,7 @@ pub struct Receiver {
     last_scan: Option<u32>,
     counters: Counters,
     /// The newest scan, built in place: it is too large for the stack of a small machine.
-    scan: Scan,
+    scan: ScanOf<P>,
 }
 
 /// What stands at the front of the buffer.
@@ -110,7 +114,10 @@ enum Front {
     Nothing,
 }
 
-impl Receiver {
+/// A receiver for the scanners of the target.
+pub type Receiver = ReceiverOf<Native>;
+
+impl<P: Profile> ReceiverOf<P> {
     /// An empty receiver.
     #[must_use]
     pub fn new(configuration: Configuration) -> Self {
@@ -124,7 +131,7 @@ impl Receiver {
             rule: 0,
             last_scan: None,
             counters: Counters::default(),
-            scan: Scan::default(),
+            scan: ScanOf::default(),
         }
     }
 
@@ -135,7 +142,7 @@ impl Receiver {
     }
 
     /// Takes in bytes that arrived at `now`, in any portions. `event` is called for each telegram.
-    pub fn push(&mut self, bytes: &[u8], now: Stamp, mut event: impl FnMut(Event<'_>)) {
+    pub fn push(&mut self, bytes: &[u8], now: Stamp, mut event: impl FnMut(EventOf<'_, P>)) {
         let silent = matches!(self.last_byte.age(now), Age::Past(us) if us > self.configuration.gap_max_us);
         if silent && self.length > 0 {
             // A telegram is sent without gaps: what is unfinished stays unfinished.
@@ -167,7 +174,7 @@ impl Receiver {
     }
 
     /// Takes telegrams off the front until it is unfinished. Each turn removes at least one byte.
-    fn consume(&mut self, now: Stamp, event: &mut impl FnMut(Event<'_>)) {
+    fn consume(&mut self, now: Stamp, event: &mut impl FnMut(EventOf<'_, P>)) {
         for _ in 0..BUFFER_BYTES {
             match self.front() {
                 Front::Unfinished(wanted) => {
@@ -249,25 +256,25 @@ impl Receiver {
         wanted.map_or(Front::Nothing, |missing| Front::Unfinished(missing.max(1)))
     }
 
-    fn interpret(&mut self, length: usize, now: Stamp) -> Option<Event<'_>> {
+    fn interpret(&mut self, length: usize, now: Stamp) -> Option<EventOf<'_, P>> {
         let telegram = Telegram::confirmed(self.buffer.get(..length)?);
         if telegram.status() != 0 {
-            return Some(Event::Refused(TelegramError::LockOut { status: telegram.status() }));
+            return Some(EventOf::Refused(TelegramError::LockOut { status: telegram.status() }));
         }
         if telegram.block() != 0xbbbb {
-            return Some(Event::Refused(TelegramError::Block { found: telegram.block() }));
+            return Some(EventOf::Refused(TelegramError::Block { found: telegram.block() }));
         }
         let (found, expected) = (telegram.words().len(), self.configuration.words());
         if found != expected {
-            return Some(Event::Refused(TelegramError::Values { found, expected }));
+            return Some(EventOf::Refused(TelegramError::Values { found, expected }));
         }
         let sequence = telegram.scan_number();
         if telegram.words().all(|word| word == STAND_BY_WORD) {
-            return Some(Event::StandBy { sequence });
+            return Some(EventOf::StandBy { sequence });
         }
         fill(&mut self.scan, &telegram, &self.configuration, now);
         self.count_scan(sequence);
-        Some(Event::Scan(&self.scan))
+        Some(EventOf::Scan(&self.scan))
     }
 
     fn count_scan(&mut self, sequence: u32) {
@@ -283,15 +290,20 @@ impl Receiver {
     }
 }
 
-fn fill(scan: &mut Scan, telegram: &Telegram<'_>, configuration: &Configuration, now: Stamp) {
+fn fill<P: Profile>(
+    scan: &mut ScanOf<P>,
+    telegram: &Telegram<'_>,
+    configuration: &Configuration,
+    now: Stamp,
+) {
     scan.stamp = now.minus_micros(configuration.delay_us);
     scan.sequence = telegram.scan_number();
     scan.first_angle_rad = configuration.first_angle_rad;
     scan.step_rad = configuration.step_rad;
     // The number never changes after the first scan; it was checked against the configuration.
-    let _ = scan.beams.resize_default(configuration.values());
+    let _ = scan.beams.resize(configuration.values(), BeamReturn::Unknown);
     let mut words = telegram.values();
-    let mut beams = scan.beams.as_mut_slice();
+    let mut beams: &mut [BeamReturn] = &mut scan.beams;
     let dazzled = if configuration.bit13 == Bit13::Dazzled { DAZZLED } else { 0 };
     let free = BeamReturn::Free(configuration.free_range_mm);
     for count in &configuration.values_per_field {

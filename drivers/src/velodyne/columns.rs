@@ -6,8 +6,8 @@
 //! Limit: the lasers of a VLP-32C look up to 4.2° beside the azimuth of their column; [`Model::ring_angles`] tells how
 //! far. They are not moved to a neighbouring column.
 
-use floorguard_types::capacities::PACKET_RINGS_MAX;
-use floorguard_types::sensing::{LidarColumn, LidarPacket};
+use floorguard_types::profile::{Entry, Profile, Table, TableOf};
+use floorguard_types::sensing::{LidarColumnOf, LidarPacketOf};
 use floorguard_types::time::Stamp;
 
 use super::model::{LaserAngles, Model};
@@ -15,16 +15,16 @@ use super::packet::{BLOCKS, Block, BlockTurn, Packet};
 
 /// Converts packets of one model.
 #[derive(Clone, Debug)]
-pub(super) struct Columns {
+pub(super) struct Columns<P: Profile> {
     model: Model,
     /// Ring of each laser.
-    rings: [u8; PACKET_RINGS_MAX],
+    rings: TableOf<u8, P::Rings>,
 }
 
-impl Columns {
-    pub(super) fn new(model: Model, angles: &[LaserAngles; PACKET_RINGS_MAX]) -> Self {
-        let mut rings = [0; PACKET_RINGS_MAX];
-        for (ring, angle) in rings.iter_mut().zip(angles) {
+impl<P: Profile> Columns<P> {
+    pub(super) fn new(model: Model, angles: &TableOf<LaserAngles, P::Rings>) -> Self {
+        let mut rings = <TableOf<u8, P::Rings>>::BLANK;
+        for (ring, angle) in rings.iter_mut().zip(angles.iter()) {
             *ring = angle.ring;
         }
         Self { model, rings }
@@ -33,11 +33,13 @@ impl Columns {
     /// Writes the columns of all blocks whose direction is known: up to 24 in single, 12 in dual return. Returns nearer
     /// than `blind_range_mm` become unknown; gives their number. What follows a closed sector was fired `skipped_us`
     /// later.
+    // Not inlined: its frame is gone when the guard judges the packet.
+    #[inline(never)]
     pub(super) fn convert(
         &self,
         (packet, turns): (&Packet<'_>, &[BlockTurn; BLOCKS]),
         ((stamp, skipped_us), blind_range_mm): ((Stamp, u32), u16),
-        out: &mut LidarPacket,
+        out: &mut LidarPacketOf<P>,
     ) -> u32 {
         let blind_raw = blind_range_mm.div_ceil(u16::from(self.model.range_unit_mm().max(1)));
         let sequences = self.model.sequences_per_block().clamp(1, 2);
@@ -47,7 +49,7 @@ impl Columns {
         out.rings = self.model.lasers() as u8;
         let known = turns.iter().step_by(step).filter(|turn| turn.azimuth_cdeg.is_some()).count();
         // 12 blocks of two sequences are exactly the capacity.
-        let _ = out.columns.resize(known * sequences, LidarColumn::SILENT);
+        let _ = out.columns.resize(known * sequences, LidarColumnOf::SILENT);
         let blocks = packet.blocks().zip(turns).step_by(step);
         // The second blocks of the pairs.
         let mut echoes = packet.blocks().skip(1).step_by(step);
@@ -61,7 +63,7 @@ impl Columns {
                 later_us = skipped_us;
             }
             for (sequence, column) in columns.by_ref().take(sequences).enumerate() {
-                *column = LidarColumn::SILENT;
+                *column = LidarColumnOf::SILENT;
                 column.azimuth_cdeg = self.middle_azimuth(block_cdeg, sequence, turn.gap_cdeg);
                 let start_ns = (time_step as u32)
                     .saturating_mul(self.model.block_ns())
@@ -78,13 +80,13 @@ impl Columns {
 
     /// Enters the returns of one sequence that are not the robot itself into a column in which nothing is. Gives the number
     /// of self-returns, at most 32.
-    fn enter(&self, column: &mut LidarColumn, block: Block<'_>, sequence: usize, blind_raw: u16) -> u32 {
+    fn enter(&self, column: &mut LidarColumnOf<P>, block: Block<'_>, sequence: usize, blind_raw: u16) -> u32 {
         let lasers = self.model.lasers();
         let known_raw = blind_raw.max(1);
         let mut self_returns = 0;
         // Every model has a multiple of eight lasers: the board pays for the loop once in eight cells.
         let (cells, _) = block.cells(sequence * lasers, lasers).as_chunks::<8>();
-        let (rings, _) = self.rings.as_chunks::<8>();
+        let (rings, _) = self.rings.as_ref().as_chunks::<8>();
         for (cells, rings) in cells.iter().zip(rings) {
             for ([low, high, reflectivity], ring) in cells.iter().zip(rings) {
                 let raw = u16::from_le_bytes([*low, *high]);
@@ -106,7 +108,7 @@ impl Columns {
     /// The same for the second echo: a nearer one replaces a farther one, so that an echo behind a self-return stays.
     fn enter_nearer(
         &self,
-        column: &mut LidarColumn,
+        column: &mut LidarColumnOf<P>,
         block: Block<'_>,
         sequence: usize,
         blind_raw: u16,
@@ -114,7 +116,7 @@ impl Columns {
         let lasers = self.model.lasers();
         let mut self_returns = 0;
         let cells = block.cells(sequence * lasers, lasers);
-        for ([low, high, reflectivity], ring) in cells.iter().zip(&self.rings) {
+        for ([low, high, reflectivity], ring) in cells.iter().zip(self.rings.iter()) {
             let raw = u16::from_le_bytes([*low, *high]);
             if raw == 0 {
                 continue;
@@ -151,7 +153,7 @@ mod tests {
 
     #[test]
     fn column_azimuth_is_the_middle_lasers_rounded() {
-        let columns = Columns::new(Model::Vlp16, &Model::Vlp16.angles());
+        let columns = Columns::<floorguard_types::profile::Native>::new(Model::Vlp16, &Model::Vlp16.angles());
         // Of a block of 110.592 us the eighth firing ends after 17.28, that of the second sequence 55.296 later.
         assert_eq!(columns.middle_azimuth(1_000, 0, 40), 1_006, "6.25");
         assert_eq!(columns.middle_azimuth(1_000, 1, 40), 1_026, "26.25");

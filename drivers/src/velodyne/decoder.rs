@@ -1,7 +1,7 @@
 //! From a datagram to a stamped [`LidarPacket`]: model, clock, losses, plausibility.
 
-use floorguard_types::capacities::PACKET_RINGS_MAX;
-use floorguard_types::sensing::LidarPacket;
+use floorguard_types::profile::{Native, Profile, Size};
+use floorguard_types::sensing::LidarPacketOf;
 use floorguard_types::time::Stamp;
 
 use super::clock::HourClock;
@@ -154,9 +154,9 @@ pub struct Counters {
 /// assert_eq!(decoder.counters().refused, 1);
 /// ```
 #[derive(Clone, Debug)]
-pub struct Decoder {
+pub struct DecoderOf<P: Profile> {
     choice: ModelChoice,
-    decided: Option<Decided>,
+    decided: Option<Decided<P>>,
     blind_range_mm: u16,
     lasers_max: u8,
     /// The newest packet that is one, accepted or not: for the period.
@@ -171,10 +171,10 @@ pub struct Decoder {
 }
 
 #[derive(Clone, Debug)]
-struct Decided {
+struct Decided<P: Profile> {
     model: Model,
     product_byte: u8,
-    columns: Columns,
+    columns: Columns<P>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -188,7 +188,10 @@ const HOUR_US: u32 = 3_600_000_000;
 /// clock was set (PPS locked or lost), and what it says now holds.
 const REORDER_US: u32 = 500_000;
 
-impl Decoder {
+/// For the lidars of the target.
+pub type Decoder = DecoderOf<Native>;
+
+impl<P: Profile> DecoderOf<P> {
     /// A decoder for one lidar.
     #[must_use]
     pub fn new(choice: ModelChoice) -> Self {
@@ -196,7 +199,7 @@ impl Decoder {
             choice,
             decided: None,
             blind_range_mm: 0,
-            lasers_max: PACKET_RINGS_MAX as u8,
+            lasers_max: P::Rings::N as u8,
             last: None,
             since_accepted_us: None,
             clock: HourClock::default(),
@@ -216,7 +219,7 @@ impl Decoder {
     /// The same decoder for stages that take lidars of at most `lasers_max` rings: packets of a larger one are refused.
     #[must_use]
     pub fn with_lasers_max(self, lasers_max: u8) -> Self {
-        Self { lasers_max: lasers_max.min(PACKET_RINGS_MAX as u8), ..self }
+        Self { lasers_max: lasers_max.min(P::Rings::N as u8), ..self }
     }
 
     /// The model, once it is known.
@@ -255,8 +258,8 @@ impl Decoder {
     ///
     /// # Errors
     /// [`DecodeError`]; the datagram is counted and changes nothing else.
-    pub fn decode(&mut self, payload: &[u8], arrival: Stamp) -> Result<(LidarPacket, u16), DecodeError> {
-        let mut packet = LidarPacket::EMPTY;
+    pub fn decode(&mut self, payload: &[u8], arrival: Stamp) -> Result<(LidarPacketOf<P>, u16), DecodeError> {
+        let mut packet = LidarPacketOf::EMPTY;
         let lost = self.decode_into(payload, arrival, &mut packet)?;
         Ok((packet, lost))
     }
@@ -269,7 +272,7 @@ impl Decoder {
         &mut self,
         payload: &[u8],
         arrival: Stamp,
-        out: &mut LidarPacket,
+        out: &mut LidarPacketOf<P>,
     ) -> Result<u16, DecodeError> {
         self.odd_block = None;
         let outcome = self.try_decode(payload, arrival, out);
@@ -289,7 +292,7 @@ impl Decoder {
         &mut self,
         payload: &[u8],
         arrival: Stamp,
-        out: &mut LidarPacket,
+        out: &mut LidarPacketOf<P>,
     ) -> Result<u16, DecodeError> {
         let packet = Packet::new_checked(payload).map_err(DecodeError::Packet)?;
         let step_us = self.step_us(&packet)?;
@@ -383,8 +386,11 @@ impl Decoder {
             return Err(DecodeError::TooManyLasers { model, lasers_max: self.lasers_max });
         }
         if self.model() != Some(model) {
-            self.decided =
-                Some(Decided { model, product_byte, columns: Columns::new(model, &model.angles()) });
+            self.decided = Some(Decided {
+                model,
+                product_byte,
+                columns: Columns::new(model, &model.angles_of::<P::Rings>()),
+            });
         }
         Ok(())
     }

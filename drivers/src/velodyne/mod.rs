@@ -16,9 +16,9 @@ mod sweep_builder;
 
 pub use clock::HourClock;
 pub use closed_sector::ClosedSector;
-pub use decoder::{Counters, DecodeError, Decoder, ModelChoice};
+pub use decoder::{Counters, DecodeError, Decoder, DecoderOf, ModelChoice};
 pub use gprmc::{Gprmc, GprmcError, Place};
-pub use model::{LaserAngles, Model, detect_model};
+pub use model::{LaserAngles, Model, NativeAngles, detect_model};
 pub use packet::{BlockTurn, Packet, PacketError, ReturnMode};
 pub use position::{PositionError, PositionPacket, PpsState};
 pub use returns::{Return, Returns, ReturnsOf};

@@ -1,6 +1,6 @@
 //! What differs between the models: angles, times, units. Source: book, Velodyne.
 
-use floorguard_types::capacities::PACKET_RINGS_MAX;
+use floorguard_types::profile::{Entry, Native, Profile, Size, Table, TableOf};
 use floorguard_types::units::radians;
 
 /// A lidar model.
@@ -44,6 +44,16 @@ pub struct LaserAngles {
     /// Position from the bottom, 0 lowest.
     pub ring: u8,
 }
+
+impl Entry for LaserAngles {
+    const BLANK: Self =
+        Self { elevation_deg: 0.0, sin: 0.0, cos: 0.0, height_m: 0.0, azimuth_cdeg: 0, ring: 0 };
+}
+
+/// The lasers of the largest lidar of the target.
+type Lasers = <Native as Profile>::Rings;
+/// Angles of the lasers of the largest lidar of the target.
+pub type NativeAngles = TableOf<LaserAngles, Lasers>;
 
 const VLP16_DEG: [f32; 16] =
     [-15.0, 1.0, -13.0, 3.0, -11.0, 5.0, -9.0, 7.0, -7.0, 9.0, -5.0, 11.0, -3.0, 13.0, -1.0, 15.0];
@@ -152,14 +162,19 @@ impl Model {
     /// capacity are left out. 32 sines: compute
     /// once.
     #[must_use]
-    pub fn angles(self) -> [LaserAngles; PACKET_RINGS_MAX] {
+    pub fn angles(self) -> NativeAngles {
+        self.angles_of::<Lasers>()
+    }
+
+    /// The same for so many lasers.
+    pub(super) fn angles_of<S: Size>(self) -> TableOf<LaserAngles, S> {
         let (elevations, origin_mm): (&[f32], f32) = match self {
             Self::Vlp16 => (&VLP16_DEG, 41.91),
             Self::HiRes => (&HI_RES_DEG, 41.91),
             Self::Vlp32C => (&VLP32C_DEG, 42.4),
             Self::Hdl32E => (&HDL32E_DEG, 28.83),
         };
-        let mut angles = [LaserAngles::default(); PACKET_RINGS_MAX];
+        let mut angles = <TableOf<LaserAngles, S>>::BLANK;
         for (laser, (angle, elevation_deg)) in angles.iter_mut().zip(elevations).enumerate() {
             let (sin, cos) = libm::sincosf(radians(*elevation_deg));
             let below = elevations.iter().filter(|other| **other < *elevation_deg).count();
@@ -182,8 +197,8 @@ impl Model {
 
     /// Angles of every ring, 0 lowest: the order of the columns. Entries above [`Self::lasers`] are zero.
     #[must_use]
-    pub fn ring_angles(self) -> [LaserAngles; PACKET_RINGS_MAX] {
-        let mut rings = [LaserAngles::default(); PACKET_RINGS_MAX];
+    pub fn ring_angles(self) -> NativeAngles {
+        let mut rings = NativeAngles::BLANK;
         for angle in self.angles().into_iter().take(self.lasers()) {
             if let Some(ring) = rings.get_mut(usize::from(angle.ring)) {
                 *ring = angle;

@@ -1,11 +1,10 @@
 //! The single returns of a packet, each with its own azimuth, time and place: for people who want every point.
 
-use floorguard_types::capacities::PACKET_RINGS_MAX;
 use floorguard_types::geometry::Point3;
 use floorguard_types::units::centidegrees_to_radians;
 
 use super::closed_sector::PacketTurn;
-use super::model::{LaserAngles, Model};
+use super::model::{Model, NativeAngles};
 use super::packet::Packet;
 
 /// One echo.
@@ -55,7 +54,7 @@ pub enum ReturnsOf {
 #[derive(Clone, Debug)]
 pub struct Returns {
     model: Model,
-    angles: [LaserAngles; PACKET_RINGS_MAX],
+    angles: NativeAngles,
 }
 
 impl Returns {

@@ -6,7 +6,8 @@
 //!
 //! Limit: a sweep of 16 rings takes the lowest 16 of a lidar of 32; use `Sweep<32>` for those.
 
-use floorguard_types::sensing::{LidarColumn, LidarPacket, Sweep, SweepColumn};
+use floorguard_types::profile::{Profile, Table};
+use floorguard_types::sensing::{LidarColumnOf, LidarPacketOf, SweepColumnOf, SweepOf};
 use floorguard_types::time::Stamp;
 
 /// Where revolutions are cut, and what the builder remembers between packets.
@@ -105,12 +106,12 @@ impl SweepBuilder {
     /// Adds a packet before which `lost_packets` are missing. `complete` is called with each revolution that ends
     /// within it (normally none or one); it may swap the content away. The missed sector is entered as columns about
     /// which nothing is known.
-    pub fn add<const RINGS: usize>(
+    pub fn add<P: Profile, const RINGS: usize>(
         &mut self,
-        packet: &LidarPacket,
+        packet: &LidarPacketOf<P>,
         lost_packets: u16,
-        building: &mut Sweep<RINGS>,
-        mut complete: impl FnMut(&mut Sweep<RINGS>),
+        building: &mut SweepOf<P, RINGS>,
+        mut complete: impl FnMut(&mut SweepOf<P, RINGS>),
     ) {
         let (turned_cdeg, steps) = steps_of(packet);
         self.step_cdeg = mean_step_cdeg(turned_cdeg, steps).clamp(1, 200);
@@ -137,7 +138,11 @@ impl SweepBuilder {
     }
 
     /// The newest column takes this firing, too.
-    fn shares<const RINGS: usize>(&self, building: &Sweep<RINGS>, column: &LidarColumn) -> bool {
+    fn shares<P: Profile, const RINGS: usize>(
+        &self,
+        building: &SweepOf<P, RINGS>,
+        column: &LidarColumnOf<P>,
+    ) -> bool {
         if self.sharing == Sharing::None {
             return false;
         }
@@ -157,7 +162,11 @@ impl SweepBuilder {
     }
 
     /// At this speed the rest of the turn does not fit into the rest of the columns, with two to spare.
-    fn is_short<const RINGS: usize>(&self, building: &Sweep<RINGS>, column: &LidarColumn) -> bool {
+    fn is_short<P: Profile, const RINGS: usize>(
+        &self,
+        building: &SweepOf<P, RINGS>,
+        column: &LidarColumnOf<P>,
+    ) -> bool {
         let from_cut = (u32::from(column.azimuth_cdeg) + TURN_CDEG - u32::from(self.cut_cdeg)) % TURN_CDEG;
         let left = building.columns.len().saturating_sub(building.column_count).saturating_sub(2) as u32;
         let (turned_cdeg, steps) = self.speed;
@@ -180,12 +189,12 @@ impl SweepBuilder {
 
     /// Enters unknown columns between the newest column and the next, evenly in azimuth and time; `missing` columns are
     /// known to be missing.
-    fn enter_gap<const RINGS: usize>(
+    fn enter_gap<P: Profile, const RINGS: usize>(
         &mut self,
         (missing, next_cdeg): (u32, u16),
         next: Stamp,
-        building: &mut Sweep<RINGS>,
-        complete: &mut impl FnMut(&mut Sweep<RINGS>),
+        building: &mut SweepOf<P, RINGS>,
+        complete: &mut impl FnMut(&mut SweepOf<P, RINGS>),
     ) {
         let Some(last) = self.last_cdeg else { return };
         let last_cdeg = (u32::from(last) + u32::from(self.cut_cdeg)) % TURN_CDEG;
@@ -203,7 +212,7 @@ impl SweepBuilder {
             self.enter(azimuth_cdeg, stamp, building, complete);
             let unit = building.range_unit_mm;
             push(building, stamp, unit, |slot| {
-                *slot = SweepColumn { azimuth_cdeg, ..SweepColumn::UNKNOWN };
+                *slot = SweepColumnOf { azimuth_cdeg, ..SweepColumnOf::UNKNOWN };
             });
         }
     }
@@ -224,12 +233,12 @@ impl SweepBuilder {
     }
 
     /// Completes the revolution if `azimuth_cdeg` lies behind the cut.
-    fn enter<const RINGS: usize>(
+    fn enter<P: Profile, const RINGS: usize>(
         &mut self,
         azimuth_cdeg: u16,
         stamp: Stamp,
-        building: &mut Sweep<RINGS>,
-        complete: &mut impl FnMut(&mut Sweep<RINGS>),
+        building: &mut SweepOf<P, RINGS>,
+        complete: &mut impl FnMut(&mut SweepOf<P, RINGS>),
     ) {
         let from_cut = ((u32::from(azimuth_cdeg) + 36_000 - u32::from(self.cut_cdeg)) % 36_000) as u16;
         let passed = self.last_cdeg.is_some_and(|last| last > from_cut && last - from_cut > 18_000);
@@ -246,7 +255,7 @@ impl SweepBuilder {
 
 /// Rotation from column to column of a packet, without what it leaves out: the sum, hundredths of a degree, and of how
 /// many steps.
-fn steps_of(packet: &LidarPacket) -> (u32, u32) {
+fn steps_of<P: Profile>(packet: &LidarPacketOf<P>) -> (u32, u32) {
     let mut sum = (0_u32, 0_u32);
     let next = packet.columns.iter().skip(1);
     for (column, next) in packet.columns.iter().zip(next) {
@@ -266,18 +275,18 @@ fn mean_step_cdeg(turned_cdeg: u32, steps: u32) -> u32 {
 }
 
 /// Forgets the content without touching the columns.
-fn clear<const RINGS: usize>(sweep: &mut Sweep<RINGS>) {
+fn clear<P: Profile, const RINGS: usize>(sweep: &mut SweepOf<P, RINGS>) {
     sweep.column_count = 0;
     sweep.packets = 0;
     sweep.lost_packets = 0;
     sweep.dropped_columns = 0;
 }
 
-fn push<const RINGS: usize>(
-    sweep: &mut Sweep<RINGS>,
+fn push<P: Profile, const RINGS: usize>(
+    sweep: &mut SweepOf<P, RINGS>,
     stamp: Stamp,
     range_unit_mm: u8,
-    write: impl FnOnce(&mut SweepColumn<RINGS>),
+    write: impl FnOnce(&mut SweepColumnOf<P, RINGS>),
 ) {
     let start = sweep.stamp;
     let Some(slot) = sweep.columns.get_mut(sweep.column_count) else {
@@ -292,12 +301,12 @@ fn push<const RINGS: usize>(
 }
 
 /// Enters a firing into the newest column; of two returns the nearer one stays. False if there is none.
-fn merge<const RINGS: usize>(sweep: &mut Sweep<RINGS>, column: &LidarColumn) -> bool {
+fn merge<P: Profile, const RINGS: usize>(sweep: &mut SweepOf<P, RINGS>, column: &LidarColumnOf<P>) -> bool {
     let Some(slot) = sweep.column_count.checked_sub(1).and_then(|newest| sweep.columns.get_mut(newest))
     else {
         return false;
     };
-    for (ring, (range, raw)) in slot.range_raw.iter_mut().zip(&column.range_raw).enumerate() {
+    for (ring, (range, raw)) in slot.range_raw.iter_mut().zip(column.range_raw.iter()).enumerate() {
         if *raw != 0 && (*range == 0 || *raw < *range) {
             *range = *raw;
             if let (Some(to), Some(from)) = (slot.reflectivity.get_mut(ring), column.reflectivity.get(ring)) {
@@ -308,13 +317,13 @@ fn merge<const RINGS: usize>(sweep: &mut Sweep<RINGS>, column: &LidarColumn) -> 
     true
 }
 
-fn fill<const RINGS: usize>(slot: &mut SweepColumn<RINGS>, column: &LidarColumn) {
+fn fill<P: Profile, const RINGS: usize>(slot: &mut SweepColumnOf<P, RINGS>, column: &LidarColumnOf<P>) {
     slot.azimuth_cdeg = column.azimuth_cdeg;
     slot.measured = true;
-    for (to, from) in slot.range_raw.iter_mut().zip(&column.range_raw) {
+    for (to, from) in slot.range_raw.iter_mut().zip(column.range_raw.iter()) {
         *to = *from;
     }
-    for (to, from) in slot.reflectivity.iter_mut().zip(&column.reflectivity) {
+    for (to, from) in slot.reflectivity.iter_mut().zip(column.reflectivity.iter()) {
         *to = *from;
     }
 }
@@ -322,6 +331,7 @@ fn fill<const RINGS: usize>(slot: &mut SweepColumn<RINGS>, column: &LidarColumn)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use floorguard_types::sensing::{LidarColumn, LidarPacket, Sweep};
 
     /// Columns of a packet that turn evenly from one azimuth to another.
     fn packet_of(columns: usize, from_cdeg: u16, turned_cdeg: u16) -> LidarPacket {

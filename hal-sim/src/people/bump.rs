@@ -7,6 +7,10 @@ use crate::scene::distance_to_area;
 
 /// A body may press this deep into the outline, metres: touching stays a contact for judges.
 const PRESS_M: f32 = 0.01;
+/// Of displacements, metres.
+const ROUNDING_M: f32 = 0.005;
+/// Nobody slides farther in one step, metres: the robot and the person walk some centimetres in it.
+const SLIDE_M: f32 = 0.06;
 
 /// The robot as people see it and bump into it.
 #[derive(Clone, Copy, Debug)]
@@ -27,8 +31,57 @@ impl RobotShape<'_> {
     }
 }
 
+/// Where a person stands and looks.
+#[derive(Clone, Copy, Debug)]
+pub struct Stance {
+    position: Point2,
+    heading_rad: f32,
+}
+
+impl Stance {
+    pub fn of(person: &Person) -> Self {
+        Self { position: person.position, heading_rad: person.heading_rad }
+    }
+}
+
+/// Keeps a person who walked a step out of the robot: a turn that would bring a part into it (a trolley) is not made, the
+/// rest slides along it, and where that does not help, the person stays where it was.
+pub fn keep_out(person: &mut Person, before: Stance, robot: &RobotShape<'_>) {
+    let deep_m = depth_m(person, robot);
+    if deep_m <= 0.0 {
+        return;
+    }
+    let walked = Stance::of(person);
+    person.heading_rad = before.heading_rad;
+    if depth_m(person, robot) >= deep_m {
+        person.heading_rad = walked.heading_rad;
+    }
+    slide_off(person, robot);
+    let slid = Stance::of(person);
+    let deep_m = depth_m(person, robot);
+    if deep_m <= PRESS_M + ROUNDING_M && slid.position.distance(walked.position) < SLIDE_M {
+        return;
+    }
+    (person.position, person.heading_rad) = (before.position, before.heading_rad);
+    if depth_m(person, robot) > deep_m {
+        // The robot came nearer meanwhile.
+        (person.position, person.heading_rad) = (slid.position, slid.heading_rad);
+        return;
+    }
+    person.velocity = Point2::default();
+}
+
+/// How deep a person is in the outline of the robot, metres.
+fn depth_m(person: &Person, robot: &RobotShape<'_>) -> f32 {
+    let to_robot = robot.pose.inverse();
+    let depth_m = |(middle, radius_m)| {
+        push_out(robot.outline, to_robot.transform(middle), radius_m).map_or(0.0, |push| push.norm())
+    };
+    body_discs(person).into_iter().map(depth_m).fold(0.0, f32::max)
+}
+
 /// Puts a person who walks beside the robot, and takes away the speed towards it. Who has bumped into it has noticed it.
-pub fn slide_off(person: &mut Person, robot: &RobotShape<'_>) {
+fn slide_off(person: &mut Person, robot: &RobotShape<'_>) {
     let to_robot = robot.pose.inverse();
     for (middle, radius_m) in body_discs(person) {
         let Some(push) = push_out(robot.outline, to_robot.transform(middle), radius_m - PRESS_M) else {
@@ -129,6 +182,8 @@ mod tests {
                     let person = &crowd.people[0];
                     let deep_m = kind.radius_m() - gap_m(person);
                     assert!(deep_m < 0.04, "{kind:?} from {angle} is {deep_m} m in the robot");
+                    let deep_m = depth_m(person, &shape);
+                    assert!(deep_m < 0.06, "{kind:?} from {angle} is with a part {deep_m} m in the robot");
                     arrived |= person.position.distance(at(4.0)) < 0.7;
                 }
                 past += u32::from(arrived);
@@ -136,5 +191,32 @@ mod tests {
         }
         // Forces balance here and there, and somebody stands before the robot for a while; nobody goes through it.
         assert!(past >= 36, "{past} of 48 got past");
+    }
+
+    /// A person with a trolley, who turns round before the nose of the robot.
+    #[test]
+    fn turning_trolley_stays_out_of_robot() {
+        let robot = RobotParameters::default();
+        let scene = SceneBuilder::default().build();
+        let shape = RobotShape {
+            pose: Pose2::default(),
+            outline: &robot.footprint,
+            seen_as: (Point2::new(0.25, 0.0), 0.85),
+        };
+        for start in [(1.4, 0.0), (1.3, 0.3), (0.4, 0.75), (-0.9, 0.2)] {
+            let from = Point2::new(start.0, start.1);
+            let mut person = walker(PersonKind::Trolley, from, Point2::new(-4.0 * start.0, -4.0 * start.1));
+            person.heading_rad = start.1.atan2(start.0 - 0.25);
+            person.velocity = Point2::new(0.2 * person.heading_rad.cos(), 0.2 * person.heading_rad.sin());
+            let mut crowd = Crowd::new(vec![person]);
+            for step in 0..500_u64 {
+                let before = crowd.people[0].position;
+                crowd.step(step * 10_000, 0.01, &scene, &shape);
+                let person = &crowd.people[0];
+                let (deep_m, moved_m) = (depth_m(person, &shape), person.position.distance(before));
+                assert!(deep_m < 0.06, "from {start:?}, step {step}: {deep_m} m in the robot");
+                assert!(moved_m < 0.1, "from {start:?}, step {step}: moved by {moved_m} m at once");
+            }
+        }
     }
 }

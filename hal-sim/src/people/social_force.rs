@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use floorguard_types::geometry::Point2;
 
 use super::Person;
-use super::bump::{RobotShape, slide_off};
+use super::bump::{RobotShape, Stance, keep_out};
 use super::detour::{Aim, Around, Detour};
 use crate::scene::Scene;
 
@@ -128,8 +128,9 @@ impl Crowd {
             });
             person.velocity.x_m += contact.x_m * step_s;
             person.velocity.y_m += contact.y_m * step_s;
+            let before = Stance::of(person);
             person.advance(step_s);
-            slide_off(person, robot);
+            keep_out(person, before, robot);
         }
     }
 }

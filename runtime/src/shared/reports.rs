@@ -2,10 +2,9 @@
 
 use floorguard_guard::{Decision, ResetReport, Source, SourceReport};
 use floorguard_perception::people::{PeopleCounters, SensorSet, TrackStatus};
-use floorguard_types::capacities::TRACKS_MAX;
 use floorguard_types::geometry::Point2;
+use floorguard_types::profile::{ListOf, Native, Profile};
 use floorguard_types::time::Stamp;
-use heapless::Vec;
 
 use super::motion::StampedPose;
 
@@ -49,7 +48,7 @@ pub struct PeopleReport {
     /// The sweep.
     pub sweep: SweepReport,
     /// All tracks.
-    pub people: Vec<PersonReport, TRACKS_MAX>,
+    pub people: ListOf<PersonReport, <Native as Profile>::Tracks>,
     /// Sweeps whose pose was not known and which were not used.
     pub unposed_sweeps: u32,
     /// The same of scans, which were not searched for legs.

@@ -9,6 +9,7 @@ use super::cell::SeenCell;
 use super::limit::{CellState, DirtLimit, SeenLayer};
 use super::map::SeenDirtMap;
 use floorguard_types::geometry::Point2;
+use floorguard_types::profile::Of;
 use floorguard_types::time::Stamp;
 use floorguard_types::united_parts::{Absorb, UnitedParts};
 
@@ -62,7 +63,7 @@ struct Run {
 }
 
 /// What is summed of a part: metres in the map frame, natural logarithms, seconds.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Part {
     cells: u32,
     sum: [f32; 2],
@@ -84,7 +85,7 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
     /// The same with another limit than the map's own: how much of what is found hangs on it.
     #[must_use]
     pub fn spots_beyond(&self, limit: DirtLimit, layer: SeenLayer, now: Stamp) -> DirtSpots {
-        let mut parts = UnitedParts::<Part, PARTS_MAX>::default();
+        let mut parts = UnitedParts::<Part, Of<PARTS_MAX>>::default();
         let mut above: Vec<Run, RUNS_MAX> = Vec::new();
         let mut dropped = 0_u32;
         let width = usize::from(self.geometry().width()).max(1);
@@ -142,7 +143,7 @@ fn runs(cells: &[SeenCell], (layer, limit): (SeenLayer, DirtLimit), dropped: &mu
 
 /// Spots of the parts that are evident, largest first.
 fn largest(
-    parts: &UnitedParts<Part, PARTS_MAX>,
+    parts: &UnitedParts<Part, Of<PARTS_MAX>>,
     dropped: u32,
     spot: impl Fn(&Part) -> DirtSpot,
 ) -> DirtSpots {

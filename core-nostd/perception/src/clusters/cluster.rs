@@ -1,7 +1,7 @@
 //! A cluster that stands out of the floor: which returns make one, and what is known of it.
 
-use floorguard_types::capacities::{CLUSTERS_MAX, CLUSTERS_ON_BOARD, LABELS_MAX, LABELS_ON_BOARD};
 use floorguard_types::geometry::Point3;
+use floorguard_types::profile::{Board, Profile, Size};
 
 /// When cells belong together.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,9 +12,9 @@ pub struct ClusterLimits {
     pub points_min: u16,
     /// Returns farther than this are not grouped, metres (the outermost published ring ends at 40 m).
     pub range_max_m: f32,
-    /// Clusters kept, at most `CLUSTERS_MAX`; without the feature `hosted` always that many.
+    /// Clusters kept, at most those of the profile.
     pub clusters_max: usize,
-    /// Provisional names, at most `LABELS_MAX`; without the feature `hosted` always that many.
+    /// Provisional names, at most those of the profile.
     pub labels_max: usize,
 }
 
@@ -24,13 +24,16 @@ impl ClusterLimits {
         gap_m: 0.2,
         points_min: 5,
         range_max_m: 40.0,
-        clusters_max: CLUSTERS_MAX,
-        labels_max: LABELS_MAX,
+        clusters_max: usize::MAX,
+        labels_max: usize::MAX,
     };
 
     /// With the capacity of the microcontroller: the same input gives the same clusters on every machine.
-    pub const AS_ON_BOARD: Self =
-        Self { clusters_max: CLUSTERS_ON_BOARD, labels_max: LABELS_ON_BOARD, ..Self::DEFAULT };
+    pub const AS_ON_BOARD: Self = Self {
+        clusters_max: <Board as Profile>::Clusters::N,
+        labels_max: <Board as Profile>::Labels::N,
+        ..Self::DEFAULT
+    };
 }
 
 impl Default for ClusterLimits {

@@ -4,13 +4,12 @@
 //! same column. What must be close is the horizontal distance from the sensor, so the join does not depend on nested
 //! rings and nothing is split at their borders (the weakness of the published clusters).
 
-use heapless::Vec;
-
 use super::cluster::{Cluster, ClusterLimits, Growth};
 use super::labels::{Labels, Mark, NONE};
 use super::projection::{ColumnFrame, RingAngles};
-use floorguard_types::capacities::{CLUSTERS_MAX, LABELS_MAX, SWEEP_COLUMNS, SWEEP_RINGS, limited_capacity};
+use floorguard_types::capacities::{SWEEP_COLUMNS, SWEEP_RINGS};
 use floorguard_types::geometry::Point3;
+use floorguard_types::profile::{List, ListOf, Profile, Size};
 
 /// Columns looked back in the same ring: bridges two missing returns.
 const COLUMNS_BACK: usize = 3;
@@ -66,8 +65,8 @@ const _: () = assert!(COLUMNS_BACK < RECENT && RECENT.is_power_of_two());
 
 /// Working memory: a label per cell, the labels, and what is known of each cluster.
 #[derive(Clone, Debug)]
-pub(crate) struct Clusterer {
-    labels: Labels,
+pub(crate) struct Clusterer<P: Profile> {
+    labels: Labels<P::Labels>,
     cells: [[u16; SWEEP_RINGS]; SWEEP_COLUMNS],
     /// Where the cells have labels, a bit per ring.
     present: [u16; SWEEP_COLUMNS],
@@ -76,12 +75,14 @@ pub(crate) struct Clusterer {
     /// The first columns of the revolution.
     first: [Entered; COLUMNS_BACK],
     columns: usize,
-    pub(crate) clusters: Vec<Cluster, CLUSTERS_MAX>,
+    pub(crate) clusters: ListOf<Cluster, P::Clusters>,
     pub(crate) dropped: u32,
 }
 
-impl Clusterer {
+impl<P: Profile> Clusterer<P> {
     pub(crate) const fn new() -> Self {
+        // Labels fit beside the mark, cells of a sweep beside the index of a cluster.
+        const { assert!(P::Labels::N < HIDDEN as usize && P::Clusters::N < 0x7ff0) };
         Self {
             labels: Labels::new(),
             cells: [[NONE; SWEEP_RINGS]; SWEEP_COLUMNS],
@@ -89,7 +90,7 @@ impl Clusterer {
             recent: [NO_OBSTACLES; RECENT],
             first: [NO_OBSTACLES; COLUMNS_BACK],
             columns: 0,
-            clusters: Vec::new(),
+            clusters: List::EMPTY,
             dropped: 0,
         }
     }
@@ -284,9 +285,7 @@ impl Clusterer {
         }
         let fresh = Cluster::start(root, first);
         let index = self.clusters.len();
-        let index = if index < limited_capacity(limits.clusters_max, CLUSTERS_MAX)
-            && self.clusters.push(fresh).is_ok()
-        {
+        let index = if index < limits.clusters_max.min(P::Clusters::N) && self.clusters.push(fresh).is_ok() {
             Some(index)
         } else {
             self.replace_farthest(fresh)
@@ -367,6 +366,5 @@ fn plain_label(label: u16) -> Option<u16> {
     (label != NONE).then_some(label & !HIDDEN)
 }
 
-/// Labels fit beside the mark, cells of a sweep beside the index of a cluster.
-const _: () = assert!(LABELS_MAX < HIDDEN as usize && CLUSTERS_MAX < 0x7ff0);
+/// Cells of a sweep fit beside the index of a cluster.
 const _: () = assert!(SWEEP_COLUMNS * SWEEP_RINGS < HIDDEN as usize);

@@ -1,6 +1,7 @@
 //! How high a sensor of unknown mounting stands above the floor: for recordings without a description.
 
-use floorguard_types::sensing::Sweep;
+use floorguard_types::profile::Profile;
+use floorguard_types::sensing::SweepOf;
 
 use super::projection::RingAngles;
 
@@ -19,7 +20,7 @@ impl FloorHeight {
     /// Metres from the floor to the sensor: the lowest of the fullest layers. `None` if fewer than 200 returns look
     /// like a floor. Assumes that the sensor stands upright.
     #[must_use]
-    pub fn estimate_m(sweep: &Sweep, angles: &RingAngles) -> Option<f32> {
+    pub fn estimate_m<P: Profile>(sweep: &SweepOf<P>, angles: &RingAngles) -> Option<f32> {
         let mut counts = [0_u32; BINS];
         let metres_per_count = f32::from(sweep.range_unit_mm) * 1.0e-3;
         for column in sweep.used_columns().iter().filter(|column| column.measured) {

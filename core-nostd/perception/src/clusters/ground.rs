@@ -7,7 +7,8 @@
 use super::projection::{RingAngles, RingProfile, SweepFrame};
 use floorguard_types::capacities::{SWEEP_COLUMNS, SWEEP_RINGS};
 use floorguard_types::geometry::{Transform3, Twist2};
-use floorguard_types::sensing::{Sweep, SweepColumn};
+use floorguard_types::profile::Profile;
+use floorguard_types::sensing::{SweepColumnOf, SweepOf};
 
 /// Height that a floor return may differ at any distance, metres: range noise of ±3 cm at 15° and tile gaps.
 const ROUGHNESS_M: f32 = 0.06;
@@ -44,11 +45,11 @@ impl FloorMask {
     }
 
     /// Marks the floor of a sweep. Linear in its cells, constant per column.
-    pub fn find(&mut self, sweep: &Sweep, angles: &RingAngles, sensor_in_base: &Transform3) {
+    pub fn find<P: Profile>(&mut self, sweep: &SweepOf<P>, angles: &RingAngles, sensor_in_base: &Transform3) {
         self.columns.fill(0);
         // Where the robot drove meanwhile does not change a height.
         let frames = SweepFrame::new(sweep, sensor_in_base, Twist2::ZERO);
-        let mut profile = frames.still(&SweepColumn::UNKNOWN).profile(angles);
+        let mut profile = frames.still(&SweepColumnOf::<P>::UNKNOWN).profile(angles);
         let mut limits = FloorLimits::new(&profile);
         for (marks, column) in self.columns.iter_mut().zip(sweep.used_columns()) {
             if column.measured {

@@ -3,7 +3,7 @@
 //! A cell takes the label of a neighbour that it belongs to; only where two labels meet must be remembered that they
 //! are one. So the table is as large as there are labels, not cells.
 
-use floorguard_types::capacities::{LABELS_MAX, limited_capacity};
+use floorguard_types::profile::{Entry, Size, Table, TableOf};
 
 /// A cell that belongs to nothing.
 pub(crate) const NONE: u16 = u16::MAX;
@@ -29,27 +29,27 @@ pub(super) enum Mark {
 
 /// Union–find with path halving, over labels.
 #[derive(Clone, Debug)]
-pub(super) struct Labels {
-    parents: [u16; LABELS_MAX],
-    marks: [u16; LABELS_MAX],
+pub(super) struct Labels<S: Size> {
+    parents: TableOf<u16, S>,
+    marks: TableOf<u16, S>,
     used: usize,
     /// Labels that may be used.
     capacity: usize,
 }
 
-impl Labels {
+impl<S: Size> Labels<S> {
     pub(super) const fn new() -> Self {
-        Self { parents: [0; LABELS_MAX], marks: [0; LABELS_MAX], used: 0, capacity: LABELS_MAX }
+        Self { parents: Entry::BLANK, marks: Entry::BLANK, used: 0, capacity: S::N }
     }
 
-    /// Clears everything, with capacity for so many labels, at most `LABELS_MAX`.
+    /// Clears everything, with capacity for so many labels, at most those of the profile.
     pub(super) fn clear(&mut self, labels_max: usize) {
         (self.used, self.capacity) = (0, labels_max);
     }
 
     /// A label that nothing has yet; `None` if there is no more.
     pub(super) fn fresh(&mut self) -> Option<u16> {
-        if self.used >= limited_capacity(self.capacity, LABELS_MAX) {
+        if self.used >= self.capacity.min(S::N) {
             return None;
         }
         let (parent, mark) = (self.parents.get_mut(self.used)?, self.marks.get_mut(self.used)?);
@@ -101,7 +101,7 @@ impl Labels {
     /// Lets every label point straight at its root and adds up the cells there. Parents always have smaller numbers, so
     /// one pass upwards points, and another one adds.
     pub(super) fn flatten(&mut self) {
-        for label in 0..self.used.min(LABELS_MAX) {
+        for label in 0..self.used.min(S::N) {
             let Some(parent) =
                 self.parents.get(label).copied().filter(|parent| usize::from(*parent) != label)
             else {
@@ -143,10 +143,13 @@ impl Labels {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use floorguard_types::profile::Of;
+
+    const LABELS: usize = 4_096;
 
     #[test]
     fn joins_are_transitive_and_order_free() {
-        let mut labels = std::boxed::Box::new(Labels::new());
+        let mut labels = std::boxed::Box::new(Labels::<Of<LABELS>>::new());
         for expected in 0..10 {
             assert_eq!(labels.fresh(), Some(expected));
             labels.count(expected);
@@ -165,11 +168,11 @@ mod tests {
 
     #[test]
     fn long_chain_stays_one_set_table_ends() {
-        let mut labels = std::boxed::Box::new(Labels::new());
-        (0..LABELS_MAX).for_each(|_| assert!(labels.fresh().is_some()));
+        let mut labels = std::boxed::Box::new(Labels::<Of<LABELS>>::new());
+        (0..LABELS).for_each(|_| assert!(labels.fresh().is_some()));
         assert_eq!(labels.fresh(), None);
-        (1..LABELS_MAX).rev().for_each(|label| labels.join((label - 1) as u16, label as u16));
+        (1..LABELS).rev().for_each(|label| labels.join((label - 1) as u16, label as u16));
         labels.flatten();
-        assert!((0..LABELS_MAX).all(|label| labels.root_of(label as u16) == Some(0)));
+        assert!((0..LABELS).all(|label| labels.root_of(label as u16) == Some(0)));
     }
 }

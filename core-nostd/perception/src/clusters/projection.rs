@@ -4,7 +4,8 @@ use core::f32::consts::FRAC_PI_4;
 
 use floorguard_types::capacities::SWEEP_RINGS;
 use floorguard_types::geometry::{Point3, Transform3, Twist2};
-use floorguard_types::sensing::{Sweep, SweepColumn};
+use floorguard_types::profile::Profile;
+use floorguard_types::sensing::{SweepColumnOf, SweepOf};
 use floorguard_types::units::RADIANS_PER_DEGREE;
 
 /// Sines of the elevations of the rings, 0 lowest.
@@ -60,7 +61,7 @@ pub(crate) struct SweepFrame {
 impl SweepFrame {
     /// With the robot's motion during the sweep taken out: points are expressed in the robot's frame at the end of the
     /// sweep (book, Conventions: Deskewing, constant speed within the sweep).
-    pub(crate) fn new(sweep: &Sweep, mounting: &Transform3, twist: Twist2) -> Self {
+    pub(crate) fn new<P: Profile>(sweep: &SweepOf<P>, mounting: &Transform3, twist: Twist2) -> Self {
         let duration_us = sweep.end_stamp.as_micros().saturating_sub(sweep.stamp.as_micros());
         Self {
             mounting: *mounting,
@@ -71,7 +72,7 @@ impl SweepFrame {
     }
 
     /// The map of a column.
-    pub(crate) fn column(&self, column: &SweepColumn) -> ColumnFrame {
+    pub(crate) fn column<P: Profile>(&self, column: &SweepColumnOf<P>) -> ColumnFrame {
         let before_end_us = self.duration_us.saturating_sub(column.offset_us);
         let frame = self.still(column);
         if self.twist == Twist2::ZERO {
@@ -88,7 +89,7 @@ impl SweepFrame {
     }
 
     /// The map of a column for a robot that does not move: heights and distances do not depend on that.
-    pub(crate) fn still(&self, column: &SweepColumn) -> ColumnFrame {
+    pub(crate) fn still<P: Profile>(&self, column: &SweepColumnOf<P>) -> ColumnFrame {
         let (sin, cos) = sincos_cdeg(column.azimuth_cdeg);
         let [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]] = self.mounting.rotation;
         let Point3 { x_m, y_m, z_m } = self.mounting.translation;

@@ -6,7 +6,7 @@
 use super::curvature::Curvature;
 use super::model::FloorParameters;
 use super::plane::Plane;
-use floorguard_types::capacities::FLOOR_IMAGE_COLUMNS_MAX;
+use floorguard_types::profile::{Entry, Profile, Table, TableOf};
 
 /// The class of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,17 +33,21 @@ const HOLE_MIN_M: f32 = 0.02;
 const SIGMAS: f32 = 4.0;
 
 /// Judges the pixels of one row after another.
-pub(super) struct Judge {
+pub(super) struct Judge<P: Profile> {
     parameters: FloorParameters,
     plane: Plane,
     curvature: Option<Curvature>,
     /// The first component of every column's ray.
-    rays_x: [f32; FLOOR_IMAGE_COLUMNS_MAX],
+    rays_x: TableOf<f32, P::FloorColumns>,
 }
 
-impl Judge {
+impl Entry for PixelClass {
+    const BLANK: Self = Self::Unknown;
+}
+
+impl<P: Profile> Judge<P> {
     pub(super) fn new(parameters: &FloorParameters, plane: &Plane, curvature: &Curvature) -> Self {
-        let mut rays_x = [0.0; FLOOR_IMAGE_COLUMNS_MAX];
+        let mut rays_x = <TableOf<f32, P::FloorColumns>>::BLANK;
         for (column, slot) in rays_x.iter_mut().enumerate() {
             [*slot, _, _] = parameters.camera.ray(column as f32, 0.0);
         }
@@ -73,7 +77,7 @@ impl Judge {
         let Self { parameters: FloorParameters { noise, working_range_m, .. }, plane, .. } = self;
         let [nx, ny, nz] = plane.normal;
         let along_row = ny * ray_y + nz;
-        for ((depth, ray_x), class) in depths.iter().zip(&self.rays_x).zip(classes) {
+        for ((depth, ray_x), class) in depths.iter().zip(self.rays_x.iter()).zip(classes) {
             let z = f32::from(*depth) * 0.001;
             let along_ray = nx * ray_x + along_row;
             let height_m = z * along_ray + plane.distance_m - floor_m(z, *ray_x);

@@ -6,7 +6,11 @@
 use super::normal_equations::NormalEquations;
 use super::plane::{Plane, dot};
 use super::search::{Expectation, best, samples};
+use floorguard_types::profile::{Host, Profile};
 use floorguard_types::random::Pcg32;
+
+/// A cloud is searched on a computer only.
+type FloorSamples = <Host as Profile>::FloorSamples;
 
 /// Half widths of the bands of the passes, metres: from the search's to three standard deviations of a range.
 const BANDS_M: [f32; 6] = [0.06, 0.05, 0.04, 0.04, 0.04, 0.04];
@@ -34,7 +38,7 @@ where
         let (down_m, away_m) = (-dot(expectation.mounted.normal, *point), libm::sqrtf(dot(*point, *point)));
         (low - margin_m - tilt * away_m..=high + margin_m + tilt * away_m).contains(&down_m)
     });
-    let samples = samples(may_be_floor.clone(), &mut random);
+    let samples = samples::<FloorSamples>(may_be_floor.clone(), &mut random);
     let mut plane = best(&samples, expectation, &mut random)?;
     for band_m in BANDS_M {
         plane = pass(may_be_floor.clone(), &plane, band_m)?;

@@ -2,11 +2,9 @@
 //!
 //! A false object appears somewhere else in every frame. Source: book, Floor and dirt: Confirmation.
 
-use heapless::Vec;
-
-use super::objects::{FloorObject, FloorObjects};
-use floorguard_types::capacities::FLOOR_OBJECTS_MAX;
+use super::objects::{FloorObject, FloorObjectsOf};
 use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::profile::{List, ListOf, Native, Profile};
 
 /// Frames that are remembered.
 const FRAMES: usize = 3;
@@ -28,29 +26,31 @@ pub struct ConfirmedObject {
 
 /// The places of the objects in the last frames.
 #[derive(Clone, Debug, Default)]
-pub struct ObjectMemory {
-    frames: [Vec<Point2, FLOOR_OBJECTS_MAX>; FRAMES],
+pub struct ObjectMemoryOf<P: Profile> {
+    frames: [ListOf<Point2, P::FloorObjects>; FRAMES],
 }
 
-impl ObjectMemory {
+/// A memory in that of the target.
+pub type ObjectMemory = ObjectMemoryOf<Native>;
+
+impl<P: Profile> ObjectMemoryOf<P> {
     /// Takes a frame's objects and returns those that are confirmed. `camera_in_map` is the camera's foot point with
     /// the view's forward direction as heading, at the stamp of the image.
     pub fn update(
         &mut self,
-        found: &FloorObjects,
+        found: &FloorObjectsOf<P>,
         camera_in_map: Pose2,
-    ) -> Vec<ConfirmedObject, FLOOR_OBJECTS_MAX> {
+    ) -> ListOf<ConfirmedObject, P::FloorObjects> {
         self.frames.rotate_right(1);
-        let mut places = Vec::new();
-        let mut confirmed = Vec::new();
-        for object in &found.objects {
+        let mut places = ListOf::<Point2, P::FloorObjects>::EMPTY;
+        let mut confirmed = ListOf::<ConfirmedObject, P::FloorObjects>::EMPTY;
+        for object in found.objects.iter() {
             let ([lx, ly], [hx, hy]) = (object.low_m, object.high_m);
             // Robot frames have x forward and y left; footprints have right first, then forward.
             let place = camera_in_map.transform(Point2::new(0.5 * (ly + hy), -0.5 * (lx + hx)));
             let [_, before, earlier] = &self.frames;
-            let was_there = |frame: &Vec<Point2, FLOOR_OBJECTS_MAX>| {
-                u8::from(frame.iter().any(|other| other.distance(place) < SAME_PLACE_M))
-            };
+            let was_there =
+                |frame: &[Point2]| u8::from(frame.iter().any(|other| other.distance(place) < SAME_PLACE_M));
             let sightings = 1_u8.saturating_add(was_there(before)).saturating_add(was_there(earlier));
             // Both lists have the capacity of the frame's own list: a push cannot fail.
             let _ = places.push(place);
@@ -67,6 +67,7 @@ impl ObjectMemory {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::floor::FloorObjects;
 
     fn frame(forward_m: f32) -> FloorObjects {
         let mut objects = FloorObjects::default();

@@ -22,14 +22,15 @@ mod search;
 
 pub use classes::PixelClass;
 pub use cloud::floor_of_points;
-pub use confirmation::{ConfirmedObject, ObjectMemory};
+pub use confirmation::{ConfirmedObject, ObjectMemory, ObjectMemoryOf};
 pub use curvature::Curvature;
 pub use depth_noise::DepthNoise;
 pub use gate::{FitFault, FitLimits};
 pub use model::{
-    FloorEstimate, FloorFault, FloorModel, FloorParameters, FloorSource, KNOWN_MAX_US, REUSE_MAX_US,
+    FloorEstimate, FloorFault, FloorModel, FloorModelOf, FloorParameters, FloorSource, KNOWN_MAX_US,
+    REUSE_MAX_US,
 };
-pub use objects::{FloorObject, FloorObjects, ImageTooWide, ObjectFinder};
+pub use objects::{FloorObject, FloorObjects, FloorObjectsOf, ImageTooWide, ObjectFinder, ObjectFinderOf};
 pub use plane::{Plane, cross, dot, unit};
 pub use refine::FitQuality;
 pub use search::Expectation;

@@ -4,6 +4,8 @@
 //! camera does not move on its robot; then the mounting does. But after one second without a fit the floor is
 //! unknown, neither free nor clean: [`FloorEstimate::is_known`] (book, Floor and dirt: Validity).
 
+use core::marker::PhantomData;
+
 use super::curvature::Curvature;
 use super::depth_noise::DepthNoise;
 use super::gate::{FitFault, FitLimits, check};
@@ -11,6 +13,7 @@ use super::lattice::Lattice;
 use super::plane::Plane;
 use super::refine::{BANDS_AFTER_PREDICTION_M, BANDS_AFTER_SEARCH_M, FitQuality, quality, refine};
 use super::search::{Expectation, search};
+use floorguard_types::profile::{Native, Profile};
 use floorguard_types::random::Pcg32;
 use floorguard_types::sensing::{DepthImage, FrameFault, FrameWatch, PinholeCamera};
 use floorguard_types::time::{Age, Stamp};
@@ -34,7 +37,7 @@ pub struct FloorParameters {
     pub expectation: Expectation,
     /// When a fit is valid.
     pub limits: FitLimits,
-    /// Lattice points a row; 160 on a Linux computer, 54 on the target (book, Floor and dirt: Floor plane).
+    /// Lattice points a row, see [`Profile::FLOOR_LATTICE_COLUMNS`] (book, Floor and dirt: Floor plane).
     pub lattice_columns: u16,
     /// Range in which curvature is fitted and objects are looked for, metres (book, Floor and dirt: Objects).
     pub working_range_m: f32,
@@ -62,7 +65,7 @@ impl FloorParameters {
             noise: DepthNoise::NGUYEN,
             expectation,
             limits: FitLimits::default(),
-            lattice_columns: if cfg!(feature = "hosted") { 160 } else { 54 },
+            lattice_columns: Native::FLOOR_LATTICE_COLUMNS,
             working_range_m: 2.0,
         }
     }
@@ -157,18 +160,28 @@ struct Good {
 /// assert!(estimate.plane.tilt_from_rad(&level) < 0.005);
 /// ```
 #[derive(Clone, Debug)]
-pub struct FloorModel {
+pub struct FloorModelOf<P: Profile> {
     parameters: FloorParameters,
     random: Pcg32,
     good: Option<Good>,
     watch: FrameWatch,
+    profile: PhantomData<P>,
 }
 
-impl FloorModel {
+/// A model in the memory of the target.
+pub type FloorModel = FloorModelOf<Native>;
+
+impl<P: Profile> FloorModelOf<P> {
     /// A model that has seen nothing; `seed` drives the search.
     #[must_use]
     pub const fn new(parameters: FloorParameters, seed: u64) -> Self {
-        Self { parameters, random: Pcg32::new(seed, 0xF1), good: None, watch: FrameWatch::NEW }
+        Self {
+            parameters,
+            random: Pcg32::new(seed, 0xF1),
+            good: None,
+            watch: FrameWatch::NEW,
+            profile: PhantomData,
+        }
     }
 
     /// What the model was made with.
@@ -208,7 +221,8 @@ impl FloorModel {
                 .and_then(|plane| judged(&lattice, &noise, plane, (&limits, &expectation)));
         }
         if result.is_err() {
-            let start = search(&lattice, &expectation, &mut self.random).ok_or(FloorFault::NoPlane)?;
+            let start = search::<P::FloorSamples>(&lattice, &expectation, &mut self.random)
+                .ok_or(FloorFault::NoPlane)?;
             result = refine(&lattice, &noise, start, &BANDS_AFTER_SEARCH_M)
                 .ok_or(FloorFault::Rejected(FitFault::Degenerate))
                 .and_then(|plane| judged(&lattice, &noise, plane, (&limits, &expectation)));

@@ -4,12 +4,10 @@
 //! together unless their depths jump; parts that meet are united. What is too small to be anything is dropped, and
 //! what does not fit is dropped farthest first and counted. Source: book, Floor and dirt: Objects.
 
-use heapless::Vec;
-
 use super::classes::{Judge, PixelClass};
 use super::model::{FloorEstimate, FloorParameters};
 use super::plane::dot;
-use floorguard_types::capacities::{FLOOR_IMAGE_COLUMNS_MAX, FLOOR_OBJECTS_MAX, FLOOR_PARTS_MAX};
+use floorguard_types::profile::{Entry, List, ListOf, Native, Profile, Size, Table, TableOf};
 use floorguard_types::sensing::DepthImage;
 use floorguard_types::united_parts::{Absorb, UnitedParts};
 
@@ -34,14 +32,17 @@ pub struct FloorObject {
 
 /// What one image shows.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct FloorObjects {
+pub struct FloorObjectsOf<P: Profile> {
     /// Nearest first.
-    pub objects: Vec<FloorObject, FLOOR_OBJECTS_MAX>,
+    pub objects: ListOf<FloorObject, P::FloorObjects>,
     /// Objects and parts beyond the capacity: the list is incomplete.
     pub dropped: u32,
     /// Pixels of each class: floor, object, hole.
     pub counts: [u32; 3],
 }
+
+/// Objects in the memory of the target.
+pub type FloorObjects = FloorObjectsOf<Native>;
 
 /// The image has more columns than the capacity of the profile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,15 +50,14 @@ pub struct FloorObjects {
 pub struct ImageTooWide {
     /// Columns of the image.
     pub width: usize,
+    /// The most that fit.
+    pub columns_max: usize,
 }
 
 impl core::fmt::Display for ImageTooWide {
     fn fmt(&self, formatter: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(
-            formatter,
-            "the image has {} columns, but the capacity is {FLOOR_IMAGE_COLUMNS_MAX}",
-            self.width
-        )
+        let Self { width, columns_max } = self;
+        write!(formatter, "the image has {width} columns, but the capacity is {columns_max}")
     }
 }
 
@@ -80,33 +80,36 @@ const DEPTH_STEP_M: f32 = 0.03;
 const MAJORITY: u8 = 5;
 
 /// One pixel of the row above: its part, if any, and its depth.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Above {
     part: Option<u16>,
     depth_m: f32,
 }
 
-type Row<T> = [T; FLOOR_IMAGE_COLUMNS_MAX];
+impl Entry for Above {
+    const BLANK: Self = Self { part: None, depth_m: 0.0 };
+}
+
+type Row<T, P> = TableOf<T, <P as Profile>::FloorColumns>;
 
 /// Working memory of the search; one for each camera. Nothing of it lasts from image to image.
 #[derive(Clone, Debug)]
-pub struct ObjectFinder {
-    classes: [Row<PixelClass>; 3],
-    above: Row<Above>,
-    parts: UnitedParts<FloorObject, FLOOR_PARTS_MAX>,
+pub struct ObjectFinderOf<P: Profile> {
+    classes: [Row<PixelClass, P>; 3],
+    above: Row<Above, P>,
+    parts: UnitedParts<FloorObject, P::FloorParts>,
 }
 
-impl Default for ObjectFinder {
+/// A finder in the memory of the target.
+pub type ObjectFinder = ObjectFinderOf<Native>;
+
+impl<P: Profile> Default for ObjectFinderOf<P> {
     fn default() -> Self {
-        Self {
-            classes: [[PixelClass::Unknown; FLOOR_IMAGE_COLUMNS_MAX]; 3],
-            above: [Above::default(); FLOOR_IMAGE_COLUMNS_MAX],
-            parts: UnitedParts::default(),
-        }
+        Self { classes: Entry::BLANK, above: Entry::BLANK, parts: UnitedParts::default() }
     }
 }
 
-impl ObjectFinder {
+impl<P: Profile> ObjectFinderOf<P> {
     /// Finds the objects of an image whose floor is known. `classes`, one a pixel, is filled for those who look at
     /// the same pixels; a shorter slice is filled as far as it goes.
     ///
@@ -117,17 +120,18 @@ impl ObjectFinder {
         image: &DepthImage<'_>,
         (parameters, floor): (&FloorParameters, &FloorEstimate),
         classes: &mut [PixelClass],
-    ) -> Result<FloorObjects, ImageTooWide> {
+    ) -> Result<FloorObjectsOf<P>, ImageTooWide> {
         let width = image.width();
-        if width > FLOOR_IMAGE_COLUMNS_MAX {
-            return Err(ImageTooWide { width });
+        let columns_max = P::FloorColumns::N;
+        if width > columns_max {
+            return Err(ImageTooWide { width, columns_max });
         }
-        let judge = Judge::new(parameters, &floor.plane, &floor.curvature);
+        let judge = Judge::<P>::new(parameters, &floor.plane, &floor.curvature);
         let scene = Scene { parameters, judge: &judge, axes: floor.plane.axes() };
         self.parts.clear();
-        self.above = [Above::default(); FLOOR_IMAGE_COLUMNS_MAX];
-        self.classes = [[PixelClass::Unknown; FLOOR_IMAGE_COLUMNS_MAX]; 3];
-        let mut found = FloorObjects::default();
+        self.above = Entry::BLANK;
+        self.classes = Entry::BLANK;
+        let mut found = FloorObjectsOf::default();
         let mut outputs = classes.chunks_mut(width.max(1));
         let mut before: &[u16] = &[];
         // One row more than the image has, so that the last one gets its lower neighbours: none.
@@ -135,8 +139,8 @@ impl ObjectFinder {
             self.classes.rotate_left(1);
             let [_, _, newest] = &mut self.classes;
             match depths {
-                Some(depths) => judge.row(row, depths, newest),
-                None => *newest = [PixelClass::Unknown; FLOOR_IMAGE_COLUMNS_MAX],
+                Some(depths) => judge.row(row, depths, newest.as_mut()),
+                None => *newest = Entry::BLANK,
             }
             if let Some(middle) = row.checked_sub(1) {
                 let output = outputs.next().unwrap_or(&mut []);
@@ -153,11 +157,11 @@ impl ObjectFinder {
         &mut self,
         row: usize,
         depths: &[u16],
-        (scene, output): (&Scene<'_>, &mut [PixelClass]),
-        found: &mut FloorObjects,
+        (scene, output): (&Scene<'_, P>, &mut [PixelClass]),
+        found: &mut FloorObjectsOf<P>,
     ) {
         let [upper, middle, lower] = self.classes;
-        let judged = middle.get(..depths.len()).unwrap_or(&middle);
+        let judged = middle.as_ref().get(..depths.len()).unwrap_or(middle.as_ref());
         let [floor, objects, holes] = counts(judged);
         for (sum, count) in found.counts.iter_mut().zip([floor, objects, holes]) {
             *sum = sum.saturating_add(count);
@@ -166,15 +170,15 @@ impl ObjectFinder {
             *class = *judged;
         }
         if objects == 0 {
-            self.above = [Above::default(); FLOOR_IMAGE_COLUMNS_MAX];
+            self.above = Entry::BLANK;
             return;
         }
-        let mut votes: Row<u8> = [0; FLOOR_IMAGE_COLUMNS_MAX];
-        for (vote, ((a, b), c)) in votes.iter_mut().zip(upper.iter().zip(&middle).zip(&lower)) {
+        let mut votes = Row::<u8, P>::BLANK;
+        for (vote, ((a, b), c)) in votes.iter_mut().zip(upper.iter().zip(middle.iter()).zip(lower.iter())) {
             let is_high = |class: &PixelClass| u8::from(*class == PixelClass::Object);
             *vote = is_high(a).wrapping_add(is_high(b)).wrapping_add(is_high(c));
         }
-        let mut current: Row<Above> = [Above::default(); FLOOR_IMAGE_COLUMNS_MAX];
+        let mut current = Row::<Above, P>::BLANK;
         let is_object = |class: &PixelClass| *class == PixelClass::Object;
         let first = judged.iter().position(is_object).unwrap_or(0);
         let last = judged.iter().rposition(is_object).unwrap_or(0);
@@ -214,8 +218,8 @@ impl ObjectFinder {
         &mut self,
         pixel: &Pixel,
         left: Above,
-        scene: &Scene<'_>,
-        found: &mut FloorObjects,
+        scene: &Scene<'_, P>,
+        found: &mut FloorObjectsOf<P>,
     ) -> Option<u16> {
         let noise_m2 = scene.parameters.noise.variance_m2(pixel.depth_m);
         let first = pixel.column.saturating_sub(1);
@@ -236,7 +240,7 @@ impl ObjectFinder {
     }
 
     /// Keeps what is large enough to be something, the nearest ones first.
-    fn collect(&self, image: &DepthImage<'_>, found: &mut FloorObjects) {
+    fn collect(&self, image: &DepthImage<'_>, found: &mut FloorObjectsOf<P>) {
         let pixels = u32::try_from(image.depth_mm().len()).unwrap_or(u32::MAX);
         let pixels_min = (pixels.saturating_mul(PIXELS_MIN_VGA) / VGA).max(PIXELS_MIN);
         for object in self.parts.finished() {
@@ -275,7 +279,7 @@ fn counts(row: &[PixelClass]) -> [u32; 3] {
 }
 
 /// Sorted by the distance of the nearest point; the farthest falls out when the list is full.
-fn insert(found: &mut FloorObjects, object: FloorObject) {
+fn insert<P: Profile>(found: &mut FloorObjectsOf<P>, object: FloorObject) {
     let near = |object: &FloorObject| {
         let [_, forward] = object.low_m;
         forward
@@ -302,13 +306,13 @@ struct Pixel {
 }
 
 /// What places a pixel on the floor.
-struct Scene<'a> {
+struct Scene<'a, P: Profile> {
     parameters: &'a FloorParameters,
-    judge: &'a Judge,
+    judge: &'a Judge<P>,
     axes: [[f32; 3]; 2],
 }
 
-impl Scene<'_> {
+impl<P: Profile> Scene<'_, P> {
     fn object(&self, pixel: &Pixel) -> FloorObject {
         let ray = self.parameters.camera.ray(pixel.column as f32, pixel.row as f32);
         let point = ray.map(|value| value * pixel.depth_m);

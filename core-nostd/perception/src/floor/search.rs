@@ -4,11 +4,9 @@
 //! below*: a plane with more points under it than in it is furniture. Every loop has a fixed count (book, Floor
 //! and dirt: Floor plane).
 
-use heapless::Vec;
-
 use super::lattice::Lattice;
 use super::plane::{Plane, dot};
-use floorguard_types::capacities::FLOOR_SEARCH_SAMPLES;
+use floorguard_types::profile::{List, ListOf, Size};
 use floorguard_types::random::Pcg32;
 
 /// What is known before looking.
@@ -42,15 +40,19 @@ const UPPER_PART: f32 = 0.5;
 /// Fewest samples.
 const SAMPLES_MIN: usize = 10;
 
-pub(super) type Samples = Vec<[f32; 3], FLOOR_SEARCH_SAMPLES>;
+pub(super) type Samples<S> = ListOf<[f32; 3], S>;
 
 /// The most supported plane that the expectation allows; `None` without points or without such a plane.
-pub(super) fn search(lattice: &Lattice<'_>, expectation: &Expectation, random: &mut Pcg32) -> Option<Plane> {
-    best(&samples(lattice.points(UPPER_PART), random), expectation, random)
+pub(super) fn search<S: Size>(
+    lattice: &Lattice<'_>,
+    expectation: &Expectation,
+    random: &mut Pcg32,
+) -> Option<Plane> {
+    best(&samples::<S>(lattice.points(UPPER_PART), random), expectation, random)
 }
 
 /// The same among any points.
-pub(super) fn best(samples: &Samples, expectation: &Expectation, random: &mut Pcg32) -> Option<Plane> {
+pub(super) fn best(samples: &[[f32; 3]], expectation: &Expectation, random: &mut Pcg32) -> Option<Plane> {
     if samples.len() < SAMPLES_MIN {
         return None;
     }
@@ -68,8 +70,8 @@ pub(super) fn best(samples: &Samples, expectation: &Expectation, random: &mut Pc
 }
 
 /// An even choice of points: reservoir sampling, so that any number of them fits.
-pub(super) fn samples(points: impl Iterator<Item = [f32; 3]>, random: &mut Pcg32) -> Samples {
-    let mut samples = Samples::new();
+pub(super) fn samples<S: Size>(points: impl Iterator<Item = [f32; 3]>, random: &mut Pcg32) -> Samples<S> {
+    let mut samples = Samples::<S>::EMPTY;
     let mut seen = 0_u32;
     for point in points {
         seen = seen.saturating_add(1);
@@ -83,14 +85,14 @@ pub(super) fn samples(points: impl Iterator<Item = [f32; 3]>, random: &mut Pcg32
     samples
 }
 
-fn hypothesis(samples: &Samples, random: &mut Pcg32) -> Option<Plane> {
+fn hypothesis(samples: &[[f32; 3]], random: &mut Pcg32) -> Option<Plane> {
     let count = u32::try_from(samples.len()).ok()?;
     let mut draw = || samples.get(random.below(count) as usize).copied();
     Plane::through([draw()?, draw()?, draw()?])
 }
 
 /// Points in the plane less those below it.
-fn score(samples: &Samples, plane: &Plane) -> i32 {
+fn score(samples: &[[f32; 3]], plane: &Plane) -> i32 {
     let mut score = 0_i32;
     for point in samples {
         let height = dot(plane.normal, *point) + plane.distance_m;

@@ -3,11 +3,12 @@
 use heapless::Vec;
 
 use super::features::leg_features;
-use super::segments::Segments;
+use super::segments::SegmentsOf;
 use super::stumps::{leg_score, leg_score_near_floor};
 use crate::shapes::person_model::probability;
 use floorguard_types::geometry::Point2;
-use floorguard_types::sensing::Scan;
+use floorguard_types::profile::{Native, Profile};
+use floorguard_types::sensing::ScanOf;
 
 /// What may be a leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,26 +77,29 @@ pub struct LegOutput<'a> {
 /// assert_eq!((output.legs.len(), output.segments), (0, 0));
 /// ```
 #[derive(Clone, Debug)]
-pub struct LegDetector {
+pub struct LegDetectorOf<P: Profile> {
     /// What may be a leg.
     pub limits: LegLimits,
     /// The scanner is a coarse one near the floor: a committee of its own judges where no map is known.
     pub near_floor: bool,
-    segments: Segments,
+    segments: SegmentsOf<P>,
     legs: Vec<Leg, LEGS_MAX>,
 }
 
-impl Default for LegDetector {
+/// A detector in the memory of the target.
+pub type LegDetector = LegDetectorOf<Native>;
+
+impl<P: Profile> Default for LegDetectorOf<P> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl LegDetector {
+impl<P: Profile> LegDetectorOf<P> {
     /// With the default limits.
     #[must_use]
     pub const fn new() -> Self {
-        Self { limits: LegLimits::DEFAULT, near_floor: false, segments: Segments::new(), legs: Vec::new() }
+        Self { limits: LegLimits::DEFAULT, near_floor: false, segments: SegmentsOf::new(), legs: Vec::new() }
     }
 
     /// With the default limits, for a coarse scanner near the floor, such as a safety scanner.
@@ -108,7 +112,7 @@ impl LegDetector {
 
     /// Takes in a scan. The map tells of a point of the sensor's frame whether something stands there, which is then no
     /// leg; `None` where no map is known.
-    pub fn process(&mut self, scan: &Scan, map: Option<impl Fn(Point2) -> bool>) -> LegOutput<'_> {
+    pub fn process(&mut self, scan: &ScanOf<P>, map: Option<impl Fn(Point2) -> bool>) -> LegOutput<'_> {
         self.segments.cut(scan, self.limits.gap_m);
         self.legs.clear();
         let (mut examined, mut dropped) = (0_u32, 0_u32);

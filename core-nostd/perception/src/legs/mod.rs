@@ -11,9 +11,9 @@ mod stumps;
 mod tracks;
 mod view;
 
-pub use detector::{Leg, LegDetector, LegLimits, LegOutput};
+pub use detector::{Leg, LegDetector, LegDetectorOf, LegLimits, LegOutput};
 pub use features::{LEG_FEATURE_NAMES, LEG_FEATURES, LegFeatures, leg_features};
-pub use segments::{Segment, Segments};
+pub use segments::{Segment, Segments, SegmentsOf};
 pub use stumps::{Stump, leg_score, leg_score_near_floor, score};
 pub use tracks::{LEG_TRACKS_MAX, LegTrack, LegTracker, PersonByLegs};
-pub use view::PeopleByLegs;
+pub use view::{PeopleByLegs, PeopleByLegsOf};

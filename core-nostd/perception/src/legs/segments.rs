@@ -1,8 +1,8 @@
 //! Cuts a scan into segments: returns that lie close together. Source: book, Legs: Segments.
 
-use floorguard_types::capacities::SCAN_BEAMS_MAX;
 use floorguard_types::geometry::Point2;
-use floorguard_types::sensing::{BeamReturn, Scan};
+use floorguard_types::profile::{Entry, Native, Profile, Size, Table, TableOf};
+use floorguard_types::sensing::{BeamReturn, ScanOf};
 
 /// A return is compared with this many beams before it: bridges four that are missing.
 const BEAMS_BACK: usize = 5;
@@ -22,47 +22,50 @@ pub struct Segment<'a> {
 
 /// Working memory and result; one a scanner.
 #[derive(Clone, Debug)]
-pub struct Segments {
-    points: [Option<Point2>; SCAN_BEAMS_MAX],
+pub struct SegmentsOf<P: Profile> {
+    points: TableOf<Option<Point2>, P::Beams>,
     /// Per beam its label; labels count up from 0.
-    labels: [u16; SCAN_BEAMS_MAX],
+    labels: TableOf<u16, P::Beams>,
     /// Per label the label it was joined with, which is smaller, or itself.
-    parents: [u16; SCAN_BEAMS_MAX],
+    parents: TableOf<u16, P::Beams>,
     /// Per label the number of its returns, then the place after its last one.
-    ends: [u16; SCAN_BEAMS_MAX],
+    ends: TableOf<u16, P::Beams>,
     /// Returns sorted by segment, and the beam of each.
-    sorted: [Point2; SCAN_BEAMS_MAX],
-    beams: [u16; SCAN_BEAMS_MAX],
+    sorted: TableOf<Point2, P::Beams>,
+    beams: TableOf<u16, P::Beams>,
     label_count: usize,
 }
 
-impl Default for Segments {
+/// The same in the memory of the target.
+pub type Segments = SegmentsOf<Native>;
+
+impl<P: Profile> Default for SegmentsOf<P> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Segments {
+impl<P: Profile> SegmentsOf<P> {
     /// Nothing yet.
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            points: [None; SCAN_BEAMS_MAX],
-            labels: [NONE; SCAN_BEAMS_MAX],
-            parents: [0; SCAN_BEAMS_MAX],
-            ends: [0; SCAN_BEAMS_MAX],
-            sorted: [Point2 { x_m: 0.0, y_m: 0.0 }; SCAN_BEAMS_MAX],
-            beams: [0; SCAN_BEAMS_MAX],
+            points: Entry::BLANK,
+            labels: Entry::BLANK,
+            parents: Entry::BLANK,
+            ends: Entry::BLANK,
+            sorted: Entry::BLANK,
+            beams: Entry::BLANK,
             label_count: 0,
         }
     }
 
     /// Cuts a scan: returns nearer to each other than `gap_m`, at most five beams apart, belong together. Linear.
-    pub fn cut(&mut self, scan: &Scan, gap_m: f32) {
-        for ((index, point), beam) in self.points.iter_mut().enumerate().zip(&scan.beams) {
+    pub fn cut(&mut self, scan: &ScanOf<P>, gap_m: f32) {
+        for ((index, point), beam) in self.points.iter_mut().enumerate().zip(scan.beams.iter()) {
             *point = hit(*beam, scan.first_angle_rad + scan.step_rad * index as f32);
         }
-        let used = scan.beams.len().min(SCAN_BEAMS_MAX);
+        let used = scan.beams.len().min(P::Beams::N);
         self.points.iter_mut().skip(used).for_each(|point| *point = None);
         self.label(used, gap_m);
         self.sort(used);
@@ -112,7 +115,7 @@ impl Segments {
     /// Puts the returns of a segment beside each other, in the order of the beams.
     fn sort(&mut self, used: usize) {
         self.ends.fill(0);
-        for label in 0..self.label_count.min(SCAN_BEAMS_MAX) {
+        for label in 0..self.label_count.min(P::Beams::N) {
             // A parent is smaller, so its own parent is already final.
             let parent = self.parents.get(label).copied().unwrap_or(0);
             let root = self.parents.get(usize::from(parent)).copied().unwrap_or(parent);
@@ -148,8 +151,8 @@ impl Segments {
         let ends = self.ends.iter().take(self.label_count).map(|end| usize::from(*end));
         let starts = core::iter::once(0).chain(ends.clone());
         starts.zip(ends).filter_map(|(start, end)| {
-            let points = self.sorted.get(start..end).filter(|points| !points.is_empty())?;
-            let beams = self.beams.get(start..end)?;
+            let points = self.sorted.as_ref().get(start..end).filter(|points| !points.is_empty())?;
+            let beams = self.beams.as_ref().get(start..end)?;
             let at = |beam: Option<usize>| beam.and_then(|beam| self.points.get(beam).copied().flatten());
             let previous = at(beams.first().and_then(|beam| usize::from(*beam).checked_sub(1)));
             let next = at(beams.last().and_then(|beam| usize::from(*beam).checked_add(1)));
@@ -169,6 +172,8 @@ fn hit(beam: BeamReturn, angle_rad: f32) -> Option<Point2> {
 mod tests {
     use std::boxed::Box;
     use std::vec::Vec;
+
+    use floorguard_types::sensing::Scan;
 
     use super::*;
 

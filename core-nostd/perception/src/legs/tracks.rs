@@ -4,8 +4,9 @@
 use heapless::Vec;
 
 use super::detector::{LEGS_MAX, Leg};
-use crate::tracking::{Appearance, ConstantVelocity, Detection};
+use crate::tracking::{AppearanceOf, ConstantVelocity, DetectionOf};
 use floorguard_types::geometry::Point2;
+use floorguard_types::profile::Profile;
 use floorguard_types::time::{Age, Stamp};
 
 /// Legs followed at once.
@@ -61,15 +62,15 @@ impl PersonByLegs {
 
     /// As a sighting, of a scanner at `sensor`.
     #[must_use]
-    pub fn detection(&self, sensor: Point2) -> Detection {
-        Detection {
+    pub fn detection<P: Profile>(&self, sensor: Point2) -> DetectionOf<P> {
+        DetectionOf {
             position: self.position,
             distance_m: self.position.distance(sensor),
             sigma_m: self.sigma_m(),
             likeness: self.reliability,
             points: 2,
             moving: None,
-            appearance: Appearance::UNKNOWN,
+            appearance: AppearanceOf::UNKNOWN,
         }
     }
 }

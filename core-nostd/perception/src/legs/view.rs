@@ -1,38 +1,42 @@
 //! From a scan to what the scanner says about people: pairs of legs, and where legs could have been seen.
 
-use super::detector::LegDetector;
+use super::detector::LegDetectorOf;
 use super::tracks::LegTracker;
-use crate::tracking::{PeopleSensor, PeopleView};
+use crate::tracking::{PeopleSensor, PeopleViewOf};
 use floorguard_types::geometry::{Point2, Pose2};
-use floorguard_types::sensing::Scan;
+use floorguard_types::profile::{Native, Profile};
+use floorguard_types::sensing::ScanOf;
 
 /// Farther away a leg has too few returns to be recognised with some certainty, metres: three at 0.5° on 0.1 m.
 const RECOGNISED_M: f32 = 4.0;
 
 /// Legs of one scanner, and the people they belong to.
 #[derive(Clone, Debug)]
-pub struct PeopleByLegs {
-    detector: LegDetector,
+pub struct PeopleByLegsOf<P: Profile> {
+    detector: LegDetectorOf<P>,
     tracker: LegTracker,
-    view: PeopleView,
+    view: PeopleViewOf<P>,
     /// People left out because the list was full, since the start.
     pub dropped: u32,
 }
 
-impl Default for PeopleByLegs {
+/// The same in the memory of the target.
+pub type PeopleByLegs = PeopleByLegsOf<Native>;
+
+impl<P: Profile> Default for PeopleByLegsOf<P> {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl PeopleByLegs {
+impl<P: Profile> PeopleByLegsOf<P> {
     /// Nobody yet.
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            detector: LegDetector::near_floor(),
+            detector: LegDetectorOf::near_floor(),
             tracker: LegTracker::new(),
-            view: PeopleView::new(PeopleSensor::Scanner),
+            view: PeopleViewOf::new(PeopleSensor::Scanner),
             dropped: 0,
         }
     }
@@ -41,10 +45,10 @@ impl PeopleByLegs {
     /// something stands there; `None` where no map is known.
     pub fn process(
         &mut self,
-        scan: &Scan,
+        scan: &ScanOf<P>,
         sensor_in_odom: Pose2,
         map: Option<impl Fn(Point2) -> bool>,
-    ) -> &PeopleView {
+    ) -> &PeopleViewOf<P> {
         self.detector.process(scan, map);
         self.detector.move_legs(|place| sensor_in_odom.transform(place));
         self.tracker.update(scan.stamp, self.detector.legs());

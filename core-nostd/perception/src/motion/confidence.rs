@@ -5,12 +5,10 @@
 //! the same information. The reported centroids are kept in the frame of the odometry, so the robot's own motion needs
 //! no correction here.
 
-use heapless::Vec;
-
 use super::correspondence::{MotionObject, nearest, squared};
 use super::parameters::MotionParameters;
-use floorguard_types::capacities::{MOTION_OBJECTS_MAX, MOTION_TRACKED_MAX};
 use floorguard_types::geometry::Point3;
+use floorguard_types::profile::{List, ListOf, Profile};
 
 /// Sweeps for which a moving object stays confirmed while it is not observable whether it still moves: a person who
 /// passes behind a pillar or another person.
@@ -43,24 +41,24 @@ impl MovingObject {
 }
 
 /// Run lengths and the set of moving objects.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Confidence {
-    runs: Vec<u8, MOTION_OBJECTS_MAX>,
-    pub(super) moving: Vec<MovingObject, MOTION_TRACKED_MAX>,
+#[derive(Clone, Debug)]
+pub(super) struct Confidence<P: Profile> {
+    runs: ListOf<u8, P::MotionObjects>,
+    pub(super) moving: ListOf<MovingObject, P::MotionTracked>,
     /// Moving objects beyond the capacity.
     pub(super) dropped: u32,
 }
 
-impl Confidence {
+impl<P: Profile> Confidence<P> {
     pub(super) const fn new() -> Self {
-        Self { runs: Vec::new(), moving: Vec::new(), dropped: 0 }
+        Self { runs: List::EMPTY, moving: List::EMPTY, dropped: 0 }
     }
 
     /// A gap or a jump: what is known of the past no longer belongs to what comes. Moving objects age by one
     /// sweep.
     pub(super) fn break_chains(&mut self, parameters: &MotionParameters) {
         self.runs.clear();
-        for moving in &mut self.moving {
+        for moving in self.moving.iter_mut() {
             moving.rest = moving.rest.saturating_add(1);
             moving.object = None;
         }
@@ -69,7 +67,7 @@ impl Confidence {
 
     /// Before the returns of a sweep: which places are hidden now.
     pub(super) fn begin(&mut self, is_hidden: impl Fn(Point3) -> bool) {
-        for moving in &mut self.moving {
+        for moving in self.moving.iter_mut() {
             moving.unknown = (0, [0.0; 3]);
             moving.hidden = is_hidden(moving.centroid);
         }
@@ -78,7 +76,7 @@ impl Confidence {
     /// A return about which the moment before says nothing belongs to the moving objects around it.
     pub(super) fn note_unknown(&mut self, point: Point3, parameters: &MotionParameters) {
         let near_m = parameters.leave_off_m;
-        for moving in &mut self.moving {
+        for moving in self.moving.iter_mut() {
             let (dx, dy) = (moving.centroid.x_m - point.x_m, moving.centroid.y_m - point.y_m);
             if dx * dx + dy * dy <= near_m * near_m {
                 let (count, [x, y, z]) = moving.unknown;
@@ -95,12 +93,12 @@ impl Confidence {
         predecessors: &[Option<u16>],
         parameters: &MotionParameters,
     ) {
-        for moving in &mut self.moving {
+        for moving in self.moving.iter_mut() {
             moving.observe(objects, changed, parameters);
         }
         self.moving.retain(|moving| moving.rest <= parameters.rest_max);
         self.merge(parameters);
-        let mut runs = Vec::new();
+        let mut runs = ListOf::<u8, P::MotionObjects>::EMPTY;
         for (changed, predecessor) in changed.iter().zip(predecessors) {
             let before = predecessor.and_then(|index| self.runs.get(usize::from(index))).copied();
             let run = if *changed { before.unwrap_or(0).saturating_add(1) } else { 0 };
@@ -133,7 +131,7 @@ impl Confidence {
     /// Enters an object at the end of a chain, or moves the one that it is.
     fn believe(&mut self, index: usize, centroid: Point3, parameters: &MotionParameters) {
         let mut best: Option<(&mut MovingObject, f32)> = None;
-        for moving in &mut self.moving {
+        for moving in self.moving.iter_mut() {
             let distance2 = squared(moving.centroid, centroid);
             if best.as_ref().is_none_or(|(_, least2)| distance2 < *least2) {
                 best = Some((moving, distance2));
@@ -206,7 +204,7 @@ mod tests {
         let parameters = MotionParameters::PAPER;
         let results = [0, 1, 1, 1, 1, 0, 0, 1, 0, 0, 0, 0];
         // The example counts frames from 1.
-        let mut confidence = Confidence::new();
+        let mut confidence = Confidence::<floorguard_types::profile::Native>::new();
         let mut reported = std::vec::Vec::new();
         let mut rests = std::vec::Vec::new();
         for (frame, result) in results.into_iter().enumerate() {

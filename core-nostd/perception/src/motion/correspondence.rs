@@ -1,11 +1,9 @@
 //! Which object of the sweep before is which of this one: reciprocal nearest neighbours. Source: book,
 //! Motion: Correspondence.
 
-use heapless::Vec;
-
 use super::parameters::MotionParameters;
-use floorguard_types::capacities::MOTION_OBJECTS_MAX;
 use floorguard_types::geometry::Point3;
+use floorguard_types::profile::{List, ListOf, Size};
 
 /// What the correspondence needs to know of an object, in a frame that does not move with the robot (or with both
 /// sweeps brought into the same one).
@@ -38,15 +36,15 @@ pub(super) fn nearest(objects: &[MotionObject], centroid: Point3) -> Option<(usi
 }
 
 /// Predecessors of the objects of this sweep, one entry each. Brute force: at most 256² distances.
-pub(super) fn correspond(
+pub(super) fn correspond<S: Size>(
     before: &[MotionObject],
     now: &[MotionObject],
     elapsed_s: f32,
     parameters: &MotionParameters,
-) -> Vec<Option<u16>, MOTION_OBJECTS_MAX> {
+) -> ListOf<Option<u16>, S> {
     let gate_m = parameters.speed_max_mps * elapsed_s.max(0.0) + parameters.gate_m;
-    let mut predecessors = Vec::new();
-    for (index, object) in now.iter().enumerate().take(MOTION_OBJECTS_MAX) {
+    let mut predecessors = ListOf::<Option<u16>, S>::EMPTY;
+    for (index, object) in now.iter().enumerate().take(S::N) {
         let predecessor = nearest(before, object.centroid).filter(|(candidate, distance2)| {
             *distance2 <= gate_m * gate_m
                 && before.get(*candidate).is_some_and(|other| {
@@ -77,7 +75,10 @@ mod tests {
     }
 
     fn pairs(before: &[MotionObject], now: &[MotionObject]) -> std::vec::Vec<Option<u16>> {
-        correspond(before, now, 0.1, &MotionParameters::PAPER).iter().copied().collect()
+        correspond::<floorguard_types::profile::Of<8>>(before, now, 0.1, &MotionParameters::PAPER)
+            .iter()
+            .copied()
+            .collect()
     }
 
     #[test]

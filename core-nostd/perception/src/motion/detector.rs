@@ -3,20 +3,19 @@
 //! Differs from the source where measuring showed why (see `parts`, `reference`, `seen_through`): what is followed from
 //! sweep to sweep is what changed, not the cluster around it, and it is compared with half a second ago.
 
-use heapless::Vec;
-
 use super::confidence::{Confidence, MovingObject};
 use super::correspondence::{MotionObject, correspond};
 use super::parameters::MotionParameters;
 use super::parts::{Part, Parts};
 use super::reference::References;
 use super::seen_through::{Before, SeenThrough};
-use super::voxels::{REACH_M, cell};
+use super::voxels::{Voxels, cell};
 use crate::clusters::{Cluster, RingAngles, SweepFrame};
-use crate::people::{PeoplePipeline, SweepContext};
-use floorguard_types::capacities::{CLUSTERS_MAX, MOTION_OBJECTS_MAX, SWEEP_RINGS};
+use crate::people::{PeoplePipelineOf, SweepContext};
+use floorguard_types::capacities::SWEEP_RINGS;
 use floorguard_types::geometry::{Point2, Point3, Pose2};
-use floorguard_types::sensing::Sweep;
+use floorguard_types::profile::{List, ListOf, Native, Profile, Size};
+use floorguard_types::sensing::SweepOf;
 use floorguard_types::time::Stamp;
 
 /// Without a sweep for longer, chains and references are given up, microseconds (book, Motion: Confidence).
@@ -68,24 +67,30 @@ pub struct MotionOutput<'a> {
     pub judged_within_m: Option<f32>,
 }
 
-/// All state; about 600 KiB hosted, 190 KiB on the MCU: keep it in a static or on the heap of the host.
+/// All state; about 600 KiB for `Host`, 190 KiB for `Board`: keep it in a static or on the heap of the host.
 #[derive(Clone, Debug)]
-pub struct MotionDetector {
+pub struct MotionDetectorOf<P: Profile> {
     parameters: MotionParameters,
-    references: References,
+    references: References<P>,
     /// This sweep's own range image.
     now: SeenThrough,
-    parts: Parts,
-    confidence: Confidence,
-    before: Vec<MotionObject, MOTION_OBJECTS_MAX>,
-    verdicts: Vec<Verdict, CLUSTERS_MAX>,
+    parts: Parts<P>,
+    confidence: Confidence<P>,
+    before: ListOf<MotionObject, P::MotionObjects>,
+    verdicts: ListOf<Verdict, P::Clusters>,
     last: Option<(Stamp, Pose2)>,
     /// Measured columns of the fullest sweep of late.
     most_columns: usize,
     counters: MotionCounters,
 }
 
-impl MotionDetector {
+/// A detector in the memory of the target.
+pub type MotionDetector = MotionDetectorOf<Native>;
+
+impl<P: Profile> MotionDetectorOf<P> {
+    /// Farthest from the robot that is judged, along x and y each, metres.
+    const REACH_M: f32 = Voxels::<P::MotionVoxels>::REACH_M;
+
     /// Nothing seen yet.
     #[must_use]
     pub const fn new(parameters: MotionParameters) -> Self {
@@ -95,8 +100,8 @@ impl MotionDetector {
             now: SeenThrough::new(),
             parts: Parts::new(),
             confidence: Confidence::new(),
-            before: Vec::new(),
-            verdicts: Vec::new(),
+            before: List::EMPTY,
+            verdicts: List::EMPTY,
             last: None,
             most_columns: 0,
             counters: MotionCounters {
@@ -114,8 +119,8 @@ impl MotionDetector {
     /// (at most 256).
     pub fn process(
         &mut self,
-        people: &PeoplePipeline,
-        sweep: &Sweep,
+        people: &PeoplePipelineOf<P>,
+        sweep: &SweepOf<P>,
         context: &SweepContext,
     ) -> MotionOutput<'_> {
         self.counters.sweeps = self.counters.sweeps.saturating_add(1);
@@ -130,7 +135,7 @@ impl MotionDetector {
             return self.output(None);
         }
         let elapsed_s = self.elapsed_s(sweep.end_stamp, context.base_in_odom);
-        let judged_within_m = self.references.oldest().map(|_| REACH_M);
+        let judged_within_m = self.references.oldest().map(|_| Self::REACH_M);
         self.last = Some((sweep.end_stamp, context.base_in_odom));
         self.compare_sweep(people, sweep, context, whole.then_some(measured));
         self.conclude(people.clusters(), context.base_in_odom, elapsed_s);
@@ -162,12 +167,13 @@ impl MotionDetector {
     /// Chooses what is judged: objects within reach, the nearest where there are too many.
     fn choose(&mut self, clusters: &[Cluster]) {
         self.verdicts.clear();
-        let in_reach = |cluster: &Cluster| cluster.nearest_m < REACH_M;
+        let in_reach = |cluster: &Cluster| cluster.nearest_m < Self::REACH_M;
         let count = clusters.iter().filter(|cluster| in_reach(cluster)).count();
-        let farthest_m = if count > MOTION_OBJECTS_MAX { nth_distance_m(clusters) } else { f32::INFINITY };
+        let farthest_m =
+            if count > P::MotionObjects::N { Self::nth_distance_m(clusters) } else { f32::INFINITY };
         let mut judged = 0;
         for cluster in clusters {
-            let chosen = in_reach(cluster) && cluster.nearest_m <= farthest_m && judged < MOTION_OBJECTS_MAX;
+            let chosen = in_reach(cluster) && cluster.nearest_m <= farthest_m && judged < P::MotionObjects::N;
             judged += usize::from(chosen);
             // Same capacity: never full.
             let _ = self.verdicts.push(Verdict { judged: chosen, ..Verdict::default() });
@@ -176,11 +182,26 @@ impl MotionDetector {
         self.counters.dropped_objects = self.counters.dropped_objects.saturating_add(dropped);
     }
 
+    /// The distance within which as many objects lie as the capacity allows; by halving an interval, 16 times.
+    fn nth_distance_m(clusters: &[Cluster]) -> f32 {
+        let (mut within_m, mut beyond_m) = (0.0, Self::REACH_M);
+        for _ in 0..16 {
+            let middle_m = 0.5 * (within_m + beyond_m);
+            if clusters.iter().filter(|cluster| cluster.nearest_m <= middle_m).count() <= P::MotionObjects::N
+            {
+                within_m = middle_m;
+            } else {
+                beyond_m = middle_m;
+            }
+        }
+        within_m
+    }
+
     /// Asks for every return of an object what was there before, and enters it where a new reference is due.
     fn compare_sweep(
         &mut self,
-        people: &PeoplePipeline,
-        sweep: &Sweep,
+        people: &PeoplePipelineOf<P>,
+        sweep: &SweepOf<P>,
         context: &SweepContext,
         whole_columns: Option<usize>,
     ) {
@@ -233,9 +254,9 @@ impl MotionDetector {
     fn conclude(&mut self, clusters: &[Cluster], base_in_odom: Pose2, elapsed_s: f32) {
         let odom = Place::new(base_in_odom);
         self.parts.finish(self.parameters.points_min, self.parameters.sensitivity);
-        let mut now: Vec<MotionObject, MOTION_OBJECTS_MAX> = Vec::new();
-        let mut changed: Vec<bool, MOTION_OBJECTS_MAX> = Vec::new();
-        for part in &self.parts.list {
+        let mut now = ListOf::<MotionObject, P::MotionObjects>::EMPTY;
+        let mut changed = ListOf::<bool, P::MotionObjects>::EMPTY;
+        for part in self.parts.list.iter() {
             // Same capacities: never full.
             let _ = now.push(MotionObject {
                 centroid: part.centroid,
@@ -244,11 +265,11 @@ impl MotionDetector {
             });
             let _ = changed.push(true);
         }
-        let predecessors = correspond(&self.before, &now, elapsed_s, &self.parameters);
+        let predecessors = correspond::<P::MotionObjects>(&self.before, &now, elapsed_s, &self.parameters);
         self.confidence.update(&now, &changed, &predecessors, &self.parameters);
         self.counters.dropped_moving = self.confidence.dropped;
         for (cluster, verdict) in
-            clusters.iter().zip(&mut self.verdicts).filter(|(_, verdict)| verdict.judged)
+            clusters.iter().zip(self.verdicts.iter_mut()).filter(|(_, verdict)| verdict.judged)
         {
             verdict.changed = self.parameters.has_changed(verdict.new_points, verdict.points);
             let centroid = odom.transform(cluster.centroid);
@@ -325,9 +346,9 @@ impl Place {
 }
 
 /// Every return within reach that belongs to an object, in the robot's frame, with the index of the object.
-fn for_each_return(
-    people: &PeoplePipeline,
-    sweep: &Sweep,
+fn for_each_return<P: Profile>(
+    people: &PeoplePipelineOf<P>,
+    sweep: &SweepOf<P>,
     context: &SweepContext,
     mut act: impl FnMut(usize, usize, Point3),
 ) {
@@ -335,7 +356,7 @@ fn for_each_return(
     for (index, column) in sweep.used_columns().iter().enumerate().filter(|(_, column)| column.measured) {
         let frame = frames.column(column);
         for (ring, (raw, angle)) in column.range_raw.iter().zip(people.angles.rings).enumerate() {
-            if *raw == 0 || frame.range_m(*raw) * angle.1 > REACH_M {
+            if *raw == 0 || frame.range_m(*raw) * angle.1 > MotionDetectorOf::<P>::REACH_M {
                 continue;
             }
             if let Some(cluster) = people.cluster_of(index, ring) {
@@ -343,18 +364,4 @@ fn for_each_return(
             }
         }
     }
-}
-
-/// The distance within which as many objects lie as the capacity allows; by halving an interval, 16 times.
-fn nth_distance_m(clusters: &[Cluster]) -> f32 {
-    let (mut within_m, mut beyond_m) = (0.0, REACH_M);
-    for _ in 0..16 {
-        let middle_m = 0.5 * (within_m + beyond_m);
-        if clusters.iter().filter(|cluster| cluster.nearest_m <= middle_m).count() <= MOTION_OBJECTS_MAX {
-            within_m = middle_m;
-        } else {
-            beyond_m = middle_m;
-        }
-    }
-    within_m
 }

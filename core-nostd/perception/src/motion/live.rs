@@ -1,20 +1,21 @@
 //! Everything about a sweep at once: objects, which of them move, people, tracks that know whether they move.
 
-use super::detector::{MotionDetector, MotionOutput};
-use crate::people::{PeopleOutput, PeoplePipeline, SweepContext};
+use super::detector::{MotionDetectorOf, MotionOutput};
+use crate::people::{PeopleOutputOf, PeoplePipelineOf, SweepContext};
 use floorguard_types::geometry::Point2;
-use floorguard_types::sensing::Sweep;
+use floorguard_types::profile::Profile;
+use floorguard_types::sensing::SweepOf;
 
 /// A position this near to a moving object is that object, metres: half a person and half a sweep's travel.
 const SAME_M: f32 = 0.5;
 
 /// Takes in a sweep. The clusters carry their verdict; the tracks take it into their probability of moving.
-pub fn find_moving_people<'a>(
-    people: &'a mut PeoplePipeline,
-    motion: &mut MotionDetector,
-    sweep: &Sweep,
+pub fn find_moving_people<'a, P: Profile>(
+    people: &'a mut PeoplePipelineOf<P>,
+    motion: &mut MotionDetectorOf<P>,
+    sweep: &SweepOf<P>,
     context: &SweepContext,
-) -> PeopleOutput<'a> {
+) -> PeopleOutputOf<'a, P> {
     people.find_clusters(sweep, context);
     let output = motion.process(people, sweep, context);
     let is_known = output.judged_within_m.is_some();

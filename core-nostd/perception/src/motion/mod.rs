@@ -16,7 +16,7 @@ mod voxels;
 
 pub use confidence::MovingObject;
 pub use correspondence::MotionObject;
-pub use detector::{MotionCounters, MotionDetector, MotionOutput, Verdict};
+pub use detector::{MotionCounters, MotionDetector, MotionDetectorOf, MotionOutput, Verdict};
 pub use live::find_moving_people;
 pub use parameters::{CHAIN_MAX, MotionParameters};
 pub use parts::Part;

@@ -4,11 +4,9 @@
 //! are: they are gathered by their place on the floor, and compared with all the returns around them, so that a wall
 //! with a few stray ones is none.
 
-use heapless::Vec;
-
-use super::voxels::{Cell, REACH_M, VOXEL_M, floor};
-use floorguard_types::capacities::{MOTION_OBJECTS_MAX, MOTION_VOXEL_SIDE};
+use super::voxels::{Cell, VOXEL_M, Voxels, floor};
 use floorguard_types::geometry::Point3;
+use floorguard_types::profile::{Entry, List, ListOf, Profile, Size, Table, TableOf};
 
 /// A return this near to a part belongs to it, metres along x and y each.
 const JOIN_M: f32 = 0.25;
@@ -21,11 +19,10 @@ const UPRIGHT_ONE_IN: u32 = 4;
 const CELL_VOXELS: usize = 4;
 /// The same, metres.
 const CELL_M: f32 = VOXEL_M * CELL_VOXELS as f32;
-/// Floor cells along each side: as wide as the voxels; wraps around like them.
-const SIDE: usize = MOTION_VOXEL_SIDE / CELL_VOXELS;
+const _: () = assert!(CELL_VOXELS.is_power_of_two());
 
-const _: () =
-    assert!(CELL_VOXELS.is_power_of_two() && SIDE.is_power_of_two() && SIDE as f32 * CELL_M > 2.0 * REACH_M);
+/// Returns of objects per floor cell, by y, then by x: as wide as the voxels; wraps around like them.
+type Counts<S> = TableOf<TableOf<u16, S>, S>;
 
 /// Returns that are new and close together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -47,10 +44,9 @@ pub struct Part {
 
 /// Working memory of one sweep.
 #[derive(Clone, Debug)]
-pub(super) struct Parts {
-    pub(super) list: Vec<Part, MOTION_OBJECTS_MAX>,
-    /// Returns of objects per floor cell.
-    counts: [u16; SIDE * SIDE],
+pub(super) struct Parts<P: Profile> {
+    pub(super) list: ListOf<Part, P::MotionObjects>,
+    counts: Counts<P::MotionCells>,
     /// New returns that belong to no part while the part list is full.
     pub(super) dropped: u32,
 }
@@ -59,26 +55,30 @@ fn index(metres: f32) -> i32 {
     floor(metres * (1.0 / VOXEL_M)) >> CELL_VOXELS.trailing_zeros()
 }
 
-fn slot(x: i32, y: i32) -> usize {
-    let wrap = |index: i32| index as u32 as usize & (SIDE - 1);
-    wrap(y) * SIDE + wrap(x)
+fn wrap<S: Size>(index: i32) -> usize {
+    index as u32 as usize & (S::N - 1)
 }
 
-impl Parts {
+impl<P: Profile> Parts<P> {
     pub(super) const fn new() -> Self {
-        Self { list: Vec::new(), counts: [0; SIDE * SIDE], dropped: 0 }
+        const {
+            let reach_m = Voxels::<P::MotionVoxels>::REACH_M;
+            assert!(P::MotionCells::N.is_power_of_two() && P::MotionCells::N as f32 * CELL_M > 2.0 * reach_m);
+        }
+        Self { list: List::EMPTY, counts: Entry::BLANK, dropped: 0 }
     }
 
     /// Starts a sweep.
     pub(super) fn clear(&mut self) {
         self.list.clear();
-        self.counts.fill(0);
+        self.counts.iter_mut().for_each(|row| row.fill(0));
     }
 
     /// Counts a return of an object in a voxel, new or not.
     pub(super) fn count(&mut self, (x, y, _): Cell) {
         let coarse = |index: i32| index >> CELL_VOXELS.trailing_zeros();
-        if let Some(count) = self.counts.get_mut(slot(coarse(x), coarse(y))) {
+        let row = self.counts.get_mut(wrap::<P::MotionCells>(coarse(y)));
+        if let Some(count) = row.and_then(|row| row.get_mut(wrap::<P::MotionCells>(coarse(x)))) {
             *count = count.saturating_add(1);
         }
     }
@@ -102,8 +102,8 @@ impl Parts {
     pub(super) fn finish(&mut self, points_min: u16, sensitivity: u16) {
         self.merge();
         let counts = &self.counts;
-        for part in &mut self.list {
-            part.finish(counts);
+        for part in self.list.iter_mut() {
+            part.finish::<P::MotionCells>(counts);
         }
         self.list.retain(|part| {
             part.points >= points_min
@@ -113,10 +113,10 @@ impl Parts {
     }
 }
 
-impl Parts {
+impl<P: Profile> Parts<P> {
     /// Joins parts that grew together: at most one pass over all pairs.
     fn merge(&mut self) {
-        for first in 0..MOTION_OBJECTS_MAX {
+        for first in 0..P::MotionObjects::N {
             let Some((head, tail)) = self.list.split_at_mut_checked(first.saturating_add(1)) else { return };
             let Some(part) = head.last_mut().filter(|part| part.points > 0) else { continue };
             for other in tail.iter_mut().filter(|other| other.points > 0) {
@@ -160,7 +160,7 @@ impl Part {
         self.sums = [x + dx, y + dy, z + dz];
     }
 
-    fn finish(&mut self, counts: &[u16; SIDE * SIDE]) {
+    fn finish<S: Size>(&mut self, counts: &Counts<S>) {
         let count = f32::from(self.points.max(1));
         let [x, y, z] = self.sums;
         self.centroid = Point3::new(x / count, y / count, z / count);
@@ -171,7 +171,8 @@ impl Part {
         for (dx, dy) in (0..=CELLS).flat_map(|dy| (0..=CELLS).map(move |dx| (dx, dy))) {
             let (x, y) = (first_x.saturating_add(dx), first_y.saturating_add(dy));
             if x <= last_x && y <= last_y {
-                let around = counts.get(slot(x, y)).copied().unwrap_or(0);
+                let row = counts.get(wrap::<S>(y));
+                let around = row.and_then(|row| row.get(wrap::<S>(x))).copied().unwrap_or(0);
                 self.points_around = self.points_around.saturating_add(around);
             }
         }

@@ -5,57 +5,57 @@
 
 use super::seen_through::SeenThrough;
 use super::voxels::Voxels;
-use floorguard_types::capacities::MOTION_REFERENCES;
+use floorguard_types::profile::{Entry, Profile, Size, Table, TableOf};
 use floorguard_types::time::Stamp;
 
 /// A reference is compared with from this age on, microseconds: what moves at 0.3 m/s has left more than a voxel.
 const AGE_MIN_US: u64 = 480_000;
-/// Time between two references.
-const STEP_US: u64 = AGE_MIN_US / (MOTION_REFERENCES as u64 - 1);
-
-const _: () = assert!(MOTION_REFERENCES >= 2);
 
 /// One sweep as voxels and as a range image.
-#[derive(Clone, Debug)]
-pub(super) struct Reference {
-    pub(super) voxels: Voxels,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Reference<P: Profile> {
+    pub(super) voxels: Voxels<P::MotionVoxels>,
     pub(super) seen: SeenThrough,
     stamp: Option<Stamp>,
     /// Columns that were measured.
     columns: usize,
 }
 
-impl Reference {
-    const NEW: Self = Self { voxels: Voxels::new(), seen: SeenThrough::new(), stamp: None, columns: 0 };
+impl<P: Profile> Entry for Reference<P> {
+    const BLANK: Self = Self { voxels: Voxels::NEW, seen: SeenThrough::new(), stamp: None, columns: 0 };
 }
 
 /// All references.
 #[derive(Clone, Debug)]
-pub(super) struct References {
-    all: [Reference; MOTION_REFERENCES],
+pub(super) struct References<P: Profile> {
+    all: TableOf<Reference<P>, P::MotionReferences>,
 }
 
-impl References {
+impl<P: Profile> References<P> {
+    /// Time between two references.
+    const STEP_US: u64 = AGE_MIN_US / (P::MotionReferences::N as u64 - 1);
+
     pub(super) const fn new() -> Self {
-        Self { all: [Reference::NEW; MOTION_REFERENCES] }
+        const { assert!(P::MotionReferences::N >= 2) };
+        Self { all: Entry::BLANK }
     }
 
     /// Forgets all.
     pub(super) fn clear(&mut self) {
-        for reference in &mut self.all {
+        for reference in self.all.iter_mut() {
             reference.stamp = None;
         }
     }
 
     /// The one to compare with: the oldest.
-    pub(super) fn oldest(&self) -> Option<&Reference> {
+    pub(super) fn oldest(&self) -> Option<&Reference<P>> {
         self.all.iter().filter(|reference| reference.stamp.is_some()).min_by_key(|reference| reference.stamp)
     }
 
     /// A place for this sweep of so many measured columns, emptied, if a new reference is due: the youngest has aged by
     /// a step, or it knows much less than this sweep. The oldest one is replaced.
-    pub(super) fn renew(&mut self, now: Stamp, columns: usize) -> Option<&mut Reference> {
-        let aged = |stamp: Stamp| now.as_micros().saturating_sub(stamp.as_micros()) >= STEP_US;
+    pub(super) fn renew(&mut self, now: Stamp, columns: usize) -> Option<&mut Reference<P>> {
+        let aged = |stamp: Stamp| now.as_micros().saturating_sub(stamp.as_micros()) >= Self::STEP_US;
         let youngest = self.all.iter_mut().max_by_key(|reference| reference.stamp)?;
         let poor = youngest.columns.saturating_mul(20) < columns.saturating_mul(19);
         if youngest.stamp.is_some_and(|stamp| !aged(stamp)) && !poor {

@@ -7,7 +7,8 @@ use crate::clusters::RingAngles;
 use crate::people::SweepContext;
 use floorguard_types::capacities::{SWEEP_COLUMNS, SWEEP_RINGS};
 use floorguard_types::geometry::{Point3, Twist2};
-use floorguard_types::sensing::Sweep;
+use floorguard_types::profile::Profile;
+use floorguard_types::sensing::SweepOf;
 
 /// Sectors of 0.4°: two columns of a revolution.
 const SECTORS: usize = 900;
@@ -81,7 +82,7 @@ impl Around {
 }
 
 /// Nearest return per direction of one sweep, and where the lidar stood. 28 KiB.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SeenThrough {
     /// Counts of `metres_per_count`.
     nearest: [[u16; SWEEP_RINGS]; SECTORS],
@@ -103,7 +104,7 @@ impl SeenThrough {
     }
 
     /// Takes a sweep as the moment before.
-    pub(super) fn take(&mut self, sweep: &Sweep, context: &SweepContext) {
+    pub(super) fn take<P: Profile>(&mut self, sweep: &SweepOf<P>, context: &SweepContext) {
         self.nearest.fill([UNMEASURED; SWEEP_RINGS]);
         self.metres_per_count = f32::from(sweep.range_unit_mm) * 1.0e-3;
         self.first_azimuth_cdeg = sweep.used_columns().first().map_or(0, |column| column.azimuth_cdeg);
@@ -169,7 +170,7 @@ impl SeenThrough {
 }
 
 /// The lidar at the end of a sweep and how it moved, in the frame of the odometry.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct LidarMotion {
     place: Point3,
     sin: f32,

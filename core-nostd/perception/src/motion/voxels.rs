@@ -2,11 +2,11 @@
 //! Motion: Voxels.
 //!
 //! The lattice is fixed to the frame of the odometry and wraps around at the edge of the window, so nothing is moved
-//! when the robot drives. Only points within [`REACH_M`] of the robot may be entered or asked for: nothing else maps to
+//! when the robot drives. Only points within [`Voxels::REACH_M`] of the robot may be entered or asked for: nothing else maps to
 //! the same bit.
 
-use floorguard_types::capacities::MOTION_VOXEL_SIDE;
 use floorguard_types::geometry::Point3;
+use floorguard_types::profile::{Entry, Size, Table, TableOf};
 
 /// Edge of a voxel, metres.
 pub(super) const VOXEL_M: f32 = 0.1;
@@ -16,16 +16,12 @@ const MARGIN_M: f32 = 0.05;
 const LOWEST_M: f32 = -0.5;
 /// Levels: up to 2.7 m.
 const LEVELS: i32 = 32;
-/// Farthest from the robot, along x and y each, metres: half the window, less what the robot may drive between two
-/// sweeps that are compared.
-pub(super) const REACH_M: f32 = MOTION_VOXEL_SIDE as f32 * VOXEL_M * 0.5 - 1.0;
 
-const _: () = assert!(MOTION_VOXEL_SIDE.is_power_of_two());
-
-/// A set of voxels: per column of the ground a word, a bit per level.
-#[derive(Clone, Debug)]
-pub(super) struct Voxels {
-    columns: [u32; MOTION_VOXEL_SIDE * MOTION_VOXEL_SIDE],
+/// A set of voxels, `S` columns along each side: per column of the ground a word, a bit per level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Voxels<S: Size> {
+    /// By y, then by x.
+    columns: TableOf<TableOf<u32, S>, S>,
 }
 
 /// Column along x, along y, and level.
@@ -44,18 +40,21 @@ pub(super) fn floor(value: f32) -> i32 {
     whole.saturating_sub(i32::from(value < whole as f32))
 }
 
-impl Voxels {
-    pub(super) const fn new() -> Self {
-        Self { columns: [0; MOTION_VOXEL_SIDE * MOTION_VOXEL_SIDE] }
-    }
+impl<S: Size> Voxels<S> {
+    /// Farthest from the robot, along x and y each, metres: half the window, less what the robot may drive between two
+    /// sweeps that are compared.
+    pub(super) const REACH_M: f32 = S::N as f32 * VOXEL_M * 0.5 - 1.0;
+
+    pub(super) const NEW: Self = Self { columns: Entry::BLANK };
 
     pub(super) fn clear(&mut self) {
-        self.columns.fill(0);
+        self.columns.iter_mut().for_each(|row| row.fill(0));
     }
 
-    fn slot(x: i32, y: i32) -> usize {
-        let wrap = |index: i32| index as u32 as usize & (MOTION_VOXEL_SIDE - 1);
-        wrap(y) * MOTION_VOXEL_SIDE + wrap(x)
+    /// The lattice wraps around.
+    fn wrap(index: i32) -> usize {
+        const { assert!(S::N.is_power_of_two()) };
+        index as u32 as usize & (S::N - 1)
     }
 
     /// Enters the voxels within [`MARGIN_M`] of a point, along the axes: noise at the border of a voxel is no change.
@@ -65,7 +64,8 @@ impl Voxels {
         let (high_x, high_y, high_level) = cell(Point3::new(x_m + MARGIN_M, y_m + MARGIN_M, z_m + MARGIN_M));
         let bits = 1_u32.wrapping_shl(low_level as u32) | 1_u32.wrapping_shl(high_level as u32);
         for (x, y) in [(low_x, low_y), (high_x, low_y), (low_x, high_y), (high_x, high_y)] {
-            if let Some(column) = self.columns.get_mut(Self::slot(x, y)) {
+            let row = self.columns.get_mut(Self::wrap(y));
+            if let Some(column) = row.and_then(|row| row.get_mut(Self::wrap(x))) {
                 *column |= bits;
             }
         }
@@ -73,7 +73,8 @@ impl Voxels {
 
     /// A voxel is entered.
     pub(super) fn holds(&self, (x, y, level): Cell) -> bool {
-        let column = self.columns.get(Self::slot(x, y)).copied().unwrap_or(0);
+        let row = self.columns.get(Self::wrap(y));
+        let column = row.and_then(|row| row.get(Self::wrap(x))).copied().unwrap_or(0);
         column & 1_u32.wrapping_shl(level as u32) != 0
     }
 }
@@ -83,9 +84,12 @@ mod tests {
     use super::*;
     use std::boxed::Box;
 
+    type SmallVoxels = Voxels<floorguard_types::profile::Of<128>>;
+    const REACH_M: f32 = SmallVoxels::REACH_M;
+
     #[test]
     fn holds_the_voxels_within_the_margin_only() {
-        let mut voxels = Box::new(Voxels::new());
+        let mut voxels = Box::new(SmallVoxels::NEW);
         voxels.insert(Point3::new(-3.02, 2.02, 0.92));
         // Entered per axis: the voxel of the point, and the next one, whose border is 2 cm away.
         for (offset_m, held) in [(0.0, true), (0.03, true), (-0.07, true), (0.14, false), (-0.1, false)] {
@@ -109,7 +113,7 @@ mod tests {
 
     #[test]
     fn the_window_has_no_double_within_reach() {
-        let mut voxels = Box::new(Voxels::new());
+        let mut voxels = Box::new(SmallVoxels::NEW);
         for robot_m in [0.0_f32, 7.3, -1_234.5] {
             voxels.clear();
             voxels.insert(Point3::new(robot_m + REACH_M, 0.0, 1.0));
@@ -120,7 +124,7 @@ mod tests {
 
     #[test]
     fn numbers_that_are_none_do_no_harm() {
-        let mut voxels = Box::new(Voxels::new());
+        let mut voxels = Box::new(SmallVoxels::NEW);
         for broken in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX] {
             voxels.insert(Point3::new(broken, broken, broken));
             let _ = voxels.holds(cell(Point3::new(broken, broken, broken)));

@@ -1,38 +1,44 @@
 //! Second pass over the candidates: all their returns, for the shape of each.
 
-use heapless::Vec;
-
 use crate::clusters::Cluster;
 use crate::shapes::shape::{SHAPE_FEATURES, ShapeBuilder, ShapeVector};
-use crate::tracking::{DETECTIONS_MAX, Shades};
-use floorguard_types::capacities::CLUSTERS_MAX;
+use crate::tracking::Shades;
 use floorguard_types::geometry::Point3;
+use floorguard_types::profile::{Entry, List, ListOf, Profile, Table, TableOf};
 
 /// No candidate.
 const NO_CLUSTER: u16 = u16::MAX;
 
+/// The slot of a candidate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Slot(u16);
+
+impl Entry for Slot {
+    const BLANK: Self = Self(NO_CLUSTER);
+}
+
 /// Which cluster each candidate came from, and its shape. Slots are those of the list of detections.
 #[derive(Clone, Debug)]
-pub(super) struct CandidateShapes {
-    slot_of_cluster: [u16; CLUSTERS_MAX],
-    candidates: Vec<Look, DETECTIONS_MAX>,
+pub(super) struct CandidateShapes<P: Profile> {
+    slot_of_cluster: TableOf<Slot, P::Clusters>,
+    candidates: ListOf<Look<P>, P::Detections>,
 }
 
 /// One candidate.
-#[derive(Clone, Copy, Debug)]
-struct Look {
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Look<P: Profile> {
     /// Index of its cluster while its returns are gathered, then [`NO_CLUSTER`].
     cluster: u16,
     occluded: bool,
     bounds: [Point3; 2],
     builder: ShapeBuilder,
     shape: ShapeVector,
-    shades: Shades,
+    shades: Shades<P>,
 }
 
-impl CandidateShapes {
+impl<P: Profile> CandidateShapes<P> {
     pub(super) const fn new() -> Self {
-        Self { slot_of_cluster: [NO_CLUSTER; CLUSTERS_MAX], candidates: Vec::new() }
+        Self { slot_of_cluster: Entry::BLANK, candidates: List::EMPTY }
     }
 
     pub(super) fn clear(&mut self) {
@@ -47,7 +53,7 @@ impl CandidateShapes {
             bounds: [cluster.lower, cluster.upper],
             builder,
             shape: [0.0; SHAPE_FEATURES],
-            shades: Shades::default(),
+            shades: Shades::NEW,
         };
         match self.candidates.get_mut(slot) {
             Some(used) => *used = candidate,
@@ -58,13 +64,13 @@ impl CandidateShapes {
 
     /// Begins a pass over the returns; false where nobody is to be examined.
     pub(super) fn begin(&mut self) -> bool {
-        self.slot_of_cluster.fill(NO_CLUSTER);
+        self.slot_of_cluster.fill(Slot::BLANK);
         let mut any = false;
         for (slot, candidate) in
             self.candidates.iter().enumerate().filter(|(_, candidate)| candidate.cluster != NO_CLUSTER)
         {
             if let Some(entry) = self.slot_of_cluster.get_mut(usize::from(candidate.cluster)) {
-                *entry = slot as u16;
+                *entry = Slot(slot as u16);
                 any = true;
             }
         }
@@ -73,8 +79,8 @@ impl CandidateShapes {
 
     /// The candidate that a cluster belongs to.
     pub(super) fn slot(&self, cluster: usize) -> Option<usize> {
-        let slot = self.slot_of_cluster.get(cluster).copied().filter(|slot| *slot != NO_CLUSTER);
-        slot.map(usize::from)
+        let slot = self.slot_of_cluster.get(cluster).copied().filter(|slot| *slot != Slot::BLANK);
+        slot.map(|Slot(slot)| usize::from(slot))
     }
 
     /// A return of a candidate.
@@ -87,7 +93,7 @@ impl CandidateShapes {
 
     /// Ends the pass; hands out slot, shape, shades, top and whether it is half hidden of every candidate that was
     /// examined in it.
-    pub(super) fn finish(&mut self, mut found: impl FnMut(usize, &ShapeVector, &Shades, (f32, bool))) {
+    pub(super) fn finish(&mut self, mut found: impl FnMut(usize, &ShapeVector, &Shades<P>, (f32, bool))) {
         for (slot, candidate) in
             self.candidates.iter_mut().enumerate().filter(|(_, candidate)| candidate.cluster != NO_CLUSTER)
         {

@@ -8,6 +8,7 @@
 use super::floor_frame::{FloorFrame, FloorPoint};
 use super::parameters::RgbdParameters;
 use floorguard_types::capacities::{FLOOR_IMAGE_COLUMNS_MAX, RGBD_LEG_PARTS_MAX};
+use floorguard_types::profile::Of;
 use floorguard_types::sensing::DepthImage;
 use floorguard_types::united_parts::{Absorb, UnitedParts};
 
@@ -66,7 +67,7 @@ struct Above {
 #[derive(Clone, Debug)]
 pub(super) struct Band {
     above: [Above; FLOOR_IMAGE_COLUMNS_MAX],
-    parts: UnitedParts<BandPart, RGBD_LEG_PARTS_MAX>,
+    parts: UnitedParts<BandPart, Of<RGBD_LEG_PARTS_MAX>>,
     /// Parts beyond the capacity.
     pub dropped: u32,
 }

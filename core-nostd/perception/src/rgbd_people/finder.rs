@@ -60,7 +60,7 @@ impl RgbdPeopleFinder {
     ) -> Result<RgbdPeople, ImageTooWide> {
         let width = image.width();
         if width > FLOOR_IMAGE_COLUMNS_MAX {
-            return Err(ImageTooWide { width });
+            return Err(ImageTooWide { width, columns_max: FLOOR_IMAGE_COLUMNS_MAX });
         }
         let frame = FloorFrame::new(self.parameters.camera, *plane);
         let scene = Scene { image: *image, frame, mount, parameters: self.parameters };

@@ -8,6 +8,7 @@ use super::floor_frame::{FloorFrame, FloorPoint};
 use super::floor_grid::{FloorGrid, GRID_CELLS, GRID_COLUMNS, cell_of, lattice};
 use super::parameters::UpperBodyRules;
 use floorguard_types::capacities::{RGBD_LABELS_MAX, RGBD_REGIONS_MAX};
+use floorguard_types::profile::Of;
 use floorguard_types::sensing::DepthImage;
 use floorguard_types::united_parts::{Absorb, UnitedParts};
 
@@ -42,7 +43,7 @@ impl Region {
 }
 
 /// Cells that touch.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Patch {
     cells: u16,
     nearest: u16,
@@ -60,7 +61,7 @@ impl Absorb for Patch {
 pub(super) struct Regions {
     /// Of each cell the number of its patch and 1; 0 where nothing stands.
     labels: [u8; GRID_CELLS],
-    patches: UnitedParts<Patch, RGBD_LABELS_MAX>,
+    patches: UnitedParts<Patch, Of<RGBD_LABELS_MAX>>,
     pub found: Vec<Region, RGBD_REGIONS_MAX>,
     /// Labels and regions beyond the capacity.
     pub dropped: u32,

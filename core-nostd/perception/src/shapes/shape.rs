@@ -53,7 +53,7 @@ const COLUMN_STEP: f32 = 0.003_47;
 const RING_STEP: f32 = 0.034_9;
 
 /// A range of numbers.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Span {
     low: f32,
     high: f32,
@@ -73,7 +73,7 @@ impl Span {
 }
 
 /// Returns between two heights.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Slice {
     across: Span,
     along_sum: f32,
@@ -86,7 +86,7 @@ impl Slice {
 }
 
 /// A mean in the making.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Mean {
     sum: f32,
     count: f32,
@@ -104,7 +104,7 @@ impl Mean {
 }
 
 /// Gathers the returns of one candidate; constant memory, one pass.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeBuilder {
     /// Unit vector of the line of sight on the floor.
     sight: [f32; 2],

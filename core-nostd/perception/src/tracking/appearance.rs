@@ -2,11 +2,13 @@
 //! reappears.
 //!
 //! Every trait has a value and a variance; a pair of track and detection gets the logarithm of the ratio of two
-//! likelihoods: of the same person seen again, and of a random person. Only traits that both sides know take part. The
-//! board keeps no reflectivities: there no trait exists, and none takes memory or time.
+//! likelihoods: of the same person seen again, and of a random person. Only traits that both sides know take part. A
+//! profile that keeps no reflectivities has no trait, and none takes memory or time.
+
+use floorguard_types::profile::{Entry, Keep, Native, Of, Profile, Table};
 
 /// Traits: brightness of trousers and of top (logarithms of the mean reflectivity), stature in metres.
-const TRAITS: usize = if cfg!(feature = "hosted") { 3 } else { 0 };
+type Traits<P> = <<P as Profile>::Reflectivity as Keep>::Table<Trait, Of<3>>;
 
 /// What is known of one trait.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +16,10 @@ struct Trait {
     value: f32,
     /// Above [`UNKNOWN_VARIANCE`] nothing is known.
     variance: f32,
+}
+
+impl Entry for Trait {
+    const BLANK: Self = Self { value: 0.0, variance: f32::INFINITY };
 }
 
 const UNKNOWN_VARIANCE: f32 = 1.0e3;
@@ -46,25 +52,28 @@ const TOGETHER_MAX: f32 = 6.0;
 
 /// The appearance of a person.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Appearance {
-    traits: [Trait; TRAITS],
+pub struct AppearanceOf<P: Profile> {
+    traits: Traits<P>,
 }
 
-impl Appearance {
+/// An appearance in the memory of the target.
+pub type Appearance = AppearanceOf<Native>;
+
+impl<P: Profile> AppearanceOf<P> {
     /// Nothing is known.
-    pub const UNKNOWN: Self = Self { traits: [Trait { value: 0.0, variance: f32::INFINITY }; TRAITS] };
+    pub const UNKNOWN: Self = Self { traits: Entry::BLANK };
 
     /// ln of how much more likely a sighting is if it is of this person than if it is of anybody; 0 where nothing is
     /// known.
     pub(crate) fn likeness(&self, seen: &Self) -> f32 {
-        let pairs = self.traits.iter().zip(&seen.traits).zip(&SPREADS);
+        let pairs = self.traits.iter().zip(seen.traits.iter()).zip(&SPREADS);
         let sum: f32 = pairs.map(|((own, seen), spread)| own.likeness(seen, spread)).sum();
         sum.clamp(-TOGETHER_MAX, TOGETHER_MAX)
     }
 
     /// Takes in a sighting, `seconds` after the one before.
     pub(crate) fn learn(&mut self, seen: &Self, seconds: f32) {
-        for ((own, seen), spread) in self.traits.iter_mut().zip(&seen.traits).zip(&SPREADS) {
+        for ((own, seen), spread) in self.traits.iter_mut().zip(seen.traits.iter()).zip(&SPREADS) {
             own.learn(seen, (spread, seconds));
         }
     }
@@ -103,14 +112,15 @@ impl Trait {
     }
 }
 
-#[cfg(feature = "hosted")]
 pub(crate) use gathered::Shades;
 
 /// The returns of a candidate on their way to an appearance.
-#[cfg(feature = "hosted")]
 mod gathered {
-    use super::{Appearance, Trait};
+    use super::{AppearanceOf, Trait};
+    use floorguard_types::profile::{Entry, Keep, Of, Profile, Table};
 
+    /// Index of the stature among the traits; before it are the garments.
+    const STATURE: usize = 2;
     /// Trousers and top, metres above the floor: what is between may be either.
     const BANDS_M: [(f32, f32); 2] = [(0.12, 0.60), (0.95, 1.40)];
     /// Fewer returns say nothing of a garment.
@@ -126,21 +136,33 @@ mod gathered {
     /// A look at a head, metres: hair, hats, steps.
     const HEAD_SIGMA_M: f32 = 0.04;
 
-    /// Sums over the returns of a candidate.
-    #[derive(Clone, Copy, Debug, Default)]
-    pub(crate) struct Shades {
-        sums: [u32; 2],
-        returns: [u32; 2],
+    /// Returns of a garment.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    struct Garment {
+        sum: u32,
+        returns: u32,
     }
 
-    impl Shades {
+    impl Entry for Garment {
+        const BLANK: Self = Self { sum: 0, returns: 0 };
+    }
+
+    /// Sums over the returns of a candidate.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub(crate) struct Shades<P: Profile> {
+        garments: <P::Reflectivity as Keep>::Table<Garment, Of<2>>,
+    }
+
+    impl<P: Profile> Shades<P> {
+        pub(crate) const NEW: Self = Self { garments: Entry::BLANK };
+
         /// A return at a height above the floor.
         pub(crate) fn add(&mut self, height_m: f32, reflectivity: Option<&u8>) {
             let band = BANDS_M.iter().position(|(low_m, high_m)| (*low_m..*high_m).contains(&height_m));
             let (Some(band), Some(reflectivity)) = (band, reflectivity) else { return };
-            if let (Some(sum), Some(returns)) = (self.sums.get_mut(band), self.returns.get_mut(band)) {
-                *sum = sum.saturating_add(u32::from(*reflectivity));
-                *returns = returns.saturating_add(1);
+            if let Some(garment) = self.garments.get_mut(band) {
+                garment.sum = garment.sum.saturating_add(u32::from(*reflectivity));
+                garment.returns = garment.returns.saturating_add(1);
             }
         }
 
@@ -149,21 +171,23 @@ mod gathered {
             &self,
             (top_m, occluded): (f32, bool),
             (sensor_m, distance_m): (f32, f32),
-        ) -> Appearance {
-            let mut appearance = Appearance::UNKNOWN;
+        ) -> AppearanceOf<P> {
+            let mut appearance = AppearanceOf::<P>::UNKNOWN;
             let doubt = if occluded { OCCLUDED } else { 1.0 };
-            let [trousers, top, stature] = &mut appearance.traits;
-            let garments = self.sums.iter().zip(self.returns);
-            for (slot, (sum, returns)) in [trousers, top].into_iter().zip(garments) {
+            for (slot, Garment { sum, returns }) in
+                appearance.traits.iter_mut().zip(self.garments.iter().copied())
+            {
                 // A recording without reflectivities has zeros.
-                if returns >= RETURNS_MIN && *sum >= returns {
-                    let value = libm::logf(*sum as f32 / returns as f32);
+                if returns >= RETURNS_MIN && sum >= returns {
+                    let value = libm::logf(sum as f32 / returns as f32);
                     *slot = Trait { value, variance: doubt * (POLL_PERIOD + FOLDS / returns as f32) };
                 }
             }
             // The head ends somewhere between the highest ring that met it and the next.
             let spacing_m = RING_STEP * distance_m;
-            if top_m + spacing_m < sensor_m + RING_TOP * distance_m {
+            if let Some(stature) = appearance.traits.get_mut(STATURE)
+                && top_m + spacing_m < sensor_m + RING_TOP * distance_m
+            {
                 let variance = doubt * HEAD_SIGMA_M * HEAD_SIGMA_M + doubt * spacing_m * spacing_m / 12.0;
                 *stature = Trait { value: top_m + 0.5 * spacing_m, variance };
             }
@@ -172,27 +196,13 @@ mod gathered {
     }
 }
 
-/// The board keeps no reflectivities: nothing is gathered.
-#[cfg(not(feature = "hosted"))]
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Shades {}
-
-#[cfg(not(feature = "hosted"))]
-impl Shades {
-    pub(crate) fn add(&mut self, _: f32, _: Option<&u8>) {}
-
-    pub(crate) fn appearance(&self, _: (f32, bool), _: (f32, f32)) -> Appearance {
-        Appearance::UNKNOWN
-    }
-}
-
-#[cfg(all(test, feature = "hosted"))]
+#[cfg(test)]
 mod tests {
     use super::*;
 
     /// Somebody 5 m away whose trousers and top throw back so much, seen by 40 returns each.
     fn appearance([trousers, top]: [u8; 2], stature_m: f32) -> Appearance {
-        let mut shades = Shades::default();
+        let mut shades = Shades::NEW;
         for _ in 0..40 {
             shades.add(0.4, Some(&trousers));
             shades.add(1.2, Some(&top));
@@ -232,7 +242,7 @@ mod tests {
         same.learn(&Appearance::UNKNOWN, 1.0);
         assert_eq!(same, dark);
         // Reflectivities of a recording that has none, and a head above the view.
-        let mut blind = Shades::default();
+        let mut blind = Shades::NEW;
         (0..100).for_each(|_| blind.add(1.2, Some(&0)));
         assert_eq!(blind.appearance((1.7, false), (0.8, 1.5)), Appearance::UNKNOWN);
     }

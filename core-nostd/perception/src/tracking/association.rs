@@ -3,7 +3,7 @@
 use heapless::Vec;
 
 use super::joint::{GROUP_DETECTIONS, GROUP_TRACKS, JointGroup};
-use floorguard_types::capacities::{TRACKS_MAX, limited_capacity};
+use floorguard_types::profile::{Entry, List, ListOf, Profile, Size, Table, TableOf};
 
 /// How detections are given to tracks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,16 +17,13 @@ pub enum Association {
     Joint,
 }
 
-/// Detections that take part in one association.
-pub const DETECTIONS_MAX: usize = DETECTIONS_A_TRACK * TRACKS_MAX;
 /// Room for detections, for each track.
 pub(super) const DETECTIONS_A_TRACK: usize = 2;
-/// Pairs of one association: each track may have eight detections within its gate.
-const PAIRS_MAX: usize = PAIRS_A_TRACK * TRACKS_MAX;
+/// Each track may have eight detections within its gate.
 const PAIRS_A_TRACK: usize = 8;
 
 /// A detection within the gate of a track.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Pair {
     /// d² + ln|S|: −2 ln of the likelihood, but for a constant.
     cost: f32,
@@ -36,17 +33,17 @@ struct Pair {
 
 /// Working memory of the association, kept off the stack.
 #[derive(Clone, Debug)]
-pub(super) struct Associator {
-    pairs: Vec<Pair, PAIRS_MAX>,
+pub(super) struct Associator<P: Profile> {
+    pairs: ListOf<Pair, P::Pairs>,
     /// Pairs that may be kept.
     pairs_max: usize,
     /// Detection of each track.
-    matches: [Option<u16>; TRACKS_MAX],
-    used: [bool; DETECTIONS_MAX],
-    /// The track was in a group that is too large.
-    unsolved: [bool; TRACKS_MAX],
+    matches: TableOf<Option<u16>, P::Tracks>,
+    used: TableOf<bool, P::Detections>,
+    /// The track was in a group that is not too large.
+    solved: TableOf<bool, P::Tracks>,
     /// Pairs of each track and of each detection.
-    rivals: ([u8; TRACKS_MAX], [u8; DETECTIONS_MAX]),
+    rivals: (TableOf<u8, P::Tracks>, TableOf<u8, P::Detections>),
     /// Pairs not considered because the list was full.
     pub(super) dropped_pairs: u32,
     /// Tracks that fell back to the nearest detection.
@@ -60,15 +57,17 @@ struct Group {
     detections: Vec<u16, GROUP_DETECTIONS>,
 }
 
-impl Associator {
+impl<P: Profile> Associator<P> {
     pub(super) const fn new() -> Self {
+        const { assert!(P::Detections::N == DETECTIONS_A_TRACK * P::Tracks::N) };
+        const { assert!(P::Pairs::N == PAIRS_A_TRACK * P::Tracks::N) };
         Self {
-            pairs: Vec::new(),
-            pairs_max: PAIRS_MAX,
-            matches: [None; TRACKS_MAX],
-            used: [false; DETECTIONS_MAX],
-            unsolved: [true; TRACKS_MAX],
-            rivals: ([0; TRACKS_MAX], [0; DETECTIONS_MAX]),
+            pairs: List::EMPTY,
+            pairs_max: P::Pairs::N,
+            matches: Entry::BLANK,
+            used: Entry::BLANK,
+            solved: Entry::BLANK,
+            rivals: (Entry::BLANK, Entry::BLANK),
             dropped_pairs: 0,
             large_groups: 0,
         }
@@ -78,15 +77,15 @@ impl Associator {
     pub(super) fn clear(&mut self, tracks_max: usize) {
         self.pairs.clear();
         self.pairs_max = tracks_max.saturating_mul(PAIRS_A_TRACK);
-        self.matches = [None; TRACKS_MAX];
-        self.used = [false; DETECTIONS_MAX];
-        self.unsolved = [true; TRACKS_MAX];
+        self.matches.fill(None);
+        self.used.fill(false);
+        self.solved.fill(false);
     }
 
     /// A pair within the gate.
     pub(super) fn add(&mut self, track: usize, detection: usize, cost: f32) {
         let pair = Pair { cost, track: track as u16, detection: detection as u16 };
-        if self.pairs.len() >= limited_capacity(self.pairs_max, PAIRS_MAX) || self.pairs.push(pair).is_err() {
+        if self.pairs.len() >= self.pairs_max.min(P::Pairs::N) || self.pairs.push(pair).is_err() {
             self.dropped_pairs = self.dropped_pairs.saturating_add(1);
         }
     }
@@ -94,7 +93,7 @@ impl Associator {
     /// Decides. Ties go to the older track, then to the earlier detection.
     pub(super) fn solve(&mut self, association: Association) {
         if association == Association::Joint {
-            for track in 0..TRACKS_MAX {
+            for track in 0..P::Tracks::N {
                 self.solve_group_of(track);
             }
         }
@@ -115,7 +114,7 @@ impl Associator {
     /// once per track. A sort would be shorter, but that of the library recurses and may panic.
     fn solve_nearest(&mut self) {
         self.solve_lonely();
-        for _ in 0..TRACKS_MAX {
+        for _ in 0..P::Tracks::N {
             let mut cheapest: Option<Pair> = None;
             for pair in self.pairs.iter().filter(|pair| self.is_free(pair)) {
                 if cheapest.is_none_or(|other| pair.cost < other.cost) {
@@ -133,13 +132,13 @@ impl Associator {
         let (of_tracks, of_detections) = &mut self.rivals;
         of_tracks.fill(0);
         of_detections.fill(0);
-        for pair in &self.pairs {
+        for pair in self.pairs.iter() {
             let (track, detection) = (usize::from(pair.track), usize::from(pair.detection));
             if let (Some(a), Some(b)) = (of_tracks.get_mut(track), of_detections.get_mut(detection)) {
                 (*a, *b) = (a.saturating_add(1), b.saturating_add(1));
             }
         }
-        for index in 0..PAIRS_MAX {
+        for index in 0..P::Pairs::N {
             let Some(pair) = self.pairs.get(index).copied() else { break };
             let (of_tracks, of_detections) = &self.rivals;
             let rivals =
@@ -162,7 +161,7 @@ impl Associator {
 
     fn is_free(&self, pair: &Pair) -> bool {
         let track = usize::from(pair.track);
-        self.unsolved.get(track).copied().unwrap_or(false)
+        self.solved.get(track) == Some(&false)
             && self.detection_of(track).is_none()
             && !self.is_used(usize::from(pair.detection))
     }
@@ -170,7 +169,7 @@ impl Associator {
     // Not inlined, here and below: each frame is gone before the next one comes.
     #[inline(never)]
     fn solve_group_of(&mut self, seed: usize) {
-        if !self.unsolved.get(seed).copied().unwrap_or(false) {
+        if self.solved.get(seed) != Some(&false) {
             return;
         }
         let seed = seed as u16;
@@ -184,10 +183,10 @@ impl Associator {
         let assigned = self.joint(&group).marginals().assign(group.tracks.len());
         for (track, choice) in group.tracks.iter().zip(assigned) {
             let detection = choice.and_then(|index| group.detections.get(index)).copied();
-            if let (Some(matched), Some(unsolved)) =
-                (self.matches.get_mut(usize::from(*track)), self.unsolved.get_mut(usize::from(*track)))
+            if let (Some(matched), Some(solved)) =
+                (self.matches.get_mut(usize::from(*track)), self.solved.get_mut(usize::from(*track)))
             {
-                (*matched, *unsolved) = (detection, false);
+                (*matched, *solved) = (detection, true);
             }
             if let Some(used) = detection.and_then(|detection| self.used.get_mut(usize::from(detection))) {
                 *used = true;
@@ -202,7 +201,7 @@ impl Associator {
         group.tracks.push(seed).ok()?;
         for _ in 0..=GROUP_TRACKS + GROUP_DETECTIONS {
             let mut grown = false;
-            for pair in &self.pairs {
+            for pair in self.pairs.iter() {
                 let known = (group.tracks.contains(&pair.track), group.detections.contains(&pair.detection));
                 match known {
                     (true, false) => group.detections.push(pair.detection).ok()?,
@@ -224,7 +223,7 @@ impl Associator {
             tracks: group.tracks.len(),
             ..JointGroup::EMPTY
         };
-        for pair in &self.pairs {
+        for pair in self.pairs.iter() {
             let row = group.detections.iter().position(|detection| *detection == pair.detection);
             let column = group.tracks.iter().position(|track| *track == pair.track);
             let slot = row.and_then(|row| joint.likelihood.get_mut(row)).zip(column);
@@ -239,8 +238,9 @@ impl Associator {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use floorguard_types::profile::Native;
 
-    fn solved(association: Association, pairs: &[(usize, usize, f32)]) -> Associator {
+    fn solved(association: Association, pairs: &[(usize, usize, f32)]) -> Associator<Native> {
         let mut associator = Associator::new();
         pairs.iter().for_each(|(track, detection, cost)| associator.add(*track, *detection, *cost));
         associator.solve(association);

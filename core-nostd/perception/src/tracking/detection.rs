@@ -1,11 +1,12 @@
 //! What a sensor reports of one person: the input of the tracker.
 
-use super::appearance::Appearance;
+use super::appearance::AppearanceOf;
 use floorguard_types::geometry::Point2;
+use floorguard_types::profile::{Native, Profile};
 
 /// A candidate, in the fixed frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Detection {
+pub struct DetectionOf<P: Profile> {
     /// Where it stands on the floor.
     pub position: Point2,
     /// How far from the sensor, metres: the farthest is given up first when the list is full.
@@ -19,5 +20,8 @@ pub struct Detection {
     /// Whether it moves by itself; `None` if that was not judged.
     pub moving: Option<bool>,
     /// Its appearance.
-    pub appearance: Appearance,
+    pub appearance: AppearanceOf<P>,
 }
+
+/// A candidate in the memory of the target.
+pub type Detection = DetectionOf<Native>;

@@ -4,9 +4,10 @@
 //! A crowd hides everybody for seconds at a time. A person out of sight keeps identity and velocity; a fresh track
 //! takes them over as soon as it is reported as a person. A wrong guess costs no more than a new identity would.
 
-use super::track::Track;
+use super::track::TrackOf;
 use super::tracker::TrackerParameters;
 use floorguard_types::geometry::Point2;
+use floorguard_types::profile::Profile;
 
 /// Nobody is looked for farther away, metres.
 const REACH_MAX_M: f32 = 4.0;
@@ -27,9 +28,9 @@ const FREEDOM: f32 = 6.0;
 const STRANGERS_PER_M2: f32 = 0.005;
 
 /// The lost track that a fresh one most likely continues; `None` if it is more likely a stranger.
-pub(super) fn best_of<'a>(
-    lost: impl Iterator<Item = &'a Track>,
-    fresh: &Track,
+pub(super) fn best_of<'a, P: Profile>(
+    lost: impl Iterator<Item = &'a TrackOf<P>>,
+    fresh: &TrackOf<P>,
     parameters: &TrackerParameters,
 ) -> Option<u32> {
     let fits = lost.filter_map(|track| {
@@ -42,7 +43,7 @@ pub(super) fn best_of<'a>(
 
 /// ln of how much more likely place and velocity of a fresh track are if it is somebody lost than if it is a stranger, at
 /// the moment of its first sighting. `None` beyond reach, and if both were seen at the same time.
-fn coast_gain(lost: &Track, fresh: &Track) -> Option<f32> {
+fn coast_gain<P: Profile>(lost: &TrackOf<P>, fresh: &TrackOf<P>) -> Option<f32> {
     if lost.last_seen >= fresh.created {
         return None;
     }

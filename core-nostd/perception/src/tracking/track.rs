@@ -1,12 +1,13 @@
 //! One person, or something that looks like one: what was seen of it by which sensor, and when it is given up.
 
-use super::appearance::Appearance;
-use super::detection::Detection;
+use super::appearance::AppearanceOf;
+use super::detection::DetectionOf;
 use super::filter::ConstantVelocity;
 use super::sensors::{PEOPLE_SENSORS, PeopleSensor, SensorSet};
 use super::tracker::TrackerParameters;
 use crate::shapes::person_model::probability;
 use floorguard_types::geometry::Point2;
+use floorguard_types::profile::{Native, Profile};
 use floorguard_types::time::{Age, Stamp};
 
 /// How sure a track is.
@@ -24,7 +25,7 @@ pub enum TrackStatus {
 
 /// One person, or something that looks like one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Track {
+pub struct TrackOf<P: Profile> {
     /// Unique since the start.
     pub id: u32,
     /// Position and velocity in the fixed frame.
@@ -54,7 +55,7 @@ pub struct Track {
     /// Re-identification has run.
     pub(super) is_named: bool,
     /// Its appearance.
-    pub(super) appearance: Appearance,
+    pub(super) appearance: AppearanceOf<P>,
     /// What its sightings weigh, see [`PeopleSensor::weight`].
     weight: u16,
     /// The sensor that found it: before it is confirmed, only this one's misses count.
@@ -66,6 +67,9 @@ pub struct Track {
     /// A sensor missed it for too long.
     is_lost: bool,
 }
+
+/// A track in the memory of the target.
+pub type Track = TrackOf<Native>;
 
 /// One look never says more than this, log-odds.
 pub(crate) const SHAPE_EVIDENCE_MAX: f32 = 2.0;
@@ -85,7 +89,7 @@ const TWIN_FRESH_US: u64 = 200_000;
 const TWIN_SPEED_MPS: f32 = 0.8;
 
 /// Evidence of one shape, log-odds.
-fn shape_evidence(detection: &Detection) -> f32 {
+fn shape_evidence<P: Profile>(detection: &DetectionOf<P>) -> f32 {
     let probability = detection.likeness.clamp(1.0e-3, 1.0 - 1.0e-3);
     libm::logf(probability / (1.0 - probability)).clamp(-SHAPE_EVIDENCE_MAX, SHAPE_EVIDENCE_MAX)
 }
@@ -94,8 +98,8 @@ fn is_older(stamp: Stamp, now: Stamp, limit_us: u64) -> bool {
     matches!(stamp.age(now), Age::Past(age_us) if age_us > limit_us)
 }
 
-impl Track {
-    pub(super) fn new(id: u32, (sensor, stamp): (PeopleSensor, Stamp), detection: &Detection) -> Self {
+impl<P: Profile> TrackOf<P> {
+    pub(super) fn new(id: u32, (sensor, stamp): (PeopleSensor, Stamp), detection: &DetectionOf<P>) -> Self {
         let state = ConstantVelocity::new(detection.position, Point2::default(), 0.2, 1.0);
         let mut fresh = Self {
             id,
@@ -144,7 +148,7 @@ impl Track {
     pub(super) fn see(
         &mut self,
         (sensor, stamp): (PeopleSensor, Stamp),
-        (detection, late_s): (&Detection, f32),
+        (detection, late_s): (&DetectionOf<P>, f32),
         sightings_min: u16,
     ) {
         let drift_m = if late_s > 0.0 { 0.1 + self.state.speed_mps() * late_s } else { 0.0 };

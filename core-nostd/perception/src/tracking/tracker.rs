@@ -1,15 +1,13 @@
 //! Follows people: gating, association, creation, deletion, coasting. Source: book, Tracking.
 
-use heapless::Vec;
-
-use super::association::{Association, Associator, DETECTIONS_A_TRACK, DETECTIONS_MAX};
-use super::detection::Detection;
+use super::association::{Association, Associator, DETECTIONS_A_TRACK};
+use super::detection::DetectionOf;
 use super::filter::ConstantVelocity;
 use super::memory::best_of;
 use super::sensors::PeopleSensor;
-use super::track::{Track, TrackStatus};
-use floorguard_types::capacities::{TRACKS_MAX, TRACKS_ON_BOARD, limited_capacity};
+use super::track::{TrackOf, TrackStatus};
 use floorguard_types::geometry::Point2;
+use floorguard_types::profile::{Board, List, ListOf, Native, Profile, Size};
 use floorguard_types::time::{Age, Stamp};
 
 /// Beyond this share of the gate's square no closer check is made.
@@ -53,7 +51,7 @@ pub struct TrackerParameters {
     pub appearance_weight: f32,
     /// The same at re-identification: several observations on either side.
     pub recall_appearance_weight: f32,
-    /// Tracks at once, at most `TRACKS_MAX`; without the feature `hosted` always that many. Twice as many detections and eight
+    /// Tracks at once, at most those of the profile. Twice as many detections and eight
     /// times as many pairs take part.
     pub tracks_max: usize,
 }
@@ -76,7 +74,7 @@ impl TrackerParameters {
         hidden_gate_m: 1.5,
         appearance_weight: 0.5,
         recall_appearance_weight: 1.0,
-        tracks_max: TRACKS_MAX,
+        tracks_max: usize::MAX,
     };
 
     /// Whatever people look like does not count: as on the board, which keeps no reflectivities.
@@ -84,11 +82,12 @@ impl TrackerParameters {
         Self { appearance_weight: 0.0, recall_appearance_weight: 0.0, ..Self::DEFAULT };
 
     /// With the capacity of the microcontroller, too: the same input gives the same tracks on every machine.
-    pub const AS_ON_BOARD: Self = Self { tracks_max: TRACKS_ON_BOARD, ..Self::WITHOUT_APPEARANCE };
+    pub const AS_ON_BOARD: Self =
+        Self { tracks_max: <Board as Profile>::Tracks::N, ..Self::WITHOUT_APPEARANCE };
 
     /// Detections that take part in one association.
-    pub(super) fn detections_max(&self) -> usize {
-        limited_capacity(self.tracks_max.saturating_mul(DETECTIONS_A_TRACK), DETECTIONS_MAX)
+    fn detections_max<P: Profile>(&self) -> usize {
+        self.tracks_max.saturating_mul(DETECTIONS_A_TRACK).min(P::Detections::N)
     }
 }
 
@@ -100,28 +99,34 @@ impl Default for TrackerParameters {
 
 /// What one sensor saw at one moment.
 #[derive(Clone, Copy, Debug)]
-pub struct Sightings<'a> {
+pub struct SightingsOf<'a, P: Profile> {
     /// Who looked.
     pub sensor: PeopleSensor,
     /// When.
     pub stamp: Stamp,
     /// What was seen, in the fixed frame.
-    pub detections: &'a [Detection],
+    pub detections: &'a [DetectionOf<P>],
 }
+
+/// Sightings in the memory of the target.
+pub type Sightings<'a> = SightingsOf<'a, Native>;
 
 /// The tracks and what happened to them.
 #[derive(Clone, Debug)]
-pub struct Tracker {
+pub struct TrackerOf<P: Profile> {
     parameters: TrackerParameters,
-    tracks: Vec<Track, TRACKS_MAX>,
+    tracks: ListOf<TrackOf<P>, P::Tracks>,
     next_id: u32,
     now: Option<Stamp>,
     /// Tracks given up or not created, and detections that took no part, because the list was full.
     pub dropped: u32,
     /// Sweeps refused because they were older than the newest one.
     pub late: u32,
-    associator: Associator,
+    associator: Associator<P>,
 }
+
+/// A tracker in the memory of the target.
+pub type Tracker = TrackerOf<Native>;
 
 /// Somebody seen within this time is expected to be seen again, µs.
 const EXPECTED_US: u64 = 1_500_000;
@@ -132,13 +137,13 @@ const LATE_MAX_US: u64 = 200_000;
 /// A longer pause than this forgets the tentative tracks, µs (book, Tracking: Late views).
 const PAUSE_US: u64 = 2_000_000;
 
-impl Tracker {
+impl<P: Profile> TrackerOf<P> {
     /// Nobody yet.
     #[must_use]
     pub const fn new(parameters: TrackerParameters) -> Self {
         Self {
             parameters,
-            tracks: Vec::new(),
+            tracks: List::EMPTY,
             next_id: 1,
             now: None,
             dropped: 0,
@@ -149,18 +154,18 @@ impl Tracker {
 
     /// Detections that take part in one association.
     pub(crate) fn detections_max(&self) -> usize {
-        self.parameters.detections_max()
+        self.parameters.detections_max::<P>()
     }
 
     /// The tracks, oldest first.
     #[must_use]
-    pub fn tracks(&self) -> &[Track] {
+    pub fn tracks(&self) -> &[TrackOf<P>] {
         &self.tracks
     }
 
     /// Takes in what the lidar saw at one moment, see [`Self::take`].
-    pub fn update(&mut self, stamp: Stamp, detections: &[Detection], visible: impl Fn(Point2) -> bool) {
-        self.take(&Sightings { sensor: PeopleSensor::Lidar, stamp, detections }, visible);
+    pub fn update(&mut self, stamp: Stamp, detections: &[DetectionOf<P>], visible: impl Fn(Point2) -> bool) {
+        self.take(&SightingsOf { sensor: PeopleSensor::Lidar, stamp, detections }, visible);
     }
 
     /// Takes in what a sensor saw at one moment. `visible` tells whether this sensor could have seen a person at a point
@@ -169,12 +174,12 @@ impl Tracker {
     /// What is up to 0.2 s older than the newest update moves the people whom it fits, with more doubt, and does nothing
     /// else (book, Tracking: Late views); what is older still is refused and counted. More detections than twice the
     /// tracks take no part and are counted: the first ones count.
-    pub fn take(&mut self, seen: &Sightings<'_>, visible: impl Fn(Point2) -> bool) {
+    pub fn take(&mut self, seen: &SightingsOf<'_, P>, visible: impl Fn(Point2) -> bool) {
         let Some(late_s) = self.predict(seen.stamp) else {
             self.late = self.late.saturating_add(1);
             return;
         };
-        let excess = seen.detections.len().saturating_sub(self.parameters.detections_max());
+        let excess = seen.detections.len().saturating_sub(self.parameters.detections_max::<P>());
         self.dropped = self.dropped.saturating_add(u32::try_from(excess).unwrap_or(u32::MAX));
         let observation = (seen.sensor, seen.stamp);
         self.associate(observation, (seen.detections, late_s));
@@ -188,7 +193,9 @@ impl Tracker {
         }
         self.recall(seen.stamp);
         self.delete(seen.stamp);
-        for (column, detection) in seen.detections.iter().enumerate().take(self.parameters.detections_max()) {
+        for (column, detection) in
+            seen.detections.iter().enumerate().take(self.parameters.detections_max::<P>())
+        {
             if !self.associator.is_used(column) {
                 self.create(observation, detection);
             }
@@ -202,7 +209,7 @@ impl Tracker {
             Some(Age::Past(age_us)) => age_us as f32 * 1.0e-6,
             _ => 0.0,
         };
-        let fresh = move |track: &&Track| {
+        let fresh = move |track: &&TrackOf<P>| {
             let seen = matches!(track.last_seen.age(stamp), Age::Past(age_us) if age_us < EXPECTED_US);
             seen && track.status == TrackStatus::Confirmed && track.belief > 0.0
         };
@@ -229,7 +236,7 @@ impl Tracker {
             self.tracks.retain(|track| track.status != TrackStatus::Tentative);
         }
         let seconds = stamp.seconds_since(now);
-        for track in &mut self.tracks {
+        for track in self.tracks.iter_mut() {
             // People slow down in a crowd; who is out of sight is rather waited for than chased.
             if track.last_seen.past_us(now) > UNSEEN_US {
                 track.state.slow_down(libm::expf(-seconds / self.parameters.coast_s.max(1.0e-3)));
@@ -245,7 +252,7 @@ impl Tracker {
     fn recall(&mut self, stamp: Stamp) {
         let parameters = self.parameters;
         // The last first: who is taken out moves only those who were asked.
-        for row in (0..self.tracks.len().min(TRACKS_MAX)).rev() {
+        for row in (0..self.tracks.len().min(P::Tracks::N)).rev() {
             let Some(fresh) = self.tracks.get_mut(row).filter(|track| track.is_to_be_named()) else {
                 continue;
             };
@@ -277,10 +284,14 @@ impl Tracker {
     /// Gives detections to tracks by d² + ln|S|, so that an uncertain track does not win (book, Tracking: Gating). Only
     /// pairs within the gate take part.
     #[inline(never)]
-    fn associate(&mut self, observation: (PeopleSensor, Stamp), (detections, late_s): (&[Detection], f32)) {
+    fn associate(
+        &mut self,
+        observation: (PeopleSensor, Stamp),
+        (detections, late_s): (&[DetectionOf<P>], f32),
+    ) {
         self.associator.clear(self.parameters.tracks_max);
-        let detections_max = self.parameters.detections_max();
-        for row in 0..self.tracks.len().min(TRACKS_MAX) {
+        let detections_max = self.parameters.detections_max::<P>();
+        for row in 0..self.tracks.len().min(P::Tracks::N) {
             for (column, detection) in detections.iter().enumerate().take(detections_max) {
                 if let Some(cost) = self.tracks.get(row).and_then(|track| self.cost(track, detection)) {
                     self.associator.add(row, column, cost);
@@ -296,7 +307,7 @@ impl Tracker {
         }
     }
 
-    fn cost(&self, track: &Track, detection: &Detection) -> Option<f32> {
+    fn cost(&self, track: &TrackOf<P>, detection: &DetectionOf<P>) -> Option<f32> {
         let gate = self.parameters.gate;
         // Most pairs are far apart: that is seen without a root and a quotient. A little more than the gate, for the
         // rounding of either way.
@@ -328,12 +339,12 @@ impl Tracker {
     /// Full: the farthest track is dropped first, because near ones matter (book, Conventions: Exceeded capacities).
     /// False if everybody is nearer than `distance_m`.
     fn free_slot(&mut self, distance_m: f32) -> bool {
-        if self.tracks.len() < limited_capacity(self.parameters.tracks_max, TRACKS_MAX) {
+        if self.tracks.len() < self.parameters.tracks_max.min(P::Tracks::N) {
             return true;
         }
         self.dropped = self.dropped.saturating_add(1);
         let tracks = self.tracks.iter().enumerate();
-        let hidden = |track: &Track| track.status == TrackStatus::Hidden;
+        let hidden = |track: &TrackOf<P>| track.status == TrackStatus::Hidden;
         let farthest = tracks
             .max_by(|(_, a), (_, b)| hidden(a).cmp(&hidden(b)).then(a.distance_m.total_cmp(&b.distance_m)));
         match farthest.filter(|(_, track)| hidden(track) || track.distance_m > distance_m).map(|(row, _)| row)
@@ -352,7 +363,7 @@ impl Tracker {
     }
 
     #[inline(never)]
-    fn create(&mut self, observation: (PeopleSensor, Stamp), detection: &Detection) {
+    fn create(&mut self, observation: (PeopleSensor, Stamp), detection: &DetectionOf<P>) {
         let duplicate = self
             .tracks
             .iter()
@@ -361,7 +372,7 @@ impl Tracker {
         if duplicate {
             return;
         }
-        let fresh = Track::new(self.next_id, observation, detection);
+        let fresh = TrackOf::new(self.next_id, observation, detection);
         if self.free_slot(detection.distance_m) && self.tracks.push(fresh).is_ok() {
             self.next_id = self.next_id.wrapping_add(1).max(1);
         }
@@ -371,7 +382,7 @@ impl Tracker {
     /// by two sensors: the older one stays.
     fn unite(&mut self, now: Stamp) {
         let limit_m = self.parameters.duplicate_m;
-        for row in 1..self.tracks.len().min(TRACKS_MAX) {
+        for row in 1..self.tracks.len().min(P::Tracks::N) {
             let Some(younger) = self.tracks.get(row).copied() else { break };
             let twin = self.tracks.iter_mut().take(row).find(|older| older.is_twin(&younger, now, limit_m));
             let Some(older) = twin else { continue };

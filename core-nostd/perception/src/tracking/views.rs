@@ -6,10 +6,11 @@
 
 use heapless::Vec;
 
-use super::detection::Detection;
+use super::detection::DetectionOf;
 use super::sensors::PeopleSensor;
-use super::tracker::{Sightings, Tracker};
+use super::tracker::{SightingsOf, TrackerOf};
 use super::visibility::OpenSpace;
+use floorguard_types::profile::{Native, Profile};
 use floorguard_types::time::Stamp;
 
 /// People in one view.
@@ -21,18 +22,21 @@ const WAIT_MAX_US: u64 = 200_000;
 
 /// What a sensor saw at one moment.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PeopleView {
+pub struct PeopleViewOf<P: Profile> {
     /// Who looked.
     pub sensor: PeopleSensor,
     /// When.
     pub stamp: Stamp,
     /// Who was seen, in the fixed frame.
-    pub detections: Vec<Detection, VIEW_PEOPLE_MAX>,
+    pub detections: Vec<DetectionOf<P>, VIEW_PEOPLE_MAX>,
     /// Where somebody could have been seen.
     pub open: OpenSpace,
 }
 
-impl PeopleView {
+/// A view in the memory of the target.
+pub type PeopleView = PeopleViewOf<Native>;
+
+impl<P: Profile> PeopleViewOf<P> {
     /// Nobody seen, and nobody to be seen.
     #[must_use]
     pub const fn new(sensor: PeopleSensor) -> Self {
@@ -40,26 +44,26 @@ impl PeopleView {
     }
 
     /// Adds a person; false if the list is full.
-    pub fn add(&mut self, detection: Detection) -> bool {
+    pub fn add(&mut self, detection: DetectionOf<P>) -> bool {
         self.detections.push(detection).is_ok()
     }
 }
 
 /// Views in the order of their stamps; those of one moment in the order of their arrival.
 #[derive(Clone, Debug)]
-pub(crate) struct WaitingViews {
-    views: Vec<PeopleView, VIEWS_WAITING>,
+pub(crate) struct WaitingViews<P: Profile> {
+    views: Vec<PeopleViewOf<P>, VIEWS_WAITING>,
     /// Views given to the tracker before their turn because the queue was full, since the start.
     pub(crate) hurried: u32,
 }
 
-impl WaitingViews {
+impl<P: Profile> WaitingViews<P> {
     pub(crate) const fn new() -> Self {
         Self { views: Vec::new(), hurried: 0 }
     }
 
     /// Lets a view wait. When full, the oldest one goes to the tracker at once.
-    pub(crate) fn add(&mut self, view: &PeopleView, tracker: &mut Tracker) {
+    pub(crate) fn add(&mut self, view: &PeopleViewOf<P>, tracker: &mut TrackerOf<P>) {
         if self.views.is_full() {
             self.hurried = self.hurried.saturating_add(1);
             self.give_first(tracker);
@@ -70,17 +74,17 @@ impl WaitingViews {
     }
 
     /// Gives the tracker what was seen up to `stamp`, oldest first. True if there was something.
-    pub(crate) fn give_until(&mut self, stamp: Stamp, tracker: &mut Tracker) -> bool {
+    pub(crate) fn give_until(&mut self, stamp: Stamp, tracker: &mut TrackerOf<P>) -> bool {
         self.give_while(tracker, |view| view.stamp <= stamp)
     }
 
     /// The lidar is silent: gives the tracker what waited too long. True if there was something.
-    pub(crate) fn give_overdue(&mut self, tracker: &mut Tracker) -> bool {
+    pub(crate) fn give_overdue(&mut self, tracker: &mut TrackerOf<P>) -> bool {
         let Some(newest) = self.views.last().map(|view| view.stamp) else { return false };
         self.give_while(tracker, |view| view.stamp.past_us(newest) >= WAIT_MAX_US)
     }
 
-    fn give_while(&mut self, tracker: &mut Tracker, is_due: impl Fn(&PeopleView) -> bool) -> bool {
+    fn give_while(&mut self, tracker: &mut TrackerOf<P>, is_due: impl Fn(&PeopleViewOf<P>) -> bool) -> bool {
         let mut any = false;
         for _ in 0..VIEWS_WAITING {
             if !self.views.first().is_some_and(&is_due) {
@@ -92,9 +96,9 @@ impl WaitingViews {
         any
     }
 
-    fn give_first(&mut self, tracker: &mut Tracker) {
+    fn give_first(&mut self, tracker: &mut TrackerOf<P>) {
         let Some(view) = self.views.first() else { return };
-        let seen = Sightings { sensor: view.sensor, stamp: view.stamp, detections: &view.detections };
+        let seen = SightingsOf { sensor: view.sensor, stamp: view.stamp, detections: &view.detections };
         tracker.take(&seen, |point| view.open.is_visible(point));
         let mut first = true;
         self.views.retain(|_| !core::mem::take(&mut first));
@@ -104,7 +108,7 @@ impl WaitingViews {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tracking::{Appearance, TrackerParameters};
+    use crate::tracking::{Appearance, Detection, Tracker, TrackerParameters};
     use floorguard_types::geometry::Point2;
 
     fn legs(at_us: u64, x_m: f32) -> PeopleView {

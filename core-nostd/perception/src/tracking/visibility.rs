@@ -1,7 +1,8 @@
 //! Where a sensor could have seen a person: a track behind something, or in a sector without data, is not missed.
 
 use floorguard_types::geometry::{Point2, Pose2};
-use floorguard_types::sensing::{BeamReturn, Scan};
+use floorguard_types::profile::Profile;
+use floorguard_types::sensing::{BeamReturn, ScanOf};
 
 /// Sectors of 2°.
 const SECTORS: usize = 180;
@@ -92,7 +93,7 @@ impl OpenSpace {
     };
 
     /// What a scanner at `sensor_in_odom` could see, which recognises legs up to `range_max_m`.
-    pub fn measure(&mut self, scan: &Scan, sensor_in_odom: Pose2, range_max_m: f32) {
+    pub fn measure<P: Profile>(&mut self, scan: &ScanOf<P>, sensor_in_odom: Pose2, range_max_m: f32) {
         let mut sectors = Visibility::new();
         for (index, beam) in scan.beams.iter().enumerate() {
             let bearing_rad = scan.first_angle_rad + scan.step_rad * index as f32;
@@ -159,6 +160,7 @@ const _: () = assert!(SECTORS * 200 == 36_000);
 #[cfg(test)]
 mod tests {
     use super::*;
+    use floorguard_types::sensing::Scan;
 
     /// 270° at 0.5°, everything free up to 30 m, but for what `of` says of a bearing in degrees.
     fn scan(of: impl Fn(f32) -> Option<BeamReturn>) -> Scan {

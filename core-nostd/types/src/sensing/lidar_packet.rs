@@ -4,52 +4,34 @@
 
 use heapless::Vec;
 
-use crate::capacities::{PACKET_COLUMNS_MAX, PACKET_RINGS_MAX};
+use crate::capacities::PACKET_COLUMNS_MAX;
+use crate::profile::{Entry, Keep, Native, Profile, Table, TableOf};
 use crate::time::Stamp;
 
-/// Calibrated reflectivity per ring. Only hosted: no stage on the MCU asks for it, and there it takes no
-/// memory.
-#[cfg(feature = "hosted")]
-pub type Reflectivity<const RINGS: usize> = [u8; RINGS];
-/// Calibrated reflectivity per ring. Only hosted: no stage on the MCU asks for it, and there it takes no
-/// memory.
-#[cfg(not(feature = "hosted"))]
-pub type Reflectivity<const RINGS: usize> = [u8; 0];
-
-/// Nothing reflects.
-#[cfg(feature = "hosted")]
-pub(super) const fn no_reflectivity<const RINGS: usize>() -> Reflectivity<RINGS> {
-    [0; RINGS]
-}
-
-/// Nothing reflects.
-#[cfg(not(feature = "hosted"))]
-pub(super) const fn no_reflectivity<const RINGS: usize>() -> Reflectivity<RINGS> {
-    []
-}
+/// Calibrated reflectivity per ring, where the profile keeps it.
+pub type Reflectivity<P, S> = <<P as Profile>::Reflectivity as Keep>::Table<u8, S>;
 
 /// All lasers of one firing sequence. Rings are ordered by elevation, 0 lowest.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LidarColumn {
+pub struct LidarColumnOf<P: Profile> {
     /// Azimuth at the middle of the sequence, hundredths of a degree, 0…35,999, clockwise seen from above as on the
     /// wire; 0 is the sensor's forward (robot axes: x forward).
     pub azimuth_cdeg: u16,
     /// When the first laser of the sequence fired, microseconds after [`LidarPacket::stamp`].
     pub offset_us: u32,
     /// Range per ring in [`LidarPacket::range_unit_mm`]; 0 = no return, which is *unknown*, never free.
-    pub range_raw: [u16; PACKET_RINGS_MAX],
+    pub range_raw: TableOf<u16, P::Rings>,
     /// Calibrated reflectivity per ring.
-    pub reflectivity: Reflectivity<PACKET_RINGS_MAX>,
+    pub reflectivity: Reflectivity<P, P::Rings>,
 }
 
-impl LidarColumn {
+/// A column in the memory of the target.
+pub type LidarColumn = LidarColumnOf<Native>;
+
+impl<P: Profile> LidarColumnOf<P> {
     /// A column without a return.
-    pub const SILENT: Self = Self {
-        azimuth_cdeg: 0,
-        offset_us: 0,
-        range_raw: [0; PACKET_RINGS_MAX],
-        reflectivity: no_reflectivity::<PACKET_RINGS_MAX>(),
-    };
+    pub const SILENT: Self =
+        Self { azimuth_cdeg: 0, offset_us: 0, range_raw: Entry::BLANK, reflectivity: Entry::BLANK };
 }
 
 /// A decoded datagram.
@@ -67,7 +49,7 @@ impl LidarColumn {
 /// assert_eq!(silent_cdeg(&packet), 0);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct LidarPacket {
+pub struct LidarPacketOf<P: Profile> {
     /// When the first laser fired, on the robot's clock.
     pub stamp: Stamp,
     /// Millimetres per count of `range_raw`: 2, or 4 for a VLP-32C.
@@ -75,10 +57,13 @@ pub struct LidarPacket {
     /// Rings in use: 16 or 32. Entries above are zero.
     pub rings: u8,
     /// The firing sequences, in time order.
-    pub columns: Vec<LidarColumn, PACKET_COLUMNS_MAX>,
+    pub columns: Vec<LidarColumnOf<P>, PACKET_COLUMNS_MAX>,
 }
 
-impl LidarPacket {
+/// A packet in the memory of the target.
+pub type LidarPacket = LidarPacketOf<Native>;
+
+impl<P: Profile> LidarPacketOf<P> {
     /// No columns. A place to decode into.
     pub const EMPTY: Self = Self { stamp: Stamp::ZERO, range_unit_mm: 2, rings: 0, columns: Vec::new() };
 
@@ -86,7 +71,7 @@ impl LidarPacket {
     pub fn copy_from(&mut self, other: &Self) {
         (self.stamp, self.range_unit_mm, self.rings) = (other.stamp, other.range_unit_mm, other.rings);
         // The same capacity: it always fits.
-        let _ = self.columns.resize(other.columns.len(), LidarColumn::SILENT);
+        let _ = self.columns.resize(other.columns.len(), LidarColumnOf::SILENT);
         for (to, from) in self.columns.iter_mut().zip(&other.columns) {
             *to = *from;
         }
@@ -95,7 +80,7 @@ impl LidarPacket {
 
 /// Azimuth that a packet covers without a single return, hundredths of a degree; 0 when it has returns.
 #[must_use]
-pub fn silent_cdeg(packet: &LidarPacket) -> u32 {
+pub fn silent_cdeg<P: Profile>(packet: &LidarPacketOf<P>) -> u32 {
     let has_return = packet.columns.iter().any(|column| column.range_raw.iter().any(|raw| *raw != 0));
     match (packet.columns.first(), packet.columns.last()) {
         (Some(first), Some(last)) if !has_return => {

@@ -1,9 +1,7 @@
 //! A revolution of a two-dimensional safety scanner.
 
-use heapless::Vec;
-
-use crate::capacities::SCAN_BEAMS_MAX;
 use crate::number::saturating_usize;
+use crate::profile::{List, ListOf, Native, Profile, Size};
 use crate::time::Stamp;
 
 /// What one beam says. Three values, not two: "no data" must never look like "no obstacle".
@@ -55,7 +53,7 @@ impl BeamReturn {
 /// assert!(ahead_rad.abs() < 1.0e-5);
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Scan {
+pub struct ScanOf<P: Profile> {
     /// The middle of the scan, on the robot's clock.
     pub stamp: Stamp,
     /// The device's own scan counter; one that stands still means a frozen device.
@@ -65,13 +63,16 @@ pub struct Scan {
     /// Angle from beam to beam, radians, > 0.
     pub step_rad: f32,
     /// The beams.
-    pub beams: Vec<BeamReturn, SCAN_BEAMS_MAX>,
+    pub beams: ListOf<BeamReturn, P::Beams>,
 }
 
-impl Scan {
+/// A scan in the memory of the target.
+pub type Scan = ScanOf<Native>;
+
+impl<P: Profile> ScanOf<P> {
     /// Nothing. A place to measure into.
     pub const EMPTY: Self =
-        Self { stamp: Stamp::ZERO, sequence: 0, first_angle_rad: 0.0, step_rad: 0.0, beams: Vec::new() };
+        Self { stamp: Stamp::ZERO, sequence: 0, first_angle_rad: 0.0, step_rad: 0.0, beams: List::EMPTY };
 
     /// Becomes equal to another one without a copy on the way.
     pub fn copy_from(&mut self, other: &Self) {
@@ -80,7 +81,7 @@ impl Scan {
         self.first_angle_rad = other.first_angle_rad;
         self.step_rad = other.step_rad;
         self.beams.clear();
-        for beam in &other.beams {
+        for beam in other.beams.iter() {
             // Same capacity: never full.
             let _ = self.beams.push(*beam);
         }
@@ -100,7 +101,7 @@ impl Scan {
     /// ```
     pub fn copy_thinned(&mut self, other: &Self, step_rad: f32) {
         let steps = libm::roundf(step_rad / other.step_rad);
-        let every = if steps.is_finite() { saturating_usize(steps).clamp(1, SCAN_BEAMS_MAX) } else { 1 };
+        let every = if steps.is_finite() { saturating_usize(steps).clamp(1, P::Beams::N) } else { 1 };
         self.stamp = other.stamp;
         self.sequence = other.sequence;
         self.first_angle_rad = other.first_angle_rad;

@@ -6,10 +6,11 @@
 //! only: tracks need no boxes.
 
 use super::context::SweepContext;
-use super::state::PeoplePipeline;
+use super::state::PeoplePipelineOf;
 use crate::clusters::SweepFrame;
 use floorguard_types::geometry::{Point2, Point3};
-use floorguard_types::sensing::Sweep;
+use floorguard_types::profile::Profile;
+use floorguard_types::sensing::SweepOf;
 
 /// Higher than trolleys, suitcases and tables, metres.
 const TORSO_M: f32 = 1.05;
@@ -88,13 +89,13 @@ impl Body {
     }
 }
 
-impl PeoplePipeline {
+impl<P: Profile> PeoplePipelineOf<P> {
     /// Lowest and highest coordinates of the body of a detection of the newest sweep, by its index; robot frame, metres.
     /// `sweep` and `context` are those of that sweep. One or two passes over the sweep.
     #[must_use]
     pub fn body_bounds(
         &self,
-        sweep: &Sweep,
+        sweep: &SweepOf<P>,
         context: &SweepContext,
         detection: usize,
     ) -> Option<[Point3; 2]> {
@@ -117,7 +118,7 @@ impl PeoplePipeline {
     }
 
     /// Where the torso stands, of somebody who stands.
-    fn torso_axis(&self, sweep: &Sweep, context: &SweepContext, bounds: &[Point3; 2]) -> Option<Point2> {
+    fn torso_axis(&self, sweep: &SweepOf<P>, context: &SweepContext, bounds: &[Point3; 2]) -> Option<Point2> {
         let (mut sum, mut returns) = (Point2::default(), 0_u16);
         self.returns(sweep, context, |point| {
             if point.z_m >= TORSO_M && is_within(&point, bounds) {
@@ -130,7 +131,7 @@ impl PeoplePipeline {
     }
 
     /// Every return above the floor, robot frame.
-    fn returns(&self, sweep: &Sweep, context: &SweepContext, mut found: impl FnMut(Point3)) {
+    fn returns(&self, sweep: &SweepOf<P>, context: &SweepContext, mut found: impl FnMut(Point3)) {
         let frames = SweepFrame::new(sweep, &context.sensor_in_base, context.twist);
         for column in sweep.used_columns().iter().filter(|column| column.measured) {
             let frame = frames.column(column);
@@ -148,7 +149,9 @@ impl PeoplePipeline {
 mod tests {
     use super::*;
     use crate::clusters::RingAngles;
+    use crate::people::PeoplePipeline;
     use floorguard_types::geometry::{Pose2, Transform3, Twist2};
+    use floorguard_types::sensing::Sweep;
 
     const SENSOR_M: f32 = 0.8;
     /// Farther than what belongs together.

@@ -1,13 +1,13 @@
 //! Which clusters of a sweep go to the tracker.
 
 use super::context::SweepContext;
-use super::state::PeoplePipeline;
+use super::state::PeoplePipelineOf;
 use crate::clusters::Cluster;
 use crate::people::splits::SEEDS_MAX;
 use crate::shapes::shape::ShapeBuilder;
-use crate::tracking::{Appearance, Detection};
-use floorguard_types::capacities::CLUSTERS_MAX;
+use crate::tracking::{AppearanceOf, DetectionOf};
 use floorguard_types::geometry::Point2;
+use floorguard_types::profile::{List, Profile, Size};
 
 /// Measurement noise of a cluster's centre, metres (book, People: Candidates), and its growth per metre of distance.
 const SIGMA_M: f32 = 0.1;
@@ -15,13 +15,13 @@ const SIGMA_PER_M: f32 = 0.004;
 /// The middle of what is left of somebody half hidden is not the middle of the body, and wanders with what hides it.
 const OCCLUDED: f32 = 1.3;
 
-impl PeoplePipeline {
+impl<P: Profile> PeoplePipelineOf<P> {
     #[inline(never)]
     pub(super) fn find_candidates(&mut self, context: &SweepContext) {
         self.detections.clear();
         self.candidate_shapes.clear();
         let sensor_height_m = context.sensor_in_base.translation.z_m;
-        for index in 0..self.clusters.len().min(CLUSTERS_MAX) {
+        for index in 0..self.clusters.len().min(P::Clusters::N) {
             let Some(cluster) = self.clusters.get(index).copied() else { continue };
             if !self.splits.is_shared(index) && self.candidate_limits.admits(&cluster, sensor_height_m) {
                 self.propose(detection(&cluster, context), index, &cluster, context);
@@ -39,7 +39,7 @@ impl PeoplePipeline {
     /// Slot of the new candidate. Full: the farthest candidate is dropped first.
     pub(super) fn propose(
         &mut self,
-        detection: Detection,
+        detection: DetectionOf<P>,
         index: usize,
         cluster: &Cluster,
         context: &SweepContext,
@@ -62,15 +62,15 @@ impl PeoplePipeline {
 }
 
 /// A cluster as a measurement for the tracker; nobody has looked at its shape yet.
-pub(super) fn detection(cluster: &Cluster, context: &SweepContext) -> Detection {
+pub(super) fn detection<P: Profile>(cluster: &Cluster, context: &SweepContext) -> DetectionOf<P> {
     let centre = Point2::new(cluster.centroid.x_m, cluster.centroid.y_m);
-    Detection {
+    DetectionOf {
         position: context.base_in_odom.transform(centre),
         distance_m: cluster.nearest_m,
         sigma_m: (SIGMA_M + SIGMA_PER_M * cluster.nearest_m) * if cluster.occluded { OCCLUDED } else { 1.0 },
         likeness: 0.5,
         points: cluster.points,
         moving: None,
-        appearance: Appearance::UNKNOWN,
+        appearance: AppearanceOf::UNKNOWN,
     }
 }

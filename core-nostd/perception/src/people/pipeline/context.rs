@@ -1,8 +1,9 @@
 //! What a sweep needs to be interpreted, and what it yielded.
 
 use crate::clusters::Cluster;
-use crate::tracking::Track;
+use crate::tracking::TrackOf;
 use floorguard_types::geometry::{Pose2, Transform3, Twist2};
+use floorguard_types::profile::{Native, Profile};
 
 /// Where the sensor was while it measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,11 +53,14 @@ impl PeopleCounters {
 
 /// What a sweep yielded.
 #[derive(Clone, Copy, Debug)]
-pub struct PeopleOutput<'a> {
+pub struct PeopleOutputOf<'a, P: Profile> {
     /// Clusters of this sweep, in the robot's frame.
     pub clusters: &'a [Cluster],
     /// People and what looks like them, in the fixed frame.
-    pub tracks: &'a [Track],
+    pub tracks: &'a [TrackOf<P>],
     /// Where the returns went.
     pub counters: PeopleCounters,
 }
+
+/// What a sweep yielded, in the memory of the target.
+pub type PeopleOutput<'a> = PeopleOutputOf<'a, Native>;

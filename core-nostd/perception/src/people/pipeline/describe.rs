@@ -1,16 +1,17 @@
 //! The second look: all returns of the candidates, for their shapes.
 
 use super::context::SweepContext;
-use super::state::PeoplePipeline;
+use super::state::PeoplePipelineOf;
 use crate::clusters::{ColumnFrame, NONE, SweepFrame, rings_of};
 use crate::shapes::person_model::{person_log_odds, probability};
-use floorguard_types::sensing::Sweep;
+use floorguard_types::profile::{Profile, Table};
+use floorguard_types::sensing::SweepOf;
 
-impl PeoplePipeline {
+impl<P: Profile> PeoplePipelineOf<P> {
     /// Gathers the shape of the new candidates and asks the classifier.
     // Not inlined, here and below: each frame is gone before the next one comes.
     #[inline(never)]
-    pub(super) fn describe_candidates(&mut self, sweep: &Sweep, context: &SweepContext) {
+    pub(super) fn describe_candidates(&mut self, sweep: &SweepOf<P>, context: &SweepContext) {
         if !self.candidate_shapes.begin() {
             return;
         }

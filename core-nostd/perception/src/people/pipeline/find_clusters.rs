@@ -1,23 +1,26 @@
 //! Floor and clusters of a sweep.
 
 use super::context::{PeopleCounters, SweepContext};
-use super::state::PeoplePipeline;
+use super::state::PeoplePipelineOf;
 use crate::clusters::{FloorLimits, Obstacles, RingProfile, SweepFrame, rings_of};
 use floorguard_types::capacities::SWEEP_RINGS;
-use floorguard_types::sensing::{Sweep, SweepColumn};
+use floorguard_types::profile::{List, Profile};
+use floorguard_types::sensing::{SweepColumnOf, SweepOf};
 
 /// Returns above this height hang over people's heads, metres.
 const CEILING_M: f32 = 2.1;
 
-impl PeoplePipeline {
+impl<P: Profile> PeoplePipelineOf<P> {
     /// Floor and clusters.
-    pub fn find_clusters(&mut self, sweep: &Sweep, context: &SweepContext) {
+    // Not inlined, here and below: once in a program, and each frame is gone before the next one comes.
+    #[inline(never)]
+    pub fn find_clusters(&mut self, sweep: &SweepOf<P>, context: &SweepContext) {
         self.counters = PeopleCounters::default();
         self.clusterer.clear(&self.cluster_limits);
         self.visibility.clear();
         let frames = SweepFrame::new(sweep, &context.sensor_in_base, context.twist);
         let mut obstacles = Obstacles::default();
-        let mut profile = frames.still(&SweepColumn::UNKNOWN).profile(&self.angles);
+        let mut profile = frames.still(&SweepColumnOf::<P>::UNKNOWN).profile(&self.angles);
         let mut limits = FloorLimits::new(&profile);
         for column in sweep.used_columns() {
             obstacles.present = 0;
@@ -35,7 +38,7 @@ impl PeoplePipeline {
         self.gather(sweep, &frames);
         // Element by element: a clone of the whole vector would pass over the stack.
         self.clusters.clear();
-        for cluster in &self.clusterer.clusters {
+        for cluster in self.clusterer.clusters.iter() {
             // Same capacity: never full.
             let _ = self.clusters.push(*cluster);
         }
@@ -46,7 +49,7 @@ impl PeoplePipeline {
     /// What of a column is neither floor nor too far nor too high.
     fn find_obstacles(
         &mut self,
-        column: &SweepColumn,
+        column: &SweepColumnOf<P>,
         (profile, limits): (&RingProfile, &FloorLimits),
         obstacles: &mut Obstacles,
     ) {
@@ -76,7 +79,8 @@ impl PeoplePipeline {
     }
 
     /// Turns the entered columns into clusters.
-    pub(super) fn gather(&mut self, sweep: &Sweep, frames: &SweepFrame) {
+    #[inline(never)]
+    pub(super) fn gather(&mut self, sweep: &SweepOf<P>, frames: &SweepFrame) {
         self.clusterer.close(&self.cluster_limits);
         for (index, column) in sweep.used_columns().iter().enumerate() {
             if self.clusterer.present_in(index) != 0 {

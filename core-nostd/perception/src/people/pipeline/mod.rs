@@ -9,5 +9,5 @@ mod sharing;
 mod state;
 mod upper_bodies;
 
-pub use context::{PeopleCounters, PeopleOutput, SweepContext};
-pub use state::PeoplePipeline;
+pub use context::{PeopleCounters, PeopleOutput, PeopleOutputOf, SweepContext};
+pub use state::{PeoplePipeline, PeoplePipelineOf};

@@ -1,14 +1,15 @@
 //! Clusters in which the tracker expects several people.
 
 use super::context::SweepContext;
-use super::state::PeoplePipeline;
+use super::state::PeoplePipelineOf;
 use crate::clusters::{ColumnFrame, SweepFrame, rings_of};
-use floorguard_types::sensing::Sweep;
+use floorguard_types::profile::Profile;
+use floorguard_types::sensing::SweepOf;
 
-impl PeoplePipeline {
+impl<P: Profile> PeoplePipelineOf<P> {
     /// Clusters in which the tracker expects several people are shared out among them.
     #[inline(never)]
-    pub(super) fn share_out(&mut self, sweep: &Sweep, context: &SweepContext) {
+    pub(super) fn share_out(&mut self, sweep: &SweepOf<P>, context: &SweepContext) {
         self.splits.clear();
         let odom_in_base = context.base_in_odom.inverse();
         for (index, cluster) in self.clusters.iter().enumerate() {

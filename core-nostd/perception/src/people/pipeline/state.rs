@@ -1,19 +1,17 @@
 //! The stages in their order, and what they keep.
 
-use heapless::Vec;
-
-use super::context::{PeopleCounters, PeopleOutput, SweepContext};
+use super::context::{PeopleCounters, PeopleOutputOf, SweepContext};
 use crate::clusters::{Cluster, ClusterLimits, Clusterer, RingAngles};
 use crate::people::candidate_shapes::CandidateShapes;
 use crate::people::candidates::CandidateLimits;
 use crate::people::splits::Splits;
 use crate::shapes::shape::ShapeVector;
 use crate::tracking::{
-    DETECTIONS_MAX, Detection, PeopleView, Track, Tracker, TrackerParameters, Visibility, WaitingViews,
+    DetectionOf, PeopleViewOf, TrackOf, TrackerOf, TrackerParameters, Visibility, WaitingViews,
 };
-use floorguard_types::capacities::CLUSTERS_MAX;
 use floorguard_types::geometry::{Point2, Point3};
-use floorguard_types::sensing::Sweep;
+use floorguard_types::profile::{List, ListOf, Native, Profile};
+use floorguard_types::sensing::SweepOf;
 
 /// All state of the stage; about 240 KiB, so keep it in a static or on the heap of the host.
 ///
@@ -30,25 +28,28 @@ use floorguard_types::sensing::Sweep;
 /// assert!(output.tracks.is_empty() && output.clusters.is_empty());
 /// ```
 #[derive(Clone, Debug)]
-pub struct PeoplePipeline {
+pub struct PeoplePipelineOf<P: Profile> {
     /// Elevations of the lidar.
     pub angles: RingAngles,
     /// When returns belong together.
     pub cluster_limits: ClusterLimits,
     /// What may be a person.
     pub candidate_limits: CandidateLimits,
-    pub(super) clusterer: Clusterer,
-    pub(super) clusters: Vec<Cluster, CLUSTERS_MAX>,
+    pub(super) clusterer: Clusterer<P>,
+    pub(super) clusters: ListOf<Cluster, P::Clusters>,
     pub(super) visibility: Visibility,
-    pub(super) detections: Vec<Detection, DETECTIONS_MAX>,
-    pub(super) candidate_shapes: CandidateShapes,
+    pub(super) detections: ListOf<DetectionOf<P>, P::Detections>,
+    pub(super) candidate_shapes: CandidateShapes<P>,
     pub(super) splits: Splits,
-    pub(super) tracker: Tracker,
+    pub(super) tracker: TrackerOf<P>,
     pub(super) counters: PeopleCounters,
-    waiting: WaitingViews,
+    waiting: WaitingViews<P>,
 }
 
-impl PeoplePipeline {
+/// The stage in the memory of the target.
+pub type PeoplePipeline = PeoplePipelineOf<Native>;
+
+impl<P: Profile> PeoplePipelineOf<P> {
     /// Nothing seen yet.
     #[must_use]
     pub const fn new(angles: RingAngles) -> Self {
@@ -63,47 +64,47 @@ impl PeoplePipeline {
             cluster_limits: ClusterLimits::DEFAULT,
             candidate_limits: CandidateLimits::DEFAULT,
             clusterer: Clusterer::new(),
-            clusters: Vec::new(),
+            clusters: List::EMPTY,
             visibility: Visibility::new(),
-            detections: Vec::new(),
+            detections: List::EMPTY,
             candidate_shapes: CandidateShapes::new(),
             splits: Splits::new(),
-            tracker: Tracker::new(parameters),
+            tracker: TrackerOf::new(parameters),
             counters: PeopleCounters::ZERO,
             waiting: WaitingViews::new(),
         }
     }
 
     /// Takes in a sweep. Linear in its cells, plus tracks × detections.
-    pub fn process(&mut self, sweep: &Sweep, context: &SweepContext) -> PeopleOutput<'_> {
+    pub fn process(&mut self, sweep: &SweepOf<P>, context: &SweepContext) -> PeopleOutputOf<'_, P> {
         self.find_clusters(sweep, context);
         self.find_people(sweep, context)
     }
 
     /// People among the clusters of the same sweep; after [`Self::find_clusters`]. Between the two, motion can be
     /// judged (see [`Self::cluster_of`]).
-    pub fn find_people(&mut self, sweep: &Sweep, context: &SweepContext) -> PeopleOutput<'_> {
+    pub fn find_people(&mut self, sweep: &SweepOf<P>, context: &SweepContext) -> PeopleOutputOf<'_, P> {
         self.find_people_moving(sweep, context, |_| None)
     }
 
     /// The same, given the places of the fixed frame at which something moves; `None` where unknown.
     pub fn find_people_moving(
         &mut self,
-        sweep: &Sweep,
+        sweep: &SweepOf<P>,
         context: &SweepContext,
         moving_at: impl Fn(Point2) -> Option<bool>,
-    ) -> PeopleOutput<'_> {
+    ) -> PeopleOutputOf<'_, P> {
         self.find_detections(sweep, context);
-        for detection in &mut self.detections {
+        for detection in self.detections.iter_mut() {
             detection.moving = moving_at(detection.position);
         }
         self.track(sweep, context);
-        PeopleOutput { clusters: &self.clusters, tracks: self.tracker.tracks(), counters: self.counters }
+        PeopleOutputOf { clusters: &self.clusters, tracks: self.tracker.tracks(), counters: self.counters }
     }
 
     /// Takes in what another sensor saw. It waits for the sweep of its time; when the lidar is silent for longer than
     /// 0.2 s, it goes to the tracker without one. True if the tracks are newer now.
-    pub fn add_view(&mut self, view: &PeopleView) -> bool {
+    pub fn add_view(&mut self, view: &PeopleViewOf<P>) -> bool {
         self.waiting.add(view, &mut self.tracker);
         self.waiting.give_overdue(&mut self.tracker)
     }
@@ -118,7 +119,9 @@ impl PeoplePipeline {
     }
 
     /// Which clusters may be people, and how probably; after [`Self::find_clusters`].
-    pub fn find_detections(&mut self, sweep: &Sweep, context: &SweepContext) {
+    // Not inlined: once in a program.
+    #[inline(never)]
+    pub fn find_detections(&mut self, sweep: &SweepOf<P>, context: &SweepContext) {
         self.waiting.give_until(sweep.end_stamp, &mut self.tracker);
         self.share_out(sweep, context);
         self.find_candidates(context);
@@ -129,7 +132,7 @@ impl PeoplePipeline {
 
     /// Takes the detections of the same sweep into the tracks; after [`Self::find_detections`].
     #[inline(never)]
-    pub fn track(&mut self, sweep: &Sweep, context: &SweepContext) {
+    pub fn track(&mut self, sweep: &SweepOf<P>, context: &SweepContext) {
         let sensor_in_base = context.sensor_in_base.on_floor();
         let odom_in_sensor = context.base_in_odom.compose(sensor_in_base).inverse();
         let visibility = &self.visibility;
@@ -140,7 +143,7 @@ impl PeoplePipeline {
 
     /// The tracks, as of the newest sweep or view.
     #[must_use]
-    pub fn tracks(&self) -> &[Track] {
+    pub fn tracks(&self) -> &[TrackOf<P>] {
         self.tracker.tracks()
     }
 
@@ -152,7 +155,7 @@ impl PeoplePipeline {
 
     /// The tracker, for its counters.
     #[must_use]
-    pub const fn tracker(&self) -> &Tracker {
+    pub const fn tracker(&self) -> &TrackerOf<P> {
         &self.tracker
     }
 
@@ -171,7 +174,7 @@ impl PeoplePipeline {
 
     /// The detections of the newest sweep, in the fixed frame.
     #[must_use]
-    pub fn detections(&self) -> &[Detection] {
+    pub fn detections(&self) -> &[DetectionOf<P>] {
         &self.detections
     }
 

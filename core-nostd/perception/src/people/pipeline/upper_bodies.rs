@@ -3,20 +3,20 @@
 use super::candidates::detection;
 use super::context::SweepContext;
 use super::find_clusters::in_counts;
-use super::state::PeoplePipeline;
+use super::state::PeoplePipelineOf;
 use crate::clusters::{Cluster, Obstacles, RingProfile, SweepFrame, rings_of};
-use floorguard_types::capacities::CLUSTERS_MAX;
-use floorguard_types::sensing::{Sweep, SweepColumn};
+use floorguard_types::profile::{Profile, Size};
+use floorguard_types::sensing::{SweepColumnOf, SweepOf};
 
 /// Above this height a desk, a trolley or a counter has ended and a torso has not, metres.
 const UPPER_BODY_M: f32 = 1.05;
 /// Farther away too few rings hit a torso alone, metres.
 const UPPER_BODY_RANGE_M: f32 = 8.0;
 
-impl PeoplePipeline {
+impl<P: Profile> PeoplePipelineOf<P> {
     /// People who touch a desk or a trolley are one cluster with it. What stands out above it is grouped once more,
     /// on its own, where a nearby cluster is too wide for a person.
-    pub(super) fn find_upper_bodies(&mut self, sweep: &Sweep, context: &SweepContext) {
+    pub(super) fn find_upper_bodies(&mut self, sweep: &SweepOf<P>, context: &SweepContext) {
         let too_wide = |cluster: &Cluster| {
             let [width_m, depth_m, height_m] = cluster.extent_m();
             let widest_m = width_m.max(depth_m);
@@ -30,7 +30,7 @@ impl PeoplePipeline {
         self.clusterer.clear(&self.cluster_limits);
         let frames = SweepFrame::new(sweep, &context.sensor_in_base, context.twist);
         let mut obstacles = Obstacles::default();
-        let mut profile = frames.still(&SweepColumn::UNKNOWN).profile(&self.angles);
+        let mut profile = frames.still(&SweepColumnOf::<P>::UNKNOWN).profile(&self.angles);
         for (index, column) in sweep.used_columns().iter().enumerate() {
             obstacles.present = 0;
             // What stands that high is an obstacle among the first clusters, too.
@@ -44,7 +44,7 @@ impl PeoplePipeline {
             self.clusterer.enter_column(&obstacles, &self.cluster_limits);
         }
         self.gather(sweep, &frames);
-        for index in 0..self.clusterer.clusters.len().min(CLUSTERS_MAX) {
+        for index in 0..self.clusterer.clusters.len().min(P::Clusters::N) {
             let Some(upper) = self.clusterer.clusters.get(index).copied() else { continue };
             if self.candidate_limits.admits_upper_body(&upper) {
                 let detection = detection(&upper, context);
@@ -60,8 +60,8 @@ impl PeoplePipeline {
 }
 
 /// What of the obstacles of a column stands out above desks.
-fn find_upper_obstacles(
-    (column, before): (&SweepColumn, u16),
+fn find_upper_obstacles<P: Profile>(
+    (column, before): (&SweepColumnOf<P>, u16),
     profile: &RingProfile,
     obstacles: &mut Obstacles,
 ) {

@@ -3,18 +3,26 @@
 mod re_identification;
 
 use super::*;
-use crate::tracking::{Appearance, SensorSet};
+use crate::tracking::{AppearanceOf, Detection, SensorSet};
+use floorguard_types::profile::Host;
+
+const TRACKS_MAX: usize = <Native as Profile>::Tracks::N;
+const TRACKS_ON_BOARD: usize = <Board as Profile>::Tracks::N;
 
 fn sighting(x_m: f32, y_m: f32) -> Detection {
+    sighting_of(x_m, y_m)
+}
+
+fn sighting_of<P: Profile>(x_m: f32, y_m: f32) -> DetectionOf<P> {
     let position = Point2::new(x_m, y_m);
-    Detection {
+    DetectionOf {
         position,
         distance_m: position.norm(),
         sigma_m: 0.1,
         likeness: 1.0,
         points: 50,
         moving: None,
-        appearance: Appearance::UNKNOWN,
+        appearance: AppearanceOf::UNKNOWN,
     }
 }
 
@@ -67,6 +75,38 @@ fn near_people_push_out_far_ones() {
     assert_eq!((tracker.tracks().len(), tracker.dropped), (TRACKS_MAX, 1));
     tracker.update(Stamp::from_micros(200_000), &[sighting(500.0, 0.0)], |_| true);
     assert_eq!((tracker.tracks().len(), tracker.dropped), (TRACKS_MAX, 2));
+}
+
+/// A crowd of more people than the board tracks, who come and go: what became of them after each sweep.
+fn crowded_lives<P: Profile>(parameters: TrackerParameters) -> std::vec::Vec<(u32, Point2, f32)> {
+    let mut random = floorguard_types::random::Pcg32::new(11, 7);
+    let mut tracker = std::boxed::Box::new(TrackerOf::<P>::new(parameters));
+    let mut lives = std::vec::Vec::new();
+    for sweep in 0..60_u64 {
+        let people: std::vec::Vec<_> = (0..70)
+            .filter_map(|person| {
+                let noise_m = random.uniform_between(-0.05, 0.05);
+                let is_there = random.uniform() < 0.8;
+                let turned = person as f32 * 0.9 + sweep as f32 * 0.02;
+                let (sin, cos) = libm::sincosf(turned);
+                let reach_m = 2.0 + 0.25 * person as f32;
+                is_there.then(|| sighting_of(reach_m * cos + noise_m, reach_m * sin))
+            })
+            .collect();
+        tracker.update(Stamp::from_micros(sweep * 100_000), &people, |_| true);
+        lives.extend(tracker.tracks().iter().map(|track| (track.id, track.state.position, track.belief)));
+        lives.push((tracker.dropped, Point2::default(), tracker.dropped_pairs() as f32));
+    }
+    lives
+}
+
+/// The board's own types, and a computer's with the board's limits, in one program: the same bits.
+#[test]
+fn board_and_limited_host_agree() {
+    let board = crowded_lives::<Board>(TrackerParameters::DEFAULT);
+    assert!(board.len() > 1_000 && board.last().is_some_and(|(dropped, ..)| *dropped > 100));
+    assert_eq!(board, crowded_lives::<Host>(TrackerParameters::AS_ON_BOARD));
+    assert_ne!(board, crowded_lives::<Host>(TrackerParameters::WITHOUT_APPEARANCE));
 }
 
 /// A computer that repeats what the microcontroller does has the same capacity, and drops the same people.

@@ -170,11 +170,10 @@ fn a_doubtful_track_does_not_take_in_strangers() {
 
 /// Two people stand 2 m apart, out of sight for a second; then one of them stands between, nearer to the place of the
 /// other: clothes tell who it is.
-#[cfg(feature = "hosted")]
 #[test]
 fn clothes_identify_who_comes_back() {
     let dressed = |y_m: f32, reflectivity: u8| {
-        let mut shades = crate::tracking::appearance::Shades::default();
+        let mut shades = crate::tracking::appearance::Shades::NEW;
         for _ in 0..40 {
             shades.add(0.4, Some(&reflectivity));
             shades.add(1.2, Some(&reflectivity));
