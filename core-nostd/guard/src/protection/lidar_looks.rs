@@ -20,7 +20,7 @@ pub(super) const SAME_OBSTACLE_M: f32 = 0.15;
 /// Of each packet one firing is taken, this many after the one of the packet before: so that all directions get their turn.
 const FIRING_STEP: usize = 7;
 /// Cells with something in them that one firing looks through.
-const LOOKED_THROUGH_MAX: u8 = 7;
+const LOOKED_THROUGH_MAX: u8 = 4;
 /// The lidar itself sees nothing nearer, metres in the plane.
 const NEAREST_M: f32 = 0.35;
 /// Cells along a ray.

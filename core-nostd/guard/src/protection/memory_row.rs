@@ -113,7 +113,13 @@ impl Row {
 
     pub(super) fn meet(&mut self, index: usize, (step, gap): (u8, u8)) {
         let run = if self.holds(index) { self.run(index) } else { Run::default() };
-        self.set_run(index, run.with(step, gap));
+        let grown = run.with(step, gap);
+        let [now, _] = self.lately;
+        // Most returns say again what this span has said already.
+        if grown == run && has_bit(now, index) {
+            return;
+        }
+        self.set_run(index, grown);
         let [now, before] = &mut self.lately;
         if has_bit(*before, index) {
             self.sum ^= folded(set_bit(&mut self.by_lidar, index, true));
