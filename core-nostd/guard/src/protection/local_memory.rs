@@ -2,14 +2,14 @@
 //! through the same place and height, or until it is out of reach. Time alone clears nothing (FG-REQ-028).
 //!
 //! A window of 4.5 m by 4.5 m in cells of 7 cm, fixed to the floor by the wheels; its middle lies 1.2 m ahead of the
-//! robot's origin. Each cell keeps two things apart: that the safety scanner met something in its plane, and a run of
+//! robot's origin. Each cell keeps two kinds apart: that the safety scanner met something in its plane, and a run of
 //! heights below the lidar in which the lidar did, in two spans of time. Of several runs the lowest one stays.
 
 use heapless::Vec;
 
 use super::collision::Body;
 use super::memory_row::{Row, Run, height_step};
-use super::scan_looks::ROW_STEP;
+use super::scan_evidence::ROW_STEP;
 use super::sweep::signed_distance_m;
 use floorguard_types::geometry::{Point2, Pose2, Twist2, wrap_angle};
 use floorguard_types::number::saturating_i32;
@@ -183,8 +183,9 @@ impl LocalMemory {
     }
 
     /// Visits every cell in which something stands: what the scanner met, and what the lidar met, unless it met a single height of
-    /// it and no cell beside it is kept. That is the edge of a person who went away: the rays that met it came from somewhere
-    /// else, and none of them passes at its height again. At most 4,096.
+    /// it and no cell beside it is kept. Such cells are mostly edges of people who went away: the rays that met them came from
+    /// somewhere else, and none of them passes at their height again. The end of a thin bar that points at the robot is one, too
+    /// (book, Guard: Memory). At most 4,096.
     pub fn for_each_obstacle(&self, visit: impl FnMut(Cell)) {
         let kept = |index: usize| self.rows.get(index % SIDE).map_or(0, Row::kept);
         // Rows and bits go round: at the border of the window a cell may count as one beside the opposite border.
@@ -239,7 +240,7 @@ impl LocalMemory {
         }
     }
 
-    /// Looks at the next part of the sums; `false` when something changed that nobody wrote.
+    /// Looks at the next part of the sums; `false` when something changed that was not written.
     pub fn check_next(&mut self) -> bool {
         let part = self.next % PARTS;
         self.next = part.wrapping_add(1);

@@ -115,7 +115,7 @@ impl Row {
         let run = if self.holds(index) { self.run(index) } else { Run::default() };
         let grown = run.with(step, gap);
         let [now, _] = self.lately;
-        // Most returns say again what this span has said already.
+        // Most returns repeat what this span holds already.
         if grown == run && has_bit(now, index) {
             return;
         }

@@ -284,7 +284,7 @@ fn fg_req_028_what_the_body_stands_on_is_forgotten() {
 }
 
 #[test]
-fn fg_req_028_lone_height_of_a_lone_cell_is_no_obstacle() {
+fn fg_req_028_lone_height_in_lone_cell_is_ignored() {
     let place = Cell::of(Point2::new(1.0, 0.3));
     let obstacles = |memory: &LocalMemory| {
         let mut cells = std::vec::Vec::new();

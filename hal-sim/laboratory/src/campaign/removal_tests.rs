@@ -157,6 +157,15 @@ fn memory_holds_what_sinks_out_of_sight() {
     }
 }
 
+/// A thin bar across the way is seen by many rays, one that points at the robot by one of a hundred: the manual says so.
+#[test]
+fn memory_holds_bars_across_not_ahead() {
+    for (world, touched) in [("bar-across-29", 0), ("bar-across-45", 0), ("bar-ahead-29", 1)] {
+        let whole = verdict(&plan(&case(world, Removal::MemoryRules)), None);
+        assert_eq!(whole.bodies.counts.while_moving(), touched, "{world}: {}", whole.contacts_in_words());
+    }
+}
+
 /// The trials that the campaign asks for, with its seed. Otherwise: every silent sensor in the first world.
 fn slice() -> (u64, std::ops::Range<u64>) {
     let number = |name: &str| std::env::var(name).ok().and_then(|text| text.parse::<u64>().ok());

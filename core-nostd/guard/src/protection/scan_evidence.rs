@@ -1,7 +1,7 @@
 //! What a scan of the safety scanner says to the memory: what it met in its plane, and what it looked through.
 
 use super::config::ScannerGeometry;
-use super::lidar_looks::{BEHIND_M, SAME_OBSTACLE_M};
+use super::lidar_evidence::{BEHIND_M, SAME_OBSTACLE_M};
 use super::local_memory::{Cell, LocalMemory};
 use super::scan_table::ScanTable;
 use floorguard_types::geometry::Point2;
