@@ -15,12 +15,6 @@ const BELOW_LIDAR_M: f32 = 0.05;
 const CLEARANCE_SHARE: f32 = 0.75;
 
 /// The rays of the lidar in the robot frame.
-///
-/// ```
-/// use floorguard_guard::LidarRays;
-///
-/// assert_eq!(LidarRays::NONE, LidarRays::NONE);
-/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct LidarRays {
     pub(crate) origin: Point3,
