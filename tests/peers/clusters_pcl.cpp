@@ -1,7 +1,6 @@
 // Times PCL's Euclidean clusters on points that the benchmark wrote: three 32-bit numbers a point, metres above the floor.
-// clusters_pcl FILE ROUNDS euclidean|adaptive|fec; prints nanoseconds of the fastest and of the median round, and the clusters.
-#include <algorithm>
-#include <chrono>
+// clusters_pcl FILE ROUNDS euclidean|adaptive|fec; prints what stopwatch.h says, and the clusters.
+#include "stopwatch.h"
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -66,19 +65,17 @@ int main(int count, char** arguments) {
     while (std::fread(xyz, sizeof(float), 3, file) == 3) cloud->push_back(pcl::PointXYZ(xyz[0], xyz[1], xyz[2]));
     std::fclose(file);
     const std::string kind = arguments[3];
-    std::vector<double> times;
+    Rounds rounds;
     std::size_t found = 0;
     for (int round = 0; round < std::atoi(arguments[2]); ++round) {
-        const auto start = std::chrono::steady_clock::now();
-        if (kind == "euclidean") found = euclidean(cloud, 0.3, 1);
-        else if (kind == "adaptive") found = adaptive(*cloud);
+        if (kind == "euclidean") rounds.time([&] { found = euclidean(cloud, 0.3, 1); });
+        else if (kind == "adaptive") rounds.time([&] { found = adaptive(*cloud); });
 #ifdef WITH_FEC
-        else if (kind == "fec") found = FEC(cloud, 1, 0.3, 50).size();
+        else if (kind == "fec") rounds.time([&] { found = FEC(cloud, 1, 0.3, 50).size(); });
 #endif
         else return 2;
-        const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - start;
-        times.push_back(took.count());
     }
-    std::sort(times.begin(), times.end());
-    std::printf("%.0f %.0f %zu\n", times.front(), times[times.size() / 2], found);
+    if (rounds.empty()) return 2;
+    rounds.print();
+    std::printf(" %zu\n", found);
 }

@@ -1,7 +1,7 @@
 // Times linefit_ground_segmentation on labelled frames: three 32-bit numbers a point, metres above the floor.
 // ground_linefit ROUNDS FILE.f32 LABELS.u8 …; prints nanoseconds of the fastest round and of the median one, precision, recall.
+#include "stopwatch.h"
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <vector>
@@ -23,7 +23,7 @@ int main(int count, char** arguments) {
     parameters.max_long_height = 0.1;
     parameters.max_start_height = 0.2;
     parameters.line_search_angle = 0.1;
-    std::vector<double> times;
+    Rounds rounds;
     double right = 0, claimed = 0, truth = 0;
     for (int index = 2; index + 1 < count; index += 2) {
         std::FILE* file = std::fopen(arguments[index], "rb");
@@ -35,10 +35,7 @@ int main(int count, char** arguments) {
         std::vector<int> floor;
         GroundSegmentation segmentation(parameters);
         for (int round = 0; round < std::atoi(arguments[1]); ++round) {
-            const auto start = std::chrono::steady_clock::now();
-            segmentation.segment(cloud, &floor);
-            const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - start;
-            times.push_back(took.count());
+            rounds.time([&] { segmentation.segment(cloud, &floor); });
         }
         for (int found : floor) {
             const bool is_floor = std::fgetc(labels) == 0;
@@ -49,7 +46,7 @@ int main(int count, char** arguments) {
         std::fclose(file);
         std::fclose(labels);
     }
-    if (times.empty()) return 2;
-    std::sort(times.begin(), times.end());
-    std::printf("%.0f %.0f %.3f %.3f\n", times.front(), times[times.size() / 2], right / std::max(claimed, 1.0), right / std::max(truth, 1.0));
+    if (rounds.empty()) return 2;
+    rounds.print();
+    std::printf(" %.3f %.3f\n", right / std::max(claimed, 1.0), right / std::max(truth, 1.0));
 }

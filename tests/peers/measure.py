@@ -35,31 +35,48 @@ class Absent(Exception):
 
 
 class Times(float):
-    """Nanoseconds of the median round, and of the fastest one: what the machine can do when nobody else is at it."""
+    """Nanoseconds of the median round, and of the fastest one: what the machine can do when nobody else is at it. The same by
+    what this process, with all its threads, computed meanwhile."""
 
-    fastest = None
-
-    def __new__(cls, times):
+    def __new__(cls, times, computed):
         self = super().__new__(cls, statistics.median(times))
         self.fastest = min(times)
+        self.computed = {"cpu_ns": statistics.median(computed), "fastest_cpu_ns": min(computed)}
         return self
+
+
+class Clock:
+    """Of one round."""
+
+    def __enter__(self):
+        self.cpu, self.wall = time.process_time_ns(), time.perf_counter_ns()
+        return self
+
+    def __exit__(self, *_):
+        self.wall = time.perf_counter_ns() - self.wall
+        self.cpu = time.process_time_ns() - self.cpu
+
+
+def times_of(clocks):
+    return Times([clock.wall for clock in clocks], [clock.cpu for clock in clocks])
 
 
 def tell(task, peer, package, version=None, **what):
     what["version"] = version or importlib.metadata.version(package)
     what["fastest_ns"] = getattr(what["ns"], "fastest", what["ns"])
+    what.update(getattr(what["ns"], "computed", {}))
     print(json.dumps({"task": task, "peer": peer, **what}), flush=True)
 
 
 def median_ns(work, rounds):
     """The first call warms up and does not count."""
     work()
-    times = []
+    clocks = []
     for _ in range(rounds):
-        start = time.perf_counter_ns()
-        work()
-        times.append(time.perf_counter_ns() - start)
-    return Times(times)
+        with Clock() as clock:
+            work()
+        clocks.append(clock)
+    return times_of(clocks)
 
 
 # A peer whose time grows exponentially is not waited for any longer.
@@ -100,9 +117,11 @@ def answers(program, *arguments):
     return list(map(float, done.stdout.strip().splitlines()[-1].split()))
 
 
-def timed(fastest, median):
-    times = Times([median])
+def timed(fastest, median, fastest_cpu, median_cpu):
+    """What a program in C++ says of its rounds (stopwatch.h)."""
+    times = Times([median], [median_cpu])
     times.fastest = fastest
+    times.computed["fastest_cpu_ns"] = fastest_cpu
     return times
 
 
@@ -118,12 +137,12 @@ def pcl_clusters(task, kind, peer, rounds):
     stem = "sweep" if task == "detector" else "things"
     for name, points in clouds(stem):
         path = os.path.join(FOLDER, f"{stem}-{name}.f32")
-        fastest, median, found = answers(program, path, rounds, kind)
+        *times, found = answers(program, path, rounds, kind)
         note = f"{found:.0f} clusters of {len(points)} points"
         if task == "detector":
             note += "; without features and classifier"
         aim = {"fec": 20, "adaptive": 150}.get(kind)
-        tell(task, peer, None, version="of today" if kind == "fec" else "1.13", input=name, ns=timed(fastest, median), note=note, aim=aim)
+        tell(task, peer, None, version="of today" if kind == "fec" else "1.13", input=name, ns=timed(*times), note=note, aim=aim)
 
 
 def detector_pcl():
@@ -148,9 +167,9 @@ def ground_linefit():
     frames = []
     for name, _ in clouds("labelled"):
         frames += [os.path.join(FOLDER, f"labelled-{name}.f32"), os.path.join(FOLDER, f"labelled-{name}.u8")]
-    fastest, median, precision, recall = answers(program, 20, *frames)
+    *times, precision, recall = answers(program, 20, *frames)
     note = f"precision {precision:.3f}, recall {recall:.3f}; one thread"
-    tell("ground", "linefit", None, version="of today", input="synthetic_vlp16", ns=timed(fastest, median), note=note, aim=50)
+    tell("ground", "linefit", None, version="of today", input="synthetic_vlp16", ns=timed(*times), note=note, aim=50)
 
 
 def bayes_program():
@@ -167,8 +186,10 @@ def bayes_program():
 def bayes(task, name, path, kind, steps, aim=None):
     program = bayes_program()
     association = "nn" if task == "tracker" else "nnjpda"
-    rounds = [answers(program, path, kind, association, steps)[0] for _ in range(5 if task == "tracker" else 2)]
-    tell(task, f"bayestracking {kind.upper()}", None, version="of today", input=name, ns=Times(rounds), aim=aim)
+    # The median step of each run: its fastest step says nothing of a whole one.
+    runs = [answers(program, path, kind, association, steps) for _ in range(5 if task == "tracker" else 2)]
+    times = Times([median for _, median, *_ in runs], [median_cpu for _, _, _, median_cpu, *_ in runs])
+    tell(task, f"bayestracking {kind.upper()}", None, version="of today", input=name, ns=times, aim=aim)
 
 
 def tracker_bayes():
@@ -231,7 +252,7 @@ def ground(peer, package, find, rounds):
         truths.append(truth)
     precision, recall = told(np.concatenate(floors), np.concatenate(truths))
     note = f"precision {precision:.3f}, recall {recall:.3f}"
-    tell("ground", peer, package, input="synthetic_vlp16", ns=statistics.median(times), note=note)
+    tell("ground", peer, package, input="synthetic_vlp16", ns=Times(times, [one.computed["cpu_ns"] for one in times]), note=note)
 
 
 def ground_open3d():
@@ -298,11 +319,11 @@ def per_step(targets, begin, follow, steps=None, passes=1):
     for _ in range(passes):
         times, state = [], begin()
         for step, (_, detections) in enumerate(everything):
-            start = time.perf_counter_ns()
-            state = follow(state, step, detections)
-            times.append(time.perf_counter_ns() - start)
-        medians.append(statistics.median(times[len(times) // 2 :]))
-    return Times(medians)
+            with Clock() as clock:
+                state = follow(state, step, detections)
+            times.append(clock)
+        medians.append(times_of(times[len(times) // 2 :]))
+    return Times(medians, [one.computed["cpu_ns"] for one in medians])
 
 
 def tracker_norfair():
@@ -460,9 +481,9 @@ def plane_pcl():
     for name, points, frame in depth_frames():
         path = os.path.join(FOLDER, f"{name}.xyz")
         points.astype("<f4").tofile(path)
-        fastest, median, *plane = answers(program, path, 9)
-        note = plane_note(plane[:3], plane[3], frame, "; points made before")
-        tell("plane", "PCL SACSegmentation", None, version="1.13", input=name, ns=timed(fastest, median), note=note, aim=8)
+        *times, a, b, c, d = answers(program, path, 9)
+        note = plane_note((a, b, c), d, frame, "; points made before")
+        tell("plane", "PCL SACSegmentation", None, version="1.13", input=name, ns=timed(*times), note=note, aim=8)
 
 
 def plane_numpy():
@@ -576,11 +597,10 @@ def tour_lkh():
     import elkai
 
     for name, distances, ours in tours():
-        start = time.perf_counter_ns()
-        order = elkai.DistanceMatrix(distances.tolist()).solve_tsp(runs=1 if len(distances) > 500 else 10)
-        ns = time.perf_counter_ns() - start
+        with Clock() as clock:
+            order = elkai.DistanceMatrix(distances.tolist()).solve_tsp(runs=1 if len(distances) > 500 else 10)
         length = int(sum(distances[a, b] for a, b in zip(order, order[1:])))
-        told_tour("LKH (elkai)", "elkai", name, ours, length, ns)
+        told_tour("LKH (elkai)", "elkai", name, ours, length, times_of([clock]))
 
 
 def tour_or_tools():
@@ -595,9 +615,9 @@ def tour_or_tools():
         parameters = pywrapcp.DefaultRoutingSearchParameters()
         parameters.local_search_metaheuristic = routing_enums_pb2.LocalSearchMetaheuristic.GUIDED_LOCAL_SEARCH
         parameters.time_limit.FromSeconds(10)
-        start = time.perf_counter_ns()
-        solution = routing.SolveWithParameters(parameters)
-        told_tour("OR-Tools, guided local search, 10 s", "ortools", name, ours, solution.ObjectiveValue(), time.perf_counter_ns() - start)
+        with Clock() as clock:
+            solution = routing.SolveWithParameters(parameters)
+        told_tour("OR-Tools, guided local search, 10 s", "ortools", name, ours, solution.ObjectiveValue(), times_of([clock]))
 
 
 MEASURES = [

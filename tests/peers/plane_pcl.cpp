@@ -1,7 +1,7 @@
 // Times PCL's plane segmentation on points that measure.py wrote: three 32-bit numbers a point.
 // Prints nanoseconds of the fastest and of the median round, the normal, and the distance.
+#include "stopwatch.h"
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <pcl/ModelCoefficients.h>
@@ -18,23 +18,23 @@ int main(int count, char** arguments) {
     float xyz[3];
     while (std::fread(xyz, sizeof(float), 3, file) == 3) cloud->push_back(pcl::PointXYZ(xyz[0], xyz[1], xyz[2]));
     std::fclose(file);
-    std::vector<double> times;
+    Rounds rounds;
     pcl::ModelCoefficients plane;
     for (int round = 0; round < std::atoi(arguments[2]); ++round) {
         pcl::PointIndices inliers;
-        auto start = std::chrono::steady_clock::now();
-        pcl::SACSegmentation<pcl::PointXYZ> segmentation;
-        segmentation.setOptimizeCoefficients(true);
-        segmentation.setModelType(pcl::SACMODEL_PLANE);
-        segmentation.setMethodType(pcl::SAC_RANSAC);
-        segmentation.setDistanceThreshold(0.02);
-        segmentation.setMaxIterations(100);
-        segmentation.setInputCloud(cloud);
-        segmentation.segment(inliers, plane);
-        std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - start;
-        times.push_back(took.count());
+        rounds.time([&] {
+            pcl::SACSegmentation<pcl::PointXYZ> segmentation;
+            segmentation.setOptimizeCoefficients(true);
+            segmentation.setModelType(pcl::SACMODEL_PLANE);
+            segmentation.setMethodType(pcl::SAC_RANSAC);
+            segmentation.setDistanceThreshold(0.02);
+            segmentation.setMaxIterations(100);
+            segmentation.setInputCloud(cloud);
+            segmentation.segment(inliers, plane);
+        });
         if (plane.values.size() != 4) return 1;
     }
-    std::sort(times.begin(), times.end());
-    std::printf("%.0f %.0f %.9g %.9g %.9g %.9g\n", times.front(), times[times.size() / 2], plane.values[0], plane.values[1], plane.values[2], plane.values[3]);
+    if (rounds.empty()) return 2;
+    rounds.print();
+    std::printf(" %.9g %.9g %.9g %.9g\n", plane.values[0], plane.values[1], plane.values[2], plane.values[3]);
 }

@@ -1,7 +1,7 @@
 // Times bayestracking on lines of step,kind,id,x,y: kind 1 is a detection.
 // tracker_bayes FILE ekf|ukf nn|nnjpda STEPS; prints nanoseconds of the median step of the second half, and the tracks at the end.
+#include "stopwatch.h"
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -47,23 +47,22 @@ static void run(const Steps& steps, association_t association) {
     CVModel motion(0.6, 0.6);
     CartesianModel observation(0.1, 0.1);
     FM::Vec place(2);
-    std::vector<double> times;
+    Rounds rounds;
     for (std::size_t step = 0; step < steps.size(); ++step) {
-        const auto start = std::chrono::steady_clock::now();
-        motion.update(0.1);
-        tracker.predict(motion);
-        for (const auto& seen : steps[step]) {
-            place[0] = seen.first;
-            place[1] = seen.second;
-            tracker.addObservation(place, 0.1 * (step + 1));
-        }
-        tracker.process(observation, association, 3, 0.15, 1.0);
-        const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - start;
-        times.push_back(took.count());
+        rounds.time([&] {
+            motion.update(0.1);
+            tracker.predict(motion);
+            for (const auto& seen : steps[step]) {
+                place[0] = seen.first;
+                place[1] = seen.second;
+                tracker.addObservation(place, 0.1 * (step + 1));
+            }
+            tracker.process(observation, association, 3, 0.15, 1.0);
+        });
     }
-    std::vector<double> half(times.begin() + times.size() / 2, times.end());
-    std::sort(half.begin(), half.end());
-    std::printf("%.0f %d\n", half[half.size() / 2], tracker.size());
+    rounds.leave_first_half_out();
+    rounds.print();
+    std::printf(" %d\n", tracker.size());
 }
 
 int main(int count, char** arguments) {

@@ -15,5 +15,6 @@ pub mod online;
 pub mod prediction;
 pub mod reproduce;
 pub mod rgbd;
+pub mod slam;
 pub mod wired;
 pub mod worst;

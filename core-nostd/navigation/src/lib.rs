@@ -23,12 +23,11 @@ extern crate std;
 
 pub mod costmap;
 pub mod explore;
-mod follow;
 pub mod global;
 pub mod local;
 pub mod path;
 mod path_search;
 pub mod prediction;
 
-pub use follow::{FollowConfig, Following, follow};
+pub use path::{FollowConfig, Following, follow};
 pub use path_search::{PathSearch, SEARCH_CELLS_MAX, STRAIGHT, SearchCell};

@@ -4,4 +4,5 @@
 extern crate floorguard_host;
 
 pub mod commands;
+pub mod mapping_commands;
 pub mod recordings;

@@ -2,10 +2,13 @@
 #![forbid(unsafe_code)]
 
 pub mod front_end;
+pub mod grid_map;
 pub mod input;
+pub mod localise;
 pub mod loops;
 pub mod mapper;
 pub mod metrics;
+pub mod output;
 pub mod pose_graph;
 pub mod refine;
 mod se2;

@@ -51,6 +51,12 @@ impl Se2 {
         self.inverse().compose(other)
     }
 
+    /// Each part of a small motion so many times.
+    #[must_use]
+    pub fn scaled(self, by: f64) -> Self {
+        Self::new(self.x_m * by, self.y_m * by, self.heading_rad * by)
+    }
+
     /// Distance of the origins, metres.
     #[must_use]
     pub fn distance(self, other: Self) -> f64 {

@@ -4,7 +4,9 @@
 extern crate floorguard_host;
 
 pub mod display;
+pub mod incident;
 pub mod panel;
 pub mod picture;
 pub mod report;
+pub mod surroundings;
 pub mod telemetry;

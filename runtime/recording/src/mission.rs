@@ -3,7 +3,7 @@
 use floorguard_types::geometry::Pose2;
 
 use super::messages::{Diagnostic, GridImage, Severity};
-use floorguard_robot::cleaner::{CellState, MissionProgress};
+use floorguard_robot::cleaner::{CellState, Doubt, MissionProgress};
 
 /// Name of the mission among the diagnostics.
 pub const MISSION: &str = "mission";
@@ -51,6 +51,14 @@ pub const fn remains(state: CellState) -> bool {
     matches!(state, CellState::Dirty | CellState::Active | CellState::Uncertain)
 }
 
+/// Why cells are not claimed: name of the count among the diagnostics, and the reason in plain words.
+pub const DOUBTS: [(&str, &str); 4] = [
+    ("doubt_not_visited_cells", Doubt::NotVisited.words()),
+    ("doubt_path_unsure_cells", Doubt::PathUnsure.words()),
+    ("doubt_obstructed_cells", Doubt::Obstructed.words()),
+    ("doubt_given_up_cells", Doubt::GivenUp.words()),
+];
+
 /// How far it is.
 pub fn diagnostic(progress: &MissionProgress) -> Diagnostic {
     let total = |units: &[f32]| units.iter().sum::<f32>();
@@ -69,10 +77,15 @@ pub fn diagnostic(progress: &MissionProgress) -> Diagnostic {
         ("detours", progress.detours.to_string()),
         ("position_deviation_m", format!("{:.3}", progress.position_deviation_m)),
     ];
+    let doubts = DOUBTS.iter().map(|(name, words)| {
+        let cells = progress.uncertain.iter().filter(|cell| cell.doubt.words() == *words).count();
+        (*name, cells.to_string())
+    });
+    let values = values.into_iter().chain(doubts);
     Diagnostic {
         severity: Severity::Good,
         name: MISSION.to_owned(),
         message: format!("{}, {:.0} % done", progress.phase.name(), progress.completion * 100.0),
-        values: values.into_iter().map(|(name, value)| (name.to_owned(), value)).collect(),
+        values: values.map(|(name, value)| (name.to_owned(), value)).collect(),
     }
 }

@@ -342,6 +342,11 @@ impl<W: Write + Seek> RunRecorder<W> {
         self.write(|out| out.digest(Stamp::from_micros(now_us), digest));
     }
 
+    /// Entries of the order of a run in real time.
+    pub fn order(&mut self, now_us: u64, entries: &[u8]) {
+        self.write(|out| out.order(Stamp::from_micros(now_us), entries));
+    }
+
     /// Rows of the lines that the recorder has missed, if any.
     pub fn lost(&mut self, now_us: u64, rows: u64) {
         if rows > 0 {

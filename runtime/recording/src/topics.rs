@@ -44,6 +44,8 @@ pub const SPEED_LIMIT: &str = "/guard/speed_limit";
 pub const STOPS: &str = "/guard/stops";
 /// Sources and counters.
 pub const DIAGNOSTICS: &str = "/diagnostics";
+/// The order of a run in real time: polls of the guard ring, what reached them and what was decided.
+pub const ORDER: &str = "/guard/order";
 /// The fingerprint of the outputs, now and then.
 pub const DIGEST: &str = "/floorguard/digest";
 
@@ -184,6 +186,14 @@ impl<W: Write + Seek> Recorder<W> {
     /// When the file cannot be written.
     pub fn measured(&mut self, at: Stamp, speed: Twist2) -> Result<(), RecordError> {
         self.message(MEASURED, &schemas::TWIST_STAMPED, at, &messages::twist(at, speed))
+    }
+
+    /// Entries of the order of a run in real time.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn order(&mut self, at: Stamp, entries: &[u8]) -> Result<(), RecordError> {
+        self.message(ORDER, &schemas::OCTETS, at, &messages::octets(entries))
     }
 
     /// The fingerprint of everything that the robot has put out up to this moment.

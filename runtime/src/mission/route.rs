@@ -76,9 +76,7 @@ impl RouteFollower {
             };
         }
         let curvature_per_m = 2.0 * in_robot.y_m / (distance_m * distance_m);
-        let turning_limit = self.limits.turn_radps / libm::fabsf(curvature_per_m).max(1.0e-3);
-        let linear_mps = self.limits.speed_mps.min(turning_limit);
-        Twist2 { linear_mps, angular_radps: linear_mps * curvature_per_m }
+        Twist2::on_arc(curvature_per_m, self.limits.speed_mps, self.limits.turn_radps)
     }
 
     /// Skips waypoints that are reached; at most one full round per call.

@@ -22,7 +22,10 @@ pub use buttons::BusWithButtons;
 pub use can::can_bus;
 pub use clean::{CleaningMission, MissionMoment, clean};
 pub use imu::imu_input;
-pub use inputs::{advice_input, command_input, operator_input};
+pub use inputs::{
+    GuardInput, advice_input, command_input, observed_advice_input, observed_command_input,
+    observed_operator_input, operator_input,
+};
 pub use lidar::lidar_input;
 pub use perception::{JudgeMotion, NoMotion, PerceptionState, perceive};
 pub use route::drive_route;

@@ -1,7 +1,6 @@
 //! Times of the floor camera's stages on the shared pictures of 640 × 480.
 
 use std::path::Path;
-use std::time::Instant;
 
 use floorguard_laboratory::evaluate::DirtTotals;
 use floorguard_perception::floor::dirt::PublishedDetector;
@@ -11,6 +10,7 @@ use floorguard_types::sensing::{ColorImage, DepthImage, PinholeCamera};
 use floorguard_types::time::Stamp;
 
 use super::peers::OurTime;
+use super::{Took, took};
 use crate::data::bench_input;
 use crate::dirt::view;
 use floorguard_sim::floor::FloorCamera;
@@ -26,9 +26,9 @@ pub struct FrameTime {
     /// What was measured.
     pub stage: &'static str,
     /// Median over the rounds.
-    pub median_ms: f64,
+    pub median: Took,
     /// The fastest round: what the machine can do when nobody else is at it.
-    pub fastest_ms: f64,
+    pub fastest: Took,
 }
 
 /// Measures floor, objects and dirt; an absent picture is left out, with a line.
@@ -49,15 +49,8 @@ pub fn run_floor() -> Vec<FrameTime> {
 }
 
 fn times(input: &'static str, stage: &'static str, mut once: impl FnMut(usize)) -> FrameTime {
-    let mut all: Vec<f64> = (0..ROUNDS)
-        .map(|round| {
-            let started = Instant::now();
-            once(round);
-            started.elapsed().as_secs_f64() * 1e3
-        })
-        .collect();
-    all.sort_by(f64::total_cmp);
-    FrameTime { input, stage, median_ms: all[ROUNDS / 2], fastest_ms: all[0] }
+    let all: Vec<Took> = (0..ROUNDS).map(|round| took(|| once(round))).collect();
+    FrameTime { input, stage, median: Took::median(&all), fastest: Took::fastest(&all) }
 }
 
 fn depth(input: &'static str, path: &Path) -> Option<FrameTime> {
@@ -84,8 +77,8 @@ pub(super) fn objects() -> Option<OurTime> {
     Some(OurTime {
         task: "floor",
         input: row.input.to_owned(),
-        ns: 1e6 * row.median_ms,
-        fastest_ns: 1e6 * row.fastest_ms,
+        median: row.median,
+        fastest: row.fastest,
         note,
     })
 }
@@ -107,9 +100,9 @@ pub(super) fn planes() -> anyhow::Result<Vec<OurTime>> {
             file.depth_mm[0] = round as u16 % 2;
             let stamp = Stamp::from_micros(33_333 * (round + 1));
             let image = DepthImage::new(stamp, (file.width, file.height), &file.depth_mm).ok();
-            super::nanoseconds(|| found = image.map(|image| model.update(&image, stamp).plane))
+            took(|| found = image.map(|image| model.update(&image, stamp).plane))
         });
-        let all: Vec<f64> = all.collect();
+        let all: Vec<Took> = all.collect();
         let Some(found) = found else { continue };
         // That file's normals point down.
         let component = |index: usize| -frame["normal"][index].as_f64().unwrap_or(0.0) as f32;
@@ -117,7 +110,7 @@ pub(super) fn planes() -> anyhow::Result<Vec<OurTime>> {
         let angle = found.tilt_from_rad(&exact).to_degrees();
         let off_mm = 1e3 * (f64::from(found.distance_m) - frame["h"].as_f64().unwrap_or(0.0)).abs();
         let note = format!("{angle:.3}°, {off_mm:.1} mm off; from the picture, with curvature");
-        times.push(OurTime::of("plane", input, all, note));
+        times.push(OurTime::of("plane", input, &all, note));
     }
     Ok(times)
 }
@@ -149,16 +142,16 @@ pub(super) fn dirt_blocks() -> anyhow::Result<Vec<OurTime>> {
         let mut totals = DirtTotals::default();
         totals.add(&answer, (&truth.marked, &judged), file.width);
         let once = || assert!(std::hint::black_box(detectors.watch(&image, &usable, None)).is_ok());
-        let all: Vec<f64> = std::iter::repeat_with(once_timed(once)).take(ROUNDS).collect();
+        let all: Vec<Took> = std::iter::repeat_with(once_timed(once)).take(ROUNDS).collect();
         let note = format!("block AUC {:.4}; our method, aim 6 ms", totals.figures().block_auc);
-        times.push(OurTime::of("dirt", input, all, note));
+        times.push(OurTime::of("dirt", input, &all, note));
     }
     Ok(times)
 }
 
 /// Times one call after another.
-fn once_timed(mut once: impl FnMut()) -> impl FnMut() -> f64 {
-    move || super::nanoseconds(&mut once)
+fn once_timed(mut once: impl FnMut()) -> impl FnMut() -> Took {
+    move || took(&mut once)
 }
 
 fn model_and_picture(path: &Path) -> Option<(Box<FloorModel>, DepthFile)> {

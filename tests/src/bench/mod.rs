@@ -11,16 +11,16 @@ mod peers;
 pub mod tours;
 mod tracking;
 
+pub use cpu::{Took, took};
 pub use floor::{FrameTime, run_floor};
 pub use guard::{DECISION_MAX_NS, DecisionTime, decisions};
 pub use lidar::{Measured, StageTime, run};
 pub use navigation::{NavigationTime, navigation};
 pub use peers::{OurTime, ours};
 
-fn nanoseconds(mut work: impl FnMut()) -> f64 {
-    let start = std::time::Instant::now();
-    work();
-    start.elapsed().as_nanos() as f64
+/// By the wall clock.
+fn nanoseconds(work: impl FnMut()) -> f64 {
+    took(work).wall_ns
 }
 
 /// NaN without any.

@@ -12,8 +12,8 @@ use floorguard_perception::people::{
 use floorguard_types::geometry::{Point3, Pose2, Transform3, Twist2};
 use floorguard_types::sensing::Sweep;
 
-use super::tracking::{crowd_pipeline_ns, crowd_steps, filter_ns, joint_step_ns, tracker_step_ns};
-use super::{median, nanoseconds};
+use super::tracking::{crowd_pipeline, crowd_steps, filter_time, joint_step, tracker_step};
+use super::{Took, took};
 use crate::data::{bench_input, recording};
 use crate::lidar_frames::{datagrams, packets, revolutions, sweep_of};
 
@@ -37,10 +37,10 @@ pub struct OurTime {
     pub task: &'static str,
     /// On what.
     pub input: String,
-    /// Nanoseconds, median of all rounds.
-    pub ns: f64,
+    /// Median of all rounds.
+    pub median: Took,
     /// The fastest round: what the machine can do when nobody else is at it.
-    pub fastest_ns: f64,
+    pub fastest: Took,
     /// What else was measured.
     pub note: String,
 }
@@ -74,15 +74,15 @@ pub fn ours(folder: &Path, task: Option<&str>) -> anyhow::Result<Vec<OurTime>> {
     }
     times.extend(associations(folder, wanted)?);
     if wanted("filter") {
-        let filters = passes(|| Ok(Some(filter_ns(100))))?.unwrap_or_default();
-        times.push(OurTime::of("filter", "100 targets".to_owned(), filters, String::new()));
+        let filters = passes(|| Ok(Some(filter_time(100))))?.unwrap_or_default();
+        times.push(OurTime::of("filter", "100 targets".to_owned(), &filters, String::new()));
     }
     if wanted("pipeline") {
-        let crowd = passes(|| crowd_pipeline_ns().map(Some))?.unwrap_or_default();
+        let crowd = passes(|| crowd_pipeline().map(Some))?.unwrap_or_default();
         times.push(OurTime::of(
             "pipeline",
             "30 people, one revolution".to_owned(),
-            crowd,
+            &crowd,
             "aim 1.0 ms".to_owned(),
         ));
     }
@@ -97,24 +97,29 @@ fn associations(folder: &Path, wanted: impl Fn(&str) -> bool) -> anyhow::Result<
     let mut times = Vec::new();
     if wanted("tracker") {
         for targets in [10, 50, 100] {
-            let steps = passes(|| tracker_step_ns(targets, Association::Nearest))?;
-            times.extend(
-                steps.map(|ns| OurTime::of("tracker", format!("{targets} targets"), ns, String::new())),
-            );
+            let steps = passes(|| tracker_step(targets, Association::Nearest))?;
+            times
+                .extend(steps.map(|steps| {
+                    OurTime::of("tracker", format!("{targets} targets"), &steps, String::new())
+                }));
         }
     }
     if wanted("joint") {
         for targets in [10, 50] {
-            let spread = passes(|| tracker_step_ns(targets, Association::Joint))?;
-            times.extend(
-                spread
-                    .map(|ns| OurTime::of("joint", format!("{targets} targets, spread"), ns, String::new())),
-            );
+            let spread = passes(|| tracker_step(targets, Association::Joint))?;
+            times.extend(spread.map(|steps| {
+                OurTime::of("joint", format!("{targets} targets, spread"), &steps, String::new())
+            }));
         }
         for targets in [10, 14, 16] {
-            let crowd = passes(|| Ok(Some(joint_step_ns(targets))))?.unwrap_or_default();
+            let crowd = passes(|| Ok(Some(joint_step(targets))))?.unwrap_or_default();
             let note = if targets == 16 { "aim 1 ms" } else { "" };
-            times.push(OurTime::of("joint", format!("{targets} targets in a crowd"), crowd, note.to_owned()));
+            times.push(OurTime::of(
+                "joint",
+                format!("{targets} targets in a crowd"),
+                &crowd,
+                note.to_owned(),
+            ));
         }
         write_crowds(folder)?;
     }
@@ -122,18 +127,18 @@ fn associations(folder: &Path, wanted: impl Fn(&str) -> bool) -> anyhow::Result<
 }
 
 /// The same several times: the machine is never quiet for long.
-fn passes(mut once: impl FnMut() -> anyhow::Result<Option<f64>>) -> anyhow::Result<Option<Vec<f64>>> {
+fn passes(mut once: impl FnMut() -> anyhow::Result<Option<Took>>) -> anyhow::Result<Option<Vec<Took>>> {
     (0..PASSES).map(|_| once()).collect()
 }
 
 impl OurTime {
-    pub(super) fn of(task: &'static str, input: String, times: Vec<f64>, note: String) -> Self {
-        let fastest_ns = times.iter().copied().fold(f64::INFINITY, f64::min);
-        Self { task, input, ns: median(times), fastest_ns, note }
+    pub(super) fn of(task: &'static str, input: String, times: &[Took], note: String) -> Self {
+        Self { task, input, median: Took::median(times), fastest: Took::fastest(times), note }
     }
 
-    pub(super) const fn reported(task: &'static str, input: String, ns: f64, note: String) -> Self {
-        Self { task, input, ns, fastest_ns: ns, note }
+    /// Measured once.
+    pub(super) const fn once(task: &'static str, input: String, took: Took, note: String) -> Self {
+        Self { task, input, median: took, fastest: took, note }
     }
 }
 
@@ -183,17 +188,17 @@ fn detector(folder: &Path, name: &str, sweep: &Sweep) -> anyhow::Result<OurTime>
     let context = context(height_m);
     let mut pipeline = Box::new(PeoplePipeline::new(angles));
     let round = |_| {
-        nanoseconds(|| {
+        took(|| {
             pipeline.find_clusters(black_box(sweep), &context);
             pipeline.find_detections(sweep, &context);
         })
     };
-    let times = (0..ROUNDS).map(round).collect();
+    let times: Vec<Took> = (0..ROUNDS).map(round).collect();
     let mut points = Vec::new();
     for_each_return(sweep, height_m, |_, _, point| points.push(point));
     write_points(&folder.join(format!("sweep-{name}.f32")), &points)?;
     let note = format!("{} returns; floor, clusters, shapes and classifier", points.len());
-    Ok(OurTime::of("detector", name.to_owned(), times, note))
+    Ok(OurTime::of("detector", name.to_owned(), &times, note))
 }
 
 fn height_of(name: &str, sweep: &Sweep, angles: &RingAngles) -> f32 {
@@ -211,8 +216,8 @@ fn clusters(folder: &Path, name: &str, sweep: &Sweep) -> anyhow::Result<OurTime>
     let mut pipeline = Box::new(PeoplePipeline::new(angles));
     let mut mask = Box::new(FloorMask::new());
     mask.find(sweep, &angles, &context.sensor_in_base);
-    let times =
-        (0..ROUNDS).map(|_| nanoseconds(|| pipeline.find_clusters(black_box(sweep), &context))).collect();
+    let times: Vec<Took> =
+        (0..ROUNDS).map(|_| took(|| pipeline.find_clusters(black_box(sweep), &context))).collect();
     let mut points = Vec::new();
     for_each_return(sweep, height_m, |column, ring, point| {
         if !mask.is_floor(column, ring) {
@@ -221,7 +226,7 @@ fn clusters(folder: &Path, name: &str, sweep: &Sweep) -> anyhow::Result<OurTime>
     });
     write_points(&folder.join(format!("things-{name}.f32")), &points)?;
     let note = format!("floor and clusters of {} returns", sweep_returns(sweep));
-    Ok(OurTime::of("clusters", name.to_owned(), times, note))
+    Ok(OurTime::of("clusters", name.to_owned(), &times, note))
 }
 
 /// Ours and the peers' input from the labelled frames.
@@ -236,7 +241,7 @@ fn ground(folder: &Path, capture: &Path) -> anyhow::Result<OurTime> {
         let frame_packets = packets.iter().skip(frame * PACKETS_PER_FRAME).take(PACKETS_PER_FRAME);
         let sweep = sweep_of(&frame_packets.cloned().collect::<Vec<_>>());
         for _ in 0..ROUNDS {
-            times.push(nanoseconds(|| mask.find(black_box(&sweep), &angles, &context.sensor_in_base)));
+            times.push(took(|| mask.find(black_box(&sweep), &angles, &context.sensor_in_base)));
         }
         let (mut points, mut kept) = (Vec::new(), Vec::new());
         for_each_return(&sweep, SYNTHETIC_HEIGHT_M, |column, ring, point| {
@@ -253,7 +258,7 @@ fn ground(folder: &Path, capture: &Path) -> anyhow::Result<OurTime> {
     }
     let share = |other: u32| f64::from(right) / f64::from((right + other).max(1));
     let note = format!("precision {:.3}, recall {:.3}", share(wrong), share(missed));
-    Ok(OurTime::of("ground", "synthetic_vlp16".to_owned(), times, note))
+    Ok(OurTime::of("ground", "synthetic_vlp16".to_owned(), &times, note))
 }
 
 /// Decision and probability of the published model.
@@ -274,14 +279,14 @@ fn vectors() -> anyhow::Result<Option<OurTime>> {
     }
     let svm = file.model();
     let round = |_| {
-        nanoseconds(|| {
+        took(|| {
             for row in &rows {
                 black_box(svm.judge(black_box(row)));
             }
         })
     };
-    let times = (0..ROUNDS).map(round).collect();
-    Ok(Some(OurTime::of("svm", format!("{} vectors", rows.len()), times, String::new())))
+    let times: Vec<Took> = (0..ROUNDS).map(round).collect();
+    Ok(Some(OurTime::of("svm", format!("{} vectors", rows.len()), &times, String::new())))
 }
 
 pub(super) fn context(height_m: f32) -> SweepContext {

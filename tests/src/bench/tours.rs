@@ -1,7 +1,7 @@
 //! Tours over cells of recorded buildings, for ours and for the peers: the same distances round the walls.
 
 use std::path::Path;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use floorguard_cleaning::{Distances, TourSolver};
 use floorguard_laboratory::mission::Robot;
@@ -9,7 +9,7 @@ use floorguard_navigation::{PathSearch, SearchCell};
 use floorguard_robot::site::{Floor, ros_map};
 use floorguard_types::random::Pcg32;
 
-use super::cpu::Stopwatch;
+use super::cpu::{Stopwatch, Took};
 use super::peers::OurTime;
 use crate::data::recording;
 
@@ -31,15 +31,15 @@ pub struct OurTour {
     pub input: String,
     /// Units of the path search.
     pub length: f64,
-    /// What it took, milliseconds.
-    pub ms: f64,
+    /// What it took.
+    pub took: Took,
 }
 
 impl From<OurTour> for OurTime {
     fn from(tour: OurTour) -> Self {
         let unit_mm = distances_unit_mm();
         let note = format!("closed tour of {:.0} units of {unit_mm:.1} mm", tour.length);
-        Self::reported("tour", tour.input, tour.ms * 1e6, note)
+        Self::once("tour", tour.input, tour.took, note)
     }
 }
 
@@ -85,14 +85,15 @@ pub fn tours(folder: &Path) -> anyhow::Result<Vec<OurTour>> {
         for (count, limit) in SIZES {
             let Some(distances) = matrix(&floor, count) else { continue };
             let mut solver = Box::new(TourSolver::<NODES>::new(Pcg32::new(1, 1)));
-            let begin = Stopwatch::begin();
+            let (started, begin) = (Instant::now(), Stopwatch::begin());
             solver
                 .start_closed(count, &distances)
                 .map_err(|error| anyhow::anyhow!("{name}, {count} cells: {error:?}"))?;
             while begin.elapsed() < limit {
                 solver.improve(50, &distances);
             }
-            let took = begin.elapsed();
+            let cpu_ns = begin.elapsed().as_nanos() as f64;
+            let took = Took { wall_ns: started.elapsed().as_nanos() as f64, cpu_ns };
             let order: Vec<u16> = solver.order().collect();
             let ends = order.iter().zip(order.iter().cycle().skip(1));
             let length: i64 = ends.map(|(&a, &b)| i64::from(distances.between(a, b))).sum();
@@ -100,7 +101,7 @@ pub fn tours(folder: &Path) -> anyhow::Result<Vec<OurTour>> {
             std::fs::write(folder.join(format!("tour-{name}_{count}.i32")), bytes)?;
             std::fs::write(folder.join(format!("tour-{name}_{count}.length")), length.to_string())?;
             let input = format!("{name}, {count} cells");
-            tours.push(OurTour { input, length: length as f64, ms: took.as_secs_f64() * 1e3 });
+            tours.push(OurTour { input, length: length as f64, took });
         }
     }
     Ok(tours)

@@ -15,7 +15,7 @@ use floorguard_types::sensing::Sweep;
 use floorguard_types::time::Stamp;
 
 use super::peers::{context, unpacked};
-use super::{median, nanoseconds};
+use super::{Took, took};
 use crate::crowds::CROWDS;
 use crate::data::bench_input;
 
@@ -37,15 +37,15 @@ fn detection(position: Point2) -> Detection {
 }
 
 /// Median of the second half, when everybody is followed.
-fn second_half(times: &[f64]) -> f64 {
-    median(times.iter().skip(times.len() / 2).copied().collect())
+fn second_half(times: &[Took]) -> Took {
+    Took::median(times.get(times.len() / 2..).unwrap_or_default())
 }
 
 /// One step of the tracker on a file of the benchmark inputs; `None` if that is absent.
 ///
 /// # Errors
 /// The file is no such file.
-pub fn tracker_step_ns(targets: u32, association: Association) -> anyhow::Result<Option<f64>> {
+pub fn tracker_step(targets: u32, association: Association) -> anyhow::Result<Option<Took>> {
     let Some(path) = bench_input(&format!("track/track_{targets:03}.csv.gz")) else { return Ok(None) };
     let mut steps: Vec<Vec<Detection>> = Vec::new();
     for line in String::from_utf8(unpacked(&path)?)?.lines().filter(|line| !line.starts_with('#')) {
@@ -58,11 +58,11 @@ pub fn tracker_step_ns(targets: u32, association: Association) -> anyhow::Result
         }
     }
     let mut tracker = Box::new(Tracker::new(TrackerParameters { association, ..TrackerParameters::DEFAULT }));
-    let step_ns = |(step, detections): (usize, &Vec<Detection>)| {
+    let step_time = |(step, detections): (usize, &Vec<Detection>)| {
         let stamp = Stamp::from_micros((step as u64 + 1) * STEP_US);
-        nanoseconds(|| tracker.update(stamp, black_box(detections), |_| true))
+        took(|| tracker.update(stamp, black_box(detections), |_| true))
     };
-    let times: Vec<f64> = steps.iter().enumerate().map(step_ns).collect();
+    let times: Vec<Took> = steps.iter().enumerate().map(step_time).collect();
     Ok(Some(second_half(&times)))
 }
 
@@ -80,39 +80,39 @@ pub fn crowd_steps(targets: u32) -> Vec<Vec<Point2>> {
 
 /// One step with joint probabilities; the targets stand 0.8 m apart and stagger, so that their gates overlap.
 #[must_use]
-pub fn joint_step_ns(targets: u32) -> f64 {
+pub fn joint_step(targets: u32) -> Took {
     let parameters = TrackerParameters { association: Association::Joint, ..TrackerParameters::DEFAULT };
     let mut tracker = Box::new(Tracker::new(parameters));
     let mut times = Vec::new();
     for (step, places) in crowd_steps(targets).into_iter().enumerate() {
         let detections: Vec<Detection> = places.into_iter().map(detection).collect();
         let stamp = Stamp::from_micros((step as u64 + 1) * STEP_US);
-        times.push(nanoseconds(|| tracker.update(stamp, black_box(&detections), |_| true)));
+        times.push(took(|| tracker.update(stamp, black_box(&detections), |_| true)));
     }
     second_half(&times)
 }
 
 /// Prediction and correction of so many filters.
 #[must_use]
-pub fn filter_ns(targets: usize) -> f64 {
+pub fn filter_time(targets: usize) -> Took {
     let begin = ConstantVelocity::new(Point2::default(), Point2::default(), 0.2, 1.0);
     let mut filters = vec![begin; targets];
     let round = |_| {
-        nanoseconds(|| {
+        took(|| {
             for filter in &mut filters {
                 filter.advance(0.1, 0.4);
                 filter.correct(black_box(Point2::new(0.1, 0.2)), SIGMA_M);
             }
         })
     };
-    median((0..100).map(round).collect())
+    Took::median(&(0..100).map(round).collect::<Vec<_>>())
 }
 
 /// Floor to tracks of one revolution among thirty people.
 ///
 /// # Errors
 /// None in practice: the crowd is built in.
-pub fn crowd_pipeline_ns() -> anyhow::Result<f64> {
+pub fn crowd_pipeline() -> anyhow::Result<Took> {
     let crowd = CROWDS.iter().find(|crowd| crowd.people == 30).context("a crowd of 30")?;
     let mut simulation = Simulation::new(&crowd.scenario(30)?, 30)?;
     let mut decoder = Decoder::new(ModelChoice::Fixed(Model::Vlp16));
@@ -126,11 +126,11 @@ pub fn crowd_pipeline_ns() -> anyhow::Result<f64> {
     });
     let context = context(simulation.parameters().lidar.z_m);
     let mut pipeline = Box::new(PeoplePipeline::new(RingAngles::vlp16()));
-    let mut sweep_ns = |sweep: &Sweep| {
-        nanoseconds(|| {
+    let mut sweep_time = |sweep: &Sweep| {
+        took(|| {
             black_box(pipeline.process(black_box(sweep), &context));
         })
     };
-    let times: Vec<f64> = sweeps.iter().map(|sweep| sweep_ns(sweep)).collect();
+    let times: Vec<Took> = sweeps.iter().map(|sweep| sweep_time(sweep)).collect();
     Ok(second_half(&times))
 }

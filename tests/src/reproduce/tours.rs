@@ -41,7 +41,8 @@ pub fn tours(folder: &Path) -> anyhow::Result<(String, bool)> {
     let mut holds = true;
     for tour in &ours {
         let length = tour.length;
-        let _infallible = writeln!(text, "{:28} ours {length:.0} units in {:.0} ms", tour.input, tour.ms);
+        let _infallible =
+            writeln!(text, "{:28} ours {length:.0} units in {:.0} ms", tour.input, 1e-6 * tour.took.cpu_ns);
         for peer in peers.iter().filter(|peer| peer.input == tour.input) {
             let (Some(theirs), Some(ns)) = (peer.length, peer.ns) else { continue };
             let excess_percent = 100.0 * (length / theirs - 1.0);

@@ -50,57 +50,33 @@ pub struct Report {
 impl Report {
     /// Reads a datagram; `None` if it is none.
     pub fn parse(bytes: &[u8]) -> Option<Self> {
-        let words: Vec<u32> =
-            bytes.as_chunks::<4>().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect();
-        let [
-            MAGIC,
-            now_low,
-            now_high,
-            lidar,
-            lost_frames,
-            scanner_bytes,
-            imu_bytes,
-            can_bytes,
-            scans,
-            people,
-            latest_us,
-            queue_lost,
-            state,
-            permitted,
-            can_sent,
-            refused,
-            overruns,
-            objection,
-            planned_ms,
-            late_at_ms,
-            late_bytes,
-            late_datagrams,
-            late_stretch_us,
-            ref crash_record @ ..,
-        ] = words.as_slice()[..]
-        else {
+        let mut words = bytes.as_chunks::<4>().0.iter().map(|bytes| u32::from_le_bytes(*bytes));
+        let mut next = || words.next();
+        if next()? != MAGIC {
             return None;
+        }
+        // In the order of the words.
+        let report = Self {
+            now_us: u64::from(next()?) | u64::from(next()?) << 32,
+            lidar: next()?,
+            lost_frames: next()?,
+            scanner_bytes: next()?,
+            imu_bytes: next()?,
+            can_bytes: next()?,
+            scans: next()?,
+            people: next()?,
+            latest_us: next()?,
+            queue_lost: next()?,
+            state: next()?,
+            permitted_um_s: next()? as i32,
+            can_sent: next()?,
+            refused: next()?,
+            overruns: next()?,
+            objection: next()?,
+            planned_ms: next()?,
+            latest_with: [next()?, next()?, next()?, next()?],
+            crash_record: [next()?, next()?, next()?, next()?],
         };
-        Some(Self {
-            now_us: u64::from(now_high) << 32 | u64::from(now_low),
-            lidar,
-            lost_frames,
-            scanner_bytes,
-            imu_bytes,
-            can_bytes,
-            scans,
-            people,
-            latest_us,
-            queue_lost,
-            state,
-            permitted_um_s: permitted as i32,
-            can_sent,
-            refused,
-            overruns,
-            objection,
-            planned_ms,
-            latest_with: [late_at_ms, late_bytes, late_datagrams, late_stretch_us],
-            crash_record: crash_record.try_into().ok()?,
-        })
+        words.next().is_none().then_some(report)
     }
 }

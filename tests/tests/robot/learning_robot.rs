@@ -7,7 +7,7 @@ use std::path::Path;
 
 use floorguard_configuration::EXAMPLE;
 use floorguard_laboratory::world::{Observation, Observer, Plan, run_recorded};
-use floorguard_operator::report::{document, read_history};
+use floorguard_operator::report::{Circumstances, document, read_history};
 use floorguard_operator::telemetry::RunSinks;
 use floorguard_perception::online_learning::Weights;
 use floorguard_recording::Recording;
@@ -124,7 +124,7 @@ fn equal_recordings_learn_equal_bits() {
     let file = std::fs::File::open(&path).expect("the recording is there");
     let history = read_history(&mut Recording::new(BufReader::new(file))).expect("it is whole");
     assert_eq!(history.learned, Some(learned.words()));
-    assert!(document(&history, "run").contains("Learned: "));
+    assert!(document(&history, &Circumstances::default()).contains("Learned: "));
     // A replay leaves the file of the robot alone.
     let kept = load_weights(&model, anchors_fingerprint(&shipped_anchors()));
     assert_eq!(kept.expect("it is whole").map(|kept| kept.generation), Some(1));

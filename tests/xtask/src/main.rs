@@ -11,6 +11,7 @@ mod book;
 mod check_recording;
 #[cfg(test)]
 mod citations;
+mod figures;
 mod firmware;
 mod image_size;
 mod machine;
@@ -56,6 +57,8 @@ enum Command {
     CheckRecording(check_recording::Options),
     /// Build the crates of the core and the drivers for every kind of processor that they are meant for.
     Targets(targets::Options),
+    /// Write the book's pages of measured figures from docs/evidence/figures; --check only compares.
+    Figures(figures::Options),
     /// Repeat published experiments, beside the published figures.
     Reproduce(reproduce::Options),
 }
@@ -88,6 +91,7 @@ fn run(command: Command) -> anyhow::Result<bool> {
         Command::Bench(options) => bench::run(&options),
         Command::CheckRecording(options) => check_recording::run(&options),
         Command::Targets(options) => targets::run(&options),
+        Command::Figures(options) => figures::run(&options),
         Command::Reproduce(options) => reproduce::run(&options),
     }
 }

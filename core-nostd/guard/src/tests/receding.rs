@@ -20,7 +20,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2_000))]
 
     #[test]
-    fn fg_req_034_straight_drive_touches_nobody_beside(
+    fn fg_req_034_straight_drive_passes_people_beside(
         linear_mps in -1.0_f32..1.0,
         (gap_to_edge_m, aside_m, is_left) in (0.3_f32..1.4, 0.41_f32..1.2, any::<bool>()),
         (sigma_m, drift_mps) in (0.0_f32..0.2, -0.1_f32..0.1),

@@ -8,6 +8,16 @@ use floorguard_types::motion::{Gear, Waypoint};
 
 use super::foot::{Foot, aim, foot};
 
+/// How a backwards piece is steered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Backing {
+    /// By pure pursuit of the mirrored robot: round bends, and back to the line.
+    #[default]
+    Pursuit,
+    /// Keeps to the headings of the waypoints: for straight pieces, on which the front is not to swing out.
+    Heading,
+}
+
 /// Limits and gains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FollowLimits {
@@ -29,6 +39,8 @@ pub struct FollowLimits {
     pub aimed_rad: f32,
     /// Farther off the path it is given up, metres.
     pub lost_m: f32,
+    /// How backwards pieces are steered.
+    pub backing: Backing,
 }
 
 impl FollowLimits {
@@ -43,11 +55,15 @@ impl FollowLimits {
         reached_m: 0.04,
         aimed_rad: 0.06,
         lost_m: 0.4,
+        backing: Backing::Pursuit,
     };
     /// The slowest that still gets there, m/s.
     const CREEP_MPS: f32 = 0.08;
     /// The slowest that still turns, rad/s.
     const CREEP_RADPS: f32 = 0.15;
+    /// Backwards by heading: turning rate per radian of error, 1/s, and the largest one, rad/s.
+    const BACK_GAIN_PER_S: f32 = 0.8;
+    const BACK_TURN_RADPS: f32 = 0.3;
 }
 
 /// What to do.
@@ -85,6 +101,12 @@ impl PathFollower {
     #[must_use]
     pub const fn next(&self) -> usize {
         self.first.saturating_add(self.leg)
+    }
+
+    /// Nothing of the path is left to drive.
+    #[must_use]
+    pub const fn is_over(&self, path: &[Waypoint]) -> bool {
+        self.first >= path.len()
     }
 
     fn begin(&mut self, path: &[Waypoint], first: usize) {
@@ -130,6 +152,11 @@ impl PathFollower {
         if at.off_m > limits.lost_m {
             return FollowState::Lost;
         }
+        if is_back && limits.backing == Backing::Heading {
+            let heading_rad =
+                path.get(self.next()).map_or(pose_in_map.heading_rad, |at| at.pose_in_map.heading_rad);
+            return FollowState::Drive(back_by_heading(pose_in_map, heading_rad, limits));
+        }
         let Some(target) = aim(piece, &at, limits.look_ahead_m) else { return FollowState::Arrived };
         let facing_rad = if is_back { core::f32::consts::PI } else { 0.0 };
         let mirrored = Pose2::new(pose_in_map.x_m, pose_in_map.y_m, pose_in_map.heading_rad + facing_rad);
@@ -146,13 +173,19 @@ fn towards(target_in_base: Point2, foot: &Foot, (top_mps, limits): (f32, &Follow
     if libm::fabsf(bearing_rad) > limits.turn_first_rad {
         return Twist2 { linear_mps: 0.0, angular_radps: libm::copysignf(limits.turn_radps, bearing_rad) };
     }
-    let squared_m2 = (target_in_base.norm() * target_in_base.norm()).max(0.01);
-    let curvature_per_m = 2.0 * target_in_base.y_m / squared_m2;
-    let bend_mps = limits.turn_radps / libm::fabsf(curvature_per_m).max(1.0e-3);
+    let Point2 { x_m, y_m } = target_in_base;
+    let curvature_per_m = 2.0 * y_m / (x_m * x_m + y_m * y_m).max(0.01);
     let easing_mps =
         libm::sqrtf(2.0 * limits.easing_mps2 * foot.left_m.max(0.0)).max(FollowLimits::CREEP_MPS);
-    let linear_mps = top_mps.min(bend_mps).min(easing_mps);
-    Twist2 { linear_mps, angular_radps: linear_mps * curvature_per_m }
+    Twist2::on_arc(curvature_per_m, top_mps.min(easing_mps), limits.turn_radps)
+}
+
+/// Straight back, and towards a heading.
+fn back_by_heading(pose_in_map: Pose2, heading_rad: f32, limits: &FollowLimits) -> Twist2 {
+    let limit_radps = FollowLimits::BACK_TURN_RADPS;
+    let error_rad = wrap_angle(heading_rad - pose_in_map.heading_rad);
+    let angular_radps = (FollowLimits::BACK_GAIN_PER_S * error_rad).clamp(-limit_radps, limit_radps);
+    Twist2 { linear_mps: -limits.reverse_mps, angular_radps }
 }
 
 fn spin(pose_in_map: Pose2, heading_rad: f32, limits: &FollowLimits) -> FollowState {
@@ -226,6 +259,20 @@ mod tests {
         let last = poses.last().unwrap();
         assert!(Point2::new(last.x_m, last.y_m).distance(Point2::new(-2.0, 2.0)) < 0.12, "{last:?}");
         assert!((last.heading_rad + FRAC_PI_2).abs() < 0.2, "{last:?}");
+    }
+
+    /// By heading the line is not sought again: what is beside it stays so.
+    #[test]
+    fn backing_by_heading_does_not_swing() {
+        let path = [at(0.0, 0.0, 0.0, Gear::Back), at(-2.0, 0.0, 0.0, Gear::Back)];
+        let limits = FollowLimits { backing: Backing::Heading, ..FollowLimits::DEFAULT };
+        let mut follower = PathFollower::new(&path);
+        let beside = follower.follow(&path, Pose2::new(-0.5, 0.2, 0.0), &limits);
+        assert_eq!(beside, FollowState::Drive(Twist2 { linear_mps: -0.2, angular_radps: 0.0 }));
+        let turned = follower.follow(&path, Pose2::new(-0.5, 0.0, 0.1), &limits);
+        let FollowState::Drive(twist) = turned else { panic!("{turned:?}") };
+        assert!((twist.angular_radps + 0.08).abs() < 1e-6, "{twist:?}");
+        assert!(!follower.is_over(&path) && PathFollower::new(&[]).is_over(&[]));
     }
 
     #[test]

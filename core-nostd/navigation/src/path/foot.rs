@@ -27,7 +27,8 @@ pub fn foot(path: &[Waypoint], place: Point2, leg_before: usize) -> Option<Foot>
         [a, b] => a.place_in_map().distance(b.place_in_map()),
         _ => 0.0,
     };
-    let mut left_m: f32 = path.windows(2).skip(leg_before).map(length_m).sum();
+    let mut left_m: f32 = path.windows(2).map(length_m).sum();
+    left_m = path.windows(2).take(leg_before).fold(left_m, |left_m, leg| left_m - length_m(leg));
     let mut best: Option<Foot> = None;
     for (leg, ends) in path.windows(2).enumerate().skip(leg_before).take(LEGS_AHEAD) {
         let [from, to] = ends else { continue };

@@ -1,7 +1,9 @@
-//! Following a path, for everybody: routes, cleaning tours and lattice paths.
+//! Following a path: lattice paths and cleaning tours by pure pursuit, single stretches by turning first.
 
 mod follower;
 mod foot;
+mod stretch;
 
-pub use follower::{FollowLimits, FollowState, PathFollower};
+pub use follower::{Backing, FollowLimits, FollowState, PathFollower};
 pub use foot::{Foot, aim, foot};
+pub use stretch::{FollowConfig, Following, follow};

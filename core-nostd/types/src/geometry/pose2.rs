@@ -123,6 +123,22 @@ impl Twist2 {
     /// Standing still.
     pub const ZERO: Self = Self { linear_mps: 0.0, angular_radps: 0.0 };
 
+    /// Forward on an arc of a curvature (1/m, left positive), at most at `speed_mps` ≥ 0 and so slowly that the robot turns no
+    /// faster than `turn_max_radps` ≥ 0: the command of pure pursuit, whose arc through a point (x, y) at the distance L has
+    /// the curvature 2·y/L² (Coulter 1992).
+    ///
+    /// ```
+    /// use floorguard_types::geometry::Twist2;
+    ///
+    /// assert_eq!(Twist2::on_arc(0.5, 1.0, 2.0), Twist2 { linear_mps: 1.0, angular_radps: 0.5 });
+    /// assert_eq!(Twist2::on_arc(-2.0, 1.0, 0.5), Twist2 { linear_mps: 0.25, angular_radps: -0.5 });
+    /// ```
+    #[must_use]
+    pub fn on_arc(curvature_per_m: f32, speed_mps: f32, turn_max_radps: f32) -> Self {
+        let linear_mps = speed_mps.min(turn_max_radps / libm::fabsf(curvature_per_m).max(1.0e-3));
+        Self { linear_mps, angular_radps: linear_mps * curvature_per_m }
+    }
+
     /// Both numbers are finite.
     #[must_use]
     pub fn is_finite(self) -> bool {

@@ -1,7 +1,8 @@
 //! A colour image as the camera delivers it: three bytes a pixel, sRGB.
 
 use super::frame_watch::fingerprint;
-use super::image_size::{ImageView, WrongImageSize};
+use super::image_size::WrongImageSize;
+use super::stamped_image::StampedImage;
 use crate::time::Stamp;
 
 /// A checked view of colour pixels, row by row from the top left. Invariant: `width × height` pixels, both ≥ 1.
@@ -13,11 +14,7 @@ use crate::time::Stamp;
 /// let image = ColorImage::new(Stamp::ZERO, (2, 1), &rgb).unwrap();
 /// assert_eq!(image.pixels(), [[255, 0, 0], [0, 0, 255]]);
 /// ```
-#[derive(Clone, Copy, Debug)]
-pub struct ColorImage<'a> {
-    stamp: Stamp,
-    view: ImageView<'a, [u8; 3]>,
-}
+pub type ColorImage<'a> = StampedImage<'a, [u8; 3]>;
 
 impl<'a> ColorImage<'a> {
     /// A view of `width × height` pixels of red, green, blue, taken at `stamp`.
@@ -26,37 +23,11 @@ impl<'a> ColorImage<'a> {
     /// The slice has another length, or a side is zero: the frame was cut or belongs to another camera mode. Drop it.
     pub fn new(stamp: Stamp, (width, height): (usize, usize), rgb: &'a [u8]) -> Result<Self, WrongImageSize> {
         let (pixels, rest) = rgb.as_chunks::<3>();
-        let view = ImageView::new((width, height), pixels).filter(|_| rest.is_empty());
-        view.map(|view| Self { stamp, view }).ok_or(WrongImageSize { width, height, values: rgb.len() })
-    }
-
-    /// When the image was taken.
-    #[must_use]
-    pub const fn stamp(&self) -> Stamp {
-        self.stamp
-    }
-
-    /// Columns, ≥ 1.
-    #[must_use]
-    pub const fn width(&self) -> usize {
-        self.view.width()
-    }
-
-    /// Rows, ≥ 1.
-    #[must_use]
-    pub fn height(&self) -> usize {
-        self.view.height()
-    }
-
-    /// All pixels, row by row.
-    #[must_use]
-    pub const fn pixels(&self) -> &'a [[u8; 3]] {
-        self.view.pixels()
-    }
-
-    /// The rows, from the top.
-    pub fn rows(&self) -> core::slice::ChunksExact<'a, [u8; 3]> {
-        self.view.rows()
+        let values = rgb.len();
+        if !rest.is_empty() {
+            return Err(WrongImageSize { width, height, values });
+        }
+        Self::of(stamp, (width, height), (pixels, values))
     }
 }
 

@@ -4,7 +4,8 @@
 //! fits. What did not come back is unknown, never far away and never floor.
 
 use super::frame_watch::fingerprint;
-use super::image_size::{ImageView, WrongImageSize};
+use super::image_size::WrongImageSize;
+use super::stamped_image::StampedImage;
 use crate::time::Stamp;
 
 /// A checked view of depth pixels, row by row from the top left. Invariant: `width × height` pixels, both ≥ 1.
@@ -19,53 +20,21 @@ use crate::time::Stamp;
 /// let error = DepthImage::new(Stamp::ZERO, (3, 2), &depth_mm[..4]).unwrap_err();
 /// assert_eq!(error.to_string(), "an image of 3 × 2 pixels came with 4 values");
 /// ```
-#[derive(Clone, Copy, Debug)]
-pub struct DepthImage<'a> {
-    stamp: Stamp,
-    view: ImageView<'a, u16>,
-}
+pub type DepthImage<'a> = StampedImage<'a, u16>;
 
 impl<'a> DepthImage<'a> {
     /// A view of `width × height` depths in millimetres along the optical axis, 0 for no return, taken at `stamp`.
     ///
     /// # Errors
     /// The slice has another length, or a side is zero: the frame was cut or belongs to another camera mode. Drop it.
-    pub fn new(
-        stamp: Stamp,
-        (width, height): (usize, usize),
-        depth_mm: &'a [u16],
-    ) -> Result<Self, WrongImageSize> {
-        let view = ImageView::new((width, height), depth_mm);
-        view.map(|view| Self { stamp, view }).ok_or(WrongImageSize { width, height, values: depth_mm.len() })
-    }
-
-    /// When the image was taken.
-    #[must_use]
-    pub const fn stamp(&self) -> Stamp {
-        self.stamp
-    }
-
-    /// Columns, ≥ 1.
-    #[must_use]
-    pub const fn width(&self) -> usize {
-        self.view.width()
-    }
-
-    /// Rows, ≥ 1.
-    #[must_use]
-    pub fn height(&self) -> usize {
-        self.view.height()
+    pub fn new(stamp: Stamp, size: (usize, usize), depth_mm: &'a [u16]) -> Result<Self, WrongImageSize> {
+        Self::of(stamp, size, (depth_mm, depth_mm.len()))
     }
 
     /// All depths, millimetres, row by row.
     #[must_use]
     pub const fn depth_mm(&self) -> &'a [u16] {
-        self.view.pixels()
-    }
-
-    /// The rows, from the top.
-    pub fn rows(&self) -> core::slice::ChunksExact<'a, u16> {
-        self.view.rows()
+        self.pixels()
     }
 
     /// How many pixels brought a depth back.

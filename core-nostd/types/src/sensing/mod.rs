@@ -10,6 +10,7 @@ mod lidar_packet;
 mod motion_samples;
 mod pinhole;
 mod scan;
+mod stamped_image;
 mod sweep;
 
 pub use color_image::ColorImage;
@@ -22,4 +23,5 @@ pub use lidar_packet::{LidarColumn, LidarColumnOf, LidarPacket, LidarPacketOf, R
 pub use motion_samples::{DriveFeedback, DriveState, ImuSample, WheelSample};
 pub use pinhole::PinholeCamera;
 pub use scan::{BeamReturn, Scan, ScanOf};
+pub use stamped_image::StampedImage;
 pub use sweep::{Sweep, SweepColumn, SweepColumnOf, SweepOf, SweepPose};

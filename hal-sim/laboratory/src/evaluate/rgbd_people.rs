@@ -9,7 +9,7 @@ use floorguard_perception::rgbd_people::{
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::sensing::{ColorImage, DepthImage, PinholeCamera};
 use floorguard_types::time::Stamp;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::floor::{camera, parameters};
 use super::rgbd_key::{KeyedPeople, read_key};
@@ -97,50 +97,19 @@ pub struct RgbdPersonReport {
     pub rectangle_px: [u16; 4],
 }
 
-/// What became of everything that was examined.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct RgbdAccount {
-    /// Pixels with a depth, of those that are examined.
-    pub returns: u32,
-    /// Regions on the floor.
-    pub regions: u32,
-    /// Regions too low or too high.
-    pub wrong_top: u32,
-    /// Regions too small in the picture.
-    pub out_of_view: u32,
-    /// Heads tried.
-    pub heads: u32,
-    /// Heads without enough depth.
-    pub unseen: u32,
-    /// Heads that do not fit.
-    pub no_silhouette: u32,
-    /// Second detections of one person.
-    pub suppressed: u32,
-    /// Objects in the band of the legs.
-    pub leg_parts: u32,
-    /// Of them shaped like a leg.
-    pub leg_candidates: u32,
-    /// Beyond the capacity.
-    pub dropped: u32,
-}
+/// What became of everything that was examined: each count under its name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RgbdAccount(pub RgbdCounters);
 
-impl From<RgbdCounters> for RgbdAccount {
-    fn from(counters: RgbdCounters) -> Self {
-        let RgbdCounters { returns, regions, wrong_top, out_of_view, heads, unseen, .. } = counters;
-        let RgbdCounters { no_silhouette, suppressed, leg_parts, leg_candidates, dropped, .. } = counters;
-        Self {
-            returns,
-            regions,
-            wrong_top,
-            out_of_view,
-            heads,
-            unseen,
-            no_silhouette,
-            suppressed,
-            leg_parts,
-            leg_candidates,
-            dropped,
-        }
+impl Serialize for RgbdAccount {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let RgbdCounters { returns, regions, wrong_top, out_of_view, heads, unseen, .. } = self.0;
+        let RgbdCounters { no_silhouette, suppressed, leg_parts, leg_candidates, dropped, .. } = self.0;
+        let first = [("returns", returns), ("regions", regions), ("wrong_top", wrong_top)];
+        let heads = [("out_of_view", out_of_view), ("heads", heads), ("unseen", unseen)];
+        let rest = [("no_silhouette", no_silhouette), ("suppressed", suppressed), ("leg_parts", leg_parts)];
+        let last = [("leg_candidates", leg_candidates), ("dropped", dropped)];
+        serializer.collect_map(first.into_iter().chain(heads).chain(rest).chain(last))
     }
 }
 
@@ -251,7 +220,7 @@ fn one(task: &RgbdTask, path: &Path, colour: Option<ColourFile>) -> anyhow::Resu
         camera_height_m: estimate.plane.distance_m,
         floor: if estimate.source == FloorSource::Measured { "measured" } else { "configured" },
         people: found.people.iter().map(RgbdPersonReport::from).collect(),
-        account: found.counters.into(),
+        account: RgbdAccount(found.counters),
     })
 }
 

@@ -6,8 +6,9 @@ use serde::Serialize;
 use floorguard_types::random::Pcg32;
 
 use super::config::{MissionConfig, Strategy};
+use super::outcome::TrialResult;
 use super::statistics::{mean, wilson95};
-use super::trial::{Interrupted, MissionStorage, TrialResult, run_keeping};
+use super::trial::{Interrupted, MissionStorage, run_keeping};
 use floorguard_host::executor::StopFlag;
 use floorguard_robot::site::DirtSource;
 use floorguard_robot::site::Floor;

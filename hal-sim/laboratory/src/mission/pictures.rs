@@ -7,7 +7,7 @@ use floorguard_types::geometry::Point2;
 use image::{Rgb, RgbImage};
 use plotters::prelude::*;
 
-use super::trial::TrialResult;
+use super::outcome::TrialResult;
 use floorguard_robot::site::Floor;
 
 /// Pixels along the edge of a cell.

@@ -1,6 +1,8 @@
 //! One mission from start to end, and what it came to.
 
-use floorguard_cleaning::{CleanRule, Verdict};
+mod judge;
+
+use floorguard_cleaning::CleanRule;
 use floorguard_mapping::poisson_tail;
 use floorguard_mapping::{DirtCell, Grid};
 use floorguard_types::geometry::{Point2, Twist2};
@@ -9,7 +11,8 @@ use floorguard_types::random::Pcg32;
 use super::config::{MissionConfig, Strategy};
 use super::faults::Faults;
 use super::memory::{Memory, about};
-use super::navigator::{NavigationRequest, Navigator, VISITS_MAX};
+use super::navigator::{NavigationRequest, Navigator};
+use super::outcome::TrialResult;
 use super::people::Crowd;
 use super::promise::Promise;
 use super::truth::Truth;
@@ -23,76 +26,6 @@ const PERIOD_S: f32 = 0.1;
 const MEMORY_S: f32 = 1.0;
 /// A mission that takes longer is broken off, s: a shift.
 const TIME_LIMIT_S: f32 = 8.0 * 3_600.0;
-
-/// What a mission came to.
-#[derive(Clone, Debug, Default)]
-pub struct TrialResult {
-    /// 99 % quantile of the dirt left over the cells that were dirty at the start (criterion b; book, Cleaning:
-    /// Published protocol).
-    pub quantile99: u32,
-    /// The same over all reachable cells (criterion a).
-    pub quantile99_all: u32,
-    /// Most dirt left in a reachable cell (criterion c).
-    pub max_left: u32,
-    /// The quantile over the dirty cells is at most τ.
-    pub success: bool,
-    /// Distance driven, metres.
-    pub distance_m: f32,
-    /// Simulated time, s.
-    pub time_s: f32,
-    /// Part of it spent waiting for people, s.
-    pub waited_s: f32,
-    /// Re-plannings that changed the path.
-    pub replannings: u32,
-    /// Cells that were dirty at the start and can be reached.
-    pub dirty_cells: u32,
-    /// Of those, claimed to be clean at the end.
-    pub claimed_cells: u32,
-    /// Of those, in truth dirtier than tolerated.
-    pub falsely_claimed_cells: u32,
-    /// Dirty at the start, in truth clean at the end.
-    pub truly_clean_cells: u32,
-    /// Of those, claimed.
-    pub truly_clean_claimed_cells: u32,
-    /// All reachable cells that are claimed, dirty at the start or not.
-    pub claimed_all_cells: u32,
-    /// Reachable cells that are not claimed because too many of the possible paths missed them.
-    pub uncertain_cells: u32,
-    /// Reachable cells that are not claimed because they were visited in vain too often, or no pass was found.
-    pub given_up_cells: u32,
-    /// Dirty cells that cannot be reached: not guaranteed.
-    pub unreachable_cells: u32,
-    /// The mission came to its end, and every cell that it answers for is claimed.
-    pub is_complete: bool,
-    /// Mean error of the most likely particle, metres.
-    pub mean_error_m: f32,
-    /// Time in s and error of the most likely particle in metres, at every update.
-    pub errors: Vec<(f32, f32)>,
-    /// Times that the pose was found wrong.
-    pub distrusts: u32,
-    /// Faults that happened.
-    pub faults: u32,
-    /// Contacts with people while moving.
-    pub avoidable_contacts: u32,
-    /// Obstacles that stopped the robot.
-    pub bumps: u32,
-    /// Visits of cells.
-    pub visits: u32,
-    /// Mean time of an update, s of the computer.
-    pub update_s: f64,
-    /// First planning and slowest re-planning, s of the computer.
-    pub planning_s: (f64, f64),
-    /// The status of every cell at the end.
-    pub verdicts: Vec<Option<Verdict>>,
-    /// What really lies there.
-    pub left: Vec<u32>,
-    /// Share of the reachable cells over whose middle the brush really passed.
-    pub covered_share: f32,
-    /// Where the robot really was.
-    pub path: Vec<Point2>,
-    /// Units picked up, and where the robot believed to be.
-    pub hits: Vec<(Point2, u32)>,
-}
 
 /// Runs one mission on dirt of which the robot knows what is to be expected. The seed decides everything but the times
 /// of the computer.
@@ -280,7 +213,7 @@ impl Mission<'_> {
     }
 
     fn remember(&mut self) -> Memory {
-        let visits = self.navigator.visits.iter().enumerate();
+        let visits = self.navigator.visits().iter().enumerate();
         Memory {
             about: self.about,
             time_s: self.truth.time_s,
@@ -370,79 +303,5 @@ impl Mission<'_> {
         let error = (best.x_m - pose.x_m).hypot(best.y_m - pose.y_m);
         self.result.errors.push((self.truth.time_s, error));
         self.result.path.push(Point2::new(pose.x_m, pose.y_m));
-    }
-
-    /// Compares the claims with the truth.
-    fn judge(mut self, dirty: &[bool]) -> TrialResult {
-        self.localiser.settle();
-        let rule = self.promise.rule(&self.localiser.map);
-        let mut result = self.result;
-        let tolerated = u32::from(self.config.tolerated_units);
-        let (mut left_dirty, mut left_all) = (Vec::new(), Vec::new());
-        for (cell, &was_dirty) in dirty.iter().enumerate() {
-            let left = self.truth.units(cell);
-            result.left.push(left);
-            if !self.floor.reachable[cell] {
-                result.unreachable_cells += u32::from(was_dirty);
-                result.verdicts.push(None);
-                continue;
-            }
-            let verdict = self.localiser.map.get(cell).map(|dirt| rule.verdict(dirt));
-            result.verdicts.push(verdict);
-            let (claimed, clean) = (verdict == Some(Verdict::Clean), left <= tolerated);
-            left_all.push(left);
-            result.claimed_all_cells += u32::from(claimed);
-            result.uncertain_cells += u32::from(verdict == Some(Verdict::Uncertain));
-            result.given_up_cells += u32::from(!claimed && self.navigator.visits[cell] >= VISITS_MAX);
-            if was_dirty {
-                left_dirty.push(left);
-                result.dirty_cells += 1;
-                result.claimed_cells += u32::from(claimed);
-                result.falsely_claimed_cells += u32::from(claimed && !clean);
-                result.truly_clean_cells += u32::from(clean);
-                result.truly_clean_claimed_cells += u32::from(clean && claimed);
-            }
-        }
-        let passed = self.truth.passed.iter().zip(&self.floor.reachable).filter(|&(&p, &r)| p && r).count();
-        result.covered_share = passed as f32 / left_all.len().max(1) as f32;
-        // Cells that were given up are no reason to call the floor complete.
-        result.is_complete &= result.claimed_all_cells as usize == left_all.len();
-        result.quantile99 = quantile99(&mut left_dirty);
-        result.quantile99_all = quantile99(&mut left_all);
-        result.max_left = left_all.last().copied().unwrap_or(0);
-        result.success = result.quantile99 <= tolerated;
-        result.is_complete &= self.config.strategy == Strategy::Guarantee;
-        result.distance_m = self.truth.distance_m;
-        result.time_s = self.truth.time_s;
-        result.replannings = self.navigator.replannings;
-        let updates = result.errors.len().max(1);
-        result.mean_error_m = result.errors.iter().map(|e| e.1).sum::<f32>() / updates as f32;
-        result.distrusts = self.localiser.distrusts;
-        result.visits = self.navigator.visits.iter().map(|&visits| u32::from(visits)).sum();
-        result.faults = self.faults.count;
-        result.avoidable_contacts = self.crowd.avoidable_contacts;
-        result.update_s = self.localiser.busy_s / f64::from(self.localiser.updates.max(1));
-        result.planning_s = (self.navigator.first_plan_s, self.navigator.slowest_replan_s);
-        result
-    }
-}
-
-/// The smallest value that at least 99 % of the values do not exceed; sorts them.
-fn quantile99(values: &mut [u32]) -> u32 {
-    values.sort_unstable();
-    let rank = (0.99 * values.len() as f64).ceil() as usize;
-    values.get(rank.saturating_sub(1)).copied().unwrap_or(0)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quantile_is_the_maximum_of_few_values() {
-        assert_eq!(quantile99(&mut [3, 9, 1]), 9);
-        let mut many: Vec<u32> = (1..=200).collect();
-        assert_eq!(quantile99(&mut many), 198);
-        assert_eq!(quantile99(&mut []), 0);
     }
 }

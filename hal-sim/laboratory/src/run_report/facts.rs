@@ -6,6 +6,7 @@ use super::summary::kinds;
 use crate::judge::{MissionReport, Outcome};
 use crate::world::{Observation, Plan};
 use floorguard_host::words::counted;
+use floorguard_operator::report::made_now;
 use floorguard_operator::report::style::{Tile, count_tile, escaped, tiles};
 
 /// Causes that held the robot back, the longest first, no more than this.
@@ -56,10 +57,9 @@ fn glance(observation: &Observation) -> Vec<Tile> {
 
 fn rows(plan: &Plan, observation: &Observation) -> Vec<(&'static str, String)> {
     let verdict = &observation.verdict;
-    let mut rows = vec![
-        ("run", format!("scenario {}, seed {}", verdict.scenario, verdict.seed)),
-        ("verdict", format!("{}: {}", verdict.verdict.words(), verdict.reason)),
-    ];
+    let mut rows = made_now(Some(&plan.robot_toml));
+    rows.push(("run", format!("scenario {}, seed {}", verdict.scenario, verdict.seed)));
+    rows.push(("verdict", format!("{}: {}", verdict.verdict.words(), verdict.reason)));
     if let Some(ready_s) = observation.ready_s {
         rows.push(("ready to move", format!("after {ready_s:.1} s")));
     }

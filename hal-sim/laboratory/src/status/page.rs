@@ -9,9 +9,10 @@ use serde_json::json;
 use super::account::{MissionStatus, ZoneStatus};
 use super::base64::base64;
 use super::raster::{LEGEND, Moment, png};
+use floorguard_operator::report::{made_now, style};
 
-const STYLE: &str = "*{box-sizing:border-box}body{font:18px/1.5 system-ui,sans-serif;margin:0 auto;max-width:80rem;\
-padding:1rem;color:#1c2733;background:#fff}h1{font-size:1.5rem;margin:.3rem 0}h2{font-size:1.2rem;margin:1.6rem 0 .4rem}\
+/// What this page has beside the style of all reports.
+const STYLE: &str = "*{box-sizing:border-box}\
 .verdict{padding:.8rem 1rem;border-radius:.5rem;font-size:1.1rem}.good{background:#dff2ea}.open{background:#fdf0cf}\
 .maps{display:grid;gap:1rem;grid-template-columns:repeat(auto-fit,minmax(20rem,1fr))}figure{margin:0}\
 figcaption{font-weight:600}svg{width:100%;height:auto;border:1px solid #c3cad2;image-rendering:pixelated}\
@@ -46,16 +47,21 @@ pub fn write_status(folder: &Path, status: &MissionStatus, strategy: &str) -> an
 }
 
 fn page(status: &MissionStatus, strategy: &str) -> anyhow::Result<String> {
-    let title = escaped(&status.floor.name);
+    let name = &status.floor.name;
     let total = &status.total;
     let is_open = total.dirty_after_m2 + total.uncertain_m2 + total.dirty_unreachable_m2 > 0.005;
-    let mut html = format!(
-        "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" \
-         content=\"width=device-width,initial-scale=1\"><title>Cleaning report: {title}</title><style>{STYLE}</style>\
-         <h1>Cleaning report: {title}</h1><p class=\"verdict {}\">{}</p>",
+    let mut html = style::head(&format!("Cleaning report: {name}"));
+    let _ = write!(
+        html,
+        "<style>{STYLE}</style><p class=\"verdict {}\">{}</p><dl class=facts>",
         if is_open { "open" } else { "good" },
         escaped(&status.sentence())
     );
+    let rows = made_now(None).into_iter().chain([("map", name.clone()), ("strategy", strategy.to_owned())]);
+    for (what, value) in rows {
+        let _ = write!(html, "<dt>{what}<dd>{}", escaped(&value));
+    }
+    html.push_str("</dl>");
     cards(&mut html, status);
     html.push_str("<div class=maps>");
     for (moment, caption) in

@@ -69,7 +69,7 @@ pub fn run_real_recorded(
     say!("  {}", take_priority(Ring::World));
     let ended = sinks.ended.clone();
     with_telemetry(sinks, &shared, |tap, notes| {
-        links.tap = tap;
+        links.tap = tap.inspect(|tap| tap.began(start));
         links.mission.clone_from(&mission);
         links.learning.clone_from(&plan.learning);
         let mut world = World {

@@ -220,6 +220,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
         scanner,
         imu: Some((imu, IMU_BAUD)),
         can: lines.can.clone(),
+        tap: None,
     };
     spawn_guard_ring(&mut tasks, &shared, &plan.robot, carriers);
     let guard_tasks = tasks.len();

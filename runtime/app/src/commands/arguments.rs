@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
 
+use crate::mapping_commands::{LocaliseArguments, MapArguments};
 use crate::recordings::{DecodeArguments, InspectArguments, ReplayArguments};
 
 /// On-robot software for a floor-cleaning robot among people: perceives, guards, records.
@@ -21,39 +22,74 @@ pub struct Arguments {
 pub enum Command {
     #[cfg(feature = "laboratory")]
     /// Three simulated minutes of a supermarket: live status, verdict, and a report with a picture.
+    #[command(after_help = "Example:\n  floorguard demo --report my-report")]
     Demo(super::DemoArguments),
     /// Run the robot on real devices.
+    #[command(
+        after_help = "Examples:\n  floorguard check robot.toml\n  floorguard run robot.toml --panel 127.0.0.1:8080 --record today.mcap --black-box stops"
+    )]
     Run(super::RunArguments),
     #[cfg(feature = "laboratory")]
     /// Drive the simulated robot through a scenario and judge it by ground truth.
+    #[command(
+        after_help = "Example:\n  floorguard simulate --scenario supermarket --seed 1 --duration 60 --emergency-stop 20..25"
+    )]
     Simulate(super::SimulateArguments),
     #[cfg(feature = "laboratory")]
     /// Many seeded runs on all cores: encounters with people, faults, worlds judged for contacts by true geometry.
+    #[command(after_help = "Example:\n  floorguard campaign encounters --trials 100 --seed 1")]
     Campaign(super::CampaignArguments),
     /// Feed a recording, a lidar capture, a ROS 2 bag or a laser log through the same stages as on the robot.
+    #[command(
+        after_help = "Examples:\n  floorguard replay run.mcap --check\n  floorguard replay puck.pcap.gz --json"
+    )]
     Replay(ReplayArguments),
     /// Write the report of a recording: one HTML file with map, stops, speeds, people and health.
+    #[command(
+        after_help = "Example:\n  floorguard report run.mcap --operator \"A. Smith\" --json run.json --cells run.csv"
+    )]
     Report(super::ReportArguments),
+    /// Say why the robot stopped: what each sensor saw, which rule decided, what would have happened otherwise.
+    #[command(after_help = "Example:\n  floorguard explain run.mcap --at 43.8 --out why.html")]
+    Explain(super::ExplainArguments),
     /// Read the log of a black box and make it a recording.
+    #[command(after_help = "Example:\n  floorguard blackbox stop-1.log --out stop-1.mcap")]
     Blackbox(super::BlackBoxArguments),
     /// Print every return of a lidar capture, or every sample of an inertial sensor's bytes.
+    #[command(after_help = "Example:\n  floorguard decode puck.pcap --csv > points.csv")]
     Decode(DecodeArguments),
     /// Say what is in a recording, what is wrong with it, and what can be done with it.
+    #[command(after_help = "Example:\n  floorguard inspect run.mcap")]
     Inspect(InspectArguments),
     #[cfg(feature = "laboratory")]
     /// Clean a map in simulation with a guarantee, and compare strategies.
+    #[command(
+        after_help = "Example:\n  floorguard mission --map hall.yaml --dirt random:5%:10-15 --report hall"
+    )]
     Mission(super::MissionArguments),
     /// Learn where and when people walk, from recorded tracks, into the environment model of a place.
+    #[command(
+        after_help = "Example:\n  floorguard learn tracks.csv --start 2026-04-06T08:00 --timezone Europe/Berlin"
+    )]
     Learn(super::LearnArguments),
     /// Ask the environment model: best time, best zone, wet or dry, where dirt, where people.
+    #[command(after_help = "Example:\n  floorguard ask best-time --zone aisle=0,0,12,3 --minutes 30")]
     Ask(super::AskArguments),
     #[cfg(feature = "laboratory")]
     /// Learn a classifier and write it as a table of the core.
+    #[command(
+        after_help = "Example:\n  floorguard train online --place hall --seconds 120 --model people.learned --out lesson"
+    )]
     Train(super::TrainArguments),
-    #[cfg(feature = "laboratory")]
+    /// Map a building: a drive's scans become a map, a trajectory and a pose graph.
+    Map(MapArguments),
+    /// Find a robot in a known map without a hint; "I do not know" is an answer.
+    Localise(LocaliseArguments),
     /// Compare a stage with recorded truth or with an independent key.
+    #[command(after_help = "Example:\n  floorguard eval tracks --truth truth.txt --result result.txt")]
     Eval(super::EvalArguments),
     /// Check a configuration: every mistake with line, limit and remedy.
+    #[command(after_help = "Example:\n  floorguard check robot.toml")]
     Check {
         /// The configuration.
         file: PathBuf,

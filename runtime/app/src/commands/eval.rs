@@ -1,13 +1,10 @@
-//! `floorguard eval`: a stage against a key, as a table or as JSON.
-
-use std::path::PathBuf;
+//! `floorguard eval`: a stage against a key.
 
 use clap::{Args, Subcommand};
-use floorguard_perception::motion::MotionParameters;
-use serde::Serialize;
 
-use super::VerdictFailed;
-use floorguard_laboratory::evaluate;
+#[cfg(feature = "laboratory")]
+use super::eval_stages::{self, RecordedStage};
+use crate::mapping_commands::{SlamArguments, eval_slam};
 
 /// What to evaluate.
 #[derive(Clone, Debug, Args)]
@@ -23,108 +20,12 @@ pub struct EvalArguments {
 /// A stage and its files.
 #[derive(Clone, Debug, Subcommand)]
 pub enum EvalStage {
-    /// Decision values of a libsvm model against what libsvm computed for the same rows.
-    Svm {
-        /// The model: C-SVC with a radial kernel, two classes.
-        #[arg(long)]
-        model: PathBuf,
-        /// Bounds of its features, as svm-scale writes them.
-        #[arg(long)]
-        range: PathBuf,
-        /// Label, decision value, probability of label 1, scaled features; .csv or .csv.gz.
-        #[arg(long)]
-        rows: PathBuf,
-    },
-    /// Which objects move, in a recording of a lidar that stands still, against a key of walking people.
-    Motion {
-        /// The capture: .pcap, .pcapng, either of them .gz; a lidar of 16 rings.
-        recording: PathBuf,
-        /// Who was where: rows of frame, time_s, track, x, y, named in the first line.
-        #[arg(long)]
-        key: PathBuf,
-    },
-    /// Legs in labelled scans: each recording tested with a committee that learnt from the others.
-    Legs {
-        /// Lines of source, scan, number of legs, legs `x:y;x:y`, ranges; the first line names the geometry.
-        #[arg(long)]
-        scans: PathBuf,
-        /// Test the table of this build instead of learning anew.
-        #[arg(long)]
-        table: bool,
-        /// Folder for the picture of precision over recall, `legs_precision_recall.svg`.
-        #[arg(long)]
-        out: Option<PathBuf>,
-    },
-    /// People claimed in a capture of a standing VLP-16 against a key of where people stood.
-    Clusters {
-        /// The capture; a list `NAME.frames.csv` beside it is used where there is one.
-        file: PathBuf,
-        /// Where people stood: columns `frame`, and `x`, `y` or `cx`, `cy`.
-        #[arg(long)]
-        key: PathBuf,
-    },
-    /// CLEAR-MOT figures of two files in the MOT15 format, rectangles paired from an overlap of one half.
-    Tracks {
-        /// What was there.
-        #[arg(long)]
-        truth: PathBuf,
-        /// The tracker's output.
-        #[arg(long)]
-        result: PathBuf,
-    },
-    /// Dirt in a folder of frames with masks: the published detector and ours.
-    Dirt {
-        /// NAME.png or .jpg with NAME_mask.png; NAME_floor.png and NAME_laser.png if there are.
-        folder: PathBuf,
-        /// A folder for pictures: truth, published, ours.
-        #[arg(long)]
-        out: Option<PathBuf>,
-    },
-    /// The floor of a depth picture: plane, mask and objects.
-    Floor {
-        /// Depth in millimetres, one channel of 16 bits.
-        #[arg(long)]
-        depth: PathBuf,
-        /// Focal lengths and principal point in pixels: fx,fy,cx,cy.
-        #[arg(long, value_parser = evaluate::parse_intrinsics)]
-        intrinsics: [f32; 4],
-        /// A mask of the floor to compare with.
-        #[arg(long)]
-        truth: Option<PathBuf>,
-        /// Height of the camera in metres, if known.
-        #[arg(long, requires = "pitch_deg")]
-        height_m: Option<f32>,
-        /// How far the camera looks down, in degrees, if known.
-        #[arg(long, requires = "height_m", allow_hyphen_values = true)]
-        pitch_deg: Option<f32>,
-        /// A folder for a picture: floor green, objects red, holes blue.
-        #[arg(long)]
-        out: Option<PathBuf>,
-    },
-    /// People in depth pictures: upper bodies by their silhouette, legs near the camera.
-    RgbdPeople {
-        /// Depth in millimetres, one channel of 16 bits; once or more often.
-        #[arg(long, required = true, num_args = 1..)]
-        depth: Vec<PathBuf>,
-        /// Colour pictures of the same size and view, one for each depth picture, in the same order.
-        #[arg(long, alias = "color", num_args = 1..)]
-        colour: Vec<PathBuf>,
-        /// Focal lengths and principal point in pixels: fx,fy,cx,cy.
-        #[arg(long, value_parser = evaluate::parse_intrinsics)]
-        intrinsics: [f32; 4],
-        /// Height of the camera in metres, if known.
-        #[arg(long, requires = "pitch_deg")]
-        height_m: Option<f32>,
-        /// How far the camera looks down, in degrees, if known.
-        #[arg(long, requires = "height_m", allow_hyphen_values = true)]
-        pitch_deg: Option<f32>,
-        /// Who stood where: columns `file`, `x`, `y`, metres ahead and to the left of the camera.
-        #[arg(long)]
-        key: Option<PathBuf>,
-        /// A folder for pictures: upper bodies yellow, both green, legs blue.
-        #[arg(long)]
-        out: Option<PathBuf>,
-    },
+    /// A trajectory against reference relations or a true trajectory.
+    Slam(SlamArguments),
+    /// A stage of the robot.
+    #[cfg(feature = "laboratory")]
+    #[command(flatten)]
+    Recorded(RecordedStage),
 }
 
 /// Runs the command.
@@ -133,65 +34,8 @@ pub enum EvalStage {
 /// Bad input, or a verdict that is not good enough.
 pub fn run(arguments: &EvalArguments) -> anyhow::Result<()> {
     match &arguments.stage {
-        EvalStage::Svm { model, range, rows } => {
-            let report = evaluate::svm(model, range, rows)?;
-            print(&report, arguments.json)?;
-            judge(report.passed(), "labels or decision values differ from the key")
-        }
-        EvalStage::Motion { recording, key } => {
-            let report = evaluate::motion(recording, key, MotionParameters::FIXED)?;
-            print(&report, arguments.json)
-        }
-        EvalStage::Legs { scans, table, out } => {
-            let report = evaluate::legs(scans, *table)?;
-            if let Some(folder) = out {
-                evaluate::draw_legs(folder, &report)?;
-            }
-            print(&report, arguments.json)
-        }
-        EvalStage::Clusters { file, key } => print(&evaluate::clusters(file, key)?, arguments.json),
-        EvalStage::Dirt { folder, out } => print(&evaluate::dirt(folder, out.as_deref())?, arguments.json),
-        EvalStage::Floor { depth, intrinsics, truth, height_m, pitch_deg, out } => {
-            let mounting = height_m.zip(*pitch_deg).map(|(height, pitch)| [height, pitch.to_radians()]);
-            let task = evaluate::FloorTask {
-                depth: depth.clone(),
-                intrinsics: *intrinsics,
-                truth: truth.clone(),
-                mounting,
-                out: out.clone(),
-            };
-            print(&evaluate::floor(&task)?, arguments.json)
-        }
-        EvalStage::RgbdPeople { depth, colour, intrinsics, height_m, pitch_deg, key, out } => {
-            let mounting = height_m.zip(*pitch_deg).map(|(height, pitch)| [height, pitch.to_radians()]);
-            let task = evaluate::RgbdTask {
-                depths: depth.clone(),
-                colours: colour.clone(),
-                intrinsics: *intrinsics,
-                mounting,
-                key: key.clone(),
-                out: out.clone(),
-            };
-            print(&evaluate::rgbd_people(&task)?, arguments.json)
-        }
-        EvalStage::Tracks { truth, result } => print(&evaluate::tracks(truth, result)?, arguments.json),
+        EvalStage::Slam(slam) => eval_slam(slam, arguments.json),
+        #[cfg(feature = "laboratory")]
+        EvalStage::Recorded(stage) => eval_stages::run(stage, arguments.json),
     }
-}
-
-/// Exit code 1 with a reason where a verdict is not good enough.
-fn judge(passed: bool, reason: &str) -> anyhow::Result<()> {
-    if passed { Ok(()) } else { Err(VerdictFailed(reason.to_owned()).into()) }
-}
-
-/// A report on standard output: one JSON object, or one line a figure.
-fn print(report: &impl Serialize, json: bool) -> anyhow::Result<()> {
-    let value = serde_json::to_value(report)?;
-    if json {
-        tell!("{value}")?;
-        return Ok(());
-    }
-    for (name, figure) in value.as_object().into_iter().flatten() {
-        tell!("{name:28} {figure}")?;
-    }
-    Ok(())
 }

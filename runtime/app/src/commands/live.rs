@@ -24,6 +24,7 @@ pub(super) fn status_of(
         stops,
         last_stop,
         held_by: status.decision.holding_cause.map(|record| record.to_string()),
+        mission: None,
         sources: sources.collect(),
     }
 }

@@ -5,13 +5,16 @@ mod ask;
 mod blackbox;
 #[cfg(feature = "laboratory")]
 mod campaign;
+#[cfg(feature = "laboratory")]
 mod campaign_contacts;
 mod check;
 #[cfg(feature = "laboratory")]
 mod demo;
-#[cfg(feature = "laboratory")]
 mod eval;
+#[cfg(feature = "laboratory")]
+mod eval_stages;
 mod exit;
+mod explain;
 #[cfg(feature = "laboratory")]
 mod heartbeat;
 mod interrupt;
@@ -39,9 +42,11 @@ pub use blackbox::BlackBoxArguments;
 pub use campaign::{CampaignArguments, CampaignKind};
 #[cfg(feature = "laboratory")]
 pub use demo::DemoArguments;
-#[cfg(feature = "laboratory")]
 pub use eval::{EvalArguments, EvalStage};
+#[cfg(feature = "laboratory")]
+pub use eval_stages::RecordedStage;
 pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
+pub use explain::ExplainArguments;
 pub use learn::{LearnArguments, PlaceArguments};
 #[cfg(feature = "laboratory")]
 pub use mission::MissionArguments;
@@ -53,7 +58,7 @@ pub use simulate::SimulateArguments;
 #[cfg(feature = "laboratory")]
 pub use train::{TrainArguments, TrainPeopleArguments, TrainWhat};
 
-use crate::recordings;
+use crate::{mapping_commands, recordings};
 
 /// Runs the command.
 ///
@@ -64,6 +69,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Replay(arguments)) => recordings::replay(&arguments),
         Some(Command::Blackbox(arguments)) => blackbox::run(&arguments),
         Some(Command::Report(arguments)) => report::run(&arguments),
+        Some(Command::Explain(arguments)) => explain::run(&arguments),
         Some(Command::Decode(arguments)) => recordings::decode(&arguments),
         Some(Command::Inspect(arguments)) => recordings::inspect(&arguments),
         #[cfg(feature = "laboratory")]
@@ -72,7 +78,8 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Ask(arguments)) => ask::run(&arguments),
         #[cfg(feature = "laboratory")]
         Some(Command::Train(arguments)) => train::run(&arguments),
-        #[cfg(feature = "laboratory")]
+        Some(Command::Map(arguments)) => mapping_commands::map(&arguments),
+        Some(Command::Localise(arguments)) => mapping_commands::localise(&arguments),
         Some(Command::Eval(arguments)) => eval::run(&arguments),
         Some(Command::Check { file }) => check::run(&file),
         #[cfg(feature = "laboratory")]

@@ -2,15 +2,19 @@
 
 use std::fs::File;
 use std::io::BufReader;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::time::UNIX_EPOCH;
 
 use clap::Args;
 
 use super::exit::BadInput;
 use floorguard_host::packing::unpacked;
 use floorguard_host::words::counted;
-use floorguard_operator::report::{document, read_history};
+use floorguard_mapping::environment::WallTime;
+use floorguard_operator::report::{Circumstances, History, cells, cells_csv, document, proof, read_history};
+use floorguard_operator::telemetry::RECORDED_AT;
 use floorguard_recording::Recording;
+use floorguard_robot::environment::Calendar;
 
 /// What to report.
 #[derive(Clone, Debug, Args)]
@@ -20,6 +24,18 @@ pub struct ReportArguments {
     /// Where to write the page; without it, beside the recording.
     #[arg(long, value_name = "FILE.html")]
     pub out: Option<PathBuf>,
+    /// Name of the robot, as its owner calls it.
+    #[arg(long, value_name = "NAME")]
+    pub robot: Option<String>,
+    /// Who operated it.
+    #[arg(long, value_name = "NAME")]
+    pub operator: Option<String>,
+    /// Also write the report for other programs; its schema: `docs/report.schema.json`.
+    #[arg(long, value_name = "FILE.json")]
+    pub json: Option<PathBuf>,
+    /// Also write each cell of a mission's floor: place, what is claimed, dirt before and after.
+    #[arg(long, value_name = "FILE.csv")]
+    pub cells: Option<PathBuf>,
 }
 
 /// Runs the command.
@@ -37,12 +53,39 @@ pub fn run(arguments: &ReportArguments) -> anyhow::Result<()> {
     }
     let title = arguments.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let out = arguments.out.clone().unwrap_or_else(|| arguments.file.with_extension("html"));
-    std::fs::write(&out, document(&history, &title))
-        .map_err(|error| BadInput(format!("{}: cannot be written ({error})", out.display())))?;
+    let circumstances = Circumstances {
+        date: date(&history, &arguments.file),
+        recording: title,
+        robot: arguments.robot.clone(),
+        operator: arguments.operator.clone(),
+    };
+    write(&out, &document(&history, &circumstances))?;
+    if let Some(path) = &arguments.json {
+        write(path, &serde_json::to_string_pretty(&proof(&history, &circumstances))?)?;
+    }
+    if let Some(path) = &arguments.cells {
+        write(path, &cells_csv(&cells(&history)))?;
+    }
     let stops = counted(history.stops.len() as u64, "stop");
     say!("report: {} ({stops}, {:.0} s)", out.display(), history.duration_s);
     match &history.ended {
         Some(ended) => Err(bad(&format_args!("{ended}; the report shows everything before")).into()),
         None => Ok(()),
     }
+}
+
+fn write(path: &Path, text: &str) -> anyhow::Result<()> {
+    std::fs::write(path, text)
+        .map_err(|error| BadInput(format!("{}: cannot be written ({error})", path.display())).into())
+}
+
+/// When a run in real time began; a simulated one does not say: then, when its file was written.
+fn date(history: &History, file: &Path) -> String {
+    let written = || {
+        let modified = file.metadata().ok()?.modified().ok()?;
+        let since = modified.duration_since(UNIX_EPOCH).ok()?;
+        let at = WallTime::from_micros(i64::try_from(since.as_micros()).ok()?);
+        Some(Calendar::of_this_computer().iso(at))
+    };
+    history.texts.get(RECORDED_AT).cloned().or_else(written).unwrap_or_default()
 }

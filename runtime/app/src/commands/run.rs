@@ -69,7 +69,8 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     let source =
         configuration.carriers.camera.as_ref().map(|camera| open_source(camera, folder)).transpose()?;
     let mut links = Links::bind(&configuration.carriers).map_err(|error| BadInput(error.to_string()))?;
-    let shared: Box<HostedShared> = new_shared(&configuration.robot, clock::now())
+    let began = clock::now();
+    let shared: Box<HostedShared> = new_shared(&configuration.robot, began)
         .map_err(|error| BadInput(format!("{}: {error}", arguments.file.display())))?;
     let flag = StopFlag::default();
     end_at_ctrl_c(&flag, "the robot is brought to a stand")?;
@@ -97,7 +98,7 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     links.learning = learning;
     links.latches = Some(latches_of(&arguments.file));
     with_telemetry(&mut sinks, &shared, |tap, notes| {
-        links.tap = tap;
+        links.tap = tap.inspect(|tap| tap.began(began));
         let inbox = links.people.clone();
         run_rings((&configuration.robot, links), &shared, &flag, || {
             let typed = typed_lines();

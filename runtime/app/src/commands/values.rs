@@ -3,12 +3,14 @@
 use std::net::{SocketAddr, ToSocketAddrs as _};
 
 /// The longest simulated run, seconds: a day.
+#[cfg(any(test, feature = "laboratory"))]
 const DAY_S: f64 = 86_400.0;
 
 /// Seconds of a simulated run: more than 0, up to a day.
 ///
 /// # Errors
 /// Anything else, in words.
+#[cfg(any(test, feature = "laboratory"))]
 pub(super) fn simulated_seconds(text: &str) -> Result<f64, String> {
     let in_a_day = text.parse::<f64>().ok().filter(|seconds| *seconds > 0.0 && *seconds <= DAY_S);
     in_a_day.ok_or_else(|| "give seconds, more than 0 and up to 86400 (a day)".to_owned())
@@ -21,6 +23,15 @@ pub(super) fn simulated_seconds(text: &str) -> Result<f64, String> {
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
     let some = text.parse::<f64>().ok().filter(|seconds| *seconds > 0.0 && seconds.is_finite());
     some.ok_or_else(|| "give seconds, more than 0".to_owned())
+}
+
+/// A moment of a recording, seconds of the robot's clock: not before 0.
+///
+/// # Errors
+/// Anything else, in words.
+pub(super) fn moment_s(text: &str) -> Result<f64, String> {
+    let some = text.parse::<f64>().ok().filter(|seconds| *seconds >= 0.0 && *seconds < 1.0e9);
+    some.ok_or_else(|| "give seconds of the robot's clock, not before 0".to_owned())
 }
 
 /// Where a panel listens: `127.0.0.1:8080`, `[::1]:8080`, or a name of this computer as `localhost:8080`.

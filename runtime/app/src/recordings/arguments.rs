@@ -38,6 +38,10 @@ pub struct ReplayArguments {
     /// As fast as it was recorded instead of as fast as possible.
     #[arg(long)]
     pub realtime: bool,
+    /// Of a recording of floorguard: also end with code 1 when there was nothing to compare today's code with, or only a
+    /// part of the run.
+    #[arg(long)]
+    pub check: bool,
 }
 
 /// Lidar models by name.

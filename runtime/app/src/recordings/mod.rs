@@ -4,10 +4,13 @@ mod arguments;
 mod decode;
 mod decode_can;
 mod decode_inertial;
+mod frame_tree;
 mod inspect;
 mod replay;
 
 pub use arguments::{DecodeArguments, ModelArgument, ReplayArguments};
 pub use decode::{decode_to, run as decode};
+pub(crate) use frame_tree::{FrameTree, flat, is_base};
 pub use inspect::{InspectArguments, run as inspect};
 pub use replay::run as replay;
+pub(crate) use replay::{MCAP_MAGIC, is_capture, is_log, not_for_us};

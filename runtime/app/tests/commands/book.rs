@@ -230,3 +230,26 @@ fn the_tutorials_do_what_they_say() {
     }
     assert!(done >= 5, "{done}");
 }
+
+/// Each command's help ends with something that can be typed.
+#[test]
+fn each_help_has_an_example_that_parses() {
+    for command in Arguments::command().get_subcommands() {
+        let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+        let examples: Vec<&str> =
+            help.lines().skip(1).map(str::trim).filter(|line| !line.is_empty()).collect();
+        assert!(help.starts_with("Example") && !examples.is_empty(), "{}", command.get_name());
+        for example in examples {
+            let typed = example.split(" > ").next().unwrap_or_default();
+            // Words in quotes are one.
+            let words = typed.split('"').enumerate().flat_map(|(index, part)| match index % 2 {
+                0 => part.split_whitespace().map(str::to_owned).collect::<Vec<_>>(),
+                _ => vec![part.to_owned()],
+            });
+            let words: Vec<String> = words.collect();
+            assert_eq!(words.get(1).map(String::as_str), Some(command.get_name()));
+            let parsed = Arguments::try_parse_from(&words);
+            assert!(parsed.is_ok(), "{example}: {:?}", parsed.err().map(|error| error.to_string()));
+        }
+    }
+}

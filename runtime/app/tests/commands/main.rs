@@ -11,5 +11,6 @@ mod phone_browser;
 mod replay_command;
 mod report_command;
 mod seen_support;
+mod slam_commands;
 mod status_report;
 mod terminal;

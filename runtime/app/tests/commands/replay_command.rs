@@ -59,6 +59,55 @@ fn a_recorded_run_gives_the_recorded_digest() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("is cut"), "{output:?}");
 }
 
+/// Threads are not scheduled the same way twice, so the recording keeps their order: what was decided comes back to the bit,
+/// and bytes that were exchanged are found.
+#[test]
+fn real_time_run_is_repeated_to_the_bit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (file, other) = (folder.path().join("run.mcap"), folder.path().join("other.mcap"));
+    let arguments =
+        ["simulate", "--scenario", "crossing", "--seed", "3", "--duration", "6", "--real-io", "--record"];
+    let stop = ["--emergency-stop", "4..5"];
+    let simulated = floorguard(&[arguments.as_slice(), &[text(&file)], &stop].concat());
+    assert!(matches!(simulated.status.code(), Some(0 | 1)), "{simulated:?}");
+    let checked = floorguard(&["replay", "--check", text(&file)]);
+    let stderr = String::from_utf8_lossy(&checked.stderr).into_owned();
+    assert_eq!(checked.status.code(), Some(0), "{stderr}");
+    assert!(stderr.contains("as recorded, to the bit") && stderr.contains("torque off"), "{stderr}");
+    // The same run with other frames on the bus: encoders, drive and safety image are all zeros.
+    exchange(&file, &other, |message| {
+        let inputs = message.topic.as_ref() == RawStream::CanReceived.topic();
+        inputs && octets_of(&message.data).is_some_and(|bytes| bytes[1] == 1 && bytes.len() > 4)
+    });
+    let found = floorguard(&["replay", "--check", text(&other)]);
+    let stderr = String::from_utf8_lossy(&found.stderr).into_owned();
+    assert_eq!(found.status.code(), Some(1), "{stderr}");
+    assert!(stderr.contains("first difference") && stderr.contains("today:"), "{stderr}");
+}
+
+/// Copies a recording; the bytes of some messages become zeros behind the identifier.
+fn exchange(from: &Path, to: &Path, chosen: impl Fn(&floorguard_recording::Recorded) -> bool) {
+    let mut recording = Recording::new(std::fs::File::open(from).expect("the recording"));
+    let messages: Vec<_> = recording.by_ref().map(|message| message.expect("whole")).collect();
+    let mut recorder = Recorder::new(std::fs::File::create(to).expect("a file")).expect("written");
+    let texts = recording.metadata(RUN_METADATA).expect("about the run").clone();
+    recorder.metadata(RUN_METADATA, texts).expect("written");
+    for message in messages {
+        let Some(bytes) = octets_of(&message.data) else { continue };
+        let times = Times { logged: message.at, published: message.published };
+        let mut bytes = bytes.to_vec();
+        if chosen(&message) {
+            bytes.iter_mut().skip(2).for_each(|byte| *byte = 0);
+        }
+        match RawStream::of_topic(&message.topic) {
+            Some(stream) => recorder.raw(stream, times, &bytes).expect("written"),
+            None if &*message.topic == topics::ORDER => recorder.order(message.at, &bytes).expect("written"),
+            None => {}
+        }
+    }
+    recorder.finish().expect("closed");
+}
+
 /// A recording from before robots waited for a start command: replay says why the robot stands.
 #[test]
 fn missing_start_command_is_named() {

@@ -60,6 +60,20 @@ pub fn advance_virtual(to_us: u64) {
     wake_due_timers();
 }
 
+/// Stops this thread's real clock for one poll of a task and gives the time that it shows meanwhile, microseconds: a task
+/// then reads one time however often it looks, and a recording needs to keep only that one.
+pub(super) fn hold_real_clock() -> u64 {
+    VIRTUAL_NOW_US.set(None);
+    let now_us = CLOCK.now();
+    VIRTUAL_NOW_US.set(Some(now_us));
+    now_us
+}
+
+/// The clock of this thread goes on.
+pub(super) fn release_real_clock() {
+    VIRTUAL_NOW_US.set(None);
+}
+
 /// When the next timer of this thread is due, microseconds.
 pub fn next_timer_us() -> Option<u64> {
     TIMERS.with_borrow(|timers| timers.iter().map(|(at, _)| *at).min())

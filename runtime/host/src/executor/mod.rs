@@ -13,5 +13,5 @@ mod task_set;
 pub use clock::{advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 pub use priority::{Ring, take_priority};
 pub use reactor::Source;
-pub use real_loop::{StopFlag, run_until};
+pub use real_loop::{PollObserver, StopFlag, run_until, run_until_observed};
 pub use task_set::{SpinningTask, TaskSet};

@@ -43,14 +43,31 @@ pub fn run_until<'a>(
     flag: &StopFlag,
     spawn: impl FnOnce(&mut TaskSet<'a>) -> io::Result<()>,
 ) -> io::Result<()> {
+    run_until_observed(flag, |tasks| spawn(tasks).map(|()| None))
+}
+
+/// Gets the index of a task and the time of its poll, microseconds, after each poll.
+pub type PollObserver<'a> = Box<dyn FnMut(usize, u64) + 'a>;
+
+/// As [`run_until`]; `spawn` may give an observer of the polls. Then the clock of this thread stands still during each poll.
+///
+/// # Errors
+/// As [`run_until`].
+pub fn run_until_observed<'a, 'o>(
+    flag: &StopFlag,
+    spawn: impl FnOnce(&mut TaskSet<'a>) -> io::Result<Option<PollObserver<'o>>>,
+) -> io::Result<()> {
     use_real_clock();
     let bell = eventfd(0, EventfdFlags::CLOEXEC | EventfdFlags::NONBLOCK)?;
     let heard = Source::new(bell.try_clone()?)?;
     let mut tasks = TaskSet::with_bell(Some(bell));
-    spawn(&mut tasks)?;
+    let mut observer = spawn(&mut tasks)?;
     while !flag.is_stopped() {
         wake_due_timers();
-        tasks.poll_round();
+        match &mut observer {
+            Some(observe) => tasks.poll_round_observed(observe),
+            None => tasks.poll_round(),
+        }
         // Empty the bell before looking at the ready bits once more: a ring after this look ends the sleep.
         let _ = rustix::io::read(&heard.file, &mut [0u8; 8]);
         let until_timer = next_timer_us().map(|at| Duration::from_micros(at.saturating_sub(now())));

@@ -10,6 +10,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::task::{Context, Wake, Waker};
 
+use super::clock::{hold_real_clock, release_real_clock};
+
 /// Tasks of a set; one bit each in the ready word.
 const TASKS_MAX: usize = 64;
 /// Polls without the clock moving after which something spins instead of waiting.
@@ -118,6 +120,29 @@ impl<'a> TaskSet<'a> {
     /// Polls each task that is ready now once: one that wakes itself again has to wait for the next round.
     pub fn poll_round(&mut self) {
         self.poll_ready(u64::MAX).for_each(drop);
+    }
+
+    /// As [`Self::poll_round`] in real time, with the clock held during each poll; `observe` gets the task and the time of
+    /// each poll after it.
+    pub fn poll_round_observed(&mut self, observe: &mut dyn FnMut(usize, u64)) {
+        let ready = self.readiness.bits.swap(0, Ordering::AcqRel);
+        for (index, task) in self.tasks.iter_mut().enumerate() {
+            if ready & (1 << index) == 0 {
+                continue;
+            }
+            let now_us = hold_real_clock();
+            task.poll();
+            observe(index, now_us);
+            release_real_clock();
+        }
+    }
+
+    /// Polls one task, whether it is ready or not: a recorded order of polls is repeated so. A task that does not exist, or
+    /// has ended, is left out.
+    pub fn poll_one(&mut self, index: usize) {
+        if let Some(task) = self.tasks.get_mut(index) {
+            task.poll();
+        }
     }
 
     /// Polls, one by one, those of some tasks that are ready now, and says which.

@@ -29,8 +29,18 @@ pub struct Tracker {
     /// The scans between them.
     pub passages: Vec<Passage>,
     maps: Vec<LocalMap>,
+    last_alone: Option<LastAlone>,
     cells: Vec<CellOffset>,
     blocks: Vec<Candidate>,
+}
+
+/// The last scan without odometry.
+#[derive(Clone, Copy)]
+struct LastAlone {
+    time_s: f64,
+    pose: Se2,
+    /// Motion a second, in the scanner's frame.
+    speed: Se2,
 }
 
 /// Blocks that a search of the tracking can keep.
@@ -45,6 +55,7 @@ impl Tracker {
             nodes: Vec::new(),
             passages: Vec::new(),
             maps: Vec::new(),
+            last_alone: None,
             cells: Vec::new(),
             blocks: vec![Candidate::default(); BLOCKS],
         }
@@ -52,37 +63,69 @@ impl Tracker {
 
     /// Takes the next scan.
     pub fn push(&mut self, record: &ScanRecord) -> Step {
+        let points = record.points(self.config.range_least_m, self.config.range_most_m);
         let Some(node) = self.nodes.last() else {
-            let points = record.points(self.config.range_least_m, self.config.range_most_m);
             let start = record.odometry.unwrap_or_default();
             return self.keep(record, start, Refined::none(), points);
         };
-        let moved = match (node.odometry, record.odometry) {
-            (Some(before), Some(now)) => before.between(now),
-            _ => Se2::default(),
+        let (Some(before), Some(now)) = (node.odometry, record.odometry) else {
+            return self.push_alone(record, points);
         };
-        let (distance, turn) = (moved.x_m.hypot(moved.y_m), moved.heading_rad.abs());
-        if distance < self.config.travel_m && turn < self.config.turn_rad && record.odometry.is_some() {
-            let node = self.nodes.len() - 1;
-            let points =
-                record.points(self.config.range_least_m, self.config.range_most_m).into_boxed_slice();
-            self.passages.push(Passage { time_s: record.time_s, node, from_node: moved, points });
-            return Step::Passed;
+        let moved = before.between(now);
+        if self.has_hardly_moved(moved) {
+            return self.pass(record, moved, points);
         }
         let expected = node.pose.compose(moved);
-        let points = record.points(self.config.range_least_m, self.config.range_most_m);
-        let refined = self.locate(&points, expected, distance, turn);
+        let (distance, turn) = (moved.x_m.hypot(moved.y_m), moved.heading_rad.abs());
+        let half_m = 0.1 + 0.25 * distance + 0.1 * turn;
+        let half_rad = 0.05 + 0.25 * turn + 0.05 * distance;
+        let refined = self.locate(&points, expected, [half_m, half_rad]);
         let pose = self.maps.first().map_or(expected, |map| map.origin.compose(refined.pose.into()));
         self.keep(record, pose, refined, points)
     }
 
-    fn locate(&mut self, points: &[Point2], expected: Se2, distance: f64, turn: f64) -> Refined {
+    /// A scan without odometry: the motion since the last scan goes on, and the window is wide enough for a robot that
+    /// starts or stops.
+    fn push_alone(&mut self, record: &ScanRecord, points: Vec<Point2>) -> Step {
+        let Some(node) = self.nodes.last() else { return Step::Passed };
+        let node_pose = node.pose;
+        let last = self.last_alone.filter(|last| last.time_s >= node.time_s).unwrap_or(LastAlone {
+            time_s: node.time_s,
+            pose: node_pose,
+            speed: Se2::default(),
+        });
+        let passed_s = (record.time_s - last.time_s).clamp(1.0e-3, 1.0);
+        let moved = last.speed.scaled(passed_s);
+        let expected = last.pose.compose(moved);
+        let window = [(0.1 + 0.7 * passed_s).min(0.6), (0.05 + 0.7 * passed_s).min(0.5)];
+        let refined = self.locate(&points, expected, window);
+        let pose = self.maps.first().map_or(expected, |map| map.origin.compose(refined.pose.into()));
+        let speed = last.pose.between(pose).scaled(1.0 / passed_s);
+        self.last_alone = Some(LastAlone { time_s: record.time_s, pose, speed });
+        let since_node = node_pose.between(pose);
+        if self.has_hardly_moved(since_node) {
+            return self.pass(record, since_node, points);
+        }
+        self.keep(record, pose, refined, points)
+    }
+
+    fn has_hardly_moved(&self, moved: Se2) -> bool {
+        moved.x_m.hypot(moved.y_m) < self.config.travel_m && moved.heading_rad.abs() < self.config.turn_rad
+    }
+
+    fn pass(&mut self, record: &ScanRecord, from_node: Se2, points: Vec<Point2>) -> Step {
+        let node = self.nodes.len().saturating_sub(1);
+        let points = points.into_boxed_slice();
+        self.passages.push(Passage { time_s: record.time_s, node, from_node, points });
+        Step::Passed
+    }
+
+    /// Searches the scan in the older of the local maps; `half_m` and `half_rad` are half the window.
+    fn locate(&mut self, points: &[Point2], expected: Se2, [half_m, half_rad]: [f64; 2]) -> Refined {
         let config = &self.config;
         let Some(map) = self.maps.first() else { return Refined::none() };
         let centre = map.origin.between(expected).single();
         self.cells.resize(points.len(), CellOffset::default());
-        let half_m = 0.1 + 0.25 * distance + 0.1 * turn;
-        let half_rad = 0.05 + 0.25 * turn + 0.05 * distance;
         let window = SearchWindow {
             centre,
             half_side_cells: (half_m as f32 / config.cell_m) as i32,

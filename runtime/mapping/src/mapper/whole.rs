@@ -33,6 +33,8 @@ pub struct Mapper {
     pub poses: Vec<Se2>,
     /// Accepted loops.
     pub loops: Vec<Edge>,
+    /// Weight of each loop in the last optimisation: 1, or 0 where it contradicts the others.
+    pub loop_weights: Vec<f64>,
     /// Counts corrections of the map.
     pub map_revision: u32,
     views: Vec<ScanView>,
@@ -49,6 +51,7 @@ impl Mapper {
             config,
             poses: Vec::new(),
             loops: Vec::new(),
+            loop_weights: Vec::new(),
             map_revision: 0,
             views: Vec::new(),
             step_rad: 0.01,
@@ -79,12 +82,23 @@ impl Mapper {
         }
         self.loops.extend(found);
         let mut edges = sequence_edges(&self.tracker.nodes);
+        let first_loop = edges.len();
         edges.extend(self.loops.iter().copied());
         let mut graph = Graph { poses: std::mem::take(&mut self.poses), edges };
         let outcome = optimise_robustly(&mut graph, &self.config.robust);
         self.poses = graph.poses;
         self.map_revision += 1;
-        outcome.map(|_| ())
+        self.loop_weights = outcome?.weights.split_off(first_loop);
+        Ok(())
+    }
+
+    /// The poses of the kept scans, and what is known about pairs of them; loops that contradict the others are left out.
+    #[must_use]
+    pub fn graph(&self) -> Graph {
+        let mut edges = sequence_edges(&self.tracker.nodes);
+        let believed = self.loops.iter().zip(&self.loop_weights).filter(|(_, weight)| **weight > 0.5);
+        edges.extend(believed.map(|(edge, _)| *edge));
+        Graph { poses: self.poses.clone(), edges }
     }
 
     /// The last stretch, and the alignment of all scans.

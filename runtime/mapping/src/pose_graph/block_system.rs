@@ -85,7 +85,7 @@ impl BlockSystem {
         let par = Par::Seq;
         let scratch = cholesky
             .factorize_numeric_llt_scratch::<f64>(par, Spec::default())
-            .or(cholesky.solve_in_place_scratch::<f64>(1, par));
+            .or(cholesky.solve_in_place_scratch::<f64>(3, par));
         let memory = MemBuffer::try_new(scratch).map_err(|_| Unsolvable)?;
         let values = vec![0.0; symbolic.row_idx().len()];
         let factor = vec![0.0; cholesky.len_val()];
@@ -174,6 +174,35 @@ impl BlockSystem {
         let rhs = MatMut::from_column_major_slice_mut(&mut step, size, 1);
         factor.solve_in_place_with_conj(Conj::No, rhs, Par::Seq, stack);
         if step.iter().all(|value| value.is_finite()) { Ok(step) } else { Err(Unsolvable) }
+    }
+
+    /// Covariance of what an edge measures, by all equations as they were last solved: J H⁻¹ Jᵀ, with the derivatives of
+    /// the edge by its two poses. Cost: three solutions.
+    pub fn spread(&mut self, poses: [usize; 2], derivatives: &[Matrix3<f64>; 2]) -> Matrix3<f64> {
+        let size = self.gradient.len();
+        let mut columns = vec![0.0; 3 * size];
+        let places = poses.map(|pose| pose.checked_sub(1));
+        let parts = || places.iter().zip(derivatives).filter_map(|(place, part)| Some(((*place)?, part)));
+        for (variable, derivative) in parts() {
+            for axis in 0..3 {
+                for s in 0..3 {
+                    columns[axis * size + 3 * variable + s] += derivative[(axis, s)];
+                }
+            }
+        }
+        let stack = MemStack::new(&mut self.memory);
+        let factor = LltRef::new(&self.cholesky, &self.factor);
+        let rhs = MatMut::from_column_major_slice_mut(&mut columns, size, 3);
+        factor.solve_in_place_with_conj(Conj::No, rhs, Par::Seq, stack);
+        let mut spread = Matrix3::zeros();
+        for (variable, derivative) in parts() {
+            for axis in 0..3 {
+                let start = axis * size + 3 * variable;
+                let solved = Vector3::new(columns[start], columns[start + 1], columns[start + 2]);
+                spread.set_column(axis, &(spread.column(axis) + derivative * solved));
+            }
+        }
+        spread
     }
 
     /// The gradient, three numbers for every pose but the first.

@@ -49,17 +49,24 @@ impl Edge {
         error.dot(&(self.information * error))
     }
 
-    /// The terms of the normal equations, by derivatives along x, y and heading in the graph's frame. `weight` scales
-    /// the information.
+    /// Change of the error with the first and with the second pose, along x, y and heading in the graph's frame.
     #[must_use]
-    pub fn terms(&self, from: Se2, to: Se2, weight: f64) -> PairTerms {
-        let error = self.error(from, to);
+    pub fn derivatives(&self, from: Se2, to: Se2) -> [Matrix3<f64>; 2] {
         let (sin, cos) = (from.heading_rad + self.measured.heading_rad).sin_cos();
         let (dx, dy) = (to.x_m - from.x_m, to.y_m - from.y_m);
         // Turning the first pose moves the second one sideways in the first one's frame.
         let turned = [cos * dy - sin * dx, -(sin * dy + cos * dx)];
         let second = Matrix3::new(cos, sin, 0.0, -sin, cos, 0.0, 0.0, 0.0, 1.0);
         let first = Matrix3::new(-cos, -sin, turned[0], sin, -cos, turned[1], 0.0, 0.0, -1.0);
+        [first, second]
+    }
+
+    /// The terms of the normal equations, by derivatives along x, y and heading in the graph's frame. `weight` scales
+    /// the information.
+    #[must_use]
+    pub fn terms(&self, from: Se2, to: Se2, weight: f64) -> PairTerms {
+        let error = self.error(from, to);
+        let [first, second] = self.derivatives(from, to);
         let information = self.information * weight;
         let (weighed_first, weighed_second) =
             (first.transpose() * information, second.transpose() * information);

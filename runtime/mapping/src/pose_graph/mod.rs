@@ -6,16 +6,22 @@
 
 mod block_system;
 mod edge;
+mod from_edges;
 mod g2o;
 mod graph;
 mod optimise;
 mod robust;
 mod start;
+mod supported;
+mod uncertain;
 
 pub use block_system::{BlockSystem, PairTerms, Unsolvable};
 pub use edge::{Edge, EdgeKind};
+pub use from_edges::optimise_from_edges;
 pub use g2o::{G2oError, read_g2o, write_g2o};
 pub use graph::Graph;
 pub use optimise::{OptimiseConfig, Optimised, optimise};
 pub use robust::{RobustConfig, RobustOutcome, optimise_robustly};
 pub use start::{chain_start, orientation_start};
+pub use supported::support;
+pub use uncertain::UncertainPose;

@@ -87,7 +87,7 @@ fn weighed_chi2(graph: &Graph, weights: &[f64]) -> f64 {
     graph.edges.iter().enumerate().map(|(index, edge)| weight(index) * graph.edge_chi2(edge)).sum()
 }
 
-fn linearise(system: &mut BlockSystem, graph: &Graph, weights: &[f64]) {
+pub(super) fn linearise(system: &mut BlockSystem, graph: &Graph, weights: &[f64]) {
     system.clear();
     for (index, edge) in graph.edges.iter().enumerate() {
         let (Some(from), Some(to)) = (graph.poses.get(edge.from), graph.poses.get(edge.to)) else { continue };

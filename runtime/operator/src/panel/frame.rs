@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::hub::Order;
 use super::layers::MissionFrame;
+use crate::surroundings::Holder;
 
 /// A place, metres, to the centimetre.
 pub type Place = [f32; 2];
@@ -65,6 +66,10 @@ pub struct Frame {
     pub time_s: f64,
     /// What runs: scenario or configuration.
     pub title: String,
+    /// What the robot does or waits for, in a few words.
+    pub headline: String,
+    /// The person or obstacle that holds or slows it, in the robot's frame.
+    pub holder: Option<Holder>,
     /// The guard's state.
     pub state: String,
     /// The most severe demand, in words.

@@ -17,6 +17,10 @@ pub struct MissionFrame {
     pub completion_percent: f32,
     /// Of all floor that the mission answers for, claimed clean, percent.
     pub claimed_percent: f32,
+    /// Claimed clean and cleaned in this mission, m².
+    pub cleaned_m2: f32,
+    /// Claimed clean because no dirt was expected there, m².
+    pub assumed_m2: f32,
     /// Still to be cleaned, m².
     pub remaining_m2: f32,
     /// Cells that are not claimed though visited, and dirty ones out of reach.
@@ -46,7 +50,8 @@ pub struct Layers {
     pub resolution_m: f32,
     /// Lower left corner in the map of the mission.
     pub corner: Place,
-    /// Row by row: `.` is none of ours, `d` dirty, `u` uncertain, `c` claimed clean; each behind its count.
+    /// Row by row: `.` is none of ours, `d` dirty, `u` uncertain, `a` assumed clean, `c` cleaned in this mission; each behind its
+    /// count.
     pub claimed: String,
     /// Row by row: `.` is none of ours, `0` no dirt expected … `9` most; each behind its count.
     pub dirt: String,
@@ -58,7 +63,10 @@ pub struct Layers {
 const TOUR_SHOWN: usize = 200;
 
 /// A mission at a moment.
-pub fn mission_frame(progress: &MissionProgress, layers: u64) -> MissionFrame {
+pub fn mission_frame(progress: &MissionProgress, first: &MissionProgress, layers: u64) -> MissionFrame {
+    let cleaned: Vec<usize> =
+        (0..progress.cells.len()).filter(|cell| is_cleaned(progress, first, *cell)).collect();
+    let cell_m2 = progress.geometry.resolution_m() * progress.geometry.resolution_m();
     let total = |units: &[f32]| units.iter().sum::<f32>();
     let before = total(&progress.expected_before).max(1.0e-6);
     let Pose2 { x_m, y_m, heading_rad } = progress.odometry_in_map;
@@ -66,6 +74,10 @@ pub fn mission_frame(progress: &MissionProgress, layers: u64) -> MissionFrame {
         phase: progress.phase.name(),
         completion_percent: round(progress.completion * 100.0),
         claimed_percent: round(progress.claimed_fraction * 100.0),
+        cleaned_m2: round(cleaned.len() as f32 * cell_m2),
+        assumed_m2: round(
+            area_m2(progress, |state| state == CellState::Clean) - cleaned.len() as f32 * cell_m2,
+        ),
         remaining_m2: round(area_m2(progress, remains)),
         uncertain_cells: progress.uncertain.len(),
         unreachable_cells: progress.unreachable_cells,
@@ -76,13 +88,26 @@ pub fn mission_frame(progress: &MissionProgress, layers: u64) -> MissionFrame {
     }
 }
 
-/// The floor at a moment.
-pub fn layers(progress: &MissionProgress, number: u64) -> Layers {
-    let claimed = progress.cells.iter().map(|state| match state {
+/// A cell that is claimed clean was cleaned in this mission if it was not claimed at its beginning, or if there is less dirt
+/// now than was expected before; else it is only assumed to be clean.
+fn is_cleaned(progress: &MissionProgress, first: &MissionProgress, cell: usize) -> bool {
+    /// Dirt that grows or decays by itself changes the expectation by less than this share.
+    const LESS: f32 = 0.9;
+    let is_clean = progress.cells.get(cell) == Some(&CellState::Clean);
+    let was_clean = first.cells.get(cell) == Some(&CellState::Clean);
+    let units = |expected: &[f32]| expected.get(cell).copied().unwrap_or(0.0);
+    let before = units(&progress.expected_before);
+    is_clean && (!was_clean || (before > 0.0 && units(&progress.expected_now) < LESS * before))
+}
+
+/// The floor at a moment; `first` is the first that the mission has reported.
+pub fn layers(progress: &MissionProgress, first: &MissionProgress, number: u64) -> Layers {
+    let claimed = progress.cells.iter().enumerate().map(|(cell, state)| match state {
         CellState::OffLimits => '.',
         CellState::Dirty => 'd',
         CellState::Active | CellState::Uncertain => 'u',
-        CellState::Clean => 'c',
+        CellState::Clean if is_cleaned(progress, first, cell) => 'c',
+        CellState::Clean => 'a',
     });
     let dirt = dirt_cells(progress, &progress.expected_now);
     let digit =

@@ -7,9 +7,12 @@
 mod access;
 mod connections;
 mod frame;
+mod headline;
 mod held_history;
 mod hub;
 mod layers;
+#[cfg(test)]
+mod page_tests;
 mod plain;
 mod server;
 mod view;

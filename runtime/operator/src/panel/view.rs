@@ -9,14 +9,15 @@ use floorguard_guard::{CauseRecord, GuardState, Health};
 use floorguard_perception::people::RingAngles;
 use floorguard_runtime::configuration::{LidarModel, RobotConfiguration};
 use floorguard_runtime::shared::{RobotStatus, Shared, StopRecord};
-use floorguard_types::geometry::{Point2, Pose2, Transform3};
-use floorguard_types::sensing::BeamReturn;
+use floorguard_types::geometry::Point2;
 use floorguard_types::time::Stamp;
 
 use super::frame::{CauseFrame, Frame, PersonFrame, Place, SourceFrame, place, round};
+use super::headline::headline;
 use super::held_history::{HeldEvent, HeldHistory, HeldKind};
-use super::layers::{Layers, layers, mission_frame};
+use super::layers::{Layers, MissionFrame, layers, mission_frame};
 use super::plain::remedy;
+use crate::surroundings::{Surroundings, followed, scan_hits};
 use floorguard_recording::{LidarView, describe};
 use floorguard_robot::cleaner::MissionProgress;
 
@@ -38,6 +39,8 @@ pub struct PanelView {
     driven_m: f32,
     number: u64,
     mission: Option<Arc<MissionProgress>>,
+    /// The first report of the mission: what was claimed then nobody has cleaned in it.
+    mission_begin: Option<Arc<MissionProgress>>,
     layers: u64,
     /// What held the robot, and what came of the resets.
     history: HeldHistory,
@@ -64,6 +67,7 @@ impl PanelView {
             driven_m: 0.0,
             number: 0,
             mission: None,
+            mission_begin: None,
             layers: 0,
             history: HeldHistory::default(),
             refused: None,
@@ -120,8 +124,11 @@ impl PanelView {
         self.driven_m += self.last_place.replace(here).map_or(0.0, |last| last.distance(here));
         self.number += 1;
         self.note_holding(&status, start);
-        let set = self.robot.fields.get(decision.field_set);
+        let around = self.around(shared, &status);
+        let holder = decision.holding_cause.and_then(|record| around.holder(&record));
         Some(Frame {
+            headline: headline(&status, holder.as_ref(), shared.is_paused()),
+            holder,
             number: self.number,
             time_s: seconds(decision.stamp, start),
             title: self.title.clone(),
@@ -136,26 +143,45 @@ impl PanelView {
             pose: [round(pose.x_m), round(pose.y_m), pose.heading_rad],
             driven_m: round(self.driven_m),
             route: self.robot.route.waypoints.iter().copied().map(place).collect(),
-            footprint: places(&self.robot.geometry.footprint),
-            protective: set.map(|set| places(&set.protective)).unwrap_or_default(),
-            warning: set.map(|set| places(&set.warning)).unwrap_or_default(),
-            scan: scan(shared, &self.robot.scanner.mounting.transform()),
+            footprint: places(&around.footprint),
+            protective: places(&around.protective),
+            warning: places(&around.warning),
+            scan: places(&around.hits),
             lidar: self.points.clone(),
             people: people(shared),
             sources: sources(&status),
             cause: decision.holding_cause.map(|record| cause_frame(&record, start)),
             first_cause: other_than(decision.primary_cause, decision.holding_cause)
                 .map(|record| cause_frame(&record, start)),
-            mission: self.mission.as_ref().map(|progress| mission_frame(progress, self.layers)),
+            mission: self.mission_frame(),
             stops: self.stops.iter().cloned().collect(),
         })
+    }
+
+    /// What stands around the robot, in its frame.
+    fn around<M: RawMutex>(&self, shared: &Shared<M>, status: &RobotStatus) -> Surroundings {
+        let set = self.robot.fields.get(status.decision.field_set);
+        let mounting = self.robot.scanner.mounting.transform();
+        Surroundings {
+            footprint: self.robot.geometry.footprint.to_vec(),
+            protective: set.map(|set| set.protective.to_vec()).unwrap_or_default(),
+            warning: set.map(|set| set.warning.to_vec()).unwrap_or_default(),
+            hits: shared.scan.get().map(|scan| scan_hits(&scan, &mounting)).unwrap_or_default(),
+            followed: followed(shared, status.pose.pose_in_odometry),
+        }
     }
 
     /// The cleaning mission has reported its progress; gives the floor as it is now.
     pub fn mission(&mut self, progress: &Arc<MissionProgress>) -> Layers {
         self.layers += 1;
         self.mission = Some(Arc::clone(progress));
-        layers(progress, self.layers)
+        let first = self.mission_begin.get_or_insert_with(|| Arc::clone(progress));
+        layers(progress, first, self.layers)
+    }
+
+    fn mission_frame(&self) -> Option<MissionFrame> {
+        let (progress, first) = self.mission.as_ref().zip(self.mission_begin.as_ref())?;
+        Some(mission_frame(progress, first, self.layers))
     }
 }
 
@@ -174,22 +200,6 @@ fn seconds(stamp: Stamp, start: Stamp) -> f64 {
 
 fn places(polygon: &[Point2]) -> Vec<Place> {
     polygon.iter().copied().map(place).collect()
-}
-
-fn scan<M: RawMutex>(shared: &Shared<M>, mounting: &Transform3) -> Vec<Place> {
-    let Some(scan) = shared.scan.get() else { return Vec::new() };
-    let [[cos, ..], [sin, ..], _] = mounting.rotation;
-    let pose = Pose2::new(mounting.translation.x_m, mounting.translation.y_m, libm::atan2f(sin, cos));
-    let beams = scan.beams.iter().enumerate().filter_map(|(index, beam)| match beam {
-        BeamReturn::Hit(range_mm) => Some((index, f32::from(*range_mm) * 1.0e-3)),
-        _ => None,
-    });
-    beams
-        .map(|(index, range_m)| {
-            let (sin, cos) = libm::sincosf(scan.first_angle_rad + index as f32 * scan.step_rad);
-            place(pose.transform(Point2::new(range_m * cos, range_m * sin)))
-        })
-        .collect()
 }
 
 fn people<M: RawMutex>(shared: &Shared<M>) -> Vec<PersonFrame> {

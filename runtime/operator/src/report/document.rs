@@ -9,16 +9,19 @@ use super::charts;
 use super::grids::{self, Scale};
 use super::history::{History, Stop};
 use super::mission;
+use super::proof::{self, Circumstances};
 use super::sketch;
 use super::style::{self, chart, count_tile, escaped, map, tiles};
 use floorguard_recording::topics;
 
 /// The page.
 #[must_use]
-pub fn document(history: &History, name: &str) -> String {
+pub fn document(history: &History, circumstances: &Circumstances) -> String {
+    let name = circumstances.recording.as_str();
     let title = history.texts.get("title").cloned().unwrap_or_else(|| name.to_owned());
     let mut html = style::head(&title);
     head(&mut html, history, name);
+    html.push_str(&proof::section(&proof::proof(history, circumstances)));
     section(&mut html, "Map, path and stops", &map(&sketch::overview(history)), OVERVIEW_LEGEND);
     mission::section(&mut html, history);
     let speeds: Vec<_> =

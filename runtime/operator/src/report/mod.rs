@@ -6,9 +6,13 @@ mod folder;
 mod grids;
 mod history;
 mod mission;
+mod proof;
 mod sketch;
 pub mod style;
 
 pub use document::document;
 pub use folder::make_folder;
 pub use history::{History, read_history};
+pub use proof::{
+    Cell, Circumstances, Cleaning, NotClaimed, Proof, ProofStop, cells, cells_csv, made_now, proof,
+};

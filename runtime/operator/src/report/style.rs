@@ -15,7 +15,8 @@ text-align:left;vertical-align:top;border-bottom:1px solid #d8dee5}.num{text-ali
 font-variant-numeric:tabular-nums;white-space:nowrap}.wide{overflow-x:auto}.stop{display:flex;flex-wrap:wrap;gap:1rem;\
 border-top:1px solid #d8dee5;padding:1rem 0;break-inside:avoid}.stop>div{flex:1 1 16rem}.stop svg{flex:0 1 300px;\
 max-width:300px}dl{display:grid;grid-template-columns:max-content 1fr;gap:.1rem .8rem;margin:0}dt{color:#5b6770}\
-dd{margin:0;min-width:0}.facts{gap:.3rem 1rem}.cut{background:#fdf2d0;padding:.5rem 1rem;border-radius:.5rem}\
+dd{margin:0;min-width:0}.facts{gap:.3rem 1rem;margin:1rem 0}.proof{margin:.5rem 0}\
+.sign{display:none}.cut{background:#fdf2d0;padding:.5rem 1rem;border-radius:.5rem}\
 .pair{display:flex;flex-wrap:wrap;gap:1rem}figure{flex:1 1 18rem;margin:0;break-inside:avoid}figcaption{text-align:center}\
 .legend{color:#5b6770;font-size:.88rem}.key{white-space:nowrap;margin-right:1rem;display:inline-block}.key i{display:\
 inline-block;width:1em;height:1em;border:1px solid #888;vertical-align:-.1em;margin-right:.3em}.disc{display:inline-block;\
@@ -24,7 +25,8 @@ min-width:1.6em;border-radius:1em;color:#fff;text-align:center;font-size:.85em}\
 .chart .odd{display:none}.map text{font-size:28px}.map .mark circle{r:14px}.map .mark text{font-size:19px}\
 .stop svg{max-width:15rem}\
 td,th{padding:.25rem .3rem}}\
-@media print{*{print-color-adjust:exact;-webkit-print-color-adjust:exact}body{max-width:none;margin:0;font-size:11px}\
+@page{margin:14mm}@media print{.sign{display:flex;gap:2rem;margin-top:14mm;break-inside:avoid}.sign div{flex:1;\
+border-top:1px solid #1c2733;padding-top:.2rem;font-size:10px}.proof{break-inside:avoid}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}body{max-width:none;margin:0;font-size:11px}\
 svg{max-height:45vh;break-inside:avoid}.stop{padding:.4rem 0}.stop svg{max-width:150px}h2,h3,tr:first-child{break-after:avoid}\
 li,tr,.stop{break-inside:avoid}a{color:inherit}}";
 

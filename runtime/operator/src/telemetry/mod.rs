@@ -4,6 +4,6 @@ mod run_sinks;
 mod tape;
 mod telemetry_thread;
 
-pub use run_sinks::{FileRecorder, IN_REAL_TIME, RecordedRun, RunSinks};
+pub use run_sinks::{FileRecorder, IN_REAL_TIME, RECORDED_AT, RecordedRun, RunSinks};
 pub use tape::{Tape, encode_route};
 pub use telemetry_thread::{TelemetrySender, with_telemetry};

@@ -19,13 +19,15 @@ use super::tape::{Tape, encode_route};
 use crate::panel::{Order, Panel};
 use floorguard_host::executor::StopFlag;
 use floorguard_host::outcome::BadInput;
+use floorguard_recording::order::{ORDER, ORDER_VERSION, OrderLog};
 use floorguard_recording::replay::{LEARNED, MISSION, REPEATABLE};
 use floorguard_recording::truth::TrueSolid;
 use floorguard_recording::{RecordError, RunInfo, RunRecorder};
-use floorguard_robot::assembly::Stages;
+use floorguard_robot::assembly::{Stages, TapRow};
 use floorguard_robot::camera::{PictureFolder, SeenDirt};
 use floorguard_robot::cleaner::MissionPlan;
 use floorguard_robot::cleaner::MissionProgress;
+use floorguard_robot::environment::Calendar;
 use floorguard_robot::learning::{LearningSetup, LearningSlot};
 
 /// The fingerprint is written this often, microseconds.
@@ -37,6 +39,9 @@ const BUFFER_BYTES: usize = 1 << 20;
 
 /// The threads of a robot in real time are not scheduled the same way twice.
 pub const IN_REAL_TIME: &str = "no: it ran in real time";
+
+/// Name of the text that says when a run in real time began, RFC 3339.
+pub const RECORDED_AT: &str = "recorded_at";
 
 /// What a recording says of the run that it holds.
 #[derive(Clone, Copy, Debug)]
@@ -71,6 +76,7 @@ pub struct RunSinks {
     pub ended: StopFlag,
     /// What the robot learns, for the end of the recording.
     learning: LearningSlot,
+    order: OrderLog,
     next_digest_us: u64,
     started: Option<Instant>,
 }
@@ -88,7 +94,12 @@ impl RunSinks {
     ) -> anyhow::Result<()> {
         let RecordedRun { robot, robot_toml, imu_baud, .. } = *run;
         let mission = run.mission.map(MissionPlan::to_text).transpose()?;
-        let texts = texts.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned()));
+        let in_real_time = texts.contains(&(REPEATABLE, IN_REAL_TIME));
+        let order = in_real_time.then_some((ORDER, ORDER_VERSION));
+        let texts = texts.iter().chain(&order);
+        let texts = texts.map(|(name, text)| ((*name).to_owned(), (*text).to_owned()));
+        let recorded_at = in_real_time.then(|| Calendar::of_this_computer().iso(Calendar::now()));
+        let texts = texts.chain(recorded_at.map(|moment| (RECORDED_AT.to_owned(), moment)));
         let texts = texts.chain(mission.map(|text| (MISSION.to_owned(), text)));
         let texts = texts.chain(self.learned_before(run.learning)).collect::<BTreeMap<_, _>>();
         let info = RunInfo { robot, robot_toml, imu_baud, clouds_every: CLOUDS_EVERY, texts };
@@ -132,6 +143,27 @@ impl RunSinks {
         }
         if let (Some(panel), TapeLine::Lidar) = (&mut self.panel, line) {
             panel.lidar_datagram(data, Stamp::from_micros(when.1));
+        }
+    }
+
+    /// A row of the tap becomes part of the order.
+    pub fn ordered(&mut self, row: &TapRow, now_us: u64) {
+        if self.recording.is_some() && self.order.note(row) {
+            self.write_order(now_us);
+        }
+    }
+
+    /// The rows so far have been taken in; `complete` when none was lost among them.
+    pub fn rows_taken(&mut self, now_us: u64, complete: bool) {
+        if !complete {
+            self.order.lose();
+        }
+        self.write_order(now_us);
+    }
+
+    fn write_order(&mut self, now_us: u64) {
+        if let (Some(recording), Some(entries)) = (&mut self.recording, self.order.take()) {
+            recording.order(now_us, &entries);
         }
     }
 

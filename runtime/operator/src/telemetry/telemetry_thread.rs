@@ -137,14 +137,19 @@ fn take_in(
     (rows, notes): (&TapRows, &Receiver<TelemetryEvent>),
 ) {
     while let Some(row) = rows.next() {
-        match row {
+        let now_us = clock::now().as_micros();
+        // The bytes first: the entry of the order stands behind them.
+        match &row {
             TapRow::Delivered { at, arrival, line, bytes } => {
-                sinks.delivered((at.as_micros(), arrival.as_micros()), line, &bytes);
+                sinks.delivered((at.as_micros(), arrival.as_micros()), *line, bytes);
             }
-            TapRow::Sent(at, frame) => sinks.sent(&frame, at.as_micros()),
+            TapRow::Sent(at, frame) => sinks.sent(frame, at.as_micros()),
+            _ => {}
         }
+        sinks.ordered(&row, now_us);
     }
     let now_us = clock::now().as_micros();
+    sinks.rows_taken(now_us, rows.lost() == 0);
     for note in notes.try_iter() {
         match note {
             TelemetryEvent::Stop(record) => sinks.stop(&record),

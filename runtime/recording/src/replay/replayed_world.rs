@@ -7,12 +7,16 @@ use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use floorguard_drivers::can::CanFrame;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::digest::OutputDigest;
-use floorguard_runtime::shared::{PeopleReport, RobotStatus, Shared, StopRecord};
+use floorguard_runtime::shared::Shared;
 use floorguard_runtime::tape::{TapeLine, decode_route};
 use floorguard_types::time::Stamp;
 
+use super::audience::{ReplayAudience, ReplayError, ReplayOutcome};
+use super::delivery::delivery;
+use super::ordered_world::{OrderedRun, play_ordered};
 use super::scanner_pipe::ScannerPipe;
-use crate::{END_METADATA, RUN_METADATA, RawStream, ReadError, Recorded, Recording, octets_of, topics};
+use crate::order::{ORDER, ORDER_VERSION};
+use crate::{END_METADATA, RUN_METADATA, RawStream, Recorded, Recording, octets_of, topics};
 use floorguard_configuration::HostedConfiguration;
 use floorguard_host::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 use floorguard_host::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
@@ -21,7 +25,7 @@ use floorguard_robot::assembly::{
     spawn_perception_ring,
 };
 use floorguard_robot::cleaner::{Cleaner, MissionPlan, MissionSetup, Store};
-use floorguard_robot::learning::{LearningReport, LearningSetup};
+use floorguard_robot::learning::LearningSetup;
 
 /// Name of the text that says whether the raw bytes alone tell the whole run.
 pub const REPEATABLE: &str = "repeatable";
@@ -31,59 +35,6 @@ pub const LEARNED: &str = "learned_before";
 pub const MISSION: &str = "mission";
 /// Bit rate of the inertial sensor where a recording names none.
 pub const IMU_BAUD: u32 = 115_200;
-
-/// Who wants to see the robot's outputs while it is replayed.
-pub trait ReplayAudience {
-    /// A sweep was worked up; the fingerprint includes it.
-    fn on_people(&mut self, report: &PeopleReport, digest: u64);
-    /// Ten times a second.
-    fn on_status(&mut self, _status: &RobotStatus) {}
-    /// A stop began.
-    fn on_stop(&mut self, _stop: &StopRecord) {}
-}
-
-/// How a replay went.
-#[derive(Debug, Default)]
-pub struct ReplayOutcome {
-    /// Fingerprint of all outputs.
-    pub digest: u64,
-    /// Why the raw bytes alone do not tell the whole run; nothing was compared then.
-    pub unrepeatable: Option<String>,
-    /// The recording's own, when it was closed properly.
-    pub recorded_digest: Option<u64>,
-    /// Fingerprints of moments within the recording that were compared.
-    pub compared: u32,
-    /// The first moment at which replay and recording differ.
-    pub first_difference: Option<Stamp>,
-    /// Robot time that was played, microseconds.
-    pub played_us: u64,
-    /// What the robot learned, if it does.
-    pub learned: Option<LearningReport>,
-    /// Why the recording ended early.
-    pub ended: Option<ReadError>,
-}
-
-impl ReplayOutcome {
-    /// Every fingerprint of the recording was met.
-    #[must_use]
-    pub fn is_identical(&self) -> bool {
-        self.first_difference.is_none() && self.recorded_digest.is_none_or(|digest| digest == self.digest)
-    }
-}
-
-/// Why a recording cannot be replayed.
-#[derive(Debug, thiserror::Error)]
-pub enum ReplayError {
-    /// It does not say what robot made it.
-    #[error("the recording holds no raw bytes of floorguard: it was not made by --record")]
-    NotOurs,
-    /// What it says about the robot is wrong.
-    #[error("the robot of the recording: {0}")]
-    Robot(String),
-    /// The tasks cannot run.
-    #[error("{0}")]
-    Tasks(String),
-}
 
 struct Lines {
     lidar: DatagramPipe,
@@ -133,6 +84,14 @@ pub fn replay_recording<R: Read>(
         let reason = text.strip_prefix("no: ").unwrap_or("faults of the computer itself were recorded");
         reason.to_owned()
     });
+    if texts.get(ORDER).is_some_and(|version| version == ORDER_VERSION) {
+        let run = OrderedRun { robot: &robot, stages, learning: learning.as_ref(), imu_baud: baud };
+        use_virtual_clock(0);
+        let outcome = play_ordered(run, recording, audience);
+        use_real_clock();
+        let learned = learning.and_then(|learning| learning.slot.newest()).map(|(report, _)| report);
+        return outcome.map(|outcome| ReplayOutcome { learned, ..outcome });
+    }
     use_virtual_clock(0);
     let mission = mission_of(texts, &robot)?;
     let outcome = play((&robot, stages, (mission, learning)), baud, (recording, audience));
@@ -192,6 +151,7 @@ fn play<R: Read>(
         scanner: scanner_reader,
         imu: Some((DuplexPipe { reader: imu_reader, writer: to_imu }, baud)),
         can: lines.can.clone(),
+        tap: None,
     };
     spawn_guard_ring(&mut tasks, &shared, robot, carriers);
     match &mut mission {
@@ -308,6 +268,7 @@ impl Stage<'_> {
         while let Some(stop) = self.shared.stops.try_pop() {
             audience.on_stop(&stop);
         }
+        audience.on_moment(self.shared, self.now_us);
         Ok(())
     }
 
@@ -338,19 +299,4 @@ impl Stage<'_> {
             outcome.first_difference.get_or_insert(recorded.at);
         }
     }
-}
-
-/// What a message of the recording delivered to the tasks.
-fn delivery(recorded: &Recorded) -> Option<(TapeLine, &[u8])> {
-    let stream = RawStream::of_topic(&recorded.topic)?;
-    let bytes = octets_of(&recorded.data)?;
-    let line = match stream {
-        RawStream::Lidar => TapeLine::Lidar,
-        RawStream::Scanner => TapeLine::Scanner,
-        RawStream::Imu => TapeLine::Imu,
-        RawStream::CanReceived => TapeLine::Can,
-        RawStream::Operator => TapeLine::from_number(u16::from(*bytes.first()?))?,
-        RawStream::CanSent | RawStream::Route => return None,
-    };
-    Some((line, bytes))
 }

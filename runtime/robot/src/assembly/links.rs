@@ -139,7 +139,8 @@ impl Links {
             lidar: Tapped::new(lidar, TapeLine::Lidar, tap.clone()),
             scanner,
             imu: imu.map(|(line, baud)| (Tapped::new(line, TapeLine::Imu, tap.clone()), baud)),
-            can: Tapped::new(can, TapeLine::Can, tap),
+            can: Tapped::new(can, TapeLine::Can, tap.clone()),
+            tap,
         })
     }
 }

@@ -1,5 +1,6 @@
 //! The robot on this computer: both rings on threads of their own, on the carriers that `robot.toml` names.
 
+mod guard_task;
 mod inbox;
 mod latch_file;
 mod links;
@@ -8,6 +9,7 @@ mod spawn;
 mod stop_files;
 mod tap;
 
+pub use guard_task::GuardTask;
 pub use inbox::PeopleInbox;
 pub use latch_file::{LatchFile, latched_words};
 pub use links::{Links, Missing, ScannerLink};
@@ -17,4 +19,4 @@ pub use spawn::{
     spawn_cleaning_ring, spawn_guard_ring, spawn_perception_ring,
 };
 pub use stop_files::{black_box_log, write_stop_file};
-pub use tap::{Tap, TapRow, TapRows, Tapped, tap};
+pub use tap::{Direction, Poll, Tap, TapRow, TapRows, Tapped, tap};

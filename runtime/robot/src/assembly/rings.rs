@@ -10,14 +10,17 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use floorguard_runtime::clock;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::shared::Shared;
+use floorguard_types::time::Stamp;
 
 use floorguard_runtime::tasks::{clean, perceive};
 
+use super::guard_task::GuardTask;
 use super::links::{Links, Missing};
+use super::tap::{Poll, Tap};
 use crate::assembly::{PeopleInbox, Stages, new_perception, spawn_guard_ring, spawn_perception_ring};
 use crate::cleaner::Cleaner;
 use crate::learning::LearningSetup;
-use floorguard_host::executor::{Ring, StopFlag, run_until, take_priority};
+use floorguard_host::executor::{PollObserver, Ring, StopFlag, run_until, run_until_observed, take_priority};
 
 /// What both threads share.
 pub type HostedShared = Shared<CriticalSectionRawMutex>;
@@ -46,7 +49,11 @@ pub fn run_rings<T>(
     let drives_route = mission.is_none();
     let latches = links.latches.take();
     if let Some(latches) = &latches {
-        shared.restore_latches(latches.read(), clock::now());
+        let (kept, now) = (latches.read(), clock::now());
+        if let Some(tap) = &links.tap {
+            tap.latched(now, kept);
+        }
+        shared.restore_latches(kept, now);
     }
     let latches_flag = StopFlag::default();
     thread::scope(|scope| {
@@ -110,12 +117,25 @@ fn guard_ring(
     flag: &StopFlag,
 ) -> io::Result<()> {
     say!("  {}", take_priority(Ring::Guard));
-    run_until(flag, |tasks| {
+    run_until_observed(flag, |tasks| {
         let carriers = links.open(&mut |Missing { source, why }| {
             say!("  {source}: not there yet ({why}); waiting for it, the robot stands until then");
         })?;
-        spawn_guard_ring(tasks, shared, robot, carriers);
-        Ok(())
+        let tap = carriers.tap.clone();
+        let names = spawn_guard_ring(tasks, shared, robot, carriers);
+        Ok(tap.map(|tap| observer(tap, names, shared)))
+    })
+}
+
+/// Reports each poll and what was decided in it.
+fn observer(tap: Tap, names: Vec<GuardTask>, shared: &HostedShared) -> PollObserver<'_> {
+    let mut published = shared.decision.published();
+    Box::new(move |index, now_us| {
+        let Some(task) = names.get(index).copied() else { return };
+        let now = shared.decision.published();
+        let decisions = now.wrapping_sub(std::mem::replace(&mut published, now));
+        let decision = if decisions > 0 { shared.decision.get().map(Box::new) } else { None };
+        tap.polled(Poll { task, at: Stamp::from_micros(now_us), decisions, decision });
     })
 }
 

@@ -18,14 +18,16 @@ use floorguard_runtime::io::{CanBus, DatagramReceiver};
 use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::{Motion, Shared};
 use floorguard_runtime::tasks::{
-    BusWithButtons, JudgeMotion, NoMotion, PerceptionState, advice_input, can_bus, clean, command_input,
-    drive_route, imu_input, lidar_input, operator_input, perceive, scanner_datagrams, scanner_input,
-    supervise,
+    BusWithButtons, GuardInput, JudgeMotion, NoMotion, PerceptionState, can_bus, clean, drive_route,
+    imu_input, lidar_input, observed_advice_input, observed_command_input, observed_operator_input, perceive,
+    scanner_datagrams, scanner_input, supervise,
 };
 use floorguard_types::sensing::{Scan, Sweep};
 use floorguard_types::time::Stamp;
 
+use super::guard_task::GuardTask;
 use super::inbox::PeopleInbox;
+use super::tap::Tap;
 use crate::cleaner::Cleaner;
 use crate::learning::{LearningSetup, PeopleLearner};
 use floorguard_host::executor::TaskSet;
@@ -48,6 +50,8 @@ pub struct GuardCarriers<L, S, D, I, C> {
     pub imu: Option<(I, u32)>,
     /// CAN bus.
     pub can: C,
+    /// Where the guard's other inputs are reported, in a run that is recorded in real time.
+    pub tap: Option<Tap>,
 }
 
 /// The state that both rings share.
@@ -171,7 +175,7 @@ pub fn new_perception(robot: &RobotConfiguration, stages: Stages) -> Box<HostedP
     })
 }
 
-/// Everything that can stop the robot.
+/// Everything that can stop the robot. Gives the tasks in the order of their indices in the set, which must be empty.
 pub fn spawn_guard_ring<'a, M: RawMutex>(
     tasks: &mut TaskSet<'a>,
     shared: &'a Shared<M>,
@@ -183,7 +187,8 @@ pub fn spawn_guard_ring<'a, M: RawMutex>(
         impl Read + Write + 'a,
         impl CanBus + 'a,
     >,
-) {
+) -> Vec<GuardTask> {
+    let mut names = vec![GuardTask::Lidar, GuardTask::Scanner];
     let choice = robot.lidar_model().map_or(ModelChoice::Auto, ModelChoice::Fixed);
     tasks.spawn(lidar_input(shared, carriers.lidar, Decoder::new(choice)));
     match carriers.scanner {
@@ -197,14 +202,26 @@ pub fn spawn_guard_ring<'a, M: RawMutex>(
     }
     if let (Some((line, baud)), Some(imu)) = (carriers.imu, robot.imu) {
         tasks.spawn(imu_input(shared, line, (Device::new(baud), imu.mounting.transform())));
+        names.push(GuardTask::Imu);
     }
     let base = (ThreeWheelBase::new(robot.base()), robot.tricycle());
     let bus = BusWithButtons::new(carriers.can, shared, &robot.can);
     tasks.spawn(can_bus(shared, bus, base));
     tasks.spawn(supervise(shared));
-    tasks.spawn(command_input(shared));
-    tasks.spawn(advice_input(shared));
-    tasks.spawn(operator_input(shared));
+    let observer = || {
+        let tap = carriers.tap.clone();
+        move |input: GuardInput<'_>| {
+            if let Some(tap) = &tap {
+                tap.input(input);
+            }
+        }
+    };
+    tasks.spawn(observed_command_input(shared, observer()));
+    tasks.spawn(observed_advice_input(shared, observer()));
+    tasks.spawn(observed_operator_input(shared, observer()));
+    let others = [GuardTask::Can, GuardTask::Supervise, GuardTask::Command];
+    names.extend(others.into_iter().chain([GuardTask::Advice, GuardTask::Operator]));
+    names
 }
 
 /// Everything that sees and plans.

@@ -9,13 +9,18 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use embedded_io_async::{ErrorType, Read, Write};
 use floorguard_drivers::can::CanFrame;
+use floorguard_guard::{Advice, Decision};
 use floorguard_runtime::clock;
 use floorguard_runtime::io::{CanBus, DatagramReceiver, Received};
 use floorguard_runtime::tape::TapeLine;
+use floorguard_runtime::tasks::GuardInput;
+use floorguard_types::geometry::Twist2;
 use floorguard_types::time::Stamp;
 
-/// Rows that may wait: four seconds of all sensors together.
-const ROWS_MAX: usize = 8_192;
+use super::guard_task::GuardTask;
+
+/// Rows that may wait: some three seconds of all sensors and polls together.
+const ROWS_MAX: usize = 32_768;
 
 /// Something that crossed a line.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +38,42 @@ pub enum TapRow {
     },
     /// A frame that the robot sends on the bus.
     Sent(Stamp, CanFrame),
+    /// The guard began at this time.
+    Began(Stamp),
+    /// At this time the guard got the causes that were latched when the computer last ran.
+    Latches(Stamp, u64),
+    /// Reading from a line, or writing to it, failed.
+    Failed(TapeLine, Direction),
+    /// The guard took what the mission would like.
+    Command(Stamp, Twist2),
+    /// The guard took an advice of perception.
+    Advice(Box<Advice>),
+    /// The guard took the button for reset or start.
+    Operator(TapeLine),
+    /// A task of the guard ring was polled; everything since the poll before belongs to it.
+    Polled(Poll),
+}
+
+/// Whether bytes come or go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Direction {
+    /// To the robot's computer.
+    Read,
+    /// From it.
+    Write,
+}
+
+/// One poll of a task of the guard ring, and what was decided in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Poll {
+    /// The task.
+    pub task: GuardTask,
+    /// Its time, which stands still during the poll.
+    pub at: Stamp,
+    /// Decisions that the guard took.
+    pub decisions: u32,
+    /// The last of them.
+    pub decision: Option<Box<Decision>>,
 }
 
 /// The robot's end of the queue.
@@ -62,6 +103,31 @@ impl Tap {
         if self.rows.try_send(row).is_err() {
             self.lost.fetch_add(1, Ordering::Relaxed);
         }
+    }
+
+    /// The guard began at this time.
+    pub fn began(&self, at: Stamp) {
+        self.push(TapRow::Began(at));
+    }
+
+    /// What was latched when the computer last ran, and when the guard gets it.
+    pub fn latched(&self, at: Stamp, latches: u64) {
+        self.push(TapRow::Latches(at, latches));
+    }
+
+    /// What the guard takes from other rings and from people.
+    pub fn input(&self, input: GuardInput<'_>) {
+        self.push(match input {
+            GuardInput::Command(stamp, wanted) => TapRow::Command(stamp, wanted),
+            GuardInput::Advice(advice) => TapRow::Advice(Box::new(advice.clone())),
+            GuardInput::Reset => TapRow::Operator(TapeLine::Reset),
+            GuardInput::Start => TapRow::Operator(TapeLine::Start),
+        });
+    }
+
+    /// A poll of the guard ring.
+    pub fn polled(&self, poll: Poll) {
+        self.push(TapRow::Polled(poll));
     }
 
     fn delivered(&self, arrival: Option<Stamp>, line: TapeLine, bytes: Vec<u8>) {
@@ -96,13 +162,19 @@ impl<T> Tapped<T> {
     pub const fn new(carrier: T, line: TapeLine, tap: Option<Tap>) -> Self {
         Self { carrier, line, tap }
     }
+
+    fn failed(&self, direction: Direction) {
+        if let Some(tap) = &self.tap {
+            tap.push(TapRow::Failed(self.line, direction));
+        }
+    }
 }
 
 impl<T: DatagramReceiver> DatagramReceiver for Tapped<T> {
     type Error = T::Error;
 
     async fn receive(&mut self, buffer: &mut [u8]) -> Result<Received, T::Error> {
-        let received = self.carrier.receive(buffer).await?;
+        let received = self.carrier.receive(buffer).await.inspect_err(|_| self.failed(Direction::Read))?;
         if let (Some(tap), Some(bytes)) = (&self.tap, buffer.get(..received.length)) {
             tap.delivered(Some(received.arrival), self.line, bytes.to_vec());
         }
@@ -116,7 +188,7 @@ impl<T: ErrorType> ErrorType for Tapped<T> {
 
 impl<T: Read> Read for Tapped<T> {
     async fn read(&mut self, buffer: &mut [u8]) -> Result<usize, T::Error> {
-        let count = self.carrier.read(buffer).await?;
+        let count = self.carrier.read(buffer).await.inspect_err(|_| self.failed(Direction::Read))?;
         if let (Some(tap), Some(bytes)) = (&self.tap, buffer.get(..count)) {
             tap.delivered(None, self.line, bytes.to_vec());
         }
@@ -126,7 +198,7 @@ impl<T: Read> Read for Tapped<T> {
 
 impl<T: Write> Write for Tapped<T> {
     async fn write(&mut self, buffer: &[u8]) -> Result<usize, T::Error> {
-        self.carrier.write(buffer).await
+        self.carrier.write(buffer).await.inspect_err(|_| self.failed(Direction::Write))
     }
 
     async fn flush(&mut self) -> Result<(), T::Error> {
@@ -138,7 +210,7 @@ impl<T: CanBus> CanBus for Tapped<T> {
     type Error = T::Error;
 
     async fn receive(&mut self) -> Result<CanFrame, T::Error> {
-        let frame = self.carrier.receive().await?;
+        let frame = self.carrier.receive().await.inspect_err(|_| self.failed(Direction::Read))?;
         // No device of the robot uses other identifiers, and the tape cannot hold them.
         if let (Some(tap), Some(id)) = (&self.tap, frame.standard_id()) {
             let bytes = id.to_le_bytes().iter().chain(frame.payload()).copied().collect();
@@ -151,7 +223,7 @@ impl<T: CanBus> CanBus for Tapped<T> {
         if let Some(tap) = &self.tap {
             tap.push(TapRow::Sent(clock::now(), *frame));
         }
-        self.carrier.send(frame).await
+        self.carrier.send(frame).await.inspect_err(|_| self.failed(Direction::Write))
     }
 }
 

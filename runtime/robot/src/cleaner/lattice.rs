@@ -8,6 +8,7 @@ use std::collections::BinaryHeap;
 
 use floorguard_mapping::GridGeometry;
 use floorguard_types::geometry::{Pose2, wrap_angle};
+pub use floorguard_types::motion::Gear;
 
 /// Heading bins of the search.
 pub const HEADINGS: usize = 16;
@@ -20,18 +21,6 @@ const ARC_M: f32 = 0.75;
 const POSES_MAX: usize = 150_000;
 /// The estimate counts this much more than the path behind: finds good paths sooner than the best one.
 const HASTE: f32 = 1.3;
-
-/// How a pose was reached from the one before.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Gear {
-    /// Forward, straight or on an arc.
-    #[default]
-    Ahead,
-    /// Turning on the spot.
-    Spin,
-    /// Backwards.
-    Back,
-}
 
 /// A pose on a path.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,9 +5,10 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use floorguard_cleaning::{CleanRule, Planner};
+use floorguard_cleaning::{CleanRule, LaneAttempt, LaneQueue, Planner, VisitPlan};
 use floorguard_guard::{Cause, Decision};
 use floorguard_mapping::{DirtCell, DirtMap, Grid, GridGeometry};
+use floorguard_navigation::path::FollowState;
 use floorguard_navigation::{PathSearch, SearchCell};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::mission::RouteFollower;
@@ -26,9 +27,10 @@ use super::plan::{MissionPlan, MissionStrategy};
 use super::progress::{LaneCount, MissionPhase, MissionWatch};
 use super::retreat::PeopleNear;
 use super::store::{Saved, Store};
+use super::targets::VISITS_MAX;
 use super::times::{TimeUse, Times, is_standing};
-use super::track::{Track, Tracking};
-use crate::site::{Lane, Localiser, lanes, scrubber};
+use super::track::Track;
+use crate::site::{Localiser, lanes, scrubber};
 
 /// Nodes of a tour: 1,024 cells, the robot, and the end of the path.
 const NODES: usize = 1_026;
@@ -115,11 +117,14 @@ fn localiser_of(
 }
 
 /// The lanes of a mission that drives over everything; none for one that knows where it wants to go.
-fn lanes_of(plan: &MissionPlan, ground: &Ground) -> VecDeque<Lane> {
+fn lanes_of(plan: &MissionPlan, ground: &Ground) -> Vec<LaneAttempt> {
     let start = Point2::new(ground.floor.start.x_m, ground.floor.start.y_m);
     match plan.strategy {
-        MissionStrategy::Systematic => lanes(&ground.floor, scrubber::BRUSH.width_m, start).into(),
-        _ => VecDeque::new(),
+        MissionStrategy::Systematic => {
+            let lanes = lanes(&ground.floor, scrubber::BRUSH.width_m, start);
+            lanes.into_iter().map(LaneAttempt::from).collect()
+        }
+        _ => Vec::new(),
     }
 }
 
@@ -129,8 +134,7 @@ pub struct Cleaner {
     pub(super) ground: Ground,
     pub(super) localiser: Localiser,
     pub(super) rule: CleanRule,
-    pub(super) planner: Planner<Vec<SearchCell>, Vec<u16>, NODES>,
-    pub(super) visits: Vec<u8>,
+    pub(super) tours: VisitPlan<Vec<SearchCell>, Vec<u16>, Vec<u8>, NODES>,
     pub(super) obstructed: Vec<bool>,
     pub(super) track: Track,
     pub(super) odometry: StampedPose,
@@ -149,7 +153,7 @@ pub struct Cleaner {
     pub(super) pace: Pace,
     pub(super) scanner_mount: ScannerMount,
     pub(super) route: RouteFollower,
-    pub(super) lanes: VecDeque<Lane>,
+    pub(super) lanes: LaneQueue<Vec<LaneAttempt>>,
     pub(super) lane_count: LaneCount,
     pub(super) poses: VecDeque<StampedPose>,
     pub(super) dirt: Option<DirtReading>,
@@ -166,7 +170,6 @@ pub struct Cleaner {
     pub(super) held_s: f32,
     pub(super) held_at: Option<(Point2, f32)>,
     pub(super) last_s: f32,
-    pub(super) plan_s: f32,
     pub(super) next_report_s: f32,
     pub(super) save_s: f32,
     /// Nothing is left to be saved.
@@ -196,11 +199,11 @@ impl Cleaner {
         }
         let lanes = lanes_of(plan, &ground);
         let stream = |number| Pcg32::new(plan.seed, number);
+        let planner = Planner::new(search_of(raster), vec![0; NODES * NODES], stream(72));
         let localiser = localiser_of((&ground, plan), Grid::new(raster, cells)?, saved.is_some());
         Ok(Self {
             rule: CleanRule::per_cell(plan.tolerated_units, plan.delta),
-            planner: Planner::new(search_of(raster), vec![0; NODES * NODES], stream(72)),
-            visits: vec![0; raster.cell_count()],
+            tours: VisitPlan::new(planner, vec![0; raster.cell_count()], VISITS_MAX),
             obstructed: vec![false; raster.cell_count()],
             track: Track::default(),
             odometry: StampedPose::default(),
@@ -219,7 +222,7 @@ impl Cleaner {
             scanner_mount: ScannerMount::of(robot),
             route: RouteFollower::new(robot.route.clone(), robot.route_limits),
             lane_count: LaneCount { planned: lanes.len() as u32, driven: 0 },
-            lanes,
+            lanes: LaneQueue::new(lanes),
             poses: VecDeque::new(),
             dirt: None,
             began: None,
@@ -233,7 +236,6 @@ impl Cleaner {
             held_s: 0.0,
             held_at: None,
             last_s: 0.0,
-            plan_s: 0.0,
             next_report_s: 0.0,
             save_s: 0.0,
             is_kept: false,
@@ -291,7 +293,7 @@ impl Cleaner {
             return Twist2::ZERO;
         }
         let pose = self.pose();
-        if self.plan.strategy == MissionStrategy::Guarantee && now_s >= self.plan_s {
+        if self.plan.strategy == MissionStrategy::Guarantee && self.tours.is_due(now_s) {
             self.replan(pose, now_s);
         }
         self.retreat(pose, now_s);
@@ -305,9 +307,9 @@ impl Cleaner {
                 return Twist2::ZERO;
             }
             match self.track.follow(pose, &self.pace) {
-                Tracking::Drive(twist) => return twist,
-                Tracking::Arrived => self.arrive(),
-                Tracking::Lost => self.track = Track::default(),
+                FollowState::Drive(twist) => return twist,
+                FollowState::Arrived => self.arrive(),
+                FollowState::Lost => self.track = Track::default(),
             }
         }
         Twist2::ZERO

@@ -8,7 +8,6 @@ use floorguard_types::time::Stamp;
 use super::mission::Cleaner;
 use super::plan::MissionStrategy;
 use super::progress::{CellState, Doubt, MissionProgress, UncertainCell};
-use super::targets::VISITS_MAX;
 
 /// Centres of a tour that are reported.
 const TOUR_REPORTED: usize = 1_024;
@@ -65,7 +64,7 @@ impl Cleaner {
             unreachable_cells: (0..cells.len())
                 .filter(|cell| was_dirty[*cell] && !floor.reachable[*cell])
                 .count(),
-            tour: self.planner.tour().take(TOUR_REPORTED).map(|cell| raster.centre(cell)).collect(),
+            tour: self.tours.tour().take(TOUR_REPORTED).map(|cell| raster.centre(cell)).collect(),
             waypoints: self.track.rest().iter().map(|at| place(at.pose)).collect(),
             distance_m: self.distance_m,
             waited_s: self.times.lost_s(),
@@ -79,9 +78,12 @@ impl Cleaner {
     }
 
     fn doubt(&self, cell: usize, state: CellState) -> Doubt {
-        if self.visits[cell] >= VISITS_MAX {
+        if !self.tours.may_visit(cell) {
             Doubt::GivenUp
-        } else if state == CellState::Uncertain || state == CellState::Active || self.visits[cell] > 0 {
+        } else if state == CellState::Uncertain
+            || state == CellState::Active
+            || self.tours.visits_of(cell) > 0
+        {
             Doubt::PathUnsure
         } else if self.obstructed[cell] {
             Doubt::Obstructed

@@ -1,5 +1,6 @@
 //! Where the mission goes next: the tour over what is dirty, what is postponed, and the lanes of a mission without a belief.
 
+use floorguard_cleaning::{Lane, LaneAttempt};
 use floorguard_mapping::NO_SLOT;
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
 
@@ -10,8 +11,6 @@ use super::progress::MissionPhase;
 use super::track::Track;
 use super::visits::CLUSTER_M;
 
-/// The way is planned again this often, seconds (book, Cleaning: Re-planning).
-const REPLAN_S: f32 = 5.0;
 /// A cell that nobody can get to now is tried again after this, seconds.
 const POSTPONED_S: f32 = 12.0;
 /// After so many visits a cell is given up, and reported.
@@ -36,35 +35,29 @@ impl Cleaner {
         self.track = Track::default();
         self.lane_count.driven += u32::from(self.plan.strategy == MissionStrategy::Systematic);
         if let Some(target) = self.target.take() {
-            self.visits[target] = self.visits[target].saturating_add(1);
             let around: Vec<usize> = self.cells_within(target, CLUSTER_M).collect();
             around.into_iter().for_each(|cell| self.passed[cell] = true);
-            if self.planner.tour().next() == Some(target) {
-                self.planner.drop_first();
-            }
+            self.tours.finish(target);
         }
     }
 
     /// The tour over what is dirty; a cell that became clean meanwhile is no target any more.
     pub(super) fn replan(&mut self, pose: Pose2, now_s: f32) {
-        self.plan_s = now_s + REPLAN_S;
+        self.tours.plan_later(now_s);
         let here = Point2::new(pose.x_m, pose.y_m);
         let Some(cell) = self.ground.floor.nearest_passable(here) else { return };
-        let grazed = self.localiser.grazed(&self.rule);
-        let (map, rule, visits) = (&self.localiser.map, &self.rule, &self.visits);
         let floor = &self.ground.floor;
+        let dirty = self.localiser.dirty(&self.rule);
         for (cell, is_wanted) in self.wanted.iter_mut().enumerate() {
-            let is_dirty = map.get(cell).is_some_and(|dirt| rule.needs_cleaning(dirt));
-            *is_wanted = floor.reachable[cell]
-                && visits[cell] < VISITS_MAX
-                && (is_dirty || grazed.binary_search(&cell).is_ok());
+            *is_wanted = floor.reachable[cell] && self.tours.may_visit(cell) && dirty.contains(cell);
         }
         let all_wanted = &self.wanted;
         let wanted = |cell: usize| all_wanted[cell];
         let passable = |cell: usize| floor.passable[cell] || floor.reachable[cell];
         // A tour that does not fit its memory is the one before, without what is clean by now.
-        let _ = self.planner.replan(cell, (wanted, passable), 500);
+        let _ = self.tours.replan((cell, now_s), (wanted, passable), 500);
         // A pass that has begun is not broken off while any of its dirt is left.
+        let map = &self.localiser.map;
         let is_gone = |target: usize| {
             let is_decided = map.get(target).is_some_and(|dirt| dirt.slot == NO_SLOT);
             is_decided && !self.is_wanted_within(target, CLUSTER_M)
@@ -134,7 +127,7 @@ impl Cleaner {
         self.postponed.retain(|(_, until_s)| *until_s > now_s);
         for _ in 0..TRIES {
             let is_postponed = |cell: &usize| self.postponed.iter().any(|(other, _)| other == cell);
-            let open = || self.planner.tour().filter(|cell| !is_postponed(cell));
+            let open = || self.tours.tour().filter(|cell| !is_postponed(cell));
             // What a pass has left is done on a second round: at once it would cost a turn, among the same people.
             let fresh = open().find(|cell| !self.passed[*cell]);
             let Some(cell) = fresh.or_else(|| open().next()) else { break };
@@ -145,7 +138,7 @@ impl Cleaner {
             self.postpone(cell, now_s);
         }
         self.try_s = now_s + TRY_AGAIN_S;
-        if self.planner.tour().next().is_some() {
+        if self.tours.tour().next().is_some() {
             return false;
         }
         self.end(pose, now_s)
@@ -162,7 +155,7 @@ impl Cleaner {
         let is_far = |pose: Pose2| Point2::new(pose.x_m, pose.y_m).distance(here) > LEAVES_M;
         self.search((pose, now_s), (|_: Pose2| Some(0.0), is_far)).is_some_and(|path| {
             self.track = Track::new(path);
-            self.plan_s = now_s;
+            self.tours.plan_at(now_s);
             true
         })
     }
@@ -170,7 +163,7 @@ impl Cleaner {
     /// The next lane that can be got to; one that nobody can get to is left out.
     pub(super) fn next_lane(&mut self, pose: Pose2, now_s: f32) -> bool {
         for _ in 0..TRIES {
-            let Some((from, to)) = self.lanes.pop_front() else {
+            let Some(LaneAttempt { lane: Lane { from, to }, .. }) = self.lanes.advance() else {
                 self.phase = MissionPhase::Done;
                 return false;
             };

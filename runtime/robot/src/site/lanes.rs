@@ -1,11 +1,9 @@
 //! Lanes over the whole floor: the systematic strategy, and wet cleaning with headlands.
 
+use floorguard_cleaning::Lane;
 use floorguard_types::geometry::Point2;
 
 use super::floor::{CELL_M, Floor};
-
-/// A straight stretch to be driven.
-pub type Lane = (Point2, Point2);
 
 /// Places of a cell, from its centre, that must all be covered, metres.
 const SAMPLES_M: [(f32, f32); 5] = [(0.0, 0.0), (0.04, 0.04), (-0.04, 0.04), (0.04, -0.04), (-0.04, -0.04)];
@@ -54,11 +52,11 @@ fn parallel(floor: &Floor, spacing_m: f32) -> (Vec<Lane>, bool) {
                 open.get_or_insert(along);
                 last = along;
             } else if let Some(from) = open.take() {
-                lanes.push((at(from, across), at(last, across)));
+                lanes.push(Lane { from: at(from, across), to: at(last, across) });
             }
         }
         if let Some(from) = open {
-            lanes.push((at(from, across), at(last, across)));
+            lanes.push(Lane { from: at(from, across), to: at(last, across) });
         }
     }
     (lanes, along_x)
@@ -100,13 +98,13 @@ fn through(floor: &Floor, (first, last): (usize, usize), along_x: bool) -> Lane 
         let end = Point2::new(point.x_m + dx, point.y_m + dy);
         if floor.is_clear(point, end) { end } else { point }
     };
-    (beyond(a, -0.5 * CELL_M), beyond(b, 0.5 * CELL_M))
+    Lane { from: beyond(a, -0.5 * CELL_M), to: beyond(b, 0.5 * CELL_M) }
 }
 
 /// Reachable cells of which all sample places lie below the brush on some lane.
 fn covered(floor: &Floor, lanes: &[Lane], brush_m: f32) -> Vec<bool> {
     let mut seen = vec![0_u8; floor.cells.cell_count()];
-    for &(from, to) in lanes {
+    for &Lane { from, to } in lanes {
         let length_m = from.distance(to).max(1e-6);
         let (ux, uy) = ((to.x_m - from.x_m) / length_m, (to.y_m - from.y_m) / length_m);
         let low = Point2::new(from.x_m.min(to.x_m) - brush_m, from.y_m.min(to.y_m) - brush_m);
@@ -138,7 +136,7 @@ fn order(floor: &Floor, mut lanes: Vec<Lane>, start: Point2) -> Vec<Lane> {
     while !lanes.is_empty() {
         let mut best: Option<(f32, usize, bool)> = None;
         for (index, lane) in lanes.iter().enumerate() {
-            for (end, turned) in [(lane.0, false), (lane.1, true)] {
+            for (end, turned) in [(lane.from, false), (lane.to, true)] {
                 let far = here.distance(end);
                 let least = best.map_or(f32::MAX, |b| b.0);
                 // The line of sight is expensive: only for what can still win.
@@ -154,8 +152,8 @@ fn order(floor: &Floor, mut lanes: Vec<Lane>, start: Point2) -> Vec<Lane> {
         }
         let Some((_, index, turned)) = best else { break };
         let lane = lanes.swap_remove(index);
-        let lane = if turned { (lane.1, lane.0) } else { lane };
-        here = lane.1;
+        let lane = if turned { Lane { from: lane.to, to: lane.from } } else { lane };
+        here = lane.to;
         ordered.push(lane);
     }
     ordered

@@ -54,6 +54,22 @@ pub struct Localiser {
     pub busy_s: f64,
 }
 
+/// Cells that are to be cleaned, as believed at a moment.
+pub struct DirtyCells<'a> {
+    map: &'a DirtMap<Vec<DirtCell>>,
+    rule: &'a CleanRule,
+    grazed: Vec<usize>,
+}
+
+impl DirtyCells<'_> {
+    /// The map calls the cell dirty, or the brush has only grazed it.
+    #[must_use]
+    pub fn contains(&self, cell: usize) -> bool {
+        self.map.get(cell).is_some_and(|dirt| self.rule.needs_cleaning(dirt))
+            || self.grazed.binary_search(&cell).is_ok()
+    }
+}
+
 impl Localiser {
     /// A belief around the start of the floor (5 cm, 3°).
     pub fn new(floor: &Floor, config: BeliefConfig, map: DirtMap<Vec<DirtCell>>, random: Pcg32) -> Self {
@@ -207,9 +223,15 @@ impl Localiser {
         self.belief.active_cells()
     }
 
+    /// The cells that a rule does not call clean now.
+    pub fn dirty<'a>(&'a mut self, rule: &'a CleanRule) -> DirtyCells<'a> {
+        let grazed = self.grazed(rule);
+        DirtyCells { map: &self.map, rule, grazed }
+    }
+
     /// Cells under the brush that were dirty before and are not swept yet, sorted: grazed in passing, and still to be
     /// visited.
-    pub fn grazed(&mut self, rule: &CleanRule) -> Vec<usize> {
+    fn grazed(&mut self, rule: &CleanRule) -> Vec<usize> {
         let mut cells = Vec::new();
         self.belief.visit_active(|cell, prior, swept| {
             if swept < SWEPT_SHARE && rule.needs_cleaning(prior) {

@@ -10,5 +10,5 @@ pub mod scrubber;
 
 pub use dirt_source::{DirtSource, read_places};
 pub use floor::{CELL_M, CELLS_MAX, Floor};
-pub use lanes::{Lane, lanes};
-pub use localiser::{Localiser, PARTICLES};
+pub use lanes::lanes;
+pub use localiser::{DirtyCells, Localiser, PARTICLES};

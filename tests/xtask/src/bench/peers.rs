@@ -1,16 +1,16 @@
-//! Installs the peers, lets ours and theirs run on the same inputs one after the other, and writes the table.
+//! Installs the peers, and lets ours and theirs run on the same inputs one after the other.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, bail};
 
-use super::table::{Reported, Row, markdown};
+use super::documents;
+use super::history::{self, Measurement};
+use super::line::{Line, Reported};
+use super::machine::Machine;
+use super::table::markdown;
 use crate::shell;
-
-/// Between these lines of BENCHMARKS.md the command writes; what stands around them is written by hand.
-const BEGIN: &str = "<!-- written by cargo xtask bench --peers -->";
-const END: &str = "<!-- end -->";
 
 /// In the order of the table.
 const TASKS: [&str; 11] = [
@@ -18,38 +18,89 @@ const TASKS: [&str; 11] = [
     "pipeline",
 ];
 
-/// Ours and theirs in turn, task by task: whatever else the machine does, it does to both. With tasks, only those.
-pub fn run(json: bool, tasks: &[String]) -> Result<()> {
+/// Ours and theirs in turn, task by task: whatever else the machine does, it does to both. With tasks, only those, and nothing
+/// is written. False if the machine is too busy for the table.
+pub fn run(json: bool, tasks: &[String]) -> Result<bool> {
     if let Some(unknown) = tasks.iter().find(|task| !TASKS.contains(&task.as_str())) {
         bail!("no task `{unknown}`; there are {}", TASKS.join(", "));
     }
-    let work = shell::root().join("target/peers");
-    std::fs::create_dir_all(&work)?;
-    let python = environment(&work)?;
-    let inputs = work.join("inputs");
-    let data = shared();
-    let mut rows = Vec::new();
-    for task in TASKS.iter().filter(|task| tasks.is_empty() || tasks.iter().any(|wanted| wanted == *task)) {
+    let for_table = tasks.is_empty();
+    let mut machine = Machine::here();
+    if let Some(refusal) = machine.refusal().filter(|_| for_table) {
+        eprintln!("{refusal}");
+        return Ok(false);
+    }
+    let peers = Peers::prepared()?;
+    if for_table {
+        eprintln!("  waiting until the load of the build is gone");
+        machine.settle();
+    }
+    let mut lines = Vec::new();
+    for task in TASKS.iter().filter(|task| for_table || tasks.iter().any(|wanted| wanted == *task)) {
         eprintln!("  {task}: ours, the peers, ours again");
-        let ours = || -> Result<Vec<Reported>> {
-            let mut bench = super::bench();
-            let reported = shell::output(bench.arg("--peers").arg(&inputs).arg(task));
-            Reported::read(&reported.context("our measurement failed")?)
-        };
-        let mut measure = Command::new(&python);
-        measure.arg(shell::root().join("tests/peers/measure.py")).arg(&inputs);
-        measure.arg(data.join("data/models")).arg(data.join("bench")).arg(task);
-        let before = ours()?;
-        let theirs = shell::output(&mut measure).context("the peers' measurement failed")?;
-        rows.extend(Row::join(&[before, ours()?], &Reported::read(&theirs)?));
+        let before = peers.ours(task)?;
+        let theirs = peers.theirs(task)?;
+        lines.extend(Line::join(&[before, peers.ours(task)?], &theirs));
+        machine.note_load();
     }
-    let text = markdown(&rows, &machine());
+    finish(json, for_table, Measurement { machine, lines })
+}
+
+/// Prints what was measured, keeps it if it may go into the table, and writes the documents.
+fn finish(json: bool, for_table: bool, measurement: Measurement) -> Result<bool> {
     if json {
-        rows.iter().for_each(|row| println!("{}", row.to_json()));
+        for line in &measurement.lines {
+            let mut row = serde_json::to_value(line)?;
+            row["ratios"] = serde_json::to_value(line.ratios())?;
+            println!("{row}");
+        }
     } else {
-        println!("{text}");
+        println!("{}", markdown(&measurement));
     }
-    if tasks.is_empty() { write(&shell::root().join("BENCHMARKS.md"), &text) } else { Ok(()) }
+    if !for_table {
+        return Ok(true);
+    }
+    if let Some(refusal) = measurement.machine.refusal() {
+        eprintln!("{refusal}");
+        return Ok(false);
+    }
+    history::add(&shell::root(), measurement)?;
+    documents::render(&shell::root())?;
+    Ok(true)
+}
+
+/// What both sides need.
+struct Peers {
+    python: PathBuf,
+    inputs: PathBuf,
+}
+
+impl Peers {
+    /// Installs the peers and builds ours.
+    fn prepared() -> Result<Self> {
+        let work = shell::root().join("target/peers");
+        std::fs::create_dir_all(&work)?;
+        let python = environment(&work)?;
+        if !shell::succeeds(&mut super::build())? {
+            bail!("our measurement cannot be built");
+        }
+        Ok(Self { python, inputs: work.join("inputs") })
+    }
+
+    fn ours(&self, task: &str) -> Result<Vec<Reported>> {
+        let mut bench = super::bench();
+        let reported = shell::output(bench.arg("--peers").arg(&self.inputs).arg(task));
+        Reported::read(&reported.context("our measurement failed")?)
+    }
+
+    /// Recordings and benchmark inputs lie beside the project.
+    fn theirs(&self, task: &str) -> Result<Vec<Reported>> {
+        let data = shell::root().join("../shared");
+        let mut measure = Command::new(&self.python);
+        measure.arg(shell::root().join("tests/peers/measure.py")).arg(&self.inputs);
+        measure.arg(data.join("data/models")).arg(data.join("bench")).arg(task);
+        Reported::read(&shell::output(&mut measure).context("the peers' measurement failed")?)
+    }
 }
 
 /// A virtual environment with whatever of the requirements can be installed.
@@ -71,28 +122,4 @@ fn environment(work: &Path) -> Result<PathBuf> {
         }
     }
     Ok(python)
-}
-
-/// Where recordings and benchmark inputs lie, beside the project.
-fn shared() -> PathBuf {
-    shell::root().join("../shared")
-}
-
-/// Processor, cores and how busy they are.
-fn machine() -> String {
-    let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
-    let processor = read("/proc/cpuinfo");
-    let name = processor.lines().find(|line| line.starts_with("model name"));
-    let name = name.and_then(|line| line.split(": ").nth(1)).unwrap_or("unknown processor").to_owned();
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let load = read("/proc/loadavg").split(' ').next().unwrap_or("unknown").to_owned();
-    format!("{name}, {cores} cores, load {load}, one thread each")
-}
-
-fn write(path: &Path, table: &str) -> Result<()> {
-    let old = std::fs::read_to_string(path).unwrap_or_else(|_| format!("# Benchmarks\n\n{BEGIN}\n{END}\n"));
-    let (before, rest) = old.split_once(BEGIN).context("BENCHMARKS.md has lost its first mark")?;
-    let (_, after) = rest.split_once(END).context("BENCHMARKS.md has lost its second mark")?;
-    std::fs::write(path, format!("{before}{BEGIN}\n\n{table}\n{END}{after}"))?;
-    Ok(())
 }

@@ -1,151 +1,129 @@
-//! Ours and theirs on the same inputs, as a table of ratios.
+//! The tables of ratios: every peer for BENCHMARKS.md, the best one of each task for the README.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use anyhow::Result;
-use serde::Deserialize;
+use super::history::Measurement;
+use super::line::{Line, Ratios};
 
-/// A line that a measurement printed.
-#[derive(Clone, Debug, Deserialize)]
-pub struct Reported {
-    task: String,
-    peer: String,
-    #[serde(default)]
-    input: String,
-    #[serde(default)]
-    version: String,
-    #[serde(default)]
-    note: String,
-    ns: Option<f64>,
-    fastest_ns: Option<f64>,
-    /// The ratio that was asked for.
-    aim: Option<f64>,
-    skipped: Option<String>,
-}
+const HEAD: &str = "| task | input | floorguard | peer | peer's time | ratio | by the wall clock | of medians | aim | notes |\n\
+    |---|---|---:|---|---:|---:|---:|---:|---:|---|\n";
 
-impl Reported {
-    /// One object a line; some peers print lines of their own between them.
-    pub fn read(text: &str) -> Result<Vec<Self>> {
-        text.lines()
-            .filter(|line| line.starts_with('{'))
-            .map(|line| Ok(serde_json::from_str(line)?))
-            .collect()
-    }
-}
-
-/// A line of the table.
-#[derive(Clone, Debug)]
-pub struct Row {
-    ours: Reported,
-    /// The fastest round of ours, before or after the peers; and the mean of both medians, nanoseconds.
-    ours_ns: [f64; 2],
-    /// None: nothing does the same.
-    peer: Option<Reported>,
-}
-
-impl Row {
-    /// Every task and input of ours with every peer that did the same; peers that were skipped follow without times.
-    pub fn join(ours: &[Vec<Reported>; 2], peers: &[Reported]) -> Vec<Self> {
-        let [first, second] = ours;
-        let mut rows = Vec::new();
-        for reported in first {
-            let same = |other: &&Reported| other.task == reported.task && other.input == reported.input;
-            let both = || std::iter::once(reported).chain(second.iter().find(same));
-            let fastest = both().filter_map(Reported::fastest).fold(f64::NAN, f64::min);
-            let medians: Vec<f64> = both().filter_map(|reported| reported.ns).collect();
-            let ours_ns = [fastest, medians.iter().sum::<f64>() / medians.len().max(1) as f64];
-            let row = |peer| Self { ours: reported.clone(), ours_ns, peer };
-            let matching: Vec<&Reported> =
-                peers.iter().filter(same).filter(|reported| reported.ns.is_some()).collect();
-            if matching.is_empty() {
-                rows.push(row(None));
-            }
-            rows.extend(matching.into_iter().map(|peer| row(Some(peer.clone()))));
-        }
-        for reported in peers.iter().filter(|reported| reported.skipped.is_some()) {
-            rows.push(Self { ours: reported.clone(), ours_ns: [f64::NAN; 2], peer: Some(reported.clone()) });
-        }
-        rows
-    }
-
-    /// How many times longer the peer takes: by the fastest rounds, and by the medians.
-    fn ratios(&self) -> Option<[f64; 2]> {
-        let peer = self.peer.as_ref()?;
-        let [fastest, median] = self.ours_ns;
-        Some([peer.fastest()? / fastest, peer.ns? / median])
-    }
-
-    /// The same for programs.
-    pub fn to_json(&self) -> serde_json::Value {
-        let peer = self.peer.as_ref();
-        let [fastest, median] = self.ours_ns.map(|ns| if ns.is_nan() { None } else { Some(ns) });
-        serde_json::json!({
-            "task": self.ours.task,
-            "input": self.ours.input,
-            "fastest_ns": fastest,
-            "median_ns": median,
-            "note": self.ours.note,
-            "peer": peer.map(|peer| &peer.peer),
-            "peer_version": peer.map(|peer| &peer.version),
-            "peer_fastest_ns": peer.and_then(Reported::fastest),
-            "peer_median_ns": peer.and_then(|peer| peer.ns),
-            "peer_note": peer.map(|peer| &peer.note),
-            "ratio": self.ratios().map(|[fastest, _]| fastest),
-            "ratio_of_medians": self.ratios().map(|[_, median]| median),
-            "aim": peer.and_then(|peer| peer.aim),
-            "absent": peer.and_then(|peer| peer.skipped.as_ref()),
-        })
-    }
-}
-
-impl Reported {
-    fn fastest(&self) -> Option<f64> {
-        self.fastest_ns.or(self.ns)
-    }
+/// The cells of a line.
+fn cells(line: &Line) -> [String; 10] {
+    let none = || String::from("–");
+    let time = |ns: Option<f64>| ns.map_or_else(none, shown);
+    let ratios = line.ratios();
+    let ratio = |of: fn(&Ratios) -> Option<f64>| {
+        ratios.as_ref().and_then(of).map_or_else(none, |ratio| format!("{ratio:.1}"))
+    };
+    let computed = ratio(|ratios| ratios.computed);
+    let peer_note = line.absent.as_deref().unwrap_or(&line.peer_note);
+    let notes = [line.note.as_str(), peer_note].into_iter().filter(|note| !note.is_empty());
+    [
+        line.task.clone(),
+        line.input.clone(),
+        time(line.ours.and_then(|times| times.fastest_ns())),
+        line.peer.clone().unwrap_or_else(none),
+        time(line.peer_times.and_then(|times| times.fastest_ns())),
+        if computed == none() { computed } else { format!("**{computed}**") },
+        ratio(|ratios| Some(ratios.fastest)),
+        ratio(|ratios| ratios.medians),
+        line.aim.map(|aim| aim.to_string()).unwrap_or_default(),
+        notes.collect::<Vec<_>>().join("; peer: "),
+    ]
 }
 
 fn shown(ns: f64) -> String {
     match ns {
-        ns if ns.is_nan() => "–".to_owned(),
         ns if ns < 1.0e4 => format!("{:.2} µs", ns / 1.0e3),
         ns if ns < 1.0e6 => format!("{:.0} µs", ns / 1.0e3),
         ns => format!("{:.2} ms", ns / 1.0e6),
     }
 }
 
-/// The table, with the machine in front.
-pub fn markdown(rows: &[Row], machine: &str) -> String {
-    let mut text = format!(
-        "Machine: {machine}. Fastest rounds of both, ours and theirs in turn, task by task; the ratio of the medians beside.\n\n"
-    );
-    text.push_str("| task | input | floorguard | peer | peer's time | ratio | aim | of medians | notes |\n");
-    text.push_str("|---|---|---:|---|---:|---:|---:|---:|---|\n");
-    for row in rows {
-        let none = || "–".to_owned();
-        let [fastest, _] = row.ours_ns;
-        let (peer, time, note) = match &row.peer {
-            None => (none(), none(), String::new()),
-            Some(Reported { skipped: Some(why), peer, .. }) => (peer.clone(), none(), why.clone()),
-            Some(reported) => {
-                let name = format!("{} {}", reported.peer, reported.version);
-                (name, shown(reported.fastest().unwrap_or(f64::NAN)), reported.note.clone())
-            }
-        };
-        let [ratio, of_medians] = row.ratios().map_or([none(), none()], |[fastest, median]| {
-            [format!("**{fastest:.1}**"), format!("{median:.1}")]
-        });
-        let aim =
-            row.peer.as_ref().and_then(|peer| peer.aim).map_or_else(String::new, |aim| format!("{aim}"));
-        let ours_note = if row.ours.skipped.is_some() { "" } else { &row.ours.note };
-        let notes: Vec<&str> = [ours_note, &note].into_iter().filter(|note| !note.is_empty()).collect();
-        let _infallible = writeln!(
-            text,
-            "| {} | {} | {} | {peer} | {time} | {ratio} | {aim} | {of_medians} | {} |",
-            row.ours.task,
-            row.ours.input,
-            shown(fastest),
-            notes.join("; peer: "),
-        );
+/// The table of one measurement, with the machine in front.
+pub fn markdown(measurement: &Measurement) -> String {
+    let mut text = format!("Measured: {}.\n\n{HEAD}", measurement.machine.words());
+    for line in &measurement.lines {
+        let _infallible = writeln!(text, "| {} |", cells(line).join(" | "));
+    }
+    text
+}
+
+/// The last table with times. A table from a busy machine is preceded by what is known of quiet ones.
+pub fn for_benchmarks(all: &[Measurement]) -> Option<String> {
+    let has_times = |one: &&Measurement| one.lines.iter().any(|line| line.ours.is_some());
+    let last = all.iter().rev().find(has_times)?;
+    let mut text = String::new();
+    if last.machine.is_busy() {
+        text.push_str("**The table below was measured on a busy machine, which overstates its ratios**, and without counting \
+            processor time. Ratios on a quiet machine are lower:\n\n");
+        if let Some(quiet) = all.iter().rev().find(|one| !one.machine.is_busy()) {
+            let _infallible =
+                writeln!(text, "{}\nMeasured: {}.\n", ratios(&quiet.lines), quiet.machine.words());
+        }
+    }
+    text.push_str(&markdown(last));
+    Some(text)
+}
+
+/// The best peer of each task, from the last measurement on a quiet machine, or else from the last one.
+pub fn for_readme(all: &[Measurement]) -> Option<String> {
+    let quiet = all.iter().rev().find(|one| !one.machine.is_busy()).or(all.last())?;
+    let warning =
+        if quiet.machine.is_busy() { " The machine was busy, which overstates the ratios." } else { "" };
+    Some(format!("{}\nMeasured: {}.{warning}\n", best_peers(&quiet.lines), quiet.machine.words()))
+}
+
+/// Smallest and largest ratio over the inputs of a task.
+#[derive(Clone, Copy)]
+struct Range {
+    least: f64,
+    most: f64,
+}
+
+impl Range {
+    fn words(self) -> String {
+        let rounded = |ratio: f64| if ratio < 20.0 { format!("{ratio:.1}") } else { format!("{ratio:.0}") };
+        let (least, most) = (rounded(self.least), rounded(self.most));
+        if least == most { least } else { format!("{least} to {most}") }
+    }
+}
+
+/// Tasks, their peers, and the ratios of each.
+fn ranges(lines: &[Line]) -> BTreeMap<&str, BTreeMap<&str, Range>> {
+    let mut tasks = BTreeMap::<&str, BTreeMap<&str, Range>>::new();
+    for line in lines {
+        let (Some(peer), Some(ratios)) = (&line.peer, line.ratios()) else { continue };
+        let ratio = ratios.best_known();
+        let range =
+            tasks.entry(&line.task).or_default().entry(peer).or_insert(Range { least: ratio, most: ratio });
+        *range = Range { least: range.least.min(ratio), most: range.most.max(ratio) };
+    }
+    tasks
+}
+
+/// All peers of which ratios are known.
+fn ratios(lines: &[Line]) -> String {
+    let mut text = String::from("| task | peer | it takes so many times as long |\n|---|---|---:|\n");
+    for (task, peers) in ranges(lines) {
+        for (peer, range) in peers {
+            let _infallible = writeln!(text, "| {task} | {peer} | {} |", range.words());
+        }
+    }
+    text
+}
+
+/// The peer of each task that comes nearest to ours.
+fn best_peers(lines: &[Line]) -> String {
+    let mut text =
+        String::from("| task | the best peer | it takes so many times as long |\n|---|---|---:|\n");
+    for (task, peers) in ranges(lines) {
+        let best = peers.iter().min_by(|(_, one), (_, other)| one.least.total_cmp(&other.least));
+        if let Some((peer, range)) = best {
+            let _infallible = writeln!(text, "| {task} | {peer} | {} |", range.words());
+        }
     }
     text
 }
@@ -153,26 +131,63 @@ pub fn markdown(rows: &[Row], machine: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bench::line::Reported;
+    use crate::bench::machine::Machine;
 
-    #[test]
-    fn fastest_rounds_compare_absent_peers_listed() {
-        let reported = |text: &str| Reported::read(text).expect("lines of JSON");
+    fn reported(text: &str) -> Vec<Reported> {
+        Reported::read(text).expect("lines of JSON")
+    }
+
+    fn example(load: f64) -> Measurement {
         let ours = |fastest: u32| {
             reported(&format!(
-                r#"{{"task":"t","peer":"floorguard","input":"a","ns":300,"fastest_ns":{fastest}}}"#
+                r#"{{"task":"t","peer":"floorguard","input":"a","ns":300,"fastest_ns":{fastest},"cpu_ns":290,"fastest_cpu_ns":100}}"#
             ))
         };
         let theirs = reported(
-            "a word of the peer\n{\"task\":\"t\",\"peer\":\"P\",\"input\":\"a\",\"ns\":9000,\"fastest_ns\":4000,\"aim\":20}\n\
+            "a word of the peer\n{\"task\":\"t\",\"peer\":\"P\",\"version\":\"2\",\"input\":\"a\",\"ns\":9000,\"fastest_ns\":4000,\
+             \"cpu_ns\":3500,\"fastest_cpu_ns\":3000,\"aim\":20}\n\
+             {\"task\":\"t\",\"peer\":\"R\",\"input\":\"a\",\"ns\":90000,\"fastest_ns\":50000}\n\
              {\"task\":\"t\",\"peer\":\"Q\",\"skipped\":\"absent: pip install q\"}\n",
         );
-        let rows = Row::join(&[ours(200), ours(100)], &theirs);
-        assert_eq!(rows.len(), 2);
-        let first = rows[0].to_json();
-        assert_eq!((first["ratio"].as_f64(), first["ratio_of_medians"].as_f64()), (Some(40.0), Some(30.0)));
-        assert_eq!(rows[1].to_json()["absent"], "absent: pip install q");
-        let table = markdown(&rows, "a machine");
-        assert!(table.contains("| **40.0** | 20 | 30.0 |") && table.contains("| Q | – | – |"), "{table}");
-        assert!(table.contains("absent: pip install q"), "{table}");
+        let machine = Machine {
+            date: "2026-01-02".to_owned(),
+            processor: "P".to_owned(),
+            cores: 2,
+            load: Some(load),
+            measured_by: None,
+        };
+        Measurement { machine, lines: Line::join(&[ours(200), ours(100)], &theirs) }
+    }
+
+    #[test]
+    fn ratios_are_of_processor_time() {
+        let measurement = example(1.0);
+        assert_eq!(measurement.lines.len(), 3);
+        let table = markdown(&measurement);
+        assert!(table.contains("| P 2 | 3.00 µs | **30.0** | 40.0 | 30.0 | 20 |"), "{table}");
+        assert!(table.contains("| R | 50 µs | – | 500.0 | 300.0 |"), "no processor time: {table}");
+        assert!(table.contains("| Q | – | – | – |") && table.contains("absent: pip install q"), "{table}");
+        let kept = serde_json::to_string(&measurement.lines).expect("JSON");
+        assert_eq!(serde_json::from_str::<Vec<Line>>(&kept).expect("JSON"), measurement.lines);
+    }
+
+    #[test]
+    fn the_nearest_peer_is_the_best() {
+        let best = for_readme(&[example(1.0)]).expect("a table");
+        assert!(best.contains("| t | P 2 | 30 |\n") && !best.contains("busy"), "{best}");
+        assert!(best.contains("2026-01-02, P, 2 cores, load 1.00"), "{best}");
+    }
+
+    #[test]
+    fn a_busy_table_is_marked() {
+        let all = [example(1.0), example(24.0)];
+        let text = for_benchmarks(&all).expect("a table");
+        assert!(
+            text.contains("overstates") && text.contains("load 1.00") && text.contains("load 24.00"),
+            "{text}"
+        );
+        assert!(for_readme(&all).expect("a table").contains("load 1.00"));
+        assert!(for_readme(&all[1..]).expect("a table").contains("overstates"));
     }
 }

@@ -8,7 +8,7 @@ use std::io::Read;
 
 use floorguard_localisation::odometry::PoseHistory;
 use floorguard_perception::people::{PeoplePipeline, SweepContext};
-use floorguard_types::geometry::{Point3, Pose2, Transform3, Twist2};
+use floorguard_types::geometry::{Pose2, Transform3, Twist2};
 use floorguard_types::sensing::Sweep;
 use floorguard_types::time::Stamp;
 
@@ -20,6 +20,7 @@ use super::rows::{SweepRow, print};
 use super::scans::{ScanPlayer, to_scan};
 use super::summary::Summary;
 use crate::recordings::arguments::ReplayArguments;
+use crate::recordings::frame_tree::{FrameTree, flat};
 use floorguard_host::outcome::BadInput;
 use floorguard_recording::decode::{self, LaserScan};
 use floorguard_recording::{ReadError, Recorded, Recording};
@@ -28,10 +29,6 @@ use floorguard_recording::{ReadError, Recorded, Recording};
 const FLOOR_NEAREST_M: f32 = 0.2;
 /// Heights that differ by less are the same floor, metres: that of the frame tree is then the better one.
 const SAME_FLOOR_M: f32 = 0.1;
-/// Links from a sensor to the robot; more are a ring.
-const LINKS_MAX: usize = 16;
-/// Frames that stand for the robot.
-const BASES: [&str; 3] = ["base_link", "base_footprint", "base"];
 
 /// What a bag is played through.
 struct Player<'a> {
@@ -40,7 +37,7 @@ struct Player<'a> {
     json: bool,
     lidar: Option<Lidar>,
     scanners: BTreeMap<String, ScanPlayer>,
-    mountings: BTreeMap<String, (String, Transform3)>,
+    mountings: FrameTree,
     odometry: PoseHistory,
     twist: Twist2,
     sweeps: Summary,
@@ -75,7 +72,7 @@ pub fn run<R: Read>(
         json: arguments.json,
         lidar: None,
         scanners: BTreeMap::new(),
-        mountings: BTreeMap::new(),
+        mountings: FrameTree::default(),
         odometry: PoseHistory::new(),
         twist: Twist2::ZERO,
         sweeps: Summary::new(),
@@ -140,7 +137,7 @@ impl Player<'_> {
     fn turn(&mut self, message: &Recorded) -> Option<()> {
         let imu = decode::imu(&message.data)?;
         if self.odometry.newest().is_none() {
-            let mounting = self.mounting(&imu.header.frame).unwrap_or(Transform3::IDENTITY);
+            let mounting = self.mountings.mounting(&imu.header.frame).unwrap_or(Transform3::IDENTITY);
             let [_, _, row] = mounting.rotation;
             let turn: f32 = row.iter().zip(imu.angular_radps).map(|(a, b)| a * b).sum();
             self.twist.angular_radps = if turn.is_finite() { turn } else { 0.0 };
@@ -149,29 +146,8 @@ impl Player<'_> {
     }
 
     fn frames(&mut self, message: &Recorded) -> Option<()> {
-        for frame in decode::frames(&message.data)? {
-            let bare = |name: &str| name.trim_start_matches('/').to_owned();
-            // What moves in the robot's frame tree above the base is odometry, not mounting.
-            if !BASES.contains(&bare(&frame.child).as_str()) {
-                self.mountings.insert(bare(&frame.child), (bare(&frame.header.frame), frame.transform));
-            }
-        }
+        decode::frames(&message.data)?.iter().for_each(|frame| self.mountings.enter(frame));
         Some(())
-    }
-
-    /// A sensor on the robot, if the frame tree tells.
-    fn mounting(&self, frame: &str) -> Option<Transform3> {
-        let mut at = frame.trim_start_matches('/').to_owned();
-        let mut mounting = Transform3::IDENTITY;
-        for _ in 0..LINKS_MAX {
-            if BASES.contains(&at.as_str()) {
-                return Some(mounting);
-            }
-            let (parent, transform) = self.mountings.get(&at)?;
-            mounting = composed(transform, &mounting);
-            at.clone_from(parent);
-        }
-        None
     }
 
     fn pose(&self, stamp: Stamp) -> Option<Pose2> {
@@ -184,7 +160,7 @@ impl Player<'_> {
             self.empty += 1;
             return Ok(Some(()));
         }
-        let mounting = self.mounting(&cloud.header.frame);
+        let mounting = self.mountings.mounting(&cloud.header.frame);
         let (pose, twist) = (self.pose(cloud.header.stamp), self.twist);
         let lidar = self.lidar.get_or_insert_with(|| Lidar {
             topic: message.topic.to_string(),
@@ -237,7 +213,7 @@ impl Player<'_> {
         if !is_usable(&laser) {
             return Ok(None);
         }
-        let mounting = self.mounting(&laser.header.frame).unwrap_or(Transform3::IDENTITY);
+        let mounting = self.mountings.mounting(&laser.header.frame).unwrap_or(Transform3::IDENTITY);
         let pose = self.pose(laser.header.stamp);
         let angles = (laser.first_angle_rad, laser.step_rad);
         let limits_m = [laser.range_min_m, laser.range_max_m];
@@ -289,18 +265,4 @@ impl Player<'_> {
 fn is_usable(scan: &LaserScan) -> bool {
     let numbers = [scan.first_angle_rad, scan.step_rad];
     numbers.iter().all(|number| number.is_finite()) && scan.step_rad.abs() > 1.0e-5
-}
-
-fn flat(transform: &Transform3) -> Pose2 {
-    let [[cos, ..], [sin, ..], _] = transform.rotation;
-    Pose2::new(transform.translation.x_m, transform.translation.y_m, libm::atan2f(sin, cos))
-}
-
-fn composed(outer: &Transform3, inner: &Transform3) -> Transform3 {
-    let columns = [0, 1, 2].map(|column| inner.rotation.map(|row| row[column]));
-    let rotation = outer
-        .rotation
-        .map(|row| columns.map(|column| row.iter().zip(column).map(|(a, b)| a * b).sum::<f32>()));
-    let Point3 { x_m, y_m, z_m } = outer.transform(inner.translation);
-    Transform3 { translation: Point3::new(x_m, y_m, z_m), rotation }
 }

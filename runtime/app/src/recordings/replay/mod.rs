@@ -26,7 +26,7 @@ use floorguard_recording::Recording;
 use floorguard_recording::replay::is_replayable;
 
 /// First bytes of an MCAP file.
-pub(super) const MCAP_MAGIC: &[u8] = b"\x89MCAP";
+pub(crate) const MCAP_MAGIC: &[u8] = b"\x89MCAP";
 /// So much of a file tells what it is.
 const SNIFF_BYTES: u64 = 16_384;
 
@@ -56,7 +56,7 @@ pub fn run(arguments: &ReplayArguments) -> anyhow::Result<()> {
 }
 
 /// What people bring that is nearly right, and what they can do about it.
-pub(super) fn not_for_us(begins: &[u8]) -> Option<&'static str> {
+pub(crate) fn not_for_us(begins: &[u8]) -> Option<&'static str> {
     if begins.starts_with(b"#ROSBAG") {
         return Some(
             "this is a bag of ROS 1; make it a bag of ROS 2 in MCAP first, for example with rosbags-convert",
@@ -68,7 +68,7 @@ pub(super) fn not_for_us(begins: &[u8]) -> Option<&'static str> {
 }
 
 /// pcap in both byte orders, with microseconds and with nanoseconds, and pcapng.
-pub(super) fn is_capture(begins: &[u8]) -> bool {
+pub(crate) fn is_capture(begins: &[u8]) -> bool {
     let magics = [0xa1b2_c3d4_u32, 0xa1b2_3c4d, 0x0a0d_0d0a];
     magics
         .iter()
@@ -76,7 +76,7 @@ pub(super) fn is_capture(begins: &[u8]) -> bool {
 }
 
 /// A line of it begins as one of a CARMEN log does, whatever the file is called.
-pub(super) fn is_log(begins: &[u8]) -> bool {
+pub(crate) fn is_log(begins: &[u8]) -> bool {
     let words = ["FLASER ", "RLASER ", "ROBOTLASER1 ", "RAWLASER1 ", "ODOM ", "PARAM "];
     let text = String::from_utf8_lossy(begins);
     text.lines().any(|line| words.iter().any(|word| line.starts_with(word)))
@@ -105,7 +105,7 @@ fn recording(arguments: &ReplayArguments) -> anyhow::Result<()> {
         if arguments.record.is_some() {
             return Err(bad(&"it is a recording already; --record is for captures, bags and logs").into());
         }
-        return own::run(first, &mut recording, (&name, arguments.json, arguments.realtime));
+        return own::run(first, &mut recording, (&name, arguments));
     }
     bag::run(first, &mut recording, (&name, arguments))
 }

@@ -5,7 +5,9 @@ use std::time::{Duration, Instant};
 
 use floorguard_guard::GuardState;
 use floorguard_runtime::shared::{PeopleReport, RobotStatus, StopRecord};
+use floorguard_types::time::Stamp;
 
+use super::super::arguments::ReplayArguments;
 use super::rows::{SweepRow, print};
 use floorguard_host::outcome::{BadInput, VerdictFailed};
 use floorguard_host::words::counted;
@@ -60,12 +62,12 @@ impl ReplayAudience for Printer {
 pub fn run<R: Read>(
     first: Recorded,
     recording: &mut Recording<R>,
-    (name, json, realtime): (&str, bool, bool),
+    (name, arguments): (&str, &ReplayArguments),
 ) -> anyhow::Result<()> {
     let started = Instant::now();
     let mut printer = Printer {
-        json,
-        realtime: realtime.then_some(started),
+        json: arguments.json,
+        realtime: arguments.realtime.then_some(started),
         sweeps: 0,
         stops: 0,
         identities: std::collections::BTreeSet::new(),
@@ -93,7 +95,61 @@ pub fn run<R: Read>(
     if let Some(learned) = &outcome.learned {
         say!("learned: {}", learned.words());
     }
-    verdict(name, outcome)
+    if arguments.check {
+        must_be_compared(name, &outcome)?;
+    }
+    match outcome.order {
+        Some(_) => order_verdict(name, outcome),
+        None => verdict(name, outcome),
+    }
+}
+
+/// A check that compares nothing has not succeeded.
+fn must_be_compared(name: &str, outcome: &ReplayOutcome) -> anyhow::Result<()> {
+    let missing = match (&outcome.unrepeatable, &outcome.order) {
+        (Some(reason), _) => Some(format!("{reason}, so nothing could be compared")),
+        (None, Some(order)) => order.ends_at.map(|at| {
+            format!(
+                "only the run up to {:.3} s could be compared: the recorder missed rows there",
+                seconds(at)
+            )
+        }),
+        (None, None) => (outcome.compared == 0 && outcome.recorded_digest.is_none())
+            .then(|| "the recording names no fingerprint to compare with".to_owned()),
+    };
+    match missing {
+        Some(what) if outcome.is_identical() => Err(VerdictFailed(format!("{name}: {what}")).into()),
+        _ => Ok(()),
+    }
+}
+
+fn seconds(at: Stamp) -> f64 {
+    at.as_micros() as f64 * 1.0e-6
+}
+
+/// Of a run in real time: what was decided then, and where today's code decides otherwise.
+fn order_verdict(name: &str, outcome: ReplayOutcome) -> anyhow::Result<()> {
+    let order = outcome.order.unwrap_or_default();
+    if let Some(at) = order.ends_at {
+        say!("the recorder missed rows at {:.3} s: what came after it is not compared", seconds(at));
+    }
+    if let Some(difference) = &order.first_difference {
+        let what = format!(
+            "{name}: today's code decides otherwise; the first difference is at {:.6} s, task {}\n  then:  {}\n  today: {}",
+            seconds(difference.at),
+            difference.task,
+            difference.then,
+            difference.today
+        );
+        return Err(VerdictFailed(what).into());
+    }
+    say!(
+        "{} and {} on the bus as recorded, to the bit, in {}",
+        counted(order.decisions, "decision"),
+        counted(order.frames, "frame"),
+        counted(order.polls, "step"),
+    );
+    outcome.ended.map_or(Ok(()), |error| Err(BadInput(format!("{name}: {error}")).into()))
 }
 
 fn verdict(name: &str, outcome: ReplayOutcome) -> anyhow::Result<()> {

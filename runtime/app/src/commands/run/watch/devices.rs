@@ -1,4 +1,4 @@
-//! What is said of devices on the bus and of what they send.
+//! Reports of devices on the bus and of what they send.
 
 use std::mem::Discriminant;
 use std::time::Duration;

@@ -1,0 +1,128 @@
+//! The command lines.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::input::InputOptions;
+
+/// Files of a drive, and which part of them.
+#[derive(Clone, Debug, Args)]
+pub struct DriveArguments {
+    /// Of bags, only this topic of scans; without it, the one with most scans.
+    #[arg(long)]
+    pub topic: Option<String>,
+    /// Do not use the odometry of the files: the scans alone.
+    #[arg(long)]
+    pub without_odometry: bool,
+    /// From this time on, seconds since the first scan.
+    #[arg(long, value_name = "S", default_value_t = 0.0, value_parser = seconds)]
+    pub from: f64,
+    /// Up to this time, seconds since the first scan.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub to: Option<f64>,
+}
+
+/// What to map.
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Example: floorguard map drive.mcap --out maps/hall")]
+pub struct MapArguments {
+    /// Recordings of `--record` and ROS 2 bags with LaserScan (.mcap), or CARMEN logs (.clf, .log); packed or not. Several
+    /// are the parts of one drive, in their order.
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// The folder of the map; a former map in it is replaced once the new one is whole.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Which scans.
+    #[command(flatten)]
+    pub drive: DriveArguments,
+    /// Edge of a cell of the map, metres.
+    #[arg(long, value_name = "M", default_value_t = 0.05, value_parser = cell)]
+    pub cell_m: f64,
+    /// Farther returns are not used, metres.
+    #[arg(long, value_name = "M", default_value_t = 30.0, value_parser = range)]
+    pub range_m: f64,
+    /// The summary as one JSON object on standard output.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What to find in which map.
+#[derive(Clone, Debug, Args)]
+#[command(after_help = "Example: floorguard localise maps/hall drive.mcap --out found.tum")]
+pub struct LocaliseArguments {
+    /// A folder of `floorguard map`, a ROS map_server map (.yaml), or a bare picture of 0.05 m a pixel.
+    pub map: PathBuf,
+    /// A recording, bag or CARMEN log of a drive; several are its parts.
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// Which scans.
+    #[command(flatten)]
+    pub drive: DriveArguments,
+    /// Write the poses in the map, where they are known (TUM format).
+    #[arg(long, value_name = "FILE.tum")]
+    pub out: Option<PathBuf>,
+    /// One JSON object for every change and one for the whole on standard output.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What to judge by what.
+#[derive(Clone, Debug, Args)]
+#[command(
+    after_help = "Examples: floorguard eval slam --relations aces.relations maps/hall/trajectory.tum\n          \
+                  floorguard eval slam --trajectory truth.tum maps/hall/trajectory.tum"
+)]
+pub struct SlamArguments {
+    /// The trajectory to judge (TUM format: time x y z qx qy qz qw).
+    pub result: PathBuf,
+    /// Reference relations: `t1 t2 x y z roll pitch yaw` a line (Kümmerle et al. 2009).
+    #[arg(long, value_name = "FILE", required_unless_present = "trajectory", conflicts_with = "trajectory")]
+    pub relations: Option<PathBuf>,
+    /// A true trajectory (TUM format): absolute and relative errors as the program evo counts them.
+    #[arg(long, value_name = "FILE")]
+    pub trajectory: Option<PathBuf>,
+    /// Poses farther apart in time do not belong together, seconds; 0.01 for trajectories as evo, 0.1 for relations.
+    #[arg(long, value_name = "S", value_parser = seconds)]
+    pub tolerance_s: Option<f64>,
+    /// Relative errors over so many metres of path instead of from pose to pose.
+    #[arg(long, value_name = "M", value_parser = length, conflicts_with = "relations")]
+    pub step_m: Option<f64>,
+    /// End with 1 if the mean translation error (of relations) or the root mean square (absolute) is larger, metres.
+    #[arg(long, value_name = "M", value_parser = length)]
+    pub limit_m: Option<f64>,
+}
+
+impl DriveArguments {
+    /// As the input takes them.
+    pub fn options(&self) -> InputOptions {
+        InputOptions {
+            topic: self.topic.clone(),
+            with_odometry: !self.without_odometry,
+            from_s: self.from,
+            to_s: self.to.unwrap_or(f64::INFINITY),
+        }
+    }
+}
+
+fn number(text: &str, least: f64, most: f64, what: &str) -> Result<f64, String> {
+    let inside = text.parse::<f64>().ok().filter(|number| (least..=most).contains(number));
+    inside.ok_or_else(|| format!("give {what}, {least} to {most}"))
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    number(text, 0.0, 1.0e9, "seconds")
+}
+
+fn cell(text: &str) -> Result<f64, String> {
+    number(text, 0.01, 0.5, "metres a cell")
+}
+
+fn range(text: &str) -> Result<f64, String> {
+    number(text, 1.0, 200.0, "metres")
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    number(text, 1.0e-6, 1.0e6, "metres")
+}

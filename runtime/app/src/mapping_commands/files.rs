@@ -1,0 +1,32 @@
+//! Files that are read as a whole.
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+
+use floorguard_host::outcome::BadInput;
+use floorguard_host::packing::unpacked;
+
+/// Text of a file, packed or not.
+///
+/// # Errors
+/// It cannot be read, or is no text.
+pub fn text(path: &Path) -> Result<String, BadInput> {
+    let bad = |error: std::io::Error| BadInput(format!("{}: {error}", path.display()));
+    let mut text = String::new();
+    File::open(path).and_then(unpacked).map_err(bad)?.read_to_string(&mut text).map_err(bad)?;
+    Ok(text)
+}
+
+/// Writes a file whole: beside its place first, then put there in one step.
+///
+/// # Errors
+/// The system refuses.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), BadInput> {
+    let bad = |error: std::io::Error| BadInput(format!("{}: cannot be written ({error})", path.display()));
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".new");
+    let beside = path.with_file_name(name);
+    std::fs::write(&beside, bytes).and_then(|()| File::open(&beside)?.sync_all()).map_err(bad)?;
+    std::fs::rename(&beside, path).map_err(bad)
+}

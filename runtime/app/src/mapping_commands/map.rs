@@ -1,0 +1,109 @@
+//! `floorguard map`: a drive becomes a map.
+
+use std::time::Instant;
+
+use floorguard_host::outcome::{BadInput, VerdictFailed, WrongUsage};
+use floorguard_host::words::counted;
+use floorguard_mapping_host::Se2;
+use floorguard_mapping_host::front_end::FrontEndConfig;
+use floorguard_mapping_host::grid_map::{GridMap, GridMapConfig, build_grid_map};
+use floorguard_mapping_host::mapper::{MapConfig, Mapper};
+use floorguard_mapping_host::output::{OutputFile, check_place, map_files, replace_folder};
+
+use super::arguments::MapArguments;
+use super::input::{Drive, ReadSummary};
+use super::progress::Progress;
+use super::report::document;
+use super::summary::{MapSummary, summarise};
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad input, a folder that cannot take a map, or a map that is in doubt (it is written all the same).
+pub fn run(arguments: &MapArguments) -> anyhow::Result<()> {
+    check_place(&arguments.out).map_err(|error| WrongUsage(error.to_string()))?;
+    let began = Instant::now();
+    let drive = Drive::open(&arguments.files, arguments.drive.options())?;
+    let config = MapConfig {
+        front_end: FrontEndConfig { range_most_m: arguments.range_m as f32, ..FrontEndConfig::default() },
+        ..MapConfig::default()
+    };
+    let (mapper, read) = mapped(&drive, Mapper::new(config))?;
+    let grid = GridMapConfig { cell_m: arguments.cell_m, ..GridMapConfig::default() };
+    let map = grid_map(&mapper, &grid)?;
+    let trajectory = robot_trajectory(&mapper, drive.scanner_in_robot);
+    let mut summary = summarise(&mapper, &map, read.counters, began.elapsed().as_secs_f64());
+    summary.notes.extend(drive.notes.iter().cloned());
+    summary.notes.extend(read.ended.iter().map(|why| format!("{why}; everything before is in the map")));
+    let mut files = map_files(&mapper, &map, &trajectory);
+    let names: Vec<String> = arguments.files.iter().map(|file| file.display().to_string()).collect();
+    files.push(OutputFile::new("summary.json", serde_json::to_string_pretty(&summary)? + "\n"));
+    files.push(OutputFile::new("report.html", document(&summary, &names)));
+    replace_folder(&arguments.out, &files).map_err(|error| BadInput(error.to_string()))?;
+    conclude(arguments, &summary, read.ended)
+}
+
+fn mapped(drive: &Drive, mut mapper: Mapper) -> anyhow::Result<(Mapper, ReadSummary)> {
+    let progress = Progress::new(drive.scans);
+    let unsolvable = |error: &dyn std::fmt::Display| BadInput(format!("the graph cannot be solved: {error}"));
+    let read = drive.read(&|| progress.count(), &mut |record| {
+        mapper.push(&record).map_err(|error| unsolvable(&error).into())
+    });
+    progress.phase("aligning all scans");
+    let finished = read.and_then(|read| {
+        let needed = 2;
+        if mapper.tracker.nodes.len() < needed {
+            let what = "the robot hardly moves in it, or its scans have no returns: nothing to map";
+            return Err(BadInput(what.to_owned()).into());
+        }
+        mapper.finish().map_err(|error| unsolvable(&error))?;
+        Ok(read)
+    });
+    progress.finish();
+    Ok((mapper, finished?))
+}
+
+fn grid_map(mapper: &Mapper, grid: &GridMapConfig) -> Result<GridMap, BadInput> {
+    let scans = mapper.tracker.nodes.iter().zip(&mapper.poses).map(|(node, pose)| (*pose, &*node.points));
+    build_grid_map(scans, grid).ok_or_else(|| BadInput("no return in any scan: nothing to map".to_owned()))
+}
+
+/// Poses of the robot, not of its scanner.
+fn robot_trajectory(mapper: &Mapper, scanner_in_robot: Se2) -> Vec<(f64, Se2)> {
+    let robot_in_scanner = scanner_in_robot.inverse();
+    let scanner = mapper.matched_trajectory();
+    scanner.into_iter().map(|(time_s, pose)| (time_s, pose.compose(robot_in_scanner))).collect()
+}
+
+fn conclude(arguments: &MapArguments, summary: &MapSummary, ended: Option<String>) -> anyhow::Result<()> {
+    if arguments.json {
+        tell!("{}", serde_json::to_string(summary)?)?;
+    } else {
+        let [width_m, height_m] = summary.size_m;
+        say!(
+            "map: {} ({width_m:.1} × {height_m:.1} m, {:.0} m² free floor, {:.2} m a cell)",
+            arguments.out.display(),
+            summary.free_m2,
+            summary.cell_m
+        );
+        say!(
+            "  {} over {:.0} m in {:.0} s; {} kept, {} recognised",
+            counted(summary.input.scans, "scan"),
+            summary.path_m,
+            summary.duration_s,
+            summary.kept_scans,
+            counted(summary.loops as u64, "place")
+        );
+        say!("  took {:.1} s, {:.2} ms a scan", summary.took_s, summary.ms_per_scan);
+        summary.notes.iter().for_each(|note| say!("  note: {note}"));
+        summary.doubts.iter().for_each(|doubt| say!("  doubt: {doubt}"));
+        say!("  look at {}", arguments.out.join("report.html").display());
+    }
+    match ended {
+        Some(why) => Err(BadInput(format!("{why}; everything before is in the map")).into()),
+        None if !summary.doubts.is_empty() => {
+            Err(VerdictFailed(format!("the map is doubtful: {}", summary.doubts.join("; "))).into())
+        }
+        None => Ok(()),
+    }
+}

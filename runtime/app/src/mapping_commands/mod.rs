@@ -1,0 +1,16 @@
+//! Maps of buildings: made out of recordings, judged, and used to find the robot again.
+
+mod arguments;
+mod eval_slam;
+mod files;
+mod input;
+mod localise;
+mod map;
+mod progress;
+mod report;
+mod summary;
+
+pub use arguments::{DriveArguments, LocaliseArguments, MapArguments, SlamArguments};
+pub use eval_slam::run as eval_slam;
+pub use localise::run as localise;
+pub use map::run as map;

@@ -1,0 +1,83 @@
+//! What the localisation in a known map is set by.
+
+use floorguard_localisation::scan_matching::DescentConfig;
+
+use crate::front_end::FrontEndConfig;
+
+/// Settings. One set of values for all buildings and scanners.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocaliseConfig {
+    /// Tracking of the scans among each other.
+    pub front_end: FrontEndConfig,
+    /// Edge of a cell of the searched field, metres; a coarser map keeps its own.
+    pub cell_m: f32,
+    /// Distance at which a wall's value has fallen to zero, metres.
+    pub reach_m: f32,
+    /// A step of the heading in the search of the whole map, radians.
+    pub turn_step_rad: f32,
+    /// The first search comes after so much path, metres; a turn of one radian counts a metre.
+    pub first_path_m: f64,
+    /// Further searches after so much more.
+    pub next_path_m: f64,
+    /// After a search without an answer the next one waits longer by this factor...
+    pub patience: f64,
+    /// ... up to so much path.
+    pub next_path_most_m: f64,
+    /// Searches must agree over so much path.
+    pub confirm_path_m: f64,
+    /// Path whose scans are searched together, metres.
+    pub query_path_m: f64,
+    /// Returns of a search at most.
+    pub query_points: usize,
+    /// Mean value of the returns at a place that counts, 0 to 1.
+    pub score_least: f32,
+    /// The second best place must lose at least so many times what the best loses.
+    pub loss_ratio: f32,
+    /// Share of beams, at most, that went through a wall of the map.
+    pub through_most: f64,
+    /// Two searches agree within this distance, metres, and turn, radians.
+    pub agree: (f64, f64),
+    /// Mean value of the scans of the last metres below which the place is in doubt...
+    pub doubt_below: f32,
+    /// ... and below which it is given up.
+    pub lost_below: f32,
+    /// Scans over which that mean runs.
+    pub memory: usize,
+    /// A robot that stands checks its place so often, seconds.
+    pub check_s: f64,
+    /// Descents.
+    pub descent: DescentConfig,
+}
+
+impl Default for LocaliseConfig {
+    fn default() -> Self {
+        Self {
+            front_end: FrontEndConfig::default(),
+            cell_m: 0.1,
+            reach_m: 0.3,
+            turn_step_rad: 0.02,
+            first_path_m: 2.0,
+            next_path_m: 1.0,
+            patience: 1.3,
+            next_path_most_m: 4.0,
+            confirm_path_m: 2.0,
+            query_path_m: 8.0,
+            query_points: 250,
+            score_least: 0.5,
+            loss_ratio: 1.25,
+            through_most: 0.15,
+            agree: (0.4, 0.15),
+            doubt_below: 0.4,
+            lost_below: 0.3,
+            memory: 8,
+            check_s: 0.5,
+            descent: DescentConfig {
+                reach_m: 0.3,
+                return_deviation_m: 0.15,
+                outlier_distance_m: 0.1,
+                steps_max: 15,
+                step_least: 2.0e-4,
+            },
+        }
+    }
+}

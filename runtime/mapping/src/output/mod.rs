@@ -1,0 +1,13 @@
+//! What a finished map is on disk: the files of other people's tools, and how they get there whole.
+
+mod files;
+mod folder;
+mod map_server;
+mod picture;
+mod submaps;
+
+pub use files::{OutputFile, map_files};
+pub use folder::{MARKER, ReplaceError, check_place, replace_folder};
+pub use map_server::{pgm, yaml};
+pub use picture::{Picture, draw};
+pub use submaps::{SubMap, SubMapConfig, index_text, sub_maps};
