@@ -185,7 +185,7 @@ impl LocalMemory {
     /// Visits every cell in which something stands: what the scanner met, and what the lidar met, unless it met a single height of
     /// it and no cell beside it is kept. Such cells are mostly edges of people who went away: the rays that met them came from
     /// somewhere else, and none of them passes at their height again. The end of a thin bar that points at the robot is one, too
-    /// (book, Guard: Memory). At most 4,096.
+    /// (book, Fields of the swept body: Memory). At most 4,096.
     pub fn for_each_obstacle(&self, visit: impl FnMut(Cell)) {
         let kept = |index: usize| self.rows.get(index % SIDE).map_or(0, Row::kept);
         // Rows and bits go round: at the border of the window a cell may count as one beside the opposite border.

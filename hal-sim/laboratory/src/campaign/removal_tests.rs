@@ -44,7 +44,7 @@ const fn case(world: &'static str, removal: Removal) -> Case {
 
 const CASES: [Case; 17] = [
     Case { sign: Sign::Refused, ..case("box-aside", Removal::Fields) },
-    case("box-30", Removal::ScannerReturns),
+    case("post-30", Removal::ScannerReturns),
     case("board-70", Removal::LidarReturns),
     case("box-160", Removal::Scanner),
     case("box-160", Removal::Lidar),
@@ -58,11 +58,11 @@ const CASES: [Case; 17] = [
     case("board-70", Removal::LidarRule),
     case("board-70", Removal::ProtectiveRules),
     case("board-30", Removal::MemoryRules),
-    case("step-in", Removal::PersonRule),
+    Case { sign: Sign::Touches, ..case("step-in", Removal::PersonRule) },
     Case {
         fault: Some("scanner:drop=100%,from=3s"),
         sign: Sign::Touches,
-        ..case("box-30", Removal::ScannerLostRule)
+        ..case("post-30", Removal::ScannerLostRule)
     },
 ];
 
