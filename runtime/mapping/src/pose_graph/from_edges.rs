@@ -104,3 +104,7 @@ fn standardised(system: &mut BlockSystem, graph: &Graph, edge: &Edge) -> f64 {
     let left = own - spread + own * CHECKED_LEAST;
     left.cholesky().map_or(0.0, |factor| error.dot(&factor.solve(&error)))
 }
+
+#[cfg(test)]
+#[path = "from_edges_tests.rs"]
+mod tests;
