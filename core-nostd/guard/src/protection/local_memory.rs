@@ -161,6 +161,19 @@ impl LocalMemory {
         }
     }
 
+    /// What the scanner had met in a cell is gone. With it goes what the lidar had met above it, and a single height beside it: the
+    /// edge of what stood there.
+    pub(crate) fn leave(&mut self, cell: Cell) {
+        self.set_scanned(cell, false);
+        self.clear_lidar(cell);
+        for (x, y) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
+            let beside = Cell { x: cell.x.wrapping_add(x), y: cell.y.wrapping_add(y) };
+            if self.run(beside).is_thin() && self.holds(beside) {
+                self.clear_lidar(beside);
+            }
+        }
+    }
+
     /// A place in cells, counted from the corner of the window.
     pub(super) fn in_window(&self, place: Point2) -> Point2 {
         let from = |metres: f32, first: i32| metres * (1.0 / CELL_M) - first as f32;

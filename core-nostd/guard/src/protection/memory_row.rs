@@ -40,7 +40,7 @@ impl Run {
     }
 
     /// A single height, but for what a range is uncertain.
-    const fn is_thin(self) -> bool {
+    pub(super) const fn is_thin(self) -> bool {
         self.top.saturating_sub(self.low) < 2
     }
 

@@ -14,7 +14,7 @@ const BEAM_STEP: usize = 4;
 /// Of so many rows of cells one scan looks through one; the next scan through the next: 160 ms for all of them.
 pub(super) const ROW_STEP: usize = 4;
 /// Cells that one scan clears at most.
-const SEEN_THROUGH_MAX: usize = 128;
+const SEEN_THROUGH_MAX: usize = 32;
 
 impl LocalMemory {
     /// Takes in a scan of the safety scanner that fits the table: what it met up to `reach_m` from it, metres.
@@ -76,7 +76,7 @@ impl LocalMemory {
             }
         });
         for cell in &seen_through {
-            self.set_scanned(*cell, false);
+            self.leave(*cell);
         }
     }
 }

@@ -169,6 +169,30 @@ fn fg_req_028_only_rays_through_heights_clear_them() {
 }
 
 #[test]
+fn fg_req_028_who_went_takes_the_edges_along() {
+    let place = Cell::of(Point2::new(1.0, 0.3));
+    let at_x = |cells: i32| Cell { x: place.x + cells, y: place.y };
+    let mut memory = memory();
+    for span in 1..3 {
+        for (cells, heights_m) in
+            [(0, [0.40, 0.50]), (1, [0.45, 0.45]), (-1, [0.40, 0.44]), (2, [0.45, 0.45])]
+        {
+            heights_m.iter().for_each(|height_m| memory.meet(at_x(cells), *height_m, 0.12));
+        }
+        pass_span(&mut memory, span);
+    }
+    memory.set_scanned(place, true);
+    memory.leave(place);
+    let held = [-1, 0, 1, 2].map(|cells| memory.holds(at_x(cells)));
+    assert_eq!(
+        held,
+        [true, false, false, true],
+        "heights above it and its thin edge go, a board beside it stays"
+    );
+    assert!((0..16).all(|_| memory.check_next()));
+}
+
+#[test]
 fn fg_req_028_what_one_span_meets_is_not_kept() {
     let cell = Cell::of(Point2::new(1.0, 0.3));
     let mut memory = memory();
