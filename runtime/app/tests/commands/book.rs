@@ -236,8 +236,8 @@ fn the_tutorials_do_what_they_say() {
 fn each_help_has_an_example_that_parses() {
     for command in Arguments::command().get_subcommands() {
         let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
-        let examples: Vec<&str> =
-            help.lines().skip(1).map(str::trim).filter(|line| !line.is_empty()).collect();
+        let typed = |line: &'_ str| line.find("floorguard ").map(|at| line[at..].to_owned());
+        let examples: Vec<String> = help.lines().filter_map(typed).collect();
         assert!(help.starts_with("Example") && !examples.is_empty(), "{}", command.get_name());
         for example in examples {
             let typed = example.split(" > ").next().unwrap_or_default();

@@ -50,6 +50,35 @@ fn mission_is_in_recording_and_report() {
         assert!(page.contains(words), "{words}");
     }
     assert!(page.contains("#7fb77e"), "no green: nothing is shown as clean");
+    proof_counts_cells(&path);
+}
+
+/// The report for other programs: 585 cells of a square decimetre were cleaned, as many are to do, and each has its row.
+fn proof_counts_cells(path: &std::path::Path) {
+    let (json, csv) = (path.with_extension("json"), path.with_extension("csv"));
+    let mut report = Command::new(env!("CARGO_BIN_EXE_floorguard"));
+    report
+        .arg("report")
+        .arg(path)
+        .args(["--operator", "A. Smith", "--robot", "number 7", "--json"])
+        .arg(&json)
+        .arg("--cells")
+        .arg(&csv);
+    let output = report.output().expect("the program starts");
+    assert!(output.status.success(), "{output:?}");
+    let text = std::fs::read_to_string(&json).expect("JSON");
+    let proof: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let area = |name: &str| proof["cleaning"][name].as_f64().expect("a number");
+    assert!((area("cleaned_m2") - 5.85).abs() < 1e-3 && (area("to_do_m2") - 5.85).abs() < 1e-3, "{proof}");
+    assert_eq!((area("assumed_m2"), &proof["operator"]), (0.0, &"A. Smith".into()));
+    assert!(
+        proof["robot"].as_str().is_some_and(|robot| robot.starts_with("number 7 (configuration ")),
+        "{proof}"
+    );
+    let rows = std::fs::read_to_string(&csv).expect("rows");
+    assert_eq!((rows.lines().count(), rows.matches(",cleaned,100,5").count()), (1_171, 585));
+    let page = std::fs::read_to_string(path.with_extension("html")).expect("the page");
+    assert!(page.contains("Proof of cleaning") && page.contains("A. Smith") && page.contains("class=sign"));
 }
 
 #[test]

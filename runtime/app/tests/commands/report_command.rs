@@ -52,6 +52,37 @@ fn report_page_lists_each_stop() {
     assert!(std::fs::read_to_string(&page).expect("a page").contains("Incomplete"));
 }
 
+/// What each sensor saw, which rule decided, what would have happened otherwise: as data, and as a page of its own.
+#[test]
+fn stop_is_explained_as_data_and_page() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (recording, page) = (folder.path().join("run.mcap"), folder.path().join("why.html"));
+    let run = ["simulate", "--scenario", "supermarket", "--strategy", "route", "--duration", "24", "--json"];
+    let more = ["--emergency-stop", "15..17", "--record", text(&recording)];
+    let output = floorguard(&[run.as_slice(), &more].concat());
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{output:?}");
+    let asked = ["explain", text(&recording), "--at", "15.2", "--json", "--out", text(&page)];
+    let output = floorguard(&asked);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let why: Value = serde_json::from_slice(&output.stdout).expect("one object");
+    assert!(why["at_s"].as_f64().is_some_and(|at_s| (15.0..15.5).contains(&at_s)), "{why}");
+    assert_eq!(why["action"], "torque off (category 0)");
+    assert!(why["decided_by"]["requirement"].as_str().is_some_and(|it| it.starts_with("FG-REQ-")), "{why}");
+    assert!(why["decided_by"]["remedy"].as_str().is_some_and(|remedy| !remedy.is_empty()), "{why}");
+    assert!(why["sources"].as_array().is_some_and(|sources| sources.len() > 5), "{why}");
+    let before = why["before"].as_array().expect("rows");
+    let (first, last) = (&before[0]["at_s"], &before[before.len() - 1]["at_s"]);
+    let seconds = last.as_f64().expect("a time") - first.as_f64().expect("a time");
+    assert!((9.0..=10.0).contains(&seconds) && before.len() > 15, "{before:?}");
+    assert!(why["repetition"].as_str().is_some_and(|words| words.contains("to the bit")), "{why}");
+    let html = std::fs::read_to_string(&page).expect("a page");
+    assert!(html.contains("<svg") && html.contains("What each sensor saw") && html.contains("FG-REQ-"));
+    assert!(!html.contains("<script") && !html.contains("<link") && html.len() < 300_000, "{}", html.len());
+    let late = floorguard(&["explain", text(&recording), "--at", "500"]);
+    assert_eq!(late.status.code(), Some(3), "{late:?}");
+    assert!(String::from_utf8_lossy(&late.stderr).contains("is not in it"), "{late:?}");
+}
+
 /// A bit that the disk has lost within a chunk: everything before it is shown, and the place is named.
 #[test]
 fn damage_in_a_chunk_is_found() {

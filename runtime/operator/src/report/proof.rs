@@ -180,7 +180,7 @@ fn cleaning(history: &History) -> Option<Cleaning> {
 
 const CLEANED: &str = "cleaned";
 const ASSUMED: &str = "assumed clean";
-const UNSURE: &str = "driven over, not sure";
+const UNSURE: &str = "not sure";
 const TO_DO: &str = "to do";
 
 /// A cell of the mission's floor.

@@ -228,7 +228,9 @@ impl<'a> Watch<'a> {
         self.on_history(status);
         let elapsed_s = self.began.elapsed().as_secs_f64();
         let people = self.shared.people.get().map_or(0, |report| report.people.len());
-        let seen = status_of(elapsed_s, status, (people, self.stops, self.last_stop.clone()));
+        let mut seen = status_of(elapsed_s, status, (people, self.stops, self.last_stop.clone()));
+        let progress = self.mission.as_ref().and_then(|mission| mission.watch.get());
+        seen.mission = progress.map(|progress| progress.words());
         if self.arguments.json && elapsed_s >= self.next_json_s {
             self.next_json_s = elapsed_s + JSON_STATUS_S;
             let sources: serde_json::Map<String, serde_json::Value> = seen
