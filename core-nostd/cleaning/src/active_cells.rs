@@ -7,6 +7,7 @@
 
 use super::dirt_model::CellDirt;
 use floorguard_mapping::{DirtCell, DirtMap, NO_SLOT};
+use floorguard_types::number::saturating_u8;
 use floorguard_types::random::Pcg32;
 
 /// Value of a particle that has not touched the cell.
@@ -242,7 +243,7 @@ fn collapse<const PARTICLES: usize>(
             }
         }
     }
-    let heavy_units = if tail > 1e-6 { (heavy / tail + 0.5).clamp(1.0, 254.0) as u8 } else { 0 };
+    let heavy_units = if tail > 1e-6 { saturating_u8((heavy / tail + 0.5).clamp(1.0, 254.0)) } else { 0 };
     DirtCell { expected_units: mean, tail: DirtCell::encode_tail(tail), slot: NO_SLOT, heavy_units }
 }
 

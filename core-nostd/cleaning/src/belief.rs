@@ -67,6 +67,15 @@ pub struct UpdateReport {
     pub is_swath_clipped: bool,
 }
 
+/// Standard deviations of a pose.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PoseDeviation {
+    /// Of each coordinate, metres.
+    pub position_m: f32,
+    /// Of the heading, radians.
+    pub heading_rad: f32,
+}
+
 /// The particles' mean and deviations, in the map frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ParticlePose {
@@ -121,9 +130,9 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> Belief<S, PARTIC
     }
 
     /// Spreads the particles around a pose of the map frame.
-    pub fn place(&mut self, pose_in_map: Pose2, position_deviation_m: f32, heading_deviation_rad: f32) {
+    pub fn place(&mut self, pose_in_map: Pose2, doubt: PoseDeviation) {
         self.poses = [pose_in_map; PARTICLES];
-        self.widen(position_deviation_m, heading_deviation_rad);
+        self.widen(doubt);
         self.log_weights = [0.0; PARTICLES];
         self.weights = [1.0 / (PARTICLES as f32).max(1.0); PARTICLES];
     }
@@ -133,15 +142,15 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> Belief<S, PARTIC
     pub fn distrust<M: AsRef<[DirtCell]> + AsMut<[DirtCell]>>(
         &mut self,
         map: &mut DirtMap<M>,
-        (position_deviation_m, heading_deviation_rad): (f32, f32),
+        doubt: PoseDeviation,
     ) {
         self.cells.distrust(map);
-        self.widen(position_deviation_m, heading_deviation_rad);
+        self.widen(doubt);
     }
 
-    fn widen(&mut self, position_deviation_m: f32, heading_deviation_rad: f32) {
+    fn widen(&mut self, PoseDeviation { position_m, heading_rad }: PoseDeviation) {
         for pose in &mut self.poses {
-            *pose = scatter(*pose, (position_deviation_m, heading_deviation_rad), &mut self.random);
+            *pose = scatter(*pose, (position_m, heading_rad), &mut self.random);
         }
     }
 

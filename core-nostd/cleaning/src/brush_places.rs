@@ -3,6 +3,7 @@
 use super::swath::Brush;
 use floorguard_mapping::GridGeometry;
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::saturating_i32;
 
 /// Cells in which the middle of some brush can lie before the bounding box takes over.
 const PLACES_MAX: usize = 48;
@@ -23,7 +24,7 @@ impl BrushPlaces {
     #[must_use]
     pub fn new(brush: Brush, geometry: &GridGeometry) -> Self {
         let half = 0.5 * brush.width_m * geometry.cells_per_metre();
-        let reach = (libm::ceilf(half) as i32).clamp(0, 1_000).saturating_add(1);
+        let reach = saturating_i32(libm::ceilf(half)).clamp(0, 1_000).saturating_add(1);
         Self {
             cells: heapless::Vec::new(),
             reach,

@@ -33,13 +33,13 @@ mod visit;
 mod visit_plan;
 
 pub use active_cells::{ActiveCell, ActiveCells, Collapse};
-pub use belief::{Belief, BeliefConfig, Evidence, ParticlePose, UpdateReport};
+pub use belief::{Belief, BeliefConfig, Evidence, ParticlePose, PoseDeviation, UpdateReport};
 pub use dirt_model::{ActuatorModel, CellDirt, DirtSensorModel, sweep_cell};
 pub use lane_queue::{Lane, LaneAttempt, LaneQueue, LaneRules};
-pub use planner::{PlanReport, Planner};
-pub use policy::{CleanRule, MissionRisk, Verdict};
+pub use planner::{PlanCells, PlanReport, Planner};
+pub use policy::{CleanRule, MissionRisk, RiskLimits, Verdict};
 pub use swath::{Brush, Swath};
 pub use swath_mask::SwathMask;
 pub use tour::{Distances, EuclideanCells, TourError, TourSolver};
-pub use visit::{Pass, PassShape, choose_pass};
+pub use visit::{Pass, PassPlaces, PassShape, choose_pass};
 pub use visit_plan::VisitPlan;

@@ -9,6 +9,7 @@ use heapless::Vec;
 use super::tour::{Distances, TourError, TourSolver};
 use floorguard_mapping::GridGeometry;
 use floorguard_navigation::{PathSearch, SEARCH_CELLS_MAX, STRAIGHT, SearchCell};
+use floorguard_types::number::saturating_u16;
 use floorguard_types::random::Pcg32;
 
 const NO_CELL: u32 = u32::MAX;
@@ -28,6 +29,15 @@ pub struct PlanReport {
     pub postponed: usize,
     /// The order is not that of the previous plan.
     pub path_changed: bool,
+}
+
+/// What a plan must know of each cell of the raster.
+#[derive(Clone, Copy, Debug)]
+pub struct PlanCells<W, P> {
+    /// The cell belongs to the policy: it is to be visited.
+    pub wanted: W,
+    /// The robot can stand there: the raster inflated by it.
+    pub passable: P,
 }
 
 /// Plans tours over at most `N` − 2 cells. `S` stores the search, `D` N·N distances.
@@ -98,32 +108,32 @@ where
         }
     }
 
-    /// Plans anew from the robot's cell. `wanted(cell)` is the policy, `passable(cell)` the raster inflated by the
-    /// robot. Makes `experiments` attempts to shorten the tour.
+    /// Plans anew from the robot's cell. Makes `experiments` attempts to shorten the tour.
     ///
     /// # Errors
     /// Only if the tour solver has less capacity than the planner, which the types rule out.
     pub fn replan(
         &mut self,
         robot_cell: usize,
-        (wanted, passable): (impl Fn(usize) -> bool, impl Fn(usize) -> bool),
+        cells: &PlanCells<impl Fn(usize) -> bool, impl Fn(usize) -> bool>,
         experiments: u32,
     ) -> Result<PlanReport, TourError> {
+        let PlanCells { wanted, passable } = cells;
         let mut report = PlanReport::default();
         let before: Vec<u16, N> = self.order.clone();
         let before_cells = self.cells;
-        self.drop_unwanted(&wanted);
-        if self.has_new(&wanted, &mut report) {
-            self.search.run(robot_cell, &passable);
+        self.drop_unwanted(wanted);
+        if self.has_new(wanted, &mut report) {
+            self.search.run(robot_cell, passable);
             if let Some(cell) = self.cells.first_mut() {
                 *cell = robot_cell as u32;
             }
             let first_new = self.order.len();
-            self.add_wanted(&wanted, &mut report);
+            self.add_wanted(wanted, &mut report);
             self.fill_row(0);
             for index in first_new..self.order.len() {
                 let node = self.order.get(index).copied().unwrap_or(0);
-                self.search.run(self.cell_of(node), &passable);
+                self.search.run(self.cell_of(node), passable);
                 self.fill_row(node);
             }
             self.insert_cheapest(first_new);
@@ -240,8 +250,10 @@ where
             let distance = match self.search.distance(cell as usize) {
                 Some(units) => {
                     let (x, y) = geometry.coordinates(cell as usize);
-                    (units as f32 * straightness(x.abs_diff(column), y.abs_diff(row)) + 0.5).min(65_534.0)
-                        as u16
+                    saturating_u16(
+                        (units as f32 * straightness(x.abs_diff(column), y.abs_diff(row)) + 0.5)
+                            .min(65_534.0),
+                    )
                 }
                 None => FARTHEST,
             };
@@ -349,13 +361,17 @@ mod tests {
         };
         let at = |x, y| geometry.index(x, y).unwrap();
         let wanted = [at(5, 5), at(15, 5), at(5, 15)];
-        let report = planner.replan(at(5, 0), (|c| wanted.contains(&c), passable), 100).unwrap();
+        let report =
+            planner.replan(at(5, 0), &PlanCells { wanted: |c| wanted.contains(&c), passable }, 100).unwrap();
         assert_eq!((report.planned, report.added, report.unreachable), (3, 3, 0));
         let tour: vec::Vec<usize> = planner.tour().collect();
         assert_eq!(tour, [at(5, 5), at(5, 15), at(15, 5)]);
-        let again = planner.replan(at(5, 0), (|c| wanted.contains(&c), passable), 100).unwrap();
+        let again =
+            planner.replan(at(5, 0), &PlanCells { wanted: |c| wanted.contains(&c), passable }, 100).unwrap();
         assert!(!again.path_changed && again.added == 0);
-        let fewer = planner.replan(at(5, 5), (|c| wanted[1..].contains(&c), passable), 100).unwrap();
+        let fewer = planner
+            .replan(at(5, 5), &PlanCells { wanted: |c| wanted[1..].contains(&c), passable }, 100)
+            .unwrap();
         assert!(fewer.path_changed && fewer.planned == 2);
         // 10 up, then through the gap and down again.
         assert!(planner.length_m() > 1.0 + 1.4 && planner.length_m() < 4.0, "{}", planner.length_m());
@@ -366,7 +382,9 @@ mod tests {
         let mut planner = planner();
         let geometry = *planner.geometry();
         let passable = |cell| geometry.coordinates(cell).0 != 10;
-        let report = planner.replan(0, (|c| geometry.coordinates(c).1 < 4, passable), 10).unwrap();
+        let report = planner
+            .replan(0, &PlanCells { wanted: |c| geometry.coordinates(c).1 < 4, passable }, 10)
+            .unwrap();
         // 10 columns can be reached in four rows: 40 cells, of which 30 fit; the wall's and those behind it cannot.
         assert_eq!((report.planned, report.postponed, report.unreachable), (30, 10, 40));
     }

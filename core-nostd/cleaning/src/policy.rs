@@ -109,19 +109,31 @@ pub struct MissionRisk {
     steps: [CleanRule; STEPS],
 }
 
+/// Probabilities that a mission is judged by, 0…1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RiskLimits {
+    /// That a cell holds more than is tolerated (δ): no cell gets more.
+    pub of_a_cell: f64,
+    /// That the mission misses its criterion.
+    pub of_the_mission: f64,
+}
+
 impl MissionRisk {
-    /// A mission with `dirty_cells` cells that were not clean at the start: no cell gets more than `delta`, and the mission
-    /// misses its criterion with a probability of at most `risk`.
+    /// A mission with `dirty_cells` cells that were not clean at the start.
     #[must_use]
-    pub fn new(tolerated_units: u8, (delta, risk): (f64, f64), dirty_cells: usize) -> Self {
+    pub fn new(tolerated_units: u8, limits: RiskLimits, dirty_cells: usize) -> Self {
         let cells = u32::try_from(dirty_cells).unwrap_or(u32::MAX);
-        let mut limit = delta;
+        let mut limit = limits.of_a_cell;
         let steps = core::array::from_fn(|_| {
             let rule = CleanRule::per_cell(tolerated_units, limit);
             limit *= STEP;
             rule
         });
-        Self { allowance: threshold_rate(cells / 100, risk) as f32, dirty_cells: cells.max(1) as f32, steps }
+        Self {
+            allowance: threshold_rate(cells / 100, limits.of_the_mission) as f32,
+            dirty_cells: cells.max(1) as f32,
+            steps,
+        }
     }
 
     /// The rule for a single cell at this moment, from what is believed of the `dirty` ones now: the loosest with which
@@ -164,6 +176,8 @@ mod tests {
     use super::*;
     use floorguard_mapping::poisson_tail;
 
+    const LIMITS: RiskLimits = RiskLimits { of_a_cell: 0.01, of_the_mission: 0.01 };
+
     fn cell(rate: f32) -> DirtCell {
         DirtCell::poisson(rate, poisson_tail(5, f64::from(rate)) as f32)
     }
@@ -195,7 +209,7 @@ mod tests {
     /// 100 cells may expect 0.149 failures: 0.0015 for each alike. Where 90 of them need nothing, the last ten get more.
     #[test]
     fn risk_goes_to_expensive_cells() {
-        let risk = MissionRisk::new(5, (0.01, 0.01), 100);
+        let risk = MissionRisk::new(5, LIMITS, 100);
         let all = |few: f32, rest: f32| -> std::vec::Vec<DirtCell> {
             (0..100).map(|i| cell(if i < 10 { few } else { rest })).collect()
         };
@@ -209,7 +223,7 @@ mod tests {
         assert!(threshold(&all(9.0, 0.1)) <= CleanRule::per_cell(5, 0.01).threshold_units());
         assert!(threshold(&all(9.0, 0.1)) > 1.7);
         assert_eq!(
-            MissionRisk::new(5, (0.01, 0.01), 0).rule([].iter()).threshold_units(),
+            MissionRisk::new(5, LIMITS, 0).rule([].iter()).threshold_units(),
             CleanRule::per_cell(5, 0.01).threshold_units()
         );
     }
@@ -219,7 +233,7 @@ mod tests {
     fn sum_of_risks_stays_within_allowance() {
         let mut random = floorguard_types::random::Pcg32::new(3, 3);
         for count in [25_u32, 120, 400] {
-            let risk = MissionRisk::new(5, (0.01, 0.01), count as usize);
+            let risk = MissionRisk::new(5, LIMITS, count as usize);
             let allowance = threshold_rate(count / 100, 0.01) as f32;
             for _ in 0..50 {
                 let cells: std::vec::Vec<DirtCell> =

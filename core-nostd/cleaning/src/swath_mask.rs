@@ -7,6 +7,7 @@
 use super::swath::Swath;
 use floorguard_mapping::GridGeometry;
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::saturating_i32;
 
 /// Sub-samples along the edge of a cell.
 const SAMPLES: i32 = 8;
@@ -157,7 +158,7 @@ impl Edges {
 /// Floor for |value| < 2¹⁵ without a library call; larger values saturate into the clipping of the caller.
 #[inline]
 fn floor(value: f32) -> i32 {
-    ((value + 32_768.0) as i32).saturating_sub(32_768)
+    saturating_i32(value + 32_768.0).saturating_sub(32_768)
 }
 
 #[inline]

@@ -38,26 +38,39 @@ impl PassShape {
     }
 }
 
+/// Where a pass is wanted, map frame, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PassPlaces {
+    /// Where the robot comes from.
+    pub from: Point2,
+    /// Middle of the cell.
+    pub centre: Point2,
+    /// Where it goes on to, if that is known.
+    pub towards: Option<Point2>,
+}
+
 /// Chooses the pass over the cell around `centre` with the shortest path from `from` and on to `towards`.
 /// `is_clear(a, b)` says that the robot can drive straight from a to b. Falls back to shorter passes beside walls;
 /// `None` where not even the centre can be reached.
 ///
 /// ```
-/// use floorguard_cleaning::{PassShape, choose_pass};
+/// use floorguard_cleaning::{PassPlaces, PassShape, choose_pass};
 /// use floorguard_types::geometry::Point2;
 ///
-/// let (from, centre, next) = (Point2::default(), Point2::new(1.0, 0.0), Some(Point2::new(2.0, 0.0)));
+/// let (centre, towards) = (Point2::new(1.0, 0.0), Some(Point2::new(2.0, 0.0)));
+/// let places = PassPlaces { from: Point2::default(), centre, towards };
 /// let shape = PassShape { cell_m: 0.1, margin_m: 0.05, turn_cost_m: 1.0 };
-/// let pass = choose_pass((from, centre, next), &shape, |_, _| true).unwrap();
+/// let pass = choose_pass(places, &shape, |_, _| true).unwrap();
 /// assert!((pass.entry.x_m - 0.9).abs() < 1.0e-6 && (pass.exit.x_m - 1.1).abs() < 1.0e-6);
-/// assert!(choose_pass((from, centre, next), &shape, |_, _| false).is_none());
+/// assert!(choose_pass(places, &shape, |_, _| false).is_none());
 /// ```
 #[must_use]
 pub fn choose_pass(
-    (from, centre, towards): (Point2, Point2, Option<Point2>),
+    places: PassPlaces,
     shape: &PassShape,
     is_clear: impl Fn(Point2, Point2) -> bool,
 ) -> Option<Pass> {
+    let PassPlaces { from, centre, towards } = places;
     for share in [1.0_f32, 0.75, 0.5] {
         let mut best: Option<(f32, Pass)> = None;
         for direction in 0..DIRECTIONS {
@@ -76,7 +89,7 @@ pub fn choose_pass(
             }
         }
         if share >= 1.0
-            && let Some((cost, pass)) = turn_in_the_middle((from, centre, towards), shape)
+            && let Some((cost, pass)) = turn_in_the_middle(places, shape)
             && best.is_none_or(|(least, _)| cost < least)
             && is_clear(from, centre)
             && is_clear(centre, centre)
@@ -93,10 +106,8 @@ pub fn choose_pass(
 /// In to the middle of the cell, a turn on the spot, and out again: the bar sweeps the strip before, its own circle,
 /// and the strip behind, so nothing of the cell is left out, and no distance is spent on a straight line through it.
 /// Both paths must begin outside the cell.
-fn turn_in_the_middle(
-    (from, centre, towards): (Point2, Point2, Option<Point2>),
-    shape: &PassShape,
-) -> Option<(f32, Pass)> {
+fn turn_in_the_middle(places: PassPlaces, shape: &PassShape) -> Option<(f32, Pass)> {
+    let PassPlaces { from, centre, towards } = places;
     let next = towards?;
     let (entry_m, exit_m) = (from.distance(centre), centre.distance(next));
     let needed_m = 0.5 * core::f32::consts::SQRT_2 * shape.cell_m;
@@ -112,11 +123,20 @@ mod tests {
     fn turns_in_the_middle_where_that_is_shorter() {
         let (from, centre) = (Point2::new(0.8, 0.0), Point2::new(1.0, 0.0));
         let shape = PassShape { cell_m: 0.1, margin_m: 0.015, turn_cost_m: 0.0 };
-        let back = choose_pass((from, centre, Some(Point2::new(0.8, 0.1))), &shape, |_, _| true).unwrap();
+        let back =
+            choose_pass(PassPlaces { from, centre, towards: Some(Point2::new(0.8, 0.1)) }, &shape, |_, _| {
+                true
+            })
+            .unwrap();
         assert_eq!((back.entry, back.exit), (centre, centre));
         // A path that begins within the cell would leave the part behind it: a straight pass.
         let near = Point2::new(0.97, 0.0);
-        let pass = choose_pass((near, centre, Some(Point2::new(0.8, 0.1))), &shape, |_, _| true).unwrap();
+        let pass = choose_pass(
+            PassPlaces { from: near, centre, towards: Some(Point2::new(0.8, 0.1)) },
+            &shape,
+            |_, _| true,
+        )
+        .unwrap();
         assert!(pass.entry.distance(pass.exit) > 0.1);
     }
 
@@ -125,11 +145,13 @@ mod tests {
         let (from, centre) = (Point2::new(0.0, 0.0), Point2::new(1.0, 0.0));
         let next = Some(Point2::new(2.0, 0.0));
         let shape = PassShape { cell_m: 0.1, margin_m: 0.05, turn_cost_m: 1.0 };
-        let pass = choose_pass((from, centre, next), &shape, |_, _| true).unwrap();
+        let pass = choose_pass(PassPlaces { from, centre, towards: next }, &shape, |_, _| true).unwrap();
         assert!((pass.entry.x_m - 0.9).abs() < 1e-6 && pass.entry.y_m.abs() < 1e-6);
         // A wall right behind the cell: only passes that stay left of it.
-        let beside = choose_pass((from, centre, next), &shape, |a, b| a.x_m.max(b.x_m) < 1.001).unwrap();
+        let beside =
+            choose_pass(PassPlaces { from, centre, towards: next }, &shape, |a, b| a.x_m.max(b.x_m) < 1.001)
+                .unwrap();
         assert!((beside.entry.x_m - beside.exit.x_m).abs() < 1e-6);
-        assert!(choose_pass((from, centre, next), &shape, |_, _| false).is_none());
+        assert!(choose_pass(PassPlaces { from, centre, towards: next }, &shape, |_, _| false).is_none());
     }
 }

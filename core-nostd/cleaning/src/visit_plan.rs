@@ -2,7 +2,7 @@
 
 use floorguard_navigation::SearchCell;
 
-use super::planner::{PlanReport, Planner};
+use super::planner::{PlanCells, PlanReport, Planner};
 use super::tour::TourError;
 
 /// Re-planning interval, seconds (book, Cleaning: Re-planning).
@@ -12,7 +12,7 @@ const REPLAN_S: f32 = 5.0;
 /// raster, `N` − 2 cells fit on the tour.
 ///
 /// ```
-/// use floorguard_cleaning::{Planner, VisitPlan};
+/// use floorguard_cleaning::{PlanCells, Planner, VisitPlan};
 /// use floorguard_mapping::GridGeometry;
 /// use floorguard_navigation::{PathSearch, SearchCell};
 /// use floorguard_types::{geometry::Point2, random::Pcg32};
@@ -21,11 +21,12 @@ const REPLAN_S: f32 = 5.0;
 /// let search = PathSearch::new(raster, [SearchCell::EMPTY; 4]);
 /// let planner: Planner<_, _, 8> = Planner::new(search, [0; 64], Pcg32::new(1, 1));
 /// let mut plan = VisitPlan::new(planner, [0; 4], 1);
-/// plan.replan((0, 0.0), (|cell| cell > 1, |_| true), 0).unwrap();
+/// let cells = PlanCells { wanted: |cell: usize| cell > 1, passable: |_: usize| true };
+/// plan.replan((0, 0.0), &cells, 0).unwrap();
 /// assert_eq!(plan.tour().collect::<Vec<_>>(), [2, 3]);
 /// plan.finish(2);
 /// // Visited as often as it may be: it is on no tour again.
-/// plan.replan((2, 5.0), (|cell| cell > 1, |_| true), 0).unwrap();
+/// plan.replan((2, 5.0), &cells, 0).unwrap();
 /// assert_eq!(plan.tour().collect::<Vec<_>>(), [3]);
 /// ```
 #[derive(Clone, Debug)]
@@ -112,13 +113,14 @@ where
     pub fn replan(
         &mut self,
         (robot_cell, now_s): (usize, f32),
-        (wanted, passable): (impl Fn(usize) -> bool, impl Fn(usize) -> bool),
+        cells: &PlanCells<impl Fn(usize) -> bool, impl Fn(usize) -> bool>,
         experiments: u32,
     ) -> Result<PlanReport, TourError> {
         self.plan_later(now_s);
         let (visits, visits_max) = (self.visits.as_ref(), self.visits_max);
+        let PlanCells { wanted, passable } = cells;
         let is_open = |cell: usize| visits.get(cell).is_some_and(|count| *count < visits_max) && wanted(cell);
-        self.planner.replan(robot_cell, (is_open, passable), experiments)
+        self.planner.replan(robot_cell, &PlanCells { wanted: is_open, passable }, experiments)
     }
 
     /// The visit of a cell has ended: counts it, and takes the cell off the tour if it is the next one.

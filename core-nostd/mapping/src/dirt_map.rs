@@ -1,6 +1,7 @@
 //! How much dirt is expected where, and how surely.
 
 use super::grid::Grid;
+use floorguard_types::number::saturating_u16;
 
 /// `DirtCell::slot` of a cell that the particle filter does not hold at the moment.
 pub const NO_SLOT: u16 = u16::MAX;
@@ -49,7 +50,7 @@ impl DirtCell {
         if probability.is_nan() {
             return u16::MAX;
         }
-        libm::ceilf(probability.clamp(0.0, 1.0) * 65_535.0) as u16
+        saturating_u16(libm::ceilf(probability.clamp(0.0, 1.0) * 65_535.0))
     }
 }
 

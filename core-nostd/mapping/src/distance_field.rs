@@ -6,6 +6,7 @@
 
 use super::grid::Grid;
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::saturating_u8;
 
 /// Where distances end, metres; a stored 200 means "at least this far".
 pub const DISTANCE_LIMIT_M: f32 = 2.0;
@@ -38,7 +39,7 @@ pub fn fill_distances<S, R>(
 {
     let width = field.geometry().columns();
     let resolution_m = field.geometry().resolution_m();
-    let reach = (DISTANCE_LIMIT_M / resolution_m).clamp(1.0, 254.0) as u8;
+    let reach = saturating_u8((DISTANCE_LIMIT_M / resolution_m).clamp(1.0, 254.0));
     column_distances(rows.values_mut(), width, reach, is_obstacle);
     let vertical = rows.values();
     for (row, target) in field.values_mut().chunks_mut(width).enumerate() {
@@ -87,7 +88,7 @@ fn nearest_squared(line: &[u8], column: usize, reach: u8) -> u32 {
 
 fn centimetres(squared_cells: u32, resolution_m: f32) -> u8 {
     let metres = libm::sqrtf(squared_cells as f32) * resolution_m;
-    (metres.min(DISTANCE_LIMIT_M) * 100.0 + 0.5) as u8
+    saturating_u8(metres.min(DISTANCE_LIMIT_M) * 100.0 + 0.5)
 }
 
 impl<S: AsRef<[u8]> + AsMut<[u8]>> Grid<u8, S> {

@@ -3,6 +3,7 @@
 use core::marker::PhantomData;
 
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::saturating_i32;
 
 /// Cells of a raster are numbered in 32 bits, and the last number is none.
 const CELLS_MAX: u64 = u32::MAX as u64;
@@ -150,7 +151,7 @@ impl GridGeometry {
         let x = (point_in_map.x_m - self.origin_in_map.x_m) * self.cells_per_metre;
         let y = (point_in_map.y_m - self.origin_in_map.y_m) * self.cells_per_metre;
         // `as` saturates, and takes NaN to 0; floor, not truncation, so that −0.5 is outside.
-        (libm::floorf(x) as i32, libm::floorf(y) as i32)
+        (saturating_i32(libm::floorf(x)), saturating_i32(libm::floorf(y)))
     }
 
     /// Index of the cell that holds a point of the map frame, `None` outside.

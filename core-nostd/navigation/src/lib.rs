@@ -29,5 +29,5 @@ pub mod path;
 mod path_search;
 pub mod prediction;
 
-pub use path::{FollowConfig, Following, follow};
+pub use path::{FollowConfig, Following, Stretch, follow};
 pub use path_search::{PathSearch, SEARCH_CELLS_MAX, STRAIGHT, SearchCell};

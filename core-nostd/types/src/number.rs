@@ -16,6 +16,45 @@ pub const fn saturating_u8(value: f32) -> u8 {
     value as u8
 }
 
+/// Towards zero, within 0…65,535; 0 for a NaN.
+///
+/// ```
+/// use floorguard_types::number::saturating_u16;
+///
+/// assert_eq!([-1.0, 7.9, 1.0e9, f32::NAN].map(saturating_u16), [0, 7, u16::MAX, 0]);
+/// ```
+#[inline(always)]
+#[must_use]
+pub const fn saturating_u16(value: f32) -> u16 {
+    value as u16
+}
+
+/// Towards zero, within −128…127; 0 for a NaN.
+///
+/// ```
+/// use floorguard_types::number::saturating_i8;
+///
+/// assert_eq!([-7.9, 7.9, 1.0e9, f32::NAN].map(saturating_i8), [-7, 7, i8::MAX, 0]);
+/// ```
+#[inline(always)]
+#[must_use]
+pub const fn saturating_i8(value: f32) -> i8 {
+    value as i8
+}
+
+/// Towards zero, within −32,768…32,767; 0 for a NaN.
+///
+/// ```
+/// use floorguard_types::number::saturating_i16;
+///
+/// assert_eq!([-7.9, 7.9, -1.0e9, f32::NAN].map(saturating_i16), [-7, 7, i16::MIN, 0]);
+/// ```
+#[inline(always)]
+#[must_use]
+pub const fn saturating_i16(value: f32) -> i16 {
+    value as i16
+}
+
 /// Towards zero, within 0…4,294,967,295; 0 for a NaN.
 ///
 /// ```

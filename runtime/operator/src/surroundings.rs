@@ -96,8 +96,16 @@ pub fn followed<M: RawMutex>(shared: &Shared<M>, robot_in_odom: Pose2) -> Vec<Fo
 /// The sector of a place around the robot, in words.
 #[must_use]
 pub fn direction(place: Point2) -> &'static str {
-    const SECTORS: [&str; 8] =
-        ["ahead", "ahead on the left", "left", "behind on the left", "behind", "behind on the right", "right", "ahead on the right"];
+    const SECTORS: [&str; 8] = [
+        "ahead",
+        "ahead on the left",
+        "left",
+        "behind on the left",
+        "behind",
+        "behind on the right",
+        "right",
+        "ahead on the right",
+    ];
     let turn = libm::atan2f(place.y_m, place.x_m) / core::f32::consts::FRAC_PI_4;
     let sector = libm::roundf(turn).rem_euclid(8.0) as usize;
     SECTORS.get(sector).copied().unwrap_or("ahead")
@@ -119,7 +127,8 @@ impl Surroundings {
     #[must_use]
     pub fn nearest_person(&self) -> Option<Holder> {
         let people = self.followed.iter().filter(|track| track.person);
-        let near = people.map(|track| self.seen("a person", Some(track.id), Point2::new(track.x_m, track.y_m)));
+        let near =
+            people.map(|track| self.seen("a person", Some(track.id), Point2::new(track.x_m, track.y_m)));
         near.min_by(|a, b| a.distance_m.total_cmp(&b.distance_m))
     }
 
@@ -134,9 +143,11 @@ impl Surroundings {
         let near = within.map(|hit| self.seen("an obstacle", None, *hit));
         let found = near.min_by(|a, b| a.distance_m.total_cmp(&b.distance_m))?;
         let place = Point2::new(found.x_m, found.y_m);
-        let person = self.followed.iter().filter(|track| track.person).find(|track| {
-            Point2::new(track.x_m, track.y_m).distance(place) <= OF_TRACK_M
-        });
+        let person = self
+            .followed
+            .iter()
+            .filter(|track| track.person)
+            .find(|track| Point2::new(track.x_m, track.y_m).distance(place) <= OF_TRACK_M);
         Some(match person {
             Some(track) => Holder { what: "a person", id: Some(track.id), ..found },
             None => found,
@@ -177,7 +188,8 @@ mod tests {
             followed: vec![person, Followed { id: 5, x_m: -5.0, ..person }],
             ..Surroundings::default()
         };
-        let holder = |cause| around.holder(&CauseRecord::new(cause, Stamp::ZERO)).map(|holder| holder.words());
+        let holder =
+            |cause| around.holder(&CauseRecord::new(cause, Stamp::ZERO)).map(|holder| holder.words());
         assert_eq!(holder(Cause::CollisionStop).as_deref(), Some("a person (behind, 1.4 m)"));
         assert_eq!(holder(Cause::ScanProtective).as_deref(), Some("an obstacle (ahead, 0.3 m)"));
         assert_eq!(holder(Cause::EmergencyStop), None);

@@ -48,10 +48,7 @@ pub fn advice_input<M: RawMutex>(shared: &Shared<M>) -> impl Future<Output = ()>
 }
 
 /// The same; `observe` gets each input before the guard does.
-pub async fn observed_advice_input<M: RawMutex>(
-    shared: &Shared<M>,
-    mut observe: impl FnMut(GuardInput<'_>),
-) {
+pub async fn observed_advice_input<M: RawMutex>(shared: &Shared<M>, mut observe: impl FnMut(GuardInput<'_>)) {
     loop {
         let advice = shared.advice.next().await;
         observe(GuardInput::Advice(&advice));

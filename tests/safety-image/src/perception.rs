@@ -8,7 +8,7 @@ use floorguard_perception::legs::{LegDetector, LegTracker};
 use floorguard_perception::motion::{MotionDetector, find_moving_people};
 use floorguard_perception::people::{PeoplePipeline, SweepContext};
 use floorguard_types::geometry::{Point2, Pose2};
-use floorguard_types::sensing::{DepthImage, ImuSample, Scan, Sweep, WheelSample};
+use floorguard_types::sensing::{DepthImage, ImageSize, ImuSample, Scan, Sweep, WheelSample};
 use floorguard_types::time::Stamp;
 
 /// State of perception.
@@ -40,7 +40,7 @@ pub fn all(state: &mut Perception, now: Stamp) {
     root_people(&mut state.people, &state.sweep, &state.context);
     root_motion(&mut state.motion, &mut state.people, &state.sweep, &state.context);
     root_legs(&mut state.legs, &mut state.leg_tracker, &state.scan);
-    if let Ok(image) = DepthImage::new(now, black_box((640, 480)), state.depth) {
+    if let Ok(image) = DepthImage::new(now, black_box(ImageSize { width: 640, height: 480 }), state.depth) {
         let estimate = root_floor_plane(state, &image, now);
         root_floor_objects(state, &image, &estimate);
     }

@@ -3,7 +3,9 @@
 use std::io::Read as _;
 use std::time::{Duration, Instant};
 
-use floorguard_cleaning::{ActiveCell, Belief, Distances, EuclideanCells, Evidence, Planner, TourSolver};
+use floorguard_cleaning::{
+    ActiveCell, Belief, Distances, EuclideanCells, Evidence, PlanCells, Planner, PoseDeviation, TourSolver,
+};
 use floorguard_laboratory::mission::{MissionConfig, Robot, Strategy};
 use floorguard_localisation::OdometryStep;
 use floorguard_mapping::poisson_tail;
@@ -121,7 +123,7 @@ fn step_ms(map: &Map, (side, has_dirt): (u16, bool)) -> Option<f64> {
     let mut times = Vec::new();
     for _ in 0..ROUNDS {
         for (&pose, scan) in map.poses.iter().zip(&map.scans) {
-            belief.place(pose, 0.05, 0.05);
+            belief.place(pose, PoseDeviation { position_m: 0.05, heading_rad: 0.05 });
             let evidence = Evidence { hits_in_base: scan, dirt_hits: Some(3), brush_is_cleaning: true };
             let begin = Instant::now();
             belief.update(step, &evidence, (&map.field, &mut dirt));
@@ -215,7 +217,8 @@ fn replanning() -> Option<Line> {
         let mut wanted = vec![false; floor.cells.cell_count()];
         cells[3 * round..300 + 3 * round].iter().for_each(|&cell| wanted[cell] = true);
         let begin = Stopwatch::begin();
-        planner.replan(robot, (|c| wanted[c], |c: usize| floor.passable[c]), 500).ok()?;
+        let cells = PlanCells { wanted: |c: usize| wanted[c], passable: |c: usize| floor.passable[c] };
+        planner.replan(robot, &cells, 500).ok()?;
         let ms = begin.elapsed().as_secs_f64() * 1e3;
         if round == 0 { first_ms = ms } else { times.push(ms) }
     }

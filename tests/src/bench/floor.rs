@@ -6,7 +6,7 @@ use floorguard_laboratory::evaluate::DirtTotals;
 use floorguard_perception::floor::dirt::PublishedDetector;
 use floorguard_perception::floor::{FloorModel, FloorParameters, ObjectFinder, PixelClass, Plane};
 use floorguard_robot::picture_files::{DepthFile, DirtDetectors, read_colour, read_depth, read_mask};
-use floorguard_types::sensing::{ColorImage, DepthImage, PinholeCamera};
+use floorguard_types::sensing::{ColorImage, DepthImage, ImageSize, PinholeCamera};
 use floorguard_types::time::Stamp;
 
 use super::peers::OurTime;
@@ -63,7 +63,9 @@ fn depth(input: &'static str, path: &Path) -> Option<FrameTime> {
         // Another last bit in every round, as from a living camera: identical frames would be a frozen one.
         pixels[0] = round as u16 % 2;
         let stamp = Stamp::from_micros(33_333 * (round as u64 + 1));
-        if let Ok(image) = DepthImage::new(stamp, (file.width, file.height), &pixels) {
+        if let Ok(image) =
+            DepthImage::new(stamp, ImageSize { width: file.width, height: file.height }, &pixels)
+        {
             let estimate = model.update(&image, stamp);
             let _ = std::hint::black_box(finder.find(&image, (&parameters, &estimate), &mut classes));
         }
@@ -99,7 +101,9 @@ pub(super) fn planes() -> anyhow::Result<Vec<OurTime>> {
         let all = (0..ROUNDS as u64).map(|round| {
             file.depth_mm[0] = round as u16 % 2;
             let stamp = Stamp::from_micros(33_333 * (round + 1));
-            let image = DepthImage::new(stamp, (file.width, file.height), &file.depth_mm).ok();
+            let image =
+                DepthImage::new(stamp, ImageSize { width: file.width, height: file.height }, &file.depth_mm)
+                    .ok();
             took(|| found = image.map(|image| model.update(&image, stamp).plane))
         });
         let all: Vec<Took> = all.collect();
@@ -134,7 +138,8 @@ pub(super) fn dirt_blocks() -> anyhow::Result<Vec<OurTime>> {
             let truth = read_mask(&mask, (file.width, file.height))?;
             (file, truth)
         };
-        let image = ColorImage::new(Stamp::ZERO, (file.width, file.height), &file.rgb)?;
+        let image =
+            ColorImage::new(Stamp::ZERO, ImageSize { width: file.width, height: file.height }, &file.rgb)?;
         let usable = vec![true; file.width * file.height];
         let mut detectors = DirtDetectors::default();
         let [_, answer] = detectors.judge(&image, &usable, None)?;
@@ -167,7 +172,9 @@ fn model_and_picture(path: &Path) -> Option<(Box<FloorModel>, DepthFile)> {
 
 fn dirt(input: &'static str, path: &Path) -> Vec<FrameTime> {
     let Ok(file) = read_colour(path) else { return Vec::new() };
-    let Ok(image) = ColorImage::new(Stamp::ZERO, (file.width, file.height), &file.rgb) else {
+    let Ok(image) =
+        ColorImage::new(Stamp::ZERO, ImageSize { width: file.width, height: file.height }, &file.rgb)
+    else {
         return Vec::new();
     };
     let usable = vec![true; file.width * file.height];

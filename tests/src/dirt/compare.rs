@@ -4,7 +4,7 @@ use floorguard_laboratory::evaluate::{DirtFigures, DirtTotals};
 use floorguard_perception::floor::dirt::FloorView;
 use floorguard_robot::picture_files::{DirtAnswer, DirtDetectors};
 use floorguard_sim::floor::{DirtKind, FloorKind, FloorPicture};
-use floorguard_types::sensing::ColorImage;
+use floorguard_types::sensing::{ColorImage, ImageSize};
 use floorguard_types::time::Stamp;
 
 use super::scenes::{Approach, FRAMES, view};
@@ -45,7 +45,11 @@ pub fn compare(floor: FloorKind, dirt: DirtKind, (scenes, seed): (u64, u64)) -> 
             last = Some((picture, view));
         }
         let (picture, view) = last.expect("there are frames");
-        let image = ColorImage::new(Stamp::ZERO, picture.size, &picture.rgb)?;
+        let image = ColorImage::new(
+            Stamp::ZERO,
+            ImageSize { width: picture.size.0, height: picture.size.1 },
+            &picture.rgb,
+        )?;
         let usable = picture.usable();
         let [published, ours] = detectors.judge(&image, &usable, Some(&view))?;
         detectors.forget();
@@ -63,7 +67,11 @@ pub fn compare(floor: FloorKind, dirt: DirtKind, (scenes, seed): (u64, u64)) -> 
 }
 
 fn watch(detectors: &mut DirtDetectors, picture: &FloorPicture, view: &FloorView) -> anyhow::Result<()> {
-    let image = ColorImage::new(Stamp::ZERO, picture.size, &picture.rgb)?;
+    let image = ColorImage::new(
+        Stamp::ZERO,
+        ImageSize { width: picture.size.0, height: picture.size.1 },
+        &picture.rgb,
+    )?;
     Ok(detectors.watch(&image, &picture.usable(), Some(view))?)
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use floorguard_host::outcome::BadInput;
 use floorguard_laboratory::evaluate::{FloorTask, floor};
 use floorguard_perception::floor::{FloorFault, FloorModel, FloorParameters, FloorSource, Plane};
-use floorguard_types::sensing::{DepthImage, FrameFault, PinholeCamera};
+use floorguard_types::sensing::{DepthImage, FrameFault, ImageSize, PinholeCamera};
 use floorguard_types::time::Stamp;
 
 const WIDTH: usize = 160;
@@ -36,7 +36,8 @@ fn level_floor(salt: usize) -> Vec<u16> {
 }
 
 fn image(depth_mm: &[u16], at_us: u64) -> DepthImage<'_> {
-    DepthImage::new(Stamp::from_micros(at_us), (WIDTH, HEIGHT), depth_mm).expect("the size fits")
+    DepthImage::new(Stamp::from_micros(at_us), ImageSize { width: WIDTH, height: HEIGHT }, depth_mm)
+        .expect("the size fits")
 }
 
 #[test]

@@ -4,7 +4,7 @@ use floorguard_perception::floor::{
     DepthNoise, FloorModel, FloorObject, FloorParameters, ObjectFinder, PixelClass, Plane, dot,
 };
 use floorguard_types::random::Pcg32;
-use floorguard_types::sensing::{DepthImage, PinholeCamera};
+use floorguard_types::sensing::{DepthImage, ImageSize, PinholeCamera};
 use floorguard_types::time::Stamp;
 
 const SIZE: (usize, usize) = (640, 480);
@@ -124,7 +124,8 @@ impl Watcher {
     fn objects(&mut self, depth_mm: &[u16]) -> Vec<FloorObject> {
         self.frame += 1;
         let now = Stamp::from_micros(33_333 * self.frame);
-        let image = DepthImage::new(now, SIZE, depth_mm).expect("the size fits");
+        let image = DepthImage::new(now, ImageSize { width: SIZE.0, height: SIZE.1 }, depth_mm)
+            .expect("the size fits");
         let estimate = self.model.update(&image, now);
         assert_eq!(estimate.fault, None);
         let parameters = *self.model.parameters();
@@ -188,7 +189,9 @@ fn curvature_is_recovered() {
     let mut watcher = Watcher::new();
     let depth = scene.render(None);
     watcher.objects(&depth);
-    let image = DepthImage::new(Stamp::from_micros(1_000_000), SIZE, &depth).expect("the size fits");
+    let image =
+        DepthImage::new(Stamp::from_micros(1_000_000), ImageSize { width: SIZE.0, height: SIZE.1 }, &depth)
+            .expect("the size fits");
     let estimate = watcher.model.update(&image, Stamp::from_micros(1_000_000));
     let [xx, xy, yy] = estimate.curvature.coefficients_per_m;
     println!("curvature {xx} {xy} {yy}");

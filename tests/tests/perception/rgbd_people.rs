@@ -11,7 +11,7 @@ use floorguard_sim::sensors::{DepthCamera, DepthPicture};
 use floorguard_tests::data::recording;
 use floorguard_tests::rgbd::{pinhole, run_rooms};
 use floorguard_types::geometry::{Point2, Pose2};
-use floorguard_types::sensing::DepthImage;
+use floorguard_types::sensing::{DepthImage, ImageSize};
 use floorguard_types::time::Stamp;
 
 /// Measured over 400 rooms of these seeds: 0.83, 0.93; legs 0.93, 0.90.
@@ -53,7 +53,12 @@ fn picture(people: &[(f32, f32)], wall_m: f32) -> DepthPicture {
 }
 
 fn find(picture: &DepthPicture) -> Vec<RgbdDetection> {
-    let image = DepthImage::new(Stamp::ZERO, picture.size, &picture.depth_mm).unwrap();
+    let image = DepthImage::new(
+        Stamp::ZERO,
+        ImageSize { width: picture.size.0, height: picture.size.1 },
+        &picture.depth_mm,
+    )
+    .unwrap();
     let plane = Plane::of_mounting(CAMERA.height_m, CAMERA.pitch_rad).unwrap();
     let mut finder = Box::new(RgbdPeopleFinder::new(RgbdParameters::new(pinhole(&CAMERA))));
     finder.find_people((&image, None), &plane, Pose2::default()).unwrap().people.to_vec()

@@ -1,6 +1,8 @@
 //! How far it is from place to place. Whole numbers, so that the gain of an exchange is exact and the search never
 //! goes in circles on rounding.
 
+use floorguard_types::number::saturating_i32;
+
 /// Symmetric distances between the nodes 0..n of a tour, in a unit of the caller's choice. A sum of a whole tour must
 /// fit 31 bits.
 pub trait Distances {
@@ -25,7 +27,7 @@ impl Distances for EuclideanCells<'_> {
             return 0;
         };
         let (dx, dy) = (a.0 - b.0, a.1 - b.1);
-        (libm::sqrtf(dx * dx + dy * dy) * self.scale + 0.5) as i32
+        saturating_i32(libm::sqrtf(dx * dx + dy * dy) * self.scale + 0.5)
     }
 }
 

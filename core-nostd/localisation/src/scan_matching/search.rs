@@ -2,6 +2,7 @@
 
 use floorguard_mapping::match_field::FieldLevel;
 use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::number::saturating_i32;
 
 use super::candidate::{Candidate, CellOffset, sum_of_values};
 use super::window::{Raster, SearchWindow};
@@ -65,7 +66,7 @@ pub fn search(
     let points = points.get(..count)?;
     let full_score = count as f32 * 255.0;
     // Strictly better than this counts.
-    let floor = (window.minimum_score * full_score) as i32;
+    let floor = saturating_i32(window.minimum_score * full_score);
     let mut search = Search {
         levels,
         points,
@@ -110,7 +111,7 @@ impl Search<'_> {
         let Some(level) = self.levels.get(candidate.level) else { return candidate };
         let sum = sum_of_values(level, cells, candidate.column, candidate.row);
         let penalty = self.window.least_penalty(&candidate, level.shift, self.edge_m) * self.full_score;
-        Candidate { bound: sum.saturating_sub(penalty as i32), ..candidate }
+        Candidate { bound: sum.saturating_sub(saturating_i32(penalty)), ..candidate }
     }
 
     /// Judges all blocks of the coarsest level; answers how many are kept.

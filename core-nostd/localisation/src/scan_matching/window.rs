@@ -1,6 +1,7 @@
 //! Which poses a search looks at.
 
 use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::number::saturating_i16;
 
 use super::candidate::{Candidate, CellOffset};
 
@@ -110,7 +111,8 @@ pub(super) struct Raster {
 impl Raster {
     fn cell(&self, point: Point2) -> CellOffset {
         // `as` saturates; a point that far away is outside every field.
-        let cell = |value: f32, origin: f32| libm::floorf((value - origin) * self.cells_per_metre) as i16;
+        let cell =
+            |value: f32, origin: f32| saturating_i16(libm::floorf((value - origin) * self.cells_per_metre));
         CellOffset { column: cell(point.x_m, self.origin.x_m), row: cell(point.y_m, self.origin.y_m) }
     }
 }

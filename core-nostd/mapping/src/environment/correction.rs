@@ -44,11 +44,20 @@ pub struct Correction {
     watched: [f32; 24],
 }
 
+/// How well a formula of visits may fit its own counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fit {
+    /// Variance of counts over that of Poisson's.
+    pub spread: f32,
+    /// Numbers of the formula that came from these counts.
+    pub fitted: f32,
+}
+
 impl Correction {
-    /// Around `base`, visits an hour by the hour of the week; `fitted` numbers of the formula came from these counts.
+    /// Around `base`, visits an hour by the hour of the week.
     pub fn new<const HOURS: usize>(
         week: &Week<HOURS>,
-        (spread, fitted): (f32, f32),
+        Fit { spread, fitted }: Fit,
         base: impl Fn(usize) -> f32,
     ) -> Self {
         let calm = 0.5 * Rate::mean_of(week.total());

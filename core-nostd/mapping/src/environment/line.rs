@@ -6,9 +6,18 @@ use floorguard_types::geometry::Point2;
 /// Cells of one step at most (book, Environment: Visits).
 pub const CELLS_OF_STEP: usize = 64;
 
+/// A straight step, map frame, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// Where it begins.
+    pub from: Point2,
+    /// Where it ends.
+    pub to: Point2,
+}
+
 /// Calls `visit` with every cell from the one that holds `from` to the one that holds `to`, both included, by
 /// Amanatides and Woo. Cells outside the raster are passed over. At most [`CELLS_OF_STEP`] cells.
-pub fn walk(geometry: &GridGeometry, (from, to): (Point2, Point2), mut visit: impl FnMut(usize)) {
+pub fn walk(geometry: &GridGeometry, Step { from, to }: Step, mut visit: impl FnMut(usize)) {
     let (mut column, mut row) = geometry.coordinates_of(from);
     let (last_column, last_row) = geometry.coordinates_of(to);
     let origin = geometry.origin_in_map();
@@ -53,7 +62,8 @@ mod tests {
     fn cells(from: (f32, f32), to: (f32, f32)) -> Vec<(i32, i32)> {
         let geometry = GridGeometry::new(20, 20, 0.2, Point2::new(-2.0, -2.0)).unwrap();
         let mut all = Vec::new();
-        walk(&geometry, (Point2::new(from.0, from.1), Point2::new(to.0, to.1)), |cell| {
+        let step = Step { from: Point2::new(from.0, from.1), to: Point2::new(to.0, to.1) };
+        walk(&geometry, step, |cell| {
             all.push(geometry.coordinates(cell));
         });
         all

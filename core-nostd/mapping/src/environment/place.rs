@@ -5,7 +5,7 @@
 //! Poisson process whose rate is the signal (after Jovan et al. 2016), and a slice weighs as much as it was watched.
 
 use super::contest::Contest;
-use super::correction::Correction;
+use super::correction::{Correction, Fit};
 use super::dirt_seen::DirtSeen;
 use super::evidence::Rate;
 use super::rhythm::Rhythm;
@@ -210,7 +210,7 @@ impl<const HOURS: usize, const PERIODS: usize> Place<HOURS, PERIODS> {
         if let RateModel::Spectrum(order) = model {
             let fitted = 1.0 + 2.0 * f32::from(order);
             forecast.correction =
-                Correction::new(&self.week, (spread, fitted), |index| forecast.swing(index, order));
+                Correction::new(&self.week, Fit { spread, fitted }, |index| forecast.swing(index, order));
         }
         forecast
     }

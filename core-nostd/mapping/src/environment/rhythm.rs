@@ -4,7 +4,7 @@
 //! needs days; each factor is believed as far as the data carry it, and what the product misses is put right hour by
 //! hour ([`Correction`]).
 
-use super::correction::{Correction, Count, shape};
+use super::correction::{Correction, Count, Fit, shape};
 use super::evidence::Rate;
 use super::wall_time::LocalTime;
 use super::week::{Evidence, Week};
@@ -47,7 +47,7 @@ impl Rhythm {
     /// What is put right hour by hour.
     #[must_use]
     pub fn correction<const HOURS: usize>(&self, week: &Week<HOURS>, spread: f32) -> Correction {
-        Correction::new(week, (spread, 31.0), |index| self.base(index))
+        Correction::new(week, Fit { spread, fitted: 31.0 }, |index| self.base(index))
     }
 
     /// Visits an hour at a moment, put right, and the hours of watching that it rests on.

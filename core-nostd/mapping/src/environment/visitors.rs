@@ -7,7 +7,7 @@
 use crate::GridGeometry;
 use floorguard_types::geometry::Point2;
 
-use super::line::walk;
+use super::line::{Step, walk};
 use super::wall_time::WallTime;
 
 /// A cell counts a track again after this long, µs.
@@ -134,10 +134,10 @@ impl<const RECENT: usize> Visitor<RECENT> {
         let from = if is_step { self.last } else { here };
         let dwell_us = if is_step { u32::try_from(gap_us).unwrap_or_default() } else { 0 };
         let mut passed = 0_u32;
-        walk(geometry, (from, here), |_| passed = passed.saturating_add(1));
+        walk(geometry, Step { from, to: here }, |_| passed = passed.saturating_add(1));
         // The first cell is the one it was in already; the time is shared out so that nothing of it is lost.
         let mut index = 0_u32;
-        walk(geometry, (from, here), |cell| {
+        walk(geometry, Step { from, to: here }, |cell| {
             let until = |i: u32| u64::from(dwell_us) * u64::from(i) / u64::from(passed.max(1));
             let share = until(index.saturating_add(1)).saturating_sub(until(index));
             let enters = index > 0 || is_new || !is_step;

@@ -1,6 +1,7 @@
 //! A return written into a level of a field.
 
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::{saturating_i32, saturating_u8};
 
 use crate::grid::{GRID_SIDE_MAX, GridGeometry};
 
@@ -28,8 +29,8 @@ impl Stamp {
         let y = (point.y_m - origin.y_m) * cells_per_metre - 0.5;
         let reach = (self.reach_m * cells_per_metre).min(REACH_CELLS_MAX as f32);
         let window = (1_i32 << self.shift.min(6)).saturating_sub(1);
-        let near = |value: f32| libm::ceilf(value - reach) as i32;
-        let far = |value: f32| libm::floorf(value + reach) as i32;
+        let near = |value: f32| saturating_i32(libm::ceilf(value - reach));
+        let far = |value: f32| saturating_i32(libm::floorf(value + reach));
         let (width, height) = (i32::from(self.geometry.width()), i32::from(self.geometry.height()));
         let (left, right) = (near(x).saturating_sub(window).max(0), far(x).min(width.saturating_sub(1)));
         let (low, high) = (near(y).saturating_sub(window).max(0), far(y).min(height.saturating_sub(1)));
@@ -46,7 +47,7 @@ impl Stamp {
                 let away_x = closest(x, column, window);
                 let share = 1.0 - libm::sqrtf(away_x * away_x + away_y * away_y) / reach;
                 // Between 0 and 255: negative shares saturate to 0.
-                *value = (*value).max((share * 255.0 + 0.5) as u8);
+                *value = (*value).max(saturating_u8(share * 255.0 + 0.5));
             }
         }
     }
@@ -54,6 +55,6 @@ impl Stamp {
 
 /// Distance from a coordinate to the nearest cell centre among `cell` to `cell + window`, cells.
 fn closest(coordinate: f32, cell: i32, window: i32) -> f32 {
-    let nearest = (libm::roundf(coordinate) as i32).clamp(cell, cell.saturating_add(window));
+    let nearest = saturating_i32(libm::roundf(coordinate)).clamp(cell, cell.saturating_add(window));
     coordinate - nearest as f32
 }

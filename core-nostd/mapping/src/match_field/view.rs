@@ -1,6 +1,7 @@
 //! One level of a field, as the matcher reads it.
 
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::saturating_usize;
 
 use crate::grid::GridGeometry;
 
@@ -58,7 +59,7 @@ impl FieldLevel<'_> {
             return FieldSample::default();
         }
         // Both are positive here: truncation is floor.
-        let (column, row) = (x as usize, y as usize);
+        let (column, row) = (saturating_usize(x), saturating_usize(y));
         let first = row.saturating_mul(width).saturating_add(column);
         let second = first.saturating_add(width);
         let (Some(&[low_left, low_right]), Some(&[high_left, high_right])) = (

@@ -12,6 +12,7 @@
 use super::limit::{CellState, DirtLimit, KeptScore, SeenLayer, Together};
 use super::rank::of_rank;
 use super::tint::{FloorTints, KeptTint, kept, middle};
+use floorguard_types::number::saturating_usize;
 
 /// Observations that are kept.
 pub(super) const WINDOW: usize = 9;
@@ -125,7 +126,7 @@ impl SeenCell {
         self.pixels = self.pixels.saturating_add(1);
         if score >= BINS_FROM {
             // Within the counters before it is cut.
-            let bin = ((score - BINS_FROM) / BIN).min((BINS - 1) as f32) as usize;
+            let bin = saturating_usize(((score - BINS_FROM) / BIN).min((BINS - 1) as f32));
             if let Some(slot) = self.bins.get_mut(bin) {
                 *slot = slot.saturating_add(1);
             }

@@ -1,5 +1,7 @@
 //! What the observations of a cell say together, and from where on that is dirt.
 
+use floorguard_types::number::saturating_u8;
+
 /// Steps of a kept score: sixths of a natural logarithm up to 42.
 const STEPS: f32 = 6.0;
 
@@ -34,7 +36,7 @@ impl KeptScore {
     #[must_use]
     pub fn of(score: f32) -> Self {
         // Within 0..=255 before it is cut.
-        Self((score * STEPS + 0.5).clamp(0.0, 255.0) as u8)
+        Self(saturating_u8((score * STEPS + 0.5).clamp(0.0, 255.0)))
     }
 
     /// Natural logarithms.

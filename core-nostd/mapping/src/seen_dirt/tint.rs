@@ -8,6 +8,7 @@
 use super::cell::WINDOW;
 use super::map::KNOWN_MIN;
 use super::rank::of_rank;
+use floorguard_types::number::saturating_i8;
 
 /// Steps of a Lab unit in which a cell keeps a colour: lightness varies most.
 const STEPS: [f32; 3] = [8.0, 16.0, 16.0];
@@ -33,7 +34,7 @@ pub(super) type KeptTint = [i8; 3];
 pub(super) fn kept(colour: [f32; 3]) -> KeptTint {
     let mut tint = [0; 3];
     for ((slot, value), steps) in tint.iter_mut().zip(colour).zip(STEPS) {
-        *slot = libm::roundf(value * steps) as i8;
+        *slot = saturating_i8(libm::roundf(value * steps));
     }
     tint
 }

@@ -6,6 +6,7 @@
 //! waves meet.
 
 use floorguard_mapping::{GridGeometry, GridTooSmall, Parabola, squared_distances};
+use floorguard_types::number::saturating_u8;
 
 use super::view::Costs;
 
@@ -40,7 +41,7 @@ impl InflationConfig {
         } else if distance_m <= self.inflation_radius_m {
             let beyond_m = distance_m - self.inscribed_radius_m;
             // Truncation as published.
-            (252.0 * libm::expf(-self.decay_per_m * beyond_m)) as u8
+            saturating_u8(252.0 * libm::expf(-self.decay_per_m * beyond_m))
         } else {
             Costs::FREE
         }

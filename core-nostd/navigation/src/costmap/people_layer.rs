@@ -4,6 +4,7 @@
 use floorguard_mapping::{GRID_SIDE_MAX, GridGeometry};
 use floorguard_types::geometry::Point2;
 use floorguard_types::motion::MovingPerson;
+use floorguard_types::number::saturating_u8;
 
 use super::view::Costs;
 
@@ -52,7 +53,7 @@ impl PeopleCost {
         let along_deviation_m = if is_ahead { spread_m + self.ahead_m_per_mps * speed_mps } else { spread_m };
         let exponent = along_m * along_m / (2.0 * along_deviation_m * along_deviation_m)
             + aside_m * aside_m / (2.0 * spread_m * spread_m);
-        (f32::from(self.peak.min(252)) * libm::expf(-exponent)) as u8
+        saturating_u8(f32::from(self.peak.min(252)) * libm::expf(-exponent))
     }
 }
 

@@ -7,6 +7,7 @@
 use floorguard_mapping::{GRID_CELLS_MAX, GridGeometry};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::motion::{Gear, Waypoint};
+use floorguard_types::number::{saturating_i32, saturating_u32};
 
 use super::contract::PlanFailure;
 use super::lattice_heap::{HeapEntry, pop, push};
@@ -182,7 +183,7 @@ where
     fn open(&mut self, node: LatticeNode, left_s: f32) -> Result<(), PlanFailure> {
         let kind = self.kind(node.pose).ok_or(PlanFailure::StartBlocked)?;
         *self.nodes.as_mut().get_mut(self.used).ok_or(PlanFailure::OutOfRoom)? = node;
-        let urgency = ((node.cost_s + self.pace.haste * left_s) * UNITS_PER_S) as u32;
+        let urgency = saturating_u32((node.cost_s + self.pace.haste * left_s) * UNITS_PER_S);
         let entry = HeapEntry { urgency, node: self.used as u32 };
         self.waiting = push(self.heap.as_mut(), self.waiting, entry).ok_or(PlanFailure::OutOfRoom)?;
         self.used = self.used.saturating_add(1);
@@ -195,7 +196,7 @@ where
     /// Place and heading as one number.
     fn kind(&self, pose: Pose2) -> Option<usize> {
         let cell = self.raster.cell_at(Point2::new(pose.x_m, pose.y_m))?;
-        let heading = libm::roundf(pose.heading_rad / TURN_RAD) as i32;
+        let heading = saturating_i32(libm::roundf(pose.heading_rad / TURN_RAD));
         let heading = heading.rem_euclid(HEADINGS as i32) as usize;
         Some(cell.saturating_mul(HEADINGS).saturating_add(heading))
     }

@@ -2,6 +2,7 @@
 
 use floorguard_types::geometry::Pose2;
 use floorguard_types::motion::{Footprint, Waypoint};
+use floorguard_types::number::saturating_usize;
 
 use super::contract::Plan;
 use crate::costmap::{CostmapView, footprint_cost};
@@ -49,7 +50,7 @@ pub fn check_plan(
     for (waypoint, at) in rest.iter().enumerate() {
         let from = before.replace(*at).unwrap_or(*at);
         let length_m = from.place_in_map().distance(at.place_in_map());
-        let samples = ((length_m / SAMPLE_EVERY_M) as usize).min(SAMPLES_MAX).saturating_add(1);
+        let samples = saturating_usize(length_m / SAMPLE_EVERY_M).min(SAMPLES_MAX).saturating_add(1);
         for sample in 1..=samples {
             let share = sample as f32 / samples as f32;
             if footprint_cost(costmap, footprint, between(&from, at, share)).is_err() {

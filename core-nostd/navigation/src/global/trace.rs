@@ -3,6 +3,7 @@
 use floorguard_mapping::{GRID_CELLS_MAX, GridGeometry};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::motion::{Gear, Waypoint};
+use floorguard_types::number::saturating_i32;
 
 use super::contract::PlanFailure;
 use super::grid_search::GridSearch;
@@ -103,7 +104,7 @@ pub(crate) fn nearest_cell(
     if is_good(own) {
         return Some(own);
     }
-    let reach = (reach_m.max(0.0) * geometry.cells_per_metre()).min(100.0) as i32;
+    let reach = saturating_i32((reach_m.max(0.0) * geometry.cells_per_metre()).min(100.0));
     let (column, row) = geometry.coordinates(own);
     let mut best: Option<(i32, usize)> = None;
     for dy in reach.wrapping_neg()..=reach {

@@ -6,6 +6,7 @@
 
 use floorguard_types::geometry::{Point2, Twist2};
 use floorguard_types::motion::{Footprint, PermittedMotion};
+use floorguard_types::number::{saturating_u32, saturating_usize};
 
 use super::arrive::Arrival;
 use super::contract::{LocalCommand, LocalPlanner, LocalSituation, LocalVerdict};
@@ -62,7 +63,7 @@ impl<'a> Dwa<'a> {
         let over = libm::fabsf(speed_mps) - config.scaling_speed_mps;
         let share = over / (config.speed_max_mps - config.scaling_speed_mps).max(1.0e-3);
         let last = footprints.len().saturating_sub(1);
-        (libm::ceilf(share.clamp(0.0, 1.0) * last as f32) as usize).min(last)
+        saturating_usize(libm::ceilf(share.clamp(0.0, 1.0) * last as f32)).min(last)
     }
 }
 
@@ -81,7 +82,7 @@ fn fields<'f, P>(
         let place = at.place_in_map();
         // Published: the path is first filled up to one point a cell.
         let from = before.replace(place).unwrap_or(place);
-        let gaps = ((from.distance(place) * costmap.geometry().cells_per_metre()) as usize).min(1_000);
+        let gaps = saturating_usize(from.distance(place) * costmap.geometry().cells_per_metre()).min(1_000);
         for gap in 1..=gaps.max(1) {
             let t = gap as f32 / gaps.max(1) as f32;
             let point =
@@ -146,7 +147,7 @@ fn simulate<P>(
     let path_m = libm::fabsf(twist.linear_mps) * config.horizon_s;
     let turn_rad = libm::fabsf(twist.angular_radps) * config.horizon_s;
     let steps = libm::ceilf((path_m / config.granularity_m).max(turn_rad / config.angular_granularity_rad));
-    let steps = (steps as u32).clamp(1, STEPS_MAX);
+    let steps = saturating_u32(steps).clamp(1, STEPS_MAX);
     let step_s = config.horizon_s / steps as f32;
     let start = situation.pose_in_map;
     let (sin, cos) = libm::sincosf(start.heading_rad);

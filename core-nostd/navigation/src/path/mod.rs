@@ -6,4 +6,4 @@ mod stretch;
 
 pub use follower::{Backing, FollowLimits, FollowState, PathFollower};
 pub use foot::{Foot, aim, foot};
-pub use stretch::{FollowConfig, Following, follow};
+pub use stretch::{FollowConfig, Following, Stretch, follow};

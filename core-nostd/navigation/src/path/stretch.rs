@@ -32,14 +32,23 @@ pub enum Following {
     Arrived,
 }
 
-/// The wanted command from a pose towards the end of the stretch `from` → `to`, all in the map frame. `period_s` is
+/// A straight stretch of a path, map frame, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// Where it begins.
+    pub from: Point2,
+    /// Where it ends.
+    pub to: Point2,
+}
+
+/// The wanted command from a pose towards the end of a stretch, all in the map frame. `period_s` is
 /// the time for which the command will hold, > 0: it keeps the robot from overshooting.
 ///
 /// ```
-/// use floorguard_navigation::{FollowConfig, Following, follow};
+/// use floorguard_navigation::{FollowConfig, Following, Stretch, follow};
 /// use floorguard_types::geometry::{Point2, Pose2};
 ///
-/// let stretch = (Point2::new(0.0, 0.0), Point2::new(1.0, 0.0));
+/// let stretch = Stretch { from: Point2::new(0.0, 0.0), to: Point2::new(1.0, 0.0) };
 /// let command = |pose| follow(pose, stretch, &FollowConfig::ROOMBA, 0.1);
 /// let Following::Drive(twist) = command(Pose2::default()) else { panic!("a command") };
 /// assert_eq!((twist.linear_mps, twist.angular_radps), (0.1, 0.0));
@@ -48,12 +57,8 @@ pub enum Following {
 /// assert_eq!(command(Pose2::new(1.0, 0.0, 0.0)), Following::Arrived);
 /// ```
 #[must_use]
-pub fn follow(
-    pose_in_map: Pose2,
-    (from, to): (Point2, Point2),
-    config: &FollowConfig,
-    period_s: f32,
-) -> Following {
+pub fn follow(pose_in_map: Pose2, stretch: Stretch, config: &FollowConfig, period_s: f32) -> Following {
+    let Stretch { from, to } = stretch;
     let here = Point2::new(pose_in_map.x_m, pose_in_map.y_m);
     let left_m = here.distance(to);
     let length_m = from.distance(to).max(1e-6);
@@ -88,28 +93,29 @@ mod tests {
     fn drives_a_corner_and_arrives() {
         let corners = [Point2::new(0.0, 0.0), Point2::new(1.0, 0.0), Point2::new(1.0, 0.8)];
         let mut pose = Pose2::new(0.0, 0.02, 2.0);
-        let mut stretch = 0;
+        let mut corner = 0;
         for _ in 0..600 {
-            match follow(pose, (corners[stretch], corners[stretch + 1]), &FollowConfig::ROOMBA, 0.1) {
+            let stretch = Stretch { from: corners[corner], to: corners[corner + 1] };
+            match follow(pose, stretch, &FollowConfig::ROOMBA, 0.1) {
                 Following::Drive(twist) => {
                     assert!(twist.linear_mps <= 0.1 + 1e-6 && twist.angular_radps.abs() <= 0.6 + 1e-6);
                     pose = pose.compose(Pose2::new(twist.linear_mps * 0.1, 0.0, twist.angular_radps * 0.1));
                 }
                 Following::Arrived => {
-                    stretch += 1;
-                    if stretch == 2 {
+                    corner += 1;
+                    if corner == 2 {
                         break;
                     }
                 }
             }
         }
-        assert_eq!(stretch, 2);
+        assert_eq!(corner, 2);
         assert!(Point2::new(pose.x_m, pose.y_m).distance(corners[2]) < 0.03);
     }
 
     #[test]
     fn an_undefined_target_does_not_move_the_robot() {
-        let stretch = (Point2::default(), Point2::new(f32::NAN, 0.0));
+        let stretch = Stretch { from: Point2::default(), to: Point2::new(f32::NAN, 0.0) };
         assert_eq!(follow(Pose2::default(), stretch, &FollowConfig::ROOMBA, 0.1), Following::Arrived);
     }
 }

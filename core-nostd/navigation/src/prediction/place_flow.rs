@@ -2,6 +2,7 @@
 
 use floorguard_mapping::{GridGeometry, GridTooSmall};
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::saturating_i32;
 
 /// Directions that are kept apart.
 pub const FLOW_HEADINGS: usize = 8;
@@ -48,7 +49,7 @@ impl<S: AsRef<[FlowCell]> + AsMut<[FlowCell]>> PlaceFlow<S> {
         }
         let cell = self.geometry.cell_at(place)?;
         let turn = libm::atan2f(step.y_m, step.x_m) / core::f32::consts::TAU;
-        let heading = libm::floorf(turn * FLOW_HEADINGS as f32 + 0.5) as i32;
+        let heading = saturating_i32(libm::floorf(turn * FLOW_HEADINGS as f32 + 0.5));
         let heading = heading.rem_euclid(FLOW_HEADINGS as i32) as usize;
         Some(cell.saturating_mul(FLOW_HEADINGS).saturating_add(heading))
     }

@@ -9,6 +9,7 @@ use super::labels::{Labels, Mark, NONE};
 use super::projection::{ColumnFrame, RingAngles};
 use floorguard_types::capacities::{SWEEP_COLUMNS, SWEEP_RINGS};
 use floorguard_types::geometry::Point3;
+use floorguard_types::number::saturating_u16;
 use floorguard_types::profile::{List, ListOf, Profile, Size};
 
 /// Columns looked back in the same ring: bridges two missing returns.
@@ -106,7 +107,7 @@ impl<P: Profile> Clusterer<P> {
 
     /// Enters the obstacles of the next column and joins them with those before. Columns without any are entered, too.
     pub(crate) fn enter_column(&mut self, obstacles: &Obstacles, limits: &ClusterLimits) {
-        let gap = (limits.gap_m * 500.0) as u16;
+        let gap = saturating_u16(limits.gap_m * 500.0);
         let column = self.columns;
         self.forget(column);
         // The two cells below, of which the second bridges one missing return.
@@ -218,7 +219,7 @@ impl<P: Profile> Clusterer<P> {
     /// Joins the end of the revolution with its start. After the last [`Self::enter_column`], before
     /// [`Self::add_column`].
     pub(crate) fn close(&mut self, limits: &ClusterLimits) {
-        let gap = (limits.gap_m * 500.0) as u16;
+        let gap = saturating_u16(limits.gap_m * 500.0);
         let newest = self.columns.wrapping_sub(1);
         for ring in 0..SWEEP_RINGS {
             let last = self.recent(newest, ring);

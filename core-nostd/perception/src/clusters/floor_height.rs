@@ -1,5 +1,6 @@
 //! How high a sensor of unknown mounting stands above the floor: for recordings without a description.
 
+use floorguard_types::number::saturating_usize;
 use floorguard_types::profile::Profile;
 use floorguard_types::sensing::SweepOf;
 
@@ -28,7 +29,7 @@ impl FloorHeight {
                 let depth_m = -f32::from(*raw) * metres_per_count * sin;
                 let bin = libm::floorf((depth_m - LOWEST_M) / BIN_M);
                 if bin >= 0.0
-                    && let Some(count) = counts.get_mut(bin as usize)
+                    && let Some(count) = counts.get_mut(saturating_usize(bin))
                 {
                     *count = count.saturating_add(1);
                 }

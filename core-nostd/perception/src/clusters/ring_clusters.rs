@@ -9,6 +9,7 @@ use core::f32::consts::PI;
 
 use floorguard_types::capacities::SWEEP_RINGS;
 use floorguard_types::geometry::Point3;
+use floorguard_types::number::saturating_usize;
 
 /// Rings of the published detector.
 pub const RINGS: usize = 14;
@@ -118,7 +119,7 @@ fn window(point: &Point3, tolerance_m: f32, columns: usize) -> usize {
         return half;
     }
     let angle_rad = libm::asinf(tolerance_m / horizontal_m);
-    ((angle_rad * 1.1 / (2.0 * PI) * columns as f32) as usize).saturating_add(3).min(half)
+    saturating_usize(angle_rad * 1.1 / (2.0 * PI) * columns as f32).saturating_add(3).min(half)
 }
 
 /// Strictly closer than the tolerance (equality does not link).

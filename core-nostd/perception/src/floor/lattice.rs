@@ -3,6 +3,7 @@
 //! Nothing is copied: every pass walks over the same pixels of the borrowed image again.
 
 use super::lanes::{LANES, Lanes};
+use floorguard_types::number::saturating_usize;
 use floorguard_types::sensing::{DepthImage, PinholeCamera};
 
 /// Nearer than any of the cameras can measure, metres.
@@ -34,7 +35,7 @@ impl<'a> Lattice<'a> {
     /// The points of the lattice with a return, from the row `skipped` × the height of the image on.
     pub(super) fn points(&self, skipped: f32) -> impl Iterator<Item = [f32; 3]> + use<'a> {
         let Self { image, camera, stride } = *self;
-        let first = ((image.height() as f32 * skipped) as usize).saturating_add(stride / 2);
+        let first = saturating_usize(image.height() as f32 * skipped).saturating_add(stride / 2);
         image.rows().enumerate().skip(first).step_by(stride.max(1)).flat_map(move |(row, depths)| {
             let sampled = depths.iter().enumerate().skip(stride / 2).step_by(stride.max(1));
             sampled.filter_map(move |(column, depth)| {

@@ -139,7 +139,7 @@ struct Good {
 ///
 /// ```
 /// use floorguard_perception::floor::{FloorModel, FloorParameters, FloorSource, Plane};
-/// use floorguard_types::sensing::{DepthImage, PinholeCamera};
+/// use floorguard_types::sensing::{DepthImage, ImageSize, PinholeCamera};
 /// use floorguard_types::time::Stamp;
 ///
 /// // What a camera would see of a level floor, 0.9 m below it.
@@ -151,7 +151,8 @@ struct Good {
 ///         (900.0 / (0.9 - level.height_m(ray))).round() as u16
 ///     })
 ///     .collect();
-/// let image = DepthImage::new(Stamp::from_micros(40_000), (160, 120), &depth_mm).unwrap();
+/// let size = ImageSize { width: 160, height: 120 };
+/// let image = DepthImage::new(Stamp::from_micros(40_000), size, &depth_mm).unwrap();
 ///
 /// let mut model = FloorModel::new(FloorParameters::mounted(camera, 0.9, 0.7).unwrap(), 1);
 /// let estimate = model.update(&image, Stamp::from_micros(50_000));

@@ -9,6 +9,7 @@ use super::lanes::{LaneSums, Lanes};
 use super::lattice::Lattice;
 use super::normal_equations::NormalEquations;
 use super::plane::{Plane, dot};
+use floorguard_types::number::saturating_u32;
 
 /// Unevenness of an ordinary floor, standard deviation in metres (book, Floor and dirt: Floor plane).
 const UNEVENNESS_M: f32 = 0.005;
@@ -133,10 +134,10 @@ pub(super) fn quality(lattice: &Lattice<'_>, noise: &DepthNoise, plane: &Plane) 
     let count = inliers.max(1.0);
     FitQuality {
         // Whole numbers below 2²⁴ are exact.
-        returns: returns as u32,
-        candidates: candidates as u32,
-        inliers: inliers as u32,
-        below: below as u32,
+        returns: saturating_u32(returns),
+        candidates: saturating_u32(candidates),
+        inliers: saturating_u32(inliers),
+        below: saturating_u32(below),
         normalised_rms: libm::sqrtf(normalised / count),
         rms_m: libm::sqrtf(squares / count),
     }

@@ -6,6 +6,7 @@
 
 use super::voxels::{Cell, VOXEL_M, Voxels, floor};
 use floorguard_types::geometry::Point3;
+use floorguard_types::number::saturating_i32;
 use floorguard_types::profile::{Entry, List, ListOf, Profile, Size, Table, TableOf};
 
 /// A return this near to a part belongs to it, metres along x and y each.
@@ -165,7 +166,7 @@ impl Part {
         let [x, y, z] = self.sums;
         self.centroid = Point3::new(x / count, y / count, z / count);
         // At most WIDEST_M wide: four cells and the one in which it begins.
-        const CELLS: i32 = (WIDEST_M / CELL_M) as i32 + 1;
+        const CELLS: i32 = saturating_i32(WIDEST_M / CELL_M) + 1;
         let (first_x, first_y) = (index(self.lower.x_m), index(self.lower.y_m));
         let (last_x, last_y) = (index(self.upper.x_m), index(self.upper.y_m));
         for (dx, dy) in (0..=CELLS).flat_map(|dy| (0..=CELLS).map(move |dx| (dx, dy))) {

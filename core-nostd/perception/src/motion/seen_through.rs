@@ -7,6 +7,7 @@ use crate::clusters::RingAngles;
 use crate::people::SweepContext;
 use floorguard_types::capacities::{SWEEP_COLUMNS, SWEEP_RINGS};
 use floorguard_types::geometry::{Point3, Twist2};
+use floorguard_types::number::saturating_u32;
 use floorguard_types::profile::Profile;
 use floorguard_types::sensing::SweepOf;
 
@@ -247,7 +248,7 @@ fn azimuth_cdeg(forward_m: f32, left_m: f32) -> u32 {
     let from_ahead = if right_m.abs() > forward_m.abs() { 9_000.0 - angle } else { angle };
     let half = if forward_m < 0.0 { 18_000.0 - from_ahead } else { from_ahead };
     let whole = if right_m < 0.0 { 36_000.0 - half } else { half };
-    whole as u32 % 36_000
+    saturating_u32(whole) % 36_000
 }
 
 /// A point this much nearer to the sensor.

@@ -6,6 +6,7 @@
 //! the same bit.
 
 use floorguard_types::geometry::Point3;
+use floorguard_types::number::saturating_i32;
 use floorguard_types::profile::{Entry, Size, Table, TableOf};
 
 /// Edge of a voxel, metres.
@@ -36,7 +37,7 @@ pub(super) fn cell(point: Point3) -> Cell {
 /// The next whole number below, without a call: this is asked some hundred thousand times a second.
 #[inline]
 pub(super) fn floor(value: f32) -> i32 {
-    let whole = value as i32;
+    let whole = saturating_i32(value);
     whole.saturating_sub(i32::from(value < whole as f32))
 }
 

@@ -7,6 +7,7 @@ use heapless::Vec;
 
 use super::crop::{Crop, CropPixel};
 use floorguard_types::capacities::{RGBD_CROP_COLUMNS, RGBD_CROP_ROWS, RGBD_HEADS_MAX};
+use floorguard_types::number::saturating_usize;
 
 /// A head may be here: column and row in the crop.
 pub(super) type HeadPlace = (usize, usize);
@@ -39,7 +40,7 @@ pub(super) fn heads(crop: &Crop, size: [usize; 2], dropped: &mut u32) -> Vec<Hea
             let middle = rising_since.saturating_add(column) / 2;
             let height = smooth.get(middle).copied().unwrap_or(0.0);
             let is_new = found.last().is_none_or(|(last, _)| middle > last.saturating_add(APART));
-            let head = (middle, rows.saturating_sub((height + 0.5) as usize));
+            let head = (middle, rows.saturating_sub(saturating_usize(height + 0.5)));
             if height > 0.0 && is_new && found.push(head).is_err() {
                 *dropped = dropped.saturating_add(1);
             }

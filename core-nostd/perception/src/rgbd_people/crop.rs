@@ -10,6 +10,7 @@ use super::parameters::UpperBodyRules;
 use super::regions::{Region, Regions};
 use super::silhouette::SILHOUETTE_SIDE;
 use floorguard_types::capacities::{RGBD_CROP_COLUMNS, RGBD_CROP_ROWS};
+use floorguard_types::number::saturating_usize;
 use floorguard_types::sensing::DepthImage;
 
 /// What a pixel of a crop shows.
@@ -54,8 +55,8 @@ impl CropPlace {
         }
         let margin = SILHOUETTE_SIDE as f32 * 0.5;
         let ([left, top], [right, bottom]) = (region.first_px, region.last_px);
-        let columns = ((right.saturating_sub(left)) as f32 / ratio + 2.0 * margin) as usize;
-        let rows = ((bottom.saturating_sub(top)) as f32 / ratio + 2.0 * margin) as usize;
+        let columns = saturating_usize((right.saturating_sub(left)) as f32 / ratio + 2.0 * margin);
+        let rows = saturating_usize((bottom.saturating_sub(top)) as f32 / ratio + 2.0 * margin);
         let size = [columns.min(RGBD_CROP_COLUMNS), rows.min(RGBD_CROP_ROWS)];
         let corner_px = [left as f32 - margin * ratio, top as f32 - 9.0 * ratio];
         Some(Self { corner_px, ratio, size })
@@ -117,7 +118,7 @@ impl Crop {
             if v < 0.0 || v >= image.height() as f32 {
                 continue;
             }
-            let source_row = v as usize;
+            let source_row = saturating_usize(v);
             let rays = frame.row(source_row);
             let line = image.depth_mm().chunks_exact(width.max(1)).nth(source_row).unwrap_or(&[]);
             for (column, out) in out.iter_mut().enumerate().take(columns) {
@@ -125,13 +126,13 @@ impl Crop {
                 if u < 0.0 {
                     continue;
                 }
-                let Some(depth_mm) = line.get(u as usize).copied() else { continue };
+                let Some(depth_mm) = line.get(saturating_usize(u)).copied() else { continue };
                 if depth_mm == 0 {
                     *out = CropPixel::Unknown;
                     continue;
                 }
                 let depth_m = f32::from(depth_mm) * 0.001;
-                let point = rays.point(u as usize, depth_m);
+                let point = rays.point(saturating_usize(u), depth_m);
                 let is_body = point.height_m < highest && regions.label(&point) == region.label;
                 *out = if is_body {
                     CropPixel::Body(depth_mm)

@@ -5,6 +5,7 @@
 
 use super::floor_frame::{FloorFrame, FloorPoint};
 use super::parameters::UpperBodyRules;
+use floorguard_types::number::{saturating_u8, saturating_usize};
 use floorguard_types::sensing::DepthImage;
 
 /// Cells across the view: −3 to 3 m.
@@ -31,7 +32,7 @@ pub(super) fn cell_of(point: &FloorPoint) -> Option<usize> {
     let column = (point.right_m + HALF_WIDTH_M) * CELLS_PER_M + 0.5;
     let row = point.ahead_m * CELLS_PER_M + 0.5;
     let inside = column >= 0.0 && row >= 0.0 && column < GRID_COLUMNS as f32 && row < GRID_ROWS as f32;
-    inside.then_some(row as usize * GRID_COLUMNS + column as usize)
+    inside.then_some(saturating_usize(row) * GRID_COLUMNS + saturating_usize(column))
 }
 
 /// Every pixel that is examined: column, row, depth in metres and place.
@@ -89,7 +90,7 @@ impl FloorGrid {
             let Some(cell) = cell_of(&point) else { continue };
             if let (Some(weight), Some(top)) = (self.weights.get_mut(cell), self.tops_cm.get_mut(cell)) {
                 *weight += depth_m * (0.2 * depth_m).max(1.0) * density;
-                *top = (*top).max((point.height_m * 100.0) as u8);
+                *top = (*top).max(saturating_u8(point.height_m * 100.0));
             }
         }
         self.clear_structure(rules.structure_m);
@@ -99,7 +100,7 @@ impl FloorGrid {
 
     /// Cells that reach higher than any person are none.
     fn clear_structure(&mut self, structure_m: f32) {
-        let limit_cm = (structure_m * 100.0) as u8;
+        let limit_cm = saturating_u8(structure_m * 100.0);
         for (weight, top) in self.weights.iter_mut().zip(&self.tops_cm) {
             if *top > limit_cm {
                 *weight = 0.0;

@@ -6,6 +6,7 @@
 use super::contour::HeadPlace;
 use super::crop::{Crop, CropPixel};
 use super::silhouette::{AREAS, Area, SILHOUETTE_SIDE, Silhouette};
+use floorguard_types::number::saturating_i16;
 
 /// Body pixels in the middle of the silhouette without which there is nothing to compare with, of 100.
 const MIDDLE_MIN: u32 = 40;
@@ -42,7 +43,7 @@ pub(super) struct Fit {
 pub(super) fn coarse_fit(crop: &Crop, silhouette: &Silhouette, head: HeadPlace) -> Option<Fit> {
     let half = i16::try_from(SILHOUETTE_SIDE / 2).unwrap_or(0);
     let column = i16::try_from(head.0).ok()?.saturating_sub(half);
-    let row = i16::try_from(head.1).ok()?.saturating_sub(silhouette.head_row() as i16);
+    let row = i16::try_from(head.1).ok()?.saturating_sub(saturating_i16(silhouette.head_row()));
     best_of(crop, silhouette, (column, row), (&COARSE_ACROSS, &COARSE_DOWN))
 }
 

@@ -214,6 +214,7 @@ impl Region {
 mod tests {
     use super::*;
     use crate::floor::Plane;
+    use floorguard_types::sensing::ImageSize;
     use floorguard_types::sensing::PinholeCamera;
     use floorguard_types::time::Stamp;
     use std::boxed::Box;
@@ -231,7 +232,7 @@ mod tests {
                 *pixel = 3_000;
             }
         }
-        let image = DepthImage::new(Stamp::ZERO, (160, 120), &pixels).unwrap();
+        let image = DepthImage::new(Stamp::ZERO, ImageSize { width: 160, height: 120 }, &pixels).unwrap();
         let frame = FloorFrame::new(camera, Plane::of_mounting(1.0, 0.0).unwrap());
         let (mut grid, mut regions) = (Box::<FloorGrid>::default(), Box::<Regions>::default());
         let rules = UpperBodyRules::DEFAULT;

@@ -12,6 +12,7 @@ use super::regions::{Region, Regions};
 use super::silhouette::{SILHOUETTE_SIDE, Silhouette, SilhouetteShape};
 use super::suppression::{Candidates, enlist, is_same};
 use floorguard_types::capacities::RGBD_HEADS_MAX;
+use floorguard_types::number::saturating_u16;
 use floorguard_types::sensing::DepthImage;
 
 /// From the surface that the camera sees to the middle of a body, metres.
@@ -194,7 +195,7 @@ fn detection(scene: &Scene<'_>, place: &CropPlace, fit: &Fit, head_row: f32) -> 
     let across_m2 = step_m * step_m + pose_across * pose_across;
     let bearing = libm::atan2f(-foot.right_m, foot.ahead_m) + scene.mount.heading_rad;
     let [even, width] = rules.score_even;
-    let pixel = |value: f32| value.clamp(0.0, f32::from(u16::MAX)) as u16;
+    let pixel = |value: f32| saturating_u16(value.clamp(0.0, f32::from(u16::MAX)));
     RgbdDetection {
         kind: RgbdKind::UpperBody,
         position_in_base: foot.in_base(scene.mount),

@@ -1,6 +1,7 @@
 //! Where a sensor could have seen a person: a track behind something, or in a sector without data, is not missed.
 
 use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::number::saturating_u32;
 use floorguard_types::profile::Profile;
 use floorguard_types::sensing::{BeamReturn, ScanOf};
 
@@ -148,7 +149,7 @@ fn sector_of_bearing(bearing_rad: f32) -> usize {
 
 /// Counter-clockwise bearings, ±2π, to the lidar's clockwise azimuths, hundredths of a degree.
 fn azimuth_of(bearing_rad: f32) -> u16 {
-    ((-bearing_rad * (18_000.0 / core::f32::consts::PI) + 36_000.0) as u32 % 36_000) as u16
+    (saturating_u32(-bearing_rad * (18_000.0 / core::f32::consts::PI) + 36_000.0) % 36_000) as u16
 }
 
 fn sector_of_cdeg(azimuth_cdeg: u16) -> usize {

@@ -1,33 +1,33 @@
 //! A colour image as the camera delivers it: three bytes a pixel, sRGB.
 
 use super::frame_watch::fingerprint;
-use super::image_size::WrongImageSize;
+use super::image_size::{ImageSize, WrongImageSize};
 use super::stamped_image::StampedImage;
 use crate::time::Stamp;
 
 /// A checked view of colour pixels, row by row from the top left. Invariant: `width × height` pixels, both ≥ 1.
 ///
 /// ```
-/// use floorguard_types::{sensing::ColorImage, time::Stamp};
+/// use floorguard_types::{sensing::{ColorImage, ImageSize}, time::Stamp};
 ///
 /// let rgb = [255, 0, 0, 0, 0, 255];
-/// let image = ColorImage::new(Stamp::ZERO, (2, 1), &rgb).unwrap();
+/// let image = ColorImage::new(Stamp::ZERO, ImageSize { width: 2, height: 1 }, &rgb).unwrap();
 /// assert_eq!(image.pixels(), [[255, 0, 0], [0, 0, 255]]);
 /// ```
 pub type ColorImage<'a> = StampedImage<'a, [u8; 3]>;
 
 impl<'a> ColorImage<'a> {
-    /// A view of `width × height` pixels of red, green, blue, taken at `stamp`.
+    /// A view of pixels of red, green, blue, taken at `stamp`.
     ///
     /// # Errors
     /// The slice has another length, or a side is zero: the frame was cut or belongs to another camera mode. Drop it.
-    pub fn new(stamp: Stamp, (width, height): (usize, usize), rgb: &'a [u8]) -> Result<Self, WrongImageSize> {
+    pub fn new(stamp: Stamp, size: ImageSize, rgb: &'a [u8]) -> Result<Self, WrongImageSize> {
         let (pixels, rest) = rgb.as_chunks::<3>();
-        let values = rgb.len();
+        let (ImageSize { width, height }, values) = (size, rgb.len());
         if !rest.is_empty() {
             return Err(WrongImageSize { width, height, values });
         }
-        Self::of(stamp, (width, height), (pixels, values))
+        Self::of(stamp, size, (pixels, values))
     }
 }
 
@@ -47,9 +47,9 @@ mod tests {
     #[test]
     fn a_cut_image_is_refused() {
         let rgb = [1, 2, 3, 4, 5, 6];
-        let image = ColorImage::new(Stamp::ZERO, (2, 1), &rgb).unwrap();
+        let image = ColorImage::new(Stamp::ZERO, ImageSize { width: 2, height: 1 }, &rgb).unwrap();
         assert_eq!((image.height(), image.pixels()), (1, [[1, 2, 3], [4, 5, 6]].as_slice()));
-        assert!(ColorImage::new(Stamp::ZERO, (2, 1), &rgb[..5]).is_err());
-        assert!(ColorImage::new(Stamp::ZERO, (0, 2), &rgb).is_err());
+        assert!(ColorImage::new(Stamp::ZERO, ImageSize { width: 2, height: 1 }, &rgb[..5]).is_err());
+        assert!(ColorImage::new(Stamp::ZERO, ImageSize { width: 0, height: 2 }, &rgb).is_err());
     }
 }

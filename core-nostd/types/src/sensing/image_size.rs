@@ -1,5 +1,15 @@
 //! The size of an image and what was delivered belong together, or the image is refused.
 
+/// Pixels along the sides of an image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ImageSize {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+}
+
 /// An image whose pixels and size do not belong together: the frame was cut or belongs to another camera mode. Drop it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -32,8 +42,8 @@ pub(super) struct ImageView<'a, T> {
 }
 
 impl<'a, T> ImageView<'a, T> {
-    /// `width × height` pixels; `None` for another number of pixels, or a side of zero.
-    pub(super) fn new((width, height): (usize, usize), pixels: &'a [T]) -> Option<Self> {
+    /// `None` for another number of pixels, or a side of zero.
+    pub(super) fn new(ImageSize { width, height }: ImageSize, pixels: &'a [T]) -> Option<Self> {
         let is_whole = width > 0 && height > 0 && width.checked_mul(height) == Some(pixels.len());
         is_whole.then_some(Self { width, pixels })
     }

@@ -18,7 +18,7 @@ pub use depth_image::DepthImage;
 pub use dirt::DirtReading;
 pub use discrete::{DiscreteInputs, SafetyInput};
 pub use frame_watch::{FROZEN_FRAMES, FrameFault, FrameWatch, fingerprint};
-pub use image_size::WrongImageSize;
+pub use image_size::{ImageSize, WrongImageSize};
 pub use lidar_packet::{LidarColumn, LidarColumnOf, LidarPacket, LidarPacketOf, Reflectivity, silent_cdeg};
 pub use motion_samples::{DriveFeedback, DriveState, ImuSample, WheelSample};
 pub use pinhole::PinholeCamera;

@@ -1,6 +1,6 @@
 //! An image with the time when it was taken, for cameras of all kinds.
 
-use super::image_size::{ImageView, WrongImageSize};
+use super::image_size::{ImageSize, ImageView, WrongImageSize};
 use crate::time::Stamp;
 
 /// A checked view of pixels, row by row from the top left. Invariant: `width × height` pixels, both ≥ 1.
@@ -14,10 +14,11 @@ impl<'a, P> StampedImage<'a, P> {
     /// A view of `pixels`, which `values` numbers make; an error tells these.
     pub(super) fn of(
         stamp: Stamp,
-        (width, height): (usize, usize),
+        size: ImageSize,
         (pixels, values): (&'a [P], usize),
     ) -> Result<Self, WrongImageSize> {
-        let view = ImageView::new((width, height), pixels);
+        let ImageSize { width, height } = size;
+        let view = ImageView::new(size, pixels);
         view.map(|view| Self { stamp, view }).ok_or(WrongImageSize { width, height, values })
     }
 

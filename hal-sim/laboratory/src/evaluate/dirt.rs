@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Context;
 use floorguard_perception::floor::dirt::DirtFault;
-use floorguard_types::sensing::ColorImage;
+use floorguard_types::sensing::{ColorImage, ImageSize};
 use floorguard_types::time::Stamp;
 use image::{Rgb, RgbImage};
 use serde::Serialize;
@@ -48,7 +48,8 @@ pub fn dirt(root: &Path, out: Option<&Path>) -> anyhow::Result<DirtReport> {
         let frame = folder.read(path)?;
         report.reduced_by = report.reduced_by.max(frame.reduced_by);
         let size = (frame.picture.width, frame.picture.height);
-        let image = ColorImage::new(Stamp::ZERO, size, &frame.picture.rgb)?;
+        let image =
+            ColorImage::new(Stamp::ZERO, ImageSize { width: size.0, height: size.1 }, &frame.picture.rgb)?;
         let [first, second] = match detectors.judge(&image, &frame.usable, None) {
             Ok(answers) => answers,
             Err(problem @ (DirtFault::TooLittleFloor(..) | DirtFault::Unlit(_))) => {

@@ -6,7 +6,7 @@ use anyhow::Context;
 use floorguard_perception::floor::{
     Expectation, FloorFault, FloorModel, FloorObject, FloorParameters, ObjectFinder, PixelClass, Plane,
 };
-use floorguard_types::sensing::{DepthImage, PinholeCamera};
+use floorguard_types::sensing::{DepthImage, ImageSize, PinholeCamera};
 use floorguard_types::time::Stamp;
 use image::{Rgb, RgbImage};
 use serde::Serialize;
@@ -112,11 +112,13 @@ pub fn floor(task: &FloorTask) -> anyhow::Result<FloorReport> {
     let camera = camera(task.intrinsics, (&task.depth, size))?;
     let parameters = parameters(camera, task.mounting)?;
     let bad = |problem: String| BadInput(format!("{}: {problem}", task.depth.display()));
-    let whole = DepthImage::new(Stamp::ZERO, size, &file.depth_mm).map_err(|p| bad(p.to_string()))?;
+    let whole = DepthImage::new(Stamp::ZERO, ImageSize { width: size.0, height: size.1 }, &file.depth_mm)
+        .map_err(|p| bad(p.to_string()))?;
     let (reduced, reduced_by) = reduced(&file);
     let parameters = parameters_at(&parameters, reduced_by);
     let size = (reduced.width, reduced.height);
-    let image = DepthImage::new(Stamp::ZERO, size, &reduced.depth_mm).map_err(|p| bad(p.to_string()))?;
+    let image = DepthImage::new(Stamp::ZERO, ImageSize { width: size.0, height: size.1 }, &reduced.depth_mm)
+        .map_err(|p| bad(p.to_string()))?;
     let estimate = FloorModel::new(parameters, SEED).update(&image, Stamp::ZERO);
     let mut classes = vec![PixelClass::Unknown; reduced.depth_mm.len()];
     if let Some(fault @ FloorFault::NoReturns(..)) = estimate.fault {

@@ -7,7 +7,7 @@ use floorguard_perception::rgbd_people::{
     RgbdCounters, RgbdDetection, RgbdKind, RgbdParameters, RgbdPeopleFinder,
 };
 use floorguard_types::geometry::{Point2, Pose2};
-use floorguard_types::sensing::{ColorImage, DepthImage, PinholeCamera};
+use floorguard_types::sensing::{ColorImage, DepthImage, ImageSize, PinholeCamera};
 use floorguard_types::time::Stamp;
 use serde::{Serialize, Serializer};
 
@@ -192,7 +192,8 @@ fn one(task: &RgbdTask, path: &Path, colour: Option<ColourFile>) -> anyhow::Resu
     let camera = camera(task.intrinsics, (path, (file.width, file.height)))?;
     let (file, colour, camera) = thinned(file, colour, camera);
     let size = (file.width, file.height);
-    let image = DepthImage::new(Stamp::ZERO, size, &file.depth_mm).map_err(|p| bad(p.to_string()))?;
+    let image = DepthImage::new(Stamp::ZERO, ImageSize { width: size.0, height: size.1 }, &file.depth_mm)
+        .map_err(|p| bad(p.to_string()))?;
     let estimate = FloorModel::new(parameters(camera, task.mounting)?, SEED).update(&image, Stamp::ZERO);
     if let Some(fault @ FloorFault::NoReturns(..)) = estimate.fault {
         return Err(bad(format!("nothing to see: {fault}")).into());
@@ -201,7 +202,10 @@ fn one(task: &RgbdTask, path: &Path, colour: Option<ColourFile>) -> anyhow::Resu
     if let Some(fault) = estimate.fault.filter(|_| task.mounting.is_none()) {
         return Err(VerdictFailed(format!("{}: floor unknown: {fault}", path.display())).into());
     }
-    let view = colour.as_ref().map(|colour| ColorImage::new(Stamp::ZERO, size, &colour.rgb)).transpose();
+    let view = colour
+        .as_ref()
+        .map(|colour| ColorImage::new(Stamp::ZERO, ImageSize { width: size.0, height: size.1 }, &colour.rgb))
+        .transpose();
     let view = view.map_err(|problem| bad(problem.to_string()))?;
     let mut finder = Box::new(RgbdPeopleFinder::new(RgbdParameters::new(camera)));
     let found = finder

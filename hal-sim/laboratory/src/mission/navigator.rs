@@ -4,9 +4,10 @@ use std::collections::VecDeque;
 use std::time::Instant;
 
 use floorguard_cleaning::{
-    Lane, LaneAttempt, LaneQueue, LaneRules, PassShape, Planner, VisitPlan, choose_pass,
+    Lane, LaneAttempt, LaneQueue, LaneRules, PassPlaces, PassShape, PlanCells, Planner, VisitPlan,
+    choose_pass,
 };
-use floorguard_navigation::{FollowConfig, Following, PathSearch, SearchCell, follow};
+use floorguard_navigation::{FollowConfig, Following, PathSearch, SearchCell, Stretch, follow};
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use floorguard_types::random::Pcg32;
 
@@ -167,7 +168,7 @@ impl Navigator {
                 return NavigationRequest::Done;
             }
             let Some(&to) = self.waypoints.front() else { break };
-            match follow(pose, (self.stretch_from, to), &self.config, period_s) {
+            match follow(pose, Stretch { from: self.stretch_from, to }, &self.config, period_s) {
                 Following::Drive(twist) => {
                     self.stretch_age_s += period_s;
                     self.give_up_if_stuck(Point2::new(pose.x_m, pose.y_m), to);
@@ -240,8 +241,9 @@ impl Navigator {
         let Some(cell) = floor.nearest_passable(here) else { return };
         let wanted = |cell: usize| floor.reachable[cell] && visiting != Some(cell) && dirty.contains(cell);
         let begin = Instant::now();
+        let cells = PlanCells { wanted, passable: |c: usize| floor.passable[c] };
         let experiments = if self.plans == 0 { 20_000 } else { 500 };
-        let report = self.plan.replan((cell, now_s), (wanted, |c: usize| floor.passable[c]), experiments);
+        let report = self.plan.replan((cell, now_s), &cells, experiments);
         let took = begin.elapsed().as_secs_f64();
         if self.plans == 0 {
             self.first_plan_s = self.first_plan_s.max(took);
@@ -301,7 +303,7 @@ impl Navigator {
         let is_clear = |a: Point2, b: Point2| floor.is_clear(a, b);
         self.target = Some(target);
         let centre = floor.cells.centre(target);
-        let chosen = choose_pass((here, centre, next), &self.shape, is_clear);
+        let chosen = choose_pass(PassPlaces { from: here, centre, towards: next }, &self.shape, is_clear);
         // The first pass goes over the middle of the cell, the next ones beside it where there is space.
         let visits = self.plan.visits_of(target);
         let beside = chosen

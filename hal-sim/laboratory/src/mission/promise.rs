@@ -1,6 +1,6 @@
 //! What the mission promises, and when a cell is clean enough for it at this moment.
 
-use floorguard_cleaning::{CleanRule, MissionRisk};
+use floorguard_cleaning::{CleanRule, MissionRisk, RiskLimits};
 use floorguard_mapping::{DirtCell, DirtMap};
 
 use super::config::{Guarantee, MissionConfig};
@@ -20,10 +20,11 @@ impl Promise {
             Guarantee::AllCells => CleanRule::joint(tolerated, delta, dirty.len()),
             Guarantee::EachCell | Guarantee::Mission => CleanRule::per_cell(tolerated, delta),
         };
+        let limits = RiskLimits { of_a_cell: delta, of_the_mission: config.mission_risk };
         let shares = config.guarantee == Guarantee::Mission && !config.as_published;
         Self {
             fixed: if config.as_published { fixed.mean_only() } else { fixed },
-            risk: shares.then(|| MissionRisk::new(tolerated, (delta, config.mission_risk), dirty.len())),
+            risk: shares.then(|| MissionRisk::new(tolerated, limits, dirty.len())),
             dirty,
         }
     }

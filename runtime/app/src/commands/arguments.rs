@@ -25,21 +25,29 @@ pub enum Command {
     #[command(after_help = "Example:\n  floorguard demo --report my-report")]
     Demo(super::DemoArguments),
     /// Run the robot on real devices.
-    #[command(after_help = "Examples:\n  floorguard check robot.toml\n  floorguard run robot.toml --panel 127.0.0.1:8080 --record today.mcap --black-box stops")]
+    #[command(
+        after_help = "Examples:\n  floorguard check robot.toml\n  floorguard run robot.toml --panel 127.0.0.1:8080 --record today.mcap --black-box stops"
+    )]
     Run(super::RunArguments),
     #[cfg(feature = "laboratory")]
     /// Drive the simulated robot through a scenario and judge it by ground truth.
-    #[command(after_help = "Example:\n  floorguard simulate --scenario supermarket --seed 1 --duration 60 --emergency-stop 20..25")]
+    #[command(
+        after_help = "Example:\n  floorguard simulate --scenario supermarket --seed 1 --duration 60 --emergency-stop 20..25"
+    )]
     Simulate(super::SimulateArguments),
     #[cfg(feature = "laboratory")]
     /// Many seeded runs on all cores: encounters with people, faults, worlds judged for contacts by true geometry.
     #[command(after_help = "Example:\n  floorguard campaign encounters --trials 100 --seed 1")]
     Campaign(super::CampaignArguments),
     /// Feed a recording, a lidar capture, a ROS 2 bag or a laser log through the same stages as on the robot.
-    #[command(after_help = "Examples:\n  floorguard replay run.mcap --check\n  floorguard replay puck.pcap.gz --json")]
+    #[command(
+        after_help = "Examples:\n  floorguard replay run.mcap --check\n  floorguard replay puck.pcap.gz --json"
+    )]
     Replay(ReplayArguments),
     /// Write the report of a recording: one HTML file with map, stops, speeds, people and health.
-    #[command(after_help = "Example:\n  floorguard report run.mcap --operator \"A. Smith\" --json run.json --cells run.csv")]
+    #[command(
+        after_help = "Example:\n  floorguard report run.mcap --operator \"A. Smith\" --json run.json --cells run.csv"
+    )]
     Report(super::ReportArguments),
     /// Say why the robot stopped: what each sensor saw, which rule decided, what would have happened otherwise.
     #[command(after_help = "Example:\n  floorguard explain run.mcap --at 43.8 --out why.html")]
@@ -55,17 +63,23 @@ pub enum Command {
     Inspect(InspectArguments),
     #[cfg(feature = "laboratory")]
     /// Clean a map in simulation with a guarantee, and compare strategies.
-    #[command(after_help = "Example:\n  floorguard mission --map hall.yaml --dirt random:5%:10-15 --report hall")]
+    #[command(
+        after_help = "Example:\n  floorguard mission --map hall.yaml --dirt random:5%:10-15 --report hall"
+    )]
     Mission(super::MissionArguments),
     /// Learn where and when people walk, from recorded tracks, into the environment model of a place.
-    #[command(after_help = "Example:\n  floorguard learn tracks.csv --start 2026-04-06T08:00 --timezone Europe/Berlin")]
+    #[command(
+        after_help = "Example:\n  floorguard learn tracks.csv --start 2026-04-06T08:00 --timezone Europe/Berlin"
+    )]
     Learn(super::LearnArguments),
     /// Ask the environment model: best time, best zone, wet or dry, where dirt, where people.
     #[command(after_help = "Example:\n  floorguard ask best-time --zone aisle=0,0,12,3 --minutes 30")]
     Ask(super::AskArguments),
     #[cfg(feature = "laboratory")]
     /// Learn a classifier and write it as a table of the core.
-    #[command(after_help = "Example:\n  floorguard train online --place hall --seconds 120 --model people.learned --out lesson")]
+    #[command(
+        after_help = "Example:\n  floorguard train online --place hall --seconds 120 --model people.learned --out lesson"
+    )]
     Train(super::TrainArguments),
     /// Map a building: a drive's scans become a map, a trajectory and a pose graph.
     Map(MapArguments),

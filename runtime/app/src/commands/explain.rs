@@ -29,7 +29,7 @@ pub struct ExplainArguments {
     /// Also write one page that needs nothing else: the moment from above, the sensors, the ten seconds before.
     #[arg(long, value_name = "FILE.html")]
     pub out: Option<PathBuf>,
-    /// One object on standard output in place of the text; its fields: book, Recordings.
+    /// One object on standard output in place of the text; its fields: book, What a recording holds.
     #[arg(long)]
     pub json: bool,
 }
@@ -107,7 +107,9 @@ fn repetition(outcome: &ReplayOutcome, moment: Option<&Snapshot>) -> String {
     let begin = format!("Played again from the recorded bytes by floorguard {version}");
     let until = moment.map_or(Stamp::ZERO, |snapshot| snapshot.at);
     if let Some(reason) = &outcome.unrepeatable {
-        return format!("{begin}. {reason}, so it was not compared with the recording: causes and times may differ.");
+        return format!(
+            "{begin}. {reason}, so it was not compared with the recording: causes and times may differ."
+        );
     }
     let difference = match &outcome.order {
         Some(order) => order.first_difference.as_ref().map(|difference| difference.at),
@@ -118,6 +120,8 @@ fn repetition(outcome: &ReplayOutcome, moment: Option<&Snapshot>) -> String {
             "{begin}. This version decides otherwise from {:.3} s on, so what is shown may not be what was decided then.",
             at.as_micros() as f64 * 1.0e-6
         ),
-        None => format!("{begin}; up to this moment every compared decision is the recorded one, to the bit."),
+        None => {
+            format!("{begin}; up to this moment every compared decision is the recorded one, to the bit.")
+        }
     }
 }

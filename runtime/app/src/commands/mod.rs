@@ -45,8 +45,8 @@ pub use demo::DemoArguments;
 pub use eval::{EvalArguments, EvalStage};
 #[cfg(feature = "laboratory")]
 pub use eval_stages::RecordedStage;
-pub use explain::ExplainArguments;
 pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
+pub use explain::ExplainArguments;
 pub use learn::{LearnArguments, PlaceArguments};
 #[cfg(feature = "laboratory")]
 pub use mission::MissionArguments;

@@ -122,10 +122,10 @@ fn step_ends(pairs: &[PosePair], step: StepLength) -> Vec<usize> {
         StepLength::Poses(count) => return (0..pairs.len()).step_by(count.max(1)).collect(),
         StepLength::Metres(length_m) => length_m,
     };
-    let mut ends = Vec::new();
+    let mut ends = vec![0];
     let mut path_m = 0.0;
     let mut before = pairs.first().map_or_else(Vector3::zeros, |pair| pair.result.place_m);
-    for (index, pair) in pairs.iter().enumerate() {
+    for (index, pair) in pairs.iter().enumerate().skip(1) {
         path_m += (pair.result.place_m - before).norm();
         before = pair.result.place_m;
         if path_m >= length_m {

@@ -63,68 +63,39 @@ fn absolute_error_is_that_of_evo() {
     check(&absolute_errors(&pairs()), 214, key);
 }
 
+/// Root mean square, mean, median, deviation and largest of the translation, metres, and of the rotation, radians.
+struct Key {
+    step: StepLength,
+    count: usize,
+    translation: [f64; 5],
+    rotation: [f64; 5],
+}
+
+const FRAMES: Key = Key {
+    step: StepLength::Poses(1),
+    count: 213,
+    translation: [0.011_103_348, 0.010_206_874, 0.009_683_649, 0.004_370_818, 0.024_516_184],
+    rotation: [0.003_200_058, 0.002_908_729, 0.002_771_523, 0.001_334_040, 0.006_958_101],
+};
+const FIVE_FRAMES: Key = Key {
+    step: StepLength::Poses(5),
+    count: 42,
+    translation: [0.050_191_116, 0.048_332_959, 0.051_920_968, 0.013_530_454, 0.067_829_680],
+    rotation: [0.014_030_645, 0.013_399_792, 0.013_774_059, 0.004_159_874, 0.020_423_756],
+};
+const METRES: Key = Key {
+    step: StepLength::Metres(1.0),
+    count: 18,
+    translation: [0.075_682_044, 0.073_188_156, 0.072_994_854, 0.019_268_257, 0.101_532_027],
+    rotation: [0.020_021_834, 0.018_794_756, 0.018_931_665, 0.006_901_520, 0.032_299_272],
+};
+
 #[test]
 fn relative_error_is_that_of_evo() {
-    let keys = [
-        (
-            StepLength::Poses(1),
-            213,
-            [
-                0.011_103_347_971_8,
-                0.010_206_874_274_7,
-                0.009_683_648_865_9,
-                0.004_370_818_427_2,
-                0.024_516_184_289_6,
-            ],
-            [
-                0.003_200_057_512_4,
-                0.002_908_729_172_1,
-                0.002_771_523_321_4,
-                0.001_334_039_986_5,
-                0.006_958_101_125_3,
-            ],
-        ),
-        (
-            StepLength::Poses(5),
-            42,
-            [
-                0.050_191_115_660_6,
-                0.048_332_958_833_7,
-                0.051_920_967_688_4,
-                0.013_530_453_859_1,
-                0.067_829_679_741_1,
-            ],
-            [
-                0.014_030_644_671_9,
-                0.013_399_792_380_4,
-                0.013_774_058_608_3,
-                0.004_159_874_285_5,
-                0.020_423_755_913_2,
-            ],
-        ),
-        (
-            StepLength::Metres(1.0),
-            18,
-            [
-                0.075_682_044_490_4,
-                0.073_188_155_724_4,
-                0.072_994_854_240_9,
-                0.019_268_256_794_7,
-                0.101_532_027_033_2,
-            ],
-            [
-                0.020_021_833_656_8,
-                0.018_794_755_898_1,
-                0.018_931_665_405_0,
-                0.006_901_519_667_1,
-                0.032_299_271_810_2,
-            ],
-        ),
-    ];
-    for (step, count, translation, rotation) in keys {
-        let errors = relative_errors(&pairs(), step);
-        check(&errors.translation_m, count, translation);
-        check(&errors.rotation_rad, count, rotation);
+    for key in [FRAMES, FIVE_FRAMES, METRES] {
+        let errors = relative_errors(&pairs(), key.step);
+        check(&errors.translation_m, key.count, key.translation);
+        check(&errors.rotation_rad, key.count, key.rotation);
     }
 }
 

@@ -27,7 +27,8 @@ pub fn optimise_from_edges(graph: &mut Graph, config: &RobustConfig) -> Result<R
     let support = support(graph);
     let is_kept = |index: usize| graph.edges[index].kind == EdgeKind::Sequence || support[index] > 0;
     let kept: Vec<usize> = (0..graph.edges.len()).filter(|index| is_kept(*index)).collect();
-    let mut part = Graph { poses: graph.poses.clone(), edges: kept.iter().map(|i| graph.edges[*i]).collect() };
+    let mut part =
+        Graph { poses: graph.poses.clone(), edges: kept.iter().map(|i| graph.edges[*i]).collect() };
     part.poses = chain_start(&part);
     part.poses = orientation_start(&part, &[])?;
     let first = optimise_robustly(&mut part, config)?;
@@ -69,7 +70,9 @@ fn remove_bending(
         linearise(system, graph, weights);
         system.solve()?;
         let asked = (0..graph.edges.len()).filter(|index| {
-            graph.edges[*index].kind == EdgeKind::Loop && weights[*index] > 0.5 && support[*index] <= SUPPORT_LITTLE
+            graph.edges[*index].kind == EdgeKind::Loop
+                && weights[*index] > 0.5
+                && support[*index] <= SUPPORT_LITTLE
         });
         let mut bending = Vec::new();
         for index in asked {
@@ -82,7 +85,10 @@ fn remove_bending(
         if bending.is_empty() {
             return Ok(round);
         }
-        bending.iter().filter(|(squared, _)| *squared >= 0.5 * worst).for_each(|(_, index)| weights[*index] = 0.0);
+        bending
+            .iter()
+            .filter(|(squared, _)| *squared >= 0.5 * worst)
+            .for_each(|(_, index)| weights[*index] = 0.0);
         optimise_with(system, graph, weights, &config.round)?;
     }
     Ok(BENDING_ROUNDS_MAX)
@@ -98,3 +104,7 @@ fn standardised(system: &mut BlockSystem, graph: &Graph, edge: &Edge) -> f64 {
     let left = own - spread + own * CHECKED_LEAST;
     left.cholesky().map_or(0.0, |factor| error.dot(&factor.solve(&error)))
 }
+
+#[cfg(test)]
+#[path = "from_edges_tests.rs"]
+mod tests;

@@ -67,7 +67,8 @@ mod tests {
     fn covariance_is_the_spread_of_samples() {
         let diagonal = |x: f64, y: f64, turn: f64| Matrix3::from_diagonal(&Vector3::new(x, y, turn));
         let first = UncertainPose { pose: Se2::new(2.0, 1.0, 0.7), covariance: diagonal(4e-6, 1e-6, 9e-6) };
-        let second = UncertainPose { pose: Se2::new(1.5, -0.5, -0.4), covariance: diagonal(1e-6, 4e-6, 1e-6) };
+        let second =
+            UncertainPose { pose: Se2::new(1.5, -0.5, -0.4), covariance: diagonal(1e-6, 4e-6, 1e-6) };
         // Three values with mean 0 and variance 1: exact for what is linear.
         let parts = [-(1.5_f64.sqrt()), 0.0, 1.5_f64.sqrt()];
         let mut samples = vec![Vector3::zeros()];

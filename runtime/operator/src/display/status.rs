@@ -96,7 +96,8 @@ fn short(line: &str) -> String {
 
 /// Of one width, with the colour around the words only.
 fn source_cell(source: &SourceStatus, coloured: bool) -> String {
-    let text: String = format!("{} {}", source.name, source.health).chars().take(SOURCE_COLUMNS - 1).collect();
+    let text: String =
+        format!("{} {}", source.name, source.health).chars().take(SOURCE_COLUMNS - 1).collect();
     let space = " ".repeat(SOURCE_COLUMNS - text.chars().count());
     let text = match (coloured, source.good) {
         (false, _) => text,
@@ -121,8 +122,20 @@ mod tests {
 
     #[test]
     fn table_fits_a_terminal_of_80_columns() {
-        let names = ["safety scanner", "lidar", "wheel encoders", "inertial sensor", "drive", "safety inputs", "wanted command"];
-        let sources = names.map(|name| SourceStatus { name: name.to_owned(), health: "healthy".to_owned(), good: true });
+        let names = [
+            "safety scanner",
+            "lidar",
+            "wheel encoders",
+            "inertial sensor",
+            "drive",
+            "safety inputs",
+            "wanted command",
+        ];
+        let sources = names.map(|name| SourceStatus {
+            name: name.to_owned(),
+            health: "healthy".to_owned(),
+            good: true,
+        });
         let long = "person would be reached before standstill: 0.90 s, limit 1.02 s, 12 ms old -> stop and hold (category 2)";
         let status = Status {
             sources: sources.to_vec(),

@@ -96,7 +96,8 @@ fn nearest_ahead(around: &Surroundings, backwards: bool) -> Option<(&'static str
         let place = Point2::new(track.x_m, track.y_m);
         in_way(place, PERSON_M).map(|free_m| ("a person", place, free_m))
     });
-    let hits = around.hits.iter().filter_map(|hit| in_way(*hit, 0.0).map(|free_m| ("an obstacle", *hit, free_m)));
+    let hits =
+        around.hits.iter().filter_map(|hit| in_way(*hit, 0.0).map(|free_m| ("an obstacle", *hit, free_m)));
     people.chain(hits).min_by(|a, b| a.2.total_cmp(&b.2))
 }
 

@@ -11,7 +11,9 @@ use crate::report::style::{self, escaped, tiles};
 #[must_use]
 pub fn page(incident: &Incident, snapshots: &[Snapshot]) -> String {
     let title = match &incident.decided_by {
-        Some(_) if incident.action.contains("stop") || incident.action.contains("torque") => "Why the robot stopped",
+        Some(_) if incident.action.contains("stop") || incident.action.contains("torque") => {
+            "Why the robot stopped"
+        }
         Some(_) => "Why the robot was slow",
         None => "What the robot did",
     };
@@ -33,7 +35,11 @@ pub fn page(incident: &Incident, snapshots: &[Snapshot]) -> String {
         picture(snapshots, incident.holder.as_ref())
     );
     if let Some(otherwise) = &incident.otherwise {
-        let _ = write!(html, "<h2>What would have happened otherwise</h2><p>{}</p>", escaped(&otherwise.sentence));
+        let _ = write!(
+            html,
+            "<h2>What would have happened otherwise</h2><p>{}</p>",
+            escaped(&otherwise.sentence)
+        );
     }
     sources(&mut html, incident);
     causes(&mut html, incident);
@@ -48,7 +54,10 @@ fn decided(html: &mut String, incident: &Incident) {
         (incident.action.clone(), "what the guard did", ""),
         (format!("{:.2} m/s", incident.speed_mps), "speed at the moment", ""),
         (
-            incident.holder.as_ref().map_or_else(|| "–".to_owned(), |holder| format!("{:.2} m", holder.distance_m)),
+            incident
+                .holder
+                .as_ref()
+                .map_or_else(|| "–".to_owned(), |holder| format!("{:.2} m", holder.distance_m)),
             "to what held it",
             "",
         ),
@@ -121,7 +130,8 @@ fn before(html: &mut String, incident: &Incident) {
     );
     for row in &incident.before {
         let person = row.person_m.map_or_else(|| "–".to_owned(), |metres| format!("{metres:.1} m"));
-        let limit = if row.limit_mps.is_finite() { format!("{:.2}", row.limit_mps) } else { "–".to_owned() };
+        let limit =
+            if row.limit_mps.is_finite() { format!("{:.2}", row.limit_mps) } else { "–".to_owned() };
         let _ = write!(
             html,
             "<tr><td class=num>{:.3} s<td>{}<td class=num>{:.2}<td class=num>{:.2}<td class=num>{limit}<td class=num>{person}<td>{}</tr>",

@@ -39,7 +39,8 @@ pub fn picture(snapshots: &[Snapshot], holder: Option<&Holder>) -> String {
     let around = &moment.around;
     let reach = |points: &[Point2]| points.iter().map(|point| point.norm()).fold(0.0, f32::max);
     let holder_m = holder.map_or(0.0, |it| it.x_m.hypot(it.y_m));
-    let wanted_m = [reach(&around.protective), reach(&around.warning), holder_m].into_iter().fold(0.0, f32::max);
+    let wanted_m =
+        [reach(&around.protective), reach(&around.warning), holder_m].into_iter().fold(0.0, f32::max);
     let view = View { around_m: (wanted_m + 0.8).clamp(AROUND_M.0, AROUND_M.1) };
     let holder_words = holder.map_or_else(|| "nothing on the map".to_owned(), Holder::words);
     let mut svg = format!(
@@ -58,7 +59,10 @@ pub fn picture(snapshots: &[Snapshot], holder: Option<&Holder>) -> String {
     let to_robot = moment.pose.pose_in_odometry.inverse();
     let place = |pose: Pose2| to_robot.transform(Point2::new(pose.x_m, pose.y_m));
     let trail = view.path(snapshots.iter().map(|snapshot| place(snapshot.pose.pose_in_odometry)), "");
-    let _ = write!(svg, "<path d=\"{trail}\" fill=\"none\" stroke=\"#0b5394\" stroke-width=\"2\" stroke-dasharray=\"5 4\"/>");
+    let _ = write!(
+        svg,
+        "<path d=\"{trail}\" fill=\"none\" stroke=\"#0b5394\" stroke-width=\"2\" stroke-dasharray=\"5 4\"/>"
+    );
     let body = view.path(around.footprint.iter().copied(), "z");
     let nose = view.path([Point2::new(0.0, 0.0), Point2::new(0.35, 0.0)].into_iter(), "");
     let _ = write!(

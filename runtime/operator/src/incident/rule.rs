@@ -40,9 +40,9 @@ pub const fn requirement(cause: Cause) -> &'static str {
 /// The text of a requirement; empty for one that the list does not have.
 #[must_use]
 pub fn requirement_text(identifier: &str) -> &'static str {
-    let row = REQUIREMENTS.lines().find(|line| {
-        line.strip_prefix("| ").is_some_and(|rest| rest.split(" |").next() == Some(identifier))
-    });
+    let row = REQUIREMENTS
+        .lines()
+        .find(|line| line.strip_prefix("| ").is_some_and(|rest| rest.split(" |").next() == Some(identifier)));
     row.and_then(|line| line.split('|').nth(2)).map_or("", str::trim)
 }
 

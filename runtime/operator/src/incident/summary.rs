@@ -23,7 +23,7 @@ pub struct SourceLine {
     pub health: String,
     /// Age of its newest measurement, ms; none before the first.
     pub age_ms: Option<u64>,
-    /// What it saw, as far as it can be said in words.
+    /// What it saw, as far as words can tell.
     pub saw: String,
 }
 
@@ -101,12 +101,7 @@ pub struct Incident {
 impl Incident {
     /// Of the snapshots that were gathered; `None` when there are none.
     #[must_use]
-    pub fn new(
-        file: &str,
-        snapshots: &[Snapshot],
-        drive: &DriveLimits,
-        repetition: String,
-    ) -> Option<Self> {
+    pub fn new(file: &str, snapshots: &[Snapshot], drive: &DriveLimits, repetition: String) -> Option<Self> {
         let moment = snapshots.last()?;
         let decision = &moment.decision;
         let holding = decision.holding_cause;
@@ -215,9 +210,9 @@ fn source_line(report: &SourceReport, moment: &Snapshot) -> SourceLine {
             let twist = moment.pose.twist;
             format!("{:.2} m/s, {:.2} rad/s", twist.linear_mps, twist.angular_radps)
         }
-        Source::Command => moment
-            .wanted
-            .map_or_else(String::new, |it| format!("{:.2} m/s, {:.2} rad/s", it.linear_mps, it.angular_radps)),
+        Source::Command => moment.wanted.map_or_else(String::new, |it| {
+            format!("{:.2} m/s, {:.2} rad/s", it.linear_mps, it.angular_radps)
+        }),
         _ => String::new(),
     };
     SourceLine {

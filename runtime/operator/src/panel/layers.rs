@@ -64,7 +64,8 @@ const TOUR_SHOWN: usize = 200;
 
 /// A mission at a moment.
 pub fn mission_frame(progress: &MissionProgress, first: &MissionProgress, layers: u64) -> MissionFrame {
-    let cleaned: Vec<usize> = (0..progress.cells.len()).filter(|cell| is_cleaned(progress, first, *cell)).collect();
+    let cleaned: Vec<usize> =
+        (0..progress.cells.len()).filter(|cell| is_cleaned(progress, first, *cell)).collect();
     let cell_m2 = progress.geometry.resolution_m() * progress.geometry.resolution_m();
     let total = |units: &[f32]| units.iter().sum::<f32>();
     let before = total(&progress.expected_before).max(1.0e-6);
@@ -74,7 +75,9 @@ pub fn mission_frame(progress: &MissionProgress, first: &MissionProgress, layers
         completion_percent: round(progress.completion * 100.0),
         claimed_percent: round(progress.claimed_fraction * 100.0),
         cleaned_m2: round(cleaned.len() as f32 * cell_m2),
-        assumed_m2: round(area_m2(progress, |state| state == CellState::Clean) - cleaned.len() as f32 * cell_m2),
+        assumed_m2: round(
+            area_m2(progress, |state| state == CellState::Clean) - cleaned.len() as f32 * cell_m2,
+        ),
         remaining_m2: round(area_m2(progress, remains)),
         uncertain_cells: progress.uncertain.len(),
         unreachable_cells: progress.unreachable_cells,

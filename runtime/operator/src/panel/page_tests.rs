@@ -32,7 +32,8 @@ fn colour(text: &str) -> [f64; 3] {
 /// Contrast ratio (WCAG 2.2, definitions of relative luminance and contrast ratio).
 fn contrast(a: [f64; 3], b: [f64; 3]) -> f64 {
     let luminance = |colour: [f64; 3]| {
-        let linear = colour.map(|part| if part <= 0.04045 { part / 12.92 } else { ((part + 0.055) / 1.055).powf(2.4) });
+        let linear = colour
+            .map(|part| if part <= 0.04045 { part / 12.92 } else { ((part + 0.055) / 1.055).powf(2.4) });
         0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
     };
     let (a, b) = (luminance(a), luminance(b));
@@ -78,7 +79,14 @@ fn everything_has_a_name_for_screen_readers() {
         let words = rest.split('<').next().unwrap_or_default().trim();
         assert!(words.len() > 1 || attributes.contains("aria-label="), "{attributes}");
     }
-    for part in ["<html lang=", "<h1", "<main", "aria-live=\"polite\"", "role=\"alert\"", "tabindex=\"0\" aria-label="] {
+    for part in [
+        "<html lang=",
+        "<h1",
+        "<main",
+        "aria-live=\"polite\"",
+        "role=\"alert\"",
+        "tabindex=\"0\" aria-label=",
+    ] {
         assert!(PAGE.contains(part), "{part}");
     }
 }

@@ -13,8 +13,8 @@ use floorguard_types::geometry::Point2;
 use floorguard_types::time::Stamp;
 
 use super::frame::{CauseFrame, Frame, PersonFrame, Place, SourceFrame, place, round};
-use super::held_history::{HeldEvent, HeldHistory, HeldKind};
 use super::headline::headline;
+use super::held_history::{HeldEvent, HeldHistory, HeldKind};
 use super::layers::{Layers, MissionFrame, layers, mission_frame};
 use super::plain::remedy;
 use crate::surroundings::{Surroundings, followed, scan_hits};

@@ -12,5 +12,7 @@ pub mod style;
 
 pub use document::document;
 pub use folder::make_folder;
-pub use proof::{Cell, Circumstances, Cleaning, NotClaimed, Proof, ProofStop, cells, cells_csv, made_now, proof};
 pub use history::{History, read_history};
+pub use proof::{
+    Cell, Circumstances, Cleaning, NotClaimed, Proof, ProofStop, cells, cells_csv, made_now, proof,
+};

@@ -84,7 +84,7 @@ pub struct Proof {
     pub date: String,
     /// Robot: its name, or the fingerprint of its configuration.
     pub robot: String,
-    /// Who operated it; empty if nobody said.
+    /// Who operated it; empty if unknown.
     pub operator: String,
     /// Software.
     pub software: String,

@@ -202,7 +202,10 @@ impl fmt::Display for DecisionRow {
             Some(state) => write!(out, "{state:?}")?,
             None => write!(out, "state {}", self.state)?,
         }
-        write!(out, ", permitted {linear_mps:.3} m/s and {angular_radps:.3} rad/s of at most {limit_mps:.3} m/s")?;
+        write!(
+            out,
+            ", permitted {linear_mps:.3} m/s and {angular_radps:.3} rad/s of at most {limit_mps:.3} m/s"
+        )?;
         match self.holding.map(|row| row.record()) {
             Some(Some(record)) => write!(out, ", {record}"),
             Some(None) => write!(out, ", a cause that this version does not know"),

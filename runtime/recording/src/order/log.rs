@@ -116,8 +116,7 @@ mod tests {
 
     fn rows() -> Vec<TapRow> {
         let at = Stamp::from_micros;
-        let mut advice =
-            Box::new(Advice { stamp: at(3), speed_limit_mps: Some(0.25), ..Advice::default() });
+        let mut advice = Box::new(Advice { stamp: at(3), speed_limit_mps: Some(0.25), ..Advice::default() });
         assert!(advice.people.push(AdvisedPerson { id: 7, ..AdvisedPerson::default() }).is_ok());
         let poll = |us, decisions| {
             TapRow::Polled(Poll { task: GuardTask::Can, at: at(us), decisions, decision: None })

@@ -75,7 +75,9 @@ impl ReplayOutcome {
     #[must_use]
     pub fn is_identical(&self) -> bool {
         let order = self.order.as_ref().is_none_or(|order| order.first_difference.is_none());
-        order && self.first_difference.is_none() && self.recorded_digest.is_none_or(|digest| digest == self.digest)
+        order
+            && self.first_difference.is_none()
+            && self.recorded_digest.is_none_or(|digest| digest == self.digest)
     }
 }
 

@@ -6,7 +6,9 @@ use std::io::Read;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use floorguard_drivers::can::CanFrame;
-use floorguard_robot::assembly::{GuardCarriers, GuardTask, ScannerCarrier, new_perception, spawn_guard_ring};
+use floorguard_robot::assembly::{
+    GuardCarriers, GuardTask, ScannerCarrier, new_perception, spawn_guard_ring,
+};
 use floorguard_robot::learning::LearningSetup;
 use floorguard_runtime::configuration::{RobotConfiguration, ScannerModel};
 use floorguard_runtime::digest::OutputDigest;
@@ -217,8 +219,7 @@ impl Stage<'_> {
             }
             OrderEntry::Operator(button) => {
                 self.has_input = true;
-                let signal =
-                    if button == TapeLine::Start { &self.shared.start } else { &self.shared.reset };
+                let signal = if button == TapeLine::Start { &self.shared.start } else { &self.shared.reset };
                 signal.signal(());
             }
             OrderEntry::Polled(row) => self.poll(&row, audience)?,
@@ -292,7 +293,8 @@ impl Stage<'_> {
         self.perception.poll_until_quiet().map_err(|error| ReplayError::Tasks(error.to_string()))?;
         let began = row.decision.holds() && !self.recorded.holds();
         self.recorded = row.decision;
-        if let (true, Some(first)) = (began && row.decisions > 0, row.decision.first.and_then(|row| row.record()))
+        if let (true, Some(first)) =
+            (began && row.decisions > 0, row.decision.first.and_then(|row| row.record()))
         {
             let pose = self.shared.pose.get().unwrap_or_default();
             audience.on_stop(&StopRecord {

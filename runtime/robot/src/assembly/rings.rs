@@ -20,9 +20,7 @@ use super::tap::{Poll, Tap};
 use crate::assembly::{PeopleInbox, Stages, new_perception, spawn_guard_ring, spawn_perception_ring};
 use crate::cleaner::Cleaner;
 use crate::learning::LearningSetup;
-use floorguard_host::executor::{
-    PollObserver, Ring, StopFlag, run_until, run_until_observed, take_priority,
-};
+use floorguard_host::executor::{PollObserver, Ring, StopFlag, run_until, run_until_observed, take_priority};
 
 /// What both threads share.
 pub type HostedShared = Shared<CriticalSectionRawMutex>;

@@ -8,7 +8,7 @@ use floorguard_mapping::GridGeometry;
 use floorguard_mapping::seen_dirt::{CellState, DirtSpots, SeenCell, SeenDirtMap, SeenLayer, ViewOutcome};
 use floorguard_perception::floor::dirt::DirtFault;
 use floorguard_types::geometry::{Point2, Pose2};
-use floorguard_types::sensing::{ColorImage, FrameFault, FrameWatch, PinholeCamera};
+use floorguard_types::sensing::{ColorImage, FrameFault, FrameWatch, ImageSize, PinholeCamera};
 use floorguard_types::time::{Age, Stamp};
 
 use super::floor_stage::FloorStage;
@@ -138,7 +138,7 @@ impl DirtStage {
         robot_in_map: Pose2,
         (stamp, now): (Stamp, Stamp),
     ) -> Result<ViewOutcome, DirtBlind> {
-        let image = ColorImage::new(stamp, self.size, rgb)
+        let image = ColorImage::new(stamp, ImageSize { width: self.size.0, height: self.size.1 }, rgb)
             .map_err(|_| DirtBlind::WrongSize { bytes: rgb.len(), size: self.size })?;
         self.watch.accept(stamp, image.fingerprint(), now)?;
         if let Age::Past(age_us @ LATE_US..) = stamp.age(now) {

@@ -7,7 +7,7 @@ use floorguard_perception::floor::{
 };
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_types::geometry::{Point2, Pose2};
-use floorguard_types::sensing::{DepthImage, PinholeCamera};
+use floorguard_types::sensing::{DepthImage, ImageSize, PinholeCamera};
 use floorguard_types::time::{Age, Stamp};
 
 use floorguard_configuration::CameraConfiguration;
@@ -119,10 +119,11 @@ impl FloorStage {
     ) -> FloorSight {
         self.plane = None;
         let mut sight = self.blind(stamp);
-        let image = match DepthImage::new(stamp, self.size, depth_mm) {
-            Ok(image) => image,
-            Err(problem) => return self.blinded(problem, sight),
-        };
+        let image =
+            match DepthImage::new(stamp, ImageSize { width: self.size.0, height: self.size.1 }, depth_mm) {
+                Ok(image) => image,
+                Err(problem) => return self.blinded(problem, sight),
+            };
         let estimate = self.model.update(&image, now);
         let parameters = *self.model.parameters();
         let found = match self.finder.find(&image, (&parameters, &estimate), &mut self.classes) {

@@ -7,7 +7,7 @@ use floorguard_perception::floor::Plane;
 use floorguard_perception::people::{Appearance, Detection, PeopleSensor, PeopleView};
 use floorguard_perception::rgbd_people::{RgbdDetection, RgbdParameters, RgbdPeopleFinder};
 use floorguard_types::geometry::{Point2, Pose2};
-use floorguard_types::sensing::{BeamReturn, DepthImage, PinholeCamera, Scan};
+use floorguard_types::sensing::{BeamReturn, DepthImage, ImageSize, PinholeCamera, Scan};
 use floorguard_types::time::Stamp;
 
 use floorguard_configuration::CameraConfiguration;
@@ -61,7 +61,8 @@ impl DepthPeopleStage {
         (plane, robot_in_odom): (&Plane, Pose2),
         stamp: Stamp,
     ) -> Option<PeopleView> {
-        let image = DepthImage::new(stamp, self.size, depth_mm).ok()?;
+        let image =
+            DepthImage::new(stamp, ImageSize { width: self.size.0, height: self.size.1 }, depth_mm).ok()?;
         let found = self.finder.find_people((&image, None), plane, self.camera_in_robot).ok()?;
         let mut view = PeopleView::new(PeopleSensor::DepthCamera);
         view.stamp = stamp;

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
-use floorguard_cleaning::{CleanRule, LaneAttempt, LaneQueue, Planner, VisitPlan};
+use floorguard_cleaning::{CleanRule, LaneAttempt, LaneQueue, Planner, PoseDeviation, VisitPlan};
 use floorguard_guard::{Cause, Decision};
 use floorguard_mapping::{DirtCell, DirtMap, Grid, GridGeometry};
 use floorguard_navigation::path::FollowState;
@@ -41,7 +41,7 @@ const PROGRESS_S: f32 = 1.0;
 /// What was cleaned is saved this often, seconds: a power cut loses no more.
 const SAVE_S: f32 = 1.0;
 /// Doubt of the saved pose, metres and radians: the robot rolled on after it, and came to a stand without a computer.
-const ROLLED_ON: (f32, f32) = (0.35, 0.15);
+const ROLLED_ON: PoseDeviation = PoseDeviation { position_m: 0.35, heading_rad: 0.15 };
 /// For so long it stands to find itself; after that it drives on, which shows it more, seconds.
 const FINDS_S: f32 = 6.0;
 /// An object on the floor this near may be what holds the robot, metres from its rear axle.

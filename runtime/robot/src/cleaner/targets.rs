@@ -1,6 +1,6 @@
 //! Where the mission goes next: the tour over what is dirty, what is postponed, and the lanes of a mission without a belief.
 
-use floorguard_cleaning::{Lane, LaneAttempt};
+use floorguard_cleaning::{Lane, LaneAttempt, PlanCells};
 use floorguard_mapping::NO_SLOT;
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
 
@@ -55,7 +55,7 @@ impl Cleaner {
         let wanted = |cell: usize| all_wanted[cell];
         let passable = |cell: usize| floor.passable[cell] || floor.reachable[cell];
         // A tour that does not fit its memory is the one before, without what is clean by now.
-        let _ = self.tours.replan((cell, now_s), (wanted, passable), 500);
+        let _ = self.tours.replan((cell, now_s), &PlanCells { wanted, passable }, 500);
         // A pass that has begun is not broken off while any of its dirt is left.
         let map = &self.localiser.map;
         let is_gone = |target: usize| {

@@ -1,6 +1,6 @@
 //! Runs the belief beside the wheels: where the robot is now, and whether that can be trusted.
 
-use floorguard_cleaning::{ActiveCell, Belief, BeliefConfig, CleanRule, Evidence};
+use floorguard_cleaning::{ActiveCell, Belief, BeliefConfig, CleanRule, Evidence, PoseDeviation};
 use floorguard_localisation::OdometryStep;
 use floorguard_mapping::{DirtCell, DirtMap};
 use floorguard_types::geometry::{Point2, Pose2};
@@ -28,9 +28,9 @@ const SWEPT_SHARE: f32 = 0.8;
 /// A step shorter than this is none, metres and radians.
 const STANDS: (f32, f32) = (0.01, 0.02);
 /// Spread of the copies of a particle at a robot that stands, metres and radians.
-const ROUGHENING: (f32, f32) = (0.04, 0.02);
+const ROUGHENING: PoseDeviation = PoseDeviation { position_m: 0.04, heading_rad: 0.02 };
 /// Doubt that is added when something is wrong.
-const DOUBT: (f32, f32) = (0.12, 0.1);
+const DOUBT: PoseDeviation = PoseDeviation { position_m: 0.12, heading_rad: 0.1 };
 
 /// The belief of a mission.
 pub struct Localiser {
@@ -74,7 +74,7 @@ impl Localiser {
     /// A belief around the start of the floor (5 cm, 3°).
     pub fn new(floor: &Floor, config: BeliefConfig, map: DirtMap<Vec<DirtCell>>, random: Pcg32) -> Self {
         let mut belief = Belief::new(config, vec![ActiveCell::EMPTY; ACTIVE_CELLS], random);
-        belief.place(floor.start, 0.05, 0.052);
+        belief.place(floor.start, PoseDeviation { position_m: 0.05, heading_rad: 0.052 });
         Self {
             belief,
             map,
@@ -156,7 +156,7 @@ impl Localiser {
     fn judge_leap(&mut self, predicted: Pose2) {
         let mean = self.belief.pose().mean_in_map;
         if self.is_trusted && (mean.x_m - predicted.x_m).hypot(mean.y_m - predicted.y_m) > LEAP_M {
-            self.belief.distrust(&mut self.map, (0.0, 0.0));
+            self.belief.distrust(&mut self.map, PoseDeviation::default());
             self.leaps += 1;
         }
     }
@@ -177,7 +177,7 @@ impl Localiser {
 
     /// Power came back: the stored cells and the stored pose are what is left.
     pub fn restore(&mut self, (cells, pose_in_map): (&[(u32, DirtCell)], Pose2), odometry: Pose2) {
-        self.belief.distrust(&mut self.map, (0.0, 0.0));
+        self.belief.distrust(&mut self.map, PoseDeviation::default());
         self.map.values_mut().fill(DirtCell::CLEAN);
         for &(cell, dirt) in cells {
             if let Some(place) = self.map.get_mut(cell as usize) {
@@ -193,10 +193,10 @@ impl Localiser {
         self.restart_within(odometry, DOUBT);
     }
 
-    /// The same, with deviations of the position (metres) and the heading (radians): for a robot that was moving.
-    pub fn restart_within(&mut self, odometry: Pose2, (position_m, heading_rad): (f32, f32)) {
-        self.belief.distrust(&mut self.map, (0.0, 0.0));
-        self.belief.place(self.mean_at_update, position_m, heading_rad);
+    /// The same, with another doubt: for a robot that was moving.
+    pub fn restart_within(&mut self, odometry: Pose2, doubt: PoseDeviation) {
+        self.belief.distrust(&mut self.map, PoseDeviation::default());
+        self.belief.place(self.mean_at_update, doubt);
         self.odometry_at_update = odometry;
         self.hits_since_update = 0;
         self.is_silent_since_update = false;

@@ -2,6 +2,7 @@
 
 use floorguard_types::geometry::{Point2, wrap_angle};
 use floorguard_types::motion::{Gear, Waypoint};
+use floorguard_types::number::saturating_usize;
 
 /// Points of the path that are kept: 8 m at 8 cm.
 const POINTS_MAX: usize = 100;
@@ -46,7 +47,7 @@ impl PathLeft {
         for at in rest.iter().skip(1) {
             let place = at.place_in_map();
             let length_m = before.distance(place);
-            let pieces = (libm::ceilf(length_m / SPACING_M) as usize).clamp(1, POINTS_MAX);
+            let pieces = saturating_usize(libm::ceilf(length_m / SPACING_M)).clamp(1, POINTS_MAX);
             let (dx_m, dy_m) = (place.x_m - before.x_m, place.y_m - before.y_m);
             let along_rad = libm::atan2f(dy_m, dx_m);
             let heading_rad = match at.gear {

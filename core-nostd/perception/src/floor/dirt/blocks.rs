@@ -246,6 +246,7 @@ fn magnitudes((above, own, below): (&Row, &Row, &Row), width: usize, scale: f32,
 #[cfg(test)]
 mod tests {
     use super::*;
+    use floorguard_types::sensing::ImageSize;
     use floorguard_types::time::Stamp;
 
     /// A ramp in lightness across, and a step down the middle of the second block: both by direct computation.
@@ -254,7 +255,7 @@ mod tests {
         const SIZE: (usize, usize) = (48, 32);
         let mut random = floorguard_types::random::Pcg32::new(4, 4);
         let rgb: std::vec::Vec<u8> = (0..SIZE.0 * SIZE.1 * 3).map(|_| (random.below(200)) as u8).collect();
-        let image = ColorImage::new(Stamp::ZERO, SIZE, &rgb).unwrap();
+        let image = ColorImage::new(Stamp::ZERO, ImageSize { width: SIZE.0, height: SIZE.1 }, &rgb).unwrap();
         let mut usable = std::vec![true; SIZE.0 * SIZE.1];
         usable[20] = false;
         let mut grid = BlockGrid::default();
@@ -291,11 +292,11 @@ mod tests {
     #[test]
     fn wrong_sizes_are_refused() {
         let rgb = [0; 32 * 16 * 3];
-        let image = ColorImage::new(Stamp::ZERO, (32, 16), &rgb).unwrap();
+        let image = ColorImage::new(Stamp::ZERO, ImageSize { width: 32, height: 16 }, &rgb).unwrap();
         let mut grid = BlockGrid::default();
         assert_eq!(grid.measure(&image, &[true; 5]), Err(DirtFault::WrongMask(5, 512)));
         let wide = std::vec![0; 4_000 * 3];
-        let image = ColorImage::new(Stamp::ZERO, (4_000, 1), &wide).unwrap();
+        let image = ColorImage::new(Stamp::ZERO, ImageSize { width: 4_000, height: 1 }, &wide).unwrap();
         assert_eq!(grid.measure(&image, &[true; 4_000]), Err(DirtFault::TooWide(4_000)));
     }
 }

@@ -6,6 +6,7 @@
 
 use super::pixels::{HALF_COLUMNS_MAX, Pixel};
 use crate::floor::root::{lesser, nearest, square_root};
+use floorguard_types::number::saturating_u8;
 
 /// Pixels to each side, and up and down, of the rectangle: 7 × 5 at half size closes gaps of up to 6 pixels across, a
 /// centimetre at 1 m, and of up to 4 along the line of sight, where a camera that looks ahead sees a spill foreshortened.
@@ -179,7 +180,7 @@ fn limit(contrasts: &[u8]) -> u8 {
     });
     // Three standard deviations of 1.4826 medians each.
     let grain = 4.45 * median.unwrap_or(0) as f32;
-    (grain + CONTRAST_MIN).min(255.0) as u8
+    saturating_u8((grain + CONTRAST_MIN).min(255.0))
 }
 
 #[cfg(test)]

@@ -3,6 +3,8 @@
 //! One pass over the points does both steps, so responsibilities are never stored. Where a component starves it is
 //! seeded again once, at the point that is explained worst. Source: book, Floor and dirt: Mixtures.
 
+use floorguard_types::number::{saturating_i32, saturating_usize};
+
 /// A point: mean and standard deviation of a block's gradients.
 pub type Point = [f32; 2];
 
@@ -107,7 +109,7 @@ fn exp_of_negative(x: f32) -> f32 {
     let polynomial = 1.0
         + r * (1.0
             + r * (0.5 + r * (0.166_666_65 + r * (0.041_665_795 + r * (0.008_333_452 + r * 0.001_392_05)))));
-    let exponent = (whole as i32).wrapping_add(127).clamp(1, 254) as u32;
+    let exponent = saturating_i32(whole).wrapping_add(127).clamp(1, 254) as u32;
     if x > -87.0 { polynomial * f32::from_bits(exponent << 23) } else { 0.0 }
 }
 
@@ -292,7 +294,7 @@ fn moments(points: impl Iterator<Item = Point> + Clone, floor: f32) -> Option<Co
     let mut all = [Sums::default(); COMPONENTS_MAX];
     let [first, ..] = &mut all;
     *first = sums;
-    mixture.maximise(&all, sums.share as usize, floor);
+    mixture.maximise(&all, saturating_usize(sums.share), floor);
     mixture.components.first().copied()
 }
 

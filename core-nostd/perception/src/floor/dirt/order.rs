@@ -2,6 +2,8 @@
 //!
 //! One bin of 1,024 is the error, far below what any threshold here means. Source: book, Conventions: Quantiles.
 
+use floorguard_types::number::{saturating_u32, saturating_usize};
+
 const BINS: usize = 1_024;
 
 /// The value below which the given parts of the values lie, for ascending parts within 0..=1. `None` without a finite
@@ -23,13 +25,13 @@ pub(super) fn quantiles<const N: usize>(
     let scale = BINS as f32 / (high - low).max(f32::MIN_POSITIVE);
     let mut histogram = [0_u32; BINS];
     for value in finite() {
-        let bin = ((value - low) * scale) as usize;
+        let bin = saturating_usize((value - low) * scale);
         if let Some(slot) = histogram.get_mut(bin.min(BINS - 1)) {
             *slot = slot.saturating_add(1);
         }
     }
     Some(parts.map(|part| {
-        let wanted = (part * count as f32) as u32;
+        let wanted = saturating_u32(part * count as f32);
         let mut below = 0_u32;
         for (bin, number) in histogram.iter().enumerate() {
             below = below.saturating_add(*number);

@@ -1,6 +1,7 @@
 //! What surrounds a place on the floor: the median of the cells around it, which light changes slowly and dirt hardly.
 
 use super::pixels::{HALF_COLUMNS_MAX, Pixel};
+use floorguard_types::number::saturating_usize;
 
 /// Pixels of quarter size along a cell: 32 of the image.
 pub(super) const CELL: usize = 8;
@@ -157,7 +158,7 @@ fn take([x, y, z, _]: &mut Pixel, [ax, ay, az]: [f32; 3]) {
 #[inline]
 fn place(pixel: usize, cell: f32, last: usize) -> (usize, f32) {
     let at = ((pixel as f32 + 0.5) / cell - 0.5).clamp(0.0, last as f32);
-    let before = at as usize;
+    let before = saturating_usize(at);
     (before, at - before as f32)
 }
 

@@ -4,6 +4,7 @@ use super::context::{PeopleCounters, SweepContext};
 use super::state::PeoplePipelineOf;
 use crate::clusters::{FloorLimits, Obstacles, RingProfile, SweepFrame, rings_of};
 use floorguard_types::capacities::SWEEP_RINGS;
+use floorguard_types::number::saturating_u32;
 use floorguard_types::profile::{List, Profile};
 use floorguard_types::sensing::{SweepColumnOf, SweepOf};
 
@@ -100,5 +101,5 @@ fn returns_of(range_raw: &[u16; SWEEP_RINGS]) -> u16 {
 
 /// Horizontal distance in counts of 2 mm, as the clusterer takes it: an obstacle is never 0.
 pub(super) fn in_counts(distance_m: f32) -> u16 {
-    ((distance_m * 500.0) as u32).clamp(1, u32::from(u16::MAX)) as u16
+    saturating_u32(distance_m * 500.0).clamp(1, u32::from(u16::MAX)) as u16
 }

@@ -2,6 +2,7 @@
 //! scanner.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
@@ -88,8 +89,8 @@ impl BagSurvey {
         match kind {
             "LaserScan" => {
                 *self.scans.entry(topic.clone()).or_default() += 1;
-                if !self.scan_frames.contains_key(&topic) {
-                    self.scan_frames.insert(topic, decode::laser_scan(&message.data)?.header.frame);
+                if let Entry::Vacant(frame) = self.scan_frames.entry(topic) {
+                    frame.insert(decode::laser_scan(&message.data)?.header.frame);
                 }
             }
             "Odometry" => {

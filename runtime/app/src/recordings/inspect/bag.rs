@@ -71,6 +71,9 @@ pub fn page(file: &Path) -> anyhow::Result<Page> {
             page.faults.push("no odometry: people are in the frame of the sensor".to_owned());
         }
     }
+    if has("LaserScan") {
+        page.commands.push("floorguard map: a map of the building by its scans".to_owned());
+    }
     page.streams = topics.into_iter().map(|(name, topic)| stream(name, topic)).collect();
     Ok(page)
 }

@@ -50,6 +50,7 @@ pub fn laser_log(file: &Path) -> anyhow::Result<Page> {
     }
     if scans.count() > 0 {
         page.commands.push("floorguard replay: legs and people in its scans".to_owned());
+        page.commands.push("floorguard map: a map of the building by its scans".to_owned());
     }
     Ok(page)
 }

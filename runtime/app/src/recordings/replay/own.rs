@@ -110,7 +110,10 @@ fn must_be_compared(name: &str, outcome: &ReplayOutcome) -> anyhow::Result<()> {
         (Some(reason), _) => Some(format!("{reason}, so nothing could be compared")),
         (None, Some(order)) if order.polls == 0 => Some("it holds nothing to compare with".to_owned()),
         (None, Some(order)) => order.ends_at.map(|at| {
-            format!("only the run up to {:.3} s could be compared: the recorder missed rows there", seconds(at))
+            format!(
+                "only the run up to {:.3} s could be compared: the recorder missed rows there",
+                seconds(at)
+            )
         }),
         (None, None) => (outcome.compared == 0 && outcome.recorded_digest.is_none())
             .then(|| "the recording names no fingerprint to compare with".to_owned()),
