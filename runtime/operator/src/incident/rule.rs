@@ -22,6 +22,7 @@ pub const fn requirement(cause: Cause) -> &'static str {
         Cause::ScanProtective => "FG-REQ-020",
         Cause::LidarProtective => "FG-REQ-023",
         Cause::BlindSector => "FG-REQ-024",
+        Cause::WayClosed | Cause::WayNarrow => "FG-REQ-027",
         Cause::Warning => "FG-REQ-021",
         Cause::PersonNear | Cause::CollisionStop | Cause::CollisionSlow => "FG-REQ-031",
         Cause::AdviceStop | Cause::AdviceLimit => "FG-REQ-030",

@@ -108,6 +108,7 @@ pub fn run<R: Read>(
 fn must_be_compared(name: &str, outcome: &ReplayOutcome) -> anyhow::Result<()> {
     let missing = match (&outcome.unrepeatable, &outcome.order) {
         (Some(reason), _) => Some(format!("{reason}, so nothing could be compared")),
+        (None, Some(order)) if order.polls == 0 => Some("it holds nothing to compare with".to_owned()),
         (None, Some(order)) => order.ends_at.map(|at| {
             format!(
                 "only the run up to {:.3} s could be compared: the recorder missed rows there",
