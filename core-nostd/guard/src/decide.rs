@@ -58,9 +58,11 @@ impl Supervisor {
         for (source, (rules, monitor)) in Source::ALL.into_iter().zip(watched) {
             let health = monitor.health(rules, now);
             all_healthy &= health == Health::Healthy || !rules.fitted || !rules.required_at_start;
+            // Before the start the start-up check holds the robot, and power that comes up is no loss.
+            if health == Health::Healthy || !self.state.started {
+                continue;
+            }
             let (cause, limit_us) = match monitor.demand(rules, now) {
-                // Before the start the start-up check holds the robot, and power that comes up is no loss.
-                _ if !self.state.started => continue,
                 Action::None => continue,
                 Action::Limit => (Cause::SourceLate(source), rules.limit_after_us),
                 _ => (Cause::SourceLost(source), rules.stop_after_us.unwrap_or(u64::MAX)),

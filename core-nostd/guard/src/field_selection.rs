@@ -152,9 +152,12 @@ impl FieldSelection {
 
     fn watch_next(&mut self, sets: &Vec<FieldSet, FIELD_SETS_MAX>, wanted_mps: f32, now: Stamp) {
         let active_mps = speed_at(sets, self.active);
-        let next = pick(sets, travel_at(sets, self.active), active_mps + 1.0e-3);
-        let larger = wanted_mps > active_mps && speed_at(sets, next) > active_mps;
-        let candidate = larger.then_some(next);
+        let candidate = if wanted_mps > active_mps {
+            let next = pick(sets, travel_at(sets, self.active), active_mps + 1.0e-3);
+            (speed_at(sets, next) > active_mps).then_some(next)
+        } else {
+            None
+        };
         if candidate != self.candidate {
             self.candidate_clear_since = now;
         }
@@ -165,8 +168,11 @@ impl FieldSelection {
 /// The smallest set for a direction that covers a speed; the largest of that direction when none does. A direction
 /// without sets falls back to straight.
 fn pick(sets: &Vec<FieldSet, FIELD_SETS_MAX>, travel: Travel, speed_mps: f32) -> usize {
-    let known = sets.iter().any(|set| set.travel == travel);
-    let travel = if known { travel } else { Travel::Straight };
+    let of_travel = pick_of(sets, travel, speed_mps).or_else(|| pick_of(sets, Travel::Straight, speed_mps));
+    of_travel.unwrap_or(0)
+}
+
+fn pick_of(sets: &Vec<FieldSet, FIELD_SETS_MAX>, travel: Travel, speed_mps: f32) -> Option<usize> {
     let mut best: Option<(usize, f32)> = None;
     for (index, set) in sets.iter().enumerate().filter(|(_, set)| set.travel == travel) {
         let covers = set.speed_max_mps >= speed_mps;
@@ -179,7 +185,7 @@ fn pick(sets: &Vec<FieldSet, FIELD_SETS_MAX>, travel: Travel, speed_mps: f32) ->
             best = Some((index, set.speed_max_mps));
         }
     }
-    best.map_or(0, |(index, _)| index)
+    best.map(|(index, _)| index)
 }
 
 fn speed_at(sets: &Vec<FieldSet, FIELD_SETS_MAX>, index: usize) -> f32 {

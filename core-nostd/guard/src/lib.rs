@@ -39,6 +39,7 @@ mod state;
 mod supervisor;
 #[cfg(test)]
 mod tests;
+mod way_check;
 
 pub use crate::protection::*;
 pub use machine::{DecisionMachine, Verdict};

@@ -48,6 +48,7 @@ impl Cause {
             | Self::ClockFault
             | Self::SourceLost(Source::Discrete | Source::Drive) => Action::Category1,
             Self::Warning
+            | Self::WayNarrow
             | Self::PersonNear
             | Self::CollisionSlow
             | Self::AdviceLimit

@@ -70,15 +70,13 @@ impl SourceMonitor {
     /// How it is (FG-REQ-010). What is wrong with the device comes before what is wrong with its age.
     #[must_use]
     pub fn health(&self, rules: &SourceRules, now: Stamp) -> Health {
-        let frozen = rules.frozen_samples > 0 && self.identical >= rules.frozen_samples;
-        let age_us = self.age_us(now);
         if self.fault.is_some() || self.ahead_us > 0 {
             Health::Faulty
         } else if self.newest.is_none() {
             Health::Absent
-        } else if age_us > rules.limit_after_us {
+        } else if self.age_us(now) > rules.limit_after_us {
             Health::Stale
-        } else if frozen {
+        } else if rules.frozen_samples > 0 && self.identical >= rules.frozen_samples {
             Health::Frozen
         } else if self.blind {
             Health::Blind

@@ -9,7 +9,7 @@ use super::source_monitor::SourceMonitor;
 use super::state::State;
 use crate::protection::{
     Advice, Body, Cause, CauseRecord, Decision, FaultKind, GuardConfig, GuardConfigError, Integrity,
-    PacketTable, ScanTable, Source, SourceReport, Unit,
+    LidarRays, LocalMemory, PacketTable, ScanTable, Source, SourceReport, Unit,
 };
 use floorguard_types::geometry::Twist2;
 use floorguard_types::sensing::{
@@ -24,6 +24,8 @@ pub struct Supervisor {
     pub(super) body: Body,
     pub(super) scan_table: ScanTable,
     pub(super) packet_table: PacketTable,
+    pub(super) rays: LidarRays,
+    pub(super) memory: LocalMemory,
     pub(super) integrity: Integrity,
     pub(super) state: State,
     pub(super) copy: State,
@@ -37,6 +39,8 @@ impl Supervisor {
         body: Body { x_m: [0.0; 2], y_m: [0.0; 2] },
         scan_table: ScanTable::EMPTY,
         packet_table: PacketTable::EMPTY,
+        rays: LidarRays::NONE,
+        memory: LocalMemory::EMPTY,
         integrity: Integrity::NONE,
         state: State::UNKNOWN,
         copy: State::UNKNOWN,
@@ -63,7 +67,9 @@ impl Supervisor {
         self.body = Body::around(&config.footprint);
         self.scan_table.fill(&config.scanner, &config.fields);
         self.packet_table.fill(&config.lidar, &config.fields);
-        self.integrity.remember(&config, self.body, (&self.scan_table, &self.packet_table));
+        self.rays.fill(&config.lidar);
+        self.memory.forget();
+        self.integrity.remember(&config, self.body, (&self.scan_table, &self.packet_table, &self.rays));
         self.state = State::new(&config, now);
         self.copy = self.state;
         self.config = config;
@@ -125,6 +131,7 @@ impl Supervisor {
         self.accept(Source::Wheels, (stamp, 0), now);
         if measured.is_finite() {
             self.state.motion.wheels = measured;
+            self.memory.follow(measured, stamp);
         } else {
             self.fault(Source::Wheels, FaultKind::Garbled);
         }
@@ -190,6 +197,7 @@ impl Supervisor {
             self.state.machine.raise(CauseRecord::new(Cause::CommandInvalid, now).aged(stamp.past_us(now)));
         }
         self.state.wanted = if accepted && wanted.is_finite() { wanted } else { Twist2::ZERO };
+        self.judge_way(now);
         self.decide(now)
     }
 
@@ -236,10 +244,12 @@ impl Supervisor {
     /// Time has passed: call every 10 ms. Checks a sixteenth of the constants (FG-REQ-017).
     pub fn tick(&mut self, now: Stamp) -> Decision {
         self.begin(now);
-        let tables = (&self.scan_table, &self.packet_table);
-        if !self.integrity.check_next(&self.config, self.body, tables) {
+        let tables = (&self.scan_table, &self.packet_table, &self.rays);
+        let is_whole = self.integrity.check_next(&self.config, self.body, tables) && self.memory.check_next();
+        if !is_whole {
             self.state.machine.raise(CauseRecord::new(Cause::StateCorrupted, now));
         }
+        self.judge_way(now);
         self.decide(now)
     }
 

@@ -94,23 +94,24 @@ impl PacketTurn {
     /// Of the turns of a packet; `None` if nothing in it turns. `block_ns` is the time of a block; dual returns come in pairs.
     pub(super) fn new(turns: &[BlockTurn; BLOCKS], block_ns: u32, is_dual: bool) -> Option<Self> {
         let step = if is_dual { 2 } else { 1 };
-        let mut known = turns.iter().step_by(step).filter_map(|turn| Some((turn.azimuth_cdeg?, turn)));
-        let first_cdeg = turns.iter().step_by(step).find_map(|turn| turn.azimuth_cdeg)?;
-        let (gaps_cdeg, count) = known
-            .clone()
-            .fold((0_u64, 0_u64), |(sum, count), (_, turn)| (sum + u64::from(turn.gap_cdeg), count + 1));
-        let time_us = |cdeg: u32| {
-            let ns = u64::from(cdeg) * u64::from(block_ns) * count;
-            u32::try_from(ns.checked_div(gaps_cdeg * 1_000).unwrap_or(0)).unwrap_or(u32::MAX)
-        };
-        let mut jump = None;
-        let mut end = first_cdeg;
-        for (azimuth_cdeg, turn) in known.by_ref() {
+        let (mut first, mut end, mut jump) = (None, 0, None);
+        let (mut gaps_cdeg, mut count) = (0_u32, 0_u32);
+        for turn in turns.iter().step_by(step) {
+            let Some(azimuth_cdeg) = turn.azimuth_cdeg else { continue };
             if turn.skipped_cdeg > 0 {
-                jump = Some(ClosedSector { from_cdeg: end, until_cdeg: azimuth_cdeg });
+                let from_cdeg = if first.is_some() { end } else { azimuth_cdeg };
+                jump = Some(ClosedSector { from_cdeg, until_cdeg: azimuth_cdeg });
             }
-            end = ((u32::from(azimuth_cdeg) + u32::from(turn.gap_cdeg)) % TURN_CDEG) as u16;
+            first = first.or(Some(azimuth_cdeg));
+            let turned_cdeg = u32::from(azimuth_cdeg) + u32::from(turn.gap_cdeg);
+            end = if turned_cdeg < TURN_CDEG { turned_cdeg } else { turned_cdeg % TURN_CDEG } as u16;
+            (gaps_cdeg, count) = (gaps_cdeg + u32::from(turn.gap_cdeg), count + 1);
         }
+        let first_cdeg = first?;
+        let time_us = |cdeg: u32| {
+            let ns = u64::from(cdeg) * u64::from(block_ns) * u64::from(count);
+            u32::try_from(ns.checked_div(u64::from(gaps_cdeg) * 1_000).unwrap_or(0)).unwrap_or(u32::MAX)
+        };
         let skipped_us = jump.map_or(0, |closed| time_us(closed.width_cdeg()));
         Some(Self { first_cdeg, end_cdeg: end, closed: jump, skipped_us, turn_us: time_us(TURN_CDEG) })
     }

@@ -69,18 +69,50 @@ impl<P: Profile> Columns<P> {
                     .saturating_mul(self.model.block_ns())
                     .saturating_add((sequence as u32).saturating_mul(self.model.sequence_ns()));
                 column.offset_us = (start_ns / 1_000).saturating_add(later_us);
-                self_returns += self.fill(column, block, sequence, blind_raw);
+                self_returns += self.enter(column, block, sequence, blind_raw);
                 if let Some(echo) = echo {
-                    self_returns += self.fill(column, echo, sequence, blind_raw);
+                    self_returns += self.enter_nearer(column, echo, sequence, blind_raw);
                 }
             }
         }
         self_returns
     }
 
-    /// Enters the returns of one sequence that are not the robot itself; a nearer one replaces a farther one, so that
-    /// an echo behind a self-return stays. Gives the number of self-returns, at most 32.
-    fn fill(&self, column: &mut LidarColumnOf<P>, block: Block<'_>, sequence: usize, blind_raw: u16) -> u32 {
+    /// Enters the returns of one sequence that are not the robot itself into a column in which nothing is. Gives the number
+    /// of self-returns, at most 32.
+    fn enter(&self, column: &mut LidarColumnOf<P>, block: Block<'_>, sequence: usize, blind_raw: u16) -> u32 {
+        let lasers = self.model.lasers();
+        let known_raw = blind_raw.max(1);
+        let mut self_returns = 0;
+        // Every model has a multiple of eight lasers: the board pays for the loop once in eight cells.
+        let (cells, _) = block.cells(sequence * lasers, lasers).as_chunks::<8>();
+        let (rings, _) = self.rings.as_ref().as_chunks::<8>();
+        for (cells, rings) in cells.iter().zip(rings) {
+            for ([low, high, reflectivity], ring) in cells.iter().zip(rings) {
+                let raw = u16::from_le_bytes([*low, *high]);
+                if raw < known_raw {
+                    self_returns += u32::from(raw != 0);
+                    continue;
+                }
+                let ring = usize::from(*ring);
+                let Some(range) = column.range_raw.get_mut(ring) else { continue };
+                *range = raw;
+                if let Some(brightness) = column.reflectivity.get_mut(ring) {
+                    *brightness = *reflectivity;
+                }
+            }
+        }
+        self_returns
+    }
+
+    /// The same for the second echo: a nearer one replaces a farther one, so that an echo behind a self-return stays.
+    fn enter_nearer(
+        &self,
+        column: &mut LidarColumnOf<P>,
+        block: Block<'_>,
+        sequence: usize,
+        blind_raw: u16,
+    ) -> u32 {
         let lasers = self.model.lasers();
         let mut self_returns = 0;
         let cells = block.cells(sequence * lasers, lasers);

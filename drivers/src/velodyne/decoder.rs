@@ -328,8 +328,8 @@ impl<P: Profile> DecoderOf<P> {
         let times = (stamp, turned.skipped_us);
         let self_returns = columns.convert((&packet, &turns), (times, self.blind_range_mm), out);
         self.counters.self_returns = self.counters.self_returns.saturating_add(self_returns);
-        self.odd_block = packet.odd_blocks().next();
         let odd = turns.iter().filter(|turn| turn.azimuth_cdeg.is_none()).count() as u32;
+        self.odd_block = if odd > 0 { packet.odd_blocks().next() } else { None };
         self.counters.odd_blocks = self.counters.odd_blocks.saturating_add(odd);
         Ok(lost)
     }

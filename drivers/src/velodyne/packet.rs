@@ -157,11 +157,13 @@ impl<'a> Packet<'a> {
         let bytes: &[u8; field::PACKET_BYTES] =
             payload.try_into().map_err(|_| PacketError::Length { received: payload.len() })?;
         let blocks = bytes.get(..field::BLOCKS * field::BLOCK_BYTES).unwrap_or_default();
+        let mut odd = 0;
         for (block, bytes) in (0u8..12).zip(blocks.chunks_exact(field::BLOCK_BYTES)) {
-            let [flag_low, flag_high, ..] = *bytes else { continue };
+            let [flag_low, flag_high, low, high, ..] = *bytes else { continue };
             if [flag_low, flag_high] != field::FLAG {
                 return Err(PacketError::BlockFlag { block, found: [flag_low, flag_high] });
             }
+            odd += usize::from(u16::from_le_bytes([low, high]) > TURN_CDEG);
         }
         let return_mode = match bytes[field::RETURN_MODE] {
             0x37 => ReturnMode::Strongest,
@@ -175,10 +177,12 @@ impl<'a> Packet<'a> {
             return Err(PacketError::Stamp { micros: stamp_us });
         }
         let packet = Self { blocks, stamp_us, return_mode, product_byte: bytes[field::PRODUCT] };
-        match packet.odd_blocks().next() {
-            Some(first) if packet.odd_blocks().count() == field::BLOCKS => Err(first),
-            _ => Ok(packet),
+        if odd == field::BLOCKS
+            && let Some(first) = packet.odd_blocks().next()
+        {
+            return Err(first);
         }
+        Ok(packet)
     }
 
     /// The blocks whose azimuth is above 36,000: their returns have no direction and are left out. At most eleven.

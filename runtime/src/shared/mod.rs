@@ -181,6 +181,11 @@ impl<M: RawMutex> Shared<M> {
         decision
     }
 
+    /// Gives the guard what it keeps without deciding anything: call it after the decision.
+    pub fn remember(&self, evidence: impl FnOnce(&mut Supervisor)) {
+        self.guard.lock(|guard| evidence(&mut guard.borrow_mut()));
+    }
+
     /// What was latched when the computer last ran is latched again (FG-REQ-070). Call before the tasks run.
     pub fn restore_latches(&self, latches: u64, now: Stamp) {
         if latches != 0 {

@@ -37,6 +37,7 @@ pub async fn lidar_input<M: RawMutex>(
             Ok(lost_before) => {
                 newest.lost_before = lost_before;
                 shared.decide(|guard| guard.on_lidar_packet(&newest.packet, clock::now()));
+                shared.remember(|guard| guard.remember_packet(&newest.packet));
                 shared.packets.push(|slot| slot.copy_from(&newest));
                 let (odd, closed) = (decoder.odd_block(), decoder.closed_sector());
                 if odd.is_some() || closed.is_some() {

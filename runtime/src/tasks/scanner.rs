@@ -94,6 +94,7 @@ pub async fn scanner_datagrams<M: RawMutex>(
 /// The guard first, then its display.
 fn hand_on<M: RawMutex>(shared: &Shared<M>, scan: &Scan, now: Stamp) {
     shared.decide(|guard| guard.on_scan(scan, now));
+    shared.remember(|guard| guard.remember_scan(scan));
     shared.scan.publish(scan.clone());
 }
 

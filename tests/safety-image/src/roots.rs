@@ -16,6 +16,8 @@ pub extern "C" fn entry(state: Option<&mut ImageState>) {
     let now = state.now;
     root_guard_scan(&mut state.guard, &state.scan, now);
     root_guard_packet(&mut state.guard, &state.packet, now);
+    root_memory_scan(&mut state.guard, &state.scan);
+    root_memory_packet(&mut state.guard, &state.packet);
     root_guard_inputs(&mut state.guard, &state.inputs, now);
     root_guard_motion(state, now);
     root_guard_advice(&mut state.guard, &state.advice, now);
@@ -50,6 +52,16 @@ fn root_guard_scan(guard: &mut Supervisor, scan: &Scan, now: Stamp) -> Decision 
 #[inline(never)]
 fn root_guard_packet(guard: &mut Supervisor, packet: &LidarPacket, now: Stamp) -> Decision {
     black_box(guard.on_lidar_packet(packet, now))
+}
+
+#[inline(never)]
+fn root_memory_scan(guard: &mut Supervisor, scan: &Scan) {
+    guard.remember_scan(black_box(scan));
+}
+
+#[inline(never)]
+fn root_memory_packet(guard: &mut Supervisor, packet: &LidarPacket) {
+    guard.remember_packet(black_box(packet));
 }
 
 #[inline(never)]

@@ -36,6 +36,8 @@ const FLASH_MAX: u64 = 512 << 10;
 const RAM_MAX: u64 = 448 << 10;
 /// Bytes of the black box across resets, outside of that memory: SRAM4 of the chip, PSRAM of the emulated board.
 const KEPT_MAX: u64 = 64 << 10;
+/// Bytes of statics that no DMA touches, outside of that memory, too: the chip's DTCM.
+const COUPLED_MAX: u64 = 128 << 10;
 /// Interrupt handlers of the images by level, the guard's executor first.
 const BOARD_HANDLERS: &[&[&str]] = &[
     &["GUARD_EXECUTOR"],
@@ -184,11 +186,12 @@ fn link_for_the_chip(update: bool) -> Result<bool> {
 
 /// Shows and judges the size of an image: against the limits, and against the golden file, which `update` writes.
 fn fits(image: &str, size: Size, update: bool) -> Result<bool> {
-    let Size { flash_bytes, ram_bytes, stack_bytes, kept_bytes } = size;
+    let Size { flash_bytes, ram_bytes, stack_bytes, kept_bytes, coupled_bytes } = size;
     let stack_max = facts().firmware.as_ref().map_or(0, |firmware| firmware.stack_bytes);
     eprintln!(
         "firmware: {image}: {flash_bytes} of {FLASH_MAX} bytes of flash, {ram_bytes} of {RAM_MAX} of statics, \
-         {stack_bytes} of {stack_max} of stack; elsewhere {kept_bytes} of {KEPT_MAX} that are kept across a reset"
+         {stack_bytes} of {stack_max} of stack; elsewhere {kept_bytes} of {KEPT_MAX} that are kept across a reset, \
+         {coupled_bytes} of {COUPLED_MAX} in tightly coupled memory"
     );
     let mut golden = golden()?;
     if update {
@@ -201,12 +204,14 @@ fn fits(image: &str, size: Size, update: bool) -> Result<bool> {
         ram_bytes: RAM_MAX,
         stack_bytes: stack_max,
         kept_bytes: KEPT_MAX,
+        coupled_bytes: COUPLED_MAX,
     });
     let judged = [
         ("flash", flash_bytes, FLASH_MAX, before.flash_bytes),
         ("statics", ram_bytes, RAM_MAX, before.ram_bytes),
         ("stack", stack_bytes, stack_max, before.stack_bytes),
         ("kept memory", kept_bytes, KEPT_MAX, before.kept_bytes),
+        ("tightly coupled statics", coupled_bytes, COUPLED_MAX, before.coupled_bytes),
     ];
     let mut good = true;
     for (what, bytes, limit, golden) in judged {

@@ -19,6 +19,9 @@ pub struct Size {
     /// The black box across resets, in a memory of its own.
     #[serde(default)]
     pub kept_bytes: u64,
+    /// Statics in the chip's tightly coupled memory.
+    #[serde(default)]
+    pub coupled_bytes: u64,
 }
 
 /// The size of an image; its stack where the interrupt handlers are given.
@@ -54,6 +57,9 @@ fn sizes(image: &Path) -> Result<Size> {
             }
             SectionKind::UninitializedData if section.name() == Ok(".kept") => {
                 size.kept_bytes += section.size()
+            }
+            SectionKind::UninitializedData if section.name() == Ok(".dtcm") => {
+                size.coupled_bytes += section.size()
             }
             SectionKind::UninitializedData => size.ram_bytes += section.size(),
             _ => {}

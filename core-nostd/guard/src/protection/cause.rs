@@ -5,7 +5,7 @@ use core::fmt;
 use super::source::Source;
 
 /// How many causes there are, counting each source's two.
-pub const CAUSES: usize = PLAIN.len() + 2 * Source::COUNT;
+pub const CAUSES: usize = OF_NO_SOURCE + 2 * Source::COUNT;
 
 /// Why the guard objects.
 ///
@@ -45,6 +45,10 @@ pub enum Cause {
     BlindSector,
     /// Something in the warning field.
     Warning,
+    /// The body would touch something that was seen, and no distance is left to approach it.
+    WayClosed,
+    /// The body would touch something that was seen: slowly enough to stand before it.
+    WayNarrow,
     /// A person within 1.2 m.
     PersonNear,
     /// A person would be reached before the robot could stop.
@@ -77,7 +81,11 @@ pub enum Cause {
     SourceLost(Source),
 }
 
-/// The causes that do not belong to a source's health.
+/// Causes that do not belong to a source's health.
+const OF_NO_SOURCE: usize = PLAIN.len() + LATER.len();
+
+/// The first of them. Files and kept memory have a bit for each [`Cause::index`], so that no cause ever gets another one: what is
+/// new joins [`LATER`] at its end.
 const PLAIN: [Cause; 26] = [
     Cause::StartUp,
     Cause::StartNeeded,
@@ -107,6 +115,9 @@ const PLAIN: [Cause; 26] = [
     Cause::StateCorrupted,
 ];
 
+/// Those that came after the causes of the sources had their bits.
+const LATER: [Cause; 2] = [Cause::WayClosed, Cause::WayNarrow];
+
 impl Cause {
     /// Every cause, in the order of [`Self::index`].
     #[must_use]
@@ -114,7 +125,7 @@ impl Cause {
         let mut all = [Self::StartUp; CAUSES];
         let late = Source::ALL.map(Self::SourceLate);
         let lost = Source::ALL.map(Self::SourceLost);
-        for (slot, cause) in all.iter_mut().zip(PLAIN.iter().chain(&late).chain(&lost)) {
+        for (slot, cause) in all.iter_mut().zip(PLAIN.iter().chain(&late).chain(&lost).chain(&LATER)) {
             *slot = *cause;
         }
         all
@@ -128,6 +139,8 @@ impl Cause {
             Self::SourceLost(source) => {
                 PLAIN.len().saturating_add(Source::COUNT).saturating_add(source.index())
             }
+            Self::WayClosed => PLAIN.len().saturating_add(2 * Source::COUNT),
+            Self::WayNarrow => PLAIN.len().saturating_add(2 * Source::COUNT).saturating_add(1),
             plain => PLAIN.iter().position(|cause| *cause == plain).unwrap_or(0),
         }
     }
@@ -149,6 +162,8 @@ impl Cause {
             Self::LidarProtective => "obstacle in the protective field (lidar)",
             Self::BlindSector => "scanner sees nothing in a part of the protective field",
             Self::Warning => "obstacle in the warning field",
+            Self::WayClosed => "the body would touch what was seen around it",
+            Self::WayNarrow => "little room for the body on its way",
             Self::PersonNear => "person near",
             Self::CollisionStop => "person would be reached before standstill",
             Self::CollisionSlow => "person ahead",

@@ -116,6 +116,8 @@ pub struct Thresholds {
     pub person_speed_mps: f32,
     /// Distance from the body, metres (book, Guard: People near).
     pub person_near_m: f32,
+    /// What the sensors meet is remembered up to this far from them, metres; the window of the memory ends at 3.2.
+    pub memory_reach_m: f32,
     /// Speed while leaving an obstacle, m/s (book, Guard: Escape).
     pub escape_speed_mps: f32,
     /// What the emergency stop demands: category 0 or 1 (ISO 13850).
@@ -141,6 +143,7 @@ impl Thresholds {
         warning_speed_mps: 0.3,
         person_speed_mps: 0.3,
         person_near_m: 1.2,
+        memory_reach_m: 3.2,
         escape_speed_mps: 0.1,
         emergency_action: Action::Category0,
         overspeed_us: 100_000,
@@ -269,6 +272,7 @@ impl GuardConfig {
             ("speed in the warning field", limits.warning_speed_mps),
             ("speed near people", limits.person_speed_mps),
             ("distance to people", limits.person_near_m),
+            ("reach of the memory", limits.memory_reach_m),
             ("escape speed", limits.escape_speed_mps),
             ("tolerated difference of speeds", limits.speed_disagreement_mps),
             ("tolerated difference of turning rates", limits.turn_disagreement_radps),

@@ -6,6 +6,7 @@
 
 use super::collision::Body;
 use super::config::GuardConfig;
+use super::lidar_rays::LidarRays;
 use super::packet_table::{BINS, Bin, PacketTable};
 use super::scan_table::ScanTable;
 use floorguard_types::capacities::SCAN_BEAMS_MAX;
@@ -34,7 +35,7 @@ impl Integrity {
     };
 
     /// Remembers them.
-    pub fn remember(&mut self, config: &GuardConfig, body: Body, tables: (&ScanTable, &PacketTable)) {
+    pub fn remember(&mut self, config: &GuardConfig, body: Body, tables: Tables<'_>) {
         for (part, sum) in self.sums.iter_mut().enumerate() {
             *sum = sum_of(part, tables);
         }
@@ -43,12 +44,7 @@ impl Integrity {
     }
 
     /// Checks the next part; `false` when something changed. The configuration is a part of its own.
-    pub fn check_next(
-        &mut self,
-        config: &GuardConfig,
-        body: Body,
-        tables: (&ScanTable, &PacketTable),
-    ) -> bool {
+    pub fn check_next(&mut self, config: &GuardConfig, body: Body, tables: Tables<'_>) -> bool {
         let part = self.next % PARTS;
         self.next = part.wrapping_add(1);
         let configured = part != 0
@@ -57,7 +53,10 @@ impl Integrity {
     }
 }
 
-fn sum_of(part: usize, (scan, packet): (&ScanTable, &PacketTable)) -> u32 {
+/// Everything that is precomputed.
+type Tables<'a> = (&'a ScanTable, &'a PacketTable, &'a LidarRays);
+
+fn sum_of(part: usize, (scan, packet, rays): Tables<'_>) -> u32 {
     let mut sum = Sum(part as u32);
     for limits in [&scan.protective, &scan.warning] {
         // Two parts for each set.
@@ -74,6 +73,8 @@ fn sum_of(part: usize, (scan, packet): (&ScanTable, &PacketTable)) -> u32 {
     scan.watched.iter().for_each(|beams| sum.add(u32::from(*beams)));
     sum.add(packet.origin.x_m.to_bits());
     sum.add(packet.origin.y_m.to_bits());
+    rays.words().for_each(|word| sum.add(word.to_bits()));
+    sum.add(rays.count as u32);
     for bins in packet.bins.chunks(BINS.div_ceil(PARTS)).skip(part).take(1) {
         bins.iter().for_each(|bin| sum.bin(bin));
     }

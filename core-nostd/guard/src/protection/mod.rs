@@ -13,9 +13,14 @@ mod floor_sight;
 mod held;
 mod integrity;
 mod kinematics;
+mod lidar_evidence;
+mod lidar_rays;
+mod local_memory;
+mod memory_row;
 mod packet_table;
 mod receding;
 mod record;
+mod scan_evidence;
 mod scan_table;
 mod source;
 mod sweep;
@@ -36,10 +41,16 @@ pub use floor_sight::{
 pub use held::{HeldCause, HeldCauses};
 pub use integrity::{Integrity, PARTS};
 pub use kinematics::{field_length_m, stop_distance_m};
+pub use lidar_rays::LidarRays;
+pub use local_memory::{Cell, LocalMemory};
+#[cfg(test)]
+pub(crate) use memory_row::Row;
 pub use packet_table::PacketTable;
 pub(crate) use packet_table::{BIN_CDEG, Bin};
 pub use record::{CauseRecord, Unit};
 pub use scan_table::ScanTable;
 pub use source::{FaultKind, Health, Source, SourceRules};
-pub use sweep::{BRAKE_WEAR, REACTION_S, STANDOFF_M, Stopping, Sweep, fastest_mps, signed_distance_m};
+pub use sweep::{
+    BRAKE_WEAR, MARGIN_M, REACTION_S, STANDOFF_M, Stopping, Sweep, fastest_mps, signed_distance_m,
+};
 pub use swept_outline::{BEND_PER_M, OVERSPEED_SHARE, Zone, contains, swept_outline};

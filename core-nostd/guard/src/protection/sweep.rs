@@ -1,7 +1,9 @@
-//! Where the body goes until the robot stands: its true outline along the arc of a motion.
+//! Where the body goes until the robot stands: its true outline along the arc of a motion, and how far it may move before it
+//! touches a point.
 //!
 //! The way is measured at the fastest point of the body, so that driving, turning and spinning are one and the same.
-//! The outline is placed in [`STEPS`] places along the arc.
+//! The outline is examined in [`STEPS`] places along the arc; between two of them the gap to a point is taken as
+//! linear.
 
 use super::config::DriveLimits;
 use super::field::{edges, point_in_polygon};
@@ -9,14 +11,21 @@ use floorguard_types::geometry::{Point2, Twist2};
 
 /// Places of the outline along the arc: a step of a stop from 1 m/s is 9 cm.
 pub const STEPS: usize = 14;
+/// Where a point is near, each step is examined in so many parts: no more than a centimetre slips through at a corner.
+const PARTS_OF_STEP: u8 = 4;
 /// From something that comes into the field to the order that answers it, seconds: two scans of 40 ms that must agree, one that
 /// is not in step, one that may be lost, 22 ms of transfer, a tick (safety manual, section 3).
 pub const REACTION_S: f32 = 0.22;
 /// Kept before whatever stands in the way, at the fastest point of the body, metres: the general tolerance of a safety scanner
 /// (Z_G).
 pub const STANDOFF_M: f32 = 0.10;
+/// Kept beside the body, metres: half a cell of the memory, and what the wheels slip while an object passes along the
+/// body.
+pub const MARGIN_M: f32 = 0.05;
 /// Brake wear Z_B as a share of the braking distance.
 pub const BRAKE_WEAR: f32 = 0.1;
+/// What already stands nearer than the margin must not come nearer by more than this, metres.
+const NEARER_M: f32 = 0.005;
 /// Slower than this at its fastest point the body stands, m/s.
 const STANDS_MPS: f32 = 1.0e-3;
 
@@ -71,6 +80,18 @@ impl Stopping {
     pub fn path_m(&self) -> f32 {
         self.delay_m + self.braking_m
     }
+
+    /// The share of the speed from which the robot stands within a way: 0…1. The root of `braking·k² + delay·k = path`.
+    #[must_use]
+    pub fn share_within(&self, path_m: f32) -> f32 {
+        if path_m >= self.path_m() {
+            return 1.0;
+        }
+        let path_m = path_m.max(0.0);
+        let root = libm::sqrtf(self.delay_m * self.delay_m + 4.0 * self.braking_m * path_m);
+        // The form that loses no digits where the braking is small.
+        (2.0 * path_m / (self.delay_m + root).max(1.0e-9)).clamp(0.0, 1.0)
+    }
 }
 
 /// A place of the robot frame along the arc, seen from where it is now.
@@ -83,6 +104,23 @@ struct Place {
 }
 
 impl Place {
+    /// The place that is reached from this one by a step that begins at the origin.
+    fn then(&self, step: &Self) -> Self {
+        let to = self.moved(Point2::new(step.x_m, step.y_m));
+        Self {
+            x_m: to.x_m,
+            y_m: to.y_m,
+            sin: self.sin * step.cos + self.cos * step.sin,
+            cos: self.cos * step.cos - self.sin * step.sin,
+        }
+    }
+
+    /// A point of the robot frame of now, as it is seen from this place.
+    fn seen_from(&self, point: Point2) -> Point2 {
+        let (dx, dy) = (point.x_m - self.x_m, point.y_m - self.y_m);
+        Point2::new(self.cos * dx + self.sin * dy, self.cos * dy - self.sin * dx)
+    }
+
     /// A point of the body that has come to this place.
     fn moved(&self, corner: Point2) -> Point2 {
         let x_m = self.x_m + self.cos * corner.x_m - self.sin * corner.y_m;
@@ -96,6 +134,10 @@ impl Place {
 pub struct Sweep<'a> {
     outline: &'a [Point2],
     places: [Place; STEPS],
+    step_m: f32,
+    body: [[f32; 2]; 2],
+    /// The box around all of it, with the margin: least and greatest x and y, metres, robot frame.
+    pub around: [[f32; 2]; 2],
 }
 
 impl<'a> Sweep<'a> {
@@ -107,11 +149,15 @@ impl<'a> Sweep<'a> {
             return None;
         }
         let step_m = path_m / STEPS as f32;
-        let mut sweep = Self { outline, places: [Place::default(); STEPS] };
-        let mut gone_m = 0.0;
+        let mut body = EMPTY;
+        outline.iter().for_each(|corner| reach(&mut body, *corner));
+        let mut sweep = Self { outline, places: [Place::default(); STEPS], step_m, body, around: body };
+        let step = place_after(twist, step_m / fastest_mps);
+        let mut place = Place { cos: 1.0, ..Place::default() };
         for slot in &mut sweep.places {
-            gone_m += step_m;
-            *slot = place_after(twist, gone_m / fastest_mps);
+            place = place.then(&step);
+            outline.iter().for_each(|corner| reach(&mut sweep.around, place.moved(*corner)));
+            *slot = place;
         }
         Some(sweep)
     }
@@ -123,7 +169,87 @@ impl<'a> Sweep<'a> {
             self.outline.iter().for_each(|corner| visit(place.moved(*corner)));
         }
     }
+
+    /// The point lies in the box around the sweep.
+    #[must_use]
+    pub fn is_near(&self, point: Point2) -> bool {
+        is_within(self.around, point)
+    }
+
+    /// How far the fastest point of the body may go before the body comes nearer to a point than the margin; before it comes
+    /// nearer at all, where the point is within the margin already. `known_m`: nothing beyond is asked for. Metres.
+    #[must_use]
+    pub fn free_m(&self, point: Point2, known_m: f32) -> f32 {
+        let kept_m = if self.is_beside(point) {
+            MARGIN_M.min(signed_distance_m(self.outline, point) - NEARER_M)
+        } else {
+            MARGIN_M
+        };
+        let (mut gone_m, mut before) = (0.0, point);
+        for place in &self.places {
+            if gone_m >= known_m {
+                break;
+            }
+            let seen = place.seen_from(point);
+            if self.passes_near(before, seen)
+                && let Some(share) = self.contact_between((before, seen), kept_m)
+            {
+                return known_m.min(gone_m + self.step_m * share);
+            }
+            before = seen;
+            gone_m += self.step_m;
+        }
+        known_m
+    }
+
+    /// Where, between two places next to each other, the point comes nearer to the outline than it may: share of the step.
+    fn contact_between(&self, (from, to): (Point2, Point2), kept_m: f32) -> Option<f32> {
+        let mut before = from;
+        for part in 1..=PARTS_OF_STEP {
+            let share = f32::from(part) / f32::from(PARTS_OF_STEP);
+            let between =
+                Point2::new(from.x_m + share * (to.x_m - from.x_m), from.y_m + share * (to.y_m - from.y_m));
+            if self.is_beside(between) {
+                let gap_m = signed_distance_m(self.outline, between);
+                if gap_m < kept_m {
+                    let gap_before_m = signed_distance_m(self.outline, before);
+                    let of_part = (gap_before_m - kept_m) / (gap_before_m - gap_m).max(1.0e-6);
+                    return Some(share - (1.0 - of_part.clamp(0.0, 1.0)) / f32::from(PARTS_OF_STEP));
+                }
+            }
+            before = between;
+        }
+        None
+    }
+
+    /// The way of the point between two places may meet the box around the outline and its margin.
+    fn passes_near(&self, from: Point2, to: Point2) -> bool {
+        let [[x_min, x_max], [y_min, y_max]] = self.body;
+        from.x_m.max(to.x_m) >= x_min
+            && from.x_m.min(to.x_m) <= x_max
+            && from.y_m.max(to.y_m) >= y_min
+            && from.y_m.min(to.y_m) <= y_max
+    }
+
+    /// Within the box around the outline and its margin: only then is it worth a look at the outline itself.
+    fn is_beside(&self, point: Point2) -> bool {
+        is_within(self.body, point)
+    }
 }
+
+fn is_within([[x_min, x_max], [y_min, y_max]]: [[f32; 2]; 2], point: Point2) -> bool {
+    point.x_m >= x_min && point.x_m <= x_max && point.y_m >= y_min && point.y_m <= y_max
+}
+
+fn reach(around: &mut [[f32; 2]; 2], corner: Point2) {
+    for ([least_m, greatest_m], value_m) in around.iter_mut().zip([corner.x_m, corner.y_m]) {
+        *least_m = least_m.min(value_m - MARGIN_M);
+        *greatest_m = greatest_m.max(value_m + MARGIN_M);
+    }
+}
+
+/// Nothing is around it yet.
+const EMPTY: [[f32; 2]; 2] = [[f32::INFINITY, f32::NEG_INFINITY]; 2];
 
 /// Where the robot frame is after a time on the arc.
 fn place_after(twist: Twist2, after_s: f32) -> Place {

@@ -15,7 +15,7 @@ fn with(change: impl FnOnce(&mut GuardConfig)) -> Result<(), GuardConfigError> {
 #[test]
 fn fg_req_012_every_number_must_be_positive() {
     type Place = fn(&mut GuardConfig) -> &mut f32;
-    let places: [(&str, Place); 12] = [
+    let places: [(&str, Place); 13] = [
         ("greatest speed", |config| &mut config.drive.speed_mps),
         ("greatest turning rate", |config| &mut config.drive.turn_radps),
         ("acceleration", |config| &mut config.drive.acceleration_mps2),
@@ -25,6 +25,7 @@ fn fg_req_012_every_number_must_be_positive() {
         ("speed in the warning field", |config| &mut config.thresholds.warning_speed_mps),
         ("speed near people", |config| &mut config.thresholds.person_speed_mps),
         ("distance to people", |config| &mut config.thresholds.person_near_m),
+        ("reach of the memory", |config| &mut config.thresholds.memory_reach_m),
         ("escape speed", |config| &mut config.thresholds.escape_speed_mps),
         ("tolerated difference of speeds", |config| &mut config.thresholds.speed_disagreement_mps),
         ("tolerated difference of turning rates", |config| &mut config.thresholds.turn_disagreement_radps),

@@ -182,3 +182,31 @@ fn fg_req_060_inner_or_short_zone_is_refused() {
     wrong.sources[0].limit_after_us = 300_000;
     assert_eq!(wrong.validate(), Err(GuardConfigError::Deadline(Source::Scanner)));
 }
+
+/// A file of the evening is read in the morning, by another version perhaps.
+#[test]
+fn fg_req_070_no_cause_gets_another_bit() {
+    let bits = [
+        (Cause::EmergencyStop, 2),
+        (Cause::InputFault, 3),
+        (Cause::InputUnknown, 4),
+        (Cause::BumperFront, 5),
+        (Cause::BumperRear, 6),
+        (Cause::CliffFront, 7),
+        (Cause::CliffRear, 8),
+        (Cause::Overspeed, 19),
+        (Cause::SpeedDisagreement, 20),
+        (Cause::TurnDisagreement, 21),
+        (Cause::DriveFault, 23),
+        (Cause::ClockFault, 24),
+        (Cause::StateCorrupted, 25),
+        (Cause::SourceLate(Source::ALL[0]), 26),
+        (Cause::SourceLost(Source::ALL[7]), 41),
+        (Cause::WayClosed, 42),
+        (Cause::WayNarrow, 43),
+    ];
+    for (cause, bit) in bits {
+        assert_eq!((cause.index(), Cause::all()[bit]), (bit, cause));
+    }
+    assert!(Cause::all().into_iter().enumerate().all(|(index, cause)| cause.index() == index));
+}

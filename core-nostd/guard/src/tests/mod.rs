@@ -10,6 +10,7 @@ mod doubt;
 mod exploration;
 mod fixtures;
 mod latches;
+mod memory;
 mod numbers;
 mod oracles;
 mod properties;

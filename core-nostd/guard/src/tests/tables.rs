@@ -197,30 +197,32 @@ fn fg_req_017_every_part_of_the_tables_is_checked() {
     let config = config();
     let body = Body::around(&config.footprint);
     let (scan, packet) = tables(&config);
+    let mut rays = LidarRays::NONE;
+    rays.fill(&config.lidar);
     let fresh = || {
         let mut integrity = Integrity::NONE;
-        integrity.remember(&config, body, (&scan, &packet));
+        integrity.remember(&config, body, (&scan, &packet, &rays));
         integrity
     };
-    let noticed = |config: &GuardConfig, body: Body, tables: (&ScanTable, &PacketTable)| {
+    let noticed = |config: &GuardConfig, body: Body, tables: (&ScanTable, &PacketTable, &LidarRays)| {
         let mut integrity = fresh();
         (0..PARTS).filter(|_| !integrity.check_next(config, body, tables)).count()
     };
-    assert_eq!(noticed(&config, body, (&scan, &packet)), 0);
+    assert_eq!(noticed(&config, body, (&scan, &packet, &rays)), 0);
     let mut nothing = Integrity::NONE;
-    assert!(!nothing.check_next(&config, body, (&scan, &packet)), "nothing is remembered");
+    assert!(!nothing.check_next(&config, body, (&scan, &packet, &rays)), "nothing is remembered");
     let mut twice = fresh();
-    assert!((0..2 * PARTS).all(|_| twice.check_next(&config, body, (&scan, &packet))));
+    assert!((0..2 * PARTS).all(|_| twice.check_next(&config, body, (&scan, &packet, &rays))));
     let other_config = {
         let mut other = config.clone();
         other.drive.speed_mps += 0.1;
         other
     };
-    assert_eq!(noticed(&other_config, body, (&scan, &packet)), 1);
-    assert_eq!(noticed(&config, Body { x_m: [-0.45, 0.96], ..body }, (&scan, &packet)), 1);
+    assert_eq!(noticed(&other_config, body, (&scan, &packet, &rays)), 1);
+    assert_eq!(noticed(&config, Body { x_m: [-0.45, 0.96], ..body }, (&scan, &packet, &rays)), 1);
     let mut other_scan = scan.clone();
     other_scan.geometry.beams = 540;
-    assert_eq!(noticed(&config, body, (&other_scan, &packet)), 1);
+    assert_eq!(noticed(&config, body, (&other_scan, &packet, &rays)), 1);
     for bin in 0..180_usize {
         let mut other = packet.clone();
         match bin % 6 {
@@ -231,7 +233,7 @@ fn fg_req_017_every_part_of_the_tables_is_checked() {
             4 => other.bins[bin].height_mm[15] ^= 4,
             _ => other.bins[bin].least_share ^= 0x4000,
         }
-        assert_eq!(noticed(&config, body, (&scan, &other)), 1, "bin {bin}");
+        assert_eq!(noticed(&config, body, (&scan, &other, &rays)), 1, "bin {bin}");
     }
     for beam in 0..541_usize {
         let mut other = scan.clone();
@@ -241,12 +243,15 @@ fn fg_req_017_every_part_of_the_tables_is_checked() {
             2 => other.protective[beam % 8][beam] ^= 2,
             _ => other.warning[beam % 8][beam] ^= 2,
         }
-        assert_eq!(noticed(&config, body, (&other, &packet)), 1, "beam {beam}");
+        assert_eq!(noticed(&config, body, (&other, &packet, &rays)), 1, "beam {beam}");
     }
     let mut other = packet.clone();
     other.origin.x_m += 0.125;
-    assert!(noticed(&config, body, (&scan, &other)) > 0);
+    assert!(noticed(&config, body, (&scan, &other, &rays)) > 0);
     let mut other = scan.clone();
     other.watched[7] = 1;
-    assert!(noticed(&config, body, (&other, &packet)) > 0);
+    assert!(noticed(&config, body, (&other, &packet, &rays)) > 0);
+    let mut other = rays.clone();
+    other.rings[3][1] += 0.125;
+    assert!(noticed(&config, body, (&scan, &packet, &other)) > 0);
 }

@@ -50,10 +50,14 @@ fn fg_req_013_source_reports_health_and_future_offset() {
     assert_eq!(late.to_string(), "lidar, 0 ms old -> speed limited");
 }
 
+fn is_of_no_source(cause: &Cause) -> bool {
+    !matches!(cause, Cause::SourceLate(_) | Cause::SourceLost(_))
+}
+
 #[test]
 fn fg_req_002_every_word_is_its_own() {
     let mut words: std::vec::Vec<std::string::String> =
-        Cause::all().into_iter().take(25).map(|cause| cause.to_string()).collect();
+        Cause::all().into_iter().filter(is_of_no_source).map(|cause| cause.to_string()).collect();
     words.extend(Source::ALL.map(|source| source.name().to_string()));
     words.extend([Action::None, Action::Limit, Action::Category2].map(|action| action.to_string()));
     words.extend(

@@ -104,7 +104,7 @@ pub(crate) fn nearest_cell(
     if is_good(own) {
         return Some(own);
     }
-    let reach = saturating_i32((reach_m.max(0.0) * geometry.cells_per_metre()).min(100.0));
+    let reach = saturating_i32(reach_m.max(0.0) * geometry.cells_per_metre()).min(100);
     let (column, row) = geometry.coordinates(own);
     let mut best: Option<(i32, usize)> = None;
     for dy in reach.wrapping_neg()..=reach {

@@ -49,42 +49,43 @@ impl<T: Clone + Debug + PartialEq, const N: usize> List<T> for heapless::Vec<T, 
 
     #[inline]
     fn push(&mut self, entry: T) -> Result<(), T> {
-        heapless::Vec::push(self, entry)
+        self.as_mut_view().push(entry)
     }
 
     #[inline]
     fn insert(&mut self, index: usize, entry: T) -> Result<(), T> {
         // The library's own panics beyond the end.
-        heapless::Vec::insert(self, index.min(self.len()), entry)
+        let place = index.min(self.len());
+        self.as_mut_view().insert(place, entry)
     }
 
     #[inline]
     fn resize(&mut self, length: usize, entry: T) -> Result<(), heapless::CapacityError> {
-        heapless::Vec::resize(self, length, entry)
+        self.as_mut_view().resize(length, entry)
     }
 
     #[inline]
     fn pop(&mut self) -> Option<T> {
-        heapless::Vec::pop(self)
+        self.as_mut_view().pop()
     }
 
     #[inline]
     fn clear(&mut self) {
-        heapless::Vec::clear(self);
+        self.as_mut_view().clear();
     }
 
     #[inline]
     fn retain(&mut self, keep: impl FnMut(&T) -> bool) {
-        heapless::Vec::retain(self, keep);
+        self.as_mut_view().retain(keep);
     }
 
     #[inline]
     fn retain_mut(&mut self, keep: impl FnMut(&mut T) -> bool) {
-        heapless::Vec::retain_mut(self, keep);
+        self.as_mut_view().retain_mut(keep);
     }
 
     #[inline]
     fn is_full(&self) -> bool {
-        heapless::Vec::is_full(self)
+        self.as_view().is_full()
     }
 }

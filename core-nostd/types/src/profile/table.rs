@@ -11,19 +11,33 @@ pub trait Entry: Copy + Debug + PartialEq {
     const BLANK: Self;
 }
 
-macro_rules! blank {
-    ($($entry:ty = $blank:expr),*) => { $(impl Entry for $entry { const BLANK: Self = $blank; })* };
+impl Entry for bool {
+    const BLANK: Self = false;
 }
 
-blank!(
-    bool = false,
-    u8 = 0,
-    u16 = 0,
-    u32 = 0,
-    f32 = 0.0,
-    Point2 = Point2::new(0.0, 0.0),
-    Point3 = Point3::new(0.0, 0.0, 0.0)
-);
+impl Entry for u8 {
+    const BLANK: Self = 0;
+}
+
+impl Entry for u16 {
+    const BLANK: Self = 0;
+}
+
+impl Entry for u32 {
+    const BLANK: Self = 0;
+}
+
+impl Entry for f32 {
+    const BLANK: Self = 0.0;
+}
+
+impl Entry for Point2 {
+    const BLANK: Self = Self::new(0.0, 0.0);
+}
+
+impl Entry for Point3 {
+    const BLANK: Self = Self::new(0.0, 0.0, 0.0);
+}
 
 impl<T: Copy + Debug + PartialEq> Entry for Option<T> {
     const BLANK: Self = None;

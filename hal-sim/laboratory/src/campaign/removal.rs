@@ -44,12 +44,14 @@ pub enum Removal {
     FloorSwitches,
     /// Nobody's emergency stop is heard.
     EmergencyStop,
-    /// Rule `ScanProtective`: no number of beams is enough.
+    /// Rule `ScanProtective`, no number of beams is enough, and the memory, which holds the robot without it.
     ScanRule,
-    /// Rule `LidarProtective`: no number of returns is enough.
+    /// Rule `LidarProtective`, no number of returns is enough, and the memory, which holds the robot without it.
     LidarRule,
     /// Both of them.
     ProtectiveRules,
+    /// Rules `WayClosed` and `WayNarrow`: nothing is near enough to be remembered.
+    MemoryRules,
     /// Rule `Warning`: something in the warning field slows nothing down.
     WarningRule,
     /// Rule `PersonNear`: somebody near slows nothing down.
@@ -66,7 +68,7 @@ pub enum Removal {
 
 impl Removal {
     /// All.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::Fields,
         Self::ScannerReturns,
         Self::LidarReturns,
@@ -81,6 +83,7 @@ impl Removal {
         Self::ScanRule,
         Self::LidarRule,
         Self::ProtectiveRules,
+        Self::MemoryRules,
         Self::WarningRule,
         Self::PersonRule,
         Self::OverspeedRule,
@@ -130,6 +133,9 @@ impl Removal {
         }
         if matches!(self, Self::LidarRule | Self::ProtectiveRules) {
             thresholds.packet_returns = u8::MAX;
+        }
+        if matches!(self, Self::ScanRule | Self::LidarRule | Self::ProtectiveRules | Self::MemoryRules) {
+            thresholds.memory_reach_m = NEVER_NEAR_M;
         }
         if self == Self::OverspeedRule {
             thresholds.overspeed_us = NEVER_US;

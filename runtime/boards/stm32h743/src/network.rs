@@ -49,6 +49,8 @@ pub struct LidarSocket(UdpSocket<'static>);
 impl LidarSocket {
     /// Opens it. Call once.
     pub fn open(stack: Stack<'static>) -> Self {
+        // Read and written by the processor alone: frames come from `QUEUE`.
+        #[unsafe(link_section = ".dtcm.lidar_socket")]
         static BUFFERS: StaticCell<Buffers> = StaticCell::new();
         let buffers = BUFFERS.init_with(|| Buffers {
             received_metadata: [PacketMetadata::EMPTY; DATAGRAMS],

@@ -1,4 +1,4 @@
-//! The serial lines, with buffers that live for ever.
+//! The serial lines, with buffers that live for ever. Interrupts fill and empty them, no DMA: they lie in DTCM.
 
 use embassy_stm32::mode::Async;
 use embassy_stm32::usart::{BufferedUart, Config, DataBits, Parity, StopBits};
@@ -22,8 +22,10 @@ impl Buffers {
 }
 
 /// The scanner's.
+#[unsafe(link_section = ".dtcm.scanner")]
 pub static SCANNER: StaticCell<Buffers> = StaticCell::new();
 /// The inertial unit's.
+#[unsafe(link_section = ".dtcm.imu")]
 pub static IMU: StaticCell<Buffers> = StaticCell::new();
 
 /// A line of eight bits without parity.

@@ -13,6 +13,10 @@ use super::supported::support;
 const ROUNDS_MAX: usize = 20;
 /// Rounds in which loops that bend the graph are taken out.
 const BENDING_ROUNDS_MAX: usize = 20;
+/// Support that is asked for at most.
+const SUPPORT_MOST: u32 = 4;
+/// Share of the supported loops that must have it.
+const SUPPORTED_SHARE: f64 = 0.7;
 /// Loops with more support than this are not asked whether they bend the graph.
 const SUPPORT_LITTLE: u32 = 2;
 /// Share of its own covariance below which nothing checks an edge.
@@ -25,7 +29,8 @@ const CHECKED_LEAST: f64 = 1.0e-3;
 /// A part of the graph hangs on nothing.
 pub fn optimise_from_edges(graph: &mut Graph, config: &RobustConfig) -> Result<RobustOutcome, Unsolvable> {
     let support = support(graph);
-    let is_kept = |index: usize| graph.edges[index].kind == EdgeKind::Sequence || support[index] > 0;
+    let needed = support_needed(&support);
+    let is_kept = |index: usize| graph.edges[index].kind == EdgeKind::Sequence || support[index] >= needed;
     let kept: Vec<usize> = (0..graph.edges.len()).filter(|index| is_kept(*index)).collect();
     let mut part =
         Graph { poses: graph.poses.clone(), edges: kept.iter().map(|i| graph.edges[*i]).collect() };
@@ -55,6 +60,14 @@ pub fn optimise_from_edges(graph: &mut Graph, config: &RobustConfig) -> Result<R
     rounds += remove_bending(&mut system, graph, (&mut weights, &support), config)?;
     let optimised = optimise_with(&mut system, graph, &weights, &config.last)?;
     Ok(RobustOutcome { optimised, weights, rounds })
+}
+
+/// Support that the first loops must have: as much as most of the supported ones have. Where loops are many, wrong ones
+/// find company by accident.
+fn support_needed(support: &[u32]) -> u32 {
+    let with = |least: u32| support.iter().filter(|count| **count >= least).count() as f64;
+    let enough = |least: &u32| with(*least) >= SUPPORTED_SHARE * with(1);
+    (2..=SUPPORT_MOST).rev().find(enough).unwrap_or(1)
 }
 
 /// Takes out loops that fit only because they bend the others: a loop without much support is judged by its error against

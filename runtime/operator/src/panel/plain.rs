@@ -51,6 +51,9 @@ pub fn remedy(record: &CauseRecord) -> &'static str {
         (Cause::ScanProtective | Cause::LidarProtective | Cause::Warning, _) => {
             "Take away what stands in front of the robot, or wait until it has passed."
         }
+        (Cause::WayClosed | Cause::WayNarrow, _) => {
+            "Take away what stands or hangs beside the robot, or drive it by hand to where it has room."
+        }
         (Cause::BlindSector, _) => "Clean the window of the safety scanner.",
         (Cause::SourceLate(Source::Command) | Cause::SourceLost(Source::Command), _) => {
             "Nothing to do: nobody tells the robot where to go; it goes on with the next command."

@@ -17,6 +17,8 @@ use super::rings::HostedShared;
 const POLL_PERIOD: Duration = Duration::from_millis(20);
 /// A disk that took nothing is tried again after so many looks.
 const POLLS_PER_TRY: u32 = 50;
+/// Causes of the first version that wrote the file.
+const CAUSES_FIRST: usize = 42;
 /// First words of the file.
 const NAME: &str = "floorguard-latches 1";
 
@@ -105,18 +107,24 @@ pub fn latched_words(latches: u64) -> String {
     latched.map(Cause::name).collect::<Vec<_>>().join(", ")
 }
 
-/// A version that counts other causes does not know what these bits mean.
+/// With the number of causes: new ones get bits behind those of all others, so that what fewer causes wrote is still
+/// understood, and what more causes wrote is not.
 fn text(latches: u64) -> String {
-    let words = format!("{NAME} {CAUSES} {latches:016x}");
+    text_of(CAUSES, latches)
+}
+
+fn text_of(causes: usize, latches: u64) -> String {
+    let words = format!("{NAME} {causes} {latches:016x}");
     let mut sum = Fnv64::new();
     sum.add(words.as_bytes());
     format!("{words} {:016x}\n", sum.value())
 }
 
 fn parse(written: &str) -> Option<u64> {
-    let digits = written.strip_prefix(NAME)?.split(' ').nth(2)?;
-    let latches = u64::from_str_radix(digits, 16).ok()?;
-    (text(latches) == written).then_some(latches)
+    let mut words = written.strip_prefix(NAME)?.split(' ').skip(1);
+    let causes = words.next()?.parse().ok().filter(|causes| (CAUSES_FIRST..=CAUSES).contains(causes))?;
+    let latches = u64::from_str_radix(words.next()?, 16).ok()?;
+    (text_of(causes, latches) == written).then_some(latches)
 }
 
 #[cfg(test)]
@@ -141,8 +149,15 @@ mod tests {
             std::fs::write(file.path(), &good.as_bytes()[..place]).unwrap();
             assert_eq!(file.read(), unknown_latches(), "cut at {place}");
         }
-        std::fs::write(file.path(), text(5).replace(&format!(" {CAUSES} "), " 3 ")).unwrap();
-        assert_eq!(file.read(), unknown_latches(), "of a version with other causes");
+        for (causes, kept) in
+            [(CAUSES_FIRST, 5), (CAUSES_FIRST - 1, unknown_latches()), (CAUSES + 1, unknown_latches())]
+        {
+            std::fs::write(file.path(), text_of(causes, 5)).unwrap();
+            assert_eq!(file.read(), kept, "written by {causes} causes");
+        }
+        std::fs::write(file.path(), text(5).replace(&format!(" {CAUSES} "), &format!(" {CAUSES_FIRST} ")))
+            .unwrap();
+        assert_eq!(file.read(), unknown_latches(), "another number, the same sum");
         std::fs::remove_file(file.path()).unwrap();
         std::fs::create_dir(file.path()).unwrap();
         assert_eq!(file.read(), unknown_latches(), "cannot be read");

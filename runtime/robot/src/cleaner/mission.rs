@@ -276,7 +276,7 @@ impl Cleaner {
             return;
         }
         let cause = decision.and_then(|decision| decision.holding_cause).map(|record| record.cause);
-        let on_path = [Cause::ScanProtective, Cause::LidarProtective, Cause::CollisionStop];
+        let on_path = [Cause::ScanProtective, Cause::LidarProtective, Cause::WayClosed, Cause::CollisionStop];
         let pose = self.pose();
         let obstacle_lies = || self.obstacles.lies_near(Point2::new(pose.x_m, pose.y_m), OBSTACLE_HOLDS_M);
         if cause.is_none_or(|cause| on_path.contains(&cause)) || obstacle_lies() {

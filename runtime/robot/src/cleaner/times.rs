@@ -90,7 +90,9 @@ impl TimeUse {
             return match cause {
                 // No cause stops it: it is only about to set off.
                 _ if decision.speed_limit_mps > STANDS.0 => Self::Driving,
-                Some(Cause::ScanProtective | Cause::LidarProtective) | None => Self::HeldField,
+                Some(Cause::ScanProtective | Cause::LidarProtective | Cause::WayClosed) | None => {
+                    Self::HeldField
+                }
                 Some(Cause::CollisionStop) => Self::HeldPersonApproaches,
                 Some(_) => Self::HeldOther,
             };
@@ -101,9 +103,8 @@ impl TimeUse {
         match cause {
             Some(Cause::PersonNear) => Self::SlowNearPerson,
             Some(Cause::CollisionSlow) => Self::SlowPersonApproaches,
-            Some(Cause::Warning | Cause::ScanProtective | Cause::LidarProtective) | None => {
-                Self::SlowNearObjects
-            }
+            Some(Cause::Warning | Cause::ScanProtective | Cause::LidarProtective | Cause::WayNarrow)
+            | None => Self::SlowNearObjects,
             Some(_) => Self::SlowOther,
         }
     }

@@ -79,11 +79,12 @@ fn collect(folder: &Path, paths: &mut Vec<PathBuf>) -> Result<()> {
     Ok(())
 }
 
-/// `tests.rs`, `foo_tests.rs` or anything below a folder `tests`: declared under `cfg(test)` by their parents, which
-/// `is_test_item` cannot see from inside the file.
+/// `tests.rs`, `foo_tests.rs` or anything below a folder `tests` or `foo_tests`: declared under `cfg(test)` by their
+/// parents, which `is_test_item` cannot see from inside the file.
 pub fn is_test_file(path: &Path) -> bool {
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    stem == "tests" || stem.ends_with("_tests") || path.components().any(|part| part.as_os_str() == "tests")
+    let is_of_tests = |name: &str| name == "tests" || name.ends_with("_tests");
+    is_of_tests(&stem) || path.components().any(|part| is_of_tests(&part.as_os_str().to_string_lossy()))
 }
 
 fn is_test_item(item: &syn::Item) -> bool {

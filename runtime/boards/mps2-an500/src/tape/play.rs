@@ -209,12 +209,14 @@ fn report(digest: &OutputDigest, costs: &Costs, stages: &Stages) {
         ("sweep", &costs.sweep),
         ("stage-decode", &stages.decode),
         ("stage-guard-packet", &stages.guard_packet),
+        ("stage-memory-packet", &stages.memory_packet),
         ("stage-build", &stages.build),
         ("stage-floor", &stages.floor),
         ("stage-floor-clusters", &stages.clusters),
         ("stage-features", &stages.features),
         ("stage-track", &stages.track),
         ("stage-guard-scan", &stages.guard_scan),
+        ("stage-memory-scan", &stages.memory_scan),
     ];
     for (name, watch) in rows {
         let (count, mean, largest) = watch.instructions(SHIFT);

@@ -23,6 +23,8 @@ pub struct Stages {
     pub decode: Stopwatch,
     /// A packet to the guard's decision.
     pub guard_packet: Stopwatch,
+    /// A packet into the guard's memory of the surroundings.
+    pub memory_packet: Stopwatch,
     /// A packet into the sweep.
     pub build: Stopwatch,
     /// The floor of a sweep, by itself.
@@ -35,6 +37,8 @@ pub struct Stages {
     pub track: Stopwatch,
     /// The last portion of a telegram to the guard's decision.
     pub guard_scan: Stopwatch,
+    /// A scan into the guard's memory of the surroundings.
+    pub memory_scan: Stopwatch,
 }
 
 /// Plays the tape through the stages. Leaves what it finds in `state`.
@@ -58,6 +62,9 @@ pub fn measure(tape: TapeReader<'static>, robot: &RobotConfiguration, state: &mu
                 stages.guard_packet.begin();
                 guard.on_lidar_packet(&packet, now);
                 stages.guard_packet.end();
+                stages.memory_packet.begin();
+                guard.remember_packet(&packet);
+                stages.memory_packet.end();
                 let mut build = stages.build;
                 build.begin();
                 let seen = sweeps;
@@ -75,17 +82,16 @@ pub fn measure(tape: TapeReader<'static>, robot: &RobotConfiguration, state: &mu
                 for portion in record.data.chunks(PORTION_BYTES) {
                     let mut watch = stages.guard_scan;
                     watch.begin();
-                    let mut judged = false;
                     receiver.push(portion, now, |event| {
                         if let Event::Scan(scan) = event {
                             guard.on_scan(scan, now);
-                            judged = true;
+                            watch.end();
+                            stages.guard_scan = watch;
+                            stages.memory_scan.begin();
+                            guard.remember_scan(scan);
+                            stages.memory_scan.end();
                         }
                     });
-                    if judged {
-                        watch.end();
-                        stages.guard_scan = watch;
-                    }
                 }
             }
             _ => {}

@@ -1,0 +1,326 @@
+//! What stands around the robot: cells of the floor that move under it, and keep what any sensor saw until a later look passes
+//! through the same place and height, or until it is out of reach. Time alone clears nothing (FG-REQ-028).
+//!
+//! A window of 4.5 m by 4.5 m in cells of 7 cm, fixed to the floor by the wheels; its middle lies 1.2 m ahead of the
+//! robot's origin. Each cell keeps two kinds apart: that the safety scanner met something in its plane, and a run of
+//! heights below the lidar in which the lidar did, in two spans of time. Of several runs the lowest one stays.
+
+use heapless::Vec;
+
+use super::collision::Body;
+use super::memory_row::{Row, Run, height_step};
+use super::scan_evidence::ROW_STEP;
+use super::sweep::signed_distance_m;
+use floorguard_types::geometry::{Point2, Pose2, Twist2, wrap_angle};
+use floorguard_types::number::saturating_i32;
+use floorguard_types::time::{Age, Stamp};
+
+/// Cells along each side of the window: the bits of a word.
+pub const SIDE: usize = 64;
+/// Side of a cell, metres.
+pub const CELL_M: f32 = 0.07;
+/// The middle of the window lies this far ahead of the robot's origin, metres: more room ahead than behind.
+const AHEAD_M: f32 = 1.22;
+/// What the lidar met is kept when it meets it again in the next span of this length, microseconds: three sweeps. Noise and the
+/// legs of a person who walks by do not stay.
+const AGREE_US: u64 = 300_000;
+/// Between two measurements of the wheels; what takes longer is a lost source, seconds.
+const STEP_MAX_S: f32 = 0.1;
+/// Cells deeper inside the body than this are wrong, metres.
+const INSIDE_M: f32 = 0.05;
+/// Cells forgotten at one tick.
+const INSIDE_MAX: usize = 64;
+/// Parts in which the sums are examined, one at each tick.
+const PARTS: usize = 16;
+
+/// A cell of the floor, counted from where the memory began.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cell {
+    /// Along x.
+    pub x: i32,
+    /// Along y.
+    pub y: i32,
+}
+
+impl Cell {
+    /// The cell of a place in the memory's frame.
+    #[must_use]
+    pub fn of(place: Point2) -> Self {
+        // Saturated: a robot that far away has left the window of everything.
+        let index = |metres: f32| {
+            let cells = metres * (1.0 / CELL_M);
+            let towards_zero = saturating_i32(cells);
+            towards_zero.saturating_sub(i32::from(cells < towards_zero as f32))
+        };
+        Self { x: index(place.x_m), y: index(place.y_m) }
+    }
+
+    /// Its middle, metres.
+    #[must_use]
+    pub fn middle(self) -> Point2 {
+        Point2::new((self.x as f32 + 0.5) * CELL_M, (self.y as f32 + 0.5) * CELL_M)
+    }
+}
+
+/// The memory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LocalMemory {
+    pub(crate) rows: [Row; SIDE],
+    /// The cell with the least x and y of the window.
+    first: Cell,
+    pose: Pose2,
+    twist: Twist2,
+    at: Option<Stamp>,
+    next: usize,
+    /// When the present span of time began.
+    span_at: Stamp,
+    /// Which firing of the next packet is taken.
+    pub(super) turn: usize,
+    /// Scans so far: which beams and which rows of cells are taken.
+    pub(super) scans: usize,
+}
+
+impl LocalMemory {
+    /// Nothing is known.
+    pub const EMPTY: Self = Self {
+        rows: [Row::EMPTY; SIDE],
+        first: Cell { x: 0, y: 0 },
+        pose: Pose2 { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 },
+        twist: Twist2::ZERO,
+        at: None,
+        next: 0,
+        span_at: Stamp::ZERO,
+        turn: 0,
+        scans: 0,
+    };
+
+    /// Forgets everything, in place.
+    pub fn forget(&mut self) {
+        self.rows.iter_mut().for_each(|row| row.clone_from(&Row::EMPTY));
+        (self.pose, self.twist, self.at, self.next) = (Pose2::default(), Twist2::ZERO, None, 0);
+        self.span_at = Stamp::ZERO;
+        self.first = self.wanted_first();
+    }
+
+    /// The robot has moved, as its wheels tell: the window follows it.
+    pub fn follow(&mut self, twist: Twist2, stamp: Stamp) {
+        if let Some(Age::Past(step_us)) = self.at.map(|at| at.age(stamp)) {
+            let step_s = (step_us as f32 * 1.0e-6).min(STEP_MAX_S);
+            self.pose = moved(self.pose, twist, step_s);
+        }
+        (self.twist, self.at) = (twist, Some(stamp));
+        if self.span_at.past_us(stamp) >= AGREE_US {
+            self.rows.iter_mut().for_each(Row::begin_span);
+            self.span_at = stamp;
+        }
+        self.shift_to(self.wanted_first());
+    }
+
+    /// Where the robot was, or will be, at a moment near the newest measurement of the wheels.
+    #[must_use]
+    pub fn pose_at(&self, stamp: Stamp) -> Pose2 {
+        let ahead_s = match self.at.map(|at| at.age(stamp)) {
+            Some(Age::Past(us)) => (us as f32 * 1.0e-6).min(STEP_MAX_S),
+            Some(Age::Future(us)) => -(us as f32 * 1.0e-6).min(STEP_MAX_S),
+            None => 0.0,
+        };
+        moved(self.pose, self.twist, ahead_s)
+    }
+
+    /// The scanner met something in a cell, or looked through it.
+    pub fn set_scanned(&mut self, cell: Cell, on: bool) {
+        if let Some((row, index)) = self.place(cell) {
+            row.set_scanned(index, on);
+        }
+    }
+
+    /// The lidar met something at a height of a cell. `gap_m`: as far as two of its rays are apart there.
+    pub fn meet(&mut self, cell: Cell, height_m: f32, gap_m: f32) {
+        let heights = (height_step(height_m), height_step(gap_m));
+        if let Some((row, index)) = self.place(cell) {
+            row.meet(index, heights);
+        }
+    }
+
+    /// The lidar met something in a cell, lately or in two spans of time.
+    #[must_use]
+    pub fn holds(&self, cell: Cell) -> bool {
+        self.has(cell) && self.rows.get(local(cell.y)).is_some_and(|row| row.holds(local(cell.x)))
+    }
+
+    /// What the lidar met in a cell; nothing outside of the window.
+    pub(crate) fn run(&self, cell: Cell) -> Run {
+        let row = if self.has(cell) { self.rows.get(local(cell.y)) } else { None };
+        row.map_or_else(Run::default, |row| row.run(local(cell.x)))
+    }
+
+    /// A ray of the lidar has passed through what was met in a cell.
+    pub(crate) fn clear_lidar(&mut self, cell: Cell) {
+        if let Some((row, index)) = self.place(cell) {
+            row.clear_lidar(index);
+        }
+    }
+
+    /// What the scanner had met in a cell is gone. With it goes what the lidar had met above it, and a single height beside it: the
+    /// edge of what stood there.
+    pub(crate) fn leave(&mut self, cell: Cell) {
+        self.set_scanned(cell, false);
+        self.clear_lidar(cell);
+        for (x, y) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {
+            let beside = Cell { x: cell.x.wrapping_add(x), y: cell.y.wrapping_add(y) };
+            if self.run(beside).is_thin() && self.holds(beside) {
+                self.clear_lidar(beside);
+            }
+        }
+    }
+
+    /// A place in cells, counted from the corner of the window.
+    pub(super) fn in_window(&self, place: Point2) -> Point2 {
+        let from = |metres: f32, first: i32| metres * (1.0 / CELL_M) - first as f32;
+        Point2::new(from(place.x_m, self.first.x), from(place.y_m, self.first.y))
+    }
+
+    /// The cell that is so many from the corner of the window.
+    pub(super) const fn cell_in_window(&self, x: i32, y: i32) -> Cell {
+        Cell { x: self.first.x.wrapping_add(x), y: self.first.y.wrapping_add(y) }
+    }
+
+    /// Visits every cell that is kept, of both sensors. At most 4,096.
+    pub fn for_each(&self, visit: impl FnMut(Cell)) {
+        self.visit((0, 1), Row::kept, visit);
+    }
+
+    /// Visits the cells in which the scanner met something, of every fourth row. At most 1,024.
+    pub(super) fn for_each_scanned(&self, first: usize, visit: impl FnMut(Cell)) {
+        self.visit((first, ROW_STEP), |row| row.by_scanner, visit);
+    }
+
+    /// Visits every cell in which something stands: what the scanner met, and what the lidar met, unless it met a single height of
+    /// it and no cell beside it is kept. Such cells are mostly edges of people who went away: the rays that met them came from
+    /// somewhere else, and none of them passes at their height again. The end of a thin bar that points at the robot is one, too
+    /// (book, Fields of the swept body: Memory). At most 4,096.
+    pub fn for_each_obstacle(&self, visit: impl FnMut(Cell)) {
+        let kept = |index: usize| self.rows.get(index % SIDE).map_or(0, Row::kept);
+        // Rows and bits go round: at the border of the window a cell may count as one beside the opposite border.
+        let beside = |word: u64| word.rotate_left(1) | word.rotate_right(1);
+        let mut rows = 0_usize;
+        let obstacles = |row: &Row| {
+            let (above, below) = (kept(rows.wrapping_add(1)), kept(rows.wrapping_add(SIDE - 1)));
+            rows = rows.wrapping_add(1);
+            let has_neighbour = beside(row.kept()) | above | beside(above) | below | beside(below);
+            row.kept() & !row.thin_of(row.by_lidar & !row.by_scanner & !has_neighbour)
+        };
+        self.visit((0, 1), obstacles, visit);
+    }
+
+    fn visit(
+        &self,
+        (from, step): (usize, usize),
+        mut cells_of: impl FnMut(&Row) -> u64,
+        mut visit: impl FnMut(Cell),
+    ) {
+        for (index, row) in self.rows.iter().enumerate().skip(from).step_by(step) {
+            let y = global(self.first.y, index);
+            let mut word = cells_of(row);
+            for _ in 0..SIDE {
+                if word == 0 {
+                    break;
+                }
+                let bit = word.trailing_zeros() as usize;
+                word &= word.wrapping_sub(1);
+                visit(Cell { x: global(self.first.x, bit), y });
+            }
+        }
+    }
+
+    /// Where the body stands nothing else does: what lies deeper inside it than the memory may be wrong is forgotten.
+    pub fn forget_inside(&mut self, outline: &[Point2], (pose, body): (Pose2, Body)) {
+        let (sin, cos) = libm::sincosf(pose.heading_rad);
+        let mut inside = Vec::<Cell, INSIDE_MAX>::new();
+        self.for_each(|cell| {
+            let place = cell.middle();
+            let (dx, dy) = (place.x_m - pose.x_m, place.y_m - pose.y_m);
+            let in_robot = Point2::new(cos * dx + sin * dy, cos * dy - sin * dx);
+            if body.distance_m(in_robot) <= 0.0 && signed_distance_m(outline, in_robot) < -INSIDE_M {
+                // Full: the rest is forgotten at the next tick.
+                let _ = inside.push(cell);
+            }
+        });
+        for cell in &inside {
+            if let Some((row, index)) = self.place(*cell) {
+                row.clear(index);
+            }
+        }
+    }
+
+    /// Looks at the next part of the sums; `false` when something changed that was not written.
+    pub fn check_next(&mut self) -> bool {
+        let part = self.next % PARTS;
+        self.next = part.wrapping_add(1);
+        self.rows.iter().skip(part).step_by(PARTS).all(Row::is_whole)
+    }
+
+    fn wanted_first(&self) -> Cell {
+        let (sin, cos) = libm::sincosf(self.pose.heading_rad);
+        let middle = Point2::new(self.pose.x_m + AHEAD_M * cos, self.pose.y_m + AHEAD_M * sin);
+        let cell = Cell::of(middle);
+        let half = (SIDE / 2) as i32;
+        Cell { x: cell.x.saturating_sub(half), y: cell.y.saturating_sub(half) }
+    }
+
+    /// Moves the window cell by cell; what leaves it is forgotten.
+    fn shift_to(&mut self, wanted: Cell) {
+        for _ in 0..SIDE {
+            if wanted.x == self.first.x {
+                break;
+            }
+            let leaves = if wanted.x > self.first.x { self.first.x } else { self.first.x.wrapping_sub(1) };
+            let index = local(leaves);
+            self.rows.iter_mut().for_each(|row| row.clear(index));
+            self.first.x = self.first.x.wrapping_add(if wanted.x > self.first.x { 1 } else { -1 });
+        }
+        for _ in 0..SIDE {
+            if wanted.y == self.first.y {
+                break;
+            }
+            let leaves = if wanted.y > self.first.y { self.first.y } else { self.first.y.wrapping_sub(1) };
+            if let Some(row) = self.rows.get_mut(local(leaves)) {
+                row.clone_from(&Row::EMPTY);
+            }
+            self.first.y = self.first.y.wrapping_add(if wanted.y > self.first.y { 1 } else { -1 });
+        }
+        // Farther than the window is wide: everything was cleared on the way.
+        self.first = wanted;
+    }
+
+    fn place(&mut self, cell: Cell) -> Option<(&mut Row, usize)> {
+        self.has(cell).then(|| self.rows.get_mut(local(cell.y))).flatten().map(|row| (row, local(cell.x)))
+    }
+
+    /// The cell lies in the window.
+    fn has(&self, cell: Cell) -> bool {
+        let within = |value: i32, first: i32| (0..SIDE as i32).contains(&value.wrapping_sub(first));
+        within(cell.x, self.first.x) && within(cell.y, self.first.y)
+    }
+}
+
+/// Place of a cell in the rows, or in a row.
+const fn local(cell: i32) -> usize {
+    cell.rem_euclid(SIDE as i32) as usize
+}
+
+/// The cell of the window that has a place in the rows, or in a row.
+const fn global(first: i32, index: usize) -> i32 {
+    first.wrapping_add((index as i32).wrapping_sub(first).rem_euclid(SIDE as i32))
+}
+
+fn moved(pose: Pose2, twist: Twist2, step_s: f32) -> Pose2 {
+    let turned = twist.angular_radps * step_s;
+    let (sin, cos) = libm::sincosf(pose.heading_rad + 0.5 * turned);
+    let driven_m = twist.linear_mps * step_s;
+    Pose2 {
+        x_m: pose.x_m + driven_m * cos,
+        y_m: pose.y_m + driven_m * sin,
+        heading_rad: wrap_angle(pose.heading_rad + turned),
+    }
+}
