@@ -9,6 +9,7 @@ mod mission_seen;
 mod panel_browser;
 mod phone_browser;
 mod replay_command;
+mod replay_of_runs;
 mod report_command;
 mod seen_support;
 mod slam_commands;

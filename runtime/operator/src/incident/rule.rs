@@ -24,7 +24,6 @@ pub const fn requirement(cause: Cause) -> &'static str {
         Cause::BlindSector => "FG-REQ-024",
         Cause::WayClosed | Cause::WayNarrow => "FG-REQ-027",
         Cause::Warning => "FG-REQ-021",
-        Cause::WayClosed | Cause::WayNarrow => "FG-REQ-027",
         Cause::PersonNear | Cause::CollisionStop | Cause::CollisionSlow => "FG-REQ-031",
         Cause::AdviceStop | Cause::AdviceLimit => "FG-REQ-030",
         Cause::CommandInvalid => "FG-REQ-054",
