@@ -12,6 +12,8 @@ const TURNING_SHARE: f32 = 0.5;
 /// Who comes nearer to the flank more slowly than this stands beside it, m/s: tracks of people who stand move by some
 /// 0.05 m/s.
 const BESIDE_MPS: f32 = 0.1;
+/// Whose middle is nearer to the flank than this is in contact with it, and not beside, metres: half the depth of a body.
+const CONTACT_M: f32 = 0.2;
 
 impl Body {
     /// The robot's own motion leaves a person behind: it cannot bring the body nearer to anywhere that the person may
@@ -64,7 +66,7 @@ impl Body {
         let place_m = person.position.x_m * twist.linear_mps.signum();
         twist.angular_radps.abs() <= STRAIGHT_RADPS
             && offset.x_m == 0.0
-            && offset.y_m != 0.0
+            && offset.y_m.abs() >= CONTACT_M
             && leading_m - place_m > disc_m
             && self.closing_m2ps(person, twist) < BESIDE_MPS * offset.y_m.abs()
     }

@@ -5,6 +5,9 @@ use floorguard_types::motion::Waypoint;
 
 /// Legs that may be reached from one moment to the next: a path may cross itself.
 const LEGS_AHEAD: usize = 5;
+/// And no leg that begins farther along the path than this from the nearest point of the first, metres: what comes back
+/// beside itself is driven to its end.
+const LOOK_AHEAD_M: f32 = 1.5;
 
 /// The nearest point of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,10 +33,14 @@ pub fn foot(path: &[Waypoint], place: Point2, leg_before: usize) -> Option<Foot>
     let mut left_m: f32 = path.windows(2).map(length_m).sum();
     left_m = path.windows(2).take(leg_before).fold(left_m, |left_m, leg| left_m - length_m(leg));
     let mut best: Option<Foot> = None;
+    let mut last_look_m = f32::NEG_INFINITY;
     for (leg, ends) in path.windows(2).enumerate().skip(leg_before).take(LEGS_AHEAD) {
         let [from, to] = ends else { continue };
         let (from, to) = (from.place_in_map(), to.place_in_map());
         let whole_m = length_m(ends);
+        if left_m < last_look_m {
+            break;
+        }
         let (ux, uy) = ((to.x_m - from.x_m) / whole_m.max(1.0e-6), (to.y_m - from.y_m) / whole_m.max(1.0e-6));
         let along_m = (place.x_m - from.x_m) * ux + (place.y_m - from.y_m) * uy;
         let is_last = leg.saturating_add(1) == legs;
@@ -41,6 +48,9 @@ pub fn foot(path: &[Waypoint], place: Point2, leg_before: usize) -> Option<Foot>
         let off_m = place.distance(Point2::new(from.x_m + along_m * ux, from.y_m + along_m * uy));
         if best.is_none_or(|best| off_m <= best.off_m) {
             best = Some(Foot { leg, along_m, left_m: left_m - along_m, off_m });
+        }
+        if leg == leg_before {
+            last_look_m = left_m - along_m - LOOK_AHEAD_M;
         }
         left_m -= whole_m;
     }
