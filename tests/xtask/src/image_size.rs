@@ -49,7 +49,10 @@ fn sizes(image: &Path) -> Result<Size> {
     let mut size = Size::default();
     for section in file.sections() {
         match section.kind() {
-            SectionKind::Text | SectionKind::ReadOnlyData => size.flash_bytes += section.size(),
+            // Constants that the linker may join are a kind of their own.
+            SectionKind::Text | SectionKind::ReadOnlyData | SectionKind::ReadOnlyString => {
+                size.flash_bytes += section.size();
+            }
             // Initial values lie in flash and are copied.
             SectionKind::Data => {
                 size.flash_bytes += section.size();
