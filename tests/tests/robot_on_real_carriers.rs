@@ -36,8 +36,12 @@ fn real_carriers_give_the_verdict_of_virtual_time() {
     assert!(real_time.verdict.mota.is_some_and(|mota| mota > 0.5), "{:?}", real_time.verdict);
     everything_is_recorded(&file);
     let (outcome, sweeps) = replay(&file);
-    // Threads in real time do not repeat; the recording does, and it says so.
-    assert!(outcome.unrepeatable.is_some() && outcome.recorded_digest.is_none(), "{outcome:?}");
+    // Threads in real time do not repeat; the recording keeps their order, and every decision comes back to the bit.
+    let order = outcome.order.as_ref().expect("a run in real time keeps its order");
+    assert!(
+        order.decisions > 5_000 && order.first_difference.is_none() && order.ends_at.is_none(),
+        "{outcome:?}"
+    );
     assert!(sweeps > 80, "{sweeps} sweeps");
     assert_eq!((outcome.digest, sweeps), (replay(&file).0.digest, sweeps));
 }

@@ -128,7 +128,7 @@ impl OrderReader {
     }
 
     fn read_causes(&mut self, reader: &mut Reader<'_>) -> Option<()> {
-        let known = Cause::all().map(|cause| (cause.to_string(), cause));
+        let known = Cause::all().map(|cause| (cause_key(cause), cause));
         self.causes.clear();
         for _ in 0..reader.number()? {
             let name = reader.text()?;
@@ -136,6 +136,11 @@ impl OrderReader {
         }
         Some(())
     }
+}
+
+/// Of a cause in the list of a recording. Its words would not do: a late and a lost source have the same.
+pub(super) fn cause_key(cause: Cause) -> String {
+    format!("{cause:?}")
 }
 
 pub(super) fn write_advice(advice: &Advice, out: &mut Writer) {

@@ -5,7 +5,7 @@ use floorguard_robot::assembly::{Direction, TapRow};
 
 use super::bytes::Writer;
 use super::decision_row::DecisionRow;
-use super::entry::{tag, write_advice};
+use super::entry::{cause_key, tag, write_advice};
 
 /// A message is not much longer than this, bytes.
 const MESSAGE_BYTES: usize = 1 << 16;
@@ -53,7 +53,7 @@ impl OrderLog {
         let all = Cause::all();
         self.out.byte(tag::CAUSES);
         self.out.number(all.len() as u64);
-        all.iter().for_each(|cause| self.out.text(&cause.to_string()));
+        all.iter().for_each(|cause| self.out.text(&cause_key(*cause)));
     }
 
     fn entry(&mut self, row: &TapRow) {
@@ -152,6 +152,13 @@ mod tests {
         assert_eq!((advice.people[0].id, advice.speed_limit_mps), (7, Some(0.25)));
         let OrderEntry::Polled(poll) = &read[8] else { panic!("{read:?}") };
         assert_eq!((poll.at.as_micros(), poll.decisions, poll.task), (2_400, 2, Some(GuardTask::Can)));
+    }
+
+    /// A late source and a lost one have the same words.
+    #[test]
+    fn causes_have_distinct_keys() {
+        let keys: std::collections::BTreeSet<String> = Cause::all().into_iter().map(cause_key).collect();
+        assert_eq!(keys.len(), Cause::all().len());
     }
 
     #[test]

@@ -265,8 +265,18 @@ impl Stage<'_> {
                 Some(row) => format!("{row}"),
                 None => "nothing decided".to_owned(),
             };
-            let (then, today) = (words(row.decisions, Some(row.decision)), words(decisions, today));
-            self.differs(row, then, today);
+            let (then, now) = (words(row.decisions, Some(row.decision)), words(decisions, today));
+            // What words do not show: a number that is rounded, a source that is late or lost.
+            let details = then == now;
+            let (then, now) = if details {
+                (
+                    format!("{} times {:?}", row.decisions, row.decision),
+                    format!("{decisions} times {today:?}"),
+                )
+            } else {
+                (then, now)
+            };
+            self.differs(row, then, now);
         }
     }
 
