@@ -5,8 +5,8 @@
 
 use super::normal_equations::NormalEquations;
 use super::plane::{Plane, dot};
-use super::search::{Expectation, best, samples};
-use floorguard_types::profile::{Host, Profile};
+use super::search::{Expectation, Samples, best, choose};
+use floorguard_types::profile::{Host, List, Profile};
 use floorguard_types::random::Pcg32;
 
 /// A cloud is searched on a computer only.
@@ -38,7 +38,8 @@ where
         let (down_m, away_m) = (-dot(expectation.mounted.normal, *point), libm::sqrtf(dot(*point, *point)));
         (low - margin_m - tilt * away_m..=high + margin_m + tilt * away_m).contains(&down_m)
     });
-    let samples = samples::<FloorSamples>(may_be_floor.clone(), &mut random);
+    let mut samples = Samples::<FloorSamples>::EMPTY;
+    choose::<FloorSamples>(&mut samples, may_be_floor.clone(), &mut random);
     let mut plane = best(&samples, expectation, &mut random)?;
     for band_m in BANDS_M {
         plane = pass(may_be_floor.clone(), &plane, band_m)?;

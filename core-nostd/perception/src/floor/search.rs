@@ -42,13 +42,17 @@ const SAMPLES_MIN: usize = 10;
 
 pub(super) type Samples<S> = ListOf<[f32; 3], S>;
 
-/// The most supported plane that the expectation allows; `None` without points or without such a plane.
+/// The most supported plane that the expectation allows; `None` without points or without such a plane. Out of line: the
+/// samples are most of what a task's stack may hold.
+#[inline(never)]
 pub(super) fn search<S: Size>(
     lattice: &Lattice<'_>,
     expectation: &Expectation,
     random: &mut Pcg32,
 ) -> Option<Plane> {
-    best(&samples::<S>(lattice.points(UPPER_PART), random), expectation, random)
+    let mut samples = Samples::<S>::EMPTY;
+    choose::<S>(&mut samples, lattice.points(UPPER_PART), random);
+    best(&samples, expectation, random)
 }
 
 /// The same among any points.
@@ -70,8 +74,11 @@ pub(super) fn best(samples: &[[f32; 3]], expectation: &Expectation, random: &mut
 }
 
 /// An even choice of points: reservoir sampling, so that any number of them fits.
-pub(super) fn samples<S: Size>(points: impl Iterator<Item = [f32; 3]>, random: &mut Pcg32) -> Samples<S> {
-    let mut samples = Samples::<S>::EMPTY;
+pub(super) fn choose<S: Size>(
+    samples: &mut Samples<S>,
+    points: impl Iterator<Item = [f32; 3]>,
+    random: &mut Pcg32,
+) {
     let mut seen = 0_u32;
     for point in points {
         seen = seen.saturating_add(1);
@@ -82,7 +89,6 @@ pub(super) fn samples<S: Size>(points: impl Iterator<Item = [f32; 3]>, random: &
             }
         }
     }
-    samples
 }
 
 fn hypothesis(samples: &[[f32; 3]], random: &mut Pcg32) -> Option<Plane> {
