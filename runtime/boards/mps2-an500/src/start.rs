@@ -1,5 +1,7 @@
 //! Start-up, faults, and what happens when everything else has failed.
 
+use core::arch::global_asm;
+
 use cortex_m_rt::{entry, exception};
 use floorguard_board_support::{robot, share, start_perception_ring};
 use floorguard_runtime::black_box_log::RestartCause;
@@ -12,9 +14,20 @@ use crate::robot::{robot_for, tape};
 use crate::wired::{options, start_guard_ring};
 use crate::{clock, executor, log, stack_guard, watchdog};
 
+// What no device writes lies where the chip has its tightly coupled memory, so that both images have the same room.
+global_asm!(
+    ".section .text.__pre_init, \"ax\"",
+    ".global __pre_init",
+    ".type __pre_init, %function",
+    ".thumb_func",
+    "__pre_init:",
+    "b __zero_dtcm",
+);
+
 /// A guard that decides nothing for this long is dead, milliseconds; after twice as long the machine is reset.
 const WATCHDOG_MS: u32 = 100;
 
+#[unsafe(link_section = ".dtcm.robot")]
 static ROBOT: StaticCell<RobotConfiguration> = StaticCell::new();
 
 #[entry]

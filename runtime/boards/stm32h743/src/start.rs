@@ -50,18 +50,7 @@ global_asm!(
     "str r1, [r0]",
     // Two cycles until the clock runs: the read waits for the write.
     "ldr r1, [r0]",
-    // Statics in DTCM begin as zeros, as those in AXI SRAM do: whole double words, for which its error correction keeps a code.
-    "ldr r0, =__sdtcm",
-    "ldr r1, =__edtcm",
-    "movs r2, #0",
-    "movs r3, #0",
-    "1:",
-    "cmp r0, r1",
-    "bhs 2f",
-    "strd r2, r3, [r0], #8",
-    "b 1b",
-    "2:",
-    "bx lr",
+    "b __zero_dtcm",
 );
 
 static GUARD: InterruptExecutor = InterruptExecutor::new();

@@ -3,6 +3,8 @@
 //! A board adds its devices, one thin task around each generic `async fn` that uses one, and its executors.
 #![no_std]
 
+#[cfg(target_os = "none")]
+mod coupled_memory;
 mod guard_ring;
 mod kept_box;
 #[cfg(feature = "defmt")]

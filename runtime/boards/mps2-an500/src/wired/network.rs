@@ -84,6 +84,8 @@ pub struct LidarSocket(UdpSocket<'static>);
 impl LidarSocket {
     /// Opens it. Call once.
     pub fn open(stack: Stack<'static>) -> Self {
+        // Read and written by the processor alone: frames come from the ring.
+        #[unsafe(link_section = ".dtcm.lidar_socket")]
         static BUFFERS: StaticCell<Buffers<DATAGRAMS, { DATAGRAMS * DATAGRAM_BYTES }>> = StaticCell::new();
         Self(BUFFERS.init_with(Buffers::new).socket(stack, LIDAR_PORT))
     }
