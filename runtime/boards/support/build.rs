@@ -13,6 +13,10 @@ fn main() -> anyhow::Result<()> {
     let folder = PathBuf::from(std::env::var_os("OUT_DIR").context("cargo gives OUT_DIR")?);
     // The same checks as on the robot's computer: a wrong file stops the build with its line and the remedy.
     let configuration = load(Path::new("../../../robot.toml"))?;
+    let (_, gaps) = configuration.coverage();
+    if let Some(gap) = gaps.first() {
+        anyhow::bail!("robot.toml: {gap}; `floorguard check robot.toml` lists all gaps");
+    }
     let robot = configuration.robot;
     // The capacities of this profile are not the host's, whose check has just passed.
     anyhow::ensure!(

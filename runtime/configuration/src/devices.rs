@@ -15,8 +15,8 @@ use super::reader::Reader;
 
 mod distinct;
 
-use distinct::check_bits;
 pub(super) use distinct::{Addresses, check_addresses};
+use distinct::{check_bits, check_channels};
 
 /// Beams of the finest output of the microScan3 family (book, microScan3: Blocks); the guard limits the
 /// capacity.
@@ -224,18 +224,17 @@ pub(super) fn read_inputs(section: Reader<'_>) -> Option<(InputMap, OperatorButt
     let button = |key| section.integer_or_absent(key, 0..=255).map(|bit| bit as u8);
     let buttons = OperatorButtons { reset_bit: button("reset_bit"), start_bit: button("start_bit") };
     let of_button = |bit: Option<u8>| bit.map(|bit| InputBits::new([bit, bit]));
-    check_bits(
-        &section,
-        &[
-            ("emergency_stop_bits", emergency_stop),
-            ("bumper_front_bits", bumper_front),
-            ("bumper_rear_bits", bumper_rear),
-            ("cliff_front_bits", cliff_front),
-            ("cliff_rear_bits", cliff_rear),
-            ("reset_bit", of_button(buttons.reset_bit)),
-            ("start_bit", of_button(buttons.start_bit)),
-        ],
-    );
+    let inputs = [
+        ("emergency_stop_bits", emergency_stop),
+        ("bumper_front_bits", bumper_front),
+        ("bumper_rear_bits", bumper_rear),
+        ("cliff_front_bits", cliff_front),
+        ("cliff_rear_bits", cliff_rear),
+    ];
+    let of_buttons =
+        [("reset_bit", of_button(buttons.reset_bit)), ("start_bit", of_button(buttons.start_bit))];
+    check_bits(&section, &[&inputs[..], &of_buttons[..]].concat());
+    check_channels(&section, &inputs);
     section.finish();
     let inputs = InputMap {
         emergency_stop: emergency_stop?,

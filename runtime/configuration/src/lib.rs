@@ -4,6 +4,7 @@ mod address;
 mod asked;
 mod bake;
 mod camera;
+mod coverage;
 mod devices;
 mod fields;
 mod learning;
@@ -13,10 +14,15 @@ mod problem;
 mod read;
 mod reader;
 mod reference;
+mod warnings;
 
 pub use address::{CanAddress, DatagramAddress, ScannerAddress, SenderAddress, SerialAddress};
 pub use bake::bake;
 pub use camera::{CameraConfiguration, CameraSource};
+pub use coverage::{
+    AcceptedGap, BAR_M, Coverage, Gap, GapMotion, HEIGHTS_M, Motion, Refusal, Region, SensorGap, Sight,
+    SpeedStep, Unseen,
+};
 pub use learning::LearningConfiguration;
 pub use mission::{CleaningStrategy, MissionConfiguration};
 pub use polygon::contains as polygon_contains;

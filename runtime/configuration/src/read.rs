@@ -12,6 +12,7 @@ use toml::de::DeTable;
 
 use super::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
 use super::camera::{CameraConfiguration, read_camera};
+use super::coverage::{AcceptedGap, Coverage, Refusal, read_accepted};
 use super::devices::{Addresses, check_addresses, read_can, read_imu, read_inputs, read_lidar, read_scanner};
 use super::fields::{read_fields, read_polygon};
 use super::learning::{LearningConfiguration, read_learning};
@@ -45,6 +46,19 @@ pub struct HostedConfiguration {
     pub mission: Option<MissionConfiguration>,
     /// How it learns what people look like; without it, it does not.
     pub learning: Option<LearningConfiguration>,
+    /// What no sensor sees, and the file accepts.
+    pub accepted_gaps: Vec<AcceptedGap>,
+}
+
+impl HostedConfiguration {
+    /// What the sensors see of the volume that the body goes into, and why the robot is refused for what they do not see: empty
+    /// where the file accepts all of it by name.
+    #[must_use]
+    pub fn coverage(&self) -> (Coverage, Vec<Refusal>) {
+        let coverage = Coverage::of(&self.robot, self.carriers.camera.as_ref());
+        let refusals = coverage.refusals(&self.accepted_gaps);
+        (coverage, refusals)
+    }
 }
 
 /// Reads and checks a file.
@@ -88,7 +102,8 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let can = read_can(top.section("can"));
     let camera = top.optional_section("camera").map(read_camera);
     let inputs = read_inputs(top.section("inputs"));
-    let thresholds = top.optional_section("guard").map_or_else(Thresholds::default, read_thresholds);
+    let (thresholds, accepted_gaps) =
+        top.optional_section("guard").map_or_else(Default::default, read_thresholds);
     let fields = read_fields(&top, &geometry, &limits);
     let (route, route_limits) =
         top.optional_section("route").map_or_else(Default::default, |section| read_route(section, &limits));
@@ -132,6 +147,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
         },
         mission,
         learning,
+        accepted_gaps,
     })
 }
 
@@ -173,8 +189,9 @@ fn read_deadlines(section: Reader<'_>) -> Deadlines {
     deadlines
 }
 
-/// The guard's thresholds that a site may want to change; the others follow from the standards.
-fn read_thresholds(section: Reader<'_>) -> Thresholds {
+/// The guard's thresholds that a site may want to change, and the gaps of the sensors that it accepts; the other thresholds follow from
+/// the standards.
+fn read_thresholds(section: Reader<'_>) -> (Thresholds, Vec<AcceptedGap>) {
     let defaults = Thresholds::default();
     let thresholds = Thresholds {
         warning_speed_mps: section.number_or("warning_speed_mps", 0.05..=0.5, defaults.warning_speed_mps),
@@ -182,8 +199,9 @@ fn read_thresholds(section: Reader<'_>) -> Thresholds {
         person_near_m: section.number_or("person_near_m", 0.5..=5.0, defaults.person_near_m),
         ..defaults
     };
+    let accepted = read_accepted(&section);
     section.finish();
-    thresholds
+    (thresholds, accepted)
 }
 
 fn read_route(section: Reader<'_>, limits: &Limits) -> (Route, RouteLimits) {

@@ -17,7 +17,7 @@ const fn mistake(good: &'static str, bad: &'static str, refusal: &'static str) -
     Mistake { good, bad, refusal }
 }
 
-const MISTAKES: [Mistake; 39] = include!("config_mistakes.in");
+const MISTAKES: [Mistake; 43] = include!("config_mistakes.in");
 
 fn refusal_of(mistake: &Mistake) -> String {
     assert!(EXAMPLE.contains(mistake.good), "the example has no `{}` any more", mistake.good);

@@ -3,6 +3,8 @@
 //! The judge sees the true poses of robot, people and walls, and the commands that went to the drive. It never sees a
 //! scan, a track or a decision's reason, so that a blind robot cannot talk itself into a good verdict.
 
+#[cfg(test)]
+mod coverage_tests;
 mod digest;
 mod latency;
 mod mission_outcome;

@@ -1,7 +1,5 @@
 //! The command line.
 
-use std::path::PathBuf;
-
 use clap::{Parser, Subcommand};
 
 use crate::mapping_commands::{LocaliseArguments, MapArguments};
@@ -88,10 +86,7 @@ pub enum Command {
     /// Compare a stage with recorded truth or with an independent key.
     #[command(after_help = "Example:\n  floorguard eval tracks --truth truth.txt --result result.txt")]
     Eval(super::EvalArguments),
-    /// Check a configuration: every mistake with line, limit and remedy.
-    #[command(after_help = "Example:\n  floorguard check robot.toml")]
-    Check {
-        /// The configuration.
-        file: PathBuf,
-    },
+    /// Check a configuration: every mistake with line, limit and remedy, and what the robot's sensors do not see.
+    #[command(after_help = "Example:\n  floorguard check robot.toml --picture unseen.svg")]
+    Check(super::CheckArguments),
 }

@@ -1,22 +1,67 @@
-//! `floorguard check robot.toml`: is this file good enough to drive with?
+//! `floorguard check robot.toml`: is this file good enough to drive with, and what do the sensors of this robot not see?
 
-use std::path::Path;
+mod json;
+mod picture;
 
+use std::path::PathBuf;
+
+use clap::Args;
+use floorguard_configuration::{HostedConfiguration, Refusal, SensorGap, Unseen, load};
 use floorguard_drivers::velodyne::Model;
 use floorguard_runtime::configuration::ScannerModel;
 
-use floorguard_configuration::load;
+use super::exit::{BadInput, VerdictFailed};
 
-/// Says what the file describes, or everything that is wrong with it.
+/// What to check.
+#[derive(Clone, Debug, Args)]
+pub struct CheckArguments {
+    /// The configuration.
+    pub file: PathBuf,
+    /// Draw from above where the body goes and what no sensor sees there.
+    #[arg(long, value_name = "FILE.svg")]
+    pub picture: Option<PathBuf>,
+    /// One JSON object on standard output instead of words.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Reports what the file describes and what its sensors do not see, or everything that is wrong with it.
 ///
 /// # Errors
-/// The file is refused.
-pub fn run(file: &Path) -> anyhow::Result<()> {
-    let configuration = load(file)?;
+/// The file is refused, or it does not accept by name what no sensor sees.
+pub fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
+    let configuration = load(&arguments.file)?;
+    let (coverage, refusals) = configuration.coverage();
+    if let Some(path) = &arguments.picture {
+        std::fs::write(path, picture::draw(&configuration, &coverage))
+            .map_err(|error| BadInput(format!("{}: cannot be written ({error})", path.display())))?;
+    }
+    if arguments.json {
+        tell!("{}", json::text(arguments, &configuration, (&coverage, &refusals))?)?;
+    } else {
+        describe(arguments, &configuration, refusals.is_empty());
+        for gap in &coverage.gaps {
+            let is_accepted = configuration.accepted_gaps.iter().any(|accepted| accepted.is_same(&gap.gap));
+            say!("  {}{}", words(gap), if is_accepted { "" } else { " - NOT ACCEPTED" });
+        }
+    }
+    match refusals.first() {
+        None => Ok(()),
+        Some(_) => Err(VerdictFailed(listed(&refusals)).into()),
+    }
+}
+
+/// All that sensors and list of accepted gaps do not agree about, a line each.
+pub(super) fn listed(refusals: &[Refusal]) -> String {
+    refusals.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n  ")
+}
+
+fn describe(arguments: &CheckArguments, configuration: &HostedConfiguration, is_good: bool) {
     let robot = &configuration.robot;
     say!(
-        "{}: good: {} fields, lidar {}, scanner {}, {} waypoints, at most {} m/s",
-        file.display(),
+        "{}: {}: {} fields, lidar {}, scanner {}, {} waypoints, at most {} m/s",
+        arguments.file.display(),
+        if is_good { "good" } else { "read" },
         robot.fields.len(),
         robot.lidar_model().map_or("as its packets say", Model::name),
         scanner(robot.scanner.model),
@@ -33,7 +78,26 @@ pub fn run(file: &Path) -> anyhow::Result<()> {
             false => say!("  learning is switched off"),
         }
     }
-    Ok(())
+    for warning in configuration.warnings() {
+        say!("  warning: {warning}");
+    }
+    say!(
+        "  what no sensor sees where the body goes (objects 10 cm wide, bars 3 cm thick; speeds of its fastest point):"
+    );
+}
+
+/// One gap: where, what, in which motion from which speed on, and how fast the body comes there.
+fn words(gap: &SensorGap) -> String {
+    let motions = gap.motions.iter().map(|motion| {
+        let step = |(height_m, from_mps): (f32, f32)| match gap.gap.unseen {
+            Unseen::Hanging(_) => format!("from {from_mps:.2} m/s"),
+            _ => format!("{height_m:.2} m from {from_mps:.2} m/s"),
+        };
+        let steps = motion.steps.iter().map(|found| step((found.height_m, found.from_mps)));
+        format!("{} {}", motion.motion.name(), steps.collect::<Vec<_>>().join(", "))
+    });
+    let motions: Vec<String> = motions.collect();
+    format!("{}: touched at up to {:.2} m/s; {}", gap.gap, gap.reached_mps(), motions.join("; "))
 }
 
 fn scanner(model: ScannerModel) -> String {

@@ -40,6 +40,7 @@ pub use ask::{AskArguments, AskQuestion};
 pub use blackbox::BlackBoxArguments;
 #[cfg(feature = "laboratory")]
 pub use campaign::{CampaignArguments, CampaignKind};
+pub use check::CheckArguments;
 #[cfg(feature = "laboratory")]
 pub use demo::DemoArguments;
 pub use eval::{EvalArguments, EvalStage};
@@ -81,7 +82,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         Some(Command::Map(arguments)) => mapping_commands::map(&arguments),
         Some(Command::Localise(arguments)) => mapping_commands::localise(&arguments),
         Some(Command::Eval(arguments)) => eval::run(&arguments),
-        Some(Command::Check { file }) => check::run(&file),
+        Some(Command::Check(arguments)) => check::run(&arguments),
         #[cfg(feature = "laboratory")]
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Run(arguments)) => run::run(&arguments),

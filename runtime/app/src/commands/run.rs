@@ -16,7 +16,7 @@ use super::exit::BadInput;
 use super::interrupt::end_at_ctrl_c;
 use super::live_camera::LiveCamera;
 use super::panel::open_panel;
-use super::run_begin::{latches_of, learning_of, mission_of};
+use super::run_begin::{latches_of, learning_of, mission_of, refuse_unaccepted};
 use super::values::{panel_address, seconds};
 use floorguard_configuration::{HostedConfiguration, load};
 use floorguard_host::executor::{Ring, StopFlag, take_priority};
@@ -65,6 +65,7 @@ pub struct RunArguments {
 /// The configuration is refused, the lidar's port is taken, or a ring failed.
 pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     let configuration = load(&arguments.file)?;
+    refuse_unaccepted(&arguments.file, &configuration)?;
     let folder = arguments.file.parent().unwrap_or(Path::new("."));
     let source =
         configuration.carriers.camera.as_ref().map(|camera| open_source(camera, folder)).transpose()?;

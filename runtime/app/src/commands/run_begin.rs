@@ -4,12 +4,28 @@ use std::path::Path;
 
 use floorguard_runtime::clock;
 
+use super::check::listed;
 use super::exit::BadInput;
 use super::run::RunArguments;
 use floorguard_configuration::HostedConfiguration;
 use floorguard_robot::assembly::{LatchFile, latched_words};
 use floorguard_robot::cleaner::{MissionPlan, MissionSetup, Store};
 use floorguard_robot::learning::LearningSetup;
+
+/// Nothing drives with gaps of its sensors that the file does not accept by name.
+pub(super) fn refuse_unaccepted(
+    robot_toml: &Path,
+    configuration: &HostedConfiguration,
+) -> anyhow::Result<()> {
+    let (_, refusals) = configuration.coverage();
+    if refusals.is_empty() {
+        return Ok(());
+    }
+    let file = robot_toml.display();
+    let what =
+        format!("{file}: {}\n`floorguard check {file} --picture unseen.svg` draws it", listed(&refusals));
+    Err(BadInput(what).into())
+}
 
 /// What is latched outlives the computer, beside the robot's file.
 pub(super) fn latches_of(robot_toml: &Path) -> LatchFile {

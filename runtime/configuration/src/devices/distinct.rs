@@ -1,4 +1,4 @@
-//! What two devices cannot share: a serial line, a UDP port, a bit of the safety controller's image.
+//! What two devices cannot share: a serial line, a UDP port, a bit of the safety controller's image; and channels that cannot be safe.
 
 use std::ops::Range;
 use std::path::Path;
@@ -79,6 +79,29 @@ pub(super) fn check_bits(section: &Reader<'_>, inputs: &[(&'static str, Option<I
         if let Some((other, bit)) = other {
             let what = format!("[inputs]: bit {bit} of `{key}` is one of `{other}`, too");
             section.refuse(&place(key), what, "give each input its own bits");
+        }
+    }
+}
+
+/// Refuses an emergency stop with one channel, and inputs on whose every channel a cut wire means that all is well: the safety manual,
+/// section 2, asks for two channels with 1 as the operating state.
+pub(super) fn check_channels(section: &Reader<'_>, inputs: &[(&'static str, Option<InputBits>)]) {
+    for (key, input) in inputs {
+        let Some(InputBits { bits: [first, second], inverted }) = input else { continue };
+        let place = section.find(key).map_or(section.span().clone(), |value| value.span());
+        if *key == "emergency_stop_bits" && first == second && section.good_so_far() {
+            section.refuse(
+                &place,
+                format!("[inputs]: `{key}` has one channel, bit {first}: a single fault and the button is not heard"),
+                "wire both channels of the emergency stop to the safety controller, and write both bits, for example [32, 33]",
+            );
+        }
+        if inverted.iter().all(|inverted| *inverted) && section.good_so_far() {
+            section.refuse(
+                &place,
+                format!("[inputs]: every channel of `{key}` is in `inverted_bits`: a cut wire reads as all is well"),
+                "let at least one channel be 1 in the operating state, and leave its bit out of `inverted_bits`",
+            );
         }
     }
 }

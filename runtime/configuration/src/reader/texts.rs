@@ -23,6 +23,20 @@ impl<'a> Reader<'a> {
         self.find(key).and_then(|_| self.words(key, example))
     }
 
+    /// A list of texts that may be there, each with its place; empty when the key is absent or wrong.
+    pub fn texts(&self, key: &'static str, example: &str) -> Vec<(&'a str, Range<usize>)> {
+        self.note(key, "list of texts", (format!("for example `{example}`"), Some("none".to_owned())));
+        let Some(value) = self.find(key) else { return Vec::new() };
+        let items = value.get_ref().as_array();
+        let texts = items.and_then(|items| {
+            items.iter().map(|item| Some((item.get_ref().as_str()?, item.span()))).collect::<Option<Vec<_>>>()
+        });
+        texts.unwrap_or_else(|| {
+            self.refuse_type(&value.span(), key, "a list of texts in quotes", value.get_ref());
+            Vec::new()
+        })
+    }
+
     fn words(&self, key: &'static str, example: &str) -> Option<(&'a str, Range<usize>)> {
         let value = self.require(key, &format!("\"{example}\""))?;
         let text = value.get_ref().as_str();

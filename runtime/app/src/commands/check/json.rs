@@ -1,0 +1,83 @@
+//! The result of a check for a machine.
+
+use floorguard_configuration::{Coverage, HostedConfiguration, Refusal, SensorGap, Unseen};
+use serde::Serialize;
+
+use super::CheckArguments;
+
+#[derive(Serialize)]
+struct Checked {
+    file: String,
+    verdict: &'static str,
+    refusals: Vec<String>,
+    warnings: Vec<String>,
+    gaps: Vec<GapRow>,
+}
+
+#[derive(Serialize)]
+struct GapRow {
+    name: String,
+    region: &'static str,
+    kind: &'static str,
+    /// Heights between which it is, metres.
+    from_m: f32,
+    to_m: f32,
+    is_accepted: bool,
+    reached_mps: f32,
+    motions: Vec<MotionRow>,
+}
+
+#[derive(Serialize)]
+struct MotionRow {
+    motion: &'static str,
+    reached_mps: f32,
+    steps: Vec<StepRow>,
+}
+
+#[derive(Serialize)]
+struct StepRow {
+    from_mps: f32,
+    height_m: f32,
+}
+
+/// One object.
+pub(super) fn text(
+    arguments: &CheckArguments,
+    configuration: &HostedConfiguration,
+    (coverage, refusals): (&Coverage, &[Refusal]),
+) -> serde_json::Result<String> {
+    serde_json::to_string(&Checked {
+        file: arguments.file.display().to_string(),
+        verdict: if refusals.is_empty() { "good" } else { "failed" },
+        refusals: refusals.iter().map(ToString::to_string).collect(),
+        warnings: configuration.warnings(),
+        gaps: coverage.gaps.iter().map(|gap| row(gap, configuration)).collect(),
+    })
+}
+
+fn row(found: &SensorGap, configuration: &HostedConfiguration) -> GapRow {
+    let (kind, [from_m, to_m]) = match found.gap.unseen {
+        Unseen::Below(height_m) => ("below", [0.0, height_m]),
+        Unseen::SteppingIn(height_m) => ("stepping-in", [0.0, height_m]),
+        Unseen::Hanging(heights_m) => ("hanging", heights_m),
+    };
+    let motions = found.motions.iter().map(|motion| MotionRow {
+        motion: motion.motion.name(),
+        reached_mps: motion.reached_mps,
+        steps: motion
+            .steps
+            .iter()
+            .map(|step| StepRow { from_mps: step.from_mps, height_m: step.height_m })
+            .collect(),
+    });
+    GapRow {
+        name: found.gap.to_string(),
+        region: found.gap.region.name(),
+        kind,
+        from_m,
+        to_m,
+        is_accepted: configuration.accepted_gaps.iter().any(|accepted| accepted.is_same(&found.gap)),
+        reached_mps: found.reached_mps(),
+        motions: motions.collect(),
+    }
+}

@@ -1,0 +1,91 @@
+//! Gaps that a file accepts by name, and what is wrong with its list.
+
+use std::fmt;
+
+use super::analysis::Coverage;
+use super::gap::Gap;
+use crate::reader::Reader;
+
+/// A gap that a file accepts, as it is written there.
+pub type AcceptedGap = Gap;
+
+/// Why a robot is refused: its sensors and its list of accepted gaps do not agree.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Refusal {
+    /// A gap that is not accepted; beside it what the file accepts of its kind there.
+    NotAccepted {
+        /// The gap.
+        gap: Gap,
+        /// What is accepted instead.
+        accepted: Option<Gap>,
+    },
+    /// A name that accepts what the sensors see.
+    Superfluous(Gap),
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotAccepted { gap, accepted: None } => write!(
+                out,
+                "no sensor sees \"{gap}\"; add or turn a sensor, or write \"{gap}\" into `accept_unseen` of [guard]: the body touches it"
+            ),
+            Self::NotAccepted { gap, accepted: Some(accepted) } => write!(
+                out,
+                "no sensor sees \"{gap}\", and `accept_unseen` of [guard] has \"{accepted}\"; mount the sensors as they were, or \
+                 write \"{gap}\" instead"
+            ),
+            Self::Superfluous(gap) => write!(
+                out,
+                "`accept_unseen` of [guard] has \"{gap}\", and the sensors see that; leave it out, so that its loss is noticed"
+            ),
+        }
+    }
+}
+
+impl Coverage {
+    /// What is not accepted, and what is accepted without need. Empty: sensors and list agree.
+    #[must_use]
+    pub fn refusals(&self, accepted: &[AcceptedGap]) -> Vec<Refusal> {
+        let is_accepted = |gap: &Gap| accepted.iter().any(|accepted| accepted.is_same(gap));
+        let gaps = || self.gaps.iter().map(|found| found.gap);
+        let is_found = |gap: &Gap| gaps().any(|found| found.is_same(gap));
+        let alike = |gap: &Gap| {
+            let unused = accepted.iter().filter(|accepted| !is_found(accepted));
+            let near = unused.filter_map(|accepted| Some((accepted.difference_m(gap)?, accepted)));
+            near.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, accepted)| accepted)
+        };
+        let missing: Vec<Refusal> = gaps()
+            .filter(|gap| !is_accepted(gap))
+            .map(|gap| Refusal::NotAccepted { gap, accepted: alike(&gap).copied() })
+            .collect();
+        let is_named = |gap: &Gap| {
+            missing.iter().any(|refusal| matches!(refusal, Refusal::NotAccepted { accepted: Some(other), .. } if other == gap))
+        };
+        let superfluous = accepted.iter().filter(|gap| !is_found(gap) && !is_named(gap));
+        let superfluous: Vec<Refusal> = superfluous.map(|gap| Refusal::Superfluous(*gap)).collect();
+        [missing, superfluous].concat()
+    }
+}
+
+/// Reads `accept_unseen`: a name that is none of a gap is refused, and one that stands there twice.
+pub(crate) fn read_accepted(section: &Reader<'_>) -> Vec<AcceptedGap> {
+    let mut accepted: Vec<AcceptedGap> = Vec::new();
+    for (text, span) in section.texts("accept_unseen", "[\"rear-left below 0.16 m\"]") {
+        match Gap::parse(text) {
+            Some(gap) if accepted.iter().any(|known| known.is_same(&gap)) => section.refuse(
+                &span,
+                format!("[guard]: `accept_unseen` has \"{text}\" twice"),
+                "leave one of the two out",
+            ),
+            Some(gap) => accepted.push(gap),
+            None => section.refuse(
+                &span,
+                format!("[guard]: `accept_unseen`: \"{text}\" is not the name of a gap"),
+                "write it as `floorguard check` prints it, for example \"rear-left below 0.16 m\", \"rear stepping in below 0.60 m\" \
+                 or \"front hanging 0.80 to 1.40 m\"",
+            ),
+        }
+    }
+    accepted
+}
