@@ -59,13 +59,14 @@ fn sources() -> (String, String) {
     let mut files = Vec::new();
     rust_files(&root().join("core-nostd/guard/src"), &mut files);
     rust_files(&root().join("drivers/src"), &mut files);
+    rust_files(&root().join("runtime/configuration/src"), &mut files);
     rust_files(&root().join("tests/tests"), &mut files);
     let this = Path::new(file!()).file_name().expect("a file name");
     let (mut code, mut tests) = (String::new(), String::new());
     for path in files.iter().filter(|path| path.file_name() != Some(this)) {
         let text = fs::read_to_string(path).expect("readable");
         let inside = path.strip_prefix(root()).expect("below the root");
-        if inside.components().any(|part| part.as_os_str() == "tests") {
+        if inside.components().any(|part| part.as_os_str() == "tests" || part.as_os_str() == "tests.rs") {
             tests.push_str(&text);
         } else {
             code.push_str(&text);

@@ -134,7 +134,7 @@ fn is_far_from_lidar(robot: &RobotConfiguration, at: Point2) -> bool {
 }
 
 #[test]
-fn fg_req_062_seen_places_are_met_by_rays() {
+fn seen_places_are_met_by_rays() {
     let mountings = [
         EXAMPLE.to_owned(),
         EXAMPLE.replace(

@@ -44,7 +44,7 @@ impl fmt::Display for Refusal {
 }
 
 impl Coverage {
-    /// What is not accepted, and what is accepted without need. Empty: sensors and list agree.
+    /// What is not accepted, and what is accepted without need. Empty: sensors and list agree (FG-REQ-062).
     #[must_use]
     pub fn refusals(&self, accepted: &[AcceptedGap]) -> Vec<Refusal> {
         let is_accepted = |gap: &Gap| accepted.iter().any(|accepted| accepted.is_same(gap));

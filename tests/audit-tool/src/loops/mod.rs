@@ -2,6 +2,8 @@
 
 mod bounds;
 mod listed;
+mod matched;
+mod record;
 pub mod rewrite;
 pub mod seen;
 mod syntax;
@@ -11,5 +13,6 @@ mod words;
 
 pub use bounds::shown;
 pub use listed::{LoopSite, list};
-pub use seen::{RECORD, Record, numbers, written};
+pub use record::{Record, numbers, written};
+pub use seen::RECORD;
 pub use walks::chain_root;

@@ -3,11 +3,12 @@
 //! `cargo xtask campaign loops` counts and records; the audit compares. A record names a loop by its function, its kind
 //! and its number among those of that kind there, so that it outlives a change elsewhere in the file.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
+use super::matched::matched;
+use super::record::Record;
 use crate::claim::{Claim, Finding};
 use crate::facts::facts;
 use crate::loops::LoopSite;
@@ -26,55 +27,6 @@ pub struct Seen {
     pub counted: bool,
     /// Why there is no count.
     pub why_not: String,
-}
-
-/// One counted loop, as it is kept.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Record {
-    /// File from the workspace root.
-    pub file: String,
-    /// Function that holds it.
-    pub function: String,
-    /// `for`, or the method.
-    pub kind: String,
-    /// Number among those of its kind in functions of that name in the file.
-    pub number: usize,
-    /// The bound as its text says.
-    pub bound: String,
-    /// Most turns; `None`: it never ran.
-    pub largest: Option<u64>,
-    /// The bound as a number, 0 where the type of a slice does not tell.
-    pub bound_value: u64,
-}
-
-/// The records as they are kept: one loop a line, so that a change can be read.
-pub fn written(records: &[Record]) -> anyhow::Result<String> {
-    let lines: Vec<String> = records.iter().map(serde_json::to_string).collect::<Result<_, _>>()?;
-    Ok(format!("[\n{}\n]\n", lines.join(",\n")))
-}
-
-/// What a record is found by.
-pub type Name = (String, String, String, usize, String);
-
-impl Record {
-    /// What it is found by.
-    pub fn name(&self) -> Name {
-        let text = |text: &String| text.clone();
-        (text(&self.file), text(&self.function), text(&self.kind), self.number, text(&self.bound))
-    }
-}
-
-/// The names of all loops, in their order.
-pub fn numbers(sites: &[LoopSite]) -> Vec<usize> {
-    let mut next = BTreeMap::new();
-    let number = |site: &LoopSite| {
-        let count: &mut usize =
-            next.entry((site.file.clone(), site.function.clone(), site.kind.clone())).or_default();
-        let number = *count;
-        *count += 1;
-        number
-    };
-    sites.iter().map(number).collect()
 }
 
 /// Why a loop is in no record.
@@ -111,62 +63,73 @@ fn of_record(why: &str) -> Finding {
     Finding { place: RECORD.to_owned(), line: 0, message }
 }
 
+/// How many loops there are of which kind.
+#[derive(Default)]
+struct Counts {
+    countable: usize,
+    ran: usize,
+    never: usize,
+    unknown: usize,
+    /// Compared with a number.
+    compared: usize,
+}
+
 fn judge(records: Result<Vec<Record>, String>, sites: &mut [LoopSite]) -> Claim {
     let unreadable = records.as_ref().err().map(|why| of_record(why));
-    let records: BTreeMap<Name, Record> =
-        records.unwrap_or_default().into_iter().map(|record| (record.name(), record)).collect();
+    let (found, gone) = matched(records.unwrap_or_default(), sites);
+    let has_records = found.iter().any(Option::is_some);
     let mut findings = Vec::new();
-    let mut present = BTreeSet::new();
-    let (mut countable, mut ran, mut never, mut unknown) = (0, 0, 0, 0);
-    let numbers = numbers(sites);
-    for (site, number) in sites.iter_mut().zip(numbers) {
-        let text = |text: &String| text.clone();
-        let name = (text(&site.file), text(&site.function), text(&site.kind), number, text(&site.bound));
-        countable += usize::from(!site.edits.is_empty());
-        let Some(record) = records.get(&name) else {
-            site.seen.why_not = why_not(site);
-            unknown += usize::from(!site.edits.is_empty());
-            continue;
-        };
-        present.insert(name);
-        let bound_value = Some(record.bound_value).filter(|value| *value > 0);
-        let why_not =
-            if record.largest.is_none() { expected(&site.file).unwrap_or_default() } else { String::new() };
-        site.seen = Seen { largest_seen: record.largest, bound_value, counted: true, why_not };
-        ran += usize::from(record.largest.is_some());
-        if record.largest.is_none() {
-            never += 1;
-            if expected(&site.file).is_none() {
-                let message = String::from(
-                    "never ran while it was counted; write a test, or name the one that reaches it in tests/audit.toml",
-                );
-                findings.push(Finding { place: site.file.clone(), line: site.line, message });
+    let mut counts = Counts::default();
+    for (site, record) in sites.iter_mut().zip(found) {
+        counts.countable += usize::from(!site.edits.is_empty());
+        match record {
+            Some(record) => findings.extend(take(site, &record, &mut counts)),
+            None => {
+                site.seen.why_not = why_not(site);
+                counts.unknown += usize::from(!site.edits.is_empty());
             }
-        }
-        if let (Some(largest), Some(bound)) = (record.largest, bound_value)
-            && largest > bound
-        {
-            let message = format!("was seen to turn {largest} times; its bound `{}` is {bound}", site.bound);
-            findings.push(Finding { place: site.file.clone(), line: site.line, message });
         }
     }
     match unreadable {
         Some(finding) => findings.push(finding),
-        None if present.is_empty() => findings.push(of_record("has no count of any loop that there is")),
+        None if !has_records => findings.push(of_record("has no count of any loop that there is")),
         None => {}
     }
+    let Counts { countable, ran, never, unknown, compared } = counts;
     Claim {
         id: "loops-within-bounds",
         text: "No loop was ever seen to turn more often than its bound.",
         evidence: format!(
-            "{ran} of {countable} countable loops ran in the tests and were counted, {never} never ran meanwhile: the table \
-             names the tests that are to reach them; {unknown} cannot be counted or are new since; {} records are of loops that \
+            "{ran} of {countable} countable loops ran in the tests and were counted: {compared} of them are compared with a number, {} \
+             walk a slice, whose own length ends them and is no number in the sources; {never} never ran meanwhile: the table \
+             names the tests that are to reach them; {unknown} cannot be counted or are new since; {gone} records are of loops that \
              are gone; `{} campaign loops` counts again",
-            records.len() - present.len(),
+            ran - compared,
             facts().command
         ),
         findings,
     }
+}
+
+/// Puts a record beside its loop; what is wrong with it.
+fn take(site: &mut LoopSite, record: &Record, counts: &mut Counts) -> Option<Finding> {
+    // A literal is a number even where its type did not tell.
+    let literal = || site.bound.replace('_', "").parse().ok();
+    let bound_value = Some(record.bound_value).filter(|value| *value > 0).or_else(literal);
+    let expected = expected(&site.file);
+    let why_not = if record.largest.is_none() { expected.clone().unwrap_or_default() } else { String::new() };
+    site.seen = Seen { largest_seen: record.largest, bound_value, counted: true, why_not };
+    let finding = |message| Some(Finding { place: site.file.clone(), line: site.line, message });
+    let Some(largest) = record.largest else {
+        counts.never += 1;
+        let message =
+            "never ran while it was counted; write a test, or name the one that reaches it in tests/audit.toml";
+        return if expected.is_none() { finding(message.to_owned()) } else { None };
+    };
+    counts.ran += 1;
+    counts.compared += usize::from(bound_value.is_some());
+    let bound = bound_value.filter(|bound| largest > *bound)?;
+    finding(format!("was seen to turn {largest} times; its bound `{}` is {bound}", site.bound))
 }
 
 #[cfg(test)]
