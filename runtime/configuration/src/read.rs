@@ -11,7 +11,7 @@ use floorguard_types::geometry::Point2;
 use toml::de::DeTable;
 
 use super::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
-use super::camera::{CameraConfiguration, read_camera};
+use super::camera::{CameraConfiguration, CameraSource, read_camera};
 use super::coverage::{AcceptedGap, Coverage, Refusal, read_accepted};
 use super::devices::{Addresses, check_addresses, read_can, read_imu, read_inputs, read_lidar, read_scanner};
 use super::fields::{read_fields, read_polygon};
@@ -55,7 +55,9 @@ impl HostedConfiguration {
     /// where the file accepts all of it by name.
     #[must_use]
     pub fn coverage(&self) -> (Coverage, Vec<Refusal>) {
-        let coverage = Coverage::of(&self.robot, self.carriers.camera.as_ref());
+        // Recorded pictures show nothing of what is there.
+        let is_there = |camera: &&CameraConfiguration| matches!(camera.source, CameraSource::Devices { .. });
+        let coverage = Coverage::of(&self.robot, self.carriers.camera.as_ref().filter(is_there));
         let refusals = coverage.refusals(&self.accepted_gaps);
         (coverage, refusals)
     }
@@ -229,7 +231,7 @@ fn read_route(section: Reader<'_>, limits: &Limits) -> (Route, RouteLimits) {
 mod tests {
     use super::*;
     use crate::EXAMPLE;
-    use crate::camera::{CameraSource, EXAMPLE_SECTION};
+    use crate::camera::EXAMPLE_SECTION;
 
     /// The stages that find people take 16 rings: a lidar of 32 is refused, with what takes how many and what to do.
     #[test]

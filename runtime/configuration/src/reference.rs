@@ -84,6 +84,9 @@ person: no stop is loosened by it. In `[scanner]`, `baud` is an S300's; `beams` 
 the lidar's. No two devices share a line, a UDP port or a bit of the safety controller's image, and an S300's `baud` is 500000, 250000,
 125000 or 115200: at any other its scans come too late, or not at all.
 
+`accept_unseen` in `[guard]` names what no sensor sees of the volume that the body goes into, as `floorguard check` prints it; `run`
+refuses a gap that is not named, and a name without a gap ([Coverage of the sensors](algorithms/coverage.md)).
+
 In `[inputs]`, `reset_bit` and `start_bit` are push buttons of the operator, 1 = pressed: with them a robot without panel and terminal can
 be reset and started, for example as a service. A button acts when it is released, after 0.03 to 5 s: one that is stuck or tied down
 does nothing. Wire them to the safety controller beside the emergency stop, where one sees the whole robot; `inverted_bits` does not

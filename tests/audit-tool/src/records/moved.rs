@@ -15,7 +15,7 @@ use clap::Args;
 use serde_json::Value;
 
 use crate::facts::facts;
-use crate::loops::seen;
+use crate::loops::{self, written};
 use crate::mutants::{EQUIVALENT, Equivalent, RECORD as MUTANTS, Record};
 use crate::sources::same_code::Functions;
 use crate::sources::{SourceFile, same_code};
@@ -47,7 +47,7 @@ pub fn run(options: &Options) -> Result<bool> {
     let (old, new) = (tree_at(&options.since, &folders.audited)?, sources::read_audited(&root)?);
     let moves = Moves { names, old: same_code::functions(&old), new: same_code::functions(&new) };
     println!("moved: {} files have another name since {}", moves.names.len(), options.since);
-    for record in [seen::RECORD, EQUIVALENT] {
+    for record in [loops::RECORD, EQUIVALENT] {
         rewrite(&root.join(record), |entries| follow(entries, &moves, record))?;
     }
     rewrite(&root.join(MUTANTS), |parts| {
@@ -135,8 +135,8 @@ fn written(name: &str, entries: Vec<Value>) -> Result<String> {
     let is = |record: &str| record.ends_with(name);
     let entries = Value::from(entries);
     let pretty = match () {
-        () if is(seen::RECORD) => {
-            return seen::written(&serde_json::from_value::<Vec<seen::Record>>(entries)?);
+        () if is(loops::RECORD) => {
+            return written(&serde_json::from_value::<Vec<loops::Record>>(entries)?);
         }
         () if is(MUTANTS) => serde_json::to_string_pretty(&serde_json::from_value::<Vec<Record>>(entries)?)?,
         () if is(EQUIVALENT) => {
