@@ -6,7 +6,7 @@ mod picture;
 use std::path::PathBuf;
 
 use clap::Args;
-use floorguard_configuration::{HostedConfiguration, Refusal, SensorGap, Unseen, load};
+use floorguard_configuration::{HostedConfiguration, Refusal, SensorGap, SpeedStep, Unseen, load};
 use floorguard_drivers::velodyne::Model;
 use floorguard_runtime::configuration::ScannerModel;
 
@@ -42,7 +42,7 @@ pub fn run(arguments: &CheckArguments) -> anyhow::Result<()> {
         describe(arguments, &configuration, refusals.is_empty());
         for gap in &coverage.gaps {
             let is_accepted = configuration.accepted_gaps.iter().any(|accepted| accepted.is_same(&gap.gap));
-            say!("  {}{}", words(gap), if is_accepted { "" } else { " - NOT ACCEPTED" });
+            say!("  {} {}", if is_accepted { "accepted" } else { "NOT ACCEPTED" }, words(gap));
         }
     }
     match refusals.first() {
@@ -86,18 +86,26 @@ fn describe(arguments: &CheckArguments, configuration: &HostedConfiguration, is_
     );
 }
 
-/// One gap: where, what, in which motion from which speed on, and how fast the body comes there.
+/// One gap: how fast the body comes there, where it is widest, in which motion from which speed on.
 fn words(gap: &SensorGap) -> String {
     let motions = gap.motions.iter().map(|motion| {
-        let step = |(height_m, from_mps): (f32, f32)| match gap.gap.unseen {
-            Unseen::Hanging(_) => format!("from {from_mps:.2} m/s"),
-            _ => format!("{height_m:.2} m from {from_mps:.2} m/s"),
+        let step = |step: &SpeedStep| {
+            let [low_m, high_m] = step.heights_m;
+            match gap.gap.unseen {
+                Unseen::Hanging(_) => format!("{low_m:.2} to {high_m:.2} m from {:.2} m/s", step.from_mps),
+                _ => format!("{high_m:.2} m from {:.2} m/s", step.from_mps),
+            }
         };
-        let steps = motion.steps.iter().map(|found| step((found.height_m, found.from_mps)));
-        format!("{} {}", motion.motion.name(), steps.collect::<Vec<_>>().join(", "))
+        let steps: Vec<String> = motion.steps.iter().map(step).collect();
+        format!("      {}: {}", motion.motion.name(), steps.join(", "))
     });
+    let [least, greatest] = gap.around_m;
+    let places = format!(
+        "x {:.2} to {:.2} m, y {:.2} to {:.2} m",
+        least.x_m, greatest.x_m, least.y_m, greatest.y_m
+    );
     let motions: Vec<String> = motions.collect();
-    format!("{}: touched at up to {:.2} m/s; {}", gap.gap, gap.reached_mps(), motions.join("; "))
+    format!("{}: touched at up to {:.2} m/s; {places}\n{}", gap.gap, gap.reached_mps(), motions.join("\n"))
 }
 
 fn scanner(model: ScannerModel) -> String {

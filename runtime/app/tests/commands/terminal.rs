@@ -244,4 +244,31 @@ fn valid_configuration_lists_its_devices() {
     let robot = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robot.toml");
     let stderr_text = String::from_utf8_lossy(&run(&["check", robot]).stderr).into_owned();
     assert!(stderr_text.contains("lidar VLP-16, scanner S300, 4 waypoints"), "{stderr_text}");
+    assert!(stderr_text.contains("accepted rear below 0.45 m: touched at up to 0.25 m/s"), "{stderr_text}");
+}
+
+/// A gap that is not accepted: refused by `check` with 1 and by `run` with 3, with its name and the remedy; drawn and in the JSON.
+#[test]
+fn unaccepted_gap_is_refused_named_and_drawn() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, picture) = (folder.path().join("robot.toml"), folder.path().join("unseen.svg"));
+    let kept = "  \"rear below 0.45 m\"";
+    let example = floorguard_configuration::EXAMPLE;
+    assert!(example.contains(kept));
+    std::fs::write(&path, example.replace(kept, "  # \"rear below 0.45 m\"")).expect("written");
+    let output = run(&["check", text(&path), "--picture", text(&picture), "--json"]);
+    let stderr_text = String::from_utf8_lossy(&output.stderr).into_owned();
+    let refusal = "no sensor sees \"rear below 0.45 m\"";
+    assert!(output.status.code() == Some(1) && stderr_text.contains(refusal), "{stderr_text}");
+    let checked: Value = serde_json::from_slice(&output.stdout).expect("one object");
+    assert_eq!((&checked["verdict"], checked["refusals"].as_array().map(Vec::len)), (&"failed".into(), Some(1)));
+    let gaps = checked["gaps"].as_array().expect("gaps");
+    let open: Vec<&Value> = gaps.iter().filter(|gap| gap["is_accepted"] == false).collect();
+    assert!(gaps.len() > 8 && open.len() == 1 && open[0]["name"] == "rear below 0.45 m", "{checked}");
+    let drawn = std::fs::read_to_string(&picture).expect("a picture");
+    assert!(drawn.contains("rear below 0.45 m") && drawn.matches("<rect").count() > 500 && drawn.ends_with("</svg>\n"));
+    let output = run(&["run", text(&path), "--duration", "1"]);
+    let stderr_text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(3), "{stderr_text}");
+    assert!(stderr_text.contains(refusal) && stderr_text.contains("accept_unseen"), "{stderr_text}");
 }

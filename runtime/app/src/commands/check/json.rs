@@ -22,6 +22,8 @@ struct GapRow {
     /// Heights between which it is, metres.
     from_m: f32,
     to_m: f32,
+    /// Least and greatest x and y of the places where it is widest, robot frame, metres.
+    around_m: [[f32; 2]; 2],
     is_accepted: bool,
     reached_mps: f32,
     motions: Vec<MotionRow>,
@@ -37,7 +39,7 @@ struct MotionRow {
 #[derive(Serialize)]
 struct StepRow {
     from_mps: f32,
-    height_m: f32,
+    heights_m: [f32; 2],
 }
 
 /// One object.
@@ -67,7 +69,7 @@ fn row(found: &SensorGap, configuration: &HostedConfiguration) -> GapRow {
         steps: motion
             .steps
             .iter()
-            .map(|step| StepRow { from_mps: step.from_mps, height_m: step.height_m })
+            .map(|step| StepRow { from_mps: step.from_mps, heights_m: step.heights_m })
             .collect(),
     });
     GapRow {
@@ -76,6 +78,7 @@ fn row(found: &SensorGap, configuration: &HostedConfiguration) -> GapRow {
         kind,
         from_m,
         to_m,
+        around_m: found.around_m.map(|corner| [corner.x_m, corner.y_m]),
         is_accepted: configuration.accepted_gaps.iter().any(|accepted| accepted.is_same(&found.gap)),
         reached_mps: found.reached_mps(),
         motions: motions.collect(),
