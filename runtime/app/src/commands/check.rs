@@ -100,10 +100,8 @@ fn words(gap: &SensorGap) -> String {
         format!("      {}: {}", motion.motion.name(), steps.join(", "))
     });
     let [least, greatest] = gap.around_m;
-    let places = format!(
-        "x {:.2} to {:.2} m, y {:.2} to {:.2} m",
-        least.x_m, greatest.x_m, least.y_m, greatest.y_m
-    );
+    let places =
+        format!("x {:.2} to {:.2} m, y {:.2} to {:.2} m", least.x_m, greatest.x_m, least.y_m, greatest.y_m);
     let motions: Vec<String> = motions.collect();
     format!("{}: touched at up to {:.2} m/s; {places}\n{}", gap.gap, gap.reached_mps(), motions.join("\n"))
 }

@@ -261,12 +261,19 @@ fn unaccepted_gap_is_refused_named_and_drawn() {
     let refusal = "no sensor sees \"rear below 0.45 m\"";
     assert!(output.status.code() == Some(1) && stderr_text.contains(refusal), "{stderr_text}");
     let checked: Value = serde_json::from_slice(&output.stdout).expect("one object");
-    assert_eq!((&checked["verdict"], checked["refusals"].as_array().map(Vec::len)), (&"failed".into(), Some(1)));
+    assert_eq!(
+        (&checked["verdict"], checked["refusals"].as_array().map(Vec::len)),
+        (&"failed".into(), Some(1))
+    );
     let gaps = checked["gaps"].as_array().expect("gaps");
     let open: Vec<&Value> = gaps.iter().filter(|gap| gap["is_accepted"] == false).collect();
     assert!(gaps.len() > 8 && open.len() == 1 && open[0]["name"] == "rear below 0.45 m", "{checked}");
     let drawn = std::fs::read_to_string(&picture).expect("a picture");
-    assert!(drawn.contains("rear below 0.45 m") && drawn.matches("<rect").count() > 500 && drawn.ends_with("</svg>\n"));
+    assert!(
+        drawn.contains("rear below 0.45 m")
+            && drawn.matches("<rect").count() > 500
+            && drawn.ends_with("</svg>\n")
+    );
     let output = run(&["run", text(&path), "--duration", "1"]);
     let stderr_text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(3), "{stderr_text}");

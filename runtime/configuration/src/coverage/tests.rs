@@ -110,11 +110,15 @@ fn fg_req_062_fewest_holes_names_what_remains() {
     let configuration = read(include_str!("../../../../examples/fewest-holes.toml"));
     let (coverage, refused) = configuration.coverage();
     assert_eq!(refused, []);
-    let is = |gap: &Gap| matches!((gap.region, gap.unseen), (Region::Front, Unseen::Below(_)) | (Region::Rear, _));
+    let is =
+        |gap: &Gap| matches!((gap.region, gap.unseen), (Region::Front, Unseen::Below(_)) | (Region::Rear, _));
     assert!(!coverage.gaps.iter().any(|found| is(&found.gap)), "{:?}", coverage.gaps);
     let (shipped, _) = read(EXAMPLE).coverage();
-    let fastest_mps = |gaps: &[super::SensorGap]| gaps.iter().map(super::SensorGap::reached_mps).fold(0.0, f32::max);
-    assert!(coverage.gaps.len() < shipped.gaps.len() && fastest_mps(&coverage.gaps) < fastest_mps(&shipped.gaps));
+    let fastest_mps =
+        |gaps: &[super::SensorGap]| gaps.iter().map(super::SensorGap::reached_mps).fold(0.0, f32::max);
+    assert!(
+        coverage.gaps.len() < shipped.gaps.len() && fastest_mps(&coverage.gaps) < fastest_mps(&shipped.gaps)
+    );
     // Without the camera the low boxes ahead are a gap again.
     let without = super::Coverage::of(&configuration.robot, None).refusals(&configuration.accepted_gaps);
     assert!(without.iter().any(|refusal| refusal.to_string().contains("\"front below")), "{without:?}");

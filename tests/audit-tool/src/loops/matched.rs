@@ -53,7 +53,8 @@ fn alone<T>(keyed: impl Iterator<Item = (Name, T)>) -> BTreeMap<Name, T> {
     for (key, one) in keyed {
         all.entry(key).or_default().push(one);
     }
-    let single = |(key, mut some): (Name, Vec<T>)| some.pop().filter(|_| some.is_empty()).map(|one| (key, one));
+    let single =
+        |(key, mut some): (Name, Vec<T>)| some.pop().filter(|_| some.is_empty()).map(|one| (key, one));
     all.into_iter().filter_map(single).collect()
 }
 

@@ -122,8 +122,7 @@ fn take(site: &mut LoopSite, record: &Record, counts: &mut Counts) -> Option<Fin
     let finding = |message| Some(Finding { place: site.file.clone(), line: site.line, message });
     let Some(largest) = record.largest else {
         counts.never += 1;
-        let message =
-            "never ran while it was counted; write a test, or name the one that reaches it in tests/audit.toml";
+        let message = "never ran while it was counted; write a test, or name the one that reaches it in tests/audit.toml";
         return if expected.is_none() { finding(message.to_owned()) } else { None };
     };
     counts.ran += 1;

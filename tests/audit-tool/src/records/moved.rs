@@ -15,7 +15,7 @@ use clap::Args;
 use serde_json::Value;
 
 use crate::facts::facts;
-use crate::loops::{self, written};
+use crate::loops;
 use crate::mutants::{EQUIVALENT, Equivalent, RECORD as MUTANTS, Record};
 use crate::sources::same_code::Functions;
 use crate::sources::{SourceFile, same_code};
@@ -136,7 +136,7 @@ fn written(name: &str, entries: Vec<Value>) -> Result<String> {
     let entries = Value::from(entries);
     let pretty = match () {
         () if is(loops::RECORD) => {
-            return written(&serde_json::from_value::<Vec<loops::Record>>(entries)?);
+            return loops::written(&serde_json::from_value::<Vec<loops::Record>>(entries)?);
         }
         () if is(MUTANTS) => serde_json::to_string_pretty(&serde_json::from_value::<Vec<Record>>(entries)?)?,
         () if is(EQUIVALENT) => {
