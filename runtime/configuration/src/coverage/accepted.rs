@@ -68,7 +68,7 @@ impl Coverage {
     }
 }
 
-/// Reads `accept_unseen`: a name that is none of a gap is refused, and one that stands there twice.
+/// Reads `accept_unseen`: what names no gap is refused, and what stands there twice.
 pub(crate) fn read_accepted(section: &Reader<'_>) -> Vec<AcceptedGap> {
     let mut accepted: Vec<AcceptedGap> = Vec::new();
     for (text, span) in section.texts("accept_unseen", "[\"rear-left below 0.16 m\"]") {

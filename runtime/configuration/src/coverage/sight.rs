@@ -169,9 +169,9 @@ impl SightMap {
         let is_enough = |count: usize, look_s: f32| {
             count > 0 && count as f32 * PLACE_M >= look_s * approach.speed_mps.abs()
         };
-        let looks = heights.iter().zip([SCANNER_LOOK_S, LIDAR_LOOK_S, CAMERA_LOOK_S]);
+        let sensors = heights.iter().zip([SCANNER_LOOK_S, LIDAR_LOOK_S, CAMERA_LOOK_S]);
         let unseen =
-            looks.map(|(counts, look_s)| counts.iter().filter(|count| !is_enough(**count, look_s)).count());
+            sensors.map(|(counts, look_s)| counts.iter().filter(|count| !is_enough(**count, look_s)).count());
         let unknown = (0..BARS).filter(|bar| !is_enough(bars[*bar], BAR_LOOK_S));
         Known {
             heights: unseen.min().unwrap_or(HEIGHTS_M.len()),
