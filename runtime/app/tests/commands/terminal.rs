@@ -240,11 +240,23 @@ fn interrupted_campaign_reports_partial_results() {
 }
 
 #[test]
-fn valid_configuration_lists_its_devices() {
-    let robot = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robot.toml");
-    let stderr_text = String::from_utf8_lossy(&run(&["check", robot]).stderr).into_owned();
+fn valid_configuration_lists_devices_and_gaps() {
+    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
+    let folder = tempfile::tempdir().expect("a folder");
+    let picture = folder.path().join("unseen.svg");
+    let output = run(&["check", &format!("{root}/robot.toml"), "--picture", text(&picture)]);
+    let stderr_text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(stderr_text.contains("lidar VLP-16, scanner S300, 4 waypoints"), "{stderr_text}");
     assert!(stderr_text.contains("accepted rear below 0.45 m: touched at up to 0.25 m/s"), "{stderr_text}");
+    assert_eq!(output.status.code(), Some(0), "{stderr_text}");
+    let [drawn, in_book] =
+        [picture, format!("{root}/docs/pictures/coverage.svg").into()].map(std::fs::read_to_string);
+    assert!(
+        drawn.is_ok_and(|drawn| in_book.is_ok_and(|in_book| drawn == in_book)),
+        "floorguard check robot.toml --picture docs/pictures/coverage.svg draws the book's picture again"
+    );
+    let fewest = run(&["check", &format!("{root}/examples/fewest-holes.toml")]);
+    assert_eq!(fewest.status.code(), Some(0), "{}", String::from_utf8_lossy(&fewest.stderr));
 }
 
 /// A gap that is not accepted: refused by `check` with 1 and by `run` with 3, with its name and the remedy; drawn and in the JSON.
