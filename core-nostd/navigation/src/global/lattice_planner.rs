@@ -6,8 +6,9 @@ use floorguard_types::motion::{Footprint, Gear, Waypoint};
 use super::contract::{GlobalPlanner, Plan, PlanFailure, PlanRequest};
 use super::grid_planner::START_REACH_M;
 use super::grid_search::{GridSearch, SearchEnd, SearchMethod};
-use super::lattice::{Lattice, LatticeCell, LatticeNode, LatticeWorld, Pace};
+use super::lattice::{Lattice, LatticeCell, LatticeNode, LatticeWorld};
 use super::lattice_heap::HeapEntry;
+use super::lattice_motions::Pace;
 use super::step_costs::StepCosts;
 use super::trace::nearest_cell;
 use crate::costmap::{CostmapView, Costs, footprint_cost};
@@ -142,7 +143,7 @@ where
 mod tests {
     use super::*;
     use crate::costmap::{CostmapLayers, Inflation, InflationConfig, InflationScratch, PeopleCost, compose};
-    use crate::global::HEADINGS;
+    use crate::global::{HEADINGS, LatticeStorage};
     use floorguard_mapping::{GridGeometry, Occupancy, Parabola};
     use std::vec;
     use std::vec::Vec;
@@ -190,11 +191,11 @@ mod tests {
         let footprint = Footprint::new(&corners.map(|(x, y)| Point2::new(x, y))).unwrap();
         let search = GridSearch::new(vec![0; fixed.len()], vec![0; 8_192], StepCosts::new(false));
         let raster = GridGeometry::new(80, 60, 0.1, Point2::default()).unwrap();
-        let storage = (
-            vec![LatticeNode::default(); 60_000],
-            vec![LatticeCell::default(); raster.cell_count() * HEADINGS],
-            vec![HeapEntry::default(); 60_000],
-        );
+        let storage = LatticeStorage {
+            nodes: vec![LatticeNode::default(); 60_000],
+            cells: vec![LatticeCell::default(); raster.cell_count() * HEADINGS],
+            heap: vec![HeapEntry::default(); 60_000],
+        };
         let lattice = Lattice::new(raster, PACE, storage);
         let goal = LatticeGoal { within_m: 0.2, within_rad: 0.3, clear_cost: 1 };
         let mut planner = LatticePlanner::new(search, lattice, footprint.clone(), goal);

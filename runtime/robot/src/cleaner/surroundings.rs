@@ -3,10 +3,10 @@
 
 use floorguard_mapping::GridGeometry;
 use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::motion::Gear;
 
 use super::body::{DISCS, FootprintDiscs};
 use super::ground::Ground;
-use super::lattice::Gear;
 use super::obstacles::Obstacles;
 
 /// Within this distance of where it stands the robot may stay as near to objects as it is, metres.

@@ -3,9 +3,10 @@
 use floorguard_cleaning::{Lane, LaneAttempt, PlanCells};
 use floorguard_mapping::NO_SLOT;
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
+use floorguard_types::motion::{Gear, Waypoint};
 
-use super::lattice::{Gear, STEP_M, Waypoint};
 use super::mission::Cleaner;
+use super::path_finder::STEP_M;
 use super::plan::MissionStrategy;
 use super::progress::MissionPhase;
 use super::track::Track;
@@ -182,7 +183,7 @@ impl Cleaner {
                 if !self.ground.is_free(next, Gear::Ahead) {
                     break;
                 }
-                path.push(Waypoint { pose: next, gear: Gear::Ahead });
+                path.push(Waypoint { pose_in_map: next, gear: Gear::Ahead });
             }
             self.track = Track::new(path);
             return true;
