@@ -138,7 +138,7 @@ pub fn truncating_u32(value: impl Whole) -> u32 {
 #[inline(always)]
 #[must_use]
 pub fn truncating_u64(value: impl Whole) -> u64 {
-    value.low_bits() as u64
+    value.low_bits()
 }
 
 /// The low 32 or 64 bits; what lies above is dropped.
