@@ -7,7 +7,9 @@
 use super::swath::Swath;
 use floorguard_mapping::GridGeometry;
 use floorguard_types::geometry::Point2;
-use floorguard_types::number::saturating_i32;
+use floorguard_types::number::{
+    nearest_f32, saturating_i32, truncating_i32, truncating_u32, truncating_usize,
+};
 
 /// Sub-samples along the edge of a cell.
 const SAMPLES: i32 = 8;
@@ -60,18 +62,20 @@ impl SwathMask {
     /// Column, row and swept sub-samples of every cell that was touched.
     #[inline]
     pub fn cells(&self) -> impl Iterator<Item = (i32, i32, u64)> + '_ {
-        let rows = self.lines.chunks_exact(SAMPLES as usize).take(self.rows).zip(0_i32..);
+        let rows = self.lines.chunks_exact(truncating_usize(SAMPLES)).take(self.rows).zip(0_i32..);
         rows.flat_map(move |(lines, row)| {
             let touched = lines.iter().fold(0, |all, line| all | line);
-            let width = u64::BITS.saturating_sub(touched.leading_zeros()).div_ceil(SAMPLES as u32);
+            let width = u64::BITS.saturating_sub(touched.leading_zeros()).div_ceil(truncating_u32(SAMPLES));
             (0..width.min(LINE_CELLS)).filter_map(move |column| {
-                let shift = column.saturating_mul(SAMPLES as u32);
+                let shift = column.saturating_mul(truncating_u32(SAMPLES));
                 let mut mask = 0_u64;
-                for (line, place) in lines.iter().zip((0..64).step_by(SAMPLES as usize)) {
+                for (line, place) in lines.iter().zip((0..64).step_by(truncating_usize(SAMPLES))) {
                     mask |= ((line >> shift) & 0xff) << place;
                 }
-                let (column, row) =
-                    (self.first_column.saturating_add(column as i32), self.first_row.saturating_add(row));
+                let (column, row) = (
+                    self.first_column.saturating_add(truncating_i32(column)),
+                    self.first_row.saturating_add(row),
+                );
                 (mask != 0).then_some((column, row, mask))
             })
         })
@@ -80,11 +84,11 @@ impl SwathMask {
     /// Marks the sub-samples whose centres lie within a convex piece, line by line.
     #[inline]
     fn fill(&mut self, corners: &[Point2], geometry: &GridGeometry) {
-        let scale = geometry.cells_per_metre() * SAMPLES as f32;
+        let scale = geometry.cells_per_metre() * nearest_f32(SAMPLES);
         let origin = geometry.origin_in_map();
         // In sub-samples from the window's corner; the centre of sample (i, j) is (i + ½, j + ½).
-        let base_x = self.first_column as f32 * SAMPLES as f32 + 0.5;
-        let base_y = self.first_row as f32 * SAMPLES as f32 + 0.5;
+        let base_x = nearest_f32(self.first_column) * nearest_f32(SAMPLES) + 0.5;
+        let base_y = nearest_f32(self.first_row) * nearest_f32(SAMPLES) + 0.5;
         let mut points = [Point2::default(); 4];
         let (mut low, mut high) = (f32::MAX, f32::MIN);
         for (point, corner) in points.iter_mut().zip(corners) {
@@ -93,17 +97,18 @@ impl SwathMask {
             low = low.min(point.y_m);
             high = high.max(point.y_m);
         }
-        let limit = LINES as f32;
+        let limit = nearest_f32(LINES);
         self.clipped |= high >= limit;
         let points = points.get(..corners.len().min(4)).unwrap_or(&[]);
         let edges = Edges::of(points);
-        let first = ceiling(low).clamp(0, LINES as i32);
+        let first = ceiling(low).clamp(0, truncating_i32(LINES));
         let count = floor(high).min(LAST).saturating_sub(first).saturating_add(1).max(0);
         let end = first.saturating_add(count);
-        self.rows = self.rows.max((end as usize).div_ceil(SAMPLES as usize));
-        let lines = self.lines.iter_mut().zip(0_i32..).take(end as usize).skip(first as usize);
+        self.rows = self.rows.max(truncating_usize(end).div_ceil(truncating_usize(SAMPLES)));
+        let lines =
+            self.lines.iter_mut().zip(0_i32..).take(truncating_usize(end)).skip(truncating_usize(first));
         for (bits, line) in lines {
-            let Some((from, to)) = edges.crossings(line as f32) else { continue };
+            let Some((from, to)) = edges.crossings(nearest_f32(line)) else { continue };
             self.clipped |= to >= limit;
             let (from, to) = (ceiling(from).max(0), floor(to).min(LAST));
             if from <= to {

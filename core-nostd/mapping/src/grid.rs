@@ -3,12 +3,14 @@
 use core::marker::PhantomData;
 
 use floorguard_types::geometry::Point2;
-use floorguard_types::number::saturating_i32;
+use floorguard_types::number::{
+    count_u64, exact_usize, nearest_f32, saturating_i32, saturating_u16_of_u32, truncating_i32,
+};
 
 /// Cells of a raster are numbered in 32 bits, and the last number is none.
-const CELLS_MAX: u64 = u32::MAX as u64;
+const CELLS_MAX: u64 = count_u64(GRID_CELLS_MAX);
 /// The same as a bound of loops over cells.
-pub const GRID_CELLS_MAX: usize = u32::MAX as usize;
+pub const GRID_CELLS_MAX: usize = exact_usize(u32::MAX);
 /// Cells along a side, as a bound of loops over rows and columns.
 pub const GRID_SIDE_MAX: i32 = 1 << 30;
 
@@ -19,10 +21,6 @@ pub struct GridSides {
     pub columns: u32,
     /// Along y.
     pub rows: u32,
-}
-
-const fn sixteen_bits(side: u32) -> u16 {
-    if side > u16::MAX as u32 { u16::MAX } else { side as u16 }
 }
 
 /// Where the cells of a raster lie in the map frame. Cell (0, 0) is the one with the smallest coordinates; the index
@@ -78,34 +76,34 @@ impl GridGeometry {
     /// Columns, ≥ 1, for file formats with 16 bits: at most 65,535. Everything else asks [`Self::columns`].
     #[must_use]
     pub const fn width(&self) -> u16 {
-        sixteen_bits(self.columns)
+        saturating_u16_of_u32(self.columns)
     }
 
     /// Rows, ≥ 1, for file formats with 16 bits: at most 65,535. Everything else asks [`Self::rows`].
     #[must_use]
     pub const fn height(&self) -> u16 {
-        sixteen_bits(self.rows)
+        saturating_u16_of_u32(self.rows)
     }
 
     /// Columns, ≥ 1.
     #[inline]
     #[must_use]
     pub const fn columns(&self) -> usize {
-        self.columns as usize
+        exact_usize(self.columns)
     }
 
     /// Rows, ≥ 1.
     #[inline]
     #[must_use]
     pub const fn rows(&self) -> usize {
-        self.rows as usize
+        exact_usize(self.rows)
     }
 
     /// The same raster moved by whole cells.
     #[must_use]
     pub fn moved(&self, columns: i32, rows: i32) -> Self {
-        let x_m = self.origin_in_map.x_m + columns as f32 * self.resolution_m;
-        let y_m = self.origin_in_map.y_m + rows as f32 * self.resolution_m;
+        let x_m = self.origin_in_map.x_m + nearest_f32(columns) * self.resolution_m;
+        let y_m = self.origin_in_map.y_m + nearest_f32(rows) * self.resolution_m;
         Self { origin_in_map: Point2::new(x_m, y_m), ..*self }
     }
 
@@ -131,7 +129,7 @@ impl GridGeometry {
     #[must_use]
     pub const fn cell_count(&self) -> usize {
         // The constructor checked that the product fits 32 bits.
-        (self.columns as usize).saturating_mul(self.rows as usize)
+        exact_usize(self.columns).saturating_mul(exact_usize(self.rows))
     }
 
     /// Index of a cell, `None` outside.
@@ -167,7 +165,7 @@ impl GridGeometry {
     #[must_use]
     pub fn coordinates(&self, index: usize) -> (i32, i32) {
         let width = self.columns().max(1);
-        ((index % width) as i32, (index / width) as i32)
+        (truncating_i32(index % width), truncating_i32(index / width))
     }
 
     /// Centre of a cell, in the map frame.
@@ -175,8 +173,8 @@ impl GridGeometry {
     pub fn centre(&self, index: usize) -> Point2 {
         let (column, row) = self.coordinates(index);
         Point2::new(
-            self.origin_in_map.x_m + (column as f32 + 0.5) * self.resolution_m,
-            self.origin_in_map.y_m + (row as f32 + 0.5) * self.resolution_m,
+            self.origin_in_map.x_m + (nearest_f32(column) + 0.5) * self.resolution_m,
+            self.origin_in_map.y_m + (nearest_f32(row) + 0.5) * self.resolution_m,
         )
     }
 }

@@ -1,6 +1,7 @@
 //! A grid that moves with the robot: its origin shifts by whole cells, and what comes in is unknown.
 
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::exact_usize;
 
 use super::grid::{GRID_CELLS_MAX, Grid};
 
@@ -35,7 +36,7 @@ impl<T: Copy, S: AsRef<[T]> + AsMut<[T]>> Grid<T, S> {
         let (columns, rows) = (self.geometry().columns(), self.geometry().rows());
         let moved = self.geometry().moved(by.columns, by.rows);
         let values = self.values_mut();
-        let (right, up) = (by.columns.unsigned_abs() as usize, by.rows.unsigned_abs() as usize);
+        let (right, up) = (exact_usize(by.columns.unsigned_abs()), exact_usize(by.rows.unsigned_abs()));
         if right >= columns || up >= rows {
             values.fill(fresh);
         } else {

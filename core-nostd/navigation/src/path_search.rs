@@ -6,6 +6,7 @@
 //! recognised by their round number.
 
 use floorguard_mapping::GridGeometry;
+use floorguard_types::number::{exact_usize, truncating_u32};
 
 /// Cost of a straight step; the unit of all distances on the raster is 1/29 of a cell.
 pub const STRAIGHT: u32 = 29;
@@ -118,13 +119,13 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
                 continue;
             }
             empty_run = 0;
-            self.unlink(head as usize);
-            self.horizon = self.raw(head as usize);
+            self.unlink(exact_usize(head));
+            self.horizon = self.raw(exact_usize(head));
             settled = settled.saturating_add(1);
-            if is_enough(head as usize) || settled >= count {
+            if is_enough(exact_usize(head)) || settled >= count {
                 return;
             }
-            self.expand(head as usize, &passable);
+            self.expand(exact_usize(head), &passable);
         }
     }
 
@@ -184,16 +185,16 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
         if old != NO_CELL {
             self.unlink(cell);
         }
-        let slot = distance as usize % BUCKETS;
+        let slot = exact_usize(distance) % BUCKETS;
         let head = self.heads.get(slot).copied().unwrap_or(NO_CELL);
         if let Some(entry) = self.cells.as_mut().get_mut(cell) {
             *entry = SearchCell { distance, next: head, previous: NO_CELL, round: self.round };
         }
-        if let Some(entry) = self.cells.as_mut().get_mut(head as usize) {
-            entry.previous = cell as u32;
+        if let Some(entry) = self.cells.as_mut().get_mut(exact_usize(head)) {
+            entry.previous = truncating_u32(cell);
         }
         if let Some(head) = self.heads.get_mut(slot) {
-            *head = cell as u32;
+            *head = truncating_u32(cell);
         }
     }
 
@@ -203,13 +204,13 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
             return;
         };
         if previous == NO_CELL {
-            if let Some(head) = self.heads.get_mut(distance as usize % BUCKETS) {
+            if let Some(head) = self.heads.get_mut(exact_usize(distance) % BUCKETS) {
                 *head = next;
             }
-        } else if let Some(entry) = self.cells.as_mut().get_mut(previous as usize) {
+        } else if let Some(entry) = self.cells.as_mut().get_mut(exact_usize(previous)) {
             entry.next = next;
         }
-        if let Some(entry) = self.cells.as_mut().get_mut(next as usize) {
+        if let Some(entry) = self.cells.as_mut().get_mut(exact_usize(next)) {
             entry.previous = previous;
         }
     }

@@ -5,6 +5,8 @@
 //! visits where E were expected: little data stay with the formula, much data speak for themselves, and a formula that
 //! does not fit is believed no more than it deserves.
 
+use floorguard_types::number::nearest_f32;
+
 use super::evidence::Rate;
 use super::wall_time::LocalTime;
 use super::week::{Evidence, Week};
@@ -73,7 +75,7 @@ impl Correction {
             bins.filter(move |(_, rate)| (*rate < calm) == is_calm)
                 .map(|(seen, rate)| (Count { seen: seen.visits, expected: rate * seen.hours }, 1.0))
         };
-        let free = spread * (1.0 - fitted / (HOURS as f32).max(fitted + 1.0));
+        let free = spread * (1.0 - fitted / nearest_f32(HOURS).max(fitted + 1.0));
         Self { shapes: (shape(counts(true), free), shape(counts(false), free)), calm, watched }
     }
 

@@ -2,6 +2,7 @@
 
 use crate::{Grid, GridGeometry, GridTooSmall};
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::nearest_f32;
 
 use super::hour_table::{HourEntry, HourTable};
 use super::visitors::{Footprint, PersonAt, Visitors};
@@ -26,19 +27,19 @@ impl HeatCell {
     /// Hours watched.
     #[must_use]
     pub fn watched_hours(&self) -> f32 {
-        self.watched_cs as f32 * (1.0 / 360_000.0)
+        nearest_f32(self.watched_cs) * (1.0 / 360_000.0)
     }
 
     /// Visits an hour watched, with a Gamma(1, 1 h) prior; `None` if nobody ever looked (book, Environment: Heat maps).
     #[must_use]
     pub fn visits_per_hour(&self) -> Option<f32> {
-        (self.watched_cs > 0).then(|| (self.visits as f32 + 1.0) / (self.watched_hours() + 1.0))
+        (self.watched_cs > 0).then(|| (nearest_f32(self.visits) + 1.0) / (self.watched_hours() + 1.0))
     }
 
     /// People there at a moment, on average: time spent by time watched; `None` if never observed.
     #[must_use]
     pub fn people(&self) -> Option<f32> {
-        (self.watched_cs > 0).then(|| self.dwell_cs as f32 / self.watched_cs as f32)
+        (self.watched_cs > 0).then(|| nearest_f32(self.dwell_cs) / nearest_f32(self.watched_cs))
     }
 }
 
@@ -140,7 +141,7 @@ where
     /// H(c) = visits / largest visits, within [0, 1]; all zero if nobody came (book, Environment: Heat maps).
     pub fn normalised(&self) -> impl Iterator<Item = f32> {
         let largest = self.cells.values().iter().map(|cell| cell.visits).max().unwrap_or(0).max(1);
-        self.cells.values().iter().map(move |cell| cell.visits as f32 / largest as f32)
+        self.cells.values().iter().map(move |cell| nearest_f32(cell.visits) / nearest_f32(largest))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::GridGeometry;
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::nearest_f32;
 
 /// Cells of one step at most (book, Environment: Visits).
 pub const CELLS_OF_STEP: usize = 64;
@@ -25,9 +26,9 @@ pub fn walk(geometry: &GridGeometry, Step { from, to }: Step, mut visit: impl Fn
     let along = |from_m: f32, to_m: f32, origin_m: f32, cell: i32| {
         let (start, delta) = ((from_m - origin_m) * scale, (to_m - from_m) * scale);
         if delta > 0.0 {
-            (1_i32, (cell as f32 + 1.0 - start) / delta, 1.0 / delta)
+            (1_i32, (nearest_f32(cell) + 1.0 - start) / delta, 1.0 / delta)
         } else if delta < 0.0 {
-            (-1_i32, (cell as f32 - start) / delta, -1.0 / delta)
+            (-1_i32, (nearest_f32(cell) - start) / delta, -1.0 / delta)
         } else {
             (0_i32, f32::INFINITY, f32::INFINITY)
         }

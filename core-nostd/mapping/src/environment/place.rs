@@ -4,6 +4,8 @@
 //! yes-or-no, because a robot that watched for two minutes has not seen that nobody came in ten: the visits are a
 //! Poisson process whose rate is the signal (after Jovan et al. 2016), and a slice weighs as much as it was watched.
 
+use floorguard_types::number::{nearest_f32, truncating_u8};
+
 use super::contest::Contest;
 use super::correction::{Correction, Fit};
 use super::dirt_seen::DirtSeen;
@@ -50,7 +52,7 @@ impl RateModel {
         match formula {
             0 => Self::Rhythm,
             1 => Self::Mean,
-            place @ 2..=5 => Self::Spectrum(place.saturating_sub(1) as u8),
+            place @ 2..=5 => Self::Spectrum(truncating_u8(place.saturating_sub(1))),
             6 => Self::Day,
             _ => Self::Week,
         }
@@ -166,7 +168,7 @@ impl<const HOURS: usize, const PERIODS: usize> Place<HOURS, PERIODS> {
     fn learn(&mut self, slice: PlaceSlice, offset_s: i32) {
         let middle_s = slice.number.saturating_mul(SLICE_S).saturating_add(SLICE_S / 2);
         let at = WallTime::from_seconds(middle_s).local(offset_s);
-        let hours = slice.watched_cs as f32 * (1.0 / 360_000.0);
+        let hours = nearest_f32(slice.watched_cs) * (1.0 / 360_000.0);
         let visits = f32::from(slice.visits);
         let forecast = self.forecast();
         let rates = forecast.all(at);
@@ -195,7 +197,7 @@ impl<const HOURS: usize, const PERIODS: usize> Place<HOURS, PERIODS> {
     #[must_use]
     pub fn stay_hours(&self) -> f32 {
         let (visits, dwell_ds) = self.stays;
-        if visits == 0 { 1.0 / 3_600.0 } else { dwell_ds as f32 / visits as f32 / 36_000.0 }
+        if visits == 0 { 1.0 / 3_600.0 } else { nearest_f32(dwell_ds) / nearest_f32(visits) / 36_000.0 }
     }
 
     /// Predicts, with what does not depend on the moment worked out once.

@@ -7,6 +7,7 @@
 
 use floorguard_mapping::{GRID_CELLS_MAX, GridGeometry};
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::{exact_usize, nearest_f32_of_f64, nearest_f64, truncating_u32};
 use heapless::Vec;
 
 use crate::costmap::{CostmapView, Costs};
@@ -79,7 +80,7 @@ pub fn find_frontiers(
         if at >= filled {
             break;
         }
-        let Some(cell) = walk.queue.get(at).map(|&cell| cell as usize) else { break };
+        let Some(cell) = walk.queue.get(at).map(|&cell| exact_usize(cell)) else { break };
         for other in straight_neighbours(costmap.geometry(), cell).into_iter().flatten() {
             if walk.state(other) != UNSEEN {
                 continue;
@@ -132,7 +133,7 @@ impl Walk<'_, '_> {
             return filled;
         };
         *mark = state;
-        *slot = cell as u32;
+        *slot = truncating_u32(cell);
         filled.saturating_add(1)
     }
 
@@ -157,7 +158,7 @@ impl Walk<'_, '_> {
             if at >= end {
                 break;
             }
-            let Some(cell) = self.queue.get(at).map(|&cell| cell as usize) else { break };
+            let Some(cell) = self.queue.get(at).map(|&cell| exact_usize(cell)) else { break };
             let centre = geometry.centre(cell);
             sum_x_m += f64::from(centre.x_m);
             sum_y_m += f64::from(centre.y_m);
@@ -171,17 +172,18 @@ impl Walk<'_, '_> {
             }
         }
         let cells = end.saturating_sub(begin);
-        let share = 1.0 / (cells.max(1) as f64);
-        let centroid_in_map = Point2::new((sum_x_m * share) as f32, (sum_y_m * share) as f32);
+        let share = 1.0 / nearest_f64(cells.max(1));
+        let centroid_in_map =
+            Point2::new(nearest_f32_of_f64(sum_x_m * share), nearest_f32_of_f64(sum_y_m * share));
         let goal_in_map = self.goal(begin, cells, centroid_in_map);
-        Frontier { cells: cells as u32, centroid_in_map, goal_in_map, nearest_m }
+        Frontier { cells: truncating_u32(cells), centroid_in_map, goal_in_map, nearest_m }
     }
 
     /// The free cell beside the frontier that is nearest to its centroid.
     fn goal(&self, begin: usize, cells: usize, centroid_in_map: Point2) -> Point2 {
         let geometry = self.costmap.geometry();
         let border = self.queue.iter().skip(begin).take(cells);
-        let beside = border.flat_map(|&cell| straight_neighbours(geometry, cell as usize)).flatten();
+        let beside = border.flat_map(|&cell| straight_neighbours(geometry, exact_usize(cell))).flatten();
         let free = beside
             .filter(|&cell| self.costmap.costs().get(cell).is_some_and(|&cost| cost < Costs::INSCRIBED));
         let distance_m = |cell: &usize| geometry.centre(*cell).distance(centroid_in_map);

@@ -2,6 +2,7 @@
 
 use floorguard_types::geometry::Point2;
 use floorguard_types::motion::Waypoint;
+use floorguard_types::number::nearest_f32;
 
 use super::contract::{GlobalPlanner, Plan, PlanFailure, PlanRequest};
 use super::grid_search::{GridSearch, SearchEnd, SearchMethod};
@@ -61,7 +62,7 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GlobalPlann
             }
         };
         let waypoints = self.search.trace(costmap, goal, path)?;
-        let cost = self.search.distance(goal).unwrap_or(0) as f32;
+        let cost = nearest_f32(self.search.distance(goal).unwrap_or(0));
         Ok(Plan { waypoints, cost, costmap_revision: costmap.revision() })
     }
 }

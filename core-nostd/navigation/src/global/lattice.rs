@@ -7,7 +7,9 @@
 use floorguard_mapping::{GRID_CELLS_MAX, GridGeometry};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::motion::{Gear, Waypoint};
-use floorguard_types::number::{saturating_i32, saturating_u32};
+use floorguard_types::number::{
+    exact_usize, saturating_i32, saturating_u32, truncating_i32, truncating_u32, truncating_usize,
+};
 
 use super::contract::PlanFailure;
 use super::lattice_heap::{HeapEntry, pop, push};
@@ -116,7 +118,7 @@ where
                 return Err(PlanFailure::Unreachable);
             };
             self.waiting = self.waiting.saturating_sub(1);
-            let Some(node) = self.nodes.as_ref().get(entry.node as usize).copied() else { continue };
+            let Some(node) = self.nodes.as_ref().get(exact_usize(entry.node)).copied() else { continue };
             let is_outdated = self.kind(node.pose).is_none_or(|kind| self.best_s(kind) < node.cost_s);
             if is_outdated {
                 continue;
@@ -216,7 +218,7 @@ where
     fn open(&mut self, node: LatticeNode, left_s: f32) -> Result<(), PlanFailure> {
         *self.nodes.as_mut().get_mut(self.used).ok_or(PlanFailure::OutOfRoom)? = node;
         let urgency = saturating_u32((node.cost_s + self.pace.haste * left_s) * UNITS_PER_S);
-        let entry = HeapEntry { urgency, node: self.used as u32 };
+        let entry = HeapEntry { urgency, node: truncating_u32(self.used) };
         self.waiting = push(self.heap.as_mut(), self.waiting, entry).ok_or(PlanFailure::OutOfRoom)?;
         self.used = self.used.saturating_add(1);
         Ok(())
@@ -226,7 +228,7 @@ where
     fn kind(&self, pose: Pose2) -> Option<usize> {
         let cell = self.raster.cell_at(Point2::new(pose.x_m, pose.y_m))?;
         let heading = saturating_i32(libm::roundf(pose.heading_rad / TURN_RAD));
-        let heading = heading.rem_euclid(HEADINGS as i32) as usize;
+        let heading = truncating_usize(heading.rem_euclid(truncating_i32(HEADINGS)));
         Some(cell.saturating_mul(HEADINGS).saturating_add(heading))
     }
 
@@ -238,7 +240,7 @@ where
     /// Writes the waypoints up to a node.
     fn path_to(&self, number: u32, path: &mut [Waypoint]) -> Result<usize, PlanFailure> {
         let nodes = self.nodes.as_ref();
-        let before = |at: u32| nodes.get(at as usize).map_or(u32::MAX, |node| node.parent);
+        let before = |at: u32| nodes.get(exact_usize(at)).map_or(u32::MAX, |node| node.parent);
         let chain = || {
             core::iter::successors(Some(number), |&at| Some(before(at)).filter(|&at| at != u32::MAX))
                 .take(GRID_CELLS_MAX)
@@ -246,7 +248,7 @@ where
         let count = chain().take(self.used).count();
         let path = path.get_mut(..count).ok_or(PlanFailure::PathTooLong(count))?;
         for (slot, at) in path.iter_mut().rev().zip(chain()) {
-            if let Some(node) = nodes.get(at as usize) {
+            if let Some(node) = nodes.get(exact_usize(at)) {
                 *slot = Waypoint { pose_in_map: node.pose, gear: node.gear };
             }
         }

@@ -2,11 +2,12 @@
 
 use floorguard_types::geometry::Pose2;
 use floorguard_types::motion::Gear;
+use floorguard_types::number::count_f32;
 
 /// Headings that are kept apart.
 pub const HEADINGS: usize = 16;
 /// Between two of them, radians.
-pub(super) const TURN_RAD: f32 = core::f32::consts::TAU / HEADINGS as f32;
+pub(super) const TURN_RAD: f32 = core::f32::consts::TAU / count_f32(HEADINGS);
 /// Motions from a pose.
 pub(super) const MOTIONS: usize = 6;
 

@@ -2,6 +2,7 @@
 
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
 use floorguard_types::motion::{Footprint, Gear, Waypoint};
+use floorguard_types::number::nearest_f32;
 
 use super::contract::{GlobalPlanner, Plan, PlanFailure, PlanRequest};
 use super::grid_planner::START_REACH_M;
@@ -79,13 +80,13 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> LatticeWorl
         if cost >= self.goal.clear_cost {
             footprint_cost(self.costmap, self.footprint, pose_in_map).ok()?;
         }
-        Some(1.0 + 3.0 * f32::from(cost) / StepCosts::NEUTRAL as f32)
+        Some(1.0 + 3.0 * f32::from(cost) / nearest_f32(StepCosts::NEUTRAL))
     }
 
     fn left_s(&self, pose_in_map: Pose2) -> Option<f32> {
         let geometry = self.costmap.geometry();
         let cell = geometry.cell_at(Point2::new(pose_in_map.x_m, pose_in_map.y_m))?;
-        let cells = self.search.distance(cell)? as f32 / StepCosts::NEUTRAL as f32;
+        let cells = nearest_f32(self.search.distance(cell)?) / nearest_f32(StepCosts::NEUTRAL);
         Some(cells * geometry.resolution_m() / self.pace.speed_mps)
     }
 

@@ -6,11 +6,12 @@
 use super::potential::{UNREACHED, potential};
 use super::step_costs::StepCosts;
 use floorguard_mapping::GRID_CELLS_MAX;
+use floorguard_types::number::{count_f32, exact_usize, nearest_f32, truncating_u32};
 
 use crate::costmap::CostmapView;
 
 /// The threshold rises by two neutral costs.
-const THRESHOLD_STEP: f32 = 2.0 * StepCosts::NEUTRAL as f32;
+const THRESHOLD_STEP: f32 = 2.0 * count_f32(exact_usize(StepCosts::NEUTRAL));
 
 /// Memory of the wave: `potentials` and `is_pending` one a cell, the buffers as large as the wave is long.
 pub struct Wavefront<'a> {
@@ -94,14 +95,14 @@ impl<'a> PublishedDijkstra<'a> {
         for at in 0..entries.min(GRID_CELLS_MAX) {
             let cell = self.wave.buffers.get(self.current).and_then(|buffer| buffer.get(at)).copied();
             let Some(cell) = cell else { continue };
-            if let Some(pending) = self.wave.is_pending.get_mut(cell as usize) {
+            if let Some(pending) = self.wave.is_pending.get_mut(exact_usize(cell)) {
                 *pending = false;
             }
         }
         for at in 0..entries.min(GRID_CELLS_MAX) {
             let cell = self.wave.buffers.get(self.current).and_then(|buffer| buffer.get(at)).copied();
             if let Some(cell) = cell {
-                self.update(costmap, cell as usize)?;
+                self.update(costmap, exact_usize(cell))?;
             }
         }
         if let Some(count) = self.counts.get_mut(self.current) {
@@ -152,7 +153,7 @@ impl<'a> PublishedDijkstra<'a> {
         let is_inner = geometry.index(column.wrapping_sub(1), row.wrapping_sub(1)).is_some()
             && geometry.index(column.wrapping_add(1), row.wrapping_add(1)).is_some();
         let cost = costmap.costs().get(cell).map_or(0, |&cost| self.steps.straight(cost));
-        (is_inner && cost > 0).then_some(cost as f32)
+        (is_inner && cost > 0).then_some(nearest_f32(cost))
     }
 
     /// Puts a cell into a buffer unless it waits in one.
@@ -167,7 +168,7 @@ impl<'a> PublishedDijkstra<'a> {
         let which = self.current.wrapping_add(which) % 3;
         let count = self.counts.get_mut(which).ok_or(WavefrontFull)?;
         let buffer = self.wave.buffers.get_mut(which).ok_or(WavefrontFull)?;
-        *buffer.get_mut(*count).ok_or(WavefrontFull)? = cell as u32;
+        *buffer.get_mut(*count).ok_or(WavefrontFull)? = truncating_u32(cell);
         *count = count.saturating_add(1);
         Ok(())
     }

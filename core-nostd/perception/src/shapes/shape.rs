@@ -6,6 +6,7 @@
 //! give.
 
 use floorguard_types::geometry::Point3;
+use floorguard_types::number::{nearest_f32, truncating_u32};
 
 /// Numbers of the vector.
 pub const SHAPE_FEATURES: usize = 24;
@@ -169,7 +170,7 @@ impl ShapeBuilder {
             slice.across.include(across);
             slice.along_sum += along;
             slice.count += 1.0;
-            slice.rings |= 1_u32.wrapping_shl(ring as u32);
+            slice.rings |= 1_u32.wrapping_shl(truncating_u32(ring));
         }
         let terms = [across, along, across * across, across * along, along * along, z, z * z, along * z];
         for (sum, term) in self.sums.iter_mut().zip(terms) {
@@ -259,7 +260,7 @@ fn closed_share(slices: &[Slice], beam_m: f32) -> f32 {
     let (mut covered_m, mut open_m) = (0.0_f32, 0.0_f32);
     for slice in slices.iter().filter(|slice| slice.count >= 2.0) {
         covered_m += slice.count * beam_m;
-        open_m += slice.rings.count_ones() as f32 * (slice.across.width() + beam_m);
+        open_m += nearest_f32(slice.rings.count_ones()) * (slice.across.width() + beam_m);
     }
     if open_m > 0.0 { covered_m / open_m } else { UNSEEN }
 }

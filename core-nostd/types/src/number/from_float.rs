@@ -104,6 +104,19 @@ pub const fn saturating_u32_of_f64(value: f64) -> u32 {
     value as u32
 }
 
+/// Towards zero, at least 0, at most the largest index; 0 for a NaN.
+///
+/// ```
+/// use floorguard_types::number::saturating_usize_of_f64;
+///
+/// assert_eq!([-1.0, 7.9, f64::INFINITY, f64::NAN].map(saturating_usize_of_f64), [0, 7, usize::MAX, 0]);
+/// ```
+#[inline(always)]
+#[must_use]
+pub const fn saturating_usize_of_f64(value: f64) -> usize {
+    value as usize
+}
+
 /// Towards zero, within the numbers of 64 bits; 0 for a NaN.
 ///
 /// ```

@@ -33,19 +33,33 @@ macro_rules! whole {
 
 whole!(u8 u16 u32 u64 usize i8 i16 i32 i64 isize);
 
-const _: () = assert!(usize::BITS >= 32, "an index of 32 bits must be one of memory");
+const _: () = assert!(usize::BITS >= 32 && usize::BITS <= 64, "a number of 32 bits must fit an address");
 
 /// A number of 32 bits as an index: every processor that this is built for has addresses at least as long.
 ///
 /// ```
-/// use floorguard_types::number::index;
+/// use floorguard_types::number::exact_usize;
 ///
-/// assert_eq!([10, 20, 30][index(2_u32)], 30);
+/// assert_eq!([10, 20, 30][exact_usize(2)], 30);
 /// ```
 #[inline(always)]
 #[must_use]
-pub const fn index(value: u32) -> usize {
+pub const fn exact_usize(value: u32) -> usize {
     value as usize
+}
+
+/// As `u64::from`, of a count, also in constants: no processor that this is built for has longer addresses.
+#[inline(always)]
+#[must_use]
+pub const fn count_u64(count: usize) -> u64 {
+    count as u64
+}
+
+/// As [`truncating_u32`], of a count, also in constants.
+#[inline(always)]
+#[must_use]
+pub const fn count_u32(count: usize) -> u32 {
+    count as u32
 }
 
 /// As [`nearest_f32`], of a count, also in constants.
@@ -60,6 +74,33 @@ pub const fn index(value: u32) -> usize {
 #[must_use]
 pub const fn count_f32(count: usize) -> f32 {
     count as f32
+}
+
+/// As [`nearest_f64`], of a count, also in constants.
+#[inline(always)]
+#[must_use]
+pub const fn count_f64(count: usize) -> f64 {
+    count as f64
+}
+
+/// At most 65,535; also in constants.
+///
+/// ```
+/// use floorguard_types::number::saturating_u16_of_u32;
+///
+/// assert_eq!([7, 0x1_0002].map(saturating_u16_of_u32), [7, u16::MAX]);
+/// ```
+#[inline(always)]
+#[must_use]
+pub const fn saturating_u16_of_u32(value: u32) -> u16 {
+    if value > u16::MAX as u32 { u16::MAX } else { value as u16 }
+}
+
+/// As `usize::from`, also in constants.
+#[inline(always)]
+#[must_use]
+pub const fn short_usize(value: u16) -> usize {
+    value as usize
 }
 
 /// The nearest float: exact up to 2²⁴, ties to even beyond.
