@@ -8,7 +8,7 @@ use super::active_cells::{ActiveCell, ActiveCells, Collapse};
 use super::brush_places::BrushPlaces;
 use super::dirt_model::{ActuatorModel, DirtSensorModel, sweep_cell};
 use super::swath::{Brush, Swath};
-use super::swath_mask::SwathMask;
+use super::swath_mask::{SwathMask, SweptCell};
 use floorguard_localisation::{MotionNoise, OdometryStep, sample_motion};
 use floorguard_localisation::{RangeModel, RangeModelConfig};
 use floorguard_localisation::{normalise, systematic};
@@ -219,7 +219,7 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> Belief<S, PARTIC
                 let swath = Swath::between(config.brush.bar_at(before), bar);
                 let mask = SwathMask::of(&swath, &geometry);
                 report.is_swath_clipped |= mask.is_clipped();
-                for (column, row, swept) in mask.cells() {
+                for SweptCell { column, row, samples: swept } in mask.cells() {
                     let Some(cell) = geometry.index(column, row) else { continue };
                     let Some(touched) = self.cells.touch(map, cell, (particle, &mut self.random)) else {
                         continue;

@@ -34,6 +34,17 @@ pub struct SwathMask {
     clipped: bool,
 }
 
+/// A cell of the raster, and which part of it the brush has swept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SweptCell {
+    /// Along x; may lie outside of the raster.
+    pub column: i32,
+    /// Along y; may lie outside of the raster.
+    pub row: i32,
+    /// A bit for each of 8 × 8 samples, rows of eight from the lower left.
+    pub samples: u64,
+}
+
 impl SwathMask {
     /// Rasterises a swath. Ground beyond the window is not marked, so nothing is claimed for it; [`Self::is_clipped`]
     /// then says so.
@@ -59,9 +70,9 @@ impl SwathMask {
         self.clipped
     }
 
-    /// Column, row and swept sub-samples of every cell that was touched.
+    /// Every cell that was touched.
     #[inline]
-    pub fn cells(&self) -> impl Iterator<Item = (i32, i32, u64)> + '_ {
+    pub fn cells(&self) -> impl Iterator<Item = SweptCell> + '_ {
         let rows = self.lines.chunks_exact(truncating_usize(SAMPLES)).take(self.rows).zip(0_i32..);
         rows.flat_map(move |(lines, row)| {
             let touched = lines.iter().fold(0, |all, line| all | line);
@@ -76,7 +87,7 @@ impl SwathMask {
                     self.first_column.saturating_add(truncating_i32(column)),
                     self.first_row.saturating_add(row),
                 );
-                (mask != 0).then_some((column, row, mask))
+                (mask != 0).then_some(SweptCell { column, row, samples: mask })
             })
         })
     }
@@ -196,7 +207,7 @@ mod tests {
             let swath = Swath::between(brush.bar_at(pose), brush.bar_at(next));
             let mask = SwathMask::of(&swath, &geometry);
             assert!(!mask.is_clipped());
-            for (column, row, bits) in mask.cells() {
+            for SweptCell { column, row, samples: bits } in mask.cells() {
                 let corner = Point2::new(-1.0 + column as f32 * 0.1, -1.0 + row as f32 * 0.1);
                 let error = bits.count_ones() as f32 / 64.0 - swath.share_of_square(corner, 0.1);
                 assert!(error.abs() < 0.13, "{error}");
@@ -215,7 +226,7 @@ mod tests {
         for step in 0..10 {
             let at = |s: i32| brush.bar_at(Pose2::new(0.9 + s as f32 * 0.037, 1.05, 0.0));
             let mask = SwathMask::of(&Swath::between(at(step), at(step + 1)), &geometry);
-            for (column, row, bits) in mask.cells() {
+            for SweptCell { column, row, samples: bits } in mask.cells() {
                 if (column, row) == (10, 10) {
                     assert_eq!(covered & bits, 0, "the same ground twice on a straight lane");
                     covered |= bits;

@@ -5,7 +5,7 @@
 //! watches its own clock between calls, and may go on at any later tick.
 
 use super::distances::{Distances, OpenPath};
-use super::local_search::LocalSearch;
+use super::local_search::{LocalSearch, Stretch};
 use floorguard_types::number::{exact_usize, truncating_u16, truncating_u32};
 use floorguard_types::random::Pcg32;
 
@@ -220,22 +220,22 @@ impl<const N: usize> TourSolver<N> {
         let node =
             |offset: usize| self.search.cycle.at(position.wrapping_add(offset) % exact_usize(count).max(1));
         let outer = node(0);
-        let first = (node(1), node(first_length));
+        let first = Stretch { from: node(1), to: node(first_length) };
         let both = first_length.wrapping_add(second_length);
-        let second = (node(first_length.wrapping_add(1)), node(both));
+        let second = Stretch { from: node(first_length.wrapping_add(1)), to: node(both) };
         let after = node(both.wrapping_add(1));
         let between = |a, b| distances.between(a, b);
         // Kept apart from the closing bonus: an experiment that breaks the closing edge would never be kept.
-        let removed = [(outer, first.0), (first.1, second.0), (second.1, after)];
+        let removed = [(outer, first.from), (first.to, second.from), (second.to, after)];
         if !self.closed && removed.iter().any(|&(a, b)| self.is_closing(a, b)) {
             return 0;
         }
-        let added = [(outer, second.0), (second.1, first.0), (first.1, after)];
+        let added = [(outer, second.from), (second.to, first.from), (first.to, after)];
         let sum =
             |edges: [(u16, u16); 3]| edges.iter().fold(0_i32, |s, &(a, b)| s.wrapping_add(between(a, b)));
         let loss = sum(added).wrapping_sub(sum(removed));
         self.search.exchange(outer, first, second);
-        for node in [outer, first.0, first.1, second.0, second.1, after] {
+        for node in [outer, first.from, first.to, second.from, second.to, after] {
             if node != self.end() {
                 self.search.wake(node);
             }

@@ -55,6 +55,15 @@ pub struct Fit {
     pub fitted: f32,
 }
 
+/// Visits to be expected, and how much they rest on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HourlyVisits {
+    /// Visits an hour, > 0.
+    pub per_hour: f32,
+    /// Hours of watching that this rests on.
+    pub watched_hours: f32,
+}
+
 impl Correction {
     /// Around `base`, visits an hour by the hour of the week.
     pub fn new<const HOURS: usize>(
@@ -79,8 +88,8 @@ impl Correction {
         Self { shapes: (shape(counts(true), free), shape(counts(false), free)), calm, watched }
     }
 
-    /// Visits an hour at a moment of which the formula expects `base`, and the hours of watching that it rests on.
-    pub fn apply<const HOURS: usize>(&self, week: &Week<HOURS>, (at, base): (LocalTime, f32)) -> (f32, f32) {
+    /// What to expect at a moment, of which the formula expects `base` visits an hour.
+    pub fn apply<const HOURS: usize>(&self, week: &Week<HOURS>, at: LocalTime, base: f32) -> HourlyVisits {
         let index = usize::from(at.hour_of_week());
         let bin = week.bins().get(index.checked_rem(HOURS).unwrap_or_default()).map(Evidence::from);
         let seen = bin.unwrap_or_default();
@@ -90,6 +99,6 @@ impl Correction {
         // The formula is worth α visits, but not more than what was watched at the same hour of other days.
         let watched = self.watched.get(index % 24).copied().unwrap_or_default();
         let lent = (shape / base).min((watched - seen.hours).max(0.0));
-        (base * factor, seen.hours + lent)
+        HourlyVisits { per_hour: base * factor, watched_hours: seen.hours + lent }
     }
 }

@@ -53,6 +53,15 @@ pub struct PeopleHeat<C, H, const TRACKS: usize, const RECENT: usize> {
     rest_us: u32,
 }
 
+/// What happened in a cell during some hours of the week.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct HourCount {
+    /// People who came.
+    pub visits: u32,
+    /// How long they stayed together, hundredths of a second.
+    pub dwell_cs: u32,
+}
+
 impl<C, H, const TRACKS: usize, const RECENT: usize> PeopleHeat<C, H, TRACKS, RECENT>
 where
     C: AsRef<[HeatCell]> + AsMut<[HeatCell]>,
@@ -124,16 +133,16 @@ where
         }
     }
 
-    /// Visits and hundredths of a second of every cell in the chosen hours of the week, added to `into`, which holds
-    /// one value a cell. `is_chosen` is asked for each hour from Monday 00:00.
-    pub fn of_hours(&self, into: &mut [(u32, u32)], is_chosen: impl Fn(u8) -> bool) {
+    /// Visits and dwell times of every cell in the chosen hours of the week, added to `into`, which holds one value a
+    /// cell. `is_chosen` is asked for each hour from Monday 00:00.
+    pub fn of_hours(&self, into: &mut [HourCount], is_chosen: impl Fn(u8) -> bool) {
         let mut chosen = [false; HOURS_OF_WEEK];
         chosen.iter_mut().zip(0_u8..).for_each(|(chosen, hour)| *chosen = is_chosen(hour));
         for entry in self.hours.iter() {
             let Some((cell, hour)) = entry.cell_and_hour() else { continue };
             if let (Some(true), Some(value)) = (chosen.get(usize::from(hour)), into.get_mut(cell)) {
-                *value =
-                    (value.0.saturating_add(u32::from(entry.visits)), value.1.saturating_add(entry.dwell_cs));
+                value.visits = value.visits.saturating_add(u32::from(entry.visits));
+                value.dwell_cs = value.dwell_cs.saturating_add(entry.dwell_cs);
             }
         }
     }
@@ -174,12 +183,12 @@ mod tests {
         let cell = heat.cells().geometry().cell_at(Point2::new(3.1, 1.1)).unwrap();
         assert_eq!(heat.cells().values()[cell].visits, 4);
         assert!(heat.cells().values().iter().map(|c| c.dwell_cs).sum::<u32>().abs_diff(4 * 540) <= 1);
-        let mut nine = vec![(0, 0); 300];
+        let mut nine = vec![HourCount::default(); 300];
         heat.of_hours(&mut nine, |hour| hour == 9);
-        assert_eq!(nine[cell].0, 3);
-        let mut tuesday = vec![(0, 0); 300];
+        assert_eq!(nine[cell].visits, 3);
+        let mut tuesday = vec![HourCount::default(); 300];
         heat.of_hours(&mut tuesday, |hour| hour / 24 == 1);
-        assert!(tuesday.iter().all(|value| *value == (0, 0)));
+        assert!(tuesday.iter().all(|value| *value == HourCount::default()));
         assert!(heat.normalised().all(|value| (0.0..=1.0).contains(&value)));
         assert!(heat.normalised().any(|value| value == 1.0));
     }

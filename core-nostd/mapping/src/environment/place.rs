@@ -7,7 +7,7 @@
 use floorguard_types::number::{nearest_f32, truncating_u8};
 
 use super::contest::Contest;
-use super::correction::{Correction, Fit};
+use super::correction::{Correction, Fit, HourlyVisits};
 use super::dirt_seen::DirtSeen;
 use super::evidence::Rate;
 use super::rhythm::Rhythm;
@@ -270,7 +270,7 @@ impl<const HOURS: usize, const PERIODS: usize> Forecast<'_, HOURS, PERIODS> {
         let usual = |seen: Evidence| {
             if seen.hours > 0.0 { Rate::of(seen, self.mean, 1.0).per_hour } else { self.mean }
         };
-        let (rhythm, _) = self.rhythm.rate(week, &self.of_rhythm, at);
+        let rhythm = self.rhythm.rate(week, &self.of_rhythm, at).per_hour;
         let [one, two, three, four] = self.orders(at);
         [rhythm, self.mean, one, two, three, four, usual(week.around_any_day(at)), usual(week.around(at))]
             .map(|rate| rate.max(RATE_MIN))
@@ -283,9 +283,9 @@ impl<const HOURS: usize, const PERIODS: usize> Forecast<'_, HOURS, PERIODS> {
         let (week, spread) = (&self.place.week, self.place.spread());
         let (day, total) = (week.around_any_day(at), week.total());
         let is_seen = day.hours >= SEEN_HOURS;
-        let (value, hours) = match self.model {
-            RateModel::Spectrum(order) if is_seen => self.correction.apply(week, (at, self.order(at, order))),
-            RateModel::Mean => (self.mean, total.hours),
+        let HourlyVisits { per_hour, watched_hours } = match self.model {
+            RateModel::Spectrum(order) if is_seen => self.correction.apply(week, at, self.order(at, order)),
+            RateModel::Mean => HourlyVisits { per_hour: self.mean, watched_hours: total.hours },
             RateModel::Day if is_seen => return Rate::of(day, self.mean, spread),
             RateModel::Week if week.around(at).hours >= SEEN_HOURS => {
                 return Rate::of(week.around(at), self.mean, spread);
@@ -293,8 +293,8 @@ impl<const HOURS: usize, const PERIODS: usize> Forecast<'_, HOURS, PERIODS> {
             // A spectrum predicts unobserved hours, but not reliably.
             _ => self.rhythm.rate(week, &self.of_rhythm, at),
         };
-        let hours = if is_seen { hours } else { total.hours.min(UNSEEN_EVIDENCE_HOURS) };
-        Rate::with_doubt(value.max(RATE_MIN), hours, spread)
+        let hours = if is_seen { watched_hours } else { total.hours.min(UNSEEN_EVIDENCE_HOURS) };
+        Rate::with_doubt(per_hour.max(RATE_MIN), hours, spread)
     }
 }
 
