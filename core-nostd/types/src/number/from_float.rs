@@ -65,6 +65,19 @@ pub const fn saturating_u32(value: f32) -> u32 {
     value as u32
 }
 
+/// Towards zero, within 0…18,446,744,073,709,551,615; 0 for a NaN.
+///
+/// ```
+/// use floorguard_types::number::saturating_u64;
+///
+/// assert_eq!([-1.0, 7.9, f32::INFINITY, f32::NAN].map(saturating_u64), [0, 7, u64::MAX, 0]);
+/// ```
+#[inline(always)]
+#[must_use]
+pub const fn saturating_u64(value: f32) -> u64 {
+    value as u64
+}
+
 /// Towards zero, within the numbers of 32 bits; 0 for a NaN. Not the floor: −0.5 becomes 0.
 ///
 /// ```

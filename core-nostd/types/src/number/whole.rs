@@ -62,6 +62,13 @@ pub const fn count_u32(count: usize) -> u32 {
     count as u32
 }
 
+/// As [`truncating_i32`], of a count, also in constants.
+#[inline(always)]
+#[must_use]
+pub const fn count_i32(count: usize) -> i32 {
+    count as i32
+}
+
 /// As [`nearest_f32`], of a count, also in constants.
 ///
 /// ```
