@@ -14,7 +14,7 @@ pub use from_float::{
     saturating_usize_of_f64,
 };
 pub use whole::{
-    Whole, count_f32, count_f64, count_i32, count_u32, count_u64, exact_usize, nearest_f32, nearest_f64,
-    saturating_u16_of_u32, short_usize, truncating_i16, truncating_i32, truncating_i64, truncating_u8,
-    truncating_u16, truncating_u32, truncating_u64, truncating_usize,
+    Whole, count_f32, count_i32, count_u32, count_u64, exact_usize, nearest_f32, nearest_f64,
+    saturating_u16_of_u32, short_usize, truncating_i32, truncating_i64, truncating_u8, truncating_u16,
+    truncating_u32, truncating_u64, truncating_usize,
 };

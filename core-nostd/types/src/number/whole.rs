@@ -83,13 +83,6 @@ pub const fn count_f32(count: usize) -> f32 {
     count as f32
 }
 
-/// As [`nearest_f64`], of a count, also in constants.
-#[inline(always)]
-#[must_use]
-pub const fn count_f64(count: usize) -> f64 {
-    count as f64
-}
-
 /// At most 65,535; also in constants.
 ///
 /// ```
@@ -200,19 +193,6 @@ pub fn truncating_u64(value: impl Whole) -> u64 {
 #[must_use]
 pub fn truncating_usize(value: impl Whole) -> usize {
     value.low_bits() as usize
-}
-
-/// The low 16 bits; what lies above is dropped, and the highest of them is the sign.
-///
-/// ```
-/// use floorguard_types::number::truncating_i16;
-///
-/// assert_eq!([7_u16, 0xFFFE].map(truncating_i16), [7, -2]);
-/// ```
-#[inline(always)]
-#[must_use]
-pub fn truncating_i16(value: impl Whole) -> i16 {
-    value.low_bits() as i16
 }
 
 /// The low 32 bits; what lies above is dropped, and the highest of them is the sign.
