@@ -31,6 +31,7 @@ pub fn normalise<const N: usize>(log_weights: &[f32; N], weights: &mut [f32; N])
         *weight /= sum;
         squares += *weight * *weight;
     }
+    debug_assert!(squares > 0.0 && squares < 1.001, "weights that sum to 1 have squares of {squares}");
     Some(1.0 / squares)
 }
 
@@ -67,6 +68,7 @@ pub fn systematic<const N: usize>(weights: &[f32; N], random: &mut Pcg32, parent
     for parent in parents.iter_mut().skip(filled) {
         *parent = last_parent;
     }
+    debug_assert!(parents.is_sorted(), "marks are taken in order");
 }
 
 #[cfg(test)]

@@ -121,6 +121,7 @@ fn build_envelope(row: &[u32], envelope: &mut [Parabola]) -> usize {
             if from >= columns {
                 continue;
             }
+            debug_assert!(from > i64::from(top.from), "parabolas stand from left to right");
             new.from = truncating_i32(from);
         }
         if let Some(slot) = envelope.get_mut(count) {

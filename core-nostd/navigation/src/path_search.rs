@@ -120,6 +120,7 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
             }
             empty_run = 0;
             self.unlink(exact_usize(head));
+            debug_assert!(self.raw(exact_usize(head)) >= self.horizon, "cells are settled from near to far");
             self.horizon = self.raw(exact_usize(head));
             settled = settled.saturating_add(1);
             if is_enough(exact_usize(head)) || settled >= count {

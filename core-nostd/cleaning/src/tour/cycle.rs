@@ -128,6 +128,10 @@ impl<const N: usize> Cycle<N> {
     #[inline]
     fn swap(&mut self, low: usize, high: usize) {
         let (Some(&a), Some(&b)) = (self.order.get(low), self.order.get(high)) else { return };
+        debug_assert!(
+            self.position(a) == low && self.position(b) == high,
+            "position is the inverse of order"
+        );
         if let Some(place) = self.order.get_mut(low) {
             *place = b;
         }

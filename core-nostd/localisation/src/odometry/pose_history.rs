@@ -65,6 +65,7 @@ impl PoseHistory {
         }
         self.next = self.next.saturating_add(1) % POSE_HISTORY;
         self.count = self.count.saturating_add(1).min(POSE_HISTORY);
+        debug_assert!(self.back(1).is_none_or(|(before, _)| before < stamp), "stamps ascend");
     }
 
     /// The newest entry.

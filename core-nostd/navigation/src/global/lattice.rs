@@ -117,6 +117,7 @@ where
             let Some(entry) = pop(self.heap.as_mut(), self.waiting) else {
                 return Err(PlanFailure::Unreachable);
             };
+            debug_assert!(self.waiting <= self.used, "every pose waits once");
             self.waiting = self.waiting.saturating_sub(1);
             let Some(node) = self.nodes.as_ref().get(exact_usize(entry.node)).copied() else { continue };
             let is_outdated = self.kind(node.pose).is_none_or(|kind| self.best_s(kind) < node.cost_s);
@@ -206,6 +207,7 @@ where
             if self.best_s(kind) <= cost_s {
                 continue;
             }
+            debug_assert!(cost_s >= node.cost_s, "no motion gives time back");
             let Some(left_s) = world.left_s(next) else { continue };
             self.open(LatticeNode { pose: next, gear: motion.gear, parent: number, cost_s }, left_s)?;
             if let Some(cell) = self.cells.as_mut().get_mut(kind) {
