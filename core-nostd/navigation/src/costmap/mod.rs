@@ -10,6 +10,8 @@ mod inflation;
 mod obstacle_layer;
 mod people_layer;
 mod rays;
+#[cfg(test)]
+pub(crate) mod test_floor;
 mod view;
 mod zones;
 

@@ -143,9 +143,10 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::costmap::{CostmapLayers, Inflation, InflationConfig, InflationScratch, PeopleCost, compose};
+    use crate::costmap::InflationConfig;
+    use crate::costmap::test_floor::costs_of;
     use crate::global::{HEADINGS, LatticeStorage};
-    use floorguard_mapping::{GridGeometry, Occupancy, Parabola};
+    use floorguard_mapping::GridGeometry;
     use std::vec;
     use std::vec::Vec;
 
@@ -163,34 +164,15 @@ mod tests {
     #[test]
     fn long_robot_passes_gap_with_whole_outline() {
         let geometry = GridGeometry::new(160, 120, 0.05, Point2::default()).unwrap();
-        let mut fixed = vec![Occupancy::Free; geometry.cell_count()];
-        for (cell, value) in fixed.iter_mut().enumerate() {
-            let centre = geometry.centre(cell);
-            let is_wall = (centre.x_m - 4.0).abs() < 0.1 && !(4.0..4.8).contains(&centre.y_m);
-            let edge = centre.x_m < 0.1 || centre.y_m < 0.1 || centre.x_m > 7.9 || centre.y_m > 5.9;
-            if is_wall || edge {
-                *value = Occupancy::Occupied;
-            }
-        }
-        let config = InflationConfig { inscribed_radius_m: 0.25, inflation_radius_m: 0.9, decay_per_m: 4.0 };
-        let inflation = Inflation::new(&config, 0.05).unwrap();
-        let layers = CostmapLayers {
-            geometry: &geometry,
-            inflation: &inflation,
-            fixed: &fixed,
-            observed: &[],
-            zones: &[],
-            people: &[],
-            people_cost: PeopleCost::DEFAULT,
-        };
-        let (mut squared_cells, mut envelope) = (vec![0; fixed.len()], vec![Parabola::default(); 160]);
-        let mut scratch = InflationScratch { squared_cells: &mut squared_cells, envelope: &mut envelope };
-        let mut costs = vec![0; fixed.len()];
-        compose(&layers, &mut costs, &mut scratch).unwrap();
+        let shape = InflationConfig { inscribed_radius_m: 0.25, inflation_radius_m: 0.9, decay_per_m: 4.0 };
+        let costs = costs_of(&geometry, &shape, |place| {
+            let is_wall = (place.x_m - 4.0).abs() < 0.1 && !(4.0..4.8).contains(&place.y_m);
+            is_wall || place.x_m < 0.1 || place.y_m < 0.1 || place.x_m > 7.9 || place.y_m > 5.9
+        });
         let costmap = CostmapView::new(geometry, &costs, 1).unwrap();
         let corners = [(0.9, 0.25), (-0.3, 0.25), (-0.3, -0.25), (0.9, -0.25)];
         let footprint = Footprint::new(&corners.map(|(x, y)| Point2::new(x, y))).unwrap();
-        let search = GridSearch::new(vec![0; fixed.len()], vec![0; 8_192], StepCosts::new(false));
+        let search = GridSearch::new(vec![0; costs.len()], vec![0; 8_192], StepCosts::new(false));
         let raster = GridGeometry::new(80, 60, 0.1, Point2::default()).unwrap();
         let storage = LatticeStorage {
             nodes: vec![LatticeNode::default(); 60_000],
