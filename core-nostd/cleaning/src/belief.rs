@@ -12,7 +12,7 @@ use super::swath_mask::{SwathMask, SweptCell};
 use floorguard_localisation::{MotionNoise, OdometryStep, sample_motion};
 use floorguard_localisation::{RangeModel, RangeModelConfig};
 use floorguard_localisation::{normalise, systematic};
-use floorguard_mapping::{DirtCell, DirtMap, DistanceField};
+use floorguard_mapping::{DirtCell, DirtMap, DistanceField, GridCoordinates};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::number::nearest_f32;
 use floorguard_types::random::Pcg32;
@@ -178,7 +178,7 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> Belief<S, PARTIC
         report.explained_share = self.range.explained_share(field, self.best(), evidence.hits_in_base);
         let geometry = *map.geometry();
         self.cells.empty(map, (&self.weights, self.config.tolerated_units), |cell| {
-            let (column, row) = geometry.coordinates(cell);
+            let GridCoordinates { column, row } = geometry.coordinates(cell);
             !places.is_near(column, row)
         });
         if self.config.resample_always || report.effective_particles < 0.5 * nearest_f32(PARTICLES) {

@@ -7,7 +7,7 @@
 use heapless::Vec;
 
 use super::tour::{Distances, TourError, TourSolver};
-use floorguard_mapping::GridGeometry;
+use floorguard_mapping::{GridCoordinates, GridGeometry};
 use floorguard_navigation::{PathSearch, SEARCH_CELLS_MAX, STRAIGHT, SearchCell};
 use floorguard_types::number::{exact_usize, nearest_f32, saturating_u16, truncating_u32};
 use floorguard_types::random::Pcg32;
@@ -243,14 +243,14 @@ where
     /// to 8 %: the ratio of straight line to the raster's own free-space distance takes that back.
     fn fill_row(&mut self, node: u16) {
         let geometry = *self.search.geometry();
-        let (column, row) = geometry.coordinates(self.cell_of(node));
+        let GridCoordinates { column, row } = geometry.coordinates(self.cell_of(node));
         for (other, &cell) in self.cells.iter().enumerate() {
             if cell == NO_CELL {
                 continue;
             }
             let distance = match self.search.distance(exact_usize(cell)) {
                 Some(units) => {
-                    let (x, y) = geometry.coordinates(exact_usize(cell));
+                    let GridCoordinates { column: x, row: y } = geometry.coordinates(exact_usize(cell));
                     saturating_u16(
                         (nearest_f32(units) * straightness(x.abs_diff(column), y.abs_diff(row)) + 0.5)
                             .min(65_534.0),
@@ -357,7 +357,7 @@ mod tests {
         let geometry = *planner.geometry();
         // A wall at column 10 with a gap in row 19.
         let passable = |cell| {
-            let (column, row) = geometry.coordinates(cell);
+            let GridCoordinates { column, row } = geometry.coordinates(cell);
             column != 10 || row == 19
         };
         let at = |x, y| geometry.index(x, y).unwrap();
@@ -382,9 +382,9 @@ mod tests {
     fn unreachable_and_overflowing_cells_are_counted() {
         let mut planner = planner();
         let geometry = *planner.geometry();
-        let passable = |cell| geometry.coordinates(cell).0 != 10;
+        let passable = |cell| geometry.coordinates(cell).column != 10;
         let report = planner
-            .replan(0, &PlanCells { wanted: |c| geometry.coordinates(c).1 < 4, passable }, 10)
+            .replan(0, &PlanCells { wanted: |c| geometry.coordinates(c).row < 4, passable }, 10)
             .unwrap();
         // 10 columns can be reached in four rows: 40 cells, of which 30 fit; the wall's and those behind it cannot.
         assert_eq!((report.planned, report.postponed, report.unreachable), (30, 10, 40));

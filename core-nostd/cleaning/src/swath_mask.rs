@@ -5,7 +5,7 @@
 //! (book, Cleaning: Swath; error of the share at most 1/64 as a rule).
 
 use super::swath::Swath;
-use floorguard_mapping::GridGeometry;
+use floorguard_mapping::{GridCoordinates, GridGeometry};
 use floorguard_types::geometry::Point2;
 use floorguard_types::number::{
     nearest_f32, saturating_i32, truncating_i32, truncating_u32, truncating_usize,
@@ -56,7 +56,8 @@ impl SwathMask {
             low_x = low_x.min(corner.x_m);
             low_y = low_y.min(corner.y_m);
         }
-        let (first_column, first_row) = geometry.coordinates_of(Point2::new(low_x, low_y));
+        let GridCoordinates { column: first_column, row: first_row } =
+            geometry.coordinates_of(Point2::new(low_x, low_y));
         let mut mask = Self { first_column, first_row, lines: [0; LINES], rows: 0, clipped: false };
         for corners in swath.pieces() {
             mask.fill(corners, geometry);

@@ -176,6 +176,7 @@ impl<'a> Lookup<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use floorguard_mapping::GridCoordinates;
     use floorguard_mapping::{Grid, GridGeometry, fill_distances};
     use std::vec;
 
@@ -196,7 +197,7 @@ mod tests {
         let mut field = Grid::new(geometry, vec![0_u8; 10_000]).unwrap();
         let mut scratch = Grid::new(geometry, vec![0_u8; 10_000]).unwrap();
         fill_distances(&mut field, &mut scratch, |i| {
-            let (column, row) = geometry.coordinates(i);
+            let GridCoordinates { column, row } = geometry.coordinates(i);
             column == 80 || row == 90
         });
         let model = RangeModel::new(RangeModelConfig::XTION);

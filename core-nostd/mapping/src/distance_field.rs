@@ -25,7 +25,7 @@ pub type DistanceField<S> = Grid<u8, S>;
 /// let geometry = GridGeometry::new(20, 10, 0.1, Point2::default()).unwrap();
 /// let mut field = Grid::new(geometry, [0_u8; 200]).unwrap();
 /// let mut scratch = field.clone();
-/// fill_distances(&mut field, &mut scratch, |cell| geometry.coordinates(cell).0 == 0);
+/// fill_distances(&mut field, &mut scratch, |cell| geometry.coordinates(cell).column == 0);
 /// assert!((field.clearance_m(Point2::new(1.25, 0.5)) - 1.2).abs() < 1.0e-6);
 /// assert_eq!(field.clearance_m(Point2::new(-1.0, 0.5)), 0.0);
 /// ```

@@ -150,6 +150,7 @@ fn fill_row(row: &mut [u32], envelope: &[Parabola]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::GridCoordinates;
     use crate::GridSides;
     use floorguard_types::geometry::Point2;
     use proptest::prelude::*;
@@ -181,9 +182,9 @@ mod tests {
             let obstacles: Vec<bool> = (0..geometry.cell_count()).map(|_| random.bernoulli(share)).collect();
             let squared = transformed(&geometry, &obstacles);
             for (cell, &found) in squared.iter().enumerate().take(geometry.cell_count()) {
-                let (x, y) = geometry.coordinates(cell);
+                let GridCoordinates { column: x, row: y } = geometry.coordinates(cell);
                 let nearest = (0..geometry.cell_count()).filter(|&other| obstacles[other]).map(|other| {
-                    let (u, v) = geometry.coordinates(other);
+                    let GridCoordinates { column: u, row: v } = geometry.coordinates(other);
                     ((x - u) * (x - u) + (y - v) * (y - v)) as u32
                 });
                 prop_assert_eq!(found, nearest.min().unwrap_or(NO_OBSTACLE));

@@ -23,6 +23,15 @@ pub struct GridSides {
     pub rows: u32,
 }
 
+/// A cell by column and row; may lie outside the raster.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct GridCoordinates {
+    /// Along x, from 0.
+    pub column: i32,
+    /// Along y, from 0.
+    pub row: i32,
+}
+
 /// Where the cells of a raster lie in the map frame. Cell (0, 0) is the one with the smallest coordinates; the index
 /// runs along x first. Invariants: 0 < `resolution_m` < 100, both sides ≥ 1.
 ///
@@ -32,7 +41,7 @@ pub struct GridSides {
 ///
 /// let geometry = GridGeometry::new(40, 20, 0.5, Point2::new(-10.0, -5.0)).unwrap();
 /// let cell = geometry.cell_at(Point2::new(0.1, 0.1)).unwrap();
-/// assert_eq!(geometry.coordinates(cell), (20, 10));
+/// assert_eq!(geometry.coordinates(cell).column, 20);
 /// assert_eq!(geometry.centre(cell), Point2::new(0.25, 0.25));
 /// assert_eq!(geometry.cell_at(Point2::new(11.0, 0.0)), None);
 /// ```
@@ -142,36 +151,36 @@ impl GridGeometry {
         inside.then(|| row.saturating_mul(self.columns()).saturating_add(column))
     }
 
-    /// Column and row of the cell that holds a point of the map frame; may lie outside the raster.
+    /// The cell that holds a point of the map frame; may lie outside the raster.
     #[inline]
     #[must_use]
-    pub fn coordinates_of(&self, point_in_map: Point2) -> (i32, i32) {
+    pub fn coordinates_of(&self, point_in_map: Point2) -> GridCoordinates {
         let x = (point_in_map.x_m - self.origin_in_map.x_m) * self.cells_per_metre;
         let y = (point_in_map.y_m - self.origin_in_map.y_m) * self.cells_per_metre;
         // `as` saturates, and takes NaN to 0; floor, not truncation, so that −0.5 is outside.
-        (saturating_i32(libm::floorf(x)), saturating_i32(libm::floorf(y)))
+        GridCoordinates { column: saturating_i32(libm::floorf(x)), row: saturating_i32(libm::floorf(y)) }
     }
 
     /// Index of the cell that holds a point of the map frame, `None` outside.
     #[inline]
     #[must_use]
     pub fn cell_at(&self, point_in_map: Point2) -> Option<usize> {
-        let (column, row) = self.coordinates_of(point_in_map);
+        let GridCoordinates { column, row } = self.coordinates_of(point_in_map);
         self.index(column, row)
     }
 
     /// Column and row of an index.
     #[inline]
     #[must_use]
-    pub fn coordinates(&self, index: usize) -> (i32, i32) {
+    pub fn coordinates(&self, index: usize) -> GridCoordinates {
         let width = self.columns().max(1);
-        (truncating_i32(index % width), truncating_i32(index / width))
+        GridCoordinates { column: truncating_i32(index % width), row: truncating_i32(index / width) }
     }
 
     /// Centre of a cell, in the map frame.
     #[must_use]
     pub fn centre(&self, index: usize) -> Point2 {
-        let (column, row) = self.coordinates(index);
+        let GridCoordinates { column, row } = self.coordinates(index);
         Point2::new(
             self.origin_in_map.x_m + (nearest_f32(column) + 0.5) * self.resolution_m,
             self.origin_in_map.y_m + (nearest_f32(row) + 0.5) * self.resolution_m,

@@ -5,7 +5,7 @@
 //! as soon as what it was asked for is settled, and costs nothing for the rest of the map: cells of an older search are
 //! recognised by their round number.
 
-use floorguard_mapping::GridGeometry;
+use floorguard_mapping::{GridCoordinates, GridGeometry};
 use floorguard_types::number::{exact_usize, truncating_u32};
 
 /// Cost of a straight step; the unit of all distances on the raster is 1/29 of a cell.
@@ -44,7 +44,7 @@ impl SearchCell {
 ///
 /// // A wall across a room of 5 × 3 cells, with a door in its upper row.
 /// let geometry = GridGeometry::new(5, 3, 0.1, Point2::default()).unwrap();
-/// let passable = |cell| geometry.coordinates(cell) != (2, 0) && geometry.coordinates(cell) != (2, 1);
+/// let passable = |cell| cell != geometry.index(2, 0).unwrap() && cell != geometry.index(2, 1).unwrap();
 /// let mut search = PathSearch::new(geometry, [SearchCell::EMPTY; 15]);
 /// let (start, goal) = (geometry.index(0, 0).unwrap(), geometry.index(4, 0).unwrap());
 /// search.run(start, passable);
@@ -145,7 +145,7 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
 
     #[inline]
     fn expand(&mut self, cell: usize, passable: &impl Fn(usize) -> bool) {
-        let (column, row) = self.geometry.coordinates(cell);
+        let GridCoordinates { column, row } = self.geometry.coordinates(cell);
         let distance = self.raw(cell);
         let mut open = [false; 8];
         for (open, (dx, dy, cost)) in open.iter_mut().zip(NEIGHBOURS).take(4) {
@@ -228,7 +228,7 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
     #[must_use]
     pub fn towards_start(&self, cell: usize) -> Option<usize> {
         let here = self.distance(cell)?;
-        let (column, row) = self.geometry.coordinates(cell);
+        let GridCoordinates { column, row } = self.geometry.coordinates(cell);
         let mut best: Option<(u32, usize)> = None;
         for (dx, dy, cost) in NEIGHBOURS {
             let Some(other) = self.geometry.index(column.wrapping_add(dx), row.wrapping_add(dy)) else {
@@ -294,7 +294,7 @@ mod tests {
                     if slow[cell] == u32::MAX {
                         continue;
                     }
-                    let (x, y) = geometry.coordinates(cell);
+                    let GridCoordinates { column: x, row: y } = geometry.coordinates(cell);
                     for (dx, dy, cost) in NEIGHBOURS {
                         let sides = dx == 0 || dy == 0 || (is_free(x + dx, y) && is_free(x, y + dy));
                         if is_free(x + dx, y + dy) && sides {

@@ -59,8 +59,8 @@ impl DirtyFloor {
     pub fn sweep(&mut self, pass: &BrushPass, now_s: f32, (pickup, random): (f32, &mut Pcg32)) -> u32 {
         let [first, last] = pass.bounds().map(|corner| self.raster.coordinates_of(corner));
         let mut units = 0;
-        for row in first.1..=last.1 {
-            for column in first.0..=last.0 {
+        for row in first.row..=last.row {
+            for column in first.column..=last.column {
                 let Some(cell) = self.raster.index(column, row) else { continue };
                 let Some(Some(dirty)) = self.cells.get_mut(cell) else { continue };
                 units += sweep_cell(dirty, pass, now_s, (pickup, random));
@@ -75,7 +75,8 @@ impl DirtyFloor {
         let corner = |sign: f32| Point2::new(place.x_m + sign * radius_m, place.y_m + sign * radius_m);
         let (first, last) =
             (self.raster.coordinates_of(corner(-1.0)), self.raster.coordinates_of(corner(1.0)));
-        let cells = (first.1..=last.1).flat_map(|row| (first.0..=last.0).map(move |column| (column, row)));
+        let cells = (first.row..=last.row)
+            .flat_map(|row| (first.column..=last.column).map(move |column| (column, row)));
         cells
             .filter_map(|(column, row)| self.cells.get(self.raster.index(column, row)?)?.as_deref())
             .flat_map(|dirty| &dirty.specks)

@@ -164,7 +164,7 @@ fn across_a_building() -> Option<NavigationTime> {
     let middle = (geometry.columns() as i32 / 2, geometry.rows() as i32 / 2);
     search.run(floor.view(), floor.passable_from(middle.0, middle.1), None, SearchMethod::Dijkstra);
     let reached = |cell: &usize| search.distance(*cell).is_some();
-    let by_x = |cell: &usize| geometry.coordinates(*cell).0;
+    let by_x = |cell: &usize| geometry.coordinates(*cell).column;
     let start = (0..floor.costs.len()).filter(reached).min_by_key(by_x)?;
     let goal = (0..floor.costs.len()).filter(reached).max_by_key(by_x)?;
     let raster = coarse(&geometry, 0.15)?;

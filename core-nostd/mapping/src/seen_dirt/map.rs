@@ -6,7 +6,7 @@
 use super::cell::SeenCell;
 use super::limit::{CellState, DirtLimit, KeptScore, SeenLayer, Together};
 use super::tint::FloorTints;
-use crate::GridGeometry;
+use crate::{GridCoordinates, GridGeometry};
 use floorguard_perception::floor::dirt::{FloorView, NOVELTY_BIN, Pixel};
 use floorguard_types::capacities::FLOOR_IMAGE_COLUMNS_MAX;
 use floorguard_types::geometry::{Point2, Pose2};
@@ -167,7 +167,7 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
                 }
                 let place = view.place_in_map(middle(column), middle(row));
                 let Some(place) = place.filter(|place| place.distance(foot) <= REACH_M) else { continue };
-                let (x, y) = self.geometry.coordinates_of(place);
+                let GridCoordinates { column: x, row: y } = self.geometry.coordinates_of(place);
                 let Some(cell) = self.cell(x, y) else { continue };
                 cell.take(*score);
                 let [left, low, right, high] = &mut bounds;

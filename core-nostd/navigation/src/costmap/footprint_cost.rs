@@ -1,5 +1,6 @@
 //! The cost of standing somewhere with the true outline (ROS `base_local_planner`, `CostmapModel::footprintCost`).
 
+use floorguard_mapping::GridCoordinates;
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::motion::Footprint;
 use floorguard_types::number::{truncating_i32, truncating_usize};
@@ -74,9 +75,11 @@ pub(crate) fn outline_cost(
 /// Highest cost along a line of cells (Bresenham 1965).
 pub(crate) fn line_cost(
     costmap: CostmapView<'_>,
-    (mut column, mut row): (i32, i32),
-    (last_column, last_row): (i32, i32),
+    from: GridCoordinates,
+    to: GridCoordinates,
 ) -> Result<u8, FootprintHit> {
+    let GridCoordinates { mut column, mut row } = from;
+    let GridCoordinates { column: last_column, row: last_row } = to;
     let geometry = costmap.geometry();
     let (dx, dy) = (last_column.abs_diff(column), last_row.abs_diff(row));
     // Both ends inside: so is everything between.

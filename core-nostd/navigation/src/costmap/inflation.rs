@@ -183,8 +183,9 @@ mod tests {
         let mut scratch = InflationScratch { squared_cells: &mut squared_cells, envelope: &mut envelope };
         inflation.inflate(&geometry, &mut costs, &mut scratch).unwrap();
         for (cell, &cost) in costs.iter().enumerate() {
-            let ((x, y), (u, v)) = (geometry.coordinates(cell), geometry.coordinates(obstacle));
-            let cells = (((x - u).pow(2) + (y - v).pow(2)) as f32).sqrt();
+            let (here, there) = (geometry.coordinates(cell), geometry.coordinates(obstacle));
+            let squared = (here.column - there.column).pow(2) + (here.row - there.row).pow(2);
+            let cells = (squared as f32).sqrt();
             let expected = if cell == obstacle + 10 { Costs::UNKNOWN } else { config.cost_at(cells * 0.05) };
             assert_eq!(cost, expected, "{cell}");
         }

@@ -5,7 +5,7 @@
 //! obstacle or in the unknown. Here all cells count, and the goal is the free cell beside the frontier that is nearest to the
 //! centroid.
 
-use floorguard_mapping::{GRID_CELLS_MAX, GridGeometry};
+use floorguard_mapping::{GRID_CELLS_MAX, GridCoordinates, GridGeometry};
 use floorguard_types::geometry::Point2;
 use floorguard_types::number::{exact_usize, nearest_f32_of_f64, nearest_f64, truncating_u32};
 use heapless::Vec;
@@ -163,7 +163,7 @@ impl Walk<'_, '_> {
             sum_x_m += f64::from(centre.x_m);
             sum_y_m += f64::from(centre.y_m);
             nearest_m = nearest_m.min(centre.distance(self.robot_in_map));
-            let (column, row) = geometry.coordinates(cell);
+            let GridCoordinates { column, row } = geometry.coordinates(cell);
             for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)] {
                 let other = geometry.index(column.wrapping_add(dx), row.wrapping_add(dy));
                 if let Some(other) = other.filter(|&other| self.is_border(other)) {
@@ -193,7 +193,7 @@ impl Walk<'_, '_> {
 }
 
 fn straight_neighbours(geometry: &GridGeometry, cell: usize) -> [Option<usize>; 4] {
-    let (column, row) = geometry.coordinates(cell);
+    let GridCoordinates { column, row } = geometry.coordinates(cell);
     [(1, 0), (-1, 0), (0, 1), (0, -1)]
         .map(|(dx, dy)| geometry.index(column.wrapping_add(dx), row.wrapping_add(dy)))
 }
@@ -248,7 +248,7 @@ mod tests {
             costs[200] = 0;
             let cost = |x: i32, y: i32| geometry.index(x, y).map(|cell| costs[cell]);
             let around = |cell: usize, reach: i32| {
-                let (x, y) = geometry.coordinates(cell);
+                let GridCoordinates { column: x, row: y } = geometry.coordinates(cell);
                 let offsets = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)];
                 offsets.into_iter().take(reach as usize)
                     .filter_map(|(dx, dy)| geometry.index(x + dx, y + dy)).collect::<vec::Vec<_>>()

@@ -5,6 +5,7 @@
 //! Fox 1979). A* may expand a cell again, and ends with the first bucket that cannot hold a shorter path. The outermost ring
 //! of cells is impassable, as in the published planner.
 
+use floorguard_mapping::GridCoordinates;
 use floorguard_types::number::{exact_usize, truncating_i32, truncating_u32};
 
 use super::bucket_queue::{BUCKETS, BucketQueue};
@@ -121,7 +122,7 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GridSearch<
             columns: geometry.columns(),
             width: if method == SearchMethod::AStar && goal.is_some() { WIDTH_ASTAR } else { WIDTH_DIJKSTRA },
             goal: goal.map(|cell| {
-                let (column, row) = geometry.coordinates(cell);
+                let GridCoordinates { column, row } = geometry.coordinates(cell);
                 Place { cell, column, row }
             }),
         };

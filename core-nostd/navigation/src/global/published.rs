@@ -5,7 +5,7 @@
 
 use super::potential::{UNREACHED, potential};
 use super::step_costs::StepCosts;
-use floorguard_mapping::GRID_CELLS_MAX;
+use floorguard_mapping::{GRID_CELLS_MAX, GridCoordinates};
 use floorguard_types::number::{count_f32, exact_usize, nearest_f32, truncating_u32};
 
 use crate::costmap::CostmapView;
@@ -149,7 +149,7 @@ impl<'a> PublishedDijkstra<'a> {
     /// `None`: impassable, or of the outermost ring.
     fn step_cost(&self, costmap: CostmapView<'_>, cell: usize) -> Option<f32> {
         let geometry = costmap.geometry();
-        let (column, row) = geometry.coordinates(cell);
+        let GridCoordinates { column, row } = geometry.coordinates(cell);
         let is_inner = geometry.index(column.wrapping_sub(1), row.wrapping_sub(1)).is_some()
             && geometry.index(column.wrapping_add(1), row.wrapping_add(1)).is_some();
         let cost = costmap.costs().get(cell).map_or(0, |&cost| self.steps.straight(cost));
@@ -209,7 +209,7 @@ mod tests {
         let start = geometry.index(20, 15).unwrap();
         let values = potentials(&vec![0; geometry.cell_count()], start);
         for (cell, &value) in values.iter().enumerate() {
-            let (x, y) = geometry.coordinates(cell);
+            let GridCoordinates { column: x, row: y } = geometry.coordinates(cell);
             let distance = ((x - 20).pow(2) as f32 + (y - 15).pow(2) as f32).sqrt();
             if x > 0 && y > 0 && x < 40 && y < 30 && distance > 8.0 {
                 assert!((value / (50.0 * distance) - 1.0).abs() < 0.09, "{x},{y}: {value}");
@@ -230,7 +230,7 @@ mod tests {
         let start = geometry.index(5, 5).unwrap();
         let values = potentials(&costs, start);
         for (cell, &value) in values.iter().enumerate() {
-            let (x, y) = geometry.coordinates(cell);
+            let GridCoordinates { column: x, row: y } = geometry.coordinates(cell);
             if x >= 30 || x == 0 || y == 0 || y == 30 {
                 assert_eq!(value, UNREACHED);
             } else if cell != start {

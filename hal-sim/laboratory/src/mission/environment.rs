@@ -3,6 +3,7 @@
 //! The model knows places of 2 m. Within a place dirt lies where people walk: its cells share the place's dirt by the
 //! heat map of 0.2 m, with a part for all cells alike.
 
+use floorguard_mapping::GridCoordinates;
 use floorguard_mapping::environment::{Cleaning, SinceCleaning, WallTime};
 
 use crate::mission::TrialResult;
@@ -132,7 +133,7 @@ fn passes(floor: &Floor, result: &TrialResult, brush_m: f32) -> Vec<u8> {
                 along(pair[0].x_m, pair[1].x_m),
                 along(pair[0].y_m, pair[1].y_m),
             );
-            let (column, row) = geometry.coordinates_of(point);
+            let GridCoordinates { column, row } = geometry.coordinates_of(point);
             for (dx, dy) in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy))) {
                 if let Some(cell) = geometry.index(column + dx, row + dy)
                     && geometry.centre(cell).distance(point) <= 0.5 * brush_m

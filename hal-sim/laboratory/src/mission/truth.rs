@@ -3,6 +3,7 @@
 //! Dirt here is single specks at places of their own, as in the simulator of the whole robot. The belief counts units in
 //! cells; the two share no code, so one judges the other.
 
+use floorguard_mapping::GridCoordinates;
 use floorguard_sim::dirt::DirtyFloor;
 use floorguard_sim::robot::BrushDeck;
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
@@ -154,7 +155,8 @@ impl Truth {
 
     fn sweep(&mut self, floor: &Floor, brush: BrushDeck, before: Pose2) -> u32 {
         let pass = brush.pass(before, self.pose);
-        let (column, row) = floor.cells.coordinates_of(Point2::new(self.pose.x_m, self.pose.y_m));
+        let GridCoordinates { column, row } =
+            floor.cells.coordinates_of(Point2::new(self.pose.x_m, self.pose.y_m));
         for (dx, dy) in (-2..=2).flat_map(|dx| (-2..=2).map(move |dy| (dx, dy))) {
             let Some(cell) = floor.cells.index(column + dx, row + dy) else { continue };
             self.passed[cell] |= pass.covers(floor.cells.centre(cell));

@@ -1,6 +1,7 @@
 //! From a dirty cell to a path over it: one straight pass of the brush over as much of the dirt around it as
 //! fits.
 
+use floorguard_mapping::GridCoordinates;
 use floorguard_navigation::global::HEADINGS;
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::motion::{Gear, Waypoint};
@@ -71,7 +72,7 @@ impl Cleaner {
     /// Middles of the cells around a place that are to be cleaned.
     fn dirty_around(&self, place: Point2) -> Vec<Point2> {
         let raster = self.ground.raster();
-        let (column, row) = raster.coordinates_of(place);
+        let GridCoordinates { column, row } = raster.coordinates_of(place);
         let reach = (AHEAD_M * raster.cells_per_metre()).ceil() as i32;
         let cells = (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (column + dx, row + dy)));
         let dirty = cells.filter_map(|(column, row)| raster.index(column, row));
