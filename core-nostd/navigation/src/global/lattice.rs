@@ -152,7 +152,8 @@ where
         self.begin();
         let mut waiting = 0_usize;
         put(stack, &mut waiting, start_in_map);
-        for _ in 0..=kinds {
+        // Each place and heading is put on the stack once, and the start.
+        for _ in 0..stack.len() {
             let Some(last) = waiting.checked_sub(1) else { break };
             let Some(pose) = stack.get(last).copied() else { break };
             waiting = last;
