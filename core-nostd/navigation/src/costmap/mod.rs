@@ -5,13 +5,13 @@
 
 mod body_band;
 mod compose;
+#[cfg(test)]
+pub(crate) mod floor_tests;
 mod footprint_cost;
 mod inflation;
 mod obstacle_layer;
 mod people_layer;
 mod rays;
-#[cfg(test)]
-pub(crate) mod test_floor;
 mod view;
 mod zones;
 

@@ -144,7 +144,7 @@ where
 mod tests {
     use super::*;
     use crate::costmap::InflationConfig;
-    use crate::costmap::test_floor::costs_of;
+    use crate::costmap::floor_tests::costs_of;
     use crate::global::{HEADINGS, LatticeStorage};
     use floorguard_mapping::GridGeometry;
     use std::vec;

@@ -10,28 +10,65 @@ pub trait Whole: Copy {
     fn nearest_f64(self) -> f64;
 }
 
-macro_rules! whole {
-    ($($whole:ty)*) => {$(
-        impl Whole for $whole {
-            #[inline(always)]
-            fn low_bits(self) -> u64 {
-                self as u64
-            }
-
-            #[inline(always)]
-            fn nearest_f32(self) -> f32 {
-                self as f32
-            }
-
-            #[inline(always)]
-            fn nearest_f64(self) -> f64 {
-                self as f64
-            }
+/// The same three casts serve every type.
+macro_rules! casts {
+    () => {
+        #[inline(always)]
+        fn low_bits(self) -> u64 {
+            self as u64
         }
-    )*};
+
+        #[inline(always)]
+        fn nearest_f32(self) -> f32 {
+            self as f32
+        }
+
+        #[inline(always)]
+        fn nearest_f64(self) -> f64 {
+            self as f64
+        }
+    };
 }
 
-whole!(u8 u16 u32 u64 usize i8 i16 i32 i64 isize);
+impl Whole for u8 {
+    casts!();
+}
+
+impl Whole for u16 {
+    casts!();
+}
+
+impl Whole for u32 {
+    casts!();
+}
+
+impl Whole for u64 {
+    casts!();
+}
+
+impl Whole for usize {
+    casts!();
+}
+
+impl Whole for i8 {
+    casts!();
+}
+
+impl Whole for i16 {
+    casts!();
+}
+
+impl Whole for i32 {
+    casts!();
+}
+
+impl Whole for i64 {
+    casts!();
+}
+
+impl Whole for isize {
+    casts!();
+}
 
 const _: () = assert!(usize::BITS >= 32 && usize::BITS <= 64, "a number of 32 bits must fit an address");
 

@@ -10,7 +10,7 @@ use floorguard_types::motion::{
 };
 
 use super::*;
-use crate::costmap::test_floor::costs_of;
+use crate::costmap::floor_tests::costs_of;
 use crate::costmap::{CostmapView, InflationConfig, footprint_cost};
 use crate::local::{Arrival, MppiWeights};
 
