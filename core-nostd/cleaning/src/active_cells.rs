@@ -7,7 +7,7 @@
 
 use super::dirt_model::CellDirt;
 use floorguard_mapping::{DirtCell, DirtMap, NO_SLOT};
-use floorguard_types::number::saturating_u8;
+use floorguard_types::number::{exact_usize, nearest_f32, saturating_u8, truncating_u8};
 use floorguard_types::random::Pcg32;
 
 /// Value of a particle that has not touched the cell.
@@ -60,9 +60,9 @@ impl<const PARTICLES: usize> ActiveCell<PARTICLES> {
     fn draw(&self, random: &mut Pcg32) -> u8 {
         let heavy = self.prior.heavy_units;
         if heavy > 0 && random.bernoulli(self.prior.tail_probability()) {
-            return random.poisson(f32::from(heavy)).min(UNITS_MAX) as u8;
+            return truncating_u8(random.poisson(f32::from(heavy)).min(UNITS_MAX));
         }
-        random.poisson_with(self.light_units, self.exp_of_minus_light).min(UNITS_MAX) as u8
+        truncating_u8(random.poisson_with(self.light_units, self.exp_of_minus_light).min(UNITS_MAX))
     }
 }
 
@@ -156,7 +156,7 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> ActiveCells<S, P
         is_left: impl Fn(usize) -> bool,
     ) {
         for slot in self.slots() {
-            let cell = slot.cell as usize;
+            let cell = exact_usize(slot.cell);
             if slot.cell == NO_CELL || !is_left(cell) {
                 continue;
             }
@@ -175,10 +175,10 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> ActiveCells<S, P
             if slot.cell == NO_CELL {
                 continue;
             }
-            let swept = |(weight, mask): (&f32, &u64)| weight * mask.count_ones() as f32 / SAMPLES;
+            let swept = |(weight, mask): (&f32, &u64)| weight * nearest_f32(mask.count_ones()) / SAMPLES;
             let share: f32 = weights.iter().zip(&slot.covered).map(swept).sum();
             let prior = DirtCell { slot: NO_SLOT, ..slot.prior };
-            visit(slot.cell as usize, &prior, share);
+            visit(exact_usize(slot.cell), &prior, share);
         }
     }
 
@@ -189,7 +189,7 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> ActiveCells<S, P
             if slot.cell == NO_CELL {
                 continue;
             }
-            if let Some(belief) = map.get_mut(slot.cell as usize) {
+            if let Some(belief) = map.get_mut(exact_usize(slot.cell)) {
                 *belief = DirtCell { slot: NO_SLOT, ..slot.prior };
             }
             slot.cell = NO_CELL;
@@ -264,7 +264,7 @@ impl TouchedCell<'_> {
     /// Writes the value back.
     #[inline]
     pub fn set(self, dirt: CellDirt) {
-        *self.units = dirt.units.min(UNITS_MAX as u8);
+        *self.units = dirt.units.min(truncating_u8(UNITS_MAX));
         *self.covered = dirt.covered;
     }
 }

@@ -8,12 +8,13 @@ use super::active_cells::{ActiveCell, ActiveCells, Collapse};
 use super::brush_places::BrushPlaces;
 use super::dirt_model::{ActuatorModel, DirtSensorModel, sweep_cell};
 use super::swath::{Brush, Swath};
-use super::swath_mask::SwathMask;
+use super::swath_mask::{SwathMask, SweptCell};
 use floorguard_localisation::{MotionNoise, OdometryStep, sample_motion};
 use floorguard_localisation::{RangeModel, RangeModelConfig};
 use floorguard_localisation::{normalise, systematic};
-use floorguard_mapping::{DirtCell, DirtMap, DistanceField};
+use floorguard_mapping::{DirtCell, DirtMap, DistanceField, GridCoordinates};
 use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::number::nearest_f32;
 use floorguard_types::random::Pcg32;
 
 /// Parameters of the belief.
@@ -123,7 +124,7 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> Belief<S, PARTIC
             range: RangeModel::new(config.range),
             poses: [Pose2::default(); PARTICLES],
             log_weights: [0.0; PARTICLES],
-            weights: [1.0 / (PARTICLES as f32).max(1.0); PARTICLES],
+            weights: [1.0 / nearest_f32(PARTICLES).max(1.0); PARTICLES],
             cells: ActiveCells::new(storage),
             random,
         }
@@ -134,7 +135,7 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> Belief<S, PARTIC
         self.poses = [pose_in_map; PARTICLES];
         self.widen(doubt);
         self.log_weights = [0.0; PARTICLES];
-        self.weights = [1.0 / (PARTICLES as f32).max(1.0); PARTICLES];
+        self.weights = [1.0 / nearest_f32(PARTICLES).max(1.0); PARTICLES];
     }
 
     /// Adds doubt to every particle, and gives up what the present cells were credited with: for a robot that finds
@@ -170,17 +171,17 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> Belief<S, PARTIC
         let places = self.advance(step, evidence, (field, map), &mut report);
         let effective = normalise(&self.log_weights, &mut self.weights);
         report.is_degenerate = effective.is_none();
-        report.effective_particles = effective.unwrap_or(PARTICLES as f32);
+        report.effective_particles = effective.unwrap_or(nearest_f32(PARTICLES));
         if effective.is_none() {
             self.log_weights = [0.0; PARTICLES];
         }
         report.explained_share = self.range.explained_share(field, self.best(), evidence.hits_in_base);
         let geometry = *map.geometry();
         self.cells.empty(map, (&self.weights, self.config.tolerated_units), |cell| {
-            let (column, row) = geometry.coordinates(cell);
+            let GridCoordinates { column, row } = geometry.coordinates(cell);
             !places.is_near(column, row)
         });
-        if self.config.resample_always || report.effective_particles < 0.5 * PARTICLES as f32 {
+        if self.config.resample_always || report.effective_particles < 0.5 * nearest_f32(PARTICLES) {
             self.resample();
         }
         report
@@ -218,7 +219,7 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> Belief<S, PARTIC
                 let swath = Swath::between(config.brush.bar_at(before), bar);
                 let mask = SwathMask::of(&swath, &geometry);
                 report.is_swath_clipped |= mask.is_clipped();
-                for (column, row, swept) in mask.cells() {
+                for SweptCell { column, row, samples: swept } in mask.cells() {
                     let Some(cell) = geometry.index(column, row) else { continue };
                     let Some(touched) = self.cells.touch(map, cell, (particle, &mut self.random)) else {
                         continue;
@@ -250,7 +251,7 @@ impl<S: AsMut<[ActiveCell<PARTICLES>]>, const PARTICLES: usize> Belief<S, PARTIC
         }
         self.cells.inherit(&parents);
         self.log_weights = [0.0; PARTICLES];
-        self.weights = [1.0 / (PARTICLES as f32).max(1.0); PARTICLES];
+        self.weights = [1.0 / nearest_f32(PARTICLES).max(1.0); PARTICLES];
     }
 
     fn best(&self) -> Pose2 {

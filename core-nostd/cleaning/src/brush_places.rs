@@ -1,7 +1,7 @@
 //! Where the brushes of all particles are: which cells are still under, or beside, some of them.
 
 use super::swath::Brush;
-use floorguard_mapping::GridGeometry;
+use floorguard_mapping::{GridCoordinates, GridGeometry};
 use floorguard_types::geometry::Point2;
 use floorguard_types::number::saturating_i32;
 
@@ -12,10 +12,10 @@ const PLACES_MAX: usize = 48;
 /// and one cell (book, Cleaning: Active cells).
 #[derive(Clone, Debug)]
 pub struct BrushPlaces {
-    cells: heapless::Vec<(i32, i32), PLACES_MAX>,
+    cells: heapless::Vec<GridCoordinates, PLACES_MAX>,
     reach: i32,
-    low: (i32, i32),
-    high: (i32, i32),
+    low: GridCoordinates,
+    high: GridCoordinates,
     is_full: bool,
 }
 
@@ -28,8 +28,8 @@ impl BrushPlaces {
         Self {
             cells: heapless::Vec::new(),
             reach,
-            low: (i32::MAX, i32::MAX),
-            high: (i32::MIN, i32::MIN),
+            low: GridCoordinates { column: i32::MAX, row: i32::MAX },
+            high: GridCoordinates { column: i32::MIN, row: i32::MIN },
             is_full: false,
         }
     }
@@ -40,8 +40,9 @@ impl BrushPlaces {
         let [left, right] = bar;
         let middle = Point2::new(0.5 * (left.x_m + right.x_m), 0.5 * (left.y_m + right.y_m));
         let place = geometry.coordinates_of(middle);
-        self.low = (self.low.0.min(place.0), self.low.1.min(place.1));
-        self.high = (self.high.0.max(place.0), self.high.1.max(place.1));
+        let (low, high) = (self.low, self.high);
+        self.low = GridCoordinates { column: low.column.min(place.column), row: low.row.min(place.row) };
+        self.high = GridCoordinates { column: high.column.max(place.column), row: high.row.max(place.row) };
         if !self.cells.contains(&place) {
             // More places than capacity: the bounding box holds cells longer than needed, never shorter.
             self.is_full |= self.cells.push(place).is_err();
@@ -53,11 +54,11 @@ impl BrushPlaces {
     pub fn is_near(&self, column: i32, row: i32) -> bool {
         let near = |a: i32, b: i32| a.abs_diff(b) <= self.reach.unsigned_abs();
         if self.is_full {
-            return column >= self.low.0.saturating_sub(self.reach)
-                && column <= self.high.0.saturating_add(self.reach)
-                && row >= self.low.1.saturating_sub(self.reach)
-                && row <= self.high.1.saturating_add(self.reach);
+            return column >= self.low.column.saturating_sub(self.reach)
+                && column <= self.high.column.saturating_add(self.reach)
+                && row >= self.low.row.saturating_sub(self.reach)
+                && row <= self.high.row.saturating_add(self.reach);
         }
-        self.cells.iter().any(|&(x, y)| near(x, column) && near(y, row))
+        self.cells.iter().any(|place| near(place.column, column) && near(place.row, row))
     }
 }

@@ -1,5 +1,6 @@
 //! What the brush removes and what the dirt sensor says about it.
 
+use floorguard_types::number::{nearest_f32, truncating_u8};
 use floorguard_types::random::Pcg32;
 
 /// How a step of the brush acts on a cell (book, Cleaning: Passes).
@@ -33,8 +34,8 @@ impl DirtSensorModel {
     #[inline]
     #[must_use]
     pub fn log_likelihood(&self, hits: u32, removed_units: u32) -> f32 {
-        let mean = self.gain * removed_units as f32 + self.false_hits.max(1e-4);
-        hits as f32 * libm::logf(mean) - mean
+        let mean = self.gain * nearest_f32(removed_units) + self.false_hits.max(1e-4);
+        nearest_f32(hits) * libm::logf(mean) - mean
     }
 }
 
@@ -68,21 +69,21 @@ pub fn sweep_cell(
     random: &mut Pcg32,
 ) -> u8 {
     const SHARE: f32 = 1.0 / 64.0;
-    let before = cell.covered.count_ones() as f32 * SHARE;
+    let before = nearest_f32(cell.covered.count_ones()) * SHARE;
     let fresh = swept & !cell.covered;
     cell.covered |= swept;
     let units = f32::from(cell.units);
     let met = match model {
-        ActuatorModel::PaperStep => units * swept.count_ones() as f32 * SHARE,
+        ActuatorModel::PaperStep => units * nearest_f32(swept.count_ones()) * SHARE,
         // 1 − p·C ≥ 1 − p; the floor only matters for p = 1 on ground that is covered already.
         ActuatorModel::PassCoverage => {
-            units * fresh.count_ones() as f32 * SHARE / (1.0 - pickup_probability * before).max(1e-3)
+            units * nearest_f32(fresh.count_ones()) * SHARE / (1.0 - pickup_probability * before).max(1e-3)
         }
     };
     if met <= 0.0 {
         return 0;
     }
-    let met = random.round_randomly(met).min(u32::from(cell.units)) as u8;
+    let met = truncating_u8(random.round_randomly(met).min(u32::from(cell.units)));
     let removed = random.binomial(met, pickup_probability);
     cell.units = cell.units.saturating_sub(removed);
     removed

@@ -12,7 +12,8 @@
         clippy::unreachable,
         clippy::todo,
         clippy::unimplemented,
-        clippy::indexing_slicing
+        clippy::indexing_slicing,
+        clippy::as_conversions
     )
 )]
 
@@ -39,7 +40,7 @@ pub use lane_queue::{Lane, LaneAttempt, LaneQueue, LaneRules};
 pub use planner::{PlanCells, PlanReport, Planner};
 pub use policy::{CleanRule, MissionRisk, RiskLimits, Verdict};
 pub use swath::{Brush, Swath};
-pub use swath_mask::SwathMask;
+pub use swath_mask::{SwathMask, SweptCell};
 pub use tour::{Distances, EuclideanCells, TourError, TourSolver};
 pub use visit::{Pass, PassPlaces, PassShape, choose_pass};
 pub use visit_plan::VisitPlan;

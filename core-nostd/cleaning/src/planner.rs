@@ -7,9 +7,9 @@
 use heapless::Vec;
 
 use super::tour::{Distances, TourError, TourSolver};
-use floorguard_mapping::GridGeometry;
+use floorguard_mapping::{GridCoordinates, GridGeometry};
 use floorguard_navigation::{PathSearch, SEARCH_CELLS_MAX, STRAIGHT, SearchCell};
-use floorguard_types::number::saturating_u16;
+use floorguard_types::number::{exact_usize, nearest_f32, saturating_u16, truncating_u32};
 use floorguard_types::random::Pcg32;
 
 const NO_CELL: u32 = u32::MAX;
@@ -91,7 +91,7 @@ where
     }
 
     fn cell_of(&self, node: u16) -> usize {
-        self.cells.get(usize::from(node)).map_or(usize::MAX, |&cell| cell as usize)
+        self.cells.get(usize::from(node)).map_or(usize::MAX, |&cell| exact_usize(cell))
     }
 
     /// The first cell was visited, or is given up for now.
@@ -126,7 +126,7 @@ where
         if self.has_new(wanted, &mut report) {
             self.search.run(robot_cell, passable);
             if let Some(cell) = self.cells.first_mut() {
-                *cell = robot_cell as u32;
+                *cell = truncating_u32(robot_cell);
             }
             let first_new = self.order.len();
             self.add_wanted(wanted, &mut report);
@@ -144,7 +144,8 @@ where
         report.planned = self.order.len();
         report.path_changed = self.order.len() != before.len()
             || self.order.iter().zip(&before).any(|(&now, &then)| {
-                self.cell_of(now) != before_cells.get(usize::from(then)).map_or(usize::MAX, |&c| c as usize)
+                self.cell_of(now)
+                    != before_cells.get(usize::from(then)).map_or(usize::MAX, |&c| exact_usize(c))
             });
         Ok(report)
     }
@@ -202,7 +203,7 @@ where
         let free = self.cells.iter().skip(1).position(|&c| c == NO_CELL);
         let Some(node) = free.and_then(|i| u16::try_from(i.saturating_add(1)).ok()) else { return false };
         if let Some(entry) = self.cells.get_mut(usize::from(node)) {
-            *entry = cell as u32;
+            *entry = truncating_u32(cell);
         }
         self.order.push(node).is_ok()
     }
@@ -220,7 +221,7 @@ where
             }
             let Some(distance) = self.search.distance(cell) else { continue };
             all = all.saturating_add(1);
-            let bin = (distance / per_bin) as usize;
+            let bin = exact_usize(distance / per_bin);
             if let Some(count) = bins.get_mut(bin.min(BINS.saturating_sub(1))) {
                 *count = count.saturating_add(1);
             }
@@ -242,16 +243,16 @@ where
     /// to 8 %: the ratio of straight line to the raster's own free-space distance takes that back.
     fn fill_row(&mut self, node: u16) {
         let geometry = *self.search.geometry();
-        let (column, row) = geometry.coordinates(self.cell_of(node));
+        let GridCoordinates { column, row } = geometry.coordinates(self.cell_of(node));
         for (other, &cell) in self.cells.iter().enumerate() {
             if cell == NO_CELL {
                 continue;
             }
-            let distance = match self.search.distance(cell as usize) {
+            let distance = match self.search.distance(exact_usize(cell)) {
                 Some(units) => {
-                    let (x, y) = geometry.coordinates(cell as usize);
+                    let GridCoordinates { column: x, row: y } = geometry.coordinates(exact_usize(cell));
                     saturating_u16(
-                        (units as f32 * straightness(x.abs_diff(column), y.abs_diff(row)) + 0.5)
+                        (nearest_f32(units) * straightness(x.abs_diff(column), y.abs_diff(row)) + 0.5)
                             .min(65_534.0),
                     )
                 }
@@ -322,13 +323,13 @@ where
             sum = sum.saturating_add(i64::from(self.distance(previous, node)));
             previous = node;
         }
-        sum as f32 / STRAIGHT as f32 * self.search.geometry().resolution_m()
+        nearest_f32(sum) / nearest_f32(STRAIGHT) * self.search.geometry().resolution_m()
     }
 }
 
 /// Straight line over octile distance, within [0.92, 1].
 fn straightness(dx: u32, dy: u32) -> f32 {
-    let (long, short) = (dx.max(dy) as f32, dx.min(dy) as f32);
+    let (long, short) = (nearest_f32(dx.max(dy)), nearest_f32(dx.min(dy)));
     let octile = long + (core::f32::consts::SQRT_2 - 1.0) * short;
     if octile > 0.0 { libm::sqrtf(long * long + short * short) / octile } else { 1.0 }
 }
@@ -356,7 +357,7 @@ mod tests {
         let geometry = *planner.geometry();
         // A wall at column 10 with a gap in row 19.
         let passable = |cell| {
-            let (column, row) = geometry.coordinates(cell);
+            let GridCoordinates { column, row } = geometry.coordinates(cell);
             column != 10 || row == 19
         };
         let at = |x, y| geometry.index(x, y).unwrap();
@@ -381,9 +382,9 @@ mod tests {
     fn unreachable_and_overflowing_cells_are_counted() {
         let mut planner = planner();
         let geometry = *planner.geometry();
-        let passable = |cell| geometry.coordinates(cell).0 != 10;
+        let passable = |cell| geometry.coordinates(cell).column != 10;
         let report = planner
-            .replan(0, &PlanCells { wanted: |c| geometry.coordinates(c).1 < 4, passable }, 10)
+            .replan(0, &PlanCells { wanted: |c| geometry.coordinates(c).row < 4, passable }, 10)
             .unwrap();
         // 10 columns can be reached in four rows: 40 cells, of which 30 fit; the wall's and those behind it cannot.
         assert_eq!((report.planned, report.postponed, report.unreachable), (30, 10, 40));

@@ -6,6 +6,7 @@
 
 use floorguard_mapping::threshold_rate;
 use floorguard_mapping::{DirtCell, NO_SLOT};
+use floorguard_types::number::{nearest_f32, nearest_f32_of_f64, nearest_f64};
 
 /// When a cell counts as clean.
 ///
@@ -44,8 +45,8 @@ impl CleanRule {
     #[must_use]
     pub fn per_cell(tolerated_units: u8, delta: f64) -> Self {
         Self {
-            threshold_units: threshold_rate(u32::from(tolerated_units), delta) as f32,
-            delta: delta as f32,
+            threshold_units: nearest_f32_of_f64(threshold_rate(u32::from(tolerated_units), delta)),
+            delta: nearest_f32_of_f64(delta),
             checks_mixture: true,
         }
     }
@@ -53,7 +54,7 @@ impl CleanRule {
     /// At most `tolerated_units` in all of `dirty_cells` cells at once, with a confidence of 1 − `delta` (union bound).
     #[must_use]
     pub fn joint(tolerated_units: u8, delta: f64, dirty_cells: usize) -> Self {
-        Self::per_cell(tolerated_units, delta / (dirty_cells as f64).max(1.0))
+        Self::per_cell(tolerated_units, delta / nearest_f64(dirty_cells).max(1.0))
     }
 
     /// The published rule, which uses the mean alone.
@@ -130,8 +131,8 @@ impl MissionRisk {
             rule
         });
         Self {
-            allowance: threshold_rate(cells / 100, limits.of_the_mission) as f32,
-            dirty_cells: cells.max(1) as f32,
+            allowance: nearest_f32_of_f64(threshold_rate(cells / 100, limits.of_the_mission)),
+            dirty_cells: nearest_f32(cells.max(1)),
             steps,
         }
     }

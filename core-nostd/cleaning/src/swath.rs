@@ -20,23 +20,17 @@ pub struct Brush {
 }
 
 impl Brush {
-    /// Left and right end of the bar, in the map frame, for a robot at this place with this heading.
-    #[inline]
+    /// Left and right end of the bar, in the map frame, for a robot at a pose of it.
     #[must_use]
-    pub fn bar(&self, x_m: f32, y_m: f32, sin_cos: (f32, f32)) -> [Point2; 2] {
-        let (sin, cos) = sin_cos;
+    pub fn bar_at(&self, pose_in_map: Pose2) -> [Point2; 2] {
+        let (sin, cos) = libm::sincosf(pose_in_map.heading_rad);
         let half = 0.5 * self.width_m;
-        let middle = Point2::new(x_m + cos * self.offset_m, y_m + sin * self.offset_m);
+        let middle =
+            Point2::new(pose_in_map.x_m + cos * self.offset_m, pose_in_map.y_m + sin * self.offset_m);
         [
             Point2::new(middle.x_m - sin * half, middle.y_m + cos * half),
             Point2::new(middle.x_m + sin * half, middle.y_m - cos * half),
         ]
-    }
-
-    /// As [`Self::bar`], from a pose in the map frame.
-    #[must_use]
-    pub fn bar_at(&self, pose_in_map: Pose2) -> [Point2; 2] {
-        self.bar(pose_in_map.x_m, pose_in_map.y_m, libm::sincosf(pose_in_map.heading_rad))
     }
 }
 
@@ -61,7 +55,7 @@ pub enum Swath {
 }
 
 impl Swath {
-    /// The swath from one bar to the next; both as given by [`Brush::bar`].
+    /// The swath from one bar to the next; both as given by [`Brush::bar_at`].
     #[inline]
     #[must_use]
     pub fn between(before: [Point2; 2], after: [Point2; 2]) -> Self {

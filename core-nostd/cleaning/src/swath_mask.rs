@@ -5,9 +5,11 @@
 //! (book, Cleaning: Swath; error of the share at most 1/64 as a rule).
 
 use super::swath::Swath;
-use floorguard_mapping::GridGeometry;
+use floorguard_mapping::{GridCoordinates, GridGeometry};
 use floorguard_types::geometry::Point2;
-use floorguard_types::number::saturating_i32;
+use floorguard_types::number::{
+    nearest_f32, saturating_i32, truncating_i32, truncating_u32, truncating_usize,
+};
 
 /// Sub-samples along the edge of a cell.
 const SAMPLES: i32 = 8;
@@ -32,6 +34,17 @@ pub struct SwathMask {
     clipped: bool,
 }
 
+/// A cell of the raster, and which part of it the brush has swept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SweptCell {
+    /// Along x; may lie outside of the raster.
+    pub column: i32,
+    /// Along y; may lie outside of the raster.
+    pub row: i32,
+    /// A bit for each of 8 × 8 samples, rows of eight from the lower left.
+    pub samples: u64,
+}
+
 impl SwathMask {
     /// Rasterises a swath. Ground beyond the window is not marked, so nothing is claimed for it; [`Self::is_clipped`]
     /// then says so.
@@ -43,7 +56,8 @@ impl SwathMask {
             low_x = low_x.min(corner.x_m);
             low_y = low_y.min(corner.y_m);
         }
-        let (first_column, first_row) = geometry.coordinates_of(Point2::new(low_x, low_y));
+        let GridCoordinates { column: first_column, row: first_row } =
+            geometry.coordinates_of(Point2::new(low_x, low_y));
         let mut mask = Self { first_column, first_row, lines: [0; LINES], rows: 0, clipped: false };
         for corners in swath.pieces() {
             mask.fill(corners, geometry);
@@ -57,22 +71,24 @@ impl SwathMask {
         self.clipped
     }
 
-    /// Column, row and swept sub-samples of every cell that was touched.
+    /// Every cell that was touched.
     #[inline]
-    pub fn cells(&self) -> impl Iterator<Item = (i32, i32, u64)> + '_ {
-        let rows = self.lines.chunks_exact(SAMPLES as usize).take(self.rows).zip(0_i32..);
+    pub fn cells(&self) -> impl Iterator<Item = SweptCell> + '_ {
+        let rows = self.lines.chunks_exact(truncating_usize(SAMPLES)).take(self.rows).zip(0_i32..);
         rows.flat_map(move |(lines, row)| {
             let touched = lines.iter().fold(0, |all, line| all | line);
-            let width = u64::BITS.saturating_sub(touched.leading_zeros()).div_ceil(SAMPLES as u32);
+            let width = u64::BITS.saturating_sub(touched.leading_zeros()).div_ceil(truncating_u32(SAMPLES));
             (0..width.min(LINE_CELLS)).filter_map(move |column| {
-                let shift = column.saturating_mul(SAMPLES as u32);
+                let shift = column.saturating_mul(truncating_u32(SAMPLES));
                 let mut mask = 0_u64;
-                for (line, place) in lines.iter().zip((0..64).step_by(SAMPLES as usize)) {
+                for (line, place) in lines.iter().zip((0..64).step_by(truncating_usize(SAMPLES))) {
                     mask |= ((line >> shift) & 0xff) << place;
                 }
-                let (column, row) =
-                    (self.first_column.saturating_add(column as i32), self.first_row.saturating_add(row));
-                (mask != 0).then_some((column, row, mask))
+                let (column, row) = (
+                    self.first_column.saturating_add(truncating_i32(column)),
+                    self.first_row.saturating_add(row),
+                );
+                (mask != 0).then_some(SweptCell { column, row, samples: mask })
             })
         })
     }
@@ -80,11 +96,11 @@ impl SwathMask {
     /// Marks the sub-samples whose centres lie within a convex piece, line by line.
     #[inline]
     fn fill(&mut self, corners: &[Point2], geometry: &GridGeometry) {
-        let scale = geometry.cells_per_metre() * SAMPLES as f32;
+        let scale = geometry.cells_per_metre() * nearest_f32(SAMPLES);
         let origin = geometry.origin_in_map();
         // In sub-samples from the window's corner; the centre of sample (i, j) is (i + ½, j + ½).
-        let base_x = self.first_column as f32 * SAMPLES as f32 + 0.5;
-        let base_y = self.first_row as f32 * SAMPLES as f32 + 0.5;
+        let base_x = nearest_f32(self.first_column) * nearest_f32(SAMPLES) + 0.5;
+        let base_y = nearest_f32(self.first_row) * nearest_f32(SAMPLES) + 0.5;
         let mut points = [Point2::default(); 4];
         let (mut low, mut high) = (f32::MAX, f32::MIN);
         for (point, corner) in points.iter_mut().zip(corners) {
@@ -93,17 +109,18 @@ impl SwathMask {
             low = low.min(point.y_m);
             high = high.max(point.y_m);
         }
-        let limit = LINES as f32;
+        let limit = nearest_f32(LINES);
         self.clipped |= high >= limit;
         let points = points.get(..corners.len().min(4)).unwrap_or(&[]);
         let edges = Edges::of(points);
-        let first = ceiling(low).clamp(0, LINES as i32);
+        let first = ceiling(low).clamp(0, truncating_i32(LINES));
         let count = floor(high).min(LAST).saturating_sub(first).saturating_add(1).max(0);
         let end = first.saturating_add(count);
-        self.rows = self.rows.max((end as usize).div_ceil(SAMPLES as usize));
-        let lines = self.lines.iter_mut().zip(0_i32..).take(end as usize).skip(first as usize);
+        self.rows = self.rows.max(truncating_usize(end).div_ceil(truncating_usize(SAMPLES)));
+        let lines =
+            self.lines.iter_mut().zip(0_i32..).take(truncating_usize(end)).skip(truncating_usize(first));
         for (bits, line) in lines {
-            let Some((from, to)) = edges.crossings(line as f32) else { continue };
+            let Some((from, to)) = edges.crossings(nearest_f32(line)) else { continue };
             self.clipped |= to >= limit;
             let (from, to) = (ceiling(from).max(0), floor(to).min(LAST));
             if from <= to {
@@ -191,7 +208,7 @@ mod tests {
             let swath = Swath::between(brush.bar_at(pose), brush.bar_at(next));
             let mask = SwathMask::of(&swath, &geometry);
             assert!(!mask.is_clipped());
-            for (column, row, bits) in mask.cells() {
+            for SweptCell { column, row, samples: bits } in mask.cells() {
                 let corner = Point2::new(-1.0 + column as f32 * 0.1, -1.0 + row as f32 * 0.1);
                 let error = bits.count_ones() as f32 / 64.0 - swath.share_of_square(corner, 0.1);
                 assert!(error.abs() < 0.13, "{error}");
@@ -210,7 +227,7 @@ mod tests {
         for step in 0..10 {
             let at = |s: i32| brush.bar_at(Pose2::new(0.9 + s as f32 * 0.037, 1.05, 0.0));
             let mask = SwathMask::of(&Swath::between(at(step), at(step + 1)), &geometry);
-            for (column, row, bits) in mask.cells() {
+            for SweptCell { column, row, samples: bits } in mask.cells() {
                 if (column, row) == (10, 10) {
                     assert_eq!(covered & bits, 0, "the same ground twice on a straight lane");
                     covered |= bits;

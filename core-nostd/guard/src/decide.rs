@@ -7,6 +7,7 @@ use super::reset_answer::ResetProgress;
 use super::supervisor::Supervisor;
 use crate::protection::{Action, Advice, Cause, CauseRecord, Decision, FaultKind, Health, Source, Unit};
 use floorguard_types::geometry::Twist2;
+use floorguard_types::number::{nearest_f32, saturating_u64};
 use floorguard_types::time::Stamp;
 
 /// People reached later than this do not matter yet (book, Guard: Collision), seconds.
@@ -31,7 +32,7 @@ impl Supervisor {
         self.state.selection.update(&self.config.fields, &demand, (activation_us, now));
         let (permitted, speed_limit_mps, escaping) = self.permit(&verdict, now);
         self.state.permitted = permitted;
-        let response_us = (self.config.drive.response_s * 1.0e6) as u64;
+        let response_us = saturating_u64(self.config.drive.response_s * 1.0e6);
         let braking = (self.config.drive.braking_mps2, response_us);
         self.state.checks.follow(permitted.linear_mps.abs(), braking, now);
         self.state.decided_at = self.state.decided_at.max(now);
@@ -70,7 +71,11 @@ impl Supervisor {
             let age_us = monitor.age_us(now);
             let mut record = CauseRecord::new(cause, now).aged(age_us).limited_to(rules.limit_mps);
             if health == Health::Stale {
-                record = record.measured(age_us as f32 * 1.0e-6, limit_us as f32 * 1.0e-6, Unit::Seconds);
+                record = record.measured(
+                    nearest_f32(age_us) * 1.0e-6,
+                    nearest_f32(limit_us) * 1.0e-6,
+                    Unit::Seconds,
+                );
             }
             if let Some(FaultKind::Device(code)) = monitor.fault {
                 record = record.measured(f32::from(code), 0.0, Unit::Code);

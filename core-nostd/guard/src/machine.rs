@@ -6,6 +6,7 @@
 
 use super::rules::Clear;
 use crate::protection::{Action, Cause, CauseRecord, GuardState, HeldCauses};
+use floorguard_types::number::truncating_u32;
 use floorguard_types::time::{Age, Stamp};
 
 /// Evidence younger than this counts as present: a reset is refused, microseconds (two periods of the slowest input).
@@ -91,7 +92,7 @@ impl DecisionMachine {
     #[must_use]
     pub fn latches(&self) -> u64 {
         let latched = self.held.iter().filter(|held| held.first.cause.clear() == Clear::Reset);
-        latched.fold(0, |bits, held| bits | 1_u64.wrapping_shl(held.first.cause.index() as u32))
+        latched.fold(0, |bits, held| bits | 1_u64.wrapping_shl(truncating_u32(held.first.cause.index())))
     }
 
     /// A cause holds.

@@ -3,6 +3,7 @@
 use crate::protection::{BIN_CDEG, Bin, Blocked, Body, PacketTable};
 use floorguard_types::capacities::PACKET_RINGS_MAX;
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::nearest_f32;
 use floorguard_types::sensing::{LidarColumn, LidarPacket};
 
 /// Azimuth over which a lidar may return nothing at all before it counts as blind, hundredths of a degree: a wall of
@@ -76,10 +77,10 @@ impl PacketTable {
         (bin, body): (&Bin, &Body),
     ) {
         finding.returns = finding.returns.saturating_add(1);
-        let plane_m = plane_mm as f32 * 1.0e-3;
+        let plane_m = nearest_f32(plane_mm) * 1.0e-3;
         if plane_m < finding.nearest_m {
             finding.nearest_m = plane_m;
-            finding.nearest_limit_m = reach_mm as f32 * 1.0e-3;
+            finding.nearest_limit_m = nearest_f32(reach_mm) * 1.0e-3;
         }
         let x_m = self.origin.x_m + plane_m * bin.direction.x_m;
         let y_m = self.origin.y_m + plane_m * bin.direction.y_m;

@@ -12,6 +12,7 @@ use crate::protection::{
     LidarRays, LocalMemory, PacketTable, ScanTable, Source, SourceReport, Unit,
 };
 use floorguard_types::geometry::Twist2;
+use floorguard_types::number::truncating_u32;
 use floorguard_types::sensing::{
     DiscreteInputs, DriveFeedback, DriveState, ImuSample, LidarPacket, SafetyInput, Scan, silent_cdeg,
 };
@@ -227,7 +228,7 @@ impl Supervisor {
     pub fn on_latches(&mut self, latches: u64, now: Stamp) -> Decision {
         self.begin(now);
         for cause in Cause::all() {
-            let was_latched = latches.wrapping_shr(cause.index() as u32) & 1 != 0;
+            let was_latched = latches.wrapping_shr(truncating_u32(cause.index())) & 1 != 0;
             if was_latched && cause.clear() == Clear::Reset {
                 self.raise_input(cause, now, now);
             }

@@ -5,7 +5,7 @@
 
 use floorguard_mapping::DistanceField;
 use floorguard_types::geometry::{Point2, Pose2};
-use floorguard_types::number::{saturating_i32, saturating_u8};
+use floorguard_types::number::{exact_usize, nearest_f32, saturating_i32, saturating_u8, truncating_u32};
 
 /// Parameters of the likelihood field.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,7 +121,8 @@ impl RangeModel {
         let lookup = Lookup::new(field, pose_in_map);
         let explained =
             hits_in_base.iter().filter(|&&hit| lookup.centimetres(hit) <= self.explained_limit_cm);
-        (hits_in_base.len() >= BEAMS_TO_JUDGE).then(|| explained.count() as f32 / hits_in_base.len() as f32)
+        (hits_in_base.len() >= BEAMS_TO_JUDGE)
+            .then(|| nearest_f32(explained.count()) / nearest_f32(hits_in_base.len()))
     }
 }
 
@@ -149,8 +150,8 @@ impl<'a> Lookup<'a> {
             values: field.values(),
             width: u32::from(geometry.width()),
             height: u32::from(geometry.height()),
-            x: (pose_in_map.x_m - geometry.origin_in_map().x_m) * scale + SHIFT as f32,
-            y: (pose_in_map.y_m - geometry.origin_in_map().y_m) * scale + SHIFT as f32,
+            x: (pose_in_map.x_m - geometry.origin_in_map().x_m) * scale + nearest_f32(SHIFT),
+            y: (pose_in_map.y_m - geometry.origin_in_map().y_m) * scale + nearest_f32(SHIFT),
             sin: sin * scale,
             cos: cos * scale,
         }
@@ -161,20 +162,21 @@ impl<'a> Lookup<'a> {
     fn centimetres(&self, hit: Point2) -> u8 {
         let column = saturating_i32(self.x + self.cos * hit.x_m - self.sin * hit.y_m);
         let row = saturating_i32(self.y + self.sin * hit.x_m + self.cos * hit.y_m);
-        let column = column.wrapping_sub(SHIFT) as u32;
-        let row = row.wrapping_sub(SHIFT) as u32;
+        let column = truncating_u32(column.wrapping_sub(SHIFT));
+        let row = truncating_u32(row.wrapping_sub(SHIFT));
         if column >= self.width || row >= self.height {
             return 200;
         }
         // Both below 2¹⁶: the product fits.
         let index = row.wrapping_mul(self.width).wrapping_add(column);
-        self.values.get(index as usize).copied().unwrap_or(200)
+        self.values.get(exact_usize(index)).copied().unwrap_or(200)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use floorguard_mapping::GridCoordinates;
     use floorguard_mapping::{Grid, GridGeometry, fill_distances};
     use std::vec;
 
@@ -195,7 +197,7 @@ mod tests {
         let mut field = Grid::new(geometry, vec![0_u8; 10_000]).unwrap();
         let mut scratch = Grid::new(geometry, vec![0_u8; 10_000]).unwrap();
         fill_distances(&mut field, &mut scratch, |i| {
-            let (column, row) = geometry.coordinates(i);
+            let GridCoordinates { column, row } = geometry.coordinates(i);
             column == 80 || row == 90
         });
         let model = RangeModel::new(RangeModelConfig::XTION);

@@ -1,6 +1,6 @@
 //! Weights that sum to one, and drawing particles by them.
 
-use floorguard_types::number::saturating_usize;
+use floorguard_types::number::{nearest_f32, saturating_usize};
 use floorguard_types::random::Pcg32;
 
 /// Turns logarithms of weights into weights that sum to 1 (log-sum-exp). Returns the effective number of particles,
@@ -14,7 +14,7 @@ use floorguard_types::random::Pcg32;
 /// assert_eq!((weights, effective), ([0.0, 0.5, 0.0, 0.5], Some(2.0)));
 /// ```
 pub fn normalise<const N: usize>(log_weights: &[f32; N], weights: &mut [f32; N]) -> Option<f32> {
-    let uniform = 1.0 / (N as f32).max(1.0);
+    let uniform = 1.0 / nearest_f32(N).max(1.0);
     let largest = log_weights.iter().copied().filter(|w| w.is_finite()).fold(f32::NEG_INFINITY, f32::max);
     if !largest.is_finite() {
         *weights = [uniform; N];
@@ -31,6 +31,7 @@ pub fn normalise<const N: usize>(log_weights: &[f32; N], weights: &mut [f32; N])
         *weight /= sum;
         squares += *weight * *weight;
     }
+    debug_assert!(squares > 0.0 && squares < 1.001, "weights that sum to 1 have squares of {squares}");
     Some(1.0 / squares)
 }
 
@@ -56,7 +57,7 @@ pub fn systematic<const N: usize>(weights: &[f32; N], random: &mut Pcg32, parent
         }
         last_parent = index;
         // Marks at (k + u)/N below the cumulated weight belong to this particle.
-        let until = saturating_usize(libm::ceilf(cumulated * N as f32 - first).max(0.0));
+        let until = saturating_usize(libm::ceilf(cumulated * nearest_f32(N) - first).max(0.0));
         let until = until.min(N);
         for parent in parents.iter_mut().take(until).skip(filled) {
             *parent = index;
@@ -67,6 +68,7 @@ pub fn systematic<const N: usize>(weights: &[f32; N], random: &mut Pcg32, parent
     for parent in parents.iter_mut().skip(filled) {
         *parent = last_parent;
     }
+    debug_assert!(parents.is_sorted(), "marks are taken in order");
 }
 
 #[cfg(test)]

@@ -3,6 +3,8 @@
 //! The published work (Hess et al. 2013) is open only as an abstract; this is the conjugate Gamma–Poisson form of
 //! the book, Cleaning: Dirt rate.
 
+use floorguard_types::number::{nearest_f32, nearest_f32_of_f64};
+
 use super::poisson::{negative_binomial_quantile, threshold_rate};
 
 /// What is believed of the arrival rate of one cell: Gamma(shape, hours), mean shape/hours units per hour.
@@ -97,7 +99,7 @@ impl DirtRate {
             f64::from(self.hours),
             f64::from(hours.max(0.0)),
         );
-        let equivalent = threshold_rate(quantile, delta) as f32 + residual_units.max(0.0);
+        let equivalent = nearest_f32_of_f64(threshold_rate(quantile, delta)) + residual_units.max(0.0);
         plain.max(equivalent)
     }
 }
@@ -113,7 +115,7 @@ pub fn observed_share(pickup_probability: f32, passes: u8, coverage: f32) -> f32
 /// Without any expectation the hits are shared equally.
 pub fn attribute_hits(hits: f32, removals: &mut [f32]) {
     let sum: f32 = removals.iter().sum();
-    let count = removals.len() as f32;
+    let count = nearest_f32(removals.len());
     for removal in removals {
         *removal = if sum > 0.0 { hits * *removal / sum } else { hits / count.max(1.0) };
     }

@@ -6,7 +6,7 @@
 
 use super::grid::Grid;
 use floorguard_types::geometry::Point2;
-use floorguard_types::number::saturating_u8;
+use floorguard_types::number::{nearest_f32, saturating_u8, truncating_u32};
 
 /// Where distances end, metres; a stored 200 means "at least this far".
 pub const DISTANCE_LIMIT_M: f32 = 2.0;
@@ -25,7 +25,7 @@ pub type DistanceField<S> = Grid<u8, S>;
 /// let geometry = GridGeometry::new(20, 10, 0.1, Point2::default()).unwrap();
 /// let mut field = Grid::new(geometry, [0_u8; 200]).unwrap();
 /// let mut scratch = field.clone();
-/// fill_distances(&mut field, &mut scratch, |cell| geometry.coordinates(cell).0 == 0);
+/// fill_distances(&mut field, &mut scratch, |cell| geometry.coordinates(cell).column == 0);
 /// assert!((field.clearance_m(Point2::new(1.25, 0.5)) - 1.2).abs() < 1.0e-6);
 /// assert_eq!(field.clearance_m(Point2::new(-1.0, 0.5)), 0.0);
 /// ```
@@ -78,7 +78,7 @@ fn nearest_squared(line: &[u8], column: usize, reach: u8) -> u32 {
         if vertical > reach {
             continue;
         }
-        let horizontal = first.saturating_add(offset).abs_diff(column) as u32;
+        let horizontal = truncating_u32(first.saturating_add(offset).abs_diff(column));
         let vertical = u32::from(vertical);
         best =
             best.min(horizontal.saturating_mul(horizontal).saturating_add(vertical.saturating_mul(vertical)));
@@ -87,7 +87,7 @@ fn nearest_squared(line: &[u8], column: usize, reach: u8) -> u32 {
 }
 
 fn centimetres(squared_cells: u32, resolution_m: f32) -> u8 {
-    let metres = libm::sqrtf(squared_cells as f32) * resolution_m;
+    let metres = libm::sqrtf(nearest_f32(squared_cells)) * resolution_m;
     saturating_u8(metres.min(DISTANCE_LIMIT_M) * 100.0 + 0.5)
 }
 

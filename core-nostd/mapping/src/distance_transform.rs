@@ -4,6 +4,10 @@
 //! 2000): along the columns the distance within the column, along each row the lower envelope of the parabolas
 //! that stand on it. Every cell enters and leaves the envelope at most once: cost proportional to the cells.
 
+use floorguard_types::number::{
+    nearest_f64, saturating_i64_of_f64, truncating_i32, truncating_i64, truncating_u32, truncating_usize,
+};
+
 use super::grid::{GRID_CELLS_MAX, GridGeometry, GridTooSmall};
 
 /// Squared distance where no obstacle exists.
@@ -89,19 +93,19 @@ fn crossing(earlier: &Parabola, later: &Parabola) -> i64 {
     if apart == 1 {
         return (numerator >> 1).wrapping_add(1);
     }
-    libm::floor(numerator as f64 / apart.wrapping_mul(2) as f64) as i64 + 1
+    saturating_i64_of_f64(libm::floor(nearest_f64(numerator) / nearest_f64(apart.wrapping_mul(2)))) + 1
 }
 
 /// The parabolas that are lowest somewhere, from left to right; gives how many.
 fn build_envelope(row: &[u32], envelope: &mut [Parabola]) -> usize {
-    let columns = row.len() as i64;
+    let columns = truncating_i64(row.len());
     let mut count = 0_usize;
     for (column, &vertical) in row.iter().enumerate() {
         if vertical == FAR {
             continue;
         }
         let height = i64::from(vertical).wrapping_mul(i64::from(vertical));
-        let mut new = Parabola { vertex: column as i32, from: 0, height };
+        let mut new = Parabola { vertex: truncating_i32(column), from: 0, height };
         // Every parabola leaves the envelope once.
         let before = count;
         for _ in 0..=before.min(GRID_CELLS_MAX) {
@@ -117,7 +121,8 @@ fn build_envelope(row: &[u32], envelope: &mut [Parabola]) -> usize {
             if from >= columns {
                 continue;
             }
-            new.from = from as i32;
+            debug_assert!(from > i64::from(top.from), "parabolas stand from left to right");
+            new.from = truncating_i32(from);
         }
         if let Some(slot) = envelope.get_mut(count) {
             *slot = new;
@@ -133,11 +138,11 @@ fn fill_row(row: &mut [u32], envelope: &[Parabola]) {
         return;
     }
     let columns = row.len();
-    let ends = envelope.iter().skip(1).map(|next| next.from as usize).chain([columns]);
+    let ends = envelope.iter().skip(1).map(|next| truncating_usize(next.from)).chain([columns]);
     for (parabola, end) in envelope.iter().zip(ends) {
-        let first = parabola.from as usize;
+        let first = truncating_usize(parabola.from);
         for (value, column) in row.get_mut(first..end).unwrap_or(&mut []).iter_mut().zip(parabola.from..) {
-            *value = height_at(parabola, column) as u32;
+            *value = truncating_u32(height_at(parabola, column));
         }
     }
 }
@@ -145,6 +150,7 @@ fn fill_row(row: &mut [u32], envelope: &[Parabola]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::GridCoordinates;
     use crate::GridSides;
     use floorguard_types::geometry::Point2;
     use proptest::prelude::*;
@@ -176,9 +182,9 @@ mod tests {
             let obstacles: Vec<bool> = (0..geometry.cell_count()).map(|_| random.bernoulli(share)).collect();
             let squared = transformed(&geometry, &obstacles);
             for (cell, &found) in squared.iter().enumerate().take(geometry.cell_count()) {
-                let (x, y) = geometry.coordinates(cell);
+                let GridCoordinates { column: x, row: y } = geometry.coordinates(cell);
                 let nearest = (0..geometry.cell_count()).filter(|&other| obstacles[other]).map(|other| {
-                    let (u, v) = geometry.coordinates(other);
+                    let GridCoordinates { column: u, row: v } = geometry.coordinates(other);
                     ((x - u) * (x - u) + (y - v) * (y - v)) as u32
                 });
                 prop_assert_eq!(found, nearest.min().unwrap_or(NO_OBSTACLE));

@@ -3,12 +3,14 @@
 use core::marker::PhantomData;
 
 use floorguard_types::geometry::Point2;
-use floorguard_types::number::saturating_i32;
+use floorguard_types::number::{
+    count_u64, exact_usize, nearest_f32, saturating_i32, saturating_u16_of_u32, truncating_i32,
+};
 
 /// Cells of a raster are numbered in 32 bits, and the last number is none.
-const CELLS_MAX: u64 = u32::MAX as u64;
+const CELLS_MAX: u64 = count_u64(GRID_CELLS_MAX);
 /// The same as a bound of loops over cells.
-pub const GRID_CELLS_MAX: usize = u32::MAX as usize;
+pub const GRID_CELLS_MAX: usize = exact_usize(u32::MAX);
 /// Cells along a side, as a bound of loops over rows and columns.
 pub const GRID_SIDE_MAX: i32 = 1 << 30;
 
@@ -21,8 +23,13 @@ pub struct GridSides {
     pub rows: u32,
 }
 
-const fn sixteen_bits(side: u32) -> u16 {
-    if side > u16::MAX as u32 { u16::MAX } else { side as u16 }
+/// A cell by column and row; may lie outside the raster.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct GridCoordinates {
+    /// Along x, from 0.
+    pub column: i32,
+    /// Along y, from 0.
+    pub row: i32,
 }
 
 /// Where the cells of a raster lie in the map frame. Cell (0, 0) is the one with the smallest coordinates; the index
@@ -34,7 +41,7 @@ const fn sixteen_bits(side: u32) -> u16 {
 ///
 /// let geometry = GridGeometry::new(40, 20, 0.5, Point2::new(-10.0, -5.0)).unwrap();
 /// let cell = geometry.cell_at(Point2::new(0.1, 0.1)).unwrap();
-/// assert_eq!(geometry.coordinates(cell), (20, 10));
+/// assert_eq!(geometry.coordinates(cell).column, 20);
 /// assert_eq!(geometry.centre(cell), Point2::new(0.25, 0.25));
 /// assert_eq!(geometry.cell_at(Point2::new(11.0, 0.0)), None);
 /// ```
@@ -78,34 +85,34 @@ impl GridGeometry {
     /// Columns, ≥ 1, for file formats with 16 bits: at most 65,535. Everything else asks [`Self::columns`].
     #[must_use]
     pub const fn width(&self) -> u16 {
-        sixteen_bits(self.columns)
+        saturating_u16_of_u32(self.columns)
     }
 
     /// Rows, ≥ 1, for file formats with 16 bits: at most 65,535. Everything else asks [`Self::rows`].
     #[must_use]
     pub const fn height(&self) -> u16 {
-        sixteen_bits(self.rows)
+        saturating_u16_of_u32(self.rows)
     }
 
     /// Columns, ≥ 1.
     #[inline]
     #[must_use]
     pub const fn columns(&self) -> usize {
-        self.columns as usize
+        exact_usize(self.columns)
     }
 
     /// Rows, ≥ 1.
     #[inline]
     #[must_use]
     pub const fn rows(&self) -> usize {
-        self.rows as usize
+        exact_usize(self.rows)
     }
 
     /// The same raster moved by whole cells.
     #[must_use]
     pub fn moved(&self, columns: i32, rows: i32) -> Self {
-        let x_m = self.origin_in_map.x_m + columns as f32 * self.resolution_m;
-        let y_m = self.origin_in_map.y_m + rows as f32 * self.resolution_m;
+        let x_m = self.origin_in_map.x_m + nearest_f32(columns) * self.resolution_m;
+        let y_m = self.origin_in_map.y_m + nearest_f32(rows) * self.resolution_m;
         Self { origin_in_map: Point2::new(x_m, y_m), ..*self }
     }
 
@@ -131,7 +138,7 @@ impl GridGeometry {
     #[must_use]
     pub const fn cell_count(&self) -> usize {
         // The constructor checked that the product fits 32 bits.
-        (self.columns as usize).saturating_mul(self.rows as usize)
+        exact_usize(self.columns).saturating_mul(exact_usize(self.rows))
     }
 
     /// Index of a cell, `None` outside.
@@ -144,39 +151,39 @@ impl GridGeometry {
         inside.then(|| row.saturating_mul(self.columns()).saturating_add(column))
     }
 
-    /// Column and row of the cell that holds a point of the map frame; may lie outside the raster.
+    /// The cell that holds a point of the map frame; may lie outside the raster.
     #[inline]
     #[must_use]
-    pub fn coordinates_of(&self, point_in_map: Point2) -> (i32, i32) {
+    pub fn coordinates_of(&self, point_in_map: Point2) -> GridCoordinates {
         let x = (point_in_map.x_m - self.origin_in_map.x_m) * self.cells_per_metre;
         let y = (point_in_map.y_m - self.origin_in_map.y_m) * self.cells_per_metre;
         // `as` saturates, and takes NaN to 0; floor, not truncation, so that −0.5 is outside.
-        (saturating_i32(libm::floorf(x)), saturating_i32(libm::floorf(y)))
+        GridCoordinates { column: saturating_i32(libm::floorf(x)), row: saturating_i32(libm::floorf(y)) }
     }
 
     /// Index of the cell that holds a point of the map frame, `None` outside.
     #[inline]
     #[must_use]
     pub fn cell_at(&self, point_in_map: Point2) -> Option<usize> {
-        let (column, row) = self.coordinates_of(point_in_map);
+        let GridCoordinates { column, row } = self.coordinates_of(point_in_map);
         self.index(column, row)
     }
 
     /// Column and row of an index.
     #[inline]
     #[must_use]
-    pub fn coordinates(&self, index: usize) -> (i32, i32) {
+    pub fn coordinates(&self, index: usize) -> GridCoordinates {
         let width = self.columns().max(1);
-        ((index % width) as i32, (index / width) as i32)
+        GridCoordinates { column: truncating_i32(index % width), row: truncating_i32(index / width) }
     }
 
     /// Centre of a cell, in the map frame.
     #[must_use]
     pub fn centre(&self, index: usize) -> Point2 {
-        let (column, row) = self.coordinates(index);
+        let GridCoordinates { column, row } = self.coordinates(index);
         Point2::new(
-            self.origin_in_map.x_m + (column as f32 + 0.5) * self.resolution_m,
-            self.origin_in_map.y_m + (row as f32 + 0.5) * self.resolution_m,
+            self.origin_in_map.x_m + (nearest_f32(column) + 0.5) * self.resolution_m,
+            self.origin_in_map.y_m + (nearest_f32(row) + 0.5) * self.resolution_m,
         )
     }
 }

@@ -15,7 +15,8 @@
         clippy::unreachable,
         clippy::todo,
         clippy::unimplemented,
-        clippy::indexing_slicing
+        clippy::indexing_slicing,
+        clippy::as_conversions
     )
 )]
 
@@ -38,7 +39,9 @@ pub use dirt_map::{DirtCell, DirtMap, NO_SLOT};
 pub use dirt_rate::{DirtRate, RunObservation, attribute_hits, observed_share};
 pub use distance_field::{DISTANCE_LIMIT_M, DistanceField, fill_distances};
 pub use distance_transform::{NO_OBSTACLE, Parabola, squared_distances};
-pub use grid::{FixedGrid, GRID_CELLS_MAX, GRID_SIDE_MAX, Grid, GridGeometry, GridSides, GridTooSmall};
+pub use grid::{
+    FixedGrid, GRID_CELLS_MAX, GRID_SIDE_MAX, Grid, GridCoordinates, GridGeometry, GridSides, GridTooSmall,
+};
 pub use occupancy::Occupancy;
 pub use poisson::{negative_binomial_quantile, poisson_cdf, poisson_quantile, poisson_tail, threshold_rate};
 pub use rolling::GridShift;

@@ -3,6 +3,8 @@
 //! The guarantee asks whether the (1−δ) quantile of Poisson(λ) exceeds τ. That is the same as λ > λ*(τ, δ), so one
 //! bisection at start turns the test of every cell into one comparison (book, Cleaning: Poisson tails).
 
+use floorguard_types::number::saturating_u32_of_f64;
+
 /// Largest rate that the forward recurrence takes: e⁻⁷⁰⁰ is still a normal f64.
 const RATE_MAX: f64 = 700.0;
 /// Most terms of a sum: 40 deviations above the largest rate are 1,819.
@@ -22,7 +24,7 @@ pub fn poisson_cdf(count: u32, rate: f64) -> f64 {
     let mut term = libm::exp(-rate);
     let mut sum = term;
     // Terms beyond the mean by 40 deviations add nothing, which also bounds the loop.
-    let last = count.min((rate + 40.0 * libm::sqrt(rate) + 60.0) as u32);
+    let last = count.min(saturating_u32_of_f64(rate + 40.0 * libm::sqrt(rate) + 60.0));
     for i in 0..last.min(TERMS_MAX) {
         term *= rate / (f64::from(i) + 1.0);
         sum += term;
@@ -40,7 +42,7 @@ pub fn poisson_tail(count: u32, rate: f64) -> f64 {
 #[must_use]
 pub fn poisson_quantile(confidence: f64, rate: f64) -> u32 {
     let rate = if rate.is_finite() { rate.clamp(0.0, RATE_MAX) } else { RATE_MAX };
-    let bound = ((rate + 10.0 * libm::sqrt(rate) + 20.0) as u32).min(TERMS_MAX);
+    let bound = saturating_u32_of_f64(rate + 10.0 * libm::sqrt(rate) + 20.0).min(TERMS_MAX);
     let mut term = libm::exp(-rate);
     let mut sum = term;
     for count in 0..bound {
@@ -92,7 +94,7 @@ pub fn negative_binomial_quantile(confidence: f64, shape: f64, rate: f64, exposu
     let success = rate / (rate + exposure);
     let mut term = libm::pow(success, shape);
     let mut sum = term;
-    let bound = ((4.0 * shape * exposure / rate + 60.0) as u32).min(COUNTS_MAX);
+    let bound = saturating_u32_of_f64(4.0 * shape * exposure / rate + 60.0).min(COUNTS_MAX);
     for count in 0..bound {
         if sum >= confidence {
             return count;

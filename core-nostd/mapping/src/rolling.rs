@@ -1,8 +1,10 @@
 //! A grid that moves with the robot: its origin shifts by whole cells, and what comes in is unknown.
 
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::exact_usize;
 
 use super::grid::{GRID_CELLS_MAX, Grid};
+use crate::GridCoordinates;
 
 /// By how many cells a grid was moved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,7 +22,7 @@ impl<T: Copy, S: AsRef<[T]> + AsMut<[T]>> Grid<T, S> {
         if !centre_in_map.norm().is_finite() {
             return GridShift::default();
         }
-        let (column, row) = self.geometry().coordinates_of(centre_in_map);
+        let GridCoordinates { column, row } = self.geometry().coordinates_of(centre_in_map);
         let half = |side: usize| i32::try_from(side / 2).unwrap_or(i32::MAX);
         let columns = column.saturating_sub(half(self.geometry().columns()));
         let rows = row.saturating_sub(half(self.geometry().rows()));
@@ -35,7 +37,7 @@ impl<T: Copy, S: AsRef<[T]> + AsMut<[T]>> Grid<T, S> {
         let (columns, rows) = (self.geometry().columns(), self.geometry().rows());
         let moved = self.geometry().moved(by.columns, by.rows);
         let values = self.values_mut();
-        let (right, up) = (by.columns.unsigned_abs() as usize, by.rows.unsigned_abs() as usize);
+        let (right, up) = (exact_usize(by.columns.unsigned_abs()), exact_usize(by.rows.unsigned_abs()));
         if right >= columns || up >= rows {
             values.fill(fresh);
         } else {
@@ -102,7 +104,7 @@ mod tests {
             for (x_m, y_m) in moves {
                 let before = grid.clone();
                 grid.recentre(Point2::new(x_m, y_m), (i32::MAX, i32::MAX));
-                let (column, row) = grid.geometry().coordinates_of(Point2::new(x_m, y_m));
+                let GridCoordinates { column, row } = grid.geometry().coordinates_of(Point2::new(x_m, y_m));
                 prop_assert_eq!((column, row), (6, 4));
                 for cell in 0..grid.geometry().cell_count() {
                     let centre = grid.geometry().centre(cell);

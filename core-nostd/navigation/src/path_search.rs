@@ -5,7 +5,8 @@
 //! as soon as what it was asked for is settled, and costs nothing for the rest of the map: cells of an older search are
 //! recognised by their round number.
 
-use floorguard_mapping::GridGeometry;
+use floorguard_mapping::{GridCoordinates, GridGeometry};
+use floorguard_types::number::{exact_usize, truncating_u32};
 
 /// Cost of a straight step; the unit of all distances on the raster is 1/29 of a cell.
 pub const STRAIGHT: u32 = 29;
@@ -43,7 +44,7 @@ impl SearchCell {
 ///
 /// // A wall across a room of 5 × 3 cells, with a door in its upper row.
 /// let geometry = GridGeometry::new(5, 3, 0.1, Point2::default()).unwrap();
-/// let passable = |cell| geometry.coordinates(cell) != (2, 0) && geometry.coordinates(cell) != (2, 1);
+/// let passable = |cell| cell != geometry.index(2, 0).unwrap() && cell != geometry.index(2, 1).unwrap();
 /// let mut search = PathSearch::new(geometry, [SearchCell::EMPTY; 15]);
 /// let (start, goal) = (geometry.index(0, 0).unwrap(), geometry.index(4, 0).unwrap());
 /// search.run(start, passable);
@@ -118,13 +119,14 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
                 continue;
             }
             empty_run = 0;
-            self.unlink(head as usize);
-            self.horizon = self.raw(head as usize);
+            self.unlink(exact_usize(head));
+            debug_assert!(self.raw(exact_usize(head)) >= self.horizon, "cells are settled from near to far");
+            self.horizon = self.raw(exact_usize(head));
             settled = settled.saturating_add(1);
-            if is_enough(head as usize) || settled >= count {
+            if is_enough(exact_usize(head)) || settled >= count {
                 return;
             }
-            self.expand(head as usize, &passable);
+            self.expand(exact_usize(head), &passable);
         }
     }
 
@@ -143,7 +145,7 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
 
     #[inline]
     fn expand(&mut self, cell: usize, passable: &impl Fn(usize) -> bool) {
-        let (column, row) = self.geometry.coordinates(cell);
+        let GridCoordinates { column, row } = self.geometry.coordinates(cell);
         let distance = self.raw(cell);
         let mut open = [false; 8];
         for (open, (dx, dy, cost)) in open.iter_mut().zip(NEIGHBOURS).take(4) {
@@ -184,16 +186,16 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
         if old != NO_CELL {
             self.unlink(cell);
         }
-        let slot = distance as usize % BUCKETS;
+        let slot = exact_usize(distance) % BUCKETS;
         let head = self.heads.get(slot).copied().unwrap_or(NO_CELL);
         if let Some(entry) = self.cells.as_mut().get_mut(cell) {
             *entry = SearchCell { distance, next: head, previous: NO_CELL, round: self.round };
         }
-        if let Some(entry) = self.cells.as_mut().get_mut(head as usize) {
-            entry.previous = cell as u32;
+        if let Some(entry) = self.cells.as_mut().get_mut(exact_usize(head)) {
+            entry.previous = truncating_u32(cell);
         }
         if let Some(head) = self.heads.get_mut(slot) {
-            *head = cell as u32;
+            *head = truncating_u32(cell);
         }
     }
 
@@ -203,13 +205,13 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
             return;
         };
         if previous == NO_CELL {
-            if let Some(head) = self.heads.get_mut(distance as usize % BUCKETS) {
+            if let Some(head) = self.heads.get_mut(exact_usize(distance) % BUCKETS) {
                 *head = next;
             }
-        } else if let Some(entry) = self.cells.as_mut().get_mut(previous as usize) {
+        } else if let Some(entry) = self.cells.as_mut().get_mut(exact_usize(previous)) {
             entry.next = next;
         }
-        if let Some(entry) = self.cells.as_mut().get_mut(next as usize) {
+        if let Some(entry) = self.cells.as_mut().get_mut(exact_usize(next)) {
             entry.previous = previous;
         }
     }
@@ -226,7 +228,7 @@ impl<S: AsRef<[SearchCell]> + AsMut<[SearchCell]>> PathSearch<S> {
     #[must_use]
     pub fn towards_start(&self, cell: usize) -> Option<usize> {
         let here = self.distance(cell)?;
-        let (column, row) = self.geometry.coordinates(cell);
+        let GridCoordinates { column, row } = self.geometry.coordinates(cell);
         let mut best: Option<(u32, usize)> = None;
         for (dx, dy, cost) in NEIGHBOURS {
             let Some(other) = self.geometry.index(column.wrapping_add(dx), row.wrapping_add(dy)) else {
@@ -292,7 +294,7 @@ mod tests {
                     if slow[cell] == u32::MAX {
                         continue;
                     }
-                    let (x, y) = geometry.coordinates(cell);
+                    let GridCoordinates { column: x, row: y } = geometry.coordinates(cell);
                     for (dx, dy, cost) in NEIGHBOURS {
                         let sides = dx == 0 || dy == 0 || (is_free(x + dx, y) && is_free(x, y + dy));
                         if is_free(x + dx, y + dy) && sides {

@@ -3,7 +3,7 @@
 //! The same seed gives the same run on every machine, so every stochastic result can be repeated (book, Conventions:
 //! Random numbers). Every sampler is bounded: no rejection loops.
 
-use crate::number::saturating_u32;
+use crate::number::{nearest_f32, saturating_u32, truncating_u32};
 
 /// PCG-XSH-RR 64/32 (O'Neill 2014). Invariant: `increment` is odd.
 ///
@@ -41,14 +41,14 @@ impl Pcg32 {
     pub fn next_u32(&mut self) -> u32 {
         let old = self.state;
         self.state = old.wrapping_mul(MULTIPLIER).wrapping_add(self.increment);
-        let shifted = (((old >> 18) ^ old) >> 27) as u32;
-        shifted.rotate_right((old >> 59) as u32)
+        let shifted = truncating_u32(((old >> 18) ^ old) >> 27);
+        shifted.rotate_right(truncating_u32(old >> 59))
     }
 
     /// Uniform within [0, 1), from the top 24 bits.
     #[inline]
     pub fn uniform(&mut self) -> f32 {
-        (self.next_u32() >> 8) as f32 * UNIFORM_FLOOR
+        nearest_f32(self.next_u32() >> 8) * UNIFORM_FLOOR
     }
 
     /// Uniform within [low, high).
@@ -67,7 +67,7 @@ impl Pcg32 {
     /// ```
     #[inline]
     pub fn below(&mut self, bound: u32) -> u32 {
-        ((u64::from(self.next_u32()) * u64::from(bound)) >> 32) as u32
+        truncating_u32((u64::from(self.next_u32()) * u64::from(bound)) >> 32)
     }
 
     /// Two independent standard normal numbers (Box–Muller, u₁ floored at 2⁻²⁴).
@@ -137,7 +137,7 @@ impl Pcg32 {
                 return count;
             }
             left -= term;
-            term *= rate / (count as f32 + 1.0);
+            term *= rate / (nearest_f32(count) + 1.0);
         }
         bound
     }

@@ -3,6 +3,8 @@
 //! A stamp tells when something was *measured*. A one-sided age test would let a stamp from the future stay fresh for
 //! ever, so [`Stamp::age`] has two answers and every caller must look at both.
 
+use crate::number::{nearest_f32, truncating_i32, truncating_u32};
+
 /// Microseconds on the robot's monotonic clock. 2^64 µs are 584,000 years: no wrap-around.
 ///
 /// ```
@@ -85,8 +87,8 @@ impl Stamp {
     #[must_use]
     pub fn seconds_since(self, earlier: Self) -> f32 {
         match earlier.age(self) {
-            Age::Past(micros) => micros as f32 * 1.0e-6,
-            Age::Future(micros) => -(micros as f32) * 1.0e-6,
+            Age::Past(micros) => nearest_f32(micros) * 1.0e-6,
+            Age::Future(micros) => -nearest_f32(micros) * 1.0e-6,
         }
     }
 }
@@ -110,7 +112,7 @@ impl Unwrap32 {
     /// The 64-bit value nearest to the previous one whose low half equals `counter`. Right as long as two readings
     /// are less than 35 minutes apart; small steps backwards stay backwards.
     pub fn extend(&mut self, counter: u32) -> u64 {
-        let delta = counter.wrapping_sub(self.last as u32) as i32;
+        let delta = truncating_i32(counter.wrapping_sub(truncating_u32(self.last)));
         self.last = self.last.saturating_add_signed(i64::from(delta));
         self.last
     }

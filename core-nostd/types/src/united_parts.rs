@@ -102,6 +102,7 @@ impl<T: Absorb, S: Size> UnitedParts<T, S> {
         let mut index = part;
         for _ in 0..S::N {
             let parent = self.parts.get(usize::from(index)).map_or(index, |part| part.parent);
+            debug_assert!(parent <= index, "a part was united with a later one");
             if parent == index {
                 break;
             }

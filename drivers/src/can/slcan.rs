@@ -2,6 +2,8 @@
 //!
 //! Stricter than the Python package: a line that is not exactly what its length digit says is refused and counted.
 
+use floorguard_types::number::truncating_u8;
+
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 use heapless::Vec;
 
@@ -188,10 +190,10 @@ pub fn encode_slcan(frame: &CanFrame) -> Vec<u8, SLCAN_LINE_BYTES> {
     for place in 0..8_u32 {
         if place < digits {
             let shift = digits.saturating_sub(place).saturating_sub(1).saturating_mul(4);
-            let _ = line.push(digit(raw.wrapping_shr(shift) as u8));
+            let _ = line.push(digit(truncating_u8(raw.wrapping_shr(shift))));
         }
     }
-    let _ = line.push(digit(frame.dlc() as u8));
+    let _ = line.push(digit(truncating_u8(frame.dlc())));
     for byte in frame.data() {
         let _ = line.push(digit(byte >> 4));
         let _ = line.push(digit(*byte));

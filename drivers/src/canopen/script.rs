@@ -1,5 +1,7 @@
 //! The configuration of a node before it may start: a list of SDO requests.
 
+use floorguard_types::number::truncating_u32;
+
 use heapless::Vec;
 
 use super::sdo::SdoRequest;
@@ -66,7 +68,7 @@ impl Script {
     /// Adds the steps of another one.
     #[must_use]
     pub fn followed_by(mut self, other: &Self) -> Self {
-        self.optional |= other.optional.wrapping_shl(self.steps.len() as u32);
+        self.optional |= other.optional.wrapping_shl(truncating_u32(self.steps.len()));
         self.overflowed |= other.overflowed || self.steps.extend_from_slice(&other.steps).is_err();
         self
     }
@@ -130,7 +132,7 @@ impl Script {
 const _: () = assert!(SCRIPT_STEPS_MAX <= 64);
 
 fn bit(number: usize) -> u64 {
-    1_u64.wrapping_shl(number as u32)
+    1_u64.wrapping_shl(truncating_u32(number))
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! A position that starts over at the end of the encoder's range.
 
+use floorguard_types::number::truncating_i32;
+
 /// Follows the position through its wraps. The sum wraps at 32 bits, as core's odometry expects.
 ///
 /// ```
@@ -37,7 +39,7 @@ impl PositionCounter {
         } else {
             step
         };
-        self.total = self.total.wrapping_add(step as i32);
+        self.total = self.total.wrapping_add(truncating_i32(step));
         self.total
     }
 

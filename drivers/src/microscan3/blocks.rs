@@ -1,5 +1,7 @@
 //! The blocks of a message (book, microScan3: Blocks).
 
+use floorguard_types::number::nearest_f32;
+
 /// Beams of the finest resolution.
 const BEAMS_MAX: usize = 2_751;
 /// Counts of a degree: 2²².
@@ -28,7 +30,7 @@ impl Geometry {
     pub(super) fn new_checked(block: &[u8]) -> Option<Self> {
         let &[f0, f1, b0, b1, t0, t1, _, _, s0, s1, s2, s3, r0, r1, r2, r3, p0, p1, p2, p3] =
             block.first_chunk::<20>()?;
-        let degrees = |bytes| i32::from_le_bytes(bytes) as f32 / PER_DEGREE;
+        let degrees = |bytes| nearest_f32(i32::from_le_bytes(bytes)) / PER_DEGREE;
         Some(Self {
             factor_mm: u16::from_le_bytes([f0, f1]),
             beams: u16::from_le_bytes([b0, b1]),

@@ -1,5 +1,6 @@
 //! From datagrams to scans.
 
+use floorguard_types::number::nearest_f32;
 use floorguard_types::profile::{List, Native, Profile, Size};
 use floorguard_types::sensing::{BeamReturn, ScanOf};
 use floorguard_types::time::Stamp;
@@ -236,7 +237,7 @@ fn fill<P: Profile>(
         scan.beams.push(beam(distance, status, &geometry, configuration)).map_err(|_| error)?;
     }
     if configuration.inverted {
-        let steps = found.saturating_sub(1) as f32;
+        let steps = nearest_f32(found.saturating_sub(1));
         scan.first_angle_rad = -radians(first_deg + steps * geometry.resolution_deg);
         scan.turn_round();
     }

@@ -1,5 +1,6 @@
 //! From bytes in any portions to scans: searches, waits, checks, resynchronises. Source: book, SICK S300: Receiver.
 
+use floorguard_types::number::truncating_u32;
 use floorguard_types::profile::{List, Native, Profile};
 use floorguard_types::sensing::{BeamReturn, ScanOf};
 use floorguard_types::time::{Age, Stamp};
@@ -150,7 +151,7 @@ impl<P: Profile> ReceiverOf<P> {
             self.discard(1);
             self.consume(now, &mut event);
         }
-        self.counters.bytes = self.counters.bytes.saturating_add(bytes.len() as u32);
+        self.counters.bytes = self.counters.bytes.saturating_add(truncating_u32(bytes.len()));
         let mut rest = bytes;
         for _ in bytes {
             let count = self.wanted.clamp(1, rest.len().max(1));

@@ -3,12 +3,13 @@
 //! Sans-I/O: frames in with [`ThreeWheelBase::on_frame`], frames out from [`ThreeWheelBase::poll`] every 10 ms and, for
 //! a stop, from [`ThreeWheelBase::send_command`] at once.
 
+use floorguard_types::number::truncating_u8;
 use floorguard_types::sensing::{DirtReading, DiscreteInputs, DriveFeedback, WheelSample};
 use floorguard_types::time::{Age, Stamp};
 
 use super::configuration::BaseConfiguration;
 use super::drives::{Axis, DriveCommand, Drives};
-use super::encoders::{Encoders, Side};
+use super::encoders::{EncoderReading, Encoders, Side};
 use super::following_error::FollowingErrorMonitor;
 use crate::can::CanFrame;
 use crate::canopen::{
@@ -114,7 +115,7 @@ impl ThreeWheelBase {
     pub fn on_frame(&mut self, frame: &CanFrame, now: Stamp, event: &mut impl FnMut(BaseEvent)) {
         let Some(id) = frame.standard_id() else { return };
         self.counters.frames = self.counters.frames.saturating_add(1);
-        let node = (id & 0x7F) as u8;
+        let node = truncating_u8(id & 0x7F);
         let payload = frame.payload();
         match id & 0x780 {
             0x080 => self.on_emergency(node, payload, event),
@@ -351,7 +352,8 @@ impl ThreeWheelBase {
             self.counters.late = self.counters.late.saturating_add(1);
             return;
         }
-        if let Some(sample) = self.encoders.on_position(side, (report.position, range), self.latched) {
+        let reading = EncoderReading { position: report.position, range };
+        if let Some(sample) = self.encoders.on_position(side, reading, self.latched) {
             event(BaseEvent::Wheels(sample));
         }
     }

@@ -1,6 +1,6 @@
 //! Traction and steering: from a command to two process data objects, and back from two to one report.
 
-use floorguard_types::number::saturating_i32;
+use floorguard_types::number::{nearest_f32, saturating_i32};
 use floorguard_types::sensing::{DriveFeedback, DriveState};
 use floorguard_types::time::Stamp;
 
@@ -135,14 +135,14 @@ impl Drives {
         Ok(Some(DriveFeedback {
             stamp: now,
             state: worse(self.traction.drive_state(), self.steering.drive_state()),
-            wheel_speed_mps: self.traction.value as f32 * 1.0e-3,
-            steering_rad: self.steering.value as f32 / MILLIDEGREES,
+            wheel_speed_mps: nearest_f32(self.traction.value) * 1.0e-3,
+            steering_rad: nearest_f32(self.steering.value) / MILLIDEGREES,
         }))
     }
 
     /// Speed that the traction drive last reported, m/s of the wheel's rim; none before it is heard.
     pub fn traction_mps(&self) -> Option<f32> {
-        self.traction.state.map(|_| self.traction.value as f32 * 1.0e-3)
+        self.traction.state.map(|_| nearest_f32(self.traction.value) * 1.0e-3)
     }
 
     /// An emergency code of a drive; 0 when it has recovered.

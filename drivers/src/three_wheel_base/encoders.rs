@@ -12,6 +12,15 @@ pub(super) enum Side {
     Right,
 }
 
+/// What an encoder reports of its wheel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct EncoderReading {
+    /// Counts, below the range.
+    pub position: u32,
+    /// Counts before it begins again; 0 stands for the whole word.
+    pub range: u32,
+}
+
 /// Collects one position of each wheel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Encoders {
@@ -25,13 +34,14 @@ impl Encoders {
         self.ticks = [None; 2];
     }
 
-    /// A position; `range` as the encoder gave it. The sample is complete with the second wheel.
+    /// A position. The sample is complete with the second wheel.
     pub fn on_position(
         &mut self,
         side: Side,
-        (position, range): (u32, u32),
+        reading: EncoderReading,
         latched: Stamp,
     ) -> Option<WheelSample> {
+        let EncoderReading { position, range } = reading;
         let ([left, right], [left_ticks, right_ticks]) = (&mut self.counters, &mut self.ticks);
         match side {
             Side::Left => *left_ticks = Some(left.update(position, range)),

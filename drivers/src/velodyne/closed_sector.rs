@@ -4,6 +4,8 @@
 //! the edge falls between two packets, as silence at the same place in every turn. Time passes meanwhile: packets of the
 //! closed sector are not lost, and what follows the jump was fired later.
 
+use floorguard_types::number::truncating_u16;
+
 use super::packet::{BLOCKS, BlockTurn};
 
 const TURN_CDEG: u32 = 36_000;
@@ -52,7 +54,7 @@ impl ClosedSector {
     fn lies_between(&self, from_cdeg: u16, until_cdeg: u16) -> bool {
         let whole = turned_cdeg(from_cdeg, until_cdeg).saturating_add(2 * EDGE_CDEG);
         let start = (u32::from(from_cdeg) + TURN_CDEG - EDGE_CDEG) % TURN_CDEG;
-        let ahead = turned_cdeg(start as u16, self.from_cdeg);
+        let ahead = turned_cdeg(truncating_u16(start), self.from_cdeg);
         ahead.saturating_add(self.width_cdeg()) <= whole
     }
 
@@ -104,7 +106,7 @@ impl PacketTurn {
             }
             first = first.or(Some(azimuth_cdeg));
             let turned_cdeg = u32::from(azimuth_cdeg) + u32::from(turn.gap_cdeg);
-            end = if turned_cdeg < TURN_CDEG { turned_cdeg } else { turned_cdeg % TURN_CDEG } as u16;
+            end = truncating_u16(if turned_cdeg < TURN_CDEG { turned_cdeg } else { turned_cdeg % TURN_CDEG });
             (gaps_cdeg, count) = (gaps_cdeg + u32::from(turn.gap_cdeg), count + 1);
         }
         let first_cdeg = first?;

@@ -6,6 +6,7 @@
 //! Limit: the lasers of a VLP-32C look up to 4.2° beside the azimuth of their column; [`Model::ring_angles`] tells how
 //! far. They are not moved to a neighbouring column.
 
+use floorguard_types::number::{truncating_u8, truncating_u16, truncating_u32};
 use floorguard_types::profile::{Entry, Profile, Table, TableOf};
 use floorguard_types::sensing::{LidarColumnOf, LidarPacketOf};
 use floorguard_types::time::Stamp;
@@ -46,7 +47,7 @@ impl<P: Profile> Columns<P> {
         let step = if packet.is_dual() { 2 } else { 1 };
         out.stamp = stamp;
         out.range_unit_mm = self.model.range_unit_mm();
-        out.rings = self.model.lasers() as u8;
+        out.rings = truncating_u8(self.model.lasers());
         let known = turns.iter().step_by(step).filter(|turn| turn.azimuth_cdeg.is_some()).count();
         // 12 blocks of two sequences are exactly the capacity.
         let _ = out.columns.resize(known * sequences, LidarColumnOf::SILENT);
@@ -65,9 +66,9 @@ impl<P: Profile> Columns<P> {
             for (sequence, column) in columns.by_ref().take(sequences).enumerate() {
                 *column = LidarColumnOf::SILENT;
                 column.azimuth_cdeg = self.middle_azimuth(block_cdeg, sequence, turn.gap_cdeg);
-                let start_ns = (time_step as u32)
+                let start_ns = truncating_u32(time_step)
                     .saturating_mul(self.model.block_ns())
-                    .saturating_add((sequence as u32).saturating_mul(self.model.sequence_ns()));
+                    .saturating_add(truncating_u32(sequence).saturating_mul(self.model.sequence_ns()));
                 column.offset_us = (start_ns / 1_000).saturating_add(later_us);
                 self_returns += self.enter(column, block, sequence, blind_raw);
                 if let Some(echo) = echo {
@@ -139,11 +140,12 @@ impl<P: Profile> Columns<P> {
     /// Azimuth at the middle laser of a sequence, rounded.
     fn middle_azimuth(&self, block_cdeg: u16, sequence: usize, gap_cdeg: u16) -> u16 {
         let middle_ns = self.model.laser_ns(self.model.lasers() - 1) / 2;
-        let within_ns = (sequence as u32).saturating_mul(self.model.sequence_ns()).saturating_add(middle_ns);
+        let within_ns =
+            truncating_u32(sequence).saturating_mul(self.model.sequence_ns()).saturating_add(middle_ns);
         let block_ns = self.model.block_ns().max(1);
         // At most 36,000 times 73 us: fits.
         let turned = u32::from(gap_cdeg).saturating_mul(within_ns).saturating_add(block_ns / 2) / block_ns;
-        (u32::from(block_cdeg).saturating_add(turned) % 36_000) as u16
+        truncating_u16(u32::from(block_cdeg).saturating_add(turned) % 36_000)
     }
 }
 

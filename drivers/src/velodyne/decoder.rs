@@ -1,5 +1,6 @@
 //! From a datagram to a stamped [`LidarPacket`]: model, clock, losses, plausibility.
 
+use floorguard_types::number::{truncating_u8, truncating_u32};
 use floorguard_types::profile::{Native, Profile, Size};
 use floorguard_types::sensing::LidarPacketOf;
 use floorguard_types::time::Stamp;
@@ -199,7 +200,7 @@ impl<P: Profile> DecoderOf<P> {
             choice,
             decided: None,
             blind_range_mm: 0,
-            lasers_max: P::Rings::N as u8,
+            lasers_max: truncating_u8(P::Rings::N),
             last: None,
             since_accepted_us: None,
             clock: HourClock::default(),
@@ -219,7 +220,7 @@ impl<P: Profile> DecoderOf<P> {
     /// The same decoder for stages that take lidars of at most `lasers_max` rings: packets of a larger one are refused.
     #[must_use]
     pub fn with_lasers_max(self, lasers_max: u8) -> Self {
-        Self { lasers_max: lasers_max.min(P::Rings::N as u8), ..self }
+        Self { lasers_max: lasers_max.min(truncating_u8(P::Rings::N)), ..self }
     }
 
     /// The model, once it is known.
@@ -328,7 +329,7 @@ impl<P: Profile> DecoderOf<P> {
         let times = (stamp, turned.skipped_us);
         let self_returns = columns.convert((&packet, &turns), (times, self.blind_range_mm), out);
         self.counters.self_returns = self.counters.self_returns.saturating_add(self_returns);
-        let odd = turns.iter().filter(|turn| turn.azimuth_cdeg.is_none()).count() as u32;
+        let odd = truncating_u32(turns.iter().filter(|turn| turn.azimuth_cdeg.is_none()).count());
         self.odd_block = if odd > 0 { packet.odd_blocks().next() } else { None };
         self.counters.odd_blocks = self.counters.odd_blocks.saturating_add(odd);
         Ok(lost)

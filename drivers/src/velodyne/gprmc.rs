@@ -4,6 +4,8 @@
 //! given at all, and nothing may be used unless [`Gprmc::is_valid`] and the PPS is locked (book, Velodyne: Position
 //! packet).
 
+use floorguard_types::number::nearest_f64;
+
 /// Time of day and place.
 ///
 /// ```
@@ -138,7 +140,7 @@ fn decimal(text: &[u8]) -> Option<f64> {
             _ => return None,
         }
     }
-    Some(digits as f64 / scale)
+    Some(nearest_f64(digits) / scale)
 }
 
 /// `ddmm.mmm` or `dddmm.mmm` and its hemisphere.

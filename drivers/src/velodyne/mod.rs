@@ -20,7 +20,7 @@ pub use decoder::{Counters, DecodeError, Decoder, DecoderOf, ModelChoice};
 pub use gprmc::{Gprmc, GprmcError, Place};
 pub use model::{LaserAngles, Model, NativeAngles, detect_model};
 pub use packet::{BlockTurn, Packet, PacketError, ReturnMode};
-pub use position::{PositionError, PositionPacket, PpsState};
+pub use position::{BoardTemperatures, PositionError, PositionPacket, PpsState};
 pub use returns::{Return, Returns, ReturnsOf};
 pub use sweep_builder::SweepBuilder;
 

@@ -1,5 +1,6 @@
 //! What differs between the models: angles, times, units. Source: book, Velodyne.
 
+use floorguard_types::number::count_u32;
 use floorguard_types::profile::{Entry, Native, Profile, Size, Table, TableOf};
 use floorguard_types::units::radians;
 
@@ -137,7 +138,7 @@ impl Model {
     /// From the start of its sequence to laser `laser`, nanoseconds.
     #[must_use]
     pub const fn laser_ns(self, laser: usize) -> u32 {
-        let laser = (laser as u32) & 31;
+        let laser = count_u32(laser) & 31;
         match self {
             Self::Vlp16 | Self::HiRes => 2_304 * laser,
             Self::Vlp32C => 2_304 * (laser / 2),
@@ -148,7 +149,7 @@ impl Model {
     /// From one block of a single-return packet to the next, nanoseconds.
     #[must_use]
     pub const fn block_ns(self) -> u32 {
-        self.sequence_ns() * self.sequences_per_block() as u32
+        self.sequence_ns() * count_u32(self.sequences_per_block())
     }
 
     /// From one single-return packet to the next, microseconds, rounded.

@@ -1,5 +1,7 @@
 //! A data packet of 1,206 bytes as a checked view: after [`Packet::new_checked`] no accessor can fail.
 
+use floorguard_types::number::{truncating_u16, truncating_u32};
+
 /// Positions in the packet; book, Velodyne: Data packet.
 mod field {
     pub const BLOCK_BYTES: usize = 100;
@@ -258,8 +260,8 @@ impl<'a> Packet<'a> {
             if let Some((from, last_cdeg)) = last {
                 // Both are below 36,000, so the sum cannot overflow 17 bits nor underflow.
                 let turned_cdeg = (u32::from(azimuth_cdeg) + 36_000 - u32::from(last_cdeg)) % 36_000;
-                let steps = ((at - from) / step) as u32;
-                let gap_cdeg = turned_cdeg.checked_div(steps).unwrap_or(0) as u16;
+                let steps = truncating_u32((at - from) / step);
+                let gap_cdeg = truncating_u16(turned_cdeg.checked_div(steps).unwrap_or(0));
                 turns.iter_mut().take(at).skip(from).for_each(|turn| turn.gap_cdeg = gap_cdeg);
             }
             last = Some((at, azimuth_cdeg));

@@ -57,11 +57,20 @@ impl core::error::Error for PositionError {}
 /// (bytes[187], bytes[202]) = (41, 2);
 /// let packet = PositionPacket::new_checked(&bytes).unwrap();
 /// assert_eq!(packet.pps(), PpsState::Locked);
-/// assert_eq!(packet.temperatures_celsius(), (41, 0));
+/// assert_eq!(packet.temperatures().top_celsius, 41);
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct PositionPacket<'a> {
     bytes: &'a [u8; field::BYTES],
+}
+
+/// Temperatures inside of the sensor, °C; 0 with old firmware.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BoardTemperatures {
+    /// Of the top board.
+    pub top_celsius: u8,
+    /// Of the bottom board.
+    pub bottom_celsius: u8,
 }
 
 impl<'a> PositionPacket<'a> {
@@ -93,10 +102,13 @@ impl<'a> PositionPacket<'a> {
         }
     }
 
-    /// Temperatures of the top and the bottom board, °C; 0 with old firmware.
+    /// Temperatures of the boards.
     #[must_use]
-    pub const fn temperatures_celsius(&self) -> (u8, u8) {
-        (self.bytes[field::TOP_TEMPERATURE], self.bytes[field::BOTTOM_TEMPERATURE])
+    pub const fn temperatures(&self) -> BoardTemperatures {
+        BoardTemperatures {
+            top_celsius: self.bytes[field::TOP_TEMPERATURE],
+            bottom_celsius: self.bytes[field::BOTTOM_TEMPERATURE],
+        }
     }
 
     /// The sensor has switched its lasers off because it is too hot or too cold.
@@ -127,7 +139,7 @@ mod tests {
         bytes[198..202].copy_from_slice(&3_599_999_999_u32.to_le_bytes());
         bytes[202] = 2;
         let packet = PositionPacket::new_checked(&bytes).unwrap();
-        assert_eq!(packet.temperatures_celsius(), (41, 38));
+        assert_eq!(packet.temperatures(), BoardTemperatures { top_celsius: 41, bottom_celsius: 38 });
         assert_eq!((packet.stamp_us(), packet.pps()), (3_599_999_999, PpsState::Locked));
         assert!(!packet.is_thermally_shut_down());
         bytes[203] = 1;

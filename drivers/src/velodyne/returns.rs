@@ -1,6 +1,7 @@
 //! The single returns of a packet, each with its own azimuth, time and place: for people who want every point.
 
 use floorguard_types::geometry::Point3;
+use floorguard_types::number::{truncating_i64, truncating_u8, truncating_u16, truncating_u32};
 use floorguard_types::units::centidegrees_to_radians;
 
 use super::closed_sector::PacketTurn;
@@ -84,7 +85,7 @@ impl Returns {
                 later_ns = skipped_us.saturating_mul(1_000);
             }
             let second_of_pair = dual && index % 2 == 1;
-            let time_step = if dual { index / 2 } else { index } as u32;
+            let time_step = truncating_u32(if dual { index / 2 } else { index });
             let first = if second_of_pair { previous } else { None };
             for (channel, (distance_raw, reflectivity)) in block.channels().enumerate() {
                 let repeated = of == ReturnsOf::DistinctEchoes
@@ -97,7 +98,7 @@ impl Returns {
                 let within_ns = self.within_block_ns(channel);
                 each(
                     self.place(
-                        Cell { block: index as u8, channel, distance_raw, reflectivity },
+                        Cell { block: truncating_u8(index), channel, distance_raw, reflectivity },
                         block_cdeg,
                         (turn.gap_cdeg, within_ns),
                         time_step
@@ -116,7 +117,9 @@ impl Returns {
         let lasers = self.model.lasers();
         // 16 or 32: never zero.
         let (sequence, laser) = (channel / lasers, channel % lasers);
-        (sequence as u32).saturating_mul(self.model.sequence_ns()).saturating_add(self.model.laser_ns(laser))
+        truncating_u32(sequence)
+            .saturating_mul(self.model.sequence_ns())
+            .saturating_add(self.model.laser_ns(laser))
     }
 
     fn place(&self, cell: Cell, block_cdeg: u16, rotation: (u16, u32), offset_ns: u32) -> Return {
@@ -126,15 +129,15 @@ impl Returns {
         let turned = u64::from(gap_cdeg) * u64::from(within_ns);
         let block_ns = u64::from(self.model.block_ns().max(1));
         let rounded = (turned + block_ns / 2) / block_ns;
-        let sum = i64::from(block_cdeg) + rounded as i64 + i64::from(angles.azimuth_cdeg);
-        let azimuth_cdeg = sum.rem_euclid(36_000) as u16;
+        let sum = i64::from(block_cdeg) + truncating_i64(rounded) + i64::from(angles.azimuth_cdeg);
+        let azimuth_cdeg = truncating_u16(sum.rem_euclid(36_000));
         let range_m = f32::from(cell.distance_raw) * f32::from(self.model.range_unit_mm()) * 1.0e-3;
         let (sin, cos) = libm::sincosf(centidegrees_to_radians(azimuth_cdeg));
         let horizontal_m = range_m * angles.cos;
         Return {
             offset_ns,
             block: cell.block,
-            laser: laser as u8,
+            laser: truncating_u8(laser),
             azimuth_cdeg,
             distance_raw: cell.distance_raw,
             reflectivity: cell.reflectivity,

@@ -6,6 +6,7 @@
 //!
 //! Limit: a sweep of 16 rings takes the lowest 16 of a lidar of 32; use `Sweep<32>` for those.
 
+use floorguard_types::number::{truncating_u16, truncating_u32};
 use floorguard_types::profile::{Profile, Table};
 use floorguard_types::sensing::{LidarColumnOf, LidarPacketOf, SweepColumnOf, SweepOf};
 use floorguard_types::time::Stamp;
@@ -117,7 +118,7 @@ impl SweepBuilder {
         self.step_cdeg = mean_step_cdeg(turned_cdeg, steps).clamp(1, 200);
         self.sharing = Sharing::of(turned_cdeg, steps);
         self.speed = (turned_cdeg, steps);
-        let missing = u32::from(lost_packets).saturating_mul(packet.columns.len() as u32);
+        let missing = u32::from(lost_packets).saturating_mul(truncating_u32(packet.columns.len()));
         if let Some(first) = packet.columns.first() {
             self.enter_gap((missing, first.azimuth_cdeg), packet.stamp, building, &mut complete);
         }
@@ -168,7 +169,8 @@ impl SweepBuilder {
         column: &LidarColumnOf<P>,
     ) -> bool {
         let from_cut = (u32::from(column.azimuth_cdeg) + TURN_CDEG - u32::from(self.cut_cdeg)) % TURN_CDEG;
-        let left = building.columns.len().saturating_sub(building.column_count).saturating_sub(2) as u32;
+        let left =
+            truncating_u32(building.columns.len().saturating_sub(building.column_count).saturating_sub(2));
         let (turned_cdeg, steps) = self.speed;
         let needed = TURN_CDEG.saturating_sub(from_cut).saturating_mul(steps);
         // The speed within one packet is known to half a per cent.
@@ -207,7 +209,7 @@ impl SweepBuilder {
         for index in 1..=columns.min(GAP_COLUMNS_MAX) {
             let share = |whole: u64| whole.saturating_mul(u64::from(index)) / (u64::from(columns) + 1);
             let turned = share(u64::from(turned_cdeg)) % u64::from(TURN_CDEG);
-            let azimuth_cdeg = ((u64::from(last_cdeg) + turned) % u64::from(TURN_CDEG)) as u16;
+            let azimuth_cdeg = truncating_u16((u64::from(last_cdeg) + turned) % u64::from(TURN_CDEG));
             let stamp = Stamp::from_micros(from).plus_micros(share(between_us));
             self.enter(azimuth_cdeg, stamp, building, complete);
             let unit = building.range_unit_mm;
@@ -240,7 +242,7 @@ impl SweepBuilder {
         building: &mut SweepOf<P, RINGS>,
         complete: &mut impl FnMut(&mut SweepOf<P, RINGS>),
     ) {
-        let from_cut = ((u32::from(azimuth_cdeg) + 36_000 - u32::from(self.cut_cdeg)) % 36_000) as u16;
+        let from_cut = truncating_u16((u32::from(azimuth_cdeg) + 36_000 - u32::from(self.cut_cdeg)) % 36_000);
         let passed = self.last_cdeg.is_some_and(|last| last > from_cut && last - from_cut > 18_000);
         self.last_cdeg = Some(from_cut);
         if passed && building.column_count > 0 {

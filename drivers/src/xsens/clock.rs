@@ -4,6 +4,7 @@
 //! the sample time are mapped with the same lower envelope as the lidar's clock, with the same hazard in mind: frames
 //! that queued somewhere stay old.
 
+use floorguard_types::number::truncating_u32;
 use floorguard_types::time::Stamp;
 
 use crate::velodyne::HourClock;
@@ -35,7 +36,7 @@ impl SampleClock {
         };
         self.last_ticks = ticks;
         self.unrolled = self.unrolled.wrapping_add(u64::from(step));
-        let in_hour = (self.unrolled % HOUR_TICKS) as u32;
+        let in_hour = truncating_u32(self.unrolled % HOUR_TICKS);
         self.mapping.stamp(in_hour.saturating_mul(TICK_US), sampled)
     }
 }

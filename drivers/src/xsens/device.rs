@@ -3,6 +3,7 @@
 //! Samples are delivered in every phase as long as they are whole: a robot that has to wait for an acknowledgement which
 //! some devices never send is worse off than one that uses what it gets.
 
+use floorguard_types::number::{nearest_f32_of_f64, truncating_u64};
 use floorguard_types::sensing::ImuSample;
 use floorguard_types::time::{Age, Stamp};
 
@@ -343,8 +344,8 @@ impl Device {
         event(DeviceEvent::Sample(ImuSample {
             stamp: self.stamp(measurement.sample_time_fine, length, now),
             sequence,
-            angular_radps: rate.map(|number| number as f32),
-            linear_mps2: acceleration.map(|number| number as f32),
+            angular_radps: rate.map(nearest_f32_of_f64),
+            linear_mps2: acceleration.map(nearest_f32_of_f64),
             orientation: orientation(&measurement),
             // Without a status nobody knows that the self-test passed.
             suspect: measurement
@@ -355,7 +356,8 @@ impl Device {
 
     /// The sampling instant of a frame of `length` bytes whose last byte arrived at `now`.
     fn stamp(&mut self, ticks: Option<u32>, length: usize, now: Stamp) -> Stamp {
-        let line_us = (length as u64).saturating_mul(10_000_000).checked_div(self.configuration.baud.into());
+        let line_us =
+            truncating_u64(length).saturating_mul(10_000_000).checked_div(self.configuration.baud.into());
         let delay_us = line_us.unwrap_or_default().saturating_add(self.configuration.latency_us);
         let sampled = now.minus_micros(delay_us);
         ticks.map_or(sampled, |ticks| self.clock.stamp(ticks, sampled))
@@ -386,7 +388,7 @@ fn orientation(measurement: &Measurement) -> Option<[f32; 4]> {
     let vouched = measurement.status.is_some_and(|status| status.filter_valid());
     let quaternion = measurement.quaternion.filter(|_| vouched)?;
     (measurement.quaternion_frame == Some(LocalFrame::EastNorthUp))
-        .then(|| quaternion.map(|part| part as f32))
+        .then(|| quaternion.map(nearest_f32_of_f64))
 }
 
 fn transmit(message_id: u8, data: &[u8], send: &mut impl FnMut(&[u8])) {

@@ -1,5 +1,6 @@
 //! Xbus frames (book, Xsens MTi: Frames): searched for in any portions of bytes, checked, resynchronised.
 
+use floorguard_types::number::truncating_u32;
 use floorguard_types::time::{Age, Stamp};
 use heapless::Vec;
 
@@ -169,7 +170,7 @@ impl FrameReceiver {
         let used = self.buffer.get(..self.length).unwrap_or_default();
         let next = used.iter().skip(1).position(|byte| *byte == PREAMBLE);
         let count = next.map_or(self.length, |position| position.saturating_add(1));
-        self.counters.skipped = self.counters.skipped.saturating_add(count as u32);
+        self.counters.skipped = self.counters.skipped.saturating_add(truncating_u32(count));
         self.discard(count);
     }
 

@@ -1,5 +1,7 @@
 //! What one MTData2 message says.
 
+use floorguard_types::number::{truncating_u8, truncating_u16};
+
 use super::item::{Item, Items, LocalFrame};
 
 /// Items of the longest message: 2,048 bytes of three at least.
@@ -98,8 +100,8 @@ impl StatusWord {
 
     /// Number of the filter mode, 0…7.
     #[must_use]
-    pub const fn filter_mode(self) -> u8 {
-        ((self.0 >> 23) & 7) as u8
+    pub fn filter_mode(self) -> u8 {
+        truncating_u8((self.0 >> 23) & 7)
     }
 
     const fn bit(self, number: u32) -> bool {
@@ -233,7 +235,7 @@ impl Measurement {
         let wrong = MeasurementError::Length;
         match item.kind {
             0x0810 => self.temperature_c = Some(single(item)?),
-            0x1020 => self.packet_counter = Some(item.whole(2).ok_or(wrong)? as u16),
+            0x1020 => self.packet_counter = Some(truncating_u16(item.whole(2).ok_or(wrong)?)),
             0x1060 => self.sample_time_fine = Some(item.whole(4).ok_or(wrong)?),
             0x1070 => self.sample_time_coarse = Some(item.whole(4).ok_or(wrong)?),
             0x1010 => self.utc = Some(utc(item).ok_or(wrong)?),

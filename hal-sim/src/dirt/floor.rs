@@ -3,10 +3,11 @@
 //! A robot believes in units in cells; the truth counts specks, so that one judges the other. A speck that the brush
 //! passes is picked up with a fixed probability, once a pass (book, Cleaning: Passes).
 
-use floorguard_cleaning::Swath;
 use floorguard_mapping::GridGeometry;
 use floorguard_types::geometry::Point2;
 use floorguard_types::random::Pcg32;
+
+use crate::robot::BrushPass;
 
 /// After this long without the brush, the next contact is a new pass, s (book, Cleaning: Passes).
 const PASS_ENDS_S: f32 = 0.5;
@@ -55,20 +56,14 @@ impl DirtyFloor {
 
     /// The brush sweeps the ground at `now_s`, seconds since the start. Gives the units that it picked up; each speck that
     /// it meets is picked up with probability `pickup`.
-    pub fn sweep(&mut self, swath: &Swath, now_s: f32, (pickup, random): (f32, &mut Pcg32)) -> u32 {
-        let corners = || swath.pieces().flatten();
-        let bound = |pick: fn(&Point2) -> f32, fold: fn(f32, f32) -> f32, start: f32| {
-            corners().map(pick).fold(start, fold)
-        };
-        let low = Point2::new(bound(|p| p.x_m, f32::min, f32::MAX), bound(|p| p.y_m, f32::min, f32::MAX));
-        let high = Point2::new(bound(|p| p.x_m, f32::max, f32::MIN), bound(|p| p.y_m, f32::max, f32::MIN));
-        let (first, last) = (self.raster.coordinates_of(low), self.raster.coordinates_of(high));
+    pub fn sweep(&mut self, pass: &BrushPass, now_s: f32, (pickup, random): (f32, &mut Pcg32)) -> u32 {
+        let [first, last] = pass.bounds().map(|corner| self.raster.coordinates_of(corner));
         let mut units = 0;
-        for row in first.1..=last.1 {
-            for column in first.0..=last.0 {
+        for row in first.row..=last.row {
+            for column in first.column..=last.column {
                 let Some(cell) = self.raster.index(column, row) else { continue };
                 let Some(Some(dirty)) = self.cells.get_mut(cell) else { continue };
-                units += sweep_cell(dirty, swath, now_s, (pickup, random));
+                units += sweep_cell(dirty, pass, now_s, (pickup, random));
             }
         }
         units
@@ -80,7 +75,8 @@ impl DirtyFloor {
         let corner = |sign: f32| Point2::new(place.x_m + sign * radius_m, place.y_m + sign * radius_m);
         let (first, last) =
             (self.raster.coordinates_of(corner(-1.0)), self.raster.coordinates_of(corner(1.0)));
-        let cells = (first.1..=last.1).flat_map(|row| (first.0..=last.0).map(move |column| (column, row)));
+        let cells = (first.row..=last.row)
+            .flat_map(|row| (first.column..=last.column).map(move |column| (column, row)));
         cells
             .filter_map(|(column, row)| self.cells.get(self.raster.index(column, row)?)?.as_deref())
             .flat_map(|dirty| &dirty.specks)
@@ -107,7 +103,12 @@ impl DirtyFloor {
     }
 }
 
-fn sweep_cell(dirty: &mut DirtyCell, swath: &Swath, now_s: f32, (pickup, random): (f32, &mut Pcg32)) -> u32 {
+fn sweep_cell(
+    dirty: &mut DirtyCell,
+    pass: &BrushPass,
+    now_s: f32,
+    (pickup, random): (f32, &mut Pcg32),
+) -> u32 {
     let is_new_pass = now_s - dirty.last_swept_s > PASS_ENDS_S;
     dirty.last_swept_s = now_s;
     let mut removed = 0;
@@ -115,7 +116,7 @@ fn sweep_cell(dirty: &mut DirtyCell, swath: &Swath, now_s: f32, (pickup, random)
         if is_new_pass {
             speck.is_passed = false;
         }
-        if speck.is_removed || speck.is_passed || !swath.contains(speck.place) {
+        if speck.is_removed || speck.is_passed || !pass.covers(speck.place) {
             continue;
         }
         speck.is_passed = true;
@@ -128,7 +129,7 @@ fn sweep_cell(dirty: &mut DirtyCell, swath: &Swath, now_s: f32, (pickup, random)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use floorguard_cleaning::Brush;
+    use crate::robot::BrushDeck;
     use floorguard_types::geometry::Pose2;
 
     /// A bar of 0.2 m that rolls over three rows of cells of 0.1 m, of which only the inner two lie under it.
@@ -140,13 +141,12 @@ mod tests {
         let row = |floor: &DirtyFloor, row: usize| (0..100).map(|c| floor.units(row * 100 + c)).sum::<u32>();
         let before = [0, 1, 2].map(|index| row(&floor, index));
         assert!(before.iter().all(|units| (1_800..2_200).contains(units)), "{before:?}");
-        let brush = Brush { width_m: 0.2, offset_m: 0.0 };
+        let brush = BrushDeck { width_m: 0.2, offset_m: 0.0 };
         let mut taken = 0;
         for step in 0..1_100 {
-            let bar = |x_m: f32| brush.bar_at(Pose2::new(x_m, 0.0, 0.0));
             let from_m = step as f32 * 0.01 - 0.5;
-            let swath = Swath::between(bar(from_m), bar(from_m + 0.01));
-            taken += floor.sweep(&swath, step as f32 * 0.01, (0.9, &mut random));
+            let pass = brush.pass(Pose2::new(from_m, 0.0, 0.0), Pose2::new(from_m + 0.01, 0.0, 0.0));
+            taken += floor.sweep(&pass, step as f32 * 0.01, (0.9, &mut random));
         }
         let after = [0, 1, 2].map(|index| row(&floor, index));
         assert_eq!(after[2], before[2]);

@@ -1,7 +1,9 @@
 //! The three-wheeled robot: parameters and physics.
 
+mod brush_deck;
 mod parameters;
 mod physics;
 
+pub use brush_deck::{BrushDeck, BrushPass};
 pub use parameters::{BodyPrism, NodeIds, RobotParameters, ScannerDevice, SensorMount};
 pub use physics::{BrakeLaw, RobotBody};

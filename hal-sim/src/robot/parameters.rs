@@ -1,7 +1,8 @@
 //! Sizes, masses and mountings of the simulated robot; by default those of the example `robot.toml`.
 
-use floorguard_cleaning::Brush;
 use floorguard_types::geometry::Point2;
+
+use super::brush_deck::BrushDeck;
 
 /// Where a sensor sits, robot frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,8 +94,8 @@ pub struct RobotParameters {
     pub imu: SensorMount,
     /// CAN nodes.
     pub nodes: NodeIds,
-    /// The scrubbing deck, a bar across the robot.
-    pub brush: Brush,
+    /// The scrubbing deck.
+    pub brush: BrushDeck,
 }
 
 impl Default for RobotParameters {
@@ -141,7 +142,7 @@ impl Default for RobotParameters {
                 gateway: 5,
                 dirt_sensor: 6,
             },
-            brush: Brush { width_m: 0.65, offset_m: 0.25 },
+            brush: BrushDeck { width_m: 0.65, offset_m: 0.25 },
         }
     }
 }

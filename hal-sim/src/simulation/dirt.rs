@@ -1,12 +1,11 @@
 //! The dirt of a run: the brush goes over it with the robot, and the sensor hears what it picks up.
 
-use floorguard_cleaning::{Brush, Swath};
 use floorguard_types::geometry::Pose2;
 use floorguard_types::random::Pcg32;
 
 use crate::can::CanFrame;
 use crate::dirt::{DirtSensor, DirtyFloor, raster_of};
-use crate::robot::RobotParameters;
+use crate::robot::{BrushDeck, RobotParameters};
 use crate::scenario::Scenario;
 use crate::scene::Scene;
 
@@ -14,7 +13,7 @@ use crate::scene::Scene;
 #[derive(Clone, Debug)]
 pub struct DirtyWorld {
     floor: DirtyFloor,
-    brush: Brush,
+    brush: BrushDeck,
     pickup: f32,
     sensor: DirtSensor,
     before: Pose2,
@@ -38,10 +37,10 @@ impl DirtyWorld {
 
     /// The robot has moved to a pose within the last `lasts_us`; gives the sensor's message when it is due.
     pub fn step(&mut self, pose: Pose2, (now_us, lasts_us): (u64, u64)) -> Option<CanFrame> {
-        let swath = Swath::between(self.brush.bar_at(self.before), self.brush.bar_at(pose));
+        let pass = self.brush.pass(self.before, pose);
         self.before = pose;
         let now_s = now_us as f32 * 1.0e-6;
-        let units = self.floor.sweep(&swath, now_s, (self.pickup, &mut self.random));
+        let units = self.floor.sweep(&pass, now_s, (self.pickup, &mut self.random));
         self.sensor.hear(units, lasts_us as f32 * 1.0e-6);
         self.sensor.tick(now_us)
     }

@@ -9,7 +9,7 @@ use floorguard_navigation::costmap::{
 };
 use floorguard_navigation::global::{
     GlobalPlanner as _, GridSearch, HEADINGS, HeapEntry, Lattice, LatticeCell, LatticeGoal, LatticeNode,
-    LatticePlanner, Pace, PlanRequest, SearchEnd, SearchMethod, StepCosts,
+    LatticePlanner, LatticeStorage, Pace, PlanRequest, SearchEnd, SearchMethod, StepCosts,
 };
 use floorguard_robot::site::ros_map;
 use floorguard_types::geometry::{Point2, Pose2};
@@ -164,15 +164,15 @@ fn across_a_building() -> Option<NavigationTime> {
     let middle = (geometry.columns() as i32 / 2, geometry.rows() as i32 / 2);
     search.run(floor.view(), floor.passable_from(middle.0, middle.1), None, SearchMethod::Dijkstra);
     let reached = |cell: &usize| search.distance(*cell).is_some();
-    let by_x = |cell: &usize| geometry.coordinates(*cell).0;
+    let by_x = |cell: &usize| geometry.coordinates(*cell).column;
     let start = (0..floor.costs.len()).filter(reached).min_by_key(by_x)?;
     let goal = (0..floor.costs.len()).filter(reached).max_by_key(by_x)?;
     let raster = coarse(&geometry, 0.15)?;
-    let storage = (
-        vec![LatticeNode::default(); 400_000],
-        vec![LatticeCell::default(); raster.cell_count() * HEADINGS],
-        vec![HeapEntry::default(); 400_000],
-    );
+    let storage = LatticeStorage {
+        nodes: vec![LatticeNode::default(); 400_000],
+        cells: vec![LatticeCell::default(); raster.cell_count() * HEADINGS],
+        heap: vec![HeapEntry::default(); 400_000],
+    };
     let pace = Pace {
         speed_mps: 0.5,
         turn_radps: 0.6,

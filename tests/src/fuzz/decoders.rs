@@ -37,7 +37,7 @@ pub fn velodyne(datagrams: &[Vec<u8>]) -> u64 {
 /// A datagram of the lidar's position port.
 pub fn position(bytes: &[u8]) -> u64 {
     let taken = PositionPacket::new_checked(bytes).map(|packet| {
-        let _ = (packet.stamp_us(), packet.pps(), packet.temperatures_celsius());
+        let _ = (packet.stamp_us(), packet.pps(), packet.temperatures());
         let _ = Gprmc::parse(packet.sentence());
     });
     u64::from(taken.is_ok())

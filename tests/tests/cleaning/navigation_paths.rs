@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use floorguard_mapping::{GridGeometry, GridSides};
+use floorguard_mapping::{GridCoordinates, GridGeometry, GridSides};
 use floorguard_navigation::costmap::CostmapView;
 use floorguard_navigation::global::{GridSearch, SearchEnd, SearchMethod, StepCosts};
 use floorguard_tests::data::recording;
@@ -39,25 +39,28 @@ fn compare(costs: &[u8], (columns, rows): (i32, i32), random: &mut Pcg32) -> usi
     let sides = GridSides { columns: columns as u32, rows: rows as u32 };
     let geometry = GridGeometry::with_sides(sides, 0.05, Point2::default()).expect("a raster");
     let view = CostmapView::new(geometry, costs, 1).expect("as many costs");
-    let free: Vec<usize> = (0..costs.len())
-        .filter(|&cell| step_into(costs, (columns, rows), geometry.coordinates(cell)).is_some())
-        .collect();
+    let place = |cell: usize| {
+        let GridCoordinates { column, row } = geometry.coordinates(cell);
+        (column, row)
+    };
+    let free: Vec<usize> =
+        (0..costs.len()).filter(|&cell| step_into(costs, (columns, rows), place(cell)).is_some()).collect();
     if free.is_empty() {
         return 0;
     }
     let start = free[random.below(free.len() as u32) as usize];
-    let expected = expected(costs, (columns, rows), geometry.coordinates(start));
+    let expected = expected(costs, (columns, rows), place(start));
     let room = costs.len().max(4_096);
     let mut search = GridSearch::new(vec![0; costs.len()], vec![0; room], StepCosts::new(false));
     assert_eq!(search.run(view, start, None, SearchMethod::Dijkstra), SearchEnd::Exhausted);
     for cell in 0..costs.len() {
-        let distance = expected.get(&geometry.coordinates(cell)).map(|(_, distance)| *distance);
+        let distance = expected.get(&place(cell)).map(|(_, distance)| *distance);
         let distance = if cell == start { Some(0) } else { distance };
         assert_eq!(search.distance(cell), distance, "cell {cell}");
     }
     for _ in 0..5 {
         let goal = free[random.below(free.len() as u32) as usize];
-        let distance = expected.get(&geometry.coordinates(goal)).map(|(_, distance)| *distance);
+        let distance = expected.get(&place(goal)).map(|(_, distance)| *distance);
         let distance = if goal == start { Some(0) } else { distance };
         let end = search.run(view, start, Some(goal), SearchMethod::AStar);
         assert_eq!((end == SearchEnd::Reached).then(|| search.distance(goal)).flatten(), distance);

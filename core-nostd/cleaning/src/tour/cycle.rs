@@ -2,6 +2,8 @@
 //!
 //! Every turn is written to a log while one is kept, so that an experiment that did not help is taken back exactly.
 
+use floorguard_types::number::truncating_u16;
+
 /// Turns that one experiment may need; more than that and it is taken back.
 const LOG_MAX: usize = 1_024;
 
@@ -94,7 +96,7 @@ impl<const N: usize> Cycle<N> {
     pub fn reverse(&mut self, first: u16, last: u16) {
         let (from, to) = (self.position(first), self.position(last));
         if let Some(entry) = self.log.get_mut(self.logged) {
-            *entry = (from as u16, to as u16);
+            *entry = (truncating_u16(from), truncating_u16(to));
             self.logged = self.logged.saturating_add(1);
         }
         self.turn(from, to);
@@ -126,6 +128,10 @@ impl<const N: usize> Cycle<N> {
     #[inline]
     fn swap(&mut self, low: usize, high: usize) {
         let (Some(&a), Some(&b)) = (self.order.get(low), self.order.get(high)) else { return };
+        debug_assert!(
+            self.position(a) == low && self.position(b) == high,
+            "position is the inverse of order"
+        );
         if let Some(place) = self.order.get_mut(low) {
             *place = b;
         }
@@ -133,10 +139,10 @@ impl<const N: usize> Cycle<N> {
             *place = a;
         }
         if let Some(position) = self.position.get_mut(usize::from(b)) {
-            *position = low as u16;
+            *position = truncating_u16(low);
         }
         if let Some(position) = self.position.get_mut(usize::from(a)) {
-            *position = high as u16;
+            *position = truncating_u16(high);
         }
     }
 }

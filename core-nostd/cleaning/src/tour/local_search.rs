@@ -223,10 +223,10 @@ impl<const N: usize> LocalSearch<N> {
             if direction == TourDirection::Forward { (after, before) } else { (before, after) };
         if self.is_ahead(high, left) {
             // outer_low [low … high] [outer_high … left] right
-            self.exchange(outer_low, (low, high), (outer_high, left));
+            self.exchange(outer_low, Stretch { from: low, to: high }, Stretch { from: outer_high, to: left });
         } else {
             // left [right … outer_low] [low … high] outer_high
-            self.exchange(left, (right, outer_low), (low, high));
+            self.exchange(left, Stretch { from: right, to: outer_low }, Stretch { from: low, to: high });
         }
         // The end of the stretch that belongs beside `left`, and the other one.
         let (near, far) = if left == c { (a, last) } else { (last, a) };
@@ -258,11 +258,20 @@ impl<const N: usize> LocalSearch<N> {
     }
 
     /// Lets two adjacent stretches after `outer` change places: one turn of both, one of each.
-    pub fn exchange(&mut self, outer: u16, first: (u16, u16), second: (u16, u16)) {
-        self.reverse_stretch(outer, first.0, second.1);
-        self.reverse_stretch(outer, second.1, second.0);
-        self.reverse_stretch(second.1, first.1, first.0);
+    pub fn exchange(&mut self, outer: u16, first: Stretch, second: Stretch) {
+        self.reverse_stretch(outer, first.from, second.to);
+        self.reverse_stretch(outer, second.to, second.from);
+        self.reverse_stretch(second.to, first.to, first.from);
     }
+}
+
+/// Nodes in a row of the tour, in its direction.
+#[derive(Clone, Copy)]
+pub struct Stretch {
+    /// The first.
+    pub from: u16,
+    /// The last.
+    pub to: u16,
 }
 
 /// A stretch of the tour and its surroundings; `before` is beside `a`, `after` beside `last`.

@@ -5,7 +5,8 @@
 //! watches its own clock between calls, and may go on at any later tick.
 
 use super::distances::{Distances, OpenPath};
-use super::local_search::LocalSearch;
+use super::local_search::{LocalSearch, Stretch};
+use floorguard_types::number::{exact_usize, truncating_u16, truncating_u32};
 use floorguard_types::random::Pcg32;
 
 /// Evaluations, for every node, that the first local search may take.
@@ -136,7 +137,7 @@ impl<const N: usize> TourSolver<N> {
 
     /// The node that closes an open path.
     fn end(&self) -> u16 {
-        self.nodes as u16
+        truncating_u16(self.nodes)
     }
 
     /// Always on to the nearest place that was not visited: nodes² distances.
@@ -167,7 +168,7 @@ impl<const N: usize> TourSolver<N> {
         for node in (0..self.end()).take(N) {
             self.search.wake(node);
         }
-        let evaluations = (self.nodes as u32).saturating_mul(EVALUATIONS_PER_NODE);
+        let evaluations = truncating_u32(self.nodes).saturating_mul(EVALUATIONS_PER_NODE);
         // The first search has nothing to take back; beginning anew whenever the log is full keeps it going.
         for _ in 0..(evaluations / 64).saturating_add(1).min(ROUNDS_MAX) {
             self.search.cycle.begin();
@@ -210,31 +211,31 @@ impl<const N: usize> TourSolver<N> {
 
     /// A local double bridge and the search that follows; the gain may be negative.
     fn experiment(&mut self, distances: &impl Distances) -> i32 {
-        let count = self.search.cycle.order().len() as u32;
+        let count = truncating_u32(self.search.cycle.order().len());
         let longest = STRETCH_MAX.min((count.saturating_sub(3)) / 2).max(1);
-        let position = self.random.below(count) as usize;
-        let first_length = self.random.below(longest).saturating_add(1) as usize;
-        let second_length = self.random.below(longest).saturating_add(1) as usize;
+        let position = exact_usize(self.random.below(count));
+        let first_length = exact_usize(self.random.below(longest).saturating_add(1));
+        let second_length = exact_usize(self.random.below(longest).saturating_add(1));
         // All sums stay below two rounds; `at` takes positions of up to two rounds.
         let node =
-            |offset: usize| self.search.cycle.at(position.wrapping_add(offset) % (count as usize).max(1));
+            |offset: usize| self.search.cycle.at(position.wrapping_add(offset) % exact_usize(count).max(1));
         let outer = node(0);
-        let first = (node(1), node(first_length));
+        let first = Stretch { from: node(1), to: node(first_length) };
         let both = first_length.wrapping_add(second_length);
-        let second = (node(first_length.wrapping_add(1)), node(both));
+        let second = Stretch { from: node(first_length.wrapping_add(1)), to: node(both) };
         let after = node(both.wrapping_add(1));
         let between = |a, b| distances.between(a, b);
         // Kept apart from the closing bonus: an experiment that breaks the closing edge would never be kept.
-        let removed = [(outer, first.0), (first.1, second.0), (second.1, after)];
+        let removed = [(outer, first.from), (first.to, second.from), (second.to, after)];
         if !self.closed && removed.iter().any(|&(a, b)| self.is_closing(a, b)) {
             return 0;
         }
-        let added = [(outer, second.0), (second.1, first.0), (first.1, after)];
+        let added = [(outer, second.from), (second.to, first.from), (first.to, after)];
         let sum =
             |edges: [(u16, u16); 3]| edges.iter().fold(0_i32, |s, &(a, b)| s.wrapping_add(between(a, b)));
         let loss = sum(added).wrapping_sub(sum(removed));
         self.search.exchange(outer, first, second);
-        for node in [outer, first.0, first.1, second.0, second.1, after] {
+        for node in [outer, first.from, first.to, second.from, second.to, after] {
             if node != self.end() {
                 self.search.wake(node);
             }

@@ -3,6 +3,7 @@
 
 use super::cause::{CAUSES, Cause};
 use super::record::CauseRecord;
+use floorguard_types::number::{exact_usize, truncating_u32};
 use floorguard_types::time::Stamp;
 
 /// A cause that holds.
@@ -36,7 +37,7 @@ impl PartialEq for HeldCauses {
 fn indices(bits: u64) -> impl Iterator<Item = usize> {
     let mut left = bits;
     (0..CAUSES).map_while(move |_| {
-        let index = left.trailing_zeros() as usize;
+        let index = exact_usize(left.trailing_zeros());
         left &= left.wrapping_sub(1);
         (index < CAUSES).then_some(index)
     })
@@ -54,7 +55,7 @@ impl HeldCauses {
     pub fn pulse(&mut self, record: CauseRecord) {
         let index = record.cause.index();
         let Some(slot) = self.slots.get_mut(index) else { return };
-        let bit = 1_u64.wrapping_shl(index as u32);
+        let bit = 1_u64.wrapping_shl(truncating_u32(index));
         // A slot that a flipped bit took for held must not keep the rules of another cause.
         if self.bits & bit == 0 || slot.first.cause != record.cause {
             slot.first = record;
@@ -66,7 +67,7 @@ impl HeldCauses {
     /// A cause holds.
     #[must_use]
     pub fn holds(&self, cause: Cause) -> bool {
-        self.bits.wrapping_shr(cause.index() as u32) & 1 != 0
+        self.bits.wrapping_shr(truncating_u32(cause.index())) & 1 != 0
     }
 
     /// The causes that hold, in the order of [`Cause::index`].
@@ -78,7 +79,7 @@ impl HeldCauses {
     pub fn retain(&mut self, mut keep: impl FnMut(&HeldCause) -> bool) {
         for index in indices(self.bits) {
             if !self.slots.get(index).is_some_and(&mut keep) {
-                self.bits &= !1_u64.wrapping_shl(index as u32);
+                self.bits &= !1_u64.wrapping_shl(truncating_u32(index));
             }
         }
     }

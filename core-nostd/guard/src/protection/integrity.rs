@@ -10,6 +10,7 @@ use super::lidar_rays::LidarRays;
 use super::packet_table::{BINS, Bin, PacketTable};
 use super::scan_table::ScanTable;
 use floorguard_types::capacities::SCAN_BEAMS_MAX;
+use floorguard_types::number::truncating_u32;
 
 /// Parts of the tables.
 pub const PARTS: usize = 16;
@@ -57,7 +58,7 @@ impl Integrity {
 type Tables<'a> = (&'a ScanTable, &'a PacketTable, &'a LidarRays);
 
 fn sum_of(part: usize, (scan, packet, rays): Tables<'_>) -> u32 {
-    let mut sum = Sum(part as u32);
+    let mut sum = Sum(truncating_u32(part));
     for limits in [&scan.protective, &scan.warning] {
         // Two parts for each set.
         let set = limits.iter().skip(part / 2).take(1);
@@ -74,7 +75,7 @@ fn sum_of(part: usize, (scan, packet, rays): Tables<'_>) -> u32 {
     sum.add(packet.origin.x_m.to_bits());
     sum.add(packet.origin.y_m.to_bits());
     rays.words().for_each(|word| sum.add(word.to_bits()));
-    sum.add(rays.count as u32);
+    sum.add(truncating_u32(rays.count));
     for bins in packet.bins.chunks(BINS.div_ceil(PARTS)).skip(part).take(1) {
         bins.iter().for_each(|bin| sum.bin(bin));
     }

@@ -24,7 +24,7 @@ const LOOKED_THROUGH_MAX: u8 = 4;
 /// The lidar itself sees nothing nearer, metres in the plane.
 const NEAREST_M: f32 = 0.35;
 /// Cells along a ray.
-const STEPS: i32 = ((REACH_M - NEAREST_M) / CELL_M) as i32;
+const STEPS: i32 = saturating_i32((REACH_M - NEAREST_M) / CELL_M);
 /// Returns this low are compared with the ring above: what rises gently is a ramp, metres.
 const RAMP_BELOW_M: f32 = 0.16;
 /// Slopes between which it is one.

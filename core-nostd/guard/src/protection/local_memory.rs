@@ -12,7 +12,7 @@ use super::memory_row::{Row, Run, height_step};
 use super::scan_evidence::ROW_STEP;
 use super::sweep::signed_distance_m;
 use floorguard_types::geometry::{Point2, Pose2, Twist2, wrap_angle};
-use floorguard_types::number::saturating_i32;
+use floorguard_types::number::{count_i32, exact_usize, nearest_f32, saturating_i32};
 use floorguard_types::time::{Age, Stamp};
 
 /// Cells along each side of the window: the bits of a word.
@@ -50,7 +50,7 @@ impl Cell {
         let index = |metres: f32| {
             let cells = metres * (1.0 / CELL_M);
             let towards_zero = saturating_i32(cells);
-            towards_zero.saturating_sub(i32::from(cells < towards_zero as f32))
+            towards_zero.saturating_sub(i32::from(cells < nearest_f32(towards_zero)))
         };
         Self { x: index(place.x_m), y: index(place.y_m) }
     }
@@ -58,7 +58,7 @@ impl Cell {
     /// Its middle, metres.
     #[must_use]
     pub fn middle(self) -> Point2 {
-        Point2::new((self.x as f32 + 0.5) * CELL_M, (self.y as f32 + 0.5) * CELL_M)
+        Point2::new((nearest_f32(self.x) + 0.5) * CELL_M, (nearest_f32(self.y) + 0.5) * CELL_M)
     }
 }
 
@@ -105,7 +105,7 @@ impl LocalMemory {
     /// The robot has moved, as its wheels tell: the window follows it.
     pub fn follow(&mut self, twist: Twist2, stamp: Stamp) {
         if let Some(Age::Past(step_us)) = self.at.map(|at| at.age(stamp)) {
-            let step_s = (step_us as f32 * 1.0e-6).min(STEP_MAX_S);
+            let step_s = (nearest_f32(step_us) * 1.0e-6).min(STEP_MAX_S);
             self.pose = moved(self.pose, twist, step_s);
         }
         (self.twist, self.at) = (twist, Some(stamp));
@@ -120,8 +120,8 @@ impl LocalMemory {
     #[must_use]
     pub fn pose_at(&self, stamp: Stamp) -> Pose2 {
         let ahead_s = match self.at.map(|at| at.age(stamp)) {
-            Some(Age::Past(us)) => (us as f32 * 1.0e-6).min(STEP_MAX_S),
-            Some(Age::Future(us)) => -(us as f32 * 1.0e-6).min(STEP_MAX_S),
+            Some(Age::Past(us)) => (nearest_f32(us) * 1.0e-6).min(STEP_MAX_S),
+            Some(Age::Future(us)) => -(nearest_f32(us) * 1.0e-6).min(STEP_MAX_S),
             None => 0.0,
         };
         moved(self.pose, self.twist, ahead_s)
@@ -176,7 +176,7 @@ impl LocalMemory {
 
     /// A place in cells, counted from the corner of the window.
     pub(super) fn in_window(&self, place: Point2) -> Point2 {
-        let from = |metres: f32, first: i32| metres * (1.0 / CELL_M) - first as f32;
+        let from = |metres: f32, first: i32| metres * (1.0 / CELL_M) - nearest_f32(first);
         Point2::new(from(place.x_m, self.first.x), from(place.y_m, self.first.y))
     }
 
@@ -226,7 +226,7 @@ impl LocalMemory {
                 if word == 0 {
                     break;
                 }
-                let bit = word.trailing_zeros() as usize;
+                let bit = exact_usize(word.trailing_zeros());
                 word &= word.wrapping_sub(1);
                 visit(Cell { x: global(self.first.x, bit), y });
             }
@@ -264,7 +264,7 @@ impl LocalMemory {
         let (sin, cos) = libm::sincosf(self.pose.heading_rad);
         let middle = Point2::new(self.pose.x_m + AHEAD_M * cos, self.pose.y_m + AHEAD_M * sin);
         let cell = Cell::of(middle);
-        let half = (SIDE / 2) as i32;
+        let half = count_i32(SIDE / 2);
         Cell { x: cell.x.saturating_sub(half), y: cell.y.saturating_sub(half) }
     }
 
@@ -299,19 +299,19 @@ impl LocalMemory {
 
     /// The cell lies in the window.
     fn has(&self, cell: Cell) -> bool {
-        let within = |value: i32, first: i32| (0..SIDE as i32).contains(&value.wrapping_sub(first));
+        let within = |value: i32, first: i32| (0..count_i32(SIDE)).contains(&value.wrapping_sub(first));
         within(cell.x, self.first.x) && within(cell.y, self.first.y)
     }
 }
 
 /// Place of a cell in the rows, or in a row.
 const fn local(cell: i32) -> usize {
-    cell.rem_euclid(SIDE as i32) as usize
+    exact_usize(cell.rem_euclid(count_i32(SIDE)).cast_unsigned())
 }
 
 /// The cell of the window that has a place in the rows, or in a row.
 const fn global(first: i32, index: usize) -> i32 {
-    first.wrapping_add((index as i32).wrapping_sub(first).rem_euclid(SIDE as i32))
+    first.wrapping_add(count_i32(index).wrapping_sub(first).rem_euclid(count_i32(SIDE)))
 }
 
 fn moved(pose: Pose2, twist: Twist2, step_s: f32) -> Pose2 {

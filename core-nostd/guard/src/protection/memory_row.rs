@@ -1,7 +1,7 @@
 //! A row of cells of the memory: which are kept, the heights in which the lidar met something, and the sum of it all.
 
 use super::local_memory::SIDE;
-use floorguard_types::number::saturating_u8;
+use floorguard_types::number::{count_u32, exact_usize, saturating_u8};
 
 /// A step of the heights that are kept, metres: 255 of them reach to 1.53 m.
 const HEIGHT_STEP_M: f32 = 0.006;
@@ -50,7 +50,7 @@ impl Run {
     }
 
     const fn word(self, index: usize) -> u32 {
-        u32::from_le_bytes([self.low, self.top, 0, 0]).rotate_left(index as u32 % 32)
+        u32::from_le_bytes([self.low, self.top, 0, 0]).rotate_left(count_u32(index) % 32)
     }
 
     /// A ray at this height goes through the run: between its ends, or through one that has no between.
@@ -96,7 +96,7 @@ impl Row {
             if left == 0 {
                 break;
             }
-            let index = left.trailing_zeros() as usize;
+            let index = exact_usize(left.trailing_zeros());
             left &= left.wrapping_sub(1);
             if self.run(index).is_thin() {
                 set_bit(&mut thin, index, true);
@@ -167,7 +167,7 @@ impl Row {
 }
 
 const fn has_bit(word: u64, index: usize) -> bool {
-    word.wrapping_shr(index as u32) & 1 != 0
+    word.wrapping_shr(count_u32(index)) & 1 != 0
 }
 
 /// Both halves of a word in one.
@@ -178,7 +178,7 @@ const fn folded(word: u64) -> u32 {
 
 /// Sets or clears a bit; gives the bits of the word that changed.
 const fn set_bit(word: &mut u64, index: usize, on: bool) -> u64 {
-    let bit = 1_u64.wrapping_shl(index as u32);
+    let bit = 1_u64.wrapping_shl(count_u32(index));
     let before = *word;
     *word = if on { before | bit } else { before & !bit };
     before ^ *word

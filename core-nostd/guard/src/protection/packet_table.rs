@@ -7,6 +7,7 @@ use super::config::{FieldSet, LidarGeometry};
 use super::field::ray_exit_m;
 use floorguard_types::capacities::{FIELD_SETS_MAX, PACKET_RINGS_MAX};
 use floorguard_types::geometry::{Point2, Point3};
+use floorguard_types::number::saturating_u16;
 use floorguard_types::units::centidegrees_to_radians;
 
 /// Bins of azimuth.
@@ -82,13 +83,13 @@ impl Bin {
             let ray = ray_in_robot(geometry, azimuth_rad, *elevation_rad);
             let in_plane = Point2::new(ray.x_m, ray.y_m).norm();
             // The middle ray comes last of those that matter; casts saturate at the greatest number.
-            *share = (in_plane * 65_535.0) as u16;
+            *share = saturating_u16(in_plane * 65_535.0);
             let limit_m = if ray.z_m < 0.0 {
                 (origin.z_m - geometry.floor_clearance_m) / -ray.z_m
             } else {
                 (geometry.body_height_m - origin.z_m).max(0.0) / ray.z_m.max(1.0e-6)
             };
-            *height_mm = (*height_mm).max((limit_m * 1.0e3) as u16);
+            *height_mm = (*height_mm).max(saturating_u16(limit_m * 1.0e3));
         }
         let rings = geometry.elevations_rad.len();
         self.least_share = self.plane_share.iter().take(rings).copied().min().unwrap_or(0);
@@ -96,10 +97,10 @@ impl Bin {
         let norm = Point2::new(level.x_m, level.y_m).norm().max(1.0e-6);
         self.direction = Point2::new(level.x_m / norm, level.y_m / norm);
         let own_m = ray_exit_m(&geometry.self_mask, origin_in_plane, self.direction);
-        self.own_mm = self.own_mm.min((own_m * 1.0e3) as u16);
+        self.own_mm = self.own_mm.min(saturating_u16(own_m * 1.0e3));
         for (reach_mm, set) in self.protective_mm.iter_mut().zip(sets) {
             let reach_m = ray_exit_m(&set.protective, origin_in_plane, self.direction);
-            *reach_mm = (*reach_mm).max(libm::ceilf(reach_m * 1.0e3) as u16);
+            *reach_mm = (*reach_mm).max(saturating_u16(libm::ceilf(reach_m * 1.0e3)));
         }
     }
 }

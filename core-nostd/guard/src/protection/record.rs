@@ -5,6 +5,7 @@ use core::fmt;
 use super::action::Action;
 use super::cause::Cause;
 use super::source::Health;
+use floorguard_types::number::{nearest_f32, saturating_u32};
 use floorguard_types::time::Stamp;
 
 /// Unit of a measured value and its limit.
@@ -128,11 +129,11 @@ impl fmt::Display for CauseRecord {
         };
         match self.unit {
             Unit::None => {}
-            Unit::Code => write!(out, ", code {:#06x}", self.measured as u32)?,
+            Unit::Code => write!(out, ", code {:#06x}", saturating_u32(self.measured))?,
             _ => write!(out, ": {:.2}{unit}, limit {:.2}{unit}", self.measured, self.limit)?,
         }
         if self.ahead_us > 0 {
-            let ahead_s = self.ahead_us as f32 * 1.0e-6;
+            let ahead_s = nearest_f32(self.ahead_us) * 1.0e-6;
             write!(out, ", stamped {ahead_s:.3} s in the future: its clock and the robot's differ")?;
         }
         if self.age_us > 0 && self.age_us < u64::MAX {

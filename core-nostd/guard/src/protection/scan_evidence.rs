@@ -5,7 +5,7 @@ use super::lidar_evidence::{BEHIND_M, SAME_OBSTACLE_M};
 use super::local_memory::{Cell, LocalMemory};
 use super::scan_table::ScanTable;
 use floorguard_types::geometry::Point2;
-use floorguard_types::number::saturating_usize;
+use floorguard_types::number::{nearest_f32, saturating_usize};
 use floorguard_types::sensing::{BeamReturn, Scan};
 
 /// Every so-many-th beam of a scan is compared with its neighbour, the next ones in the next scan: a cell in 3 m has two or three
@@ -63,7 +63,7 @@ impl LocalMemory {
             let (dx, dy) = (middle.x_m - at.x_m, middle.y_m - at.y_m);
             let bearing_rad = floorguard_types::geometry::wrap_angle(libm::atan2f(dy, dx) - heading_rad);
             let beam = libm::roundf((bearing_rad - geometry.first_angle_rad) * per_rad);
-            if beam < first as f32 || beam > last as f32 {
+            if beam < nearest_f32(first) || beam > nearest_f32(last) {
                 return;
             }
             let free_m = match scan.beams.get(saturating_usize(beam)) {

@@ -5,6 +5,7 @@ use super::config::{FieldSet, ScannerGeometry};
 use super::field::{Polygon, ray_exit_m};
 use floorguard_types::capacities::{FIELD_SETS_MAX, SCAN_BEAMS_MAX};
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::{nearest_f32, saturating_u16, truncating_u16};
 
 type Limits = [u16; SCAN_BEAMS_MAX];
 
@@ -55,13 +56,13 @@ impl ScanTable {
             fill_limits(warning, &set.warning, geometry, &table.directions);
         }
         for (watched, limits) in table.watched.iter_mut().zip(&table.protective) {
-            *watched = limits.iter().filter(|limit| **limit > 0).count() as u16;
+            *watched = truncating_u16(limits.iter().filter(|limit| **limit > 0).count());
         }
     }
 }
 
 fn beam_angle_rad(geometry: &ScannerGeometry, beam: usize) -> f32 {
-    geometry.first_angle_rad + beam as f32 * geometry.step_rad
+    geometry.first_angle_rad + nearest_f32(beam) * geometry.step_rad
 }
 
 fn fill_limits(limits: &mut Limits, polygon: &Polygon, geometry: &ScannerGeometry, directions: &[Point2]) {
@@ -73,7 +74,7 @@ fn fill_limits(limits: &mut Limits, polygon: &Polygon, geometry: &ScannerGeometr
         let slack_rad = 0.5 * geometry.step_rad;
         if angle_rad >= first_rad - slack_rad && angle_rad <= last_rad + slack_rad {
             // Rounded up; the cast saturates.
-            *limit_mm = libm::ceilf(ray_exit_m(polygon, origin, *direction) * 1.0e3) as u16;
+            *limit_mm = saturating_u16(libm::ceilf(ray_exit_m(polygon, origin, *direction) * 1.0e3));
         }
     }
 }

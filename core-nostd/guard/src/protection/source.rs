@@ -48,6 +48,7 @@ impl Source {
 
     /// Position in [`Self::ALL`].
     #[must_use]
+    #[allow(clippy::as_conversions, reason = "the number of a variant, not of another type")]
     pub const fn index(self) -> usize {
         self as usize
     }

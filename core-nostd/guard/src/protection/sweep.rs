@@ -8,6 +8,7 @@
 use super::config::DriveLimits;
 use super::field::{edges, point_in_polygon};
 use floorguard_types::geometry::{Point2, Twist2};
+use floorguard_types::number::nearest_f32;
 
 /// Places of the outline along the arc: a step of a stop from 1 m/s is 9 cm.
 pub const STEPS: usize = 14;
@@ -148,7 +149,7 @@ impl<'a> Sweep<'a> {
         if fastest_mps < STANDS_MPS || !twist.is_finite() {
             return None;
         }
-        let step_m = path_m / STEPS as f32;
+        let step_m = path_m / nearest_f32(STEPS);
         let mut body = EMPTY;
         outline.iter().for_each(|corner| reach(&mut body, *corner));
         let mut sweep = Self { outline, places: [Place::default(); STEPS], step_m, body, around: body };

@@ -70,6 +70,16 @@ enum Sensor {
     Gyroscope,
 }
 
+impl Sensor {
+    const fn index(self) -> usize {
+        match self {
+            Self::EncoderSpeed => 0,
+            Self::EncoderTurn => 1,
+            Self::Gyroscope => 2,
+        }
+    }
+}
+
 /// The filter.
 #[derive(Clone, Debug)]
 pub struct Odometry {
@@ -231,7 +241,7 @@ impl Odometry {
         if !(variance.is_finite() && variance > 0.0) {
             return;
         }
-        let Some(refusals) = self.refusals.get_mut(sensor as usize) else { return };
+        let Some(refusals) = self.refusals.get_mut(sensor.index()) else { return };
         if surprise * surprise > GATE * variance {
             *refusals = refusals.saturating_add(1);
             self.counters.outliers = self.counters.outliers.saturating_add(1);

@@ -2,6 +2,7 @@
 
 use floorguard_types::capacities::POSE_HISTORY;
 use floorguard_types::geometry::{Pose2, wrap_angle};
+use floorguard_types::number::nearest_f32;
 use floorguard_types::time::{Age, Stamp};
 
 /// Beyond the newest pose the motion is continued at most this far, microseconds (book, Odometry: Pose history).
@@ -64,6 +65,7 @@ impl PoseHistory {
         }
         self.next = self.next.saturating_add(1) % POSE_HISTORY;
         self.count = self.count.saturating_add(1).min(POSE_HISTORY);
+        debug_assert!(self.back(1).is_none_or(|(before, _)| before < stamp), "stamps ascend");
     }
 
     /// The newest entry.
@@ -130,7 +132,7 @@ fn between(
     stamp: Stamp,
 ) -> Result<Pose2, PoseLookupError> {
     let step_s = to.seconds_since(from);
-    if step_s > GAP_MAX_US as f32 * 1.0e-6 {
+    if step_s > nearest_f32(GAP_MAX_US) * 1.0e-6 {
         return Err(PoseLookupError::Gap);
     }
     let share = if step_s > 0.0 { stamp.seconds_since(from) / step_s } else { 1.0 };

@@ -1,6 +1,7 @@
 //! From two tick counters to a motion of the rear axle (book, Odometry: Wheels).
 
 use floorguard_types::geometry::{Pose2, Twist2};
+use floorguard_types::number::nearest_f32;
 use floorguard_types::sensing::WheelSample;
 use floorguard_types::time::{Age, Stamp};
 
@@ -98,9 +99,9 @@ impl WheelOdometry {
         if step_us > STEP_MAX_US {
             return None;
         }
-        let seconds = step_us as f32 * 1.0e-6;
+        let seconds = nearest_f32(step_us) * 1.0e-6;
         let ticks_per_m = self.geometry.ticks_per_m.max(1.0e-3);
-        let path_m = |now: i32, before: i32| now.wrapping_sub(before) as f32 / ticks_per_m;
+        let path_m = |now: i32, before: i32| nearest_f32(now.wrapping_sub(before)) / ticks_per_m;
         let left_m = path_m(sample.left_ticks, last.left_ticks);
         let right_m = path_m(sample.right_ticks, last.right_ticks);
         let distance_m = (left_m + right_m) * 0.5;

@@ -2,6 +2,7 @@
 
 use floorguard_mapping::match_field::FieldLevel;
 use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::number::nearest_f32;
 use nalgebra::{Matrix3, Vector3};
 
 /// A small lattice of poses around the best.
@@ -32,9 +33,9 @@ pub fn score_covariance(level: &FieldLevel<'_>, points: &[Point2], surface: &Sco
         for row in -half..=half {
             for column in -half..=half {
                 let away = Vector3::new(
-                    column as f32 * surface.step_m,
-                    row as f32 * surface.step_m,
-                    turn as f32 * surface.step_rad,
+                    nearest_f32(column) * surface.step_m,
+                    nearest_f32(row) * surface.step_m,
+                    nearest_f32(turn) * surface.step_rad,
                 );
                 let pose = Pose2::new(
                     surface.best.x_m + away.x,
@@ -59,5 +60,5 @@ fn score(level: &FieldLevel<'_>, points: &[Point2], pose: Pose2) -> f32 {
         let y = pose.y_m + sin * point.x_m + cos * point.y_m;
         sum += level.sample(Point2::new(x, y)).value;
     }
-    sum / points.len().max(1) as f32
+    sum / nearest_f32(points.len().max(1))
 }

@@ -2,6 +2,7 @@
 
 use floorguard_mapping::match_field::FieldLevel;
 use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::number::nearest_f32;
 use nalgebra::{Matrix3, Vector3};
 
 /// How a descent weighs what it sees.
@@ -85,7 +86,7 @@ pub fn refine(level: &FieldLevel<'_>, points: &[Point2], guess: &Guess, config: 
         }
     }
     let last = accumulate(level, points, pose, config);
-    let count = points.len().max(1) as f32;
+    let count = nearest_f32(points.len().max(1));
     Refined { pose, score: last.value_sum / count, information: last.matrix, steps }
 }
 

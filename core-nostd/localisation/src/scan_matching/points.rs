@@ -1,6 +1,7 @@
 //! Returns of a scan as points, with the motion during the scan taken out.
 
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
+use floorguard_types::number::nearest_f32;
 use floorguard_types::sensing::{BeamReturn, Scan};
 
 /// Which ranges are believed.
@@ -26,7 +27,7 @@ pub struct BeamTiming {
 ///
 /// Each beam is moved by what the scanner travelled between the beam and the middle of the scan, at constant velocity.
 pub fn scan_points(scan: &Scan, limits: RangeLimits, timing: BeamTiming, points: &mut [Point2]) -> usize {
-    let middle = scan.beams.len().saturating_sub(1) as f32 * 0.5;
+    let middle = nearest_f32(scan.beams.len().saturating_sub(1)) * 0.5;
     let mut room = points.iter_mut();
     let mut count = 0_usize;
     for (index, beam) in scan.beams.iter().enumerate() {
@@ -35,9 +36,9 @@ pub fn scan_points(scan: &Scan, limits: RangeLimits, timing: BeamTiming, points:
         if range_m < limits.least_m || range_m > limits.most_m {
             continue;
         }
-        let (sin, cos) = libm::sincosf(scan.first_angle_rad + index as f32 * scan.step_rad);
+        let (sin, cos) = libm::sincosf(scan.first_angle_rad + nearest_f32(index) * scan.step_rad);
         let measured = Point2::new(range_m * cos, range_m * sin);
-        let after_s = (index as f32 - middle) * timing.step_s;
+        let after_s = (nearest_f32(index) - middle) * timing.step_s;
         let Some(place) = room.next() else { break };
         *place = travelled(timing.twist, after_s).transform(measured);
         count = count.saturating_add(1);

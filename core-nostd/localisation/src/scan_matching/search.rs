@@ -2,7 +2,7 @@
 
 use floorguard_mapping::match_field::FieldLevel;
 use floorguard_types::geometry::{Point2, Pose2};
-use floorguard_types::number::saturating_i32;
+use floorguard_types::number::{nearest_f32, saturating_i32};
 
 use super::candidate::{Candidate, CellOffset, sum_of_values};
 use super::window::{Raster, SearchWindow};
@@ -64,7 +64,7 @@ pub fn search(
         return None;
     }
     let points = points.get(..count)?;
-    let full_score = count as f32 * 255.0;
+    let full_score = nearest_f32(count) * 255.0;
     // Strictly better than this counts.
     let floor = saturating_i32(window.minimum_score * full_score);
     let mut search = Search {
@@ -92,7 +92,7 @@ pub fn search(
     let best = search.best;
     (best.level == 0).then(|| Found {
         pose: window.pose(&best, search.edge_m),
-        score: best.bound as f32 / full_score,
+        score: nearest_f32(best.bound) / full_score,
         place: best,
         left_out: search.left_out,
     })

@@ -1,7 +1,7 @@
 //! Which poses a search looks at.
 
 use floorguard_types::geometry::{Point2, Pose2};
-use floorguard_types::number::saturating_i16;
+use floorguard_types::number::{nearest_f32, saturating_i16};
 
 use super::candidate::{Candidate, CellOffset};
 
@@ -57,7 +57,7 @@ impl SearchWindow {
         points: &[Point2],
         cells: &mut [CellOffset],
     ) -> usize {
-        let heading = self.centre.heading_rad + turn as f32 * self.turn_step_rad;
+        let heading = self.centre.heading_rad + nearest_f32(turn) * self.turn_step_rad;
         let (sin, cos) = libm::sincosf(heading);
         for (point, cell) in points.iter().zip(cells.iter_mut()) {
             let x = self.centre.x_m + cos * point.x_m - sin * point.y_m;
@@ -70,10 +70,11 @@ impl SearchWindow {
     /// The least that any pose of a block of 2^`shift` cells loses, as a share of the score.
     pub(super) fn least_penalty(&self, candidate: &Candidate, shift: u8, edge_m: f32) -> f32 {
         let side = 1_i32 << shift.min(15);
-        let nearest =
-            |first: i32| 0_i32.clamp(first, first.saturating_add(side).saturating_sub(1)) as f32 * edge_m;
+        let nearest = |first: i32| {
+            nearest_f32(0_i32.clamp(first, first.saturating_add(side).saturating_sub(1))) * edge_m
+        };
         let (x, y) = (nearest(candidate.column), nearest(candidate.row));
-        let turn = candidate.turn as f32 * self.turn_step_rad;
+        let turn = nearest_f32(candidate.turn) * self.turn_step_rad;
         self.penalty.per_square_metre * (x * x + y * y) + self.penalty.per_square_radian * turn * turn
     }
 
@@ -86,9 +87,9 @@ impl SearchWindow {
     /// The pose of a candidate, in the field's frame.
     pub(super) fn pose(&self, candidate: &Candidate, edge_m: f32) -> Pose2 {
         Pose2::new(
-            self.centre.x_m + candidate.column as f32 * edge_m,
-            self.centre.y_m + candidate.row as f32 * edge_m,
-            self.centre.heading_rad + candidate.turn as f32 * self.turn_step_rad,
+            self.centre.x_m + nearest_f32(candidate.column) * edge_m,
+            self.centre.y_m + nearest_f32(candidate.row) * edge_m,
+            self.centre.heading_rad + nearest_f32(candidate.turn) * self.turn_step_rad,
         )
     }
 }

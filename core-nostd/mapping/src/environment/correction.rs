@@ -5,6 +5,8 @@
 //! visits where E were expected: little data stay with the formula, much data speak for themselves, and a formula that
 //! does not fit is believed no more than it deserves.
 
+use floorguard_types::number::nearest_f32;
+
 use super::evidence::Rate;
 use super::wall_time::LocalTime;
 use super::week::{Evidence, Week};
@@ -53,6 +55,15 @@ pub struct Fit {
     pub fitted: f32,
 }
 
+/// Visits to be expected, and how much they rest on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HourlyVisits {
+    /// Visits an hour, > 0.
+    pub per_hour: f32,
+    /// Hours of watching that this rests on.
+    pub watched_hours: f32,
+}
+
 impl Correction {
     /// Around `base`, visits an hour by the hour of the week.
     pub fn new<const HOURS: usize>(
@@ -73,12 +84,12 @@ impl Correction {
             bins.filter(move |(_, rate)| (*rate < calm) == is_calm)
                 .map(|(seen, rate)| (Count { seen: seen.visits, expected: rate * seen.hours }, 1.0))
         };
-        let free = spread * (1.0 - fitted / (HOURS as f32).max(fitted + 1.0));
+        let free = spread * (1.0 - fitted / nearest_f32(HOURS).max(fitted + 1.0));
         Self { shapes: (shape(counts(true), free), shape(counts(false), free)), calm, watched }
     }
 
-    /// Visits an hour at a moment of which the formula expects `base`, and the hours of watching that it rests on.
-    pub fn apply<const HOURS: usize>(&self, week: &Week<HOURS>, (at, base): (LocalTime, f32)) -> (f32, f32) {
+    /// What to expect at a moment, of which the formula expects `base` visits an hour.
+    pub fn apply<const HOURS: usize>(&self, week: &Week<HOURS>, at: LocalTime, base: f32) -> HourlyVisits {
         let index = usize::from(at.hour_of_week());
         let bin = week.bins().get(index.checked_rem(HOURS).unwrap_or_default()).map(Evidence::from);
         let seen = bin.unwrap_or_default();
@@ -88,6 +99,6 @@ impl Correction {
         // The formula is worth α visits, but not more than what was watched at the same hour of other days.
         let watched = self.watched.get(index % 24).copied().unwrap_or_default();
         let lent = (shape / base).min((watched - seen.hours).max(0.0));
-        (base * factor, seen.hours + lent)
+        HourlyVisits { per_hour: base * factor, watched_hours: seen.hours + lent }
     }
 }

@@ -73,6 +73,15 @@ pub struct Cleaning {
     pub share: f32,
 }
 
+/// How a place was left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SinceCleaning {
+    /// Since the last cleaning, ≥ 0.
+    pub hours: f32,
+    /// Dirt that it left, units.
+    pub left_units: f32,
+}
+
 impl<const HOURS: usize, const PERIODS: usize> Place<HOURS, PERIODS> {
     /// It was watched long enough to tell how many visitors it has.
     #[must_use]
@@ -95,17 +104,19 @@ impl<const HOURS: usize, const PERIODS: usize> Place<HOURS, PERIODS> {
         DirtRate { shape: by_people.shape + self.dirt.units, hours: by_people.hours + self.dirt.hours }
     }
 
-    /// Hours since the last cleaning, and what it left; without one on record a day, and nothing.
+    /// The last cleaning; without one on record, one a day ago that left nothing.
     #[must_use]
-    pub fn since_cleaning(&self, now: WallTime) -> (f32, f32) {
-        self.cleaned.map_or((24.0, 0.0), |(at, left)| (now.hours_since(at).max(0.0), left))
+    pub fn since_cleaning(&self, now: WallTime) -> SinceCleaning {
+        self.cleaned.map_or(SinceCleaning { hours: 24.0, left_units: 0.0 }, |(at, left_units)| {
+            SinceCleaning { hours: now.hours_since(at).max(0.0), left_units }
+        })
     }
 
     /// Dirt expected now: what the last cleaning left, and what has arrived since.
     #[must_use]
     pub fn expected_dirt(&self, now: WallTime, per_visit: &DirtPerVisit) -> f32 {
-        let (hours, left) = self.since_cleaning(now);
-        self.dirt_rate(per_visit).predict(left, hours)
+        let SinceCleaning { hours, left_units } = self.since_cleaning(now);
+        self.dirt_rate(per_visit).predict(left_units, hours)
     }
 
     /// Units that lay there before a cleaning: what was expected, put right by what was picked up. A pass over a

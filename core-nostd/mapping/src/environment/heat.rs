@@ -2,6 +2,7 @@
 
 use crate::{Grid, GridGeometry, GridTooSmall};
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::nearest_f32;
 
 use super::hour_table::{HourEntry, HourTable};
 use super::visitors::{Footprint, PersonAt, Visitors};
@@ -26,19 +27,19 @@ impl HeatCell {
     /// Hours watched.
     #[must_use]
     pub fn watched_hours(&self) -> f32 {
-        self.watched_cs as f32 * (1.0 / 360_000.0)
+        nearest_f32(self.watched_cs) * (1.0 / 360_000.0)
     }
 
     /// Visits an hour watched, with a Gamma(1, 1 h) prior; `None` if nobody ever looked (book, Environment: Heat maps).
     #[must_use]
     pub fn visits_per_hour(&self) -> Option<f32> {
-        (self.watched_cs > 0).then(|| (self.visits as f32 + 1.0) / (self.watched_hours() + 1.0))
+        (self.watched_cs > 0).then(|| (nearest_f32(self.visits) + 1.0) / (self.watched_hours() + 1.0))
     }
 
     /// People there at a moment, on average: time spent by time watched; `None` if never observed.
     #[must_use]
     pub fn people(&self) -> Option<f32> {
-        (self.watched_cs > 0).then(|| self.dwell_cs as f32 / self.watched_cs as f32)
+        (self.watched_cs > 0).then(|| nearest_f32(self.dwell_cs) / nearest_f32(self.watched_cs))
     }
 }
 
@@ -50,6 +51,15 @@ pub struct PeopleHeat<C, H, const TRACKS: usize, const RECENT: usize> {
     visitors: Visitors<TRACKS, RECENT>,
     /// Time spent that is not yet a hundredth of a second.
     rest_us: u32,
+}
+
+/// What happened in a cell during some hours of the week.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct HourCount {
+    /// People who came.
+    pub visits: u32,
+    /// How long they stayed together, hundredths of a second.
+    pub dwell_cs: u32,
 }
 
 impl<C, H, const TRACKS: usize, const RECENT: usize> PeopleHeat<C, H, TRACKS, RECENT>
@@ -123,16 +133,16 @@ where
         }
     }
 
-    /// Visits and hundredths of a second of every cell in the chosen hours of the week, added to `into`, which holds
-    /// one value a cell. `is_chosen` is asked for each hour from Monday 00:00.
-    pub fn of_hours(&self, into: &mut [(u32, u32)], is_chosen: impl Fn(u8) -> bool) {
+    /// Visits and dwell times of every cell in the chosen hours of the week, added to `into`, which holds one value a
+    /// cell. `is_chosen` is asked for each hour from Monday 00:00.
+    pub fn of_hours(&self, into: &mut [HourCount], is_chosen: impl Fn(u8) -> bool) {
         let mut chosen = [false; HOURS_OF_WEEK];
         chosen.iter_mut().zip(0_u8..).for_each(|(chosen, hour)| *chosen = is_chosen(hour));
         for entry in self.hours.iter() {
             let Some((cell, hour)) = entry.cell_and_hour() else { continue };
             if let (Some(true), Some(value)) = (chosen.get(usize::from(hour)), into.get_mut(cell)) {
-                *value =
-                    (value.0.saturating_add(u32::from(entry.visits)), value.1.saturating_add(entry.dwell_cs));
+                value.visits = value.visits.saturating_add(u32::from(entry.visits));
+                value.dwell_cs = value.dwell_cs.saturating_add(entry.dwell_cs);
             }
         }
     }
@@ -140,7 +150,7 @@ where
     /// H(c) = visits / largest visits, within [0, 1]; all zero if nobody came (book, Environment: Heat maps).
     pub fn normalised(&self) -> impl Iterator<Item = f32> {
         let largest = self.cells.values().iter().map(|cell| cell.visits).max().unwrap_or(0).max(1);
-        self.cells.values().iter().map(move |cell| cell.visits as f32 / largest as f32)
+        self.cells.values().iter().map(move |cell| nearest_f32(cell.visits) / nearest_f32(largest))
     }
 }
 
@@ -173,12 +183,12 @@ mod tests {
         let cell = heat.cells().geometry().cell_at(Point2::new(3.1, 1.1)).unwrap();
         assert_eq!(heat.cells().values()[cell].visits, 4);
         assert!(heat.cells().values().iter().map(|c| c.dwell_cs).sum::<u32>().abs_diff(4 * 540) <= 1);
-        let mut nine = vec![(0, 0); 300];
+        let mut nine = vec![HourCount::default(); 300];
         heat.of_hours(&mut nine, |hour| hour == 9);
-        assert_eq!(nine[cell].0, 3);
-        let mut tuesday = vec![(0, 0); 300];
+        assert_eq!(nine[cell].visits, 3);
+        let mut tuesday = vec![HourCount::default(); 300];
         heat.of_hours(&mut tuesday, |hour| hour / 24 == 1);
-        assert!(tuesday.iter().all(|value| *value == (0, 0)));
+        assert!(tuesday.iter().all(|value| *value == HourCount::default()));
         assert!(heat.normalised().all(|value| (0.0..=1.0).contains(&value)));
         assert!(heat.normalised().any(|value| value == 1.0));
     }

@@ -4,6 +4,8 @@
 //! addressing with a bounded probe (book, Environment: Hour table) holds what occurred; what does not fit is counted,
 //! and the totals of the heat map, which are kept elsewhere, stay right.
 
+use floorguard_types::number::{exact_usize, truncating_u8, truncating_u32};
+
 use super::wall_time::HOURS_OF_WEEK;
 
 /// Places examined before an entry counts as lost (book, Environment: Hour table).
@@ -28,8 +30,8 @@ impl HourEntry {
     /// The cell and the hour of the week, `None` if it holds nothing.
     #[must_use]
     pub fn cell_and_hour(&self) -> Option<(usize, u8)> {
-        let hours = HOURS_OF_WEEK as u32;
-        (self.key != EMPTY).then_some(((self.key / hours) as usize, (self.key % hours) as u8))
+        let hours = truncating_u32(HOURS_OF_WEEK);
+        (self.key != EMPTY).then_some((exact_usize(self.key / hours), truncating_u8(self.key % hours)))
     }
 }
 
@@ -50,7 +52,7 @@ impl<S: AsRef<[HourEntry]> + AsMut<[HourEntry]>> HourTable<S> {
 
     /// Adds visits and time to a cell and hour. False, and counted, where the capacity is exhausted.
     pub fn add(&mut self, cell: usize, hour: u8, visits: u16, dwell_cs: u32) -> bool {
-        let hours = HOURS_OF_WEEK as u32;
+        let hours = truncating_u32(HOURS_OF_WEEK);
         let key =
             u32::try_from(cell).ok().and_then(|cell| cell.checked_mul(hours)?.checked_add(u32::from(hour)));
         let capacity = self.entries.as_ref().len();

@@ -1,7 +1,9 @@
 //! The cells that a straight step passes, in order, each once.
 
+use crate::GridCoordinates;
 use crate::GridGeometry;
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::nearest_f32;
 
 /// Cells of one step at most (book, Environment: Visits).
 pub const CELLS_OF_STEP: usize = 64;
@@ -18,16 +20,16 @@ pub struct Step {
 /// Calls `visit` with every cell from the one that holds `from` to the one that holds `to`, both included, by
 /// Amanatides and Woo. Cells outside the raster are passed over. At most [`CELLS_OF_STEP`] cells.
 pub fn walk(geometry: &GridGeometry, Step { from, to }: Step, mut visit: impl FnMut(usize)) {
-    let (mut column, mut row) = geometry.coordinates_of(from);
-    let (last_column, last_row) = geometry.coordinates_of(to);
+    let GridCoordinates { mut column, mut row } = geometry.coordinates_of(from);
+    let GridCoordinates { column: last_column, row: last_row } = geometry.coordinates_of(to);
     let origin = geometry.origin_in_map();
     let scale = geometry.cells_per_metre();
     let along = |from_m: f32, to_m: f32, origin_m: f32, cell: i32| {
         let (start, delta) = ((from_m - origin_m) * scale, (to_m - from_m) * scale);
         if delta > 0.0 {
-            (1_i32, (cell as f32 + 1.0 - start) / delta, 1.0 / delta)
+            (1_i32, (nearest_f32(cell) + 1.0 - start) / delta, 1.0 / delta)
         } else if delta < 0.0 {
-            (-1_i32, (cell as f32 - start) / delta, -1.0 / delta)
+            (-1_i32, (nearest_f32(cell) - start) / delta, -1.0 / delta)
         } else {
             (0_i32, f32::INFINITY, f32::INFINITY)
         }
@@ -64,7 +66,8 @@ mod tests {
         let mut all = Vec::new();
         let step = Step { from: Point2::new(from.0, from.1), to: Point2::new(to.0, to.1) };
         walk(&geometry, step, |cell| {
-            all.push(geometry.coordinates(cell));
+            let GridCoordinates { column, row } = geometry.coordinates(cell);
+            all.push((column, row));
         });
         all
     }
@@ -79,7 +82,8 @@ mod tests {
             let to = (0.03 + 1.9 * angle.cos(), -0.07 + 1.9 * angle.sin());
             let passed = cells((0.03, -0.07), to);
             let geometry = GridGeometry::new(20, 20, 0.2, Point2::new(-2.0, -2.0)).unwrap();
-            assert_eq!(*passed.last().unwrap(), geometry.coordinates_of(Point2::new(to.0, to.1)), "{turn}");
+            let GridCoordinates { column, row } = geometry.coordinates_of(Point2::new(to.0, to.1));
+            assert_eq!(*passed.last().unwrap(), (column, row), "{turn}");
             for pair in passed.windows(2) {
                 assert_eq!((pair[0].0 - pair[1].0).abs() + (pair[0].1 - pair[1].1).abs(), 1, "{turn}");
             }

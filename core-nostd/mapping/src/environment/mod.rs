@@ -22,11 +22,11 @@ mod wall_time;
 mod week;
 
 pub use contest::Contest;
-pub use correction::Correction;
-pub use dirt_seen::{Cleaning, DirtPerVisit, DirtSeen};
+pub use correction::{Correction, HourlyVisits};
+pub use dirt_seen::{Cleaning, DirtPerVisit, DirtSeen, SinceCleaning};
 pub use environment_map::{Environment, Sighting};
 pub use evidence::{Confidence, Rate};
-pub use heat::{HEAT_CELL_M, HeatCell, PeopleHeat};
+pub use heat::{HEAT_CELL_M, HeatCell, HourCount, PeopleHeat};
 pub use hour_table::{HourEntry, HourTable};
 pub use place::{FORMULAS, Forecast, Place, PlaceSlice, RateModel, SLICE_S};
 pub use places::{PLACE_CELL_M, Places};

@@ -4,8 +4,10 @@
 //! yes-or-no, because a robot that watched for two minutes has not seen that nobody came in ten: the visits are a
 //! Poisson process whose rate is the signal (after Jovan et al. 2016), and a slice weighs as much as it was watched.
 
+use floorguard_types::number::{nearest_f32, truncating_u8};
+
 use super::contest::Contest;
-use super::correction::{Correction, Fit};
+use super::correction::{Correction, Fit, HourlyVisits};
 use super::dirt_seen::DirtSeen;
 use super::evidence::Rate;
 use super::rhythm::Rhythm;
@@ -50,7 +52,7 @@ impl RateModel {
         match formula {
             0 => Self::Rhythm,
             1 => Self::Mean,
-            place @ 2..=5 => Self::Spectrum(place.saturating_sub(1) as u8),
+            place @ 2..=5 => Self::Spectrum(truncating_u8(place.saturating_sub(1))),
             6 => Self::Day,
             _ => Self::Week,
         }
@@ -166,7 +168,7 @@ impl<const HOURS: usize, const PERIODS: usize> Place<HOURS, PERIODS> {
     fn learn(&mut self, slice: PlaceSlice, offset_s: i32) {
         let middle_s = slice.number.saturating_mul(SLICE_S).saturating_add(SLICE_S / 2);
         let at = WallTime::from_seconds(middle_s).local(offset_s);
-        let hours = slice.watched_cs as f32 * (1.0 / 360_000.0);
+        let hours = nearest_f32(slice.watched_cs) * (1.0 / 360_000.0);
         let visits = f32::from(slice.visits);
         let forecast = self.forecast();
         let rates = forecast.all(at);
@@ -195,7 +197,7 @@ impl<const HOURS: usize, const PERIODS: usize> Place<HOURS, PERIODS> {
     #[must_use]
     pub fn stay_hours(&self) -> f32 {
         let (visits, dwell_ds) = self.stays;
-        if visits == 0 { 1.0 / 3_600.0 } else { dwell_ds as f32 / visits as f32 / 36_000.0 }
+        if visits == 0 { 1.0 / 3_600.0 } else { nearest_f32(dwell_ds) / nearest_f32(visits) / 36_000.0 }
     }
 
     /// Predicts, with what does not depend on the moment worked out once.
@@ -268,7 +270,7 @@ impl<const HOURS: usize, const PERIODS: usize> Forecast<'_, HOURS, PERIODS> {
         let usual = |seen: Evidence| {
             if seen.hours > 0.0 { Rate::of(seen, self.mean, 1.0).per_hour } else { self.mean }
         };
-        let (rhythm, _) = self.rhythm.rate(week, &self.of_rhythm, at);
+        let rhythm = self.rhythm.rate(week, &self.of_rhythm, at).per_hour;
         let [one, two, three, four] = self.orders(at);
         [rhythm, self.mean, one, two, three, four, usual(week.around_any_day(at)), usual(week.around(at))]
             .map(|rate| rate.max(RATE_MIN))
@@ -281,9 +283,9 @@ impl<const HOURS: usize, const PERIODS: usize> Forecast<'_, HOURS, PERIODS> {
         let (week, spread) = (&self.place.week, self.place.spread());
         let (day, total) = (week.around_any_day(at), week.total());
         let is_seen = day.hours >= SEEN_HOURS;
-        let (value, hours) = match self.model {
-            RateModel::Spectrum(order) if is_seen => self.correction.apply(week, (at, self.order(at, order))),
-            RateModel::Mean => (self.mean, total.hours),
+        let HourlyVisits { per_hour, watched_hours } = match self.model {
+            RateModel::Spectrum(order) if is_seen => self.correction.apply(week, at, self.order(at, order)),
+            RateModel::Mean => HourlyVisits { per_hour: self.mean, watched_hours: total.hours },
             RateModel::Day if is_seen => return Rate::of(day, self.mean, spread),
             RateModel::Week if week.around(at).hours >= SEEN_HOURS => {
                 return Rate::of(week.around(at), self.mean, spread);
@@ -291,8 +293,8 @@ impl<const HOURS: usize, const PERIODS: usize> Forecast<'_, HOURS, PERIODS> {
             // A spectrum predicts unobserved hours, but not reliably.
             _ => self.rhythm.rate(week, &self.of_rhythm, at),
         };
-        let hours = if is_seen { hours } else { total.hours.min(UNSEEN_EVIDENCE_HOURS) };
-        Rate::with_doubt(value.max(RATE_MIN), hours, spread)
+        let hours = if is_seen { watched_hours } else { total.hours.min(UNSEEN_EVIDENCE_HOURS) };
+        Rate::with_doubt(per_hour.max(RATE_MIN), hours, spread)
     }
 }
 

@@ -1,5 +1,7 @@
 //! The questions of an operator, as pure functions: when, where, wet or dry (book, Environment: Questions).
 
+use floorguard_types::number::nearest_f32;
+
 use super::evidence::{Confidence, Rate};
 use super::place::Place;
 use super::wall_time::WallTime;
@@ -59,7 +61,7 @@ impl Profile {
             profile.places = profile.places.saturating_add(1);
             profile.add(place, offset_s);
         }
-        let share = 1.0 / (profile.known_places as f32).max(1.0);
+        let share = 1.0 / nearest_f32(profile.known_places).max(1.0);
         profile.watched_hours *= share;
         for step in &mut profile.steps {
             let Rate { per_hour, low, high, hours } = step.rate;
@@ -104,7 +106,7 @@ impl Profile {
     /// The expected encounters of work that begins at a step and lasts for some; interval and evidence with it.
     #[must_use]
     pub fn encounters(&self, first: usize, steps: usize) -> Rate {
-        let quarter = PROFILE_STEP_S as f32 / 3_600.0;
+        let quarter = nearest_f32(PROFILE_STEP_S) / 3_600.0;
         let mut sum = Rate { hours: f32::INFINITY, ..Rate::default() };
         for step in self.steps.iter().skip(first).take(steps.max(1)) {
             sum.per_hour += step.rate.per_hour * quarter;
@@ -145,7 +147,7 @@ pub fn best_time(
         if encounters.confidence() == Confidence::Unknown {
             continue;
         }
-        let waited_hours = step as f32 * (PROFILE_STEP_S as f32 / 3_600.0);
+        let waited_hours = nearest_f32(step) * (nearest_f32(PROFILE_STEP_S) / 3_600.0);
         let cost = encounters.per_hour + delay_cost * waited_hours;
         if best.is_none_or(|(least, ..)| cost < least) {
             best = Some((cost, step, encounters));
@@ -189,7 +191,7 @@ pub fn wetness(step: &ProfileStep, threshold: f32) -> Wetness {
 #[must_use]
 pub fn presence(profile: &Profile, first: usize, steps: usize) -> f32 {
     let taken = || profile.steps.iter().skip(first).take(steps.max(1));
-    taken().map(|step| step.presence).sum::<f32>() / (taken().count() as f32).max(1.0)
+    taken().map(|step| step.presence).sum::<f32>() / nearest_f32(taken().count()).max(1.0)
 }
 
 /// What a zone is worth cleaning now: units removed for each encounter.

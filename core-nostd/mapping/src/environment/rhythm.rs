@@ -4,7 +4,7 @@
 //! needs days; each factor is believed as far as the data carry it, and what the product misses is put right hour by
 //! hour ([`Correction`]).
 
-use super::correction::{Correction, Count, Fit, shape};
+use super::correction::{Correction, Count, Fit, HourlyVisits, shape};
 use super::evidence::Rate;
 use super::wall_time::LocalTime;
 use super::week::{Evidence, Week};
@@ -50,15 +50,15 @@ impl Rhythm {
         Correction::new(week, Fit { spread, fitted: 31.0 }, |index| self.base(index))
     }
 
-    /// Visits an hour at a moment, put right, and the hours of watching that it rests on.
+    /// What to expect at a moment, put right.
     #[must_use]
     pub fn rate<const HOURS: usize>(
         &self,
         week: &Week<HOURS>,
         correction: &Correction,
         at: LocalTime,
-    ) -> (f32, f32) {
-        correction.apply(week, (at, self.base(usize::from(at.hour_of_week()))))
+    ) -> HourlyVisits {
+        correction.apply(week, at, self.base(usize::from(at.hour_of_week())))
     }
 
     fn hour(&self, index: usize) -> f32 {

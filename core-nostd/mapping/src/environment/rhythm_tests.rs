@@ -29,7 +29,8 @@ fn product_of_hours_and_days_is_exact() {
     let rhythm = Rhythm::new(&week, 1.0);
     let correction = rhythm.correction(&week, 1.0);
     for hour in 0..168 {
-        let (value, hours) = rhythm.rate(&week, &correction, at(hour));
+        let HourlyVisits { per_hour: value, watched_hours: hours } =
+            rhythm.rate(&week, &correction, at(hour));
         let truth = f32::from(rate(hour as usize));
         assert!((value / truth - 1.0).abs() < 0.02, "{hour}: {value} for {truth}");
         assert!((50.0..=350.0).contains(&hours), "{hours}");
@@ -45,7 +46,7 @@ fn frequent_residuals_correct_the_product() {
     let correction = rhythm.correction(&week, 1.0);
     assert!(rhythm.base(3 * 24 + 20) > 5.0, "the product takes the whole Thursday for busy");
     for (hour, truth) in [(3 * 24 + 8, 60.0), (3 * 24 + 20, 3.0), (2 * 24 + 8, 3.0), (10, 3.0)] {
-        let (value, _) = rhythm.rate(&week, &correction, at(hour));
+        let value = rhythm.rate(&week, &correction, at(hour)).per_hour;
         assert!((value - truth).abs() < 0.15 * truth, "{hour}: {value} for {truth}");
     }
 }
@@ -59,14 +60,15 @@ fn little_data_say_little() {
     };
     let rhythm = Rhythm::new(&one_hour, 1.0);
     let correction = rhythm.correction(&one_hour, 1.0);
-    let (value, hours) = rhythm.rate(&one_hour, &correction, at(9));
+    let HourlyVisits { per_hour: value, watched_hours: hours } = rhythm.rate(&one_hour, &correction, at(9));
     assert!((value - 3.4).abs() < 0.7 && hours <= 1.0, "{value} {hours}");
-    let (elsewhere, hours) = rhythm.rate(&one_hour, &correction, at(100));
+    let HourlyVisits { per_hour: elsewhere, watched_hours: hours } =
+        rhythm.rate(&one_hour, &correction, at(100));
     assert!((elsewhere - 3.4).abs() < 0.7, "{elsewhere}");
     assert_eq!(hours, 0.0);
     let nothing = Week::<24>::EMPTY;
     let rhythm = Rhythm::new(&nothing, 1.0);
-    assert!(rhythm.rate(&nothing, &rhythm.correction(&nothing, 1.0), at(0)).0.is_finite());
+    assert!(rhythm.rate(&nothing, &rhythm.correction(&nothing, 1.0), at(0)).per_hour.is_finite());
 }
 
 /// Counts of variance 100 + 20² around 100: α is (100/20)² = 25.

@@ -6,6 +6,8 @@
 //! because a robot watches a place for a minute here and ten minutes there. The candidates are the harmonics of one
 //! base period, which makes an update one sine and a recurrence.
 
+use floorguard_types::number::{nearest_f32_of_f64, truncating_u16, truncating_u64};
+
 use super::wall_time::LocalTime;
 
 /// Most periods that a prediction uses (the largest adaptive order of the reference; book, Environment: Spectrum).
@@ -114,7 +116,7 @@ impl<const PERIODS: usize> Spectrum<PERIODS> {
     /// Seconds between the first and the last sample.
     #[must_use]
     pub fn span_s(&self) -> u64 {
-        self.span.map_or(0, |(first, last)| last.saturating_sub(first).max(0) as u64)
+        self.span.map_or(0, |(first, last)| truncating_u64(last.saturating_sub(first).max(0)))
     }
 
     /// Takes a sample of the signal. A value that is not finite, or a weight that is not positive, changes nothing.
@@ -135,10 +137,10 @@ impl<const PERIODS: usize> Spectrum<PERIODS> {
         let (mut re, mut im) = (f64::from(weight), 0.0_f64);
         for (signal, sampling) in self.signal.iter_mut().zip(self.sampling.iter_mut()) {
             (re, im) = (re * step_re - im * step_im, re * step_im + im * step_re);
-            sampling.re += re as f32;
-            sampling.im += im as f32;
-            signal.re += value * re as f32;
-            signal.im += value * im as f32;
+            sampling.re += nearest_f32_of_f64(re);
+            sampling.im += nearest_f32_of_f64(im);
+            signal.re += value * nearest_f32_of_f64(re);
+            signal.im += value * nearest_f32_of_f64(im);
         }
     }
 
@@ -183,7 +185,7 @@ impl<const PERIODS: usize> Spectrum<PERIODS> {
         let span_s = self.span_s();
         let mut best = [(0.0_f32, 0_u16); ORDER_MAX];
         for index in 0..PERIODS {
-            let harmonic = index.saturating_add(1).min(usize::from(u16::MAX)) as u16;
+            let harmonic = truncating_u16(index.saturating_add(1).min(usize::from(u16::MAX)));
             if u64::from(self.base_s / u32::from(harmonic)) > span_s {
                 continue;
             }
@@ -230,7 +232,7 @@ impl<const PERIODS: usize> Spectrum<PERIODS> {
         let mut all = [value; ORDER_MAX + 1];
         for (slot, tone) in all.iter_mut().skip(1).zip(tones) {
             let turn = angle * f64::from(tone.harmonic) + f64::from(tone.phase_rad);
-            value += 2.0 * tone.amplitude * libm::cos(turn) as f32;
+            value += 2.0 * tone.amplitude * nearest_f32_of_f64(libm::cos(turn));
             *slot = value;
         }
         all

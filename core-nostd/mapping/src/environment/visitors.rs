@@ -6,6 +6,7 @@
 
 use crate::GridGeometry;
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::truncating_u32;
 
 use super::line::{Step, walk};
 use super::wall_time::WallTime;
@@ -141,7 +142,7 @@ impl<const RECENT: usize> Visitor<RECENT> {
             let until = |i: u32| u64::from(dwell_us) * u64::from(i) / u64::from(passed.max(1));
             let share = until(index.saturating_add(1)).saturating_sub(until(index));
             let enters = index > 0 || is_new || !is_step;
-            self.count((cell, at), enters, share as u32, emit);
+            self.count((cell, at), enters, truncating_u32(share), emit);
             index = index.saturating_add(1);
         });
         (self.last, self.last_at) = (here, at);

@@ -3,6 +3,8 @@
 //! Kept in UTC. Habits follow the clock on the wall, so the offset of local time is added where an hour or a weekday
 //! is asked for; a change to summer time then moves no habit (book, Environment: Calendar time).
 
+use floorguard_types::number::{nearest_f32_of_f64, nearest_f64, truncating_u8, truncating_u32};
+
 /// Hours of a week.
 pub const HOURS_OF_WEEK: usize = 168;
 
@@ -66,13 +68,13 @@ impl WallTime {
     /// Signed hours from `earlier` to this moment. The difference is taken in integers.
     #[must_use]
     pub fn hours_since(self, earlier: Self) -> f32 {
-        (self.micros_since(earlier) as f64 / (HOUR_S * MICROS) as f64) as f32
+        nearest_f32_of_f64(nearest_f64(self.micros_since(earlier)) / nearest_f64(HOUR_S * MICROS))
     }
 
     /// The clock on the wall, `offset_s` seconds ahead of UTC.
     #[must_use]
-    pub const fn local(self, offset_s: i32) -> LocalTime {
-        LocalTime(self.as_seconds().saturating_add(offset_s as i64))
+    pub fn local(self, offset_s: i32) -> LocalTime {
+        LocalTime(self.as_seconds().saturating_add(i64::from(offset_s)))
     }
 }
 
@@ -95,25 +97,25 @@ impl LocalTime {
 
     /// Seconds since Monday 00:00, within [0, 604,800).
     #[must_use]
-    pub const fn second_of_week(self) -> u32 {
-        self.0.saturating_add(EPOCH_AFTER_MONDAY_S).rem_euclid(WEEK_S) as u32
+    pub fn second_of_week(self) -> u32 {
+        truncating_u32(self.0.saturating_add(EPOCH_AFTER_MONDAY_S).rem_euclid(WEEK_S))
     }
 
     /// Hours since Monday 00:00, within [0, 168).
     #[must_use]
-    pub const fn hour_of_week(self) -> u8 {
-        (self.second_of_week() / HOUR_S as u32) as u8
+    pub fn hour_of_week(self) -> u8 {
+        truncating_u8(self.second_of_week() / truncating_u32(HOUR_S))
     }
 
     /// Hour of the day, within [0, 24).
     #[must_use]
-    pub const fn hour(self) -> u8 {
+    pub fn hour(self) -> u8 {
         self.hour_of_week() % 24
     }
 
     /// Day of the week: 0 is Monday, 6 is Sunday.
     #[must_use]
-    pub const fn weekday(self) -> u8 {
+    pub fn weekday(self) -> u8 {
         self.hour_of_week() / 24
     }
 }

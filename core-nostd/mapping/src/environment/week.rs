@@ -1,6 +1,8 @@
 //! Visits and watched time for every hour of the week or of the day: the plain histogram (book, Environment:
 //! Histogram).
 
+use floorguard_types::number::nearest_f32;
+
 use super::wall_time::LocalTime;
 
 /// What supports a rate: visits seen in hours watched.
@@ -103,7 +105,7 @@ impl<const HOURS: usize> Week<HOURS> {
 
 impl From<&HourBin> for Evidence {
     fn from(bin: &HourBin) -> Self {
-        Self { visits: f32::from(bin.visits), hours: bin.watched_ds as f32 * (1.0 / 36_000.0) }
+        Self { visits: f32::from(bin.visits), hours: nearest_f32(bin.watched_ds) * (1.0 / 36_000.0) }
     }
 }
 

@@ -1,7 +1,7 @@
 //! A return written into a level of a field.
 
 use floorguard_types::geometry::Point2;
-use floorguard_types::number::{saturating_i32, saturating_u8};
+use floorguard_types::number::{nearest_f32, saturating_i32, saturating_u8};
 
 use crate::grid::{GRID_SIDE_MAX, GridGeometry};
 
@@ -27,7 +27,7 @@ impl Stamp {
         // In cells, so that cell c has its centre at c.
         let x = (point.x_m - origin.x_m) * cells_per_metre - 0.5;
         let y = (point.y_m - origin.y_m) * cells_per_metre - 0.5;
-        let reach = (self.reach_m * cells_per_metre).min(REACH_CELLS_MAX as f32);
+        let reach = (self.reach_m * cells_per_metre).min(nearest_f32(REACH_CELLS_MAX));
         let window = (1_i32 << self.shift.min(6)).saturating_sub(1);
         let near = |value: f32| saturating_i32(libm::ceilf(value - reach));
         let far = |value: f32| saturating_i32(libm::floorf(value + reach));
@@ -56,5 +56,5 @@ impl Stamp {
 /// Distance from a coordinate to the nearest cell centre among `cell` to `cell + window`, cells.
 fn closest(coordinate: f32, cell: i32, window: i32) -> f32 {
     let nearest = saturating_i32(libm::roundf(coordinate)).clamp(cell, cell.saturating_add(window));
-    coordinate - nearest as f32
+    coordinate - nearest_f32(nearest)
 }

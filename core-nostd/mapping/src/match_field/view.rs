@@ -1,7 +1,7 @@
 //! One level of a field, as the matcher reads it.
 
 use floorguard_types::geometry::Point2;
-use floorguard_types::number::saturating_usize;
+use floorguard_types::number::{nearest_f32, saturating_usize};
 
 use crate::grid::GridGeometry;
 
@@ -70,7 +70,7 @@ impl FieldLevel<'_> {
         };
         let (low_left, low_right) = (f32::from(low_left), f32::from(low_right));
         let (high_left, high_right) = (f32::from(high_left), f32::from(high_right));
-        let (share_x, share_y) = (x - column as f32, y - row as f32);
+        let (share_x, share_y) = (x - nearest_f32(column), y - nearest_f32(row));
         let (low, high) = (low_right - low_left, high_right - high_left);
         let (left, right) = (high_left - low_left, high_right - low_right);
         let value = low_left + share_x * low + share_y * (left + share_x * (right - left));

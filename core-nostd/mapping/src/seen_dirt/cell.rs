@@ -12,15 +12,16 @@
 use super::limit::{CellState, DirtLimit, KeptScore, SeenLayer, Together};
 use super::rank::of_rank;
 use super::tint::{FloorTints, KeptTint, kept, middle};
-use floorguard_types::number::saturating_usize;
+use floorguard_types::number::{nearest_f32, saturating_usize, short_usize};
 
 /// Observations that are kept.
-pub(super) const WINDOW: usize = 9;
+pub(super) const WINDOW: usize = short_usize(KEPT);
+const KEPT: u16 = 9;
 /// Fewer say nothing.
 const OBSERVATIONS_MIN: u16 = 3;
 /// Fewer do not close the question what a cell was at first: a glance from the edge of another lane proves nothing, and
 /// a lane over the cell itself brings as many.
-const FIRST_MIN: u16 = WINDOW as u16;
+const FIRST_MIN: u16 = KEPT;
 /// Out of view for longer than this, what was first perceived is final, seconds.
 const OUT_OF_VIEW_S: u32 = 10;
 /// Counters of pixels by score, the first for scores from here on.
@@ -126,7 +127,7 @@ impl SeenCell {
         self.pixels = self.pixels.saturating_add(1);
         if score >= BINS_FROM {
             // Within the counters before it is cut.
-            let bin = saturating_usize(((score - BINS_FROM) / BIN).min((BINS - 1) as f32));
+            let bin = saturating_usize(((score - BINS_FROM) / BIN).min(nearest_f32(BINS - 1)));
             if let Some(slot) = self.bins.get_mut(bin) {
                 *slot = slot.saturating_add(1);
             }
@@ -161,7 +162,7 @@ impl SeenCell {
             let count = f32::from(*count);
             if above + count >= wanted && count > 0.0 {
                 let part = (wanted - above) / count;
-                return BINS_FROM + BIN * (bin as f32 + 1.0 - part);
+                return BINS_FROM + BIN * (nearest_f32(bin) + 1.0 - part);
             }
             above += count;
         }
@@ -184,7 +185,7 @@ impl SeenCell {
             (*slot, *tints) = (score.0, tint);
         }
         // Where the count would end it begins again with the first place written, as it is now: 65,529 is a multiple of nine.
-        self.total = if self.total >= 65_529 { WINDOW as u16 + 1 } else { self.total.saturating_add(1) };
+        self.total = if self.total >= 65_529 { KEPT + 1 } else { self.total.saturating_add(1) };
         self.last_s = now_s;
         self.strangeness = floor.strangeness(self.views()).map(KeptScore::of);
         let is_dirty = self.state(SeenLayer::Live, limit) == CellState::Dirty;

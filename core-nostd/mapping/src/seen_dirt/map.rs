@@ -6,10 +6,11 @@
 use super::cell::SeenCell;
 use super::limit::{CellState, DirtLimit, KeptScore, SeenLayer, Together};
 use super::tint::FloorTints;
-use crate::GridGeometry;
+use crate::{GridCoordinates, GridGeometry};
 use floorguard_perception::floor::dirt::{FloorView, NOVELTY_BIN, Pixel};
 use floorguard_types::capacities::FLOOR_IMAGE_COLUMNS_MAX;
 use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::number::nearest_f32;
 use floorguard_types::time::Stamp;
 
 /// Another viewpoint after this distance or turn (book, Floor and dirt: Map of seen dirt). Time alone makes
@@ -115,7 +116,7 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
             return DirtLimit { score: KeptScore::of(self.threshold), tint: KeptScore::of(f32::INFINITY) };
         }
         let beyond = |histogram, part: f32| {
-            let [usual, most] = USUAL_PARTS.map(|part| reached(histogram, part * known as f32).score());
+            let [usual, most] = USUAL_PARTS.map(|part| reached(histogram, part * nearest_f32(known)).score());
             most + part * (most - usual)
         };
         let score = beyond(scores, BEYOND_USUAL).max(LEAST_PART * self.threshold).min(self.threshold);
@@ -128,7 +129,7 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
     pub fn area_m2(&self, layer: SeenLayer, state: CellState) -> f32 {
         let limit = self.limit();
         let count = self.cells().iter().filter(|cell| cell.state(layer, limit) == state).count();
-        count as f32 * self.geometry.resolution_m() * self.geometry.resolution_m()
+        nearest_f32(count) * self.geometry.resolution_m() * self.geometry.resolution_m()
     }
 
     /// Adds the scores of a frame, and of no earlier one, from a view whose poses are in the map's frame.
@@ -147,10 +148,10 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
     /// Counts pixels in cells; the columns and rows that were touched.
     fn collect(&mut self, view: &FloorView, scores: &Scores<'_>) -> [i32; 4] {
         let mut bounds = [i32::MAX, i32::MAX, i32::MIN, i32::MIN];
-        let bin = NOVELTY_BIN as f32;
+        let bin = nearest_f32(NOVELTY_BIN);
         let foot = view.foot_in_map();
         let foot = Point2::new(foot.x_m, foot.y_m);
-        let middle = |index: usize| bin * (index as f32 + 0.5) - 0.5;
+        let middle = |index: usize| bin * (nearest_f32(index) + 0.5) - 0.5;
         let columns = scores.columns.clamp(1, COLUMNS_MAX);
         let mut pairs = scores.colours.chunks_exact(columns.saturating_mul(STEP));
         for (row, line) in scores.values.chunks_exact(columns).enumerate().step_by(STEP) {
@@ -166,7 +167,7 @@ impl<C: AsRef<[SeenCell]> + AsMut<[SeenCell]>> SeenDirtMap<C> {
                 }
                 let place = view.place_in_map(middle(column), middle(row));
                 let Some(place) = place.filter(|place| place.distance(foot) <= REACH_M) else { continue };
-                let (x, y) = self.geometry.coordinates_of(place);
+                let GridCoordinates { column: x, row: y } = self.geometry.coordinates_of(place);
                 let Some(cell) = self.cell(x, y) else { continue };
                 cell.take(*score);
                 let [left, low, right, high] = &mut bounds;
@@ -242,7 +243,7 @@ fn reached(histogram: &[u32; 256], wanted: f32) -> KeptScore {
     let mut below = 0_u32;
     let score = histogram.iter().zip(0_u8..=u8::MAX).find_map(|(count, score)| {
         below = below.saturating_add(*count);
-        (below as f32 > wanted).then_some(KeptScore(score))
+        (nearest_f32(below) > wanted).then_some(KeptScore(score))
     });
     score.unwrap_or(KeptScore(u8::MAX))
 }

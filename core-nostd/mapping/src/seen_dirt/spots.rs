@@ -9,6 +9,7 @@ use super::cell::SeenCell;
 use super::limit::{CellState, DirtLimit, SeenLayer};
 use super::map::SeenDirtMap;
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::nearest_f32;
 use floorguard_types::profile::Of;
 use floorguard_types::time::Stamp;
 use floorguard_types::united_parts::{Absorb, UnitedParts};
@@ -212,7 +213,7 @@ impl Part {
     }
 
     fn spot(&self, cell_m: f32, now: Stamp) -> DirtSpot {
-        let count = (self.cells as f32).max(1.0);
+        let count = nearest_f32(self.cells).max(1.0);
         let ([x, y], [low_x, low_y], [high_x, high_y]) = (self.sum, self.low, self.high);
         let half = 0.5 * cell_m;
         let since = Stamp::from_micros(u64::from(self.since_s).saturating_mul(1_000_000));

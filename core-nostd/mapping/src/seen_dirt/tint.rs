@@ -8,7 +8,7 @@
 use super::cell::WINDOW;
 use super::map::KNOWN_MIN;
 use super::rank::of_rank;
-use floorguard_types::number::saturating_i8;
+use floorguard_types::number::{nearest_f32, saturating_i8};
 
 /// Steps of a Lab unit in which a cell keeps a colour: lightness varies most.
 const STEPS: [f32; 3] = [8.0, 16.0, 16.0];
@@ -128,7 +128,7 @@ impl FloorTints {
         // At least the product of the least spreads but for rounding.
         let determinant = (ll * first + la * fourth + lb * fifth).max(min_l * min_a * min_b);
         self.inverse = [first, second, third, fourth, fifth, sixth].map(|minor| minor / determinant);
-        self.is_known |= self.weight >= KNOWN_MIN as f32;
+        self.is_known |= self.weight >= nearest_f32(KNOWN_MIN);
         if self.weight > PLACES_MAX {
             self.weight *= 0.5;
             self.products = self.products.map(|sum| 0.5 * sum);

@@ -1,7 +1,9 @@
 //! The cost of standing somewhere with the true outline (ROS `base_local_planner`, `CostmapModel::footprintCost`).
 
+use floorguard_mapping::GridCoordinates;
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::motion::Footprint;
+use floorguard_types::number::{truncating_i32, truncating_usize};
 
 use super::view::{CostmapView, Costs};
 
@@ -73,9 +75,11 @@ pub(crate) fn outline_cost(
 /// Highest cost along a line of cells (Bresenham 1965).
 pub(crate) fn line_cost(
     costmap: CostmapView<'_>,
-    (mut column, mut row): (i32, i32),
-    (last_column, last_row): (i32, i32),
+    from: GridCoordinates,
+    to: GridCoordinates,
 ) -> Result<u8, FootprintHit> {
+    let GridCoordinates { mut column, mut row } = from;
+    let GridCoordinates { column: last_column, row: last_row } = to;
     let geometry = costmap.geometry();
     let (dx, dy) = (last_column.abs_diff(column), last_row.abs_diff(row));
     // Both ends inside: so is everything between.
@@ -86,7 +90,7 @@ pub(crate) fn line_cost(
         return Err(FootprintHit::Outside);
     }
     let (step_x, step_y) = (if last_column > column { 1 } else { -1 }, if last_row > row { 1 } else { -1 });
-    let mut error = (steps / 2) as i32;
+    let mut error = truncating_i32(steps / 2);
     let mut worst = 0_u8;
     let mut cell = first;
     for _ in 0..=steps.min(EDGE_CELLS_MAX) {
@@ -95,10 +99,10 @@ pub(crate) fn line_cost(
             Some(Costs::UNKNOWN) | None => return Err(FootprintHit::Unknown),
             Some(cost) => worst = worst.max(cost),
         }
-        error = error.wrapping_sub(dx.min(dy) as i32);
+        error = error.wrapping_sub(truncating_i32(dx.min(dy)));
         let is_aside = error < 0;
         if is_aside {
-            error = error.wrapping_add(steps as i32);
+            error = error.wrapping_add(truncating_i32(steps));
         }
         if dx >= dy || is_aside {
             column = column.wrapping_add(step_x);
@@ -106,7 +110,7 @@ pub(crate) fn line_cost(
         if dy > dx || is_aside {
             row = row.wrapping_add(step_y);
         }
-        cell = (row as usize).wrapping_mul(geometry.columns()).wrapping_add(column as usize);
+        cell = truncating_usize(row).wrapping_mul(geometry.columns()).wrapping_add(truncating_usize(column));
     }
     Ok(worst)
 }

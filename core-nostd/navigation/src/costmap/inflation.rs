@@ -6,7 +6,7 @@
 //! waves meet.
 
 use floorguard_mapping::{GridGeometry, GridTooSmall, Parabola, squared_distances};
-use floorguard_types::number::saturating_u8;
+use floorguard_types::number::{exact_usize, nearest_f32, saturating_u8};
 
 use super::view::Costs;
 
@@ -100,12 +100,12 @@ impl Inflation {
             return Err(InflationError::Illegal);
         }
         let cells = config.inflation_radius_m / resolution_m;
-        if cells.is_nan() || cells > INFLATION_CELLS_MAX as f32 {
+        if cells.is_nan() || cells > nearest_f32(INFLATION_CELLS_MAX) {
             return Err(InflationError::TooManyCells(cells));
         }
         let mut table = [0; TABLE];
         for (squared, cost) in table.iter_mut().enumerate() {
-            *cost = config.cost_at(libm::sqrtf(squared as f32) * resolution_m);
+            *cost = config.cost_at(libm::sqrtf(nearest_f32(squared)) * resolution_m);
         }
         Ok(Self { table })
     }
@@ -114,7 +114,7 @@ impl Inflation {
     #[inline]
     #[must_use]
     pub fn cost(&self, squared_cells: u32) -> u8 {
-        self.table.get(squared_cells as usize).copied().unwrap_or(Costs::FREE)
+        self.table.get(exact_usize(squared_cells)).copied().unwrap_or(Costs::FREE)
     }
 
     /// Raises costs around everything [`Costs::LETHAL`]. An unknown cell becomes known only where the robot could not stand
@@ -183,8 +183,9 @@ mod tests {
         let mut scratch = InflationScratch { squared_cells: &mut squared_cells, envelope: &mut envelope };
         inflation.inflate(&geometry, &mut costs, &mut scratch).unwrap();
         for (cell, &cost) in costs.iter().enumerate() {
-            let ((x, y), (u, v)) = (geometry.coordinates(cell), geometry.coordinates(obstacle));
-            let cells = (((x - u).pow(2) + (y - v).pow(2)) as f32).sqrt();
+            let (here, there) = (geometry.coordinates(cell), geometry.coordinates(obstacle));
+            let squared = (here.column - there.column).pow(2) + (here.row - there.row).pow(2);
+            let cells = (squared as f32).sqrt();
             let expected = if cell == obstacle + 10 { Costs::UNKNOWN } else { config.cost_at(cells * 0.05) };
             assert_eq!(cost, expected, "{cell}");
         }

@@ -5,6 +5,8 @@
 
 mod body_band;
 mod compose;
+#[cfg(test)]
+pub(crate) mod floor_tests;
 mod footprint_cost;
 mod inflation;
 mod obstacle_layer;

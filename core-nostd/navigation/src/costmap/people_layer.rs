@@ -1,7 +1,7 @@
 //! People in the costmap: a hill of cost around each, longer in the direction in which they walk (Kirby 2010, section 4.2:
 //! an asymmetric Gaussian). The floor ahead of somebody is worth more than the floor behind.
 
-use floorguard_mapping::{GRID_SIDE_MAX, GridGeometry};
+use floorguard_mapping::{GRID_SIDE_MAX, GridCoordinates, GridGeometry};
 use floorguard_types::geometry::Point2;
 use floorguard_types::motion::MovingPerson;
 use floorguard_types::number::saturating_u8;
@@ -73,9 +73,9 @@ pub fn add_people(
         }
         let reach_m = shape.reach_m(person);
         let middle = person.position_in_map;
-        let (first_column, first_row) =
+        let GridCoordinates { column: first_column, row: first_row } =
             geometry.coordinates_of(Point2::new(middle.x_m - reach_m, middle.y_m - reach_m));
-        let (last_column, last_row) =
+        let GridCoordinates { column: last_column, row: last_row } =
             geometry.coordinates_of(Point2::new(middle.x_m + reach_m, middle.y_m + reach_m));
         let columns = i32::try_from(geometry.columns()).unwrap_or(i32::MAX);
         let rows = i32::try_from(geometry.rows()).unwrap_or(i32::MAX);

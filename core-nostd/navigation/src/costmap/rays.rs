@@ -1,6 +1,6 @@
 //! The cells that a ray passes (Amanatides and Woo 1987).
 
-use floorguard_mapping::GridGeometry;
+use floorguard_mapping::{GridCoordinates, GridGeometry};
 use floorguard_types::geometry::Point2;
 
 /// The cells of a raster from one point of the map frame to another, in order, the first and the last included. Cells outside
@@ -26,8 +26,8 @@ impl<'a> RayCells<'a> {
     /// A ray between two points. Points that are not finite give no cells.
     #[must_use]
     pub fn new(geometry: &'a GridGeometry, from_in_map: Point2, to_in_map: Point2) -> Self {
-        let (column, row) = geometry.coordinates_of(from_in_map);
-        let (last_column, last_row) = geometry.coordinates_of(to_in_map);
+        let GridCoordinates { column, row } = geometry.coordinates_of(from_in_map);
+        let GridCoordinates { column: last_column, row: last_row } = geometry.coordinates_of(to_in_map);
         let finite = from_in_map.norm().is_finite() && to_in_map.norm().is_finite();
         let steps = last_column.abs_diff(column).saturating_add(last_row.abs_diff(row));
         let scale = geometry.cells_per_metre();
@@ -112,8 +112,8 @@ mod tests {
             let cells: Vec<usize> = RayCells::new(&geometry, from, to).collect();
             prop_assert_eq!(cells.first().copied(), geometry.cell_at(from));
             for pair in cells.windows(2) {
-                let ((a, b), (c, d)) = (geometry.coordinates(pair[0]), geometry.coordinates(pair[1]));
-                prop_assert_eq!((a - c).abs() + (b - d).abs(), 1);
+                let [from, to] = [pair[0], pair[1]].map(|cell| geometry.coordinates(cell));
+                prop_assert_eq!((from.column - to.column).abs() + (from.row - to.row).abs(), 1);
             }
             for step in 0..=200 {
                 let t = step as f32 / 200.0;

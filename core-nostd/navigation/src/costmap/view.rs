@@ -1,6 +1,6 @@
 //! The costmap as planners see it.
 
-use floorguard_mapping::GridGeometry;
+use floorguard_mapping::{GridCoordinates, GridGeometry};
 use floorguard_types::geometry::Point2;
 
 /// The values of a costmap with a meaning of their own (package `costmap_2d`, file `cost_values.h`).
@@ -66,7 +66,7 @@ impl<'a> CostmapView<'a> {
     #[inline]
     #[must_use]
     pub fn cost_at(&self, point_in_map: Point2) -> u8 {
-        let (column, row) = self.geometry.coordinates_of(point_in_map);
+        let GridCoordinates { column, row } = self.geometry.coordinates_of(point_in_map);
         self.cost(column, row)
     }
 }

@@ -1,6 +1,6 @@
 //! Zones drawn by people: where the robot must not drive, and where only slowly.
 
-use floorguard_mapping::{GRID_SIDE_MAX, GridGeometry};
+use floorguard_mapping::{GRID_SIDE_MAX, GridCoordinates, GridGeometry};
 use floorguard_types::capacities::FIELD_VERTICES_MAX;
 use floorguard_types::geometry::Point2;
 use heapless::Vec;
@@ -51,8 +51,8 @@ impl Zone {
             low = Point2::new(low.x_m.min(corner.x_m), low.y_m.min(corner.y_m));
             high = Point2::new(high.x_m.max(corner.x_m), high.y_m.max(corner.y_m));
         }
-        let (first_column, first_row) = geometry.coordinates_of(low);
-        let (last_column, last_row) = geometry.coordinates_of(high);
+        let GridCoordinates { column: first_column, row: first_row } = geometry.coordinates_of(low);
+        let GridCoordinates { column: last_column, row: last_row } = geometry.coordinates_of(high);
         let columns = i32::try_from(geometry.columns()).unwrap_or(i32::MAX);
         let rows = i32::try_from(geometry.rows()).unwrap_or(i32::MAX);
         for row in first_row.max(0)..last_row.saturating_add(1).min(rows).min(GRID_SIDE_MAX) {

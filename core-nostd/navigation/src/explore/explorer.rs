@@ -1,6 +1,7 @@
 //! Which frontier to drive to, when to give one up, and when nothing is left.
 
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::nearest_f32;
 use heapless::Vec;
 
 use super::frontier::{Frontier, FrontierSearch};
@@ -140,7 +141,7 @@ impl Explorer {
             self.goal.is_some_and(|goal| goal.distance(frontier.goal_in_map) <= config.hysteresis_m);
         let bonus_m = if is_present { config.hysteresis_m } else { 0.0 };
         config.cost.potential_scale * (path_m - bonus_m)
-            - config.cost.gain_scale * frontier.cells as f32 * 0.05
+            - config.cost.gain_scale * nearest_f32(frontier.cells) * 0.05
     }
 
     fn turn_to(&mut self, frontier: &Frontier, robot_in_map: Point2) {

@@ -5,8 +5,9 @@
 //! obstacle or in the unknown. Here all cells count, and the goal is the free cell beside the frontier that is nearest to the
 //! centroid.
 
-use floorguard_mapping::{GRID_CELLS_MAX, GridGeometry};
+use floorguard_mapping::{GRID_CELLS_MAX, GridCoordinates, GridGeometry};
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::{exact_usize, nearest_f32_of_f64, nearest_f64, truncating_u32};
 use heapless::Vec;
 
 use crate::costmap::{CostmapView, Costs};
@@ -79,7 +80,7 @@ pub fn find_frontiers(
         if at >= filled {
             break;
         }
-        let Some(cell) = walk.queue.get(at).map(|&cell| cell as usize) else { break };
+        let Some(cell) = walk.queue.get(at).map(|&cell| exact_usize(cell)) else { break };
         for other in straight_neighbours(costmap.geometry(), cell).into_iter().flatten() {
             if walk.state(other) != UNSEEN {
                 continue;
@@ -132,7 +133,7 @@ impl Walk<'_, '_> {
             return filled;
         };
         *mark = state;
-        *slot = cell as u32;
+        *slot = truncating_u32(cell);
         filled.saturating_add(1)
     }
 
@@ -157,12 +158,12 @@ impl Walk<'_, '_> {
             if at >= end {
                 break;
             }
-            let Some(cell) = self.queue.get(at).map(|&cell| cell as usize) else { break };
+            let Some(cell) = self.queue.get(at).map(|&cell| exact_usize(cell)) else { break };
             let centre = geometry.centre(cell);
             sum_x_m += f64::from(centre.x_m);
             sum_y_m += f64::from(centre.y_m);
             nearest_m = nearest_m.min(centre.distance(self.robot_in_map));
-            let (column, row) = geometry.coordinates(cell);
+            let GridCoordinates { column, row } = geometry.coordinates(cell);
             for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)] {
                 let other = geometry.index(column.wrapping_add(dx), row.wrapping_add(dy));
                 if let Some(other) = other.filter(|&other| self.is_border(other)) {
@@ -171,17 +172,18 @@ impl Walk<'_, '_> {
             }
         }
         let cells = end.saturating_sub(begin);
-        let share = 1.0 / (cells.max(1) as f64);
-        let centroid_in_map = Point2::new((sum_x_m * share) as f32, (sum_y_m * share) as f32);
+        let share = 1.0 / nearest_f64(cells.max(1));
+        let centroid_in_map =
+            Point2::new(nearest_f32_of_f64(sum_x_m * share), nearest_f32_of_f64(sum_y_m * share));
         let goal_in_map = self.goal(begin, cells, centroid_in_map);
-        Frontier { cells: cells as u32, centroid_in_map, goal_in_map, nearest_m }
+        Frontier { cells: truncating_u32(cells), centroid_in_map, goal_in_map, nearest_m }
     }
 
     /// The free cell beside the frontier that is nearest to its centroid.
     fn goal(&self, begin: usize, cells: usize, centroid_in_map: Point2) -> Point2 {
         let geometry = self.costmap.geometry();
         let border = self.queue.iter().skip(begin).take(cells);
-        let beside = border.flat_map(|&cell| straight_neighbours(geometry, cell as usize)).flatten();
+        let beside = border.flat_map(|&cell| straight_neighbours(geometry, exact_usize(cell))).flatten();
         let free = beside
             .filter(|&cell| self.costmap.costs().get(cell).is_some_and(|&cost| cost < Costs::INSCRIBED));
         let distance_m = |cell: &usize| geometry.centre(*cell).distance(centroid_in_map);
@@ -191,7 +193,7 @@ impl Walk<'_, '_> {
 }
 
 fn straight_neighbours(geometry: &GridGeometry, cell: usize) -> [Option<usize>; 4] {
-    let (column, row) = geometry.coordinates(cell);
+    let GridCoordinates { column, row } = geometry.coordinates(cell);
     [(1, 0), (-1, 0), (0, 1), (0, -1)]
         .map(|(dx, dy)| geometry.index(column.wrapping_add(dx), row.wrapping_add(dy)))
 }
@@ -246,7 +248,7 @@ mod tests {
             costs[200] = 0;
             let cost = |x: i32, y: i32| geometry.index(x, y).map(|cell| costs[cell]);
             let around = |cell: usize, reach: i32| {
-                let (x, y) = geometry.coordinates(cell);
+                let GridCoordinates { column: x, row: y } = geometry.coordinates(cell);
                 let offsets = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)];
                 offsets.into_iter().take(reach as usize)
                     .filter_map(|(dx, dy)| geometry.index(x + dx, y + dy)).collect::<vec::Vec<_>>()

@@ -2,6 +2,8 @@
 //!
 //! Each bucket is a chain of chunks; chunks come from one pool and go back to it. Full is a value.
 
+use floorguard_types::number::exact_usize;
+
 /// Buckets; a power of two.
 pub(super) const BUCKETS: usize = 64;
 /// Words of a chunk: one that points to the next chunk, the rest are entries.
@@ -41,7 +43,7 @@ impl<Q: AsRef<[u32]> + AsMut<[u32]>> BucketQueue<Q> {
 
     #[inline]
     const fn place(chunk: u32, entry: usize) -> usize {
-        (chunk as usize).saturating_mul(CHUNK).saturating_add(entry)
+        exact_usize(chunk).saturating_mul(CHUNK).saturating_add(entry)
     }
 
     /// Adds an entry; false: full, nothing was added.

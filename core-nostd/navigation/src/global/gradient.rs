@@ -1,6 +1,6 @@
 //! A path down the gradient of a potential, in steps of half a cell (ROS `navfn`, `calcPath`).
 
-use floorguard_mapping::{GRID_CELLS_MAX, GridGeometry};
+use floorguard_mapping::{GRID_CELLS_MAX, GridCoordinates, GridGeometry};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::motion::{Gear, Waypoint};
 
@@ -57,7 +57,7 @@ impl Slope<'_> {
     }
 
     fn neighbour(&self, cell: usize, dx: i32, dy: i32) -> Option<usize> {
-        let (column, row) = self.geometry.coordinates(cell);
+        let GridCoordinates { column, row } = self.geometry.coordinates(cell);
         self.geometry.index(column.wrapping_add(dx), row.wrapping_add(dy))
     }
 

@@ -1,7 +1,9 @@
 //! The bucketed searches as global planners.
 
+use floorguard_mapping::GridCoordinates;
 use floorguard_types::geometry::Point2;
 use floorguard_types::motion::Waypoint;
+use floorguard_types::number::nearest_f32;
 
 use super::contract::{GlobalPlanner, Plan, PlanFailure, PlanRequest};
 use super::grid_search::{GridSearch, SearchEnd, SearchMethod};
@@ -38,7 +40,7 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GlobalPlann
         let place = |pose: floorguard_types::geometry::Pose2| Point2::new(pose.x_m, pose.y_m);
         let steps = self.search.steps();
         let can_stand = |cell: usize| {
-            let (column, row) = geometry.coordinates(cell);
+            let GridCoordinates { column, row } = geometry.coordinates(cell);
             let columns = i32::try_from(geometry.columns()).unwrap_or(i32::MAX);
             let rows = i32::try_from(geometry.rows()).unwrap_or(i32::MAX);
             let is_inner =
@@ -61,7 +63,7 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GlobalPlann
             }
         };
         let waypoints = self.search.trace(costmap, goal, path)?;
-        let cost = self.search.distance(goal).unwrap_or(0) as f32;
+        let cost = nearest_f32(self.search.distance(goal).unwrap_or(0));
         Ok(Plan { waypoints, cost, costmap_revision: costmap.revision() })
     }
 }
@@ -94,7 +96,7 @@ mod tests {
             changed = false;
             for cell in 0..all.len() {
                 let Some(here) = all[cell] else { continue };
-                let (x, y) = geometry.coordinates(cell);
+                let GridCoordinates { column: x, row: y } = geometry.coordinates(cell);
                 for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, 1), (1, -1), (-1, -1)] {
                     let Some(step) = weight(x + dx, y + dy) else { continue };
                     let diagonal = dx != 0 && dy != 0;
@@ -165,11 +167,10 @@ mod tests {
         let cells: Vec<usize> =
             path.iter().map(|at| view.geometry().cell_at(at.place_in_map()).unwrap()).collect();
         let steps = cells.windows(2).map(|pair| {
-            let ((a, b), (c, d)) =
-                (view.geometry().coordinates(pair[0]), view.geometry().coordinates(pair[1]));
-            assert!((a - c).abs() <= 1 && (b - d).abs() <= 1);
-            let step = 3 * u32::from(view.cost(c, d)) + 50;
-            if a != c && b != d { step * 181 / 128 } else { step }
+            let [from, to] = [pair[0], pair[1]].map(|cell| view.geometry().coordinates(cell));
+            assert!((from.column - to.column).abs() <= 1 && (from.row - to.row).abs() <= 1);
+            let step = 3 * u32::from(view.cost(to.column, to.row)) + 50;
+            if from.column != to.column && from.row != to.row { step * 181 / 128 } else { step }
         });
         steps.sum()
     }

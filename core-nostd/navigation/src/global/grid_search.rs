@@ -5,6 +5,9 @@
 //! Fox 1979). A* may expand a cell again, and ends with the first bucket that cannot hold a shorter path. The outermost ring
 //! of cells is impassable, as in the published planner.
 
+use floorguard_mapping::GridCoordinates;
+use floorguard_types::number::{exact_usize, truncating_i32, truncating_u32};
+
 use super::bucket_queue::{BUCKETS, BucketQueue};
 use super::step_costs::StepCosts;
 use crate::costmap::CostmapView;
@@ -71,7 +74,7 @@ impl Run<'_> {
     fn estimate(&self, cell: usize) -> u32 {
         let Some(goal) = self.goal.filter(|_| self.width == WIDTH_ASTAR) else { return 0 };
         let (row, column) = (cell / self.columns.max(1), cell % self.columns.max(1));
-        let (dx, dy) = ((column as i32).abs_diff(goal.column), (row as i32).abs_diff(goal.row));
+        let (dx, dy) = (truncating_i32(column).abs_diff(goal.column), truncating_i32(row).abs_diff(goal.row));
         let (less, more) = (dx.min(dy), dx.max(dy));
         less.wrapping_mul(StepCosts::NEUTRAL_DIAGONAL)
             .wrapping_add(more.wrapping_sub(less).wrapping_mul(StepCosts::NEUTRAL))
@@ -119,7 +122,7 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GridSearch<
             columns: geometry.columns(),
             width: if method == SearchMethod::AStar && goal.is_some() { WIDTH_ASTAR } else { WIDTH_DIJKSTRA },
             goal: goal.map(|cell| {
-                let (column, row) = geometry.coordinates(cell);
+                let GridCoordinates { column, row } = geometry.coordinates(cell);
                 Place { cell, column, row }
             }),
         };
@@ -129,7 +132,7 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GridSearch<
             return SearchEnd::OutOfRoom;
         }
         let bucket = run.estimate(start) / run.width;
-        if !self.queue.push(bucket as usize, start as u32) {
+        if !self.queue.push(exact_usize(bucket), truncating_u32(start)) {
             return SearchEnd::OutOfRoom;
         }
         self.sweep(&run, bucket)
@@ -167,7 +170,7 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GridSearch<
         let mut bucket = first;
         let mut empty_run = 0_usize;
         for _ in 0..turns_max {
-            let Some(cell) = self.queue.pop(bucket as usize) else {
+            let Some(cell) = self.queue.pop(exact_usize(bucket)) else {
                 bucket = bucket.wrapping_add(1);
                 empty_run = empty_run.saturating_add(1);
                 if empty_run > BUCKETS {
@@ -179,7 +182,7 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GridSearch<
                 continue;
             };
             empty_run = 0;
-            let kept = match self.distances.as_mut().get_mut(cell as usize) {
+            let kept = match self.distances.as_mut().get_mut(exact_usize(cell)) {
                 Some(kept) if *kept & 1 == 0 => {
                     *kept |= 1;
                     *kept >> 1
@@ -187,7 +190,7 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GridSearch<
                 _ => continue,
             };
             self.expanded = self.expanded.wrapping_add(1);
-            if !self.expand(run, cell as usize, kept) {
+            if !self.expand(run, exact_usize(cell), kept) {
                 return SearchEnd::OutOfRoom;
             }
         }
@@ -255,7 +258,7 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GridSearch<
                 return true;
             }
         }
-        self.queue.push(bucket as usize, step.to as u32)
+        self.queue.push(exact_usize(bucket), truncating_u32(step.to))
     }
 }
 

@@ -7,37 +7,16 @@
 use floorguard_mapping::{GRID_CELLS_MAX, GridGeometry};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::motion::{Gear, Waypoint};
-use floorguard_types::number::{saturating_i32, saturating_u32};
+use floorguard_types::number::{
+    exact_usize, saturating_i32, saturating_u32, truncating_i32, truncating_u32, truncating_usize,
+};
 
 use super::contract::PlanFailure;
 use super::lattice_heap::{HeapEntry, pop, push};
+use super::lattice_motions::{HEADINGS, MOTIONS, Motion, Pace, TURN_RAD, motions};
 
-/// Headings that are kept apart.
-pub const HEADINGS: usize = 16;
-const TURN_RAD: f32 = core::f32::consts::TAU / HEADINGS as f32;
-/// Motions from a pose.
-const MOTIONS: usize = 6;
 /// Costs are compared in units of 0.1 ms.
 const UNITS_PER_S: f32 = 1.0e4;
-
-/// Speeds that the costs are made of, and the shape of the motions.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pace {
-    /// Forward, m/s, > 0.
-    pub speed_mps: f32,
-    /// On the spot, rad/s, > 0.
-    pub turn_radps: f32,
-    /// Backwards, m/s, > 0.
-    pub reverse_mps: f32,
-    /// What a change of gear takes, seconds.
-    pub change_s: f32,
-    /// Length of a straight step, metres: more than a cell of the raster, so that it leaves it.
-    pub step_m: f32,
-    /// Radius of the arcs, metres, > 0.
-    pub arc_m: f32,
-    /// What is left counts this much more than what lies behind: 1 finds the best path, more finds a good one sooner.
-    pub haste: f32,
-}
 
 /// What the search asks.
 pub trait LatticeWorld {
@@ -65,14 +44,18 @@ pub struct LatticeCell {
     round: u32,
 }
 
+/// The memory of a search.
 #[derive(Clone, Copy, Debug)]
-struct Motion {
-    by: Pose2,
-    costs_s: f32,
-    gear: Gear,
+pub struct LatticeStorage<N, C, H> {
+    /// As many poses as a search may look at.
+    pub nodes: N,
+    /// One record for each cell and heading of the raster.
+    pub cells: C,
+    /// As many entries as nodes.
+    pub heap: H,
 }
 
-/// The search with its memory: `N` nodes, `C` one record a cell and heading of the raster, `H` as many entries as nodes.
+/// The search with its memory, which [`LatticeStorage`] describes.
 #[derive(Clone, Debug)]
 pub struct Lattice<N, C, H> {
     raster: GridGeometry,
@@ -94,8 +77,9 @@ where
 {
     /// Over a raster, which need not be that of the costmap: two cells to a straight step are enough.
     #[must_use]
-    pub fn new(raster: GridGeometry, pace: Pace, (nodes, cells, heap): (N, C, H)) -> Self {
+    pub fn new(raster: GridGeometry, pace: Pace, storage: LatticeStorage<N, C, H>) -> Self {
         let motions = motions(&pace);
+        let LatticeStorage { nodes, cells, heap } = storage;
         Self { raster, motions, pace, nodes, cells, heap, round: 0, used: 0, waiting: 0 }
     }
 
@@ -122,9 +106,10 @@ where
         world: &impl LatticeWorld,
         path: &mut [Waypoint],
     ) -> Result<LatticePath, PlanFailure> {
-        if self.cells.as_ref().len() < self.raster.cell_count().saturating_mul(HEADINGS) {
+        if self.cells.as_ref().len() < self.kinds() {
             return Err(PlanFailure::OutOfRoom);
         }
+        self.kind(start_in_map).ok_or(PlanFailure::StartBlocked)?;
         self.begin();
         let start = LatticeNode { pose: start_in_map, gear: Gear::Ahead, parent: u32::MAX, cost_s: 0.0 };
         self.open(start, world.left_s(start_in_map).unwrap_or(0.0))?;
@@ -132,8 +117,9 @@ where
             let Some(entry) = pop(self.heap.as_mut(), self.waiting) else {
                 return Err(PlanFailure::Unreachable);
             };
+            debug_assert!(self.waiting <= self.used, "every pose waits once");
             self.waiting = self.waiting.saturating_sub(1);
-            let Some(node) = self.nodes.as_ref().get(entry.node as usize).copied() else { continue };
+            let Some(node) = self.nodes.as_ref().get(exact_usize(entry.node)).copied() else { continue };
             let is_outdated = self.kind(node.pose).is_none_or(|kind| self.best_s(kind) < node.cost_s);
             if is_outdated {
                 continue;
@@ -145,6 +131,51 @@ where
             self.expand(entry.node, node, world)?;
         }
         Err(PlanFailure::OutOfRoom)
+    }
+
+    /// Visits poses that can be reached from a start without driving backwards, one for each place and heading; the start too,
+    /// which need not be free. `stack` holds one pose for each cell and heading of the raster, and the start.
+    ///
+    /// # Errors
+    /// [`PlanFailure::OutOfRoom`]: the storage or the stack is too small; nothing was visited.
+    pub fn reach(
+        &mut self,
+        start_in_map: Pose2,
+        stack: &mut [Pose2],
+        is_free: impl Fn(Pose2, Gear) -> bool,
+        mut visit: impl FnMut(Pose2),
+    ) -> Result<(), PlanFailure> {
+        let kinds = self.kinds();
+        if self.cells.as_ref().len() < kinds || stack.len() <= kinds {
+            return Err(PlanFailure::OutOfRoom);
+        }
+        self.begin();
+        let mut waiting = 0_usize;
+        put(stack, &mut waiting, start_in_map);
+        // Each place and heading is put on the stack once, and the start.
+        for _ in 0..stack.len() {
+            let Some(last) = waiting.checked_sub(1) else { break };
+            let Some(pose) = stack.get(last).copied() else { break };
+            waiting = last;
+            visit(pose);
+            for motion in self.motions.iter().filter(|motion| motion.gear != Gear::Back) {
+                let next = pose.compose(motion.by);
+                let Some(kind) = self.kind(next) else { continue };
+                if self.best_s(kind) < f32::INFINITY || !is_free(next, motion.gear) {
+                    continue;
+                }
+                if let Some(cell) = self.cells.as_mut().get_mut(kind) {
+                    *cell = LatticeCell { cost_s: 0.0, round: self.round };
+                }
+                put(stack, &mut waiting, next);
+            }
+        }
+        Ok(())
+    }
+
+    /// How many places and headings are kept apart.
+    fn kinds(&self) -> usize {
+        self.raster.cell_count().saturating_mul(HEADINGS)
     }
 
     fn begin(&mut self) {
@@ -162,6 +193,9 @@ where
         node: LatticeNode,
         world: &impl LatticeWorld,
     ) -> Result<(), PlanFailure> {
+        if self.nodes.as_ref().len().saturating_sub(self.used) < MOTIONS {
+            return Err(PlanFailure::OutOfRoom);
+        }
         for motion in self.motions {
             let next = node.pose.compose(motion.by);
             let change_s = if motion.gear == node.gear { 0.0 } else { self.pace.change_s };
@@ -174,22 +208,22 @@ where
             if self.best_s(kind) <= cost_s {
                 continue;
             }
+            debug_assert!(cost_s >= node.cost_s, "no motion gives time back");
             let Some(left_s) = world.left_s(next) else { continue };
             self.open(LatticeNode { pose: next, gear: motion.gear, parent: number, cost_s }, left_s)?;
+            if let Some(cell) = self.cells.as_mut().get_mut(kind) {
+                *cell = LatticeCell { cost_s, round: self.round };
+            }
         }
         Ok(())
     }
 
     fn open(&mut self, node: LatticeNode, left_s: f32) -> Result<(), PlanFailure> {
-        let kind = self.kind(node.pose).ok_or(PlanFailure::StartBlocked)?;
         *self.nodes.as_mut().get_mut(self.used).ok_or(PlanFailure::OutOfRoom)? = node;
         let urgency = saturating_u32((node.cost_s + self.pace.haste * left_s) * UNITS_PER_S);
-        let entry = HeapEntry { urgency, node: self.used as u32 };
+        let entry = HeapEntry { urgency, node: truncating_u32(self.used) };
         self.waiting = push(self.heap.as_mut(), self.waiting, entry).ok_or(PlanFailure::OutOfRoom)?;
         self.used = self.used.saturating_add(1);
-        if let Some(cell) = self.cells.as_mut().get_mut(kind) {
-            *cell = LatticeCell { cost_s: node.cost_s, round: self.round };
-        }
         Ok(())
     }
 
@@ -197,7 +231,7 @@ where
     fn kind(&self, pose: Pose2) -> Option<usize> {
         let cell = self.raster.cell_at(Point2::new(pose.x_m, pose.y_m))?;
         let heading = saturating_i32(libm::roundf(pose.heading_rad / TURN_RAD));
-        let heading = heading.rem_euclid(HEADINGS as i32) as usize;
+        let heading = truncating_usize(heading.rem_euclid(truncating_i32(HEADINGS)));
         Some(cell.saturating_mul(HEADINGS).saturating_add(heading))
     }
 
@@ -209,7 +243,7 @@ where
     /// Writes the waypoints up to a node.
     fn path_to(&self, number: u32, path: &mut [Waypoint]) -> Result<usize, PlanFailure> {
         let nodes = self.nodes.as_ref();
-        let before = |at: u32| nodes.get(at as usize).map_or(u32::MAX, |node| node.parent);
+        let before = |at: u32| nodes.get(exact_usize(at)).map_or(u32::MAX, |node| node.parent);
         let chain = || {
             core::iter::successors(Some(number), |&at| Some(before(at)).filter(|&at| at != u32::MAX))
                 .take(GRID_CELLS_MAX)
@@ -217,7 +251,7 @@ where
         let count = chain().take(self.used).count();
         let path = path.get_mut(..count).ok_or(PlanFailure::PathTooLong(count))?;
         for (slot, at) in path.iter_mut().rev().zip(chain()) {
-            if let Some(node) = nodes.get(at as usize) {
+            if let Some(node) = nodes.get(exact_usize(at)) {
                 *slot = Waypoint { pose_in_map: node.pose, gear: node.gear };
             }
         }
@@ -234,33 +268,10 @@ pub struct LatticePath {
     pub time_s: f32,
 }
 
-fn motions(pace: &Pace) -> [Motion; MOTIONS] {
-    let chord_m = 2.0 * pace.arc_m * libm::sinf(TURN_RAD / 2.0);
-    let arc = |sign: f32| {
-        let (sin, cos) = libm::sincosf(sign * TURN_RAD / 2.0);
-        let speed_mps = (0.8 * pace.speed_mps).min(pace.turn_radps * pace.arc_m);
-        Motion {
-            by: Pose2::new(chord_m * cos, chord_m * sin, sign * TURN_RAD),
-            costs_s: pace.arc_m * TURN_RAD / speed_mps,
-            gear: Gear::Ahead,
-        }
-    };
-    let spin = |sign: f32| Motion {
-        by: Pose2::new(0.0, 0.0, sign * TURN_RAD),
-        costs_s: TURN_RAD / pace.turn_radps,
-        gear: Gear::Spin,
-    };
-    let straight = |path_m: f32, speed_mps: f32, gear| Motion {
-        by: Pose2::new(path_m, 0.0, 0.0),
-        costs_s: libm::fabsf(path_m) / speed_mps,
-        gear,
-    };
-    [
-        straight(pace.step_m, pace.speed_mps, Gear::Ahead),
-        arc(1.0),
-        arc(-1.0),
-        spin(1.0),
-        spin(-1.0),
-        straight(-pace.step_m, pace.reverse_mps, Gear::Back),
-    ]
+/// Onto a stack that has room for it.
+fn put(stack: &mut [Pose2], waiting: &mut usize, pose: Pose2) {
+    if let Some(slot) = stack.get_mut(*waiting) {
+        *slot = pose;
+        *waiting = waiting.saturating_add(1);
+    }
 }

@@ -2,12 +2,14 @@
 
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
 use floorguard_types::motion::{Footprint, Gear, Waypoint};
+use floorguard_types::number::nearest_f32;
 
 use super::contract::{GlobalPlanner, Plan, PlanFailure, PlanRequest};
 use super::grid_planner::START_REACH_M;
 use super::grid_search::{GridSearch, SearchEnd, SearchMethod};
-use super::lattice::{Lattice, LatticeCell, LatticeNode, LatticeWorld, Pace};
+use super::lattice::{Lattice, LatticeCell, LatticeNode, LatticeWorld};
 use super::lattice_heap::HeapEntry;
+use super::lattice_motions::Pace;
 use super::step_costs::StepCosts;
 use super::trace::nearest_cell;
 use crate::costmap::{CostmapView, Costs, footprint_cost};
@@ -78,13 +80,13 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> LatticeWorl
         if cost >= self.goal.clear_cost {
             footprint_cost(self.costmap, self.footprint, pose_in_map).ok()?;
         }
-        Some(1.0 + 3.0 * f32::from(cost) / StepCosts::NEUTRAL as f32)
+        Some(1.0 + 3.0 * f32::from(cost) / nearest_f32(StepCosts::NEUTRAL))
     }
 
     fn left_s(&self, pose_in_map: Pose2) -> Option<f32> {
         let geometry = self.costmap.geometry();
         let cell = geometry.cell_at(Point2::new(pose_in_map.x_m, pose_in_map.y_m))?;
-        let cells = self.search.distance(cell)? as f32 / StepCosts::NEUTRAL as f32;
+        let cells = nearest_f32(self.search.distance(cell)?) / nearest_f32(StepCosts::NEUTRAL);
         Some(cells * geometry.resolution_m() / self.pace.speed_mps)
     }
 
@@ -141,9 +143,10 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::costmap::{CostmapLayers, Inflation, InflationConfig, InflationScratch, PeopleCost, compose};
-    use crate::global::HEADINGS;
-    use floorguard_mapping::{GridGeometry, Occupancy, Parabola};
+    use crate::costmap::InflationConfig;
+    use crate::costmap::floor_tests::costs_of;
+    use crate::global::{HEADINGS, LatticeStorage};
+    use floorguard_mapping::GridGeometry;
     use std::vec;
     use std::vec::Vec;
 
@@ -161,40 +164,21 @@ mod tests {
     #[test]
     fn long_robot_passes_gap_with_whole_outline() {
         let geometry = GridGeometry::new(160, 120, 0.05, Point2::default()).unwrap();
-        let mut fixed = vec![Occupancy::Free; geometry.cell_count()];
-        for (cell, value) in fixed.iter_mut().enumerate() {
-            let centre = geometry.centre(cell);
-            let is_wall = (centre.x_m - 4.0).abs() < 0.1 && !(4.0..4.8).contains(&centre.y_m);
-            let edge = centre.x_m < 0.1 || centre.y_m < 0.1 || centre.x_m > 7.9 || centre.y_m > 5.9;
-            if is_wall || edge {
-                *value = Occupancy::Occupied;
-            }
-        }
-        let config = InflationConfig { inscribed_radius_m: 0.25, inflation_radius_m: 0.9, decay_per_m: 4.0 };
-        let inflation = Inflation::new(&config, 0.05).unwrap();
-        let layers = CostmapLayers {
-            geometry: &geometry,
-            inflation: &inflation,
-            fixed: &fixed,
-            observed: &[],
-            zones: &[],
-            people: &[],
-            people_cost: PeopleCost::DEFAULT,
-        };
-        let (mut squared_cells, mut envelope) = (vec![0; fixed.len()], vec![Parabola::default(); 160]);
-        let mut scratch = InflationScratch { squared_cells: &mut squared_cells, envelope: &mut envelope };
-        let mut costs = vec![0; fixed.len()];
-        compose(&layers, &mut costs, &mut scratch).unwrap();
+        let shape = InflationConfig { inscribed_radius_m: 0.25, inflation_radius_m: 0.9, decay_per_m: 4.0 };
+        let costs = costs_of(&geometry, &shape, |place| {
+            let is_wall = (place.x_m - 4.0).abs() < 0.1 && !(4.0..4.8).contains(&place.y_m);
+            is_wall || place.x_m < 0.1 || place.y_m < 0.1 || place.x_m > 7.9 || place.y_m > 5.9
+        });
         let costmap = CostmapView::new(geometry, &costs, 1).unwrap();
         let corners = [(0.9, 0.25), (-0.3, 0.25), (-0.3, -0.25), (0.9, -0.25)];
         let footprint = Footprint::new(&corners.map(|(x, y)| Point2::new(x, y))).unwrap();
-        let search = GridSearch::new(vec![0; fixed.len()], vec![0; 8_192], StepCosts::new(false));
+        let search = GridSearch::new(vec![0; costs.len()], vec![0; 8_192], StepCosts::new(false));
         let raster = GridGeometry::new(80, 60, 0.1, Point2::default()).unwrap();
-        let storage = (
-            vec![LatticeNode::default(); 60_000],
-            vec![LatticeCell::default(); raster.cell_count() * HEADINGS],
-            vec![HeapEntry::default(); 60_000],
-        );
+        let storage = LatticeStorage {
+            nodes: vec![LatticeNode::default(); 60_000],
+            cells: vec![LatticeCell::default(); raster.cell_count() * HEADINGS],
+            heap: vec![HeapEntry::default(); 60_000],
+        };
         let lattice = Lattice::new(raster, PACE, storage);
         let goal = LatticeGoal { within_m: 0.2, within_rad: 0.3, clear_cost: 1 };
         let mut planner = LatticePlanner::new(search, lattice, footprint.clone(), goal);

@@ -5,12 +5,13 @@
 
 use super::potential::{UNREACHED, potential};
 use super::step_costs::StepCosts;
-use floorguard_mapping::GRID_CELLS_MAX;
+use floorguard_mapping::{GRID_CELLS_MAX, GridCoordinates};
+use floorguard_types::number::{count_f32, exact_usize, nearest_f32, truncating_u32};
 
 use crate::costmap::CostmapView;
 
 /// The threshold rises by two neutral costs.
-const THRESHOLD_STEP: f32 = 2.0 * StepCosts::NEUTRAL as f32;
+const THRESHOLD_STEP: f32 = 2.0 * count_f32(exact_usize(StepCosts::NEUTRAL));
 
 /// Memory of the wave: `potentials` and `is_pending` one a cell, the buffers as large as the wave is long.
 pub struct Wavefront<'a> {
@@ -94,14 +95,14 @@ impl<'a> PublishedDijkstra<'a> {
         for at in 0..entries.min(GRID_CELLS_MAX) {
             let cell = self.wave.buffers.get(self.current).and_then(|buffer| buffer.get(at)).copied();
             let Some(cell) = cell else { continue };
-            if let Some(pending) = self.wave.is_pending.get_mut(cell as usize) {
+            if let Some(pending) = self.wave.is_pending.get_mut(exact_usize(cell)) {
                 *pending = false;
             }
         }
         for at in 0..entries.min(GRID_CELLS_MAX) {
             let cell = self.wave.buffers.get(self.current).and_then(|buffer| buffer.get(at)).copied();
             if let Some(cell) = cell {
-                self.update(costmap, cell as usize)?;
+                self.update(costmap, exact_usize(cell))?;
             }
         }
         if let Some(count) = self.counts.get_mut(self.current) {
@@ -148,11 +149,11 @@ impl<'a> PublishedDijkstra<'a> {
     /// `None`: impassable, or of the outermost ring.
     fn step_cost(&self, costmap: CostmapView<'_>, cell: usize) -> Option<f32> {
         let geometry = costmap.geometry();
-        let (column, row) = geometry.coordinates(cell);
+        let GridCoordinates { column, row } = geometry.coordinates(cell);
         let is_inner = geometry.index(column.wrapping_sub(1), row.wrapping_sub(1)).is_some()
             && geometry.index(column.wrapping_add(1), row.wrapping_add(1)).is_some();
         let cost = costmap.costs().get(cell).map_or(0, |&cost| self.steps.straight(cost));
-        (is_inner && cost > 0).then_some(cost as f32)
+        (is_inner && cost > 0).then_some(nearest_f32(cost))
     }
 
     /// Puts a cell into a buffer unless it waits in one.
@@ -167,7 +168,7 @@ impl<'a> PublishedDijkstra<'a> {
         let which = self.current.wrapping_add(which) % 3;
         let count = self.counts.get_mut(which).ok_or(WavefrontFull)?;
         let buffer = self.wave.buffers.get_mut(which).ok_or(WavefrontFull)?;
-        *buffer.get_mut(*count).ok_or(WavefrontFull)? = cell as u32;
+        *buffer.get_mut(*count).ok_or(WavefrontFull)? = truncating_u32(cell);
         *count = count.saturating_add(1);
         Ok(())
     }
@@ -208,7 +209,7 @@ mod tests {
         let start = geometry.index(20, 15).unwrap();
         let values = potentials(&vec![0; geometry.cell_count()], start);
         for (cell, &value) in values.iter().enumerate() {
-            let (x, y) = geometry.coordinates(cell);
+            let GridCoordinates { column: x, row: y } = geometry.coordinates(cell);
             let distance = ((x - 20).pow(2) as f32 + (y - 15).pow(2) as f32).sqrt();
             if x > 0 && y > 0 && x < 40 && y < 30 && distance > 8.0 {
                 assert!((value / (50.0 * distance) - 1.0).abs() < 0.09, "{x},{y}: {value}");
@@ -229,7 +230,7 @@ mod tests {
         let start = geometry.index(5, 5).unwrap();
         let values = potentials(&costs, start);
         for (cell, &value) in values.iter().enumerate() {
-            let (x, y) = geometry.coordinates(cell);
+            let GridCoordinates { column: x, row: y } = geometry.coordinates(cell);
             if x >= 30 || x == 0 || y == 0 || y == 30 {
                 assert_eq!(value, UNREACHED);
             } else if cell != start {

@@ -2,7 +2,7 @@
 
 use floorguard_types::geometry::Pose2;
 use floorguard_types::motion::{Footprint, Waypoint};
-use floorguard_types::number::saturating_usize;
+use floorguard_types::number::{nearest_f32, saturating_usize};
 
 use super::contract::Plan;
 use crate::costmap::{CostmapView, footprint_cost};
@@ -52,7 +52,7 @@ pub fn check_plan(
         let length_m = from.place_in_map().distance(at.place_in_map());
         let samples = saturating_usize(length_m / SAMPLE_EVERY_M).min(SAMPLES_MAX).saturating_add(1);
         for sample in 1..=samples {
-            let share = sample as f32 / samples as f32;
+            let share = nearest_f32(sample) / nearest_f32(samples);
             if footprint_cost(costmap, footprint, between(&from, at, share)).is_err() {
                 return PlanState::Blocked { waypoint, along_m: along_m + share * length_m };
             }

@@ -1,5 +1,7 @@
 //! What a step into a cell costs: 3 · cost + 50 (ROS package `global_planner`: neutral cost 50, cost factor 3).
 
+use floorguard_types::number::truncating_u16;
+
 use crate::costmap::Costs;
 
 /// Costs of steps by the cost of the cell that is entered; 0 is impassable.
@@ -20,13 +22,13 @@ impl StepCosts {
     pub fn new(allow_unknown: bool) -> Self {
         let mut straight = [0; 256];
         for (cost, step) in straight.iter_mut().enumerate().take(usize::from(Costs::INSCRIBED)) {
-            *step = (cost as u16).saturating_mul(3).saturating_add(Self::NEUTRAL as u16);
+            *step = truncating_u16(cost).saturating_mul(3).saturating_add(truncating_u16(Self::NEUTRAL));
         }
         if let Some(unknown) = straight.last_mut().filter(|_| allow_unknown) {
-            *unknown = Self::NEUTRAL as u16;
+            *unknown = truncating_u16(Self::NEUTRAL);
         }
         // √2 as 181/128, as good as 0.01 %.
-        let diagonal = straight.map(|step| (u32::from(step).saturating_mul(181) / 128) as u16);
+        let diagonal = straight.map(|step| truncating_u16(u32::from(step).saturating_mul(181) / 128));
         Self { straight, diagonal }
     }
 

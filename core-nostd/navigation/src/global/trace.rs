@@ -1,6 +1,6 @@
 //! From distances back to a path.
 
-use floorguard_mapping::{GRID_CELLS_MAX, GridGeometry};
+use floorguard_mapping::{GRID_CELLS_MAX, GridCoordinates, GridGeometry};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::motion::{Gear, Waypoint};
 use floorguard_types::number::saturating_i32;
@@ -18,7 +18,7 @@ impl<D: AsRef<[u32]> + AsMut<[u32]>, Q: AsRef<[u32]> + AsMut<[u32]>> GridSearch<
     pub fn previous(&self, costmap: CostmapView<'_>, cell: usize) -> Option<usize> {
         let here = self.distance(cell).filter(|&distance| distance > 0)?;
         let geometry = costmap.geometry();
-        let (column, row) = geometry.coordinates(cell);
+        let GridCoordinates { column, row } = geometry.coordinates(cell);
         let cost = costmap.costs().get(cell).copied()?;
         let is_open = |x: i32, y: i32| {
             let place = geometry.index(x, y);
@@ -105,7 +105,7 @@ pub(crate) fn nearest_cell(
         return Some(own);
     }
     let reach = saturating_i32(reach_m.max(0.0) * geometry.cells_per_metre()).min(100);
-    let (column, row) = geometry.coordinates(own);
+    let GridCoordinates { column, row } = geometry.coordinates(own);
     let mut best: Option<(i32, usize)> = None;
     for dy in reach.wrapping_neg()..=reach {
         for dx in reach.wrapping_neg()..=reach {

@@ -6,7 +6,7 @@
 
 use floorguard_types::geometry::{Point2, Twist2};
 use floorguard_types::motion::{Footprint, PermittedMotion};
-use floorguard_types::number::{saturating_u32, saturating_usize};
+use floorguard_types::number::{nearest_f32, saturating_u32, saturating_usize};
 
 use super::arrive::Arrival;
 use super::contract::{LocalCommand, LocalPlanner, LocalSituation, LocalVerdict};
@@ -49,7 +49,7 @@ impl<'a> Dwa<'a> {
     #[must_use]
     pub fn new(config: DwaConfig, footprint: &Footprint, scratch: DwaScratch<'a>) -> Self {
         let footprints = core::array::from_fn(|scale| {
-            let by = 1.0 + config.scaling_max * scale as f32 / (SCALES - 1) as f32;
+            let by = 1.0 + config.scaling_max * nearest_f32(scale) / nearest_f32(SCALES - 1);
             let corners = footprint.corners_in_base().iter();
             let grown: heapless::Vec<Point2, 16> =
                 corners.map(|corner| Point2::new(by * corner.x_m, by * corner.y_m)).collect();
@@ -63,7 +63,7 @@ impl<'a> Dwa<'a> {
         let over = libm::fabsf(speed_mps) - config.scaling_speed_mps;
         let share = over / (config.speed_max_mps - config.scaling_speed_mps).max(1.0e-3);
         let last = footprints.len().saturating_sub(1);
-        saturating_usize(libm::ceilf(share.clamp(0.0, 1.0) * last as f32)).min(last)
+        saturating_usize(libm::ceilf(share.clamp(0.0, 1.0) * nearest_f32(last))).min(last)
     }
 }
 
@@ -84,7 +84,7 @@ fn fields<'f, P>(
         let from = before.replace(place).unwrap_or(place);
         let gaps = saturating_usize(from.distance(place) * costmap.geometry().cells_per_metre()).min(1_000);
         for gap in 1..=gaps.max(1) {
-            let t = gap as f32 / gaps.max(1) as f32;
+            let t = nearest_f32(gap) / nearest_f32(gaps.max(1));
             let point =
                 Point2::new(from.x_m + t * (place.x_m - from.x_m), from.y_m + t * (place.y_m - from.y_m));
             match costmap.geometry().cell_at(point) {
@@ -148,7 +148,7 @@ fn simulate<P>(
     let turn_rad = libm::fabsf(twist.angular_radps) * config.horizon_s;
     let steps = libm::ceilf((path_m / config.granularity_m).max(turn_rad / config.angular_granularity_rad));
     let steps = saturating_u32(steps).clamp(1, STEPS_MAX);
-    let step_s = config.horizon_s / steps as f32;
+    let step_s = config.horizon_s / nearest_f32(steps);
     let start = situation.pose_in_map;
     let (sin, cos) = libm::sincosf(start.heading_rad);
     let (turn_sin, turn_cos) = libm::sincosf(twist.angular_radps * step_s);

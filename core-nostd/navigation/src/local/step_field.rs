@@ -1,5 +1,7 @@
 //! Steps from a set of cells to every other, round obstacles (ROS `base_local_planner`, `MapGrid`).
 
+use floorguard_types::number::{exact_usize, truncating_u32};
+
 use crate::costmap::{CostmapView, Costs};
 
 /// A cell that is no obstacle and was not reached.
@@ -39,7 +41,7 @@ impl<'a> StepField<'a> {
         let Some(entry) = self.cells.get_mut(cell).filter(|entry| entry.steps != 0) else { return };
         entry.steps = 0;
         if let Some(slot) = self.cells.get_mut(self.seeds) {
-            slot.queued = cell as u32;
+            slot.queued = truncating_u32(cell);
             self.seeds = self.seeds.saturating_add(1);
         }
     }
@@ -52,7 +54,7 @@ impl<'a> StepField<'a> {
             if at >= filled {
                 break;
             }
-            let Some(cell) = self.cells.get(at).map(|entry| entry.queued as usize) else { break };
+            let Some(cell) = self.cells.get(at).map(|entry| exact_usize(entry.queued)) else { break };
             let steps = self.cells.get(cell).map_or(0, |entry| entry.steps).saturating_add(1);
             let column = cell % columns.max(1);
             let sides = [column > 0, column.saturating_add(1) < columns, true, true];
@@ -69,7 +71,7 @@ impl<'a> StepField<'a> {
                 }
                 entry.steps = steps.min(OBSTACLE - 1);
                 if let Some(slot) = self.cells.get_mut(filled) {
-                    slot.queued = other as u32;
+                    slot.queued = truncating_u32(other);
                     filled = filled.saturating_add(1);
                 }
             }

@@ -1,4 +1,4 @@
-//! The one path follower: forward pieces by pure pursuit (Coulter 1992), turns on the spot, backwards pieces.
+//! Follows a path of poses: forward pieces by pure pursuit (Coulter 1992), turns on the spot, backwards pieces.
 //!
 //! Backwards is pure pursuit as well: the mirrored robot drives forward. A piece ends where the gear changes, and the robot
 //! comes to rest there. The path stays with the caller; the follower keeps an index.

@@ -1,6 +1,7 @@
 //! How far predictions are off, by step: along the person's direction and across it, in relation to the speed.
 
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::nearest_f32;
 
 use super::STEPS;
 
@@ -33,7 +34,7 @@ impl Default for Doubt {
     /// across, growing a little faster than linearly.
     fn default() -> Self {
         let steps = core::array::from_fn(|step| {
-            let steps = step as f32 + 1.0;
+            let steps = nearest_f32(step) + 1.0;
             let deviation = 0.13 * steps + 0.012 * steps * steps;
             let squared = deviation * deviation;
             // √5.99 is 2.448, the ellipse of a Gaussian; errors have longer tails.

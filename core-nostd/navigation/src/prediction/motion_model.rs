@@ -5,6 +5,7 @@
 //! (least squares, each outcome weighted by one over its error), beginning from constant velocity that fades a little.
 
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::{nearest_f32, nearest_f32_of_f64, nearest_f64};
 
 use super::STEPS;
 use super::place_flow::{FlowCell, PlaceFlow};
@@ -44,7 +45,7 @@ impl Rows {
         let bends = core::array::from_fn(|index| {
             step = flow.bend(place, step);
             place = Point2::new(place.x_m + step.x_m, place.y_m + step.y_m);
-            let steps = index as f32 + 1.0;
+            let steps = nearest_f32(index) + 1.0;
             Point2::new(place.x_m - from.x_m - last.x_m * steps, place.y_m - from.y_m - last.y_m * steps)
         });
         Some(Self { last, before, unsteady: Point2::new(last.x_m * share, last.y_m * share), bends })
@@ -52,7 +53,7 @@ impl Rows {
 
     /// The vectors of one step, in the order of the numbers.
     fn at(&self, step: usize) -> [Point2; FEATURES] {
-        let t = (step as f32 + 1.0) / STEPS as f32;
+        let t = (nearest_f32(step) + 1.0) / nearest_f32(STEPS);
         let times = |vector: Point2, by: f32| Point2::new(vector.x_m * by, vector.y_m * by);
         [
             times(self.last, t),
@@ -81,7 +82,7 @@ impl Default for MotionModel {
         for (((index, row), right), (size_m, prior)) in each.zip(PRIOR_SIZES_M.into_iter().zip(PRIOR)) {
             if let Some(entry) = row.get_mut(index) {
                 // Σ t² over the steps is about a third of them.
-                *entry = PRIOR_OUTCOMES * size_m * size_m * STEPS as f64 / 3.0;
+                *entry = PRIOR_OUTCOMES * size_m * size_m * nearest_f64(STEPS) / 3.0;
                 *right = *entry * prior;
             }
         }
@@ -100,8 +101,8 @@ impl MotionModel {
     pub(super) fn travel(&self, rows: &Rows, step: usize) -> Point2 {
         let mut travel = Point2::default();
         for (vector, number) in rows.at(step).into_iter().zip(self.numbers) {
-            travel.x_m += vector.x_m * number as f32;
-            travel.y_m += vector.y_m * number as f32;
+            travel.x_m += vector.x_m * nearest_f32_of_f64(number);
+            travel.y_m += vector.y_m * nearest_f32_of_f64(number);
         }
         travel
     }

@@ -2,7 +2,7 @@
 
 use floorguard_mapping::{GridGeometry, GridTooSmall};
 use floorguard_types::geometry::Point2;
-use floorguard_types::number::saturating_i32;
+use floorguard_types::number::{nearest_f32, saturating_i32, truncating_i32, truncating_usize};
 
 /// Directions that are kept apart.
 pub const FLOW_HEADINGS: usize = 8;
@@ -49,8 +49,8 @@ impl<S: AsRef<[FlowCell]> + AsMut<[FlowCell]>> PlaceFlow<S> {
         }
         let cell = self.geometry.cell_at(place)?;
         let turn = libm::atan2f(step.y_m, step.x_m) / core::f32::consts::TAU;
-        let heading = saturating_i32(libm::floorf(turn * FLOW_HEADINGS as f32 + 0.5));
-        let heading = heading.rem_euclid(FLOW_HEADINGS as i32) as usize;
+        let heading = saturating_i32(libm::floorf(turn * nearest_f32(FLOW_HEADINGS) + 0.5));
+        let heading = truncating_usize(heading.rem_euclid(truncating_i32(FLOW_HEADINGS)));
         Some(cell.saturating_mul(FLOW_HEADINGS).saturating_add(heading))
     }
 

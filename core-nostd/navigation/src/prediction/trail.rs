@@ -1,6 +1,7 @@
 //! Where one person was, at even times, and the predictions that wait for their outcome.
 
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::nearest_f32;
 use heapless::Vec;
 
 use super::STEPS;
@@ -57,7 +58,7 @@ impl PersonTrail {
 
     /// Deviation of all steps from their mean, metres.
     pub(super) fn unsteadiness_m(&self) -> f32 {
-        let count = self.places.len().saturating_sub(1).max(1) as f32;
+        let count = nearest_f32(self.places.len().saturating_sub(1).max(1));
         let steps = || (0..SEEN_STEPS).filter_map(|back| self.step(back));
         let sum =
             steps().fold(Point2::default(), |sum, step| Point2::new(sum.x_m + step.x_m, sum.y_m + step.y_m));

@@ -9,7 +9,7 @@ use super::labels::{Labels, Mark, NONE};
 use super::projection::{ColumnFrame, RingAngles};
 use floorguard_types::capacities::{SWEEP_COLUMNS, SWEEP_RINGS};
 use floorguard_types::geometry::Point3;
-use floorguard_types::number::saturating_u16;
+use floorguard_types::number::{exact_usize, saturating_u16, short_usize};
 use floorguard_types::profile::{List, ListOf, Profile, Size};
 
 /// Columns looked back in the same ring: bridges two missing returns.
@@ -39,7 +39,7 @@ const AT_MOST: &[(); SWEEP_RINGS] = &[(); SWEEP_RINGS];
 pub(crate) fn rings_of(bits: u16) -> impl Iterator<Item = usize> {
     let mut left = u32::from(bits);
     AT_MOST.iter().map_while(move |()| {
-        let ring = left.trailing_zeros() as usize % SWEEP_RINGS;
+        let ring = exact_usize(left.trailing_zeros()) % SWEEP_RINGS;
         let there = left != 0;
         left &= left.wrapping_sub(1);
         there.then_some(ring)
@@ -83,7 +83,7 @@ pub(crate) struct Clusterer<P: Profile> {
 impl<P: Profile> Clusterer<P> {
     pub(crate) const fn new() -> Self {
         // Labels fit beside the mark, cells of a sweep beside the index of a cluster.
-        const { assert!(P::Labels::N < HIDDEN as usize && P::Clusters::N < 0x7ff0) };
+        const { assert!(P::Labels::N < short_usize(HIDDEN) && P::Clusters::N < 0x7ff0) };
         Self {
             labels: Labels::new(),
             cells: [[NONE; SWEEP_RINGS]; SWEEP_COLUMNS],
@@ -368,4 +368,4 @@ fn plain_label(label: u16) -> Option<u16> {
 }
 
 /// Cells of a sweep fit beside the index of a cluster.
-const _: () = assert!(SWEEP_COLUMNS * SWEEP_RINGS < HIDDEN as usize);
+const _: () = assert!(SWEEP_COLUMNS * SWEEP_RINGS < short_usize(HIDDEN));

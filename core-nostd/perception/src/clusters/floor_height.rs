@@ -1,6 +1,6 @@
 //! How high a sensor of unknown mounting stands above the floor: for recordings without a description.
 
-use floorguard_types::number::saturating_usize;
+use floorguard_types::number::{nearest_f32, saturating_usize};
 use floorguard_types::profile::Profile;
 use floorguard_types::sensing::SweepOf;
 
@@ -41,6 +41,6 @@ impl FloorHeight {
         }
         // The floor is the deepest layer that is nearly as full as the fullest: a shelf may be fuller, not deeper.
         let bin = counts.iter().rposition(|count| *count >= fullest / 2)?;
-        Some(LOWEST_M + (bin as f32 + 0.5) * BIN_M)
+        Some(LOWEST_M + (nearest_f32(bin) + 0.5) * BIN_M)
     }
 }

@@ -7,6 +7,7 @@
 use super::projection::{RingAngles, RingProfile, SweepFrame};
 use floorguard_types::capacities::{SWEEP_COLUMNS, SWEEP_RINGS};
 use floorguard_types::geometry::{Transform3, Twist2};
+use floorguard_types::number::count_u32;
 use floorguard_types::profile::Profile;
 use floorguard_types::sensing::{SweepColumnOf, SweepOf};
 
@@ -71,7 +72,7 @@ impl FloorMask {
 
 /// The bit of a ring.
 const fn bit(ring: usize) -> u16 {
-    1_u16.wrapping_shl(ring as u32)
+    1_u16.wrapping_shl(count_u32(ring))
 }
 
 /// How high a return may lie: the cheap question, asked first, for most returns are walls.

@@ -3,6 +3,7 @@
 //! A cell takes the label of a neighbour that it belongs to; only where two labels meet must be remembered that they
 //! are one. So the table is as large as there are labels, not cells.
 
+use floorguard_types::number::truncating_u16;
 use floorguard_types::profile::{Entry, Size, Table, TableOf};
 
 /// A cell that belongs to nothing.
@@ -53,7 +54,7 @@ impl<S: Size> Labels<S> {
             return None;
         }
         let (parent, mark) = (self.parents.get_mut(self.used)?, self.marks.get_mut(self.used)?);
-        let label = self.used as u16;
+        let label = truncating_u16(self.used);
         (*parent, *mark) = (label, 0);
         self.used += 1;
         Some(label)
@@ -135,7 +136,7 @@ impl<S: Size> Labels<S> {
     /// A root stands for a cluster, or for one that was given up.
     pub(super) fn set_cluster(&mut self, root: u16, cluster: Option<usize>) {
         if let Some(mark) = self.marks.get_mut(usize::from(root)) {
-            *mark = cluster.map_or(DROPPED, |index| INDEX | index as u16);
+            *mark = cluster.map_or(DROPPED, |index| INDEX | truncating_u16(index));
         }
     }
 }

@@ -4,6 +4,7 @@ use core::f32::consts::FRAC_PI_4;
 
 use floorguard_types::capacities::SWEEP_RINGS;
 use floorguard_types::geometry::{Point3, Transform3, Twist2};
+use floorguard_types::number::{nearest_f32, truncating_i32};
 use floorguard_types::profile::Profile;
 use floorguard_types::sensing::{SweepColumnOf, SweepOf};
 use floorguard_types::units::RADIANS_PER_DEGREE;
@@ -34,7 +35,7 @@ impl RingAngles {
         let mut rings = [(0.0, 1.0, 0.0); SWEEP_RINGS];
         for (index, ring) in rings.iter_mut().enumerate() {
             let (sin, cos) =
-                libm::sincosf(floorguard_types::units::radians(lowest_deg + step_deg * index as f32));
+                libm::sincosf(floorguard_types::units::radians(lowest_deg + step_deg * nearest_f32(index)));
             // No elevation of a lidar reaches ±90°.
             *ring = (sin, cos, -0.041_91 * sin / cos.max(0.01));
         }
@@ -78,7 +79,7 @@ impl SweepFrame {
         if self.twist == Twist2::ZERO {
             frame
         } else {
-            frame.moved(before_end_us as f32 * -1.0e-6, self.twist)
+            frame.moved(nearest_f32(before_end_us) * -1.0e-6, self.twist)
         }
     }
 
@@ -174,8 +175,8 @@ fn sincos_small(angle_rad: f32) -> (f32, f32) {
 /// (to x⁷ and x⁸, error below 4·10⁻⁷) replace the general function in the hottest loop.
 fn sincos_cdeg(azimuth_cdeg: u16) -> (f32, f32) {
     let quarter = (u32::from(azimuth_cdeg) + 4_500) / 9_000;
-    let rest_cdeg = i32::from(azimuth_cdeg) - (quarter * 9_000) as i32;
-    let (sin, cos) = sincos_series(rest_cdeg as f32 * (RADIANS_PER_DEGREE / 100.0));
+    let rest_cdeg = i32::from(azimuth_cdeg) - truncating_i32(quarter * 9_000);
+    let (sin, cos) = sincos_series(nearest_f32(rest_cdeg) * (RADIANS_PER_DEGREE / 100.0));
     match quarter % 4 {
         0 => (sin, cos),
         1 => (cos, -sin),

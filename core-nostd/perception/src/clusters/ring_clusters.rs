@@ -9,7 +9,7 @@ use core::f32::consts::PI;
 
 use floorguard_types::capacities::SWEEP_RINGS;
 use floorguard_types::geometry::Point3;
-use floorguard_types::number::saturating_usize;
+use floorguard_types::number::{nearest_f32, saturating_usize, short_usize, truncating_u16};
 
 /// Rings of the published detector.
 pub const RINGS: usize = 14;
@@ -41,7 +41,7 @@ impl RingLimits {
     /// Tolerance within a ring, metres.
     #[must_use]
     pub fn tolerance_m(ring: usize) -> f32 {
-        STEP_M * (ring as f32 + 1.0)
+        STEP_M * (nearest_f32(ring) + 1.0)
     }
 
     /// Outer radius of a ring: `floor(k·0.1 / (2·tan(Θ/2)))`.
@@ -75,7 +75,7 @@ impl RingLimits {
         for (index, (label, point)) in labels.iter_mut().zip(points).enumerate().take(usize::from(UNGROUPED))
         {
             if self.ring_in_slice(point).is_some() {
-                *label = index as u16;
+                *label = truncating_u16(index);
             }
         }
         for (index, point) in points.iter().enumerate().take(usize::from(UNGROUPED)) {
@@ -108,7 +108,7 @@ impl RingLimits {
 }
 
 /// Half a revolution of the longest sweep that 16-bit labels can number.
-const COLUMNS_BACK_MAX: usize = UNGROUPED as usize / SWEEP_RINGS / 2;
+const COLUMNS_BACK_MAX: usize = short_usize(UNGROUPED) / SWEEP_RINGS / 2;
 
 /// Columns to look back: a point closer than the tolerance lies within asin(tolerance / horizontal distance) of azimuth.
 /// A tenth and two columns more allow for uneven spacing; at most half a revolution.
@@ -119,7 +119,7 @@ fn window(point: &Point3, tolerance_m: f32, columns: usize) -> usize {
         return half;
     }
     let angle_rad = libm::asinf(tolerance_m / horizontal_m);
-    saturating_usize(angle_rad * 1.1 / (2.0 * PI) * columns as f32).saturating_add(3).min(half)
+    saturating_usize(angle_rad * 1.1 / (2.0 * PI) * nearest_f32(columns)).saturating_add(3).min(half)
 }
 
 /// Strictly closer than the tolerance (equality does not link).

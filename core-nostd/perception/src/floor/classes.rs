@@ -6,6 +6,7 @@
 use super::curvature::Curvature;
 use super::model::FloorParameters;
 use super::plane::Plane;
+use floorguard_types::number::nearest_f32;
 use floorguard_types::profile::{Entry, Profile, Table, TableOf};
 
 /// The class of a pixel.
@@ -49,7 +50,7 @@ impl<P: Profile> Judge<P> {
     pub(super) fn new(parameters: &FloorParameters, plane: &Plane, curvature: &Curvature) -> Self {
         let mut rays_x = <TableOf<f32, P::FloorColumns>>::BLANK;
         for (column, slot) in rays_x.iter_mut().enumerate() {
-            [*slot, _, _] = parameters.camera.ray(column as f32, 0.0);
+            [*slot, _, _] = parameters.camera.ray(nearest_f32(column), 0.0);
         }
         let curvature = Some(*curvature).filter(Curvature::is_bent);
         Self { parameters: *parameters, plane: *plane, curvature, rays_x }
@@ -59,7 +60,7 @@ impl<P: Profile> Judge<P> {
     pub(super) fn row(&self, row: usize, depths: &[u16], classes: &mut [PixelClass]) {
         // Distinguished once a row, so that the loop over the pixels has no branch and compilers vectorise
         // it.
-        let [_, ray_y, _] = self.parameters.camera.ray(0.0, row as f32);
+        let [_, ray_y, _] = self.parameters.camera.ray(0.0, nearest_f32(row));
         match self.curvature.as_ref().map(|curvature| curvature.row(ray_y)) {
             None => self.row_over(ray_y, depths, classes, |_, _| 0.0),
             Some(floor) => self.row_over(ray_y, depths, classes, |z, ray_x| floor.height_m(z, ray_x)),

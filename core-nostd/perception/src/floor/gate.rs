@@ -1,5 +1,7 @@
 //! Is this fit the floor? Questions that a table, a wall or a bad frame answers wrongly.
 
+use floorguard_types::number::nearest_f32;
+
 use super::plane::Plane;
 use super::refine::FitQuality;
 use super::search::Expectation;
@@ -83,16 +85,16 @@ pub(super) fn check(
     (limits, expectation): (&FitLimits, &Expectation),
     lattice_size: usize,
 ) -> Result<(), FitFault> {
-    let inliers = quality.inliers as f32;
+    let inliers = nearest_f32(quality.inliers);
     let [least, most] = limits.normalised_rms;
     let [lowest, highest] = expectation.distance_range_m;
     let tilt = expectation.mounted.tilt_from_rad(plane);
-    if inliers < limits.floor_share_min * lattice_size as f32
-        || inliers < limits.inlier_share_min * quality.candidates as f32
+    if inliers < limits.floor_share_min * nearest_f32(lattice_size)
+        || inliers < limits.inlier_share_min * nearest_f32(quality.candidates)
     {
         return Err(FitFault::TooFewInliers(quality.inliers, quality.candidates));
     }
-    if quality.below as f32 > limits.below_share_max * inliers {
+    if nearest_f32(quality.below) > limits.below_share_max * inliers {
         return Err(FitFault::PointsBelow(quality.below, quality.inliers));
     }
     // A NaN is neither within nor outside: only "within" passes.

@@ -3,7 +3,7 @@
 //! Nothing is copied: every pass walks over the same pixels of the borrowed image again.
 
 use super::lanes::{LANES, Lanes};
-use floorguard_types::number::saturating_usize;
+use floorguard_types::number::{nearest_f32, saturating_usize};
 use floorguard_types::sensing::{DepthImage, PinholeCamera};
 
 /// Nearer than any of the cameras can measure, metres.
@@ -35,12 +35,12 @@ impl<'a> Lattice<'a> {
     /// The points of the lattice with a return, from the row `skipped` × the height of the image on.
     pub(super) fn points(&self, skipped: f32) -> impl Iterator<Item = [f32; 3]> + use<'a> {
         let Self { image, camera, stride } = *self;
-        let first = saturating_usize(image.height() as f32 * skipped).saturating_add(stride / 2);
+        let first = saturating_usize(nearest_f32(image.height()) * skipped).saturating_add(stride / 2);
         image.rows().enumerate().skip(first).step_by(stride.max(1)).flat_map(move |(row, depths)| {
             let sampled = depths.iter().enumerate().skip(stride / 2).step_by(stride.max(1));
             sampled.filter_map(move |(column, depth)| {
                 let z = f32::from(*depth) * 0.001;
-                let ray = camera.ray(column as f32, row as f32);
+                let ray = camera.ray(nearest_f32(column), nearest_f32(row));
                 (z > NEAREST_M && z < FARTHEST_M).then(|| ray.map(|value| value * z))
             })
         })
@@ -53,15 +53,15 @@ impl<'a> Lattice<'a> {
         let Self { image, camera, stride } = *self;
         let (stride, half) = (stride.max(1), stride / 2);
         let [fx, _] = camera.focal_px();
-        let [left, _, _] = camera.ray(half as f32, 0.0);
-        let across = stride as f32 / fx;
+        let [left, _, _] = camera.ray(nearest_f32(half), 0.0);
+        let across = nearest_f32(stride) / fx;
         image.rows().enumerate().skip(half).step_by(stride).map(move |(row, depths)| {
-            let [_, ray_y, _] = camera.ray(0.0, row as f32);
+            let [_, ray_y, _] = camera.ray(0.0, nearest_f32(row));
             let groups = depths.chunks(stride.saturating_mul(LANES).max(1)).enumerate();
             groups.map(move |(group, depths)| {
                 let at = |lane: usize| depths.get(lane.wrapping_mul(stride).wrapping_add(half));
                 let raw = [at(0), at(1), at(2), at(3)].map(|depth| depth.copied().unwrap_or(0));
-                let place = (group.wrapping_mul(LANES)) as f32;
+                let place = nearest_f32(group.wrapping_mul(LANES));
                 let columns = Lanes([place, place + 1.0, place + 2.0, place + 3.0]);
                 let z = Lanes(raw.map(|depth| f32::from(depth) * 0.001));
                 let is_return = Lanes::all(NEAREST_M).is_below(z) * z.is_below(Lanes::all(FARTHEST_M));

@@ -13,6 +13,7 @@ use super::lattice::Lattice;
 use super::plane::Plane;
 use super::refine::{BANDS_AFTER_PREDICTION_M, BANDS_AFTER_SEARCH_M, FitQuality, quality, refine};
 use super::search::{Expectation, search};
+use floorguard_types::number::nearest_f32;
 use floorguard_types::profile::{Native, Profile};
 use floorguard_types::random::Pcg32;
 use floorguard_types::sensing::{DepthImage, FrameFault, FrameWatch, PinholeCamera};
@@ -242,7 +243,7 @@ impl<P: Profile> FloorModelOf<P> {
             return living;
         }
         let (returns, pixels) = (image.returns(), image.depth_mm().len());
-        if (returns as f32) < RETURNS_MIN * pixels as f32 || returns == 0 {
+        if nearest_f32(returns) < RETURNS_MIN * nearest_f32(pixels) || returns == 0 {
             return Err(FloorFault::NoReturns(returns, pixels));
         }
         living

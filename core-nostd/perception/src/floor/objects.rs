@@ -7,6 +7,7 @@
 use super::classes::{Judge, PixelClass};
 use super::model::{FloorEstimate, FloorParameters};
 use super::plane::dot;
+use floorguard_types::number::nearest_f32;
 use floorguard_types::profile::{Entry, List, ListOf, Native, Profile, Size, Table, TableOf};
 use floorguard_types::sensing::DepthImage;
 use floorguard_types::united_parts::{Absorb, UnitedParts};
@@ -250,7 +251,7 @@ impl<P: Profile> ObjectFinderOf<P> {
             if object.pixels < pixels_min || object.height_m < HEIGHT_MIN_M || !extends {
                 continue;
             }
-            let size = object.pixels as f32 / (4 * pixels_min) as f32;
+            let size = nearest_f32(object.pixels) / nearest_f32(4 * pixels_min);
             object.confidence = (object.height_m / (2.0 * HEIGHT_MIN_M)).min(1.0) * size.min(1.0);
             insert(found, object);
         }
@@ -314,7 +315,7 @@ struct Scene<'a, P: Profile> {
 
 impl<P: Profile> Scene<'_, P> {
     fn object(&self, pixel: &Pixel) -> FloorObject {
-        let ray = self.parameters.camera.ray(pixel.column as f32, pixel.row as f32);
+        let ray = self.parameters.camera.ray(nearest_f32(pixel.column), nearest_f32(pixel.row));
         let point = ray.map(|value| value * pixel.depth_m);
         // The camera's foot point is straight below it, and the axes lie in the plane: there both are zero.
         let place = self.axes.map(|axis| dot(axis, point));

@@ -1,5 +1,7 @@
 //! Roots, logarithms and roundings in plain arithmetic, which compilers vectorise and every machine rounds alike.
 
+use floorguard_types::number::{exact_usize, nearest_f32};
+
 /// 1/√x for x > 0, in plain arithmetic that compilers vectorise: steps of Newton's method from a guess by halving the
 /// exponent. Two are within 10⁻⁵ of its value, three within 10⁻⁶.
 #[inline]
@@ -22,7 +24,7 @@ pub(super) fn square_root(x: f32) -> f32 {
 pub(super) fn logarithm(x: f32) -> f32 {
     const ONE: u32 = 0x3f80_0000;
     let bits = x.to_bits();
-    let exponent = (bits >> 23) as f32 - 127.0;
+    let exponent = nearest_f32(bits >> 23) - 127.0;
     let fraction = f32::from_bits((bits & 0x007f_ffff) | ONE);
     let part = (fraction - 1.0) / (fraction + 1.0);
     let square = part * part;
@@ -35,7 +37,7 @@ pub(super) fn logarithm(x: f32) -> f32 {
 #[inline]
 pub(super) fn nearest(value: f32) -> usize {
     const WHOLE: f32 = 8_388_608.0;
-    ((value + WHOLE).to_bits() & 0x003f_ffff) as usize
+    exact_usize((value + WHOLE).to_bits() & 0x003f_ffff)
 }
 
 /// The smaller of two, the second for NaN: one instruction, which `min` is not.

@@ -6,6 +6,7 @@
 
 use super::lattice::Lattice;
 use super::plane::{Plane, dot};
+use floorguard_types::number::exact_usize;
 use floorguard_types::profile::{List, ListOf, Size};
 use floorguard_types::random::Pcg32;
 
@@ -84,7 +85,7 @@ pub(super) fn choose<S: Size>(
         seen = seen.saturating_add(1);
         if samples.push(point).is_err() {
             // Full: the new point takes the place of another with the probability that keeps the choice even.
-            if let Some(slot) = samples.get_mut(random.below(seen) as usize) {
+            if let Some(slot) = samples.get_mut(exact_usize(random.below(seen))) {
                 *slot = point;
             }
         }
@@ -93,7 +94,7 @@ pub(super) fn choose<S: Size>(
 
 fn hypothesis(samples: &[[f32; 3]], random: &mut Pcg32) -> Option<Plane> {
     let count = u32::try_from(samples.len()).ok()?;
-    let mut draw = || samples.get(random.below(count) as usize).copied();
+    let mut draw = || samples.get(exact_usize(random.below(count))).copied();
     Plane::through([draw()?, draw()?, draw()?])
 }
 

@@ -7,6 +7,7 @@ use super::segments::SegmentsOf;
 use super::stumps::{leg_score, leg_score_near_floor};
 use crate::shapes::person_model::probability;
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::{nearest_f32, truncating_u16};
 use floorguard_types::profile::{Native, Profile};
 use floorguard_types::sensing::ScanOf;
 
@@ -132,7 +133,7 @@ impl<P: Profile> LegDetectorOf<P> {
             if score < self.limits.score_min || map.as_ref().is_some_and(|knows| knows(position)) {
                 continue;
             }
-            let points = segment.points.len() as u16;
+            let points = truncating_u16(segment.points.len());
             let leg = Leg { position, probability: probability(2.0 * score), points };
             if let Err(leg) = self.legs.push(leg) {
                 dropped = dropped.saturating_add(1);
@@ -162,7 +163,7 @@ impl<P: Profile> LegDetectorOf<P> {
 
 /// Mean of some points.
 fn centre(points: &[Point2]) -> Point2 {
-    let count = points.len().max(1) as f32;
+    let count = nearest_f32(points.len().max(1));
     let sum = points.iter().fold((0.0, 0.0), |(x, y), point| (x + point.x_m, y + point.y_m));
     Point2::new(sum.0 / count, sum.1 / count)
 }

@@ -2,6 +2,7 @@
 
 use super::segments::Segment;
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::nearest_f32;
 
 /// Numbers of the vector.
 pub const LEG_FEATURES: usize = 14;
@@ -41,7 +42,7 @@ pub fn leg_features(segment: &Segment<'_>) -> Option<LegFeatures> {
         return None;
     }
     let (first, last) = (points.first()?, points.last()?);
-    let count = points.len() as f32;
+    let count = nearest_f32(points.len());
     let mean = Point2::new(
         points.iter().map(|point| point.x_m).sum::<f32>() / count,
         points.iter().map(|point| point.y_m).sum::<f32>() / count,
@@ -119,7 +120,7 @@ fn fits(points: &[Point2], mean: Point2) -> (f32, f32, f32) {
         return (linearity, linearity, RADIUS_MAX_M);
     }
     let centre = ((px * yy - py * xy) / determinant, (py * xx - px * xy) / determinant);
-    let mean_square = 2.0 * half / points.len().max(1) as f32;
+    let mean_square = 2.0 * half / nearest_f32(points.len().max(1));
     let radius_m = libm::sqrtf((square(centre.0) + square(centre.1) + mean_square).max(0.0));
     let residual = |(x, y): (f32, f32)| square(radius_m - libm::hypotf(x - centre.0, y - centre.1));
     (linearity, centred.map(residual).sum(), radius_m.min(RADIUS_MAX_M))

@@ -1,6 +1,7 @@
 //! Cuts a scan into segments: returns that lie close together. Source: book, Legs: Segments.
 
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::{nearest_f32, truncating_u16};
 use floorguard_types::profile::{Entry, Native, Profile, Size, Table, TableOf};
 use floorguard_types::sensing::{BeamReturn, ScanOf};
 
@@ -63,7 +64,7 @@ impl<P: Profile> SegmentsOf<P> {
     /// Cuts a scan: returns nearer to each other than `gap_m`, at most five beams apart, belong together. Linear.
     pub fn cut(&mut self, scan: &ScanOf<P>, gap_m: f32) {
         for ((index, point), beam) in self.points.iter_mut().enumerate().zip(scan.beams.iter()) {
-            *point = hit(*beam, scan.first_angle_rad + scan.step_rad * index as f32);
+            *point = hit(*beam, scan.first_angle_rad + scan.step_rad * nearest_f32(index));
         }
         let used = scan.beams.len().min(P::Beams::N);
         self.points.iter_mut().skip(used).for_each(|point| *point = None);
@@ -90,7 +91,7 @@ impl<P: Profile> SegmentsOf<P> {
                 }
             }
             if label == NONE {
-                label = self.label_count as u16;
+                label = truncating_u16(self.label_count);
                 if let Some(parent) = self.parents.get_mut(self.label_count) {
                     *parent = label;
                 }
@@ -140,7 +141,7 @@ impl<P: Profile> SegmentsOf<P> {
             let point = self.points.get(index).copied().flatten();
             let slot = self.sorted.get_mut(usize::from(*end)).zip(self.beams.get_mut(usize::from(*end)));
             if let (Some(point), Some((place, beam))) = (point, slot) {
-                (*place, *beam) = (point, index as u16);
+                (*place, *beam) = (point, truncating_u16(index));
             }
             *end = end.saturating_add(1);
         }

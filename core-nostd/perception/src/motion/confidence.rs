@@ -8,6 +8,7 @@
 use super::correspondence::{MotionObject, nearest, squared};
 use super::parameters::MotionParameters;
 use floorguard_types::geometry::Point3;
+use floorguard_types::number::truncating_u16;
 use floorguard_types::profile::{List, ListOf, Profile};
 
 /// Sweeps for which a moving object stays confirmed while it is not observable whether it still moves: a person who
@@ -139,10 +140,10 @@ impl<P: Profile> Confidence<P> {
         }
         let catch_up2 = parameters.catch_up_m * parameters.catch_up_m;
         if let Some((moving, _)) = best.filter(|(_, distance2)| *distance2 <= catch_up2) {
-            (moving.centroid, moving.object) = (centroid, Some(index as u16));
+            (moving.centroid, moving.object) = (centroid, Some(truncating_u16(index)));
             return;
         }
-        let fresh = MovingObject::new(centroid, index as u16);
+        let fresh = MovingObject::new(centroid, truncating_u16(index));
         if self.moving.push(fresh).is_err() {
             self.dropped = self.dropped.saturating_add(1);
         }
@@ -187,7 +188,7 @@ impl MovingObject {
         } else {
             self.rest.saturating_add(1)
         };
-        self.object = Some(index as u16);
+        self.object = Some(truncating_u16(index));
         if let Some(object) = objects.get(index) {
             self.centroid = object.centroid;
         }

@@ -3,6 +3,7 @@
 
 use super::parameters::MotionParameters;
 use floorguard_types::geometry::Point3;
+use floorguard_types::number::truncating_u16;
 use floorguard_types::profile::{List, ListOf, Size};
 
 /// What the correspondence needs to know of an object, in a frame that does not move with the robot (or with both
@@ -53,7 +54,7 @@ pub(super) fn correspond<S: Size>(
                 })
         });
         // Same capacity: never full.
-        let _ = predecessors.push(predecessor.map(|(candidate, _)| candidate as u16));
+        let _ = predecessors.push(predecessor.map(|(candidate, _)| truncating_u16(candidate)));
     }
     predecessors
 }

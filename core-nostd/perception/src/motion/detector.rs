@@ -14,6 +14,7 @@ use crate::clusters::{Cluster, RingAngles, SweepFrame};
 use crate::people::{PeoplePipelineOf, SweepContext};
 use floorguard_types::capacities::SWEEP_RINGS;
 use floorguard_types::geometry::{Point2, Point3, Pose2};
+use floorguard_types::number::{nearest_f32, truncating_u32};
 use floorguard_types::profile::{List, ListOf, Native, Profile, Size};
 use floorguard_types::sensing::SweepOf;
 use floorguard_types::time::Stamp;
@@ -152,7 +153,7 @@ impl<P: Profile> MotionDetectorOf<P> {
         let elapsed_us = now.as_micros().checked_sub(before.as_micros()).filter(|us| *us <= GAP_MAX_US);
         let driven_m =
             Point2::new(pose.x_m, pose.y_m).distance(Point2::new(base_in_odom.x_m, base_in_odom.y_m));
-        match elapsed_us.map(|us| us as f32 * 1.0e-6) {
+        match elapsed_us.map(|us| nearest_f32(us) * 1.0e-6) {
             Some(elapsed_s) if driven_m <= JUMP_MPS * elapsed_s + 0.1 => elapsed_s,
             _ => {
                 self.counters.resets = self.counters.resets.saturating_add(1);
@@ -178,7 +179,7 @@ impl<P: Profile> MotionDetectorOf<P> {
             // Same capacity: never full.
             let _ = self.verdicts.push(Verdict { judged: chosen, ..Verdict::default() });
         }
-        let dropped = count.saturating_sub(judged) as u32;
+        let dropped = truncating_u32(count.saturating_sub(judged));
         self.counters.dropped_objects = self.counters.dropped_objects.saturating_add(dropped);
     }
 

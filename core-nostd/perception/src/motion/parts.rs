@@ -6,7 +6,7 @@
 
 use super::voxels::{Cell, VOXEL_M, Voxels, floor};
 use floorguard_types::geometry::Point3;
-use floorguard_types::number::saturating_i32;
+use floorguard_types::number::{count_f32, exact_usize, saturating_i32, truncating_u32};
 use floorguard_types::profile::{Entry, List, ListOf, Profile, Size, Table, TableOf};
 
 /// A return this near to a part belongs to it, metres along x and y each.
@@ -19,7 +19,7 @@ const UPRIGHT_ONE_IN: u32 = 4;
 /// Edge of a floor cell that counts returns, in voxels: a power of two.
 const CELL_VOXELS: usize = 4;
 /// The same, metres.
-const CELL_M: f32 = VOXEL_M * CELL_VOXELS as f32;
+const CELL_M: f32 = VOXEL_M * count_f32(CELL_VOXELS);
 const _: () = assert!(CELL_VOXELS.is_power_of_two());
 
 /// Returns of objects per floor cell, by y, then by x: as wide as the voxels; wraps around like them.
@@ -57,14 +57,16 @@ fn index(metres: f32) -> i32 {
 }
 
 fn wrap<S: Size>(index: i32) -> usize {
-    index as u32 as usize & (S::N - 1)
+    exact_usize(truncating_u32(index)) & (S::N - 1)
 }
 
 impl<P: Profile> Parts<P> {
     pub(super) const fn new() -> Self {
         const {
             let reach_m = Voxels::<P::MotionVoxels>::REACH_M;
-            assert!(P::MotionCells::N.is_power_of_two() && P::MotionCells::N as f32 * CELL_M > 2.0 * reach_m);
+            assert!(
+                P::MotionCells::N.is_power_of_two() && count_f32(P::MotionCells::N) * CELL_M > 2.0 * reach_m
+            );
         }
         Self { list: List::EMPTY, counts: Entry::BLANK, dropped: 0 }
     }

@@ -5,6 +5,7 @@
 
 use super::seen_through::SeenThrough;
 use super::voxels::Voxels;
+use floorguard_types::number::count_u64;
 use floorguard_types::profile::{Entry, Profile, Size, Table, TableOf};
 use floorguard_types::time::Stamp;
 
@@ -33,7 +34,7 @@ pub(super) struct References<P: Profile> {
 
 impl<P: Profile> References<P> {
     /// Time between two references.
-    const STEP_US: u64 = AGE_MIN_US / (P::MotionReferences::N as u64 - 1);
+    const STEP_US: u64 = AGE_MIN_US / (count_u64(P::MotionReferences::N) - 1);
 
     pub(super) const fn new() -> Self {
         const { assert!(P::MotionReferences::N >= 2) };

@@ -7,7 +7,7 @@ use crate::clusters::RingAngles;
 use crate::people::SweepContext;
 use floorguard_types::capacities::{SWEEP_COLUMNS, SWEEP_RINGS};
 use floorguard_types::geometry::{Point3, Twist2};
-use floorguard_types::number::saturating_u32;
+use floorguard_types::number::{count_u32, exact_usize, nearest_f32, saturating_u32};
 use floorguard_types::profile::Profile;
 use floorguard_types::sensing::SweepOf;
 
@@ -165,7 +165,7 @@ impl SeenThrough {
             return first;
         }
         let turned_cdeg = (first.cdeg + 36_000).saturating_sub(u32::from(self.first_azimuth_cdeg)) % 36_000;
-        let before_end_s = (turned_cdeg as f32 / 36_000.0 - 1.0) * self.duration_s;
+        let before_end_s = (nearest_f32(turned_cdeg) / 36_000.0 - 1.0) * self.duration_s;
         self.lidar.direction(point, before_end_s)
     }
 }
@@ -263,7 +263,7 @@ fn towards(point: Point3, seen: &Direction, nearer_m: f32) -> Point3 {
 }
 
 fn sector(cdeg: u32) -> usize {
-    (cdeg / SECTOR_CDEG) as usize % SECTORS
+    exact_usize(cdeg / SECTOR_CDEG) % SECTORS
 }
 
 /// The rings whose beams pass just below and just above a point.
@@ -273,7 +273,7 @@ fn neighbours(angles: &RingAngles, up_m: f32, range_m: f32) -> [usize; 2] {
     [above.saturating_sub(1), above]
 }
 
-const _: () = assert!(SECTORS as u32 * SECTOR_CDEG == 36_000);
+const _: () = assert!(count_u32(SECTORS) * SECTOR_CDEG == 36_000);
 
 #[cfg(test)]
 mod tests {

@@ -6,7 +6,7 @@
 //! the same bit.
 
 use floorguard_types::geometry::Point3;
-use floorguard_types::number::saturating_i32;
+use floorguard_types::number::{count_f32, exact_usize, nearest_f32, saturating_i32, truncating_u32};
 use floorguard_types::profile::{Entry, Size, Table, TableOf};
 
 /// Edge of a voxel, metres.
@@ -38,13 +38,13 @@ pub(super) fn cell(point: Point3) -> Cell {
 #[inline]
 pub(super) fn floor(value: f32) -> i32 {
     let whole = saturating_i32(value);
-    whole.saturating_sub(i32::from(value < whole as f32))
+    whole.saturating_sub(i32::from(value < nearest_f32(whole)))
 }
 
 impl<S: Size> Voxels<S> {
     /// Farthest from the robot, along x and y each, metres: half the window, less what the robot may drive between two
     /// sweeps that are compared.
-    pub(super) const REACH_M: f32 = S::N as f32 * VOXEL_M * 0.5 - 1.0;
+    pub(super) const REACH_M: f32 = count_f32(S::N) * VOXEL_M * 0.5 - 1.0;
 
     pub(super) const NEW: Self = Self { columns: Entry::BLANK };
 
@@ -55,7 +55,7 @@ impl<S: Size> Voxels<S> {
     /// The lattice wraps around.
     fn wrap(index: i32) -> usize {
         const { assert!(S::N.is_power_of_two()) };
-        index as u32 as usize & (S::N - 1)
+        exact_usize(truncating_u32(index)) & (S::N - 1)
     }
 
     /// Enters the voxels within [`MARGIN_M`] of a point, along the axes: noise at the border of a voxel is no change.
@@ -63,7 +63,8 @@ impl<S: Size> Voxels<S> {
         let Point3 { x_m, y_m, z_m } = point;
         let (low_x, low_y, low_level) = cell(Point3::new(x_m - MARGIN_M, y_m - MARGIN_M, z_m - MARGIN_M));
         let (high_x, high_y, high_level) = cell(Point3::new(x_m + MARGIN_M, y_m + MARGIN_M, z_m + MARGIN_M));
-        let bits = 1_u32.wrapping_shl(low_level as u32) | 1_u32.wrapping_shl(high_level as u32);
+        let bits =
+            1_u32.wrapping_shl(truncating_u32(low_level)) | 1_u32.wrapping_shl(truncating_u32(high_level));
         for (x, y) in [(low_x, low_y), (high_x, low_y), (low_x, high_y), (high_x, high_y)] {
             let row = self.columns.get_mut(Self::wrap(y));
             if let Some(column) = row.and_then(|row| row.get_mut(Self::wrap(x))) {
@@ -76,7 +77,7 @@ impl<S: Size> Voxels<S> {
     pub(super) fn holds(&self, (x, y, level): Cell) -> bool {
         let row = self.columns.get(Self::wrap(y));
         let column = row.and_then(|row| row.get(Self::wrap(x))).copied().unwrap_or(0);
-        column & 1_u32.wrapping_shl(level as u32) != 0
+        column & 1_u32.wrapping_shl(truncating_u32(level)) != 0
     }
 }
 

@@ -4,6 +4,7 @@
 //! Online learning: Random waves). The waves follow from a seed, so a file needs no more than the weights.
 
 use crate::shapes::shape::{SHAPE_FEATURES, ShapeVector};
+use floorguard_types::number::nearest_f32;
 use floorguard_types::random::Pcg32;
 
 /// Waves.
@@ -69,7 +70,7 @@ impl Basis {
             // Beyond four spreads a wave would mean nothing.
             *out = if scaled.is_finite() { scaled.clamp(-4.0, 4.0) } else { 0.0 };
         }
-        let height = libm::sqrtf(2.0 / BASIS as f32);
+        let height = libm::sqrtf(2.0 / nearest_f32(BASIS));
         let mut found = [0.0; BASIS];
         for (out, (wave, phase)) in found.iter_mut().zip(self.waves.iter().zip(self.phases)) {
             let angle: f32 = wave.iter().zip(standard).map(|(a, b)| a * b).sum();

@@ -11,6 +11,7 @@ use super::weights::Weights;
 use crate::shapes::shape::ShapeVector;
 use floorguard_types::capacities::{LEARNING_ANCHORS, LEARNING_TRACKS};
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::exact_usize;
 use floorguard_types::random::Pcg32;
 use floorguard_types::time::{Age, Stamp};
 
@@ -185,7 +186,7 @@ impl OnlineLearner {
     /// One step back to the shipped answer at an anchor.
     fn practise(&mut self) {
         let count = u32::try_from(self.anchors.len()).unwrap_or(0).max(1);
-        if let Some(anchor) = self.anchors.get(self.random.below(count) as usize) {
+        if let Some(anchor) = self.anchors.get(exact_usize(self.random.below(count))) {
             self.tried.step(&self.basis, &anchor.shape, None);
         }
     }

@@ -4,6 +4,7 @@ use heapless::Vec;
 
 use crate::shapes::shape::ShapeVector;
 use floorguard_types::capacities::{LEARNING_HELD_OUT, LEARNING_SAMPLES};
+use floorguard_types::number::exact_usize;
 use floorguard_types::random::Pcg32;
 
 /// A shape and what it is.
@@ -33,7 +34,7 @@ impl<const CAPACITY: usize> Reservoir<CAPACITY> {
     fn add(&mut self, shape: &ShapeVector, random: &mut Pcg32) {
         self.seen = self.seen.saturating_add(1);
         if self.kept.push(*shape).is_err()
-            && let Some(slot) = self.kept.get_mut(random.below(self.seen) as usize)
+            && let Some(slot) = self.kept.get_mut(exact_usize(random.below(self.seen)))
         {
             *slot = *shape;
         }
@@ -87,7 +88,7 @@ impl SampleStore {
     pub(super) fn draw(&self, is_person: bool, random: &mut Pcg32) -> Option<&ShapeVector> {
         let kept = &self.training.get(usize::from(is_person))?.kept;
         let count = u32::try_from(kept.len()).ok().filter(|count| *count > 0)?;
-        kept.get(random.below(count) as usize)
+        kept.get(exact_usize(random.below(count)))
     }
 
     /// Held-out samples of a class.

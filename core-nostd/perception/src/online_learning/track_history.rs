@@ -4,6 +4,7 @@ use super::experts::TrackSummary;
 use crate::shapes::shape::ShapeVector;
 use floorguard_types::capacities::LEARNING_SHAPES;
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::{exact_usize, nearest_f32};
 use floorguard_types::random::Pcg32;
 use floorguard_types::time::{Age, Stamp};
 
@@ -68,14 +69,14 @@ impl TrackHistory {
         let (best, sum) = self.log_odds;
         self.log_odds = (best.max(log_odds), sum + log_odds);
         if self.shapes.push(*shape).is_err()
-            && let Some(slot) = self.shapes.get_mut(random.below(self.shapes_seen) as usize)
+            && let Some(slot) = self.shapes.get_mut(exact_usize(random.below(self.shapes_seen)))
         {
             *slot = *shape;
         }
     }
 
     pub(super) fn summary(&self) -> TrackSummary {
-        let count = self.count.max(1) as f32;
+        let count = nearest_f32(self.count.max(1));
         let [x, y, xx, yy] = self.sums.map(|sum| sum / count);
         let (best, sum) = self.log_odds;
         let us = match self.began.age(self.last) {
@@ -83,12 +84,12 @@ impl TrackHistory {
             Age::Future(_) => 0,
         };
         TrackSummary {
-            seconds: us as f32 * 1.0e-6,
+            seconds: nearest_f32(us) * 1.0e-6,
             walked_m: self.walked_m,
             strayed_m: self.strayed_m,
             variance_m2: (xx - x * x + yy - y * y).max(0.0),
             best,
-            mean: sum / self.shapes_seen.max(1) as f32,
+            mean: sum / nearest_f32(self.shapes_seen.max(1)),
         }
     }
 }

@@ -1,5 +1,7 @@
 //! The correction: weights of the waves, added to the log-odds of the shipped classifier.
 
+use floorguard_types::number::nearest_f32;
+
 use super::basis::{BASIS, Basis};
 use crate::shapes::person_model::{person_log_odds, probability};
 use crate::shapes::shape::ShapeVector;
@@ -52,7 +54,7 @@ impl Weights {
         let predicted = probability(shipped + self.correction(&waves));
         let wrong =
             label.map_or(probability(shipped), |is_person| f32::from(u8::from(is_person))) - predicted;
-        let rate = STEP / (1.0 + self.steps as f32 * 1.0e-3);
+        let rate = STEP / (1.0 + nearest_f32(self.steps) * 1.0e-3);
         for (weight, wave) in self.waves.iter_mut().zip(waves) {
             *weight += rate * (wrong * wave - DECAY * *weight);
         }

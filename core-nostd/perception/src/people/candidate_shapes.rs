@@ -4,6 +4,7 @@ use crate::clusters::Cluster;
 use crate::shapes::shape::{SHAPE_FEATURES, ShapeBuilder, ShapeVector};
 use crate::tracking::Shades;
 use floorguard_types::geometry::Point3;
+use floorguard_types::number::truncating_u16;
 use floorguard_types::profile::{Entry, List, ListOf, Profile, Table, TableOf};
 
 /// No candidate.
@@ -48,7 +49,7 @@ impl<P: Profile> CandidateShapes<P> {
     /// The candidate of a slot; the slot is the next one or a used one, whose candidate is given up.
     pub(super) fn set(&mut self, slot: usize, index: usize, builder: ShapeBuilder, cluster: &Cluster) {
         let candidate = Look {
-            cluster: index as u16,
+            cluster: truncating_u16(index),
             occluded: cluster.occluded,
             bounds: [cluster.lower, cluster.upper],
             builder,
@@ -70,7 +71,7 @@ impl<P: Profile> CandidateShapes<P> {
             self.candidates.iter().enumerate().filter(|(_, candidate)| candidate.cluster != NO_CLUSTER)
         {
             if let Some(entry) = self.slot_of_cluster.get_mut(usize::from(candidate.cluster)) {
-                *entry = Slot(slot as u16);
+                *entry = Slot(truncating_u16(slot));
                 any = true;
             }
         }

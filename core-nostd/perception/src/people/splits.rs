@@ -5,6 +5,7 @@ use heapless::Vec;
 
 use crate::clusters::Cluster;
 use floorguard_types::geometry::{Point2, Point3};
+use floorguard_types::number::truncating_u16;
 
 /// Expected people who are close to a cluster, of one sweep. More than this touch nobody.
 pub(super) const SEEDS_MAX: usize = 32;
@@ -57,7 +58,7 @@ impl Splits {
         for place in expected.filter(|place| is_within(*place, cluster)) {
             let is_new = |share: &Share| share.expected.distance(place) >= APART_MIN_M;
             if self.shares.iter().skip(before).all(is_new) {
-                let fresh = Share { cluster: index as u16, expected: place, part: None, slot: None };
+                let fresh = Share { cluster: truncating_u16(index), expected: place, part: None, slot: None };
                 // Beyond the capacity the cluster stays whole.
                 let _ = self.shares.push(fresh);
             }
@@ -95,7 +96,7 @@ impl Splits {
     /// The candidate that a share has become.
     pub(super) fn assign(&mut self, index: usize, slot: Option<usize>) {
         if let Some(share) = self.shares.get_mut(index) {
-            share.slot = slot.map(|slot| slot as u16);
+            share.slot = slot.map(truncating_u16);
         }
     }
 

@@ -8,6 +8,7 @@
 use super::floor_frame::{FloorFrame, FloorPoint};
 use super::parameters::RgbdParameters;
 use floorguard_types::capacities::{FLOOR_IMAGE_COLUMNS_MAX, RGBD_LEG_PARTS_MAX};
+use floorguard_types::number::nearest_f32;
 use floorguard_types::profile::Of;
 use floorguard_types::sensing::DepthImage;
 use floorguard_types::united_parts::{Absorb, UnitedParts};
@@ -87,7 +88,7 @@ impl Band {
         let stride = (image.width() / LATTICE_COLUMNS).max(1);
         for (row, depths) in image.rows().enumerate().step_by(stride) {
             let rays = frame.row(row);
-            let gain = frame.height_gain(0.5 * image.width() as f32, row as f32);
+            let gain = frame.height_gain(0.5 * nearest_f32(image.width()), nearest_f32(row));
             let mut left = Above::default();
             for (column, depth) in depths.iter().enumerate().step_by(stride) {
                 let depth_m = f32::from(*depth) * 0.001;

@@ -7,7 +7,7 @@ use heapless::Vec;
 
 use super::crop::{Crop, CropPixel};
 use floorguard_types::capacities::{RGBD_CROP_COLUMNS, RGBD_CROP_ROWS, RGBD_HEADS_MAX};
-use floorguard_types::number::saturating_usize;
+use floorguard_types::number::{nearest_f32, saturating_usize};
 
 /// A head may be here: column and row in the crop.
 pub(super) type HeadPlace = (usize, usize);
@@ -23,7 +23,7 @@ pub(super) fn heads(crop: &Crop, size: [usize; 2], dropped: &mut u32) -> Vec<Hea
     let mut outline = [0.0_f32; RGBD_CROP_COLUMNS];
     for (column, height) in outline.iter_mut().enumerate().take(columns) {
         let first = (0..rows.min(RGBD_CROP_ROWS)).find(|row| is_solid(crop, column, *row));
-        *height = first.map_or(0.0, |row| rows.saturating_sub(row) as f32);
+        *height = first.map_or(0.0, |row| nearest_f32(rows.saturating_sub(row)));
     }
     let smooth = smoothed(&outline, columns);
     let mut found: Vec<HeadPlace, RGBD_HEADS_MAX> = Vec::new();

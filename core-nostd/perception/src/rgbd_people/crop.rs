@@ -10,7 +10,7 @@ use super::parameters::UpperBodyRules;
 use super::regions::{Region, Regions};
 use super::silhouette::SILHOUETTE_SIDE;
 use floorguard_types::capacities::{RGBD_CROP_COLUMNS, RGBD_CROP_ROWS};
-use floorguard_types::number::saturating_usize;
+use floorguard_types::number::{nearest_f32, saturating_usize};
 use floorguard_types::sensing::DepthImage;
 
 /// What a pixel of a crop shows.
@@ -48,17 +48,17 @@ impl CropPlace {
     /// A crop of the upper part of a region, for a body of the given height in metres. `None` where nothing is left.
     pub(super) fn around(region: &Region, frame: &FloorFrame, body_m: f32) -> Option<Self> {
         let [_, fy] = frame.camera().focal_px();
-        let ratio = fy * body_m / region.depth_m().max(0.1) / (3 * SILHOUETTE_SIDE) as f32;
+        let ratio = fy * body_m / region.depth_m().max(0.1) / nearest_f32(3 * SILHOUETTE_SIDE);
         // Below a tenth of a pixel a crop would be larger than its picture.
         if !(0.1..100.0).contains(&ratio) {
             return None;
         }
-        let margin = SILHOUETTE_SIDE as f32 * 0.5;
+        let margin = nearest_f32(SILHOUETTE_SIDE) * 0.5;
         let ([left, top], [right, bottom]) = (region.first_px, region.last_px);
-        let columns = saturating_usize((right.saturating_sub(left)) as f32 / ratio + 2.0 * margin);
-        let rows = saturating_usize((bottom.saturating_sub(top)) as f32 / ratio + 2.0 * margin);
+        let columns = saturating_usize(nearest_f32(right.saturating_sub(left)) / ratio + 2.0 * margin);
+        let rows = saturating_usize(nearest_f32(bottom.saturating_sub(top)) / ratio + 2.0 * margin);
         let size = [columns.min(RGBD_CROP_COLUMNS), rows.min(RGBD_CROP_ROWS)];
-        let corner_px = [left as f32 - margin * ratio, top as f32 - 9.0 * ratio];
+        let corner_px = [nearest_f32(left) - margin * ratio, nearest_f32(top) - 9.0 * ratio];
         Some(Self { corner_px, ratio, size })
     }
 
@@ -69,10 +69,10 @@ impl CropPlace {
         (depth_m, body_m): (f32, f32),
     ) -> Option<Self> {
         let [_, fy] = frame.camera().focal_px();
-        let ratio = fy * body_m / depth_m.max(0.1) / (3 * SILHOUETTE_SIDE) as f32;
+        let ratio = fy * body_m / depth_m.max(0.1) / nearest_f32(3 * SILHOUETTE_SIDE);
         let (column, row) = HEAD_IN_CROP;
         (0.1..100.0).contains(&ratio).then_some(Self {
-            corner_px: [u - column as f32 * ratio, v - row as f32 * ratio],
+            corner_px: [u - nearest_f32(column) * ratio, v - nearest_f32(row) * ratio],
             ratio,
             size: [2 * column, row + SILHOUETTE_SIDE + 6],
         })
@@ -114,15 +114,15 @@ impl Crop {
             line.fill(CropPixel::Outside);
         }
         for (row, out) in self.rows.iter_mut().enumerate().take(rows) {
-            let [_, v] = place.pixel(0.0, row as f32 + 0.5);
-            if v < 0.0 || v >= image.height() as f32 {
+            let [_, v] = place.pixel(0.0, nearest_f32(row) + 0.5);
+            if v < 0.0 || v >= nearest_f32(image.height()) {
                 continue;
             }
             let source_row = saturating_usize(v);
             let rays = frame.row(source_row);
             let line = image.depth_mm().chunks_exact(width.max(1)).nth(source_row).unwrap_or(&[]);
             for (column, out) in out.iter_mut().enumerate().take(columns) {
-                let [u, _] = place.pixel(column as f32 + 0.5, 0.0);
+                let [u, _] = place.pixel(nearest_f32(column) + 0.5, 0.0);
                 if u < 0.0 {
                     continue;
                 }
@@ -156,7 +156,7 @@ impl Crop {
                 }
             }
         }
-        (count >= 6).then(|| sum / count as f32)
+        (count >= 6).then(|| sum / nearest_f32(count))
     }
 
     /// A pixel; outside beyond the crop.

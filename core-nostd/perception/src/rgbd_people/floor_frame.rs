@@ -2,6 +2,7 @@
 
 use crate::floor::{Plane, dot};
 use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::number::nearest_f32;
 use floorguard_types::sensing::PinholeCamera;
 
 /// Where the camera's foot point lies on the robot and which way the camera looks, robot frame.
@@ -44,7 +45,7 @@ impl FloorFrame {
     pub(super) fn row(&self, row: usize) -> RowFrame {
         let [right, ahead] = self.axes;
         let directions = [right, ahead, self.plane.normal];
-        let ray = self.camera.ray(0.0, row as f32);
+        let ray = self.camera.ray(0.0, nearest_f32(row));
         let [fx, _] = self.camera.focal_px();
         let along = |[x, _, _]: [f32; 3]| x / fx;
         RowFrame {
@@ -75,7 +76,7 @@ impl RowFrame {
     /// Where a depth in a column of this row lies.
     #[inline]
     pub(super) fn point(&self, column: usize, depth_m: f32) -> FloorPoint {
-        let column = column as f32;
+        let column = nearest_f32(column);
         let ([a, b, c], [da, db, dc]) = (self.first, self.step);
         FloorPoint {
             right_m: depth_m * (a + da * column),

@@ -5,7 +5,7 @@
 
 use super::floor_frame::{FloorFrame, FloorPoint};
 use super::parameters::UpperBodyRules;
-use floorguard_types::number::{saturating_u8, saturating_usize};
+use floorguard_types::number::{nearest_f32, saturating_u8, saturating_usize};
 use floorguard_types::sensing::DepthImage;
 
 /// Cells across the view: −3 to 3 m.
@@ -31,7 +31,8 @@ const KERNEL: [f32; 7] =
 pub(super) fn cell_of(point: &FloorPoint) -> Option<usize> {
     let column = (point.right_m + HALF_WIDTH_M) * CELLS_PER_M + 0.5;
     let row = point.ahead_m * CELLS_PER_M + 0.5;
-    let inside = column >= 0.0 && row >= 0.0 && column < GRID_COLUMNS as f32 && row < GRID_ROWS as f32;
+    let inside =
+        column >= 0.0 && row >= 0.0 && column < nearest_f32(GRID_COLUMNS) && row < nearest_f32(GRID_ROWS);
     inside.then_some(saturating_usize(row) * GRID_COLUMNS + saturating_usize(column))
 }
 
@@ -78,7 +79,7 @@ impl FloorGrid {
         self.weights.fill(0.0);
         self.tops_cm.fill(0);
         let [fx, fy] = frame.camera().focal_px();
-        let stride = (image.width() / LATTICE_COLUMNS).max(1) as f32;
+        let stride = nearest_f32((image.width() / LATTICE_COLUMNS).max(1));
         let density = PUBLISHED_FOCAL_PX * PUBLISHED_FOCAL_PX * stride * stride / (fx * fy);
         let [lowest, highest] = rules.heights_m;
         let mut returns = 0_u32;

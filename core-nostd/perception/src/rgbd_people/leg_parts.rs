@@ -5,6 +5,7 @@
 use super::band::BandPart;
 use super::floor_frame::{FloorFrame, FloorPoint};
 use super::parameters::RgbdParameters;
+use floorguard_types::number::nearest_f32;
 use floorguard_types::sensing::{ColorImage, DepthImage};
 
 /// Colours of the histogram: four steps each of red, green and blue.
@@ -41,7 +42,7 @@ impl LegCandidate {
         let rules = parameters.legs;
         let ([lr, la, lowest], [hr, ha, highest]) = (part.low_m, part.high_m);
         let [right_sum, ahead_sum, depth_sum] = part.sums_m;
-        let count = part.pixels.max(1) as f32;
+        let count = nearest_f32(part.pixels.max(1));
         let depth_m = depth_sum / count;
         // The extent along the view has the depth's noise in it.
         let spread = 4.0 * libm::sqrtf(parameters.noise.variance_m2(depth_m));

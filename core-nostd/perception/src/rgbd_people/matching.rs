@@ -6,7 +6,7 @@
 use super::contour::HeadPlace;
 use super::crop::{Crop, CropPixel};
 use super::silhouette::{AREAS, Area, SILHOUETTE_SIDE, Silhouette};
-use floorguard_types::number::saturating_i16;
+use floorguard_types::number::{nearest_f32, saturating_i16};
 
 /// Body pixels in the middle of the silhouette without which there is nothing to compare with, of 100.
 const MIDDLE_MIN: u32 = 40;
@@ -102,11 +102,11 @@ fn fit_at(crop: &Crop, silhouette: &Silhouette, corner: (i16, i16)) -> Option<Fi
     }
     let [head, torso, left, right, _] = counts;
     let [head_size, torso_size, side_size, ..] = silhouette.sizes();
-    let share = |count: u32, size: u32| count as f32 / size.max(1) as f32;
+    let share = |count: u32, size: u32| nearest_f32(count) / nearest_f32(size.max(1));
     let (head_share, torso_share) = (share(head, head_size), share(torso, torso_size));
     let mut differences = [0.0_f32; AREAS];
     for ((difference, sum), count) in differences.iter_mut().zip(sums).zip(counts) {
-        *difference = sum / count.max(1) as f32;
+        *difference = sum / nearest_f32(count.max(1));
     }
     let [head_wrong, torso_wrong, left_wrong, right_wrong, beside_wrong] = differences;
     let worse_first =
@@ -139,7 +139,7 @@ fn middle_depth_mm(crop: &Crop, column: usize, row: usize) -> Option<f32> {
                 }
             }
         }
-        (count >= MIDDLE_MIN).then(|| sum / count as f32)
+        (count >= MIDDLE_MIN).then(|| sum / nearest_f32(count))
     };
     let mean = mean_near(0.0, f32::INFINITY)?;
     mean_near(mean, SAME_BODY_M * 1_000.0)

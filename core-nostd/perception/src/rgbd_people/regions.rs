@@ -8,6 +8,7 @@ use super::floor_frame::{FloorFrame, FloorPoint};
 use super::floor_grid::{FloorGrid, GRID_CELLS, GRID_COLUMNS, cell_of, lattice};
 use super::parameters::UpperBodyRules;
 use floorguard_types::capacities::{RGBD_LABELS_MAX, RGBD_REGIONS_MAX};
+use floorguard_types::number::nearest_f32;
 use floorguard_types::profile::Of;
 use floorguard_types::sensing::DepthImage;
 use floorguard_types::united_parts::{Absorb, UnitedParts};
@@ -38,7 +39,7 @@ impl Region {
     /// Mean depth, metres.
     pub(super) fn depth_m(&self) -> f32 {
         let [_, _, sum] = self.depths_m;
-        sum / self.pixels.max(1) as f32
+        sum / nearest_f32(self.pixels.max(1))
     }
 }
 

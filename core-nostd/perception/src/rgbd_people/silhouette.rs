@@ -4,6 +4,8 @@
 //! a square of one third of the body's height (the size of the published template). Depth is relative to the torso's
 //! surface: a body is rounder than a board.
 
+use floorguard_types::number::nearest_f32;
+
 /// Pixels along each side of the silhouette.
 pub const SILHOUETTE_SIDE: usize = 30;
 
@@ -125,12 +127,12 @@ impl Silhouette {
     pub fn new(shape: &SilhouetteShape) -> Self {
         let nothing = SilhouettePixel { depth: 0.0, area: Area::BesideTorso };
         let mut rows = [[nothing; SILHOUETTE_SIDE]; SILHOUETTE_SIDE];
-        let (mut sizes, pixel) = ([0_u32; AREAS], shape.side / SILHOUETTE_SIDE as f32);
+        let (mut sizes, pixel) = ([0_u32; AREAS], shape.side / nearest_f32(SILHOUETTE_SIDE));
         for (row, values) in rows.iter_mut().enumerate() {
-            let below_top = (row as f32 + 0.5) * pixel - shape.above_head;
+            let below_top = (nearest_f32(row) + 0.5) * pixel - shape.above_head;
             let half = shape.half_width(below_top);
             for (column, value) in values.iter_mut().enumerate() {
-                let beside = ((column as f32 + 0.5 - 0.5 * SILHOUETTE_SIDE as f32) * pixel).abs();
+                let beside = ((nearest_f32(column) + 0.5 - 0.5 * nearest_f32(SILHOUETTE_SIDE)) * pixel).abs();
                 let is_body = beside < half;
                 let above_shoulders = below_top < shape.shoulder_drop;
                 if is_body {

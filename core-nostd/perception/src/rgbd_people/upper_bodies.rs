@@ -12,7 +12,7 @@ use super::regions::{Region, Regions};
 use super::silhouette::{SILHOUETTE_SIDE, Silhouette, SilhouetteShape};
 use super::suppression::{Candidates, enlist, is_same};
 use floorguard_types::capacities::RGBD_HEADS_MAX;
-use floorguard_types::number::saturating_u16;
+use floorguard_types::number::{nearest_f32, saturating_u16};
 use floorguard_types::sensing::DepthImage;
 
 /// From the surface that the camera sees to the middle of a body, metres.
@@ -98,7 +98,7 @@ impl UpperBodies {
         let heads = heads(&self.crop, place.size, &mut counters.dropped);
         let mut tops: Vec<([f32; 2], f32), RGBD_HEADS_MAX> = Vec::new();
         for head in &heads {
-            let top = place.pixel(head.0 as f32 + 0.5, head.1 as f32);
+            let top = place.pixel(nearest_f32(head.0) + 0.5, nearest_f32(head.1));
             match self.crop.head_depth_m(*head) {
                 // There are at most as many tops as heads: a push cannot fail.
                 Some(depth_m) => drop(tops.push((top, depth_m))),
@@ -175,7 +175,7 @@ fn body_m(top_m: f32) -> f32 {
 /// Place, doubt and belief of a fit; the head begins in row `head_row` of the silhouette.
 fn detection(scene: &Scene<'_>, place: &CropPlace, fit: &Fit, head_row: f32) -> RgbdDetection {
     let rules = scene.parameters.upper_body;
-    let side = SILHOUETTE_SIDE as f32;
+    let side = nearest_f32(SILHOUETTE_SIDE);
     let (column, row) = (f32::from(fit.corner.0), f32::from(fit.corner.1));
     let [left, top] = place.pixel(column, row);
     let [right, bottom] = place.pixel(column + side, row + side);

@@ -6,6 +6,7 @@
 //! give.
 
 use floorguard_types::geometry::Point3;
+use floorguard_types::number::{nearest_f32, truncating_u32};
 
 /// Numbers of the vector.
 pub const SHAPE_FEATURES: usize = 24;
@@ -123,11 +124,20 @@ pub struct ShapeBuilder {
     sides: Mean,
 }
 
+/// Above the floor, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Heights {
+    /// Of the lowest return.
+    pub bottom_m: f32,
+    /// Of the highest.
+    pub top_m: f32,
+}
+
 impl ShapeBuilder {
-    /// For a candidate around `centre` (robot's frame, z above the floor) that reaches from `bottom_m` to `top_m`, seen
-    /// from `sensor`.
+    /// For a candidate around `centre` (robot's frame, z above the floor) between two heights, seen from `sensor`.
     #[must_use]
-    pub fn new(sensor: Point3, centre: Point3, (bottom_m, top_m): (f32, f32)) -> Self {
+    pub fn new(sensor: Point3, centre: Point3, heights: Heights) -> Self {
+        let Heights { bottom_m, top_m } = heights;
         let (dx, dy) = (centre.x_m - sensor.x_m, centre.y_m - sensor.y_m);
         let distance_m = libm::sqrtf(dx * dx + dy * dy).max(0.1);
         Self {
@@ -169,7 +179,7 @@ impl ShapeBuilder {
             slice.across.include(across);
             slice.along_sum += along;
             slice.count += 1.0;
-            slice.rings |= 1_u32.wrapping_shl(ring as u32);
+            slice.rings |= 1_u32.wrapping_shl(truncating_u32(ring));
         }
         let terms = [across, along, across * across, across * along, along * along, z, z * z, along * z];
         for (sum, term) in self.sums.iter_mut().zip(terms) {
@@ -259,7 +269,7 @@ fn closed_share(slices: &[Slice], beam_m: f32) -> f32 {
     let (mut covered_m, mut open_m) = (0.0_f32, 0.0_f32);
     for slice in slices.iter().filter(|slice| slice.count >= 2.0) {
         covered_m += slice.count * beam_m;
-        open_m += slice.rings.count_ones() as f32 * (slice.across.width() + beam_m);
+        open_m += nearest_f32(slice.rings.count_ones()) * (slice.across.width() + beam_m);
     }
     if open_m > 0.0 { covered_m / open_m } else { UNSEEN }
 }
@@ -277,7 +287,11 @@ mod tests {
     /// A plate of 0.5 × 1.7 m at a distance, as a VLP-16 0.8 m above the floor samples it.
     fn plate(distance_m: f32) -> ShapeVector {
         let sensor = Point3::new(0.0, 0.0, 0.8);
-        let mut builder = ShapeBuilder::new(sensor, Point3::new(distance_m, 0.0, 0.8), (0.0, 1.7));
+        let mut builder = ShapeBuilder::new(
+            sensor,
+            Point3::new(distance_m, 0.0, 0.8),
+            Heights { bottom_m: 0.0, top_m: 1.7 },
+        );
         for ring in 0..16_u8 {
             let z = 0.8 + distance_m * libm::tanf((-15.0 + 2.0 * f32::from(ring)).to_radians());
             for column in -200..=200_i16 {
@@ -303,7 +317,8 @@ mod tests {
     #[test]
     fn round_body_bulges_two_legs_stay_open() {
         let sensor = Point3::new(0.0, 0.0, 0.8);
-        let mut builder = ShapeBuilder::new(sensor, Point3::new(4.0, 0.0, 0.8), (0.1, 1.5));
+        let mut builder =
+            ShapeBuilder::new(sensor, Point3::new(4.0, 0.0, 0.8), Heights { bottom_m: 0.1, top_m: 1.5 });
         for step in -12..=12_i8 {
             let y = f32::from(step) * 0.0139;
             let x = 4.0 - libm::sqrtf((0.2 * 0.2 - y * y).max(0.0)) + 0.1;

@@ -117,6 +117,7 @@ pub(crate) use gathered::Shades;
 /// The returns of a candidate on their way to an appearance.
 mod gathered {
     use super::{AppearanceOf, Trait};
+    use floorguard_types::number::nearest_f32;
     use floorguard_types::profile::{Entry, Keep, Of, Profile, Table};
 
     /// Index of the stature among the traits; before it are the garments.
@@ -179,8 +180,8 @@ mod gathered {
             {
                 // A recording without reflectivities has zeros.
                 if returns >= RETURNS_MIN && sum >= returns {
-                    let value = libm::logf(sum as f32 / returns as f32);
-                    *slot = Trait { value, variance: doubt * (POLL_PERIOD + FOLDS / returns as f32) };
+                    let value = libm::logf(nearest_f32(sum) / nearest_f32(returns));
+                    *slot = Trait { value, variance: doubt * (POLL_PERIOD + FOLDS / nearest_f32(returns)) };
                 }
             }
             // The head ends somewhere between the highest ring that met it and the next.

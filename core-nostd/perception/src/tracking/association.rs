@@ -3,6 +3,7 @@
 use heapless::Vec;
 
 use super::joint::{GROUP_DETECTIONS, GROUP_TRACKS, JointGroup};
+use floorguard_types::number::truncating_u16;
 use floorguard_types::profile::{Entry, List, ListOf, Profile, Size, Table, TableOf};
 
 /// How detections are given to tracks.
@@ -84,7 +85,7 @@ impl<P: Profile> Associator<P> {
 
     /// A pair within the gate.
     pub(super) fn add(&mut self, track: usize, detection: usize, cost: f32) {
-        let pair = Pair { cost, track: track as u16, detection: detection as u16 };
+        let pair = Pair { cost, track: truncating_u16(track), detection: truncating_u16(detection) };
         if self.pairs.len() >= self.pairs_max.min(P::Pairs::N) || self.pairs.push(pair).is_err() {
             self.dropped_pairs = self.dropped_pairs.saturating_add(1);
         }
@@ -172,7 +173,7 @@ impl<P: Profile> Associator<P> {
         if self.solved.get(seed) != Some(&false) {
             return;
         }
-        let seed = seed as u16;
+        let seed = truncating_u16(seed);
         if !self.pairs.iter().any(|pair| pair.track == seed) {
             return;
         }

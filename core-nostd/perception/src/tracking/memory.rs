@@ -7,6 +7,7 @@
 use super::track::TrackOf;
 use super::tracker::TrackerParameters;
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::nearest_f32;
 use floorguard_types::profile::Profile;
 
 /// Nobody is looked for farther away, metres.
@@ -47,7 +48,7 @@ fn coast_gain<P: Profile>(lost: &TrackOf<P>, fresh: &TrackOf<P>) -> Option<f32> 
     if lost.last_seen >= fresh.created {
         return None;
     }
-    let seconds = lost.last_seen.past_us(fresh.created) as f32 * 1.0e-6;
+    let seconds = nearest_f32(lost.last_seen.past_us(fresh.created)) * 1.0e-6;
     let (coast_s, slower) = coast(seconds);
     let (mut then, now) = (lost.seen_state, fresh.state.velocity);
     let velocity = then.velocity;

@@ -7,6 +7,7 @@ use super::memory::best_of;
 use super::sensors::PeopleSensor;
 use super::track::{TrackOf, TrackStatus};
 use floorguard_types::geometry::Point2;
+use floorguard_types::number::nearest_f32;
 use floorguard_types::profile::{Board, List, ListOf, Native, Profile, Size};
 use floorguard_types::time::{Age, Stamp};
 
@@ -206,7 +207,7 @@ impl<P: Profile> TrackerOf<P> {
     /// Where the people who were seen a moment ago are expected at `stamp`, fixed frame.
     pub fn expected(&self, stamp: Stamp) -> impl Iterator<Item = Point2> {
         let seconds = match self.now.map(|now| now.age(stamp)) {
-            Some(Age::Past(age_us)) => age_us as f32 * 1.0e-6,
+            Some(Age::Past(age_us)) => nearest_f32(age_us) * 1.0e-6,
             _ => 0.0,
         };
         let fresh = move |track: &&TrackOf<P>| {
@@ -228,7 +229,7 @@ impl<P: Profile> TrackerOf<P> {
         let elapsed_us = match now.age(stamp) {
             Age::Past(elapsed_us) => elapsed_us,
             Age::Future(late_us) => {
-                return (late_us <= LATE_MAX_US).then_some((late_us as f32 * 1.0e-6).max(1.0e-6));
+                return (late_us <= LATE_MAX_US).then_some((nearest_f32(late_us) * 1.0e-6).max(1.0e-6));
             }
         };
         self.now = Some(stamp);

@@ -1,7 +1,7 @@
 //! Where a sensor could have seen a person: a track behind something, or in a sector without data, is not missed.
 
 use floorguard_types::geometry::{Point2, Pose2};
-use floorguard_types::number::saturating_u32;
+use floorguard_types::number::{nearest_f32, saturating_u32, truncating_u16};
 use floorguard_types::profile::Profile;
 use floorguard_types::sensing::{BeamReturn, ScanOf};
 
@@ -97,7 +97,7 @@ impl OpenSpace {
     pub fn measure<P: Profile>(&mut self, scan: &ScanOf<P>, sensor_in_odom: Pose2, range_max_m: f32) {
         let mut sectors = Visibility::new();
         for (index, beam) in scan.beams.iter().enumerate() {
-            let bearing_rad = scan.first_angle_rad + scan.step_rad * index as f32;
+            let bearing_rad = scan.first_angle_rad + scan.step_rad * nearest_f32(index);
             let distance = match beam {
                 BeamReturn::Hit(range_mm) => Some(range_mm / 2),
                 BeamReturn::Free(_) => None,
@@ -149,7 +149,7 @@ fn sector_of_bearing(bearing_rad: f32) -> usize {
 
 /// Counter-clockwise bearings, ±2π, to the lidar's clockwise azimuths, hundredths of a degree.
 fn azimuth_of(bearing_rad: f32) -> u16 {
-    (saturating_u32(-bearing_rad * (18_000.0 / core::f32::consts::PI) + 36_000.0) % 36_000) as u16
+    truncating_u16(saturating_u32(-bearing_rad * (18_000.0 / core::f32::consts::PI) + 36_000.0) % 36_000)
 }
 
 fn sector_of_cdeg(azimuth_cdeg: u16) -> usize {

@@ -21,7 +21,7 @@ pub use frame_watch::{FROZEN_FRAMES, FrameFault, FrameWatch, fingerprint};
 pub use image_size::{ImageSize, WrongImageSize};
 pub use lidar_packet::{LidarColumn, LidarColumnOf, LidarPacket, LidarPacketOf, Reflectivity, silent_cdeg};
 pub use motion_samples::{DriveFeedback, DriveState, ImuSample, WheelSample};
-pub use pinhole::PinholeCamera;
+pub use pinhole::{PinholeCamera, Pixel};
 pub use scan::{BeamReturn, Scan, ScanOf};
 pub use stamped_image::StampedImage;
 pub use sweep::{Sweep, SweepColumn, SweepColumnOf, SweepOf, SweepPose};

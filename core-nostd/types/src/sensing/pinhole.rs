@@ -4,11 +4,11 @@
 /// units). Invariants: all finite, both focal lengths ≥ 1.
 ///
 /// ```
-/// use floorguard_types::sensing::PinholeCamera;
+/// use floorguard_types::sensing::{PinholeCamera, Pixel};
 ///
 /// let camera = PinholeCamera::new([525.0, 525.0], [319.5, 239.5]).unwrap();
 /// let [x, y, z] = camera.ray(100.0, 400.0);
-/// let (column, row) = camera.project([2.0 * x, 2.0 * y, 2.0 * z]).unwrap();
+/// let Pixel { column, row } = camera.project([2.0 * x, 2.0 * y, 2.0 * z]).unwrap();
 /// assert!((column - 100.0).abs() < 1.0e-3 && (row - 400.0).abs() < 1.0e-3);
 /// assert_eq!(camera.project([0.0, 0.0, -1.0]), None);
 /// assert!(PinholeCamera::new([0.0, 525.0], [319.5, 239.5]).is_none());
@@ -17,6 +17,15 @@
 pub struct PinholeCamera {
     focal_px: [f32; 2],
     centre_px: [f32; 2],
+}
+
+/// A place in a picture, in pixels from the middle of the first one; may lie outside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pixel {
+    /// To the right.
+    pub column: f32,
+    /// Down.
+    pub row: f32,
 }
 
 impl PinholeCamera {
@@ -44,7 +53,7 @@ impl PinholeCamera {
     /// The same camera after its images were made smaller by a whole factor ≥ 1.
     ///
     /// ```
-    /// use floorguard_types::sensing::PinholeCamera;
+    /// use floorguard_types::sensing::{PinholeCamera, Pixel};
     ///
     /// let camera = PinholeCamera::new([525.0, 525.0], [319.5, 239.5]).unwrap();
     /// assert_eq!(camera.shrunk(4).focal_px(), [131.25, 131.25]);
@@ -70,13 +79,13 @@ impl PinholeCamera {
         [(column - cx) / fx, (row - cy) / fy, 1.0]
     }
 
-    /// Where a point in front of the camera appears, (column, row); `None` at or behind it.
+    /// Where a point in front of the camera appears; `None` at or behind it.
     #[must_use]
-    pub fn project(&self, point: [f32; 3]) -> Option<(f32, f32)> {
+    pub fn project(&self, point: [f32; 3]) -> Option<Pixel> {
         let [x, y, z] = point;
         let [fx, fy] = self.focal_px;
         let [cx, cy] = self.centre_px;
-        (z > 1.0e-6).then(|| (fx * x / z + cx, fy * y / z + cy))
+        (z > 1.0e-6).then(|| Pixel { column: fx * x / z + cx, row: fy * y / z + cy })
     }
 }
 
@@ -88,7 +97,7 @@ mod tests {
     fn rays_and_projections_agree() {
         let camera = PinholeCamera::new([525.0, 520.0], [319.5, 239.5]).unwrap();
         let [x, y, z] = camera.ray(100.0, 400.0);
-        let (column, row) = camera.project([2.0 * x, 2.0 * y, 2.0 * z]).unwrap();
+        let Pixel { column, row } = camera.project([2.0 * x, 2.0 * y, 2.0 * z]).unwrap();
         assert!((column - 100.0).abs() < 1e-3 && (row - 400.0).abs() < 1e-3);
         assert_eq!(camera.project([0.0, 0.0, 0.0]), None);
         let [x, y, _] = camera.shrunk(4).ray(79.375, 59.375);

@@ -1,6 +1,6 @@
 //! A revolution of a two-dimensional safety scanner.
 
-use crate::number::saturating_usize;
+use crate::number::{nearest_f32, saturating_usize};
 use crate::profile::{List, ListOf, Native, Profile, Size};
 use crate::time::Stamp;
 
@@ -105,7 +105,7 @@ impl<P: Profile> ScanOf<P> {
         self.stamp = other.stamp;
         self.sequence = other.sequence;
         self.first_angle_rad = other.first_angle_rad;
-        self.step_rad = other.step_rad * every as f32;
+        self.step_rad = other.step_rad * nearest_f32(every);
         self.beams.clear();
         for beam in other.beams.iter().step_by(every) {
             // Same capacity: never full.

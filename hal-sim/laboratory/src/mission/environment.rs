@@ -3,7 +3,8 @@
 //! The model knows places of 2 m. Within a place dirt lies where people walk: its cells share the place's dirt by the
 //! heat map of 0.2 m, with a part for all cells alike.
 
-use floorguard_mapping::environment::{Cleaning, WallTime};
+use floorguard_mapping::GridCoordinates;
+use floorguard_mapping::environment::{Cleaning, SinceCleaning, WallTime};
 
 use crate::mission::TrialResult;
 use floorguard_robot::environment::Model;
@@ -71,13 +72,13 @@ pub fn expected_units(model: &Model, floor: &Floor, now: WallTime, delta: Option
         if place.cleaned.is_none() || !is_known {
             return Some(UNKNOWN);
         }
-        let (hours, left) = place.since_cleaning(now);
+        let SinceCleaning { hours, left_units } = place.since_cleaning(now);
         let mut rate = place.dirt_rate(&model.per_visit);
         // A share of a Gamma rate has the same shape over more hours.
         rate.hours /= share.max(1.0e-6);
         Some(match delta {
-            Some(delta) => rate.predict_conservatively(left * share, hours, delta),
-            None => rate.predict(left * share, hours),
+            Some(delta) => rate.predict_conservatively(left_units * share, hours, delta),
+            None => rate.predict(left_units * share, hours),
         })
     };
     Shares::new(model, floor).0.iter().map(|cell| units(cell).unwrap_or(0.0).min(70.0)).collect()
@@ -132,7 +133,7 @@ fn passes(floor: &Floor, result: &TrialResult, brush_m: f32) -> Vec<u8> {
                 along(pair[0].x_m, pair[1].x_m),
                 along(pair[0].y_m, pair[1].y_m),
             );
-            let (column, row) = geometry.coordinates_of(point);
+            let GridCoordinates { column, row } = geometry.coordinates_of(point);
             for (dx, dy) in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy))) {
                 if let Some(cell) = geometry.index(column + dx, row + dy)
                     && geometry.centre(cell).distance(point) <= 0.5 * brush_m

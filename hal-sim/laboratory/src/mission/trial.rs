@@ -2,9 +2,10 @@
 
 mod judge;
 
-use floorguard_cleaning::CleanRule;
+use floorguard_cleaning::{Brush, CleanRule};
 use floorguard_mapping::poisson_tail;
 use floorguard_mapping::{DirtCell, Grid};
+use floorguard_sim::robot::BrushDeck;
 use floorguard_types::geometry::{Point2, Twist2};
 use floorguard_types::random::Pcg32;
 
@@ -265,7 +266,8 @@ impl Mission<'_> {
             NavigationRequest::Done => return false,
         };
         self.truth.grip = fault.grip;
-        let brush = Some(self.config.robot.brush);
+        let Brush { width_m, offset_m } = self.config.robot.brush;
+        let brush = Some(BrushDeck { width_m, offset_m });
         let (hits, bumped) = self.truth.drive(self.floor, twist, PERIOD_S, brush);
         if self.config.people > 0 {
             self.crowd.step(self.floor, self.truth.pose, PERIOD_S);

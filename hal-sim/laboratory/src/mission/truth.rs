@@ -3,8 +3,9 @@
 //! Dirt here is single specks at places of their own, as in the simulator of the whole robot. The belief counts units in
 //! cells; the two share no code, so one judges the other.
 
-use floorguard_cleaning::{Brush, Swath};
+use floorguard_mapping::GridCoordinates;
 use floorguard_sim::dirt::DirtyFloor;
+use floorguard_sim::robot::BrushDeck;
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use floorguard_types::random::Pcg32;
 
@@ -107,7 +108,7 @@ impl Truth {
         floor: &Floor,
         twist: Twist2,
         period_s: f32,
-        brush: Option<Brush>,
+        brush: Option<BrushDeck>,
     ) -> (u32, bool) {
         self.time_s += period_s;
         let forward = twist.linear_mps * period_s;
@@ -152,14 +153,15 @@ impl Truth {
         self.odometry = self.odometry.compose(Pose2::new(travel, 0.0, angle));
     }
 
-    fn sweep(&mut self, floor: &Floor, brush: Brush, before: Pose2) -> u32 {
-        let swath = Swath::between(brush.bar_at(before), brush.bar_at(self.pose));
-        let (column, row) = floor.cells.coordinates_of(Point2::new(self.pose.x_m, self.pose.y_m));
+    fn sweep(&mut self, floor: &Floor, brush: BrushDeck, before: Pose2) -> u32 {
+        let pass = brush.pass(before, self.pose);
+        let GridCoordinates { column, row } =
+            floor.cells.coordinates_of(Point2::new(self.pose.x_m, self.pose.y_m));
         for (dx, dy) in (-2..=2).flat_map(|dx| (-2..=2).map(move |dy| (dx, dy))) {
             let Some(cell) = floor.cells.index(column + dx, row + dy) else { continue };
-            self.passed[cell] |= swath.contains(floor.cells.centre(cell));
+            self.passed[cell] |= pass.covers(floor.cells.centre(cell));
         }
-        self.dirt.sweep(&swath, self.time_s, (self.pickup_probability, &mut self.random))
+        self.dirt.sweep(&pass, self.time_s, (self.pickup_probability, &mut self.random))
     }
 
     /// Units that really lie in a cell.

@@ -185,14 +185,19 @@ impl Plan {
     /// # Errors
     /// The scenario cannot be played.
     pub fn simulation(&self) -> Result<Simulation, ScenarioError> {
+        let mut simulation = Simulation::with_robot(&self.scenario, self.seed, self.robot_parameters())?;
+        simulation.coarse_lidar(self.lidar_grain);
+        Ok(simulation)
+    }
+
+    /// The true robot.
+    #[must_use]
+    pub fn robot_parameters(&self) -> RobotParameters {
         let scanner_device = match self.robot.scanner.model {
             ScannerModel::S300 => ScannerDevice::S300,
             ScannerModel::MicroScan3 { beams } => ScannerDevice::MicroScan3(beams),
         };
-        let parameters = RobotParameters { scanner_device, ..RobotParameters::default() };
-        let mut simulation = Simulation::with_robot(&self.scenario, self.seed, parameters)?;
-        simulation.coarse_lidar(self.lidar_grain);
-        Ok(simulation)
+        RobotParameters { scanner_device, ..RobotParameters::default() }
     }
 
     /// Where the odometry frame lies in the world.

@@ -3,7 +3,7 @@
 use floorguard_sim::scene::{FurnitureKind, SceneFile};
 use floorguard_types::geometry::Point2;
 
-use crate::world::{BRUSH_M, Observation, Plan};
+use crate::world::{Observation, Plan};
 use floorguard_operator::picture::{PersonPath, StopMark, TopView};
 
 /// Half the thickness of a wall in the picture, metres.
@@ -36,7 +36,7 @@ pub fn top_view(plan: &Plan, observation: &Observation) -> TopView {
             .collect(),
         robot_path: observation.robot_path.clone(),
         robot_outline: plan.robot.geometry.footprint.iter().copied().collect(),
-        swath_width_m: BRUSH_M,
+        swath_width_m: plan.robot_parameters().brush.width_m,
         people: people.collect(),
         stops: stops.collect(),
     }

@@ -1,8 +1,8 @@
 //! The numbers of the report, for the whole floor and for each zone.
 
 use floorguard_cleaning::{CleanRule, Verdict};
-use floorguard_mapping::DirtCell;
 use floorguard_mapping::poisson_tail;
+use floorguard_mapping::{DirtCell, GridCoordinates};
 use floorguard_types::geometry::Point2;
 use serde::Serialize;
 
@@ -188,7 +188,7 @@ fn swept(floor: &Floor, path: &[Point2], brush_m: f32) -> Vec<bool> {
     let mut is_swept = vec![false; geometry.cell_count()];
     let reach = (0.5 * brush_m / geometry.resolution_m()).ceil() as i32 + 1;
     let mut touch = |point: Point2| {
-        let (column, row) = geometry.coordinates_of(point);
+        let GridCoordinates { column, row } = geometry.coordinates_of(point);
         for (dx, dy) in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy))) {
             if let Some(cell) = geometry.index(column + dx, row + dy)
                 && geometry.centre(cell).distance(point) <= 0.5 * brush_m

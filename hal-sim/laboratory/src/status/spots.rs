@@ -1,6 +1,6 @@
 //! Dirty cells that touch, as spots.
 
-use floorguard_mapping::GridGeometry;
+use floorguard_mapping::{GridCoordinates, GridGeometry};
 use floorguard_types::geometry::Point2;
 use serde::Serialize;
 
@@ -40,7 +40,7 @@ pub fn spots(geometry: &GridGeometry, expected: &[f32], is_dirty: &[bool]) -> Ve
         seen[start] = true;
         while let Some(&cell) = cells.get(next) {
             next += 1;
-            let (column, row) = geometry.coordinates(cell);
+            let GridCoordinates { column, row } = geometry.coordinates(cell);
             for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
                 if let Some(other) = geometry.index(column + dx, row + dy)
                     && is_dirty[other]

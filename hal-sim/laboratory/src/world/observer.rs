@@ -14,7 +14,7 @@ use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::time::Stamp;
 
 use super::observation::{Observation, PATH_US, SeenStop};
-use super::swath::Swath;
+use super::swept_area::SweptArea;
 use super::truth::TruthSampler;
 use crate::judge::{Asked, Judge, Quantiles, Standing, StopOrders, StopReason, Verdict};
 use crate::judge::{HeardOf, MissionJudge, TrueContacts};
@@ -59,7 +59,7 @@ pub struct Observer<'a> {
     scenario: (String, u64),
     commanded_mps: f32,
     last_sweep: Option<Stamp>,
-    swath: Swath,
+    swept: SweptArea,
     mission: Option<MissionJudge>,
     last_status: Option<Stamp>,
     next_path_us: u64,
@@ -93,7 +93,7 @@ impl<'a> Observer<'a> {
             scenario: (plan.name.clone(), plan.seed),
             commanded_mps: 0.0,
             last_sweep: None,
-            swath: Swath::default(),
+            swept: SweptArea::new(plan.robot_parameters().brush),
             mission: None,
             last_status: None,
             next_path_us: 0,
@@ -188,7 +188,7 @@ impl<'a> Observer<'a> {
             let believed = shared.pose.get().unwrap_or_default().pose_in_odometry;
             self.on_people(&people, &truth, believed);
         }
-        self.swath.touch(truth.robot);
+        self.swept.touch(truth.robot);
         self.standing.observe(truth.stamp, truth.twist);
         self.record_paths(now_us, &truth);
         if let Some(status) = shared.status.get() {
@@ -338,7 +338,7 @@ impl<'a> Observer<'a> {
         let summary = self.mot.summary();
         let (scenario, seed) = self.scenario.clone();
         self.seen.resets = resets;
-        self.seen.cleaned_m2 = self.swath.area_m2();
+        self.seen.cleaned_m2 = self.swept.area_m2();
         self.seen.verdict = Verdict {
             scenario,
             seed,

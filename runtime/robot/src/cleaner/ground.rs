@@ -3,9 +3,10 @@
 use floorguard_cleaning::Brush;
 use floorguard_mapping::GridGeometry;
 use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::motion::Gear;
 
 use super::body::{Body, DISCS};
-use super::lattice::{Gear, Lattice, STEP_M};
+use super::path_finder::{PathFinder, STEP_M};
 use super::plan::MissionPlan;
 use crate::site::Floor;
 
@@ -40,11 +41,11 @@ impl Ground {
     }
 
     /// Finds out where the robot can go, from the start.
-    pub fn explore(&mut self, lattice: &mut Lattice) {
+    pub fn explore(&mut self, path_finder: &mut PathFinder) {
         let raster = self.floor.cells;
         let mut axle = vec![false; raster.cell_count()];
         let mut swept = vec![false; raster.cell_count()];
-        lattice.reach(
+        path_finder.reach(
             self.floor.start,
             |pose, gear| self.is_free(pose, gear),
             |pose| {

@@ -8,6 +8,7 @@ use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use floorguard_cleaning::{CleanRule, LaneAttempt, LaneQueue, Planner, PoseDeviation, VisitPlan};
 use floorguard_guard::{Cause, Decision};
 use floorguard_mapping::{DirtCell, DirtMap, Grid, GridGeometry};
+use floorguard_navigation::global::Pace;
 use floorguard_navigation::path::FollowState;
 use floorguard_navigation::{PathSearch, SearchCell};
 use floorguard_runtime::configuration::RobotConfiguration;
@@ -21,8 +22,8 @@ use floorguard_types::time::Stamp;
 
 use super::body::Body;
 use super::ground::Ground;
-use super::lattice::{Lattice, Pace};
 use super::obstacles::Obstacles;
+use super::path_finder::{ARC_M, HASTE, PathFinder, STEP_M};
 use super::plan::{MissionPlan, MissionStrategy};
 use super::progress::{LaneCount, MissionPhase, MissionWatch};
 use super::retreat::PeopleNear;
@@ -81,21 +82,24 @@ fn pace_of(robot: &RobotConfiguration) -> Pace {
         turn_radps: robot.route_limits.turn_radps,
         reverse_mps: robot.limits.reverse_mps.min(0.2),
         change_s: 1.2,
+        step_m: STEP_M,
+        arc_m: ARC_M,
+        haste: HASTE,
     }
 }
 
 /// Where the robot can go and turn, and the costs of paths. It answers for nothing from where it cannot tell where it
 /// is.
-fn lattice_of(
+fn path_finder_of(
     ground: &mut Ground,
     (plan, robot): (&MissionPlan, &RobotConfiguration),
-) -> anyhow::Result<Lattice> {
-    let mut lattice = Lattice::new(*ground.raster(), among_people(robot, pace_of(robot)));
-    ground.explore(&mut lattice);
+) -> anyhow::Result<PathFinder> {
+    let mut path_finder = PathFinder::new(*ground.raster(), among_people(robot, pace_of(robot)));
+    ground.explore(&mut path_finder);
     if plan.strategy != MissionStrategy::Route {
         ground.floor.keep_in_sight()?;
     }
-    Ok(lattice)
+    Ok(path_finder)
 }
 
 fn search_of(raster: GridGeometry) -> PathSearch<Vec<SearchCell>> {
@@ -144,7 +148,7 @@ pub struct Cleaner {
     pub(super) distance_m: f32,
     pub(super) watch: SharedWatch,
     pub(super) store: Store,
-    pub(super) lattice: Lattice,
+    pub(super) path_finder: PathFinder,
     pub(super) guess: PathSearch<Vec<SearchCell>>,
     pub(super) obstacles: Obstacles,
     /// Everybody and everything that is tracked, odometry frame.
@@ -190,7 +194,7 @@ impl Cleaner {
     ) -> anyhow::Result<Self> {
         let mut ground = Ground::new(plan, (Body::of(robot), scrubber::BRUSH))?;
         let raster = *ground.raster();
-        let lattice = lattice_of(&mut ground, (plan, robot))?;
+        let path_finder = path_finder_of(&mut ground, (plan, robot))?;
         let mut cells = plan.prior(&ground.expected);
         let saved = store.load(plan, cells.len());
         if let Some(saved) = &saved {
@@ -213,7 +217,7 @@ impl Cleaner {
             distance_m: 0.0,
             watch,
             store,
-            lattice,
+            path_finder,
             guess: search_of(raster),
             obstacles: Obstacles::new(raster),
             people_seen: Vec::new(),

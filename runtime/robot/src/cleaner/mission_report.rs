@@ -65,7 +65,7 @@ impl Cleaner {
                 .filter(|cell| was_dirty[*cell] && !floor.reachable[*cell])
                 .count(),
             tour: self.tours.tour().take(TOUR_REPORTED).map(|cell| raster.centre(cell)).collect(),
-            waypoints: self.track.rest().iter().map(|at| place(at.pose)).collect(),
+            waypoints: self.track.rest().iter().map(|at| place(at.pose_in_map)).collect(),
             distance_m: self.distance_m,
             waited_s: self.times.lost_s(),
             times: self.times,

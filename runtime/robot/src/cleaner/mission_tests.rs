@@ -1,9 +1,9 @@
 //! What a mission does at a moment, without a world around it: where its time goes, what it saves, how it goes round somebody.
 
 use super::*;
-use crate::cleaner::lattice::{Gear, Waypoint};
 use floorguard_configuration::{EXAMPLE, parse};
 use floorguard_guard::AdvisedPerson;
+use floorguard_types::motion::{Gear, Waypoint};
 
 /// A mission in a supermarket.
 fn begun() -> (MissionPlan, Cleaner) {
@@ -74,11 +74,11 @@ fn persistent_blocker_is_bypassed_then_postponed() {
     cleaner.near.is_leaving = true;
     assert!(cleaner.choose(pose, 0.0) && !cleaner.near.is_leaving, "on a path to dirt it does not retreat");
     let target = cleaner.target.unwrap();
-    let nowhere = Waypoint { pose: Pose2::new(99.0, 99.0, 0.0), gear: Gear::Ahead };
+    let nowhere = Waypoint { pose_in_map: Pose2::new(99.0, 99.0, 0.0), gear: Gear::Ahead };
     cleaner.track = Track::new(vec![nowhere; 3]);
     cleaner.go_round(pose, 1.0);
     assert_eq!((cleaner.detours, cleaner.target), (1, Some(target)));
-    assert!(cleaner.track.rest().last().is_some_and(|end| end.pose.x_m < 50.0), "another path");
+    assert!(cleaner.track.rest().last().is_some_and(|end| end.pose_in_map.x_m < 50.0), "another path");
     cleaner.go_round(pose, 7.0);
     assert_eq!((cleaner.detours, cleaner.target), (2, None));
     assert!(cleaner.postponed.iter().any(|(cell, _)| *cell == target));

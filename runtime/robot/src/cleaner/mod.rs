@@ -3,10 +3,10 @@
 
 mod body;
 mod ground;
-mod lattice;
 mod mission;
 mod mission_report;
 mod obstacles;
+mod path_finder;
 mod plan;
 mod progress;
 mod retreat;

@@ -157,8 +157,8 @@ impl MissionPlan {
             let [x_m, y_m] = dirt.corner_m;
             let (low, high) = (Point2::new(x_m, y_m), Point2::new(x_m + dirt.edge_m, y_m + dirt.edge_m));
             let (first, last) = (raster.coordinates_of(low), raster.coordinates_of(high));
-            for (column, row) in
-                (first.1..=last.1).flat_map(|row| (first.0..=last.0).map(move |column| (column, row)))
+            for (column, row) in (first.row..=last.row)
+                .flat_map(|row| (first.column..=last.column).map(move |column| (column, row)))
             {
                 let Some(cell) = raster.index(column, row) else { continue };
                 let (centre, half_m) = (raster.centre(cell), 0.5 * raster.resolution_m());
@@ -277,7 +277,7 @@ mod tests {
         let whole = MissionPlan::supermarket();
         let geometry = GridGeometry::new(700, 700, 0.1, Point2::new(-35.0, -35.0)).unwrap();
         let begin = |walls: i32| {
-            let wall = |i: usize| geometry.coordinates(i).0 < walls;
+            let wall = |i: usize| geometry.coordinates(i).column < walls;
             let state = |i: usize| if wall(i) { Occupancy::Occupied } else { Occupancy::Free };
             let map = Grid::new(geometry, (0..geometry.cell_count()).map(state).collect()).unwrap();
             let plan =

@@ -6,8 +6,8 @@
 use floorguard_guard::{AdvisedPerson, Body as GuardBody, DriveLimits};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
+use floorguard_types::motion::{Gear, Waypoint};
 
-use super::lattice::{Gear, Waypoint};
 use super::mission::Cleaner;
 use super::surroundings::Surroundings;
 use super::track::Track;
@@ -99,7 +99,7 @@ impl Cleaner {
             }
             let place = |step: i8| pose.compose(Pose2::new(sign * STEP_M * f32::from(step), 0.0, 0.0));
             let free = (1..=STEPS).take_while(|step| around.is_free(place(*step), gear)).count();
-            let path = (0..=free as i8).map(|step| Waypoint { pose: place(step), gear });
+            let path = (0..=free as i8).map(|step| Waypoint { pose_in_map: place(step), gear });
             Some(path.collect::<Vec<Waypoint>>())
         });
         let Some(path) = paths.filter(|path| path.len() > 1).max_by_key(Vec::len) else { return };
@@ -172,11 +172,14 @@ mod tests {
     fn retreats_from_standing_waits_for_walking_people() {
         let back = path_from(advised_person(1.55, 0.3, 0.0), 1.5);
         assert!(
-            back.iter().all(|at| at.gear == Gear::Back) && back.last().unwrap().pose.x_m < -0.3,
+            back.iter().all(|at| at.gear == Gear::Back) && back.last().unwrap().pose_in_map.x_m < -0.3,
             "{back:?}"
         );
         let on = path_from(advised_person(-1.2, 0.1, 0.0), 1.5);
-        assert!(on.iter().all(|at| at.gear == Gear::Ahead) && on.last().unwrap().pose.x_m > 0.3, "{on:?}");
+        assert!(
+            on.iter().all(|at| at.gear == Gear::Ahead) && on.last().unwrap().pose_in_map.x_m > 0.3,
+            "{on:?}"
+        );
         assert!(path_from(advised_person(1.55, 0.3, 0.0), 0.5).is_empty(), "at once the guard may let it go");
         assert!(path_from(advised_person(1.55, 0.3, -1.0), 1.5).is_empty(), "who walks is gone in a moment");
         assert!(

@@ -1,12 +1,12 @@
 //! Where the robot may be at this moment: the floor of the map, what stands on it now, and an escape path for a robot
 //! that a person has come too near to.
 
-use floorguard_mapping::GridGeometry;
+use floorguard_mapping::{GridCoordinates, GridGeometry};
 use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::motion::Gear;
 
 use super::body::{DISCS, FootprintDiscs};
 use super::ground::Ground;
-use super::lattice::Gear;
 use super::obstacles::Obstacles;
 
 /// Within this distance of where it stands the robot may stay as near to objects as it is, metres.
@@ -94,7 +94,7 @@ fn gaps(raster: &GridGeometry, places: &[(Point2, f32)], reach_m: f32) -> Vec<f3
     let mut gaps_m = vec![f32::INFINITY; raster.cell_count()];
     for (place, around_m) in places {
         let reach = ((reach_m + around_m) * raster.cells_per_metre()).ceil() as i32;
-        let (column, row) = raster.coordinates_of(*place);
+        let GridCoordinates { column, row } = raster.coordinates_of(*place);
         for (dx, dy) in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dx, dy))) {
             let Some(cell) = raster.index(column + dx, row + dy) else { continue };
             let gap_m = raster.centre(cell).distance(*place) - around_m;

@@ -1,11 +1,12 @@
 //! Where the mission goes next: the tour over what is dirty, what is postponed, and the lanes of a mission without a belief.
 
 use floorguard_cleaning::{Lane, LaneAttempt, PlanCells};
-use floorguard_mapping::NO_SLOT;
+use floorguard_mapping::{GridCoordinates, NO_SLOT};
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
+use floorguard_types::motion::{Gear, Waypoint};
 
-use super::lattice::{Gear, STEP_M, Waypoint};
 use super::mission::Cleaner;
+use super::path_finder::STEP_M;
 use super::plan::MissionStrategy;
 use super::progress::MissionPhase;
 use super::track::Track;
@@ -107,7 +108,7 @@ impl Cleaner {
     pub(super) fn cells_within(&self, cell: usize, distance_m: f32) -> impl Iterator<Item = usize> {
         let raster = *self.ground.raster();
         let centre = raster.centre(cell);
-        let (column, row) = raster.coordinates_of(centre);
+        let GridCoordinates { column, row } = raster.coordinates_of(centre);
         let reach = (distance_m * raster.cells_per_metre()).ceil() as i32;
         let offsets = (-reach..=reach).flat_map(move |dy| (-reach..=reach).map(move |dx| (dx, dy)));
         let cells = offsets.filter_map(move |(dx, dy)| raster.index(column + dx, row + dy));
@@ -182,7 +183,7 @@ impl Cleaner {
                 if !self.ground.is_free(next, Gear::Ahead) {
                     break;
                 }
-                path.push(Waypoint { pose: next, gear: Gear::Ahead });
+                path.push(Waypoint { pose_in_map: next, gear: Gear::Ahead });
             }
             self.track = Track::new(path);
             return true;

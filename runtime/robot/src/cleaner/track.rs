@@ -1,31 +1,26 @@
 //! Drives a path of the lattice: forward pieces by pure pursuit, turns on the spot, backwards pieces straight.
 
+use floorguard_navigation::global::Pace;
 use floorguard_navigation::path::{Backing, FollowLimits, FollowState, PathFollower};
 use floorguard_types::geometry::Pose2;
-use floorguard_types::motion;
-
-use super::lattice::{Pace, Waypoint};
+use floorguard_types::motion::Waypoint;
 
 /// A path being driven.
 #[derive(Clone, Debug, Default)]
 pub struct Track {
     path: Vec<Waypoint>,
-    /// The same, as the follower takes it.
-    followed: Vec<motion::Waypoint>,
     follower: PathFollower,
 }
 
 impl Track {
     /// A path from its first waypoint, where the robot is.
     pub fn new(path: Vec<Waypoint>) -> Self {
-        let followed: Vec<motion::Waypoint> =
-            path.iter().map(|at| motion::Waypoint { pose_in_map: at.pose, gear: at.gear }).collect();
-        Self { follower: PathFollower::new(&followed), path, followed }
+        Self { follower: PathFollower::new(&path), path }
     }
 
     /// Nothing is left to drive.
     pub fn is_over(&self) -> bool {
-        self.follower.is_over(&self.followed)
+        self.follower.is_over(&self.path)
     }
 
     /// What is still to be driven.
@@ -42,6 +37,6 @@ impl Track {
             backing: Backing::Heading,
             ..FollowLimits::DEFAULT
         };
-        self.follower.follow(&self.followed, pose, &limits)
+        self.follower.follow(&self.path, pose, &limits)
     }
 }

@@ -1,11 +1,14 @@
 //! From a dirty cell to a path over it: one straight pass of the brush over as much of the dirt around it as
 //! fits.
 
+use floorguard_mapping::GridCoordinates;
+use floorguard_navigation::global::HEADINGS;
 use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::motion::{Gear, Waypoint};
 
 use super::ground::Ground;
-use super::lattice::{Gear, HEADINGS, STEP_M, Waypoint};
 use super::mission::Cleaner;
+use super::path_finder::{STEP_M, Search};
 use super::surroundings::Surroundings;
 use super::track::Track;
 
@@ -56,9 +59,9 @@ impl Cleaner {
         drop(paths);
         if let Some(last) = path.last().copied() {
             let around = Surroundings::new(&self.ground, (&self.obstacles, now_s), pose);
-            let past_m = self.pass_m(last.pose, (target, &dirty), &around);
-            let end = last.pose.compose(Pose2::new(past_m, 0.0, 0.0));
-            path.push(Waypoint { pose: end, gear: Gear::Ahead });
+            let past_m = self.pass_m(last.pose_in_map, (target, &dirty), &around);
+            let end = last.pose_in_map.compose(Pose2::new(past_m, 0.0, 0.0));
+            path.push(Waypoint { pose_in_map: end, gear: Gear::Ahead });
         }
         self.track = Track::new(path);
         self.near.is_leaving = false;
@@ -69,7 +72,7 @@ impl Cleaner {
     /// Middles of the cells around a place that are to be cleaned.
     fn dirty_around(&self, place: Point2) -> Vec<Point2> {
         let raster = self.ground.raster();
-        let (column, row) = raster.coordinates_of(place);
+        let GridCoordinates { column, row } = raster.coordinates_of(place);
         let reach = (AHEAD_M * raster.cells_per_metre()).ceil() as i32;
         let cells = (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (column + dx, row + dy)));
         let dirty = cells.filter_map(|(column, row)| raster.index(column, row));
@@ -118,7 +121,7 @@ impl Cleaner {
         (pose, now_s): (Pose2, f32),
         spot: &Spot,
     ) -> Option<Vec<Waypoint>> {
-        let (ground, guess, speed_mps) = (&self.ground, &mut self.guess, self.lattice.pace().speed_mps);
+        let (ground, guess, speed_mps) = (&self.ground, &mut self.guess, self.path_finder.pace().speed_mps);
         let around = Surroundings::new(ground, (&self.obstacles, now_s), pose);
         guess.run(cell, |cell| ground.floor.passable[cell] || ground.floor.reachable[cell]);
         let left_s = |pose: Pose2| {
@@ -127,20 +130,22 @@ impl Cleaner {
             let path_m = units.map_or(1.5 * axle.distance(spot.target), |units| units as f32 / 290.0);
             Some((path_m - 0.5).max(0.0) / speed_mps)
         };
-        let is_enough = |pose: Pose2| {
+        let is_goal = |pose: Pose2| {
             let past_m = pose.inverse().transform(spot.target).x_m - ground.brush.offset_m + PAST_M;
             spot.is_before(ground, pose) && around.is_clear_ahead(pose, past_m)
         };
-        self.lattice.find(pose, (|pose, gear| around.slowness(pose, gear), left_s), is_enough)
+        let slowness = |pose: Pose2, gear: Gear| around.slowness(pose, gear);
+        self.path_finder.find(pose, &Search { slowness, left_s, is_goal })
     }
 
     /// A path to any pose that is good enough.
     pub(super) fn search(
         &mut self,
         (pose, now_s): (Pose2, f32),
-        (left_s, is_enough): (impl Fn(Pose2) -> Option<f32>, impl Fn(Pose2) -> bool),
+        (left_s, is_goal): (impl Fn(Pose2) -> Option<f32>, impl Fn(Pose2) -> bool),
     ) -> Option<Vec<Waypoint>> {
         let around = Surroundings::new(&self.ground, (&self.obstacles, now_s), pose);
-        self.lattice.find(pose, (|pose, gear| around.slowness(pose, gear), left_s), is_enough)
+        let slowness = |pose: Pose2, gear: Gear| around.slowness(pose, gear);
+        self.path_finder.find(pose, &Search { slowness, left_s, is_goal })
     }
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::Context;
+use floorguard_mapping::environment::{HeatCell, HourCount};
 use image::{Rgb, RgbImage};
 
 use super::model::Model;
@@ -40,13 +41,13 @@ fn colour(value: f32) -> Rgb<u8> {
 #[must_use]
 pub fn values(model: &Model, layer: Layer, hours: Option<&WeekHours>) -> Vec<Option<f32>> {
     let heat = &model.core.heat;
-    let mut counts: Vec<(u32, u32)> =
-        heat.cells().values().iter().map(|cell| (cell.visits, cell.dwell_cs)).collect();
+    let of_cell = |cell: &HeatCell| HourCount { visits: cell.visits, dwell_cs: cell.dwell_cs };
+    let mut counts: Vec<HourCount> = heat.cells().values().iter().map(of_cell).collect();
     if let Some(hours) = hours {
-        counts.fill((0, 0));
+        counts.fill(HourCount::default());
         heat.of_hours(&mut counts, |hour| hours.contains(hour));
     }
-    let value = |(visits, dwell_cs): (u32, u32)| match layer {
+    let value = |HourCount { visits, dwell_cs }: HourCount| match layer {
         Layer::Trajectories => visits as f32,
         Layer::Presence => dwell_cs as f32 / 100.0,
     };

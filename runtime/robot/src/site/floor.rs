@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use floorguard_mapping::{DistanceField, Grid, GridGeometry, Occupancy, fill_distances};
+use floorguard_mapping::{DistanceField, Grid, GridCoordinates, GridGeometry, Occupancy, fill_distances};
 use floorguard_navigation::{PathSearch, SearchCell};
 use floorguard_types::geometry::{Point2, Pose2};
 
@@ -70,7 +70,7 @@ impl Floor {
         // A beam ends on the face of a wall. Were its inside as good an explanation, a robot that sees one wall would
         // believe to be nearer to it than it is.
         let surfaces = field(&|i| {
-            let (column, row) = fine.coordinates(i);
+            let GridCoordinates { column, row } = fine.coordinates(i);
             let is_face = || {
                 let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (column + dx, row + dy)));
                 around.filter_map(|(x, y)| fine.index(x, y)).any(|n| !is_occupied(n))
@@ -207,7 +207,7 @@ impl Floor {
 
     /// The passable cell nearest to a point, within half a metre.
     pub fn nearest_passable(&self, point: Point2) -> Option<usize> {
-        let (column, row) = self.cells.coordinates_of(point);
+        let GridCoordinates { column, row } = self.cells.coordinates_of(point);
         (-5..=5)
             .flat_map(|dy| (-5..=5).map(move |dx| (dx, dy)))
             .filter_map(|(dx, dy)| self.cells.index(column + dx, row + dy))
@@ -226,13 +226,13 @@ fn raster(
     clearance: &DistanceField<Vec<u8>>,
 ) -> anyhow::Result<(GridGeometry, f32)> {
     let fine = occupancy.geometry();
-    let free: Vec<(i32, i32)> = (0..fine.cell_count())
+    let free: Vec<GridCoordinates> = (0..fine.cell_count())
         .filter(|&i| clearance.get(i).is_some_and(|&cm| cm >= 10))
         .map(|i| fine.coordinates(i))
         .collect();
     anyhow::ensure!(!free.is_empty(), "the map shows no free floor");
-    let mut xs: Vec<i32> = free.iter().map(|p| p.0).collect();
-    let mut ys: Vec<i32> = free.iter().map(|p| p.1).collect();
+    let mut xs: Vec<i32> = free.iter().map(|p| p.column).collect();
+    let mut ys: Vec<i32> = free.iter().map(|p| p.row).collect();
     xs.sort_unstable();
     ys.sort_unstable();
     let pixel = fine.resolution_m();
@@ -274,7 +274,7 @@ mod tests {
         let geometry = GridGeometry::new(800, 60, 0.1, Point2::default()).unwrap();
         let map = |walls: u16| {
             let state = |i: usize| {
-                let is_wall = geometry.coordinates(i).0 < i32::from(walls);
+                let is_wall = geometry.coordinates(i).column < i32::from(walls);
                 if is_wall { Occupancy::Occupied } else { Occupancy::Free }
             };
             Grid::new(geometry, (0..geometry.cell_count()).map(state).collect::<Vec<_>>()).unwrap()

@@ -110,8 +110,8 @@ fn covered(floor: &Floor, lanes: &[Lane], brush_m: f32) -> Vec<bool> {
         let low = Point2::new(from.x_m.min(to.x_m) - brush_m, from.y_m.min(to.y_m) - brush_m);
         let high = Point2::new(from.x_m.max(to.x_m) + brush_m, from.y_m.max(to.y_m) + brush_m);
         let (first, last) = (floor.cells.coordinates_of(low), floor.cells.coordinates_of(high));
-        for row in first.1..=last.1 {
-            for column in first.0..=last.0 {
+        for row in first.row..=last.row {
+            for column in first.column..=last.column {
                 let Some(cell) = floor.cells.index(column, row) else { continue };
                 let centre = floor.cells.centre(cell);
                 for (bit, (x, y)) in SAMPLES_M.iter().enumerate() {

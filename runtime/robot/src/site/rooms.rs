@@ -1,6 +1,6 @@
 //! Artificial floors: the two of the published protocol, and a supermarket.
 
-use floorguard_mapping::{Grid, GridGeometry, Occupancy};
+use floorguard_mapping::{Grid, GridCoordinates, GridGeometry, Occupancy};
 use floorguard_types::geometry::Point2;
 
 use super::ros_map::OccupancyMap;
@@ -51,7 +51,7 @@ pub fn cut_out(map: &OccupancyMap, low: Point2, high: Point2) -> anyhow::Result<
     let mut part = Grid::new(geometry, vec![Occupancy::Occupied; geometry.cell_count()])?;
     let (last_column, last_row) = (i32::from(geometry.width()) - 1, i32::from(geometry.height()) - 1);
     for (index, cell) in part.values_mut().iter_mut().enumerate() {
-        let (column, row) = geometry.coordinates(index);
+        let GridCoordinates { column, row } = geometry.coordinates(index);
         let source = fine.cell_at(geometry.centre(index)).and_then(|i| map.get(i));
         let source = source.ok_or_else(|| anyhow::anyhow!("the cut reaches beyond the map"))?;
         if column > 0 && row > 0 && column < last_column && row < last_row {

@@ -2,6 +2,7 @@
 
 use floorguard_types::geometry::Point2;
 use floorguard_types::motion::MovingPerson;
+use floorguard_types::number::nearest_f32;
 
 use super::config::MPPI_STEPS;
 
@@ -55,7 +56,7 @@ impl Forecast {
         }
         let places = nearest.iter().map(|(_, person)| {
             core::array::from_fn(|step| {
-                let then = person.after((step as f32 + 1.0) * step_s, acceleration_mps2);
+                let then = person.after((nearest_f32(step) + 1.0) * step_s, acceleration_mps2);
                 Place { middle: then.position_in_map, deviation_m: then.position_deviation_m }
             })
         });

@@ -1,6 +1,7 @@
 //! What is tried: smooth deviations, from a few random numbers a sample.
 
 use floorguard_types::geometry::Twist2;
+use floorguard_types::number::nearest_f32;
 use floorguard_types::random::Pcg32;
 
 use super::config::MPPI_STEPS;
@@ -16,7 +17,7 @@ pub(super) fn deviations(random: &mut Pcg32) -> [Twist2; MPPI_STEPS] {
         Twist2 { linear_mps, angular_radps }
     });
     core::array::from_fn(|step| {
-        let (knot, share) = (step / KNOT_STEPS, (step % KNOT_STEPS) as f32 / KNOT_STEPS as f32);
+        let (knot, share) = (step / KNOT_STEPS, nearest_f32(step % KNOT_STEPS) / nearest_f32(KNOT_STEPS));
         let at = |knot: usize| knots.get(knot).copied().unwrap_or(Twist2::ZERO);
         let (a, b) = (at(knot), at(knot.saturating_add(1)));
         Twist2 {

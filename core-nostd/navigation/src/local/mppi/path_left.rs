@@ -2,7 +2,7 @@
 
 use floorguard_types::geometry::{Point2, wrap_angle};
 use floorguard_types::motion::{Gear, Waypoint};
-use floorguard_types::number::saturating_usize;
+use floorguard_types::number::{nearest_f32, saturating_usize};
 
 /// Points of the path that are kept: 8 m at 8 cm.
 const POINTS_MAX: usize = 100;
@@ -55,7 +55,7 @@ impl PathLeft {
                 _ => at.pose_in_map.heading_rad,
             };
             for piece in 1..=pieces {
-                let t = piece as f32 / pieces as f32;
+                let t = nearest_f32(piece) / nearest_f32(pieces);
                 let place = Point2::new(before.x_m + t * dx_m, before.y_m + t * dy_m);
                 if points.push(PathPoint { place, heading_rad, left_m: 0.0 }).is_err() {
                     break;

@@ -2,7 +2,7 @@
 
 use floorguard_types::geometry::{Point2, Twist2};
 use floorguard_types::motion::{Footprint, PermittedMotion};
-use floorguard_types::number::saturating_usize;
+use floorguard_types::number::{nearest_f32, saturating_usize};
 use floorguard_types::random::Pcg32;
 
 use super::config::{MPPI_STEPS, MppiConfig};
@@ -85,7 +85,7 @@ impl<S: AsRef<[MppiSample]> + AsMut<[MppiSample]>> Mppi<S> {
     fn shift(&mut self) {
         self.since_shift_s += self.config.period_s;
         let steps = saturating_usize(self.since_shift_s / self.config.step_s).min(MPPI_STEPS);
-        self.since_shift_s -= steps as f32 * self.config.step_s;
+        self.since_shift_s -= nearest_f32(steps) * self.config.step_s;
         let last = self.plan.last().copied().unwrap_or(Twist2::ZERO);
         for to in 0..MPPI_STEPS {
             let value = self.plan.get(to.saturating_add(steps)).copied().unwrap_or(last);

@@ -3,17 +3,15 @@
 use std::vec;
 use std::vec::Vec;
 
-use floorguard_mapping::{GridGeometry, Occupancy, Parabola};
+use floorguard_mapping::GridGeometry;
 use floorguard_types::geometry::Pose2;
 use floorguard_types::motion::{
     AlwaysPermitted, DriveGeometry, DriveKinematics, Gear, MovingPerson, Permission, PlannedMotion, Waypoint,
 };
 
 use super::*;
-use crate::costmap::{
-    CostmapLayers, CostmapView, Inflation, InflationConfig, InflationScratch, PeopleCost, compose,
-    footprint_cost,
-};
+use crate::costmap::floor_tests::costs_of;
+use crate::costmap::{CostmapView, InflationConfig, footprint_cost};
 use crate::local::{Arrival, MppiWeights};
 
 const CONFIG: MppiConfig = MppiConfig {
@@ -49,26 +47,8 @@ fn geometry() -> GridGeometry {
 
 /// Costs of a floor on which some places are occupied.
 fn costs(is_occupied: impl Fn(Point2) -> bool) -> Vec<u8> {
-    let geometry = geometry();
-    let fixed: Vec<Occupancy> = (0..geometry.cell_count())
-        .map(|cell| if is_occupied(geometry.centre(cell)) { Occupancy::Occupied } else { Occupancy::Free })
-        .collect();
-    let config = InflationConfig { inscribed_radius_m: 0.3, inflation_radius_m: 0.7, decay_per_m: 5.0 };
-    let inflation = Inflation::new(&config, 0.05).unwrap();
-    let layers = CostmapLayers {
-        geometry: &geometry,
-        inflation: &inflation,
-        fixed: &fixed,
-        observed: &[],
-        zones: &[],
-        people: &[],
-        people_cost: PeopleCost::DEFAULT,
-    };
-    let (mut squared_cells, mut envelope) = (vec![0; fixed.len()], vec![Parabola::default(); 200]);
-    let mut scratch = InflationScratch { squared_cells: &mut squared_cells, envelope: &mut envelope };
-    let mut costs = vec![0; fixed.len()];
-    compose(&layers, &mut costs, &mut scratch).unwrap();
-    costs
+    let shape = InflationConfig { inscribed_radius_m: 0.3, inflation_radius_m: 0.7, decay_per_m: 5.0 };
+    costs_of(&geometry(), &shape, is_occupied)
 }
 
 fn straight_path(to_m: f32) -> Vec<Waypoint> {

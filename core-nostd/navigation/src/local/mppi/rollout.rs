@@ -2,6 +2,7 @@
 
 use floorguard_types::geometry::{Point2, Pose2, Twist2, wrap_angle};
 use floorguard_types::motion::{Footprint, PermittedMotion, PlannedMotion};
+use floorguard_types::number::nearest_f32;
 
 use super::config::{MPPI_STEPS, MppiConfig};
 use super::forecast::{Forecast, Place};
@@ -88,7 +89,7 @@ impl<P: PermittedMotion> Stage<'_, P> {
             match self.place_cost(&robot, step) {
                 Some(place_s) => cost_s += place_s,
                 None => {
-                    let late = step as f32 / MPPI_STEPS as f32;
+                    let late = nearest_f32(step) / nearest_f32(MPPI_STEPS);
                     let hit_s = config.weights.collision * (2.0 - late) + libm::fabsf(robot.twist.linear_mps);
                     return Outcome { cost_s: cost_s + hit_s + self.end_cost(&robot), is_free: false };
                 }
@@ -114,7 +115,7 @@ impl<P: PermittedMotion> Stage<'_, P> {
         let motion = PlannedMotion {
             pose_in_map: Pose2 { x_m: robot.at.x_m, y_m: robot.at.y_m, heading_rad: robot.heading_rad },
             twist: robot.twist,
-            in_s: (step as f32 + 1.0) * config.step_s,
+            in_s: (nearest_f32(step) + 1.0) * config.step_s,
         };
         let permission = self.guard.permission(motion);
         let speed_mps = libm::fabsf(robot.twist.linear_mps);

@@ -9,6 +9,7 @@ use super::lab::LabTables;
 use super::mixture::Point;
 use crate::floor::root::square_root;
 use floorguard_types::capacities::{FLOOR_BLOCKS_MAX, FLOOR_IMAGE_COLUMNS_MAX};
+use floorguard_types::number::{count_f32, truncating_u16};
 use floorguard_types::sensing::ColorImage;
 
 /// Pixels along a block (book, Floor and dirt: Published dirt detector).
@@ -194,8 +195,8 @@ impl BlockGrid {
             let blocked = usable.iter().filter(|is_usable| !**is_usable).count();
             let bright = pixels.iter().filter(|pixel| pixel.contains(&SATURATED)).count();
             // At most 16 each.
-            growing.unusable = growing.unusable.saturating_add(blocked as u16);
-            growing.saturated = growing.saturated.saturating_add(bright as u16);
+            growing.unusable = growing.unusable.saturating_add(truncating_u16(blocked));
+            growing.saturated = growing.saturated.saturating_add(truncating_u16(bright));
         }
         if row % BLOCK == BLOCK - 1 {
             for growing in self.growing.iter().take(self.columns) {
@@ -209,7 +210,7 @@ impl BlockGrid {
 
 impl Growing {
     fn finished(&self) -> Block {
-        const PIXELS: f32 = (BLOCK * BLOCK) as f32;
+        const PIXELS: f32 = count_f32(BLOCK * BLOCK);
         let features = self.sums.map(|[sum, squares]| {
             let mean = sum / PIXELS;
             [mean, square_root((squares / PIXELS - mean * mean).max(0.0))]

@@ -3,6 +3,8 @@
 //! Distances in Lab are differences that one sees, so one threshold fits dark and bright floor. The curves of both
 //! steps are tables: no power and no root for a pixel. Source: book, Floor and dirt: Lab colours.
 
+use floorguard_types::number::{exact_usize, nearest_f32};
+
 /// Lightness 0..=100, green to red, blue to yellow.
 pub type Lab = [f32; 3];
 
@@ -34,10 +36,10 @@ impl Default for LabTables {
     fn default() -> Self {
         let (mut linear, mut roots) = ([0.0; 256], [[0.0; 2]; ROOT_STEPS + 1]);
         for (byte, slot) in linear.iter_mut().enumerate() {
-            let c = byte as f32 / 255.0;
+            let c = nearest_f32(byte) / 255.0;
             *slot = if c <= 0.04045 { c / 12.92 } else { libm::powf((c + 0.055) / 1.055, 2.4) };
         }
-        let root = |step: usize| libm::cbrtf(step as f32 / ROOT_STEPS as f32);
+        let root = |step: usize| libm::cbrtf(nearest_f32(step) / nearest_f32(ROOT_STEPS));
         for (step, slot) in roots.iter_mut().enumerate() {
             *slot = [root(step), root(step.saturating_add(1)) - root(step)];
         }
@@ -61,12 +63,13 @@ impl LabTables {
 
     #[inline]
     fn curve(&self, t: f32) -> f32 {
-        let place = t * ROOT_STEPS as f32;
+        let place = t * nearest_f32(ROOT_STEPS);
         // Adding 2²³ leaves the nearest whole number in the low bits; half a step less makes it the step before. On the
         // border of two steps both give the same root.
         let shifted = place + (WHOLE - 0.5);
         let step = shifted - WHOLE;
-        let [start, rise] = self.roots.get((shifted.to_bits() & MASK) as usize).copied().unwrap_or_default();
+        let [start, rise] =
+            self.roots.get(exact_usize(shifted.to_bits() & MASK)).copied().unwrap_or_default();
         if t > LINEAR_BELOW { start + rise * (place - step) } else { 7.787 * t + 16.0 / 116.0 }
     }
 }

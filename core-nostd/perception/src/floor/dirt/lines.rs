@@ -6,7 +6,7 @@
 
 use super::pixels::{HALF_COLUMNS_MAX, Pixel};
 use crate::floor::root::{lesser, nearest, square_root};
-use floorguard_types::number::saturating_u8;
+use floorguard_types::number::{nearest_f32, saturating_u8, truncating_u8};
 
 /// Pixels to each side, and up and down, of the rectangle: 7 × 5 at half size closes gaps of up to 6 pixels across, a
 /// centimetre at 1 m, and of up to 4 along the line of sight, where a camera that looks ahead sees a spill foreshortened.
@@ -116,7 +116,7 @@ pub(super) fn classify(half: &[Pixel], columns: usize, tensor: &[Pixel], bytes: 
 /// Lightness 0…100 in 255 steps.
 #[inline]
 fn byte(light: f32) -> u8 {
-    nearest(lesser(light * 2.55, 255.0)) as u8
+    truncating_u8(nearest(lesser(light * 2.55, 255.0)))
 }
 
 /// Lightness as bytes; where no floor is, that of the pixel before, so that the border of the floor is no edge.
@@ -179,7 +179,7 @@ fn limit(contrasts: &[u8]) -> u8 {
         below > total / 2
     });
     // Three standard deviations of 1.4826 medians each.
-    let grain = 4.45 * median.unwrap_or(0) as f32;
+    let grain = 4.45 * nearest_f32(median.unwrap_or(0));
     saturating_u8((grain + CONTRAST_MIN).min(255.0))
 }
 

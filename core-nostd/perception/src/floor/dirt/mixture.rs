@@ -3,7 +3,7 @@
 //! One pass over the points does both steps, so responsibilities are never stored. Where a component starves it is
 //! seeded again once, at the point that is explained worst. Source: book, Floor and dirt: Mixtures.
 
-use floorguard_types::number::{saturating_i32, saturating_usize};
+use floorguard_types::number::{nearest_f32, saturating_i32, saturating_usize, truncating_u32};
 
 /// A point: mean and standard deviation of a block's gradients.
 pub type Point = [f32; 2];
@@ -109,7 +109,7 @@ fn exp_of_negative(x: f32) -> f32 {
     let polynomial = 1.0
         + r * (1.0
             + r * (0.5 + r * (0.166_666_65 + r * (0.041_665_795 + r * (0.008_333_452 + r * 0.001_392_05)))));
-    let exponent = saturating_i32(whole).wrapping_add(127).clamp(1, 254) as u32;
+    let exponent = truncating_u32(saturating_i32(whole).wrapping_add(127).clamp(1, 254));
     if x > -87.0 { polynomial * f32::from_bits(exponent << 23) } else { 0.0 }
 }
 
@@ -129,7 +129,7 @@ impl Mixture {
         let mut mixture = Self::default();
         let mut low = f32::NEG_INFINITY;
         for group in 1..=count.min(COMPONENTS_MAX) {
-            let part = group as f32 / count as f32;
+            let part = nearest_f32(group) / nearest_f32(count);
             let [cut] = super::order::quantiles(points.iter().map(|point| along(*point)), [part])?;
             let high = if group == count { f32::INFINITY } else { cut };
             let members = points.iter().copied().filter(move |point| {
@@ -138,7 +138,7 @@ impl Mixture {
             });
             // A group may be empty where many points are equal: it starts as everything.
             let mut component = moments(members, variance_floor).unwrap_or(whole);
-            component.weight = 1.0 / count as f32;
+            component.weight = 1.0 / nearest_f32(count);
             mixture.components.push(component).ok()?;
             low = high;
         }
@@ -208,7 +208,7 @@ impl Mixture {
                 sum.merge(part);
             }
         }
-        (sums, total / (points.len() as f32).max(1.0), worst.1)
+        (sums, total / nearest_f32(points.len()).max(1.0), worst.1)
     }
 
     fn maximise(&mut self, sums: &[Sums; COMPONENTS_MAX], count: usize, floor: f32) {
@@ -218,7 +218,7 @@ impl Mixture {
             let ([fx, fy], [sxx, sxy, syy]) = (sums.first, sums.second);
             let (dx, dy) = (fx / share, fy / share);
             let [mx, my] = component.mean;
-            component.weight = share / (count as f32).max(1.0);
+            component.weight = share / nearest_f32(count).max(1.0);
             component.mean = [mx + dx, my + dy];
             component.covariance = [
                 (sxx / share - dx * dx).max(0.0) + floor,

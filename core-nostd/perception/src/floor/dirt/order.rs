@@ -2,7 +2,7 @@
 //!
 //! One bin of 1,024 is the error, far below what any threshold here means. Source: book, Conventions: Quantiles.
 
-use floorguard_types::number::{saturating_u32, saturating_usize};
+use floorguard_types::number::{nearest_f32, saturating_u32, saturating_usize};
 
 const BINS: usize = 1_024;
 
@@ -22,7 +22,7 @@ pub(super) fn quantiles<const N: usize>(
     if count == 0 {
         return None;
     }
-    let scale = BINS as f32 / (high - low).max(f32::MIN_POSITIVE);
+    let scale = nearest_f32(BINS) / (high - low).max(f32::MIN_POSITIVE);
     let mut histogram = [0_u32; BINS];
     for value in finite() {
         let bin = saturating_usize((value - low) * scale);
@@ -31,13 +31,13 @@ pub(super) fn quantiles<const N: usize>(
         }
     }
     Some(parts.map(|part| {
-        let wanted = saturating_u32(part * count as f32);
+        let wanted = saturating_u32(part * nearest_f32(count));
         let mut below = 0_u32;
         for (bin, number) in histogram.iter().enumerate() {
             below = below.saturating_add(*number);
             if below > wanted {
                 // The middle of the bin; of a single value the value itself.
-                return if high > low { low + (bin as f32 + 0.5) / scale } else { low };
+                return if high > low { low + (nearest_f32(bin) + 0.5) / scale } else { low };
             }
         }
         high

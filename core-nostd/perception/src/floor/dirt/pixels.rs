@@ -6,6 +6,7 @@
 
 use super::lab::LabTables;
 use floorguard_types::capacities::FLOOR_IMAGE_COLUMNS_MAX;
+use floorguard_types::number::{nearest_f32, truncating_u8};
 use floorguard_types::sensing::ColorImage;
 
 /// Columns of an image of half size.
@@ -31,7 +32,7 @@ pub(super) fn shrink(tables: &LabTables, (image, usable): (&ColorImage<'_>, &[bo
             // Four bytes and two for rounding fit 16 bits; a quarter of them fits a byte.
             let mean = |[a, b, c, d]: [u8; 4]| {
                 let [a, b, c, d] = [u16::from(a), u16::from(b), u16::from(c), u16::from(d)];
-                (a.wrapping_add(b).wrapping_add(c).wrapping_add(d).wrapping_add(2) >> 2) as u8
+                truncating_u8(a.wrapping_add(b).wrapping_add(c).wrapping_add(d).wrapping_add(2) >> 2)
             };
             let is_free = free_upper == &[true; 2] && free_lower == &[true; 2];
             let [l, a, b] =
@@ -80,7 +81,7 @@ pub(super) fn box_mean<const SIDE: usize>(pixels: &[Pixel], columns: usize, outp
                 let [tx, ty, tz, total_weight] = &mut total;
                 (*tx, *ty, *tz, *total_weight) = (*tx + x, *ty + y, *tz + z, *total_weight + weight);
             }
-            *slot = mean(total, SIDE.saturating_mul(SIDE) as f32);
+            *slot = mean(total, nearest_f32(SIDE.saturating_mul(SIDE)));
         }
     }
 }

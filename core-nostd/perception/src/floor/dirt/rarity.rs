@@ -3,6 +3,8 @@
 //! Tile gaps, chips and grain differ from their surroundings too, but they recur all over the floor; dirt does not. The
 //! values are counted in units of their own spread, so that nothing has to be known about the floor.
 
+use floorguard_types::number::{count_f32, nearest_f32};
+
 use super::order::quantiles;
 use super::pixels::Pixel;
 use crate::floor::root::{greater, lesser, logarithm, nearest};
@@ -21,7 +23,7 @@ const SAMPLED: usize = 5;
 const SAMPLES: usize = 4_096;
 
 /// The last of them, in spreads.
-const DISTANCE_MAX: f32 = (STEPS - 1) as f32 / 16.0;
+const DISTANCE_MAX: f32 = count_f32(STEPS - 1) / 16.0;
 
 /// Frequencies of values of three channels.
 #[derive(Clone, Debug)]
@@ -36,7 +38,7 @@ impl Default for Rarity {
     fn default() -> Self {
         let mut distances = [0.0_f32; STEPS];
         for (step, slot) in distances.iter_mut().enumerate() {
-            *slot = DISTANCE_WEIGHT * libm::logf(1.0 + step as f32 / 16.0);
+            *slot = DISTANCE_WEIGHT * libm::logf(1.0 + nearest_f32(step) / 16.0);
         }
         Self { cells: [0.0; CELLS], distances, inverse_spread: [1.0; 3] }
     }

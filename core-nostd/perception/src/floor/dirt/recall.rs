@@ -8,6 +8,7 @@ use super::pixels::HALF_COLUMNS_MAX;
 use crate::floor::root::{greater, nearest};
 use crate::floor::{Plane, dot};
 use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::number::nearest_f32;
 use floorguard_types::sensing::PinholeCamera;
 
 /// From where a frame was taken.
@@ -124,7 +125,7 @@ pub(super) fn recall(
     let rows = scores.chunks_exact_mut(columns).zip(next.chunks_exact_mut(columns));
     for (row, (scores, next)) in rows.enumerate() {
         for (column, (score, next)) in scores.iter_mut().zip(next).enumerate() {
-            let place = homography.map(column as f32, row as f32);
+            let place = homography.map(nearest_f32(column), nearest_f32(row));
             let [sum, weight] = place.map_or([0.0; 2], |place| sample(past, columns, place));
             let (mut sum, mut weight) = (FADE * sum, FADE * weight);
             if !score.is_nan() {
@@ -147,12 +148,12 @@ pub(super) fn remember(scores: &[f32], next: &mut [Remembered]) {
 /// Between four pixels; nothing outside of the image.
 #[inline]
 fn sample(past: &[Remembered], columns: usize, (column, row): (f32, f32)) -> Remembered {
-    if !(column >= 0.0 && row >= 0.0 && column < columns.saturating_sub(1) as f32) {
+    if !(column >= 0.0 && row >= 0.0 && column < nearest_f32(columns.saturating_sub(1))) {
         return [0.0; 2];
     }
     // The nearest of half a pixel before is the pixel before; on a pixel, both it and the one before it mix to the same.
     let (whole_column, whole_row) = (nearest(greater(column - 0.5, 0.0)), nearest(greater(row - 0.5, 0.0)));
-    let (left, top) = (whole_column as f32, whole_row as f32);
+    let (left, top) = (nearest_f32(whole_column), nearest_f32(whole_row));
     let start = whole_row.wrapping_mul(columns).wrapping_add(whole_column);
     let pair = |start: usize| past.get(start..start.wrapping_add(2));
     let (Some([a, b]), Some([c, d])) = (pair(start), pair(start.wrapping_add(columns))) else {

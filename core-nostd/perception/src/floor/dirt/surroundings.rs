@@ -1,7 +1,9 @@
 //! What surrounds a place on the floor: the median of the cells around it, which light changes slowly and dirt hardly.
 
 use super::pixels::{HALF_COLUMNS_MAX, Pixel};
-use floorguard_types::number::saturating_usize;
+use floorguard_types::number::{
+    exact_usize, nearest_f32, saturating_usize, truncating_i32, truncating_usize,
+};
 
 /// Pixels of quarter size along a cell: 32 of the image.
 pub(super) const CELL: usize = 8;
@@ -61,7 +63,7 @@ impl Surroundings {
                 }
             }
             for (mean, [x, y, z, weight]) in means.iter_mut().zip(sums) {
-                if weight >= (CELL * CELL / 4) as f32 {
+                if weight >= nearest_f32(CELL * CELL / 4) {
                     *mean = [x / weight, y / weight, z / weight];
                 }
             }
@@ -70,14 +72,14 @@ impl Surroundings {
 
     /// Median of the cells around every cell, mirrored at the edges.
     fn take_medians(&mut self, channels: usize) {
-        let (wide, high) = (self.columns as i32, self.rows as i32);
+        let (wide, high) = (truncating_i32(self.columns), truncating_i32(self.rows));
         let means = &self.means;
         let at = |column: i32, row: i32| {
             let mirrored = |place: i32, count: i32| {
                 let last = count.saturating_sub(1).max(0);
                 let place = place.abs();
                 let place = if place > last { last.saturating_mul(2).saturating_sub(place) } else { place };
-                place.clamp(0, last) as usize
+                truncating_usize(place.clamp(0, last))
             };
             let index =
                 mirrored(row, high).saturating_mul(CELL_COLUMNS_MAX).saturating_add(mirrored(column, wide));
@@ -88,7 +90,8 @@ impl Surroundings {
                 let mut taps = [[f32::NAN; TAPS]; 3];
                 let places = (-REACH..=REACH).flat_map(|dy| (-REACH..=REACH).map(move |dx| (dx, dy)));
                 for (index, (dx, dy)) in places.enumerate() {
-                    let mean = at((column as i32).saturating_add(dx), (row as i32).saturating_add(dy));
+                    let mean =
+                        at(truncating_i32(column).saturating_add(dx), truncating_i32(row).saturating_add(dy));
                     for (taps, value) in taps.iter_mut().zip(mean) {
                         if let Some(slot) = taps.get_mut(index) {
                             *slot = value;
@@ -106,7 +109,7 @@ impl Surroundings {
     /// The surroundings along a row of pixels, of which `pixels_a_cell` make a cell.
     pub(super) fn line(&self, row: usize, pixels_a_cell: usize) -> Line {
         let last_row = self.rows.saturating_sub(1);
-        let (upper, down) = place(row, pixels_a_cell.max(1) as f32, last_row);
+        let (upper, down) = place(row, nearest_f32(pixels_a_cell.max(1)), last_row);
         let line = |row: usize| self.around.chunks(CELL_COLUMNS_MAX).nth(row.min(last_row)).unwrap_or(&[]);
         let mut values = [[[f32::NAN; 3]; 2]; CELL_COLUMNS_MAX];
         for ([slot, _], (a, b)) in
@@ -137,7 +140,7 @@ impl Line {
         let (first, others) = pixels.split_at_mut((self.cell / 2).min(pixels.len()));
         let [[start, _], ..] = self.values;
         first.iter_mut().for_each(|pixel| take(pixel, start));
-        let step = 1.0 / self.cell as f32;
+        let step = 1.0 / nearest_f32(self.cell);
         for (pixels, [value, rise]) in others.chunks_mut(self.cell.max(1)).zip(&self.values) {
             let mut part = 0.5 * step;
             let ([x, y, z], [rx, ry, rz]) = (*value, *rise);
@@ -157,9 +160,9 @@ fn take([x, y, z, _]: &mut Pixel, [ax, ay, az]: [f32; 3]) {
 /// Cell before a pixel and how far the pixel is towards the next, by the cells' centres.
 #[inline]
 fn place(pixel: usize, cell: f32, last: usize) -> (usize, f32) {
-    let at = ((pixel as f32 + 0.5) / cell - 0.5).clamp(0.0, last as f32);
+    let at = ((nearest_f32(pixel) + 0.5) / cell - 0.5).clamp(0.0, nearest_f32(last));
     let before = saturating_usize(at);
-    (before, at - before as f32)
+    (before, at - nearest_f32(before))
 }
 
 /// Between two values; the known one where the other is not.
@@ -183,8 +186,8 @@ fn median(taps: &[f32; TAPS]) -> f32 {
         // Comparisons with NaN are false, so unknown values count nowhere; counting is faster than sorting 25 values.
         let below: u32 = taps.iter().map(|other| u32::from(other < value)).sum();
         let equal: u32 = taps.iter().map(|other| u32::from(other == value)).sum();
-        let rank = below as usize;
-        if rank <= wanted && wanted < rank.saturating_add(equal as usize) {
+        let rank = exact_usize(below);
+        if rank <= wanted && wanted < rank.saturating_add(exact_usize(equal)) {
             return *value;
         }
     }

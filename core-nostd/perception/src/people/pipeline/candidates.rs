@@ -4,7 +4,7 @@ use super::context::SweepContext;
 use super::state::PeoplePipelineOf;
 use crate::clusters::Cluster;
 use crate::people::splits::SEEDS_MAX;
-use crate::shapes::shape::ShapeBuilder;
+use crate::shapes::shape::{Heights, ShapeBuilder};
 use crate::tracking::{AppearanceOf, DetectionOf};
 use floorguard_types::geometry::Point2;
 use floorguard_types::profile::{List, Profile, Size};
@@ -54,8 +54,8 @@ impl<P: Profile> PeoplePipelineOf<P> {
             *worse = detection;
             slot = row;
         }
-        let heights_m = (cluster.lower.z_m, cluster.upper.z_m);
-        let builder = ShapeBuilder::new(context.sensor_in_base.translation, cluster.centroid, heights_m);
+        let heights = Heights { bottom_m: cluster.lower.z_m, top_m: cluster.upper.z_m };
+        let builder = ShapeBuilder::new(context.sensor_in_base.translation, cluster.centroid, heights);
         self.candidate_shapes.set(slot, index, builder, cluster);
         Some(slot)
     }

@@ -4,7 +4,7 @@ use super::context::{PeopleCounters, SweepContext};
 use super::state::PeoplePipelineOf;
 use crate::clusters::{FloorLimits, Obstacles, RingProfile, SweepFrame, rings_of};
 use floorguard_types::capacities::SWEEP_RINGS;
-use floorguard_types::number::saturating_u32;
+use floorguard_types::number::{saturating_u32, truncating_u16, truncating_u32};
 use floorguard_types::profile::{List, Profile};
 use floorguard_types::sensing::{SweepColumnOf, SweepOf};
 
@@ -43,7 +43,7 @@ impl<P: Profile> PeoplePipelineOf<P> {
             // Same capacity: never full.
             let _ = self.clusters.push(*cluster);
         }
-        self.counters.clusters = self.clusters.len() as u32;
+        self.counters.clusters = truncating_u32(self.clusters.len());
         self.counters.dropped_clusters = self.clusterer.dropped;
     }
 
@@ -68,7 +68,7 @@ impl<P: Profile> PeoplePipelineOf<P> {
             let raw = f32::from(*raw);
             let (distance_m, height_m) = (raw * along, raw * rise + origin_m);
             if distance_m <= range_max_m && height_m < CEILING_M {
-                present |= 1_u16.wrapping_shl(ring as u32);
+                present |= 1_u16.wrapping_shl(truncating_u32(ring));
                 *count = in_counts(distance_m);
                 sector.include(*count);
             }
@@ -101,5 +101,5 @@ fn returns_of(range_raw: &[u16; SWEEP_RINGS]) -> u16 {
 
 /// Horizontal distance in counts of 2 mm, as the clusterer takes it: an obstacle is never 0.
 pub(super) fn in_counts(distance_m: f32) -> u16 {
-    saturating_u32(distance_m * 500.0).clamp(1, u32::from(u16::MAX)) as u16
+    truncating_u16(saturating_u32(distance_m * 500.0).clamp(1, u32::from(u16::MAX)))
 }

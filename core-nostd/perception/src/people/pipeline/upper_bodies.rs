@@ -5,6 +5,7 @@ use super::context::SweepContext;
 use super::find_clusters::in_counts;
 use super::state::PeoplePipelineOf;
 use crate::clusters::{Cluster, Obstacles, RingProfile, SweepFrame, rings_of};
+use floorguard_types::number::truncating_u32;
 use floorguard_types::profile::{Profile, Size};
 use floorguard_types::sensing::{SweepColumnOf, SweepOf};
 
@@ -75,7 +76,7 @@ fn find_upper_obstacles<P: Profile>(
         let (distance_m, height_m) = (raw * along, raw * rise + height_m);
         if height_m >= UPPER_BODY_M && distance_m < UPPER_BODY_RANGE_M {
             *count = in_counts(distance_m);
-            obstacles.present |= 1_u16.wrapping_shl(ring as u32);
+            obstacles.present |= 1_u16.wrapping_shl(truncating_u32(ring));
         }
     }
 }

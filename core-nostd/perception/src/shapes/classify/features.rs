@@ -7,6 +7,7 @@
 
 use super::eigenvalues::eigenvalues3;
 use floorguard_types::geometry::Point3;
+use floorguard_types::number::{nearest_f32_of_f64, nearest_f64, saturating_usize_of_f64};
 
 /// Dimensions of the vector.
 pub const FEATURES: usize = 71;
@@ -134,17 +135,20 @@ impl ScatterPass {
         }
         let intensity = f64::from(reflectivity);
         self.intensity_scatter += (intensity - self.intensity_mean) * (intensity - self.intensity_mean);
-        let slice_m = (self.first.highest_m - self.first.lowest_m) / SLICES as f64;
+        let slice_m = (self.first.highest_m - self.first.lowest_m) / nearest_f64(SLICES);
         if slice_m > 0.0 {
-            let index = ((position[2] - self.first.lowest_m) / slice_m) as usize;
+            let index = saturating_usize_of_f64((position[2] - self.first.lowest_m) / slice_m);
             if let Some(slice) = self.slices.get_mut(index.min(SLICES - 1)) {
                 slice.add(position);
             }
         }
-        let width = (self.first.intensity_max - self.first.intensity_min) / BINS as f64;
+        let width = (self.first.intensity_max - self.first.intensity_min) / nearest_f64(BINS);
         // All of one brightness: the published code divides 0 by 0 and lands in the last bin.
-        let bin =
-            if width > 0.0 { ((intensity - self.first.intensity_min) / width) as usize } else { BINS - 1 };
+        let bin = if width > 0.0 {
+            saturating_usize_of_f64((intensity - self.first.intensity_min) / width)
+        } else {
+            BINS - 1
+        };
         if let Some(count) = self.histogram.get_mut(bin.min(BINS - 1)) {
             *count = count.saturating_add(1);
         }
@@ -185,7 +189,7 @@ impl ScatterPass {
         let all = head.into_iter().chain(extents).chain(centroids).chain(histogram).chain(tail);
         let mut features = [0.0; FEATURES];
         for (feature, value) in features.iter_mut().zip(all) {
-            *feature = value as f32;
+            *feature = nearest_f32_of_f64(value);
         }
         features
     }

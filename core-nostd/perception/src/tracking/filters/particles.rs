@@ -6,6 +6,7 @@ use nalgebra::{Matrix4, Vector4};
 
 use super::gaussian::{Degenerate, Gaussian, Surprise, surprise};
 use super::{Observation, PersonFilter};
+use floorguard_types::number::nearest_f32;
 use floorguard_types::random::Pcg32;
 
 /// The particles of one person.
@@ -31,7 +32,7 @@ impl<const N: usize> Particles<N> {
     }
 
     fn count() -> f32 {
-        N.max(1) as f32
+        nearest_f32(N.max(1))
     }
 
     /// Spreads copies by K·(max − min)·N^(−1/4); K is 0.2: with the usual 1 the spread of the copies would be many

@@ -1,7 +1,4 @@
-//! From floats to whole numbers, in one place: towards zero, saturating at the ends of the type, 0 for a NaN.
-//!
-//! This is what `as` does (Rust Reference, Operator expressions: Numeric cast), and what it compiles to; the name says that
-//! the ends were thought of.
+//! From floats to whole numbers and to shorter floats.
 
 /// Towards zero, within 0…255; 0 for a NaN.
 ///
@@ -68,6 +65,19 @@ pub const fn saturating_u32(value: f32) -> u32 {
     value as u32
 }
 
+/// Towards zero, within 0…18,446,744,073,709,551,615; 0 for a NaN.
+///
+/// ```
+/// use floorguard_types::number::saturating_u64;
+///
+/// assert_eq!([-1.0, 7.9, f32::INFINITY, f32::NAN].map(saturating_u64), [0, 7, u64::MAX, 0]);
+/// ```
+#[inline(always)]
+#[must_use]
+pub const fn saturating_u64(value: f32) -> u64 {
+    value as u64
+}
+
 /// Towards zero, within the numbers of 32 bits; 0 for a NaN. Not the floor: −0.5 becomes 0.
 ///
 /// ```
@@ -92,4 +102,56 @@ pub const fn saturating_i32(value: f32) -> i32 {
 #[must_use]
 pub const fn saturating_usize(value: f32) -> usize {
     value as usize
+}
+
+/// Towards zero, within 0…4,294,967,295; 0 for a NaN.
+///
+/// ```
+/// use floorguard_types::number::saturating_u32_of_f64;
+///
+/// assert_eq!([-1.0, 7.9, 1.0e12, f64::NAN].map(saturating_u32_of_f64), [0, 7, u32::MAX, 0]);
+/// ```
+#[inline(always)]
+#[must_use]
+pub const fn saturating_u32_of_f64(value: f64) -> u32 {
+    value as u32
+}
+
+/// Towards zero, at least 0, at most the largest index; 0 for a NaN.
+///
+/// ```
+/// use floorguard_types::number::saturating_usize_of_f64;
+///
+/// assert_eq!([-1.0, 7.9, f64::INFINITY, f64::NAN].map(saturating_usize_of_f64), [0, 7, usize::MAX, 0]);
+/// ```
+#[inline(always)]
+#[must_use]
+pub const fn saturating_usize_of_f64(value: f64) -> usize {
+    value as usize
+}
+
+/// Towards zero, within the numbers of 64 bits; 0 for a NaN.
+///
+/// ```
+/// use floorguard_types::number::saturating_i64_of_f64;
+///
+/// assert_eq!([-7.9, 7.9, 1.0e30, f64::NAN].map(saturating_i64_of_f64), [-7, 7, i64::MAX, 0]);
+/// ```
+#[inline(always)]
+#[must_use]
+pub const fn saturating_i64_of_f64(value: f64) -> i64 {
+    value as i64
+}
+
+/// The nearest float of 32 bits, ties to even; infinite beyond the largest.
+///
+/// ```
+/// use floorguard_types::number::nearest_f32_of_f64;
+///
+/// assert_eq!([0.1, 1.0e300].map(nearest_f32_of_f64), [0.1_f32, f32::INFINITY]);
+/// ```
+#[inline(always)]
+#[must_use]
+pub const fn nearest_f32_of_f64(value: f64) -> f32 {
+    value as f32
 }

@@ -1,7 +1,8 @@
-//! Follows a route of waypoints by pure pursuit.
+//! Follows a route of places by pure pursuit: corners are cut, and a place counts as met from half a metre.
 //!
-//! The steering law is the textbook one (Coulter 1992): drive the arc that leads through a point on the route at the
-//! look-ahead distance, curvature = 2·y/L². A point far to the side is met by turning on a short arc first, because a
+//! The steering law is that of [`PathFollower`](super::PathFollower) (Coulter 1992): drive the arc that leads through a point on
+//! the route at the look-ahead distance, curvature = 2·y/L². It knows no headings, no gears and no end of a piece, so that it
+//! neither slows down nor gives up. A point far to the side is met by turning on a short arc first, because a
 //! three-wheeled base with a steered front wheel can nearly pivot about its rear axle.
 
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
