@@ -20,6 +20,11 @@ pub fn wrap(angle_rad: f64) -> f64 {
     angle_rad - turn * ((angle_rad + core::f64::consts::PI) / turn).floor()
 }
 
+/// Length of a vector within a map; not by `hypot`, which differs from one standard library to another.
+fn length_m([x_m, y_m]: [f64; 2]) -> f64 {
+    (x_m * x_m + y_m * y_m).sqrt()
+}
+
 impl Se2 {
     /// A pose; the heading is wrapped.
     #[must_use]
@@ -30,7 +35,7 @@ impl Se2 {
     /// `self` followed by `inner`.
     #[must_use]
     pub fn compose(self, inner: Self) -> Self {
-        let (sin, cos) = self.heading_rad.sin_cos();
+        let (sin, cos) = libm::sincos(self.heading_rad);
         Self::new(
             self.x_m + cos * inner.x_m - sin * inner.y_m,
             self.y_m + sin * inner.x_m + cos * inner.y_m,
@@ -41,7 +46,7 @@ impl Se2 {
     /// The pose that undoes this one.
     #[must_use]
     pub fn inverse(self) -> Self {
-        let (sin, cos) = self.heading_rad.sin_cos();
+        let (sin, cos) = libm::sincos(self.heading_rad);
         Self::new(-(cos * self.x_m + sin * self.y_m), sin * self.x_m - cos * self.y_m, -self.heading_rad)
     }
 
@@ -60,7 +65,13 @@ impl Se2 {
     /// Distance of the origins, metres.
     #[must_use]
     pub fn distance(self, other: Self) -> f64 {
-        (self.x_m - other.x_m).hypot(self.y_m - other.y_m)
+        length_m([self.x_m - other.x_m, self.y_m - other.y_m])
+    }
+
+    /// Distance of the origin from that of the outer frame, metres.
+    #[must_use]
+    pub fn length_m(self) -> f64 {
+        length_m([self.x_m, self.y_m])
     }
 
     /// In single precision, for use within a few dozen metres of the frame.
@@ -72,7 +83,7 @@ impl Se2 {
     /// A point of this frame in the outer one.
     #[must_use]
     pub fn transform(self, point: Point2) -> [f64; 2] {
-        let (sin, cos) = self.heading_rad.sin_cos();
+        let (sin, cos) = libm::sincos(self.heading_rad);
         let (x, y) = (f64::from(point.x_m), f64::from(point.y_m));
         [self.x_m + cos * x - sin * y, self.y_m + sin * x + cos * y]
     }

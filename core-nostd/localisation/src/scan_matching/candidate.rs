@@ -26,13 +26,60 @@ pub struct Candidate {
     pub level: usize,
 }
 
-/// Sum of the values below the points, moved by whole cells.
-pub(super) fn sum_of_values(level: &FieldLevel<'_>, cells: &[CellOffset], column: i32, row: i32) -> i32 {
+/// The cells of all points for one turn, and the corners of the square that holds them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TurnedPoints<'a> {
+    pub(super) cells: &'a [CellOffset],
+    pub(super) low: CellOffset,
+    pub(super) high: CellOffset,
+}
+
+/// Points between two looks at what is still possible.
+const CHUNK: usize = 64;
+
+/// Sum of the values below the points, moved by whole cells; the least number if it cannot exceed `needed`.
+pub(super) fn sum_of_values(
+    level: &FieldLevel<'_>,
+    points: &TurnedPoints<'_>,
+    [column, row]: [i32; 2],
+    needed: i32,
+) -> i32 {
+    let moved = |offset: i16, by: i32| i32::from(offset).saturating_add(by);
+    let (width, height) = (level.geometry.columns(), level.geometry.rows());
+    let fits = |value: i32, side: usize| usize::try_from(value).is_ok_and(|value| value < side);
+    let is_inside = moved(points.low.column, column) >= 0
+        && moved(points.low.row, row) >= 0
+        && fits(moved(points.high.column, column), width)
+        && fits(moved(points.high.row, row), height);
     let mut sum = 0_i32;
+    let mut left = points.cells.len();
+    for cells in points.cells.chunks(CHUNK) {
+        let part = if is_inside {
+            sum_inside(level, cells, [column, row])
+        } else {
+            let value = |cell: &CellOffset| level.at(moved(cell.column, column), moved(cell.row, row));
+            cells.iter().map(|cell| u32::from(value(cell))).fold(0, u32::saturating_add)
+        };
+        sum = sum.saturating_add_unsigned(part);
+        left = left.saturating_sub(cells.len());
+        let most = u32::try_from(left).unwrap_or(u32::MAX).saturating_mul(255);
+        if sum.saturating_add_unsigned(most) <= needed {
+            return i32::MIN;
+        }
+    }
+    sum
+}
+
+/// The same where no point lies outside the field.
+#[inline]
+fn sum_inside(level: &FieldLevel<'_>, cells: &[CellOffset], [column, row]: [i32; 2]) -> u32 {
+    let width = i64::try_from(level.geometry.columns()).unwrap_or(0);
+    let first = i64::from(row).wrapping_mul(width).wrapping_add(i64::from(column));
+    let mut sum = 0_u32;
     for cell in cells {
-        let value =
-            level.at(i32::from(cell.column).saturating_add(column), i32::from(cell.row).saturating_add(row));
-        sum = sum.saturating_add(i32::from(value));
+        let index = i64::from(cell.row).wrapping_mul(width).wrapping_add(i64::from(cell.column));
+        let index = usize::try_from(index.wrapping_add(first)).unwrap_or(usize::MAX);
+        sum = sum.wrapping_add(u32::from(level.values.get(index).copied().unwrap_or(0)));
     }
     sum
 }

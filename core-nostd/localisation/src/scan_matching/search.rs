@@ -4,7 +4,7 @@ use floorguard_mapping::match_field::FieldLevel;
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::number::{nearest_f32, saturating_i32};
 
-use super::candidate::{Candidate, CellOffset, sum_of_values};
+use super::candidate::{Candidate, CellOffset, TurnedPoints, sum_of_values};
 use super::window::{Raster, SearchWindow};
 
 /// Room that a search needs; its size limits the points and the blocks that are kept.
@@ -86,8 +86,8 @@ pub fn search(
         if block.bound <= search.best.bound {
             break;
         }
-        let count = window.rotate(block.turn, &search.raster, points, cells);
-        search.descend(*block, cells.get(..count)?);
+        let turned = window.rotate(block.turn, &search.raster, points, cells);
+        search.descend(*block, &turned);
     }
     let best = search.best;
     (best.level == 0).then(|| Found {
@@ -106,12 +106,14 @@ const HALF_SIDE_MAX: i32 = 1 << 14;
 const TURN_STEPS_MAX: i32 = 3_600;
 
 impl Search<'_> {
-    /// The upper bound of a block.
-    fn judge(&self, candidate: Candidate, cells: &[CellOffset]) -> Candidate {
+    /// The upper bound of a block, exact where it is better than the best.
+    fn judge(&self, candidate: Candidate, points: &TurnedPoints<'_>) -> Candidate {
         let Some(level) = self.levels.get(candidate.level) else { return candidate };
-        let sum = sum_of_values(level, cells, candidate.column, candidate.row);
         let penalty = self.window.least_penalty(&candidate, level.shift, self.edge_m) * self.full_score;
-        Candidate { bound: sum.saturating_sub(saturating_i32(penalty)), ..candidate }
+        let penalty = saturating_i32(penalty);
+        let needed = self.best.bound.saturating_add(penalty);
+        let sum = sum_of_values(level, points, [candidate.column, candidate.row], needed);
+        Candidate { bound: sum.saturating_sub(penalty), ..candidate }
     }
 
     /// Judges all blocks of the coarsest level; answers how many are kept.
@@ -121,11 +123,10 @@ impl Search<'_> {
         let (half, turns) = (self.window.half_side_cells.max(0), self.window.half_turn_steps.max(0));
         let mut kept = 0_usize;
         for turn in -turns..=turns.min(TURN_STEPS_MAX) {
-            let count = self.window.rotate(turn, &self.raster, self.points, cells);
-            let cells = cells.get(..count).unwrap_or_default();
+            let turned = self.window.rotate(turn, &self.raster, self.points, cells);
             for row in (-half..=half.min(HALF_SIDE_MAX)).step_by(side) {
                 for column in (-half..=half.min(HALF_SIDE_MAX)).step_by(side) {
-                    let block = self.judge(Candidate { bound: 0, turn, column, row, level }, cells);
+                    let block = self.judge(Candidate { bound: 0, turn, column, row, level }, &turned);
                     if block.bound <= self.best.bound {
                         continue;
                     }
@@ -154,7 +155,7 @@ impl Search<'_> {
     }
 
     /// Splits a block until nothing of it can be better than the best.
-    fn descend(&mut self, root: Candidate, cells: &[CellOffset]) {
+    fn descend(&mut self, root: Candidate, points: &TurnedPoints<'_>) {
         let mut pending: heapless::Vec<Candidate, PENDING_MAX> = heapless::Vec::new();
         let _ = pending.push(root);
         for _ in 0..SPLITS_MAX {
@@ -163,7 +164,7 @@ impl Search<'_> {
                 continue;
             }
             let first_child = pending.len();
-            self.split(block, cells, &mut pending);
+            self.split(block, points, &mut pending);
             // The most promising child is taken first.
             if let Some(children) = pending.get_mut(first_child..) {
                 children.sort_unstable_by_key(|child| child.bound);
@@ -175,7 +176,7 @@ impl Search<'_> {
     fn split(
         &mut self,
         block: Candidate,
-        cells: &[CellOffset],
+        points: &TurnedPoints<'_>,
         pending: &mut heapless::Vec<Candidate, PENDING_MAX>,
     ) {
         let level = block.level.saturating_sub(1);
@@ -193,7 +194,7 @@ impl Search<'_> {
                 if child.column > half || child.row > half {
                     continue;
                 }
-                let child = self.judge(child, cells);
+                let child = self.judge(child, points);
                 if level == 0 {
                     self.accept(child);
                 } else if child.bound > self.best.bound && pending.push(child).is_err() {

@@ -1,9 +1,9 @@
 //! Which poses a search looks at.
 
 use floorguard_types::geometry::{Point2, Pose2};
-use floorguard_types::number::{nearest_f32, saturating_i16};
+use floorguard_types::number::{nearest_f32, saturating_i32};
 
-use super::candidate::{Candidate, CellOffset};
+use super::candidate::{Candidate, CellOffset, TurnedPoints};
 
 /// Poses around a guess: a square of cells, and turns in equal steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,22 +49,28 @@ pub struct Exclusion {
 }
 
 impl SearchWindow {
-    /// Writes the cells of the points for a turn, and answers how many there was room for.
-    pub(super) fn rotate(
+    /// Writes the cells of the points for a turn: of as many as there are cells for.
+    pub(super) fn rotate<'a>(
         &self,
         turn: i32,
         frame: &Raster,
         points: &[Point2],
-        cells: &mut [CellOffset],
-    ) -> usize {
+        cells: &'a mut [CellOffset],
+    ) -> TurnedPoints<'a> {
         let heading = self.centre.heading_rad + nearest_f32(turn) * self.turn_step_rad;
         let (sin, cos) = libm::sincosf(heading);
-        for (point, cell) in points.iter().zip(cells.iter_mut()) {
+        let mut low = CellOffset { column: i16::MAX, row: i16::MAX };
+        let mut high = CellOffset { column: i16::MIN, row: i16::MIN };
+        for (point, place) in points.iter().zip(cells.iter_mut()) {
             let x = self.centre.x_m + cos * point.x_m - sin * point.y_m;
             let y = self.centre.y_m + sin * point.x_m + cos * point.y_m;
-            *cell = frame.cell(Point2::new(x, y));
+            let cell = frame.cell(Point2::new(x, y));
+            low = CellOffset { column: low.column.min(cell.column), row: low.row.min(cell.row) };
+            high = CellOffset { column: high.column.max(cell.column), row: high.row.max(cell.row) };
+            *place = cell;
         }
-        points.len().min(cells.len())
+        let count = points.len().min(cells.len());
+        TurnedPoints { cells: cells.get(..count).unwrap_or_default(), low, high }
     }
 
     /// The least that any pose of a block of 2^`shift` cells loses, as a share of the score.
@@ -111,9 +117,15 @@ pub(super) struct Raster {
 
 impl Raster {
     fn cell(&self, point: Point2) -> CellOffset {
-        // `as` saturates; a point that far away is outside every field.
-        let cell =
-            |value: f32, origin: f32| saturating_i16(libm::floorf((value - origin) * self.cells_per_metre));
+        let cell = |value: f32, origin: f32| floor((value - origin) * self.cells_per_metre);
         CellOffset { column: cell(point.x_m, self.origin.x_m), row: cell(point.y_m, self.origin.y_m) }
     }
+}
+
+/// Towards −∞; a point beyond the numbers is outside every field.
+#[inline]
+fn floor(value: f32) -> i16 {
+    let whole = saturating_i32(value);
+    let below = if value < nearest_f32(whole) { whole.saturating_sub(1) } else { whole };
+    i16::try_from(below).unwrap_or(if below < 0 { i16::MIN } else { i16::MAX })
 }

@@ -61,15 +61,21 @@ pub fn coarsen(source: FieldLevel<'_>, target: &mut [u8]) {
     let step = 1_usize << source.shift.min(15);
     let width = usize::from(source.geometry.width()).max(1);
     let rows = usize::from(source.geometry.height());
+    target.fill(0);
     for (row, out) in target.chunks_exact_mut(width).take(rows).enumerate() {
         let start = row.saturating_mul(width);
         let above = start.saturating_add(step.saturating_mul(width));
-        let here = source.values.get(start..start.saturating_add(width)).unwrap_or_default();
-        let there = source.values.get(above..above.saturating_add(width)).unwrap_or_default();
-        for (column, cell) in out.iter_mut().enumerate() {
-            let next = column.saturating_add(step);
-            let of = |line: &[u8], column: usize| line.get(column).copied().unwrap_or(0);
-            *cell = of(here, column).max(of(here, next)).max(of(there, column)).max(of(there, next));
+        for first in [start, above] {
+            let line = source.values.get(first..first.saturating_add(width)).unwrap_or_default();
+            raise(out, line);
+            raise(out, line.get(step..).unwrap_or_default());
         }
+    }
+}
+
+/// Makes each value at least as large as another one.
+fn raise(values: &mut [u8], others: &[u8]) {
+    for (value, other) in values.iter_mut().zip(others) {
+        *value = (*value).max(*other);
     }
 }

@@ -37,14 +37,16 @@ impl Stamp {
         if left > right || reach <= 0.0 {
             return;
         }
+        let nearest = |value: f32| saturating_i32(libm::roundf(value));
+        let (nearest_x, nearest_y) = (nearest(x), nearest(y));
         for row in low..=high.min(GRID_SIDE_MAX) {
-            let away_y = closest(y, row, window);
+            let away_y = y - nearest_f32(closest(nearest_y, row, window));
             let (Some(first), Some(last)) = (self.geometry.index(left, row), self.geometry.index(right, row))
             else {
                 continue;
             };
             for (column, value) in (left..=right).zip(values.get_mut(first..=last).unwrap_or_default()) {
-                let away_x = closest(x, column, window);
+                let away_x = x - nearest_f32(closest(nearest_x, column, window));
                 let share = 1.0 - libm::sqrtf(away_x * away_x + away_y * away_y) / reach;
                 // Between 0 and 255: negative shares saturate to 0.
                 *value = (*value).max(saturating_u8(share * 255.0 + 0.5));
@@ -53,8 +55,7 @@ impl Stamp {
     }
 }
 
-/// Distance from a coordinate to the nearest cell centre among `cell` to `cell + window`, cells.
-fn closest(coordinate: f32, cell: i32, window: i32) -> f32 {
-    let nearest = saturating_i32(libm::roundf(coordinate)).clamp(cell, cell.saturating_add(window));
-    coordinate - nearest_f32(nearest)
+/// Of the cells `cell` to `cell + window`, the nearest to another one.
+fn closest(nearest: i32, cell: i32, window: i32) -> i32 {
+    nearest.clamp(cell, cell.saturating_add(window))
 }

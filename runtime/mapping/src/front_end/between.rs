@@ -16,7 +16,7 @@ pub fn interpolated(nodes: &[Node], poses: &[Se2], passage: &Passage) -> Option<
         return Some(by_odometry);
     };
     let whole = before.between(after);
-    let length = |step: Se2| step.x_m.hypot(step.y_m) + step.heading_rad.abs();
+    let length = |step: Se2| step.length_m() + step.heading_rad.abs();
     let share = (length(passage.from_node) / length(whole).max(1.0e-6)).min(1.0);
     let missed = pose.compose(whole).between(*next);
     let part = Se2::new(share * missed.x_m, share * missed.y_m, share * missed.heading_rad);

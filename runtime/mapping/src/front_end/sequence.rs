@@ -17,7 +17,7 @@ pub fn sequence_edges(nodes: &[Node]) -> Vec<Edge> {
     let edge = |(index, pair): (usize, &[Node])| {
         let [before, after] = pair else { return None };
         let measured = before.pose.between(after.pose);
-        let distance = measured.x_m.hypot(measured.y_m);
+        let distance = measured.length_m();
         let turn = measured.heading_rad.abs();
         let place = 1.0 / (STEP_M + STEP_SHARE * (distance + turn)).powi(2);
         let heading = 1.0 / (STEP_RAD + STEP_SHARE * (turn + 0.3 * distance)).powi(2);

@@ -76,7 +76,7 @@ impl Tracker {
             return self.pass(record, moved, points);
         }
         let expected = node.pose.compose(moved);
-        let (distance, turn) = (moved.x_m.hypot(moved.y_m), moved.heading_rad.abs());
+        let (distance, turn) = (moved.length_m(), moved.heading_rad.abs());
         let half_m = 0.1 + 0.25 * distance + 0.1 * turn;
         let half_rad = 0.05 + 0.25 * turn + 0.05 * distance;
         let refined = self.locate(&points, expected, [half_m, half_rad]);
@@ -110,7 +110,7 @@ impl Tracker {
     }
 
     fn has_hardly_moved(&self, moved: Se2) -> bool {
-        moved.x_m.hypot(moved.y_m) < self.config.travel_m && moved.heading_rad.abs() < self.config.turn_rad
+        moved.length_m() < self.config.travel_m && moved.heading_rad.abs() < self.config.turn_rad
     }
 
     fn pass(&mut self, record: &ScanRecord, from_node: Se2, points: Vec<Point2>) -> Step {
@@ -142,8 +142,9 @@ impl Tracker {
         let scratch = SearchScratch { cells: &mut self.cells, blocks: &mut self.blocks };
         let found = search(&levels, points, &window, scratch);
         let start = found.map_or(centre, |found| found.pose);
-        let place = 1.0 / (0.5 * half_m as f32).powi(2);
-        let heading = 1.0 / (0.5 * half_rad as f32).powi(2);
+        let inverse_square = |value: f32| 1.0 / (value * value);
+        let place = inverse_square(0.5 * half_m as f32);
+        let heading = inverse_square(0.5 * half_rad as f32);
         let information = Matrix3::from_diagonal(&[place, place, heading].into());
         let guess = Guess { start, expected: centre, information };
         refine(&levels[0], points, &guess, &config.descent)
@@ -181,7 +182,7 @@ impl Tracker {
 
 /// The information of a match, turned from the field's frame into the scan's.
 fn in_own_frame(refined: &Refined) -> Matrix3<f32> {
-    let (sin, cos) = refined.pose.heading_rad.sin_cos();
+    let (sin, cos) = libm::sincosf(refined.pose.heading_rad);
     let turn = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
     turn.transpose() * refined.information * turn
 }

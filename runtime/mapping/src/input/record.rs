@@ -24,7 +24,7 @@ impl ScanRecord {
     #[must_use]
     pub fn points(&self, least_m: f32, most_m: f32) -> Vec<Point2> {
         let beam = |(index, range): (usize, &f32)| {
-            let (sin, cos) = (self.first_angle_rad + index as f32 * self.step_rad).sin_cos();
+            let (sin, cos) = libm::sincosf(self.first_angle_rad + index as f32 * self.step_rad);
             Point2::new(range * cos, range * sin)
         };
         let believed = |item: &(usize, &f32)| (least_m..=most_m).contains(item.1);

@@ -81,7 +81,7 @@ impl KnownMap {
     /// A beam from a pose of the map to a return went through a wall.
     pub(super) fn goes_through(&self, pose: Se2, point: Point2) -> bool {
         let [x_m, y_m] = pose.transform(point);
-        let length_m = (x_m - pose.x_m).hypot(y_m - pose.y_m);
+        let length_m = pose.distance(Se2::new(x_m, y_m, 0.0));
         let steps = ((length_m - BEHIND_M) / self.map.cell_m).floor();
         if steps < 1.0 {
             return false;

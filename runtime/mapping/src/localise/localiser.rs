@@ -210,7 +210,7 @@ impl Localiser {
         let (distance_m, turn_rad) = self.config.agree;
         let agreeing = self.hypothesis.filter(|before| {
             let away = before.pose.compose(nodes[before.node].pose.between(nodes[node].pose)).between(pose);
-            away.x_m.hypot(away.y_m) <= distance_m && away.heading_rad.abs() <= turn_rad
+            away.length_m() <= distance_m && away.heading_rad.abs() <= turn_rad
         });
         let since_m = agreeing.map_or(self.path_m, |before| before.since_m);
         self.hypothesis = Some(Hypothesis { since_m, node, pose });

@@ -252,7 +252,7 @@ fn mutual_sight(
 
 /// The loop between two nodes, with what the returns tell of it.
 fn edge([from, to]: [usize; 2], refined: &Refined) -> Option<Edge> {
-    let (sin, cos) = refined.pose.heading_rad.sin_cos();
+    let (sin, cos) = libm::sincosf(refined.pose.heading_rad);
     let turn = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
     let information = (turn.transpose() * refined.information * turn).map(f64::from);
     // Never surer than 3 cm and half a degree: the walls decide the rest.

@@ -75,7 +75,7 @@ pub fn agreement(
                 confirmed = true;
                 break;
             }
-            let seen = views[node].seen_range_m(place.y_m.atan2(place.x_m));
+            let seen = views[node].seen_range_m(place);
             through += usize::from(seen.is_some_and(|seen| seen > range * (1.0 + BEHIND_SHARE) + BEHIND_M));
         }
         result.judged += usize::from(confirmed || through > 0);

@@ -7,6 +7,9 @@ use crate::pose_graph::{Edge, Graph, RobustConfig, Unsolvable, optimise_robustly
 use crate::refine::{AlignConfig, LocateConfig, ScanView, align, locate};
 use crate::se2::Se2;
 
+/// A loop that is off by less is closed by the alignment, metres.
+const REACH_OF_ALIGNMENT_M: f64 = 0.2;
+
 /// All settings.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MapConfig {
@@ -81,7 +84,12 @@ impl Mapper {
             return Ok(());
         }
         self.loops.extend(found);
-        let mut edges = sequence_edges(&self.tracker.nodes);
+        let edges = sequence_edges(&self.tracker.nodes);
+        self.optimise(edges)
+    }
+
+    /// The poses that agree best with the edges of the sequence and with the loops.
+    fn optimise(&mut self, mut edges: Vec<Edge>) -> Result<(), Unsolvable> {
         let first_loop = edges.len();
         edges.extend(self.loops.iter().copied());
         let mut graph = Graph { poses: std::mem::take(&mut self.poses), edges };
@@ -101,7 +109,8 @@ impl Mapper {
         Graph { poses: self.poses.clone(), edges }
     }
 
-    /// The last stretch, and the alignment of all scans.
+    /// The last stretch, and the alignment of all scans. Loops are then searched once more: a stretch that was bent while
+    /// it was tracked, as when the robot turned fast on the spot, fits other stretches only once it is aligned.
     ///
     /// # Errors
     /// The graph cannot be solved.
@@ -109,7 +118,33 @@ impl Mapper {
         let found = self.closer.advance(&self.tracker.nodes, &self.views, &self.poses, true);
         self.close(found)?;
         let edges = sequence_edges(&self.tracker.nodes);
-        align(&self.views, &mut self.poses, &edges, &self.config.align)
+        align(&self.views, &mut self.poses, &edges, &self.config.align)?;
+        if self.search_again()? {
+            align(&self.views, &mut self.poses, &edges, &self.config.align)?;
+        }
+        Ok(())
+    }
+
+    /// Searches loops between the aligned stretches; whether one of them moved the poses.
+    fn search_again(&mut self) -> Result<bool, Unsolvable> {
+        let mut nodes = self.tracker.nodes.clone();
+        for (node, pose) in nodes.iter_mut().zip(&self.poses) {
+            node.pose = *pose;
+        }
+        let mut closer = LoopCloser::new(self.config.loops);
+        let mut found = closer.advance(&nodes, &self.views, &self.poses, true);
+        found.retain(|edge| {
+            let is_known = self.loops.iter().any(|known| [known.from, known.to] == [edge.from, edge.to]);
+            let error = edge.error(self.poses[edge.from], self.poses[edge.to]);
+            !is_known && error.xy().norm() > REACH_OF_ALIGNMENT_M
+        });
+        if found.is_empty() {
+            return Ok(false);
+        }
+        self.loops.extend(found);
+        let edges = sequence_edges(&nodes);
+        self.optimise(edges)?;
+        Ok(true)
     }
 
     /// The trajectory of all scans by odometry between the kept ones, ordered by time.

@@ -84,7 +84,7 @@ pub fn score_relations(relations: &[Relation], trajectory: &[(f64, Se2)], tolera
         let error = relation.pose.between(from.between(to));
         score.errors.push(RelationError {
             relation: *relation,
-            translation_m: error.x_m.hypot(error.y_m),
+            translation_m: error.length_m(),
             rotation_rad: wrap(error.heading_rad).abs(),
         });
     }

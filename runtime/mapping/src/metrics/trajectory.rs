@@ -55,7 +55,7 @@ fn pose_of(line: &str) -> Option<TimedPose> {
 pub fn write_tum(trajectory: &[(f64, Se2)]) -> String {
     let mut text = String::from("# time_s x_m y_m z_m qx qy qz qw\n");
     for (time_s, pose) in trajectory {
-        let (sin, cos) = (0.5 * pose.heading_rad).sin_cos();
+        let (sin, cos) = libm::sincos(0.5 * pose.heading_rad);
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{time_s:.6} {:.6} {:.6} 0 0 0 {sin:.9} {cos:.9}", pose.x_m, pose.y_m);
     }
@@ -67,6 +67,6 @@ impl TimedPose {
     #[must_use]
     pub fn flat(&self) -> Se2 {
         let ahead = self.rotation * Vector3::x();
-        Se2::new(self.place_m.x, self.place_m.y, ahead.y.atan2(ahead.x))
+        Se2::new(self.place_m.x, self.place_m.y, libm::atan2(ahead.y, ahead.x))
     }
 }

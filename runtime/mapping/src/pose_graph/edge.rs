@@ -33,11 +33,11 @@ impl Edge {
     /// Measured pose against the poses, in the measured pose's frame.
     #[must_use]
     pub fn error(&self, from: Se2, to: Se2) -> Vector3<f64> {
-        let (sin, cos) = from.heading_rad.sin_cos();
+        let (sin, cos) = libm::sincos(from.heading_rad);
         let (dx, dy) = (to.x_m - from.x_m, to.y_m - from.y_m);
         let x = cos * dx + sin * dy - self.measured.x_m;
         let y = cos * dy - sin * dx - self.measured.y_m;
-        let (sin, cos) = self.measured.heading_rad.sin_cos();
+        let (sin, cos) = libm::sincos(self.measured.heading_rad);
         let turn = wrap(to.heading_rad - from.heading_rad - self.measured.heading_rad);
         Vector3::new(cos * x + sin * y, cos * y - sin * x, turn)
     }
@@ -52,7 +52,7 @@ impl Edge {
     /// Change of the error with the first and with the second pose, along x, y and heading in the graph's frame.
     #[must_use]
     pub fn derivatives(&self, from: Se2, to: Se2) -> [Matrix3<f64>; 2] {
-        let (sin, cos) = (from.heading_rad + self.measured.heading_rad).sin_cos();
+        let (sin, cos) = libm::sincos(from.heading_rad + self.measured.heading_rad);
         let (dx, dy) = (to.x_m - from.x_m, to.y_m - from.y_m);
         // Turning the first pose moves the second one sideways in the first one's frame.
         let turned = [cos * dy - sin * dx, -(sin * dy + cos * dx)];

@@ -64,10 +64,10 @@ pub fn orientation_start(graph: &Graph, weights: &[f64]) -> Result<Vec<Se2>, Uns
     let weight = |index: usize| weights.get(index).copied().unwrap_or(1.0);
     // Directions: second = turned first. The third number of a block is not used.
     let first_pose = graph.poses.first().copied().unwrap_or_default();
-    let (sin, cos) = first_pose.heading_rad.sin_cos();
+    let (sin, cos) = libm::sincos(first_pose.heading_rad);
     system.clear();
     for (index, edge) in graph.edges.iter().enumerate() {
-        let (s, c) = edge.measured.heading_rad.sin_cos();
+        let (s, c) = libm::sincos(edge.measured.heading_rad);
         let turn = Matrix3::new(c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0);
         let strength = weight(index) * edge.information[(2, 2)];
         let mut error = Vector3::zeros();
@@ -82,7 +82,7 @@ pub fn orientation_start(graph: &Graph, weights: &[f64]) -> Result<Vec<Se2>, Uns
     let step = system.solve()?;
     let mut poses = vec![first_pose; count];
     for (pose, step) in poses.iter_mut().skip(1).zip(step.chunks_exact(3)) {
-        *pose = Se2::new(0.0, 0.0, step[1].atan2(step[0]));
+        *pose = Se2::new(0.0, 0.0, libm::atan2(step[1], step[0]));
     }
     places(&mut system, graph, &mut poses, weights)?;
     Ok(poses)

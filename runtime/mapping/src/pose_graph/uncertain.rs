@@ -16,7 +16,7 @@ pub struct UncertainPose {
 
 /// How a small motion in the frame of a pose looks from the frame in which the pose is given.
 fn adjoint(pose: Se2) -> Matrix3<f64> {
-    let (sin, cos) = pose.heading_rad.sin_cos();
+    let (sin, cos) = libm::sincos(pose.heading_rad);
     Matrix3::new(cos, -sin, pose.y_m, sin, cos, -pose.x_m, 0.0, 0.0, 1.0)
 }
 

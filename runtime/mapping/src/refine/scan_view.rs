@@ -33,8 +33,35 @@ const NEIGHBOUR_GAPS: f32 = 2.6;
 const NEIGHBOURS: usize = 8;
 
 fn degree_of(bearing_rad: f32) -> usize {
-    let degree = (bearing_rad.to_degrees() + 180.0).floor().max(0.0) as usize;
+    // Negative numbers become 0.
+    let degree = (bearing_rad.to_degrees() + 180.0) as usize;
     degree.min(DEGREES - 1)
+}
+
+/// Error of [`bearing_rad`] with its rounding, radians.
+const BEARING_ERROR_RAD: f32 = 5.0e-5;
+
+/// Bearing of a point, within −π to π, to 0.00001 rad: an odd polynomial of the arc tangent (Abramowitz and Stegun 1964,
+/// formula 4.4.49).
+fn bearing_rad(point: Point2) -> f32 {
+    use std::f32::consts::{FRAC_PI_2, PI};
+    let (across, along) = (point.y_m.abs(), point.x_m.abs());
+    let (small, large) = (across.min(along), across.max(along));
+    let ratio = if large > 0.0 { small / large } else { 0.0 };
+    let square = ratio * ratio;
+    let polynomial = 0.999_866
+        + square * (-0.330_299_5 + square * (0.180_141 + square * (-0.085_133 + square * 0.020_835_1)));
+    let angle = ratio * polynomial;
+    let angle = if across > along { FRAC_PI_2 - angle } else { angle };
+    let angle = if point.x_m < 0.0 { PI - angle } else { angle };
+    if point.y_m < 0.0 { -angle } else { angle }
+}
+
+/// Not less than the arc sine of a number from 0 to 1, and hardly more where it is small.
+fn arc_sine_bound(sine: f32) -> f32 {
+    // (asin s − s) / s³ rises with s: 0.189 at one half, π/2 − 1 at 1.
+    let factor = if sine <= 0.5 { 0.189 } else { 0.571 };
+    sine + factor * sine * sine * sine
 }
 
 impl ScanView {
@@ -46,7 +73,7 @@ impl ScanView {
             .map(|&point| WallPoint {
                 point,
                 normal: Point2::default(),
-                bearing_rad: point.y_m.atan2(point.x_m),
+                bearing_rad: libm::atan2f(point.y_m, point.x_m),
                 range_m: point.norm(),
             })
             .collect();
@@ -68,8 +95,11 @@ impl ScanView {
     #[must_use]
     pub fn nearest(&self, place: Point2, within_m: f32) -> Option<&WallPoint> {
         let range = place.norm();
-        let half_rad = if range > within_m { (within_m / range).asin() } else { return None };
-        let bearing = place.y_m.atan2(place.x_m);
+        if range <= within_m {
+            return None;
+        }
+        let bearing = bearing_rad(place);
+        let half_rad = arc_sine_bound(within_m / range) + BEARING_ERROR_RAD;
         let (low, high) = (degree_of(bearing - half_rad), degree_of(bearing + half_rad));
         let first = self.first_of_degree[low] as usize;
         let last = self.first_of_degree[high + 1] as usize;
@@ -86,12 +116,13 @@ impl ScanView {
         found
     }
 
-    /// How far this scan saw in a direction: the nearest of the returns within a degree; `None` where it saw nothing.
+    /// How far this scan saw in a direction: the nearest of the returns within a degree and its two neighbours, so that
+    /// a beam beside an edge does not see through it; `None` where it saw nothing.
     #[must_use]
-    pub fn seen_range_m(&self, bearing_rad: f32) -> Option<f32> {
-        let degree = degree_of(bearing_rad);
-        let first = self.first_of_degree[degree] as usize;
-        let last = self.first_of_degree[degree + 1] as usize;
+    pub fn seen_range_m(&self, place: Point2) -> Option<f32> {
+        let degree = degree_of(bearing_rad(place));
+        let first = self.first_of_degree[degree.saturating_sub(1)] as usize;
+        let last = self.first_of_degree[(degree + 2).min(DEGREES)] as usize;
         self.points[first..last].iter().map(|wall| wall.range_m).min_by(f32::total_cmp)
     }
 }
@@ -126,6 +157,7 @@ fn wall_normal(points: &[WallPoint], index: usize, step_rad: f32) -> Point2 {
         return Point2::default();
     }
     // Along the wall: eigenvector of the larger value; the normal is a quarter turn from it.
-    let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
-    Point2::new(-angle.sin(), angle.cos())
+    let along = if xx >= yy { Point2::new(large - yy, xy) } else { Point2::new(xy, large - xx) };
+    let length = (along.x_m * along.x_m + along.y_m * along.y_m).sqrt();
+    if length > 0.0 { Point2::new(-along.y_m / length, along.x_m / length) } else { Point2::default() }
 }

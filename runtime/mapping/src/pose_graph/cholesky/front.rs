@@ -7,6 +7,9 @@ use super::NotPositive;
 /// Columns that are updated at once, and rows.
 const TILE: usize = 4;
 
+/// Columns that are eliminated before the later ones are updated: they stay in the processor's cache meanwhile.
+const PANEL: usize = 48;
+
 /// A front while it is eliminated.
 pub(super) struct DenseFront<'a> {
     /// The columns that are eliminated, from row 0.
@@ -21,15 +24,6 @@ pub(super) struct DenseFront<'a> {
     pub(super) size: usize,
 }
 
-/// Some columns that follow each other, from row `base`.
-struct Strip<'a> {
-    values: &'a mut [f64],
-    /// Index of the first column, which is the row of its diagonal.
-    first: usize,
-    base: usize,
-    height: usize,
-}
-
 impl DenseFront<'_> {
     /// Turns the columns into those of the factor, and takes their products from the rest. `coefficients` is room.
     /// Cost: about size² · pivots multiplications, less where the rest is small.
@@ -37,25 +31,61 @@ impl DenseFront<'_> {
     /// # Errors
     /// A pivot is not positive.
     pub(super) fn eliminate(&mut self, coefficients: &mut Vec<[f64; TILE]>) -> Result<(), NotPositive> {
-        let (height, pivots) = (self.height, self.pivots);
-        for first in (0..pivots).step_by(TILE) {
+        for first in (0..self.pivots).step_by(PANEL) {
+            let last = self.pivots.min(first + PANEL);
+            self.eliminate_panel(first, last, coefficients)?;
+            self.update(first, last, coefficients);
+        }
+        Ok(())
+    }
+
+    /// Turns the columns `begin` to `end` into those of the factor, among themselves.
+    fn eliminate_panel(
+        &mut self,
+        begin: usize,
+        end: usize,
+        coefficients: &mut Vec<[f64; TILE]>,
+    ) -> Result<(), NotPositive> {
+        let height = self.height;
+        for first in (begin..end).step_by(TILE) {
             let (done, open) = self.columns.split_at_mut(first * height);
-            let width = TILE.min(pivots - first);
+            let width = TILE.min(end - first);
             let mut strip = Strip { values: &mut open[..width * height], first, base: 0, height };
-            strip.subtract(done, height, coefficients);
+            strip.subtract(&done[begin * height..], height, coefficients);
             strip.eliminate()?;
+        }
+        Ok(())
+    }
+
+    /// Takes the products of the columns `begin` to `end` from all later ones.
+    fn update(&mut self, begin: usize, end: usize, coefficients: &mut Vec<[f64; TILE]>) {
+        let (height, pivots) = (self.height, self.pivots);
+        let (done, open) = self.columns.split_at_mut(end * height);
+        let done = &done[begin * height..];
+        for first in (end..pivots).step_by(TILE) {
+            let start = (first - end) * height;
+            let width = TILE.min(pivots - first);
+            let values = &mut open[start..start + width * height];
+            Strip { values, first, base: 0, height }.subtract(done, height, coefficients);
         }
         let base = pivots - pivots % TILE;
         let rest_height = height - base;
         for first in (pivots..self.size).step_by(TILE) {
-            let begin = (first - pivots) * rest_height;
-            let end = self.rest.len().min(begin + TILE * rest_height);
-            let values = &mut self.rest[begin..end];
-            let mut strip = Strip { values, first, base, height: rest_height };
-            strip.subtract(&self.columns[..pivots * height], height, coefficients);
+            let start = (first - pivots) * rest_height;
+            let end = self.rest.len().min(start + TILE * rest_height);
+            let values = &mut self.rest[start..end];
+            Strip { values, first, base, height: rest_height }.subtract(done, height, coefficients);
         }
-        Ok(())
     }
+}
+
+/// Some columns that follow each other, from row `base`.
+struct Strip<'a> {
+    values: &'a mut [f64],
+    /// Index of the first column, which is the row of its diagonal.
+    first: usize,
+    base: usize,
+    height: usize,
 }
 
 impl Strip<'_> {
