@@ -23,6 +23,7 @@
 #[cfg(test)]
 extern crate std;
 
+mod content_watch;
 mod decide;
 mod field_selection;
 mod limiter;
@@ -35,6 +36,7 @@ mod reset_answer;
 mod rules;
 mod scan_check;
 mod source_monitor;
+mod standstill;
 mod state;
 mod supervisor;
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The supervisor: takes evidence, answers with what is permitted. Time-driven: every input and every 10 ms tick leads
 //! to a decision, with or without a command (FG-REQ-007).
 
+use super::content_watch::ContentWatch;
 use super::packet_check::BLIND_RUN_CDEG;
 use super::reset::ResetReport;
 use super::rules::Clear;
@@ -9,7 +10,7 @@ use super::source_monitor::SourceMonitor;
 use super::state::State;
 use crate::protection::{
     Advice, Body, Cause, CauseRecord, Decision, FaultKind, GuardConfig, GuardConfigError, Integrity,
-    LidarRays, LocalMemory, PacketTable, ScanTable, Source, SourceReport, Unit,
+    LidarRays, LocalMemory, PacketTable, ScanTable, Source, SourceReport, Unit, fastest_mps,
 };
 use floorguard_types::geometry::Twist2;
 use floorguard_types::sensing::{
@@ -26,6 +27,7 @@ pub struct Supervisor {
     pub(super) packet_table: PacketTable,
     pub(super) rays: LidarRays,
     pub(super) memory: LocalMemory,
+    pub(super) contents: ContentWatch,
     pub(super) integrity: Integrity,
     pub(super) state: State,
     pub(super) copy: State,
@@ -41,6 +43,7 @@ impl Supervisor {
         packet_table: PacketTable::EMPTY,
         rays: LidarRays::NONE,
         memory: LocalMemory::EMPTY,
+        contents: ContentWatch::NONE,
         integrity: Integrity::NONE,
         state: State::UNKNOWN,
         copy: State::UNKNOWN,
@@ -69,6 +72,7 @@ impl Supervisor {
         self.packet_table.fill(&config.lidar, &config.fields);
         self.rays.fill(&config.lidar);
         self.memory.forget();
+        self.contents = ContentWatch::NONE;
         self.integrity.remember(&config, self.body, (&self.scan_table, &self.packet_table, &self.rays));
         self.state = State::new(&config, now);
         self.copy = self.state;
@@ -81,6 +85,8 @@ impl Supervisor {
     pub fn on_scan(&mut self, scan: &Scan, now: Stamp) -> Decision {
         self.begin(now);
         self.accept(Source::Scanner, (scan.stamp, scan.sequence), now);
+        let is_frozen = self.contents.scanner.is_frozen;
+        self.monitor(Source::Scanner, |monitor| monitor.repeats = is_frozen);
         if self.scan_table.fits(scan) {
             self.judge_scan(scan, now);
         } else {
@@ -96,8 +102,9 @@ impl Supervisor {
         self.accept(Source::Lidar, (packet.stamp, azimuth), now);
         let silent = silent_cdeg(packet);
         self.state.silent_cdeg = if silent > 0 { self.state.silent_cdeg.saturating_add(silent) } else { 0 };
-        let is_blind = self.state.silent_cdeg > BLIND_RUN_CDEG;
-        self.monitor(Source::Lidar, |monitor| monitor.blind = is_blind);
+        let is_blind = self.state.silent_cdeg > BLIND_RUN_CDEG || self.contents.is_covered;
+        let is_frozen = self.contents.is_lidar_frozen();
+        self.monitor(Source::Lidar, |monitor| (monitor.blind, monitor.repeats) = (is_blind, is_frozen));
         self.judge_packet(packet, now);
         self.decide(now)
     }
@@ -130,8 +137,9 @@ impl Supervisor {
         self.begin(now);
         self.accept(Source::Wheels, (stamp, 0), now);
         if measured.is_finite() {
-            self.state.motion.wheels = measured;
+            self.state.motion.hear_wheels(measured, &self.config.footprint);
             self.memory.follow(measured, stamp);
+            self.judge_standstill(Source::Wheels, measured, now);
         } else {
             self.fault(Source::Wheels, FaultKind::Garbled);
         }
@@ -166,8 +174,9 @@ impl Supervisor {
             DriveState::Disabled | DriveState::Enabled | DriveState::QuickStop => {}
         }
         if feedback.wheel_speed_mps.is_finite() && feedback.steering_rad.is_finite() {
-            self.state.motion.drive_mps = feedback.wheel_speed_mps;
-            self.state.motion.steering_rad = feedback.steering_rad;
+            let (wheel_mps, steering_rad) = (feedback.wheel_speed_mps, feedback.steering_rad);
+            self.state.motion.hear_drive(wheel_mps, steering_rad, &self.config);
+            self.judge_standstill(Source::Drive, self.state.motion.drive, now);
         } else {
             self.fault(Source::Drive, FaultKind::Garbled);
         }
@@ -197,6 +206,7 @@ impl Supervisor {
             self.state.machine.raise(CauseRecord::new(Cause::CommandInvalid, now).aged(stamp.past_us(now)));
         }
         self.state.wanted = if accepted && wanted.is_finite() { wanted } else { Twist2::ZERO };
+        self.state.wanted_fastest_mps = fastest_mps(&self.config.footprint, self.state.wanted);
         self.judge_way(now);
         self.decide(now)
     }
