@@ -61,7 +61,7 @@ pub struct ContentWatch {
     lidar: Repetition,
     since_first: u16,
     repeats: u8,
-    /// Azimuth over which each lower ring has said nothing, hundredths of a degree.
+    /// Azimuth over which each lower ring was silent, hundredths of a degree.
     silent_cdeg: [u16; LOWER_RINGS],
     widest_cdeg: u16,
     azimuth_cdeg: u16,

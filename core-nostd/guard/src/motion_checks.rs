@@ -73,7 +73,7 @@ impl Motion {
         self.drive_fastest_mps = fastest_mps(&config.footprint, self.drive);
     }
 
-    /// Speed of the fastest point of the body, by whoever measures more, m/s.
+    /// Speed of the fastest point of the body, by the source that measures more, m/s.
     #[must_use]
     pub fn fastest_mps(&self) -> f32 {
         self.wheels_fastest_mps.max(self.drive_fastest_mps)

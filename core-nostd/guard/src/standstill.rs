@@ -1,5 +1,4 @@
-//! A robot that is held must stand: the drive's torque is all that holds it, and nothing else watches the drive (safe
-//! operating stop of IEC 61800-5-2).
+//! A robot that is held must stand: the drive's torque is all that holds it, and nothing else watches the drive.
 
 use super::supervisor::Supervisor;
 use crate::protection::{Cause, CauseRecord, Source, fastest_mps};

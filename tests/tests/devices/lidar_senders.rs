@@ -40,6 +40,10 @@ fn health_of(addresses: [&str; 2]) -> Health {
 
 #[test]
 fn fg_req_037_another_lidar_replaces_no_dead_one() {
-    assert_eq!(health_of(["127.0.0.1:0", "127.0.0.1:0"]), Health::Healthy, "the same device from another port");
+    assert_eq!(
+        health_of(["127.0.0.1:0", "127.0.0.1:0"]),
+        Health::Healthy,
+        "the same device from another port"
+    );
     assert_eq!(health_of(["127.0.0.1:0", "127.0.0.2:0"]), Health::Stale, "a neighbour's");
 }
