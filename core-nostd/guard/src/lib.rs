@@ -23,7 +23,6 @@
 #[cfg(test)]
 extern crate std;
 
-mod content_watch;
 mod decide;
 mod field_selection;
 mod limiter;
@@ -36,7 +35,6 @@ mod reset_answer;
 mod rules;
 mod scan_check;
 mod source_monitor;
-mod standstill;
 mod state;
 mod supervisor;
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! Does the robot move as it should, and do its sensors agree about it?
 
-use super::standstill::Creep;
-use crate::protection::{Cause, CauseRecord, GuardConfig, Source, Unit, fastest_mps};
+use crate::protection::{Cause, CauseRecord, Creep, GuardConfig, Source, Unit, fastest_mps};
 use floorguard_types::geometry::Point2;
 use floorguard_types::geometry::Twist2;
 use floorguard_types::time::{Age, Stamp};

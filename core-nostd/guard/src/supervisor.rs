@@ -1,7 +1,6 @@
 //! The supervisor: takes evidence, answers with what is permitted. Time-driven: every input and every 10 ms tick leads
 //! to a decision, with or without a command (FG-REQ-007).
 
-use super::content_watch::ContentWatch;
 use super::packet_check::BLIND_RUN_CDEG;
 use super::reset::ResetReport;
 use super::rules::Clear;
@@ -9,8 +8,8 @@ use super::scan_check::ScanFinding;
 use super::source_monitor::SourceMonitor;
 use super::state::State;
 use crate::protection::{
-    Advice, Body, Cause, CauseRecord, Decision, FaultKind, GuardConfig, GuardConfigError, Integrity,
-    LidarRays, LocalMemory, PacketTable, ScanTable, Source, SourceReport, Unit, fastest_mps,
+    Advice, Body, Cause, CauseRecord, ContentWatch, Decision, FaultKind, GuardConfig, GuardConfigError,
+    Integrity, LidarRays, LocalMemory, PacketTable, ScanTable, Source, SourceReport, Unit, fastest_mps,
 };
 use floorguard_types::geometry::Twist2;
 use floorguard_types::sensing::{
@@ -298,6 +297,17 @@ impl Supervisor {
         }
         if now < self.state.decided_at {
             self.state.machine.raise(CauseRecord::new(Cause::ClockFault, now));
+        }
+    }
+
+    /// Encoders or drive measured. Once the robot has had the time to brake, a hold means that it stands (FG-REQ-057).
+    fn judge_standstill(&mut self, source: Source, measured: Twist2, now: Stamp) {
+        let checks = &mut self.state.checks;
+        let must_stand = self.state.started && checks.is_held && checks.envelope_mps <= 0.0;
+        let by_drive = source == Source::Drive;
+        let creep = if by_drive { &mut checks.creep_by_drive } else { &mut checks.creep_by_wheels };
+        if let Some(record) = creep.measure(measured, (&self.config.footprint, must_stand), now) {
+            self.state.machine.raise(record);
         }
     }
 

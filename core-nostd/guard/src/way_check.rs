@@ -55,15 +55,14 @@ impl Supervisor {
     pub fn remember_packet(&mut self, packet: &LidarPacket) {
         let reach_m = self.config.thresholds.memory_reach_m;
         self.memory.take_packet(packet, (&self.rays, &self.packet_table), reach_m);
-        let pose = self.memory.pose_at(packet.stamp);
-        self.contents.see_packet(packet, (&self.rays, &self.packet_table), pose);
+        self.contents.see_packet(packet, (&self.rays, &self.packet_table), self.memory.pose());
     }
 
     /// The same for a scan, after [`Self::on_scan`]. A scan of another geometry than the configured one says nothing.
     pub fn remember_scan(&mut self, scan: &Scan) {
         if self.scan_table.fits(scan) {
             self.memory.take_scan(scan, &self.scan_table, self.config.thresholds.memory_reach_m);
-            self.contents.see_scan(scan, self.memory.pose_at(scan.stamp));
+            self.contents.see_scan(scan, self.memory.pose());
         }
     }
 

@@ -8,7 +8,6 @@ use crate::protection::{
     Thresholds, Travel, Unit,
 };
 use crate::source_monitor::SourceMonitor;
-use crate::standstill::Creep;
 use crate::state::State;
 use crate::*;
 use floorguard_types::geometry::{Point2, Pose2, Twist2};

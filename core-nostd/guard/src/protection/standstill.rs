@@ -1,7 +1,8 @@
 //! A robot that is held must stand: the drive's torque is all that holds it, and nothing else watches the drive.
 
-use super::supervisor::Supervisor;
-use crate::protection::{Cause, CauseRecord, Source, fastest_mps};
+use super::cause::Cause;
+use super::record::CauseRecord;
+use super::sweep::fastest_mps;
 use floorguard_types::geometry::{Point2, Twist2};
 use floorguard_types::time::Stamp;
 
@@ -14,10 +15,10 @@ const STEP_MAX_S: f32 = 0.1;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Creep {
     /// Ahead, metres.
-    pub(super) moved_m: f32,
+    pub(crate) moved_m: f32,
     /// To the left, radians.
-    pub(super) turned_rad: f32,
-    pub(super) measured_at: Stamp,
+    pub(crate) turned_rad: f32,
+    pub(crate) measured_at: Stamp,
 }
 
 impl Creep {
@@ -45,18 +46,5 @@ impl Creep {
             fastest_mps(outline, Twist2 { linear_mps: self.moved_m, angular_radps: self.turned_rad });
         let record = CauseRecord::new(Cause::StandstillLost, now).metres(crept_m, CREEP_M);
         (crept_m > CREEP_M).then_some(record)
-    }
-}
-
-impl Supervisor {
-    /// Encoders or drive measured. Once the robot has had the time to brake, a hold means that it stands (FG-REQ-057).
-    pub(super) fn judge_standstill(&mut self, source: Source, measured: Twist2, now: Stamp) {
-        let checks = &mut self.state.checks;
-        let must_stand = self.state.started && checks.is_held && checks.envelope_mps <= 0.0;
-        let by_drive = source == Source::Drive;
-        let creep = if by_drive { &mut checks.creep_by_drive } else { &mut checks.creep_by_wheels };
-        if let Some(record) = creep.measure(measured, (&self.config.footprint, must_stand), now) {
-            self.state.machine.raise(record);
-        }
     }
 }

@@ -1,7 +1,8 @@
 //! Is what a sensor sends alive, and does it see with all its rings? Both are looked at beside the stop path, with what
 //! the memory takes in; the sensor's next message finds the answer.
 
-use crate::protection::{BIN_CDEG, LidarRays, PacketTable};
+use super::lidar_rays::LidarRays;
+use super::packet_table::{BIN_CDEG, PacketTable};
 use floorguard_types::geometry::{Pose2, wrap_angle};
 use floorguard_types::sensing::{BeamReturn, LidarColumn, LidarPacket, Scan};
 
@@ -9,12 +10,12 @@ use floorguard_types::sensing::{BeamReturn, LidarColumn, LidarPacket, Scan};
 pub const MOVED_M: f32 = 0.1;
 /// … or has turned by this much, radians. What a real device measures has changed long before.
 pub const MOVED_RAD: f32 = 0.1;
-/// Packets within which a lidar that repeats itself does: two revolutions.
-const REPEAT_PACKETS: u16 = 160;
+/// Packets within which a lidar that repeats itself does: two revolutions, of which every other packet is compared.
+const REPEAT_PACKETS: u16 = 80;
 /// So often in a row one and the same packet comes again before it counts.
 const REPEATS: u8 = 4;
-/// A firing with fewer returns may be the same by chance.
-const RETURNS_MIN: usize = 4;
+/// Of a firing every other ring is compared; one with fewer returns may be the same by chance.
+const RETURNS_MIN: u8 = 3;
 /// Azimuth over which a ring that looks at the near floor may say nothing, hundredths of a degree. Persons who stand at
 /// the robot hide less.
 pub const COVERED_CDEG: u16 = 6_000;
@@ -25,8 +26,9 @@ const NEAR_FLOOR_MM: u16 = 5_000;
 pub const LOWER_RINGS: usize = 8;
 /// What lies nearer sits on the lidar's own window, millimetres.
 const ON_WINDOW_MM: u32 = 300;
-/// Azimuth that one packet stands for at most, hundredths of a degree: lost ones say nothing.
-const PACKET_CDEG: u16 = 600;
+/// Azimuth that one packet stands for at most, hundredths of a degree: lost ones tell nothing, and every other one is
+/// looked at.
+const PACKET_CDEG: u16 = 1_200;
 
 /// What a device sent, and where the robot was when it first did.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +63,8 @@ pub struct ContentWatch {
     lidar: Repetition,
     since_first: u16,
     repeats: u8,
+    /// Packets are compared and looked through by turns: neither adds to the longest way of one.
+    compares: bool,
     /// Azimuth over which each lower ring was silent, hundredths of a degree.
     silent_cdeg: [u16; LOWER_RINGS],
     widest_cdeg: u16,
@@ -76,6 +80,7 @@ impl ContentWatch {
         lidar: Repetition::NONE,
         since_first: REPEAT_PACKETS,
         repeats: 0,
+        compares: false,
         silent_cdeg: [0; LOWER_RINGS],
         widest_cdeg: 0,
         azimuth_cdeg: 0,
@@ -107,7 +112,20 @@ impl ContentWatch {
         pose: Pose2,
     ) {
         let Some(column) = packet.columns.first() else { return };
-        self.see_repetition(column, pose);
+        self.compares = !self.compares;
+        if self.compares {
+            self.see_repetition(column, pose);
+        } else {
+            self.see_rings((column, u32::from(packet.range_unit_mm)), (rays, table));
+        }
+    }
+
+    /// How long each lower ring has been silent.
+    fn see_rings(
+        &mut self,
+        (column, unit_mm): (&LidarColumn, u32),
+        (rays, table): (&LidarRays, &PacketTable),
+    ) {
         let step_cdeg = column.azimuth_cdeg.wrapping_sub(self.azimuth_cdeg);
         if column.azimuth_cdeg < self.azimuth_cdeg {
             self.is_covered = self.widest_cdeg >= COVERED_CDEG;
@@ -115,7 +133,6 @@ impl ContentWatch {
         }
         self.azimuth_cdeg = column.azimuth_cdeg;
         let Some(bin) = table.bins.get(usize::from(column.azimuth_cdeg / BIN_CDEG)) else { return };
-        let unit_mm = u32::from(packet.range_unit_mm);
         let rings = column.range_raw.iter().zip(&bin.height_mm).zip(&rays.rings).take(rays.count);
         for (((raw, height_mm), [_, sin]), silent_cdeg) in rings.zip(&mut self.silent_cdeg) {
             let is_silent = u32::from(*raw).saturating_mul(unit_mm) < ON_WINDOW_MM;
@@ -129,12 +146,14 @@ impl ContentWatch {
 
     /// A packet is kept, and the next ones are compared with it; where it does not come again, another one is kept.
     fn see_repetition(&mut self, column: &LidarColumn, pose: Pose2) {
-        if column.range_raw.iter().filter(|raw| **raw != 0).count() < RETURNS_MIN {
-            self.since_first = self.since_first.saturating_add(1);
-            return;
+        let (mut print, mut returns) = (0, 0_u8);
+        for raw in column.range_raw.iter().step_by(2) {
+            print = sum(print, u32::from(*raw));
+            returns = returns.wrapping_add(u8::from(*raw != 0));
         }
-        let print = column.range_raw.iter().fold(0, |print, raw| sum(print, u32::from(*raw)));
-        if print == self.lidar.print {
+        if returns < RETURNS_MIN {
+            self.since_first = self.since_first.saturating_add(1);
+        } else if print == self.lidar.print {
             (self.since_first, self.repeats) = (0, self.repeats.saturating_add(1));
             self.lidar.repeat(pose);
         } else if self.since_first >= REPEAT_PACKETS {
