@@ -1,7 +1,7 @@
 //! The decision itself: from the state, after each input, to what is permitted.
 
 use super::field_selection::{Demand, STANDING_MPS};
-use super::limiter::{is_straight, lets_leave, limited};
+use super::limiter::{body_ratio, effective_speed_mps, is_straight, lets_leave, limited};
 use super::machine::Verdict;
 use super::reset_answer::ResetProgress;
 use super::supervisor::Supervisor;
@@ -30,11 +30,13 @@ impl Supervisor {
             Demand { wanted: desired, permitted: self.state.permitted, measured: self.state.motion.wheels };
         let activation_us = self.config.thresholds.field_activation_us;
         self.state.selection.update(&self.config.fields, &demand, (activation_us, now));
-        let (permitted, speed_limit_mps, escaping) = self.permit(&verdict, now);
+        let Permitted { twist: permitted, fastest_mps, limit_mps: speed_limit_mps, escaping } =
+            self.permit(&verdict, now);
         self.state.permitted = permitted;
         let response_us = saturating_u64(self.config.drive.response_s * 1.0e6);
         let braking = (self.config.drive.braking_mps2, response_us);
-        self.state.checks.follow(permitted.linear_mps.abs(), braking, now);
+        self.state.checks.follow(fastest_mps, braking, now);
+        self.state.checks.is_held = verdict.action == Action::Category2 && permitted == Twist2::ZERO;
         self.state.decided_at = self.state.decided_at.max(now);
         self.copy.follow(&self.state);
         Decision {
@@ -190,8 +192,9 @@ impl Supervisor {
         }
     }
 
-    /// The permitted command, the limit behind it, and whether it is an escape.
-    fn permit(&self, verdict: &Verdict, now: Stamp) -> (Twist2, f32, bool) {
+    /// The permitted command, and what stands behind it. The causes limit the fastest point of the body (FG-REQ-056),
+    /// field and drive the speed that is commanded.
+    fn permit(&self, verdict: &Verdict, now: Stamp) -> Permitted {
         let wanted = self.state.wanted;
         let backward = wanted.linear_mps < 0.0;
         let clear_ahead = self.state.is_clear(backward, now);
@@ -208,7 +211,22 @@ impl Supervisor {
         let cap_mps = self.state.selection.cap_mps(&self.config.fields, wanted, now);
         let limit_mps = demanded_mps.min(cap_mps).min(self.config.drive.speed_mps);
         let step_s = now.seconds_since(self.state.decided_at).clamp(0.0, STEP_MAX_S);
-        let permitted = limited(wanted, limit_mps, &self.config.drive, (self.state.permitted, step_s));
-        (permitted, limit_mps, escaping)
+        let drive = &self.config.drive;
+        let ratio = body_ratio(wanted, (self.state.wanted_fastest_mps, drive));
+        let commanded_mps = (demanded_mps / ratio).min(cap_mps).min(drive.speed_mps);
+        let twist = limited(wanted, commanded_mps, drive, (self.state.permitted, step_s));
+        Permitted { twist, fastest_mps: effective_speed_mps(twist, drive) * ratio, limit_mps, escaping }
     }
+}
+
+/// What the robot may do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Permitted {
+    twist: Twist2,
+    /// Of the fastest point of the body, m/s.
+    fastest_mps: f32,
+    /// The limit behind it, m/s.
+    limit_mps: f32,
+    /// It leaves an obstacle although a stop is in force.
+    escaping: bool,
 }

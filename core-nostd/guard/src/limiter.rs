@@ -13,6 +13,14 @@ pub fn effective_speed_mps(twist: Twist2, drive: &DriveLimits) -> f32 {
     twist.linear_mps.abs().max((twist.angular_radps * drive.wheelbase_m).abs())
 }
 
+/// How many times faster than the effective speed the fastest point of the body goes, at least 1. One number for all
+/// commands of a curve, because both speeds scale with the command.
+#[must_use]
+pub fn body_ratio(wanted: Twist2, (fastest_mps, drive): (f32, &DriveLimits)) -> f32 {
+    let speed_mps = effective_speed_mps(wanted, drive);
+    if fastest_mps > speed_mps && speed_mps > 0.0 { fastest_mps / speed_mps } else { 1.0 }
+}
+
 /// Scales the wanted command down to the limit, the turning rate, and what acceleration permits after `previous`
 /// within `step_s`. One factor in [0, 1] for both numbers: the curve stays, the output never exceeds the input
 /// (FG-REQ-006).

@@ -1,6 +1,7 @@
 //! Does the robot move as it should, and do its sensors agree about it?
 
-use crate::protection::{Cause, CauseRecord, GuardConfig, Source, Unit};
+use crate::protection::{Cause, CauseRecord, Creep, GuardConfig, Source, Unit, fastest_mps};
+use floorguard_types::geometry::Point2;
 use floorguard_types::geometry::Twist2;
 use floorguard_types::time::{Age, Stamp};
 
@@ -38,20 +39,50 @@ pub struct Motion {
     pub wheels: Twist2,
     /// Gyroscope, rad/s.
     pub gyro_radps: f32,
-    /// Driven wheel over ground, m/s.
-    pub drive_mps: f32,
-    /// Steering angle, radians.
-    pub steering_rad: f32,
+    /// What the driven wheel and its steering angle make of the robot's motion.
+    pub drive: Twist2,
+    /// Speed of the fastest point of the body by the encoders, m/s.
+    pub wheels_fastest_mps: f32,
+    /// The same by the drive, m/s.
+    pub drive_fastest_mps: f32,
 }
 
 impl Motion {
     /// Nothing moves.
-    pub const STILL: Self = Self { wheels: Twist2::ZERO, gyro_radps: 0.0, drive_mps: 0.0, steering_rad: 0.0 };
+    pub const STILL: Self = Self {
+        wheels: Twist2::ZERO,
+        gyro_radps: 0.0,
+        drive: Twist2::ZERO,
+        wheels_fastest_mps: 0.0,
+        drive_fastest_mps: 0.0,
+    };
+
+    /// The encoders measured.
+    pub fn hear_wheels(&mut self, measured: Twist2, outline: &[Point2]) {
+        self.wheels = measured;
+        self.wheels_fastest_mps = fastest_mps(outline, measured);
+    }
+
+    /// The drive reported a speed of its wheel over ground, m/s, and a steering angle, radians. Sine and cosine are
+    /// taken here, and not at each decision.
+    pub fn hear_drive(&mut self, wheel_mps: f32, steering_rad: f32, config: &GuardConfig) {
+        let (sin, cos) = libm::sincosf(steering_rad);
+        let angular_radps = wheel_mps * sin / config.drive.wheelbase_m;
+        self.drive = Twist2 { linear_mps: wheel_mps * cos, angular_radps };
+        self.drive_fastest_mps = fastest_mps(&config.footprint, self.drive);
+    }
+
+    /// Speed of the fastest point of the body, by the source that measures more, m/s.
+    #[must_use]
+    pub fn fastest_mps(&self) -> f32 {
+        self.wheels_fastest_mps.max(self.drive_fastest_mps)
+    }
 }
 
 /// What is remembered between checks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotionChecks {
+    /// What the fastest point of the body may still do, m/s.
     pub(super) envelope_mps: f32,
     pub(super) checked_at: Stamp,
     pub(super) falling: Persistence,
@@ -59,6 +90,10 @@ pub struct MotionChecks {
     pub(super) speed: Persistence,
     pub(super) turn: Persistence,
     pub(super) steering: Persistence,
+    /// Stop and hold is in force, and nothing is permitted.
+    pub(super) is_held: bool,
+    pub(super) creep_by_wheels: Creep,
+    pub(super) creep_by_drive: Creep,
 }
 
 impl MotionChecks {
@@ -71,10 +106,14 @@ impl MotionChecks {
         speed: Persistence::NEVER,
         turn: Persistence::NEVER,
         steering: Persistence::NEVER,
+        is_held: false,
+        creep_by_wheels: Creep::NONE,
+        creep_by_drive: Creep::NONE,
     };
 
-    /// The braking envelope: what the robot may still do while it obeys `permitted_mps`. After the response time it
-    /// falls with the braking that is always reached; a robot above it does not obey (FG-REQ-050).
+    /// The braking envelope: what the fastest point of the body may still do while the robot obeys `permitted_mps`, given
+    /// for that point, too. After the response time it falls with the braking that is always reached; a robot above it
+    /// does not obey (FG-REQ-050).
     pub fn follow(&mut self, permitted_mps: f32, (braking_mps2, response_us): (f32, u64), now: Stamp) {
         let step_s = now.seconds_since(self.checked_at).clamp(0.0, 0.1);
         self.checked_at = now;
@@ -85,15 +124,12 @@ impl MotionChecks {
 
     /// Every disagreement that has lasted too long (FG-REQ-050, FG-REQ-051, FG-REQ-052, FG-REQ-053).
     pub fn check(&mut self, motion: &Motion, config: &GuardConfig, now: Stamp) -> [Option<CauseRecord>; 4] {
-        let (sin, cos) = libm::sincosf(motion.steering_rad);
-        let drive_mps = motion.drive_mps * cos;
-        let steering_radps = motion.drive_mps * sin / config.drive.wheelbase_m;
-        let speed_mps = motion.wheels.linear_mps.abs().max(drive_mps.abs());
+        let speed_mps = motion.fastest_mps();
         let (limits, turn) = (&config.thresholds, motion.wheels.angular_radps);
         let overspeed_mps = OVERSPEED_SHARE * self.envelope_mps + OVERSPEED_FLOOR_MPS;
-        let speed_gap = (motion.wheels.linear_mps - drive_mps).abs();
+        let speed_gap = (motion.wheels.linear_mps - motion.drive.linear_mps).abs();
         let gyro_gap = if config.rules(Source::Imu).fitted { (turn - motion.gyro_radps).abs() } else { 0.0 };
-        let steering_gap = (turn - steering_radps).abs();
+        let steering_gap = (turn - motion.drive.angular_radps).abs();
         let (mps, radps) = (limits.speed_disagreement_mps, limits.turn_disagreement_radps);
         let hold = (limits.disagreement_us, now);
         let judge = |wrong: bool, cause: Cause, (measured, limit, unit): (f32, f32, Unit)| {

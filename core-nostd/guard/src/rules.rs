@@ -39,7 +39,9 @@ impl Cause {
     #[must_use]
     pub const fn action(self) -> Action {
         match self {
-            Self::EmergencyStop | Self::DriveFault | Self::StateCorrupted => Action::Category0,
+            Self::EmergencyStop | Self::DriveFault | Self::StateCorrupted | Self::StandstillLost => {
+                Action::Category0
+            }
             Self::InputFault
             | Self::InputUnknown
             | Self::Overspeed
@@ -73,6 +75,7 @@ impl Cause {
             | Self::CliffFront
             | Self::CliffRear
             | Self::Overspeed
+            | Self::StandstillLost
             | Self::SpeedDisagreement
             | Self::TurnDisagreement
             | Self::DriveFault

@@ -31,14 +31,23 @@ pub struct SourceMonitor {
     pub fault: Option<FaultKind>,
     /// It sees nothing where it must see something.
     pub blind: bool,
+    /// What it measures stays the same although the robot moves (FG-REQ-035).
+    pub repeats: bool,
     pub(super) fingerprint: u32,
     pub(super) identical: u16,
 }
 
 impl SourceMonitor {
     /// Nothing arrived yet.
-    pub const UNKNOWN: Self =
-        Self { newest: None, ahead_us: 0, fault: None, blind: false, fingerprint: 0, identical: 0 };
+    pub const UNKNOWN: Self = Self {
+        newest: None,
+        ahead_us: 0,
+        fault: None,
+        blind: false,
+        repeats: false,
+        fingerprint: 0,
+        identical: 0,
+    };
 
     /// Books a sample. `fingerprint` sums up its content; equal content counts towards frozen (FG-REQ-015). `false`: the stamp
     /// comes from the future, the sample proves nothing (FG-REQ-011).
@@ -76,7 +85,7 @@ impl SourceMonitor {
             Health::Absent
         } else if self.age_us(now) > rules.limit_after_us {
             Health::Stale
-        } else if rules.frozen_samples > 0 && self.identical >= rules.frozen_samples {
+        } else if self.repeats || (rules.frozen_samples > 0 && self.identical >= rules.frozen_samples) {
             Health::Frozen
         } else if self.blind {
             Health::Blind

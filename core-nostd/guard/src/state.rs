@@ -22,6 +22,7 @@ pub struct State {
     pub(super) motion: Motion,
     pub(super) checks: MotionChecks,
     pub(super) wanted: Twist2,
+    pub(super) wanted_fastest_mps: f32,
     pub(super) permitted: Twist2,
     pub(super) decided_at: Stamp,
     pub(super) started: bool,
@@ -41,6 +42,7 @@ impl State {
         motion: Motion::STILL,
         checks: MotionChecks::NONE,
         wanted: Twist2::ZERO,
+        wanted_fastest_mps: 0.0,
         permitted: Twist2::ZERO,
         decided_at: Stamp::ZERO,
         started: false,
@@ -62,6 +64,7 @@ impl State {
         self.machine.follow(&other.machine);
         (self.monitors, self.selection, self.motion) = (other.monitors, other.selection, other.motion);
         (self.checks, self.wanted, self.permitted) = (other.checks, other.wanted, other.permitted);
+        self.wanted_fastest_mps = other.wanted_fastest_mps;
         (self.decided_at, self.started) = (other.decided_at, other.started);
         (self.scans_with_hit, self.packet_returns) = (other.scans_with_hit, other.packet_returns);
         self.silent_cdeg = other.silent_cdeg;

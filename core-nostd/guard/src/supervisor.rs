@@ -8,8 +8,8 @@ use super::scan_check::ScanFinding;
 use super::source_monitor::SourceMonitor;
 use super::state::State;
 use crate::protection::{
-    Advice, Body, Cause, CauseRecord, Decision, FaultKind, GuardConfig, GuardConfigError, Integrity,
-    LidarRays, LocalMemory, PacketTable, ScanTable, Source, SourceReport, Unit,
+    Advice, Body, Cause, CauseRecord, ContentWatch, Decision, FaultKind, GuardConfig, GuardConfigError,
+    Integrity, LidarRays, LocalMemory, PacketTable, ScanTable, Source, SourceReport, Unit, fastest_mps,
 };
 use floorguard_types::geometry::Twist2;
 use floorguard_types::number::truncating_u32;
@@ -27,6 +27,7 @@ pub struct Supervisor {
     pub(super) packet_table: PacketTable,
     pub(super) rays: LidarRays,
     pub(super) memory: LocalMemory,
+    pub(super) contents: ContentWatch,
     pub(super) integrity: Integrity,
     pub(super) state: State,
     pub(super) copy: State,
@@ -42,6 +43,7 @@ impl Supervisor {
         packet_table: PacketTable::EMPTY,
         rays: LidarRays::NONE,
         memory: LocalMemory::EMPTY,
+        contents: ContentWatch::NONE,
         integrity: Integrity::NONE,
         state: State::UNKNOWN,
         copy: State::UNKNOWN,
@@ -70,6 +72,7 @@ impl Supervisor {
         self.packet_table.fill(&config.lidar, &config.fields);
         self.rays.fill(&config.lidar);
         self.memory.forget();
+        self.contents = ContentWatch::NONE;
         self.integrity.remember(&config, self.body, (&self.scan_table, &self.packet_table, &self.rays));
         self.state = State::new(&config, now);
         self.copy = self.state;
@@ -82,6 +85,8 @@ impl Supervisor {
     pub fn on_scan(&mut self, scan: &Scan, now: Stamp) -> Decision {
         self.begin(now);
         self.accept(Source::Scanner, (scan.stamp, scan.sequence), now);
+        let is_frozen = self.contents.scanner.is_frozen;
+        self.monitor(Source::Scanner, |monitor| monitor.repeats = is_frozen);
         if self.scan_table.fits(scan) {
             self.judge_scan(scan, now);
         } else {
@@ -97,8 +102,9 @@ impl Supervisor {
         self.accept(Source::Lidar, (packet.stamp, azimuth), now);
         let silent = silent_cdeg(packet);
         self.state.silent_cdeg = if silent > 0 { self.state.silent_cdeg.saturating_add(silent) } else { 0 };
-        let is_blind = self.state.silent_cdeg > BLIND_RUN_CDEG;
-        self.monitor(Source::Lidar, |monitor| monitor.blind = is_blind);
+        let is_blind = self.state.silent_cdeg > BLIND_RUN_CDEG || self.contents.is_covered;
+        let is_frozen = self.contents.is_lidar_frozen();
+        self.monitor(Source::Lidar, |monitor| (monitor.blind, monitor.repeats) = (is_blind, is_frozen));
         self.judge_packet(packet, now);
         self.decide(now)
     }
@@ -131,8 +137,9 @@ impl Supervisor {
         self.begin(now);
         self.accept(Source::Wheels, (stamp, 0), now);
         if measured.is_finite() {
-            self.state.motion.wheels = measured;
+            self.state.motion.hear_wheels(measured, &self.config.footprint);
             self.memory.follow(measured, stamp);
+            self.judge_standstill(Source::Wheels, measured, now);
         } else {
             self.fault(Source::Wheels, FaultKind::Garbled);
         }
@@ -167,8 +174,9 @@ impl Supervisor {
             DriveState::Disabled | DriveState::Enabled | DriveState::QuickStop => {}
         }
         if feedback.wheel_speed_mps.is_finite() && feedback.steering_rad.is_finite() {
-            self.state.motion.drive_mps = feedback.wheel_speed_mps;
-            self.state.motion.steering_rad = feedback.steering_rad;
+            let (wheel_mps, steering_rad) = (feedback.wheel_speed_mps, feedback.steering_rad);
+            self.state.motion.hear_drive(wheel_mps, steering_rad, &self.config);
+            self.judge_standstill(Source::Drive, self.state.motion.drive, now);
         } else {
             self.fault(Source::Drive, FaultKind::Garbled);
         }
@@ -198,6 +206,7 @@ impl Supervisor {
             self.state.machine.raise(CauseRecord::new(Cause::CommandInvalid, now).aged(stamp.past_us(now)));
         }
         self.state.wanted = if accepted && wanted.is_finite() { wanted } else { Twist2::ZERO };
+        self.state.wanted_fastest_mps = fastest_mps(&self.config.footprint, self.state.wanted);
         self.judge_way(now);
         self.decide(now)
     }
@@ -289,6 +298,17 @@ impl Supervisor {
         }
         if now < self.state.decided_at {
             self.state.machine.raise(CauseRecord::new(Cause::ClockFault, now));
+        }
+    }
+
+    /// Encoders or drive measured. Once the robot has had the time to brake, a hold means that it stands (FG-REQ-057).
+    fn judge_standstill(&mut self, source: Source, measured: Twist2, now: Stamp) {
+        let checks = &mut self.state.checks;
+        let must_stand = self.state.started && checks.is_held && checks.envelope_mps <= 0.0;
+        let by_drive = source == Source::Drive;
+        let creep = if by_drive { &mut checks.creep_by_drive } else { &mut checks.creep_by_wheels };
+        if let Some(record) = creep.measure(measured, (&self.config.footprint, must_stand), now) {
+            self.state.machine.raise(record);
         }
     }
 

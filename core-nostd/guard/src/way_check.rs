@@ -5,7 +5,7 @@ use super::field_selection::STANDING_MPS;
 use super::limiter::effective_speed_mps;
 use super::supervisor::Supervisor;
 use crate::protection::{
-    Cause, CauseRecord, Cell, GuardConfig, LocalMemory, REACTION_S, STANDOFF_M, Stopping, Sweep,
+    Cause, CauseRecord, Cell, GuardConfig, LocalMemory, REACTION_S, STANDOFF_M, Stopping, Sweep, fastest_mps,
 };
 use floorguard_types::geometry::{Point2, Pose2, Twist2};
 use floorguard_types::sensing::{LidarPacket, Scan};
@@ -55,12 +55,14 @@ impl Supervisor {
     pub fn remember_packet(&mut self, packet: &LidarPacket) {
         let reach_m = self.config.thresholds.memory_reach_m;
         self.memory.take_packet(packet, (&self.rays, &self.packet_table), reach_m);
+        self.contents.see_packet(packet, (&self.rays, &self.packet_table), self.memory.pose());
     }
 
     /// The same for a scan, after [`Self::on_scan`]. A scan of another geometry than the configured one says nothing.
     pub fn remember_scan(&mut self, scan: &Scan) {
         if self.scan_table.fits(scan) {
             self.memory.take_scan(scan, &self.scan_table, self.config.thresholds.memory_reach_m);
+            self.contents.see_scan(scan, self.memory.pose());
         }
     }
 
@@ -99,7 +101,9 @@ impl Supervisor {
         if let Some(found) = nearest.filter(|found| found.share < 1.0 && wanted_mps > 0.0) {
             let allowed_mps = found.share * wanted_mps;
             let cause = if allowed_mps < CREEP_MPS { Cause::WayClosed } else { Cause::WayNarrow };
-            let record = CauseRecord::new(cause, now).limited_to(allowed_mps);
+            // Limits hold for the fastest point of the body.
+            let fastest_mps = fastest_mps(&self.config.footprint, wanted);
+            let record = CauseRecord::new(cause, now).limited_to(found.share * fastest_mps.max(wanted_mps));
             self.state.machine.raise(record.metres(found.free_m, found.needed_m));
         }
     }

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 pub struct DatagramAddress {
     /// Address and port on this computer.
     pub local: SocketAddr,
-    /// The accepted sender; without it, every sender.
+    /// The accepted sender; without it, the first that is understood.
     pub sender: Option<SenderAddress>,
 }
 

@@ -60,7 +60,8 @@ pub(super) fn read_source<T>(
 /// The port to bind, and the only device that is listened to there, if one is named.
 fn read_datagrams(section: &Reader<'_>, example: &str) -> Option<DatagramAddress> {
     let source = read_source(section, example, DatagramAddress::parse);
-    let text = section.text_or_absent("sender", "192.168.1.201", "datagrams of every sender are accepted");
+    let text =
+        section.text_or_absent("sender", "192.168.1.201", "the sender that is understood first counts");
     let sender = text.as_ref().and_then(|(text, _)| SenderAddress::parse(text));
     if let (Some((text, span)), None) = (&text, sender) {
         section.refuse(

@@ -5,5 +5,5 @@ mod datagram;
 mod slcan_bus;
 
 pub use can_bus::CanBus;
-pub use datagram::{DatagramReceiver, Received};
+pub use datagram::{DatagramReceiver, FirstSender, Received};
 pub use slcan_bus::{SlcanBus, SlcanBusError};

@@ -35,6 +35,7 @@ pub async fn lidar_input<M: RawMutex>(
         let bytes = buffer.get(..received.length).unwrap_or_default();
         match decoder.decode_into(bytes, received.arrival, &mut newest.packet) {
             Ok(lost_before) => {
+                socket.keep_sender();
                 newest.lost_before = lost_before;
                 shared.decide(|guard| guard.on_lidar_packet(&newest.packet, clock::now()));
                 shared.remember(|guard| guard.remember_packet(&newest.packet));

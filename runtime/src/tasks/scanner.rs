@@ -74,8 +74,10 @@ pub async fn scanner_datagrams<M: RawMutex>(
         };
         let bytes = buffer.get(..received.length).unwrap_or_default();
         let now = clock::now();
+        let mut is_understood = false;
         receiver.push(bytes, received.arrival, |event| match event {
             microscan3::Event::Scan(scan) => {
+                is_understood = true;
                 hand_on(shared, scan, now);
                 shared.scans.push(|slot| slot.copy_thinned(scan, SEARCHED_STEP_RAD));
             }
@@ -88,6 +90,9 @@ pub async fn scanner_datagrams<M: RawMutex>(
                 count_refused(shared);
             }
         });
+        if is_understood {
+            socket.keep_sender();
+        }
     }
 }
 

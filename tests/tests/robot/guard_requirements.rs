@@ -60,6 +60,7 @@ fn sources() -> (String, String) {
     rust_files(&root().join("core-nostd/guard/src"), &mut files);
     rust_files(&root().join("drivers/src"), &mut files);
     rust_files(&root().join("runtime/configuration/src"), &mut files);
+    rust_files(&root().join("runtime/src"), &mut files);
     rust_files(&root().join("tests/tests"), &mut files);
     let this = Path::new(file!()).file_name().expect("a file name");
     let (mut code, mut tests) = (String::new(), String::new());

@@ -33,6 +33,7 @@ impl Model {
                 | CliffFront
                 | CliffRear
                 | Overspeed
+                | StandstillLost
                 | SpeedDisagreement
                 | TurnDisagreement
                 | DriveFault

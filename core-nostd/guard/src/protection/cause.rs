@@ -63,6 +63,8 @@ pub enum Cause {
     CommandInvalid,
     /// Faster than permitted for longer than tolerated.
     Overspeed,
+    /// Held, and yet it moves.
+    StandstillLost,
     /// Encoders and drive disagree about the speed.
     SpeedDisagreement,
     /// Encoders and gyroscope disagree about the turning rate.
@@ -116,7 +118,7 @@ const PLAIN: [Cause; 26] = [
 ];
 
 /// Those that came after the causes of the sources had their bits.
-const LATER: [Cause; 2] = [Cause::WayClosed, Cause::WayNarrow];
+const LATER: [Cause; 3] = [Cause::WayClosed, Cause::WayNarrow, Cause::StandstillLost];
 
 impl Cause {
     /// Every cause, in the order of [`Self::index`].
@@ -141,6 +143,7 @@ impl Cause {
             }
             Self::WayClosed => PLAIN.len().saturating_add(2 * Source::COUNT),
             Self::WayNarrow => PLAIN.len().saturating_add(2 * Source::COUNT).saturating_add(1),
+            Self::StandstillLost => PLAIN.len().saturating_add(2 * Source::COUNT).saturating_add(2),
             plain => PLAIN.iter().position(|cause| *cause == plain).unwrap_or(0),
         }
     }
@@ -171,6 +174,7 @@ impl Cause {
             Self::AdviceLimit => "perception asks for less speed",
             Self::CommandInvalid => "wanted command is not a number",
             Self::Overspeed => "faster than permitted",
+            Self::StandstillLost => "it moves although it is held",
             Self::SpeedDisagreement => "encoders and drive disagree about the speed",
             Self::TurnDisagreement => "encoders and gyroscope disagree about the turning rate",
             Self::SteeringDisagreement => "encoders and steering disagree about the turning rate",

@@ -116,6 +116,12 @@ impl LocalMemory {
         self.shift_to(self.wanted_first());
     }
 
+    /// Where the robot was at the newest measurement of the wheels.
+    #[must_use]
+    pub const fn pose(&self) -> Pose2 {
+        self.pose
+    }
+
     /// Where the robot was, or will be, at a moment near the newest measurement of the wheels.
     #[must_use]
     pub fn pose_at(&self, stamp: Stamp) -> Pose2 {

@@ -7,6 +7,7 @@ mod cause;
 mod collision;
 mod config;
 mod config_error;
+mod content_watch;
 mod decision;
 mod field;
 mod floor_sight;
@@ -23,6 +24,7 @@ mod record;
 mod scan_evidence;
 mod scan_table;
 mod source;
+mod standstill;
 mod sweep;
 mod swept_outline;
 
@@ -32,6 +34,7 @@ pub use cause::{CAUSES, Cause};
 pub use collision::{Blocked, Body, time_to_collision_s};
 pub use config::{DriveLimits, FieldSet, GuardConfig, LidarGeometry, ScannerGeometry, Thresholds, Travel};
 pub use config_error::GuardConfigError;
+pub use content_watch::{ContentWatch, Repetition};
 pub use decision::{Decision, SourceReport};
 pub use field::{Polygon, point_in_polygon, ray_exit_m};
 pub use floor_sight::{
@@ -50,6 +53,7 @@ pub(crate) use packet_table::{BIN_CDEG, Bin};
 pub use record::{CauseRecord, Unit};
 pub use scan_table::ScanTable;
 pub use source::{FaultKind, Health, Source, SourceRules};
+pub use standstill::{CREEP_M, Creep};
 pub use sweep::{
     BRAKE_WEAR, MARGIN_M, REACTION_S, STANDOFF_M, Stopping, Sweep, fastest_mps, signed_distance_m,
 };

@@ -49,11 +49,15 @@ pub fn signed_distance_m(outline: &[Point2], point: Point2) -> f32 {
 /// Speed of the fastest corner of an outline, m/s.
 #[must_use]
 pub fn fastest_mps(outline: &[Point2], twist: Twist2) -> f32 {
-    let speed = |corner: &Point2| {
-        let along = twist.linear_mps - twist.angular_radps * corner.y_m;
-        Point2::new(along, twist.angular_radps * corner.x_m).norm()
+    if twist.angular_radps == 0.0 {
+        return twist.linear_mps.abs();
+    }
+    let squared = |corner: &Point2| {
+        let along_mps = twist.linear_mps - twist.angular_radps * corner.y_m;
+        let aside_mps = twist.angular_radps * corner.x_m;
+        along_mps * along_mps + aside_mps * aside_mps
     };
-    outline.iter().map(speed).fold(0.0, f32::max)
+    libm::sqrtf(outline.iter().map(squared).fold(0.0, f32::max))
 }
 
 /// How the robot stops from a motion, at its fastest point.

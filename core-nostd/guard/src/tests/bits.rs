@@ -153,17 +153,20 @@ fields! {
     Point2 { x_m, y_m }
     Pose2 { x_m, y_m, heading_rad }
     Twist2 { linear_mps, angular_radps }
-    SourceMonitor { newest, ahead_us, fault, blind, fingerprint, identical }
+    SourceMonitor { newest, ahead_us, fault, blind, repeats, fingerprint, identical }
     CauseRecord { cause, action, measured, limit, unit, age_us, raised_at, health, ahead_us, speed_limit_mps }
     HeldCause { last_pulse, limit_mps, first }
     HeldCauses { bits, slots }
     DecisionMachine { held, first_stop, reset_since, resets }
     FieldSelection { active, candidate, candidate_clear_since, held_cap_mps, held_until }
-    Motion { wheels, gyro_radps, drive_mps, steering_rad }
+    Motion { wheels, gyro_radps, drive, wheels_fastest_mps, drive_fastest_mps }
     Persistence { since }
-    MotionChecks { envelope_mps, checked_at, falling, overspeed, speed, turn, steering }
+    Creep { moved_m, turned_rad, measured_at }
+    MotionChecks {
+        envelope_mps, checked_at, falling, overspeed, speed, turn, steering, is_held, creep_by_wheels, creep_by_drive,
+    }
     State {
-        monitors, machine, selection, motion, checks, wanted, permitted, decided_at, started, scans_with_hit,
+        monitors, machine, selection, motion, checks, wanted, wanted_fastest_mps, permitted, decided_at, started, scans_with_hit,
         packet_returns, silent_cdeg, blocked_forward, blocked_backward,
     }
     SourceRules { fitted, required_at_start, limit_after_us, limit_mps, stop_after_us, frozen_samples }

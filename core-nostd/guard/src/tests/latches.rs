@@ -204,6 +204,7 @@ fn fg_req_070_no_cause_gets_another_bit() {
         (Cause::SourceLost(Source::ALL[7]), 41),
         (Cause::WayClosed, 42),
         (Cause::WayNarrow, 43),
+        (Cause::StandstillLost, 44),
     ];
     for (cause, bit) in bits {
         assert_eq!((cause.index(), Cause::all()[bit]), (bit, cause));

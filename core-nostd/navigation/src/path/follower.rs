@@ -261,6 +261,18 @@ mod tests {
         assert!((last.heading_rad + FRAC_PI_2).abs() < 0.2, "{last:?}");
     }
 
+    /// Beyond its end the last leg would cross the third one: nothing between them is left out.
+    #[test]
+    fn a_loop_is_driven_to_its_end() {
+        let corners = [(0.0, 0.0), (1.2, 0.0), (1.8, 1.0), (4.2, 1.3), (4.3, 2.5), (3.1, 2.7), (2.5, 1.6)];
+        let path = corners.map(|(x_m, y_m)| at(x_m, y_m, 0.0, Gear::Ahead));
+        let (poses, end) = drive(&path, Pose2::default());
+        let last = poses.last().unwrap();
+        assert_eq!(end, FollowState::Arrived);
+        assert!(Point2::new(last.x_m, last.y_m).distance(Point2::new(2.5, 1.6)) < 0.15, "{last:?}");
+        assert!(poses.iter().any(|pose| pose.x_m > 4.0 && pose.y_m > 2.0), "round the loop");
+    }
+
     /// By heading the line is not sought again: what is beside it stays so.
     #[test]
     fn backing_by_heading_does_not_swing() {

@@ -1,11 +1,11 @@
 //! The lidar's port on `embassy-net` over the chip's Ethernet.
 
 use embassy_net::udp::{PacketMetadata, RecvError, UdpSocket};
-use embassy_net::{Config, Ipv4Address, Ipv4Cidr, Runner, Stack, StackResources, StaticConfigV4};
+use embassy_net::{Config, IpAddress, Ipv4Address, Ipv4Cidr, Runner, Stack, StackResources, StaticConfigV4};
 use embassy_stm32::eth::{Ethernet, GenericPhy, PacketQueue, Sma};
 use embassy_stm32::peripherals::{ETH, ETH_SMA};
 use floorguard_runtime::clock;
-use floorguard_runtime::io::{DatagramReceiver, Received};
+use floorguard_runtime::io::{DatagramReceiver, FirstSender, Received};
 use static_cell::StaticCell;
 
 /// Our address on the lidar's network.
@@ -44,7 +44,10 @@ struct Buffers {
 }
 
 /// The lidar's port.
-pub struct LidarSocket(UdpSocket<'static>);
+pub struct LidarSocket {
+    socket: UdpSocket<'static>,
+    first: FirstSender<IpAddress>,
+}
 
 impl LidarSocket {
     /// Opens it. Call once.
@@ -67,7 +70,7 @@ impl LidarSocket {
         );
         // The port is free and the stack has an address: binding cannot fail.
         socket.bind(LIDAR_PORT).unwrap();
-        Self(socket)
+        Self { socket, first: FirstSender::UNKNOWN }
     }
 }
 
@@ -75,7 +78,15 @@ impl DatagramReceiver for LidarSocket {
     type Error = RecvError;
 
     async fn receive(&mut self, buffer: &mut [u8]) -> Result<Received, RecvError> {
-        let (length, _) = self.0.recv_from(buffer).await?;
-        Ok(Received { length, arrival: clock::now() })
+        loop {
+            let (length, from) = self.socket.recv_from(buffer).await?;
+            if self.first.hears(from.endpoint.addr) {
+                return Ok(Received { length, arrival: clock::now() });
+            }
+        }
+    }
+
+    fn keep_sender(&mut self) {
+        self.first.keep();
     }
 }

@@ -1,11 +1,11 @@
 //! UDP sockets of Linux for the epoll loop.
 
 use std::io;
-use std::net::{SocketAddr, UdpSocket};
+use std::net::{IpAddr, SocketAddr, UdpSocket};
 use std::sync::mpsc::Sender;
 
 use floorguard_runtime::clock;
-use floorguard_runtime::io::{DatagramReceiver, Received};
+use floorguard_runtime::io::{DatagramReceiver, FirstSender, Received};
 
 use crate::executor::Source;
 use floorguard_configuration::SenderAddress;
@@ -18,7 +18,7 @@ const SENDERS_MAX: usize = 8;
 pub struct Listening {
     /// The section of `robot.toml` that names the device.
     pub section: &'static str,
-    /// The only sender that is listened to.
+    /// The only sender that is listened to; without it the one whose messages are understood first.
     pub only: Option<SenderAddress>,
     /// The reporting task; it never blocks the receiving one.
     pub notices: Option<Sender<String>>,
@@ -29,6 +29,7 @@ pub struct UdpReceiver {
     socket: Source<UdpSocket>,
     listening: Listening,
     known: Vec<SocketAddr>,
+    first: FirstSender<IpAddr>,
 }
 
 impl UdpReceiver {
@@ -47,13 +48,18 @@ impl UdpReceiver {
     /// The socket cannot be watched.
     pub fn from_socket(socket: UdpSocket, listening: Listening) -> io::Result<Self> {
         socket.set_nonblocking(true)?;
-        Ok(Self { socket: Source::new(socket)?, listening, known: Vec::with_capacity(SENDERS_MAX) })
+        Ok(Self {
+            socket: Source::new(socket)?,
+            listening,
+            known: Vec::with_capacity(SENDERS_MAX),
+            first: FirstSender::UNKNOWN,
+        })
     }
 
     /// Whether a sender is listened to. Once for each, people hear of one that should not be there.
     fn hears(&mut self, from: SocketAddr) -> bool {
         let Listening { section, only, notices } = &self.listening;
-        let is_heard = only.is_none_or(|only| only.is(from));
+        let is_heard = only.map_or_else(|| self.first.hears(from.ip()), |only| only.is(from));
         if self.known.contains(&from) || self.known.len() >= SENDERS_MAX {
             return is_heard;
         }
@@ -62,6 +68,12 @@ impl UdpReceiver {
             (Some(only), _) if !is_heard => Some(format!(
                 "[{section}] datagrams of {from} are left out: only sender {only} is listened to"
             )),
+            (None, _) if !is_heard => self.first.device().map(|device| {
+                format!(
+                    "[{section}] datagrams of {from} are left out: {device} was understood first; if another one is the robot's, \
+                     name it: sender = \"ADDRESS\""
+                )
+            }),
             (None, Some(first)) if *first != from => Some(format!(
                 "[{section}] datagrams come from {first} and from {from}, too; unplug what is not the robot's, or name the \
                  device: sender = \"{}\"",
@@ -97,6 +109,10 @@ impl DatagramReceiver for UdpReceiver {
             }
         }
     }
+
+    fn keep_sender(&mut self) {
+        self.first.keep();
+    }
 }
 
 #[cfg(test)]
@@ -105,6 +121,38 @@ mod tests {
     use crate::executor::TaskSet;
     use embassy_futures::yield_now;
     use std::cell::Cell;
+
+    /// Another lidar in the network does not keep a dead one healthy.
+    #[test]
+    fn only_the_first_understood_sender_counts() {
+        let (notices, heard) = std::sync::mpsc::channel();
+        let port = UdpSocket::bind("127.0.0.1:0").unwrap();
+        let listening = Listening { section: "lidar", only: None, notices: Some(notices) };
+        let mut receiver = UdpReceiver::from_socket(port, listening).unwrap();
+        let address = receiver.local_address().unwrap();
+        let [device, restarted, stranger] =
+            ["127.0.0.1:0", "127.0.0.1:0", "127.0.0.2:0"].map(|ip| UdpSocket::bind(ip).unwrap());
+        let lengths = std::cell::RefCell::new(Vec::new());
+        let mut tasks = TaskSet::new();
+        tasks.spawn(async {
+            while let Ok(received) = receiver.receive(&mut [0; 8]).await {
+                lengths.borrow_mut().push(received.length);
+                if received.length == 2 {
+                    receiver.keep_sender();
+                }
+            }
+        });
+        for (socket, length) in
+            [(&stranger, 1), (&device, 2), (&stranger, 3), (&restarted, 4), (&stranger, 5)]
+        {
+            socket.send_to(&[0; 8][..length], address).unwrap();
+        }
+        tasks.poll_until_quiet().unwrap();
+        drop(tasks);
+        assert_eq!(*lengths.borrow(), [1, 2, 4]);
+        let notices: Vec<String> = heard.try_iter().collect();
+        assert!(notices.iter().any(|notice| notice.contains("name")), "{notices:?}");
+    }
 
     /// Datagrams that wait in the kernel are taken one by one, and every other task has its turn in between.
     #[test]

@@ -28,6 +28,7 @@ pub const fn requirement(cause: Cause) -> &'static str {
         Cause::AdviceStop | Cause::AdviceLimit => "FG-REQ-030",
         Cause::CommandInvalid => "FG-REQ-054",
         Cause::Overspeed => "FG-REQ-050",
+        Cause::StandstillLost => "FG-REQ-057",
         Cause::SpeedDisagreement => "FG-REQ-051",
         Cause::TurnDisagreement => "FG-REQ-052",
         Cause::SteeringDisagreement => "FG-REQ-053",

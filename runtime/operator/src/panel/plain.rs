@@ -39,6 +39,10 @@ pub fn remedy(record: &CauseRecord) -> &'static str {
         (Cause::Overspeed, _) => {
             "Faster than permitted: try the brake and the drive before it drives again, then press reset."
         }
+        (Cause::StandstillLost, _) => {
+            "It moved while it should stand: look whether somebody pushed it or the floor slopes, and have drive and brake tried; then \
+             press reset."
+        }
         (Cause::SpeedDisagreement | Cause::TurnDisagreement, _) => {
             "Check encoders, wheels and inertial sensor: two of them tell different movements. Then press reset."
         }

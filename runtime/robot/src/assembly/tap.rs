@@ -180,6 +180,10 @@ impl<T: DatagramReceiver> DatagramReceiver for Tapped<T> {
         }
         Ok(received)
     }
+
+    fn keep_sender(&mut self) {
+        self.carrier.keep_sender();
+    }
 }
 
 impl<T: ErrorType> ErrorType for Tapped<T> {

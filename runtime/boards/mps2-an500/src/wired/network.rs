@@ -3,9 +3,9 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use embassy_net::udp::{PacketMetadata, RecvError, UdpSocket};
-use embassy_net::{Config, Ipv4Address, Ipv4Cidr, Runner, Stack, StackResources, StaticConfigV4};
+use embassy_net::{Config, IpAddress, Ipv4Address, Ipv4Cidr, Runner, Stack, StackResources, StaticConfigV4};
 use floorguard_runtime::clock;
-use floorguard_runtime::io::{DatagramReceiver, Received};
+use floorguard_runtime::io::{DatagramReceiver, FirstSender, Received};
 use static_cell::StaticCell;
 
 use crate::ethernet::Ethernet;
@@ -79,7 +79,10 @@ pub fn bench_socket(stack: Stack<'static>) -> UdpSocket<'static> {
 }
 
 /// The lidar's port.
-pub struct LidarSocket(UdpSocket<'static>);
+pub struct LidarSocket {
+    socket: UdpSocket<'static>,
+    first: FirstSender<IpAddress>,
+}
 
 impl LidarSocket {
     /// Opens it. Call once.
@@ -87,7 +90,8 @@ impl LidarSocket {
         // Read and written by the processor alone: frames come from the ring.
         #[unsafe(link_section = ".dtcm.lidar_socket")]
         static BUFFERS: StaticCell<Buffers<DATAGRAMS, { DATAGRAMS * DATAGRAM_BYTES }>> = StaticCell::new();
-        Self(BUFFERS.init_with(Buffers::new).socket(stack, LIDAR_PORT))
+        let socket = BUFFERS.init_with(Buffers::new).socket(stack, LIDAR_PORT);
+        Self { socket, first: FirstSender::UNKNOWN }
     }
 }
 
@@ -95,8 +99,16 @@ impl DatagramReceiver for LidarSocket {
     type Error = RecvError;
 
     async fn receive(&mut self, buffer: &mut [u8]) -> Result<Received, RecvError> {
-        let (length, _) = self.0.recv_from(buffer).await?;
-        RECEIVED.fetch_add(1, Ordering::Relaxed);
-        Ok(Received { length, arrival: clock::now() })
+        loop {
+            let (length, from) = self.socket.recv_from(buffer).await?;
+            RECEIVED.fetch_add(1, Ordering::Relaxed);
+            if self.first.hears(from.endpoint.addr) {
+                return Ok(Received { length, arrival: clock::now() });
+            }
+        }
+    }
+
+    fn keep_sender(&mut self) {
+        self.first.keep();
     }
 }
