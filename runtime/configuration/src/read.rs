@@ -12,6 +12,7 @@ use toml::de::DeTable;
 
 use super::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
 use super::camera::{CameraConfiguration, read_camera};
+use super::command::{CommandConfiguration, read_command};
 use super::devices::{Addresses, check_addresses, read_can, read_imu, read_inputs, read_lidar, read_scanner};
 use super::fields::{read_fields, read_polygon};
 use super::learning::{LearningConfiguration, read_learning};
@@ -45,6 +46,8 @@ pub struct HostedConfiguration {
     pub mission: Option<MissionConfiguration>,
     /// How it learns what people look like; without it, it does not.
     pub learning: Option<LearningConfiguration>,
+    /// Who drives it from outside; without it, it drives itself.
+    pub command: Option<CommandConfiguration>,
 }
 
 /// Reads and checks a file.
@@ -94,10 +97,12 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
         top.optional_section("route").map_or_else(Default::default, |section| read_route(section, &limits));
     let mission = top.optional_section("mission").and_then(read_mission);
     let learning = top.optional_section("learning").and_then(read_learning);
+    let command = top.optional_section("command").and_then(|section| read_command(&top, section));
     let lines = (&lidar, &scanner, &can);
     if let (Some((_, lidar)), Some((_, scanner)), Some((_, can))) = lines {
         let imu = imu.as_ref().and_then(Option::as_ref).map(|(_, line)| line);
-        check_addresses(&top, &Addresses { lidar, scanner, imu, can });
+        let command = command.as_ref().map(|command| &command.address);
+        check_addresses(&top, &Addresses { lidar, scanner, imu, can, command });
     }
     top.finish();
     let (lidar, lidar_address) = lidar?;
@@ -132,6 +137,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
         },
         mission,
         learning,
+        command,
     })
 }
 

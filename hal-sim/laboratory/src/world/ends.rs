@@ -72,6 +72,7 @@ impl Ends {
             scanner: robot_scanner,
             imu: Some(SerialAddress { device: imu.device.clone(), baud: IMU_BAUD }),
             can: address,
+            command: None,
             tap: None,
             mission: None,
             people: PeopleInbox::default(),

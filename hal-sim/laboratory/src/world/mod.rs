@@ -6,6 +6,7 @@ mod floor_camera;
 mod observation;
 mod observer;
 mod operator;
+mod outside;
 mod planning;
 mod real_world;
 mod recorded_plan;

@@ -14,6 +14,7 @@ use floorguard_types::time::Stamp;
 use super::floor_camera::SimulatedCamera;
 use super::observer::Observer;
 use super::operator::Operator;
+use super::outside::spawn_outside;
 use super::planning::spawn_planning;
 use super::true_state;
 use crate::plan::Plan;
@@ -223,6 +224,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
         tap: None,
     };
     spawn_guard_ring(&mut tasks, &shared, &plan.robot, carriers);
+    spawn_outside(&mut tasks, plan, &shared);
     let guard_tasks = tasks.len();
     spawn_planning(&mut tasks, plan, &shared, (&mut perception, mission.as_mut()));
     let mut orders = Vec::new();

@@ -68,7 +68,9 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     let folder = arguments.file.parent().unwrap_or(Path::new("."));
     let source =
         configuration.carriers.camera.as_ref().map(|camera| open_source(camera, folder)).transpose()?;
-    let mut links = Links::bind(&configuration.carriers).map_err(|error| BadInput(error.to_string()))?;
+    let links = Links::bind(&configuration.carriers);
+    let links = links.and_then(|links| links.commanded(configuration.command.as_ref()));
+    let mut links = links.map_err(|error| BadInput(error.to_string()))?;
     let began = clock::now();
     let shared: Box<HostedShared> = new_shared(&configuration.robot, began)
         .map_err(|error| BadInput(format!("{}: {error}", arguments.file.display())))?;

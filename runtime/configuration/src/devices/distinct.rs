@@ -6,6 +6,7 @@ use std::path::Path;
 use floorguard_drivers::flexisoft::InputBits;
 
 use crate::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
+use crate::command::CommandAddress;
 use crate::reader::Reader;
 
 /// The addresses of the devices, as far as they were read.
@@ -14,6 +15,7 @@ pub(crate) struct Addresses<'a> {
     pub scanner: &'a ScannerAddress,
     pub imu: Option<&'a SerialAddress>,
     pub can: &'a CanAddress,
+    pub command: Option<&'a CommandAddress>,
 }
 
 /// Refuses two devices on one line or port. Each device is named by its section.
@@ -25,6 +27,11 @@ pub(crate) fn check_addresses(top: &Reader<'_>, addresses: &Addresses<'_>) {
         ScannerAddress::Datagrams(port) => ports.push(("scanner", *port)),
     }
     lines.extend(addresses.imu.map(|line| ("imu", line.device.as_path())));
+    match addresses.command {
+        Some(CommandAddress::Datagrams(port)) => ports.push(("command", *port)),
+        Some(CommandAddress::Serial(line)) => lines.push(("command", &line.device)),
+        None => {}
+    }
     if let CanAddress::Slcan(device) = addresses.can {
         lines.push(("can", device));
     }

@@ -22,13 +22,43 @@ pub struct Listening {
     pub only: Option<SenderAddress>,
     /// The reporting task; it never blocks the receiving one.
     pub notices: Option<Sender<String>>,
+    /// Senders that were heard of.
+    pub known: Vec<SocketAddr>,
+}
+
+impl Listening {
+    /// Whether a sender is listened to. Once for each, people hear of one that should not be there.
+    pub(super) fn hears(&mut self, from: SocketAddr) -> bool {
+        let Self { section, only, notices, known } = self;
+        let only = *only;
+        let is_heard = only.is_none_or(|only| only.is(from));
+        if known.contains(&from) || known.len() >= SENDERS_MAX {
+            return is_heard;
+        }
+        known.push(from);
+        let what = match (only, known.first()) {
+            (Some(only), _) if !is_heard => Some(format!(
+                "[{section}] datagrams of {from} are left out: only sender {only} is listened to"
+            )),
+            (None, Some(first)) if *first != from => Some(format!(
+                "[{section}] datagrams come from {first} and from {from}, too; unplug what is not the robot's, or name the \
+                 device: sender = \"{}\"",
+                first.ip()
+            )),
+            _ => None,
+        };
+        if let (Some(what), Some(notices)) = (what, notices) {
+            // The parent process has ended: so does the robot.
+            let _ = notices.send(what);
+        }
+        is_heard
+    }
 }
 
 /// A bound UDP port. Use it on the thread that made it.
 pub struct UdpReceiver {
     socket: Source<UdpSocket>,
     listening: Listening,
-    known: Vec<SocketAddr>,
 }
 
 impl UdpReceiver {
@@ -47,33 +77,7 @@ impl UdpReceiver {
     /// The socket cannot be watched.
     pub fn from_socket(socket: UdpSocket, listening: Listening) -> io::Result<Self> {
         socket.set_nonblocking(true)?;
-        Ok(Self { socket: Source::new(socket)?, listening, known: Vec::with_capacity(SENDERS_MAX) })
-    }
-
-    /// Whether a sender is listened to. Once for each, people hear of one that should not be there.
-    fn hears(&mut self, from: SocketAddr) -> bool {
-        let Listening { section, only, notices } = &self.listening;
-        let is_heard = only.is_none_or(|only| only.is(from));
-        if self.known.contains(&from) || self.known.len() >= SENDERS_MAX {
-            return is_heard;
-        }
-        self.known.push(from);
-        let what = match (only, self.known.first()) {
-            (Some(only), _) if !is_heard => Some(format!(
-                "[{section}] datagrams of {from} are left out: only sender {only} is listened to"
-            )),
-            (None, Some(first)) if *first != from => Some(format!(
-                "[{section}] datagrams come from {first} and from {from}, too; unplug what is not the robot's, or name the \
-                 device: sender = \"{}\"",
-                first.ip()
-            )),
-            _ => None,
-        };
-        if let (Some(what), Some(notices)) = (what, notices) {
-            // The parent process has ended: so does the robot.
-            let _ = notices.send(what);
-        }
-        is_heard
+        Ok(Self { socket: Source::new(socket)?, listening })
     }
 
     /// The address it is bound to.
@@ -92,7 +96,7 @@ impl DatagramReceiver for UdpReceiver {
         loop {
             let (length, from) = self.socket.read_ready(|socket| socket.recv_from(buffer)).await?;
             let arrival = clock::now();
-            if self.hears(from) {
+            if self.listening.hears(from) {
                 return Ok(Received { length, arrival });
             }
         }

@@ -11,8 +11,10 @@ use super::tap::{Tap, Tapped};
 use crate::assembly::{GuardCarriers, PeopleInbox, ScannerCarrier};
 use crate::cleaner::MissionSetup;
 use crate::learning::LearningSetup;
-use floorguard_configuration::{CanAddress, Carriers, DatagramAddress, ScannerAddress, SerialAddress};
-use floorguard_host::carriers::{CanLink, Listening, ReconnectingLine, UdpReceiver};
+use floorguard_configuration::{
+    CanAddress, Carriers, CommandConfiguration, DatagramAddress, ScannerAddress, SerialAddress,
+};
+use floorguard_host::carriers::{BoundCommand, CanLink, Listening, ReconnectingLine, UdpReceiver};
 
 /// What the safety scanner is connected to, before the guard's thread opens it.
 #[derive(Debug)]
@@ -35,6 +37,8 @@ pub struct Links {
     pub imu: Option<SerialAddress>,
     /// The CAN bus.
     pub can: CanAddress,
+    /// Who drives the robot from outside; without it, it drives itself.
+    pub command: Option<BoundCommand>,
     /// Who listens to all of them.
     pub tap: Option<Tap>,
     /// What the robot cleans; without it, it drives its route.
@@ -85,6 +89,7 @@ impl Links {
             scanner,
             imu,
             can: carriers.can.clone(),
+            command: None,
             tap: None,
             mission: None,
             people: PeopleInbox::default(),
@@ -99,7 +104,10 @@ impl Links {
         let (notices, heard) = channel();
         self.lidar.1.notices = Some(notices.clone());
         if let ScannerLink::Datagrams(_, listening) = &mut self.scanner {
-            listening.notices = Some(notices);
+            listening.notices = Some(notices.clone());
+        }
+        if let Some(command) = &mut self.command {
+            command.notify(notices);
         }
         heard
     }
@@ -145,6 +153,21 @@ impl Links {
     }
 }
 
+impl Links {
+    /// With the link of a program that drives the robot from outside.
+    ///
+    /// # Errors
+    /// Its port is taken or not ours.
+    pub fn commanded(mut self, command: Option<&CommandConfiguration>) -> io::Result<Self> {
+        let bound = command.map(|command| {
+            BoundCommand::bind(command)
+                .map_err(|error| io::Error::new(error.kind(), format!("[command]: {error}")))
+        });
+        self.command = bound.transpose()?;
+        Ok(self)
+    }
+}
+
 /// Binds the port of a device; `section` of the robot's file names it.
 fn bind_port(section: &'static str, address: DatagramAddress) -> io::Result<(UdpSocket, Listening)> {
     let DatagramAddress { local, sender } = address;
@@ -152,5 +175,5 @@ fn bind_port(section: &'static str, address: DatagramAddress) -> io::Result<(Udp
         let remedy = format!("end the other program that listens there, or correct [{section}] source");
         io::Error::new(error.kind(), format!("[{section}] udp:{local}: {error}; {remedy}"))
     })?;
-    Ok((socket, Listening { section, only: sender, notices: None }))
+    Ok((socket, Listening { section, only: sender, ..Listening::default() }))
 }
