@@ -49,6 +49,19 @@ impl CommandConfiguration {
     }
 }
 
+impl CommandConfiguration {
+    /// Where velocities come from and whose, in words.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let place = match &self.address {
+            CommandAddress::Datagrams(address) => format!("udp:{}", address.local),
+            CommandAddress::Serial(line) => format!("serial:{}", line.device.display()),
+        };
+        let sender = self.sender_id.map_or("the first sender".to_owned(), |id| format!("sender {id}"));
+        format!("velocities of {sender} at {place}, {} permits a second", self.permits_hz)
+    }
+}
+
 pub(super) fn read_command(top: &Reader<'_>, section: Reader<'_>) -> Option<CommandConfiguration> {
     for other in OTHER_DRIVERS.into_iter().filter(|other| top.find(other).is_some()) {
         section.refuse(

@@ -1,8 +1,10 @@
 //! `robot.toml`: read strictly, refused with file, line, the limit broken and a remedy.
 
+mod absent;
 mod address;
 mod asked;
 mod bake;
+mod base;
 mod camera;
 mod command;
 mod devices;
@@ -15,8 +17,10 @@ mod read;
 mod reader;
 mod reference;
 
+pub use absent::{Absence, absences};
 pub use address::{CanAddress, DatagramAddress, ScannerAddress, SenderAddress, SerialAddress};
 pub use bake::bake;
+pub use base::BaseAddress;
 pub use camera::{CameraConfiguration, CameraSource};
 pub use command::{CommandAddress, CommandConfiguration};
 pub use learning::LearningConfiguration;

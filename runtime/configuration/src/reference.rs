@@ -21,14 +21,19 @@ warning_m = [[-0.80, -0.80], [1.90, -0.80], [1.90, 0.80], [-0.80, 0.80]]
 const LINE_SCANNER: &str = "model = \"s300\"\nsource = \"serial:/dev/ttyUSB0\"\nbaud = 500000\n";
 const NETWORK_SCANNER: &str = "model = \"microscan3\"\nsource = \"udp:0.0.0.0:6060\"\n";
 
+/// The robot that a program outside drives; it has no route of its own.
+const COMMANDED: &str = "[command]\nsource = \"serial:/dev/ttyUSB2\"\nbaud = 230400\n";
+
 /// Every key with its kind, what is allowed, its default, and its value in the example robot, as Markdown.
 #[must_use]
 pub fn reference() -> String {
     let with_all = [super::EXAMPLE, "\n", super::camera::EXAMPLE_SECTION, OPTIONAL].concat();
     let mut rows = rows_of(&with_all);
     let others = rows_of(&with_all.replace(LINE_SCANNER, NETWORK_SCANNER));
+    let driven = super::EXAMPLE.split("[route]").next().unwrap_or_default();
+    let others = others.into_iter().chain(rows_of(&[driven, COMMANDED].concat()));
     let is_new = |row: &Asked| !rows.iter().any(|known| known.is_of(&row.section, row.key));
-    let others: Vec<Asked> = others.into_iter().filter(is_new).collect();
+    let others: Vec<Asked> = others.filter(is_new).collect();
     rows.extend(others);
     // A section is asked on behind the one within it: its keys stand together all the same.
     let order: Vec<String> = rows.iter().map(|row| row.section.clone()).collect();
@@ -76,7 +81,9 @@ test fails when this page is old. `floorguard check robot.toml` tells every mist
 Units stand at the end of each key. The robot's frame lies on the floor in the middle of the rear axle, x forward, y left,
 z up.
 
-`[imu]`, `[guard]`, `[route]`, `[camera]`, `[mission]`, `[learning]` and every `[[field]]` may be missing as a whole. Fields follow from
+`[imu]`, `[guard]`, `[route]`, `[camera]`, `[mission]`, `[learning]`, `[command]` and every `[[field]]` may be missing as a whole.
+With `[command]` a program outside drives the robot by velocities (book, Velocity link) and there is neither `[route]` nor
+`[mission]`; `baud` is that of a serial `source`, `sender` and `subscribers` belong to a port. Fields follow from
 `[robot]` and `[limits]`; what is drawn in `[[field]]` must contain them and is added. `[learning]`: the robot corrects its
 classifier of people from the tracks that it sees (hosted only; `run`, and `simulate` and `demo` with `--robot FILE`; a replay learns
 as its recording did). `model` is relative to the folder of this file. The guard hears of what was learned only where that adds a

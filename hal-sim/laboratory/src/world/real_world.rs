@@ -12,7 +12,6 @@ use super::ends::Ends;
 use super::observer::Observer;
 use super::operator::Operator;
 use crate::plan::Plan;
-use floorguard_host::carriers::BoundCommand;
 use floorguard_host::executor::{Ring, StopFlag, take_priority};
 use floorguard_operator::telemetry::RunSinks;
 use floorguard_operator::telemetry::{TelemetrySender, with_telemetry};
@@ -57,7 +56,7 @@ pub fn run_real_recorded(
     let mut simulation = plan.simulation()?;
     let (mut ends, links) = Ends::open(plan.robot.scanner.model, can_interface)?;
     let mut links = links.commanded(plan.command.as_ref())?;
-    if let Some(address) = links.command.as_ref().and_then(BoundCommand::local_address) {
+    if let Some(address) = links.command.as_ref().and_then(|(command, _)| command.local_address()) {
         say!("  waits for velocities at udp:{address}");
     }
     let start = clock::now();

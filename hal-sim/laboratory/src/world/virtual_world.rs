@@ -217,10 +217,10 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     let (lines, Ends { scanner, imu, from_imu_line }) = Lines::new(plan.robot.scanner.model);
     let mut tasks = TaskSet::new();
     let carriers = GuardCarriers {
-        lidar: lines.lidar.clone(),
+        lidar: Some(lines.lidar.clone()),
         scanner,
         imu: Some((imu, IMU_BAUD)),
-        can: lines.can.clone(),
+        can: Some(lines.can.clone()),
         tap: None,
     };
     spawn_guard_ring(&mut tasks, &shared, &plan.robot, carriers);

@@ -5,7 +5,7 @@ use std::path::Path;
 use floorguard_drivers::velodyne::Model;
 use floorguard_runtime::configuration::ScannerModel;
 
-use floorguard_configuration::load;
+use floorguard_configuration::{HostedConfiguration, absences, load};
 
 /// Says what the file describes, or everything that is wrong with it.
 ///
@@ -18,11 +18,12 @@ pub fn run(file: &Path) -> anyhow::Result<()> {
         "{}: good: {} fields, lidar {}, scanner {}, {} waypoints, at most {} m/s",
         file.display(),
         robot.fields.len(),
-        robot.lidar_model().map_or("as its packets say", Model::name),
+        lidar(&configuration),
         scanner(robot.scanner.model),
         robot.route.waypoints.len(),
         robot.limits.speed_mps,
     );
+    say_absences(&configuration);
     if let Some(learning) = &configuration.learning {
         let seconds = learning.update_us as f64 * 1.0e-6;
         match learning.enabled {
@@ -34,6 +35,20 @@ pub fn run(file: &Path) -> anyhow::Result<()> {
         }
     }
     Ok(())
+}
+
+/// What each missing section costs, a line for each.
+pub(super) fn say_absences(configuration: &HostedConfiguration) {
+    for absence in absences(configuration) {
+        say!("  no [{}]: {}", absence.section, absence.costs);
+    }
+}
+
+fn lidar(configuration: &HostedConfiguration) -> &'static str {
+    match configuration.robot.has_lidar {
+        true => configuration.robot.lidar_model().map_or("as its packets say", Model::name),
+        false => "none",
+    }
 }
 
 fn scanner(model: ScannerModel) -> String {

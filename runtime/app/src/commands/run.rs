@@ -12,6 +12,7 @@ use clap::Args;
 use floorguard_runtime::clock;
 
 use self::watch::Watch;
+use super::check::say_absences;
 use super::exit::BadInput;
 use super::interrupt::end_at_ctrl_c;
 use super::live_camera::LiveCamera;
@@ -80,6 +81,10 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
         "floorguard run: {}; Ctrl-C ends it; r and Enter resets, s and Enter starts",
         arguments.file.display()
     );
+    say_absences(&configuration);
+    if let Some(command) = &configuration.command {
+        say!("  driven from outside: {}", command.in_words());
+    }
     if let Some(folder) = &arguments.black_box {
         make_folder(folder)?;
     }

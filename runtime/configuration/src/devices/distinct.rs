@@ -6,22 +6,24 @@ use std::path::Path;
 use floorguard_drivers::flexisoft::InputBits;
 
 use crate::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
+use crate::base::{BaseAddress, Drives};
 use crate::command::CommandAddress;
 use crate::reader::Reader;
 
 /// The addresses of the devices, as far as they were read.
 pub(crate) struct Addresses<'a> {
-    pub lidar: &'a DatagramAddress,
+    pub lidar: Option<&'a DatagramAddress>,
     pub scanner: &'a ScannerAddress,
     pub imu: Option<&'a SerialAddress>,
-    pub can: &'a CanAddress,
+    pub drives: &'a Drives,
     pub command: Option<&'a CommandAddress>,
 }
 
 /// Refuses two devices on one line or port. Each device is named by its section.
 pub(crate) fn check_addresses(top: &Reader<'_>, addresses: &Addresses<'_>) {
     let mut lines: Vec<(&'static str, &Path)> = Vec::new();
-    let mut ports = vec![("lidar", *addresses.lidar)];
+    let mut ports: Vec<(&'static str, DatagramAddress)> =
+        addresses.lidar.iter().map(|port| ("lidar", **port)).collect();
     match addresses.scanner {
         ScannerAddress::Serial(line) => lines.push(("scanner", &line.device)),
         ScannerAddress::Datagrams(port) => ports.push(("scanner", *port)),
@@ -32,8 +34,11 @@ pub(crate) fn check_addresses(top: &Reader<'_>, addresses: &Addresses<'_>) {
         Some(CommandAddress::Serial(line)) => lines.push(("command", &line.device)),
         None => {}
     }
-    if let CanAddress::Slcan(device) = addresses.can {
-        lines.push(("can", device));
+    match addresses.drives {
+        Drives::Bus(_, CanAddress::Slcan(device)) => lines.push(("can", device)),
+        Drives::Bus(_, CanAddress::SocketCan(_)) => {}
+        Drives::Velocity(BaseAddress::Serial(line)) => lines.push(("base", &line.device)),
+        Drives::Velocity(BaseAddress::Datagrams(port, _)) => ports.push(("base", *port)),
     }
     for (index, (section, device)) in lines.iter().enumerate() {
         let before = lines.get(..index).unwrap_or_default();

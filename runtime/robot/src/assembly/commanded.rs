@@ -1,16 +1,16 @@
-//! The task that lets a program outside drive the robot.
+//! The tasks that speak in frames: a program outside that drives the robot, and a base that takes velocities.
 
 use std::io;
 
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use floorguard_configuration::CommandConfiguration;
 use floorguard_drivers::velocity_link::AcceptanceRules;
-use floorguard_host::carriers::BoundCommand;
+use floorguard_host::carriers::{BoundFrames, FrameLink};
 use floorguard_host::executor::{StopFlag, TaskSet};
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::io::FramePort;
 use floorguard_runtime::shared::Shared;
-use floorguard_runtime::tasks::{VelocityRules, velocity_input};
+use floorguard_runtime::tasks::{VelocityRules, velocity_base, velocity_input};
 
 /// Milliseconds of a second.
 const SECOND_MS: u64 = 1_000;
@@ -36,17 +36,48 @@ pub fn spawn_commanded<'a, M: RawMutex>(
     tasks.spawn(velocity_input(shared, port, rules));
 }
 
-/// The same on what `[command]` names. Nothing is heard any more once `closed` is stopped.
-pub(super) fn spawn_bound_command<'a, M: RawMutex>(
+/// The same on what `[command]` names, and the task of the base on what `[base]` names. Nothing is heard of the command any more
+/// once `closed` is stopped.
+pub(super) fn spawn_frame_links<'a, M: RawMutex>(
     tasks: &mut TaskSet<'a>,
     (shared, robot): (&'a Shared<M>, &RobotConfiguration),
-    (command, closed): (BoundCommand, StopFlag),
+    links: FrameLinks,
+    closed: StopFlag,
 ) -> io::Result<()> {
-    let rules = velocity_rules(robot, command.configuration());
-    let (link, problem) = command.open(closed)?;
-    if let Some(error) = problem {
-        say!("  command line: not there yet ({error}); waiting for it, the robot stands until then");
+    if let Some((command, configuration)) = links.command {
+        let rules = velocity_rules(robot, &configuration);
+        let port = open(command, "command line", closed)?;
+        spawn_commanded(tasks, shared, (port, rules));
     }
-    spawn_commanded(tasks, shared, (link, rules));
+    if let Some(base) = links.base {
+        let port = open(base, "base", StopFlag::default())?;
+        spawn_velocity_base(tasks, shared, (port, robot));
+    }
     Ok(())
+}
+
+/// What is spoken in frames, before the guard's thread opens it.
+#[derive(Debug)]
+pub(super) struct FrameLinks {
+    /// `[command]`.
+    pub command: Option<(BoundFrames, CommandConfiguration)>,
+    /// `[base]`.
+    pub base: Option<BoundFrames>,
+}
+
+/// The task of a base that takes velocities, on any port. It belongs to the guard ring.
+pub fn spawn_velocity_base<'a, M: RawMutex>(
+    tasks: &mut TaskSet<'a>,
+    shared: &'a Shared<M>,
+    (port, robot): (impl FramePort + 'a, &RobotConfiguration),
+) {
+    tasks.spawn(velocity_base(shared, port, robot.geometry.wheelbase_m));
+}
+
+fn open(bound: BoundFrames, name: &str, closed: StopFlag) -> io::Result<FrameLink> {
+    let (link, problem) = bound.open(closed)?;
+    if let Some(error) = problem {
+        say!("  {name}: not there yet ({error}); waiting for it, the robot stands until then");
+    }
+    Ok(link)
 }

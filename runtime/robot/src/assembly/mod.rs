@@ -10,7 +10,7 @@ mod spawn;
 mod stop_files;
 mod tap;
 
-pub use commanded::{spawn_commanded, velocity_rules};
+pub use commanded::{spawn_commanded, spawn_velocity_base, velocity_rules};
 pub use guard_task::GuardTask;
 pub use inbox::PeopleInbox;
 pub use latch_file::{LatchFile, latched_words};

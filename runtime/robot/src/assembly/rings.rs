@@ -14,7 +14,7 @@ use floorguard_types::time::Stamp;
 
 use floorguard_runtime::tasks::{clean, perceive};
 
-use super::commanded::spawn_bound_command;
+use super::commanded::{FrameLinks, spawn_frame_links};
 use super::guard_task::GuardTask;
 use super::links::{Links, Missing};
 use super::tap::{Poll, Tap};
@@ -123,16 +123,14 @@ fn guard_ring(
 ) -> io::Result<()> {
     say!("  {}", take_priority(Ring::Guard));
     run_until_observed(flag, |tasks| {
-        let command = links.command.take();
+        let frame_links = FrameLinks { command: links.command.take(), base: links.base.take() };
         let carriers = links.open(&mut |Missing { source, why }| {
             say!("  {source}: not there yet ({why}); waiting for it, the robot stands until then");
         })?;
         let tap = carriers.tap.clone();
         let names = spawn_guard_ring(tasks, shared, robot, carriers);
         // Behind the tasks of the guard: what it asks for reaches the recording as the guard takes it.
-        if let Some(command) = command {
-            spawn_bound_command(tasks, (shared, robot), (command, command_flag.clone()))?;
-        }
+        spawn_frame_links(tasks, (shared, robot), frame_links, command_flag.clone())?;
         Ok(tap.map(|tap| observer(tap, names, shared)))
     })
 }

@@ -1,11 +1,14 @@
-//! The link to the program that drives the robot from outside: a UDP port or a serial line, by the same frames.
+//! Links by frames: to the program that drives the robot from outside, and to a base that takes velocities. A UDP port or a serial
+//! line, the same frames on both.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io;
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::mpsc::Sender;
 
-use floorguard_configuration::{CommandAddress, CommandConfiguration};
+use floorguard_configuration::{
+    BaseAddress, CommandAddress, CommandConfiguration, DatagramAddress, SerialAddress,
+};
 use floorguard_runtime::clock;
 use floorguard_runtime::io::{FramePort, LinePort, LinePortError, PortFrame};
 
@@ -72,8 +75,8 @@ impl FramePort for UdpFramePort {
     }
 }
 
-/// What `[command]` names, and the end of its say: from `closed` on nothing that comes is heard.
-pub struct CommandLink {
+/// A link that `robot.toml` names. Once `closed` is stopped nothing that comes is heard.
+pub struct FrameLink {
     carrier: Carrier,
     closed: StopFlag,
 }
@@ -83,71 +86,86 @@ enum Carrier {
     Line(LinePort<ReconnectingLine>),
 }
 
-/// What `[command]` names, before the guard's thread opens it.
+/// The same before its thread opens it.
 #[derive(Debug)]
-pub struct BoundCommand {
-    /// A port that is bound already, and its accepted sender.
-    port: Option<(UdpSocket, Listening)>,
-    configuration: CommandConfiguration,
+pub enum BoundFrames {
+    /// A port that is bound already, its accepted sender, and who gets everything that is sent.
+    Port(UdpSocket, Listening, Vec<SocketAddr>),
+    /// A serial line.
+    Line(SerialAddress),
 }
 
-impl BoundCommand {
-    /// Binds the port, if it is one.
+impl BoundFrames {
+    /// What `[command]` names.
     ///
     /// # Errors
     /// The port is taken or not ours.
-    pub fn bind(configuration: &CommandConfiguration) -> io::Result<Self> {
-        let port = match &configuration.address {
+    pub fn command(configuration: &CommandConfiguration) -> io::Result<Self> {
+        match &configuration.address {
             CommandAddress::Datagrams(address) => {
-                let listening =
-                    Listening { section: "command", only: address.sender, ..Listening::default() };
-                Some((UdpSocket::bind(address.local)?, listening))
+                Self::bind("command", address, configuration.subscribers.clone())
             }
-            CommandAddress::Serial(_) => None,
-        };
-        Ok(Self { port, configuration: configuration.clone() })
+            CommandAddress::Serial(line) => Ok(Self::Line(line.clone())),
+        }
+    }
+
+    /// What `[base]` names.
+    ///
+    /// # Errors
+    /// The port is taken or not ours.
+    pub fn base(address: &BaseAddress) -> io::Result<Self> {
+        match address {
+            BaseAddress::Datagrams(address, controller) => Self::bind("base", address, vec![*controller]),
+            BaseAddress::Serial(line) => Ok(Self::Line(line.clone())),
+        }
+    }
+
+    fn bind(
+        section: &'static str,
+        address: &DatagramAddress,
+        subscribers: Vec<SocketAddr>,
+    ) -> io::Result<Self> {
+        let DatagramAddress { local, sender } = *address;
+        let socket = UdpSocket::bind(local)
+            .map_err(|error| io::Error::new(error.kind(), format!("[{section}] udp:{local}: {error}")))?;
+        Ok(Self::Port(socket, Listening { section, only: sender, ..Listening::default() }, subscribers))
     }
 
     /// The port that is bound, if it is one.
     #[must_use]
     pub fn local_address(&self) -> Option<SocketAddr> {
-        self.port.as_ref().and_then(|(socket, _)| socket.local_addr().ok())
+        match self {
+            Self::Port(socket, ..) => socket.local_addr().ok(),
+            Self::Line(_) => None,
+        }
     }
 
     /// Who hears of senders that should not be there.
     pub fn notify(&mut self, notices: Sender<String>) {
-        if let Some((_, listening)) = &mut self.port {
+        if let Self::Port(_, listening, _) = self {
             listening.notices = Some(notices);
         }
     }
 
-    /// What the robot's file says.
-    #[must_use]
-    pub const fn configuration(&self) -> &CommandConfiguration {
-        &self.configuration
-    }
-
-    /// Opens it on the calling thread, and says why it cannot be used yet, if so. Nothing is heard once `closed` is stopped.
+    /// Opens it on the calling thread, and says why it cannot be used yet, if so.
     ///
     /// # Errors
     /// The socket cannot be watched.
-    pub fn open(self, closed: StopFlag) -> io::Result<(CommandLink, Option<io::Error>)> {
-        let (carrier, problem) = match (self.port, self.configuration.address) {
-            (Some((socket, listening)), _) => {
-                let port = UdpFramePort::from_socket(socket, listening, self.configuration.subscribers)?;
-                (Carrier::Port(port), None)
+    pub fn open(self, closed: StopFlag) -> io::Result<(FrameLink, Option<io::Error>)> {
+        let (carrier, problem) = match self {
+            Self::Port(socket, listening, subscribers) => {
+                (Carrier::Port(UdpFramePort::from_socket(socket, listening, subscribers)?), None)
             }
-            (None, CommandAddress::Serial(line)) => {
+            Self::Line(line) => {
                 let (line, problem) = ReconnectingLine::new(line.device, line.baud);
                 (Carrier::Line(LinePort::new(line)), problem)
             }
-            (None, CommandAddress::Datagrams(_)) => return Err(io::ErrorKind::NotConnected.into()),
         };
-        Ok((CommandLink { carrier, closed }, problem))
+        Ok((FrameLink { carrier, closed }, problem))
     }
 }
 
-impl FramePort for CommandLink {
+impl FramePort for FrameLink {
     type Error = io::Error;
 
     async fn receive(&mut self, buffer: &mut [u8]) -> io::Result<PortFrame> {
