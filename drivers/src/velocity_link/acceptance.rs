@@ -103,7 +103,7 @@ pub struct LinkCounters {
 pub struct Accepted {
     /// What is asked for.
     pub twist: Twist2,
-    /// When it was sent, as far as can be told: its arrival less what it took longer than the fastest one.
+    /// When it was sent, as far as the clocks show: its arrival less what it took longer than the fastest one.
     pub stamp: Stamp,
     /// From then on it is zero.
     pub expires: Stamp,

@@ -1,4 +1,4 @@
-//! Velocities in, permitted velocities out: the guard under somebody else's navigation. Source: book, Velocity link.
+//! Velocities in, permitted velocities out: the guard under another program's navigation. Source: book, Velocity link.
 //!
 //! A navigation stack sends [`VelocityRequest`]s; [`Acceptance`] refuses those that are late, repeated, out of order or of
 //! another sender, and forgets each at its deadline. [`Permit`]s go back. A base that takes velocities gets the same requests

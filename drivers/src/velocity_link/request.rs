@@ -47,7 +47,7 @@ impl StopDemand {
     }
 }
 
-/// A velocity that somebody asks for: a navigation stack of the guard, or the guard of a base.
+/// A velocity that is asked for: by a navigation stack from the guard, or by the guard from a base.
 ///
 /// ```
 /// use floorguard_drivers::velocity_link::{FrameError, StopDemand, VelocityRequest};

@@ -14,7 +14,7 @@ pub use microscan3::{
     encode_scan_message, scan_datagrams,
 };
 pub use s300::{ScanWords, TelegramHeader, encode_telegram, reseal_telegram};
-pub use velocity::{HeardPermit, SentVelocity};
+pub use velocity::{HeardPermit, SentVelocity, TakenVelocity, motion_report};
 pub use velodyne::{DataPacket, ReturnMode, encode_position};
 pub use xbus::{XbusParser, encode_message, reseal_message};
 

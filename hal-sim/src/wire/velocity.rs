@@ -44,6 +44,47 @@ impl SentVelocity {
     }
 }
 
+/// A request as a base reads it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TakenVelocity {
+    /// Its number.
+    pub sequence: u32,
+    /// How long it holds, milliseconds.
+    pub deadline_ms: u16,
+    /// 0 drive, 1 hold, 2 brake and torque off, 3 torque off.
+    pub stop: u8,
+    /// m/s and rad/s.
+    pub velocity: [f32; 2],
+}
+
+impl TakenVelocity {
+    /// Reads a request; none if it is none.
+    #[must_use]
+    pub fn read(bytes: &[u8]) -> Option<Self> {
+        if bytes.len() != REQUEST_BYTES || bytes[..4] != *b"FG\x01\x01" {
+            return None;
+        }
+        let word = |at: usize| u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]);
+        let velocity = [f32::from_bits(word(20)), f32::from_bits(word(24))];
+        let is_right = word(28) == crc32(&bytes[..28]) && velocity.iter().all(|part| part.is_finite());
+        let deadline_ms = u16::from_le_bytes([bytes[16], bytes[17]]);
+        is_right.then_some(Self { sequence: word(8), deadline_ms, stop: bytes[18], velocity })
+    }
+}
+
+/// What a base reports of itself: its number and age in milliseconds, the state of its drive, m/s and rad/s.
+#[must_use]
+pub fn motion_report((sequence, age_ms): (u32, u16), state: u8, velocity: [f32; 2]) -> Vec<u8> {
+    let mut bytes = b"FG\x01\x03".to_vec();
+    bytes.extend(1_u32.to_le_bytes());
+    bytes.extend(sequence.to_le_bytes());
+    bytes.extend(age_ms.to_le_bytes());
+    bytes.extend([state, 0, 0, 0, 0, 0]);
+    velocity.iter().for_each(|part| bytes.extend(part.to_le_bytes()));
+    bytes.extend(crc32(&bytes).to_le_bytes());
+    bytes
+}
+
 /// What a program reads in a permit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeardPermit {
@@ -138,5 +179,7 @@ mod tests {
         };
         let digits: String = sent.encode().iter().map(|byte| format!("{byte:02x}")).collect();
         assert_eq!(digits, "46470101070000000100000088130000960000000000003f000080be3a601443");
+        let taken = TakenVelocity { sequence: 1, deadline_ms: 150, stop: 0, velocity: [0.5, -0.25] };
+        assert_eq!(TakenVelocity::read(&sent.encode()), Some(taken));
     }
 }

@@ -1,4 +1,4 @@
-//! What a section that is missing costs: read at the start and by `check`, so that it is known before somebody relies on it.
+//! What a section that is missing costs: read at the start and by `check`, so that it is known before it is relied on.
 
 use floorguard_runtime::configuration::BaseKind;
 

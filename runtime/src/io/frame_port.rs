@@ -31,10 +31,10 @@ pub trait FramePort {
     /// The link failed; the caller pauses and tries again.
     fn receive(&mut self, buffer: &mut [u8]) -> impl Future<Output = Result<PortFrame, Self::Error>>;
 
-    /// From now on answers go to whoever sent the frame received last.
+    /// From now on answers go to the sender of the frame received last.
     fn follow(&mut self);
 
-    /// Sends a frame to whoever is followed, and to all who only listen. Without anybody nothing is sent.
+    /// Sends a frame to the one that is followed, and to all who only listen; without any of them nowhere.
     ///
     /// # Errors
     /// The link failed; the frame is lost.

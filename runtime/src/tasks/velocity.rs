@@ -57,7 +57,7 @@ pub async fn velocity_input<M: RawMutex>(shared: &Shared<M>, mut port: impl Fram
             Either3::Second(()) => {
                 sequence = sequence.wrapping_add(1);
                 let permit = permit(shared, (&acceptance, sequence), clock::now()).encode();
-                // Nobody may keep the deadlines waiting: what is not sent in time is lost, and the next one comes.
+                // Deadlines wait for no line: what is not sent in time is lost, and the next one comes.
                 let _ = with_timeout(Duration::from_millis(SEND_MAX_MS), port.send(&permit)).await;
             }
             Either3::Third(()) => {

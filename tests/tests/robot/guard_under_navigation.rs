@@ -3,6 +3,7 @@
 use floorguard_configuration::CommandConfiguration;
 use floorguard_laboratory::plan::{HeardAt, OutsideProgram, SentFrame, Stretch};
 use floorguard_laboratory::world::{Observation, Observer, Plan, load_scenario, run_virtual};
+use floorguard_runtime::configuration::BaseKind;
 use floorguard_sim::wire::SentVelocity;
 
 /// State "stop" and flag "past its deadline" of the book, Velocity link.
@@ -10,8 +11,8 @@ const STOP: u8 = 3;
 const EXPIRED: u8 = 8;
 const SECOND_US: u64 = 1_000_000;
 
-/// Somebody stands 5 m ahead; beside that an empty hall.
-const PERSON_AHEAD: &str = "title = \"somebody stands ahead\"\n[route]\nspeed_mps = 0.5\nwaypoints_m = []\n\
+/// A person stands 5 m ahead; beside that an empty hall.
+const PERSON_AHEAD: &str = "title = \"a person stands ahead\"\n[route]\nspeed_mps = 0.5\nwaypoints_m = []\n\
     [scene]\nwall = [{ from_m = [-4.0, -6.0], to_m = [12.0, -6.0] }, { from_m = [12.0, -6.0], to_m = [12.0, 6.0] }]\n\
     [[person]]\nat_m = [5.0, 0.1]\nsees_robot = false\n";
 
@@ -85,7 +86,7 @@ fn robot_stands_at_the_missed_deadline() {
     });
     assert!(stands, "{:?}", between(75_000, 190_000).collect::<Vec<_>>());
     assert_eq!(between(75_000, 190_000).count(), 6);
-    let held = between(500_000, 1_500_000).all(|heard| heard.permit.reason.starts_with("command stale"));
+    let held = between(500_000, 1_500_000).all(|heard| heard.permit.reason.starts_with("wanted command stale"));
     assert!(held, "{:?}", between(500_000, 600_000).next());
     assert!(seen.path_m(6.0, 7.0) < 0.01, "{}", seen.path_m(6.0, 7.0));
     assert!(seen.path_m(7.0, 9.0) > 0.3, "it goes on when requests come again: {}", seen.path_m(7.0, 9.0));
@@ -111,6 +112,25 @@ fn swapped_sender_does_not_drive() {
     assert_eq!(backwards, None);
     assert!(heard.iter().all(|heard| [0, 7].contains(&heard.permit.sender)));
     assert!(seen.path_m(1.0, 6.0) > 1.0);
+}
+
+/// Velocity in, velocity out: the base is a controller that takes velocities and reports its own. Without a lidar, too.
+#[test]
+fn base_of_velocities_stands_before_person() {
+    for has_lidar in [true, false] {
+        let mut plan = plan(PERSON_AHEAD, 16);
+        (plan.robot.base, plan.robot.has_lidar) = (BaseKind::Velocity, has_lidar);
+        let (seen, heard) = play(plan, stretch(16.0, 0.8).frames(1));
+        let counts = &seen.verdict.bodies.counts;
+        assert_eq!(counts.while_moving(), 0, "{has_lidar}: {:?}", seen.verdict.bodies.contacts);
+        let (went_m, at_end_m) = (seen.path_m(0.0, 13.0), seen.path_m(13.0, 16.0));
+        assert!(went_m > 1.5 && at_end_m < 0.02, "{has_lidar}: {went_m} m, then {at_end_m} m");
+        let last = &heard.last().expect("permits").permit;
+        assert_eq!((last.permitted, last.state), ([0.0; 2], STOP), "{last:?}");
+        // Without a lidar people are not recognised: the guard permits half a metre a second at most.
+        let fastest_mps = heard.iter().fold(0.0_f32, |most, heard| most.max(heard.permit.permitted[0]));
+        assert!(if has_lidar { fastest_mps > 0.7 } else { fastest_mps <= 0.5 }, "{has_lidar}: {fastest_mps}");
+    }
 }
 
 /// One of each kind, between requests that are right: each is refused and counted, and none is driven.

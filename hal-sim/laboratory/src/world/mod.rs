@@ -14,6 +14,7 @@ mod scenario_file;
 mod swath;
 mod true_state;
 mod truth;
+mod velocity_base;
 mod virtual_world;
 
 pub use crate::plan::{Plan, PlanError, plan_of_scenario};

@@ -11,10 +11,18 @@ use floorguard_runtime::io::{FramePort, PortFrame};
 use floorguard_runtime::shared::Shared;
 use floorguard_types::time::Stamp;
 
+use super::velocity_base::BaseInWorld;
 use crate::plan::{OutsideProgram, Plan};
 
-/// The task that lets the plan's program drive, if there is one.
-pub(super) fn spawn_outside<'a>(tasks: &mut TaskSet<'a>, plan: &Plan, shared: &'a Shared<NoopRawMutex>) {
+/// The task that lets the plan's program drive, if there is one, and that of a base that takes velocities.
+pub(super) fn spawn_outside<'a>(
+    tasks: &mut TaskSet<'a>,
+    (plan, base): (&Plan, Option<&BaseInWorld>),
+    shared: &'a Shared<NoopRawMutex>,
+) {
+    if let Some(base) = base {
+        base.spawn(tasks, plan, shared);
+    }
     if let (Some(command), Some(program)) = (&plan.command, &plan.outside) {
         let rules = velocity_rules(&plan.robot, command);
         spawn_commanded(tasks, shared, (ScriptedPort::new(program), rules));

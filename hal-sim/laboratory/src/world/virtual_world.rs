@@ -17,6 +17,7 @@ use super::operator::Operator;
 use super::outside::spawn_outside;
 use super::planning::spawn_planning;
 use super::true_state;
+use super::velocity_base::{attend, base_of};
 use crate::plan::Plan;
 use floorguard_host::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 use floorguard_host::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
@@ -216,15 +217,16 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     let mut reported = setup.as_ref().map_or(0, |setup| setup.watch.published());
     let (lines, Ends { scanner, imu, from_imu_line }) = Lines::new(plan.robot.scanner.model);
     let mut tasks = TaskSet::new();
+    let base = base_of(plan);
     let carriers = GuardCarriers {
-        lidar: Some(lines.lidar.clone()),
+        lidar: plan.robot.has_lidar.then(|| lines.lidar.clone()),
         scanner,
         imu: Some((imu, IMU_BAUD)),
-        can: Some(lines.can.clone()),
+        can: base.is_none().then(|| lines.can.clone()),
         tap: None,
     };
     spawn_guard_ring(&mut tasks, &shared, &plan.robot, carriers);
-    spawn_outside(&mut tasks, plan, &shared);
+    spawn_outside(&mut tasks, (plan, base.as_ref()), &shared);
     let guard_tasks = tasks.len();
     spawn_planning(&mut tasks, plan, &shared, (&mut perception, mission.as_mut()));
     let mut orders = Vec::new();
@@ -253,6 +255,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
         world.sinks.after_tasks(&shared, (now_us, world.observer.digest().value()));
         if now_us >= world.judge_us {
             world.judge_us += JUDGE_US;
+            attend(base.as_ref(), (world.simulation, now_us));
             // A button reaches the tasks with the next moment.
             orders = world.operate(&shared);
             world.latches = shared.latches.get().unwrap_or(world.latches);

@@ -16,7 +16,7 @@ use super::reconnect::ReconnectingLine;
 use super::socket::Listening;
 use crate::executor::{Source, StopFlag};
 
-/// A bound UDP port that answers whoever holds the robot, and tells others who only listen.
+/// A bound UDP port that answers the sender that holds the robot, and sends the same to others who only listen.
 pub struct UdpFramePort {
     socket: Source<UdpSocket>,
     listening: Listening,
