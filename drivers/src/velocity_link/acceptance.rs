@@ -274,9 +274,13 @@ fn silent_us(held: &Held, now: Stamp) -> u64 {
 /// passed at the sender. Clocks that drift apart are forgiven their drift.
 fn delay_after_us(held: &Held, sent_ms: u32, at: Stamp) -> u64 {
     let here_us = silent_us(held, at);
-    let there_ms = sent_ms.wrapping_sub(held.sent_ms);
-    // A clock that goes back is one that stands: nothing passed there.
-    let there_us = if there_ms < 1 << 31 { u64::from(there_ms).saturating_mul(1_000) } else { 0 };
+    let micros = |from_ms: u32, to_ms: u32| match to_ms.wrapping_sub(from_ms) {
+        passed_ms @ ..0x8000_0000 => u64::from(passed_ms).saturating_mul(1_000),
+        _ => 0,
+    };
+    // A newer number with an older stamp was sent before the one that is here.
+    let (there_us, back_us) = (micros(held.sent_ms, sent_ms), micros(sent_ms, held.sent_ms));
     let drift_us = here_us.checked_div(DRIFT_DIVISOR).unwrap_or(0);
-    held.delay_us.saturating_add(here_us).saturating_sub(there_us).saturating_sub(drift_us)
+    let since_us = held.delay_us.saturating_add(here_us).saturating_add(back_us);
+    since_us.saturating_sub(there_us).saturating_sub(drift_us)
 }

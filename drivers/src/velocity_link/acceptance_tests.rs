@@ -75,6 +75,16 @@ fn late_requests_are_refused_by_senders_clock() {
     assert!(offer(&mut acceptance, &request(7, 4, 240), 1_260).is_ok(), "in time again");
 }
 
+/// A number that is newer does not make a stamp newer.
+#[test]
+fn newer_number_with_old_stamp_is_late() {
+    let mut acceptance = acceptance();
+    offer(&mut acceptance, &request(7, 1, 2_000), 3_000).unwrap();
+    let late = offer(&mut acceptance, &request(7, 2, 1_710), 3_010);
+    assert!(matches!(late, Err(Refusal::Late { late_us: 299_000..=300_000 })), "{late:?}");
+    assert!(offer(&mut acceptance, &request(7, 3, 1_990), 3_010).is_ok(), "20 ms late, and in time");
+}
+
 /// A network that stops for three seconds and then delivers everything at once: nothing of the past is driven.
 #[test]
 fn burst_after_a_stall_is_refused() {

@@ -29,7 +29,8 @@ impl VelocityBase {
     /// A frame of the robot's computer.
     pub fn receive(&mut self, bytes: &[u8], now_us: u64) {
         let Some(request) = TakenVelocity::read(bytes) else { return };
-        let is_newer = self.newest.is_none_or(|newest| request.sequence.wrapping_sub(newest.sequence) < 1 << 31);
+        let is_newer =
+            self.newest.is_none_or(|newest| request.sequence.wrapping_sub(newest.sequence) < 1 << 31);
         if is_newer {
             self.ends_us = now_us + u64::from(request.deadline_ms) * 1_000;
             self.newest = Some(request);

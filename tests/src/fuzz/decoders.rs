@@ -203,14 +203,22 @@ pub fn velocity_link(frames: &[(u64, Vec<u8>)]) -> u64 {
             if let Some(frame) = line.byte(*byte) {
                 // Whatever its kind: length and checksum are right.
                 let error = VelocityRequest::decode(frame).err();
-                let is_whole = !matches!(error, Some(FrameError::Length { .. } | FrameError::Checksum { .. }));
+                let is_whole =
+                    !matches!(error, Some(FrameError::Length { .. } | FrameError::Checksum { .. }));
                 assert!(is_whole, "{error:?}");
             }
         }
     }
     let counted = acceptance.counters();
     assert_eq!(u64::from(counted.accepted), accepted, "counted is what was accepted");
-    let known = SentVelocity { sender: 3, sequence: 9, sent_ms: 5, deadline_ms: 100, linear_mps: 0.5, angular_radps: 0.0 };
+    let known = SentVelocity {
+        sender: 3,
+        sequence: 9,
+        sent_ms: 5,
+        deadline_ms: 100,
+        linear_mps: 0.5,
+        angular_radps: 0.0,
+    };
     // A sender that was heard before is silent for long enough.
     now += 11_000_000;
     let heard = acceptance.offer(&known.encode(), Arrival { peer: 1, at: at(now) });

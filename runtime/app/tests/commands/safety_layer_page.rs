@@ -67,7 +67,10 @@ fn client_of_the_page_drives_the_robot() {
     assert_eq!(client.status.code(), Some(0), "{heard}{}{shown}", String::from_utf8_lossy(&client.stderr));
     assert!(shown.contains(&format!("waits for velocities at udp:127.0.0.1:{port}")), "{shown}");
     assert!(heard.contains("run ") || heard.contains("slow "), "{heard}");
-    assert!(heard.lines().any(|line| line.contains("permitted") && !line.contains("permitted  0.00")), "{heard}");
+    assert!(
+        heard.lines().any(|line| line.contains("permitted") && !line.contains("permitted  0.00")),
+        "{heard}"
+    );
     assert_eq!(robot.status.code(), Some(0), "the judge of the simulator: {shown}");
 }
 
@@ -76,7 +79,8 @@ fn book_has_vectors_of_the_reference_encoder() {
     if !has_python() {
         return;
     }
-    let encoder = Command::new("python3").arg(root().join("tests/velocity_link/reference.py")).output().unwrap();
+    let encoder =
+        Command::new("python3").arg(root().join("tests/velocity_link/reference.py")).output().unwrap();
     let made = String::from_utf8(encoder.stdout).unwrap();
     assert_eq!(made.lines().count(), 7, "{made}");
     let chapter = read("docs/src/wire-formats/velocity-link.md");
