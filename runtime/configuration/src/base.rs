@@ -4,27 +4,34 @@ use std::net::SocketAddr;
 
 use floorguard_runtime::configuration::CanConfiguration;
 
-use super::address::{CanAddress, DatagramAddress, SenderAddress, SerialAddress, parse_serial};
+use super::address::{BaseAddress, CanAddress, DatagramAddress, SenderAddress, SerialAddress, parse_serial};
 use super::devices::{read_can, read_inputs};
 use super::reader::Reader;
 
 /// Sections that only a base on a CAN bus has.
 const OF_THE_BUS: [&str; 2] = ["can", "inputs"];
 
-/// Where a base that takes velocities is.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum BaseAddress {
-    /// The port to which it reports its motion, and where it takes velocities.
-    Datagrams(DatagramAddress, SocketAddr),
-    /// A line for both.
-    Serial(SerialAddress),
-}
-
 /// What drives the robot, and where.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Drives {
     Bus(CanConfiguration, CanAddress),
     Velocity(BaseAddress),
+}
+
+impl Drives {
+    pub fn can(&self) -> Option<&CanAddress> {
+        match self {
+            Self::Bus(_, address) => Some(address),
+            Self::Velocity(_) => None,
+        }
+    }
+
+    pub fn base(&self) -> Option<&BaseAddress> {
+        match self {
+            Self::Bus(..) => None,
+            Self::Velocity(address) => Some(address),
+        }
+    }
 }
 
 /// Either `[base]`, or `[can]` with `[inputs]`.

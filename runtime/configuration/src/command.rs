@@ -71,7 +71,8 @@ pub(super) fn read_command(top: &Reader<'_>, section: Reader<'_>) -> Option<Comm
         );
     }
     let address = read_address(&section);
-    let sender_id = section.integer_or_absent("sender_id", 1..=i64::from(u32::MAX)).map(|id| id as u32);
+    let sender_id = section.integer_or("sender_id", 0..=i64::from(u32::MAX), 0) as u32;
+    let sender_id = (sender_id != 0).then_some(sender_id);
     let subscribers = read_subscribers(&section);
     let permits_hz = section.integer_or("permits_hz", 20..=50, PERMITS_HZ) as u32;
     if let Some(CommandAddress::Serial(line)) = &address
@@ -180,7 +181,7 @@ mod tests {
             (with(line), "50 permits a second do not fit 115200 Bd"),
             (with(&port.replace("udp:", "tcp:")), "no address of this kind"),
             (with(&format!("{port}sender = \"robot\"\n")), "`sender` is \"robot\""),
-            (with(&format!("{port}sender_id = 0\n")), "sender_id"),
+            (with(&format!("{port}sender_id = -1\n")), "sender_id"),
             (with(&format!("{port}subscribers = \"10.0.0.3\"\n")), "`subscribers` is \"10.0.0.3\""),
             (with(&format!("{port}permits_hz = 10\n")), "permits_hz"),
             (with(&format!("{port}baud = 9600\n")), "`baud` is not a known key"),

@@ -18,9 +18,8 @@ mod reader;
 mod reference;
 
 pub use absent::{Absence, absences};
-pub use address::{CanAddress, DatagramAddress, ScannerAddress, SenderAddress, SerialAddress};
+pub use address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SenderAddress, SerialAddress};
 pub use bake::bake;
-pub use base::BaseAddress;
 pub use camera::{CameraConfiguration, CameraSource};
 pub use command::{CommandAddress, CommandConfiguration};
 pub use learning::LearningConfiguration;

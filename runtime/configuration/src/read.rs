@@ -13,8 +13,8 @@ use floorguard_runtime::mission::{ROUTE_WAYPOINTS_MAX, Route, RouteLimits};
 use floorguard_types::geometry::Point2;
 use toml::de::DeTable;
 
-use super::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
-use super::base::{BaseAddress, Drives, read_drives};
+use super::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
+use super::base::{Drives, read_drives};
 use super::camera::{CameraConfiguration, read_camera};
 use super::command::{CommandConfiguration, read_command};
 use super::devices::{Addresses, check_addresses, read_imu, read_lidar, read_scanner};
@@ -112,7 +112,10 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
         let lidar = lidar.as_ref().and_then(Option::as_ref).map(|(_, port)| port);
         let imu = imu.as_ref().and_then(Option::as_ref).map(|(_, line)| line);
         let command = command.as_ref().map(|command| &command.address);
-        check_addresses(&top, &Addresses { lidar, scanner, imu, drives, command });
+        check_addresses(
+            &top,
+            &Addresses { lidar, scanner, imu, can: drives.can(), base: drives.base(), command },
+        );
     }
     top.finish();
     let has_lidar = lidar.is_some();

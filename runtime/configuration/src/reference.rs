@@ -104,7 +104,8 @@ sees feet and children in time when all else fails. `[base]`, a base that takes 
 and `[inputs]`; then `wheelbase_m`, `track_m` and `ticks_per_m` may be missing, and a recording cannot be replayed, because it
 holds the frames of a CAN bus. A base that does not report its motion cannot be driven: without it the guard does not know how
 much it needs to stop. With `[command]` a program outside drives the robot by velocities (book, Velocity link) and there is neither `[route]` nor
-`[mission]`; `baud` is that of a serial `source`, `sender` and `subscribers` belong to a port. Fields follow from
+`[mission]`; `baud` is that of a serial `source`, `sender` and `subscribers` belong to a port, and a `sender_id` of 0 stands for
+the first sender that comes. Fields follow from
 `[robot]` and `[limits]`; what is drawn in `[[field]]` must contain them and is added. `[learning]`: the robot corrects its
 classifier of people from the tracks that it sees (hosted only; `run`, and `simulate` and `demo` with `--robot FILE`; a replay learns
 as its recording did). `model` is relative to the folder of this file. The guard hears of what was learned only where that adds a

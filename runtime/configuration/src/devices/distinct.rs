@@ -5,8 +5,7 @@ use std::path::Path;
 
 use floorguard_drivers::flexisoft::InputBits;
 
-use crate::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
-use crate::base::{BaseAddress, Drives};
+use crate::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
 use crate::command::CommandAddress;
 use crate::reader::Reader;
 
@@ -15,7 +14,8 @@ pub(crate) struct Addresses<'a> {
     pub lidar: Option<&'a DatagramAddress>,
     pub scanner: &'a ScannerAddress,
     pub imu: Option<&'a SerialAddress>,
-    pub drives: &'a Drives,
+    pub can: Option<&'a CanAddress>,
+    pub base: Option<&'a BaseAddress>,
     pub command: Option<&'a CommandAddress>,
 }
 
@@ -34,11 +34,13 @@ pub(crate) fn check_addresses(top: &Reader<'_>, addresses: &Addresses<'_>) {
         Some(CommandAddress::Serial(line)) => lines.push(("command", &line.device)),
         None => {}
     }
-    match addresses.drives {
-        Drives::Bus(_, CanAddress::Slcan(device)) => lines.push(("can", device)),
-        Drives::Bus(_, CanAddress::SocketCan(_)) => {}
-        Drives::Velocity(BaseAddress::Serial(line)) => lines.push(("base", &line.device)),
-        Drives::Velocity(BaseAddress::Datagrams(port, _)) => ports.push(("base", *port)),
+    if let Some(CanAddress::Slcan(device)) = addresses.can {
+        lines.push(("can", device));
+    }
+    match addresses.base {
+        Some(BaseAddress::Serial(line)) => lines.push(("base", &line.device)),
+        Some(BaseAddress::Datagrams(port, _)) => ports.push(("base", *port)),
+        None => {}
     }
     for (index, (section, device)) in lines.iter().enumerate() {
         let before = lines.get(..index).unwrap_or_default();
