@@ -146,7 +146,7 @@ impl RobotConfiguration {
         stop_after(Source::Lidar, self.deadlines.lidar_us);
         stop_after(Source::Wheels, self.deadlines.odometry_us);
         stop_after(Source::Command, self.deadlines.command_us);
-        // What is not there cannot be late; what that costs is said when the robot starts.
+        // What is not there cannot be late; what that costs is printed when the robot starts.
         let fitted = [
             (Source::Imu, self.imu.is_some()),
             (Source::Lidar, self.has_lidar),

@@ -201,3 +201,80 @@ fn plain(error: LinePortError<io::Error>) -> io::Error {
         LinePortError::Ended => io::Error::from(io::ErrorKind::UnexpectedEof),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::carriers::PseudoTerminal;
+    use crate::executor::run_until;
+    use std::time::Duration;
+
+    /// The sender that is followed gets what is sent, who only listens gets it too, and a sender that was refused gets nothing.
+    #[test]
+    fn permits_go_to_followed_sender_and_listeners() {
+        let [sender, refused, listener] = [(); 3].map(|()| UdpSocket::bind("127.0.0.1:0").unwrap());
+        let mut command = CommandConfiguration::on_port("127.0.0.1:0".parse().unwrap());
+        command.subscribers = vec![listener.local_addr().unwrap()];
+        let bound = BoundFrames::command(&command).unwrap();
+        let port = bound.local_address().unwrap();
+        sender.send_to(b"first", port).unwrap();
+        let flag = StopFlag::default();
+        run_until(&flag, |tasks| {
+            let (flag, refused) = (&flag, &refused);
+            let (mut link, _) = bound.open(StopFlag::default())?;
+            tasks.spawn(async move {
+                let mut buffer = [0; 16];
+                let first = link.receive(&mut buffer).await.unwrap();
+                link.follow();
+                refused.send_to(b"second", port).unwrap();
+                let second = link.receive(&mut buffer).await.unwrap();
+                assert_eq!((first.length, second.length), (5, 6));
+                assert_ne!(first.peer, second.peer, "another address is another peer");
+                link.send(b"permit").await.unwrap();
+                flag.stop();
+            });
+            Ok(())
+        })
+        .unwrap();
+        let heard = |socket: &UdpSocket| {
+            socket.set_read_timeout(Some(Duration::from_millis(50))).unwrap();
+            socket.recv(&mut [0; 16]).ok()
+        };
+        assert_eq!([heard(&sender), heard(&listener), heard(&refused)], [Some(6), Some(6), None]);
+    }
+
+    /// A request on a serial line is found behind noise, and the answer comes out of the other end.
+    #[test]
+    fn frames_cross_a_serial_line_both_ways() {
+        let terminal = PseudoTerminal::open().unwrap();
+        let address =
+            CommandAddress::Serial(SerialAddress { device: terminal.device.clone(), baud: 230_400 });
+        let bound = BoundFrames::command(&CommandConfiguration {
+            address,
+            ..CommandConfiguration::on_port("127.0.0.1:0".parse().unwrap())
+        });
+        // The first test vector of the book, Velocity link.
+        let digits = "46470101070000000100000088130000960000000000003f000080be3a601443";
+        let request: Vec<u8> =
+            (0..32).map(|at| u8::from_str_radix(&digits[2 * at..2 * at + 2], 16).unwrap()).collect();
+        let flag = StopFlag::default();
+        run_until(&flag, |tasks| {
+            let (flag, near, request) = (&flag, &terminal.near, &request);
+            let (mut link, problem) = bound.unwrap().open(StopFlag::default())?;
+            assert!(problem.is_none());
+            rustix::io::write(near, &[b"FGF".as_slice(), request].concat())?;
+            tasks.spawn(async move {
+                let mut buffer = [0; 64];
+                let frame = link.receive(&mut buffer).await.unwrap();
+                assert_eq!(&buffer[..frame.length], request);
+                link.send(b"permit").await.unwrap();
+                flag.stop();
+            });
+            Ok(())
+        })
+        .unwrap();
+        let mut answer = [0; 16];
+        let count = rustix::io::read(&terminal.near, &mut answer[..]).unwrap();
+        assert_eq!(&answer[..count], b"permit");
+    }
+}
