@@ -71,16 +71,16 @@ fn robot_stands_at_the_missed_deadline() {
     let mut sent = stretch(5.0, 0.5);
     sent.first.deadline_ms = 60;
     let again = Stretch {
-        span_us: (7 * SECOND_US, 9 * SECOND_US),
+        span_us: (7 * SECOND_US, 11 * SECOND_US),
         first: SentVelocity { sequence: 500, ..sent.first },
         ..sent
     };
     let (first, second) = (sent.frames(1), again.frames(1));
     let last_us = first.last().expect("requests").at_us;
-    let (seen, heard) = play(plan(empty(), 9), [first, second].concat());
+    let (seen, heard) = play(plan(empty(), 11), [first, second].concat());
     assert!(seen.verdict.passed, "{}", seen.verdict.why_not());
     let between = |from_us: u64, to_us: u64| {
-        heard.iter().filter(move |heard| (from_us..to_us).contains(&(heard.at_us.saturating_sub(last_us))))
+        heard.iter().filter(move |heard| (last_us + from_us..last_us + to_us).contains(&heard.at_us))
     };
     let moves = between(0, 55_000).all(|heard| heard.permit.permitted[0] > 0.4);
     assert!(moves, "it drives until the deadline");
@@ -90,12 +90,13 @@ fn robot_stands_at_the_missed_deadline() {
         (permit.permitted, permit.requested, permit.flags & EXPIRED) == ([0.0; 2], [0.0; 2], EXPIRED)
     });
     assert!(stands, "{:?}", between(75_000, 190_000).collect::<Vec<_>>());
-    assert_eq!(between(75_000, 190_000).count(), 6);
+    assert!(between(75_000, 190_000).count() >= 5);
     let held =
         between(500_000, 1_500_000).all(|heard| heard.permit.reason.starts_with("wanted command stale"));
     assert!(held, "{:?}", between(500_000, 600_000).next());
     assert!(seen.path_m(6.0, 7.0) < 0.01, "{}", seen.path_m(6.0, 7.0));
-    assert!(seen.path_m(7.0, 9.0) > 0.3, "it goes on when requests come again: {}", seen.path_m(7.0, 9.0));
+    let again_m = seen.path_m(7.0, 11.0);
+    assert!(again_m > 0.5, "it goes on when requests come again: {again_m}");
 }
 
 #[test]
