@@ -26,6 +26,14 @@ impl Drives {
         }
     }
 
+    /// The nodes on the bus, the bus, and the base: whatever is not there is empty.
+    pub fn parted(self) -> (CanConfiguration, Option<CanAddress>, Option<BaseAddress>) {
+        match self {
+            Self::Bus(can, address) => (can, Some(address), None),
+            Self::Velocity(address) => (CanConfiguration::default(), None, Some(address)),
+        }
+    }
+
     pub fn base(&self) -> Option<&BaseAddress> {
         match self {
             Self::Bus(..) => None,

@@ -6,15 +6,13 @@ use std::ops::RangeInclusive;
 use std::path::Path;
 
 use floorguard_guard::Thresholds;
-use floorguard_runtime::configuration::{
-    BaseKind, Deadlines, Geometry, LidarConfiguration, Limits, RobotConfiguration,
-};
+use floorguard_runtime::configuration::{BaseKind, Deadlines, Geometry, Limits, RobotConfiguration};
 use floorguard_runtime::mission::{ROUTE_WAYPOINTS_MAX, Route, RouteLimits};
 use floorguard_types::geometry::Point2;
 use toml::de::DeTable;
 
 use super::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
-use super::base::{Drives, read_drives};
+use super::base::read_drives;
 use super::camera::{CameraConfiguration, read_camera};
 use super::command::{CommandConfiguration, read_command};
 use super::devices::{Addresses, check_addresses, read_imu, read_lidar, read_scanner};
@@ -118,28 +116,18 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
         );
     }
     top.finish();
-    let has_lidar = lidar.is_some();
-    let (lidar, lidar_address) = match lidar {
-        Some(read) => read.map(|(lidar, address)| (lidar, Some(address)))?,
-        None => (LidarConfiguration::default(), None),
-    };
+    let (lidar, lidar_address) = fitted(lidar)?;
     let (scanner, scanner_address) = scanner?;
-    let (can, can_address, base_address) = match drives? {
-        Drives::Bus(can, address) => (can, Some(address), None),
-        Drives::Velocity(address) => (Default::default(), None, Some(address)),
-    };
-    let (imu, imu_address) = match imu {
-        Some(read) => read.map(|(imu, address)| (Some(imu), Some(address)))?,
-        None => (None, None),
-    };
+    let (can, can_address, base_address) = drives?.parted();
+    let (imu, imu_address) = fitted(imu)?;
     Some(HostedConfiguration {
         robot: RobotConfiguration {
             geometry: geometry?,
             limits,
             deadlines,
             base,
-            has_lidar,
-            lidar,
+            has_lidar: lidar.is_some(),
+            lidar: lidar.unwrap_or_default(),
             scanner,
             imu,
             can,
@@ -160,6 +148,11 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
         learning,
         command,
     })
+}
+
+/// A device that a robot can do without: none if its section is missing, refused if it is wrong.
+fn fitted<C, A>(read: Option<Option<(C, A)>>) -> Option<(Option<C>, Option<A>)> {
+    read.map_or(Some((None, None)), |read| read.map(|(device, address)| (Some(device), Some(address))))
 }
 
 fn read_geometry(section: Reader<'_>, base: BaseKind) -> Option<Geometry> {

@@ -11,22 +11,24 @@ use floorguard_runtime::io::{FramePort, PortFrame};
 use floorguard_runtime::shared::Shared;
 use floorguard_types::time::Stamp;
 
-use super::velocity_base::BaseInWorld;
+use super::velocity_base::{BaseInWorld, has_bus};
 use crate::plan::{OutsideProgram, Plan};
 
-/// The task that lets the plan's program drive, if there is one, and that of a base that takes velocities.
+/// The task that lets the plan's program drive, if there is one, and that of a base that takes velocities, which is given.
 pub(super) fn spawn_outside<'a>(
     tasks: &mut TaskSet<'a>,
-    (plan, base): (&Plan, Option<&BaseInWorld>),
+    plan: &Plan,
     shared: &'a Shared<NoopRawMutex>,
-) {
-    if let Some(base) = base {
+) -> Option<BaseInWorld> {
+    let base = (!has_bus(plan)).then(BaseInWorld::default);
+    if let Some(base) = &base {
         base.spawn(tasks, plan, shared);
     }
     if let (Some(command), Some(program)) = (&plan.command, &plan.outside) {
         let rules = velocity_rules(&plan.robot, command);
         spawn_commanded(tasks, shared, (ScriptedPort::new(program), rules));
     }
+    base
 }
 
 /// The robot's end of the link. A computer that is switched on again has missed what was sent meanwhile.

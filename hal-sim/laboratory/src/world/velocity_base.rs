@@ -42,9 +42,9 @@ pub(super) fn attend(base: Option<&BaseInWorld>, (simulation, now_us): (&mut Sim
     simulation.tow_at(driven);
 }
 
-/// The base of a plan whose robot has such a one.
-pub(super) fn base_of(plan: &Plan) -> Option<BaseInWorld> {
-    (plan.robot.base == BaseKind::Velocity).then(BaseInWorld::default)
+/// The drives of a plan's robot are on a bus: it has no base that takes velocities.
+pub(super) fn has_bus(plan: &Plan) -> bool {
+    plan.robot.base == BaseKind::ThreeWheel
 }
 
 /// The robot's end of the line.
