@@ -225,8 +225,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
         tap: None,
     };
     spawn_guard_ring(&mut tasks, &shared, &plan.robot, carriers);
-    let base = spawn_outside(&mut tasks, plan, &shared);
-    let guard_tasks = tasks.len();
+    let (base, guard_tasks) = (spawn_outside(&mut tasks, plan, &shared), tasks.len());
     spawn_planning(&mut tasks, plan, &shared, (&mut perception, mission.as_mut()));
     let mut orders = Vec::new();
     loop {
