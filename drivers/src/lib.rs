@@ -31,6 +31,7 @@ pub mod flexisoft;
 pub mod microscan3;
 pub mod s300;
 pub mod three_wheel_base;
+pub mod velocity_link;
 pub mod velodyne;
 pub mod xsens;
 

@@ -173,8 +173,10 @@ impl Simulation {
         if now_us > 0 {
             let driven = if self.bus.power_cut() { None } else { self.bus.steering.target_rad() };
             let (law, steering) = match self.towed {
-                Some((rim_mps, steering_rad)) => (BrakeLaw::Driven(rim_mps), Some(steering_rad)),
-                None => (self.bus.brake_law(), driven),
+                Some((rim_mps, steering_rad)) if !self.bus.power_cut() => {
+                    (BrakeLaw::Driven(rim_mps), Some(steering_rad))
+                }
+                _ => (self.bus.brake_law(), driven),
             };
             let turn_before = self.body.twist().angular_radps;
             self.body.step(step_s, law, steering);
@@ -259,6 +261,15 @@ impl Simulation {
     /// (m/s) and steering angle (radians, counter-clockwise).
     pub const fn tow(&mut self, rim_mps: f32, steering_rad: f32) {
         self.towed = Some((rim_mps, steering_rad));
+    }
+
+    /// The same by a velocity of the middle of the rear axle: how a base drives that takes velocities. Its body turns as the
+    /// three-wheeled one does, whose wheel must be turned first.
+    pub fn tow_at(&mut self, velocity: Twist2) {
+        let across_mps = velocity.angular_radps * self.parameters.wheelbase_m;
+        let sign = if velocity.linear_mps < 0.0 { -1.0 } else { 1.0 };
+        let steering_rad = libm::atan2f(sign * across_mps, sign * velocity.linear_mps);
+        self.tow(sign * libm::hypotf(velocity.linear_mps, across_mps), steering_rad);
     }
 
     /// Presses or releases the emergency stop, both channels.

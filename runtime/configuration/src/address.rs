@@ -74,6 +74,15 @@ pub enum CanAddress {
     Slcan(PathBuf),
 }
 
+/// Where a base that takes velocities is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum BaseAddress {
+    /// The port to which it reports its motion, and where it takes velocities.
+    Datagrams(DatagramAddress, SocketAddr),
+    /// A line for both.
+    Serial(SerialAddress),
+}
+
 impl DatagramAddress {
     /// Parses `udp:ADDRESS:PORT`.
     #[must_use]

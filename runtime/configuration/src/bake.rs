@@ -31,6 +31,8 @@ pub fn bake(robot: &RobotConfiguration) -> String {
     // These print as valid Rust by themselves: structures of numbers and plain variants.
     line("limits", format!("{:?}", robot.limits));
     line("deadlines", format!("{:?}", robot.deadlines));
+    line("base", format!("BaseKind::{:?}", robot.base));
+    line("has_lidar", robot.has_lidar.to_string());
     line(
         "lidar",
         format!(

@@ -1,9 +1,12 @@
 //! `robot.toml`: read strictly, refused with file, line, the limit broken and a remedy.
 
+mod absent;
 mod address;
 mod asked;
 mod bake;
+mod base;
 mod camera;
+mod command;
 mod coverage;
 mod devices;
 mod fields;
@@ -16,9 +19,11 @@ mod reader;
 mod reference;
 mod warnings;
 
-pub use address::{CanAddress, DatagramAddress, ScannerAddress, SenderAddress, SerialAddress};
+pub use absent::{Absence, absences};
+pub use address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SenderAddress, SerialAddress};
 pub use bake::bake;
 pub use camera::{CameraConfiguration, CameraSource};
+pub use command::{CommandAddress, CommandConfiguration};
 pub use coverage::{
     AcceptedGap, BAR_M, Coverage, Gap, GapMotion, HEIGHTS_M, Motion, Refusal, Region, SensorGap, Sight,
     SpeedStep, Unseen,

@@ -2,18 +2,21 @@
 //!
 //! Nothing starts half-configured: all mistakes are collected and any one refuses the whole file.
 
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 use floorguard_guard::Thresholds;
-use floorguard_runtime::configuration::{CanConfiguration, Deadlines, Geometry, Limits, RobotConfiguration};
+use floorguard_runtime::configuration::{BaseKind, Deadlines, Geometry, Limits, RobotConfiguration};
 use floorguard_runtime::mission::{ROUTE_WAYPOINTS_MAX, Route, RouteLimits};
 use floorguard_types::geometry::Point2;
 use toml::de::DeTable;
 
-use super::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
+use super::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
+use super::base::read_drives;
 use super::camera::{CameraConfiguration, CameraSource, read_camera};
+use super::command::{CommandConfiguration, read_command};
 use super::coverage::{AcceptedGap, Coverage, Refusal, read_accepted};
-use super::devices::{Addresses, check_addresses, read_can, read_imu, read_inputs, read_lidar, read_scanner};
+use super::devices::{Addresses, check_addresses, read_imu, read_lidar, read_scanner};
 use super::fields::{read_fields, read_polygon};
 use super::learning::{LearningConfiguration, read_learning};
 use super::mission::{MissionConfiguration, read_mission};
@@ -23,14 +26,16 @@ use super::reader::{Problems, Reader};
 /// The addresses of the carriers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Carriers {
-    /// Lidar.
-    pub lidar: DatagramAddress,
+    /// Lidar; a robot can do without.
+    pub lidar: Option<DatagramAddress>,
     /// Safety scanner.
     pub scanner: ScannerAddress,
     /// Inertial measurement unit.
     pub imu: Option<SerialAddress>,
-    /// CAN bus.
-    pub can: CanAddress,
+    /// CAN bus, of a robot whose drives are on one.
+    pub can: Option<CanAddress>,
+    /// The base, of a robot with one that takes velocities.
+    pub base: Option<BaseAddress>,
     /// Floor camera.
     pub camera: Option<CameraConfiguration>,
 }
@@ -48,6 +53,8 @@ pub struct HostedConfiguration {
     pub learning: Option<LearningConfiguration>,
     /// What no sensor sees, and the file accepts.
     pub accepted_gaps: Vec<AcceptedGap>,
+    /// Who drives it from outside; without it, it drives itself.
+    pub command: Option<CommandConfiguration>,
 }
 
 impl HostedConfiguration {
@@ -62,6 +69,10 @@ impl HostedConfiguration {
         (coverage, refusals)
     }
 }
+
+/// Why no robot does without.
+const NO_SCANNER: &str = "the safety scanner is the protection that sees feet and children in time, and stops the robot when all \
+    else fails: no robot drives without; add the section";
 
 /// Reads and checks a file.
 ///
@@ -95,43 +106,45 @@ pub fn parse(file: &str, text: &str) -> Result<HostedConfiguration, Refused> {
 }
 
 fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
-    let geometry = read_geometry(top.section("robot"));
+    let base = if top.find("base").is_some() { BaseKind::Velocity } else { BaseKind::ThreeWheel };
+    let geometry = read_geometry(top.section("robot"), base);
     let limits = read_limits(top.section("limits"));
-    let deadlines = read_deadlines(top.section("deadlines"));
-    let lidar = read_lidar(top.section("lidar"));
-    let scanner = read_scanner(top.section("scanner"));
+    let deadlines = top.optional_section("deadlines").map_or(Deadlines::DEFAULT, read_deadlines);
+    let lidar = top.optional_section("lidar").map(read_lidar);
+    let scanner = read_scanner(top.section_because("scanner", NO_SCANNER));
     let imu = top.optional_section("imu").map(read_imu);
-    let can = read_can(top.section("can"));
     let camera = top.optional_section("camera").map(read_camera);
-    let inputs = read_inputs(top.section("inputs"));
     let (thresholds, accepted_gaps) =
         top.optional_section("guard").map_or_else(Default::default, read_thresholds);
+    let drives = read_drives(&top);
     let fields = read_fields(&top, &geometry, &limits);
     let (route, route_limits) =
         top.optional_section("route").map_or_else(Default::default, |section| read_route(section, &limits));
     let mission = top.optional_section("mission").and_then(read_mission);
     let learning = top.optional_section("learning").and_then(read_learning);
-    let lines = (&lidar, &scanner, &can);
-    if let (Some((_, lidar)), Some((_, scanner)), Some((_, can))) = lines {
+    let command = top.optional_section("command").and_then(|section| read_command(&top, section));
+    if let (Some((_, scanner)), Some(drives)) = (&scanner, &drives) {
+        let lidar = lidar.as_ref().and_then(Option::as_ref).map(|(_, port)| port);
         let imu = imu.as_ref().and_then(Option::as_ref).map(|(_, line)| line);
-        check_addresses(&top, &Addresses { lidar, scanner, imu, can });
+        let command = command.as_ref().map(|command| &command.address);
+        check_addresses(
+            &top,
+            &Addresses { lidar, scanner, imu, can: drives.can(), base: drives.base(), command },
+        );
     }
     top.finish();
-    let (lidar, lidar_address) = lidar?;
+    let (lidar, lidar_address) = fitted(lidar)?;
     let (scanner, scanner_address) = scanner?;
-    let (can, can_address) = can?;
-    let (inputs, buttons) = inputs?;
-    let can = CanConfiguration { inputs, buttons, ..can };
-    let (imu, imu_address) = match imu {
-        Some(read) => read.map(|(imu, address)| (Some(imu), Some(address)))?,
-        None => (None, None),
-    };
+    let (can, can_address, base_address) = drives?.parted();
+    let (imu, imu_address) = fitted(imu)?;
     Some(HostedConfiguration {
         robot: RobotConfiguration {
             geometry: geometry?,
             limits,
             deadlines,
-            lidar,
+            base,
+            has_lidar: lidar.is_some(),
+            lidar: lidar.unwrap_or_default(),
             scanner,
             imu,
             can,
@@ -145,21 +158,34 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
             scanner: scanner_address,
             imu: imu_address,
             can: can_address,
+            base: base_address,
             camera: camera.flatten(),
         },
         mission,
         learning,
         accepted_gaps,
+        command,
     })
 }
 
-fn read_geometry(section: Reader<'_>) -> Option<Geometry> {
+/// A device that a robot can do without: none if its section is missing, refused if it is wrong.
+fn fitted<C, A>(read: Option<Option<(C, A)>>) -> Option<(Option<C>, Option<A>)> {
+    read.map_or(Some((None, None)), |read| read.map(|(device, address)| (Some(device), Some(address))))
+}
+
+fn read_geometry(section: Reader<'_>, base: BaseKind) -> Option<Geometry> {
     let footprint = read_polygon(&section, "footprint_m");
+    // A base that takes velocities measures them itself, and turns its farthest corner as fast as a wheel there would.
+    let farthest_m = footprint.iter().flatten().fold(0.2_f32, |most_m, corner| most_m.max(corner.norm()));
+    let number = |key: &'static str, range: RangeInclusive<f32>, without: f32| match base {
+        BaseKind::ThreeWheel => section.number(key, range),
+        BaseKind::Velocity => section.number_or(key, range, without),
+    };
     let geometry = Geometry {
         footprint: footprint.unwrap_or_default(),
-        wheelbase_m: section.number("wheelbase_m", 0.2..=3.0),
-        track_m: section.number("track_m", 0.2..=2.0),
-        ticks_per_m: section.number("ticks_per_m", 100.0..=1.0e6),
+        wheelbase_m: number("wheelbase_m", 0.2..=3.0, farthest_m.min(3.0)),
+        track_m: number("track_m", 0.2..=2.0, 0.5),
+        ticks_per_m: number("ticks_per_m", 100.0..=1.0e6, 1.0e4),
     };
     section.finish();
     (!geometry.footprint.is_empty()).then_some(geometry)

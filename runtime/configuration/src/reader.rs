@@ -80,13 +80,14 @@ impl<'a> Reader<'a> {
 
     /// A table that must be there.
     pub fn section(&self, key: &'static str) -> Reader<'a> {
+        self.section_because(key, "add the section")
+    }
+
+    /// The same, with why it must.
+    pub fn section_because(&self, key: &'static str, reason: &str) -> Reader<'a> {
         let section = self.optional_section(key);
         if section.is_none() && self.table.is_some() {
-            self.refuse(
-                &self.span,
-                format!("{}: section `[{key}]` is missing", self.title()),
-                "add the section",
-            );
+            self.refuse(&self.span, format!("{}: section `[{key}]` is missing", self.title()), reason);
         }
         section.unwrap_or(Reader {
             table: None,

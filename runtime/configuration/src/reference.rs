@@ -21,15 +21,37 @@ warning_m = [[-0.80, -0.80], [1.90, -0.80], [1.90, 0.80], [-0.80, 0.80]]
 const LINE_SCANNER: &str = "model = \"s300\"\nsource = \"serial:/dev/ttyUSB0\"\nbaud = 500000\n";
 const NETWORK_SCANNER: &str = "model = \"microscan3\"\nsource = \"udp:0.0.0.0:6060\"\n";
 
+/// The robot that a program outside drives; it has no route of its own.
+const COMMANDED: &str = "[command]\nsource = \"serial:/dev/ttyUSB2\"\nbaud = 230400\n";
+
+/// Bases that take velocities, instead of drives on a CAN bus.
+const BASES: [&str; 2] = [
+    "[base]\nsource = \"udp:0.0.0.0:7100\"\ncontroller = \"192.168.1.20:7101\"\n",
+    "[base]\nsource = \"serial:/dev/ttyUSB2\"\nbaud = 115200\n",
+];
+
+/// The example robot without what stands from one section up to another.
+fn without(from: &str, to: &str) -> String {
+    let (before, rest) = super::EXAMPLE.split_once(from).unwrap_or((super::EXAMPLE, ""));
+    let after = rest.split_once(to).map_or(String::new(), |(_, after)| [to, after].concat());
+    [before, &after].concat()
+}
+
 /// Every key with its kind, what is allowed, its default, and its value in the example robot, as Markdown.
 #[must_use]
 pub fn reference() -> String {
     let with_all = [super::EXAMPLE, "\n", super::camera::EXAMPLE_SECTION, OPTIONAL].concat();
     let mut rows = rows_of(&with_all);
     let others = rows_of(&with_all.replace(LINE_SCANNER, NETWORK_SCANNER));
-    let is_new = |row: &Asked| !rows.iter().any(|known| known.is_of(&row.section, row.key));
-    let others: Vec<Asked> = others.into_iter().filter(is_new).collect();
-    rows.extend(others);
+    let driven = super::EXAMPLE.split("[route]").next().unwrap_or_default();
+    let others = others.into_iter().chain(rows_of(&[driven, COMMANDED].concat()));
+    let based = BASES.iter().flat_map(|base| rows_of(&[&without("[can]", "[guard]"), "\n", base].concat()));
+    let others = others.chain(based);
+    for row in others {
+        if !rows.iter().any(|known| known.is_of(&row.section, row.key)) {
+            rows.push(row);
+        }
+    }
     // A section is asked on behind the one within it: its keys stand together all the same.
     let order: Vec<String> = rows.iter().map(|row| row.section.clone()).collect();
     rows.sort_by_key(|row| order.iter().position(|section| *section == row.section));
@@ -76,7 +98,14 @@ test fails when this page is old. `floorguard check robot.toml` tells every mist
 Units stand at the end of each key. The robot's frame lies on the floor in the middle of the rear axle, x forward, y left,
 z up.
 
-`[imu]`, `[guard]`, `[route]`, `[camera]`, `[mission]`, `[learning]` and every `[[field]]` may be missing as a whole. Fields follow from
+`[deadlines]`, `[lidar]`, `[imu]`, `[guard]`, `[route]`, `[camera]`, `[mission]`, `[learning]`, `[command]` and every `[[field]]` may be missing as a whole.
+`floorguard check` and the start of `run` say what each missing section costs. The safety scanner cannot be left out: it is what
+sees feet and children in time when all else fails. `[base]`, a base that takes velocities and measures its own, stands for `[can]`
+and `[inputs]`; then `wheelbase_m`, `track_m` and `ticks_per_m` may be missing, and a recording cannot be replayed, because it
+holds the frames of a CAN bus. A base that does not report its motion cannot be driven: without it the guard does not know how
+much it needs to stop. With `[command]` a program outside drives the robot by velocities (book, Velocity link) and there is neither `[route]` nor
+`[mission]`; `baud` is that of a serial `source`, `sender` and `subscribers` belong to a port, and a `sender_id` of 0 stands for
+the first sender that comes. Fields follow from
 `[robot]` and `[limits]`; what is drawn in `[[field]]` must contain them and is added. `[learning]`: the robot corrects its
 classifier of people from the tracks that it sees (hosted only; `run`, and `simulate` and `demo` with `--robot FILE`; a replay learns
 as its recording did). `model` is relative to the folder of this file. The guard hears of what was learned only where that adds a

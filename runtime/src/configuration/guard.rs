@@ -11,7 +11,7 @@ use floorguard_localisation::odometry::{Tricycle, WheelGeometry};
 use floorguard_types::capacities::PACKET_RINGS_MAX;
 use floorguard_types::geometry::Pose2;
 
-use super::robot::{Limits, RobotConfiguration};
+use super::robot::{BaseKind, Limits, RobotConfiguration};
 use super::sources::LidarModel;
 
 /// Lower than this a return is floor: half a brush height and the error of a tilted lidar, metres.
@@ -146,8 +146,16 @@ impl RobotConfiguration {
         stop_after(Source::Lidar, self.deadlines.lidar_us);
         stop_after(Source::Wheels, self.deadlines.odometry_us);
         stop_after(Source::Command, self.deadlines.command_us);
-        if let Some(rule) = rules.get_mut(Source::Imu.index()) {
-            rule.fitted = self.imu.is_some();
+        // What is not there cannot be late; what that costs is printed when the robot starts.
+        let fitted = [
+            (Source::Imu, self.imu.is_some()),
+            (Source::Lidar, self.has_lidar),
+            (Source::Discrete, self.base == BaseKind::ThreeWheel),
+        ];
+        for (source, is_fitted) in fitted {
+            if let Some(rule) = rules.get_mut(source.index()) {
+                rule.fitted = is_fitted;
+            }
         }
         rules
     }

@@ -51,6 +51,22 @@ pub struct Deadlines {
     pub command_us: u64,
 }
 
+impl Deadlines {
+    /// Those of the example robot.
+    pub const DEFAULT: Self =
+        Self { scanner_us: 200_000, lidar_us: 300_000, odometry_us: 50_000, command_us: 200_000 };
+}
+
+/// What drives the robot.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BaseKind {
+    /// Two drives, two encoders and a safety controller on a CAN bus.
+    #[default]
+    ThreeWheel,
+    /// A controller that takes velocities and measures its own.
+    Velocity,
+}
+
 /// Everything that `robot.toml` says.
 #[derive(Clone, Debug)]
 pub struct RobotConfiguration {
@@ -60,6 +76,10 @@ pub struct RobotConfiguration {
     pub limits: Limits,
     /// Greatest ages.
     pub deadlines: Deadlines,
+    /// What drives it; [`Self::can`] is of no use with [`BaseKind::Velocity`].
+    pub base: BaseKind,
+    /// It has the three-dimensional lidar.
+    pub has_lidar: bool,
     /// Three-dimensional lidar.
     pub lidar: LidarConfiguration,
     /// Safety laser scanner.

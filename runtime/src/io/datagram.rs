@@ -42,10 +42,16 @@ pub trait DatagramReceiver {
 /// first.keep();
 /// assert_eq!(first.device(), Some("lidar"));
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FirstSender<A> {
     newest: Option<A>,
     device: Option<A>,
+}
+
+impl<A> Default for FirstSender<A> {
+    fn default() -> Self {
+        Self { newest: None, device: None }
+    }
 }
 
 impl<A: Copy + PartialEq> FirstSender<A> {

@@ -1,9 +1,11 @@
-//! What a board must supply: serial lines are `embedded-io-async`; datagrams and CAN buses are here.
+//! What a board must supply: serial lines are `embedded-io-async`; datagrams, frames and CAN buses are here.
 
 mod can_bus;
 mod datagram;
+mod frame_port;
 mod slcan_bus;
 
 pub use can_bus::CanBus;
 pub use datagram::{DatagramReceiver, FirstSender, Received};
+pub use frame_port::{FramePort, LinePort, LinePortError, PortFrame};
 pub use slcan_bus::{SlcanBus, SlcanBusError};

@@ -42,6 +42,11 @@ impl Motion {
         Some(motion)
     }
 
+    /// The motion that a base measured of itself.
+    pub fn on_motion(&mut self, motion: &WheelMotion) {
+        self.filter.on_wheels(motion);
+    }
+
     /// Inertial measurement in the robot's axes.
     pub fn on_imu(&mut self, sample: &ImuSample) {
         self.filter.on_imu(sample);

@@ -2,7 +2,7 @@
 //!
 //! | ring | tasks |
 //! |---|---|
-//! | guard | [`lidar_input`], [`scanner_input`], [`imu_input`], [`can_bus`], [`supervise`], [`command_input`], [`advice_input`], [`operator_input`] |
+//! | guard | [`lidar_input`], [`scanner_input`], [`imu_input`], [`can_bus`] or [`velocity_base`], [`supervise`], [`command_input`], [`advice_input`], [`operator_input`], [`velocity_input`] |
 //! | perception | [`perceive`], [`drive_route`] or [`clean`] |
 
 mod advise;
@@ -16,6 +16,8 @@ mod perception;
 mod route;
 mod scanner;
 mod supervise;
+mod velocity;
+mod velocity_base;
 
 pub use advise::PERSON_PROBABILITY_MIN;
 pub use buttons::BusWithButtons;
@@ -31,3 +33,5 @@ pub use perception::{JudgeMotion, NoMotion, PerceptionState, perceive};
 pub use route::drive_route;
 pub use scanner::{scanner_datagrams, scanner_input};
 pub use supervise::supervise;
+pub use velocity::{VelocityRules, velocity_input};
+pub use velocity_base::velocity_base;

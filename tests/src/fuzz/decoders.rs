@@ -5,9 +5,13 @@ use floorguard_drivers::can::{CanFrame, SlcanEvent, SlcanReceiver, encode_slcan}
 use floorguard_drivers::microscan3::{Event as SafetyScannerEvent, Message, Receiver as SafetyScanner};
 use floorguard_drivers::s300::{Configuration, Event, Receiver};
 use floorguard_drivers::three_wheel_base::{BaseConfiguration, BaseEvent, DriveCommand, ThreeWheelBase};
+use floorguard_drivers::velocity_link::{
+    Acceptance, AcceptanceRules, Arrival, FrameError, LineReceiver, MotionReport, Permit, VelocityRequest,
+};
 use floorguard_drivers::velodyne::{Decoder, Gprmc, ModelChoice, PositionPacket};
 use floorguard_drivers::xsens::{FrameReceiver, Measurement};
 use floorguard_sim::can::CanFrame as SimulatedFrame;
+use floorguard_sim::wire::SentVelocity;
 use floorguard_types::sensing::BeamReturn;
 use floorguard_types::time::Stamp;
 
@@ -178,4 +182,52 @@ pub fn microscan3(
     let understood: u64 = right.iter().map(|datagram| take(datagram, *now_us)).sum();
     assert!(understood > 0, "it did not find back into step");
     scans
+}
+
+/// Frames of a program that drives, as datagrams and on a line. Whatever came before: what is asked for is finite and ends at
+/// its deadline, and the next right request is heard.
+pub fn velocity_link(frames: &[(u64, Vec<u8>)]) -> u64 {
+    let rules = AcceptanceRules { sender: None, deadline_max_us: 200_000 };
+    let (mut acceptance, mut line) = (Acceptance::new(rules), LineReceiver::new());
+    let (mut now, mut accepted) = (1_000_000, 0);
+    for (pause_us, bytes) in frames {
+        now += pause_us;
+        let _ = (Permit::decode(bytes), MotionReport::decode(bytes));
+        if let Ok(request) = acceptance.offer(bytes, Arrival { peer: 0, at: at(now) }) {
+            accepted += 1;
+            assert!(request.stamp <= at(now) && request.expires <= at(now + 200_000), "{request:?}");
+        }
+        assert!(acceptance.requested(at(now)).is_finite());
+        assert_eq!(acceptance.requested(at(now + 200_000)).linear_mps, 0.0, "past every deadline");
+        for byte in bytes {
+            if let Some(frame) = line.byte(*byte) {
+                // Whatever its kind: length and checksum are right.
+                let error = VelocityRequest::decode(frame).err();
+                let is_whole =
+                    !matches!(error, Some(FrameError::Length { .. } | FrameError::Checksum { .. }));
+                assert!(is_whole, "{error:?}");
+            }
+        }
+    }
+    let counted = acceptance.counters();
+    assert_eq!(u64::from(counted.accepted), accepted, "counted is what was accepted");
+    let known = SentVelocity {
+        sender: 3,
+        sequence: 9,
+        sent_ms: 5,
+        deadline_ms: 100,
+        linear_mps: 0.5,
+        angular_radps: 0.0,
+    };
+    // A sender that was heard before is silent for long enough.
+    now += 11_000_000;
+    let heard = acceptance.offer(&known.encode(), Arrival { peer: 1, at: at(now) });
+    assert!(heard.is_ok(), "{heard:?}");
+    // A false start may swallow as much as the longest frame; after that the known request is found.
+    let mut found = 0;
+    for byte in (0..9).flat_map(|_| known.encode()) {
+        found += u32::from(line.byte(byte).is_some_and(|frame| frame == known.encode()));
+    }
+    assert!(found > 0, "it did not find back into step");
+    accepted
 }

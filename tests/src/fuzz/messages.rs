@@ -3,6 +3,7 @@
 use std::io::Cursor;
 
 use floorguard_recording::Recorder;
+use floorguard_sim::wire::SentVelocity;
 use floorguard_types::sensing::ImuSample;
 use floorguard_types::time::Stamp;
 
@@ -71,4 +72,19 @@ pub fn recording() -> Vec<u8> {
         recorder.imu(sample.stamp, &sample).expect("memory takes everything");
     }
     recorder.finish().expect("memory takes everything").into_inner()
+}
+
+/// Requests of a program that drives, as its encoder in the simulator writes them.
+#[must_use]
+pub fn velocity_requests() -> Vec<Vec<u8>> {
+    let first = SentVelocity {
+        sender: 7,
+        sequence: 1,
+        sent_ms: 0,
+        deadline_ms: 150,
+        linear_mps: 0.5,
+        angular_radps: -0.1,
+    };
+    let numbered = |number: u32| SentVelocity { sequence: number, sent_ms: number * 50, ..first }.encode();
+    (1..40).map(numbered).collect()
 }

@@ -117,6 +117,19 @@ fn fuzz_microscan3() {
 }
 
 #[test]
+fn fuzz_velocity_link() {
+    let corpus = messages::velocity_requests();
+    campaign(4_000, |random| {
+        let frame = |random: &mut Random| {
+            let whole = random.seldom(2).then(|| pick::<Vec<u8>>(&corpus, random).clone());
+            (random.below(60_000), whole.unwrap_or_else(|| corrupted(&corpus, 300, random)))
+        };
+        let frames: Vec<_> = (0..1 + random.below(8)).map(|_| frame(random)).collect();
+        decoders::velocity_link(&frames)
+    });
+}
+
+#[test]
 fn fuzz_configuration() {
     let (whole, sections) = ([EXAMPLE.as_bytes().to_vec()], files::sections_of(EXAMPLE));
     campaign(1_000, |random| {

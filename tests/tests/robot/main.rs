@@ -9,6 +9,7 @@ mod fuzz_decoders;
 mod fuzz_runtime;
 mod guard_requirements;
 mod guard_second_model;
+mod guard_under_navigation;
 mod learning_robot;
 mod recording_mcap;
 mod recording_replay;

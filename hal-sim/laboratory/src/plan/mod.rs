@@ -1,7 +1,9 @@
 //! What is played: a scenario with its robot, seed, faults and mission, before anything runs.
 
 mod mission_plan;
+mod outside;
 mod run_plan;
 
 pub use mission_plan::plan_of_scenario;
+pub use outside::{HeardAt, OutsideProgram, SentFrame, Stretch};
 pub use run_plan::{Plan, PlanError};

@@ -12,7 +12,8 @@ use floorguard_sim::simulation::Simulation;
 use floorguard_types::geometry::{Point2, Pose2};
 
 use super::mission_plan::plan_of_scenario;
-use floorguard_configuration::{EXAMPLE, HostedConfiguration, parse};
+use super::outside::OutsideProgram;
+use floorguard_configuration::{CommandConfiguration, EXAMPLE, HostedConfiguration, parse};
 use floorguard_robot::assembly::Stages;
 use floorguard_robot::cleaner::{MissionPlan, MissionStrategy};
 use floorguard_robot::learning::LearningSetup;
@@ -50,6 +51,10 @@ pub struct Plan {
     pub emergency_stop_us: Vec<(u64, u64)>,
     /// One firing of the lidar in so many is measured, and those after it repeat it: 1 for a lidar as it is.
     pub lidar_grain: usize,
+    /// The program that drives the robot from outside instead of the route; with `outside` its script.
+    pub command: Option<CommandConfiguration>,
+    /// What that program sends in virtual time.
+    pub outside: Option<OutsideProgram>,
     /// Something was taken from the robot to see whether its judges notice: its faults excuse nothing.
     pub is_corrupted: bool,
 }
@@ -117,6 +122,8 @@ impl Plan {
             learning: None,
             emergency_stop_us: Vec::new(),
             lidar_grain: 1,
+            command: None,
+            outside: None,
             is_corrupted: false,
         })
     }

@@ -68,10 +68,12 @@ impl Ends {
             }
         };
         let links = Links {
-            lidar: (robot_lidar, Listening::default()),
+            lidar: Some((robot_lidar, Listening::default())),
             scanner: robot_scanner,
             imu: Some(SerialAddress { device: imu.device.clone(), baud: IMU_BAUD }),
-            can: address,
+            can: Some(address),
+            base: None,
+            command: None,
             tap: None,
             mission: None,
             people: PeopleInbox::default(),

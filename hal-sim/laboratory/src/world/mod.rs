@@ -6,6 +6,7 @@ mod floor_camera;
 mod observation;
 mod observer;
 mod operator;
+mod outside;
 mod planning;
 mod real_world;
 mod recorded_plan;
@@ -13,6 +14,7 @@ mod scenario_file;
 mod swept_area;
 mod true_state;
 mod truth;
+mod velocity_base;
 mod virtual_world;
 
 pub use crate::plan::{Plan, PlanError, plan_of_scenario};

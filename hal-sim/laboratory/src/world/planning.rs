@@ -20,6 +20,7 @@ pub(super) fn spawn_planning<'a>(
 ) {
     match mission {
         Some(mission) => spawn_cleaning_ring(tasks, shared, (perception, mission)),
+        None if plan.command.is_some() => tasks.spawn(perceive(shared, perception)),
         None if !plan.scenario.manoeuvre.is_empty() => {
             tasks.spawn(perceive(shared, perception));
             tasks.spawn(drive_by_hand(shared, plan.scenario.manoeuvre.clone()));

@@ -14,8 +14,10 @@ use floorguard_types::time::Stamp;
 use super::floor_camera::SimulatedCamera;
 use super::observer::Observer;
 use super::operator::Operator;
+use super::outside::spawn_outside;
 use super::planning::spawn_planning;
 use super::true_state;
+use super::velocity_base::{attend, has_bus};
 use crate::plan::Plan;
 use floorguard_host::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 use floorguard_host::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
@@ -216,21 +218,20 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     let (lines, Ends { scanner, imu, from_imu_line }) = Lines::new(plan.robot.scanner.model);
     let mut tasks = TaskSet::new();
     let carriers = GuardCarriers {
-        lidar: lines.lidar.clone(),
+        lidar: plan.robot.has_lidar.then(|| lines.lidar.clone()),
         scanner,
         imu: Some((imu, IMU_BAUD)),
-        can: lines.can.clone(),
+        can: has_bus(plan).then(|| lines.can.clone()),
         tap: None,
     };
     spawn_guard_ring(&mut tasks, &shared, &plan.robot, carriers);
-    let guard_tasks = tasks.len();
+    let (base, guard_tasks) = (spawn_outside(&mut tasks, plan, &shared), tasks.len());
     spawn_planning(&mut tasks, plan, &shared, (&mut perception, mission.as_mut()));
     let mut orders = Vec::new();
     loop {
         let now_us = world.next_us().min(next_timer_us().unwrap_or(u64::MAX)).max(world.now_us);
         if world.sinks.ended.is_stopped() {
-            // What happens at this moment still happens: a replay knows moments only.
-            world.end_us = world.end_us.min(world.now_us);
+            world.end_us = world.end_us.min(world.now_us); // It still happens: a replay knows moments only.
         }
         if now_us > world.end_us {
             return Ok(End::OfThePlan);
@@ -251,8 +252,8 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
         world.sinks.after_tasks(&shared, (now_us, world.observer.digest().value()));
         if now_us >= world.judge_us {
             world.judge_us += JUDGE_US;
-            // A button reaches the tasks with the next moment.
-            orders = world.operate(&shared);
+            attend(base.as_ref(), (world.simulation, now_us));
+            orders = world.operate(&shared); // They reach the tasks with the next moment.
             world.latches = shared.latches.get().unwrap_or(world.latches);
             let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
             stops.iter().for_each(|stop| world.sinks.stop(stop));

@@ -6,7 +6,7 @@ mod picture;
 use std::path::PathBuf;
 
 use clap::Args;
-use floorguard_configuration::{HostedConfiguration, Refusal, SensorGap, SpeedStep, Unseen, load};
+use floorguard_configuration::{HostedConfiguration, Refusal, SensorGap, SpeedStep, Unseen, absences, load};
 use floorguard_drivers::velodyne::Model;
 use floorguard_runtime::configuration::ScannerModel;
 
@@ -63,11 +63,12 @@ fn describe(arguments: &CheckArguments, configuration: &HostedConfiguration, is_
         arguments.file.display(),
         if is_good { "good" } else { "read" },
         robot.fields.len(),
-        robot.lidar_model().map_or("as its packets say", Model::name),
+        lidar(configuration),
         scanner(robot.scanner.model),
         robot.route.waypoints.len(),
         robot.limits.speed_mps,
     );
+    say_absences(&configuration);
     if let Some(learning) = &configuration.learning {
         let seconds = learning.update_us as f64 * 1.0e-6;
         match learning.enabled {
@@ -104,6 +105,20 @@ fn words(gap: &SensorGap) -> String {
         format!("x {:.2} to {:.2} m, y {:.2} to {:.2} m", least.x_m, greatest.x_m, least.y_m, greatest.y_m);
     let motions: Vec<String> = motions.collect();
     format!("{}: touched at up to {:.2} m/s; {places}\n{}", gap.gap, gap.reached_mps(), motions.join("\n"))
+}
+
+/// What each missing section costs, a line for each.
+pub(super) fn say_absences(configuration: &HostedConfiguration) {
+    for absence in absences(configuration) {
+        say!("  no [{}]: {}", absence.section, absence.costs);
+    }
+}
+
+fn lidar(configuration: &HostedConfiguration) -> &'static str {
+    match configuration.robot.has_lidar {
+        true => configuration.robot.lidar_model().map_or("as its packets say", Model::name),
+        false => "none",
+    }
 }
 
 fn scanner(model: ScannerModel) -> String {

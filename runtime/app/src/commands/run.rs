@@ -12,6 +12,7 @@ use clap::Args;
 use floorguard_runtime::clock;
 
 use self::watch::Watch;
+use super::check::say_absences;
 use super::exit::BadInput;
 use super::interrupt::end_at_ctrl_c;
 use super::live_camera::LiveCamera;
@@ -69,7 +70,9 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     let folder = arguments.file.parent().unwrap_or(Path::new("."));
     let source =
         configuration.carriers.camera.as_ref().map(|camera| open_source(camera, folder)).transpose()?;
-    let mut links = Links::bind(&configuration.carriers).map_err(|error| BadInput(error.to_string()))?;
+    let links = Links::bind(&configuration.carriers);
+    let links = links.and_then(|links| links.commanded(configuration.command.as_ref()));
+    let mut links = links.map_err(|error| BadInput(error.to_string()))?;
     let began = clock::now();
     let shared: Box<HostedShared> = new_shared(&configuration.robot, began)
         .map_err(|error| BadInput(format!("{}: {error}", arguments.file.display())))?;
@@ -79,6 +82,10 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
         "floorguard run: {}; Ctrl-C ends it; r and Enter resets, s and Enter starts",
         arguments.file.display()
     );
+    say_absences(&configuration);
+    if let Some(command) = &configuration.command {
+        say!("  driven from outside: {}", command.in_words());
+    }
     if let Some(folder) = &arguments.black_box {
         make_folder(folder)?;
     }

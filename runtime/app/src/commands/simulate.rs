@@ -16,8 +16,8 @@ use super::interrupt::end_at_ctrl_c;
 use super::live::status_of;
 use super::panel::open_panel;
 use super::run_lesson::RunLesson;
-use super::values::{panel_address, simulated_seconds};
-use floorguard_configuration::did_you_mean;
+use super::values::{command_address, panel_address, simulated_seconds};
+use floorguard_configuration::{CommandAddress, CommandConfiguration, did_you_mean};
 use floorguard_laboratory::judge::Outcome;
 use floorguard_laboratory::run_report::write_report;
 use floorguard_laboratory::world::{
@@ -62,6 +62,11 @@ pub struct SimulateArguments {
     /// In real time over real carriers: UDP on the loopback, pseudo-terminals, SLCAN.
     #[arg(long, conflicts_with = "tape")]
     pub real_io: bool,
+    /// In real time, driven from outside by velocities that come here, for example `udp:127.0.0.1:7000`, instead of the scenario's
+    /// route.
+    #[arg(long, value_name = "udp:ADDRESS:PORT", value_parser = command_address,
+        conflicts_with_all = ["tape", "camera", "strategy", "until_clean"])]
+    pub command: Option<CommandConfiguration>,
     /// The robot's safety scanner.
     #[arg(long, value_enum, default_value_t = FittedScanner::S300)]
     pub scanner: FittedScanner,
@@ -121,6 +126,7 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
         return Ok(());
     }
     let mut plan = plan(arguments)?;
+    let real_io = arguments.real_io || plan.command.is_some();
     if arguments.tape.is_some() {
         plan.stages = Stages::AsOnBoard;
     }
@@ -137,11 +143,11 @@ pub fn run(arguments: &SimulateArguments) -> anyhow::Result<()> {
     let lesson =
         lesson.map(|path| RunLesson::prepare((path, arguments.start.as_deref()), &plan)).transpose()?;
     let (record, panel) = (arguments.record.as_deref(), arguments.panel);
-    open_sinks(&mut sinks, &plan, (record, panel, arguments.real_io))?;
+    open_sinks(&mut sinks, &plan, (record, panel, real_io))?;
     let folder = arguments.pictures.as_deref();
     sinks.pictures =
         folder.map(|folder| PictureFolder::new(folder, SimulatedCamera::PICTURES)).transpose()?;
-    let observation = if arguments.real_io {
+    let observation = if real_io {
         play_real((&plan, arguments.can_interface.as_deref()), arguments.json, &mut sinks)?
     } else {
         play(&plan, arguments.json, &mut sinks)?
@@ -177,6 +183,11 @@ fn repeat(arguments: &SimulateArguments) -> String {
     }
     if let Some(robot) = &arguments.robot {
         option("robot", &robot.display().to_string());
+    }
+    if let Some(CommandAddress::Datagrams(address)) =
+        arguments.command.as_ref().map(|command| &command.address)
+    {
+        option("command", &format!("udp:{}", address.local));
     }
     arguments.fault.iter().for_each(|fault| option("fault", fault));
     arguments.emergency_stop.iter().for_each(|span| option("emergency-stop", span));
@@ -215,7 +226,8 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
     if arguments.scanner == FittedScanner::Microscan3 {
         plan = plan.with_scanner(ScannerModel::MicroScan3 { beams: SCAN_BEAMS_MAX as u16 })?;
     }
-    if arguments.tape.is_none() {
+    plan.command.clone_from(&arguments.command);
+    if arguments.tape.is_none() && plan.command.is_none() {
         plan = plan.cleaning(arguments.strategy)?;
     }
     plan.has_camera = arguments.camera;

@@ -2,6 +2,9 @@
 
 use std::net::{SocketAddr, ToSocketAddrs as _};
 
+#[cfg(any(test, feature = "laboratory"))]
+use floorguard_configuration::CommandConfiguration;
+
 /// The longest simulated run, seconds: a day.
 #[cfg(any(test, feature = "laboratory"))]
 const DAY_S: f64 = 86_400.0;
@@ -32,6 +35,17 @@ pub(super) fn seconds(text: &str) -> Result<f64, String> {
 pub(super) fn moment_s(text: &str) -> Result<f64, String> {
     let some = text.parse::<f64>().ok().filter(|seconds| *seconds >= 0.0 && *seconds < 1.0e9);
     some.ok_or_else(|| "give seconds of the robot's clock, not before 0".to_owned())
+}
+
+/// Where velocities come from outside: `udp:ADDRESS:PORT`.
+///
+/// # Errors
+/// No address and port.
+#[cfg(any(test, feature = "laboratory"))]
+pub(super) fn command_address(text: &str) -> Result<CommandConfiguration, String> {
+    let address = text.strip_prefix("udp:").and_then(|address| address.parse().ok());
+    let address = address.ok_or("write udp:ADDRESS:PORT, for example udp:127.0.0.1:7000")?;
+    Ok(CommandConfiguration::on_port(address))
 }
 
 /// Where a panel listens: `127.0.0.1:8080`, `[::1]:8080`, or a name of this computer as `localhost:8080`.

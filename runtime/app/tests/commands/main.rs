@@ -11,6 +11,7 @@ mod phone_browser;
 mod replay_command;
 mod replay_of_runs;
 mod report_command;
+mod safety_layer_page;
 mod seen_support;
 mod slam_commands;
 mod status_report;

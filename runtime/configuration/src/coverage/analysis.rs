@@ -107,7 +107,10 @@ impl Coverage {
     #[must_use]
     pub fn of(robot: &RobotConfiguration, camera: Option<&CameraConfiguration>) -> Self {
         let guard = robot.guard();
-        let rays = SensorRays::of(&guard, &robot.scanner, camera);
+        let rays = match SensorRays::of(&guard, &robot.scanner, camera) {
+            rays if robot.has_lidar => rays,
+            rays => rays.without_lidar(),
+        };
         let sights = SightMap::of(&rays, &guard);
         let examined = Examined { robot, outline: Outline::of(&robot.geometry), sights };
         let mut worst = vec![None; indices().count()];

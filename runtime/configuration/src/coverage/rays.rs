@@ -147,6 +147,12 @@ impl SensorRays {
         }
     }
 
+    /// The same without a lidar, which such a robot does not have.
+    #[must_use]
+    pub(super) fn without_lidar(self) -> Self {
+        Self { lidar: Vec::new(), ..self }
+    }
+
     /// Where rays pass over a place.
     #[must_use]
     pub fn over(&self, place: Point2) -> RayHeights {

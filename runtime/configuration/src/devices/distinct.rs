@@ -5,28 +5,42 @@ use std::path::Path;
 
 use floorguard_drivers::flexisoft::InputBits;
 
-use crate::address::{CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
+use crate::address::{BaseAddress, CanAddress, DatagramAddress, ScannerAddress, SerialAddress};
+use crate::command::CommandAddress;
 use crate::reader::Reader;
 
 /// The addresses of the devices, as far as they were read.
 pub(crate) struct Addresses<'a> {
-    pub lidar: &'a DatagramAddress,
+    pub lidar: Option<&'a DatagramAddress>,
     pub scanner: &'a ScannerAddress,
     pub imu: Option<&'a SerialAddress>,
-    pub can: &'a CanAddress,
+    pub can: Option<&'a CanAddress>,
+    pub base: Option<&'a BaseAddress>,
+    pub command: Option<&'a CommandAddress>,
 }
 
 /// Refuses two devices on one line or port. Each device is named by its section.
 pub(crate) fn check_addresses(top: &Reader<'_>, addresses: &Addresses<'_>) {
     let mut lines: Vec<(&'static str, &Path)> = Vec::new();
-    let mut ports = vec![("lidar", *addresses.lidar)];
+    let mut ports: Vec<(&'static str, DatagramAddress)> =
+        addresses.lidar.iter().map(|port| ("lidar", **port)).collect();
     match addresses.scanner {
         ScannerAddress::Serial(line) => lines.push(("scanner", &line.device)),
         ScannerAddress::Datagrams(port) => ports.push(("scanner", *port)),
     }
     lines.extend(addresses.imu.map(|line| ("imu", line.device.as_path())));
-    if let CanAddress::Slcan(device) = addresses.can {
+    match addresses.command {
+        Some(CommandAddress::Datagrams(port)) => ports.push(("command", *port)),
+        Some(CommandAddress::Serial(line)) => lines.push(("command", &line.device)),
+        None => {}
+    }
+    if let Some(CanAddress::Slcan(device)) = addresses.can {
         lines.push(("can", device));
+    }
+    match addresses.base {
+        Some(BaseAddress::Serial(line)) => lines.push(("base", &line.device)),
+        Some(BaseAddress::Datagrams(port, _)) => ports.push(("base", *port)),
+        None => {}
     }
     for (index, (section, device)) in lines.iter().enumerate() {
         let before = lines.get(..index).unwrap_or_default();

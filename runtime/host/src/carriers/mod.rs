@@ -2,6 +2,7 @@
 
 mod can_link;
 mod can_pipe;
+mod frame_link;
 mod pipe;
 mod reconnect;
 mod serial;
@@ -10,6 +11,7 @@ mod socket_can;
 
 pub use can_link::CanLink;
 pub use can_pipe::CanPipe;
+pub use frame_link::{BoundFrames, FrameLink, UdpFramePort};
 pub use pipe::{DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 pub use reconnect::ReconnectingLine;
 pub use serial::{PseudoTerminal, SerialLine};

@@ -22,53 +22,27 @@ pub struct Listening {
     pub only: Option<SenderAddress>,
     /// The reporting task; it never blocks the receiving one.
     pub notices: Option<Sender<String>>,
+    /// Senders that were heard of.
+    pub known: Vec<SocketAddr>,
+    /// The device, as soon as a message of one was understood.
+    pub first: FirstSender<IpAddr>,
 }
 
-/// A bound UDP port. Use it on the thread that made it.
-pub struct UdpReceiver {
-    socket: Source<UdpSocket>,
-    listening: Listening,
-    known: Vec<SocketAddr>,
-    first: FirstSender<IpAddr>,
-}
-
-impl UdpReceiver {
-    /// Binds a port.
-    ///
-    /// # Errors
-    /// The address is in use or not ours.
-    pub fn bind(address: SocketAddr) -> io::Result<Self> {
-        let socket = UdpSocket::bind(address)?;
-        Self::from_socket(socket, Listening::default())
-    }
-
-    /// Takes over a bound socket.
-    ///
-    /// # Errors
-    /// The socket cannot be watched.
-    pub fn from_socket(socket: UdpSocket, listening: Listening) -> io::Result<Self> {
-        socket.set_nonblocking(true)?;
-        Ok(Self {
-            socket: Source::new(socket)?,
-            listening,
-            known: Vec::with_capacity(SENDERS_MAX),
-            first: FirstSender::UNKNOWN,
-        })
-    }
-
+impl Listening {
     /// Whether a sender is listened to. Once for each, people hear of one that should not be there.
-    fn hears(&mut self, from: SocketAddr) -> bool {
-        let Listening { section, only, notices } = &self.listening;
-        let is_heard = only.map_or_else(|| self.first.hears(from.ip()), |only| only.is(from));
-        if self.known.contains(&from) || self.known.len() >= SENDERS_MAX {
+    pub(super) fn hears(&mut self, from: SocketAddr) -> bool {
+        let Self { section, only, notices, known, first } = self;
+        let only = *only;
+        let is_heard = only.map_or_else(|| first.hears(from.ip()), |only| only.is(from));
+        if known.contains(&from) || known.len() >= SENDERS_MAX {
             return is_heard;
         }
-        self.known.push(from);
-        let what = match (only, self.known.first()) {
+        known.push(from);
+        let what = match (only, known.first()) {
             (Some(only), _) if !is_heard => Some(format!(
                 "[{section}] datagrams of {from} are left out: only sender {only} is listened to"
             )),
-            (None, _) if !is_heard => self.first.device().map(|device| {
+            (None, _) if !is_heard => first.device().map(|device| {
                 format!(
                     "[{section}] datagrams of {from} are left out: {device} was understood first; if another one is the robot's, \
                      name it: sender = \"ADDRESS\""
@@ -87,6 +61,32 @@ impl UdpReceiver {
         }
         is_heard
     }
+}
+
+/// A bound UDP port. Use it on the thread that made it.
+pub struct UdpReceiver {
+    socket: Source<UdpSocket>,
+    listening: Listening,
+}
+
+impl UdpReceiver {
+    /// Binds a port.
+    ///
+    /// # Errors
+    /// The address is in use or not ours.
+    pub fn bind(address: SocketAddr) -> io::Result<Self> {
+        let socket = UdpSocket::bind(address)?;
+        Self::from_socket(socket, Listening::default())
+    }
+
+    /// Takes over a bound socket.
+    ///
+    /// # Errors
+    /// The socket cannot be watched.
+    pub fn from_socket(socket: UdpSocket, listening: Listening) -> io::Result<Self> {
+        socket.set_nonblocking(true)?;
+        Ok(Self { socket: Source::new(socket)?, listening })
+    }
 
     /// The address it is bound to.
     ///
@@ -104,14 +104,14 @@ impl DatagramReceiver for UdpReceiver {
         loop {
             let (length, from) = self.socket.read_ready(|socket| socket.recv_from(buffer)).await?;
             let arrival = clock::now();
-            if self.hears(from) {
+            if self.listening.hears(from) {
                 return Ok(Received { length, arrival });
             }
         }
     }
 
     fn keep_sender(&mut self) {
-        self.first.keep();
+        self.listening.first.keep();
     }
 }
 
@@ -127,7 +127,7 @@ mod tests {
     fn only_the_first_understood_sender_counts() {
         let (notices, heard) = std::sync::mpsc::channel();
         let port = UdpSocket::bind("127.0.0.1:0").unwrap();
-        let listening = Listening { section: "lidar", only: None, notices: Some(notices) };
+        let listening = Listening { section: "lidar", notices: Some(notices), ..Listening::default() };
         let mut receiver = UdpReceiver::from_socket(port, listening).unwrap();
         let address = receiver.local_address().unwrap();
         let [device, restarted, stranger] =

@@ -10,7 +10,7 @@ use floorguard_robot::assembly::{
     GuardCarriers, GuardTask, ScannerCarrier, new_perception, spawn_guard_ring,
 };
 use floorguard_robot::learning::LearningSetup;
-use floorguard_runtime::configuration::{RobotConfiguration, ScannerModel};
+use floorguard_runtime::configuration::{BaseKind, RobotConfiguration, ScannerModel};
 use floorguard_runtime::digest::OutputDigest;
 use floorguard_runtime::shared::{Motion, Shared, StopRecord};
 use floorguard_runtime::tape::TapeLine;
@@ -58,13 +58,13 @@ impl Lines {
         run: &OrderedRun<'_>,
     ) -> GuardCarriers<ScriptedLine, ScriptedLine, ScriptedLine, ScriptedLine, ScriptedLine> {
         GuardCarriers {
-            lidar: self.lidar.clone(),
+            lidar: run.robot.has_lidar.then(|| self.lidar.clone()),
             scanner: match run.robot.scanner.model {
                 ScannerModel::S300 => ScannerCarrier::Serial(self.scanner.clone()),
                 ScannerModel::MicroScan3 { .. } => ScannerCarrier::Datagrams(self.scanner.clone()),
             },
             imu: Some((self.imu.clone(), run.imu_baud)),
-            can: self.can.clone(),
+            can: (run.robot.base == BaseKind::ThreeWheel).then(|| self.can.clone()),
             tap: None,
         }
     }

@@ -5,7 +5,7 @@ use std::io::Read;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
 use floorguard_drivers::can::CanFrame;
-use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::configuration::{BaseKind, RobotConfiguration};
 use floorguard_runtime::digest::OutputDigest;
 use floorguard_runtime::shared::Shared;
 use floorguard_runtime::tape::{TapeLine, decode_route};
@@ -147,10 +147,10 @@ fn play<R: Read>(
         Lines { lidar: DatagramPipe::default(), scanner, imu, can: CanPipe::default(), from_imu_line };
     let mut tasks = TaskSet::new();
     let carriers = GuardCarriers {
-        lidar: lines.lidar.clone(),
+        lidar: robot.has_lidar.then(|| lines.lidar.clone()),
         scanner: scanner_reader,
         imu: Some((DuplexPipe { reader: imu_reader, writer: to_imu }, baud)),
-        can: lines.can.clone(),
+        can: (robot.base == BaseKind::ThreeWheel).then(|| lines.can.clone()),
         tap: None,
     };
     spawn_guard_ring(&mut tasks, &shared, robot, carriers);

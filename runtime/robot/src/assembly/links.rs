@@ -11,8 +11,10 @@ use super::tap::{Tap, Tapped};
 use crate::assembly::{GuardCarriers, PeopleInbox, ScannerCarrier};
 use crate::cleaner::MissionSetup;
 use crate::learning::LearningSetup;
-use floorguard_configuration::{CanAddress, Carriers, DatagramAddress, ScannerAddress, SerialAddress};
-use floorguard_host::carriers::{CanLink, Listening, ReconnectingLine, UdpReceiver};
+use floorguard_configuration::{
+    CanAddress, Carriers, CommandConfiguration, DatagramAddress, ScannerAddress, SerialAddress,
+};
+use floorguard_host::carriers::{BoundFrames, CanLink, Listening, ReconnectingLine, UdpReceiver};
 
 /// What the safety scanner is connected to, before the guard's thread opens it.
 #[derive(Debug)]
@@ -28,13 +30,17 @@ pub enum ScannerLink {
 pub struct Links {
     /// The lidar's port, bound already, and its accepted sender: a port that is taken is an error at the
     /// start.
-    pub lidar: (UdpSocket, Listening),
+    pub lidar: Option<(UdpSocket, Listening)>,
     /// The safety scanner's line or port.
     pub scanner: ScannerLink,
     /// The inertial sensor's line.
     pub imu: Option<SerialAddress>,
-    /// The CAN bus.
-    pub can: CanAddress,
+    /// The CAN bus, if the drives are on one.
+    pub can: Option<CanAddress>,
+    /// The base that takes velocities, if it is one.
+    pub base: Option<BoundFrames>,
+    /// Who drives the robot from outside; without it, it drives itself.
+    pub command: Option<(BoundFrames, CommandConfiguration)>,
     /// Who listens to all of them.
     pub tap: Option<Tap>,
     /// What the robot cleans; without it, it drives its route.
@@ -71,7 +77,7 @@ impl Links {
     /// # Errors
     /// A port is taken or not ours.
     pub fn bind(carriers: &Carriers) -> io::Result<Self> {
-        let lidar = bind_port("lidar", carriers.lidar)?;
+        let lidar = carriers.lidar.map(|address| bind_port("lidar", address)).transpose()?;
         let scanner = match &carriers.scanner {
             ScannerAddress::Serial(address) => ScannerLink::Serial(address.clone()),
             ScannerAddress::Datagrams(address) => {
@@ -85,6 +91,8 @@ impl Links {
             scanner,
             imu,
             can: carriers.can.clone(),
+            base: carriers.base.as_ref().map(BoundFrames::base).transpose()?,
+            command: None,
             tap: None,
             mission: None,
             people: PeopleInbox::default(),
@@ -97,10 +105,14 @@ impl Links {
     #[must_use]
     pub fn notices(&mut self) -> Receiver<String> {
         let (notices, heard) = channel();
-        self.lidar.1.notices = Some(notices.clone());
-        if let ScannerLink::Datagrams(_, listening) = &mut self.scanner {
-            listening.notices = Some(notices);
+        if let Some((_, listening)) = &mut self.lidar {
+            listening.notices = Some(notices.clone());
         }
+        if let ScannerLink::Datagrams(_, listening) = &mut self.scanner {
+            listening.notices = Some(notices.clone());
+        }
+        let command = self.command.as_mut().map(|(command, _)| command);
+        command.into_iter().chain(&mut self.base).for_each(|link| link.notify(notices.clone()));
         heard
     }
 
@@ -114,9 +126,9 @@ impl Links {
                 missing(Missing { source, why: error.to_string() });
             }
         };
-        let (socket, listening) = self.lidar;
-        let lidar = UdpReceiver::from_socket(socket, listening)?;
         let tap = self.tap;
+        let lidar = self.lidar.map(|(socket, listening)| UdpReceiver::from_socket(socket, listening));
+        let lidar = lidar.transpose()?.map(|lidar| Tapped::new(lidar, TapeLine::Lidar, tap.clone()));
         let scanner = match self.scanner {
             ScannerLink::Serial(address) => {
                 let (line, problem) = ReconnectingLine::new(address.device, address.baud);
@@ -133,15 +145,31 @@ impl Links {
             note("inertial sensor", problem);
             (line, address.baud)
         });
-        let (can, problem) = CanLink::new(&self.can);
-        note("CAN bus", problem);
+        let can = self.can.map(|address| {
+            let (can, problem) = CanLink::new(&address);
+            note("CAN bus", problem);
+            Tapped::new(can, TapeLine::Can, tap.clone())
+        });
         Ok(GuardCarriers {
-            lidar: Tapped::new(lidar, TapeLine::Lidar, tap.clone()),
+            lidar,
             scanner,
             imu: imu.map(|(line, baud)| (Tapped::new(line, TapeLine::Imu, tap.clone()), baud)),
-            can: Tapped::new(can, TapeLine::Can, tap.clone()),
+            can,
             tap,
         })
+    }
+}
+
+impl Links {
+    /// With the link of a program that drives the robot from outside.
+    ///
+    /// # Errors
+    /// Its port is taken or not ours.
+    pub fn commanded(mut self, command: Option<&CommandConfiguration>) -> io::Result<Self> {
+        if let Some(command) = command {
+            self.command = Some((BoundFrames::command(command)?, command.clone()));
+        }
+        Ok(self)
     }
 }
 
@@ -152,5 +180,5 @@ fn bind_port(section: &'static str, address: DatagramAddress) -> io::Result<(Udp
         let remedy = format!("end the other program that listens there, or correct [{section}] source");
         io::Error::new(error.kind(), format!("[{section}] udp:{local}: {error}; {remedy}"))
     })?;
-    Ok((socket, Listening { section, only: sender, notices: None }))
+    Ok((socket, Listening { section, only: sender, ..Listening::default() }))
 }

@@ -1,5 +1,6 @@
 //! The robot on this computer: both rings on threads of their own, on the carriers that `robot.toml` names.
 
+mod commanded;
 mod guard_task;
 mod inbox;
 mod latch_file;
@@ -9,6 +10,7 @@ mod spawn;
 mod stop_files;
 mod tap;
 
+pub use commanded::{spawn_commanded, spawn_velocity_base, velocity_rules};
 pub use guard_task::GuardTask;
 pub use inbox::PeopleInbox;
 pub use latch_file::{LatchFile, latched_words};

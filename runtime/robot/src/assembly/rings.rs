@@ -14,6 +14,7 @@ use floorguard_types::time::Stamp;
 
 use floorguard_runtime::tasks::{clean, perceive};
 
+use super::commanded::{FrameLinks, spawn_frame_links};
 use super::guard_task::GuardTask;
 use super::links::{Links, Missing};
 use super::tap::{Poll, Tap};
@@ -46,7 +47,9 @@ pub fn run_rings<T>(
     let (guard_flag, perception_flag) = (StopFlag::default(), StopFlag::default());
     let mission = links.mission.take().map(|setup| setup.begin(robot)).transpose()?;
     let heard = (links.people.clone(), links.learning.take());
-    let drives_route = mission.is_none();
+    // Where a program outside drives, the robot itself asks for nothing.
+    let drives_route = mission.is_none() && links.command.is_none();
+    let command_flag = StopFlag::default();
     let latches = links.latches.take();
     if let Some(latches) = &latches {
         let (kept, now) = (latches.read(), clock::now());
@@ -64,7 +67,8 @@ pub fn run_rings<T>(
         let kept = kept.transpose()?;
         // Also when a ring cannot start: the scope waits for all its threads.
         let at_end = StopsAtEnd(latches_flag.clone());
-        let guard = start(scope, "guard", flag, || guard_ring((robot, links), shared, &guard_flag))?;
+        let guard =
+            start(scope, "guard", flag, || guard_ring((robot, links), shared, (&guard_flag, &command_flag)))?;
         let perception = start(scope, "perception", flag, || {
             perception_ring((robot, drives_route, heard), shared, &perception_flag)
         })?;
@@ -74,6 +78,7 @@ pub fn run_rings<T>(
         // Whatever becomes of the display: nobody but this thread ends the rings.
         let answer = catch_unwind(AssertUnwindSafe(beside));
         perception_flag.stop();
+        command_flag.stop();
         let seen = perception.join();
         let cleaned = mission.map_or(Ok(Ok(())), thread::ScopedJoinHandle::join);
         await_stand(shared, &guard);
@@ -112,17 +117,20 @@ fn start<'scope>(
 }
 
 fn guard_ring(
-    (robot, links): (&RobotConfiguration, Links),
+    (robot, mut links): (&RobotConfiguration, Links),
     shared: &HostedShared,
-    flag: &StopFlag,
+    (flag, command_flag): (&StopFlag, &StopFlag),
 ) -> io::Result<()> {
     say!("  {}", take_priority(Ring::Guard));
     run_until_observed(flag, |tasks| {
+        let frame_links = FrameLinks { command: links.command.take(), base: links.base.take() };
         let carriers = links.open(&mut |Missing { source, why }| {
             say!("  {source}: not there yet ({why}); waiting for it, the robot stands until then");
         })?;
         let tap = carriers.tap.clone();
         let names = spawn_guard_ring(tasks, shared, robot, carriers);
+        // Behind the tasks of the guard: what it asks for reaches the recording as the guard takes it.
+        spawn_frame_links(tasks, (shared, robot), frame_links, command_flag.clone())?;
         Ok(tap.map(|tap| observer(tap, names, shared)))
     })
 }

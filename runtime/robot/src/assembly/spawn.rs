@@ -42,14 +42,14 @@ pub enum ScannerCarrier<S, D> {
 
 /// The lines that the guard ring listens to.
 pub struct GuardCarriers<L, S, D, I, C> {
-    /// Lidar datagrams.
-    pub lidar: L,
+    /// Lidar datagrams; a robot can do without.
+    pub lidar: Option<L>,
     /// Safety scanner.
     pub scanner: ScannerCarrier<S, D>,
     /// Inertial sensor and its bit rate; a robot can do without.
     pub imu: Option<(I, u32)>,
-    /// CAN bus.
-    pub can: C,
+    /// CAN bus, if the drives are on one.
+    pub can: Option<C>,
     /// Where the guard's other inputs are reported, in a run that is recorded in real time.
     pub tap: Option<Tap>,
 }
@@ -188,9 +188,13 @@ pub fn spawn_guard_ring<'a, M: RawMutex>(
         impl CanBus + 'a,
     >,
 ) -> Vec<GuardTask> {
-    let mut names = vec![GuardTask::Lidar, GuardTask::Scanner];
+    let mut names = Vec::new();
     let choice = robot.lidar_model().map_or(ModelChoice::Auto, ModelChoice::Fixed);
-    tasks.spawn(lidar_input(shared, carriers.lidar, Decoder::new(choice)));
+    if let Some(lidar) = carriers.lidar {
+        tasks.spawn(lidar_input(shared, lidar, Decoder::new(choice)));
+        names.push(GuardTask::Lidar);
+    }
+    names.push(GuardTask::Scanner);
     match carriers.scanner {
         ScannerCarrier::Serial(line) => {
             tasks.spawn(scanner_input(shared, line, s300::Receiver::new(s300::Configuration::default())));
@@ -205,8 +209,10 @@ pub fn spawn_guard_ring<'a, M: RawMutex>(
         names.push(GuardTask::Imu);
     }
     let base = (ThreeWheelBase::new(robot.base()), robot.tricycle());
-    let bus = BusWithButtons::new(carriers.can, shared, &robot.can);
-    tasks.spawn(can_bus(shared, bus, base));
+    if let Some(can) = carriers.can {
+        tasks.spawn(can_bus(shared, BusWithButtons::new(can, shared, &robot.can), base));
+        names.push(GuardTask::Can);
+    }
     tasks.spawn(supervise(shared));
     let observer = || {
         let tap = carriers.tap.clone();
@@ -219,7 +225,7 @@ pub fn spawn_guard_ring<'a, M: RawMutex>(
     tasks.spawn(observed_command_input(shared, observer()));
     tasks.spawn(observed_advice_input(shared, observer()));
     tasks.spawn(observed_operator_input(shared, observer()));
-    let others = [GuardTask::Can, GuardTask::Supervise, GuardTask::Command];
+    let others = [GuardTask::Supervise, GuardTask::Command];
     names.extend(others.into_iter().chain([GuardTask::Advice, GuardTask::Operator]));
     names
 }
