@@ -6,6 +6,7 @@
 mod digest;
 mod latency;
 mod mission_outcome;
+mod navigation_outcome;
 mod orders;
 mod outcome;
 mod shape;
@@ -18,6 +19,7 @@ mod zone;
 pub use digest::Digest;
 pub use latency::Quantiles;
 pub use mission_outcome::{MissionJudge, MissionOutcome, MissionReport};
+pub use navigation_outcome::{NavigationJudge, NavigationReport};
 pub use orders::StopOrders;
 pub use outcome::{Asked, Outcome, Standing};
 pub use stops::{StopJudge, StopReason};

@@ -3,5 +3,5 @@
 mod mission_plan;
 mod run_plan;
 
-pub use mission_plan::plan_of_scenario;
+pub use mission_plan::{navigation_of_scenario, plan_of_scenario};
 pub use run_plan::{Plan, PlanError};

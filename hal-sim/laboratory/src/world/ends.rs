@@ -74,6 +74,7 @@ impl Ends {
             can: address,
             tap: None,
             mission: None,
+            navigation: None,
             people: PeopleInbox::default(),
             learning: None,
             latches: None,
