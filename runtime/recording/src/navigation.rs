@@ -23,7 +23,7 @@ impl<W: Write + Seek> RunRecorder<W> {
     /// The drive to a goal has reported its progress: its plan and costmap are written when they change.
     pub fn navigation(&mut self, progress: &Arc<NavigationProgress>) {
         let now = self.now();
-        let before = self.drive().newest.replace(Arc::clone(progress));
+        let before = self.drive.newest.replace(Arc::clone(progress));
         let is_changed = |value: fn(&NavigationProgress) -> u32| {
             before.as_ref().is_none_or(|before| value(before) != value(progress))
         };
@@ -67,7 +67,7 @@ fn poses_along(path: &[Point2]) -> Vec<Pose2> {
 /// What it does, in one sentence.
 fn diagnostic(progress: &NavigationProgress) -> Diagnostic {
     let severity = match progress.phase {
-        NavigationPhase::NeedsHelp | NavigationPhase::Unreachable => Severity::Bad,
+        NavigationPhase::NeedsHelp | NavigationPhase::Unreachable => Severity::Error,
         _ => Severity::Good,
     };
     let values = [

@@ -27,6 +27,7 @@ use super::describe;
 use super::lidar_view::LidarView;
 use super::messages::GridImage;
 use super::mission;
+use super::navigation::SeenDrive;
 use super::raw::RawStream;
 use super::recorder::{RecordError, Recorder, Times};
 use super::scan_map::{self, ScanMap};
@@ -72,6 +73,7 @@ pub struct RunRecorder<W: Write + Seek> {
     mountings: Vec<(&'static str, floorguard_types::geometry::Transform3)>,
     map: ScanMap,
     mission: Option<Arc<MissionProgress>>,
+    pub(super) drive: SeenDrive,
     seen: Seen,
     failed: Option<RecordError>,
     learned: Option<String>,
@@ -128,6 +130,7 @@ impl<W: Write + Seek> RunRecorder<W> {
             mountings,
             map: ScanMap::default(),
             mission: None,
+            drive: SeenDrive::default(),
             seen: Seen::default(),
             failed: None,
             learned: None,
@@ -138,6 +141,11 @@ impl<W: Write + Seek> RunRecorder<W> {
     #[must_use]
     pub const fn failure(&self) -> Option<&RecordError> {
         self.failed.as_ref()
+    }
+
+    /// The newest moment of the recording.
+    pub(super) const fn now(&self) -> Stamp {
+        Stamp::from_micros(self.seen.now_us)
     }
 
     pub(super) fn write(&mut self, write: impl FnOnce(&mut Recorder<W>) -> Result<(), RecordError>) {

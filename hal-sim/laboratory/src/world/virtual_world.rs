@@ -286,6 +286,7 @@ impl World<'_, '_> {
     fn tell_drive(&mut self, setup: &NavigationSetup) {
         let Some(progress) = setup.watch.get() else { return };
         self.observer.on_navigation(&progress);
+        self.sinks.navigation(&progress);
         if progress.phase.is_over() {
             self.sinks.ended.stop();
         }

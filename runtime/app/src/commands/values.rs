@@ -40,6 +40,15 @@ pub(super) fn moment_s(text: &str) -> Result<f64, String> {
 /// Where a panel listens: `127.0.0.1:8080`, `[::1]:8080`, or a name of this computer as `localhost:8080`.
 ///
 /// # Errors
+/// Metres or degrees of a place on a map.
+///
+/// # Errors
+/// Anything else, in words.
+pub(super) fn coordinate(text: &str) -> Result<f32, String> {
+    let number = text.parse::<f32>().ok().filter(|number| number.abs() <= 10_000.0);
+    number.ok_or_else(|| "write metres or degrees as a number, for example 14.5".to_owned())
+}
+
 /// A place and a heading of the map frame: `X,Y,YAW` in metres and degrees.
 ///
 /// # Errors
@@ -87,6 +96,7 @@ mod tests {
     fn goal_is_three_finite_numbers() {
         let pose = goal("14.5,-4.5,90").unwrap();
         assert!((pose.x_m, pose.y_m) == (14.5, -4.5) && (pose.heading_rad - std::f32::consts::FRAC_PI_2).abs() < 1.0e-6);
+        assert!(coordinate("-3.5") == Ok(-3.5) && coordinate("nan").is_err() && coordinate("1,5").is_err());
         for text in ["", "1,2", "1,2,3,4", "1,2,x", "nan,1,2", "inf,1,2", "1;2;3", "1,2,,3"] {
             assert!(goal(text).is_err(), "{text}");
         }

@@ -14,8 +14,10 @@ use super::model::PERSON_RADIUS_M;
 const PEOPLE_MAX: usize = 6;
 /// Farther away a person changes nothing within three seconds, metres.
 const REACH_M: f32 = 6.0;
-/// How long a stop for a person holds the robot, seconds.
-const HELD_S: f32 = 1.0;
+/// Two of these are added to a person's radius; more doubt than this makes nobody larger, metres.
+const DEVIATION_MAX_M: f32 = 0.15;
+/// How long a stop for a person holds the robot until it is as fast again, seconds.
+const HELD_S: f32 = 2.5;
 
 /// The rules, and who is near.
 #[derive(Clone, Debug)]
@@ -72,7 +74,8 @@ impl PermittedMotion for GuardModel {
             }
             let relative = turned(velocity.x_m, velocity.y_m);
             let relative = Point2::new(relative.x_m - motion.twist.linear_mps, relative.y_m);
-            if comes_near(&self.body, (in_base, relative), clear_s) {
+            let radius_m = PERSON_RADIUS_M + 2.0 * person.position_deviation_m.min(DEVIATION_MAX_M);
+            if comes_near(&self.body, (in_base, relative), (radius_m, clear_s)) {
                 return Permission { speed_limit_mps: 0.0, held_s: HELD_S };
             }
         }
@@ -81,21 +84,25 @@ impl PermittedMotion for GuardModel {
 }
 
 /// At a constant relative velocity the body would touch a person within a time: at its end, or where the person is nearest.
-fn comes_near(body: &Body, (place, relative): (Point2, Point2), within_s: f32) -> bool {
+fn comes_near(
+    body: &Body,
+    (place, relative): (Point2, Point2),
+    (radius_m, within_s): (f32, f32),
+) -> bool {
     let after = |time_s: f32| {
         body.distance_m(Point2::new(place.x_m + time_s * relative.x_m, place.y_m + time_s * relative.y_m))
     };
     let gap_m = after(0.0);
     // Nobody is reached who is farther away than the way of that time.
-    if gap_m > PERSON_RADIUS_M + relative.norm() * within_s {
+    if gap_m > radius_m + relative.norm() * within_s {
         return false;
     }
     [0.33, 0.66, 1.0].into_iter().map(|share| after(share * within_s)).any(|then_m| {
-        then_m < PERSON_RADIUS_M && then_m < gap_m
+        then_m < radius_m && then_m < gap_m - 0.02
     })
 }
 
-/// The pose of the robot, for tests and planners that have none.
+/// The place of a pose.
 pub(super) const fn place_of(pose: Pose2) -> Point2 {
     Point2::new(pose.x_m, pose.y_m)
 }

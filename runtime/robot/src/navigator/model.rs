@@ -19,6 +19,8 @@ const REVERSE_MPS: f32 = 0.2;
 const SPIN_RADPS: f32 = 0.35;
 /// The steered wheel is turned so fast, as the body's turning rate, rad/s².
 const TURN_ACCELERATION_RADPS2: f32 = 1.0;
+/// A steered wheel that swings costs more than one that turns freely: seconds for (rad/s)².
+const TURN_CHANGE: f32 = 0.1;
 /// From command to command, seconds.
 pub(super) const PERIOD_S: f32 = 0.1;
 /// Radius of a person, metres.
@@ -74,8 +76,9 @@ impl Model {
         };
         let spin_radps = SPIN_RADPS.min(drive.turn_max_radps);
         let arrival = Arrival {
-            within_m: settings.within_m,
-            within_rad: settings.within_rad,
+            // A little inside: the robot rolls on, and its place moves with each scan.
+            within_m: 0.8 * settings.within_m,
+            within_rad: 0.8 * settings.within_rad,
             turn_min_radps: 0.15,
             turn_max_radps: spin_radps,
         };
@@ -103,13 +106,13 @@ impl Model {
             step_s: 0.1,
             period_s: PERIOD_S,
             speed_noise_mps: 0.25,
-            turn_noise_radps: 0.35,
+            turn_noise_radps: 0.3,
             temperature_s: 0.08,
             clear_cost: self.clear_cost,
             people_acceleration_mps2: 0.3,
             person_radius_m: PERSON_RADIUS_M,
             arrival: self.arrival,
-            weights: MppiWeights::DEFAULT,
+            weights: MppiWeights { turn_change: TURN_CHANGE, ..MppiWeights::DEFAULT },
         }
     }
 

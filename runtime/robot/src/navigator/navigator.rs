@@ -41,7 +41,7 @@ const FINDS_S: f32 = 6.0;
 /// The robot backs out so far, metres.
 const BACK_M: f32 = 1.0;
 /// Slower requests are standing, m/s and rad/s.
-pub(super) const STANDS: (f32, f32) = (0.02, 0.04);
+pub(super) const STANDS: (f32, f32) = (0.03, 0.06);
 
 /// A drive to a goal.
 pub struct Navigator {
@@ -162,7 +162,11 @@ impl Navigator {
         let goal = self.plan.goal_pose();
         let Some(costmap) = self.maps.global() else { return };
         match self.search.plan(costmap, (pose, goal)) {
-            Ok((plan, path)) => {
+            Ok((plan, mut path)) => {
+                // The lattice ends near the goal; the rest is the local planner's.
+                if let Some(last) = path.last_mut() {
+                    last.pose_in_map = goal;
+                }
                 self.failure = None;
                 self.is_proved = true;
                 self.course = Course::new(plan, path);
