@@ -76,7 +76,11 @@ pub(super) fn read_navigation(section: Reader<'_>, limits: &Limits) -> Navigatio
     let map = section.text_or_absent("map", "maps/hall.yaml", "that of the scenario; refused by `goto`");
     let map = match map {
         Some(("", span)) => {
-            section.refuse(&span, "[navigation]: `map` is empty", "write the name of a map, such as \"hall.yaml\"");
+            section.refuse(
+                &span,
+                "[navigation]: `map` is empty",
+                "write the name of a map, such as \"hall.yaml\"",
+            );
             None
         }
         other => other.map(|(text, _)| PathBuf::from(text)),
@@ -87,7 +91,8 @@ pub(super) fn read_navigation(section: Reader<'_>, limits: &Limits) -> Navigatio
     let planners = [("ours", NavigationPlanner::Ours), ("dwa", NavigationPlanner::Dwa)];
     let planner = section.choice_or("planner", &planners, default.planner);
     let speed_mps = section.number_or("speed_mps", 0.05..=greatest(limits.speed_mps, 2.0), default.speed_mps);
-    let turn_radps = section.number_or("turn_radps", 0.05..=greatest(limits.turn_radps, 2.0), default.turn_radps);
+    let turn_radps =
+        section.number_or("turn_radps", 0.05..=greatest(limits.turn_radps, 2.0), default.turn_radps);
     let within_m = section.number_or("within_m", 0.05..=2.0, default.within_m);
     let within_deg = section.number_or("within_deg", 2.0..=180.0, default.within_rad.to_degrees().round());
     let help_after_s = section.number_or("help_after_s", 10.0..=3_600.0, default.help_after_s);
@@ -122,7 +127,10 @@ mod tests {
         assert_eq!(default, NavigationConfiguration::of_limits(&limits));
         let own = "[navigation]\nmap = \"hall.yaml\"\nplanner = \"dwa\"\nspeed_mps = 0.5\nstart_yaw_deg = 90.0\nwithin_deg = 5.0";
         let own = read(own).unwrap().unwrap();
-        assert_eq!((own.planner, own.speed_mps, own.map), (NavigationPlanner::Dwa, 0.5, Some("hall.yaml".into())));
+        assert_eq!(
+            (own.planner, own.speed_mps, own.map),
+            (NavigationPlanner::Dwa, 0.5, Some("hall.yaml".into()))
+        );
         assert!((own.start[2] - std::f32::consts::FRAC_PI_2).abs() < 1.0e-6);
         assert!((own.within_rad.to_degrees() - 5.0).abs() < 1.0e-4);
         for (wrong, reported) in [

@@ -22,7 +22,9 @@ impl core::fmt::Display for Obstruction {
         match self {
             Self::NoPath(failure) => write!(formatter, "{failure}"),
             Self::NoVelocity => write!(formatter, "every motion from here would touch something"),
-            Self::Yields => write!(formatter, "a person or an obstacle makes every motion worse than standing"),
+            Self::Yields => {
+                write!(formatter, "a person or an obstacle makes every motion worse than standing")
+            }
             Self::Held => write!(formatter, "the guard holds the robot"),
             Self::Lost => write!(formatter, "the robot is looking for its place on the map"),
         }

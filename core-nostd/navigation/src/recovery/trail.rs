@@ -18,7 +18,8 @@ impl Trail {
     /// The robot is here; a pose nearer to the last one than 0.1 m is not kept, nor one that is not finite.
     pub fn note(&mut self, pose_in_map: Pose2) {
         let here = Point2::new(pose_in_map.x_m, pose_in_map.y_m);
-        let is_new = self.poses.back().is_none_or(|last| here.distance(Point2::new(last.x_m, last.y_m)) >= SPACING_M);
+        let is_new =
+            self.poses.back().is_none_or(|last| here.distance(Point2::new(last.x_m, last.y_m)) >= SPACING_M);
         if !is_new || !here.norm().is_finite() {
             return;
         }

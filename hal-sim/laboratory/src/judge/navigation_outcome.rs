@@ -67,7 +67,8 @@ impl NavigationReport {
         if self.unreasoned_s > UNREASONED_MAX_S {
             return Some(format!("the robot stood for {:.1} s and named no true reason", self.unreasoned_s));
         }
-        (!self.reached).then(|| format!("the goal is not reached after {:.0} s: {}", self.took_s, self.reason))
+        (!self.reached)
+            .then(|| format!("the goal is not reached after {:.0} s: {}", self.took_s, self.reason))
     }
 
     /// In one line, for people.
@@ -116,7 +117,8 @@ impl NavigationJudge {
     /// The robot reported its progress.
     pub fn hear(&mut self, progress: &Arc<NavigationProgress>) {
         let believed = progress.pose_in_map;
-        let off_m = Point2::new(believed.x_m, believed.y_m).distance(Point2::new(self.robot.x_m, self.robot.y_m));
+        let off_m =
+            Point2::new(believed.x_m, believed.y_m).distance(Point2::new(self.robot.x_m, self.robot.y_m));
         self.report.localisation_error_max_m = self.report.localisation_error_max_m.max(off_m);
         self.newest = Some(Arc::clone(progress));
     }
@@ -155,8 +157,7 @@ impl NavigationJudge {
         report.off_goal_m = Point2::new(robot.x_m, robot.y_m).distance(Point2::new(goal.x_m, goal.y_m));
         let off_rad = wrap_angle(robot.heading_rad - goal.heading_rad).abs();
         report.off_goal_deg = off_rad.to_degrees();
-        let is_there =
-            report.off_goal_m <= self.within.0 + ALLOWED.0 && off_rad <= self.within.1 + ALLOWED.1;
+        let is_there = report.off_goal_m <= self.within.0 + ALLOWED.0 && off_rad <= self.within.1 + ALLOWED.1;
         let Some(progress) = &self.newest else {
             "starting".clone_into(&mut report.phase);
             "the drive never began".clone_into(&mut report.reason);

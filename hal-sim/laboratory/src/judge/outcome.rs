@@ -123,7 +123,8 @@ impl Verdict {
     fn has_harmed(&self) -> bool {
         let counts = &self.bodies.counts;
         let false_claims = u32::from(self.navigation.as_ref().is_some_and(|drive| drive.false_claim));
-        self.missed_stops + self.late_field_stops + self.avoidable_contacts + counts.went_on + false_claims > 0
+        self.missed_stops + self.late_field_stops + self.avoidable_contacts + counts.went_on + false_claims
+            > 0
     }
 
     /// Its mission has ended by itself.

@@ -183,7 +183,8 @@ impl Plan {
     /// The scene makes no map.
     pub fn navigating(mut self, goal_in_map: Pose2) -> Result<Self, PlanError> {
         let drive = (self.navigation_settings, goal_in_map);
-        let navigation = navigation_of_scenario(&self.scenario, drive, self.seed).map_err(PlanError::Mission)?;
+        let navigation =
+            navigation_of_scenario(&self.scenario, drive, self.seed).map_err(PlanError::Mission)?;
         self.navigation = Some(navigation);
         Ok(self)
     }

@@ -106,7 +106,8 @@ fn drive_lines(drive: &NavigationReport) -> String {
     for (reason, seconds) in stood.into_iter().take(6) {
         let _ = writeln!(text, "    {seconds:5.1} s stood: {reason}");
     }
-    let measures: Vec<String> = drive.measures.iter().map(|(words, count)| format!("{count} x {words}")).collect();
+    let measures: Vec<String> =
+        drive.measures.iter().map(|(words, count)| format!("{count} x {words}")).collect();
     let recovered = if measures.is_empty() { String::new() } else { format!("; {}", measures.join(", ")) };
     let _ = writeln!(
         text,

@@ -57,7 +57,9 @@ pub(super) fn coordinate(text: &str) -> Result<f32, String> {
 pub(super) fn goal(text: &str) -> Result<Pose2, String> {
     let numbers: Vec<f32> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
     match numbers.as_slice() {
-        &[x_m, y_m, yaw_deg] if numbers.iter().all(|number| number.abs() <= 10_000.0) && text.split(',').count() == 3 => {
+        &[x_m, y_m, yaw_deg]
+            if numbers.iter().all(|number| number.abs() <= 10_000.0) && text.split(',').count() == 3 =>
+        {
             Ok(Pose2::new(x_m, y_m, yaw_deg.to_radians()))
         }
         _ => Err("write X,Y,YAW in metres and degrees, for example 14.5,4.5,90".to_owned()),
@@ -95,7 +97,10 @@ mod tests {
     #[test]
     fn goal_is_three_finite_numbers() {
         let pose = goal("14.5,-4.5,90").unwrap();
-        assert!((pose.x_m, pose.y_m) == (14.5, -4.5) && (pose.heading_rad - std::f32::consts::FRAC_PI_2).abs() < 1.0e-6);
+        assert!(
+            (pose.x_m, pose.y_m) == (14.5, -4.5)
+                && (pose.heading_rad - std::f32::consts::FRAC_PI_2).abs() < 1.0e-6
+        );
         assert!(coordinate("-3.5") == Ok(-3.5) && coordinate("nan").is_err() && coordinate("1,5").is_err());
         for text in ["", "1,2", "1,2,3,4", "1,2,x", "nan,1,2", "inf,1,2", "1;2;3", "1,2,,3"] {
             assert!(goal(text).is_err(), "{text}");

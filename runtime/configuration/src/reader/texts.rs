@@ -42,7 +42,8 @@ impl<'a> Reader<'a> {
     /// One of a list of words, or a default when absent.
     pub fn choice_or<T: Copy + PartialEq>(&self, key: &'static str, choices: &[(&str, T)], default: T) -> T {
         let words: Vec<String> = choices.iter().map(|(word, _)| format!("`{word}`")).collect();
-        let without = choices.iter().find(|(_, value)| *value == default).map(|(word, _)| format!("`{word}`"));
+        let without =
+            choices.iter().find(|(_, value)| *value == default).map(|(word, _)| format!("`{word}`"));
         self.note(key, "word", (words.join(", "), without));
         self.find(key).and_then(|_| self.chosen(key, choices)).unwrap_or(default)
     }

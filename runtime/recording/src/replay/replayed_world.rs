@@ -21,12 +21,12 @@ use floorguard_configuration::HostedConfiguration;
 use floorguard_host::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 use floorguard_host::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 use floorguard_robot::assembly::{
-    GuardCarriers, Stages, new_perception, new_shared, spawn_cleaning_ring, spawn_guard_ring, spawn_navigation_ring,
-    spawn_perception_ring,
+    GuardCarriers, Stages, new_perception, new_shared, spawn_cleaning_ring, spawn_guard_ring,
+    spawn_navigation_ring, spawn_perception_ring,
 };
 use floorguard_robot::cleaner::{Cleaner, MissionPlan, MissionSetup, Store};
-use floorguard_robot::navigator::{NavigationPlan, NavigationSetup, Navigator};
 use floorguard_robot::learning::LearningSetup;
+use floorguard_robot::navigator::{NavigationPlan, NavigationSetup, Navigator};
 
 /// Name of the text that says whether the raw bytes alone tell the whole run.
 pub const REPEATABLE: &str = "repeatable";

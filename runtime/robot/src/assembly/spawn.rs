@@ -19,8 +19,8 @@ use floorguard_runtime::mission::RouteFollower;
 use floorguard_runtime::shared::{Motion, Shared};
 use floorguard_runtime::tasks::{
     BusWithButtons, GuardInput, JudgeMotion, NoMotion, PerceptionState, can_bus, clean, drive_route,
-    imu_input, lidar_input, navigate, observed_advice_input, observed_command_input, observed_operator_input, perceive,
-    scanner_datagrams, scanner_input, supervise,
+    imu_input, lidar_input, navigate, observed_advice_input, observed_command_input, observed_operator_input,
+    perceive, scanner_datagrams, scanner_input, supervise,
 };
 use floorguard_types::sensing::{Scan, Sweep};
 use floorguard_types::time::Stamp;

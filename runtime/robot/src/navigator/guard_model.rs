@@ -84,11 +84,7 @@ impl PermittedMotion for GuardModel {
 }
 
 /// At a constant relative velocity the body would touch a person within a time: at its end, or where the person is nearest.
-fn comes_near(
-    body: &Body,
-    (place, relative): (Point2, Point2),
-    (radius_m, within_s): (f32, f32),
-) -> bool {
+fn comes_near(body: &Body, (place, relative): (Point2, Point2), (radius_m, within_s): (f32, f32)) -> bool {
     let after = |time_s: f32| {
         body.distance_m(Point2::new(place.x_m + time_s * relative.x_m, place.y_m + time_s * relative.y_m))
     };
@@ -97,9 +93,10 @@ fn comes_near(
     if gap_m > radius_m + relative.norm() * within_s {
         return false;
     }
-    [0.33, 0.66, 1.0].into_iter().map(|share| after(share * within_s)).any(|then_m| {
-        then_m < radius_m && then_m < gap_m - 0.02
-    })
+    [0.33, 0.66, 1.0]
+        .into_iter()
+        .map(|share| after(share * within_s))
+        .any(|then_m| then_m < radius_m && then_m < gap_m - 0.02)
 }
 
 /// The place of a pose.

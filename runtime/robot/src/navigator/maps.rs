@@ -91,7 +91,11 @@ impl Maps {
     ///
     /// # Errors
     /// The map is larger than the planners' memory.
-    pub(super) fn new(map: &OccupancyMap, inflation: &InflationConfig, is_blind: bool) -> anyhow::Result<Self> {
+    pub(super) fn new(
+        map: &OccupancyMap,
+        inflation: &InflationConfig,
+        is_blind: bool,
+    ) -> anyhow::Result<Self> {
         let geometry = raster_of(map.geometry())?;
         let cell_m = geometry.resolution_m();
         let mut global = Costmap::new(geometry);
@@ -107,7 +111,11 @@ impl Maps {
             global.fixed.fill(Occupancy::Free);
         }
         let side = 2 * (HALF_WINDOW_M / cell_m).ceil() as u32 + 1;
-        let window = GridGeometry::with_sides(GridSides { columns: side, rows: side }, cell_m, geometry.origin_in_map());
+        let window = GridGeometry::with_sides(
+            GridSides { columns: side, rows: side },
+            cell_m,
+            geometry.origin_in_map(),
+        );
         let window = window.ok_or_else(|| anyhow::anyhow!("the map makes no raster"))?;
         let observed = ObstacleLayer::new(geometry, vec![Occupancy::Unknown; geometry.cell_count()])?;
         Ok(Self {
@@ -164,7 +172,10 @@ impl Maps {
         let half = (self.window.geometry.columns() / 2) as i32;
         let (first_column, first_row) = (column.saturating_sub(half), row.saturating_sub(half));
         let base = GridGeometry::with_sides(
-            GridSides { columns: self.window.geometry.columns() as u32, rows: self.window.geometry.rows() as u32 },
+            GridSides {
+                columns: self.window.geometry.columns() as u32,
+                rows: self.window.geometry.rows() as u32,
+            },
             geometry.resolution_m(),
             geometry.origin_in_map(),
         );
@@ -174,7 +185,9 @@ impl Maps {
         for cell in 0..self.window.costs.len() {
             let (x, y) = self.window.geometry.coordinates(cell);
             let source = geometry.index(x.saturating_add(first_column), y.saturating_add(first_row));
-            let of = |layer: &[Occupancy], outside| source.and_then(|at| layer.get(at).copied()).unwrap_or(outside);
+            let of = |layer: &[Occupancy], outside| {
+                source.and_then(|at| layer.get(at).copied()).unwrap_or(outside)
+            };
             self.window.fixed[cell] = of(&self.global.fixed, Occupancy::Occupied);
             self.window.observed[cell] = of(observed, Occupancy::Unknown);
         }

@@ -17,6 +17,8 @@ mod steering;
 
 pub use navigator::Navigator;
 pub use plan::{NavigationPlan, NavigationSettings};
-pub use progress::{CostmapImage, NavigationPhase, NavigationProgress, NavigationWatch, SharedNavigationWatch};
+pub use progress::{
+    CostmapImage, NavigationPhase, NavigationProgress, NavigationWatch, SharedNavigationWatch,
+};
 pub use reasons::StandingReason;
 pub use setup::NavigationSetup;

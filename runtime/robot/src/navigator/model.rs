@@ -46,7 +46,11 @@ impl Model {
     ///
     /// # Errors
     /// The base point lies outside the outline.
-    pub(super) fn of(robot: &RobotConfiguration, settings: &NavigationSettings, cell_m: f32) -> anyhow::Result<Self> {
+    pub(super) fn of(
+        robot: &RobotConfiguration,
+        settings: &NavigationSettings,
+        cell_m: f32,
+    ) -> anyhow::Result<Self> {
         let (mut low, mut high) = (Point2::default(), Point2::default());
         for corner in &robot.geometry.footprint {
             low = Point2::new(low.x_m.min(corner.x_m), low.y_m.min(corner.y_m));

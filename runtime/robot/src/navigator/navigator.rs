@@ -331,9 +331,11 @@ impl Navigator {
             (_, Some(step)) if step.measure != Measure::Drive && !(is_asked && !is_held) => {
                 Some(StandingReason::Recovery(step))
             }
-            _ if is_asked && is_held => {
-                Some(moment.decision.map_or(StandingReason::Starting, |decision| StandingReason::of_guard(&decision)))
-            }
+            _ if is_asked && is_held => Some(
+                moment
+                    .decision
+                    .map_or(StandingReason::Starting, |decision| StandingReason::of_guard(&decision)),
+            ),
             (NavigationPhase::Starting, _) => Some(StandingReason::Starting),
             _ => None,
         }

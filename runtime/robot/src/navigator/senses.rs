@@ -54,7 +54,11 @@ impl Senses {
     ///
     /// # Errors
     /// The map has no floor for this robot.
-    pub(super) fn new(plan: &NavigationPlan, robot: &RobotConfiguration, radius_m: f32) -> anyhow::Result<Self> {
+    pub(super) fn new(
+        plan: &NavigationPlan,
+        robot: &RobotConfiguration,
+        radius_m: f32,
+    ) -> anyhow::Result<Self> {
         let mut floor = Floor::new("navigation", plan.occupancy()?, radius_m)?;
         floor.start = plan.start_pose();
         // The belief of the cleaning mission, on a floor where nothing is dirty: it keeps the pose alone.
@@ -195,7 +199,8 @@ impl Senses {
     /// Between the poses around a moment; the nearest one outside.
     fn odometry_at(&self, stamp: Stamp) -> Pose2 {
         let after = self.poses.iter().position(|known| known.stamp >= stamp);
-        let pair = after.and_then(|after| Some((self.poses.get(after.checked_sub(1)?)?, self.poses.get(after)?)));
+        let pair =
+            after.and_then(|after| Some((self.poses.get(after.checked_sub(1)?)?, self.poses.get(after)?)));
         let Some((from, to)) = pair else {
             let edge = if after.is_some() { self.poses.front() } else { self.poses.back() };
             return edge.map_or(self.odometry.pose_in_odometry, |known| known.pose_in_odometry);
