@@ -11,6 +11,8 @@ mod book;
 mod check_recording;
 #[cfg(test)]
 mod citations;
+#[cfg(test)]
+mod features;
 mod figures;
 mod firmware;
 mod image_size;

@@ -165,25 +165,67 @@ fn judge(before: &State, (after, decision): (&State, &Decision), event: StepEven
     assert!(decision.permitted.linear_mps <= 0.6 + 1.0e-6);
 }
 
-#[test]
-fn fg_req_005_every_reachable_state_stops_and_latches() {
+/// What an event leads to.
+struct Outcome {
+    key: String,
+    next: Node,
+    shown: GuardState,
+}
+
+/// A bench where the operator does nothing that is not asked of it.
+fn bench() -> Rig {
     let mut rig = Rig::new();
     (rig.wanted, rig.operator_starts) = (forward(0.6), false);
+    rig
+}
+
+/// What each event leads to from each of these states, judged, in order.
+fn outcomes(nodes: &[Node]) -> Vec<Outcome> {
+    let mut rig = bench();
+    let config = rig.guard.config.clone();
+    let mut all = Vec::new();
+    for &node in nodes {
+        for event in ALL.iter().copied() {
+            let (next, decision) = play(&mut rig, node, event);
+            judge(&node.0, (&next.0, &decision), event);
+            all.push(Outcome { key: key(&next, &config), next, shown: decision.state });
+        }
+    }
+    all
+}
+
+/// The same on all cores: each block of states has a bench of its own.
+fn outcomes_on_all_cores(nodes: &[Node]) -> Vec<Outcome> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let block = nodes.len().div_ceil(cores).max(1);
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = nodes.chunks(block).map(|block| scope.spawn(move || outcomes(block))).collect();
+        workers.into_iter().flat_map(|worker| worker.join().expect("an event was judged bad")).collect()
+    })
+}
+
+/// States of a level that are played at once: bounds the memory for what comes after them.
+const AT_ONCE: usize = 512;
+
+#[test]
+fn fg_req_005_every_reachable_state_stops_and_latches() {
+    let rig = bench();
     let config = rig.guard.config.clone();
     let start: Node = (rig.guard.state, Twist2::ZERO);
     let (mut seen, mut queue) = (BTreeSet::from([key(&start, &config)]), VecDeque::from([start]));
     let mut transitions = BTreeMap::<String, u64>::new();
     let mut shown = BTreeMap::from([(key(&start, &config), GuardState::Init)]);
-    while let Some(node) = queue.pop_front() {
-        let from = shown.get(&key(&node, &config)).copied().unwrap_or_default();
-        for event in ALL.iter().copied() {
-            let (next, decision) = play(&mut rig, node, event);
-            judge(&node.0, (&next.0, &decision), event);
-            *transitions.entry(format!("{from:?} to {:?}", decision.state)).or_default() += 1;
-            let key = key(&next, &config);
-            if seen.insert(key.clone()) {
-                shown.insert(key, decision.state);
-                queue.push_back(next);
+    while !queue.is_empty() {
+        let nodes: Vec<Node> = queue.drain(..queue.len().min(AT_ONCE)).collect();
+        let outcomes = outcomes_on_all_cores(&nodes);
+        for (node, outcomes) in nodes.iter().zip(outcomes.chunks(ALL.len())) {
+            let from = shown.get(&key(node, &config)).copied().unwrap_or_default();
+            for outcome in outcomes {
+                *transitions.entry(format!("{from:?} to {:?}", outcome.shown)).or_default() += 1;
+                if seen.insert(outcome.key.clone()) {
+                    shown.insert(outcome.key.clone(), outcome.shown);
+                    queue.push_back(outcome.next);
+                }
             }
         }
         assert!(seen.len() < 100_000, "the abstraction is not finite");

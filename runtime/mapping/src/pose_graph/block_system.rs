@@ -1,15 +1,8 @@
 //! Sparse normal equations of 3 × 3 blocks. The pattern is analysed once and used for every step.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::LltRegularization;
-use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::amd;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
-};
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
-use faer::{Conj, MatMut, Par, Side, Spec};
 use nalgebra::{Matrix3, Vector3};
+
+use super::cholesky::{Analysis, Block, Factor};
 
 /// What a pair of poses adds to the normal equations; `first` and `second` as in the pair.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +19,7 @@ pub struct PairTerms {
     pub second_gradient: Vector3<f64>,
 }
 
-/// The equations cannot be solved: not positive definite, or out of memory.
+/// The equations cannot be solved: not positive definite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the equations of the pose graph cannot be solved: a part of it hangs on nothing")]
 pub struct Unsolvable;
@@ -36,74 +29,67 @@ pub struct Unsolvable;
 struct PairPlace {
     first: Option<usize>,
     second: Option<usize>,
-    /// Position of the mixed block among the blocks of its column; the column is the smaller variable.
-    rank: usize,
+    /// Index of the mixed block; `None` for a pair without one.
+    mixed: Option<usize>,
+    /// The mixed block has the rows of the second pose.
+    is_transposed: bool,
 }
 
 /// The equations.
 pub struct BlockSystem {
     places: Vec<PairPlace>,
-    /// First value of each scalar column.
-    columns: Vec<usize>,
-    symbolic: SymbolicSparseColMat<usize>,
-    cholesky: SymbolicCholesky<usize>,
-    values: Vec<f64>,
+    /// Index of the diagonal block of each variable.
+    diagonals: Vec<usize>,
+    blocks: Vec<Block>,
     gradient: Vec<f64>,
-    factor: Vec<f64>,
-    memory: MemBuffer,
+    factor: Factor,
 }
 
 impl BlockSystem {
-    /// Analyses the pattern of `poses` poses with these pairs. Pose 0 is held.
-    ///
-    /// # Errors
-    /// Out of memory.
-    pub fn new(poses: usize, pairs: &[[usize; 2]]) -> Result<Self, Unsolvable> {
+    /// Analyses the pattern of `poses` poses with these pairs. Pose 0 is held. Pairs of poses that are not there are
+    /// left out.
+    #[must_use]
+    pub fn new(poses: usize, pairs: &[[usize; 2]]) -> Self {
         let variables = poses.saturating_sub(1);
-        let mut rows: Vec<Vec<usize>> = (0..variables).map(|variable| vec![variable]).collect();
+        let mut lower: Vec<Vec<usize>> = (0..variables).map(|variable| vec![variable]).collect();
         for &[a, b] in pairs {
-            if a != b && a > 0 && b > 0 {
-                rows[a.min(b) - 1].push(a.max(b) - 1);
+            if a != b && a.min(b) > 0 && a.max(b) <= variables {
+                lower[a.min(b) - 1].push(a.max(b) - 1);
             }
         }
-        for list in &mut rows {
+        let mut diagonals = Vec::with_capacity(variables);
+        let mut blocks = 0;
+        for list in &mut lower {
             list.sort_unstable();
             list.dedup();
+            // The variable itself is the smallest of its list.
+            diagonals.push(blocks);
+            blocks += list.len();
         }
+        let analysis = Analysis::new(&lower);
         let place = |&[a, b]: &[usize; 2]| {
-            let (first, second) = (a.checked_sub(1), b.checked_sub(1));
-            let rank = match (first, second) {
-                (Some(x), Some(y)) => rows[x.min(y)].binary_search(&x.max(y)).unwrap_or(0),
-                _ => 0,
-            };
-            PairPlace { first, second, rank }
+            let variable = |pose: usize| pose.checked_sub(1).filter(|variable| *variable < variables);
+            let (first, second) = (variable(a), variable(b));
+            let both = first.zip(second).filter(|(first, second)| first != second);
+            let mixed = both.and_then(|(x, y)| {
+                let rank = lower[x.min(y)].binary_search(&x.max(y)).ok()?;
+                Some(diagonals[x.min(y)] + rank)
+            });
+            let is_transposed = both.is_some_and(|(x, y)| analysis.position(y) > analysis.position(x));
+            PairPlace { first, second, mixed, is_transposed }
         };
-        let places = pairs.iter().map(place).collect();
-        let symbolic = scalar_pattern(&rows);
-        let columns = symbolic.col_ptr().to_vec();
-        let cholesky = analyse(&rows, &symbolic)?;
-        let par = Par::Seq;
-        let scratch = cholesky
-            .factorize_numeric_llt_scratch::<f64>(par, Spec::default())
-            .or(cholesky.solve_in_place_scratch::<f64>(3, par));
-        let memory = MemBuffer::try_new(scratch).map_err(|_| Unsolvable)?;
-        let values = vec![0.0; symbolic.row_idx().len()];
-        let factor = vec![0.0; cholesky.len_val()];
-        Ok(Self {
-            places,
-            columns,
-            symbolic,
-            cholesky,
-            values,
+        Self {
+            places: pairs.iter().map(place).collect(),
+            diagonals,
+            blocks: vec![Block::zeros(); blocks],
             gradient: vec![0.0; 3 * variables],
-            factor,
-            memory,
-        })
+            factor: Factor::new(analysis),
+        }
     }
 
     /// Begins a new step.
     pub fn clear(&mut self) {
-        self.values.fill(0.0);
+        self.blocks.fill(Block::zeros());
         self.gradient.fill(0.0);
     }
 
@@ -116,35 +102,25 @@ impl BlockSystem {
         if let Some(second) = place.second {
             self.add_diagonal(second, &terms.second, &terms.second_gradient);
         }
-        let (Some(first), Some(second)) = (place.first, place.second) else { return };
-        if first == second {
-            return;
-        }
-        // The stored block has the larger variable's rows.
-        let block = if first < second { terms.mixed.transpose() } else { terms.mixed };
-        let column = 3 * first.min(second);
-        for s in 0..3 {
-            let start = self.columns[column + s] + (3 - s) + 3 * (place.rank - 1);
-            for u in 0..3 {
-                self.values[start + u] += block[(u, s)];
-            }
+        if let Some(mixed) = place.mixed {
+            self.blocks[mixed] += if place.is_transposed { terms.mixed.transpose() } else { terms.mixed };
         }
     }
 
     fn add_diagonal(&mut self, variable: usize, block: &Matrix3<f64>, gradient: &Vector3<f64>) {
-        for s in 0..3 {
-            let start = self.columns[3 * variable + s];
-            for u in s..3 {
-                self.values[start + u - s] += block[(u, s)];
-            }
-            self.gradient[3 * variable + s] += gradient[s];
+        self.blocks[self.diagonals[variable]] += block;
+        for (value, part) in self.gradient[3 * variable..].iter_mut().zip(gradient.iter()) {
+            *value += part;
         }
     }
 
     /// Makes the diagonal larger by a share of itself (Levenberg, Marquardt).
     pub fn damp(&mut self, share: f64) {
-        for &start in &self.columns[..self.gradient.len()] {
-            self.values[start] += share * self.values[start].max(1.0e-9);
+        for &diagonal in &self.diagonals {
+            for axis in 0..3 {
+                let value = &mut self.blocks[diagonal][(axis, axis)];
+                *value += share * value.max(1.0e-9);
+            }
         }
     }
 
@@ -153,56 +129,23 @@ impl BlockSystem {
     /// # Errors
     /// The equations are not positive definite.
     pub fn solve(&mut self) -> Result<Vec<f64>, Unsolvable> {
-        let matrix = SparseColMatRef::new(self.symbolic.as_ref(), &self.values);
-        let stack = MemStack::new(&mut self.memory);
-        let factor = self.cholesky.factorize_numeric_llt(
-            &mut self.factor,
-            matrix,
-            Side::Lower,
-            LltRegularization::default(),
-            Par::Seq,
-            stack,
-            Spec::default(),
-        );
-        if factor.is_err() {
-            return Err(Unsolvable);
-        }
+        self.factor.factorise(&self.blocks).map_err(|_| Unsolvable)?;
         let mut step: Vec<f64> = self.gradient.iter().map(|value| -value).collect();
-        let size = step.len();
-        let stack = MemStack::new(&mut self.memory);
-        let factor = LltRef::new(&self.cholesky, &self.factor);
-        let rhs = MatMut::from_column_major_slice_mut(&mut step, size, 1);
-        factor.solve_in_place_with_conj(Conj::No, rhs, Par::Seq, stack);
+        self.factor.solve(&mut step);
         if step.iter().all(|value| value.is_finite()) { Ok(step) } else { Err(Unsolvable) }
     }
 
     /// Covariance of what an edge measures, by all equations as they were last solved: J H⁻¹ Jᵀ, with the derivatives of
-    /// the edge by its two poses. Cost: three solutions.
-    pub fn spread(&mut self, poses: [usize; 2], derivatives: &[Matrix3<f64>; 2]) -> Matrix3<f64> {
-        let size = self.gradient.len();
-        let mut columns = vec![0.0; 3 * size];
-        let places = poses.map(|pose| pose.checked_sub(1));
-        let parts = || places.iter().zip(derivatives).filter_map(|(place, part)| Some(((*place)?, part)));
-        for (variable, derivative) in parts() {
-            for axis in 0..3 {
-                for s in 0..3 {
-                    columns[axis * size + 3 * variable + s] += derivative[(axis, s)];
-                }
-            }
-        }
-        let stack = MemStack::new(&mut self.memory);
-        let factor = LltRef::new(&self.cholesky, &self.factor);
-        let rhs = MatMut::from_column_major_slice_mut(&mut columns, size, 3);
-        factor.solve_in_place_with_conj(Conj::No, rhs, Par::Seq, stack);
-        let mut spread = Matrix3::zeros();
-        for (variable, derivative) in parts() {
-            for axis in 0..3 {
-                let start = axis * size + 3 * variable;
-                let solved = Vector3::new(columns[start], columns[start + 1], columns[start + 2]);
-                spread.set_column(axis, &(spread.column(axis) + derivative * solved));
-            }
-        }
-        spread
+    /// the edge by its two poses. Cost: the part of the factor that depends on the two poses, three times.
+    #[must_use]
+    pub fn spread(&self, poses: [usize; 2], derivatives: &[Matrix3<f64>; 2]) -> Matrix3<f64> {
+        let places = poses.map(|pose| pose.checked_sub(1).filter(|place| *place < self.diagonals.len()));
+        let parts: Vec<_> = places
+            .iter()
+            .zip(derivatives)
+            .filter_map(|(place, part)| Some(((*place)?, part.transpose())))
+            .collect();
+        self.factor.quadratic(&parts)
     }
 
     /// The gradient, three numbers for every pose but the first.
@@ -210,60 +153,4 @@ impl BlockSystem {
     pub fn gradient(&self) -> &[f64] {
         &self.gradient
     }
-}
-
-/// The lower triangle, number by number.
-fn scalar_pattern(rows: &[Vec<usize>]) -> SymbolicSparseColMat<usize> {
-    let mut column_start = vec![0_usize];
-    let mut row_index = Vec::new();
-    for (variable, list) in rows.iter().enumerate() {
-        for s in 0..3 {
-            row_index.extend(3 * variable + s..3 * variable + 3);
-            for &below in list.iter().skip(1) {
-                row_index.extend(3 * below..3 * below + 3);
-            }
-            column_start.push(row_index.len());
-        }
-    }
-    let size = 3 * rows.len();
-    SymbolicSparseColMat::new_checked(size, size, column_start, None, row_index)
-}
-
-/// Orders the poses, not the numbers: a third of the graph.
-fn analyse(
-    rows: &[Vec<usize>],
-    symbolic: &SymbolicSparseColMat<usize>,
-) -> Result<SymbolicCholesky<usize>, Unsolvable> {
-    let variables = rows.len();
-    let mut starts = vec![0_usize];
-    let mut lower = Vec::new();
-    for list in rows {
-        lower.extend_from_slice(list);
-        starts.push(lower.len());
-    }
-    let count = lower.len();
-    let blocks = SymbolicSparseColMat::new_checked(variables, variables, starts, None, lower);
-    let (mut forward, mut inverse) = (vec![0_usize; variables], vec![0_usize; variables]);
-    let mut memory = MemBuffer::try_new(amd::order_maybe_unsorted_scratch::<usize>(variables, count))
-        .map_err(|_| Unsolvable)?;
-    // The ordering reads the pattern of A + Aᵀ: the lower triangle says it all.
-    amd::order_maybe_unsorted(
-        &mut forward,
-        &mut inverse,
-        blocks.as_ref(),
-        amd::Control::default(),
-        MemStack::new(&mut memory),
-    )
-    .map_err(|_| Unsolvable)?;
-    let spread = |order: &[usize]| -> Box<[usize]> {
-        order.iter().flat_map(|block| [3 * block, 3 * block + 1, 3 * block + 2]).collect()
-    };
-    let (forward, inverse) = (spread(&forward), spread(&inverse));
-    let order = faer::perm::PermRef::new_checked(&forward, &inverse, 3 * variables);
-    let parameters = CholeskySymbolicParams {
-        supernodal_flop_ratio_threshold: SupernodalThreshold::AUTO,
-        ..Default::default()
-    };
-    factorize_symbolic_cholesky(symbolic.as_ref(), Side::Lower, SymmetricOrdering::Custom(order), parameters)
-        .map_err(|_| Unsolvable)
 }

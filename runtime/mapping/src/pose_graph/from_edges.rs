@@ -42,7 +42,7 @@ pub fn optimise_from_edges(graph: &mut Graph, config: &RobustConfig) -> Result<R
     for (index, weight) in kept.iter().zip(first.weights) {
         weights[*index] = weight;
     }
-    let mut system = BlockSystem::new(graph.poses.len(), &graph.pairs())?;
+    let mut system = BlockSystem::new(graph.poses.len(), &graph.pairs());
     let mut rounds = first.rounds;
     for _ in 0..ROUNDS_MAX {
         let before = weights.clone();
@@ -109,7 +109,7 @@ fn remove_bending(
 
 /// Squared error of a loop, weighed by what the other edges leave of its own covariance. An edge that nothing else
 /// checks counts 0.
-fn standardised(system: &mut BlockSystem, graph: &Graph, edge: &Edge) -> f64 {
+fn standardised(system: &BlockSystem, graph: &Graph, edge: &Edge) -> f64 {
     let (Some(from), Some(to)) = (graph.poses.get(edge.from), graph.poses.get(edge.to)) else { return 0.0 };
     let error = edge.error(*from, *to);
     let spread = system.spread([edge.from, edge.to], &edge.derivatives(*from, *to));

@@ -5,6 +5,7 @@
 //! start from the orientations).
 
 mod block_system;
+mod cholesky;
 mod edge;
 mod from_edges;
 mod g2o;

@@ -39,7 +39,7 @@ pub fn optimise(
     weights: &[f64],
     config: &OptimiseConfig,
 ) -> Result<Optimised, Unsolvable> {
-    let mut system = BlockSystem::new(graph.poses.len(), &graph.pairs())?;
+    let mut system = BlockSystem::new(graph.poses.len(), &graph.pairs());
     optimise_with(&mut system, graph, weights, config)
 }
 

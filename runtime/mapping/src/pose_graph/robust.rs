@@ -50,7 +50,7 @@ pub struct RobustOutcome {
 /// # Errors
 /// A part of the graph hangs on nothing.
 pub fn optimise_robustly(graph: &mut Graph, config: &RobustConfig) -> Result<RobustOutcome, Unsolvable> {
-    let mut system = BlockSystem::new(graph.poses.len(), &graph.pairs())?;
+    let mut system = BlockSystem::new(graph.poses.len(), &graph.pairs());
     let is_loop = |edge: &Edge| edge.kind == EdgeKind::Loop;
     let mut weights = vec![1.0; graph.edges.len()];
     let worst = graph.edges.iter().filter(|e| is_loop(e)).map(|e| graph.edge_chi2(e)).fold(0.0, f64::max);

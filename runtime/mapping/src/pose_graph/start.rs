@@ -60,7 +60,7 @@ pub fn chain_start(graph: &Graph) -> Vec<Se2> {
 /// A part of the graph hangs on nothing.
 pub fn orientation_start(graph: &Graph, weights: &[f64]) -> Result<Vec<Se2>, Unsolvable> {
     let count = graph.poses.len();
-    let mut system = BlockSystem::new(count, &graph.pairs())?;
+    let mut system = BlockSystem::new(count, &graph.pairs());
     let weight = |index: usize| weights.get(index).copied().unwrap_or(1.0);
     // Directions: second = turned first. The third number of a block is not used.
     let first_pose = graph.poses.first().copied().unwrap_or_default();

@@ -46,7 +46,7 @@ pub fn align(
     let compared = overlapping_pairs(poses, &config.pairs);
     let pairs: Vec<[usize; 2]> =
         compared.iter().copied().chain(edges.iter().map(|edge| [edge.from, edge.to])).collect();
-    let mut system = BlockSystem::new(poses.len(), &pairs)?;
+    let mut system = BlockSystem::new(poses.len(), &pairs);
     let scale = 1.0 / (config.point_deviation_m * config.point_deviation_m);
     for &distance_m in &config.distances_m {
         let limits = MatchLimits { distance_m, outlier_m: config.outlier_m, direction_cosine: 0.85 };
