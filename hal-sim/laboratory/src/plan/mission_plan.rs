@@ -2,7 +2,7 @@
 
 use floorguard_mapping::{Grid, GridGeometry, Occupancy};
 use floorguard_robot::cleaner::{ExpectedDirt, MissionPlan, MissionStrategy, PlanBegin};
-use floorguard_robot::navigator::{NavigationPlan, NavigationSettings};
+use floorguard_robot::navigator::{Journey, NavigationPlan, NavigationSettings};
 use floorguard_robot::site::ros_map::OccupancyMap;
 use floorguard_sim::scenario::Scenario;
 use floorguard_sim::scene::Scene;
@@ -50,7 +50,8 @@ pub fn navigation_of_scenario(
     seed: u64,
 ) -> anyhow::Result<NavigationPlan> {
     let map = survey(scenario, &scenario.scene.build())?;
-    Ok(NavigationPlan::on_map(settings, (scenario.start_pose(), goal_in_map), (&map, seed)))
+    let journey = Journey { start_in_map: scenario.start_pose(), goal_in_map };
+    Ok(NavigationPlan::on_map(settings, journey, (&map, seed)))
 }
 
 /// Draws the map of a scene: what the scanner's plane meets is a surface, what stands above or below it is no floor.

@@ -146,6 +146,22 @@ fn is_reset(fault: &FaultSpec) -> bool {
     fault.target == FaultTarget::Computer && fault.kind == FaultKind::Reset
 }
 
+/// What reports progress, and how often it has.
+struct Watches {
+    mission: Option<MissionSetup>,
+    navigation: Option<NavigationSetup>,
+    reported: u32,
+    driven: u32,
+}
+
+impl Watches {
+    fn of(mission: Option<MissionSetup>, navigation: Option<NavigationSetup>) -> Self {
+        let reported = mission.as_ref().map_or(0, |setup| setup.watch.published());
+        let driven = navigation.as_ref().map_or(0, |setup| setup.watch.published());
+        Self { mission, navigation, reported, driven }
+    }
+}
+
 /// One life of the robot's computer, from power on.
 fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> anyhow::Result<End> {
     let shared: Box<Shared<NoopRawMutex>> = new_shared(&plan.robot, Stamp::from_micros(world.now_us))
@@ -159,8 +175,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
         mission: setup.as_ref().map(|setup| setup.begin(&plan.robot)).transpose()?,
         navigator: navigation.as_ref().map(|setup| setup.begin(&plan.robot)).transpose()?,
     };
-    let mut reported = setup.as_ref().map_or(0, |setup| setup.watch.published());
-    let mut driven = navigation.as_ref().map_or(0, |setup| setup.watch.published());
+    let mut watches = Watches::of(setup, navigation);
     let (lines, Ends { scanner, imu, from_imu_line }) = Lines::new(plan.robot.scanner.model);
     let mut tasks = TaskSet::new();
     let carriers = GuardCarriers {
@@ -204,14 +219,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
             world.latches = shared.latches.get().unwrap_or(world.latches);
             let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
             stops.iter().for_each(|stop| world.sinks.stop(stop));
-            if let Some(setup) = setup.as_ref().filter(|setup| setup.watch.published() != reported) {
-                reported = setup.watch.published();
-                world.tell(&shared, setup);
-            }
-            if let Some(setup) = navigation.as_ref().filter(|setup| setup.watch.published() != driven) {
-                driven = setup.watch.published();
-                world.tell_drive(setup);
-            }
+            world.tell_news(&shared, &mut watches);
             world.observer.observe(world.simulation, &shared, &stops);
             world.tell_truth();
             world.observe_floor(&shared)?;
@@ -270,6 +278,20 @@ impl World<'_, '_> {
             faults.pass(event, &mut |event| lines.deliver(event, now_us, sinks))
         });
         faults.release(now_us, &mut |event| lines.deliver(event, now_us, sinks));
+    }
+
+    /// Mission and drive have reported something new.
+    fn tell_news(&mut self, shared: &Shared<NoopRawMutex>, watches: &mut Watches) {
+        let reported = watches.mission.as_ref().map_or(0, |setup| setup.watch.published());
+        let driven = watches.navigation.as_ref().map_or(0, |setup| setup.watch.published());
+        let before = (watches.reported, watches.driven);
+        (watches.reported, watches.driven) = (reported, driven);
+        if let Some(setup) = watches.mission.as_ref().filter(|_| reported != before.0) {
+            self.tell(shared, setup);
+        }
+        if let Some(setup) = watches.navigation.as_ref().filter(|_| driven != before.1) {
+            self.tell_drive(setup);
+        }
     }
 
     /// The mission has reported its progress.

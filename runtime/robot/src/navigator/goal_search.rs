@@ -6,10 +6,10 @@ use floorguard_navigation::global::{
     GlobalPlanner as _, GridSearch, HEADINGS, HeapEntry, Lattice, LatticeCell, LatticeGoal, LatticeNode,
     LatticePlanner, Plan, PlanFailure, PlanRequest, StepCosts,
 };
-use floorguard_types::geometry::Pose2;
 use floorguard_types::motion::Waypoint;
 
 use super::model::Model;
+use super::plan::Journey;
 
 /// The lattice distinguishes places so finely at least, metres.
 const RASTER_MIN_M: f32 = 0.1;
@@ -71,8 +71,9 @@ impl GoalSearch {
     pub(super) fn plan(
         &mut self,
         costmap: CostmapView<'_>,
-        (start_in_map, goal_in_map): (Pose2, Pose2),
+        journey: Journey,
     ) -> Result<(Plan, Vec<Waypoint>), PlanFailure> {
+        let Journey { start_in_map, goal_in_map } = journey;
         let request = PlanRequest { costmap, start_in_map, goal_in_map, tolerance_m: 0.5 * self.tolerance_m };
         let plan = self.search.plan(&request, &mut self.path)?;
         Ok((plan, self.path.get(..plan.waypoints).unwrap_or_default().to_vec()))

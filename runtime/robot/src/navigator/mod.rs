@@ -2,11 +2,11 @@
 //! forward. What comes out is a request; the guard decides.
 
 mod course;
+mod drive;
 mod goal_search;
 mod guard_model;
 mod maps;
 mod model;
-mod navigator;
 mod plan;
 mod progress;
 mod reasons;
@@ -15,8 +15,8 @@ mod senses;
 mod setup;
 mod steering;
 
-pub use navigator::Navigator;
-pub use plan::{NavigationPlan, NavigationSettings};
+pub use drive::Navigator;
+pub use plan::{Journey, NavigationPlan, NavigationSettings};
 pub use progress::{
     CostmapImage, NavigationPhase, NavigationProgress, NavigationWatch, SharedNavigationWatch,
 };

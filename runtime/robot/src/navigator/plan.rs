@@ -44,6 +44,15 @@ impl From<&NavigationConfiguration> for NavigationSettings {
     }
 }
 
+/// From where to where, map frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Journey {
+    /// Where the robot is.
+    pub start_in_map: Pose2,
+    /// Where it shall be.
+    pub goal_in_map: Pose2,
+}
+
 /// A drive to a goal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NavigationPlan {
@@ -61,13 +70,10 @@ pub struct NavigationPlan {
 impl NavigationPlan {
     /// On a map, from one pose to another.
     #[must_use]
-    pub fn on_map(
-        settings: NavigationSettings,
-        (start, goal): (Pose2, Pose2),
-        (map, seed): (&OccupancyMap, u64),
-    ) -> Self {
+    pub fn on_map(settings: NavigationSettings, journey: Journey, (map, seed): (&OccupancyMap, u64)) -> Self {
         let numbers = |pose: Pose2| [pose.x_m, pose.y_m, pose.heading_rad];
-        Self { settings, start: numbers(start), goal: numbers(goal), seed, map: MapRuns::of(map) }
+        let (start, goal) = (numbers(journey.start_in_map), numbers(journey.goal_in_map));
+        Self { settings, start, goal, seed, map: MapRuns::of(map) }
     }
 
     /// Of a `[navigation]` in a robot.toml that lies in `folder`.
@@ -82,7 +88,8 @@ impl NavigationPlan {
         let file = navigation.map.as_ref().context("`map` is missing; write map = \"hall.yaml\"")?;
         let map = ros_map::load(&folder.join(file))?;
         let [x_m, y_m, heading_rad] = navigation.start;
-        Ok(Self::on_map(navigation.into(), (Pose2::new(x_m, y_m, heading_rad), goal), (&map, 1)))
+        let journey = Journey { start_in_map: Pose2::new(x_m, y_m, heading_rad), goal_in_map: goal };
+        Ok(Self::on_map(navigation.into(), journey, (&map, 1)))
     }
 
     /// Where the robot begins, map frame.

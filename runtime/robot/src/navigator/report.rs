@@ -6,7 +6,7 @@ use floorguard_navigation::costmap::{CostmapView, Costs};
 use floorguard_runtime::tasks::NavigationMoment;
 use floorguard_types::motion::Waypoint;
 
-use super::navigator::Navigator;
+use super::drive::Navigator;
 use super::progress::{CostmapImage, NavigationPhase, NavigationProgress};
 
 /// Progress is made known this often, seconds.

@@ -4,7 +4,7 @@ use std::fmt;
 
 use floorguard_runtime::configuration::RobotConfiguration;
 
-use super::navigator::Navigator;
+use super::drive::Navigator;
 use super::plan::NavigationPlan;
 use super::progress::SharedNavigationWatch;
 

@@ -20,7 +20,7 @@ use super::goal_search::GoalSearch;
 use super::guard_model::{GuardModel, place_of};
 use super::maps::Maps;
 use super::model::{Model, PERIOD_S};
-use super::plan::NavigationPlan;
+use super::plan::{Journey, NavigationPlan};
 use super::progress::{CostmapImage, NavigationPhase, SharedNavigationWatch};
 use super::reasons::StandingReason;
 use super::senses::Senses;
@@ -161,7 +161,7 @@ impl Navigator {
         self.plans = self.plans.saturating_add(1);
         let goal = self.plan.goal_pose();
         let Some(costmap) = self.maps.global() else { return };
-        match self.search.plan(costmap, (pose, goal)) {
+        match self.search.plan(costmap, Journey { start_in_map: pose, goal_in_map: goal }) {
             Ok((plan, mut path)) => {
                 // The lattice ends near the goal; the rest is the local planner's.
                 if let Some(last) = path.last_mut() {
@@ -186,7 +186,9 @@ impl Navigator {
     fn prove(&mut self, pose: Pose2, goal: Pose2) {
         self.is_proved = true;
         self.maps.refresh_by_map_alone();
-        let outcome = self.maps.global().map(|costmap| self.search.plan(costmap, (pose, goal)).map(drop));
+        let outcome = self.maps.global().map(|costmap| {
+            self.search.plan(costmap, Journey { start_in_map: pose, goal_in_map: goal }).map(drop)
+        });
         self.maps.refresh();
         if let Some(Err(failure)) = outcome
             && failure != PlanFailure::StartBlocked
@@ -328,7 +330,7 @@ impl Navigator {
         match (self.phase, self.step) {
             _ if moment.is_paused => Some(StandingReason::Paused),
             (NavigationPhase::Reached | NavigationPhase::Unreachable, _) => Some(StandingReason::Ended),
-            (_, Some(step)) if step.measure != Measure::Drive && !(is_asked && !is_held) => {
+            (_, Some(step)) if step.measure != Measure::Drive && (is_held || !is_asked) => {
                 Some(StandingReason::Recovery(step))
             }
             _ if is_asked && is_held => Some(
