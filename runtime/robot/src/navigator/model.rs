@@ -21,6 +21,8 @@ const SPIN_RADPS: f32 = 0.35;
 const TURN_ACCELERATION_RADPS2: f32 = 1.0;
 /// A steered wheel that swings costs more than one that turns freely: seconds for (rad/s)².
 const TURN_CHANGE: f32 = 0.1;
+/// Of what a period's acceleration gives, the slowest motion that counts.
+const REACHED: f32 = 0.8;
 /// From command to command, seconds.
 pub(super) const PERIOD_S: f32 = 0.1;
 /// Radius of a person, metres.
@@ -122,8 +124,13 @@ impl Model {
 
     /// Parameters of the dynamic window: as published, with the limits and tolerances of this robot.
     pub(super) fn dwa(&self) -> DwaConfig {
+        let step_mps = self.drive.acceleration_mps2 * PERIOD_S;
+        let step_radps = self.drive.turn_acceleration_radps2 * PERIOD_S;
         DwaConfig {
             speed_max_mps: self.drive.speed_max_mps,
+            // The published ones belong to a robot that reaches them in one period; this one never would.
+            translation_min_mps: DwaConfig::PUBLISHED.translation_min_mps.min(REACHED * step_mps),
+            turn_min_radps: DwaConfig::PUBLISHED.turn_min_radps.min(REACHED * step_radps),
             turn_max_radps: self.drive.turn_max_radps,
             acceleration_mps2: self.drive.acceleration_mps2,
             turn_acceleration_radps2: self.drive.turn_acceleration_radps2,
