@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use floorguard_robot::navigator::{NavigationPhase, NavigationProgress};
 use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::time::Stamp;
 
 use super::messages::{Diagnostic, GridImage, Severity};
-use super::run::RunRecorder;
+use super::recorder::{RecordError, Recorder};
 use super::topics;
 
 /// Name of the drive among the diagnostics.
@@ -19,18 +20,17 @@ pub(super) struct SeenDrive {
     newest: Option<Arc<NavigationProgress>>,
 }
 
-impl<W: Write + Seek> RunRecorder<W> {
-    /// The drive to a goal has reported its progress: its plan and costmap are written when they change.
-    pub fn navigation(&mut self, progress: &Arc<NavigationProgress>) {
-        let now = self.now();
-        let before = self.drive.newest.replace(Arc::clone(progress));
-        let is_changed = |value: fn(&NavigationProgress) -> u32| {
-            before.as_ref().is_none_or(|before| value(before) != value(progress))
-        };
-        self.write(|out| out.frame(now, now, (("map", "odom"), progress.odometry_in_map)));
-        if is_changed(|progress| progress.plans) {
-            let poses = poses_along(&progress.path);
-            self.write(|out| out.path(topics::PLAN, (now, "map"), &poses));
+impl SeenDrive {
+    /// Writes what changed of a drive: its frame, its plan, its costmap, its words.
+    pub(super) fn write<W: Write + Seek>(
+        &mut self,
+        out: &mut Recorder<W>,
+        (progress, now): (&Arc<NavigationProgress>, Stamp),
+    ) -> Result<(), RecordError> {
+        let before = self.newest.replace(Arc::clone(progress));
+        out.frame(now, now, (("map", "odom"), progress.odometry_in_map))?;
+        if before.as_ref().is_none_or(|before| before.plans != progress.plans) {
+            out.path(topics::PLAN, (now, "map"), &poses_along(&progress.path))?;
         }
         let drawn = before.as_ref().and_then(|before| before.costmap.as_ref());
         if let Some(costmap) = &progress.costmap
@@ -43,11 +43,12 @@ impl<W: Write + Seek> RunRecorder<W> {
                 origin: Pose2::new(corner.x_m, corner.y_m, 0.0),
                 cells: &costmap.cells,
             };
-            self.write(|out| out.map(topics::COSTMAP, (now, "map"), &grid));
+            out.map(topics::COSTMAP, (now, "map"), &grid)?;
         }
         if before.as_ref().is_none_or(|before| before.words != progress.words) {
-            self.write(|out| out.diagnostics(topics::DIAGNOSTICS, now, &[diagnostic(progress)]));
+            out.diagnostics(topics::DIAGNOSTICS, now, &[diagnostic(progress)])?;
         }
+        Ok(())
     }
 }
 

@@ -22,6 +22,7 @@ use floorguard_types::time::Stamp;
 
 use floorguard_robot::camera::SeenDirt;
 use floorguard_robot::cleaner::{MissionPhase, MissionProgress};
+use floorguard_robot::navigator::NavigationProgress;
 
 use super::describe;
 use super::lidar_view::LidarView;
@@ -73,7 +74,7 @@ pub struct RunRecorder<W: Write + Seek> {
     mountings: Vec<(&'static str, floorguard_types::geometry::Transform3)>,
     map: ScanMap,
     mission: Option<Arc<MissionProgress>>,
-    pub(super) drive: SeenDrive,
+    drive: SeenDrive,
     seen: Seen,
     failed: Option<RecordError>,
     learned: Option<String>,
@@ -141,11 +142,6 @@ impl<W: Write + Seek> RunRecorder<W> {
     #[must_use]
     pub const fn failure(&self) -> Option<&RecordError> {
         self.failed.as_ref()
-    }
-
-    /// The newest moment of the recording.
-    pub(super) const fn now(&self) -> Stamp {
-        Stamp::from_micros(self.seen.now_us)
     }
 
     pub(super) fn write(&mut self, write: impl FnOnce(&mut Recorder<W>) -> Result<(), RecordError>) {
@@ -295,6 +291,14 @@ impl<W: Write + Seek> RunRecorder<W> {
             // Written at the end, should nothing newer come.
             self.mission = Some(Arc::clone(progress));
         }
+    }
+
+    /// The drive to a goal has reported its progress: its plan and costmap are written when they change.
+    pub fn navigation(&mut self, progress: &Arc<NavigationProgress>) {
+        let now = Stamp::from_micros(self.seen.now_us);
+        let mut drive = std::mem::take(&mut self.drive);
+        self.write(|out| drive.write(out, (progress, now)));
+        self.drive = drive;
     }
 
     fn write_mission(&mut self, progress: &MissionProgress, now_us: u64) {
