@@ -57,7 +57,7 @@ fn goal_across_the_supermarket_is_reached() {
     assert!(drive.reached && drive.off_goal_m < 0.4 && drive.unreasoned_s < 3.0, "{drive:#?}");
 }
 
-/// Somebody stands in the nearer aisle and leaves no room: the robot takes the other one.
+/// Somebody stands in the middle of the nearer aisle: the robot takes the other one.
 #[test]
 fn blocked_aisle_is_driven_round() {
     let blocked = "[[person]]\nkind = \"wheelchair\"\nat_m = [3.0, 2.2]\n";
