@@ -21,6 +21,7 @@ fn aisles(walls: &str, people: &str) -> Scenario {
 title = "two aisles"
 start = {{ at_m = [-3.0, 2.0], yaw_deg = 0.0 }}
 [route]
+speed_mps = 0.8
 waypoints_m = [[0.0, 2.0]]
 [scene]
 wall = [

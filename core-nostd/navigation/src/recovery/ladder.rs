@@ -1,5 +1,7 @@
 //! Which measure is due.
 
+use floorguard_types::geometry::Point2;
+
 use super::reason::Obstruction;
 
 /// What to do about an obstruction, in this order.
@@ -71,6 +73,8 @@ impl RecoveryTimes {
 pub struct RecoveryMoment {
     /// Seconds since the last moment, ≥ 0.
     pub lasted_s: f32,
+    /// Where the robot is, map frame.
+    pub place_in_map: Point2,
     /// What obstructs the robot now.
     pub obstruction: Option<Obstruction>,
     /// What is left of the path, metres, where there is one.
@@ -96,6 +100,8 @@ pub struct RecoveryStep {
 const FORWARD_M: f32 = 0.5;
 /// Without an obstruction for this long, it is gone, seconds.
 const GONE_S: f32 = 0.5;
+/// An obstruction this near to the last one is the same one come back, metres.
+const SAME_PLACE_M: f32 = 0.7;
 
 /// The ladder.
 #[derive(Clone, Debug)]
@@ -107,6 +113,10 @@ pub struct Recovery {
     obstructed_s: f32,
     least_left_m: f32,
     obstruction: Option<Obstruction>,
+    /// Where the last obstruction began.
+    began_at: Option<Point2>,
+    /// The measure that ran when it went away, and for how long it had run, seconds.
+    left: (Measure, f32),
 }
 
 impl Recovery {
@@ -121,6 +131,8 @@ impl Recovery {
             obstructed_s: 0.0,
             least_left_m: f32::INFINITY,
             obstruction: None,
+            began_at: None,
+            left: (Measure::Wait, 0.0),
         }
     }
 
@@ -131,7 +143,7 @@ impl Recovery {
         self.for_s += moment.lasted_s;
         let is_gone = self.free_s >= GONE_S;
         self.measure = match before {
-            Measure::Drive if moment.obstruction.is_some() => Measure::Wait,
+            Measure::Drive if moment.obstruction.is_some() => self.begin(moment.place_in_map),
             Measure::Drive => Measure::Drive,
             // What it does about it is not cut off: the way it came is a good place to look from.
             Measure::BackOut if moment.is_done || self.for_s > self.times.back_out_s => Measure::OtherWay,
@@ -145,7 +157,11 @@ impl Recovery {
         };
         let is_new = self.measure != before;
         if is_new {
-            (self.for_s, self.free_s) = (0.0, 0.0);
+            let ran_s = if before == Measure::Drive { self.left.1 } else { 0.0 };
+            if self.measure == Measure::Drive {
+                self.left = (before, self.for_s);
+            }
+            (self.for_s, self.free_s) = (ran_s, 0.0);
         }
         RecoveryStep {
             measure: self.measure,
@@ -153,6 +169,15 @@ impl Recovery {
             obstruction: self.obstruction,
             obstructed_s: self.obstructed_s,
         }
+    }
+
+    /// The measure for an obstruction that begins: the first one, or where the ladder stood when the same one went away.
+    fn begin(&mut self, place_in_map: Point2) -> Measure {
+        if !self.began_at.is_some_and(|began| began.distance(place_in_map) < SAME_PLACE_M) {
+            self.began_at = Some(place_in_map);
+            self.left = (Measure::Wait, 0.0);
+        }
+        self.left.0
     }
 
     fn note(&mut self, moment: &RecoveryMoment) {
@@ -190,6 +215,7 @@ mod tests {
             let is_obstructed = (1.0..until_s).contains(&now_s);
             let next = recovery.update(&RecoveryMoment {
                 lasted_s: STEP_S,
+                place_in_map: Point2::default(),
                 obstruction: is_obstructed.then_some(Obstruction::NoVelocity),
                 left_m: Some(7.0),
                 is_done: false,
@@ -201,6 +227,24 @@ mod tests {
             }
         }
         seen
+    }
+
+    /// It goes away for a second every three seconds, and the robot gets nowhere meanwhile.
+    #[test]
+    fn flickering_obstruction_climbs_the_ladder() {
+        let mut recovery = Recovery::new(RecoveryTimes::DEFAULT);
+        let backs_out = (0..300_u32).any(|step| {
+            let is_obstructed = step % 30 < 20;
+            let moment = RecoveryMoment {
+                lasted_s: STEP_S,
+                place_in_map: Point2::default(),
+                obstruction: is_obstructed.then_some(Obstruction::Held),
+                left_m: Some(7.0),
+                is_done: false,
+            };
+            recovery.update(&moment).measure == Measure::BackOut
+        });
+        assert!(backs_out);
     }
 
     #[test]

@@ -36,6 +36,8 @@ const OFF_M: f32 = 0.8;
 const RETRY_S: f32 = 1.0;
 /// Held by the guard for this long counts as an obstruction, seconds.
 const HELD_S: f32 = 1.0;
+/// Held for this long while it backs out, the robot asks to back out straight, seconds.
+const STRAIGHT_S: f32 = 0.3;
 /// For so long the robot stands to find itself; after that it drives on, which shows it more, seconds.
 const FINDS_S: f32 = 6.0;
 /// The robot backs out so far, metres.
@@ -254,7 +256,8 @@ impl Navigator {
             || is_backing && matches!(command.verdict, LocalVerdict::Arrived | LocalVerdict::NoPath);
         let left_m = self.course.gear().map(|_| self.course.left_m());
         let obstruction = self.obstruction(command);
-        let moment = RecoveryMoment { lasted_s: PERIOD_S, obstruction, left_m, is_done };
+        let place_in_map = place_of(pose);
+        let moment = RecoveryMoment { lasted_s: PERIOD_S, place_in_map, obstruction, left_m, is_done };
         let step = self.recovery.update(&moment);
         self.step = Some(step);
         if step.measure != Measure::BackOut && is_backing {
@@ -313,7 +316,17 @@ impl Navigator {
         } else if command.verdict != LocalVerdict::NoPath {
             self.phase = NavigationPhase::Driving;
         }
-        if self.lost_s > 0.0 && self.lost_s < FINDS_S { Twist2::ZERO } else { command.twist }
+        if self.lost_s > 0.0 && self.lost_s < FINDS_S {
+            Twist2::ZERO
+        } else {
+            self.permitted_way(command.twist)
+        }
+    }
+
+    /// From what is in its fields the guard lets a robot leave straight only.
+    const fn permitted_way(&self, twist: Twist2) -> Twist2 {
+        let is_leaving = twist.linear_mps < 0.0 && self.held_s > STRAIGHT_S;
+        Twist2 { angular_radps: if is_leaving { 0.0 } else { twist.angular_radps }, ..twist }
     }
 
     /// The guard permits nothing of what is requested.
