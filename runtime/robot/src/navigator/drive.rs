@@ -72,6 +72,7 @@ pub struct Navigator {
     pub(super) next_plan_s: f32,
     pub(super) planned_s: f32,
     pub(super) held_s: f32,
+    pub(super) leaves_straight: bool,
     pub(super) lost_s: f32,
     pub(super) plans: u32,
     pub(super) measures: BTreeMap<&'static str, u32>,
@@ -123,6 +124,7 @@ impl Navigator {
             next_plan_s: 0.0,
             planned_s: 0.0,
             held_s: 0.0,
+            leaves_straight: false,
             lost_s: 0.0,
             plans: 0,
             measures: BTreeMap::new(),
@@ -324,9 +326,9 @@ impl Navigator {
     }
 
     /// From what is in its fields the guard lets a robot leave straight only.
-    const fn permitted_way(&self, twist: Twist2) -> Twist2 {
-        let is_leaving = twist.linear_mps < 0.0 && self.held_s > STRAIGHT_S;
-        Twist2 { angular_radps: if is_leaving { 0.0 } else { twist.angular_radps }, ..twist }
+    fn permitted_way(&mut self, twist: Twist2) -> Twist2 {
+        self.leaves_straight = twist.linear_mps < 0.0 && (self.leaves_straight || self.held_s > STRAIGHT_S);
+        Twist2 { angular_radps: if self.leaves_straight { 0.0 } else { twist.angular_radps }, ..twist }
     }
 
     /// The guard permits nothing of what is requested.
