@@ -29,6 +29,7 @@ pub mod local;
 pub mod path;
 mod path_search;
 pub mod prediction;
+pub mod recovery;
 
 pub use path::{FollowConfig, Following, Stretch, follow};
 pub use path_search::{PathSearch, SEARCH_CELLS_MAX, STRAIGHT, SearchCell};

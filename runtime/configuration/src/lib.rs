@@ -12,6 +12,7 @@ mod devices;
 mod fields;
 mod learning;
 mod mission;
+mod navigation;
 mod polygon;
 mod problem;
 mod read;
@@ -30,6 +31,7 @@ pub use coverage::{
 };
 pub use learning::LearningConfiguration;
 pub use mission::{CleaningStrategy, MissionConfiguration};
+pub use navigation::{NavigationConfiguration, NavigationPlanner};
 pub use polygon::contains as polygon_contains;
 pub use problem::{Problem, Refused, did_you_mean};
 pub use read::{Carriers, HostedConfiguration, load, parse};

@@ -20,6 +20,7 @@ use super::devices::{Addresses, check_addresses, read_imu, read_lidar, read_scan
 use super::fields::{read_fields, read_polygon};
 use super::learning::{LearningConfiguration, read_learning};
 use super::mission::{MissionConfiguration, read_mission};
+use super::navigation::{NavigationConfiguration, read_navigation};
 use super::problem::{Problem, Refused};
 use super::reader::{Problems, Reader};
 
@@ -49,6 +50,8 @@ pub struct HostedConfiguration {
     pub carriers: Carriers,
     /// What it cleans; without a mission it drives its route.
     pub mission: Option<MissionConfiguration>,
+    /// How it drives to a goal.
+    pub navigation: Option<NavigationConfiguration>,
     /// How it learns what people look like; without it, it does not.
     pub learning: Option<LearningConfiguration>,
     /// What no sensor sees, and the file accepts.
@@ -121,6 +124,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let (route, route_limits) =
         top.optional_section("route").map_or_else(Default::default, |section| read_route(section, &limits));
     let mission = top.optional_section("mission").and_then(read_mission);
+    let navigation = top.optional_section("navigation").map(|section| read_navigation(section, &limits));
     let learning = top.optional_section("learning").and_then(read_learning);
     let command = top.optional_section("command").and_then(|section| read_command(&top, section));
     if let (Some((_, scanner)), Some(drives)) = (&scanner, &drives) {
@@ -162,6 +166,7 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
             camera: camera.flatten(),
         },
         mission,
+        navigation,
         learning,
         accepted_gaps,
         command,

@@ -9,6 +9,7 @@ const OPTIONAL: &str = "
 [mission]
 map = \"hall.yaml\"
 strategy = \"systematic\"
+[navigation]
 [learning]
 [[field]]
 direction = \"forward\"
@@ -98,7 +99,7 @@ test fails when this page is old. `floorguard check robot.toml` tells every mist
 Units stand at the end of each key. The robot's frame lies on the floor in the middle of the rear axle, x forward, y left,
 z up.
 
-`[deadlines]`, `[lidar]`, `[imu]`, `[guard]`, `[route]`, `[camera]`, `[mission]`, `[learning]`, `[command]` and every `[[field]]` may be missing as a whole.
+`[deadlines]`, `[lidar]`, `[imu]`, `[guard]`, `[route]`, `[camera]`, `[mission]`, `[navigation]`, `[learning]`, `[command]` and every `[[field]]` may be missing as a whole.
 `floorguard check` and the start of `run` say what each missing section costs. The safety scanner cannot be left out: it is what
 sees feet and children in time when all else fails. `[base]`, a base that takes velocities and measures its own, stands for `[can]`
 and `[inputs]`; then `wheelbase_m`, `track_m` and `ticks_per_m` may be missing, and a recording cannot be replayed, because it
@@ -109,7 +110,8 @@ the first sender that comes. Fields follow from
 `[robot]` and `[limits]`; what is drawn in `[[field]]` must contain them and is added. `[learning]`: the robot corrects its
 classifier of people from the tracks that it sees (hosted only; `run`, and `simulate` and `demo` with `--robot FILE`; a replay learns
 as its recording did). `model` is relative to the folder of this file. The guard hears of what was learned only where that adds a
-person: no stop is loosened by it. In `[scanner]`, `baud` is an S300's; `beams` and `sender` are a microScan3's, whose `source` is like
+person: no stop is loosened by it. `[navigation]` is how `goto` drives on a map, and `simulate --navigate` on that of its
+scenario; `start_…` is where the robot is switched on, in the map's frame. In `[scanner]`, `baud` is an S300's; `beams` and `sender` are a microScan3's, whose `source` is like
 the lidar's. No two devices share a line, a UDP port or a bit of the safety controller's image, and an S300's `baud` is 500000, 250000,
 125000 or 115200: at any other its scans come too late, or not at all.
 

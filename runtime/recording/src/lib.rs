@@ -12,6 +12,7 @@ mod lidar_view;
 mod message_count;
 mod messages;
 pub mod mission;
+pub mod navigation;
 pub mod order;
 mod raw;
 mod reader;

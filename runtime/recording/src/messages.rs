@@ -250,6 +250,18 @@ pub fn occupancy_grid(stamp: Stamp, frame: &str, grid: &GridImage) -> Vec<u8> {
     encoder.finish()
 }
 
+/// `nav_msgs/msg/Path`.
+pub fn path(stamp: Stamp, frame: &str, poses: &[Pose2]) -> Vec<u8> {
+    let mut encoder = Encoder::new();
+    header(&mut encoder, stamp, frame);
+    encoder.length(poses.len());
+    for at in poses {
+        header(&mut encoder, stamp, frame);
+        pose(&mut encoder, *at);
+    }
+    encoder.finish()
+}
+
 /// `tf2_msgs/msg/TFMessage` with one mounting (`parent` → `child`).
 pub fn mounting(stamp: Stamp, parent: &str, child: &str, transform: &Transform3) -> Vec<u8> {
     let mut encoder = Encoder::new();

@@ -22,11 +22,13 @@ use floorguard_types::time::Stamp;
 
 use floorguard_robot::camera::SeenDirt;
 use floorguard_robot::cleaner::{MissionPhase, MissionProgress};
+use floorguard_robot::navigator::NavigationProgress;
 
 use super::describe;
 use super::lidar_view::LidarView;
 use super::messages::GridImage;
 use super::mission;
+use super::navigation::SeenDrive;
 use super::raw::RawStream;
 use super::recorder::{RecordError, Recorder, Times};
 use super::scan_map::{self, ScanMap};
@@ -72,6 +74,7 @@ pub struct RunRecorder<W: Write + Seek> {
     mountings: Vec<(&'static str, floorguard_types::geometry::Transform3)>,
     map: ScanMap,
     mission: Option<Arc<MissionProgress>>,
+    drive: SeenDrive,
     seen: Seen,
     failed: Option<RecordError>,
     learned: Option<String>,
@@ -128,6 +131,7 @@ impl<W: Write + Seek> RunRecorder<W> {
             mountings,
             map: ScanMap::default(),
             mission: None,
+            drive: SeenDrive::default(),
             seen: Seen::default(),
             failed: None,
             learned: None,
@@ -287,6 +291,14 @@ impl<W: Write + Seek> RunRecorder<W> {
             // Written at the end, should nothing newer come.
             self.mission = Some(Arc::clone(progress));
         }
+    }
+
+    /// The drive to a goal has reported its progress: its plan and costmap are written when they change.
+    pub fn navigation(&mut self, progress: &Arc<NavigationProgress>) {
+        let now = Stamp::from_micros(self.seen.now_us);
+        let mut drive = std::mem::take(&mut self.drive);
+        self.write(|out| drive.write(out, (progress, now)));
+        self.drive = drive;
     }
 
     fn write_mission(&mut self, progress: &MissionProgress, now_us: u64) {

@@ -53,6 +53,7 @@ part!(VECTOR3, "geometry_msgs/Vector3", "float64 x\nfloat64 y\nfloat64 z\n");
 part!(POINT, "geometry_msgs/Point", "float64 x\nfloat64 y\nfloat64 z\n");
 part!(QUATERNION, "geometry_msgs/Quaternion", "float64 x\nfloat64 y\nfloat64 z\nfloat64 w\n");
 part!(POSE, "geometry_msgs/Pose", "geometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n");
+part!(POSE_STAMPED, "geometry_msgs/PoseStamped", "std_msgs/Header header\ngeometry_msgs/Pose pose\n");
 part!(
     POSE_WITH_COVARIANCE,
     "geometry_msgs/PoseWithCovariance",
@@ -167,6 +168,12 @@ pub static OCCUPANCY_GRID: Schema = Schema {
     name: "nav_msgs/msg/OccupancyGrid",
     fields: "std_msgs/Header header\nnav_msgs/MapMetaData info\nint8[] data\n",
     uses: &[&HEADER, &TIME, &MAP_META_DATA, &POSE, &POINT, &QUATERNION],
+};
+/// Planned paths.
+pub static PATH: Schema = Schema {
+    name: "nav_msgs/msg/Path",
+    fields: "std_msgs/Header header\ngeometry_msgs/PoseStamped[] poses\n",
+    uses: &[&HEADER, &TIME, &POSE_STAMPED, &POSE, &POINT, &QUATERNION],
 };
 /// Frames.
 pub static TF_MESSAGE: Schema = Schema {

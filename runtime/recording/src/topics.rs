@@ -30,6 +30,10 @@ pub const CLAIMED: &str = "/mission/claimed_clean";
 pub const DIRT: &str = "/mission/dirt";
 /// Dirt that the floor camera saw.
 pub const SEEN_DIRT: &str = "/floor/seen_dirt";
+/// The rest of the path that the robot drives to its goal, in the map's frame.
+pub const PLAN: &str = "/navigation/plan";
+/// The costmap around the robot, percent: 0 free, 100 an obstacle, −1 unknown.
+pub const COSTMAP: &str = "/navigation/costmap";
 /// Tracks of people.
 pub const PEOPLE: &str = "/people";
 /// The fields that the guard watches.
@@ -143,6 +147,19 @@ impl<W: Write + Seek> Recorder<W> {
         grid: &GridImage,
     ) -> Result<(), RecordError> {
         self.message(topic, &schemas::OCCUPANCY_GRID, at, &messages::occupancy_grid(at, frame, grid))
+    }
+
+    /// A planned path in a frame.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn path(
+        &mut self,
+        topic: &'static str,
+        (at, frame): (Stamp, &str),
+        poses: &[Pose2],
+    ) -> Result<(), RecordError> {
+        self.message(topic, &schemas::PATH, at, &messages::path(at, frame, poses))
     }
 
     /// People, fields and the like, drawn.

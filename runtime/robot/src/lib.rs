@@ -10,5 +10,6 @@ pub mod camera;
 pub mod cleaner;
 pub mod environment;
 pub mod learning;
+pub mod navigator;
 pub mod picture_files;
 pub mod site;

@@ -3,7 +3,7 @@
 //! | ring | tasks |
 //! |---|---|
 //! | guard | [`lidar_input`], [`scanner_input`], [`imu_input`], [`can_bus`] or [`velocity_base`], [`supervise`], [`command_input`], [`advice_input`], [`operator_input`], [`velocity_input`] |
-//! | perception | [`perceive`], [`drive_route`] or [`clean`] |
+//! | perception | [`perceive`], and [`drive_route`], [`clean`] or [`navigate`] |
 
 mod advise;
 mod buttons;
@@ -12,6 +12,7 @@ mod clean;
 mod imu;
 mod inputs;
 mod lidar;
+mod navigate;
 mod perception;
 mod route;
 mod scanner;
@@ -29,6 +30,7 @@ pub use inputs::{
     observed_operator_input, operator_input,
 };
 pub use lidar::lidar_input;
+pub use navigate::{Navigation, NavigationMoment, navigate};
 pub use perception::{JudgeMotion, NoMotion, PerceptionState, perceive};
 pub use route::drive_route;
 pub use scanner::{scanner_datagrams, scanner_input};

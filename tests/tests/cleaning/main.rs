@@ -5,5 +5,6 @@ mod cleaning_missions;
 mod cleaning_reproduce;
 mod cleaning_robot;
 mod navigation_barn;
+mod navigation_drive;
 mod navigation_paths;
 mod navigation_prediction;

@@ -6,6 +6,7 @@ use floorguard_types::time::Stamp;
 use serde::Serialize;
 
 use super::mission_outcome::MissionReport;
+use super::navigation_outcome::NavigationReport;
 use super::verdict::Verdict;
 use crate::plan::Plan;
 use floorguard_contact_judge::JobOutcome;
@@ -121,16 +122,22 @@ impl Verdict {
     /// The judges found something that must not happen, whatever became of the job.
     fn has_harmed(&self) -> bool {
         let counts = &self.bodies.counts;
-        self.missed_stops + self.late_field_stops + self.avoidable_contacts + counts.went_on > 0
+        let false_claims = u32::from(self.navigation.as_ref().is_some_and(|drive| drive.false_claim));
+        self.missed_stops + self.late_field_stops + self.avoidable_contacts + counts.went_on + false_claims
+            > 0
     }
 
     /// Its mission has ended by itself.
     fn is_done(&self) -> bool {
         self.mission.as_ref().is_some_and(|mission| mission.finished)
+            || self.navigation.as_ref().is_some_and(|drive| drive.reached)
     }
 
     /// What was asked for and not reached; the first that matters.
     fn shortfall(&self, asked: Asked, standing: &Standing) -> Option<String> {
+        if let Some(drive) = &self.navigation {
+            return drive.shortfall();
+        }
         let is_done = self.is_done();
         if self.duration_s + EARLY_S < asked.duration_s && !(asked.until_clean && is_done) {
             return Some(format!(
@@ -198,6 +205,9 @@ impl Verdict {
         match &self.mission {
             Some(mission) if mission.finished => mission.claims(),
             Some(mission) => format!("ran as asked; mission in progress: {}", mission.claims()),
+            None if self.navigation.is_some() => {
+                self.navigation.as_ref().map(NavigationReport::words).unwrap_or_default()
+            }
             None if self.ready_s.is_none() && asked.is_disturbed => {
                 "ran as asked; the robot stood under what was put in".to_owned()
             }

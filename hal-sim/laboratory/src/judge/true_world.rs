@@ -47,7 +47,8 @@ pub fn setup(plan: &Plan, simulation: &Simulation) -> judge::Setup {
 }
 
 fn job(plan: &Plan) -> judge::Job {
-    if plan.mission.is_some() || plan.command.is_some() || !plan.scenario.manoeuvre.is_empty() {
+    let is_driven = plan.command.is_some() || plan.navigation.is_some();
+    if plan.mission.is_some() || is_driven || !plan.scenario.manoeuvre.is_empty() {
         return judge::Job::Mission;
     }
     match plan.scenario.route.waypoints_m.as_slice() {

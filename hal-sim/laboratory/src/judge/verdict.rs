@@ -13,7 +13,7 @@ use super::outcome::Outcome;
 use super::stops::{StopJudge, StopReason};
 use super::true_world::TrueContacts;
 use super::truth::Truth;
-use crate::judge::MissionReport;
+use crate::judge::{MissionReport, NavigationReport};
 use floorguard_operator::panel::{HeldEvent, HeldKind};
 use floorguard_robot::learning::LearningReport;
 
@@ -76,6 +76,9 @@ pub struct Verdict {
     /// What was cleaned, if that was the mission.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mission: Option<MissionReport>,
+    /// What the drive came to, if it had a goal.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub navigation: Option<NavigationReport>,
     /// What the robot learned of the appearance of people, if it does.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub learned: Option<LearningReport>,

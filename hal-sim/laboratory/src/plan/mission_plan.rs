@@ -2,10 +2,11 @@
 
 use floorguard_mapping::{Grid, GridGeometry, Occupancy};
 use floorguard_robot::cleaner::{ExpectedDirt, MissionPlan, MissionStrategy, PlanBegin};
+use floorguard_robot::navigator::{Journey, NavigationPlan, NavigationSettings};
 use floorguard_robot::site::ros_map::OccupancyMap;
 use floorguard_sim::scenario::Scenario;
 use floorguard_sim::scene::Scene;
-use floorguard_types::geometry::Point2;
+use floorguard_types::geometry::{Point2, Pose2};
 
 /// Edge of a pixel of a map that is drawn from a scene, metres.
 const PIXEL_M: f32 = 0.05;
@@ -37,6 +38,20 @@ pub fn plan_of_scenario(
     });
     let begin = PlanBegin { strategy, pose_in_map: scenario.start_pose(), seed };
     Ok(MissionPlan::on_map(begin, dirt.collect(), &survey(scenario, &scene)?))
+}
+
+/// Of a scenario: a drive to a goal on the map that a survey would draw of its scene.
+///
+/// # Errors
+/// The scene is too large for a map.
+pub fn navigation_of_scenario(
+    scenario: &Scenario,
+    (settings, goal_in_map): (NavigationSettings, Pose2),
+    seed: u64,
+) -> anyhow::Result<NavigationPlan> {
+    let map = survey(scenario, &scenario.scene.build())?;
+    let journey = Journey { start_in_map: scenario.start_pose(), goal_in_map };
+    Ok(NavigationPlan::on_map(settings, journey, (&map, seed)))
 }
 
 /// Draws the map of a scene: what the scanner's plane meets is a surface, what stands above or below it is no floor.

@@ -11,12 +11,15 @@ use floorguard_sim::scenario::{Scenario, ScenarioError};
 use floorguard_sim::simulation::Simulation;
 use floorguard_types::geometry::{Point2, Pose2};
 
-use super::mission_plan::plan_of_scenario;
+use super::mission_plan::{navigation_of_scenario, plan_of_scenario};
 use super::outside::OutsideProgram;
-use floorguard_configuration::{CommandConfiguration, EXAMPLE, HostedConfiguration, parse};
+use floorguard_configuration::{
+    CommandConfiguration, EXAMPLE, HostedConfiguration, NavigationConfiguration, parse,
+};
 use floorguard_robot::assembly::Stages;
 use floorguard_robot::cleaner::{MissionPlan, MissionStrategy};
 use floorguard_robot::learning::LearningSetup;
+use floorguard_robot::navigator::{NavigationPlan, NavigationSettings};
 
 /// A run of the simulator.
 #[derive(Clone, Debug)]
@@ -41,6 +44,11 @@ pub struct Plan {
     pub stages: Stages,
     /// What the robot cleans; without a mission it drives the scenario's route, and no dirt lies there.
     pub mission: Option<MissionPlan>,
+    /// Where the robot drives; it then neither cleans nor drives the scenario's route, and the run ends when it is there or
+    /// gives up.
+    pub navigation: Option<NavigationPlan>,
+    /// How it drives to a goal.
+    pub navigation_settings: NavigationSettings,
     /// The run ends when the mission has nothing left to clean; `duration_us` is then the longest that it may take.
     pub until_clean: bool,
     /// A floor camera with rendered pictures.
@@ -106,11 +114,14 @@ impl Plan {
         };
         robot.route = route;
         let dirt = scenario.dirt.take();
+        let navigation = NavigationConfiguration::of_limits(&robot.limits);
         Ok(Self {
             name: name.to_owned(),
             scenario,
             dirt,
             mission: None,
+            navigation: None,
+            navigation_settings: (&navigation).into(),
             seed,
             duration_us,
             faults: Vec::new(),
@@ -147,6 +158,8 @@ impl Plan {
         let limits = read.robot.limits;
         route_limits.speed_mps = route_limits.speed_mps.min(limits.speed_mps);
         route_limits.turn_radps = route_limits.turn_radps.min(limits.turn_radps);
+        let navigation = read.navigation.unwrap_or_else(|| NavigationConfiguration::of_limits(&limits));
+        self.navigation_settings = (&navigation).into();
         self.robot = RobotConfiguration { route, route_limits, ..read.robot };
         if let Some(learning) = &read.learning {
             let folder = path.parent().unwrap_or(Path::new("."));
@@ -170,6 +183,18 @@ impl Plan {
         let strategy = strategy.unwrap_or(MissionStrategy::Guarantee);
         let mission = plan_of_scenario(&self.scenario, strategy, self.seed);
         self.mission = Some(mission.map_err(PlanError::Mission)?);
+        Ok(self)
+    }
+
+    /// With a goal instead of the route, on the map that a survey would draw of the scene; no dirt lies there.
+    ///
+    /// # Errors
+    /// The scene makes no map.
+    pub fn navigating(mut self, goal_in_map: Pose2) -> Result<Self, PlanError> {
+        let drive = (self.navigation_settings, goal_in_map);
+        let navigation =
+            navigation_of_scenario(&self.scenario, drive, self.seed).map_err(PlanError::Mission)?;
+        self.navigation = Some(navigation);
         Ok(self)
     }
 

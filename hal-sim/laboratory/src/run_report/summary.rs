@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use crate::judge::MissionReport;
+use crate::judge::{MissionReport, NavigationReport};
 use crate::world::{Observation, Plan};
 use floorguard_host::words::{beside, counted};
 
@@ -41,6 +41,9 @@ pub fn summary(plan: &Plan, observation: &Observation) -> String {
     }
     if let Some(mission) = &verdict.mission {
         text.push_str(&mission_lines(mission));
+    }
+    if let Some(drive) = &verdict.navigation {
+        text.push_str(&drive_lines(drive));
     }
     if let Some(learned) = &verdict.learned {
         let _ = writeln!(text, "  learned: {}", learned.words());
@@ -91,6 +94,27 @@ fn stop_lines(observation: &Observation) -> String {
     for event in verdict.history.iter().take(HISTORY_MAX) {
         let _ = writeln!(text, "    {:6.1} s {}. {}", event.at_s, event.text, event.remedy);
     }
+    text
+}
+
+/// How the drive to a goal went, in plain words.
+fn drive_lines(drive: &NavigationReport) -> String {
+    let mut text = String::new();
+    let _ = writeln!(text, "  drive: {}", drive.words());
+    let mut stood: Vec<_> = drive.standing_s.iter().collect();
+    stood.sort_by(|a, b| b.1.total_cmp(a.1));
+    for (reason, seconds) in stood.into_iter().take(6) {
+        let _ = writeln!(text, "    {seconds:5.1} s stood: {reason}");
+    }
+    let measures: Vec<String> =
+        drive.measures.iter().map(|(words, count)| format!("{count} x {words}")).collect();
+    let recovered = if measures.is_empty() { String::new() } else { format!("; {}", measures.join(", ")) };
+    let _ = writeln!(
+        text,
+        "    {}{recovered}; its own place up to {:.2} m off",
+        counted(u64::from(drive.plans), "plan"),
+        drive.localisation_error_max_m
+    );
     text
 }
 

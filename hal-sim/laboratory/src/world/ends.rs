@@ -76,6 +76,7 @@ impl Ends {
             command: None,
             tap: None,
             mission: None,
+            navigation: None,
             people: PeopleInbox::default(),
             learning: None,
             latches: None,

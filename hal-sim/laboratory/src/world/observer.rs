@@ -17,7 +17,7 @@ use super::observation::{Observation, PATH_US, SeenStop};
 use super::swept_area::SweptArea;
 use super::truth::TruthSampler;
 use crate::judge::{Asked, Judge, Quantiles, Standing, StopOrders, StopReason, Verdict};
-use crate::judge::{HeardOf, MissionJudge, TrueContacts};
+use crate::judge::{HeardOf, MissionJudge, NavigationJudge, TrueContacts};
 use crate::metrics::MotAccumulator;
 use crate::plan::Plan;
 use floorguard_operator::panel::HeldHistory;
@@ -25,6 +25,7 @@ use floorguard_robot::camera::SeenDirt;
 use floorguard_robot::cleaner::MissionProgress;
 use floorguard_robot::environment::PeopleSeen;
 use floorguard_robot::learning::LearningReport;
+use floorguard_robot::navigator::NavigationProgress;
 
 /// People farther away are not asked for, metres.
 pub const TRACKED_RANGE_M: f32 = 12.0;
@@ -61,6 +62,7 @@ pub struct Observer<'a> {
     last_sweep: Option<Stamp>,
     swept: SweptArea,
     mission: Option<MissionJudge>,
+    navigation: Option<NavigationJudge>,
     last_status: Option<Stamp>,
     next_path_us: u64,
     next_speed_us: u64,
@@ -95,6 +97,7 @@ impl<'a> Observer<'a> {
             last_sweep: None,
             swept: SweptArea::new(plan.robot_parameters().brush),
             mission: None,
+            navigation: None,
             last_status: None,
             next_path_us: 0,
             next_speed_us: 0,
@@ -188,6 +191,9 @@ impl<'a> Observer<'a> {
             let believed = shared.pose.get().unwrap_or_default().pose_in_odometry;
             self.on_people(&people, &truth, believed);
         }
+        if let Some(drive) = &mut self.navigation {
+            drive.observe(&truth, shared.decision.get(), self.seen.ready_s.is_some());
+        }
         self.swept.touch(truth.robot);
         self.standing.observe(truth.stamp, truth.twist);
         self.record_paths(now_us, &truth);
@@ -203,6 +209,7 @@ impl<'a> Observer<'a> {
             Err(error) => say!("  {error}: nobody judges contacts"),
         }
         self.mission = plan.mission.as_ref().map(|mission| MissionJudge::new(mission, simulation.dirt()));
+        self.navigation = plan.navigation.as_ref().map(NavigationJudge::new);
     }
 
     /// The mission has reported its progress, while the robot believed in a pose of the odometry frame.
@@ -215,6 +222,13 @@ impl<'a> Observer<'a> {
         let seconds = truth.stamp.as_micros() as f64 * 1.0e-6;
         if let Some(mission) = &mut self.mission {
             mission.observe(progress, (truth.robot, pose_in_odometry, seconds));
+        }
+    }
+
+    /// The drive to a goal has reported its progress.
+    pub fn on_navigation(&mut self, progress: &Arc<NavigationProgress>) {
+        if let Some(drive) = &mut self.navigation {
+            drive.hear(progress);
         }
     }
 
@@ -349,6 +363,7 @@ impl<'a> Observer<'a> {
             stop_latency_ms: Quantiles::of_micros(self.orders.latencies_us().to_vec()),
             learned: self.seen.learned,
             mission: self.seen.mission.as_ref().map(|mission| mission.report.clone()),
+            navigation: self.navigation.as_ref().map(NavigationJudge::judge),
             digest: format!("{:016x}", self.digest.value()),
             resets: self.seen.resets,
             held_back_s: self.seen.under_cause_s.clone(),

@@ -48,6 +48,7 @@ fn record(sinks: &mut RunSinks, plan: &Plan, (path, repeatable): (&Path, &str)) 
         robot_toml: &plan.robot_toml,
         imu_baud: IMU_BAUD,
         mission: plan.mission.as_ref(),
+        navigation: plan.navigation.as_ref(),
         learning: plan.learning.as_ref(),
     };
     sinks.record_run(&run, &texts, path)

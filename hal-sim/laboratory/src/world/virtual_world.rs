@@ -3,32 +3,28 @@
 use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
-use floorguard_drivers::can::CanFrame;
-use floorguard_runtime::configuration::ScannerModel;
 use floorguard_runtime::shared::{Shared, StopRecord};
-use floorguard_runtime::tape::TapeLine;
 use floorguard_sim::{CanFrame as SimCanFrame, FaultKind, FaultLayer, FaultSpec, FaultTarget};
 use floorguard_sim::{Payload, Simulation, Stream, WireEvent};
 use floorguard_types::time::Stamp;
 
 use super::floor_camera::SimulatedCamera;
+use super::lines::{Ends, IMU_BAUD, Lines};
 use super::observer::Observer;
 use super::operator::Operator;
 use super::outside::spawn_outside;
-use super::planning::spawn_planning;
+use super::planning::{Planners, spawn_planning};
 use super::true_state;
 use super::velocity_base::{attend, has_bus};
 use crate::plan::Plan;
-use floorguard_host::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
+use floorguard_host::carriers::PipeReader;
 use floorguard_host::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 use floorguard_operator::panel::Order;
 use floorguard_operator::telemetry::RunSinks;
-use floorguard_recording::replay::ScannerPipe;
-use floorguard_robot::assembly::{
-    GuardCarriers, ScannerCarrier, new_perception, new_shared, spawn_guard_ring,
-};
+use floorguard_robot::assembly::{GuardCarriers, new_perception, new_shared, spawn_guard_ring};
 use floorguard_robot::cleaner::{MissionPhase, MissionSetup, Store};
 use floorguard_robot::learning::{LearningSetup, LearningWriter};
+use floorguard_robot::navigator::NavigationSetup;
 
 /// How often truth is compared with what the robot does, microseconds.
 const JUDGE_US: u64 = 10_000;
@@ -38,62 +34,6 @@ const TRUTH_US: u64 = 20_000;
 
 /// The map of seen dirt is reported this often, microseconds.
 const SEEN_DIRT_US: u64 = 5_000_000;
-
-/// The lines between simulator and robot.
-struct Lines {
-    lidar: DatagramPipe,
-    scanner: ScannerPipe,
-    imu: PipeWriter,
-    can: CanPipe,
-}
-
-/// The robot's ends of the serial lines.
-struct Ends {
-    scanner: ScannerCarrier<PipeReader, DatagramPipe>,
-    imu: DuplexPipe,
-    /// What the robot writes to the inertial sensor.
-    from_imu_line: PipeReader,
-}
-
-/// The bit rate that the simulated inertial sensor has.
-pub(super) const IMU_BAUD: u32 = 115_200;
-
-impl Lines {
-    fn new(scanner: ScannerModel) -> (Self, Ends) {
-        let (scanner, scanner_reader) = ScannerPipe::new(scanner);
-        let (imu, imu_reader) = byte_pipe();
-        let (to_imu, from_imu_line) = byte_pipe();
-        let lines = Self { lidar: DatagramPipe::default(), scanner, imu, can: CanPipe::default() };
-        let imu = DuplexPipe { reader: imu_reader, writer: to_imu };
-        (lines, Ends { scanner: scanner_reader, imu, from_imu_line })
-    }
-
-    fn deliver(&self, event: WireEvent, now_us: u64, sinks: &mut RunSinks) {
-        let when = (now_us, event.at_us);
-        match (event.stream, event.payload) {
-            (Stream::LidarData, Payload::Bytes(bytes)) => {
-                sinks.delivered(when, TapeLine::Lidar, &bytes);
-                self.lidar.push(Stamp::from_micros(event.at_us), bytes);
-            }
-            (Stream::ScannerSerial | Stream::ScannerData, Payload::Bytes(bytes)) => {
-                sinks.delivered(when, TapeLine::Scanner, &bytes);
-                self.scanner.push(Stamp::from_micros(event.at_us), &bytes);
-            }
-            (Stream::ImuSerial, Payload::Bytes(bytes)) => {
-                sinks.delivered(when, TapeLine::Imu, &bytes);
-                self.imu.push(&bytes);
-            }
-            (Stream::Can, Payload::Frame(frame)) => {
-                let [low, high] = (frame.id as u16).to_le_bytes();
-                let bytes: Vec<u8> = [low, high].iter().chain(frame.payload()).copied().collect();
-                sinks.delivered(when, TapeLine::Can, &bytes);
-                self.can.push(CanFrame::standard(frame.id as u16, frame.payload()));
-            }
-            // Position packets only discipline the lidar's clock, which the arrival times already do.
-            _ => {}
-        }
-    }
-}
 
 /// Plays a plan to its end. The observer sees every moment of 10 ms.
 ///
@@ -126,6 +66,8 @@ struct World<'a, 'b> {
     operator: Operator,
     /// What the robot cleans, with the disk that outlives its computer's lives.
     mission: Option<MissionSetup>,
+    /// Where the robot drives.
+    navigation: Option<NavigationSetup>,
     camera: Option<SimulatedCamera>,
     /// What is latched, on the disk that outlives the computer's lives.
     latches: u64,
@@ -166,6 +108,7 @@ fn play(
             .mission
             .clone()
             .map(|mission| MissionSetup::new(mission, Store::Memory(Arc::default()))),
+        navigation: plan.navigation.clone().map(NavigationSetup::new),
         latches: 0,
         camera: plan.has_camera.then(|| SimulatedCamera::new(plan)).flatten(),
         learned: plan.learning.as_ref().map(LearningSetup::writer),
@@ -205,6 +148,22 @@ fn is_reset(fault: &FaultSpec) -> bool {
     fault.target == FaultTarget::Computer && fault.kind == FaultKind::Reset
 }
 
+/// What reports progress, and how often it has.
+struct Watches {
+    mission: Option<MissionSetup>,
+    navigation: Option<NavigationSetup>,
+    reported: u32,
+    driven: u32,
+}
+
+impl Watches {
+    fn of(mission: Option<MissionSetup>, navigation: Option<NavigationSetup>) -> Self {
+        let reported = mission.as_ref().map_or(0, |setup| setup.watch.published());
+        let driven = navigation.as_ref().map_or(0, |setup| setup.watch.published());
+        Self { mission, navigation, reported, driven }
+    }
+}
+
 /// One life of the robot's computer, from power on.
 fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> anyhow::Result<End> {
     let shared: Box<Shared<NoopRawMutex>> = new_shared(&plan.robot, Stamp::from_micros(world.now_us))
@@ -213,8 +172,12 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     let mut perception = new_perception(&plan.robot, plan.stages);
     perception.motion.learn(plan.learning.as_ref().map(LearningSetup::again).as_ref());
     let setup = world.mission.clone();
-    let mut mission = setup.as_ref().map(|setup| setup.begin(&plan.robot)).transpose()?;
-    let mut reported = setup.as_ref().map_or(0, |setup| setup.watch.published());
+    let navigation = world.navigation.clone();
+    let mut planners = Planners {
+        mission: setup.as_ref().map(|setup| setup.begin(&plan.robot)).transpose()?,
+        navigator: navigation.as_ref().map(|setup| setup.begin(&plan.robot)).transpose()?,
+    };
+    let mut watches = Watches::of(setup, navigation);
     let (lines, Ends { scanner, imu, from_imu_line }) = Lines::new(plan.robot.scanner.model);
     let mut tasks = TaskSet::new();
     let carriers = GuardCarriers {
@@ -226,7 +189,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     };
     spawn_guard_ring(&mut tasks, &shared, &plan.robot, carriers);
     let (base, guard_tasks) = (spawn_outside(&mut tasks, plan, &shared), tasks.len());
-    spawn_planning(&mut tasks, plan, &shared, (&mut perception, mission.as_mut()));
+    spawn_planning(&mut tasks, plan, &shared, (&mut perception, &mut planners));
     let mut orders = Vec::new();
     loop {
         let now_us = world.next_us().min(next_timer_us().unwrap_or(u64::MAX)).max(world.now_us);
@@ -257,10 +220,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
             world.latches = shared.latches.get().unwrap_or(world.latches);
             let stops: Vec<StopRecord> = std::iter::from_fn(|| shared.stops.try_pop()).collect();
             stops.iter().for_each(|stop| world.sinks.stop(stop));
-            if let Some(setup) = setup.as_ref().filter(|setup| setup.watch.published() != reported) {
-                reported = setup.watch.published();
-                world.tell(&shared, setup);
-            }
+            world.tell_news(&shared, &mut watches);
             world.observer.observe(world.simulation, &shared, &stops);
             world.tell_truth();
             world.observe_floor(&shared)?;
@@ -321,12 +281,36 @@ impl World<'_, '_> {
         faults.release(now_us, &mut |event| lines.deliver(event, now_us, sinks));
     }
 
+    /// Mission and drive have reported something new.
+    fn tell_news(&mut self, shared: &Shared<NoopRawMutex>, watches: &mut Watches) {
+        let reported = watches.mission.as_ref().map_or(0, |setup| setup.watch.published());
+        let driven = watches.navigation.as_ref().map_or(0, |setup| setup.watch.published());
+        let before = (watches.reported, watches.driven);
+        (watches.reported, watches.driven) = (reported, driven);
+        if let Some(setup) = watches.mission.as_ref().filter(|_| reported != before.0) {
+            self.tell(shared, setup);
+        }
+        if let Some(setup) = watches.navigation.as_ref().filter(|_| driven != before.1) {
+            self.tell_drive(setup);
+        }
+    }
+
     /// The mission has reported its progress.
     fn tell(&mut self, shared: &Shared<NoopRawMutex>, setup: &MissionSetup) {
         let (Some(progress), Some(pose)) = (setup.watch.get(), shared.pose.get()) else { return };
         self.observer.on_mission(&progress, (self.simulation, pose.pose_in_odometry));
         self.sinks.mission(&progress);
         if self.until_clean && progress.phase == MissionPhase::Done {
+            self.sinks.ended.stop();
+        }
+    }
+
+    /// The drive to a goal has reported its progress.
+    fn tell_drive(&mut self, setup: &NavigationSetup) {
+        let Some(progress) = setup.watch.get() else { return };
+        self.observer.on_navigation(&progress);
+        self.sinks.navigation(&progress);
+        if progress.phase.is_over() {
             self.sinks.ended.stop();
         }
     }

@@ -27,6 +27,11 @@ pub enum Command {
         after_help = "Examples:\n  floorguard check robot.toml\n  floorguard run robot.toml --panel 127.0.0.1:8080 --record today.mcap --black-box stops"
     )]
     Run(super::RunArguments),
+    /// Drive the robot on real devices to a place of the map in [navigation], and end there.
+    #[command(
+        after_help = "Examples:\n  floorguard goto 14.5 4.5 90\n  floorguard goto 14.5 4.5 90 robot.toml --json --record drive.mcap"
+    )]
+    Goto(super::GotoArguments),
     #[cfg(feature = "laboratory")]
     /// Drive the simulated robot through a scenario and judge it by ground truth.
     #[command(

@@ -15,6 +15,7 @@ mod eval;
 mod eval_stages;
 mod exit;
 mod explain;
+mod goto;
 #[cfg(feature = "laboratory")]
 mod heartbeat;
 mod interrupt;
@@ -48,6 +49,7 @@ pub use eval::{EvalArguments, EvalStage};
 pub use eval_stages::RecordedStage;
 pub use exit::{BadInput, VerdictFailed, WrongUsage, exit_code, is_broken_pipe};
 pub use explain::ExplainArguments;
+pub use goto::GotoArguments;
 pub use learn::{LearnArguments, PlaceArguments};
 #[cfg(feature = "laboratory")]
 pub use mission::MissionArguments;
@@ -86,6 +88,7 @@ pub fn dispatch(arguments: Arguments) -> anyhow::Result<()> {
         #[cfg(feature = "laboratory")]
         Some(Command::Simulate(arguments)) => simulate::run(&arguments),
         Some(Command::Run(arguments)) => run::run(&arguments),
+        Some(Command::Goto(arguments)) => goto::run(&arguments),
         #[cfg(feature = "laboratory")]
         Some(Command::Demo(arguments)) => demo::run(&arguments),
         #[cfg(feature = "laboratory")]

@@ -1,19 +1,23 @@
 //! `floorguard run robot.toml`: the robot on real devices, until Ctrl-C.
 
+mod drive;
 mod watch;
 
 use std::io::{BufRead, IsTerminal};
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
 
 use clap::Args;
 use floorguard_runtime::clock;
 
+use self::drive::WatchedDrive;
 use self::watch::Watch;
 use super::check::say_absences;
 use super::exit::BadInput;
+use super::goto::navigation_of;
 use super::interrupt::end_at_ctrl_c;
 use super::live_camera::LiveCamera;
 use super::panel::open_panel;
@@ -30,6 +34,8 @@ use floorguard_robot::camera::open_source;
 use floorguard_robot::cleaner::MissionPlan;
 use floorguard_robot::environment::{Calendar, LiveLearner};
 use floorguard_robot::learning::LearningSetup;
+use floorguard_robot::navigator::{NavigationPlan, NavigationProgress};
+use floorguard_types::geometry::Pose2;
 
 /// Stands in the recording of a robot without an inertial sensor.
 const IMU_BAUD: u32 = 115_200;
@@ -65,6 +71,17 @@ pub struct RunArguments {
 /// # Errors
 /// The configuration is refused, the lidar's port is taken, or a ring failed.
 pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
+    run_to(arguments, None).map(drop)
+}
+
+/// The same to a goal: the run ends there, or where the drive is given up. Gives the last progress of the drive.
+///
+/// # Errors
+/// As [`run`]; and the configuration has no map.
+pub(super) fn run_to(
+    arguments: &RunArguments,
+    goal: Option<Pose2>,
+) -> anyhow::Result<Option<Arc<NavigationProgress>>> {
     let configuration = load(&arguments.file)?;
     refuse_unaccepted(&arguments.file, &configuration)?;
     let folder = arguments.file.parent().unwrap_or(Path::new("."));
@@ -98,9 +115,16 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     }
     let learning = learning_of((arguments, folder), &configuration)?;
     watch.learned = learning.as_ref().map(LearningSetup::writer);
-    let mission = mission_of((arguments, folder), &configuration)?;
-    let plan = mission.as_ref().map(|mission| &mission.plan);
-    let mut sinks = open_sinks(arguments, &configuration, (plan, learning.as_ref()))?;
+    let navigation = navigation_of((&arguments.file, folder), &configuration, goal)?;
+    let mission = if navigation.is_some() { None } else { mission_of((arguments, folder), &configuration)? };
+    let reported = Reported {
+        mission: mission.as_ref().map(|mission| &mission.plan),
+        navigation: navigation.as_ref().map(|drive| &drive.plan),
+        learning: learning.as_ref(),
+    };
+    let mut sinks = open_sinks(arguments, &configuration, &reported)?;
+    watch.drive = navigation.clone().map(WatchedDrive::new);
+    links.navigation.clone_from(&navigation);
     watch.mission.clone_from(&mission);
     links.mission = mission;
     links.learning = learning;
@@ -122,7 +146,8 @@ pub fn run(arguments: &RunArguments) -> anyhow::Result<()> {
     }
     watch.reports_learned_state();
     say!("floorguard run: the robot stands, {}", counted(watch.stops, "stop"));
-    all_written(watch.unwritten.as_ref())
+    all_written(watch.unwritten.as_ref())?;
+    Ok(navigation.and_then(|drive| drive.watch.get()))
 }
 
 /// The robot outlives a full disk; the user is notified at the end.
@@ -132,11 +157,18 @@ fn all_written(unwritten: Option<&(u64, String)>) -> anyhow::Result<()> {
     Err(BadInput(format!("the run went on; {files} could not be written, the first: {first}")).into())
 }
 
+/// What a recording says of the run.
+struct Reported<'a> {
+    mission: Option<&'a MissionPlan>,
+    navigation: Option<&'a NavigationPlan>,
+    learning: Option<&'a LearningSetup>,
+}
+
 /// A recording and a panel, where they are wanted.
 fn open_sinks(
     arguments: &RunArguments,
     configuration: &HostedConfiguration,
-    reported: (Option<&MissionPlan>, Option<&LearningSetup>),
+    reported: &Reported<'_>,
 ) -> anyhow::Result<RunSinks> {
     let name = arguments.file.display().to_string();
     let robot = &configuration.robot;
@@ -145,8 +177,8 @@ fn open_sinks(
         let text =
             std::fs::read_to_string(&arguments.file).map_err(|error| BadInput(format!("{name}: {error}")))?;
         let imu_baud = configuration.carriers.imu.as_ref().map_or(IMU_BAUD, |line| line.baud);
-        let run =
-            RecordedRun { robot, robot_toml: &text, imu_baud, mission: reported.0, learning: reported.1 };
+        let Reported { mission, navigation, learning } = *reported;
+        let run = RecordedRun { robot, robot_toml: &text, imu_baud, mission, navigation, learning };
         sinks.record_devices(&run, &name, path)?;
     }
     if let Some(address) = arguments.panel {

@@ -10,13 +10,14 @@ use floorguard_runtime::shared::RobotStatus;
 use floorguard_sim::FaultSpec;
 use floorguard_sim::scenario::Scenario;
 use floorguard_types::capacities::SCAN_BEAMS_MAX;
+use floorguard_types::geometry::Pose2;
 
 use super::exit::{BadInput, NotFinished, VerdictFailed, WrongUsage};
 use super::interrupt::end_at_ctrl_c;
 use super::live::status_of;
 use super::panel::open_panel;
 use super::run_lesson::RunLesson;
-use super::values::{command_address, panel_address, simulated_seconds};
+use super::values::{command_address, goal, panel_address, simulated_seconds};
 use floorguard_configuration::{CommandAddress, CommandConfiguration, did_you_mean};
 use floorguard_laboratory::judge::Outcome;
 use floorguard_laboratory::run_report::write_report;
@@ -50,6 +51,14 @@ pub struct SimulateArguments {
     /// End as soon as the mission has nothing left to clean; --duration is then the longest that it may take.
     #[arg(long, conflicts_with = "tape")]
     pub until_clean: bool,
+    /// Drive to this place of the scenario's map instead of cleaning or the route, x and y in metres, heading in degrees:
+    /// `--navigate 14.5,4.5,90`. The run ends at the goal, or when the robot gives up; --duration is then the longest that it may
+    /// take. `[navigation]` of --robot says how.
+    #[arg(long, value_name = "X,Y,YAW", allow_hyphen_values = true, value_parser = goal, conflicts_with_all = ["tape", "strategy", "until_clean", "real_io"])]
+    pub navigate: Option<Pose2>,
+    /// With --navigate: drive with this planner, whatever [navigation] says.
+    #[arg(long, value_enum, requires = "navigate")]
+    pub planner: Option<DrivingPlanner>,
     /// A fault, for example `lidar:drop=5%,from=10s,to=20s`; may be repeated.
     #[arg(long)]
     pub fault: Vec<String>,
@@ -112,6 +121,15 @@ pub enum FittedScanner {
     S300,
     /// SICK microScan3: 2,751 beams, UDP.
     Microscan3,
+}
+
+/// Which local planner drives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DrivingPlanner {
+    /// Sampling-based predictive control: expects people.
+    Ours,
+    /// The dynamic window as published.
+    Dwa,
 }
 
 /// Runs the command.
@@ -181,6 +199,12 @@ fn repeat(arguments: &SimulateArguments) -> String {
     {
         option("scanner", value.get_name());
     }
+    if let Some(goal) = arguments.navigate {
+        option("navigate", &format!("{},{},{}", goal.x_m, goal.y_m, goal.heading_rad.to_degrees()));
+    }
+    if let Some(planner) = arguments.planner.and_then(|planner| planner.to_possible_value()) {
+        option("planner", planner.get_name());
+    }
     if let Some(robot) = &arguments.robot {
         option("robot", &robot.display().to_string());
     }
@@ -227,7 +251,12 @@ fn plan(arguments: &SimulateArguments) -> anyhow::Result<Plan> {
         plan = plan.with_scanner(ScannerModel::MicroScan3 { beams: SCAN_BEAMS_MAX as u16 })?;
     }
     plan.command.clone_from(&arguments.command);
-    if arguments.tape.is_none() && plan.command.is_none() {
+    if let Some(goal) = arguments.navigate {
+        if let Some(planner) = arguments.planner {
+            plan.navigation_settings.uses_dwa = planner == DrivingPlanner::Dwa;
+        }
+        plan = plan.navigating(goal)?;
+    } else if arguments.tape.is_none() && plan.command.is_none() {
         plan = plan.cleaning(arguments.strategy)?;
     }
     plan.has_camera = arguments.camera;

@@ -4,6 +4,8 @@ use std::net::{SocketAddr, ToSocketAddrs as _};
 
 #[cfg(any(test, feature = "laboratory"))]
 use floorguard_configuration::CommandConfiguration;
+#[cfg(any(test, feature = "laboratory"))]
+use floorguard_types::geometry::Pose2;
 
 /// The longest simulated run, seconds: a day.
 #[cfg(any(test, feature = "laboratory"))]
@@ -51,6 +53,32 @@ pub(super) fn command_address(text: &str) -> Result<CommandConfiguration, String
 /// Where a panel listens: `127.0.0.1:8080`, `[::1]:8080`, or a name of this computer as `localhost:8080`.
 ///
 /// # Errors
+/// Metres or degrees of a place on a map.
+///
+/// # Errors
+/// Anything else, in words.
+pub(super) fn coordinate(text: &str) -> Result<f32, String> {
+    let number = text.parse::<f32>().ok().filter(|number| number.abs() <= 10_000.0);
+    number.ok_or_else(|| "write metres or degrees as a number, for example 14.5".to_owned())
+}
+
+/// A place and a heading of the map frame: `X,Y,YAW` in metres and degrees.
+///
+/// # Errors
+/// Anything else, in words.
+#[cfg(any(test, feature = "laboratory"))]
+pub(super) fn goal(text: &str) -> Result<Pose2, String> {
+    let numbers: Vec<f32> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    match numbers.as_slice() {
+        &[x_m, y_m, yaw_deg]
+            if numbers.iter().all(|number| number.abs() <= 10_000.0) && text.split(',').count() == 3 =>
+        {
+            Ok(Pose2::new(x_m, y_m, yaw_deg.to_radians()))
+        }
+        _ => Err("write X,Y,YAW in metres and degrees, for example 14.5,4.5,90".to_owned()),
+    }
+}
+
 /// No address and port, or a name that nobody knows.
 pub(super) fn panel_address(text: &str) -> Result<SocketAddr, String> {
     if let Ok(address) = text.parse() {
@@ -77,6 +105,19 @@ mod tests {
         }
         assert_eq!(seconds("100000"), Ok(100_000.0));
         assert!(seconds("1e400").is_err() && seconds("0").is_err());
+    }
+
+    #[test]
+    fn goal_is_three_finite_numbers() {
+        let pose = goal("14.5,-4.5,90").unwrap();
+        assert!(
+            (pose.x_m, pose.y_m) == (14.5, -4.5)
+                && (pose.heading_rad - std::f32::consts::FRAC_PI_2).abs() < 1.0e-6
+        );
+        assert!(coordinate("-3.5") == Ok(-3.5) && coordinate("nan").is_err() && coordinate("1,5").is_err());
+        for text in ["", "1,2", "1,2,3,4", "1,2,x", "nan,1,2", "inf,1,2", "1;2;3", "1,2,,3"] {
+            assert!(goal(text).is_err(), "{text}");
+        }
     }
 
     #[test]

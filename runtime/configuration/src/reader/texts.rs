@@ -50,6 +50,19 @@ impl<'a> Reader<'a> {
     pub fn choice<T: Copy>(&self, key: &'static str, choices: &[(&str, T)]) -> Option<T> {
         let words: Vec<String> = choices.iter().map(|(word, _)| format!("`{word}`")).collect();
         self.note(key, "word", (words.join(", "), None));
+        self.chosen(key, choices)
+    }
+
+    /// One of a list of words, or a default when absent.
+    pub fn choice_or<T: Copy + PartialEq>(&self, key: &'static str, choices: &[(&str, T)], default: T) -> T {
+        let words: Vec<String> = choices.iter().map(|(word, _)| format!("`{word}`")).collect();
+        let without =
+            choices.iter().find(|(_, value)| *value == default).map(|(word, _)| format!("`{word}`"));
+        self.note(key, "word", (words.join(", "), without));
+        self.find(key).and_then(|_| self.chosen(key, choices)).unwrap_or(default)
+    }
+
+    fn chosen<T: Copy>(&self, key: &'static str, choices: &[(&str, T)]) -> Option<T> {
         let (text, span) = self.words(key, choices.first().map_or("", |(word, _)| word))?;
         let chosen = choices.iter().find(|(word, _)| *word == text).map(|(_, value)| *value);
         if chosen.is_none() {

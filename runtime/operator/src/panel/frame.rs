@@ -92,6 +92,8 @@ pub struct Frame {
     pub driven_m: f32,
     /// Waypoints of the mission, and whether it begins again at the end.
     pub route: Vec<Place>,
+    /// What a drive to a goal does, in one sentence; its path is the route then.
+    pub drive: Option<String>,
     /// Outline of the robot, in its frame.
     pub footprint: Vec<Place>,
     /// The watched field, in the robot's frame.

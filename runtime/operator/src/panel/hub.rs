@@ -17,6 +17,7 @@ use super::access::Access;
 use super::server;
 use super::view::PanelView;
 use floorguard_robot::cleaner::MissionProgress;
+use floorguard_robot::navigator::NavigationProgress;
 
 /// Pictures come this often at most.
 const EVERY: Duration = Duration::from_millis(100);
@@ -146,6 +147,11 @@ impl Panel {
         if let Ok(text) = serde_json::to_string(&layers) {
             self.layers.send_replace((layers.number, text.into()));
         }
+    }
+
+    /// The drive to a goal has reported its progress.
+    pub fn navigation(&mut self, progress: &Arc<NavigationProgress>) {
+        self.view.navigation(progress);
     }
 
     /// Makes a picture when it is time for one. Cheap to call at any rate.

@@ -20,6 +20,7 @@ use super::plain::remedy;
 use crate::surroundings::{Surroundings, followed, scan_hits};
 use floorguard_recording::{LidarView, describe};
 use floorguard_robot::cleaner::MissionProgress;
+use floorguard_robot::navigator::NavigationProgress;
 
 /// Stops that the page lists.
 const STOPS_SHOWN: usize = 8;
@@ -41,6 +42,8 @@ pub struct PanelView {
     mission: Option<Arc<MissionProgress>>,
     /// The first report of the mission: what was claimed then nobody has cleaned in it.
     mission_begin: Option<Arc<MissionProgress>>,
+    /// The drive to a goal.
+    drive: Option<Arc<NavigationProgress>>,
     layers: u64,
     /// What held the robot, and what came of the resets.
     history: HeldHistory,
@@ -68,6 +71,7 @@ impl PanelView {
             number: 0,
             mission: None,
             mission_begin: None,
+            drive: None,
             layers: 0,
             history: HeldHistory::default(),
             refused: None,
@@ -142,7 +146,8 @@ impl PanelView {
             start_allowed: decision.state == GuardState::AwaitsStart,
             pose: [round(pose.x_m), round(pose.y_m), pose.heading_rad],
             driven_m: round(self.driven_m),
-            route: self.robot.route.waypoints.iter().copied().map(place).collect(),
+            route: self.route(),
+            drive: self.drive.as_ref().map(|drive| drive.words.clone()),
             footprint: places(&around.footprint),
             protective: places(&around.protective),
             warning: places(&around.warning),
@@ -177,6 +182,20 @@ impl PanelView {
         self.mission = Some(Arc::clone(progress));
         let first = self.mission_begin.get_or_insert_with(|| Arc::clone(progress));
         layers(progress, first, self.layers)
+    }
+
+    /// The drive to a goal has reported its progress: its path is drawn instead of the route.
+    pub fn navigation(&mut self, progress: &Arc<NavigationProgress>) {
+        self.drive = Some(Arc::clone(progress));
+    }
+
+    /// What the robot drives along, odometry frame.
+    fn route(&self) -> Vec<Place> {
+        let Some(drive) = &self.drive else {
+            return self.robot.route.waypoints.iter().copied().map(place).collect();
+        };
+        let to_odometry = drive.odometry_in_map.inverse();
+        drive.path.iter().map(|at| place(to_odometry.transform(*at))).collect()
     }
 
     fn mission_frame(&self) -> Option<MissionFrame> {

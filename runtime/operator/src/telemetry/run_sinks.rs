@@ -20,7 +20,7 @@ use crate::panel::{Order, Panel};
 use floorguard_host::executor::StopFlag;
 use floorguard_host::outcome::BadInput;
 use floorguard_recording::order::{ORDER, ORDER_VERSION, OrderLog};
-use floorguard_recording::replay::{LEARNED, MISSION, REPEATABLE};
+use floorguard_recording::replay::{LEARNED, MISSION, NAVIGATION, REPEATABLE};
 use floorguard_recording::truth::TrueSolid;
 use floorguard_recording::{RecordError, RunInfo, RunRecorder};
 use floorguard_robot::assembly::{Stages, TapRow};
@@ -29,6 +29,7 @@ use floorguard_robot::cleaner::MissionPlan;
 use floorguard_robot::cleaner::MissionProgress;
 use floorguard_robot::environment::Calendar;
 use floorguard_robot::learning::{LearningSetup, LearningSlot};
+use floorguard_robot::navigator::{NavigationPlan, NavigationProgress};
 
 /// The fingerprint is written this often, microseconds.
 const DIGEST_EVERY_US: u64 = 1_000_000;
@@ -54,6 +55,8 @@ pub struct RecordedRun<'a> {
     pub imu_baud: u32,
     /// Its cleaning mission, if it has one.
     pub mission: Option<&'a MissionPlan>,
+    /// Its drive to a goal, if it has one.
+    pub navigation: Option<&'a NavigationPlan>,
     /// How it learns, if it does.
     pub learning: Option<&'a LearningSetup>,
 }
@@ -94,6 +97,7 @@ impl RunSinks {
     ) -> anyhow::Result<()> {
         let RecordedRun { robot, robot_toml, imu_baud, .. } = *run;
         let mission = run.mission.map(MissionPlan::to_text).transpose()?;
+        let navigation = run.navigation.map(NavigationPlan::to_text).transpose()?;
         let in_real_time = texts.contains(&(REPEATABLE, IN_REAL_TIME));
         let order = in_real_time.then_some((ORDER, ORDER_VERSION));
         let texts = texts.iter().chain(&order);
@@ -101,6 +105,7 @@ impl RunSinks {
         let recorded_at = in_real_time.then(|| Calendar::of_this_computer().iso(Calendar::now()));
         let texts = texts.chain(recorded_at.map(|moment| (RECORDED_AT.to_owned(), moment)));
         let texts = texts.chain(mission.map(|text| (MISSION.to_owned(), text)));
+        let texts = texts.chain(navigation.map(|text| (NAVIGATION.to_owned(), text)));
         let texts = texts.chain(self.learned_before(run.learning)).collect::<BTreeMap<_, _>>();
         let info = RunInfo { robot, robot_toml, imu_baud, clouds_every: CLOUDS_EVERY, texts };
         self.recording = Some(open_recording(path, &info)?);
@@ -181,6 +186,16 @@ impl RunSinks {
         }
         if let Some(panel) = &mut self.panel {
             panel.mission(progress);
+        }
+    }
+
+    /// The drive to a goal has reported its progress.
+    pub fn navigation(&mut self, progress: &Arc<NavigationProgress>) {
+        if let Some(recording) = &mut self.recording {
+            recording.navigation(progress);
+        }
+        if let Some(panel) = &mut self.panel {
+            panel.navigation(progress);
         }
     }
 

@@ -17,6 +17,7 @@ use floorguard_host::executor::{Ring, take_priority};
 use floorguard_robot::assembly::{HostedShared, Tap, TapRow, TapRows, tap};
 use floorguard_robot::camera::SeenDirt;
 use floorguard_robot::cleaner::MissionProgress;
+use floorguard_robot::navigator::NavigationProgress;
 
 /// Polling period: scans come every 40 ms, poses are written every 20 ms.
 const POLL_PERIOD: Duration = Duration::from_millis(5);
@@ -25,6 +26,7 @@ const POLL_PERIOD: Duration = Duration::from_millis(5);
 enum TelemetryEvent {
     Stop(StopRecord),
     Mission(Arc<MissionProgress>),
+    Navigation(Arc<NavigationProgress>),
     Order(Order),
     Dirt(Box<SeenDirt>),
 }
@@ -44,6 +46,11 @@ impl TelemetrySender<'_> {
     /// The cleaning mission has reported its progress.
     pub fn mission(&self, progress: &Arc<MissionProgress>) {
         self.note(TelemetryEvent::Mission(Arc::clone(progress)));
+    }
+
+    /// The drive to a goal has reported its progress.
+    pub fn navigation(&self, progress: &Arc<NavigationProgress>) {
+        self.note(TelemetryEvent::Navigation(Arc::clone(progress)));
     }
 
     /// The floor camera's map of dirt.
@@ -154,6 +161,7 @@ fn take_in(
         match note {
             TelemetryEvent::Stop(record) => sinks.stop(&record),
             TelemetryEvent::Mission(progress) => sinks.mission(&progress),
+            TelemetryEvent::Navigation(progress) => sinks.navigation(&progress),
             TelemetryEvent::Dirt(seen) => sinks.seen_dirt(&seen),
             TelemetryEvent::Order(order) => sinks.order(order, shared, now_us),
         }

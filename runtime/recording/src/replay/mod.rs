@@ -8,5 +8,7 @@ mod scanner_pipe;
 mod scripted_line;
 
 pub use audience::{Difference, OrderOutcome, ReplayAudience, ReplayError, ReplayOutcome};
-pub use replayed_world::{IMU_BAUD, LEARNED, MISSION, REPEATABLE, is_replayable, replay_recording};
+pub use replayed_world::{
+    IMU_BAUD, LEARNED, MISSION, NAVIGATION, REPEATABLE, is_replayable, replay_recording,
+};
 pub use scanner_pipe::ScannerPipe;

@@ -22,10 +22,11 @@ use floorguard_host::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, P
 use floorguard_host::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 use floorguard_robot::assembly::{
     GuardCarriers, Stages, new_perception, new_shared, spawn_cleaning_ring, spawn_guard_ring,
-    spawn_perception_ring,
+    spawn_navigation_ring, spawn_perception_ring,
 };
 use floorguard_robot::cleaner::{Cleaner, MissionPlan, MissionSetup, Store};
 use floorguard_robot::learning::LearningSetup;
+use floorguard_robot::navigator::{NavigationPlan, NavigationSetup, Navigator};
 
 /// Name of the text that says whether the raw bytes alone tell the whole run.
 pub const REPEATABLE: &str = "repeatable";
@@ -33,6 +34,8 @@ pub const REPEATABLE: &str = "repeatable";
 pub const LEARNED: &str = "learned_before";
 /// Name of the text that holds the cleaning mission.
 pub const MISSION: &str = "mission";
+/// Name of the text with the drive to a goal.
+pub const NAVIGATION: &str = "navigation";
 /// Bit rate of the inertial sensor where a recording names none.
 pub const IMU_BAUD: u32 = 115_200;
 
@@ -93,8 +96,8 @@ pub fn replay_recording<R: Read>(
         return outcome.map(|outcome| ReplayOutcome { learned, ..outcome });
     }
     use_virtual_clock(0);
-    let mission = mission_of(texts, &robot)?;
-    let outcome = play((&robot, stages, (mission, learning)), baud, (recording, audience));
+    let planners = (mission_of(texts, &robot)?, navigator_of(texts, &robot)?);
+    let outcome = play((&robot, stages, (planners, learning)), baud, (recording, audience));
     use_real_clock();
     let outcome = outcome?;
     if unrepeatable.is_none() {
@@ -127,11 +130,25 @@ fn mission_of(
     MissionSetup::new(plan, Store::None).begin(robot).map(Some).map_err(wrong)
 }
 
+/// The drive of the recording, from its beginning.
+fn navigator_of(
+    texts: &std::collections::BTreeMap<String, String>,
+    robot: &RobotConfiguration,
+) -> Result<Option<Navigator>, ReplayError> {
+    let wrong = |error: anyhow::Error| ReplayError::Robot(format!("its drive to a goal: {error:#}"));
+    let Some(text) = texts.get(NAVIGATION) else { return Ok(None) };
+    let plan = NavigationPlan::from_text(text).map_err(wrong)?;
+    NavigationSetup::new(plan).begin(robot).map(Some).map_err(wrong)
+}
+
+/// What planned in the recorded run.
+type Planners = (Option<Cleaner>, Option<Navigator>);
+
 fn play<R: Read>(
-    (robot, stages, (mut mission, learning)): (
+    (robot, stages, ((mut mission, mut navigator), learning)): (
         &RobotConfiguration,
         Stages,
-        (Option<Cleaner>, Option<LearningSetup>),
+        (Planners, Option<LearningSetup>),
     ),
     baud: u32,
     (recording, audience): (&mut Recording<R>, &mut dyn ReplayAudience),
@@ -154,9 +171,10 @@ fn play<R: Read>(
         tap: None,
     };
     spawn_guard_ring(&mut tasks, &shared, robot, carriers);
-    match &mut mission {
-        Some(mission) => spawn_cleaning_ring(&mut tasks, &shared, (&mut perception, mission)),
-        None => spawn_perception_ring(&mut tasks, &shared, robot, &mut perception),
+    match (&mut navigator, &mut mission) {
+        (Some(navigator), _) => spawn_navigation_ring(&mut tasks, &shared, (&mut perception, navigator)),
+        (None, Some(mission)) => spawn_cleaning_ring(&mut tasks, &shared, (&mut perception, mission)),
+        (None, None) => spawn_perception_ring(&mut tasks, &shared, robot, &mut perception),
     }
     let mut stage = Stage {
         shared: &shared,

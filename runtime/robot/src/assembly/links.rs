@@ -11,6 +11,7 @@ use super::tap::{Tap, Tapped};
 use crate::assembly::{GuardCarriers, PeopleInbox, ScannerCarrier};
 use crate::cleaner::MissionSetup;
 use crate::learning::LearningSetup;
+use crate::navigator::NavigationSetup;
 use floorguard_configuration::{
     CanAddress, Carriers, CommandConfiguration, DatagramAddress, ScannerAddress, SerialAddress,
 };
@@ -45,6 +46,8 @@ pub struct Links {
     pub tap: Option<Tap>,
     /// What the robot cleans; without it, it drives its route.
     pub mission: Option<MissionSetup>,
+    /// Where the robot drives; it then neither cleans nor drives its route.
+    pub navigation: Option<NavigationSetup>,
     /// What others than the lidar and the scanner see of people.
     pub people: PeopleInbox,
     /// How the robot learns; without it, it does not.
@@ -95,6 +98,7 @@ impl Links {
             command: None,
             tap: None,
             mission: None,
+            navigation: None,
             people: PeopleInbox::default(),
             learning: None,
             latches: None,

@@ -20,6 +20,7 @@ mod track;
 mod visits;
 
 pub use mission::{Cleaner, SharedWatch};
+pub(crate) use plan::MapRuns;
 pub use plan::{ExpectedDirt, MissionPlan, MissionStrategy, PlanBegin};
 pub use progress::{CellState, Doubt, LaneCount, MissionPhase, MissionProgress, MissionWatch, UncertainCell};
 pub use setup::MissionSetup;

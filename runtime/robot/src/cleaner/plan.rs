@@ -40,7 +40,7 @@ impl MissionStrategy {
 
 /// A map as runs of equal pixels, along x first.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Runs {
+pub(crate) struct MapRuns {
     size: [u16; 2],
     resolution_m: f32,
     origin_m: [f32; 2],
@@ -85,7 +85,7 @@ pub struct MissionPlan {
     pub delta: f64,
     /// What is expected where.
     pub dirt: Vec<ExpectedDirt>,
-    map: Runs,
+    map: MapRuns,
 }
 
 impl MissionPlan {
@@ -94,7 +94,7 @@ impl MissionPlan {
     pub fn on_map(begin: PlanBegin, dirt: Vec<ExpectedDirt>, map: &OccupancyMap) -> Self {
         let start = [begin.pose_in_map.x_m, begin.pose_in_map.y_m, begin.pose_in_map.heading_rad];
         let PlanBegin { strategy, seed, .. } = begin;
-        Self { strategy, start, seed, tolerated_units: 5, delta: 0.01, dirt, map: Runs::of(map) }
+        Self { strategy, start, seed, tolerated_units: 5, delta: 0.01, dirt, map: MapRuns::of(map) }
     }
 
     /// Of a `[mission]` in a robot.toml that lies in `folder`.
@@ -130,7 +130,7 @@ impl MissionPlan {
             tolerated_units: mission.tolerated_units,
             delta: f64::from(mission.delta),
             dirt,
-            map: Runs::of(&map),
+            map: MapRuns::of(&map),
         })
     }
 
@@ -197,8 +197,8 @@ impl MissionPlan {
     }
 }
 
-impl Runs {
-    fn of(map: &OccupancyMap) -> Self {
+impl MapRuns {
+    pub(crate) fn of(map: &OccupancyMap) -> Self {
         let geometry = map.geometry();
         let mut runs: Vec<(u8, u32)> = Vec::new();
         for cell in map.values() {
@@ -217,7 +217,7 @@ impl Runs {
         }
     }
 
-    fn map(&self) -> anyhow::Result<OccupancyMap> {
+    pub(crate) fn map(&self) -> anyhow::Result<OccupancyMap> {
         let corner = Point2::new(self.origin_m[0], self.origin_m[1]);
         let geometry = GridGeometry::new(self.size[0], self.size[1], self.resolution_m, corner)
             .ok_or_else(|| anyhow::anyhow!("the map of the mission has no size"))?;
@@ -281,7 +281,7 @@ mod tests {
             let state = |i: usize| if wall(i) { Occupancy::Occupied } else { Occupancy::Free };
             let map = Grid::new(geometry, (0..geometry.cell_count()).map(state).collect()).unwrap();
             let plan =
-                MissionPlan { map: Runs::of(&map), start: [0.0; 3], dirt: Vec::new(), ..whole.clone() };
+                MissionPlan { map: MapRuns::of(&map), start: [0.0; 3], dirt: Vec::new(), ..whole.clone() };
             let setup =
                 crate::cleaner::MissionSetup::new(plan, crate::cleaner::Store::Memory(Default::default()));
             setup.begin(&robot)

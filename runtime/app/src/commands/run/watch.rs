@@ -12,6 +12,7 @@ use floorguard_runtime::shared::{BusReport, Complaints, RobotStatus, StopRecord}
 use serde_json::json;
 
 use super::RunArguments;
+use super::drive::WatchedDrive;
 use crate::commands::live::status_of;
 use floorguard_host::console::Lines;
 use floorguard_host::executor::StopFlag;
@@ -48,6 +49,7 @@ pub(super) struct Watch<'a> {
     pub(super) learner: Option<LiveLearner>,
     pub(super) learned: Option<LearningWriter>,
     pub(super) mission: Option<MissionSetup>,
+    pub(super) drive: Option<WatchedDrive>,
     reported: u32,
     is_done: bool,
     next_mission_s: f64,
@@ -76,6 +78,7 @@ impl<'a> Watch<'a> {
             learner: None,
             learned: None,
             mission: None,
+            drive: None,
             reported: 0,
             is_done: false,
             next_mission_s: 0.0,
@@ -112,6 +115,7 @@ impl<'a> Watch<'a> {
                 notes.mission(&progress);
                 self.on_mission(&progress);
             }
+            self.on_drive(flag, notes);
             if let Some(report) = self.shared.bus.get() {
                 self.on_bus(&report);
             }
@@ -122,6 +126,20 @@ impl<'a> Watch<'a> {
             if let Some(status) = self.shared.status.get() {
                 self.on_status(&status);
             }
+        }
+    }
+
+    /// Since the run began, seconds.
+    pub(super) fn elapsed_s(&self) -> f64 {
+        self.began.elapsed().as_secs_f64()
+    }
+
+    /// A word on the drive to a goal.
+    pub(super) fn note_drive(&mut self, line: &serde_json::Value, words: &str) {
+        if self.arguments.json {
+            self.lines.tell(line);
+        } else {
+            self.display.note(&format!("  drive: {words}"));
         }
     }
 

@@ -1,0 +1,68 @@
+//! The lines between simulator and robot on a virtual clock.
+
+use floorguard_drivers::can::CanFrame;
+use floorguard_runtime::configuration::ScannerModel;
+use floorguard_runtime::tape::TapeLine;
+use floorguard_sim::{Payload, Stream, WireEvent};
+use floorguard_types::time::Stamp;
+
+use floorguard_host::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
+use floorguard_operator::telemetry::RunSinks;
+use floorguard_recording::replay::ScannerPipe;
+use floorguard_robot::assembly::ScannerCarrier;
+
+/// The lines between simulator and robot.
+pub(super) struct Lines {
+    pub(super) lidar: DatagramPipe,
+    scanner: ScannerPipe,
+    imu: PipeWriter,
+    pub(super) can: CanPipe,
+}
+
+/// The robot's ends of the serial lines.
+pub(super) struct Ends {
+    pub(super) scanner: ScannerCarrier<PipeReader, DatagramPipe>,
+    pub(super) imu: DuplexPipe,
+    /// What the robot writes to the inertial sensor.
+    pub(super) from_imu_line: PipeReader,
+}
+
+/// The bit rate that the simulated inertial sensor has.
+pub(super) const IMU_BAUD: u32 = 115_200;
+
+impl Lines {
+    pub(super) fn new(scanner: ScannerModel) -> (Self, Ends) {
+        let (scanner, scanner_reader) = ScannerPipe::new(scanner);
+        let (imu, imu_reader) = byte_pipe();
+        let (to_imu, from_imu_line) = byte_pipe();
+        let lines = Self { lidar: DatagramPipe::default(), scanner, imu, can: CanPipe::default() };
+        let imu = DuplexPipe { reader: imu_reader, writer: to_imu };
+        (lines, Ends { scanner: scanner_reader, imu, from_imu_line })
+    }
+
+    pub(super) fn deliver(&self, event: WireEvent, now_us: u64, sinks: &mut RunSinks) {
+        let when = (now_us, event.at_us);
+        match (event.stream, event.payload) {
+            (Stream::LidarData, Payload::Bytes(bytes)) => {
+                sinks.delivered(when, TapeLine::Lidar, &bytes);
+                self.lidar.push(Stamp::from_micros(event.at_us), bytes);
+            }
+            (Stream::ScannerSerial | Stream::ScannerData, Payload::Bytes(bytes)) => {
+                sinks.delivered(when, TapeLine::Scanner, &bytes);
+                self.scanner.push(Stamp::from_micros(event.at_us), &bytes);
+            }
+            (Stream::ImuSerial, Payload::Bytes(bytes)) => {
+                sinks.delivered(when, TapeLine::Imu, &bytes);
+                self.imu.push(&bytes);
+            }
+            (Stream::Can, Payload::Frame(frame)) => {
+                let [low, high] = (frame.id as u16).to_le_bytes();
+                let bytes: Vec<u8> = [low, high].iter().chain(frame.payload()).copied().collect();
+                sinks.delivered(when, TapeLine::Can, &bytes);
+                self.can.push(CanFrame::standard(frame.id as u16, frame.payload()));
+            }
+            // Position packets only discipline the lidar's clock, which the arrival times already do.
+            _ => {}
+        }
+    }
+}

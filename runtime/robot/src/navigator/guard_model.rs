@@ -1,0 +1,105 @@
+//! What the guard would do, as far as people are concerned: a planner that knows it does not ask for what is refused.
+//!
+//! The rules are the guard's (book, Guard: Collision): somebody near limits the speed, and nobody may be reached sooner than the
+//! robot can stand. People are where they will be by then. An answer is a forecast; the guard decides.
+
+use floorguard_guard::{Body, DriveLimits, Thresholds};
+use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::motion::{MovingPerson, Permission, PermittedMotion, PlannedMotion};
+
+use super::model::PERSON_RADIUS_M;
+
+/// People that count; the nearest ones.
+const PEOPLE_MAX: usize = 6;
+/// Farther away a person changes nothing within three seconds, metres.
+const REACH_M: f32 = 6.0;
+/// Two of these are added to a person's radius; more doubt than this makes nobody larger, metres.
+const DEVIATION_MAX_M: f32 = 0.15;
+/// How long a stop for a person holds the robot until it is as fast again, seconds.
+const HELD_S: f32 = 2.5;
+
+/// The rules, and who is near.
+#[derive(Clone, Debug)]
+pub(super) struct GuardModel {
+    body: Body,
+    drive: DriveLimits,
+    thresholds: Thresholds,
+    people: Vec<MovingPerson>,
+}
+
+impl GuardModel {
+    /// Of a robot with nobody around.
+    pub(super) fn of(robot: &RobotConfiguration) -> Self {
+        Self {
+            body: Body::around(&robot.geometry.footprint),
+            drive: robot.guard().drive,
+            thresholds: robot.thresholds,
+            people: Vec::new(),
+        }
+    }
+
+    /// These people are known now.
+    pub(super) fn meet(&mut self, people: &[MovingPerson], here: Point2) {
+        self.people.clear();
+        self.people.extend(people.iter().filter(|person| person.position_in_map.distance(here) < REACH_M));
+        let distance_m = |person: &MovingPerson| person.position_in_map.distance(here);
+        self.people.sort_by(|a, b| distance_m(a).total_cmp(&distance_m(b)));
+        self.people.truncate(PEOPLE_MAX);
+    }
+}
+
+impl PermittedMotion for GuardModel {
+    /// Cost: a few products a person, six people at most.
+    fn permission(&self, motion: PlannedMotion) -> Permission {
+        let speed_mps = motion.twist.linear_mps.abs();
+        let mut permission = Permission::FREE;
+        if self.people.is_empty() || speed_mps < 0.02 {
+            return permission;
+        }
+        let pose = motion.pose_in_map;
+        let (sin, cos) = libm::sincosf(pose.heading_rad);
+        let turned = |x_m: f32, y_m: f32| Point2::new(cos * x_m + sin * y_m, cos * y_m - sin * x_m);
+        let clear_s = self.drive.clear_of_people_s(speed_mps);
+        for person in &self.people {
+            let velocity = person.velocity_in_map_mps;
+            let then = Point2::new(
+                person.position_in_map.x_m + velocity.x_m * motion.in_s,
+                person.position_in_map.y_m + velocity.y_m * motion.in_s,
+            );
+            let in_base = turned(then.x_m - pose.x_m, then.y_m - pose.y_m);
+            let gap_m = self.body.distance_m(in_base);
+            if gap_m < self.thresholds.person_near_m {
+                permission.speed_limit_mps = permission.speed_limit_mps.min(self.thresholds.person_speed_mps);
+            }
+            let relative = turned(velocity.x_m, velocity.y_m);
+            let relative = Point2::new(relative.x_m - motion.twist.linear_mps, relative.y_m);
+            let radius_m = PERSON_RADIUS_M + 2.0 * person.position_deviation_m.min(DEVIATION_MAX_M);
+            if comes_near(&self.body, (in_base, relative), (radius_m, clear_s)) {
+                return Permission { speed_limit_mps: 0.0, held_s: HELD_S };
+            }
+        }
+        permission
+    }
+}
+
+/// At a constant relative velocity the body would touch a person within a time: at its end, or where the person is nearest.
+fn comes_near(body: &Body, (place, relative): (Point2, Point2), (radius_m, within_s): (f32, f32)) -> bool {
+    let after = |time_s: f32| {
+        body.distance_m(Point2::new(place.x_m + time_s * relative.x_m, place.y_m + time_s * relative.y_m))
+    };
+    let gap_m = after(0.0);
+    // Nobody is reached who is farther away than the way of that time.
+    if gap_m > radius_m + relative.norm() * within_s {
+        return false;
+    }
+    [0.33, 0.66, 1.0]
+        .into_iter()
+        .map(|share| after(share * within_s))
+        .any(|then_m| then_m < radius_m && then_m < gap_m - 0.02)
+}
+
+/// The place of a pose.
+pub(super) const fn place_of(pose: Pose2) -> Point2 {
+    Point2::new(pose.x_m, pose.y_m)
+}

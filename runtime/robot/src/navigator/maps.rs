@@ -1,0 +1,227 @@
+//! What it costs to drive where: the whole map for the global plan, and a window that rolls with the robot for the local one.
+
+use floorguard_mapping::{GridCoordinates, GridGeometry, GridSides, Occupancy, Parabola};
+use floorguard_navigation::costmap::{
+    Beam, CostmapLayers, CostmapView, Costs, Inflation, InflationConfig, InflationScratch, ObstacleLayer,
+    ObstacleLimits, PeopleCost, compose,
+};
+use floorguard_types::geometry::Point2;
+use floorguard_types::motion::MovingPerson;
+
+use crate::site::ros_map::OccupancyMap;
+
+/// Cells of the global costmap; larger maps are planned on coarser cells.
+const CELLS_MAX: usize = 1_000_000;
+/// Coarsest cells on which a robot fits through a door, metres.
+const CELL_MAX_M: f32 = 0.15;
+/// Half of the rolling window, metres: three seconds ahead, and the robot.
+const HALF_WINDOW_M: f32 = 4.0;
+/// Where rays end nearer than this they mark; and so far they clear, metres.
+const LIMITS: ObstacleLimits = ObstacleLimits { mark_m: 6.0, clear_m: 8.0 };
+/// What the robot forgets around itself when it clears the costmap, metres.
+const FORGET_M: f32 = 6.0;
+/// Hills of cost at places where the robot did not get through.
+const STUCK: PeopleCost =
+    PeopleCost { collision_radius_m: 0.0, deviation_m: 0.5, ahead_m_per_mps: 0.0, peak: 220 };
+/// Places that are kept.
+const STUCK_MAX: usize = 16;
+
+/// Costs of one raster with the memory to make them.
+struct Costmap {
+    geometry: GridGeometry,
+    fixed: Vec<Occupancy>,
+    observed: Vec<Occupancy>,
+    costs: Vec<u8>,
+    squared_cells: Vec<u32>,
+    envelope: Vec<Parabola>,
+    revision: u32,
+}
+
+impl Costmap {
+    fn new(geometry: GridGeometry) -> Self {
+        let cells = geometry.cell_count();
+        Self {
+            geometry,
+            fixed: vec![Occupancy::Occupied; cells],
+            observed: vec![Occupancy::Unknown; cells],
+            costs: vec![Costs::LETHAL; cells],
+            squared_cells: vec![0; cells],
+            envelope: vec![Parabola::default(); geometry.columns()],
+            revision: 0,
+        }
+    }
+
+    /// Makes the costs anew; `people` with the shape of their hills.
+    fn compose(&mut self, inflation: &Inflation, (people, people_cost): (&[MovingPerson], PeopleCost)) {
+        let layers = CostmapLayers {
+            geometry: &self.geometry,
+            inflation,
+            fixed: &self.fixed,
+            observed: &self.observed,
+            zones: &[],
+            people,
+            people_cost,
+        };
+        let mut scratch =
+            InflationScratch { squared_cells: &mut self.squared_cells, envelope: &mut self.envelope };
+        if compose(&layers, &mut self.costs, &mut scratch).is_err() {
+            // Never: all layers were made for this raster. Nothing would be free then.
+            self.costs.fill(Costs::LETHAL);
+        }
+        self.revision = self.revision.wrapping_add(1);
+    }
+
+    fn view(&self) -> Option<CostmapView<'_>> {
+        CostmapView::new(self.geometry, &self.costs, self.revision)
+    }
+}
+
+/// Both costmaps, and what was seen.
+pub(super) struct Maps {
+    observed: ObstacleLayer<Vec<Occupancy>>,
+    global: Costmap,
+    window: Costmap,
+    inflation: Inflation,
+    stuck: Vec<MovingPerson>,
+    is_blind: bool,
+}
+
+impl Maps {
+    /// Of a map. What is not known to be free floor is an obstacle: what stands above the floor there the scanner cannot see.
+    ///
+    /// # Errors
+    /// The map is larger than the planners' memory.
+    pub(super) fn new(
+        map: &OccupancyMap,
+        inflation: &InflationConfig,
+        is_blind: bool,
+    ) -> anyhow::Result<Self> {
+        let geometry = raster_of(map.geometry())?;
+        let cell_m = geometry.resolution_m();
+        let mut global = Costmap::new(geometry);
+        global.fixed.fill(Occupancy::Unknown);
+        for (pixel, state) in map.values().iter().enumerate() {
+            let Some(cell) = geometry.cell_at(map.geometry().centre(pixel)) else { continue };
+            let is_free = *state == Occupancy::Free && global.fixed[cell] != Occupancy::Occupied;
+            global.fixed[cell] = if is_free { Occupancy::Free } else { Occupancy::Occupied };
+        }
+        let unknown = global.fixed.iter_mut().filter(|state| **state == Occupancy::Unknown);
+        unknown.for_each(|state| *state = Occupancy::Occupied);
+        if is_blind {
+            global.fixed.fill(Occupancy::Free);
+        }
+        let side = 2 * (HALF_WINDOW_M / cell_m).ceil() as u32 + 1;
+        let window = GridGeometry::with_sides(
+            GridSides { columns: side, rows: side },
+            cell_m,
+            geometry.origin_in_map(),
+        );
+        let window = window.ok_or_else(|| anyhow::anyhow!("the map makes no raster"))?;
+        let observed = ObstacleLayer::new(geometry, vec![Occupancy::Unknown; geometry.cell_count()])?;
+        Ok(Self {
+            observed,
+            global,
+            window: Costmap::new(window),
+            inflation: Inflation::new(inflation, cell_m)?,
+            stuck: Vec::new(),
+            is_blind,
+        })
+    }
+
+    /// The raster of the global costmap.
+    pub(super) const fn geometry(&self) -> &GridGeometry {
+        &self.global.geometry
+    }
+
+    /// A scan from a sensor in the map frame.
+    pub(super) fn see(&mut self, sensor_in_map: Point2, beams: &[Beam]) {
+        if !self.is_blind {
+            self.observed.observe(sensor_in_map, LIMITS, beams.iter().copied());
+        }
+    }
+
+    /// Forgets what was seen around a place.
+    pub(super) fn forget_around(&mut self, place_in_map: Point2) {
+        self.observed.forget_within(place_in_map, FORGET_M);
+    }
+
+    /// From now on this place is expensive: the robot did not get through there.
+    pub(super) fn avoid(&mut self, place_in_map: Point2) {
+        if self.stuck.len() >= STUCK_MAX {
+            self.stuck.remove(0);
+        }
+        self.stuck.push(MovingPerson { position_in_map: place_in_map, ..MovingPerson::default() });
+    }
+
+    /// Makes the global costs anew.
+    pub(super) fn refresh(&mut self) {
+        self.global.observed.copy_from_slice(self.observed.cells().values());
+        self.global.compose(&self.inflation, (&self.stuck, STUCK));
+    }
+
+    /// The global costs by the map alone, as if nothing had ever been seen. The next refresh brings it back.
+    pub(super) fn refresh_by_map_alone(&mut self) {
+        self.global.observed.fill(Occupancy::Unknown);
+        self.global.compose(&self.inflation, (&[], STUCK));
+    }
+
+    /// Moves the window to the robot and makes its costs anew. `people` become hills.
+    pub(super) fn roll(&mut self, place_in_map: Point2, people: &[MovingPerson]) {
+        let geometry = self.global.geometry;
+        let GridCoordinates { column, row } = geometry.coordinates_of(place_in_map);
+        let half = (self.window.geometry.columns() / 2) as i32;
+        let (first_column, first_row) = (column.saturating_sub(half), row.saturating_sub(half));
+        let base = GridGeometry::with_sides(
+            GridSides {
+                columns: self.window.geometry.columns() as u32,
+                rows: self.window.geometry.rows() as u32,
+            },
+            geometry.resolution_m(),
+            geometry.origin_in_map(),
+        );
+        let Some(base) = base else { return };
+        self.window.geometry = base.moved(first_column, first_row);
+        let observed = self.observed.cells().values();
+        for cell in 0..self.window.costs.len() {
+            let GridCoordinates { column: x, row: y } = self.window.geometry.coordinates(cell);
+            let source = geometry.index(x.saturating_add(first_column), y.saturating_add(first_row));
+            let of = |layer: &[Occupancy], outside| {
+                source.and_then(|at| layer.get(at).copied()).unwrap_or(outside)
+            };
+            self.window.fixed[cell] = of(&self.global.fixed, Occupancy::Occupied);
+            self.window.observed[cell] = of(observed, Occupancy::Unknown);
+        }
+        let shape = PeopleCost { collision_radius_m: 0.7, ..PeopleCost::DEFAULT };
+        self.window.compose(&self.inflation, (people, shape));
+    }
+
+    /// The global costs.
+    pub(super) fn global(&self) -> Option<CostmapView<'_>> {
+        self.global.view()
+    }
+
+    /// The costs around the robot.
+    pub(super) fn window(&self) -> Option<CostmapView<'_>> {
+        self.window.view()
+    }
+
+    /// Cells of the rolling window.
+    pub(super) fn window_cells(&self) -> usize {
+        self.window.costs.len()
+    }
+}
+
+/// The raster of a map: its own pixels, or as fine as the planners can hold.
+fn raster_of(pixels: &GridGeometry) -> anyhow::Result<GridGeometry> {
+    let area_m2 = pixels.cell_count() as f32 * pixels.resolution_m() * pixels.resolution_m();
+    let cell_m = pixels.resolution_m().max(0.05).max((area_m2 / CELLS_MAX as f32).sqrt());
+    anyhow::ensure!(
+        cell_m <= CELL_MAX_M.max(pixels.resolution_m()),
+        "the map has {area_m2:.0} m²; navigation plans on {:.0} m² at most: cut the map to the floor that is driven",
+        CELLS_MAX as f32 * CELL_MAX_M * CELL_MAX_M
+    );
+    let side = |count: usize| (count as f32 * pixels.resolution_m() / cell_m).ceil() as u32;
+    let sides = GridSides { columns: side(pixels.columns()), rows: side(pixels.rows()) };
+    GridGeometry::with_sides(sides, cell_m, pixels.origin_in_map())
+        .ok_or_else(|| anyhow::anyhow!("the map makes no raster"))
+}

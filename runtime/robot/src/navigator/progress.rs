@@ -1,0 +1,94 @@
+//! How far a drive is: plain data for panel, recording and report.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use floorguard_mapping::GridGeometry;
+use floorguard_runtime::channel::Latest;
+use floorguard_types::geometry::{Point2, Pose2};
+use floorguard_types::time::Stamp;
+
+use super::reasons::StandingReason;
+
+/// What a drive is doing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum NavigationPhase {
+    /// The pose or the first plan is missing.
+    #[default]
+    Starting,
+    /// On the way, standing or not.
+    Driving,
+    /// At the goal.
+    Reached,
+    /// A person is needed: it stands obstructed for too long.
+    NeedsHelp,
+    /// The goal cannot be reached on this map, whatever moves on it.
+    Unreachable,
+}
+
+impl NavigationPhase {
+    /// In a word or two.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Starting => "starting",
+            Self::Driving => "driving",
+            Self::Reached => "reached",
+            Self::NeedsHelp => "needs help",
+            Self::Unreachable => "unreachable",
+        }
+    }
+
+    /// Nothing more comes of it by itself.
+    #[must_use]
+    pub const fn is_over(self) -> bool {
+        matches!(self, Self::Reached | Self::NeedsHelp | Self::Unreachable)
+    }
+}
+
+/// The costmap around the robot, as percent: 0 free, 100 an obstacle, −1 unknown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CostmapImage {
+    /// Where the cells lie in the map frame.
+    pub geometry: GridGeometry,
+    /// Along x first.
+    pub cells: Vec<i8>,
+}
+
+/// A drive at a moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NavigationProgress {
+    /// When, on the robot's clock.
+    pub stamp: Stamp,
+    /// What it is doing.
+    pub phase: NavigationPhase,
+    /// In one sentence.
+    pub words: String,
+    /// Why it stands, if it stands.
+    pub standing: Option<StandingReason>,
+    /// Where the odometry frame lies in the map frame, as believed now.
+    pub odometry_in_map: Pose2,
+    /// Where the robot is believed to be, map frame.
+    pub pose_in_map: Pose2,
+    /// Where it shall be, map frame.
+    pub goal_in_map: Pose2,
+    /// What is left of the path, map frame.
+    pub path: Vec<Point2>,
+    /// Along it, metres; none without a path.
+    pub left_m: Option<f32>,
+    /// Driven so far, metres.
+    pub distance_m: f32,
+    /// Global plans so far.
+    pub plans: u32,
+    /// How often each measure of recovery was taken.
+    pub measures: BTreeMap<&'static str, u32>,
+    /// The costmap around the robot; the newest one that was made.
+    pub costmap: Option<Arc<CostmapImage>>,
+}
+
+/// The newest progress.
+pub type NavigationWatch<M> = Latest<M, Arc<NavigationProgress>>;
+
+/// A progress that anybody may watch.
+pub type SharedNavigationWatch = Arc<NavigationWatch<CriticalSectionRawMutex>>;

@@ -1,0 +1,46 @@
+//! Why the robot stands, in one sentence.
+
+use floorguard_guard::{Cause, Decision};
+use floorguard_navigation::recovery::{Measure, RecoveryStep};
+
+/// Why the robot stands. Everything that the drive can do about it has a name here; a robot that stands for no such reason is at
+/// fault.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StandingReason {
+    /// Nothing is known yet: the pose or the first plan is missing.
+    Starting,
+    /// The operator has paused it.
+    Paused,
+    /// The guard permits less than standing still would need: its cause, if it names one.
+    Guard(Option<Cause>),
+    /// It does something about an obstruction.
+    Recovery(RecoveryStep),
+    /// It is at its goal, or was given up.
+    Ended,
+}
+
+impl StandingReason {
+    /// The guard's reason, where its decision lets nothing move.
+    pub(super) fn of_guard(decision: &Decision) -> Self {
+        Self::Guard(decision.holding_cause.or(decision.primary_cause).map(|record| record.cause))
+    }
+}
+
+impl std::fmt::Display for StandingReason {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Starting => write!(f, "the pose or the first plan is missing"),
+            Self::Paused => write!(f, "the operator has paused the robot"),
+            Self::Guard(Some(cause)) => write!(f, "the guard holds the robot: {cause}"),
+            Self::Guard(None) => write!(f, "the guard does not permit motion yet"),
+            Self::Recovery(step) => match step.obstruction {
+                Some(obstruction) if step.measure == Measure::CallHelp => {
+                    write!(f, "calls for help after {:.0} s: {obstruction}", step.obstructed_s)
+                }
+                Some(obstruction) => write!(f, "{}: {obstruction}", step.measure.words()),
+                None => write!(f, "{}", step.measure.words()),
+            },
+            Self::Ended => write!(f, "the drive has ended"),
+        }
+    }
+}

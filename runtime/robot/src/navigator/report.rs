@@ -1,0 +1,71 @@
+//! What a drive tells of itself, about five times a second and whenever something changes.
+
+use std::sync::Arc;
+
+use floorguard_navigation::costmap::{CostmapView, Costs};
+use floorguard_runtime::tasks::NavigationMoment;
+use floorguard_types::motion::Waypoint;
+
+use super::drive::Navigator;
+use super::progress::{CostmapImage, NavigationPhase, NavigationProgress};
+
+/// Progress is made known this often, seconds.
+const PROGRESS_S: f32 = 0.2;
+/// The costmap around the robot is drawn this often, seconds.
+const COSTMAP_S: f32 = 1.0;
+
+impl Navigator {
+    /// Makes the progress known, if it is time or something changed.
+    pub(super) fn report(&mut self, moment: &NavigationMoment<'_>, now_s: f32) {
+        if now_s >= self.next_costmap_s {
+            self.next_costmap_s = now_s + COSTMAP_S;
+            self.costmap = self.maps.window().map(|costmap| Arc::new(picture(costmap)));
+        }
+        let state = Some((self.phase, self.standing.is_some()));
+        if now_s >= self.next_report_s || self.reported != state {
+            self.next_report_s = now_s + PROGRESS_S;
+            self.reported = state;
+            self.watch.publish(Arc::new(self.progress(moment)));
+        }
+    }
+
+    fn progress(&self, moment: &NavigationMoment<'_>) -> NavigationProgress {
+        let has_path = self.course.gear().is_some();
+        let left_m = has_path.then(|| self.course.left_m());
+        NavigationProgress {
+            stamp: moment.now,
+            phase: self.phase,
+            words: self.words(left_m),
+            standing: self.standing,
+            odometry_in_map: self.senses.odometry_in_map(),
+            pose_in_map: self.senses.pose(),
+            goal_in_map: self.plan.goal_pose(),
+            path: self.course.rest().iter().map(Waypoint::place_in_map).collect(),
+            left_m,
+            distance_m: self.senses.distance_m,
+            plans: self.plans,
+            measures: self.measures.clone(),
+            costmap: self.costmap.clone(),
+        }
+    }
+
+    fn words(&self, left_m: Option<f32>) -> String {
+        match (self.phase, self.failure, &self.standing) {
+            (NavigationPhase::Reached, ..) => "the goal is reached".to_owned(),
+            (NavigationPhase::Unreachable, Some(failure), _) => format!("{failure}, by the map alone"),
+            (_, _, Some(standing)) => standing.to_string(),
+            _ => format!("drives to the goal, {:.1} m left", left_m.unwrap_or(0.0)),
+        }
+    }
+}
+
+fn picture(costmap: CostmapView<'_>) -> CostmapImage {
+    let percent = |cost: &u8| match *cost {
+        Costs::UNKNOWN => -1,
+        Costs::LETHAL => 100,
+        Costs::INSCRIBED => 99,
+        // As ROS draws a costmap: 1 to 98 between.
+        other => (u16::from(other) * 98 / 252) as i8,
+    };
+    CostmapImage { geometry: *costmap.geometry(), cells: costmap.costs().iter().map(percent).collect() }
+}

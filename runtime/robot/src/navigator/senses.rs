@@ -1,0 +1,230 @@
+//! What the drive learns: where the robot is on the map, what stands around, and who walks.
+
+use std::collections::VecDeque;
+
+use floorguard_guard::FUTURE_TOLERANCE_US;
+use floorguard_mapping::{DirtCell, Grid};
+use floorguard_navigation::costmap::Beam;
+use floorguard_perception::people::TrackStatus;
+use floorguard_runtime::configuration::RobotConfiguration;
+use floorguard_runtime::shared::{PeopleReport, PersonReport, StampedPose};
+use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;
+use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
+use floorguard_types::motion::MovingPerson;
+use floorguard_types::random::Pcg32;
+use floorguard_types::sensing::{BeamReturn, Scan};
+use floorguard_types::time::{Age, Stamp};
+
+use super::plan::NavigationPlan;
+use crate::site::{Floor, Localiser, scrubber};
+
+/// While the pose is not trusted a scan is taken in this often even if the robot stands, seconds.
+const RETRY_S: f32 = 0.2;
+/// One beam in this many is matched with the map.
+const BEAM_INTERVAL: usize = 9;
+/// Beams that end this near to somebody are no part of the map, metres.
+const PERSON_M: f32 = 0.8;
+/// A place this far from all that is on the map is the middle of a free floor, metres.
+const MIDDLE_M: f32 = 0.6;
+/// Beams that end this near to somebody who walks mark nothing: who walks is planned for where they will be, metres.
+const WALKER_M: f32 = 0.6;
+/// Who is slower stands, m/s.
+const WALKS_MPS: f32 = 0.3;
+/// What was known of people counts for so long, seconds.
+const FADES_S: f32 = 1.0;
+/// Poses of the last second, to find the one of a scan.
+const POSES: usize = 24;
+
+/// Pose, scans and people.
+pub(super) struct Senses {
+    floor: Floor,
+    localiser: Localiser,
+    scanner_in_base: Pose2,
+    poses: VecDeque<StampedPose>,
+    odometry: StampedPose,
+    people: Vec<PersonReport>,
+    people_s: f32,
+    next_retry_s: f32,
+    /// Driven so far, metres.
+    pub(super) distance_m: f32,
+}
+
+impl Senses {
+    /// At the start of a plan, on its map.
+    ///
+    /// # Errors
+    /// The map has no floor for this robot.
+    pub(super) fn new(
+        plan: &NavigationPlan,
+        robot: &RobotConfiguration,
+        radius_m: f32,
+    ) -> anyhow::Result<Self> {
+        let mut floor = Floor::new("navigation", plan.occupancy()?, radius_m)?;
+        floor.start = plan.start_pose();
+        // The belief of the cleaning mission, on a floor where nothing is dirty: it keeps the pose alone.
+        let cells = Grid::new(floor.cells, vec![DirtCell::CLEAN; floor.cells.cell_count()])?;
+        let mut localiser = Localiser::new(&floor, scrubber::belief(5), cells, Pcg32::new(plan.seed, 73));
+        localiser.brush_turns = false;
+        let mounting = robot.scanner.mounting;
+        Ok(Self {
+            floor,
+            localiser,
+            scanner_in_base: Pose2::new(mounting.position.x_m, mounting.position.y_m, mounting.yaw_rad),
+            poses: VecDeque::new(),
+            odometry: StampedPose::default(),
+            people: Vec::new(),
+            people_s: f32::NEG_INFINITY,
+            next_retry_s: 0.0,
+            distance_m: 0.0,
+        })
+    }
+
+    /// Where the robot is believed to be now, map frame.
+    pub(super) fn pose(&self) -> Pose2 {
+        self.localiser.pose(self.odometry.pose_in_odometry)
+    }
+
+    /// Where the odometry frame lies in the map frame.
+    pub(super) fn odometry_in_map(&self) -> Pose2 {
+        self.pose().compose(self.odometry.pose_in_odometry.inverse())
+    }
+
+    /// How it moves.
+    pub(super) const fn motion(&self) -> StampedPose {
+        self.odometry
+    }
+
+    /// The pose explains what the scanner sees.
+    pub(super) const fn is_trusted(&self) -> bool {
+        self.localiser.is_trusted()
+    }
+
+    /// A pose of the odometry.
+    pub(super) fn remember(&mut self, pose: StampedPose) {
+        let (from, to) = (self.odometry.pose_in_odometry, pose.pose_in_odometry);
+        if !self.poses.is_empty() {
+            self.distance_m += (to.x_m - from.x_m).hypot(to.y_m - from.y_m);
+        }
+        self.odometry = pose;
+        self.poses.push_back(pose);
+        if self.poses.len() > POSES {
+            self.poses.pop_front();
+        }
+    }
+
+    /// The list of people. While perception is silent its last message grows old, and one from the future counts for nothing.
+    pub(super) fn see_people(&mut self, report: &PeopleReport, (now, now_s): (Stamp, f32)) {
+        let age_us = match report.sweep.stamp.age(now) {
+            Age::Past(age_us) => age_us,
+            Age::Future(ahead_us) if ahead_us <= FUTURE_TOLERANCE_US => 0,
+            Age::Future(_) => return,
+        };
+        self.people_s = now_s - age_us as f32 * 1.0e-6;
+        let confirmed = report.people.iter().filter(|person| person.status == TrackStatus::Confirmed);
+        self.people = confirmed.copied().collect();
+    }
+
+    /// A scan: it corrects the pose, and gives what stands around, with the sensor's place in the map frame.
+    pub(super) fn see(&mut self, scan: &Scan, now_s: f32) -> (Point2, Vec<Beam>) {
+        let odometry = self.odometry_at(scan.stamp);
+        let is_lost = !self.localiser.is_trusted();
+        if self.localiser.is_due(odometry) || (is_lost && now_s >= self.next_retry_s) {
+            self.next_retry_s = now_s + RETRY_S;
+            let interval = if is_lost { BEAM_INTERVAL / 3 } else { BEAM_INTERVAL };
+            let guess = self.localiser.pose(odometry);
+            let is_no_wall = |end: &Point2| {
+                self.is_near_person(odometry.transform(*end), PERSON_M, now_s)
+                    || self.floor.clearance.clearance_m(guess.transform(*end)) > MIDDLE_M
+            };
+            let ends = (0..scan.beams.len()).step_by(interval).filter_map(|beam| end_of(scan, beam));
+            let ends = ends.map(|end| self.scanner_in_base.transform(end));
+            let matched: Vec<Point2> = ends.filter(|end| !is_no_wall(end)).collect();
+            self.localiser.update(&self.floor, odometry, &matched, false);
+        }
+        let scanner = self.localiser.pose(odometry).compose(self.scanner_in_base);
+        let beams = (0..scan.beams.len()).map(|beam| self.beam((scan, beam), (scanner, odometry), now_s));
+        (Point2::new(scanner.x_m, scanner.y_m), beams.collect())
+    }
+
+    /// A beam in the map frame.
+    fn beam(&self, (scan, beam): (&Scan, usize), (scanner, odometry): (Pose2, Pose2), now_s: f32) -> Beam {
+        let place = |range_mm: u16| {
+            let angle_rad = scan.first_angle_rad + beam as f32 * scan.step_rad;
+            let range_m = f32::from(range_mm) * 1.0e-3;
+            Point2::new(range_m * angle_rad.cos(), range_m * angle_rad.sin())
+        };
+        match scan.beams.get(beam) {
+            Some(BeamReturn::Hit(range_mm)) => {
+                let end = place(*range_mm);
+                let in_odometry = odometry.transform(self.scanner_in_base.transform(end));
+                let end = scanner.transform(end);
+                if self.is_near_walker(in_odometry, now_s) { Beam::Free(end) } else { Beam::Hit(end) }
+            }
+            Some(BeamReturn::Free(range_mm)) => Beam::Free(scanner.transform(place(*range_mm))),
+            _ => Beam::Unknown,
+        }
+    }
+
+    fn is_near_person(&self, place: Point2, within_m: f32, now_s: f32) -> bool {
+        now_s - self.people_s <= FADES_S
+            && self.people.iter().any(|person| person.position.distance(place) < within_m)
+    }
+
+    fn is_near_walker(&self, place: Point2, now_s: f32) -> bool {
+        let is_near = |person: &&PersonReport| person.position.distance(place) < WALKER_M;
+        let walks = |person: &PersonReport| is_person(person) && person.velocity_mps.norm() > WALKS_MPS;
+        now_s - self.people_s <= FADES_S && self.people.iter().filter(is_near).any(walks)
+    }
+
+    /// The people that are known now, map frame, moved on to this moment.
+    pub(super) fn people_in_map(&self, now_s: f32) -> Vec<MovingPerson> {
+        let age_s = now_s - self.people_s;
+        if age_s > FADES_S {
+            return Vec::new();
+        }
+        let to_map = self.odometry_in_map();
+        let turn = Pose2::new(0.0, 0.0, to_map.heading_rad);
+        let moved = |person: &PersonReport| {
+            let known = MovingPerson {
+                position_in_map: to_map.transform(person.position),
+                velocity_in_map_mps: turn.transform(person.velocity_mps),
+                position_deviation_m: person.position_sigma_m,
+                velocity_deviation_mps: person.velocity_sigma_mps,
+            };
+            known.after(age_s.max(0.0), 0.0)
+        };
+        self.people.iter().filter(|person| is_person(person)).map(moved).collect()
+    }
+
+    /// Between the poses around a moment; the nearest one outside.
+    fn odometry_at(&self, stamp: Stamp) -> Pose2 {
+        let after = self.poses.iter().position(|known| known.stamp >= stamp);
+        let pair =
+            after.and_then(|after| Some((self.poses.get(after.checked_sub(1)?)?, self.poses.get(after)?)));
+        let Some((from, to)) = pair else {
+            let edge = if after.is_some() { self.poses.front() } else { self.poses.back() };
+            return edge.map_or(self.odometry.pose_in_odometry, |known| known.pose_in_odometry);
+        };
+        let micros = |stamp: Stamp| stamp.as_micros().saturating_sub(from.stamp.as_micros()) as f32;
+        let t = micros(stamp) / micros(to.stamp).max(1.0);
+        let (a, b) = (from.pose_in_odometry, to.pose_in_odometry);
+        let turned_rad = wrap_angle(b.heading_rad - a.heading_rad);
+        Pose2::new(
+            a.x_m + t * (b.x_m - a.x_m),
+            a.y_m + t * (b.y_m - a.y_m),
+            wrap_angle(a.heading_rad + t * turned_rad),
+        )
+    }
+}
+
+fn is_person(person: &PersonReport) -> bool {
+    person.person_probability >= PERSON_PROBABILITY_MIN || person.moving_probability >= PERSON_PROBABILITY_MIN
+}
+
+/// The end of a beam that met something, in the scanner's frame.
+fn end_of(scan: &Scan, beam: usize) -> Option<Point2> {
+    let Some(BeamReturn::Hit(range_mm)) = scan.beams.get(beam) else { return None };
+    let angle_rad = scan.first_angle_rad + beam as f32 * scan.step_rad;
+    let range_m = f32::from(*range_mm) * 1.0e-3;
+    Some(Point2::new(range_m * angle_rad.cos(), range_m * angle_rad.sin()))
+}

@@ -1,0 +1,40 @@
+//! A drive to a goal with where it reports: what a world hands to the robot's tasks.
+
+use std::fmt;
+
+use floorguard_runtime::configuration::RobotConfiguration;
+
+use super::drive::Navigator;
+use super::plan::NavigationPlan;
+use super::progress::SharedNavigationWatch;
+
+/// A drive that is about to begin.
+#[derive(Clone)]
+pub struct NavigationSetup {
+    /// Its input.
+    pub plan: NavigationPlan,
+    /// Where it reports its progress.
+    pub watch: SharedNavigationWatch,
+}
+
+impl fmt::Debug for NavigationSetup {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("NavigationSetup").field("goal", &self.plan.goal).finish_non_exhaustive()
+    }
+}
+
+impl NavigationSetup {
+    /// With nothing reported yet.
+    #[must_use]
+    pub fn new(plan: NavigationPlan) -> Self {
+        Self { plan, watch: SharedNavigationWatch::default() }
+    }
+
+    /// The drive of a robot.
+    ///
+    /// # Errors
+    /// The map has no floor for this robot, or is too large.
+    pub fn begin(&self, robot: &RobotConfiguration) -> anyhow::Result<Navigator> {
+        Navigator::new(&self.plan, robot, self.watch.clone())
+    }
+}

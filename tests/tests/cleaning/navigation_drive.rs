@@ -1,0 +1,77 @@
+//! Drives to a goal, judged by true contacts, the true pose and the reasons that the robot names while it stands.
+
+use floorguard_laboratory::judge::{NavigationReport, Outcome};
+use floorguard_laboratory::world::{Observation, Observer, Plan, run_virtual};
+use floorguard_sim::scenario::Scenario;
+use floorguard_types::geometry::Pose2;
+
+fn play(plan: &Plan) -> (Observation, NavigationReport) {
+    let mut show = |_: f64, _: &_, _: usize, _: &[_]| {};
+    let mut observer = Observer::new(plan, &mut show);
+    run_virtual(plan, &mut observer).unwrap();
+    let seen = observer.into_observation();
+    let drive = seen.verdict.navigation.clone().expect("the drive is judged");
+    (seen, drive)
+}
+
+/// A block of shelves between two aisles, with more walls, and with people.
+fn aisles(walls: &str, people: &str) -> Scenario {
+    let text = format!(
+        r#"
+title = "two aisles"
+start = {{ at_m = [-3.0, 2.0], yaw_deg = 0.0 }}
+[route]
+speed_mps = 0.8
+waypoints_m = [[0.0, 2.0]]
+[scene]
+wall = [
+  {{ from_m = [-5.0, -4.0], to_m = [11.0, -4.0] }},
+  {{ from_m = [11.0, -4.0], to_m = [11.0, 4.0] }},
+  {{ from_m = [11.0, 4.0], to_m = [-5.0, 4.0] }},
+  {{ from_m = [-5.0, 4.0], to_m = [-5.0, -4.0] }},
+  {{ from_m = [0.0, 3.2], to_m = [6.0, 3.2] }},
+  {{ from_m = [0.0, -3.2], to_m = [6.0, -3.2] }},
+{walls}]
+furniture = [{{ kind = "shelf", at_m = [3.0, 0.0], size_m = [6.0, 2.4], height_m = 1.8 }}]
+{people}
+"#
+    );
+    Scenario::from_toml(&text).unwrap()
+}
+
+fn drive_plan(scenario: Scenario, goal: Pose2, seconds: u64) -> Plan {
+    Plan::of("aisles", scenario, 1, seconds * 1_000_000).unwrap().navigating(goal).unwrap()
+}
+
+/// Through the supermarket among its customers, past two shelves.
+#[test]
+fn goal_across_the_supermarket_is_reached() {
+    let plan = Plan::named("supermarket", 1, 150_000_000).unwrap();
+    let (seen, drive) = play(&plan.navigating(Pose2::new(14.5, 4.5, 1.57)).unwrap());
+    assert_eq!(seen.verdict.verdict, Outcome::Good, "{} {drive:#?}", seen.verdict.reason);
+    assert_eq!(
+        (seen.verdict.avoidable_contacts, seen.verdict.missed_stops),
+        (0, 0),
+        "{:?}",
+        seen.verdict.bodies
+    );
+    assert!(drive.reached && drive.off_goal_m < 0.4 && drive.unreasoned_s < 3.0, "{drive:#?}");
+}
+
+/// A room without a door: the reason is true, and it comes soon.
+#[test]
+fn goal_in_a_sealed_room_is_unreachable() {
+    let room = "
+  { from_m = [7.0, -3.6], to_m = [10.6, -3.6] },
+  { from_m = [10.6, -3.6], to_m = [10.6, -0.4] },
+  { from_m = [10.6, -0.4], to_m = [7.0, -0.4] },
+  { from_m = [7.0, -0.4], to_m = [7.0, -3.6] },
+";
+    let (seen, drive) = play(&drive_plan(aisles(room, ""), Pose2::new(8.8, -2.0, 0.0), 60));
+    assert_eq!(seen.verdict.verdict, Outcome::NotFinished, "{}", seen.verdict.reason);
+    assert!(!drive.reached && drive.phase == "unreachable", "{drive:#?}");
+    assert!(seen.verdict.duration_s < 20.0, "{}", seen.verdict.duration_s);
+    let reason = &seen.verdict.reason;
+    assert!(reason.contains("no path leads to the goal, by the map alone"), "{reason}");
+    assert!(drive.distance_m < 0.5, "it never drove: {drive:#?}");
+}
