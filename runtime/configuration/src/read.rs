@@ -117,12 +117,10 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
     let scanner = read_scanner(top.section_because("scanner", NO_SCANNER));
     let imu = top.optional_section("imu").map(read_imu);
     let camera = top.optional_section("camera").map(read_camera);
-    let (thresholds, accepted_gaps) =
-        top.optional_section("guard").map_or_else(Default::default, read_thresholds);
+    let (thresholds, accepted_gaps) = optional(&top, "guard", read_thresholds);
     let drives = read_drives(&top);
     let fields = read_fields(&top, &geometry, &limits);
-    let (route, route_limits) =
-        top.optional_section("route").map_or_else(Default::default, |section| read_route(section, &limits));
+    let (route, route_limits) = optional(&top, "route", |section| read_route(section, &limits));
     let mission = top.optional_section("mission").and_then(read_mission);
     let navigation = top.optional_section("navigation").map(|section| read_navigation(section, &limits));
     let learning = top.optional_section("learning").and_then(read_learning);
@@ -171,6 +169,11 @@ fn read_top(top: Reader<'_>) -> Option<HostedConfiguration> {
         accepted_gaps,
         command,
     })
+}
+
+/// What a section says, or what stands for it where it is missing.
+fn optional<T: Default>(top: &Reader<'_>, name: &'static str, read: impl FnOnce(Reader<'_>) -> T) -> T {
+    top.optional_section(name).map_or_else(T::default, read)
 }
 
 /// A device that a robot can do without: none if its section is missing, refused if it is wrong.

@@ -4,6 +4,7 @@
 use super::lidar_rays::LidarRays;
 use super::packet_table::{BIN_CDEG, PacketTable};
 use floorguard_types::geometry::{Pose2, wrap_angle};
+use floorguard_types::number::count_u32;
 use floorguard_types::sensing::{BeamReturn, LidarColumn, LidarPacket, Scan};
 
 /// The robot has moved when its wheels say so by this much, metres, …
@@ -100,7 +101,7 @@ impl ContentWatch {
             BeamReturn::Free(range_mm) => u32::from(range_mm) | 0x1_0000,
             BeamReturn::Unknown => 0x2_0000,
         };
-        let print = scan.beams.iter().fold(scan.beams.len() as u32, |print, beam| sum(print, word(beam)));
+        let print = scan.beams.iter().fold(count_u32(scan.beams.len()), |print, beam| sum(print, word(beam)));
         if print == self.scanner.print { self.scanner.repeat(pose) } else { self.scanner.begin(print, pose) }
     }
 

@@ -171,8 +171,7 @@ fn live(plan: &Plan, world: &mut World<'_, '_>, dead: impl Fn(u64) -> bool) -> a
     shared.restore_latches(world.latches, Stamp::from_micros(world.now_us));
     let mut perception = new_perception(&plan.robot, plan.stages);
     perception.motion.learn(plan.learning.as_ref().map(LearningSetup::again).as_ref());
-    let setup = world.mission.clone();
-    let navigation = world.navigation.clone();
+    let (setup, navigation) = (world.mission.clone(), world.navigation.clone());
     let mut planners = Planners {
         mission: setup.as_ref().map(|setup| setup.begin(&plan.robot)).transpose()?,
         navigator: navigation.as_ref().map(|setup| setup.begin(&plan.robot)).transpose()?,

@@ -68,7 +68,7 @@ fn describe(arguments: &CheckArguments, configuration: &HostedConfiguration, is_
         robot.route.waypoints.len(),
         robot.limits.speed_mps,
     );
-    say_absences(&configuration);
+    say_absences(configuration);
     if let Some(learning) = &configuration.learning {
         let seconds = learning.update_us as f64 * 1.0e-6;
         match learning.enabled {

@@ -95,14 +95,7 @@ pub(super) fn run_to(
         .map_err(|error| BadInput(format!("{}: {error}", arguments.file.display())))?;
     let flag = StopFlag::default();
     end_at_ctrl_c(&flag, "the robot is brought to a stand")?;
-    say!(
-        "floorguard run: {}; Ctrl-C ends it; r and Enter resets, s and Enter starts",
-        arguments.file.display()
-    );
-    say_absences(&configuration);
-    if let Some(command) = &configuration.command {
-        say!("  driven from outside: {}", command.in_words());
-    }
+    introduce(&arguments.file, &configuration);
     if let Some(folder) = &arguments.black_box {
         make_folder(folder)?;
     }
@@ -148,6 +141,15 @@ pub(super) fn run_to(
     say!("floorguard run: the robot stands, {}", counted(watch.stops, "stop"));
     all_written(watch.unwritten.as_ref())?;
     Ok(navigation.and_then(|drive| drive.watch.get()))
+}
+
+/// How to operate it, what this robot does without, and who drives it.
+fn introduce(file: &Path, configuration: &HostedConfiguration) {
+    say!("floorguard run: {}; Ctrl-C ends it; r and Enter resets, s and Enter starts", file.display());
+    say_absences(configuration);
+    if let Some(command) = &configuration.command {
+        say!("  driven from outside: {}", command.in_words());
+    }
 }
 
 /// The robot outlives a full disk; the user is notified at the end.

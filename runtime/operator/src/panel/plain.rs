@@ -26,15 +26,7 @@ pub fn remedy(record: &CauseRecord) -> &'static str {
             "Check emergency stop, bumpers and cliff sensors, their cables and plugs: where one has two channels, both must \
              change together. Look around, then press reset."
         }
-        (Cause::SourceLost(Source::Discrete), _) => {
-            "Check cable and power of the safety controller, look around, then press reset."
-        }
-        (Cause::SourceLost(Source::Drive), _) if record.health == Health::Healthy => {
-            "The computer was off while the drive had power: look around, then press reset."
-        }
-        (Cause::SourceLost(Source::Drive), _) => {
-            "Check cable and power of the drive, look around, then press reset."
-        }
+        (Cause::SourceLost(Source::Discrete | Source::Drive), _) => for_latched(record),
         (Cause::DriveFault, _) => "Clear the reason of the drive's own fault, then press reset.",
         (Cause::Overspeed, _) => {
             "Faster than permitted: try the brake and the drive before it drives again, then press reset."
@@ -69,6 +61,19 @@ pub fn remedy(record: &CauseRecord) -> &'static str {
         (_, Clear::Reset) => "Find out why, then press reset.",
         (_, Clear::Restart) => "Switch the robot off and on; call service if it happens again.",
         (_, Clear::Quiet(_)) => "Nothing to do: it clears by itself.",
+    }
+}
+
+/// What to do about a device whose loss waits for the operator.
+fn for_latched(record: &CauseRecord) -> &'static str {
+    match (record.cause, record.health) {
+        (Cause::SourceLost(Source::Drive), Health::Healthy) => {
+            "The computer was off while the drive had power: look around, then press reset."
+        }
+        (Cause::SourceLost(Source::Drive), _) => {
+            "Check cable and power of the drive, look around, then press reset."
+        }
+        _ => "Check cable and power of the safety controller, look around, then press reset.",
     }
 }
 
