@@ -31,7 +31,6 @@ mod machine;
 mod motion_checks;
 mod packet_check;
 pub mod protection;
-mod reset;
 mod reset_answer;
 mod rules;
 mod scan_check;
@@ -44,7 +43,6 @@ mod way_check;
 
 pub use crate::protection::*;
 pub use machine::{DecisionMachine, Verdict};
-pub use reset::{ResetRefusal, ResetReport};
 pub use rules::{Clear, Escape};
 pub use source_monitor::{FUTURE_TOLERANCE_US, SourceMonitor};
 pub use supervisor::Supervisor;

@@ -3,9 +3,8 @@
 use core::fmt;
 
 use super::machine::DecisionMachine;
-use super::reset::{ResetRefusal, ResetReport};
 use super::supervisor::Supervisor;
-use crate::protection::{Health, Source};
+use crate::protection::{Health, ResetRefusal, ResetReport, Source};
 use floorguard_types::time::Stamp;
 
 impl Supervisor {

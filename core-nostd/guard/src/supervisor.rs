@@ -2,11 +2,11 @@
 //! to a decision, with or without a command (FG-REQ-007).
 
 use super::packet_check::BLIND_RUN_CDEG;
-use super::reset::ResetReport;
 use super::rules::Clear;
 use super::scan_check::ScanFinding;
 use super::source_monitor::SourceMonitor;
 use super::state::State;
+use crate::protection::ResetReport;
 use crate::protection::{
     Advice, Body, Cause, CauseRecord, ContentWatch, Decision, FaultKind, GuardConfig, GuardConfigError,
     Integrity, LidarRays, LocalMemory, PacketTable, ScanTable, Source, SourceReport, Unit, fastest_mps,

@@ -12,13 +12,15 @@ mod frame;
 mod line;
 mod motion;
 mod permit;
+mod reason;
 mod request;
 
 pub use acceptance::{Acceptance, AcceptanceRules, Accepted, Arrival, LinkCounters, Refusal};
 pub use frame::{FRAME_BYTES_MAX, FrameError};
 pub use line::LineReceiver;
 pub use motion::{MOTION_BYTES, MotionReport};
-pub use permit::{NO_CAUSE, PERMIT_BYTES, Permit, PermitFlags, REASON_BYTES};
+pub use permit::{NO_CAUSE, PERMIT_BYTES, Permit, PermitFlags};
+pub use reason::{REASON_BYTES, Reason};
 pub use request::{DEADLINE_MS, REQUEST_BYTES, StopDemand, VelocityRequest};
 
 #[cfg(test)]

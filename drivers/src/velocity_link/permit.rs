@@ -1,16 +1,16 @@
 //! What the guard permits, and why not more; book, Velocity link: Permit.
 
+use core::fmt::Write as _;
+
 use floorguard_types::geometry::Twist2;
 use floorguard_types::time::Stamp;
-use heapless::String;
 
 use super::acceptance::LinkCounters;
 use super::frame::{self, FrameError, FrameWriter};
+use super::reason::Reason;
 
 /// Length of a permit.
 pub const PERMIT_BYTES: usize = 236;
-/// Longest reason, bytes of UTF-8.
-pub const REASON_BYTES: usize = 128;
 /// The cause of a permit that nothing holds.
 pub const NO_CAUSE: u8 = u8::MAX;
 
@@ -86,7 +86,7 @@ pub struct Permit {
     /// What became of the requests.
     pub counters: LinkCounters,
     /// The holding cause in words; empty if none holds.
-    pub reason: String<REASON_BYTES>,
+    pub reason: Reason,
 }
 
 impl Permit {
@@ -119,9 +119,8 @@ impl Permit {
         let text = fields.rest().get(..usize::from(length));
         let text = text.ok_or(wrong(REASON_LENGTH, u32::from(length)))?;
         let text = core::str::from_utf8(text).map_err(|_| wrong(REASON, u32::from(length)))?;
-        let mut reason = String::new();
-        // A longer one was refused.
-        let _ = reason.push_str(text);
+        let mut reason = Reason::EMPTY;
+        reason.write_str(text).map_err(|_| wrong(REASON_LENGTH, u32::from(length)))?;
         Ok(Self {
             sender,
             sequence,
@@ -148,10 +147,6 @@ impl Permit {
     #[must_use]
     pub fn encode(&self) -> [u8; PERMIT_BYTES] {
         let counters = &self.counters;
-        let mut text = [0; REASON_BYTES];
-        for (place, byte) in text.iter_mut().zip(self.reason.as_bytes()) {
-            *place = *byte;
-        }
         let mut frame = FrameWriter::new(frame::PERMIT)
             .put(self.sender.to_le_bytes())
             .put(self.sequence.to_le_bytes())
@@ -166,7 +161,7 @@ impl Permit {
             .put(self.causes.to_le_bytes())
             .put(self.value.to_le_bytes())
             .put(self.limit.to_le_bytes())
-            .put([self.unit, u8::try_from(self.reason.len()).unwrap_or(0), 0, 0]);
+            .put([self.unit, u8::try_from(self.reason.length()).unwrap_or(0), 0, 0]);
         for count in [
             counters.accepted,
             counters.damaged,
@@ -178,7 +173,7 @@ impl Permit {
         ] {
             frame = frame.put(count.to_le_bytes());
         }
-        frame.put(text).finish()
+        frame.put(*self.reason.bytes()).finish()
     }
 }
 

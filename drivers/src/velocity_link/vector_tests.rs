@@ -1,6 +1,7 @@
 //! The frames of the book, Velocity link: Test vectors, made by an encoder in Python that shares nothing with this one.
 
 extern crate std;
+use core::fmt::Write as _;
 use std::string::String;
 use std::vec::Vec;
 
@@ -60,7 +61,11 @@ fn permit() -> Permit {
             repeated: 6,
             other_sender: 7,
         },
-        reason: reason.try_into().unwrap(),
+        reason: {
+            let mut text = Reason::EMPTY;
+            text.write_str(reason).unwrap();
+            text
+        },
     }
 }
 

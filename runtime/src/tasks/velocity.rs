@@ -9,7 +9,7 @@ use embassy_futures::select::{Either3, select3};
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::{Duration, Ticker, Timer, with_timeout};
 use floorguard_drivers::velocity_link::{
-    Acceptance, AcceptanceRules, Arrival, FRAME_BYTES_MAX, NO_CAUSE, Permit, PermitFlags,
+    Acceptance, AcceptanceRules, Arrival, FRAME_BYTES_MAX, NO_CAUSE, Permit, PermitFlags, Reason,
 };
 use floorguard_guard::{Action, GuardState, Unit};
 use floorguard_types::geometry::Twist2;
@@ -108,7 +108,7 @@ fn permit<M: RawMutex>(shared: &Shared<M>, (acceptance, sequence): (&Acceptance,
         limit: 0.0,
         unit: 0,
         counters: acceptance.counters(),
-        reason: heapless::String::new(),
+        reason: Reason::EMPTY,
     };
     let Some(decision) = shared.decision.get() else { return permit };
     permit.permitted = decision.permitted;

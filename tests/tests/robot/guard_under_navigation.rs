@@ -58,7 +58,8 @@ fn velocity_toward_person_is_stopped_with_reason() {
     assert!(went_m > 1.5 && at_end_m < 0.02, "{went_m} m, then {at_end_m} m");
     let last = &heard.last().expect("permits").permit;
     assert_eq!((last.permitted, last.requested, last.state), ([0.0; 2], [0.8, 0.0], STOP), "{last:?}");
-    let names_it = ["person", "obstacle", "body would touch"].iter().any(|word| last.reason.contains(word));
+    let names_it =
+        ["person", "obstacle", "body would touch"].iter().any(|word| last.reason.as_str().contains(word));
     assert!(names_it && last.causes & 1 << last.cause != 0, "{last:?}");
     // 50 permits a second, numbered without a gap, and every request accepted.
     assert!(heard.len() >= 13 * 50, "{}", heard.len());
@@ -91,8 +92,8 @@ fn robot_stands_at_the_missed_deadline() {
     });
     assert!(stands, "{:?}", between(75_000, 190_000).collect::<Vec<_>>());
     assert!(between(75_000, 190_000).count() >= 5);
-    let held =
-        between(500_000, 1_500_000).all(|heard| heard.permit.reason.starts_with("wanted command stale"));
+    let held = between(500_000, 1_500_000)
+        .all(|heard| heard.permit.reason.as_str().starts_with("wanted command stale"));
     assert!(held, "{:?}", between(500_000, 600_000).next());
     assert!(seen.path_m(6.0, 7.0) < 0.01, "{}", seen.path_m(6.0, 7.0));
     let again_m = seen.path_m(7.0, 11.0);

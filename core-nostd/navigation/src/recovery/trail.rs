@@ -68,19 +68,20 @@ mod tests {
     #[test]
     fn the_way_back_is_reversed_and_bounded() {
         let mut trail = Trail::default();
-        for step in 0..200_i16 {
-            trail.note(Pose2::new(0.05 * f32::from(step), 0.0, 0.0));
+        for step in 0..100_i16 {
+            trail.note(Pose2::new(0.25 * f32::from(step), 0.0, 0.0));
+            trail.note(Pose2::new(0.25 * f32::from(step) + 0.05, 0.0, 0.0));
         }
         trail.note(Pose2::new(f32::NAN, 0.0, 0.0));
         let mut path = [Waypoint::default(); 100];
-        let count = trail.way_back(Pose2::new(10.0, 0.0, 0.0), 1.0, &mut path);
+        let count = trail.way_back(Pose2::new(25.0, 0.0, 0.0), 1.0, &mut path);
         let way = &path[..count];
         assert!(way.iter().all(|at| at.gear == Gear::Back));
         assert!(way.windows(2).all(|pair| pair[1].pose_in_map.x_m < pair[0].pose_in_map.x_m), "{way:?}");
-        assert!((way[count - 1].pose_in_map.x_m - 9.0).abs() < 0.11, "{way:?}");
-        // All that is kept, and not more; then nothing is left.
-        let count = trail.way_back(Pose2::new(9.0, 0.0, 0.0), 100.0, &mut path);
-        assert!(count > 40 && path[count - 1].pose_in_map.x_m > 3.0, "{count}");
+        assert_eq!((count, way[count - 1].pose_in_map.x_m), (5, 24.0));
+        // The newest 64 poses are kept, and not more; of them 60 are left. Then nothing is.
+        let count = trail.way_back(Pose2::new(24.0, 0.0, 0.0), 100.0, &mut path);
+        assert_eq!((count, path[count - 1].pose_in_map.x_m), (61, 9.0));
         assert_eq!(trail.way_back(Pose2::default(), 1.0, &mut path), 1);
     }
 }

@@ -1,6 +1,7 @@
 //! What came of the operator's reset: granted, or refused and why. For display alone; nothing is decided by it.
 
-use crate::protection::{Cause, Health, Source};
+use super::cause::Cause;
+use super::source::{Health, Source};
 use floorguard_types::time::Stamp;
 
 /// Why a reset was refused (FG-REQ-072).
