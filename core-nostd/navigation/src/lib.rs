@@ -30,6 +30,7 @@ pub mod path;
 mod path_search;
 pub mod prediction;
 pub mod recovery;
+pub mod route;
 
 pub use path::{FollowConfig, Following, Stretch, follow};
 pub use path_search::{PathSearch, SEARCH_CELLS_MAX, STRAIGHT, SearchCell};

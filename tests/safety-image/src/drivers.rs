@@ -7,6 +7,9 @@ use floorguard_drivers::canopen::{HeartbeatMonitor, NetworkCommand, SdoRequest, 
 use floorguard_drivers::microscan3;
 use floorguard_drivers::s300;
 use floorguard_drivers::three_wheel_base::{BaseConfiguration, DriveCommand, ThreeWheelBase};
+use floorguard_drivers::velocity_link::{
+    Acceptance, Arrival, LineReceiver, MotionReport, Permit, VelocityRequest,
+};
 use floorguard_drivers::velodyne::{Decoder, Gprmc, PositionPacket, SweepBuilder};
 use floorguard_drivers::xsens;
 use floorguard_types::sensing::{LidarPacket, Sweep};
@@ -28,6 +31,10 @@ pub struct Drivers {
     imu: xsens::Device,
     command: DriveCommand,
     frame: CanFrame,
+    acceptance: Acceptance,
+    line: LineReceiver,
+    request_out: VelocityRequest,
+    permit: Permit,
     bytes: [u8; 1_206],
 }
 
@@ -35,7 +42,8 @@ pub struct Drivers {
 #[inline(always)]
 pub fn all(state: &mut Drivers, now: Stamp) {
     // Of unknown length: what is known to be a lidar packet would never reach the branches for everything else.
-    let bytes: &[u8] = black_box(&state.bytes);
+    let copy = state.bytes;
+    let bytes: &[u8] = black_box(&copy);
     root_velodyne(&mut state.decoder, bytes, now);
     root_sweep(&mut state.sweeps, &state.packet, &mut state.sweep);
     root_position(bytes);
@@ -47,6 +55,8 @@ pub fn all(state: &mut Drivers, now: Stamp) {
     root_base_poll(&mut state.base, state.command, now);
     root_xsens(&mut state.imu, bytes, now);
     root_canopen(state, now);
+    root_velocity_request(state, bytes, now);
+    root_velocity_permit(&state.permit, bytes);
 }
 
 #[inline(never)]
@@ -120,7 +130,8 @@ fn root_base_poll(base: &mut ThreeWheelBase, command: DriveCommand, now: Stamp) 
 
 #[inline(never)]
 fn root_canopen(state: &mut Drivers, now: Stamp) {
-    let bytes: &[u8] = black_box(&state.bytes);
+    let copy = state.bytes;
+    let bytes: &[u8] = black_box(&copy);
     black_box(decode_sdo(bytes));
     black_box(state.request.frame(black_box(1)));
     black_box(network_frame(black_box(NetworkCommand::Start), black_box(1)));
@@ -135,4 +146,18 @@ fn root_xsens(imu: &mut xsens::Device, bytes: &[u8], now: Stamp) {
     imu.poll(now, &mut |bytes| {
         black_box(bytes);
     });
+}
+
+#[inline(never)]
+fn root_velocity_request(state: &mut Drivers, bytes: &[u8], now: Stamp) {
+    black_box(state.line.byte(black_box(0)).is_some());
+    let arrival = black_box(Arrival { peer: 0, at: now });
+    let _ = black_box(state.acceptance.offer(bytes, arrival).is_ok());
+    black_box((state.acceptance.requested(now), state.acceptance.holder(now), state.request_out.encode()));
+}
+
+#[inline(never)]
+fn root_velocity_permit(permit: &Permit, bytes: &[u8]) {
+    black_box(permit.encode());
+    black_box((Permit::decode(bytes).is_ok(), MotionReport::decode(bytes).is_ok()));
 }

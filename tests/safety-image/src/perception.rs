@@ -1,8 +1,9 @@
-//! Perception on the MCU: odometry, people, what moves, the floor.
+//! Perception on the MCU: odometry, people, what moves, the floor; and the route, which runs beside it.
 
 use core::hint::black_box;
 
 use floorguard_localisation::odometry::{Odometry, PoseHistory, Tricycle, WheelOdometry};
+use floorguard_navigation::route::RouteFollower;
 use floorguard_perception::floor::{FloorEstimate, FloorModel, ObjectFinder, ObjectMemory, PixelClass};
 use floorguard_perception::legs::{LegDetector, LegTracker};
 use floorguard_perception::motion::{MotionDetector, find_moving_people};
@@ -32,6 +33,7 @@ pub struct Perception {
     history: PoseHistory,
     wheel_sample: WheelSample,
     imu_sample: ImuSample,
+    route: RouteFollower,
 }
 
 /// Reaches every root.
@@ -45,6 +47,12 @@ pub fn all(state: &mut Perception, now: Stamp) {
         root_floor_objects(state, &image, &estimate);
     }
     root_odometry(state, now);
+    root_route(&mut state.route, state.pose);
+}
+
+#[inline(never)]
+fn root_route(follower: &mut RouteFollower, pose_in_odometry: Pose2) {
+    black_box((follower.wanted(pose_in_odometry), follower.finished()));
 }
 
 #[inline(never)]

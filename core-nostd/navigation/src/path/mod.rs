@@ -3,10 +3,8 @@
 
 mod follower;
 mod foot;
-mod route;
 mod stretch;
 
 pub use follower::{Backing, FollowLimits, FollowState, PathFollower};
 pub use foot::{Foot, aim, foot};
-pub use route::{ROUTE_WAYPOINTS_MAX, Route, RouteFollower, RouteLimits};
 pub use stretch::{FollowConfig, Following, Stretch, follow};

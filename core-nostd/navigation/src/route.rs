@@ -1,6 +1,6 @@
 //! Follows a route of places by pure pursuit: corners are cut, and a place counts as met from half a metre.
 //!
-//! The steering law is that of [`PathFollower`](super::PathFollower) (Coulter 1992): drive the arc that leads through a point on
+//! The steering law is that of [`PathFollower`](crate::path::PathFollower) (Coulter 1992): drive the arc that leads through a point on
 //! the route at the look-ahead distance, curvature = 2·y/L². It knows no headings, no gears and no end of a piece, so that it
 //! neither slows down nor gives up. A point far to the side is met by turning on a short arc first, because a
 //! three-wheeled base with a steered front wheel can nearly pivot about its rear axle.
