@@ -50,7 +50,9 @@ impl fmt::Debug for Reason {
 impl fmt::Write for Reason {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         let room = REASON_BYTES.saturating_sub(self.length);
-        let fits = text.get(..text.floor_char_boundary(room)).unwrap_or_default();
+        let end = text.len().min(room);
+        // A character has at most four bytes.
+        let fits = (0..4_usize).find_map(|back| text.get(..end.saturating_sub(back))).unwrap_or_default();
         let places = self.bytes.get_mut(self.length..).unwrap_or_default();
         for (place, byte) in places.iter_mut().zip(fits.as_bytes()) {
             *place = *byte;
