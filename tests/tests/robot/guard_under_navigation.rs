@@ -16,7 +16,7 @@ const PERSON_AHEAD: &str = "title = \"a person stands ahead\"\n[route]\nspeed_mp
     [scene]\nwall = [{ from_m = [-4.0, -6.0], to_m = [12.0, -6.0] }, { from_m = [12.0, -6.0], to_m = [12.0, 6.0] }]\n\
     [[person]]\nat_m = [5.0, 0.1]\nsees_robot = false\n";
 
-/// The same hall without anybody.
+/// The same hall without people.
 fn empty() -> &'static str {
     PERSON_AHEAD.split("[[person]]").next().unwrap_or_default()
 }

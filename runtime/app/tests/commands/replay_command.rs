@@ -249,7 +249,7 @@ fn non_data_is_refused_with_a_reason() {
     assert!(output_text.contains("nowhere.mcap"), "{output_text}");
 }
 
-/// The hall of [`hall`] without anybody, seen by a lidar 1.61 m high that looks down by 6.7°: which returns are floor.
+/// The hall of [`hall`] without people, seen by a lidar 1.61 m high that looks down by 6.7°: which returns are floor.
 fn tilted_hall() -> (Vec<PointRow>, usize) {
     let (tilt_sin, tilt_cos) = 6.7_f32.to_radians().sin_cos();
     let (mut points, mut floor) = (Vec::new(), 0);

@@ -1,7 +1,6 @@
 //! The mission itself: where the robot is, what is still dirty, which path leads there, and what to do when a person
 //! stands on it.
 
-use std::collections::VecDeque;
 use std::sync::Arc;
 
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
@@ -31,7 +30,7 @@ use super::store::{Saved, Store};
 use super::targets::VISITS_MAX;
 use super::times::{TimeUse, Times, is_standing};
 use super::track::Track;
-use crate::site::{Localiser, lanes, scrubber};
+use crate::site::{Localiser, RecentPoses, lanes, scrubber};
 
 /// Nodes of a tour: 1,024 cells, the robot, and the end of the path.
 const NODES: usize = 1_026;
@@ -48,7 +47,7 @@ const FINDS_S: f32 = 6.0;
 /// An object on the floor this near may be what holds the robot, metres from its rear axle.
 const OBSTACLE_HOLDS_M: f32 = 1.6;
 
-/// A progress that anybody may watch.
+/// A progress, for all who watch it.
 pub type SharedWatch = Arc<MissionWatch<CriticalSectionRawMutex>>;
 
 /// Where the scanner sits on the robot.
@@ -159,7 +158,7 @@ pub struct Cleaner {
     pub(super) route: RouteFollower,
     pub(super) lanes: LaneQueue<Vec<LaneAttempt>>,
     pub(super) lane_count: LaneCount,
-    pub(super) poses: VecDeque<StampedPose>,
+    pub(super) poses: RecentPoses,
     pub(super) dirt: Option<DirtReading>,
     pub(super) began: Option<Stamp>,
     /// Cells that are to be cleaned, as of the last plan.
@@ -227,7 +226,7 @@ impl Cleaner {
             route: RouteFollower::new(robot.route.clone(), robot.route_limits),
             lane_count: LaneCount { planned: lanes.len() as u32, driven: 0 },
             lanes: LaneQueue::new(lanes),
-            poses: VecDeque::new(),
+            poses: RecentPoses::default(),
             dirt: None,
             began: None,
             wanted: vec![false; raster.cell_count()],

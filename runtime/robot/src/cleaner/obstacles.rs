@@ -7,7 +7,7 @@ use floorguard_mapping::GridGeometry;
 use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
 use floorguard_types::sensing::{BeamReturn, Scan};
 
-use crate::site::Floor;
+use crate::site::{Floor, ends_of};
 
 /// A beam that ends this near to something on the map is explained by it, metres.
 const EXPLAINED_M: f32 = 0.25;
@@ -27,18 +27,6 @@ const SAME_OBSTACLE_M: f32 = 0.15;
 
 /// A person's feet and what it pushes or carries are within this of its middle, metres.
 const PERSON_REACH_M: f32 = 0.8;
-
-/// Ends of every so many beams, in the scanner's frame.
-pub fn ends_of(scan: &Scan, interval: usize) -> impl Iterator<Item = Point2> {
-    scan.beams.iter().enumerate().step_by(interval).filter_map(|(beam, hit)| match hit {
-        BeamReturn::Hit(range_mm) => {
-            let angle = scan.first_angle_rad + beam as f32 * scan.step_rad;
-            let range_m = f32::from(*range_mm) * 1.0e-3;
-            Some(Point2::new(range_m * angle.cos(), range_m * angle.sin()))
-        }
-        _ => None,
-    })
-}
 
 /// The beam towards a place in the scanner's frame, and both beside it, end beyond it. A beam that was not measured says nothing.
 fn is_passed(scan: &Scan, place: Point2) -> bool {

@@ -5,15 +5,16 @@ use floorguard_guard::{FloorSight, OBSTACLE_HEIGHT_MIN_M};
 use floorguard_perception::people::TrackStatus;
 use floorguard_runtime::shared::{PeopleReport, StampedPose};
 use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;
-use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
+use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::sensing::{DirtReading, Scan};
 use floorguard_types::time::{Age, Stamp};
 
 use super::mission::Cleaner;
-use super::obstacles::{FADES_S, ends_of};
+use super::obstacles::FADES_S;
 use super::plan::MissionStrategy;
 use super::retreat::keep_out_disc;
 use super::track::Track;
+use crate::site::ends_of;
 
 /// While the pose is not trusted a scan is taken in this often even if the robot stands, seconds.
 const RETRY_S: f32 = 0.2;
@@ -25,8 +26,6 @@ const BEAM_INTERVAL: usize = 9;
 const PERSON_M: f32 = 0.8;
 /// A place this far from all that is on the map is the middle of a free floor, metres.
 const MIDDLE_M: f32 = 0.6;
-/// Poses of the last second, to find the one of a scan.
-const POSES: usize = 24;
 /// What is higher than this the scanner sees, metres.
 const LOW_M: f32 = 0.14;
 
@@ -35,10 +34,7 @@ impl Cleaner {
         let before = std::mem::replace(&mut self.odometry, pose);
         let (from, to) = (before.pose_in_odometry, pose.pose_in_odometry);
         self.distance_m += (to.x_m - from.x_m).hypot(to.y_m - from.y_m);
-        self.poses.push_back(pose);
-        if self.poses.len() > POSES {
-            self.poses.pop_front();
-        }
+        self.poses.push(pose);
     }
 
     /// What the dirt sensor has counted since it was asked last; a sensor that is silent leaves everything open.
@@ -134,23 +130,8 @@ impl Cleaner {
         }
     }
 
-    /// Between the poses around a moment; the nearest one outside.
+    /// Where the robot was, by its wheels; now, if nothing is remembered.
     pub(super) fn odometry_at(&self, stamp: Stamp) -> Pose2 {
-        let after = self.poses.iter().position(|known| known.stamp >= stamp);
-        let pair =
-            after.and_then(|after| Some((self.poses.get(after.checked_sub(1)?)?, self.poses.get(after)?)));
-        let Some((from, to)) = pair else {
-            let edge = if after.is_some() { self.poses.front() } else { self.poses.back() };
-            return edge.map_or(self.odometry.pose_in_odometry, |known| known.pose_in_odometry);
-        };
-        let micros = |stamp: Stamp| stamp.as_micros().saturating_sub(from.stamp.as_micros()) as f32;
-        let t = micros(stamp) / micros(to.stamp).max(1.0);
-        let (a, b) = (from.pose_in_odometry, to.pose_in_odometry);
-        let turned = wrap_angle(b.heading_rad - a.heading_rad);
-        Pose2::new(
-            a.x_m + t * (b.x_m - a.x_m),
-            a.y_m + t * (b.y_m - a.y_m),
-            wrap_angle(a.heading_rad + t * turned),
-        )
+        self.poses.at(stamp).unwrap_or(self.odometry.pose_in_odometry)
     }
 }

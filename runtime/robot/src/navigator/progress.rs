@@ -90,5 +90,5 @@ pub struct NavigationProgress {
 /// The newest progress.
 pub type NavigationWatch<M> = Latest<M, Arc<NavigationProgress>>;
 
-/// A progress that anybody may watch.
+/// A progress, for all who watch it.
 pub type SharedNavigationWatch = Arc<NavigationWatch<CriticalSectionRawMutex>>;

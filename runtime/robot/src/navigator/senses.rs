@@ -1,7 +1,5 @@
 //! What the drive learns: where the robot is on the map, what stands around, and who walks.
 
-use std::collections::VecDeque;
-
 use floorguard_guard::FUTURE_TOLERANCE_US;
 use floorguard_mapping::{DirtCell, Grid};
 use floorguard_navigation::costmap::Beam;
@@ -9,14 +7,14 @@ use floorguard_perception::people::TrackStatus;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::shared::{PeopleReport, PersonReport, StampedPose};
 use floorguard_runtime::tasks::PERSON_PROBABILITY_MIN;
-use floorguard_types::geometry::{Point2, Pose2, wrap_angle};
+use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::motion::MovingPerson;
 use floorguard_types::random::Pcg32;
 use floorguard_types::sensing::{BeamReturn, Scan};
 use floorguard_types::time::{Age, Stamp};
 
 use super::plan::NavigationPlan;
-use crate::site::{Floor, Localiser, scrubber};
+use crate::site::{Floor, Localiser, RecentPoses, ends_of, scrubber};
 
 /// While the pose is not trusted a scan is taken in this often even if the robot stands, seconds.
 const RETRY_S: f32 = 0.2;
@@ -32,15 +30,13 @@ const WALKER_M: f32 = 0.6;
 const WALKS_MPS: f32 = 0.3;
 /// What was known of people counts for so long, seconds.
 const FADES_S: f32 = 1.0;
-/// Poses of the last second, to find the one of a scan.
-const POSES: usize = 24;
 
 /// Pose, scans and people.
 pub(super) struct Senses {
     floor: Floor,
     localiser: Localiser,
     scanner_in_base: Pose2,
-    poses: VecDeque<StampedPose>,
+    poses: RecentPoses,
     odometry: StampedPose,
     people: Vec<PersonReport>,
     people_s: f32,
@@ -70,7 +66,7 @@ impl Senses {
             floor,
             localiser,
             scanner_in_base: Pose2::new(mounting.position.x_m, mounting.position.y_m, mounting.yaw_rad),
-            poses: VecDeque::new(),
+            poses: RecentPoses::default(),
             odometry: StampedPose::default(),
             people: Vec::new(),
             people_s: f32::NEG_INFINITY,
@@ -106,10 +102,7 @@ impl Senses {
             self.distance_m += (to.x_m - from.x_m).hypot(to.y_m - from.y_m);
         }
         self.odometry = pose;
-        self.poses.push_back(pose);
-        if self.poses.len() > POSES {
-            self.poses.pop_front();
-        }
+        self.poses.push(pose);
     }
 
     /// The list of people. While perception is silent its last message grows old, and one from the future counts for nothing.
@@ -136,8 +129,7 @@ impl Senses {
                 self.is_near_person(odometry.transform(*end), PERSON_M, now_s)
                     || self.floor.clearance.clearance_m(guess.transform(*end)) > MIDDLE_M
             };
-            let ends = (0..scan.beams.len()).step_by(interval).filter_map(|beam| end_of(scan, beam));
-            let ends = ends.map(|end| self.scanner_in_base.transform(end));
+            let ends = ends_of(scan, interval).map(|end| self.scanner_in_base.transform(end));
             let matched: Vec<Point2> = ends.filter(|end| !is_no_wall(end)).collect();
             self.localiser.update(&self.floor, odometry, &matched, false);
         }
@@ -196,35 +188,12 @@ impl Senses {
         self.people.iter().filter(|person| is_person(person)).map(moved).collect()
     }
 
-    /// Between the poses around a moment; the nearest one outside.
+    /// Where the robot was, by its wheels; now, if nothing is remembered.
     fn odometry_at(&self, stamp: Stamp) -> Pose2 {
-        let after = self.poses.iter().position(|known| known.stamp >= stamp);
-        let pair =
-            after.and_then(|after| Some((self.poses.get(after.checked_sub(1)?)?, self.poses.get(after)?)));
-        let Some((from, to)) = pair else {
-            let edge = if after.is_some() { self.poses.front() } else { self.poses.back() };
-            return edge.map_or(self.odometry.pose_in_odometry, |known| known.pose_in_odometry);
-        };
-        let micros = |stamp: Stamp| stamp.as_micros().saturating_sub(from.stamp.as_micros()) as f32;
-        let t = micros(stamp) / micros(to.stamp).max(1.0);
-        let (a, b) = (from.pose_in_odometry, to.pose_in_odometry);
-        let turned_rad = wrap_angle(b.heading_rad - a.heading_rad);
-        Pose2::new(
-            a.x_m + t * (b.x_m - a.x_m),
-            a.y_m + t * (b.y_m - a.y_m),
-            wrap_angle(a.heading_rad + t * turned_rad),
-        )
+        self.poses.at(stamp).unwrap_or(self.odometry.pose_in_odometry)
     }
 }
 
 fn is_person(person: &PersonReport) -> bool {
     person.person_probability >= PERSON_PROBABILITY_MIN || person.moving_probability >= PERSON_PROBABILITY_MIN
-}
-
-/// The end of a beam that met something, in the scanner's frame.
-fn end_of(scan: &Scan, beam: usize) -> Option<Point2> {
-    let Some(BeamReturn::Hit(range_mm)) = scan.beams.get(beam) else { return None };
-    let angle_rad = scan.first_angle_rad + beam as f32 * scan.step_rad;
-    let range_m = f32::from(*range_mm) * 1.0e-3;
-    Some(Point2::new(range_m * angle_rad.cos(), range_m * angle_rad.sin()))
 }

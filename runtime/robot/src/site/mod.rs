@@ -4,11 +4,15 @@ mod dirt_source;
 mod floor;
 mod lanes;
 mod localiser;
+mod recent_poses;
 pub mod rooms;
 pub mod ros_map;
+mod scan_ends;
 pub mod scrubber;
 
 pub use dirt_source::{DirtSource, read_places};
 pub use floor::{CELL_M, CELLS_MAX, Floor};
 pub use lanes::lanes;
 pub use localiser::{DirtyCells, Localiser, PARTICLES};
+pub use recent_poses::RecentPoses;
+pub use scan_ends::ends_of;
