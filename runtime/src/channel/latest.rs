@@ -55,6 +55,18 @@ impl<M: RawMutex, T: Clone> Latest<M, T> {
         })
     }
 
+    /// The newest value, if it is another publication than `seen`, which then is that of this one. 0: none was seen.
+    pub fn unseen(&self, seen: &mut u32) -> Option<T> {
+        self.slot.lock(|slot| {
+            let slot = &mut *slot.borrow_mut();
+            if core::mem::replace(seen, slot.published) == slot.published {
+                return None;
+            }
+            slot.unread = false;
+            slot.value.clone()
+        })
+    }
+
     /// Waits for a publication that this reader has not seen, then gives the newest value. One reader at a time
     /// may wait.
     pub async fn next(&self) -> T {
@@ -100,5 +112,9 @@ mod tests {
         latest.publish(3);
         assert_eq!(latest.get(), Some(3));
         assert_eq!(latest.overwritten(), 1);
+        let mut seen = 0;
+        assert_eq!([latest.unseen(&mut seen), latest.unseen(&mut seen)], [Some(3), None]);
+        latest.publish(4);
+        assert_eq!(latest.unseen(&mut seen), Some(4));
     }
 }

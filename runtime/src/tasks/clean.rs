@@ -52,16 +52,9 @@ pub async fn clean<M: RawMutex>(shared: &Shared<M>, mission: &mut impl CleaningM
     loop {
         ticker.next().await;
         let Some(pose) = shared.pose.get() else { continue };
-        let published = shared.scan.published();
-        let scan = (published != seen_scan).then(|| shared.scan.get()).flatten();
-        seen_scan = published;
-        if seen_people != shared.people.published() {
-            seen_people = shared.people.published();
-            people = shared.people.get();
-        }
-        let published = shared.floor.published();
-        let floor = (published != seen_floor).then(|| shared.floor.get()).flatten();
-        seen_floor = published;
+        let scan = shared.scan.unseen(&mut seen_scan);
+        people = shared.people.unseen(&mut seen_people).or(people);
+        let floor = shared.floor.unseen(&mut seen_floor);
         let moment = MissionMoment {
             now: clock::now(),
             pose,

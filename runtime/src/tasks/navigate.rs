@@ -46,12 +46,8 @@ pub async fn navigate<M: RawMutex>(shared: &Shared<M>, navigation: &mut impl Nav
     loop {
         ticker.next().await;
         let Some(pose) = shared.pose.get() else { continue };
-        let published = shared.scan.published();
-        let scan = (published != seen_scan).then(|| shared.scan.get()).flatten();
-        seen_scan = published;
-        let published = shared.people.published();
-        let people = (published != seen_people).then(|| shared.people.get()).flatten();
-        seen_people = published;
+        let scan = shared.scan.unseen(&mut seen_scan);
+        let people = shared.people.unseen(&mut seen_people);
         let moment = NavigationMoment {
             now: clock::now(),
             pose,
