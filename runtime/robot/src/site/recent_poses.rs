@@ -20,7 +20,7 @@ impl RecentPoses {
         self.0.is_empty()
     }
 
-    /// Keeps a pose; the oldest one leaves when there is no room.
+    /// Keeps a pose; a full table drops the oldest.
     pub fn push(&mut self, pose: StampedPose) {
         self.0.push_back(pose);
         if self.0.len() > POSES {
