@@ -15,6 +15,7 @@ use socketcan::{CanFrame as KernelFrame, CanSocket, Socket};
 
 use floorguard_configuration::{CanAddress, SerialAddress};
 use floorguard_host::carriers::{Listening, PseudoTerminal};
+use floorguard_host::executor::Lateness;
 use floorguard_robot::assembly::PeopleInbox;
 use floorguard_robot::assembly::{Links, ScannerLink};
 
@@ -79,6 +80,7 @@ impl Ends {
             navigation: None,
             people: PeopleInbox::default(),
             learning: None,
+            lateness: Lateness::default(),
             latches: None,
         };
         Ok((Self { lidar, scanner, imu, can, refused: 0 }, links))

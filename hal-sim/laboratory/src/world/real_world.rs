@@ -12,7 +12,7 @@ use super::ends::Ends;
 use super::observer::Observer;
 use super::operator::Operator;
 use crate::plan::Plan;
-use floorguard_host::executor::{Ring, StopFlag, take_priority};
+use floorguard_host::executor::{LatenessFigures, Ring, StopFlag, take_priority};
 use floorguard_operator::telemetry::RunSinks;
 use floorguard_operator::telemetry::{TelemetrySender, with_telemetry};
 use floorguard_robot::assembly::new_shared;
@@ -29,6 +29,8 @@ pub struct CarrierFigures {
     pub latest_us: u64,
     /// Bytes and datagrams that a full line refused.
     pub refused: u64,
+    /// How late the guard ring answered its timers.
+    pub guard: LatenessFigures,
 }
 
 /// Plays a plan in real time over real carriers. The CAN bus is an interface of the kernel, if one is named, otherwise an
@@ -86,7 +88,10 @@ pub fn run_real_recorded(
             mission: mission.clone(),
             learned: plan.learning.as_ref().map(LearningSetup::writer),
         };
-        run_rings((&plan.robot, links), &shared, &flag, || world.play((&shared, &flag, notes), observer))?
+        let lateness = links.lateness.clone();
+        let figures =
+            run_rings((&plan.robot, links), &shared, &flag, || world.play((&shared, &flag, notes), observer))??;
+        Ok(CarrierFigures { guard: lateness.figures(), ..figures })
     })
 }
 
@@ -181,6 +186,6 @@ impl World<'_> {
             observer.on_learning(report);
         }
         observer.finish(operator.resets());
-        Ok(CarrierFigures { latest_us, refused: ends.refused })
+        Ok(CarrierFigures { latest_us, refused: ends.refused, guard: LatenessFigures::default() })
     }
 }

@@ -7,7 +7,7 @@ use floorguard_mapping::seen_dirt::DirtSpot;
 use serde_json::json;
 
 use floorguard_configuration::HostedConfiguration;
-use floorguard_host::executor::StopFlag;
+use floorguard_host::executor::{Ring, StopFlag, take_priority};
 use floorguard_operator::telemetry::TelemetrySender;
 use floorguard_robot::assembly::PeopleInbox;
 use floorguard_robot::assembly::{HostedShared, StopsAtEnd};
@@ -38,6 +38,7 @@ impl LiveCamera<'_> {
             if let Some((camera, source)) = configuration.carriers.camera.as_ref().zip(source) {
                 let tell = move |event| self.tell(event, began);
                 scope.spawn(move || {
+                    let _ = take_priority(Ring::Camera);
                     watch_floor((&configuration.robot, camera), source, (shared, inbox, flag), tell);
                 });
             }

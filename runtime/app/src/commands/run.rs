@@ -122,6 +122,7 @@ pub(super) fn run_to(
     links.mission = mission;
     links.learning = learning;
     links.latches = Some(latches_of(&arguments.file));
+    let lateness = links.lateness.clone();
     with_telemetry(&mut sinks, &shared, |tap, notes| {
         links.tap = tap.inspect(|tap| tap.began(began));
         let inbox = links.people.clone();
@@ -138,6 +139,7 @@ pub(super) fn run_to(
         say!("floorguard run: learned {positions} positions of people");
     }
     watch.reports_learned_state();
+    say!("floorguard run: guard ring {}", lateness.figures());
     say!("floorguard run: the robot stands, {}", counted(watch.stops, "stop"));
     all_written(watch.unwritten.as_ref())?;
     Ok(navigation.and_then(|drive| drive.watch.get()))

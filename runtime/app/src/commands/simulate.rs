@@ -336,6 +336,7 @@ pub(super) fn play_real(
         "  real carriers: the simulator was late by {late_ms:.1} ms at most, {} messages refused by full lines",
         figures.refused
     );
+    say!("  guard ring: {}", figures.guard);
     Ok(observation)
 }
 

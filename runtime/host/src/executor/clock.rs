@@ -16,6 +16,8 @@ thread_local! {
     static VIRTUAL_NOW_US: Cell<Option<u64>> = const { Cell::new(None) };
     /// Armed timers of this thread.
     static TIMERS: RefCell<Vec<(u64, Waker)>> = const { RefCell::new(Vec::new()) };
+    /// Those that are due, kept for its memory: a ring that runs allocates none.
+    static DUE: Cell<Vec<(u64, Waker)>> = const { Cell::new(Vec::new()) };
 }
 
 static EPOCH: OnceLock<Instant> = OnceLock::new();
@@ -57,7 +59,7 @@ pub fn use_virtual_clock(start_us: u64) {
 /// Moves this thread's virtual clock to `to_us` (never backwards) and wakes the timers that are due.
 pub fn advance_virtual(to_us: u64) {
     VIRTUAL_NOW_US.set(VIRTUAL_NOW_US.get().map(|now_us| now_us.max(to_us)));
-    wake_due_timers();
+    let _ = wake_due_timers();
 }
 
 /// Stops this thread's real clock for one poll of a task and gives the time that it shows meanwhile, microseconds: a task
@@ -79,13 +81,18 @@ pub fn next_timer_us() -> Option<u64> {
     TIMERS.with_borrow(|timers| timers.iter().map(|(at, _)| *at).min())
 }
 
-/// Wakes every timer of this thread that is due, earliest first, so that runs repeat exactly.
-pub(super) fn wake_due_timers() {
+/// Wakes every timer of this thread that is due, earliest first, so that runs repeat exactly. Gives when the earliest one was
+/// due, microseconds.
+pub(super) fn wake_due_timers() -> Option<u64> {
     let now_us = CLOCK.now();
-    let mut due: Vec<(u64, Waker)> =
-        TIMERS.with_borrow_mut(|timers| timers.extract_if(.., |(at, _)| *at <= now_us).collect());
+    let mut due = DUE.take();
+    TIMERS.with_borrow_mut(|timers| due.extend(timers.extract_if(.., |(at, _)| *at <= now_us)));
+    // Stable, and of so few without memory of its own.
     due.sort_by_key(|(at, _)| *at);
-    due.into_iter().for_each(|(_, waker)| waker.wake());
+    let earliest_us = due.first().map(|(at, _)| *at);
+    due.drain(..).for_each(|(_, waker)| waker.wake());
+    DUE.set(due);
+    earliest_us
 }
 
 #[cfg(test)]

@@ -10,12 +10,16 @@ use thread_priority::{
 pub enum Ring {
     /// Sources, supervisor, drive.
     Guard,
-    /// Sweeps, people, maps, planning.
+    /// Sweeps, people, motion.
     Perception,
+    /// Cleaning, driving to a goal: plans for seconds at a time, and below what takes in its progress.
+    Mission,
+    /// Pictures of the floor and of people in them, on their way to both rings.
+    Camera,
     /// Simulated devices: real ones do not wait for anybody.
     World,
-    /// Recording, panel and display: below both rings, but above everything else on the computer. It reads what the rings
-    /// share, and must not be interrupted by some other program while a ring waits for it to have read.
+    /// Recording, panel, display and the file of latched stops: below both rings, but above everything else on the computer. Its
+    /// work is short, and its queue must not run over while a mission plans.
     Telemetry,
 }
 
@@ -26,7 +30,9 @@ impl Ring {
             Self::Guard => 40,
             Self::Perception => 20,
             Self::World => 45,
+            Self::Camera => 15,
             Self::Telemetry => 10,
+            Self::Mission => 5,
         }
     }
 }
@@ -37,6 +43,8 @@ pub fn take_priority(ring: Ring) -> String {
     let name = match ring {
         Ring::Guard => "guard ring",
         Ring::Perception => "perception ring",
+        Ring::Mission => "mission",
+        Ring::Camera => "camera",
         Ring::World => "simulated world",
         Ring::Telemetry => "recording and panel",
     };

@@ -25,6 +25,10 @@ struct Waiting {
 struct Reactor {
     epoll: Option<OwnedFd>,
     waiting: Vec<Waiting>,
+    /// Filled by the kernel; kept for its memory, as the next one.
+    events: Vec<epoll::Event>,
+    /// Tasks that the events concern.
+    wakers: Vec<Waker>,
 }
 
 thread_local! {
@@ -114,29 +118,37 @@ impl<F: AsFd> Drop for Source<F> {
     }
 }
 
-/// Sleeps until a watched descriptor is ready or the time is over, then wakes the tasks concerned.
+/// Sleeps until a watched descriptor is ready or the time is over, then wakes the tasks concerned. From the second call on
+/// nothing is allocated.
 pub(super) fn wait(at_most: Option<Duration>) -> io::Result<()> {
-    let mut events = Vec::with_capacity(EVENTS_PER_WAIT);
     let timeout = at_most.map(|duration| rustix::event::Timespec {
         tv_sec: duration.as_secs().try_into().unwrap_or(i64::MAX),
         tv_nsec: duration.subsec_nanos().into(),
     });
-    let wakers = REACTOR.with_borrow_mut(|reactor| -> io::Result<Vec<Waker>> {
-        match epoll::wait(reactor.epoll()?, rustix::buffer::spare_capacity(&mut events), timeout.as_ref()) {
-            Err(rustix::io::Errno::INTR) => return Ok(Vec::new()),
-            result => result?,
-        };
-        let mut wakers = Vec::new();
-        for event in &events {
-            if let Some(waiting) =
-                usize::try_from(event.data.u64()).ok().and_then(|at| reactor.waiting.get_mut(at))
-            {
+    let mut wakers = REACTOR.with_borrow_mut(|reactor| reactor.take_ready(timeout.as_ref()))?;
+    wakers.drain(..).for_each(Waker::wake);
+    REACTOR.with_borrow_mut(|reactor| reactor.wakers = wakers);
+    Ok(())
+}
+
+impl Reactor {
+    fn take_ready(&mut self, timeout: Option<&rustix::event::Timespec>) -> io::Result<Vec<Waker>> {
+        self.epoll()?;
+        let Self { epoll, waiting, events, wakers } = self;
+        events.clear();
+        events.reserve(EVENTS_PER_WAIT);
+        if let Some(epoll) = epoll {
+            match epoll::wait(epoll, rustix::buffer::spare_capacity(events), timeout) {
+                Ok(_) | Err(rustix::io::Errno::INTR) => {}
+                Err(error) => return Err(error.into()),
+            }
+        }
+        for event in &*events {
+            if let Some(waiting) = usize::try_from(event.data.u64()).ok().and_then(|at| waiting.get_mut(at)) {
                 wakers.extend(waiting.reader.take());
                 wakers.extend(waiting.writer.take());
             }
         }
-        Ok(wakers)
-    })?;
-    wakers.into_iter().for_each(Waker::wake);
-    Ok(())
+        Ok(std::mem::take(wakers))
+    }
 }

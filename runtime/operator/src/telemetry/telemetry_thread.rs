@@ -83,11 +83,11 @@ pub fn with_telemetry<T>(
     if !sinks.listen() {
         return body(None, &TelemetrySender { shared, notes: None });
     }
-    let ((tap, rows), (sender, notes)) = (tap(), channel());
+    let ((tap, mut rows), (sender, notes)) = (tap(), channel());
     let ended = AtomicBool::new(false);
     thread::scope(|scope| {
         let flag = &ended;
-        let run_telemetry = move || run_telemetry(sinks, shared, ((&rows, &notes), flag));
+        let run_telemetry = move || run_telemetry(sinks, shared, ((&mut rows, &notes), flag));
         let telemetry =
             thread::Builder::new().name("onlooker".to_owned()).spawn_scoped(scope, run_telemetry)?;
         let at_end = SetAtEnd(&ended);
@@ -113,7 +113,7 @@ impl Drop for SetAtEnd<'_> {
 fn run_telemetry(
     sinks: &mut RunSinks,
     shared: &HostedShared,
-    ((rows, notes), ended): ((&TapRows, &Receiver<TelemetryEvent>), &AtomicBool),
+    ((rows, notes), ended): ((&mut TapRows, &Receiver<TelemetryEvent>), &AtomicBool),
 ) -> anyhow::Result<()> {
     // Also because a thread begins with the priority of the one that started it, be it the simulated world's.
     say!("  {}", take_priority(Ring::Telemetry));
@@ -141,7 +141,7 @@ fn run_telemetry(
 fn take_in(
     sinks: &mut RunSinks,
     shared: &HostedShared,
-    (rows, notes): (&TapRows, &Receiver<TelemetryEvent>),
+    (rows, notes): (&mut TapRows, &Receiver<TelemetryEvent>),
 ) {
     while let Some(row) = rows.next() {
         let now_us = clock::now().as_micros();

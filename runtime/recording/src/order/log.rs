@@ -84,7 +84,7 @@ impl OrderLog {
             }
             TapRow::Operator(button) => self.out.0.extend([tag::OPERATOR, line(*button)]),
             TapRow::Polled(poll) => {
-                let row = poll.decision.as_deref().map(DecisionRow::new);
+                let row = poll.decision.as_ref().map(DecisionRow::new);
                 let news = row.filter(|row| self.decision.replace(*row) != Some(*row));
                 self.out.byte(if news.is_some() { tag::POLLED_AND_DECIDED } else { tag::POLLED });
                 self.out.byte(poll.task.number());

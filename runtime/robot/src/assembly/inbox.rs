@@ -1,31 +1,50 @@
 //! What a thread of its own saw of people, on its way to the perception ring.
 
+use std::cell::RefCell;
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::fmt;
+use std::sync::Arc;
 
+use embassy_sync::blocking_mutex::Mutex;
+use floorguard_host::executor::PriorityLock;
 use floorguard_perception::people::PeopleView;
 
 /// Views that wait for the next sweep: a camera at 60 Hz sends six.
 const WAITING_MAX: usize = 8;
 
 /// A few views; the writer never waits for the reader.
-#[derive(Clone, Debug, Default)]
-pub struct PeopleInbox(Arc<Mutex<VecDeque<PeopleView>>>);
+#[derive(Clone)]
+pub struct PeopleInbox(Arc<Mutex<PriorityLock, RefCell<VecDeque<PeopleView>>>>);
+
+impl Default for PeopleInbox {
+    fn default() -> Self {
+        Self(Arc::new(Mutex::new(RefCell::default())))
+    }
+}
+
+impl fmt::Debug for PeopleInbox {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let waiting = self.0.lock(|waiting| waiting.borrow().len());
+        write!(out, "PeopleInbox with {waiting} views")
+    }
+}
 
 impl PeopleInbox {
     /// Adds a view; the oldest one gives way.
     pub fn put(&self, view: PeopleView) {
-        let mut waiting = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if waiting.len() >= WAITING_MAX {
-            waiting.pop_front();
-        }
-        waiting.push_back(view);
+        self.0.lock(|waiting| {
+            let waiting = &mut *waiting.borrow_mut();
+            if waiting.len() >= WAITING_MAX {
+                waiting.pop_front();
+            }
+            waiting.push_back(view);
+        });
     }
 
     /// Everything that waits, oldest first.
     #[must_use]
     pub fn take_all(&self) -> VecDeque<PeopleView> {
-        std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+        self.0.lock(|waiting| std::mem::take(&mut *waiting.borrow_mut()))
     }
 }
 

@@ -16,6 +16,7 @@ use floorguard_configuration::{
     CanAddress, Carriers, CommandConfiguration, DatagramAddress, ScannerAddress, SerialAddress,
 };
 use floorguard_host::carriers::{BoundFrames, CanLink, Listening, ReconnectingLine, UdpReceiver};
+use floorguard_host::executor::Lateness;
 
 /// What the safety scanner is connected to, before the guard's thread opens it.
 #[derive(Debug)]
@@ -52,6 +53,8 @@ pub struct Links {
     pub people: PeopleInbox,
     /// How the robot learns; without it, it does not.
     pub learning: Option<LearningSetup>,
+    /// Counts how late the guard ring is.
+    pub lateness: Lateness,
     /// Where what is latched outlives the computer; a simulated robot does without.
     pub latches: Option<LatchFile>,
 }
@@ -101,6 +104,7 @@ impl Links {
             navigation: None,
             people: PeopleInbox::default(),
             learning: None,
+            lateness: Lateness::default(),
             latches: None,
         })
     }

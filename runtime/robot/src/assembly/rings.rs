@@ -6,7 +6,6 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use anyhow::Context;
-use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use floorguard_runtime::clock;
 use floorguard_runtime::configuration::RobotConfiguration;
 use floorguard_runtime::shared::Shared;
@@ -22,10 +21,12 @@ use crate::assembly::{PeopleInbox, Stages, new_perception, spawn_guard_ring, spa
 use crate::cleaner::Cleaner;
 use crate::learning::LearningSetup;
 use crate::navigator::Navigator;
-use floorguard_host::executor::{PollObserver, Ring, StopFlag, run_until, run_until_observed, take_priority};
+use floorguard_host::executor::{
+    PollObserver, PriorityLock, Ring, RingObserver, StopFlag, run_until, run_until_observed, take_priority,
+};
 
-/// What both threads share.
-pub type HostedShared = Shared<CriticalSectionRawMutex>;
+/// What both threads share: each slot behind a lock of its own, which lends the holder the priority of who waits.
+pub type HostedShared = Shared<PriorityLock>;
 
 /// The guard's tables are built on the stack before they are placed.
 const STACK_BYTES: usize = 16 * 1024 * 1024;
@@ -62,7 +63,10 @@ pub fn run_rings<T>(
     let latches_flag = StopFlag::default();
     thread::scope(|scope| {
         let kept = latches.as_ref().map(|latches| {
-            let keep = || latches.keep(shared, &latches_flag);
+            let keep = || {
+                let _ = take_priority(Ring::Telemetry);
+                latches.keep(shared, &latches_flag);
+            };
             thread::Builder::new().name("latches".to_owned()).spawn_scoped(scope, keep)
         });
         let kept = kept.transpose()?;
@@ -123,16 +127,17 @@ fn guard_ring(
     (flag, command_flag): (&StopFlag, &StopFlag),
 ) -> io::Result<()> {
     say!("  {}", take_priority(Ring::Guard));
+    let lateness = links.lateness.clone();
     run_until_observed(flag, |tasks| {
         let frame_links = FrameLinks { command: links.command.take(), base: links.base.take() };
         let carriers = links.open(&mut |Missing { source, why }| {
             say!("  {source}: not there yet ({why}); waiting for it, the robot stands until then");
         })?;
-        let tap = carriers.tap.clone();
+        let (tap, lateness) = (carriers.tap.clone(), lateness.clone());
         let names = spawn_guard_ring(tasks, shared, robot, carriers);
         // Behind the tasks of the guard: what it asks for reaches the recording as the guard takes it.
         spawn_frame_links(tasks, (shared, robot), frame_links, command_flag.clone())?;
-        Ok(tap.map(|tap| observer(tap, names, shared)))
+        Ok(RingObserver { polls: tap.map(|tap| observer(tap, names, shared)), lateness: Some(lateness) })
     })
 }
 
@@ -143,7 +148,7 @@ fn observer(tap: Tap, names: Vec<GuardTask>, shared: &HostedShared) -> PollObser
         let Some(task) = names.get(index).copied() else { return };
         let now = shared.decision.published();
         let decisions = now.wrapping_sub(std::mem::replace(&mut published, now));
-        let decision = if decisions > 0 { shared.decision.get().map(Box::new) } else { None };
+        let decision = if decisions > 0 { shared.decision.get() } else { None };
         tap.polled(Poll { task, at: Stamp::from_micros(now_us), decisions, decision });
     })
 }
@@ -188,6 +193,7 @@ fn planner_of(robot: &RobotConfiguration, links: &mut Links) -> anyhow::Result<O
 
 /// A thread of its own: planning takes longer than people may wait to be seen.
 fn mission_ring(mut planner: Planner, shared: &HostedShared, flag: &StopFlag) -> io::Result<()> {
+    say!("  {}", take_priority(Ring::Mission));
     run_until(flag, |tasks| {
         match &mut planner {
             Planner::Mission(mission) => tasks.spawn(clean(shared, &mut **mission)),
@@ -214,4 +220,33 @@ fn finished(outcome: thread::Result<io::Result<()>>, ring: &str) -> anyhow::Resu
     outcome
         .map_err(|_| anyhow::anyhow!("the {ring} ring panicked; this is a defect, please report it"))?
         .with_context(|| format!("the {ring} ring failed"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::assembly::new_shared;
+    use floorguard_configuration::{EXAMPLE, parse};
+    use floorguard_types::geometry::Twist2;
+    use std::sync::mpsc::channel;
+
+    /// A thread that holds one slot, or the guard, holds up nobody at the others.
+    #[test]
+    fn slots_do_not_wait_for_each_other() {
+        let robot = parse("robot.toml", EXAMPLE).unwrap().robot;
+        let shared: Box<HostedShared> = new_shared(&robot, Stamp::ZERO).unwrap();
+        let (published, outcome) = channel();
+        let finished = thread::scope(|scope| {
+            shared.inspect(|_| {
+                scope.spawn(|| {
+                    shared.wanted.publish((Stamp::ZERO, Twist2::ZERO));
+                    shared.packets.push(|_| ());
+                    shared.reset.signal(());
+                    published.send(()).unwrap();
+                });
+                outcome.recv_timeout(Duration::from_secs(20)).is_ok()
+            })
+        });
+        assert!(finished, "waits for the guard's lock");
+    }
 }

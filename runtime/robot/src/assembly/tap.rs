@@ -1,26 +1,37 @@
 //! A listener on the robot's lines: every byte that reaches the guard ring also goes into a bounded queue, for the
 //! recording and the panel.
 //!
-//! The guard ring never waits for who listens: what does not fit into the queue is dropped and counted.
+//! The guard ring never waits for who listens: what does not fit into the queue is dropped and counted. It allocates nothing
+//! either: rows and bytes go into rings that were made before it began.
 
+use std::cell::RefCell;
+use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
+use embassy_sync::blocking_mutex::Mutex;
 use embedded_io_async::{ErrorType, Read, Write};
 use floorguard_drivers::can::CanFrame;
 use floorguard_guard::{Advice, Decision};
+use floorguard_host::executor::PriorityLock;
 use floorguard_runtime::clock;
 use floorguard_runtime::io::{CanBus, DatagramReceiver, Received};
 use floorguard_runtime::tape::TapeLine;
 use floorguard_runtime::tasks::GuardInput;
 use floorguard_types::geometry::Twist2;
 use floorguard_types::time::Stamp;
+use rtrb::{Consumer, Producer, RingBuffer};
 
 use super::guard_task::GuardTask;
 
 /// Rows that may wait: some three seconds of all sensors and polls together.
 const ROWS_MAX: usize = 32_768;
+/// Bytes of the lines that may wait: a lidar sends 0.9 MB a second, all others together less than 0.2 MB.
+const BYTES_MAX: usize = 4 << 20;
+/// Advices that may wait: perception gives ten a second.
+const ADVICES_MAX: usize = 64;
+/// An identifier and a frame of the bus, bytes.
+const FRAME_BYTES: usize = 10;
 
 /// Something that crossed a line.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,7 +75,7 @@ pub enum Direction {
 }
 
 /// One poll of a task of the guard ring, and what was decided in it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Poll {
     /// The task.
     pub task: GuardTask,
@@ -73,74 +84,150 @@ pub struct Poll {
     /// Decisions that the guard took.
     pub decisions: u32,
     /// The last of them.
-    pub decision: Option<Box<Decision>>,
+    pub decision: Option<Decision>,
 }
 
+/// A row as it waits: what is long waits in rings of its own.
+#[derive(Clone, Copy)]
+enum WaitingRow {
+    Delivered { at: Stamp, arrival: Stamp, line: TapeLine, length: usize },
+    Sent(Stamp, CanFrame),
+    Began(Stamp),
+    Latches(Stamp, u64),
+    Failed(TapeLine, Direction),
+    Command(Stamp, Twist2),
+    Advice,
+    Operator(TapeLine),
+    Polled(Poll),
+}
+
+/// One end each of the rings.
+struct Rings<Rows, Bytes, Advices> {
+    rows: Rows,
+    bytes: Bytes,
+    advices: Advices,
+}
+
+type Writer = Rings<Producer<WaitingRow>, Producer<u8>, Producer<Advice>>;
+type Reader = Rings<Consumer<WaitingRow>, Consumer<u8>, Consumer<Advice>>;
+
 /// The robot's end of the queue.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Tap {
-    rows: SyncSender<TapRow>,
+    /// The carriers of one thread share it: they never wait for each other.
+    writer: Arc<Mutex<PriorityLock, RefCell<Writer>>>,
     lost: Arc<AtomicU64>,
 }
 
 /// The listener's end.
-#[derive(Debug)]
 pub struct TapRows {
-    rows: Receiver<TapRow>,
+    reader: Reader,
     lost: Arc<AtomicU64>,
 }
 
-/// A new queue.
+/// A new queue. All of its memory is written once, so that the system has given it before the robot moves.
 #[must_use]
 pub fn tap() -> (Tap, TapRows) {
-    let (sender, rows) = sync_channel(ROWS_MAX);
+    let (mut rows, mut waiting) = RingBuffer::new(ROWS_MAX);
+    while rows.push(WaitingRow::Began(Stamp::ZERO)).is_ok() {}
+    while waiting.pop().is_ok() {}
+    let (mut bytes, mut waiting_bytes) = RingBuffer::new(BYTES_MAX);
+    while bytes.push(0).is_ok() {}
+    while waiting_bytes.pop().is_ok() {}
+    let (advices, waiting_advices) = RingBuffer::new(ADVICES_MAX);
+    let writer = Rings { rows, bytes, advices };
+    let reader = Rings { rows: waiting, bytes: waiting_bytes, advices: waiting_advices };
     let lost = Arc::new(AtomicU64::new(0));
-    (Tap { rows: sender, lost: Arc::clone(&lost) }, TapRows { rows, lost })
+    let tap = Tap { writer: Arc::new(Mutex::new(RefCell::new(writer))), lost: Arc::clone(&lost) };
+    (tap, TapRows { reader, lost })
+}
+
+impl fmt::Debug for Tap {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "Tap that lost {} rows", self.lost.load(Ordering::Relaxed))
+    }
+}
+
+impl Writer {
+    /// False when it does not fit: then nothing of it is kept.
+    fn push(&mut self, row: WaitingRow, bytes: &[u8]) -> bool {
+        // What is long first: who reads a row finds it there.
+        !self.rows.is_full()
+            && self.bytes.push_entire_slice(bytes).is_ok()
+            && self.rows.push(row).is_ok()
+    }
+
+    fn push_advice(&mut self, advice: &Advice) -> bool {
+        !self.rows.is_full()
+            && !self.advices.is_full()
+            && self.advices.push(advice.clone()).is_ok()
+            && self.rows.push(WaitingRow::Advice).is_ok()
+    }
 }
 
 impl Tap {
-    fn push(&self, row: TapRow) {
-        if self.rows.try_send(row).is_err() {
+    fn write(&self, write: impl FnOnce(&mut Writer) -> bool) {
+        if !self.writer.lock(|writer| write(&mut writer.borrow_mut())) {
             self.lost.fetch_add(1, Ordering::Relaxed);
         }
     }
 
+    fn push(&self, row: WaitingRow) {
+        self.write(|writer| writer.push(row, &[]));
+    }
+
     /// The guard began at this time.
     pub fn began(&self, at: Stamp) {
-        self.push(TapRow::Began(at));
+        self.push(WaitingRow::Began(at));
     }
 
     /// What was latched when the computer last ran, and when the guard gets it.
     pub fn latched(&self, at: Stamp, latches: u64) {
-        self.push(TapRow::Latches(at, latches));
+        self.push(WaitingRow::Latches(at, latches));
     }
 
     /// What the guard takes from other rings and from people.
     pub fn input(&self, input: GuardInput<'_>) {
-        self.push(match input {
-            GuardInput::Command(stamp, wanted) => TapRow::Command(stamp, wanted),
-            GuardInput::Advice(advice) => TapRow::Advice(Box::new(advice.clone())),
-            GuardInput::Reset => TapRow::Operator(TapeLine::Reset),
-            GuardInput::Start => TapRow::Operator(TapeLine::Start),
-        });
+        match input {
+            GuardInput::Command(stamp, wanted) => self.push(WaitingRow::Command(stamp, wanted)),
+            GuardInput::Advice(advice) => self.write(|writer| writer.push_advice(advice)),
+            GuardInput::Reset => self.push(WaitingRow::Operator(TapeLine::Reset)),
+            GuardInput::Start => self.push(WaitingRow::Operator(TapeLine::Start)),
+        }
     }
 
     /// A poll of the guard ring.
     pub fn polled(&self, poll: Poll) {
-        self.push(TapRow::Polled(poll));
+        self.push(WaitingRow::Polled(poll));
     }
 
-    fn delivered(&self, arrival: Option<Stamp>, line: TapeLine, bytes: Vec<u8>) {
+    fn delivered(&self, arrival: Option<Stamp>, line: TapeLine, bytes: &[u8]) {
         let at = clock::now();
-        self.push(TapRow::Delivered { at, arrival: arrival.unwrap_or(at), line, bytes });
+        let (arrival, length) = (arrival.unwrap_or(at), bytes.len());
+        self.write(|writer| writer.push(WaitingRow::Delivered { at, arrival, line, length }, bytes));
     }
 }
 
 impl TapRows {
     /// The next row that waits.
     #[must_use]
-    pub fn next(&self) -> Option<TapRow> {
-        self.rows.try_recv().ok()
+    pub fn next(&mut self) -> Option<TapRow> {
+        Some(match self.reader.rows.pop().ok()? {
+            WaitingRow::Delivered { at, arrival, line, length } => {
+                let mut bytes = vec![0; length];
+                // They were there before the row was.
+                self.reader.bytes.pop_entire_slice(&mut bytes).ok()?;
+                TapRow::Delivered { at, arrival, line, bytes }
+            }
+            WaitingRow::Sent(at, frame) => TapRow::Sent(at, frame),
+            WaitingRow::Began(at) => TapRow::Began(at),
+            WaitingRow::Latches(at, latches) => TapRow::Latches(at, latches),
+            WaitingRow::Failed(line, direction) => TapRow::Failed(line, direction),
+            WaitingRow::Command(stamp, wanted) => TapRow::Command(stamp, wanted),
+            WaitingRow::Advice => TapRow::Advice(Box::new(self.reader.advices.pop().ok()?)),
+            WaitingRow::Operator(button) => TapRow::Operator(button),
+            WaitingRow::Polled(poll) => TapRow::Polled(poll),
+        })
     }
 
     /// Rows that did not fit so far.
@@ -165,7 +252,7 @@ impl<T> Tapped<T> {
 
     fn failed(&self, direction: Direction) {
         if let Some(tap) = &self.tap {
-            tap.push(TapRow::Failed(self.line, direction));
+            tap.push(WaitingRow::Failed(self.line, direction));
         }
     }
 }
@@ -176,7 +263,7 @@ impl<T: DatagramReceiver> DatagramReceiver for Tapped<T> {
     async fn receive(&mut self, buffer: &mut [u8]) -> Result<Received, T::Error> {
         let received = self.carrier.receive(buffer).await.inspect_err(|_| self.failed(Direction::Read))?;
         if let (Some(tap), Some(bytes)) = (&self.tap, buffer.get(..received.length)) {
-            tap.delivered(Some(received.arrival), self.line, bytes.to_vec());
+            tap.delivered(Some(received.arrival), self.line, bytes);
         }
         Ok(received)
     }
@@ -194,7 +281,7 @@ impl<T: Read> Read for Tapped<T> {
     async fn read(&mut self, buffer: &mut [u8]) -> Result<usize, T::Error> {
         let count = self.carrier.read(buffer).await.inspect_err(|_| self.failed(Direction::Read))?;
         if let (Some(tap), Some(bytes)) = (&self.tap, buffer.get(..count)) {
-            tap.delivered(None, self.line, bytes.to_vec());
+            tap.delivered(None, self.line, bytes);
         }
         Ok(count)
     }
@@ -217,15 +304,17 @@ impl<T: CanBus> CanBus for Tapped<T> {
         let frame = self.carrier.receive().await.inspect_err(|_| self.failed(Direction::Read))?;
         // No device of the robot uses other identifiers, and the tape cannot hold them.
         if let (Some(tap), Some(id)) = (&self.tap, frame.standard_id()) {
-            let bytes = id.to_le_bytes().iter().chain(frame.payload()).copied().collect();
-            tap.delivered(None, self.line, bytes);
+            let mut bytes = [0; FRAME_BYTES];
+            let frame_bytes = id.to_le_bytes().into_iter().chain(frame.payload().iter().copied());
+            let length = bytes.iter_mut().zip(frame_bytes).map(|(place, byte)| *place = byte).count();
+            tap.delivered(None, self.line, bytes.get(..length).unwrap_or_default());
         }
         Ok(frame)
     }
 
     async fn send(&mut self, frame: &CanFrame) -> Result<(), T::Error> {
         if let Some(tap) = &self.tap {
-            tap.push(TapRow::Sent(clock::now(), *frame));
+            tap.push(WaitingRow::Sent(clock::now(), *frame));
         }
         self.carrier.send(frame).await.inspect_err(|_| self.failed(Direction::Write))
     }
@@ -237,18 +326,51 @@ mod tests {
 
     #[test]
     fn unread_queue_counts_lost_rows() {
-        let (tap, rows) = tap();
+        let (tap, mut rows) = tap();
         for index in 0..ROWS_MAX + 5 {
-            tap.delivered(None, TapeLine::Scanner, index.to_le_bytes().to_vec());
+            tap.delivered(None, TapeLine::Scanner, &index.to_le_bytes());
         }
         assert_eq!(rows.lost(), 5);
         assert_eq!(std::iter::from_fn(|| rows.next()).count(), ROWS_MAX);
     }
 
     #[test]
+    fn bytes_beyond_the_capacity_are_counted() {
+        let (tap, mut rows) = tap();
+        let datagram = [7; 1_206];
+        let fitting = BYTES_MAX / datagram.len();
+        (0..fitting + 3).for_each(|_| tap.delivered(None, TapeLine::Lidar, &datagram));
+        tap.began(Stamp::ZERO);
+        assert_eq!(rows.lost(), 3);
+        let kept = std::iter::from_fn(|| rows.next()).collect::<Vec<_>>();
+        assert_eq!((kept.len(), kept.last()), (fitting + 1, Some(&TapRow::Began(Stamp::ZERO))));
+    }
+
+    /// The thread of the guard ring puts everything into the queue without asking the allocator for memory.
+    #[test]
+    fn listened_lines_allocate_nothing() {
+        let pipe = floorguard_host::carriers::CanPipe::default();
+        let (tap, mut rows) = tap();
+        let mut bus = Tapped::new(pipe.clone(), TapeLine::Can, Some(tap.clone()));
+        pipe.push(CanFrame::standard(0x181, &[1, 2, 3]));
+        let advice = Advice { speed_limit_mps: Some(0.25), ..Advice::default() };
+        let used = allocation_counter::measure(|| {
+            tap.delivered(None, TapeLine::Lidar, &[1; 1_206]);
+            tap.input(GuardInput::Advice(&advice));
+            tap.polled(Poll { task: GuardTask::Lidar, at: Stamp::ZERO, decisions: 1, decision: None });
+            assert!(embassy_futures::block_on(bus.receive()).is_ok());
+        });
+        assert_eq!(used.count_total, 0, "{used:?}");
+        let TapRow::Delivered { bytes, .. } = rows.next().unwrap() else { panic!("bytes first") };
+        assert_eq!(bytes, [1; 1_206]);
+        assert_eq!(rows.next(), Some(TapRow::Advice(Box::new(advice))));
+        assert_eq!(std::iter::from_fn(|| rows.next()).count(), 2);
+    }
+
+    #[test]
     fn a_can_frame_passes_and_is_heard() {
         let pipe = floorguard_host::carriers::CanPipe::default();
-        let (tap, rows) = tap();
+        let (tap, mut rows) = tap();
         let mut bus = Tapped::new(pipe.clone(), TapeLine::Can, Some(tap));
         pipe.push(CanFrame::standard(0x181, &[1, 2, 3]));
         let received = embassy_futures::block_on(bus.receive()).unwrap();

@@ -3,9 +3,9 @@
 
 use std::sync::Arc;
 
-use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 use floorguard_cleaning::{CleanRule, LaneAttempt, LaneQueue, Planner, PoseDeviation, VisitPlan};
 use floorguard_guard::{Cause, Decision};
+use floorguard_host::executor::PriorityLock;
 use floorguard_mapping::{DirtCell, DirtMap, Grid, GridGeometry};
 use floorguard_navigation::global::Pace;
 use floorguard_navigation::path::FollowState;
@@ -48,7 +48,7 @@ const FINDS_S: f32 = 6.0;
 const OBSTACLE_HOLDS_M: f32 = 1.6;
 
 /// A progress, for all who watch it.
-pub type SharedWatch = Arc<MissionWatch<CriticalSectionRawMutex>>;
+pub type SharedWatch = Arc<MissionWatch<PriorityLock>>;
 
 /// Where the scanner sits on the robot.
 #[derive(Clone, Copy, Debug)]

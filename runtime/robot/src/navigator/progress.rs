@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
+use floorguard_host::executor::PriorityLock;
 use floorguard_mapping::GridGeometry;
 use floorguard_runtime::channel::Latest;
 use floorguard_types::geometry::{Point2, Pose2};
@@ -91,4 +91,4 @@ pub struct NavigationProgress {
 pub type NavigationWatch<M> = Latest<M, Arc<NavigationProgress>>;
 
 /// A progress, for all who watch it.
-pub type SharedNavigationWatch = Arc<NavigationWatch<CriticalSectionRawMutex>>;
+pub type SharedNavigationWatch = Arc<NavigationWatch<PriorityLock>>;
