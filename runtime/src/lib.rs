@@ -15,6 +15,7 @@ pub mod channel;
 pub mod clock;
 pub mod configuration;
 pub mod digest;
+mod doubled;
 pub mod io;
 pub mod kept_latches;
 pub mod mission;

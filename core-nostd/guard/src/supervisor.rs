@@ -191,6 +191,13 @@ impl Supervisor {
         self.decide(now)
     }
 
+    /// Something that a task of the guard ring keeps twice differs from its copy (FG-REQ-058).
+    pub fn on_corruption(&mut self, now: Stamp) -> Decision {
+        self.begin(now);
+        self.state.machine.raise(CauseRecord::new(Cause::StateCorrupted, now));
+        self.decide(now)
+    }
+
     /// A driver cannot use its device. Holds until the next good sample.
     pub fn on_source_fault(&mut self, source: Source, kind: FaultKind, now: Stamp) -> Decision {
         self.begin(now);

@@ -37,6 +37,12 @@ impl DualChannel {
         Self { discrepancy_us, differs_since: None, faulty: false }
     }
 
+    /// Channels may differ for this long, microseconds.
+    #[must_use]
+    pub const fn discrepancy_us(&self) -> u64 {
+        self.discrepancy_us
+    }
+
     /// Judges both channels, `true` = operating state.
     pub fn judge(&mut self, channels: [bool; 2], now: Stamp) -> SafetyInput {
         let [a, b] = channels;

@@ -41,7 +41,7 @@ struct Object {
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct SafetyImage {
-    map: InputMap,
+    pub(crate) map: InputMap,
     objects: [Option<Object>; IMAGE_OBJECTS],
     emergency_stop: DualChannel,
     bumper_front: DualChannel,
@@ -64,6 +64,19 @@ impl SafetyImage {
             cliff_front: channel,
             cliff_rear: channel,
         }
+    }
+
+    /// It reads the image by this map.
+    #[must_use]
+    pub fn is_of(&self, map: &InputMap) -> bool {
+        let channels = [
+            &self.emergency_stop,
+            &self.bumper_front,
+            &self.bumper_rear,
+            &self.cliff_front,
+            &self.cliff_rear,
+        ];
+        self.map == *map && channels.iter().all(|channel| channel.discrepancy_us() == map.discrepancy_us)
     }
 
     /// Takes in a process data object, 0…3, that arrived now. The inputs, once each object in which one stands has

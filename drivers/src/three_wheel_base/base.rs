@@ -74,7 +74,9 @@ pub struct BaseCounters {
 /// ```
 #[derive(Clone, Debug)]
 pub struct ThreeWheelBase {
-    configuration: BaseConfiguration,
+    pub(super) configuration: BaseConfiguration,
+    /// The same once more.
+    copy: BaseConfiguration,
     traction: NodeConfigurator,
     steering: NodeConfigurator,
     left: NodeConfigurator,
@@ -82,7 +84,7 @@ pub struct ThreeWheelBase {
     inputs: NodeConfigurator,
     drives: Drives,
     encoders: Encoders,
-    image: SafetyImage,
+    pub(super) image: SafetyImage,
     latched: Stamp,
     heartbeat: Option<Stamp>,
     following_error: FollowingErrorMonitor,
@@ -107,6 +109,7 @@ impl ThreeWheelBase {
             heartbeat: None,
             following_error: FollowingErrorMonitor::default(),
             counters: BaseCounters::default(),
+            copy: configuration,
             configuration,
         }
     }
@@ -240,6 +243,13 @@ impl ThreeWheelBase {
     /// The operator asked for a reset: drives in a fault are led out of it.
     pub fn reset_faults(&mut self) {
         self.drives.reset_faults();
+    }
+
+    /// Node numbers, ramps and the map of the input bits are what they were at the start; `false` after a flipped bit. Call it
+    /// with each poll.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.configuration == self.copy && self.image.is_of(&self.copy.inputs)
     }
 
     /// All five devices are operational.

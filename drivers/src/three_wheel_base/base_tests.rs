@@ -8,6 +8,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::can::CanFrame;
 use crate::cia402::PowerState;
+use crate::flexisoft::{InputBits, InputMap};
 
 /// Capacity of the runtime for frames of one poll.
 const FRAMES_MAX: usize = 16;
@@ -225,4 +226,38 @@ fn encoders_are_held_to_their_range() {
     }
     assert_eq!(bench.base.counters().refused, 1, "the bench's encoders count to 2^24");
     assert!(matches!(samples[..], [BaseEvent::Wheels(_)]));
+}
+
+/// Whatever bit of what the base was told to be, or of the map by which it reads the safety inputs.
+#[test]
+fn fg_req_058_flipped_configuration_is_noticed() {
+    let inputs = InputMap {
+        emergency_stop: InputBits::new([32, 33]),
+        bumper_front: InputBits::new([34, 35]),
+        cliff_front: Some(InputBits::new([40, 41])),
+        discrepancy_us: 500_000,
+        ..InputMap::default()
+    };
+    let base = ThreeWheelBase::new(BaseConfiguration { inputs, ..BaseConfiguration::default() });
+    assert!(base.is_whole());
+    let is_noticed = |flip: &dyn Fn(&mut ThreeWheelBase)| {
+        let mut base = base.clone();
+        flip(&mut base);
+        !base.is_whole()
+    };
+    for bit in 0..8 {
+        let flips: [&dyn Fn(&mut ThreeWheelBase); 8] = [
+            &|base| base.image.map.emergency_stop.bits[0] ^= 1 << bit,
+            &|base| base.image.map.bumper_front.bits[1] ^= 1 << bit,
+            &|base| base.image.map.emergency_stop.inverted[1] = true,
+            &|base| base.image.map.cliff_front = None,
+            &|base| base.image.map.discrepancy_us ^= 1 << bit,
+            &|base| base.configuration.inputs.bumper_front.bits[0] ^= 1 << bit,
+            &|base| base.configuration.inputs_node ^= 1 << bit,
+            &|base| base.configuration.quick_stop_mps2 = f32::from_bits(0x4000_0000 ^ 1 << bit),
+        ];
+        for (index, flip) in flips.into_iter().enumerate() {
+            assert!(is_noticed(flip), "bit {bit} of {index}");
+        }
+    }
 }

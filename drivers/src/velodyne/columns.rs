@@ -6,7 +6,7 @@
 //! Limit: the lasers of a VLP-32C look up to 4.2° beside the azimuth of their column; [`Model::ring_angles`] tells how
 //! far. They are not moved to a neighbouring column.
 
-use floorguard_types::number::{truncating_u8, truncating_u16, truncating_u32};
+use floorguard_types::number::{exact_usize, truncating_u8, truncating_u16, truncating_u32};
 use floorguard_types::profile::{Entry, Profile, Table, TableOf};
 use floorguard_types::sensing::{LidarColumnOf, LidarPacketOf};
 use floorguard_types::time::Stamp;
@@ -14,12 +14,17 @@ use floorguard_types::time::Stamp;
 use super::model::{LaserAngles, Model};
 use super::packet::{BLOCKS, Block, BlockTurn, Packet};
 
+/// Lasers of the largest model.
+const LASERS_MAX: u32 = 32;
+
 /// Converts packets of one model.
 #[derive(Clone, Debug)]
 pub(super) struct Columns<P: Profile> {
     model: Model,
     /// Ring of each laser.
     rings: TableOf<u8, P::Rings>,
+    /// The same once more (FG-REQ-058).
+    copy: TableOf<u8, P::Rings>,
 }
 
 impl<P: Profile> Columns<P> {
@@ -28,7 +33,13 @@ impl<P: Profile> Columns<P> {
         for (ring, angle) in rings.iter_mut().zip(angles.iter()) {
             *ring = angle.ring;
         }
-        Self { model, rings }
+        Self { model, copy: rings.clone(), rings }
+    }
+
+    /// The model, and the ring of one laser, are what they were when the model was decided: another laser with each number.
+    pub(super) fn is_whole(&self, model: Model, number: u32) -> bool {
+        let laser = exact_usize(number % LASERS_MAX);
+        self.model == model && self.rings.as_ref().get(laser) == self.copy.as_ref().get(laser)
     }
 
     /// Writes the columns of all blocks whose direction is known: up to 24 in single, 12 in dual return. Returns nearer
@@ -152,6 +163,21 @@ impl<P: Profile> Columns<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn fg_req_058_flipped_ring_is_noticed() {
+        let columns = Columns::<floorguard_types::profile::Native>::new(Model::Vlp16, &Model::Vlp16.angles());
+        let is_noticed = |columns: &Columns<_>| (0..32).any(|number| !columns.is_whole(Model::Vlp16, number));
+        assert!(!is_noticed(&columns));
+        for laser in 0..16 {
+            for bit in 0..8 {
+                let mut flipped = columns.clone();
+                flipped.rings.as_mut()[laser] ^= 1 << bit;
+                assert!(is_noticed(&flipped), "laser {laser} bit {bit}");
+            }
+        }
+        assert!(is_noticed(&Columns { model: Model::HiRes, ..columns }));
+    }
 
     #[test]
     fn column_azimuth_is_the_middle_lasers_rounded() {

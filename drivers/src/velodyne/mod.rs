@@ -5,6 +5,7 @@
 mod clock;
 mod closed_sector;
 mod columns;
+mod decode_error;
 mod decoder;
 mod gprmc;
 mod model;
@@ -16,7 +17,8 @@ mod sweep_builder;
 
 pub use clock::HourClock;
 pub use closed_sector::ClosedSector;
-pub use decoder::{Counters, DecodeError, Decoder, DecoderOf, ModelChoice};
+pub use decode_error::DecodeError;
+pub use decoder::{Counters, Decoder, DecoderOf, ModelChoice};
 pub use gprmc::{Gprmc, GprmcError, Place};
 pub use model::{LaserAngles, Model, NativeAngles, detect_model};
 pub use packet::{BlockTurn, Packet, PacketError, ReturnMode};

@@ -1,6 +1,6 @@
 //! What the azimuths and stamps of packets must be, and what is missing between them.
 
-use super::decoder::DecodeError;
+use super::decode_error::DecodeError;
 use super::packet::{BLOCKS, BlockTurn, GAP_MAX_CDEG, Packet};
 
 /// A longer silence is a restart, not a number of lost packets.

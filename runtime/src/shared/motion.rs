@@ -20,6 +20,8 @@ pub struct StampedPose {
 #[derive(Clone, Debug)]
 pub struct Motion {
     wheels: WheelOdometry,
+    /// That of `wheels` once more (FG-REQ-058).
+    geometry: WheelGeometry,
     filter: Odometry,
     known: Option<Stamp>,
 }
@@ -30,6 +32,7 @@ impl Motion {
     pub fn new(geometry: WheelGeometry) -> Self {
         Self {
             wheels: WheelOdometry::new(geometry),
+            geometry,
             filter: Odometry::new(OdometryNoise::DEFAULT),
             known: None,
         }
@@ -40,6 +43,12 @@ impl Motion {
         let motion = self.wheels.update(sample)?;
         self.filter.on_wheels(&motion);
         Some(motion)
+    }
+
+    /// Track and ticks of the wheels are what they were at the start; `false` after a flipped bit (FG-REQ-058).
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.wheels.geometry() == self.geometry
     }
 
     /// The motion that a base measured of itself.
@@ -66,5 +75,26 @@ impl Motion {
         }
         self.known = Some(stamp);
         Some(StampedPose { stamp, pose_in_odometry: self.filter.pose(), twist: self.filter.twist() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fg_req_058_flipped_wheel_geometry_is_noticed() {
+        let geometry = WheelGeometry { track_m: 0.6, ticks_per_m: 20_000.0, speed_max_mps: 1.0 };
+        let mut motion = Motion::new(geometry);
+        assert!(motion.is_whole());
+        for bit in 0..32 {
+            for part in 0..3 {
+                motion.geometry = geometry;
+                let WheelGeometry { track_m, ticks_per_m, speed_max_mps } = &mut motion.geometry;
+                let number = [track_m, ticks_per_m, speed_max_mps].into_iter().nth(part).unwrap();
+                *number = f32::from_bits(number.to_bits() ^ (1 << bit));
+                assert!(!motion.is_whole(), "bit {bit} of {part}");
+            }
+        }
     }
 }

@@ -7,10 +7,11 @@ use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_time::{Duration, Ticker, Timer};
 use floorguard_drivers::can::CanFrame;
 use floorguard_drivers::three_wheel_base::{BaseEvent, DriveCommand, StopKind, ThreeWheelBase};
-use floorguard_guard::{Action, Decision, FaultKind, Source};
+use floorguard_guard::{FaultKind, Source};
 use floorguard_localisation::odometry::Tricycle;
 use heapless::Vec;
 
+use super::drive_order::DriveOrder;
 use super::supervise::TICK_MS;
 use crate::clock;
 use crate::io::CanBus;
@@ -32,7 +33,7 @@ pub async fn can_bus<M: RawMutex>(
     (mut base, tricycle): (ThreeWheelBase, Tricycle),
 ) {
     let mut ticker = Ticker::every(Duration::from_millis(TICK_MS));
-    let mut steering_rad = 0.0;
+    let mut order = DriveOrder::new(tricycle);
     let mut reported = None;
     loop {
         let mut frames = Frames::new();
@@ -43,7 +44,7 @@ pub async fn can_bus<M: RawMutex>(
                 let now = clock::now();
                 base.on_frame(&frame, now, &mut |event| {
                     if let BaseEvent::Drive(drive) = &event {
-                        steering_rad = drive.steering_rad;
+                        order.steering_rad = drive.steering_rad;
                     }
                     take_in(shared, &event);
                 });
@@ -53,16 +54,15 @@ pub async fn can_bus<M: RawMutex>(
                 Timer::after_millis(RETRY_MS).await;
             }
             Either3::Second(decision) => {
-                let command = command(&decision, &tricycle, steering_rad);
-                if is_tighter(command, base.commanded()) {
+                order.follow(&decision);
+                if let Some(command) = order.command().filter(|new| is_tighter(*new, base.commanded())) {
                     base.command(command);
                     base.send_command(&mut |frame| collect(&mut frames, frame));
                 }
             }
+            // A decision is taken up before the tick: the order is that of the newest one.
             Either3::Third(()) => {
-                if let Some(decision) = shared.decision.get() {
-                    base.command(command(&decision, &tricycle, steering_rad));
-                }
+                base.command(command_of_tick(shared, (&base, &order)));
                 if shared.drive_reset.signaled() {
                     shared.drive_reset.reset();
                     base.reset_faults();
@@ -106,8 +106,12 @@ fn take_in<M: RawMutex>(shared: &Shared<M>, event: &BaseEvent) {
     let now = clock::now();
     match event {
         BaseEvent::Wheels(sample) => {
-            if let Some(motion) = shared.move_by(|motion| motion.on_wheels(sample)) {
+            let (motion, is_whole) = shared.move_by(|motion| (motion.on_wheels(sample), motion.is_whole()));
+            if let Some(motion) = motion {
                 shared.decide(|guard| guard.on_wheels(motion.twist, motion.stamp, now));
+            }
+            if !is_whole {
+                shared.decide(|guard| guard.on_corruption(now));
             }
         }
         BaseEvent::Drive(feedback) => {
@@ -125,22 +129,16 @@ fn take_in<M: RawMutex>(shared: &Shared<M>, event: &BaseEvent) {
     }
 }
 
-/// What a decision means for the drives.
-fn command(decision: &Decision, tricycle: &Tricycle, steering_rad: f32) -> DriveCommand {
-    if decision.torque_off {
-        return DriveCommand::Stop(StopKind::TorqueOff);
-    }
-    let permitted = decision.permitted;
-    let moves = permitted.linear_mps != 0.0 || permitted.angular_radps != 0.0;
-    match decision.action {
-        Action::Category1 if !moves => DriveCommand::Stop(StopKind::Ramp),
-        Action::Category2 if !moves => DriveCommand::Stop(StopKind::Hold),
-        _ => {
-            let target_rad = tricycle.steering_rad(permitted, steering_rad);
-            let wheel_mps = tricycle.wheel_mps(permitted, steering_rad, target_rad);
-            DriveCommand::Move { wheel_mps, steering_rad: target_rad }
-        }
-    }
+/// What goes out with the tick. No torque, until the computer was restarted, when something of the base or of the order differs
+/// from its copy (FG-REQ-058).
+fn command_of_tick<M: RawMutex>(
+    shared: &Shared<M>,
+    (base, order): (&ThreeWheelBase, &DriveOrder),
+) -> DriveCommand {
+    order.command().filter(|_| base.is_whole()).unwrap_or_else(|| {
+        shared.decide(|guard| guard.on_corruption(clock::now()));
+        DriveCommand::Stop(StopKind::TorqueOff)
+    })
 }
 
 /// Slower, or a stop of a severer kind.

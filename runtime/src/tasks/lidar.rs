@@ -50,6 +50,9 @@ pub async fn lidar_input<M: RawMutex>(
             }
             // One bad datagram is no fault of the device; if no good one comes, its age stops the robot.
             Err(error) => {
+                if error == DecodeError::Corrupted {
+                    shared.decide(|guard| guard.on_corruption(clock::now()));
+                }
                 shared.complain(|complaints| complaints.lidar = Some(error));
                 shared.count(|links| links.lidar_refused = links.lidar_refused.saturating_add(1));
             }

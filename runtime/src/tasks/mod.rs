@@ -9,6 +9,7 @@ mod advise;
 mod buttons;
 mod can;
 mod clean;
+mod drive_order;
 mod imu;
 mod inputs;
 mod lidar;

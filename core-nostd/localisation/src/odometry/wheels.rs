@@ -84,6 +84,12 @@ impl WheelOdometry {
         Self { geometry, last: None, refused: 0 }
     }
 
+    /// The wheels that it reckons with.
+    #[must_use]
+    pub const fn geometry(&self) -> WheelGeometry {
+        self.geometry
+    }
+
     /// The motion since the sample before. `None` for the first one, after a gap, for a stamp that does not advance,
     /// and for a jump that no wheel can make (counted).
     pub fn update(&mut self, sample: &WheelSample) -> Option<WheelMotion> {

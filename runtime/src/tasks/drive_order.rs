@@ -1,0 +1,120 @@
+//! From a decision to a command to the drives. What lies between them stands in memory until the next tick, and the numbers of
+//! the steering for good: both are kept twice (FG-REQ-058).
+
+use floorguard_drivers::three_wheel_base::{DriveCommand, StopKind};
+use floorguard_guard::{Action, Decision};
+use floorguard_localisation::odometry::Tricycle;
+use floorguard_types::geometry::Twist2;
+
+use crate::doubled::Doubled;
+
+/// What the drives need to know of a decision.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Order {
+    permitted: Twist2,
+    action: Action,
+    torque_off: bool,
+}
+
+/// The newest decision, and what makes a command of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DriveOrder {
+    order: Doubled<Order>,
+    tricycle: Doubled<Tricycle>,
+    /// As the steering drive reported it last, radians.
+    pub(super) steering_rad: f32,
+}
+
+impl DriveOrder {
+    /// Before the first decision: no torque.
+    pub(super) fn new(tricycle: Tricycle) -> Self {
+        let order = Order { permitted: Twist2::ZERO, action: Action::Category0, torque_off: true };
+        Self { order: Doubled::new(order), tricycle: Doubled::new(tricycle), steering_rad: 0.0 }
+    }
+
+    /// A decision was taken.
+    pub(super) fn follow(&mut self, decision: &Decision) {
+        let Decision { permitted, action, torque_off, .. } = *decision;
+        self.order.set(Order { permitted, action, torque_off });
+    }
+
+    /// What it means for the drives now; `None` when something that is kept twice differs.
+    pub(super) fn command(&self) -> Option<DriveCommand> {
+        let (order, tricycle) = (self.order.get()?, self.tricycle.get()?);
+        if order.torque_off {
+            return Some(DriveCommand::Stop(StopKind::TorqueOff));
+        }
+        let permitted = order.permitted;
+        let moves = permitted.linear_mps != 0.0 || permitted.angular_radps != 0.0;
+        Some(match order.action {
+            Action::Category1 if !moves => DriveCommand::Stop(StopKind::Ramp),
+            Action::Category2 if !moves => DriveCommand::Stop(StopKind::Hold),
+            _ => {
+                let target_rad = tricycle.steering_rad(permitted, self.steering_rad);
+                let wheel_mps = tricycle.wheel_mps(permitted, self.steering_rad, target_rad);
+                DriveCommand::Move { wheel_mps, steering_rad: target_rad }
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use floorguard_guard::GuardState;
+    use floorguard_types::time::Stamp;
+
+    fn flipped(number: f32, bit: u32) -> f32 {
+        f32::from_bits(number.to_bits() ^ (1 << bit))
+    }
+
+    /// Every bit of the numbers between a decision and the frames on the bus.
+    #[test]
+    fn fg_req_058_flipped_order_gives_no_command() {
+        let mut order = DriveOrder::new(Tricycle { wheelbase_m: 1.1, steering_max_rad: 1.57 });
+        assert_eq!(order.command(), Some(DriveCommand::Stop(StopKind::TorqueOff)), "before a decision");
+        order.follow(&Decision {
+            stamp: Stamp::ZERO,
+            permitted: Twist2 { linear_mps: 0.5, angular_radps: 0.1 },
+            action: Action::None,
+            speed_limit_mps: 1.0,
+            state: GuardState::Run,
+            primary_cause: None,
+            holding_cause: None,
+            torque_off: false,
+            escaping: false,
+            field_set: 0,
+        });
+        assert!(matches!(order.command(), Some(DriveCommand::Move { wheel_mps, .. }) if wheel_mps > 0.4));
+        let changed = |change: &dyn Fn(&mut DriveOrder)| {
+            let mut order = order;
+            change(&mut order);
+            order.command()
+        };
+        for bit in 0..32 {
+            let flips: [&dyn Fn(&mut DriveOrder); 5] = [
+                &|order| {
+                    let speed_mps = &mut order.order.value.permitted.linear_mps;
+                    *speed_mps = flipped(*speed_mps, bit);
+                },
+                &|order| {
+                    let turn_radps = &mut order.order.copy.permitted.angular_radps;
+                    *turn_radps = flipped(*turn_radps, bit);
+                },
+                &|order| {
+                    let wheelbase_m = &mut order.tricycle.value.wheelbase_m;
+                    *wheelbase_m = flipped(*wheelbase_m, bit);
+                },
+                &|order| {
+                    let steering_max_rad = &mut order.tricycle.copy.steering_max_rad;
+                    *steering_max_rad = flipped(*steering_max_rad, bit);
+                },
+                &|order| order.order.value.torque_off = true,
+            ];
+            for (index, flip) in flips.into_iter().enumerate() {
+                assert_eq!(changed(flip), None, "bit {bit} of {index}");
+            }
+        }
+        assert_eq!(changed(&|order| order.order.copy.action = Action::Category2), None);
+    }
+}
