@@ -90,6 +90,9 @@ impl Supervisor {
         if ways.iter().any(Option::is_some) {
             meet_all(&self.memory, pose, &mut ways);
         }
+        if self.memory.is_incomplete(now) {
+            self.state.machine.raise(CauseRecord::new(Cause::WayClosed, now));
+        }
         let [ahead, path, braking] = ways.map(|way| way.map(|way| Found::from(&way)));
         let nearest =
             [ahead, path].into_iter().flatten().reduce(|a, b| if b.share < a.share { b } else { a });

@@ -30,6 +30,9 @@ const STEP_MAX_S: f32 = 0.1;
 const INSIDE_M: f32 = 0.05;
 /// Cells forgotten at one tick.
 const INSIDE_MAX: usize = 64;
+/// A memory that a person had forgotten knows what the sensors see after so long: each direction of the lidar has had its turn
+/// (2.4 s), and two spans have agreed, microseconds.
+const COMPLETE_US: u64 = 3_000_000;
 /// Parts in which the sums are examined, one at each tick.
 const PARTS: usize = 16;
 
@@ -74,6 +77,8 @@ pub struct LocalMemory {
     next: usize,
     /// When the present span of time began.
     span_at: Stamp,
+    /// When a person had it forget what is around.
+    forgotten_at: Option<Stamp>,
     /// Which firing of the next packet is taken.
     pub(super) turn: usize,
     /// Scans so far: which beams and which rows of cells are taken.
@@ -90,6 +95,7 @@ impl LocalMemory {
         at: None,
         next: 0,
         span_at: Stamp::ZERO,
+        forgotten_at: None,
         turn: 0,
         scans: 0,
     };
@@ -98,8 +104,21 @@ impl LocalMemory {
     pub fn forget(&mut self) {
         self.rows.iter_mut().for_each(|row| row.clone_from(&Row::EMPTY));
         (self.pose, self.twist, self.at, self.next) = (Pose2::default(), Twist2::ZERO, None, 0);
-        self.span_at = Stamp::ZERO;
+        (self.span_at, self.forgotten_at) = (Stamp::ZERO, None);
         self.first = self.wanted_first();
+    }
+
+    /// A person has looked at what no sensor sees, and says that nothing is there: the memory begins anew where the robot stands
+    /// (FG-REQ-029). What the sensors see comes back.
+    pub fn look_anew(&mut self, now: Stamp) {
+        self.rows.iter_mut().for_each(|row| row.clone_from(&Row::EMPTY));
+        self.forgotten_at = Some(now);
+    }
+
+    /// It was forgotten lately, and what the sensors see has not come back yet.
+    #[must_use]
+    pub fn is_incomplete(&self, now: Stamp) -> bool {
+        self.forgotten_at.is_some_and(|at| at.past_us(now) < COMPLETE_US)
     }
 
     /// The robot has moved, as its wheels tell: the window follows it.

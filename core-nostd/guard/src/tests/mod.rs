@@ -4,6 +4,7 @@ mod bit_flips;
 mod bits;
 mod boundaries;
 mod checks;
+mod closed_way;
 mod collisions;
 mod configurations;
 mod contents;

@@ -47,7 +47,11 @@ pub fn remedy(record: &CauseRecord) -> &'static str {
         (Cause::ScanProtective | Cause::LidarProtective | Cause::Warning, _) => {
             "Take away what stands in front of the robot, or wait until it has passed."
         }
-        (Cause::WayClosed | Cause::WayNarrow, _) => {
+        (Cause::WayClosed, _) => {
+            "Take away what stands or hangs beside the robot, or drive it by hand to where it has room. If nothing is there, on no \
+             side and not above it, press reset, then start."
+        }
+        (Cause::WayNarrow, _) => {
             "Take away what stands or hangs beside the robot, or drive it by hand to where it has room."
         }
         (Cause::BlindSector, _) => "Clean the window of the safety scanner.",
