@@ -107,7 +107,7 @@ pub(super) fn read_scanner(section: Reader<'_>) -> Option<(ScannerConfiguration,
     let (model, source) = read_scanner_device(&section);
     let mounting = read_mounting(section.section("mounting"));
     if mounting.position.z_m > 0.2 {
-        section.refuse(
+        section.refuse_to_drive(
             section.span(),
             format!("[scanner]: the scan plane is {} m high, allowed is up to 0.2 m", mounting.position.z_m),
             "mount the scanner lower: feet and children must cross the plane",
@@ -150,7 +150,7 @@ pub(super) fn read_scanner_device(section: &Reader<'_>) -> (Option<ScannerModel>
     if let (Some(line), true) = (&line, model.is_some() && section.good_so_far())
         && !S300_BAUDS.contains(&line.baud)
     {
-        section.refuse(
+        section.refuse_to_drive(
             &section.find("baud").map_or(section.span().clone(), |value| value.span()),
             format!(
                 "[scanner]: `baud` is {}, an S300 has no such rate, or its scans come too late with it",

@@ -34,7 +34,7 @@ pub use mission::{CleaningStrategy, MissionConfiguration};
 pub use navigation::{NavigationConfiguration, NavigationPlanner};
 pub use polygon::contains as polygon_contains;
 pub use problem::{Problem, Refused, did_you_mean};
-pub use read::{Carriers, HostedConfiguration, load, parse};
+pub use read::{Carriers, HostedConfiguration, RecordedConfiguration, load, parse, parse_recorded};
 pub use reference::reference;
 
 /// The example configuration at the root of the workspace; the simulated robot is built like this.

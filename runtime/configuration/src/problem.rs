@@ -14,6 +14,8 @@ pub struct Problem {
     pub what: String,
     /// What the user can do.
     pub remedy: String,
+    /// What is written is understood; only no robot drives with it. A recording of one that did can be read.
+    pub is_understood: bool,
 }
 
 /// All mistakes of a file, in the order of the text. `Display` gives one line per mistake:

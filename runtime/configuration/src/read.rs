@@ -93,18 +93,41 @@ pub fn load(path: &Path) -> anyhow::Result<HostedConfiguration> {
 /// # Errors
 /// Every mistake with its line.
 pub fn parse(file: &str, text: &str) -> Result<HostedConfiguration, Refused> {
+    match parse_recorded(file, text)? {
+        RecordedConfiguration { configuration, findings: None } => Ok(configuration),
+        RecordedConfiguration { findings: Some(refused), .. } => Err(refused),
+    }
+}
+
+/// The configuration of a robot that drove once.
+#[derive(Clone, Debug)]
+pub struct RecordedConfiguration {
+    /// What it was.
+    pub configuration: HostedConfiguration,
+    /// Why no robot drives with it today, if so.
+    pub findings: Option<Refused>,
+}
+
+/// The same for a text that a recording holds: a robot that is refused today for what was allowed then can still be replayed.
+///
+/// # Errors
+/// What the text means is not clear: every mistake with its line.
+pub fn parse_recorded(file: &str, text: &str) -> Result<RecordedConfiguration, Refused> {
     let document = DeTable::parse(text).map_err(|error| {
         let offset = error.span().map_or(0, |span| span.start);
         let what = format!("not TOML: {}", error.message().lines().next().unwrap_or_default());
-        Refused::new(file, text, vec![Problem { offset, what, remedy: "correct the syntax".to_owned() }])
+        let remedy = "correct the syntax".to_owned();
+        Refused::new(file, text, vec![Problem { offset, what, remedy, is_understood: false }])
     })?;
     let problems = Problems::default();
     let top = Reader::new(document.get_ref(), "", 0..0, &problems);
     let configuration = read_top(top);
     let problems = problems.into_inner();
+    let is_understood = problems.iter().all(|problem| problem.is_understood);
+    let findings = (!problems.is_empty()).then(|| Refused::new(file, text, problems));
     match configuration {
-        Some(configuration) if problems.is_empty() => Ok(configuration),
-        _ => Err(Refused::new(file, text, problems)),
+        Some(configuration) if is_understood => Ok(RecordedConfiguration { configuration, findings }),
+        _ => Err(findings.unwrap_or_else(|| Refused::new(file, text, Vec::new()))),
     }
 }
 
@@ -311,6 +334,29 @@ mod tests {
             let source = CameraSource::Folder { path: "frames".into(), rate_hz };
             assert_eq!(camera.map(|camera| camera.source), Some(source));
         }
+    }
+
+    /// A robot of a time when one channel, or none that notices a cut wire, was enough: it drives no more, its recordings are read.
+    #[test]
+    fn refused_channels_are_read_from_recordings() {
+        let pair = "emergency_stop_bits = [32, 33]";
+        assert!(EXAMPLE.contains(pair));
+        let all_inverted = format!("inverted_bits = [32, 33]\n{pair}");
+        for (written, words) in
+            [("emergency_stop_bits = [32]", "one channel"), (all_inverted.as_str(), "a cut wire")]
+        {
+            let text = EXAMPLE.replace(pair, written);
+            let refused = parse("robot.toml", &text).expect_err("no robot drives with it").to_string();
+            assert!(refused.contains(words), "{refused}");
+            let recorded = parse_recorded("robot.toml", &text).unwrap_or_else(|refused| panic!("{refused}"));
+            assert_eq!(recorded.findings.map(|findings| findings.to_string()), Some(refused));
+            let robot = recorded.configuration.robot;
+            assert_eq!((robot.fields.len(), robot.can.inputs.emergency_stop.bits[0]), (4, 32));
+        }
+        let unclear = EXAMPLE.replace(pair, "emergency_stop_bits = [3200]");
+        assert!(parse_recorded("robot.toml", &unclear).is_err(), "what it was is not clear");
+        let example = parse_recorded("robot.toml", EXAMPLE).unwrap_or_else(|refused| panic!("{refused}"));
+        assert!(example.findings.is_none());
     }
 
     #[test]

@@ -40,11 +40,19 @@ impl<'a> Reader<'a> {
 
     /// Notes a mistake at a place of the text.
     pub fn refuse(&self, span: &Range<usize>, what: impl Into<String>, remedy: impl Into<String>) {
-        self.problems.borrow_mut().push(Problem {
-            offset: span.start,
-            what: what.into(),
-            remedy: remedy.into(),
-        });
+        let (what, remedy) = (what.into(), remedy.into());
+        self.found(Problem { offset: span.start, what, remedy, is_understood: false });
+    }
+
+    /// Notes something with which no robot drives, although it is clear what is meant: recordings of robots that did are still
+    /// read.
+    pub fn refuse_to_drive(&self, span: &Range<usize>, what: impl Into<String>, remedy: impl Into<String>) {
+        let (what, remedy) = (what.into(), remedy.into());
+        self.found(Problem { offset: span.start, what, remedy, is_understood: true });
+    }
+
+    fn found(&self, problem: Problem) {
+        self.problems.borrow_mut().push(problem);
     }
 
     /// Where this table stands.
@@ -53,10 +61,10 @@ impl<'a> Reader<'a> {
         &self.span
     }
 
-    /// Nothing is wrong so far. Checks that combine several values wait for this, so that one mistake gives one line.
+    /// Everything was understood so far. Checks that combine several values wait for this, so that one mistake gives one line.
     #[must_use]
     pub fn good_so_far(&self) -> bool {
-        self.problems.borrow().is_empty()
+        self.problems.borrow().iter().all(|problem| problem.is_understood)
     }
 
     /// The raw value of a key, if it is there.

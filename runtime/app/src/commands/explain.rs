@@ -8,6 +8,7 @@ use clap::Args;
 
 use super::exit::BadInput;
 use super::values::moment_s;
+use crate::recordings::say_findings;
 use floorguard_host::packing::{must_be_a_file, unpacked};
 use floorguard_operator::incident::{Gather, Incident, Snapshot, page};
 use floorguard_recording::replay::{ReplayOutcome, is_replayable, replay_recording};
@@ -51,6 +52,7 @@ pub fn run(arguments: &ExplainArguments) -> anyhow::Result<()> {
     let robot = robot_of(&recording).map_err(|error| bad(&error))?;
     let mut gather = Gather::new(&robot, Stamp::from_micros((asked_s * 1.0e6) as u64));
     let outcome = replay_recording(first, &mut recording, &mut gather).map_err(|error| bad(&error))?;
+    say_findings(outcome.findings.as_deref());
     let snapshots = gather.finish();
     let repetition = repetition(&outcome, snapshots.last());
     let incident = Incident::new(&name, &snapshots, &robot.guard().drive, repetition).ok_or_else(|| {
@@ -90,7 +92,7 @@ fn open(path: &Path) -> anyhow::Result<(Recorded, RunRecording)> {
 fn robot_of(recording: &RunRecording) -> anyhow::Result<RobotConfiguration> {
     let text = recording.metadata(RUN_METADATA).and_then(|texts| texts.get("robot.toml"));
     let text = text.ok_or_else(|| anyhow::anyhow!("it does not say what robot made it"))?;
-    Ok(floorguard_configuration::parse("robot.toml", text)?.robot)
+    Ok(floorguard_configuration::parse_recorded("robot.toml", text)?.configuration.robot)
 }
 
 /// When the last stop began, seconds of the robot's clock.

@@ -8,6 +8,8 @@ use std::time::UNIX_EPOCH;
 use clap::Args;
 
 use super::exit::BadInput;
+use crate::recordings::say_findings;
+use floorguard_configuration::{RecordedConfiguration, parse_recorded};
 use floorguard_host::packing::unpacked;
 use floorguard_host::words::counted;
 use floorguard_mapping::environment::WallTime;
@@ -50,6 +52,10 @@ pub fn run(arguments: &ReportArguments) -> anyhow::Result<()> {
     let history = read_history(&mut recording).map_err(|error| bad(&error))?;
     if history.path.is_empty() && history.scans.is_empty() {
         return Err(bad(&"the recording holds neither odometry nor scans: nothing to report").into());
+    }
+    let robot = history.texts.get("robot.toml").map(|text| parse_recorded("robot.toml", text));
+    if let Some(Ok(RecordedConfiguration { findings: Some(findings), .. })) = robot {
+        say_findings(Some(&findings.to_string()));
     }
     let title = arguments.file.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let out = arguments.out.clone().unwrap_or_else(|| arguments.file.with_extension("html"));

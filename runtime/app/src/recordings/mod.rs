@@ -4,12 +4,14 @@ mod arguments;
 mod decode;
 mod decode_can;
 mod decode_inertial;
+mod findings;
 mod frame_tree;
 mod inspect;
 mod replay;
 
 pub use arguments::{DecodeArguments, ModelArgument, ReplayArguments};
 pub use decode::{decode_to, run as decode};
+pub(crate) use findings::say_findings;
 pub(crate) use frame_tree::{FrameTree, flat, is_base};
 pub use inspect::{InspectArguments, run as inspect};
 pub use replay::run as replay;

@@ -78,9 +78,10 @@ fn exchange(from: &Path, to: &Path, chosen: impl Fn(&floorguard_recording::Recor
     recorder.finish().expect("closed");
 }
 
-/// A recording from before robots waited for a start command: replay says why the robot stands.
+/// A recording from before robots waited for a start command, and before one channel of the emergency stop was too few: it is
+/// played, and the replay says why the robot stands, and why it would not run today.
 #[test]
-fn missing_start_command_is_named() {
+fn old_recordings_are_played_with_notes() {
     let folder = tempfile::tempdir().expect("a folder");
     let (file, old) = (folder.path().join("run.mcap"), folder.path().join("old.mcap"));
     let arguments =
@@ -89,7 +90,10 @@ fn missing_start_command_is_named() {
     let mut recording = Recording::new(std::fs::File::open(&file).expect("the recording"));
     let messages: Vec<_> = recording.by_ref().map(|message| message.expect("whole")).collect();
     let mut recorder = Recorder::new(std::fs::File::create(&old).expect("a file")).expect("written");
-    let texts = recording.metadata(RUN_METADATA).expect("about the run").clone();
+    let mut texts = recording.metadata(RUN_METADATA).expect("about the run").clone();
+    // Then one channel was enough, too.
+    let robot = texts.get_mut("robot.toml").expect("the robot");
+    *robot = robot.replace("emergency_stop_bits = [32, 33]", "emergency_stop_bits = [32]");
     recorder.metadata(RUN_METADATA, texts).expect("written");
     for message in messages {
         let stream = RawStream::of_topic(&message.topic).filter(|stream| *stream != RawStream::Operator);
@@ -101,6 +105,11 @@ fn missing_start_command_is_named() {
     recorder.finish().expect("closed");
     let says =
         |path: &Path| String::from_utf8_lossy(&floorguard(&["replay", text(path)]).stderr).into_owned();
-    assert!(says(&old).contains("holds no start command"), "{}", says(&old));
-    assert!(!says(&file).contains("holds no start command"));
+    for words in ["holds no start command", "note: `run` refuses this robot", "one channel"] {
+        assert!(says(&old).contains(words), "{words}: {}", says(&old));
+        assert!(!says(&file).contains(words), "{words}");
+    }
+    let explained = floorguard(&["explain", text(&old), "--at", "2"]);
+    let notes = String::from_utf8_lossy(&explained.stderr).into_owned();
+    assert!(explained.status.success() && notes.contains("one channel"), "{notes}");
 }

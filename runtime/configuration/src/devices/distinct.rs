@@ -46,7 +46,7 @@ pub(crate) fn check_addresses(top: &Reader<'_>, addresses: &Addresses<'_>) {
         let before = lines.get(..index).unwrap_or_default();
         if let Some((other, _)) = before.iter().find(|(_, known)| known == device) {
             let what = format!("[{section}]: `source` is {}, and so is that of [{other}]", device.display());
-            top.refuse(&place(top, section), what, "give each device its own line");
+            top.refuse_to_drive(&place(top, section), what, "give each device its own line");
         }
     }
     for (index, (section, port)) in ports.iter().enumerate() {
@@ -56,7 +56,7 @@ pub(crate) fn check_addresses(top: &Reader<'_>, addresses: &Addresses<'_>) {
                 "[{section}]: `source` is UDP port {}, and so is that of [{other}]",
                 port.local.port()
             );
-            top.refuse(&place(top, section), what, "let each device send to a port of its own");
+            top.refuse_to_drive(&place(top, section), what, "let each device send to a port of its own");
         }
     }
 }
@@ -82,7 +82,7 @@ pub(super) fn check_bits(section: &Reader<'_>, inputs: &[(&'static str, Option<I
     for (index, (key, [first, second])) in fitted().enumerate() {
         if first == second && is_pair(key) {
             let what = format!("[inputs]: both channels of `{key}` are bit {first}");
-            section.refuse(
+            section.refuse_to_drive(
                 &place(key),
                 what,
                 "give each channel its own bit, or write a single one for an input with one channel",
@@ -92,7 +92,7 @@ pub(super) fn check_bits(section: &Reader<'_>, inputs: &[(&'static str, Option<I
         let other = fitted().take(index).find_map(|(other, bits)| shared(bits).map(|bit| (other, bit)));
         if let Some((other, bit)) = other {
             let what = format!("[inputs]: bit {bit} of `{key}` is one of `{other}`, too");
-            section.refuse(&place(key), what, "give each input its own bits");
+            section.refuse_to_drive(&place(key), what, "give each input its own bits");
         }
     }
 }
@@ -104,14 +104,14 @@ pub(super) fn check_channels(section: &Reader<'_>, inputs: &[(&'static str, Opti
         let Some(InputBits { bits: [first, second], inverted }) = input else { continue };
         let place = section.find(key).map_or(section.span().clone(), |value| value.span());
         if *key == "emergency_stop_bits" && first == second && section.good_so_far() {
-            section.refuse(
+            section.refuse_to_drive(
                 &place,
                 format!("[inputs]: `{key}` has one channel, bit {first}: a single fault and the button is not heard"),
                 "wire both channels of the emergency stop to the safety controller, and write both bits, for example [32, 33]",
             );
         }
         if inverted.iter().all(|inverted| *inverted) && section.good_so_far() {
-            section.refuse(
+            section.refuse_to_drive(
                 &place,
                 format!("[inputs]: every channel of `{key}` is in `inverted_bits`: a cut wire reads as all is well"),
                 "let at least one channel be 1 in the operating state, and leave its bit out of `inverted_bits`",

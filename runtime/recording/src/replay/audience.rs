@@ -24,6 +24,8 @@ pub trait ReplayAudience {
 pub struct ReplayOutcome {
     /// Fingerprint of all outputs.
     pub digest: u64,
+    /// Why its robot would be refused today; it was played all the same.
+    pub findings: Option<String>,
     /// Why the raw bytes alone do not tell the whole run; nothing was compared then.
     pub unrepeatable: Option<String>,
     /// The recording's own, when it was closed properly.

@@ -17,7 +17,7 @@ use super::ordered_world::{OrderedRun, play_ordered};
 use super::scanner_pipe::ScannerPipe;
 use crate::order::{ORDER, ORDER_VERSION};
 use crate::{END_METADATA, RUN_METADATA, RawStream, Recorded, Recording, octets_of, topics};
-use floorguard_configuration::HostedConfiguration;
+use floorguard_configuration::{HostedConfiguration, RecordedConfiguration, parse_recorded};
 use floorguard_host::carriers::{CanPipe, DatagramPipe, DuplexPipe, PipeReader, PipeWriter, byte_pipe};
 use floorguard_host::executor::{TaskSet, advance_virtual, next_timer_us, use_real_clock, use_virtual_clock};
 use floorguard_robot::assembly::{
@@ -73,8 +73,9 @@ pub fn replay_recording<R: Read>(
 ) -> Result<ReplayOutcome, ReplayError> {
     let texts = recording.metadata(RUN_METADATA).ok_or(ReplayError::NotOurs)?;
     let text = texts.get("robot.toml").ok_or(ReplayError::NotOurs)?;
-    let read = floorguard_configuration::parse("robot.toml", text)
+    let RecordedConfiguration { configuration: read, findings } = parse_recorded("robot.toml", text)
         .map_err(|refused| ReplayError::Robot(refused.to_string()))?;
+    let findings = findings.map(|findings| findings.to_string());
     let learning = learning_of(&read, texts)?;
     let mut robot = read.robot;
     let baud = texts.get("imu_baud").and_then(|text| text.parse().ok()).unwrap_or(IMU_BAUD);
@@ -93,13 +94,13 @@ pub fn replay_recording<R: Read>(
         let outcome = play_ordered(run, recording, audience);
         use_real_clock();
         let learned = learning.and_then(|learning| learning.slot.newest()).map(|(report, _)| report);
-        return outcome.map(|outcome| ReplayOutcome { learned, ..outcome });
+        return outcome.map(|outcome| ReplayOutcome { learned, findings, ..outcome });
     }
     use_virtual_clock(0);
     let planners = (mission_of(texts, &robot)?, navigator_of(texts, &robot)?);
     let outcome = play((&robot, stages, (planners, learning)), baud, (recording, audience));
     use_real_clock();
-    let outcome = outcome?;
+    let outcome = ReplayOutcome { findings, ..outcome? };
     if unrepeatable.is_none() {
         return Ok(outcome);
     }

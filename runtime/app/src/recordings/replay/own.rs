@@ -8,6 +8,7 @@ use floorguard_runtime::shared::{PeopleReport, RobotStatus, StopRecord};
 use floorguard_types::time::Stamp;
 
 use super::super::arguments::ReplayArguments;
+use super::super::findings::say_findings;
 use super::rows::{SweepRow, print};
 use floorguard_host::outcome::{BadInput, VerdictFailed};
 use floorguard_host::words::counted;
@@ -86,6 +87,7 @@ pub fn run<R: Read>(
         counted(printer.identities.len() as u64, "person"),
         counted(printer.stops, "stop"),
     );
+    say_findings(outcome.findings.as_deref());
     if printer.awaits_start && !printer.was_started {
         say!(
             "the recording holds no start command, and the robot of this version waits for one: it stands all the time. A \
