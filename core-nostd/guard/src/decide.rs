@@ -25,9 +25,6 @@ impl Supervisor {
         let reset = ResetProgress::of(&self.state.machine);
         let verdict = self.state.machine.settle(all_healthy && standing, now);
         self.note_reset(&reset, standing, now);
-        if verdict.opens_way {
-            self.memory.look_anew(now);
-        }
         let desired = self.desired(&verdict);
         let demand =
             Demand { wanted: desired, permitted: self.state.permitted, measured: self.state.motion.wheels };

@@ -49,9 +49,6 @@ pub struct Verdict {
     /// What holds the robot now: a pressed emergency stop, or of the causes with the most severe demand one that is still
     /// there, with the newest evidence; without a stop as [`Self::primary`] (FG-REQ-071).
     pub holding: Option<CauseRecord>,
-    /// A reset was granted while nothing but what was seen around the body held the robot: a person has looked there
-    /// (FG-REQ-029).
-    pub opens_way: bool,
 }
 
 impl DecisionMachine {
@@ -125,7 +122,6 @@ impl DecisionMachine {
     /// Lets go what may go, and says what follows. `self_test_passed`: the machine is fit to be reset.
     pub fn settle(&mut self, self_test_passed: bool, now: Stamp) -> Verdict {
         let granted = self.reset_granted(self_test_passed, now);
-        let opens_way = granted && self.latches() == 0 && self.holds(Cause::WayClosed);
         self.held.retain(|held| match held.first.cause.clear() {
             Clear::Quiet(needed_us) => elapsed_us(held.last_pulse, now) < needed_us,
             Clear::Reset => !granted,
@@ -134,7 +130,7 @@ impl DecisionMachine {
         if granted {
             self.raise(CauseRecord::new(Cause::StartNeeded, now));
         }
-        let verdict = Verdict { opens_way, ..self.verdict(now) };
+        let verdict = self.verdict(now);
         if !verdict.action.stops() {
             self.first_stop = None;
         }
@@ -172,7 +168,6 @@ impl DecisionMachine {
             limit_mps: f32::INFINITY,
             primary: None,
             holding: None,
-            opens_way: false,
         };
         let mut latched = false;
         let (mut holding, mut foremost) = (None, Foremost::default());

@@ -27,6 +27,7 @@ impl Supervisor {
         } else {
             self.resets.granted = self.resets.granted.saturating_add(1);
             self.resets.refusal = None;
+            self.memory.on_reset(now);
         }
     }
 

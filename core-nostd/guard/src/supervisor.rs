@@ -226,10 +226,13 @@ impl Supervisor {
         self.decide(now)
     }
 
-    /// The operator pressed reset: starts the self-test; what is latched is let go when it has passed (FG-REQ-005).
+    /// The operator pressed reset: starts the self-test; what is latched is let go when it has passed (FG-REQ-005). While nothing
+    /// but a closed way holds the robot it says that a person has looked there (FG-REQ-029).
     pub fn request_reset(&mut self, now: Stamp) -> Decision {
         self.begin(now);
-        self.state.machine.request_reset(now);
+        let machine = &mut self.state.machine;
+        self.memory.reset_means_way = machine.latches() == 0 && machine.holds(Cause::WayClosed);
+        machine.request_reset(now);
         self.decide(now)
     }
 

@@ -77,6 +77,8 @@ pub struct LocalMemory {
     next: usize,
     /// When the present span of time began.
     span_at: Stamp,
+    /// A reset that is in progress was asked for while nothing but a closed way held the robot.
+    pub(crate) reset_means_way: bool,
     /// When a person had it forget what is around.
     forgotten_at: Option<Stamp>,
     /// Which firing of the next packet is taken.
@@ -95,6 +97,7 @@ impl LocalMemory {
         at: None,
         next: 0,
         span_at: Stamp::ZERO,
+        reset_means_way: false,
         forgotten_at: None,
         turn: 0,
         scans: 0,
@@ -104,15 +107,17 @@ impl LocalMemory {
     pub fn forget(&mut self) {
         self.rows.iter_mut().for_each(|row| row.clone_from(&Row::EMPTY));
         (self.pose, self.twist, self.at, self.next) = (Pose2::default(), Twist2::ZERO, None, 0);
-        (self.span_at, self.forgotten_at) = (Stamp::ZERO, None);
+        (self.span_at, self.forgotten_at, self.reset_means_way) = (Stamp::ZERO, None, false);
         self.first = self.wanted_first();
     }
 
-    /// A person has looked at what no sensor sees, and says that nothing is there: the memory begins anew where the robot stands
-    /// (FG-REQ-029). What the sensors see comes back.
-    pub fn look_anew(&mut self, now: Stamp) {
-        self.rows.iter_mut().for_each(|row| row.clone_from(&Row::EMPTY));
-        self.forgotten_at = Some(now);
+    /// A reset was granted. If it means the way, a person has looked at what no sensor sees, and says that nothing is there: the
+    /// memory begins anew where the robot stands (FG-REQ-029). What the sensors see comes back.
+    pub fn on_reset(&mut self, now: Stamp) {
+        if self.reset_means_way {
+            self.rows.iter_mut().for_each(|row| row.clone_from(&Row::EMPTY));
+            (self.reset_means_way, self.forgotten_at) = (false, Some(now));
+        }
     }
 
     /// It was forgotten lately, and what the sensors see has not come back yet.

@@ -153,7 +153,6 @@ fn fg_req_021_what_is_desired_keeps_the_curve() {
         limit_mps,
         primary: None,
         holding: None,
-        opens_way: false,
     };
     for (limit_mps, share) in [(0.3, 0.375), (f32::INFINITY, 1.0), (0.0, 0.125)] {
         let desired = rig.guard.desired(&verdict(Action::Limit, limit_mps));
