@@ -3,6 +3,7 @@
 //! The encoders here are written from the chapters on wire formats of the book and never call the decoders of the drivers, so
 //! that one misreading cannot cancel itself out.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod can;
 pub mod dirt;

@@ -1,5 +1,6 @@
 //! Maps a building on a Linux computer, from scans and odometry: poses, sub-maps, pose graph, files for other tools.
 #![forbid(unsafe_code)]
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod front_end;
 pub mod grid_map;

@@ -1,6 +1,7 @@
 //! The robot on a Linux computer: its tasks on two rings, camera, cleaning, what it knows of its place, what it learns.
 //!
 //! Nothing here knows the simulator or the laboratory.
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 #[macro_use]
 extern crate floorguard_host;

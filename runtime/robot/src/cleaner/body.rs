@@ -25,12 +25,12 @@ impl FootprintDiscs {
     fn covering((rear_m, front_m): (f32, f32), half_width_m: f32) -> Self {
         let half_m = (front_m - rear_m) / (2.0 * DISCS as f32);
         let middles_m = [0, 1, 2].map(|disc| rear_m + half_m * (2 * disc + 1) as f32);
-        Self { middles_m, radius_m: half_m.hypot(half_width_m) }
+        Self { middles_m, radius_m: libm::hypotf(half_m, half_width_m) }
     }
 
     /// Middles of the discs of a robot at a pose, from rear to front.
     pub fn places(&self, pose: Pose2) -> [Point2; DISCS] {
-        let (sin, cos) = pose.heading_rad.sin_cos();
+        let (sin, cos) = libm::sincosf(pose.heading_rad);
         self.middles_m.map(|ahead_m| Point2::new(pose.x_m + ahead_m * cos, pose.y_m + ahead_m * sin))
     }
 }

@@ -30,7 +30,7 @@ const PERSON_REACH_M: f32 = 0.8;
 
 /// The beam towards a place in the scanner's frame, and both beside it, end beyond it. A beam that was not measured says nothing.
 fn is_passed(scan: &Scan, place: Point2) -> bool {
-    let beam = (wrap_angle(place.y_m.atan2(place.x_m) - scan.first_angle_rad)
+    let beam = (wrap_angle(libm::atan2f(place.y_m, place.x_m) - scan.first_angle_rad)
         .rem_euclid(std::f32::consts::TAU)
         / scan.step_rad.max(1.0e-4))
     .round() as usize;

@@ -33,7 +33,7 @@ impl Cleaner {
     pub(super) fn remember(&mut self, pose: StampedPose) {
         let before = std::mem::replace(&mut self.odometry, pose);
         let (from, to) = (before.pose_in_odometry, pose.pose_in_odometry);
-        self.distance_m += (to.x_m - from.x_m).hypot(to.y_m - from.y_m);
+        self.distance_m += libm::hypotf(to.x_m - from.x_m, to.y_m - from.y_m);
         self.poses.push(pose);
     }
 

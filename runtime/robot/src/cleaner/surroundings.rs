@@ -59,7 +59,7 @@ impl<'a> Surroundings<'a> {
             // What lies ahead is left behind when driving backwards.
             Gear::Back => (&body.back, &self.least_back_m, DISCS - 1),
         };
-        let is_near = (pose.x_m - self.start.x_m).hypot(pose.y_m - self.start.y_m) < AROUND_M;
+        let is_near = libm::hypotf(pose.x_m - self.start.x_m, pose.y_m - self.start.y_m) < AROUND_M;
         discs.places(pose).iter().zip(least_m).take(count).all(|(place, least_m)| {
             let clearance_m = self.clearance_m(*place);
             clearance_m >= discs.radius_m || (is_near && *least_m > 0.0 && clearance_m >= *least_m)

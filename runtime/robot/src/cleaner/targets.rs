@@ -168,7 +168,7 @@ impl Cleaner {
                 self.phase = MissionPhase::Done;
                 return false;
             };
-            let heading_rad = (to.y_m - from.y_m).atan2(to.x_m - from.x_m);
+            let heading_rad = libm::atan2f(to.y_m - from.y_m, to.x_m - from.x_m);
             let start = |pose: Pose2| {
                 let is_there = Point2::new(pose.x_m, pose.y_m).distance(from) < 0.15;
                 is_there && wrap_angle(pose.heading_rad - heading_rad).abs() < 0.2

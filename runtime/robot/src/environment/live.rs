@@ -122,8 +122,8 @@ fn through(scan: &Scan, sensor: Pose2) -> impl Fn(Point2) -> bool {
     let inverse = sensor.inverse();
     move |point| {
         let seen = inverse.transform(point);
-        let distance_m = seen.x_m.hypot(seen.y_m);
-        let beam = ((seen.y_m.atan2(seen.x_m) - first) / step).round();
+        let distance_m = libm::hypotf(seen.x_m, seen.y_m);
+        let beam = ((libm::atan2f(seen.y_m, seen.x_m) - first) / step).round();
         beam >= 0.0 && reach_m.get(beam as usize).is_some_and(|reach_m| distance_m < *reach_m)
     }
 }

@@ -99,7 +99,7 @@ impl Senses {
     pub(super) fn remember(&mut self, pose: StampedPose) {
         let (from, to) = (self.odometry.pose_in_odometry, pose.pose_in_odometry);
         if !self.poses.is_empty() {
-            self.distance_m += (to.x_m - from.x_m).hypot(to.y_m - from.y_m);
+            self.distance_m += libm::hypotf(to.x_m - from.x_m, to.y_m - from.y_m);
         }
         self.odometry = pose;
         self.poses.push(pose);
@@ -143,7 +143,8 @@ impl Senses {
         let place = |range_mm: u16| {
             let angle_rad = scan.first_angle_rad + beam as f32 * scan.step_rad;
             let range_m = f32::from(range_mm) * 1.0e-3;
-            Point2::new(range_m * angle_rad.cos(), range_m * angle_rad.sin())
+            let (sin, cos) = libm::sincosf(angle_rad);
+            Point2::new(range_m * cos, range_m * sin)
         };
         match scan.beams.get(beam) {
             Some(BeamReturn::Hit(range_mm)) => {

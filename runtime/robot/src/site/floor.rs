@@ -179,7 +179,8 @@ impl Floor {
     fn can_be_passed(&self, centre: Point2) -> bool {
         (0..PASS_DIRECTIONS / 2).any(|direction| {
             let angle = f32::from(direction) * (std::f32::consts::TAU / f32::from(PASS_DIRECTIONS));
-            let (dx, dy) = (PASS_SHARE * PASS_REACH_M * angle.cos(), PASS_SHARE * PASS_REACH_M * angle.sin());
+            let (sin, cos) = libm::sincosf(angle);
+            let (dx, dy) = (PASS_SHARE * PASS_REACH_M * cos, PASS_SHARE * PASS_REACH_M * sin);
             let end = |sign: f32| Point2::new(centre.x_m + sign * dx, centre.y_m + sign * dy);
             self.is_clear(end(-1.0), end(1.0))
         })

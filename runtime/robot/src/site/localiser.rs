@@ -155,7 +155,7 @@ impl Localiser {
     /// it left before keep their credit.
     fn judge_leap(&mut self, predicted: Pose2) {
         let mean = self.belief.pose().mean_in_map;
-        if self.is_trusted && (mean.x_m - predicted.x_m).hypot(mean.y_m - predicted.y_m) > LEAP_M {
+        if self.is_trusted && libm::hypotf(mean.x_m - predicted.x_m, mean.y_m - predicted.y_m) > LEAP_M {
             self.belief.distrust(&mut self.map, PoseDeviation::default());
             self.leaps += 1;
         }

@@ -9,7 +9,8 @@ pub fn ends_of(scan: &Scan, interval: usize) -> impl Iterator<Item = Point2> {
         BeamReturn::Hit(range_mm) => {
             let angle = scan.first_angle_rad + beam as f32 * scan.step_rad;
             let range_m = f32::from(*range_mm) * 1.0e-3;
-            Some(Point2::new(range_m * angle.cos(), range_m * angle.sin()))
+            let (sin, cos) = libm::sincosf(angle);
+            Some(Point2::new(range_m * cos, range_m * sin))
         }
         _ => None,
     })
