@@ -89,8 +89,9 @@ pub fn run_real_recorded(
             learned: plan.learning.as_ref().map(LearningSetup::writer),
         };
         let lateness = links.lateness.clone();
-        let figures =
-            run_rings((&plan.robot, links), &shared, &flag, || world.play((&shared, &flag, notes), observer))??;
+        let figures = run_rings((&plan.robot, links), &shared, &flag, || {
+            world.play((&shared, &flag, notes), observer)
+        })??;
         Ok(CarrierFigures { guard: lateness.figures(), ..figures })
     })
 }

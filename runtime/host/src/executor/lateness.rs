@@ -33,10 +33,7 @@ pub struct LatenessFigures {
 
 impl Default for Lateness {
     fn default() -> Self {
-        Self(Arc::new(Counts {
-            steps: [const { AtomicU32::new(0) }; STEPS],
-            longest_us: AtomicU64::new(0),
-        }))
+        Self(Arc::new(Counts { steps: [const { AtomicU32::new(0) }; STEPS], longest_us: AtomicU64::new(0) }))
     }
 }
 

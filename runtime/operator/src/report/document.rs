@@ -123,8 +123,9 @@ fn stops(html: &mut String, history: &History) {
     html.push_str("</table>");
     let toml = history.texts.get("robot.toml");
     let robot = toml.and_then(|text| floorguard_configuration::parse_recorded("robot.toml", text).ok());
-    let footprint: Vec<Point2> =
-        robot.map(|parsed| parsed.configuration.robot.geometry.footprint.iter().copied().collect()).unwrap_or_default();
+    let footprint: Vec<Point2> = robot
+        .map(|parsed| parsed.configuration.robot.geometry.footprint.iter().copied().collect())
+        .unwrap_or_default();
     for (index, stop) in history.stops.iter().enumerate() {
         one_stop(html, (index + 1, stop), &footprint);
     }

@@ -73,8 +73,8 @@ pub fn replay_recording<R: Read>(
 ) -> Result<ReplayOutcome, ReplayError> {
     let texts = recording.metadata(RUN_METADATA).ok_or(ReplayError::NotOurs)?;
     let text = texts.get("robot.toml").ok_or(ReplayError::NotOurs)?;
-    let RecordedConfiguration { configuration: read, findings } = parse_recorded("robot.toml", text)
-        .map_err(|refused| ReplayError::Robot(refused.to_string()))?;
+    let RecordedConfiguration { configuration: read, findings } =
+        parse_recorded("robot.toml", text).map_err(|refused| ReplayError::Robot(refused.to_string()))?;
     let findings = findings.map(|findings| findings.to_string());
     let learning = learning_of(&read, texts)?;
     let mut robot = read.robot;

@@ -152,9 +152,7 @@ impl Writer {
     /// False when it does not fit: then nothing of it is kept.
     fn push(&mut self, row: WaitingRow, bytes: &[u8]) -> bool {
         // What is long first: who reads a row finds it there.
-        !self.rows.is_full()
-            && self.bytes.push_entire_slice(bytes).is_ok()
-            && self.rows.push(row).is_ok()
+        !self.rows.is_full() && self.bytes.push_entire_slice(bytes).is_ok() && self.rows.push(row).is_ok()
     }
 
     fn push_advice(&mut self, advice: &Advice) -> bool {

@@ -32,7 +32,8 @@ const HIDDEN_US: u64 = 60_000_000;
 fn nearest_m(camera: &CameraConfiguration) -> f32 {
     let [_, focal_px] = camera.camera.focal_px();
     let [_, middle_px] = camera.camera.centre_px();
-    let down_rad = camera.mounting.pitch_rad + libm::atanf((camera.size.height as f32 - middle_px) / focal_px);
+    let down_rad =
+        camera.mounting.pitch_rad + libm::atanf((camera.size.height as f32 - middle_px) / focal_px);
     (camera.mounting.position.z_m / libm::tanf(down_rad)).max(0.0)
 }
 

@@ -208,7 +208,8 @@ fn successive(rows: &[Row]) -> Vec<[Row; 2]> {
 
 fn rate_of_velocities(rows: &[Row]) -> Option<f64> {
     let rate = |[a, b]: [Row; 2]| {
-        let step_m = f64::from(libm::hypotf(b.position.x_m - a.position.x_m, b.position.y_m - a.position.y_m));
+        let step_m =
+            f64::from(libm::hypotf(b.position.x_m - a.position.x_m, b.position.y_m - a.position.y_m));
         let speed_mps = 0.5 * (a.speed_mps? + b.speed_mps?);
         (step_m > STEP_M).then(|| speed_mps * (b.frame - a.frame) / step_m)
     };
