@@ -228,7 +228,7 @@ fn encoders_are_held_to_their_range() {
     assert!(matches!(samples[..], [BaseEvent::Wheels(_)]));
 }
 
-/// Whatever bit of what the base was told to be, or of the map by which it reads the safety inputs.
+/// Whatever bit of the configuration of the base, or of the map by which it reads the safety inputs.
 #[test]
 fn fg_req_058_flipped_configuration_is_noticed() {
     let inputs = InputMap {

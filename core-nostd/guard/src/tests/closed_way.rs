@@ -70,7 +70,7 @@ fn fg_req_029_start_waits_until_sensors_have_looked() {
 }
 
 #[test]
-fn fg_req_029_reset_of_a_latch_says_nothing_of_the_way() {
+fn fg_req_029_reset_of_a_latch_keeps_the_memory() {
     let mut rig = held();
     rig.inputs.emergency_stop = SafetyInput::Active;
     rig.run_ms(500);
@@ -98,7 +98,7 @@ fn fg_req_029_refused_reset_opens_nothing() {
 
 /// Without the rule: a way that is narrow, and no stop, is not forgotten by a reset.
 #[test]
-fn fg_req_029_reset_without_a_closed_way_keeps_the_memory() {
+fn fg_req_029_reset_of_an_open_way_keeps_it() {
     let mut rig = Rig::new();
     rig.wanted = Twist2::ZERO;
     rig.run_ms(2_000);

@@ -1,4 +1,4 @@
-//! What is said of a recording whose robot was allowed then and would be refused today.
+//! What is printed about a recording whose robot was allowed then and would be refused today.
 
 /// Says why `run` would refuse the robot of a recording, which is read all the same.
 pub fn say_findings(findings: Option<&str>) {
