@@ -33,7 +33,7 @@ impl<P: Profile> Columns<P> {
         for (ring, angle) in rings.iter_mut().zip(angles.iter()) {
             *ring = angle.ring;
         }
-        Self { model, copy: rings.clone(), rings }
+        Self { model, copy: rings, rings }
     }
 
     /// The model, and the ring of one laser, are what they were when the model was decided: another laser with each number.

@@ -143,7 +143,7 @@ fn take_in(
     shared: &HostedShared,
     (rows, notes): (&mut TapRows, &Receiver<TelemetryEvent>),
 ) {
-    while let Some(row) = rows.next() {
+    for row in rows.by_ref() {
         let now_us = clock::now().as_micros();
         // The bytes first: the entry of the order stands behind them.
         match &row {

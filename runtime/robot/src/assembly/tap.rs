@@ -206,10 +206,11 @@ impl Tap {
     }
 }
 
-impl TapRows {
+impl Iterator for TapRows {
+    type Item = TapRow;
+
     /// The next row that waits.
-    #[must_use]
-    pub fn next(&mut self) -> Option<TapRow> {
+    fn next(&mut self) -> Option<TapRow> {
         Some(match self.reader.rows.pop().ok()? {
             WaitingRow::Delivered { at, arrival, line, length } => {
                 let mut bytes = vec![0; length];
@@ -227,7 +228,9 @@ impl TapRows {
             WaitingRow::Polled(poll) => TapRow::Polled(poll),
         })
     }
+}
 
+impl TapRows {
     /// Rows that did not fit so far.
     #[must_use]
     pub fn lost(&self) -> u64 {
