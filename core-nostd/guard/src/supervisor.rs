@@ -227,7 +227,7 @@ impl Supervisor {
     }
 
     /// The operator pressed reset: starts the self-test; what is latched is let go when it has passed (FG-REQ-005). While nothing
-    /// but a closed way holds the robot it says that a person has looked there (FG-REQ-029).
+    /// but a closed way holds the robot it says that a person has looked there (FG-REQ-065).
     pub fn request_reset(&mut self, now: Stamp) -> Decision {
         self.begin(now);
         let machine = &mut self.state.machine;

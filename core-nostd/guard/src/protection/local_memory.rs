@@ -112,7 +112,7 @@ impl LocalMemory {
     }
 
     /// A reset was granted. If it means the way, a person has looked at what no sensor sees, and says that nothing is there: the
-    /// memory begins anew where the robot stands (FG-REQ-029). What the sensors see comes back.
+    /// memory begins anew where the robot stands (FG-REQ-065). What the sensors see comes back.
     pub fn on_reset(&mut self, now: Stamp) {
         if self.reset_means_way {
             self.rows.iter_mut().for_each(|row| row.clone_from(&Row::EMPTY));

@@ -32,7 +32,7 @@ fn holding(decision: &Decision) -> Option<Cause> {
 }
 
 #[test]
-fn fg_req_029_time_alone_opens_no_way() {
+fn fg_req_065_time_alone_opens_no_way() {
     let mut rig = held();
     for _ in 0..60_000 / 10 {
         let decision = rig.step();
@@ -41,7 +41,7 @@ fn fg_req_029_time_alone_opens_no_way() {
 }
 
 #[test]
-fn fg_req_029_granted_reset_and_start_open_the_way() {
+fn fg_req_065_granted_reset_and_start_open_the_way() {
     let mut rig = held();
     rig.operator_starts = false;
     rig.guard.request_reset(rig.now);
@@ -56,7 +56,7 @@ fn fg_req_029_granted_reset_and_start_open_the_way() {
 }
 
 #[test]
-fn fg_req_029_start_waits_until_sensors_have_looked() {
+fn fg_req_065_start_waits_until_sensors_have_looked() {
     let mut rig = held();
     rig.guard.request_reset(rig.now);
     let moves_ms = rig.until(|decision| decision.permitted != Twist2::ZERO);
@@ -70,7 +70,7 @@ fn fg_req_029_start_waits_until_sensors_have_looked() {
 }
 
 #[test]
-fn fg_req_029_reset_of_a_latch_keeps_the_memory() {
+fn fg_req_065_reset_of_a_latch_keeps_the_memory() {
     let mut rig = held();
     rig.inputs.emergency_stop = SafetyInput::Active;
     rig.run_ms(500);
@@ -85,7 +85,7 @@ fn fg_req_029_reset_of_a_latch_keeps_the_memory() {
 }
 
 #[test]
-fn fg_req_029_refused_reset_opens_nothing() {
+fn fg_req_065_refused_reset_opens_nothing() {
     let mut rig = held();
     rig.silent.push(Source::Imu);
     rig.run_ms(500);
@@ -98,7 +98,7 @@ fn fg_req_029_refused_reset_opens_nothing() {
 
 /// Without the rule: a way that is narrow, and no stop, is not forgotten by a reset.
 #[test]
-fn fg_req_029_reset_of_an_open_way_keeps_it() {
+fn fg_req_065_reset_of_an_open_way_keeps_it() {
     let mut rig = Rig::new();
     rig.wanted = Twist2::ZERO;
     rig.run_ms(2_000);
