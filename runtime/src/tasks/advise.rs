@@ -1,7 +1,7 @@
 //! From tracks to advice: the nearest people in the robot's frame.
 
 use floorguard_guard::{ADVISED_PEOPLE_MAX, Advice, AdvisedPerson};
-use floorguard_perception::people::{Track, TrackStatus};
+use floorguard_perception::people::{Explanation, Track, TrackStatus};
 use floorguard_types::geometry::{Point2, Pose2};
 use floorguard_types::time::Stamp;
 
@@ -37,9 +37,12 @@ pub fn advice(
     advice
 }
 
-/// Without anything learned.
+/// Without anything learned. Only what is seen to be no person takes one away: that somebody stands still, or has an
+/// unlikely shape, does not.
 fn is_reported(track: &Track) -> bool {
-    track.person_probability >= PERSON_PROBABILITY_MIN || track.moving_probability >= MOVING_PROBABILITY_MIN
+    let is_thing = track.explanation.is_some_and(Explanation::is_positive);
+    track.person_probability >= PERSON_PROBABILITY_MIN && !is_thing
+        || track.moving_probability >= MOVING_PROBABILITY_MIN
 }
 
 fn advised(track: &Track, to_robot: Pose2) -> AdvisedPerson {
@@ -104,6 +107,7 @@ mod tests {
                         likeness,
                         points: 50,
                         moving: None,
+                        surroundings: floorguard_perception::people::Surroundings::OPEN,
                         appearance: floorguard_perception::people::Appearance::UNKNOWN,
                     }
                 })

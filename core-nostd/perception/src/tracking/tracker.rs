@@ -202,6 +202,9 @@ impl<P: Profile> TrackerOf<P> {
             }
         }
         self.unite(seen.stamp);
+        for track in self.tracks.iter_mut() {
+            track.explain(seen.stamp);
+        }
     }
 
     /// Where the people who were seen a moment ago are expected at `stamp`, fixed frame.

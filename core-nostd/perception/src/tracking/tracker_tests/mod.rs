@@ -22,6 +22,7 @@ fn sighting_of<P: Profile>(x_m: f32, y_m: f32) -> DetectionOf<P> {
         likeness: 1.0,
         points: 50,
         moving: None,
+        surroundings: crate::tracking::Surroundings::OPEN,
         appearance: AppearanceOf::UNKNOWN,
     }
 }
