@@ -142,6 +142,24 @@ mod tests {
         assert!(everybody.len() > without.len() && without.iter().all(|person| everybody.contains(person)));
     }
 
+    /// A pillar is no person for the guard; who stands still in an unlikely shape is one, and so is what moves.
+    #[test]
+    fn only_a_positive_explanation_takes_a_person_away() {
+        let tracker = crowd();
+        let people = |explanation: Option<Explanation>, moving_probability: f32| {
+            let explained =
+                { tracker.tracks().iter() }.map(|track| Track { explanation, moving_probability, ..*track });
+            let tracks: std::vec::Vec<Track> = explained.collect();
+            advice(Stamp::from_micros(1_200_000), &tracks, Pose2::default(), |_| None).people.len()
+        };
+        let all = people(None, 0.0);
+        assert!(all > 5, "{all}");
+        assert_eq!(people(Some(Explanation::UnlikelyShape), 0.0), all);
+        assert_eq!(people(Some(Explanation::RigidPart), 0.0), all);
+        assert_eq!(people(Some(Explanation::GoesOnAbove), 0.0), 0);
+        assert!(people(Some(Explanation::GoesOnAbove), 0.9) >= all, "what moves is no pillar");
+    }
+
     #[test]
     fn velocities_rotate_but_do_not_translate() {
         let to_robot = Pose2::new(3.0, 4.0, core::f32::consts::FRAC_PI_2).inverse();

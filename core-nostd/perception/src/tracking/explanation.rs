@@ -68,6 +68,8 @@ const PRIOR_LOOKS: f32 = 1.0;
 const LOOK_SHARE_MIN: f32 = 0.05;
 /// Log-odds of a look that finds nothing at an open place.
 const UNSEEN: f32 = -2.0;
+/// A shape of fewer returns than this says less, in proportion: two rings on a body 15 m away.
+const POINTS_ENOUGH: f32 = 40.0;
 /// Below this mean a shape is rather not a person's, log-odds. Simulated and recorded people who stand in the open have
 /// 0.9 at least.
 const LIKELY_MIN: f32 = 0.3;
@@ -82,7 +84,7 @@ const MOVED: f32 = 0.25;
 const MOVES: f32 = 0.1;
 /// A rigid object's middle stays within this, metres, and this share of its distance: range noise of 60 returns. The
 /// middle of a recorded person who waits stays within it for four seconds.
-const RIGID_M: f32 = 0.012;
+const RIGID_M: f32 = 0.01;
 const RIGID_PER_M: f32 = 0.001;
 /// It has been rigid when it has been so for this long, µs.
 const RIGID_US: u64 = 10_000_000;
@@ -105,6 +107,8 @@ pub(super) struct Evidence {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Look {
     pub(super) log_odds: f32,
+    /// Returns that it rests on.
+    pub(super) points: u16,
     pub(super) surroundings: Surroundings,
     pub(super) position: Point2,
     pub(super) distance_m: f32,
@@ -126,7 +130,8 @@ impl Evidence {
 
     /// The lidar found it.
     pub(super) fn see(&mut self, look: &Look) {
-        self.look(look.log_odds);
+        let share = (f32::from(look.points) / POINTS_ENOUGH).min(1.0);
+        self.look(share * look.log_odds);
         self.above = counted(self.above, look.surroundings.has(Surroundings::ABOVE));
         self.part = counted(self.part, look.surroundings.has(Surroundings::PART));
         if self.home.distance(look.position) > RIGID_M + RIGID_PER_M * look.distance_m {

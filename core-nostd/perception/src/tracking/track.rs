@@ -202,6 +202,7 @@ impl<P: Profile> TrackOf<P> {
         if sensor == PeopleSensor::Lidar {
             self.evidence.see(&Look {
                 log_odds: shape_evidence(detection),
+                points: detection.points,
                 surroundings: detection.surroundings,
                 position: detection.position,
                 distance_m: detection.distance_m,

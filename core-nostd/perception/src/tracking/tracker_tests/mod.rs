@@ -1,5 +1,6 @@
 //! Lives of tracks: birth, hiding, return, crowds, time that runs backwards.
 
+mod explanations;
 mod re_identification;
 
 use super::*;
